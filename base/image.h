@@ -1,0 +1,59 @@
+/* The plain picture structs in which the rooms meet. Row 0 is the top row everywhere. */
+#ifndef LF_BASE_IMAGE_H
+#define LF_BASE_IMAGE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+
+/* Interleaved picture; owner of data unless stated otherwise. */
+typedef struct lf_image8 {
+    int width, height, channels; /* channels 1..4 */
+    size_t stride;               /* bytes from row to row, >= width * channels */
+    uint8_t *data;               /* [height][stride], display encoded (sRGB unless stated) */
+} lf_image8;
+
+typedef struct lf_image32 {
+    int width, height, channels; /* channels 1..4 */
+    float *data;                 /* [height][width][channels], linear Rec. 709 */
+} lf_image32;
+
+/* Zeroed picture. Limits: width and height 1..65536, at most 2^31 samples. LF_E_ARG, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_image8_init(lf_image8 *image, int width, int height, int channels);
+LF_NODISCARD lf_status lf_image32_init(lf_image32 *image, int width, int height, int channels);
+/* Accept zeroed structs; leave them zeroed. */
+void lf_image8_finish(lf_image8 *image);
+void lf_image32_finish(lf_image32 *image);
+
+/* The views of one light field, 8-bit display-encoded RGB, 3 bytes a pixel, wherever they lie: the strides say whether it
+ * is a stack of views or the film's order [row][view][column]. Borrowed, not owned. View 0 is the leftmost camera. */
+typedef struct lf_views8 {
+    int n_views, width, height;     /* width and height of a view in pixels */
+    size_t view_stride, row_stride; /* bytes from view to view, and from row to row of one view */
+    const uint8_t *data;
+} lf_views8;
+
+/* The same with linear float RGB (12 bytes a pixel); strides in floats. */
+typedef struct lf_views32 {
+    int n_views, width, height;
+    size_t view_stride, row_stride;
+    const float *data;
+} lf_views32;
+
+static inline const uint8_t *lf_views8_row(const lf_views8 *v, int view, int row)
+{
+    return v->data + (size_t)view * v->view_stride + (size_t)row * v->row_stride;
+}
+
+static inline const float *lf_views32_row(const lf_views32 *v, int view, int row)
+{
+    return v->data + (size_t)view * v->view_stride + (size_t)row * v->row_stride;
+}
+
+/* Half-open rectangle in pixels: [x, x + width) x [y, y + height), y downwards. */
+typedef struct lf_rect {
+    int x, y, width, height;
+} lf_rect;
+
+#endif

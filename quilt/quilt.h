@@ -1,0 +1,157 @@
+/* quilt: from resolved views to what a panel, a printer or a file takes.
+ *
+ * layout (presets, names _qsCxRaASPECT) -> fill (coarse frames, on screen only) -> tone (linear float to 8-bit sRGB) -> interlace
+ * (one panel's lens) -> changed rectangles; lenticular print; quilt and view files, reading and writing.
+ * Views are numbered from the leftmost camera; rows count from the top unless stated (calibration formulas count from the
+ * bottom). All functions are pure or work on their own object; thread safe on different objects. */
+#ifndef LF_QUILT_H
+#define LF_QUILT_H
+
+#include "base/calibration.h"
+#include "base/file.h"
+#include "base/image.h"
+#include "base/image_io.h"
+#include "base/thread.h"
+
+/* --------------------------------------------------------------------------------------------------------- layout -- */
+
+typedef struct lf_layout {
+    int columns, rows;   /* tiles of the quilt; columns * rows >= n_views, the rest black */
+    int n_views;
+    int view_width, view_height; /* pixels of a tile */
+    double aspect;       /* width / height of a view as it is meant to be seen */
+} lf_layout;
+
+/* looking-glass.md section 4.1; name as in --preset. NULL behind the last index. */
+typedef struct lf_preset {
+    const char *name, *model;
+    lf_layout layout;
+} lf_preset;
+const lf_preset *lf_preset_at(int index);
+LF_NODISCARD lf_status lf_preset_find(const char *name, const lf_preset **out, lf_error *err);
+
+/* "8x6" -> columns, rows (1..64 each). */
+LF_NODISCARD lf_status lf_parse_tiles(const char *text, int *out_columns, int *out_rows, lf_error *err);
+/* The tiles and aspect of a file name "…_qs8x6a0.75.png" (aspect part optional: 0); false when it has none. */
+bool lf_layout_from_name(const char *path, int *out_columns, int *out_rows, double *out_aspect);
+/* The name with _qsCxRaA before its ending, added when missing; caller frees; NULL = out of memory. */
+char *lf_layout_name(const char *path, const lf_layout *layout);
+
+/* ------------------------------------------------------------------------------------------------- tone and fill -- */
+
+typedef struct lf_tone lf_tone;
+/* exposure in stops; tonemap "srgb" (clamp) or "filmic". LF_E_ARG. */
+LF_NODISCARD lf_status lf_tone_create(double exposure, const char *tonemap, lf_tone **out, lf_error *err);
+void lf_tone_destroy(lf_tone *tone);
+/* n pixels linear float RGB -> 8-bit sRGB RGB, rounded to nearest; NaN becomes 0. */
+void lf_tone_map(const lf_tone *tone, size_t n, const float *in, uint8_t *out);
+
+/* Fills what is missing in 8-bit views laid out [row][view][column], for the screen only: every pixel whose flag is nonzero
+ * in `missing` takes the nearest pixel of its own view (Euclidean, ties by lower row then column) with flag 0, at most
+ * `reach` pixels away. Returns how many stayed unfilled (left as they were). filled may alias rgb. */
+int64_t lf_fill(int n_views, int width, int height, const uint8_t *rgb, const uint8_t *missing, int reach, uint8_t *filled,
+                lf_pool *pool);
+
+/* ------------------------------------------------------------------------------------------------------ interlace -- */
+
+typedef enum lf_invert { LF_INVERT_AUTO, LF_INVERT_YES, LF_INVERT_NO } lf_invert;
+typedef enum lf_filter { LF_FILTER_NEAREST, LF_FILTER_LINEAR } lf_filter;
+
+/* View (0..n_views-1) that channel c (0 R, 1 G, 2 B) of the panel pixel shows, x from the left, y from the BOTTOM; *out_z
+ * (may be NULL) gets z * n_views. Double precision, the formulas of looking-glass.md sections 3.2 to 3.4: the oracle of
+ * lf_interlacer. */
+int lf_view_of_subpixel(const lf_calibration *calibration, int n_views, lf_invert invert, int x, int y, int c, double *out_z);
+
+typedef struct lf_interlacer lf_interlacer;
+/* Prepares for views of this shape. aspect = width / height the views are meant to be seen with: views are fitted into the
+ * panel (black outside). Any number of views. LF_E_ARG, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_interlacer_create(const lf_calibration *calibration, int n_views, int view_width, int view_height,
+                                            double aspect, lf_filter filter, lf_invert invert, lf_interlacer **out, lf_error *err);
+void lf_interlacer_destroy(lf_interlacer *interlacer);
+/* Interlaces rows [row0, row1) of the panel into out (screen_width x screen_height, 3 channels). With LF_FILTER_NEAREST values are
+ * copied unchanged. LF_FILTER_LINEAR mixes neighbouring views (stored values, clamped at the ends of the cone) and samples views
+ * bilinearly. Thread: any, for different rows at once; allocates nothing. */
+void lf_interlace_rows(const lf_interlacer *interlacer, const lf_views8 *views, lf_image8 *out, int row0, int row1);
+/* All rows, on pool (may be NULL). */
+void lf_interlace(const lf_interlacer *interlacer, const lf_views8 *views, lf_image8 *out, lf_pool *pool);
+
+/* ------------------------------------------------------------------------------------------- changed rectangles -- */
+
+/* Compares two frames of equal shape and writes at most max_rects disjoint rectangles that cover every difference (merged,
+ * growing where they would be too many); returns their number, 0 = equal. */
+int lf_changed_rects(const lf_image8 *before, const lf_image8 *after, lf_rect *out_rects, int max_rects);
+
+/* ---------------------------------------------------------------------------------------------------------- files -- */
+
+/* A light field read from a quilt picture or a folder of views. */
+typedef struct lf_quilt_file {
+    lf_layout layout;
+    bool is_float;
+    lf_image8 image8;   /* the picture as read; views point into it */
+    lf_image32 image32;
+    lf_views8 views8;   /* valid when !is_float */
+    lf_views32 views32; /* valid when is_float */
+} lf_quilt_file;
+
+/* True when path names a picture (PNG, JPEG, EXR by contents) or a folder, and not a scene. */
+bool lf_is_quilt(const char *path, const lf_roots *roots);
+/* columns, rows 0 = from the name (LF_E_ARG when it has none). Padding at right and top is left out. A folder: its pictures in name
+ * order, all of one size. */
+LF_NODISCARD lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, int rows, lf_quilt_file *out,
+                                     lf_error *err);
+void lf_quilt_finish(lf_quilt_file *quilt);
+
+/* The quilt picture of 8-bit or float views (view 0 bottom left). */
+LF_NODISCARD lf_status lf_quilt_write_png(lf_outfile *file, const lf_views8 *views, const lf_layout *layout,
+                                          const lf_attribute *attributes, int n_attributes, lf_error *err);
+LF_NODISCARD lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *views, const lf_layout *layout,
+                                          const lf_attribute *attributes, int n_attributes, lf_error *err);
+
+/* ---------------------------------------------------------------------------------------------- lenticular print -- */
+
+typedef enum lf_stripes { LF_STRIPES_FRACTIONAL, LF_STRIPES_NEAREST } lf_stripes;
+typedef enum lf_compress { LF_COMPRESS_NONE, LF_COMPRESS_LZW, LF_COMPRESS_DEFLATE } lf_compress;
+
+/* lenticular.md sections 1.3, 1.4, 1.8. */
+typedef struct lf_print {
+    double lpi;            /* measured visual pitch, lenses per inch */
+    int dpi;               /* printer raster */
+    double width_mm, height_mm; /* trim size, without bleed */
+    double bleed_mm;       /* on each side, rendered, stripes continue */
+    double phase_mm;       /* moves the lens that is centred on the middle of the print, to the right */
+    int n_views;
+    bool horizontal;       /* lenses run horizontally: views change along y */
+    bool reverse, mirror;
+    lf_stripes stripes;
+    lf_compress compress;
+    int bits;              /* 8 or 16 */
+    const char *icc_path;  /* NULL = sRGB */
+} lf_print;
+
+/* Range checks with one clear line each; more views than dpi/lpi are refused; *out_warning (may be NULL) gets a static
+ * text about ghosting above 0.8 dpi/lpi, else NULL. */
+LF_NODISCARD lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_error *err);
+
+/* The shape of the views to render for a print: across the lenses one sample a lens (each lens whose stripes touch the raster, bleed
+ * included), along them the printer's rows, and the window that those views must cover: width and height in mm of the
+ * area the view pixels tile, and the offset of its centre from the print's centre (pixels of the views are lens cells: the middle of
+ * pixel column c is the centre of lens first_lens + c). */
+typedef struct lf_print_shape {
+    int raster_width, raster_height; /* pixels of the TIFF, bleed included */
+    int view_width, view_height;     /* samples of a view */
+    int first_lens;                  /* number of the lens of sample 0; lens 0 is centred on the middle (plus phase) */
+    double window_width_mm, window_height_mm;
+    double window_center_x_mm, window_center_y_mm; /* right and down from the middle of the print */
+} lf_print_shape;
+void lf_print_shape_of(const lf_print *print, lf_print_shape *out);
+
+/* Interlaces and streams the TIFF (strips; memory beyond the views is a few strips), then writes the manifest JSON. Views have the
+ * shape's size, or any other (a quilt picture): then they are resampled to it, said in the manifest. settings (may be NULL) is put
+ * into the manifest. Fractional stripes mix in linear light. LF_E_IO (disk full), LF_E_FORMAT (profile), LF_E_CANCELLED. */
+struct json_t;
+LF_NODISCARD lf_status lf_print_write(const lf_print *print, const lf_views32 *views, double exposure, const char *tonemap,
+                                      const struct json_t *settings, lf_outfile *tiff, lf_outfile *manifest,
+                                      const lf_cancel *cancel, void (*progress)(void *context, double fraction), void *context,
+                                      lf_error *err);
+
+#endif

@@ -1,0 +1,41 @@
+/* Light sampling; private to render/. One file a light type, joined by a table in light.c. pdf is per unit solid angle and
+ * includes the probability of picking the light; for delta lights (point, distant without an angle) it is that
+ * probability alone. */
+#ifndef LF_RENDER_LIGHT_H
+#define LF_RENDER_LIGHT_H
+
+#include "render/surface.h"
+
+typedef struct lf_light_sample {
+    lf_vec3 wi;        /* unit, towards the light */
+    float distance;    /* to the light, INFINITY for lights at infinity */
+    lf_vec3 radiance;  /* arriving from wi when nothing is between; delta lights: irradiance across wi */
+    float pdf;         /* > 0 */
+    bool delta;
+} lf_light_sample;
+
+/* Draws one direction towards a light as seen from p with u[3] in [0,1). For lights at infinity that are not delta, radiance is
+ * the SUM over all of them along wi, and pdf the density of wi under all of them together (so that lf_light_escape is its
+ * exact counterpart). false = no sample (no lights that are sampled, or a degenerate triangle). */
+bool lf_light_draw(const lf_scene *scene, lf_vec3 p, const float u[3], lf_light_sample *out);
+
+/* Radiance that a ray escaping along w finds at infinity (skies and visible sun disks; delta lights give none), and the pdf with
+ * which lf_light_draw draws w from lights at infinity. */
+lf_vec3 lf_light_escape(const lf_scene *scene, lf_vec3 w, float *out_pdf);
+
+/* Radiance leaving an emissive hit towards the ray's origin (0 when the material does not emit), and the pdf with which
+ * lf_light_draw at `from` draws the direction to it. */
+lf_vec3 lf_light_hit(const lf_scene *scene, lf_vec3 from, const lf_hit *hit, float *out_pdf);
+
+/* True when lf_light_draw can ever give a sample / a sample that is not delta. */
+bool lf_scene_has_light_sampling(const lf_scene *scene);
+bool lf_scene_has_area_lights(const lf_scene *scene);
+
+/* Sampling tables of an environment (pdf proportional to luminance-mean times solid angle, never 0 where radiance is not) and of a
+ * mesh light, and the lights' select probabilities (by power estimate; constant skies 0); called at commit. */
+LF_NODISCARD lf_status lf_environment_commit(lf_environment *environment);
+LF_NODISCARD lf_status lf_lights_commit(lf_scene *scene, lf_error *err);
+void lf_light_finish(lf_light *light);
+void lf_environment_unref(lf_environment *environment);
+
+#endif

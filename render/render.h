@@ -1,0 +1,174 @@
+/* render: from a scene file to a film of N views.
+ *
+ * A scene is loaded, committed and from then on immutable and reference counted; a new scene made by a patch shares
+ * whatever did not change with the one before (moving the camera rebuilds no BVH and reloads no volume). A renderer adds
+ * samples of one scene, seen by one rig, to a film; the film answers with three estimates of every view pixel.
+ *
+ * Coordinates: right-handed, y up, scene units; angles in degrees in scene files and radians behind the parser; colours
+ * linear Rec. 709, radiance in W m^-2 sr^-1. Views are numbered from the leftmost camera. Rows count from the top.
+ * docs/estimators.md holds the formulas. */
+#ifndef LF_RENDER_H
+#define LF_RENDER_H
+
+#include <jansson.h>
+
+#include "base/file.h"
+#include "base/image.h"
+#include "base/thread.h"
+
+/* ---------------------------------------------------------------------------------------------------------- scene -- */
+
+typedef struct lf_scene lf_scene;
+
+/* Everything of the scene's film block. */
+typedef struct lf_film_settings {
+    double exposure; /* stops: radiance is multiplied by 2^exposure for display */
+    char tonemap[16]; /* "srgb" (clamp) or "filmic" */
+} lf_film_settings;
+
+/* The rig of a scene's camera block, resolved. */
+typedef struct lf_camera {
+    double target[3], position[3], up[3];
+    double fov_y;  /* radians: vertical angle of the window seen from the middle of the rig */
+    double aspect; /* width / height of the window */
+    int n_views;   /* 1..LF_MAX_VIEWS */
+    double cone;   /* radians: total angle of the rig */
+    bool inclusive; /* placement: a_i = (i/(N-1) - 1/2) cone, else ((i+1/2)/N - 1/2) cone */
+    double lens_radius, focus_distance; /* scene units; radius 0 = pinhole; focus along the view axis */
+    /* Which of aspect, views and cone the scene itself states (the rest are defaults a preset or panel may replace
+     * without being a contradiction). */
+    bool has_aspect, has_views, has_cone;
+} lf_camera;
+
+#define LF_MAX_VIEWS 256
+#define LF_MAX_VIEW_SIDE 16384
+
+/* Loads a scene file (JSON, at most 16 MiB). Files it names are read relative to its folder and under roots (NULL or empty
+ * = anywhere; the scene's own folder is always allowed). previous (may be NULL): parts of it that are unchanged are
+ * shared. On LF_OK the caller owns a reference to *out_scene.
+ * Errors: LF_E_IO, LF_E_PATH, LF_E_NOMEM, LF_E_FORMAT with file, line and JSON pointer; *out_scene untouched then.
+ * Thread: any; may take seconds; does not touch previous but to read it. */
+LF_NODISCARD lf_status lf_scene_load(const char *path, const lf_roots *roots, const lf_scene *previous, lf_scene **out_scene,
+                                     lf_error *err);
+
+/* The same from a document in memory; folder is what relative paths are relative to. where names it in errors. doc is
+ * borrowed (copied). */
+LF_NODISCARD lf_status lf_scene_from_json(const json_t *doc, const char *folder, const char *where, const lf_roots *roots,
+                                          const lf_scene *previous, lf_scene **out_scene, lf_error *err);
+
+/* JSON Merge Patch (RFC 7396) of doc; a new reference, NULL = out of memory. */
+json_t *lf_json_merge_patch(const json_t *doc, const json_t *patch);
+
+lf_scene *lf_scene_ref(lf_scene *scene);
+/* Accepts NULL. */
+void lf_scene_unref(lf_scene *scene);
+
+/* Borrowed, valid as long as the scene. */
+const json_t *lf_scene_json(const lf_scene *scene);
+const char *lf_scene_folder(const lf_scene *scene);
+const lf_camera *lf_scene_camera(const lf_scene *scene);
+const lf_film_settings *lf_scene_film_settings(const lf_scene *scene);
+/* The JSON Schema of scene files (docs/scene.schema.json, compiled in); a new reference. */
+json_t *lf_scene_schema(void);
+
+/* ------------------------------------------------------------------------------------------------------- renderer -- */
+
+/* How to answer from a film (docs/estimators.md, section "Three answers"). */
+typedef enum lf_estimator {
+    LF_ESTIMATOR_MWIS, /* B + q N/W or B + q N/W', per tile the one of smaller variance; consistent; the default */
+    LF_ESTIMATOR_MIS,  /* B + N/n; unbiased */
+    LF_ESTIMATOR_CV,   /* regression on both controls, coefficients from the other half; unbiased for fixed budgets */
+} lf_estimator;
+
+typedef enum lf_sampler_kind { LF_SAMPLER_OWEN, LF_SAMPLER_INDEPENDENT } lf_sampler_kind;
+
+/* Names as on the command line; LF_E_ARG for an unknown one, with err naming those that exist. */
+LF_NODISCARD lf_status lf_estimator_from_name(const char *name, lf_estimator *out, lf_error *err);
+const char *lf_estimator_name(lf_estimator estimator);
+LF_NODISCARD lf_status lf_sampler_from_name(const char *name, lf_sampler_kind *out, lf_error *err);
+const char *lf_sampler_name(lf_sampler_kind kind);
+/* "mvpt" and "vpt" and what else the table of integrators holds; NULL behind the last. */
+const char *lf_integrator_name(int index);
+
+typedef struct lf_render_settings {
+    lf_camera camera;      /* the rig, after --preset, --panel and --views had their say */
+    int width, height;     /* pixels of a view */
+    double window[4];      /* left, top, right, bottom of what the view pixels tile, in units of the camera's window with its
+                              top left corner at 0,0 and bottom right at 1,1; all zero = 0,0,1,1. Prints and bleed go beyond */
+    const char *integrator; /* a name of the table; NULL = "mvpt" */
+    lf_sampler_kind sampler;
+    uint64_t seed;
+    int max_depth;         /* longest path in vertices after the camera; 0 = the scene's own limit */
+} lf_render_settings;
+
+typedef struct lf_renderer lf_renderer;
+
+/* A renderer with an empty film. Keeps a reference to scene; pool is borrowed and must outlive it. LF_E_ARG for settings
+ * out of range (err says which), LF_E_NOMEM. Memory: about 72 bytes a view pixel. */
+LF_NODISCARD lf_status lf_renderer_create(lf_scene *scene, const lf_render_settings *settings, lf_pool *pool,
+                                          lf_renderer **out_renderer, lf_error *err);
+/* Accepts NULL. */
+void lf_renderer_destroy(lf_renderer *renderer);
+
+/* Starts over with another scene or camera, keeping the film's memory when the shapes agree: nothing of the old picture
+ * remains. On failure the renderer is as before. */
+LF_NODISCARD lf_status lf_renderer_restart(lf_renderer *renderer, lf_scene *scene, const lf_render_settings *settings,
+                                           lf_error *err);
+
+/* Called on the worker that has just finished a visit of a row: resolve it here, while it is in the cache. */
+typedef void (*lf_row_fn)(void *context, int row, int worker);
+
+/* One pass over a set of rows: row first_row, first_row + row_step, …  Each visited row gets `subsets` passes at once, out
+ * of the n_views that make one native sample a view pixel (1 <= subsets <= n_views): they share one row offset, one slice
+ * of the volumes and one refresh of B and q. Successive visits of a row alternate between the film's two halves.
+ * row_done may be NULL. LF_E_CANCELLED: rows not started have been left out; a row in progress is left unfinished
+ * within 20 ms and counted as if it had not been visited only after lf_renderer_restart (cancel means "this picture is
+ * over"). Same seed and same sequence of calls give the same film for any number of threads. Allocates nothing. */
+LF_NODISCARD lf_status lf_renderer_pass(lf_renderer *renderer, int first_row, int row_step, int subsets, lf_row_fn row_done,
+                                        void *context, const lf_cancel *cancel);
+
+/* Adds exactly n_passes passes (one pass = one view's worth of base paths: width x height of them) to every row, split
+ * evenly between the halves, in visits that grow to whole cycles of n_views passes: the offline schedule. 45 views:
+ * --spp S is 45 S passes. A single pass with cross-fitting in mind (split) puts one half of its columns into each half. */
+LF_NODISCARD lf_status lf_renderer_passes(lf_renderer *renderer, int64_t n_passes, bool split, const lf_cancel *cancel);
+
+/* Per-pixel flags of a resolved row. */
+#define LF_PIXEL_HOLE 1u    /* scattering is possible here but nothing was found yet (W = 0): out is a stand-in */
+#define LF_PIXEL_SETTLED 2u /* nothing but background is possible here */
+#define LF_PIXEL_UNSEEN 4u  /* the row was never visited */
+
+/* The estimate of one row of all views. out [n_views][width][3], flags [n_views][width] (may be NULL); holes are returned
+ * as the row's own estimate from MIS (B + N/n) and flagged. LF_E_STATE when the row was never visited (out black, flags
+ * LF_PIXEL_UNSEEN). Thread: any, for different rows at once; not while the row is being visited. */
+lf_status lf_renderer_resolve_row(const lf_renderer *renderer, lf_estimator estimator, int row, float *out, uint8_t *flags);
+
+/* All rows into out [row][view][column][3] on the renderer's pool. */
+LF_NODISCARD lf_status lf_renderer_resolve(const lf_renderer *renderer, lf_estimator estimator, float *out, uint8_t *flags);
+
+/* Counters since the last restart; what does not apply is negative (JSON null). */
+typedef struct lf_render_stats {
+    int64_t base_paths;        /* native samples drawn */
+    int64_t contributions;     /* additions to a view pixel */
+    int64_t rays_traced;       /* surface rays, occlusion rays included; -1 without meshes */
+    int64_t volume_lookups;    /* density look-ups, slices and tracking included; -1 without volumes */
+    int64_t nonfinite_dropped; /* contributions that were NaN or infinite: must be 0 */
+    int64_t base_hidden;       /* bases that their own occlusion ray denied (V_i forced to 1); -1 without meshes */
+    int64_t holes;             /* view pixels flagged LF_PIXEL_HOLE by the estimator last resolved; -1 = not resolved */
+    double passes;             /* mean over rows, in passes */
+    double native_spp_mean;    /* n, mean over view pixels */
+    double effective_spp_mean; /* contributions a view pixel; never below native_spp_mean for mvpt */
+    double rel_mse_estimate;   /* mean over view pixels, epsilon 1e-2, from the two halves; < 0 = not known yet */
+} lf_render_stats;
+
+void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out);
+/* {"volumes": "none in the scene", …}: what this scene did not need and was left out. A new reference. */
+json_t *lf_renderer_skipped(const lf_renderer *renderer);
+const lf_render_settings *lf_renderer_settings(const lf_renderer *renderer);
+lf_scene *lf_renderer_scene(const lf_renderer *renderer);
+
+/* Saves and restores the accumulation (kind "state": --state). The file names scene, rig, seed and a version: another one
+ * gives LF_E_STATE and leaves the renderer as it was. Written little-endian through file; read from fd. */
+LF_NODISCARD lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file, lf_error *err);
+LF_NODISCARD lf_status lf_renderer_restore(lf_renderer *renderer, int fd, lf_error *err);
+
+#endif

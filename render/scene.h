@@ -1,0 +1,146 @@
+/* The committed scene as the integrators see it; private to render/. Everything is in scene-local coordinates: world minus
+ * `origin` (the middle of the scene's bounding box, double), so that a scene a million units away loses nothing. Immutable
+ * after commit; parts are reference counted so that scenes share them. */
+#ifndef LF_RENDER_SCENE_H
+#define LF_RENDER_SCENE_H
+
+#include <embree3/rtcore.h>
+#include <stdatomic.h>
+
+#include "render/render.h"
+#include "render/vec.h"
+
+/* -------------------------------------------------------------------------------------------------------- volumes -- */
+
+#define LF_BRICK 8           /* cells along a side of a brick */
+#define LF_BRICK_VALUES 9    /* values along a side: the cells' corners, so that one brick answers a trilinear look-up */
+#define LF_BRICK_STRIDE (LF_BRICK_VALUES * LF_BRICK_VALUES * LF_BRICK_VALUES)
+
+/* Values of one grid, shared between scenes. Voxel centre (i, j, k), i in [0, size), carries a value; a cell (i, j, k)
+ * spans the voxel centres i and i + 1. Cells start at -1 (the value outside is 0), so brick b covers cells
+ * [8 b - 1, 8 b + 7) of the local grid and its value v stands for voxel 8 b - 1 + v. */
+typedef struct lf_grid {
+    atomic_int refs;
+    int size[3];          /* x, y, z voxels of the active bounding box */
+    int bricks[3];        /* bricks along x, y, z: ceil((size + 1) / 8) */
+    uint32_t n_bricks;    /* bricks stored, without the empty brick 0 */
+    uint32_t *index;      /* [bz][by][bx] number of the brick; 0 = empty */
+    float *values;        /* [n_bricks + 1][9 z][9 y][9 x]; brick 0 is all zero; values are finite and >= 0 */
+    float *brick_max;     /* [bz][by][bx] largest value a look-up inside the brick can return, the filter's footprint included */
+    float max_value;
+    double local_to_file[3][4]; /* voxel index of this box -> the file's own world space (before the scene's transform) */
+    char *key;            /* file, grid, modification time: what sharing compares */
+} lf_grid;
+
+typedef enum lf_volume_kind {
+    LF_VOLUME_GRID,
+    LF_VOLUME_SPHERE, /* homogeneous, the unit ball of local space */
+    LF_VOLUME_BOX,    /* homogeneous, [-1,1]^3 of local space */
+} lf_volume_kind;
+
+typedef struct lf_volume {
+    lf_volume_kind kind;
+    lf_grid *grid;        /* counted reference; NULL unless LF_VOLUME_GRID */
+    bool nearest;         /* interpolation "nearest" */
+    float sigma_scale;    /* sigma_t per scene unit = sigma_scale * value (value is 1 inside a homogeneous shape) */
+    float sigma_max;      /* majorant of the whole volume */
+    lf_vec3 albedo;       /* single-scattering, 0..1 a channel */
+    float g;              /* Henyey-Greenstein, (-1, 1) */
+    /* Scene-local point -> volume space (voxel index for grids: voxel centres at integers) and back; rows of a 3x4 affine. */
+    float to_volume[3][4], to_scene[3][4];
+    lf_vec3 bounds_min, bounds_max; /* scene-local box outside of which sigma_t = 0 (filter footprint included) */
+    float voxel;          /* smallest voxel edge in scene units (shapes: 1/64 of the smallest extent) */
+} lf_volume;
+
+/* sigma_t at a scene-local point, filter applied, 0 outside. */
+float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p);
+/* The value of a grid at volume-space coordinates: trilinear (voxel centres at integers), 0 outside. */
+float lf_grid_linear(const lf_grid *grid, float x, float y, float z);
+float lf_grid_nearest(const lf_grid *grid, float x, float y, float z);
+
+/* ----------------------------------------------------------------------------------------------- surfaces, meshes -- */
+
+typedef enum lf_material_type { LF_MATERIAL_DIFFUSE, LF_MATERIAL_CONDUCTOR, LF_MATERIAL_PLASTIC, LF_MATERIAL_TYPES } lf_material_type;
+
+typedef struct lf_material {
+    lf_material_type type;
+    lf_vec3 albedo;   /* diffuse: reflectance; conductor: colour at normal incidence (Schlick F0); plastic: base reflectance */
+    float roughness;  /* perceptual, 0..1; alpha = roughness^2; alpha below LF_ALPHA_MIN is a delta lobe (mirror) */
+    float ior;        /* plastic coat, 1..3 */
+    lf_vec3 emission; /* radiance leaving both sides; 0 = not a light */
+} lf_material;
+#define LF_ALPHA_MIN 1e-3f
+
+typedef struct lf_mesh {
+    unsigned geom_id;        /* Embree geometry */
+    int n_vertices, n_triangles;
+    const float *vertices;   /* [n_vertices][3] scene-local (padded by one float for Embree) */
+    const uint32_t *triangles; /* [n_triangles][3] */
+    const float *normals;    /* [n_vertices][3] unit, or NULL: flat shading */
+    const uint16_t *triangle_material; /* [n_triangles] index into scene->materials, or NULL: `material` for all */
+    uint16_t material;
+} lf_mesh;
+
+/* -------------------------------------------------------------------------------------------------------- lights -- */
+
+/* A latitude-longitude picture of radiance with its sampling tables; shared between scenes. Row 0 looks up (+y); column 0 .. width-1
+ * runs phi from 0 to 2 pi, direction (sin(theta) cos(phi), cos(theta), sin(theta) sin(phi)). */
+typedef struct lf_environment {
+    atomic_int refs;
+    int width, height;
+    float *rgb;           /* [height][width][3] */
+    float *marginal;      /* [height + 1] cumulative over rows, 0..1 */
+    float *conditional;   /* [height][width + 1] cumulative along each row, 0..1 */
+    float *pdf;           /* [height][width] per unit solid angle */
+    char *key;
+} lf_environment;
+
+typedef enum lf_light_type { LF_LIGHT_ENVIRONMENT, LF_LIGHT_DISTANT, LF_LIGHT_POINT, LF_LIGHT_MESH } lf_light_type;
+
+typedef struct lf_light {
+    lf_light_type type;
+    float select;          /* probability that light sampling picks this light; 0 = never sampled (constant skies) */
+    lf_vec3 radiance;      /* environment: scale (file) or radiance (constant); distant with an angle: radiance of the disk; mesh: the material's */
+    lf_environment *environment; /* counted reference; NULL = constant */
+    float to_environment[3][3];  /* scene direction -> the picture's frame */
+    lf_vec3 direction;     /* distant: unit, in which light travels */
+    lf_vec3 irradiance;    /* distant: on a plane across it */
+    float cos_angle;       /* distant: cosine of half the angular diameter; 1 = delta */
+    lf_vec3 position, intensity; /* point: scene-local, W sr^-1 */
+    int mesh;              /* mesh: index into scene->meshes */
+    uint16_t mesh_material;/* mesh: the emitting material (triangles of it only) */
+    int n_triangles;       /* mesh: emitting triangles … */
+    uint32_t *triangle;    /* … their numbers */
+    float *area_cdf;       /* [n_triangles + 1] cumulative area, 0..1 */
+    float area;            /* total */
+} lf_light;
+
+/* ---------------------------------------------------------------------------------------------------------- scene -- */
+
+struct lf_scene {
+    atomic_int refs;
+    json_t *json;
+    char *folder, *where;
+    double origin[3];        /* world = local + origin */
+    lf_camera camera;        /* world coordinates */
+    lf_film_settings film;
+    int max_depth;           /* path vertices; 0 = LF_DEFAULT_MAX_DEPTH */
+
+    int n_volumes, n_meshes, n_materials, n_lights;
+    lf_volume *volumes;
+    lf_mesh *meshes;         /* indexed by Embree's geomID */
+    lf_material *materials;
+    lf_light *lights;
+    RTCScene embree;         /* NULL without meshes (then no Embree device exists either) */
+    struct lf_geometry *geometry; /* owner of the meshes' arrays and of embree, shared between scenes; NULL without meshes */
+    lf_vec3 bounds_min, bounds_max; /* of volumes and meshes; min > max when there is nothing */
+
+    /* What integrators are specialised by. */
+    bool has_delta;          /* some material has a delta lobe */
+    bool has_emission;       /* some material emits */
+    bool has_view_lobes;     /* some lobe depends on the view: g != 0, conductor, plastic */
+};
+#define LF_DEFAULT_MAX_DEPTH 1024
+#define LF_MAX_VOLUMES 16
+
+#endif

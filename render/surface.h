@@ -1,0 +1,40 @@
+/* Surface scattering; private to render/. One file a material type (surface_diffuse.c, …), joined by a table. All directions
+ * are unit and point away from the surface; pdfs are per unit solid angle; f includes the cosine |ns.wi|. Two-sided: both
+ * normals are flipped by the caller towards wo's side (lf_hit). Non-delta lobes only, unless the name says delta. */
+#ifndef LF_RENDER_SURFACE_H
+#define LF_RENDER_SURFACE_H
+
+#include "render/scene.h"
+
+/* Where a ray met a surface. */
+typedef struct lf_hit {
+    lf_vec3 p;     /* scene-local, refined from the triangle's barycentrics (closer than the ray's t) */
+    lf_vec3 ng;    /* geometric unit normal, on the side the ray came from */
+    lf_vec3 ns;    /* shading normal, same side; equals ng with flat shading */
+    float t;
+    const lf_material *material;
+    const lf_mesh *mesh;
+    uint32_t triangle;
+} lf_hit;
+
+typedef struct lf_surface_ops {
+    /* f(wo, wi) |ns.wi| into *f (0 where wi or wo is below the surface); returns the pdf with which sample draws wi. */
+    float (*eval)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
+    /* Draws wi from u[3] in [0,1); *f and return as eval at that wi; 0 = no direction (absorbed). */
+    float (*sample)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f);
+    /* Reflectance of the delta lobe for wo (mirror direction about ns); NULL = the type never has one. {0,0,0} when alpha
+     * >= LF_ALPHA_MIN. */
+    lf_vec3 (*delta)(const lf_material *m, lf_vec3 ns, lf_vec3 wo);
+    bool view_dependent; /* eval's pdf and f change with wo (beyond its sign) */
+} lf_surface_ops;
+
+extern const lf_surface_ops lf_surfaces[LF_MATERIAL_TYPES];
+
+/* True when the material has any non-delta lobe / a delta lobe of nonzero reflectance. */
+bool lf_material_has_lobe(const lf_material *m);
+bool lf_material_has_delta(const lf_material *m);
+
+/* The surface members of the table, each in its own file. */
+extern const lf_surface_ops lf_surface_diffuse, lf_surface_conductor, lf_surface_plastic;
+
+#endif
