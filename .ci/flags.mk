@@ -1,0 +1,40 @@
+# The flags of the house. CC, CXX, CFLAGS, CXXFLAGS, CPPFLAGS, LDFLAGS and LDLIBS belong to the caller and come last.
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+ifeq ($(origin CXX),default)
+CXX := g++
+endif
+ARCH := $(shell $(CC) -dumpmachine 2>/dev/null | cut -d- -f1)
+
+lf_warnings := -Wall -Wextra -Wpedantic -Wshadow -Wundef -Wvla -Wdouble-promotion -Wcast-qual -Wwrite-strings -Wpointer-arith \
+ -Wformat=2 -Wimplicit-fallthrough
+lf_cwarnings := -Wconversion -Wsign-conversion -Wstrict-prototypes -Wmissing-prototypes
+ifdef WERROR
+lf_warnings += -Werror
+endif
+
+# no contraction: the same bits from every instruction set; never -ffast-math
+lf_float := -ffp-contract=off -fno-math-errno -fno-trapping-math
+
+variant_release := -O2 -g -D_FORTIFY_SOURCE=2 -fstack-protector-strong
+variant_debug := -Og -g
+variant_asan := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+variant_tsan := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
+ifeq ($(variant_$(BUILD)),)
+$(error BUILD=$(BUILD): expected release, debug, asan or tsan)
+endif
+ifeq ($(BUILD),release)
+opt_render := -O3
+endif
+
+lf_common = $(variant_$(BUILD)) -fvisibility=hidden $(lf_float) $(lf_warnings) -pthread -I$(SRCDIR) -I$(O)
+lf_cflags = -std=c11 -D_GNU_SOURCE $(lf_common) $(lf_cwarnings) $(dep_cflags)
+lf_cxxflags = -std=c++17 -D_GNU_SOURCE $(lf_common) $(dep_cflags)
+lf_ldflags = $(filter -fsanitize%,$(variant_$(BUILD))) -pthread -Wl,--as-needed -Wl,-z,relro,-z,now
+
+# one file an instruction set; other machines leave them out
+x86 := $(filter x86_64 i686,$(ARCH))
+isa_kernel_avx2 := -mavx2 -mf16c
+isa_kernel_avx512 := -march=skylake-avx512
+without_isa = $(if $(x86),$(1),$(filter-out %_avx2.c %_avx512.c,$(1)))

@@ -1,0 +1,185 @@
+# quiltd: one make process, one graph. Every room has a module.mk that appends to the lists below.
+#
+#   make                    programs and scenes into build/ (packages must be there: make deps)
+#   make run | check        install what is missing, build, and start the daemon | run all tests
+#   make T=render check     only the tests whose path holds this word
+#   make build/release/tests/base/test_file     one test program
+#   BUILD=release|debug|asan|tsan  O=DIR  V=1  WERROR=1  CC CXX CFLAGS CXXFLAGS LDFLAGS  DESTDIR PREFIX
+#
+# Lists that fragments append to (paths relative to the source tree unless said otherwise):
+#   <room>_srcs     sources of lib<room>.a          <program>_srcs   sources of a program's own
+#   isa_<file>      extra flags of one source file  opt_<room>       extra release flags of a room
+#   scene_data      files in $(BUILDROOT) to be made with the programs (rules in the same fragment)
+.SUFFIXES:
+.DELETE_ON_ERROR:
+.SECONDARY:
+MAKEFLAGS += --no-builtin-rules
+
+MAKEFILE := $(lastword $(MAKEFILE_LIST))
+SRCDIR := $(patsubst %/,%,$(dir $(MAKEFILE)))
+BUILD ?= release
+O ?= build/$(BUILD)
+# what all variants share: flags of the libraries, data of the scenes
+BUILDROOT := $(patsubst %/$(BUILD),%,$(O))
+
+PREFIX ?= /usr/local
+BINDIR ?= $(PREFIX)/bin
+DATADIR ?= $(PREFIX)/share
+UNITDIR ?= $(PREFIX)/lib/systemd/system
+SYSUSERSDIR ?= $(PREFIX)/lib/sysusers.d
+TMPFILESDIR ?= $(PREFIX)/lib/tmpfiles.d
+UDEVDIR ?= $(PREFIX)/lib/udev/rules.d
+INSTALL ?= install
+
+programs := quiltd quiltctl quiltrender quiltbench
+rooms := base render quilt device daemon
+
+.PHONY: all FORCE
+all:
+
+# Goals that install packages first, then come back here as GOAL-now.
+front := check run bench verify lint
+# Goals that need no library flags.
+light := $(front) deps clean help
+goals := $(or $(MAKECMDGOALS),all)
+
+wild = $(patsubst $(SRCDIR)/%,%,$(sort $(wildcard $(SRCDIR)/$(1))))
+
+include $(SRCDIR)/.ci/flags.mk
+include $(wildcard $(SRCDIR)/*/module.mk)
+ifneq ($(filter-out $(light),$(goals)),)
+include $(BUILDROOT)/deps.mk
+endif
+
+$(BUILDROOT)/deps.mk: $(SRCDIR)/.ci/deps
+	@mkdir -p $(@D)
+	@CC='$(CC)' CXX='$(CXX)' $(SRCDIR)/.ci/deps flags > $@.new
+	@mv $@.new $@
+
+# ------------------------------------------------------------------------------------------------------- building --
+built := $(addprefix $(O)/,$(foreach p,$(programs),$(if $($(p)_srcs),$(p))))
+all: $(built) $(patsubst %,$(O)/lib%.a,$(rooms)) $(addprefix $(BUILDROOT)/,$(scene_data))
+objs = $(patsubst %,$(O)/%.o,$(1))
+say = $(if $(V),,@echo '  $(1) $(patsubst $(O)/%,%,$@)';)
+
+# build/quiltd and its siblings are those of the release
+ifeq ($(O),$(BUILDROOT)/release)
+links := $(patsubst $(O)/%,$(BUILDROOT)/%,$(built))
+all: $(links)
+$(links): $(BUILDROOT)/%: $(O)/%
+	@ln -sfn release/$* $@
+endif
+
+# rewritten only when a compile line changed: a change of flags is a rebuild
+$(O)/flags.stamp: FORCE
+	@mkdir -p $(@D); printf '%s\n' '$(subst ','\'',$(CC) $(CXX) $(lf_cflags) $(lf_cxxflags) $(opt_render) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) $(LDFLAGS))' > $@.new; \
+	 if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
+FORCE:
+
+room_of = $(firstword $(subst /, ,$(1)))
+$(O)/%.c.o: $(SRCDIR)/%.c $(O)/flags.stamp
+	@mkdir -p $(@D)
+	$(call say,CC )$(CC) $(lf_cflags) $(opt_$(call room_of,$*)) $(isa_$(notdir $*)) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+$(O)/%.cc.o: $(SRCDIR)/%.cc $(O)/flags.stamp
+	@mkdir -p $(@D)
+	$(call say,CXX)$(CXX) $(lf_cxxflags) $(opt_$(call room_of,$*)) $(isa_$(notdir $*)) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
+
+define library
+$(O)/lib$(1).a: $(call objs,$($(1)_srcs))
+	$$(call say,AR )rm -f $$@ && $$(AR) rcs $$@ $$^
+endef
+$(foreach r,$(rooms),$(eval $(call library,$(r))))
+libs = $(patsubst %,$(O)/lib%.a,$(1))
+link = $(call say,LD )$(CXX) $(lf_ldflags) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(dep_libs) $(1) $(LDLIBS)
+
+define program
+$(O)/$(1): $(call objs,$($(1)_srcs)) $(call libs,daemon render quilt device base)
+	$$(call link,)
+endef
+$(foreach p,$(programs),$(eval $(call program,$(p))))
+
+# --------------------------------------------------------------------------------------------------------- testing --
+test_srcs := $(call wild,tests/*/test_*.c)
+tests := $(patsubst %.c,$(O)/%,$(test_srcs))
+headers := $(foreach r,$(rooms) tests,$(call wild,$(r)/*.h))
+headers_alone := $(patsubst %,$(O)/alone/%.ok,$(headers))
+# what a room's tests link: its own library and base; others everything
+test_libs_base := base
+test_libs_quilt := quilt base
+test_libs_device := device base
+test_libs_render := render base
+test_libs = $(call libs,$(or $(test_libs_$(1)),daemon render quilt device base))
+
+.PHONY: tests
+tests: $(tests)
+define test
+$(O)/$(1:.c=): $(call objs,$(1)) $(call test_libs,$(notdir $(patsubst %/,%,$(dir $(1)))))
+	$$(call link,$$(dep_test_libs) $$(wrap_$(notdir $(1:.c=))))
+endef
+$(foreach t,$(test_srcs),$(eval $(call test,$(t))))
+
+# every header compiles alone
+$(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
+	@mkdir -p $(@D)
+	$(call say,HDR)printf '#include "%s"\n' '$*.h' | $(CC) $(lf_cflags) $(CPPFLAGS) $(CFLAGS) -MMD -MP -MT $@ -MF $@.d -fsyntax-only -x c - && touch $@
+
+run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' CC='$(CC)' $(SRCDIR)/tests/run
+
+.PHONY: check-now verify-now bench-now run-now lint-now
+check-now: all tests $(headers_alone)
+	@$(run_tests) $(if $(T),$(foreach t,$(T),$(foreach x,$(tests) $(tests_extra),$(if $(findstring $(t),$(x)),$(x)))),$(tests_extra) $(tests))
+tests_extra := $(SRCDIR)/tests/style.sh $(SRCDIR)/tests/install.sh
+
+# the statistical tests again, on numbers nobody has seen, at their longest
+verify-now: all tests
+	@seed=$${QUILTD_SEED:-$$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}; echo "QUILTD_SEED=$$seed"; \
+	 QUILTD_SEED=$$seed QUILTD_LONG=1 TEST_TIMEOUT=$${TEST_TIMEOUT:-3600} $(run_tests) $(tests)
+
+bench-now: all
+	@mkdir -p $(BUILDROOT)/bench
+	$(O)/quiltbench $(if $(ARGS),$(ARGS),--out $(BUILDROOT)/bench)
+
+# --------------------------------------------------------------------------------------------- everyday commands --
+self = $(MAKE) --no-print-directory -f $(MAKEFILE)
+jobs = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(shell nproc 2>/dev/null || echo 1))
+.PHONY: deps $(front) clean help install
+deps:
+	@$(SRCDIR)/.ci/deps install build test
+run bench:
+	@$(SRCDIR)/.ci/deps install build
+	@$(self) $(jobs) $@-now
+check verify:
+	@$(SRCDIR)/.ci/deps install build test
+	@$(self) $(jobs) $@-now
+lint:
+	@$(SRCDIR)/.ci/deps install build test lint
+	@$(self) $(jobs) $@-now
+
+RUN := $(BUILDROOT)/run
+run-now: SCENE ?= $(SRCDIR)/scenes/first-light.json
+run-now: DEVICE ?= sim:$(RUN)/sim
+run-now: all
+	@mkdir -p $(RUN)/sim $(RUN)/state $(RUN)/export
+	@echo 'pictures: $(abspath $(RUN))/sim/panel.png (the panel), view.png (what an eye sees), quilt.png (all views)'
+	@echo 'talk to it: $(abspath $(O))/quiltctl --socket $(call socket) status'
+	@$(O)/quiltd '$(SCENE)' --device '$(DEVICE)' --socket '$(call socket)' --state '$(RUN)/state' --export-dir '$(RUN)/export' \
+	 $(if $(RUN_FOR),--run-for $(RUN_FOR)) $(ARGS)
+# a socket's path has 107 bytes: the absolute one when it fits
+socket = $(shell p='$(abspath $(RUN))/sock'; if [ $${#p} -lt 108 ]; then echo "$$p"; else echo '$(RUN)/sock'; fi)
+
+clean:
+	rm -rf $(O) $(links) $(BUILDROOT)/deps.mk $(BUILDROOT)/scenes
+
+help:
+	@sed -n '2,/^[^#]/s/^# \{0,1\}//p' $(MAKEFILE)
+
+# ---------------------------------------------------------------------------------------------------------- lint --
+lint_srcs = $(filter-out %.cc,$(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)))
+lint-now: $(if $(generated),$(addprefix $(O)/,$(generated)))
+	@O='$(O)' SRCDIR='$(SRCDIR)' CFLAGS='$(filter-out -O% -g,$(lf_cflags))' $(SRCDIR)/.ci/lint $(lint_srcs)
+
+# ------------------------------------------------------------------------------------------------------- installing --
+include $(SRCDIR)/.ci/install.mk
+
+-include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(test_srcs))))
+-include $(addsuffix .d,$(headers_alone))

@@ -1,0 +1,1 @@
+base_srcs := $(call wild,base/*.c)

@@ -1,0 +1,7 @@
+/* The version of all programs, as --version and hello answer it. */
+#ifndef LF_BASE_VERSION_H
+#define LF_BASE_VERSION_H
+
+#define LF_VERSION "0.1.0"
+
+#endif

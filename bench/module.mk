@@ -1,0 +1,1 @@
+quiltbench_srcs := $(call wild,bench/*.c)

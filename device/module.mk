@@ -1,0 +1,1 @@
+device_srcs := $(call wild,device/*.c)

@@ -1,0 +1,1 @@
+quilt_srcs := $(call wild,quilt/*.c)

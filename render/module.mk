@@ -1,0 +1,11 @@
+# C everywhere but where OpenVDB needs C++
+render_srcs := $(call without_isa,$(call wild,render/*.c)) $(call wild,render/*.cc)
+
+# the scene schema is compiled in: the parser checks against the very file that the documentation shows
+generated += gen/scene_schema.h
+$(O)/gen/scene_schema.h: $(wildcard $(SRCDIR)/docs/scene.schema.json)
+	@mkdir -p $(@D)
+	@{ echo '/* made from docs/scene.schema.json; the bytes of the file and a terminating 0 */'; \
+	 echo 'static const unsigned char lf_scene_schema_bytes[] = {'; \
+	 cat $^ /dev/null | od -An -v -tx1 | sed 's/ *\([0-9a-f][0-9a-f]\)/0x\1,/g'; echo '0x00};'; } > $@
+$(patsubst %,$(O)/%.o,$(render_srcs)): | $(O)/gen/scene_schema.h
