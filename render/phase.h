@@ -16,6 +16,16 @@ static inline float lf_phase(float g, float cos_theta)
     return LF_INV_4PI * (1.0f - g * g) / (d * sqrtf(d));
 }
 
+/* The same from the two directions of travel (unit): to be used wherever both are at hand, because the cosine of a nearly straight
+ * path does not carry enough digits for |g| > 0.99. */
+static inline float lf_phase_between(float g, lf_vec3 w, lf_vec3 w_after)
+{
+    float a = fabsf(g);
+    lf_vec3 c = lf_madd(w_after, -copysignf(1.0f, g), w);
+    float d = fmaxf((1.0f - a) * (1.0f - a) + a * lf_dot(c, c), 1e-12f);
+    return LF_INV_4PI * (1.0f - a) * (1.0f + a) / (d * sqrtf(d));
+}
+
 /* Draws the direction after scattering for a path travelling along w (unit). */
 lf_vec3 lf_phase_sample(float g, lf_vec3 w, const float u[2]);
 

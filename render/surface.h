@@ -34,7 +34,4 @@ extern const lf_surface_ops lf_surfaces[LF_MATERIAL_TYPES];
 bool lf_material_has_lobe(const lf_material *m);
 bool lf_material_has_delta(const lf_material *m);
 
-/* The surface members of the table, each in its own file. */
-extern const lf_surface_ops lf_surface_diffuse, lf_surface_conductor, lf_surface_plastic;
-
 #endif

@@ -45,4 +45,10 @@ static inline lf_vec3 lf_from_frame(lf_vec3 t, lf_vec3 b, lf_vec3 n, lf_vec3 v)
     return lf_v3(t.x * v.x + b.x * v.y + n.x * v.z, t.y * v.x + b.y * v.y + n.y * v.z, t.z * v.x + b.z * v.y + n.z * v.z);
 }
 
+/* The other way: a unit vector's coordinates in the frame. */
+static inline lf_vec3 lf_to_frame(lf_vec3 t, lf_vec3 b, lf_vec3 n, lf_vec3 v)
+{
+    return lf_v3(lf_dot(t, v), lf_dot(b, v), lf_dot(n, v));
+}
+
 #endif
