@@ -1,0 +1,43 @@
+#include "base/alloc.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ALIGNMENT 64
+
+static atomic_uint_fast64_t n_allocations;
+
+void *lf_calloc(size_t n, size_t size)
+{
+    size_t bytes;
+    if (__builtin_mul_overflow(n, size, &bytes) || bytes > PTRDIFF_MAX - ALIGNMENT)
+        return NULL;
+    bytes = (bytes + ALIGNMENT - 1) & ~(size_t)(ALIGNMENT - 1);
+    if (bytes == 0)
+        bytes = ALIGNMENT;
+    void *p = aligned_alloc(ALIGNMENT, bytes);
+    if (!p)
+        return NULL;
+    atomic_fetch_add_explicit(&n_allocations, 1, memory_order_relaxed);
+    return memset(p, 0, bytes);
+}
+
+char *lf_strdup(const char *s)
+{
+    if (!s)
+        return NULL;
+    size_t n = strlen(s) + 1;
+    char *copy = lf_calloc(n, 1);
+    return copy ? memcpy(copy, s, n) : NULL;
+}
+
+void lf_free(void *p)
+{
+    free(p);
+}
+
+uint64_t lf_alloc_count(void)
+{
+    return atomic_load_explicit(&n_allocations, memory_order_relaxed);
+}

@@ -1,0 +1,236 @@
+#include "base/thread.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdint.h>
+#include <time.h>
+#include <unistd.h>
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
+
+#include "base/alloc.h"
+
+#define MAX_THREADS 256
+/* readers of meshes and volumes recurse on workers too */
+#define STACK_BYTES (8u << 20)
+
+typedef struct worker {
+    lf_pool *pool;
+    int index; /* 1..n_started; 0 is the caller of lf_pool_run */
+    pthread_t thread;
+} worker;
+
+struct lf_pool {
+    /* immutable after create */
+    int n_threads;
+    int n_started; /* n_threads - 1 once create succeeded */
+    bool has_lock, has_wake, has_idle;
+    worker *workers;
+
+    pthread_mutex_t lock;
+    pthread_cond_t wake; /* a new run, or stop */
+    pthread_cond_t idle; /* n_busy fell to 0 */
+    /* under lock */
+    uint64_t run;
+    int n_busy;
+    bool stop;
+
+    /* written under lock before a run is announced, constant during it */
+    lf_pool_fn fn;
+    void *context;
+    const lf_cancel *cancel;
+    int64_t n_items;
+    /* relaxed: it only hands out numbers; what items wrote is published by the lock */
+    atomic_int_fast64_t next;
+};
+
+int lf_cpu_count(void)
+{
+    cpu_set_t set;
+    if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
+        return CPU_COUNT(&set);
+    long n = sysconf(_SC_NPROCESSORS_ONLN);
+    return n > 0 && n < 65536 ? (int)n : 1;
+}
+
+/* Denormals flushed, on input and output: returns what was set before. */
+#ifdef __SSE__
+static unsigned int flush_denormals(void)
+{
+    unsigned int before = _mm_getcsr();
+    _mm_setcsr(before | 0x8040u);
+    return before;
+}
+
+static void restore_denormals(unsigned int before)
+{
+    _mm_setcsr(before);
+}
+#else
+static unsigned int flush_denormals(void)
+{
+    return 0;
+}
+
+static void restore_denormals(unsigned int before)
+{
+    (void)before;
+}
+#endif
+
+static void work(lf_pool *pool, int index)
+{
+    for (;;) {
+        if (pool->cancel && atomic_load_explicit(pool->cancel, memory_order_relaxed))
+            return;
+        int64_t item = atomic_fetch_add_explicit(&pool->next, 1, memory_order_relaxed);
+        if (item >= pool->n_items)
+            return;
+        pool->fn(pool->context, (int)item, index);
+    }
+}
+
+static void *worker_main(void *argument)
+{
+    const worker *self = argument;
+    lf_pool *pool = self->pool;
+    uint64_t seen = 0;
+    flush_denormals();
+    pthread_mutex_lock(&pool->lock);
+    for (;;) {
+        while (!pool->stop && pool->run == seen)
+            pthread_cond_wait(&pool->wake, &pool->lock);
+        if (pool->stop)
+            break;
+        seen = pool->run;
+        pthread_mutex_unlock(&pool->lock);
+        work(pool, self->index);
+        pthread_mutex_lock(&pool->lock);
+        if (--pool->n_busy == 0)
+            pthread_cond_signal(&pool->idle);
+    }
+    pthread_mutex_unlock(&pool->lock);
+    return NULL;
+}
+
+/* Signals belong to the event thread: workers are born with all of them blocked. */
+static lf_status start_workers(lf_pool *pool)
+{
+    pthread_attr_t attributes;
+    if (pthread_attr_init(&attributes) != 0)
+        return LF_E_NOMEM;
+    pthread_attr_setstacksize(&attributes, STACK_BYTES);
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    lf_status status = LF_OK;
+    while (pool->n_started < pool->n_threads - 1 && status == LF_OK) {
+        worker *w = &pool->workers[pool->n_started];
+        w->pool = pool;
+        w->index = pool->n_started + 1;
+        if (pthread_create(&w->thread, &attributes, worker_main, w) != 0) {
+            status = LF_E_NOMEM;
+        } else {
+            pool->n_started++;
+            pthread_setname_np(w->thread, "lf-worker");
+        }
+    }
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_attr_destroy(&attributes);
+    return status;
+}
+
+lf_status lf_pool_create(int n_threads, lf_pool **out_pool)
+{
+    if (n_threads < 0 || n_threads > MAX_THREADS)
+        return LF_E_ARG;
+    if (n_threads == 0)
+        n_threads = lf_cpu_count() < MAX_THREADS ? lf_cpu_count() : MAX_THREADS;
+    lf_pool *pool = lf_calloc(1, sizeof *pool);
+    if (!pool)
+        return LF_E_NOMEM;
+    pool->n_threads = n_threads;
+    pool->workers = lf_calloc((size_t)n_threads, sizeof *pool->workers);
+    pool->has_lock = pthread_mutex_init(&pool->lock, NULL) == 0;
+    pool->has_wake = pthread_cond_init(&pool->wake, NULL) == 0;
+    pool->has_idle = pthread_cond_init(&pool->idle, NULL) == 0;
+    if (!pool->workers || !pool->has_lock || !pool->has_wake || !pool->has_idle || start_workers(pool) != LF_OK) {
+        lf_pool_destroy(pool);
+        return LF_E_NOMEM;
+    }
+    *out_pool = pool;
+    return LF_OK;
+}
+
+void lf_pool_destroy(lf_pool *pool)
+{
+    if (!pool)
+        return;
+    if (pool->n_started > 0) {
+        pthread_mutex_lock(&pool->lock);
+        pool->stop = true;
+        pthread_cond_broadcast(&pool->wake);
+        pthread_mutex_unlock(&pool->lock);
+    }
+    for (int i = 0; i < pool->n_started; i++)
+        pthread_join(pool->workers[i].thread, NULL);
+    if (pool->has_idle)
+        pthread_cond_destroy(&pool->idle);
+    if (pool->has_wake)
+        pthread_cond_destroy(&pool->wake);
+    if (pool->has_lock)
+        pthread_mutex_destroy(&pool->lock);
+    lf_free(pool->workers);
+    lf_free(pool);
+}
+
+int lf_pool_threads(const lf_pool *pool)
+{
+    return pool->n_threads;
+}
+
+lf_status lf_pool_run(lf_pool *pool, int n_items, lf_pool_fn fn, void *context, const lf_cancel *cancel)
+{
+    if (n_items <= 0)
+        return LF_OK;
+    pthread_mutex_lock(&pool->lock);
+    pool->fn = fn;
+    pool->context = context;
+    pool->cancel = cancel;
+    pool->n_items = n_items;
+    atomic_store_explicit(&pool->next, 0, memory_order_relaxed);
+    pool->n_busy = pool->n_started;
+    pool->run++;
+    pthread_cond_broadcast(&pool->wake);
+    pthread_mutex_unlock(&pool->lock);
+
+    unsigned int before = flush_denormals();
+    work(pool, 0);
+    restore_denormals(before);
+
+    pthread_mutex_lock(&pool->lock);
+    while (pool->n_busy > 0)
+        pthread_cond_wait(&pool->idle, &pool->lock);
+    int64_t handed_out = atomic_load_explicit(&pool->next, memory_order_relaxed);
+    pthread_mutex_unlock(&pool->lock);
+    return handed_out < n_items ? LF_E_CANCELLED : LF_OK;
+}
+
+static double seconds(clockid_t clock)
+{
+    struct timespec t;
+    clock_gettime(clock, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double lf_time_now(void)
+{
+    return seconds(CLOCK_MONOTONIC);
+}
+
+double lf_time_cpu(void)
+{
+    return seconds(CLOCK_PROCESS_CPUTIME_ID);
+}
