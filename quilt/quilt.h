@@ -45,6 +45,9 @@ LF_NODISCARD lf_status lf_tone_create(double exposure, const char *tonemap, lf_t
 void lf_tone_destroy(lf_tone *tone);
 /* n pixels linear float RGB -> 8-bit sRGB RGB, rounded to nearest; NaN becomes 0. */
 void lf_tone_map(const lf_tone *tone, size_t n, const float *in, uint8_t *out);
+/* n pixels linear float RGB -> display light, still linear, 0..1: what lf_tone_map does before the sRGB curve; NaN becomes 0. in may
+ * be out. */
+void lf_tone_linear(const lf_tone *tone, size_t n, const float *in, float *out);
 
 /* Fills what is missing in 8-bit views laid out [row][view][column], for the screen only: every pixel whose flag is nonzero
  * in `missing` takes the nearest pixel of its own view (Euclidean, ties by lower row then column) with flag 0, at most
@@ -109,45 +112,80 @@ LF_NODISCARD lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *vi
 
 /* ---------------------------------------------------------------------------------------------- lenticular print -- */
 
+/* Conventions (lenticular.md sections 1.3, 1.4, 1.8): x to the right, y down, seen from the front through the lens sheet, origin in
+ * the middle of the print, millimetres. Lens k is centred on phase + k * 25.4/lpi. Its cell is cut into n_views stripes of equal width;
+ * from left to right they carry view n_views-1 ... view 0, because the focal spot moves left when the viewer moves right. With
+ * horizontal lenses the same holds along y: view 0 is the TOPMOST camera, and from top to bottom of a cell lie view n_views-1 ... 0.
+ * Pixel j of the raster covers [j - width/2, j + 1 - width/2] * 25.4/dpi: positions follow from the index and dpi alone, never from
+ * the rounded page.
+ *
+ * Fractional stripes: a pixel is the mix, in linear light after tone mapping, of the stripes it overlaps, by exact area. Nearest: a
+ * pixel is the stripe that holds its centre; stripes are half-open [left, right), so that a centre on a border (within 1e-9
+ * stripe) belongs to the stripe on its right (below it, for horizontal lenses). Bleed continues both, to the pixel. */
+
 typedef enum lf_stripes { LF_STRIPES_FRACTIONAL, LF_STRIPES_NEAREST } lf_stripes;
 typedef enum lf_compress { LF_COMPRESS_NONE, LF_COMPRESS_LZW, LF_COMPRESS_DEFLATE } lf_compress;
 
-/* lenticular.md sections 1.3, 1.4, 1.8. */
+/* Zeroed fields below the line are a valid default. */
 typedef struct lf_print {
-    double lpi;            /* measured visual pitch, lenses per inch */
-    int dpi;               /* printer raster */
-    double width_mm, height_mm; /* trim size, without bleed */
-    double bleed_mm;       /* on each side, rendered, stripes continue */
-    double phase_mm;       /* moves the lens that is centred on the middle of the print, to the right */
-    int n_views;
+    double lpi;            /* measured visual pitch, lenses per inch: 5..600 */
+    int dpi;               /* printer raster, the same both ways: 50..9600 */
+    double width_mm, height_mm; /* trim size, without bleed: 1..5000 */
+    double bleed_mm;       /* on each side, rendered, stripes continue: 0..100 */
+    double phase_mm;       /* moves the lens that is centred on the middle of the print, to the right (down): -100..100 */
+    int n_views;           /* stripes of a cell: 1..dpi/lpi, rounded to the nearest whole number */
     bool horizontal;       /* lenses run horizontally: views change along y */
-    bool reverse, mirror;
+    bool reverse;          /* cells run from view 0 to view n_views-1 */
+    bool mirror;           /* the whole raster mirrored left to right, for printing on the back of the sheet */
     lf_stripes stripes;
     lf_compress compress;
     int bits;              /* 8 or 16 */
-    const char *icc_path;  /* NULL = sRGB */
+    const char *icc_path;  /* NULL = sRGB; else an RGB or CMYK display, output or colour space profile, at most 16 MiB */
+    /* ---- */
+    const lf_roots *icc_roots; /* where icc_path may lie; NULL = anywhere */
+    bool rolled;           /* horizontal only: views come from a rolled rig, see lf_print_shape_of */
+    double view_aspect;    /* views of another size than the shape's (a quilt picture): width / height they are meant to be seen with; they
+                              are scaled to cover the raster, centred, what stands over is cut. 0 = stretched over the raster */
+    double parallax_lenses; /* largest shift of a point between neighbouring views, in lens pitches, if known: above 1 is warned of */
 } lf_print;
 
-/* Range checks with one clear line each; more views than dpi/lpi are refused; *out_warning (may be NULL) gets a static
- * text about ghosting above 0.8 dpi/lpi, else NULL. */
+/* Range checks with one clear line each (LF_E_ARG); more views than dpi/lpi (to the nearest whole) are refused; *out_warning (may be
+ * NULL) gets a static text about ghosting above 0.8 dpi/lpi, else NULL. Does not open the profile. */
 LF_NODISCARD lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_error *err);
 
 /* The shape of the views to render for a print: across the lenses one sample a lens (each lens whose stripes touch the raster, bleed
- * included), along them the printer's rows, and the window that those views must cover: width and height in mm of the
- * area the view pixels tile, and the offset of its centre from the print's centre (pixels of the views are lens cells: the middle of
- * pixel column c is the centre of lens first_lens + c). */
+ * included), along them the printer's rows, and the window that those views must cover. Samples are lens cells: the middle of
+ * sample c across is the centre of lens first_lens + c.
+ *
+ * Vertical lenses: across is x. The rig is the scene's: one mm is s = 2 D tan(fov_y / 2) / height_mm scene units, the views are rendered
+ * with fov_y' = 2 atan(s window_height_mm / (2 D)) and aspect window_width_mm / window_height_mm, and target and position move
+ * together by s window_center_x_mm along the rig's right vector (at most half a lens; nothing when phase is 0).
+ *
+ * Horizontal lenses, rolled (for rendering): the cameras stand in a column, so the rig is rolled by 90 degrees: its up vector becomes
+ * the right vector forward x up of the unrolled rig, and its right vector, from view 0 to the last, then points DOWN. Shape and
+ * window are in the rolled camera's own picture: view_width is the number of lenses, view_height the raster's width,
+ * window_center_x_mm points down on the print. lf_print_write turns the samples back; nothing needs transposing before.
+ * Horizontal lenses, not rolled (pictures that stand upright): view_width is the raster's width, view_height the number of lenses. */
 typedef struct lf_print_shape {
-    int raster_width, raster_height; /* pixels of the TIFF, bleed included */
+    int raster_width, raster_height; /* pixels of the TIFF, bleed included: round((size + 2 bleed) * dpi / 25.4) */
     int view_width, view_height;     /* samples of a view */
+    int n_lenses, n_along;           /* the same two numbers, across the lenses and along them */
     int first_lens;                  /* number of the lens of sample 0; lens 0 is centred on the middle (plus phase) */
     double window_width_mm, window_height_mm;
-    double window_center_x_mm, window_center_y_mm; /* right and down from the middle of the print */
+    double window_center_x_mm, window_center_y_mm; /* of the window from the middle of the print, in the views' picture, right and down */
 } lf_print_shape;
+/* print must have passed lf_print_check. */
 void lf_print_shape_of(const lf_print *print, lf_print_shape *out);
 
-/* Interlaces and streams the TIFF (strips; memory beyond the views is a few strips), then writes the manifest JSON. Views have the
- * shape's size, or any other (a quilt picture): then they are resampled to it, said in the manifest. settings (may be NULL) is put
- * into the manifest. Fractional stripes mix in linear light. LF_E_IO (disk full), LF_E_FORMAT (profile), LF_E_CANCELLED. */
+/* Interlaces and streams the TIFF onto tiff->fd (seekable, empty), then writes the manifest JSON; neither is committed: the caller
+ * commits both, or abandons both on failure. Memory beyond the views is a few MB; BigTIFF where the raster may pass 4 GiB; the bytes
+ * depend on the arguments alone (no date). The manifest's sha256 is null when the TIFF's descriptor cannot be read back.
+ * Views have the shape's size and are taken as they are, or any other: then they are resampled (area where that makes
+ * them smaller, linear where larger), said in the manifest. views->n_views may differ from print->n_views: stripe i then shows view
+ * floor((i + 1/2) * views->n_views / print->n_views). Samples that are not finite count as 0.
+ * tonemap as for lf_tone_create (NULL = "srgb"). settings (may be NULL), an object, is put into the manifest. cancel, progress (rising,
+ * 0..1) may be NULL.
+ * LF_E_ARG, LF_E_IO (disk full), LF_E_PATH and LF_E_FORMAT (profile), LF_E_CANCELLED, LF_E_NOMEM. */
 struct json_t;
 LF_NODISCARD lf_status lf_print_write(const lf_print *print, const lf_views32 *views, double exposure, const char *tonemap,
                                       const struct json_t *settings, lf_outfile *tiff, lf_outfile *manifest,
