@@ -10,12 +10,9 @@
 
 #include <getopt.h>
 
+#include "base/version.h"
 #include "quilt/quilt.h"
 #include "render/render.h"
-
-#ifndef LF_VERSION
-#define LF_VERSION "0.1.0"
-#endif
 
 /* Exit codes of every program. */
 enum { LF_EXIT_OK = 0, LF_EXIT_FAILED = 1, LF_EXIT_USAGE = 2, LF_EXIT_NO_DAEMON = 3 };
@@ -59,15 +56,23 @@ enum {
 };
 
 /* Rows for a table of struct option; calibration_option is "panel" (quiltrender) or "calibration" (quiltd). */
-#define LF_OPTIONS_LONG(calibration_option)                                                                                        \
-    {"preset", required_argument, NULL, LF_OPTION_PRESET}, {"views", required_argument, NULL, LF_OPTION_VIEWS},                    \
-        {"quilt", required_argument, NULL, LF_OPTION_QUILT}, {"view-size", required_argument, NULL, LF_OPTION_VIEW_SIZE},          \
-        {"integrator", required_argument, NULL, LF_OPTION_INTEGRATOR}, {"estimator", required_argument, NULL, LF_OPTION_ESTIMATOR}, \
-        {"sampler", required_argument, NULL, LF_OPTION_SAMPLER}, {"threads", required_argument, NULL, LF_OPTION_THREADS},          \
-        {"seed", required_argument, NULL, LF_OPTION_SEED}, {"max-depth", required_argument, NULL, LF_OPTION_MAX_DEPTH},            \
-        {"target-error", required_argument, NULL, LF_OPTION_TARGET_ERROR},                                                        \
-        {calibration_option, required_argument, NULL, LF_OPTION_CALIBRATION}, {"help", no_argument, NULL, LF_OPTION_HELP},         \
+/* clang-format off */
+#define LF_OPTIONS_LONG(calibration_option)                                   \
+    {"preset", required_argument, NULL, LF_OPTION_PRESET},                    \
+        {"views", required_argument, NULL, LF_OPTION_VIEWS},                  \
+        {"quilt", required_argument, NULL, LF_OPTION_QUILT},                  \
+        {"view-size", required_argument, NULL, LF_OPTION_VIEW_SIZE},          \
+        {"integrator", required_argument, NULL, LF_OPTION_INTEGRATOR},        \
+        {"estimator", required_argument, NULL, LF_OPTION_ESTIMATOR},          \
+        {"sampler", required_argument, NULL, LF_OPTION_SAMPLER},              \
+        {"threads", required_argument, NULL, LF_OPTION_THREADS},              \
+        {"seed", required_argument, NULL, LF_OPTION_SEED},                    \
+        {"max-depth", required_argument, NULL, LF_OPTION_MAX_DEPTH},          \
+        {"target-error", required_argument, NULL, LF_OPTION_TARGET_ERROR},    \
+        {calibration_option, required_argument, NULL, LF_OPTION_CALIBRATION}, \
+        {"help", no_argument, NULL, LF_OPTION_HELP},                          \
         {"version", no_argument, NULL, LF_OPTION_VERSION}
+/* clang-format on */
 
 /* The lines of --help for what to look at and for how to render. */
 #define LF_OPTIONS_HELP_VIEWS                                                                                                      \
