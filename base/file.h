@@ -48,11 +48,13 @@ typedef struct lf_outfile {
 
 /* Begins to write path; leftovers "…quiltd-XXXXXX" of killed runs for the same NAME are removed first. */
 LF_NODISCARD lf_status lf_outfile_open(lf_outfile *file, const char *path, bool overwrite, lf_error *err);
-/* The same onto a descriptor opened by somebody else (taken over: closed by commit or abandon): truncated and rewound first. */
+/* The same onto a descriptor opened by somebody else: truncated and rewound first. On LF_OK it is taken over (closed by commit
+ * or abandon), otherwise it stays the caller's. LF_E_ARG when it is not a regular file open for writing. */
 LF_NODISCARD lf_status lf_outfile_adopt(lf_outfile *file, int fd, lf_error *err);
-/* fsync, publish, close. On failure nothing was published. LF_E_EXISTS without overwrite. */
+/* fsync, publish, close; the struct is finished then, also on failure, when nothing was published. LF_E_EXISTS without
+ * overwrite. */
 LF_NODISCARD lf_status lf_outfile_commit(lf_outfile *file, bool overwrite, lf_error *err);
-/* Gives up: nothing is published. Accepts zeroed (fd 0 with path NULL and not borrowed) and finished structs. */
+/* Gives up: nothing is published, an adopted file is left empty. Accepts zeroed (fd 0 with path NULL and not borrowed) and finished structs. */
 void lf_outfile_abandon(lf_outfile *file);
 /* Writes all bytes, EINTR and short writes handled. */
 LF_NODISCARD lf_status lf_outfile_write(lf_outfile *file, const void *data, size_t n, lf_error *err);

@@ -32,43 +32,57 @@ const char *lf_status_name(lf_status status)
     return "LF_E_UNKNOWN";
 }
 
-size_t lf_escape(char *buf, size_t size, const char *text)
+/* Bytes of the UTF-8 character at s; 0 when it is not one. */
+static size_t utf8_length(const unsigned char *s)
+{
+    if (s[0] < 0x80)
+        return 1;
+    if (s[0] < 0xc2 || s[0] > 0xf4)
+        return 0;
+    size_t length = s[0] < 0xe0 ? 2 : s[0] < 0xf0 ? 3 : 4;
+    for (size_t i = 1; i < length; i++) {
+        if ((s[i] & 0xc0) != 0x80)
+            return 0;
+    }
+    return length;
+}
+
+/* The escape of one byte, into out[4]; returns its length. */
+static size_t escape_byte(unsigned char c, char out[static 4])
 {
     static const char hex[] = "0123456789abcdef";
+    out[0] = '\\';
+    if (c == '\n' || c == '\t' || c == '\r') {
+        out[1] = c == '\n' ? 'n' : c == '\t' ? 't' : 'r';
+        return 2;
+    }
+    out[1] = 'x';
+    out[2] = hex[c >> 4];
+    out[3] = hex[c & 15];
+    return 4;
+}
+
+size_t lf_escape(char *buf, size_t size, const char *text)
+{
     size_t n = 0;
     if (size == 0)
         return 0;
     for (const unsigned char *s = (const unsigned char *)text; *s != 0;) {
-        unsigned char c = *s;
+        size_t length = utf8_length(s);
         /* C1 controls are two bytes in UTF-8, and terminals obey them too */
-        bool c1 = c == 0xc2 && s[1] >= 0x80 && s[1] < 0xa0;
-        size_t length = c1 ? 2 : 1;
-        if (!c1 && c >= 0xc2 && c < 0xf5) {
-            size_t expected = c < 0xe0 ? 2 : c < 0xf0 ? 3 : 4;
-            while (length < expected && (s[length] & 0xc0) == 0x80)
-                length++;
-        }
-        bool plain = !c1 && c >= 0x20 && c != 0x7f && (c < 0x80 || length > 1);
-        char out[8];
+        bool control = length == 1 ? s[0] < 0x20 || s[0] == 0x7f : length == 2 && s[0] == 0xc2 && s[1] < 0xa0;
+        char escaped[4];
+        const void *out = s;
         size_t out_length = length;
-        if (plain) {
-            memcpy(out, s, length);
-        } else if (c == '\n' || c == '\t' || c == '\r') {
-            out_length = 2;
-            out[0] = '\\';
-            out[1] = c == '\n' ? 'n' : c == '\t' ? 't' : 'r';
-        } else {
-            unsigned char shown = c1 ? s[1] : c;
-            out_length = 4;
-            memcpy(out, "\\x", 2);
-            out[2] = hex[shown >> 4];
-            out[3] = hex[shown & 15];
+        if (length == 0 || control) {
+            out = escaped;
+            out_length = escape_byte(length == 2 ? s[1] : s[0], escaped);
         }
         if (n + out_length >= size)
             break;
         memcpy(buf + n, out, out_length);
         n += out_length;
-        s += length;
+        s += length == 0 ? 1 : length;
     }
     buf[n] = 0;
     return n;
