@@ -31,7 +31,11 @@ lf_vec3 lf_light_hit(const lf_scene *scene, lf_vec3 from, const lf_hit *hit, flo
 bool lf_scene_has_light_sampling(const lf_scene *scene);
 bool lf_scene_has_area_lights(const lf_scene *scene);
 
-/* Sampling tables of an environment (pdf proportional to luminance-mean times solid angle, never 0 where radiance is not) and of a
+/* Called once the scene's volumes, meshes, materials and bounds stand: makes the mesh lights and appends them, orders the
+ * lights by type, works out distant lights' radiance from their irradiance, and sets what the comment below names. On failure the
+ * lights made so far stay in the scene and are released with it.
+ *
+ * Sampling tables of an environment (pdf proportional to luminance-mean times solid angle, never 0 where radiance is not) and of a
  * mesh light, and the lights' select probabilities (by power estimate; constant skies 0); called at commit. */
 LF_NODISCARD lf_status lf_environment_commit(lf_environment *environment);
 LF_NODISCARD lf_status lf_lights_commit(lf_scene *scene, lf_error *err);

@@ -92,6 +92,7 @@ typedef struct lf_environment {
     float *marginal;      /* [height + 1] cumulative over rows, 0..1 */
     float *conditional;   /* [height][width + 1] cumulative along each row, 0..1 */
     float *pdf;           /* [height][width] per unit solid angle */
+    float mean;           /* radiance, mean over the sphere and the channels */
     char *key;
 } lf_environment;
 
@@ -100,6 +101,7 @@ typedef enum lf_light_type { LF_LIGHT_ENVIRONMENT, LF_LIGHT_DISTANT, LF_LIGHT_PO
 typedef struct lf_light {
     lf_light_type type;
     float select;          /* probability that light sampling picks this light; 0 = never sampled (constant skies) */
+    float cumulative;      /* sum of select up to and with this light; 1 from the last that can be picked on */
     lf_vec3 radiance;      /* environment: scale (file) or radiance (constant); distant with an angle: radiance of the disk; mesh: the material's */
     lf_environment *environment; /* counted reference; NULL = constant */
     float to_environment[3][3];  /* scene direction -> the picture's frame */
@@ -130,7 +132,8 @@ struct lf_scene {
     lf_volume *volumes;
     lf_mesh *meshes;         /* indexed by Embree's geomID */
     lf_material *materials;
-    lf_light *lights;
+    lf_light *lights;        /* in the order of their types after lf_lights_commit: those at infinity first */
+    int n_lights_infinite;   /* set by lf_lights_commit */
     RTCScene embree;         /* NULL without meshes (then no Embree device exists either) */
     struct lf_geometry *geometry; /* owner of the meshes' arrays and of embree, shared between scenes; NULL without meshes */
     lf_vec3 bounds_min, bounds_max; /* of volumes and meshes; min > max when there is nothing */

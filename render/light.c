@@ -1,0 +1,164 @@
+#include "base/alloc.h"
+#include "render/light_types.h"
+
+/* Share of the picks that goes to all lights evenly: the power estimate knows nothing of distances and shadows. */
+#define EVEN_SHARE 0.2
+
+static const lf_light_ops ops[] = {
+    [LF_LIGHT_ENVIRONMENT] = {lf_environment_draw, lf_environment_escape, lf_environment_power},
+    [LF_LIGHT_DISTANT] = {lf_distant_draw, lf_distant_escape, lf_distant_power},
+    [LF_LIGHT_POINT] = {lf_point_draw, NULL, lf_point_power},
+    [LF_LIGHT_MESH] = {lf_mesh_light_draw, NULL, lf_mesh_light_power},
+};
+
+lf_vec3 lf_light_escape(const lf_scene *scene, lf_vec3 w, float *out_pdf)
+{
+    lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f);
+    float pdf = 0.0f;
+    for (int i = 0; i < scene->n_lights_infinite; i++) {
+        const lf_light *light = &scene->lights[i];
+        float p;
+        radiance = lf_add(radiance, ops[light->type].escape(light, w, &p));
+        pdf += light->select * p;
+    }
+    *out_pdf = pdf;
+    return radiance;
+}
+
+/* Picks the first light whose cumulative probability lies above *u, which becomes the place of u in its share. */
+static const lf_light *pick(const lf_scene *scene, float *u)
+{
+    int first = 0, count = scene->n_lights;
+    while (count > 0) {
+        int half = count / 2;
+        bool below = scene->lights[first + half].cumulative <= *u;
+        first = below ? first + half + 1 : first;
+        count = below ? count - half - 1 : half;
+    }
+    const lf_light *light = &scene->lights[first];
+    *u = fminf(fmaxf((*u - (light->cumulative - light->select)) / light->select, 0.0f), 0x1.fffffep-1f);
+    return light;
+}
+
+bool lf_light_draw(const lf_scene *scene, lf_vec3 p, const float u[3], lf_light_sample *out)
+{
+    if (!lf_scene_has_light_sampling(scene))
+        return false;
+    float v[3] = {u[0], u[1], u[2]};
+    const lf_light *light = pick(scene, &v[0]);
+    *out = (lf_light_sample){.distance = INFINITY};
+    if (!ops[light->type].draw(scene, light, p, v, out))
+        return false;
+    if (light - scene->lights < scene->n_lights_infinite && !out->delta)
+        out->radiance = lf_light_escape(scene, out->wi, &out->pdf);
+    else
+        out->pdf *= light->select;
+    return out->pdf > 0.0f;
+}
+
+/* The light of a mesh and material; the lights are ordered by type, mesh and material, in that order. */
+static const lf_light *find_mesh_light(const lf_scene *scene, int mesh, uint16_t material)
+{
+    int first = scene->n_lights_infinite, count = scene->n_lights - first;
+    while (count > 0) {
+        int half = count / 2;
+        const lf_light *l = &scene->lights[first + half];
+        bool below = l->type != LF_LIGHT_MESH || l->mesh < mesh || (l->mesh == mesh && l->mesh_material < material);
+        first = below ? first + half + 1 : first;
+        count = below ? count - half - 1 : half;
+    }
+    return &scene->lights[first];
+}
+
+lf_vec3 lf_light_hit(const lf_scene *scene, lf_vec3 from, const lf_hit *hit, float *out_pdf)
+{
+    *out_pdf = 0.0f;
+    if (!(lf_max3(hit->material->emission) > 0.0f))
+        return lf_v3(0.0f, 0.0f, 0.0f);
+    const lf_light *light =
+        find_mesh_light(scene, (int)(hit->mesh - scene->meshes), (uint16_t)(hit->material - scene->materials));
+    *out_pdf = light->select * lf_mesh_light_pdf(light, from, hit->p, hit->ng);
+    return light->radiance;
+}
+
+bool lf_scene_has_light_sampling(const lf_scene *scene)
+{
+    return scene->n_lights > 0 && scene->lights[scene->n_lights - 1].cumulative > 0.0f;
+}
+
+bool lf_scene_has_area_lights(const lf_scene *scene)
+{
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *l = &scene->lights[i];
+        bool delta = l->type == LF_LIGHT_POINT || (l->type == LF_LIGHT_DISTANT && !(l->cos_angle < 1.0f));
+        if (l->select > 0.0f && !delta)
+            return true;
+    }
+    return false;
+}
+
+/* Stable, and in place: scenes have few lights, and the mesh lights behind them come ordered. */
+static void order_by_type(lf_scene *scene)
+{
+    for (int i = 1; i < scene->n_lights; i++) {
+        lf_light light = scene->lights[i];
+        int j = i;
+        for (; j > 0 && scene->lights[j - 1].type > light.type; j--)
+            scene->lights[j] = scene->lights[j - 1];
+        scene->lights[j] = light;
+    }
+    scene->n_lights_infinite = 0;
+    for (int i = 0; i < scene->n_lights; i++)
+        scene->n_lights_infinite += scene->lights[i].type <= LF_LIGHT_DISTANT;
+}
+
+static double scene_radius(const lf_scene *scene)
+{
+    lf_vec3 d = lf_sub(scene->bounds_max, scene->bounds_min);
+    double radius = d.x >= 0.0f ? 0.5 * (double)lf_length(d) : 0.0;
+    return radius > 0.0 ? radius : 1.0;
+}
+
+static void set_select(lf_scene *scene)
+{
+    double total = 0.0, sum = 0.0, radius = scene_radius(scene);
+    int lit = 0, last = -1;
+    for (int i = 0; i < scene->n_lights; i++) {
+        double power = ops[scene->lights[i].type].power(&scene->lights[i], radius);
+        total += power;
+        lit += power > 0.0;
+        last = power > 0.0 ? i : last;
+    }
+    float before = 0.0f;
+    for (int i = 0; i < scene->n_lights; i++) {
+        lf_light *l = &scene->lights[i];
+        double power = ops[l->type].power(l, radius);
+        if (power > 0.0)
+            sum += (1.0 - EVEN_SHARE) * power / total + EVEN_SHARE / lit;
+        l->cumulative = last >= 0 && i >= last ? 1.0f : lf_cumulative_round(sum);
+        l->select = l->cumulative - before;
+        before = l->cumulative;
+    }
+}
+
+lf_status lf_lights_commit(lf_scene *scene, lf_error *err)
+{
+    for (int i = 0; i < scene->n_lights; i++) {
+        if (scene->lights[i].type == LF_LIGHT_DISTANT)
+            lf_distant_commit(&scene->lights[i]);
+    }
+    lf_status status = lf_mesh_lights_append(scene);
+    if (status != LF_OK)
+        return lf_error_set(err, status, scene->where ? scene->where : "scene", "out of memory for the lights of emissive meshes");
+    order_by_type(scene);
+    set_select(scene);
+    return LF_OK;
+}
+
+void lf_light_finish(lf_light *light)
+{
+    lf_environment_unref(light->environment);
+    lf_free(light->triangle);
+    lf_free(light->area_cdf);
+    *light = (lf_light){0};
+}

@@ -1,0 +1,115 @@
+/* The triangles of one mesh that carry one emissive material: points uniform over their area. */
+#include <string.h>
+
+#include "base/alloc.h"
+#include "render/light_types.h"
+
+static lf_vec3 vertex(const lf_mesh *mesh, uint32_t triangle, int corner)
+{
+    const float *v = mesh->vertices + 3 * (size_t)mesh->triangles[3 * (size_t)triangle + (size_t)corner];
+    return lf_v3(v[0], v[1], v[2]);
+}
+
+static lf_vec3 twice_area(const lf_mesh *mesh, uint32_t triangle)
+{
+    lf_vec3 a = vertex(mesh, triangle, 0);
+    return lf_cross(lf_sub(vertex(mesh, triangle, 1), a), lf_sub(vertex(mesh, triangle, 2), a));
+}
+
+float lf_mesh_light_pdf(const lf_light *light, lf_vec3 from, lf_vec3 p, lf_vec3 ng)
+{
+    lf_vec3 d = lf_sub(p, from);
+    float distance2 = lf_dot(d, d), cosine = fabsf(lf_dot(ng, d)) / sqrtf(distance2), k = light->area * cosine;
+    return k > 0.0f ? distance2 / k : 0.0f;
+}
+
+bool lf_mesh_light_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, const float u[3], lf_light_sample *out)
+{
+    const lf_mesh *mesh = &scene->meshes[light->mesh];
+    float ignored, root = sqrtf(u[1]), b1 = root * (1.0f - u[2]), b2 = root * u[2];
+    uint32_t triangle = light->triangle[lf_cdf_find(light->area_cdf, light->n_triangles, u[0], &ignored)];
+    lf_vec3 a = vertex(mesh, triangle, 0), cross = twice_area(mesh, triangle);
+    lf_vec3 q = lf_madd(lf_madd(a, b1, lf_sub(vertex(mesh, triangle, 1), a)), b2, lf_sub(vertex(mesh, triangle, 2), a));
+    lf_vec3 d = lf_sub(q, p);
+    float distance = lf_length(d), size = lf_length(cross);
+    if (!(size > 0.0f) || !(distance > 0.0f))
+        return false;
+    float pdf = lf_mesh_light_pdf(light, p, q, lf_scale(cross, 1.0f / size));
+    *out = (lf_light_sample){.wi = lf_scale(d, 1.0f / distance), .distance = distance, .radiance = light->radiance, .pdf = pdf};
+    return pdf > 0.0f && pdf < INFINITY;
+}
+
+double lf_mesh_light_power(const lf_light *light, double radius)
+{
+    (void)radius;
+    return 2.0 * (double)LF_PI * (double)light->area * (double)lf_mean3(light->radiance);
+}
+
+static uint16_t triangle_material(const lf_mesh *mesh, int triangle)
+{
+    return mesh->triangle_material ? mesh->triangle_material[triangle] : mesh->material;
+}
+
+static int count_triangles(const lf_mesh *mesh, uint16_t material)
+{
+    int n = 0;
+    for (int i = 0; i < mesh->n_triangles; i++)
+        n += triangle_material(mesh, i) == material;
+    return n;
+}
+
+/* Fills the light's triangles and areas; a mesh without area is left without power and so never picked. */
+static lf_status mesh_light_init(lf_light *light, const lf_mesh *mesh, int n_triangles)
+{
+    light->n_triangles = n_triangles;
+    light->triangle = lf_calloc((size_t)n_triangles, sizeof *light->triangle);
+    light->area_cdf = lf_calloc((size_t)n_triangles + 1, sizeof *light->area_cdf);
+    if (!light->triangle || !light->area_cdf)
+        return LF_E_NOMEM;
+    double total = 0.0, sum = 0.0;
+    int n = 0, last = 0;
+    for (int i = 0; i < mesh->n_triangles; i++) {
+        if (triangle_material(mesh, i) != light->mesh_material)
+            continue;
+        double area = 0.5 * (double)lf_length(twice_area(mesh, (uint32_t)i));
+        last = area > 0.0 ? n : last;
+        light->triangle[n++] = (uint32_t)i;
+        total += area;
+    }
+    for (int i = 0; i < n; i++) {
+        sum += 0.5 * (double)lf_length(twice_area(mesh, light->triangle[i]));
+        light->area_cdf[i + 1] = i >= last ? 1.0f : lf_cumulative_round(sum / total);
+    }
+    light->area = (float)total;
+    return LF_OK;
+}
+
+static lf_status append_one(lf_scene *scene, int mesh, uint16_t material, int n_triangles)
+{
+    lf_light *grown = lf_calloc((size_t)scene->n_lights + 1, sizeof *grown);
+    if (!grown)
+        return LF_E_NOMEM;
+    if (scene->n_lights > 0)
+        memcpy(grown, scene->lights, (size_t)scene->n_lights * sizeof *grown);
+    lf_free(scene->lights);
+    scene->lights = grown;
+    lf_light *light = &scene->lights[scene->n_lights++];
+    light->type = LF_LIGHT_MESH;
+    light->mesh = mesh;
+    light->mesh_material = material;
+    light->radiance = scene->materials[material].emission;
+    return mesh_light_init(light, &scene->meshes[mesh], n_triangles);
+}
+
+lf_status lf_mesh_lights_append(lf_scene *scene)
+{
+    for (int i = 0; i < scene->n_meshes; i++) {
+        for (int m = 0; m < scene->n_materials; m++) {
+            int n = lf_max3(scene->materials[m].emission) > 0.0f ? count_triangles(&scene->meshes[i], (uint16_t)m) : 0;
+            lf_status status = n > 0 ? append_one(scene, i, (uint16_t)m, n) : LF_OK;
+            if (status != LF_OK)
+                return status;
+        }
+    }
+    return LF_OK;
+}
