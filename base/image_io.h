@@ -27,10 +27,20 @@ typedef struct lf_attribute {
     const char *name, *value;
 } lf_attribute;
 
-/* PNG, 8-bit RGB, sRGB chunk; level 1..9 is zlib's. attributes[n] may be NULL with n 0. */
+/* Asked for rows 0, 1, ... in order, so that a picture need not lie in memory whole: fills row [width][3]. */
+typedef void (*lf_rows8_fn)(void *context, int y, uint8_t *row);
+typedef void (*lf_rows32_fn)(void *context, int y, float *row);
+
+/* PNG, 8-bit RGB, sRGB chunk; level 1..9 is zlib's (1 for live pictures). attributes[n] may be NULL with n 0; names up to 79
+ * characters, values UTF-8. Nothing is published or closed: that is lf_outfile_commit's. LF_E_IO, LF_E_ARG, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows, void *context, int level,
+                                         const lf_attribute *attributes, int n, lf_error *err);
 LF_NODISCARD lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level, const lf_attribute *attributes, int n,
                                     lf_error *err);
-/* EXR, 32-bit float RGB, ZIP scan lines. */
+/* EXR, 32-bit float RGB, ZIP scan lines; attributes become string attributes (names up to 255 characters). The file must be
+ * seekable. The same pixels and attributes give the same bytes. */
+LF_NODISCARD lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_fn rows, void *context,
+                                         const lf_attribute *attributes, int n, lf_error *err);
 LF_NODISCARD lf_status lf_exr_write(lf_outfile *file, const lf_image32 *image, const lf_attribute *attributes, int n,
                                     lf_error *err);
 

@@ -1,0 +1,52 @@
+#include "base/image.h"
+
+#include "base/alloc.h"
+
+#define MAX_SIDE 65536
+#define MAX_SAMPLES ((size_t)1 << 31)
+
+static lf_status check_shape(int width, int height, int channels)
+{
+    if (width < 1 || width > MAX_SIDE || height < 1 || height > MAX_SIDE || channels < 1 || channels > 4)
+        return LF_E_ARG;
+    if ((size_t)width * (size_t)height > MAX_SAMPLES / (size_t)channels)
+        return LF_E_ARG;
+    return LF_OK;
+}
+
+lf_status lf_image8_init(lf_image8 *image, int width, int height, int channels)
+{
+    lf_status status = check_shape(width, height, channels);
+    if (status != LF_OK)
+        return status;
+    size_t stride = (size_t)width * (size_t)channels;
+    uint8_t *data = lf_calloc((size_t)height, stride);
+    if (!data)
+        return LF_E_NOMEM;
+    *image = (lf_image8){.width = width, .height = height, .channels = channels, .stride = stride, .data = data};
+    return LF_OK;
+}
+
+lf_status lf_image32_init(lf_image32 *image, int width, int height, int channels)
+{
+    lf_status status = check_shape(width, height, channels);
+    if (status != LF_OK)
+        return status;
+    float *data = lf_calloc((size_t)height * (size_t)width * (size_t)channels, sizeof *data);
+    if (!data)
+        return LF_E_NOMEM;
+    *image = (lf_image32){.width = width, .height = height, .channels = channels, .data = data};
+    return LF_OK;
+}
+
+void lf_image8_finish(lf_image8 *image)
+{
+    lf_free(image->data);
+    *image = (lf_image8){0};
+}
+
+void lf_image32_finish(lf_image32 *image)
+{
+    lf_free(image->data);
+    *image = (lf_image32){0};
+}

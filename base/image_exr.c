@@ -1,0 +1,520 @@
+/* OpenEXR by the C library OpenEXRCore. The Core of OpenEXR 3.1 (Debian 12) has no DWA decoder and does not rebuild
+ * luminance-chroma pictures: pixels of those two kinds come through the C interface of the C++ library (ImfCRgbaFile.h),
+ * whose half floats lose nothing there, as DWA and chroma coding go by way of halfs themselves. Headers are always
+ * the Core's, so every check is made once. */
+#include <errno.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <openexr.h>
+
+#include <ImfCRgbaFile.h>
+
+#include "base/alloc.h"
+#include "base/image_formats.h"
+#include "base/log.h"
+
+/* What OpenEXRCore's callbacks reach. */
+typedef struct exr_session {
+    const lf_image_source *source; /* reading */
+    lf_outfile *file;              /* writing */
+    lf_error *err;
+    lf_status status;              /* of our own I/O */
+    char message[200];             /* the library's first complaint */
+} exr_session;
+
+typedef struct exr_input {
+    exr_session *session;
+    exr_context_t exr;
+    exr_attr_box2i_t data, display;
+    int data_width, data_height;
+    exr_compression_t compression;
+    bool tiled, grey, chroma;
+} exr_input;
+
+static bool recognises_exr(const uint8_t *head, size_t n)
+{
+    return n >= 4 && head[0] == 0x76 && head[1] == 0x2f && head[2] == 0x31 && head[3] == 0x01;
+}
+
+static void on_error(exr_const_context_t exr, exr_result_t code, const char *message)
+{
+    void *data = NULL;
+    if (exr_get_user_data(exr, &data) != EXR_ERR_SUCCESS || !data)
+        return;
+    exr_session *s = data;
+    if (s->message[0] == 0)
+        snprintf(s->message, sizeof s->message, "%s", message ? message : exr_get_default_error_message(code));
+}
+
+static lf_status bad(const exr_session *s, exr_result_t code)
+{
+    const char *where = s->source ? s->source->where : lf_outfile_name(s->file);
+    if (s->status != LF_OK)
+        return s->status;
+    lf_status status = code == EXR_ERR_OUT_OF_MEMORY ? LF_E_NOMEM : LF_E_FORMAT;
+    return lf_error_set(s->err, status, where, "EXR: %s", s->message[0] ? s->message : exr_get_default_error_message(code));
+}
+
+/* ---------------------------------------------------------------------------------------------------------- read -- */
+
+static int64_t read_bytes(exr_const_context_t exr, void *data, void *to, uint64_t n, uint64_t offset,
+                          exr_stream_error_func_ptr_t report)
+{
+    (void)exr;
+    (void)report;
+    exr_session *s = data;
+    uint64_t done = 0;
+    while (done < n) {
+        ssize_t got = pread(s->source->fd, (char *)to + done, n - done, (off_t)(offset + done));
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0) {
+            s->status = lf_error_set(s->err, LF_E_IO, s->source->where, "cannot read: %s", strerror(errno));
+            return -1;
+        }
+        if (got == 0)
+            break;
+        done += (uint64_t)got;
+    }
+    return (int64_t)done;
+}
+
+static int64_t file_size(exr_const_context_t exr, void *data)
+{
+    (void)exr;
+    const exr_session *s = data;
+    return (int64_t)s->source->size_bytes;
+}
+
+static bool has_channel(const exr_attr_chlist_t *channels, const char *name)
+{
+    for (int i = 0; i < channels->num_channels; i++)
+        if (strcmp(channels->entries[i].name.str, name) == 0)
+            return true;
+    return false;
+}
+
+static bool is_subsampled(const exr_attr_chlist_t *channels, const char *name)
+{
+    for (int i = 0; i < channels->num_channels; i++) {
+        const exr_attr_chlist_entry_t *c = &channels->entries[i];
+        if (strcmp(c->name.str, name) == 0 && (c->x_sampling != 1 || c->y_sampling != 1))
+            return true;
+    }
+    return false;
+}
+
+static lf_status check_channels(exr_input *in)
+{
+    const exr_attr_chlist_t *channels = NULL;
+    const char *where = in->session->source->where;
+    exr_result_t rv = exr_get_channels(in->exr, 0, &channels);
+    if (rv != EXR_ERR_SUCCESS || !channels)
+        return bad(in->session, rv);
+    bool rgb = has_channel(channels, "R") && has_channel(channels, "G") && has_channel(channels, "B");
+    in->grey = !rgb && has_channel(channels, "Y");
+    in->chroma = in->grey && has_channel(channels, "RY") && has_channel(channels, "BY");
+    if (!rgb && !in->grey)
+        return lf_error_set(in->session->err, LF_E_FORMAT, where, "an EXR with neither the channels R, G, B nor Y");
+    if (is_subsampled(channels, "R") || is_subsampled(channels, "G") || is_subsampled(channels, "B") ||
+        is_subsampled(channels, "Y"))
+        return lf_error_set(in->session->err, LF_E_FORMAT, where, "an EXR with subsampled R, G, B or Y");
+    int n_used = rgb || in->chroma ? 3 : 1;
+    if (channels->num_channels > n_used)
+        lf_log(LF_LOG_DEBUG, "%s: %d further channels are not read", where, channels->num_channels - n_used);
+    return LF_OK;
+}
+
+static lf_status check_windows(exr_input *in)
+{
+    int64_t data_w = (int64_t)in->data.max.x - in->data.min.x + 1, data_h = (int64_t)in->data.max.y - in->data.min.y + 1;
+    int64_t width = (int64_t)in->display.max.x - in->display.min.x + 1;
+    int64_t height = (int64_t)in->display.max.y - in->display.min.y + 1;
+    const exr_session *s = in->session;
+    lf_status status = lf_image_check_shape(s->source, width, height, 12, s->err);
+    if (status == LF_OK)
+        status = lf_image_check_shape(s->source, data_w, data_h, 12, s->err);
+    in->data_width = (int)data_w;
+    in->data_height = (int)data_h;
+    return status;
+}
+
+/* A header that is what the pixel readers take for granted. */
+static lf_status read_header(exr_input *in)
+{
+    exr_storage_t storage = EXR_STORAGE_LAST_TYPE;
+    exr_result_t rv = exr_get_storage(in->exr, 0, &storage);
+    if (rv == EXR_ERR_SUCCESS)
+        rv = exr_get_compression(in->exr, 0, &in->compression);
+    if (rv == EXR_ERR_SUCCESS)
+        rv = exr_get_data_window(in->exr, 0, &in->data);
+    if (rv == EXR_ERR_SUCCESS)
+        rv = exr_get_display_window(in->exr, 0, &in->display);
+    if (rv != EXR_ERR_SUCCESS)
+        return bad(in->session, rv);
+    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
+        return lf_error_set(in->session->err, LF_E_FORMAT, in->session->source->where,
+                            "a deep EXR (expected scan lines or tiles of flat pixels)");
+    in->tiled = storage == EXR_STORAGE_TILED;
+    lf_status status = check_windows(in);
+    return status == LF_OK ? check_channels(in) : status;
+}
+
+/* The part of a block that lies in the display window; (x, y) is its corner in the file's coordinates. */
+static void place_block(const exr_input *in, const float *block, int x, int y, int width, int height, lf_image32 *out)
+{
+    for (int row = 0; row < height; row++) {
+        int to_y = y + row - in->display.min.y;
+        if (to_y < 0 || to_y >= out->height)
+            continue;
+        int first = x < in->display.min.x ? in->display.min.x - x : 0;
+        int64_t room = (int64_t)in->display.max.x + 1 - x;
+        int last = room < width ? (int)room : width;
+        if (first >= last)
+            continue;
+        size_t to_x = (size_t)(x + first - in->display.min.x);
+        memcpy(out->data + ((size_t)to_y * (size_t)out->width + to_x) * 3,
+               block + ((size_t)row * (size_t)width + (size_t)first) * 3, (size_t)(last - first) * 3 * sizeof(float));
+    }
+}
+
+static void spread_grey(float *block, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        block[3 * i + 1] = block[3 * i + 2] = block[3 * i];
+}
+
+/* Points the channels that are wanted at the block; the library converts half and uint to float. */
+static void aim_channels(const exr_input *in, exr_decode_pipeline_t *decode, float *block, int width)
+{
+    const char *const wanted[] = {in->grey ? "Y" : "R", "G", "B"};
+    for (int c = 0; c < decode->channel_count; c++) {
+        exr_coding_channel_info_t *channel = &decode->channels[c];
+        int slot = 0;
+        while (slot < 3 && strcmp(channel->channel_name, wanted[slot]) != 0)
+            slot++;
+        channel->decode_to_ptr = NULL;
+        if (slot == 3 || (in->grey && slot > 0))
+            continue;
+        channel->decode_to_ptr = (uint8_t *)(block + slot);
+        channel->user_bytes_per_element = 4;
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_pixel_stride = 12;
+        channel->user_line_stride = width * 12;
+    }
+}
+
+static exr_result_t decode_chunk(const exr_input *in, const exr_chunk_info_t *chunk, exr_decode_pipeline_t *decode, bool first,
+                                 float *block)
+{
+    exr_result_t rv = first ? exr_decoding_initialize(in->exr, 0, chunk, decode)
+                            : exr_decoding_update(in->exr, 0, chunk, decode);
+    if (rv != EXR_ERR_SUCCESS)
+        return rv;
+    aim_channels(in, decode, block, chunk->width);
+    if (first)
+        rv = exr_decoding_choose_default_routines(in->exr, 0, decode);
+    return rv == EXR_ERR_SUCCESS ? exr_decoding_run(in->exr, 0, decode) : rv;
+}
+
+static exr_result_t read_scan_lines(const exr_input *in, exr_decode_pipeline_t *decode, float *block, int lines,
+                                    lf_image32 *out)
+{
+    for (int y = 0; y < in->data_height; y += lines) {
+        exr_chunk_info_t chunk = {0};
+        exr_result_t rv = exr_read_scanline_chunk_info(in->exr, 0, in->data.min.y + y, &chunk);
+        if (rv == EXR_ERR_SUCCESS && (chunk.width != in->data_width || chunk.height > lines || chunk.height < 1))
+            rv = EXR_ERR_BAD_CHUNK_LEADER;
+        if (rv == EXR_ERR_SUCCESS)
+            rv = decode_chunk(in, &chunk, decode, y == 0, block);
+        if (rv != EXR_ERR_SUCCESS)
+            return rv;
+        if (in->grey)
+            spread_grey(block, (size_t)chunk.width * (size_t)chunk.height);
+        place_block(in, block, in->data.min.x, in->data.min.y + y, chunk.width, chunk.height, out);
+    }
+    return EXR_ERR_SUCCESS;
+}
+
+static exr_result_t read_tiles(const exr_input *in, exr_decode_pipeline_t *decode, float *block, int tile_w, int tile_h,
+                               lf_image32 *out)
+{
+    for (int y = 0; y < in->data_height; y += tile_h) {
+        for (int x = 0; x < in->data_width; x += tile_w) {
+            exr_chunk_info_t chunk = {0};
+            exr_result_t rv = exr_read_tile_chunk_info(in->exr, 0, x / tile_w, y / tile_h, 0, 0, &chunk);
+            if (rv == EXR_ERR_SUCCESS && (chunk.width > tile_w || chunk.height > tile_h || chunk.width < 1 || chunk.height < 1))
+                rv = EXR_ERR_BAD_CHUNK_LEADER;
+            if (rv == EXR_ERR_SUCCESS)
+                rv = decode_chunk(in, &chunk, decode, x == 0 && y == 0, block);
+            if (rv != EXR_ERR_SUCCESS)
+                return rv;
+            if (in->grey)
+                spread_grey(block, (size_t)chunk.width * (size_t)chunk.height);
+            place_block(in, block, in->data.min.x + x, in->data.min.y + y, chunk.width, chunk.height, out);
+        }
+    }
+    return EXR_ERR_SUCCESS;
+}
+
+/* Blocks of the file's own shape, never larger than the data window. */
+static exr_result_t block_shape(const exr_input *in, int *out_width, int *out_height)
+{
+    int32_t width = in->data_width, height = 1;
+    exr_result_t rv = in->tiled ? exr_get_tile_sizes(in->exr, 0, 0, 0, &width, &height)
+                                : exr_get_scanlines_per_chunk(in->exr, 0, &height);
+    if (rv == EXR_ERR_SUCCESS && (width < 1 || height < 1))
+        rv = EXR_ERR_INVALID_ATTR;
+    *out_width = width < in->data_width ? width : in->data_width;
+    *out_height = height < in->data_height ? height : in->data_height;
+    return rv;
+}
+
+static lf_status read_by_core(const exr_input *in, lf_image32 *out)
+{
+    int width, height;
+    exr_result_t rv = block_shape(in, &width, &height);
+    if (rv != EXR_ERR_SUCCESS)
+        return bad(in->session, rv);
+    float *block = lf_calloc((size_t)width * (size_t)height * 3, sizeof *block);
+    if (!block)
+        return lf_error_set(in->session->err, LF_E_NOMEM, in->session->source->where, "no memory for the picture");
+    exr_decode_pipeline_t decode = EXR_DECODE_PIPELINE_INITIALIZER;
+    rv = in->tiled ? read_tiles(in, &decode, block, width, height, out) : read_scan_lines(in, &decode, block, height, out);
+    exr_decoding_destroy(in->exr, &decode);
+    lf_free(block);
+    return rv == EXR_ERR_SUCCESS ? LF_OK : bad(in->session, rv);
+}
+
+#define BAND_LINES 256 /* DWAB's block: each is unpacked once */
+
+static lf_status read_bands(const exr_input *in, ImfInputFile *file, ImfRgba *half, float *block, lf_image32 *out)
+{
+    size_t width = (size_t)in->data_width;
+    for (int y = 0; y < in->data_height; y += BAND_LINES) {
+        int n = in->data_height - y < BAND_LINES ? in->data_height - y : BAND_LINES;
+        int from = in->data.min.y + y;
+        /* The library wants the address that pixel (0, 0) would have, which need not lie in the buffer. */
+        intptr_t origin = (intptr_t)half - ((intptr_t)in->data.min.x + (intptr_t)from * (intptr_t)width) * (intptr_t)sizeof *half;
+        if (!ImfInputSetFrameBuffer(file, (ImfRgba *)origin, 1, width) || !ImfInputReadPixels(file, from, from + n - 1))
+            return LF_E_FORMAT;
+        for (size_t i = 0; i < width * (size_t)n; i++) {
+            block[3 * i] = ImfHalfToFloat(half[i].r);
+            block[3 * i + 1] = ImfHalfToFloat(half[i].g);
+            block[3 * i + 2] = ImfHalfToFloat(half[i].b);
+        }
+        place_block(in, block, in->data.min.x, from, in->data_width, n, out);
+    }
+    return LF_OK;
+}
+
+/* That library keeps its message in one global buffer. */
+static pthread_mutex_t rgba_library = PTHREAD_MUTEX_INITIALIZER;
+
+static lf_status read_by_rgba_library(const exr_input *in, lf_image32 *out)
+{
+    const lf_image_source *source = in->session->source;
+    size_t n = (size_t)in->data_width * BAND_LINES;
+    ImfRgba *half = lf_calloc(n, sizeof *half);
+    float *block = lf_calloc(n * 3, sizeof *block);
+    if (!half || !block) {
+        lf_free(half);
+        lf_free(block);
+        return lf_error_set(in->session->err, LF_E_NOMEM, source->where, "no memory for the picture");
+    }
+    char name[32];
+    snprintf(name, sizeof name, "/proc/self/fd/%d", source->fd);
+    pthread_mutex_lock(&rgba_library);
+    ImfInputFile *file = ImfOpenInputFile(name);
+    lf_status status = file ? read_bands(in, file, half, block, out) : LF_E_FORMAT;
+    if (status != LF_OK)
+        (void)lf_error_set(in->session->err, status, source->where, "EXR: %.300s", ImfErrorMessage());
+    if (file)
+        ImfCloseInputFile(file);
+    pthread_mutex_unlock(&rgba_library);
+    lf_free(half);
+    lf_free(block);
+    return status;
+}
+
+static lf_status read_part(exr_input *in, lf_image32 *out)
+{
+    lf_status status = read_header(in);
+    if (status != LF_OK)
+        return status;
+    int width = in->display.max.x - in->display.min.x + 1, height = in->display.max.y - in->display.min.y + 1;
+    status = lf_image32_init(out, width, height, 3);
+    if (status != LF_OK)
+        return lf_error_set(in->session->err, status, in->session->source->where, "no memory for the picture");
+    bool dwa = in->compression == EXR_COMPRESSION_DWAA || in->compression == EXR_COMPRESSION_DWAB;
+    return dwa || in->chroma ? read_by_rgba_library(in, out) : read_by_core(in, out);
+}
+
+static lf_status read_exr(const lf_image_source *source, lf_image32 *out, lf_error *err)
+{
+    exr_session session = {.source = source, .err = err};
+    exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    setup.error_handler_fn = on_error;
+    setup.user_data = &session;
+    setup.read_fn = read_bytes;
+    setup.size_fn = file_size;
+    setup.max_image_width = setup.max_image_height = setup.max_tile_width = setup.max_tile_height = 65536;
+    setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    exr_input in = {.session = &session};
+    exr_result_t rv = exr_start_read(&in.exr, source->where, &setup);
+    if (rv != EXR_ERR_SUCCESS)
+        return bad(&session, rv);
+    lf_image32 image = {0};
+    lf_status status = read_part(&in, &image);
+    exr_finish(&in.exr);
+    if (status == LF_OK)
+        *out = image;
+    else
+        lf_image32_finish(&image);
+    return status;
+}
+
+const lf_image_format lf_format_exr = {.name = "EXR", .kind = LF_IMAGE_FLOAT, .recognises = recognises_exr, .read32 = read_exr};
+
+/* --------------------------------------------------------------------------------------------------------- write -- */
+
+static int64_t write_bytes(exr_const_context_t exr, void *data, const void *from, uint64_t n, uint64_t offset,
+                           exr_stream_error_func_ptr_t report)
+{
+    (void)exr;
+    (void)report;
+    exr_session *s = data;
+    uint64_t done = 0;
+    while (done < n && s->status == LF_OK) {
+        ssize_t put = pwrite(s->file->fd, (const char *)from + done, n - done, (off_t)(offset + done));
+        if (put > 0)
+            done += (uint64_t)put;
+        else if (put == 0 || errno != EINTR)
+            s->status = lf_error_set(s->err, LF_E_IO, lf_outfile_name(s->file), "cannot write: %s",
+                                     put == 0 ? "nothing was taken" : strerror(errno));
+    }
+    return s->status == LF_OK ? (int64_t)n : -1;
+}
+
+typedef struct exr_job {
+    int width, height;
+    lf_rows32_fn rows;
+    void *context;
+    float *block; /* [lines of a chunk][width][3] */
+    const lf_attribute *attributes;
+    int n_attributes;
+} exr_job;
+
+static exr_result_t define_part(exr_context_t exr, const exr_job *job)
+{
+    int part = 0;
+    exr_result_t rv = exr_add_part(exr, NULL, EXR_STORAGE_SCANLINE, &part);
+    if (rv == EXR_ERR_SUCCESS)
+        rv = exr_initialize_required_attr_simple(exr, part, job->width, job->height, EXR_COMPRESSION_ZIP);
+    const char *const names[] = {"B", "G", "R"};
+    for (int c = 0; c < 3 && rv == EXR_ERR_SUCCESS; c++)
+        rv = exr_add_channel(exr, part, names[c], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1);
+    for (int i = 0; i < job->n_attributes && rv == EXR_ERR_SUCCESS; i++) {
+        if (strlen(job->attributes[i].name) > 31)
+            rv = exr_set_longname_support(exr, 1);
+        if (rv == EXR_ERR_SUCCESS)
+            rv = exr_attr_set_string(exr, part, job->attributes[i].name, job->attributes[i].value);
+    }
+    if (rv == EXR_ERR_SUCCESS)
+        rv = exr_set_zip_compression_level(exr, part, 2);
+    return rv == EXR_ERR_SUCCESS ? exr_write_header(exr) : rv;
+}
+
+static void aim_encoder(exr_encode_pipeline_t *encode, const float *block, int width)
+{
+    for (int c = 0; c < encode->channel_count; c++) {
+        exr_coding_channel_info_t *channel = &encode->channels[c];
+        int slot = channel->channel_name[0] == 'R' ? 0 : channel->channel_name[0] == 'G' ? 1 : 2;
+        channel->encode_from_ptr = (const uint8_t *)(block + slot);
+        channel->user_bytes_per_element = 4;
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_pixel_stride = 12;
+        channel->user_line_stride = width * 12;
+    }
+}
+
+static exr_result_t write_chunks(exr_context_t exr, exr_job *job, exr_encode_pipeline_t *encode, int lines)
+{
+    for (int y = 0; y < job->height; y += lines) {
+        exr_chunk_info_t chunk = {0};
+        exr_result_t rv = exr_write_scanline_chunk_info(exr, 0, y, &chunk);
+        for (int row = 0; rv == EXR_ERR_SUCCESS && row < chunk.height; row++)
+            job->rows(job->context, y + row, job->block + (size_t)row * (size_t)job->width * 3);
+        if (rv == EXR_ERR_SUCCESS)
+            rv = y == 0 ? exr_encoding_initialize(exr, 0, &chunk, encode) : exr_encoding_update(exr, 0, &chunk, encode);
+        if (rv != EXR_ERR_SUCCESS)
+            return rv;
+        aim_encoder(encode, job->block, job->width);
+        if (y == 0)
+            rv = exr_encoding_choose_default_routines(exr, 0, encode);
+        if (rv == EXR_ERR_SUCCESS)
+            rv = exr_encoding_run(exr, 0, encode);
+        if (rv != EXR_ERR_SUCCESS)
+            return rv;
+    }
+    return EXR_ERR_SUCCESS;
+}
+
+static exr_result_t write_picture(exr_context_t exr, exr_job *job)
+{
+    int32_t lines = 0;
+    exr_result_t rv = define_part(exr, job);
+    if (rv == EXR_ERR_SUCCESS)
+        rv = exr_get_scanlines_per_chunk(exr, 0, &lines);
+    if (rv != EXR_ERR_SUCCESS)
+        return rv;
+    job->block = lf_calloc((size_t)lines * (size_t)job->width * 3, sizeof *job->block);
+    if (!job->block)
+        return EXR_ERR_OUT_OF_MEMORY;
+    exr_encode_pipeline_t encode = EXR_ENCODE_PIPELINE_INITIALIZER;
+    rv = write_chunks(exr, job, &encode, lines);
+    exr_encoding_destroy(exr, &encode);
+    lf_free(job->block);
+    return rv;
+}
+
+lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_fn rows, void *context,
+                            const lf_attribute *attributes, int n, lf_error *err)
+{
+    if (width < 1 || width > 65536 || height < 1 || height > 65536)
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%dx%d pixels cannot be an EXR", width, height);
+    exr_session session = {.file = file, .err = err};
+    exr_job job = {.width = width, .height = height, .rows = rows, .context = context, .attributes = attributes,
+                   .n_attributes = n};
+    exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    setup.error_handler_fn = on_error;
+    setup.user_data = &session;
+    setup.write_fn = write_bytes;
+    exr_context_t exr = NULL;
+    exr_result_t rv = exr_start_write(&exr, lf_outfile_name(file), EXR_WRITE_FILE_DIRECTLY, &setup);
+    if (rv == EXR_ERR_SUCCESS)
+        rv = write_picture(exr, &job);
+    /* finishing writes the table of chunks, and may fail as well */
+    exr_result_t end = exr ? exr_finish(&exr) : EXR_ERR_SUCCESS;
+    if (rv == EXR_ERR_SUCCESS)
+        rv = end;
+    return rv == EXR_ERR_SUCCESS && session.status == LF_OK ? LF_OK : bad(&session, rv);
+}
+
+static void copy_row(void *context, int y, float *row)
+{
+    const lf_image32 *image = context;
+    size_t n = (size_t)image->width * 3;
+    memcpy(row, image->data + (size_t)y * n, n * sizeof *row);
+}
+
+lf_status lf_exr_write(lf_outfile *file, const lf_image32 *image, const lf_attribute *attributes, int n, lf_error *err)
+{
+    if (image->channels != 3)
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%d channels (expected 3)", image->channels);
+    lf_image32 borrowed = *image;
+    return lf_exr_write_rows(file, image->width, image->height, copy_row, &borrowed, attributes, n, err);
+}
