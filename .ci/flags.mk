@@ -14,7 +14,7 @@ ifdef WERROR
 lf_warnings += -Werror
 endif
 
-# no contraction: the same bits from every instruction set; never -ffast-math
+# no contraction: the same bits from every instruction set, and NaN and infinity as they are
 lf_float := -ffp-contract=off -fno-math-errno -fno-trapping-math
 
 variant_release := -O2 -g -D_FORTIFY_SOURCE=2 -fstack-protector-strong

@@ -146,7 +146,8 @@ lf_status lf_file_open(const char *path, const lf_roots *roots, uint64_t max_byt
     else if (!S_ISREG(st.st_mode))
         status = lf_error_set(err, LF_E_FORMAT, path, "not a regular file");
     else if ((uint64_t)st.st_size > max_bytes)
-        status = lf_error_set(err, LF_E_FORMAT, path, "%ju bytes, expected at most %ju", (uintmax_t)st.st_size, (uintmax_t)max_bytes);
+        status =
+            lf_error_set(err, LF_E_FORMAT, path, "%ju bytes, expected at most %ju", (uintmax_t)st.st_size, (uintmax_t)max_bytes);
     if (status != LF_OK) {
         close(fd);
         return status;
@@ -175,7 +176,8 @@ static lf_status read_all(int fd, char *data, size_t n, size_t *out_n, const cha
     return LF_OK;
 }
 
-lf_status lf_file_read(const char *path, const lf_roots *roots, uint64_t max_bytes, char **out_data, size_t *out_size, lf_error *err)
+lf_status lf_file_read(const char *path, const lf_roots *roots, uint64_t max_bytes, char **out_data, size_t *out_size,
+                       lf_error *err)
 {
     int fd;
     uint64_t size;

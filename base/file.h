@@ -54,7 +54,8 @@ LF_NODISCARD lf_status lf_outfile_adopt(lf_outfile *file, int fd, lf_error *err)
 /* fsync, publish, close; the struct is finished then, also on failure, when nothing was published. LF_E_EXISTS without
  * overwrite. */
 LF_NODISCARD lf_status lf_outfile_commit(lf_outfile *file, bool overwrite, lf_error *err);
-/* Gives up: nothing is published, an adopted file is left empty. Accepts zeroed (fd 0 with path NULL and not borrowed) and finished structs. */
+/* Gives up: nothing is published, an adopted file is left empty. Accepts zeroed (fd 0 with path NULL and not borrowed) and
+ * finished structs. */
 void lf_outfile_abandon(lf_outfile *file);
 /* Writes all bytes, EINTR and short writes handled. */
 LF_NODISCARD lf_status lf_outfile_write(lf_outfile *file, const void *data, size_t n, lf_error *err);

@@ -88,7 +88,8 @@ size_t lf_escape(char *buf, size_t size, const char *text)
     return n;
 }
 
-static lf_status report(lf_error *err, lf_status status, const char *where, int line, const char *pointer, const char *fmt, va_list ap)
+static lf_status report(lf_error *err, lf_status status, const char *where, int line, const char *pointer, const char *fmt,
+                        va_list ap)
 {
     if (!err)
         return status;
