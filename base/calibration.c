@@ -1,0 +1,254 @@
+#include "base/calibration.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/file.h"
+#include "base/log.h"
+
+#define MAX_SIDE_PX 16384
+
+typedef struct parser {
+    const char *text, *where;
+    size_t n;
+    const json_t *root;
+    lf_calibration c;
+    lf_error *err;
+} parser;
+
+/* A number that the formulas take, where it goes, and what is sane for it. */
+typedef struct number_rule {
+    const char *key;
+    size_t offset;
+    double low, high, absent; /* absent NAN: the key is required */
+} number_rule;
+
+#define TO(member) offsetof(lf_calibration, member)
+
+static const number_rule number_rules[] = {
+    {"pitch", TO(pitch), 1, 1000, NAN},
+    {"slope", TO(slope), -1e6, 1e6, NAN},
+    {"center", TO(center), -1000, 1000, NAN},
+    {"viewCone", TO(view_cone_deg), 0, 179, 0},
+    {"DPI", TO(dpi), 1, 10000, NAN},
+};
+
+static const struct integer_rule {
+    const char *key;
+    size_t offset;
+    int low, high, absent; /* absent -1: the key is required */
+} integer_rules[] = {
+    {"screenW", TO(screen_width_px), 1, MAX_SIDE_PX, -1},
+    {"screenH", TO(screen_height_px), 1, MAX_SIDE_PX, -1},
+    {"CellPatternMode", TO(cell_pattern_mode), 0, 4, 0},
+};
+
+static const struct flag_rule {
+    const char *key;
+    size_t offset;
+    int absent;
+} flag_rules[] = {
+    {"invView", TO(inv_view), 1}, /* every first-generation sample that has it says 1 */
+    {"flipImageX", TO(flip_image_x), 0},
+    {"flipSubp", TO(flip_subp), 0},
+};
+
+/* Line of the first `"key"` in the text. Jansson keeps no positions; keys of this format stand once. */
+static int line_of(const parser *p, const char *key)
+{
+    char quoted[64];
+    int n = snprintf(quoted, sizeof quoted, "\"%s\"", key);
+    const char *at = memmem(p->text, p->n, quoted, (size_t)n);
+    if (!at)
+        return 0;
+    int line = 1;
+    for (const char *c = p->text; c < at; c++)
+        line += *c == '\n';
+    return line;
+}
+
+static lf_status bad_key(const parser *p, const char *key, const char *expected)
+{
+    char pointer[80];
+    snprintf(pointer, sizeof pointer, "/%s", key);
+    return lf_error_set_at(p->err, LF_E_FORMAT, p->where, line_of(p, key), pointer, "expected %s", expected);
+}
+
+/* The bare value of {"value": x} or x. */
+static const json_t *unwrap(const json_t *value)
+{
+    return json_is_object(value) ? json_object_get(value, "value") : value;
+}
+
+static bool to_number(const json_t *value, double *out)
+{
+    value = unwrap(value);
+    if (json_is_boolean(value))
+        *out = json_is_true(value);
+    else if (json_is_number(value))
+        *out = json_number_value(value);
+    else
+        return false;
+    return isfinite(*out);
+}
+
+static lf_status take_number(parser *p, const number_rule *rule)
+{
+    double *to = (double *)(void *)((char *)&p->c + rule->offset);
+    char expected[96];
+    snprintf(expected, sizeof expected, "a number from %g to %g", rule->low, rule->high);
+    const json_t *value = json_object_get(p->root, rule->key);
+    if (!value && !isnan(rule->absent)) {
+        *to = rule->absent;
+        return LF_OK;
+    }
+    if (!value || !to_number(value, to) || *to < rule->low || *to > rule->high)
+        return bad_key(p, rule->key, expected);
+    return LF_OK;
+}
+
+static lf_status take_integer(parser *p, const struct integer_rule *rule)
+{
+    int *to = (int *)(void *)((char *)&p->c + rule->offset);
+    double number;
+    char expected[96];
+    snprintf(expected, sizeof expected, "a whole number from %d to %d", rule->low, rule->high);
+    const json_t *value = json_object_get(p->root, rule->key);
+    if (!value && rule->absent >= 0) {
+        *to = rule->absent;
+        return LF_OK;
+    }
+    if (!value || !to_number(value, &number) || number < rule->low || number > rule->high || number != floor(number))
+        return bad_key(p, rule->key, expected);
+    *to = (int)number;
+    return LF_OK;
+}
+
+static lf_status take_flag(parser *p, const struct flag_rule *rule)
+{
+    int *to = (int *)(void *)((char *)&p->c + rule->offset);
+    double number = rule->absent;
+    const json_t *value = json_object_get(p->root, rule->key);
+    if (value && !to_number(value, &number))
+        return bad_key(p, rule->key, "0 or 1");
+    *to = number >= 0.5;
+    return LF_OK;
+}
+
+/* Some readers of the vendor's write the key without its capital. */
+static lf_status take_numbers(parser *p)
+{
+    lf_status status = LF_OK;
+    for (size_t i = 0; i < sizeof number_rules / sizeof number_rules[0] && status == LF_OK; i++)
+        status = take_number(p, &number_rules[i]);
+    for (size_t i = 0; i < sizeof integer_rules / sizeof integer_rules[0] && status == LF_OK; i++) {
+        struct integer_rule rule = integer_rules[i];
+        if (strcmp(rule.key, "CellPatternMode") == 0 && !json_object_get(p->root, rule.key))
+            rule.key = "cellPatternMode";
+        status = take_integer(p, &rule);
+    }
+    for (size_t i = 0; i < sizeof flag_rules / sizeof flag_rules[0] && status == LF_OK; i++)
+        status = take_flag(p, &flag_rules[i]);
+    /* The formulas divide by slope; a lens flatter than this would not be a lens. */
+    if (status == LF_OK && fabs(p->c.slope) < 1e-3)
+        status = bad_key(p, "slope", "a number that is not 0");
+    return status;
+}
+
+static lf_status take_text(parser *p, const char *key, char *to, size_t size)
+{
+    const json_t *value = unwrap(json_object_get(p->root, key));
+    if (!value)
+        return LF_OK;
+    if (!json_is_string(value) || json_string_length(value) >= size)
+        return bad_key(p, key, "a short text");
+    memcpy(to, json_string_value(value), json_string_length(value));
+    return LF_OK;
+}
+
+static lf_status take_cell(parser *p, size_t index, const json_t *cell)
+{
+    static const char *const names[3][2] = {
+        {"ROffsetX", "ROffsetY"}, {"GOffsetX", "GOffsetY"}, {"BOffsetX", "BOffsetY"}};
+    for (int channel = 0; channel < 3; channel++) {
+        for (int axis = 0; axis < 2; axis++) {
+            double offset;
+            const json_t *value = json_object_get(cell, names[channel][axis]);
+            if (!value || !to_number(value, &offset) || fabs(offset) > 16) {
+                char pointer[80];
+                snprintf(pointer, sizeof pointer, "/subpixelCells/%zu/%s", index, names[channel][axis]);
+                return lf_error_set_at(p->err, LF_E_FORMAT, p->where, line_of(p, "subpixelCells"), pointer,
+                                       "expected a number from -16 to 16 (pixels)");
+            }
+            p->c.cells[index][channel][axis] = (float)offset;
+        }
+    }
+    return LF_OK;
+}
+
+static lf_status take_cells(parser *p)
+{
+    const json_t *cells = json_object_get(p->root, "subpixelCells");
+    if (!cells || json_is_null(cells))
+        return LF_OK;
+    char expected[64];
+    snprintf(expected, sizeof expected, "an array of at most %d cells", LF_MAX_CELLS);
+    if (!json_is_array(cells) || json_array_size(cells) > LF_MAX_CELLS)
+        return bad_key(p, "subpixelCells", expected);
+    lf_status status = LF_OK;
+    for (size_t i = 0; i < json_array_size(cells) && status == LF_OK; i++)
+        status = take_cell(p, i, json_array_get(cells, i));
+    p->c.n_cells = (int)json_array_size(cells);
+    return status;
+}
+
+static lf_status take_all(parser *p)
+{
+    if (!json_is_object(p->root))
+        return lf_error_set(p->err, LF_E_FORMAT, p->where, "expected a JSON object with a panel's calibration");
+    lf_status status = take_numbers(p);
+    if (status == LF_OK)
+        status = take_text(p, "configVersion", p->c.config_version, sizeof p->c.config_version);
+    if (status == LF_OK)
+        status = take_text(p, "serial", p->c.serial, sizeof p->c.serial);
+    double flip_y;
+    if (to_number(json_object_get(p->root, "flipImageY"), &flip_y) && flip_y >= 0.5)
+        lf_log(LF_LOG_DEBUG, "%s: flipImageY is not known to mean anything and has no effect", p->where);
+    return status == LF_OK ? take_cells(p) : status;
+}
+
+lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf_calibration *out, lf_error *err)
+{
+    if (n > LF_CALIBRATION_MAX_BYTES)
+        return lf_error_set(err, LF_E_FORMAT, where, "%zu bytes (a calibration has at most %d)", n, LF_CALIBRATION_MAX_BYTES);
+    json_error_t json;
+    json_t *root = json_loadb(text, n, JSON_REJECT_DUPLICATES, &json);
+    if (!root)
+        return lf_error_set_at(err, LF_E_FORMAT, where, json.line > 0 ? json.line : 0, NULL, "not JSON: %s", json.text);
+    parser p = {.text = text, .where = where, .n = n, .root = root, .err = err};
+    lf_status status = take_all(&p);
+    json_decref(root);
+    if (status == LF_OK)
+        *out = p.c;
+    return status;
+}
+
+lf_status lf_calibration_load(const char *path, lf_calibration *out, lf_error *err)
+{
+    char *text = NULL;
+    size_t n = 0;
+    lf_status status = lf_file_read(path, NULL, LF_CALIBRATION_MAX_BYTES, &text, &n, err);
+    if (status == LF_OK)
+        status = lf_calibration_parse(text, n, path, out, err);
+    lf_free(text);
+    return status;
+}
+
+void lf_calibration_portrait(lf_calibration *out)
+{
+    *out = (lf_calibration){.config_version = "3.0", .serial = "LKG-PORT-NOMINAL", .pitch = 52, .slope = -7, .center = 0.5,
+                            .view_cone_deg = 40, .dpi = 324, .screen_width_px = 1536, .screen_height_px = 2048, .inv_view = 1};
+}
