@@ -103,11 +103,7 @@ test_srcs := $(call wild,tests/*/test_*.c)
 tests := $(patsubst %.c,$(O)/%,$(test_srcs))
 headers := $(foreach r,$(rooms) tests,$(call wild,$(r)/*.h))
 headers_alone := $(patsubst %,$(O)/alone/%.ok,$(headers))
-# what a room's tests link: its own library and base; others everything
-test_libs_base := base
-test_libs_quilt := quilt base
-test_libs_device := device base
-test_libs_render := render base
+$(eval $(call library,stat))
 test_libs = $(call libs,$(or $(test_libs_$(1)),daemon render quilt device base))
 
 .PHONY: tests
@@ -181,5 +177,5 @@ lint-now: $(if $(generated),$(addprefix $(O)/,$(generated)))
 # ------------------------------------------------------------------------------------------------------- installing --
 include $(SRCDIR)/.ci/install.mk
 
--include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(test_srcs))))
+-include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(test_srcs))))
 -include $(addsuffix .d,$(headers_alone))

@@ -1,0 +1,9 @@
+# What a room's tests link: its own library and base; the tests of other folders link everything.
+test_libs_base := base
+test_libs_quilt := quilt base
+test_libs_device := device base
+test_libs_render := stat render base
+test_libs_stat := stat base
+
+# what statistical tests share
+stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
