@@ -1,9 +1,14 @@
 /* device: displays that take a panel frame. A device is a member of a table of functions, one file a member; the rest of
- * quiltd knows only this page. Written so that a new member can be made by reading it alone.
+ * quiltd knows only this page. Written so that a new member can be made by reading it alone: make device/KIND.c with an
+ * lf_device_ops, name it in device/device_table.h and in the table of device/device.c, test it in tests/device/.
  *
- * Threads: every call comes from one thread (the daemon's event thread) and must return within 5 ms: whatever takes longer
- * (encoding, transfers) happens in the device's own thread or asynchronously, announced through the poll descriptor.
- * Unplugging is normal: LF_E_NODEV, after which only destroy may be called. */
+ * Threads: every call on a device comes from one thread (the daemon's event thread) and must return within 5 ms, destroy and
+ * flush excepted: whatever takes longer (encoding, transfers, files) happens in the device's own thread or asynchronously
+ * and is announced through the poll descriptor. Different devices may be used by different threads.
+ * Life: open -> (push -> dispatch … until READY)* -> destroy. Unplugging is normal, not a failure: dispatch says
+ * LF_DEVICE_GONE (or push LF_E_NODEV), after which only info, counters and destroy may be called; the caller opens again
+ * when it likes, and gets LF_E_NODEV until the device is back.
+ * Coordinates: pixels of the panel, row 0 at the top, display-encoded RGB that is shown unchanged. */
 #ifndef LF_DEVICE_H
 #define LF_DEVICE_H
 
@@ -12,68 +17,111 @@
 
 typedef struct lf_device lf_device;
 
-/* What a device is, for device.list and status. Strings are sanitised UTF-8. */
+/* What a device is, for device.list and status. Strings are sanitised UTF-8: no control characters, cut at a character. */
 typedef struct lf_device_info {
-    char spec[512];    /* what --device takes to get this one: "sim:/run/x", "none" */
-    char kind[16];     /* member of the table: "sim", "none" */
+    char spec[512]; /* what --device takes to get this one: "sim:/run/x", "none" */
+    char kind[16];  /* member of the table: "sim", "none" */
     char model[64], serial[64];
     char calibration_from[256]; /* where the calibration came from; empty = none */
-    char output[64];   /* "file", connector, USB address */
-    char problem[256]; /* what is wrong and what to do; empty = nothing */
+    char output[64];            /* "file", connector, USB address */
+    char problem[256];          /* what is wrong and what to do; empty = nothing */
 } lf_device_info;
 
 typedef enum lf_device_event {
-    LF_DEVICE_READY,   /* takes the next frame */
-    LF_DEVICE_BUSY,    /* the last push is still under way */
-    LF_DEVICE_GONE,    /* unplugged */
-    LF_DEVICE_RETRY,   /* the last push failed, was not shown, and must be pushed again (whole frame) */
+    LF_DEVICE_READY, /* takes the next frame */
+    LF_DEVICE_BUSY,  /* the last push is still under way */
+    LF_DEVICE_GONE,  /* unplugged: only info, counters and destroy from now on */
+    LF_DEVICE_RETRY, /* the last push failed and was not shown: the panel's contents are the older ones, or unknown. Told once; takes
+                      * a frame now (as READY), which must be pushed whole */
 } lf_device_event;
 
 typedef struct lf_device_counters {
-    uint64_t updates;      /* rectangles shown */
-    uint64_t bytes;        /* bytes on the wire */
-    uint64_t errors;       /* failed pushes */
+    uint64_t updates; /* rectangles shown */
+    uint64_t bytes;   /* bytes on the wire for them */
+    uint64_t errors;  /* failed pushes, and files that a device with files could not write */
 } lf_device_counters;
 
-/* One member of the table. */
+/* One member of the table. Members may be NULL only where that is said.
+ *
+ * Every function gets devices that open made, or half-made ones in destroy; nobody else writes into a device. Functions
+ * do not log; what the user should know goes into lf_error or lf_device_info.problem. */
 typedef struct lf_device_ops {
-    /* Word before the colon of a spec. */
+    /* Word before the colon of a spec: lower case, no colon, not "auto". */
     const char *kind;
-    /* Opens what `argument` (behind the colon; "" when absent) names. calibration (may be NULL) overrides the device's own. On LF_OK
-     * *out_device is owned by the caller. LF_E_NODEV not there; LF_E_BUSY another daemon has it; LF_E_ARG bad option. */
+
+    /* Finds the panels of this kind that are there now, without disturbing them or whoever uses them: no exclusive opening,
+     * no mode setting. Fills at most max entries of out (spec is what open takes, with the kind and the colon; problem says
+     * when it is used by somebody else) and returns their number; nothing found and nothing accessible are both 0.
+     * NULL = devices of this kind cannot be found, only named. Called rarely (at the start, after a unplug, for
+     * device.list); may take 50 ms. */
+    int (*probe)(lf_device_info *out, int max);
+
+    /* Opens what `argument` names: the text behind the colon, "" when absent. calibration (may be NULL; copied) overrides the
+     * device's own. Leaves the panel as it is: the first push is whole. On LF_OK *out_device is owned by the caller, with
+     * its ops set, and in state READY. On failure nothing is kept and *out_device is untouched:
+     *   LF_E_NODEV   it is not there (now): worth trying again when something is plugged in
+     *   LF_E_BUSY    another program (another daemon, or this one) has it
+     *   LF_E_ARG     the argument cannot be understood: trying again is useless
+     *   LF_E_FORMAT  its calibration is damaged
+     *   LF_E_IO, LF_E_NOMEM */
     lf_status (*open)(const char *argument, const lf_calibration *calibration, lf_device **out_device, lf_error *err);
-    /* Ends pushes in flight (within 1 s), writes what is owed, frees. Accepts half-built devices; never NULL. */
+
+    /* Waits for a push in flight (at most 1 s, then drops it), writes what is owed, ends the device's threads, gives the panel back,
+     * frees. Accepts half-built and unplugged devices; never NULL. May block. */
     void (*destroy)(lf_device *device);
-    /* Fills *out; cheap. */
+
+    /* Fills *out; cheap, never talks to the device. */
     void (*info)(const lf_device *device, lf_device_info *out);
-    /* NULL when the device has none: nothing is interlaced for it. Valid until destroy. */
+
+    /* The panel's size and lens; NULL when the device has none: nothing is interlaced for it, and it takes pushes with frame
+     * NULL. Valid and unchanging until destroy. */
     const lf_calibration *(*calibration)(const lf_device *device);
-    /* Shows rects[n] of frame (the panel's size, 3 channels). The pixels are copied (or sent) before it returns; frame is not kept.
-     * Only when the last event was READY. seq rises by one a frame. generation is what the frame shows. */
+
+    /* Shows rects[n] of frame (the calibration's screen size, 3 channels). n may be 0: nothing changes, but the push counts. The
+     * pixels are copied (or sent) before it returns; neither frame nor rects are kept. generation is what the frame shows, for
+     * devices that write it down. Only when the device is ready: just opened, or dispatch said READY or RETRY after the last
+     * push. After LF_OK the device is busy until dispatch says otherwise. Not LF_OK: nothing was taken.
+     *   LF_E_STATE   the last push is still under way
+     *   LF_E_NODEV   unplugged
+     *   LF_E_ARG     wrong shape, a rectangle outside of the panel, or more than LF_DEVICE_MAX_RECTS */
     lf_status (*push)(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n, uint64_t generation);
-    /* Gives the views behind the frame to devices that show them too (the simulated one); NULL = not wanted. Copies, or
-     * declines without a word when busy. */
+
+    /* Gives the views behind a frame to devices that show them too (the simulated one), before the push of that frame; the newest
+     * win. Copied, or declined without a word. columns x rows tiles, view 0 at the bottom left. NULL = not wanted. */
     void (*views)(lf_device *device, const lf_views8 *views, int columns, int rows);
-    /* A descriptor that polls readable when the state may have changed; -1 = the state never changes. */
+
+    /* A descriptor, the device's own and the same until destroy, that polls readable (level triggered) whenever dispatch has
+     * something new to tell: after every push that ended or failed, and on unplugging. -1 = the device is always READY, also
+     * right after a push. */
     int (*poll_fd)(const lf_device *device);
-    /* Consumes readiness and tells the state. */
+
+    /* Consumes readiness and tells the state. May be called at any time. */
     lf_device_event (*dispatch)(lf_device *device);
+
+    /* Totals since open. */
     void (*counters)(const lf_device *device, lf_device_counters *out);
-    /* Waits until everything pushed is on the device (sim: in its files), at most timeout_ms. LF_E_TIMEOUT. May block: called
-     * only at the end and by tests. */
+
+    /* Waits until the push under way has ended and everything shown is on the device (sim: in its files), at most timeout_ms. Does not
+     * replace dispatch: how the push ended is still told there. LF_E_TIMEOUT; LF_E_NODEV unplugged; LF_E_IO a file could not be
+     * written. May block: called only at the end and by tests. */
     lf_status (*flush)(lf_device *device, int timeout_ms);
 } lf_device_ops;
+
+#define LF_DEVICE_MAX_RECTS 4096
 
 /* First field of every device. */
 struct lf_device {
     const lf_device_ops *ops;
 };
 
-/* Opens by spec "KIND[:ARGUMENT]"; "auto" = the first panel found, else "none". */
+/* Opens by spec "KIND[:ARGUMENT]" (at most 511 bytes). "auto" = the first panel found that can be opened, else "none" with
+ * info.problem saying why. Errors as lf_device_ops.open; LF_E_ARG for an unknown kind. On LF_OK the caller owns *out_device.
+ *   none                        takes and counts everything, shows nothing, has no calibration
+ *   sim:DIR[,OPTION=VALUE…]     files in DIR: device/sim.c */
 LF_NODISCARD lf_status lf_device_open(const char *spec, const lf_calibration *calibration, lf_device **out_device, lf_error *err);
 /* Accepts NULL. */
 void lf_device_destroy(lf_device *device);
-/* Devices that could be opened now; returns how many were written (at most max). */
+/* Devices that could be opened now, panels first, "none" last; returns how many were written (at most max). */
 int lf_device_list(lf_device_info *out, int max);
 
 #endif

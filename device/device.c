@@ -1,0 +1,115 @@
+#include "device/device.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "device/device_table.h"
+
+enum { MAX_FOUND = 32 };
+
+const lf_device_ops *const lf_device_table[] = {&lf_sim_ops, &lf_none_ops, NULL};
+
+/* Length of the UTF-8 character at s, 0 when it is none or a control character. */
+static size_t character_length(const unsigned char *s)
+{
+    if (s[0] < 0x80)
+        return s[0] >= 0x20 && s[0] != 0x7f;
+    size_t n = s[0] >= 0xc2 && s[0] < 0xe0 ? 2 : (s[0] & 0xf0) == 0xe0 ? 3 : s[0] >= 0xf0 && s[0] < 0xf5 ? 4 : 0;
+    for (size_t i = 1; i < n; i++)
+        if ((s[i] & 0xc0) != 0x80)
+            return 0;
+    if (s[0] == 0xc2 && s[1] < 0xa0)
+        return 0; /* C1 controls */
+    if ((s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xed && s[1] > 0x9f) || (s[0] == 0xf0 && s[1] < 0x90) ||
+        (s[0] == 0xf4 && s[1] > 0x8f))
+        return 0; /* overlong, surrogates, beyond U+10FFFF */
+    return n;
+}
+
+void lf_device_text(char *out, size_t size, const char *text)
+{
+    assert(size > 0);
+    const unsigned char *s = (const unsigned char *)text;
+    size_t used = 0;
+    while (*s != 0) {
+        size_t n = character_length(s);
+        size_t wide = n > 0 ? n : 1;
+        if (used + wide >= size)
+            break;
+        if (n > 0)
+            memcpy(out + used, s, n);
+        else
+            out[used] = '?';
+        used += wide;
+        s += wide;
+    }
+    out[used] = 0;
+}
+
+static const lf_device_ops *find_kind(const char *kind, size_t length)
+{
+    for (int i = 0; lf_device_table[i] != NULL; i++)
+        if (strlen(lf_device_table[i]->kind) == length && memcmp(lf_device_table[i]->kind, kind, length) == 0)
+            return lf_device_table[i];
+    return NULL;
+}
+
+/* The part of a spec behind the colon. */
+static const char *argument_of(const char *spec)
+{
+    const char *colon = strchr(spec, ':');
+    return colon != NULL ? colon + 1 : "";
+}
+
+lf_status lf_device_open_auto(const lf_device_ops *const table[], const lf_calibration *calibration, lf_device **out_device,
+                              lf_error *err)
+{
+    char problem[256] = "no panel was found";
+    for (int i = 0; table[i] != NULL; i++) {
+        if (table[i]->probe == NULL)
+            continue;
+        lf_device_info found[MAX_FOUND];
+        int n = table[i]->probe(found, MAX_FOUND);
+        for (int k = 0; k < n; k++) {
+            lf_error why = {0};
+            lf_status status = table[i]->open(argument_of(found[k].spec), calibration, out_device, &why);
+            if (status == LF_OK)
+                return LF_OK;
+            snprintf(problem, sizeof problem, "%.100s cannot be used: %.130s", found[k].spec, why.what);
+        }
+    }
+    return lf_none_create(problem, out_device, err);
+}
+
+lf_status lf_device_open(const char *spec, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
+{
+    assert(spec != NULL && out_device != NULL);
+    if (strlen(spec) >= sizeof((lf_device_info *)0)->spec)
+        return lf_error_set(err, LF_E_ARG, "device", "the spec is longer than %zu bytes", sizeof((lf_device_info *)0)->spec - 1);
+    if (strcmp(spec, "auto") == 0)
+        return lf_device_open_auto(lf_device_table, calibration, out_device, err);
+    const lf_device_ops *ops = find_kind(spec, strcspn(spec, ":"));
+    if (ops == NULL)
+        return lf_error_set(err, LF_E_ARG, spec, "no such kind of device; expected auto, none or sim:DIR[,option=value]");
+    return ops->open(argument_of(spec), calibration, out_device, err);
+}
+
+void lf_device_destroy(lf_device *device)
+{
+    if (device != NULL)
+        device->ops->destroy(device);
+}
+
+int lf_device_list(lf_device_info *out, int max)
+{
+    int n = 0;
+    for (int i = 0; lf_device_table[i] != NULL && n < max; i++)
+        if (lf_device_table[i]->probe != NULL)
+            n += lf_device_table[i]->probe(out + n, max - n);
+    if (n < max) {
+        out[n] = (lf_device_info){.spec = "none", .kind = "none", .model = "no panel"};
+        n++;
+    }
+    return n;
+}

@@ -1,0 +1,24 @@
+/* The members of the table, and what they share. Private to device/. */
+#ifndef LF_DEVICE_TABLE_H
+#define LF_DEVICE_TABLE_H
+
+#include "device/device.h"
+
+extern const lf_device_ops lf_none_ops;
+extern const lf_device_ops lf_sim_ops;
+
+/* The members in the order in which "auto" looks for panels, ended by NULL. */
+extern const lf_device_ops *const lf_device_table[];
+
+/* "auto" over a table (ended by NULL): the first panel that a probe finds and open opens, else none with a problem. */
+LF_NODISCARD lf_status lf_device_open_auto(const lf_device_ops *const table[], const lf_calibration *calibration,
+                                           lf_device **out_device, lf_error *err);
+
+/* A "none" that says `problem`. */
+LF_NODISCARD lf_status lf_none_create(const char *problem, lf_device **out_device, lf_error *err);
+
+/* Copies text for an lf_device_info field: control characters and bytes that are not UTF-8 become '?', what does not fit is
+ * cut between characters. */
+void lf_device_text(char *out, size_t size, const char *text);
+
+#endif
