@@ -33,12 +33,13 @@ static const char *name_of_code(const struct option *table, int code)
     return "";
 }
 
-lf_status lf_options_next(int argc, char *const argv[], const struct option *table, int *out_code, lf_error *err)
+lf_status lf_options_next(int argc, char *const argv[], const char *letters, const struct option *table, int *out_code,
+                          lf_error *err)
 {
     char where[128];
 
     opterr = 0;
-    int code = getopt_long(argc, argv, ":", table, NULL);
+    int code = getopt_long(argc, argv, letters, table, NULL);
     if (code != '?' && code != ':') {
         *out_code = code;
         return LF_OK;
@@ -50,7 +51,7 @@ lf_status lf_options_next(int argc, char *const argv[], const struct option *tab
     }
     if (optopt != 0) {
         snprintf(where, sizeof where, "-%c", optopt);
-        return lf_error_set(err, LF_E_ARG, where, "unknown option (see --help)");
+        return lf_error_set(err, LF_E_ARG, where, code == ':' ? "expects an argument" : "unknown option (see --help)");
     }
     snprintf(where, sizeof where, "%.100s", text);
     if (strncmp(text, "--", 2) == 0 && count_matches(table, text + 2) > 1)

@@ -92,9 +92,11 @@ enum {
     "  --help                 this text\n"                                                                                         \
     "  --version              the version\n"
 
-/* getopt_long without its own messages. *out_code is an option's code, -1 behind the last option (optind is then the first
- * operand; operands may stand anywhere). LF_E_ARG for an unknown or ambiguous option, a missing or an unwanted argument. */
-LF_NODISCARD lf_status lf_options_next(int argc, char *const argv[], const struct option *table, int *out_code, lf_error *err);
+/* getopt_long without its own messages. letters as in getopt, beginning with ':' (":" = none, ":o:" = -o with an argument).
+ * *out_code is an option's code or letter, -1 behind the last option (optind is then the first operand; operands may stand
+ * anywhere). LF_E_ARG for an unknown or ambiguous option, a missing or an unwanted argument. */
+LF_NODISCARD lf_status lf_options_next(int argc, char *const argv[], const char *letters, const struct option *table, int *out_code,
+                                       lf_error *err);
 
 /* Takes a shared option with its argument; *out_taken tells whether code was one (HELP and VERSION are left to the program).
  * LF_E_ARG for an argument that is no good; options untouched then. */

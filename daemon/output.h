@@ -61,7 +61,7 @@ typedef struct lf_output_request {
 
 /* The final name for a request: a quilt's gets its _qsCxRaASPECT when that is missing; a folder ends in "/". LF_E_ARG when the
  * ending does not go with the kind (quilt .png .exr; views "/"; panel .png; print .tif .tiff) or the name's tiles contradict the
- * layout. Caller frees with lf_free. */
+ * layout (read for quilts only). Caller frees with lf_free. */
 LF_NODISCARD lf_status lf_output_path(lf_output_kind kind, const char *path, const lf_layout *layout, char **out_path,
                                       lf_error *err);
 
@@ -78,7 +78,8 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
                            double passes, const lf_film_settings *film);
 
 /* Makes settings (from lf_resolve_view) render the views of a print: the print's number of views, sample counts and aspect,
- * and a window such that the print's trim height is the camera's fov_y at the target plane; bleed lies beyond. */
+ * and a window such that the print's trim height is the camera's fov_y at the target plane; bleed lies beyond. For horizontal
+ * lenses the rig is rolled (the print that is then written must say rolled). print must have passed lf_print_check. */
 void lf_output_print_view(const lf_print *print, lf_render_settings *settings);
 
 #endif

@@ -1,69 +1,66 @@
 /* Lenticular prints: the views that they need, and the TIFF with its manifest. */
-#include <string.h>
+#include <math.h>
 
 #include "base/alloc.h"
 #include "daemon/output_internal.h"
 
+/* The column of cameras that horizontal lenses want: the rig rolled by 90 degrees, see lf_print_shape_of. */
+static void roll(lf_camera *camera, double width_over_height)
+{
+    double forward[3];
+    double right[3];
+
+    for (int k = 0; k < 3; k++)
+        forward[k] = camera->target[k] - camera->position[k];
+    for (int k = 0; k < 3; k++) {
+        int a = (k + 1) % 3;
+        int b = (k + 2) % 3;
+        right[k] = forward[a] * camera->up[b] - forward[b] * camera->up[a];
+    }
+    double length = sqrt(right[0] * right[0] + right[1] * right[1] + right[2] * right[2]);
+    for (int k = 0; k < 3 && length > 0; k++)
+        camera->up[k] = right[k] / length;
+    camera->fov_y = 2 * atan(tan(0.5 * camera->fov_y) * width_over_height);
+}
+
 void lf_output_print_view(const lf_print *print, lf_render_settings *settings)
 {
+    lf_print rendered = *print;
     lf_print_shape shape;
+    /* the trim size as the rig sees it: across the picture and up */
+    double width = print->horizontal ? print->height_mm : print->width_mm;
+    double height = print->horizontal ? print->width_mm : print->height_mm;
 
-    lf_print_shape_of(print, &shape);
+    rendered.rolled = print->horizontal;
+    lf_print_shape_of(&rendered, &shape);
+    if (print->horizontal)
+        roll(&settings->camera, print->width_mm / print->height_mm);
     settings->camera.n_views = print->n_views;
-    settings->camera.aspect = print->width_mm / print->height_mm;
+    settings->camera.aspect = width / height;
     settings->width = shape.view_width;
     settings->height = shape.view_height;
     double left = shape.window_center_x_mm - 0.5 * shape.window_width_mm;
     double top = shape.window_center_y_mm - 0.5 * shape.window_height_mm;
-    settings->window[0] = 0.5 + left / print->width_mm;
-    settings->window[1] = 0.5 + top / print->height_mm;
-    settings->window[2] = 0.5 + (left + shape.window_width_mm) / print->width_mm;
-    settings->window[3] = 0.5 + (top + shape.window_height_mm) / print->height_mm;
-}
-
-/* The views of source that the print shows: all, or as many as it has, spread evenly over the cone. */
-static lf_status pick_views(const lf_output_request *request, const lf_views32 *in, lf_views32 *out, float **out_buffer,
-                            lf_error *err)
-{
-    int n = request->print->n_views;
-    size_t width = (size_t)in->width * 3;
-
-    *out_buffer = NULL;
-    *out = *in;
-    if (n == in->n_views)
-        return LF_OK;
-    if (n > in->n_views)
-        return lf_error_set(err, LF_E_ARG, request->path, "the print asks for %d views, but there are only %d", n, in->n_views);
-    float *buffer = lf_calloc((size_t)in->height, (size_t)n * width * sizeof(float));
-    if (!buffer)
-        return lf_error_set(err, LF_E_NOMEM, request->path, "out of memory");
-    for (int row = 0; row < in->height; row++) {
-        for (int view = 0; view < n; view++) {
-            int from = (int)(((2 * (int64_t)view + 1) * in->n_views) / (2 * (int64_t)n));
-            memcpy(buffer + ((size_t)row * (size_t)n + (size_t)view) * width, lf_views32_row(in, from, row), width * sizeof(float));
-        }
-    }
-    *out_buffer = buffer;
-    *out = (lf_views32){n, in->width, in->height, width, (size_t)n * width, buffer};
-    return LF_OK;
+    settings->window[0] = 0.5 + left / width;
+    settings->window[1] = 0.5 + top / height;
+    settings->window[2] = 0.5 + (left + shape.window_width_mm) / width;
+    settings->window[3] = 0.5 + (top + shape.window_height_mm) / height;
 }
 
 static lf_status write_files(const lf_output_request *request, const lf_output_source *source, output_files *files, lf_error *err)
 {
-    lf_views32 all;
+    lf_print print = *request->print;
     lf_views32 views;
     float *decoded = NULL;
-    float *picked = NULL;
     double exposure = source->is_float ? request->exposure : 0;
     const char *tonemap = source->is_float && request->tonemap ? request->tonemap : "srgb";
-    lf_status status = output_views32(request, source, &all, &decoded, err);
+    lf_status status = output_views32(request, source, &views, &decoded, err);
 
+    if (!(print.view_aspect > 0))
+        print.view_aspect = source->aspect;
     if (status == LF_OK)
-        status = pick_views(request, &all, &views, &picked, err);
-    if (status == LF_OK)
-        status = lf_print_write(request->print, &views, exposure, tonemap, request->settings, &files->file[0], &files->file[1],
+        status = lf_print_write(&print, &views, exposure, tonemap, request->settings, &files->file[0], &files->file[1],
                                 request->cancel, request->progress, request->context, err);
-    lf_free(picked);
     lf_free(decoded);
     if (status == LF_OK)
         status = output_files_commit(files, request, err);

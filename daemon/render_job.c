@@ -1,0 +1,185 @@
+#include "daemon/render_job.h"
+
+#include <assert.h>
+#include <math.h>
+#include <sys/resource.h>
+
+typedef struct run {
+    lf_renderer *renderer;
+    int n_views;
+    int64_t passes; /* so far */
+    double start, cpu_start;
+    lf_render_progress_fn progress;
+    void *context;
+    const lf_cancel *cancel;
+} run;
+
+static void report(const run *r, double fraction)
+{
+    lf_render_progress progress = {
+        .fraction = fmin(1, fmax(0, fraction)),
+        .seconds = lf_time_now() - r->start,
+        .passes = (double)r->passes,
+        .n_views = r->n_views,
+    };
+
+    if (r->progress)
+        r->progress(r->context, &progress);
+}
+
+static lf_status add(run *r, int64_t n_passes, bool split)
+{
+    lf_status status = lf_renderer_passes(r->renderer, n_passes, split, r->cancel);
+
+    if (status == LF_OK)
+        r->passes += n_passes;
+    return status;
+}
+
+/* The film depends on how the passes are cut into calls, so the cuts follow from the number of passes and nothing else. */
+static lf_status run_passes(run *r, int64_t n_passes, lf_estimator estimator)
+{
+    int64_t most = 2 * (int64_t)r->n_views;
+    bool split = n_passes == 1 && estimator == LF_ESTIMATOR_CV;
+    lf_status status = LF_OK;
+
+    while (r->passes < n_passes && status == LF_OK) {
+        int64_t left = n_passes - r->passes;
+        status = add(r, left < most ? left : most, split);
+        report(r, (double)r->passes / (double)n_passes);
+    }
+    return status;
+}
+
+static lf_status run_time(run *r, double seconds, double (*clock_now)(void))
+{
+    double start = clock_now();
+    double spent = 0;
+    int64_t next = 2;
+    lf_status status = LF_OK;
+
+    do {
+        status = add(r, next, false);
+        spent = clock_now() - start;
+        report(r, spent / seconds);
+        /* half of what seems to fit, whole pairs of passes (both halves of the film alike), to be measured again */
+        double fits = 0.5 * (seconds - spent) * (double)r->passes / fmax(spent, 1e-9);
+        next = (int64_t)fmin(fits, 2.0 * r->n_views) & ~INT64_C(1);
+        if (next < 2)
+            next = 2;
+    } while (status == LF_OK && spent + 0.5 * spent * (double)next / (double)r->passes < seconds);
+    return status;
+}
+
+static lf_status run_target(run *r, double target)
+{
+    lf_render_stats stats = {.rel_mse_estimate = -1};
+    int64_t cycle = 2 * (int64_t)r->n_views;
+    int64_t next = cycle;
+    lf_status status = LF_OK;
+
+    do {
+        status = add(r, next, false);
+        if (status != LF_OK)
+            break;
+        lf_renderer_stats(r->renderer, &stats);
+        /* the error falls as one over the passes, so that this is the share of the passes that will be needed */
+        report(r, stats.rel_mse_estimate > 0 ? target / stats.rel_mse_estimate : 0);
+        next = (r->passes / (4 * cycle) + 1) * cycle;
+    } while (!(stats.rel_mse_estimate >= 0 && stats.rel_mse_estimate <= target));
+    return status;
+}
+
+lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator, lf_render_progress_fn progress,
+                        void *context, const lf_cancel *cancel, lf_render_times *out_times)
+{
+    run r = {
+        .renderer = renderer,
+        .n_views = lf_renderer_settings(renderer)->camera.n_views,
+        .start = lf_time_now(),
+        .cpu_start = lf_time_cpu(),
+        .progress = progress,
+        .context = context,
+        .cancel = cancel,
+    };
+    lf_status status = LF_OK;
+
+    report(&r, 0);
+    if (budget->passes > 0) {
+        status = run_passes(&r, budget->passes, estimator);
+    } else if (budget->seconds > 0) {
+        status = run_time(&r, budget->seconds, lf_time_now);
+    } else if (budget->cpu_seconds > 0) {
+        status = run_time(&r, budget->cpu_seconds, lf_time_cpu);
+    } else {
+        assert(budget->target_error > 0);
+        status = run_target(&r, budget->target_error);
+    }
+    *out_times = (lf_render_times){lf_time_now() - r.start, lf_time_cpu() - r.cpu_start};
+    return status;
+}
+
+/* --------------------------------------------------------------------------------------------------------- stats -- */
+
+static json_t *count_or_null(int64_t value)
+{
+    return value >= 0 ? json_integer(value) : json_null();
+}
+
+static json_t *real_or_null(double value)
+{
+    return value >= 0 && isfinite(value) ? json_real(value) : json_null();
+}
+
+static void set_rendered(json_t *object, const lf_render_report *report)
+{
+    const lf_render_settings *settings = lf_renderer_settings(report->renderer);
+    lf_render_stats stats;
+
+    lf_renderer_stats(report->renderer, &stats);
+    json_object_set_new(object, "integrator", json_string(settings->integrator ? settings->integrator : "mvpt"));
+    json_object_set_new(object, "estimator", json_string(lf_estimator_name(report->estimator)));
+    json_object_set_new(object, "seed", settings->seed <= INT64_MAX ? json_integer((json_int_t)settings->seed)
+                                                                    : json_real((double)settings->seed));
+    json_object_set_new(object, "passes", real_or_null(stats.passes));
+    json_object_set_new(object, "seconds", json_real(report->times.seconds));
+    json_object_set_new(object, "cpu_seconds", json_real(report->times.cpu_seconds));
+    json_object_set_new(object, "base_paths", count_or_null(stats.base_paths));
+    json_object_set_new(object, "native_spp_mean", real_or_null(stats.native_spp_mean));
+    json_object_set_new(object, "effective_spp_mean", real_or_null(stats.effective_spp_mean));
+    json_object_set_new(object, "rel_mse_estimate", real_or_null(stats.rel_mse_estimate));
+    json_object_set_new(object, "rays_traced", count_or_null(stats.rays_traced));
+    json_object_set_new(object, "volume_lookups", count_or_null(stats.volume_lookups));
+    json_object_set_new(object, "contributions", count_or_null(stats.contributions));
+    json_object_set_new(object, "nonfinite_dropped", count_or_null(stats.nonfinite_dropped));
+    json_object_set_new(object, "skipped", lf_renderer_skipped(report->renderer));
+}
+
+json_t *lf_render_report_json(const lf_render_report *report)
+{
+    static const char *const keys[] = {"scene",           "integrator",        "estimator",          "views",
+                                       "width",           "height",            "threads",            "seed",
+                                       "passes",          "seconds",           "cpu_seconds",        "base_paths",
+                                       "native_spp_mean", "effective_spp_mean", "rel_mse_estimate",  "rays_traced",
+                                       "volume_lookups",  "contributions",     "nonfinite_dropped",  "peak_rss_bytes",
+                                       "skipped"};
+    json_t *object = json_object();
+    struct rusage usage;
+
+    if (!object)
+        return NULL;
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
+        json_object_set_new(object, keys[i], json_null());
+    getrusage(RUSAGE_SELF, &usage);
+    json_object_set_new(object, "scene", json_string(report->scene));
+    json_object_set_new(object, "views", json_integer(report->n_views));
+    json_object_set_new(object, "width", json_integer(report->width));
+    json_object_set_new(object, "height", json_integer(report->height));
+    json_object_set_new(object, "threads", json_integer(report->threads));
+    json_object_set_new(object, "peak_rss_bytes", json_integer((json_int_t)usage.ru_maxrss * 1024));
+    if (report->renderer)
+        set_rendered(object, report);
+    else
+        json_object_set_new(object, "skipped", json_pack("{s:s}", "rendering", "the input is a finished light field"));
+    return object;
+}
