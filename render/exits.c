@@ -1,0 +1,116 @@
+/* B and q: what is known without sampling paths. A fan of one ray per view runs through one film point of each pixel column: its
+ * rays share y and z steps, so one march gives the exit transmittances of all views' pixels in that column at once
+ * (docs/estimators.md, "B and q"). */
+#include "render/integrator.h"
+
+/* Nearest surface of each ray of the fan, in packets of 8 with t = Z; geometry of lane k in hits[k / 8]. */
+static void trace_fan(lf_worker *worker, const lf_visit *visit, int lanes, struct RTCRayHit8 *hits)
+{
+    const lf_rig *rig = visit->rig;
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (int first = 0; first < lanes; first += LF_LANES) {
+        struct RTCRayHit8 *h = &hits[first / LF_LANES];
+        int valid[LF_LANES] __attribute__((aligned(32)));
+        for (int i = 0; i < LF_LANES; i++) {
+            int k = first + i;
+            lf_vec3 o = lf_rig_point(rig, worker->x0[k], visit->plane.ly, 0.0f);
+            lf_vec3 w = lf_rig_direction(rig, worker->slope[k], visit->plane.my, 1.0f);
+            valid[i] = k < rig->n_views ? -1 : 0;
+            h->ray.org_x[i] = o.x;
+            h->ray.org_y[i] = o.y;
+            h->ray.org_z[i] = o.z;
+            h->ray.dir_x[i] = w.x;
+            h->ray.dir_y[i] = w.y;
+            h->ray.dir_z[i] = w.z;
+            h->ray.tnear[i] = 0.0f;
+            h->ray.tfar[i] = INFINITY;
+            h->ray.time[i] = 0.0f;
+            h->ray.mask[i] = ~0u;
+            h->ray.id[i] = 0;
+            h->ray.flags[i] = 0;
+            h->hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+            h->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        }
+        rtcIntersect8(valid, visit->scene->embree, &context, h);
+        for (int i = 0; i < LF_LANES; i++)
+            worker->z_end[first + i] = h->hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? INFINITY : h->ray.tfar[i];
+    }
+    worker->tracer.rays += rig->n_views;
+}
+
+/* Adds one ray's known light and pivot probability; transmittance = 1 - q_medium, along the whole ray or to its surface. */
+static void add_known(const lf_visit *visit, lf_film_known *known, int k, const struct RTCRayHit8 *hits, float q_medium,
+                      const lf_vec3 *sky, float weight)
+{
+    const lf_worker *worker = visit->worker;
+    const struct RTCRayHit8 *h = hits ? &hits[k / LF_LANES] : NULL;
+    int i = k % LF_LANES;
+    float transmittance = 1.0f - q_medium, q = q_medium, pdf;
+    lf_vec3 light = lf_v3(0.0f, 0.0f, 0.0f);
+    if (h && h->hit.geomID[i] != RTC_INVALID_GEOMETRY_ID) {
+        lf_hit hit;
+        lf_vec3 w = lf_normalize(lf_v3(h->ray.dir_x[i], h->ray.dir_y[i], h->ray.dir_z[i]));
+        lf_trace_hit(visit->scene, h->hit.geomID[i], h->hit.primID[i], h->hit.u[i], h->hit.v[i], h->ray.tfar[i], w, &hit);
+        light = hit.material->emission;
+        if (lf_material_has_lobe(hit.material))
+            q = 1.0f;
+    } else if (sky) {
+        light = *sky;
+    } else {
+        lf_vec3 w = lf_rig_direction(visit->rig, worker->slope[k], visit->plane.my, 1.0f);
+        light = lf_light_escape(visit->scene, lf_normalize(w), &pdf);
+    }
+    known->b[0] += weight * transmittance * light.x;
+    known->b[1] += weight * transmittance * light.y;
+    known->b[2] += weight * transmittance * light.z;
+    known->q += weight * q;
+}
+
+/* True when every escaping ray finds the same light. */
+static bool constant_sky(const lf_scene *scene, lf_vec3 *out)
+{
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *light = &scene->lights[i];
+        if ((light->type == LF_LIGHT_ENVIRONMENT && light->environment) ||
+            (light->type == LF_LIGHT_DISTANT && light->cos_angle < 1.0f))
+            return false;
+    }
+    float pdf;
+    *out = lf_light_escape(scene, lf_v3(0.0f, 1.0f, 0.0f), &pdf);
+    return true;
+}
+
+void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index, float weight)
+{
+    const lf_rig *rig = visit->rig;
+    lf_worker *worker = visit->worker;
+    int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    bool medium = !plan->frame->empty && worker->slice.first <= worker->slice.last;
+    struct RTCRayHit8 packets[LF_MAX_LANES / LF_LANES], *hits = plan->scene->embree ? packets : NULL;
+    lf_vec3 sky;
+    bool constant = constant_sky(plan->scene, &sky);
+    for (int k = 0; k < lanes; k++)
+        worker->z_end[k] = INFINITY;
+    for (int column = 0; column < rig->width; column++) {
+        uint64_t column_key = lf_hash64(key, (uint64_t)column);
+        float xw = rig->x0 + ((float)column + lf_sampler_radical(column_key, index)) * rig->dx, lx = 0.0f;
+        if (visit->plane.lens_chord > 0.0f)
+            lx = (2.0f * lf_sampler_radical(lf_hash64(column_key, 1), index) - 1.0f) * visit->plane.lens_chord;
+        for (int k = 0; k < lanes; k++) {
+            worker->x0[k] = rig->b[k] + lx;
+            worker->slope[k] = (xw - rig->b[k]) / rig->distance - lx / rig->focus;
+        }
+        if (hits)
+            trace_fan(worker, visit, lanes, hits);
+        if (medium)
+            plan->kernels->march(&worker->slice, lanes, worker->x0, worker->slope, worker->z_end, worker->tau, NULL);
+        for (int k = 0; k < rig->n_views; k++) {
+            float length = sqrtf(1.0f + worker->slope[k] * worker->slope[k] + visit->plane.my * visit->plane.my);
+            float q = medium && worker->tau[k] > 0.0f ? -expm1f(-worker->tau[k] * length) : 0.0f;
+            add_known(visit, &visit->half.known[(size_t)k * (size_t)rig->width + (size_t)column], k, hits, q,
+                      constant ? &sky : NULL, weight);
+        }
+    }
+}

@@ -1,0 +1,118 @@
+/* Integrators: how a visit of a row turns base samples into sums on the film; private to render/. A member of the table is one
+ * file (vpt.c, mvpt.c); everything around the pivot is shared (visit.c). */
+#ifndef LF_RENDER_INTEGRATOR_H
+#define LF_RENDER_INTEGRATOR_H
+
+#include "render/film.h"
+#include "render/kernel.h"
+#include "render/path.h"
+#include "render/sampler.h"
+
+struct lf_visit;
+struct lf_pivot;
+
+typedef struct lf_integrator {
+    const char *name;
+    bool shares;           /* other views receive contributions */
+    /* Spreads one pivot over the views that see it. */
+    void (*pivot)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot);
+} lf_integrator;
+
+extern const lf_integrator lf_integrator_vpt, lf_integrator_mvpt;
+
+/* NULL behind the last. */
+const lf_integrator *lf_integrator_at(int index);
+
+/* One worker's memory. */
+typedef struct lf_worker {
+    lf_tracer tracer;
+    lf_slice slice;
+    int64_t base_paths, contributions, base_hidden;
+    /* Lanes of the fan in work. */
+    float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES], sigma[LF_MAX_LANES];
+    float scale[LF_MAX_LANES], density[LF_MAX_LANES], lobe[LF_MAX_LANES], visible[LF_MAX_LANES];
+    int column[LF_MAX_LANES];
+    lf_vec3 f[LF_MAX_LANES];
+} lf_worker;
+
+/* A shared pivot: where a base ray found something that scatters. */
+typedef struct lf_pivot {
+    lf_event event;
+    float x, z;            /* camera space; y follows from the row's plane */
+    float lx;              /* the base ray's lens offset, copied to every view */
+    float boost;           /* 1, or q/s when the collision was forced (docs/estimators.md, "Forced collisions") */
+    lf_sampler *sampler;   /* goes on with the pivot's own dimensions */
+} lf_pivot;
+
+/* One visit of one row: what the integrators need of it. */
+typedef struct lf_visit {
+    const lf_scene *scene;
+    const lf_rig *rig;
+    const lf_kernels *kernels;
+    const lf_integrator *integrator;
+    lf_worker *worker;
+    lf_film_half half;
+    lf_row_plane plane;
+    int row;
+    int max_depth;
+    int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
+    unsigned faults;       /* lf_fault: deliberate mistakes, for the negative controls of the tests */
+} lf_visit;
+
+/* The rest of the path behind a pivot, drawn once and used by all views: a light sample, and one direction from the base
+ * view's own lobe with what was found along it. */
+typedef struct lf_suffix {
+    bool has_light, has_direction;
+    lf_light_sample light;
+    float light_visible;   /* what is left of it, 0..1 */
+    lf_vec3 wi;            /* the direction */
+    lf_vec3 found;         /* light met at its first event … */
+    float found_pdf;       /* … and p_L, the pdf of light sampling for it */
+    lf_vec3 scattered;     /* radiance scattered there */
+} lf_suffix;
+
+/* Draws the suffix; wo is the base view's direction at the pivot. */
+void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out);
+
+/* Radiance that the suffix gives to a view that looks from wo, when that view alone samples it (balance heuristic between its
+ * lobe and light sampling). What vpt uses, and mvpt where the lobe does not depend on the view. */
+lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, lf_vec3 wo);
+
+/* True when the pixel (view, column) has a base sample in this visit: each with probability subsets / n_views, each column as often
+ * as any other, all of them after a whole cycle. */
+bool lf_lattice_has(const lf_visit *visit, int view, int column);
+
+/* Deliberate mistakes that tests switch on to show that they are caught; 0 in every program. */
+typedef enum lf_fault {
+    LF_FAULT_NO_H = 1,           /* h_k left out of D_k: a missing r_j/r_i */
+    LF_FAULT_NO_VISIBILITY = 2,  /* one view's visibility forgotten */
+    LF_FAULT_REALISED = 4,       /* realised instead of expected counts in the weights */
+    LF_FAULT_SWAPPED_VIEWS = 8,  /* contributions land in mirrored views */
+    LF_FAULT_NO_LIGHT_PDF = 16,  /* the p_L term left out of the direction's weights */
+    LF_FAULT_OFFSET = 32,        /* q refreshed at another row offset than the base rays */
+} lf_fault;
+
+/* Everything that one visit of a row does. */
+typedef struct lf_visit_plan {
+    const lf_scene *scene;
+    const lf_rig *rig;
+    const lf_slice_frame *frame;
+    const lf_kernels *kernels;
+    const lf_integrator *integrator;
+    lf_film *film;
+    uint64_t seed;
+    lf_sampler_kind sampler;
+    int max_depth;
+    unsigned faults;
+    int subsets;           /* passes in this visit */
+    int column_step;       /* 1, or 2: only every other column is sampled (a pass split between halves) */
+    bool force;            /* force collisions, so that thin media are covered at once */
+} lf_visit_plan;
+
+/* Runs it on one worker; false = cancelled in the middle (the row's sums are then worthless). */
+bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worker, const lf_cancel *cancel);
+
+/* B and Q of one row for this visit (exits.c): weight is the visit's n; index its number in its half. */
+void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index, float weight);
+
+#endif

@@ -1,0 +1,265 @@
+/* mvpt: every pivot serves all views that see it. Prefix densities D_k and the full balance over (pivot, direction) of
+ * docs/estimators.md, sections "Prefix weights" and "Direction". */
+#include "render/integrator.h"
+
+static int lanes_of(const lf_rig *rig)
+{
+    return (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+}
+
+/* h_k for the views whose frame holds the pivot and who see its side (else 0), their film columns, and the rays from them. */
+static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
+{
+    const lf_rig *rig = visit->rig;
+    lf_worker *w = visit->worker;
+    bool surface = pivot->event.kind == LF_EVENT_SURFACE;
+    lf_vec3 n = surface ? pivot->event.hit.ng : lf_v3(0.0f, 0.0f, 0.0f);
+    float nx = lf_dot(n, rig->right), nyz = (lf_dot(n, rig->up) * visit->plane.my + lf_dot(n, rig->forward)) * pivot->z;
+    float yz2 = (1.0f + visit->plane.my * visit->plane.my) * pivot->z * pivot->z;
+    float inverse_z = 1.0f / pivot->z, lens = pivot->lx * rig->distance / rig->focus;
+    float per_pixel = 1.0f / rig->dx;
+    for (int k = 0; k < lanes_of(rig); k++) {
+        float c = rig->b[k] + pivot->lx, dx = pivot->x - c;
+        float slope = dx * inverse_z;
+        float u = (rig->b[k] + lens + rig->distance * slope - rig->x0) * per_pixel;
+        float h = surface ? -(nx * dx + nyz) : sqrtf(dx * dx + yz2);
+        bool in_frame = u >= 0.0f && u < (float)rig->width && k < rig->n_views;
+        w->x0[k] = c;
+        w->slope[k] = slope;
+        w->z_end[k] = pivot->z;
+        w->column[k] = in_frame ? (int)u : 0;
+        w->scale[k] = in_frame && h > 0.0f ? (visit->faults & LF_FAULT_NO_H ? 1.0f : h) : 0.0f;
+    }
+    /* The base sees its own pivot whatever rounding says about the frame's edge or a grazing surface. */
+    if (!(w->scale[base] > 0.0f)) {
+        float u = (rig->b[base] + lens + rig->distance * w->slope[base] - rig->x0) * per_pixel;
+        w->column[base] = (int)fminf(fmaxf(u, 0.0f), (float)(rig->width - 1));
+        w->scale[base] = 1e-6f * fabsf(pivot->z);
+    }
+}
+
+/* Takes views from which a surface hides the pivot out of scale; the base counts as seeing it (disagreements are counted). */
+static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
+{
+    const lf_rig *rig = visit->rig;
+    lf_worker *w = visit->worker;
+    lf_vec3 eye = lf_rig_point(rig, w->x0[base], visit->plane.ly, 0.0f), o = pivot->event.p;
+    if (pivot->event.kind == LF_EVENT_SURFACE)
+        o = lf_offset(o, pivot->event.hit.ng, lf_sub(eye, o));
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (int first = 0; first < lanes_of(rig); first += LF_LANES) {
+        struct RTCRay8 ray;
+        int valid[LF_LANES] __attribute__((aligned(32))), any = 0;
+        for (int i = 0; i < LF_LANES; i++) {
+            int k = first + i;
+            lf_vec3 d = lf_sub(lf_rig_point(rig, w->x0[k], visit->plane.ly, 0.0f), o);
+            valid[i] = w->scale[k] > 0.0f ? -1 : 0;
+            any += w->scale[k] > 0.0f;
+            ray.org_x[i] = o.x;
+            ray.org_y[i] = o.y;
+            ray.org_z[i] = o.z;
+            ray.dir_x[i] = d.x;
+            ray.dir_y[i] = d.y;
+            ray.dir_z[i] = d.z;
+            ray.tnear[i] = 0.0f;
+            ray.tfar[i] = 1.0f - 1e-5f;
+            ray.time[i] = 0.0f;
+            ray.mask[i] = ~0u;
+            ray.id[i] = 0;
+            ray.flags[i] = 0;
+        }
+        if (!any)
+            continue;
+        w->tracer.rays += any;
+        rtcOccluded8(valid, visit->scene->embree, &context, &ray);
+        for (int i = 0; i < LF_LANES; i++) {
+            bool hidden = w->scale[first + i] > 0.0f && ray.tfar[i] < 0.0f;
+            if (visit->faults & LF_FAULT_NO_VISIBILITY && first + i == 0)
+                hidden = false;
+            if (hidden && first + i == base)
+                w->base_hidden++;
+            else if (hidden)
+                w->scale[first + i] = 0.0f;
+        }
+    }
+}
+
+/* Optical depths to the views, and the collision density in the slab that holds a medium pivot. */
+static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
+{
+    lf_worker *w = visit->worker;
+    bool surface = pivot->event.kind == LF_EVENT_SURFACE;
+    int lanes = lanes_of(visit->rig);
+    if (w->slice.first > w->slice.last) {
+        for (int k = 0; k < lanes; k++)
+            w->tau[k] = 0.0f;
+        return;
+    }
+    visit->kernels->march(&w->slice, lanes, w->x0, w->slope, w->z_end, w->tau, w->sigma);
+    /* On the very face of two slabs rounding may look up the wrong one; the base has collided where there is something. */
+    if (!surface && !(w->sigma[base] > 0.0f))
+        w->sigma[base] = 1e-6f;
+    float my2 = 1.0f + visit->plane.my * visit->plane.my;
+    for (int k = 0; k < lanes; k++) {
+        w->tau[k] *= sqrtf(my2 + w->slope[k] * w->slope[k]);
+        w->scale[k] *= surface ? 1.0f : w->sigma[k];
+    }
+}
+
+/* LF_FAULT_REALISED: the sum over the views that happen to have a base sample here, instead of over expected counts. */
+static float realised_sum(const lf_visit *visit, int base)
+{
+    const lf_worker *w = visit->worker;
+    float sum = 0.0f;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        if (k == base || lf_lattice_has(visit, k, w->column[k]))
+            sum += w->density[k];
+    }
+    return sum * (float)visit->rig->n_views / (float)visit->subsets;
+}
+
+static lf_film_scattered *target(const lf_visit *visit, int k, size_t *out_pixel)
+{
+    int view = visit->faults & LF_FAULT_SWAPPED_VIEWS ? visit->rig->n_views - 1 - k : k;
+    *out_pixel = (size_t)view * (size_t)visit->rig->width + (size_t)visit->worker->column[k];
+    return &visit->half.scattered[*out_pixel];
+}
+
+/* The lobe does not depend on the view: one radiance for all. */
+static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, lf_vec3 wo, float sum)
+{
+    lf_worker *w = visit->worker;
+    lf_vec3 y = lf_suffix_radiance(visit, pivot, suffix, wo);
+    if (!isfinite(y.x + y.y + y.z)) {
+        w->tracer.nonfinite++;
+        y = lf_v3(0.0f, 0.0f, 0.0f);
+    }
+    float scale = pivot->boost / sum;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        size_t pixel;
+        float weight = w->density[k] * scale;
+        if (!(weight > 0.0f))
+            continue;
+        lf_film_scattered *out = target(visit, k, &pixel);
+        out->n[0] += weight * y.x;
+        out->n[1] += weight * y.y;
+        out->n[2] += weight * y.z;
+        out->w += weight;
+        if (visit->half.w2)
+            visit->half.w2[pixel] += weight;
+        w->contributions++;
+    }
+}
+
+/* f_k and the lobe's pdf for every view towards wi; returns sum_k D_k pdf_k. */
+static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
+{
+    lf_worker *w = visit->worker;
+    const lf_rig *rig = visit->rig;
+    float sum = 0.0f;
+    for (int k = 0; k < rig->n_views; k++) {
+        if (!(w->density[k] > 0.0f))
+            continue;
+        lf_vec3 to = lf_rig_direction(rig, -w->slope[k], -visit->plane.my, -1.0f);
+        w->lobe[k] = lf_scatter_eval(visit->scene, &pivot->event, lf_normalize(to), wi, &w->f[k]);
+        sum += w->density[k] * w->lobe[k];
+    }
+    return sum;
+}
+
+/* Adds density_k f_k times one radiance to every view. */
+static void add_lobes(lf_visit *visit, lf_vec3 radiance)
+{
+    lf_worker *w = visit->worker;
+    if (!isfinite(radiance.x + radiance.y + radiance.z)) {
+        w->tracer.nonfinite++;
+        return;
+    }
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        size_t pixel;
+        if (!(w->density[k] > 0.0f))
+            continue;
+        lf_film_scattered *out = target(visit, k, &pixel);
+        out->n[0] += w->density[k] * w->f[k].x * radiance.x;
+        out->n[1] += w->density[k] * w->f[k].y * radiance.y;
+        out->n[2] += w->density[k] * w->f[k].z * radiance.z;
+    }
+}
+
+/* W of every view, and W' where the direction's weights are not known to be normalised (surfaces: lobes cut by the horizon). */
+static void add_weights(lf_visit *visit, float scale, bool also_w2)
+{
+    lf_worker *w = visit->worker;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        size_t pixel;
+        float weight = w->density[k] * scale;
+        if (!(weight > 0.0f))
+            continue;
+        target(visit, k, &pixel)->w += weight;
+        if (also_w2)
+            visit->half.w2[pixel] += weight;
+        w->contributions++;
+    }
+}
+
+/* The lobe depends on the view: balance over all views' lobes and light sampling. */
+static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, float sum)
+{
+    lf_worker *w = visit->worker;
+    bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
+    bool no_light_pdf = visit->faults & LF_FAULT_NO_LIGHT_PDF;
+    add_weights(visit, pivot->boost / sum, visit->half.w2 && !medium);
+    if (suffix->has_light) {
+        const lf_light_sample *light = &suffix->light;
+        float over = lobes(visit, pivot, light->wi);
+        float denominator = light->delta ? light->pdf * sum : light->pdf * sum + (no_light_pdf ? 0.0f : over);
+        add_lobes(visit, lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
+    }
+    if (!suffix->has_direction)
+        return;
+    float over = lobes(visit, pivot, suffix->wi);
+    if (!(over > 0.0f))
+        return;
+    float with_light = over + (no_light_pdf ? 0.0f : suffix->found_pdf * sum);
+    lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->boost / over), pivot->boost / with_light, suffix->found);
+    add_lobes(visit, radiance);
+    if (!visit->half.w2 || !medium)
+        return;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        size_t pixel;
+        if (!(w->density[k] > 0.0f))
+            continue;
+        target(visit, k, &pixel);
+        visit->half.w2[pixel] += pivot->boost * w->density[k] * w->lobe[k] / over;
+    }
+}
+
+static bool view_dependent(const lf_visit *visit, const lf_event *event)
+{
+    return event->kind == LF_EVENT_SURFACE ? lf_surfaces[event->hit.material->type].view_dependent
+                                           : visit->scene->volumes[event->volume].g != 0.0f;
+}
+
+static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
+{
+    lf_worker *w = visit->worker;
+    (void)column;
+    geometry(visit, pivot, view);
+    prefixes(visit, pivot, view);
+    if (visit->scene->embree)
+        visibility(visit, pivot, view);
+    float sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
+    if (visit->faults & LF_FAULT_REALISED)
+        sum = realised_sum(visit, view);
+    lf_suffix suffix;
+    lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
+    lf_suffix_draw(visit, pivot, wo, &suffix);
+    if (view_dependent(visit, &pivot->event))
+        spread_lobes(visit, pivot, &suffix, sum);
+    else
+        spread_uniform(visit, pivot, &suffix, wo, sum);
+}
+
+const lf_integrator lf_integrator_mvpt = {.name = "mvpt", .shares = true, .pivot = pivot_mvpt};

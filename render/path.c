@@ -1,0 +1,143 @@
+#include "render/path.h"
+
+void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out)
+{
+    lf_vec3 o = from->kind == LF_EVENT_SURFACE ? lf_offset(from->p, from->hit.ng, w) : from->p;
+    float t_max = INFINITY;
+    out->kind = LF_EVENT_ESCAPE;
+    out->w = w;
+    if (lf_trace_surface(tracer, o, w, t_max, &out->hit)) {
+        out->kind = LF_EVENT_SURFACE;
+        out->p = out->hit.p;
+        t_max = out->hit.t;
+    }
+    float t = lf_track_collision(tracer, o, w, t_max, &out->volume);
+    if (t < t_max) {
+        out->kind = LF_EVENT_MEDIUM;
+        out->p = lf_madd(o, t, w);
+    }
+}
+
+float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
+{
+    if (event->kind == LF_EVENT_SURFACE) {
+        const lf_material *m = event->hit.material;
+        return lf_surfaces[m->type].eval(m, event->hit.ns, wo, wi, f);
+    }
+    const lf_volume *volume = &scene->volumes[event->volume];
+    float phase = lf_phase(volume->g, -lf_dot(wo, wi));
+    *f = lf_scale(volume->albedo, phase);
+    return phase;
+}
+
+float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f)
+{
+    if (event->kind == LF_EVENT_SURFACE) {
+        const lf_material *m = event->hit.material;
+        return lf_surfaces[m->type].sample(m, event->hit.ns, wo, u, wi, f);
+    }
+    const lf_volume *volume = &scene->volumes[event->volume];
+    *wi = lf_phase_sample(volume->g, lf_scale(wo, -1.0f), u);
+    float phase = lf_phase(volume->g, -lf_dot(wo, *wi));
+    *f = lf_scale(volume->albedo, phase);
+    return phase;
+}
+
+float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_sample *light)
+{
+    lf_vec3 o = event->p;
+    if (event->kind == LF_EVENT_SURFACE)
+        o = lf_offset(o, event->hit.ng, light->wi);
+    float t_max = light->distance < INFINITY ? light->distance * (1.0f - 1e-5f) : INFINITY;
+    if (lf_trace_occluded(tracer, o, light->wi, t_max))
+        return 0.0f;
+    return lf_track_transmittance(tracer, o, light->wi, t_max);
+}
+
+lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const lf_event *event, float *out_light_pdf)
+{
+    *out_light_pdf = 0.0f;
+    if (event->kind == LF_EVENT_ESCAPE)
+        return lf_light_escape(scene, event->w, out_light_pdf);
+    if (event->kind == LF_EVENT_SURFACE && scene->has_emission)
+        return lf_light_hit(scene, from->p, &event->hit, out_light_pdf);
+    return lf_v3(0.0f, 0.0f, 0.0f);
+}
+
+/* Next-event estimation with the balance heuristic against direction sampling. */
+static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
+{
+    const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
+    lf_light_sample light;
+    lf_vec3 f;
+    if (!lf_light_draw(tracer->scene, event->p, u, &light))
+        return lf_v3(0.0f, 0.0f, 0.0f);
+    float pdf = lf_scatter_eval(tracer->scene, event, wo, light.wi, &f);
+    if (!(lf_max3(f) > 0.0f))
+        return lf_v3(0.0f, 0.0f, 0.0f);
+    float weight = lf_path_visible(tracer, event, &light) / (light.delta ? light.pdf : light.pdf + pdf);
+    return lf_scale(lf_mul(f, light.radiance), weight);
+}
+
+/* Chooses between a surface's delta lobe and the rest; returns true when the path goes on along the mirror direction *wi. */
+static bool mirrored(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_vec3 *wi, lf_vec3 *beta)
+{
+    const lf_material *m = event->hit.material;
+    if (!lf_surfaces[m->type].delta)
+        return false;
+    lf_vec3 r = lf_surfaces[m->type].delta(m, event->hit.ns, wo);
+    float probability = lf_material_has_lobe(m) ? fminf(lf_mean3(r), 0.95f) : 1.0f;
+    if (!(lf_max3(r) > 0.0f))
+        return false;
+    if (lf_rng(tracer) >= probability) {
+        *beta = lf_scale(*beta, 1.0f / (1.0f - probability));
+        return false;
+    }
+    *beta = lf_scale(lf_mul(*beta, r), 1.0f / probability);
+    *wi = lf_madd(lf_scale(wo, -1.0f), 2.0f * lf_dot(wo, event->hit.ns), event->hit.ns);
+    return true;
+}
+
+/* Unbiased roulette: paths of small throughput go on with a probability that keeps what survives at the threshold. */
+static bool survives(lf_tracer *tracer, lf_vec3 *beta)
+{
+    const float threshold = 0.25f;
+    float m = lf_max3(*beta);
+    if (m >= threshold)
+        return true;
+    if (lf_rng(tracer) * threshold >= m)
+        return false;
+    *beta = lf_scale(*beta, threshold / m);
+    return true;
+}
+
+lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, int max_depth)
+{
+    lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f), beta = lf_v3(1.0f, 1.0f, 1.0f);
+    lf_event here = *event;
+    for (; depth <= max_depth; depth++) {
+        lf_vec3 wo = lf_scale(here.w, -1.0f), wi, f;
+        float pdf = 0.0f;
+        bool delta = here.kind == LF_EVENT_SURFACE && mirrored(tracer, &here, wo, &wi, &beta);
+        if (!delta) {
+            radiance = lf_add(radiance, lf_mul(beta, direct(tracer, &here, wo)));
+            const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
+            pdf = lf_scatter_sample(tracer->scene, &here, wo, u, &wi, &f);
+            if (!(pdf > 0.0f))
+                break;
+            beta = lf_scale(lf_mul(beta, f), 1.0f / pdf);
+        }
+        if (!(lf_max3(beta) > 0.0f) || !survives(tracer, &beta))
+            break;
+        lf_event next;
+        lf_path_next(tracer, &here, wi, &next);
+        float light_pdf;
+        lf_vec3 found = lf_path_light_found(tracer->scene, &here, &next, &light_pdf);
+        float weight = delta || light_pdf <= 0.0f ? 1.0f : pdf / (pdf + light_pdf);
+        radiance = lf_add(radiance, lf_scale(lf_mul(beta, found), weight));
+        if (next.kind == LF_EVENT_ESCAPE)
+            break;
+        here = next;
+    }
+    return radiance;
+}

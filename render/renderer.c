@@ -1,0 +1,335 @@
+/* The renderer: passes over rows on a pool, the offline schedule, counters. */
+#include "render/renderer.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+
+/* ----------------------------------------------------------------------------------------------------------- names -- */
+
+lf_status lf_estimator_from_name(const char *name, lf_estimator *out, lf_error *err)
+{
+    for (int i = LF_ESTIMATOR_MWIS; i <= LF_ESTIMATOR_CV; i++) {
+        if (strcmp(name, lf_estimator_name((lf_estimator)i)) == 0) {
+            *out = (lf_estimator)i;
+            return LF_OK;
+        }
+    }
+    return lf_error_set(err, LF_E_ARG, "estimator", "\"%s\" is none of mwis, mis, cv", name);
+}
+
+const char *lf_estimator_name(lf_estimator estimator)
+{
+    static const char *const names[] = {"mwis", "mis", "cv"};
+    return names[estimator];
+}
+
+lf_status lf_sampler_from_name(const char *name, lf_sampler_kind *out, lf_error *err)
+{
+    for (int i = LF_SAMPLER_OWEN; i <= LF_SAMPLER_INDEPENDENT; i++) {
+        if (strcmp(name, lf_sampler_name((lf_sampler_kind)i)) == 0) {
+            *out = (lf_sampler_kind)i;
+            return LF_OK;
+        }
+    }
+    return lf_error_set(err, LF_E_ARG, "sampler", "\"%s\" is none of owen, independent", name);
+}
+
+const char *lf_sampler_name(lf_sampler_kind kind)
+{
+    return kind == LF_SAMPLER_OWEN ? "owen" : "independent";
+}
+
+const char *lf_integrator_name(int index)
+{
+    const lf_integrator *integrator = lf_integrator_at(index);
+    return integrator ? integrator->name : NULL;
+}
+
+static lf_status find_integrator(const char *name, const lf_integrator **out, lf_error *err)
+{
+    for (int i = 0; lf_integrator_at(i); i++) {
+        if (!name || strcmp(name, lf_integrator_at(i)->name) == 0) {
+            *out = lf_integrator_at(i);
+            return LF_OK;
+        }
+    }
+    return lf_error_set(err, LF_E_ARG, "integrator", "\"%s\" is none of mvpt, vpt", name);
+}
+
+/* -------------------------------------------------------------------------------------------------- set-up, restart -- */
+
+static void free_workers(lf_worker **workers, int n)
+{
+    for (int i = 0; i < n && workers; i++) {
+        if (workers[i])
+            lf_slice_finish(&workers[i]->slice);
+        lf_free(workers[i]);
+    }
+    lf_free(workers);
+}
+
+static lf_worker **make_workers(int n, const lf_slice_frame *frame)
+{
+    lf_worker **workers = lf_calloc((size_t)n, sizeof *workers);
+    for (int i = 0; workers && i < n; i++) {
+        workers[i] = lf_calloc(1, sizeof **workers);
+        if (!workers[i] || lf_slice_init(&workers[i]->slice, frame) != LF_OK) {
+            free_workers(workers, n);
+            return NULL;
+        }
+    }
+    return workers;
+}
+
+static bool same_shape(const lf_film *film, const lf_render_settings *s, bool w2, bool native)
+{
+    return film->data && film->n_views == s->camera.n_views && film->width == s->width && film->height == s->height &&
+           film->has_w2 == w2 && film->has_native == native;
+}
+
+/* Everything that can fail is made before anything of the old is given up. */
+static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_settings *settings, lf_error *err)
+{
+    const lf_integrator *integrator = NULL;
+    lf_rig rig;
+    lf_slice_frame frame;
+    lf_film film = {0};
+    lf_status status = find_integrator(settings->integrator, &integrator, err);
+    if (status == LF_OK)
+        status = lf_rig_init(&rig, settings, scene->origin, err);
+    if (status != LF_OK)
+        return status;
+    lf_slice_frame_init(&frame, scene, &rig);
+    bool w2 = scene->has_view_lobes, keep = same_shape(&r->film, settings, w2, scene->has_delta);
+    if (!keep && lf_film_init(&film, rig.n_views, rig.width, rig.height, w2, scene->has_delta) != LF_OK)
+        return lf_error_set(err, LF_E_NOMEM, "film", "not enough memory for %d views of %dx%d", rig.n_views, rig.width,
+                            rig.height);
+    int n_workers = lf_pool_threads(r->pool);
+    lf_worker **workers = make_workers(n_workers, &frame);
+    if (!workers) {
+        lf_film_finish(&film);
+        return lf_error_set(err, LF_E_NOMEM, "renderer", "not enough memory for %d workers", n_workers);
+    }
+    free_workers(r->workers, r->n_workers);
+    r->workers = workers;
+    r->n_workers = n_workers;
+    if (keep) {
+        lf_film_clear(&r->film);
+    } else {
+        lf_film_finish(&r->film);
+        r->film = film;
+    }
+    lf_scene *old = r->scene;
+    r->scene = lf_scene_ref(scene);
+    lf_scene_unref(old);
+    r->settings = *settings;
+    r->settings.integrator = integrator->name;
+    r->rig = rig;
+    r->frame = frame;
+    r->plan = (lf_visit_plan){.scene = r->scene, .rig = &r->rig, .frame = &r->frame, .kernels = lf_kernels_get(),
+                              .integrator = integrator, .film = &r->film, .seed = settings->seed, .sampler = settings->sampler,
+                              .max_depth = settings->max_depth > 0 ? settings->max_depth
+                                           : scene->max_depth > 0 ? scene->max_depth : LF_DEFAULT_MAX_DEPTH,
+                              .subsets = 1, .column_step = 1, .faults = r->plan.faults};
+    return LF_OK;
+}
+
+lf_status lf_renderer_create(lf_scene *scene, const lf_render_settings *settings, lf_pool *pool, lf_renderer **out_renderer,
+                             lf_error *err)
+{
+    lf_renderer *r = lf_calloc(1, sizeof *r);
+    if (!r)
+        return lf_error_set(err, LF_E_NOMEM, "renderer", "out of memory");
+    r->pool = pool;
+    lf_status status = set_up(r, scene, settings, err);
+    if (status != LF_OK) {
+        lf_renderer_destroy(r);
+        return status;
+    }
+    *out_renderer = r;
+    return LF_OK;
+}
+
+void lf_renderer_destroy(lf_renderer *renderer)
+{
+    if (!renderer)
+        return;
+    free_workers(renderer->workers, renderer->n_workers);
+    lf_film_finish(&renderer->film);
+    lf_scene_unref(renderer->scene);
+    lf_free(renderer);
+}
+
+lf_status lf_renderer_restart(lf_renderer *renderer, lf_scene *scene, const lf_render_settings *settings, lf_error *err)
+{
+    return set_up(renderer, scene, settings, err);
+}
+
+/* ---------------------------------------------------------------------------------------------------------- passes -- */
+
+typedef struct lf_pass_job {
+    lf_renderer *renderer;
+    const lf_visit_plan *plan;
+    int first_row, row_step;
+    int half;              /* -1 = the one with fewer visits, A first */
+    lf_row_fn row_done;
+    void *context;
+    const lf_cancel *cancel;
+} lf_pass_job;
+
+static void run_row(void *context, int item, int worker)
+{
+    lf_pass_job *job = context;
+    int row = job->first_row + item * job->row_step;
+    const lf_film_row *state = &job->renderer->film.rows[row];
+    int half = job->half >= 0 ? job->half : state->visits[0] > state->visits[1];
+    if (lf_visit_row(job->plan, row, half, job->renderer->workers[worker], job->cancel) && job->row_done)
+        job->row_done(job->context, row, worker);
+}
+
+static lf_status run(lf_pass_job *job)
+{
+    int height = job->renderer->film.height;
+    if (job->first_row < 0 || job->row_step < 1 || job->first_row >= height)
+        return job->first_row >= height && job->row_step >= 1 ? LF_OK : LF_E_ARG;
+    int items = (height - job->first_row + job->row_step - 1) / job->row_step;
+    lf_status status = lf_pool_run(job->renderer->pool, items, run_row, job, job->cancel);
+    if (job->cancel && atomic_load_explicit(job->cancel, memory_order_relaxed))
+        return LF_E_CANCELLED;
+    return status;
+}
+
+lf_status lf_renderer_pass(lf_renderer *renderer, int first_row, int row_step, int subsets, lf_row_fn row_done, void *context,
+                           const lf_cancel *cancel)
+{
+    if (subsets < 1 || subsets > renderer->rig.n_views)
+        return LF_E_ARG;
+    lf_visit_plan plan = renderer->plan;
+    plan.subsets = subsets;
+    plan.force = subsets < renderer->rig.n_views;
+    lf_pass_job job = {.renderer = renderer, .plan = &plan, .first_row = first_row, .row_step = row_step, .half = -1,
+                       .row_done = row_done, .context = context, .cancel = cancel};
+    return run(&job);
+}
+
+/* One visit of every row. */
+static lf_status visit_all(lf_renderer *renderer, int half, int subsets, int column_step, const lf_cancel *cancel)
+{
+    lf_visit_plan plan = renderer->plan;
+    plan.subsets = subsets;
+    plan.column_step = column_step;
+    lf_pass_job job = {.renderer = renderer, .plan = &plan, .row_step = 1, .half = half, .cancel = cancel};
+    return run(&job);
+}
+
+lf_status lf_renderer_passes(lf_renderer *renderer, int64_t n_passes, bool split, const lf_cancel *cancel)
+{
+    int n = renderer->rig.n_views;
+    int64_t left[2] = {n_passes - n_passes / 2, n_passes / 2};
+    lf_status status = LF_OK;
+    if (n_passes < 1)
+        return LF_E_ARG;
+    if (n_passes == 1 && split && renderer->rig.width > 1) {
+        for (int half = 0; half < 2 && status == LF_OK; half++)
+            status = visit_all(renderer, half, 1, 2, cancel);
+        return status;
+    }
+    while (status == LF_OK && left[0] + left[1] > 0) {
+        int half = left[1] > left[0];
+        int subsets = left[half] < n ? (int)left[half] : n;
+        status = visit_all(renderer, half, subsets, 1, cancel);
+        left[half] -= subsets;
+    }
+    return status;
+}
+
+/* --------------------------------------------------------------------------------------------------------- answers -- */
+
+lf_status lf_renderer_resolve_row(const lf_renderer *renderer, lf_estimator estimator, int row, float *out, uint8_t *flags)
+{
+    return lf_film_resolve_row(&renderer->film, estimator, row, out, flags);
+}
+
+typedef struct lf_resolve_job {
+    const lf_film *film;
+    lf_estimator estimator;
+    float *out;
+    uint8_t *flags;
+} lf_resolve_job;
+
+static void resolve_item(void *context, int row, int worker)
+{
+    const lf_resolve_job *job = context;
+    size_t pixels = (size_t)job->film->n_views * (size_t)job->film->width * (size_t)row;
+    (void)worker;
+    (void)lf_film_resolve_row(job->film, job->estimator, row, job->out + 3 * pixels, job->flags ? job->flags + pixels : NULL);
+}
+
+lf_status lf_renderer_resolve(const lf_renderer *renderer, lf_estimator estimator, float *out, uint8_t *flags)
+{
+    lf_resolve_job job = {&renderer->film, estimator, out, flags};
+    return lf_pool_run(renderer->pool, renderer->film.height, resolve_item, &job, NULL);
+}
+
+void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out)
+{
+    const lf_film *film = &renderer->film;
+    double pixels = (double)film->n_views * film->width, error = 0.0;
+    bool known = true;
+    *out = (lf_render_stats){0};
+    for (int i = 0; i < renderer->n_workers; i++) {
+        const lf_worker *w = renderer->workers[i];
+        out->base_paths += w->base_paths;
+        out->contributions += w->contributions;
+        out->rays_traced += w->tracer.rays;
+        out->volume_lookups += w->tracer.lookups;
+        out->nonfinite_dropped += w->tracer.nonfinite;
+        out->base_hidden += w->base_hidden;
+    }
+    for (int row = 0; row < film->height; row++) {
+        const lf_film_row *state = &film->rows[row];
+        out->passes += state->passes / film->height;
+        out->native_spp_mean += (state->n[0] + state->n[1]) / film->height;
+        out->holes += state->holes;
+        known = known && state->relative_error >= 0.0;
+        error += state->relative_error;
+    }
+    out->effective_spp_mean = (double)out->contributions / (pixels * film->height);
+    out->rel_mse_estimate = known ? error / (pixels * film->height) : -1.0;
+    if (!renderer->scene->embree)
+        out->rays_traced = out->base_hidden = -1;
+    if (renderer->scene->n_volumes == 0)
+        out->volume_lookups = -1;
+}
+
+json_t *lf_renderer_skipped(const lf_renderer *renderer)
+{
+    const lf_scene *s = renderer->scene;
+    json_t *skipped = json_object();
+    if (s->n_volumes == 0)
+        json_object_set_new(skipped, "volumes", json_string("none in the scene: no slices, no tracking, no OpenVDB"));
+    else if (renderer->frame.empty)
+        json_object_set_new(skipped, "slices", json_string("no volume in front of the cameras"));
+    if (!s->embree)
+        json_object_set_new(skipped, "surfaces", json_string("none in the scene: no Embree device, no rays"));
+    if (!s->has_delta)
+        json_object_set_new(skipped, "delta_lobes", json_string("none in the scene: no sum M on the film"));
+    if (!s->has_view_lobes)
+        json_object_set_new(skipped, "directional_weights", json_string("no lobe depends on the view: W' is W"));
+    if (!s->has_emission)
+        json_object_set_new(skipped, "emission", json_string("no surface emits: hits are not tested for light"));
+    if (renderer->rig.lens_radius == 0.0f)
+        json_object_set_new(skipped, "lens", json_string("pinhole cameras"));
+    return skipped;
+}
+
+const lf_render_settings *lf_renderer_settings(const lf_renderer *renderer)
+{
+    return &renderer->settings;
+}
+
+lf_scene *lf_renderer_scene(const lf_renderer *renderer)
+{
+    return renderer->scene;
+}

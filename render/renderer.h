@@ -1,0 +1,19 @@
+/* The renderer's insides, for renderer.c, state.c and the tests; private to render/. */
+#ifndef LF_RENDER_RENDERER_H
+#define LF_RENDER_RENDERER_H
+
+#include "render/integrator.h"
+
+struct lf_renderer {
+    lf_scene *scene;
+    lf_render_settings settings;
+    lf_pool *pool;
+    lf_rig rig;
+    lf_slice_frame frame;
+    lf_film film;
+    lf_visit_plan plan;
+    lf_worker **workers;   /* [lf_pool_threads] each its own allocation: no shared cache lines */
+    int n_workers;
+};
+
+#endif

@@ -1,0 +1,181 @@
+#include "render/slice.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+
+/* Camera-space box of one volume: the corners of its scene-local bounds. */
+static void grow_bounds(const lf_volume *volume, const lf_rig *rig, float lo[2], float hi[2])
+{
+    for (int corner = 0; corner < 8; corner++) {
+        lf_vec3 p = lf_v3(corner & 1 ? volume->bounds_max.x : volume->bounds_min.x,
+                          corner & 2 ? volume->bounds_max.y : volume->bounds_min.y,
+                          corner & 4 ? volume->bounds_max.z : volume->bounds_min.z);
+        lf_vec3 d = lf_sub(p, rig->eye);
+        float c[2] = {lf_dot(d, rig->right), lf_dot(d, rig->forward)};
+        for (int i = 0; i < 2; i++) {
+            lo[i] = fminf(lo[i], c[i]);
+            hi[i] = fmaxf(hi[i], c[i]);
+        }
+    }
+}
+
+void lf_slice_frame_init(lf_slice_frame *frame, const lf_scene *scene, const lf_rig *rig)
+{
+    float lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY}, voxel = INFINITY;
+    memset(frame, 0, sizeof *frame);
+    for (int i = 0; i < scene->n_volumes; i++) {
+        if (scene->volumes[i].sigma_max <= 0.0f)
+            continue;
+        grow_bounds(&scene->volumes[i], rig, lo, hi);
+        voxel = fminf(voxel, scene->volumes[i].voxel);
+    }
+    lo[1] = fmaxf(lo[1], 0.0f);
+    frame->empty = !(hi[0] > lo[0] && hi[1] > lo[1]);
+    if (frame->empty)
+        return;
+    /* Two samples more on either side than the cap allows for would be needed only for the zero border. */
+    float side = (float)(LF_SLICE_MAX_SIDE - 4);
+    frame->dx = fmaxf(voxel, (hi[0] - lo[0]) / side);
+    frame->dz = fmaxf(voxel, (hi[1] - lo[1]) / side);
+    frame->nx = (int)ceilf((hi[0] - lo[0]) / frame->dx) + 3;
+    frame->nz = (int)ceilf((hi[1] - lo[1]) / frame->dz) + 1;
+    frame->x_min = 0.5f * (lo[0] + hi[0]) - 0.5f * (float)(frame->nx - 1) * frame->dx;
+    frame->z_min = lo[1];
+}
+
+lf_status lf_slice_init(lf_slice *slice, const lf_slice_frame *frame)
+{
+    slice->first = 0;
+    slice->last = -1;
+    if (frame->empty)
+        return LF_OK;
+    slice->sigma = lf_calloc((size_t)frame->nz * (size_t)(frame->nx + 1), sizeof *slice->sigma);
+    slice->slabs = lf_calloc((size_t)frame->nz, sizeof *slice->slabs);
+    return slice->sigma && slice->slabs ? LF_OK : LF_E_NOMEM;
+}
+
+void lf_slice_finish(lf_slice *slice)
+{
+    lf_free(slice->sigma);
+    lf_free(slice->slabs);
+    memset(slice, 0, sizeof *slice);
+}
+
+/* The part of i in [lo, hi] for which a + i d lies in [min, max]. */
+static void clip(float a, float d, float min, float max, float *lo, float *hi)
+{
+    if (d == 0.0f) {
+        if (a < min || a > max)
+            *hi = -1.0f;
+        return;
+    }
+    float t0 = (min - a) / d, t1 = (max - a) / d;
+    *lo = fmaxf(*lo, fminf(t0, t1));
+    *hi = fminf(*hi, fmaxf(t0, t1));
+}
+
+static lf_vec3 apply(const float m[3][4], lf_vec3 p)
+{
+    return lf_v3(m[0][0] * p.x + m[0][1] * p.y + m[0][2] * p.z + m[0][3], m[1][0] * p.x + m[1][1] * p.y + m[1][2] * p.z + m[1][3],
+                 m[2][0] * p.x + m[2][1] * p.y + m[2][2] * p.z + m[2][3]);
+}
+
+static float value(const lf_volume *volume, lf_vec3 p)
+{
+    switch (volume->kind) {
+    case LF_VOLUME_GRID:
+        return volume->nearest ? lf_grid_nearest(volume->grid, p.x, p.y, p.z) : lf_grid_linear(volume->grid, p.x, p.y, p.z);
+    case LF_VOLUME_SPHERE:
+        return lf_dot(p, p) < 1.0f ? 1.0f : 0.0f;
+    case LF_VOLUME_BOX:
+        break;
+    }
+    return fabsf(p.x) < 1.0f && fabsf(p.y) < 1.0f && fabsf(p.z) < 1.0f ? 1.0f : 0.0f;
+}
+
+/* Adds one volume to one slab's samples; start is volume space at sample 0, step per sample. */
+static int add_volume(const lf_volume *volume, lf_vec3 start, lf_vec3 step, int nx, float *sigma)
+{
+    float lo = 0.0f, hi = (float)(nx - 1);
+    lf_vec3 min = lf_v3(-1.0f, -1.0f, -1.0f), max = lf_v3(1.0f, 1.0f, 1.0f);
+    if (volume->kind == LF_VOLUME_GRID)
+        max = lf_v3((float)volume->grid->size[0], (float)volume->grid->size[1], (float)volume->grid->size[2]);
+    clip(start.x, step.x, min.x, max.x, &lo, &hi);
+    clip(start.y, step.y, min.y, max.y, &lo, &hi);
+    clip(start.z, step.z, min.z, max.z, &lo, &hi);
+    if (!(hi >= lo))
+        return 0;
+    int i0 = (int)ceilf(lo), i1 = (int)floorf(hi);
+    for (int i = i0; i <= i1; i++)
+        sigma[i] += volume->sigma_scale * value(volume, lf_madd(start, (float)i, step));
+    return i1 >= i0 ? i1 - i0 + 1 : 0;
+}
+
+static void note_occupied(lf_slice *slice, int s, const float *sigma, float dx)
+{
+    int lo = 0, hi = slice->nx - 1;
+    while (lo <= hi && sigma[lo] == 0.0f)
+        lo++;
+    while (hi > lo && sigma[hi] == 0.0f)
+        hi--;
+    slice->slabs[s].x_lo = slice->x_min + (float)(lo - 1) * dx;
+    slice->slabs[s].x_hi = lo > hi ? -INFINITY : slice->x_min + (float)(hi + 1) * dx;
+    if (lo > hi) {
+        slice->slabs[s].x_lo = INFINITY;
+        return;
+    }
+    if (slice->first > slice->last)
+        slice->first = s;
+    slice->last = s;
+}
+
+void lf_slice_fill(lf_slice *slice, const lf_slice_frame *frame, const lf_scene *scene, const lf_rig *rig,
+                   const lf_row_plane *plane, float phase, int64_t *lookups)
+{
+    slice->nx = frame->nx;
+    slice->nz = frame->nz;
+    slice->x_min = frame->x_min;
+    slice->inv_dx = 1.0f / frame->dx;
+    slice->dz = frame->dz;
+    slice->z0 = frame->z_min - phase * frame->dz;
+    slice->first = 0;
+    slice->last = -1;
+    for (int s = 0; s < slice->nz; s++) {
+        float z = slice->z0 + ((float)s + 0.5f) * slice->dz;
+        float *sigma = slice->sigma + (size_t)s * (size_t)(slice->nx + 1);
+        memset(sigma, 0, sizeof *sigma * (size_t)(slice->nx + 1));
+        lf_vec3 p = lf_rig_point(rig, slice->x_min, plane->ly + plane->my * z, z);
+        lf_vec3 q = lf_madd(p, frame->dx, rig->right);
+        for (int v = 0; v < scene->n_volumes && z > 0.0f; v++) {
+            const lf_volume *volume = &scene->volumes[v];
+            lf_vec3 start = apply(volume->to_volume, p);
+            *lookups += add_volume(volume, start, lf_sub(apply(volume->to_volume, q), start), slice->nx, sigma);
+        }
+        note_occupied(slice, s, sigma, frame->dx);
+    }
+}
+
+float lf_slice_march(const lf_slice *slice, float x0, float slope, float z_end, float stop, float *out_z)
+{
+    float tau = 0.0f;
+    for (int s = slice->first; s <= slice->last; s++) {
+        float lo = slice->z0 + (float)s * slice->dz;
+        if (lo >= z_end)
+            break;
+        float x = x0 + slope * (lo + 0.5f * slice->dz);
+        if (x <= slice->slabs[s].x_lo || x >= slice->slabs[s].x_hi)
+            continue;
+        float from = fmaxf(lo, 0.0f);
+        float step = fminf(z_end, lo + slice->dz) - from;
+        float sigma = lf_slice_at(slice, s, x);
+        float next = tau + sigma * step;
+        if (next > stop) {
+            *out_z = fminf(from + (stop - tau) / sigma, from + step);
+            return stop;
+        }
+        tau = next;
+    }
+    *out_z = z_end;
+    return tau;
+}

@@ -1,0 +1,307 @@
+#include "render/track.h"
+
+#include <string.h>
+
+/* ------------------------------------------------------------------------------------------------------- surfaces -- */
+
+static lf_vec3 vertex(const lf_mesh *mesh, uint32_t i)
+{
+    const float *v = mesh->vertices + 3 * (size_t)i;
+    return lf_v3(v[0], v[1], v[2]);
+}
+
+static lf_vec3 shading_normal(const lf_mesh *mesh, const uint32_t *tri, float u, float v, lf_vec3 ng)
+{
+    if (!mesh->normals)
+        return ng;
+    lf_vec3 n[3];
+    for (int i = 0; i < 3; i++) {
+        const float *p = mesh->normals + 3 * (size_t)tri[i];
+        n[i] = lf_v3(p[0], p[1], p[2]);
+    }
+    lf_vec3 ns = lf_madd(lf_madd(lf_scale(n[0], 1.0f - u - v), u, n[1]), v, n[2]);
+    float length = lf_length(ns);
+    if (!(length > 1e-6f))
+        return ng;
+    ns = lf_scale(ns, 1.0f / length);
+    return lf_dot(ns, ng) < 0.0f ? lf_scale(ns, -1.0f) : ns;
+}
+
+void lf_trace_hit(const lf_scene *scene, unsigned geom_id, unsigned prim_id, float u, float v, float t, lf_vec3 w, lf_hit *hit)
+{
+    const lf_mesh *mesh = &scene->meshes[geom_id];
+    const uint32_t *tri = mesh->triangles + 3 * (size_t)prim_id;
+    lf_vec3 a = vertex(mesh, tri[0]), ab = lf_sub(vertex(mesh, tri[1]), a), ac = lf_sub(vertex(mesh, tri[2]), a);
+    lf_vec3 n = lf_cross(ab, ac);
+    float length = lf_length(n);
+    hit->ng = length > 0.0f ? lf_scale(n, 1.0f / length) : lf_scale(w, -1.0f / lf_length(w));
+    if (lf_dot(hit->ng, w) > 0.0f)
+        hit->ng = lf_scale(hit->ng, -1.0f);
+    hit->ns = shading_normal(mesh, tri, u, v, hit->ng);
+    hit->p = lf_madd(lf_madd(a, u, ab), v, ac);
+    hit->t = t;
+    hit->mesh = mesh;
+    hit->triangle = prim_id;
+    hit->material = &scene->materials[mesh->triangle_material ? mesh->triangle_material[prim_id] : mesh->material];
+}
+
+bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit)
+{
+    const lf_scene *scene = tracer->scene;
+    if (!scene->embree)
+        return false;
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    struct RTCRayHit rh;
+    rh.ray = (struct RTCRay){.org_x = o.x, .org_y = o.y, .org_z = o.z, .tnear = 0.0f, .dir_x = w.x, .dir_y = w.y, .dir_z = w.z,
+                             .tfar = t_max, .mask = ~0u};
+    rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rh.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    tracer->rays++;
+    rtcIntersect1(scene->embree, &context, &rh);
+    if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return false;
+    lf_trace_hit(scene, rh.hit.geomID, rh.hit.primID, rh.hit.u, rh.hit.v, rh.ray.tfar, w, hit);
+    return true;
+}
+
+bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
+{
+    if (!tracer->scene->embree)
+        return false;
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    struct RTCRay ray = {.org_x = o.x, .org_y = o.y, .org_z = o.z, .tnear = 0.0f, .dir_x = w.x, .dir_y = w.y, .dir_z = w.z,
+                         .tfar = t_max, .mask = ~0u};
+    tracer->rays++;
+    rtcOccluded1(tracer->scene->embree, &context, &ray);
+    return ray.tfar < 0.0f;
+}
+
+lf_vec3 lf_offset(lf_vec3 p, lf_vec3 ng, lf_vec3 w)
+{
+    float size = fmaxf(fmaxf(fabsf(p.x), fabsf(p.y)), fabsf(p.z));
+    float eps = 4e-6f * size + 1e-30f;
+    return lf_madd(p, lf_dot(ng, w) >= 0.0f ? eps : -eps, ng);
+}
+
+/* -------------------------------------------------------------------------------------------------------- volumes -- */
+
+/* A ray in a volume's own space, clipped to its box; t keeps its meaning. */
+typedef struct lf_local_ray {
+    float o[3], d[3];
+    float t0, t1;
+} lf_local_ray;
+
+static bool clip_axis(lf_local_ray *r, int axis, float min, float max)
+{
+    if (r->d[axis] == 0.0f)
+        return r->o[axis] > min && r->o[axis] < max;
+    float inverse = 1.0f / r->d[axis];
+    float a = (min - r->o[axis]) * inverse, b = (max - r->o[axis]) * inverse;
+    r->t0 = fmaxf(r->t0, fminf(a, b));
+    r->t1 = fminf(r->t1, fmaxf(a, b));
+    return r->t1 > r->t0;
+}
+
+static void to_local(const lf_volume *volume, lf_vec3 o, lf_vec3 w, float t_max, lf_local_ray *r)
+{
+    for (int i = 0; i < 3; i++) {
+        const float *m = volume->to_volume[i];
+        r->o[i] = m[0] * o.x + m[1] * o.y + m[2] * o.z + m[3];
+        r->d[i] = m[0] * w.x + m[1] * w.y + m[2] * w.z;
+    }
+    r->t0 = 0.0f;
+    r->t1 = t_max;
+}
+
+static bool clip_ball(lf_local_ray *r)
+{
+    lf_vec3 o = lf_v3(r->o[0], r->o[1], r->o[2]), d = lf_v3(r->d[0], r->d[1], r->d[2]);
+    float a = lf_dot(d, d), middle = -lf_dot(o, d) / a;
+    lf_vec3 nearest = lf_madd(o, middle, d);
+    float h2 = (1.0f - lf_dot(nearest, nearest)) / a;
+    if (!(h2 > 0.0f))
+        return false;
+    float h = sqrtf(h2);
+    r->t0 = fmaxf(r->t0, middle - h);
+    r->t1 = fminf(r->t1, middle + h);
+    return r->t1 > r->t0;
+}
+
+static bool clip_volume(const lf_volume *volume, lf_local_ray *r)
+{
+    if (volume->kind == LF_VOLUME_SPHERE)
+        return clip_ball(r);
+    for (int i = 0; i < 3; i++) {
+        float max = volume->kind == LF_VOLUME_GRID ? (float)volume->grid->size[i] : 1.0f;
+        if (!clip_axis(r, i, -1.0f, max))
+            return false;
+    }
+    return true;
+}
+
+/* Steps from brick to brick along a ray. */
+typedef struct lf_walk {
+    const lf_grid *grid;
+    int b[3], step[3];
+    float next[3], delta[3];
+    float t0, t1;          /* the present brick's part of the ray */
+    float end;
+    const float *values;   /* of the present brick */
+    float max;             /* its largest value */
+} lf_walk;
+
+static void enter(lf_walk *k)
+{
+    const lf_grid *g = k->grid;
+    size_t i = ((size_t)k->b[2] * (size_t)g->bricks[1] + (size_t)k->b[1]) * (size_t)g->bricks[0] + (size_t)k->b[0];
+    k->values = g->values + (size_t)g->index[i] * LF_BRICK_STRIDE;
+    k->max = g->brick_max[i];
+    k->t1 = fmaxf(k->t0, fminf(k->end, fminf(k->next[0], fminf(k->next[1], k->next[2]))));
+}
+
+static void walk_begin(lf_walk *k, const lf_grid *grid, const lf_local_ray *r)
+{
+    k->grid = grid;
+    k->t0 = r->t0;
+    k->end = r->t1;
+    for (int i = 0; i < 3; i++) {
+        float x = (r->o[i] + r->t0 * r->d[i] + 1.0f) * (1.0f / LF_BRICK);
+        int b = (int)floorf(x);
+        k->b[i] = b < 0 ? 0 : b >= grid->bricks[i] ? grid->bricks[i] - 1 : b;
+        k->step[i] = r->d[i] > 0.0f ? 1 : -1;
+        k->next[i] = INFINITY;
+        k->delta[i] = INFINITY;
+        if (r->d[i] != 0.0f) {
+            float face = (float)((k->b[i] + (r->d[i] > 0.0f ? 1 : 0)) * LF_BRICK - 1);
+            k->next[i] = (face - r->o[i]) / r->d[i];
+            k->delta[i] = LF_BRICK / fabsf(r->d[i]);
+        }
+    }
+    enter(k);
+}
+
+static bool walk_next(lf_walk *k)
+{
+    if (k->t1 >= k->end)
+        return false;
+    int axis = k->next[0] <= k->next[1] ? (k->next[0] <= k->next[2] ? 0 : 2) : (k->next[1] <= k->next[2] ? 1 : 2);
+    k->b[axis] += k->step[axis];
+    if (k->b[axis] < 0 || k->b[axis] >= k->grid->bricks[axis])
+        return false;
+    k->t0 = k->t1;
+    k->next[axis] += k->delta[axis];
+    enter(k);
+    return true;
+}
+
+/* Clamped coordinate inside the present brick, 0..8. */
+static inline float inside(const lf_walk *k, const lf_local_ray *r, float t, int axis)
+{
+    float x = r->o[axis] + t * r->d[axis] + 1.0f - (float)(k->b[axis] * LF_BRICK);
+    return fminf(fmaxf(x, 0.0f), (float)LF_BRICK);
+}
+
+static inline float lerp(float a, float b, float f)
+{
+    return a + f * (b - a);
+}
+
+static float look_up(const lf_walk *k, const lf_local_ray *r, float t, bool nearest)
+{
+    float x = inside(k, r, t, 0), y = inside(k, r, t, 1), z = inside(k, r, t, 2);
+    const int dy = LF_BRICK_VALUES, dz = LF_BRICK_VALUES * LF_BRICK_VALUES;
+    if (nearest)
+        return k->values[(int)(z + 0.5f) * dz + (int)(y + 0.5f) * dy + (int)(x + 0.5f)];
+    int i = (int)fminf(x, LF_BRICK - 1), j = (int)fminf(y, LF_BRICK - 1), l = (int)fminf(z, LF_BRICK - 1);
+    float fx = x - (float)i, fy = y - (float)j, fz = z - (float)l;
+    const float *v = k->values + l * dz + j * dy + i;
+    float a = lerp(lerp(v[0], v[1], fx), lerp(v[dy], v[dy + 1], fx), fy);
+    float b = lerp(lerp(v[dz], v[dz + 1], fx), lerp(v[dz + dy], v[dz + dy + 1], fx), fy);
+    return lerp(a, b, fz);
+}
+
+static float collide_grid(lf_tracer *tracer, const lf_volume *volume, const lf_local_ray *r)
+{
+    lf_walk k;
+    for (walk_begin(&k, volume->grid, r);;) {
+        float majorant = volume->sigma_scale * k.max;
+        if (majorant > 0.0f) {
+            float mean = 1.0f / majorant;
+            for (float t = k.t0 + mean * lf_rng_exponential(tracer); t < k.t1; t += mean * lf_rng_exponential(tracer)) {
+                tracer->lookups++;
+                if (lf_rng(tracer) * k.max < look_up(&k, r, t, volume->nearest))
+                    return t;
+            }
+        }
+        if (!walk_next(&k))
+            return INFINITY;
+    }
+}
+
+float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, int *out_volume)
+{
+    const lf_scene *scene = tracer->scene;
+    float nearest = INFINITY;
+    for (int i = 0; i < scene->n_volumes; i++) {
+        const lf_volume *volume = &scene->volumes[i];
+        lf_local_ray r;
+        to_local(volume, o, w, fminf(t_max, nearest), &r);
+        if (!(volume->sigma_max > 0.0f) || !clip_volume(volume, &r))
+            continue;
+        float t;
+        if (volume->kind == LF_VOLUME_GRID) {
+            t = collide_grid(tracer, volume, &r);
+        } else {
+            t = r.t0 + lf_rng_exponential(tracer) / volume->sigma_scale;
+            t = t < r.t1 ? t : INFINITY;
+        }
+        if (t < nearest) {
+            nearest = t;
+            *out_volume = i;
+        }
+    }
+    return nearest;
+}
+
+/* Ratio tracking with roulette below 1/10. */
+static float transmit_grid(lf_tracer *tracer, const lf_volume *volume, const lf_local_ray *r, float transmittance)
+{
+    lf_walk k;
+    for (walk_begin(&k, volume->grid, r);;) {
+        float majorant = volume->sigma_scale * k.max;
+        if (majorant > 0.0f) {
+            float mean = 1.0f / majorant, inverse = 1.0f / k.max;
+            for (float t = k.t0 + mean * lf_rng_exponential(tracer); t < k.t1; t += mean * lf_rng_exponential(tracer)) {
+                tracer->lookups++;
+                transmittance *= fmaxf(0.0f, 1.0f - look_up(&k, r, t, volume->nearest) * inverse);
+                if (transmittance < 0.1f) {
+                    if (lf_rng(tracer) >= 0.5f)
+                        return 0.0f;
+                    transmittance *= 2.0f;
+                }
+            }
+        }
+        if (!walk_next(&k))
+            return transmittance;
+    }
+}
+
+float lf_track_transmittance(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
+{
+    const lf_scene *scene = tracer->scene;
+    float transmittance = 1.0f;
+    for (int i = 0; i < scene->n_volumes && transmittance > 0.0f; i++) {
+        const lf_volume *volume = &scene->volumes[i];
+        lf_local_ray r;
+        to_local(volume, o, w, t_max, &r);
+        if (!(volume->sigma_max > 0.0f) || !clip_volume(volume, &r))
+            continue;
+        if (volume->kind == LF_VOLUME_GRID)
+            transmittance = transmit_grid(tracer, volume, &r, transmittance);
+        else
+            transmittance *= expf(-volume->sigma_scale * (r.t1 - r.t0));
+    }
+    return transmittance;
+}

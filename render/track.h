@@ -1,0 +1,49 @@
+/* Rays through the scene: surfaces by Embree, volumes by delta and ratio tracking over the grids' bricks (local majorants,
+ * one value a brick; Woodcock 1965, Novak et al. 2014). Several volumes overlap freely: their collisions are independent
+ * processes, so the nearest of one sample each is a collision of the sum. Private to render/; a tracer belongs to one worker;
+ * nothing here allocates or locks. Everything is unbiased for the true (interpolated) fields. */
+#ifndef LF_RENDER_TRACK_H
+#define LF_RENDER_TRACK_H
+
+#include "render/light.h"
+
+typedef struct lf_tracer {
+    const lf_scene *scene;
+    uint64_t rng;     /* stream of the path in progress: lf_tracer_seed */
+    int64_t rays;     /* counters, never reset here */
+    int64_t lookups;
+    int64_t nonfinite;
+} lf_tracer;
+
+/* PCG-XSH-RR (O'Neill 2014): 24 bits in [0, 1). */
+static inline float lf_rng(lf_tracer *t)
+{
+    uint64_t old = t->rng;
+    t->rng = old * 6364136223846793005u + 1442695040888963407u;
+    uint32_t x = (uint32_t)(((old >> 18) ^ old) >> 27), r = (uint32_t)(old >> 59);
+    x = (x >> r) | (x << ((32u - r) & 31u));
+    return (float)(x >> 8) * 0x1p-24f;
+}
+
+/* Distance to the next event of an exponential of rate 1. */
+static inline float lf_rng_exponential(lf_tracer *t)
+{
+    return -logf(1.0f - lf_rng(t));
+}
+
+/* Nearest surface along o + t w, 0 < t < t_max; w need not be unit. true and *hit filled, or false. */
+bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
+/* Fills *hit from what Embree reported for the ray o + t w. */
+void lf_trace_hit(const lf_scene *scene, unsigned geom_id, unsigned prim_id, float u, float v, float t, lf_vec3 w, lf_hit *hit);
+/* True when a surface lies between. */
+bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
+/* The start of a ray that leaves a surface point towards w: moved off the surface along ng by a few units in the last place
+ * (facts: estimators, f.3). extent = the largest coordinate or distance that rounding error scales with. */
+lf_vec3 lf_offset(lf_vec3 p, lf_vec3 ng, lf_vec3 w);
+
+/* First collision with t < t_max, or INFINITY; *out_volume says whose. w unit. */
+float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, int *out_volume);
+/* Unbiased estimate of the transmittance of the volumes along [0, t_max]. */
+float lf_track_transmittance(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
+
+#endif

@@ -1,0 +1,262 @@
+/* A visit of a row: plane, slice, exits, base samples. What is the same for every integrator. */
+#include "render/integrator.h"
+
+const lf_integrator *lf_integrator_at(int index)
+{
+    static const lf_integrator *const table[] = {&lf_integrator_mvpt, &lf_integrator_vpt};
+    return index >= 0 && index < (int)(sizeof table / sizeof table[0]) ? table[index] : NULL;
+}
+
+/* ---------------------------------------------------------------------------------------------------------- lattice -- */
+
+static int gcd(int a, int b)
+{
+    return b ? gcd(b, a % b) : a;
+}
+
+/* A step coprime to n near n times 1 - 1/golden ratio: neighbouring columns take distant views. */
+static int lattice_step(int n)
+{
+    int step = (int)(0.381966 * n);
+    while (gcd(step, n) != 1)
+        step++;
+    return step;
+}
+
+/* Column u takes view (step u + start + floor(j n / subsets)) mod n for j = 0 .. subsets - 1. */
+static int lattice_view(const lf_visit *visit, int column, int j)
+{
+    int n = visit->rig->n_views;
+    return (int)(((int64_t)visit->step * column + visit->start + (int64_t)j * n / visit->subsets) % n);
+}
+
+bool lf_lattice_has(const lf_visit *visit, int view, int column)
+{
+    for (int j = 0; j < visit->subsets; j++) {
+        if (lattice_view(visit, column, j) == view)
+            return true;
+    }
+    return false;
+}
+
+/* ----------------------------------------------------------------------------------------------------------- suffix -- */
+
+void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out)
+{
+    lf_tracer *tracer = &visit->worker->tracer;
+    float u[3];
+    *out = (lf_suffix){0};
+    for (int i = 0; i < 3; i++)
+        u[i] = lf_sampler_1d(pivot->sampler);
+    out->has_light = lf_light_draw(visit->scene, pivot->event.p, u, &out->light);
+    if (out->has_light)
+        out->light_visible = lf_path_visible(tracer, &pivot->event, &out->light);
+    for (int i = 0; i < 3; i++)
+        u[i] = lf_sampler_1d(pivot->sampler);
+    lf_vec3 f;
+    float pdf = lf_scatter_sample(visit->scene, &pivot->event, wo, u, &out->wi, &f);
+    out->has_direction = pdf > 0.0f && lf_max3(f) > 0.0f;
+    if (!out->has_direction)
+        return;
+    lf_event next;
+    lf_path_next(tracer, &pivot->event, out->wi, &next);
+    out->found = lf_path_light_found(visit->scene, &pivot->event, &next, &out->found_pdf);
+    if (next.kind != LF_EVENT_ESCAPE)
+        out->scattered = lf_path_scattered(tracer, &next, 2, visit->max_depth);
+}
+
+lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, lf_vec3 wo)
+{
+    lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f), f;
+    if (suffix->has_light) {
+        float pdf = lf_scatter_eval(visit->scene, &pivot->event, wo, suffix->light.wi, &f);
+        float weight = suffix->light_visible / (suffix->light.delta ? suffix->light.pdf : suffix->light.pdf + pdf);
+        radiance = lf_scale(lf_mul(f, suffix->light.radiance), weight);
+    }
+    if (suffix->has_direction) {
+        float pdf = lf_scatter_eval(visit->scene, &pivot->event, wo, suffix->wi, &f);
+        lf_vec3 arriving = lf_madd(suffix->scattered, pdf / (pdf + suffix->found_pdf), suffix->found);
+        if (pdf > 0.0f)
+            radiance = lf_madd(radiance, 1.0f / pdf, lf_mul(f, arriving));
+    }
+    return radiance;
+}
+
+/* ------------------------------------------------------------------------------------------------------ base samples -- */
+
+/* Which volume a collision at p belongs to: in proportion to their extinctions there. Where the true field is 0 and the slice
+ * is not (its discretisation), the volume whose bounds hold p. */
+static int collided_volume(lf_visit *visit, lf_vec3 p)
+{
+    const lf_scene *scene = visit->scene;
+    float sigma[LF_MAX_VOLUMES], sum = 0.0f;
+    if (scene->n_volumes == 1)
+        return 0;
+    for (int i = 0; i < scene->n_volumes; i++) {
+        sigma[i] = lf_volume_sigma_t(&scene->volumes[i], p);
+        sum += sigma[i];
+    }
+    visit->worker->tracer.lookups += scene->n_volumes;
+    float x = lf_rng(&visit->worker->tracer) * sum;
+    for (int i = 0; i < scene->n_volumes && sum > 0.0f; i++) {
+        x -= sigma[i];
+        if (x < 0.0f)
+            return i;
+    }
+    for (int i = 0; i < scene->n_volumes; i++) {
+        lf_vec3 lo = scene->volumes[i].bounds_min, hi = scene->volumes[i].bounds_max;
+        if (p.x >= lo.x && p.x <= hi.x && p.y >= lo.y && p.y <= hi.y && p.z >= lo.z && p.z <= hi.z)
+            return i;
+    }
+    return 0;
+}
+
+/* A base ray in its row's plane. */
+typedef struct lf_base_ray {
+    float c, slope, length; /* X(Z) = c + slope Z; scene units per unit of Z */
+    lf_vec3 w;              /* unit */
+    float z_surface;        /* INFINITY when it meets none */
+} lf_base_ray;
+
+/* Where the ray collides: Z, or INFINITY when it goes through. Rays that end on a shareable surface are tracked natively; on others
+ * the collision is drawn with probability s = min(1, kappa q) instead of q, and the pivot weighs q/s. */
+static float collide(const lf_visit_plan *plan, const lf_visit *visit, const lf_base_ray *ray, bool surface_shared, float u,
+                     float *out_boost)
+{
+    const lf_slice *slice = &visit->worker->slice;
+    float z, stop = -log1pf(-u) / ray->length;
+    *out_boost = 1.0f;
+    if (slice->first > slice->last)
+        return INFINITY;
+    if (plan->force && !surface_shared) {
+        float tau = lf_slice_march(slice, ray->c, ray->slope, ray->z_surface, INFINITY, &z) * ray->length;
+        float q = -expm1f(-tau);
+        if (!(q > 0.0f))
+            return INFINITY;
+        *out_boost = q;
+        stop = -log1pf(-u * q) / ray->length;
+        stop = fminf(stop, tau / ray->length * (1.0f - 1e-6f));
+    }
+    float reached = lf_slice_march(slice, ray->c, ray->slope, ray->z_surface, stop, &z);
+    return reached >= stop && z < ray->z_surface ? z : INFINITY;
+}
+
+/* Delta lobes of the first surface: native, into M. */
+static void add_native(lf_visit *visit, int view, int column, const lf_event *event)
+{
+    const lf_material *m = event->hit.material;
+    if (!visit->half.native || !lf_surfaces[m->type].delta)
+        return;
+    lf_tracer *tracer = &visit->worker->tracer;
+    lf_vec3 wo = lf_scale(event->w, -1.0f), r = lf_surfaces[m->type].delta(m, event->hit.ns, wo);
+    float probability = fminf(1.0f, 4.0f * lf_max3(r));
+    if (!(probability > 0.0f) || lf_rng(tracer) >= probability)
+        return;
+    lf_vec3 wi = lf_madd(event->w, 2.0f * lf_dot(wo, event->hit.ns), event->hit.ns);
+    lf_event next;
+    lf_path_next(tracer, event, wi, &next);
+    float light_pdf;
+    lf_vec3 radiance = lf_path_light_found(visit->scene, event, &next, &light_pdf);
+    if (next.kind != LF_EVENT_ESCAPE)
+        radiance = lf_add(radiance, lf_path_scattered(tracer, &next, 2, visit->max_depth));
+    radiance = lf_scale(lf_mul(radiance, r), 1.0f / probability);
+    float *out = visit->half.native[(size_t)view * (size_t)visit->rig->width + (size_t)column];
+    out[0] += radiance.x;
+    out[1] += radiance.y;
+    out[2] += radiance.z;
+}
+
+static void make_ray(const lf_visit *visit, int view, float u, float lx, lf_base_ray *ray)
+{
+    const lf_rig *rig = visit->rig;
+    ray->c = rig->b[view] + lx;
+    ray->slope = (rig->x0 + u * rig->dx - rig->b[view]) / rig->distance - lx / rig->focus;
+    ray->length = sqrtf(1.0f + ray->slope * ray->slope + visit->plane.my * visit->plane.my);
+    ray->w = lf_scale(lf_rig_direction(rig, ray->slope, visit->plane.my, 1.0f), 1.0f / ray->length);
+    ray->z_surface = INFINITY;
+}
+
+static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, int column, uint64_t key, uint32_t index)
+{
+    lf_worker *worker = visit->worker;
+    const lf_rig *rig = visit->rig;
+    lf_sampler sampler;
+    uint64_t pixel = lf_hash64(key, (uint64_t)view * (uint64_t)rig->width + (uint64_t)column + 16);
+    lf_sampler_init(&sampler, plan->sampler, pixel, index);
+    worker->tracer.rng = lf_hash64(pixel, ~(uint64_t)index);
+    worker->base_paths++;
+
+    float jitter[2], lens = 0.0f;
+    lf_sampler_2d(&sampler, jitter);
+    if (visit->plane.lens_chord > 0.0f)
+        lens = (2.0f * lf_sampler_1d(&sampler) - 1.0f) * visit->plane.lens_chord;
+    lf_base_ray ray;
+    make_ray(visit, view, (float)column + jitter[0], lens, &ray);
+
+    lf_pivot pivot = {.lx = lens, .boost = 1.0f, .sampler = &sampler};
+    lf_event *event = &pivot.event;
+    event->w = ray.w;
+    lf_vec3 eye = lf_rig_point(rig, ray.c, visit->plane.ly, 0.0f);
+    bool surface = lf_trace_surface(&worker->tracer, eye, ray.w, INFINITY, &event->hit);
+    bool shared = surface && lf_material_has_lobe(event->hit.material);
+    if (surface)
+        ray.z_surface = event->hit.t / ray.length;
+    float z = collide(plan, visit, &ray, shared, jitter[1], &pivot.boost);
+    if (z < INFINITY) {
+        event->kind = LF_EVENT_MEDIUM;
+        pivot.z = z;
+        pivot.x = ray.c + ray.slope * z;
+        event->p = lf_rig_point(rig, pivot.x, visit->plane.ly + visit->plane.my * z, z);
+        event->volume = collided_volume(visit, event->p);
+        visit->integrator->pivot(visit, view, column, &pivot);
+    } else if (surface) {
+        lf_vec3 d = lf_sub(event->hit.p, rig->eye);
+        event->kind = LF_EVENT_SURFACE;
+        event->p = event->hit.p;
+        pivot.boost = 1.0f;
+        pivot.x = lf_dot(d, rig->right);
+        pivot.z = lf_dot(d, rig->forward);
+        add_native(visit, view, column, event);
+        if (shared)
+            visit->integrator->pivot(visit, view, column, &pivot);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------------ visit -- */
+
+bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worker, const lf_cancel *cancel)
+{
+    lf_film_row *state = &plan->film->rows[row];
+    const lf_rig *rig = plan->rig;
+    if (state->visits[0] + state->visits[1] == 0)
+        lf_film_row_begin(plan->film, row);
+    uint32_t index = state->visits[half];
+    uint64_t key = lf_hash64(lf_hash64(plan->seed, (uint64_t)row), (uint64_t)half);
+    lf_visit visit = {.scene = plan->scene, .rig = rig, .kernels = plan->kernels, .integrator = plan->integrator,
+                      .worker = worker, .half = lf_film_at(plan->film, row, half), .row = row, .max_depth = plan->max_depth,
+                      .subsets = plan->subsets, .step = lattice_step(rig->n_views), .faults = plan->faults};
+    const float lens[2] = {lf_sampler_radical(lf_hash64(key, 1), index), lf_sampler_radical(lf_hash64(key, 2), index)};
+    float offset = lf_sampler_radical(lf_hash64(key, 0), index);
+    uint64_t random = lf_hash64(lf_hash64(key, 3), index);
+    visit.start = (int)(random % (uint64_t)rig->n_views);
+    lf_rig_row_plane(rig, (float)row + offset, lens, &visit.plane);
+    worker->tracer.scene = plan->scene;
+    if (!plan->frame->empty)
+        lf_slice_fill(&worker->slice, plan->frame, plan->scene, rig, &visit.plane, lf_sampler_radical(lf_hash64(key, 4), index),
+                      &worker->tracer.lookups);
+
+    float weight = (float)plan->subsets / (float)(rig->n_views * plan->column_step);
+    lf_exits_row(plan, &visit, lf_hash64(key, 5), index, weight);
+    int first_column = plan->column_step > 1 ? (int)(random >> 32) % plan->column_step : 0;
+    for (int column = first_column; column < rig->width; column += plan->column_step) {
+        for (int j = 0; j < plan->subsets; j++) {
+            if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
+                return false;
+            base_sample(plan, &visit, lattice_view(&visit, column, j), column, key, index);
+        }
+    }
+    state->visits[half]++;
+    state->n[half] += (double)weight;
+    state->passes += (double)plan->subsets / plan->column_step;
+    return true;
+}

@@ -1,0 +1,26 @@
+/* vpt: each view alone, the baseline. The same base samples, suffixes, samplers and known light as mvpt; nothing is shared, so no
+ * weights are needed: the expected count of a base pixel is the visit's n itself. */
+#include "render/integrator.h"
+
+static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
+{
+    lf_suffix suffix;
+    lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
+    lf_suffix_draw(visit, pivot, wo, &suffix);
+    lf_vec3 radiance = lf_suffix_radiance(visit, pivot, &suffix, wo);
+    size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
+    lf_film_scattered *out = &visit->half.scattered[pixel];
+    visit->worker->contributions++;
+    if (!isfinite(radiance.x + radiance.y + radiance.z)) {
+        visit->worker->tracer.nonfinite++;
+        radiance = lf_v3(0.0f, 0.0f, 0.0f);
+    }
+    out->n[0] += pivot->boost * radiance.x;
+    out->n[1] += pivot->boost * radiance.y;
+    out->n[2] += pivot->boost * radiance.z;
+    out->w += pivot->boost;
+    if (visit->half.w2)
+        visit->half.w2[pixel] += pivot->boost;
+}
+
+const lf_integrator lf_integrator_vpt = {.name = "vpt", .shares = false, .pivot = pivot_vpt};
