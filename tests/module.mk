@@ -7,3 +7,6 @@ test_libs_stat := stat base
 
 # what statistical tests share
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
+
+# files made as on file systems without O_TMPFILE
+wrap_test_file := -Wl,--wrap=open

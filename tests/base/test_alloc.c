@@ -1,0 +1,77 @@
+#include "tests/testing.h"
+
+#include "base/alloc.h"
+
+static void memory_is_zeroed_and_aligned(void **state)
+{
+    (void)state;
+    for (size_t n = 1; n < 300; n += 7) {
+        unsigned char *p = lf_calloc(n, 3);
+        assert_non_null(p);
+        assert_int_equal((uintptr_t)p % 64, 0);
+        for (size_t i = 0; i < 3 * n; i++)
+            assert_int_equal(p[i], 0);
+        memset(p, 0xa5, 3 * n); /* the next one of the same size must not see it */
+        lf_free(p);
+    }
+}
+
+static void products_that_overflow_are_refused(void **state)
+{
+    (void)state;
+    /* not constants, or the compiler sees what is wrong before the function does */
+    volatile size_t half = SIZE_MAX / 2 + 1, most = SIZE_MAX, large = PTRDIFF_MAX;
+    assert_null(lf_calloc(half, 2));
+    assert_null(lf_calloc(2, half));
+    assert_null(lf_calloc(most, 1));
+    assert_null(lf_calloc(large, 1));
+}
+
+static void nothing_can_be_asked_for_and_freed(void **state)
+{
+    (void)state;
+    void *p = lf_calloc(0, 8), *q = lf_calloc(8, 0);
+    assert_non_null(p);
+    assert_non_null(q);
+    assert_ptr_not_equal(p, q);
+    lf_free(p);
+    lf_free(q);
+    lf_free(NULL);
+}
+
+static void strings_are_copied(void **state)
+{
+    (void)state;
+    char original[] = "dragon";
+    char *copy = lf_strdup(original);
+    original[0] = 'x';
+    assert_string_equal(copy, "dragon");
+    lf_free(copy);
+    assert_null(lf_strdup(NULL));
+}
+
+static void allocations_are_counted_and_releases_are_not(void **state)
+{
+    (void)state;
+    uint64_t before = lf_alloc_count();
+    void *p = lf_calloc(1, 1);
+    char *s = lf_strdup("s");
+    assert_int_equal(lf_alloc_count() - before, 2);
+    lf_free(p);
+    lf_free(s);
+    volatile size_t too_much = SIZE_MAX;
+    assert_null(lf_calloc(too_much, too_much));
+    assert_int_equal(lf_alloc_count() - before, 2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(memory_is_zeroed_and_aligned),
+        cmocka_unit_test(products_that_overflow_are_refused),
+        cmocka_unit_test(nothing_can_be_asked_for_and_freed),
+        cmocka_unit_test(strings_are_copied),
+        cmocka_unit_test(allocations_are_counted_and_releases_are_not),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

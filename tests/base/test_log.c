@@ -1,0 +1,139 @@
+#include "tests/testing.h"
+
+#include <pthread.h>
+#include <sys/stat.h>
+
+#include "base/log.h"
+
+/* stderr into a file while one of these tests runs */
+typedef struct fixture {
+    char *folder;
+    int saved;
+} fixture;
+
+static int redirect(void **state)
+{
+    static fixture f;
+    f.folder = lf_test_folder();
+    fflush(stderr);
+    f.saved = dup(STDERR_FILENO);
+    FILE *file = fopen(lf_test_path(f.folder, "log"), "wb");
+    assert_non_null(file);
+    dup2(fileno(file), STDERR_FILENO);
+    fclose(file);
+    unsetenv("QUILTD_DEBUG");
+    unsetenv("JOURNAL_STREAM");
+    *state = &f;
+    return 0;
+}
+
+static int restore(void **state)
+{
+    fixture *f = *state;
+    dup2(f->saved, STDERR_FILENO);
+    close(f->saved);
+    lf_test_folder_remove(f->folder);
+    return 0;
+}
+
+/* What was logged so far, in a static buffer. */
+static const char *logged(void **state)
+{
+    static char text[1 << 20];
+    const fixture *f = *state;
+    FILE *file = fopen(lf_test_path(f->folder, "log"), "rb");
+    assert_non_null(file);
+    text[fread(text, 1, sizeof text - 1, file)] = 0;
+    fclose(file);
+    return text;
+}
+
+static void lines_carry_the_program_and_levels_hold_back(void **state)
+{
+    lf_log_init("quiltd", LF_LOG_WARNING);
+    lf_log(LF_LOG_ERROR, "no %s", "luck");
+    lf_log(LF_LOG_WARNING, "careful");
+    lf_log(LF_LOG_INFO, "hidden");
+    lf_log(LF_LOG_DEBUG, "hidden too");
+    assert_string_equal(logged(state), "quiltd: no luck\nquiltd: careful\n");
+}
+
+static void the_environment_can_ask_for_debug(void **state)
+{
+    setenv("QUILTD_DEBUG", "1", 1);
+    lf_log_init("quiltctl", LF_LOG_INFO);
+    lf_log(LF_LOG_DEBUG, "seen");
+    assert_string_equal(logged(state), "quiltctl: seen\n");
+}
+
+static void the_journal_gets_levels_and_other_streams_do_not(void **state)
+{
+    struct stat st;
+    char stream[64];
+    assert_int_equal(fstat(STDERR_FILENO, &st), 0);
+    snprintf(stream, sizeof stream, "%ju:%ju", (uintmax_t)st.st_dev, (uintmax_t)st.st_ino);
+    setenv("JOURNAL_STREAM", stream, 1);
+    lf_log_init("quiltd", LF_LOG_INFO);
+    lf_log(LF_LOG_ERROR, "a");
+    lf_log(LF_LOG_INFO, "b");
+    snprintf(stream, sizeof stream, "%ju:%ju", (uintmax_t)st.st_dev, (uintmax_t)st.st_ino + 1);
+    setenv("JOURNAL_STREAM", stream, 1);
+    lf_log_init("quiltd", LF_LOG_INFO);
+    lf_log(LF_LOG_ERROR, "c");
+    assert_string_equal(logged(state), "<3>quiltd: a\n<6>quiltd: b\nquiltd: c\n");
+}
+
+static void a_line_stays_one_line(void **state)
+{
+    lf_log_init("quiltd", LF_LOG_INFO);
+    lf_log(LF_LOG_INFO, "%s", "one\ntwo\x1b[2J");
+    assert_string_equal(logged(state), "quiltd: one\\ntwo\\x1b[2J\n");
+}
+
+static void an_error_is_one_line_with_all_its_parts(void **state)
+{
+    lf_error err;
+    lf_log_init("quiltd", LF_LOG_INFO);
+    lf_error_set_at(&err, LF_E_FORMAT, "s.json", 3, "/film", "unknown key");
+    lf_log_error(&err);
+    assert_string_equal(logged(state), "quiltd: s.json:3: /film: unknown key\n");
+}
+
+static void *log_many(void *argument)
+{
+    for (int i = 0; i < 200; i++)
+        lf_log(LF_LOG_INFO, "%0*d", 300, *(int *)argument);
+    return NULL;
+}
+
+static void lines_of_several_threads_stay_whole(void **state)
+{
+    pthread_t threads[4];
+    int digits[4] = {1, 2, 3, 4};
+    lf_log_init("q", LF_LOG_INFO);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(pthread_create(&threads[i], NULL, log_many, &digits[i]), 0);
+    for (int i = 0; i < 4; i++)
+        pthread_join(threads[i], NULL);
+    const char *line = logged(state);
+    int n = 0;
+    for (; *line != 0; n++) {
+        assert_int_equal(strcspn(line, "\n"), 303);
+        assert_memory_equal(line, "q: 0", 4);
+        line += 304;
+    }
+    assert_int_equal(n, 800);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(lines_carry_the_program_and_levels_hold_back, redirect, restore),
+        cmocka_unit_test_setup_teardown(the_environment_can_ask_for_debug, redirect, restore),
+        cmocka_unit_test_setup_teardown(the_journal_gets_levels_and_other_streams_do_not, redirect, restore),
+        cmocka_unit_test_setup_teardown(a_line_stays_one_line, redirect, restore),
+        cmocka_unit_test_setup_teardown(an_error_is_one_line_with_all_its_parts, redirect, restore),
+        cmocka_unit_test_setup_teardown(lines_of_several_threads_stay_whole, redirect, restore),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
