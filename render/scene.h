@@ -1,6 +1,8 @@
 /* The committed scene as the integrators see it; private to render/. Everything is in scene-local coordinates: world minus
- * `origin` (the middle of the scene's bounding box, double), so that a scene a million units away loses nothing. Immutable
- * after commit; parts are reference counted so that scenes share them. */
+ * `origin` (double), so that a scene a million units away loses nothing. The origin is the middle of the bounding box of
+ * volumes and meshes, rounded to multiples of the power of two at or above the box's longest side: 0 for scenes about the
+ * world's origin, and mostly unmoved when something in the scene moves. Immutable after commit; parts are reference counted so
+ * that scenes share them. */
 #ifndef LF_RENDER_SCENE_H
 #define LF_RENDER_SCENE_H
 

@@ -1,0 +1,203 @@
+#include "render/geometry.h"
+
+#include <string.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+
+/* -------------------------------------------------------------------------------------------------------- sharing -- */
+
+json_t *lf_geometry_key(const json_t *doc, const char *folder)
+{
+    json_t *meshes = json_deep_copy(json_object_get(doc, "meshes"));
+    const char *name;
+    json_t *mesh;
+    json_object_foreach(meshes, name, mesh) {
+        if (json_object_get(mesh, "material") && json_object_set_new(mesh, "material", json_true()) != 0) {
+            json_decref(meshes);
+            return NULL;
+        }
+    }
+    return json_pack("{s:s, s:o*}", "folder", folder, "meshes", meshes);
+}
+
+static bool file_is_unchanged(const lf_mesh_file *file, const lf_roots *roots)
+{
+    int fd;
+    if (lf_file_open(file->path, roots, LF_MESH_MAX_BYTES, &fd, NULL, NULL) != LF_OK)
+        return false;
+    struct stat info;
+    bool same = fstat(fd, &info) == 0 && info.st_size == file->size && info.st_ino == file->inode &&
+                info.st_mtim.tv_sec == file->modified.tv_sec && info.st_mtim.tv_nsec == file->modified.tv_nsec;
+    close(fd);
+    return same;
+}
+
+bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const lf_roots *roots)
+{
+    if (!json_equal(geometry->key, key))
+        return false;
+    for (int i = 0; i < geometry->n_files; i++)
+        if (!file_is_unchanged(&geometry->files[i], roots))
+            return false;
+    return true;
+}
+
+/* ------------------------------------------------------------------------------------------------------- building -- */
+
+/* Takes over the arrays of data; materials are numbered from first_material. */
+static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned id, int first_material)
+{
+    lf_mesh *mesh = &geometry->meshes[id];
+    /* One float of padding: Embree reads 16 bytes at the last vertex. */
+    float *vertices = lf_calloc(3 * (size_t)data->n_vertices + 1, sizeof *vertices);
+    if (!vertices)
+        return LF_E_NOMEM;
+    for (size_t i = 0; i < 3 * (size_t)data->n_vertices; i++)
+        vertices[i] = (float)(data->positions[i] - geometry->origin[i % 3]);
+    for (int t = 0; data->triangle_material && t < data->n_triangles; t++)
+        data->triangle_material[t] = (uint16_t)(data->triangle_material[t] + first_material);
+    *mesh = (lf_mesh){id, data->n_vertices, data->n_triangles, vertices, data->triangles, data->normals, data->triangle_material, 0};
+    data->triangles = NULL;
+    data->normals = NULL;
+    data->triangle_material = NULL;
+    return LF_OK;
+}
+
+static void grow_bounds(double bounds[2][3], const lf_mesh_data *data)
+{
+    for (size_t c = 0; c < 3 * (size_t)data->n_triangles; c++) {
+        const double *p = data->positions + 3 * (size_t)data->triangles[c];
+        for (int i = 0; i < 3; i++) {
+            bounds[0][i] = fmin(bounds[0][i], p[i]);
+            bounds[1][i] = fmax(bounds[1][i], p[i]);
+        }
+    }
+}
+
+/* Moves materials and file notes of all meshes into the geometry. */
+static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
+{
+    int n_materials = 0, n_files = 0;
+    for (int i = 0; i < n; i++) {
+        n_materials += data[i].n_materials;
+        n_files += data[i].n_files;
+    }
+    geometry->materials = lf_calloc((size_t)n_materials, sizeof *geometry->materials);
+    geometry->files = lf_calloc((size_t)n_files, sizeof *geometry->files);
+    if (!geometry->materials || !geometry->files)
+        return LF_E_NOMEM;
+    for (int i = 0; i < n; i++) {
+        if (data[i].n_materials)
+            memcpy(geometry->materials + geometry->n_materials, data[i].materials,
+                   (size_t)data[i].n_materials * sizeof *data[i].materials);
+        memcpy(geometry->files + geometry->n_files, data[i].files, (size_t)data[i].n_files * sizeof data[i].files[0]);
+        geometry->n_materials += data[i].n_materials;
+        geometry->n_files += data[i].n_files;
+        data[i].n_files = 0;
+    }
+    return LF_OK;
+}
+
+static bool attach_mesh(lf_geometry *geometry, const lf_mesh *mesh)
+{
+    RTCGeometry shape = rtcNewGeometry(geometry->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (!shape)
+        return false;
+    rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->vertices, 0, 3 * sizeof(float),
+                               (size_t)mesh->n_vertices);
+    rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0, 3 * sizeof(uint32_t),
+                               (size_t)mesh->n_triangles);
+    rtcSetGeometryBuildQuality(shape, RTC_BUILD_QUALITY_HIGH);
+    rtcCommitGeometry(shape);
+    rtcAttachGeometryByID(geometry->embree, shape, mesh->geom_id);
+    rtcReleaseGeometry(shape);
+    return rtcGetDeviceError(geometry->device) == RTC_ERROR_NONE;
+}
+
+static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
+{
+    geometry->device = rtcNewDevice(NULL);
+    geometry->embree = geometry->device ? rtcNewScene(geometry->device) : NULL;
+    if (!geometry->embree)
+        return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot start (error %d)", (int)rtcGetDeviceError(geometry->device));
+    rtcSetSceneFlags(geometry->embree, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(geometry->embree, RTC_BUILD_QUALITY_HIGH);
+    for (int i = 0; i < geometry->n_meshes; i++)
+        if (!attach_mesh(geometry, &geometry->meshes[i]))
+            return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot take mesh %d", i);
+    rtcCommitScene(geometry->embree);
+    enum RTCError problem = rtcGetDeviceError(geometry->device);
+    if (problem != RTC_ERROR_NONE)
+        return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot build the hierarchy (error %d)", (int)problem);
+    return LF_OK;
+}
+
+lf_status lf_geometry_build(lf_mesh_data *data, int n, const double origin[3], json_t *key, lf_geometry **out_geometry,
+                            lf_error *err)
+{
+    lf_status status = LF_E_NOMEM;
+    lf_geometry *geometry = lf_calloc(1, sizeof *geometry);
+    if (!geometry)
+        return lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
+    atomic_init(&geometry->refs, 1);
+    geometry->key = json_incref(key);
+    memcpy(geometry->origin, origin, sizeof geometry->origin);
+    for (int i = 0; i < 3; i++) {
+        geometry->bounds[0][i] = INFINITY;
+        geometry->bounds[1][i] = -INFINITY;
+    }
+    geometry->meshes = lf_calloc((size_t)n, sizeof *geometry->meshes);
+    if (!geometry->meshes)
+        goto fail;
+    int first_material = 0;
+    for (int i = 0; i < n; i++) {
+        grow_bounds(geometry->bounds, &data[i]);
+        if (take_mesh(geometry, &data[i], (unsigned)i, first_material) != LF_OK)
+            goto fail;
+        geometry->n_meshes++;
+        first_material += data[i].n_materials;
+    }
+    if (take_lists(geometry, data, n) != LF_OK)
+        goto fail;
+    status = build_bvh(geometry, err);
+    if (status != LF_OK)
+        goto fail;
+    *out_geometry = geometry;
+    return LF_OK;
+fail:
+    if (status == LF_E_NOMEM && !geometry->device)
+        lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
+    lf_geometry_unref(geometry);
+    return status;
+}
+
+lf_geometry *lf_geometry_ref(lf_geometry *geometry)
+{
+    atomic_fetch_add_explicit(&geometry->refs, 1, memory_order_relaxed);
+    return geometry;
+}
+
+void lf_geometry_unref(lf_geometry *geometry)
+{
+    /* Acquire-release: whoever frees sees what the other owners did before they let go. */
+    if (!geometry || atomic_fetch_sub_explicit(&geometry->refs, 1, memory_order_acq_rel) != 1)
+        return;
+    if (geometry->embree)
+        rtcReleaseScene(geometry->embree);
+    if (geometry->device)
+        rtcReleaseDevice(geometry->device);
+    for (int i = 0; i < geometry->n_meshes; i++) {
+        lf_free((void *)(uintptr_t)geometry->meshes[i].vertices);
+        lf_free((void *)(uintptr_t)geometry->meshes[i].triangles);
+        lf_free((void *)(uintptr_t)geometry->meshes[i].normals);
+        lf_free((void *)(uintptr_t)geometry->meshes[i].triangle_material);
+    }
+    for (int i = 0; i < geometry->n_files; i++)
+        lf_free(geometry->files[i].path);
+    lf_free(geometry->files);
+    lf_free(geometry->meshes);
+    lf_free(geometry->materials);
+    json_decref(geometry->key);
+    lf_free(geometry);
+}

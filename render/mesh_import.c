@@ -1,0 +1,482 @@
+#include "render/mesh_import.h"
+
+#include <assimp/cfileio.h>
+#include <assimp/cimport.h>
+#include <assimp/config.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+
+#define MAX_NODE_DEPTH 256
+
+/* ----------------------------------------------------------------------------------------- file access for Assimp -- */
+
+/* What the callbacks know. */
+typedef struct reading {
+    const lf_roots *roots;
+    lf_mesh_data *data;  /* where opened files are noted */
+    lf_error refused;    /* the first path outside of roots, or too many files; status LF_OK = none */
+    lf_error failed;     /* the first file that could not be opened */
+} reading;
+
+static size_t file_read(struct aiFile *file, char *buffer, size_t size, size_t count)
+{
+    return fread(buffer, size, count, (FILE *)(void *)file->UserData);
+}
+
+static size_t file_write(struct aiFile *file, const char *buffer, size_t size, size_t count)
+{
+    (void)file, (void)buffer, (void)size, (void)count;
+    return 0;
+}
+
+static size_t file_tell(struct aiFile *file)
+{
+    long at = ftell((FILE *)(void *)file->UserData);
+    return at < 0 ? 0 : (size_t)at;
+}
+
+static size_t file_size(struct aiFile *file)
+{
+    struct stat info;
+    return fstat(fileno((FILE *)(void *)file->UserData), &info) == 0 ? (size_t)info.st_size : 0;
+}
+
+static enum aiReturn file_seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
+{
+    static const int whence[] = {[aiOrigin_SET] = SEEK_SET, [aiOrigin_CUR] = SEEK_CUR, [aiOrigin_END] = SEEK_END};
+    if (origin > aiOrigin_END || fseek((FILE *)(void *)file->UserData, (long)offset, whence[origin]) != 0)
+        return aiReturn_FAILURE;
+    return aiReturn_SUCCESS;
+}
+
+static void file_flush(struct aiFile *file)
+{
+    (void)file;
+}
+
+/* Notes an opened file, once a path. false = too many, or out of memory. */
+static bool note_file(lf_mesh_data *data, const char *path, int fd)
+{
+    struct stat info;
+    for (int i = 0; i < data->n_files; i++)
+        if (strcmp(data->files[i].path, path) == 0)
+            return true;
+    if (data->n_files == LF_MESH_MAX_FILES || fstat(fd, &info) != 0)
+        return false;
+    char *copy = lf_strdup(path);
+    if (!copy)
+        return false;
+    data->files[data->n_files++] = (lf_mesh_file){copy, info.st_mtim, info.st_size, info.st_ino};
+    return true;
+}
+
+static struct aiFile *io_open(struct aiFileIO *io, const char *path, const char *mode)
+{
+    reading *state = (reading *)(void *)io->UserData;
+    lf_error err = {0};
+    int fd = -1;
+    FILE *stream = NULL;
+    struct aiFile *file = NULL;
+    if (mode[0] != 'r' || strchr(mode, '+'))
+        return NULL;
+    lf_status status = lf_file_open(path, state->roots, LF_MESH_MAX_BYTES, &fd, NULL, &err);
+    if (status != LF_OK) {
+        lf_error *first = status == LF_E_PATH ? &state->refused : &state->failed;
+        if (first->status == LF_OK)
+            *first = err;
+        return NULL;
+    }
+    if (!note_file(state->data, path, fd)) {
+        lf_error_set(&state->refused, LF_E_NOMEM, path, "too many files behind one mesh (at most %d)", LF_MESH_MAX_FILES);
+        goto fail;
+    }
+    stream = fdopen(fd, "rb");
+    file = stream ? lf_calloc(1, sizeof *file) : NULL;
+    if (!file)
+        goto fail;
+    *file = (struct aiFile){file_read, file_write, file_tell, file_size, file_seek, file_flush, (aiUserData)(void *)stream};
+    return file;
+fail:
+    if (stream)
+        fclose(stream);
+    else
+        close(fd);
+    return NULL;
+}
+
+static void io_close(struct aiFileIO *io, struct aiFile *file)
+{
+    (void)io;
+    if (file)
+        fclose((FILE *)(void *)file->UserData);
+    lf_free(file);
+}
+
+/* ------------------------------------------------------------------------------------------------------ materials -- */
+
+static float clamp_unit(float v)
+{
+    return v > 0.0f ? fminf(v, 1.0f) : 0.0f; /* NaN gives 0 */
+}
+
+static bool get_colour(const struct aiMaterial *m, const char *key, unsigned type, unsigned index, lf_vec3 *out)
+{
+    struct aiColor4D c;
+    if (aiGetMaterialColor(m, key, type, index, &c) != aiReturn_SUCCESS)
+        return false;
+    *out = lf_v3(clamp_unit(c.r), clamp_unit(c.g), clamp_unit(c.b));
+    return true;
+}
+
+static bool get_float(const struct aiMaterial *m, const char *key, unsigned type, unsigned index, float *out)
+{
+    float v;
+    if (aiGetMaterialFloatArray(m, key, type, index, &v, NULL) != aiReturn_SUCCESS || !isfinite(v))
+        return false;
+    *out = v;
+    return true;
+}
+
+static lf_vec3 get_emission(const struct aiMaterial *m)
+{
+    struct aiColor4D c;
+    float strength = 1.0f;
+    get_float(m, AI_MATKEY_EMISSIVE_INTENSITY, &strength);
+    if (aiGetMaterialColor(m, AI_MATKEY_COLOR_EMISSIVE, &c) != aiReturn_SUCCESS)
+        return lf_v3(0, 0, 0);
+    float e[3] = {c.r * strength, c.g * strength, c.b * strength};
+    for (int i = 0; i < 3; i++)
+        e[i] = e[i] > 0.0f ? fminf(e[i], (float)LF_MAX_RADIANCE) : 0.0f;
+    return lf_v3(e[0], e[1], e[2]);
+}
+
+/* glTF's metallic-roughness model: metals become conductors, the rest gets a coat unless it is fully rough. */
+static void convert_metallic(const struct aiMaterial *m, float metallic, lf_material *out)
+{
+    float roughness = 1.0f, ior = 1.5f;
+    get_float(m, AI_MATKEY_ROUGHNESS_FACTOR, &roughness);
+    get_float(m, AI_MATKEY_REFRACTI, &ior);
+    get_colour(m, AI_MATKEY_BASE_COLOR, &out->albedo);
+    out->roughness = clamp_unit(roughness);
+    out->ior = fminf(fmaxf(ior, 1.0f), 3.0f);
+    out->type = metallic >= 0.5f          ? LF_MATERIAL_CONDUCTOR
+                : out->roughness >= 0.99f ? LF_MATERIAL_DIFFUSE
+                                          : LF_MATERIAL_PLASTIC;
+}
+
+/* Phong's Kd, Ks, Ns: a highlight without a diffuse part is a metal, with one a coat. */
+static void convert_phong(const struct aiMaterial *m, lf_material *out)
+{
+    lf_vec3 specular = {0, 0, 0};
+    float exponent = 0.0f, ior = 1.0f;
+    get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &out->albedo);
+    get_colour(m, AI_MATKEY_COLOR_SPECULAR, &specular);
+    get_float(m, AI_MATKEY_SHININESS, &exponent);
+    get_float(m, AI_MATKEY_REFRACTI, &ior);
+    if (!(lf_max3(specular) > 0.0f) || !(exponent > 0.0f))
+        return;
+    /* alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007, section 5), roughness = sqrt(alpha). */
+    out->roughness = clamp_unit(powf(2.0f / (exponent + 2.0f), 0.25f));
+    out->ior = ior > 1.0f ? fminf(ior, 3.0f) : 1.5f;
+    out->type = LF_MATERIAL_PLASTIC;
+    if (!(lf_max3(out->albedo) > 0.0f)) {
+        out->type = LF_MATERIAL_CONDUCTOR;
+        out->albedo = specular;
+    }
+}
+
+static lf_material convert_material(const struct aiMaterial *m)
+{
+    lf_material out = {LF_MATERIAL_DIFFUSE, {0.5f, 0.5f, 0.5f}, 0.3f, 1.5f, {0, 0, 0}};
+    struct aiString name = {0};
+    float metallic;
+    aiGetMaterialString(m, AI_MATKEY_NAME, &name);
+    if (name.length == 0 || strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0)
+        return out; /* what Assimp makes up for meshes without a material */
+    if (get_float(m, AI_MATKEY_METALLIC_FACTOR, &metallic))
+        convert_metallic(m, metallic, &out);
+    else
+        convert_phong(m, &out);
+    out.emission = get_emission(m);
+    for (unsigned type = 1; type < aiTextureType_UNKNOWN; type++)
+        if (aiGetMaterialTextureCount(m, (enum aiTextureType)type) > 0)
+            lf_log(LF_LOG_DEBUG, "material %s: textures are not supported, the colour factors alone are used", name.data);
+    return out;
+}
+
+static lf_status convert_materials(const struct aiScene *scene, lf_mesh_data *out, const char *path, lf_error *err)
+{
+    if (scene->mNumMaterials == 0 || scene->mNumMaterials > LF_MAX_MATERIALS)
+        return lf_error_set(err, LF_E_FORMAT, path, "%u materials; 1 to %d are possible", scene->mNumMaterials, LF_MAX_MATERIALS);
+    out->materials = lf_calloc(scene->mNumMaterials, sizeof *out->materials);
+    if (!out->materials)
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    out->n_materials = (int)scene->mNumMaterials;
+    for (unsigned i = 0; i < scene->mNumMaterials; i++)
+        out->materials[i] = convert_material(scene->mMaterials[i]);
+    return LF_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------- geometry -- */
+
+static bool is_triangle_mesh(const struct aiMesh *mesh)
+{
+    return mesh->mPrimitiveTypes == aiPrimitiveType_TRIANGLE && mesh->mVertices && mesh->mFaces;
+}
+
+static lf_affine node_transform(const struct aiNode *node, const lf_affine *parent)
+{
+    const struct aiMatrix4x4 *t = &node->mTransformation;
+    lf_affine own = {{{(double)t->a1, (double)t->a2, (double)t->a3, (double)t->a4},
+                      {(double)t->b1, (double)t->b2, (double)t->b3, (double)t->b4},
+                      {(double)t->c1, (double)t->c2, (double)t->c3, (double)t->c4}}};
+    return lf_affine_compose(parent, &own);
+}
+
+typedef void (*visit_fn)(const struct aiMesh *mesh, unsigned material, const lf_affine *transform, void *context);
+
+/* Calls visit for every triangle mesh at every place it stands. false: the tree is too deep. */
+static bool walk(const struct aiScene *scene, const struct aiNode *node, const lf_affine *parent, int depth, visit_fn visit,
+                 void *context)
+{
+    if (depth > MAX_NODE_DEPTH)
+        return false;
+    lf_affine transform = node_transform(node, parent);
+    for (unsigned i = 0; i < node->mNumMeshes; i++) {
+        const struct aiMesh *mesh = scene->mMeshes[node->mMeshes[i]];
+        if (is_triangle_mesh(mesh))
+            visit(mesh, mesh->mMaterialIndex, &transform, context);
+    }
+    for (unsigned i = 0; i < node->mNumChildren; i++)
+        if (!walk(scene, node->mChildren[i], &transform, depth + 1, visit, context))
+            return false;
+    return true;
+}
+
+typedef struct totals {
+    int64_t n_vertices, n_triangles;
+} totals;
+
+static void count_mesh(const struct aiMesh *mesh, unsigned material, const lf_affine *transform, void *context)
+{
+    (void)material, (void)transform;
+    totals *t = context;
+    t->n_vertices += mesh->mNumVertices;
+    t->n_triangles += mesh->mNumFaces;
+}
+
+/* Appends to the arrays of data, which have room. A vertex that is unusable becomes NaN, a normal that is becomes 0. */
+static void append_vertices(lf_mesh_data *data, const struct aiMesh *mesh, const lf_affine *transform)
+{
+    double to_world[3][3];
+    lf_affine_normals(transform, to_world);
+    for (unsigned v = 0; v < mesh->mNumVertices; v++, data->n_vertices++) {
+        const struct aiVector3D *p = &mesh->mVertices[v];
+        double *out = data->positions + 3 * (size_t)data->n_vertices;
+        lf_affine_point(transform, (double[3]){(double)p->x, (double)p->y, (double)p->z}, out);
+        for (int i = 0; i < 3; i++)
+            if (!(fabs(out[i]) <= LF_MAX_COORDINATE))
+                out[0] = (double)NAN;
+        if (!data->normals || !mesh->mNormals)
+            continue;
+        const struct aiVector3D *n = &mesh->mNormals[v];
+        double w[3], length = 0;
+        for (int i = 0; i < 3; i++) {
+            w[i] = to_world[i][0] * (double)n->x + to_world[i][1] * (double)n->y + to_world[i][2] * (double)n->z;
+            length += w[i] * w[i];
+        }
+        length = sqrt(length);
+        for (int i = 0; i < 3; i++)
+            data->normals[3 * (size_t)data->n_vertices + (size_t)i] = length > 0 ? (float)(w[i] / length) : 0.0f;
+    }
+}
+
+static bool has_area(const double *a, const double *b, const double *c)
+{
+    double u[3], v[3], area = 0;
+    for (int i = 0; i < 3; i++) {
+        u[i] = b[i] - a[i];
+        v[i] = c[i] - a[i];
+    }
+    for (int i = 0; i < 3; i++)
+        area += fabs(u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
+    return area > 0; /* false for NaN too */
+}
+
+static void append_mesh(const struct aiMesh *mesh, unsigned material, const lf_affine *transform, void *context)
+{
+    lf_mesh_data *data = context;
+    uint32_t base = (uint32_t)data->n_vertices;
+    /* A mirror turns every face inside out; swapping two corners keeps the geometric normal with the shading normal. */
+    bool mirrored = lf_affine_determinant(transform) < 0;
+    append_vertices(data, mesh, transform);
+    for (unsigned f = 0; f < mesh->mNumFaces; f++) {
+        const struct aiFace *face = &mesh->mFaces[f];
+        if (face->mNumIndices != 3)
+            continue;
+        const unsigned *corner = face->mIndices;
+        if (corner[0] >= mesh->mNumVertices || corner[1] >= mesh->mNumVertices || corner[2] >= mesh->mNumVertices)
+            continue;
+        uint32_t t[3] = {base + corner[0], base + corner[mirrored ? 2 : 1], base + corner[mirrored ? 1 : 2]};
+        const double *p = data->positions;
+        if (!has_area(p + 3 * (size_t)t[0], p + 3 * (size_t)t[1], p + 3 * (size_t)t[2]))
+            continue;
+        memcpy(data->triangles + 3 * (size_t)data->n_triangles, t, sizeof t);
+        if (data->triangle_material)
+            data->triangle_material[data->n_triangles] = (uint16_t)(material < (unsigned)data->n_materials ? material : 0);
+        data->n_triangles++;
+    }
+}
+
+/* Gives vertices without a usable normal that of a face at them, and takes NaN out of positions that no face uses. */
+static void repair(lf_mesh_data *data)
+{
+    for (int v = 0; v < data->n_vertices; v++)
+        if (isnan(data->positions[3 * (size_t)v]))
+            memset(data->positions + 3 * (size_t)v, 0, 3 * sizeof(double));
+    for (size_t c = 0; data->normals && c < 3 * (size_t)data->n_triangles; c++) {
+        float *n = data->normals + 3 * (size_t)data->triangles[c];
+        if (n[0] != 0.0f || n[1] != 0.0f || n[2] != 0.0f)
+            continue;
+        const uint32_t *t = data->triangles + c - c % 3;
+        const double *a = data->positions + 3 * (size_t)t[0], *b = data->positions + 3 * (size_t)t[1],
+                     *d = data->positions + 3 * (size_t)t[2];
+        double w[3];
+        for (int i = 0; i < 3; i++) {
+            int j = (i + 1) % 3, k = (i + 2) % 3;
+            w[i] = (b[j] - a[j]) * (d[k] - a[k]) - (b[k] - a[k]) * (d[j] - a[j]);
+        }
+        double length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+        for (int i = 0; i < 3; i++)
+            n[i] = length > 0 ? (float)(w[i] / length) : i == 1 ? 1.0f : 0.0f;
+    }
+}
+
+static lf_status allocate(lf_mesh_data *data, int64_t n_vertices, int64_t n_triangles, bool normals, const char *path,
+                          lf_error *err)
+{
+    if (n_triangles > LF_MAX_TRIANGLES || n_vertices > 3 * (int64_t)LF_MAX_TRIANGLES)
+        return lf_error_set(err, LF_E_NOMEM, path, "%lld triangles; at most %d are possible", (long long)n_triangles,
+                            LF_MAX_TRIANGLES);
+    data->positions = lf_calloc((size_t)n_vertices, 3 * sizeof *data->positions);
+    data->triangles = lf_calloc((size_t)n_triangles, 3 * sizeof *data->triangles);
+    if (normals)
+        data->normals = lf_calloc((size_t)n_vertices, 3 * sizeof *data->normals);
+    if (data->n_materials > 0)
+        data->triangle_material = lf_calloc((size_t)n_triangles, sizeof *data->triangle_material);
+    if (!data->positions || !data->triangles || (normals && !data->normals) || (data->n_materials && !data->triangle_material))
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    return LF_OK;
+}
+
+static lf_status convert_geometry(const struct aiScene *scene, const lf_mesh_desc *desc, lf_mesh_data *out, bool normals,
+                                  const char *path, lf_error *err)
+{
+    totals wanted = {0, 0};
+    if (!scene->mRootNode || !walk(scene, scene->mRootNode, &desc->transform, 0, count_mesh, &wanted))
+        return lf_error_set(err, LF_E_FORMAT, path, "the nodes are nested deeper than %d", MAX_NODE_DEPTH);
+    if (wanted.n_triangles == 0)
+        return lf_error_set(err, LF_E_FORMAT, path, "no triangles in this file");
+    lf_status status = allocate(out, wanted.n_vertices, wanted.n_triangles, normals, path, err);
+    if (status != LF_OK)
+        return status;
+    walk(scene, scene->mRootNode, &desc->transform, 0, append_mesh, out);
+    if (out->n_triangles == 0)
+        return lf_error_set(err, LF_E_FORMAT, path, "no usable triangle: all %lld have no area or vertices that are not finite",
+                            (long long)wanted.n_triangles);
+    if (out->n_triangles < wanted.n_triangles)
+        lf_log(LF_LOG_DEBUG, "%s: %lld of %lld triangles dropped (no area, or vertices that are not finite)", path,
+               (long long)wanted.n_triangles - out->n_triangles, (long long)wanted.n_triangles);
+    repair(out);
+    return LF_OK;
+}
+
+/* --------------------------------------------------------------------------------------------------------- Assimp -- */
+
+/* Whether the result will carry normals, and the steps that Assimp takes after reading. */
+static unsigned post_process(const struct aiScene *scene, lf_normals wanted, bool *out_normals)
+{
+    unsigned with = 0, without = 0;
+    for (unsigned i = 0; i < scene->mNumMeshes; i++) {
+        if (scene->mMeshes[i]->mNormals)
+            with++;
+        else
+            without++;
+    }
+    unsigned steps = aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_JoinIdenticalVertices;
+    *out_normals = wanted == LF_NORMALS_SMOOTH || (wanted == LF_NORMALS_FILE && with > 0);
+    if (wanted == LF_NORMALS_SMOOTH)
+        return steps | aiProcess_GenSmoothNormals;
+    return *out_normals && without > 0 ? steps | aiProcess_GenNormals : steps;
+}
+
+/* Reads and processes; NULL with err filled. *out_normals as post_process. Under the lock. */
+static const struct aiScene *read_scene(const char *path, const lf_mesh_desc *desc, reading *state, bool *out_normals,
+                                        lf_error *err)
+{
+    struct aiFileIO io = {io_open, io_close, (aiUserData)(void *)state};
+    int remove = aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS | aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS |
+                 aiComponent_ANIMATIONS | aiComponent_LIGHTS | aiComponent_CAMERAS;
+    struct aiPropertyStore *store = aiCreatePropertyStore();
+    aiSetImportPropertyInteger(store, AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+    aiSetImportPropertyInteger(store, AI_CONFIG_PP_RVC_FLAGS,
+                               desc->normals == LF_NORMALS_FILE ? remove : remove | aiComponent_NORMALS);
+    const struct aiScene *scene = aiImportFileExWithProperties(path, aiProcess_ValidateDataStructure, &io, store);
+    aiReleasePropertyStore(store);
+    if (scene)
+        scene = aiApplyPostProcessing(scene, post_process(scene, desc->normals, out_normals));
+    if (!scene)
+        lf_error_set(err, LF_E_FORMAT, path, "cannot be read as a mesh: %s", aiGetErrorString());
+    return scene;
+}
+
+lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_roots *roots, lf_mesh_data *out, lf_error *err)
+{
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* Assimp's last error is one for the process */
+    char *path = lf_path_join(folder, desc->file);
+    reading state = {.roots = roots, .data = out};
+    lf_error problem = {0};
+    bool normals = false;
+    if (!path)
+        return lf_error_set(err, LF_E_NOMEM, desc->file, "out of memory");
+    pthread_mutex_lock(&lock);
+    const struct aiScene *scene = read_scene(path, desc, &state, &normals, &problem);
+    pthread_mutex_unlock(&lock);
+    lf_status status = scene ? LF_OK : problem.status;
+    if (state.refused.status != LF_OK || (!scene && state.failed.status != LF_OK)) {
+        problem = state.refused.status != LF_OK ? state.refused : state.failed;
+        status = problem.status;
+    }
+    if (scene && state.failed.status != LF_OK)
+        lf_log(LF_LOG_DEBUG, "%s: left out: %s: %s", path, state.failed.where, state.failed.what);
+    if (status == LF_OK && desc->material < 0)
+        status = convert_materials(scene, out, path, &problem);
+    if (status == LF_OK)
+        status = convert_geometry(scene, desc, out, normals, path, &problem);
+    if (status != LF_OK && err)
+        *err = problem;
+    if (scene)
+        aiReleaseImport(scene);
+    lf_free(path);
+    return status;
+}
+
+void lf_mesh_data_finish(lf_mesh_data *data)
+{
+    lf_free(data->positions);
+    lf_free(data->normals);
+    lf_free(data->triangles);
+    lf_free(data->triangle_material);
+    lf_free(data->materials);
+    for (int i = 0; i < data->n_files; i++)
+        lf_free(data->files[i].path);
+    *data = (lf_mesh_data){0};
+}

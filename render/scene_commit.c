@@ -1,0 +1,452 @@
+#include "render/scene_commit.h"
+
+#include <string.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "render/environment_load.h"
+#include "render/geometry.h"
+#include "render/grid.h"
+#include "render/light.h"
+#include "render/vdb_import.h"
+
+typedef struct commit {
+    lf_reader *reader;
+    const lf_node *root;
+    const lf_scene_desc *desc;
+    const lf_roots *roots;
+    const lf_scene *previous; /* may be NULL */
+    lf_scene *scene;
+} commit;
+
+/* Reports err at /section/name/member ("" = the thing itself). */
+static void fail_at(const commit *c, const char *section, const char *name, const char *member, const lf_error *err)
+{
+    lf_node parent = lf_node_child(c->root, section), node = lf_node_child(&parent, name), leaf = lf_node_child(&node, member);
+    lf_read_fail_with(c->reader, member[0] ? &leaf : &node, err);
+}
+
+static void out_of_memory(const commit *c)
+{
+    if (c->reader->status == LF_OK)
+        c->reader->status = lf_error_set(c->reader->err, LF_E_NOMEM, c->reader->where, "out of memory");
+}
+
+static lf_vec3 to_vec3(const double v[3])
+{
+    return lf_v3((float)v[0], (float)v[1], (float)v[2]);
+}
+
+/* -------------------------------------------------------------------------------------------------------- volumes -- */
+
+static lf_grid *find_grid(const lf_scene *scene, const char *key)
+{
+    for (int i = 0; scene && i < scene->n_volumes; i++) {
+        lf_grid *grid = scene->volumes[i].grid;
+        if (grid && strcmp(grid->key, key) == 0)
+            return lf_grid_ref(grid);
+    }
+    return NULL;
+}
+
+/* The grid behind an open file: from this scene or the one before when the key is the same, else read. */
+static lf_status share_or_import(const commit *c, int fd, const char *path, const char *name, lf_grid **out_grid, lf_error *err)
+{
+    lf_status status = LF_OK;
+    char *key = lf_file_key(fd, path, name);
+    if (!key)
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    *out_grid = find_grid(c->scene, key);
+    if (!*out_grid)
+        *out_grid = find_grid(c->previous, key);
+    if (!*out_grid) {
+        status = lf_vdb_import(fd, path, name, out_grid, err);
+        if (status == LF_OK && lf_grid_set_key(*out_grid, key) != LF_OK) {
+            lf_grid_unref(*out_grid);
+            *out_grid = NULL;
+            status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+        }
+    }
+    lf_free(key);
+    return status;
+}
+
+static void load_grid(const commit *c, const lf_volume_desc *desc, lf_volume *volume)
+{
+    lf_error err = {0};
+    int fd = -1;
+    char *path = lf_path_join(c->scene->folder, desc->file);
+    if (!path) {
+        out_of_memory(c);
+        return;
+    }
+    lf_status status = lf_file_open(path, c->roots, LF_VDB_MAX_BYTES, &fd, NULL, &err);
+    if (status == LF_OK)
+        status = share_or_import(c, fd, path, desc->grid, &volume->grid, &err);
+    if (status != LF_OK)
+        fail_at(c, "volumes", desc->name, "file", &err);
+    else if (volume->grid->n_bricks == 0)
+        lf_log(LF_LOG_DEBUG, "%s: grid %s is empty: the volume %s is not there", path, desc->grid, desc->name);
+    if (fd >= 0)
+        close(fd);
+    lf_free(path);
+}
+
+/* Loads all grids; volumes get what does not depend on the scene's origin. */
+static void load_volumes(commit *c)
+{
+    lf_scene *scene = c->scene;
+    scene->volumes = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->volumes);
+    if (!scene->volumes)
+        out_of_memory(c);
+    for (int i = 0; i < c->desc->n_volumes && c->reader->status == LF_OK; i++) {
+        const lf_volume_desc *desc = &c->desc->volumes[i];
+        lf_volume *volume = &scene->volumes[scene->n_volumes++];
+        *volume = (lf_volume){.kind = desc->kind, .nearest = desc->nearest, .g = (float)desc->g};
+        volume->sigma_scale = (float)desc->scale;
+        volume->sigma_max = (float)desc->scale;
+        volume->albedo = to_vec3(desc->albedo);
+        if (desc->kind != LF_VOLUME_GRID)
+            continue;
+        load_grid(c, desc, volume);
+        if (volume->grid)
+            volume->sigma_max = volume->sigma_scale * volume->grid->max_value;
+    }
+}
+
+/* Volume space -> world. */
+static lf_affine volume_to_world(const lf_volume *volume, const lf_volume_desc *desc)
+{
+    if (volume->kind != LF_VOLUME_GRID)
+        return desc->transform;
+    lf_affine local;
+    memcpy(local.m, volume->grid->local_to_file, sizeof local.m);
+    return lf_affine_compose(&desc->transform, &local);
+}
+
+/* The box in volume space outside of which there is nothing, the filter's footprint included. */
+static void volume_support(const lf_volume *volume, double lo[3], double hi[3])
+{
+    for (int i = 0; i < 3; i++) {
+        double margin = volume->nearest ? 0.5 : 1.0;
+        lo[i] = volume->grid ? -margin : -1.0;
+        hi[i] = volume->grid ? volume->grid->size[i] - 1 + margin : 1.0;
+    }
+}
+
+static bool is_there(const lf_volume *volume)
+{
+    return volume->sigma_max > 0.0f;
+}
+
+/* Extends bounds by a volume's support under a map: exactly for ellipsoids and boxes. */
+static void extend_by_volume(const lf_volume *volume, const lf_affine *map, double bounds[2][3])
+{
+    double lo[3], hi[3], middle[3], centre[3];
+    volume_support(volume, lo, hi);
+    for (int i = 0; i < 3; i++)
+        middle[i] = 0.5 * (lo[i] + hi[i]);
+    lf_affine_point(map, middle, centre);
+    for (int i = 0; i < 3; i++) {
+        double reach = 0;
+        for (int j = 0; j < 3; j++) {
+            double r = map->m[i][j] * 0.5 * (hi[j] - lo[j]);
+            reach += volume->kind == LF_VOLUME_SPHERE ? r * r : fabs(r);
+        }
+        reach = volume->kind == LF_VOLUME_SPHERE ? sqrt(reach) : reach;
+        bounds[0][i] = fmin(bounds[0][i], centre[i] - reach);
+        bounds[1][i] = fmax(bounds[1][i], centre[i] + reach);
+    }
+}
+
+/* The shortest edge of a voxel in scene units; of shapes 1/64 of the shortest extent. */
+static float voxel_size(const lf_volume *volume, const lf_affine *map)
+{
+    double shortest = INFINITY;
+    for (int j = 0; j < 3; j++)
+        shortest = fmin(shortest, sqrt(map->m[0][j] * map->m[0][j] + map->m[1][j] * map->m[1][j] + map->m[2][j] * map->m[2][j]));
+    return (float)(volume->kind == LF_VOLUME_GRID ? shortest : shortest * 2.0 / 64.0);
+}
+
+static void place_volume(const commit *c, lf_volume *volume, const lf_volume_desc *desc)
+{
+    lf_affine map = volume_to_world(volume, desc), inverse;
+    for (int i = 0; i < 3; i++)
+        map.m[i][3] -= c->scene->origin[i];
+    if (!lf_affine_invert(&map, &inverse)) {
+        lf_error err;
+        lf_error_set(&err, LF_E_FORMAT, desc->file ? desc->file : desc->name, "the grid's own map flattens space");
+        fail_at(c, "volumes", desc->name, "", &err);
+        return;
+    }
+    double bounds[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    extend_by_volume(volume, &map, bounds);
+    double largest = 0;
+    for (int i = 0; i < 3; i++) {
+        largest = fmax(largest, fmax(fabs(bounds[0][i]), fabs(bounds[1][i])));
+        for (int j = 0; j < 4; j++) {
+            volume->to_scene[i][j] = (float)map.m[i][j];
+            volume->to_volume[i][j] = (float)inverse.m[i][j];
+        }
+    }
+    /* Rounding of a point on its way into volume space must not leave the box. */
+    for (int i = 0; i < 3; i++) {
+        bounds[0][i] -= 1e-6 * largest;
+        bounds[1][i] += 1e-6 * largest;
+    }
+    volume->bounds_min = to_vec3(bounds[0]);
+    volume->bounds_max = to_vec3(bounds[1]);
+    volume->voxel = voxel_size(volume, &map);
+}
+
+/* --------------------------------------------------------------------------------------------------------- meshes -- */
+
+static void import_meshes(const commit *c, lf_mesh_data *data)
+{
+    for (int i = 0; i < c->desc->n_meshes && c->reader->status == LF_OK; i++) {
+        const lf_mesh_desc *desc = &c->desc->meshes[i];
+        lf_error err = {0};
+        lf_status status = desc->shape == LF_SHAPE_FILE ? lf_mesh_import(desc, c->scene->folder, c->roots, &data[i], &err)
+                                                        : lf_mesh_shape_make(desc, &data[i], &err);
+        if (status != LF_OK)
+            fail_at(c, "meshes", desc->name, desc->shape == LF_SHAPE_FILE ? "file" : "", &err);
+    }
+}
+
+static void extend_by_data(double bounds[2][3], const lf_mesh_data *data)
+{
+    for (size_t corner = 0; corner < 3 * (size_t)data->n_triangles; corner++) {
+        const double *p = data->positions + 3 * (size_t)data->triangles[corner];
+        for (int i = 0; i < 3; i++) {
+            bounds[0][i] = fmin(bounds[0][i], p[i]);
+            bounds[1][i] = fmax(bounds[1][i], p[i]);
+        }
+    }
+}
+
+/* See the top of render/scene.h. */
+static void choose_origin(const double bounds[2][3], double origin[3])
+{
+    double side = 0;
+    for (int i = 0; i < 3; i++)
+        side = fmax(side, bounds[1][i] - bounds[0][i]);
+    double step = side > 0 ? exp2(ceil(log2(side))) : 0;
+    for (int i = 0; i < 3; i++) {
+        double middle = 0.5 * (bounds[0][i] + bounds[1][i]);
+        if (!(bounds[0][i] <= bounds[1][i]))
+            origin[i] = 0;
+        else
+            origin[i] = step > 0 ? step * nearbyint(middle / step) : middle;
+    }
+}
+
+/* The bounding box of what is in the scene; geometry (may be NULL) stands for the meshes, else data. */
+static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_mesh_data *data, double bounds[2][3])
+{
+    for (int i = 0; i < 3; i++) {
+        bounds[0][i] = INFINITY;
+        bounds[1][i] = -INFINITY;
+    }
+    for (int i = 0; i < c->scene->n_volumes; i++) {
+        lf_affine map = volume_to_world(&c->scene->volumes[i], &c->desc->volumes[i]);
+        if (is_there(&c->scene->volumes[i]))
+            extend_by_volume(&c->scene->volumes[i], &map, bounds);
+    }
+    for (int i = 0; i < c->desc->n_meshes && !geometry; i++)
+        extend_by_data(bounds, &data[i]);
+    for (int i = 0; i < 3 && geometry; i++) {
+        bounds[0][i] = fmin(bounds[0][i], geometry->bounds[0][i]);
+        bounds[1][i] = fmax(bounds[1][i], geometry->bounds[1][i]);
+    }
+}
+
+/* Makes scene->geometry for scene->origin from imported data. */
+static void build_geometry(const commit *c, lf_mesh_data *data, json_t *key)
+{
+    lf_error err = {0};
+    if (lf_geometry_build(data, c->desc->n_meshes, c->scene->origin, key, &c->scene->geometry, &err) != LF_OK) {
+        lf_node node = lf_node_child(c->root, "meshes");
+        lf_read_fail_with(c->reader, &node, &err);
+    }
+}
+
+/* Sets scene->origin and scene->geometry, sharing the geometry of the scene before when nothing of it changed. */
+static void load_meshes(commit *c)
+{
+    lf_scene *scene = c->scene;
+    lf_geometry *shared = NULL;
+    double bounds[2][3];
+    json_t *key = lf_geometry_key(scene->json, scene->folder);
+    lf_mesh_data *data = lf_calloc((size_t)c->desc->n_meshes, sizeof *data);
+    if (!key || !data) {
+        out_of_memory(c);
+        goto done;
+    }
+    if (c->previous && c->previous->geometry && lf_geometry_matches(c->previous->geometry, key, c->roots))
+        shared = c->previous->geometry;
+    if (!shared)
+        import_meshes(c, data);
+    if (c->reader->status != LF_OK)
+        goto done;
+    world_bounds(c, shared, data, bounds);
+    choose_origin((const double (*)[3])bounds, scene->origin);
+    if (shared && memcmp(shared->origin, scene->origin, sizeof scene->origin) == 0) {
+        scene->geometry = lf_geometry_ref(shared);
+        goto done;
+    }
+    if (shared)
+        import_meshes(c, data);
+    if (c->reader->status == LF_OK && c->desc->n_meshes > 0)
+        build_geometry(c, data, key);
+done:
+    for (int i = 0; data && i < c->desc->n_meshes; i++)
+        lf_mesh_data_finish(&data[i]);
+    lf_free(data);
+    json_decref(key);
+}
+
+/* Materials are the files' own, then the scene's: what the shared geometry numbers stays, whatever the scene adds. */
+static void place_meshes(commit *c)
+{
+    lf_scene *scene = c->scene;
+    const lf_geometry *geometry = scene->geometry;
+    int n_own = geometry ? geometry->n_materials : 0, n = n_own + c->desc->n_materials;
+    if (n > LF_MAX_MATERIALS) {
+        lf_node node = lf_node_child(c->root, "meshes");
+        lf_read_fail(c->reader, &node, "%d materials in all files; at most %d are possible", n, LF_MAX_MATERIALS);
+        return;
+    }
+    scene->materials = lf_calloc((size_t)n, sizeof *scene->materials);
+    scene->meshes = lf_calloc((size_t)c->desc->n_meshes, sizeof *scene->meshes);
+    if (!scene->materials || !scene->meshes) {
+        out_of_memory(c);
+        return;
+    }
+    scene->n_materials = n;
+    if (n_own)
+        memcpy(scene->materials, geometry->materials, (size_t)n_own * sizeof *scene->materials);
+    if (c->desc->n_materials)
+        memcpy(scene->materials + n_own, c->desc->materials, (size_t)c->desc->n_materials * sizeof *scene->materials);
+    for (int i = 0; geometry && i < geometry->n_meshes; i++) {
+        scene->meshes[i] = geometry->meshes[i];
+        scene->meshes[i].material = (uint16_t)(c->desc->meshes[i].material < 0 ? 0 : n_own + c->desc->meshes[i].material);
+        scene->n_meshes++;
+    }
+    scene->embree = geometry ? geometry->embree : NULL;
+}
+
+/* --------------------------------------------------------------------------------------------------------- lights -- */
+
+/* Scene directions -> the picture's frame. The middle of the picture lies towards -z; the light's rotation turns it about +y. */
+static void set_rotation(lf_light *light, double rotate)
+{
+    double a = 0.5 * M_PI - rotate, c = cos(a), s = sin(a);
+    const double m[3][3] = {{c, 0, s}, {0, 1, 0}, {-s, 0, c}};
+    for (int i = 0; i < 9; i++)
+        light->to_environment[i / 3][i % 3] = (float)m[i / 3][i % 3];
+}
+
+static void load_environment(const commit *c, const lf_light_desc *desc, lf_light *light)
+{
+    lf_error err = {0};
+    light->radiance = to_vec3(desc->radiance);
+    set_rotation(light, desc->rotate);
+    if (!desc->file)
+        return;
+    char *path = lf_path_join(c->scene->folder, desc->file);
+    if (!path)
+        out_of_memory(c);
+    else if (lf_environment_load(path, c->roots, c->previous, &light->environment, &err) != LF_OK)
+        fail_at(c, "lights", desc->name, "file", &err);
+    lf_free(path);
+}
+
+static void load_lights(commit *c)
+{
+    lf_scene *scene = c->scene;
+    scene->lights = lf_calloc((size_t)c->desc->n_lights, sizeof *scene->lights);
+    if (!scene->lights)
+        out_of_memory(c);
+    for (int i = 0; i < c->desc->n_lights && c->reader->status == LF_OK; i++) {
+        const lf_light_desc *desc = &c->desc->lights[i];
+        lf_light *light = &scene->lights[scene->n_lights++];
+        light->type = desc->type;
+        if (desc->type == LF_LIGHT_ENVIRONMENT)
+            load_environment(c, desc, light);
+        light->direction = to_vec3(desc->direction);
+        light->irradiance = to_vec3(desc->irradiance);
+        light->cos_angle = (float)cos(0.5 * desc->angle);
+        double local[3];
+        for (int j = 0; j < 3; j++)
+            local[j] = desc->position[j] - scene->origin[j];
+        light->position = to_vec3(local);
+        light->intensity = to_vec3(desc->intensity);
+    }
+}
+
+/* --------------------------------------------------------------------------------------------------------- scene -- */
+
+static void set_bounds(const commit *c)
+{
+    double bounds[2][3];
+    lf_scene *scene = c->scene;
+    world_bounds(c, scene->geometry, NULL, bounds);
+    for (int i = 0; i < 3; i++) {
+        bounds[0][i] -= scene->origin[i];
+        bounds[1][i] -= scene->origin[i];
+    }
+    scene->bounds_min = to_vec3(bounds[0]);
+    scene->bounds_max = to_vec3(bounds[1]);
+}
+
+static bool mesh_uses(const lf_mesh *mesh, int material)
+{
+    if (!mesh->triangle_material)
+        return mesh->material == material;
+    for (int t = 0; t < mesh->n_triangles; t++)
+        if (mesh->triangle_material[t] == material)
+            return true;
+    return false;
+}
+
+/* Materials that nothing is made of do not count. */
+static void set_flags(lf_scene *scene)
+{
+    for (int m = 0; m < scene->n_materials; m++) {
+        const lf_material *material = &scene->materials[m];
+        bool used = false;
+        for (int i = 0; i < scene->n_meshes && !used; i++)
+            used = mesh_uses(&scene->meshes[i], m);
+        if (!used)
+            continue;
+        scene->has_delta |= lf_material_has_delta(material);
+        scene->has_emission |= lf_max3(material->emission) > 0.0f;
+        scene->has_view_lobes |= lf_surfaces[material->type].view_dependent;
+    }
+    for (int i = 0; i < scene->n_volumes; i++)
+        scene->has_view_lobes |= scene->volumes[i].g != 0.0f;
+}
+
+void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc *desc, const lf_roots *roots,
+                     const lf_scene *previous, lf_scene *scene)
+{
+    commit c = {reader, root, desc, roots, previous, scene};
+    scene->camera = desc->camera;
+    scene->film = desc->film;
+    scene->max_depth = desc->max_depth;
+    load_volumes(&c);
+    if (reader->status == LF_OK)
+        load_meshes(&c);
+    if (reader->status != LF_OK)
+        return;
+    for (int i = 0; i < scene->n_volumes; i++)
+        place_volume(&c, &scene->volumes[i], &desc->volumes[i]);
+    place_meshes(&c);
+    set_bounds(&c);
+    load_lights(&c);
+    if (reader->status != LF_OK)
+        return;
+    set_flags(scene);
+    reader->status = lf_lights_commit(scene, reader->err);
+}

@@ -1,0 +1,225 @@
+#include "render/scene.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+#include "render/grid.h"
+
+/* -------------------------------------------------------------------------------------------------------- building -- */
+
+lf_status lf_grid_create(const int64_t size[3], const double local_to_file[12], lf_grid **out_grid, lf_error *err)
+{
+    uint64_t n = 1;
+    for (int i = 0; i < 3; i++) {
+        if (size[i] < 1 || size[i] > LF_GRID_MAX_SIDE)
+            return lf_error_set(err, LF_E_FORMAT, "grid", "%lld voxels along %c; 1 to %d are possible", (long long)size[i],
+                                "xyz"[i], LF_GRID_MAX_SIDE);
+        n *= (uint64_t)((size[i] + 1 + LF_BRICK - 1) / LF_BRICK);
+    }
+    if (n * (sizeof(uint32_t) + sizeof(float)) > LF_GRID_MAX_BYTES)
+        return lf_error_set(err, LF_E_NOMEM, "grid", "%lld x %lld x %lld voxels are more than fit in %d GiB", (long long)size[0],
+                            (long long)size[1], (long long)size[2], (int)(LF_GRID_MAX_BYTES >> 30));
+    lf_grid *grid = lf_calloc(1, sizeof *grid);
+    if (!grid)
+        goto fail;
+    atomic_init(&grid->refs, 1);
+    for (int i = 0; i < 3; i++) {
+        grid->size[i] = (int)size[i];
+        grid->bricks[i] = (grid->size[i] + 1 + LF_BRICK - 1) / LF_BRICK;
+    }
+    memcpy(grid->local_to_file, local_to_file, sizeof grid->local_to_file);
+    grid->index = lf_calloc(n, sizeof *grid->index);
+    grid->brick_max = lf_calloc(n, sizeof *grid->brick_max);
+    if (!grid->index || !grid->brick_max)
+        goto fail;
+    *out_grid = grid;
+    return LF_OK;
+fail:
+    lf_grid_unref(grid);
+    return lf_error_set(err, LF_E_NOMEM, "grid", "out of memory");
+}
+
+/* Bricks along one axis that store a voxel: its own and, when it lies on the border, the one before. */
+static void bricks_of(int first, int last, int *out_first, int *out_last)
+{
+    *out_first = first / LF_BRICK;
+    *out_last = (last + 1) / LF_BRICK;
+}
+
+static size_t brick_at(const lf_grid *grid, int bx, int by, int bz)
+{
+    return ((size_t)bz * (size_t)grid->bricks[1] + (size_t)by) * (size_t)grid->bricks[0] + (size_t)bx;
+}
+
+void lf_grid_mark(lf_grid *grid, const int first[3], const int last[3])
+{
+    int b0[3], b1[3];
+    for (int i = 0; i < 3; i++)
+        bricks_of(first[i], last[i], &b0[i], &b1[i]);
+    for (int z = b0[2]; z <= b1[2]; z++)
+        for (int y = b0[1]; y <= b1[1]; y++)
+            for (int x = b0[0]; x <= b1[0]; x++)
+                grid->index[brick_at(grid, x, y, z)] = 1;
+}
+
+static size_t index_length(const lf_grid *grid)
+{
+    return (size_t)grid->bricks[0] * (size_t)grid->bricks[1] * (size_t)grid->bricks[2];
+}
+
+lf_status lf_grid_allocate(lf_grid *grid, lf_error *err)
+{
+    uint32_t n_bricks = 0;
+    for (size_t i = 0; i < index_length(grid); i++)
+        if (grid->index[i])
+            grid->index[i] = ++n_bricks;
+    uint64_t bytes = ((uint64_t)n_bricks + 1) * LF_BRICK_STRIDE * sizeof(float);
+    if (bytes <= LF_GRID_MAX_BYTES)
+        grid->values = lf_calloc((size_t)n_bricks + 1, LF_BRICK_STRIDE * sizeof(float));
+    if (!grid->values)
+        return lf_error_set(err, LF_E_NOMEM, "grid", "%.1f GiB of voxels are wanted; the limit is %d GiB",
+                            (double)bytes / (1 << 30), (int)(LF_GRID_MAX_BYTES >> 30));
+    grid->n_bricks = n_bricks;
+    return LF_OK;
+}
+
+static int clamp(int v, int lo, int hi)
+{
+    return v < lo ? lo : v > hi ? hi : v;
+}
+
+/* Writes the part of a box of voxels that brick (b[0], b[1], b[2]) stores. */
+static void fill_brick(lf_grid *grid, const int b[3], const int first[3], const int last[3], float value)
+{
+    float *values = grid->values + (size_t)grid->index[brick_at(grid, b[0], b[1], b[2])] * LF_BRICK_STRIDE;
+    int v0[3], v1[3];
+    for (int i = 0; i < 3; i++) {
+        v0[i] = clamp(first[i] + 1 - LF_BRICK * b[i], 0, LF_BRICK);
+        v1[i] = clamp(last[i] + 1 - LF_BRICK * b[i], 0, LF_BRICK);
+    }
+    for (int z = v0[2]; z <= v1[2]; z++)
+        for (int y = v0[1]; y <= v1[1]; y++)
+            for (int x = v0[0]; x <= v1[0]; x++)
+                values[(z * LF_BRICK_VALUES + y) * LF_BRICK_VALUES + x] = value;
+}
+
+void lf_grid_fill(lf_grid *grid, const int first[3], const int last[3], float value)
+{
+    int b0[3], b1[3], b[3];
+    for (int i = 0; i < 3; i++)
+        bricks_of(first[i], last[i], &b0[i], &b1[i]);
+    for (b[2] = b0[2]; b[2] <= b1[2]; b[2]++)
+        for (b[1] = b0[1]; b[1] <= b1[1]; b[1]++)
+            for (b[0] = b0[0]; b[0] <= b1[0]; b[0]++)
+                fill_brick(grid, b, first, last, value);
+}
+
+void lf_grid_finish(lf_grid *grid)
+{
+    /* Three nested linear interpolations may round a few units above the largest of their eight values. */
+    const float margin = 1.0f + 8.0f * 0x1p-23f;
+    grid->max_value = 0.0f;
+    for (size_t i = 0; i < index_length(grid); i++) {
+        const float *values = grid->values + (size_t)grid->index[i] * LF_BRICK_STRIDE;
+        float max = 0.0f;
+        for (int v = 0; v < LF_BRICK_STRIDE; v++)
+            max = fmaxf(max, values[v]);
+        grid->brick_max[i] = max * margin;
+        grid->max_value = fmaxf(grid->max_value, max * margin);
+    }
+}
+
+lf_status lf_grid_set_key(lf_grid *grid, const char *key)
+{
+    lf_free(grid->key);
+    grid->key = lf_strdup(key);
+    return grid->key ? LF_OK : LF_E_NOMEM;
+}
+
+lf_grid *lf_grid_ref(lf_grid *grid)
+{
+    atomic_fetch_add_explicit(&grid->refs, 1, memory_order_relaxed);
+    return grid;
+}
+
+void lf_grid_unref(lf_grid *grid)
+{
+    /* Acquire-release: whoever frees sees what the other owners did before they let go. */
+    if (!grid || atomic_fetch_sub_explicit(&grid->refs, 1, memory_order_acq_rel) != 1)
+        return;
+    lf_free(grid->index);
+    lf_free(grid->values);
+    lf_free(grid->brick_max);
+    lf_free(grid->key);
+    lf_free(grid);
+}
+
+/* ------------------------------------------------------------------------------------------------------- look-ups -- */
+
+/* The brick that holds cell c (counted from -1) along each axis, or brick 0. */
+static const float *brick_of_cell(const lf_grid *grid, const int c[3])
+{
+    size_t at = brick_at(grid, (c[0] + 1) / LF_BRICK, (c[1] + 1) / LF_BRICK, (c[2] + 1) / LF_BRICK);
+    return grid->values + (size_t)grid->index[at] * LF_BRICK_STRIDE;
+}
+
+static int value_at(const int c[3])
+{
+    return (((c[2] + 1) % LF_BRICK) * LF_BRICK_VALUES + (c[1] + 1) % LF_BRICK) * LF_BRICK_VALUES + (c[0] + 1) % LF_BRICK;
+}
+
+static float lerp(float a, float b, float t)
+{
+    return a + t * (b - a);
+}
+
+float lf_grid_linear(const lf_grid *grid, float x, float y, float z)
+{
+    float p[3] = {x, y, z}, t[3];
+    int c[3];
+    for (int i = 0; i < 3; i++) {
+        if (!(p[i] > -1.0f && p[i] < (float)grid->size[i]))
+            return 0.0f;
+        float base = floorf(p[i]);
+        t[i] = p[i] - base;
+        c[i] = (int)base;
+    }
+    const int row = LF_BRICK_VALUES, slab = LF_BRICK_VALUES * LF_BRICK_VALUES;
+    const float *v = brick_of_cell(grid, c) + value_at(c);
+    float v00 = lerp(v[0], v[1], t[0]), v01 = lerp(v[row], v[row + 1], t[0]);
+    float v10 = lerp(v[slab], v[slab + 1], t[0]), v11 = lerp(v[slab + row], v[slab + row + 1], t[0]);
+    return lerp(lerp(v00, v01, t[1]), lerp(v10, v11, t[1]), t[2]);
+}
+
+float lf_grid_nearest(const lf_grid *grid, float x, float y, float z)
+{
+    float p[3] = {x, y, z};
+    int c[3];
+    for (int i = 0; i < 3; i++) {
+        if (!(p[i] >= -0.5f && p[i] < (float)grid->size[i] - 0.5f))
+            return 0.0f;
+        c[i] = (int)floorf(p[i] + 0.5f);
+        if (c[i] >= grid->size[i]) /* p + 0.5 may round up */
+            return 0.0f;
+    }
+    return brick_of_cell(grid, c)[value_at(c)];
+}
+
+float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p)
+{
+    float q[3];
+    for (int i = 0; i < 3; i++) {
+        const float *m = volume->to_volume[i];
+        q[i] = m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+    }
+    switch (volume->kind) {
+    case LF_VOLUME_GRID:
+        return volume->sigma_scale *
+               (volume->nearest ? lf_grid_nearest(volume->grid, q[0], q[1], q[2]) : lf_grid_linear(volume->grid, q[0], q[1], q[2]));
+    case LF_VOLUME_SPHERE:
+        return q[0] * q[0] + q[1] * q[1] + q[2] * q[2] <= 1.0f ? volume->sigma_scale : 0.0f;
+    case LF_VOLUME_BOX:
+        return fabsf(q[0]) <= 1.0f && fabsf(q[1]) <= 1.0f && fabsf(q[2]) <= 1.0f ? volume->sigma_scale : 0.0f;
+    }
+    return 0.0f;
+}
