@@ -32,26 +32,32 @@ LF_NODISCARD lf_status lf_preset_find(const char *name, const lf_preset **out, l
 
 /* "8x6" -> columns, rows (1..64 each). */
 LF_NODISCARD lf_status lf_parse_tiles(const char *text, int *out_columns, int *out_rows, lf_error *err);
-/* The tiles and aspect of a file name "…_qs8x6a0.75.png" (aspect part optional: 0); false when it has none. */
+/* Tiles for a number of views (1..4096) that nobody said how to lay out: a preset's (45: 5x9), else as few and as square as may
+ * be. */
+void lf_layout_tiles(int n_views, int *out_columns, int *out_rows);
+/* The tiles and aspect of a file name "…_qs8x6a0.75.png" (aspect part optional: 0); false when it has none. The last such part
+ * of the name counts. */
 bool lf_layout_from_name(const char *path, int *out_columns, int *out_rows, double *out_aspect);
-/* The name with _qsCxRaA before its ending, added when missing; caller frees; NULL = out of memory. */
+/* The name with _qsCxRaA before its ending, added when missing (or when what is there says other tiles); caller frees with
+ * lf_free; NULL = out of memory. */
 char *lf_layout_name(const char *path, const lf_layout *layout);
 
 /* ------------------------------------------------------------------------------------------------- tone and fill -- */
 
 typedef struct lf_tone lf_tone;
-/* exposure in stops; tonemap "srgb" (clamp) or "filmic". LF_E_ARG. */
+/* exposure in stops, -64..64; tonemap "srgb" (clamp) or "filmic" (Narkowicz's fit of ACES, 2015). LF_E_ARG, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_tone_create(double exposure, const char *tonemap, lf_tone **out, lf_error *err);
 void lf_tone_destroy(lf_tone *tone);
 /* n pixels linear float RGB -> 8-bit sRGB RGB, rounded to nearest; NaN becomes 0. */
 void lf_tone_map(const lf_tone *tone, size_t n, const float *in, uint8_t *out);
-/* n pixels linear float RGB -> display light, still linear, 0..1: what lf_tone_map does before the sRGB curve; NaN becomes 0. in may
- * be out. */
+/* n pixels linear float RGB -> display light, still linear, 0..1: what lf_tone_map does before the sRGB curve; NaN becomes 0. in
+ * may be out. */
 void lf_tone_linear(const lf_tone *tone, size_t n, const float *in, float *out);
 
 /* Fills what is missing in 8-bit views laid out [row][view][column], for the screen only: every pixel whose flag is nonzero
  * in `missing` takes the nearest pixel of its own view (Euclidean, ties by lower row then column) with flag 0, at most
- * `reach` pixels away. Returns how many stayed unfilled (left as they were). filled may alias rgb. */
+ * `reach` (0..16) pixels away. Returns how many stayed unfilled (left as they were). filled is rgb itself or apart from it. pool
+ * may be NULL. Allocates nothing. */
 int64_t lf_fill(int n_views, int width, int height, const uint8_t *rgb, const uint8_t *missing, int reach, uint8_t *filled,
                 lf_pool *pool);
 
@@ -62,26 +68,30 @@ typedef enum lf_filter { LF_FILTER_NEAREST, LF_FILTER_LINEAR } lf_filter;
 
 /* View (0..n_views-1) that channel c (0 R, 1 G, 2 B) of the panel pixel shows, x from the left, y from the BOTTOM; *out_z
  * (may be NULL) gets z * n_views. Double precision, the formulas of looking-glass.md sections 3.2 to 3.4: the oracle of
- * lf_interlacer. */
+ * lf_interlacer. flipImageX negates both tilt and subpixel step; flipSubp swaps red and blue of stripes (cells say themselves
+ * where red is); LF_INVERT_AUTO counts from the right, but honours invView 0 of configVersion "1.0". */
 int lf_view_of_subpixel(const lf_calibration *calibration, int n_views, lf_invert invert, int x, int y, int c, double *out_z);
 
 typedef struct lf_interlacer lf_interlacer;
 /* Prepares for views of this shape. aspect = width / height the views are meant to be seen with: views are fitted into the
- * panel (black outside). Any number of views. LF_E_ARG, LF_E_NOMEM. */
+ * panel (black outside); 0 = the panel's. 1..65535 views. Keeps one byte a subpixel of the panel (two over 256 views; none for
+ * LF_FILTER_LINEAR). LF_E_ARG, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_interlacer_create(const lf_calibration *calibration, int n_views, int view_width, int view_height,
                                             double aspect, lf_filter filter, lf_invert invert, lf_interlacer **out, lf_error *err);
 void lf_interlacer_destroy(lf_interlacer *interlacer);
 /* Interlaces rows [row0, row1) of the panel into out (screen_width x screen_height, 3 channels). With LF_FILTER_NEAREST values are
- * copied unchanged. LF_FILTER_LINEAR mixes neighbouring views (stored values, clamped at the ends of the cone) and samples views
- * bilinearly. Thread: any, for different rows at once; allocates nothing. */
+ * copied unchanged. LF_FILTER_LINEAR mixes stored values: view floor(z N) and the next (clamped at the end of the cone) by the
+ * fraction of z N, each sampled bilinearly (section 3.3, filter mode 1). Thread: any, for different rows at once; allocates
+ * nothing. */
 void lf_interlace_rows(const lf_interlacer *interlacer, const lf_views8 *views, lf_image8 *out, int row0, int row1);
 /* All rows, on pool (may be NULL). */
 void lf_interlace(const lf_interlacer *interlacer, const lf_views8 *views, lf_image8 *out, lf_pool *pool);
 
 /* ------------------------------------------------------------------------------------------- changed rectangles -- */
 
-/* Compares two frames of equal shape and writes at most max_rects disjoint rectangles that cover every difference (merged,
- * growing where they would be too many); returns their number, 0 = equal. */
+/* Compares two frames of equal shape and writes at most max_rects (>= 1) disjoint rectangles that cover every difference (merged,
+ * growing where they would be too many; each touches differences on all four sides); returns their number, 0 = equal. Allocates
+ * nothing; 64 KiB of stack. */
 int lf_changed_rects(const lf_image8 *before, const lf_image8 *after, lf_rect *out_rects, int max_rects);
 
 /* ---------------------------------------------------------------------------------------------------------- files -- */
@@ -90,7 +100,7 @@ int lf_changed_rects(const lf_image8 *before, const lf_image8 *after, lf_rect *o
 typedef struct lf_quilt_file {
     lf_layout layout;
     bool is_float;
-    lf_image8 image8;   /* the picture as read; views point into it */
+    lf_image8 image8;   /* owned: the views one below the other, view 0 first (may be taller than a picture); views8 points here */
     lf_image32 image32;
     lf_views8 views8;   /* valid when !is_float */
     lf_views32 views32; /* valid when is_float */
@@ -98,17 +108,23 @@ typedef struct lf_quilt_file {
 
 /* True when path names a picture (PNG, JPEG, EXR by contents) or a folder, and not a scene. */
 bool lf_is_quilt(const char *path, const lf_roots *roots);
-/* columns, rows 0 = from the name (LF_E_ARG when it has none). Padding at right and top is left out. A folder: its pictures in name
- * order, all of one size. */
+/* columns, rows 0 = from the name (LF_E_ARG when it has none). Padding at right and top is left out; every tile is a view. The
+ * aspect is the name's, else that of a tile. A folder: its pictures (by their endings, not hidden ones) in name order, all of one
+ * size and kind, at most 4096. LF_E_FORMAT, LF_E_IO, LF_E_PATH, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, int rows, lf_quilt_file *out,
                                      lf_error *err);
 void lf_quilt_finish(lf_quilt_file *quilt);
 
-/* The quilt picture of 8-bit or float views (view 0 bottom left). */
+/* The quilt picture of 8-bit or float views (view 0 bottom left, tiles without a view black). LF_E_ARG when views and layout do not
+ * agree, LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_quilt_write_png(lf_outfile *file, const lf_views8 *views, const lf_layout *layout,
                                           const lf_attribute *attributes, int n_attributes, lf_error *err);
 LF_NODISCARD lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *views, const lf_layout *layout,
                                           const lf_attribute *attributes, int n_attributes, lf_error *err);
+
+/* One view of them, alone. */
+LF_NODISCARD lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *views, int view, const lf_attribute *attributes,
+                                         int n_attributes, lf_error *err);
 
 /* ---------------------------------------------------------------------------------------------- lenticular print -- */
 

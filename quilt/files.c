@@ -1,0 +1,355 @@
+#include <dirent.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/alloc.h"
+#include "quilt/quilt.h"
+
+#define MAX_FOLDER_VIEWS 4096
+#define MAX_SAMPLES ((size_t)1 << 31)
+/* Deflate's fastest: quilts of noise hardly shrink more at any level, and the simulated panel writes them live. */
+#define PNG_LEVEL 1
+
+static bool is_folder(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
+}
+
+bool lf_is_quilt(const char *path, const lf_roots *roots)
+{
+    lf_image_kind kind;
+    return is_folder(path) || lf_image_probe(path, roots, &kind, NULL) == LF_OK;
+}
+
+/* ---------------------------------------------------------------------------------------------------------- views -- */
+
+/* Room for the views one below the other, view 0 first; taller than a picture may be, as it never is one. */
+static lf_status allocate_views(lf_quilt_file *q, const char *where, lf_error *err)
+{
+    const lf_layout *l = &q->layout;
+    size_t row = (size_t)l->view_width * 3, n_rows = (size_t)l->view_height * (size_t)l->n_views;
+    size_t view = row * (size_t)l->view_height;
+    if (n_rows > MAX_SAMPLES / row)
+        return lf_error_set(err, LF_E_FORMAT, where, "%d views of %dx%d pixels (at most 2^31 samples)", l->n_views, l->view_width,
+                            l->view_height);
+    void *data = lf_calloc(n_rows * row, q->is_float ? sizeof(float) : 1);
+    if (!data)
+        return lf_error_set(err, LF_E_NOMEM, where, "no memory for %d views", l->n_views);
+    if (q->is_float) {
+        q->image32 = (lf_image32){.width = l->view_width, .height = (int)n_rows, .channels = 3, .data = data};
+        q->views32 = (lf_views32){l->n_views, l->view_width, l->view_height, view, row, data};
+    } else {
+        q->image8 = (lf_image8){.width = l->view_width, .height = (int)n_rows, .channels = 3, .stride = row, .data = data};
+        q->views8 = (lf_views8){l->n_views, l->view_width, l->view_height, view, row, data};
+    }
+    return LF_OK;
+}
+
+/* A picture of either kind. */
+typedef struct picture {
+    bool is_float;
+    lf_image8 image8;
+    lf_image32 image32;
+    int width, height;
+} picture;
+
+static void picture_finish(picture *p)
+{
+    lf_image8_finish(&p->image8);
+    lf_image32_finish(&p->image32);
+}
+
+static lf_status picture_read(const char *path, const lf_roots *roots, picture *out, lf_error *err)
+{
+    lf_image_kind kind;
+    *out = (picture){0};
+    lf_status status = lf_image_probe(path, roots, &kind, err);
+    if (status != LF_OK)
+        return status;
+    out->is_float = kind == LF_IMAGE_FLOAT;
+    status = out->is_float ? lf_image32_read(path, roots, &out->image32, err) : lf_image8_read(path, roots, &out->image8, err);
+    out->width = out->is_float ? out->image32.width : out->image8.width;
+    out->height = out->is_float ? out->image32.height : out->image8.height;
+    return status;
+}
+
+/* Copies the part of a picture whose corner is (x, y) into a view. */
+static void take_view(lf_quilt_file *q, int view, const picture *p, int x, int y)
+{
+    size_t n = (size_t)q->layout.view_width * 3;
+    for (int row = 0; row < q->layout.view_height; row++) {
+        size_t to = ((size_t)view * (size_t)q->layout.view_height + (size_t)row) * n, from_row = (size_t)(y + row);
+        if (q->is_float)
+            memcpy(q->image32.data + to, p->image32.data + (from_row * (size_t)p->width + (size_t)x) * 3, n * sizeof(float));
+        else
+            memcpy(q->image8.data + to, p->image8.data + from_row * p->image8.stride + (size_t)x * 3, n);
+    }
+}
+
+void lf_quilt_finish(lf_quilt_file *q)
+{
+    lf_image8_finish(&q->image8);
+    lf_image32_finish(&q->image32);
+    *q = (lf_quilt_file){0};
+}
+
+/* ---------------------------------------------------------------------------------------------------------- quilt -- */
+
+static lf_status cut_quilt(const char *path, const picture *p, lf_quilt_file *q, lf_error *err)
+{
+    lf_layout *l = &q->layout;
+    if (p->width < l->columns || p->height < l->rows)
+        return lf_error_set(err, LF_E_FORMAT, path, "%dx%d pixels are too few for %dx%d views", p->width, p->height, l->columns,
+                            l->rows);
+    l->n_views = l->columns * l->rows;
+    l->view_width = p->width / l->columns;
+    l->view_height = p->height / l->rows;
+    if (!(l->aspect > 0))
+        l->aspect = (double)l->view_width / l->view_height;
+    q->is_float = p->is_float;
+    lf_status status = allocate_views(q, path, err);
+    for (int view = 0; view < l->n_views && status == LF_OK; view++)
+        take_view(q, view, p, view % l->columns * l->view_width, p->height - (view / l->columns + 1) * l->view_height);
+    return status;
+}
+
+static lf_status read_quilt(const char *path, const lf_roots *roots, int columns, int rows, lf_quilt_file *q, lf_error *err)
+{
+    int named_columns = 0, named_rows = 0;
+    double aspect = 0;
+    bool named = lf_layout_from_name(path, &named_columns, &named_rows, &aspect);
+    if (columns <= 0 || rows <= 0) {
+        if (!named)
+            return lf_error_set(err, LF_E_ARG, path,
+                                "the name says no tiles, such as _qs8x6a0.75 (give them with --quilt COLUMNSxROWS)");
+        columns = named_columns;
+        rows = named_rows;
+    }
+    q->layout = (lf_layout){.columns = columns, .rows = rows, .aspect = aspect};
+    picture p;
+    lf_status status = picture_read(path, roots, &p, err);
+    if (status == LF_OK)
+        status = cut_quilt(path, &p, q, err);
+    picture_finish(&p);
+    return status;
+}
+
+/* --------------------------------------------------------------------------------------------------------- folder -- */
+
+typedef struct name_list {
+    char **names;
+    int n;
+} name_list;
+
+static void name_list_finish(name_list *list)
+{
+    for (int i = 0; i < list->n; i++)
+        lf_free(list->names[i]);
+    lf_free(list->names);
+}
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+static bool has_picture_ending(const char *name)
+{
+    static const char *const endings[] = {".png", ".jpg", ".jpeg", ".exr", ".hdr"};
+    const char *dot = strrchr(name, '.');
+    for (size_t i = 0; dot && i < sizeof endings / sizeof endings[0]; i++)
+        if (strcasecmp(dot, endings[i]) == 0)
+            return name[0] != '.';
+    return false;
+}
+
+/* The pictures are checked as they are opened; this keeps a listing of another folder from saying what is in it. */
+static bool may_list(const char *folder, const lf_roots *roots)
+{
+    if (!roots || roots->n_roots == 0)
+        return true;
+    char real[PATH_MAX];
+    bool allowed = false;
+    if (!realpath(folder, real))
+        return false;
+    for (int i = 0; i < roots->n_roots; i++) {
+        size_t n = strlen(roots->root[i]);
+        bool beneath = strncmp(real, roots->root[i], n) == 0 && (real[n] == '/' || real[n] == 0 || (n == 1 && real[0] == '/'));
+        allowed = allowed || beneath;
+    }
+    return allowed;
+}
+
+static lf_status list_pictures(const char *folder, name_list *list, lf_error *err)
+{
+    DIR *dir = opendir(folder);
+    if (!dir)
+        return lf_error_set(err, LF_E_IO, folder, "cannot open: %s", strerror(errno));
+    lf_status status = LF_OK;
+    list->names = lf_calloc(MAX_FOLDER_VIEWS, sizeof *list->names);
+    if (!list->names)
+        status = lf_error_set(err, LF_E_NOMEM, folder, "no memory");
+    const struct dirent *entry;
+    while (status == LF_OK && (entry = readdir(dir))) {
+        if (!has_picture_ending(entry->d_name))
+            continue;
+        if (list->n == MAX_FOLDER_VIEWS)
+            status = lf_error_set(err, LF_E_FORMAT, folder, "more than %d pictures", MAX_FOLDER_VIEWS);
+        else if (!(list->names[list->n] = lf_path_join(folder, entry->d_name)))
+            status = lf_error_set(err, LF_E_NOMEM, folder, "no memory");
+        else
+            list->n++;
+    }
+    closedir(dir);
+    if (status == LF_OK && list->n == 0)
+        return lf_error_set(err, LF_E_FORMAT, folder, "no pictures in this folder (expected one a view: PNG, JPEG or EXR)");
+    if (status == LF_OK)
+        qsort(list->names, (size_t)list->n, sizeof *list->names, by_name);
+    return status;
+}
+
+static lf_status begin_folder(const char *folder, const picture *first, int n, lf_quilt_file *q, lf_error *err)
+{
+    q->is_float = first->is_float;
+    q->layout = (lf_layout){.n_views = n, .view_width = first->width, .view_height = first->height,
+                            .aspect = (double)first->width / first->height};
+    lf_layout_tiles(n, &q->layout.columns, &q->layout.rows);
+    return allocate_views(q, folder, err);
+}
+
+static lf_status take_picture(const char *folder, const name_list *list, int view, const lf_roots *roots, lf_quilt_file *q,
+                              lf_error *err)
+{
+    const char *name = list->names[view];
+    picture p;
+    lf_status status = picture_read(name, roots, &p, err);
+    if (status == LF_OK && view == 0)
+        status = begin_folder(folder, &p, list->n, q, err);
+    if (status == LF_OK && (p.width != q->layout.view_width || p.height != q->layout.view_height))
+        status = lf_error_set(err, LF_E_FORMAT, name, "%dx%d pixels (expected %dx%d as in the first view)", p.width, p.height,
+                              q->layout.view_width, q->layout.view_height);
+    if (status == LF_OK && p.is_float != q->is_float)
+        status = lf_error_set(err, LF_E_FORMAT, name, "pictures of 8 bits and of floats in one folder");
+    if (status == LF_OK)
+        take_view(q, view, &p, 0, 0);
+    picture_finish(&p);
+    return status;
+}
+
+static lf_status read_folder(const char *folder, const lf_roots *roots, lf_quilt_file *q, lf_error *err)
+{
+    name_list list = {0};
+    if (!may_list(folder, roots))
+        return lf_error_set(err, LF_E_PATH, folder, "outside the folders that may be read");
+    lf_status status = list_pictures(folder, &list, err);
+    for (int view = 0; view < list.n && status == LF_OK; view++)
+        status = take_picture(folder, &list, view, roots, q, err);
+    name_list_finish(&list);
+    return status;
+}
+
+lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, int rows, lf_quilt_file *out, lf_error *err)
+{
+    lf_quilt_file q = {0};
+    lf_status status = is_folder(path) ? read_folder(path, roots, &q, err) : read_quilt(path, roots, columns, rows, &q, err);
+    if (status == LF_OK)
+        *out = q;
+    else
+        lf_quilt_finish(&q);
+    return status;
+}
+
+/* ---------------------------------------------------------------------------------------------------------- write -- */
+
+typedef struct quilt_rows8 {
+    const lf_views8 *views;
+    const lf_layout *layout;
+} quilt_rows8;
+
+typedef struct quilt_rows32 {
+    const lf_views32 *views;
+    const lf_layout *layout;
+} quilt_rows32;
+
+/* The view in a column of the quilt's picture row y, -1 where the tile is empty; *row is the row in the view. */
+static int view_at(const lf_layout *l, int y, int column, int *row)
+{
+    *row = y % l->view_height;
+    int view = (l->rows - 1 - y / l->view_height) * l->columns + column;
+    return view < l->n_views ? view : -1;
+}
+
+static void row8(void *context, int y, uint8_t *out)
+{
+    const quilt_rows8 *q = context;
+    size_t n = (size_t)q->layout->view_width * 3;
+    for (int column = 0; column < q->layout->columns; column++, out += n) {
+        int row, view = view_at(q->layout, y, column, &row);
+        if (view < 0)
+            memset(out, 0, n);
+        else
+            memcpy(out, lf_views8_row(q->views, view, row), n);
+    }
+}
+
+static void row32(void *context, int y, float *out)
+{
+    const quilt_rows32 *q = context;
+    size_t n = (size_t)q->layout->view_width * 3;
+    for (int column = 0; column < q->layout->columns; column++, out += n) {
+        int row, view = view_at(q->layout, y, column, &row);
+        if (view < 0)
+            memset(out, 0, n * sizeof *out);
+        else
+            memcpy(out, lf_views32_row(q->views, view, row), n * sizeof *out);
+    }
+}
+
+static lf_status check_layout(const lf_layout *l, int n_views, int width, int height, lf_error *err)
+{
+    if (l->n_views != n_views || l->view_width != width || l->view_height != height)
+        return lf_error_set(err, LF_E_ARG, "quilt", "%d views of %dx%d pixels in a layout for %d of %dx%d", n_views, width, height,
+                            l->n_views, l->view_width, l->view_height);
+    if (l->columns < 1 || l->rows < 1 || l->columns * l->rows < n_views)
+        return lf_error_set(err, LF_E_ARG, "quilt", "%dx%d tiles are too few for %d views", l->columns, l->rows, n_views);
+    if (l->columns > 65536 / width || l->rows > 65536 / height)
+        return lf_error_set(err, LF_E_ARG, "quilt", "%dx%d tiles of %dx%d pixels are too many for a picture (65536 a side)",
+                            l->columns, l->rows, width, height);
+    return LF_OK;
+}
+
+lf_status lf_quilt_write_png(lf_outfile *file, const lf_views8 *views, const lf_layout *layout, const lf_attribute *attributes,
+                             int n_attributes, lf_error *err)
+{
+    lf_status status = check_layout(layout, views->n_views, views->width, views->height, err);
+    if (status != LF_OK)
+        return status;
+    quilt_rows8 rows = {views, layout};
+    return lf_png_write_rows(file, layout->columns * views->width, layout->rows * views->height, row8, &rows, PNG_LEVEL, attributes,
+                             n_attributes, err);
+}
+
+lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *views, const lf_layout *layout, const lf_attribute *attributes,
+                             int n_attributes, lf_error *err)
+{
+    lf_status status = check_layout(layout, views->n_views, views->width, views->height, err);
+    if (status != LF_OK)
+        return status;
+    quilt_rows32 rows = {views, layout};
+    return lf_exr_write_rows(file, layout->columns * views->width, layout->rows * views->height, row32, &rows, attributes,
+                             n_attributes, err);
+}
+
+lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *views, int view, const lf_attribute *attributes,
+                            int n_attributes, lf_error *err)
+{
+    lf_views32 one = *views;
+    one.data = lf_views32_row(views, view, 0);
+    one.n_views = 1;
+    lf_layout layout = {.columns = 1, .rows = 1, .n_views = 1, .view_width = views->width, .view_height = views->height};
+    return lf_quilt_write_exr(file, &one, &layout, attributes, n_attributes, err);
+}

@@ -1,0 +1,377 @@
+/* Which view a subpixel shows depends on the panel alone, so the nearest filter looks it up: one byte a subpixel (two over 256
+ * views), made once by the oracle's own operations in the oracle's order. */
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "quilt/quilt.h"
+
+#define MAX_VIEWS 65535
+#define MAX_SIDE_PX 16384
+#define BAND_ROWS 16
+/* Aspects closer than this are the same one, rounded in a file name. */
+#define SAME_ASPECT 1e-3
+
+/* looking-glass.md sections 3.2 and 3.3: what the formulas need of a calibration. */
+typedef struct lens {
+    double width, height;  /* panel pixels */
+    double pitch;          /* lens periods across the panel's width */
+    double tilt, center;
+    double subpixel;       /* width of a subpixel in panel widths, signed */
+    bool from_right;       /* z = 1 - fract */
+    int red;               /* subpixel of red: 0, or 2 where the panel is BGR; blue has the other */
+    int pattern, n_cells;
+    const float (*cells)[3][2]; /* borrowed; NULL = stripes */
+} lens;
+
+/* Where a panel column or row lies in the views: nearest sample, and the two samples and weight of the linear filter. */
+typedef struct sample {
+    int nearest; /* -1: outside, black */
+    int low, high;
+    double weight; /* of high */
+} sample;
+
+struct lf_interlacer {
+    lf_calibration calibration;
+    lens lens;
+    int n_views, view_width, view_height;
+    lf_filter filter;
+    sample *columns; /* [screen width] */
+    sample *rows;    /* [screen height], from the top */
+    double *across;  /* [cells or 1][screen width][3] phase position along x, in panel widths */
+    void *views;     /* nearest: [screen height][screen width][3] uint8_t, or uint16_t where wide */
+    bool wide;
+};
+
+static bool is_first_version(const lf_calibration *c)
+{
+    return strcmp(c->config_version, "1.0") == 0;
+}
+
+/* The vendor's software never reads invView but on the first generation. */
+static bool counts_from_right(const lf_calibration *c, lf_invert invert)
+{
+    if (invert != LF_INVERT_AUTO)
+        return invert == LF_INVERT_YES;
+    return !is_first_version(c) || c->inv_view;
+}
+
+static lens lens_of(const lf_calibration *c, lf_invert invert)
+{
+    double width = c->screen_width_px, height = c->screen_height_px;
+    double mirrored = c->flip_image_x ? -1 : 1;
+    return (lens){
+        .width = width,
+        .height = height,
+        .pitch = c->pitch * width / c->dpi * cos(atan(1 / c->slope)),
+        .tilt = mirrored * height / (width * c->slope),
+        .center = c->center,
+        .subpixel = mirrored / (3 * width),
+        .from_right = counts_from_right(c, invert),
+        .red = c->flip_subp ? 2 : 0,
+        .pattern = c->cell_pattern_mode,
+        .n_cells = c->n_cells,
+        .cells = c->n_cells ? c->cells : NULL,
+    };
+}
+
+/* looking-glass.md section 3.4; y from the bottom. */
+static int cell_of(const lens *l, int x, int y)
+{
+    int cell = 0;
+    switch (l->pattern) {
+    case 1:
+        cell = (x + y) & 1;
+        break;
+    case 2:
+        cell = x % 2;
+        break;
+    case 3:
+        cell = (y + 2 * (x % 2)) % 4;
+        break;
+    case 4:
+        cell = y % 2;
+        break;
+    default:
+        break;
+    }
+    return l->n_cells ? cell % l->n_cells : 0;
+}
+
+static double position_x(const lens *l, int cell, int x, int c)
+{
+    double u = (x + 0.5) / l->width;
+    if (l->cells)
+        return u + (double)l->cells[cell][c][0] / l->width;
+    return u + (c == 1 ? 1 : c == 0 ? l->red : 2 - l->red) * l->subpixel;
+}
+
+static double position_y(const lens *l, int cell, int y, int c)
+{
+    double v = (y + 0.5) / l->height;
+    if (l->cells)
+        v += (double)l->cells[cell][c][1] / l->height;
+    return v * l->tilt;
+}
+
+/* Place across the cone, 0..1, of a subpixel at these positions. */
+static inline double place_of(const lens *l, double across, double along)
+{
+    double phase = (across + along) * l->pitch - l->center;
+    double f = phase - floor(phase);
+    double z = l->from_right ? 1 - f : f;
+    return z < 1e-5 ? 1e-5 : z > 0.999999 ? 0.999999 : z;
+}
+
+int lf_view_of_subpixel(const lf_calibration *calibration, int n_views, lf_invert invert, int x, int y, int c, double *out_z)
+{
+    lens l = lens_of(calibration, invert);
+    int cell = cell_of(&l, x, y);
+    double z = place_of(&l, position_x(&l, cell, x, c), position_y(&l, cell, y, c)) * n_views;
+    if (out_z)
+        *out_z = z;
+    return (int)z;
+}
+
+/* --------------------------------------------------------------------------------------------------------- create -- */
+
+/* n samples of a panel axis that shows `size` view samples over `share` of its length, centred. */
+static void map_axis(sample *samples, int n, int size, double share)
+{
+    for (int i = 0; i < n; i++) {
+        double u = (i + 0.5) / n;
+        if (share < 1)
+            u = (u - 0.5) / share + 0.5;
+        samples[i].nearest = -1;
+        if (u < 0 || u >= 1)
+            continue;
+        int nearest = (int)(u * size);
+        double at = u * size - 0.5;
+        int low = (int)floor(at);
+        samples[i].nearest = nearest < size ? nearest : size - 1;
+        samples[i].weight = at - low;
+        samples[i].low = low < 0 ? 0 : low;
+        samples[i].high = low + 1 < size ? low + 1 : size - 1;
+    }
+}
+
+static void map_axes(lf_interlacer *it, double aspect)
+{
+    double panel = it->lens.width / it->lens.height;
+    double ratio = aspect > 0 ? aspect / panel : 1;
+    if (fabs(ratio - 1) < SAME_ASPECT)
+        ratio = 1;
+    map_axis(it->columns, it->calibration.screen_width_px, it->view_width, ratio < 1 ? ratio : 1);
+    map_axis(it->rows, it->calibration.screen_height_px, it->view_height, ratio > 1 ? 1 / ratio : 1);
+}
+
+static void map_across(lf_interlacer *it)
+{
+    int n_cells = it->lens.n_cells ? it->lens.n_cells : 1, width = it->calibration.screen_width_px;
+    double *to = it->across;
+    for (int cell = 0; cell < n_cells; cell++)
+        for (int x = 0; x < width; x++)
+            for (int c = 0; c < 3; c++)
+                *to++ = position_x(&it->lens, cell, x, c);
+}
+
+/* One row of the panel as the formulas see it: cells alternate with x at most from even to odd columns. */
+typedef struct row_places {
+    const double *across[2]; /* even and odd columns: [screen width][3] */
+    double along[2][3];
+} row_places;
+
+static row_places places_of_row(const lf_interlacer *it, int y)
+{
+    row_places r;
+    for (int odd = 0; odd < 2; odd++) {
+        int cell = cell_of(&it->lens, odd, y);
+        r.across[odd] = it->across + (size_t)cell * (size_t)it->calibration.screen_width_px * 3;
+        for (int c = 0; c < 3; c++)
+            r.along[odd][c] = position_y(&it->lens, cell, y, c);
+    }
+    return r;
+}
+
+static void map_views_of_row(lf_interlacer *it, int row)
+{
+    int width = it->calibration.screen_width_px;
+    row_places r = places_of_row(it, it->calibration.screen_height_px - 1 - row);
+    size_t start = (size_t)row * (size_t)width * 3;
+    uint8_t *narrow = (uint8_t *)it->views + start;
+    uint16_t *wide = (uint16_t *)it->views + start;
+    for (int x = 0; x < width; x++) {
+        for (int c = 0; c < 3; c++) {
+            size_t i = (size_t)x * 3 + (size_t)c;
+            int view = (int)(place_of(&it->lens, r.across[x & 1][i], r.along[x & 1][c]) * it->n_views);
+            if (it->wide)
+                wide[i] = (uint16_t)view;
+            else
+                narrow[i] = (uint8_t)view;
+        }
+    }
+}
+
+static lf_status check(const lf_calibration *c, int n_views, int view_width, int view_height, double aspect, lf_error *err)
+{
+    if (c->screen_width_px < 1 || c->screen_width_px > MAX_SIDE_PX || c->screen_height_px < 1 || c->screen_height_px > MAX_SIDE_PX)
+        return lf_error_set(err, LF_E_ARG, "panel", "%dx%d pixels (expected 1 to %d a side)", c->screen_width_px,
+                            c->screen_height_px, MAX_SIDE_PX);
+    if (!(c->pitch > 0) || !(c->dpi > 0) || !(fabs(c->slope) > 0) || !isfinite(c->center) || c->n_cells > LF_MAX_CELLS)
+        return lf_error_set(err, LF_E_ARG, "panel", "pitch, slope, center or DPI of the calibration make no lens");
+    if (n_views < 1 || n_views > MAX_VIEWS || view_width < 1 || view_height < 1)
+        return lf_error_set(err, LF_E_ARG, "panel", "%d views of %dx%d pixels (expected 1 to %d)", n_views, view_width,
+                            view_height, MAX_VIEWS);
+    if (!(aspect >= 0) || isinf(aspect))
+        return lf_error_set(err, LF_E_ARG, "panel", "aspect %g (expected a number above 0)", aspect);
+    return LF_OK;
+}
+
+static lf_status allocate(lf_interlacer *it, lf_error *err)
+{
+    size_t width = (size_t)it->calibration.screen_width_px, height = (size_t)it->calibration.screen_height_px;
+    size_t n_cells = it->lens.n_cells ? (size_t)it->lens.n_cells : 1;
+    it->columns = lf_calloc(width, sizeof *it->columns);
+    it->rows = lf_calloc(height, sizeof *it->rows);
+    it->across = lf_calloc(n_cells * width * 3, sizeof *it->across);
+    bool whole = it->columns && it->rows && it->across;
+    if (whole && it->filter == LF_FILTER_NEAREST) {
+        it->views = lf_calloc(width * height * 3, it->wide ? sizeof(uint16_t) : sizeof(uint8_t));
+        whole = it->views != NULL;
+    }
+    return whole ? LF_OK : lf_error_set(err, LF_E_NOMEM, "panel", "no memory for a panel of %zux%zu pixels", width, height);
+}
+
+lf_status lf_interlacer_create(const lf_calibration *calibration, int n_views, int view_width, int view_height, double aspect,
+                               lf_filter filter, lf_invert invert, lf_interlacer **out, lf_error *err)
+{
+    lf_status status = check(calibration, n_views, view_width, view_height, aspect, err);
+    if (status != LF_OK)
+        return status;
+    lf_interlacer *it = lf_calloc(1, sizeof *it);
+    if (!it)
+        return lf_error_set(err, LF_E_NOMEM, "panel", "no memory");
+    it->calibration = *calibration;
+    it->lens = lens_of(&it->calibration, invert);
+    it->n_views = n_views;
+    it->view_width = view_width;
+    it->view_height = view_height;
+    it->filter = filter;
+    it->wide = n_views > 256;
+    status = allocate(it, err);
+    if (status != LF_OK) {
+        lf_interlacer_destroy(it);
+        return status;
+    }
+    map_axes(it, aspect);
+    map_across(it);
+    for (int row = 0; it->views && row < calibration->screen_height_px; row++)
+        map_views_of_row(it, row);
+    *out = it;
+    return LF_OK;
+}
+
+void lf_interlacer_destroy(lf_interlacer *it)
+{
+    if (!it)
+        return;
+    lf_free(it->columns);
+    lf_free(it->rows);
+    lf_free(it->across);
+    lf_free(it->views);
+    lf_free(it);
+}
+
+/* ------------------------------------------------------------------------------------------------------ interlace -- */
+
+/* The body of both widths of the table; inlined, so that each has a loop without the question. */
+static inline __attribute__((always_inline)) void copy_row(const lf_interlacer *it, const lf_views8 *views, int row, bool wide,
+                                                           uint8_t *out)
+{
+    size_t width = (size_t)it->calibration.screen_width_px, start = (size_t)row * width * 3;
+    const uint8_t *narrow_views = (const uint8_t *)it->views + start;
+    const uint16_t *wide_views = (const uint16_t *)it->views + start;
+    const uint8_t *in = views->data + (size_t)it->rows[row].nearest * views->row_stride;
+    const size_t stride = views->view_stride;
+    for (size_t x = 0, i = 0; x < width; x++, i += 3) {
+        int column = it->columns[x].nearest;
+        if (column < 0) {
+            out[i] = out[i + 1] = out[i + 2] = 0;
+            continue;
+        }
+        const uint8_t *pixel = in + (size_t)column * 3;
+        out[i] = pixel[(wide ? wide_views[i] : narrow_views[i]) * stride];
+        out[i + 1] = pixel[(wide ? wide_views[i + 1] : narrow_views[i + 1]) * stride + 1];
+        out[i + 2] = pixel[(wide ? wide_views[i + 2] : narrow_views[i + 2]) * stride + 2];
+    }
+}
+
+/* Bilinear value of one channel of one view. */
+static double bilinear(const lf_views8 *views, int view, const sample *x, const sample *y, int c)
+{
+    const uint8_t *top = lf_views8_row(views, view, y->low) + c, *bottom = lf_views8_row(views, view, y->high) + c;
+    double upper = (1 - x->weight) * top[x->low * 3] + x->weight * top[x->high * 3];
+    double lower = (1 - x->weight) * bottom[x->low * 3] + x->weight * bottom[x->high * 3];
+    return (1 - y->weight) * upper + y->weight * lower;
+}
+
+static void mix_row(const lf_interlacer *it, const lf_views8 *views, int row, uint8_t *out)
+{
+    row_places r = places_of_row(it, it->calibration.screen_height_px - 1 - row);
+    const sample *y = &it->rows[row];
+    for (int x = 0; x < it->calibration.screen_width_px; x++, out += 3) {
+        const sample *column = &it->columns[x];
+        if (column->nearest < 0) {
+            out[0] = out[1] = out[2] = 0;
+            continue;
+        }
+        for (int c = 0; c < 3; c++) {
+            double z = place_of(&it->lens, r.across[x & 1][x * 3 + c], r.along[x & 1][c]) * it->n_views;
+            int view = (int)z, next = view + 1 < it->n_views ? view + 1 : view;
+            double weight = z - view;
+            double value = (1 - weight) * bilinear(views, view, column, y, c) + weight * bilinear(views, next, column, y, c);
+            out[c] = (uint8_t)(value + 0.5);
+        }
+    }
+}
+
+void lf_interlace_rows(const lf_interlacer *it, const lf_views8 *views, lf_image8 *out, int row0, int row1)
+{
+    assert(views->n_views == it->n_views && views->width == it->view_width && views->height == it->view_height);
+    assert(out->width == it->calibration.screen_width_px && out->height == it->calibration.screen_height_px && out->channels == 3);
+    for (int row = row0; row < row1; row++) {
+        uint8_t *to = out->data + (size_t)row * out->stride;
+        if (it->rows[row].nearest < 0)
+            memset(to, 0, (size_t)out->width * 3);
+        else if (it->filter == LF_FILTER_LINEAR)
+            mix_row(it, views, row, to);
+        else if (it->wide)
+            copy_row(it, views, row, true, to);
+        else
+            copy_row(it, views, row, false, to);
+    }
+}
+
+typedef struct interlace_job {
+    const lf_interlacer *it;
+    const lf_views8 *views;
+    lf_image8 *out;
+} interlace_job;
+
+static void interlace_band(void *context, int band, int worker)
+{
+    (void)worker;
+    const interlace_job *job = context;
+    int row0 = band * BAND_ROWS, row1 = row0 + BAND_ROWS;
+    lf_interlace_rows(job->it, job->views, job->out, row0, row1 < job->out->height ? row1 : job->out->height);
+}
+
+void lf_interlace(const lf_interlacer *it, const lf_views8 *views, lf_image8 *out, lf_pool *pool)
+{
+    interlace_job job = {.it = it, .views = views, .out = out};
+    int n_bands = (out->height + BAND_ROWS - 1) / BAND_ROWS;
+    bool done = pool && lf_pool_run(pool, n_bands, interlace_band, &job, NULL) == LF_OK;
+    for (int band = 0; band < n_bands && !done; band++)
+        interlace_band(&job, band, 0);
+}
