@@ -36,7 +36,8 @@ static lf_status add(run *r, int64_t n_passes, bool split)
     return status;
 }
 
-/* The film depends on how the passes are cut into calls, so the cuts follow from the number of passes and nothing else. */
+/* Pairs of whole cycles (one for each half of the film) are what lf_renderer_passes makes of any number of them, so that the
+ * film is the same as after a single call. */
 static lf_status run_passes(run *r, int64_t n_passes, lf_estimator estimator)
 {
     int64_t most = 2 * (int64_t)r->n_views;
@@ -51,23 +52,21 @@ static lf_status run_passes(run *r, int64_t n_passes, lf_estimator estimator)
     return status;
 }
 
+/* Short visits cost more a pass than whole cycles (B and q are refreshed in each), so the rest is not halved into crumbs. */
 static lf_status run_time(run *r, double seconds, double (*clock_now)(void))
 {
     double start = clock_now();
     double spent = 0;
-    int64_t next = 2;
+    double fits = 2;
     lf_status status = LF_OK;
 
     do {
-        status = add(r, next, false);
+        int64_t next = (int64_t)fmin(0.95 * fits + 1, 2.0 * r->n_views) & ~INT64_C(1);
+        status = add(r, next > 2 ? next : 2, false);
         spent = clock_now() - start;
         report(r, spent / seconds);
-        /* half of what seems to fit, whole pairs of passes (both halves of the film alike), to be measured again */
-        double fits = 0.5 * (seconds - spent) * (double)r->passes / fmax(spent, 1e-9);
-        next = (int64_t)fmin(fits, 2.0 * r->n_views) & ~INT64_C(1);
-        if (next < 2)
-            next = 2;
-    } while (status == LF_OK && spent + 0.5 * spent * (double)next / (double)r->passes < seconds);
+        fits = (seconds - spent) * (double)r->passes / fmax(spent, 1e-9);
+    } while (status == LF_OK && fits >= 2 && spent < 0.97 * seconds);
     return status;
 }
 

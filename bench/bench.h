@@ -1,0 +1,29 @@
+/* What the commands of quiltbench share. A command is one file (error.c, compare.c) and one line of the table in
+ * quiltbench.c. Commands print their table to stdout, errors in one line to stderr, and return an exit code (daemon/options.h). */
+#ifndef LF_BENCH_H
+#define LF_BENCH_H
+
+#include <jansson.h>
+
+#include "base/status.h"
+
+#define LF_BENCH_PROGRAM "quiltbench"
+
+/* argv[0] is the command's name. */
+int lf_bench_error(int argc, char **argv);
+int lf_bench_compare(int argc, char **argv);
+
+/* "0.5%" or "0.005", at least 0; option names it in the error. */
+LF_NODISCARD lf_status lf_bench_parse_share(const char *option, const char *text, double *out, lf_error *err);
+
+/* {"cpu": model, "cpus": how many this process may use, "kernel": …}: what every published number needs beside it. A new
+ * reference; NULL = out of memory. */
+json_t *lf_bench_machine(void);
+
+/* Writes object to path, indented ("-" = stdout). */
+LF_NODISCARD lf_status lf_bench_write_json(const char *path, const json_t *object, lf_error *err);
+
+/* Prints err and returns LF_EXIT_FAILED. */
+int lf_bench_fail(const lf_error *err);
+
+#endif

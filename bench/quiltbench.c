@@ -1,0 +1,130 @@
+/* quiltbench: measurements. See docs/man/quiltbench.1. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/utsname.h>
+
+#include "base/file.h"
+#include "base/log.h"
+#include "base/thread.h"
+#include "bench/bench.h"
+#include "daemon/options.h"
+
+static const struct command {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *what;
+} commands[] = {
+    {"error", lf_bench_error, "how far a picture is from a reference"},
+    {"compare", lf_bench_compare, "error of two integrators after equal CPU time"},
+};
+
+static void print_help(void)
+{
+    printf("Usage: quiltbench COMMAND [arguments]   (quiltbench COMMAND --help says more)\n"
+           "       quiltbench --out DIR             the published benchmarks, as JSON into DIR\n\n");
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
+        printf("  %-10s %s\n", commands[i].name, commands[i].what);
+}
+
+static int usage(const char *where, const char *what)
+{
+    lf_error err = {0};
+
+    lf_error_set(&err, LF_E_ARG, where, "%s", what);
+    return lf_usage_error(LF_BENCH_PROGRAM, &err);
+}
+
+lf_status lf_bench_parse_share(const char *option, const char *text, double *out, lf_error *err)
+{
+    char number[64];
+    double value = 0;
+    size_t n = strlen(text);
+    bool percent = n > 0 && text[n - 1] == '%';
+
+    snprintf(number, sizeof number, "%.*s", (int)(percent ? n - 1 : n), text);
+    lf_status status = lf_parse_double(option, number, 0, 1e9, &value, err);
+    if (status == LF_OK)
+        *out = percent ? value / 100 : value;
+    return status;
+}
+
+static void cpu_model(char *out, size_t size)
+{
+    char line[512];
+    FILE *file = fopen("/proc/cpuinfo", "re");
+
+    snprintf(out, size, "unknown");
+    while (file && fgets(line, sizeof line, file)) {
+        const char *colon = strchr(line, ':');
+        if (strncmp(line, "model name", 10) == 0 && colon) {
+            snprintf(out, size, "%s", colon + 2);
+            out[strcspn(out, "\n")] = '\0';
+            break;
+        }
+    }
+    if (file)
+        fclose(file);
+}
+
+json_t *lf_bench_machine(void)
+{
+    char model[256];
+    struct utsname name;
+
+    cpu_model(model, sizeof model);
+    if (uname(&name) != 0)
+        snprintf(name.release, sizeof name.release, "unknown");
+    return json_pack("{s:s, s:i, s:s}", "cpu", model, "cpus", lf_cpu_count(), "kernel", name.release);
+}
+
+lf_status lf_bench_write_json(const char *path, const json_t *object, lf_error *err)
+{
+    char *text = json_dumps(object, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    lf_outfile file = {.fd = -1};
+    lf_status status = text ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+
+    if (status == LF_OK && strcmp(path, "-") == 0) {
+        puts(text);
+        free(text);
+        return LF_OK;
+    }
+    if (status == LF_OK)
+        status = lf_outfile_open(&file, path, true, err);
+    if (status == LF_OK) {
+        status = lf_outfile_write(&file, text, strlen(text), err);
+        if (status == LF_OK)
+            status = lf_outfile_write(&file, "\n", 1, err);
+        if (status == LF_OK)
+            status = lf_outfile_commit(&file, true, err);
+        lf_outfile_abandon(&file);
+    }
+    free(text);
+    return status;
+}
+
+int lf_bench_fail(const lf_error *err)
+{
+    lf_log_error(err);
+    return LF_EXIT_FAILED;
+}
+
+int main(int argc, char **argv)
+{
+    lf_log_init(LF_BENCH_PROGRAM, LF_LOG_INFO);
+    if (argc < 2)
+        return usage("COMMAND", "missing (see --help)");
+    if (strcmp(argv[1], "--help") == 0) {
+        print_help();
+        return LF_EXIT_OK;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        lf_print_version(LF_BENCH_PROGRAM);
+        return LF_EXIT_OK;
+    }
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
+        if (strcmp(argv[1], commands[i].name) == 0)
+            return commands[i].run(argc - 1, argv + 1);
+    return usage(argv[1], "unknown command (see --help)");
+}
