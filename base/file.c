@@ -65,9 +65,10 @@ static bool beneath(const lf_roots *roots, const char *path)
 static bool would_lie_beneath(const lf_roots *roots, const char *path)
 {
     char above[PATH_MAX], real[PATH_MAX];
-    if (strlen(path) >= sizeof above)
+    size_t n = strlen(path);
+    if (n >= sizeof above)
         return false;
-    strcpy(above, path);
+    memcpy(above, path, n + 1);
     for (;;) {
         char *slash = strrchr(above, '/');
         if (!slash)

@@ -269,7 +269,7 @@ lf_status lf_outfile_commit(lf_outfile *file, bool overwrite, lf_error *err)
     lf_status status = LF_OK;
     if (fsync(file->fd) != 0 && errno != EINVAL && errno != EROFS)
         status = fail_errno(err, where, "cannot be written to the disk");
-    else if (!file->borrowed)
+    else if (file->path)
         status = publish(file, overwrite, err);
     if (status != LF_OK) {
         lf_outfile_abandon(file);

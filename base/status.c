@@ -5,6 +5,9 @@
 
 #include "base/escape.h"
 
+#undef lf_error_set
+#undef lf_error_set_at
+
 static const struct {
     lf_status status;
     const char *name;

@@ -49,6 +49,12 @@ lf_status lf_error_set(lf_error *err, lf_status status, const char *where, const
 lf_status lf_error_set_at(lf_error *err, lf_status status, const char *where, int line, const char *pointer, const char *fmt,
                           ...) LF_PRINTF(6, 7);
 
+/* What static analysers cannot see across files: the status that comes back is the one that went in. */
+#ifdef __clang_analyzer__
+#define lf_error_set(err, status, ...)    (lf_error_set((err), (status), __VA_ARGS__), (status))
+#define lf_error_set_at(err, status, ...) (lf_error_set_at((err), (status), __VA_ARGS__), (status))
+#endif
+
 /* Writes "WHERE:LINE: /pointer: WHAT" (parts that are absent left out) into buf; returns buf. */
 char *lf_error_format(const lf_error *err, char *buf, size_t size);
 

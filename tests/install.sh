@@ -1,0 +1,100 @@
+#!/bin/bash
+# make install into an empty folder: what has to lie there does, what is started there starts, and systemd accepts the units.
+# Prints its results as cmocka does.
+set -u
+src=${QUILTD_SOURCE:-.}
+out=${QUILTD_BUILD:-build/release}
+
+passed=0 failed=0 skipped=0
+report() { # name, complaints
+    if [ -z "$2" ]; then
+        passed=$((passed + 1))
+        echo "[       OK ] $1"
+    else
+        failed=$((failed + 1))
+        echo "[  ERROR   ] --- $1:"
+        echo "$2" | head -n 20
+    fi
+}
+skip() { # name, why
+    skipped=$((skipped + 1))
+    echo "[  SKIPPED ] $1: $2"
+}
+
+top=$(mktemp -d)
+trap 'rm -rf "$top"' EXIT
+prefix=$top/usr
+# the variables that this make was called with, without its jobs
+MAKEFLAGS=$(printf '%s' "${MAKEFLAGS-}" | sed -E 's/(^| )-?j[0-9]*( |$)/ /g; s/--jobserver[^ ]*//g; s/(^| )-j[0-9]*//g')
+export MAKEFLAGS
+install() { ${MAKE:-make} --no-print-directory -C "$src" O="$out" BUILD="${BUILD:-release}" install "$@"; }
+
+if ! install PREFIX="$prefix" > "$top/log" 2>&1; then
+    report install "$(tail -n 20 "$top/log")"
+    echo "[  PASSED  ] $passed test(s)."
+    echo "[  FAILED  ] $failed test(s)."
+    exit 1
+fi
+
+missing() {
+    local f
+    for f in bin/quiltd bin/quiltctl bin/quiltrender bin/quiltbench share/quiltd/scene.schema.json \
+        share/quiltd/scenes/first-light.json share/man/man1/quiltd.1 share/man/man1/quiltctl.1 share/man/man1/quiltrender.1 \
+        lib/systemd/system/quiltd.service lib/systemd/system/quiltd.socket lib/sysusers.d/quiltd.conf \
+        lib/tmpfiles.d/quiltd.conf lib/udev/rules.d/70-quiltd.rules; do
+        [ -s "$prefix/$f" ] || echo "$f"
+    done
+}
+report "everything is installed" "$(missing)"
+
+unfilled() { grep -rnE '@[A-Z]+@' "$prefix/lib"; }
+report "no placeholder is left in the units" "$(unfilled)"
+
+startable() {
+    local p words
+    for p in quiltd quiltctl quiltrender quiltbench; do
+        words=$("$prefix/bin/$p" --version 2>&1) || echo "$p --version: $words"
+        words=$("$prefix/bin/$p" --help 2>&1) || echo "$p --help: $words"
+        "$prefix/bin/$p" --no-such-option > /dev/null 2>&1
+        [ $? -eq 2 ] || echo "$p --no-such-option: exit status not 2"
+    done
+}
+report "installed programs start and know their usage" "$(startable)"
+
+# Scenes name their files relative to themselves: away from the source tree they must be whole.
+whole_scenes() {
+    local scene
+    for scene in "$prefix"/share/quiltd/scenes/*.json; do
+        timeout 120 "$prefix/bin/quiltrender" "$scene" -o "$top/out.png" --views 1 --quilt 1x1 --view-size 24x32 --passes 1 2>&1 ||
+            echo "$scene: exit status not 0"
+    done | grep -v '^$'
+}
+report "installed scenes render" "$(whole_scenes)"
+
+staged() {
+    install PREFIX=/usr DESTDIR="$top/stage" > "$top/log" 2>&1 || tail -n 20 "$top/log"
+    [ -x "$top/stage/usr/bin/quiltd" ] || echo "no $top/stage/usr/bin/quiltd"
+    grep -rn "$top" "$top/stage/usr/lib"
+}
+report "DESTDIR is where, PREFIX is what for" "$(staged)"
+
+if command -v systemd-analyze > /dev/null 2>&1; then
+    units=("$prefix/lib/systemd/system/quiltd.service" "$prefix/lib/systemd/system/quiltd.socket")
+    report "systemd accepts the units" "$(systemd-analyze verify --man=no "${units[@]}" 2>&1 | grep -i quiltd)"
+    exposure=$(systemd-analyze security --offline=true "${units[0]}" 2> /dev/null | sed -n 's/.*exposure level[^:]*: \([0-9.]*\).*/\1/p')
+    report "the service is hardened" "$(awk -v e="$exposure" 'BEGIN { if (e == "" || e > 2.0) print "exposure " e ", expected at most 2.0" }')"
+else
+    skip "systemd accepts the units" "no systemd-analyze"
+    skip "the service is hardened" "no systemd-analyze"
+fi
+if command -v groff > /dev/null 2>&1; then
+    report "groff accepts the man pages" "$(for m in "$prefix"/share/man/man*/*; do groff -ww -Tutf8 -man "$m" 2>&1 > /dev/null; done)"
+else
+    skip "groff accepts the man pages" "no groff"
+fi
+
+echo "[==========] $((passed + failed + skipped)) test(s) run."
+echo "[  PASSED  ] $passed test(s)."
+[ "$skipped" -eq 0 ] || echo "[  SKIPPED ] $skipped test(s)."
+[ "$failed" -eq 0 ] || echo "[  FAILED  ] $failed test(s)."
+[ "$failed" -eq 0 ]
