@@ -58,7 +58,7 @@ static void sampler_follows_the_phase_function(void **state)
 static void a_wrong_g_is_rejected(void **state)
 {
     (void)state;
-    const float wrong[][2] = {{0.0f, 0.01f}, {0.5f, 0.505f}, {0.5f, -0.5f}, {0.98f, 0.981f}, {0.9999f, 0.999905f}};
+    const float wrong[][2] = {{0.0f, 0.02f}, {0.5f, 0.515f}, {0.5f, -0.5f}, {0.98f, 0.981f}, {0.9999f, 0.999905f}};
     for (int i = 0; i < 5; i++) {
         setup s = {wrong[i][0], wrong[i][1], lf_v3(0.48f, -0.6f, 0.64f)};
         assert_true(p_value(&s, NULL) < 1e-6);

@@ -1,0 +1,291 @@
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+#include "render/sampler.h"
+#include "render/surface.h"
+#include "tests/stat/chi2.h"
+#include "tests/stat/stat.h"
+
+typedef struct setup {
+    lf_material m, claimed; /* what is drawn, and whose pdf is claimed */
+    lf_vec3 ns, wo;
+} setup;
+
+static lf_material material(lf_material_type type, float roughness, float albedo)
+{
+    return (lf_material){.type = type, .albedo = {albedo, albedo, albedo}, .roughness = roughness, .ior = 1.5f};
+}
+
+/* Every kind of lobe that can be sampled. */
+static int make_materials(lf_material *m)
+{
+    const float roughness[] = {0.04f, 0.1f, 0.3f, 0.6f, 1.0f};
+    int n = 0;
+    m[n++] = material(LF_MATERIAL_DIFFUSE, 0.0f, 0.8f);
+    m[n++] = material(LF_MATERIAL_PLASTIC, 0.0f, 0.5f);
+    for (int i = 0; i < 5; i++) {
+        m[n++] = material(LF_MATERIAL_CONDUCTOR, roughness[i], 0.9f);
+        m[n++] = material(LF_MATERIAL_PLASTIC, roughness[i], 0.5f);
+    }
+    m[n++] = material(LF_MATERIAL_PLASTIC, 0.3f, 0.0f);
+    return n;
+}
+enum { max_materials = 16 };
+
+static const lf_vec3 normals[] = {{0.0f, 0.0f, 1.0f}, {0.48f, 0.64f, -0.6f}};
+static const float cosines[] = {1.0f, 0.7f, 0.25f, 0.02f};
+
+/* A direction at this cosine to ns. */
+static lf_vec3 at_cosine(lf_vec3 ns, float cosine, float phi)
+{
+    lf_vec3 t, b;
+    float sine = sqrtf(1.0f - cosine * cosine);
+    lf_frame(ns, &t, &b);
+    return lf_from_frame(t, b, ns, lf_v3(sine * cosf(phi), sine * sinf(phi), cosine));
+}
+
+static bool draw(const void *context, const float u[3], lf_vec3 *w)
+{
+    const setup *s = context;
+    lf_vec3 f;
+    return lf_surfaces[s->m.type].sample(&s->m, s->ns, s->wo, u, w, &f) > 0.0f;
+}
+
+static double pdf(const void *context, lf_vec3 w)
+{
+    const setup *s = context;
+    lf_vec3 f;
+    return (double)lf_surfaces[s->claimed.type].eval(&s->claimed, s->ns, s->wo, w, &f);
+}
+
+/* Narrow lobes are binned about the mirror direction, wide ones about the normal, where the horizon is the edge of the bins. */
+static double p_value(const setup *s, double *mass)
+{
+    double alpha = (double)(s->m.roughness * s->m.roughness);
+    bool narrow = s->m.type != LF_MATERIAL_DIFFUSE && alpha > 0.0 && alpha < 0.05;
+    lf_vec3 mirror = lf_normalize(lf_sub(lf_scale(s->ns, 2.0f * lf_dot(s->ns, s->wo)), s->wo));
+    lf_chi2_sphere q = {.sample = draw, .pdf = pdf, .context = s, .n_t = 30, .n_phi = 30, .n_samples = 400000};
+    q.axis = narrow ? mirror : s->ns;
+    q.m_max = narrow ? 2.0 : 1.0;
+    q.warp = narrow ? log(1.0 / (alpha * alpha)) : 0.1;
+    q.seed = lf_test_seed();
+    return lf_chi2_sphere_p(&q, mass);
+}
+
+static void samplers_follow_their_pdfs(void **state)
+{
+    (void)state;
+    lf_material m[max_materials];
+    int n = make_materials(m);
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < 4; j++) {
+            double mass;
+            lf_vec3 ns = normals[(i + j) % 2];
+            setup s = {m[i], m[i], ns, at_cosine(ns, cosines[j], 1.0f + (float)j)};
+            double p = p_value(&s, &mass);
+            if (!(p > lf_sidak(LF_FALSE_ALARM, 4 * n)))
+                fail_msg("type %d, roughness %g, cosine %g: p %g, integral %g", (int)m[i].type, (double)m[i].roughness,
+                         (double)cosines[j], p, mass);
+        }
+    }
+}
+
+static void a_wrong_roughness_is_rejected(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        lf_material m = material(i & 1 ? LF_MATERIAL_PLASTIC : LF_MATERIAL_CONDUCTOR, i & 2 ? 0.6f : 0.1f, 0.5f), wrong = m;
+        wrong.roughness *= 1.05f;
+        setup s = {m, wrong, normals[1], at_cosine(normals[1], 0.25f, 2.0f)};
+        assert_true(p_value(&s, NULL) < 1e-6);
+    }
+}
+
+static void diffuse_pdf_integrates_to_one(void **state)
+{
+    (void)state;
+    setup s = {material(LF_MATERIAL_DIFFUSE, 0.0f, 0.5f), material(LF_MATERIAL_DIFFUSE, 0.0f, 0.5f), normals[1],
+               at_cosine(normals[1], 0.5f, 0.0f)};
+    double mass;
+    p_value(&s, &mass);
+    assert_true(fabs(mass - 1.0) < 1e-3);
+}
+
+/* Mean and error of f / pdf: the share of light from wo that is reflected; and what eval says at what sample drew. */
+static lf_moments reflectance(const lf_material *m, lf_vec3 ns, lf_vec3 wo, int n_samples)
+{
+    lf_moments sum = {0};
+    for (int i = 0; i < n_samples; i++) {
+        lf_sampler s;
+        float u[3];
+        lf_vec3 wi, f, again;
+        lf_sampler_init(&s, LF_SAMPLER_OWEN, lf_test_seed() + 3, (uint32_t)i);
+        lf_sampler_2d(&s, u);
+        u[2] = lf_sampler_1d(&s);
+        float p = lf_surfaces[m->type].sample(m, ns, wo, u, &wi, &f);
+        assert_true(isfinite(p) && p >= 0.0f && isfinite(f.x) && f.x >= 0.0f);
+        lf_moments_add(&sum, p > 0.0f ? (double)(f.x / p) : 0.0);
+        if (p > 0.0f && lf_dot(wi, ns) > 1e-3f) {
+            float q = lf_surfaces[m->type].eval(m, ns, wo, wi, &again);
+            assert_true(fabsf(q - p) < 0.02f * p && fabsf(again.x - f.x) <= 0.02f * f.x);
+        }
+    }
+    return sum;
+}
+
+/* White furnace: nothing gives back more than it gets. */
+static void no_surface_makes_energy(void **state)
+{
+    (void)state;
+    lf_material m[max_materials];
+    int n = make_materials(m);
+    for (int i = 0; i < 2 * n; i++) {
+        lf_material white = m[i % n];
+        white.albedo = lf_v3(1.0f, 1.0f, 1.0f);
+        white.ior = i < n ? 1.5f : 1.3f;
+        for (int j = 0; j < 4; j++) {
+            lf_vec3 wo = at_cosine(normals[1], cosines[j], 1.0f);
+            lf_moments r = reflectance(&white, normals[1], wo, 16384);
+            double delta = 0.0;
+            if (lf_surfaces[white.type].delta)
+                delta = (double)lf_surfaces[white.type].delta(&white, normals[1], wo).x;
+            if (r.mean + delta > 1.0 + 3e-4 + 4.0 * lf_moments_error(&r))
+                fail_msg("type %d, roughness %g, cosine %g: reflects %g", (int)white.type, (double)white.roughness,
+                         (double)cosines[j], r.mean + delta);
+        }
+    }
+}
+
+static void white_surfaces_lose_little_when_smooth(void **state)
+{
+    (void)state;
+    for (int j = 0; j < 3; j++) {
+        lf_vec3 wo = at_cosine(normals[0], cosines[j], 0.0f);
+        lf_material diffuse = material(LF_MATERIAL_DIFFUSE, 0.0f, 1.0f), metal = material(LF_MATERIAL_CONDUCTOR, 0.2f, 1.0f);
+        lf_material coated = material(LF_MATERIAL_PLASTIC, 0.0f, 1.0f);
+        assert_true(fabs(reflectance(&diffuse, normals[0], wo, 4096).mean - 1.0) < 1e-4);
+        assert_true(reflectance(&metal, normals[0], wo, 4096).mean > 0.98);
+        double base = reflectance(&coated, normals[0], wo, 16384).mean;
+        double coat = (double)lf_surfaces[LF_MATERIAL_PLASTIC].delta(&coated, normals[0], wo).x;
+        assert_true(fabs(base + coat - 1.0) < 5e-4);
+    }
+}
+
+static void surfaces_are_reciprocal(void **state)
+{
+    (void)state;
+    lf_material m[max_materials];
+    int n = make_materials(m);
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < 64; j++) {
+            float a = 0.05f + 0.015f * (float)j, b = 1.0f - 0.014f * (float)j;
+            lf_vec3 ns = normals[1], wo = at_cosine(ns, a, 0.3f), wi = at_cosine(ns, b, 3.4f), f, g;
+            lf_surfaces[m[i].type].eval(&m[i], ns, wo, wi, &f);
+            lf_surfaces[m[i].type].eval(&m[i], ns, wi, wo, &g);
+            assert_true(fabsf(f.x / b - g.x / a) <= 2e-3f * (f.x / b) + 1e-6f);
+        }
+    }
+}
+
+static void directions_below_the_surface_get_nothing(void **state)
+{
+    (void)state;
+    lf_material m[max_materials];
+    int n = make_materials(m);
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < 3; j++) {
+            lf_vec3 f = {1.0f, 1.0f, 1.0f}, wi, ns = normals[1];
+            lf_vec3 up = at_cosine(ns, 0.5f, 0.0f), down = at_cosine(ns, -0.5f, 2.0f);
+            const float u[3] = {0.3f, 0.7f, 0.1f};
+            float p = lf_surfaces[m[i].type].eval(&m[i], ns, j & 1 ? up : down, j & 2 ? up : down, &f);
+            assert_true(p == 0.0f && f.x == 0.0f && f.y == 0.0f && f.z == 0.0f);
+            assert_true(lf_surfaces[m[i].type].sample(&m[i], ns, down, u, &wi, &f) == 0.0f);
+        }
+    }
+}
+
+/* Every power of ten down to the smallest cosines, both ways, and the corners of the unit cube. */
+static void grazing_directions_give_finite_values(void **state)
+{
+    (void)state;
+    lf_material m[max_materials];
+    int n = make_materials(m);
+    for (int i = 0; i < n; i++) {
+        const lf_surface_ops *ops = &lf_surfaces[m[i].type];
+        for (int j = 0; j < 12 * 12; j++) {
+            float co = powf(10.0f, -(float)(j % 12)), ci = powf(10.0f, -(float)(j / 12));
+            lf_vec3 ns = normals[j % 2], wo = at_cosine(ns, co, 0.0f), wi = at_cosine(ns, ci, LF_PI), f;
+            float p = ops->eval(&m[i], ns, wo, wi, &f);
+            assert_true(isfinite(p) && p >= 0.0f && isfinite(f.x) && f.x >= 0.0f);
+            for (int k = 0; k < 8; k++) {
+                const float end = 0x1.fffffep-1f, u[3] = {k & 1 ? end : 0.0f, k & 2 ? end : 0.0f, k & 4 ? end : 0.0f};
+                p = ops->sample(&m[i], ns, wo, u, &wi, &f);
+                assert_true(isfinite(p) && p >= 0.0f && isfinite(f.x) && f.x >= 0.0f);
+                assert_true(p == 0.0f || fabsf(lf_length(wi) - 1.0f) < 1e-5f);
+            }
+        }
+    }
+}
+
+static void mirrors_are_delta_lobes_and_nothing_else(void **state)
+{
+    (void)state;
+    lf_vec3 ns = normals[0], wo = at_cosine(ns, 0.6f, 0.0f), mirror = at_cosine(ns, 0.6f, LF_PI), f, wi;
+    lf_material smooth = material(LF_MATERIAL_CONDUCTOR, 0.0f, 0.7f), rough = material(LF_MATERIAL_CONDUCTOR, 0.5f, 0.7f);
+    const float u[3] = {0.5f, 0.5f, 0.5f};
+    const lf_surface_ops *ops = &lf_surfaces[LF_MATERIAL_CONDUCTOR];
+    assert_true(ops->eval(&smooth, ns, wo, mirror, &f) == 0.0f && f.x == 0.0f);
+    assert_true(ops->sample(&smooth, ns, wo, u, &wi, &f) == 0.0f);
+    assert_true(fabsf(ops->delta(&smooth, ns, wo).x - (0.7f + 0.3f * powf(0.4f, 5.0f))) < 1e-5f);
+    assert_true(ops->delta(&rough, ns, wo).x == 0.0f);
+    assert_true(!lf_material_has_lobe(&smooth) && lf_material_has_delta(&smooth));
+    assert_true(lf_material_has_lobe(&rough) && !lf_material_has_delta(&rough));
+}
+
+static void coat_reflects_by_fresnel(void **state)
+{
+    (void)state;
+    lf_material coat = material(LF_MATERIAL_PLASTIC, 0.0f, 0.5f), none = coat, black = material(LF_MATERIAL_PLASTIC, 0.0f, 0.0f);
+    none.ior = 1.0f;
+    const lf_surface_ops *ops = &lf_surfaces[LF_MATERIAL_PLASTIC];
+    assert_true(fabsf(ops->delta(&coat, normals[0], normals[0]).x - 0.04f) < 1e-6f);
+    /* Brewster's angle, tan = 1.5: only the s half is reflected, ((1 - 2.25) / (1 + 2.25))^2 / 2. */
+    assert_true(fabsf(ops->delta(&coat, normals[0], at_cosine(normals[0], 1.0f / sqrtf(3.25f), 0.0f)).x - 0.0739645f) < 1e-5f);
+    assert_true(lf_material_has_lobe(&coat) && lf_material_has_delta(&coat));
+    assert_true(lf_material_has_lobe(&none) && !lf_material_has_delta(&none));
+    assert_true(!lf_material_has_lobe(&black) && lf_material_has_delta(&black));
+}
+
+/* Without a coat's step in the index it is a diffuse surface. */
+static void coat_of_index_one_is_not_there(void **state)
+{
+    (void)state;
+    lf_material plastic = material(LF_MATERIAL_PLASTIC, 0.0f, 0.5f), diffuse = material(LF_MATERIAL_DIFFUSE, 0.0f, 0.5f);
+    plastic.ior = 1.0f;
+    lf_vec3 f, g, wo = at_cosine(normals[0], 0.4f, 0.0f), wi = at_cosine(normals[0], 0.8f, 2.0f);
+    lf_surfaces[LF_MATERIAL_PLASTIC].eval(&plastic, normals[0], wo, wi, &f);
+    lf_surfaces[LF_MATERIAL_DIFFUSE].eval(&diffuse, normals[0], wo, wi, &g);
+    assert_true(fabsf(f.x / g.x - 1.0f) < 3e-4f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(samplers_follow_their_pdfs),
+        cmocka_unit_test(a_wrong_roughness_is_rejected),
+        cmocka_unit_test(diffuse_pdf_integrates_to_one),
+        cmocka_unit_test(no_surface_makes_energy),
+        cmocka_unit_test(white_surfaces_lose_little_when_smooth),
+        cmocka_unit_test(surfaces_are_reciprocal),
+        cmocka_unit_test(directions_below_the_surface_get_nothing),
+        cmocka_unit_test(grazing_directions_give_finite_values),
+        cmocka_unit_test(mirrors_are_delta_lobes_and_nothing_else),
+        cmocka_unit_test(coat_reflects_by_fresnel),
+        cmocka_unit_test(coat_of_index_one_is_not_there),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
