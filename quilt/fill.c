@@ -1,122 +1,154 @@
+/* The nearest pixel in a row is found by one sweep from either side, and the nearest of all by comparing what the rows around
+ * have: the work is a few comparisons a missing pixel, and none where nothing is missing. */
 #include <string.h>
 
 #include "quilt/quilt.h"
 
 #define MAX_REACH 16
-#define MAX_OFFSETS ((2 * MAX_REACH + 1) * (2 * MAX_REACH + 1))
-
-/* Where to look, nearest first. */
-typedef struct offset {
-    int8_t dx, dy;
-} offset;
+#define BLOCK_PX 256
+#define NONE INT8_MAX
 
 typedef struct fill_job {
-    int n_views, width, height, reach, n_offsets;
+    int n_views, width, height, reach;
     const uint8_t *rgb, *missing;
     uint8_t *filled;
-    offset offsets[MAX_OFFSETS];
     atomic_int_least64_t n_unfilled;
 } fill_job;
 
-/* Sorted by distance, then row, then column: rows and columns rise as they are listed, and insertion keeps equals in order. */
-static int list_offsets(int reach, offset *offsets)
+/* For each pixel of a block's row the way along the row to the nearest one that is there, NONE beyond reach. */
+typedef struct swept_row {
+    int row; /* -1: not swept yet */
+    bool any;
+    int8_t dx[BLOCK_PX];
+} swept_row;
+
+/* Rows come and go as the block is walked down: row y lies at y % (2 reach + 1). */
+typedef struct block {
+    const fill_job *job;
+    int view, x0, n; /* columns [x0, x0 + n) */
+    swept_row swept[2 * MAX_REACH + 1];
+} block;
+
+static size_t start_of(const fill_job *job, int row, int view)
 {
-    int n = 0;
-    for (int dy = -reach; dy <= reach; dy++) {
-        for (int dx = -reach; dx <= reach; dx++) {
-            int d = dx * dx + dy * dy;
-            if (d == 0 || d > reach * reach)
-                continue;
-            int i = n++;
-            for (; i > 0 && offsets[i - 1].dx * offsets[i - 1].dx + offsets[i - 1].dy * offsets[i - 1].dy > d; i--)
-                offsets[i] = offsets[i - 1];
-            offsets[i] = (offset){(int8_t)dx, (int8_t)dy};
-        }
+    return ((size_t)row * (size_t)job->n_views + (size_t)view) * (size_t)job->width;
+}
+
+static void sweep(const block *b, const uint8_t *flags, swept_row *s)
+{
+    const int reach = b->job->reach, width = b->job->width, end = b->x0 + b->n;
+    int from = b->x0 - reach > 0 ? b->x0 - reach : 0, to = end + reach < width ? end + reach : width;
+    int last = from - reach - 1, next = to + reach;
+    s->any = false;
+    for (int x = from; x < end; x++) {
+        last = flags[x] ? last : x;
+        if (x >= b->x0)
+            s->dx[x - b->x0] = (int8_t)(x - last <= reach ? last - x : NONE);
     }
-    return n;
-}
-
-static const uint8_t *flags_of(const fill_job *job, int row, int view)
-{
-    return job->missing + ((size_t)row * (size_t)job->n_views + (size_t)view) * (size_t)job->width;
-}
-
-/* Keeps the offsets that lead to rows with anything in them: where whole rows are missing, which is what a coarse frame looks
- * like, the first one left is then at once the right one. */
-static int useful_offsets(const fill_job *job, int row, int view, offset *useful)
-{
-    bool has[2 * MAX_REACH + 1];
-    for (int dy = -job->reach; dy <= job->reach; dy++) {
-        int y = row + dy;
-        has[dy + job->reach] = y >= 0 && y < job->height && memchr(flags_of(job, y, view), 0, (size_t)job->width) != NULL;
-    }
-    int n = 0;
-    for (int i = 0; i < job->n_offsets; i++)
-        if (has[job->offsets[i].dy + job->reach])
-            useful[n++] = job->offsets[i];
-    return n;
-}
-
-/* Pixels from the flag at x to that of the nearest pixel found: in rows of views, as they lie; 0 when there is none. */
-static ptrdiff_t find(const fill_job *job, const uint8_t *flags, int x, const offset *offsets, int n)
-{
-    ptrdiff_t pitch = (ptrdiff_t)job->n_views * job->width;
-    for (int i = 0; i < n; i++) {
-        int to_x = x + offsets[i].dx;
-        if (to_x < 0 || to_x >= job->width)
+    for (int x = to - 1; x >= b->x0; x--) {
+        next = flags[x] ? next : x;
+        if (x >= end)
             continue;
-        ptrdiff_t way = offsets[i].dy * pitch + offsets[i].dx;
-        if (!flags[x + way])
-            return way;
+        int8_t *dx = &s->dx[x - b->x0];
+        int right = next - x;
+        if (right <= reach && (*dx == NONE || right < -*dx))
+            *dx = (int8_t)right;
+        s->any = s->any || *dx != NONE;
     }
-    return 0;
 }
 
-static int next_missing(const uint8_t *flags, int x, int width)
+static const swept_row *row_around(block *b, int row)
 {
-    for (; x + 8 <= width; x += 8) {
+    swept_row *s = &b->swept[row % (2 * b->job->reach + 1)];
+    if (s->row != row) {
+        sweep(b, b->job->missing + start_of(b->job, row, b->view), s);
+        s->row = row;
+    }
+    return s;
+}
+
+/* The rows in reach that have anything, from the top. */
+static int rows_around(block *b, int row, const swept_row **rows, int *dys)
+{
+    int n = 0, reach = b->job->reach;
+    for (int dy = -reach; dy <= reach; dy++) {
+        if (row + dy < 0 || row + dy >= b->job->height)
+            continue;
+        const swept_row *s = row_around(b, row + dy);
+        if (!s->any)
+            continue;
+        rows[n] = s;
+        dys[n++] = dy;
+    }
+    return n;
+}
+
+static int next_missing(const uint8_t *flags, int x, int end)
+{
+    for (; x + 8 <= end; x += 8) {
         uint64_t eight;
         memcpy(&eight, flags + x, sizeof eight);
         if (eight)
             break;
     }
-    while (x < width && !flags[x])
+    while (x < end && !flags[x])
         x++;
     return x;
 }
 
-/* Reads only pixels that are there and writes only those that are missing: in place is safe, on any thread. */
-static int64_t fill_row_of_view(const fill_job *job, int row, int view)
+/* Copies the nearest pixel; rows come from the top and the left one of a row is swept first, so that the first of equals
+ * wins. Only pixels that are there are read and only missing ones written: in place is safe, on any thread. */
+static bool fill_pixel(const block *b, int row, int x, const swept_row *const *rows, const int *dys, int n_rows)
 {
-    const uint8_t *flags = flags_of(job, row, view);
-    size_t start = (size_t)(flags - job->missing);
-    if (job->filled != job->rgb)
-        memcpy(job->filled + start * 3, job->rgb + start * 3, (size_t)job->width * 3);
-    int x = next_missing(flags, 0, job->width);
-    if (x == job->width)
-        return 0;
-    offset useful[MAX_OFFSETS];
-    int n = useful_offsets(job, row, view, useful);
-    int64_t n_unfilled = 0;
-    for (; x < job->width; x = next_missing(flags, x + 1, job->width)) {
-        ptrdiff_t way = find(job, flags, x, useful, n);
-        if (way == 0) {
-            n_unfilled++;
-            continue;
+    const fill_job *job = b->job;
+    int nearest = job->reach * job->reach + 1, dx = 0, dy = 0;
+    for (int i = 0; i < n_rows; i++) {
+        int along = rows[i]->dx[x - b->x0], distance = along * along + dys[i] * dys[i];
+        if (along != NONE && distance < nearest) {
+            nearest = distance;
+            dx = along;
+            dy = dys[i];
         }
-        size_t to = start + (size_t)x;
-        memcpy(job->filled + to * 3, job->rgb + (size_t)((ptrdiff_t)to + way) * 3, 3);
     }
+    if (nearest > job->reach * job->reach)
+        return false;
+    size_t from = start_of(job, row + dy, b->view) + (size_t)(x + dx), to = start_of(job, row, b->view) + (size_t)x;
+    memcpy(job->filled + to * 3, job->rgb + from * 3, 3);
+    return true;
+}
+
+static int64_t fill_row(block *b, int row)
+{
+    const fill_job *job = b->job;
+    size_t start = start_of(job, row, b->view);
+    const uint8_t *flags = job->missing + start;
+    int end = b->x0 + b->n;
+    if (job->filled != job->rgb)
+        memcpy(job->filled + (start + (size_t)b->x0) * 3, job->rgb + (start + (size_t)b->x0) * 3, (size_t)b->n * 3);
+    int x = next_missing(flags, b->x0, end);
+    if (x == end)
+        return 0;
+    const swept_row *rows[2 * MAX_REACH + 1];
+    int dys[2 * MAX_REACH + 1], n_rows = rows_around(b, row, rows, dys);
+    int64_t n_unfilled = 0;
+    for (; x < end; x = next_missing(flags, x + 1, end))
+        n_unfilled += !fill_pixel(b, row, x, rows, dys, n_rows);
     return n_unfilled;
 }
 
-static void fill_row(void *context, int row, int worker)
+static void fill_view(void *context, int view, int worker)
 {
     (void)worker;
     fill_job *job = context;
+    block b = {.job = job, .view = view};
     int64_t n_unfilled = 0;
-    for (int view = 0; view < job->n_views; view++)
-        n_unfilled += fill_row_of_view(job, row, view);
+    for (b.x0 = 0; b.x0 < job->width; b.x0 += BLOCK_PX) {
+        b.n = job->width - b.x0 < BLOCK_PX ? job->width - b.x0 : BLOCK_PX;
+        for (int i = 0; i < 2 * MAX_REACH + 1; i++)
+            b.swept[i].row = -1;
+        for (int row = 0; row < job->height; row++)
+            n_unfilled += fill_row(&b, row);
+    }
     /* a sum: no order is needed, and the end of the run publishes it */
     atomic_fetch_add_explicit(&job->n_unfilled, n_unfilled, memory_order_relaxed);
 }
@@ -126,9 +158,8 @@ int64_t lf_fill(int n_views, int width, int height, const uint8_t *rgb, const ui
 {
     fill_job job = {.n_views = n_views, .width = width, .height = height, .rgb = rgb, .missing = missing, .filled = filled};
     job.reach = reach < 0 ? 0 : reach > MAX_REACH ? MAX_REACH : reach;
-    job.n_offsets = list_offsets(job.reach, job.offsets);
-    bool done = pool && lf_pool_run(pool, height, fill_row, &job, NULL) == LF_OK;
-    for (int row = 0; row < height && !done; row++)
-        fill_row(&job, row, 0);
+    bool done = pool && lf_pool_run(pool, n_views, fill_view, &job, NULL) == LF_OK;
+    for (int view = 0; view < n_views && !done; view++)
+        fill_view(&job, view, 0);
     return atomic_load_explicit(&job.n_unfilled, memory_order_relaxed);
 }

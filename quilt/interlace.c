@@ -38,6 +38,8 @@ struct lf_interlacer {
     int n_views, view_width, view_height;
     lf_filter filter;
     sample *columns; /* [screen width] */
+    int32_t *column_bytes; /* [screen width] offset of the nearest sample in a row of a view */
+    int first_x, end_x;    /* columns that show anything */
     sample *rows;    /* [screen height], from the top */
     double *across;  /* [cells or 1][screen width][3] phase position along x, in panel widths */
     void *views;     /* nearest: [screen height][screen width][3] uint8_t, or uint16_t where wide */
@@ -164,6 +166,13 @@ static void map_axes(lf_interlacer *it, double aspect)
         ratio = 1;
     map_axis(it->columns, it->calibration.screen_width_px, it->view_width, ratio < 1 ? ratio : 1);
     map_axis(it->rows, it->calibration.screen_height_px, it->view_height, ratio > 1 ? 1 / ratio : 1);
+    it->end_x = it->calibration.screen_width_px;
+    while (it->first_x < it->end_x && it->columns[it->first_x].nearest < 0)
+        it->first_x++;
+    while (it->end_x > it->first_x && it->columns[it->end_x - 1].nearest < 0)
+        it->end_x--;
+    for (int x = it->first_x; x < it->end_x; x++)
+        it->column_bytes[x] = it->columns[x].nearest * 3;
 }
 
 static void map_across(lf_interlacer *it)
@@ -233,9 +242,10 @@ static lf_status allocate(lf_interlacer *it, lf_error *err)
     size_t width = (size_t)it->calibration.screen_width_px, height = (size_t)it->calibration.screen_height_px;
     size_t n_cells = it->lens.n_cells ? (size_t)it->lens.n_cells : 1;
     it->columns = lf_calloc(width, sizeof *it->columns);
+    it->column_bytes = lf_calloc(width, sizeof *it->column_bytes);
     it->rows = lf_calloc(height, sizeof *it->rows);
     it->across = lf_calloc(n_cells * width * 3, sizeof *it->across);
-    bool whole = it->columns && it->rows && it->across;
+    bool whole = it->columns && it->column_bytes && it->rows && it->across;
     if (whole && it->filter == LF_FILTER_NEAREST) {
         it->views = lf_calloc(width * height * 3, it->wide ? sizeof(uint16_t) : sizeof(uint8_t));
         whole = it->views != NULL;
@@ -277,6 +287,7 @@ void lf_interlacer_destroy(lf_interlacer *it)
     if (!it)
         return;
     lf_free(it->columns);
+    lf_free(it->column_bytes);
     lf_free(it->rows);
     lf_free(it->across);
     lf_free(it->views);
@@ -287,20 +298,17 @@ void lf_interlacer_destroy(lf_interlacer *it)
 
 /* The body of both widths of the table; inlined, so that each has a loop without the question. */
 static inline __attribute__((always_inline)) void copy_row(const lf_interlacer *it, const lf_views8 *views, int row, bool wide,
-                                                           uint8_t *out)
+                                                           uint8_t *restrict out)
 {
-    size_t width = (size_t)it->calibration.screen_width_px, start = (size_t)row * width * 3;
+    size_t start = (size_t)row * (size_t)it->calibration.screen_width_px * 3, end = (size_t)it->end_x;
     const uint8_t *narrow_views = (const uint8_t *)it->views + start;
     const uint16_t *wide_views = (const uint16_t *)it->views + start;
     const uint8_t *in = views->data + (size_t)it->rows[row].nearest * views->row_stride;
+    const int32_t *column_bytes = it->column_bytes;
     const size_t stride = views->view_stride;
-    for (size_t x = 0, i = 0; x < width; x++, i += 3) {
-        int column = it->columns[x].nearest;
-        if (column < 0) {
-            out[i] = out[i + 1] = out[i + 2] = 0;
-            continue;
-        }
-        const uint8_t *pixel = in + (size_t)column * 3;
+    for (size_t x = (size_t)it->first_x; x < end; x++) {
+        const uint8_t *pixel = in + column_bytes[x];
+        const size_t i = x * 3;
         out[i] = pixel[(wide ? wide_views[i] : narrow_views[i]) * stride];
         out[i + 1] = pixel[(wide ? wide_views[i + 1] : narrow_views[i + 1]) * stride + 1];
         out[i + 2] = pixel[(wide ? wide_views[i + 2] : narrow_views[i + 2]) * stride + 2];
@@ -320,18 +328,14 @@ static void mix_row(const lf_interlacer *it, const lf_views8 *views, int row, ui
 {
     row_places r = places_of_row(it, it->calibration.screen_height_px - 1 - row);
     const sample *y = &it->rows[row];
-    for (int x = 0; x < it->calibration.screen_width_px; x++, out += 3) {
+    for (int x = it->first_x; x < it->end_x; x++) {
         const sample *column = &it->columns[x];
-        if (column->nearest < 0) {
-            out[0] = out[1] = out[2] = 0;
-            continue;
-        }
         for (int c = 0; c < 3; c++) {
             double z = place_of(&it->lens, r.across[x & 1][x * 3 + c], r.along[x & 1][c]) * it->n_views;
             int view = (int)z, next = view + 1 < it->n_views ? view + 1 : view;
             double weight = z - view;
             double value = (1 - weight) * bilinear(views, view, column, y, c) + weight * bilinear(views, next, column, y, c);
-            out[c] = (uint8_t)(value + 0.5);
+            out[x * 3 + c] = (uint8_t)(value + 0.5);
         }
     }
 }
@@ -342,9 +346,11 @@ void lf_interlace_rows(const lf_interlacer *it, const lf_views8 *views, lf_image
     assert(out->width == it->calibration.screen_width_px && out->height == it->calibration.screen_height_px && out->channels == 3);
     for (int row = row0; row < row1; row++) {
         uint8_t *to = out->data + (size_t)row * out->stride;
-        if (it->rows[row].nearest < 0)
+        if (it->first_x > 0 || it->end_x < out->width || it->rows[row].nearest < 0)
             memset(to, 0, (size_t)out->width * 3);
-        else if (it->filter == LF_FILTER_LINEAR)
+        if (it->rows[row].nearest < 0)
+            continue;
+        if (it->filter == LF_FILTER_LINEAR)
             mix_row(it, views, row, to);
         else if (it->wide)
             copy_row(it, views, row, true, to);

@@ -123,12 +123,12 @@ static void tighten(const frame_pair *f, int tile_px, lf_rect *rect)
         y1--;
     int left = x1, right = x0;
     for (int y = y0; y < y1; y++) {
-        for (int x = x0; x < left; x++)
-            if (differ(f, y, x, x + 1))
-                left = x;
-        for (int x = x1; x > right; x--)
-            if (differ(f, y, x - 1, x))
-                right = x;
+        if (left > x0 && differ(f, y, x0, left))
+            for (left = x0; !differ(f, y, left, left + 1);)
+                left++;
+        if (right < x1 && differ(f, y, right, x1))
+            for (right = x1; !differ(f, y, right - 1, right);)
+                right--;
     }
     *rect = (lf_rect){left, y0, right - left, y1 - y0};
 }

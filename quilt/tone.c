@@ -122,21 +122,29 @@ void lf_tone_destroy(lf_tone *tone)
     lf_free(tone);
 }
 
+#define BLOCK_SAMPLES 256
+
+/* In two loops, as only the first becomes vector code. Of floats above 0 the bits order as the floats do; all others (and NaN)
+ * become the lowest. */
 void lf_tone_map(const lf_tone *tone, size_t n, const float *in, uint8_t *out)
 {
     const uint32_t *table = tone->table;
     const int32_t low = tone->low, high = tone->high;
     const int shift = tone->shift;
     const uint32_t mask = (1u << shift) - 1;
-    for (size_t i = 0; i < 3 * n; i++) {
-        int32_t bits; /* of floats above 0 these order as the floats do; all others are to become 0 */
-        memcpy(&bits, &in[i], sizeof bits);
-        bits = bits > INFINITY_BITS ? low : bits;
-        bits = bits < low ? low : bits;
-        bits = bits > high ? high : bits;
-        uint32_t offset = (uint32_t)(bits - low);
-        uint32_t entry = table[offset >> shift];
-        out[i] = (uint8_t)((entry & 255) + ((offset & mask) >= entry >> 8));
+    for (size_t done = 0; done < 3 * n; done += BLOCK_SAMPLES) {
+        size_t m = 3 * n - done < BLOCK_SAMPLES ? 3 * n - done : BLOCK_SAMPLES;
+        int32_t offset[BLOCK_SAMPLES];
+        memcpy(offset, in + done, m * sizeof *in);
+        for (size_t i = 0; i < m; i++) {
+            int32_t bits = offset[i] > INFINITY_BITS ? low : offset[i];
+            bits = bits < low ? low : bits;
+            offset[i] = (bits > high ? high : bits) - low;
+        }
+        for (size_t i = 0; i < m; i++) {
+            uint32_t entry = table[(uint32_t)offset[i] >> shift];
+            out[done + i] = (uint8_t)((entry & 255) + (((uint32_t)offset[i] & mask) >= entry >> 8));
+        }
     }
 }
 
