@@ -1,0 +1,300 @@
+/* The shared command line: what is taken, what is refused and with which words, and which source of a value wins. */
+#include "tests/testing.h"
+
+#include "daemon/options.h"
+
+static const struct option table[] = {
+    LF_OPTIONS_LONG("panel"),
+    {"own", required_argument, NULL, LF_OPTION_OWN},
+    {NULL, 0, NULL, 0},
+};
+
+/* Reads a whole command line (words parted by blanks); the first status that is not LF_OK. */
+static lf_status read_line(const char *text, lf_options *options, lf_error *err)
+{
+    static char copy[1024];
+    char *argv[32] = {(char[]){"program"}};
+    int argc = 1;
+    int code = 0;
+    bool taken = false;
+
+    *options = (lf_options){0};
+    *err = (lf_error){0};
+    snprintf(copy, sizeof copy, "%s", text);
+    for (char *word = strtok(copy, " "); word && argc < 31; word = strtok(NULL, " "))
+        argv[argc++] = word;
+    optind = 0; /* GNU: start over */
+    for (;;) {
+        lf_status status = lf_options_next(argc, argv, ":o:", table, &code, err);
+        if (status != LF_OK || code == -1)
+            return status;
+        status = lf_options_take(options, code, optarg, &taken, err);
+        if (status != LF_OK)
+            return status;
+        if (!taken)
+            assert_true(code == 'o' || code == LF_OPTION_OWN || code == LF_OPTION_HELP || code == LF_OPTION_VERSION);
+    }
+}
+
+static void every_shared_option_is_taken(void **state)
+{
+    lf_options o;
+    lf_error err;
+    (void)state;
+
+    lf_assert_ok(read_line("--preset portrait --views 7 --quilt 8x6 --view-size 640x480 --integrator vpt --estimator cv "
+                           "--sampler independent --threads 3 --seed 18446744073709551615 --max-depth 12 --target-error 1e-3 "
+                           "--panel p.json operand",
+                           &o, &err),
+                 &err);
+    assert_string_equal(o.preset->name, "portrait");
+    assert_int_equal(o.views, 7);
+    assert_int_equal(o.columns, 8);
+    assert_int_equal(o.rows, 6);
+    assert_int_equal(o.view_width, 640);
+    assert_int_equal(o.view_height, 480);
+    assert_string_equal(o.integrator, "vpt");
+    assert_true(o.has_estimator && o.estimator == LF_ESTIMATOR_CV);
+    assert_true(o.has_sampler && o.sampler == LF_SAMPLER_INDEPENDENT);
+    assert_int_equal(o.threads, 3);
+    assert_true(o.has_seed && o.seed == UINT64_MAX);
+    assert_int_equal(o.max_depth, 12);
+    lf_assert_close(o.target_error, 1e-3, 0, 0);
+    assert_string_equal(o.calibration, "p.json");
+    lf_assert_ok(read_line("", &o, &err), &err);
+    assert_true(!o.preset && !o.views && !o.integrator && !o.has_seed && o.estimator == LF_ESTIMATOR_MWIS);
+}
+
+static void wrong_words_are_refused_with_the_option_and_what_it_expects(void **state)
+{
+    static const struct {
+        const char *line, *where, *what;
+    } cases[] = {
+        {"--views 0", "--views", "from 1 to 256"},
+        {"--views 257", "--views", "not \"257\""},
+        {"--views 4x", "--views", "whole number"},
+        {"--views 1e1", "--views", "whole number"},
+        {"--views", "--views", "expects an argument"},
+        {"--quilt 5", "--quilt", ""},
+        {"--quilt 0x5", "--quilt", ""},
+        {"--quilt 65x1", "--quilt", ""},
+        {"--view-size 10", "--view-size", "two numbers"},
+        {"--view-size 10.5x10", "--view-size", "whole pixels"},
+        {"--view-size 0x10", "--view-size", "from 1"},
+        {"--view-size 10x20000", "--view-size", "16384"},
+        {"--view-size nanx10", "--view-size", "two numbers"},
+        {"--preset moon", "--preset", "moon"},
+        {"--integrator bdpt", "--integrator", "mvpt"},
+        {"--estimator best", "--estimator", "best"},
+        {"--sampler halton", "--sampler", "halton"},
+        {"--threads -1", "--threads", "from 1 to 256"},
+        {"--threads 1000", "--threads", "from 1 to 256"},
+        {"--seed -1", "--seed", "from 0"},
+        {"--seed 18446744073709551616", "--seed", "whole number"},
+        {"--target-error 0", "--target-error", "number"},
+        {"--target-error nan", "--target-error", "number"},
+        {"--target-error inf", "--target-error", "number"},
+        {"--target-error 0x1p-3", "--target-error", "number"},
+        {"--max-depth 0", "--max-depth", "from 1"},
+        {"--colour red", "--colour", "unknown option"},
+        {"--view", "--view", "several"},
+        {"--help=now", "--help", "takes no argument"},
+        {"-z", "-z", "unknown option"},
+        {"-o", "-o", "expects an argument"},
+    };
+    lf_options o;
+    lf_error err;
+    (void)state;
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        print_message("%s\n", cases[i].line);
+        assert_int_equal(read_line(cases[i].line, &o, &err), LF_E_ARG);
+        assert_string_equal(err.where, cases[i].where);
+        assert_non_null(strstr(err.what, cases[i].what));
+        assert_null(strchr(err.what, '\n'));
+    }
+}
+
+static void pairs_and_numbers_read_what_was_typed(void **state)
+{
+    double pair[2] = {0};
+    double x = 0;
+    int64_t n = 0;
+    lf_error err;
+    (void)state;
+
+    lf_assert_ok(lf_parse_pair("--print", "60.13@600", '@', 0, 1000, pair, &err), &err);
+    lf_assert_close(pair[0], 60.13, 1e-15, 0);
+    lf_assert_close(pair[1], 600, 0, 0);
+    lf_assert_ok(lf_parse_pair("--print-size", "0x12.5", 'x', 0, 1000, pair, &err), &err);
+    lf_assert_close(pair[1], 12.5, 0, 0);
+    lf_assert_ok(lf_parse_double("--phase", "-1.25", -10, 10, &x, &err), &err);
+    lf_assert_close(x, -1.25, 0, 0);
+    lf_assert_ok(lf_parse_int("--n", "-7", -10, 10, &n, &err), &err);
+    assert_int_equal(n, -7);
+    assert_int_equal(lf_parse_pair("--print", "60.13@", '@', 0, 1000, pair, &err), LF_E_ARG);
+    assert_int_equal(lf_parse_pair("--print", "60@600@2", '@', 0, 1000, pair, &err), LF_E_ARG);
+    assert_int_equal(lf_parse_double("--phase", " 1", -10, 10, &x, &err), LF_E_ARG);
+    assert_int_equal(lf_parse_double("--phase", "", -10, 10, &x, &err), LF_E_ARG);
+}
+
+/* ------------------------------------------------------------------------------------------------------- precedence */
+
+static lf_camera scene_camera(void)
+{
+    return (lf_camera){.fov_y = 0.25, .aspect = 1.25, .n_views = 12, .cone = 0.5, .has_aspect = true, .has_views = true,
+                       .has_cone = true};
+}
+
+static lf_calibration panel(void)
+{
+    lf_calibration c;
+    lf_calibration_portrait(&c);
+    c.screen_width_px = 1000;
+    c.screen_height_px = 500;
+    c.view_cone_deg = 90;
+    return c;
+}
+
+static void resolve(const char *line, const lf_camera *camera, const lf_calibration *calibration, lf_render_settings *settings,
+                    lf_layout *layout)
+{
+    lf_options o;
+    lf_error err;
+
+    lf_assert_ok(read_line(line, &o, &err), &err);
+    lf_assert_ok(lf_resolve_view(&o, camera, calibration, settings, layout, &err), &err);
+    assert_int_equal(settings->width, layout->view_width);
+    assert_int_equal(settings->height, layout->view_height);
+    assert_int_equal(settings->camera.n_views, layout->n_views);
+    lf_assert_close(settings->camera.aspect, layout->aspect, 0, 0);
+    assert_true(layout->columns * layout->rows >= layout->n_views);
+}
+
+static void command_line_beats_preset_beats_panel_beats_scene(void **state)
+{
+    static const struct {
+        const char *line;
+        bool scene_says, with_panel; /* the scene states 12 views, aspect 1.25, cone 0.5 */
+        int views, columns, rows, width, height;
+        double aspect, cone;
+    } cases[] = {
+        {"", false, false, 45, 5, 9, 420, 560, 0.75, 0.7},
+        {"", true, false, 12, 3, 4, 700, 560, 1.25, 0.5},
+        {"", true, true, 12, 0, 0, 1120, 560, 2, M_PI / 2},
+        {"--preset portrait", true, false, 48, 8, 6, 420, 560, 0.75, 0.5},
+        {"--preset portrait", true, true, 48, 8, 6, 420, 560, 0.75, M_PI / 2},
+        {"--preset portrait --views 45", true, true, 45, 5, 9, 420, 560, 0.75, M_PI / 2},
+        {"--preset portrait --quilt 7x7", true, true, 48, 7, 7, 420, 560, 0.75, M_PI / 2},
+        {"--preset portrait --view-size 100x200", true, true, 48, 8, 6, 100, 200, 0.75, M_PI / 2},
+        {"--views 45", true, true, 45, 5, 9, 1120, 560, 2, M_PI / 2},
+        {"--views 9 --quilt 3x3", true, false, 9, 3, 3, 700, 560, 1.25, 0.5},
+        {"--quilt 4x4", true, false, 12, 4, 4, 700, 560, 1.25, 0.5},
+        {"--view-size 64x48", true, false, 12, 0, 0, 64, 48, 1.25, 0.5},
+        {"--view-size 64x48", false, false, 45, 5, 9, 64, 48, 64.0 / 48, 0.7},
+    };
+    (void)state;
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        lf_camera camera = scene_camera();
+        lf_calibration calibration = panel();
+        lf_render_settings settings;
+        lf_layout layout;
+        if (!cases[i].scene_says)
+            camera = (lf_camera){.fov_y = 0.25, .aspect = 0.75, .n_views = 45, .cone = 0.7};
+        print_message("case %zu: \"%s\"\n", i, cases[i].line);
+        resolve(cases[i].line, &camera, cases[i].with_panel ? &calibration : NULL, &settings, &layout);
+        assert_int_equal(layout.n_views, cases[i].views);
+        if (cases[i].columns > 0) {
+            assert_int_equal(layout.columns, cases[i].columns);
+            assert_int_equal(layout.rows, cases[i].rows);
+        }
+        assert_int_equal(layout.view_width, cases[i].width);
+        assert_int_equal(layout.view_height, cases[i].height);
+        lf_assert_close(layout.aspect, cases[i].aspect, 1e-12, 0);
+        lf_assert_close(settings.camera.cone, cases[i].cone, 1e-12, 0);
+        lf_assert_close(settings.camera.fov_y, 0.25, 0, 0);
+    }
+}
+
+static void a_panel_without_a_cone_leaves_the_scenes(void **state)
+{
+    lf_camera camera = scene_camera();
+    lf_calibration calibration = panel();
+    lf_render_settings settings;
+    lf_layout layout;
+    (void)state;
+
+    calibration.view_cone_deg = 0;
+    resolve("", &camera, &calibration, &settings, &layout);
+    lf_assert_close(settings.camera.cone, 0.5, 0, 0);
+}
+
+static void render_options_reach_the_settings(void **state)
+{
+    lf_camera camera = scene_camera();
+    lf_render_settings settings;
+    lf_layout layout;
+    (void)state;
+
+    resolve("--integrator vpt --sampler independent --seed 9 --max-depth 3", &camera, NULL, &settings, &layout);
+    assert_string_equal(settings.integrator, "vpt");
+    assert_int_equal(settings.sampler, LF_SAMPLER_INDEPENDENT);
+    assert_int_equal(settings.seed, 9);
+    assert_int_equal(settings.max_depth, 3);
+    for (int i = 0; i < 4; i++)
+        lf_assert_close(settings.window[i], 0, 0, 0);
+}
+
+static void too_few_tiles_are_refused(void **state)
+{
+    lf_camera camera = scene_camera();
+    lf_render_settings settings = {.width = -1};
+    lf_layout layout = {.columns = -1};
+    lf_options o;
+    lf_error err;
+    (void)state;
+
+    lf_assert_ok(read_line("--views 45 --quilt 5x8", &o, &err), &err);
+    assert_int_equal(lf_resolve_view(&o, &camera, NULL, &settings, &layout, &err), LF_E_ARG);
+    assert_string_equal(err.where, "--quilt");
+    assert_non_null(strstr(err.what, "40"));
+    assert_non_null(strstr(err.what, "45"));
+    assert_int_equal(settings.width, -1);
+    assert_int_equal(layout.columns, -1);
+}
+
+static void any_number_of_views_finds_tiles(void **state)
+{
+    (void)state;
+    for (int n = 1; n <= LF_MAX_VIEWS; n++) {
+        int columns = 0;
+        int rows = 0;
+        lf_choose_tiles(n, 420, 560, &columns, &rows);
+        assert_in_range(columns, 1, 64);
+        assert_in_range(rows, 1, 64);
+        assert_true(columns * rows >= n);
+        assert_true((columns - 1) * rows < n); /* no empty column */
+        assert_true(columns * (rows - 1) < n); /* no empty row */
+    }
+    int columns = 0;
+    int rows = 0;
+    lf_choose_tiles(48, 420, 560, &columns, &rows);
+    assert_int_equal(columns, 8);
+    assert_int_equal(rows, 6);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_shared_option_is_taken),
+        cmocka_unit_test(wrong_words_are_refused_with_the_option_and_what_it_expects),
+        cmocka_unit_test(pairs_and_numbers_read_what_was_typed),
+        cmocka_unit_test(command_line_beats_preset_beats_panel_beats_scene),
+        cmocka_unit_test(a_panel_without_a_cone_leaves_the_scenes),
+        cmocka_unit_test(render_options_reach_the_settings),
+        cmocka_unit_test(too_few_tiles_are_refused),
+        cmocka_unit_test(any_number_of_views_finds_tiles),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
