@@ -81,34 +81,57 @@ static lf_vec3 apply(const float m[3][4], lf_vec3 p)
                  m[2][0] * p.x + m[2][1] * p.y + m[2][2] * p.z + m[2][3]);
 }
 
-static float value(const lf_volume *volume, lf_vec3 p)
+/* The part of i in [lo, hi] for which start + i step lies in the unit ball. */
+static void clip_ball(lf_vec3 start, lf_vec3 step, float *lo, float *hi)
 {
-    switch (volume->kind) {
-    case LF_VOLUME_GRID:
-        return volume->nearest ? lf_grid_nearest(volume->grid, p.x, p.y, p.z) : lf_grid_linear(volume->grid, p.x, p.y, p.z);
-    case LF_VOLUME_SPHERE:
-        return lf_dot(p, p) < 1.0f ? 1.0f : 0.0f;
-    case LF_VOLUME_BOX:
-        break;
-    }
-    return fabsf(p.x) < 1.0f && fabsf(p.y) < 1.0f && fabsf(p.z) < 1.0f ? 1.0f : 0.0f;
+    float a = lf_dot(step, step), middle = -lf_dot(start, step) / a;
+    lf_vec3 nearest = lf_madd(start, middle, step);
+    float h2 = (1.0f - lf_dot(nearest, nearest)) / a;
+    float h = h2 > 0.0f ? sqrtf(h2) : -1.0f;
+    *lo = fmaxf(*lo, middle - h);
+    *hi = fminf(*hi, middle + h);
 }
 
-/* Adds one volume to one slab's samples; start is volume space at sample 0, step per sample. */
-static int add_volume(const lf_volume *volume, lf_vec3 start, lf_vec3 step, int nx, float *sigma)
+static void clip_box(lf_vec3 start, lf_vec3 step, lf_vec3 min, lf_vec3 max, float *lo, float *hi)
+{
+    clip(start.x, step.x, min.x, max.x, lo, hi);
+    clip(start.y, step.y, min.y, max.y, lo, hi);
+    clip(start.z, step.z, min.z, max.z, lo, hi);
+}
+
+/* A homogeneous shape gives each sample the share of its surroundings (half a step to either side) that lies inside: edges
+ * that do not depend on where the samples fall. */
+static void add_shape(const lf_volume *volume, lf_vec3 start, lf_vec3 step, int nx, float *sigma)
 {
     float lo = 0.0f, hi = (float)(nx - 1);
-    lf_vec3 min = lf_v3(-1.0f, -1.0f, -1.0f), max = lf_v3(1.0f, 1.0f, 1.0f);
-    if (volume->kind == LF_VOLUME_GRID)
-        max = lf_v3((float)volume->grid->size[0], (float)volume->grid->size[1], (float)volume->grid->size[2]);
-    clip(start.x, step.x, min.x, max.x, &lo, &hi);
-    clip(start.y, step.y, min.y, max.y, &lo, &hi);
-    clip(start.z, step.z, min.z, max.z, &lo, &hi);
+    if (volume->kind == LF_VOLUME_SPHERE)
+        clip_ball(start, step, &lo, &hi);
+    else
+        clip_box(start, step, lf_v3(-1.0f, -1.0f, -1.0f), lf_v3(1.0f, 1.0f, 1.0f), &lo, &hi);
+    if (!(hi > lo))
+        return;
+    int last = (int)floorf(hi + 0.5f);
+    for (int i = (int)floorf(lo + 0.5f); i <= last && i < nx; i++) {
+        float share = fminf(hi, (float)i + 0.5f) - fmaxf(lo, (float)i - 0.5f);
+        sigma[i] += volume->sigma_scale * fmaxf(share, 0.0f);
+    }
+}
+
+/* Adds one grid to one slab's samples; start is volume space at sample 0, step per sample. Returns the look-ups made. */
+static int add_grid(const lf_volume *volume, lf_vec3 start, lf_vec3 step, int nx, float *sigma)
+{
+    const lf_grid *grid = volume->grid;
+    float lo = 0.0f, hi = (float)(nx - 1);
+    clip_box(start, step, lf_v3(-1.0f, -1.0f, -1.0f),
+             lf_v3((float)grid->size[0], (float)grid->size[1], (float)grid->size[2]), &lo, &hi);
     if (!(hi >= lo))
         return 0;
     int i0 = (int)ceilf(lo), i1 = (int)floorf(hi);
-    for (int i = i0; i <= i1; i++)
-        sigma[i] += volume->sigma_scale * value(volume, lf_madd(start, (float)i, step));
+    for (int i = i0; i <= i1; i++) {
+        lf_vec3 p = lf_madd(start, (float)i, step);
+        float v = volume->nearest ? lf_grid_nearest(grid, p.x, p.y, p.z) : lf_grid_linear(grid, p.x, p.y, p.z);
+        sigma[i] += volume->sigma_scale * v;
+    }
     return i1 >= i0 ? i1 - i0 + 1 : 0;
 }
 
@@ -150,7 +173,11 @@ void lf_slice_fill(lf_slice *slice, const lf_slice_frame *frame, const lf_scene 
         for (int v = 0; v < scene->n_volumes && z > 0.0f; v++) {
             const lf_volume *volume = &scene->volumes[v];
             lf_vec3 start = apply(volume->to_volume, p);
-            *lookups += add_volume(volume, start, lf_sub(apply(volume->to_volume, q), start), slice->nx, sigma);
+            lf_vec3 step = lf_sub(apply(volume->to_volume, q), start);
+            if (volume->kind == LF_VOLUME_GRID)
+                *lookups += add_grid(volume, start, step, slice->nx, sigma);
+            else
+                add_shape(volume, start, step, slice->nx, sigma);
         }
         note_occupied(slice, s, sigma, frame->dx);
     }
