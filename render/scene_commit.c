@@ -237,7 +237,7 @@ static void choose_origin(const double bounds[2][3], double origin[3])
         if (!(bounds[0][i] <= bounds[1][i]))
             origin[i] = 0;
         else
-            origin[i] = step > 0 ? step * nearbyint(middle / step) : middle;
+            origin[i] = (step > 0 ? step * nearbyint(middle / step) : middle) + 0.0; /* no -0 */
     }
 }
 

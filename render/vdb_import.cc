@@ -1,8 +1,12 @@
 #include "render/vdb_import.h"
 
+/* OpenVDB's templates keep state in static members that this program and the library must share; hidden, they would be two, and
+ * openvdb::initialize would dereference the one that nobody filled. */
+#pragma GCC visibility push(default)
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetUtil.h>
+#pragma GCC visibility pop
 
 #include <cinttypes>
 #include <cmath>
