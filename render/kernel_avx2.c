@@ -25,15 +25,15 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
         memset(sigma, 0, sizeof *sigma * (size_t)n);
     float z_max = z_end[0];
     for (int k = 1; k < n; k++)
-        z_max = fmaxf(z_max, z_end[k]);
+        z_max = lf_max(z_max, z_end[k]);
     int wanted = sigma ? lf_slice_slab(slice, z_end[0]) : -1;
     for (int s = slice->first; s <= slice->last; s++) {
         float lo = slice->z0 + (float)s * slice->dz;
         if (lo >= z_max && s != wanted)
             break;
-        float middle = lo + 0.5f * slice->dz, hi = lo + slice->dz, from = fmaxf(lo, 0.0f);
+        float middle = lo + 0.5f * slice->dz, hi = lo + slice->dz, from = lf_max(lo, 0.0f);
         float xa = x0[0] + slope[0] * middle, xb = x0[n - 1] + slope[n - 1] * middle;
-        if (fmaxf(xa, xb) <= slice->slabs[s].x_lo || fminf(xa, xb) >= slice->slabs[s].x_hi)
+        if (lf_max(xa, xb) <= slice->slabs[s].x_lo || lf_min(xa, xb) >= slice->slabs[s].x_hi)
             continue;
         const float *row = slice->sigma + (size_t)s * (size_t)(slice->nx + 1);
         __m256 vm = _mm256_set1_ps(middle), vh = _mm256_set1_ps(hi), vf = _mm256_set1_ps(from);
@@ -77,7 +77,7 @@ static float densities(int n, const float *scale, const float *tau, float *d)
     float lanes[LF_LANES], tau_min = INFINITY;
     _mm256_storeu_ps(lanes, least);
     for (int i = 0; i < LF_LANES; i++)
-        tau_min = fminf(tau_min, lanes[i]);
+        tau_min = lf_min(tau_min, lanes[i]);
     if (!(tau_min < INFINITY)) {
         memset(d, 0, sizeof *d * (size_t)n);
         return 0.0f;

@@ -11,19 +11,19 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
         memset(sigma, 0, sizeof *sigma * (size_t)n);
     float z_max = z_end[0];
     for (int k = 1; k < n; k++)
-        z_max = fmaxf(z_max, z_end[k]);
+        z_max = lf_max(z_max, z_end[k]);
     int wanted = sigma ? lf_slice_slab(slice, z_end[0]) : -1;
     for (int s = slice->first; s <= slice->last; s++) {
         float lo = slice->z0 + (float)s * slice->dz;
         if (lo >= z_max && s != wanted)
             break;
-        float middle = lo + 0.5f * slice->dz, hi = lo + slice->dz, from = fmaxf(lo, 0.0f);
+        float middle = lo + 0.5f * slice->dz, hi = lo + slice->dz, from = lf_max(lo, 0.0f);
         float xa = x0[0] + slope[0] * middle, xb = x0[n - 1] + slope[n - 1] * middle;
-        if (fmaxf(xa, xb) <= slice->slabs[s].x_lo || fminf(xa, xb) >= slice->slabs[s].x_hi)
+        if (lf_max(xa, xb) <= slice->slabs[s].x_lo || lf_min(xa, xb) >= slice->slabs[s].x_hi)
             continue;
         for (int k = 0; k < n; k++) {
             float v = lf_slice_at(slice, s, x0[k] + slope[k] * middle);
-            tau[k] += v * fmaxf(fminf(z_end[k], hi) - from, 0.0f);
+            tau[k] += v * lf_max(lf_min(z_end[k], hi) - from, 0.0f);
             if (s == wanted)
                 sigma[k] = v;
         }
@@ -32,7 +32,7 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
 
 static float exp_kernel(float x)
 {
-    x = fmaxf(x, LF_EXP_MIN);
+    x = lf_max(x, LF_EXP_MIN);
     float i = rintf(x * LF_LOG2E);
     float f = (x - i * LF_LN2_HI) - i * LF_LN2_LO;
     float p = LF_EXP_C6;
@@ -52,13 +52,13 @@ static float densities(int n, const float *scale, const float *tau, float *d)
 {
     float tau_min = INFINITY, sum[LF_LANES] = {0};
     for (int k = 0; k < n; k++)
-        tau_min = fminf(tau_min, scale[k] > 0.0f ? tau[k] : INFINITY);
+        tau_min = lf_min(tau_min, scale[k] > 0.0f ? tau[k] : INFINITY);
     if (!(tau_min < INFINITY)) {
         memset(d, 0, sizeof *d * (size_t)n);
         return 0.0f;
     }
     for (int k = 0; k < n; k++) {
-        float e = scale[k] * exp_kernel(fminf(tau_min - tau[k], 0.0f));
+        float e = scale[k] * exp_kernel(lf_min(tau_min - tau[k], 0.0f));
         d[k] = scale[k] > 0.0f ? e : 0.0f;
         sum[k % LF_LANES] += d[k];
     }

@@ -33,7 +33,7 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
     /* The base sees its own pivot whatever rounding says about the frame's edge or a grazing surface. */
     if (!(w->scale[base] > 0.0f)) {
         float u = (rig->b[base] + lens + rig->distance * w->slope[base] - rig->x0) * per_pixel;
-        w->column[base] = (int)fminf(fmaxf(u, 0.0f), (float)(rig->width - 1));
+        w->column[base] = (int)lf_min(lf_max(u, 0.0f), (float)(rig->width - 1));
         w->scale[base] = 1e-6f * fabsf(pivot->z);
     }
 }
@@ -153,38 +153,63 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suff
     }
 }
 
-/* f_k and the lobe's pdf for every view towards wi; returns sum_k D_k pdf_k. */
+/* Henyey-Greenstein of every view towards wi, in one loop without branches (phase.h: lf_phase_between). */
+static void phases(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
+{
+    lf_worker *w = visit->worker;
+    const lf_rig *rig = visit->rig;
+    float g = visit->scene->volumes[pivot->event.volume].g, a = fabsf(g), my = visit->plane.my;
+    float sign = copysignf(1.0f, g), my2 = 1.0f + my * my, numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a);
+    lf_vec3 to = lf_v3(sign * lf_dot(wi, rig->right), sign * lf_dot(wi, rig->up), sign * lf_dot(wi, rig->forward));
+    for (int k = 0; k < lanes_of(rig); k++) {
+        float inverse = 1.0f / sqrtf(my2 + w->slope[k] * w->slope[k]);
+        float x = w->slope[k] * inverse - to.x, y = my * inverse - to.y, z = inverse - to.z;
+        float d = lf_max((1.0f - a) * (1.0f - a) + a * (x * x + y * y + z * z), 1e-12f);
+        w->lobe[k] = numerator / (d * sqrtf(d));
+    }
+}
+
+/* The lobe's pdf for every view towards wi and, for surfaces, f_k; returns sum_k D_k pdf_k. */
 static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
 {
     lf_worker *w = visit->worker;
     const lf_rig *rig = visit->rig;
+    bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
     float sum = 0.0f;
+    if (medium)
+        phases(visit, pivot, wi);
     for (int k = 0; k < rig->n_views; k++) {
-        if (!(w->density[k] > 0.0f))
-            continue;
-        lf_vec3 to = lf_rig_direction(rig, -w->slope[k], -visit->plane.my, -1.0f);
-        w->lobe[k] = lf_scatter_eval(visit->scene, &pivot->event, lf_normalize(to), wi, &w->f[k]);
+        if (!medium && w->density[k] > 0.0f) {
+            lf_vec3 to = lf_rig_direction(rig, -w->slope[k], -visit->plane.my, -1.0f);
+            w->lobe[k] = lf_scatter_eval(visit->scene, &pivot->event, lf_normalize(to), wi, &w->f[k]);
+        } else if (!medium) {
+            w->lobe[k] = 0.0f;
+        }
         sum += w->density[k] * w->lobe[k];
     }
     return sum;
 }
 
-/* Adds density_k f_k times one radiance to every view. */
-static void add_lobes(lf_visit *visit, lf_vec3 radiance)
+/* Adds density_k f_k times one radiance to every view; f is albedo times lobe for media. */
+static void add_lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 radiance)
 {
     lf_worker *w = visit->worker;
+    bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
     if (!isfinite(radiance.x + radiance.y + radiance.z)) {
         w->tracer.nonfinite++;
         return;
     }
+    if (medium)
+        radiance = lf_mul(radiance, visit->scene->volumes[pivot->event.volume].albedo);
     for (int k = 0; k < visit->rig->n_views; k++) {
         size_t pixel;
         if (!(w->density[k] > 0.0f))
             continue;
         lf_film_scattered *out = target(visit, k, &pixel);
-        out->n[0] += w->density[k] * w->f[k].x * radiance.x;
-        out->n[1] += w->density[k] * w->f[k].y * radiance.y;
-        out->n[2] += w->density[k] * w->f[k].z * radiance.z;
+        lf_vec3 y = medium ? lf_scale(radiance, w->density[k] * w->lobe[k]) : lf_scale(lf_mul(radiance, w->f[k]), w->density[k]);
+        out->n[0] += y.x;
+        out->n[1] += y.y;
+        out->n[2] += y.z;
     }
 }
 
@@ -215,7 +240,7 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, const lf_suffix
         const lf_light_sample *light = &suffix->light;
         float over = lobes(visit, pivot, light->wi);
         float denominator = light->delta ? light->pdf * sum : light->pdf * sum + (no_light_pdf ? 0.0f : over);
-        add_lobes(visit, lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
+        add_lobes(visit, pivot, lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
     }
     if (!suffix->has_direction)
         return;
@@ -224,7 +249,7 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, const lf_suffix
         return;
     float with_light = over + (no_light_pdf ? 0.0f : suffix->found_pdf * sum);
     lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->boost / over), pivot->boost / with_light, suffix->found);
-    add_lobes(visit, radiance);
+    add_lobes(visit, pivot, radiance);
     if (!visit->half.w2 || !medium)
         return;
     for (int k = 0; k < visit->rig->n_views; k++) {

@@ -86,7 +86,7 @@ static bool mirrored(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_ve
     if (!lf_surfaces[m->type].delta)
         return false;
     lf_vec3 r = lf_surfaces[m->type].delta(m, event->hit.ns, wo);
-    float probability = lf_material_has_lobe(m) ? fminf(lf_mean3(r), 0.95f) : 1.0f;
+    float probability = lf_material_has_lobe(m) ? lf_min(lf_mean3(r), 0.95f) : 1.0f;
     if (!(lf_max3(r) > 0.0f))
         return false;
     if (lf_rng(tracer) >= probability) {

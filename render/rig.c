@@ -112,7 +112,7 @@ void lf_rig_row_plane(const lf_rig *rig, float v, const float u_lens[2], lf_row_
         /* The height of a uniform point of the disk; lx given ly is then uniform on the chord. */
         float y = sqrtf(u_lens[0]) * sinf(2.0f * LF_PI * u_lens[1]);
         out->ly = rig->lens_radius * y;
-        out->lens_chord = rig->lens_radius * sqrtf(fmaxf(0.0f, 1.0f - y * y));
+        out->lens_chord = rig->lens_radius * sqrtf(lf_max(0.0f, 1.0f - y * y));
     }
     out->my = yw / rig->distance - out->ly / rig->focus;
 }

@@ -14,8 +14,8 @@ static void grow_bounds(const lf_volume *volume, const lf_rig *rig, float lo[2],
         lf_vec3 d = lf_sub(p, rig->eye);
         float c[2] = {lf_dot(d, rig->right), lf_dot(d, rig->forward)};
         for (int i = 0; i < 2; i++) {
-            lo[i] = fminf(lo[i], c[i]);
-            hi[i] = fmaxf(hi[i], c[i]);
+            lo[i] = lf_min(lo[i], c[i]);
+            hi[i] = lf_max(hi[i], c[i]);
         }
     }
 }
@@ -28,16 +28,16 @@ void lf_slice_frame_init(lf_slice_frame *frame, const lf_scene *scene, const lf_
         if (scene->volumes[i].sigma_max <= 0.0f)
             continue;
         grow_bounds(&scene->volumes[i], rig, lo, hi);
-        voxel = fminf(voxel, scene->volumes[i].voxel);
+        voxel = lf_min(voxel, scene->volumes[i].voxel);
     }
-    lo[1] = fmaxf(lo[1], 0.0f);
+    lo[1] = lf_max(lo[1], 0.0f);
     frame->empty = !(hi[0] > lo[0] && hi[1] > lo[1]);
     if (frame->empty)
         return;
     /* Two samples more on either side than the cap allows for would be needed only for the zero border. */
     float side = (float)(LF_SLICE_MAX_SIDE - 4);
-    frame->dx = fmaxf(voxel, (hi[0] - lo[0]) / side);
-    frame->dz = fmaxf(voxel, (hi[1] - lo[1]) / side);
+    frame->dx = lf_max(voxel, (hi[0] - lo[0]) / side);
+    frame->dz = lf_max(voxel, (hi[1] - lo[1]) / side);
     frame->nx = (int)ceilf((hi[0] - lo[0]) / frame->dx) + 3;
     frame->nz = (int)ceilf((hi[1] - lo[1]) / frame->dz) + 1;
     frame->x_min = 0.5f * (lo[0] + hi[0]) - 0.5f * (float)(frame->nx - 1) * frame->dx;
@@ -71,8 +71,8 @@ static void clip(float a, float d, float min, float max, float *lo, float *hi)
         return;
     }
     float t0 = (min - a) / d, t1 = (max - a) / d;
-    *lo = fmaxf(*lo, fminf(t0, t1));
-    *hi = fminf(*hi, fmaxf(t0, t1));
+    *lo = lf_max(*lo, lf_min(t0, t1));
+    *hi = lf_min(*hi, lf_max(t0, t1));
 }
 
 static lf_vec3 apply(const float m[3][4], lf_vec3 p)
@@ -88,8 +88,8 @@ static void clip_ball(lf_vec3 start, lf_vec3 step, float *lo, float *hi)
     lf_vec3 nearest = lf_madd(start, middle, step);
     float h2 = (1.0f - lf_dot(nearest, nearest)) / a;
     float h = h2 > 0.0f ? sqrtf(h2) : -1.0f;
-    *lo = fmaxf(*lo, middle - h);
-    *hi = fminf(*hi, middle + h);
+    *lo = lf_max(*lo, middle - h);
+    *hi = lf_min(*hi, middle + h);
 }
 
 static void clip_box(lf_vec3 start, lf_vec3 step, lf_vec3 min, lf_vec3 max, float *lo, float *hi)
@@ -112,8 +112,8 @@ static void add_shape(const lf_volume *volume, lf_vec3 start, lf_vec3 step, int 
         return;
     int last = (int)floorf(hi + 0.5f);
     for (int i = (int)floorf(lo + 0.5f); i <= last && i < nx; i++) {
-        float share = fminf(hi, (float)i + 0.5f) - fmaxf(lo, (float)i - 0.5f);
-        sigma[i] += volume->sigma_scale * fmaxf(share, 0.0f);
+        float share = lf_min(hi, (float)i + 0.5f) - lf_max(lo, (float)i - 0.5f);
+        sigma[i] += volume->sigma_scale * lf_max(share, 0.0f);
     }
 }
 
@@ -193,12 +193,12 @@ float lf_slice_march(const lf_slice *slice, float x0, float slope, float z_end, 
         float x = x0 + slope * (lo + 0.5f * slice->dz);
         if (x <= slice->slabs[s].x_lo || x >= slice->slabs[s].x_hi)
             continue;
-        float from = fmaxf(lo, 0.0f);
-        float step = fminf(z_end, lo + slice->dz) - from;
+        float from = lf_max(lo, 0.0f);
+        float step = lf_min(z_end, lo + slice->dz) - from;
         float sigma = lf_slice_at(slice, s, x);
         float next = tau + sigma * step;
         if (next > stop) {
-            *out_z = fminf(from + (stop - tau) / sigma, from + step);
+            *out_z = lf_min(from + (stop - tau) / sigma, from + step);
             return stop;
         }
         tau = next;

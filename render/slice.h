@@ -58,7 +58,7 @@ static inline int lf_slice_slab(const lf_slice *slice, float z)
 static inline float lf_slice_at(const lf_slice *slice, int s, float x)
 {
     float g = (x - slice->x_min) * slice->inv_dx;
-    g = fminf(fmaxf(g, 0.0f), (float)(slice->nx - 1));
+    g = lf_min(lf_max(g, 0.0f), (float)(slice->nx - 1));
     int i = (int)g;
     const float *row = slice->sigma + (size_t)s * (size_t)(slice->nx + 1) + i;
     return row[0] + (g - (float)i) * (row[1] - row[0]);

@@ -80,7 +80,7 @@ bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
 
 lf_vec3 lf_offset(lf_vec3 p, lf_vec3 ng, lf_vec3 w)
 {
-    float size = fmaxf(fmaxf(fabsf(p.x), fabsf(p.y)), fabsf(p.z));
+    float size = lf_max(lf_max(fabsf(p.x), fabsf(p.y)), fabsf(p.z));
     float eps = 4e-6f * size + 1e-30f;
     return lf_madd(p, lf_dot(ng, w) >= 0.0f ? eps : -eps, ng);
 }
@@ -99,8 +99,8 @@ static bool clip_axis(lf_local_ray *r, int axis, float min, float max)
         return r->o[axis] > min && r->o[axis] < max;
     float inverse = 1.0f / r->d[axis];
     float a = (min - r->o[axis]) * inverse, b = (max - r->o[axis]) * inverse;
-    r->t0 = fmaxf(r->t0, fminf(a, b));
-    r->t1 = fminf(r->t1, fmaxf(a, b));
+    r->t0 = lf_max(r->t0, lf_min(a, b));
+    r->t1 = lf_min(r->t1, lf_max(a, b));
     return r->t1 > r->t0;
 }
 
@@ -124,8 +124,8 @@ static bool clip_ball(lf_local_ray *r)
     if (!(h2 > 0.0f))
         return false;
     float h = sqrtf(h2);
-    r->t0 = fmaxf(r->t0, middle - h);
-    r->t1 = fminf(r->t1, middle + h);
+    r->t0 = lf_max(r->t0, middle - h);
+    r->t1 = lf_min(r->t1, middle + h);
     return r->t1 > r->t0;
 }
 
@@ -158,7 +158,7 @@ static void enter(lf_walk *k)
     size_t i = ((size_t)k->b[2] * (size_t)g->bricks[1] + (size_t)k->b[1]) * (size_t)g->bricks[0] + (size_t)k->b[0];
     k->values = g->values + (size_t)g->index[i] * LF_BRICK_STRIDE;
     k->max = g->brick_max[i];
-    k->t1 = fmaxf(k->t0, fminf(k->end, fminf(k->next[0], fminf(k->next[1], k->next[2]))));
+    k->t1 = lf_max(k->t0, lf_min(k->end, lf_min(k->next[0], lf_min(k->next[1], k->next[2]))));
 }
 
 static void walk_begin(lf_walk *k, const lf_grid *grid, const lf_local_ray *r)
@@ -200,7 +200,7 @@ static bool walk_next(lf_walk *k)
 static inline float inside(const lf_walk *k, const lf_local_ray *r, float t, int axis)
 {
     float x = r->o[axis] + t * r->d[axis] + 1.0f - (float)(k->b[axis] * LF_BRICK);
-    return fminf(fmaxf(x, 0.0f), (float)LF_BRICK);
+    return lf_min(lf_max(x, 0.0f), (float)LF_BRICK);
 }
 
 static inline float lerp(float a, float b, float f)
@@ -214,7 +214,7 @@ static float look_up(const lf_walk *k, const lf_local_ray *r, float t, bool near
     const int dy = LF_BRICK_VALUES, dz = LF_BRICK_VALUES * LF_BRICK_VALUES;
     if (nearest)
         return k->values[(int)(z + 0.5f) * dz + (int)(y + 0.5f) * dy + (int)(x + 0.5f)];
-    int i = (int)fminf(x, LF_BRICK - 1), j = (int)fminf(y, LF_BRICK - 1), l = (int)fminf(z, LF_BRICK - 1);
+    int i = (int)lf_min(x, LF_BRICK - 1), j = (int)lf_min(y, LF_BRICK - 1), l = (int)lf_min(z, LF_BRICK - 1);
     float fx = x - (float)i, fy = y - (float)j, fz = z - (float)l;
     const float *v = k->values + l * dz + j * dy + i;
     float a = lerp(lerp(v[0], v[1], fx), lerp(v[dy], v[dy + 1], fx), fy);
@@ -247,7 +247,7 @@ float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, i
     for (int i = 0; i < scene->n_volumes; i++) {
         const lf_volume *volume = &scene->volumes[i];
         lf_local_ray r;
-        to_local(volume, o, w, fminf(t_max, nearest), &r);
+        to_local(volume, o, w, lf_min(t_max, nearest), &r);
         if (!(volume->sigma_max > 0.0f) || !clip_volume(volume, &r))
             continue;
         float t;
@@ -275,7 +275,7 @@ static float transmit_grid(lf_tracer *tracer, const lf_volume *volume, const lf_
             float mean = 1.0f / majorant, inverse = 1.0f / k.max;
             for (float t = k.t0 + mean * lf_rng_exponential(tracer); t < k.t1; t += mean * lf_rng_exponential(tracer)) {
                 tracer->lookups++;
-                transmittance *= fmaxf(0.0f, 1.0f - look_up(&k, r, t, volume->nearest) * inverse);
+                transmittance *= lf_max(0.0f, 1.0f - look_up(&k, r, t, volume->nearest) * inverse);
                 if (transmittance < 0.1f) {
                     if (lf_rng(tracer) >= 0.5f)
                         return 0.0f;

@@ -8,6 +8,10 @@
 #define LF_INV_PI 0.31830988618379067154f
 #define LF_INV_4PI 0.07957747154594766788f
 
+/* One instruction each (fminf and fmaxf are calls, for the sake of NaN): b where either is NaN. */
+static inline float lf_min(float a, float b) { return a < b ? a : b; }
+static inline float lf_max(float a, float b) { return a > b ? a : b; }
+
 typedef struct lf_vec3 {
     float x, y, z;
 } lf_vec3;
@@ -26,7 +30,7 @@ static inline lf_vec3 lf_cross(lf_vec3 a, lf_vec3 b)
 }
 static inline float lf_length(lf_vec3 a) { return sqrtf(lf_dot(a, a)); }
 static inline lf_vec3 lf_normalize(lf_vec3 a) { return lf_scale(a, 1.0f / lf_length(a)); }
-static inline float lf_max3(lf_vec3 a) { return fmaxf(a.x, fmaxf(a.y, a.z)); }
+static inline float lf_max3(lf_vec3 a) { return lf_max(a.x, lf_max(a.y, a.z)); }
 static inline float lf_mean3(lf_vec3 a) { return (a.x + a.y + a.z) * (1.0f / 3.0f); }
 
 /* Two unit vectors that make a right-handed orthonormal frame (t, b, n) with the unit vector n (Duff et al. 2017, JCGT 6(1)). */

@@ -135,7 +135,7 @@ static float collide(const lf_visit_plan *plan, const lf_visit *visit, const lf_
             return INFINITY;
         *out_boost = q;
         stop = -log1pf(-u * q) / ray->length;
-        stop = fminf(stop, tau / ray->length * (1.0f - 1e-6f));
+        stop = lf_min(stop, tau / ray->length * (1.0f - 1e-6f));
     }
     float reached = lf_slice_march(slice, ray->c, ray->slope, ray->z_surface, stop, &z);
     return reached >= stop && z < ray->z_surface ? z : INFINITY;
@@ -149,7 +149,7 @@ static void add_native(lf_visit *visit, int view, int column, const lf_event *ev
         return;
     lf_tracer *tracer = &visit->worker->tracer;
     lf_vec3 wo = lf_scale(event->w, -1.0f), r = lf_surfaces[m->type].delta(m, event->hit.ns, wo);
-    float probability = fminf(1.0f, 4.0f * lf_max3(r));
+    float probability = lf_min(1.0f, 4.0f * lf_max3(r));
     if (!(probability > 0.0f) || lf_rng(tracer) >= probability)
         return;
     lf_vec3 wi = lf_madd(event->w, 2.0f * lf_dot(wo, event->hit.ns), event->hit.ns);
