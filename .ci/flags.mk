@@ -28,8 +28,9 @@ ifeq ($(BUILD),release)
 opt_render := -O3
 endif
 
-lf_common = $(variant_$(BUILD)) -fvisibility=hidden $(lf_float) $(lf_warnings) -pthread -I$(SRCDIR) -I$(O)
-lf_cflags = -std=c11 -D_GNU_SOURCE $(lf_common) $(lf_cwarnings) $(dep_cflags)
+lf_common = $(variant_$(BUILD)) $(lf_float) $(lf_warnings) -pthread -I$(SRCDIR) -I$(O)
+lf_cflags = -std=c11 -D_GNU_SOURCE -fvisibility=hidden $(lf_common) $(lf_cwarnings) $(dep_cflags)
+# not hidden: the statics of OpenVDB's templates must be the library's own, a hidden copy is never initialised
 lf_cxxflags = -std=c++17 -D_GNU_SOURCE $(lf_common) $(dep_cflags)
 lf_ldflags = $(filter -fsanitize%,$(variant_$(BUILD))) -pthread -Wl,--as-needed -Wl,-z,relro,-z,now
 

@@ -1,7 +1,5 @@
 # C everywhere but where OpenVDB needs C++
 render_srcs := $(call without_isa,$(call wild,render/*.c)) $(call wild,render/*.cc)
-# statics of OpenVDB's templates must be the library's own: hidden copies are never initialised, and it crashes
-isa_vdb_import := -fvisibility=default
 
 # the scene schema is compiled in: the parser checks against the very file that the documentation shows
 generated += gen/scene_schema.h
