@@ -1,0 +1,319 @@
+#include <signal.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "daemon/engine_internal.h"
+
+static void notify(lf_engine *engine)
+{
+    uint64_t one = 1;
+    (void)!write(engine->event_fd, &one, sizeof one);
+}
+
+/* ----------------------------------------------------------------------------------------------------- the thread -- */
+
+typedef enum todo { TODO_STOP, TODO_REQUEST, TODO_CHANGES, TODO_RENDER, TODO_SETTLE } todo;
+
+static todo next_todo(const lf_engine *engine)
+{
+    if (engine->stop) {
+        return TODO_STOP;
+    }
+    if (engine->first != NULL) {
+        return TODO_REQUEST;
+    }
+    if (engine->controls_changed || engine->panel_changed) {
+        return TODO_CHANGES;
+    }
+    return engine_has_work(engine) ? TODO_RENDER : TODO_SETTLE;
+}
+
+/* Sleeps while there is nothing to do. What changed is copied out under the lock. */
+static todo wait_for_work(lf_engine *engine, engine_request **out_request, lf_engine_controls *controls, engine_panel *panel)
+{
+    pthread_mutex_lock(&engine->lock);
+    todo what = next_todo(engine);
+    while (what == TODO_SETTLE && !engine->owed) {
+        pthread_cond_wait(&engine->wake, &engine->lock);
+        what = next_todo(engine);
+    }
+    if (what == TODO_REQUEST) {
+        *out_request = engine->first;
+        engine->first = engine->first->next;
+        atomic_store_explicit(&engine->cancel, 0, memory_order_relaxed);
+    } else if (what == TODO_CHANGES) {
+        *controls = engine->controls;
+        *panel = engine->panel;
+        engine->controls_changed = engine->panel_changed = false;
+    }
+    pthread_mutex_unlock(&engine->lock);
+    return what;
+}
+
+static void answer(lf_engine *engine, engine_request *request, lf_status status)
+{
+    pthread_mutex_lock(&engine->lock);
+    request->status = status;
+    request->done = true;
+    pthread_cond_broadcast(&engine->answered);
+    pthread_mutex_unlock(&engine->lock);
+}
+
+static void end(lf_engine *engine)
+{
+    if (!engine->spoiled) {
+        engine_settle(engine);
+    }
+    engine_publish(engine);
+    pthread_mutex_lock(&engine->lock);
+    engine->ended = true;
+    for (engine_request *r = engine->first; r != NULL; r = r->next) {
+        r->status = lf_error_set(r->err, LF_E_CANCELLED, "", "the daemon is shutting down");
+        r->done = true;
+    }
+    engine->first = NULL;
+    pthread_cond_broadcast(&engine->answered);
+    pthread_mutex_unlock(&engine->lock);
+    notify(engine);
+}
+
+static void *engine_main(void *context)
+{
+    lf_engine *engine = context;
+    pthread_setname_np(pthread_self(), "lf-engine");
+    for (;;) {
+        engine_request *request = NULL;
+        lf_engine_controls controls;
+        engine_panel panel;
+        switch (wait_for_work(engine, &request, &controls, &panel)) {
+        case TODO_STOP:
+            end(engine);
+            return NULL;
+        case TODO_REQUEST:
+            answer(engine, request, request->run(engine, request));
+            break;
+        case TODO_CHANGES:
+            engine_take_controls(engine, &controls);
+            engine_take_panel(engine, &panel);
+            break;
+        case TODO_RENDER:
+            engine_slice(engine);
+            break;
+        case TODO_SETTLE:
+            engine_settle(engine);
+            break;
+        }
+        engine_publish(engine);
+    }
+}
+
+void engine_publish(lf_engine *engine)
+{
+    lf_engine_status now = {
+        .generation = engine->generation,
+        .level = engine->level,
+        .passes = engine->passes,
+        .seconds = engine->seconds,
+        .cpu_seconds = engine->cpu_seconds,
+        .spp = engine->renderer != NULL ? engine->passes / engine->stage->layout.n_views : -1,
+        .error_estimate = engine->stats.rel_mse_estimate,
+        .missing = engine->renderer != NULL ? lf_picture_missing(&engine->picture) : 0,
+        .threads = lf_pool_threads(engine->pool),
+        .frames = engine->n_frames,
+    };
+    if (engine->renderer == NULL) {
+        now.state = LF_STATE_IDLE;
+    } else if (engine->converged) {
+        now.state = LF_STATE_CONVERGED;
+    } else {
+        now.state = engine->now_controls.paused ? LF_STATE_PAUSED : LF_STATE_RENDERING;
+    }
+    pthread_mutex_lock(&engine->lock);
+    bool changed = now.state != engine->status.state || now.generation != engine->status.generation ||
+                   now.level != engine->status.level || now.frames != engine->status.frames;
+    engine->status = now;
+    pthread_mutex_unlock(&engine->lock);
+    if (changed) {
+        notify(engine);
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------- for the others -- */
+
+static lf_status start_thread(lf_engine *engine)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);
+    engine->started = pthread_create(&engine->thread, NULL, engine_main, engine) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return engine->started ? LF_OK : LF_E_NOMEM;
+}
+
+lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_engine **out_engine, lf_error *err)
+{
+    lf_engine *engine = lf_calloc(1, sizeof *engine);
+    if (engine == NULL) {
+        return lf_error_set(err, LF_E_NOMEM, "engine", "out of memory");
+    }
+    engine->event_fd = event_fd;
+    engine->controls = engine->now_controls = *controls;
+    engine->stats = (lf_render_stats){.rel_mse_estimate = -1};
+    pthread_mutex_init(&engine->lock, NULL);
+    pthread_cond_init(&engine->wake, NULL);
+    pthread_cond_init(&engine->answered, NULL);
+    lf_status status = lf_mailbox_init(&engine->mailbox, event_fd);
+    if (status == LF_OK) {
+        status = lf_pool_create(controls->threads, &engine->pool);
+    }
+    if (status == LF_OK) {
+        status = start_thread(engine);
+    }
+    if (status != LF_OK) {
+        lf_engine_destroy(engine);
+        return lf_error_set(err, status, "engine", "cannot start its threads");
+    }
+    *out_engine = engine;
+    return LF_OK;
+}
+
+void lf_engine_stop(lf_engine *engine, bool cancel)
+{
+    pthread_mutex_lock(&engine->lock);
+    engine->stop = true;
+    if (cancel) {
+        atomic_store_explicit(&engine->cancel, 1, memory_order_relaxed);
+    }
+    pthread_cond_broadcast(&engine->wake);
+    pthread_mutex_unlock(&engine->lock);
+}
+
+bool lf_engine_stopped(lf_engine *engine)
+{
+    pthread_mutex_lock(&engine->lock);
+    bool ended = engine->ended;
+    pthread_mutex_unlock(&engine->lock);
+    return ended;
+}
+
+void lf_engine_destroy(lf_engine *engine)
+{
+    if (engine == NULL) {
+        return;
+    }
+    if (engine->started) {
+        lf_engine_stop(engine, true);
+        pthread_join(engine->thread, NULL);
+    }
+    lf_interlacer_destroy(engine->interlacer);
+    lf_renderer_destroy(engine->renderer);
+    lf_picture_finish(&engine->picture);
+    lf_stage_unref(engine->stage);
+    lf_pool_destroy(engine->pool);
+    lf_mailbox_finish(&engine->mailbox);
+    pthread_cond_destroy(&engine->answered);
+    pthread_cond_destroy(&engine->wake);
+    pthread_mutex_destroy(&engine->lock);
+    lf_free(engine);
+}
+
+/* Waits until the thread has run it. A commit goes before everything else: it makes what they wait for obsolete, and the
+ * pass that it cancels is of no use to them. */
+static lf_status call(lf_engine *engine, engine_request *request, bool urgent)
+{
+    pthread_mutex_lock(&engine->lock);
+    if (engine->stop) {
+        pthread_mutex_unlock(&engine->lock);
+        return lf_error_set(request->err, LF_E_CANCELLED, "", "the daemon is shutting down");
+    }
+    engine_request **at = &engine->first;
+    while (*at != NULL && !urgent) {
+        at = &(*at)->next;
+    }
+    request->next = *at;
+    *at = request;
+    if (urgent) {
+        atomic_store_explicit(&engine->cancel, 1, memory_order_relaxed);
+    }
+    pthread_cond_broadcast(&engine->wake);
+    while (!request->done) {
+        pthread_cond_wait(&engine->answered, &engine->lock);
+    }
+    pthread_mutex_unlock(&engine->lock);
+    return request->status;
+}
+
+lf_status lf_engine_commit(lf_engine *engine, lf_stage *stage, int restore_fd, int64_t *out_generation, bool *out_restored,
+                           lf_error *err)
+{
+    engine_request request = {.run = engine_run_commit, .err = err, .stage = stage, .restore_fd = restore_fd};
+    lf_status status = call(engine, &request, true);
+    if (status == LF_OK) {
+        *out_generation = request.generation;
+        if (out_restored != NULL) {
+            *out_restored = request.restored;
+        }
+    }
+    return status;
+}
+
+lf_status lf_engine_snapshot(lf_engine *engine, lf_snapshot *out, lf_error *err)
+{
+    engine_request request = {.run = engine_run_snapshot, .err = err, .snapshot = out};
+    *out = (lf_snapshot){0};
+    return call(engine, &request, false);
+}
+
+lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, lf_error *err)
+{
+    engine_request request = {.run = engine_run_save, .err = err, .file = file};
+    return lf_engine_stopped(engine) ? engine_run_save(engine, &request) : call(engine, &request, false);
+}
+
+void lf_snapshot_finish(lf_snapshot *snapshot)
+{
+    lf_stage_unref(snapshot->stage);
+    lf_free(snapshot->film);
+    *snapshot = (lf_snapshot){0};
+}
+
+void lf_engine_set_controls(lf_engine *engine, const lf_engine_controls *controls)
+{
+    pthread_mutex_lock(&engine->lock);
+    engine->controls = *controls;
+    engine->controls_changed = true;
+    pthread_cond_broadcast(&engine->wake);
+    pthread_mutex_unlock(&engine->lock);
+}
+
+lf_engine_controls lf_engine_get_controls(lf_engine *engine)
+{
+    pthread_mutex_lock(&engine->lock);
+    lf_engine_controls controls = engine->controls;
+    pthread_mutex_unlock(&engine->lock);
+    return controls;
+}
+
+void lf_engine_set_panel(lf_engine *engine, const lf_calibration *calibration, uint64_t panel, bool views)
+{
+    pthread_mutex_lock(&engine->lock);
+    engine->panel = (engine_panel){.present = calibration != NULL, .views = views, .number = panel};
+    if (calibration != NULL) {
+        engine->panel.calibration = *calibration;
+    }
+    engine->panel_changed = true;
+    pthread_cond_broadcast(&engine->wake);
+    pthread_mutex_unlock(&engine->lock);
+}
+
+void lf_engine_get_status(lf_engine *engine, lf_engine_status *out)
+{
+    pthread_mutex_lock(&engine->lock);
+    *out = engine->status;
+    pthread_mutex_unlock(&engine->lock);
+}
+
+lf_mailbox *lf_engine_mailbox(lf_engine *engine)
+{
+    return &engine->mailbox;
+}

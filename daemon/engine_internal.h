@@ -1,0 +1,89 @@
+/* The inside of the engine, shared by engine.c (thread, requests, what others see) and engine_render.c (what the thread
+ * does between two looks at its requests). */
+#ifndef LF_DAEMON_ENGINE_INTERNAL_H
+#define LF_DAEMON_ENGINE_INTERNAL_H
+
+#include <pthread.h>
+
+#include "daemon/engine.h"
+#include "daemon/picture.h"
+#include "daemon/schedule.h"
+
+/* A call that waits for the engine's thread; lives on the caller's stack. */
+typedef struct engine_request {
+    lf_status (*run)(lf_engine *engine, struct engine_request *request);
+    struct engine_request *next;
+    bool done;
+    lf_status status;
+    lf_error *err;
+    /* of a commit */
+    lf_stage *stage;
+    int restore_fd;
+    int64_t generation;
+    bool restored;
+    /* of the others */
+    lf_snapshot *snapshot;
+    lf_outfile *file;
+} engine_request;
+
+typedef struct engine_panel {
+    bool present, views;
+    uint64_t number;
+    lf_calibration calibration;
+} engine_panel;
+
+struct lf_engine {
+    pthread_t thread;
+    bool started;
+    int event_fd;
+    lf_cancel cancel;
+    lf_mailbox mailbox;
+
+    pthread_mutex_t lock;
+    pthread_cond_t wake, answered;
+    /* under lock */
+    engine_request *first;
+    bool stop, ended;
+    bool controls_changed, panel_changed;
+    lf_engine_controls controls;
+    engine_panel panel;
+    lf_engine_status status;
+
+    /* the thread's own (and everybody's once it has ended) */
+    lf_engine_controls now_controls;
+    engine_panel now_panel;
+    lf_pool *pool;
+    lf_renderer *renderer;
+    lf_stage *stage;
+    lf_picture picture;
+    lf_schedule schedule;
+    lf_interlacer *interlacer;
+    int64_t generation;
+    lf_level level;
+    bool spoiled;   /* a cancelled pass left rows unfinished */
+    bool converged;
+    bool owed;      /* the picture changed since the last frame */
+    double passes;  /* mean over rows */
+    double seconds, cpu_seconds;
+    uint64_t n_frames;
+    lf_render_stats stats;
+    double stats_at, stats_cost, views_at;
+};
+
+/* True when there is something to render. */
+bool engine_has_work(const lf_engine *engine);
+/* One slice and its frame. */
+void engine_slice(lf_engine *engine);
+/* Posts the frame that is owed, when there is one, and brings the counters up to date. */
+void engine_settle(lf_engine *engine);
+/* Takes over controls or a panel that changed. */
+void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls);
+void engine_take_panel(lf_engine *engine, const engine_panel *panel);
+/* What the requests run. */
+lf_status engine_run_commit(lf_engine *engine, engine_request *request);
+lf_status engine_run_snapshot(lf_engine *engine, engine_request *request);
+lf_status engine_run_save(lf_engine *engine, engine_request *request);
+/* Makes the thread's state visible to lf_engine_get_status. */
+void engine_publish(lf_engine *engine);
+
+#endif

@@ -1,0 +1,371 @@
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "daemon/engine_internal.h"
+
+/* How long a slice may take: short until the picture is complete, then longer, since every frame costs as much. */
+#define SLICE_SECONDS 0.12
+#define SLICE_SECONDS_COMPLETE 0.25
+#define SLICE_SECONDS_LATE 0.5
+#define LATE_SECONDS 10.0
+/* Views are copied for devices that show them at most this often. */
+#define VIEWS_SECONDS 0.45
+/* The error estimate reads the whole film: it gets at most a twentieth of the time. */
+#define STATS_SHARE 0.05
+#define MAX_SPP 65536
+
+bool engine_has_work(const lf_engine *engine)
+{
+    return engine->renderer != NULL && !engine->now_controls.paused && !engine->converged;
+}
+
+static double slice_seconds(const lf_engine *engine)
+{
+    if (engine->level < LF_LEVEL_COMPLETE) {
+        return SLICE_SECONDS;
+    }
+    return engine->seconds < LATE_SECONDS ? SLICE_SECONDS_COMPLETE : SLICE_SECONDS_LATE;
+}
+
+static void update_stats(lf_engine *engine, bool now)
+{
+    double start = lf_time_now();
+    if (engine->renderer == NULL || (!now && (start - engine->stats_at) * STATS_SHARE < engine->stats_cost)) {
+        return;
+    }
+    lf_renderer_stats(engine->renderer, &engine->stats);
+    engine->stats_at = lf_time_now();
+    engine->stats_cost = engine->stats_at - start;
+}
+
+static void check_converged(lf_engine *engine)
+{
+    const lf_render_stats *stats = &engine->stats;
+    bool reached = stats->rel_mse_estimate >= 0 && stats->rel_mse_estimate < engine->now_controls.target_error;
+    bool enough = engine->passes >= (double)MAX_SPP * engine->schedule.n_views;
+    if (engine->schedule.sweep >= 2 && engine->level >= LF_LEVEL_COARSE && (reached || enough)) {
+        engine->converged = true;
+        engine->owed = true;
+    }
+}
+
+/* --------------------------------------------------------------------------------------------------------- frames -- */
+
+static lf_views8 views_now(lf_engine *engine)
+{
+    if (engine->stage->scene == NULL && !engine->stage->quilt.is_float) {
+        engine->level = LF_LEVEL_CONVERGED;
+        return engine->stage->quilt.views8;
+    }
+    int64_t unfilled;
+    lf_views8 views = lf_picture_views(&engine->picture, engine->pool, &unfilled);
+    if (unfilled > 0) {
+        engine->level = LF_LEVEL_NONE;
+    } else if (views.data == engine->picture.filled) {
+        engine->level = engine->converged ? LF_LEVEL_CONVERGED : LF_LEVEL_COARSE;
+    } else {
+        bool final = engine->converged || engine->stage->scene == NULL;
+        engine->level = final ? LF_LEVEL_CONVERGED : LF_LEVEL_COMPLETE;
+    }
+    return views;
+}
+
+/* The interlacer for the stage and the panel there are now; NULL when there is nothing to interlace for. */
+static const lf_interlacer *interlacer_now(lf_engine *engine)
+{
+    if (engine->interlacer == NULL && engine->now_panel.present) {
+        const lf_layout *layout = &engine->stage->layout;
+        lf_error err;
+        lf_status status =
+            lf_interlacer_create(&engine->now_panel.calibration, layout->n_views, layout->view_width, layout->view_height,
+                                 layout->aspect, LF_FILTER_NEAREST, LF_INVERT_AUTO, &engine->interlacer, &err);
+        if (status != LF_OK) {
+            lf_log_error(&err);
+            engine->now_panel.present = false;
+        }
+    }
+    return engine->interlacer;
+}
+
+static void drop_interlacer(lf_engine *engine)
+{
+    lf_interlacer_destroy(engine->interlacer);
+    engine->interlacer = NULL;
+}
+
+static void post_frame(lf_engine *engine, bool final)
+{
+    engine->owed = false;
+    lf_views8 views = views_now(engine);
+    if (engine->level == LF_LEVEL_NONE) {
+        return;
+    }
+    const lf_interlacer *interlacer = interlacer_now(engine);
+    const lf_calibration *panel = &engine->now_panel.calibration;
+    lf_frame *frame = lf_mailbox_begin(&engine->mailbox, interlacer != NULL ? panel->screen_width_px : 0,
+                                       interlacer != NULL ? panel->screen_height_px : 0);
+    if (frame == NULL) {
+        lf_log(LF_LOG_ERROR, "out of memory for a panel frame");
+        return;
+    }
+    frame->generation = engine->generation;
+    frame->level = engine->level;
+    frame->passes = engine->passes;
+    frame->columns = engine->stage->layout.columns;
+    frame->rows = engine->stage->layout.rows;
+    frame->panel = engine->now_panel.number;
+    if (interlacer != NULL) {
+        lf_interlace(interlacer, &views, &frame->image, engine->pool);
+        lf_mailbox_compare(&engine->mailbox, frame);
+    }
+    double now = lf_time_now();
+    if (engine->now_panel.views && (final || now - engine->views_at > VIEWS_SECONDS)) {
+        lf_mailbox_attach(&engine->mailbox, frame, &views);
+        engine->views_at = now;
+    }
+    engine->n_frames++;
+    lf_mailbox_post(&engine->mailbox, frame);
+}
+
+/* A frame that nobody has taken yet and that says no less than the one there would be now: another one is not worth its
+ * interlacing. It stays owed. */
+static bool frame_can_wait(lf_engine *engine)
+{
+    lf_mailbox *mailbox = &engine->mailbox;
+    bool complete = lf_picture_missing(&engine->picture) == 0;
+    pthread_mutex_lock(&mailbox->lock);
+    const lf_frame *ready = mailbox->ready >= 0 ? &mailbox->slot[mailbox->ready] : NULL;
+    bool wait = ready != NULL && ready->generation == engine->generation && ready->panel == engine->now_panel.number &&
+                (ready->level >= LF_LEVEL_COMPLETE || !complete);
+    pthread_mutex_unlock(&mailbox->lock);
+    return wait;
+}
+
+void engine_slice(lf_engine *engine)
+{
+    lf_slice slice = lf_schedule_next(&engine->schedule, slice_seconds(engine));
+    double start = lf_time_now();
+    double cpu = lf_time_cpu();
+    lf_status status = LF_OK;
+    if (slice.n_rows > 0) {
+        status = lf_renderer_pass(engine->renderer, slice.first, slice.step, slice.subsets, lf_picture_row, &engine->picture,
+                                  &engine->cancel);
+    }
+    if (status != LF_OK) {
+        engine->spoiled = true;
+        return;
+    }
+    double seconds = lf_time_now() - start;
+    engine->seconds += seconds;
+    engine->cpu_seconds += lf_time_cpu() - cpu;
+    engine->passes += (double)slice.n_rows * slice.subsets / engine->schedule.height;
+    engine->owed = true;
+    bool swept = lf_schedule_done(&engine->schedule, &slice, seconds);
+    update_stats(engine, swept && engine->schedule.sweep <= 4);
+    check_converged(engine);
+    if (engine->converged || !frame_can_wait(engine)) {
+        post_frame(engine, engine->converged);
+    }
+}
+
+void engine_settle(lf_engine *engine)
+{
+    if (engine->stage == NULL) {
+        engine->owed = false;
+    }
+    if (engine->owed) {
+        update_stats(engine, true);
+        post_frame(engine, true);
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------------- changes -- */
+
+void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls)
+{
+    bool resolve = controls->estimator != engine->now_controls.estimator;
+    if (controls->target_error < engine->now_controls.target_error || resolve) {
+        engine->converged = false;
+    }
+    engine->owed = engine->owed || resolve || controls->paused != engine->now_controls.paused;
+    engine->now_controls = *controls;
+    engine->picture.estimator = controls->estimator;
+    if (resolve && engine->renderer != NULL) {
+        lf_picture_resolve(&engine->picture, engine->pool);
+    }
+    if (engine->renderer != NULL && !engine->converged) {
+        check_converged(engine);
+    }
+}
+
+void engine_take_panel(lf_engine *engine, const engine_panel *panel)
+{
+    if (panel->number != engine->now_panel.number) {
+        engine->now_panel = *panel;
+        engine->owed = true;
+        drop_interlacer(engine);
+    }
+}
+
+static lf_status restore(lf_engine *engine, engine_request *request)
+{
+    lf_error err;
+    lf_status status = lf_renderer_restore(engine->renderer, request->restore_fd, &err);
+    if (status != LF_OK) {
+        lf_log(LF_LOG_INFO, "the saved state is left aside: %s", err.what);
+        return status;
+    }
+    request->restored = true;
+    lf_picture_resolve(&engine->picture, engine->pool);
+    update_stats(engine, true);
+    engine->passes = engine->stats.passes;
+    engine->owed = true;
+    return LF_OK;
+}
+
+static lf_status change_threads(lf_engine *engine, lf_error *err)
+{
+    int wanted = engine->now_controls.threads != 0 ? engine->now_controls.threads : lf_cpu_count();
+    if (wanted == lf_pool_threads(engine->pool)) {
+        return LF_OK;
+    }
+    lf_pool *pool;
+    lf_status status = lf_pool_create(wanted, &pool);
+    if (status != LF_OK) {
+        return lf_error_set(err, status, "threads", "cannot start %d threads", wanted);
+    }
+    lf_renderer_destroy(engine->renderer);
+    engine->renderer = NULL;
+    lf_pool_destroy(engine->pool);
+    engine->pool = pool;
+    return LF_OK;
+}
+
+/* Film and picture for a stage. */
+static lf_status set_up(lf_engine *engine, lf_stage *stage, lf_error *err)
+{
+    lf_status status;
+    if (stage->scene == NULL) {
+        lf_renderer_destroy(engine->renderer);
+        engine->renderer = NULL;
+    } else if (engine->renderer != NULL) {
+        status = lf_renderer_restart(engine->renderer, stage->scene, &stage->settings, err);
+        if (status != LF_OK) {
+            return status;
+        }
+    } else {
+        status = lf_renderer_create(stage->scene, &stage->settings, engine->pool, &engine->renderer, err);
+        if (status != LF_OK) {
+            return status;
+        }
+    }
+    if (stage->scene == NULL && !stage->quilt.is_float) {
+        return LF_OK;
+    }
+    const lf_layout *layout = &stage->layout;
+    status = lf_picture_shape(&engine->picture, layout->n_views, layout->view_width, layout->view_height,
+                              lf_pool_threads(engine->pool), &stage->film, err);
+    if (status != LF_OK) {
+        return status;
+    }
+    engine->picture.renderer = engine->renderer;
+    engine->picture.estimator = engine->now_controls.estimator;
+    if (stage->scene == NULL) {
+        lf_picture_take(&engine->picture, &stage->quilt.views32);
+    }
+    return LF_OK;
+}
+
+static void start_over(lf_engine *engine)
+{
+    drop_interlacer(engine);
+    engine->spoiled = engine->converged = false;
+    engine->owed = engine->stage != NULL && engine->stage->scene == NULL;
+    engine->level = LF_LEVEL_NONE;
+    engine->passes = engine->seconds = engine->cpu_seconds = 0;
+    engine->stats = (lf_render_stats){.rel_mse_estimate = -1};
+    engine->stats_at = 0;
+}
+
+/* The old stage again, after a new one could not be set up. */
+static void recover(lf_engine *engine)
+{
+    if (engine->stage == NULL || set_up(engine, engine->stage, NULL) != LF_OK) {
+        lf_renderer_destroy(engine->renderer);
+        engine->renderer = NULL;
+        lf_stage_unref(engine->stage);
+        engine->stage = NULL;
+    }
+    start_over(engine);
+    if (engine->stage != NULL) {
+        lf_schedule_start(&engine->schedule, engine->stage->layout.view_height, engine->stage->layout.n_views, 0);
+    }
+}
+
+lf_status engine_run_commit(lf_engine *engine, engine_request *request)
+{
+    pthread_mutex_lock(&engine->lock);
+    engine->now_controls = engine->controls;
+    pthread_mutex_unlock(&engine->lock);
+    lf_stage *stage = request->stage;
+    lf_status status = change_threads(engine, request->err);
+    if (status == LF_OK) {
+        status = set_up(engine, stage, request->err);
+    }
+    if (status != LF_OK) {
+        recover(engine);
+        return status;
+    }
+    lf_stage *before = engine->stage;
+    engine->stage = lf_stage_ref(stage);
+    start_over(engine);
+    lf_stage_unref(before);
+    request->generation = ++engine->generation;
+    if (stage->scene != NULL && request->restore_fd >= 0) {
+        (void)restore(engine, request);
+    }
+    lf_schedule_start(&engine->schedule, stage->layout.view_height, stage->layout.n_views, engine->passes);
+    return LF_OK;
+}
+
+/* -------------------------------------------------------------------------------------------------------- exports -- */
+
+lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
+{
+    lf_stage *stage = engine->stage;
+    lf_snapshot *out = request->snapshot;
+    if (stage == NULL || engine->spoiled) {
+        return lf_error_set(request->err, LF_E_STATE, "", "there is no picture to export");
+    }
+    if (stage->scene != NULL) {
+        const lf_layout *layout = &stage->layout;
+        size_t pixels = (size_t)layout->n_views * (size_t)layout->view_width * (size_t)layout->view_height;
+        out->film = lf_calloc(pixels, 3 * sizeof *out->film);
+        if (out->film == NULL) {
+            return lf_error_set(request->err, LF_E_NOMEM, "", "out of memory for the views");
+        }
+        lf_status status = lf_renderer_resolve(engine->renderer, engine->now_controls.estimator, out->film, NULL);
+        if (status != LF_OK) {
+            lf_snapshot_finish(out);
+            return lf_error_set(request->err, status, "", "nothing has been rendered yet");
+        }
+        out->source = lf_output_from_film(&stage->settings, out->film);
+        update_stats(engine, true);
+    } else {
+        out->source = lf_output_from_quilt(&stage->quilt);
+    }
+    out->stage = lf_stage_ref(stage);
+    out->estimator = engine->now_controls.estimator;
+    out->stats = engine->stats;
+    out->generation = engine->generation;
+    return LF_OK;
+}
+
+lf_status engine_run_save(lf_engine *engine, engine_request *request)
+{
+    if (engine->renderer == NULL || engine->spoiled) {
+        return lf_error_set(request->err, LF_E_STATE, "", "there is no accumulation to save");
+    }
+    return lf_renderer_save(engine->renderer, request->file, request->err);
+}

@@ -1,0 +1,304 @@
+#include "daemon/loader.h"
+
+#include <math.h>
+#include <signal.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+
+struct lf_loader {
+    pthread_t thread;
+    bool started;
+    lf_engine *engine;
+    const lf_roots *roots;
+    lf_inbox *inbox;
+    lf_stage *stage; /* the thread's own: what was committed last */
+    pthread_mutex_t lock;
+    pthread_cond_t wake;
+    /* under lock */
+    lf_letter *first;
+    int pending;
+    bool stop;
+};
+
+lf_load *lf_load_create(lf_load_kind kind)
+{
+    lf_load *load = lf_calloc(1, sizeof *load);
+    if (load != NULL) {
+        load->kind = kind;
+        load->zoom = 1;
+        load->restore_fd = -1;
+    }
+    return load;
+}
+
+void lf_load_destroy(lf_load *load)
+{
+    lf_free(load->file);
+    json_decref(load->patch);
+    lf_stage_unref(load->stage);
+    if (load->restore_fd >= 0) {
+        close(load->restore_fd);
+    }
+    lf_free(load);
+}
+
+/* ---------------------------------------------------------------------------------------------------------- orbit -- */
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static bool normalize(double v[3])
+{
+    double length = sqrt(dot(v, v));
+    for (int i = 0; i < 3 && length > 0; i++) {
+        v[i] /= length;
+    }
+    return length > 0;
+}
+
+void lf_orbit_camera(const lf_camera *camera, double yaw, double pitch, double zoom, double out_position[3])
+{
+    const double degree = acos(-1.0) / 180.0;
+    const double limit = 89.0 * degree;
+    double up[3] = {camera->up[0], camera->up[1], camera->up[2]};
+    double arm[3], flat[3], side[3];
+    for (int i = 0; i < 3; i++) {
+        arm[i] = camera->position[i] - camera->target[i];
+        out_position[i] = camera->position[i];
+    }
+    double distance = sqrt(dot(arm, arm));
+    if (!normalize(up) || !normalize(arm)) {
+        return;
+    }
+    double height = dot(arm, up);
+    for (int i = 0; i < 3; i++) {
+        flat[i] = arm[i] - height * up[i];
+    }
+    if (!normalize(flat)) {
+        return;
+    }
+    side[0] = up[1] * flat[2] - up[2] * flat[1];
+    side[1] = up[2] * flat[0] - up[0] * flat[2];
+    side[2] = up[0] * flat[1] - up[1] * flat[0];
+    double elevation = asin(fmin(1, fmax(-1, height)));
+    /* A camera that the scene itself put nearer to a pole than the limit is only kept from going further. */
+    double most = fmax(limit, fabs(elevation));
+    elevation = fmin(most, fmax(-most, elevation + pitch * degree));
+    for (int i = 0; i < 3; i++) {
+        double direction = cos(elevation) * (cos(yaw * degree) * flat[i] + sin(yaw * degree) * side[i]) + sin(elevation) * up[i];
+        out_position[i] = camera->target[i] + distance / zoom * direction;
+    }
+}
+
+static json_t *orbit_patch(const lf_scene *scene, const lf_load *load)
+{
+    const lf_camera *camera = lf_scene_camera(scene);
+    double p[3];
+    lf_orbit_camera(camera, load->yaw, load->pitch, load->zoom, p);
+    json_t *patch = json_pack("{s:{s:[f,f,f]}}", "camera", "position", p[0], p[1], p[2]);
+    /* What is in focus stays in focus. */
+    if (json_object_get(json_object_get(lf_scene_json(scene), "camera"), "focus_distance") != NULL) {
+        json_object_set_new(json_object_get(patch, "camera"), "focus_distance", json_real(camera->focus_distance / load->zoom));
+    }
+    return patch;
+}
+
+/* --------------------------------------------------------------------------------------------------------- stages -- */
+
+static lf_status stage_of_scene(const lf_load *load, lf_scene *scene, const char *file, lf_stage **out, lf_error *err)
+{
+    lf_status status =
+        lf_stage_from_scene(scene, file, &load->options, load->has_calibration ? &load->calibration : NULL, out, err);
+    lf_scene_unref(scene);
+    return status;
+}
+
+static lf_status load_file(const lf_loader *loader, lf_load *load, lf_stage **out)
+{
+    if (lf_is_quilt(load->file, loader->roots)) {
+        return lf_stage_from_quilt(load->file, loader->roots, &load->options, out, &load->err);
+    }
+    lf_scene *scene = NULL;
+    const lf_scene *previous = loader->stage != NULL ? loader->stage->scene : NULL;
+    lf_status status = lf_scene_load(load->file, loader->roots, previous, &scene, &load->err);
+    return status == LF_OK ? stage_of_scene(load, scene, load->file, out, &load->err) : status;
+}
+
+static lf_status load_patch(const lf_loader *loader, lf_load *load, const json_t *patch, lf_stage **out)
+{
+    const lf_stage *now = loader->stage;
+    json_t *doc = patch != NULL ? lf_json_merge_patch(lf_scene_json(now->scene), patch) : NULL;
+    if (doc == NULL) {
+        return lf_error_set(&load->err, LF_E_NOMEM, now->file, "out of memory");
+    }
+    lf_scene *scene = NULL;
+    lf_status status = lf_scene_from_json(doc, lf_scene_folder(now->scene), now->file, loader->roots, now->scene, &scene, &load->err);
+    json_decref(doc);
+    return status == LF_OK ? stage_of_scene(load, scene, now->file, out, &load->err) : status;
+}
+
+static bool same_settings(const lf_stage *a, const lf_stage *b)
+{
+    const lf_render_settings *s = &a->settings, *t = &b->settings;
+    const char *left = s->integrator != NULL ? s->integrator : "", *right = t->integrator != NULL ? t->integrator : "";
+    return a->layout.columns == b->layout.columns && a->layout.rows == b->layout.rows && a->layout.aspect == b->layout.aspect &&
+           s->camera.cone == t->camera.cone && s->camera.aspect == t->camera.aspect && s->camera.n_views == t->camera.n_views &&
+           s->width == t->width && s->height == t->height && s->sampler == t->sampler && s->seed == t->seed &&
+           s->max_depth == t->max_depth && strcmp(left, right) == 0;
+}
+
+static lf_status make_stage(const lf_loader *loader, lf_load *load, lf_stage **out)
+{
+    if (load->kind == LF_LOAD_FILE) {
+        return load_file(loader, load, out);
+    }
+    const lf_stage *now = loader->stage;
+    if (load->kind == LF_LOAD_APPLY) {
+        if (now == NULL || now->scene == NULL) {
+            return LF_OK;
+        }
+        lf_status status = stage_of_scene(load, lf_scene_ref(now->scene), now->file, out, &load->err);
+        if (status == LF_OK && !load->force && same_settings(now, *out)) {
+            lf_stage_unref(*out);
+            *out = NULL;
+        }
+        return status;
+    }
+    if (now == NULL || now->scene == NULL) {
+        return lf_error_set(&load->err, LF_E_STATE, now != NULL ? now->file : "", "no scene is shown that could be changed");
+    }
+    if (load->kind == LF_LOAD_PATCH) {
+        return load_patch(loader, load, load->patch, out);
+    }
+    json_t *patch = orbit_patch(now->scene, load);
+    lf_status status = load_patch(loader, load, patch, out);
+    json_decref(patch);
+    return status;
+}
+
+static void run_load(lf_loader *loader, lf_load *load)
+{
+    lf_stage *stage = NULL;
+    load->status = make_stage(loader, load, &stage);
+    if (load->status != LF_OK || stage == NULL) {
+        return;
+    }
+    load->status = lf_engine_commit(loader->engine, stage, load->restore_fd, &load->generation, &load->restored, &load->err);
+    load->committed = load->status == LF_OK;
+    if (!load->committed) {
+        lf_stage_unref(stage);
+        return;
+    }
+    lf_stage_unref(loader->stage);
+    loader->stage = stage;
+    load->stage = lf_stage_ref(stage);
+}
+
+/* --------------------------------------------------------------------------------------------------------- thread -- */
+
+static lf_load *next_load(lf_loader *loader)
+{
+    pthread_mutex_lock(&loader->lock);
+    while (loader->first == NULL && !loader->stop) {
+        pthread_cond_wait(&loader->wake, &loader->lock);
+    }
+    lf_load *load = loader->stop ? NULL : (lf_load *)(void *)loader->first;
+    if (load != NULL) {
+        loader->first = loader->first->next;
+    }
+    pthread_mutex_unlock(&loader->lock);
+    return load;
+}
+
+static void post_back(lf_loader *loader, lf_load *load)
+{
+    pthread_mutex_lock(&loader->lock);
+    loader->pending--;
+    pthread_mutex_unlock(&loader->lock);
+    lf_inbox_post(loader->inbox, &load->letter);
+}
+
+static void *loader_main(void *context)
+{
+    lf_loader *loader = context;
+    pthread_setname_np(pthread_self(), "lf-loader");
+    for (lf_load *load = next_load(loader); load != NULL; load = next_load(loader)) {
+        run_load(loader, load);
+        post_back(loader, load);
+    }
+    return NULL;
+}
+
+lf_status lf_loader_create(lf_engine *engine, const lf_roots *roots, lf_inbox *inbox, lf_loader **out_loader)
+{
+    lf_loader *loader = lf_calloc(1, sizeof *loader);
+    if (loader == NULL) {
+        return LF_E_NOMEM;
+    }
+    loader->engine = engine;
+    loader->roots = roots;
+    loader->inbox = inbox;
+    pthread_mutex_init(&loader->lock, NULL);
+    pthread_cond_init(&loader->wake, NULL);
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);
+    loader->started = pthread_create(&loader->thread, NULL, loader_main, loader) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (!loader->started) {
+        lf_loader_destroy(loader);
+        return LF_E_NOMEM;
+    }
+    *out_loader = loader;
+    return LF_OK;
+}
+
+void lf_loader_destroy(lf_loader *loader)
+{
+    if (loader == NULL) {
+        return;
+    }
+    if (loader->started) {
+        pthread_mutex_lock(&loader->lock);
+        loader->stop = true;
+        pthread_cond_signal(&loader->wake);
+        pthread_mutex_unlock(&loader->lock);
+        pthread_join(loader->thread, NULL);
+    }
+    while (loader->first != NULL) {
+        lf_load *load = (lf_load *)(void *)loader->first;
+        loader->first = loader->first->next;
+        load->status = lf_error_set(&load->err, LF_E_CANCELLED, "", "the daemon is shutting down");
+        post_back(loader, load);
+    }
+    lf_stage_unref(loader->stage);
+    pthread_cond_destroy(&loader->wake);
+    pthread_mutex_destroy(&loader->lock);
+    lf_free(loader);
+}
+
+void lf_loader_queue(lf_loader *loader, lf_load *load)
+{
+    pthread_mutex_lock(&loader->lock);
+    lf_letter **at = &loader->first;
+    while (*at != NULL) {
+        at = &(*at)->next;
+    }
+    load->letter.next = NULL;
+    *at = &load->letter;
+    loader->pending++;
+    pthread_cond_signal(&loader->wake);
+    pthread_mutex_unlock(&loader->lock);
+}
+
+int lf_loader_pending(lf_loader *loader)
+{
+    pthread_mutex_lock(&loader->lock);
+    int pending = loader->pending;
+    pthread_mutex_unlock(&loader->lock);
+    return pending;
+}

@@ -1,0 +1,96 @@
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "daemon/methods.h"
+
+#define MAX_DEVICES 16
+
+void lf_method_device_list(lf_call *call)
+{
+    lf_device_info infos[MAX_DEVICES];
+    int n = lf_device_list(infos, MAX_DEVICES);
+    json_t *list = json_array();
+    for (int i = 0; i < n; i++) {
+        const lf_device_info *info = &infos[i];
+        json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:s, s:s, s:s}", "spec", info->spec, "kind", info->kind, "model",
+                                              info->model, "serial", info->serial, "output", info->output, "problem", info->problem));
+    }
+    lf_reply(call, json_pack("{s:o, s:o}", "devices", list, "present", lf_server_device_json(call->server)));
+}
+
+/* A simulated device writes into its folder: a client may name the one of the command line, or one beneath --export-dir. */
+static lf_status check_spec(const lf_server *server, const char *spec, lf_error *err)
+{
+    if (strncmp(spec, "sim:", 4) != 0) {
+        return LF_OK;
+    }
+    size_t n = strcspn(spec, ",");
+    const char *own = server->config.device;
+    if (strncmp(own, spec, n) == 0 && (own[n] == ',' || own[n] == '\0')) {
+        return LF_OK;
+    }
+    char folder[512];
+    snprintf(folder, sizeof folder, "%.*s", n < sizeof folder ? (int)n - 4 : (int)sizeof folder - 1, spec + 4);
+    if (folder[0] != '/') {
+        return lf_error_set(err, LF_E_PATH, spec, "the folder must be an absolute path beneath the --export-dir");
+    }
+    char *path = NULL;
+    lf_status status = lf_server_write_path(server, folder, &path, err);
+    lf_free(path);
+    return status;
+}
+
+void lf_method_device_set(lf_call *call)
+{
+    lf_server *server = call->server;
+    const char *spec = json_string_value(json_object_get(call->params, "spec"));
+    lf_error err, ignored;
+    char before[sizeof server->panel.spec];
+    snprintf(before, sizeof before, "%s", server->panel.spec);
+    lf_status status = check_spec(server, spec, &err);
+    if (status == LF_OK) {
+        status = lf_server_open_device(server, spec, &err);
+        if (status != LF_OK && lf_server_open_device(server, before, &ignored) != LF_OK) {
+            lf_error_set(&ignored, LF_E_NODEV, before, "could not be opened again");
+        }
+    }
+    if (status == LF_E_IO || status == LF_E_FORMAT) {
+        err.status = LF_E_NODEV;
+    }
+    if (status != LF_OK) {
+        lf_fail(call, &err, false);
+        return;
+    }
+    lf_reply(call, lf_server_device_json(server));
+}
+
+static json_t *cells_json(const lf_calibration *c)
+{
+    json_t *cells = json_array();
+    for (int i = 0; i < c->n_cells; i++) {
+        json_array_append_new(cells, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "ROffsetX", (double)c->cells[i][0][0], "ROffsetY",
+                                               (double)c->cells[i][0][1], "GOffsetX", (double)c->cells[i][1][0], "GOffsetY",
+                                               (double)c->cells[i][1][1], "BOffsetX", (double)c->cells[i][2][0], "BOffsetY",
+                                               (double)c->cells[i][2][1]));
+    }
+    return cells;
+}
+
+void lf_method_device_calibration(lf_call *call)
+{
+    const lf_panel *panel = &call->server->panel;
+    const lf_calibration *c = &panel->calibration;
+    if (!panel->has_calibration) {
+        lf_error err;
+        (void)lf_error_set(&err, LF_E_NODEV, panel->spec, "there is no panel whose calibration is known");
+        lf_fail(call, &err, false);
+        return;
+    }
+    lf_reply(call, json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:o}", "configVersion",
+                             c->config_version, "serial", c->serial, "pitch", c->pitch, "slope", c->slope, "center", c->center,
+                             "viewCone", c->view_cone_deg, "DPI", c->dpi, "screenW", c->screen_width_px, "screenH",
+                             c->screen_height_px, "invView", c->inv_view, "flipImageX", c->flip_image_x, "flipImageY", c->flip_image_y,
+                             "flipSubp", c->flip_subp, "CellPatternMode", c->cell_pattern_mode, "subpixelCells", cells_json(c)));
+}

@@ -1,0 +1,143 @@
+/* quiltd: the daemon. See docs/man/quiltd.1. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "daemon/server.h"
+
+#define PROGRAM "quiltd"
+
+enum {
+    OPTION_SOCKET = LF_OPTION_OWN,
+    OPTION_DEVICE,
+    OPTION_STATE,
+    OPTION_ALLOW_PATH,
+    OPTION_EXPORT_DIR,
+    OPTION_WATCH,
+    OPTION_RUN_FOR,
+};
+
+static const struct option table[] = {
+    LF_OPTIONS_LONG("calibration"),
+    {"socket", required_argument, NULL, OPTION_SOCKET},
+    {"device", required_argument, NULL, OPTION_DEVICE},
+    {"state", required_argument, NULL, OPTION_STATE},
+    {"allow-path", required_argument, NULL, OPTION_ALLOW_PATH},
+    {"export-dir", required_argument, NULL, OPTION_EXPORT_DIR},
+    {"watch", no_argument, NULL, OPTION_WATCH},
+    {"run-for", required_argument, NULL, OPTION_RUN_FOR},
+    {NULL, 0, NULL, 0},
+};
+
+static void print_help(void)
+{
+    printf("Usage: quiltd [SCENE] [options]\n"
+           "Renders a scene (JSON) as a light field, or takes a quilt picture, and shows it on a Looking Glass panel.\n"
+           "\n"
+           "  --socket PATH          where clients talk to it ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/quiltd.sock,\n"
+           "                         /run/quiltd/control.sock)\n"
+           "  --device SPEC          auto (default), sim:DIR[,option=value...] or none\n"
+           "  --calibration FILE     the panel's lens calibration, instead of its own\n" LF_OPTIONS_HELP_VIEWS LF_OPTIONS_HELP_RENDER
+           "  --target-error RELMSE  rendering rests when the estimated relative error is below (1e-4)\n"
+           "  --state DIR            keeps the accumulation there over restarts\n"
+           "  --allow-path DIR       clients may name files to read beneath it; may be given often\n"
+           "  --export-dir DIR       clients may name files to write beneath it\n"
+           "  --watch                reads the scene file again when it changes\n"
+           "  --run-for SECONDS      ends by itself\n" LF_OPTIONS_HELP_LAST);
+}
+
+static lf_status take_own(lf_server_config *config, int code, const char *text, lf_error *err)
+{
+    switch (code) {
+    case OPTION_SOCKET:
+        config->socket = text;
+        return LF_OK;
+    case OPTION_DEVICE:
+        config->device = text;
+        return LF_OK;
+    case OPTION_STATE:
+        config->state_dir = text;
+        return LF_OK;
+    case OPTION_EXPORT_DIR:
+        config->export_dir = text;
+        return LF_OK;
+    case OPTION_WATCH:
+        config->watch = true;
+        return LF_OK;
+    case OPTION_RUN_FOR:
+        return lf_parse_double("--run-for", text, 0.001, 1e9, &config->run_for, err);
+    case OPTION_ALLOW_PATH:
+        if (config->n_allow >= LF_MAX_ROOTS - 2) {
+            return lf_error_set(err, LF_E_ARG, "--allow-path", "given more than %d times", LF_MAX_ROOTS - 2);
+        }
+        config->allow[config->n_allow++] = text;
+        return LF_OK;
+    default:
+        return lf_error_set(err, LF_E_ARG, "", "option %d is not handled", code);
+    }
+}
+
+/* Reads the command line; *out_done: only help or the version was asked for. */
+static lf_status read_arguments(int argc, char *const argv[], lf_server_config *config, bool *out_done, lf_error *err)
+{
+    for (;;) {
+        int code;
+        bool taken;
+        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
+        if (status != LF_OK || code < 0) {
+            return status;
+        }
+        if (code == LF_OPTION_HELP || code == LF_OPTION_VERSION) {
+            code == LF_OPTION_HELP ? print_help() : lf_print_version(PROGRAM);
+            *out_done = true;
+            return LF_OK;
+        }
+        status = lf_options_take(&config->options, code, optarg, &taken, err);
+        if (status == LF_OK && !taken) {
+            status = take_own(config, code, optarg, err);
+        }
+        if (status != LF_OK) {
+            return status;
+        }
+    }
+}
+
+/* The scene's absolute path: clients and relative files go by its folder. Owned by the caller. */
+static char *absolute_scene(const char *scene)
+{
+    char *here = getcwd(NULL, 0);
+    char *path = here != NULL ? lf_path_join(here, scene) : NULL;
+    free(here);
+    return path;
+}
+
+int main(int argc, char *argv[])
+{
+    lf_server_config config = {.device = "auto"};
+    lf_error err;
+    bool done = false;
+    lf_log_init(PROGRAM, LF_LOG_INFO);
+    if (read_arguments(argc, argv, &config, &done, &err) != LF_OK) {
+        return lf_usage_error(PROGRAM, &err);
+    }
+    if (done) {
+        return LF_EXIT_OK;
+    }
+    if (argc - optind > 1) {
+        (void)lf_error_set(&err, LF_E_ARG, argv[optind + 1], "only one scene can be shown");
+        return lf_usage_error(PROGRAM, &err);
+    }
+    char *scene = optind < argc ? absolute_scene(argv[optind]) : NULL;
+    if (optind < argc && scene == NULL) {
+        lf_log(LF_LOG_ERROR, "%s: its folder cannot be found", argv[optind]);
+        return LF_EXIT_FAILED;
+    }
+    config.scene = scene;
+    config.calibration = config.options.calibration;
+    int code = lf_server_run(&config);
+    lf_free(scene);
+    return code;
+}

@@ -1,0 +1,70 @@
+#include "daemon/schedule.h"
+
+/* Rows a slice has at the least, so that no worker idles. */
+#define MIN_ROWS 8
+#define MAX_SLICES 64
+#define FIRST_SLICES 4
+/* The residue that the first slices take: a row that is at most two away from every other of its group of four. */
+#define FIRST_ROW 2
+
+static int subsets_of(const lf_schedule *schedule)
+{
+    int doubling = schedule->sweep / 2;
+    int subsets = doubling < 16 ? 1 << doubling : 1 << 16;
+    return subsets < schedule->n_views ? subsets : schedule->n_views;
+}
+
+void lf_schedule_start(lf_schedule *schedule, int height, int n_views, double passes_done)
+{
+    double row_seconds = schedule->row_seconds;
+    *schedule = (lf_schedule){.height = height, .n_views = n_views, .row_seconds = row_seconds};
+    for (double sum = 0; sum < passes_done && schedule->sweep < 64; schedule->sweep++) {
+        sum += subsets_of(schedule);
+    }
+}
+
+static int slices_for(const lf_schedule *schedule, double target_seconds)
+{
+    int fewest = schedule->sweep == 0 ? FIRST_SLICES : 1;
+    double sweep_seconds = schedule->row_seconds * schedule->height * subsets_of(schedule);
+    int n = fewest;
+    while (n < MAX_SLICES && sweep_seconds > target_seconds * n && schedule->height / (n * 2) >= MIN_ROWS) {
+        n *= 2;
+    }
+    return n;
+}
+
+static int reversed_bits(int value, int size)
+{
+    int reversed = 0;
+    for (int bit = 1; bit < size; bit *= 2) {
+        reversed = reversed * 2 + (value & bit ? 1 : 0);
+    }
+    return reversed;
+}
+
+lf_slice lf_schedule_next(lf_schedule *schedule, double target_seconds)
+{
+    if (schedule->slice == 0) {
+        schedule->n_slices = slices_for(schedule, target_seconds);
+    }
+    lf_slice slice = {.step = schedule->n_slices, .subsets = subsets_of(schedule)};
+    slice.first = (reversed_bits(schedule->slice, schedule->n_slices) + FIRST_ROW) % schedule->n_slices;
+    slice.n_rows = slice.first < schedule->height ? (schedule->height - slice.first + slice.step - 1) / slice.step : 0;
+    return slice;
+}
+
+bool lf_schedule_done(lf_schedule *schedule, const lf_slice *slice, double seconds)
+{
+    if (slice->n_rows > 0) {
+        double measured = seconds / ((double)slice->n_rows * slice->subsets);
+        schedule->row_seconds = schedule->row_seconds > 0 ? 0.5 * (schedule->row_seconds + measured) : measured;
+    }
+    schedule->slice++;
+    if (schedule->slice < schedule->n_slices) {
+        return false;
+    }
+    schedule->slice = 0;
+    schedule->sweep++;
+    return true;
+}

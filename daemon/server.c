@@ -1,0 +1,311 @@
+#include "daemon/server.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <systemd/sd-daemon.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/errno_text.h"
+#include "base/log.h"
+
+/* On the way down: how long the slice in progress may go on, how long loads and jobs are waited for, and how long the panel may take
+ * for the last frames. Together less than the 2 s promised. */
+#define SLICE_USEC 300000
+#define LEAVE_USEC 300000
+#define FLUSH_MS 400
+#define DEFAULT_TARGET_ERROR 1e-4
+
+/* ------------------------------------------------------------------------------------------------------ the way down -- */
+
+static void leave(lf_server *server)
+{
+    server->leaving = true;
+    sd_event_exit(server->event, server->exit_code);
+}
+
+static int on_leave_timer(sd_event_source *source, uint64_t usec, void *context)
+{
+    lf_server *server = context;
+    (void)source;
+    (void)usec;
+    lf_log(LF_LOG_DEBUG, "loads or exports that are still under way are not waited for");
+    leave(server);
+    return 0;
+}
+
+static int on_slice_timer(sd_event_source *source, uint64_t usec, void *context)
+{
+    lf_server *server = context;
+    lf_engine_stop(server->engine, true);
+    (void)source;
+    sd_event_source_disable_unref(server->stop_timer);
+    server->stop_timer = NULL;
+    return sd_event_add_time(server->event, &server->stop_timer, CLOCK_MONOTONIC, usec + LEAVE_USEC, 0, on_leave_timer, server);
+}
+
+/* Called again whenever something that is waited for may have ended. */
+void lf_server_shutdown(lf_server *server)
+{
+    if (server->leaving) {
+        return;
+    }
+    if (!server->stopping) {
+        server->stopping = true;
+        sd_notify(0, "STOPPING=1");
+        lf_clients_close_listener(server->clients);
+        lf_server_unlisten(server);
+        (void)lf_server_end_jobs(server);
+        lf_engine_stop(server->engine, false);
+        (void)sd_event_add_time_relative(server->event, &server->stop_timer, CLOCK_MONOTONIC, SLICE_USEC, 0, on_slice_timer, server);
+    }
+    if (lf_engine_stopped(server->engine) && server->jobs == NULL && lf_loader_pending(server->loader) == 0) {
+        leave(server);
+    }
+}
+
+/* Ends what is left; threads that cannot be joined in time are left to the kernel. */
+static void finish(lf_server *server)
+{
+    lf_server_close_device(server, FLUSH_MS);
+    bool engine_ended = lf_engine_stopped(server->engine);
+    if (engine_ended) {
+        lf_server_save_state_now(server);
+    }
+    if (!engine_ended || server->jobs != NULL || lf_loader_pending(server->loader) > 0) {
+        _exit(server->exit_code);
+    }
+}
+
+static void destroy(lf_server *server)
+{
+    lf_error over;
+    (void)lf_error_set(&over, LF_E_CANCELLED, "", "the daemon is shutting down");
+    server->stopping = server->leaving = true;
+    lf_loader_destroy(server->loader);
+    lf_engine_destroy(server->engine);
+    while (server->waits != NULL) {
+        lf_wait *wait = server->waits;
+        server->waits = wait->next;
+        lf_ticket_fail(server, wait->ticket, &over, false);
+        lf_free(wait);
+    }
+    if (server->inbox.event_fd >= 0) {
+        lf_inbox_finish(&server->inbox, server);
+    }
+    lf_clients_destroy(server->clients);
+    lf_server_unlisten(server);
+    sd_event_source *sources[] = {server->inbox_io,    server->engine_io, server->stop_timer, server->state_timer, server->run_timer,
+                                  server->status_timer, server->watch_io,  server->watch_timer};
+    for (size_t i = 0; i < sizeof sources / sizeof *sources; i++) {
+        sd_event_source_disable_unref(sources[i]);
+    }
+    sd_event_unref(server->event);
+    lf_stage_unref(server->stage);
+    lf_roots_finish(&server->roots);
+    lf_free(server->export_root);
+    lf_free(server->watch_name);
+    if (server->watch_fd >= 0) {
+        close(server->watch_fd);
+    }
+    if (server->engine_fd >= 0) {
+        close(server->engine_fd);
+    }
+}
+
+/* ---------------------------------------------------------------------------------------------------- putting together -- */
+
+/* A folder for the daemon's files, made when it is missing; canonical. */
+static lf_status make_folder(const char *option, const char *folder, char **out, lf_error *err)
+{
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+        return lf_error_set(err, LF_E_IO, option, "%s: cannot be made: %s", folder, lf_errno_text(errno));
+    }
+    char *real = realpath(folder, NULL);
+    struct stat st;
+    if (real == NULL || stat(real, &st) != 0 || !S_ISDIR(st.st_mode)) {
+        free(real);
+        return lf_error_set(err, LF_E_IO, option, "%s: is not a folder", folder);
+    }
+    *out = lf_strdup(real);
+    free(real);
+    return *out != NULL ? LF_OK : lf_error_set(err, LF_E_NOMEM, option, "out of memory");
+}
+
+/* The folder of the scene given on the command line, and that of the file behind it when it is a link. */
+static void add_scene_roots(lf_server *server)
+{
+    const char *scene = server->config.scene;
+    char *real = scene != NULL ? realpath(scene, NULL) : NULL;
+    const char *names[] = {scene, real};
+    for (int i = 0; i < 2 && names[i] != NULL; i++) {
+        char *folder = lf_path_folder(names[i]);
+        if (folder != NULL && lf_roots_add(&server->roots, folder, NULL) != LF_OK) {
+            lf_log(LF_LOG_DEBUG, "%s: is no folder to read from", folder);
+        }
+        lf_free(folder);
+    }
+    free(real);
+}
+
+static lf_status make_roots(lf_server *server, lf_error *err)
+{
+    for (int i = 0; i < server->config.n_allow; i++) {
+        lf_status status = lf_roots_add(&server->roots, server->config.allow[i], err);
+        if (status != LF_OK) {
+            return status;
+        }
+    }
+    add_scene_roots(server);
+    if (server->roots.n_roots == 0) {
+        /* No roots at all would mean anywhere: this one is a root that nothing lies beneath. */
+        server->roots.root[0] = lf_strdup("/dev/null");
+        server->roots.n_roots = server->roots.root[0] != NULL ? 1 : 0;
+        return server->roots.n_roots == 1 ? LF_OK : lf_error_set(err, LF_E_NOMEM, "--allow-path", "out of memory");
+    }
+    return LF_OK;
+}
+
+static lf_status make_folders(lf_server *server, lf_error *err)
+{
+    lf_status status = make_roots(server, err);
+    if (status == LF_OK && server->config.export_dir != NULL) {
+        status = make_folder("--export-dir", server->config.export_dir, &server->export_root, err);
+    }
+    if (status == LF_OK && server->config.state_dir != NULL) {
+        char *folder = NULL;
+        status = make_folder("--state", server->config.state_dir, &folder, err);
+        lf_free(folder);
+    }
+    return status;
+}
+
+static int on_inbox(sd_event_source *source, int fd, uint32_t events, void *context)
+{
+    lf_server *server = context;
+    (void)source;
+    (void)fd;
+    (void)events;
+    lf_inbox_read(&server->inbox, server);
+    return 0;
+}
+
+static lf_status make_threads(lf_server *server, lf_error *err)
+{
+    const lf_options *options = &server->options;
+    lf_engine_controls controls = {
+        .estimator = options->estimator,
+        .target_error = options->target_error > 0 ? options->target_error : DEFAULT_TARGET_ERROR,
+        .threads = options->threads,
+    };
+    server->engine_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (sd_event_new(&server->event) < 0 || server->engine_fd < 0 || lf_inbox_init(&server->inbox) != LF_OK) {
+        return lf_error_set(err, LF_E_IO, "event loop", "cannot be made");
+    }
+    lf_status status = lf_engine_create(&controls, server->engine_fd, &server->engine, err);
+    if (status != LF_OK) {
+        return status;
+    }
+    status = lf_loader_create(server->engine, &server->roots, &server->inbox, &server->loader);
+    if (status != LF_OK ||
+        sd_event_add_io(server->event, &server->inbox_io, server->inbox.event_fd, EPOLLIN, on_inbox, server) < 0 ||
+        sd_event_add_io(server->event, &server->engine_io, server->engine_fd, EPOLLIN, lf_server_on_engine, server) < 0) {
+        return lf_error_set(err, LF_E_NOMEM, "event loop", "cannot be set up");
+    }
+    return LF_OK;
+}
+
+static lf_status open_socket(lf_server *server, lf_error *err)
+{
+    int fd = -1;
+    lf_status status = lf_server_listen(server, &fd, err);
+    if (status == LF_OK && lf_clients_create(server->event, fd, lf_server_line, server, &server->clients) != LF_OK) {
+        status = lf_error_set(err, LF_E_NOMEM, "socket", "out of memory");
+    }
+    if (status == LF_OK) {
+        lf_log(LF_LOG_INFO, "listening on %s", server->socket_path != NULL ? server->socket_path : "the socket from systemd");
+    }
+    return status;
+}
+
+/* The first attempts; what comes of them is told, and ends nothing but a wrong --device. */
+static lf_status open_first(lf_server *server, lf_error *err)
+{
+    lf_status status = lf_server_open_device(server, server->config.device, err);
+    if (status == LF_E_ARG || (status == LF_E_FORMAT && server->config.calibration != NULL)) {
+        return status;
+    }
+    if (status != LF_OK) {
+        lf_log_error(err);
+    }
+    if (server->config.scene == NULL) {
+        lf_server_ready(server);
+        return LF_OK;
+    }
+    lf_load *load = lf_load_create(LF_LOAD_FILE);
+    if (load == NULL) {
+        return lf_error_set(err, LF_E_NOMEM, "", "out of memory");
+    }
+    load->restore_fd = lf_server_open_state(server);
+    load->file = lf_strdup(server->config.scene);
+    lf_server_load(server, load, NULL);
+    return LF_OK;
+}
+
+static void prepare_process(void)
+{
+    sigset_t ours;
+    sigemptyset(&ours);
+    sigaddset(&ours, SIGTERM);
+    sigaddset(&ours, SIGINT);
+    sigaddset(&ours, SIGHUP);
+    pthread_sigmask(SIG_BLOCK, &ours, NULL);
+    signal(SIGPIPE, SIG_IGN);
+    /* Clients may pass many descriptors. */
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_NOFILE, &limit) == 0) {
+        limit.rlim_cur = limit.rlim_max < 16384 ? limit.rlim_max : 16384;
+        (void)setrlimit(RLIMIT_NOFILE, &limit);
+    }
+}
+
+int lf_server_run(const lf_server_config *config)
+{
+    lf_server *server = lf_calloc(1, sizeof *server);
+    if (server == NULL) {
+        return LF_EXIT_FAILED;
+    }
+    *server = (lf_server){.config = *config, .engine_fd = -1, .lock_fd = -1, .watch_fd = -1, .watch_id = -1, .inbox.event_fd = -1};
+    server->options = config->options;
+    server->started = lf_time_now();
+    lf_error err;
+    prepare_process();
+    lf_status status = make_folders(server, &err);
+    status = status == LF_OK ? make_threads(server, &err) : status;
+    status = status == LF_OK ? lf_server_install(server, &err) : status;
+    status = status == LF_OK ? open_socket(server, &err) : status;
+    status = status == LF_OK ? open_first(server, &err) : status;
+    int code = LF_EXIT_FAILED;
+    if (status == LF_OK) {
+        code = sd_event_loop(server->event);
+        code = code < 0 ? LF_EXIT_FAILED : code;
+        server->exit_code = code;
+        finish(server);
+    } else {
+        lf_log_error(&err);
+        code = status == LF_E_ARG ? LF_EXIT_USAGE : LF_EXIT_FAILED;
+        if (server->engine != NULL && server->panel.device != NULL) {
+            lf_server_close_device(server, 0);
+        }
+    }
+    destroy(server);
+    lf_free(server);
+    return code;
+}

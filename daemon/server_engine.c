@@ -1,0 +1,240 @@
+#include <string.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "daemon/server.h"
+
+const char *lf_level_name(lf_level level)
+{
+    static const char *const names[] = {"none", "coarse", "complete", "converged"};
+    return names[level];
+}
+
+const char *lf_server_state_name(const lf_server *server)
+{
+    if (server->stage == NULL) {
+        return server->has_error ? "error" : "idle";
+    }
+    if (server->stage->scene == NULL) {
+        return "idle";
+    }
+    lf_engine_status status;
+    lf_engine_get_status(server->engine, &status);
+    switch (status.state) {
+    case LF_STATE_RENDERING:
+        return "rendering";
+    case LF_STATE_CONVERGED:
+        return "converged";
+    case LF_STATE_PAUSED:
+        return "paused";
+    case LF_STATE_IDLE:
+        break;
+    }
+    return "idle";
+}
+
+/* --------------------------------------------------------------------------------------------------- notifications -- */
+
+typedef struct broadcast {
+    unsigned event;
+    const char *text;
+    size_t n;
+} broadcast;
+
+static void send_frame(void *context, lf_client *client)
+{
+    const broadcast *b = context;
+    if ((*lf_client_flags(client) & b->event) != 0) {
+        lf_client_send_frame(client, b->text, b->n);
+    }
+}
+
+typedef struct notification {
+    unsigned event;
+    json_t *message;
+} notification;
+
+static void send_message(void *context, lf_client *client)
+{
+    const notification *n = context;
+    if ((*lf_client_flags(client) & n->event) != 0) {
+        lf_client_send(client, json_incref(n->message));
+    }
+}
+
+void lf_server_notify(lf_server *server, unsigned event, const char *method, json_t *params)
+{
+    json_t *message = lf_rpc_notification(method, params);
+    if (message == NULL || server->clients == NULL) {
+        json_decref(message);
+        return;
+    }
+    if (event == LF_EVENT_FRAME) {
+        char *text = json_dumps(message, JSON_COMPACT);
+        broadcast b = {.event = event, .text = text, .n = text != NULL ? strlen(text) : 0};
+        if (text != NULL) {
+            lf_clients_each(server->clients, send_frame, &b);
+        }
+        free(text);
+    } else {
+        lf_clients_each(server->clients, send_message, &(notification){.event = event, .message = message});
+    }
+    json_decref(message);
+}
+
+/* ----------------------------------------------------------------------------------------------------------- waits -- */
+
+static json_t *shown_json(const lf_server *server)
+{
+    return json_pack("{s:I, s:s}", "generation", (json_int_t)server->shown_generation, "level", lf_level_name(server->shown_level));
+}
+
+static bool is_over(const lf_server *server, const lf_wait *wait)
+{
+    return server->shown_generation >= wait->generation && server->shown_level >= wait->level;
+}
+
+static void answer_waits(lf_server *server)
+{
+    for (lf_wait **at = &server->waits; *at != NULL;) {
+        lf_wait *wait = *at;
+        if (!is_over(server, wait)) {
+            at = &wait->next;
+            continue;
+        }
+        *at = wait->next;
+        lf_ticket_reply(server, wait->ticket, shown_json(server));
+        lf_free(wait);
+    }
+}
+
+void lf_server_wait(lf_server *server, lf_ticket *ticket, int64_t generation, lf_level level)
+{
+    lf_wait *wait = lf_calloc(1, sizeof *wait);
+    if (wait == NULL) {
+        lf_ticket_reply(server, ticket, NULL);
+        return;
+    }
+    *wait = (lf_wait){.next = server->waits, .ticket = ticket, .generation = generation, .level = level};
+    server->waits = wait;
+    answer_waits(server);
+}
+
+void lf_server_shown(lf_server *server, int64_t generation, lf_level level, double passes)
+{
+    bool news = generation != server->shown_generation || level != server->shown_level;
+    server->shown_generation = generation;
+    server->shown_level = level;
+    lf_server_notify(server, LF_EVENT_FRAME, "frame",
+                     json_pack("{s:I, s:s, s:f}", "generation", (json_int_t)generation, "level", lf_level_name(level), "passes", passes));
+    if (!news) {
+        return;
+    }
+    lf_log(LF_LOG_DEBUG, "generation %lld: %s after %.1f passes", (long long)generation, lf_level_name(level), passes);
+    if (level == LF_LEVEL_CONVERGED) {
+        lf_server_notify(server, LF_EVENT_CONVERGED, "converged",
+                         json_pack("{s:I, s:f}", "generation", (json_int_t)generation, "passes", passes));
+    }
+    answer_waits(server);
+}
+
+/* ---------------------------------------------------------------------------------------------------------- engine -- */
+
+int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *context)
+{
+    lf_server *server = context;
+    uint64_t count;
+    (void)source;
+    (void)events;
+    (void)!read(fd, &count, sizeof count);
+    lf_engine_state before = server->last.state;
+    lf_engine_get_status(server->engine, &server->last);
+    lf_server_pump(server);
+    lf_server_start_jobs(server);
+    if (server->last.state != before) {
+        lf_server_tell_status(server);
+    }
+    if (server->stopping && lf_engine_stopped(server->engine)) {
+        lf_server_shutdown(server);
+    }
+    return 0;
+}
+
+/* ---------------------------------------------------------------------------------------------------------- loader -- */
+
+static void load_succeeded(lf_server *server, lf_load *load)
+{
+    if (load->committed) {
+        lf_stage_unref(server->stage);
+        server->stage = load->stage;
+        load->stage = NULL;
+        server->generation = load->generation;
+        lf_server_notify(server, LF_EVENT_SCENE, "scene",
+                         json_pack("{s:I, s:s}", "generation", (json_int_t)load->generation, "file", server->stage->file));
+        if (load->kind == LF_LOAD_FILE) {
+            server->has_error = false;
+            lf_server_watch(server);
+            lf_log(LF_LOG_INFO, "%s: generation %lld%s", server->stage->file, (long long)load->generation,
+                   load->restored ? ", going on with the saved state" : "");
+        }
+    }
+    lf_ticket_reply(server, load->ticket, json_pack("{s:I}", "generation", (json_int_t)server->generation));
+}
+
+static void load_failed(lf_server *server, const lf_load *load)
+{
+    if (load->ticket == NULL && load->status != LF_E_CANCELLED) {
+        lf_log_error(&load->err);
+        server->has_error = true;
+        server->error = load->err;
+    }
+    lf_ticket_fail(server, load->ticket, &load->err, load->status != LF_E_STATE && load->status != LF_E_CANCELLED);
+}
+
+static void on_load_done(void *reader, lf_letter *letter)
+{
+    lf_server *server = reader;
+    lf_load *load = (lf_load *)(void *)letter;
+    if (load->status == LF_OK) {
+        load_succeeded(server, load);
+    } else {
+        load_failed(server, load);
+    }
+    bool plain = load->kind == LF_LOAD_FILE && load->ticket == NULL;
+    lf_load_destroy(load);
+    if (server->stopping) {
+        lf_server_shutdown(server);
+    } else if (plain) {
+        lf_server_reloaded(server);
+        lf_server_ready(server);
+    }
+}
+
+void lf_server_load(lf_server *server, lf_load *load, lf_ticket *ticket)
+{
+    load->letter.open = on_load_done;
+    load->options = server->options;
+    load->has_calibration = server->panel.has_calibration;
+    load->calibration = server->panel.calibration;
+    load->ticket = ticket;
+    lf_loader_queue(server->loader, load);
+}
+
+void lf_server_reload(lf_server *server)
+{
+    const char *file = server->stage != NULL ? server->stage->file : server->config.scene;
+    lf_load *load = file != NULL ? lf_load_create(LF_LOAD_FILE) : NULL;
+    if (load != NULL) {
+        load->file = lf_strdup(file);
+    }
+    if (load == NULL || load->file == NULL) {
+        if (load != NULL) {
+            lf_load_destroy(load);
+        }
+        lf_server_reloaded(server);
+        return;
+    }
+    lf_server_load(server, load, NULL);
+}
