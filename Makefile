@@ -152,7 +152,7 @@ lint:
 	@$(self) $(jobs) $@-now
 
 RUN := $(BUILDROOT)/run
-run-now: SCENE ?= $(SRCDIR)/scenes/first-light.json
+run-now: SCENE ?= $(BUILDROOT)/scenes/first-light.json
 run-now: DEVICE ?= sim:$(RUN)/sim
 run-now: all
 	@mkdir -p $(RUN)/sim $(RUN)/state $(RUN)/export
@@ -164,7 +164,7 @@ run-now: all
 socket = $(shell p='$(abspath $(RUN))/sock'; if [ $${#p} -lt 108 ]; then echo "$$p"; else echo '$(RUN)/sock'; fi)
 
 clean:
-	rm -rf $(O) $(links) $(BUILDROOT)/deps.mk $(BUILDROOT)/scenes
+	rm -rf $(O) $(links) $(BUILDROOT)/deps.mk $(BUILDROOT)/scenes $(BUILDROOT)/tools
 
 help:
 	@sed -n '2,/^[^#]/s/^# \{0,1\}//p' $(MAKEFILE)

@@ -1,0 +1,24 @@
+# The shipped scenes: their data is made here, by generators that do not depend on the variant being built, and the scene files
+# are copied beside it, so that relative paths hold.
+scene_generated := scenes/cloud.vdb scenes/knot.obj scenes/sky.hdr
+scene_data += $(scene_generated) $(call wild,scenes/*.json)
+
+$(BUILDROOT)/tools/%: $(SRCDIR)/scenes/%.c
+	@mkdir -p $(@D)
+	$(call say,CC )$(CC) -std=c11 -O2 -ffp-contract=off -o $@ $< -lm
+$(BUILDROOT)/tools/make_vdb: $(SRCDIR)/scenes/make_vdb.cc
+	@mkdir -p $(@D)
+	$(call say,CXX)$(CXX) -std=c++17 -O2 -ffp-contract=off $(dep_cflags) -o $@ $< -Wl,--as-needed $(dep_libs)
+
+define scene_file
+$(BUILDROOT)/scenes/$(1): $(BUILDROOT)/tools/$(2)
+	@mkdir -p $$(@D)
+	$$(call say,GEN)$$< $$@.new && mv $$@.new $$@
+endef
+$(eval $(call scene_file,cloud.vdb,make_vdb))
+$(eval $(call scene_file,knot.obj,make_mesh))
+$(eval $(call scene_file,sky.hdr,make_sky))
+
+$(BUILDROOT)/scenes/%.json: $(SRCDIR)/scenes/%.json
+	@mkdir -p $(@D)
+	@cp $< $@
