@@ -167,7 +167,7 @@ clean:
 	rm -rf $(O) $(links) $(BUILDROOT)/deps.mk $(BUILDROOT)/scenes $(BUILDROOT)/tools
 
 help:
-	@sed -n '2,/^[^#]/s/^# \{0,1\}//p' $(MAKEFILE)
+	@sed -n '/^[^#]/q; s/^# \{0,1\}//p' $(MAKEFILE)
 
 # ---------------------------------------------------------------------------------------------------------- lint --
 lint_srcs = $(filter-out %.cc,$(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)))
