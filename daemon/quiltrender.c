@@ -531,13 +531,11 @@ static lf_status render(job *j, lf_error *err)
 static json_t *make_record(const job *j)
 {
     const arguments *a = j->arguments;
-    lf_render_stats stats;
 
     if (j->is_quilt)
         return json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", j->layout.n_views, "aspect", j->layout.aspect);
-    lf_renderer_stats(j->renderer, &stats);
     return lf_output_settings(a->scene, &j->settings, a->kind == LF_OUTPUT_QUILT ? &j->layout : NULL, a->options.estimator,
-                              stats.passes, lf_scene_film_settings(j->scene));
+                              (double)j->times.passes, lf_scene_film_settings(j->scene));
 }
 
 static lf_status write_output(job *j, lf_error *err)

@@ -114,7 +114,7 @@ lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estim
         assert(budget->target_error > 0);
         status = run_target(&r, budget->target_error);
     }
-    *out_times = (lf_render_times){lf_time_now() - r.start, lf_time_cpu() - r.cpu_start};
+    *out_times = (lf_render_times){r.passes, lf_time_now() - r.start, lf_time_cpu() - r.cpu_start};
     return status;
 }
 
@@ -140,7 +140,7 @@ static void set_rendered(json_t *object, const lf_render_report *report)
     json_object_set_new(object, "estimator", json_string(lf_estimator_name(report->estimator)));
     json_object_set_new(object, "seed", settings->seed <= INT64_MAX ? json_integer((json_int_t)settings->seed)
                                                                     : json_real((double)settings->seed));
-    json_object_set_new(object, "passes", real_or_null(stats.passes));
+    json_object_set_new(object, "passes", json_integer(report->times.passes));
     json_object_set_new(object, "seconds", json_real(report->times.seconds));
     json_object_set_new(object, "cpu_seconds", json_real(report->times.cpu_seconds));
     json_object_set_new(object, "base_paths", count_or_null(stats.base_paths));

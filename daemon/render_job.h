@@ -26,6 +26,7 @@ typedef void (*lf_render_progress_fn)(void *context, const lf_render_progress *p
 
 /* What a rendering took. */
 typedef struct lf_render_times {
+    int64_t passes;
     double seconds, cpu_seconds;
 } lf_render_times;
 
