@@ -406,6 +406,7 @@ typedef struct exr_job {
     float *block; /* [lines of a chunk][width][3] */
     const lf_attribute *attributes;
     int n_attributes;
+    exr_result_t (*compress)(exr_encode_pipeline_t *encode); /* the library's choice */
 } exr_job;
 
 static exr_result_t define_part(exr_context_t exr, const exr_job *job)
@@ -441,6 +442,16 @@ static void aim_encoder(exr_encode_pipeline_t *encode, const float *block, int w
     }
 }
 
+/* The Core's own; OpenEXR 3.1 keeps compressed bytes that are as many as the plain ones, which readers then take for plain. */
+static exr_result_t compress_or_copy(exr_encode_pipeline_t *encode)
+{
+    const exr_job *job = encode->encoding_user_data;
+    exr_result_t rv = job->compress(encode);
+    if (rv == EXR_ERR_SUCCESS && encode->compressed_bytes == encode->packed_bytes)
+        memcpy(encode->compressed_buffer, encode->packed_buffer, encode->packed_bytes);
+    return rv;
+}
+
 static exr_result_t write_chunks(exr_context_t exr, exr_job *job, exr_encode_pipeline_t *encode, int lines)
 {
     for (int y = 0; y < job->height; y += lines) {
@@ -453,8 +464,12 @@ static exr_result_t write_chunks(exr_context_t exr, exr_job *job, exr_encode_pip
         if (rv != EXR_ERR_SUCCESS)
             return rv;
         aim_encoder(encode, job->block, job->width);
-        if (y == 0)
+        if (y == 0) {
             rv = exr_encoding_choose_default_routines(exr, 0, encode);
+            job->compress = encode->compress_fn;
+            encode->compress_fn = compress_or_copy;
+            encode->encoding_user_data = job;
+        }
         if (rv == EXR_ERR_SUCCESS)
             rv = exr_encoding_run(exr, 0, encode);
         if (rv != EXR_ERR_SUCCESS)
