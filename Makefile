@@ -69,6 +69,13 @@ all: $(links)
 $(links): $(BUILDROOT)/%: $(O)/%
 	@ln -sfn release/$* $@
 endif
+# built where the sources are, the shipped scenes work where they lie too (not by symbolic links: the daemon would refuse those)
+ifeq ($(BUILDROOT),build)
+scene_copies := $(addprefix $(SRCDIR)/,$(scene_generated))
+all: $(scene_copies)
+$(scene_copies): $(SRCDIR)/%: $(BUILDROOT)/%
+	@ln -f $< $@ 2>/dev/null || cp -p $< $@
+endif
 
 # rewritten only when a compile line changed: a change of flags is a rebuild
 $(O)/flags.stamp: FORCE
@@ -164,7 +171,7 @@ run-now: all
 socket = $(shell p='$(abspath $(RUN))/sock'; if [ $${#p} -lt 108 ]; then echo "$$p"; else echo '$(RUN)/sock'; fi)
 
 clean:
-	rm -rf $(O) $(links) $(BUILDROOT)/deps.mk $(BUILDROOT)/scenes $(BUILDROOT)/tools
+	rm -rf $(O) $(links) $(scene_copies) $(BUILDROOT)/deps.mk $(BUILDROOT)/scenes $(BUILDROOT)/tools $(BUILDROOT)/tools
 
 help:
 	@sed -n '/^[^#]/q; s/^# \{0,1\}//p' $(MAKEFILE)

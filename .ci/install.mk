@@ -2,16 +2,14 @@
 MANDIR ?= $(DATADIR)/man
 SCENEDIR ?= $(DATADIR)/quiltd/scenes
 man_pages := $(call wild,docs/man/*.[1-9])
-scene_files := $(call wild,scenes/*.json)
 to = $(INSTALL) -D -m $(1) $(2) $(DESTDIR)$(3)
 filled = sed -e 's|@BINDIR@|$(BINDIR)|g' -e 's|@SCENEDIR@|$(SCENEDIR)|g' $(SRCDIR)/systemd/$(1).in > $(O)/$(1)
 
 install: all
 	@for p in $(notdir $(built)); do $(call to,755,$(O)/$$p,$(BINDIR)/$$p) || exit 1; done
 	@for f in $(man_pages); do $(call to,644,$(SRCDIR)/$$f,$(MANDIR)/man$${f##*.}/$${f##*/}) || exit 1; done
-	@for f in $(scene_files); do $(call to,644,$(SRCDIR)/$$f,$(SCENEDIR)/$${f##*/}) || exit 1; done
-	@for f in $(scene_data); do $(call to,644,$(BUILDROOT)/$$f,$(DATADIR)/quiltd/$$f) || exit 1; done
-	@$(call to,644,$(SRCDIR)/docs/scene.schema.json,$(DATADIR)/quiltd/scene.schema.json)
+	@for f in $(scene_data); do $(call to,644,$(BUILDROOT)/$$f,$(SCENEDIR)/$${f##*/}) || exit 1; done
+	@$(call to,644,$(SRCDIR)/docs/scene.schema.json,$(dir $(SCENEDIR))docs/scene.schema.json)
 	@$(call filled,quiltd.service) && $(call to,644,$(O)/quiltd.service,$(UNITDIR)/quiltd.service)
 	@$(call filled,quiltd.socket) && $(call to,644,$(O)/quiltd.socket,$(UNITDIR)/quiltd.socket)
 	@$(call to,644,$(SRCDIR)/systemd/quiltd.sysusers,$(SYSUSERSDIR)/quiltd.conf)
