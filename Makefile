@@ -164,7 +164,7 @@ run-now: DEVICE ?= sim:$(RUN)/sim
 run-now: all
 	@mkdir -p $(RUN)/sim $(RUN)/state $(RUN)/export
 	@echo 'pictures: $(abspath $(RUN))/sim/panel.png (the panel), view.png (what an eye sees), quilt.png (all views)'
-	@echo 'talk to it: $(abspath $(O))/quiltctl --socket $(call socket) status'
+	@echo 'talk to it: $(abspath $(if $(links),$(BUILDROOT),$(O)))/quiltctl --socket $(call socket) status'
 	@$(O)/quiltd '$(SCENE)' --device '$(DEVICE)' --socket '$(call socket)' --state '$(RUN)/state' --export-dir '$(RUN)/export' \
 	 $(if $(RUN_FOR),--run-for $(RUN_FOR)) $(ARGS)
 # a socket's path has 107 bytes: the absolute one when it fits

@@ -63,11 +63,12 @@ report "installed programs start and know their usage" "$(startable)"
 
 # Scenes name their files relative to themselves: away from the source tree they must be whole.
 whole_scenes() {
-    local scene
+    local scene words
     for scene in "$prefix"/share/quiltd/scenes/*.json; do
-        timeout 120 "$prefix/bin/quiltrender" "$scene" -o "$top/out.png" --views 1 --quilt 1x1 --view-size 24x32 --passes 1 2>&1 ||
-            echo "$scene: exit status not 0"
-    done | grep -v '^$'
+        words=$(timeout 120 "$prefix/bin/quiltrender" "$scene" -o "$top/out.png" --views 1 --quilt 1x1 --view-size 24x32 \
+            --passes 1 2>&1) || echo "$scene: $words"
+        rm -f "$top"/out*.png
+    done
 }
 report "installed scenes render" "$(whole_scenes)"
 
@@ -88,7 +89,7 @@ else
     skip "the service is hardened" "no systemd-analyze"
 fi
 if command -v groff > /dev/null 2>&1; then
-    report "groff accepts the man pages" "$(for m in "$prefix"/share/man/man*/*; do groff -ww -Tutf8 -man "$m" 2>&1 > /dev/null; done)"
+    report "groff accepts the man pages" "$(for m in "$prefix"/share/man/man*/*.[1-9]; do groff -ww -Tutf8 -man "$m" 2>&1 > /dev/null; done)"
 else
     skip "groff accepts the man pages" "no groff"
 fi
