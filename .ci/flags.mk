@@ -35,7 +35,7 @@ lf_cxxflags = -std=c++17 -D_GNU_SOURCE $(lf_common) $(dep_cflags)
 lf_ldflags = $(filter -fsanitize%,$(variant_$(BUILD))) -pthread -Wl,--as-needed -Wl,-z,relro,-z,now
 
 # one file an instruction set; other machines leave them out
-x86 := $(filter x86_64 i686,$(ARCH))
+x86 := $(filter x86_64,$(ARCH))
 isa_kernel_avx2 := -mavx2 -mf16c
 isa_kernel_avx512 := -march=skylake-avx512
 without_isa = $(if $(x86),$(1),$(filter-out %_avx2.c %_avx512.c,$(1)))
