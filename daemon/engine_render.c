@@ -52,21 +52,25 @@ static void check_converged(lf_engine *engine)
 
 /* --------------------------------------------------------------------------------------------------------- frames -- */
 
-static lf_views8 views_now(lf_engine *engine)
+/* What to show, and how good it is. *out_blank: view pixels that there is nothing for anywhere near. */
+static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
 {
+    *out_blank = 0;
     if (engine->stage->scene == NULL && !engine->stage->quilt.is_float) {
         engine->level = LF_LEVEL_CONVERGED;
         return engine->stage->quilt.views8;
     }
     int64_t unfilled;
-    lf_views8 views = lf_picture_views(&engine->picture, engine->pool, &unfilled);
+    lf_views8 views = lf_picture_views(&engine->picture, engine->pool, &unfilled, out_blank);
+    bool final = engine->converged || engine->stage->scene == NULL;
     if (unfilled > 0) {
+        lf_log(LF_LOG_DEBUG, "%.2f passes: %lld view pixels missing, %lld out of reach", engine->passes,
+               (long long)lf_picture_missing(&engine->picture), (long long)unfilled);
         engine->level = LF_LEVEL_NONE;
-    } else if (views.data == engine->picture.filled) {
-        engine->level = engine->converged ? LF_LEVEL_CONVERGED : LF_LEVEL_COARSE;
+    } else if (final) {
+        engine->level = LF_LEVEL_CONVERGED;
     } else {
-        bool final = engine->converged || engine->stage->scene == NULL;
-        engine->level = final ? LF_LEVEL_CONVERGED : LF_LEVEL_COMPLETE;
+        engine->level = views.data == engine->picture.filled ? LF_LEVEL_COARSE : LF_LEVEL_COMPLETE;
     }
     return views;
 }
@@ -97,8 +101,9 @@ static void drop_interlacer(lf_engine *engine)
 static void post_frame(lf_engine *engine, bool final)
 {
     engine->owed = false;
-    lf_views8 views = views_now(engine);
-    if (engine->level == LF_LEVEL_NONE) {
+    int64_t blank;
+    lf_views8 views = views_now(engine, &blank);
+    if (blank > 0) {
         return;
     }
     const lf_interlacer *interlacer = interlacer_now(engine);
@@ -137,7 +142,8 @@ static bool frame_can_wait(lf_engine *engine)
     pthread_mutex_lock(&mailbox->lock);
     const lf_frame *ready = mailbox->ready >= 0 ? &mailbox->slot[mailbox->ready] : NULL;
     bool wait = ready != NULL && ready->generation == engine->generation && ready->panel == engine->now_panel.number &&
-                (ready->level >= LF_LEVEL_COMPLETE || !complete);
+                ready->level == engine->level && (ready->level >= LF_LEVEL_COMPLETE || !complete) &&
+                ready->level != LF_LEVEL_NONE;
     pthread_mutex_unlock(&mailbox->lock);
     return wait;
 }

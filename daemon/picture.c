@@ -129,16 +129,20 @@ int64_t lf_picture_missing(const lf_picture *picture)
     return sum;
 }
 
-lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfilled)
+lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfilled, int64_t *out_blank)
 {
     lf_views8 views = {.n_views = picture->n_views, .width = picture->width, .height = picture->height};
     views.view_stride = (size_t)picture->width * 3;
     views.row_stride = row_pixels(picture) * 3;
     views.data = picture->rgb;
-    *out_unfilled = 0;
+    *out_unfilled = *out_blank = 0;
     if (lf_picture_missing(picture) > 0) {
         *out_unfilled = lf_fill(picture->n_views, picture->width, picture->height, picture->rgb, picture->missing, LF_COARSE_REACH,
                                 picture->filled, pool);
+        if (*out_unfilled > 0) {
+            *out_blank = lf_fill(picture->n_views, picture->width, picture->height, picture->rgb, picture->missing, LF_FILL_REACH,
+                                 picture->filled, pool);
+        }
         views.data = picture->filled;
     }
     return views;

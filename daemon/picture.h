@@ -7,8 +7,10 @@
 #include "quilt/quilt.h"
 #include "render/render.h"
 
-/* How far a coarse frame may reach for a pixel. */
+/* How far a coarse frame may reach for a pixel, and how far is reached so that a picture that moves is seen before it is
+ * coarse everywhere (a few pixels at the edges of the outer views are seen by few other views and found late). */
 #define LF_COARSE_REACH 4
+#define LF_FILL_REACH 16
 
 typedef struct lf_picture {
     int n_views, width, height, n_threads;
@@ -37,7 +39,8 @@ void lf_picture_take(lf_picture *picture, const lf_views32 *views);
 
 /* How many view pixels are missing. */
 int64_t lf_picture_missing(const lf_picture *picture);
-/* The views to show; borrowed until the next call. *out_unfilled: pixels that could not be filled (0 = at least coarse). */
-lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfilled);
+/* The views to show; borrowed until the next call. *out_unfilled: pixels that have none to be filled from in a coarse frame's reach
+ * (0 = at least coarse); *out_blank: those that have none in LF_FILL_REACH either, and are not shown as anything. */
+lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfilled, int64_t *out_blank);
 
 #endif
