@@ -151,6 +151,10 @@ lf_status convert(Import &import, const Grid &grid)
     if (!check_values(import, grid.tree(), &status))
         return status;
     CoordBBox box = support(grid.tree());
+    /* Big active tiles cost nothing in the file; find out before anything is made of them. */
+    if (grid.activeVoxelCount() > LF_GRID_MAX_BYTES / sizeof(float))
+        return import.fail(LF_E_NOMEM, std::string("grid ") + import.name + " has " + std::to_string(grid.activeVoxelCount()) +
+                                           " active voxels: more than fit in " + std::to_string(LF_GRID_MAX_BYTES >> 30) + " GiB");
     if (box.empty())
         box = CoordBBox(Coord(0), Coord(0));
     double local_to_file[12];

@@ -6,7 +6,7 @@ scene_data += $(scene_generated) $(call wild,scenes/*.json)
 $(BUILDROOT)/tools/%: $(SRCDIR)/scenes/%.c
 	@mkdir -p $(@D)
 	$(call say,CC )$(CC) -std=c11 -O2 -ffp-contract=off -o $@ $< -lm
-$(BUILDROOT)/tools/make_vdb: $(SRCDIR)/scenes/make_vdb.cc
+$(BUILDROOT)/tools/%: $(SRCDIR)/scenes/%.cc
 	@mkdir -p $(@D)
 	$(call say,CXX)$(CXX) -std=c++17 -O2 -ffp-contract=off $(dep_cflags) -o $@ $< -Wl,--as-needed $(dep_libs)
 
@@ -22,3 +22,9 @@ $(eval $(call scene_file,sky.hdr,make_sky))
 $(BUILDROOT)/scenes/%.json: $(SRCDIR)/scenes/%.json
 	@mkdir -p $(@D)
 	@cp $< $@
+
+# what the test of the OpenVDB reader reads
+$(O)/testdata/patterns.vdb: $(BUILDROOT)/tools/make_test_vdb
+	@rm -rf $(@D).new && mkdir -p $(@D).new
+	$(call say,GEN)$< $(@D).new && rm -rf $(@D) && mv $(@D).new $(@D) && touch $@
+$(O)/tests/render/test_vdb_import: | $(O)/testdata/patterns.vdb

@@ -1,0 +1,164 @@
+/* make_test_vdb FOLDER: writes the small OpenVDB files that tests/render/test_vdb_import.c reads: what a reader must understand,
+ * state or refuse. Values of the pattern grids are pattern(i, j, k), which the test computes again. */
+#pragma GCC visibility push(default) /* as in render/vdb_import.cc */
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/LevelSetSphere.h>
+#pragma GCC visibility pop
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::FloatGrid;
+
+/* A multiple of 1/64 in 0..1, exact as a half too. */
+double pattern(int i, int j, int k)
+{
+    unsigned h = unsigned(i) * 73u ^ unsigned(j) * 19u ^ unsigned(k) * 83u;
+    return double(h % 65u) / 64.0;
+}
+
+template<typename Grid>
+typename Grid::Ptr pattern_grid(const char *name)
+{
+    auto grid = Grid::create(0);
+    auto accessor = grid->getAccessor();
+    for (int k = -9; k <= 8; k++)
+        for (int j = 3; j <= 30; j++)
+            for (int i = -5; i <= 20; i++)
+                accessor.setValueOn(Coord(i, j, k), typename Grid::ValueType(pattern(i, j, k)));
+    grid->setName(name);
+    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    return grid;
+}
+
+/* x = 0.5 i + 0.125 j + 7, y = 0.25 k - 3, z = -2 j + 1: turned, sheared, stretched and moved. */
+openvdb::math::Transform::Ptr odd_map()
+{
+    openvdb::math::Mat4d m(0.5, 0., 0., 0., 0.125, 0., -2., 0., 0., 0.25, 0., 0., 7., -3., 1., 1.);
+    return openvdb::math::Transform::createLinearTransform(m);
+}
+
+FloatGrid::Ptr one_voxel(const char *name, float value)
+{
+    auto grid = FloatGrid::create(0);
+    grid->tree().setValueOn(Coord(0), value);
+    grid->setName(name);
+    return grid;
+}
+
+openvdb::GridPtrVec patterns()
+{
+    auto single = pattern_grid<FloatGrid>("density"), half = pattern_grid<FloatGrid>("half");
+    auto twice = pattern_grid<openvdb::DoubleGrid>("double");
+    single->setTransform(odd_map());
+    half->setSaveFloatAsHalf(true);
+    return {single, half, twice};
+}
+
+/* A 128^3 tile, an 8^3 tile and a voxel on its own. */
+openvdb::GridPtrVec tiles()
+{
+    auto grid = FloatGrid::create(0);
+    grid->tree().addTile(2, Coord(0), 0.25f, true);
+    grid->tree().addTile(1, Coord(128, 0, 0), 0.5f, true);
+    grid->tree().setValueOn(Coord(140, 3, -2), 0.75f);
+    grid->setName("density");
+    return {grid};
+}
+
+openvdb::GridPtrVec kinds()
+{
+    auto vector = openvdb::Vec3SGrid::create();
+    auto flags = openvdb::Int32Grid::create();
+    auto mask = openvdb::BoolGrid::create();
+    vector->setName("velocity");
+    flags->setName("flags");
+    mask->setName("mask");
+    return {vector, flags, mask};
+}
+
+openvdb::GridPtrVec bad_values()
+{
+    return {one_voxel("nan", std::numeric_limits<float>::quiet_NaN()), one_voxel("infinite", std::numeric_limits<float>::infinity()),
+            one_voxel("negative", -0.5f)};
+}
+
+openvdb::GridPtrVec frustum()
+{
+    auto grid = one_voxel("density", 1);
+    grid->setTransform(openvdb::math::Transform::createFrustumTransform(
+        openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(10)), 0.5, 10, 1));
+    return {grid};
+}
+
+openvdb::GridPtrVec sizes()
+{
+    auto far = one_voxel("far", 1), full = FloatGrid::create(0);
+    far->tree().setValueOn(Coord(2000000, 0, 0), 1);
+    full->tree().addTile(3, Coord(0), 1, true); /* 4096^3 voxels */
+    full->setName("full");
+    return {far, full};
+}
+
+openvdb::GridPtrVec empty()
+{
+    auto none = FloatGrid::create(0);
+    none->setName("density");
+    return {none, one_voxel("zero", 0)};
+}
+
+openvdb::GridPtrVec level_set()
+{
+    auto sphere = openvdb::tools::createLevelSetSphere<FloatGrid>(5.0f, openvdb::Vec3f(0), 0.5f, 3.0f);
+    sphere->setName("density");
+    return {sphere};
+}
+
+void write(const std::string &folder, const char *name, const openvdb::GridPtrVec &grids, uint32_t compression)
+{
+    openvdb::io::File file(folder + "/" + name);
+    file.setCompression(compression);
+    file.write(grids);
+    file.close();
+}
+
+void write_all(const std::string &folder)
+{
+    const uint32_t zip = openvdb::io::COMPRESS_ACTIVE_MASK | openvdb::io::COMPRESS_ZIP;
+    const uint32_t blosc = openvdb::io::COMPRESS_ACTIVE_MASK | openvdb::io::COMPRESS_BLOSC;
+    openvdb::initialize();
+    write(folder, "patterns.vdb", patterns(), blosc);
+    write(folder, "patterns_zip.vdb", patterns(), zip);
+    write(folder, "patterns_plain.vdb", patterns(), openvdb::io::COMPRESS_NONE);
+    write(folder, "tiles.vdb", tiles(), zip);
+    write(folder, "kinds.vdb", kinds(), zip);
+    write(folder, "names.vdb", {one_voxel("density", 1), one_voxel("density", 2), one_voxel("density", 3)}, zip);
+    write(folder, "values.vdb", bad_values(), zip);
+    write(folder, "frustum.vdb", frustum(), zip);
+    write(folder, "sizes.vdb", sizes(), zip);
+    write(folder, "empty.vdb", empty(), zip);
+    write(folder, "level_set.vdb", level_set(), zip);
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    if (argc != 2) {
+        std::fprintf(stderr, "usage: make_test_vdb FOLDER\n");
+        return 2;
+    }
+    try {
+        write_all(argv[1]);
+    } catch (const std::exception &e) {
+        std::fprintf(stderr, "make_test_vdb: %s: %s\n", argv[1], e.what());
+        return 1;
+    }
+    return 0;
+}
