@@ -65,7 +65,8 @@ struct lf_engine {
     bool owed;      /* the picture changed since the last frame */
     double passes;  /* mean over rows */
     double seconds, cpu_seconds;
-    uint64_t n_frames;
+    uint64_t n_frames, n_frames_before; /* posted; before this stage */
+    double frame_at; /* when the last one was composed */
     lf_render_stats stats;
     double stats_at, stats_cost, views_at;
 };

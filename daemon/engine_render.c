@@ -9,6 +9,9 @@
 #define SLICE_SECONDS_COMPLETE 0.25
 #define SLICE_SECONDS_LATE 0.5
 #define LATE_SECONDS 10.0
+/* Frames are at least so far apart, while the picture is incomplete and later: small pictures have short slices. */
+#define FRAME_SECONDS 0.03
+#define FRAME_SECONDS_COMPLETE 0.1
 /* Views are copied for devices that show them at most this often. */
 #define VIEWS_SECONDS 0.45
 /* The error estimate reads the whole film: it gets at most a twentieth of the time. */
@@ -101,6 +104,7 @@ static void drop_interlacer(lf_engine *engine)
 static void post_frame(lf_engine *engine, bool final)
 {
     engine->owed = false;
+    engine->frame_at = lf_time_now();
     int64_t blank;
     lf_views8 views = views_now(engine, &blank);
     if (blank > 0) {
@@ -133,12 +137,17 @@ static void post_frame(lf_engine *engine, bool final)
     lf_mailbox_post(&engine->mailbox, frame);
 }
 
-/* A frame that nobody has taken yet and that says no less than the one there would be now: another one is not worth its
- * interlacing. It stays owed. */
+/* One was posted just now; or nobody has taken the last one yet, and it says no less than the one there would be now:
+ * another one is not worth its interlacing. It stays owed. */
 static bool frame_can_wait(lf_engine *engine)
 {
     lf_mailbox *mailbox = &engine->mailbox;
     bool complete = lf_picture_missing(&engine->picture) == 0;
+    bool news = (engine->level < LF_LEVEL_COMPLETE && complete) || engine->n_frames == engine->n_frames_before;
+    double apart = engine->level < LF_LEVEL_COMPLETE ? FRAME_SECONDS : FRAME_SECONDS_COMPLETE;
+    if (!news && lf_time_now() - engine->frame_at < apart) {
+        return true;
+    }
     pthread_mutex_lock(&mailbox->lock);
     const lf_frame *ready = mailbox->ready >= 0 ? &mailbox->slot[mailbox->ready] : NULL;
     bool wait = ready != NULL && ready->generation == engine->generation && ready->panel == engine->now_panel.number &&
@@ -154,6 +163,7 @@ void engine_slice(lf_engine *engine)
     double start = lf_time_now();
     double cpu = lf_time_cpu();
     lf_status status = LF_OK;
+    engine->picture.sampled = engine->passes >= engine->schedule.n_views;
     if (slice.n_rows > 0) {
         status = lf_renderer_pass(engine->renderer, slice.first, slice.step, slice.subsets, lf_picture_row, &engine->picture,
                                   &engine->cancel);
@@ -223,9 +233,10 @@ static lf_status restore(lf_engine *engine, engine_request *request)
         return status;
     }
     request->restored = true;
-    lf_picture_resolve(&engine->picture, engine->pool);
     update_stats(engine, true);
     engine->passes = engine->stats.passes;
+    engine->picture.sampled = engine->passes >= request->stage->layout.n_views;
+    lf_picture_resolve(&engine->picture, engine->pool);
     engine->owed = true;
     return LF_OK;
 }
@@ -292,6 +303,7 @@ static void start_over(lf_engine *engine)
     engine->passes = engine->seconds = engine->cpu_seconds = 0;
     engine->stats = (lf_render_stats){.rel_mse_estimate = -1};
     engine->stats_at = 0;
+    engine->n_frames_before = engine->n_frames;
 }
 
 /* The old stage again, after a new one could not be set up. */

@@ -79,6 +79,7 @@ lf_status lf_picture_shape(lf_picture *picture, int n_views, int width, int heig
     }
     lf_tone_destroy(picture->tone);
     picture->tone = tone;
+    picture->sampled = false;
     forget(picture);
     return LF_OK;
 }
@@ -94,9 +95,10 @@ void lf_picture_row(void *context, int row, int worker)
     }
     lf_tone_map(picture->tone, n, linear, picture->rgb + (size_t)row * n * 3);
     uint8_t *missing = picture->missing + (size_t)row * n;
+    uint8_t not_there = picture->sampled ? LF_PIXEL_UNSEEN : LF_PIXEL_HOLE | LF_PIXEL_UNSEEN;
     int64_t count = 0;
     for (size_t i = 0; i < n; i++) {
-        missing[i] = flags[i] & (LF_PIXEL_HOLE | LF_PIXEL_UNSEEN);
+        missing[i] = flags[i] & not_there;
         count += missing[i] != 0;
     }
     picture->row_missing[row] = count;

@@ -22,6 +22,7 @@ typedef struct lf_picture {
     lf_tone *tone;
     const lf_renderer *renderer; /* borrowed: what rows are resolved from */
     lf_estimator estimator;
+    bool sampled; /* every view pixel has been looked through itself, on average: finding nothing there is an answer, not a hole */
 } lf_picture;
 
 /* Makes room for this shape (kept when it is the one already there) and takes the film block's tone. Everything is missing
