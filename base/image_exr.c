@@ -1,7 +1,7 @@
-/* OpenEXR by the C library OpenEXRCore. The Core of OpenEXR 3.1 (Debian 12) has no DWA decoder and does not rebuild
- * luminance-chroma pictures: pixels of those two kinds come through the C interface of the C++ library (ImfCRgbaFile.h),
- * whose half floats lose nothing there, as DWA and chroma coding go by way of halfs themselves. Headers are always
- * the Core's, so every check is made once. */
+/* OpenEXR by the C library OpenEXRCore. The Core of OpenEXR 3.1 (Debian 12) has no DWA decoder, decodes B44 wrongly where a side
+ * is no multiple of 4, and does not rebuild luminance-chroma pictures. Pixels of those kinds come through the C interface of the
+ * C++ library (ImfCRgbaFile.h), whose half floats lose nothing there, as DWA, B44 and chroma coding go by way of halfs
+ * themselves. Headers are always the Core's, so every check is made once. */
 #include <errno.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -31,7 +31,7 @@ typedef struct exr_input {
     exr_attr_box2i_t data, display;
     int data_width, data_height;
     exr_compression_t compression;
-    bool tiled, grey, chroma;
+    bool tiled, grey, chroma, half;
 } exr_input;
 
 static bool recognises_exr(const uint8_t *head, size_t n)
@@ -97,13 +97,19 @@ static bool has_channel(const exr_attr_chlist_t *channels, const char *name)
     return false;
 }
 
-static bool is_subsampled(const exr_attr_chlist_t *channels, const char *name)
+static bool has_half(const exr_attr_chlist_t *channels)
 {
-    for (int i = 0; i < channels->num_channels; i++) {
-        const exr_attr_chlist_entry_t *c = &channels->entries[i];
-        if (strcmp(c->name.str, name) == 0 && (c->x_sampling != 1 || c->y_sampling != 1))
+    for (int i = 0; i < channels->num_channels; i++)
+        if (channels->entries[i].pixel_type == EXR_PIXEL_HALF)
             return true;
-    }
+    return false;
+}
+
+static bool is_subsampled(const exr_attr_chlist_t *channels)
+{
+    for (int i = 0; i < channels->num_channels; i++)
+        if (channels->entries[i].x_sampling != 1 || channels->entries[i].y_sampling != 1)
+            return true;
     return false;
 }
 
@@ -116,12 +122,12 @@ static lf_status check_channels(exr_input *in)
         return bad(in->session, rv);
     bool rgb = has_channel(channels, "R") && has_channel(channels, "G") && has_channel(channels, "B");
     in->grey = !rgb && has_channel(channels, "Y");
+    in->half = has_half(channels);
     in->chroma = in->grey && has_channel(channels, "RY") && has_channel(channels, "BY");
     if (!rgb && !in->grey)
         return lf_error_set(in->session->err, LF_E_FORMAT, where, "an EXR with neither the channels R, G, B nor Y");
-    if (is_subsampled(channels, "R") || is_subsampled(channels, "G") || is_subsampled(channels, "B") ||
-        is_subsampled(channels, "Y"))
-        return lf_error_set(in->session->err, LF_E_FORMAT, where, "an EXR with subsampled R, G, B or Y");
+    if (is_subsampled(channels) && !in->chroma)
+        return lf_error_set(in->session->err, LF_E_FORMAT, where, "an EXR with subsampled channels that are not Y, RY, BY");
     int n_used = rgb || in->chroma ? 3 : 1;
     if (channels->num_channels > n_used)
         lf_log(LF_LOG_DEBUG, "%s: %d further channels are not read", where, channels->num_channels - n_used);
@@ -340,6 +346,20 @@ static lf_status read_by_rgba_library(const exr_input *in, lf_image32 *out)
     return status;
 }
 
+static bool is_beyond_core(const exr_input *in)
+{
+    switch (in->compression) {
+    case EXR_COMPRESSION_DWAA:
+    case EXR_COMPRESSION_DWAB:
+        return true;
+    case EXR_COMPRESSION_B44:
+    case EXR_COMPRESSION_B44A:
+        return in->half || in->chroma; /* other types lie in it as they are */
+    default:
+        return in->chroma;
+    }
+}
+
 static lf_status read_part(exr_input *in, lf_image32 *out)
 {
     lf_status status = read_header(in);
@@ -349,8 +369,7 @@ static lf_status read_part(exr_input *in, lf_image32 *out)
     status = lf_image32_init(out, width, height, 3);
     if (status != LF_OK)
         return lf_error_set(in->session->err, status, in->session->source->where, "no memory for the picture");
-    bool dwa = in->compression == EXR_COMPRESSION_DWAA || in->compression == EXR_COMPRESSION_DWAB;
-    return dwa || in->chroma ? read_by_rgba_library(in, out) : read_by_core(in, out);
+    return is_beyond_core(in) ? read_by_rgba_library(in, out) : read_by_core(in, out);
 }
 
 static lf_status read_exr(const lf_image_source *source, lf_image32 *out, lf_error *err)
