@@ -73,7 +73,7 @@ static void save_png(const char *path, const lf_image8 *image, int level, const 
     lf_outfile file = open_scratch(path);
     lf_error err;
     lf_assert_ok(lf_png_write(&file, image, level, attributes, n, &err), &err);
-    lf_outfile_abandon(&file);
+    assert_int_equal(close(file.fd), 0);
 }
 
 static void save_exr(const char *path, const lf_image32 *image, const lf_attribute *attributes, int n)
@@ -81,7 +81,7 @@ static void save_exr(const char *path, const lf_image32 *image, const lf_attribu
     lf_outfile file = open_scratch(path);
     lf_error err;
     lf_assert_ok(lf_exr_write(&file, image, attributes, n, &err), &err);
-    lf_outfile_abandon(&file);
+    assert_int_equal(close(file.fd), 0);
 }
 
 static lf_image8 noise8(int width, int height)
