@@ -35,6 +35,12 @@ struct Import {
     {
         return lf_error_set(err, status, path, "%s", what.c_str());
     }
+
+    /* What building the bricks said, about this file. */
+    lf_status fail(const lf_error &inner) const
+    {
+        return fail(inner.status, std::string("grid ") + name + ": " + inner.what);
+    }
 };
 
 struct Box {
@@ -130,9 +136,9 @@ lf_status fill(Import &import, const Tree &tree, const Coord &origin)
         if (*value > 0)
             lf_grid_mark(import.grid, box.first, box.last);
     }
-    lf_status status = lf_grid_allocate(import.grid, import.err);
-    if (status != LF_OK)
-        return status;
+    lf_error problem;
+    if (lf_grid_allocate(import.grid, &problem) != LF_OK)
+        return import.fail(problem);
     for (auto value = tree.cbeginValueOn(); value; ++value) {
         CoordBBox bbox;
         value.getBoundingBox(bbox);
@@ -163,8 +169,10 @@ lf_status convert(Import &import, const Grid &grid)
     int64_t size[3];
     for (int i = 0; i < 3; i++)
         size[i] = int64_t(box.max()[i]) - box.min()[i] + 1;
-    status = lf_grid_create(size, local_to_file, &import.grid, import.err);
-    return status == LF_OK ? fill(import, grid.tree(), box.min()) : status;
+    lf_error problem;
+    if (lf_grid_create(size, local_to_file, &import.grid, &problem) != LF_OK)
+        return import.fail(problem);
+    return fill(import, grid.tree(), box.min());
 }
 
 /* Level sets become fog first. */
