@@ -159,7 +159,7 @@ static void add_native(lf_visit *visit, int view, int column, const lf_event *ev
     lf_vec3 radiance = lf_path_light_found(visit->scene, event, &next, &light_pdf);
     if (next.kind != LF_EVENT_ESCAPE)
         radiance = lf_add(radiance, lf_path_scattered(tracer, &next, 2, visit->max_depth));
-    radiance = lf_scale(lf_mul(radiance, r), 1.0f / probability);
+    radiance = lf_scale(lf_mul(radiance, r), visit->weight / probability);
     float *out = visit->half.native[(size_t)view * (size_t)visit->rig->width + (size_t)column];
     out[0] += radiance.x;
     out[1] += radiance.y;
@@ -208,12 +208,13 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
         pivot.x = ray.c + ray.slope * z;
         event->p = lf_rig_point(rig, pivot.x, visit->plane.ly + visit->plane.my * z, z);
         event->volume = collided_volume(visit, event->p);
+        pivot.boost *= visit->weight;
         visit->integrator->pivot(visit, view, column, &pivot);
     } else if (surface) {
         lf_vec3 d = lf_sub(event->hit.p, rig->eye);
         event->kind = LF_EVENT_SURFACE;
         event->p = event->hit.p;
-        pivot.boost = 1.0f;
+        pivot.boost = visit->weight;
         pivot.x = lf_dot(d, rig->right);
         pivot.z = lf_dot(d, rig->forward);
         add_native(visit, view, column, event);
@@ -224,33 +225,58 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
 
 /* ------------------------------------------------------------------------------------------------------------ visit -- */
 
+/* Draws the plane of a visit and resamples the volumes on it. key names the half's stream, index the visit. */
+static void begin(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint32_t index)
+{
+    const float lens[2] = {lf_sampler_radical(lf_hash64(key, 1), index), lf_sampler_radical(lf_hash64(key, 2), index)};
+    float offset = lf_sampler_radical(lf_hash64(key, 0), index);
+    visit->scene = plan->scene;
+    visit->rig = plan->rig;
+    visit->kernels = plan->kernels;
+    visit->integrator = plan->integrator;
+    visit->max_depth = plan->max_depth;
+    visit->subsets = plan->subsets;
+    visit->step = lattice_step(plan->rig->n_views);
+    visit->weight = 1.0f;
+    visit->faults = plan->faults;
+    lf_rig_row_plane(plan->rig, (float)visit->row + offset, lens, &visit->plane);
+    visit->worker->tracer.scene = plan->scene;
+    if (!plan->frame->empty)
+        lf_slice_fill(&visit->worker->slice, plan->frame, plan->scene, plan->rig, &visit->plane,
+                      lf_sampler_radical(lf_hash64(key, 4), index), &visit->worker->tracer.lookups);
+}
+
+static uint64_t stream(const lf_visit_plan *plan, int row, int half)
+{
+    return lf_hash64(lf_hash64(plan->seed, (uint64_t)row), (uint64_t)half);
+}
+
+static bool cancelled(const lf_cancel *cancel)
+{
+    return cancel && atomic_load_explicit(cancel, memory_order_relaxed);
+}
+
 bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worker, const lf_cancel *cancel)
 {
     lf_film_row *state = &plan->film->rows[row];
-    const lf_rig *rig = plan->rig;
+    int width = plan->rig->width, views = plan->rig->n_views;
     if (state->visits[0] + state->visits[1] == 0)
         lf_film_row_begin(plan->film, row);
     uint32_t index = state->visits[half];
-    uint64_t key = lf_hash64(lf_hash64(plan->seed, (uint64_t)row), (uint64_t)half);
-    lf_visit visit = {.scene = plan->scene, .rig = rig, .kernels = plan->kernels, .integrator = plan->integrator,
-                      .worker = worker, .half = lf_film_at(plan->film, row, half), .row = row, .max_depth = plan->max_depth,
-                      .subsets = plan->subsets, .step = lattice_step(rig->n_views), .faults = plan->faults};
-    const float lens[2] = {lf_sampler_radical(lf_hash64(key, 1), index), lf_sampler_radical(lf_hash64(key, 2), index)};
-    float offset = lf_sampler_radical(lf_hash64(key, 0), index);
-    uint64_t random = lf_hash64(lf_hash64(key, 3), index);
-    visit.start = (int)(random % (uint64_t)rig->n_views);
-    lf_rig_row_plane(rig, (float)row + offset, lens, &visit.plane);
-    worker->tracer.scene = plan->scene;
-    if (!plan->frame->empty)
-        lf_slice_fill(&worker->slice, plan->frame, plan->scene, rig, &visit.plane, lf_sampler_radical(lf_hash64(key, 4), index),
-                      &worker->tracer.lookups);
+    uint64_t key = stream(plan, row, half), random = lf_hash64(lf_hash64(key, 3), index);
+    lf_visit visit = {.worker = worker, .half = lf_film_at(plan->film, row, half), .row = row};
+    begin(plan, &visit, key, index);
+    visit.start = (int)(random % (uint64_t)views);
 
-    float weight = (float)plan->subsets / (float)(rig->n_views * plan->column_step);
-    lf_exits_row(plan, &visit, lf_hash64(key, 5), index, weight);
-    int first_column = plan->column_step > 1 ? (int)(random >> 32) % plan->column_step : 0;
-    for (int column = first_column; column < rig->width; column += plan->column_step) {
+    float weight = (float)plan->subsets / (float)(views * plan->column_step);
+    lf_visit known = visit;
+    if (plan->faults & LF_FAULT_OFFSET)
+        known.plane.my += 0.5f * plan->rig->dy / plan->rig->distance;
+    lf_exits_row(plan, &known, lf_hash64(key, 5), index, weight);
+    int first = plan->column_step > 1 ? (int)((random >> 32) % (uint64_t)plan->column_step) : 0;
+    for (int column = first; column < width; column += plan->column_step) {
         for (int j = 0; j < plan->subsets; j++) {
-            if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
+            if (cancelled(cancel))
                 return false;
             base_sample(plan, &visit, lattice_view(&visit, column, j), column, key, index);
         }
@@ -258,5 +284,41 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     state->visits[half]++;
     state->n[half] += (double)weight;
     state->passes += (double)plan->subsets / plan->column_step;
+    return true;
+}
+
+static bool is_hole(const lf_film_half half[2], const double n[2], size_t pixel)
+{
+    float q = 0.0f, w = 0.0f;
+    for (int h = 0; h < 2; h++) {
+        q += n[h] > 0.0 ? half[h].known[pixel].q : 0.0f;
+        w += n[h] > 0.0 ? half[h].scattered[pixel].w : 0.0f;
+    }
+    return q > 0.0f && !(w > 0.0f);
+}
+
+bool lf_visit_holes(const lf_visit_plan *plan, int row, int reach, lf_worker *worker, const lf_cancel *cancel)
+{
+    enum { TRIES = 4 };
+    const lf_film_row *state = &plan->film->rows[row];
+    int to = state->n[1] > state->n[0], width = plan->rig->width;
+    uint64_t key = lf_hash64(stream(plan, row, to), 6);
+    uint32_t index = TRIES * (state->visits[0] + state->visits[1]);
+    const lf_film_half half[2] = {lf_film_at(plan->film, row, 0), lf_film_at(plan->film, row, 1)};
+    lf_visit visit = {.worker = worker, .half = half[to], .row = row};
+    begin(plan, &visit, key, index);
+    visit.integrator = &lf_integrator_vpt;
+    visit.weight = (float)state->n[to];
+    for (int view = 0; view < plan->rig->n_views; view++) {
+        for (int column = 0, filled = 0; column < width; column++) {
+            size_t pixel = (size_t)view * (size_t)width + (size_t)column;
+            for (int i = 0; i < TRIES && column - filled >= reach && is_hole(half, state->n, pixel); i++) {
+                if (cancelled(cancel))
+                    return false;
+                base_sample(plan, &visit, view, column, key, index + (uint32_t)i);
+            }
+            filled = is_hole(half, state->n, pixel) ? filled : column;
+        }
+    }
     return true;
 }
