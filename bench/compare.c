@@ -204,9 +204,7 @@ static lf_status render(comparison *c, const contender *who, uint64_t seed, cons
     lf_budget left = *budget;
     if (left.cpu_seconds > 0)
         left.cpu_seconds = fmax(1e-3, left.cpu_seconds - (lf_time_cpu() - start));
-    status = lf_render_run(renderer, &left, who->estimator, NULL, NULL, NULL, &times);
-    if (status == LF_OK)
-        status = lf_renderer_resolve(renderer, who->estimator, c->picture, NULL);
+    status = lf_render_run(renderer, &left, who->estimator, c->picture, NULL, NULL, NULL, &times);
     out->cpu_seconds = lf_time_cpu() - start;
     lf_renderer_stats(renderer, &stats);
     out->native_spp = stats.native_spp_mean;

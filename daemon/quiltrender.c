@@ -441,6 +441,25 @@ static lf_status prepare_print(job *j, int n_views_most, lf_error *err)
     return status;
 }
 
+/* How a finished light field is laid out anew: a folder has neither tiles nor an aspect but what the options and the names say. */
+static void lay_out_quilt(job *j)
+{
+    const arguments *a = j->arguments;
+    int columns = 0;
+    int rows = 0;
+    double aspect = 0;
+    bool stated = lf_layout_from_name(a->scene, &columns, &rows, &aspect) && aspect > 0;
+
+    j->layout = j->quilt.layout;
+    if (a->options.columns * a->options.rows >= j->layout.n_views) {
+        j->layout.columns = a->options.columns;
+        j->layout.rows = a->options.rows;
+    }
+    aspect = 0;
+    if (!stated && lf_layout_from_name(a->out, &columns, &rows, &aspect) && aspect > 0)
+        j->layout.aspect = aspect;
+}
+
 static lf_status open_quilt(job *j, lf_error *err)
 {
     const arguments *a = j->arguments;
@@ -460,7 +479,8 @@ static lf_status open_quilt(job *j, lf_error *err)
                               j->quilt.layout.n_views);
     else if (o->views > 0)
         j->quilt.layout.n_views = j->quilt.views8.n_views = j->quilt.views32.n_views = o->views;
-    j->layout = j->quilt.layout;
+    if (status == LF_OK)
+        lay_out_quilt(j);
     return status;
 }
 
@@ -512,20 +532,14 @@ static lf_status render(job *j, lf_error *err)
         return status;
     if (a->spp > 0)
         budget.passes = a->spp * j->settings.camera.n_views;
-    status = lf_render_run(j->renderer, &budget, a->options.estimator, show_rendering, &j->line, &cancel, &j->times);
-    if (status != LF_OK)
-        return lf_error_set(err, status, a->out, "%s", status == LF_E_CANCELLED ? "interrupted: nothing was written"
-                                                                                : "rendering failed");
     j->film = lf_calloc((size_t)j->settings.height * views, (size_t)j->settings.width * 3 * sizeof(float));
     if (!j->film)
         return lf_error_set(err, LF_E_NOMEM, a->out, "no memory for %zu views of %dx%d pixels", views, j->settings.width,
                             j->settings.height);
-    double wall = lf_time_now();
-    double cpu = lf_time_cpu();
-    status = lf_renderer_resolve(j->renderer, a->options.estimator, j->film, NULL);
-    j->times.seconds += lf_time_now() - wall;
-    j->times.cpu_seconds += lf_time_cpu() - cpu;
-    return status == LF_OK ? LF_OK : lf_error_set(err, status, a->out, "cannot resolve the film");
+    status = lf_render_run(j->renderer, &budget, a->options.estimator, j->film, show_rendering, &j->line, &cancel, &j->times);
+    if (status == LF_E_CANCELLED)
+        return lf_error_set(err, status, a->out, "interrupted: nothing was written");
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, a->out, "rendering failed");
 }
 
 static json_t *make_record(const job *j)
@@ -544,6 +558,8 @@ static lf_status write_output(job *j, lf_error *err)
     const lf_film_settings *film = j->scene ? lf_scene_film_settings(j->scene) : NULL;
     lf_output_source source = j->is_quilt ? lf_output_from_quilt(&j->quilt) : lf_output_from_film(&j->settings, j->film);
 
+    if (j->is_quilt)
+        source.aspect = j->layout.aspect;
     j->record = make_record(j);
     if (!j->record)
         return lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");

@@ -6,6 +6,8 @@
 
 typedef struct run {
     lf_renderer *renderer;
+    lf_estimator estimator;
+    float *film;
     int n_views;
     int64_t passes; /* so far */
     double start, cpu_start;
@@ -38,10 +40,10 @@ static lf_status add(run *r, int64_t n_passes, bool split)
 
 /* Pairs of whole cycles (one for each half of the film) are what lf_renderer_passes makes of any number of them, so that the
  * film is the same as after a single call. */
-static lf_status run_passes(run *r, int64_t n_passes, lf_estimator estimator)
+static lf_status run_passes(run *r, int64_t n_passes)
 {
     int64_t most = 2 * (int64_t)r->n_views;
-    bool split = n_passes == 1 && estimator == LF_ESTIMATOR_CV;
+    bool split = n_passes == 1 && r->estimator == LF_ESTIMATOR_CV;
     lf_status status = LF_OK;
 
     while (r->passes < n_passes && status == LF_OK) {
@@ -79,6 +81,9 @@ static lf_status run_target(run *r, double target)
 
     do {
         status = add(r, next, false);
+        /* the estimate is a by-product of the answer */
+        if (status == LF_OK)
+            status = lf_renderer_resolve(r->renderer, r->estimator, r->film, NULL);
         if (status != LF_OK)
             break;
         lf_renderer_stats(r->renderer, &stats);
@@ -89,11 +94,13 @@ static lf_status run_target(run *r, double target)
     return status;
 }
 
-lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator, lf_render_progress_fn progress,
-                        void *context, const lf_cancel *cancel, lf_render_times *out_times)
+lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator, float *film,
+                        lf_render_progress_fn progress, void *context, const lf_cancel *cancel, lf_render_times *out_times)
 {
     run r = {
         .renderer = renderer,
+        .estimator = estimator,
+        .film = film,
         .n_views = lf_renderer_settings(renderer)->camera.n_views,
         .start = lf_time_now(),
         .cpu_start = lf_time_cpu(),
@@ -105,7 +112,7 @@ lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estim
 
     report(&r, 0);
     if (budget->passes > 0) {
-        status = run_passes(&r, budget->passes, estimator);
+        status = run_passes(&r, budget->passes);
     } else if (budget->seconds > 0) {
         status = run_time(&r, budget->seconds, lf_time_now);
     } else if (budget->cpu_seconds > 0) {
@@ -114,6 +121,8 @@ lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estim
         assert(budget->target_error > 0);
         status = run_target(&r, budget->target_error);
     }
+    if (status == LF_OK)
+        status = lf_renderer_resolve(renderer, estimator, film, NULL);
     *out_times = (lf_render_times){r.passes, lf_time_now() - r.start, lf_time_cpu() - r.cpu_start};
     return status;
 }

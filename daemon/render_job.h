@@ -30,10 +30,11 @@ typedef struct lf_render_times {
     double seconds, cpu_seconds;
 } lf_render_times;
 
-/* Adds passes to the renderer until the budget is spent. With passes, the same seed and settings give the same film for any
- * number of threads. estimator tells how the film will be asked (cross-fitting within a single pass). A time budget runs at
- * least two passes and ends within about one pass of its time. progress may be NULL. LF_E_CANCELLED. */
-LF_NODISCARD lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
+/* Adds passes to the renderer until the budget is spent, and resolves the film. With passes, the same seed and settings give
+ * the same picture for any number of threads. A time budget runs at least two passes and ends within about one pass of its
+ * time. film [row][view][column][3] gets the answer of the estimator. progress may be NULL. LF_E_CANCELLED: film is not
+ * written, or not whole. */
+LF_NODISCARD lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator, float *film,
                                      lf_render_progress_fn progress, void *context, const lf_cancel *cancel,
                                      lf_render_times *out_times);
 
