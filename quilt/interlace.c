@@ -138,20 +138,20 @@ int lf_view_of_subpixel(const lf_calibration *calibration, int n_views, lf_inver
 
 /* --------------------------------------------------------------------------------------------------------- create -- */
 
-/* n samples of a panel axis that shows `size` view samples over `share` of its length, centred. */
+/* n samples of a panel axis that shows `size` view samples over `share` of its length, centred. Multiplied first, so that pixels
+ * whose middle lies on a border between samples fall on its right side whatever n is. */
 static void map_axis(sample *samples, int n, int size, double share)
 {
     for (int i = 0; i < n; i++) {
-        double u = (i + 0.5) / n;
+        double at = (i + 0.5) * size / n;
         if (share < 1)
-            u = (u - 0.5) / share + 0.5;
+            at = (((i + 0.5) / n - 0.5) / share + 0.5) * size;
         samples[i].nearest = -1;
-        if (u < 0 || u >= 1)
+        if (at < 0 || at >= size)
             continue;
-        int nearest = (int)(u * size);
-        double at = u * size - 0.5;
+        samples[i].nearest = (int)at;
+        at -= 0.5;
         int low = (int)floor(at);
-        samples[i].nearest = nearest < size ? nearest : size - 1;
         samples[i].weight = at - low;
         samples[i].low = low < 0 ? 0 : low;
         samples[i].high = low + 1 < size ? low + 1 : size - 1;
