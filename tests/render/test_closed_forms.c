@@ -1,0 +1,334 @@
+/* Pictures that are known: furnaces, an absorbing slab, a point light on a plane, single scattering in a slab, two cameras in one
+ * place. Replicates are seeds; blocks are compared by Student's t, false alarms as stat.h says. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "tests/stat/fixture.h"
+
+enum { width = 32, height = 24, n_views = 5 };
+
+#define CAMERA "'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'views': 5, 'cone': 30 }, "
+#define WHITE_SKY "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }"
+
+static const lf_estimator estimators[] = {LF_ESTIMATOR_MWIS, LF_ESTIMATOR_MIS, LF_ESTIMATOR_CV}; /* as in lf_blocks blocks[3] */
+static const char *const integrators[] = {"mvpt", "vpt"};
+
+/* Comparisons of this program that may fail by chance: 3 estimators x 2 integrators x 61 blocks x 10 scenes. */
+#define LEVEL lf_sidak(LF_FALSE_ALARM, 3 * 2 * 61 * 10)
+
+static lf_pool *pool;
+
+/* Truth of one pixel: mean of a function of the pinhole ray's slopes over it. */
+typedef double (*truth_fn)(const lf_renderer *renderer, int view, double mx, double my);
+
+static double *truth_picture(const lf_renderer *r, truth_fn truth)
+{
+    const double place[2] = {0.5 - sqrt(1.0 / 12.0), 0.5 + sqrt(1.0 / 12.0)};
+    double *out = malloc(sizeof *out * n_views * width * height), *p = out;
+    for (int row = 0; row < height; row++) {
+        for (int view = 0; view < n_views; view++) {
+            for (int column = 0; column < width; column++, p++) {
+                *p = 0.0;
+                for (int i = 0; i < 4; i++) {
+                    double mx, my;
+                    lf_test_slopes(r, view, column + place[i & 1], row + place[i >> 1], &mx, &my);
+                    *p += 0.25 * truth(r, view, mx, my);
+                }
+            }
+        }
+    }
+    return out;
+}
+
+static double one(const lf_renderer *renderer, int view, double mx, double my)
+{
+    (void)renderer, (void)view, (void)mx, (void)my;
+    return 1.0;
+}
+
+static void add_picture(lf_blocks *blocks, const lf_renderer *r, lf_estimator estimator)
+{
+    double *picture = lf_test_picture(r, estimator);
+    lf_blocks_add(blocks, picture);
+    free(picture);
+}
+
+/* The mean over seeds of every estimate by both integrators against the truth. mis and cv are unbiased after `passes`; mwis is
+ * consistent only, its bias being that of pixels where nothing has arrived yet, and answers after mwis_passes more (0 = not asked). */
+static void assert_blocks(const char *text, truth_fn truth, int passes, int mwis_passes, int replicates, double rounding)
+{
+    lf_scene *scene = lf_test_scene(text);
+    for (int i = 0; i < 2; i++) {
+        lf_renderer *r = lf_test_renderer(scene, integrators[i], width, height, pool);
+        double *expected = truth_picture(r, truth);
+        lf_blocks blocks[3];
+        for (int e = 0; e < 3; e++)
+            lf_blocks_init(&blocks[e], n_views, width, height, 8);
+        for (int k = 0; k < replicates; k++) {
+            lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
+            lf_test_passes(r, passes);
+            add_picture(&blocks[1], r, LF_ESTIMATOR_MIS);
+            add_picture(&blocks[2], r, LF_ESTIMATOR_CV);
+            if (mwis_passes > 0) {
+                lf_test_passes(r, mwis_passes);
+                add_picture(&blocks[0], r, LF_ESTIMATOR_MWIS);
+            }
+        }
+        for (int e = mwis_passes > 0 ? 0 : 1; e < 3; e++) {
+            int where = 0;
+            double p = lf_blocks_p(&blocks[e], expected, rounding, &where);
+            if (!(p > LEVEL))
+                fail_msg("%s %s: block %d is %.6g +- %.2g, p %.2g", integrators[i], lf_estimator_name(estimators[e]), where,
+                         blocks[e].moments[where].mean, lf_moments_error(&blocks[e].moments[where]), p);
+            lf_blocks_finish(&blocks[e]);
+        }
+        free(expected);
+        lf_renderer_destroy(r);
+    }
+    lf_scene_unref(scene);
+}
+
+/* True where the known part has not seen any pivot yet: at silhouettes. */
+static bool is_unsettled(const lf_renderer *r, int row, int pixel)
+{
+    float q = 0.0f;
+    for (int h = 0; h < 2; h++)
+        q += lf_film_at(&r->film, row, h).known[pixel].q;
+    return q == 0.0f;
+}
+
+/* By mwis, after a few whole cycles, every pixel where W and q both know of pivots or nothing does, against the truth. */
+static void assert_pixels(const char *text, const char *integrator, truth_fn truth, double tolerance)
+{
+    enum { pixels = n_views * width * height };
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, pool);
+    double *expected = truth_picture(r, truth);
+    float *rgb = malloc(3 * pixels * sizeof *rgb);
+    uint8_t *flags = malloc(pixels);
+    int compared = 0;
+    lf_test_passes(r, 8 * n_views);
+    assert_int_equal(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, rgb, flags), LF_OK);
+    for (int i = 0; i < pixels; i++) {
+        if (flags[i] & LF_PIXEL_HOLE || (!(flags[i] & LF_PIXEL_SETTLED) && is_unsettled(r, i / (n_views * width), i % (n_views * width))))
+            continue;
+        compared++;
+        for (int c = 0; c < 3; c++) {
+            if (!(fabs((double)rgb[3 * i + c] - expected[i]) <= tolerance * expected[i]))
+                fail_msg("%s: pixel %d is %.7g, not %.7g", integrator, i, (double)rgb[3 * i + c], expected[i]);
+        }
+    }
+    assert_true(compared > 0.95 * pixels);
+    free(flags);
+    free(rgb);
+    free(expected);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+/* ------------------------------------------------------------------------------------------------------- furnaces -- */
+
+#define FOG(g) "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 1, 'g': " g " } }, " WHITE_SKY "}"
+#define WHITE_SLAB(g) "{" CAMERA "'volumes': { 'fog': { 'shape': 'box', 'density': 1.5, 'albedo': 1, 'g': " g ", "                 \
+    "'transform': { 'scale': [60, 60, 0.5] } } }, " WHITE_SKY "}"
+#define WHITE_SURFACES                                                                                                         \
+    "{" CAMERA "'meshes': { 'ball': { 'shape': 'sphere', 'normals': 'flat', 'material': 'white' }, "                            \
+    "'ground': { 'shape': 'quad', 'material': 'white', 'transform': { 'scale': 3, 'translate': [0, -1, 0] } } }, "             \
+    "'materials': { 'white': { 'type': 'diffuse', 'albedo': 1 } }, " WHITE_SKY "}"
+#define BALL(material) "{" CAMERA "'meshes': { 'ball': { 'shape': 'sphere', 'normals': 'flat', 'material': 'm' } }, "            \
+    "'materials': { 'm': " material " }, " WHITE_SKY "}"
+/* The same sky as a lamp that is sampled: mesh light all around. */
+#define LIT_BY_A_BALL                                                                                                          \
+    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 1, 'g': 0.6 } }, "                             \
+    "'meshes': { 'sky': { 'shape': 'sphere', 'normals': 'flat', 'material': 'lamp', 'transform': { 'scale': 12 } } }, "         \
+    "'materials': { 'lamp': { 'type': 'diffuse', 'albedo': 0, 'emission': 1 } } }"
+
+static void a_white_fog_in_a_white_furnace_is_white_in_every_pixel(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        assert_pixels(FOG("0"), integrators[i], one, 1e-4);
+        /* At silhouettes of anisotropic fog a tile may prefer N/W, which is 1 in the mean only: no silhouettes here. */
+        assert_pixels(WHITE_SLAB("0.7"), integrators[i], one, 1e-4);
+        assert_pixels(WHITE_SLAB("-0.5"), integrators[i], one, 1e-4);
+    }
+}
+
+static void a_white_fog_in_a_white_furnace_is_white_in_the_mean(void **state)
+{
+    (void)state;
+    assert_blocks(FOG("0"), one, 10, 0, 24, 1e-4);
+    assert_blocks(FOG("0.7"), one, 7, 0, 24, 1e-4);
+}
+
+static void white_surfaces_in_a_white_furnace_are_white(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        assert_pixels(WHITE_SURFACES, integrators[i], one, 1e-4);
+    assert_blocks(BALL("{ 'type': 'conductor', 'albedo': 1, 'roughness': 0 }"), one, 10, 0, 24, 1e-4);
+    assert_blocks(WHITE_SURFACES, one, 10, 0, 16, 1e-4);
+    assert_blocks(BALL("{ 'type': 'plastic', 'albedo': 1, 'roughness': 0 }"), one, 10, 0, 24, 6e-4);
+}
+
+static void a_furnace_of_lamps_is_white(void **state)
+{
+    (void)state;
+    assert_blocks(LIT_BY_A_BALL, one, 10, 0, 24, 1e-4);
+}
+
+/* Negative control: an albedo of 0.99 is not white. */
+static void a_grey_furnace_is_rejected(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene("{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.99 } }, " WHITE_SKY "}");
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
+    double *expected = truth_picture(r, one);
+    lf_blocks blocks;
+    lf_blocks_init(&blocks, n_views, width, height, 8);
+    for (int k = 0; k < 24; k++) {
+        lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
+        lf_test_passes(r, 10);
+        add_picture(&blocks, r, LF_ESTIMATOR_MIS);
+    }
+    assert_true(lf_blocks_p(&blocks, expected, 1e-4, NULL) < LEVEL);
+    lf_blocks_finish(&blocks);
+    free(expected);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+/* ----------------------------------------------------------------------------------------------------------- slabs -- */
+
+#define SLAB(albedo, g, lights, depth)                                                                                         \
+    "{" CAMERA "'volumes': { 'slab': { 'shape': 'box', 'density': 1.5, 'albedo': " albedo ", 'g': " g ", "                      \
+    "'transform': { 'scale': [60, 60, 0.5] } } }, 'render': { 'max_depth': " depth " }, " lights "}"
+#define SUN "'lights': { 'sun': { 'type': 'distant', 'direction': [0.3, -0.2, -1], 'irradiance': [3, 3, 3] } }"
+
+/* The slab is 1 thick and faces the cameras. */
+static double absorbed(const lf_renderer *renderer, int view, double mx, double my)
+{
+    (void)renderer, (void)view;
+    return exp(-1.5 * sqrt(1.0 + mx * mx + my * my));
+}
+
+static void a_black_slab_lets_exp_of_minus_its_depth_through(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        assert_pixels(SLAB("0", "0", WHITE_SKY, "8"), integrators[i], absorbed, 1e-3);
+    assert_blocks(SLAB("0", "0.5", WHITE_SKY, "8"), absorbed, 5, 5, 8, 1e-3);
+}
+
+static double single_scattering(double g, double mx, double my)
+{
+    /* Camera space looks along -z: the sun travels along (0.3, -0.2, 1) in it. */
+    const double sun[3] = {0.3, -0.2, 1.0}, norm = sqrt(0.3 * 0.3 + 0.2 * 0.2 + 1.0);
+    double length = sqrt(1.0 + mx * mx + my * my), mu_v = 1.0 / length, mu_0 = 1.0 / norm;
+    double cosine = -(mx * sun[0] + my * sun[1] + sun[2]) / (length * norm);
+    double phase = (1.0 - g * g) / (4.0 * M_PI * pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
+    double k = 1.0 / mu_v + 1.0 / mu_0;
+    return 0.8 * 3.0 * phase / mu_v * (1.0 - exp(-1.5 * k)) / k;
+}
+
+static double single_isotropic(const lf_renderer *renderer, int view, double mx, double my)
+{
+    (void)renderer, (void)view;
+    return single_scattering(0.0, mx, my);
+}
+
+static double single_backward(const lf_renderer *renderer, int view, double mx, double my)
+{
+    (void)renderer, (void)view;
+    return single_scattering(-0.6, mx, my);
+}
+
+static void a_slab_scatters_the_sun_once(void **state)
+{
+    (void)state;
+    assert_blocks(SLAB("0.8", "0", SUN, "1"), single_isotropic, 10, 90, 24, 2e-3);
+    assert_blocks(SLAB("0.8", "-0.6", SUN, "1"), single_backward, 7, 90, 24, 2e-3);
+}
+
+/* ------------------------------------------------------------------------------------------------- a lamp, a plane -- */
+
+#define LAMP_ON_A_PLANE                                                                                                        \
+    "{" CAMERA "'meshes': { 'plane': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': 20, 'rotate': [90, 0, 0] } } }, " \
+    "'materials': { 'm': { 'albedo': 0.6 } }, "                                                                                 \
+    "'lights': { 'lamp': { 'type': 'point', 'position': [0.3, 0.2, 1], 'intensity': [4, 4, 4] } } }"
+
+static double lamp_on_a_plane(const lf_renderer *renderer, int view, double mx, double my)
+{
+    double x = (double)renderer->rig.b[view] + 5.0 * mx - 0.3, y = 5.0 * my - 0.2, r2 = x * x + y * y + 1.0;
+    return 0.6 / M_PI * 4.0 / (r2 * sqrt(r2));
+}
+
+static void a_lamp_lights_a_plane_by_cosine_and_distance(void **state)
+{
+    (void)state;
+    assert_blocks(LAMP_ON_A_PLANE, lamp_on_a_plane, 10, 10, 16, 1e-3);
+}
+
+/* ------------------------------------------------------------------------------------------------- one place twice -- */
+
+static void cameras_in_one_place_see_one_picture(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(
+        "{ 'quiltd': 1, 'camera': { 'position': [0, 0.4, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'views': 3, 'cone': 0 }, "
+        "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.5 } }, "
+        "'meshes': { 'ground': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': 3, 'translate': [0, -1, 0] } } }, "
+        "'materials': { 'm': { 'type': 'plastic', 'albedo': 0.6, 'roughness': 0.4 } }, "
+        "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.5 }, "
+        "'sun': { 'type': 'distant', 'direction': [0.3, -1, -0.2], 'irradiance': 3, 'angle': 5 } } }");
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
+    lf_test_passes(r, 5);
+    size_t pixels = (size_t)width;
+    for (int row = 0; row < height; row++) {
+        for (int h = 0; h < 2; h++) {
+            lf_film_half half = lf_film_at(&r->film, row, h);
+            for (int view = 1; view < 3; view++) {
+                assert_memory_equal(half.scattered, half.scattered + (size_t)view * pixels, pixels * sizeof *half.scattered);
+                assert_memory_equal(half.known, half.known + (size_t)view * pixels, pixels * sizeof *half.known);
+                assert_memory_equal(half.w2, half.w2 + (size_t)view * pixels, pixels * sizeof *half.w2);
+            }
+        }
+    }
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    return lf_pool_create(1, &pool) == LF_OK ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    lf_pool_destroy(pool);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_white_fog_in_a_white_furnace_is_white_in_every_pixel),
+        cmocka_unit_test(a_white_fog_in_a_white_furnace_is_white_in_the_mean),
+        cmocka_unit_test(white_surfaces_in_a_white_furnace_are_white),
+        cmocka_unit_test(a_furnace_of_lamps_is_white),
+        cmocka_unit_test(a_grey_furnace_is_rejected),
+        cmocka_unit_test(a_black_slab_lets_exp_of_minus_its_depth_through),
+        cmocka_unit_test(a_slab_scatters_the_sun_once),
+        cmocka_unit_test(a_lamp_lights_a_plane_by_cosine_and_distance),
+        cmocka_unit_test(cameras_in_one_place_see_one_picture),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

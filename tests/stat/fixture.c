@@ -1,0 +1,156 @@
+#include "tests/stat/fixture.h"
+
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+lf_scene *lf_test_scene(const char *text)
+{
+    char *copy = strdup(text);
+    lf_scene *scene = NULL;
+    lf_error err = {0};
+    json_error_t json_err;
+    for (char *c = copy; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    json_t *doc = json_loads(copy, 0, &json_err);
+    free(copy);
+    if (!doc)
+        fail_msg("line %d: %s", json_err.line, json_err.text);
+    if (lf_scene_from_json(doc, ".", "test", NULL, NULL, &scene, &err) != LF_OK)
+        fail_msg("%s: %s", err.pointer, err.what);
+    json_decref(doc);
+    return scene;
+}
+
+lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width, int height, lf_pool *pool)
+{
+    lf_renderer *renderer = NULL;
+    lf_error err = {0};
+    lf_render_settings settings = {.camera = *lf_scene_camera(scene), .width = width, .height = height, .integrator = integrator};
+    settings.seed = lf_test_seed();
+    if (lf_renderer_create(scene, &settings, pool, &renderer, &err) != LF_OK)
+        fail_msg("%s: %s", err.where, err.what);
+    return renderer;
+}
+
+void lf_test_reseed(lf_renderer *renderer, uint64_t seed)
+{
+    lf_render_settings settings = *lf_renderer_settings(renderer);
+    settings.seed = seed;
+    assert_int_equal(lf_renderer_restart(renderer, lf_renderer_scene(renderer), &settings, NULL), LF_OK);
+}
+
+void lf_test_passes(lf_renderer *renderer, int64_t n_passes)
+{
+    assert_int_equal(lf_renderer_passes(renderer, n_passes, true, NULL), LF_OK);
+}
+
+double *lf_test_picture(const lf_renderer *renderer, lf_estimator estimator)
+{
+    const lf_render_settings *s = lf_renderer_settings(renderer);
+    size_t n = (size_t)s->camera.n_views * (size_t)s->width * (size_t)s->height;
+    float *rgb = malloc(3 * n * sizeof *rgb);
+    double *out = malloc(n * sizeof *out);
+    assert_non_null(rgb);
+    assert_non_null(out);
+    assert_int_equal(lf_renderer_resolve(renderer, estimator, rgb, NULL), LF_OK);
+    for (size_t i = 0; i < n; i++)
+        out[i] = 0.5 * (double)rgb[3 * i] + 0.3 * (double)rgb[3 * i + 1] + 0.2 * (double)rgb[3 * i + 2];
+    free(rgb);
+    return out;
+}
+
+void lf_blocks_init(lf_blocks *b, int n_views, int width, int height, int block)
+{
+    int across = (width + block - 1) / block, down = (height + block - 1) / block;
+    *b = (lf_blocks){n_views, width, height, block, across, n_views * across * down + 1, NULL, NULL};
+    b->moments = calloc((size_t)b->n, sizeof *b->moments);
+    b->last = calloc((size_t)b->n, sizeof *b->last);
+    assert_non_null(b->moments);
+    assert_non_null(b->last);
+}
+
+void lf_blocks_finish(lf_blocks *b)
+{
+    free(b->moments);
+    free(b->last);
+    *b = (lf_blocks){0};
+}
+
+static void block_means(const lf_blocks *b, const double *picture, double *out)
+{
+    int down = (b->n - 1) / b->n_views / b->across;
+    double *pixels = calloc((size_t)b->n, sizeof *pixels);
+    memset(out, 0, (size_t)b->n * sizeof *out);
+    for (int row = 0; row < b->height; row++) {
+        for (int view = 0; view < b->n_views; view++) {
+            for (int column = 0; column < b->width; column++) {
+                int i = (view * down + row / b->block) * b->across + column / b->block;
+                double x = *picture++;
+                out[i] += x;
+                pixels[i] += 1.0;
+                out[b->n - 1] += x;
+                pixels[b->n - 1] += 1.0;
+            }
+        }
+    }
+    for (int i = 0; i < b->n; i++)
+        out[i] /= pixels[i];
+    free(pixels);
+}
+
+void lf_blocks_add(lf_blocks *b, const double *picture)
+{
+    block_means(b, picture, b->last);
+    for (int i = 0; i < b->n; i++)
+        lf_moments_add(&b->moments[i], b->last[i]);
+}
+
+/* The truth moved towards the estimate by no more than rounding may. */
+static double nearest_truth(double truth, double mean, double rounding)
+{
+    double d = rounding * fabs(truth);
+    return fmin(fmax(mean, truth - d), truth + d);
+}
+
+double lf_blocks_p(const lf_blocks *b, const double *truth, double rounding, int *out_where)
+{
+    double *means = calloc((size_t)b->n, sizeof *means), least = 2.0;
+    block_means(b, truth, means);
+    for (int i = 0; i < b->n; i++) {
+        double p = lf_p_mean(&b->moments[i], nearest_truth(means[i], b->moments[i].mean, rounding));
+        if (out_where && p < least)
+            *out_where = i;
+        least = p < least ? p : least;
+    }
+    free(means);
+    return least;
+}
+
+double lf_blocks_welch(const lf_blocks *a, const lf_blocks *b, int *out_where)
+{
+    double least = 2.0;
+    for (int i = 0; i < a->n; i++) {
+        double p = lf_p_welch(&a->moments[i], &b->moments[i]);
+        if (out_where && p < least)
+            *out_where = i;
+        least = p < least ? p : least;
+    }
+    return least;
+}
+
+double lf_blocks_welch_injected(const lf_blocks *a, const lf_blocks *b, int which, double factor)
+{
+    lf_moments m = a->moments[which];
+    m.mean *= factor;
+    return lf_p_welch(&m, &b->moments[which]);
+}
+
+void lf_test_slopes(const lf_renderer *renderer, int view, double column, double row, double *out_mx, double *out_my)
+{
+    const lf_rig *rig = &renderer->rig;
+    *out_mx = ((double)rig->x0 + column * (double)rig->dx - (double)rig->b[view]) / (double)rig->distance;
+    *out_my = ((double)rig->y0 + row * (double)rig->dy) / (double)rig->distance;
+}

@@ -1,0 +1,46 @@
+/* Small scenes rendered many times: what the statistical tests of the estimators share. Replicates are seeds, never pixels: pixels
+ * of a row share the row's offset and views share paths. What is compared are means over blocks of one view. */
+#ifndef LF_TESTS_FIXTURE_H
+#define LF_TESTS_FIXTURE_H
+
+#include "render/renderer.h"
+#include "tests/stat/stat.h"
+
+/* A scene from text in which ' stands for "; fails the test when it cannot be loaded. */
+lf_scene *lf_test_scene(const char *text);
+
+/* A renderer of it; integrator "vpt" or "mvpt". */
+lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width, int height, lf_pool *pool);
+
+/* Starts over with another seed. Faults stay. */
+void lf_test_reseed(lf_renderer *renderer, uint64_t seed);
+
+/* n_passes passes by the offline schedule. */
+void lf_test_passes(lf_renderer *renderer, int64_t n_passes);
+
+/* One picture: [row][view][column], the channels' mean with weights 0.5, 0.3, 0.2. Caller frees. */
+double *lf_test_picture(const lf_renderer *renderer, lf_estimator estimator);
+
+/* Means over blocks of block x block pixels (the last ones smaller) of each view, over replicates. */
+typedef struct lf_blocks {
+    int n_views, width, height, block, across, n;
+    lf_moments *moments;  /* [view][down][across], then one of the whole picture: n in all */
+    double *last;         /* the block means added last */
+} lf_blocks;
+
+void lf_blocks_init(lf_blocks *blocks, int n_views, int width, int height, int block);
+void lf_blocks_finish(lf_blocks *blocks);
+/* picture as lf_test_picture has it. */
+void lf_blocks_add(lf_blocks *blocks, const double *picture);
+/* Smallest p of all blocks against the truth's block means (a picture), or against another set of replicates; *out_where (may be
+ * NULL) is the block, blocks->n - 1 the whole picture. rounding: relative difference that single precision may make. */
+double lf_blocks_p(const lf_blocks *blocks, const double *truth, double rounding, int *out_where);
+double lf_blocks_welch(const lf_blocks *a, const lf_blocks *b, int *out_where);
+/* The p of one block after its mean was multiplied by factor: what injecting a bias does. */
+double lf_blocks_welch_injected(const lf_blocks *a, const lf_blocks *b, int which, double factor);
+
+/* Where pixel (column + x, row + y) of a view lies on the window plane, in camera space divided by the distance: slopes of the
+ * pinhole ray of this view. */
+void lf_test_slopes(const lf_renderer *renderer, int view, double column, double row, double *out_mx, double *out_my);
+
+#endif
