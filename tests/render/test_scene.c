@@ -1,0 +1,567 @@
+#include "tests/testing.h"
+
+#include "base/alloc.h"
+#include "base/image_io.h"
+#include "render/geometry.h"
+#include "render/json_reader.h"
+#include "render/scene.h"
+
+static int make_folder(void **state)
+{
+    *state = lf_test_folder();
+    return 0;
+}
+
+static int remove_folder(void **state)
+{
+    lf_test_folder_remove(*state);
+    return 0;
+}
+
+static json_t *parse(const char *text)
+{
+    json_error_t problem;
+    json_t *doc = json_loads(text, JSON_REJECT_DUPLICATES, &problem);
+    if (!doc)
+        fail_msg("%s: %s", text, problem.text);
+    return doc;
+}
+
+static lf_scene *make_scene(const char *text, const char *folder, const lf_scene *previous)
+{
+    lf_scene *scene = NULL;
+    lf_error err;
+    json_t *doc = parse(text);
+    lf_assert_ok(lf_scene_from_json(doc, folder, "test", NULL, previous, &scene, &err), &err);
+    json_decref(doc);
+    return scene;
+}
+
+#define DEGREE (M_PI / 180.0)
+
+/* -------------------------------------------------------------------------------------------------------- parsing -- */
+
+static void an_empty_scene_has_the_defaults_of_the_manual(void **state)
+{
+    (void)state;
+    lf_scene *scene = make_scene("{}", ".", NULL);
+    const lf_camera *camera = lf_scene_camera(scene);
+    assert_true(camera->position[2] == 5 && camera->up[1] == 1 && camera->target[0] == 0);
+    lf_assert_close(camera->fov_y, 14 * DEGREE, 1e-15, 0);
+    lf_assert_close(camera->cone, 40 * DEGREE, 1e-15, 0);
+    assert_true(camera->aspect == 0.75 && camera->n_views == 45 && !camera->inclusive);
+    assert_true(camera->lens_radius == 0 && camera->focus_distance == 5);
+    assert_false(camera->has_aspect || camera->has_views || camera->has_cone);
+    assert_string_equal(lf_scene_film_settings(scene)->tonemap, "srgb");
+    assert_true(lf_scene_film_settings(scene)->exposure == 0);
+    assert_int_equal(scene->max_depth, 0);
+    assert_int_equal(scene->n_volumes + scene->n_meshes + scene->n_lights, 0);
+    assert_null(scene->embree);
+    assert_true(scene->bounds_min.x > scene->bounds_max.x);
+    lf_scene_unref(scene);
+}
+
+static void every_key_of_camera_film_and_render_arrives(void **state)
+{
+    (void)state;
+    lf_scene *scene = make_scene("{\"quiltd\": 1, \"camera\": {\"target\": [1,2,3], \"position\": [4,6,3], \"up\": [0,0,1], \"fov_y\": 30,"
+                                 "\"aspect\": 1.6, \"views\": 8, \"cone\": 53, \"placement\": \"inclusive\", \"lens_radius\": 0.25,"
+                                 "\"focus_distance\": 7}, \"film\": {\"exposure\": -1.5, \"tonemap\": \"filmic\"},"
+                                 "\"render\": {\"max_depth\": 12}}",
+                                 ".", NULL);
+    const lf_camera *camera = lf_scene_camera(scene);
+    assert_true(camera->target[2] == 3 && camera->position[1] == 6 && camera->up[2] == 1);
+    lf_assert_close(camera->fov_y, 30 * DEGREE, 1e-15, 0);
+    lf_assert_close(camera->cone, 53 * DEGREE, 1e-15, 0);
+    assert_true(camera->aspect == 1.6 && camera->n_views == 8 && camera->inclusive);
+    assert_true(camera->lens_radius == 0.25 && camera->focus_distance == 7);
+    assert_true(camera->has_aspect && camera->has_views && camera->has_cone);
+    assert_true(lf_scene_film_settings(scene)->exposure == -1.5);
+    assert_string_equal(lf_scene_film_settings(scene)->tonemap, "filmic");
+    assert_int_equal(scene->max_depth, 12);
+    lf_scene_unref(scene);
+}
+
+static void lights_and_materials_arrive_in_their_units(void **state)
+{
+    (void)state;
+    lf_scene *scene = make_scene(
+        "{\"lights\": {\"p\": {\"type\": \"point\", \"position\": [1, 2, 3], \"intensity\": [4, 5, 6]},"
+        "\"d\": {\"type\": \"distant\", \"direction\": [0, -3, 4], \"irradiance\": 7, \"angle\": 60},"
+        "\"e\": {\"type\": \"environment\", \"radiance\": [0.1, 0.2, 0.3]}},"
+        "\"materials\": {\"m\": {\"type\": \"plastic\", \"albedo\": [0.1, 0.2, 0.3], \"roughness\": 0.4, \"ior\": 1.7, \"emission\": 2}},"
+        "\"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"m\"}}}",
+        ".", NULL);
+    /* In the order of their types, the mesh's light behind them. */
+    assert_int_equal(scene->n_lights, 4);
+    const lf_light *e = &scene->lights[0], *d = &scene->lights[1], *p = &scene->lights[2], *m = &scene->lights[3];
+    assert_true(e->type == LF_LIGHT_ENVIRONMENT && e->radiance.y == 0.2f && !e->environment);
+    assert_true(d->type == LF_LIGHT_DISTANT && d->irradiance.x == 7);
+    lf_assert_close(d->direction.y, -0.6, 1e-6, 0);
+    lf_assert_close(d->direction.z, 0.8, 1e-6, 0);
+    lf_assert_close(d->cos_angle, cos(30 * DEGREE), 1e-6, 0);
+    assert_true(p->type == LF_LIGHT_POINT && p->position.z == 3 && p->intensity.x == 4);
+    assert_true(m->type == LF_LIGHT_MESH && m->mesh == 0 && m->radiance.x == 2);
+    const lf_material *material = &scene->materials[scene->meshes[0].material];
+    assert_true(material->type == LF_MATERIAL_PLASTIC && material->albedo.z == 0.3f && material->roughness == 0.4f);
+    assert_true(material->ior == 1.7f && material->emission.y == 2);
+    assert_true(scene->has_emission && scene->has_view_lobes && !scene->has_delta);
+    lf_scene_unref(scene);
+}
+
+static void only_materials_in_use_set_the_flags(void **state)
+{
+    (void)state;
+    char text[512];
+    for (int used = 0; used < 2; used++) {
+        snprintf(text, sizeof text,
+                 "{\"materials\": {\"a\": {}, \"mirror\": {\"type\": \"conductor\", \"roughness\": 0}},"
+                 "\"meshes\": {\"q\": {\"shape\": \"cube\", \"material\": \"%s\"}}}",
+                 used ? "mirror" : "a");
+        lf_scene *scene = make_scene(text, ".", NULL);
+        assert_int_equal(scene->has_delta, used);
+        assert_int_equal(scene->has_view_lobes, used);
+        assert_false(scene->has_emission);
+        lf_scene_unref(scene);
+    }
+}
+
+/* --------------------------------------------------------------------------------------------------------- errors -- */
+
+typedef struct bad {
+    const char *text;
+    int line;
+    const char *pointer, *what; /* what: a part of the message */
+} bad;
+
+static const bad bad_scenes[] = {
+    {"{\n\"camera\": {\n\"veiws\": 45}}", 3, "/camera/veiws", "unknown key \"veiws\"; did you mean \"views\"?"},
+    {"{\n\"cameras\": {}}", 2, "/cameras", "did you mean \"camera\"?"},
+    {"{\"zzzzzzz\": 1}", 1, "/zzzzzzz", "keys here are quiltd, camera"},
+    {"[]", 1, "", "expected an object, found an array"},
+    {"3", 1, "", "'[' or '{' expected"},
+    {"{\"quiltd\": 2}", 1, "/quiltd", "2 is out of range: 1 to 1"},
+    {"{\n\n\"camera\": 3}", 3, "/camera", "expected an object, found a number"},
+    {"{\"camera\": {\n \"fov_y\": \"14\"}}", 2, "/camera/fov_y", "expected a number, found a string"},
+    {"{\"camera\": {\n \"fov_y\": 0}}", 2, "/camera/fov_y", "0 is out of range: 0.1 to 160"},
+    {"{\"camera\": {\"views\": 1.5}}", 1, "/camera/views", "expected a whole number"},
+    {"{\"camera\": {\"views\": 257}}", 1, "/camera/views", "out of range: 1 to 256"},
+    {"{\"camera\": {\"views\": null}}", 1, "/camera/views", "expected a number, found null"},
+    {"{\"camera\": {\"target\": [0,\n0,\ntrue]}}", 3, "/camera/target/2", "expected a number, found a boolean"},
+    {"{\"camera\": {\"target\": [0, 0]}}", 1, "/camera/target", "array of 3 numbers, found an array of another length"},
+    {"{\"camera\": {\"target\": [0, 0, 2e9]}}", 1, "/camera/target/2", "out of range"},
+    {"{\"camera\": {\"placement\": \"centered\"}}", 1, "/camera/placement", "did you mean \"centred\"?"},
+    {"{\"camera\":\n{\"position\": [1,1,1],\n\"target\": [1,1,1]}}", 2, "/camera/position", "stands on its target"},
+    {"{\"camera\": {\"up\": [0, 0, -2]}}", 1, "/camera/up", "along the line of sight"},
+    {"{\"camera\": {\"up\": [0, 0, 0]}}", 1, "/camera/up", "zero or along"},
+    {"{\"film\": {\"tonemap\": \"aces\"}}", 1, "/film/tonemap", "expected one of srgb, filmic"},
+    {"{\"render\": {\"max_depth\": 0}}", 1, "/render/max_depth", "out of range"},
+    {"{\"volumes\": []}", 1, "/volumes", "expected an object of things by name"},
+    {"{\"volumes\": {\"a/b~\": {}}}", 1, "/volumes/a~1b~0", "one is missing: \"file\" or \"shape\""},
+    {"{\"volumes\": {\"\": {\"shape\": \"box\"}}}", 1, "/volumes/", "a name has 1 to 128 bytes"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\",\n\"file\": \"a.vdb\"}}}", 1, "/volumes/v", "only one is allowed"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\",\n\"scale\": 2}}}", 2, "/volumes/v/scale", "unknown key \"scale\""},
+    {"{\"volumes\": {\"v\": {\"file\": \"a.nvdb\"}}}", 1, "/volumes/v/file", "unknown kind of file; expected .vdb"},
+    {"{\"volumes\": {\"v\": {\"file\": \"\"}}}", 1, "/volumes/v/file", "expected a string of 1 to 4095 bytes, found 0"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"g\": 1}}}", 1, "/volumes/v/g", "1 is out of range: -0.999 to 0.999"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"albedo\": [1, 1.5, 1]}}}", 1, "/volumes/v/albedo/1", "out of range: 0 to 1"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"albedo\": \"white\"}}}", 1, "/volumes/v/albedo", "a number or an array of 3"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"density\": -1}}}", 1, "/volumes/v/density", "out of range"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": 0}}}}", 1, "/volumes/v/transform", "flattens space"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]}}}}", 1,
+     "/volumes/v/transform/matrix", "last row must be 0 0 0 1"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1], \"scale\": 2}}}}", 1, "/volumes/v/transform/matrix",
+     "a matrix stands alone"},
+    {"{\"volumes\": {\"v\":\n{\n\"file\": \"absent.vdb\"}}}", 3, "/volumes/v/file", "absent.vdb"},
+    {"{\"meshes\": {\"m\": {\"file\": \"absent.obj\"}}}", 1, "/meshes/m/file", "absent.obj"},
+    {"{\"meshes\": {\"m\": {\"file\": \"a.blend\"}}}", 1, "/meshes/m/file", "expected .obj, .ply"},
+    {"{\"materials\": {\"clay\": {}},\n\"meshes\": {\"m\": {\"shape\": \"quad\",\n\"material\": \"caly\"}}}", 3, "/meshes/m/material",
+     "no material \"caly\"; did you mean \"clay\"?"},
+    {"{\"meshes\": {\"m\": {\"shape\": \"quad\", \"material\": \"x\"}}}", 1, "/meshes/m/material", "no material \"x\" in materials"},
+    {"{\"meshes\": {\"m\": {\"shape\": \"qaud\"}}}", 1, "/meshes/m/shape", "did you mean \"quad\"?"},
+    {"{\"meshes\": {\"m\": {\"shape\": \"quad\", \"normals\": \"round\"}}}", 1, "/meshes/m/normals", "file, smooth, flat"},
+    {"{\"materials\": {\"m\": {\"type\": \"glass\"}}}", 1, "/materials/m/type", "expected one of diffuse, conductor, plastic"},
+    {"{\"materials\": {\"m\": {\"albedo\": 1.1}}}", 1, "/materials/m/albedo", "out of range: 0 to 1"},
+    {"{\"lights\": {\"l\": {\"radiance\": 1}}}", 1, "/lights/l", "\"type\" is missing"},
+    {"{\"lights\": {\"l\": {\"type\": \"sun\"}}}", 1, "/lights/l/type", "expected one of environment, distant, point"},
+    {"{\"lights\": {\"l\": {\"type\": \"environment\"}}}", 1, "/lights/l", "one is missing: \"file\" or \"radiance\""},
+    {"{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 1, \"rotate\": 3}}}", 1, "/lights/l/rotate", "unknown key"},
+    {"{\"lights\": {\"l\": {\"type\": \"distant\", \"direction\": [0, 0, 0]}}}", 1, "/lights/l/direction", "no length"},
+    {"{\"lights\": {\"l\": {\"type\": \"point\", \"irradiance\": 3}}}", 1, "/lights/l/irradiance", "unknown key"},
+    {"{\"lights\": {\"l\": {\"type\": \"environment\",\n\"file\": \"absent.exr\"}}}", 2, "/lights/l/file", "absent.exr"},
+    {"{\"lights\": {\"l\": {\"type\": \"environment\", \"file\": \"a.png\"}}}", 1, "/lights/l/file", "expected .exr or .hdr"},
+    {"{\n\"camera\": {,}}", 2, "", "string or '}' expected"},
+    {"{\"camera\": {}, \"camera\": {}}", 1, "", "duplicate object key"},
+    {"{\"camera\": {\"fov_y\": 1e999}}", 1, "", "overflow"},
+    {"{\"camera\": {\"fov_y\": NaN}}", 1, "", "invalid token"},
+    {"", 1, "", "'[' or '{' expected"},
+};
+
+static void every_error_says_where_and_what(void **state)
+{
+    for (size_t i = 0; i < sizeof bad_scenes / sizeof *bad_scenes; i++) {
+        const bad *b = &bad_scenes[i];
+        const char *path = lf_test_write(*state, "scene.json", b->text);
+        lf_scene *scene = NULL;
+        lf_error err = {0};
+        lf_status status = lf_scene_load(path, NULL, NULL, &scene, &err);
+        if (status == LF_OK)
+            fail_msg("accepted: %s", b->text);
+        assert_null(scene);
+        assert_int_equal(err.status, status);
+        if (strcmp(err.pointer, b->pointer) != 0 || (err.line != b->line && err.line > 0) || !strstr(err.what, b->what))
+            fail_msg("%s\n  gives %d: %s: %s\n  expected %d: %s: %s", b->text, err.line, err.pointer, err.what, b->line, b->pointer,
+                     b->what);
+        assert_int_equal(err.line, b->line);
+        assert_string_equal(err.where, path);
+    }
+}
+
+static void documents_in_memory_give_the_pointer_without_a_line(void **state)
+{
+    (void)state;
+    json_t *doc = parse("{\"camera\": {\"views\": 0}}");
+    lf_scene *scene = NULL;
+    lf_error err = {0};
+    lf_assert_status(lf_scene_from_json(doc, ".", "patch", NULL, NULL, &scene, &err), LF_E_FORMAT, &err);
+    assert_int_equal(err.line, 0);
+    assert_string_equal(err.pointer, "/camera/views");
+    assert_string_equal(err.where, "patch");
+    assert_null(scene);
+    json_decref(doc);
+}
+
+static void errors_may_go_unread(void **state)
+{
+    (void)state;
+    json_t *doc = parse("{\"camera\": {\"views\": 0}}");
+    lf_scene *scene = NULL;
+    lf_assert_status(lf_scene_from_json(doc, ".", "patch", NULL, NULL, &scene, NULL), LF_E_FORMAT, NULL);
+    lf_assert_status(lf_scene_load("/nowhere/at/all.json", NULL, NULL, &scene, NULL), LF_E_IO, NULL);
+    json_decref(doc);
+}
+
+static void lines_are_found_past_strings_escapes_and_nesting(void **state)
+{
+    (void)state;
+    const char *text = "{\n \"a\": \"} ] , \\\" \\\\\",\n \"b\": [\n  1, [2, {\"x\": 3}],\n  {\"c\": \"\\n\",\n   \"d\\u0041\": 4}\n ]\n}";
+    assert_int_equal(lf_json_line(text, strlen(text), ""), 1);
+    assert_int_equal(lf_json_line(text, strlen(text), "/a"), 2);
+    assert_int_equal(lf_json_line(text, strlen(text), "/b"), 3);
+    assert_int_equal(lf_json_line(text, strlen(text), "/b/0"), 4);
+    assert_int_equal(lf_json_line(text, strlen(text), "/b/1/1/x"), 4);
+    assert_int_equal(lf_json_line(text, strlen(text), "/b/2/c"), 5);
+    assert_int_equal(lf_json_line(text, strlen(text), "/b/2/dA"), 6);
+    assert_int_equal(lf_json_line(text, strlen(text), "/b/2/absent"), 5);
+    assert_int_equal(lf_json_line(text, strlen(text), "/b/9"), 3);
+}
+
+static void deep_and_large_documents_are_refused_not_followed(void **state)
+{
+    size_t n = 100000;
+    char *deep = malloc(n + 1);
+    assert_non_null(deep);
+    memset(deep, '[', n);
+    deep[n] = '\0';
+    lf_error err;
+    lf_scene *scene = NULL;
+    lf_assert_status(lf_scene_load(lf_test_write(*state, "deep.json", deep), NULL, NULL, &scene, &err), LF_E_FORMAT, &err);
+    free(deep);
+    const char *path = lf_test_write(*state, "large.json", "{}");
+    assert_int_equal(truncate(path, (16 << 20) + 1), 0);
+    assert_int_not_equal(lf_scene_load(path, NULL, NULL, &scene, &err), LF_OK);
+    assert_null(scene);
+}
+
+/* ---------------------------------------------------------------------------------------------------------- paths -- */
+
+static const char *const CUBE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+static lf_status load_under(const char *scene_path, const char *root, lf_error *err)
+{
+    lf_roots roots = {0};
+    lf_scene *scene = NULL;
+    lf_assert_ok(lf_roots_add(&roots, root, err), err);
+    lf_status status = lf_scene_load(scene_path, &roots, NULL, &scene, err);
+    lf_roots_finish(&roots);
+    lf_scene_unref(scene);
+    return status;
+}
+
+/* A folder with in/ (allowed) and out/ (not), a mesh, a material library and a copy of each on both sides. */
+static void make_sides(const char *folder)
+{
+    char name[PATH_MAX];
+    static const char *const sides[] = {"in", "out"};
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(mkdir(lf_test_path(folder, sides[i]), 0700), 0);
+        snprintf(name, sizeof name, "%s/tri.obj", sides[i]);
+        lf_test_write(folder, name, CUBE);
+        snprintf(name, sizeof name, "%s/m.mtl", sides[i]);
+        lf_test_write(folder, name, "newmtl red\nKd 1 0 0\n");
+    }
+    lf_test_write(folder, "in/far.obj", "mtllib ../out/m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    lf_test_write(folder, "in/near.obj", "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    lf_test_write(folder, "in/tri.gltf",
+                  "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"../out/tri.bin\",\"byteLength\":36}],\"bufferViews\":"
+                  "[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":"
+                  "\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+                  "\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}],\"scene\":0}");
+    const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    FILE *bin = fopen(lf_test_path(folder, "out/tri.bin"), "wb");
+    assert_non_null(bin);
+    assert_int_equal(fwrite(corners, sizeof corners, 1, bin), 1);
+    fclose(bin);
+    assert_int_equal(symlink("../out/tri.obj", lf_test_path(folder, "in/link.obj")), 0);
+    assert_int_equal(symlink("tri.obj", lf_test_path(folder, "in/inner.obj")), 0);
+    assert_int_equal(symlink("../out", lf_test_path(folder, "in/door")), 0);
+}
+
+static void paths_that_try_to_get_out_are_refused_and_named(void **state)
+{
+    const char *folder = *state;
+    char root[PATH_MAX], outside[PATH_MAX];
+    static const struct {
+        const char *mesh;
+        bool allowed;
+    } cases[] = {{"tri.obj", true},      {"inner.obj", true},       {"near.obj", true}, {"../in/tri.obj", true},
+                 {"../out/tri.obj", false}, {"link.obj", false}, {"door/tri.obj", false},  {"far.obj", false}, {"tri.gltf", false}};
+    make_sides(folder);
+    snprintf(root, sizeof root, "%s/in", folder);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[256];
+        lf_error err = {0};
+        snprintf(text, sizeof text, "{\"meshes\": {\n\"m\": {\"file\": \"%s\"}}}", cases[i].mesh);
+        const char *path = lf_test_write(folder, "in/scene.json", text);
+        lf_status status = load_under(path, root, &err);
+        if (status != (cases[i].allowed ? LF_OK : LF_E_PATH))
+            fail_msg("%s: %s: %s", cases[i].mesh, lf_status_name(status), err.what);
+        if (!cases[i].allowed) {
+            assert_string_equal(err.pointer, "/meshes/m/file");
+            assert_int_equal(err.line, 2);
+        }
+        /* Without roots the same scene loads: it is the rule that refuses, not the file. */
+        lf_scene *scene = NULL;
+        lf_assert_ok(lf_scene_load(path, NULL, NULL, &scene, &err), &err);
+        lf_scene_unref(scene);
+    }
+    lf_error err;
+    snprintf(outside, sizeof outside, "%s", lf_test_write(folder, "out/scene.json", "{}"));
+    lf_assert_status(load_under(outside, root, &err), LF_E_PATH, &err);
+}
+
+static void volumes_and_skies_obey_the_rule_too(void **state)
+{
+    const char *folder = *state;
+    char root[PATH_MAX];
+    static const char *const cases[] = {
+        "{\"volumes\": {\"x\": {\"file\": \"../out/a.vdb\"}}}",
+        "{\"lights\": {\"x\": {\"type\": \"environment\", \"file\": \"../out/a.hdr\"}}}",
+    };
+    assert_int_equal(mkdir(lf_test_path(folder, "in"), 0700), 0);
+    assert_int_equal(mkdir(lf_test_path(folder, "out"), 0700), 0);
+    lf_test_write(folder, "out/a.vdb", "x");
+    lf_test_write(folder, "out/a.hdr", "x");
+    snprintf(root, sizeof root, "%s/in", folder);
+    for (int i = 0; i < 2; i++) {
+        lf_error err;
+        lf_assert_status(load_under(lf_test_write(folder, "in/scene.json", cases[i]), root, &err), LF_E_PATH, &err);
+        assert_true(strstr(err.pointer, "/x/file") != NULL);
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------------- sharing -- */
+
+static const char *const SHARED_SCENE =
+    "{\"volumes\": {\"v\": {\"file\": \"tiles.vdb\", \"scale\": 2}, \"w\": {\"file\": \"tiles.vdb\", \"transform\": {\"scale\": 0.5}}},"
+    "\"meshes\": {\"m\": {\"file\": \"tri.obj\", \"material\": \"a\"}, \"q\": {\"shape\": \"quad\", \"material\": \"b\"}},"
+    "\"materials\": {\"a\": {}, \"b\": {\"albedo\": 0.25}},"
+    "\"lights\": {\"sky\": {\"type\": \"environment\", \"file\": \"sky.hdr\"}}}";
+
+static void copy_file(const char *from, const char *folder, const char *name)
+{
+    char *data;
+    size_t size;
+    lf_error err;
+    lf_assert_ok(lf_file_read(from, NULL, 1 << 24, &data, &size, &err), &err);
+    FILE *file = fopen(lf_test_path(folder, name), "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(data, 1, size, file), size);
+    fclose(file);
+    lf_free(data);
+}
+
+static void make_shared_files(const char *folder)
+{
+    static const char head[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n";
+    char sky[sizeof head + 32];
+    memcpy(sky, head, sizeof head - 1);
+    memset(sky + sizeof head - 1, 128, 32);
+    sky[sizeof head - 1 + 32] = '\0';
+    lf_test_write(folder, "sky.hdr", sky);
+    lf_test_write(folder, "tri.obj", CUBE);
+    copy_file(lf_test_built("testdata/tiles.vdb"), folder, "tiles.vdb");
+}
+
+/* The scene after a merge patch. */
+static lf_scene *patched(const lf_scene *scene, const char *patch_text)
+{
+    json_t *patch = parse(patch_text), *doc = lf_json_merge_patch(lf_scene_json(scene), patch);
+    lf_scene *out = NULL;
+    lf_error err;
+    assert_non_null(doc);
+    lf_assert_ok(lf_scene_from_json(doc, lf_scene_folder(scene), "patch", NULL, scene, &out, &err), &err);
+    json_decref(doc);
+    json_decref(patch);
+    return out;
+}
+
+typedef struct sharing_case {
+    const char *patch;
+    bool geometry, grid, sky;
+} sharing_case;
+
+static void what_a_patch_does_not_touch_is_shared(void **state)
+{
+    static const sharing_case cases[] = {
+        {"{\"camera\": {\"position\": [3, 0, 9]}}", true, true, true},
+        {"{\"lights\": {\"sun\": {\"type\": \"distant\"}}}", true, true, true},
+        {"{\"materials\": {\"b\": {\"albedo\": 0.75}}}", true, true, true},
+        {"{\"materials\": {\"new\": {}}}", true, true, true},
+        {"{\"meshes\": {\"q\": {\"material\": \"a\"}}}", true, true, true},
+        {"{\"volumes\": {\"v\": {\"scale\": 9, \"albedo\": 0.5}}}", true, true, true},
+        {"{\"volumes\": {\"w\": null}}", true, true, true},
+        {"{\"meshes\": {\"q\": {\"transform\": {\"scale\": 2}}}}", false, true, true},
+        {"{\"meshes\": {\"m\": null}}", false, true, true},
+        {"{\"meshes\": {\"m\": {\"material\": null}}}", false, true, true},
+        {"{\"lights\": {\"sky\": {\"scale\": 3, \"rotate\": 90}}}", true, true, true},
+    };
+    make_shared_files(*state);
+    lf_scene *scene = make_scene(SHARED_SCENE, *state, NULL);
+    assert_ptr_equal(scene->volumes[0].grid, scene->volumes[1].grid); /* one file, read once */
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        lf_scene *next = patched(scene, cases[i].patch);
+        if ((next->geometry == scene->geometry) != cases[i].geometry || (next->embree == scene->embree) != cases[i].geometry)
+            fail_msg("geometry: %s", cases[i].patch);
+        assert_int_equal(next->volumes[0].grid == scene->volumes[0].grid, cases[i].grid);
+        assert_int_equal(next->lights[0].environment == scene->lights[0].environment, cases[i].sky);
+        assert_memory_equal(next->origin, scene->origin, sizeof next->origin);
+        lf_scene_unref(next);
+    }
+    lf_scene_unref(scene);
+}
+
+static void a_new_material_shows_although_the_geometry_is_shared(void **state)
+{
+    make_shared_files(*state);
+    lf_scene *scene = make_scene(SHARED_SCENE, *state, NULL);
+    lf_scene *next = patched(scene, "{\"materials\": {\"b\": {\"albedo\": 0.75}}}");
+    assert_true(scene->materials[scene->meshes[1].material].albedo.x == 0.25f);
+    assert_true(next->materials[next->meshes[1].material].albedo.x == 0.75f);
+    /* The old scene may go first. */
+    lf_scene_unref(scene);
+    assert_true(next->meshes[1].vertices[1] == 0.0f);
+    lf_scene_unref(next);
+}
+
+static void files_that_changed_are_read_again(void **state)
+{
+    make_shared_files(*state);
+    lf_scene *scene = make_scene(SHARED_SCENE, *state, NULL);
+    lf_test_write(*state, "tri.obj", "v 0 0 0\nv 5 0 0\nv 0 1 0\nf 1 2 3\n");
+    copy_file(lf_test_built("testdata/names.vdb"), *state, "tiles.vdb");
+    lf_scene *next = patched(scene, "{}");
+    assert_ptr_not_equal(next->geometry, scene->geometry);
+    assert_ptr_not_equal(next->volumes[0].grid, scene->volumes[0].grid);
+    assert_ptr_equal(next->lights[0].environment, scene->lights[0].environment);
+    assert_true(next->geometry->bounds[1][0] == 5.0);
+    lf_scene_unref(scene);
+    lf_scene_unref(next);
+}
+
+static void a_reference_keeps_a_scene_alive(void **state)
+{
+    (void)state;
+    lf_scene *scene = make_scene("{\"meshes\": {\"q\": {\"shape\": \"sphere\"}}}", ".", NULL);
+    assert_ptr_equal(lf_scene_ref(scene), scene);
+    lf_scene_unref(scene);
+    assert_int_equal(scene->n_meshes, 1);
+    lf_scene_unref(scene);
+    lf_scene_unref(NULL);
+}
+
+static void scenes_may_lack_meshes_or_volumes_or_both(void **state)
+{
+    (void)state;
+    lf_scene *volume = make_scene("{\"volumes\": {\"v\": {\"shape\": \"box\"}}}", ".", NULL);
+    assert_null(volume->embree);
+    assert_null(volume->geometry);
+    lf_scene *mesh = make_scene("{\"meshes\": {\"q\": {\"shape\": \"cube\"}}}", ".", volume);
+    assert_non_null(mesh->embree);
+    lf_scene *none = make_scene("{}", ".", mesh);
+    assert_null(none->embree);
+    lf_scene_unref(volume);
+    lf_scene_unref(mesh);
+    lf_scene_unref(none);
+}
+
+/* ---------------------------------------------------------------------------------------------------- merge patch -- */
+
+static void merge_patches_do_what_rfc_7396_lists(void **state)
+{
+    (void)state;
+    /* Appendix A of the RFC. */
+    static const char *const cases[][3] = {
+        {"{\"a\":\"b\"}", "{\"a\":\"c\"}", "{\"a\":\"c\"}"},
+        {"{\"a\":\"b\"}", "{\"b\":\"c\"}", "{\"a\":\"b\",\"b\":\"c\"}"},
+        {"{\"a\":\"b\"}", "{\"a\":null}", "{}"},
+        {"{\"a\":\"b\",\"b\":\"c\"}", "{\"a\":null}", "{\"b\":\"c\"}"},
+        {"{\"a\":[\"b\"]}", "{\"a\":\"c\"}", "{\"a\":\"c\"}"},
+        {"{\"a\":\"c\"}", "{\"a\":[\"b\"]}", "{\"a\":[\"b\"]}"},
+        {"{\"a\":{\"b\":\"c\"}}", "{\"a\":{\"b\":\"d\",\"c\":null}}", "{\"a\":{\"b\":\"d\"}}"},
+        {"{\"a\":[{\"b\":\"c\"}]}", "{\"a\":[1]}", "{\"a\":[1]}"},
+        {"[\"a\",\"b\"]", "[\"c\",\"d\"]", "[\"c\",\"d\"]"},
+        {"{\"a\":\"b\"}", "[\"c\"]", "[\"c\"]"},
+        {"{\"e\":null}", "{\"a\":1}", "{\"e\":null,\"a\":1}"},
+        {"[1,2]", "{\"a\":\"b\",\"c\":null}", "{\"a\":\"b\"}"},
+        {"{}", "{\"a\":{\"bb\":{\"ccc\":null}}}", "{\"a\":{\"bb\":{}}}"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        json_t *doc = parse(cases[i][0]), *patch = parse(cases[i][1]), *expected = parse(cases[i][2]);
+        json_t *before = json_deep_copy(doc), *got = lf_json_merge_patch(doc, patch);
+        if (!json_equal(got, expected))
+            fail_msg("%s with %s", cases[i][0], cases[i][1]);
+        assert_true(json_equal(doc, before));
+        json_decref(doc);
+        json_decref(patch);
+        json_decref(expected);
+        json_decref(before);
+        json_decref(got);
+    }
+}
+
+#define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_folder, remove_folder)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_empty_scene_has_the_defaults_of_the_manual),
+        cmocka_unit_test(every_key_of_camera_film_and_render_arrives),
+        cmocka_unit_test(lights_and_materials_arrive_in_their_units),
+        cmocka_unit_test(only_materials_in_use_set_the_flags),
+        IN_FOLDER(every_error_says_where_and_what),
+        cmocka_unit_test(documents_in_memory_give_the_pointer_without_a_line),
+        cmocka_unit_test(errors_may_go_unread),
+        cmocka_unit_test(lines_are_found_past_strings_escapes_and_nesting),
+        IN_FOLDER(deep_and_large_documents_are_refused_not_followed),
+        IN_FOLDER(paths_that_try_to_get_out_are_refused_and_named),
+        IN_FOLDER(volumes_and_skies_obey_the_rule_too),
+        IN_FOLDER(what_a_patch_does_not_touch_is_shared),
+        IN_FOLDER(a_new_material_shows_although_the_geometry_is_shared),
+        IN_FOLDER(files_that_changed_are_read_again),
+        cmocka_unit_test(a_reference_keeps_a_scene_alive),
+        cmocka_unit_test(scenes_may_lack_meshes_or_volumes_or_both),
+        cmocka_unit_test(merge_patches_do_what_rfc_7396_lists),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

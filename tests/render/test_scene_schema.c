@@ -1,0 +1,332 @@
+/* The schema and the parser say the same, and both like what is shipped. The validator here knows the keywords that
+ * docs/scene.schema.json uses, and fails on any other. */
+#include "tests/testing.h"
+
+#include <dirent.h>
+#include <regex.h>
+
+#include "render/scene.h"
+
+static bool valid(const json_t *root, const json_t *schema, json_t *value);
+
+static bool has_type(const char *type, const json_t *value)
+{
+    if (strcmp(type, "integer") == 0)
+        return json_is_number(value) && json_number_value(value) == floor(json_number_value(value));
+    return (strcmp(type, "object") == 0 && json_is_object(value)) || (strcmp(type, "array") == 0 && json_is_array(value)) ||
+           (strcmp(type, "string") == 0 && json_is_string(value)) || (strcmp(type, "number") == 0 && json_is_number(value));
+}
+
+static size_t count_valid(const json_t *root, const json_t *schemas, json_t *value)
+{
+    size_t n = 0, i;
+    json_t *schema;
+    json_array_foreach(schemas, i, schema) {
+        n += valid(root, schema, value);
+    }
+    return n;
+}
+
+/* properties, additionalProperties, propertyNames, required, maxProperties. */
+static bool valid_object(const json_t *root, const json_t *schema, json_t *value)
+{
+    const json_t *properties = json_object_get(schema, "properties"), *names = json_object_get(schema, "propertyNames");
+    const json_t *others = json_object_get(schema, "additionalProperties"), *max = json_object_get(schema, "maxProperties");
+    const char *key;
+    json_t *member, *required;
+    size_t i;
+    json_object_foreach(value, key, member) {
+        const json_t *own = json_object_get(properties, key);
+        json_t *name = json_string(key);
+        bool good = (!names || valid(root, names, name)) && (own ? valid(root, own, member) : !others || valid(root, others, member));
+        json_decref(name);
+        if (!good)
+            return false;
+    }
+    json_array_foreach(json_object_get(schema, "required"), i, required) {
+        if (!json_object_get(value, json_string_value(required)))
+            return false;
+    }
+    return !max || json_object_size(value) <= (size_t)json_integer_value(max);
+}
+
+static bool valid_array(const json_t *root, const json_t *schema, json_t *value)
+{
+    const json_t *min = json_object_get(schema, "minItems"), *max = json_object_get(schema, "maxItems");
+    const json_t *items = json_object_get(schema, "items");
+    size_t i;
+    json_t *item;
+    json_array_foreach(value, i, item) {
+        if (items && !valid(root, items, item))
+            return false;
+    }
+    return (!min || json_array_size(value) >= (size_t)json_integer_value(min)) &&
+           (!max || json_array_size(value) <= (size_t)json_integer_value(max));
+}
+
+static bool valid_string(const json_t *schema, const json_t *value)
+{
+    const json_t *min = json_object_get(schema, "minLength"), *max = json_object_get(schema, "maxLength");
+    const json_t *pattern = json_object_get(schema, "pattern");
+    size_t n = json_string_length(value);
+    if ((min && n < (size_t)json_integer_value(min)) || (max && n > (size_t)json_integer_value(max)))
+        return false;
+    if (!pattern)
+        return true;
+    regex_t expression;
+    assert_int_equal(regcomp(&expression, json_string_value(pattern), REG_EXTENDED | REG_NOSUB), 0);
+    bool good = regexec(&expression, json_string_value(value), 0, NULL, 0) == 0;
+    regfree(&expression);
+    return good;
+}
+
+static bool valid_scalar(const json_t *schema, const json_t *value)
+{
+    const json_t *min = json_object_get(schema, "minimum"), *max = json_object_get(schema, "maximum");
+    const json_t *choices = json_object_get(schema, "enum"), *constant = json_object_get(schema, "const");
+    size_t i;
+    json_t *choice;
+    bool among = !choices;
+    json_array_foreach(choices, i, choice) {
+        among = among || json_equal(choice, value);
+    }
+    double v = json_number_value(value);
+    return among && (!constant || json_equal(constant, value)) &&
+           (!json_is_number(value) || ((!min || v >= json_number_value(min)) && (!max || v <= json_number_value(max))));
+}
+
+static void assert_known_keywords(const json_t *schema)
+{
+    static const char *const known = " $schema title description default $defs type additionalProperties properties propertyNames "
+                                     "maxProperties required $ref items minItems maxItems minLength maxLength pattern minimum "
+                                     "maximum enum const anyOf oneOf ";
+    const char *key;
+    json_t *member;
+    json_object_foreach((json_t *)(uintptr_t)schema, key, member) {
+        char word[64];
+        snprintf(word, sizeof word, " %s ", key);
+        if (!strstr(known, word))
+            fail_msg("the schema uses \"%s\", which this validator does not know", key);
+    }
+}
+
+static bool valid(const json_t *root, const json_t *schema, json_t *value)
+{
+    if (json_is_boolean(schema))
+        return json_is_true(schema);
+    assert_true(json_is_object(schema));
+    assert_known_keywords(schema);
+    const json_t *type = json_object_get(schema, "type"), *ref = json_object_get(schema, "$ref");
+    const json_t *any = json_object_get(schema, "anyOf"), *one = json_object_get(schema, "oneOf");
+    if (ref) {
+        const char *name = json_string_value(ref) + strlen("#/$defs/");
+        const json_t *target = json_object_get(json_object_get(root, "$defs"), name);
+        if (!target)
+            fail_msg("the schema refers to %s, which is not there", json_string_value(ref));
+        if (!valid(root, target, value))
+            return false;
+    }
+    return (!type || has_type(json_string_value(type), value)) && (!any || count_valid(root, any, value) > 0) &&
+           (!one || count_valid(root, one, value) == 1) && valid_scalar(schema, value) &&
+           (!json_is_object(value) || valid_object(root, schema, value)) &&
+           (!json_is_array(value) || valid_array(root, schema, value)) && (!json_is_string(value) || valid_string(schema, value));
+}
+
+static bool schema_accepts(json_t *doc)
+{
+    json_t *schema = lf_scene_schema();
+    assert_non_null(schema);
+    bool good = valid(schema, schema, doc);
+    json_decref(schema);
+    return good;
+}
+
+static lf_status parser_status(const json_t *doc, lf_error *err)
+{
+    lf_scene *scene = NULL;
+    lf_status status = lf_scene_from_json(doc, "/nowhere", "test", NULL, NULL, &scene, err);
+    lf_scene_unref(scene);
+    return status;
+}
+
+/* Both accept. Files need not be there: what the parser then says is LF_E_IO, not LF_E_FORMAT. */
+static const char *const good[] = {
+    "{}",
+    "{\"quiltd\": 1, \"comment\": \"c\", \"$schema\": \"s\"}",
+    "{\"quiltd\": 1.0, \"camera\": {\"views\": 45.0}}",
+    "{\"camera\": {\"fov_y\": 0.1, \"aspect\": 20, \"cone\": 0, \"placement\": \"inclusive\", \"views\": 1, \"lens_radius\": 1}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"grid\": \"d\", \"scale\": 0, \"interpolation\": \"nearest\", \"g\": -0.999}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.VDB\"}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"sphere\", \"density\": 2, \"albedo\": [0, 1, 0.5], \"transform\": {}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": [1, 2, -3], \"rotate\": [1, 2, 3], \"translate\": [1, 2, 3]}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [2,0,0,0, 0,2,0,0, 0,0,2,0, 0,0,0,1]}}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"normals\": \"smooth\"}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"cube\", \"material\": \"a\"}}, \"materials\": {\"a\": {\"type\": \"plastic\", \"ior\": 3}}}",
+    "{\"materials\": {\"a\": {\"emission\": [1e9, 0, 0], \"roughness\": 1}}}",
+    "{\"lights\": {\"l\": {\"type\": \"environment\", \"file\": \"a.exr\", \"scale\": [1, 2, 3], \"rotate\": -10}}}",
+    "{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 0}}}",
+    "{\"lights\": {\"l\": {\"type\": \"distant\", \"direction\": [0, 0, 1], \"irradiance\": [1, 2, 3], \"angle\": 0.5}}}",
+    "{\"lights\": {\"l\": {\"type\": \"point\"}}}",
+    "{\"film\": {\"exposure\": 32, \"tonemap\": \"filmic\"}, \"render\": {\"max_depth\": 65536}}",
+};
+
+/* Both refuse. */
+static const char *const wrong[] = {
+    "[]",
+    "{\"quiltd\": 2}",
+    "{\"quiltd\": \"1\"}",
+    "{\"Camera\": {}}",
+    "{\"comment\": 1}",
+    "{\"comment\": \"\"}",
+    "{\"camera\": []}",
+    "{\"camera\": null}",
+    "{\"camera\": {\"views\": 0}}",
+    "{\"camera\": {\"views\": 1.5}}",
+    "{\"camera\": {\"fov\": 14}}",
+    "{\"camera\": {\"fov_y\": 161}}",
+    "{\"camera\": {\"aspect\": 0}}",
+    "{\"camera\": {\"cone\": -1}}",
+    "{\"camera\": {\"placement\": \"other\"}}",
+    "{\"camera\": {\"target\": [1, 2]}}",
+    "{\"camera\": {\"target\": [1, 2, \"3\"]}}",
+    "{\"camera\": {\"target\": 1}}",
+    "{\"camera\": {\"focus_distance\": 0}}",
+    "{\"volumes\": {\"v\": 1}}",
+    "{\"volumes\": {\"\": {\"shape\": \"box\"}}}",
+    "{\"volumes\": {\"v\": {}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"shape\": \"box\"}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"density\": 1}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.txt\"}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"grid\": \"density\"}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"cone\"}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"g\": 1}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"albedo\": 1.01}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"albedo\": [1, 1]}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"rotate\": 30}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": [1, 1]}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1, 2, 3]}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], \"scale\": 1}}}}",
+    "{\"meshes\": {\"m\": {}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.obj\", \"shape\": \"quad\"}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.dae\"}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"quad\", \"flip\": true}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"quad\", \"material\": 3}}}",
+    "{\"materials\": {\"m\": {\"type\": \"glass\"}}}",
+    "{\"materials\": {\"m\": {\"ior\": 0.9}}}",
+    "{\"materials\": {\"m\": {\"emission\": -1}}}",
+    "{\"lights\": {\"l\": {}}}",
+    "{\"lights\": {\"l\": {\"type\": \"mesh\"}}}",
+    "{\"lights\": {\"l\": {\"type\": \"environment\"}}}",
+    "{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 1, \"scale\": 1}}}",
+    "{\"lights\": {\"l\": {\"type\": \"environment\", \"file\": \"a.exr\", \"radiance\": 1}}}",
+    "{\"lights\": {\"l\": {\"type\": \"distant\", \"angle\": 91}}}",
+    "{\"lights\": {\"l\": {\"type\": \"distant\", \"position\": [0, 0, 0]}}}",
+    "{\"lights\": {\"l\": {\"type\": \"point\", \"intensity\": [1, 2, 3, 4]}}}",
+    "{\"film\": {\"tonemap\": \"linear\"}}",
+    "{\"film\": {\"exposure\": 33}}",
+    "{\"render\": {\"max_depth\": 1.5}}",
+    "{\"render\": {\"depth\": 1}}",
+};
+
+static json_t *parse(const char *text)
+{
+    json_t *doc = json_loads(text, 0, NULL);
+    if (!doc)
+        fail_msg("not JSON: %s", text);
+    return doc;
+}
+
+static void schema_and_parser_accept_the_same_documents(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        json_t *doc = parse(good[i]);
+        lf_error err;
+        lf_status status = parser_status(doc, &err);
+        if (!schema_accepts(doc))
+            fail_msg("the schema refuses %s", good[i]);
+        if (status != LF_OK && status != LF_E_IO)
+            fail_msg("the parser refuses %s: %s: %s", good[i], err.pointer, err.what);
+        json_decref(doc);
+    }
+}
+
+static void schema_and_parser_refuse_the_same_documents(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        json_t *doc = parse(wrong[i]);
+        lf_error err;
+        if (schema_accepts(doc))
+            fail_msg("the schema accepts %s", wrong[i]);
+        if (parser_status(doc, &err) != LF_E_FORMAT)
+            fail_msg("the parser accepts %s", wrong[i]);
+        json_decref(doc);
+    }
+}
+
+/* Keys that a section of the schema lists are keys that the parser knows: it complains about the value, not the key. */
+static void every_key_of_the_schema_is_known_to_the_parser(void **state)
+{
+    (void)state;
+    json_t *schema = lf_scene_schema(), *member;
+    const char *key;
+    int n = 0;
+    json_object_foreach(json_object_get(schema, "properties"), key, member) {
+        json_t *doc = json_pack("{s:n}", key);
+        lf_error err;
+        lf_assert_status(parser_status(doc, &err), LF_E_FORMAT, &err);
+        if (strstr(err.what, "unknown key"))
+            fail_msg("%s: %s", key, err.what);
+        json_decref(doc);
+        n++;
+    }
+    assert_int_equal(n, 10);
+    json_decref(schema);
+}
+
+/* Applies the schema to every scene of a folder of the source tree; the number of scenes. */
+static int check_folder(const char *name)
+{
+    char folder[PATH_MAX];
+    snprintf(folder, sizeof folder, "%s", lf_test_source(name));
+    DIR *dir = opendir(folder);
+    int n = 0;
+    assert_non_null(dir);
+    for (struct dirent *entry = readdir(dir); entry; entry = readdir(dir)) {
+        const char *dot = strrchr(entry->d_name, '.');
+        if (!dot || strcmp(dot, ".json") != 0)
+            continue;
+        json_error_t problem;
+        json_t *doc = json_load_file(lf_test_path(folder, entry->d_name), JSON_REJECT_DUPLICATES, &problem);
+        if (!doc)
+            fail_msg("%s:%d: %s", entry->d_name, problem.line, problem.text);
+        if (!schema_accepts(doc))
+            fail_msg("%s does not follow the schema", entry->d_name);
+        /* A negative control: the same scene with a slip does not. */
+        json_object_set_new(json_object_get(doc, "camera"), "fov_z", json_integer(14));
+        assert_false(schema_accepts(doc));
+        json_decref(doc);
+        n++;
+    }
+    closedir(dir);
+    return n;
+}
+
+static void every_shipped_scene_follows_the_schema(void **state)
+{
+    (void)state;
+    assert_true(check_folder("scenes") >= 4);
+    assert_true(check_folder("bench/reference") >= 2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(schema_and_parser_accept_the_same_documents),
+        cmocka_unit_test(schema_and_parser_refuse_the_same_documents),
+        cmocka_unit_test(every_key_of_the_schema_is_known_to_the_parser),
+        cmocka_unit_test(every_shipped_scene_follows_the_schema),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
