@@ -1,0 +1,182 @@
+#include "tests/testing.h"
+
+#include "quilt/quilt.h"
+
+static lf_tone *tone_of(double exposure, const char *tonemap)
+{
+    lf_tone *tone;
+    lf_error err;
+    lf_assert_ok(lf_tone_create(exposure, tonemap, &tone, &err), &err);
+    return tone;
+}
+
+/* The formulas, slowly. */
+static double light_of(double exposure, bool filmic, float value)
+{
+    double x = (double)value * exp2(exposure);
+    if (isnan(x) || x <= 0)
+        return 0;
+    if (isinf(x))
+        return 1;
+    if (filmic)
+        x = fmin(x, 1e9), x = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+    return fmin(x, 1);
+}
+
+static int code_of(double exposure, bool filmic, float value)
+{
+    double light = light_of(exposure, filmic, value);
+    double srgb = light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;
+    return (int)floor(255 * srgb + 0.5);
+}
+
+static int mapped(const lf_tone *tone, float value)
+{
+    const float in[3] = {value, value, value};
+    uint8_t out[3];
+    lf_tone_map(tone, 1, in, out);
+    assert_true(out[0] == out[1] && out[1] == out[2]);
+    return out[0];
+}
+
+static float float_of(uint32_t bits)
+{
+    float f;
+    memcpy(&f, &bits, sizeof f);
+    return f;
+}
+
+static const double exposures[] = {0, 1, -1, 0.3, -2.7, 10, -10, 63.9, -64};
+
+static void codes_are_the_rounded_formula_over_all_floats(void **state)
+{
+    (void)state;
+    const uint32_t step = lf_test_long() ? 97 : 10007;
+    for (int k = 0; k < 18; k++) {
+        bool filmic = k & 1;
+        lf_tone *tone = tone_of(exposures[k / 2], filmic ? "filmic" : "srgb");
+        for (uint64_t bits = 0; bits <= UINT32_MAX; bits += step) {
+            float f = float_of((uint32_t)bits);
+            if (mapped(tone, f) != code_of(exposures[k / 2], filmic, f))
+                fail_msg("%a at %g stops, %d: %d, expected %d", (double)f, exposures[k / 2], filmic, mapped(tone, f),
+                         code_of(exposures[k / 2], filmic, f));
+        }
+        lf_tone_destroy(tone);
+    }
+}
+
+/* Where one code gives way to the next, to the last bit. */
+static void codes_change_exactly_where_the_formula_does(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 18; k++) {
+        bool filmic = k & 1;
+        double exposure = exposures[k / 2];
+        lf_tone *tone = tone_of(exposure, filmic ? "filmic" : "srgb");
+        int n_steps = 0;
+        for (int code = 1; code < 256; code++) {
+            uint32_t below = 0, at = 0x7f800000;
+            while (at - below > 1) {
+                uint32_t middle = below + (at - below) / 2;
+                *(code_of(exposure, filmic, float_of(middle)) >= code ? &at : &below) = middle;
+            }
+            for (uint32_t bits = at - 3; bits <= at + 3 && bits < 0x7f800000; bits++)
+                assert_int_equal(mapped(tone, float_of(bits)), code_of(exposure, filmic, float_of(bits)));
+            n_steps += mapped(tone, float_of(at)) - mapped(tone, float_of(at - 1));
+        }
+        assert_int_equal(n_steps, 255);
+        lf_tone_destroy(tone);
+    }
+}
+
+static void what_is_no_light_is_black_and_too_much_is_white(void **state)
+{
+    (void)state;
+    for (int filmic = 0; filmic < 2; filmic++) {
+        lf_tone *tone = tone_of(0, filmic ? "filmic" : "srgb");
+        const float dark[] = {NAN, -NAN, -INFINITY, -1, -0.0f, 0, 1e-40f, float_of(0x7f800001), float_of(0xffffffff)};
+        for (size_t i = 0; i < sizeof dark / sizeof dark[0]; i++)
+            assert_int_equal(mapped(tone, dark[i]), 0);
+        assert_int_equal(mapped(tone, INFINITY), 255);
+        assert_int_equal(mapped(tone, 3e38f), 255);
+        lf_tone_destroy(tone);
+    }
+}
+
+/* The values of an 8-bit picture come back as they were. */
+static void decoding_and_mapping_are_inverse(void **state)
+{
+    (void)state;
+    lf_tone *tone = tone_of(0, "srgb");
+    for (int i = 0; i < 256; i++) {
+        double s = i / 255.0;
+        assert_int_equal(mapped(tone, (float)(s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4))), i);
+    }
+    lf_tone_destroy(tone);
+}
+
+static void any_number_of_pixels_is_mapped_alike(void **state)
+{
+    (void)state;
+    static float in[3 * 700];
+    uint8_t out[3 * 700 + 1];
+    lf_tone *tone = tone_of(0.5, "filmic");
+    for (int i = 0; i < 2100; i++)
+        in[i] = (float)(i % 997) * 0.002f;
+    for (size_t n = 0; n <= 700; n += n < 100 ? 1 : 50) {
+        memset(out, 0xab, sizeof out);
+        lf_tone_map(tone, n, in, out);
+        for (size_t i = 0; i < 3 * n; i++)
+            assert_int_equal(out[i], code_of(0.5, true, in[i]));
+        assert_int_equal(out[3 * n], 0xab);
+    }
+    lf_tone_destroy(tone);
+}
+
+static void display_light_is_what_the_codes_are_made_of(void **state)
+{
+    (void)state;
+    for (int filmic = 0; filmic < 2; filmic++) {
+        lf_tone *tone = tone_of(-0.7, filmic ? "filmic" : "srgb");
+        float in[30];
+        for (int i = 0; i < 30; i++)
+            in[i] = (float)pow(2, i - 20) * (i % 7 ? 1.0f : -1.0f);
+        in[3] = NAN;
+        in[4] = INFINITY;
+        float out[30];
+        lf_tone_linear(tone, 10, in, out);
+        for (int i = 0; i < 30; i++)
+            lf_assert_close((double)out[i], light_of(-0.7, filmic, in[i]), 1e-7, 0);
+        lf_tone_linear(tone, 10, in, in); /* in place */
+        assert_memory_equal(in, out, sizeof in);
+        lf_tone_destroy(tone);
+    }
+}
+
+static void unknown_curves_and_exposures_are_refused(void **state)
+{
+    (void)state;
+    lf_tone *tone = NULL;
+    lf_error err;
+    lf_assert_status(lf_tone_create(0, "aces", &tone, &err), LF_E_ARG, &err);
+    lf_assert_status(lf_tone_create(0, "", &tone, &err), LF_E_ARG, &err);
+    lf_assert_status(lf_tone_create(NAN, "srgb", &tone, &err), LF_E_ARG, &err);
+    lf_assert_status(lf_tone_create(64.1, "srgb", &tone, &err), LF_E_ARG, &err);
+    lf_assert_status(lf_tone_create(-INFINITY, "srgb", &tone, &err), LF_E_ARG, &err);
+    assert_null(tone);
+    lf_tone_destroy(NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(codes_are_the_rounded_formula_over_all_floats),
+        cmocka_unit_test(codes_change_exactly_where_the_formula_does),
+        cmocka_unit_test(what_is_no_light_is_black_and_too_much_is_white),
+        cmocka_unit_test(decoding_and_mapping_are_inverse),
+        cmocka_unit_test(any_number_of_pixels_is_mapped_alike),
+        cmocka_unit_test(display_light_is_what_the_codes_are_made_of),
+        cmocka_unit_test(unknown_curves_and_exposures_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
