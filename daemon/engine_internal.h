@@ -66,7 +66,7 @@ struct lf_engine {
     double passes;  /* mean over rows */
     double seconds, cpu_seconds;
     uint64_t n_frames, n_frames_before; /* posted; before this stage */
-    double frame_at; /* when the last one was composed */
+    double frame_at, frame_cost; /* when the last one was begun, and how long it took */
     lf_render_stats stats;
     double stats_at, stats_cost, views_at;
 };

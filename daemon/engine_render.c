@@ -12,6 +12,8 @@
 /* Frames are at least so far apart, while the picture is incomplete and later: small pictures have short slices. */
 #define FRAME_SECONDS 0.03
 #define FRAME_SECONDS_COMPLETE 0.1
+/* Composing frames gets at most this share of the time, but for the first coarse and the first complete one. */
+#define FRAME_SHARE 0.2
 /* Views are copied for devices that show them at most this often. */
 #define VIEWS_SECONDS 0.45
 /* The error estimate reads the whole film: it gets at most a twentieth of the time. */
@@ -134,6 +136,7 @@ static void post_frame(lf_engine *engine, bool final)
         engine->views_at = now;
     }
     engine->n_frames++;
+    engine->frame_cost = lf_time_now() - engine->frame_at;
     lf_mailbox_post(&engine->mailbox, frame);
 }
 
@@ -145,6 +148,9 @@ static bool frame_can_wait(lf_engine *engine)
     bool complete = lf_picture_missing(&engine->picture) == 0;
     bool news = (engine->level < LF_LEVEL_COMPLETE && complete) || engine->n_frames == engine->n_frames_before;
     double apart = engine->level < LF_LEVEL_COMPLETE ? FRAME_SECONDS : FRAME_SECONDS_COMPLETE;
+    if (engine->level > LF_LEVEL_NONE && apart < engine->frame_cost / FRAME_SHARE) {
+        apart = engine->frame_cost / FRAME_SHARE;
+    }
     if (!news && lf_time_now() - engine->frame_at < apart) {
         return true;
     }
@@ -157,6 +163,16 @@ static bool frame_can_wait(lf_engine *engine)
     return wait;
 }
 
+/* Native samples for pixels that no shared path has reached: first so many that a coarse frame is whole, then for all of
+ * them, until the picture is complete. */
+static int hole_reach(const lf_engine *engine)
+{
+    if (engine->level >= LF_LEVEL_COMPLETE) {
+        return -1;
+    }
+    return engine->schedule.sweep == 0 ? LF_COARSE_REACH : 0;
+}
+
 void engine_slice(lf_engine *engine)
 {
     lf_slice slice = lf_schedule_next(&engine->schedule, slice_seconds(engine));
@@ -165,8 +181,8 @@ void engine_slice(lf_engine *engine)
     lf_status status = LF_OK;
     engine->picture.sampled = engine->passes >= engine->schedule.n_views;
     if (slice.n_rows > 0) {
-        status = lf_renderer_pass(engine->renderer, slice.first, slice.step, slice.subsets, lf_picture_row, &engine->picture,
-                                  &engine->cancel);
+        status = lf_renderer_pass_filling(engine->renderer, slice.first, slice.step, slice.subsets, hole_reach(engine),
+                                          lf_picture_row, &engine->picture, &engine->cancel);
     }
     if (status != LF_OK) {
         engine->spoiled = true;

@@ -82,6 +82,11 @@ static bool constant_sky(const lf_scene *scene, lf_vec3 *out)
     return true;
 }
 
+float lf_exits_film_point(uint64_t key, int column, uint32_t index)
+{
+    return lf_sampler_radical(lf_hash64(key, (uint64_t)column), index);
+}
+
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index, float weight)
 {
     const lf_rig *rig = visit->rig;
@@ -94,10 +99,9 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
     for (int k = 0; k < lanes; k++)
         worker->z_end[k] = INFINITY;
     for (int column = 0; column < rig->width; column++) {
-        uint64_t column_key = lf_hash64(key, (uint64_t)column);
-        float xw = rig->x0 + ((float)column + lf_sampler_radical(column_key, index)) * rig->dx, lx = 0.0f;
+        float xw = rig->x0 + ((float)column + lf_exits_film_point(key, column, index)) * rig->dx, lx = 0.0f;
         if (visit->plane.lens_chord > 0.0f)
-            lx = (2.0f * lf_sampler_radical(lf_hash64(column_key, 1), index) - 1.0f) * visit->plane.lens_chord;
+            lx = (2.0f * lf_exits_film_point(lf_hash64(key, ~0u), column, index) - 1.0f) * visit->plane.lens_chord;
         for (int k = 0; k < lanes; k++) {
             worker->x0[k] = rig->b[k] + lx;
             worker->slope[k] = (xw - rig->b[k]) / rig->distance - lx / rig->focus;

@@ -56,7 +56,7 @@ typedef struct lf_visit {
     int row;
     int max_depth;
     int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
-    float weight;          /* of every base sample: 1, but for holes (lf_visit_holes) */
+    float weight;          /* of every base sample: 1, but for holes */
     unsigned faults;       /* lf_fault: deliberate mistakes, for the negative controls of the tests */
 } lf_visit;
 
@@ -108,16 +108,14 @@ typedef struct lf_visit_plan {
     int subsets;           /* passes in this visit */
     int column_step;       /* 1, or 2: only every other column is sampled (a pass split between halves) */
     bool force;            /* force collisions, so that thin media are covered at once */
+    int hole_reach;        /* behind the visit, fill holes farther than this from what is there; < 0: leave them */
 } lf_visit_plan;
 
 /* Runs it on one worker; false = cancelled in the middle (the row's sums are then worthless). */
 bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worker, const lf_cancel *cancel);
 
-/* Native samples for the holes of a row that was visited: pixels where something scatters (q > 0) and nothing has arrived (W = 0),
- * each up to a few tries. reach 0: all of them; else only as many as it takes that none is farther than reach columns from
- * a pixel that has something. A sample weighs as much as the row's count so far: mwis, a ratio, does not care; mis and cv are too bright by
- * a share that vanishes with further passes. For the live picture only. false = cancelled. */
-bool lf_visit_holes(const lf_visit_plan *plan, int row, int reach, lf_worker *worker, const lf_cancel *cancel);
+/* The film point of a pixel column in this visit, in [0, 1) of its width; key as given to lf_exits_row. */
+float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 
 /* B and Q of one row for this visit (exits.c): weight is the visit's n; index its number in its half. */
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index, float weight);

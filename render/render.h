@@ -127,12 +127,13 @@ typedef void (*lf_row_fn)(void *context, int row, int worker);
 LF_NODISCARD lf_status lf_renderer_pass(lf_renderer *renderer, int first_row, int row_step, int subsets, lf_row_fn row_done,
                                         void *context, const lf_cancel *cancel);
 
-/* For the live picture: native samples for the holes (LF_PIXEL_HOLE) of visited rows among first_row, first_row + row_step, … With
- * reach 0 all of them; else only so many that no hole is farther than reach columns from a pixel of its view and row that has
- * something: what a coarse frame needs. Does not count as a pass. mwis stays consistent; mis and cv are too bright in those pixels by a share
- * that vanishes with further passes (docs/estimators.md, "Holes"): fixed budgets use lf_renderer_passes, which never does this. */
-LF_NODISCARD lf_status lf_renderer_fill_holes(lf_renderer *renderer, int first_row, int row_step, int reach, lf_row_fn row_done,
-                                              void *context, const lf_cancel *cancel);
+/* The same for the live picture: behind its visit a row gets native samples for holes (LF_PIXEL_HOLE), with hole_reach 0 for all of
+ * them, else for so many that none is farther than hole_reach columns from a pixel of its view and row that has something, which is
+ * what a coarse frame needs; hole_reach < 0 is lf_renderer_pass. They do not count as passes. mwis stays consistent; mis and cv are too
+ * bright in those pixels by a share that vanishes with further passes (docs/estimators.md, "Holes"): fixed budgets use
+ * lf_renderer_passes, which never does this. */
+LF_NODISCARD lf_status lf_renderer_pass_filling(lf_renderer *renderer, int first_row, int row_step, int subsets, int hole_reach,
+                                                lf_row_fn row_done, void *context, const lf_cancel *cancel);
 
 /* Adds exactly n_passes passes (one pass = one view's worth of base paths: width x height of them) to every row, split
  * evenly between the halves, in visits that grow to whole cycles of n_views passes: the offline schedule. 45 views:

@@ -131,7 +131,7 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
                               .integrator = integrator, .film = &r->film, .seed = settings->seed, .sampler = settings->sampler,
                               .max_depth = settings->max_depth > 0 ? settings->max_depth
                                            : scene->max_depth > 0 ? scene->max_depth : LF_DEFAULT_MAX_DEPTH,
-                              .subsets = 1, .column_step = 1, .faults = r->plan.faults};
+                              .subsets = 1, .column_step = 1, .hole_reach = -1, .faults = r->plan.faults};
     return LF_OK;
 }
 
@@ -170,7 +170,6 @@ lf_status lf_renderer_restart(lf_renderer *renderer, lf_scene *scene, const lf_r
 
 typedef struct lf_pass_job {
     lf_renderer *renderer;
-    int reach;             /* of the holes' pass */
     const lf_visit_plan *plan;
     int first_row, row_step;
     int half;              /* -1 = the one with fewer visits, A first */
@@ -189,24 +188,13 @@ static void run_row(void *context, int item, int worker)
         job->row_done(job->context, row, worker);
 }
 
-static void run_holes(void *context, int item, int worker)
-{
-    lf_pass_job *job = context;
-    int row = job->first_row + item * job->row_step;
-    const lf_film_row *state = &job->renderer->film.rows[row];
-    if (state->visits[0] + state->visits[1] == 0)
-        return;
-    if (lf_visit_holes(job->plan, row, job->reach, job->renderer->workers[worker], job->cancel) && job->row_done)
-        job->row_done(job->context, row, worker);
-}
-
-static lf_status run(lf_pass_job *job, lf_pool_fn fn)
+static lf_status run(lf_pass_job *job)
 {
     int height = job->renderer->film.height;
     if (job->first_row < 0 || job->row_step < 1 || job->first_row >= height)
         return job->first_row >= height && job->row_step >= 1 ? LF_OK : LF_E_ARG;
     int items = (height - job->first_row + job->row_step - 1) / job->row_step;
-    lf_status status = lf_pool_run(job->renderer->pool, items, fn, job, job->cancel);
+    lf_status status = lf_pool_run(job->renderer->pool, items, run_row, job, job->cancel);
     if (job->cancel && atomic_load_explicit(job->cancel, memory_order_relaxed))
         return LF_E_CANCELLED;
     return status;
@@ -215,24 +203,21 @@ static lf_status run(lf_pass_job *job, lf_pool_fn fn)
 lf_status lf_renderer_pass(lf_renderer *renderer, int first_row, int row_step, int subsets, lf_row_fn row_done, void *context,
                            const lf_cancel *cancel)
 {
+    return lf_renderer_pass_filling(renderer, first_row, row_step, subsets, -1, row_done, context, cancel);
+}
+
+lf_status lf_renderer_pass_filling(lf_renderer *renderer, int first_row, int row_step, int subsets, int hole_reach,
+                                   lf_row_fn row_done, void *context, const lf_cancel *cancel)
+{
     if (subsets < 1 || subsets > renderer->rig.n_views)
         return LF_E_ARG;
     lf_visit_plan plan = renderer->plan;
     plan.subsets = subsets;
     plan.force = subsets < renderer->rig.n_views;
+    plan.hole_reach = hole_reach;
     lf_pass_job job = {.renderer = renderer, .plan = &plan, .first_row = first_row, .row_step = row_step, .half = -1,
                        .row_done = row_done, .context = context, .cancel = cancel};
-    return run(&job, run_row);
-}
-
-lf_status lf_renderer_fill_holes(lf_renderer *renderer, int first_row, int row_step, int reach, lf_row_fn row_done, void *context,
-                                 const lf_cancel *cancel)
-{
-    lf_visit_plan plan = renderer->plan;
-    plan.force = true;
-    lf_pass_job job = {.renderer = renderer, .plan = &plan, .first_row = first_row, .row_step = row_step, .reach = reach,
-                       .row_done = row_done, .context = context, .cancel = cancel};
-    return run(&job, run_holes);
+    return run(&job);
 }
 
 /* One visit of every row. */
@@ -242,7 +227,7 @@ static lf_status visit_all(lf_renderer *renderer, int half, int subsets, int col
     plan.subsets = subsets;
     plan.column_step = column_step;
     lf_pass_job job = {.renderer = renderer, .plan = &plan, .row_step = 1, .half = half, .cancel = cancel};
-    return run(&job, run_row);
+    return run(&job);
 }
 
 lf_status lf_renderer_passes(lf_renderer *renderer, int64_t n_passes, bool split, const lf_cancel *cancel)

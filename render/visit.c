@@ -176,7 +176,9 @@ static void make_ray(const lf_visit *visit, int view, float u, float lx, lf_base
     ray->z_surface = INFINITY;
 }
 
-static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, int column, uint64_t key, uint32_t index)
+/* film: where in the pixel, 0..1; < 0 = drawn. */
+static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, int column, float film, uint64_t key,
+                        uint32_t index)
 {
     lf_worker *worker = visit->worker;
     const lf_rig *rig = visit->rig;
@@ -191,7 +193,7 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     if (visit->plane.lens_chord > 0.0f)
         lens = (2.0f * lf_sampler_1d(&sampler) - 1.0f) * visit->plane.lens_chord;
     lf_base_ray ray;
-    make_ray(visit, view, (float)column + jitter[0], lens, &ray);
+    make_ray(visit, view, (float)column + (film < 0.0f ? jitter[0] : film), lens, &ray);
 
     lf_pivot pivot = {.lx = lens, .boost = 1.0f, .sampler = &sampler};
     lf_event *event = &pivot.event;
@@ -256,6 +258,43 @@ static bool cancelled(const lf_cancel *cancel)
     return cancel && atomic_load_explicit(cancel, memory_order_relaxed);
 }
 
+static bool is_hole(const lf_film_half half[2], const double n[2], size_t pixel)
+{
+    float q = 0.0f, w = 0.0f;
+    for (int h = 0; h < 2; h++) {
+        q += n[h] > 0.0 ? half[h].known[pixel].q : 0.0f;
+        w += n[h] > 0.0 ? half[h].scattered[pixel].w : 0.0f;
+    }
+    return q > 0.0f && !(w > 0.0f);
+}
+
+/* Native samples for pixels where something scatters and nothing has arrived, so far that none is left farther than hole_reach columns
+ * from one that has something; the first at the very film point that found q > 0. Each weighs as much as the half's count so
+ * far (docs/estimators.md, "Holes"). false = cancelled. */
+static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uint64_t key, uint32_t index, const lf_cancel *cancel)
+{
+    enum { TRIES = 4 };
+    const lf_film_row *state = &plan->film->rows[visit->row];
+    const lf_film_half halves[2] = {lf_film_at(plan->film, visit->row, 0), lf_film_at(plan->film, visit->row, 1)};
+    int width = plan->rig->width;
+    uint64_t hole_key = lf_hash64(key, 6);
+    visit->integrator = &lf_integrator_vpt;
+    visit->weight = (float)state->n[half];
+    for (int view = 0; view < plan->rig->n_views; view++) {
+        for (int column = 0, filled = 0; column < width; column++) {
+            size_t pixel = (size_t)view * (size_t)width + (size_t)column;
+            for (int i = 0; i < TRIES && column - filled >= plan->hole_reach && is_hole(halves, state->n, pixel); i++) {
+                float film = i == 0 ? lf_exits_film_point(lf_hash64(key, 5), column, index) : -1.0f;
+                if (cancelled(cancel))
+                    return false;
+                base_sample(plan, visit, view, column, film, hole_key, index * TRIES + (uint32_t)i);
+            }
+            filled = is_hole(halves, state->n, pixel) ? filled : column;
+        }
+    }
+    return true;
+}
+
 bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worker, const lf_cancel *cancel)
 {
     lf_film_row *state = &plan->film->rows[row];
@@ -278,47 +317,12 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
         for (int j = 0; j < plan->subsets; j++) {
             if (cancelled(cancel))
                 return false;
-            base_sample(plan, &visit, lattice_view(&visit, column, j), column, key, index);
+            base_sample(plan, &visit, lattice_view(&visit, column, j), column, -1.0f, key, index);
         }
     }
     state->visits[half]++;
     state->n[half] += (double)weight;
     state->passes += (double)plan->subsets / plan->column_step;
-    return true;
+    return plan->hole_reach < 0 || fill_holes(plan, &visit, half, key, index, cancel);
 }
 
-static bool is_hole(const lf_film_half half[2], const double n[2], size_t pixel)
-{
-    float q = 0.0f, w = 0.0f;
-    for (int h = 0; h < 2; h++) {
-        q += n[h] > 0.0 ? half[h].known[pixel].q : 0.0f;
-        w += n[h] > 0.0 ? half[h].scattered[pixel].w : 0.0f;
-    }
-    return q > 0.0f && !(w > 0.0f);
-}
-
-bool lf_visit_holes(const lf_visit_plan *plan, int row, int reach, lf_worker *worker, const lf_cancel *cancel)
-{
-    enum { TRIES = 4 };
-    const lf_film_row *state = &plan->film->rows[row];
-    int to = state->n[1] > state->n[0], width = plan->rig->width;
-    uint64_t key = lf_hash64(stream(plan, row, to), 6);
-    uint32_t index = TRIES * (state->visits[0] + state->visits[1]);
-    const lf_film_half half[2] = {lf_film_at(plan->film, row, 0), lf_film_at(plan->film, row, 1)};
-    lf_visit visit = {.worker = worker, .half = half[to], .row = row};
-    begin(plan, &visit, key, index);
-    visit.integrator = &lf_integrator_vpt;
-    visit.weight = (float)state->n[to];
-    for (int view = 0; view < plan->rig->n_views; view++) {
-        for (int column = 0, filled = 0; column < width; column++) {
-            size_t pixel = (size_t)view * (size_t)width + (size_t)column;
-            for (int i = 0; i < TRIES && column - filled >= reach && is_hole(half, state->n, pixel); i++) {
-                if (cancelled(cancel))
-                    return false;
-                base_sample(plan, &visit, view, column, key, index + (uint32_t)i);
-            }
-            filled = is_hole(half, state->n, pixel) ? filled : column;
-        }
-    }
-    return true;
-}
