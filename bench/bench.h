@@ -1,4 +1,4 @@
-/* What the commands of quiltbench share. A command is one file (error.c, compare.c) and one line of the table in
+/* What the commands of quiltbench share. A command is one file (error.c, compare.c, …) and one line of the table in
  * quiltbench.c. Commands print their table to stdout, errors in one line to stderr, and return an exit code (daemon/options.h). */
 #ifndef LF_BENCH_H
 #define LF_BENCH_H
@@ -12,6 +12,8 @@
 /* argv[0] is the command's name. */
 int lf_bench_error(int argc, char **argv);
 int lf_bench_compare(int argc, char **argv);
+/* argv[0] is the program's name. */
+int lf_bench_all(int argc, char **argv);
 
 /* "0.5%" or "0.005", at least 0; option names it in the error. */
 LF_NODISCARD lf_status lf_bench_parse_share(const char *option, const char *text, double *out, lf_error *err);

@@ -23,7 +23,8 @@ static const struct command {
 static void print_help(void)
 {
     printf("Usage: quiltbench COMMAND [arguments]   (quiltbench COMMAND --help says more)\n"
-           "       quiltbench --out DIR             the published benchmarks, as JSON into DIR\n\n");
+           "       quiltbench --out DIR [--scenes DIR]   the published benchmarks, as JSON into DIR; the shipped scenes with\n"
+           "                                        their data are looked for in DIR/../scenes\n\n");
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         printf("  %-10s %s\n", commands[i].name, commands[i].what);
 }
@@ -123,6 +124,8 @@ int main(int argc, char **argv)
         lf_print_version(LF_BENCH_PROGRAM);
         return LF_EXIT_OK;
     }
+    if (strncmp(argv[1], "--", 2) == 0)
+        return lf_bench_all(argc, argv);
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(argv[1], commands[i].name) == 0)
             return commands[i].run(argc - 1, argv + 1);

@@ -1,0 +1,234 @@
+/* quiltbench from outside: its numbers on pictures whose errors are known, its limits as exit codes. */
+#include "tests/testing.h"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+
+#include <jansson.h>
+
+#include "base/image_io.h"
+
+#define WIDTH 21
+#define HEIGHT 14
+
+static int set_up(void **state)
+{
+    *state = lf_test_folder();
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    lf_test_folder_remove(*state);
+    return 0;
+}
+
+/* Runs quiltbench with words parted by blanks; its stderr ends up in the file "err" of the folder. Returns the exit code. */
+static int run(const char *folder, const char *line)
+{
+    static char copy[4 * PATH_MAX];
+    char program[PATH_MAX];
+    char err[PATH_MAX];
+    char *argv[48] = {program};
+    int argc = 1;
+    int status = 0;
+
+    snprintf(program, sizeof program, "%s", lf_test_built("quiltbench"));
+    snprintf(err, sizeof err, "%s/err", folder);
+    snprintf(copy, sizeof copy, "%s", line);
+    for (char *word = strtok(copy, " "); word && argc < 47; word = strtok(NULL, " "))
+        argv[argc++] = word;
+    pid_t pid = fork();
+    assert_true(pid >= 0);
+    if (pid == 0) {
+        dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
+        dup2(open(err, O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+        if (chdir(folder) == 0)
+            execv(program, argv);
+        _exit(127);
+    }
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
+static void assert_error_line(const char *folder, const char *words)
+{
+    char text[4096] = "";
+    FILE *file = fopen(lf_test_path(folder, "err"), "rb");
+
+    assert_non_null(file);
+    assert_true(fread(text, 1, sizeof text - 1, file) > 0);
+    fclose(file);
+    if (strncmp(text, "quiltbench: ", 12) != 0 || !strstr(text, words) || strchr(text, '\n') != text + strlen(text) - 1)
+        fail_msg("\"%s\", expected one line with \"%s\"", text, words);
+}
+
+/* A picture of the value `value`, but `special` in the 7x7 block whose top left pixel is 7, 7. */
+static void write_picture(const char *folder, const char *name, int views, float value, float special)
+{
+    lf_image32 image = {0};
+    lf_outfile file;
+    lf_error err = {0};
+
+    lf_assert_ok(lf_image32_init(&image, views * WIDTH, HEIGHT, 3), NULL);
+    for (int y = 0; y < HEIGHT; y++) {
+        for (int x = 0; x < views * WIDTH; x++) {
+            bool in = x % WIDTH >= 7 && x % WIDTH < 14 && y >= 7;
+            for (int c = 0; c < 3; c++) /* another value in every view, so that --view has something to pick */
+                image.data[((size_t)y * (size_t)(views * WIDTH) + (size_t)x) * 3 + (size_t)c] =
+                    (in ? special : value) + (float)(x / WIDTH);
+        }
+    }
+    lf_assert_ok(lf_outfile_open(&file, lf_test_path(folder, name), true, &err), &err);
+    lf_assert_ok(lf_exr_write(&file, &image, NULL, 0, &err), &err);
+    lf_assert_ok(lf_outfile_commit(&file, true, &err), &err);
+    lf_image32_finish(&image);
+}
+
+static double number(const json_t *object, const char *key)
+{
+    const json_t *value = json_object_get(object, key);
+    if (!json_is_number(value))
+        fail_msg("no number \"%s\"", key);
+    return json_number_value(value);
+}
+
+static json_t *load(const char *folder, const char *name)
+{
+    json_t *object = json_load_file(lf_test_path(folder, name), 0, NULL);
+    assert_true(json_is_object(object));
+    return object;
+}
+
+static void errors_are_the_stated_formulas(void **state)
+{
+    const char *d = *state;
+
+    write_picture(d, "one.exr", 1, 1, 1);
+    write_picture(d, "off.exr", 1, 1, 1.5f); /* one of six blocks is off by a half */
+    assert_int_equal(run(d, "error one.exr off.exr --epsilon 0.25 --json e.json"), 0);
+    json_t *e = load(d, "e.json");
+    lf_assert_close(number(e, "rel_mse"), 0.25 / 1.25 / 6, 1e-6, 0);
+    lf_assert_close(number(e, "rmse"), sqrt(0.25 / 6), 1e-6, 0);
+    lf_assert_close(number(e, "relative_mean"), 0.5 / 6, 1e-6, 0);
+    lf_assert_close(number(e, "bias"), 0.5 / 6, 1e-6, 0);
+    /* six block differences, one of them 0.5: standard deviation 0.5/sqrt(6) */
+    lf_assert_close(number(e, "bias_se"), 0.5 / sqrt(6) / sqrt(6), 1e-6, 0);
+    lf_assert_close(number(e, "block_rms"), 0.5 / sqrt(6 * 1.0001), 1e-6, 0);
+    lf_assert_close(number(e, "pixels"), WIDTH * HEIGHT, 0, 0);
+    lf_assert_close(number(e, "holes"), 0, 0, 0);
+    json_decref(e);
+
+    write_picture(d, "hole.exr", 1, 1, 0);
+    assert_int_equal(run(d, "error one.exr hole.exr --json e.json"), 0);
+    e = load(d, "e.json");
+    lf_assert_close(number(e, "holes"), 49, 0, 0);
+    json_decref(e);
+
+    assert_int_equal(run(d, "error one.exr one.exr --json e.json"), 0);
+    e = load(d, "e.json");
+    lf_assert_close(number(e, "rel_mse"), 0, 0, 0);
+    lf_assert_close(number(e, "block_rms"), 0, 0, 0);
+    json_decref(e);
+}
+
+static void limits_are_exit_codes(void **state)
+{
+    const char *d = *state;
+
+    write_picture(d, "one.exr", 1, 1, 1);
+    write_picture(d, "off.exr", 1, 1.01f, 1.01f);
+    assert_int_equal(run(d, "error one.exr off.exr --max-mean 1.1% --max-block 1.1% --max-relmse 0.001"), 0);
+    assert_int_equal(run(d, "error one.exr off.exr --max-mean 0.9%"), 1);
+    assert_error_line(d, "the mean differs by +1.0000 %");
+    assert_int_equal(run(d, "error one.exr off.exr --max-block 0.009"), 1);
+    assert_error_line(d, "7x7 blocks differ");
+    assert_int_equal(run(d, "error one.exr off.exr --max-relmse 1e-5"), 1);
+    assert_error_line(d, "relMSE");
+}
+
+static void one_view_is_picked_out_of_many(void **state)
+{
+    const char *d = *state;
+
+    write_picture(d, "one.exr", 1, 3, 3); /* is view 2 of the quilt */
+    write_picture(d, "q_qs4x1.exr", 4, 1, 1);
+    assert_int_equal(run(d, "error one.exr q_qs4x1.exr --view 2 --max-relmse 0"), 0);
+    assert_int_equal(run(d, "error one.exr q_qs4x1.exr --view 1 --max-relmse 0.01"), 1);
+    assert_int_equal(run(d, "error q_qs4x1.exr q_qs4x1.exr --max-relmse 0"), 0);
+    assert_int_equal(run(d, "error one.exr q_qs4x1.exr"), 1);
+    assert_error_line(d, "4 views, but the reference has 1");
+    assert_int_equal(run(d, "error one.exr q_qs4x1.exr --view 4"), 1);
+    assert_error_line(d, "there is no view 4");
+}
+
+static void wrong_usage_is_one_line_and_exit_2(void **state)
+{
+    static const struct {
+        const char *line, *words;
+    } cases[] = {
+        {"", "COMMAND: missing"},
+        {"measure", "measure: unknown command"},
+        {"error one.exr", "expects REFERENCE and PICTURE"},
+        {"error a b c", "expects REFERENCE and PICTURE"},
+        {"error a b --block 0", "--block"},
+        {"error a b --max-mean much", "--max-mean"},
+        {"compare", "expects one SCENE"},
+        {"compare s.json --ours mvpt", "INTEGRATOR:ESTIMATOR"},
+        {"compare s.json --ours magic:mis", "unknown integrator"},
+        {"compare s.json --seeds 0", "--seeds"},
+        {"compare s.json --integrator vpt", "--ours"},
+        {"--out", "--out: expects an argument"},
+        {"--scenes x", "--out: missing"},
+    };
+    const char *d = *state;
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        print_message("%s\n", cases[i].line);
+        assert_int_equal(run(d, cases[i].line), 2);
+        assert_error_line(d, cases[i].words);
+    }
+    assert_int_equal(run(d, "error absent.exr absent.exr"), 1);
+    assert_error_line(d, "absent.exr");
+}
+
+static void a_comparison_says_what_it_compared(void **state)
+{
+    const char *d = *state;
+
+    lf_test_write(d, "fog.json",
+                  "{ \"quiltd\": 1, \"camera\": { \"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, \"views\": 6, \"cone\": 35 },"
+                  "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9 } },"
+                  "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }");
+    assert_int_equal(run(d, "compare fog.json --view-size 6x8 --time 0.05 --seeds 3 --reference-spp 256 --ours vpt:mis "
+                            "--json c.json"),
+                     0);
+    json_t *c = load(d, "c.json");
+    assert_non_null(json_object_get(json_object_get(c, "machine"), "cpu"));
+    lf_assert_close(number(c, "views"), 6, 0, 0);
+    lf_assert_close(number(c, "seeds"), 3, 0, 0);
+    assert_int_equal(json_array_size(json_object_get(c, "ratios")), 3);
+    assert_true(number(json_object_get(c, "reference"), "rel_mse") > 0);
+    const json_t *runs = json_object_get(json_object_get(c, "ours"), "runs");
+    assert_int_equal(json_array_size(runs), 3);
+    assert_true(number(json_array_get(runs, 0), "cpu_seconds") > 0);
+    assert_true(number(c, "ratio_low") <= number(c, "ratio_median") && number(c, "ratio_median") <= number(c, "ratio_high"));
+    json_decref(c);
+    assert_int_equal(run(d, "compare fog.json --view-size 6x8 --time 0.05 --seeds 1 --reference-spp 256 --ours vpt:mis "
+                            "--min-ratio 1000"),
+                     1);
+    assert_error_line(d, "the median ratio is");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(errors_are_the_stated_formulas, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(limits_are_exit_codes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(one_view_is_picked_out_of_many, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(wrong_usage_is_one_line_and_exit_2, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_comparison_says_what_it_compared, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
