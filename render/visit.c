@@ -281,7 +281,7 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uin
     visit->integrator = &lf_integrator_vpt;
     visit->weight = (float)state->n[half];
     for (int view = 0; view < plan->rig->n_views; view++) {
-        for (int column = 0, filled = 0; column < width; column++) {
+        for (int column = 0, filled = -1; column < width; column++) {
             size_t pixel = (size_t)view * (size_t)width + (size_t)column;
             for (int i = 0; i < TRIES && column - filled >= plan->hole_reach && is_hole(halves, state->n, pixel); i++) {
                 float film = i == 0 ? lf_exits_film_point(lf_hash64(key, 5), column, index) : -1.0f;
