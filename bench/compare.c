@@ -345,8 +345,8 @@ static json_t *comparison_json(const comparison *c)
                      a->seconds, "seeds", a->n_seeds, "epsilon", a->epsilon, "reference", "integrator", a->reference.integrator,
                      "estimator", lf_estimator_name(a->reference.estimator), "spp", 2 * a->reference_spp, "rel_mse",
                      c->reference_error, "cpu_seconds", c->reference_cpu, "ours", contender_json(&a->ours, c->ours, a->n_seeds),
-                     "baseline", contender_json(&a->baseline, c->baseline, a->n_seeds), "ratio_median", ratios.median,
-                     "ratio_low", ratios.low, "ratio_high", ratios.high, "ratios", list);
+                     "baseline", contender_json(&a->baseline, c->baseline, a->n_seeds), "ratio_median", ratios.median, "ratio_low",
+                     ratios.low, "ratio_high", ratios.high, "ratios", list);
 }
 
 static void print_contender(const contender *who, const outcome *outcomes, int n)
@@ -412,8 +412,8 @@ static lf_status prepare(comparison *c, lf_error *err)
     if (status == LF_OK && a->options.calibration)
         status = lf_calibration_load(a->options.calibration, &calibration, err);
     if (status == LF_OK)
-        status = lf_resolve_view(&a->options, lf_scene_camera(c->scene), a->options.calibration ? &calibration : NULL,
-                                 &c->settings, &c->layout, err);
+        status = lf_resolve_view(&a->options, lf_scene_camera(c->scene), a->options.calibration ? &calibration : NULL, &c->settings,
+                                 &c->layout, err);
     if (status != LF_OK)
         return status;
     c->n = (size_t)c->settings.camera.n_views * (size_t)c->settings.width * (size_t)c->settings.height * 3;

@@ -13,7 +13,7 @@
 typedef struct arguments {
     const char *reference, *picture, *json;
     int columns, rows;
-    int view;  /* -1 = all */
+    int view; /* -1 = all */
     int block;
     double epsilon;
     double max_mean, max_block, max_rel_mse; /* negative = not asked for */
@@ -39,11 +39,16 @@ enum {
 };
 
 static const struct option table[] = {
-    {"quilt", required_argument, NULL, OPTION_QUILT},         {"view", required_argument, NULL, OPTION_VIEW},
-    {"block", required_argument, NULL, OPTION_BLOCK},         {"epsilon", required_argument, NULL, OPTION_EPSILON},
-    {"max-mean", required_argument, NULL, OPTION_MAX_MEAN},   {"max-block", required_argument, NULL, OPTION_MAX_BLOCK},
-    {"max-relmse", required_argument, NULL, OPTION_MAX_REL_MSE}, {"json", required_argument, NULL, OPTION_JSON},
-    {"help", no_argument, NULL, LF_OPTION_HELP},              {NULL, 0, NULL, 0},
+    {"quilt", required_argument, NULL, OPTION_QUILT},
+    {"view", required_argument, NULL, OPTION_VIEW},
+    {"block", required_argument, NULL, OPTION_BLOCK},
+    {"epsilon", required_argument, NULL, OPTION_EPSILON},
+    {"max-mean", required_argument, NULL, OPTION_MAX_MEAN},
+    {"max-block", required_argument, NULL, OPTION_MAX_BLOCK},
+    {"max-relmse", required_argument, NULL, OPTION_MAX_REL_MSE},
+    {"json", required_argument, NULL, OPTION_JSON},
+    {"help", no_argument, NULL, LF_OPTION_HELP},
+    {NULL, 0, NULL, 0},
 };
 
 static void print_help(void)
@@ -172,8 +177,8 @@ static lf_status open_field(const arguments *a, const char *path, light_field *f
     lf_status status = lf_image32_read(path, NULL, &field->image, err);
     if (status == LF_OK) {
         size_t width = (size_t)field->image.width * 3;
-        field->views = (lf_views32){1,     field->image.width, field->image.height, width * (size_t)field->image.height,
-                                    width, field->image.data};
+        field->views =
+            (lf_views32){1, field->image.width, field->image.height, width * (size_t)field->image.height, width, field->image.data};
     }
     return status;
 }
@@ -219,23 +224,23 @@ static void print_table(const arguments *a, const lf_metrics *m)
     printf("mean                   %.6g   reference %.6g   difference %+.4f %%\n", m->picture_mean, m->reference_mean,
            100 * m->relative_mean);
     printf("bias                   %+.4g   standard error %.2g\n", m->bias, m->bias_se);
-    printf("%dx%d blocks, relative  %.4f %% rms over %lld blocks\n", a->block, a->block, 100 * m->block_rms, (long long)m->n_blocks);
+    printf("%dx%d blocks, relative  %.4f %% rms over %lld blocks\n", a->block, a->block, 100 * m->block_rms,
+           (long long)m->n_blocks);
     printf("not finite             %lld   (reference %lld)\n", (long long)m->n_nonfinite, (long long)m->n_nonfinite_reference);
     printf("holes                  %lld of %lld pixels\n", (long long)m->n_holes, (long long)m->n_pixels);
     for (int i = 0; i < m->n_worst; i++)
-        printf("worst block %d          view %d at %d,%d: %+.2f %% (%.4g, reference %.4g)\n", i + 1, m->worst[i].view, m->worst[i].x,
-               m->worst[i].y, 100 * m->worst[i].relative, m->worst[i].picture, m->worst[i].reference);
+        printf("worst block %d          view %d at %d,%d: %+.2f %% (%.4g, reference %.4g)\n", i + 1, m->worst[i].view,
+               m->worst[i].x, m->worst[i].y, 100 * m->worst[i].relative, m->worst[i].picture, m->worst[i].reference);
 }
 
 static lf_status write_json(const arguments *a, const lf_metrics *m, lf_error *err)
 {
-    json_t *object = json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:i, s:f, s:I, s:I, s:I, s:I}", "reference",
-                               a->reference, "picture", a->picture, "rel_mse", m->rel_mse, "epsilon", m->epsilon, "rmse", m->rmse,
-                               "picture_mean", m->picture_mean, "reference_mean", m->reference_mean, "relative_mean",
-                               m->relative_mean, "bias", m->bias, "bias_se", m->bias_se, "block", m->block, "block_rms",
-                               m->block_rms, "nonfinite", (json_int_t)m->n_nonfinite, "nonfinite_reference",
-                               (json_int_t)m->n_nonfinite_reference, "holes", (json_int_t)m->n_holes, "pixels",
-                               (json_int_t)m->n_pixels);
+    json_t *object = json_pack(
+        "{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:i, s:f, s:I, s:I, s:I, s:I}", "reference", a->reference, "picture",
+        a->picture, "rel_mse", m->rel_mse, "epsilon", m->epsilon, "rmse", m->rmse, "picture_mean", m->picture_mean,
+        "reference_mean", m->reference_mean, "relative_mean", m->relative_mean, "bias", m->bias, "bias_se", m->bias_se, "block",
+        m->block, "block_rms", m->block_rms, "nonfinite", (json_int_t)m->n_nonfinite, "nonfinite_reference",
+        (json_int_t)m->n_nonfinite_reference, "holes", (json_int_t)m->n_holes, "pixels", (json_int_t)m->n_pixels);
     lf_status status = object ? lf_bench_write_json(a->json, object, err) : lf_error_set(err, LF_E_NOMEM, a->json, "out of memory");
 
     json_decref(object);

@@ -33,8 +33,8 @@ static void add_pixel(lf_metrics *m, const float *reference, const float *pictur
     if (!finite_reference || !finite_picture)
         return;
     m->n_pixels++;
-    m->n_holes += picture[0] == 0 && picture[1] == 0 && picture[2] == 0 &&
-                  (reference[0] != 0 || reference[1] != 0 || reference[2] != 0);
+    m->n_holes +=
+        picture[0] == 0 && picture[1] == 0 && picture[2] == 0 && (reference[0] != 0 || reference[1] != 0 || reference[2] != 0);
     for (int c = 0; c < 3; c++) {
         double r = (double)reference[c];
         double x = (double)picture[c];

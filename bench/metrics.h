@@ -21,13 +21,13 @@ typedef struct lf_worst_block {
 
 typedef struct lf_metrics {
     /* what to do */
-    int block;      /* N */
+    int block; /* N */
     double epsilon;
     /* the answer, valid after lf_metrics_finish */
-    int64_t n_pixels;     /* finite in both */
-    int64_t n_nonfinite;  /* in the picture */
+    int64_t n_pixels;    /* finite in both */
+    int64_t n_nonfinite; /* in the picture */
     int64_t n_nonfinite_reference;
-    int64_t n_holes;      /* exactly black in the picture and not in the reference */
+    int64_t n_holes; /* exactly black in the picture and not in the reference */
     int64_t n_blocks;
     double picture_mean, reference_mean;
     double relative_mean; /* picture_mean / reference_mean - 1 */

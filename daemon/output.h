@@ -19,9 +19,9 @@ LF_NODISCARD lf_status lf_output_kind_from_name(const char *name, lf_output_kind
 const char *lf_output_kind_name(lf_output_kind kind);
 
 /* Names as on the command line and in export's parameters; LF_E_ARG for others, *out untouched. */
-LF_NODISCARD lf_status lf_filter_from_name(const char *name, lf_filter *out, lf_error *err);   /* nearest, linear */
-LF_NODISCARD lf_status lf_invert_from_name(const char *name, lf_invert *out, lf_error *err);   /* auto, yes, no */
-LF_NODISCARD lf_status lf_stripes_from_name(const char *name, lf_stripes *out, lf_error *err); /* fractional, nearest */
+LF_NODISCARD lf_status lf_filter_from_name(const char *name, lf_filter *out, lf_error *err);     /* nearest, linear */
+LF_NODISCARD lf_status lf_invert_from_name(const char *name, lf_invert *out, lf_error *err);     /* auto, yes, no */
+LF_NODISCARD lf_status lf_stripes_from_name(const char *name, lf_stripes *out, lf_error *err);   /* fractional, nearest */
 LF_NODISCARD lf_status lf_compress_from_name(const char *name, lf_compress *out, lf_error *err); /* none, lzw, deflate */
 
 /* A light field to write: 8-bit display-encoded or linear float views. Borrowed. */
@@ -52,9 +52,9 @@ typedef struct lf_output_request {
     const lf_print *print;             /* print */
     double exposure;                   /* stops, for float views on the way to 8 bits */
     const char *tonemap;               /* NULL = "srgb" */
-    const json_t *settings; /* NULL, or an object (lf_output_settings): text attributes of EXR and PNG, and in the manifest */
-    lf_pool *pool;                                    /* may be NULL */
-    const lf_cancel *cancel;                          /* may be NULL */
+    const json_t *settings;  /* NULL, or an object (lf_output_settings): text attributes of EXR and PNG, and in the manifest */
+    lf_pool *pool;           /* may be NULL */
+    const lf_cancel *cancel; /* may be NULL */
     void (*progress)(void *context, double fraction); /* may be NULL; rising, from the calling thread */
     void *context;
 } lf_output_request;

@@ -12,7 +12,8 @@ void output_attributes_fill(output_attributes *attributes, const json_t *setting
     json_t *object = (json_t *)(uintptr_t)settings; /* jansson's iteration wants it mutable; it is only read */
 
     attributes->n = 0;
-    json_object_foreach (object, key, value) {
+    json_object_foreach(object, key, value)
+    {
         int i = attributes->n;
         if (i == OUTPUT_MAX_ATTRIBUTES || json_is_null(value))
             continue;
@@ -55,8 +56,8 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
                      real_or_null(passes), "views", camera->n_views, "width", settings->width, "height", settings->height,
                      "columns", layout ? layout->columns : 0, "rows", layout ? layout->rows : 0, "aspect", camera->aspect, "fov_y",
                      degrees(camera->fov_y), "cone", degrees(camera->cone), "placement",
-                     camera->inclusive ? "inclusive" : "centred", "target", camera->target[0], camera->target[1],
-                     camera->target[2], "position", camera->position[0], camera->position[1], camera->position[2], "up",
-                     camera->up[0], camera->up[1], camera->up[2], "lens_radius", camera->lens_radius, "focus_distance",
-                     camera->focus_distance, "exposure", film ? film->exposure : 0.0, "tonemap", film ? film->tonemap : "srgb");
+                     camera->inclusive ? "inclusive" : "centred", "target", camera->target[0], camera->target[1], camera->target[2],
+                     "position", camera->position[0], camera->position[1], camera->position[2], "up", camera->up[0], camera->up[1],
+                     camera->up[2], "lens_radius", camera->lens_radius, "focus_distance", camera->focus_distance, "exposure",
+                     film ? film->exposure : 0.0, "tonemap", film ? film->tonemap : "srgb");
 }

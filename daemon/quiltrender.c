@@ -63,8 +63,8 @@ static void show_rendering(void *context, const lf_render_progress *progress)
     char text[160];
     double left = progress->fraction > 0 ? progress->seconds * (1 / progress->fraction - 1) : 0;
 
-    snprintf(text, sizeof text, "rendering %3.0f %%, %.2f samples a view pixel, %.0f s, about %.0f s left", 100 * progress->fraction,
-             progress->passes / progress->n_views, progress->seconds, left);
+    snprintf(text, sizeof text, "rendering %3.0f %%, %.2f samples a view pixel, %.0f s, about %.0f s left",
+             100 * progress->fraction, progress->passes / progress->n_views, progress->seconds, left);
     draw(context, text);
 }
 
@@ -151,36 +151,35 @@ static const struct option table[] = {
 
 static void print_help(void)
 {
-    printf("Usage: quiltrender SCENE -o OUT [options]\n"
-           "Renders a scene (JSON) into a quilt, an interlaced panel picture, a lenticular print or a folder of views.\n"
-           "A quilt picture or a folder of views may stand in for SCENE: it is used as it is.\n"
-           "\n"
-           "OUT by its ending: .png or .exr is a quilt (named ..._qsCxRaASPECT), .tif a print, a path ending in / a folder of views.\n"
-           "\n"
-           "What:\n" LF_OPTIONS_HELP_VIEWS
-           "  --panel FILE           interlaced for the panel with this calibration, into OUT.png\n"
-           "  --filter NAME          nearest (default) or linear: how the panel's pixels are taken from the views\n"
-           "  --invert MODE          auto (default), yes or no: order of the views under a lens of the panel\n"
-           "  --print LPI@DPI        lenticular print into OUT.tif; LPI is the measured visual pitch, e.g. 60.13@600\n"
-           "  --print-size WxH       trim size of the print in mm\n"
-           "  --stripes NAME         fractional (default) or nearest\n"
-           "  --phase MM             moves the lens in the middle of the print to the right\n"
-           "  --orientation NAME     of the lenses: vertical (default) or horizontal\n"
-           "  --bleed MM             on every side, rendered\n"
-           "  --icc FILE             colour profile of the print (sRGB)\n"
-           "  --bits 8|16            of a channel (8)\n"
-           "  --compress NAME        none (default), lzw or deflate\n"
-           "  --reverse, --mirror    views from first to last under a lens; the whole print mirrored\n"
-           "\n"
-           "How long (one of them; --spp %d when none is given):\n"
-           "  --passes N             base paths: N for every pixel of one view's size\n"
-           "  --spp N                base paths for every view pixel\n"
-           "  --time SECONDS\n"
-           "  --target-error RELMSE  until the estimated relative mean squared error is below this\n"
-           "\n"
-           "How:\n" LF_OPTIONS_HELP_RENDER
-           "  --stats FILE.json      writes what was done and what it took\n" LF_OPTIONS_HELP_LAST,
-           DEFAULT_SPP);
+    printf(
+        "Usage: quiltrender SCENE -o OUT [options]\n"
+        "Renders a scene (JSON) into a quilt, an interlaced panel picture, a lenticular print or a folder of views.\n"
+        "A quilt picture or a folder of views may stand in for SCENE: it is used as it is.\n"
+        "\n"
+        "OUT by its ending: .png or .exr is a quilt (named ..._qsCxRaASPECT), .tif a print, a path ending in / a folder of views.\n"
+        "\n"
+        "What:\n" LF_OPTIONS_HELP_VIEWS "  --panel FILE           interlaced for the panel with this calibration, into OUT.png\n"
+        "  --filter NAME          nearest (default) or linear: how the panel's pixels are taken from the views\n"
+        "  --invert MODE          auto (default), yes or no: order of the views under a lens of the panel\n"
+        "  --print LPI@DPI        lenticular print into OUT.tif; LPI is the measured visual pitch, e.g. 60.13@600\n"
+        "  --print-size WxH       trim size of the print in mm\n"
+        "  --stripes NAME         fractional (default) or nearest\n"
+        "  --phase MM             moves the lens in the middle of the print to the right\n"
+        "  --orientation NAME     of the lenses: vertical (default) or horizontal\n"
+        "  --bleed MM             on every side, rendered\n"
+        "  --icc FILE             colour profile of the print (sRGB)\n"
+        "  --bits 8|16            of a channel (8)\n"
+        "  --compress NAME        none (default), lzw or deflate\n"
+        "  --reverse, --mirror    views from first to last under a lens; the whole print mirrored\n"
+        "\n"
+        "How long (one of them; --spp %d when none is given):\n"
+        "  --passes N             base paths: N for every pixel of one view's size\n"
+        "  --spp N                base paths for every view pixel\n"
+        "  --time SECONDS\n"
+        "  --target-error RELMSE  until the estimated relative mean squared error is below this\n"
+        "\n"
+        "How:\n" LF_OPTIONS_HELP_RENDER "  --stats FILE.json      writes what was done and what it took\n" LF_OPTIONS_HELP_LAST,
+        DEFAULT_SPP);
 }
 
 static lf_status take_budget(arguments *a, int code, const char *text, lf_error *err)
@@ -475,8 +474,8 @@ static lf_status open_quilt(job *j, lf_error *err)
     if (a->kind == LF_OUTPUT_PRINT)
         status = prepare_print(j, j->quilt.layout.n_views, err);
     else if (o->views > j->quilt.layout.n_views)
-        status = lf_error_set(err, LF_E_ARG, "--views", "%d views asked for, but the quilt has %d", o->views,
-                              j->quilt.layout.n_views);
+        status =
+            lf_error_set(err, LF_E_ARG, "--views", "%d views asked for, but the quilt has %d", o->views, j->quilt.layout.n_views);
     else if (o->views > 0)
         j->quilt.layout.n_views = j->quilt.views8.n_views = j->quilt.views32.n_views = o->views;
     if (status == LF_OK)
@@ -596,8 +595,12 @@ static lf_status write_stats(const job *j, lf_error *err)
         .renderer = j->renderer,
         .estimator = a->options.estimator,
         .n_views = j->is_quilt ? j->layout.n_views : j->settings.camera.n_views,
-        .width = !j->is_quilt ? j->settings.width : j->quilt.is_float ? v32->width : v8->width,
-        .height = !j->is_quilt ? j->settings.height : j->quilt.is_float ? v32->height : v8->height,
+        .width = !j->is_quilt        ? j->settings.width
+                 : j->quilt.is_float ? v32->width
+                                     : v8->width,
+        .height = !j->is_quilt        ? j->settings.height
+                  : j->quilt.is_float ? v32->height
+                                      : v8->height,
         .threads = lf_pool_threads(j->pool),
         .times = j->times,
     };

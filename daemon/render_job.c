@@ -147,8 +147,8 @@ static void set_rendered(json_t *object, const lf_render_report *report)
     lf_renderer_stats(report->renderer, &stats);
     json_object_set_new(object, "integrator", json_string(settings->integrator ? settings->integrator : "mvpt"));
     json_object_set_new(object, "estimator", json_string(lf_estimator_name(report->estimator)));
-    json_object_set_new(object, "seed", settings->seed <= INT64_MAX ? json_integer((json_int_t)settings->seed)
-                                                                    : json_real((double)settings->seed));
+    json_object_set_new(object, "seed",
+                        settings->seed <= INT64_MAX ? json_integer((json_int_t)settings->seed) : json_real((double)settings->seed));
     json_object_set_new(object, "passes", json_integer(report->times.passes));
     json_object_set_new(object, "seconds", json_real(report->times.seconds));
     json_object_set_new(object, "cpu_seconds", json_real(report->times.cpu_seconds));
@@ -165,11 +165,26 @@ static void set_rendered(json_t *object, const lf_render_report *report)
 
 json_t *lf_render_report_json(const lf_render_report *report)
 {
-    static const char *const keys[] = {"scene",           "integrator",        "estimator",          "views",
-                                       "width",           "height",            "threads",            "seed",
-                                       "passes",          "seconds",           "cpu_seconds",        "base_paths",
-                                       "native_spp_mean", "effective_spp_mean", "rel_mse_estimate",  "rays_traced",
-                                       "volume_lookups",  "contributions",     "nonfinite_dropped",  "peak_rss_bytes",
+    static const char *const keys[] = {"scene",
+                                       "integrator",
+                                       "estimator",
+                                       "views",
+                                       "width",
+                                       "height",
+                                       "threads",
+                                       "seed",
+                                       "passes",
+                                       "seconds",
+                                       "cpu_seconds",
+                                       "base_paths",
+                                       "native_spp_mean",
+                                       "effective_spp_mean",
+                                       "rel_mse_estimate",
+                                       "rays_traced",
+                                       "volume_lookups",
+                                       "contributions",
+                                       "nonfinite_dropped",
+                                       "peak_rss_bytes",
                                        "skipped"};
     json_t *object = json_object();
     struct rusage usage;

@@ -142,8 +142,8 @@ static void pairs_and_numbers_read_what_was_typed(void **state)
 
 static lf_camera scene_camera(void)
 {
-    return (lf_camera){.fov_y = 0.25, .aspect = 1.25, .n_views = 12, .cone = 0.5, .has_aspect = true, .has_views = true,
-                       .has_cone = true};
+    return (lf_camera){
+        .fov_y = 0.25, .aspect = 1.25, .n_views = 12, .cone = 0.5, .has_aspect = true, .has_views = true, .has_cone = true};
 }
 
 static lf_calibration panel(void)

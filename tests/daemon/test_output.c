@@ -44,8 +44,8 @@ static int set_up(void **state)
             }
         }
     }
-    f.source8 = (lf_output_source){
-        .views8 = {VIEWS, WIDTH, HEIGHT, sizeof f.bytes[0], sizeof f.bytes[0][0], &f.bytes[0][0][0][0]}, .aspect = 1.25};
+    f.source8 = (lf_output_source){.views8 = {VIEWS, WIDTH, HEIGHT, sizeof f.bytes[0], sizeof f.bytes[0][0], &f.bytes[0][0][0][0]},
+                                   .aspect = 1.25};
     f.source32 = lf_output_from_film(&settings, &f.film[0][0][0][0]);
     f.layout = (lf_layout){3, 2, VIEWS, WIDTH, HEIGHT, 1.25};
     *state = &f;
@@ -179,9 +179,8 @@ static void a_panel_picture_is_the_interlaced_views(void **state)
     calibration.screen_height_px = 48;
     lf_output_request request = {.kind = LF_OUTPUT_PANEL, .path = path, .calibration = &calibration};
     lf_assert_ok(lf_output_write(&request, &f->source32, &err), &err);
-    lf_assert_ok(lf_interlacer_create(&calibration, VIEWS, WIDTH, HEIGHT, 1.25, LF_FILTER_NEAREST, LF_INVERT_AUTO, &interlacer,
-                                      &err),
-                 &err);
+    lf_assert_ok(
+        lf_interlacer_create(&calibration, VIEWS, WIDTH, HEIGHT, 1.25, LF_FILTER_NEAREST, LF_INVERT_AUTO, &interlacer, &err), &err);
     lf_assert_ok(lf_image8_init(&expected, 64, 48, 3), NULL);
     lf_interlace(interlacer, &f->source8.views8, &expected, NULL);
     lf_assert_ok(lf_image8_read(path, NULL, &got, &err), &err);
@@ -310,7 +309,8 @@ static void cancelled_and_refused_jobs_publish_nothing(void **state)
     const struct {
         lf_output_kind kind;
         const char *name;
-    } cases[] = {{LF_OUTPUT_QUILT, "x_qs3x2a1.25.png"}, {LF_OUTPUT_VIEWS, "x/"}, {LF_OUTPUT_PANEL, "x.png"}, {LF_OUTPUT_PRINT, "x.tif"}};
+    } cases[] = {
+        {LF_OUTPUT_QUILT, "x_qs3x2a1.25.png"}, {LF_OUTPUT_VIEWS, "x/"}, {LF_OUTPUT_PANEL, "x.png"}, {LF_OUTPUT_PRINT, "x.tif"}};
     int before = count_files(f->folder);
 
     lf_calibration_portrait(&calibration);
@@ -352,7 +352,8 @@ static void descriptors_are_written_and_closed(void **state)
     lf_image8 image = {0};
 
     assert_true(fd >= 0);
-    lf_output_request request = {.kind = LF_OUTPUT_QUILT, .path = "/not/ours/handed.png", .fds = &fd, .n_fds = 1, .layout = f->layout};
+    lf_output_request request = {
+        .kind = LF_OUTPUT_QUILT, .path = "/not/ours/handed.png", .fds = &fd, .n_fds = 1, .layout = f->layout};
     lf_assert_ok(lf_output_write(&request, &f->source8, &err), &err);
     assert_false(is_open(fd));
     lf_assert_ok(lf_image8_read(path, NULL, &image, &err), &err);
@@ -449,7 +450,8 @@ static void names_of_choices_are_known(void **state)
 static void settings_record_what_made_the_picture_and_not_the_run(void **state)
 {
     const fixture *f = *state;
-    lf_render_settings settings = {.camera = {.n_views = 6, .aspect = 0.75, .fov_y = M_PI / 12, .cone = M_PI / 4}, .seed = UINT64_MAX};
+    lf_render_settings settings = {.camera = {.n_views = 6, .aspect = 0.75, .fov_y = M_PI / 12, .cone = M_PI / 4},
+                                   .seed = UINT64_MAX};
     lf_film_settings film = {.exposure = 1.5, .tonemap = "filmic"};
     json_t *record = lf_output_settings("s.json", &settings, &f->layout, LF_ESTIMATOR_CV, 90, &film);
 

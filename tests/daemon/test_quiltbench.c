@@ -197,10 +197,11 @@ static void a_comparison_says_what_it_compared(void **state)
 {
     const char *d = *state;
 
-    lf_test_write(d, "fog.json",
-                  "{ \"quiltd\": 1, \"camera\": { \"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, \"views\": 6, \"cone\": 35 },"
-                  "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9 } },"
-                  "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }");
+    lf_test_write(
+        d, "fog.json",
+        "{ \"quiltd\": 1, \"camera\": { \"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, \"views\": 6, \"cone\": 35 },"
+        "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9 } },"
+        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }");
     assert_int_equal(run(d, "compare fog.json --view-size 6x8 --time 0.05 --seeds 3 --reference-spp 256 --ours vpt:mis "
                             "--json c.json"),
                      0);

@@ -20,7 +20,8 @@ static const char fog[] =
     "{ \"quiltd\": 1,\n"
     "  \"camera\": { \"target\": [0,0,0], \"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, \"views\": 6, \"cone\": 35 },\n"
     "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9, \"g\": 0.4 } },\n"
-    "  \"meshes\": { \"ground\": { \"shape\": \"quad\", \"material\": \"clay\", \"transform\": { \"scale\": 4, \"translate\": [0,-1.05,0] } } },\n"
+    "  \"meshes\": { \"ground\": { \"shape\": \"quad\", \"material\": \"clay\", \"transform\": { \"scale\": 4, \"translate\": "
+    "[0,-1.05,0] } } },\n"
     "  \"materials\": { \"clay\": { \"type\": \"diffuse\", \"albedo\": 0.5 } },\n"
     "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }\n";
 
@@ -338,7 +339,8 @@ static void a_quilt_goes_to_floats_and_folders_and_back(void **state)
     assert_int_equal(before.width, after.width);
     assert_int_equal(before.height, after.height);
     for (int y = 0; y < before.height; y++)
-        assert_memory_equal(before.data + (size_t)y * before.stride, after.data + (size_t)y * after.stride, (size_t)before.width * 3);
+        assert_memory_equal(before.data + (size_t)y * before.stride, after.data + (size_t)y * after.stride,
+                            (size_t)before.width * 3);
     lf_image8_finish(&before);
     lf_image8_finish(&after);
 }
@@ -398,11 +400,26 @@ static void a_quilt_is_printed(void **state)
 
 static void stats_have_the_stated_keys_and_nothing_made_up(void **state)
 {
-    static const char *const keys[] = {"scene",           "integrator",         "estimator",        "views",
-                                       "width",           "height",             "threads",          "seed",
-                                       "passes",          "seconds",            "cpu_seconds",      "base_paths",
-                                       "native_spp_mean", "effective_spp_mean", "rel_mse_estimate", "rays_traced",
-                                       "volume_lookups",  "contributions",      "nonfinite_dropped", "peak_rss_bytes",
+    static const char *const keys[] = {"scene",
+                                       "integrator",
+                                       "estimator",
+                                       "views",
+                                       "width",
+                                       "height",
+                                       "threads",
+                                       "seed",
+                                       "passes",
+                                       "seconds",
+                                       "cpu_seconds",
+                                       "base_paths",
+                                       "native_spp_mean",
+                                       "effective_spp_mean",
+                                       "rel_mse_estimate",
+                                       "rays_traced",
+                                       "volume_lookups",
+                                       "contributions",
+                                       "nonfinite_dropped",
+                                       "peak_rss_bytes",
                                        "skipped"};
     const size_t n = sizeof keys / sizeof keys[0];
     const fixture *f = *state;
@@ -447,8 +464,8 @@ static void the_same_bytes_for_any_number_of_threads(void **state)
 
     for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
         for (int threads = 1; threads <= 3; threads++)
-            succeed("%s -o %s/n%d_qs2x3a0.75.exr --view-size 15x20 --quilt 2x3 --spp 3 --seed 7 --threads %d %s", f->scene, d, threads,
-                    threads, ways[i]);
+            succeed("%s -o %s/n%d_qs2x3a0.75.exr --view-size 15x20 --quilt 2x3 --spp 3 --seed 7 --threads %d %s", f->scene, d,
+                    threads, threads, ways[i]);
         for (int threads = 2; threads <= 3; threads++) {
             char other[64];
             snprintf(other, sizeof other, "n%d_qs2x3a0.75.exr", threads);
