@@ -29,11 +29,8 @@ typedef struct number_rule {
 #define TO(member) offsetof(lf_calibration, member)
 
 static const number_rule number_rules[] = {
-    {"pitch", TO(pitch), 1, 1000, NAN},
-    {"slope", TO(slope), -1e6, 1e6, NAN},
-    {"center", TO(center), -1000, 1000, NAN},
-    {"viewCone", TO(view_cone_deg), 0, 179, 0},
-    {"DPI", TO(dpi), 1, 10000, NAN},
+    {"pitch", TO(pitch), 1, 1000, NAN},         {"slope", TO(slope), -1e6, 1e6, NAN}, {"center", TO(center), -1000, 1000, NAN},
+    {"viewCone", TO(view_cone_deg), 0, 179, 0}, {"DPI", TO(dpi), 1, 10000, NAN},
 };
 
 static const struct integer_rule {
@@ -171,8 +168,7 @@ static lf_status take_text(parser *p, const char *key, char *to, size_t size)
 
 static lf_status take_cell(parser *p, size_t index, const json_t *cell)
 {
-    static const char *const names[3][2] = {
-        {"ROffsetX", "ROffsetY"}, {"GOffsetX", "GOffsetY"}, {"BOffsetX", "BOffsetY"}};
+    static const char *const names[3][2] = {{"ROffsetX", "ROffsetY"}, {"GOffsetX", "GOffsetY"}, {"BOffsetX", "BOffsetY"}};
     for (int channel = 0; channel < 3; channel++) {
         for (int axis = 0; axis < 2; axis++) {
             double offset;
@@ -249,6 +245,14 @@ lf_status lf_calibration_load(const char *path, lf_calibration *out, lf_error *e
 
 void lf_calibration_portrait(lf_calibration *out)
 {
-    *out = (lf_calibration){.config_version = "3.0", .serial = "LKG-PORT-NOMINAL", .pitch = 52, .slope = -7, .center = 0.5,
-                            .view_cone_deg = 40, .dpi = 324, .screen_width_px = 1536, .screen_height_px = 2048, .inv_view = 1};
+    *out = (lf_calibration){.config_version = "3.0",
+                            .serial = "LKG-PORT-NOMINAL",
+                            .pitch = 52,
+                            .slope = -7,
+                            .center = 0.5,
+                            .view_cone_deg = 40,
+                            .dpi = 324,
+                            .screen_width_px = 1536,
+                            .screen_height_px = 2048,
+                            .inv_view = 1};
 }

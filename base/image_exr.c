@@ -21,8 +21,8 @@ typedef struct exr_session {
     const lf_image_source *source; /* reading */
     lf_outfile *file;              /* writing */
     lf_error *err;
-    lf_status status;              /* of our own I/O */
-    char message[200];             /* the library's first complaint */
+    lf_status status;  /* of our own I/O */
+    char message[200]; /* the library's first complaint */
 } exr_session;
 
 typedef struct exr_input {
@@ -216,8 +216,7 @@ static void aim_channels(const exr_input *in, exr_decode_pipeline_t *decode, flo
 static exr_result_t decode_chunk(const exr_input *in, const exr_chunk_info_t *chunk, exr_decode_pipeline_t *decode, bool first,
                                  float *block)
 {
-    exr_result_t rv = first ? exr_decoding_initialize(in->exr, 0, chunk, decode)
-                            : exr_decoding_update(in->exr, 0, chunk, decode);
+    exr_result_t rv = first ? exr_decoding_initialize(in->exr, 0, chunk, decode) : exr_decoding_update(in->exr, 0, chunk, decode);
     if (rv != EXR_ERR_SUCCESS)
         return rv;
     aim_channels(in, decode, block, chunk->width);
@@ -226,8 +225,7 @@ static exr_result_t decode_chunk(const exr_input *in, const exr_chunk_info_t *ch
     return rv == EXR_ERR_SUCCESS ? exr_decoding_run(in->exr, 0, decode) : rv;
 }
 
-static exr_result_t read_scan_lines(const exr_input *in, exr_decode_pipeline_t *decode, float *block, int lines,
-                                    lf_image32 *out)
+static exr_result_t read_scan_lines(const exr_input *in, exr_decode_pipeline_t *decode, float *block, int lines, lf_image32 *out)
 {
     for (int y = 0; y < in->data_height; y += lines) {
         exr_chunk_info_t chunk = {0};
@@ -270,8 +268,8 @@ static exr_result_t read_tiles(const exr_input *in, exr_decode_pipeline_t *decod
 static exr_result_t block_shape(const exr_input *in, int *out_width, int *out_height)
 {
     int32_t width = in->data_width, height = 1;
-    exr_result_t rv = in->tiled ? exr_get_tile_sizes(in->exr, 0, 0, 0, &width, &height)
-                                : exr_get_scanlines_per_chunk(in->exr, 0, &height);
+    exr_result_t rv =
+        in->tiled ? exr_get_tile_sizes(in->exr, 0, 0, 0, &width, &height) : exr_get_scanlines_per_chunk(in->exr, 0, &height);
     if (rv == EXR_ERR_SUCCESS && (width < 1 || height < 1))
         rv = EXR_ERR_INVALID_ATTR;
     *out_width = width < in->data_width ? width : in->data_width;
@@ -521,8 +519,7 @@ lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_f
     if (width < 1 || width > 65536 || height < 1 || height > 65536)
         return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%dx%d pixels cannot be an EXR", width, height);
     exr_session session = {.file = file, .err = err};
-    exr_job job = {.width = width, .height = height, .rows = rows, .context = context, .attributes = attributes,
-                   .n_attributes = n};
+    exr_job job = {.width = width, .height = height, .rows = rows, .context = context, .attributes = attributes, .n_attributes = n};
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
     setup.error_handler_fn = on_error;
     setup.user_data = &session;

@@ -1,11 +1,10 @@
 /* Radiance pictures: G. Ward, "Real Pixels" (Graphics Gems II, 1991) and the format notes of the Radiance manual. */
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <errno.h>
 
 #include "base/alloc.h"
 #include "base/image_formats.h"
@@ -22,10 +21,10 @@ typedef struct reader {
 } reader;
 
 typedef struct hdr_header {
-    int n_scans, n_along;      /* scan lines in the file, and pixels of one */
-    bool scans_are_columns;    /* the first axis was X */
-    bool flip_x, flip_y;       /* stored from the right, from the bottom */
-    double gain[3];            /* to undo EXPOSURE and COLORCORR */
+    int n_scans, n_along;   /* scan lines in the file, and pixels of one */
+    bool scans_are_columns; /* the first axis was X */
+    bool flip_x, flip_y;    /* stored from the right, from the bottom */
+    double gain[3];         /* to undo EXPOSURE and COLORCORR */
 } hdr_header;
 
 static bool recognises_hdr(const uint8_t *head, size_t n)

@@ -15,17 +15,16 @@ static const lf_image_format *const formats[] = {&lf_format_png, &lf_format_jpeg
 
 #define N_FORMATS (sizeof formats / sizeof formats[0])
 
-lf_status lf_image_check_shape(const lf_image_source *source, int64_t width, int64_t height, size_t bytes_per_pixel,
-                               lf_error *err)
+lf_status lf_image_check_shape(const lf_image_source *source, int64_t width, int64_t height, size_t bytes_per_pixel, lf_error *err)
 {
     if (width < 1 || width > MAX_SIDE || height < 1 || height > MAX_SIDE || width * height * 3 > MAX_SAMPLES)
         return lf_error_set(err, LF_E_FORMAT, source->where,
-                            "a picture of %lldx%lld pixels (expected 1 to %d a side, and at most 2^31 samples)",
-                            (long long)width, (long long)height, MAX_SIDE);
+                            "a picture of %lldx%lld pixels (expected 1 to %d a side, and at most 2^31 samples)", (long long)width,
+                            (long long)height, MAX_SIDE);
     uint64_t bytes = (uint64_t)(width * height) * bytes_per_pixel;
     if (bytes > ((uint64_t)512 << 20) && bytes / 4096 > source->size_bytes)
-        return lf_error_set(err, LF_E_FORMAT, source->where, "%lldx%lld pixels cannot be in a file of %llu bytes",
-                            (long long)width, (long long)height, (unsigned long long)source->size_bytes);
+        return lf_error_set(err, LF_E_FORMAT, source->where, "%lldx%lld pixels cannot be in a file of %llu bytes", (long long)width,
+                            (long long)height, (unsigned long long)source->size_bytes);
     return LF_OK;
 }
 
@@ -116,8 +115,8 @@ static lf_status check_finite(const lf_image32 *image, const char *where, lf_err
     for (size_t i = 0; i < n; i++) {
         if (!isfinite(image->data[i])) {
             size_t pixel = i / (size_t)image->channels;
-            return lf_error_set(err, LF_E_FORMAT, where, "pixel (%zu, %zu) is not a finite number",
-                                pixel % (size_t)image->width, pixel / (size_t)image->width);
+            return lf_error_set(err, LF_E_FORMAT, where, "pixel (%zu, %zu) is not a finite number", pixel % (size_t)image->width,
+                                pixel / (size_t)image->width);
         }
     }
     return LF_OK;

@@ -115,8 +115,7 @@ static lf_status read_png(const lf_image_source *source, lf_image8 *out, lf_erro
     return status;
 }
 
-const lf_image_format lf_format_png = {
-    .name = "PNG", .kind = LF_IMAGE_8BIT, .recognises = recognises_png, .read8 = read_png};
+const lf_image_format lf_format_png = {.name = "PNG", .kind = LF_IMAGE_8BIT, .recognises = recognises_png, .read8 = read_png};
 
 /* --------------------------------------------------------------------------------------------------------- write -- */
 
@@ -141,8 +140,8 @@ static void put_text(png_session *s, const lf_attribute *attribute)
     bool ascii = true;
     for (const char *c = attribute->value; *c; c++)
         ascii = ascii && (unsigned char)*c < 0x80;
-    png_text text = {.compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE, .key = key, .lang = value,
-                     .lang_key = value};
+    png_text text = {
+        .compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE, .key = key, .lang = value, .lang_key = value};
     char *copy = lf_strdup(attribute->value);
     if (!copy)
         png_error(s->png, "no memory for a text");
@@ -187,16 +186,20 @@ lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn
                             const lf_attribute *attributes, int n, lf_error *err)
 {
     if (width < 1 || width > 65536 || height < 1 || height > 65536 || level < 1 || level > 9)
-        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%dx%d pixels at level %d cannot be a PNG", width, height,
-                            level);
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%dx%d pixels at level %d cannot be a PNG", width, height, level);
     png_session s = {.file = file, .err = err};
-    png_job job = {.width = width, .height = height, .level = level, .rows = rows, .context = context,
-                   .attributes = attributes, .n_attributes = n};
+    png_job job = {.width = width,
+                   .height = height,
+                   .level = level,
+                   .rows = rows,
+                   .context = context,
+                   .attributes = attributes,
+                   .n_attributes = n};
     job.row = lf_calloc((size_t)width, 3);
     s.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &s, on_error, on_warning);
     s.info = s.png ? png_create_info_struct(s.png) : NULL;
-    lf_status status = s.info && job.row ? write_rows(&s, &job)
-                                         : lf_error_set(err, LF_E_NOMEM, lf_outfile_name(file), "no memory for libpng");
+    lf_status status =
+        s.info && job.row ? write_rows(&s, &job) : lf_error_set(err, LF_E_NOMEM, lf_outfile_name(file), "no memory for libpng");
     png_destroy_write_struct(&s.png, &s.info);
     lf_free(job.row);
     return status;
@@ -208,8 +211,7 @@ static void copy_row(void *context, int y, uint8_t *row)
     memcpy(row, image->data + (size_t)y * image->stride, (size_t)image->width * 3);
 }
 
-lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level, const lf_attribute *attributes, int n,
-                       lf_error *err)
+lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level, const lf_attribute *attributes, int n, lf_error *err)
 {
     if (image->channels != 3)
         return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%d channels (expected 3)", image->channels);

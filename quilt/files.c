@@ -215,8 +215,8 @@ static lf_status list_pictures(const char *folder, name_list *list, lf_error *er
 static lf_status begin_folder(const char *folder, const picture *first, int n, lf_quilt_file *q, lf_error *err)
 {
     q->is_float = first->is_float;
-    q->layout = (lf_layout){.n_views = n, .view_width = first->width, .view_height = first->height,
-                            .aspect = (double)first->width / first->height};
+    q->layout = (lf_layout){
+        .n_views = n, .view_width = first->width, .view_height = first->height, .aspect = (double)first->width / first->height};
     lf_layout_tiles(n, &q->layout.columns, &q->layout.rows);
     return allocate_views(q, folder, err);
 }
@@ -344,8 +344,8 @@ lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *views, const lf
                              n_attributes, err);
 }
 
-lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *views, int view, const lf_attribute *attributes,
-                            int n_attributes, lf_error *err)
+lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *views, int view, const lf_attribute *attributes, int n_attributes,
+                            lf_error *err)
 {
     lf_views32 one = *views;
     one.data = lf_views32_row(views, view, 0);

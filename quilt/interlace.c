@@ -15,12 +15,12 @@
 
 /* looking-glass.md sections 3.2 and 3.3: what the formulas need of a calibration. */
 typedef struct lens {
-    double width, height;  /* panel pixels */
-    double pitch;          /* lens periods across the panel's width */
+    double width, height; /* panel pixels */
+    double pitch;         /* lens periods across the panel's width */
     double tilt, center;
-    double subpixel;       /* width of a subpixel in panel widths, signed */
-    bool from_right;       /* z = 1 - fract */
-    int red;               /* subpixel of red: 0, or 2 where the panel is BGR; blue has the other */
+    double subpixel; /* width of a subpixel in panel widths, signed */
+    bool from_right; /* z = 1 - fract */
+    int red;         /* subpixel of red: 0, or 2 where the panel is BGR; blue has the other */
     int pattern, n_cells;
     const float (*cells)[3][2]; /* borrowed; NULL = stripes */
 } lens;
@@ -37,12 +37,12 @@ struct lf_interlacer {
     lens lens;
     int n_views, view_width, view_height;
     lf_filter filter;
-    sample *columns; /* [screen width] */
+    sample *columns;       /* [screen width] */
     int32_t *column_bytes; /* [screen width] offset of the nearest sample in a row of a view */
     int first_x, end_x;    /* columns that show anything */
-    sample *rows;    /* [screen height], from the top */
-    double *across;  /* [cells or 1][screen width][3] phase position along x, in panel widths */
-    void *views;     /* nearest: [screen height][screen width][3] uint8_t, or uint16_t where wide */
+    sample *rows;          /* [screen height], from the top */
+    double *across;        /* [cells or 1][screen width][3] phase position along x, in panel widths */
+    void *views;           /* nearest: [screen height][screen width][3] uint8_t, or uint16_t where wide */
     bool wide;
 };
 
@@ -230,8 +230,8 @@ static lf_status check(const lf_calibration *c, int n_views, int view_width, int
     if (!(c->pitch > 0) || !(c->dpi > 0) || !(fabs(c->slope) > 0) || !isfinite(c->center) || c->n_cells > LF_MAX_CELLS)
         return lf_error_set(err, LF_E_ARG, "panel", "pitch, slope, center or DPI of the calibration make no lens");
     if (n_views < 1 || n_views > MAX_VIEWS || view_width < 1 || view_height < 1)
-        return lf_error_set(err, LF_E_ARG, "panel", "%d views of %dx%d pixels (expected 1 to %d)", n_views, view_width,
-                            view_height, MAX_VIEWS);
+        return lf_error_set(err, LF_E_ARG, "panel", "%d views of %dx%d pixels (expected 1 to %d)", n_views, view_width, view_height,
+                            MAX_VIEWS);
     if (!(aspect >= 0) || isinf(aspect))
         return lf_error_set(err, LF_E_ARG, "panel", "aspect %g (expected a number above 0)", aspect);
     return LF_OK;

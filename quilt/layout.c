@@ -11,7 +11,10 @@
  * Portrait's: it has the Portrait's quilt. */
 #define PRESET(name, model, columns, rows, width, height, aspect)                                                                  \
     {                                                                                                                              \
-        name, model, {columns, rows, (columns) * (rows), width, height, aspect}                                                    \
+        name, model,                                                                                                               \
+        {                                                                                                                          \
+            columns, rows, (columns) * (rows), width, height, aspect                                                               \
+        }                                                                                                                          \
     }
 
 static const lf_preset presets[] = {

@@ -13,10 +13,10 @@
 struct lf_tone {
     double gain;
     bool filmic;
-    int32_t low, high;    /* bits of a float below every threshold, at a bucket's start, and of the last threshold */
-    int shift;            /* bits of a bucket */
-    uint32_t *table;      /* [buckets] code below | offset of the next threshold << 8 */
-    int32_t first[257];   /* [code] bits of the smallest float that has it; 256 is never reached */
+    int32_t low, high;  /* bits of a float below every threshold, at a bucket's start, and of the last threshold */
+    int shift;          /* bits of a bucket */
+    uint32_t *table;    /* [buckets] code below | offset of the next threshold << 8 */
+    int32_t first[257]; /* [code] bits of the smallest float that has it; 256 is never reached */
 };
 
 /* Display light of a scene value, 0..1. Filmic is K. Narkowicz's fit of the ACES curve (2015). */

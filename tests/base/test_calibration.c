@@ -46,7 +46,8 @@ static void numbers_are_wrapped_or_plain(void **state)
 {
     (void)state;
     lf_calibration a = parsed("{" GOOD ",\"viewCone\":{\"value\":40}}");
-    lf_calibration b = parsed("{\"pitch\":52.5,\"slope\":-7.25,\"center\":0.375,\"DPI\":324,\"screenW\":1536,\"screenH\":2048.0,\"viewCone\":40}");
+    lf_calibration b =
+        parsed("{\"pitch\":52.5,\"slope\":-7.25,\"center\":0.375,\"DPI\":324,\"screenW\":1536,\"screenH\":2048.0,\"viewCone\":40}");
     assert_memory_equal(&a, &b, sizeof a);
     lf_assert_close(a.pitch, 52.5, 0, 0);
     lf_assert_close(a.slope, -7.25, 0, 0);
@@ -83,9 +84,10 @@ static void flags_are_set_from_a_half_upwards(void **state)
 static void cells_are_read_in_pixels(void **state)
 {
     (void)state;
-    lf_calibration c = parsed("{" GOOD ",\"cellPatternMode\":{\"value\":3},\"subpixelCells\":["
-                              "{\"ROffsetX\":-0.25,\"ROffsetY\":1,\"GOffsetX\":2,\"GOffsetY\":3,\"BOffsetX\":4,\"BOffsetY\":5},"
-                              "{\"ROffsetX\":{\"value\":6},\"ROffsetY\":7,\"GOffsetX\":8,\"GOffsetY\":9,\"BOffsetX\":10,\"BOffsetY\":11}]}");
+    lf_calibration c =
+        parsed("{" GOOD ",\"cellPatternMode\":{\"value\":3},\"subpixelCells\":["
+               "{\"ROffsetX\":-0.25,\"ROffsetY\":1,\"GOffsetX\":2,\"GOffsetY\":3,\"BOffsetX\":4,\"BOffsetY\":5},"
+               "{\"ROffsetX\":{\"value\":6},\"ROffsetY\":7,\"GOffsetX\":8,\"GOffsetY\":9,\"BOffsetX\":10,\"BOffsetY\":11}]}");
     assert_int_equal(c.cell_pattern_mode, 3);
     assert_int_equal(c.n_cells, 2);
     const float expected[2][3][2] = {{{-0.25f, 1}, {2, 3}, {4, 5}}, {{6, 7}, {8, 9}, {10, 11}}};
@@ -105,7 +107,8 @@ static void required_numbers_are_checked_one_by_one(void **state)
             for (size_t i = 0; i < 6; i++) {
                 if (i == k && b == 0)
                     continue;
-                snprintf(text + strlen(text), sizeof text - strlen(text), "\n\"%s\": %s,", keys[i], i == k ? bad[b - 1] : values[i]);
+                snprintf(text + strlen(text), sizeof text - strlen(text), "\n\"%s\": %s,", keys[i],
+                         i == k ? bad[b - 1] : values[i]);
             }
             strcat(text, "\n\"serial\":\"\"}");
             snprintf(pointer, sizeof pointer, "/%s", keys[k]);
@@ -118,14 +121,26 @@ static void values_out_of_range_are_refused(void **state)
 {
     (void)state;
     static const char *const cases[][2] = {
-        {"\"pitch\":0", "/pitch"},         {"\"pitch\":-52", "/pitch"},       {"\"slope\":0", "/slope"},
-        {"\"slope\":1e-9", "/slope"},      {"\"DPI\":0", "/DPI"},             {"\"screenW\":0", "/screenW"},
-        {"\"screenW\":16385", "/screenW"}, {"\"screenW\":15.5", "/screenW"},  {"\"screenH\":-1", "/screenH"},
-        {"\"screenH\":1e18", "/screenH"},  {"\"center\":1e9", "/center"},     {"\"viewCone\":180", "/viewCone"},
-        {"\"viewCone\":-1", "/viewCone"},  {"\"CellPatternMode\":5", "/CellPatternMode"},
-        {"\"CellPatternMode\":-1", "/CellPatternMode"}, {"\"invView\":\"1\"", "/invView"}, {"\"serial\":7", "/serial"},
+        {"\"pitch\":0", "/pitch"},
+        {"\"pitch\":-52", "/pitch"},
+        {"\"slope\":0", "/slope"},
+        {"\"slope\":1e-9", "/slope"},
+        {"\"DPI\":0", "/DPI"},
+        {"\"screenW\":0", "/screenW"},
+        {"\"screenW\":16385", "/screenW"},
+        {"\"screenW\":15.5", "/screenW"},
+        {"\"screenH\":-1", "/screenH"},
+        {"\"screenH\":1e18", "/screenH"},
+        {"\"center\":1e9", "/center"},
+        {"\"viewCone\":180", "/viewCone"},
+        {"\"viewCone\":-1", "/viewCone"},
+        {"\"CellPatternMode\":5", "/CellPatternMode"},
+        {"\"CellPatternMode\":-1", "/CellPatternMode"},
+        {"\"invView\":\"1\"", "/invView"},
+        {"\"serial\":7", "/serial"},
     };
-    static const char *const all[] = {"\"pitch\":52", "\"slope\":-7", "\"center\":0", "\"DPI\":324", "\"screenW\":8", "\"screenH\":8"};
+    static const char *const all[] = {"\"pitch\":52", "\"slope\":-7",  "\"center\":0",
+                                      "\"DPI\":324",  "\"screenW\":8", "\"screenH\":8"};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char text[512] = "{";
         size_t key = strcspn(cases[i][0], ":");
@@ -240,9 +255,12 @@ static void real_calibrations_are_read(void **state)
         double pitch, slope, center, dpi, cone;
         int width, height, inv_view, mode, n_cells;
     } files[] = {
-        {"16in_gen3_LKG-J00332", "3.0", "LKG-J00332", 44.75058319896644, -6.874565686767793, 0.16935753461833172, 283, 50, 3840, 2160, 1, 2, 2},
-        {"portrait_LKG-P00655", "3.0", "LKG-PORT-", 52.58183670043945, -7.2032060623168945, 0.901610791683197, 324, 40, 1536, 2048, 1, 0, 0},
-        {"portrait_LKG-PORT-05935", "1.0", "LKG-PORT-05935", 52.56046553048362, -7.1423088016812, 0.47345216539737284, 324, 40, 1536, 2048, 1, 0, 0},
+        {"16in_gen3_LKG-J00332", "3.0", "LKG-J00332", 44.75058319896644, -6.874565686767793, 0.16935753461833172, 283, 50, 3840,
+         2160, 1, 2, 2},
+        {"portrait_LKG-P00655", "3.0", "LKG-PORT-", 52.58183670043945, -7.2032060623168945, 0.901610791683197, 324, 40, 1536, 2048,
+         1, 0, 0},
+        {"portrait_LKG-PORT-05935", "1.0", "LKG-PORT-05935", 52.56046553048362, -7.1423088016812, 0.47345216539737284, 324, 40,
+         1536, 2048, 1, 0, 0},
         {"standard_00297", "1.0", "00297", 49.81804275512695, 5.044347763061523, 0.176902174949646, 338, 40, 2560, 1600, 1, 0, 0},
         {"standard_8.9in_LKG-2K-01338", "1.0", "LKG-2K-01338", 49.91, 5.8, 0, 338, 40, 2560, 1600, 0, 0, 0},
     };

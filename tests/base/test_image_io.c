@@ -461,9 +461,9 @@ static void the_data_window_is_placed_in_the_display_window(void **state)
 {
     const char *path = lf_test_path(*state, "w.exr");
     const int windows[][2][4] = {
-        {{0, 0, 63, 47}, {10, 5, 40, 30}},     /* inside */
-        {{0, 0, 63, 47}, {-8, -6, 70, 60}},    /* all around */
-        {{0, 0, 63, 47}, {50, 40, 90, 80}},    /* over a corner */
+        {{0, 0, 63, 47}, {10, 5, 40, 30}},  /* inside */
+        {{0, 0, 63, 47}, {-8, -6, 70, 60}}, /* all around */
+        {{0, 0, 63, 47}, {50, 40, 90, 80}}, /* over a corner */
         {{-20, -10, 30, 30}, {-25, -5, 5, 20}} /* negative origin */,
         {{0, 0, 63, 47}, {100, 100, 120, 110}} /* beside it */,
     };
@@ -554,7 +554,8 @@ static void assert_core_values(const char *path, const char *names, double add, 
     assert_int_equal(image.height, CORE_HEIGHT);
     for (int i = 0; i < CORE_WIDTH * CORE_HEIGHT; i++)
         for (int c = 0; c < 3; c++)
-            lf_assert_close((double)image.data[3 * i + c], core_value(names[c], i % CORE_WIDTH, i / CORE_WIDTH) + add, tolerance, 0);
+            lf_assert_close((double)image.data[3 * i + c], core_value(names[c], i % CORE_WIDTH, i / CORE_WIDTH) + add, tolerance,
+                            0);
     lf_image32_finish(&image);
 }
 
@@ -644,8 +645,9 @@ static void both_kinds_of_runs_are_unrolled(void **state)
     memcpy(to, head, 4);
     to += 4;
     for (int c = 0; c < 4; c++) {
-        const unsigned char runs[] = {2, (unsigned char)(10 + c), (unsigned char)(20 + c), 255, (unsigned char)(30 + c), 255,
-                                      (unsigned char)(40 + c), 128 + 44, (unsigned char)(50 + c)};
+        const unsigned char runs[] = {
+            2,        (unsigned char)(10 + c), (unsigned char)(20 + c), 255, (unsigned char)(30 + c), 255, (unsigned char)(40 + c),
+            128 + 44, (unsigned char)(50 + c)};
         memcpy(to, runs, sizeof runs);
         to += sizeof runs;
     }
@@ -865,8 +867,10 @@ static void real_pictures_are_read(void **state)
         const char *name;
         int width, height;
         double mean;
-    } files[] = {{"hdri/pmndrs_park.exr", 512, 256, 0.26938},      {"hdri/studio_small_03_1k.hdr", 1024, 512, 1.88191},
-                 {"hdri/venice_sunset_1k.hdr", 1024, 512, 0.46476}, {"references/ref_sphere.exr", 120, 160, 0.60695},
+    } files[] = {{"hdri/pmndrs_park.exr", 512, 256, 0.26938},
+                 {"hdri/studio_small_03_1k.hdr", 1024, 512, 1.88191},
+                 {"hdri/venice_sunset_1k.hdr", 1024, 512, 0.46476},
+                 {"references/ref_sphere.exr", 120, 160, 0.60695},
                  {"references/ref_bunny_cloud64_v0.exr", 105, 140, 0.67796}};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         const char *path = lf_test_shared(files[i].name);

@@ -171,10 +171,8 @@ static void what_is_whole_or_empty_stays_as_it_is(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(holes_are_filled_as_the_slow_way_does),
-        cmocka_unit_test(missing_rows_are_filled_from_the_rows_around),
-        cmocka_unit_test(equals_are_settled_by_row_and_then_column),
-        cmocka_unit_test(views_are_never_mixed),
+        cmocka_unit_test(holes_are_filled_as_the_slow_way_does),     cmocka_unit_test(missing_rows_are_filled_from_the_rows_around),
+        cmocka_unit_test(equals_are_settled_by_row_and_then_column), cmocka_unit_test(views_are_never_mixed),
         cmocka_unit_test(what_is_whole_or_empty_stays_as_it_is),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -5,8 +5,14 @@
 
 static lf_calibration panel(double pitch, double slope, double center, double dpi, int width, int height)
 {
-    return (lf_calibration){.config_version = "3.0", .pitch = pitch, .slope = slope, .center = center, .dpi = dpi,
-                            .screen_width_px = width, .screen_height_px = height, .inv_view = 1};
+    return (lf_calibration){.config_version = "3.0",
+                            .pitch = pitch,
+                            .slope = slope,
+                            .center = center,
+                            .dpi = dpi,
+                            .screen_width_px = width,
+                            .screen_height_px = height,
+                            .inv_view = 1};
 }
 
 /* looking-glass.md section 2: values read off real devices, and templates. */
@@ -415,7 +421,8 @@ static void linear_mixes_views_and_samples(void **state)
                 int view = lf_view_of_subpixel(&c, n_views, (lf_invert)(i % 3), k / 3, out.height - 1 - y, k % 3, &z);
                 int after = view + 1 < n_views ? view + 1 : n_views - 1;
                 double sx = (k / 3 + 0.5) * views.width / out.width - 0.5, sy = (y + 0.5) * views.height / out.height - 0.5;
-                double mixed = sampled(&views, view, sx, sy, k % 3) * (1 - (z - view)) + sampled(&views, after, sx, sy, k % 3) * (z - view);
+                double mixed =
+                    sampled(&views, view, sx, sy, k % 3) * (1 - (z - view)) + sampled(&views, after, sx, sy, k % 3) * (z - view);
                 int got = out.data[(size_t)y * out.stride + (size_t)k];
                 if (fabs(mixed + 0.5 - round(mixed + 0.5)) < 1e-6) /* on the edge of two values */
                     n_inexact++;

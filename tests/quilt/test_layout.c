@@ -12,10 +12,10 @@ static void presets_are_the_default_quilts_of_the_panels(void **state)
         int columns, rows, width, height;
         double aspect;
     } expected[] = {
-        {"portrait", 8, 6, 420, 560, 0.75},     {"8.9", 5, 9, 819, 455, 1.6},        {"15.6", 5, 9, 819, 455, 16 / 9.0},
-        {"8k", 5, 9, 1638, 910, 16 / 9.0},      {"go", 11, 6, 372, 682, 0.5625},     {"16l", 7, 7, 857, 857, 16 / 9.0},
-        {"16p", 11, 6, 545, 1000, 0.5625},      {"32l", 7, 7, 1170, 1170, 16 / 9.0}, {"32p", 11, 6, 744, 1364, 0.5625},
-        {"65", 8, 9, 1024, 910, 16 / 9.0},      {"kiosk", 8, 6, 420, 560, 0.75},
+        {"portrait", 8, 6, 420, 560, 0.75}, {"8.9", 5, 9, 819, 455, 1.6},        {"15.6", 5, 9, 819, 455, 16 / 9.0},
+        {"8k", 5, 9, 1638, 910, 16 / 9.0},  {"go", 11, 6, 372, 682, 0.5625},     {"16l", 7, 7, 857, 857, 16 / 9.0},
+        {"16p", 11, 6, 545, 1000, 0.5625},  {"32l", 7, 7, 1170, 1170, 16 / 9.0}, {"32p", 11, 6, 744, 1364, 0.5625},
+        {"65", 8, 9, 1024, 910, 16 / 9.0},  {"kiosk", 8, 6, 420, 560, 0.75},
     };
     int n = sizeof expected / sizeof expected[0];
     for (int i = 0; i < n; i++) {
@@ -58,8 +58,9 @@ static void tiles_are_columns_by_rows(void **state)
     lf_assert_ok(lf_parse_tiles("64x1", &columns, &rows, &err), &err);
     assert_int_equal(columns, 64);
     assert_int_equal(rows, 1);
-    const char *const bad[] = {"", "8", "8x", "x6", "8x6 ", " 8x6", "8X6", "8x-6", "+8x6", "0x6", "8x0", "65x1", "1x65", "8x6x2",
-                               "8.0x6", "99999999999999999999x1", "8x6a0.75"};
+    const char *const bad[] = {"",        "8",   "8x",  "x6",   "8x6 ", " 8x6",  "8X6",   "8x-6",
+                               "+8x6",    "0x6", "8x0", "65x1", "1x65", "8x6x2", "8.0x6", "99999999999999999999x1",
+                               "8x6a0.75"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         lf_assert_status(lf_parse_tiles(bad[i], &columns, &rows, &err), LF_E_ARG, &err);
         assert_int_equal(columns, 64);
@@ -75,11 +76,16 @@ static void names_tell_tiles_and_aspect(void **state)
         int columns, rows;
         double aspect;
     } good[] = {
-        {"cat_qs8x6a0.75.png", 8, 6, 0.75},        {"/a/b/cat_qs5x9a1.77778.exr", 5, 9, 1.77778},
-        {"steampunk_qs8x13.jpg", 8, 13, 0},        {"x_qs4x8a2.png", 4, 8, 2},
-        {"x_qs4x8a1.6", 4, 8, 1.6},                {"x_qs4x8a1.6 (1).png", 4, 8, 1.6},
-        {"x_qs4x8_final.png", 4, 8, 0},            {"x_qs1x2a3_qs5x9a0.75.png", 5, 9, 0.75},
-        {"_qs64x64a0.001.png", 64, 64, 0.001},     {"dir_qs1x1a1/x_qs8x6a0.75.png", 8, 6, 0.75},
+        {"cat_qs8x6a0.75.png", 8, 6, 0.75},
+        {"/a/b/cat_qs5x9a1.77778.exr", 5, 9, 1.77778},
+        {"steampunk_qs8x13.jpg", 8, 13, 0},
+        {"x_qs4x8a2.png", 4, 8, 2},
+        {"x_qs4x8a1.6", 4, 8, 1.6},
+        {"x_qs4x8a1.6 (1).png", 4, 8, 1.6},
+        {"x_qs4x8_final.png", 4, 8, 0},
+        {"x_qs1x2a3_qs5x9a0.75.png", 5, 9, 0.75},
+        {"_qs64x64a0.001.png", 64, 64, 0.001},
+        {"dir_qs1x1a1/x_qs8x6a0.75.png", 8, 6, 0.75},
     };
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
         int columns = -1, rows = -1;
@@ -90,9 +96,23 @@ static void names_tell_tiles_and_aspect(void **state)
         assert_int_equal(rows, good[i].rows);
         lf_assert_close(aspect, good[i].aspect, 1e-15, 0);
     }
-    const char *const bad[] = {"cat.png", "", "_qs", "cat_qs8.png", "cat_qs8x.png", "cat_qsx6.png", "cat_qs0x6.png", "cat_qs8x65.png",
-                               "cat_qs8x6a.png", "cat_qs8x6a0.png", "cat_qs8x6apple.png", "cat_qs8x6a-1.png", "cat_qs8x600.png",
-                               "cat_qs8x6a1e3.png", "cat_qs-8x6.png", "dir_qs8x6a0.75/cat.png", "catqs8x6a0.75.png"};
+    const char *const bad[] = {"cat.png",
+                               "",
+                               "_qs",
+                               "cat_qs8.png",
+                               "cat_qs8x.png",
+                               "cat_qsx6.png",
+                               "cat_qs0x6.png",
+                               "cat_qs8x65.png",
+                               "cat_qs8x6a.png",
+                               "cat_qs8x6a0.png",
+                               "cat_qs8x6apple.png",
+                               "cat_qs8x6a-1.png",
+                               "cat_qs8x600.png",
+                               "cat_qs8x6a1e3.png",
+                               "cat_qs-8x6.png",
+                               "dir_qs8x6a0.75/cat.png",
+                               "catqs8x6a0.75.png"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         int columns = -1, rows = -1;
         double aspect = -1;
@@ -135,7 +155,8 @@ static void any_number_of_views_has_tiles(void **state)
 {
     (void)state;
     int columns, rows;
-    static const int known[][3] = {{45, 5, 9}, {48, 8, 6}, {66, 11, 6}, {49, 7, 7}, {72, 8, 9}, {1, 1, 1}, {32, 4, 8}, {100, 10, 10}};
+    static const int known[][3] = {{45, 5, 9}, {48, 8, 6}, {66, 11, 6}, {49, 7, 7},
+                                   {72, 8, 9}, {1, 1, 1},  {32, 4, 8},  {100, 10, 10}};
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
         lf_layout_tiles(known[i][0], &columns, &rows);
         assert_int_equal(columns, known[i][1]);
