@@ -1,0 +1,355 @@
+/* A quiltd of the test's own: started in a temporary folder with a small scene and a small simulated panel, talked to over its
+ * socket, ended and judged. Everything fails the test by itself; nothing here asserts how fast something is. */
+#ifndef LF_TESTS_DAEMON_LIVE_H
+#define LF_TESTS_DAEMON_LIVE_H
+
+#include "tests/testing.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <time.h>
+
+#include <jansson.h>
+
+#define LIVE_PATIENCE_S 120
+
+static const char live_scene_text[] =
+    "{\"quiltd\":1,\"camera\":{\"target\":[0,0,0],\"position\":[0,0.4,9],\"fov_y\":14,\"aspect\":0.75,\"views\":5,\"cone\":30},"
+    "\"volumes\":{\"fog\":{\"shape\":\"sphere\",\"density\":4,\"albedo\":0.9,\"g\":0.3}},"
+    "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":0.7}}}";
+
+/* 96 x 128 pixels: every frame is quick. */
+static const char live_calibration_text[] =
+    "{\"configVersion\":\"1.0\",\"serial\":\"LKG-TEST\",\"pitch\":{\"value\":52.5},\"slope\":{\"value\":-7.2},\"center\":{\"value\":0.3},"
+    "\"viewCone\":{\"value\":40},\"invView\":{\"value\":1},\"DPI\":{\"value\":324},\"screenW\":{\"value\":96},\"screenH\":{\"value\":128},"
+    "\"flipImageX\":{\"value\":0},\"flipImageY\":{\"value\":0},\"flipSubp\":{\"value\":0}}";
+
+typedef struct live {
+    char *folder;
+    char scene[PATH_MAX / 4], socket[PATH_MAX / 4], sim[PATH_MAX / 4], panel[PATH_MAX / 4], exports[PATH_MAX / 4], state[PATH_MAX / 4],
+        log[PATH_MAX / 4];
+    pid_t pid;
+} live;
+
+typedef struct live_client {
+    int fd;
+    json_int_t ids;
+    char *buffer;
+    size_t used, size;
+} live_client;
+
+static inline void live_nap(long ms)
+{
+    nanosleep(&(struct timespec){.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000}, NULL);
+}
+
+/* The folder with its scene and panel; no daemon yet. */
+static inline void live_prepare(live *l)
+{
+    memset(l, 0, sizeof *l);
+    l->folder = lf_test_folder();
+    snprintf(l->scene, sizeof l->scene, "%s/scene/fog.json", l->folder);
+    snprintf(l->socket, sizeof l->socket, "%s/s", l->folder);
+    snprintf(l->sim, sizeof l->sim, "sim:%s/sim", l->folder);
+    snprintf(l->panel, sizeof l->panel, "%s/sim/panel.png", l->folder);
+    snprintf(l->exports, sizeof l->exports, "%s/exports", l->folder);
+    snprintf(l->state, sizeof l->state, "%s/state", l->folder);
+    snprintf(l->log, sizeof l->log, "%s/log", l->folder);
+    assert_int_equal(mkdir(lf_test_path(l->folder, "scene"), 0700), 0);
+    assert_int_equal(mkdir(lf_test_path(l->folder, "sim"), 0700), 0);
+    lf_test_write(l->folder, "scene/fog.json", live_scene_text);
+    lf_test_write(l->folder, "sim/calibration.json", live_calibration_text);
+}
+
+/* A child with stderr in the log; args end with NULL. */
+static inline pid_t live_spawn(const live *l, char *const args[])
+{
+    pid_t pid = fork();
+    assert_true(pid >= 0);
+    if (pid == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL); /* a test that fails leaves nothing behind */
+        int fd = open(l->log, O_WRONLY | O_CREAT | O_APPEND, 0600);
+        dup2(fd, STDERR_FILENO);
+        dup2(fd, STDOUT_FILENO);
+        execv(args[0], args);
+        _exit(127);
+    }
+    return pid;
+}
+
+/* The exit code; a child that does not end is killed and fails the test. */
+static inline int live_reap(pid_t pid)
+{
+    int status = 0;
+    for (int i = 0; i < LIVE_PATIENCE_S * 50; i++) {
+        pid_t done = waitpid(pid, &status, WNOHANG);
+        if (done == pid) {
+            return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+        }
+        live_nap(20);
+    }
+    kill(pid, SIGKILL);
+    waitpid(pid, &status, 0);
+    fail_msg("a program did not end");
+    return -1;
+}
+
+static inline int live_connect_fd(const live *l)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    snprintf(address.sun_path, sizeof address.sun_path, "%.100s", l->socket);
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (fd >= 0 && connect(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
+        close(fd);
+        fd = -1;
+    }
+    if (fd >= 0) {
+        struct timeval patience = {.tv_sec = LIVE_PATIENCE_S};
+        setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    }
+    return fd;
+}
+
+static inline void live_show_log(const live *l)
+{
+    FILE *file = fopen(l->log, "r");
+    char line[512];
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+        print_error("| %s", line);
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+}
+
+/* True when the daemon's log holds this text. */
+static inline bool live_logged(const live *l, const char *text)
+{
+    FILE *file = fopen(l->log, "r");
+    char line[1024];
+    bool found = false;
+    while (file != NULL && !found && fgets(line, sizeof line, file) != NULL) {
+        found = strstr(line, text) != NULL;
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return found;
+}
+
+static inline void live_connect(const live *l, live_client *c)
+{
+    *c = (live_client){.fd = -1, .size = (size_t)3 << 20};
+    c->buffer = malloc(c->size);
+    assert_non_null(c->buffer);
+    for (int i = 0; i < LIVE_PATIENCE_S * 50 && c->fd < 0; i++) {
+        c->fd = live_connect_fd(l);
+        if (c->fd < 0) {
+            int status;
+            if (l->pid > 0 && waitpid(l->pid, &status, WNOHANG | WNOWAIT) == l->pid) {
+                break;
+            }
+            live_nap(20);
+        }
+    }
+    if (c->fd < 0) {
+        live_show_log(l);
+        fail_msg("the daemon does not answer at %s", l->socket);
+    }
+}
+
+static inline void live_close(live_client *c)
+{
+    close(c->fd);
+    free(c->buffer);
+}
+
+/* Starts quiltd with the usual options and these (NULL ends them); the scene is the first, NULL = none. */
+static inline void live_start(live *l, const char *scene, ...)
+{
+    char *args[40];
+    int n = 0;
+    char program[PATH_MAX];
+    snprintf(program, sizeof program, "%s", lf_test_built("quiltd"));
+    args[n++] = program;
+    char *usual[] = {(char *)(uintptr_t)scene, (char *)(uintptr_t) "--socket", l->socket, (char *)(uintptr_t) "--export-dir", l->exports,
+                     (char *)(uintptr_t) "--view-size", (char *)(uintptr_t) "24x32", (char *)(uintptr_t) "--threads",
+                     (char *)(uintptr_t) "2"};
+    for (size_t i = scene == NULL ? 1 : 0; i < sizeof usual / sizeof *usual; i++) {
+        args[n++] = usual[i];
+    }
+    va_list more;
+    va_start(more, scene);
+    for (const char *arg = va_arg(more, const char *); arg != NULL && n < 39; arg = va_arg(more, const char *)) {
+        args[n++] = (char *)(uintptr_t)arg;
+    }
+    va_end(more);
+    args[n] = NULL;
+    l->pid = live_spawn(l, args);
+    live_client c;
+    live_connect(l, &c);
+    live_close(&c);
+}
+
+/* Ends it with TERM; its exit code. */
+static inline int live_stop(live *l)
+{
+    kill(l->pid, SIGTERM);
+    int code = live_reap(l->pid);
+    l->pid = 0;
+    return code;
+}
+
+/* Ends and removes everything; accepts what was never started. */
+static inline void live_finish(live *l)
+{
+    if (l->pid > 0) {
+        assert_int_equal(live_stop(l), 0);
+    }
+    lf_test_folder_remove(l->folder);
+}
+
+static inline void live_send(const live_client *c, const char *text, size_t n)
+{
+    while (n > 0) {
+        ssize_t done = send(c->fd, text, n, MSG_NOSIGNAL);
+        assert_true(done > 0);
+        text += done;
+        n -= (size_t)done;
+    }
+}
+
+/* The next line as JSON; NULL at the connection's end. */
+static inline json_t *live_receive(live_client *c)
+{
+    for (;;) {
+        char *end = memchr(c->buffer, '\n', c->used);
+        if (end != NULL) {
+            json_t *message = json_loadb(c->buffer, (size_t)(end - c->buffer), 0, NULL);
+            c->used -= (size_t)(end + 1 - c->buffer);
+            memmove(c->buffer, end + 1, c->used);
+            assert_non_null(message);
+            return message;
+        }
+        assert_true(c->used < c->size);
+        ssize_t n = recv(c->fd, c->buffer + c->used, c->size - c->used, 0);
+        if (n < 0 && (errno == EAGAIN || errno == EINTR)) {
+            fail_msg("no answer");
+        }
+        if (n <= 0) {
+            return NULL;
+        }
+        c->used += (size_t)n;
+    }
+}
+
+/* The whole answer to a call; notifications are skipped. params are taken over (NULL = {}). */
+static inline json_t *live_call(live_client *c, const char *method, json_t *params)
+{
+    json_int_t id = ++c->ids;
+    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", id, "method", method, "params",
+                                params != NULL ? params : json_object());
+    char *text = json_dumps(request, JSON_COMPACT);
+    json_decref(request);
+    live_send(c, text, strlen(text));
+    live_send(c, "\n", 1);
+    free(text);
+    for (;;) {
+        json_t *message = live_receive(c);
+        if (message == NULL) {
+            fail_msg("%s: the daemon closed the connection", method);
+        }
+        if (json_integer_value(json_object_get(message, "id")) == id) {
+            return message;
+        }
+        json_decref(message);
+    }
+}
+
+/* The error code of a call's answer; 0 = it went well. */
+static inline int live_code(live_client *c, const char *method, json_t *params)
+{
+    json_t *answer = live_call(c, method, params);
+    int code = (int)json_integer_value(json_object_get(json_object_get(answer, "error"), "code"));
+    json_decref(answer);
+    return code;
+}
+
+/* A number of a call's result; the call must go well. */
+static inline double live_number(live_client *c, const char *method, json_t *params, const char *key)
+{
+    json_t *answer = live_call(c, method, params);
+    const json_t *value = json_object_get(json_object_get(answer, "result"), key);
+    if (!json_is_number(value)) {
+        char *text = json_dumps(answer, 0);
+        print_error("%s: no %s in %s\n", method, key, text);
+        free(text);
+        fail();
+    }
+    double number = json_number_value(value);
+    json_decref(answer);
+    return number;
+}
+
+/* A text of the status. */
+static inline const char *live_status_text(live_client *c, const char *key)
+{
+    json_t *answer = live_call(c, "status", NULL);
+    const char *value = json_string_value(json_object_get(json_object_get(answer, "result"), key));
+    char *buffer = lf_test_buffer();
+    snprintf(buffer, PATH_MAX, "%s", value != NULL ? value : "");
+    json_decref(answer);
+    return buffer;
+}
+
+/* Waits until the panel shows the newest generation at this level. */
+static inline void live_wait(live_client *c, const char *level)
+{
+    json_t *answer = live_call(c, "wait", json_pack("{s:s}", "for", level));
+    assert_non_null(json_object_get(answer, "result"));
+    json_decref(answer);
+}
+
+/* Follows a job's notifications to its end: "done", "failed", "cancelled". */
+static inline const char *live_job_end(live_client *c, json_int_t job)
+{
+    for (;;) {
+        json_t *message = live_receive(c);
+        assert_non_null(message);
+        const json_t *params = json_object_get(message, "params");
+        const char *state = json_string_value(json_object_get(params, "state"));
+        bool ours = state != NULL && json_integer_value(json_object_get(params, "job")) == job;
+        char *buffer = lf_test_buffer();
+        snprintf(buffer, PATH_MAX, "%s", state != NULL ? state : "");
+        json_decref(message);
+        if (ours && strcmp(buffer, "running") != 0) {
+            return buffer;
+        }
+    }
+}
+
+/* Runs a program to its end; its exit code. args end with NULL. */
+static inline int live_run(const live *l, const char *program, ...)
+{
+    char *args[40];
+    char path[PATH_MAX];
+    int n = 0;
+    snprintf(path, sizeof path, "%s", lf_test_built(program));
+    args[n++] = path;
+    va_list more;
+    va_start(more, program);
+    for (const char *arg = va_arg(more, const char *); arg != NULL && n < 39; arg = va_arg(more, const char *)) {
+        args[n++] = (char *)(uintptr_t)arg;
+    }
+    va_end(more);
+    args[n] = NULL;
+    return live_reap(live_spawn(l, args));
+}
+
+#endif

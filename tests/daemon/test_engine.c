@@ -1,0 +1,197 @@
+/* The parts of the engine that need no renderer: the schedule, the mailbox, the camera's moves. */
+#include "tests/testing.h"
+
+#include <sys/eventfd.h>
+
+#include "daemon/loader.h"
+#include "daemon/mailbox.h"
+#include "daemon/schedule.h"
+
+/* Runs one sweep, counting the visits of every row; returns its subsets. */
+static int run_sweep(lf_schedule *schedule, double target, int *visits, lf_slice *out_first)
+{
+    int subsets = 0;
+    bool ended = false;
+    for (int n = 0; !ended; n++) {
+        lf_slice slice = lf_schedule_next(schedule, target);
+        int rows = 0;
+        for (int row = slice.first; row < schedule->height; row += slice.step) {
+            visits[row]++;
+            rows++;
+        }
+        assert_int_equal(rows, slice.n_rows);
+        if (n == 0) {
+            *out_first = slice;
+        }
+        subsets = slice.subsets;
+        ended = lf_schedule_done(schedule, &slice, 0.001 * slice.n_rows * slice.subsets);
+        assert_true(n < 100);
+    }
+    return subsets;
+}
+
+static void a_sweep_visits_every_row_once(void **state)
+{
+    (void)state;
+    static const int heights[] = {1, 2, 3, 4, 5, 17, 64, 561};
+    static const double targets[] = {1e-6, 0.01, 0.12, 100};
+    for (size_t h = 0; h < sizeof heights / sizeof *heights; h++) {
+        for (size_t t = 0; t < sizeof targets / sizeof *targets; t++) {
+            lf_schedule schedule = {0};
+            lf_schedule_start(&schedule, heights[h], 45, 0);
+            for (int sweep = 0; sweep < 6; sweep++) {
+                int visits[600] = {0};
+                lf_slice first;
+                run_sweep(&schedule, targets[t], visits, &first);
+                for (int row = 0; row < heights[h]; row++) {
+                    assert_int_equal(visits[row], 1);
+                }
+            }
+        }
+    }
+}
+
+static void the_first_slice_leaves_no_row_further_than_two(void **state)
+{
+    (void)state;
+    lf_schedule schedule = {0};
+    lf_schedule_start(&schedule, 560, 45, 0);
+    lf_slice slice = lf_schedule_next(&schedule, 10);
+    assert_int_equal(slice.first, 2);
+    assert_int_equal(slice.step, 4);
+    assert_int_equal(slice.subsets, 1);
+    /* With shorter slices the first two are those rows. */
+    schedule.row_seconds = 0.01;
+    slice = lf_schedule_next(&schedule, 0.8);
+    assert_int_equal(slice.step, 8);
+    assert_int_equal(slice.first, 2);
+    lf_schedule_done(&schedule, &slice, 0.7);
+    slice = lf_schedule_next(&schedule, 0.8);
+    assert_int_equal(slice.first, 6);
+}
+
+static void visits_come_in_equal_pairs_that_grow_to_whole_samples(void **state)
+{
+    (void)state;
+    static const int expected[] = {1, 1, 2, 2, 4, 4, 8, 8, 16, 16, 32, 32, 45, 45, 45};
+    lf_schedule schedule = {0};
+    lf_schedule_start(&schedule, 32, 45, 0);
+    for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
+        int visits[32] = {0};
+        lf_slice first;
+        assert_int_equal(run_sweep(&schedule, 1, visits, &first), expected[i]);
+    }
+}
+
+static void a_restored_picture_goes_on_where_it_was(void **state)
+{
+    (void)state;
+    lf_schedule schedule = {0};
+    lf_schedule_start(&schedule, 32, 45, 6);
+    assert_int_equal(schedule.sweep, 4);
+    assert_int_equal(lf_schedule_next(&schedule, 1).subsets, 4);
+}
+
+static lf_frame *post(lf_mailbox *mailbox, uint8_t value)
+{
+    lf_frame *frame = lf_mailbox_begin(mailbox, 8, 8);
+    assert_non_null(frame);
+    memset(frame->image.data, value, frame->image.stride * 8);
+    lf_mailbox_compare(mailbox, frame);
+    lf_mailbox_post(mailbox, frame);
+    return frame;
+}
+
+static void the_newest_frame_wins_and_the_shown_one_is_kept(void **state)
+{
+    (void)state;
+    lf_mailbox mailbox;
+    int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    lf_assert_ok(lf_mailbox_init(&mailbox, fd), NULL);
+    assert_null(lf_mailbox_take(&mailbox));
+    post(&mailbox, 1);
+    post(&mailbox, 2);
+    const lf_frame *taken = lf_mailbox_take(&mailbox);
+    assert_int_equal(taken->image.data[0], 2);
+    assert_null(lf_mailbox_take(&mailbox));
+    lf_mailbox_shown(&mailbox);
+    assert_ptr_equal(lf_mailbox_current(&mailbox), taken);
+    for (uint8_t i = 3; i < 20; i++) {
+        post(&mailbox, i);
+        assert_int_equal(lf_mailbox_current(&mailbox)->image.data[0], 2);
+    }
+    const lf_frame *next = lf_mailbox_take(&mailbox);
+    assert_int_equal(next->image.data[0], 19);
+    assert_int_equal(next->against, taken->number);
+    assert_int_equal(next->n_rects, 1);
+    lf_mailbox_shown(&mailbox);
+    post(&mailbox, 19);
+    assert_int_equal(lf_mailbox_take(&mailbox)->n_rects, 0);
+    lf_mailbox_finish(&mailbox);
+    close(fd);
+}
+
+static void views_in_use_are_not_written_over(void **state)
+{
+    (void)state;
+    lf_mailbox mailbox;
+    int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    uint8_t pixels[2 * 4 * 3 * 3];
+    lf_views8 views = {.n_views = 2, .width = 4, .height = 3, .view_stride = 12, .row_stride = 24, .data = pixels};
+    lf_assert_ok(lf_mailbox_init(&mailbox, fd), NULL);
+    memset(pixels, 1, sizeof pixels);
+    lf_frame *frame = lf_mailbox_begin(&mailbox, 0, 0);
+    lf_mailbox_attach(&mailbox, frame, &views);
+    lf_mailbox_post(&mailbox, frame);
+    const lf_frame *taken = lf_mailbox_take(&mailbox);
+    const lf_views8 *held = lf_mailbox_views(&mailbox, taken);
+    assert_non_null(held);
+    memset(pixels, 2, sizeof pixels);
+    lf_frame *second = lf_mailbox_begin(&mailbox, 0, 0);
+    lf_mailbox_attach(&mailbox, second, &views);
+    assert_false(second->has_views);
+    assert_int_equal(lf_views8_row(held, 1, 2)[0], 1);
+    lf_mailbox_views_done(&mailbox);
+    lf_mailbox_attach(&mailbox, second, &views);
+    assert_true(second->has_views);
+    assert_null(lf_mailbox_views(&mailbox, taken));
+    lf_mailbox_views_done(&mailbox);
+    lf_mailbox_post(&mailbox, second);
+    lf_mailbox_finish(&mailbox);
+    close(fd);
+}
+
+static void an_orbit_turns_about_the_target(void **state)
+{
+    (void)state;
+    lf_camera camera = {.target = {1, 0, 0}, .position = {1, 0, 5}, .up = {0, 2, 0}};
+    double p[3];
+    lf_orbit_camera(&camera, 90, 0, 1, p);
+    lf_assert_close(p[0], 6, 1e-12, 1e-12);
+    lf_assert_close(p[1], 0, 0, 1e-12);
+    lf_assert_close(p[2], 0, 0, 1e-12);
+    lf_orbit_camera(&camera, 0, 30, 2, p);
+    lf_assert_close(p[0], 1, 1e-12, 1e-12);
+    lf_assert_close(p[1], 1.25, 1e-12, 1e-12);
+    lf_assert_close(p[2], 2.5 * sqrt(0.75), 1e-12, 1e-12);
+    /* It stops before the pole, and does not turn over. */
+    lf_orbit_camera(&camera, 0, 500, 1, p);
+    lf_assert_close(p[1], 5 * sin(89 * acos(-1.0) / 180), 1e-12, 1e-12);
+    assert_true(p[2] > 0);
+    lf_orbit_camera(&camera, 0, 0, 1, p);
+    lf_assert_close(p[2], 5, 1e-12, 1e-12);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_sweep_visits_every_row_once),
+        cmocka_unit_test(the_first_slice_leaves_no_row_further_than_two),
+        cmocka_unit_test(visits_come_in_equal_pairs_that_grow_to_whole_samples),
+        cmocka_unit_test(a_restored_picture_goes_on_where_it_was),
+        cmocka_unit_test(the_newest_frame_wins_and_the_shown_one_is_kept),
+        cmocka_unit_test(views_in_use_are_not_written_over),
+        cmocka_unit_test(an_orbit_turns_about_the_target),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
