@@ -156,7 +156,8 @@ static void fill_view(void *context, int view, int worker)
 int64_t lf_fill(int n_views, int width, int height, const uint8_t *rgb, const uint8_t *missing, int reach, uint8_t *filled,
                 lf_pool *pool)
 {
-    fill_job job = {.n_views = n_views, .width = width, .height = height, .rgb = rgb, .missing = missing, .filled = filled};
+    fill_job job = {.n_views = n_views, .width = width, .height = height, .rgb = rgb, .missing = missing};
+    job.filled = filled;
     job.reach = reach < 0 ? 0 : reach > MAX_REACH ? MAX_REACH : reach;
     bool done = pool && lf_pool_run(pool, n_views, fill_view, &job, NULL) == LF_OK;
     for (int view = 0; view < n_views && !done; view++)

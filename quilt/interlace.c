@@ -282,16 +282,16 @@ lf_status lf_interlacer_create(const lf_calibration *calibration, int n_views, i
     return LF_OK;
 }
 
-void lf_interlacer_destroy(lf_interlacer *it)
+void lf_interlacer_destroy(lf_interlacer *interlacer)
 {
-    if (!it)
+    if (!interlacer)
         return;
-    lf_free(it->columns);
-    lf_free(it->column_bytes);
-    lf_free(it->rows);
-    lf_free(it->across);
-    lf_free(it->views);
-    lf_free(it);
+    lf_free(interlacer->columns);
+    lf_free(interlacer->column_bytes);
+    lf_free(interlacer->rows);
+    lf_free(interlacer->across);
+    lf_free(interlacer->views);
+    lf_free(interlacer);
 }
 
 /* ------------------------------------------------------------------------------------------------------ interlace -- */
@@ -340,22 +340,24 @@ static void mix_row(const lf_interlacer *it, const lf_views8 *views, int row, ui
     }
 }
 
-void lf_interlace_rows(const lf_interlacer *it, const lf_views8 *views, lf_image8 *out, int row0, int row1)
+void lf_interlace_rows(const lf_interlacer *interlacer, const lf_views8 *views, lf_image8 *out, int row0, int row1)
 {
-    assert(views->n_views == it->n_views && views->width == it->view_width && views->height == it->view_height);
-    assert(out->width == it->calibration.screen_width_px && out->height == it->calibration.screen_height_px && out->channels == 3);
+    assert(views->n_views == interlacer->n_views && views->width == interlacer->view_width &&
+           views->height == interlacer->view_height);
+    assert(out->width == interlacer->calibration.screen_width_px && out->height == interlacer->calibration.screen_height_px &&
+           out->channels == 3);
     for (int row = row0; row < row1; row++) {
         uint8_t *to = out->data + (size_t)row * out->stride;
-        if (it->first_x > 0 || it->end_x < out->width || it->rows[row].nearest < 0)
+        if (interlacer->first_x > 0 || interlacer->end_x < out->width || interlacer->rows[row].nearest < 0)
             memset(to, 0, (size_t)out->width * 3);
-        if (it->rows[row].nearest < 0)
+        if (interlacer->rows[row].nearest < 0)
             continue;
-        if (it->filter == LF_FILTER_LINEAR)
-            mix_row(it, views, row, to);
-        else if (it->wide)
-            copy_row(it, views, row, true, to);
+        if (interlacer->filter == LF_FILTER_LINEAR)
+            mix_row(interlacer, views, row, to);
+        else if (interlacer->wide)
+            copy_row(interlacer, views, row, true, to);
         else
-            copy_row(it, views, row, false, to);
+            copy_row(interlacer, views, row, false, to);
     }
 }
 
@@ -373,9 +375,9 @@ static void interlace_band(void *context, int band, int worker)
     lf_interlace_rows(job->it, job->views, job->out, row0, row1 < job->out->height ? row1 : job->out->height);
 }
 
-void lf_interlace(const lf_interlacer *it, const lf_views8 *views, lf_image8 *out, lf_pool *pool)
+void lf_interlace(const lf_interlacer *interlacer, const lf_views8 *views, lf_image8 *out, lf_pool *pool)
 {
-    interlace_job job = {.it = it, .views = views, .out = out};
+    interlace_job job = {.it = interlacer, .views = views, .out = out};
     int n_bands = (out->height + BAND_ROWS - 1) / BAND_ROWS;
     bool done = pool && lf_pool_run(pool, n_bands, interlace_band, &job, NULL) == LF_OK;
     for (int band = 0; band < n_bands && !done; band++)

@@ -16,10 +16,10 @@
 /* --------------------------------------------------------------------------------------------------------- layout -- */
 
 typedef struct lf_layout {
-    int columns, rows;   /* tiles of the quilt; columns * rows >= n_views, the rest black */
+    int columns, rows; /* tiles of the quilt; columns * rows >= n_views, the rest black */
     int n_views;
     int view_width, view_height; /* pixels of a tile */
-    double aspect;       /* width / height of a view as it is meant to be seen */
+    double aspect;               /* width / height of a view as it is meant to be seen */
 } lf_layout;
 
 /* looking-glass.md section 4.1; name as in --preset. NULL behind the last index. */
@@ -100,7 +100,7 @@ int lf_changed_rects(const lf_image8 *before, const lf_image8 *after, lf_rect *o
 typedef struct lf_quilt_file {
     lf_layout layout;
     bool is_float;
-    lf_image8 image8;   /* owned: the views one below the other, view 0 first (may be taller than a picture); views8 points here */
+    lf_image8 image8; /* owned: the views one below the other, view 0 first (may be taller than a picture); views8 points here */
     lf_image32 image32;
     lf_views8 views8;   /* valid when !is_float */
     lf_views32 views32; /* valid when is_float */
@@ -144,25 +144,27 @@ typedef enum lf_compress { LF_COMPRESS_NONE, LF_COMPRESS_LZW, LF_COMPRESS_DEFLAT
 
 /* Zeroed fields below the line are a valid default. */
 typedef struct lf_print {
-    double lpi;            /* measured visual pitch, lenses per inch: 5..600 */
-    int dpi;               /* printer raster, the same both ways: 50..9600 */
+    double lpi;                 /* measured visual pitch, lenses per inch: 5..600 */
+    int dpi;                    /* printer raster, the same both ways: 50..9600 */
     double width_mm, height_mm; /* trim size, without bleed: 1..5000 */
-    double bleed_mm;       /* on each side, rendered, stripes continue: 0..100 */
-    double phase_mm;       /* moves the lens that is centred on the middle of the print, to the right (down): -100..100 */
-    int n_views;           /* stripes of a cell: 1..dpi/lpi, rounded to the nearest whole number */
-    bool horizontal;       /* lenses run horizontally: views change along y */
-    bool reverse;          /* cells run from view 0 to view n_views-1 */
-    bool mirror;           /* the whole raster mirrored left to right, for printing on the back of the sheet */
+    double bleed_mm;            /* on each side, rendered, stripes continue: 0..100 */
+    double phase_mm;            /* moves the lens that is centred on the middle of the print, to the right (down): -100..100 */
+    int n_views;                /* stripes of a cell: 1..dpi/lpi, rounded to the nearest whole number */
+    bool horizontal;            /* lenses run horizontally: views change along y */
+    bool reverse;               /* cells run from view 0 to view n_views-1 */
+    bool mirror;                /* the whole raster mirrored left to right, for printing on the back of the sheet */
     lf_stripes stripes;
     lf_compress compress;
-    int bits;              /* 8 or 16 */
-    const char *icc_path;  /* NULL = sRGB; else an RGB or CMYK display, output or colour space profile, at most 16 MiB */
+    int bits;             /* 8 or 16 */
+    const char *icc_path; /* NULL = sRGB; else an RGB or CMYK display, output or colour space profile, at most 16 MiB */
     /* ---- */
     const lf_roots *icc_roots; /* where icc_path may lie; NULL = anywhere */
-    bool rolled;           /* horizontal only: views come from a rolled rig, see lf_print_shape_of */
-    double view_aspect;    /* views of another size than the shape's (a quilt picture): width / height they are meant to be seen with; they
+    bool rolled;               /* horizontal only: views come from a rolled rig, see lf_print_shape_of */
+    double
+        view_aspect; /* views of another size than the shape's (a quilt picture): width / height they are meant to be seen with; they
                               are scaled to cover the raster, centred, what stands over is cut. 0 = stretched over the raster */
-    double parallax_lenses; /* largest shift of a point between neighbouring views, in lens pitches, if known: above 1 is warned of */
+    double
+        parallax_lenses; /* largest shift of a point between neighbouring views, in lens pitches, if known: above 1 is warned of */
 } lf_print;
 
 /* Range checks with one clear line each (LF_E_ARG); more views than dpi/lpi (to the nearest whole) are refused; *out_warning (may be
@@ -188,7 +190,8 @@ typedef struct lf_print_shape {
     int n_lenses, n_along;           /* the same two numbers, across the lenses and along them */
     int first_lens;                  /* number of the lens of sample 0; lens 0 is centred on the middle (plus phase) */
     double window_width_mm, window_height_mm;
-    double window_center_x_mm, window_center_y_mm; /* of the window from the middle of the print, in the views' picture, right and down */
+    double window_center_x_mm,
+        window_center_y_mm; /* of the window from the middle of the print, in the views' picture, right and down */
 } lf_print_shape;
 /* print must have passed lf_print_check. */
 void lf_print_shape_of(const lf_print *print, lf_print_shape *out);
