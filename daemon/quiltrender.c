@@ -61,10 +61,12 @@ static void clear_line(progress_line *line)
 static void show_rendering(void *context, const lf_render_progress *progress)
 {
     char text[160];
-    double left = progress->fraction > 0 ? progress->seconds * (1 / progress->fraction - 1) : 0;
+    char left[64] = "";
 
-    snprintf(text, sizeof text, "rendering %3.0f %%, %.2f samples a view pixel, %.0f s, about %.0f s left",
-             100 * progress->fraction, progress->passes / progress->n_views, progress->seconds, left);
+    if (progress->fraction > 0.01)
+        snprintf(left, sizeof left, ", about %.0f s left", progress->seconds * (1 / progress->fraction - 1));
+    snprintf(text, sizeof text, "rendering %3.0f %%, %.2f samples a view pixel, %.0f s%s", 100 * progress->fraction,
+             progress->passes / progress->n_views, progress->seconds, left);
     draw(context, text);
 }
 

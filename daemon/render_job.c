@@ -6,22 +6,40 @@
 
 typedef struct run {
     lf_renderer *renderer;
+    const lf_budget *budget;
     lf_estimator estimator;
     float *film;
-    int n_views;
-    int64_t passes; /* so far */
+    int n_views, height;
+    int64_t passes;  /* whole ones so far */
+    atomic_int rows; /* of the visits under way */
     double start, cpu_start;
+    double target_fraction;
     lf_render_progress_fn progress;
     void *context;
     const lf_cancel *cancel;
 } run;
 
-static void report(const run *r, double fraction)
+static double fraction_of(const run *r, double passes)
 {
+    const lf_budget *budget = r->budget;
+
+    if (budget->passes > 0)
+        return passes / (double)budget->passes;
+    if (budget->seconds > 0)
+        return (lf_time_now() - r->start) / budget->seconds;
+    if (budget->cpu_seconds > 0)
+        return (lf_time_cpu() - r->cpu_start) / budget->cpu_seconds;
+    return r->target_fraction;
+}
+
+static void report(const run *r)
+{
+    int rows = atomic_load_explicit(&r->rows, memory_order_relaxed);
+    double passes = (double)r->passes + (double)rows * r->n_views / r->height;
     lf_render_progress progress = {
-        .fraction = fmin(1, fmax(0, fraction)),
+        .fraction = fmin(1, fmax(0, fraction_of(r, passes))),
         .seconds = lf_time_now() - r->start,
-        .passes = (double)r->passes,
+        .passes = passes,
         .n_views = r->n_views,
     };
 
@@ -29,35 +47,48 @@ static void report(const run *r, double fraction)
         r->progress(r->context, &progress);
 }
 
-static lf_status add(run *r, int64_t n_passes, bool split)
+static void row_done(void *context, int row, int worker)
 {
-    lf_status status = lf_renderer_passes(r->renderer, n_passes, split, r->cancel);
+    run *r = context;
 
-    if (status == LF_OK)
-        r->passes += n_passes;
+    (void)row;
+    atomic_fetch_add_explicit(&r->rows, 1, memory_order_relaxed);
+    if (worker == 0) /* the thread that called lf_render_run */
+        report(r);
+}
+
+/* A whole cycle for each half of the film: what lf_renderer_passes makes of 2 n_views passes, row by row to be seen. */
+static lf_status add_cycles(run *r)
+{
+    lf_status status = LF_OK;
+
+    for (int half = 0; half < 2 && status == LF_OK; half++)
+        status = lf_renderer_pass(r->renderer, 0, 1, r->n_views, row_done, r, r->cancel);
     return status;
 }
 
-/* Pairs of whole cycles (one for each half of the film) are what lf_renderer_passes makes of any number of them, so that the
- * film is the same as after a single call. */
-static lf_status run_passes(run *r, int64_t n_passes)
+/* Pairs of whole cycles are what lf_renderer_passes makes of any number of passes, but for the rest, so that the film is the
+ * same as after a single call of it. */
+static lf_status add(run *r, int64_t n_passes, bool split)
 {
-    int64_t most = 2 * (int64_t)r->n_views;
-    bool split = n_passes == 1 && r->estimator == LF_ESTIMATOR_CV;
+    int64_t cycles = 2 * (int64_t)r->n_views;
     lf_status status = LF_OK;
 
-    while (r->passes < n_passes && status == LF_OK) {
-        int64_t left = n_passes - r->passes;
-        status = add(r, left < most ? left : most, split);
-        report(r, (double)r->passes / (double)n_passes);
+    while (n_passes > 0 && status == LF_OK) {
+        int64_t now = n_passes < cycles ? n_passes : cycles;
+        status = now == cycles ? add_cycles(r) : lf_renderer_passes(r->renderer, now, split, r->cancel);
+        atomic_store_explicit(&r->rows, 0, memory_order_relaxed);
+        if (status == LF_OK)
+            r->passes += now;
+        n_passes -= now;
+        report(r);
     }
     return status;
 }
 
 /* Short visits cost more a pass than whole cycles (B and q are refreshed in each), so the rest is not halved into crumbs. */
-static lf_status run_time(run *r, double seconds, double (*clock_now)(void))
+static lf_status run_time(run *r, double seconds, double start, double (*clock_now)(void))
 {
-    double start = clock_now();
     double spent = 0;
     double fits = 2;
     lf_status status = LF_OK;
@@ -66,7 +97,6 @@ static lf_status run_time(run *r, double seconds, double (*clock_now)(void))
         int64_t next = (int64_t)fmin(0.95 * fits + 1, 2.0 * r->n_views) & ~INT64_C(1);
         status = add(r, next > 2 ? next : 2, false);
         spent = clock_now() - start;
-        report(r, spent / seconds);
         fits = (seconds - spent) * (double)r->passes / fmax(spent, 1e-9);
     } while (status == LF_OK && fits >= 2 && spent < 0.97 * seconds);
     return status;
@@ -75,12 +105,11 @@ static lf_status run_time(run *r, double seconds, double (*clock_now)(void))
 static lf_status run_target(run *r, double target)
 {
     lf_render_stats stats = {.rel_mse_estimate = -1};
-    int64_t cycle = 2 * (int64_t)r->n_views;
-    int64_t next = cycle;
+    int64_t cycles = 2 * (int64_t)r->n_views;
     lf_status status = LF_OK;
 
     do {
-        status = add(r, next, false);
+        status = add(r, (r->passes / (4 * cycles) + 1) * cycles, false);
         /* the estimate is a by-product of the answer */
         if (status == LF_OK)
             status = lf_renderer_resolve(r->renderer, r->estimator, r->film, NULL);
@@ -88,8 +117,8 @@ static lf_status run_target(run *r, double target)
             break;
         lf_renderer_stats(r->renderer, &stats);
         /* the error falls as one over the passes, so that this is the share of the passes that will be needed */
-        report(r, stats.rel_mse_estimate > 0 ? target / stats.rel_mse_estimate : 0);
-        next = (r->passes / (4 * cycle) + 1) * cycle;
+        r->target_fraction = stats.rel_mse_estimate > 0 ? target / stats.rel_mse_estimate : 0;
+        report(r);
     } while (!(stats.rel_mse_estimate >= 0 && stats.rel_mse_estimate <= target));
     return status;
 }
@@ -97,11 +126,14 @@ static lf_status run_target(run *r, double target)
 lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator, float *film,
                         lf_render_progress_fn progress, void *context, const lf_cancel *cancel, lf_render_times *out_times)
 {
+    const lf_render_settings *settings = lf_renderer_settings(renderer);
     run r = {
         .renderer = renderer,
+        .budget = budget,
         .estimator = estimator,
         .film = film,
-        .n_views = lf_renderer_settings(renderer)->camera.n_views,
+        .n_views = settings->camera.n_views,
+        .height = settings->height,
         .start = lf_time_now(),
         .cpu_start = lf_time_cpu(),
         .progress = progress,
@@ -110,13 +142,13 @@ lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estim
     };
     lf_status status = LF_OK;
 
-    report(&r, 0);
+    report(&r);
     if (budget->passes > 0) {
-        status = run_passes(&r, budget->passes);
+        status = add(&r, budget->passes, budget->passes == 1 && estimator == LF_ESTIMATOR_CV);
     } else if (budget->seconds > 0) {
-        status = run_time(&r, budget->seconds, lf_time_now);
+        status = run_time(&r, budget->seconds, r.start, lf_time_now);
     } else if (budget->cpu_seconds > 0) {
-        status = run_time(&r, budget->cpu_seconds, lf_time_cpu);
+        status = run_time(&r, budget->cpu_seconds, r.cpu_start, lf_time_cpu);
     } else {
         assert(budget->target_error > 0);
         status = run_target(&r, budget->target_error);
