@@ -375,7 +375,7 @@ static void descriptors_are_written_and_closed(void **state)
 
     int fds[VIEWS];
     for (int i = 0; i < VIEWS; i++) {
-        char name[16];
+        char name[32];
         snprintf(name, sizeof name, "fd%d.exr", i);
         fds[i] = open(lf_test_path(f->folder, name), O_RDWR | O_CREAT | O_TRUNC, 0600);
         assert_true(fds[i] >= 0);

@@ -554,6 +554,26 @@ static void nap(double seconds)
     nanosleep(&time, NULL);
 }
 
+/* Until the process catches SIGTERM: it has read its arguments. */
+static void await_handler(pid_t pid)
+{
+    char path[64];
+    char text[4096];
+
+    snprintf(path, sizeof path, "/proc/%d/status", (int)pid);
+    for (int i = 0; i < 3000; i++, nap(0.01)) {
+        FILE *file = fopen(path, "re");
+        assert_non_null(file);
+        size_t n = fread(text, 1, sizeof text - 1, file);
+        fclose(file);
+        text[n] = '\0';
+        const char *caught = strstr(text, "SigCgt:");
+        if (caught && (strtoull(caught + 7, NULL, 16) >> (SIGTERM - 1) & 1))
+            return;
+    }
+    fail_msg("quiltrender never catches SIGTERM");
+}
+
 static void a_terminated_job_leaves_nothing_and_exits_1(void **state)
 {
     const fixture *f = *state;
@@ -568,7 +588,8 @@ static void a_terminated_job_leaves_nothing_and_exits_1(void **state)
         int out = memfd_create("stdout", 0);
         snprintf(line, sizeof line, "%s -o %s/%s --view-size 240x320 --spp 100000 --threads 2", f->scene, f->folder, outs[i]);
         pid_t pid = start(line, out, err, RLIM_INFINITY);
-        nap(0.4);
+        await_handler(pid);
+        nap(0.2);
         kill(pid, signals[i]);
         assert_int_equal(ended(pid), 1);
         read_back(err, text, sizeof text);
