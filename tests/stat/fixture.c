@@ -154,3 +154,31 @@ void lf_test_slopes(const lf_renderer *renderer, int view, double column, double
     *out_mx = ((double)rig->x0 + column * (double)rig->dx - (double)rig->b[view]) / (double)rig->distance;
     *out_my = ((double)rig->y0 + row * (double)rig->dy) / (double)rig->distance;
 }
+
+/* Sums over both halves of one view pixel. */
+static void weight_sums(const lf_renderer *r, int row, int pixel, bool second, double *out_w, double *out_q)
+{
+    const lf_film_row *state = &r->film.rows[row];
+    *out_w = *out_q = 0.0;
+    for (int h = 0; h < 2; h++) {
+        if (state->n[h] == 0.0)
+            continue;
+        lf_film_half half = lf_film_at(&r->film, row, h);
+        *out_w += (double)(second && half.w2 ? half.w2[pixel] : half.scattered[pixel].w);
+        *out_q += (double)half.known[pixel].q;
+    }
+}
+
+void lf_test_weights(const lf_renderer *r, bool second, double *out_difference, double *out_q)
+{
+    for (int row = 0; row < r->film.height; row++) {
+        int pixels = r->film.n_views * r->film.width;
+        double n = r->film.rows[row].n[0] + r->film.rows[row].n[1];
+        for (int i = 0; i < pixels; i++) {
+            double w, q;
+            weight_sums(r, row, i, second, &w, &q);
+            out_difference[row * pixels + i] = (w - q) / n;
+            out_q[row * pixels + i] = q / n;
+        }
+    }
+}

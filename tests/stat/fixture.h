@@ -39,6 +39,9 @@ double lf_blocks_welch(const lf_blocks *a, const lf_blocks *b, int *out_where);
 /* The p of one block after its mean was multiplied by factor: what injecting a bias does. */
 double lf_blocks_welch_injected(const lf_blocks *a, const lf_blocks *b, int which, double factor);
 
+/* (W - n q)/n and q of both halves together, as pictures; second: W' for W. */
+void lf_test_weights(const lf_renderer *renderer, bool second, double *out_difference, double *out_q);
+
 /* Where pixel (column + x, row + y) of a view lies on the window plane, in camera space divided by the distance: slopes of the
  * pinhole ray of this view. */
 void lf_test_slopes(const lf_renderer *renderer, int view, double column, double row, double *out_mx, double *out_my);

@@ -1,0 +1,162 @@
+/* mvpt, by all three answers and also with subsets of the views in each pass, against vpt, which shares nothing between views: Welch's
+ * test on tiles of 16 x 16 pixels of each view of 64 x 48 crops, replicates being seeds. The tests show their own power: for every
+ * answer 1 % in one tile, of either sign, would be rejected in at least a quarter of all tiles (the number is printed), and 0.3 % of
+ * the whole picture always. QUILTD_LONG=1 takes four times the replicates. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "tests/stat/fixture.h"
+#include "tests/stat/scenes.h"
+
+enum { width = 64, height = 48, n_views = 3, tile = 16, tiles = n_views * 12 + 1, answers = 4 };
+
+/* Four scenes, four answers, 37 blocks. */
+#define LEVEL lf_sidak(LF_FALSE_ALARM, 4 * answers * tiles)
+
+static const char *const names[answers] = {"mis", "cv", "mwis", "mis of a live picture"};
+
+static lf_pool *pool;
+
+static void add_picture(lf_blocks *blocks, const lf_renderer *r, lf_estimator estimator)
+{
+    double *picture = lf_test_picture(r, estimator);
+    lf_blocks_add(blocks, picture);
+    free(picture);
+}
+
+/* Native pictures: what everything is compared with. */
+static void reference(lf_scene *scene, int replicates, int passes, lf_blocks *out)
+{
+    lf_renderer *r = lf_test_renderer(scene, "vpt", width, height, pool);
+    lf_blocks_init(out, n_views, width, height, tile);
+    for (int k = 0; k < replicates; k++) {
+        lf_test_reseed(r, lf_hash64(lf_test_seed() + 1000, (uint64_t)k));
+        lf_test_passes(r, passes);
+        add_picture(out, r, LF_ESTIMATOR_MIS);
+    }
+    lf_renderer_destroy(r);
+}
+
+/* The first pictures of a live view: one or two base views of three in each pass, collisions forced. */
+static void live_passes(lf_renderer *r, int n)
+{
+    for (int i = 0; i < n; i++)
+        assert_int_equal(lf_renderer_pass(r, 0, 1, 1 + i % 2, NULL, NULL, NULL), LF_OK);
+}
+
+static void shared(lf_scene *scene, int replicates, int passes, lf_blocks out[answers])
+{
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
+    for (int i = 0; i < answers; i++)
+        lf_blocks_init(&out[i], n_views, width, height, tile);
+    for (int k = 0; k < replicates; k++) {
+        lf_test_reseed(r, lf_hash64(lf_test_seed() + 2000, (uint64_t)k));
+        lf_test_passes(r, passes);
+        add_picture(&out[0], r, LF_ESTIMATOR_MIS);
+        add_picture(&out[1], r, LF_ESTIMATOR_CV);
+        add_picture(&out[2], r, LF_ESTIMATOR_MWIS);
+        lf_test_reseed(r, lf_hash64(lf_test_seed() + 3000, (uint64_t)k));
+        live_passes(r, passes / 2);
+        add_picture(&out[3], r, LF_ESTIMATOR_MIS);
+    }
+    lf_renderer_destroy(r);
+}
+
+static void assert_agreement(const lf_blocks *native, const lf_blocks *mvpt)
+{
+    for (int i = 0; i < answers; i++) {
+        int where = 0;
+        double p = lf_blocks_welch(&mvpt[i], native, &where);
+        const lf_moments *a = &mvpt[i].moments[where], *b = &native->moments[where];
+        if (!(p > LEVEL))
+            fail_msg("%s: tile %d of view %d: %.6g +- %.2g, natively %.6g +- %.2g, p %.2g", names[i], where % 12, where / 12, a->mean,
+                     lf_moments_error(a), b->mean, lf_moments_error(b), p);
+    }
+}
+
+/* Both injections, in every answer. */
+static void assert_power(const lf_blocks *native, const lf_blocks *mvpt)
+{
+    for (int i = 0; i < answers; i++) {
+        int seen = 0;
+        for (int j = 0; j < tiles - 1; j++) {
+            double up = lf_blocks_welch_injected(&mvpt[i], native, j, 1.01);
+            double down = lf_blocks_welch_injected(&mvpt[i], native, j, 0.99);
+            seen += up < LEVEL && down < LEVEL;
+        }
+        double up = lf_blocks_welch_injected(&mvpt[i], native, tiles - 1, 1.003);
+        double down = lf_blocks_welch_injected(&mvpt[i], native, tiles - 1, 0.997);
+        print_message("%s: 1 %% would be seen in %d of %d tiles\n", names[i], seen, tiles - 1);
+        assert_true(4 * seen >= tiles - 1);
+        assert_true(up < LEVEL && down < LEVEL);
+    }
+}
+
+static void compare(const char *text, int replicates, int native_passes, int passes)
+{
+    lf_scene *scene = lf_test_scene(text);
+    lf_blocks native, mvpt[answers];
+    if (getenv("QUILTD_LONG"))
+        replicates *= 4;
+    reference(scene, replicates, native_passes, &native);
+    shared(scene, replicates, passes, mvpt);
+    assert_agreement(&native, mvpt);
+    assert_power(&native, mvpt);
+    for (int i = 0; i < answers; i++)
+        lf_blocks_finish(&mvpt[i]);
+    lf_blocks_finish(&native);
+    lf_scene_unref(scene);
+}
+
+static void mvpt_agrees_on_media_and_surfaces(void **state)
+{
+    (void)state;
+    compare(LF_TEST_MIXED("3", ""), 24, 36, 24);
+}
+
+static void mvpt_agrees_on_overlapping_media(void **state)
+{
+    (void)state;
+    compare(LF_TEST_FOGS("3", ", 'placement': 'inclusive'"), 24, 36, 24);
+}
+
+static void mvpt_agrees_beside_a_lamp_and_a_mirror(void **state)
+{
+    (void)state;
+    compare(LF_TEST_LAMP("3", ", 'lens_radius': 0.1, 'focus_distance': 4.2"), 24, 36, 24);
+}
+
+static void mvpt_agrees_behind_a_veil(void **state)
+{
+    (void)state;
+    compare(LF_TEST_VEIL("3", ""), 24, 36, 24);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    return lf_pool_create(1, &pool) == LF_OK ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    lf_pool_destroy(pool);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(mvpt_agrees_on_media_and_surfaces),
+        cmocka_unit_test(mvpt_agrees_on_overlapping_media),
+        cmocka_unit_test(mvpt_agrees_beside_a_lamp_and_a_mirror),
+        cmocka_unit_test(mvpt_agrees_behind_a_veil),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

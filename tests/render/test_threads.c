@@ -1,0 +1,68 @@
+/* The same seed and the same calls give the same bits for any number of threads, either sampler and either integrator. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "tests/stat/fixture.h"
+#include "tests/stat/scenes.h"
+
+enum { width = 32, height = 24, n_views = 7, pixels = n_views * width * height };
+
+/* A mixture of what a live view and an offline job do; resolved by all answers, into out [3][pixels][3]. */
+static void render(const char *text, const char *integrator, lf_sampler_kind sampler, uint64_t seed, int threads, float *out)
+{
+    lf_pool *pool = NULL;
+    assert_int_equal(lf_pool_create(threads, &pool), LF_OK);
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, pool);
+    lf_render_settings settings = *lf_renderer_settings(r);
+    settings.sampler = sampler;
+    settings.seed = seed;
+    assert_int_equal(lf_renderer_restart(r, scene, &settings, NULL), LF_OK);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(lf_renderer_pass(r, i % 2, 2, 1 + i, NULL, NULL, NULL), LF_OK);
+    lf_test_passes(r, 5 + 2 * n_views);
+    for (int e = 0; e < 3; e++)
+        assert_int_equal(lf_renderer_resolve(r, (lf_estimator)e, out + (size_t)e * 3 * pixels, NULL), LF_OK);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+    lf_pool_destroy(pool);
+}
+
+static void assert_threads(const char *text, const char *integrator, lf_sampler_kind sampler)
+{
+    size_t size = 9 * pixels * sizeof(float);
+    float *one = malloc(size), *many = malloc(size);
+    render(text, integrator, sampler, 5, 1, one);
+    for (int threads = 2; threads <= 4; threads++) {
+        memset(many, 0xff, size);
+        render(text, integrator, sampler, 5, threads, many);
+        assert_memory_equal(one, many, size);
+    }
+    render(text, integrator, sampler, 6, 2, many);
+    assert_memory_not_equal(one, many, size);
+    free(one);
+    free(many);
+}
+
+static void pictures_do_not_depend_on_the_number_of_threads(void **state)
+{
+    (void)state;
+    assert_threads(LF_TEST_MIXED("7", ", 'lens_radius': 0.1"), "mvpt", LF_SAMPLER_OWEN);
+    assert_threads(LF_TEST_MIXED("7", ""), "mvpt", LF_SAMPLER_INDEPENDENT);
+    assert_threads(LF_TEST_MIXED("7", ""), "vpt", LF_SAMPLER_OWEN);
+    assert_threads(LF_TEST_FOGS("7", ""), "mvpt", LF_SAMPLER_OWEN);
+    assert_threads(LF_TEST_LAMP("7", ""), "mvpt", LF_SAMPLER_OWEN);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pictures_do_not_depend_on_the_number_of_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
