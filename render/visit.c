@@ -258,6 +258,8 @@ static bool cancelled(const lf_cancel *cancel)
     return cancel && atomic_load_explicit(cancel, memory_order_relaxed);
 }
 
+#define LF_LOOKED_FOR 1e-30f
+
 static bool is_hole(const lf_film_half half[2], const double n[2], size_t pixel)
 {
     float q = 0.0f, w = 0.0f;
@@ -289,6 +291,10 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uin
                     return false;
                 base_sample(plan, visit, view, column, film, hole_key, index * TRIES + (uint32_t)i);
             }
+            /* Looked for and not found, in a pixel that something touches only just: its scattered light is taken for 0 until a
+             * path arrives, whose weight is beyond comparison. */
+            if (column - filled >= plan->hole_reach && is_hole(halves, state->n, pixel))
+                visit->half.scattered[pixel].w = LF_LOOKED_FOR;
             filled = is_hole(halves, state->n, pixel) ? filled : column;
         }
     }
