@@ -26,8 +26,8 @@ static float diffuse_transmittance(float eta)
 
 typedef struct plastic {
     float alpha, eta;
-    float fresnel_o;  /* of the smooth coat for wo */
-    float select;     /* probability of drawing wi by the coat's lobe */
+    float fresnel_o; /* of the smooth coat for wo */
+    float select;    /* probability of drawing wi by the coat's lobe */
     bool rough;
 } plastic;
 

@@ -74,8 +74,8 @@ static void assert_agreement(const lf_blocks *native, const lf_blocks *mvpt)
         double p = lf_blocks_welch(&mvpt[i], native, &where);
         const lf_moments *a = &mvpt[i].moments[where], *b = &native->moments[where];
         if (!(p > LEVEL))
-            fail_msg("%s: tile %d of view %d: %.6g +- %.2g, natively %.6g +- %.2g, p %.2g", names[i], where % 12, where / 12, a->mean,
-                     lf_moments_error(a), b->mean, lf_moments_error(b), p);
+            fail_msg("%s: tile %d of view %d: %.6g +- %.2g, natively %.6g +- %.2g, p %.2g", names[i], where % 12, where / 12,
+                     a->mean, lf_moments_error(a), b->mean, lf_moments_error(b), p);
     }
 }
 

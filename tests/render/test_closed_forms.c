@@ -116,7 +116,8 @@ static void assert_pixels(const char *text, const char *integrator, truth_fn tru
     lf_test_passes(r, 8 * n_views);
     assert_int_equal(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, rgb, flags), LF_OK);
     for (int i = 0; i < pixels; i++) {
-        if (flags[i] & LF_PIXEL_HOLE || (!(flags[i] & LF_PIXEL_SETTLED) && is_unsettled(r, i / (n_views * width), i % (n_views * width))))
+        if (flags[i] & LF_PIXEL_HOLE ||
+            (!(flags[i] & LF_PIXEL_SETTLED) && is_unsettled(r, i / (n_views * width), i % (n_views * width))))
             continue;
         compared++;
         for (int c = 0; c < 3; c++) {
@@ -135,18 +136,20 @@ static void assert_pixels(const char *text, const char *integrator, truth_fn tru
 /* ------------------------------------------------------------------------------------------------------- furnaces -- */
 
 #define FOG(g) "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 1, 'g': " g " } }, " WHITE_SKY "}"
-#define WHITE_SLAB(g) "{" CAMERA "'volumes': { 'fog': { 'shape': 'box', 'density': 1.5, 'albedo': 1, 'g': " g ", "                 \
+#define WHITE_SLAB(g)                                                                                                              \
+    "{" CAMERA "'volumes': { 'fog': { 'shape': 'box', 'density': 1.5, 'albedo': 1, 'g': " g ", "                                   \
     "'transform': { 'scale': [60, 60, 0.5] } } }, " WHITE_SKY "}"
-#define WHITE_SURFACES                                                                                                         \
-    "{" CAMERA "'meshes': { 'ball': { 'shape': 'sphere', 'normals': 'flat', 'material': 'white' }, "                            \
-    "'ground': { 'shape': 'quad', 'material': 'white', 'transform': { 'scale': 3, 'translate': [0, -1, 0] } } }, "             \
+#define WHITE_SURFACES                                                                                                             \
+    "{" CAMERA "'meshes': { 'ball': { 'shape': 'sphere', 'normals': 'flat', 'material': 'white' }, "                               \
+    "'ground': { 'shape': 'quad', 'material': 'white', 'transform': { 'scale': 3, 'translate': [0, -1, 0] } } }, "                 \
     "'materials': { 'white': { 'type': 'diffuse', 'albedo': 1 } }, " WHITE_SKY "}"
-#define BALL(material) "{" CAMERA "'meshes': { 'ball': { 'shape': 'sphere', 'normals': 'flat', 'material': 'm' } }, "            \
+#define BALL(material)                                                                                                             \
+    "{" CAMERA "'meshes': { 'ball': { 'shape': 'sphere', 'normals': 'flat', 'material': 'm' } }, "                                 \
     "'materials': { 'm': " material " }, " WHITE_SKY "}"
 /* The same sky as a lamp that is sampled: mesh light all around. */
-#define LIT_BY_A_BALL                                                                                                          \
-    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 1, 'g': 0.6 } }, "                             \
-    "'meshes': { 'sky': { 'shape': 'sphere', 'normals': 'flat', 'material': 'lamp', 'transform': { 'scale': 12 } } }, "         \
+#define LIT_BY_A_BALL                                                                                                              \
+    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 1, 'g': 0.6 } }, "                                \
+    "'meshes': { 'sky': { 'shape': 'sphere', 'normals': 'flat', 'material': 'lamp', 'transform': { 'scale': 12 } } }, "            \
     "'materials': { 'lamp': { 'type': 'diffuse', 'albedo': 0, 'emission': 1 } } }"
 
 static void a_white_fog_in_a_white_furnace_is_white_in_every_pixel(void **state)
@@ -187,7 +190,8 @@ static void a_furnace_of_lamps_is_white(void **state)
 static void a_grey_furnace_is_rejected(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.99 } }, " WHITE_SKY "}");
+    lf_scene *scene =
+        lf_test_scene("{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.99 } }, " WHITE_SKY "}");
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
     double *expected = truth_picture(r, one);
     lf_blocks blocks;
@@ -206,8 +210,8 @@ static void a_grey_furnace_is_rejected(void **state)
 
 /* ----------------------------------------------------------------------------------------------------------- slabs -- */
 
-#define SLAB(albedo, g, lights, depth)                                                                                         \
-    "{" CAMERA "'volumes': { 'slab': { 'shape': 'box', 'density': 1.5, 'albedo': " albedo ", 'g': " g ", "                      \
+#define SLAB(albedo, g, lights, depth)                                                                                             \
+    "{" CAMERA "'volumes': { 'slab': { 'shape': 'box', 'density': 1.5, 'albedo': " albedo ", 'g': " g ", "                         \
     "'transform': { 'scale': [60, 60, 0.5] } } }, 'render': { 'max_depth': " depth " }, " lights "}"
 #define SUN "'lights': { 'sun': { 'type': 'distant', 'direction': [0.3, -0.2, -1], 'irradiance': [3, 3, 3] } }"
 
@@ -258,9 +262,9 @@ static void a_slab_scatters_the_sun_once(void **state)
 
 /* ------------------------------------------------------------------------------------------------- a lamp, a plane -- */
 
-#define LAMP_ON_A_PLANE                                                                                                        \
+#define LAMP_ON_A_PLANE                                                                                                            \
     "{" CAMERA "'meshes': { 'plane': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': 20, 'rotate': [90, 0, 0] } } }, " \
-    "'materials': { 'm': { 'albedo': 0.6 } }, "                                                                                 \
+    "'materials': { 'm': { 'albedo': 0.6 } }, "                                                                                    \
     "'lights': { 'lamp': { 'type': 'point', 'position': [0.3, 0.2, 1], 'intensity': [4, 4, 4] } } }"
 
 static double lamp_on_a_plane(const lf_renderer *renderer, int view, double mx, double my)

@@ -157,10 +157,8 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(weights_are_n_q_with_media_and_surfaces),
-        cmocka_unit_test(weights_are_n_q_with_a_lens),
-        cmocka_unit_test(weights_are_n_q_in_overlapping_media),
-        cmocka_unit_test(weights_are_n_q_beside_mirrors),
+        cmocka_unit_test(weights_are_n_q_with_media_and_surfaces), cmocka_unit_test(weights_are_n_q_with_a_lens),
+        cmocka_unit_test(weights_are_n_q_in_overlapping_media),    cmocka_unit_test(weights_are_n_q_beside_mirrors),
         cmocka_unit_test(a_bias_of_one_per_cent_would_be_seen),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -530,7 +530,8 @@ static void point_light_falls_with_the_square_of_distance(void **state)
     const float u[3] = {0.99f, 0.5f, 0.5f};
     lf_light_sample s;
     assert_true(lf_light_draw(&x->scene, lf_v3(0.0f, 0.0f, 1.0f), u, &s));
-    assert_true(s.delta && s.pdf == 1.0f && fabsf(s.radiance.x - 1.0f) < 1e-6f && fabsf(s.distance - 2.0f) < 1e-6f && s.wi.y == 1.0f);
+    assert_true(s.delta && s.pdf == 1.0f && fabsf(s.radiance.x - 1.0f) < 1e-6f && fabsf(s.distance - 2.0f) < 1e-6f &&
+                s.wi.y == 1.0f);
     assert_false(lf_light_draw(&x->scene, x->scene.lights[0].position, u, &s));
     fixture_destroy(x);
 }

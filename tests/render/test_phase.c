@@ -89,7 +89,8 @@ static void both_forms_agree_and_are_finite(void **state)
     for (int i = 0; i < n_g; i++) {
         for (int j = 0; j <= 1000; j++) {
             float cosine = -1.0f + (float)j / 500.0f, sine = sqrtf(fmaxf(1.0f - cosine * cosine, 0.0f));
-            float a = lf_phase(all_g[i], cosine), b = lf_phase_between(all_g[i], lf_v3(0.0f, 0.0f, 1.0f), lf_v3(sine, 0.0f, cosine));
+            float a = lf_phase(all_g[i], cosine),
+                  b = lf_phase_between(all_g[i], lf_v3(0.0f, 0.0f, 1.0f), lf_v3(sine, 0.0f, cosine));
             assert_true(isfinite(a) && a > 0.0f && isfinite(b) && b > 0.0f);
             if (fabsf(cosine) < 0.999f)
                 assert_true(fabsf(a - b) < 1e-3f * a);

@@ -2,6 +2,8 @@
 #ifndef LF_TESTS_SCENES_H
 #define LF_TESTS_SCENES_H
 
+/* clang-format off */
+
 #define LF_TEST_CAMERA(views, more)                                                                                           \
     "'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 40, 'views': " views more " }, "
 #define LF_TEST_GROUND "'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 4, 'translate': [0, -1, 0] } }"
@@ -30,7 +32,7 @@
     "{ " LF_TEST_CAMERA(views, more)                                                                                           \
     "'volumes': { 'near': { 'shape': 'box', 'density': 1.2, 'albedo': 0, 'g': 0.4, "                                            \
     "'transform': { 'scale': [0.6, 0.8, 0.4], 'rotate': [0, 35, 0], 'translate': [-0.5, 0, 0.5] } }, "                          \
-    "'far': { 'shape': 'sphere', 'density': 2, 'albedo': [0.9, 0.8, 0.7], 'g': 0.6, 'transform': { 'scale': 1.1 } } }, "        \
+    "'far': { 'shape': 'sphere', 'density': 1.2, 'albedo': [0.9, 0.8, 0.7], 'g': 0.3, 'transform': { 'scale': 1.1 } } }, "        \
     LF_TEST_SHARP_LIGHTS " }"
 
 /* Surfaces alone, lit by a lamp of triangles, a mirror among them. */
@@ -53,5 +55,7 @@
     "'card': { 'shape': 'quad', 'material': 'black', 'transform': { 'scale': 0.6, 'rotate': [90, 0, 0], 'translate': [0.9, 0, 0] } } }, " \
     "'materials': { 'mirror': { 'type': 'conductor', 'albedo': 0.9, 'roughness': 0 }, 'black': { 'albedo': 0 } }, "              \
     LF_TEST_SHARP_LIGHTS " }"
+
+/* clang-format on */
 
 #endif

@@ -118,7 +118,8 @@ static void directions_are_binned_about_any_axis(void **state)
     for (int i = 0; i < 4; i++) {
         double tilt = i == 3 ? 0.1 : 0.0, mass;
         lf_vec3 axis = i == 1 ? lf_v3(0.0f, 0.6f, 0.8f) : lf_v3(0.0f, 0.0f, 1.0f);
-        lf_chi2_sphere q = {sample_hemisphere, hemisphere_pdf, &tilt, axis, 2.0, i == 2 ? 12.0 : 0.1, 15, 30, 400000, lf_test_seed()};
+        lf_chi2_sphere q = {sample_hemisphere, hemisphere_pdf, &tilt, axis, 2.0, i == 2 ? 12.0 : 0.1, 15, 30, 400000,
+                            lf_test_seed()};
         double p = lf_chi2_sphere_p(&q, &mass);
         assert_near(mass, 1.0, 1e-3);
         if (i == 3)
