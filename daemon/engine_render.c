@@ -196,7 +196,7 @@ void engine_slice(lf_engine *engine)
     bool swept = lf_schedule_done(&engine->schedule, &slice, seconds);
     update_stats(engine, swept && engine->schedule.sweep <= 4);
     check_converged(engine);
-    if (engine->converged || !frame_can_wait(engine)) {
+    if (engine->converged || (lf_schedule_covers(&engine->schedule) && !frame_can_wait(engine))) {
         post_frame(engine, engine->converged);
     }
 }

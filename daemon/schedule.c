@@ -68,3 +68,8 @@ bool lf_schedule_done(lf_schedule *schedule, const lf_slice *slice, double secon
     schedule->sweep++;
     return true;
 }
+
+bool lf_schedule_covers(const lf_schedule *schedule)
+{
+    return schedule->sweep > 0 || (schedule->slice > 0 && schedule->slice * FIRST_SLICES >= schedule->n_slices);
+}

@@ -23,6 +23,9 @@ typedef struct lf_slice {
 void lf_schedule_start(lf_schedule *schedule, int height, int n_views, double passes_done);
 /* The next slice, of about target_seconds. Not advanced until lf_schedule_done. */
 lf_slice lf_schedule_next(lf_schedule *schedule, double target_seconds);
+/* True when every fourth row (2, 6, 10, …) has been visited: a coarse frame can be filled from them. Earlier frames are not worth
+ * composing. */
+bool lf_schedule_covers(const lf_schedule *schedule);
 /* The slice has ended and took that long. Returns true at the end of a sweep. */
 bool lf_schedule_done(lf_schedule *schedule, const lf_slice *slice, double seconds);
 
