@@ -229,7 +229,8 @@ static lf_status convert_materials(const struct aiScene *scene, lf_mesh_data *ou
 
 static bool is_triangle_mesh(const struct aiMesh *mesh)
 {
-    return mesh->mPrimitiveTypes == aiPrimitiveType_TRIANGLE && mesh->mVertices && mesh->mFaces;
+    const unsigned others = aiPrimitiveType_POINT | aiPrimitiveType_LINE | aiPrimitiveType_POLYGON;
+    return (mesh->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && !(mesh->mPrimitiveTypes & others) && mesh->mVertices && mesh->mFaces;
 }
 
 static lf_affine node_transform(const struct aiNode *node, const lf_affine *parent)
@@ -401,41 +402,47 @@ static lf_status convert_geometry(const struct aiScene *scene, const lf_mesh_des
 
 /* --------------------------------------------------------------------------------------------------------- Assimp -- */
 
-/* Whether the result will carry normals, and the steps that Assimp takes after reading. */
-static unsigned post_process(const struct aiScene *scene, lf_normals wanted, bool *out_normals)
-{
-    unsigned with = 0, without = 0;
-    for (unsigned i = 0; i < scene->mNumMeshes; i++) {
-        if (scene->mMeshes[i]->mNormals)
-            with++;
-        else
-            without++;
-    }
-    unsigned steps = aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_JoinIdenticalVertices;
-    *out_normals = wanted == LF_NORMALS_SMOOTH || (wanted == LF_NORMALS_FILE && with > 0);
-    if (wanted == LF_NORMALS_SMOOTH)
-        return steps | aiProcess_GenSmoothNormals;
-    return *out_normals && without > 0 ? steps | aiProcess_GenNormals : steps;
-}
-
-/* Reads and processes; NULL with err filled. *out_normals as post_process. Under the lock. */
-static const struct aiScene *read_scene(const char *path, const lf_mesh_desc *desc, reading *state, bool *out_normals,
-                                        lf_error *err)
+/* Reads and processes in one go: a failing aiApplyPostProcessing frees its scene twice (Assimp 5.2). */
+static const struct aiScene *import_with(const char *path, lf_normals wanted, unsigned steps, reading *state)
 {
     struct aiFileIO io = {io_open, io_close, (aiUserData)(void *)state};
     int remove = aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS | aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS |
                  aiComponent_ANIMATIONS | aiComponent_LIGHTS | aiComponent_CAMERAS;
+    if (wanted != LF_NORMALS_FILE)
+        remove |= aiComponent_NORMALS;
+    if (wanted == LF_NORMALS_SMOOTH)
+        steps |= aiProcess_GenSmoothNormals;
     struct aiPropertyStore *store = aiCreatePropertyStore();
     aiSetImportPropertyInteger(store, AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    aiSetImportPropertyInteger(store, AI_CONFIG_PP_RVC_FLAGS,
-                               desc->normals == LF_NORMALS_FILE ? remove : remove | aiComponent_NORMALS);
-    const struct aiScene *scene = aiImportFileExWithProperties(path, aiProcess_ValidateDataStructure, &io, store);
+    aiSetImportPropertyInteger(store, AI_CONFIG_PP_RVC_FLAGS, remove);
+    steps |= aiProcess_ValidateDataStructure | aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType |
+             aiProcess_JoinIdenticalVertices;
+    const struct aiScene *scene = aiImportFileExWithProperties(path, steps, &io, store);
     aiReleasePropertyStore(store);
-    if (scene)
-        scene = aiApplyPostProcessing(scene, post_process(scene, desc->normals, out_normals));
+    return scene;
+}
+
+/* NULL with err filled. *out_normals: whether all meshes have normals. Under the lock. */
+static const struct aiScene *read_scene(const char *path, lf_normals wanted, reading *state, bool *out_normals, lf_error *err)
+{
+    unsigned with = 0;
+    const struct aiScene *scene = import_with(path, wanted, 0, state);
+    for (unsigned i = 0; scene && i < scene->mNumMeshes; i++)
+        with += scene->mMeshes[i]->mNormals != NULL;
+    if (scene && with > 0 && with < scene->mNumMeshes) {
+        aiReleaseImport(scene);
+        scene = import_with(path, wanted, aiProcess_GenNormals, state);
+    }
+    *out_normals = with > 0;
     if (!scene)
         lf_error_set(err, LF_E_FORMAT, path, "cannot be read as a mesh: %s", aiGetErrorString());
     return scene;
+}
+
+static bool is_ply(const char *path)
+{
+    size_t n = strlen(path);
+    return n > 4 && strcasecmp(path + n - 4, ".ply") == 0;
 }
 
 lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_roots *roots, lf_mesh_data *out, lf_error *err)
@@ -447,10 +454,14 @@ lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_
     bool normals = false;
     if (!path)
         return lf_error_set(err, LF_E_NOMEM, desc->file, "out of memory");
-    pthread_mutex_lock(&lock);
-    const struct aiScene *scene = read_scene(path, desc, &state, &normals, &problem);
-    pthread_mutex_unlock(&lock);
-    lf_status status = scene ? LF_OK : problem.status;
+    lf_status status = is_ply(path) ? lf_ply_check(path, roots, &problem) : LF_OK;
+    const struct aiScene *scene = NULL;
+    if (status == LF_OK) {
+        pthread_mutex_lock(&lock);
+        scene = read_scene(path, desc->normals, &state, &normals, &problem);
+        pthread_mutex_unlock(&lock);
+        status = scene ? LF_OK : problem.status;
+    }
     if (state.refused.status != LF_OK || (!scene && state.failed.status != LF_OK)) {
         problem = state.refused.status != LF_OK ? state.refused : state.failed;
         status = problem.status;

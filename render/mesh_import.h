@@ -40,6 +40,9 @@ typedef struct lf_mesh_data {
 LF_NODISCARD lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_roots *roots, lf_mesh_data *out,
                                       lf_error *err);
 
+/* Refuses a PLY file whose header promises more elements than the file has room for. LF_E_FORMAT, and what lf_file_open gives. */
+LF_NODISCARD lf_status lf_ply_check(const char *path, const lf_roots *roots, lf_error *err);
+
 /* The shapes: quad = [-1,1]^2 in the xz plane facing +y, cube = [-1,1]^3, sphere = the unit ball in 128 x 64 facets with
  * smooth normals. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out, lf_error *err);
