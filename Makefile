@@ -126,7 +126,9 @@ $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 	@mkdir -p $(@D)
 	$(call say,HDR)printf '#include "%s"\n' '$*.h' | $(CC) $(lf_cflags) $(CPPFLAGS) $(CFLAGS) -MMD -MP -MT $@ -MF $@.d -fsyntax-only -x c - && touch $@
 
-run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' CC='$(CC)' $(SRCDIR)/tests/run
+# MAKE_AGAIN: this make, told the same, so that nothing is built anew
+run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
+ MAKE_AGAIN='$(MAKE_COMMAND) --no-print-directory -C $(CURDIR) -f $(MAKEFILE) O=$(O) BUILD=$(BUILD)' $(SRCDIR)/tests/run
 
 .PHONY: check-now verify-now bench-now run-now lint-now
 check-now: all tests $(headers_alone)

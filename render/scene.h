@@ -104,7 +104,8 @@ typedef struct lf_light {
     lf_light_type type;
     float select;          /* probability that light sampling picks this light; 0 = never sampled (constant skies) */
     float cumulative;      /* sum of select up to and with this light; 1 from the last that can be picked on */
-    lf_vec3 radiance;      /* environment: scale (file) or radiance (constant); distant with an angle: radiance of the disk; mesh: the material's */
+    /* environment: scale (file) or radiance (constant); distant with an angle: radiance of the disk; mesh: the material's */
+    lf_vec3 radiance;
     lf_environment *environment; /* counted reference; NULL = constant */
     float to_environment[3][3];  /* scene direction -> the picture's frame */
     lf_vec3 direction;     /* distant: unit, in which light travels */

@@ -27,7 +27,8 @@ prefix=$top/usr
 # the variables that this make was called with, without its jobs
 MAKEFLAGS=$(printf '%s' "${MAKEFLAGS-}" | sed -E 's/(^| )-?j[0-9]*( |$)/ /g; s/--jobserver[^ ]*//g; s/(^| )-j[0-9]*//g')
 export MAKEFLAGS
-install() { ${MAKE:-make} --no-print-directory -C "$src" O="$out" BUILD="${BUILD:-release}" install "$@"; }
+# shellcheck disable=SC2086  # MAKE_AGAIN is a list of words
+install() { ${MAKE_AGAIN:-make -C "$src" O="$out"} install "$@"; }
 
 if ! install PREFIX="$prefix" > "$top/log" 2>&1; then
     report install "$(tail -n 20 "$top/log")"

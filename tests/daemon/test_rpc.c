@@ -92,9 +92,9 @@ static lf_status check(const char *method, const char *params, lf_error *err)
 static void every_method_has_a_schema_that_parses(void **state)
 {
     (void)state;
-    static const char *const promised[] = {"hello", "status", "scene.load", "scene.get", "scene.patch", "camera.set", "camera.orbit", "wait",
-                                           "render.set", "export", "job.cancel", "device.list", "device.set", "device.calibration",
-                                           "subscribe", "shutdown"};
+    static const char *const promised[] = {
+        "hello",      "status", "scene.load", "scene.get",   "scene.patch", "camera.set",         "camera.orbit", "wait",
+        "render.set", "export", "job.cancel", "device.list", "device.set",  "device.calibration", "subscribe",    "shutdown"};
     for (size_t i = 0; i < sizeof promised / sizeof *promised; i++) {
         assert_true(json_is_object(schema_of(promised[i])));
     }
@@ -138,9 +138,10 @@ static void words_are_typed_by_the_schema(void **state)
     lf_assert_ok(lf_schema_argument(schema_of("subscribe"), "events=frame,scene", params, &err), &err);
     lf_assert_ok(lf_schema_argument(schema_of("camera.set"), "target=1,2,3", params, &err), &err);
     lf_assert_ok(lf_schema_argument(schema_of("scene.patch"), "patch:={\"a\":[1]}", params, &err), &err);
-    json_t *expected = json_loads("{\"yaw\":-5.5,\"paused\":true,\"threads\":2,\"estimator\":\"1\",\"events\":[\"frame\",\"scene\"],"
-                                  "\"target\":[1.0,2.0,3.0],\"patch\":{\"a\":[1]}}",
-                                  0, NULL);
+    json_t *expected =
+        json_loads("{\"yaw\":-5.5,\"paused\":true,\"threads\":2,\"estimator\":\"1\",\"events\":[\"frame\",\"scene\"],"
+                   "\"target\":[1.0,2.0,3.0],\"patch\":{\"a\":[1]}}",
+                   0, NULL);
     assert_true(json_equal(params, expected));
     assert_int_equal(lf_schema_argument(schema_of("camera.orbit"), "yaw=x", params, &err), LF_E_ARG);
     assert_int_equal(lf_schema_argument(schema_of("camera.orbit"), "yaw=nan", params, &err), LF_E_ARG);
@@ -158,8 +159,8 @@ static void failures_have_the_codes_promised(void **state)
         lf_status status;
         bool scene;
         int code;
-    } cases[] = {{LF_E_PATH, true, -32001}, {LF_E_PATH, false, -32001}, {LF_E_FORMAT, true, -32002}, {LF_E_IO, true, -32002},
-                 {LF_E_NODEV, false, -32003}, {LF_E_BUSY, false, -32000}, {LF_E_ARG, false, -32602}, {LF_E_NOMEM, false, -32603}};
+    } cases[] = {{LF_E_PATH, true, -32001},   {LF_E_PATH, false, -32001}, {LF_E_FORMAT, true, -32002}, {LF_E_IO, true, -32002},
+                 {LF_E_NODEV, false, -32003}, {LF_E_BUSY, false, -32000}, {LF_E_ARG, false, -32602},   {LF_E_NOMEM, false, -32603}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         lf_error err;
         (void)lf_error_set_at(&err, cases[i].status, "a.json", 3, "/camera", "bad");

@@ -231,7 +231,8 @@ static void a_mesh_without_materials_is_grey(void **state)
 
 /* Two nodes, one in the other, one mesh; three materials by their factors. */
 static const char *const GLTF =
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"translation\":[10,0,0],\"children\":[1,2]},"
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"translation\":[10,0,0],\"children\":["
+    "1,2]},"
     "{\"mesh\":0,\"scale\":[2,2,2]},{\"mesh\":1,\"translation\":[0,0,7]}],"
     "\"buffers\":[{\"uri\":\"tri.bin\",\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
     "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],"
@@ -279,8 +280,9 @@ static void ply_and_stl_are_read(void **state)
     lf_test_write(*state, "a.ply",
                   "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
                   "property list uchar int vertex_indices\nend_header\n0 0 0\n2 0 0\n2 3 0\n0 3 0\n4 0 1 2 3\n");
-    lf_test_write(*state, "a.stl",
-                  "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 6 0\nendloop\nendfacet\nendsolid a\n");
+    lf_test_write(
+        *state, "a.stl",
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 6 0\nendloop\nendfacet\nendsolid a\n");
     static const char *const files[] = {"a.ply", "a.stl"};
     for (int i = 0; i < 2; i++) {
         lf_mesh_desc desc = of_file(files[i]);
@@ -314,7 +316,8 @@ static void malformed_files_are_refused_in_words(void **state)
     lf_test_write(folder, "short.glb", "glTF\x02");
     lf_test_write(folder, "garbage.stl", "\x01\x02\x03\x04garbage");
     lf_test_write(folder, "nobin.gltf", GLTF); /* tri.bin is not there */
-    lf_test_write(folder, "no.gltf", "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":7}}]}]}");
+    lf_test_write(folder, "no.gltf",
+                  "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":7}}]}]}");
     lf_test_write(folder, "json.gltf", "{\"asset\":");
     assert_refused("empty.obj", folder, LF_E_FORMAT, "");
     assert_refused("words.obj", folder, LF_E_FORMAT, "");
@@ -382,8 +385,14 @@ static void shapes_are_what_the_manual_says(void **state)
 static float trace(const lf_scene *scene, lf_vec3 from, lf_vec3 along, unsigned *out_mesh)
 {
     struct RTCIntersectContext context;
-    struct RTCRayHit ray = {.ray = {.org_x = from.x, .org_y = from.y, .org_z = from.z, .dir_x = along.x, .dir_y = along.y,
-                                    .dir_z = along.z, .tfar = INFINITY, .mask = ~0u}};
+    struct RTCRayHit ray = {.ray = {.org_x = from.x,
+                                    .org_y = from.y,
+                                    .org_z = from.z,
+                                    .dir_x = along.x,
+                                    .dir_y = along.y,
+                                    .dir_z = along.z,
+                                    .tfar = INFINITY,
+                                    .mask = ~0u}};
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene->embree, &context, &ray);
@@ -413,7 +422,8 @@ static void rays_meet_the_meshes_in_their_order(void **state)
 static void a_scene_far_away_loses_nothing(void **state)
 {
     (void)state;
-    json_t *doc = json_loads("{\"meshes\": {\"q\": {\"shape\": \"quad\", \"transform\": {\"translate\": [3e8, 0.0625, 7e8]}}}}", 0, NULL);
+    json_t *doc =
+        json_loads("{\"meshes\": {\"q\": {\"shape\": \"quad\", \"transform\": {\"translate\": [3e8, 0.0625, 7e8]}}}}", 0, NULL);
     lf_scene *scene = NULL;
     lf_error err;
     unsigned mesh;
@@ -452,9 +462,14 @@ static void the_shared_meshes_are_read(void **state)
     static const struct {
         const char *file;
         int n_triangles;
-    } cases[] = {{"meshes/spot.obj", 5856},          {"meshes/BoxVertexColors.glb", 12},   {"meshes/ShapeCollection.glb", 3542},
-                 {"meshes/babylon_cornellBox.glb", 4006}, {"meshes/stanford_dragon_res4.ply", 11102}, {"meshes/babylon_shaderBall.glb", 3392},
-                 {"meshes/babylon_roundedCube.glb", 300}, {"references/bunny_zup.ply", 69666}};
+    } cases[] = {{"meshes/spot.obj", 5856},
+                 {"meshes/BoxVertexColors.glb", 12},
+                 {"meshes/ShapeCollection.glb", 3542},
+                 {"meshes/babylon_cornellBox.glb", 4006},
+                 {"meshes/stanford_dragon_res4.ply", 11102},
+                 {"meshes/babylon_shaderBall.glb", 3392},
+                 {"meshes/babylon_roundedCube.glb", 300},
+                 {"references/bunny_zup.ply", 69666}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const char *path = lf_test_shared(cases[i].file);
         if (!path)

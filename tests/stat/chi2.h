@@ -23,7 +23,8 @@ typedef struct lf_chi2_sphere {
 } lf_chi2_sphere;
 
 /* p-value; 0 when samples fall where the pdf is 0 or the pdf's integral exceeds 1. What the domain misses (absorbed or outside) is
- * one more cell, expected 1 - integral; an integral within 1e-3 of 1 counts as 1. *out_mass (may be NULL) is the pdf's integral over the domain. */
+ * one more cell, expected 1 - integral; an integral within 1e-3 of 1 counts as 1. *out_mass (may be NULL) is the pdf's
+ * integral over the domain. */
 double lf_chi2_sphere_p(const lf_chi2_sphere *test, double *out_mass);
 
 /* p-value of observed counts against expected ones (of the same sum up to rounding); cells expecting fewer than 5 are pooled in
