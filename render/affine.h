@@ -34,7 +34,7 @@ static inline void lf_affine_point(const lf_affine *a, const double p[3], double
 
 static inline double lf_affine_determinant(const lf_affine *a)
 {
-    const double (*m)[4] = a->m;
+    const double(*m)[4] = a->m;
     return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }

@@ -12,7 +12,8 @@ json_t *lf_geometry_key(const json_t *doc, const char *folder)
     json_t *meshes = json_deep_copy(json_object_get(doc, "meshes"));
     const char *name;
     json_t *mesh;
-    json_object_foreach(meshes, name, mesh) {
+    json_object_foreach(meshes, name, mesh)
+    {
         if (json_object_get(mesh, "material") && json_object_set_new(mesh, "material", json_true()) != 0) {
             json_decref(meshes);
             return NULL;
@@ -57,7 +58,8 @@ static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned i
         vertices[i] = (float)(data->positions[i] - geometry->origin[i % 3]);
     for (int t = 0; data->triangle_material && t < data->n_triangles; t++)
         data->triangle_material[t] = (uint16_t)(data->triangle_material[t] + first_material);
-    *mesh = (lf_mesh){id, data->n_vertices, data->n_triangles, vertices, data->triangles, data->normals, data->triangle_material, 0};
+    *mesh =
+        (lf_mesh){id, data->n_vertices, data->n_triangles, vertices, data->triangles, data->normals, data->triangle_material, 0};
     data->triangles = NULL;
     data->normals = NULL;
     data->triangle_material = NULL;

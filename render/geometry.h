@@ -11,13 +11,13 @@ typedef struct lf_geometry {
     RTCDevice device;
     RTCScene embree;
     int n_meshes, n_materials;
-    lf_mesh *meshes;         /* owner of their arrays; .material is left 0: the scene fills it in its own copy */
-    lf_material *materials;  /* the files' own, which triangle_material numbers */
-    double origin[3];        /* what was taken off the vertices */
-    double bounds[2][3];     /* world: least, greatest */
-    json_t *key;             /* the JSON that shaped it */
+    lf_mesh *meshes;        /* owner of their arrays; .material is left 0: the scene fills it in its own copy */
+    lf_material *materials; /* the files' own, which triangle_material numbers */
+    double origin[3];       /* what was taken off the vertices */
+    double bounds[2][3];    /* world: least, greatest */
+    json_t *key;            /* the JSON that shaped it */
     int n_files;
-    lf_mesh_file *files;     /* everything that was read */
+    lf_mesh_file *files; /* everything that was read */
 } lf_geometry;
 
 /* What decides about the meshes' shape: names, files, shapes, transforms, normals, and whether each has a material of its own
@@ -29,8 +29,8 @@ bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const l
 
 /* Takes the vertices of n meshes into Embree, origin subtracted in double. data is used up (arrays are taken over, the rest
  * released by the caller); key gets a reference more. LF_E_NOMEM. On LF_OK the caller owns a reference. */
-LF_NODISCARD lf_status lf_geometry_build(lf_mesh_data *data, int n, const double origin[3], json_t *key,
-                                         lf_geometry **out_geometry, lf_error *err);
+LF_NODISCARD lf_status lf_geometry_build(lf_mesh_data *data, int n, const double origin[3], json_t *key, lf_geometry **out_geometry,
+                                         lf_error *err);
 
 lf_geometry *lf_geometry_ref(lf_geometry *geometry);
 /* Accepts NULL. */

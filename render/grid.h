@@ -11,8 +11,8 @@ extern "C" {
 
 #include "base/status.h"
 
-#define LF_GRID_MAX_SIDE (1 << 20)                   /* voxels */
-#define LF_GRID_MAX_BYTES ((uint64_t)4 << 30)        /* of one grid */
+#define LF_GRID_MAX_SIDE (1 << 20)            /* voxels */
+#define LF_GRID_MAX_BYTES ((uint64_t)4 << 30) /* of one grid */
 
 typedef struct lf_grid lf_grid;
 

@@ -128,9 +128,7 @@ int lf_json_line(const char *text, size_t size, const char *pointer)
     while (*pointer == '/' && c.at < c.end) {
         char token[256];
         pointer = next_token(pointer, token, sizeof token);
-        bool found = *c.at == '{'   ? enter_object(&c, token)
-                     : *c.at == '[' ? enter_array(&c, strtoul(token, NULL, 10))
-                                    : false;
+        bool found = *c.at == '{' ? enter_object(&c, token) : *c.at == '[' ? enter_array(&c, strtoul(token, NULL, 10)) : false;
         if (!found)
             break;
         line = c.line;

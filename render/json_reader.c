@@ -76,14 +76,20 @@ void lf_read_fail_with(lf_reader *reader, const lf_node *node, const lf_error *i
 static const char *type_name(const json_t *value)
 {
     switch (json_typeof(value)) {
-    case JSON_OBJECT: return "an object";
-    case JSON_ARRAY: return "an array";
-    case JSON_STRING: return "a string";
+    case JSON_OBJECT:
+        return "an object";
+    case JSON_ARRAY:
+        return "an array";
+    case JSON_STRING:
+        return "a string";
     case JSON_INTEGER:
-    case JSON_REAL: return "a number";
+    case JSON_REAL:
+        return "a number";
     case JSON_TRUE:
-    case JSON_FALSE: return "a boolean";
-    case JSON_NULL: break;
+    case JSON_FALSE:
+        return "a boolean";
+    case JSON_NULL:
+        break;
     }
     return "null";
 }
@@ -154,7 +160,8 @@ bool lf_read_object(lf_reader *reader, const lf_node *node, const char *const ke
     }
     const char *key;
     json_t *value;
-    json_object_foreach(node->value, key, value) {
+    json_object_foreach(node->value, key, value)
+    {
         if (is_among(key, keys))
             continue;
         lf_node child = lf_node_child(node, key);

@@ -21,9 +21,9 @@
 /* What the callbacks know. */
 typedef struct reading {
     const lf_roots *roots;
-    lf_mesh_data *data;  /* where opened files are noted */
-    lf_error refused;    /* the first path outside of roots, or too many files; status LF_OK = none */
-    lf_error failed;     /* the first file that could not be opened */
+    lf_mesh_data *data; /* where opened files are noted */
+    lf_error refused;   /* the first path outside of roots, or too many files; status LF_OK = none */
+    lf_error failed;    /* the first file that could not be opened */
 } reading;
 
 static size_t file_read(struct aiFile *file, char *buffer, size_t size, size_t count)
@@ -167,9 +167,7 @@ static void convert_metallic(const struct aiMaterial *m, float metallic, lf_mate
     get_colour(m, AI_MATKEY_BASE_COLOR, &out->albedo);
     out->roughness = clamp_unit(roughness);
     out->ior = fminf(fmaxf(ior, 1.0f), 3.0f);
-    out->type = metallic >= 0.5f          ? LF_MATERIAL_CONDUCTOR
-                : out->roughness >= 0.99f ? LF_MATERIAL_DIFFUSE
-                                          : LF_MATERIAL_PLASTIC;
+    out->type = metallic >= 0.5f ? LF_MATERIAL_CONDUCTOR : out->roughness >= 0.99f ? LF_MATERIAL_DIFFUSE : LF_MATERIAL_PLASTIC;
 }
 
 /* Phong's Kd, Ks, Ns: a highlight without a diffuse part is a metal, with one a coat. */
@@ -230,7 +228,8 @@ static lf_status convert_materials(const struct aiScene *scene, lf_mesh_data *ou
 static bool is_triangle_mesh(const struct aiMesh *mesh)
 {
     const unsigned others = aiPrimitiveType_POINT | aiPrimitiveType_LINE | aiPrimitiveType_POLYGON;
-    return (mesh->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && !(mesh->mPrimitiveTypes & others) && mesh->mVertices && mesh->mFaces;
+    return (mesh->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && !(mesh->mPrimitiveTypes & others) && mesh->mVertices &&
+           mesh->mFaces;
 }
 
 static lf_affine node_transform(const struct aiNode *node, const lf_affine *parent)

@@ -290,7 +290,7 @@ static void load_meshes(commit *c)
     if (c->reader->status != LF_OK)
         goto done;
     world_bounds(c, shared, data, bounds);
-    choose_origin((const double (*)[3])bounds, scene->origin);
+    choose_origin((const double(*)[3])bounds, scene->origin);
     if (shared && memcmp(shared->origin, scene->origin, sizeof scene->origin) == 0) {
         scene->geometry = lf_geometry_ref(shared);
         goto done;
@@ -400,29 +400,27 @@ static void set_bounds(const commit *c)
     scene->bounds_max = to_vec3(bounds[1]);
 }
 
-static bool mesh_uses(const lf_mesh *mesh, int material)
+static void mark_used(const lf_mesh *mesh, bool *used)
 {
-    if (!mesh->triangle_material)
-        return mesh->material == material;
+    if (!mesh->triangle_material) {
+        used[mesh->material] = true;
+        return;
+    }
     for (int t = 0; t < mesh->n_triangles; t++)
-        if (mesh->triangle_material[t] == material)
-            return true;
-    return false;
+        used[mesh->triangle_material[t]] = true;
 }
 
 /* Materials that nothing is made of do not count. */
 static void set_flags(lf_scene *scene)
 {
+    bool used[LF_MAX_MATERIALS] = {false};
+    for (int i = 0; i < scene->n_meshes; i++)
+        mark_used(&scene->meshes[i], used);
     for (int m = 0; m < scene->n_materials; m++) {
         const lf_material *material = &scene->materials[m];
-        bool used = false;
-        for (int i = 0; i < scene->n_meshes && !used; i++)
-            used = mesh_uses(&scene->meshes[i], m);
-        if (!used)
-            continue;
-        scene->has_delta |= lf_material_has_delta(material);
-        scene->has_emission |= lf_max3(material->emission) > 0.0f;
-        scene->has_view_lobes |= lf_surfaces[material->type].view_dependent;
+        scene->has_delta |= used[m] && lf_material_has_delta(material);
+        scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
+        scene->has_view_lobes |= used[m] && lf_surfaces[material->type].view_dependent;
     }
     for (int i = 0; i < scene->n_volumes; i++)
         scene->has_view_lobes |= scene->volumes[i].g != 0.0f;

@@ -17,10 +17,18 @@ static void sincos_degrees(double degrees, double *s, double *c)
     double rest = RADIANS(turned - 90.0 * quarter);
     double sine = sin(rest), cosine = cos(rest);
     switch ((int)quarter & 3) {
-    case 0: *s = sine, *c = cosine; break;
-    case 1: *s = cosine, *c = -sine; break;
-    case 2: *s = -sine, *c = -cosine; break;
-    default: *s = -cosine, *c = sine; break;
+    case 0:
+        *s = sine, *c = cosine;
+        break;
+    case 1:
+        *s = cosine, *c = -sine;
+        break;
+    case 2:
+        *s = -sine, *c = -cosine;
+        break;
+    default:
+        *s = -cosine, *c = sine;
+        break;
     }
 }
 
@@ -119,8 +127,8 @@ static void check_camera(lf_reader *reader, const lf_node *node, lf_camera *came
 
 static void parse_camera(lf_reader *reader, const lf_node *root, lf_camera *camera)
 {
-    static const char *const keys[] = {"target", "position", "up", "fov_y", "aspect", "views", "cone", "placement",
-                                       "lens_radius", "focus_distance", NULL};
+    static const char *const keys[] = {"target", "position",  "up",          "fov_y",          "aspect", "views",
+                                       "cone",   "placement", "lens_radius", "focus_distance", NULL};
     static const char *const placements[] = {"centred", "inclusive", NULL};
     *camera = (lf_camera){.position = {0, 0, 5}, .up = {0, 1, 0}};
     lf_node node = lf_node_child(root, "camera");
@@ -199,7 +207,8 @@ static void parse_members(lf_reader *reader, const lf_node *root, const char *na
     const char *key;
     json_t *value;
     int index = 0;
-    json_object_foreach(section.value, key, value) {
+    json_object_foreach(section.value, key, value)
+    {
         lf_node member = lf_node_child(&section, key);
         if (reader->status != LF_OK)
             return;
@@ -266,8 +275,8 @@ static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *
 
 static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
-    static const char *const keys[] = {"file",  "grid",      "scale", "albedo",  "g", "interpolation",
-                                       "shape", "transform", "density", NULL};
+    static const char *const keys[] = {"file",          "grid",  "scale",     "albedo",  "g",
+                                       "interpolation", "shape", "transform", "density", NULL};
     lf_volume_desc *volume = &desc->volumes[index];
     *volume = (lf_volume_desc){.name = node->key, .albedo = {1, 1, 1}};
     if (!lf_read_object(reader, node, keys))
@@ -312,7 +321,8 @@ static int find_material(lf_reader *reader, const lf_node *node, const char *nam
     const char *names[LF_MAX_MATERIALS + 1], *key;
     json_t *value;
     int n = 0, found = -1;
-    json_object_foreach(json_object_get(root->value, "materials"), key, value) {
+    json_object_foreach(json_object_get(root->value, "materials"), key, value)
+    {
         if (strcmp(key, name) == 0)
             found = n;
         names[n++] = key;

@@ -20,7 +20,7 @@ typedef struct lf_volume_desc {
     lf_volume_kind kind;
     const char *file, *grid; /* LF_VOLUME_GRID only */
     bool nearest;
-    double scale;            /* sigma_t per scene unit and unit of value */
+    double scale; /* sigma_t per scene unit and unit of value */
     double albedo[3], g;
     lf_affine transform;
 } lf_volume_desc;
@@ -31,18 +31,18 @@ typedef enum lf_normals { LF_NORMALS_FILE, LF_NORMALS_SMOOTH, LF_NORMALS_FLAT } 
 typedef struct lf_mesh_desc {
     const char *name;
     lf_mesh_shape shape;
-    const char *file;        /* LF_SHAPE_FILE only */
-    int material;            /* index into materials; -1 = the file's own */
+    const char *file; /* LF_SHAPE_FILE only */
+    int material;     /* index into materials; -1 = the file's own */
     lf_normals normals;
     lf_affine transform;
 } lf_mesh_desc;
 
 typedef struct lf_light_desc {
     const char *name;
-    lf_light_type type;      /* never LF_LIGHT_MESH */
-    const char *file;        /* environment: NULL = constant */
-    double radiance[3];      /* environment: radiance, or what the file's values are multiplied by */
-    double rotate;           /* environment: turn about +y */
+    lf_light_type type;                        /* never LF_LIGHT_MESH */
+    const char *file;                          /* environment: NULL = constant */
+    double radiance[3];                        /* environment: radiance, or what the file's values are multiplied by */
+    double rotate;                             /* environment: turn about +y */
     double direction[3], irradiance[3], angle; /* distant; direction is unit */
     double position[3], intensity[3];          /* point */
 } lf_light_desc;

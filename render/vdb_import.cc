@@ -18,7 +18,8 @@ extern "C" {
 #include "base/log.h"
 }
 
-namespace {
+namespace
+{
 
 using openvdb::Coord;
 using openvdb::CoordBBox;
@@ -29,7 +30,10 @@ struct Import {
     lf_error *err;
     lf_grid *grid = nullptr;
 
-    ~Import() { lf_grid_unref(grid); }
+    ~Import()
+    {
+        lf_grid_unref(grid);
+    }
 
     lf_status fail(lf_status status, const std::string &what) const
     {
@@ -80,8 +84,7 @@ std::string find_grid(openvdb::io::File &file, const std::string &wanted)
     return "";
 }
 
-template<typename Tree>
-bool check_values(const Import &import, const Tree &tree, lf_status *out_status)
+template <typename Tree> bool check_values(const Import &import, const Tree &tree, lf_status *out_status)
 {
     for (auto value = tree.cbeginValueOn(); value; ++value) {
         double v = double(*value);
@@ -89,8 +92,8 @@ bool check_values(const Import &import, const Tree &tree, lf_status *out_status)
             continue;
         Coord at = value.getCoord();
         char what[256];
-        std::snprintf(what, sizeof what, "grid %s holds %g at voxel %d %d %d; densities are finite and not negative", import.name, v,
-                      at.x(), at.y(), at.z());
+        std::snprintf(what, sizeof what, "grid %s holds %g at voxel %d %d %d; densities are finite and not negative", import.name,
+                      v, at.x(), at.y(), at.z());
         *out_status = import.fail(LF_E_FORMAT, what);
         return false;
     }
@@ -98,8 +101,7 @@ bool check_values(const Import &import, const Tree &tree, lf_status *out_status)
 }
 
 /* Box of everything above 0, tiles included. */
-template<typename Tree>
-CoordBBox support(const Tree &tree)
+template <typename Tree> CoordBBox support(const Tree &tree)
 {
     CoordBBox all;
     for (auto value = tree.cbeginValueOn(); value; ++value) {
@@ -126,8 +128,7 @@ bool affine_map(const openvdb::GridBase &grid, const Coord &origin, double out[1
     return true;
 }
 
-template<typename Tree>
-lf_status fill(Import &import, const Tree &tree, const Coord &origin)
+template <typename Tree> lf_status fill(Import &import, const Tree &tree, const Coord &origin)
 {
     for (auto value = tree.cbeginValueOn(); value; ++value) {
         CoordBBox bbox;
@@ -150,8 +151,7 @@ lf_status fill(Import &import, const Tree &tree, const Coord &origin)
     return LF_OK;
 }
 
-template<typename Grid>
-lf_status convert(Import &import, const Grid &grid)
+template <typename Grid> lf_status convert(Import &import, const Grid &grid)
 {
     lf_status status = LF_OK;
     if (!check_values(import, grid.tree(), &status))
@@ -176,8 +176,7 @@ lf_status convert(Import &import, const Grid &grid)
 }
 
 /* Level sets become fog first. */
-template<typename Grid>
-lf_status convert_any_class(Import &import, const typename Grid::Ptr &grid)
+template <typename Grid> lf_status convert_any_class(Import &import, const typename Grid::Ptr &grid)
 {
     if (grid->getGridClass() != openvdb::GRID_LEVEL_SET)
         return convert(import, *grid);

@@ -10,7 +10,8 @@
 #include <limits>
 #include <string>
 
-namespace {
+namespace
+{
 
 using openvdb::Coord;
 using openvdb::CoordBBox;
@@ -23,8 +24,7 @@ double pattern(int i, int j, int k)
     return double(h % 65u) / 64.0;
 }
 
-template<typename Grid>
-typename Grid::Ptr pattern_grid(const char *name)
+template <typename Grid> typename Grid::Ptr pattern_grid(const char *name)
 {
     auto grid = Grid::create(0);
     auto accessor = grid->getAccessor();
@@ -85,15 +85,15 @@ openvdb::GridPtrVec kinds()
 
 openvdb::GridPtrVec bad_values()
 {
-    return {one_voxel("nan", std::numeric_limits<float>::quiet_NaN()), one_voxel("infinite", std::numeric_limits<float>::infinity()),
-            one_voxel("negative", -0.5f)};
+    return {one_voxel("nan", std::numeric_limits<float>::quiet_NaN()),
+            one_voxel("infinite", std::numeric_limits<float>::infinity()), one_voxel("negative", -0.5f)};
 }
 
 openvdb::GridPtrVec frustum()
 {
     auto grid = one_voxel("density", 1);
-    grid->setTransform(openvdb::math::Transform::createFrustumTransform(
-        openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(10)), 0.5, 10, 1));
+    grid->setTransform(
+        openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(10)), 0.5, 10, 1));
     return {grid};
 }
 

@@ -12,7 +12,8 @@
 #include <cstdint>
 #include <cstdio>
 
-namespace {
+namespace
+{
 
 constexpr int size[3] = {128, 96, 128};
 constexpr double voxel = 2.0 / 128;
@@ -31,9 +32,12 @@ double gradient(int64_t x, int64_t y, int64_t z, double dx, double dy, double dz
     uint64_t h = mix(uint64_t(x) * 0x9e3779b97f4a7c15u ^ mix(uint64_t(y) * 0xd1b54a32d192ed03u ^ mix(uint64_t(z) + 17)));
     double a = h & 1 ? 1 : -1, b = h & 2 ? 1 : -1;
     switch ((h >> 2) % 3) {
-    case 0: return a * dx + b * dy;
-    case 1: return a * dy + b * dz;
-    default: return a * dz + b * dx;
+    case 0:
+        return a * dx + b * dy;
+    case 1:
+        return a * dy + b * dz;
+    default:
+        return a * dz + b * dx;
     }
 }
 

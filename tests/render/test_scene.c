@@ -64,11 +64,12 @@ static void an_empty_scene_has_the_defaults_of_the_manual(void **state)
 static void every_key_of_camera_film_and_render_arrives(void **state)
 {
     (void)state;
-    lf_scene *scene = make_scene("{\"quiltd\": 1, \"camera\": {\"target\": [1,2,3], \"position\": [4,6,3], \"up\": [0,0,1], \"fov_y\": 30,"
-                                 "\"aspect\": 1.6, \"views\": 8, \"cone\": 53, \"placement\": \"inclusive\", \"lens_radius\": 0.25,"
-                                 "\"focus_distance\": 7}, \"film\": {\"exposure\": -1.5, \"tonemap\": \"filmic\"},"
-                                 "\"render\": {\"max_depth\": 12}}",
-                                 ".", NULL);
+    lf_scene *scene =
+        make_scene("{\"quiltd\": 1, \"camera\": {\"target\": [1,2,3], \"position\": [4,6,3], \"up\": [0,0,1], \"fov_y\": 30,"
+                   "\"aspect\": 1.6, \"views\": 8, \"cone\": 53, \"placement\": \"inclusive\", \"lens_radius\": 0.25,"
+                   "\"focus_distance\": 7}, \"film\": {\"exposure\": -1.5, \"tonemap\": \"filmic\"},"
+                   "\"render\": {\"max_depth\": 12}}",
+                   ".", NULL);
     const lf_camera *camera = lf_scene_camera(scene);
     assert_true(camera->target[2] == 3 && camera->position[1] == 6 && camera->up[2] == 1);
     lf_assert_close(camera->fov_y, 30 * DEGREE, 1e-15, 0);
@@ -85,13 +86,13 @@ static void every_key_of_camera_film_and_render_arrives(void **state)
 static void lights_and_materials_arrive_in_their_units(void **state)
 {
     (void)state;
-    lf_scene *scene = make_scene(
-        "{\"lights\": {\"p\": {\"type\": \"point\", \"position\": [1, 2, 3], \"intensity\": [4, 5, 6]},"
-        "\"d\": {\"type\": \"distant\", \"direction\": [0, -3, 4], \"irradiance\": 7, \"angle\": 60},"
-        "\"e\": {\"type\": \"environment\", \"radiance\": [0.1, 0.2, 0.3]}},"
-        "\"materials\": {\"m\": {\"type\": \"plastic\", \"albedo\": [0.1, 0.2, 0.3], \"roughness\": 0.4, \"ior\": 1.7, \"emission\": 2}},"
-        "\"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"m\"}}}",
-        ".", NULL);
+    lf_scene *scene = make_scene("{\"lights\": {\"p\": {\"type\": \"point\", \"position\": [1, 2, 3], \"intensity\": [4, 5, 6]},"
+                                 "\"d\": {\"type\": \"distant\", \"direction\": [0, -3, 4], \"irradiance\": 7, \"angle\": 60},"
+                                 "\"e\": {\"type\": \"environment\", \"radiance\": [0.1, 0.2, 0.3]}},"
+                                 "\"materials\": {\"m\": {\"type\": \"plastic\", \"albedo\": [0.1, 0.2, 0.3], \"roughness\": 0.4, "
+                                 "\"ior\": 1.7, \"emission\": 2}},"
+                                 "\"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"m\"}}}",
+                                 ".", NULL);
     /* In the order of their types, the mesh's light behind them. */
     assert_int_equal(scene->n_lights, 4);
     const lf_light *e = &scene->lights[0], *d = &scene->lights[1], *p = &scene->lights[2], *m = &scene->lights[3];
@@ -170,14 +171,15 @@ static const bad bad_scenes[] = {
     {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": 0}}}}", 1, "/volumes/v/transform", "flattens space"},
     {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]}}}}", 1,
      "/volumes/v/transform/matrix", "last row must be 0 0 0 1"},
-    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1], \"scale\": 2}}}}", 1, "/volumes/v/transform/matrix",
-     "a matrix stands alone"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1], \"scale\": 2}}}}", 1,
+     "/volumes/v/transform/matrix", "a matrix stands alone"},
     {"{\"volumes\": {\"v\":\n{\n\"file\": \"absent.vdb\"}}}", 3, "/volumes/v/file", "absent.vdb"},
     {"{\"meshes\": {\"m\": {\"file\": \"absent.obj\"}}}", 1, "/meshes/m/file", "absent.obj"},
     {"{\"meshes\": {\"m\": {\"file\": \"a.blend\"}}}", 1, "/meshes/m/file", "expected .obj, .ply"},
-    {"{\"materials\": {\"clay\": {}},\n\"meshes\": {\"m\": {\"shape\": \"quad\",\n\"material\": \"caly\"}}}", 3, "/meshes/m/material",
-     "no material \"caly\"; did you mean \"clay\"?"},
-    {"{\"meshes\": {\"m\": {\"shape\": \"quad\", \"material\": \"x\"}}}", 1, "/meshes/m/material", "no material \"x\" in materials"},
+    {"{\"materials\": {\"clay\": {}},\n\"meshes\": {\"m\": {\"shape\": \"quad\",\n\"material\": \"caly\"}}}", 3,
+     "/meshes/m/material", "no material \"caly\"; did you mean \"clay\"?"},
+    {"{\"meshes\": {\"m\": {\"shape\": \"quad\", \"material\": \"x\"}}}", 1, "/meshes/m/material",
+     "no material \"x\" in materials"},
     {"{\"meshes\": {\"m\": {\"shape\": \"qaud\"}}}", 1, "/meshes/m/shape", "did you mean \"quad\"?"},
     {"{\"meshes\": {\"m\": {\"shape\": \"quad\", \"normals\": \"round\"}}}", 1, "/meshes/m/normals", "file, smooth, flat"},
     {"{\"materials\": {\"m\": {\"type\": \"glass\"}}}", 1, "/materials/m/type", "expected one of diffuse, conductor, plastic"},
@@ -244,7 +246,8 @@ static void errors_may_go_unread(void **state)
 static void lines_are_found_past_strings_escapes_and_nesting(void **state)
 {
     (void)state;
-    const char *text = "{\n \"a\": \"} ] , \\\" \\\\\",\n \"b\": [\n  1, [2, {\"x\": 3}],\n  {\"c\": \"\\n\",\n   \"d\\u0041\": 4}\n ]\n}";
+    const char *text =
+        "{\n \"a\": \"} ] , \\\" \\\\\",\n \"b\": [\n  1, [2, {\"x\": 3}],\n  {\"c\": \"\\n\",\n   \"d\\u0041\": 4}\n ]\n}";
     assert_int_equal(lf_json_line(text, strlen(text), ""), 1);
     assert_int_equal(lf_json_line(text, strlen(text), "/a"), 2);
     assert_int_equal(lf_json_line(text, strlen(text), "/b"), 3);
@@ -324,8 +327,9 @@ static void paths_that_try_to_get_out_are_refused_and_named(void **state)
     static const struct {
         const char *mesh;
         bool allowed;
-    } cases[] = {{"tri.obj", true},      {"inner.obj", true},       {"near.obj", true}, {"../in/tri.obj", true},
-                 {"../out/tri.obj", false}, {"link.obj", false}, {"door/tri.obj", false},  {"far.obj", false}, {"tri.gltf", false}};
+    } cases[] = {{"tri.obj", true},       {"inner.obj", true},       {"near.obj", true},
+                 {"../in/tri.obj", true}, {"../out/tri.obj", false}, {"link.obj", false},
+                 {"door/tri.obj", false}, {"far.obj", false},        {"tri.gltf", false}};
     make_sides(folder);
     snprintf(root, sizeof root, "%s/in", folder);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -373,7 +377,8 @@ static void volumes_and_skies_obey_the_rule_too(void **state)
 /* -------------------------------------------------------------------------------------------------------- sharing -- */
 
 static const char *const SHARED_SCENE =
-    "{\"volumes\": {\"v\": {\"file\": \"tiles.vdb\", \"scale\": 2}, \"w\": {\"file\": \"tiles.vdb\", \"transform\": {\"scale\": 0.5}}},"
+    "{\"volumes\": {\"v\": {\"file\": \"tiles.vdb\", \"scale\": 2}, \"w\": {\"file\": \"tiles.vdb\", \"transform\": {\"scale\": "
+    "0.5}}},"
     "\"meshes\": {\"m\": {\"file\": \"tri.obj\", \"material\": \"a\"}, \"q\": {\"shape\": \"quad\", \"material\": \"b\"}},"
     "\"materials\": {\"a\": {}, \"b\": {\"albedo\": 0.25}},"
     "\"lights\": {\"sky\": {\"type\": \"environment\", \"file\": \"sky.hdr\"}}}";

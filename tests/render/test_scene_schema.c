@@ -21,7 +21,8 @@ static size_t count_valid(const json_t *root, const json_t *schemas, json_t *val
 {
     size_t n = 0, i;
     json_t *schema;
-    json_array_foreach(schemas, i, schema) {
+    json_array_foreach(schemas, i, schema)
+    {
         n += valid(root, schema, value);
     }
     return n;
@@ -35,15 +36,18 @@ static bool valid_object(const json_t *root, const json_t *schema, json_t *value
     const char *key;
     json_t *member, *required;
     size_t i;
-    json_object_foreach(value, key, member) {
+    json_object_foreach(value, key, member)
+    {
         const json_t *own = json_object_get(properties, key);
         json_t *name = json_string(key);
-        bool good = (!names || valid(root, names, name)) && (own ? valid(root, own, member) : !others || valid(root, others, member));
+        bool good =
+            (!names || valid(root, names, name)) && (own ? valid(root, own, member) : !others || valid(root, others, member));
         json_decref(name);
         if (!good)
             return false;
     }
-    json_array_foreach(json_object_get(schema, "required"), i, required) {
+    json_array_foreach(json_object_get(schema, "required"), i, required)
+    {
         if (!json_object_get(value, json_string_value(required)))
             return false;
     }
@@ -56,7 +60,8 @@ static bool valid_array(const json_t *root, const json_t *schema, json_t *value)
     const json_t *items = json_object_get(schema, "items");
     size_t i;
     json_t *item;
-    json_array_foreach(value, i, item) {
+    json_array_foreach(value, i, item)
+    {
         if (items && !valid(root, items, item))
             return false;
     }
@@ -87,7 +92,8 @@ static bool valid_scalar(const json_t *schema, const json_t *value)
     size_t i;
     json_t *choice;
     bool among = !choices;
-    json_array_foreach(choices, i, choice) {
+    json_array_foreach(choices, i, choice)
+    {
         among = among || json_equal(choice, value);
     }
     double v = json_number_value(value);
@@ -102,7 +108,8 @@ static void assert_known_keywords(const json_t *schema)
                                      "maximum enum const anyOf oneOf ";
     const char *key;
     json_t *member;
-    json_object_foreach((json_t *)(uintptr_t)schema, key, member) {
+    json_object_foreach((json_t *)(uintptr_t)schema, key, member)
+    {
         char word[64];
         snprintf(word, sizeof word, " %s ", key);
         if (!strstr(known, word))
@@ -158,10 +165,12 @@ static const char *const good[] = {
     "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"grid\": \"d\", \"scale\": 0, \"interpolation\": \"nearest\", \"g\": -0.999}}}",
     "{\"volumes\": {\"v\": {\"file\": \"a.VDB\"}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"sphere\", \"density\": 2, \"albedo\": [0, 1, 0.5], \"transform\": {}}}}",
-    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": [1, 2, -3], \"rotate\": [1, 2, 3], \"translate\": [1, 2, 3]}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": [1, 2, -3], \"rotate\": [1, 2, 3], \"translate\": [1, "
+    "2, 3]}}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [2,0,0,0, 0,2,0,0, 0,0,2,0, 0,0,0,1]}}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"normals\": \"smooth\"}}}",
-    "{\"meshes\": {\"m\": {\"shape\": \"cube\", \"material\": \"a\"}}, \"materials\": {\"a\": {\"type\": \"plastic\", \"ior\": 3}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"cube\", \"material\": \"a\"}}, \"materials\": {\"a\": {\"type\": \"plastic\", \"ior\": "
+    "3}}}",
     "{\"materials\": {\"a\": {\"emission\": [1e9, 0, 0], \"roughness\": 1}}}",
     "{\"lights\": {\"l\": {\"type\": \"environment\", \"file\": \"a.exr\", \"scale\": [1, 2, 3], \"rotate\": -10}}}",
     "{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 0}}}",
@@ -272,7 +281,8 @@ static void every_key_of_the_schema_is_known_to_the_parser(void **state)
     json_t *schema = lf_scene_schema(), *member;
     const char *key;
     int n = 0;
-    json_object_foreach(json_object_get(schema, "properties"), key, member) {
+    json_object_foreach(json_object_get(schema, "properties"), key, member)
+    {
         json_t *doc = json_pack("{s:n}", key);
         lf_error err;
         lf_assert_status(parser_status(doc, &err), LF_E_FORMAT, &err);

@@ -97,8 +97,7 @@ static void the_map_of_the_file_is_kept_whatever_affine_map_it_is(void **state)
 {
     (void)state;
     /* x = 0.5 i + 0.125 j + 7, y = 0.25 k - 3, z = -2 j + 1 of the file's indices; ours start at (-5, 3, -9). */
-    static const double expected[3][4] = {
-        {0.5, 0.125, 0, 7 - 2.5 + 0.375}, {0, 0, 0.25, -3 - 2.25}, {0, -2, 0, 1 - 6}};
+    static const double expected[3][4] = {{0.5, 0.125, 0, 7 - 2.5 + 0.375}, {0, 0, 0.25, -3 - 2.25}, {0, -2, 0, 1 - 6}};
     lf_grid *grid = imported(data_file("patterns.vdb"), "density");
     for (int i = 0; i < 12; i++)
         lf_assert_close(grid->local_to_file[i / 4][i % 4], expected[i / 4][i % 4], 0, 1e-12);
@@ -119,8 +118,8 @@ static void transforms_of_file_and_scene_are_composed(void **state)
         int i = -5 + n % 26, j = 3 + n * 7 % 28, k = -9 + n * 11 % 18;
         double file[3] = {0.5 * i + 0.125 * j + 7, 0.25 * k - 3, -2.0 * j + 1};
         double world[3] = {-2 * file[1] + 1000, 2 * file[0] + 5, 2 * file[2]}; /* twice, a quarter turn about z, moved */
-        lf_vec3 p = lf_v3((float)(world[0] - scene->origin[0]), (float)(world[1] - scene->origin[1]),
-                          (float)(world[2] - scene->origin[2]));
+        lf_vec3 p =
+            lf_v3((float)(world[0] - scene->origin[0]), (float)(world[1] - scene->origin[1]), (float)(world[2] - scene->origin[2]));
         lf_assert_close(lf_volume_sigma_t(v, p), 3 * pattern(i, j, k), 0, 1e-3);
         assert_true(p.x > v->bounds_min.x && p.y > v->bounds_min.y && p.z > v->bounds_min.z);
         assert_true(p.x < v->bounds_max.x && p.y < v->bounds_max.y && p.z < v->bounds_max.z);
@@ -172,7 +171,7 @@ static void a_level_set_becomes_fog_that_is_full_inside(void **state)
     (void)state;
     lf_grid *grid = imported(data_file("level_set.vdb"), "density");
     /* Radius 5, voxels of 0.5, a band of 3 voxels: full from 1.5 below the surface. */
-    const double (*m)[4] = (const double (*)[4])grid->local_to_file;
+    const double(*m)[4] = (const double(*)[4])grid->local_to_file;
     double cx = -m[0][3] / 0.5, cy = -m[1][3] / 0.5, cz = -m[2][3] / 0.5;
     for (int n = 0; n <= 24; n++) {
         double r = 0.25 * n, expected = fmin(fmax((5 - r) / 1.5, 0), 1);
