@@ -1,0 +1,181 @@
+/* The table: specs, list, auto, and the device that shows nothing. */
+#include "tests/testing.h"
+
+#include "device/device_table.h"
+
+static void bad_specs_are_refused_with_a_reason(void **state)
+{
+    (void)state;
+    char long_spec[600];
+    memset(long_spec, 'x', sizeof long_spec - 1);
+    memcpy(long_spec, "sim:", 4);
+    long_spec[sizeof long_spec - 1] = 0;
+    const char *bad[] = {"",
+                         "sims:/tmp",
+                         "si",
+                         ":",
+                         "none:x",
+                         "auto:x",
+                         "sim",
+                         "sim:",
+                         "sim:,latency=1",
+                         "sim:/tmp/x,latency",
+                         "sim:/tmp/x,latency=",
+                         "sim:/tmp/x,latency=-1",
+                         "sim:/tmp/x,latency=1e3",
+                         "sim:/tmp/x,latency=99999999999999999999999",
+                         "sim:/tmp/x,latencies=1",
+                         "sim:/tmp/x,late=1",
+                         "sim:/tmp/x,stall=0",
+                         "sim:/tmp/x,stall=1:",
+                         "sim:/tmp/x,stall=1:x",
+                         "sim:/tmp/x,stall=:5",
+                         "sim:/tmp/x,error=0",
+                         "sim:/tmp/x,unplug=0",
+                         "sim:/tmp/x,bandwidth=0",
+                         "sim:/tmp/x,rotate=0",
+                         "sim:/tmp/x,eye=",
+                         "sim:/tmp/x,eye=nan",
+                         "sim:/tmp/x,eye=91",
+                         "sim:/tmp/x,eye=1-",
+                         "sim:/tmp/x,",
+                         "sim:/tmp/x,,",
+                         long_spec};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        lf_device *device = NULL;
+        lf_error err = {0};
+        lf_status status = lf_device_open(bad[i], NULL, &device, &err);
+        if (status != LF_E_ARG)
+            print_error("spec \"%s\"\n", bad[i]);
+        lf_assert_status(status, LF_E_ARG, &err);
+        assert_null(device);
+        assert_true(err.what[0] != 0);
+    }
+    assert_int_not_equal(access("/tmp/x,", F_OK), 0);
+}
+
+static void none_takes_and_counts_everything(void **state)
+{
+    (void)state;
+    lf_device *device = NULL;
+    lf_device_info info;
+    lf_device_counters counters;
+    lf_assert_ok(lf_device_open("none", NULL, &device, NULL), NULL);
+    assert_null(device->ops->calibration(device));
+    assert_int_equal(device->ops->poll_fd(device), -1);
+    const lf_rect rects[] = {{0, 0, 10, 20}, {5, 5, 1, 1}};
+    for (uint64_t i = 0; i < 3; i++) {
+        assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
+        lf_assert_ok(device->ops->push(device, NULL, rects, 2, i), NULL);
+    }
+    lf_assert_ok(device->ops->flush(device, 0), NULL);
+    device->ops->counters(device, &counters);
+    assert_int_equal(counters.updates, 6);
+    assert_int_equal(counters.bytes, 3 * 3 * 201);
+    assert_int_equal(counters.errors, 0);
+    device->ops->info(device, &info);
+    assert_string_equal(info.spec, "none");
+    assert_string_equal(info.problem, "");
+    assert_string_equal(info.calibration_from, "");
+    lf_device_destroy(device);
+    lf_device_destroy(NULL);
+}
+
+static void list_has_what_can_be_opened(void **state)
+{
+    (void)state;
+    lf_device_info list[8];
+    int n = lf_device_list(list, 8);
+    assert_in_range(n, 1, 8);
+    assert_string_equal(list[n - 1].spec, "none");
+    assert_string_equal(list[n - 1].kind, "none");
+    assert_int_equal(lf_device_list(list, 0), 0);
+}
+
+static void auto_without_a_panel_is_none_with_a_word(void **state)
+{
+    (void)state;
+    static const lf_device_ops *const no_panels[] = {&lf_sim_ops, &lf_none_ops, NULL};
+    lf_device *device = NULL;
+    lf_device_info info;
+    lf_assert_ok(lf_device_open_auto(no_panels, NULL, &device, NULL), NULL);
+    device->ops->info(device, &info);
+    assert_string_equal(info.kind, "none");
+    assert_non_null(strstr(info.problem, "no panel"));
+    lf_device_destroy(device);
+}
+
+/* A kind with two panels, the first of which is in use. */
+static lf_status fake_open(const char *argument, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
+{
+    (void)calibration;
+    if (strcmp(argument, "free") != 0)
+        return lf_error_set(err, LF_E_BUSY, argument, "another program has it");
+    return lf_none_create("stands for a panel", out_device, err);
+}
+
+static int probe_n(lf_device_info *out, int max, int n)
+{
+    static const char *const specs[] = {"fake:taken", "fake:free"};
+    n = n < max ? n : max;
+    for (int i = 0; i < n; i++) {
+        out[i] = (lf_device_info){.kind = "fake"};
+        snprintf(out[i].spec, sizeof out[i].spec, "%s", specs[i]);
+    }
+    return n;
+}
+
+static int probe_one(lf_device_info *out, int max)
+{
+    return probe_n(out, max, 1);
+}
+
+static int probe_two(lf_device_info *out, int max)
+{
+    return probe_n(out, max, 2);
+}
+
+static void auto_takes_the_first_panel_that_opens(void **state)
+{
+    (void)state;
+    const lf_device_ops two = {.kind = "fake", .probe = probe_two, .open = fake_open};
+    const lf_device_ops one = {.kind = "fake", .probe = probe_one, .open = fake_open};
+    const lf_device_ops *const with_free[] = {&lf_sim_ops, &two, &lf_none_ops, NULL};
+    const lf_device_ops *const all_taken[] = {&one, NULL};
+    lf_device *device = NULL;
+    lf_device_info info;
+    lf_assert_ok(lf_device_open_auto(with_free, NULL, &device, NULL), NULL);
+    device->ops->info(device, &info);
+    assert_string_equal(info.problem, "stands for a panel");
+    lf_device_destroy(device);
+    lf_assert_ok(lf_device_open_auto(all_taken, NULL, &device, NULL), NULL);
+    device->ops->info(device, &info);
+    assert_string_equal(info.problem, "fake:taken cannot be used: another program has it");
+    lf_device_destroy(device);
+}
+
+static void texts_are_sanitised_and_cut_between_characters(void **state)
+{
+    (void)state;
+    char out[8];
+    lf_device_text(out, sizeof out, "a\n\x1b\x7f");
+    assert_string_equal(out, "a???");
+    lf_device_text(out, sizeof out, "\xc3\xa4\xff\xc3");
+    assert_string_equal(out, "\xc3\xa4??");
+    lf_device_text(out, sizeof out, "123456\xc3\xa4");
+    assert_string_equal(out, "123456");
+    lf_device_text(out, sizeof out, "\xc0\xaf\xed\xa0\x80");
+    assert_string_equal(out, "?????");
+    lf_device_text(out, sizeof out, "\xc2\x85\xf0\x9f\x98\x80");
+    assert_string_equal(out, "??\xf0\x9f\x98\x80");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bad_specs_are_refused_with_a_reason),   cmocka_unit_test(none_takes_and_counts_everything),
+        cmocka_unit_test(list_has_what_can_be_opened),           cmocka_unit_test(auto_without_a_panel_is_none_with_a_word),
+        cmocka_unit_test(auto_takes_the_first_panel_that_opens), cmocka_unit_test(texts_are_sanitised_and_cut_between_characters),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
