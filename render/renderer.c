@@ -296,12 +296,14 @@ void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out)
     }
     for (int row = 0; row < film->height; row++) {
         const lf_film_row *state = &film->rows[row];
-        out->passes += state->passes / film->height;
-        out->native_spp_mean += (state->n[0] + state->n[1]) / film->height;
+        out->passes += state->passes;
+        out->native_spp_mean += state->n[0] + state->n[1];
         out->holes += state->holes;
         known = known && state->relative_error >= 0.0;
         error += state->relative_error;
     }
+    out->passes /= film->height;
+    out->native_spp_mean /= film->height;
     out->effective_spp_mean = (double)out->contributions / (pixels * film->height);
     out->rel_mse_estimate = known ? error / (pixels * film->height) : -1.0;
     if (!renderer->scene->embree)
