@@ -25,7 +25,7 @@ float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, 
         return lf_surfaces[m->type].eval(m, event->hit.ns, wo, wi, f);
     }
     const lf_volume *volume = &scene->volumes[event->volume];
-    float phase = lf_phase(volume->g, -lf_dot(wo, wi));
+    float phase = lf_phase_between(volume->g, lf_scale(wo, -1.0f), wi);
     *f = lf_scale(volume->albedo, phase);
     return phase;
 }
@@ -37,8 +37,9 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
         return lf_surfaces[m->type].sample(m, event->hit.ns, wo, u, wi, f);
     }
     const lf_volume *volume = &scene->volumes[event->volume];
-    *wi = lf_phase_sample(volume->g, lf_scale(wo, -1.0f), u);
-    float phase = lf_phase(volume->g, -lf_dot(wo, *wi));
+    lf_vec3 w = lf_scale(wo, -1.0f);
+    *wi = lf_phase_sample(volume->g, w, u);
+    float phase = lf_phase_between(volume->g, w, *wi);
     *f = lf_scale(volume->albedo, phase);
     return phase;
 }

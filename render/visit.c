@@ -46,17 +46,18 @@ void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf
     lf_tracer *tracer = &visit->worker->tracer;
     float u[3];
     *out = (lf_suffix){0};
-    for (int i = 0; i < 3; i++)
-        u[i] = lf_sampler_1d(pivot->sampler);
+    u[0] = lf_sampler_1d(pivot->sampler);
+    lf_sampler_2d(pivot->sampler, u + 1);
     out->has_light = lf_light_draw(visit->scene, pivot->event.p, u, &out->light);
     if (out->has_light)
         out->light_visible = lf_path_visible(tracer, &pivot->event, &out->light);
-    for (int i = 0; i < 3; i++)
-        u[i] = lf_sampler_1d(pivot->sampler);
+    lf_sampler_2d(pivot->sampler, u);
+    u[2] = lf_sampler_1d(pivot->sampler);
     lf_vec3 f;
     float pdf = lf_scatter_sample(visit->scene, &pivot->event, wo, u, &out->wi, &f);
-    out->has_direction = pdf > 0.0f && lf_max3(f) > 0.0f;
-    if (!out->has_direction)
+    /* A direction counts in W' whether or not anything is reflected along it. */
+    out->has_direction = pdf > 0.0f;
+    if (!out->has_direction || !(lf_max3(f) > 0.0f))
         return;
     lf_event next;
     lf_path_next(tracer, &pivot->event, out->wi, &next);
@@ -118,9 +119,9 @@ typedef struct lf_base_ray {
     float z_surface;        /* INFINITY when it meets none */
 } lf_base_ray;
 
-/* Where the ray collides: Z, or INFINITY when it goes through. Rays that end on a shareable surface are tracked natively; on others
- * the collision is drawn with probability s = min(1, kappa q) instead of q, and the pivot weighs q/s. */
-static float collide(const lf_visit_plan *plan, const lf_visit *visit, const lf_base_ray *ray, bool surface_shared, float u,
+/* Where the ray collides: Z, or INFINITY when it goes through. In a visit that forces collisions a ray on which nothing else scatters
+ * collides with certainty, and the pivot weighs q; rays that end on a scattering surface are tracked natively. */
+static float collide(const lf_visit_plan *plan, const lf_visit *visit, const lf_base_ray *ray, bool native, float u,
                      float *out_boost)
 {
     const lf_slice *slice = &visit->worker->slice;
@@ -128,7 +129,7 @@ static float collide(const lf_visit_plan *plan, const lf_visit *visit, const lf_
     *out_boost = 1.0f;
     if (slice->first > slice->last)
         return INFINITY;
-    if (plan->force && !surface_shared) {
+    if (plan->force && !native) {
         float tau = lf_slice_march(slice, ray->c, ray->slope, ray->z_surface, INFINITY, &z) * ray->length;
         float q = -expm1f(-tau);
         if (!(q > 0.0f))
@@ -201,9 +202,10 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     lf_vec3 eye = lf_rig_point(rig, ray.c, visit->plane.ly, 0.0f);
     bool surface = lf_trace_surface(&worker->tracer, eye, ray.w, INFINITY, &event->hit);
     bool shared = surface && lf_material_has_lobe(event->hit.material);
+    bool native = surface && (shared || lf_material_has_delta(event->hit.material));
     if (surface)
         ray.z_surface = event->hit.t / ray.length;
-    float z = collide(plan, visit, &ray, shared, jitter[1], &pivot.boost);
+    float z = collide(plan, visit, &ray, native, jitter[1], &pivot.boost);
     if (z < INFINITY) {
         event->kind = LF_EVENT_MEDIUM;
         pivot.z = z;
@@ -314,10 +316,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     visit.start = (int)(random % (uint64_t)views);
 
     float weight = (float)plan->subsets / (float)(views * plan->column_step);
-    lf_visit known = visit;
-    if (plan->faults & LF_FAULT_OFFSET)
-        known.plane.my += 0.5f * plan->rig->dy / plan->rig->distance;
-    lf_exits_row(plan, &known, lf_hash64(key, 5), index, weight);
+    lf_exits_row(plan, &visit, lf_hash64(key, 5), index, weight);
     int first = plan->column_step > 1 ? (int)((random >> 32) % (uint64_t)plan->column_step) : 0;
     for (int column = first; column < width; column += plan->column_step) {
         for (int j = 0; j < plan->subsets; j++) {
