@@ -89,9 +89,12 @@ static void *engine_main(void *context)
         case TODO_STOP:
             end(engine);
             return NULL;
-        case TODO_REQUEST:
-            answer(engine, request, request->run(engine, request));
+        case TODO_REQUEST: {
+            lf_status status = request->run(engine, request);
+            engine_publish(engine); /* before the answer: who gets it may ask for the status next */
+            answer(engine, request, status);
             break;
+        }
         case TODO_CHANGES:
             engine_take_controls(engine, &controls);
             engine_take_panel(engine, &panel);

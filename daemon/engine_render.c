@@ -137,6 +137,7 @@ static void post_frame(lf_engine *engine, bool final)
     }
     engine->n_frames++;
     engine->frame_cost = lf_time_now() - engine->frame_at;
+    engine_publish(engine); /* before the frame: whoever sees it may ask for the status next */
     lf_mailbox_post(&engine->mailbox, frame);
 }
 

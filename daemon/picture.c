@@ -98,7 +98,8 @@ void lf_picture_row(void *context, int row, int worker)
     uint8_t not_there = picture->sampled ? LF_PIXEL_UNSEEN : LF_PIXEL_HOLE | LF_PIXEL_UNSEEN;
     int64_t count = 0;
     for (size_t i = 0; i < n; i++) {
-        missing[i] = flags[i] & not_there;
+        /* A pixel that was there stays: what is possible in it may be seen only later. */
+        missing[i] &= flags[i] & not_there ? LF_PIXEL_UNSEEN : 0;
         count += missing[i] != 0;
     }
     picture->row_missing[row] = count;

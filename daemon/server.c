@@ -249,6 +249,14 @@ static lf_status open_first(lf_server *server, lf_error *err)
         lf_server_ready(server);
         return LF_OK;
     }
+    if (access(server->config.scene, R_OK) != 0) {
+        /* Said here: a folder that is not there is no root either, and "outside" would be no help. */
+        (void)lf_error_set(&server->error, LF_E_IO, server->config.scene, "cannot open: %s", lf_errno_text(errno));
+        lf_log_error(&server->error);
+        server->has_error = true;
+        lf_server_ready(server);
+        return LF_OK;
+    }
     lf_load *load = lf_load_create(LF_LOAD_FILE);
     if (load == NULL) {
         return lf_error_set(err, LF_E_NOMEM, "", "out of memory");
