@@ -58,6 +58,7 @@ struct lf_engine {
     lf_picture picture;
     lf_schedule schedule;
     lf_interlacer *interlacer;
+    lf_layout interlaced; /* what it is for */
     int64_t generation;
     lf_level level;
     bool spoiled;   /* a cancelled pass left rows unfinished */

@@ -80,12 +80,28 @@ static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
     return views;
 }
 
-/* The interlacer for the stage and the panel there are now; NULL when there is nothing to interlace for. */
+static void drop_interlacer(lf_engine *engine)
+{
+    lf_interlacer_destroy(engine->interlacer);
+    engine->interlacer = NULL;
+}
+
+static bool same_views(const lf_layout *a, const lf_layout *b)
+{
+    return a->n_views == b->n_views && a->view_width == b->view_width && a->view_height == b->view_height && a->aspect == b->aspect;
+}
+
+/* The interlacer for the stage and the panel there are now; NULL when there is nothing to interlace for. A move of the camera
+ * keeps it. */
 static const lf_interlacer *interlacer_now(lf_engine *engine)
 {
+    const lf_layout *layout = &engine->stage->layout;
+    if (engine->interlacer != NULL && !same_views(layout, &engine->interlaced)) {
+        drop_interlacer(engine);
+    }
     if (engine->interlacer == NULL && engine->now_panel.present) {
-        const lf_layout *layout = &engine->stage->layout;
         lf_error err;
+        engine->interlaced = *layout;
         lf_status status =
             lf_interlacer_create(&engine->now_panel.calibration, layout->n_views, layout->view_width, layout->view_height,
                                  layout->aspect, LF_FILTER_NEAREST, LF_INVERT_AUTO, &engine->interlacer, &err);
@@ -95,12 +111,6 @@ static const lf_interlacer *interlacer_now(lf_engine *engine)
         }
     }
     return engine->interlacer;
-}
-
-static void drop_interlacer(lf_engine *engine)
-{
-    lf_interlacer_destroy(engine->interlacer);
-    engine->interlacer = NULL;
 }
 
 static void post_frame(lf_engine *engine, bool final)
@@ -313,7 +323,6 @@ static lf_status set_up(lf_engine *engine, lf_stage *stage, lf_error *err)
 
 static void start_over(lf_engine *engine)
 {
-    drop_interlacer(engine);
     engine->spoiled = engine->converged = false;
     engine->owed = engine->stage != NULL && engine->stage->scene == NULL;
     engine->level = LF_LEVEL_NONE;

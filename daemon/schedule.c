@@ -4,6 +4,8 @@
 #define MIN_ROWS 8
 #define MAX_SLICES 64
 #define FIRST_SLICES 4
+/* The first sweep is wanted whole: it is not cut finer than this. */
+#define MOST_FIRST_SLICES 16
 /* The residue that the first slices take: a row that is at most two away from every other of its group of four. */
 #define FIRST_ROW 2
 
@@ -26,9 +28,10 @@ void lf_schedule_start(lf_schedule *schedule, int height, int n_views, double pa
 static int slices_for(const lf_schedule *schedule, double target_seconds)
 {
     int fewest = schedule->sweep == 0 ? FIRST_SLICES : 1;
+    int most = schedule->sweep == 0 ? MOST_FIRST_SLICES : MAX_SLICES;
     double sweep_seconds = schedule->row_seconds * schedule->height * subsets_of(schedule);
     int n = fewest;
-    while (n < MAX_SLICES && sweep_seconds > target_seconds * n && schedule->height / (n * 2) >= MIN_ROWS) {
+    while (n < most && sweep_seconds > target_seconds * n && schedule->height / (n * 2) >= MIN_ROWS) {
         n *= 2;
     }
     return n;
