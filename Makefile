@@ -110,7 +110,7 @@ test_srcs := $(call wild,tests/*/test_*.c)
 tests := $(patsubst %.c,$(O)/%,$(test_srcs))
 headers := $(foreach r,$(rooms) tests,$(call wild,$(r)/*.h))
 headers_alone := $(patsubst %,$(O)/alone/%.ok,$(headers))
-$(eval $(call library,stat))
+$(foreach l,stat optics,$(eval $(call library,$(l))))
 test_libs = $(call libs,$(or $(test_libs_$(1)),daemon render quilt device base))
 
 .PHONY: tests
@@ -124,7 +124,7 @@ $(foreach t,$(test_srcs),$(eval $(call test,$(t))))
 # every header compiles alone
 $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 	@mkdir -p $(@D)
-	$(call say,HDR)printf '#include "%s"\n' '$*.h' | $(CC) $(lf_cflags) $(CPPFLAGS) $(CFLAGS) -MMD -MP -MT $@ -MF $@.d -fsyntax-only -x c - && touch $@
+	$(call say,HDR)printf '#include "%s"\nextern int lf_alone;\n' '$*.h' | $(CC) $(lf_cflags) $(CPPFLAGS) $(CFLAGS) -MMD -MP -MT $@ -MF $@.d -fsyntax-only -x c - && touch $@
 
 # MAKE_AGAIN: this make, told the same, so that nothing is built anew
 run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
@@ -186,5 +186,5 @@ lint-now: $(if $(generated),$(addprefix $(O)/,$(generated)))
 # ------------------------------------------------------------------------------------------------------- installing --
 include $(SRCDIR)/.ci/install.mk
 
--include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(test_srcs))))
+-include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(optics_srcs) $(test_srcs))))
 -include $(addsuffix .d,$(headers_alone))
