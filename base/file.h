@@ -29,8 +29,8 @@ LF_NODISCARD lf_status lf_file_open(const char *path, const lf_roots *roots, uin
                                     lf_error *err);
 
 /* The whole file with a terminating 0 behind it (not counted in *out_size). Caller releases *out_data with lf_free. */
-LF_NODISCARD lf_status lf_file_read(const char *path, const lf_roots *roots, uint64_t max_bytes, char **out_data,
-                                    size_t *out_size, lf_error *err);
+LF_NODISCARD lf_status lf_file_read(const char *path, const lf_roots *roots, uint64_t max_bytes, char **out_data, size_t *out_size,
+                                    lf_error *err);
 
 /* "folder/relative", or relative itself when it is absolute; caller frees. NULL = out of memory. */
 char *lf_path_join(const char *folder, const char *relative);

@@ -46,12 +46,12 @@ const char *lf_status_name(lf_status status);
 lf_status lf_error_set(lf_error *err, lf_status status, const char *where, const char *fmt, ...) LF_PRINTF(4, 5);
 
 /* As lf_error_set, with a line (0 = unknown) and a JSON pointer (NULL or "" = none). */
-lf_status lf_error_set_at(lf_error *err, lf_status status, const char *where, int line, const char *pointer, const char *fmt,
-                          ...) LF_PRINTF(6, 7);
+lf_status lf_error_set_at(lf_error *err, lf_status status, const char *where, int line, const char *pointer, const char *fmt, ...)
+    LF_PRINTF(6, 7);
 
 /* What static analysers cannot see across files: the status that comes back is the one that went in. */
 #ifdef __clang_analyzer__
-#define lf_error_set(err, status, ...)    (lf_error_set((err), (status), __VA_ARGS__), (status))
+#define lf_error_set(err, status, ...) (lf_error_set((err), (status), __VA_ARGS__), (status))
 #define lf_error_set_at(err, status, ...) (lf_error_set_at((err), (status), __VA_ARGS__), (status))
 #endif
 

@@ -27,13 +27,13 @@ struct lf_client {
     int fd;
     sd_event_source *io;
     buffer in, out;
-    size_t scanned;  /* bytes of `in` known to hold no newline */
-    size_t sent;     /* bytes of `out` already sent */
-    buffer frame;    /* the newest frame notification, when it has to wait */
-    bool skipping;   /* in a line that is too long */
-    bool at_end;     /* the other side has nothing more to say */
-    bool dropped;    /* to be freed when its turn is over */
-    bool busy;       /* its lines are being worked on */
+    size_t scanned; /* bytes of `in` known to hold no newline */
+    size_t sent;    /* bytes of `out` already sent */
+    buffer frame;   /* the newest frame notification, when it has to wait */
+    bool skipping;  /* in a line that is too long */
+    bool at_end;    /* the other side has nothing more to say */
+    bool dropped;   /* to be freed when its turn is over */
+    bool busy;      /* its lines are being worked on */
     int calls;
     unsigned flags;
     int fds[LF_MAX_CLIENT_FDS];
@@ -346,7 +346,8 @@ static void add_client(lf_clients *clients, int fd)
 {
     lf_client *client = clients->count < LF_MAX_CLIENTS ? lf_calloc(1, sizeof *client) : NULL;
     if (client == NULL || sd_event_add_io(clients->event, &client->io, fd, EPOLLIN, on_client, client) < 0) {
-        static const char refusal[] = "{\"jsonrpc\":\"2.0\",\"id\":null,\"error\":{\"code\":-32000,\"message\":\"too many clients\"}}\n";
+        static const char refusal[] =
+            "{\"jsonrpc\":\"2.0\",\"id\":null,\"error\":{\"code\":-32000,\"message\":\"too many clients\"}}\n";
         (void)!send(fd, refusal, sizeof refusal - 1, MSG_DONTWAIT | MSG_NOSIGNAL);
         close(fd);
         lf_free(client);
@@ -383,7 +384,8 @@ static int on_listen(sd_event_source *source, int fd, uint32_t events, void *con
         sd_event_source_set_enabled(source, SD_EVENT_OFF);
         sd_event_source_disable_unref(clients->pause);
         clients->pause = NULL;
-        (void)sd_event_add_time_relative(clients->event, &clients->pause, CLOCK_MONOTONIC, ACCEPT_PAUSE_USEC, 0, on_pause_over, clients);
+        (void)sd_event_add_time_relative(clients->event, &clients->pause, CLOCK_MONOTONIC, ACCEPT_PAUSE_USEC, 0, on_pause_over,
+                                         clients);
     }
     return 0;
 }

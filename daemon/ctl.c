@@ -19,7 +19,7 @@
 struct lf_ctl {
     int fd;
     char path[512];
-    char *buffer;    /* [MAX_ANSWER] */
+    char *buffer; /* [MAX_ANSWER] */
     size_t used, taken;
     json_int_t ids;
     json_t *notifications; /* array: came while an answer was waited for */
@@ -225,7 +225,8 @@ static void print_member(const char *prefix, const char *key, json_t *value)
     } else if (json_is_array(value) && json_is_object(json_array_get(value, 0))) {
         size_t i;
         json_t *element;
-        json_array_foreach(value, i, element) {
+        json_array_foreach(value, i, element)
+        {
             char numbered[300];
             snprintf(numbered, sizeof numbered, "%s.%zu", name, i);
             print_members(numbered, element);
@@ -239,7 +240,8 @@ static void print_members(const char *prefix, json_t *value)
 {
     const char *key;
     json_t *member;
-    json_object_foreach(value, key, member) {
+    json_object_foreach(value, key, member)
+    {
         print_member(prefix, key, member);
     }
 }

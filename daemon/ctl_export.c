@@ -74,7 +74,8 @@ static lf_status open_views(export_files *files, const char *folder, int n_views
 static lf_status open_print(export_files *files, const char *path, bool overwrite, lf_error *err)
 {
     char *manifest = lf_output_manifest_path(path);
-    lf_status status = manifest != NULL ? add_file(files, path, overwrite, err) : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    lf_status status =
+        manifest != NULL ? add_file(files, path, overwrite, err) : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     if (status == LF_OK) {
         status = add_file(files, manifest, overwrite, err);
     }
@@ -83,8 +84,8 @@ static lf_status open_print(export_files *files, const char *path, bool overwrit
 }
 
 /* Opens what the kind needs; *out_path is the name with the layout in it. */
-static lf_status open_files(lf_ctl *ctl, const char *kind_name, const char *file, bool overwrite, export_files *files, char **out_path,
-                            lf_error *err)
+static lf_status open_files(lf_ctl *ctl, const char *kind_name, const char *file, bool overwrite, export_files *files,
+                            char **out_path, lf_error *err)
 {
     if (strcmp(kind_name, "state") == 0) {
         *out_path = lf_strdup(file);

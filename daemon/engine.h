@@ -25,12 +25,12 @@ typedef enum lf_engine_state { LF_STATE_IDLE, LF_STATE_RENDERING, LF_STATE_CONVE
 typedef struct lf_engine_status {
     lf_engine_state state;
     int64_t generation;
-    lf_level level;        /* of the picture now */
+    lf_level level; /* of the picture now */
     double passes, seconds, cpu_seconds;
     double spp, error_estimate; /* mean native samples a view pixel; < 0 = not known */
-    int64_t missing;       /* view pixels not found yet */
+    int64_t missing;            /* view pixels not found yet */
     int threads;
-    uint64_t frames;       /* composed so far */
+    uint64_t frames; /* composed so far */
 } lf_engine_status;
 
 /* Starts the thread. event_fd (borrowed) becomes readable after frames and changes of state. */
@@ -58,8 +58,8 @@ lf_mailbox *lf_engine_mailbox(lf_engine *engine);
 
 /* A light field as it was at the end of a slice, to export. */
 typedef struct lf_snapshot {
-    lf_stage *stage;    /* a reference */
-    float *film;        /* [row][view][column][3]; NULL for a quilt picture */
+    lf_stage *stage; /* a reference */
+    float *film;     /* [row][view][column][3]; NULL for a quilt picture */
     lf_output_source source;
     lf_estimator estimator;
     lf_render_stats stats;

@@ -61,13 +61,13 @@ struct lf_engine {
     lf_layout interlaced; /* what it is for */
     int64_t generation;
     lf_level level;
-    bool spoiled;   /* a cancelled pass left rows unfinished */
+    bool spoiled; /* a cancelled pass left rows unfinished */
     bool converged;
-    bool owed;      /* the picture changed since the last frame */
-    double passes;  /* mean over rows */
+    bool owed;     /* the picture changed since the last frame */
+    double passes; /* mean over rows */
     double seconds, cpu_seconds;
     uint64_t n_frames, n_frames_before; /* posted; before this stage */
-    double frame_at, frame_cost; /* when the last one was begun, and how long it took */
+    double frame_at, frame_cost;        /* when the last one was begun, and how long it took */
     lf_render_stats stats;
     double stats_at, stats_cost, views_at;
 };

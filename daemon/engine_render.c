@@ -168,8 +168,7 @@ static bool frame_can_wait(lf_engine *engine)
     pthread_mutex_lock(&mailbox->lock);
     const lf_frame *ready = mailbox->ready >= 0 ? &mailbox->slot[mailbox->ready] : NULL;
     bool wait = ready != NULL && ready->generation == engine->generation && ready->panel == engine->now_panel.number &&
-                ready->level == engine->level && (ready->level >= LF_LEVEL_COMPLETE || !complete) &&
-                ready->level != LF_LEVEL_NONE;
+                ready->level == engine->level && (ready->level >= LF_LEVEL_COMPLETE || !complete) && ready->level != LF_LEVEL_NONE;
     pthread_mutex_unlock(&mailbox->lock);
     return wait;
 }

@@ -136,7 +136,8 @@ static lf_status load_patch(const lf_loader *loader, lf_load *load, const json_t
         return lf_error_set(&load->err, LF_E_NOMEM, now->file, "out of memory");
     }
     lf_scene *scene = NULL;
-    lf_status status = lf_scene_from_json(doc, lf_scene_folder(now->scene), now->file, loader->roots, now->scene, &scene, &load->err);
+    lf_status status =
+        lf_scene_from_json(doc, lf_scene_folder(now->scene), now->file, loader->roots, now->scene, &scene, &load->err);
     json_decref(doc);
     return status == LF_OK ? stage_of_scene(load, scene, now->file, out, &load->err) : status;
 }

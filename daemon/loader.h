@@ -14,23 +14,23 @@ typedef enum lf_load_kind {
 } lf_load_kind;
 
 typedef struct lf_load {
-    lf_letter letter;  /* posted when it is done; the poster sets open */
+    lf_letter letter; /* posted when it is done; the poster sets open */
     lf_load_kind kind;
-    char *file;        /* FILE: absolute */
-    json_t *patch;     /* PATCH */
+    char *file;              /* FILE: absolute */
+    json_t *patch;           /* PATCH */
     double yaw, pitch, zoom; /* ORBIT: degrees to the right and up, and how many times nearer */
-    bool force;        /* APPLY: commit even when the settings come out the same */
+    bool force;              /* APPLY: commit even when the settings come out the same */
     lf_options options;
     bool has_calibration;
     lf_calibration calibration;
-    int restore_fd;    /* FILE: -1, or an accumulation to go on with (taken over) */
-    void *ticket;      /* the poster's */
+    int restore_fd; /* FILE: -1, or an accumulation to go on with (taken over) */
+    void *ticket;   /* the poster's */
     /* the outcome */
     lf_status status;
-    lf_error err;      /* when status is not LF_OK */
+    lf_error err; /* when status is not LF_OK */
     bool committed, restored;
     int64_t generation;
-    lf_stage *stage;   /* when committed: a reference for the poster */
+    lf_stage *stage; /* when committed: a reference for the poster */
 } lf_load;
 
 typedef struct lf_loader lf_loader;

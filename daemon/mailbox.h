@@ -15,26 +15,26 @@
 typedef enum lf_level { LF_LEVEL_NONE, LF_LEVEL_COARSE, LF_LEVEL_COMPLETE, LF_LEVEL_CONVERGED } lf_level;
 
 typedef struct lf_frame {
-    uint64_t number;     /* rises by one a frame posted; 0 = never used */
+    uint64_t number; /* rises by one a frame posted; 0 = never used */
     int64_t generation;
     lf_level level;
     double passes;
-    int columns, rows;   /* tiles of its quilt */
-    uint64_t panel;      /* number of the panel it was interlaced for */
-    lf_image8 image;     /* data NULL: there was no panel to interlace for */
-    uint64_t against;    /* number of the frame that rects were computed against; 0 = none */
+    int columns, rows; /* tiles of its quilt */
+    uint64_t panel;    /* number of the panel it was interlaced for */
+    lf_image8 image;   /* data NULL: there was no panel to interlace for */
+    uint64_t against;  /* number of the frame that rects were computed against; 0 = none */
     int n_rects;
     lf_rect rects[LF_FRAME_MAX_RECTS];
-    bool has_views;      /* the views behind it lie in the mailbox's views buffer */
+    bool has_views; /* the views behind it lie in the mailbox's views buffer */
 } lf_frame;
 
 typedef struct lf_mailbox {
     pthread_mutex_t lock;
-    int event_fd;       /* readable when something was posted */
+    int event_fd; /* readable when something was posted */
     /* under lock */
     int ready, held, shown; /* slots; -1 = none */
     uint64_t n_posted;
-    bool views_taken;   /* the consumer is reading the views buffer */
+    bool views_taken; /* the consumer is reading the views buffer */
     /* producer only */
     int back;
     /* a slot belongs to whoever its number names; free ones to the producer */

@@ -14,8 +14,9 @@ void lf_method_device_list(lf_call *call)
     json_t *list = json_array();
     for (int i = 0; i < n; i++) {
         const lf_device_info *info = &infos[i];
-        json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:s, s:s, s:s}", "spec", info->spec, "kind", info->kind, "model",
-                                              info->model, "serial", info->serial, "output", info->output, "problem", info->problem));
+        json_array_append_new(list,
+                              json_pack("{s:s, s:s, s:s, s:s, s:s, s:s}", "spec", info->spec, "kind", info->kind, "model",
+                                        info->model, "serial", info->serial, "output", info->output, "problem", info->problem));
     }
     lf_reply(call, json_pack("{s:o, s:o}", "devices", list, "present", lf_server_device_json(call->server)));
 }
@@ -88,9 +89,10 @@ void lf_method_device_calibration(lf_call *call)
         lf_fail(call, &err, false);
         return;
     }
-    lf_reply(call, json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:o}", "configVersion",
-                             c->config_version, "serial", c->serial, "pitch", c->pitch, "slope", c->slope, "center", c->center,
-                             "viewCone", c->view_cone_deg, "DPI", c->dpi, "screenW", c->screen_width_px, "screenH",
-                             c->screen_height_px, "invView", c->inv_view, "flipImageX", c->flip_image_x, "flipImageY", c->flip_image_y,
-                             "flipSubp", c->flip_subp, "CellPatternMode", c->cell_pattern_mode, "subpixelCells", cells_json(c)));
+    lf_reply(call,
+             json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:o}", "configVersion",
+                       c->config_version, "serial", c->serial, "pitch", c->pitch, "slope", c->slope, "center", c->center,
+                       "viewCone", c->view_cone_deg, "DPI", c->dpi, "screenW", c->screen_width_px, "screenH", c->screen_height_px,
+                       "invView", c->inv_view, "flipImageX", c->flip_image_x, "flipImageY", c->flip_image_y, "flipSubp",
+                       c->flip_subp, "CellPatternMode", c->cell_pattern_mode, "subpixelCells", cells_json(c)));
 }

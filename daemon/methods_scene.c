@@ -46,7 +46,8 @@ void lf_method_scene_get(lf_call *call)
         return;
     }
     json_t *scene = stage->scene != NULL ? json_deep_copy(lf_scene_json(stage->scene)) : json_null();
-    lf_reply(call, json_pack("{s:s, s:I, s:o}", "file", stage->file, "generation", (json_int_t)call->server->generation, "scene", scene));
+    lf_reply(call,
+             json_pack("{s:s, s:I, s:o}", "file", stage->file, "generation", (json_int_t)call->server->generation, "scene", scene));
 }
 
 static void queue_patch(lf_call *call, json_t *patch)
@@ -96,8 +97,8 @@ static const char *find_integrator(const char *name, lf_error *err)
             return lf_integrator_name(i);
         }
     }
-    (void)lf_error_set_at(err, LF_E_ARG, "render.set", 0, "/integrator", "there is no integrator \"%.32s\"; the default is %s", name,
-                          lf_integrator_name(0));
+    (void)lf_error_set_at(err, LF_E_ARG, "render.set", 0, "/integrator", "there is no integrator \"%.32s\"; the default is %s",
+                          name, lf_integrator_name(0));
     return NULL;
 }
 

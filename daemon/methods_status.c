@@ -9,8 +9,8 @@ void lf_method_hello(lf_call *call)
         json_t *entry = json_pack("{s:s, s:O}", "summary", lf_method_at(i)->summary, "params", lf_method_schema(i));
         json_object_set_new(methods, lf_method_at(i)->name, entry);
     }
-    lf_reply(call, json_pack("{s:s, s:s, s:i, s:o}", "name", "quiltd", "version", LF_VERSION, "protocol", LF_RPC_PROTOCOL, "methods",
-                             methods));
+    lf_reply(call, json_pack("{s:s, s:s, s:i, s:o}", "name", "quiltd", "version", LF_VERSION, "protocol", LF_RPC_PROTOCOL,
+                             "methods", methods));
 }
 
 static json_t *known_or_null(double value)
@@ -26,9 +26,9 @@ static void add_stage(const lf_server *server, json_t *status)
         return;
     }
     const lf_layout *layout = &stage->layout;
-    json_t *more = json_pack("{s:s, s:b, s:i, s:i, s:i, s:i, s:i, s:f}", "scene", stage->file, "is_quilt", stage->scene == NULL, "views",
-                             layout->n_views, "columns", layout->columns, "rows", layout->rows, "view_width", layout->view_width,
-                             "view_height", layout->view_height, "aspect", layout->aspect);
+    json_t *more = json_pack("{s:s, s:b, s:i, s:i, s:i, s:i, s:i, s:f}", "scene", stage->file, "is_quilt", stage->scene == NULL,
+                             "views", layout->n_views, "columns", layout->columns, "rows", layout->rows, "view_width",
+                             layout->view_width, "view_height", layout->view_height, "aspect", layout->aspect);
     json_object_update(status, more);
     json_decref(more);
     if (stage->scene != NULL) {
@@ -44,11 +44,12 @@ static void add_engine(lf_server *server, json_t *status)
     lf_engine_status now;
     lf_engine_get_status(server->engine, &now);
     lf_engine_controls controls = lf_engine_get_controls(server->engine);
-    json_t *more = json_pack("{s:I, s:s, s:f, s:f, s:f, s:o, s:o, s:I, s:i, s:s, s:f, s:b}", "generation", (json_int_t)now.generation,
-                             "level", lf_level_name(now.level), "passes", now.passes, "seconds", now.seconds, "cpu_seconds",
-                             now.cpu_seconds, "spp", known_or_null(now.spp), "error_estimate", known_or_null(now.error_estimate),
-                             "missing", (json_int_t)now.missing, "threads", now.threads, "estimator",
-                             lf_estimator_name(controls.estimator), "target_error", controls.target_error, "paused", controls.paused);
+    json_t *more =
+        json_pack("{s:I, s:s, s:f, s:f, s:f, s:o, s:o, s:I, s:i, s:s, s:f, s:b}", "generation", (json_int_t)now.generation, "level",
+                  lf_level_name(now.level), "passes", now.passes, "seconds", now.seconds, "cpu_seconds", now.cpu_seconds, "spp",
+                  known_or_null(now.spp), "error_estimate", known_or_null(now.error_estimate), "missing", (json_int_t)now.missing,
+                  "threads", now.threads, "estimator", lf_estimator_name(controls.estimator), "target_error", controls.target_error,
+                  "paused", controls.paused);
     json_object_update(status, more);
     json_decref(more);
 }
@@ -110,7 +111,8 @@ void lf_method_subscribe(lf_call *call)
     unsigned flags = 0;
     size_t i;
     json_t *event;
-    json_array_foreach(json_object_get(call->params, "events"), i, event) {
+    json_array_foreach(json_object_get(call->params, "events"), i, event)
+    {
         for (unsigned bit = 0; bit < sizeof names / sizeof *names; bit++) {
             flags |= strcmp(names[bit], json_string_value(event)) == 0 ? 1u << bit : 0;
         }

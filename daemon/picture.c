@@ -49,8 +49,8 @@ static lf_status reshape(lf_picture *picture, int n_views, int width, int height
     fresh.row_missing = lf_calloc((size_t)height, sizeof *fresh.row_missing);
     fresh.scratch = lf_calloc(row * (size_t)n_threads, 3 * sizeof *fresh.scratch);
     fresh.flags = lf_calloc(row * (size_t)n_threads, 1);
-    if (fresh.rgb == NULL || fresh.filled == NULL || fresh.missing == NULL || fresh.row_missing == NULL ||
-        fresh.scratch == NULL || fresh.flags == NULL) {
+    if (fresh.rgb == NULL || fresh.filled == NULL || fresh.missing == NULL || fresh.row_missing == NULL || fresh.scratch == NULL ||
+        fresh.flags == NULL) {
         release(&fresh);
         return lf_error_set(err, LF_E_NOMEM, "", "out of memory for %d views of %dx%d", n_views, width, height);
     }
@@ -62,8 +62,8 @@ static lf_status reshape(lf_picture *picture, int n_views, int width, int height
     return LF_OK;
 }
 
-lf_status lf_picture_shape(lf_picture *picture, int n_views, int width, int height, int n_threads,
-                           const lf_film_settings *film, lf_error *err)
+lf_status lf_picture_shape(lf_picture *picture, int n_views, int width, int height, int n_threads, const lf_film_settings *film,
+                           lf_error *err)
 {
     lf_tone *tone = NULL;
     lf_status status = lf_tone_create(film->exposure, film->tonemap, &tone, err);

@@ -130,7 +130,8 @@ static lf_status ask_schema(lf_ctl *ctl, const char *method, json_t **out_schema
     json_t *entry = json_object_get(json_object_get(hello, "methods"), method);
     *out_schema = json_incref(json_object_get(entry, "params"));
     json_decref(hello);
-    return *out_schema != NULL ? LF_OK : lf_error_set(err, LF_E_ARG, method, "is no method of this daemon; quiltctl hello lists them");
+    return *out_schema != NULL ? LF_OK
+                               : lf_error_set(err, LF_E_ARG, method, "is no method of this daemon; quiltctl hello lists them");
 }
 
 static lf_status run(lf_ctl *ctl, const arguments *a, json_t **out_result, lf_error *err)
@@ -163,11 +164,13 @@ static void print_methods(const json_t *hello)
     json_t *entry;
     printf("quiltd %s, protocol %lld\n", json_string_value(json_object_get(hello, "version")),
            (long long)json_integer_value(json_object_get(hello, "protocol")));
-    json_object_foreach(json_object_get(hello, "methods"), name, entry) {
+    json_object_foreach(json_object_get(hello, "methods"), name, entry)
+    {
         printf("%-20s %s\n", name, json_string_value(json_object_get(entry, "summary")));
         const char *key;
         json_t *property;
-        json_object_foreach(json_object_get(json_object_get(entry, "params"), "properties"), key, property) {
+        json_object_foreach(json_object_get(json_object_get(entry, "params"), "properties"), key, property)
+        {
             const json_t *type = json_object_get(property, "type");
             printf("    %s=%s\n", key, json_string_value(type) != NULL ? json_string_value(type) : "...");
         }

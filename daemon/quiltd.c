@@ -34,19 +34,20 @@ static const struct option table[] = {
 
 static void print_help(void)
 {
-    printf("Usage: quiltd [SCENE] [options]\n"
-           "Renders a scene (JSON) as a light field, or takes a quilt picture, and shows it on a Looking Glass panel.\n"
-           "\n"
-           "  --socket PATH          where clients talk to it ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/quiltd.sock,\n"
-           "                         /run/quiltd/control.sock)\n"
-           "  --device SPEC          auto (default), sim:DIR[,option=value...] or none\n"
-           "  --calibration FILE     the panel's lens calibration, instead of its own\n" LF_OPTIONS_HELP_VIEWS LF_OPTIONS_HELP_RENDER
-           "  --target-error RELMSE  rendering rests when the estimated relative error is below (1e-4)\n"
-           "  --state DIR            keeps the accumulation there over restarts\n"
-           "  --allow-path DIR       clients may name files to read beneath it; may be given often\n"
-           "  --export-dir DIR       clients may name files to write beneath it\n"
-           "  --watch                reads the scene file again when it changes\n"
-           "  --run-for SECONDS      ends by itself\n" LF_OPTIONS_HELP_LAST);
+    printf(
+        "Usage: quiltd [SCENE] [options]\n"
+        "Renders a scene (JSON) as a light field, or takes a quilt picture, and shows it on a Looking Glass panel.\n"
+        "\n"
+        "  --socket PATH          where clients talk to it ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/quiltd.sock,\n"
+        "                         /run/quiltd/control.sock)\n"
+        "  --device SPEC          auto (default), sim:DIR[,option=value...] or none\n"
+        "  --calibration FILE     the panel's lens calibration, instead of its own\n" LF_OPTIONS_HELP_VIEWS LF_OPTIONS_HELP_RENDER
+        "  --target-error RELMSE  rendering rests when the estimated relative error is below (1e-4)\n"
+        "  --state DIR            keeps the accumulation there over restarts\n"
+        "  --allow-path DIR       clients may name files to read beneath it; may be given often\n"
+        "  --export-dir DIR       clients may name files to write beneath it\n"
+        "  --watch                reads the scene file again when it changes\n"
+        "  --run-for SECONDS      ends by itself\n" LF_OPTIONS_HELP_LAST);
 }
 
 static lf_status take_own(lf_server_config *config, int code, const char *text, lf_error *err)

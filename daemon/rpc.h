@@ -26,10 +26,10 @@ enum {
 
 /* A well-formed request. method and params are borrowed from message. */
 typedef struct lf_rpc_request {
-    json_t *message;    /* owned */
-    const json_t *id;   /* string, integer, real or null; NULL = a notification: no answer is sent */
+    json_t *message;  /* owned */
+    const json_t *id; /* string, integer, real or null; NULL = a notification: no answer is sent */
     const char *method;
-    json_t *params;     /* an object; empty when the message had none. Owned (a reference) */
+    json_t *params; /* an object; empty when the message had none. Owned (a reference) */
 } lf_rpc_request;
 
 /* Parses line[n] (no newline). True: *out is filled, release it with lf_rpc_request_finish. False: *out_answer is the error

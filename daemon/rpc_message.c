@@ -26,7 +26,8 @@ static bool parse_members(lf_rpc_request *out, json_t **out_answer)
     }
     const char *key;
     json_t *value;
-    json_object_foreach(out->message, key, value) {
+    json_object_foreach(out->message, key, value)
+    {
         if (strcmp(key, "jsonrpc") != 0 && strcmp(key, "id") != 0 && strcmp(key, "method") != 0 && strcmp(key, "params") != 0) {
             return refuse(out_answer, id, LF_RPC_INVALID_REQUEST, "a request has the keys jsonrpc, id, method and params only");
         }

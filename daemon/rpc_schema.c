@@ -50,7 +50,8 @@ static lf_status check_type(checker *c, const json_t *type, const json_t *value)
     char names[128] = "";
     size_t i;
     json_t *member;
-    json_array_foreach(type, i, member) {
+    json_array_foreach(type, i, member)
+    {
         if (is_of_type(value, json_string_value(member))) {
             return LF_OK;
         }
@@ -68,7 +69,8 @@ static lf_status check_enum(checker *c, const json_t *allowed, const json_t *val
     char names[256] = "";
     size_t i;
     json_t *member;
-    json_array_foreach(allowed, i, member) {
+    json_array_foreach(allowed, i, member)
+    {
         if (json_equal(member, value)) {
             return LF_OK;
         }
@@ -118,7 +120,8 @@ static lf_status check_items(checker *c, const json_t *schema, const json_t *val
     const json_t *items = json_object_get(schema, "items");
     size_t i;
     json_t *element;
-    json_array_foreach(value, i, element) {
+    json_array_foreach(value, i, element)
+    {
         char name[24];
         snprintf(name, sizeof name, "%zu", i);
         lf_status status = items != NULL ? check_member(c, items, element, name) : LF_OK;
@@ -134,7 +137,8 @@ static void list_keys(json_t *properties, char *out, size_t size)
     out[0] = '\0';
     const char *key;
     json_t *value;
-    json_object_foreach(properties, key, value) {
+    json_object_foreach(properties, key, value)
+    {
         size_t used = strlen(out);
         snprintf(out + used, size - used, "%s%s", used > 0 ? ", " : "", key);
     }
@@ -146,7 +150,8 @@ static lf_status check_properties(checker *c, const json_t *schema, json_t *valu
     bool open = json_is_true(json_object_get(schema, "additionalProperties"));
     const char *key;
     json_t *member;
-    json_object_foreach(value, key, member) {
+    json_object_foreach(value, key, member)
+    {
         const json_t *property = json_object_get(properties, key);
         if (property == NULL && !open) {
             char known[300];
@@ -161,7 +166,8 @@ static lf_status check_properties(checker *c, const json_t *schema, json_t *valu
     }
     size_t i;
     json_t *name;
-    json_array_foreach(json_object_get(schema, "required"), i, name) {
+    json_array_foreach(json_object_get(schema, "required"), i, name)
+    {
         if (json_object_get(value, json_string_value(name)) == NULL) {
             return FAIL(c, "\"%s\" is missing", json_string_value(name));
         }
@@ -271,8 +277,8 @@ lf_status lf_schema_argument(const json_t *schema, const char *text, json_t *par
     key[length] = '\0';
     json_error_t error;
     const json_t *property = json_object_get(json_object_get(schema, "properties"), key);
-    json_t *value = raw ? json_loads(equals + 1, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error)
-                        : typed_value(property, equals + 1);
+    json_t *value =
+        raw ? json_loads(equals + 1, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error) : typed_value(property, equals + 1);
     if (value == NULL) {
         return raw ? lf_error_set(err, LF_E_ARG, key, "not JSON: column %d: %s", error.column, error.text)
                    : lf_error_set(err, LF_E_ARG, key, "\"%s\" is not %s %s", equals + 1,

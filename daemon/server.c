@@ -64,7 +64,8 @@ void lf_server_shutdown(lf_server *server)
         lf_server_unlisten(server);
         (void)lf_server_end_jobs(server);
         lf_engine_stop(server->engine, false);
-        (void)sd_event_add_time_relative(server->event, &server->stop_timer, CLOCK_MONOTONIC, SLICE_USEC, 0, on_slice_timer, server);
+        (void)sd_event_add_time_relative(server->event, &server->stop_timer, CLOCK_MONOTONIC, SLICE_USEC, 0, on_slice_timer,
+                                         server);
     }
     if (lf_engine_stopped(server->engine) && server->jobs == NULL && lf_loader_pending(server->loader) == 0) {
         leave(server);
@@ -102,8 +103,8 @@ static void destroy(lf_server *server)
     }
     lf_clients_destroy(server->clients);
     lf_server_unlisten(server);
-    sd_event_source *sources[] = {server->inbox_io,    server->engine_io, server->stop_timer, server->state_timer, server->run_timer,
-                                  server->status_timer, server->watch_io,  server->watch_timer};
+    sd_event_source *sources[] = {server->inbox_io,  server->engine_io,    server->stop_timer, server->state_timer,
+                                  server->run_timer, server->status_timer, server->watch_io,   server->watch_timer};
     for (size_t i = 0; i < sizeof sources / sizeof *sources; i++) {
         sd_event_source_disable_unref(sources[i]);
     }

@@ -64,16 +64,16 @@ typedef struct lf_wait {
 
 /* What the panel is and what it shows. */
 typedef struct lf_panel {
-    lf_device *device;       /* NULL while unplugged */
+    lf_device *device; /* NULL while unplugged */
     char spec[512];
-    lf_error problem;        /* why there is none */
+    lf_error problem; /* why there is none */
     bool has_problem;
-    uint64_t number;         /* rises with every device opened; frames carry it */
-    bool has_calibration;    /* of the device or --calibration */
+    uint64_t number;      /* rises with every device opened; frames carry it */
+    bool has_calibration; /* of the device or --calibration */
     lf_calibration calibration;
     sd_event_source *io, *retry;
-    bool in_flight;          /* a push is under way */
-    bool whole;              /* the next push must be the whole frame */
+    bool in_flight; /* a push is under way */
+    bool whole;     /* the next push must be the whole frame */
     int64_t flying_generation;
     lf_level flying_level;
     double flying_passes;
@@ -88,24 +88,24 @@ struct lf_server {
     lf_inbox inbox;
     sd_event_source *inbox_io, *engine_io;
     int engine_fd;
-    lf_roots roots;          /* fixed once the loader runs */
-    char *export_root;       /* canonical; NULL = none */
-    lf_options options;      /* as changed by render.set */
+    lf_roots roots;     /* fixed once the loader runs */
+    char *export_root;  /* canonical; NULL = none */
+    lf_options options; /* as changed by render.set */
     lf_engine *engine;
     lf_loader *loader;
     lf_clients *clients;
-    char *socket_path;       /* to unlink at the end; NULL = systemd's */
+    char *socket_path; /* to unlink at the end; NULL = systemd's */
     int lock_fd;
     lf_panel panel;
 
-    lf_stage *stage;         /* what is on stage, as far as this thread knows; NULL = nothing */
+    lf_stage *stage; /* what is on stage, as far as this thread knows; NULL = nothing */
     int64_t generation;
-    bool has_error;          /* the last attempt to load the scene failed … */
-    lf_error error;          /* … like this */
-    lf_engine_status last;   /* as last seen */
+    bool has_error;        /* the last attempt to load the scene failed … */
+    lf_error error;        /* … like this */
+    lf_engine_status last; /* as last seen */
     int64_t shown_generation;
     lf_level shown_level;
-    double started;          /* lf_time_now */
+    double started; /* lf_time_now */
     lf_wait *waits;
     lf_job *jobs;
     int64_t n_jobs;
@@ -115,7 +115,7 @@ struct lf_server {
     sd_event_source *stop_timer, *state_timer, *run_timer, *status_timer, *watch_io, *watch_timer;
     int watch_fd, watch_id;
     char *watch_name;
-    int reloads;             /* reloads for systemd that have not ended */
+    int reloads; /* reloads for systemd that have not ended */
     bool saving;
     int64_t saved_generation; /* what the saved state holds */
     double saved_passes;

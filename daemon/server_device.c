@@ -333,7 +333,7 @@ json_t *lf_server_device_json(const lf_server *server)
         snprintf(info.spec, sizeof info.spec, "%s", panel->spec);
         snprintf(info.problem, sizeof info.problem, "%.255s", panel->has_problem ? panel->problem.what : "not open");
     }
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b}", "spec", info.spec, "kind", info.kind, "model", info.model, "serial",
-                     info.serial, "calibration_from", info.calibration_from, "output", info.output, "problem", info.problem,
-                     "present", panel->device != NULL);
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b}", "spec", info.spec, "kind", info.kind, "model", info.model,
+                     "serial", info.serial, "calibration_from", info.calibration_from, "output", info.output, "problem",
+                     info.problem, "present", panel->device != NULL);
 }

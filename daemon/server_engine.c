@@ -1,5 +1,5 @@
-#include <string.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
@@ -127,8 +127,9 @@ void lf_server_shown(lf_server *server, int64_t generation, lf_level level, doub
     bool news = generation != server->shown_generation || level != server->shown_level;
     server->shown_generation = generation;
     server->shown_level = level;
-    lf_server_notify(server, LF_EVENT_FRAME, "frame",
-                     json_pack("{s:I, s:s, s:f}", "generation", (json_int_t)generation, "level", lf_level_name(level), "passes", passes));
+    lf_server_notify(
+        server, LF_EVENT_FRAME, "frame",
+        json_pack("{s:I, s:s, s:f}", "generation", (json_int_t)generation, "level", lf_level_name(level), "passes", passes));
     if (!news) {
         return;
     }

@@ -26,11 +26,11 @@ struct lf_job {
     lf_job *next;
     lf_server *server;
     int64_t id;
-    uint64_t client;    /* who asked; hears of it without subscribing. 0 = the daemon itself */
-    bool is_state;      /* kind "state" */
+    uint64_t client; /* who asked; hears of it without subscribing. 0 = the daemon itself */
+    bool is_state;   /* kind "state" */
     lf_output_kind kind;
-    char *file;         /* as asked for, canonical */
-    char *final;        /* name written; the thread's until it has ended */
+    char *file;  /* as asked for, canonical */
+    char *final; /* name written; the thread's until it has ended */
     bool overwrite;
     int64_t generation; /* what to wait for … */
     lf_level wait;
@@ -46,7 +46,7 @@ struct lf_job {
     int *fds;
     int n_fds;
     atomic_int permille;
-    int told;           /* progress told last, in permille */
+    int told; /* progress told last, in permille */
     lf_status status;
     lf_error err;
     sd_event_source *timer;
@@ -87,10 +87,22 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
                                       &stage->film);
     }
     lf_output_request request = {
-        .kind = job->kind, .path = job->final, .overwrite = job->overwrite, .fds = job->fds, .n_fds = job->n_fds,
-        .layout = stage->layout, .calibration = job->has_calibration ? &job->calibration : NULL, .filter = job->filter,
-        .invert = job->invert, .print = &job->print, .exposure = stage->film.exposure, .tonemap = stage->film.tonemap,
-        .settings = settings, .cancel = &job->cancel, .progress = on_progress, .context = job,
+        .kind = job->kind,
+        .path = job->final,
+        .overwrite = job->overwrite,
+        .fds = job->fds,
+        .n_fds = job->n_fds,
+        .layout = stage->layout,
+        .calibration = job->has_calibration ? &job->calibration : NULL,
+        .filter = job->filter,
+        .invert = job->invert,
+        .print = &job->print,
+        .exposure = stage->film.exposure,
+        .tonemap = stage->film.tonemap,
+        .settings = settings,
+        .cancel = &job->cancel,
+        .progress = on_progress,
+        .context = job,
     };
     job->n_fds = 0; /* taken over whatever comes of it */
     status = lf_output_write(&request, &snapshot->source, &job->err);
@@ -229,7 +241,8 @@ static void start(lf_job *job)
     job->started = true;
     job->letter.open = on_job_done;
     if (job->client != 0) {
-        (void)sd_event_add_time_relative(job->server->event, &job->timer, CLOCK_MONOTONIC, PROGRESS_USEC, 0, on_progress_timer, job);
+        (void)sd_event_add_time_relative(job->server->event, &job->timer, CLOCK_MONOTONIC, PROGRESS_USEC, 0, on_progress_timer,
+                                         job);
         tell(job, job_json(job, "running"));
     }
     pthread_sigmask(SIG_BLOCK, &all, &before);

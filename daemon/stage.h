@@ -8,9 +8,9 @@
 
 typedef struct lf_stage {
     atomic_int references;
-    lf_scene *scene;      /* NULL: a quilt picture */
-    lf_quilt_file quilt;  /* when scene is NULL */
-    char *file;           /* absolute path it came from; patches do not change it */
+    lf_scene *scene;             /* NULL: a quilt picture */
+    lf_quilt_file quilt;         /* when scene is NULL */
+    char *file;                  /* absolute path it came from; patches do not change it */
     lf_render_settings settings; /* scene only; integrator points to a static name */
     lf_layout layout;
     lf_film_settings film;
@@ -20,8 +20,8 @@ typedef struct lf_stage {
  * reference. */
 LF_NODISCARD lf_status lf_stage_from_scene(lf_scene *scene, const char *file, const lf_options *options,
                                            const lf_calibration *calibration, lf_stage **out_stage, lf_error *err);
-LF_NODISCARD lf_status lf_stage_from_quilt(const char *file, const lf_roots *roots, const lf_options *options,
-                                           lf_stage **out_stage, lf_error *err);
+LF_NODISCARD lf_status lf_stage_from_quilt(const char *file, const lf_roots *roots, const lf_options *options, lf_stage **out_stage,
+                                           lf_error *err);
 lf_stage *lf_stage_ref(lf_stage *stage);
 /* Accepts NULL. */
 void lf_stage_unref(lf_stage *stage);

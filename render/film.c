@@ -8,8 +8,8 @@
 lf_status lf_film_init(lf_film *film, int n_views, int width, int height, bool has_w2, bool has_native)
 {
     size_t pixels = (size_t)n_views * (size_t)width;
-    size_t pixel_bytes = sizeof(lf_film_scattered) + sizeof(lf_film_known) + (has_w2 ? sizeof(float) : 0) +
-                         (has_native ? 3 * sizeof(float) : 0);
+    size_t pixel_bytes =
+        sizeof(lf_film_scattered) + sizeof(lf_film_known) + (has_w2 ? sizeof(float) : 0) + (has_native ? 3 * sizeof(float) : 0);
     *film = (lf_film){.n_views = n_views, .width = width, .height = height, .has_w2 = has_w2, .has_native = has_native};
     film->row_bytes = (2 * pixels * pixel_bytes + 63) / 64 * 64;
     film->data_bytes = film->row_bytes * (size_t)height;

@@ -27,26 +27,26 @@ typedef struct lf_film_known {
 typedef struct lf_film_half {
     lf_film_scattered *scattered;
     lf_film_known *known;
-    float *w2;              /* W'; NULL where no lobe depends on the view */
-    float (*native)[3];     /* M; NULL without delta lobes */
+    float *w2;          /* W'; NULL where no lobe depends on the view */
+    float (*native)[3]; /* M; NULL without delta lobes */
 } lf_film_half;
 
 typedef struct lf_film_row {
-    double n[2];            /* expected native samples a view pixel in each half */
-    double passes;          /* n times views, both halves */
+    double n[2];   /* expected native samples a view pixel in each half */
+    double passes; /* n times views, both halves */
     uint32_t visits[2];
     /* Left by the last resolve: */
-    double relative_error;  /* sum over view pixels of var / (I^2 + epsilon), < 0 = not known */
+    double relative_error; /* sum over view pixels of var / (I^2 + epsilon), < 0 = not known */
     int64_t holes;
 } lf_film_row;
 
 typedef struct lf_film {
     int n_views, width, height;
     bool has_w2, has_native;
-    size_t row_bytes;       /* both halves */
-    unsigned char *data;    /* mapped, [height][row_bytes] */
+    size_t row_bytes;    /* both halves */
+    unsigned char *data; /* mapped, [height][row_bytes] */
     size_t data_bytes;
-    lf_film_row *rows;      /* [height] */
+    lf_film_row *rows; /* [height] */
 } lf_film;
 
 /* film must be zeroed or finished. LF_E_NOMEM. */

@@ -13,7 +13,7 @@ struct lf_pivot;
 
 typedef struct lf_integrator {
     const char *name;
-    bool shares;           /* other views receive contributions */
+    bool shares; /* other views receive contributions */
     /* Spreads one pivot over the views that see it. */
     void (*pivot)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot);
 } lf_integrator;
@@ -38,10 +38,10 @@ typedef struct lf_worker {
 /* A shared pivot: where a base ray found something that scatters. */
 typedef struct lf_pivot {
     lf_event event;
-    float x, z;            /* camera space; y follows from the row's plane */
-    float lx;              /* the base ray's lens offset, copied to every view */
-    float boost;           /* 1, or q/s when the collision was forced (docs/estimators.md, "Forced collisions") */
-    lf_sampler *sampler;   /* goes on with the pivot's own dimensions */
+    float x, z;          /* camera space; y follows from the row's plane */
+    float lx;            /* the base ray's lens offset, copied to every view */
+    float boost;         /* 1, or q/s when the collision was forced (docs/estimators.md, "Forced collisions") */
+    lf_sampler *sampler; /* goes on with the pivot's own dimensions */
 } lf_pivot;
 
 /* One visit of one row: what the integrators need of it. */
@@ -56,8 +56,8 @@ typedef struct lf_visit {
     int row;
     int max_depth;
     int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
-    float weight;          /* of every base sample: 1, but for holes */
-    unsigned faults;       /* lf_fault: deliberate mistakes, for the negative controls of the tests */
+    float weight;             /* of every base sample: 1, but for holes */
+    unsigned faults;          /* lf_fault: deliberate mistakes, for the negative controls of the tests */
 } lf_visit;
 
 /* The rest of the path behind a pivot, drawn once and used by all views: a light sample, and one direction from the base
@@ -65,11 +65,11 @@ typedef struct lf_visit {
 typedef struct lf_suffix {
     bool has_light, has_direction;
     lf_light_sample light;
-    float light_visible;   /* what is left of it, 0..1 */
-    lf_vec3 wi;            /* the direction */
-    lf_vec3 found;         /* light met at its first event … */
-    float found_pdf;       /* … and p_L, the pdf of light sampling for it */
-    lf_vec3 scattered;     /* radiance scattered there */
+    float light_visible; /* what is left of it, 0..1 */
+    lf_vec3 wi;          /* the direction */
+    lf_vec3 found;       /* light met at its first event … */
+    float found_pdf;     /* … and p_L, the pdf of light sampling for it */
+    lf_vec3 scattered;   /* radiance scattered there */
 } lf_suffix;
 
 /* Draws the suffix; wo is the base view's direction at the pivot. */
@@ -85,11 +85,11 @@ bool lf_lattice_has(const lf_visit *visit, int view, int column);
 
 /* Deliberate mistakes that tests switch on to show that they are caught; 0 in every program. */
 typedef enum lf_fault {
-    LF_FAULT_NO_H = 1,           /* h_k left out of D_k: a missing r_j/r_i */
-    LF_FAULT_NO_VISIBILITY = 2,  /* one view's visibility forgotten */
-    LF_FAULT_REALISED = 4,       /* realised instead of expected counts in the weights */
-    LF_FAULT_SWAPPED_VIEWS = 8,  /* contributions land in mirrored views */
-    LF_FAULT_NO_LIGHT_PDF = 16,  /* the p_L term left out of the direction's weights */
+    LF_FAULT_NO_H = 1,          /* h_k left out of D_k: a missing r_j/r_i */
+    LF_FAULT_NO_VISIBILITY = 2, /* one view's visibility forgotten */
+    LF_FAULT_REALISED = 4,      /* realised instead of expected counts in the weights */
+    LF_FAULT_SWAPPED_VIEWS = 8, /* contributions land in mirrored views */
+    LF_FAULT_NO_LIGHT_PDF = 16, /* the p_L term left out of the direction's weights */
 } lf_fault;
 
 /* Everything that one visit of a row does. */
@@ -104,10 +104,10 @@ typedef struct lf_visit_plan {
     lf_sampler_kind sampler;
     int max_depth;
     unsigned faults;
-    int subsets;           /* passes in this visit */
-    int column_step;       /* 1, or 2: only every other column is sampled (a pass split between halves) */
-    bool force;            /* force collisions, so that thin media are covered at once */
-    int hole_reach;        /* behind the visit, fill holes farther than this from what is there; < 0: leave them */
+    int subsets;     /* passes in this visit */
+    int column_step; /* 1, or 2: only every other column is sampled (a pass split between halves) */
+    bool force;      /* force collisions, so that thin media are covered at once */
+    int hole_reach;  /* behind the visit, fill holes farther than this from what is there; < 0: leave them */
 } lf_visit_plan;
 
 /* Runs it on one worker; false = cancelled in the middle (the row's sums are then worthless). */

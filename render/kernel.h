@@ -12,8 +12,7 @@ typedef struct lf_kernels {
     /* Optical depths per unit of Z of n rays X(Z) = x0[k] + slope[k] Z from the camera line to z_end[k], and sigma_t in the slab where
      * z_end[0] lies (sigma may be NULL). n is a multiple of LF_LANES; x0 and slope are linear in k (lanes behind the
      * views repeat the last), so that the ends bound the fan. tau[n], sigma[n] out. */
-    void (*march)(const lf_slice *slice, int n, const float *x0, const float *slope, const float *z_end, float *tau,
-                  float *sigma);
+    void (*march)(const lf_slice *slice, int n, const float *x0, const float *slope, const float *z_end, float *tau, float *sigma);
 
     /* Prefix densities D_k = scale_k exp(-(tau_k - tau_min)), tau_min over lanes with scale_k > 0; all 0 when there is none.
      * Returns their sum, added in the fixed order lane 0..7 of running sums of 8. d may alias scale. */

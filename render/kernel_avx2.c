@@ -53,8 +53,8 @@ static inline __m256 exp_kernel(__m256 x)
 {
     x = _mm256_max_ps(x, _mm256_set1_ps(LF_EXP_MIN));
     __m256 i = _mm256_round_ps(_mm256_mul_ps(x, _mm256_set1_ps(LF_LOG2E)), _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
-    __m256 f = _mm256_sub_ps(_mm256_sub_ps(x, _mm256_mul_ps(i, _mm256_set1_ps(LF_LN2_HI))),
-                             _mm256_mul_ps(i, _mm256_set1_ps(LF_LN2_LO)));
+    __m256 f =
+        _mm256_sub_ps(_mm256_sub_ps(x, _mm256_mul_ps(i, _mm256_set1_ps(LF_LN2_HI))), _mm256_mul_ps(i, _mm256_set1_ps(LF_LN2_LO)));
     __m256 p = _mm256_set1_ps(LF_EXP_C6);
     p = _mm256_add_ps(_mm256_mul_ps(p, f), _mm256_set1_ps(LF_EXP_C5));
     p = _mm256_add_ps(_mm256_mul_ps(p, f), _mm256_set1_ps(LF_EXP_C4));

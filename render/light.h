@@ -7,10 +7,10 @@
 #include "render/surface.h"
 
 typedef struct lf_light_sample {
-    lf_vec3 wi;        /* unit, towards the light */
-    float distance;    /* to the light, INFINITY for lights at infinity */
-    lf_vec3 radiance;  /* arriving from wi when nothing is between; delta lights: irradiance across wi */
-    float pdf;         /* > 0 */
+    lf_vec3 wi;       /* unit, towards the light */
+    float distance;   /* to the light, INFINITY for lights at infinity */
+    lf_vec3 radiance; /* arriving from wi when nothing is between; delta lights: irradiance across wi */
+    float pdf;        /* > 0 */
     bool delta;
 } lf_light_sample;
 

@@ -12,9 +12,9 @@ typedef enum lf_event_kind { LF_EVENT_ESCAPE, LF_EVENT_MEDIUM, LF_EVENT_SURFACE 
 typedef struct lf_event {
     lf_event_kind kind;
     lf_vec3 p;
-    lf_vec3 w;      /* unit direction of travel with which the path arrived */
-    int volume;     /* LF_EVENT_MEDIUM: whose collision */
-    lf_hit hit;     /* LF_EVENT_SURFACE */
+    lf_vec3 w;  /* unit direction of travel with which the path arrived */
+    int volume; /* LF_EVENT_MEDIUM: whose collision */
+    lf_hit hit; /* LF_EVENT_SURFACE */
 } lf_event;
 
 /* The next event of a path that leaves `from` (a vertex) along the unit vector w. */

@@ -22,18 +22,18 @@ typedef struct lf_scene lf_scene;
 
 /* Everything of the scene's film block. */
 typedef struct lf_film_settings {
-    double exposure; /* stops: radiance is multiplied by 2^exposure for display */
+    double exposure;  /* stops: radiance is multiplied by 2^exposure for display */
     char tonemap[16]; /* "srgb" (clamp) or "filmic" */
 } lf_film_settings;
 
 /* The rig of a scene's camera block, resolved. */
 typedef struct lf_camera {
     double target[3], position[3], up[3];
-    double fov_y;  /* radians: vertical angle of the window seen from the middle of the rig */
-    double aspect; /* width / height of the window */
-    int n_views;   /* 1..LF_MAX_VIEWS */
-    double cone;   /* radians: total angle of the rig */
-    bool inclusive; /* placement: a_i = (i/(N-1) - 1/2) cone, else ((i+1/2)/N - 1/2) cone */
+    double fov_y;                       /* radians: vertical angle of the window seen from the middle of the rig */
+    double aspect;                      /* width / height of the window */
+    int n_views;                        /* 1..LF_MAX_VIEWS */
+    double cone;                        /* radians: total angle of the rig */
+    bool inclusive;                     /* placement: a_i = (i/(N-1) - 1/2) cone, else ((i+1/2)/N - 1/2) cone */
     double lens_radius, focus_distance; /* scene units; radius 0 = pinhole; focus along the view axis */
     /* Which of aspect, views and cone the scene itself states (the rest are defaults a preset or panel may replace
      * without being a contradiction). */
@@ -91,14 +91,14 @@ const char *lf_sampler_name(lf_sampler_kind kind);
 const char *lf_integrator_name(int index);
 
 typedef struct lf_render_settings {
-    lf_camera camera;      /* the rig, after --preset, --panel and --views had their say */
-    int width, height;     /* pixels of a view */
-    double window[4];      /* left, top, right, bottom of what the view pixels tile, in units of the camera's window with its
+    lf_camera camera;       /* the rig, after --preset, --panel and --views had their say */
+    int width, height;      /* pixels of a view */
+    double window[4];       /* left, top, right, bottom of what the view pixels tile, in units of the camera's window with its
                               top left corner at 0,0 and bottom right at 1,1; all zero = 0,0,1,1. Prints and bleed go beyond */
     const char *integrator; /* a name of the table; NULL = "mvpt" */
     lf_sampler_kind sampler;
     uint64_t seed;
-    int max_depth;         /* longest path in vertices after the camera; 0 = the scene's own limit */
+    int max_depth; /* longest path in vertices after the camera; 0 = the scene's own limit */
 } lf_render_settings;
 
 typedef struct lf_renderer lf_renderer;

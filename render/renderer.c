@@ -103,8 +103,7 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
     lf_slice_frame_init(&frame, scene, &rig);
     bool w2 = scene->has_view_lobes, keep = same_shape(&r->film, settings, w2, scene->has_delta);
     if (!keep && lf_film_init(&film, rig.n_views, rig.width, rig.height, w2, scene->has_delta) != LF_OK)
-        return lf_error_set(err, LF_E_NOMEM, "film", "not enough memory for %d views of %dx%d", rig.n_views, rig.width,
-                            rig.height);
+        return lf_error_set(err, LF_E_NOMEM, "film", "not enough memory for %d views of %dx%d", rig.n_views, rig.width, rig.height);
     int n_workers = lf_pool_threads(r->pool);
     lf_worker **workers = make_workers(n_workers, &frame);
     if (!workers) {
@@ -127,11 +126,21 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
     r->settings.integrator = integrator->name;
     r->rig = rig;
     r->frame = frame;
-    r->plan = (lf_visit_plan){.scene = r->scene, .rig = &r->rig, .frame = &r->frame, .kernels = lf_kernels_get(),
-                              .integrator = integrator, .film = &r->film, .seed = settings->seed, .sampler = settings->sampler,
+    r->plan = (lf_visit_plan){.scene = r->scene,
+                              .rig = &r->rig,
+                              .frame = &r->frame,
+                              .kernels = lf_kernels_get(),
+                              .integrator = integrator,
+                              .film = &r->film,
+                              .seed = settings->seed,
+                              .sampler = settings->sampler,
                               .max_depth = settings->max_depth > 0 ? settings->max_depth
-                                           : scene->max_depth > 0 ? scene->max_depth : LF_DEFAULT_MAX_DEPTH,
-                              .subsets = 1, .column_step = 1, .hole_reach = -1, .faults = r->plan.faults};
+                                           : scene->max_depth > 0  ? scene->max_depth
+                                                                   : LF_DEFAULT_MAX_DEPTH,
+                              .subsets = 1,
+                              .column_step = 1,
+                              .hole_reach = -1,
+                              .faults = r->plan.faults};
     return LF_OK;
 }
 
@@ -172,7 +181,7 @@ typedef struct lf_pass_job {
     lf_renderer *renderer;
     const lf_visit_plan *plan;
     int first_row, row_step;
-    int half;              /* -1 = the one with fewer visits, A first */
+    int half; /* -1 = the one with fewer visits, A first */
     lf_row_fn row_done;
     void *context;
     const lf_cancel *cancel;
@@ -215,8 +224,14 @@ lf_status lf_renderer_pass_filling(lf_renderer *renderer, int first_row, int row
     plan.subsets = subsets;
     plan.force = subsets < renderer->rig.n_views;
     plan.hole_reach = hole_reach;
-    lf_pass_job job = {.renderer = renderer, .plan = &plan, .first_row = first_row, .row_step = row_step, .half = -1,
-                       .row_done = row_done, .context = context, .cancel = cancel};
+    lf_pass_job job = {.renderer = renderer,
+                       .plan = &plan,
+                       .first_row = first_row,
+                       .row_step = row_step,
+                       .half = -1,
+                       .row_done = row_done,
+                       .context = context,
+                       .cancel = cancel};
     return run(&job);
 }
 

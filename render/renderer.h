@@ -12,7 +12,7 @@ struct lf_renderer {
     lf_slice_frame frame;
     lf_film film;
     lf_visit_plan plan;
-    lf_worker **workers;   /* [lf_pool_threads] each its own allocation: no shared cache lines */
+    lf_worker **workers; /* [lf_pool_threads] each its own allocation: no shared cache lines */
     int n_workers;
 };
 

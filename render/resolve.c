@@ -23,8 +23,8 @@ typedef struct lf_tile_pixel {
 typedef struct lf_tile {
     const lf_film *film;
     lf_film_half half[2];
-    float n[2];         /* expected samples of each half; 0 = it has none */
-    float share[2];     /* of all samples */
+    float n[2];     /* expected samples of each half; 0 = it has none */
+    float share[2]; /* of all samples */
     int n_halves;
     int view0, view1, column0, column1;
     int count;
@@ -111,7 +111,7 @@ static bool second_is_better(const lf_tile *t)
 
 /* Regression coefficients of one half over one tile: N - n q R on R (W - n q) and R (W' - n q), R the tile's N/W. */
 typedef struct lf_beta {
-    double ratio[3];   /* R */
+    double ratio[3]; /* R */
     double lambda[2];
 } lf_beta;
 

@@ -12,10 +12,10 @@
 #define LF_SAMPLER_DIMENSIONS 64
 
 typedef struct lf_sampler {
-    uint64_t key;      /* which sequence: pixel, view, half, seed hashed together */
-    uint32_t index;    /* which point of it */
-    uint32_t dimension;/* next dimension */
-    uint64_t state;    /* stream of the independent numbers */
+    uint64_t key;       /* which sequence: pixel, view, half, seed hashed together */
+    uint32_t index;     /* which point of it */
+    uint32_t dimension; /* next dimension */
+    uint64_t state;     /* stream of the independent numbers */
     lf_sampler_kind kind;
 } lf_sampler;
 

@@ -14,8 +14,8 @@
 
 /* -------------------------------------------------------------------------------------------------------- volumes -- */
 
-#define LF_BRICK 8           /* cells along a side of a brick */
-#define LF_BRICK_VALUES 9    /* values along a side: the cells' corners, so that one brick answers a trilinear look-up */
+#define LF_BRICK 8        /* cells along a side of a brick */
+#define LF_BRICK_VALUES 9 /* values along a side: the cells' corners, so that one brick answers a trilinear look-up */
 #define LF_BRICK_STRIDE (LF_BRICK_VALUES * LF_BRICK_VALUES * LF_BRICK_VALUES)
 
 /* Values of one grid, shared between scenes. Voxel centre (i, j, k), i in [0, size), carries a value; a cell (i, j, k)
@@ -23,15 +23,15 @@
  * [8 b - 1, 8 b + 7) of the local grid and its value v stands for voxel 8 b - 1 + v. */
 typedef struct lf_grid {
     atomic_int refs;
-    int size[3];          /* x, y, z voxels of the active bounding box */
-    int bricks[3];        /* bricks along x, y, z: ceil((size + 1) / 8) */
-    uint32_t n_bricks;    /* bricks stored, without the empty brick 0 */
-    uint32_t *index;      /* [bz][by][bx] number of the brick; 0 = empty */
-    float *values;        /* [n_bricks + 1][9 z][9 y][9 x]; brick 0 is all zero; values are finite and >= 0 */
-    float *brick_max;     /* [bz][by][bx] largest value a look-up inside the brick can return, the filter's footprint included */
+    int size[3];       /* x, y, z voxels of the active bounding box */
+    int bricks[3];     /* bricks along x, y, z: ceil((size + 1) / 8) */
+    uint32_t n_bricks; /* bricks stored, without the empty brick 0 */
+    uint32_t *index;   /* [bz][by][bx] number of the brick; 0 = empty */
+    float *values;     /* [n_bricks + 1][9 z][9 y][9 x]; brick 0 is all zero; values are finite and >= 0 */
+    float *brick_max;  /* [bz][by][bx] largest value a look-up inside the brick can return, the filter's footprint included */
     float max_value;
     double local_to_file[3][4]; /* voxel index of this box -> the file's own world space (before the scene's transform) */
-    char *key;            /* file, grid, modification time: what sharing compares */
+    char *key;                  /* file, grid, modification time: what sharing compares */
 } lf_grid;
 
 typedef enum lf_volume_kind {
@@ -42,16 +42,16 @@ typedef enum lf_volume_kind {
 
 typedef struct lf_volume {
     lf_volume_kind kind;
-    lf_grid *grid;        /* counted reference; NULL unless LF_VOLUME_GRID */
-    bool nearest;         /* interpolation "nearest" */
-    float sigma_scale;    /* sigma_t per scene unit = sigma_scale * value (value is 1 inside a homogeneous shape) */
-    float sigma_max;      /* majorant of the whole volume */
-    lf_vec3 albedo;       /* single-scattering, 0..1 a channel */
-    float g;              /* Henyey-Greenstein, (-1, 1) */
+    lf_grid *grid;     /* counted reference; NULL unless LF_VOLUME_GRID */
+    bool nearest;      /* interpolation "nearest" */
+    float sigma_scale; /* sigma_t per scene unit = sigma_scale * value (value is 1 inside a homogeneous shape) */
+    float sigma_max;   /* majorant of the whole volume */
+    lf_vec3 albedo;    /* single-scattering, 0..1 a channel */
+    float g;           /* Henyey-Greenstein, (-1, 1) */
     /* Scene-local point -> volume space (voxel index for grids: voxel centres at integers) and back; rows of a 3x4 affine. */
     float to_volume[3][4], to_scene[3][4];
     lf_vec3 bounds_min, bounds_max; /* scene-local box outside of which sigma_t = 0 (filter footprint included) */
-    float voxel;          /* smallest voxel edge in scene units (shapes: 1/64 of the smallest extent) */
+    float voxel;                    /* smallest voxel edge in scene units (shapes: 1/64 of the smallest extent) */
 } lf_volume;
 
 /* sigma_t at a scene-local point, filter applied, 0 outside. */
@@ -62,7 +62,12 @@ float lf_grid_nearest(const lf_grid *grid, float x, float y, float z);
 
 /* ----------------------------------------------------------------------------------------------- surfaces, meshes -- */
 
-typedef enum lf_material_type { LF_MATERIAL_DIFFUSE, LF_MATERIAL_CONDUCTOR, LF_MATERIAL_PLASTIC, LF_MATERIAL_TYPES } lf_material_type;
+typedef enum lf_material_type {
+    LF_MATERIAL_DIFFUSE,
+    LF_MATERIAL_CONDUCTOR,
+    LF_MATERIAL_PLASTIC,
+    LF_MATERIAL_TYPES
+} lf_material_type;
 
 typedef struct lf_material {
     lf_material_type type;
@@ -74,11 +79,11 @@ typedef struct lf_material {
 #define LF_ALPHA_MIN 1e-3f
 
 typedef struct lf_mesh {
-    unsigned geom_id;        /* Embree geometry */
+    unsigned geom_id; /* Embree geometry */
     int n_vertices, n_triangles;
-    const float *vertices;   /* [n_vertices][3] scene-local (padded by one float for Embree) */
-    const uint32_t *triangles; /* [n_triangles][3] */
-    const float *normals;    /* [n_vertices][3] unit, or NULL: flat shading */
+    const float *vertices;             /* [n_vertices][3] scene-local (padded by one float for Embree) */
+    const uint32_t *triangles;         /* [n_triangles][3] */
+    const float *normals;              /* [n_vertices][3] unit, or NULL: flat shading */
     const uint16_t *triangle_material; /* [n_triangles] index into scene->materials, or NULL: `material` for all */
     uint16_t material;
 } lf_mesh;
@@ -90,11 +95,11 @@ typedef struct lf_mesh {
 typedef struct lf_environment {
     atomic_int refs;
     int width, height;
-    float *rgb;           /* [height][width][3] */
-    float *marginal;      /* [height + 1] cumulative over rows, 0..1 */
-    float *conditional;   /* [height][width + 1] cumulative along each row, 0..1 */
-    float *pdf;           /* [height][width] per unit solid angle */
-    float mean;           /* radiance, mean over the sphere and the channels */
+    float *rgb;         /* [height][width][3] */
+    float *marginal;    /* [height + 1] cumulative over rows, 0..1 */
+    float *conditional; /* [height][width + 1] cumulative along each row, 0..1 */
+    float *pdf;         /* [height][width] per unit solid angle */
+    float mean;         /* radiance, mean over the sphere and the channels */
     char *key;
 } lf_environment;
 
@@ -102,22 +107,22 @@ typedef enum lf_light_type { LF_LIGHT_ENVIRONMENT, LF_LIGHT_DISTANT, LF_LIGHT_PO
 
 typedef struct lf_light {
     lf_light_type type;
-    float select;          /* probability that light sampling picks this light; 0 = never sampled (constant skies) */
-    float cumulative;      /* sum of select up to and with this light; 1 from the last that can be picked on */
+    float select;     /* probability that light sampling picks this light; 0 = never sampled (constant skies) */
+    float cumulative; /* sum of select up to and with this light; 1 from the last that can be picked on */
     /* environment: scale (file) or radiance (constant); distant with an angle: radiance of the disk; mesh: the material's */
     lf_vec3 radiance;
     lf_environment *environment; /* counted reference; NULL = constant */
     float to_environment[3][3];  /* scene direction -> the picture's frame */
-    lf_vec3 direction;     /* distant: unit, in which light travels */
-    lf_vec3 irradiance;    /* distant: on a plane across it */
-    float cos_angle;       /* distant: cosine of half the angular diameter; 1 = delta */
+    lf_vec3 direction;           /* distant: unit, in which light travels */
+    lf_vec3 irradiance;          /* distant: on a plane across it */
+    float cos_angle;             /* distant: cosine of half the angular diameter; 1 = delta */
     lf_vec3 position, intensity; /* point: scene-local, W sr^-1 */
-    int mesh;              /* mesh: index into scene->meshes */
-    uint16_t mesh_material;/* mesh: the emitting material (triangles of it only) */
-    int n_triangles;       /* mesh: emitting triangles … */
-    uint32_t *triangle;    /* … their numbers */
-    float *area_cdf;       /* [n_triangles + 1] cumulative area, 0..1 */
-    float area;            /* total */
+    int mesh;                    /* mesh: index into scene->meshes */
+    uint16_t mesh_material;      /* mesh: the emitting material (triangles of it only) */
+    int n_triangles;             /* mesh: emitting triangles … */
+    uint32_t *triangle;          /* … their numbers */
+    float *area_cdf;             /* [n_triangles + 1] cumulative area, 0..1 */
+    float area;                  /* total */
 } lf_light;
 
 /* ---------------------------------------------------------------------------------------------------------- scene -- */
@@ -126,25 +131,25 @@ struct lf_scene {
     atomic_int refs;
     json_t *json;
     char *folder, *where;
-    double origin[3];        /* world = local + origin */
-    lf_camera camera;        /* world coordinates */
+    double origin[3]; /* world = local + origin */
+    lf_camera camera; /* world coordinates */
     lf_film_settings film;
-    int max_depth;           /* path vertices; 0 = LF_DEFAULT_MAX_DEPTH */
+    int max_depth; /* path vertices; 0 = LF_DEFAULT_MAX_DEPTH */
 
     int n_volumes, n_meshes, n_materials, n_lights;
     lf_volume *volumes;
-    lf_mesh *meshes;         /* indexed by Embree's geomID */
+    lf_mesh *meshes; /* indexed by Embree's geomID */
     lf_material *materials;
-    lf_light *lights;        /* in the order of their types after lf_lights_commit: those at infinity first */
-    int n_lights_infinite;   /* set by lf_lights_commit */
-    RTCScene embree;         /* NULL without meshes (then no Embree device exists either) */
-    struct lf_geometry *geometry; /* owner of the meshes' arrays and of embree, shared between scenes; NULL without meshes */
+    lf_light *lights;               /* in the order of their types after lf_lights_commit: those at infinity first */
+    int n_lights_infinite;          /* set by lf_lights_commit */
+    RTCScene embree;                /* NULL without meshes (then no Embree device exists either) */
+    struct lf_geometry *geometry;   /* owner of the meshes' arrays and of embree, shared between scenes; NULL without meshes */
     lf_vec3 bounds_min, bounds_max; /* of volumes and meshes; min > max when there is nothing */
 
     /* What integrators are specialised by. */
-    bool has_delta;          /* some material has a delta lobe */
-    bool has_emission;       /* some material emits */
-    bool has_view_lobes;     /* some lobe depends on the view: g != 0, conductor, plastic */
+    bool has_delta;      /* some material has a delta lobe */
+    bool has_emission;   /* some material emits */
+    bool has_view_lobes; /* some lobe depends on the view: g != 0, conductor, plastic */
 };
 #define LF_DEFAULT_MAX_DEPTH 1024
 #define LF_MAX_VOLUMES 16

@@ -122,8 +122,8 @@ static int add_grid(const lf_volume *volume, lf_vec3 start, lf_vec3 step, int nx
 {
     const lf_grid *grid = volume->grid;
     float lo = 0.0f, hi = (float)(nx - 1);
-    clip_box(start, step, lf_v3(-1.0f, -1.0f, -1.0f),
-             lf_v3((float)grid->size[0], (float)grid->size[1], (float)grid->size[2]), &lo, &hi);
+    clip_box(start, step, lf_v3(-1.0f, -1.0f, -1.0f), lf_v3((float)grid->size[0], (float)grid->size[1], (float)grid->size[2]), &lo,
+             &hi);
     if (!(hi >= lo))
         return 0;
     int i0 = (int)ceilf(lo), i1 = (int)floorf(hi);

@@ -15,23 +15,23 @@
 
 /* Where the volumes lie in camera space: fixed for a scene and rig. */
 typedef struct lf_slice_frame {
-    bool empty;              /* no volumes in front of the cameras */
-    float x_min, dx;         /* sample i sits at X = x_min + i dx; samples 0 and nx - 1 are outside of the volumes */
+    bool empty;      /* no volumes in front of the cameras */
+    float x_min, dx; /* sample i sits at X = x_min + i dx; samples 0 and nx - 1 are outside of the volumes */
     float z_min, dz;
-    int nx, nz;              /* nz slabs without the one more that the phase needs */
+    int nx, nz; /* nz slabs without the one more that the phase needs */
 } lf_slice_frame;
 
 typedef struct lf_slab {
-    float x_lo, x_hi;        /* X range outside of which this slab is empty; x_lo > x_hi: all of it */
+    float x_lo, x_hi; /* X range outside of which this slab is empty; x_lo > x_hi: all of it */
 } lf_slab;
 
 typedef struct lf_slice {
     int nx, nz;
     float x_min, inv_dx;
-    float z0, dz;            /* slab s covers Z in [z0 + s dz, z0 + (s + 1) dz) */
-    int first, last;         /* occupied slabs first .. last; first > last: empty */
-    float *sigma;            /* [nz][nx + 1] sigma_t per scene unit; [nx] repeats 0 so that sample i + 1 can be read */
-    lf_slab *slabs;          /* [nz] */
+    float z0, dz;    /* slab s covers Z in [z0 + s dz, z0 + (s + 1) dz) */
+    int first, last; /* occupied slabs first .. last; first > last: empty */
+    float *sigma;    /* [nz][nx + 1] sigma_t per scene unit; [nx] repeats 0 so that sample i + 1 can be read */
+    lf_slab *slabs;  /* [nz] */
 } lf_slice;
 
 void lf_slice_frame_init(lf_slice_frame *frame, const lf_scene *scene, const lf_rig *rig);

@@ -46,9 +46,9 @@ static inline float lf_ggx_root(float alpha, float cos_theta)
 
 /* Reflection off GGX microfacets between wo and wi (z > LF_MIN_COS), without Fresnel. */
 typedef struct lf_ggx_lobe {
-    float f;       /* D G2 |cos_i| / (4 cos_o cos_i); G2 height-correlated (Heitz 2014, eq. 99) */
-    float pdf;     /* of wi when h is drawn from the normals visible from wo (Heitz 2018, eq. 17) */
-    float cos_oh;  /* wo.h: what Fresnel wants */
+    float f;      /* D G2 |cos_i| / (4 cos_o cos_i); G2 height-correlated (Heitz 2014, eq. 99) */
+    float pdf;    /* of wi when h is drawn from the normals visible from wo (Heitz 2018, eq. 17) */
+    float cos_oh; /* wo.h: what Fresnel wants */
 } lf_ggx_lobe;
 
 static inline lf_ggx_lobe lf_ggx_eval(float alpha, lf_vec3 wo, lf_vec3 wi)

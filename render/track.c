@@ -53,8 +53,15 @@ bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_h
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     struct RTCRayHit rh;
-    rh.ray = (struct RTCRay){.org_x = o.x, .org_y = o.y, .org_z = o.z, .tnear = 0.0f, .dir_x = w.x, .dir_y = w.y, .dir_z = w.z,
-                             .tfar = t_max, .mask = ~0u};
+    rh.ray = (struct RTCRay){.org_x = o.x,
+                             .org_y = o.y,
+                             .org_z = o.z,
+                             .tnear = 0.0f,
+                             .dir_x = w.x,
+                             .dir_y = w.y,
+                             .dir_z = w.z,
+                             .tfar = t_max,
+                             .mask = ~0u};
     rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rh.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     tracer->rays++;
@@ -71,8 +78,15 @@ bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
         return false;
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    struct RTCRay ray = {.org_x = o.x, .org_y = o.y, .org_z = o.z, .tnear = 0.0f, .dir_x = w.x, .dir_y = w.y, .dir_z = w.z,
-                         .tfar = t_max, .mask = ~0u};
+    struct RTCRay ray = {.org_x = o.x,
+                         .org_y = o.y,
+                         .org_z = o.z,
+                         .tnear = 0.0f,
+                         .dir_x = w.x,
+                         .dir_y = w.y,
+                         .dir_z = w.z,
+                         .tfar = t_max,
+                         .mask = ~0u};
     tracer->rays++;
     rtcOccluded1(tracer->scene->embree, &context, &ray);
     return ray.tfar < 0.0f;
@@ -146,10 +160,10 @@ typedef struct lf_walk {
     const lf_grid *grid;
     int b[3], step[3];
     float next[3], delta[3];
-    float t0, t1;          /* the present brick's part of the ray */
+    float t0, t1; /* the present brick's part of the ray */
     float end;
-    const float *values;   /* of the present brick */
-    float max;             /* its largest value */
+    const float *values; /* of the present brick */
+    float max;           /* its largest value */
 } lf_walk;
 
 static void enter(lf_walk *k)

@@ -9,8 +9,8 @@
 
 typedef struct lf_tracer {
     const lf_scene *scene;
-    uint64_t rng;     /* stream of the path in progress: lf_tracer_seed */
-    int64_t rays;     /* counters, never reset here */
+    uint64_t rng; /* stream of the path in progress: lf_tracer_seed */
+    int64_t rays; /* counters, never reset here */
     int64_t lookups;
     int64_t nonfinite;
 } lf_tracer;

@@ -9,29 +9,68 @@
 #define LF_INV_4PI 0.07957747154594766788f
 
 /* One instruction each (fminf and fmaxf are calls, for the sake of NaN): b where either is NaN. */
-static inline float lf_min(float a, float b) { return a < b ? a : b; }
-static inline float lf_max(float a, float b) { return a > b ? a : b; }
+static inline float lf_min(float a, float b)
+{
+    return a < b ? a : b;
+}
+static inline float lf_max(float a, float b)
+{
+    return a > b ? a : b;
+}
 
 typedef struct lf_vec3 {
     float x, y, z;
 } lf_vec3;
 
-static inline lf_vec3 lf_v3(float x, float y, float z) { return (lf_vec3){x, y, z}; }
-static inline lf_vec3 lf_add(lf_vec3 a, lf_vec3 b) { return lf_v3(a.x + b.x, a.y + b.y, a.z + b.z); }
-static inline lf_vec3 lf_sub(lf_vec3 a, lf_vec3 b) { return lf_v3(a.x - b.x, a.y - b.y, a.z - b.z); }
-static inline lf_vec3 lf_mul(lf_vec3 a, lf_vec3 b) { return lf_v3(a.x * b.x, a.y * b.y, a.z * b.z); }
-static inline lf_vec3 lf_scale(lf_vec3 a, float s) { return lf_v3(a.x * s, a.y * s, a.z * s); }
+static inline lf_vec3 lf_v3(float x, float y, float z)
+{
+    return (lf_vec3){x, y, z};
+}
+static inline lf_vec3 lf_add(lf_vec3 a, lf_vec3 b)
+{
+    return lf_v3(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+static inline lf_vec3 lf_sub(lf_vec3 a, lf_vec3 b)
+{
+    return lf_v3(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+static inline lf_vec3 lf_mul(lf_vec3 a, lf_vec3 b)
+{
+    return lf_v3(a.x * b.x, a.y * b.y, a.z * b.z);
+}
+static inline lf_vec3 lf_scale(lf_vec3 a, float s)
+{
+    return lf_v3(a.x * s, a.y * s, a.z * s);
+}
 /* a + s b */
-static inline lf_vec3 lf_madd(lf_vec3 a, float s, lf_vec3 b) { return lf_v3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z); }
-static inline float lf_dot(lf_vec3 a, lf_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline lf_vec3 lf_madd(lf_vec3 a, float s, lf_vec3 b)
+{
+    return lf_v3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
+}
+static inline float lf_dot(lf_vec3 a, lf_vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 static inline lf_vec3 lf_cross(lf_vec3 a, lf_vec3 b)
 {
     return lf_v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
-static inline float lf_length(lf_vec3 a) { return sqrtf(lf_dot(a, a)); }
-static inline lf_vec3 lf_normalize(lf_vec3 a) { return lf_scale(a, 1.0f / lf_length(a)); }
-static inline float lf_max3(lf_vec3 a) { return lf_max(a.x, lf_max(a.y, a.z)); }
-static inline float lf_mean3(lf_vec3 a) { return (a.x + a.y + a.z) * (1.0f / 3.0f); }
+static inline float lf_length(lf_vec3 a)
+{
+    return sqrtf(lf_dot(a, a));
+}
+static inline lf_vec3 lf_normalize(lf_vec3 a)
+{
+    return lf_scale(a, 1.0f / lf_length(a));
+}
+static inline float lf_max3(lf_vec3 a)
+{
+    return lf_max(a.x, lf_max(a.y, a.z));
+}
+static inline float lf_mean3(lf_vec3 a)
+{
+    return (a.x + a.y + a.z) * (1.0f / 3.0f);
+}
 
 /* Two unit vectors that make a right-handed orthonormal frame (t, b, n) with the unit vector n (Duff et al. 2017, JCGT 6(1)). */
 static inline void lf_frame(lf_vec3 n, lf_vec3 *t, lf_vec3 *b)

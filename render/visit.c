@@ -178,8 +178,7 @@ static void make_ray(const lf_visit *visit, int view, float u, float lx, lf_base
 }
 
 /* film: where in the pixel, 0..1; < 0 = drawn. */
-static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, int column, float film, uint64_t key,
-                        uint32_t index)
+static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, int column, float film, uint64_t key, uint32_t index)
 {
     lf_worker *worker = visit->worker;
     const lf_rig *rig = visit->rig;
@@ -330,4 +329,3 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     state->passes += (double)plan->subsets / plan->column_step;
     return plan->hole_reach < 0 || fill_holes(plan, &visit, half, key, index, cancel);
 }
-

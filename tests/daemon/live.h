@@ -26,15 +26,16 @@ static const char live_scene_text[] =
     "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":0.7}}}";
 
 /* 96 x 128 pixels: every frame is quick. */
-static const char live_calibration_text[] =
-    "{\"configVersion\":\"1.0\",\"serial\":\"LKG-TEST\",\"pitch\":{\"value\":52.5},\"slope\":{\"value\":-7.2},\"center\":{\"value\":0.3},"
-    "\"viewCone\":{\"value\":40},\"invView\":{\"value\":1},\"DPI\":{\"value\":324},\"screenW\":{\"value\":96},\"screenH\":{\"value\":128},"
-    "\"flipImageX\":{\"value\":0},\"flipImageY\":{\"value\":0},\"flipSubp\":{\"value\":0}}";
+static const char live_calibration_text[] = "{\"configVersion\":\"1.0\",\"serial\":\"LKG-TEST\",\"pitch\":{\"value\":52.5},"
+                                            "\"slope\":{\"value\":-7.2},\"center\":{\"value\":0.3},"
+                                            "\"viewCone\":{\"value\":40},\"invView\":{\"value\":1},\"DPI\":{\"value\":324},"
+                                            "\"screenW\":{\"value\":96},\"screenH\":{\"value\":128},"
+                                            "\"flipImageX\":{\"value\":0},\"flipImageY\":{\"value\":0},\"flipSubp\":{\"value\":0}}";
 
 typedef struct live {
     char *folder;
-    char scene[PATH_MAX / 4], socket[PATH_MAX / 4], sim[PATH_MAX / 4], panel[PATH_MAX / 4], exports[PATH_MAX / 4], state[PATH_MAX / 4],
-        log[PATH_MAX / 4];
+    char scene[PATH_MAX / 4], socket[PATH_MAX / 4], sim[PATH_MAX / 4], panel[PATH_MAX / 4], exports[PATH_MAX / 4],
+        state[PATH_MAX / 4], log[PATH_MAX / 4];
     pid_t pid;
 } live;
 
@@ -179,8 +180,14 @@ static inline void live_start(live *l, const char *scene, ...)
     char program[PATH_MAX];
     snprintf(program, sizeof program, "%s", lf_test_built("quiltd"));
     args[n++] = program;
-    char *usual[] = {(char *)(uintptr_t)scene, (char *)(uintptr_t) "--socket", l->socket, (char *)(uintptr_t) "--export-dir", l->exports,
-                     (char *)(uintptr_t) "--view-size", (char *)(uintptr_t) "24x32", (char *)(uintptr_t) "--threads",
+    char *usual[] = {(char *)(uintptr_t)scene,
+                     (char *)(uintptr_t) "--socket",
+                     l->socket,
+                     (char *)(uintptr_t) "--export-dir",
+                     l->exports,
+                     (char *)(uintptr_t) "--view-size",
+                     (char *)(uintptr_t) "24x32",
+                     (char *)(uintptr_t) "--threads",
                      (char *)(uintptr_t) "2"};
     for (size_t i = scene == NULL ? 1 : 0; i < sizeof usual / sizeof *usual; i++) {
         args[n++] = usual[i];

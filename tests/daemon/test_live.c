@@ -151,7 +151,8 @@ static int export_to(live_client *c, const char *kind, const char *file, bool ov
 {
     json_t *params = json_pack("{s:s, s:s, s:b}", "kind", kind, "file", file, "overwrite", overwrite);
     if (strcmp(kind, "print") == 0) {
-        json_object_update_new(params, json_pack("{s:i, s:i, s:i, s:i, s:i}", "lpi", 60, "dpi", 300, "width", 20, "height", 20, "bleed", 1));
+        json_object_update_new(
+            params, json_pack("{s:i, s:i, s:i, s:i, s:i}", "lpi", 60, "dpi", 300, "width", 20, "height", 20, "bleed", 1));
     }
     json_t *answer = live_call(c, "export", params);
     int code = (int)json_integer_value(json_object_get(json_object_get(answer, "error"), "code"));
@@ -172,8 +173,9 @@ static void exports_are_written_beneath_the_export_dir_only(void **state)
     live_wait(&c, "coarse");
     const char *end;
     char path[PATH_MAX];
-    static const char *const kinds[][3] = {{"quilt", "q.png", "q_qs"}, {"quilt", "f.exr", "f_qs"}, {"views", "v/", "v"},
-                                           {"panel", "p.png", "p.png"}, {"print", "t.tif", "t.tif"}, {"state", "s.lfstate", "s.lfstate"}};
+    static const char *const kinds[][3] = {{"quilt", "q.png", "q_qs"},  {"quilt", "f.exr", "f_qs"},
+                                           {"views", "v/", "v"},        {"panel", "p.png", "p.png"},
+                                           {"print", "t.tif", "t.tif"}, {"state", "s.lfstate", "s.lfstate"}};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         assert_int_equal(export_to(&c, kinds[i][0], kinds[i][1], false, &end), 0);
         assert_string_equal(end, "done");
@@ -230,13 +232,15 @@ static void quiltctl_exports_with_the_rights_of_its_caller(void **state)
     live_prepare(&l);
     live_start(&l, l.scene, "--device", l.sim, NULL);
     char out[PATH_MAX];
-    static const char *const names[][2] = {{"panel", "p.png"}, {"views", "v/"}, {"print", "t.tif"}, {"state", "s.lfstate"}, {"quilt", "q.png"}};
+    static const char *const names[][2] = {
+        {"panel", "p.png"}, {"views", "v/"}, {"print", "t.tif"}, {"state", "s.lfstate"}, {"quilt", "q.png"}};
     static const char *const made[] = {"p.png", "v/view_000.exr", "t.json", "s.lfstate", "q_qs1x5a0.75.png"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         snprintf(out, sizeof out, "%s/%s", l.folder, names[i][1]);
         bool print = strcmp(names[i][0], "print") == 0;
-        assert_int_equal(live_run(&l, "quiltctl", "--socket", l.socket, "export", names[i][0], out, print ? "lpi=60" : NULL, "width=20",
-                                  "height=20", "dpi=300", NULL), 0);
+        assert_int_equal(live_run(&l, "quiltctl", "--socket", l.socket, "export", names[i][0], out, print ? "lpi=60" : NULL,
+                                  "width=20", "height=20", "dpi=300", NULL),
+                         0);
         if (i < 4) {
             assert_int_equal(access(lf_test_path(l.folder, made[i]), F_OK), 0);
         }
@@ -279,7 +283,8 @@ static long count_differences(const live *l, const char *quilt_path)
     lf_assert_ok(lf_calibration_load(lf_test_path(l->folder, "sim/calibration.json"), &calibration, &err), &err);
     lf_assert_ok(lf_quilt_read(quilt_path, NULL, 0, 0, &quilt, &err), &err);
     lf_assert_ok(lf_interlacer_create(&calibration, quilt.layout.n_views, quilt.layout.view_width, quilt.layout.view_height,
-                                      quilt.layout.aspect, LF_FILTER_NEAREST, LF_INVERT_AUTO, &interlacer, &err), &err);
+                                      quilt.layout.aspect, LF_FILTER_NEAREST, LF_INVERT_AUTO, &interlacer, &err),
+                 &err);
     lf_assert_ok(lf_image8_init(&expected, 96, 128, 3), NULL);
     lf_interlace(interlacer, &quilt.views8, &expected, NULL);
     lf_assert_ok(lf_image8_read(l->panel, NULL, &panel, &err), &err);

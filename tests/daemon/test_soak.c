@@ -54,8 +54,9 @@ static long resident_kib(pid_t pid)
 /* Bytes that are noise, or look like a request for a while. */
 static size_t make_garbage(char *out, size_t size, uint64_t *state)
 {
-    static const char *const pieces[] = {"{\"jsonrpc\":\"2.0\",", "\"id\":1,", "\"method\":\"status\"", "\"method\":\"export\",", "}\n", "{\"a\":[[[[",
-                                         "\"params\":{", "\n", "\"file\":\"../x.png\"", "\"kind\":\"panel\","};
+    static const char *const pieces[] = {
+        "{\"jsonrpc\":\"2.0\",", "\"id\":1,", "\"method\":\"status\"", "\"method\":\"export\",", "}\n", "{\"a\":[[[[",
+        "\"params\":{",          "\n",        "\"file\":\"../x.png\"", "\"kind\":\"panel\","};
     size_t n = 0;
     while (n + 64 < size) {
         if (next_random(state) % 3 == 0) {
@@ -158,8 +159,8 @@ static void killed_at_any_moment_it_leaves_nothing_broken(void **state)
         live_client c;
         live_connect(&l, &c);
         live_wait(&c, "coarse");
-        json_t *params = json_pack("{s:s, s:s, s:b}", "kind", i % 2 == 0 ? "panel" : "state", "file", i % 2 == 0 ? "p.png" : "s.lfstate",
-                                   "overwrite", 1);
+        json_t *params = json_pack("{s:s, s:s, s:b}", "kind", i % 2 == 0 ? "panel" : "state", "file",
+                                   i % 2 == 0 ? "p.png" : "s.lfstate", "overwrite", 1);
         assert_int_equal(live_code(&c, "export", params), 0);
         live_nap((long)(next_random(&random) % 40));
         kill(l.pid, SIGKILL);

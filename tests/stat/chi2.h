@@ -14,10 +14,10 @@ typedef struct lf_chi2_sphere {
     /* Per unit solid angle. */
     double (*pdf)(const void *context, lf_vec3 w);
     const void *context;
-    lf_vec3 axis;       /* unit */
-    double m_max;       /* 2 = whole sphere, 1 = hemisphere */
-    double warp;        /* > 0 */
-    int n_t, n_phi;     /* bins */
+    lf_vec3 axis;   /* unit */
+    double m_max;   /* 2 = whole sphere, 1 = hemisphere */
+    double warp;    /* > 0 */
+    int n_t, n_phi; /* bins */
     int n_samples;
     uint64_t seed;
 } lf_chi2_sphere;

@@ -24,8 +24,8 @@ double *lf_test_picture(const lf_renderer *renderer, lf_estimator estimator);
 /* Means over blocks of block x block pixels (the last ones smaller) of each view, over replicates. */
 typedef struct lf_blocks {
     int n_views, width, height, block, across, n;
-    lf_moments *moments;  /* [view][down][across], then one of the whole picture: n in all */
-    double *last;         /* the block means added last */
+    lf_moments *moments; /* [view][down][across], then one of the whole picture: n in all */
+    double *last;        /* the block means added last */
 } lf_blocks;
 
 void lf_blocks_init(lf_blocks *blocks, int n_views, int width, int height, int block);
