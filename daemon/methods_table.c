@@ -2,8 +2,10 @@
 
 #include <pthread.h>
 
+/* JSON Schemas as text: laid out by hand */
+/* clang-format off */
 #define OBJECT(properties) "{\"type\":\"object\",\"additionalProperties\":false,\"properties\":{" properties "}}"
-#define OBJECT_WITH(required, properties)                                                                                          \
+#define OBJECT_WITH(required, properties) \
     "{\"type\":\"object\",\"additionalProperties\":false,\"required\":[" required "],\"properties\":{" properties "}}"
 #define STRING "{\"type\":\"string\"}"
 #define NUMBER "{\"type\":\"number\"}"
@@ -12,40 +14,22 @@
 #define ENUM(words) "{\"type\":\"string\",\"enum\":[" words "]}"
 #define VECTOR "{\"type\":\"array\",\"items\":" NUMBER ",\"minItems\":3,\"maxItems\":3}"
 
-#define CAMERA_KEYS                                                                                                                \
-    "\"target\":" VECTOR ",\"position\":" VECTOR ",\"up\":" VECTOR ",\"fov_y\":" NUMBER ",\"aspect\":" NUMBER                      \
-    ",\"views\":{\"type\":\"integer\",\"minimum\":1,\"maximum\":256},\"cone\":" NUMBER                                             \
+#define CAMERA_KEYS                                                                                                          \
+    "\"target\":" VECTOR ",\"position\":" VECTOR ",\"up\":" VECTOR ",\"fov_y\":" NUMBER ",\"aspect\":" NUMBER                \
+    ",\"views\":{\"type\":\"integer\",\"minimum\":1,\"maximum\":256},\"cone\":" NUMBER                                       \
     ",\"placement\":" ENUM("\"centred\",\"inclusive\"") ",\"lens_radius\":" NUMBER ",\"focus_distance\":" NUMBER
 
-#define EXPORT_KEYS                                                                                                                                          \
-    "\"kind\":" ENUM("\"quilt\",\"views\",\"panel\",\"print\",\"state\"") ",\"file\":" STRING ",\"wait\":" ENUM(                                             \
-        "\"coarse\",\"complete\",\"converged\"") ",\"overwrite\":" BOOLEAN                                                                                   \
-                                                 ",\"fds\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":253}"                                             \
-                                                 ",\"filter\":" ENUM("\"nearest\",\"linear\"") ",\"invert\":" ENUM(                                          \
-                                                     "\"auto\",\"yes\",\"no\"") ",\"lpi\":" POSITIVE                                                         \
-                                                                                ",\"dpi\":{\"type\":\"integer\",\"minimum\":1,"                              \
-                                                                                "\"maximum\":100000}"                                                        \
-                                                                                ",\"width\":" POSITIVE ",\"height\":" POSITIVE                               \
-                                                                                ",\"bleed\":" NUMBER ",\"phase\":" NUMBER                                    \
-                                                                                ",\"views\":{\"type\":\"integer\",\"minimum\":1,"                            \
-                                                                                "\"maximum\":256}"                                                           \
-                                                                                ",\"stripes\":" ENUM("\"fractional\",\"nearest\"") ",\"orientation\":" ENUM( \
-                                                                                    "\"vertical\",\"horizontal\"") ",\"bits\":{"                             \
-                                                                                                                   "\"type\":"                               \
-                                                                                                                   "\"integer\","                            \
-                                                                                                                   "\"enum\":[8,"                            \
-                                                                                                                   "16]},"                                   \
-                                                                                                                   "\"compress\""                            \
-                                                                                                                   ":" ENUM("\"no"                           \
-                                                                                                                            "ne\""                           \
-                                                                                                                            ",\"l"                           \
-                                                                                                                            "zw\""                           \
-                                                                                                                            ",\"d"                           \
-                                                                                                                            "efla"                           \
-                                                                                                                            "te"                             \
-                                                                                                                            "\"") ",\"icc\":" STRING         \
-                                                                                                                                  ",\"reverse\":" BOOLEAN    \
-                                                                                                                                  ",\"mirror\":" BOOLEAN
+#define EXPORT_KEYS                                                                                                          \
+    "\"kind\":" ENUM("\"quilt\",\"views\",\"panel\",\"print\",\"state\"") ",\"file\":" STRING                                \
+    ",\"wait\":" ENUM("\"coarse\",\"complete\",\"converged\"") ",\"overwrite\":" BOOLEAN                                     \
+    ",\"fds\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":253}"                                                          \
+    ",\"filter\":" ENUM("\"nearest\",\"linear\"") ",\"invert\":" ENUM("\"auto\",\"yes\",\"no\"")                             \
+    ",\"lpi\":" POSITIVE ",\"dpi\":{\"type\":\"integer\",\"minimum\":1,\"maximum\":100000}"                                  \
+    ",\"width\":" POSITIVE ",\"height\":" POSITIVE ",\"bleed\":" NUMBER ",\"phase\":" NUMBER                                 \
+    ",\"views\":{\"type\":\"integer\",\"minimum\":1,\"maximum\":256}"                                                        \
+    ",\"stripes\":" ENUM("\"fractional\",\"nearest\"") ",\"orientation\":" ENUM("\"vertical\",\"horizontal\"")               \
+    ",\"bits\":{\"type\":\"integer\",\"enum\":[8,16]},\"compress\":" ENUM("\"none\",\"lzw\",\"deflate\"")                    \
+    ",\"icc\":" STRING ",\"reverse\":" BOOLEAN ",\"mirror\":" BOOLEAN
 
 static const lf_method methods[] = {
     {"hello", "version, protocol and methods", OBJECT(""), lf_method_hello},
@@ -65,8 +49,7 @@ static const lf_method methods[] = {
      OBJECT("\"integrator\":" STRING ",\"estimator\":" STRING
             ",\"threads\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":256},\"target_error\":" POSITIVE ",\"paused\":" BOOLEAN),
      lf_method_render_set},
-    {"export", "write a quilt, views, panel picture, print or state", OBJECT_WITH("\"kind\",\"file\"", EXPORT_KEYS),
-     lf_server_export},
+    {"export", "write a quilt, views, panel picture, print or state", OBJECT_WITH("\"kind\",\"file\"", EXPORT_KEYS), lf_server_export},
     {"job.cancel", "end an export", OBJECT_WITH("\"job\"", "\"job\":{\"type\":\"integer\"}"), lf_method_job_cancel},
     {"device.list", "devices that could be opened", OBJECT(""), lf_method_device_list},
     {"device.set", "show on another device", OBJECT_WITH("\"spec\"", "\"spec\":" STRING), lf_method_device_set},
@@ -77,6 +60,8 @@ static const lf_method methods[] = {
      lf_method_subscribe},
     {"shutdown", "end the daemon", OBJECT(""), lf_method_shutdown},
 };
+
+/* clang-format on */
 
 enum { N_METHODS = sizeof methods / sizeof *methods };
 
