@@ -54,7 +54,7 @@ static void place_emitters(lf_optics *o, const lf_calibration *c)
     o->n_cells = c->n_cells > 0 ? c->n_cells : 1;
     for (int colour = 0; colour < 3; colour++) {
         if (c->n_cells == 0)
-            o->offset_px[0][colour][0] = (c->flip_subp ? 2 - colour : colour) / 3.0;
+            o->offset_px[0][colour][0] = (c->flip_image_x ? -1 : 1) * (c->flip_subp ? 2 - colour : colour) / 3.0;
         o->leftmost_px[colour] = INFINITY;
         o->rightmost_px[colour] = -INFINITY;
         for (int cell = 0; cell < o->n_cells; cell++) {
