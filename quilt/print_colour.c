@@ -58,10 +58,22 @@ static float float_of_bits(uint32_t bits)
     return v;
 }
 
+/* The least float that rounds to code k or above: inverting the curve comes within a few floats of it. */
+static float border_of(int k)
+{
+    float border = (float)linear_from_srgb((k - 0.5) / 255.0);
+
+    while (255.0 * srgb_from_linear((double)border) < k - 0.5)
+        border = nextafterf(border, 2.0F);
+    while (255.0 * srgb_from_linear((double)nextafterf(border, 0.0F)) >= k - 0.5)
+        border = nextafterf(border, 0.0F);
+    return border;
+}
+
 static void make_curves(lf_print_colour *colour)
 {
     for (int k = 1; k < 256; k++)
-        colour->border8[k] = (float)linear_from_srgb((k - 0.5) / 255.0);
+        colour->border8[k] = border_of(k);
     colour->border8[256] = 2.0F;
     int code = 0;
     for (uint32_t bin = 0; bin < BINS8; bin++) {
