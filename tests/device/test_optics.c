@@ -22,7 +22,7 @@ static double vendor_z(const lf_calibration *c, int x, int y, int channel)
     double pitch = c->pitch * w / c->dpi * cos(atan(1 / c->slope));
     double tilt = h / (w * c->slope) * (c->flip_image_x ? -1 : 1);
     double u = (x + 0.5) / w, v = (y + 0.5) / h;
-    int stripe = c->flip_subp ? 2 - channel : channel;
+    int stripe = (c->flip_image_x ? -1 : 1) * (c->flip_subp ? 2 - channel : channel);
     double t = u + stripe / (3 * w) + v * tilt;
     if (c->n_cells > 0) {
         int n[] = {0, (x + y) & 1, x % 2, (y + 2 * (x % 2)) % 4, y % 2};
