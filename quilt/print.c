@@ -23,7 +23,7 @@ static lf_status check_views(const lf_print *print, const char **out_warning, lf
         return lf_error_set(err, LF_E_ARG, "print", "%d views: a lens of %g lpi has %.4g pixels at %d dpi, expected 1 to %d",
                             print->n_views, print->lpi, pixels_per_lens, print->dpi, most);
     if (out_warning)
-        *out_warning = print->n_views > 0.8 * pixels_per_lens
+        *out_warning = print->n_views > 1 && print->n_views > 0.8 * pixels_per_lens
                            ? "more than 0.8 dpi/lpi views: neighbouring views ghost; fewer views or a finer raster are cleaner"
                            : NULL;
     return LF_OK;
