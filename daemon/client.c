@@ -284,7 +284,8 @@ static void keep_fds(lf_client *client, struct msghdr *message)
     }
 }
 
-static ssize_t receive(lf_client *client, char *data, size_t size)
+/* data is written through the message. */
+static ssize_t receive(lf_client *client, char *data, size_t size) /* NOLINT(readability-non-const-parameter) */
 {
     union {
         struct cmsghdr align;

@@ -203,7 +203,7 @@ json_t *lf_server_jobs_json(const lf_server *server);
 /* ------------------------------------------------------------------------------------------------------ methods.c -- */
 
 /* An lf_line_fn with the server as context. */
-void lf_server_line(void *server, lf_client *client, const char *line, size_t n);
+void lf_server_line(void *context, lf_client *client, const char *line, size_t n);
 /* Answers. result is taken over (NULL = out of memory). */
 void lf_reply(lf_call *call, json_t *result);
 void lf_fail(lf_call *call, const lf_error *err, bool scene);
