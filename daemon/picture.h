@@ -31,8 +31,8 @@ LF_NODISCARD lf_status lf_picture_shape(lf_picture *picture, int n_views, int wi
                                         const lf_film_settings *film, lf_error *err);
 void lf_picture_finish(lf_picture *picture);
 
-/* An lf_row_fn with the picture as context: resolves a row that was just visited. */
-void lf_picture_row(void *picture, int row, int worker);
+/* An lf_row_fn with the picture as its context: resolves a row that was just visited. */
+void lf_picture_row(void *context, int row, int worker);
 /* All rows again (another estimator, a restored film). */
 void lf_picture_resolve(lf_picture *picture, lf_pool *pool);
 /* Tone-maps float views that come from a file; nothing is missing then. */
