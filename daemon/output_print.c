@@ -52,15 +52,18 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
     lf_print print = *request->print;
     lf_views32 views;
     float *decoded = NULL;
-    double exposure = source->is_float ? request->exposure : 0;
-    const char *tonemap = source->is_float && request->tonemap ? request->tonemap : "srgb";
+    const lf_print_run run = {.exposure = source->is_float ? request->exposure : 0,
+                              .tonemap = source->is_float ? request->tonemap : NULL,
+                              .settings = request->settings,
+                              .cancel = request->cancel,
+                              .progress = request->progress,
+                              .context = request->context};
     lf_status status = output_views32(request, source, &views, &decoded, err);
 
     if (!(print.view_aspect > 0))
         print.view_aspect = source->aspect;
     if (status == LF_OK)
-        status = lf_print_write(&print, &views, exposure, tonemap, request->settings, &files->file[0], &files->file[1],
-                                request->cancel, request->progress, request->context, err);
+        status = lf_print_write(&print, &views, &run, &files->file[0], &files->file[1], err);
     lf_free(decoded);
     if (status == LF_OK)
         status = output_files_commit(files, request, err);

@@ -240,23 +240,22 @@ static void write_row(job *j, int y, unsigned char *out)
     lf_print_colour_encode(j->colour, (size_t)j->shape.raster_width, j->row, out);
 }
 
-static lf_status write_raster(job *j, const lf_cancel *cancel, void (*progress)(void *context, double fraction), void *context,
-                              lf_error *err)
+static lf_status write_raster(job *j, const lf_print_run *run, lf_error *err)
 {
     const int height = j->shape.raster_height, strip_rows = lf_print_tiff_strip_rows(j->tiff);
 
     for (int y = 0, strip = 0; y < height; y += strip_rows, strip++) {
         const int rows = height - y < strip_rows ? height - y : strip_rows;
 
-        if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
+        if (run->cancel && atomic_load_explicit(run->cancel, memory_order_relaxed))
             return lf_error_set(err, LF_E_CANCELLED, "print", "cancelled");
         for (int r = 0; r < rows; r++)
             write_row(j, y + r, j->strip + (size_t)r * j->row_bytes);
         const lf_status status = lf_print_tiff_strip(j->tiff, strip, j->strip, (size_t)rows * j->row_bytes, err);
         if (status != LF_OK)
             return status;
-        if (progress)
-            progress(context, (double)(y + rows) / height);
+        if (run->progress)
+            run->progress(run->context, (double)(y + rows) / height);
     }
     lf_print_tiff *tiff = j->tiff;
     j->tiff = NULL;
@@ -265,21 +264,18 @@ static lf_status write_raster(job *j, const lf_cancel *cancel, void (*progress)(
 
 /* ------------------------------------------------------------------------------------------------------------- all -- */
 
-lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views, double exposure, const char *tonemap,
-                                const json_t *settings, lf_outfile *tiff, lf_outfile *manifest, int rows_per_strip,
-                                const lf_cancel *cancel, void (*progress)(void *context, double fraction), void *context,
-                                lf_error *err)
+lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views, const lf_print_run *run, int rows_per_strip,
+                                lf_outfile *tiff, lf_outfile *manifest, lf_error *err)
 {
     job j = {.print = print};
     lf_tone *tone = NULL;
-    lf_print_facts facts = {.print = print, .shape = &j.shape, .source = &j.source, .exposure = exposure, .settings = settings};
+    lf_print_facts facts = {.print = print, .shape = &j.shape, .source = &j.source, .run = run};
     lf_status status = lf_print_check(print, &facts.warning, err);
 
-    facts.tonemap = tonemap ? tonemap : "srgb";
     if (status == LF_OK && (views->n_views < 1 || views->width < 1 || views->height < 1))
         status = lf_error_set(err, LF_E_ARG, "print", "no views");
     if (status == LF_OK)
-        status = lf_tone_create(exposure, facts.tonemap, &tone, err);
+        status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
     if (status != LF_OK)
         return status;
     lf_print_shape_of(print, &j.shape);
@@ -292,7 +288,7 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views, 
             lf_error_set(err, status, "print", "out of memory");
     }
     if (status == LF_OK)
-        status = write_raster(&j, cancel, progress, context, err);
+        status = write_raster(&j, run, err);
     facts.colour = j.colour;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);
@@ -301,9 +297,8 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views, 
     return status;
 }
 
-lf_status lf_print_write(const lf_print *print, const lf_views32 *views, double exposure, const char *tonemap,
-                         const struct json_t *settings, lf_outfile *tiff, lf_outfile *manifest, const lf_cancel *cancel,
-                         void (*progress)(void *context, double fraction), void *context, lf_error *err)
+lf_status lf_print_write(const lf_print *print, const lf_views32 *views, const lf_print_run *run, lf_outfile *tiff,
+                         lf_outfile *manifest, lf_error *err)
 {
-    return lf_print_write_strips(print, views, exposure, tonemap, settings, tiff, manifest, 0, cancel, progress, context, err);
+    return lf_print_write_strips(print, views, run, 0, tiff, manifest, err);
 }

@@ -95,9 +95,8 @@ typedef struct lf_print_facts {
     const lf_print_shape *shape;
     const lf_print_source *source;
     const lf_print_colour *colour;
-    double exposure;
-    const char *tonemap, *warning; /* warning may be NULL */
-    const json_t *settings;        /* may be NULL */
+    const lf_print_run *run;
+    const char *warning; /* may be NULL */
 } lf_print_facts;
 
 /* LF_E_IO, LF_E_NOMEM. */
@@ -107,9 +106,7 @@ LF_NODISCARD lf_status lf_print_manifest_write(const lf_print_facts *facts, cons
 /* ----------------------------------------------------------------------------------------------------------- all -- */
 
 /* lf_print_write with a chosen strip height (0 = default): the picture must not depend on it. */
-LF_NODISCARD lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views, double exposure, const char *tonemap,
-                                             const json_t *settings, lf_outfile *tiff, lf_outfile *manifest, int rows_per_strip,
-                                             const lf_cancel *cancel, void (*progress)(void *context, double fraction),
-                                             void *context, lf_error *err);
+LF_NODISCARD lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views, const lf_print_run *run,
+                                             int rows_per_strip, lf_outfile *tiff, lf_outfile *manifest, lf_error *err);
 
 #endif

@@ -141,11 +141,11 @@ static json_t *source_part(const lf_print_facts *facts)
 
     for (int i = 0; shown && i < facts->print->n_views; i++)
         json_array_append_new(shown, json_integer(lf_print_source_view(facts->source, i)));
-    return json_pack("{s:i, s:[i,i], s:b, s:s, s:o, s:f, s:s}", "views", views->n_views, "view_px", views->width, views->height,
-                     "resampled", facts->source->resampled, "sampling",
-                     facts->source->resampled ? "area average where smaller, linear where larger"
-                                              : "one sample a lens, the printer's rows",
-                     "shown", shown, "exposure", facts->exposure, "tonemap", facts->tonemap);
+    return json_pack(
+        "{s:i, s:[i,i], s:b, s:s, s:o, s:f, s:s}", "views", views->n_views, "view_px", views->width, views->height, "resampled",
+        facts->source->resampled, "sampling",
+        facts->source->resampled ? "area average where smaller, linear where larger" : "one sample a lens, the printer's rows",
+        "shown", shown, "exposure", facts->run->exposure, "tonemap", facts->run->tonemap ? facts->run->tonemap : "srgb");
 }
 
 static json_t *colour_part(const lf_print_facts *facts)
@@ -182,7 +182,7 @@ lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile 
         "Print at 100 %: no scaling, no fit to page, no borderless enlargement, no sharpening and no colour "
         "adjustment by the driver; the raster is the printer's own.";
     const char *where = manifest->path ? manifest->path : "print manifest";
-    json_t *settings = facts->settings ? json_deep_copy(facts->settings) : NULL;
+    json_t *settings = facts->run->settings ? json_deep_copy(facts->run->settings) : NULL;
     json_t *root =
         json_pack("{s:i, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o?}", "quiltd_print", 1, "software", "quiltd " LF_VERSION,
                   "print_at", advice, "file", file_part(tiff), "size", size_part(facts->print, facts->shape), "lens",

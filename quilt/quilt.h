@@ -196,19 +196,25 @@ typedef struct lf_print_shape {
 /* print must have passed lf_print_check. */
 void lf_print_shape_of(const lf_print *print, lf_print_shape *out);
 
+/* How a print is made, beside what it is. Zeroed is a valid default. */
+struct json_t;
+typedef struct lf_print_run {
+    double exposure;                                  /* stops */
+    const char *tonemap;                              /* as for lf_tone_create; NULL = "srgb" */
+    const struct json_t *settings;                    /* an object that is put into the manifest; may be NULL */
+    const lf_cancel *cancel;                          /* looked at once a strip; may be NULL */
+    void (*progress)(void *context, double fraction); /* rising, 0..1; may be NULL */
+    void *context;
+} lf_print_run;
+
 /* Interlaces and streams the TIFF onto tiff->fd (seekable, empty), then writes the manifest JSON; neither is committed: the caller
  * commits both, or abandons both on failure. Memory beyond the views is a few MB; BigTIFF where the raster may pass 4 GiB; the bytes
  * depend on the arguments alone (no date). The manifest's sha256 is null when the TIFF's descriptor cannot be read back.
  * Views have the shape's size and are taken as they are, or any other: then they are resampled (area where that makes
  * them smaller, linear where larger), said in the manifest. views->n_views may differ from print->n_views: stripe i then shows view
  * floor((i + 1/2) * views->n_views / print->n_views). Samples that are not finite count as 0.
- * tonemap as for lf_tone_create (NULL = "srgb"). settings (may be NULL), an object, is put into the manifest. cancel, progress (rising,
- * 0..1) may be NULL.
  * LF_E_ARG, LF_E_IO (disk full), LF_E_PATH and LF_E_FORMAT (profile), LF_E_CANCELLED, LF_E_NOMEM. */
-struct json_t;
-LF_NODISCARD lf_status lf_print_write(const lf_print *print, const lf_views32 *views, double exposure, const char *tonemap,
-                                      const struct json_t *settings, lf_outfile *tiff, lf_outfile *manifest,
-                                      const lf_cancel *cancel, void (*progress)(void *context, double fraction), void *context,
-                                      lf_error *err);
+LF_NODISCARD lf_status lf_print_write(const lf_print *print, const lf_views32 *views, const lf_print_run *run, lf_outfile *tiff,
+                                      lf_outfile *manifest, lf_error *err);
 
 #endif

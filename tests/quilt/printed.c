@@ -48,6 +48,7 @@ void lf_printed_make(const lf_print *print, const lf_views32 *views, int rows_pe
 {
     char *folder = lf_test_folder();
     const char *path = lf_test_path(folder, "print.tif"), *manifest_path = lf_test_path(folder, "print.json");
+    const lf_print_run run = {0};
     lf_outfile tiff, manifest;
     lf_error err;
     json_error_t json_error;
@@ -55,8 +56,7 @@ void lf_printed_make(const lf_print *print, const lf_views32 *views, int rows_pe
     memset(out, 0, sizeof *out);
     lf_assert_ok(lf_outfile_open(&tiff, path, false, &err), &err);
     lf_assert_ok(lf_outfile_open(&manifest, manifest_path, false, &err), &err);
-    lf_assert_ok(lf_print_write_strips(print, views, 0.0, NULL, NULL, &tiff, &manifest, rows_per_strip, NULL, NULL, NULL, &err),
-                 &err);
+    lf_assert_ok(lf_print_write_strips(print, views, &run, rows_per_strip, &tiff, &manifest, &err), &err);
     lf_assert_ok(lf_outfile_commit(&tiff, false, &err), &err);
     lf_assert_ok(lf_outfile_commit(&manifest, false, &err), &err);
     out->manifest = json_load_file(manifest_path, JSON_REJECT_DUPLICATES, &json_error);

@@ -903,11 +903,12 @@ static void try_print(const lf_print *print, const char *folder, void (*progress
 {
     static const float grey[3] = {0.5F, 0.5F, 0.5F};
     const lf_views32 views = {1, 1, 1, 3, 3, grey};
+    const lf_print_run run = {.cancel = &out->cancel, .progress = progress, .context = out};
     lf_outfile tiff, manifest;
 
     lf_assert_ok(lf_outfile_open(&tiff, lf_test_path(folder, "p.tif"), false, &out->err), &out->err);
     lf_assert_ok(lf_outfile_open(&manifest, lf_test_path(folder, "p.json"), false, &out->err), &out->err);
-    out->status = lf_print_write(print, &views, 0.0, NULL, NULL, &tiff, &manifest, &out->cancel, progress, out, &out->err);
+    out->status = lf_print_write(print, &views, &run, &tiff, &manifest, &out->err);
     lf_outfile_abandon(&tiff);
     lf_outfile_abandon(&manifest);
 }
