@@ -42,7 +42,7 @@ static void trace_fan(lf_worker *worker, const lf_visit *visit, int lanes, struc
 
 /* Adds one ray's known light and pivot probability; transmittance = 1 - q_medium, along the whole ray or to its surface. */
 static void add_known(const lf_visit *visit, lf_film_known *known, int k, const struct RTCRayHit8 *hits, float q_medium,
-                      const lf_vec3 *sky, float weight)
+                      const lf_vec3 *sky, float share)
 {
     const lf_worker *worker = visit->worker;
     const struct RTCRayHit8 *h = hits ? &hits[k / LF_LANES] : NULL;
@@ -62,10 +62,11 @@ static void add_known(const lf_visit *visit, lf_film_known *known, int k, const 
         lf_vec3 w = lf_rig_direction(visit->rig, worker->slope[k], visit->plane.my, 1.0f);
         light = lf_light_escape(visit->scene, lf_normalize(w), &pdf);
     }
-    known->b[0] += weight * transmittance * light.x;
-    known->b[1] += weight * transmittance * light.y;
-    known->b[2] += weight * transmittance * light.z;
-    known->q += weight * q;
+    /* Running means: what is constant stays exact, however many visits there are. */
+    known->b[0] += share * (transmittance * light.x - known->b[0]);
+    known->b[1] += share * (transmittance * light.y - known->b[1]);
+    known->b[2] += share * (transmittance * light.z - known->b[2]);
+    known->q += share * (q - known->q);
 }
 
 /* True when every escaping ray finds the same light. */
@@ -87,7 +88,7 @@ float lf_exits_film_point(uint64_t key, int column, uint32_t index)
     return lf_sampler_radical(lf_hash64(key, (uint64_t)column), index);
 }
 
-void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index, float weight)
+void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index, float share)
 {
     const lf_rig *rig = visit->rig;
     lf_worker *worker = visit->worker;
@@ -114,7 +115,7 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
             float length = sqrtf(1.0f + worker->slope[k] * worker->slope[k] + visit->plane.my * visit->plane.my);
             float q = medium && worker->tau[k] > 0.0f ? -expm1f(-worker->tau[k] * length) : 0.0f;
             add_known(visit, &visit->half.known[(size_t)k * (size_t)rig->width + (size_t)column], k, hits, q,
-                      constant ? &sky : NULL, weight);
+                      constant ? &sky : NULL, share);
         }
     }
 }

@@ -5,7 +5,7 @@
  * halves; per view pixel and half (docs/estimators.md, "The film"):
  *
  *     N  radiance of pivots, weighted        W  prefix weights,      E = n q      W' directional weights, E = n q
- *     B  known light times n                 Q  pivot probability times n         M  native delta lobes
+ *     B  known light, mean                   q  pivot probability, mean           M  native delta lobes
  *
  * and per row and half the count n, in native samples a view pixel (a real number: expected, not tallied). Rows that were never visited
  * since lf_film_clear are not touched and cost no memory. */

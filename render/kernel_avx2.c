@@ -86,6 +86,7 @@ static float densities(int n, const float *scale, const float *tau, float *d)
         __m256 sc = _mm256_loadu_ps(scale + k);
         __m256 on = _mm256_cmp_ps(sc, zero, _CMP_GT_OQ);
         __m256 x = _mm256_min_ps(_mm256_sub_ps(_mm256_set1_ps(tau_min), _mm256_loadu_ps(tau + k)), zero);
+        on = _mm256_and_ps(on, _mm256_cmp_ps(x, _mm256_set1_ps(LF_EXP_MIN), _CMP_GT_OQ));
         __m256 e = _mm256_and_ps(_mm256_mul_ps(sc, exp_kernel(x)), on);
         _mm256_storeu_ps(d + k, e);
         sum = _mm256_add_ps(sum, e);

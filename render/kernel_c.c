@@ -58,8 +58,8 @@ static float densities(int n, const float *scale, const float *tau, float *d)
         return 0.0f;
     }
     for (int k = 0; k < n; k++) {
-        float e = scale[k] * exp_kernel(lf_min(tau_min - tau[k], 0.0f));
-        d[k] = scale[k] > 0.0f ? e : 0.0f;
+        float x = lf_min(tau_min - tau[k], 0.0f), e = scale[k] * exp_kernel(x);
+        d[k] = scale[k] > 0.0f && x > LF_EXP_MIN ? e : 0.0f;
         sum[k % LF_LANES] += d[k];
     }
     float total = sum[0];

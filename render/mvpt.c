@@ -45,7 +45,7 @@ static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
     lf_worker *w = visit->worker;
     lf_vec3 eye = lf_rig_point(rig, w->x0[base], visit->plane.ly, 0.0f), o = pivot->event.p;
     if (pivot->event.kind == LF_EVENT_SURFACE)
-        o = lf_offset(o, pivot->event.hit.ng, lf_sub(eye, o));
+        o = lf_offset(&pivot->event.hit, lf_sub(eye, o));
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;

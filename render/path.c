@@ -2,7 +2,7 @@
 
 void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out)
 {
-    lf_vec3 o = from->kind == LF_EVENT_SURFACE ? lf_offset(from->p, from->hit.ng, w) : from->p;
+    lf_vec3 o = from->kind == LF_EVENT_SURFACE ? lf_offset(&from->hit, w) : from->p;
     float t_max = INFINITY;
     out->kind = LF_EVENT_ESCAPE;
     out->w = w;
@@ -48,7 +48,7 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_s
 {
     lf_vec3 o = event->p;
     if (event->kind == LF_EVENT_SURFACE)
-        o = lf_offset(o, event->hit.ng, light->wi);
+        o = lf_offset(&event->hit, light->wi);
     float t_max = light->distance < INFINITY ? light->distance * (1.0f - 1e-5f) : INFINITY;
     if (lf_trace_occluded(tracer, o, light->wi, t_max))
         return 0.0f;

@@ -142,7 +142,7 @@ LF_NODISCARD lf_status lf_renderer_passes(lf_renderer *renderer, int64_t n_passe
 
 /* Per-pixel flags of a resolved row. */
 #define LF_PIXEL_HOLE 1u    /* scattering is possible here but nothing was found yet (W = 0): out is a stand-in */
-#define LF_PIXEL_SETTLED 2u /* nothing but background is possible here */
+#define LF_PIXEL_SETTLED 2u /* q = W = 0: nothing that scatters has been met here so far */
 #define LF_PIXEL_UNSEEN 4u  /* the row was never visited */
 
 /* The estimate of one row of all views. out [n_views][width][3], flags [n_views][width] (may be NULL); holes are returned
@@ -161,10 +161,10 @@ typedef struct lf_render_stats {
     int64_t volume_lookups;    /* density look-ups, slices and tracking included; -1 without volumes */
     int64_t nonfinite_dropped; /* contributions that were NaN or infinite: must be 0 */
     int64_t base_hidden;       /* bases that their own occlusion ray denied (V_i forced to 1); -1 without meshes */
-    int64_t holes;             /* view pixels flagged LF_PIXEL_HOLE by the estimator last resolved; -1 = not resolved */
+    int64_t holes;             /* view pixels flagged LF_PIXEL_HOLE by the estimator last resolved; 0 before the first resolve */
     double passes;             /* mean over rows, in passes */
     double native_spp_mean;    /* n, mean over view pixels */
-    double effective_spp_mean; /* contributions a view pixel; never below native_spp_mean for mvpt */
+    double effective_spp_mean; /* contributions a view pixel */
     double rel_mse_estimate;   /* mean over view pixels, epsilon 1e-2, from the two halves; < 0 = not known yet */
 } lf_render_stats;
 

@@ -41,12 +41,12 @@ static void read_half(const lf_film_half *half, size_t pixel, float inverse, lf_
 {
     for (int c = 0; c < 3; c++) {
         s->scattered[c] = half->scattered[pixel].n[c] * inverse;
-        s->known[c] = half->known[pixel].b[c] * inverse;
+        s->known[c] = half->known[pixel].b[c];
         s->native[c] = half->native ? half->native[pixel][c] * inverse : 0.0f;
     }
     s->w = half->scattered[pixel].w * inverse;
     s->w2 = half->w2 ? half->w2[pixel] * inverse : s->w;
-    s->q = half->known[pixel].q * inverse;
+    s->q = half->known[pixel].q;
 }
 
 static void pool(lf_tile_pixel *p, const float share[2])

@@ -51,7 +51,7 @@ typedef struct lf_volume {
     /* Scene-local point -> volume space (voxel index for grids: voxel centres at integers) and back; rows of a 3x4 affine. */
     float to_volume[3][4], to_scene[3][4];
     lf_vec3 bounds_min, bounds_max; /* scene-local box outside of which sigma_t = 0 (filter footprint included) */
-    float voxel;                    /* smallest voxel edge in scene units (shapes: 1/64 of the smallest extent) */
+    float slice_cell;               /* what slices resolve of it, scene units (scene_commit.c) */
 } lf_volume;
 
 /* sigma_t at a scene-local point, filter applied, 0 outside. */

@@ -160,13 +160,18 @@ static void extend_by_volume(const lf_volume *volume, const lf_affine *map, doub
     }
 }
 
-/* The shortest edge of a voxel in scene units; of shapes 1/64 of the shortest extent. */
-static float voxel_size(const lf_volume *volume, const lf_affine *map)
+/* What slices resolve: the shortest edge of a voxel, of shapes 1/64 of the shortest extent, and no more optical thickness than the
+ * slabs' jittered faces may move: a grid's own gradients spread over a voxel, a shape's edge is sharp. */
+static float slice_cell(const lf_volume *volume, const lf_affine *map)
 {
     double shortest = INFINITY;
     for (int j = 0; j < 3; j++)
         shortest = fmin(shortest, sqrt(map->m[0][j] * map->m[0][j] + map->m[1][j] * map->m[1][j] + map->m[2][j] * map->m[2][j]));
-    return (float)(volume->kind == LF_VOLUME_GRID ? shortest : shortest * 2.0 / 64.0);
+    if (!(volume->sigma_max > 0.0f))
+        return (float)shortest;
+    if (volume->kind == LF_VOLUME_GRID)
+        return (float)fmin(shortest, 1.0 / (double)volume->sigma_max);
+    return (float)fmin(shortest * 2.0 / 64.0, 0.25 / (double)volume->sigma_max);
 }
 
 static void place_volume(const commit *c, lf_volume *volume, const lf_volume_desc *desc)
@@ -197,7 +202,7 @@ static void place_volume(const commit *c, lf_volume *volume, const lf_volume_des
     }
     volume->bounds_min = to_vec3(bounds[0]);
     volume->bounds_max = to_vec3(bounds[1]);
-    volume->voxel = voxel_size(volume, &map);
+    volume->slice_cell = slice_cell(volume, &map);
 }
 
 /* --------------------------------------------------------------------------------------------------------- meshes -- */

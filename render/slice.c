@@ -4,44 +4,65 @@
 
 #include "base/alloc.h"
 
+typedef struct lf_box {
+    float x_lo, x_hi, z_lo, z_hi;
+} lf_box;
+
 /* Camera-space box of one volume: the corners of its scene-local bounds. */
-static void grow_bounds(const lf_volume *volume, const lf_rig *rig, float lo[2], float hi[2])
+static lf_box camera_box(const lf_volume *volume, const lf_rig *rig)
 {
+    lf_box box = {INFINITY, -INFINITY, INFINITY, -INFINITY};
     for (int corner = 0; corner < 8; corner++) {
         lf_vec3 p = lf_v3(corner & 1 ? volume->bounds_max.x : volume->bounds_min.x,
                           corner & 2 ? volume->bounds_max.y : volume->bounds_min.y,
                           corner & 4 ? volume->bounds_max.z : volume->bounds_min.z);
         lf_vec3 d = lf_sub(p, rig->eye);
-        float c[2] = {lf_dot(d, rig->right), lf_dot(d, rig->forward)};
-        for (int i = 0; i < 2; i++) {
-            lo[i] = lf_min(lo[i], c[i]);
-            hi[i] = lf_max(hi[i], c[i]);
-        }
+        float x = lf_dot(d, rig->right), z = lf_dot(d, rig->forward);
+        box = (lf_box){lf_min(box.x_lo, x), lf_max(box.x_hi, x), lf_min(box.z_lo, z), lf_max(box.z_hi, z)};
     }
+    box.z_lo = lf_max(box.z_lo, 0.0f);
+    return box;
+}
+
+/* Cuts the box to what the rig's rays can meet: X between the outermost rays at either end of its depths. */
+static void cut_to_fan(lf_box *box, const lf_rig *rig)
+{
+    float lo = INFINITY, hi = -INFINITY, window[2] = {rig->x0, rig->x0 + (float)rig->width * rig->dx};
+    float depth[2] = {box->z_lo, box->z_hi};
+    for (int i = 0; i < 8; i++) {
+        float b = rig->b[i & 1 ? rig->n_views - 1 : 0], z = depth[i >> 2 & 1];
+        float x = b + (window[i >> 1 & 1] - b) * z / rig->distance, lens = rig->lens_radius * fabsf(1.0f - z / rig->focus);
+        lo = lf_min(lo, x - lens);
+        hi = lf_max(hi, x + lens);
+    }
+    box->x_lo = lf_max(box->x_lo, lo);
+    box->x_hi = lf_min(box->x_hi, hi);
 }
 
 void lf_slice_frame_init(lf_slice_frame *frame, const lf_scene *scene, const lf_rig *rig)
 {
-    float lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY}, voxel = INFINITY;
+    lf_box all = {INFINITY, -INFINITY, INFINITY, -INFINITY};
+    float cell = INFINITY;
     memset(frame, 0, sizeof *frame);
     for (int i = 0; i < scene->n_volumes; i++) {
-        if (scene->volumes[i].sigma_max <= 0.0f)
+        lf_box box = camera_box(&scene->volumes[i], rig);
+        cut_to_fan(&box, rig);
+        if (!(scene->volumes[i].sigma_max > 0.0f) || !(box.z_hi > box.z_lo) || !(box.x_hi > box.x_lo))
             continue;
-        grow_bounds(&scene->volumes[i], rig, lo, hi);
-        voxel = lf_min(voxel, scene->volumes[i].voxel);
+        all = (lf_box){lf_min(all.x_lo, box.x_lo), lf_max(all.x_hi, box.x_hi), lf_min(all.z_lo, box.z_lo),
+                       lf_max(all.z_hi, box.z_hi)};
+        cell = lf_min(cell, scene->volumes[i].slice_cell);
     }
-    lo[1] = lf_max(lo[1], 0.0f);
-    frame->empty = !(hi[0] > lo[0] && hi[1] > lo[1]);
+    frame->empty = !(all.x_hi > all.x_lo && all.z_hi > all.z_lo);
     if (frame->empty)
         return;
-    /* Two samples more on either side than the cap allows for would be needed only for the zero border. */
     float side = (float)(LF_SLICE_MAX_SIDE - 4);
-    frame->dx = lf_max(voxel, (hi[0] - lo[0]) / side);
-    frame->dz = lf_max(voxel, (hi[1] - lo[1]) / side);
-    frame->nx = (int)ceilf((hi[0] - lo[0]) / frame->dx) + 3;
-    frame->nz = (int)ceilf((hi[1] - lo[1]) / frame->dz) + 1;
-    frame->x_min = 0.5f * (lo[0] + hi[0]) - 0.5f * (float)(frame->nx - 1) * frame->dx;
-    frame->z_min = lo[1];
+    frame->dx = lf_max(cell, (all.x_hi - all.x_lo) / side);
+    frame->dz = lf_max(cell, (all.z_hi - all.z_lo) / side);
+    frame->nx = (int)ceilf((all.x_hi - all.x_lo) / frame->dx) + 3;
+    frame->nz = (int)ceilf((all.z_hi - all.z_lo) / frame->dz) + 1;
+    frame->x_min = 0.5f * (all.x_lo + all.x_hi) - 0.5f * (float)(frame->nx - 1) * frame->dx;
+    frame->z_min = all.z_lo;
 }
 
 lf_status lf_slice_init(lf_slice *slice, const lf_slice_frame *frame)
@@ -170,7 +191,7 @@ void lf_slice_fill(lf_slice *slice, const lf_slice_frame *frame, const lf_scene 
         memset(sigma, 0, sizeof *sigma * (size_t)(slice->nx + 1));
         lf_vec3 p = lf_rig_point(rig, slice->x_min, plane->ly + plane->my * z, z);
         lf_vec3 q = lf_madd(p, frame->dx, rig->right);
-        for (int v = 0; v < scene->n_volumes && z > 0.0f; v++) {
+        for (int v = 0; v < scene->n_volumes; v++) {
             const lf_volume *volume = &scene->volumes[v];
             lf_vec3 start = apply(volume->to_volume, p);
             lf_vec3 step = lf_sub(apply(volume->to_volume, q), start);

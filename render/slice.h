@@ -4,8 +4,10 @@
  * A slice is a stack of slabs of equal thickness in Z. The density that a ray X(Z) = x0 + slope Z meets inside slab s is ONE
  * number: sigma_t of all volumes at the slab's middle, sampled at nx points and interpolated linearly between them. Optical
  * depth, collision density and exit transmittance all use this one field, so weights, B and q are exactly consistent with
- * each other; what is left is the stated discretisation of camera segments, one voxel of the finest volume (the slabs' phase
- * is drawn anew in every visit).
+ * each other; what is left is the stated discretisation of camera segments. A cell is a voxel of the finest volume, or less where
+ * that is optically thick (scene_commit.c: slice_cell), but never less than 1/LF_SLICE_MAX_SIDE of all that the rig sees of
+ * the volumes: where very different sizes meet, or densities far above a hundred mean free paths across, it is coarse. The
+ * slabs' phase is drawn anew in every visit.
  * docs/estimators.md, "Slices". */
 #ifndef LF_RENDER_SLICE_H
 #define LF_RENDER_SLICE_H

@@ -34,9 +34,14 @@ static void make_header(const lf_renderer *r, lf_state_header *h)
     key = hash_bytes(key, &r->settings.seed, sizeof r->settings.seed);
     key = hash_bytes(key, &r->settings.sampler, sizeof r->settings.sampler);
     key = hash_bytes(key, &r->rig, sizeof r->rig);
+    key = hash_bytes(key, &r->plan.max_depth, sizeof r->plan.max_depth);
+    for (int i = 0; i < r->scene->n_volumes; i++) {
+        const char *file = r->scene->volumes[i].grid ? r->scene->volumes[i].grid->key : "";
+        key = hash_bytes(key, file, strlen(file));
+    }
     memset(h, 0, sizeof *h);
     memcpy(h->magic, "quiltdST", 8);
-    h->version = 1;
+    h->version = 2;
     h->n_views = (uint32_t)r->film.n_views;
     h->width = (uint32_t)r->film.width;
     h->height = (uint32_t)r->film.height;

@@ -3,7 +3,9 @@
 float lf_diffuse_eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
     float cos_i = lf_dot(ns, wi);
-    float pdf = cos_i > LF_MIN_COS && lf_dot(ns, wo) > LF_MIN_COS ? cos_i * LF_INV_PI : 0.0f;
+    /* wo is on the side of the geometric normal; where the shading normal turns away from it f must still not depend on the view. */
+    (void)wo;
+    float pdf = cos_i > LF_MIN_COS ? cos_i * LF_INV_PI : 0.0f;
     *f = lf_scale(m->albedo, pdf);
     return pdf;
 }

@@ -10,6 +10,11 @@ static lf_vec3 vertex(const lf_mesh *mesh, uint32_t i)
     return lf_v3(v[0], v[1], v[2]);
 }
 
+static float largest(lf_vec3 v)
+{
+    return lf_max(fabsf(v.x), lf_max(fabsf(v.y), fabsf(v.z)));
+}
+
 static lf_vec3 shading_normal(const lf_mesh *mesh, const uint32_t *tri, float u, float v, lf_vec3 ng)
 {
     if (!mesh->normals)
@@ -39,6 +44,7 @@ void lf_trace_hit(const lf_scene *scene, unsigned geom_id, unsigned prim_id, flo
         hit->ng = lf_scale(hit->ng, -1.0f);
     hit->ns = shading_normal(mesh, tri, u, v, hit->ng);
     hit->p = lf_madd(lf_madd(a, u, ab), v, ac);
+    hit->extent = lf_max(largest(a), lf_max(largest(lf_add(a, ab)), largest(lf_add(a, ac))));
     hit->t = t;
     hit->mesh = mesh;
     hit->triangle = prim_id;
@@ -92,11 +98,10 @@ bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
     return ray.tfar < 0.0f;
 }
 
-lf_vec3 lf_offset(lf_vec3 p, lf_vec3 ng, lf_vec3 w)
+lf_vec3 lf_offset(const lf_hit *hit, lf_vec3 w)
 {
-    float size = lf_max(lf_max(fabsf(p.x), fabsf(p.y)), fabsf(p.z));
-    float eps = 4e-6f * size + 1e-30f;
-    return lf_madd(p, lf_dot(ng, w) >= 0.0f ? eps : -eps, ng);
+    float eps = 4e-6f * hit->extent + 1e-30f;
+    return lf_madd(hit->p, lf_dot(hit->ng, w) >= 0.0f ? eps : -eps, hit->ng);
 }
 
 /* -------------------------------------------------------------------------------------------------------- volumes -- */

@@ -9,7 +9,7 @@
 
 typedef struct lf_tracer {
     const lf_scene *scene;
-    uint64_t rng; /* stream of the path in progress: lf_tracer_seed */
+    uint64_t rng; /* stream of the path in progress: set before each base sample */
     int64_t rays; /* counters, never reset here */
     int64_t lookups;
     int64_t nonfinite;
@@ -37,9 +37,9 @@ bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_h
 void lf_trace_hit(const lf_scene *scene, unsigned geom_id, unsigned prim_id, float u, float v, float t, lf_vec3 w, lf_hit *hit);
 /* True when a surface lies between. */
 bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
-/* The start of a ray that leaves a surface point towards w: moved off the surface along ng by a few units in the last place
- * (facts: estimators, f.3). extent = the largest coordinate or distance that rounding error scales with. */
-lf_vec3 lf_offset(lf_vec3 p, lf_vec3 ng, lf_vec3 w);
+/* The start of a ray that leaves a surface point towards w: moved off the surface along ng by a few units in the last place of
+ * the triangle's coordinates, from which the point's rounding error comes (facts: estimators, f.3). */
+lf_vec3 lf_offset(const lf_hit *hit, lf_vec3 w);
 
 /* First collision with t < t_max, or INFINITY; *out_volume says whose. w unit. */
 float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, int *out_volume);

@@ -139,7 +139,7 @@ static float collide(const lf_visit_plan *plan, const lf_visit *visit, const lf_
         stop = lf_min(stop, tau / ray->length * (1.0f - 1e-6f));
     }
     float reached = lf_slice_march(slice, ray->c, ray->slope, ray->z_surface, stop, &z);
-    return reached >= stop && z < ray->z_surface ? z : INFINITY;
+    return reached >= stop && z < ray->z_surface ? lf_max(z, 1e-6f * slice->dz) : INFINITY;
 }
 
 /* Delta lobes of the first surface: native, into M. */
@@ -282,6 +282,7 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uin
     int width = plan->rig->width;
     uint64_t hole_key = lf_hash64(key, 6);
     visit->integrator = &lf_integrator_vpt;
+    visit->half.native = NULL; /* M is a plain sum: it takes no samples beyond the count */
     visit->weight = (float)state->n[half];
     for (int view = 0; view < plan->rig->n_views; view++) {
         for (int column = 0, filled = -1; column < width; column++) {
@@ -312,10 +313,10 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     uint64_t key = stream(plan, row, half), random = lf_hash64(lf_hash64(key, 3), index);
     lf_visit visit = {.worker = worker, .half = lf_film_at(plan->film, row, half), .row = row};
     begin(plan, &visit, key, index);
-    visit.start = (int)(random % (uint64_t)views);
+    visit.start = (int)(lf_sampler_radical(lf_hash64(key, 7), index) * (float)views);
 
     float weight = (float)plan->subsets / (float)(views * plan->column_step);
-    lf_exits_row(plan, &visit, lf_hash64(key, 5), index, weight);
+    lf_exits_row(plan, &visit, lf_hash64(key, 5), index, (float)((double)weight / (state->n[half] + (double)weight)));
     int first = plan->column_step > 1 ? (int)((random >> 32) % (uint64_t)plan->column_step) : 0;
     for (int column = first; column < width; column += plan->column_step) {
         for (int j = 0; j < plan->subsets; j++) {
