@@ -161,7 +161,7 @@ lint:
 	@$(self) $(jobs) $@-now
 
 RUN := $(BUILDROOT)/run
-run-now: SCENE ?= $(BUILDROOT)/scenes/first-light.json
+run-now: SCENE ?= $(if $(scene_copies),$(SRCDIR),$(BUILDROOT))/scenes/first-light.json
 run-now: DEVICE ?= sim:$(RUN)/sim
 run-now: all
 	@mkdir -p $(RUN)/sim $(RUN)/state $(RUN)/export
@@ -173,7 +173,7 @@ run-now: all
 socket = $(shell p='$(abspath $(RUN))/sock'; if [ $${#p} -lt 108 ]; then echo "$$p"; else echo '$(RUN)/sock'; fi)
 
 clean:
-	rm -rf $(O) $(links) $(scene_copies) $(BUILDROOT)/deps.mk $(BUILDROOT)/scenes $(BUILDROOT)/tools $(BUILDROOT)/tools
+	rm -rf $(O) $(links) $(scene_copies) $(BUILDROOT)/deps.mk $(BUILDROOT)/scenes $(BUILDROOT)/tools
 
 help:
 	@sed -n '/^[^#]/q; s/^# \{0,1\}//p' $(MAKEFILE)
