@@ -171,7 +171,7 @@ static float slice_cell(const lf_volume *volume, const lf_affine *map)
         return (float)shortest;
     if (volume->kind == LF_VOLUME_GRID)
         return (float)fmin(shortest, 1.0 / (double)volume->sigma_max);
-    return (float)fmin(shortest * 2.0 / 64.0, 0.25 / (double)volume->sigma_max);
+    return (float)fmin(shortest * 2.0 / 64.0, 0.125 / (double)volume->sigma_max);
 }
 
 static void place_volume(const commit *c, lf_volume *volume, const lf_volume_desc *desc)

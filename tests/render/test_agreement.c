@@ -137,6 +137,12 @@ static void mvpt_agrees_behind_a_veil(void **state)
     compare(LF_TEST_VEIL("3", ""), 24, 36, 24);
 }
 
+static void mvpt_agrees_where_normals_are_bent(void **state)
+{
+    (void)state;
+    compare(LF_TEST_BENT("3", ""), 24, 24, 12);
+}
+
 static int set_up(void **state)
 {
     (void)state;
@@ -153,10 +159,9 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mvpt_agrees_on_media_and_surfaces),
-        cmocka_unit_test(mvpt_agrees_on_overlapping_media),
-        cmocka_unit_test(mvpt_agrees_beside_a_lamp_and_a_mirror),
-        cmocka_unit_test(mvpt_agrees_behind_a_veil),
+        cmocka_unit_test(mvpt_agrees_on_media_and_surfaces),      cmocka_unit_test(mvpt_agrees_on_overlapping_media),
+        cmocka_unit_test(mvpt_agrees_beside_a_lamp_and_a_mirror), cmocka_unit_test(mvpt_agrees_behind_a_veil),
+        cmocka_unit_test(mvpt_agrees_where_normals_are_bent),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -58,4 +58,11 @@
 
 /* clang-format on */
 
+/* Coarse triangles whose shading normals lean far away from the surface: views that look from behind them, too. */
+#define LF_TEST_BENT(views, more)                                                                                                  \
+    "{ " LF_TEST_CAMERA(views, more) "'meshes': { " LF_TEST_GROUND                                                                 \
+                                     ", 'block': { 'shape': 'cube', 'material': 'clay', 'normals': 'smooth', "                     \
+                                     "'transform': { 'scale': 0.7, 'rotate': [20, 30, 10] } } }, 'materials': { 'clay': { "        \
+                                     "'albedo': [0.5, 0.45, 0.4] } }, " LF_TEST_SHARP_LIGHTS " }"
+
 #endif

@@ -1,0 +1,128 @@
+/* Slices stand for the volumes they resample: where they are dense, where the camera is inside, where most of them is out of sight; and rays
+ * start on the right side of big triangles. */
+#include "tests/testing.h"
+
+#include "base/alloc.h"
+#include "tests/stat/fixture.h"
+
+enum { SIDE = 12 };
+
+static lf_pool *crew;
+
+#define NARROW "'camera': { 'position': [0, 0, 5], 'fov_y': 3, 'aspect': 1, 'cone': 0, 'views': 1 }"
+
+/* Mean radiance of the picture after some whole cycles, and the renderer's counters. */
+static double mean_of(const char *text, int cycles, lf_render_stats *out_stats)
+{
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, crew);
+    int views = lf_renderer_settings(r)->camera.n_views, n = views * SIDE * SIDE * 3;
+    float *out = lf_calloc((size_t)n, sizeof *out);
+    double sum = 0.0;
+    assert_non_null(out);
+    lf_test_passes(r, (int64_t)cycles * views);
+    lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MIS, out, NULL), NULL);
+    for (int i = 0; i < n; i++)
+        sum += (double)out[i];
+    if (out_stats)
+        lf_renderer_stats(r, out_stats);
+    lf_free(out);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+    return sum / n;
+}
+
+/* albedo E/(4 pi) m0/(m0 + mv): single scattering of a thick isotropic slab (Chandrasekhar 1950), sun at cosine m0, seen at mv. */
+static void dense_media_scatter_at_their_surface(void **state)
+{
+    (void)state;
+    static const char *const density[] = {"1.5", "5", "20"};
+    for (int i = 0; i < 3; i++) {
+        char text[1024];
+        snprintf(text, sizeof text,
+                 "{ " NARROW
+                 ", 'volumes': { 'slab': { 'shape': 'box', 'density': %s, 'albedo': 1, 'transform': { 'scale': [40, 4, 2] } } },"
+                 " 'lights': { 'sun': { 'type': 'distant', 'direction': [0.98, 0, -0.199], 'irradiance': 10 } }, 'render': { "
+                 "'max_depth': 1 } }",
+                 density[i]);
+        lf_assert_close(mean_of(text, 400, NULL), 10.0 / (4.0 * 3.14159265358979) * 0.199 / 1.199, 0.01, 0.0);
+    }
+}
+
+static void a_camera_inside_a_fog_sees_all_of_it(void **state)
+{
+    (void)state;
+    double seen =
+        mean_of("{ " NARROW ", 'volumes': { 'fog': { 'shape': 'sphere', 'density': 0.05, 'albedo': 0, 'transform': { 'scale': 50, "
+                "'translate': [0, 0, 5] } } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }",
+                64, NULL);
+    lf_assert_close(seen, exp(-2.5), 2e-3, 0.0);
+}
+
+static void volumes_out_of_sight_change_nothing(void **state)
+{
+    (void)state;
+    static const char ball[] = "'ball': { 'shape': 'sphere', 'density': 2, 'albedo': 0, 'transform': { 'scale': 0.1 } }";
+    static const char *const other[] = {
+        ", 'behind': { 'shape': 'sphere', 'density': 1, 'albedo': 0, 'transform': { 'scale': 30, 'translate': [0, 0, 60] } }",
+        ", 'beside': { 'shape': 'sphere', 'density': 1, 'albedo': 0, 'transform': { 'scale': 3, 'translate': [900, 0, 0] } }"};
+    lf_scene *alone, *scene;
+    lf_slice_frame frame, with;
+    char text[1024];
+    snprintf(text, sizeof text, "{ " NARROW ", 'volumes': { %s } }", ball);
+    alone = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(alone, "mvpt", SIDE, SIDE, crew);
+    lf_slice_frame_init(&frame, alone, &r->rig);
+    assert_true(frame.nx > 40 && frame.dx < 0.01f);
+    for (int i = 0; i < 2; i++) {
+        snprintf(text, sizeof text, "{ " NARROW ", 'volumes': { %s%s } }", ball, other[i]);
+        scene = lf_test_scene(text);
+        lf_renderer *s = lf_test_renderer(scene, "mvpt", SIDE, SIDE, crew);
+        lf_slice_frame_init(&with, scene, &s->rig);
+        assert_int_equal(with.nx, frame.nx);
+        assert_int_equal(with.nz, frame.nz);
+        lf_assert_close((double)with.dx, (double)frame.dx, 1e-3, 0.0);
+        lf_renderer_destroy(s);
+        lf_scene_unref(scene);
+    }
+    lf_renderer_destroy(r);
+    lf_scene_unref(alone);
+}
+
+static void a_big_plane_does_not_hide_itself(void **state)
+{
+    (void)state;
+    lf_render_stats stats;
+    (void)mean_of("{ 'camera': { 'position': [0, 0, 0.1], 'fov_y': 40, 'aspect': 1, 'cone': 30, 'views': 5 }, 'meshes': { 'plane': "
+                  "{ 'shape': 'quad', "
+                  "'material': 'grey', 'transform': { 'scale': 100, 'rotate': [60, 30, 40] } } }, 'materials': { 'grey': { "
+                  "'albedo': 0.5 } }, "
+                  "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }",
+                  20, &stats);
+    assert_true(stats.base_paths > 10000);
+    assert_true((double)stats.base_hidden < 1e-4 * (double)stats.base_paths);
+}
+
+static int start(void **state)
+{
+    (void)state;
+    return lf_pool_create(2, &crew) == LF_OK ? 0 : -1;
+}
+
+static int stop(void **state)
+{
+    (void)state;
+    lf_pool_destroy(crew);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(dense_media_scatter_at_their_surface),
+        cmocka_unit_test(a_camera_inside_a_fog_sees_all_of_it),
+        cmocka_unit_test(volumes_out_of_sight_change_nothing),
+        cmocka_unit_test(a_big_plane_does_not_hide_itself),
+    };
+    return cmocka_run_group_tests_name("slice", tests, start, stop);
+}
