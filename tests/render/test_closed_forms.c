@@ -86,8 +86,9 @@ static void assert_blocks(const char *text, truth_fn truth, int passes, int mwis
             if (!(p > LEVEL))
                 fail_msg("%s %s: block %d is %.6g +- %.2g, p %.2g", integrators[i], lf_estimator_name(estimators[e]), where,
                          blocks[e].moments[where].mean, lf_moments_error(&blocks[e].moments[where]), p);
-            lf_blocks_finish(&blocks[e]);
         }
+        for (int e = 0; e < 3; e++)
+            lf_blocks_finish(&blocks[e]);
         free(expected);
         lf_renderer_destroy(r);
     }
