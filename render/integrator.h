@@ -116,8 +116,8 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
 /* The film point of a pixel column in this visit, in [0, 1) of its width; key as given to lf_exits_row. */
 float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 
-/* B and Q of one row for this visit (exits.c): share is this visit's of all the half's samples so far, its own included; index its number in
- * its half. */
+/* B and q of one row for this visit (exits.c): share is this visit's of all the half's samples so far, its own included;
+ * index its number in its half. */
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index, float share);
 
 #endif

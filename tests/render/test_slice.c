@@ -1,5 +1,5 @@
-/* Slices stand for the volumes they resample: where they are dense, where the camera is inside, where most of them is out of sight; and rays
- * start on the right side of big triangles. */
+/* Slices stand for the volumes they resample: where they are dense, where the camera is inside, where most of them is out of
+ * sight; and rays start on the right side of big triangles. */
 #include "tests/testing.h"
 
 #include "base/alloc.h"
