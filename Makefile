@@ -131,9 +131,11 @@ run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
  MAKE_AGAIN='$(MAKE_COMMAND) --no-print-directory -C $(CURDIR) -f $(MAKEFILE) O=$(O) BUILD=$(BUILD)' $(SRCDIR)/tests/run
 
 .PHONY: check-now verify-now bench-now run-now lint-now
-check-now: all tests $(headers_alone)
-	@$(run_tests) $(if $(T),$(foreach t,$(T),$(foreach x,$(tests) $(tests_extra),$(if $(findstring $(t),$(x)),$(x)))),$(tests_extra) $(tests))
 tests_extra := $(SRCDIR)/tests/style.sh $(SRCDIR)/tests/install.sh
+matching = $(foreach x,$(1),$(if $(strip $(foreach t,$(T),$(findstring $(t),$(x)))),$(x)))
+selected := $(if $(T),$(call matching,$(tests)),$(tests))
+check-now: all $(selected) $(if $(T),,$(headers_alone))
+	@$(run_tests) $(if $(T),$(call matching,$(tests_extra)),$(tests_extra)) $(selected)
 
 # the statistical tests again, on numbers nobody has seen, at their longest
 verify-now: all tests
