@@ -257,6 +257,9 @@ static void take_lines(lf_client *client)
         buffer_reset(&client->in);
     }
     client->scanned = client->in.used;
+    if (client->in.used == 0) {
+        lf_client_drop_fds(client); /* they came with lines that did not want them */
+    }
     if (client->skipping) {
         buffer_reset(&client->in);
         client->scanned = 0;

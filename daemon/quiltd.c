@@ -131,8 +131,10 @@ int main(int argc, char *argv[])
         (void)lf_error_set(&err, LF_E_ARG, argv[optind + 1], "only one scene can be shown");
         return lf_usage_error(PROGRAM, &err);
     }
-    char *scene = optind < argc ? absolute_scene(argv[optind]) : NULL;
-    if (optind < argc && scene == NULL) {
+    /* An empty one is none: what a service's variable that is not set leaves. */
+    bool has_scene = optind < argc && argv[optind][0] != '\0';
+    char *scene = has_scene ? absolute_scene(argv[optind]) : NULL;
+    if (has_scene && scene == NULL) {
         lf_log(LF_LOG_ERROR, "%s: its folder cannot be found", argv[optind]);
         return LF_EXIT_FAILED;
     }

@@ -16,11 +16,15 @@
 #include "base/errno_text.h"
 #include "base/log.h"
 
-/* On the way down: how long the slice in progress may go on, how long loads and jobs are waited for, and how long the panel may take
- * for the last frames. Together less than the 2 s promised. */
-#define SLICE_USEC 300000
-#define LEAVE_USEC 300000
+/* On the way down: how long loads, jobs and the cancelled slice are waited for, and how long the panel may take for the last
+ * frames. Together less than the 2 s promised. */
+#define LEAVE_USEC 500000
 #define FLUSH_MS 400
+/* With --state the slice in progress must end for its accumulation to be worth anything. systemd is told once a second how much
+ * longer it may take; after MOST_SECONDS it is cancelled all the same. */
+#define SLICE_USEC 1000000
+#define SLICE_MORE_USEC 10000000
+#define MOST_SECONDS 60
 #define DEFAULT_TARGET_ERROR 1e-4
 
 /* ------------------------------------------------------------------------------------------------------ the way down -- */
@@ -41,14 +45,49 @@ static int on_leave_timer(sd_event_source *source, uint64_t usec, void *context)
     return 0;
 }
 
+static void leave_soon(lf_server *server)
+{
+    sd_event_source_disable_unref(server->stop_timer);
+    server->stop_timer = NULL;
+    (void)sd_event_add_time_relative(server->event, &server->stop_timer, CLOCK_MONOTONIC, LEAVE_USEC, 0, on_leave_timer, server);
+}
+
+/* The slice in progress is still not over: more patience, or none. */
 static int on_slice_timer(sd_event_source *source, uint64_t usec, void *context)
 {
     lf_server *server = context;
-    lf_engine_stop(server->engine, true);
-    (void)source;
-    sd_event_source_disable_unref(server->stop_timer);
-    server->stop_timer = NULL;
-    return sd_event_add_time(server->event, &server->stop_timer, CLOCK_MONOTONIC, usec + LEAVE_USEC, 0, on_leave_timer, server);
+    if (lf_engine_stopped(server->engine)) {
+        leave_soon(server);
+        return 0;
+    }
+    if (lf_time_now() - server->stopped_at > MOST_SECONDS) {
+        lf_log(LF_LOG_WARNING, "the slice in progress has taken %d s: it is cancelled", MOST_SECONDS);
+        lf_engine_stop(server->engine, true);
+        leave_soon(server);
+        return 0;
+    }
+    sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d", SLICE_MORE_USEC);
+    (void)sd_event_source_set_time(source, usec + SLICE_USEC);
+    return sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
+}
+
+static void begin_way_down(lf_server *server)
+{
+    bool saves = server->config.state_dir != NULL;
+    server->stopping = true;
+    server->stopped_at = lf_time_now();
+    sd_notify(0, "STOPPING=1");
+    lf_clients_close_listener(server->clients);
+    lf_server_unlisten(server);
+    (void)lf_server_end_jobs(server);
+    lf_engine_stop(server->engine, !saves);
+    if (saves) {
+        sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d", SLICE_MORE_USEC);
+        (void)sd_event_add_time_relative(server->event, &server->stop_timer, CLOCK_MONOTONIC, SLICE_USEC, 0, on_slice_timer,
+                                         server);
+    } else {
+        leave_soon(server);
+    }
 }
 
 /* Called again whenever something that is waited for may have ended. */
@@ -58,14 +97,7 @@ void lf_server_shutdown(lf_server *server)
         return;
     }
     if (!server->stopping) {
-        server->stopping = true;
-        sd_notify(0, "STOPPING=1");
-        lf_clients_close_listener(server->clients);
-        lf_server_unlisten(server);
-        (void)lf_server_end_jobs(server);
-        lf_engine_stop(server->engine, false);
-        (void)sd_event_add_time_relative(server->event, &server->stop_timer, CLOCK_MONOTONIC, SLICE_USEC, 0, on_slice_timer,
-                                         server);
+        begin_way_down(server);
     }
     if (lf_engine_stopped(server->engine) && server->jobs == NULL && lf_loader_pending(server->loader) == 0) {
         leave(server);
@@ -79,6 +111,8 @@ static void finish(lf_server *server)
     bool engine_ended = lf_engine_stopped(server->engine);
     if (engine_ended) {
         lf_server_save_state_now(server);
+    } else if (server->config.state_dir != NULL) {
+        lf_log(LF_LOG_WARNING, "the accumulation is not saved: rendering did not come to an end");
     }
     if (!engine_ended || server->jobs != NULL || lf_loader_pending(server->loader) > 0) {
         _exit(server->exit_code);

@@ -111,6 +111,7 @@ struct lf_server {
     int64_t n_jobs;
 
     bool ready_sent, stopping, leaving;
+    double stopped_at; /* lf_time_now when the way down began */
     int exit_code;
     sd_event_source *stop_timer, *state_timer, *run_timer, *status_timer, *watch_io, *watch_timer;
     int watch_fd, watch_id;

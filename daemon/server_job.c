@@ -258,7 +258,8 @@ static bool may_start(const lf_server *server, const lf_job *job)
 {
     lf_engine_status now;
     lf_engine_get_status(server->engine, &now);
-    return job->is_state || now.generation > job->generation || (now.generation == job->generation && now.level >= job->wait);
+    /* A scene that moves meanwhile is waited for again. */
+    return now.generation >= job->generation && now.level >= job->wait;
 }
 
 void lf_server_start_jobs(lf_server *server)
@@ -440,7 +441,8 @@ static lf_status take_file(lf_job *job, const char *file, lf_error *err)
     return status;
 }
 
-static lf_level wait_of(const json_t *params)
+/* An accumulation is one from its first pass on; a picture, once it is coarse. */
+static lf_level wait_of(const json_t *params, bool is_state)
 {
     const char *name = string_of(params, "wait");
     for (lf_level level = LF_LEVEL_COARSE; name != NULL && level <= LF_LEVEL_CONVERGED; level++) {
@@ -448,7 +450,7 @@ static lf_level wait_of(const json_t *params)
             return level;
         }
     }
-    return LF_LEVEL_COARSE;
+    return is_state ? LF_LEVEL_NONE : LF_LEVEL_COARSE;
 }
 
 static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
@@ -458,9 +460,13 @@ static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
     const char *kind = string_of(params, "kind");
     job->is_state = strcmp(kind, "state") == 0;
     job->overwrite = json_is_true(json_object_get(params, "overwrite"));
-    job->wait = wait_of(params);
+    job->wait = wait_of(params, job->is_state);
     job->generation = server->generation;
-    lf_status status = take_fds(job, call->client, (int)number_of(params, "fds", 0), err);
+    int n_fds = (int)number_of(params, "fds", 0);
+    if (job->is_state && n_fds > 1) {
+        return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds", "a state is one file: one descriptor, not %d", n_fds);
+    }
+    lf_status status = take_fds(job, call->client, n_fds, err);
     if (status == LF_OK && (server->stage == NULL || (job->is_state && server->stage->scene == NULL))) {
         return lf_error_set(err, LF_E_STATE, "export", "there is no picture to export");
     }
@@ -508,6 +514,7 @@ void lf_server_export(lf_call *call)
         lf_fail(call, &err, false);
         return;
     }
+    lf_client_drop_fds(call->client); /* more came than were announced */
     job->id = ++server->n_jobs;
     job->next = server->jobs;
     server->jobs = job;
@@ -581,8 +588,10 @@ void lf_server_save_state_now(lf_server *server)
     } else {
         lf_outfile_abandon(&file);
     }
-    if (status != LF_OK && status != LF_E_STATE) {
-        lf_log_error(&err);
+    lf_engine_status now;
+    lf_engine_get_status(server->engine, &now);
+    if (status != LF_OK && (status != LF_E_STATE || now.passes > 0)) {
+        lf_log(LF_LOG_ERROR, "the accumulation is not saved: %s", err.what);
     }
     lf_free(path);
 }

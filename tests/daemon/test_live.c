@@ -219,6 +219,12 @@ static void an_export_that_waits_can_be_cancelled(void **state)
     assert_int_equal(live_code(&c, "render.set", json_pack("{s:b}", "paused", 1)), 0);
     json_t *params = json_pack("{s:s, s:s, s:s}", "kind", "panel", "file", "p.png", "wait", "converged");
     json_int_t job = (json_int_t)live_number(&c, "export", params, "job");
+    /* A picture that moves meanwhile is no better for it. */
+    assert_int_equal(live_code(&c, "camera.orbit", json_pack("{s:i}", "yaw", 5)), 0);
+    json_t *status = live_call(&c, "status", NULL);
+    const json_t *waiting = json_array_get(json_object_get(json_object_get(status, "result"), "jobs"), 0);
+    assert_string_equal(json_string_value(json_object_get(waiting, "state")), "waiting");
+    json_decref(status);
     assert_int_equal(live_code(&c, "job.cancel", json_pack("{s:I}", "job", job)), 0);
     assert_int_not_equal(access(lf_test_path(l.exports, "p.png"), F_OK), 0);
     live_close(&c);
@@ -429,6 +435,30 @@ static void a_killed_daemon_goes_on_from_its_state(void **state)
     live_finish(&l);
 }
 
+static void the_slice_in_progress_ends_before_its_state_is_saved(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    static const char *const more[] = {"--view-size", "900x1200", "--threads", "1"};
+    live_start(&l, l.scene, "--device", "none", "--state", l.state, more[0], more[1], more[2], more[3], NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    double passes = live_number(&c, "status", NULL, "passes");
+    live_close(&c);
+    assert_int_equal(live_stop(&l), 0);
+    assert_int_equal(access(lf_test_path(l.state, "film.lfstate"), F_OK), 0);
+    assert_false(live_logged(&l, "not saved"));
+    live_start(&l, l.scene, "--device", "none", "--state", l.state, more[0], more[1], more[2], more[3], NULL);
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    assert_true(live_logged(&l, "going on with the saved state"));
+    assert_true(live_number(&c, "status", NULL, "passes") >= passes);
+    live_close(&c);
+    live_finish(&l);
+}
+
 static double wait_for_generation(live_client *c, double generation)
 {
     for (int i = 0; i < LIVE_PATIENCE_S * 50 && live_number(c, "status", NULL, "generation") < generation; i++) {
@@ -504,6 +534,7 @@ int main(void)
         cmocka_unit_test(a_panel_with_faults_shows_the_picture_in_the_end),
         cmocka_unit_test(a_panel_that_stalls_for_ever_stops_neither_rendering_nor_the_end),
         cmocka_unit_test(a_killed_daemon_goes_on_from_its_state),
+        cmocka_unit_test(the_slice_in_progress_ends_before_its_state_is_saved),
         cmocka_unit_test(the_scene_file_is_read_again_on_hangup_and_when_it_changes),
         cmocka_unit_test(a_scene_that_cannot_be_loaded_does_not_end_the_daemon),
     };

@@ -275,6 +275,12 @@ static void without_a_scene_nothing_may_be_read(void **state)
     live_connect(&l, &c);
     assert_int_equal(live_code(&c, "scene.load", json_pack("{s:s}", "file", l.scene)), -32001);
     live_close(&c);
+    assert_int_equal(live_stop(&l), 0);
+    /* An empty name is no scene, and not the root folder. */
+    live_start(&l, "", "--device", "none", NULL);
+    live_connect(&l, &c);
+    assert_int_equal(live_code(&c, "scene.load", json_pack("{s:s}", "file", l.scene)), -32001);
+    live_close(&c);
     live_finish(&l);
 }
 
