@@ -52,6 +52,11 @@ lf_ticket *lf_defer(lf_call *call)
     return ticket;
 }
 
+uint64_t lf_ticket_client(const lf_ticket *ticket)
+{
+    return ticket->client;
+}
+
 /* Sends message to whoever holds the ticket, and frees it. */
 static void redeem(lf_server *server, lf_ticket *ticket, json_t *message)
 {

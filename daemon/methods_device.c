@@ -53,8 +53,8 @@ void lf_method_device_set(lf_call *call)
     lf_status status = check_spec(server, spec, &err);
     if (status == LF_OK) {
         status = lf_server_open_device(server, spec, &err);
-        if (status != LF_OK && lf_server_open_device(server, before, &ignored) != LF_OK) {
-            lf_error_set(&ignored, LF_E_NODEV, before, "could not be opened again");
+        if (status != LF_OK && server->panel.device == NULL) {
+            (void)!lf_server_open_device(server, before, &ignored); /* else it is tried again from time to time */
         }
     }
     if (status == LF_E_IO || status == LF_E_FORMAT) {

@@ -1,6 +1,7 @@
 #include "daemon/server.h"
 
 #include <errno.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,6 +21,9 @@
  * frames. Together less than the 2 s promised. */
 #define LEAVE_USEC 500000
 #define FLUSH_MS 400
+/* From the signal to the end, and after a save: what a device has not done by then is left out. */
+#define LAST_SECONDS 1.7
+#define CLOSE_SECONDS 0.8
 /* With --state the slice in progress must end for its accumulation to be worth anything. systemd is told once a second how much
  * longer it may take; after MOST_SECONDS it is cancelled all the same. */
 #define SLICE_USEC 1000000
@@ -114,7 +118,12 @@ static void finish(lf_server *server)
     } else if (server->config.state_dir != NULL) {
         lf_log(LF_LOG_WARNING, "the accumulation is not saved: rendering did not come to an end");
     }
-    if (!engine_ended || server->jobs != NULL || lf_loader_pending(server->loader) > 0) {
+    double end = server->stopped_at + LAST_SECONDS;
+    if (server->config.state_dir != NULL) {
+        end = fmax(end, lf_time_now() + CLOSE_SECONDS);
+    }
+    bool closed = lf_server_end_farewells(server, end);
+    if (!closed || !engine_ended || server->jobs != NULL || lf_loader_pending(server->loader) > 0) {
         _exit(server->exit_code);
     }
 }
@@ -124,6 +133,7 @@ static void destroy(lf_server *server)
     lf_error over;
     (void)lf_error_set(&over, LF_E_CANCELLED, "", "the daemon is shutting down");
     server->stopping = server->leaving = true;
+    (void)lf_server_end_farewells(server, INFINITY);
     lf_loader_destroy(server->loader);
     lf_engine_destroy(server->engine);
     while (server->waits != NULL) {

@@ -62,6 +62,8 @@ typedef struct lf_wait {
     lf_level level;
 } lf_wait;
 
+typedef struct lf_farewell lf_farewell;
+
 /* What the panel is and what it shows. */
 typedef struct lf_panel {
     lf_device *device; /* NULL while unplugged */
@@ -78,6 +80,7 @@ typedef struct lf_panel {
     lf_level flying_level;
     double flying_passes;
     lf_device_counters before; /* of devices closed by now */
+    lf_farewell *farewells;    /* devices being closed */
 } lf_panel;
 
 typedef struct lf_job lf_job;
@@ -141,13 +144,15 @@ bool lf_default_socket(int index, char *out, size_t size);
 
 /* ------------------------------------------------------------------------------------------------ server_device.c -- */
 
-/* Opens a device and takes the panel it had before away. On failure there is none (LF_E_NODEV, LF_E_BUSY: tried again from
- * time to time). */
+/* Opens a device in the place of the one there is now, which stays on failure where it need not be closed first. Else on failure
+ * there is none (LF_E_NODEV, LF_E_BUSY, LF_E_IO: tried again from time to time). */
 LF_NODISCARD lf_status lf_server_open_device(lf_server *server, const char *spec, lf_error *err);
 /* Gives the panel the newest frame, if it can take one. */
 void lf_server_pump(lf_server *server);
-/* At the end: waits for what was pushed, at most timeout_ms, and closes. */
+/* At the end: waits for what was pushed, at most timeout_ms, and begins to close. */
 void lf_server_close_device(lf_server *server, int timeout_ms);
+/* Waits until `end` (lf_time_now) for devices that are being closed; true when none is left. */
+bool lf_server_end_farewells(lf_server *server, double end);
 /* Updates, bytes and errors of all devices so far. */
 lf_device_counters lf_server_device_counters(const lf_server *server);
 /* The device as status, device.set and the event `device` show it. */
@@ -210,6 +215,8 @@ void lf_reply(lf_call *call, json_t *result);
 void lf_fail(lf_call *call, const lf_error *err, bool scene);
 /* Puts the answer off; NULL (and answered) when the client has too many calls open. */
 lf_ticket *lf_defer(lf_call *call);
+/* The serial number of the client whose call it is. */
+uint64_t lf_ticket_client(const lf_ticket *ticket);
 /* Answers now; frees the ticket; nothing when it is NULL or the client has gone. */
 void lf_ticket_reply(lf_server *server, lf_ticket *ticket, json_t *result);
 void lf_ticket_fail(lf_server *server, lf_ticket *ticket, const lf_error *err, bool scene);

@@ -1,13 +1,22 @@
+#include <limits.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
+#include <time.h>
 
+#include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/server.h"
 
 /* Between attempts to open a panel that is away, and after a push that failed. */
 #define REOPEN_USEC 500000
 #define REPUSH_USEC 20000
+/* A device that is to be opened again is waited for so long; a simulated one with a push that stalls takes about as much. */
+#define FAREWELL_SECONDS 3.0
 
 static const lf_calibration *calibration_of(const lf_device *device)
 {
@@ -26,6 +35,65 @@ static void retry_later(lf_server *server, uint64_t usec)
     }
 }
 
+/* ------------------------------------------------------------------------------------------------------- letting go -- */
+
+/* Destroying a device may wait for its panel, which the event thread must not: every device gets a thread for that. */
+struct lf_farewell {
+    lf_farewell *next;
+    pthread_t thread;
+    lf_device *device;
+    atomic_bool over;
+};
+
+static void *farewell_main(void *context)
+{
+    lf_farewell *farewell = context;
+    pthread_setname_np(pthread_self(), "lf-farewell");
+    lf_device_destroy(farewell->device);
+    atomic_store_explicit(&farewell->over, true, memory_order_release);
+    return NULL;
+}
+
+bool lf_server_end_farewells(lf_server *server, double end)
+{
+    for (lf_farewell **at = &server->panel.farewells; *at != NULL;) {
+        lf_farewell *farewell = *at;
+        while (!atomic_load_explicit(&farewell->over, memory_order_acquire) && lf_time_now() < end) {
+            nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
+        }
+        if (!atomic_load_explicit(&farewell->over, memory_order_acquire)) {
+            at = &farewell->next;
+            continue;
+        }
+        pthread_join(farewell->thread, NULL);
+        *at = farewell->next;
+        lf_free(farewell);
+    }
+    return server->panel.farewells == NULL;
+}
+
+static void say_farewell(lf_server *server, lf_device *device)
+{
+    (void)lf_server_end_farewells(server, 0);
+    lf_farewell *farewell = lf_calloc(1, sizeof *farewell);
+    bool started = false;
+    if (farewell != NULL) {
+        sigset_t all, before;
+        sigfillset(&all);
+        farewell->device = device;
+        pthread_sigmask(SIG_BLOCK, &all, &before);
+        started = pthread_create(&farewell->thread, NULL, farewell_main, farewell) == 0;
+        pthread_sigmask(SIG_SETMASK, &before, NULL);
+    }
+    if (!started) {
+        lf_free(farewell);
+        lf_device_destroy(device);
+        return;
+    }
+    farewell->next = server->panel.farewells;
+    server->panel.farewells = farewell;
+}
+
 /* Lets go of the device; its counters are kept. */
 static void let_go(lf_server *server)
 {
@@ -41,7 +109,7 @@ static void let_go(lf_server *server)
     panel->before.updates += now.updates;
     panel->before.bytes += now.bytes;
     panel->before.errors += now.errors;
-    lf_device_destroy(panel->device);
+    say_farewell(server, panel->device);
     panel->device = NULL;
 }
 
@@ -110,7 +178,7 @@ static void take_calibration(lf_server *server, const lf_calibration *calibratio
     }
     panel->number++;
     lf_engine_set_panel(server->engine, calibration, panel->number, panel->device->ops->views != NULL);
-    if (!same && server->stage != NULL) {
+    if (!same) { /* also with nothing on stage: the first scene may be under way */
         lf_load *load = lf_load_create(LF_LOAD_APPLY);
         if (load != NULL) {
             lf_server_load(server, load, NULL);
@@ -118,44 +186,101 @@ static void take_calibration(lf_server *server, const lf_calibration *calibratio
     }
 }
 
-static lf_status open_device(lf_server *server, const char *spec, lf_error *err)
+static lf_status make_device(const lf_server *server, const char *spec, lf_device **out_device, lf_error *err)
 {
-    lf_panel *panel = &server->panel;
     lf_calibration calibration;
     bool given = server->config.calibration != NULL;
-    if (given) {
-        lf_status status = lf_calibration_load(server->config.calibration, &calibration, err);
-        if (status != LF_OK) {
-            return status;
-        }
-    }
-    lf_status status = lf_device_open(spec, given ? &calibration : NULL, &panel->device, err);
-    if (status != LF_OK) {
-        panel->device = NULL;
-        return status;
-    }
+    lf_status status = given ? lf_calibration_load(server->config.calibration, &calibration, err) : LF_OK;
+    return status == LF_OK ? lf_device_open(spec, given ? &calibration : NULL, out_device, err) : status;
+}
+
+/* The panel is this device from now on (taken over whatever comes of it). */
+static lf_status take_device(lf_server *server, lf_device *device, lf_error *err)
+{
+    lf_panel *panel = &server->panel;
     lf_device_info info;
-    panel->device->ops->info(panel->device, &info);
+    panel->device = device;
+    device->ops->info(device, &info);
     snprintf(panel->spec, sizeof panel->spec, "%s", info.spec);
     panel->has_problem = false;
     panel->whole = true;
-    int fd = panel->device->ops->poll_fd(panel->device);
+    int fd = device->ops->poll_fd(device);
     if (fd >= 0 && sd_event_add_io(server->event, &panel->io, fd, EPOLLIN, on_device, server) < 0) {
         let_go(server);
-        return lf_error_set(err, LF_E_NOMEM, spec, "out of memory");
+        return lf_error_set(err, LF_E_NOMEM, panel->spec, "out of memory");
     }
-    take_calibration(server, calibration_of(panel->device));
+    take_calibration(server, calibration_of(device));
     lf_log(LF_LOG_INFO, "%s: %s%s%s", panel->spec, info.model, info.problem[0] != '\0' ? ": " : "", info.problem);
     return LF_OK;
+}
+
+static lf_status open_device(lf_server *server, const char *spec, lf_error *err)
+{
+    lf_device *device = NULL;
+    lf_status status = make_device(server, spec, &device, err);
+    return status == LF_OK ? take_device(server, device, err) : status;
+}
+
+/* The folder of a simulated panel's spec, canonical; malloced, NULL = there is none yet. */
+static char *folder_of(const char *spec)
+{
+    char folder[sizeof((lf_panel *)0)->spec];
+    snprintf(folder, sizeof folder, "%.*s", (int)strcspn(spec + 4, ","), spec + 4);
+    return realpath(folder, NULL);
+}
+
+/* Whether spec may name the device that is open now, which must be closed before it can be opened again. */
+static bool may_be_same(const char *now, const char *spec)
+{
+    size_t n = strcspn(now, ":");
+    if (strcmp(spec, "auto") == 0) {
+        return true;
+    }
+    if (strcspn(spec, ":") != n || strncmp(now, spec, n) != 0) {
+        return false;
+    }
+    if (strncmp(now, "sim:", 4) != 0) {
+        return true;
+    }
+    char *ours = folder_of(now), *other = folder_of(spec);
+    bool same = ours != NULL && other != NULL && strcmp(ours, other) == 0;
+    free(ours);
+    free(other);
+    return same;
+}
+
+/* The next device while the old one goes on; what is refused changes nothing. */
+static lf_status change_device(lf_server *server, const char *spec, lf_error *err)
+{
+    lf_device *device = NULL;
+    lf_status status = make_device(server, spec, &device, err);
+    if (status == LF_E_BUSY && server->panel.farewells != NULL) {
+        (void)lf_server_end_farewells(server, lf_time_now() + FAREWELL_SECONDS);
+        status = make_device(server, spec, &device, err);
+    }
+    if (status != LF_OK) {
+        return status;
+    }
+    let_go(server);
+    return take_device(server, device, err);
 }
 
 lf_status lf_server_open_device(lf_server *server, const char *spec, lf_error *err)
 {
     lf_panel *panel = &server->panel;
-    let_go(server);
+    lf_status status;
+    if (panel->device != NULL && !may_be_same(panel->spec, spec)) {
+        status = change_device(server, spec, err);
+        if (status != LF_OK && panel->device != NULL) {
+            return status;
+        }
+    } else {
+        let_go(server);
+        (void)lf_server_end_farewells(server, lf_time_now() + FAREWELL_SECONDS);
+        status = open_device(server, spec, err);
+    }
     sd_event_source_disable_unref(panel->retry);
     panel->retry = NULL;
-    lf_status status = open_device(server, spec, err);
     if (status != LF_OK) {
         snprintf(panel->spec, sizeof panel->spec, "%s", spec);
         panel->has_problem = true;
@@ -200,7 +325,7 @@ static void give_views(lf_server *server, const lf_frame *frame)
 {
     lf_device *device = server->panel.device;
     lf_mailbox *mailbox = lf_engine_mailbox(server->engine);
-    if (device->ops->views == NULL || !frame->has_views) {
+    if (device->ops->views == NULL) {
         return;
     }
     const lf_views8 *views = lf_mailbox_views(mailbox, frame);

@@ -6,6 +6,9 @@
 #include "base/log.h"
 #include "daemon/server.h"
 
+/* Of one client, at a time. */
+#define MAX_WAITS 64
+
 const char *lf_level_name(lf_level level)
 {
     static const char *const names[] = {"none", "coarse", "complete", "converged"};
@@ -96,11 +99,13 @@ static bool is_over(const lf_server *server, const lf_wait *wait)
     return server->shown_generation >= wait->generation && server->shown_level >= wait->level;
 }
 
+/* Those of clients that have left end too. */
 static void answer_waits(lf_server *server)
 {
     for (lf_wait **at = &server->waits; *at != NULL;) {
         lf_wait *wait = *at;
-        if (!is_over(server, wait)) {
+        bool left = server->clients == NULL || lf_clients_find(server->clients, lf_ticket_client(wait->ticket)) == NULL;
+        if (!left && !is_over(server, wait)) {
             at = &wait->next;
             continue;
         }
@@ -112,6 +117,16 @@ static void answer_waits(lf_server *server)
 
 void lf_server_wait(lf_server *server, lf_ticket *ticket, int64_t generation, lf_level level)
 {
+    lf_error err;
+    int n = 0;
+    for (const lf_wait *other = server->waits; other != NULL; other = other->next) {
+        n += lf_ticket_client(other->ticket) == lf_ticket_client(ticket) ? 1 : 0;
+    }
+    if (n >= MAX_WAITS) {
+        (void)lf_error_set(&err, LF_E_BUSY, "wait", "this client waits %d times already", n);
+        lf_ticket_fail(server, ticket, &err, false);
+        return;
+    }
     lf_wait *wait = lf_calloc(1, sizeof *wait);
     if (wait == NULL) {
         lf_ticket_reply(server, ticket, NULL);

@@ -48,6 +48,7 @@ typedef struct sim_device {
     bool fails;      /* … and will not be shown … */
     uint64_t end_ns; /* … and ends then (LF_SIM_NEVER) */
     bool retry;      /* a failed push is to be told */
+    bool given_up;   /* flush has waited in vain: destroy does not wait again */
     uint64_t pushes; /* begun so far; the number of the last one */
     uint64_t generation;
     int n_pending;
@@ -303,7 +304,7 @@ static bool wait_for_push(sim_device *sim, uint64_t until)
 static void sim_destroy(lf_device *device)
 {
     sim_device *sim = sim_of(device);
-    if (sim->writer != NULL)
+    if (sim->writer != NULL && !sim->given_up)
         wait_for_push(sim, lf_sim_now_ns() + DESTROY_WAIT_NS);
     lf_sim_writer_destroy(sim->writer);
     if (sim->timer_fd >= 0)
@@ -376,7 +377,8 @@ static lf_status sim_flush(lf_device *device, int timeout_ms)
 {
     sim_device *sim = sim_of(device);
     uint64_t began = lf_sim_now_ns(), limit = (uint64_t)(timeout_ms > 0 ? timeout_ms : 0) * NS_PER_MS;
-    if (!wait_for_push(sim, began + limit))
+    sim->given_up = !wait_for_push(sim, began + limit);
+    if (sim->given_up)
         return LF_E_TIMEOUT;
     uint64_t used = lf_sim_now_ns() - began;
     lf_status status = lf_sim_writer_flush(sim->writer, used < limit ? (int)((limit - used) / NS_PER_MS) : 0);

@@ -18,7 +18,7 @@
 #define NS_PER_S UINT64_C(1000000000)
 #define LEAST_PAUSE_NS (NS_PER_S / 2)
 #define PAUSE_PER_WORK 5 /* at most a sixth of one core goes into pictures */
-#define LAST_PICTURES_NS NS_PER_S
+#define LAST_PICTURES_NS (NS_PER_S / 2)
 
 enum { PNG_LEVEL = 1, RING = 16384, BATCH = 256, MAX_QUILT = 16384 };
 

@@ -284,6 +284,29 @@ static void without_a_scene_nothing_may_be_read(void **state)
     live_finish(&l);
 }
 
+static void a_client_waits_only_so_often(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", "none", NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    assert_int_equal(live_code(&c, "render.set", json_pack("{s:b}", "paused", 1)), 0);
+    for (int round = 0; round < 2; round++) {
+        static const char wait[] = "{\"jsonrpc\":\"2.0\",\"id\":99,\"method\":\"wait\",\"params\":{\"for\":\"converged\"}}\n";
+        for (int i = 0; i < 64; i++) {
+            live_send(&c, wait, sizeof wait - 1);
+        }
+        assert_int_equal(live_code(&c, "wait", json_pack("{s:s}", "for", "converged")), -32000);
+        live_close(&c);
+        live_connect(&l, &c);
+    }
+    live_close(&c);
+    live_finish(&l);
+}
+
 static void a_client_opens_simulated_panels_only_where_it_may_write(void **state)
 {
     (void)state;
@@ -300,7 +323,17 @@ static void a_client_opens_simulated_panels_only_where_it_may_write(void **state
     assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", spec)), 0);
     assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", "none")), 0);
     assert_int_equal(live_code(&c, "device.calibration", NULL), -32003);
+    assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", l.sim)), 0);
+    /* What is refused leaves the panel and what it shows alone. */
+    live_wait(&c, "coarse");
+    double updates = live_number(&c, "status", NULL, "updates");
     assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", "toaster")), -32602);
+    snprintf(spec, sizeof spec, "sim:%s/p,latensy=5", l.exports);
+    assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", spec)), -32602);
+    assert_true(live_number(&c, "status", NULL, "updates") >= updates);
+    assert_false(live_logged(&l, "latensy"));
+    assert_true(live_number(&c, "device.calibration", NULL, "screenW") == 96);
+    assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", "none")), 0);
     assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", l.sim)), 0);
     assert_true(live_number(&c, "device.calibration", NULL, "screenW") == 96);
     assert_int_equal(live_code(&c, "device.list", NULL), 0);
@@ -372,6 +405,7 @@ int main(void)
         cmocka_unit_test(quiltctl_calls_and_prints),
         cmocka_unit_test(reads_stay_beneath_the_scene_and_the_allowed_paths),
         cmocka_unit_test(without_a_scene_nothing_may_be_read),
+        cmocka_unit_test(a_client_waits_only_so_often),
         cmocka_unit_test(a_client_opens_simulated_panels_only_where_it_may_write),
         cmocka_unit_test(systemd_hears_of_readiness_and_hands_over_a_socket),
     };
