@@ -5,6 +5,13 @@
 
 #include "base/alloc.h"
 
+/* ThreadSanitizer cannot see how TBB hands work from thread to thread: under it Embree builds on the calling thread. */
+#ifdef __SANITIZE_THREAD__
+#define DEVICE_CONFIG "threads=1"
+#else
+#define DEVICE_CONFIG NULL
+#endif
+
 /* -------------------------------------------------------------------------------------------------------- sharing -- */
 
 json_t *lf_geometry_key(const json_t *doc, const char *folder)
@@ -119,7 +126,7 @@ static bool attach_mesh(lf_geometry *geometry, const lf_mesh *mesh)
 
 static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
 {
-    geometry->device = rtcNewDevice(NULL);
+    geometry->device = rtcNewDevice(DEVICE_CONFIG);
     geometry->embree = geometry->device ? rtcNewScene(geometry->device) : NULL;
     if (!geometry->embree)
         return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot start (error %d)", (int)rtcGetDeviceError(geometry->device));
