@@ -48,7 +48,7 @@ static void add_known(const lf_visit *visit, lf_film_known *known, int k, const 
     const struct RTCRayHit8 *h = hits ? &hits[k / LF_LANES] : NULL;
     int i = k % LF_LANES;
     float transmittance = 1.0f - q_medium, q = q_medium, pdf;
-    lf_vec3 light = lf_v3(0.0f, 0.0f, 0.0f);
+    lf_vec3 light;
     if (h && h->hit.geomID[i] != RTC_INVALID_GEOMETRY_ID) {
         lf_hit hit;
         lf_vec3 w = lf_normalize(lf_v3(h->ray.dir_x[i], h->ray.dir_y[i], h->ray.dir_z[i]));

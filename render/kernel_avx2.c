@@ -35,6 +35,7 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
         float xa = x0[0] + slope[0] * middle, xb = x0[n - 1] + slope[n - 1] * middle;
         if (lf_max(xa, xb) <= slice->slabs[s].x_lo || lf_min(xa, xb) >= slice->slabs[s].x_hi)
             continue;
+        float *here = s == wanted ? sigma : NULL;
         const float *row = slice->sigma + (size_t)s * (size_t)(slice->nx + 1);
         __m256 vm = _mm256_set1_ps(middle), vh = _mm256_set1_ps(hi), vf = _mm256_set1_ps(from);
         for (int k = 0; k < n; k += LF_LANES) {
@@ -43,8 +44,8 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
             __m256 step = _mm256_sub_ps(_mm256_min_ps(_mm256_loadu_ps(z_end + k), vh), vf);
             __m256 t = _mm256_mul_ps(v, _mm256_max_ps(step, _mm256_setzero_ps()));
             _mm256_storeu_ps(tau + k, _mm256_add_ps(_mm256_loadu_ps(tau + k), t));
-            if (s == wanted)
-                _mm256_storeu_ps(sigma + k, v);
+            if (here)
+                _mm256_storeu_ps(here + k, v);
         }
     }
 }

@@ -21,11 +21,12 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
         float xa = x0[0] + slope[0] * middle, xb = x0[n - 1] + slope[n - 1] * middle;
         if (lf_max(xa, xb) <= slice->slabs[s].x_lo || lf_min(xa, xb) >= slice->slabs[s].x_hi)
             continue;
+        float *here = s == wanted ? sigma : NULL;
         for (int k = 0; k < n; k++) {
             float v = lf_slice_at(slice, s, x0[k] + slope[k] * middle);
             tau[k] += v * lf_max(lf_min(z_end[k], hi) - from, 0.0f);
-            if (s == wanted)
-                sigma[k] = v;
+            if (here)
+                here[k] = v;
         }
     }
 }
