@@ -135,6 +135,10 @@ LF_NODISCARD lf_status lf_renderer_pass(lf_renderer *renderer, int first_row, in
 LF_NODISCARD lf_status lf_renderer_pass_filling(lf_renderer *renderer, int first_row, int row_step, int subsets, int hole_reach,
                                                 lf_row_fn row_done, void *context, const lf_cancel *cancel);
 
+/* Native samples for all holes that are left, and nothing else: what a consistent answer (mwis) of a small budget lacks. Not for mis and
+ * cv, whose answer in a hole, B + N/n, is the unbiased one. */
+LF_NODISCARD lf_status lf_renderer_fill_holes(lf_renderer *renderer, const lf_cancel *cancel);
+
 /* Adds exactly n_passes passes (one pass = one view's worth of base paths: width x height of them) to every row, split
  * evenly between the halves, in visits that grow to whole cycles of n_views passes: the offline schedule. 45 views:
  * --spp S is 45 S passes. A single pass with cross-fitting in mind (split) puts one half of its columns into each half. */

@@ -235,6 +235,16 @@ lf_status lf_renderer_pass_filling(lf_renderer *renderer, int first_row, int row
     return run(&job);
 }
 
+lf_status lf_renderer_fill_holes(lf_renderer *renderer, const lf_cancel *cancel)
+{
+    lf_visit_plan plan = renderer->plan;
+    plan.subsets = 0;
+    plan.force = true;
+    plan.hole_reach = 0;
+    lf_pass_job job = {.renderer = renderer, .plan = &plan, .row_step = 1, .half = -1, .cancel = cancel};
+    return run(&job);
+}
+
 /* One visit of every row. */
 static lf_status visit_all(lf_renderer *renderer, int half, int subsets, int column_step, const lf_cancel *cancel)
 {
