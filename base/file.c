@@ -104,8 +104,13 @@ static lf_status open_beneath(const char *path, const lf_roots *roots, int *out_
     char name[PATH_MAX], link[64];
     struct stat st;
     int handle = open(path, O_PATH | O_CLOEXEC);
-    if (handle < 0)
-        return would_lie_beneath(roots, path) ? fail_errno(err, path, "cannot open") : outside(err, path);
+    if (handle < 0) {
+        int why = errno;
+        if (!would_lie_beneath(roots, path))
+            return outside(err, path);
+        errno = why;
+        return fail_errno(err, path, "cannot open");
+    }
     if (!descriptor_name(handle, name) || !beneath(roots, name)) {
         close(handle);
         return outside(err, path);

@@ -61,11 +61,18 @@ lf_status lf_ctl_connect(const char *path, lf_ctl **out, lf_error *err)
         snprintf(ctl->path, sizeof ctl->path, "%s", path);
         ctl->fd = try_connect(path);
     }
+    char first[sizeof ctl->path];
+    snprintf(first, sizeof first, "%s", ctl->path);
+    int why = errno;
     for (int i = 0; path == NULL && ctl->fd < 0 && lf_default_socket(i, ctl->path, sizeof ctl->path); i++) {
         ctl->fd = try_connect(ctl->path);
+        if (i == 0) { /* the one that is meant before all others */
+            snprintf(first, sizeof first, "%s", ctl->path);
+            why = errno;
+        }
     }
     if (ctl->fd < 0) {
-        lf_status status = lf_error_set(err, LF_E_NODEV, ctl->path, "no quiltd answers there: %s", lf_errno_text(errno));
+        lf_status status = lf_error_set(err, LF_E_NODEV, first, "no quiltd answers there: %s", lf_errno_text(why));
         lf_ctl_close(ctl);
         return status;
     }

@@ -119,8 +119,18 @@ static lf_status stage_of_scene(const lf_load *load, lf_scene *scene, const char
 
 static lf_status load_file(const lf_loader *loader, lf_load *load, lf_stage **out)
 {
-    if (lf_is_quilt(load->file, loader->roots)) {
-        return lf_stage_from_quilt(load->file, loader->roots, &load->options, out, &load->err);
+    int columns, rows;
+    double aspect;
+    const char *dot = strrchr(load->file, '.');
+    bool named = lf_layout_from_name(load->file, &columns, &rows, &aspect);
+    /* What is named as a quilt's picture but is none is told so, and not that it is no JSON. */
+    bool meant = named && dot != NULL && strcmp(dot, ".json") != 0;
+    if (meant || lf_is_quilt(load->file, loader->roots)) {
+        lf_options options = load->options;
+        if (load->name_wins && named) {
+            options.columns = options.rows = 0;
+        }
+        return lf_stage_from_quilt(load->file, loader->roots, &options, out, &load->err);
     }
     lf_scene *scene = NULL;
     const lf_scene *previous = loader->stage != NULL ? loader->stage->scene : NULL;

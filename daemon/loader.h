@@ -21,6 +21,7 @@ typedef struct lf_load {
     double yaw, pitch, zoom; /* ORBIT: degrees to the right and up, and how many times nearer */
     bool force;              /* APPLY: commit even when the settings come out the same */
     lf_options options;
+    bool name_wins; /* FILE: the layout in a quilt's name over that of the options */
     bool has_calibration;
     lf_calibration calibration;
     int restore_fd; /* FILE: -1, or an accumulation to go on with (taken over) */

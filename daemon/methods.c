@@ -10,6 +10,8 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 
+#define OUTSIDE "lies neither beneath the scene's folder nor beneath an --allow-path"
+
 struct lf_ticket {
     uint64_t client;
     json_t *id;  /* a copy */
@@ -155,6 +157,20 @@ static char *absolute(const lf_server *server, const char *path)
     return joined;
 }
 
+/* Nothing can be found there. Outside of the roots that is not said: it would tell which files exist. */
+static lf_status refuse_missing(const lf_server *server, const char *path, const char *name, int why, lf_error *err)
+{
+    int fd = -1;
+    lf_status status = name != NULL ? lf_file_open(name, &server->roots, UINT64_MAX, &fd, NULL, NULL) : LF_E_NOMEM;
+    if (fd >= 0) {
+        close(fd);
+    }
+    if (status == LF_E_PATH) {
+        return lf_error_set(err, LF_E_PATH, path, OUTSIDE);
+    }
+    return lf_error_set(err, LF_E_IO, path, "cannot open: %s", lf_errno_text(why));
+}
+
 lf_status lf_server_read_path(const lf_server *server, const char *path, char **out_path, lf_error *err)
 {
     char *name = absolute(server, path);
@@ -164,17 +180,17 @@ lf_status lf_server_read_path(const lf_server *server, const char *path, char **
     for (int i = 0; real != NULL && i < server->roots.n_roots; i++) {
         allowed = allowed || beneath(server->roots.root[i], real);
     }
-    lf_free(name);
     lf_status status = LF_OK;
     if (real == NULL) {
-        status = lf_error_set(err, LF_E_IO, path, "cannot open: %s", lf_errno_text(why));
+        status = refuse_missing(server, path, name, why, err);
     } else if (!allowed) {
-        status = lf_error_set(err, LF_E_PATH, path, "lies neither beneath the scene's folder nor beneath an --allow-path");
+        status = lf_error_set(err, LF_E_PATH, path, OUTSIDE);
     } else {
         *out_path = lf_strdup(real);
         status = *out_path != NULL ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     }
     free(real);
+    lf_free(name);
     return status;
 }
 

@@ -47,7 +47,7 @@ void lf_method_scene_get(lf_call *call)
     }
     json_t *scene = stage->scene != NULL ? json_deep_copy(lf_scene_json(stage->scene)) : json_null();
     lf_reply(call,
-             json_pack("{s:s, s:I, s:o}", "file", stage->file, "generation", (json_int_t)call->server->generation, "scene", scene));
+             json_pack("{s:o, s:I, s:o}", "file", lf_rpc_text(stage->file), "generation", (json_int_t)call->server->generation, "scene", scene));
 }
 
 static void queue_patch(lf_call *call, json_t *patch)

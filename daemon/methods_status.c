@@ -1,3 +1,5 @@
+#include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "daemon/methods.h"
@@ -13,6 +15,14 @@ void lf_method_hello(lf_call *call)
                              "methods", methods));
 }
 
+/* Whole, whatever JSON's integers hold here. */
+static json_t *seed_json(uint64_t seed)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%" PRIu64, seed);
+    return seed <= INT64_MAX ? json_integer((json_int_t)seed) : json_string(text);
+}
+
 static json_t *known_or_null(double value)
 {
     return value >= 0 ? json_real(value) : json_null();
@@ -26,7 +36,7 @@ static void add_stage(const lf_server *server, json_t *status)
         return;
     }
     const lf_layout *layout = &stage->layout;
-    json_t *more = json_pack("{s:s, s:b, s:i, s:i, s:i, s:i, s:i, s:f}", "scene", stage->file, "is_quilt", stage->scene == NULL,
+    json_t *more = json_pack("{s:o, s:b, s:i, s:i, s:i, s:i, s:i, s:f}", "scene", lf_rpc_text(stage->file), "is_quilt", stage->scene == NULL,
                              "views", layout->n_views, "columns", layout->columns, "rows", layout->rows, "view_width",
                              layout->view_width, "view_height", layout->view_height, "aspect", layout->aspect);
     json_object_update(status, more);
@@ -34,7 +44,7 @@ static void add_stage(const lf_server *server, json_t *status)
     if (stage->scene != NULL) {
         const char *integrator = stage->settings.integrator;
         json_object_set_new(status, "cone", json_real(stage->settings.camera.cone * (180 / 3.14159265358979323846)));
-        json_object_set_new(status, "seed", json_integer((json_int_t)stage->settings.seed));
+        json_object_set_new(status, "seed", seed_json(stage->settings.seed));
         json_object_set_new(status, "integrator", json_string(integrator != NULL ? integrator : lf_integrator_name(0)));
     }
 }

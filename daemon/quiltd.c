@@ -115,6 +115,18 @@ static char *absolute_scene(const char *scene)
     return path;
 }
 
+/* What no scene can make right. */
+static lf_status check_tiles(const lf_options *options, lf_error *err)
+{
+    int views = options->views == 0 && options->preset != NULL ? options->preset->layout.n_views : options->views;
+    int tiles = options->columns * options->rows;
+    if (tiles > 0 && tiles < views) {
+        return lf_error_set(err, LF_E_ARG, "--quilt", "%dx%d holds %d tiles, but there are %d views", options->columns, options->rows,
+                            tiles, views);
+    }
+    return LF_OK;
+}
+
 int main(int argc, char *argv[])
 {
     lf_server_config config = {.device = "auto"};
@@ -126,6 +138,9 @@ int main(int argc, char *argv[])
     }
     if (done) {
         return LF_EXIT_OK;
+    }
+    if (check_tiles(&config.options, &err) != LF_OK) {
+        return lf_usage_error(PROGRAM, &err);
     }
     if (argc - optind > 1) {
         (void)lf_error_set(&err, LF_E_ARG, argv[optind + 1], "only one scene can be shown");

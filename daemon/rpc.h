@@ -42,6 +42,8 @@ void lf_rpc_request_finish(lf_rpc_request *request);
  * over (data may be NULL: left out). */
 json_t *lf_rpc_result(const json_t *id, json_t *result);
 json_t *lf_rpc_error(const json_t *id, int code, const char *message, json_t *data);
+/* A text from outside, such as a file's name: escaped where it is not UTF-8. */
+json_t *lf_rpc_text(const char *text);
 json_t *lf_rpc_notification(const char *method, json_t *params);
 
 /* The error object for a failure: PATH -32001, FORMAT and IO -32002 when `scene`, NODEV -32003, BUSY and STATE -32000, ARG -32602, the rest

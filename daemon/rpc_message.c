@@ -1,6 +1,9 @@
 #include "daemon/rpc.h"
 
+#include <limits.h>
 #include <string.h>
+
+#include "base/escape.h"
 
 static bool refuse(json_t **out_answer, const json_t *id, int code, const char *message)
 {
@@ -127,18 +130,29 @@ static int code_of(lf_status status, bool scene)
     return LF_RPC_INTERNAL;
 }
 
+json_t *lf_rpc_text(const char *text)
+{
+    json_t *plain = json_string(text);
+    char escaped[4 * PATH_MAX];
+    if (plain == NULL) {
+        (void)lf_escape(escaped, sizeof escaped, text);
+        plain = json_string(escaped);
+    }
+    return plain;
+}
+
 json_t *lf_rpc_error_of(const json_t *id, const lf_error *err, bool scene)
 {
     char text[sizeof err->where + sizeof err->pointer + sizeof err->what + 32];
     json_t *data = json_object();
     if (err->where[0] != '\0') {
-        json_object_set_new(data, "file", json_string(err->where));
+        json_object_set_new(data, "file", lf_rpc_text(err->where));
     }
     if (err->line > 0) {
         json_object_set_new(data, "line", json_integer(err->line));
     }
     if (err->pointer[0] != '\0' || scene) {
-        json_object_set_new(data, "pointer", json_string(err->pointer));
+        json_object_set_new(data, "pointer", lf_rpc_text(err->pointer));
     }
     return lf_rpc_error(id, code_of(err->status, scene), lf_error_format(err, text, sizeof text), data);
 }

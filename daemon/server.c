@@ -280,11 +280,17 @@ static lf_status open_socket(lf_server *server, lf_error *err)
     return status;
 }
 
-/* The first attempts; what comes of them is told, and ends nothing but a wrong --device. */
+/* The first attempts; what comes of them is told, and ends nothing but a wrong --device or --calibration. */
 static lf_status open_first(lf_server *server, lf_error *err)
 {
-    lf_status status = lf_server_open_device(server, server->config.device, err);
-    if (status == LF_E_ARG || (status == LF_E_FORMAT && server->config.calibration != NULL)) {
+    lf_calibration calibration;
+    const char *given = server->config.calibration;
+    lf_status status = given != NULL ? lf_calibration_load(given, &calibration, err) : LF_OK;
+    if (status != LF_OK) {
+        return status;
+    }
+    status = lf_server_open_device(server, server->config.device, err);
+    if (status == LF_E_ARG) {
         return status;
     }
     if (status != LF_OK) {
@@ -321,6 +327,7 @@ static void prepare_process(void)
     sigaddset(&ours, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &ours, NULL);
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); /* a file too large is an error of write */
     /* Clients may pass many descriptors. */
     struct rlimit limit;
     if (getrlimit(RLIMIT_NOFILE, &limit) == 0) {

@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "base/alloc.h"
+#include "base/escape.h"
 #include "base/log.h"
 #include "daemon/server.h"
 
@@ -455,8 +456,8 @@ json_t *lf_server_device_json(const lf_server *server)
     if (panel->device != NULL) {
         panel->device->ops->info(panel->device, &info);
     } else {
-        snprintf(info.spec, sizeof info.spec, "%s", panel->spec);
-        snprintf(info.problem, sizeof info.problem, "%.255s", panel->has_problem ? panel->problem.what : "not open");
+        (void)lf_escape(info.spec, sizeof info.spec, panel->spec);
+        (void)lf_escape(info.problem, sizeof info.problem, panel->has_problem ? panel->problem.what : "not open");
     }
     return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b}", "spec", info.spec, "kind", info.kind, "model", info.model,
                      "serial", info.serial, "calibration_from", info.calibration_from, "output", info.output, "problem",

@@ -188,7 +188,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
         load->stage = NULL;
         server->generation = load->generation;
         lf_server_notify(server, LF_EVENT_SCENE, "scene",
-                         json_pack("{s:I, s:s}", "generation", (json_int_t)load->generation, "file", server->stage->file));
+                         json_pack("{s:I, s:o}", "generation", (json_int_t)load->generation, "file", lf_rpc_text(server->stage->file)));
         if (load->kind == LF_LOAD_FILE) {
             server->has_error = false;
             lf_server_watch(server);
@@ -232,6 +232,7 @@ void lf_server_load(lf_server *server, lf_load *load, lf_ticket *ticket)
 {
     load->letter.open = on_load_done;
     load->options = server->options;
+    load->name_wins = load->file != NULL && (server->config.scene == NULL || strcmp(load->file, server->config.scene) != 0);
     load->has_calibration = server->panel.has_calibration;
     load->calibration = server->panel.calibration;
     load->ticket = ticket;

@@ -158,7 +158,7 @@ static const char *kind_name(const lf_job *job)
 
 static json_t *job_json(const lf_job *job, const char *state)
 {
-    return json_pack("{s:I, s:s, s:s, s:s, s:f}", "job", (json_int_t)job->id, "kind", kind_name(job), "file", job->file, "state",
+    return json_pack("{s:I, s:s, s:o, s:s, s:f}", "job", (json_int_t)job->id, "kind", kind_name(job), "file", lf_rpc_text(job->file), "state",
                      state, "progress", strcmp(state, "done") == 0 ? 1.0 : job->told * 1e-3);
 }
 

@@ -14,7 +14,10 @@
 #include "daemon/server.h"
 
 #define USEC_PER_S UINT64_C(1000000)
-#define SAVE_USEC (60 * USEC_PER_S)
+/* At most 60 s are to be lost, with what saving itself takes. */
+#define SAVE_USEC (45 * USEC_PER_S)
+/* How much longer systemd is asked to wait for the first scene, every STATUS_USEC. */
+#define START_MORE_USEC (60 * USEC_PER_S)
 #define STATUS_USEC (5 * USEC_PER_S)
 /* Editors write a file in several steps; it is read when it has been quiet for so long. */
 #define QUIET_USEC 100000
@@ -51,6 +54,10 @@ void lf_server_reloaded(lf_server *server)
 
 static int on_status_timer(sd_event_source *source, uint64_t usec, void *context)
 {
+    const lf_server *server = context;
+    if (!server->ready_sent && !server->stopping) {
+        sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%" PRIu64, START_MORE_USEC); /* a large scene is being loaded */
+    }
     lf_server_tell_status(context);
     (void)sd_event_source_set_time(source, usec + STATUS_USEC);
     return sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);

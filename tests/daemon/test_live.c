@@ -358,6 +358,30 @@ static void a_quilt_picture_is_shown_as_it_is(void **state)
     live_finish(&l);
 }
 
+static void texts_that_are_not_utf8_and_large_seeds_are_told_whole(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    char name[PATH_MAX];
+    snprintf(name, sizeof name, "%s", lf_test_write(l.folder, "scene/f\xff.json", live_scene_text));
+    lf_test_write(l.folder, "scene/bad_qs3x2a0.75.png", "no picture");
+    live_start(&l, name, "--device", "none", "--seed", "18446744073709551615", NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    assert_non_null(strstr(live_status_text(&c, "scene"), "\\xff.json"));
+    assert_string_equal(live_status_text(&c, "seed"), "18446744073709551615");
+    /* What is named as a quilt is judged as one. */
+    json_t *answer = live_call(&c, "scene.load", json_pack("{s:s}", "file", "bad_qs3x2a0.75.png"));
+    const json_t *error = json_object_get(answer, "error");
+    assert_int_equal(json_integer_value(json_object_get(error, "code")), -32002);
+    assert_null(strstr(json_string_value(json_object_get(error, "message")), "JSON"));
+    json_decref(answer);
+    live_close(&c);
+    live_finish(&l);
+}
+
 static void a_panel_with_faults_shows_the_picture_in_the_end(void **state)
 {
     (void)state;
@@ -531,6 +555,7 @@ int main(void)
         cmocka_unit_test(quiltctl_exports_with_the_rights_of_its_caller),
         cmocka_unit_test(the_last_panel_is_the_exported_quilt_interlaced),
         cmocka_unit_test(a_quilt_picture_is_shown_as_it_is),
+        cmocka_unit_test(texts_that_are_not_utf8_and_large_seeds_are_told_whole),
         cmocka_unit_test(a_panel_with_faults_shows_the_picture_in_the_end),
         cmocka_unit_test(a_panel_that_stalls_for_ever_stops_neither_rendering_nor_the_end),
         cmocka_unit_test(a_killed_daemon_goes_on_from_its_state),

@@ -203,6 +203,9 @@ static void wrong_usage_is_2(void **state)
     assert_int_equal(live_run(&l, "quiltd", "a.json", "b.json", NULL), 2);
     assert_int_equal(live_run(&l, "quiltd", "--run-for", "soon", NULL), 2);
     assert_int_equal(live_run(&l, "quiltd", "--device", "toaster", "--socket", l.socket, NULL), 2);
+    assert_int_equal(live_run(&l, "quiltd", "--views", "45", "--quilt", "4x4", "--socket", l.socket, NULL), 2);
+    const char *absent = lf_test_path(l.folder, "absent.json");
+    assert_int_equal(live_run(&l, "quiltd", "--device", "none", "--calibration", absent, "--socket", l.socket, NULL), 1);
     assert_int_equal(live_run(&l, "quiltd", "--version", NULL), 0);
     assert_int_equal(live_run(&l, "quiltctl", "--help", NULL), 0);
     assert_int_equal(live_run(&l, "quiltctl", NULL), 2);
@@ -243,6 +246,9 @@ static void reads_stay_beneath_the_scene_and_the_allowed_paths(void **state)
     live_wait(&c, "coarse");
     assert_int_equal(live_code(&c, "scene.load", json_pack("{s:s}", "file", other)), -32001);
     assert_int_equal(live_code(&c, "scene.load", json_pack("{s:s}", "file", "../../../../../../etc/passwd")), -32001);
+    /* Whether it exists is not told. */
+    assert_int_equal(live_code(&c, "scene.load", json_pack("{s:s}", "file", "/etc/no-such-file")), -32001);
+    assert_int_equal(live_code(&c, "scene.load", json_pack("{s:s}", "file", "/etc/no-folder/file")), -32001);
     snprintf(inside, sizeof inside, "%s/scene/link.json", l.folder);
     assert_int_equal(symlink(other, inside), 0);
     assert_int_equal(live_code(&c, "scene.load", json_pack("{s:s}", "file", inside)), -32001);
