@@ -19,7 +19,8 @@ typedef struct lf_hit {
 } lf_hit;
 
 typedef struct lf_surface_ops {
-    /* f(wo, wi) |ns.wi| into *f (0 where wi or wo is below the surface); returns the pdf with which sample draws wi. */
+    /* f(wo, wi) |ns.wi| into *f (0 where wi is below ns, and where wo is when the lobe depends on the view: the geometric side of
+     * wo is the caller's to check); returns the pdf with which sample draws wi. */
     float (*eval)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
     /* Draws wi from u[3] in [0,1); *f and return as eval at that wi; 0 = no direction (absorbed). */
     float (*sample)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f);
