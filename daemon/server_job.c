@@ -2,11 +2,14 @@
  * takes a snapshot from the engine between two slices and writes it while rendering goes on. */
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <linux/openat2.h>
 #include <math.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/syscall.h>
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
 
@@ -31,6 +34,7 @@ struct lf_job {
     lf_output_kind kind;
     char *file;  /* as asked for, canonical */
     char *final; /* name written; the thread's until it has ended */
+    int folder_fd; /* of file: what was checked is what is written to; -1 = none */
     bool overwrite;
     int64_t generation; /* what to wait for … */
     lf_level wait;
@@ -57,6 +61,9 @@ static void free_job(lf_job *job)
     for (int i = 0; i < job->n_fds; i++) {
         close(job->fds[i]);
     }
+    if (job->folder_fd >= 0) {
+        close(job->folder_fd);
+    }
     sd_event_source_disable_unref(job->timer);
     lf_free(job->fds);
     lf_free(job->file);
@@ -73,6 +80,21 @@ static void on_progress(void *context, double fraction)
     atomic_store_explicit(&job->permille, (int)(fraction * 1000), memory_order_relaxed);
 }
 
+/* path by way of the folder that is held: the folder's name may lead elsewhere by now. Caller frees; NULL = out of memory. */
+static char *held_path(const lf_job *job, const char *path)
+{
+    size_t n = strlen(path);
+    while (n > 1 && path[n - 1] == '/') {
+        n--;
+    }
+    while (n > 0 && path[n - 1] != '/') {
+        n--;
+    }
+    char folder[64];
+    snprintf(folder, sizeof folder, "/proc/self/fd/%d", job->folder_fd);
+    return job->folder_fd >= 0 ? lf_path_join(folder, path + n) : lf_strdup(path);
+}
+
 static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
 {
     const lf_stage *stage = snapshot->stage;
@@ -81,6 +103,10 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
     if (status != LF_OK) {
         return status;
     }
+    char *path = held_path(job, job->final);
+    if (path == NULL) {
+        return lf_error_set(&job->err, LF_E_NOMEM, job->final, "out of memory");
+    }
     json_t *settings = NULL;
     if (stage->scene != NULL) {
         settings = lf_output_settings(stage->file, &stage->settings, &stage->layout, snapshot->estimator, snapshot->stats.passes,
@@ -88,7 +114,7 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
     }
     lf_output_request request = {
         .kind = job->kind,
-        .path = job->final,
+        .path = path,
         .overwrite = job->overwrite,
         .fds = job->fds,
         .n_fds = job->n_fds,
@@ -107,6 +133,10 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
     job->n_fds = 0; /* taken over whatever comes of it */
     status = lf_output_write(&request, &snapshot->source, &job->err);
     json_decref(settings);
+    if (status != LF_OK && strncmp(job->err.where, path, strlen(path)) == 0) {
+        snprintf(job->err.where, sizeof job->err.where, "%s", job->final);
+    }
+    lf_free(path);
     return status;
 }
 
@@ -118,7 +148,10 @@ static lf_status write_state(lf_job *job)
         status = lf_outfile_adopt(&file, job->fds[0], &job->err);
         job->n_fds = status == LF_OK ? 0 : job->n_fds;
     } else {
-        status = lf_outfile_open(&file, job->file, job->overwrite, &job->err);
+        char *path = held_path(job, job->file);
+        status = path != NULL ? lf_outfile_open(&file, path, job->overwrite, &job->err)
+                              : lf_error_set(&job->err, LF_E_NOMEM, job->file, "out of memory");
+        lf_free(path);
     }
     if (status == LF_OK) {
         status = lf_engine_save(job->server->engine, &file, &job->err);
@@ -415,6 +448,32 @@ static bool ends_with(const char *text, const char *ending)
     return n > m && strcmp(text + n - m, ending) == 0;
 }
 
+/* The folder of a name that lies beneath --export-dir, without following a link that was put there since. */
+static lf_status hold_folder(lf_job *job, lf_error *err)
+{
+    const char *root = job->server->export_root;
+    char folder[PATH_MAX];
+    size_t n = strlen(job->file);
+    snprintf(folder, sizeof folder, "%s", job->file);
+    while (n > 1 && n < sizeof folder && folder[n - 1] == '/') {
+        folder[--n] = '\0';
+    }
+    char *slash = strrchr(folder, '/');
+    slash[slash == folder ? 1 : 0] = '\0';
+    const char *relative = folder + strlen(root);
+    relative += strspn(relative, "/");
+    struct open_how how = {.flags = O_PATH | O_DIRECTORY | O_CLOEXEC, .resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS};
+    int root_fd = open(root, O_PATH | O_DIRECTORY | O_CLOEXEC);
+    job->folder_fd = (int)syscall(SYS_openat2, root_fd, relative[0] != '\0' ? relative : ".", &how, sizeof how);
+    if (job->folder_fd < 0 && (errno == ENOSYS || errno == EPERM)) {
+        job->folder_fd = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+    }
+    if (root_fd >= 0) {
+        close(root_fd);
+    }
+    return job->folder_fd >= 0 ? LF_OK : lf_error_set(err, LF_E_PATH, job->file, "its folder cannot be opened beneath %s", root);
+}
+
 /* The name: beneath --export-dir, or with descriptors just a name, whose ending tells the format. */
 static lf_status take_file(lf_job *job, const char *file, lf_error *err)
 {
@@ -423,6 +482,7 @@ static lf_status take_file(lf_job *job, const char *file, lf_error *err)
     }
     if (job->n_fds == 0) {
         lf_status status = lf_server_write_path(job->server, file, &job->file, err);
+        status = status == LF_OK ? hold_folder(job, err) : status;
         if (status != LF_OK) {
             return status;
         }
@@ -506,6 +566,7 @@ void lf_server_export(lf_call *call)
         return;
     }
     job->server = server;
+    job->folder_fd = -1;
     job->client = lf_client_serial(call->client);
     lf_status status = take_words(job, call, &err);
     if (status != LF_OK) {
@@ -555,6 +616,7 @@ void lf_server_save_state(lf_server *server)
         return;
     }
     job->server = server;
+    job->folder_fd = -1;
     job->is_state = job->overwrite = true;
     job->file = state_path(server);
     if (job->file == NULL) {
