@@ -231,6 +231,34 @@ static void an_export_that_waits_can_be_cancelled(void **state)
     live_finish(&l);
 }
 
+static void a_folder_that_is_swapped_leads_no_export_away(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    assert_int_equal(live_code(&c, "render.set", json_pack("{s:b}", "paused", 1)), 0);
+    char folder[PATH_MAX], moved[PATH_MAX], away[PATH_MAX];
+    snprintf(folder, sizeof folder, "%s/d", l.exports);
+    snprintf(moved, sizeof moved, "%s/moved", l.exports);
+    snprintf(away, sizeof away, "%s/away", l.folder);
+    assert_int_equal(mkdir(folder, 0700), 0);
+    assert_int_equal(mkdir(away, 0700), 0);
+    json_t *params = json_pack("{s:s, s:s, s:s}", "kind", "panel", "file", "d/p.png", "wait", "converged");
+    json_int_t job = (json_int_t)live_number(&c, "export", params, "job");
+    assert_int_equal(rename(folder, moved), 0);
+    assert_int_equal(symlink(away, folder), 0);
+    assert_int_equal(live_code(&c, "render.set", json_pack("{s:b, s:f}", "paused", 0, "target_error", 10.0)), 0);
+    assert_string_equal(live_job_end(&c, job), "done");
+    assert_int_equal(access(lf_test_path(moved, "p.png"), F_OK), 0);
+    assert_int_not_equal(access(lf_test_path(away, "p.png"), F_OK), 0);
+    live_close(&c);
+    live_finish(&l);
+}
+
 static void quiltctl_exports_with_the_rights_of_its_caller(void **state)
 {
     (void)state;
@@ -552,6 +580,7 @@ int main(void)
         cmocka_unit_test(subscribers_hear_what_they_asked_for),
         cmocka_unit_test(exports_are_written_beneath_the_export_dir_only),
         cmocka_unit_test(an_export_that_waits_can_be_cancelled),
+        cmocka_unit_test(a_folder_that_is_swapped_leads_no_export_away),
         cmocka_unit_test(quiltctl_exports_with_the_rights_of_its_caller),
         cmocka_unit_test(the_last_panel_is_the_exported_quilt_interlaced),
         cmocka_unit_test(a_quilt_picture_is_shown_as_it_is),
