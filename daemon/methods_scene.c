@@ -46,8 +46,8 @@ void lf_method_scene_get(lf_call *call)
         return;
     }
     json_t *scene = stage->scene != NULL ? json_deep_copy(lf_scene_json(stage->scene)) : json_null();
-    lf_reply(call,
-             json_pack("{s:o, s:I, s:o}", "file", lf_rpc_text(stage->file), "generation", (json_int_t)call->server->generation, "scene", scene));
+    lf_reply(call, json_pack("{s:o, s:I, s:o}", "file", lf_rpc_text(stage->file), "generation",
+                             (json_int_t)call->server->generation, "scene", scene));
 }
 
 static void queue_patch(lf_call *call, json_t *patch)

@@ -36,9 +36,9 @@ static void add_stage(const lf_server *server, json_t *status)
         return;
     }
     const lf_layout *layout = &stage->layout;
-    json_t *more = json_pack("{s:o, s:b, s:i, s:i, s:i, s:i, s:i, s:f}", "scene", lf_rpc_text(stage->file), "is_quilt", stage->scene == NULL,
-                             "views", layout->n_views, "columns", layout->columns, "rows", layout->rows, "view_width",
-                             layout->view_width, "view_height", layout->view_height, "aspect", layout->aspect);
+    json_t *more = json_pack("{s:o, s:b, s:i, s:i, s:i, s:i, s:i, s:f}", "scene", lf_rpc_text(stage->file), "is_quilt",
+                             stage->scene == NULL, "views", layout->n_views, "columns", layout->columns, "rows", layout->rows,
+                             "view_width", layout->view_width, "view_height", layout->view_height, "aspect", layout->aspect);
     json_object_update(status, more);
     json_decref(more);
     if (stage->scene != NULL) {

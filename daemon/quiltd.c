@@ -121,8 +121,8 @@ static lf_status check_tiles(const lf_options *options, lf_error *err)
     int views = options->views == 0 && options->preset != NULL ? options->preset->layout.n_views : options->views;
     int tiles = options->columns * options->rows;
     if (tiles > 0 && tiles < views) {
-        return lf_error_set(err, LF_E_ARG, "--quilt", "%dx%d holds %d tiles, but there are %d views", options->columns, options->rows,
-                            tiles, views);
+        return lf_error_set(err, LF_E_ARG, "--quilt", "%dx%d holds %d tiles, but there are %d views", options->columns,
+                            options->rows, tiles, views);
     }
     return LF_OK;
 }

@@ -187,8 +187,9 @@ static void load_succeeded(lf_server *server, lf_load *load)
         server->stage = load->stage;
         load->stage = NULL;
         server->generation = load->generation;
-        lf_server_notify(server, LF_EVENT_SCENE, "scene",
-                         json_pack("{s:I, s:o}", "generation", (json_int_t)load->generation, "file", lf_rpc_text(server->stage->file)));
+        lf_server_notify(
+            server, LF_EVENT_SCENE, "scene",
+            json_pack("{s:I, s:o}", "generation", (json_int_t)load->generation, "file", lf_rpc_text(server->stage->file)));
         if (load->kind == LF_LOAD_FILE) {
             server->has_error = false;
             lf_server_watch(server);

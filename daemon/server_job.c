@@ -32,8 +32,8 @@ struct lf_job {
     uint64_t client; /* who asked; hears of it without subscribing. 0 = the daemon itself */
     bool is_state;   /* kind "state" */
     lf_output_kind kind;
-    char *file;  /* as asked for, canonical */
-    char *final; /* name written; the thread's until it has ended */
+    char *file;    /* as asked for, canonical */
+    char *final;   /* name written; the thread's until it has ended */
     int folder_fd; /* of file: what was checked is what is written to; -1 = none */
     bool overwrite;
     int64_t generation; /* what to wait for … */
@@ -191,8 +191,8 @@ static const char *kind_name(const lf_job *job)
 
 static json_t *job_json(const lf_job *job, const char *state)
 {
-    return json_pack("{s:I, s:s, s:o, s:s, s:f}", "job", (json_int_t)job->id, "kind", kind_name(job), "file", lf_rpc_text(job->file), "state",
-                     state, "progress", strcmp(state, "done") == 0 ? 1.0 : job->told * 1e-3);
+    return json_pack("{s:I, s:s, s:o, s:s, s:f}", "job", (json_int_t)job->id, "kind", kind_name(job), "file",
+                     lf_rpc_text(job->file), "state", state, "progress", strcmp(state, "done") == 0 ? 1.0 : job->told * 1e-3);
 }
 
 /* Tells the one who asked and those who subscribed; params are taken over. */
