@@ -221,8 +221,9 @@ uint64_t lf_ticket_client(const lf_ticket *ticket);
 void lf_ticket_reply(lf_server *server, lf_ticket *ticket, json_t *result);
 void lf_ticket_fail(lf_server *server, lf_ticket *ticket, const lf_error *err, bool scene);
 
-/* A path parameter of a client: must lie beneath the roots (LF_E_PATH, whether it exists or not), and exist there (LF_E_IO); relative ones are relative to the
- * folder of the scene the daemon was started with. *out_path (lf_free) is canonical. LF_E_PATH, LF_E_IO, LF_E_NOMEM. */
+/* A path parameter of a client: must lie beneath the roots (LF_E_PATH, whether it exists or not), and exist there (LF_E_IO);
+ * relative ones are relative to the folder of the scene the daemon was started with. *out_path (lf_free) is canonical.
+ * LF_E_PATH, LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_server_read_path(const lf_server *server, const char *path, char **out_path, lf_error *err);
 /* A file to write: its folder must exist beneath --export-dir. A final "/" is kept. */
 LF_NODISCARD lf_status lf_server_write_path(const lf_server *server, const char *path, char **out_path, lf_error *err);
