@@ -151,7 +151,8 @@ LF_NODISCARD lf_status lf_renderer_passes(lf_renderer *renderer, int64_t n_passe
 
 /* The estimate of one row of all views. out [n_views][width][3], flags [n_views][width] (may be NULL); holes are returned
  * as the row's own estimate from MIS (B + N/n) and flagged. LF_E_STATE when the row was never visited (out black, flags
- * LF_PIXEL_UNSEEN). Thread: any, for different rows at once; not while the row is being visited. */
+ * LF_PIXEL_UNSEEN). Thread: any, for different rows at once (each call leaves the row's holes and
+ * error estimate for lf_renderer_stats); not while the row is being visited. */
 lf_status lf_renderer_resolve_row(const lf_renderer *renderer, lf_estimator estimator, int row, float *out, uint8_t *flags);
 
 /* All rows into out [row][view][column][3] on the renderer's pool. */
@@ -172,6 +173,7 @@ typedef struct lf_render_stats {
     double rel_mse_estimate;   /* mean over view pixels, epsilon 1e-2, from the two halves; < 0 = not known yet */
 } lf_render_stats;
 
+/* Not while a pass or a resolve is under way: it reads what workers count and what resolving a row leaves behind. */
 void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out);
 /* {"volumes": "none in the scene", …}: what this scene did not need and was left out. A new reference. */
 json_t *lf_renderer_skipped(const lf_renderer *renderer);
