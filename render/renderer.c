@@ -300,7 +300,9 @@ static void resolve_item(void *context, int row, int worker)
 
 lf_status lf_renderer_resolve(const lf_renderer *renderer, lf_estimator estimator, float *out, uint8_t *flags)
 {
-    lf_resolve_job job = {&renderer->film, estimator, out, flags};
+    lf_resolve_job job = {.film = &renderer->film, .estimator = estimator};
+    job.out = out;
+    job.flags = flags;
     return lf_pool_run(renderer->pool, renderer->film.height, resolve_item, &job, NULL);
 }
 

@@ -284,27 +284,32 @@ float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, i
     return nearest;
 }
 
-/* Ratio tracking with roulette below 1/10. */
+/* Ratio tracking through the present brick, with roulette below 1/10; 0 when it is lost. */
+static float transmit_brick(lf_tracer *tracer, const lf_volume *volume, const lf_walk *k, const lf_local_ray *r,
+                            float transmittance)
+{
+    float mean = 1.0f / (volume->sigma_scale * k->max), inverse = 1.0f / k->max;
+    for (float t = k->t0 + mean * lf_rng_exponential(tracer); t < k->t1; t += mean * lf_rng_exponential(tracer)) {
+        tracer->lookups++;
+        transmittance *= lf_max(0.0f, 1.0f - look_up(k, r, t, volume->nearest) * inverse);
+        if (transmittance >= 0.1f)
+            continue;
+        if (lf_rng(tracer) >= 0.5f)
+            return 0.0f;
+        transmittance *= 2.0f;
+    }
+    return transmittance;
+}
+
 static float transmit_grid(lf_tracer *tracer, const lf_volume *volume, const lf_local_ray *r, float transmittance)
 {
     lf_walk k;
-    for (walk_begin(&k, volume->grid, r);;) {
-        float majorant = volume->sigma_scale * k.max;
-        if (majorant > 0.0f) {
-            float mean = 1.0f / majorant, inverse = 1.0f / k.max;
-            for (float t = k.t0 + mean * lf_rng_exponential(tracer); t < k.t1; t += mean * lf_rng_exponential(tracer)) {
-                tracer->lookups++;
-                transmittance *= lf_max(0.0f, 1.0f - look_up(&k, r, t, volume->nearest) * inverse);
-                if (transmittance < 0.1f) {
-                    if (lf_rng(tracer) >= 0.5f)
-                        return 0.0f;
-                    transmittance *= 2.0f;
-                }
-            }
-        }
-        if (!walk_next(&k))
-            return transmittance;
-    }
+    walk_begin(&k, volume->grid, r);
+    do {
+        if (volume->sigma_scale * k.max > 0.0f)
+            transmittance = transmit_brick(tracer, volume, &k, r, transmittance);
+    } while (transmittance > 0.0f && walk_next(&k));
+    return transmittance;
 }
 
 float lf_track_transmittance(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
