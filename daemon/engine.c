@@ -12,36 +12,36 @@ static void notify(lf_engine *engine)
 
 /* ----------------------------------------------------------------------------------------------------- the thread -- */
 
-typedef enum todo { TODO_STOP, TODO_REQUEST, TODO_CHANGES, TODO_RENDER, TODO_SETTLE } todo;
+typedef enum next_step { NEXT_STOP, NEXT_REQUEST, NEXT_CHANGES, NEXT_RENDER, NEXT_SETTLE } next_step;
 
-static todo next_todo(const lf_engine *engine)
+static next_step next_todo(const lf_engine *engine)
 {
     if (engine->stop) {
-        return TODO_STOP;
+        return NEXT_STOP;
     }
     if (engine->first != NULL) {
-        return TODO_REQUEST;
+        return NEXT_REQUEST;
     }
     if (engine->controls_changed || engine->panel_changed) {
-        return TODO_CHANGES;
+        return NEXT_CHANGES;
     }
-    return engine_has_work(engine) ? TODO_RENDER : TODO_SETTLE;
+    return engine_has_work(engine) ? NEXT_RENDER : NEXT_SETTLE;
 }
 
 /* Sleeps while there is nothing to do. What changed is copied out under the lock. */
-static todo wait_for_work(lf_engine *engine, engine_request **out_request, lf_engine_controls *controls, engine_panel *panel)
+static next_step wait_for_work(lf_engine *engine, engine_request **out_request, lf_engine_controls *controls, engine_panel *panel)
 {
     pthread_mutex_lock(&engine->lock);
-    todo what = next_todo(engine);
-    while (what == TODO_SETTLE && !engine->owed) {
+    next_step what = next_todo(engine);
+    while (what == NEXT_SETTLE && !engine->owed) {
         pthread_cond_wait(&engine->wake, &engine->lock);
         what = next_todo(engine);
     }
-    if (what == TODO_REQUEST) {
+    if (what == NEXT_REQUEST) {
         *out_request = engine->first;
         engine->first = engine->first->next;
         atomic_store_explicit(&engine->cancel, 0, memory_order_relaxed);
-    } else if (what == TODO_CHANGES) {
+    } else if (what == NEXT_CHANGES) {
         *controls = engine->controls;
         *panel = engine->panel;
         engine->controls_changed = engine->panel_changed = false;
@@ -86,23 +86,23 @@ static void *engine_main(void *context)
         lf_engine_controls controls;
         engine_panel panel;
         switch (wait_for_work(engine, &request, &controls, &panel)) {
-        case TODO_STOP:
+        case NEXT_STOP:
             end(engine);
             return NULL;
-        case TODO_REQUEST: {
+        case NEXT_REQUEST: {
             lf_status status = request->run(engine, request);
             engine_publish(engine); /* before the answer: who gets it may ask for the status next */
             answer(engine, request, status);
             break;
         }
-        case TODO_CHANGES:
+        case NEXT_CHANGES:
             engine_take_controls(engine, &controls);
             engine_take_panel(engine, &panel);
             break;
-        case TODO_RENDER:
+        case NEXT_RENDER:
             engine_slice(engine);
             break;
-        case TODO_SETTLE:
+        case NEXT_SETTLE:
             engine_settle(engine);
             break;
         }
