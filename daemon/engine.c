@@ -100,7 +100,7 @@ static void *engine_main(void *context)
             engine_take_panel(engine, &panel);
             break;
         case NEXT_RENDER:
-            engine_slice(engine);
+            engine_batch(engine);
             break;
         case NEXT_SETTLE:
             engine_settle(engine);

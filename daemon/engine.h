@@ -1,4 +1,4 @@
-/* engine: one thread that owns the renderer, its workers and the picture, renders what is on stage in slices of about a
+/* engine: one thread that owns the renderer, its workers and the picture, renders what is on stage in batchs of about a
  * tenth of a second and posts panel frames to the mailbox. It sleeps without waking while there is nothing to do.
  *
  * Threads: functions marked (blocks) wait for the engine's thread and are for the loader's and the export jobs' threads;
@@ -12,7 +12,7 @@
 
 typedef struct lf_engine lf_engine;
 
-/* How to render; changes take effect at the next slice, threads with the next commit. */
+/* How to render; changes take effect at the next batch, threads with the next commit. */
 typedef struct lf_engine_controls {
     lf_estimator estimator;
     double target_error; /* converged below this relMSE */
@@ -35,7 +35,7 @@ typedef struct lf_engine_status {
 
 /* Starts the thread. event_fd (borrowed) becomes readable after frames and changes of state. */
 LF_NODISCARD lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_engine **out_engine, lf_error *err);
-/* Asks it to end: cancel false lets the slice in progress end and its frame be posted. */
+/* Asks it to end: cancel false lets the batch in progress end and its frame be posted. */
 void lf_engine_stop(lf_engine *engine, bool cancel);
 /* True when the thread has nothing more to do after lf_engine_stop (it can be joined without waiting). */
 bool lf_engine_stopped(lf_engine *engine);
@@ -56,7 +56,7 @@ void lf_engine_set_panel(lf_engine *engine, const lf_calibration *calibration, u
 void lf_engine_get_status(lf_engine *engine, lf_engine_status *out);
 lf_mailbox *lf_engine_mailbox(lf_engine *engine);
 
-/* A light field as it was at the end of a slice, to export. */
+/* A light field as it was at the end of a batch, to export. */
 typedef struct lf_snapshot {
     lf_stage *stage; /* a reference */
     float *film;     /* [row][view][column][3]; NULL for a quilt picture */
@@ -69,7 +69,7 @@ typedef struct lf_snapshot {
 /* (blocks) LF_E_STATE: nothing is on stage. Release with lf_snapshot_finish. */
 LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_snapshot *out, lf_error *err);
 void lf_snapshot_finish(lf_snapshot *snapshot);
-/* (blocks) Writes the accumulation between two slices; the caller commits file. LF_E_STATE: no scene is on stage. Works after
+/* (blocks) Writes the accumulation between two batchs; the caller commits file. LF_E_STATE: no scene is on stage. Works after
  * lf_engine_stop(engine, false) too, from any thread, once lf_engine_stopped. */
 LF_NODISCARD lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, lf_error *err);
 

@@ -74,8 +74,8 @@ struct lf_engine {
 
 /* True when there is something to render. */
 bool engine_has_work(const lf_engine *engine);
-/* One slice and its frame. */
-void engine_slice(lf_engine *engine);
+/* One batch and its frame. */
+void engine_batch(lf_engine *engine);
 /* Posts the frame that is owed, when there is one, and brings the counters up to date. */
 void engine_settle(lf_engine *engine);
 /* Takes over controls or a panel that changed. */

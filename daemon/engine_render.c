@@ -4,12 +4,12 @@
 #include "base/log.h"
 #include "daemon/engine_internal.h"
 
-/* How long a slice may take: short until the picture is complete, then longer, since every frame costs as much. */
-#define SLICE_SECONDS 0.12
-#define SLICE_SECONDS_COMPLETE 0.25
-#define SLICE_SECONDS_LATE 0.5
+/* How long a batch may take: short until the picture is complete, then longer, since every frame costs as much. */
+#define BATCH_SECONDS 0.12
+#define BATCH_SECONDS_COMPLETE 0.25
+#define BATCH_SECONDS_LATE 0.5
 #define LATE_SECONDS 10.0
-/* Frames are at least so far apart, while the picture is incomplete and later: small pictures have short slices. */
+/* Frames are at least so far apart, while the picture is incomplete and later: small pictures have short batchs. */
 #define FRAME_SECONDS 0.03
 #define FRAME_SECONDS_COMPLETE 0.1
 /* Composing frames gets at most this share of the time, but for the first coarse and the first complete one. */
@@ -25,12 +25,12 @@ bool engine_has_work(const lf_engine *engine)
     return engine->renderer != NULL && !engine->now_controls.paused && !engine->converged;
 }
 
-static double slice_seconds(const lf_engine *engine)
+static double batch_seconds(const lf_engine *engine)
 {
     if (engine->level < LF_LEVEL_COMPLETE) {
-        return SLICE_SECONDS;
+        return BATCH_SECONDS;
     }
-    return engine->seconds < LATE_SECONDS ? SLICE_SECONDS_COMPLETE : SLICE_SECONDS_LATE;
+    return engine->seconds < LATE_SECONDS ? BATCH_SECONDS_COMPLETE : BATCH_SECONDS_LATE;
 }
 
 static void update_stats(lf_engine *engine, bool now)
@@ -183,15 +183,15 @@ static int hole_reach(const lf_engine *engine)
     return engine->schedule.sweep == 0 ? LF_COARSE_REACH : 0;
 }
 
-void engine_slice(lf_engine *engine)
+void engine_batch(lf_engine *engine)
 {
-    lf_slice slice = lf_schedule_next(&engine->schedule, slice_seconds(engine));
+    lf_batch batch = lf_schedule_next(&engine->schedule, batch_seconds(engine));
     double start = lf_time_now();
     double cpu = lf_time_cpu();
     lf_status status = LF_OK;
     engine->picture.sampled = engine->passes >= engine->schedule.n_views;
-    if (slice.n_rows > 0) {
-        status = lf_renderer_pass_filling(engine->renderer, slice.first, slice.step, slice.subsets, hole_reach(engine),
+    if (batch.n_rows > 0) {
+        status = lf_renderer_pass_filling(engine->renderer, batch.first, batch.step, batch.subsets, hole_reach(engine),
                                           lf_picture_row, &engine->picture, &engine->cancel);
     }
     if (status != LF_OK) {
@@ -201,9 +201,9 @@ void engine_slice(lf_engine *engine)
     double seconds = lf_time_now() - start;
     engine->seconds += seconds;
     engine->cpu_seconds += lf_time_cpu() - cpu;
-    engine->passes += (double)slice.n_rows * slice.subsets / engine->schedule.height;
+    engine->passes += (double)batch.n_rows * batch.subsets / engine->schedule.height;
     engine->owed = true;
-    bool swept = lf_schedule_done(&engine->schedule, &slice, seconds);
+    bool swept = lf_schedule_done(&engine->schedule, &batch, seconds);
     update_stats(engine, swept && engine->schedule.sweep <= 4);
     check_converged(engine);
     if (engine->converged || (lf_schedule_covers(&engine->schedule) && !frame_can_wait(engine))) {

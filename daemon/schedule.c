@@ -1,12 +1,12 @@
 #include "daemon/schedule.h"
 
-/* Rows a slice has at the least, so that no worker idles. */
+/* Rows a batch has at the least, so that no worker idles. */
 #define MIN_ROWS 8
-#define MAX_SLICES 64
-#define FIRST_SLICES 4
+#define MAX_BATCHS 64
+#define FIRST_BATCHS 4
 /* The first sweep is wanted whole: it is not cut finer than this. */
-#define MOST_FIRST_SLICES 16
-/* The residue that the first slices take: a row that is at most two away from every other of its group of four. */
+#define MOST_FIRST_BATCHS 16
+/* The residue that the first batchs take: a row that is at most two away from every other of its group of four. */
 #define FIRST_ROW 2
 
 static int subsets_of(const lf_schedule *schedule)
@@ -25,10 +25,10 @@ void lf_schedule_start(lf_schedule *schedule, int height, int n_views, double pa
     }
 }
 
-static int slices_for(const lf_schedule *schedule, double target_seconds)
+static int batchs_for(const lf_schedule *schedule, double target_seconds)
 {
-    int fewest = schedule->sweep == 0 ? FIRST_SLICES : 1;
-    int most = schedule->sweep == 0 ? MOST_FIRST_SLICES : MAX_SLICES;
+    int fewest = schedule->sweep == 0 ? FIRST_BATCHS : 1;
+    int most = schedule->sweep == 0 ? MOST_FIRST_BATCHS : MAX_BATCHS;
     double sweep_seconds = schedule->row_seconds * schedule->height * subsets_of(schedule);
     int n = fewest;
     while (n < most && sweep_seconds > target_seconds * n && schedule->height / (n * 2) >= MIN_ROWS) {
@@ -46,33 +46,33 @@ static int reversed_bits(int value, int size)
     return reversed;
 }
 
-lf_slice lf_schedule_next(lf_schedule *schedule, double target_seconds)
+lf_batch lf_schedule_next(lf_schedule *schedule, double target_seconds)
 {
-    if (schedule->slice == 0) {
-        schedule->n_slices = slices_for(schedule, target_seconds);
+    if (schedule->batch == 0) {
+        schedule->n_batchs = batchs_for(schedule, target_seconds);
     }
-    lf_slice slice = {.step = schedule->n_slices, .subsets = subsets_of(schedule)};
-    slice.first = (reversed_bits(schedule->slice, schedule->n_slices) + FIRST_ROW) % schedule->n_slices;
-    slice.n_rows = slice.first < schedule->height ? (schedule->height - slice.first + slice.step - 1) / slice.step : 0;
-    return slice;
+    lf_batch batch = {.step = schedule->n_batchs, .subsets = subsets_of(schedule)};
+    batch.first = (reversed_bits(schedule->batch, schedule->n_batchs) + FIRST_ROW) % schedule->n_batchs;
+    batch.n_rows = batch.first < schedule->height ? (schedule->height - batch.first + batch.step - 1) / batch.step : 0;
+    return batch;
 }
 
-bool lf_schedule_done(lf_schedule *schedule, const lf_slice *slice, double seconds)
+bool lf_schedule_done(lf_schedule *schedule, const lf_batch *batch, double seconds)
 {
-    if (slice->n_rows > 0) {
-        double measured = seconds / ((double)slice->n_rows * slice->subsets);
+    if (batch->n_rows > 0) {
+        double measured = seconds / ((double)batch->n_rows * batch->subsets);
         schedule->row_seconds = schedule->row_seconds > 0 ? 0.5 * (schedule->row_seconds + measured) : measured;
     }
-    schedule->slice++;
-    if (schedule->slice < schedule->n_slices) {
+    schedule->batch++;
+    if (schedule->batch < schedule->n_batchs) {
         return false;
     }
-    schedule->slice = 0;
+    schedule->batch = 0;
     schedule->sweep++;
     return true;
 }
 
 bool lf_schedule_covers(const lf_schedule *schedule)
 {
-    return schedule->sweep > 0 || (schedule->slice > 0 && schedule->slice * FIRST_SLICES >= schedule->n_slices);
+    return schedule->sweep > 0 || (schedule->batch > 0 && schedule->batch * FIRST_BATCHS >= schedule->n_batchs);
 }

@@ -1,4 +1,4 @@
-/* schedule: in which slices a live picture is rendered. A sweep visits every row once; a slice is the rows first,
+/* schedule: in which batchs a live picture is rendered. A sweep visits every row once; a batch is the rows first,
  * first + step, … of one sweep. The first sweep begins with the rows 2, 6, 10, …, from which a coarse frame can be filled;
  * later sweeps draw more passes a visit (1, 1, 2, 2, 4, 4, … n_views: equal pairs, since visits alternate between the film's
  * halves), so that what a visit costs beside its samples shrinks. Pure; no threads. */
@@ -10,23 +10,23 @@
 typedef struct lf_schedule {
     int height, n_views; /* rows of a view; passes of a whole native sample */
     int sweep;           /* number of the sweep in progress */
-    int slice, n_slices; /* next slice of it, out of */
+    int batch, n_batchs; /* next batch of it, out of */
     double row_seconds;  /* what one pass over one row takes, with all threads at work; 0 = not known. Survives a restart */
 } lf_schedule;
 
-typedef struct lf_slice {
+typedef struct lf_batch {
     int first, step, subsets; /* as lf_renderer_pass takes them */
     int n_rows;
-} lf_slice;
+} lf_batch;
 
 /* Starts over. passes_done > 0: a picture was restored, go on with the sweep that many passes stand for. */
 void lf_schedule_start(lf_schedule *schedule, int height, int n_views, double passes_done);
-/* The next slice, of about target_seconds. Not advanced until lf_schedule_done. */
-lf_slice lf_schedule_next(lf_schedule *schedule, double target_seconds);
+/* The next batch, of about target_seconds. Not advanced until lf_schedule_done. */
+lf_batch lf_schedule_next(lf_schedule *schedule, double target_seconds);
 /* True when every fourth row (2, 6, 10, …) has been visited: a coarse frame can be filled from them. Earlier frames are not worth
  * composing. */
 bool lf_schedule_covers(const lf_schedule *schedule);
-/* The slice has ended and took that long. Returns true at the end of a sweep. */
-bool lf_schedule_done(lf_schedule *schedule, const lf_slice *slice, double seconds);
+/* The batch has ended and took that long. Returns true at the end of a sweep. */
+bool lf_schedule_done(lf_schedule *schedule, const lf_batch *batch, double seconds);
 
 #endif

@@ -17,17 +17,17 @@
 #include "base/errno_text.h"
 #include "base/log.h"
 
-/* On the way down: how long loads, jobs and the cancelled slice are waited for, and how long the panel may take for the last
+/* On the way down: how long loads, jobs and the cancelled batch are waited for, and how long the panel may take for the last
  * frames. Together less than the 2 s promised. */
 #define LEAVE_USEC 500000
 #define FLUSH_MS 400
 /* From the signal to the end, and after a save: what a device has not done by then is left out. */
 #define LAST_SECONDS 1.7
 #define CLOSE_SECONDS 0.8
-/* With --state the slice in progress must end for its accumulation to be worth anything. systemd is told once a second how much
+/* With --state the batch in progress must end for its accumulation to be worth anything. systemd is told once a second how much
  * longer it may take; after MOST_SECONDS it is cancelled all the same. */
-#define SLICE_USEC 1000000
-#define SLICE_MORE_USEC 10000000
+#define BATCH_USEC 1000000
+#define BATCH_MORE_USEC 10000000
 #define MOST_SECONDS 60
 #define DEFAULT_TARGET_ERROR 1e-4
 
@@ -56,8 +56,8 @@ static void leave_soon(lf_server *server)
     (void)sd_event_add_time_relative(server->event, &server->stop_timer, CLOCK_MONOTONIC, LEAVE_USEC, 0, on_leave_timer, server);
 }
 
-/* The slice in progress is still not over: more patience, or none. */
-static int on_slice_timer(sd_event_source *source, uint64_t usec, void *context)
+/* The batch in progress is still not over: more patience, or none. */
+static int on_batch_timer(sd_event_source *source, uint64_t usec, void *context)
 {
     lf_server *server = context;
     if (lf_engine_stopped(server->engine)) {
@@ -65,13 +65,13 @@ static int on_slice_timer(sd_event_source *source, uint64_t usec, void *context)
         return 0;
     }
     if (lf_time_now() - server->stopped_at > MOST_SECONDS) {
-        lf_log(LF_LOG_WARNING, "the slice in progress has taken %d s: it is cancelled", MOST_SECONDS);
+        lf_log(LF_LOG_WARNING, "the batch in progress has taken %d s: it is cancelled", MOST_SECONDS);
         lf_engine_stop(server->engine, true);
         leave_soon(server);
         return 0;
     }
-    sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d", SLICE_MORE_USEC);
-    (void)sd_event_source_set_time(source, usec + SLICE_USEC);
+    sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d", BATCH_MORE_USEC);
+    (void)sd_event_source_set_time(source, usec + BATCH_USEC);
     return sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
 }
 
@@ -86,8 +86,8 @@ static void begin_way_down(lf_server *server)
     (void)lf_server_end_jobs(server);
     lf_engine_stop(server->engine, !saves);
     if (saves) {
-        sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d", SLICE_MORE_USEC);
-        (void)sd_event_add_time_relative(server->event, &server->stop_timer, CLOCK_MONOTONIC, SLICE_USEC, 0, on_slice_timer,
+        sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d", BATCH_MORE_USEC);
+        (void)sd_event_add_time_relative(server->event, &server->stop_timer, CLOCK_MONOTONIC, BATCH_USEC, 0, on_batch_timer,
                                          server);
     } else {
         leave_soon(server);

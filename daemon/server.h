@@ -5,7 +5,9 @@
  *   server_device.c   the panel: opening, pushing at its own pace, unplugging
  *   server_engine.c   what comes back from the engine and the loader; waits
  *   server_signals.c  signals, timers, the watched scene file, systemd's ears
+ *   server_export.c   exports: what a call's words say
  *   server_job.c      exports: threads, progress, cancelling
+ *   server_state.c    --state: saving and opening it
  *   methods*.c        the table of methods
  *
  * Everything here is called on the event thread. */
@@ -188,23 +190,29 @@ void lf_server_tell_status(lf_server *server);
 /* A reload that systemd was told of has ended. */
 void lf_server_reloaded(lf_server *server);
 
-/* --------------------------------------------------------------------------------------------------- server_job.c -- */
+/* ------------------------------------------------------------------------------------------------ server_export.c -- */
 
 /* Begins an export; answers the call. */
 void lf_server_export(lf_call *call);
+
+/* --------------------------------------------------------------------------------------------------- server_job.c -- */
+
 /* LF_E_ARG: there is no such job. */
 LF_NODISCARD lf_status lf_server_cancel_job(lf_server *server, int64_t id, lf_error *err);
 /* Starts the jobs whose wait is over. */
 void lf_server_start_jobs(lf_server *server);
 /* Cancels all; true when none is left. */
 bool lf_server_end_jobs(lf_server *server);
+json_t *lf_server_jobs_json(const lf_server *server);
+
+/* ------------------------------------------------------------------------------------------------- server_state.c -- */
+
 /* Saves the accumulation into --state on a thread; not when one is under way. */
 void lf_server_save_state(lf_server *server);
 /* The same at the end, on this thread. */
 void lf_server_save_state_now(lf_server *server);
 /* Opens the saved state; -1 = none. */
 int lf_server_open_state(const lf_server *server);
-json_t *lf_server_jobs_json(const lf_server *server);
 
 /* ------------------------------------------------------------------------------------------------------ methods.c -- */
 

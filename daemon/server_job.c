@@ -1,62 +1,18 @@
 /* Exports. A job waits (on the event thread) until the picture is as good as was asked for, then runs on a thread of its own: it
- * takes a snapshot from the engine between two slices and writes it while rendering goes on. */
-#include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
-#include <linux/openat2.h>
-#include <math.h>
-#include <pthread.h>
+ * takes a snapshot from the engine between two batches and writes it while rendering goes on. */
+#include "daemon/server_job.h"
+
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/syscall.h>
-#include <systemd/sd-daemon.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/log.h"
-#include "daemon/server.h"
 
-#define MAX_JOBS 8
 #define PROGRESS_USEC 250000
-#define STATE_NAME "film.lfstate"
-#define STATE_ENDING ".lfstate"
-/* How long systemd is asked to wait for the last save. */
-#define SAVE_MORE_USEC 30000000
 
-struct lf_job {
-    lf_letter letter;
-    lf_job *next;
-    lf_server *server;
-    int64_t id;
-    uint64_t client; /* who asked; hears of it without subscribing. 0 = the daemon itself */
-    bool is_state;   /* kind "state" */
-    lf_output_kind kind;
-    char *file;    /* as asked for, canonical */
-    char *final;   /* name written; the thread's until it has ended */
-    int folder_fd; /* of file: what was checked is what is written to; -1 = none */
-    bool overwrite;
-    int64_t generation; /* what to wait for … */
-    lf_level wait;
-    bool started;
-    lf_cancel cancel;
-    pthread_t thread;
-    lf_filter filter;
-    lf_invert invert;
-    bool has_calibration;
-    lf_calibration calibration;
-    lf_print print;
-    char *icc;
-    int *fds;
-    int n_fds;
-    atomic_int permille;
-    int told; /* progress told last, in permille */
-    lf_status status;
-    lf_error err;
-    sd_event_source *timer;
-};
-
-static void free_job(lf_job *job)
+void job_free(lf_job *job)
 {
     for (int i = 0; i < job->n_fds; i++) {
         close(job->fds[i]);
@@ -70,6 +26,22 @@ static void free_job(lf_job *job)
     lf_free(job->final);
     lf_free(job->icc);
     lf_free(job);
+}
+
+lf_job *job_create(lf_server *server)
+{
+    lf_job *job = lf_calloc(1, sizeof *job);
+    if (job != NULL) {
+        job->server = server;
+        job->folder_fd = -1;
+    }
+    return job;
+}
+
+void job_list(lf_job *job)
+{
+    job->next = job->server->jobs;
+    job->server->jobs = job;
 }
 
 /* --------------------------------------------------------------------------------------------------- on its thread -- */
@@ -241,7 +213,7 @@ static void end_job(lf_job *job)
             lf_log_error(&job->err);
         }
     }
-    free_job(job);
+    job_free(job);
     if (server->stopping) {
         lf_server_shutdown(server);
     }
@@ -267,7 +239,7 @@ static int on_progress_timer(sd_event_source *source, uint64_t usec, void *conte
     return sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
 }
 
-static void start(lf_job *job)
+void job_start(lf_job *job)
 {
     sigset_t all, before;
     sigfillset(&all);
@@ -300,7 +272,7 @@ void lf_server_start_jobs(lf_server *server)
     for (lf_job *job = server->jobs, *next; job != NULL; job = next) {
         next = job->next;
         if (!job->started && may_start(server, job)) {
-            start(job);
+            job_start(job);
         }
     }
 }
@@ -332,7 +304,7 @@ bool lf_server_end_jobs(lf_server *server)
         atomic_store_explicit(&job->cancel, 1, memory_order_relaxed);
         if (!job->started) {
             unlink_job(job);
-            free_job(job);
+            job_free(job);
         }
     }
     return server->jobs == NULL;
@@ -347,313 +319,4 @@ json_t *lf_server_jobs_json(const lf_server *server)
         }
     }
     return list;
-}
-
-/* ----------------------------------------------------------------------------------------------- from a call's words -- */
-
-static const char *string_of(const json_t *params, const char *key)
-{
-    return json_string_value(json_object_get(params, key));
-}
-
-static double number_of(const json_t *params, const char *key, double absent)
-{
-    const json_t *value = json_object_get(params, key);
-    return value != NULL ? json_number_value(value) : absent;
-}
-
-static lf_status take_panel_words(lf_job *job, const json_t *params, lf_error *err)
-{
-    const lf_panel *panel = &job->server->panel;
-    const char *filter = string_of(params, "filter"), *invert = string_of(params, "invert");
-    lf_status status = filter != NULL ? lf_filter_from_name(filter, &job->filter, err) : LF_OK;
-    if (status == LF_OK && invert != NULL) {
-        status = lf_invert_from_name(invert, &job->invert, err);
-    }
-    if (status == LF_OK && !panel->has_calibration) {
-        return lf_error_set(err, LF_E_NODEV, panel->spec, "there is no panel whose calibration is known");
-    }
-    job->has_calibration = true;
-    job->calibration = panel->calibration;
-    return status;
-}
-
-static lf_status take_print_names(lf_job *job, const json_t *params, lf_error *err)
-{
-    lf_print *print = &job->print;
-    const char *stripes = string_of(params, "stripes"), *compress = string_of(params, "compress");
-    const char *icc = string_of(params, "icc"), *orientation = string_of(params, "orientation");
-    lf_status status = stripes != NULL ? lf_stripes_from_name(stripes, &print->stripes, err) : LF_OK;
-    if (status == LF_OK && compress != NULL) {
-        status = lf_compress_from_name(compress, &print->compress, err);
-    }
-    if (status == LF_OK && icc != NULL) {
-        status = lf_server_read_path(job->server, icc, &job->icc, err);
-    }
-    print->horizontal = orientation != NULL && strcmp(orientation, "horizontal") == 0;
-    print->icc_path = job->icc;
-    print->icc_roots = &job->server->roots;
-    return status;
-}
-
-static lf_status take_print_words(lf_job *job, const json_t *params, lf_error *err)
-{
-    static const char *const needed[] = {"lpi", "width", "height"};
-    for (int i = 0; i < 3; i++) {
-        if (json_object_get(params, needed[i]) == NULL) {
-            return lf_error_set(err, LF_E_ARG, "export", "a print needs lpi, width and height (mm); \"%s\" is missing", needed[i]);
-        }
-    }
-    lf_print *print = &job->print;
-    *print = (lf_print){
-        .lpi = number_of(params, "lpi", 0),
-        .dpi = (int)number_of(params, "dpi", 600),
-        .width_mm = number_of(params, "width", 0),
-        .height_mm = number_of(params, "height", 0),
-        .bleed_mm = number_of(params, "bleed", 0),
-        .phase_mm = number_of(params, "phase", 0),
-        .bits = (int)number_of(params, "bits", 8),
-        .reverse = json_is_true(json_object_get(params, "reverse")),
-        .mirror = json_is_true(json_object_get(params, "mirror")),
-    };
-    int most = job->server->stage->layout.n_views;
-    print->n_views = (int)fmax(1, fmin(floor(print->dpi / print->lpi + 1e-9), most));
-    print->n_views = (int)number_of(params, "views", print->n_views);
-    if (print->n_views > most) {
-        return lf_error_set_at(err, LF_E_ARG, "export", 0, "/views", "there are only %d views", most);
-    }
-    lf_status status = take_print_names(job, params, err);
-    return status == LF_OK ? lf_print_check(print, NULL, err) : status;
-}
-
-static lf_status take_fds(lf_job *job, lf_client *client, int n, lf_error *err)
-{
-    if (n == 0) {
-        return LF_OK;
-    }
-    job->fds = lf_calloc((size_t)n, sizeof *job->fds);
-    if (job->fds == NULL) {
-        return lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
-    }
-    if (!lf_client_take_fds(client, job->fds, n)) {
-        return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds", "fewer than %d descriptors came with the call", n);
-    }
-    job->n_fds = n;
-    return LF_OK;
-}
-
-static bool ends_with(const char *text, const char *ending)
-{
-    size_t n = strlen(text), m = strlen(ending);
-    return n > m && strcmp(text + n - m, ending) == 0;
-}
-
-/* The folder of a name that lies beneath --export-dir, without following a link that was put there since. */
-static lf_status hold_folder(lf_job *job, lf_error *err)
-{
-    const char *root = job->server->export_root;
-    char folder[PATH_MAX];
-    size_t n = strlen(job->file);
-    snprintf(folder, sizeof folder, "%s", job->file);
-    while (n > 1 && n < sizeof folder && folder[n - 1] == '/') {
-        folder[--n] = '\0';
-    }
-    char *slash = strrchr(folder, '/');
-    slash[slash == folder ? 1 : 0] = '\0';
-    const char *relative = folder + strlen(root);
-    relative += strspn(relative, "/");
-    struct open_how how = {.flags = O_PATH | O_DIRECTORY | O_CLOEXEC, .resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS};
-    int root_fd = open(root, O_PATH | O_DIRECTORY | O_CLOEXEC);
-    job->folder_fd = (int)syscall(SYS_openat2, root_fd, relative[0] != '\0' ? relative : ".", &how, sizeof how);
-    if (job->folder_fd < 0 && (errno == ENOSYS || errno == EPERM)) {
-        job->folder_fd = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
-    }
-    if (root_fd >= 0) {
-        close(root_fd);
-    }
-    return job->folder_fd >= 0 ? LF_OK : lf_error_set(err, LF_E_PATH, job->file, "its folder cannot be opened beneath %s", root);
-}
-
-/* The name: beneath --export-dir, or with descriptors just a name, whose ending tells the format. */
-static lf_status take_file(lf_job *job, const char *file, lf_error *err)
-{
-    if (job->is_state && !ends_with(file, STATE_ENDING)) {
-        return lf_error_set_at(err, LF_E_ARG, "export", 0, "/file", "a state's name must end in " STATE_ENDING);
-    }
-    if (job->n_fds == 0) {
-        lf_status status = lf_server_write_path(job->server, file, &job->file, err);
-        status = status == LF_OK ? hold_folder(job, err) : status;
-        if (status != LF_OK) {
-            return status;
-        }
-    } else {
-        job->file = lf_strdup(file);
-    }
-    if (job->file == NULL) {
-        return lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
-    }
-    if (job->is_state) {
-        return LF_OK;
-    }
-    char *path = NULL;
-    lf_status status = lf_output_path(job->kind, job->file, &job->server->stage->layout, &path, err);
-    lf_free(path);
-    return status;
-}
-
-/* An accumulation is one from its first pass on; a picture, once it is coarse. */
-static lf_level wait_of(const json_t *params, bool is_state)
-{
-    const char *name = string_of(params, "wait");
-    for (lf_level level = LF_LEVEL_COARSE; name != NULL && level <= LF_LEVEL_CONVERGED; level++) {
-        if (strcmp(name, lf_level_name(level)) == 0) {
-            return level;
-        }
-    }
-    return is_state ? LF_LEVEL_NONE : LF_LEVEL_COARSE;
-}
-
-static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
-{
-    const lf_server *server = call->server;
-    const json_t *params = call->params;
-    const char *kind = string_of(params, "kind");
-    job->is_state = strcmp(kind, "state") == 0;
-    job->overwrite = json_is_true(json_object_get(params, "overwrite"));
-    job->wait = wait_of(params, job->is_state);
-    job->generation = server->generation;
-    int n_fds = (int)number_of(params, "fds", 0);
-    if (job->is_state && n_fds > 1) {
-        return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds", "a state is one file: one descriptor, not %d", n_fds);
-    }
-    lf_status status = take_fds(job, call->client, n_fds, err);
-    if (status == LF_OK && (server->stage == NULL || (job->is_state && server->stage->scene == NULL))) {
-        return lf_error_set(err, LF_E_STATE, "export", "there is no picture to export");
-    }
-    if (status == LF_OK && !job->is_state) {
-        status = lf_output_kind_from_name(kind, &job->kind, err);
-    }
-    if (status == LF_OK) {
-        status = take_file(job, string_of(params, "file"), err);
-    }
-    if (status == LF_OK && !job->is_state && job->kind == LF_OUTPUT_PANEL) {
-        status = take_panel_words(job, params, err);
-    }
-    if (status == LF_OK && !job->is_state && job->kind == LF_OUTPUT_PRINT) {
-        status = take_print_words(job, params, err);
-    }
-    return status;
-}
-
-static int count_jobs(const lf_server *server)
-{
-    int n = 0;
-    for (const lf_job *job = server->jobs; job != NULL; job = job->next) {
-        n++;
-    }
-    return n;
-}
-
-void lf_server_export(lf_call *call)
-{
-    lf_server *server = call->server;
-    lf_error err;
-    lf_job *job = count_jobs(server) < MAX_JOBS ? lf_calloc(1, sizeof *job) : NULL;
-    if (job == NULL) {
-        (void)lf_error_set(&err, LF_E_BUSY, "export", "%d jobs are waiting or running", MAX_JOBS);
-        lf_client_drop_fds(call->client);
-        lf_fail(call, &err, false);
-        return;
-    }
-    job->server = server;
-    job->folder_fd = -1;
-    job->client = lf_client_serial(call->client);
-    lf_status status = take_words(job, call, &err);
-    if (status != LF_OK) {
-        free_job(job);
-        lf_client_drop_fds(call->client);
-        lf_fail(call, &err, false);
-        return;
-    }
-    lf_client_drop_fds(call->client); /* more came than were announced */
-    job->id = ++server->n_jobs;
-    job->next = server->jobs;
-    server->jobs = job;
-    lf_reply(call, json_pack("{s:I, s:s}", "job", (json_int_t)job->id, "file", job->file));
-    lf_server_start_jobs(server);
-}
-
-/* ------------------------------------------------------------------------------------------------------------ state -- */
-
-static char *state_path(const lf_server *server)
-{
-    return lf_path_join(server->config.state_dir, STATE_NAME);
-}
-
-int lf_server_open_state(const lf_server *server)
-{
-    char *path = server->config.state_dir != NULL ? state_path(server) : NULL;
-    int fd = -1;
-    lf_error err;
-    if (path != NULL && access(path, F_OK) == 0 && lf_file_open(path, NULL, UINT64_MAX, &fd, NULL, &err) != LF_OK) {
-        lf_log(LF_LOG_INFO, "the saved state is left aside: %s", err.what);
-        fd = -1;
-    }
-    lf_free(path);
-    return fd;
-}
-
-void lf_server_save_state(lf_server *server)
-{
-    lf_engine_status now;
-    lf_engine_get_status(server->engine, &now);
-    bool news = now.generation != server->saved_generation || now.passes > server->saved_passes;
-    if (server->saving || server->stopping || server->stage == NULL || server->stage->scene == NULL || !news) {
-        return;
-    }
-    lf_job *job = lf_calloc(1, sizeof *job);
-    if (job == NULL) {
-        return;
-    }
-    job->server = server;
-    job->folder_fd = -1;
-    job->is_state = job->overwrite = true;
-    job->file = state_path(server);
-    if (job->file == NULL) {
-        free_job(job);
-        return;
-    }
-    job->next = server->jobs;
-    server->jobs = job;
-    server->saving = true;
-    server->saved_generation = now.generation;
-    server->saved_passes = now.passes;
-    start(job);
-}
-
-void lf_server_save_state_now(lf_server *server)
-{
-    char *path = server->config.state_dir != NULL ? state_path(server) : NULL;
-    lf_outfile file = {.fd = -1};
-    lf_error err;
-    if (path == NULL || server->stage == NULL || server->stage->scene == NULL) {
-        lf_free(path);
-        return;
-    }
-    sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d\nSTATUS=saving the accumulation", SAVE_MORE_USEC);
-    lf_status status = lf_outfile_open(&file, path, true, &err);
-    if (status == LF_OK) {
-        status = lf_engine_save(server->engine, &file, &err);
-    }
-    if (status == LF_OK) {
-        status = lf_outfile_commit(&file, true, &err);
-    } else {
-        lf_outfile_abandon(&file);
-    }
-    lf_engine_status now;
-    lf_engine_get_status(server->engine, &now);
-    if (status != LF_OK && (status != LF_E_STATE || now.passes > 0)) {
-        lf_log(LF_LOG_ERROR, "the accumulation is not saved: %s", err.what);
-    }
-    lf_free(path);
 }

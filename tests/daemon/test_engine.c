@@ -8,23 +8,23 @@
 #include "daemon/schedule.h"
 
 /* Runs one sweep, counting the visits of every row; returns its subsets. */
-static int run_sweep(lf_schedule *schedule, double target, int *visits, lf_slice *out_first)
+static int run_sweep(lf_schedule *schedule, double target, int *visits, lf_batch *out_first)
 {
     int subsets = 0;
     bool ended = false;
     for (int n = 0; !ended; n++) {
-        lf_slice slice = lf_schedule_next(schedule, target);
+        lf_batch batch = lf_schedule_next(schedule, target);
         int rows = 0;
-        for (int row = slice.first; row < schedule->height; row += slice.step) {
+        for (int row = batch.first; row < schedule->height; row += batch.step) {
             visits[row]++;
             rows++;
         }
-        assert_int_equal(rows, slice.n_rows);
+        assert_int_equal(rows, batch.n_rows);
         if (n == 0) {
-            *out_first = slice;
+            *out_first = batch;
         }
-        subsets = slice.subsets;
-        ended = lf_schedule_done(schedule, &slice, 0.001 * slice.n_rows * slice.subsets);
+        subsets = batch.subsets;
+        ended = lf_schedule_done(schedule, &batch, 0.001 * batch.n_rows * batch.subsets);
         assert_true(n < 100);
     }
     return subsets;
@@ -41,7 +41,7 @@ static void a_sweep_visits_every_row_once(void **state)
             lf_schedule_start(&schedule, heights[h], 45, 0);
             for (int sweep = 0; sweep < 6; sweep++) {
                 int visits[600] = {0};
-                lf_slice first;
+                lf_batch first;
                 run_sweep(&schedule, targets[t], visits, &first);
                 for (int row = 0; row < heights[h]; row++) {
                     assert_int_equal(visits[row], 1);
@@ -51,23 +51,23 @@ static void a_sweep_visits_every_row_once(void **state)
     }
 }
 
-static void the_first_slice_leaves_no_row_further_than_two(void **state)
+static void the_first_batch_leaves_no_row_further_than_two(void **state)
 {
     (void)state;
     lf_schedule schedule = {0};
     lf_schedule_start(&schedule, 560, 45, 0);
-    lf_slice slice = lf_schedule_next(&schedule, 10);
-    assert_int_equal(slice.first, 2);
-    assert_int_equal(slice.step, 4);
-    assert_int_equal(slice.subsets, 1);
-    /* With shorter slices the first two are those rows. */
+    lf_batch batch = lf_schedule_next(&schedule, 10);
+    assert_int_equal(batch.first, 2);
+    assert_int_equal(batch.step, 4);
+    assert_int_equal(batch.subsets, 1);
+    /* With shorter batchs the first two are those rows. */
     schedule.row_seconds = 0.01;
-    slice = lf_schedule_next(&schedule, 0.8);
-    assert_int_equal(slice.step, 8);
-    assert_int_equal(slice.first, 2);
-    lf_schedule_done(&schedule, &slice, 0.7);
-    slice = lf_schedule_next(&schedule, 0.8);
-    assert_int_equal(slice.first, 6);
+    batch = lf_schedule_next(&schedule, 0.8);
+    assert_int_equal(batch.step, 8);
+    assert_int_equal(batch.first, 2);
+    lf_schedule_done(&schedule, &batch, 0.7);
+    batch = lf_schedule_next(&schedule, 0.8);
+    assert_int_equal(batch.first, 6);
 }
 
 static void visits_come_in_equal_pairs_that_grow_to_whole_samples(void **state)
@@ -78,7 +78,7 @@ static void visits_come_in_equal_pairs_that_grow_to_whole_samples(void **state)
     lf_schedule_start(&schedule, 32, 45, 0);
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
         int visits[32] = {0};
-        lf_slice first;
+        lf_batch first;
         assert_int_equal(run_sweep(&schedule, 1, visits, &first), expected[i]);
     }
 }
@@ -186,7 +186,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sweep_visits_every_row_once),
-        cmocka_unit_test(the_first_slice_leaves_no_row_further_than_two),
+        cmocka_unit_test(the_first_batch_leaves_no_row_further_than_two),
         cmocka_unit_test(visits_come_in_equal_pairs_that_grow_to_whole_samples),
         cmocka_unit_test(a_restored_picture_goes_on_where_it_was),
         cmocka_unit_test(the_newest_frame_wins_and_the_shown_one_is_kept),

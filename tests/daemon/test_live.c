@@ -487,7 +487,7 @@ static void a_killed_daemon_goes_on_from_its_state(void **state)
     live_finish(&l);
 }
 
-static void the_slice_in_progress_ends_before_its_state_is_saved(void **state)
+static void the_batch_in_progress_ends_before_its_state_is_saved(void **state)
 {
     (void)state;
     live l;
@@ -588,7 +588,7 @@ int main(void)
         cmocka_unit_test(a_panel_with_faults_shows_the_picture_in_the_end),
         cmocka_unit_test(a_panel_that_stalls_for_ever_stops_neither_rendering_nor_the_end),
         cmocka_unit_test(a_killed_daemon_goes_on_from_its_state),
-        cmocka_unit_test(the_slice_in_progress_ends_before_its_state_is_saved),
+        cmocka_unit_test(the_batch_in_progress_ends_before_its_state_is_saved),
         cmocka_unit_test(the_scene_file_is_read_again_on_hangup_and_when_it_changes),
         cmocka_unit_test(a_scene_that_cannot_be_loaded_does_not_end_the_daemon),
     };
