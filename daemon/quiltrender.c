@@ -1,5 +1,6 @@
 /* quiltrender: one scene or quilt to one picture, print or folder of views. See docs/man/quiltrender.1. */
 #include <errno.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
