@@ -93,7 +93,7 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
     const lf_rig *rig = visit->rig;
     lf_worker *worker = visit->worker;
     int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
-    bool medium = !plan->frame->empty && worker->slice.first <= worker->slice.last;
+    bool medium = worker->media.n_here > 0;
     struct RTCRayHit8 packets[LF_MAX_LANES / LF_LANES], *hits = plan->scene->embree ? packets : NULL;
     lf_vec3 sky;
     bool constant = constant_sky(plan->scene, &sky);
@@ -110,7 +110,7 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
         if (hits)
             trace_fan(worker, visit, lanes, hits);
         if (medium)
-            plan->kernels->march(&worker->slice, lanes, worker->x0, worker->slope, worker->z_end, worker->tau, NULL);
+            lf_media_depths(&worker->media, plan->kernels, lanes, worker->x0, worker->slope, worker->z_end, worker->tau, -1, NULL);
         for (int k = 0; k < rig->n_views; k++) {
             float length = sqrtf(1.0f + worker->slope[k] * worker->slope[k] + visit->plane.my * visit->plane.my);
             float q = medium && worker->tau[k] > 0.0f ? -expm1f(-worker->tau[k] * length) : 0.0f;

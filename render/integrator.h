@@ -4,7 +4,7 @@
 #define LF_RENDER_INTEGRATOR_H
 
 #include "render/film.h"
-#include "render/kernel.h"
+#include "render/media.h"
 #include "render/path.h"
 #include "render/sampler.h"
 
@@ -26,7 +26,7 @@ const lf_integrator *lf_integrator_at(int index);
 /* One worker's memory. */
 typedef struct lf_worker {
     lf_tracer tracer;
-    lf_slice slice;
+    lf_media media;
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES], sigma[LF_MAX_LANES];
@@ -38,6 +38,7 @@ typedef struct lf_worker {
 /* A shared pivot: where a base ray found something that scatters. */
 typedef struct lf_pivot {
     lf_event event;
+    int medium;          /* of a collision: index into the worker's media */
     float x, z;          /* camera space; y follows from the row's plane */
     float lx;            /* the base ray's lens offset, copied to every view */
     float boost;         /* 1, or q/s when the collision was forced (docs/estimators.md, "Forced collisions") */
@@ -96,7 +97,7 @@ typedef enum lf_fault {
 typedef struct lf_visit_plan {
     const lf_scene *scene;
     const lf_rig *rig;
-    const lf_slice_frame *frame;
+    const lf_media_frame *frame;
     const lf_kernels *kernels;
     const lf_integrator *integrator;
     lf_film *film;

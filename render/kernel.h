@@ -4,15 +4,19 @@
 #ifndef LF_RENDER_KERNEL_H
 #define LF_RENDER_KERNEL_H
 
+#include "render/body.h"
 #include "render/slice.h"
 
 typedef struct lf_kernels {
     const char *name;
 
-    /* Optical depths per unit of Z of n rays X(Z) = x0[k] + slope[k] Z from the camera line to z_end[k], and sigma_t in the slab where
-     * z_end[0] lies (sigma may be NULL). n is a multiple of LF_LANES; x0 and slope are linear in k (lanes behind the
-     * views repeat the last), so that the ends bound the fan. tau[n], sigma[n] out. */
+    /* Adds to tau[n] the optical depths per unit of Z that n rays X(Z) = x0[k] + slope[k] Z meet in a slice between the camera line
+     * and z_end[k]; sigma[n] (may be NULL: not wanted) is set to sigma_t of each ray at z_end, the same z_end for all then. n is
+     * a multiple of LF_LANES; x0 and slope are linear in k (lanes behind the views repeat the last), so that the ends bound the fan. */
     void (*march)(const lf_slice *slice, int n, const float *x0, const float *slope, const float *z_end, float *tau, float *sigma);
+
+    /* The same for a homogeneous shape. */
+    void (*through)(const lf_body *body, int n, const float *x0, const float *slope, const float *z_end, float *tau);
 
     /* Prefix densities D_k = scale_k exp(-(tau_k - tau_min)), tau_min over lanes with scale_k > 0; all 0 when there is none.
      * Returns their sum, added in the fixed order lane 0..7 of running sums of 8. d may alias scale. */

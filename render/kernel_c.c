@@ -6,29 +6,35 @@
 
 static void march(const lf_slice *slice, int n, const float *x0, const float *slope, const float *z_end, float *tau, float *sigma)
 {
-    memset(tau, 0, sizeof *tau * (size_t)n);
+    float z_min = z_end[0], z_max = z_end[0];
     if (sigma)
         memset(sigma, 0, sizeof *sigma * (size_t)n);
-    float z_max = z_end[0];
-    for (int k = 1; k < n; k++)
+    for (int k = 1; k < n; k++) {
+        z_min = lf_min(z_min, z_end[k]);
         z_max = lf_max(z_max, z_end[k]);
-    int wanted = sigma ? lf_slice_slab(slice, z_end[0]) : -1;
+    }
     for (int s = slice->first; s <= slice->last; s++) {
-        float lo = slice->z0 + (float)s * slice->dz;
-        if (lo >= z_max && s != wanted)
+        float z = slice->z0 + (float)s * slice->dz, behind = slice->behind[s];
+        if (z - slice->dz >= z_max)
             break;
-        float middle = lo + 0.5f * slice->dz, hi = lo + slice->dz, from = lf_max(lo, 0.0f);
-        float xa = x0[0] + slope[0] * middle, xb = x0[n - 1] + slope[n - 1] * middle;
-        if (lf_max(xa, xb) <= slice->slabs[s].x_lo || lf_min(xa, xb) >= slice->slabs[s].x_hi)
+        float xa = x0[0] + slope[0] * z, xb = x0[n - 1] + slope[n - 1] * z;
+        if (lf_max(xa, xb) <= slice->spans[s].x_lo || lf_min(xa, xb) >= slice->spans[s].x_hi)
             continue;
-        float *here = s == wanted ? sigma : NULL;
+        bool whole = z + slice->dz <= z_min;
         for (int k = 0; k < n; k++) {
-            float v = lf_slice_at(slice, s, x0[k] + slope[k] * middle);
-            tau[k] += v * lf_max(lf_min(z_end[k], hi) - from, 0.0f);
-            if (here)
-                here[k] = v;
+            float v = lf_slice_at(slice, s, x0[k] + slope[k] * z);
+            float t = whole ? 1.0f : lf_min(lf_max((z_end[k] - z) * slice->inv_dz, -1.0f), 1.0f);
+            tau[k] += v * (slice->dz * lf_max(lf_slice_share(t) - behind, 0.0f));
+            if (sigma)
+                sigma[k] += v * (1.0f - fabsf(t));
         }
     }
+}
+
+static void through(const lf_body *body, int n, const float *x0, const float *slope, const float *z_end, float *tau)
+{
+    for (int k = 0; k < n; k++)
+        tau[k] += lf_body_depth(body, x0[k], slope[k], z_end[k]);
 }
 
 static float exp_kernel(float x)
@@ -69,4 +75,4 @@ static float densities(int n, const float *scale, const float *tau, float *d)
     return total;
 }
 
-const lf_kernels lf_kernels_c = {.name = "c", .march = march, .densities = densities};
+const lf_kernels lf_kernels_c = {.name = "c", .march = march, .through = through, .densities = densities};

@@ -85,17 +85,6 @@ bool lf_scene_has_light_sampling(const lf_scene *scene)
     return scene->n_lights > 0 && scene->lights[scene->n_lights - 1].cumulative > 0.0f;
 }
 
-bool lf_scene_has_area_lights(const lf_scene *scene)
-{
-    for (int i = 0; i < scene->n_lights; i++) {
-        const lf_light *l = &scene->lights[i];
-        bool delta = l->type == LF_LIGHT_POINT || (l->type == LF_LIGHT_DISTANT && !(l->cos_angle < 1.0f));
-        if (l->select > 0.0f && !delta)
-            return true;
-    }
-    return false;
-}
-
 /* Stable, and in place: scenes have few lights, and the mesh lights behind them come ordered. */
 static void order_by_type(lf_scene *scene)
 {

@@ -27,9 +27,8 @@ lf_vec3 lf_light_escape(const lf_scene *scene, lf_vec3 w, float *out_pdf);
  * lf_light_draw at `from` draws the direction to it. */
 lf_vec3 lf_light_hit(const lf_scene *scene, lf_vec3 from, const lf_hit *hit, float *out_pdf);
 
-/* True when lf_light_draw can ever give a sample / a sample that is not delta. */
+/* True when lf_light_draw can ever give a sample. */
 bool lf_scene_has_light_sampling(const lf_scene *scene);
-bool lf_scene_has_area_lights(const lf_scene *scene);
 
 /* Called once the scene's volumes, meshes, materials and bounds stand: makes the mesh lights and appends them, orders the
  * lights by type, works out distant lights' radiance from their irradiance, and sets what the comment below names. On failure the

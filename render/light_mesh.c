@@ -6,8 +6,7 @@
 
 static lf_vec3 vertex(const lf_mesh *mesh, uint32_t triangle, int corner)
 {
-    const float *v = mesh->vertices + 3 * (size_t)mesh->triangles[3 * (size_t)triangle + (size_t)corner];
-    return lf_v3(v[0], v[1], v[2]);
+    return lf_mesh_vertex(mesh, mesh->triangles[3 * (size_t)triangle + (size_t)corner]);
 }
 
 static lf_vec3 twice_area(const lf_mesh *mesh, uint32_t triangle)

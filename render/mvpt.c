@@ -92,13 +92,13 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
     lf_worker *w = visit->worker;
     bool surface = pivot->event.kind == LF_EVENT_SURFACE;
     int lanes = lanes_of(visit->rig);
-    if (w->slice.first > w->slice.last) {
+    if (w->media.n_here == 0) {
         for (int k = 0; k < lanes; k++)
             w->tau[k] = 0.0f;
         return;
     }
-    visit->kernels->march(&w->slice, lanes, w->x0, w->slope, w->z_end, w->tau, w->sigma);
-    /* On the very face of two slabs rounding may look up the wrong one; the base has collided where there is something. */
+    lf_media_depths(&w->media, visit->kernels, lanes, w->x0, w->slope, w->z_end, w->tau, surface ? -1 : pivot->medium, w->sigma);
+    /* At the very edge of what is occupied rounding may find nothing; the base has collided where there is something. */
     if (!surface && !(w->sigma[base] > 0.0f))
         w->sigma[base] = 1e-6f;
     float my2 = 1.0f + visit->plane.my * visit->plane.my;

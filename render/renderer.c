@@ -63,18 +63,18 @@ static void free_workers(lf_worker **workers, int n)
 {
     for (int i = 0; i < n && workers; i++) {
         if (workers[i])
-            lf_slice_finish(&workers[i]->slice);
+            lf_media_finish(&workers[i]->media);
         lf_free(workers[i]);
     }
     lf_free(workers);
 }
 
-static lf_worker **make_workers(int n, const lf_slice_frame *frame)
+static lf_worker **make_workers(int n, const lf_media_frame *frame)
 {
     lf_worker **workers = lf_calloc((size_t)n, sizeof *workers);
     for (int i = 0; workers && i < n; i++) {
         workers[i] = lf_calloc(1, sizeof **workers);
-        if (!workers[i] || lf_slice_init(&workers[i]->slice, frame) != LF_OK) {
+        if (!workers[i] || lf_media_init(&workers[i]->media, frame) != LF_OK) {
             free_workers(workers, n);
             return NULL;
         }
@@ -93,14 +93,14 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
 {
     const lf_integrator *integrator = NULL;
     lf_rig rig;
-    lf_slice_frame frame;
+    lf_media_frame frame;
     lf_film film = {0};
     lf_status status = find_integrator(settings->integrator, &integrator, err);
     if (status == LF_OK)
         status = lf_rig_init(&rig, settings, scene->origin, err);
     if (status != LF_OK)
         return status;
-    lf_slice_frame_init(&frame, scene, &rig);
+    lf_media_frame_init(&frame, scene, &rig);
     bool w2 = scene->has_view_lobes, keep = same_shape(&r->film, settings, w2, scene->has_delta);
     if (!keep && lf_film_init(&film, rig.n_views, rig.width, rig.height, w2, scene->has_delta) != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "film", "not enough memory for %d views of %dx%d", rig.n_views, rig.width, rig.height);
@@ -345,7 +345,7 @@ json_t *lf_renderer_skipped(const lf_renderer *renderer)
     json_t *skipped = json_object();
     if (s->n_volumes == 0)
         json_object_set_new(skipped, "volumes", json_string("none in the scene: no slices, no tracking, no OpenVDB"));
-    else if (renderer->frame.empty)
+    else if (renderer->frame.n == 0)
         json_object_set_new(skipped, "slices", json_string("no volume in front of the cameras"));
     if (!s->embree)
         json_object_set_new(skipped, "surfaces", json_string("none in the scene: no Embree device, no rays"));

@@ -9,7 +9,7 @@ struct lf_renderer {
     lf_render_settings settings;
     lf_pool *pool;
     lf_rig rig;
-    lf_slice_frame frame;
+    lf_media_frame frame;
     lf_film film;
     lf_visit_plan plan;
     lf_worker **workers; /* [lf_pool_threads] each its own allocation: no shared cache lines */

@@ -51,7 +51,7 @@ typedef struct lf_volume {
     /* Scene-local point -> volume space (voxel index for grids: voxel centres at integers) and back; rows of a 3x4 affine. */
     float to_volume[3][4], to_scene[3][4];
     lf_vec3 bounds_min, bounds_max; /* scene-local box outside of which sigma_t = 0 (filter footprint included) */
-    float slice_cell;               /* what slices resolve of it, scene units (scene_commit.c) */
+    float slice_cell;               /* grids: what slices resolve, scene units (scene_commit.c) */
 } lf_volume;
 
 /* sigma_t at a scene-local point, filter applied, 0 outside. */
@@ -87,6 +87,12 @@ typedef struct lf_mesh {
     const uint16_t *triangle_material; /* [n_triangles] index into scene->materials, or NULL: `material` for all */
     uint16_t material;
 } lf_mesh;
+
+static inline lf_vec3 lf_mesh_vertex(const lf_mesh *mesh, uint32_t vertex)
+{
+    const float *v = mesh->vertices + 3 * (size_t)vertex;
+    return lf_v3(v[0], v[1], v[2]);
+}
 
 /* -------------------------------------------------------------------------------------------------------- lights -- */
 

@@ -160,18 +160,14 @@ static void extend_by_volume(const lf_volume *volume, const lf_affine *map, doub
     }
 }
 
-/* What slices resolve: the shortest edge of a voxel, of shapes 1/64 of the shortest extent, and no more optical thickness than the
- * slabs' jittered faces may move: a grid's own gradients spread over a voxel, a shape's edge is sharp. */
+/* What slices resolve of a grid: the shortest edge of a voxel, down to a quarter of it where that is optically thick. (Between planes
+ * the density is linear along the ray, so that a voxel's own gradient is kept; what is rounded off are its kinks.) */
 static float slice_cell(const lf_volume *volume, const lf_affine *map)
 {
-    double shortest = INFINITY;
+    double edge = INFINITY;
     for (int j = 0; j < 3; j++)
-        shortest = fmin(shortest, sqrt(map->m[0][j] * map->m[0][j] + map->m[1][j] * map->m[1][j] + map->m[2][j] * map->m[2][j]));
-    if (!(volume->sigma_max > 0.0f))
-        return (float)shortest;
-    if (volume->kind == LF_VOLUME_GRID)
-        return (float)fmin(shortest, 1.0 / (double)volume->sigma_max);
-    return (float)fmin(shortest * 2.0 / 64.0, 0.125 / (double)volume->sigma_max);
+        edge = fmin(edge, sqrt(map->m[0][j] * map->m[0][j] + map->m[1][j] * map->m[1][j] + map->m[2][j] * map->m[2][j]));
+    return (float)fmax(edge / 4.0, fmin(edge, 2.0 / fmax((double)volume->sigma_max, 1e-30)));
 }
 
 static void place_volume(const commit *c, lf_volume *volume, const lf_volume_desc *desc)
@@ -202,7 +198,7 @@ static void place_volume(const commit *c, lf_volume *volume, const lf_volume_des
     }
     volume->bounds_min = to_vec3(bounds[0]);
     volume->bounds_max = to_vec3(bounds[1]);
-    volume->slice_cell = slice_cell(volume, &map);
+    volume->slice_cell = volume->kind == LF_VOLUME_GRID ? slice_cell(volume, &map) : 0.0f;
 }
 
 /* --------------------------------------------------------------------------------------------------------- meshes -- */

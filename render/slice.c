@@ -39,47 +39,44 @@ static void cut_to_fan(lf_box *box, const lf_rig *rig)
     box->x_hi = lf_min(box->x_hi, hi);
 }
 
-void lf_slice_frame_init(lf_slice_frame *frame, const lf_scene *scene, const lf_rig *rig)
+bool lf_slice_frame_init(lf_slice_frame *frame, const lf_volume *volume, const lf_rig *rig)
 {
-    lf_box all = {INFINITY, -INFINITY, INFINITY, -INFINITY};
-    float cell = INFINITY;
-    memset(frame, 0, sizeof *frame);
-    for (int i = 0; i < scene->n_volumes; i++) {
-        lf_box box = camera_box(&scene->volumes[i], rig);
-        cut_to_fan(&box, rig);
-        if (!(scene->volumes[i].sigma_max > 0.0f) || !(box.z_hi > box.z_lo) || !(box.x_hi > box.x_lo))
-            continue;
-        all = (lf_box){lf_min(all.x_lo, box.x_lo), lf_max(all.x_hi, box.x_hi), lf_min(all.z_lo, box.z_lo),
-                       lf_max(all.z_hi, box.z_hi)};
-        cell = lf_min(cell, scene->volumes[i].slice_cell);
-    }
-    frame->empty = !(all.x_hi > all.x_lo && all.z_hi > all.z_lo);
-    if (frame->empty)
-        return;
+    lf_box box = camera_box(volume, rig);
+    cut_to_fan(&box, rig);
+    if (!(volume->sigma_max > 0.0f) || !(box.z_hi > box.z_lo) || !(box.x_hi > box.x_lo))
+        return false;
     float side = (float)(LF_SLICE_MAX_SIDE - 4);
-    frame->dx = lf_max(cell, (all.x_hi - all.x_lo) / side);
-    frame->dz = lf_max(cell, (all.z_hi - all.z_lo) / side);
-    frame->nx = (int)ceilf((all.x_hi - all.x_lo) / frame->dx) + 3;
-    frame->nz = (int)ceilf((all.z_hi - all.z_lo) / frame->dz) + 1;
-    frame->x_min = 0.5f * (all.x_lo + all.x_hi) - 0.5f * (float)(frame->nx - 1) * frame->dx;
-    frame->z_min = all.z_lo;
+    frame->dx = lf_max(volume->slice_cell, (box.x_hi - box.x_lo) / side);
+    frame->dz = lf_max(volume->slice_cell, (box.z_hi - box.z_lo) / side);
+    frame->nx = (int)ceilf((box.x_hi - box.x_lo) / frame->dx) + 3;
+    frame->nz = (int)ceilf((box.z_hi - box.z_lo) / frame->dz) + 2;
+    frame->x_min = 0.5f * (box.x_lo + box.x_hi) - 0.5f * (float)(frame->nx - 1) * frame->dx;
+    frame->z_min = box.z_lo;
+    return true;
 }
 
 lf_status lf_slice_init(lf_slice *slice, const lf_slice_frame *frame)
 {
     slice->first = 0;
     slice->last = -1;
-    if (frame->empty)
-        return LF_OK;
-    slice->sigma = lf_calloc((size_t)frame->nz * (size_t)(frame->nx + 1), sizeof *slice->sigma);
-    slice->slabs = lf_calloc((size_t)frame->nz, sizeof *slice->slabs);
-    return slice->sigma && slice->slabs ? LF_OK : LF_E_NOMEM;
+    slice->nx = frame->nx;
+    slice->nz = frame->nz;
+    slice->stride = frame->nx + LF_SLICE_PADDING;
+    slice->x_min = frame->x_min;
+    slice->inv_dx = 1.0f / frame->dx;
+    slice->dz = frame->dz;
+    slice->inv_dz = 1.0f / frame->dz;
+    slice->sigma = lf_calloc((size_t)slice->nz * (size_t)slice->stride, sizeof *slice->sigma);
+    slice->behind = lf_calloc((size_t)slice->nz, sizeof *slice->behind);
+    slice->spans = lf_calloc((size_t)slice->nz, sizeof *slice->spans);
+    return slice->sigma && slice->behind && slice->spans ? LF_OK : LF_E_NOMEM;
 }
 
 void lf_slice_finish(lf_slice *slice)
 {
     lf_free(slice->sigma);
-    lf_free(slice->slabs);
+    lf_free(slice->behind);
+    lf_free(slice->spans);
     memset(slice, 0, sizeof *slice);
 }
 
@@ -102,17 +99,6 @@ static lf_vec3 apply(const float m[3][4], lf_vec3 p)
                  m[2][0] * p.x + m[2][1] * p.y + m[2][2] * p.z + m[2][3]);
 }
 
-/* The part of i in [lo, hi] for which start + i step lies in the unit ball. */
-static void clip_ball(lf_vec3 start, lf_vec3 step, float *lo, float *hi)
-{
-    float a = lf_dot(step, step), middle = -lf_dot(start, step) / a;
-    lf_vec3 nearest = lf_madd(start, middle, step);
-    float h2 = (1.0f - lf_dot(nearest, nearest)) / a;
-    float h = h2 > 0.0f ? sqrtf(h2) : -1.0f;
-    *lo = lf_max(*lo, middle - h);
-    *hi = lf_min(*hi, middle + h);
-}
-
 static void clip_box(lf_vec3 start, lf_vec3 step, lf_vec3 min, lf_vec3 max, float *lo, float *hi)
 {
     clip(start.x, step.x, min.x, max.x, lo, hi);
@@ -120,26 +106,8 @@ static void clip_box(lf_vec3 start, lf_vec3 step, lf_vec3 min, lf_vec3 max, floa
     clip(start.z, step.z, min.z, max.z, lo, hi);
 }
 
-/* A homogeneous shape gives each sample the share of its surroundings (half a step to either side) that lies inside: edges
- * that do not depend on where the samples fall. */
-static void add_shape(const lf_volume *volume, lf_vec3 start, lf_vec3 step, int nx, float *sigma)
-{
-    float lo = 0.0f, hi = (float)(nx - 1);
-    if (volume->kind == LF_VOLUME_SPHERE)
-        clip_ball(start, step, &lo, &hi);
-    else
-        clip_box(start, step, lf_v3(-1.0f, -1.0f, -1.0f), lf_v3(1.0f, 1.0f, 1.0f), &lo, &hi);
-    if (!(hi > lo))
-        return;
-    int last = (int)floorf(hi + 0.5f);
-    for (int i = (int)floorf(lo + 0.5f); i <= last && i < nx; i++) {
-        float share = lf_min(hi, (float)i + 0.5f) - lf_max(lo, (float)i - 0.5f);
-        sigma[i] += volume->sigma_scale * lf_max(share, 0.0f);
-    }
-}
-
-/* Adds one grid to one slab's samples; start is volume space at sample 0, step per sample. Returns the look-ups made. */
-static int add_grid(const lf_volume *volume, lf_vec3 start, lf_vec3 step, int nx, float *sigma)
+/* Samples one plane; start is volume space at sample 0, step per sample. Returns the look-ups made. */
+static int sample(const lf_volume *volume, lf_vec3 start, lf_vec3 step, int nx, float *sigma)
 {
     const lf_grid *grid = volume->grid;
     float lo = 0.0f, hi = (float)(nx - 1);
@@ -151,7 +119,7 @@ static int add_grid(const lf_volume *volume, lf_vec3 start, lf_vec3 step, int nx
     for (int i = i0; i <= i1; i++) {
         lf_vec3 p = lf_madd(start, (float)i, step);
         float v = volume->nearest ? lf_grid_nearest(grid, p.x, p.y, p.z) : lf_grid_linear(grid, p.x, p.y, p.z);
-        sigma[i] += volume->sigma_scale * v;
+        sigma[i] = volume->sigma_scale * v;
     }
     return i1 >= i0 ? i1 - i0 + 1 : 0;
 }
@@ -163,67 +131,66 @@ static void note_occupied(lf_slice *slice, int s, const float *sigma, float dx)
         lo++;
     while (hi > lo && sigma[hi] == 0.0f)
         hi--;
-    slice->slabs[s].x_lo = slice->x_min + (float)(lo - 1) * dx;
-    slice->slabs[s].x_hi = lo > hi ? -INFINITY : slice->x_min + (float)(hi + 1) * dx;
-    if (lo > hi) {
-        slice->slabs[s].x_lo = INFINITY;
+    slice->spans[s] = (lf_plane_span){INFINITY, -INFINITY};
+    if (lo > hi)
         return;
-    }
+    slice->spans[s].x_lo = slice->x_min + (float)(lo - 1) * dx;
+    slice->spans[s].x_hi = slice->x_min + (float)(hi + 1) * dx;
     if (slice->first > slice->last)
         slice->first = s;
     slice->last = s;
 }
 
-void lf_slice_fill(lf_slice *slice, const lf_slice_frame *frame, const lf_scene *scene, const lf_rig *rig,
-                   const lf_row_plane *plane, float phase, int64_t *lookups)
+int64_t lf_slice_fill(lf_slice *slice, const lf_slice_frame *frame, const lf_volume *volume, const lf_rig *rig,
+                      const lf_row_plane *plane, float phase)
 {
-    slice->nx = frame->nx;
-    slice->nz = frame->nz;
-    slice->x_min = frame->x_min;
-    slice->inv_dx = 1.0f / frame->dx;
-    slice->dz = frame->dz;
+    int64_t lookups = 0;
     slice->z0 = frame->z_min - phase * frame->dz;
     slice->first = 0;
     slice->last = -1;
+    memset(slice->sigma, 0, sizeof *slice->sigma * (size_t)slice->nz * (size_t)slice->stride);
     for (int s = 0; s < slice->nz; s++) {
-        float z = slice->z0 + ((float)s + 0.5f) * slice->dz;
-        float *sigma = slice->sigma + (size_t)s * (size_t)(slice->nx + 1);
-        memset(sigma, 0, sizeof *sigma * (size_t)(slice->nx + 1));
+        float z = slice->z0 + (float)s * slice->dz, *sigma = slice->sigma + (size_t)s * (size_t)slice->stride;
         lf_vec3 p = lf_rig_point(rig, slice->x_min, plane->ly + plane->my * z, z);
         lf_vec3 q = lf_madd(p, frame->dx, rig->right);
-        for (int v = 0; v < scene->n_volumes; v++) {
-            const lf_volume *volume = &scene->volumes[v];
-            lf_vec3 start = apply(volume->to_volume, p);
-            lf_vec3 step = lf_sub(apply(volume->to_volume, q), start);
-            if (volume->kind == LF_VOLUME_GRID)
-                *lookups += add_grid(volume, start, step, slice->nx, sigma);
-            else
-                add_shape(volume, start, step, slice->nx, sigma);
-        }
+        lf_vec3 start = apply(volume->to_volume, p), step = lf_sub(apply(volume->to_volume, q), start);
+        lookups += sample(volume, start, step, slice->nx, sigma);
+        slice->behind[s] = lf_slice_share(lf_max(-z * slice->inv_dz, -1.0f));
         note_occupied(slice, s, sigma, frame->dx);
     }
+    return lookups;
+}
+
+/* Where in a step, from = where it starts in units of the step, a density that rises linearly from a by b has the integral r; r is
+ * below the integral over the whole step. */
+static float invert(float a, float b, float from, float r)
+{
+    float at = lf_max(a + b * from, 0.0f);
+    return from + 2.0f * r / (at + sqrtf(lf_max(at * at + 2.0f * b * r, 0.0f)));
 }
 
 float lf_slice_march(const lf_slice *slice, float x0, float slope, float z_end, float stop, float *out_z)
 {
-    float tau = 0.0f;
-    for (int s = slice->first; s <= slice->last; s++) {
-        float lo = slice->z0 + (float)s * slice->dz;
+    float tau = 0.0f, before = 0.0f;
+    *out_z = z_end;
+    for (int s = slice->first; s <= slice->last + 1; s++) {
+        float z = slice->z0 + (float)s * slice->dz, lo = z - slice->dz, x = x0 + slope * z, here = 0.0f;
         if (lo >= z_end)
             break;
-        float x = x0 + slope * (lo + 0.5f * slice->dz);
-        if (x <= slice->slabs[s].x_lo || x >= slice->slabs[s].x_hi)
+        if (s <= slice->last && x > slice->spans[s].x_lo && x < slice->spans[s].x_hi)
+            here = lf_slice_at(slice, s, x);
+        float a = before, b = here - before;
+        before = here;
+        if (!(a + here > 0.0f) || z <= 0.0f)
             continue;
-        float from = lf_max(lo, 0.0f);
-        float step = lf_min(z_end, lo + slice->dz) - from;
-        float sigma = lf_slice_at(slice, s, x);
-        float next = tau + sigma * step;
-        if (next > stop) {
-            *out_z = lf_min(from + (stop - tau) / sigma, from + step);
+        float from = lf_max(-lo * slice->inv_dz, 0.0f), to = lf_min((z_end - lo) * slice->inv_dz, 1.0f);
+        float step = (to - from) * (a + 0.5f * b * (from + to)) * slice->dz;
+        if (tau + step > stop) {
+            float t = lf_min(invert(a, b, from, (stop - tau) * slice->inv_dz), to);
+            *out_z = lf_min(lo + t * slice->dz, z_end);
             return stop;
         }
-        tau = next;
+        tau += step;
     }
-    *out_z = z_end;
     return tau;
 }

@@ -4,12 +4,6 @@
 
 /* ------------------------------------------------------------------------------------------------------- surfaces -- */
 
-static lf_vec3 vertex(const lf_mesh *mesh, uint32_t i)
-{
-    const float *v = mesh->vertices + 3 * (size_t)i;
-    return lf_v3(v[0], v[1], v[2]);
-}
-
 static float largest(lf_vec3 v)
 {
     return lf_max(fabsf(v.x), lf_max(fabsf(v.y), fabsf(v.z)));
@@ -36,7 +30,7 @@ void lf_trace_hit(const lf_scene *scene, unsigned geom_id, unsigned prim_id, flo
 {
     const lf_mesh *mesh = &scene->meshes[geom_id];
     const uint32_t *tri = mesh->triangles + 3 * (size_t)prim_id;
-    lf_vec3 a = vertex(mesh, tri[0]), ab = lf_sub(vertex(mesh, tri[1]), a), ac = lf_sub(vertex(mesh, tri[2]), a);
+    lf_vec3 a = lf_mesh_vertex(mesh, tri[0]), ab = lf_sub(lf_mesh_vertex(mesh, tri[1]), a), ac = lf_sub(lf_mesh_vertex(mesh, tri[2]), a);
     lf_vec3 n = lf_cross(ab, ac);
     float length = lf_length(n);
     hit->ng = length > 0.0f ? lf_scale(n, 1.0f / length) : lf_scale(w, -1.0f / lf_length(w));
@@ -222,11 +216,6 @@ static inline float inside(const lf_walk *k, const lf_local_ray *r, float t, int
     return lf_min(lf_max(x, 0.0f), (float)LF_BRICK);
 }
 
-static inline float lerp(float a, float b, float f)
-{
-    return a + f * (b - a);
-}
-
 static float look_up(const lf_walk *k, const lf_local_ray *r, float t, bool nearest)
 {
     float x = inside(k, r, t, 0), y = inside(k, r, t, 1), z = inside(k, r, t, 2);
@@ -236,27 +225,40 @@ static float look_up(const lf_walk *k, const lf_local_ray *r, float t, bool near
     int i = (int)lf_min(x, LF_BRICK - 1), j = (int)lf_min(y, LF_BRICK - 1), l = (int)lf_min(z, LF_BRICK - 1);
     float fx = x - (float)i, fy = y - (float)j, fz = z - (float)l;
     const float *v = k->values + l * dz + j * dy + i;
-    float a = lerp(lerp(v[0], v[1], fx), lerp(v[dy], v[dy + 1], fx), fy);
-    float b = lerp(lerp(v[dz], v[dz + 1], fx), lerp(v[dz + dy], v[dz + dy + 1], fx), fy);
-    return lerp(a, b, fz);
+    float a = lf_lerp(lf_lerp(v[0], v[1], fx), lf_lerp(v[dy], v[dy + 1], fx), fy);
+    float b = lf_lerp(lf_lerp(v[dz], v[dz + 1], fx), lf_lerp(v[dz + dy], v[dz + dy + 1], fx), fy);
+    return lf_lerp(a, b, fz);
+}
+
+/* Steps to the next tentative collision at the bricks' majorants: depth is what is left of the optical distance to it, carried from
+ * brick to brick (the exponential has no memory). On success *t is where and the walk stands in its brick. */
+static inline bool tentative(lf_walk *k, float sigma_scale, float *depth, float *t)
+{
+    for (;;) {
+        float majorant = sigma_scale * k->max, room = majorant * (k->t1 - *t);
+        if (*depth < room) {
+            *t += *depth / majorant;
+            return true;
+        }
+        *depth -= room;
+        if (!walk_next(k))
+            return false;
+        *t = k->t0;
+    }
 }
 
 static float collide_grid(lf_tracer *tracer, const lf_volume *volume, const lf_local_ray *r)
 {
     lf_walk k;
-    for (walk_begin(&k, volume->grid, r);;) {
-        float majorant = volume->sigma_scale * k.max;
-        if (majorant > 0.0f) {
-            float mean = 1.0f / majorant;
-            for (float t = k.t0 + mean * lf_rng_exponential(tracer); t < k.t1; t += mean * lf_rng_exponential(tracer)) {
-                tracer->lookups++;
-                if (lf_rng(tracer) * k.max < look_up(&k, r, t, volume->nearest))
-                    return t;
-            }
-        }
-        if (!walk_next(&k))
-            return INFINITY;
+    walk_begin(&k, volume->grid, r);
+    float t = k.t0, depth = lf_rng_exponential(tracer);
+    while (tentative(&k, volume->sigma_scale, &depth, &t)) {
+        tracer->lookups++;
+        if (lf_rng(tracer) * k.max < look_up(&k, r, t, volume->nearest))
+            return t;
+        depth = lf_rng_exponential(tracer);
     }
+    return INFINITY;
 }
 
 float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, int *out_volume)
@@ -284,31 +286,22 @@ float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, i
     return nearest;
 }
 
-/* Ratio tracking through the present brick, with roulette below 1/10; 0 when it is lost. */
-static float transmit_brick(lf_tracer *tracer, const lf_volume *volume, const lf_walk *k, const lf_local_ray *r,
-                            float transmittance)
-{
-    float mean = 1.0f / (volume->sigma_scale * k->max), inverse = 1.0f / k->max;
-    for (float t = k->t0 + mean * lf_rng_exponential(tracer); t < k->t1; t += mean * lf_rng_exponential(tracer)) {
-        tracer->lookups++;
-        transmittance *= lf_max(0.0f, 1.0f - look_up(k, r, t, volume->nearest) * inverse);
-        if (transmittance >= 0.1f)
-            continue;
-        if (lf_rng(tracer) >= 0.5f)
-            return 0.0f;
-        transmittance *= 2.0f;
-    }
-    return transmittance;
-}
-
+/* Ratio tracking with roulette below 1/10. */
 static float transmit_grid(lf_tracer *tracer, const lf_volume *volume, const lf_local_ray *r, float transmittance)
 {
     lf_walk k;
     walk_begin(&k, volume->grid, r);
-    do {
-        if (volume->sigma_scale * k.max > 0.0f)
-            transmittance = transmit_brick(tracer, volume, &k, r, transmittance);
-    } while (transmittance > 0.0f && walk_next(&k));
+    float t = k.t0, depth = lf_rng_exponential(tracer);
+    while (tentative(&k, volume->sigma_scale, &depth, &t)) {
+        tracer->lookups++;
+        transmittance *= lf_max(0.0f, 1.0f - look_up(&k, r, t, volume->nearest) / k.max);
+        if (transmittance < 0.1f) {
+            if (lf_rng(tracer) >= 0.5f)
+                return 0.0f;
+            transmittance *= 2.0f;
+        }
+        depth = lf_rng_exponential(tracer);
+    }
     return transmittance;
 }
 

@@ -15,20 +15,36 @@ typedef struct lf_tracer {
     int64_t nonfinite;
 } lf_tracer;
 
-/* PCG-XSH-RR (O'Neill 2014): 24 bits in [0, 1). */
-static inline float lf_rng(lf_tracer *t)
+/* PCG-XSH-RR (O'Neill 2014): 32 bits. */
+static inline uint32_t lf_rng_bits(lf_tracer *t)
 {
     uint64_t old = t->rng;
     t->rng = old * 6364136223846793005u + 1442695040888963407u;
     uint32_t x = (uint32_t)(((old >> 18) ^ old) >> 27), r = (uint32_t)(old >> 59);
-    x = (x >> r) | (x << ((32u - r) & 31u));
-    return (float)(x >> 8) * 0x1p-24f;
+    return (x >> r) | (x << ((32u - r) & 31u));
 }
 
-/* Distance to the next event of an exponential of rate 1. */
+/* In [0, 1), multiples of 2^-24. */
+static inline float lf_rng(lf_tracer *t)
+{
+    return (float)(lf_rng_bits(t) >> 8) * 0x1p-24f;
+}
+
+/* In (0, 1), small numbers as fine as 2^-33: events of probability 1e-6 and less come as often as they should. */
+static inline float lf_rng_fine(lf_tracer *t)
+{
+    return lf_min(((float)lf_rng_bits(t) + 0.5f) * 0x1p-32f, 1.0f - 0x1p-24f);
+}
+
+/* Optical distance to the next event, -log(1 - u): to full precision also near 0, where thin media collide. */
+static inline float lf_exponential(float u)
+{
+    return u < 0x1p-8f ? u * (1.0f + u * (0.5f + u * (1.0f / 3.0f))) : -logf(1.0f - u);
+}
+
 static inline float lf_rng_exponential(lf_tracer *t)
 {
-    return -logf(1.0f - lf_rng(t));
+    return lf_exponential(lf_rng_fine(t));
 }
 
 /* Nearest surface along o + t w, 0 < t < t_max; w need not be unit. true and *hit filled, or false. */

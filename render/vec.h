@@ -18,6 +18,11 @@ static inline float lf_max(float a, float b)
     return a > b ? a : b;
 }
 
+static inline float lf_lerp(float a, float b, float f)
+{
+    return a + f * (b - a);
+}
+
 typedef struct lf_vec3 {
     float x, y, z;
 } lf_vec3;

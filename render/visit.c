@@ -85,63 +85,6 @@ lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const l
 
 /* ------------------------------------------------------------------------------------------------------ base samples -- */
 
-/* Which volume a collision at p belongs to: in proportion to their extinctions there. Where the true field is 0 and the slice
- * is not (its discretisation), the volume whose bounds hold p. */
-static int collided_volume(lf_visit *visit, lf_vec3 p)
-{
-    const lf_scene *scene = visit->scene;
-    float sigma[LF_MAX_VOLUMES], sum = 0.0f;
-    if (scene->n_volumes == 1)
-        return 0;
-    for (int i = 0; i < scene->n_volumes; i++) {
-        sigma[i] = lf_volume_sigma_t(&scene->volumes[i], p);
-        sum += sigma[i];
-    }
-    visit->worker->tracer.lookups += scene->n_volumes;
-    float x = lf_rng(&visit->worker->tracer) * sum;
-    for (int i = 0; i < scene->n_volumes && sum > 0.0f; i++) {
-        x -= sigma[i];
-        if (x < 0.0f)
-            return i;
-    }
-    for (int i = 0; i < scene->n_volumes; i++) {
-        lf_vec3 lo = scene->volumes[i].bounds_min, hi = scene->volumes[i].bounds_max;
-        if (p.x >= lo.x && p.x <= hi.x && p.y >= lo.y && p.y <= hi.y && p.z >= lo.z && p.z <= hi.z)
-            return i;
-    }
-    return 0;
-}
-
-/* A base ray in its row's plane. */
-typedef struct lf_base_ray {
-    float c, slope, length; /* X(Z) = c + slope Z; scene units per unit of Z */
-    lf_vec3 w;              /* unit */
-    float z_surface;        /* INFINITY when it meets none */
-} lf_base_ray;
-
-/* Where the ray collides: Z, or INFINITY when it goes through. In a visit that forces collisions a ray on which nothing else scatters
- * collides with certainty, and the pivot weighs q; rays that end on a scattering surface are tracked natively. */
-static float collide(const lf_visit_plan *plan, const lf_visit *visit, const lf_base_ray *ray, bool native, float u,
-                     float *out_boost)
-{
-    const lf_slice *slice = &visit->worker->slice;
-    float z, stop = -log1pf(-u) / ray->length;
-    *out_boost = 1.0f;
-    if (slice->first > slice->last)
-        return INFINITY;
-    if (plan->force && !native) {
-        float tau = lf_slice_march(slice, ray->c, ray->slope, ray->z_surface, INFINITY, &z) * ray->length;
-        float q = -expm1f(-tau);
-        if (!(q > 0.0f))
-            return INFINITY;
-        *out_boost = q;
-        stop = -log1pf(-u * q) / ray->length;
-        stop = lf_min(stop, tau / ray->length * (1.0f - 1e-6f));
-    }
-    float reached = lf_slice_march(slice, ray->c, ray->slope, ray->z_surface, stop, &z);
-    return reached >= stop && z < ray->z_surface ? lf_max(z, 1e-6f * slice->dz) : INFINITY;
-}
-
 /* Delta lobes of the first surface: native, into M. */
 static void add_native(lf_visit *visit, int view, int column, const lf_event *event)
 {
@@ -167,14 +110,15 @@ static void add_native(lf_visit *visit, int view, int column, const lf_event *ev
     out[2] += radiance.z;
 }
 
-static void make_ray(const lf_visit *visit, int view, float u, float lx, lf_base_ray *ray)
+/* A base ray in its row's plane; returns its direction. */
+static lf_vec3 make_ray(const lf_visit *visit, int view, float u, float lx, lf_media_ray *ray)
 {
     const lf_rig *rig = visit->rig;
-    ray->c = rig->b[view] + lx;
+    ray->x0 = rig->b[view] + lx;
     ray->slope = (rig->x0 + u * rig->dx - rig->b[view]) / rig->distance - lx / rig->focus;
     ray->length = sqrtf(1.0f + ray->slope * ray->slope + visit->plane.my * visit->plane.my);
-    ray->w = lf_scale(lf_rig_direction(rig, ray->slope, visit->plane.my, 1.0f), 1.0f / ray->length);
-    ray->z_surface = INFINITY;
+    ray->z_end = INFINITY;
+    return lf_scale(lf_rig_direction(rig, ray->slope, visit->plane.my, 1.0f), 1.0f / ray->length);
 }
 
 /* film: where in the pixel, 0..1; < 0 = drawn. */
@@ -192,26 +136,28 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     lf_sampler_2d(&sampler, jitter);
     if (visit->plane.lens_chord > 0.0f)
         lens = (2.0f * lf_sampler_1d(&sampler) - 1.0f) * visit->plane.lens_chord;
-    lf_base_ray ray;
-    make_ray(visit, view, (float)column + (film < 0.0f ? jitter[0] : film), lens, &ray);
+    lf_media_ray ray;
+    lf_vec3 w = make_ray(visit, view, (float)column + (film < 0.0f ? jitter[0] : film), lens, &ray);
 
-    lf_pivot pivot = {.lx = lens, .boost = 1.0f, .sampler = &sampler};
+    lf_pivot pivot = {.lx = lens, .sampler = &sampler};
     lf_event *event = &pivot.event;
-    event->w = ray.w;
-    lf_vec3 eye = lf_rig_point(rig, ray.c, visit->plane.ly, 0.0f);
-    bool surface = lf_trace_surface(&worker->tracer, eye, ray.w, INFINITY, &event->hit);
+    event->w = w;
+    lf_vec3 eye = lf_rig_point(rig, ray.x0, visit->plane.ly, 0.0f);
+    bool surface = lf_trace_surface(&worker->tracer, eye, w, INFINITY, &event->hit);
     bool shared = surface && lf_material_has_lobe(event->hit.material);
     bool native = surface && (shared || lf_material_has_delta(event->hit.material));
     if (surface)
-        ray.z_surface = event->hit.t / ray.length;
-    float z = collide(plan, visit, &ray, native, jitter[1], &pivot.boost);
-    if (z < INFINITY) {
+        ray.z_end = event->hit.t / ray.length;
+    /* Rays that end on a scattering surface are tracked natively also where collisions are forced. */
+    lf_collision collision = lf_media_collide(&worker->media, &ray, jitter[1], plan->force && !native, &worker->tracer);
+    if (collision.z < INFINITY) {
         event->kind = LF_EVENT_MEDIUM;
-        pivot.z = z;
-        pivot.x = ray.c + ray.slope * z;
-        event->p = lf_rig_point(rig, pivot.x, visit->plane.ly + visit->plane.my * z, z);
-        event->volume = collided_volume(visit, event->p);
-        pivot.boost *= visit->weight;
+        pivot.z = collision.z;
+        pivot.x = ray.x0 + ray.slope * pivot.z;
+        pivot.medium = collision.medium;
+        pivot.boost = collision.boost * visit->weight;
+        event->p = lf_rig_point(rig, pivot.x, visit->plane.ly + visit->plane.my * pivot.z, pivot.z);
+        event->volume = worker->media.item[collision.medium].volume;
         visit->integrator->pivot(visit, view, column, &pivot);
     } else if (surface) {
         lf_vec3 d = lf_sub(event->hit.p, rig->eye);
@@ -244,9 +190,8 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint
     visit->faults = plan->faults;
     lf_rig_row_plane(plan->rig, (float)visit->row + offset, lens, &visit->plane);
     visit->worker->tracer.scene = plan->scene;
-    if (!plan->frame->empty)
-        lf_slice_fill(&visit->worker->slice, plan->frame, plan->scene, plan->rig, &visit->plane,
-                      lf_sampler_radical(lf_hash64(key, 4), index), &visit->worker->tracer.lookups);
+    lf_media_cut(&visit->worker->media, plan->frame, plan->scene, plan->rig, &visit->plane,
+                 lf_sampler_radical(lf_hash64(key, 4), index), &visit->worker->tracer.lookups);
 }
 
 static uint64_t stream(const lf_visit_plan *plan, int row, int half)

@@ -168,11 +168,6 @@ static int value_at(const int c[3])
     return (((c[2] + 1) % LF_BRICK) * LF_BRICK_VALUES + (c[1] + 1) % LF_BRICK) * LF_BRICK_VALUES + (c[0] + 1) % LF_BRICK;
 }
 
-static float lerp(float a, float b, float t)
-{
-    return a + t * (b - a);
-}
-
 float lf_grid_linear(const lf_grid *grid, float x, float y, float z)
 {
     float p[3] = {x, y, z}, t[3];
@@ -186,9 +181,9 @@ float lf_grid_linear(const lf_grid *grid, float x, float y, float z)
     }
     const int row = LF_BRICK_VALUES, slab = LF_BRICK_VALUES * LF_BRICK_VALUES;
     const float *v = brick_of_cell(grid, c) + value_at(c);
-    float v00 = lerp(v[0], v[1], t[0]), v01 = lerp(v[row], v[row + 1], t[0]);
-    float v10 = lerp(v[slab], v[slab + 1], t[0]), v11 = lerp(v[slab + row], v[slab + row + 1], t[0]);
-    return lerp(lerp(v00, v01, t[1]), lerp(v10, v11, t[1]), t[2]);
+    float v00 = lf_lerp(v[0], v[1], t[0]), v01 = lf_lerp(v[row], v[row + 1], t[0]);
+    float v10 = lf_lerp(v[slab], v[slab + 1], t[0]), v11 = lf_lerp(v[slab + row], v[slab + row + 1], t[0]);
+    return lf_lerp(lf_lerp(v00, v01, t[1]), lf_lerp(v10, v11, t[1]), t[2]);
 }
 
 float lf_grid_nearest(const lf_grid *grid, float x, float y, float z)

@@ -17,23 +17,26 @@ static float uniform(uint64_t *state)
     return (float)(*state >> 40) * 0x1p-24f;
 }
 
-/* A slice with empty slabs, empty margins and rough contents. */
+/* A slice with empty planes, empty margins and rough contents. */
 static void make_slice(lf_slice *slice, uint64_t seed)
 {
-    *slice = (lf_slice){.nx = NX, .nz = NZ, .x_min = -1.3f, .inv_dx = NX / 2.6f, .z0 = 3.0f, .dz = 0.05f, .first = NZ, .last = -1};
-    slice->sigma = lf_calloc(NZ * (NX + 1), sizeof *slice->sigma);
-    slice->slabs = lf_calloc(NZ, sizeof *slice->slabs);
+    *slice = (lf_slice){.nx = NX, .nz = NZ, .x_min = -1.3f, .inv_dx = NX / 2.6f, .z0 = 3.0f, .dz = 0.05f, .inv_dz = 20.0f, .first = NZ, .last = -1};
+    slice->stride = NX + LF_SLICE_PADDING;
+    slice->sigma = lf_calloc((size_t)NZ * (size_t)slice->stride, sizeof *slice->sigma);
+    slice->behind = lf_calloc(NZ, sizeof *slice->behind);
+    slice->spans = lf_calloc(NZ, sizeof *slice->spans);
     assert_non_null(slice->sigma);
-    assert_non_null(slice->slabs);
+    assert_non_null(slice->behind);
+    assert_non_null(slice->spans);
     for (int s = 0; s < NZ; s++) {
         bool empty = s < 4 || s > NZ - 3 || s % 7 == 0;
-        slice->slabs[s] = (lf_slab){INFINITY, -INFINITY};
+        slice->spans[s] = (lf_plane_span){INFINITY, -INFINITY};
         if (empty)
             continue;
         int lo = 5 + (int)(20.0f * uniform(&seed)), hi = NX - 5 - (int)(20.0f * uniform(&seed));
         for (int i = lo; i <= hi; i++)
-            slice->sigma[s * (NX + 1) + i] = 20.0f * uniform(&seed);
-        slice->slabs[s] = (lf_slab){slice->x_min + (float)(lo - 1) / slice->inv_dx, slice->x_min + (float)(hi + 1) / slice->inv_dx};
+            slice->sigma[s * slice->stride + i] = 20.0f * uniform(&seed);
+        slice->spans[s] = (lf_plane_span){slice->x_min + (float)(lo - 1) / slice->inv_dx, slice->x_min + (float)(hi + 1) / slice->inv_dx};
         slice->first = s < slice->first ? s : slice->first;
         slice->last = s;
     }
@@ -69,6 +72,7 @@ static void every_instruction_set_equals_plain_c_bit_for_bit(void **state)
             make_fan(&fan, 3.0f * uniform(&seed) - 1.5f, 2.8f + 3.5f * uniform(&seed), pivot, &seed);
             const lf_kernels *k[2] = {lf_kernels_at(0), lf_kernels_at(i)};
             for (int j = 0; j < 2; j++) {
+                memset(tau[j], 0, sizeof tau[j]);
                 k[j]->march(&slice, LANES, fan.x0, fan.slope, fan.z_end, tau[j], pivot ? sigma[j] : NULL);
                 for (int l = 0; l < LANES; l++)
                     scale[l] = l % 6 == 5 ? 0.0f : 1.0f + (float)l;
@@ -94,6 +98,7 @@ static void a_fan_is_as_deep_as_its_rays_alone(void **state)
         lf_fan fan;
         float tau[LANES], z;
         make_fan(&fan, 3.0f * uniform(&seed) - 1.5f, 2.8f + 3.5f * uniform(&seed), false, &seed);
+        memset(tau, 0, sizeof tau);
         lf_kernels_c.march(&slice, LANES, fan.x0, fan.slope, fan.z_end, tau, NULL);
         for (int k = 0; k < 45; k++)
             lf_assert_close((double)tau[k], (double)lf_slice_march(&slice, fan.x0[k], fan.slope[k], fan.z_end[k], INFINITY, &z),

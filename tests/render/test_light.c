@@ -327,7 +327,7 @@ static void a_disk_without_an_angle_is_a_direction(void **state)
     assert_true(lf_light_draw(&x->scene, lf_v3(1, 2, 3), u, &s));
     assert_true(s.delta && s.pdf == 1.0f && s.radiance.x == 3.0f && isinf(s.distance));
     assert_true(lf_max3(lf_light_escape(&x->scene, s.wi, &pdf)) == 0.0f && pdf == 0.0f);
-    assert_true(lf_scene_has_light_sampling(&x->scene) && !lf_scene_has_area_lights(&x->scene));
+    assert_true(lf_scene_has_light_sampling(&x->scene));
     fixture_destroy(x);
 }
 
@@ -425,7 +425,6 @@ static void lights_stand_in_order_and_all_can_be_picked(void **state)
     assert_int_equal(x->scene.n_lights, 6);
     assert_int_equal(x->scene.n_lights_infinite, 4);
     assert_true(fabs(sum - 1.0) < 1e-6);
-    assert_true(lf_scene_has_area_lights(&x->scene));
     fixture_destroy(x);
 }
 

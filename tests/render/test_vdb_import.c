@@ -125,7 +125,7 @@ static void transforms_of_file_and_scene_are_composed(void **state)
         assert_true(p.x < v->bounds_max.x && p.y < v->bounds_max.y && p.z < v->bounds_max.z);
     }
     lf_assert_close(v->sigma_max, 3, 1e-5, 0);
-    lf_assert_close(v->slice_cell, 1 / 3.0, 1e-6, 0); /* one optical depth, shorter than the shortest edge: 0.25, twice */
+    lf_assert_close(v->slice_cell, 0.5, 1e-6, 0); /* the shortest edge: 0.25, twice; shorter than two optical depths */
     lf_scene_unref(scene);
 }
 
