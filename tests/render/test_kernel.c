@@ -20,7 +20,8 @@ static float uniform(uint64_t *state)
 /* A slice with empty planes, empty margins and rough contents. */
 static void make_slice(lf_slice *slice, uint64_t seed)
 {
-    *slice = (lf_slice){.nx = NX, .nz = NZ, .x_min = -1.3f, .inv_dx = NX / 2.6f, .z0 = 3.0f, .dz = 0.05f, .inv_dz = 20.0f, .first = NZ, .last = -1};
+    *slice = (lf_slice){.nx = NX, .nz = NZ, .x_min = -1.3f, .inv_dx = NX / 2.6f, .z0 = 3.0f, .dz = 0.05f, .first = NZ, .last = -1};
+    slice->inv_dz = 1.0f / slice->dz;
     slice->stride = NX + LF_SLICE_PADDING;
     slice->sigma = lf_calloc((size_t)NZ * (size_t)slice->stride, sizeof *slice->sigma);
     slice->behind = lf_calloc(NZ, sizeof *slice->behind);
