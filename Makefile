@@ -2,6 +2,7 @@
 #
 #   make                    programs and scenes into build/ (packages must be there: make deps)
 #   make run | check        install what is missing, build, and start the daemon | run all tests
+#   make check-arm64        the portable parts, built for arm64 and run by an emulator
 #   make T=render check     only the tests whose path holds this word
 #   make build/release/tests/base/test_file     one test program
 #   BUILD=release|debug|asan|tsan  O=DIR  V=1  WERROR=1  CC CXX CFLAGS CXXFLAGS LDFLAGS  DESTDIR PREFIX
@@ -38,7 +39,7 @@ rooms := base render quilt device daemon
 all:
 
 # Goals that install packages first, then come back here as GOAL-now.
-front := check run bench verify lint
+front := check check-arm64 run bench verify lint
 # Goals that need no library flags.
 light := $(front) deps clean help
 goals := $(or $(MAKECMDGOALS),all)
@@ -47,7 +48,7 @@ wild = $(patsubst $(SRCDIR)/%,%,$(sort $(wildcard $(SRCDIR)/$(1))))
 
 include $(SRCDIR)/.ci/flags.mk
 include $(wildcard $(SRCDIR)/*/module.mk)
-ifneq ($(filter-out $(light),$(goals)),)
+ifneq ($(if $(PORTABLE),,$(filter-out $(light),$(goals))),)
 include $(BUILDROOT)/deps.mk
 endif
 
@@ -130,12 +131,15 @@ $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
  MAKE_AGAIN='$(MAKE_COMMAND) --no-print-directory -C $(CURDIR) -f $(MAKEFILE) O=$(O) BUILD=$(BUILD)' $(SRCDIR)/tests/run
 
-.PHONY: check-now verify-now bench-now run-now lint-now
-tests_extra := $(SRCDIR)/tests/style.sh $(SRCDIR)/tests/install.sh
+.PHONY: check-now check-arm64-now verify-now bench-now run-now lint-now
+tests_extra := $(SRCDIR)/tests/style.sh $(SRCDIR)/tests/install.sh $(SRCDIR)/tests/arm64.sh
 matching = $(foreach x,$(1),$(if $(strip $(foreach t,$(T),$(findstring $(t),$(x)))),$(x)))
 selected := $(if $(T),$(call matching,$(tests)),$(tests))
-check-now: all $(selected) $(if $(T),,$(headers_alone))
+check-now: all $(selected) $(if $(T),,$(headers_alone)) $(O)/tests/arm64/results
 	@$(run_tests) $(if $(T),$(call matching,$(tests_extra)),$(tests_extra)) $(selected)
+
+check-arm64-now: $(O)/tests/arm64/results
+	@$(run_tests) $(SRCDIR)/tests/arm64.sh
 
 # the statistical tests again, on numbers nobody has seen, at their longest
 verify-now: all tests
@@ -157,6 +161,9 @@ run bench:
 	@$(self) $(jobs) $@-now
 check verify:
 	@$(SRCDIR)/.ci/deps install build test
+	@$(self) $(jobs) $@-now
+check-arm64:
+	@$(SRCDIR)/.ci/deps install build arm64
 	@$(self) $(jobs) $@-now
 lint:
 	@$(SRCDIR)/.ci/deps install build test lint
@@ -188,5 +195,5 @@ lint-now: $(if $(generated),$(addprefix $(O)/,$(generated)))
 # ------------------------------------------------------------------------------------------------------- installing --
 include $(SRCDIR)/.ci/install.mk
 
--include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(optics_srcs) $(test_srcs))))
+-include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(optics_srcs) $(test_srcs) tests/arm64/results.c)))
 -include $(addsuffix .d,$(headers_alone))

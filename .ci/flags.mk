@@ -36,6 +36,7 @@ lf_ldflags = $(filter -fsanitize%,$(variant_$(BUILD))) -pthread -Wl,--as-needed 
 
 # one file an instruction set; other machines leave them out
 x86 := $(filter x86_64,$(ARCH))
+arm64 := $(filter aarch64,$(ARCH))
 isa_kernel_avx2 := -mavx2 -mf16c
 isa_kernel_avx512 := -march=skylake-avx512
-without_isa = $(if $(x86),$(1),$(filter-out %_avx2.c %_avx512.c,$(1)))
+without_isa = $(filter-out $(if $(x86),,%_avx2.c %_avx512.c) $(if $(arm64),,%_neon.c),$(1))

@@ -68,6 +68,18 @@ static void restore_denormals(unsigned int before)
 {
     _mm_setcsr(before);
 }
+#elif defined(__aarch64__)
+static unsigned int flush_denormals(void)
+{
+    unsigned int before = __builtin_aarch64_get_fpcr();
+    __builtin_aarch64_set_fpcr(before | 1u << 24);
+    return before;
+}
+
+static void restore_denormals(unsigned int before)
+{
+    __builtin_aarch64_set_fpcr(before);
+}
 #else
 static unsigned int flush_denormals(void)
 {

@@ -19,8 +19,8 @@ typedef void (*lf_pool_fn)(void *context, int item, int worker);
 int lf_cpu_count(void);
 
 /* n_threads 1..256; 0 = lf_cpu_count(). The calling thread of lf_pool_run works too, as worker 0, so n_threads - 1 threads
- * are started, named "lf-worker", all signals blocked, FTZ and DAZ set on x86 (Embree wants both; results then do not
- * depend on which thread ran an item: lf_pool_run sets them for the caller while it runs). */
+ * are started, named "lf-worker", all signals blocked, denormals flushed (FTZ and DAZ on x86, FZ on arm64: Embree wants it;
+ * results then do not depend on which thread ran an item: lf_pool_run sets it for the caller while it runs). */
 LF_NODISCARD lf_status lf_pool_create(int n_threads, lf_pool **out_pool);
 /* Accepts NULL. No run may be in progress. */
 void lf_pool_destroy(lf_pool *pool);

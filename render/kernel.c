@@ -14,6 +14,9 @@ const lf_kernels *lf_kernels_at(int index)
 #if defined(__x86_64__)
     if (index == 1 && __builtin_cpu_supports("avx2"))
         return &lf_kernels_avx2;
+#elif defined(__aarch64__)
+    if (index == 1)
+        return &lf_kernels_neon;
 #endif
     return NULL;
 }

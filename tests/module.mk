@@ -13,3 +13,23 @@ optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 
 # files made as on file systems without O_TMPFILE
 wrap_test_file := -Wl,--wrap=open
+
+# What needs none of the libraries, with its tests and a program that prints hashes of results: PORTABLE=1 builds nothing else, for
+# machines without those libraries (tests/arm64.sh). Embree's header stays: it is the same everywhere.
+portable_tests := base/test_alloc base/test_status base/test_thread quilt/test_interlace quilt/test_tone quilt/test_layout \
+ quilt/test_rects quilt/test_fill render/test_kernel render/test_sampler
+ifdef PORTABLE
+base_srcs := $(patsubst %,base/%.c,alloc status thread image)
+quilt_srcs := $(patsubst %,quilt/%.c,interlace tone layout fill rects)
+render_srcs := $(patsubst %,render/%.c,kernel kernel_c $(if $(arm64),kernel_neon) slice volume sampler)
+stat_srcs := tests/stat/stat.c tests/stat/chi2.c
+optics_srcs :=
+dep_cflags := -I$(SRCDIR)/tests/arm64 -idirafter /usr/include
+dep_libs := -lm
+endif
+$(O)/tests/arm64/results: $(patsubst %,$(O)/%,tests/arm64/results.c.o librender.a libquilt.a libbase.a)
+	$(call link,)
+.PHONY: portable portable-tests
+portable: $(patsubst %,$(O)/tests/%,$(portable_tests)) $(O)/tests/arm64/results
+portable-tests:
+	@echo $(abspath $(patsubst %,$(O)/tests/%,$(portable_tests)))

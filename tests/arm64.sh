@@ -1,0 +1,82 @@
+#!/bin/bash
+# The parts that need no library, built for arm64 and run by an emulator: their tests pass, the NEON kernels among them, and what they
+# make of pseudo-random inputs has the same bytes as here, whatever the kernels. make check-arm64 installs what this needs; else it is
+# skipped. QUILTD_LONG=1 runs the tests that take the emulator minutes too. Prints its results as cmocka does.
+set -u
+src=${QUILTD_SOURCE:-.}
+out=${QUILTD_BUILD:-build/release}
+cc=${ARM64_CC:-aarch64-linux-gnu-gcc}
+ar=${ARM64_AR:-aarch64-linux-gnu-ar}
+emulator=${ARM64_RUN:-qemu-aarch64}
+slow=the_formulas_agree_with_themselves_in_higher_precision,the_interlacer_matches_the_formulas_on_whole_panels,single_points_are_uniform
+
+no_chance() {
+    echo "skipped: $1"
+    exit 77
+}
+[ "${BUILD:-release}" = release ] || no_chance "built for release alone"
+[ "$(uname -m)" = x86_64 ] || no_chance "compares with x86-64, this is $(uname -m)"
+for tool in "$cc" "$emulator"; do
+    command -v "${tool##* }" > /dev/null 2>&1 || no_chance "no ${tool##* } (make check-arm64 installs it)"
+done
+
+passed=0 failed=0
+report() { # name, complaints
+    if [ -z "$2" ]; then
+        passed=$((passed + 1))
+        echo "[       OK ] $1"
+    else
+        failed=$((failed + 1))
+        echo "[  ERROR   ] --- $1:"
+        echo "$2" | head -n 30
+    fi
+}
+end() {
+    echo "[  PASSED  ] $passed test(s)."
+    [ "$failed" -eq 0 ] || echo "[  FAILED  ] $failed test(s)."
+    [ "$failed" -eq 0 ]
+    exit
+}
+
+top=$(mktemp -d)
+trap 'rm -rf "$top"' EXIT
+# a make of its own: nothing that the one above was told is for another machine
+build() {
+    env -u MAKEFLAGS -u MFLAGS -u CFLAGS -u CPPFLAGS make --no-print-directory -C "$src" -j "$(nproc)" O="$out/arm64" BUILD=release PORTABLE=1 \
+        CC="$cc" CXX="$cc" AR="$ar" LDFLAGS=-static "$@"
+}
+if ! build portable > "$top/log" 2>&1; then
+    report "the portable parts compile for arm64" "$(tail -n 30 "$top/log")"
+    end
+fi
+report "the portable parts compile for arm64" "$(grep -A5 warning: "$top/log")"
+
+# their own reports are added up by tests/run
+[ -n "${QUILTD_LONG-}" ] && slow=
+for program in $(build -s portable-tests); do
+    LF_TEST_SKIP=$slow "$emulator" "$program" > "$top/log" 2>&1
+    rc=$?
+    cat "$top/log"
+    grep -q '^\[  PASSED  \]' "$top/log" || report "${program##*/}" "exit status $rc, no results"
+done
+
+"$out/tests/arm64/results" > "$top/here" 2> /dev/null
+[ "$(wc -l < "$top/here")" -gt 9 ] || report "results here" "$(cat "$top/here")"
+"$emulator" "$out/arm64/tests/arm64/results" > "$top/arm64" 2> "$top/kernels"
+report "arm64 has the results of this machine" "$(diff "$top/here" "$top/arm64")"
+report "arm64 uses NEON" "$(grep -vx 'kernels: neon' "$top/kernels")"
+for word in "" "$emulator"; do
+    # shellcheck disable=SC2086  # nothing, or a word
+    LF_CPU=c $word "$out/${word:+arm64/}tests/arm64/results" kernels > "$top/plain" 2> /dev/null
+    report "plain C has the same results, ${word:-here}" "$(cmp "$top/plain" <(head -n "$(wc -l < "$top/plain")" "$top/here") 2>&1)"
+done
+
+# the comparison can fail: plain C with fused multiply-adds is another kernel
+fused_is_noticed() {
+    $cc -std=c11 -D_GNU_SOURCE -O3 -ffp-contract=fast -I"$src" -idirafter /usr/include -c -o "$top/fused.o" "$src/render/kernel_c.c" &&
+        $cc -static -pthread -o "$top/fused" "$out/arm64/tests/arm64/results.c.o" "$top/fused.o" "$out"/arm64/lib{render,quilt,base}.a -lm || return
+    LF_CPU=c "$emulator" "$top/fused" kernels > "$top/fused.txt" 2> /dev/null
+    ! cmp -s "$top/plain" "$top/fused.txt" || echo "the same results with and without"
+}
+report "fused multiply-adds would be noticed" "$(fused_is_noticed 2>&1)"
+end

@@ -1,0 +1,214 @@
+/* Prints a hash of what each portable part makes of pseudo-random inputs: one line each, the same on every machine
+ * (tests/arm64.sh compares). On standard error, the kernels that were in use. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "quilt/quilt.h"
+#include "render/kernel.h"
+#include "render/sampler.h"
+
+enum { LANES = 48, VIEWS = 45, WIDTH = 60, HEIGHT = 80 };
+
+typedef struct stream {
+    uint64_t key, n;
+} stream;
+
+static uint64_t next(stream *s)
+{
+    return lf_hash64(s->key, s->n++);
+}
+
+/* In [lo, hi). */
+static float uniform(stream *s, float lo, float hi)
+{
+    return lo + (hi - lo) * (float)(next(s) >> 40) * 0x1p-24f;
+}
+
+/* FNV-1a. */
+static uint64_t mix(uint64_t hash, const void *data, size_t n)
+{
+    const unsigned char *bytes = data;
+    for (size_t i = 0; i < n; i++)
+        hash = (hash ^ bytes[i]) * 0x100000001b3u;
+    return hash;
+}
+
+static const uint64_t start = 0xcbf29ce484222325u;
+
+static void say(const char *what, uint64_t hash)
+{
+    printf("%-24s %016llx\n", what, (unsigned long long)hash);
+}
+
+static void demand(bool holds, const char *what)
+{
+    if (holds)
+        return;
+    fprintf(stderr, "results: %s\n", what);
+    exit(2);
+}
+
+static void samplers(void)
+{
+    uint64_t hash = start;
+    for (uint32_t i = 0; i < 4096; i++) {
+        lf_sampler s;
+        lf_sampler_init(&s, i % 2 ? LF_SAMPLER_OWEN : LF_SAMPLER_INDEPENDENT, 77 + i / 512, i);
+        for (int d = 0; d < LF_SAMPLER_DIMENSIONS + 8; d++) {
+            float x = lf_sampler_1d(&s);
+            hash = mix(hash, &x, sizeof x);
+        }
+    }
+    say("sampler", hash);
+}
+
+static void densities(void)
+{
+    stream s = {.key = 3};
+    uint64_t hash = start;
+    for (int trial = 0; trial < 4000; trial++) {
+        float scale[LANES], tau[LANES], d[LANES], spread = ldexpf(1.0f, trial % 16 - 6);
+        for (int k = 0; k < LANES; k++) {
+            scale[k] = k % 7 == trial % 7 ? 0.0f : uniform(&s, 0.0f, 9.0f);
+            tau[k] = uniform(&s, 0.0f, spread);
+        }
+        float sum = lf_kernels_get()->densities(LANES, scale, tau, d);
+        hash = mix(mix(hash, &sum, sizeof sum), d, sizeof d);
+    }
+    say("densities", hash);
+}
+
+/* Every float there is, one in 4099, NaN and denormals among them. */
+static void tones(void)
+{
+    const char *const maps[] = {"srgb", "filmic"};
+    for (int m = 0; m < 2; m++) {
+        lf_tone *tone = NULL;
+        demand(lf_tone_create(0.37, maps[m], &tone, NULL) == LF_OK, "no tone map");
+        uint64_t hash = start;
+        for (uint64_t bits = 0; bits + 3 * 4099 < 1ull << 32; bits += 3 * 4099) {
+            float in[3];
+            uint8_t out[3];
+            for (uint32_t c = 0; c < 3; c++)
+                memcpy(&in[c], &(uint32_t){(uint32_t)bits + c * 4099}, sizeof in[c]);
+            lf_tone_map(tone, 1, in, out);
+            hash = mix(hash, out, sizeof out);
+        }
+        say(maps[m], hash);
+        lf_tone_destroy(tone);
+    }
+}
+
+/* Calibrations as panels have them, and one with cells. */
+static const lf_calibration panels[] = {
+    {.config_version = "3.0",
+     .pitch = 52.594383239746094,
+     .slope = -7.21152925491333,
+     .center = 0.40277382731437683,
+     .dpi = 324,
+     .screen_width_px = 1536,
+     .screen_height_px = 2048,
+     .inv_view = 1},
+    {.config_version = "1.0",
+     .pitch = 47.56401443481445,
+     .slope = -5.480000019073486,
+     .center = 0.374184787273407,
+     .dpi = 338,
+     .screen_width_px = 2560,
+     .screen_height_px = 1600,
+     .inv_view = 1,
+     .flip_subp = 1},
+    {.config_version = "3.0",
+     .pitch = 44.72,
+     .slope = -7.45,
+     .center = 0,
+     .dpi = 283,
+     .screen_width_px = 1080,
+     .screen_height_px = 1920,
+     .inv_view = 1,
+     .cell_pattern_mode = 4,
+     .n_cells = 2,
+     .cells = {{{-0.25f, -0.31f}, {-0.25f, 0.28f}, {0.25f, 0}}, {{0.25f, -0.31f}, {0.25f, 0.28f}, {-0.25f, 0}}}},
+};
+
+static void panel(const char *what, const lf_calibration *calibration, lf_filter filter, const lf_views8 *views)
+{
+    lf_interlacer *it = NULL;
+    lf_image8 out = {0};
+    demand(lf_interlacer_create(calibration, VIEWS, WIDTH, HEIGHT, 0.75, filter, LF_INVERT_AUTO, &it, NULL) == LF_OK,
+           "no interlacer");
+    demand(lf_image8_init(&out, calibration->screen_width_px, calibration->screen_height_px, 3) == LF_OK, "no picture");
+    /* of the slower filter, every 16th row */
+    uint64_t hash = start;
+    for (int row = 0; row < out.height; row += filter == LF_FILTER_LINEAR ? 16 : 1) {
+        lf_interlace_rows(it, views, &out, row, row + 1);
+        hash = mix(hash, out.data + (size_t)row * out.stride, (size_t)out.width * 3);
+    }
+    say(what, hash);
+    lf_image8_finish(&out);
+    lf_interlacer_destroy(it);
+}
+
+static void interlacers(void)
+{
+    size_t n = (size_t)VIEWS * WIDTH * HEIGHT * 3;
+    uint8_t *data = lf_calloc(n, 1);
+    demand(data != NULL, "no memory");
+    for (size_t i = 0; i < n; i++)
+        data[i] = (uint8_t)lf_hash64(5, i);
+    lf_views8 views = {.n_views = VIEWS,
+                       .width = WIDTH,
+                       .height = HEIGHT,
+                       .view_stride = (size_t)WIDTH * HEIGHT * 3,
+                       .row_stride = (size_t)WIDTH * 3,
+                       .data = data};
+    for (size_t p = 0; p < sizeof panels / sizeof panels[0]; p++) {
+        char what[32];
+        snprintf(what, sizeof what, "panel %zu nearest", p);
+        panel(what, &panels[p], LF_FILTER_NEAREST, &views);
+        snprintf(what, sizeof what, "panel %zu linear", p);
+        panel(what, &panels[p], LF_FILTER_LINEAR, &views);
+    }
+    lf_free(data);
+}
+
+static void fills_and_rectangles(void)
+{
+    size_t n = (size_t)VIEWS * WIDTH * HEIGHT;
+    uint8_t *rgb = lf_calloc(3 * n, 1), *missing = lf_calloc(n, 1), *filled = lf_calloc(3 * n, 1);
+    demand(rgb && missing && filled, "no memory");
+    for (size_t i = 0; i < n; i++) {
+        missing[i] = lf_hash64(8, i) % 3 != 0;
+        for (size_t c = 0; c < 3; c++)
+            rgb[3 * i + c] = (uint8_t)lf_hash64(9, 3 * i + c);
+    }
+    int64_t left = lf_fill(VIEWS, WIDTH, HEIGHT, rgb, missing, 4, filled, NULL);
+    say("fill", mix(mix(start, &left, sizeof left), filled, 3 * n));
+    lf_image8 a = {.width = WIDTH, .height = HEIGHT * VIEWS, .channels = 3, .stride = (size_t)WIDTH * 3, .data = rgb};
+    lf_image8 b = a;
+    b.data = filled;
+    lf_rect rects[32];
+    int n_rects = lf_changed_rects(&a, &b, rects, 32);
+    say("rectangles", mix(start, rects, (size_t)n_rects * sizeof rects[0]));
+    lf_free(rgb);
+    lf_free(missing);
+    lf_free(filled);
+}
+
+/* With an argument, what the kernels do alone. */
+int main(int argc, char **argv)
+{
+    (void)argv;
+    fprintf(stderr, "kernels: %s\n", lf_kernels_get()->name);
+    densities();
+    if (argc > 1)
+        return 0;
+    samplers();
+    tones();
+    interlacers();
+    fills_and_rectangles();
+    return 0;
+}
