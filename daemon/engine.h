@@ -1,4 +1,4 @@
-/* engine: one thread that owns the renderer, its workers and the picture, renders what is on stage in batchs of about a
+/* engine: one thread that owns the renderer, its workers and the picture, renders what is on stage in batches of about a
  * tenth of a second and posts panel frames to the mailbox. It sleeps without waking while there is nothing to do.
  *
  * Threads: functions marked (blocks) wait for the engine's thread and are for the loader's and the export jobs' threads;
@@ -69,7 +69,7 @@ typedef struct lf_snapshot {
 /* (blocks) LF_E_STATE: nothing is on stage. Release with lf_snapshot_finish. */
 LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_snapshot *out, lf_error *err);
 void lf_snapshot_finish(lf_snapshot *snapshot);
-/* (blocks) Writes the accumulation between two batchs; the caller commits file. LF_E_STATE: no scene is on stage. Works after
+/* (blocks) Writes the accumulation between two batches; the caller commits file. LF_E_STATE: no scene is on stage. Works after
  * lf_engine_stop(engine, false) too, from any thread, once lf_engine_stopped. */
 LF_NODISCARD lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, lf_error *err);
 

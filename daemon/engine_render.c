@@ -9,7 +9,7 @@
 #define BATCH_SECONDS_COMPLETE 0.25
 #define BATCH_SECONDS_LATE 0.5
 #define LATE_SECONDS 10.0
-/* Frames are at least so far apart, while the picture is incomplete and later: small pictures have short batchs. */
+/* Frames are at least so far apart, while the picture is incomplete and later: small pictures have short batches. */
 #define FRAME_SECONDS 0.03
 #define FRAME_SECONDS_COMPLETE 0.1
 /* Composing frames gets at most this share of the time, but for the first coarse and the first complete one. */
@@ -49,7 +49,7 @@ static void check_converged(lf_engine *engine)
     const lf_render_stats *stats = &engine->stats;
     bool reached = stats->rel_mse_estimate >= 0 && stats->rel_mse_estimate < engine->now_controls.target_error;
     bool enough = engine->passes >= (double)MAX_SPP * engine->schedule.n_views;
-    if (engine->schedule.sweep >= 2 && engine->level >= LF_LEVEL_COARSE && (reached || enough)) {
+    if (lf_schedule_has_halves(&engine->schedule) && engine->level >= LF_LEVEL_COARSE && (reached || enough)) {
         engine->converged = true;
         engine->owed = true;
     }
@@ -175,12 +175,12 @@ static bool frame_can_wait(lf_engine *engine)
 
 /* Native samples for pixels that no shared path has reached: first so many that a coarse frame is whole, then for all of
  * them, until the picture is complete. */
-static int hole_reach(const lf_engine *engine)
+static int hole_reach(const lf_engine *engine, const lf_batch *batch)
 {
     if (engine->level >= LF_LEVEL_COMPLETE) {
         return -1;
     }
-    return engine->schedule.sweep == 0 ? LF_COARSE_REACH : 0;
+    return batch->coarse ? LF_COARSE_REACH : 0;
 }
 
 void engine_batch(lf_engine *engine)
@@ -191,7 +191,7 @@ void engine_batch(lf_engine *engine)
     lf_status status = LF_OK;
     engine->picture.sampled = engine->passes >= engine->schedule.n_views;
     if (batch.n_rows > 0) {
-        status = lf_renderer_pass_filling(engine->renderer, batch.first, batch.step, batch.subsets, hole_reach(engine),
+        status = lf_renderer_pass_filling(engine->renderer, batch.first, batch.step, batch.subsets, hole_reach(engine, &batch),
                                           lf_picture_row, &engine->picture, &engine->cancel);
     }
     if (status != LF_OK) {

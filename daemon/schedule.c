@@ -2,18 +2,30 @@
 
 /* Rows a batch has at the least, so that no worker idles. */
 #define MIN_ROWS 8
-#define MAX_BATCHS 64
-#define FIRST_BATCHS 4
+#define MAX_BATCHES 64
 /* The first sweep is wanted whole: it is not cut finer than this. */
-#define MOST_FIRST_BATCHS 16
-/* The residue that the first batchs take: a row that is at most two away from every other of its group of four. */
-#define FIRST_ROW 2
+#define MAX_COARSE_BATCHES 4
+/* Rows go by their place in groups of four: a row of the first sweep is at most two away from every other of its group. */
+#define GROUP 4
+#define COARSE_ROW 2
+/* Passes of the second sweep: while more than about a twentieth of the view pixels that scatter are holes, another shared path fills
+ * them at less cost than native samples do. */
+#define COMPLETE_PASSES 4
 
 static int subsets_of(const lf_schedule *schedule)
 {
-    int doubling = schedule->sweep / 2;
-    int subsets = doubling < 16 ? 1 << doubling : 1 << 16;
+    if (schedule->sweep == 0) {
+        return 1;
+    }
+    int doubling = (schedule->sweep - 1) / 2;
+    int subsets = doubling < 16 ? COMPLETE_PASSES << doubling : COMPLETE_PASSES << 16;
     return subsets < schedule->n_views ? subsets : schedule->n_views;
+}
+
+static int sweep_rows(const lf_schedule *schedule)
+{
+    int rows = schedule->height;
+    return schedule->sweep == 0 ? (rows - COARSE_ROW + GROUP - 1) / GROUP : rows;
 }
 
 void lf_schedule_start(lf_schedule *schedule, int height, int n_views, double passes_done)
@@ -21,17 +33,17 @@ void lf_schedule_start(lf_schedule *schedule, int height, int n_views, double pa
     double row_seconds = schedule->row_seconds;
     *schedule = (lf_schedule){.height = height, .n_views = n_views, .row_seconds = row_seconds};
     for (double sum = 0; sum < passes_done && schedule->sweep < 64; schedule->sweep++) {
-        sum += subsets_of(schedule);
+        sum += (double)subsets_of(schedule) * sweep_rows(schedule) / height;
     }
 }
 
-static int batchs_for(const lf_schedule *schedule, double target_seconds)
+/* As many as make one about target_seconds long. */
+static int batches_for(const lf_schedule *schedule, double target_seconds)
 {
-    int fewest = schedule->sweep == 0 ? FIRST_BATCHS : 1;
-    int most = schedule->sweep == 0 ? MOST_FIRST_BATCHS : MAX_BATCHS;
-    double sweep_seconds = schedule->row_seconds * schedule->height * subsets_of(schedule);
-    int n = fewest;
-    while (n < most && sweep_seconds > target_seconds * n && schedule->height / (n * 2) >= MIN_ROWS) {
+    int most = schedule->sweep == 0 ? MAX_COARSE_BATCHES : MAX_BATCHES;
+    double sweep_seconds = schedule->row_seconds * sweep_rows(schedule) * subsets_of(schedule);
+    int n = 1;
+    while (n < most && sweep_seconds > target_seconds * n && sweep_rows(schedule) / (n * 2) >= MIN_ROWS) {
         n *= 2;
     }
     return n;
@@ -46,13 +58,30 @@ static int reversed_bits(int value, int size)
     return reversed;
 }
 
+/* Among n batches of all rows, those farthest from the rows of the first sweep come first, and those rows themselves last. */
+static int first_row(int batch, int n)
+{
+    static const int place[GROUP] = {0, 1, 3, COARSE_ROW};
+    if (n < GROUP) {
+        return reversed_bits(batch, n);
+    }
+    int batches = n / GROUP;
+    return place[batch / batches] + GROUP * reversed_bits(batch % batches, batches);
+}
+
 lf_batch lf_schedule_next(lf_schedule *schedule, double target_seconds)
 {
     if (schedule->batch == 0) {
-        schedule->n_batchs = batchs_for(schedule, target_seconds);
+        schedule->n_batches = batches_for(schedule, target_seconds);
     }
-    lf_batch batch = {.step = schedule->n_batchs, .subsets = subsets_of(schedule)};
-    batch.first = (reversed_bits(schedule->batch, schedule->n_batchs) + FIRST_ROW) % schedule->n_batchs;
+    int n = schedule->n_batches;
+    lf_batch batch = {.step = n, .subsets = subsets_of(schedule), .coarse = schedule->sweep == 0};
+    if (batch.coarse) {
+        batch.step = n * GROUP;
+        batch.first = COARSE_ROW + GROUP * reversed_bits(schedule->batch, n);
+    } else {
+        batch.first = first_row(schedule->batch, n);
+    }
     batch.n_rows = batch.first < schedule->height ? (schedule->height - batch.first + batch.step - 1) / batch.step : 0;
     return batch;
 }
@@ -64,7 +93,7 @@ bool lf_schedule_done(lf_schedule *schedule, const lf_batch *batch, double secon
         schedule->row_seconds = schedule->row_seconds > 0 ? 0.5 * (schedule->row_seconds + measured) : measured;
     }
     schedule->batch++;
-    if (schedule->batch < schedule->n_batchs) {
+    if (schedule->batch < schedule->n_batches) {
         return false;
     }
     schedule->batch = 0;
@@ -74,5 +103,10 @@ bool lf_schedule_done(lf_schedule *schedule, const lf_batch *batch, double secon
 
 bool lf_schedule_covers(const lf_schedule *schedule)
 {
-    return schedule->sweep > 0 || (schedule->batch > 0 && schedule->batch * FIRST_BATCHS >= schedule->n_batchs);
+    return schedule->sweep > 0;
+}
+
+bool lf_schedule_has_halves(const lf_schedule *schedule)
+{
+    return schedule->sweep >= 3;
 }

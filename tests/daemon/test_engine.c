@@ -30,7 +30,7 @@ static int run_sweep(lf_schedule *schedule, double target, int *visits, lf_batch
     return subsets;
 }
 
-static void a_sweep_visits_every_row_once(void **state)
+static void the_first_sweep_visits_every_fourth_row_and_later_ones_all(void **state)
 {
     (void)state;
     static const int heights[] = {1, 2, 3, 4, 5, 17, 64, 561};
@@ -42,38 +42,44 @@ static void a_sweep_visits_every_row_once(void **state)
             for (int sweep = 0; sweep < 6; sweep++) {
                 int visits[600] = {0};
                 lf_batch first;
+                assert_int_equal(lf_schedule_covers(&schedule), sweep > 0);
+                assert_int_equal(lf_schedule_has_halves(&schedule), sweep > 2);
                 run_sweep(&schedule, targets[t], visits, &first);
+                assert_int_equal(first.coarse, sweep == 0);
                 for (int row = 0; row < heights[h]; row++) {
-                    assert_int_equal(visits[row], 1);
+                    assert_int_equal(visits[row], sweep > 0 || row % 4 == 2);
                 }
             }
         }
     }
 }
 
-static void the_first_batch_leaves_no_row_further_than_two(void **state)
+static void rows_far_from_the_coarse_ones_come_first(void **state)
 {
     (void)state;
+    static const int expected[8] = {0, 4, 1, 5, 3, 7, 2, 6};
     lf_schedule schedule = {0};
     lf_schedule_start(&schedule, 560, 45, 0);
-    lf_batch batch = lf_schedule_next(&schedule, 10);
+    schedule.row_seconds = 0.0007;
+    lf_batch batch = lf_schedule_next(&schedule, 0.07);
     assert_int_equal(batch.first, 2);
-    assert_int_equal(batch.step, 4);
-    assert_int_equal(batch.subsets, 1);
-    /* With shorter batchs the first two are those rows. */
-    schedule.row_seconds = 0.01;
-    batch = lf_schedule_next(&schedule, 0.8);
     assert_int_equal(batch.step, 8);
-    assert_int_equal(batch.first, 2);
-    lf_schedule_done(&schedule, &batch, 0.7);
-    batch = lf_schedule_next(&schedule, 0.8);
+    lf_schedule_done(&schedule, &batch, 0.0007 * batch.n_rows);
+    batch = lf_schedule_next(&schedule, 0.07);
     assert_int_equal(batch.first, 6);
+    assert_true(lf_schedule_done(&schedule, &batch, 0.0007 * batch.n_rows));
+    for (int i = 0; i < 8; i++) {
+        batch = lf_schedule_next(&schedule, 0.22);
+        assert_int_equal(batch.step, 8);
+        assert_int_equal(batch.first, expected[i]);
+        lf_schedule_done(&schedule, &batch, 0.0007 * batch.n_rows * batch.subsets);
+    }
 }
 
 static void visits_come_in_equal_pairs_that_grow_to_whole_samples(void **state)
 {
     (void)state;
-    static const int expected[] = {1, 1, 2, 2, 4, 4, 8, 8, 16, 16, 32, 32, 45, 45, 45};
+    static const int expected[] = {1, 4, 4, 8, 8, 16, 16, 32, 32, 45, 45, 45};
     lf_schedule schedule = {0};
     lf_schedule_start(&schedule, 32, 45, 0);
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
@@ -87,9 +93,9 @@ static void a_restored_picture_goes_on_where_it_was(void **state)
 {
     (void)state;
     lf_schedule schedule = {0};
-    lf_schedule_start(&schedule, 32, 45, 6);
-    assert_int_equal(schedule.sweep, 4);
-    assert_int_equal(lf_schedule_next(&schedule, 1).subsets, 4);
+    lf_schedule_start(&schedule, 32, 45, 8.25);
+    assert_int_equal(schedule.sweep, 3);
+    assert_int_equal(lf_schedule_next(&schedule, 1).subsets, 8);
 }
 
 static lf_frame *post(lf_mailbox *mailbox, uint8_t value)
@@ -185,8 +191,8 @@ static void an_orbit_turns_about_the_target(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sweep_visits_every_row_once),
-        cmocka_unit_test(the_first_batch_leaves_no_row_further_than_two),
+        cmocka_unit_test(the_first_sweep_visits_every_fourth_row_and_later_ones_all),
+        cmocka_unit_test(rows_far_from_the_coarse_ones_come_first),
         cmocka_unit_test(visits_come_in_equal_pairs_that_grow_to_whole_samples),
         cmocka_unit_test(a_restored_picture_goes_on_where_it_was),
         cmocka_unit_test(the_newest_frame_wins_and_the_shown_one_is_kept),
