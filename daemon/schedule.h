@@ -9,10 +9,10 @@
 #include <stdbool.h>
 
 typedef struct lf_schedule {
-    int height, n_views; /* rows of a view; passes of a whole native sample */
-    int sweep;           /* number of the sweep in progress */
+    int height, n_views;  /* rows of a view; passes of a whole native sample */
+    int sweep;            /* number of the sweep in progress */
     int batch, n_batches; /* next batch of it, out of */
-    double row_seconds;  /* what one pass over one row takes, with all threads at work; 0 = not known. Survives a restart */
+    double row_seconds;   /* what one pass over one row takes, with all threads at work; 0 = not known. Survives a restart */
 } lf_schedule;
 
 typedef struct lf_batch {
