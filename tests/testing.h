@@ -103,7 +103,7 @@ static inline const char *lf_test_shared(const char *name)
 static inline uint64_t lf_test_seed(void)
 {
     const char *seed = getenv("QUILTD_SEED");
-    return seed ? strtoull(seed, NULL, 10) : 20220513u;
+    return seed && *seed ? strtoull(seed, NULL, 10) : 1;
 }
 
 /* make verify: as long as it takes. */

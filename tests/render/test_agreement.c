@@ -2,13 +2,7 @@
  * test on tiles of 16 x 16 pixels of each view of 64 x 48 crops, replicates being seeds. The tests show their own power: for every
  * answer 1 % in one tile, of either sign, would be rejected in at least a quarter of all tiles (the number is printed), and 0.3 % of
  * the whole picture always. QUILTD_LONG=1 takes four times the replicates. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
+#include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
@@ -20,24 +14,15 @@ enum { width = 64, height = 48, n_views = 3, tile = 16, tiles = n_views * 12 + 1
 
 static const char *const names[answers] = {"mis", "cv", "mwis", "mis of a live picture"};
 
-static lf_pool *pool;
-
-static void add_picture(lf_blocks *blocks, const lf_renderer *r, lf_estimator estimator)
-{
-    double *picture = lf_test_picture(r, estimator);
-    lf_blocks_add(blocks, picture);
-    free(picture);
-}
-
 /* Native pictures: what everything is compared with. */
 static void reference(lf_scene *scene, int replicates, int passes, lf_blocks *out)
 {
-    lf_renderer *r = lf_test_renderer(scene, "vpt", width, height, pool);
+    lf_renderer *r = lf_test_renderer(scene, "vpt", width, height, NULL);
     lf_blocks_init(out, n_views, width, height, tile);
     for (int k = 0; k < replicates; k++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed() + 1000, (uint64_t)k));
         lf_test_passes(r, passes);
-        add_picture(out, r, LF_ESTIMATOR_MIS);
+        lf_blocks_add_picture(out, r, LF_ESTIMATOR_MIS);
     }
     lf_renderer_destroy(r);
 }
@@ -51,18 +36,18 @@ static void live_passes(lf_renderer *r, int n)
 
 static void shared(lf_scene *scene, int replicates, int passes, lf_blocks out[answers])
 {
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     for (int i = 0; i < answers; i++)
         lf_blocks_init(&out[i], n_views, width, height, tile);
     for (int k = 0; k < replicates; k++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed() + 2000, (uint64_t)k));
         lf_test_passes(r, passes);
-        add_picture(&out[0], r, LF_ESTIMATOR_MIS);
-        add_picture(&out[1], r, LF_ESTIMATOR_CV);
-        add_picture(&out[2], r, LF_ESTIMATOR_MWIS);
+        lf_blocks_add_picture(&out[0], r, LF_ESTIMATOR_MIS);
+        lf_blocks_add_picture(&out[1], r, LF_ESTIMATOR_CV);
+        lf_blocks_add_picture(&out[2], r, LF_ESTIMATOR_MWIS);
         lf_test_reseed(r, lf_hash64(lf_test_seed() + 3000, (uint64_t)k));
         live_passes(r, passes / 2);
-        add_picture(&out[3], r, LF_ESTIMATOR_MIS);
+        lf_blocks_add_picture(&out[3], r, LF_ESTIMATOR_MIS);
     }
     lf_renderer_destroy(r);
 }
@@ -143,19 +128,6 @@ static void mvpt_agrees_where_normals_are_bent(void **state)
     compare(LF_TEST_BENT("3", ""), 24, 24, 12);
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    return lf_pool_create(1, &pool) == LF_OK ? 0 : -1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    lf_pool_destroy(pool);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -163,5 +135,5 @@ int main(void)
         cmocka_unit_test(mvpt_agrees_beside_a_lamp_and_a_mirror), cmocka_unit_test(mvpt_agrees_behind_a_veil),
         cmocka_unit_test(mvpt_agrees_where_normals_are_bent),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }

@@ -1,13 +1,6 @@
 /* Pictures that are known: furnaces, an absorbing slab, a point light on a plane, single scattering in a slab, two cameras in one
  * place. Replicates are seeds; blocks are compared by Student's t, false alarms as stat.h says. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
 
@@ -21,8 +14,6 @@ static const char *const integrators[] = {"mvpt", "vpt"};
 
 /* Comparisons of this program that may fail by chance: 3 estimators x 2 integrators x 61 blocks x 10 scenes. */
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 3 * 2 * 61 * 10)
-
-static lf_pool *pool;
 
 /* Truth of one pixel: mean of a function of the pinhole ray's slopes over it. */
 typedef double (*truth_fn)(const lf_renderer *renderer, int view, double mx, double my);
@@ -52,20 +43,13 @@ static double one(const lf_renderer *renderer, int view, double mx, double my)
     return 1.0;
 }
 
-static void add_picture(lf_blocks *blocks, const lf_renderer *r, lf_estimator estimator)
-{
-    double *picture = lf_test_picture(r, estimator);
-    lf_blocks_add(blocks, picture);
-    free(picture);
-}
-
 /* The mean over seeds of every estimate by both integrators against the truth. mis and cv are unbiased after `passes`; mwis is
  * consistent only, its bias being that of pixels where nothing has arrived yet, and answers after mwis_passes more (0 = not asked). */
 static void assert_blocks(const char *text, truth_fn truth, int passes, int mwis_passes, int replicates, double rounding)
 {
     lf_scene *scene = lf_test_scene(text);
     for (int i = 0; i < 2; i++) {
-        lf_renderer *r = lf_test_renderer(scene, integrators[i], width, height, pool);
+        lf_renderer *r = lf_test_renderer(scene, integrators[i], width, height, NULL);
         double *expected = truth_picture(r, truth);
         lf_blocks blocks[3];
         for (int e = 0; e < 3; e++)
@@ -73,11 +57,11 @@ static void assert_blocks(const char *text, truth_fn truth, int passes, int mwis
         for (int k = 0; k < replicates; k++) {
             lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
             lf_test_passes(r, passes);
-            add_picture(&blocks[1], r, LF_ESTIMATOR_MIS);
-            add_picture(&blocks[2], r, LF_ESTIMATOR_CV);
+            lf_blocks_add_picture(&blocks[1], r, LF_ESTIMATOR_MIS);
+            lf_blocks_add_picture(&blocks[2], r, LF_ESTIMATOR_CV);
             if (mwis_passes > 0) {
                 lf_test_passes(r, mwis_passes);
-                add_picture(&blocks[0], r, LF_ESTIMATOR_MWIS);
+                lf_blocks_add_picture(&blocks[0], r, LF_ESTIMATOR_MWIS);
             }
         }
         for (int e = mwis_passes > 0 ? 0 : 1; e < 3; e++) {
@@ -109,7 +93,7 @@ static void assert_pixels(const char *text, const char *integrator, truth_fn tru
 {
     enum { pixels = n_views * width * height };
     lf_scene *scene = lf_test_scene(text);
-    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, pool);
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     double *expected = truth_picture(r, truth);
     float *rgb = malloc(3 * pixels * sizeof *rgb);
     uint8_t *flags = malloc(pixels);
@@ -193,14 +177,14 @@ static void a_grey_furnace_is_rejected(void **state)
     (void)state;
     lf_scene *scene =
         lf_test_scene("{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.99 } }, " WHITE_SKY "}");
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     double *expected = truth_picture(r, one);
     lf_blocks blocks;
     lf_blocks_init(&blocks, n_views, width, height, 8);
     for (int k = 0; k < 24; k++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
         lf_test_passes(r, 10);
-        add_picture(&blocks, r, LF_ESTIMATOR_MIS);
+        lf_blocks_add_picture(&blocks, r, LF_ESTIMATOR_MIS);
     }
     assert_true(lf_blocks_p(&blocks, expected, 1e-4, NULL) < LEVEL);
     lf_blocks_finish(&blocks);
@@ -292,7 +276,7 @@ static void cameras_in_one_place_see_one_picture(void **state)
         "'materials': { 'm': { 'type': 'plastic', 'albedo': 0.6, 'roughness': 0.4 } }, "
         "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.5 }, "
         "'sun': { 'type': 'distant', 'direction': [0.3, -1, -0.2], 'irradiance': 3, 'angle': 5 } } }");
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_test_passes(r, 5);
     size_t pixels = (size_t)width;
     for (int row = 0; row < height; row++) {
@@ -309,19 +293,6 @@ static void cameras_in_one_place_see_one_picture(void **state)
     lf_scene_unref(scene);
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    return lf_pool_create(1, &pool) == LF_OK ? 0 : -1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    lf_pool_destroy(pool);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -335,5 +306,5 @@ int main(void)
         cmocka_unit_test(a_lamp_lights_a_plane_by_cosine_and_distance),
         cmocka_unit_test(cameras_in_one_place_see_one_picture),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }

@@ -1,24 +1,14 @@
 /* The best detector of mistakes there is: W and W' are, in the mean, n q in every pixel. Differences W - n q are taken half by half
  * (one row offset, one slice for both), averaged over blocks of 8 x 8 pixels of one view, and compared with 0 over seeds. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
+#include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 
-enum { width = 32, height = 24, n_views = 7, pixels = n_views * width * height, replicates = 40 };
+enum { width = 32, height = 24, n_views = 7, replicates = 40 };
 
 /* Blocks of all comparisons below: 9 runs, W and W', 85 blocks each. */
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 9 * 2 * (n_views * 12 + 1))
-
-static lf_pool *pool;
-
-typedef void (*schedule_fn)(lf_renderer *renderer);
 
 static void whole_cycles(lf_renderer *r)
 {
@@ -37,30 +27,16 @@ static void live(lf_renderer *r)
         assert_int_equal(lf_renderer_pass(r, 0, 1, 1 + i % 2, NULL, NULL, NULL), LF_OK);
 }
 
-static void run(const char *text, schedule_fn schedule, unsigned faults, lf_blocks blocks[3])
+static void run(const char *text, lf_test_schedule schedule, lf_blocks blocks[3])
 {
-    double *d = malloc(pixels * sizeof *d), *q = malloc(pixels * sizeof *q);
     lf_scene *scene = lf_test_scene(text);
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
-    r->plan.faults = faults;
-    for (int i = 0; i < 3; i++)
-        lf_blocks_init(&blocks[i], n_views, width, height, 8);
-    for (int k = 0; k < replicates; k++) {
-        lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
-        schedule(r);
-        for (int second = 0; second < 2; second++) {
-            lf_test_weights(r, second, d, q);
-            lf_blocks_add(&blocks[second], d);
-        }
-        lf_blocks_add(&blocks[2], q);
-    }
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_render_stats stats;
+    lf_test_weight_blocks(r, schedule, replicates, 8, blocks);
     lf_renderer_stats(r, &stats);
     assert_true(stats.nonfinite_dropped == 0);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
-    free(q);
-    free(d);
 }
 
 static void finish(lf_blocks blocks[3])
@@ -69,20 +45,13 @@ static void finish(lf_blocks blocks[3])
         lf_blocks_finish(&blocks[i]);
 }
 
-static double least_p(const lf_blocks *blocks, int *out_where)
-{
-    double *zero = calloc(pixels, sizeof *zero), p = lf_blocks_p(blocks, zero, 0.0, out_where);
-    free(zero);
-    return p;
-}
-
-static void assert_weights(const char *text, schedule_fn schedule)
+static void assert_weights(const char *text, lf_test_schedule schedule)
 {
     lf_blocks blocks[3];
-    run(text, schedule, 0, blocks);
+    run(text, schedule, blocks);
     for (int second = 0; second < 2; second++) {
         int where = 0;
-        double p = least_p(&blocks[second], &where);
+        double p = lf_blocks_p_zero(&blocks[second], &where);
         if (!(p > LEVEL))
             fail_msg("W%s/n - q is %.3g +- %.2g in block %d of view %d where q is %.3g: p %.2g", second ? "'" : "",
                      blocks[second].moments[where].mean, lf_moments_error(&blocks[second].moments[where]), where % 12, where / 12,
@@ -125,7 +94,7 @@ static void a_bias_of_one_per_cent_would_be_seen(void **state)
 {
     (void)state;
     lf_blocks blocks[3];
-    run(LF_TEST_MIXED("7", ""), whole_cycles, 0, blocks);
+    run(LF_TEST_MIXED("7", ""), whole_cycles, blocks);
     for (int second = 0; second < 2; second++) {
         int seen = 0, bright = 0;
         for (int i = 3 * 12; i < 4 * 12; i++) {
@@ -141,19 +110,6 @@ static void a_bias_of_one_per_cent_would_be_seen(void **state)
     finish(blocks);
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    return lf_pool_create(1, &pool) == LF_OK ? 0 : -1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    lf_pool_destroy(pool);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -161,5 +117,5 @@ int main(void)
         cmocka_unit_test(weights_are_n_q_in_overlapping_media),    cmocka_unit_test(weights_are_n_q_beside_mirrors),
         cmocka_unit_test(a_bias_of_one_per_cent_would_be_seen),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }

@@ -1,17 +1,11 @@
 /* Deliberate mistakes in the estimator (lf_fault), each of which one of the statistical tests must catch; and the same tests with the
  * same numbers pass without them. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
+#include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 
-enum { width = 32, height = 24, n_views = 7, pixels = n_views * width * height };
+enum { width = 32, height = 24, n_views = 7 };
 
 /* What the sound estimator may fail by: three runs of the weights' test and one of agreement. */
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 4 * (n_views * 12 + 1))
@@ -19,8 +13,6 @@ enum { width = 32, height = 24, n_views = 7, pixels = n_views * width * height }
 #define CERTAIN 1e-9
 
 static const char scene_text[] = LF_TEST_MIXED("7", "");
-static lf_pool *pool;
-
 static void whole_cycles(lf_renderer *r)
 {
     lf_test_passes(r, 4 * n_views);
@@ -33,27 +25,18 @@ static void live(lf_renderer *r)
 }
 
 /* Smallest p of W - n q over blocks of every view. */
-static double p_of_weights(unsigned faults, void (*schedule)(lf_renderer *))
+static double p_of_weights(unsigned faults, lf_test_schedule schedule)
 {
-    double *d = malloc(pixels * sizeof *d), *q = malloc(pixels * sizeof *q), *zero = calloc(pixels, sizeof *zero);
     lf_scene *scene = lf_test_scene(scene_text);
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
-    lf_blocks blocks;
-    lf_blocks_init(&blocks, n_views, width, height, 8);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+    lf_blocks blocks[3];
     r->plan.faults = faults;
-    for (int k = 0; k < 24; k++) {
-        lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
-        schedule(r);
-        lf_test_weights(r, false, d, q);
-        lf_blocks_add(&blocks, d);
-    }
-    double p = lf_blocks_p(&blocks, zero, 0.0, NULL);
-    lf_blocks_finish(&blocks);
+    lf_test_weight_blocks(r, schedule, 24, 8, blocks);
+    double p = lf_blocks_p_zero(&blocks[0], NULL);
+    for (int i = 0; i < 3; i++)
+        lf_blocks_finish(&blocks[i]);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
-    free(zero);
-    free(q);
-    free(d);
     return p;
 }
 
@@ -61,15 +44,13 @@ static double p_of_weights(unsigned faults, void (*schedule)(lf_renderer *))
 static void pictures(const char *integrator, unsigned faults, uint64_t seed, lf_blocks *out)
 {
     lf_scene *scene = lf_test_scene(scene_text);
-    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, pool);
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     lf_blocks_init(out, n_views, width, height, 8);
     r->plan.faults = faults;
     for (int k = 0; k < 24; k++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed() + seed, (uint64_t)k));
         whole_cycles(r);
-        double *picture = lf_test_picture(r, LF_ESTIMATOR_MIS);
-        lf_blocks_add(out, picture);
-        free(picture);
+        lf_blocks_add_picture(out, r, LF_ESTIMATOR_MIS);
     }
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
@@ -124,19 +105,6 @@ static void a_missing_light_pdf_is_caught(void **state)
     assert_true(p_of_agreement(LF_FAULT_NO_LIGHT_PDF) < CERTAIN);
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    return lf_pool_create(1, &pool) == LF_OK ? 0 : -1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    lf_pool_destroy(pool);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -147,5 +115,5 @@ int main(void)
         cmocka_unit_test(swapped_views_are_caught),
         cmocka_unit_test(a_missing_light_pdf_is_caught),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }

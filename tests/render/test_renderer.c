@@ -10,8 +10,6 @@
 
 enum { WIDTH = 40, HEIGHT = 24, VIEWS = 5, VALUES = VIEWS * WIDTH * HEIGHT * 3 };
 
-static lf_pool *crew;
-
 static float *resolved(const lf_renderer *r, lf_estimator estimator, uint8_t *flags)
 {
     float *out = lf_calloc(VALUES, sizeof *out);
@@ -33,7 +31,7 @@ static void assert_same_picture(const lf_renderer *a, const lf_renderer *b)
 static lf_renderer *mixed(lf_scene **out_scene)
 {
     *out_scene = lf_test_scene(LF_TEST_MIXED("5", ""));
-    return lf_test_renderer(*out_scene, "mvpt", WIDTH, HEIGHT, crew);
+    return lf_test_renderer(*out_scene, "mvpt", WIDTH, HEIGHT, NULL);
 }
 
 static void passes_allocate_nothing(void **state)
@@ -137,7 +135,7 @@ static void filling_leaves_no_hole_beyond_its_reach(void **state)
     for (int i = 0; i < 3; i++) {
         uint8_t flags[VIEWS * WIDTH * HEIGHT];
         lf_scene *scene = lf_test_scene(LF_TEST_FOGS("5", ""));
-        lf_renderer *r = lf_test_renderer(scene, "vpt", WIDTH, HEIGHT, crew);
+        lf_renderer *r = lf_test_renderer(scene, "vpt", WIDTH, HEIGHT, NULL);
         lf_assert_ok(lf_renderer_pass_filling(r, 0, 1, 1, reach[i], NULL, NULL, NULL), NULL);
         lf_free(resolved(r, LF_ESTIMATOR_MWIS, flags));
         farthest[i] = farthest_hole(flags);
@@ -214,7 +212,7 @@ static void another_picture_or_half_a_file_is_refused(void **state)
     (void)state;
     lf_scene *scene, *other = lf_test_scene(LF_TEST_FOGS("5", ""));
     char *folder = lf_test_folder();
-    lf_renderer *r = mixed(&scene), *stranger = lf_test_renderer(other, "mvpt", WIDTH, HEIGHT, crew);
+    lf_renderer *r = mixed(&scene), *stranger = lf_test_renderer(other, "mvpt", WIDTH, HEIGHT, NULL);
     lf_test_passes(r, VIEWS);
     const char *path = saved(r, folder);
     lf_assert_status(restored(stranger, path), LF_E_STATE, NULL);
@@ -232,19 +230,6 @@ static void another_picture_or_half_a_file_is_refused(void **state)
     lf_test_folder_remove(folder);
 }
 
-static int start(void **state)
-{
-    (void)state;
-    return lf_pool_create(2, &crew) == LF_OK ? 0 : -1;
-}
-
-static int stop(void **state)
-{
-    (void)state;
-    lf_pool_destroy(crew);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -257,5 +242,5 @@ int main(void)
         cmocka_unit_test(a_saved_picture_goes_on_as_if_nothing_had_happened),
         cmocka_unit_test(another_picture_or_half_a_file_is_refused),
     };
-    return cmocka_run_group_tests_name("renderer", tests, start, stop);
+    return cmocka_run_group_tests_name("renderer", tests, NULL, lf_test_finish);
 }

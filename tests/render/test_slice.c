@@ -7,15 +7,13 @@
 
 enum { SIDE = 12 };
 
-static lf_pool *crew;
-
 #define NARROW "'camera': { 'position': [0, 0, 5], 'fov_y': 3, 'aspect': 1, 'cone': 0, 'views': 1 }"
 
 /* Mean radiance of the picture after some whole cycles, and the renderer's counters. */
 static double mean_of(const char *text, int cycles, lf_render_stats *out_stats)
 {
     lf_scene *scene = lf_test_scene(text);
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, crew);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
     int views = lf_renderer_settings(r)->camera.n_views, n = views * SIDE * SIDE * 3;
     float *out = lf_calloc((size_t)n, sizeof *out);
     double sum = 0.0;
@@ -84,11 +82,12 @@ static void a_ray_knows_its_interval_inside_a_shape(void **state)
     for (int i = 0; i < 2; i++) {
         char text[512];
         snprintf(text, sizeof text,
-                 "{ " NARROW ", 'volumes': { 'v': { 'shape': '%s', 'density': 3, 'transform': { 'scale': [1, 0.5, 0.7], 'rotate': [20, "
+                 "{ " NARROW
+                 ", 'volumes': { 'v': { 'shape': '%s', 'density': 3, 'transform': { 'scale': [1, 0.5, 0.7], 'rotate': [20, "
                  "30, 40], 'translate': [0.1, 0.05, 0] } } } }",
                  shapes[i]);
         lf_scene *scene = lf_test_scene(text);
-        lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, crew);
+        lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
         const float lens[2] = {0.5f, 0.5f};
         lf_row_plane plane;
         lf_body body;
@@ -119,12 +118,14 @@ static void volumes_out_of_sight_change_nothing(void **state)
         ", 'behind': { 'shape': 'sphere', 'density': 1, 'albedo': 0, 'transform': { 'scale': 30, 'translate': [0, 0, 60] } }",
         ", 'beside': { 'shape': 'sphere', 'density': 1, 'albedo': 0, 'transform': { 'scale': 3, 'translate': [900, 0, 0] } }"};
     char text[1024];
-    snprintf(text, sizeof text, "{ " NARROW ", 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }, 'volumes': { %s } }", ball);
+    snprintf(text, sizeof text, "{ " NARROW ", 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }, 'volumes': { %s } }",
+             ball);
     double alone = mean_of(text, 4, NULL);
     assert_true(alone < 0.98);
     for (int i = 0; i < 2; i++) {
-        snprintf(text, sizeof text, "{ " NARROW ", 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }, 'volumes': { %s%s } }",
-                 ball, other[i]);
+        snprintf(text, sizeof text,
+                 "{ " NARROW ", 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }, 'volumes': { %s%s } }", ball,
+                 other[i]);
         lf_assert_close(mean_of(text, 4, NULL), alone, 1e-6, 0.0);
     }
 }
@@ -143,28 +144,12 @@ static void a_big_plane_does_not_hide_itself(void **state)
     assert_true((double)stats.base_hidden < 1e-4 * (double)stats.base_paths);
 }
 
-static int start(void **state)
-{
-    (void)state;
-    return lf_pool_create(2, &crew) == LF_OK ? 0 : -1;
-}
-
-static int stop(void **state)
-{
-    (void)state;
-    lf_pool_destroy(crew);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(dense_media_scatter_at_their_surface),
-        cmocka_unit_test(shapes_have_no_resolution),
-        cmocka_unit_test(a_ray_knows_its_interval_inside_a_shape),
-        cmocka_unit_test(a_camera_inside_a_fog_sees_all_of_it),
-        cmocka_unit_test(volumes_out_of_sight_change_nothing),
-        cmocka_unit_test(a_big_plane_does_not_hide_itself),
+        cmocka_unit_test(dense_media_scatter_at_their_surface),    cmocka_unit_test(shapes_have_no_resolution),
+        cmocka_unit_test(a_ray_knows_its_interval_inside_a_shape), cmocka_unit_test(a_camera_inside_a_fog_sees_all_of_it),
+        cmocka_unit_test(volumes_out_of_sight_change_nothing),     cmocka_unit_test(a_big_plane_does_not_hide_itself),
     };
-    return cmocka_run_group_tests_name("slice", tests, start, stop);
+    return cmocka_run_group_tests_name("slice", tests, NULL, lf_test_finish);
 }

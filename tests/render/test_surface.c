@@ -1,9 +1,4 @@
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "tests/testing.h"
 
 #include "render/sampler.h"
 #include "render/surface.h"

@@ -1,11 +1,5 @@
 /* The same seed and the same calls give the same bits for any number of threads, either sampler and either integrator. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"

@@ -1,10 +1,6 @@
 #include "tests/stat/fixture.h"
 
-#include <setjmp.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+static lf_pool *own_pool;
 
 lf_scene *lf_test_scene(const char *text)
 {
@@ -30,9 +26,20 @@ lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width
     lf_error err = {0};
     lf_render_settings settings = {.camera = *lf_scene_camera(scene), .width = width, .height = height, .integrator = integrator};
     settings.seed = lf_test_seed();
+    if (!pool && !own_pool)
+        lf_assert_ok(lf_pool_create(2, &own_pool), NULL);
+    pool = pool ? pool : own_pool;
     if (lf_renderer_create(scene, &settings, pool, &renderer, &err) != LF_OK)
         fail_msg("%s: %s", err.where, err.what);
     return renderer;
+}
+
+int lf_test_finish(void **state)
+{
+    (void)state;
+    lf_pool_destroy(own_pool);
+    own_pool = NULL;
+    return 0;
 }
 
 void lf_test_reseed(lf_renderer *renderer, uint64_t seed)
@@ -108,6 +115,13 @@ void lf_blocks_add(lf_blocks *b, const double *picture)
         lf_moments_add(&b->moments[i], b->last[i]);
 }
 
+void lf_blocks_add_picture(lf_blocks *b, const lf_renderer *renderer, lf_estimator estimator)
+{
+    double *picture = lf_test_picture(renderer, estimator);
+    lf_blocks_add(b, picture);
+    free(picture);
+}
+
 /* The truth moved towards the estimate by no more than rounding may. */
 static double nearest_truth(double truth, double mean, double rounding)
 {
@@ -127,6 +141,14 @@ double lf_blocks_p(const lf_blocks *b, const double *truth, double rounding, int
     }
     free(means);
     return least;
+}
+
+double lf_blocks_p_zero(const lf_blocks *b, int *out_where)
+{
+    double *zero = calloc((size_t)b->n_views * (size_t)b->width * (size_t)b->height, sizeof *zero);
+    double p = lf_blocks_p(b, zero, 0.0, out_where);
+    free(zero);
+    return p;
 }
 
 double lf_blocks_welch(const lf_blocks *a, const lf_blocks *b, int *out_where)
@@ -181,4 +203,24 @@ void lf_test_weights(const lf_renderer *r, bool second, double *out_difference, 
             out_q[row * pixels + i] = q / n;
         }
     }
+}
+
+void lf_test_weight_blocks(lf_renderer *r, lf_test_schedule schedule, int replicates, int block, lf_blocks blocks[3])
+{
+    const lf_film *film = &r->film;
+    size_t pixels = (size_t)film->n_views * (size_t)film->width * (size_t)film->height;
+    double *d = malloc(pixels * sizeof *d), *q = malloc(pixels * sizeof *q);
+    for (int i = 0; i < 3; i++)
+        lf_blocks_init(&blocks[i], film->n_views, film->width, film->height, block);
+    for (int k = 0; k < replicates; k++) {
+        lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
+        schedule(r);
+        for (int second = 0; second < 2; second++) {
+            lf_test_weights(r, second, d, q);
+            lf_blocks_add(&blocks[second], d);
+        }
+        lf_blocks_add(&blocks[2], q);
+    }
+    free(q);
+    free(d);
 }

@@ -3,20 +3,28 @@
 #ifndef LF_TESTS_FIXTURE_H
 #define LF_TESTS_FIXTURE_H
 
+#include "tests/testing.h"
+
 #include "render/renderer.h"
 #include "tests/stat/stat.h"
 
 /* A scene from text in which ' stands for "; fails the test when it cannot be loaded. */
 lf_scene *lf_test_scene(const char *text);
 
-/* A renderer of it; integrator "vpt" or "mvpt". */
+/* A renderer of it; integrator "vpt" or "mvpt"; pool NULL = the program's own, of two threads. */
 lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width, int height, lf_pool *pool);
+
+/* Group teardown of programs that use the program's own pool. */
+int lf_test_finish(void **state);
 
 /* Starts over with another seed. Faults stay. */
 void lf_test_reseed(lf_renderer *renderer, uint64_t seed);
 
 /* n_passes passes by the offline schedule. */
 void lf_test_passes(lf_renderer *renderer, int64_t n_passes);
+
+/* What a replicate consists of: calls on a renderer that has just been started over. */
+typedef void (*lf_test_schedule)(lf_renderer *renderer);
 
 /* One picture: [row][view][column], the channels' mean with weights 0.5, 0.3, 0.2. Caller frees. */
 double *lf_test_picture(const lf_renderer *renderer, lf_estimator estimator);
@@ -32,15 +40,23 @@ void lf_blocks_init(lf_blocks *blocks, int n_views, int width, int height, int b
 void lf_blocks_finish(lf_blocks *blocks);
 /* picture as lf_test_picture has it. */
 void lf_blocks_add(lf_blocks *blocks, const double *picture);
+/* The picture of what the renderer holds. */
+void lf_blocks_add_picture(lf_blocks *blocks, const lf_renderer *renderer, lf_estimator estimator);
 /* Smallest p of all blocks against the truth's block means (a picture), or against another set of replicates; *out_where (may be
  * NULL) is the block, blocks->n - 1 the whole picture. rounding: relative difference that single precision may make. */
 double lf_blocks_p(const lf_blocks *blocks, const double *truth, double rounding, int *out_where);
+/* The same against 0 everywhere. */
+double lf_blocks_p_zero(const lf_blocks *blocks, int *out_where);
 double lf_blocks_welch(const lf_blocks *a, const lf_blocks *b, int *out_where);
 /* The p of one block after its mean was multiplied by factor: what injecting a bias does. */
 double lf_blocks_welch_injected(const lf_blocks *a, const lf_blocks *b, int which, double factor);
 
 /* (W - n q)/n and q of both halves together, as pictures; second: W' for W. */
 void lf_test_weights(const lf_renderer *renderer, bool second, double *out_difference, double *out_q);
+
+/* Replicates of the three pictures above, (W - n q)/n, (W' - n q)/n and q, in blocks of block x block pixels: blocks are made here
+ * and finished by the caller. Replicate k starts from a seed of its own. */
+void lf_test_weight_blocks(lf_renderer *renderer, lf_test_schedule schedule, int replicates, int block, lf_blocks blocks[3]);
 
 /* Where pixel (column + x, row + y) of a view lies on the window plane, in camera space divided by the distance: slopes of the
  * pinhole ray of this view. */

@@ -1,13 +1,6 @@
 #include "tests/stat/stat.h"
 
 #include <math.h>
-#include <stdlib.h>
-
-uint64_t lf_test_seed(void)
-{
-    const char *s = getenv("QUILTD_SEED");
-    return s && *s ? strtoull(s, NULL, 10) : 1;
-}
 
 double lf_sidak(double alpha, int n)
 {

@@ -1,6 +1,6 @@
 /* Probabilities for tests. A test that compares random numbers states how often it fails although all is well: a program's false
- * alarms are LF_FALSE_ALARM in all, shared out by Sidak's rule. Seeds are fixed unless QUILTD_SEED says otherwise (make verify), so
- * that a result repeats. */
+ * alarms are LF_FALSE_ALARM in all, shared out by Sidak's rule. Seeds are fixed unless QUILTD_SEED says otherwise (make verify;
+ * lf_test_seed in testing.h), so that a result repeats. */
 #ifndef LF_TESTS_STAT_H
 #define LF_TESTS_STAT_H
 
@@ -8,9 +8,6 @@
 
 /* Probability that a program of tests fails by chance when run with a fresh seed. */
 #define LF_FALSE_ALARM 1e-3
-
-/* QUILTD_SEED, or 1. */
-uint64_t lf_test_seed(void);
 
 /* Level of each of n independent tests so that together they fail by chance with probability alpha. */
 double lf_sidak(double alpha, int n);

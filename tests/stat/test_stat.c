@@ -1,12 +1,6 @@
 /* The harness of the statistical tests is itself tested: known values, p-values that are uniform when all is well, and rejection
  * when it is not. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
+#include "tests/testing.h"
 
 #include "render/sampler.h"
 #include "tests/stat/chi2.h"
