@@ -1,4 +1,4 @@
-/* The kernels for NEON, which every arm64 has: 8 lanes as two halves of 4; no FMA and no min or max instructions (theirs treat NaN
+/* The kernels for NEON, which every arm64 has: 4 lanes at a time; no FMA and no min or max instructions (theirs treat NaN
  * and signed zeros otherwise), so that they equal kernel_c.c bit for bit. Their speed has not been measured. */
 #if defined(__aarch64__)
 
@@ -8,7 +8,7 @@
 #include "render/kernel.h"
 #include "render/kernel_exp.h"
 
-#define HALF 4
+#define GROUP 4
 
 static inline float32x4_t min4(float32x4_t a, float32x4_t b)
 {
@@ -20,7 +20,7 @@ static inline float32x4_t max4(float32x4_t a, float32x4_t b)
     return vbslq_f32(vcgtq_f32(a, b), a, b);
 }
 
-/* lf_slice_at for 4 lanes of one slab; without gathers, neighbouring samples come in pairs. */
+/* lf_slice_at for 4 lanes of one plane; neighbouring samples are loaded in pairs. */
 static inline float32x4_t at(const lf_slice *slice, const float *row, float32x4_t x)
 {
     float32x4_t g = vmulq_n_f32(vsubq_f32(x, vdupq_n_f32(slice->x_min)), slice->inv_dx);
@@ -32,34 +32,58 @@ static inline float32x4_t at(const lf_slice *slice, const float *row, float32x4_
     return vaddq_f32(a, vmulq_f32(f, vsubq_f32(b, a)));
 }
 
+/* lf_slice_share for 4 lanes. */
+static inline float32x4_t share(float32x4_t t)
+{
+    const float32x4_t one = vdupq_n_f32(1.0f);
+    float32x4_t rest = vsubq_f32(one, vabsq_f32(t));
+    float32x4_t tail = vmulq_f32(vmulq_n_f32(rest, 0.5f), rest);
+    return vbslq_f32(vcltzq_f32(t), tail, vsubq_f32(one, tail));
+}
+
+/* One group of 4 lanes. */
+static inline void march4(const lf_slice *slice, const float *x0, const float *slope, const float *z_end, float *tau, float *sigma)
+{
+    const float32x4_t vx = vld1q_f32(x0), vs = vld1q_f32(slope), end = vld1q_f32(z_end);
+    const float32x4_t zero = vdupq_n_f32(0.0f), one = vdupq_n_f32(1.0f);
+    float32x4_t depth = vld1q_f32(tau), density = zero;
+    float z_min = vminvq_f32(end), z_max = vmaxvq_f32(end);
+    for (int s = slice->first; s <= slice->last; s++) {
+        float z = slice->z0 + (float)s * slice->dz;
+        if (z - slice->dz >= z_max)
+            break;
+        float xa = x0[0] + slope[0] * z, xb = x0[GROUP - 1] + slope[GROUP - 1] * z;
+        if (lf_max(xa, xb) <= slice->spans[s].x_lo || lf_min(xa, xb) >= slice->spans[s].x_hi)
+            continue;
+        const float *row = slice->sigma + (size_t)s * (size_t)slice->stride;
+        float32x4_t v = at(slice, row, vaddq_f32(vx, vmulq_n_f32(vs, z)));
+        if (z + slice->dz <= z_min) {
+            float step = slice->dz * lf_max(1.0f - slice->behind[s], 0.0f);
+            depth = vaddq_f32(depth, vmulq_n_f32(v, step));
+            continue;
+        }
+        float32x4_t t = vmulq_n_f32(vsubq_f32(end, vdupq_n_f32(z)), slice->inv_dz);
+        t = min4(max4(t, vdupq_n_f32(-1.0f)), one);
+        float32x4_t step = max4(vsubq_f32(share(t), vdupq_n_f32(slice->behind[s])), zero);
+        depth = vaddq_f32(depth, vmulq_f32(v, vmulq_n_f32(step, slice->dz)));
+        density = vaddq_f32(density, vmulq_f32(v, vsubq_f32(one, vabsq_f32(t))));
+    }
+    vst1q_f32(tau, depth);
+    if (sigma)
+        vst1q_f32(sigma, density);
+}
+
 static void march(const lf_slice *slice, int n, const float *x0, const float *slope, const float *z_end, float *tau, float *sigma)
 {
-    memset(tau, 0, sizeof *tau * (size_t)n);
-    if (sigma)
-        memset(sigma, 0, sizeof *sigma * (size_t)n);
-    float z_max = z_end[0];
-    for (int k = 1; k < n; k++)
-        z_max = lf_max(z_max, z_end[k]);
-    int wanted = sigma ? lf_slice_slab(slice, z_end[0]) : -1;
-    for (int s = slice->first; s <= slice->last; s++) {
-        float lo = slice->z0 + (float)s * slice->dz;
-        if (lo >= z_max && s != wanted)
-            break;
-        float middle = lo + 0.5f * slice->dz, hi = lo + slice->dz, from = lf_max(lo, 0.0f);
-        float xa = x0[0] + slope[0] * middle, xb = x0[n - 1] + slope[n - 1] * middle;
-        if (lf_max(xa, xb) <= slice->slabs[s].x_lo || lf_min(xa, xb) >= slice->slabs[s].x_hi)
-            continue;
-        float *here = s == wanted ? sigma : NULL;
-        const float *row = slice->sigma + (size_t)s * (size_t)(slice->nx + 1);
-        for (int k = 0; k < n; k += HALF) {
-            float32x4_t v = at(slice, row, vaddq_f32(vld1q_f32(x0 + k), vmulq_n_f32(vld1q_f32(slope + k), middle)));
-            float32x4_t step = vsubq_f32(min4(vld1q_f32(z_end + k), vdupq_n_f32(hi)), vdupq_n_f32(from));
-            float32x4_t t = vmulq_f32(v, max4(step, vdupq_n_f32(0.0f)));
-            vst1q_f32(tau + k, vaddq_f32(vld1q_f32(tau + k), t));
-            if (here)
-                vst1q_f32(here + k, v);
-        }
-    }
+    for (int k = 0; k < n; k += GROUP)
+        march4(slice, x0 + k, slope + k, z_end + k, tau + k, sigma ? sigma + k : NULL);
+}
+
+/* Left to the compiler, as in kernel_avx2.c. */
+static void through(const lf_body *body, int n, const float *x0, const float *slope, const float *z_end, float *tau)
+{
+    for (int k = 0; k < n; k++)
+        tau[k] += lf_body_depth(body, x0[k], slope[k], z_end[k]);
 }
 
 static inline float32x4_t exp_kernel(float32x4_t x)
@@ -83,11 +107,11 @@ static float least(int n, const float *scale, const float *tau)
 {
     const float32x4_t inf = vdupq_n_f32(INFINITY);
     float32x4_t low = inf;
-    for (int k = 0; k < n; k += HALF)
+    for (int k = 0; k < n; k += GROUP)
         low = min4(low, vbslq_f32(vcgtzq_f32(vld1q_f32(scale + k)), vld1q_f32(tau + k), inf));
-    float lanes[HALF], tau_min = INFINITY;
+    float lanes[GROUP], tau_min = INFINITY;
     vst1q_f32(lanes, low);
-    for (int i = 0; i < HALF; i++)
+    for (int i = 0; i < GROUP; i++)
         tau_min = lf_min(tau_min, lanes[i]);
     return tau_min;
 }
@@ -101,24 +125,24 @@ static float densities(int n, const float *scale, const float *tau, float *d)
         memset(d, 0, sizeof *d * (size_t)n);
         return 0.0f;
     }
-    for (int k = 0; k < n; k += HALF) {
+    for (int k = 0; k < n; k += GROUP) {
         float32x4_t sc = vld1q_f32(scale + k);
         float32x4_t x = min4(vsubq_f32(vdupq_n_f32(tau_min), vld1q_f32(tau + k)), zero);
         uint32x4_t on = vandq_u32(vcgtzq_f32(sc), vcgtq_f32(x, vdupq_n_f32(LF_EXP_MIN)));
         float32x4_t e = vbslq_f32(on, vmulq_f32(sc, exp_kernel(x)), zero);
         vst1q_f32(d + k, e);
-        sums[k / HALF % 2] = vaddq_f32(sums[k / HALF % 2], e);
+        sums[k / GROUP % 2] = vaddq_f32(sums[k / GROUP % 2], e);
     }
     float lanes[LF_LANES];
     vst1q_f32(lanes, sums[0]);
-    vst1q_f32(lanes + HALF, sums[1]);
+    vst1q_f32(lanes + GROUP, sums[1]);
     float total = lanes[0];
     for (int i = 1; i < LF_LANES; i++)
         total += lanes[i];
     return total;
 }
 
-const lf_kernels lf_kernels_neon = {.name = "neon", .march = march, .densities = densities};
+const lf_kernels lf_kernels_neon = {.name = "neon", .march = march, .through = through, .densities = densities};
 
 #else
 typedef int lf_kernels_neon_not_here;

@@ -21,7 +21,7 @@ portable_tests := base/test_alloc base/test_status base/test_thread quilt/test_i
 ifdef PORTABLE
 base_srcs := $(patsubst %,base/%.c,alloc status thread image)
 quilt_srcs := $(patsubst %,quilt/%.c,interlace tone layout fill rects)
-render_srcs := $(patsubst %,render/%.c,kernel kernel_c $(if $(arm64),kernel_neon) slice volume sampler)
+render_srcs := $(patsubst %,render/%.c,kernel kernel_c $(if $(arm64),kernel_neon) slice body volume sampler)
 stat_srcs := tests/stat/stat.c tests/stat/chi2.c
 optics_srcs :=
 dep_cflags := -I$(SRCDIR)/tests/arm64 -idirafter /usr/include

@@ -7,25 +7,9 @@
 
 #include "base/alloc.h"
 #include "quilt/quilt.h"
-#include "render/kernel.h"
-#include "render/sampler.h"
+#include "tests/render/fans.h"
 
-enum { LANES = 48, VIEWS = 45, WIDTH = 60, HEIGHT = 80 };
-
-typedef struct stream {
-    uint64_t key, n;
-} stream;
-
-static uint64_t next(stream *s)
-{
-    return lf_hash64(s->key, s->n++);
-}
-
-/* In [lo, hi). */
-static float uniform(stream *s, float lo, float hi)
-{
-    return lo + (hi - lo) * (float)(next(s) >> 40) * 0x1p-24f;
-}
+enum { VIEWS = 45, WIDTH = 60, HEIGHT = 80 };
 
 /* FNV-1a. */
 static uint64_t mix(uint64_t hash, const void *data, size_t n)
@@ -67,18 +51,41 @@ static void samplers(void)
 
 static void densities(void)
 {
-    stream s = {.key = 3};
-    uint64_t hash = start;
+    uint64_t seed = 3, hash = start;
     for (int trial = 0; trial < 4000; trial++) {
         float scale[LANES], tau[LANES], d[LANES], spread = ldexpf(1.0f, trial % 16 - 6);
         for (int k = 0; k < LANES; k++) {
-            scale[k] = k % 7 == trial % 7 ? 0.0f : uniform(&s, 0.0f, 9.0f);
-            tau[k] = uniform(&s, 0.0f, spread);
+            scale[k] = k % 7 == trial % 7 ? 0.0f : 9.0f * uniform(&seed);
+            tau[k] = spread * uniform(&seed);
         }
         float sum = lf_kernels_get()->densities(LANES, scale, tau, d);
         hash = mix(mix(hash, &sum, sizeof sum), d, sizeof d);
     }
     say("densities", hash);
+}
+
+static void depths(void)
+{
+    lf_slice slice;
+    demand(make_slice(&slice, 23), "no memory");
+    uint64_t seed = 29, hash[3] = {start, start, start};
+    for (int trial = 0; trial < 2000; trial++) {
+        lf_fan fan;
+        float tau[LANES] = {0}, sigma[LANES] = {0}, z;
+        bool pivot = trial % 2 == 0;
+        lf_body body = make_body(&seed);
+        make_fan(&fan, pivot, &seed);
+        lf_kernels_get()->march(&slice, LANES, fan.x0, fan.slope, fan.z_end, tau, pivot ? sigma : NULL);
+        hash[0] = mix(mix(hash[0], tau, sizeof tau), sigma, sizeof sigma);
+        lf_kernels_get()->through(&body, LANES, fan.x0, fan.slope, fan.z_end, tau);
+        hash[1] = mix(hash[1], tau, sizeof tau);
+        float reached = lf_slice_march(&slice, fan.x0[7], fan.slope[7], fan.z_end[7], 10.0f * uniform(&seed), &z);
+        hash[2] = mix(mix(hash[2], &reached, sizeof reached), &z, sizeof z);
+    }
+    say("march", hash[0]);
+    say("through", hash[1]);
+    say("slice march", hash[2]);
+    lf_slice_finish(&slice);
 }
 
 /* Every float there is, one in 4099, NaN and denormals among them. */
@@ -204,6 +211,7 @@ int main(int argc, char **argv)
     (void)argv;
     fprintf(stderr, "kernels: %s\n", lf_kernels_get()->name);
     densities();
+    depths();
     if (argc > 1)
         return 0;
     samplers();
