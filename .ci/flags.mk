@@ -26,6 +26,7 @@ $(error BUILD=$(BUILD): expected release, debug, asan or tsan)
 endif
 ifeq ($(BUILD),release)
 opt_render := -O3
+opt_quilt := -O3
 endif
 
 lf_common = $(variant_$(BUILD)) $(lf_float) $(lf_warnings) -pthread -I$(SRCDIR) -I$(O)

@@ -140,12 +140,8 @@ lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfi
     views.data = picture->rgb;
     *out_unfilled = *out_blank = 0;
     if (lf_picture_missing(picture) > 0) {
-        *out_unfilled = lf_fill(picture->n_views, picture->width, picture->height, picture->rgb, picture->missing, LF_COARSE_REACH,
-                                picture->filled, pool);
-        if (*out_unfilled > 0) {
-            *out_blank = lf_fill(picture->n_views, picture->width, picture->height, picture->rgb, picture->missing, LF_FILL_REACH,
-                                 picture->filled, pool);
-        }
+        *out_blank = lf_fill(picture->n_views, picture->width, picture->height, picture->rgb, picture->missing, LF_FILL_REACH,
+                             picture->filled, LF_COARSE_REACH, out_unfilled, pool);
         views.data = picture->filled;
     }
     return views;

@@ -1,32 +1,35 @@
-/* The nearest pixel in a row is found by one sweep from either side, and the nearest of all by comparing what the rows around
- * have: the work is a few comparisons a missing pixel, and none where nothing is missing. */
+/* Which pixels are there is kept as bits for the rows in reach: the nearest one of a row is then two counts of zeros, and rows are
+ * looked at from the pixel outwards until none can be nearer. The work is a few operations a missing pixel, and next to none where
+ * nothing is missing. */
+#include <endian.h>
 #include <string.h>
 
 #include "quilt/quilt.h"
 
 #define MAX_REACH 16
-#define BLOCK_PX 256
-#define NONE INT8_MAX
+#define BLOCK_PX 1024
+#define WORD_PX 64
+/* A block has a word more on either side, and one that a window may read behind. */
+#define BLOCK_WORDS (BLOCK_PX / WORD_PX + 3)
+#define MAX_ROWS (2 * MAX_REACH + 1)
 
 typedef struct fill_job {
-    int n_views, width, height, reach;
+    int n_views, width, height, reach, near;
     const uint8_t *rgb, *missing;
     uint8_t *filled;
-    atomic_int_least64_t n_unfilled;
+    atomic_int_least64_t n_unfilled, n_far;
 } fill_job;
 
-/* For each pixel of a block's row the way along the row to the nearest one that is there, NONE beyond reach. */
-typedef struct swept_row {
-    int row; /* -1: not swept yet */
-    bool any;
-    int8_t dx[BLOCK_PX];
-} swept_row;
+/* Bit i of word w, in little-endian order, is column x0 + (w - 1) * WORD_PX + i: 1 when the pixel is there. */
+typedef uint64_t row_bits[BLOCK_WORDS];
 
-/* Rows come and go as the block is walked down: row y lies at y % (2 reach + 1). */
+/* Rows come and go as the block is walked down: row y lies at y % MAX_ROWS. */
 typedef struct block {
     const fill_job *job;
     int view, x0, n; /* columns [x0, x0 + n) */
-    swept_row swept[2 * MAX_REACH + 1];
+    int64_t n_unfilled, n_far;
+    const uint64_t *around[MAX_ROWS]; /* the rows from -reach to reach of the one at hand */
+    row_bits there[MAX_ROWS], none;
 } block;
 
 static size_t start_of(const fill_job *job, int row, int view)
@@ -34,106 +37,104 @@ static size_t start_of(const fill_job *job, int row, int view)
     return ((size_t)row * (size_t)job->n_views + (size_t)view) * (size_t)job->width;
 }
 
-static void sweep(const block *b, const uint8_t *flags, swept_row *s)
+/* Which of eight flags are zero, as the bits of a byte; the first flag is the lowest. */
+static uint64_t zeros_of_eight(const uint8_t *flags)
 {
-    const int reach = b->job->reach, width = b->job->width, end = b->x0 + b->n;
-    int from = b->x0 - reach > 0 ? b->x0 - reach : 0, to = end + reach < width ? end + reach : width;
-    int last = from - reach - 1, next = to + reach;
-    s->any = false;
-    for (int x = from; x < end; x++) {
-        last = flags[x] ? last : x;
-        if (x >= b->x0)
-            s->dx[x - b->x0] = (int8_t)(x - last <= reach ? last - x : NONE);
-    }
-    for (int x = to - 1; x >= b->x0; x--) {
-        next = flags[x] ? next : x;
-        if (x >= end)
-            continue;
-        int8_t *dx = &s->dx[x - b->x0];
-        int right = next - x;
-        if (right <= reach && (*dx == NONE || right < -*dx))
-            *dx = (int8_t)right;
-        s->any = s->any || *dx != NONE;
-    }
+    const uint64_t low = UINT64_C(0x7f7f7f7f7f7f7f7f);
+    uint64_t f;
+    memcpy(&f, flags, sizeof f);
+    f = le64toh(f);
+    uint64_t set = ((f & low) + low) | f; /* bit 7 of a byte that is not 0 */
+    return ((~set >> 7 & UINT64_C(0x0101010101010101)) * UINT64_C(0x0102040810204080)) >> 56;
 }
 
-static const swept_row *row_around(block *b, int row)
+static uint64_t zeros_of_word(const uint8_t *flags, int x, int width)
 {
-    swept_row *s = &b->swept[row % (2 * b->job->reach + 1)];
-    if (s->row != row) {
-        sweep(b, b->job->missing + start_of(b->job, row, b->view), s);
-        s->row = row;
-    }
-    return s;
-}
-
-/* The rows in reach that have anything, from the top. */
-static int rows_around(block *b, int row, const swept_row **rows, int *dys)
-{
-    int n = 0, reach = b->job->reach;
-    for (int dy = -reach; dy <= reach; dy++) {
-        if (row + dy < 0 || row + dy >= b->job->height)
-            continue;
-        const swept_row *s = row_around(b, row + dy);
-        if (!s->any)
-            continue;
-        rows[n] = s;
-        dys[n++] = dy;
-    }
-    return n;
-}
-
-static int next_missing(const uint8_t *flags, int x, int end)
-{
-    for (; x + 8 <= end; x += 8) {
-        uint64_t eight;
-        memcpy(&eight, flags + x, sizeof eight);
-        if (eight)
-            break;
-    }
-    while (x < end && !flags[x])
-        x++;
-    return x;
-}
-
-/* Copies the nearest pixel; rows come from the top and the left one of a row is swept first, so that the first of equals
- * wins. Only pixels that are there are read and only missing ones written: in place is safe, on any thread. */
-static bool fill_pixel(const block *b, int row, int x, const swept_row *const *rows, const int *dys, int n_rows)
-{
-    const fill_job *job = b->job;
-    int nearest = job->reach * job->reach + 1, dx = 0, dy = 0;
-    for (int i = 0; i < n_rows; i++) {
-        int along = rows[i]->dx[x - b->x0], distance = along * along + dys[i] * dys[i];
-        if (along != NONE && distance < nearest) {
-            nearest = distance;
-            dx = along;
-            dy = dys[i];
-        }
-    }
-    if (nearest > job->reach * job->reach)
-        return false;
-    size_t from = start_of(job, row + dy, b->view) + (size_t)(x + dx), to = start_of(job, row, b->view) + (size_t)x;
-    memcpy(job->filled + to * 3, job->rgb + from * 3, 3);
-    return true;
-}
-
-static int64_t fill_row(block *b, int row)
-{
-    const fill_job *job = b->job;
-    size_t start = start_of(job, row, b->view);
-    const uint8_t *flags = job->missing + start;
-    int end = b->x0 + b->n;
-    if (job->filled != job->rgb)
-        memcpy(job->filled + (start + (size_t)b->x0) * 3, job->rgb + (start + (size_t)b->x0) * 3, (size_t)b->n * 3);
-    int x = next_missing(flags, b->x0, end);
-    if (x == end)
+    uint64_t bits = 0;
+    if (x < 0 || x >= width)
         return 0;
-    const swept_row *rows[2 * MAX_REACH + 1];
-    int dys[2 * MAX_REACH + 1], n_rows = rows_around(b, row, rows, dys);
-    int64_t n_unfilled = 0;
-    for (; x < end; x = next_missing(flags, x + 1, end))
-        n_unfilled += !fill_pixel(b, row, x, rows, dys, n_rows);
-    return n_unfilled;
+    int n = width - x < WORD_PX ? width - x : WORD_PX, i = 0;
+    for (; i + 8 <= n; i += 8)
+        bits |= zeros_of_eight(flags + x + i) << i;
+    for (; i < n; i++)
+        bits |= (uint64_t)(flags[x + i] == 0) << i;
+    return bits;
+}
+
+static void read_row(block *b, int row)
+{
+    const uint8_t *flags = b->job->missing + start_of(b->job, row, b->view);
+    for (int w = 0; w < BLOCK_WORDS; w++)
+        b->there[row % MAX_ROWS][w] = htole64(zeros_of_word(flags, b->x0 + (w - 1) * WORD_PX, b->job->width));
+}
+
+/* Makes row the one at hand; rows are asked for from 0 on. */
+static void go_to_row(block *b, int row)
+{
+    const int reach = b->job->reach, height = b->job->height;
+    for (int y = row == 0 ? 0 : row + reach; y <= row + reach && y < height; y++)
+        read_row(b, y);
+    for (int dy = -reach; dy <= reach; dy++) {
+        int y = row + dy;
+        b->around[dy + reach] = y >= 0 && y < height ? b->there[y % MAX_ROWS] : b->none;
+    }
+}
+
+/* Where a pixel was found, so that the smallest number is the nearest, of equals the upper one, then the left one. */
+#define MIDDLE 32
+static inline int found_at(int dx, int dy)
+{
+    return (dx * dx + dy * dy) << 12 | (dy + MIDDLE) << 6 | (dx + MIDDLE);
+}
+
+/* The nearest pixel of the row dy away from column x0 + i; more than reach away when there is none. */
+static inline int nearest_of_row(const block *b, int i, int dy)
+{
+    const int reach = b->job->reach, first = i + WORD_PX - reach;
+    uint64_t window;
+    memcpy(&window, (const char *)b->around[dy + reach] + first / 8, sizeof window);
+    window = le64toh(window) >> first % 8;
+    uint64_t left = window << (63 - reach) | UINT64_C(1) << (62 - reach), right = window >> reach | UINT64_C(2) << reach;
+    int to_left = found_at(-__builtin_clzll(left), dy), to_right = found_at(__builtin_ctzll(right), dy);
+    return to_left < to_right ? to_left : to_right;
+}
+
+static inline int smaller(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* Only pixels that are there are read and only missing ones written: in place is safe, on any thread. */
+static void fill_pixel(block *b, int row, int i)
+{
+    const fill_job *job = b->job;
+    int found = nearest_of_row(b, i, 0);
+    for (int away = 1; away <= job->reach && away * away <= found >> 12; away++)
+        found = smaller(found, smaller(nearest_of_row(b, i, -away), nearest_of_row(b, i, away)));
+    b->n_far += found >> 12 > job->near * job->near;
+    if (found >> 12 > job->reach * job->reach) {
+        b->n_unfilled++;
+        return;
+    }
+    int dy = (found >> 6 & 63) - MIDDLE, dx = (found & 63) - MIDDLE;
+    size_t x = (size_t)(b->x0 + i);
+    size_t from = start_of(job, row + dy, b->view) + x + (size_t)dx, to = start_of(job, row, b->view) + x;
+    memcpy(job->filled + to * 3, job->rgb + from * 3, 3);
+}
+
+static void fill_row(block *b, int row)
+{
+    const fill_job *job = b->job;
+    size_t start = start_of(job, row, b->view) + (size_t)b->x0;
+    if (job->filled != job->rgb)
+        memcpy(job->filled + start * 3, job->rgb + start * 3, (size_t)b->n * 3);
+    go_to_row(b, row);
+    for (int x = 0; x < b->n; x += WORD_PX) {
+        uint64_t all = b->n - x < WORD_PX ? (UINT64_C(1) << (b->n - x)) - 1 : ~UINT64_C(0);
+        uint64_t there = le64toh(b->there[row % MAX_ROWS][x / WORD_PX + 1]);
+        for (uint64_t holes = ~there & all; holes; holes &= holes - 1)
+            fill_pixel(b, row, x + __builtin_ctzll(holes));
+    }
 }
 
 static void fill_view(void *context, int view, int worker)
@@ -141,26 +142,26 @@ static void fill_view(void *context, int view, int worker)
     (void)worker;
     fill_job *job = context;
     block b = {.job = job, .view = view};
-    int64_t n_unfilled = 0;
-    for (b.x0 = 0; b.x0 < job->width; b.x0 += BLOCK_PX) {
+    for (; b.x0 < job->width; b.x0 += BLOCK_PX) {
         b.n = job->width - b.x0 < BLOCK_PX ? job->width - b.x0 : BLOCK_PX;
-        for (int i = 0; i < 2 * MAX_REACH + 1; i++)
-            b.swept[i].row = -1;
         for (int row = 0; row < job->height; row++)
-            n_unfilled += fill_row(&b, row);
+            fill_row(&b, row);
     }
-    /* a sum: no order is needed, and the end of the run publishes it */
-    atomic_fetch_add_explicit(&job->n_unfilled, n_unfilled, memory_order_relaxed);
+    /* sums: no order is needed, and the end of the run publishes them */
+    atomic_fetch_add_explicit(&job->n_unfilled, b.n_unfilled, memory_order_relaxed);
+    atomic_fetch_add_explicit(&job->n_far, b.n_far, memory_order_relaxed);
 }
 
 int64_t lf_fill(int n_views, int width, int height, const uint8_t *rgb, const uint8_t *missing, int reach, uint8_t *filled,
-                lf_pool *pool)
+                int near, int64_t *out_far, lf_pool *pool)
 {
-    fill_job job = {.n_views = n_views, .width = width, .height = height, .rgb = rgb, .missing = missing};
+    fill_job job = {.n_views = n_views, .width = width, .height = height, .near = near, .rgb = rgb, .missing = missing};
     job.filled = filled;
     job.reach = reach < 0 ? 0 : reach > MAX_REACH ? MAX_REACH : reach;
     bool done = pool && lf_pool_run(pool, n_views, fill_view, &job, NULL) == LF_OK;
     for (int view = 0; view < n_views && !done; view++)
         fill_view(&job, view, 0);
+    if (out_far)
+        *out_far = atomic_load_explicit(&job.n_far, memory_order_relaxed);
     return atomic_load_explicit(&job.n_unfilled, memory_order_relaxed);
 }

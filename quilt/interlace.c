@@ -1,15 +1,24 @@
 /* Which view a subpixel shows depends on the panel alone, so the nearest filter looks it up: one byte a subpixel (two over 256
- * views), made once by the oracle's own operations in the oracle's order. */
+ * views), made once by the oracle's own operations in the oracle's order.
+ *
+ * Subpixels side by side show views far apart in memory, in no order that a cache foresees. So the piece of all views that a few
+ * panel rows and columns draw from (a strip) is first copied together, in order, to where a core's own cache holds it. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>
 
 #include "base/alloc.h"
+#include "quilt/kernel_place.h"
 #include "quilt/quilt.h"
 
 #define MAX_VIEWS 65535
 #define MAX_SIDE_PX 16384
-#define BAND_ROWS 16
+#define BAND_ROWS 64
+/* Of a strip of all views: well below a core's own cache, addressed by 16 bits. Measured: the longer the runs that are copied the
+ * better, what misses the nearest cache costs less. */
+#define STRIP_BYTES 61440
+/* Views of so many times more samples than the panel has are read where they lie: copying would touch what nobody shows. */
+#define MAX_SAMPLES_PER_SUBPIXEL 16
 /* Aspects closer than this are the same one, rounded in a file name. */
 #define SAME_ASPECT 1e-3
 
@@ -32,6 +41,15 @@ typedef struct sample {
     double weight; /* of high */
 } sample;
 
+/* Panel columns [x0, x1) and the piece of a view's row that they show. */
+typedef struct strip {
+    int x0, x1;
+    size_t first_byte, n_bytes;
+} strip;
+
+/* Cells come again after two columns and this many rows. */
+#define CELL_ROWS 4
+
 struct lf_interlacer {
     lf_calibration calibration;
     lens lens;
@@ -41,9 +59,14 @@ struct lf_interlacer {
     int32_t *column_bytes; /* [screen width] offset of the nearest sample in a row of a view */
     int first_x, end_x;    /* columns that show anything */
     sample *rows;          /* [screen height], from the top */
-    double *across;        /* [cells or 1][screen width][3] phase position along x, in panel widths */
+    double *across;        /* [CELL_ROWS][screen width][3] phase position along x, in panel widths */
     void *views;           /* nearest: [screen height][screen width][3] uint8_t, or uint16_t where wide */
     bool wide;
+    strip *strips;    /* [n_strips]; none where views are read where they lie */
+    uint16_t *places; /* [screen width][3] of a subpixel in its strip's piece of a view */
+    int n_strips;
+    uint32_t strip_stride; /* bytes from view to view in a strip's copy */
+    const lf_quilt_kernels *kernels;
 };
 
 static bool is_first_version(const lf_calibration *c)
@@ -117,20 +140,12 @@ static double position_y(const lens *l, int cell, int y, int c)
     return v * l->tilt;
 }
 
-/* Place across the cone, 0..1, of a subpixel at these positions. */
-static inline double place_of(const lens *l, double across, double along)
-{
-    double phase = (across + along) * l->pitch - l->center;
-    double f = phase - floor(phase);
-    double z = l->from_right ? 1 - f : f;
-    return z < 1e-5 ? 1e-5 : z > 0.999999 ? 0.999999 : z;
-}
-
 int lf_view_of_subpixel(const lf_calibration *calibration, int n_views, lf_invert invert, int x, int y, int c, double *out_z)
 {
     lens l = lens_of(calibration, invert);
     int cell = cell_of(&l, x, y);
-    double z = place_of(&l, position_x(&l, cell, x, c), position_y(&l, cell, y, c)) * n_views;
+    double phase = (position_x(&l, cell, x, c) + position_y(&l, cell, y, c)) * l.pitch - l.center;
+    double z = lf_place_of(phase, l.from_right) * n_views;
     if (out_z)
         *out_z = z;
     return (int)z;
@@ -177,49 +192,63 @@ static void map_axes(lf_interlacer *it, double aspect)
 
 static void map_across(lf_interlacer *it)
 {
-    int n_cells = it->lens.n_cells ? it->lens.n_cells : 1, width = it->calibration.screen_width_px;
+    int width = it->calibration.screen_width_px;
     double *to = it->across;
-    for (int cell = 0; cell < n_cells; cell++)
+    for (int y = 0; y < CELL_ROWS; y++)
         for (int x = 0; x < width; x++)
             for (int c = 0; c < 3; c++)
-                *to++ = position_x(&it->lens, cell, x, c);
+                *to++ = position_x(&it->lens, cell_of(&it->lens, x, y), x, c);
 }
 
-/* One row of the panel as the formulas see it: cells alternate with x at most from even to odd columns. */
-typedef struct row_places {
-    const double *across[2]; /* even and odd columns: [screen width][3] */
-    double along[2][3];
-} row_places;
-
-static row_places places_of_row(const lf_interlacer *it, int y)
+/* One row of the panel as the formulas see it. */
+static lf_places places_of_row(const lf_interlacer *it, int row)
 {
-    row_places r;
-    for (int odd = 0; odd < 2; odd++) {
-        int cell = cell_of(&it->lens, odd, y);
-        r.across[odd] = it->across + (size_t)cell * (size_t)it->calibration.screen_width_px * 3;
+    int y = it->calibration.screen_height_px - 1 - row;
+    lf_places p = {.pitch = it->lens.pitch, .center = it->lens.center, .from_right = it->lens.from_right, .n_views = it->n_views};
+    p.across = it->across + (size_t)(y % CELL_ROWS) * (size_t)it->calibration.screen_width_px * 3;
+    for (int odd = 0; odd < 2; odd++)
         for (int c = 0; c < 3; c++)
-            r.along[odd][c] = position_y(&it->lens, cell, y, c);
-    }
-    return r;
+            p.along[odd * 3 + c] = position_y(&it->lens, cell_of(&it->lens, odd, y), y, c);
+    return p;
 }
 
-static void map_views_of_row(lf_interlacer *it, int row)
+static void map_views(lf_interlacer *it)
 {
-    int width = it->calibration.screen_width_px;
-    row_places r = places_of_row(it, it->calibration.screen_height_px - 1 - row);
-    size_t start = (size_t)row * (size_t)width * 3;
-    uint8_t *narrow = (uint8_t *)it->views + start;
-    uint16_t *wide = (uint16_t *)it->views + start;
-    for (int x = 0; x < width; x++) {
-        for (int c = 0; c < 3; c++) {
-            size_t i = (size_t)x * 3 + (size_t)c;
-            int view = (int)(place_of(&it->lens, r.across[x & 1][i], r.along[x & 1][c]) * it->n_views);
-            if (it->wide)
-                wide[i] = (uint16_t)view;
-            else
-                narrow[i] = (uint8_t)view;
-        }
+    size_t n = (size_t)it->calibration.screen_width_px * 3;
+    for (int row = 0; row < it->calibration.screen_height_px; row++) {
+        lf_places p = places_of_row(it, row);
+        if (it->wide)
+            it->kernels->views16(&p, n, (uint16_t *)it->views + (size_t)row * n);
+        else
+            it->kernels->views8(&p, n, (uint8_t *)it->views + (size_t)row * n);
     }
+}
+
+/* Strips of as many samples as STRIP_BYTES hold of all views. */
+static void map_strips(lf_interlacer *it)
+{
+    int first = it->columns[it->first_x].nearest, n = it->columns[it->end_x - 1].nearest + 1 - first;
+    int most = STRIP_BYTES / it->n_views / 3, n_strips = (n + most - 1) / most, size = (n + n_strips - 1) / n_strips;
+    it->strip_stride = (uint32_t)size * 3;
+    for (int x = it->first_x; x < it->end_x;) {
+        int begin = it->columns[x].nearest;
+        strip *s = &it->strips[it->n_strips++];
+        *s = (strip){.x0 = x, .first_byte = (size_t)begin * 3};
+        for (; x < it->end_x && it->columns[x].nearest < begin + size; x++) {
+            for (int c = 0; c < 3; c++)
+                it->places[x * 3 + c] = (uint16_t)((it->columns[x].nearest - begin) * 3 + c);
+        }
+        s->x1 = x;
+        s->n_bytes = (size_t)(it->columns[x - 1].nearest - begin + 1) * 3;
+    }
+}
+
+static bool has_strips(const lf_interlacer *it)
+{
+    const lf_calibration *c = &it->calibration;
+    double samples = (double)it->n_views * it->view_width * it->view_height;
+    double shown = (double)c->screen_width_px * c->screen_height_px;
+    return it->filter == LF_FILTER_NEAREST && !it->wide && samples <= MAX_SAMPLES_PER_SUBPIXEL * shown;
 }
 
 static lf_status check(const lf_calibration *c, int n_views, int view_width, int view_height, double aspect, lf_error *err)
@@ -240,12 +269,16 @@ static lf_status check(const lf_calibration *c, int n_views, int view_width, int
 static lf_status allocate(lf_interlacer *it, lf_error *err)
 {
     size_t width = (size_t)it->calibration.screen_width_px, height = (size_t)it->calibration.screen_height_px;
-    size_t n_cells = it->lens.n_cells ? (size_t)it->lens.n_cells : 1;
     it->columns = lf_calloc(width, sizeof *it->columns);
     it->column_bytes = lf_calloc(width, sizeof *it->column_bytes);
     it->rows = lf_calloc(height, sizeof *it->rows);
-    it->across = lf_calloc(n_cells * width * 3, sizeof *it->across);
+    it->across = lf_calloc(CELL_ROWS * width * 3, sizeof *it->across);
     bool whole = it->columns && it->column_bytes && it->rows && it->across;
+    if (whole && has_strips(it)) {
+        it->strips = lf_calloc(width, sizeof *it->strips);
+        it->places = lf_calloc(width * 3, sizeof *it->places);
+        whole = it->strips && it->places;
+    }
     if (whole && it->filter == LF_FILTER_NEAREST) {
         it->views = lf_calloc(width * height * 3, it->wide ? sizeof(uint16_t) : sizeof(uint8_t));
         whole = it->views != NULL;
@@ -269,6 +302,7 @@ lf_status lf_interlacer_create(const lf_calibration *calibration, int n_views, i
     it->view_height = view_height;
     it->filter = filter;
     it->wide = n_views > 256;
+    it->kernels = lf_quilt_kernels_get();
     status = allocate(it, err);
     if (status != LF_OK) {
         lf_interlacer_destroy(it);
@@ -276,8 +310,10 @@ lf_status lf_interlacer_create(const lf_calibration *calibration, int n_views, i
     }
     map_axes(it, aspect);
     map_across(it);
-    for (int row = 0; it->views && row < calibration->screen_height_px; row++)
-        map_views_of_row(it, row);
+    if (it->strips && it->first_x < it->end_x)
+        map_strips(it);
+    if (it->views)
+        map_views(it);
     *out = it;
     return LF_OK;
 }
@@ -291,6 +327,8 @@ void lf_interlacer_destroy(lf_interlacer *interlacer)
     lf_free(interlacer->rows);
     lf_free(interlacer->across);
     lf_free(interlacer->views);
+    lf_free(interlacer->strips);
+    lf_free(interlacer->places);
     lf_free(interlacer);
 }
 
@@ -315,6 +353,22 @@ static inline __attribute__((always_inline)) void copy_row(const lf_interlacer *
     }
 }
 
+/* Panel rows [row0, row1), all of which show row `row` of the views, by strips. */
+static void weave_rows(const lf_interlacer *it, const lf_views8 *views, lf_image8 *out, int row0, int row1)
+{
+    _Alignas(64) uint8_t copy[STRIP_BYTES + LF_WEAVE_SLACK];
+    const uint8_t *in = views->data + (size_t)it->rows[row0].nearest * views->row_stride;
+    const size_t width = (size_t)it->calibration.screen_width_px * 3, stride = it->strip_stride;
+    for (const strip *s = it->strips; s < it->strips + it->n_strips; s++) {
+        for (int view = 0; view < it->n_views; view++)
+            memcpy(copy + (size_t)view * stride, in + (size_t)view * views->view_stride + s->first_byte, s->n_bytes);
+        size_t first = (size_t)s->x0 * 3, n = (size_t)(s->x1 - s->x0) * 3;
+        for (int row = row0; row < row1; row++)
+            it->kernels->weave(n, (const uint8_t *)it->views + (size_t)row * width + first, it->places + first, it->strip_stride,
+                               copy, out->data + (size_t)row * out->stride + first);
+    }
+}
+
 /* Bilinear value of one channel of one view. */
 static double bilinear(const lf_views8 *views, int view, const sample *x, const sample *y, int c)
 {
@@ -326,12 +380,12 @@ static double bilinear(const lf_views8 *views, int view, const sample *x, const 
 
 static void mix_row(const lf_interlacer *it, const lf_views8 *views, int row, uint8_t *out)
 {
-    row_places r = places_of_row(it, it->calibration.screen_height_px - 1 - row);
+    lf_places p = places_of_row(it, row);
     const sample *y = &it->rows[row];
     for (int x = it->first_x; x < it->end_x; x++) {
         const sample *column = &it->columns[x];
         for (int c = 0; c < 3; c++) {
-            double z = place_of(&it->lens, r.across[x & 1][x * 3 + c], r.along[x & 1][c]) * it->n_views;
+            double z = lf_place_at(&p, (size_t)(x * 3 + c), (size_t)((x & 1) * 3 + c));
             int view = (int)z, next = view + 1 < it->n_views ? view + 1 : view;
             double weight = z - view;
             double value = (1 - weight) * bilinear(views, view, column, y, c) + weight * bilinear(views, next, column, y, c);
@@ -340,24 +394,34 @@ static void mix_row(const lf_interlacer *it, const lf_views8 *views, int row, ui
     }
 }
 
+static void show_row(const lf_interlacer *it, const lf_views8 *views, int row, uint8_t *out)
+{
+    if (it->filter == LF_FILTER_LINEAR)
+        mix_row(it, views, row, out);
+    else if (it->wide)
+        copy_row(it, views, row, true, out);
+    else
+        copy_row(it, views, row, false, out);
+}
+
 void lf_interlace_rows(const lf_interlacer *interlacer, const lf_views8 *views, lf_image8 *out, int row0, int row1)
 {
     assert(views->n_views == interlacer->n_views && views->width == interlacer->view_width &&
            views->height == interlacer->view_height);
     assert(out->width == interlacer->calibration.screen_width_px && out->height == interlacer->calibration.screen_height_px &&
            out->channels == 3);
-    for (int row = row0; row < row1; row++) {
-        uint8_t *to = out->data + (size_t)row * out->stride;
-        if (interlacer->first_x > 0 || interlacer->end_x < out->width || interlacer->rows[row].nearest < 0)
-            memset(to, 0, (size_t)out->width * 3);
-        if (interlacer->rows[row].nearest < 0)
-            continue;
-        if (interlacer->filter == LF_FILTER_LINEAR)
-            mix_row(interlacer, views, row, to);
-        else if (interlacer->wide)
-            copy_row(interlacer, views, row, true, to);
-        else
-            copy_row(interlacer, views, row, false, to);
+    for (int row = row0, end; row < row1; row = end) {
+        int shown = interlacer->rows[row].nearest;
+        bool black = interlacer->first_x > 0 || interlacer->end_x < out->width || shown < 0;
+        for (end = row; end < row1 && interlacer->rows[end].nearest == shown; end++) {
+            uint8_t *to = out->data + (size_t)end * out->stride;
+            if (black)
+                memset(to, 0, (size_t)out->width * 3);
+            if (shown >= 0 && !interlacer->strips)
+                show_row(interlacer, views, end, to);
+        }
+        if (shown >= 0 && interlacer->strips)
+            weave_rows(interlacer, views, out, row, end);
     }
 }
 

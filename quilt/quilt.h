@@ -56,10 +56,10 @@ void lf_tone_linear(const lf_tone *tone, size_t n, const float *in, float *out);
 
 /* Fills what is missing in 8-bit views laid out [row][view][column], for the screen only: every pixel whose flag is nonzero
  * in `missing` takes the nearest pixel of its own view (Euclidean, ties by lower row then column) with flag 0, at most
- * `reach` (0..16) pixels away. Returns how many stayed unfilled (left as they were). filled is rgb itself or apart from it. pool
- * may be NULL. Allocates nothing. */
+ * `reach` (0..16) pixels away. Returns how many stayed unfilled (left as they were); *out_far (may be NULL): how many
+ * have none at most `near` pixels away. filled is rgb itself or apart from it. pool may be NULL. Allocates nothing. */
 int64_t lf_fill(int n_views, int width, int height, const uint8_t *rgb, const uint8_t *missing, int reach, uint8_t *filled,
-                lf_pool *pool);
+                int near, int64_t *out_far, lf_pool *pool);
 
 /* ------------------------------------------------------------------------------------------------------ interlace -- */
 

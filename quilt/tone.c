@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "quilt/kernel.h"
 #include "quilt/quilt.h"
 
 #define INFINITY_BITS 0x7f800000
@@ -13,10 +14,10 @@
 struct lf_tone {
     double gain;
     bool filmic;
-    int32_t low, high;  /* bits of a float below every threshold, at a bucket's start, and of the last threshold */
-    int shift;          /* bits of a bucket */
-    uint32_t *table;    /* [buckets] code below | offset of the next threshold << 8 */
-    int32_t first[257]; /* [code] bits of the smallest float that has it; 256 is never reached */
+    lf_tone_table table; /* low: below every threshold, at a bucket's start; high: the last threshold */
+    uint32_t *entries;   /* owned, the table's */
+    int32_t first[257];  /* [code] bits of the smallest float that has it; 256 is never reached */
+    const lf_quilt_kernels *kernels;
 };
 
 /* Display light of a scene value, 0..1. Filmic is K. Narkowicz's fit of the ACES curve (2015). */
@@ -72,23 +73,22 @@ static bool buckets_hold(const lf_tone *tone, int shift)
 
 static lf_status build_table(lf_tone *tone)
 {
-    tone->shift = 16;
-    while (tone->shift > 0 && !buckets_hold(tone, tone->shift))
-        tone->shift--;
-    tone->high = tone->first[255];
-    int32_t first = (tone->first[1] - 1) >> tone->shift;
-    tone->low = first << tone->shift;
-    int32_t n = (tone->high >> tone->shift) - first + 1;
-    tone->table = lf_calloc((size_t)n, sizeof *tone->table);
-    if (!tone->table)
+    int shift = 16;
+    while (shift > 0 && !buckets_hold(tone, shift))
+        shift--;
+    int32_t first = (tone->first[1] - 1) >> shift, low = first << shift, high = tone->first[255];
+    int32_t n = (high >> shift) - first + 1;
+    tone->entries = lf_calloc((size_t)n, sizeof *tone->entries);
+    if (!tone->entries)
         return LF_E_NOMEM;
+    tone->table = (lf_tone_table){.entries = tone->entries, .low = low, .high = high, .shift = shift};
     int code = 0;
     for (int32_t b = 0; b < n; b++) {
-        int32_t start = tone->low + (b << tone->shift), size = 1 << tone->shift;
+        int32_t start = low + (b << shift), size = 1 << shift;
         while (tone->first[code + 1] <= start)
             code++;
         int32_t offset = tone->first[code + 1] - start;
-        tone->table[b] = (uint32_t)code | (uint32_t)(offset < size ? offset : size) << 8;
+        tone->entries[b] = (uint32_t)code | (uint32_t)(offset < size ? offset : size) << 8;
     }
     return LF_OK;
 }
@@ -105,6 +105,7 @@ lf_status lf_tone_create(double exposure, const char *tonemap, lf_tone **out, lf
         return lf_error_set(err, LF_E_NOMEM, "tonemap", "no memory");
     tone->gain = exp2(exposure);
     tone->filmic = filmic;
+    tone->kernels = lf_quilt_kernels_get();
     find_thresholds(tone);
     if (build_table(tone) != LF_OK) {
         lf_tone_destroy(tone);
@@ -118,34 +119,13 @@ void lf_tone_destroy(lf_tone *tone)
 {
     if (!tone)
         return;
-    lf_free(tone->table);
+    lf_free(tone->entries);
     lf_free(tone);
 }
 
-#define BLOCK_SAMPLES 256
-
-/* In two loops, as only the first becomes vector code. Of floats above 0 the bits order as the floats do; all others (and NaN)
- * become the lowest. */
 void lf_tone_map(const lf_tone *tone, size_t n, const float *in, uint8_t *out)
 {
-    const uint32_t *table = tone->table;
-    const int32_t low = tone->low, high = tone->high;
-    const int shift = tone->shift;
-    const uint32_t mask = (1u << shift) - 1;
-    for (size_t done = 0; done < 3 * n; done += BLOCK_SAMPLES) {
-        size_t m = 3 * n - done < BLOCK_SAMPLES ? 3 * n - done : BLOCK_SAMPLES;
-        int32_t offset[BLOCK_SAMPLES];
-        memcpy(offset, in + done, m * sizeof *in);
-        for (size_t i = 0; i < m; i++) {
-            int32_t bits = offset[i] > INFINITY_BITS ? low : offset[i];
-            bits = bits < low ? low : bits;
-            offset[i] = (bits > high ? high : bits) - low;
-        }
-        for (size_t i = 0; i < m; i++) {
-            uint32_t entry = table[(uint32_t)offset[i] >> shift];
-            out[done + i] = (uint8_t)((entry & 255) + (((uint32_t)offset[i] & mask) >= entry >> 8));
-        }
-    }
+    tone->kernels->tone(&tone->table, 3 * n, in, out);
 }
 
 void lf_tone_linear(const lf_tone *tone, size_t n, const float *in, float *out)
