@@ -91,6 +91,7 @@ typedef enum lf_fault {
     LF_FAULT_REALISED = 4,      /* realised instead of expected counts in the weights */
     LF_FAULT_SWAPPED_VIEWS = 8, /* contributions land in mirrored views */
     LF_FAULT_NO_LIGHT_PDF = 16, /* the p_L term left out of the direction's weights */
+    LF_FAULT_OTHER_ROW = 32,    /* B and q taken with another row offset than the base samples */
 } lf_fault;
 
 /* Everything that one visit of a row does. */

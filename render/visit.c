@@ -174,11 +174,18 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
 
 /* ------------------------------------------------------------------------------------------------------------ visit -- */
 
-/* Draws the plane of a visit and resamples the volumes on it. key names the half's stream, index the visit. */
-static void begin(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint32_t index)
+/* Draws the plane of a visit and cuts the volumes with it. offsets names the sequence of row offsets. */
+static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets, uint32_t index)
 {
     const float lens[2] = {lf_sampler_radical(lf_hash64(key, 1), index), lf_sampler_radical(lf_hash64(key, 2), index)};
-    float offset = lf_sampler_radical(lf_hash64(key, 0), index);
+    lf_rig_row_plane(plan->rig, (float)visit->row + lf_sampler_radical(offsets, index), lens, &visit->plane);
+    lf_media_cut(&visit->worker->media, plan->frame, plan->scene, plan->rig, &visit->plane,
+                 lf_sampler_radical(lf_hash64(key, 4), index), &visit->worker->tracer.lookups);
+}
+
+/* key names the half's stream, index the visit. */
+static void begin(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint32_t index)
+{
     visit->scene = plan->scene;
     visit->rig = plan->rig;
     visit->kernels = plan->kernels;
@@ -188,10 +195,8 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint
     visit->step = lattice_step(plan->rig->n_views);
     visit->weight = 1.0f;
     visit->faults = plan->faults;
-    lf_rig_row_plane(plan->rig, (float)visit->row + offset, lens, &visit->plane);
     visit->worker->tracer.scene = plan->scene;
-    lf_media_cut(&visit->worker->media, plan->frame, plan->scene, plan->rig, &visit->plane,
-                 lf_sampler_radical(lf_hash64(key, 4), index), &visit->worker->tracer.lookups);
+    cut(plan, visit, key, lf_hash64(key, 0), index);
 }
 
 static uint64_t stream(const lf_visit_plan *plan, int row, int half)
@@ -261,7 +266,11 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     visit.start = (int)(lf_sampler_radical(lf_hash64(key, 7), index) * (float)views);
 
     float weight = (float)plan->subsets / (float)(views * plan->column_step);
+    if (plan->faults & LF_FAULT_OTHER_ROW)
+        cut(plan, &visit, key, lf_hash64(key, 8), index);
     lf_exits_row(plan, &visit, lf_hash64(key, 5), index, (float)((double)weight / (state->n[half] + (double)weight)));
+    if (plan->faults & LF_FAULT_OTHER_ROW)
+        cut(plan, &visit, key, lf_hash64(key, 0), index);
     int first = plan->column_step > 1 ? (int)((random >> 32) % (uint64_t)plan->column_step) : 0;
     for (int column = first; column < width; column += plan->column_step) {
         for (int j = 0; j < plan->subsets; j++) {
