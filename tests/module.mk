@@ -20,8 +20,8 @@ portable_tests := base/test_alloc base/test_status base/test_thread quilt/test_i
  quilt/test_rects quilt/test_fill render/test_kernel render/test_sampler
 ifdef PORTABLE
 base_srcs := $(patsubst %,base/%.c,alloc status thread image)
-quilt_srcs := $(patsubst %,quilt/%.c,interlace tone layout fill rects)
-render_srcs := $(patsubst %,render/%.c,kernel kernel_c $(if $(arm64),kernel_neon) slice body volume sampler)
+quilt_srcs := $(filter-out quilt/files.c quilt/print%,$(quilt_srcs))
+render_srcs := $(filter render/kernel%,$(render_srcs)) $(patsubst %,render/%.c,slice body volume sampler)
 stat_srcs := tests/stat/stat.c tests/stat/chi2.c
 optics_srcs :=
 dep_cflags := -I$(SRCDIR)/tests/arm64 -idirafter /usr/include
@@ -30,6 +30,6 @@ endif
 $(O)/tests/arm64/results: $(patsubst %,$(O)/%,tests/arm64/results.c.o librender.a libquilt.a libbase.a)
 	$(call link,)
 .PHONY: portable portable-tests
-portable: $(patsubst %,$(O)/tests/%,$(portable_tests)) $(O)/tests/arm64/results
+portable: $(patsubst %,$(O)/tests/%,$(portable_tests)) $(O)/tests/arm64/results $(patsubst %,$(O)/lib%.a,render quilt base)
 portable-tests:
 	@echo $(abspath $(patsubst %,$(O)/tests/%,$(portable_tests)))
