@@ -17,7 +17,7 @@ wrap_test_file := -Wl,--wrap=open
 # What needs none of the libraries, with its tests and a program that prints hashes of results: PORTABLE=1 builds nothing else, for
 # machines without those libraries (tests/arm64.sh). Embree's header stays: it is the same everywhere.
 portable_tests := base/test_alloc base/test_status base/test_thread quilt/test_interlace quilt/test_tone quilt/test_layout \
- quilt/test_rects quilt/test_fill render/test_kernel render/test_sampler
+ quilt/test_rects quilt/test_fill quilt/test_quilt_kernel render/test_kernel render/test_sampler
 ifdef PORTABLE
 base_srcs := $(patsubst %,base/%.c,alloc status thread image)
 quilt_srcs := $(filter-out quilt/files.c quilt/print%,$(quilt_srcs))
