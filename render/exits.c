@@ -40,33 +40,37 @@ static void trace_fan(lf_worker *worker, const lf_visit *visit, int lanes, struc
     worker->tracer.rays += rig->n_views;
 }
 
-/* Adds one ray's known light and pivot probability; transmittance = 1 - q_medium, along the whole ray or to its surface. */
-static void add_known(const lf_visit *visit, lf_film_known *known, int k, const struct RTCRayHit8 *hits, float q_medium,
-                      const lf_vec3 *sky, float share)
+/* One ray's known light and pivot probability; transmittance = 1 - q_medium, along the whole ray or to its surface. */
+static void write_known(const lf_visit *visit, size_t pixel, int k, const struct RTCRayHit8 *hits, float q_medium, const lf_vec3 *sky)
 {
     const lf_worker *worker = visit->worker;
     const struct RTCRayHit8 *h = hits ? &hits[k / LF_LANES] : NULL;
     int i = k % LF_LANES;
-    float transmittance = 1.0f - q_medium, q = q_medium, pdf;
+    bool surface = h && h->hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+    float transmittance = 1.0f - q_medium, *q = &visit->sums.half.q[pixel], pdf;
     lf_vec3 light;
-    if (h && h->hit.geomID[i] != RTC_INVALID_GEOMETRY_ID) {
+    *q = q_medium;
+    if (!visit->sums.known) {
+        *q = surface ? 1.0f : q_medium;
+        return;
+    }
+    if (surface) {
         lf_hit hit;
         lf_vec3 w = lf_normalize(lf_v3(h->ray.dir_x[i], h->ray.dir_y[i], h->ray.dir_z[i]));
         lf_trace_hit(visit->scene, h->hit.geomID[i], h->hit.primID[i], h->hit.u[i], h->hit.v[i], h->ray.tfar[i], w, &hit);
         light = hit.material->emission;
         if (lf_material_has_lobe(hit.material))
-            q = 1.0f;
+            *q = 1.0f;
     } else if (sky) {
         light = *sky;
     } else {
         lf_vec3 w = lf_rig_direction(visit->rig, worker->slope[k], visit->plane.my, 1.0f);
         light = lf_light_escape(visit->scene, lf_normalize(w), &pdf);
     }
-    /* Running means: what is constant stays exact, however many visits there are. */
-    known->b[0] += share * (transmittance * light.x - known->b[0]);
-    known->b[1] += share * (transmittance * light.y - known->b[1]);
-    known->b[2] += share * (transmittance * light.z - known->b[2]);
-    known->q += share * (q - known->q);
+    float *known = visit->sums.known[pixel];
+    known[0] = transmittance * light.x;
+    known[1] = transmittance * light.y;
+    known[2] = transmittance * light.z;
 }
 
 /* True when every escaping ray finds the same light. */
@@ -83,12 +87,28 @@ static bool constant_sky(const lf_scene *scene, lf_vec3 *out)
     return true;
 }
 
+bool lf_exits_uniform(const lf_scene *scene, float out_sky[3])
+{
+    lf_vec3 sky;
+    for (int i = 0; i < scene->n_materials && scene->embree; i++) {
+        const lf_material *m = &scene->materials[i];
+        if (lf_max3(m->emission) > 0.0f || !lf_material_has_lobe(m))
+            return false;
+    }
+    if (!constant_sky(scene, &sky))
+        return false;
+    out_sky[0] = sky.x;
+    out_sky[1] = sky.y;
+    out_sky[2] = sky.z;
+    return true;
+}
+
 float lf_exits_film_point(uint64_t key, int column, uint32_t index)
 {
     return lf_sampler_radical(lf_hash64(key, (uint64_t)column), index);
 }
 
-void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index, float share)
+void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
 {
     const lf_rig *rig = visit->rig;
     lf_worker *worker = visit->worker;
@@ -114,8 +134,7 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
         for (int k = 0; k < rig->n_views; k++) {
             float length = sqrtf(1.0f + worker->slope[k] * worker->slope[k] + visit->plane.my * visit->plane.my);
             float q = medium && worker->tau[k] > 0.0f ? -expm1f(-worker->tau[k] * length) : 0.0f;
-            add_known(visit, &visit->half.known[(size_t)k * (size_t)rig->width + (size_t)column], k, hits, q,
-                      constant ? &sky : NULL, share);
+            write_known(visit, (size_t)k * (size_t)rig->width + (size_t)column, k, hits, q, constant ? &sky : NULL);
         }
     }
 }

@@ -4,16 +4,26 @@
 #include <sys/mman.h>
 
 #include "base/alloc.h"
+#include "render/film_difference.h"
+#include "render/sampler.h"
 
-lf_status lf_film_init(lf_film *film, int n_views, int width, int height, bool has_w2, bool has_native)
+static size_t pixels_of(const lf_film_layout *layout)
 {
-    size_t pixels = (size_t)n_views * (size_t)width;
-    size_t pixel_bytes =
-        sizeof(lf_film_scattered) + sizeof(lf_film_known) + (has_w2 ? sizeof(float) : 0) + (has_native ? 3 * sizeof(float) : 0);
-    *film = (lf_film){.n_views = n_views, .width = width, .height = height, .has_w2 = has_w2, .has_native = has_native};
-    film->row_bytes = (2 * pixels * pixel_bytes + 63) / 64 * 64;
-    film->data_bytes = film->row_bytes * (size_t)height;
-    film->rows = lf_calloc((size_t)height, sizeof *film->rows);
+    return (size_t)layout->n_views * (size_t)layout->width;
+}
+
+static size_t half_bytes(const lf_film_layout *layout)
+{
+    return pixels_of(layout) * (sizeof(lf_film_scattered) + sizeof(float) + (layout->has_w2 ? sizeof(float) : 0));
+}
+
+lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
+{
+    *film = (lf_film){.layout = *layout, .n_views = layout->n_views, .width = layout->width, .height = layout->height};
+    size_t bytes = 2 * half_bytes(layout) + (layout->has_known ? pixels_of(layout) * sizeof(lf_film_known) : 0);
+    film->row_bytes = (bytes + 63) / 64 * 64;
+    film->data_bytes = film->row_bytes * (size_t)film->height;
+    film->rows = lf_calloc((size_t)film->height, sizeof *film->rows);
     /* Mapped, so that rows cost memory only from their first visit on. */
     void *data = mmap(NULL, film->data_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     film->data = data == MAP_FAILED ? NULL : data;
@@ -33,31 +43,148 @@ void lf_film_finish(lf_film *film)
     memset(film, 0, sizeof *film);
 }
 
+bool lf_film_has_layout(const lf_film *film, const lf_film_layout *b)
+{
+    const lf_film_layout *a = &film->layout;
+    return film->data && a->n_views == b->n_views && a->width == b->width && a->height == b->height && a->has_w2 == b->has_w2 &&
+           a->has_native == b->has_native && a->has_known == b->has_known;
+}
+
 void lf_film_clear(lf_film *film)
 {
     for (int row = 0; row < film->height; row++)
         film->rows[row] = (lf_film_row){.relative_error = -1.0};
 }
 
-lf_film_half lf_film_at(const lf_film *film, int row, int half)
+/* The arrays of a half, one behind the other from p on. */
+static lf_film_half half_at(const lf_film_layout *layout, unsigned char *p)
 {
-    size_t pixels = (size_t)film->n_views * (size_t)film->width;
-    unsigned char *p = film->data + (size_t)row * film->row_bytes;
-    lf_film_half h = {0};
-    for (int i = 0; i <= half; i++) {
-        h.scattered = (lf_film_scattered *)(void *)p;
-        p += pixels * sizeof *h.scattered;
-        h.known = (lf_film_known *)(void *)p;
-        p += pixels * sizeof *h.known;
-        h.w2 = film->has_w2 ? (float *)(void *)p : NULL;
-        p += film->has_w2 ? pixels * sizeof(float) : 0;
-        h.native = film->has_native ? (float(*)[3])(void *)p : NULL;
-        p += film->has_native ? pixels * sizeof *h.native : 0;
-    }
-    return h;
+    size_t pixels = pixels_of(layout);
+    lf_film_half half = {.scattered = (lf_film_scattered *)(void *)p};
+    p += pixels * sizeof *half.scattered;
+    half.w2 = layout->has_w2 ? (float *)(void *)p : NULL;
+    p += layout->has_w2 ? pixels * sizeof *half.w2 : 0;
+    half.q = (float *)(void *)p;
+    return half;
 }
 
-void lf_film_row_begin(lf_film *film, int row)
+lf_film_half lf_film_at(const lf_film *film, int row, int half)
 {
-    memset(film->data + (size_t)row * film->row_bytes, 0, film->row_bytes);
+    return half_at(&film->layout, film->data + (size_t)row * film->row_bytes + (size_t)half * half_bytes(&film->layout));
+}
+
+lf_film_known *lf_film_known_at(const lf_film *film, int row)
+{
+    unsigned char *p = film->data + (size_t)row * film->row_bytes + 2 * half_bytes(&film->layout);
+    return film->layout.has_known ? (lf_film_known *)(void *)p : NULL;
+}
+
+/* ----------------------------------------------------------------------------------------------------------- visits -- */
+
+lf_status lf_film_sums_init(lf_film_sums *sums, const lf_film_layout *layout)
+{
+    size_t pixels = pixels_of(layout), colours = 3 * pixels * sizeof(float);
+    size_t native = layout->has_native ? colours : 0, known = layout->has_known ? colours : 0;
+    *sums = (lf_film_sums){.data = lf_calloc(1, native + half_bytes(layout) + known)};
+    if (!sums->data)
+        return LF_E_NOMEM;
+    /* What is summed comes first and q behind it, so that one stretch of memory is zeroed. */
+    unsigned char *half = sums->data + native;
+    sums->native = native ? (float(*)[3])(void *)sums->data : NULL;
+    sums->half = half_at(layout, half);
+    sums->known = known ? (float(*)[3])(void *)(half + half_bytes(layout)) : NULL;
+    sums->zeroed_bytes = native + half_bytes(layout) - pixels * sizeof(float);
+    return LF_OK;
+}
+
+void lf_film_sums_finish(lf_film_sums *sums)
+{
+    lf_free(sums->data);
+    memset(sums, 0, sizeof *sums);
+}
+
+void lf_film_sums_begin(lf_film_sums *sums)
+{
+    memset(sums->data, 0, sums->zeroed_bytes);
+}
+
+/* To the float below or above x in proportion to where it lies between them; exact values stay. 29 bits of random count. */
+static inline float round_at_random(double x, uint32_t random)
+{
+    const uint64_t below = (UINT64_C(1) << 29) - 1;
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    bits = (bits + (random & below)) & ~below;
+    memcpy(&x, &bits, sizeof x);
+    return (float)x;
+}
+
+static inline float add(float a, float b, uint32_t random)
+{
+    return round_at_random((double)a + (double)b, random);
+}
+
+/* A running mean: what is constant stays exact, however many visits there are. */
+static inline float mean(float a, double share, double x, uint32_t random)
+{
+    return round_at_random((double)a + share * (x - (double)a), random);
+}
+
+/* What merging a visit does to means: the visit's share of its half and of both halves, the other half's share before it. */
+typedef struct lf_merge_shares {
+    double half, both, other;
+    double sign; /* of the half in the difference */
+    float inverse_weight;
+} lf_merge_shares;
+
+static void merge_known(lf_film_known *known, const lf_film_sums *sums, size_t pixel, const lf_merge_shares *s, uint32_t random)
+{
+    float difference[3];
+    lf_difference_unpack(known->difference, difference);
+    for (int c = 0; c < 3; c++) {
+        double x = (double)sums->known[pixel][c];
+        if (sums->native)
+            x += (double)(sums->native[pixel][c] * s->inverse_weight);
+        double step = x - (double)known->b[c] - s->sign * s->other * (double)difference[c];
+        difference[c] = s->other > 0.0 ? difference[c] + (float)(s->sign * s->half * step) : 0.0f;
+        known->b[c] = mean(known->b[c], s->both, x, random);
+    }
+    known->difference = lf_difference_pack(difference, (float)(random >> 8) * 0x1p-24f);
+}
+
+static lf_merge_shares shares_of(const lf_film_row *row, int half, double weight)
+{
+    double n = row->n[0] + row->n[1];
+    return (lf_merge_shares){.half = weight / (row->n[half] + weight),
+                             .both = weight / (n + weight),
+                             .other = n > 0.0 ? row->n[1 - half] / n : 0.0,
+                             .sign = half == 0 ? 1.0 : -1.0,
+                             .inverse_weight = (float)(1.0 / weight)};
+}
+
+void lf_film_merge(lf_film *film, int row, int half, const lf_film_sums *sums, double weight, uint64_t key)
+{
+    lf_film_row *state = &film->rows[row];
+    if (state->visits[0] + state->visits[1] == 0)
+        memset(film->data + (size_t)row * film->row_bytes, 0, film->row_bytes);
+    const lf_merge_shares shares = shares_of(state, half, weight);
+    const lf_film_half to = lf_film_at(film, row, half), *from = &sums->half;
+    lf_film_known *known = lf_film_known_at(film, row);
+    size_t pixels = weight > 0.0 ? pixels_of(&film->layout) : 0, width = (size_t)film->width;
+    /* One random number a column: what is the same, N and W or two views, stays the same. */
+    for (size_t i = 0; i < pixels; i++) {
+        uint32_t random = (uint32_t)(lf_hash64(key, i % width) >> 32);
+        lf_film_scattered *a = &to.scattered[i];
+        const lf_film_scattered *b = &from->scattered[i];
+        for (int c = 0; c < 3; c++)
+            a->n[c] = add(a->n[c], b->n[c], random);
+        a->w = add(a->w, b->w, random);
+        if (to.w2)
+            to.w2[i] = add(to.w2[i], from->w2[i], random);
+        to.q[i] = mean(to.q[i], shares.half, (double)from->q[i], random);
+        if (known)
+            merge_known(&known[i], sums, i, &shares, random);
+    }
+    state->visits[half]++;
+    state->n[half] += weight;
 }

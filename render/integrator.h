@@ -27,6 +27,7 @@ const lf_integrator *lf_integrator_at(int index);
 typedef struct lf_worker {
     lf_tracer tracer;
     lf_media media;
+    lf_film_sums sums; /* of the visit under way */
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES], sigma[LF_MAX_LANES];
@@ -52,7 +53,7 @@ typedef struct lf_visit {
     const lf_kernels *kernels;
     const lf_integrator *integrator;
     lf_worker *worker;
-    lf_film_half half;
+    lf_film_sums sums; /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
     int row;
     int max_depth;
@@ -118,8 +119,11 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
 /* The film point of a pixel column in this visit, in [0, 1) of its width; key as given to lf_exits_row. */
 float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 
-/* B and q of one row for this visit (exits.c): share is this visit's of all the half's samples so far, its own included;
- * index its number in its half. */
-void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index, float share);
+/* B and q of one row for this visit (exits.c), into the visit's sums; index is its number in its half. */
+void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index);
+
+/* True when B is sky (1 - q) in every pixel: every escaping ray finds the same light, and everything that can be hit scatters to all
+ * views and emits nothing. */
+bool lf_exits_uniform(const lf_scene *scene, float out_sky[3]);
 
 #endif

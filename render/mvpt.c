@@ -124,7 +124,7 @@ static lf_film_scattered *target(const lf_visit *visit, int k, size_t *out_pixel
 {
     int view = visit->faults & LF_FAULT_SWAPPED_VIEWS ? visit->rig->n_views - 1 - k : k;
     *out_pixel = (size_t)view * (size_t)visit->rig->width + (size_t)visit->worker->column[k];
-    return &visit->half.scattered[*out_pixel];
+    return &visit->sums.half.scattered[*out_pixel];
 }
 
 /* The lobe does not depend on the view: one radiance for all. */
@@ -147,8 +147,8 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suff
         out->n[1] += weight * y.y;
         out->n[2] += weight * y.z;
         out->w += weight;
-        if (visit->half.w2)
-            visit->half.w2[pixel] += weight;
+        if (visit->sums.half.w2)
+            visit->sums.half.w2[pixel] += weight;
         w->contributions++;
     }
 }
@@ -224,7 +224,7 @@ static void add_weights(lf_visit *visit, float scale, bool also_w2)
             continue;
         target(visit, k, &pixel)->w += weight;
         if (also_w2)
-            visit->half.w2[pixel] += weight;
+            visit->sums.half.w2[pixel] += weight;
         w->contributions++;
     }
 }
@@ -235,7 +235,7 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, const lf_suffix
     lf_worker *w = visit->worker;
     bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
     bool no_light_pdf = visit->faults & LF_FAULT_NO_LIGHT_PDF;
-    add_weights(visit, pivot->boost / sum, visit->half.w2 && !medium);
+    add_weights(visit, pivot->boost / sum, visit->sums.half.w2 && !medium);
     if (suffix->has_light) {
         const lf_light_sample *light = &suffix->light;
         float over = lobes(visit, pivot, light->wi);
@@ -250,14 +250,14 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, const lf_suffix
     float with_light = over + (no_light_pdf ? 0.0f : suffix->found_pdf * sum);
     lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->boost / over), pivot->boost / with_light, suffix->found);
     add_lobes(visit, pivot, radiance);
-    if (!visit->half.w2 || !medium)
+    if (!visit->sums.half.w2 || !medium)
         return;
     for (int k = 0; k < visit->rig->n_views; k++) {
         size_t pixel;
         if (!(w->density[k] > 0.0f))
             continue;
         target(visit, k, &pixel);
-        visit->half.w2[pixel] += pivot->boost * w->density[k] * w->lobe[k] / over;
+        visit->sums.half.w2[pixel] += pivot->boost * w->density[k] * w->lobe[k] / over;
     }
 }
 

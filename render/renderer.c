@@ -62,19 +62,22 @@ static lf_status find_integrator(const char *name, const lf_integrator **out, lf
 static void free_workers(lf_worker **workers, int n)
 {
     for (int i = 0; i < n && workers; i++) {
-        if (workers[i])
+        if (workers[i]) {
             lf_media_finish(&workers[i]->media);
+            lf_film_sums_finish(&workers[i]->sums);
+        }
         lf_free(workers[i]);
     }
     lf_free(workers);
 }
 
-static lf_worker **make_workers(int n, const lf_media_frame *frame)
+static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_film_layout *layout)
 {
     lf_worker **workers = lf_calloc((size_t)n, sizeof *workers);
     for (int i = 0; workers && i < n; i++) {
         workers[i] = lf_calloc(1, sizeof **workers);
-        if (!workers[i] || lf_media_init(&workers[i]->media, frame) != LF_OK) {
+        if (!workers[i] || lf_media_init(&workers[i]->media, frame) != LF_OK ||
+            lf_film_sums_init(&workers[i]->sums, layout) != LF_OK) {
             free_workers(workers, n);
             return NULL;
         }
@@ -82,10 +85,16 @@ static lf_worker **make_workers(int n, const lf_media_frame *frame)
     return workers;
 }
 
-static bool same_shape(const lf_film *film, const lf_render_settings *s, bool w2, bool native)
+/* What the scene needs of the film; sky where B is not stored. */
+static lf_film_layout film_layout(const lf_scene *scene, const lf_rig *rig, float sky[3])
 {
-    return film->data && film->n_views == s->camera.n_views && film->width == s->width && film->height == s->height &&
-           film->has_w2 == w2 && film->has_native == native;
+    bool uniform = !scene->has_delta && lf_exits_uniform(scene, sky);
+    return (lf_film_layout){.n_views = rig->n_views,
+                            .width = rig->width,
+                            .height = rig->height,
+                            .has_w2 = scene->has_view_lobes,
+                            .has_native = scene->has_delta,
+                            .has_known = !uniform};
 }
 
 /* Everything that can fail is made before anything of the old is given up. */
@@ -101,11 +110,13 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
     if (status != LF_OK)
         return status;
     lf_media_frame_init(&frame, scene, &rig);
-    bool w2 = scene->has_view_lobes, keep = same_shape(&r->film, settings, w2, scene->has_delta);
-    if (!keep && lf_film_init(&film, rig.n_views, rig.width, rig.height, w2, scene->has_delta) != LF_OK)
+    float sky[3] = {0};
+    const lf_film_layout layout = film_layout(scene, &rig, sky);
+    bool keep = lf_film_has_layout(&r->film, &layout);
+    if (!keep && lf_film_init(&film, &layout) != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "film", "not enough memory for %d views of %dx%d", rig.n_views, rig.width, rig.height);
     int n_workers = lf_pool_threads(r->pool);
-    lf_worker **workers = make_workers(n_workers, &frame);
+    lf_worker **workers = make_workers(n_workers, &frame, &layout);
     if (!workers) {
         lf_film_finish(&film);
         return lf_error_set(err, LF_E_NOMEM, "renderer", "not enough memory for %d workers", n_workers);
@@ -119,6 +130,7 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
         lf_film_finish(&r->film);
         r->film = film;
     }
+    memcpy(r->film.sky, sky, sizeof sky);
     lf_scene *old = r->scene;
     r->scene = lf_scene_ref(scene);
     lf_scene_unref(old);
@@ -355,6 +367,8 @@ json_t *lf_renderer_skipped(const lf_renderer *renderer)
         json_object_set_new(skipped, "directional_weights", json_string("no lobe depends on the view: W' is W"));
     if (!s->has_emission)
         json_object_set_new(skipped, "emission", json_string("no surface emits: hits are not tested for light"));
+    if (!renderer->film.layout.has_known)
+        json_object_set_new(skipped, "known_light", json_string("every ray that escapes finds the same light: B is sky (1 - q)"));
     if (renderer->rig.lens_radius == 0.0f)
         json_object_set_new(skipped, "lens", json_string("pinhole cameras"));
     return skipped;

@@ -4,14 +4,15 @@
 #include <string.h>
 
 #include "render/film.h"
+#include "render/film_difference.h"
 
 enum { TILE_COLUMNS = 16, TILE_VIEWS = 4 };
 
 #define LF_ERROR_EPSILON 1e-2
 
-/* What a pixel holds: means over n. */
+/* What a pixel holds: means over n; known is B + M/n. */
 typedef struct lf_sums {
-    float scattered[3], w, w2, known[3], q, native[3];
+    float scattered[3], w, w2, known[3], q;
 } lf_sums;
 
 typedef struct lf_tile_pixel {
@@ -23,6 +24,7 @@ typedef struct lf_tile_pixel {
 typedef struct lf_tile {
     const lf_film *film;
     lf_film_half half[2];
+    const lf_film_known *known; /* NULL where B is sky (1 - q) */
     float n[2];     /* expected samples of each half; 0 = it has none */
     float share[2]; /* of all samples */
     int n_halves;
@@ -39,27 +41,41 @@ static size_t pixel_index(const lf_tile *t, int i)
 
 static void read_half(const lf_film_half *half, size_t pixel, float inverse, lf_sums *s)
 {
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; c++)
         s->scattered[c] = half->scattered[pixel].n[c] * inverse;
-        s->known[c] = half->known[pixel].b[c];
-        s->native[c] = half->native ? half->native[pixel][c] * inverse : 0.0f;
-    }
     s->w = half->scattered[pixel].w * inverse;
     s->w2 = half->w2 ? half->w2[pixel] * inverse : s->w;
-    s->q = half->known[pixel].q;
+    s->q = half->q[pixel];
 }
 
 static void pool(lf_tile_pixel *p, const float share[2])
 {
     const lf_sums *a = &p->half[0], *b = &p->half[1];
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; c++)
         p->pooled.scattered[c] = share[0] * a->scattered[c] + share[1] * b->scattered[c];
-        p->pooled.known[c] = share[0] * a->known[c] + share[1] * b->known[c];
-        p->pooled.native[c] = share[0] * a->native[c] + share[1] * b->native[c];
-    }
     p->pooled.w = share[0] * a->w + share[1] * b->w;
     p->pooled.w2 = share[0] * a->w2 + share[1] * b->w2;
     p->pooled.q = share[0] * a->q + share[1] * b->q;
+}
+
+/* B + M/n of the halves and of both. */
+static void read_known(const lf_tile *t, size_t pixel, lf_tile_pixel *p)
+{
+    float difference[3] = {0};
+    const float *sky = t->film->sky;
+    if (t->known)
+        lf_difference_unpack(t->known[pixel].difference, difference);
+    for (int c = 0; c < 3; c++) {
+        if (t->known) {
+            p->pooled.known[c] = t->known[pixel].b[c];
+            p->half[0].known[c] = p->pooled.known[c] + t->share[1] * difference[c];
+            p->half[1].known[c] = p->pooled.known[c] - t->share[0] * difference[c];
+        } else {
+            p->pooled.known[c] = sky[c] * (1.0f - p->pooled.q);
+            for (int h = 0; h < 2; h++)
+                p->half[h].known[c] = sky[c] * (1.0f - p->half[h].q);
+        }
+    }
 }
 
 static void read_tile(lf_tile *t)
@@ -73,13 +89,14 @@ static void read_tile(lf_tile *t)
                 read_half(&t->half[h], pixel_index(t, i), 1.0f / t->n[h], &p->half[h]);
         }
         pool(p, t->share);
+        read_known(t, pixel_index(t, i), p);
     }
 }
 
 static void answer_mis(const lf_sums *s, float out[3])
 {
     for (int c = 0; c < 3; c++)
-        out[c] = s->known[c] + s->scattered[c] + s->native[c];
+        out[c] = s->known[c] + s->scattered[c];
 }
 
 /* B + q N/W; where q has not settled (0 while something was found) or nothing was found, B + N/n. */
@@ -88,14 +105,14 @@ static void answer_ratio(const lf_sums *s, bool second, float out[3])
     float w = second ? s->w2 : s->w;
     bool known = w > 0.0f && s->q > 0.0f;
     for (int c = 0; c < 3; c++)
-        out[c] = s->known[c] + (known ? s->q * (s->scattered[c] / w) : s->scattered[c]) + s->native[c];
+        out[c] = s->known[c] + (known ? s->q * (s->scattered[c] / w) : s->scattered[c]);
 }
 
 /* Compares the spread between the halves of N/W and N/W' over a tile. */
 static bool second_is_better(const lf_tile *t)
 {
     double error[2] = {0.0, 0.0};
-    if (!t->film->has_w2 || t->n_halves < 2)
+    if (!t->film->layout.has_w2 || t->n_halves < 2)
         return false;
     for (int i = 0; i < t->count; i++) {
         for (int j = 0; j < 2; j++) {
@@ -146,7 +163,7 @@ static void regress(const lf_tile *t, int h, lf_beta *beta)
         }
     }
     double det = a11 * a22 - a12 * a12;
-    if (t->film->has_w2 && det > 1e-6 * a11 * a22) {
+    if (t->film->layout.has_w2 && det > 1e-6 * a11 * a22) {
         beta->lambda[0] = (a22 * y1 - a12 * y2) / det;
         beta->lambda[1] = (a11 * y2 - a12 * y1) / det;
     } else if (a11 > 0.0) {
@@ -157,16 +174,18 @@ static void regress(const lf_tile *t, int h, lf_beta *beta)
         beta->lambda[i] = fmin(fmax(beta->lambda[i], -1.0), 2.0);
 }
 
-/* The halves' CV+ by their shares; with one half alone there is no other, and beta is 0. */
+/* Known light and the halves' CV+ by their shares; with one half alone there is no other, and beta is 0. */
 static void answer_cv(const lf_tile *t, const lf_tile_pixel *p, const lf_beta beta[2], float out[3])
 {
-    double sum[3] = {0};
+    double sum[3];
+    for (int c = 0; c < 3; c++)
+        sum[c] = (double)p->pooled.known[c];
     for (int h = 0; h < 2; h++) {
         const lf_sums *s = &p->half[h];
         const lf_beta *b = &beta[1 - h];
         double control = b->lambda[0] * (double)(s->w - s->q) + b->lambda[1] * (double)(s->w2 - s->q);
         for (int c = 0; c < 3; c++)
-            sum[c] += (double)t->share[h] * ((double)(s->known[c] + s->scattered[c] + s->native[c]) - b->ratio[c] * control);
+            sum[c] += (double)t->share[h] * ((double)s->scattered[c] - b->ratio[c] * control);
     }
     for (int c = 0; c < 3; c++)
         out[c] = (float)sum[c];
@@ -240,6 +259,7 @@ lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int r
     }
     for (int h = 0; h < 2; h++) {
         t.half[h] = lf_film_at(film, row, h);
+        t.known = lf_film_known_at(film, row);
         t.n[h] = (float)state->n[h];
         t.share[h] = (float)(state->n[h] / n);
         t.n_halves += state->n[h] > 0.0;

@@ -41,7 +41,7 @@ static void make_header(const lf_renderer *r, lf_state_header *h)
     }
     memset(h, 0, sizeof *h);
     memcpy(h->magic, "quiltdST", 8);
-    h->version = 2;
+    h->version = 3;
     h->n_views = (uint32_t)r->film.n_views;
     h->width = (uint32_t)r->film.width;
     h->height = (uint32_t)r->film.height;
@@ -105,7 +105,7 @@ lf_status lf_renderer_restore(lf_renderer *renderer, int fd, lf_error *err)
         return status;
     if (memcmp(&header, &mine, sizeof mine) != 0)
         return lf_error_set(err, LF_E_STATE, "state", "the saved picture is of another scene, camera or version");
-    if (lf_film_init(&restored, film->n_views, film->width, film->height, film->has_w2, film->has_native) != LF_OK)
+    if (lf_film_init(&restored, &film->layout) != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "state", "not enough memory to read it");
     status = read_all(fd, restored.rows, (size_t)film->height * sizeof *film->rows, err);
     for (int row = 0; row < film->height && status == LF_OK; row++) {
@@ -114,6 +114,7 @@ lf_status lf_renderer_restore(lf_renderer *renderer, int fd, lf_error *err)
         else if (visited(&restored.rows[row]))
             status = read_all(fd, restored.data + (size_t)row * film->row_bytes, film->row_bytes, err);
     }
+    memcpy(restored.sky, film->sky, sizeof restored.sky);
     if (status != LF_OK) {
         lf_film_finish(&restored);
         return status;

@@ -89,7 +89,7 @@ lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const l
 static void add_native(lf_visit *visit, int view, int column, const lf_event *event)
 {
     const lf_material *m = event->hit.material;
-    if (!visit->half.native || !lf_surfaces[m->type].delta)
+    if (!visit->sums.native || !lf_surfaces[m->type].delta)
         return;
     lf_tracer *tracer = &visit->worker->tracer;
     lf_vec3 wo = lf_scale(event->w, -1.0f), r = lf_surfaces[m->type].delta(m, event->hit.ns, wo);
@@ -104,7 +104,7 @@ static void add_native(lf_visit *visit, int view, int column, const lf_event *ev
     if (next.kind != LF_EVENT_ESCAPE)
         radiance = lf_add(radiance, lf_path_scattered(tracer, &next, 2, visit->max_depth));
     radiance = lf_scale(lf_mul(radiance, r), visit->weight / probability);
-    float *out = visit->half.native[(size_t)view * (size_t)visit->rig->width + (size_t)column];
+    float *out = visit->sums.native[(size_t)view * (size_t)visit->rig->width + (size_t)column];
     out[0] += radiance.x;
     out[1] += radiance.y;
     out[2] += radiance.z;
@@ -215,7 +215,7 @@ static bool is_hole(const lf_film_half half[2], const double n[2], size_t pixel)
 {
     float q = 0.0f, w = 0.0f;
     for (int h = 0; h < 2; h++) {
-        q += n[h] > 0.0 ? half[h].known[pixel].q : 0.0f;
+        q += n[h] > 0.0 ? half[h].q[pixel] : 0.0f;
         w += n[h] > 0.0 ? half[h].scattered[pixel].w : 0.0f;
     }
     return q > 0.0f && !(w > 0.0f);
@@ -232,7 +232,7 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uin
     int width = plan->rig->width;
     uint64_t hole_key = lf_hash64(key, 6);
     visit->integrator = &lf_integrator_vpt;
-    visit->half.native = NULL; /* M is a plain sum: it takes no samples beyond the count */
+    visit->sums = (lf_film_sums){.half = halves[half]}; /* no M: it takes no samples beyond the count */
     visit->weight = (float)state->n[half];
     for (int view = 0; view < plan->rig->n_views; view++) {
         for (int column = 0, filled = -1; column < width; column++) {
@@ -246,7 +246,7 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uin
             /* Looked for and not found, in a pixel that something touches only just: its scattered light is taken for 0 until a
              * path arrives, whose weight is beyond comparison. */
             if (column - filled >= plan->hole_reach && is_hole(halves, state->n, pixel))
-                visit->half.scattered[pixel].w = LF_LOOKED_FOR;
+                halves[half].scattered[pixel].w = LF_LOOKED_FOR;
             filled = is_hole(halves, state->n, pixel) ? filled : column;
         }
     }
@@ -257,18 +257,19 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
 {
     lf_film_row *state = &plan->film->rows[row];
     int width = plan->rig->width, views = plan->rig->n_views;
-    if (state->visits[0] + state->visits[1] == 0)
-        lf_film_row_begin(plan->film, row);
+    if (plan->subsets == 0 && !(state->n[half] > 0.0))
+        half = 1 - half; /* holes are filled where there is a count to weigh as much as */
     uint32_t index = state->visits[half];
     uint64_t key = stream(plan, row, half), random = lf_hash64(lf_hash64(key, 3), index);
-    lf_visit visit = {.worker = worker, .half = lf_film_at(plan->film, row, half), .row = row};
+    lf_visit visit = {.worker = worker, .sums = worker->sums, .row = row};
     begin(plan, &visit, key, index);
     visit.start = (int)(lf_sampler_radical(lf_hash64(key, 7), index) * (float)views);
 
-    float weight = (float)plan->subsets / (float)(views * plan->column_step);
+    lf_film_sums_begin(&worker->sums);
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 8), index);
-    lf_exits_row(plan, &visit, lf_hash64(key, 5), index, (float)((double)weight / (state->n[half] + (double)weight)));
+    if (plan->subsets > 0)
+        lf_exits_row(plan, &visit, lf_hash64(key, 5), index);
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 0), index);
     int first = plan->column_step > 1 ? (int)((random >> 32) % (uint64_t)plan->column_step) : 0;
@@ -279,8 +280,8 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
             base_sample(plan, &visit, lattice_view(&visit, column, j), column, -1.0f, key, index);
         }
     }
-    state->visits[half]++;
-    state->n[half] += (double)weight;
+    double weight = (double)plan->subsets / (double)(views * plan->column_step);
+    lf_film_merge(plan->film, row, half, &worker->sums, weight, lf_hash64(lf_hash64(key, 9), index));
     state->passes += (double)plan->subsets / plan->column_step;
     return plan->hole_reach < 0 || fill_holes(plan, &visit, half, key, index, cancel);
 }

@@ -9,7 +9,7 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
     lf_suffix_draw(visit, pivot, wo, &suffix);
     lf_vec3 radiance = lf_suffix_radiance(visit, pivot, &suffix, wo);
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
-    lf_film_scattered *out = &visit->half.scattered[pixel];
+    lf_film_scattered *out = &visit->sums.half.scattered[pixel];
     visit->worker->contributions++;
     if (!isfinite(radiance.x + radiance.y + radiance.z)) {
         visit->worker->tracer.nonfinite++;
@@ -19,8 +19,8 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
     out->n[1] += pivot->boost * radiance.y;
     out->n[2] += pivot->boost * radiance.z;
     out->w += pivot->boost;
-    if (visit->half.w2)
-        visit->half.w2[pixel] += pivot->boost;
+    if (visit->sums.half.w2)
+        visit->sums.half.w2[pixel] += pivot->boost;
 }
 
 const lf_integrator lf_integrator_vpt = {.name = "vpt", .shares = false, .pivot = pivot_vpt};

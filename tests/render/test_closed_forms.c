@@ -84,7 +84,7 @@ static bool is_unsettled(const lf_renderer *r, int row, int pixel)
 {
     float q = 0.0f;
     for (int h = 0; h < 2; h++)
-        q += lf_film_at(&r->film, row, h).known[pixel].q;
+        q += lf_film_at(&r->film, row, h).q[pixel];
     return q == 0.0f;
 }
 
@@ -284,7 +284,7 @@ static void cameras_in_one_place_see_one_picture(void **state)
             lf_film_half half = lf_film_at(&r->film, row, h);
             for (int view = 1; view < 3; view++) {
                 assert_memory_equal(half.scattered, half.scattered + (size_t)view * pixels, pixels * sizeof *half.scattered);
-                assert_memory_equal(half.known, half.known + (size_t)view * pixels, pixels * sizeof *half.known);
+                assert_memory_equal(half.q, half.q + (size_t)view * pixels, pixels * sizeof *half.q);
                 assert_memory_equal(half.w2, half.w2 + (size_t)view * pixels, pixels * sizeof *half.w2);
             }
         }

@@ -187,7 +187,7 @@ static void weight_sums(const lf_renderer *r, int row, int pixel, bool second, d
             continue;
         lf_film_half half = lf_film_at(&r->film, row, h);
         *out_w += (double)(second && half.w2 ? half.w2[pixel] : half.scattered[pixel].w);
-        *out_q += state->n[h] * (double)half.known[pixel].q;
+        *out_q += state->n[h] * (double)half.q[pixel];
     }
 }
 
