@@ -104,7 +104,7 @@ typedef struct lf_render_settings {
 typedef struct lf_renderer lf_renderer;
 
 /* A renderer with an empty film. Keeps a reference to scene; pool is borrowed and must outlive it. LF_E_ARG for settings
- * out of range (err says which), LF_E_NOMEM. Memory: about 72 bytes a view pixel. */
+ * out of range (err says which), LF_E_NOMEM. Memory: 40 to 64 bytes a view pixel (film.h). */
 LF_NODISCARD lf_status lf_renderer_create(lf_scene *scene, const lf_render_settings *settings, lf_pool *pool,
                                           lf_renderer **out_renderer, lf_error *err);
 /* Accepts NULL. */
@@ -121,9 +121,8 @@ typedef void (*lf_row_fn)(void *context, int row, int worker);
 /* One pass over a set of rows: row first_row, first_row + row_step, …  Each visited row gets `subsets` passes at once, out
  * of the n_views that make one native sample a view pixel (1 <= subsets <= n_views): they share one row offset, one slice
  * of the volumes and one refresh of B and q. Successive visits of a row alternate between the film's two halves.
- * row_done may be NULL. LF_E_CANCELLED: rows not started have been left out; a row in progress is left unfinished
- * within 20 ms and counted as if it had not been visited only after lf_renderer_restart (cancel means "this picture is
- * over"). Same seed and same sequence of calls give the same film for any number of threads. Allocates nothing. */
+ * row_done may be NULL. LF_E_CANCELLED: rows not started have been left out; a row in progress is left within 20 ms as it was
+ * before this visit. Same seed and same sequence of calls give the same film for any number of threads. Allocates nothing. */
 LF_NODISCARD lf_status lf_renderer_pass(lf_renderer *renderer, int first_row, int row_step, int subsets, lf_row_fn row_done,
                                         void *context, const lf_cancel *cancel);
 

@@ -174,21 +174,22 @@ static void regress(const lf_tile *t, int h, lf_beta *beta)
         beta->lambda[i] = fmin(fmax(beta->lambda[i], -1.0), 2.0);
 }
 
+/* A half's CV+, by the other half's coefficients. */
+static void answer_half_cv(const lf_sums *s, const lf_beta *other, double out[3])
+{
+    double control = other->lambda[0] * (double)(s->w - s->q) + other->lambda[1] * (double)(s->w2 - s->q);
+    for (int c = 0; c < 3; c++)
+        out[c] = (double)s->scattered[c] - other->ratio[c] * control;
+}
+
 /* Known light and the halves' CV+ by their shares; with one half alone there is no other, and beta is 0. */
 static void answer_cv(const lf_tile *t, const lf_tile_pixel *p, const lf_beta beta[2], float out[3])
 {
-    double sum[3];
+    double half[2][3];
+    for (int h = 0; h < 2; h++)
+        answer_half_cv(&p->half[h], &beta[1 - h], half[h]);
     for (int c = 0; c < 3; c++)
-        sum[c] = (double)p->pooled.known[c];
-    for (int h = 0; h < 2; h++) {
-        const lf_sums *s = &p->half[h];
-        const lf_beta *b = &beta[1 - h];
-        double control = b->lambda[0] * (double)(s->w - s->q) + b->lambda[1] * (double)(s->w2 - s->q);
-        for (int c = 0; c < 3; c++)
-            sum[c] += (double)t->share[h] * ((double)s->scattered[c] - b->ratio[c] * control);
-    }
-    for (int c = 0; c < 3; c++)
-        out[c] = (float)sum[c];
+        out[c] = (float)((double)p->pooled.known[c] + (double)t->share[0] * half[0][c] + (double)t->share[1] * half[1][c]);
 }
 
 /* A hole is where scattering is possible and no weight has arrived. */
@@ -199,22 +200,27 @@ static uint8_t flags_of(const lf_sums *s)
     return s->q > 0.0f ? LF_PIXEL_HOLE : LF_PIXEL_SETTLED;
 }
 
-/* (x_A - x_B)^2/4 over I^2 + epsilon, mean over channels. For cv the halves answer as mwis does. */
-static double relative_error(const lf_tile_pixel *p, lf_estimator estimator, bool second, const float answer[3])
+/* s_A s_B (x_A - x_B)^2 over I^2 + epsilon, mean over channels: what the mean of two halves errs by, from how far they are apart. */
+static double relative_error(const lf_tile *t, const lf_tile_pixel *p, lf_estimator estimator, bool second, const lf_beta beta[2],
+                             const float answer[3])
 {
-    float x[2][3];
-    double sum = 0.0;
+    double sum = 0.0, x[2][3];
     for (int h = 0; h < 2; h++) {
-        if (estimator == LF_ESTIMATOR_MIS)
-            answer_mis(&p->half[h], x[h]);
+        float y[3] = {0};
+        if (estimator == LF_ESTIMATOR_CV)
+            answer_half_cv(&p->half[h], &beta[1 - h], x[h]);
+        else if (estimator == LF_ESTIMATOR_MIS)
+            answer_mis(&p->half[h], y);
         else
-            answer_ratio(&p->half[h], second, x[h]);
+            answer_ratio(&p->half[h], second, y);
+        for (int c = 0; c < 3; c++)
+            x[h][c] = estimator == LF_ESTIMATOR_CV ? x[h][c] + (double)p->half[h].known[c] : (double)y[c];
     }
     for (int c = 0; c < 3; c++) {
-        double d = (double)x[0][c] - (double)x[1][c];
-        sum += 0.25 * d * d / ((double)answer[c] * (double)answer[c] + LF_ERROR_EPSILON);
+        double d = x[0][c] - x[1][c];
+        sum += d * d / ((double)answer[c] * (double)answer[c] + LF_ERROR_EPSILON);
     }
-    return sum / 3.0;
+    return (double)t->share[0] * (double)t->share[1] * sum / 3.0;
 }
 
 static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t *flags, lf_film_row *state)
@@ -241,7 +247,7 @@ static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t
         if (flags)
             flags[pixel] = f;
         if (t->n_halves == 2)
-            state->relative_error += relative_error(p, estimator, second, answer);
+            state->relative_error += relative_error(t, p, estimator, second, beta, answer);
     }
 }
 
