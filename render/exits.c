@@ -41,7 +41,8 @@ static void trace_fan(lf_worker *worker, const lf_visit *visit, int lanes, struc
 }
 
 /* One ray's known light and pivot probability; transmittance = 1 - q_medium, along the whole ray or to its surface. */
-static void write_known(const lf_visit *visit, size_t pixel, int k, const struct RTCRayHit8 *hits, float q_medium, const lf_vec3 *sky)
+static void write_known(const lf_visit *visit, size_t pixel, int k, const struct RTCRayHit8 *hits, float q_medium,
+                        const lf_vec3 *sky)
 {
     const lf_worker *worker = visit->worker;
     const struct RTCRayHit8 *h = hits ? &hits[k / LF_LANES] : NULL;

@@ -25,8 +25,8 @@ typedef struct lf_tile {
     const lf_film *film;
     lf_film_half half[2];
     const lf_film_known *known; /* NULL where B is sky (1 - q) */
-    float n[2];     /* expected samples of each half; 0 = it has none */
-    float share[2]; /* of all samples */
+    float n[2];                 /* expected samples of each half; 0 = it has none */
+    float share[2];             /* of all samples */
     int n_halves;
     int view0, view1, column0, column1;
     int count;
