@@ -159,6 +159,9 @@ deps:
 run bench:
 	@$(SRCDIR)/.ci/deps install build
 	@$(self) $(jobs) $@-now
+bench-peers:
+	@$(SRCDIR)/.ci/deps install build peers
+	@$(self) $(jobs) $@-now
 check verify:
 	@$(SRCDIR)/.ci/deps install build test
 	@$(self) $(jobs) $@-now
