@@ -9,7 +9,7 @@
 #include "quilt/quilt.h"
 #include "tests/render/fans.h"
 
-enum { VIEWS = 45, WIDTH = 60, HEIGHT = 80 };
+enum { VIEWS = 45, WIDTH = 60, HEIGHT = 80, PIXELS = 100 };
 
 /* FNV-1a. */
 static uint64_t mix(uint64_t hash, const void *data, size_t n)
@@ -96,12 +96,12 @@ static void tones(void)
         lf_tone *tone = NULL;
         demand(lf_tone_create(0.37, maps[m], &tone, NULL) == LF_OK, "no tone map");
         uint64_t hash = start;
-        for (uint64_t bits = 0; bits + 3 * 4099 < 1ull << 32; bits += 3 * 4099) {
-            float in[3];
-            uint8_t out[3];
-            for (uint32_t c = 0; c < 3; c++)
-                memcpy(&in[c], &(uint32_t){(uint32_t)bits + c * 4099}, sizeof in[c]);
-            lf_tone_map(tone, 1, in, out);
+        for (uint64_t bits = 0; bits < 1ull << 32;) {
+            float in[PIXELS * 3];
+            uint8_t out[PIXELS * 3];
+            for (int i = 0; i < PIXELS * 3; i++, bits += 4099)
+                memcpy(&in[i], &(uint32_t){(uint32_t)bits}, sizeof in[i]);
+            lf_tone_map(tone, PIXELS, in, out);
             hash = mix(hash, out, sizeof out);
         }
         say(maps[m], hash);
@@ -192,8 +192,8 @@ static void fills_and_rectangles(void)
         for (size_t c = 0; c < 3; c++)
             rgb[3 * i + c] = (uint8_t)lf_hash64(9, 3 * i + c);
     }
-    int64_t left = lf_fill(VIEWS, WIDTH, HEIGHT, rgb, missing, 4, filled, 4, NULL, NULL);
-    say("fill", mix(mix(start, &left, sizeof left), filled, 3 * n));
+    int64_t far_off, left = lf_fill(VIEWS, WIDTH, HEIGHT, rgb, missing, 4, filled, 1, &far_off, NULL);
+    say("fill", mix(mix(mix(start, &left, sizeof left), &far_off, sizeof far_off), filled, 3 * n));
     lf_image8 a = {.width = WIDTH, .height = HEIGHT * VIEWS, .channels = 3, .stride = (size_t)WIDTH * 3, .data = rgb};
     lf_image8 b = a;
     b.data = filled;
