@@ -36,7 +36,7 @@ static const lf_light *pick(const lf_scene *scene, float *u)
         count = below ? count - half - 1 : half;
     }
     const lf_light *light = &scene->lights[first];
-    *u = fminf(fmaxf((*u - (light->cumulative - light->select)) / light->select, 0.0f), 0x1.fffffep-1f);
+    *u = lf_min(lf_max((*u - (light->cumulative - light->select)) / light->select, 0.0f), 0x1.fffffep-1f);
     return light;
 }
 

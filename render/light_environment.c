@@ -10,7 +10,7 @@
 static float texel_mean(const lf_environment *e, int x, int y)
 {
     const float *t = e->rgb + 3 * ((size_t)y * (size_t)e->width + (size_t)x);
-    return (fmaxf(t[0], 0.0f) + fmaxf(t[1], 0.0f) + fmaxf(t[2], 0.0f)) * (1.0f / 3.0f);
+    return (lf_max(t[0], 0.0f) + lf_max(t[1], 0.0f) + lf_max(t[2], 0.0f)) * (1.0f / 3.0f);
 }
 
 static double texel_weight(const lf_environment *e, int x, int y)
@@ -60,7 +60,7 @@ static bool make_cdf(const double *weight, int n, float *cdf)
     for (int i = 0; i < n; i++) {
         if (weight[i] > 0.0)
             sum += (1.0 - EVEN_SHARE) * weight[i] / total + EVEN_SHARE / lit;
-        cdf[i + 1] = i >= last ? 1.0f : fminf(lf_cumulative_round(sum), 1.0f);
+        cdf[i + 1] = i >= last ? 1.0f : lf_min(lf_cumulative_round(sum), 1.0f);
     }
     return total > 0.0;
 }
@@ -135,7 +135,7 @@ static lf_vec3 bilinear(const lf_environment *e, float x, float y)
     for (int i = 0; i < 3; i++) {
         float a = upper[3 * x0 + i] + ax * (upper[3 * x1 + i] - upper[3 * x0 + i]);
         float b = lower[3 * x0 + i] + ax * (lower[3 * x1 + i] - lower[3 * x0 + i]);
-        c[i] = fmaxf(a + ay * (b - a), 0.0f);
+        c[i] = lf_max(a + ay * (b - a), 0.0f);
     }
     return lf_v3(c[0], c[1], c[2]);
 }
@@ -161,7 +161,7 @@ lf_vec3 lf_environment_escape(const lf_light *light, lf_vec3 w, float *out_pdf)
         return light->radiance;
     }
     direction_to_texel(e, rotate(light->to_environment, w), &x, &y);
-    int column = (int)fminf(x, (float)(e->width - 1)), row = (int)fminf(y, (float)(e->height - 1));
+    int column = (int)lf_min(x, (float)(e->width - 1)), row = (int)lf_min(y, (float)(e->height - 1));
     *out_pdf = e->pdf[(size_t)row * (size_t)e->width + (size_t)column];
     return lf_mul(light->radiance, bilinear(e, x, y));
 }

@@ -51,7 +51,7 @@ static inline int lf_cdf_find(const float *cdf, int n, float u, float *remainder
         first = above ? first + half : first;
         count = above ? count - half : half;
     }
-    *remainder = fminf((u - cdf[first]) / (cdf[first + 1] - cdf[first]), 0x1.fffffep-1f);
+    *remainder = lf_min((u - cdf[first]) / (cdf[first + 1] - cdf[first]), 0x1.fffffep-1f);
     return first;
 }
 

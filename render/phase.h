@@ -12,7 +12,7 @@ static inline float lf_phase(float g, float cos_theta)
     float d = (1.0f - g) * (1.0f - g) + 2.0f * g * (1.0f - cos_theta);
     if (g < 0.0f)
         d = (1.0f + g) * (1.0f + g) - 2.0f * g * (1.0f + cos_theta);
-    d = fmaxf(d, 1e-12f);
+    d = lf_max(d, 1e-12f);
     return LF_INV_4PI * (1.0f - g * g) / (d * sqrtf(d));
 }
 
@@ -22,7 +22,7 @@ static inline float lf_phase_between(float g, lf_vec3 w, lf_vec3 w_after)
 {
     float a = fabsf(g);
     lf_vec3 c = lf_madd(w_after, -copysignf(1.0f, g), w);
-    float d = fmaxf((1.0f - a) * (1.0f - a) + a * lf_dot(c, c), 1e-12f);
+    float d = lf_max((1.0f - a) * (1.0f - a) + a * lf_dot(c, c), 1e-12f);
     return LF_INV_4PI * (1.0f - a) * (1.0f + a) / (d * sqrtf(d));
 }
 

@@ -39,5 +39,5 @@ lf_vec3 lf_conductor_delta(const lf_material *m, lf_vec3 ns, lf_vec3 wo)
     float cos_o = lf_dot(ns, wo);
     if (lf_material_alpha(m) >= LF_ALPHA_MIN || !(cos_o > LF_MIN_COS))
         return lf_v3(0.0f, 0.0f, 0.0f);
-    return schlick(m->albedo, fminf(cos_o, 1.0f));
+    return schlick(m->albedo, lf_min(cos_o, 1.0f));
 }

@@ -26,7 +26,7 @@ static inline float lf_material_alpha(const lf_material *m)
 static inline lf_vec3 lf_cosine_sample(float u0, float u1)
 {
     float r = sqrtf(u0), phi = 2.0f * LF_PI * u1;
-    return lf_v3(r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u0, 0.0f)));
+    return lf_v3(r * cosf(phi), r * sinf(phi), sqrtf(lf_max(1.0f - u0, 0.0f)));
 }
 
 /* Density of GGX normals (Walter et al. 2007, eq. 33) at the unit vector h, h.z > 0. The sine comes from x and y: 1 - z^2 has no
@@ -55,7 +55,7 @@ static inline lf_ggx_lobe lf_ggx_eval(float alpha, lf_vec3 wo, lf_vec3 wi)
 {
     lf_vec3 h = lf_normalize(lf_add(wo, wi));
     float d = 0.5f * lf_ggx_d(alpha, h), ro = lf_ggx_root(alpha, wo.z), ri = lf_ggx_root(alpha, wi.z);
-    return (lf_ggx_lobe){.f = d * wi.z / (wi.z * ro + wo.z * ri), .pdf = d / (wo.z + ro), .cos_oh = fminf(lf_dot(wo, h), 1.0f)};
+    return (lf_ggx_lobe){.f = d * wi.z / (wi.z * ro + wo.z * ri), .pdf = d / (wo.z + ro), .cos_oh = lf_min(lf_dot(wo, h), 1.0f)};
 }
 
 /* Draws a normal visible from wo (the distribution of Heitz 2018, JCGT 7(4)) by the spherical cap of Dupuy and Benyoub 2023 and
@@ -64,8 +64,8 @@ static inline lf_vec3 lf_ggx_sample(float alpha, lf_vec3 wo, float u0, float u1)
 {
     lf_vec3 v = lf_normalize(lf_v3(alpha * wo.x, alpha * wo.y, wo.z));
     float phi = 2.0f * LF_PI * u0, z = (1.0f - u1) * (1.0f + v.z) - v.z;
-    float r = sqrtf(fmaxf((1.0f - z) * (1.0f + z), 0.0f));
-    lf_vec3 h = lf_normalize(lf_v3(alpha * (r * cosf(phi) + v.x), alpha * (r * sinf(phi) + v.y), fmaxf(z + v.z, 1e-12f)));
+    float r = sqrtf(lf_max((1.0f - z) * (1.0f + z), 0.0f));
+    lf_vec3 h = lf_normalize(lf_v3(alpha * (r * cosf(phi) + v.x), alpha * (r * sinf(phi) + v.y), lf_max(z + v.z, 1e-12f)));
     return lf_normalize(lf_sub(lf_scale(h, 2.0f * lf_dot(wo, h)), wo));
 }
 

@@ -33,7 +33,7 @@ typedef struct plastic {
 
 static plastic plastic_init(const lf_material *m, float cos_o)
 {
-    plastic p = {.alpha = lf_material_alpha(m), .eta = m->ior, .fresnel_o = lf_fresnel_dielectric(fminf(cos_o, 1.0f), m->ior)};
+    plastic p = {.alpha = lf_material_alpha(m), .eta = m->ior, .fresnel_o = lf_fresnel_dielectric(lf_min(cos_o, 1.0f), m->ior)};
     float base = (1.0f - p.fresnel_o) * lf_mean3(m->albedo), sum = p.fresnel_o + base;
     p.rough = p.alpha >= LF_ALPHA_MIN;
     p.select = !p.rough ? 0.0f : sum > 0.0f ? p.fresnel_o / sum : 1.0f;
@@ -47,7 +47,7 @@ static float base_component(float albedo, float transmittance, float eta)
 
 static lf_vec3 base_lobe(const lf_material *m, const plastic *p, float cos_i)
 {
-    float te = diffuse_transmittance(p->eta), ti = 1.0f - lf_fresnel_dielectric(fminf(cos_i, 1.0f), p->eta);
+    float te = diffuse_transmittance(p->eta), ti = 1.0f - lf_fresnel_dielectric(lf_min(cos_i, 1.0f), p->eta);
     float k = (p->rough ? ROUGH_MARGIN : 1.0f) * (1.0f - p->fresnel_o) * ti * cos_i * LF_INV_PI;
     return lf_v3(k * base_component(m->albedo.x, te, p->eta), k * base_component(m->albedo.y, te, p->eta),
                  k * base_component(m->albedo.z, te, p->eta));
@@ -63,7 +63,7 @@ static float eval_local(const lf_material *m, const plastic *p, lf_vec3 wo, lf_v
     float pdf = (1.0f - p->select) * wi.z * LF_INV_PI;
     if (p->rough) {
         lf_ggx_lobe coat = lf_ggx_eval(p->alpha, wo, wi);
-        float k = coat.f * lf_fresnel_dielectric(fmaxf(coat.cos_oh, 0.0f), p->eta);
+        float k = coat.f * lf_fresnel_dielectric(lf_max(coat.cos_oh, 0.0f), p->eta);
         *f = lf_add(*f, lf_v3(k, k, k));
         pdf += p->select * coat.pdf;
     }
@@ -104,6 +104,6 @@ lf_vec3 lf_plastic_delta(const lf_material *m, lf_vec3 ns, lf_vec3 wo)
     float cos_o = lf_dot(ns, wo);
     if (lf_material_alpha(m) >= LF_ALPHA_MIN || !(cos_o > LF_MIN_COS))
         return lf_v3(0.0f, 0.0f, 0.0f);
-    float f = lf_fresnel_dielectric(fminf(cos_o, 1.0f), m->ior);
+    float f = lf_fresnel_dielectric(lf_min(cos_o, 1.0f), m->ior);
     return lf_v3(f, f, f);
 }
