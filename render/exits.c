@@ -106,7 +106,7 @@ bool lf_exits_uniform(const lf_scene *scene, float out_sky[3])
 
 float lf_exits_film_point(uint64_t key, int column, uint32_t index)
 {
-    return lf_sampler_radical(lf_hash64(key, (uint64_t)column), index);
+    return lf_sampler_partner(lf_hash64(key, 0), lf_hash64(lf_hash64(key, 5), (uint64_t)column), index);
 }
 
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
@@ -123,7 +123,8 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
     for (int column = 0; column < rig->width; column++) {
         float xw = rig->x0 + ((float)column + lf_exits_film_point(key, column, index)) * rig->dx, lx = 0.0f;
         if (visit->plane.lens_chord > 0.0f)
-            lx = (2.0f * lf_exits_film_point(lf_hash64(key, ~0u), column, index) - 1.0f) * visit->plane.lens_chord;
+            lx = (2.0f * lf_sampler_radical(lf_hash64(lf_hash64(key, 10), (uint64_t)column), index) - 1.0f) *
+                 visit->plane.lens_chord;
         for (int k = 0; k < lanes; k++) {
             worker->x0[k] = rig->b[k] + lx;
             worker->slope[k] = (xw - rig->b[k]) / rig->distance - lx / rig->focus;

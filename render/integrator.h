@@ -116,7 +116,8 @@ typedef struct lf_visit_plan {
 /* Runs it on one worker; false = cancelled in the middle (the row's sums are then worthless). */
 bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worker, const lf_cancel *cancel);
 
-/* The film point of a pixel column in this visit, in [0, 1) of its width; key as given to lf_exits_row. */
+/* The film point of a pixel column in this visit, in [0, 1) of its width; key is the half's stream. With the row offset of the visit, the
+ * first of lf_hash64(key, 0), it covers the pixel as a net. */
 float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 
 /* B and q of one row for this visit (exits.c), into the visit's sums; index is its number in its half. */

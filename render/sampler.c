@@ -36,6 +36,12 @@ static inline float unit(uint32_t x)
     return (float)(x >> 8) * 0x1p-24f;
 }
 
+/* An order of the points: of every 2^k in turn, some permutation within themselves. */
+static inline uint32_t shuffle(uint64_t h, uint32_t index)
+{
+    return reverse_bits(permute_upwards(reverse_bits(index), (uint32_t)h));
+}
+
 static inline bool is_owen(const lf_sampler *s)
 {
     return s->kind == LF_SAMPLER_OWEN && s->dimension < LF_SAMPLER_DIMENSIONS;
@@ -54,7 +60,7 @@ float lf_sampler_1d(lf_sampler *s)
     if (!owen)
         return (float)(lf_hash64(s->state, dimension) >> 40) * 0x1p-24f;
     uint64_t h = lf_hash64(s->key, dimension);
-    uint32_t shuffled = reverse_bits(permute_upwards(reverse_bits(s->index), (uint32_t)h));
+    uint32_t shuffled = shuffle(h, s->index);
     return unit(reverse_bits(permute_upwards(shuffled, (uint32_t)(h >> 32))));
 }
 
@@ -70,12 +76,20 @@ void lf_sampler_2d(lf_sampler *s, float out[2])
         return;
     }
     uint64_t h = lf_hash64(s->key, dimension), h1 = lf_hash64(h, dimension);
-    uint32_t shuffled = reverse_bits(permute_upwards(reverse_bits(s->index), (uint32_t)h));
+    uint32_t shuffled = shuffle(h, s->index);
     out[0] = unit(reverse_bits(permute_upwards(shuffled, (uint32_t)(h >> 32))));
     out[1] = unit(reverse_bits(permute_upwards(pascal(shuffled), (uint32_t)(h1 >> 32))));
 }
 
+/* Without a shuffle of its own each of two such sequences would tell the other, and no mean over both would converge. */
 float lf_sampler_radical(uint64_t key, uint32_t index)
 {
-    return unit(reverse_bits(permute_upwards(index, (uint32_t)(lf_hash64(key, 0) >> 32))));
+    uint64_t h = lf_hash64(key, 0);
+    return unit(reverse_bits(permute_upwards(shuffle(h, index), (uint32_t)(h >> 32))));
+}
+
+float lf_sampler_partner(uint64_t key, uint64_t scramble, uint32_t index)
+{
+    uint32_t shuffled = shuffle(lf_hash64(key, 0), index);
+    return unit(reverse_bits(permute_upwards(pascal(shuffled), (uint32_t)(lf_hash64(scramble, 0) >> 32))));
 }

@@ -32,7 +32,11 @@ void lf_sampler_init(lf_sampler *s, lf_sampler_kind kind, uint64_t key, uint32_t
 /* In [0, 1), multiples of 2^-24. */
 float lf_sampler_1d(lf_sampler *s);
 void lf_sampler_2d(lf_sampler *s, float out[2]);
-/* Point `index` of a one-dimensional Owen-scrambled radical inverse with this key (row offsets, film points of exits). */
+/* Point `index` of a one-dimensional Owen-scrambled radical inverse with this key, in an order of the key's own (what a visit of a row
+ * draws for all of it): sequences of different keys are independent. */
 float lf_sampler_radical(uint64_t key, uint32_t index);
+/* The second dimension of a net whose first is lf_sampler_radical(key, index), scrambled by another key: (0, 2)-nets in base 2, one
+ * for every scramble, that share their first coordinate (film points of exits beside row offsets). */
+float lf_sampler_partner(uint64_t key, uint64_t scramble, uint32_t index);
 
 #endif

@@ -238,7 +238,7 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uin
         for (int column = 0, filled = -1; column < width; column++) {
             size_t pixel = (size_t)view * (size_t)width + (size_t)column;
             for (int i = 0; i < TRIES && column - filled >= plan->hole_reach && is_hole(halves, state->n, pixel); i++) {
-                float film = i == 0 ? lf_exits_film_point(lf_hash64(key, 5), column, index) : -1.0f;
+                float film = i == 0 ? lf_exits_film_point(key, column, index) : -1.0f;
                 if (cancelled(cancel))
                     return false;
                 base_sample(plan, visit, view, column, film, hole_key, index * TRIES + (uint32_t)i);
@@ -269,7 +269,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 8), index);
     if (plan->subsets > 0)
-        lf_exits_row(plan, &visit, lf_hash64(key, 5), index);
+        lf_exits_row(plan, &visit, key, index);
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 0), index);
     int first = plan->column_step > 1 ? (int)((random >> 32) % (uint64_t)plan->column_step) : 0;

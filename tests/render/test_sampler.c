@@ -74,6 +74,38 @@ static void aligned_blocks_of_one_dimension_are_stratified(void **state)
     }
 }
 
+/* What a visit draws for its whole row (its offset, the lens, the slices' phase) and for a column of it are such pairs: if one sequence
+ * told the other, no mean over both would converge. Of 64 cells each is filled as it should be within 5 standard errors. */
+static void sequences_of_different_keys_fill_the_square(void **state)
+{
+    (void)state;
+    for (uint64_t key = 0; key < 40; key++) {
+        int cell[8][8] = {{0}};
+        for (uint32_t i = 0; i < 4096; i++) {
+            float x = lf_sampler_radical(lf_hash64(key, 0), i), y = lf_sampler_radical(lf_hash64(key, 1), i);
+            cell[(int)(8 * y)][(int)(8 * x)]++;
+        }
+        for (int i = 0; i < 64; i++)
+            assert_in_range(cell[i / 8][i % 8], 64 - 40, 64 + 40);
+    }
+}
+
+static void partners_share_a_coordinate_and_are_nets(void **state)
+{
+    (void)state;
+    float points[1024][2];
+    for (uint64_t key = 0; key < 20; key++) {
+        for (uint32_t i = 0; i < 1024; i++) {
+            points[i][0] = lf_sampler_radical(key, 2048 + i);
+            points[i][1] = lf_sampler_partner(key, lf_hash64(key, 9), 2048 + i);
+        }
+        assert_true(is_net(points, 10));
+        for (uint32_t i = 0; i < 1024; i++)
+            points[i][0] = lf_sampler_radical(key + 1, 2048 + i);
+        assert_false(is_net(points, 10));
+    }
+}
+
 static void values_depend_on_key_index_and_dimension_alone(void **state)
 {
     (void)state;
@@ -199,6 +231,8 @@ int main(void)
         cmocka_unit_test(aligned_blocks_of_owen_pairs_are_nets),
         cmocka_unit_test(independent_points_are_no_net),
         cmocka_unit_test(aligned_blocks_of_one_dimension_are_stratified),
+        cmocka_unit_test(sequences_of_different_keys_fill_the_square),
+        cmocka_unit_test(partners_share_a_coordinate_and_are_nets),
         cmocka_unit_test(values_depend_on_key_index_and_dimension_alone),
         cmocka_unit_test(single_points_are_uniform),
         cmocka_unit_test(dimensions_are_uncorrelated),
