@@ -18,6 +18,7 @@ static const struct command {
 } commands[] = {
     {"error", lf_bench_error, "how far a picture is from a reference"},
     {"compare", lf_bench_compare, "error of two integrators after equal CPU time"},
+    {"quilt", lf_bench_quilt, "interlacing, tone mapping, filling and print against copying"},
 };
 
 static void print_help(void)
