@@ -12,6 +12,7 @@
 /* argv[0] is the command's name. */
 int lf_bench_error(int argc, char **argv);
 int lf_bench_compare(int argc, char **argv);
+int lf_bench_micro(int argc, char **argv);
 int lf_bench_quilt(int argc, char **argv);
 /* argv[0] is the program's name. */
 int lf_bench_all(int argc, char **argv);

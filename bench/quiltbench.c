@@ -18,6 +18,7 @@ static const struct command {
 } commands[] = {
     {"error", lf_bench_error, "how far a picture is from a reference"},
     {"compare", lf_bench_compare, "error of two integrators after equal CPU time"},
+    {"micro", lf_bench_micro, "the inner loops one by one, every instruction set against plain C"},
     {"quilt", lf_bench_quilt, "interlacing, tone mapping, filling and print against copying"},
 };
 

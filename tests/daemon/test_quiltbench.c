@@ -222,6 +222,87 @@ static void a_comparison_says_what_it_compared(void **state)
     assert_error_line(d, "the median ratio is");
 }
 
+/* The line of a table in JSON whose `key` is `value`, the k-th such. */
+static const json_t *line_of(const json_t *object, const char *key, const char *value, int k)
+{
+    size_t i;
+    const json_t *line;
+
+    json_array_foreach(json_object_get(object, "lines"), i, line)
+    {
+        if (strcmp(json_string_value(json_object_get(line, key)), value) == 0 && k-- == 0)
+            return line;
+    }
+    fail_msg("no line \"%s\"", value);
+    return NULL;
+}
+
+static void write_fog(const char *folder)
+{
+    lf_test_write(folder, "fog.json",
+                  "{\"quiltd\": 1, \"camera\": {\"target\": [0,0,0], \"position\": [0,0,5], \"fov_y\": 30, \"views\": 12},"
+                  " \"volumes\": {\"fog\": {\"shape\": \"sphere\", \"density\": 4, \"albedo\": 0.9}},"
+                  " \"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 1}}}");
+}
+
+static void kernels_are_timed_and_must_agree(void **state)
+{
+    const char *d = *state;
+
+    write_fog(d);
+    assert_int_equal(run(d, "micro fog.json --view-size 40x30 --repeat 2 --json m.json"), 0);
+    json_t *m = load(d, "m.json");
+    lf_assert_close(number(m, "views"), 12, 0, 0);
+    /* through the middle of the ball it is 8 mean free paths, on average over the row a quarter of pi of that */
+    lf_assert_close(number(m, "optical_depth"), 6.283, 0.1, 0);
+    static const char *const kernels[] = {"march to a collision", "densities", "march through (exits fan)", "through a shape",
+                                          "transmittances of a pivot"};
+    for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; i++) {
+        const json_t *plain = line_of(m, "what", kernels[i], 0);
+        assert_string_equal(json_string_value(json_object_get(plain, "kernels")), "c");
+        lf_assert_close(number(plain, "times_plain_c"), 1, 1e-12, 0);
+        assert_true(number(plain, "ns") > 0);
+    }
+    assert_true(number(line_of(m, "what", "suffix", 0), "ns") > 0);
+    json_decref(m);
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) {
+        assert_int_equal(run(d, "micro fog.json --view-size 40x30 --repeat 1 --fault"), 1);
+        assert_error_line(d, "the avx2 kernels answer something else than the plain C ones");
+    }
+#endif
+    assert_int_equal(run(d, "micro"), 2);
+    assert_error_line(d, "micro: expects one SCENE");
+    assert_int_equal(run(d, "micro fog.json --repeat 0"), 2);
+    assert_int_equal(run(d, "micro none.json"), 1);
+}
+
+static void what_is_between_views_and_panel_is_timed(void **state)
+{
+    const char *d = *state;
+
+    lf_test_write(d, "visual.json",
+                  "{\"configVersion\":\"3.0\",\"serial\":\"LKG-T\",\"pitch\":50.0,\"slope\":-7.0,\"center\":0.1,\"DPI\":324.0,"
+                  "\"screenW\":96.0,\"screenH\":64.0,\"viewCone\":40.0,\"invView\":1.0,\"flipImageX\":0.0,\"flipImageY\":0.0,"
+                  "\"flipSubp\":0.0}");
+    assert_int_equal(run(d, "quilt visual.json --views 8 --view-size 24x16 --repeat 3 --threads 2 --json q.json"), 0);
+    json_t *q = load(d, "q.json");
+    for (int threads = 0; threads < 2; threads++) {
+        const json_t *line = line_of(q, "what", "LKG-T 96x64: interlace nearest", threads);
+        lf_assert_close(number(line, "threads"), threads + 1, 0, 0);
+        lf_assert_close(number(line, "bytes_in"), 8 * 24 * 16 * 3, 0, 0);
+        lf_assert_close(number(line, "bytes_out"), 96 * 64 * 3, 0, 0);
+        assert_true(number(line, "ms") > 0 && number(line, "cpu_ms") > 0 && number(line, "ratio_to_copy") > 0);
+    }
+    lf_assert_close(number(line_of(q, "what", "tone mapping, srgb", 0), "bytes_in"), 8 * 24 * 16 * 12, 0, 0);
+    line_of(q, "what", "fill, 50 % missing", 1);
+    line_of(q, "what", "print, nearest", 0);
+    json_decref(q);
+    assert_int_equal(run(d, "quilt none.json"), 1);
+    assert_int_equal(run(d, "quilt --views 0"), 2);
+    assert_int_equal(run(d, "quilt --repeat"), 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -230,6 +311,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(one_view_is_picked_out_of_many, set_up, tear_down),
         cmocka_unit_test_setup_teardown(wrong_usage_is_one_line_and_exit_2, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_comparison_says_what_it_compared, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(kernels_are_timed_and_must_agree, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_is_between_views_and_panel_is_timed, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,497 @@
+/* quiltbench micro SCENE: the inner loops one by one, on fans of rays that this scene gives. Every instruction set's kernels are held
+ * against the plain C ones, bit for bit, and timed in turns with them. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "bench/bench.h"
+#include "bench/timing.h"
+#include "daemon/options.h"
+#include "render/renderer.h"
+
+#define N_FANS 512
+#define N_RAYS 4096
+#define MAX_TABLES 8
+
+typedef struct arguments {
+    lf_options options;
+    const char *scene, *json;
+    int repeat;
+    bool fault;
+} arguments;
+
+/* One ray a view, as the march takes them. */
+typedef struct fan {
+    float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES];
+} fan;
+
+/* What the kernels answered for all fans. */
+typedef struct answers {
+    float tau[N_FANS][LF_MAX_LANES], sigma[N_FANS][LF_MAX_LANES], density[N_FANS][LF_MAX_LANES], sum[N_FANS];
+} answers;
+
+typedef struct bench {
+    const arguments *arguments;
+    lf_scene *scene;
+    lf_pool *pool;
+    lf_renderer *renderer;
+    lf_worker *worker;
+    lf_row_plane plane;
+    lf_body body; /* a shape of the size of the window, for the kernel of shapes */
+    int lanes, n_fans, n_rays;
+    fan *pivots, *exits; /* [N_FANS] that end at a collision, and that go through */
+    int medium[N_FANS];
+    lf_event *events; /* [N_RAYS] collisions … */
+    lf_vec3 *ways;    /* … and a direction from each */
+    answers *answers[2];
+    double mean_depth;
+    json_t *lines;
+} bench;
+
+enum { OPTION_REPEAT = LF_OPTION_OWN, OPTION_JSON, OPTION_FAULT };
+
+static const struct option table[] = {
+    LF_OPTIONS_LONG("calibration"),
+    {"repeat", required_argument, NULL, OPTION_REPEAT},
+    {"json", required_argument, NULL, OPTION_JSON},
+    {"fault", no_argument, NULL, OPTION_FAULT},
+    {NULL, 0, NULL, 0},
+};
+
+static void print_help(void)
+{
+    printf("Usage: quiltbench micro SCENE [options]\n"
+           "CPU time of the inner loops on the fans of rays of this scene's middle row, in ns a view or an item. Exits 1 when\n"
+           "the kernels of an instruction set answer anything else than the plain C ones.\n\n"
+           "  --repeat N             repetitions; their median counts (15)\n"
+           "  --fault                spoils a bit of an answer: the run must fail\n"
+           "  --json FILE            the numbers as JSON (- for stdout)\n" LF_OPTIONS_HELP_VIEWS
+           "  --seed S               of the rays (0)\n"
+           "  --help                 this text\n");
+}
+
+static lf_status take(arguments *a, int code, const char *text, lf_error *err)
+{
+    bool taken = false;
+    int64_t number = 0;
+    lf_status status = lf_options_take(&a->options, code, text, &taken, err);
+
+    if (status != LF_OK || taken)
+        return status;
+    switch (code) {
+    case OPTION_REPEAT:
+        status = lf_parse_int("--repeat", text, 1, LF_TIMING_MAX, &number, err);
+        a->repeat = (int)number;
+        return status;
+    case OPTION_FAULT:
+        a->fault = true;
+        return LF_OK;
+    default:
+        a->json = text;
+        return LF_OK;
+    }
+}
+
+static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
+{
+    int code = 0;
+
+    *out_done = false;
+    for (;;) {
+        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
+        if (status != LF_OK)
+            return status;
+        if (code == -1)
+            break;
+        if (code == LF_OPTION_HELP || code == LF_OPTION_VERSION) {
+            code == LF_OPTION_HELP ? print_help() : lf_print_version(LF_BENCH_PROGRAM);
+            *out_done = true;
+            return LF_OK;
+        }
+        status = take(a, code, optarg, err);
+        if (status != LF_OK)
+            return status;
+    }
+    if (argc - optind != 1)
+        return lf_error_set(err, LF_E_ARG, "micro", "expects one SCENE (see quiltbench micro --help)");
+    a->scene = argv[optind];
+    return LF_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------------ rays -- */
+
+static fan fan_to(const bench *b, float x, float z)
+{
+    const lf_rig *rig = &b->renderer->rig;
+    fan f;
+
+    for (int k = 0; k < b->lanes; k++) {
+        f.x0[k] = rig->b[k];
+        f.slope[k] = (x - rig->b[k]) / (isfinite(z) ? z : rig->distance);
+        f.z_end[k] = z;
+    }
+    return f;
+}
+
+/* Where base rays of the row collide; the fans that meet there, and those through the same points of the window. */
+static void draw_fans(bench *b)
+{
+    const lf_rig *rig = &b->renderer->rig;
+    lf_tracer *tracer = &b->worker->tracer;
+    int tries = 0;
+
+    for (; b->n_rays < N_RAYS && tries < 64 * N_RAYS; tries++) {
+        int view = (int)(lf_rng(tracer) * (float)rig->n_views);
+        float window = rig->x0 + lf_rng(tracer) * (float)rig->width * rig->dx;
+        lf_media_ray ray = {.x0 = rig->b[view], .slope = (window - rig->b[view]) / rig->distance, .z_end = INFINITY};
+        ray.length = sqrtf(1.0f + ray.slope * ray.slope + b->plane.my * b->plane.my);
+        lf_collision c = lf_media_collide(&b->worker->media, &ray, lf_rng(tracer), false, tracer);
+        if (!isfinite(c.z))
+            continue;
+        float x = ray.x0 + ray.slope * c.z;
+        if (b->n_fans < N_FANS) {
+            b->medium[b->n_fans] = c.medium;
+            b->exits[b->n_fans] = fan_to(b, window, INFINITY);
+            b->pivots[b->n_fans++] = fan_to(b, x, c.z);
+        }
+        lf_vec3 travel = lf_normalize(lf_rig_direction(rig, ray.slope, b->plane.my, 1.0f));
+        b->events[b->n_rays] = (lf_event){.kind = LF_EVENT_MEDIUM, .w = travel};
+        b->events[b->n_rays].p = lf_rig_point(rig, x, b->plane.ly + b->plane.my * c.z, c.z);
+        b->events[b->n_rays].volume = b->worker->media.item[c.medium].volume;
+        b->ways[b->n_rays++] = lf_phase_sample(0.0f, travel, (float[2]){lf_rng(tracer), lf_rng(tracer)});
+    }
+}
+
+/* Mean optical depth of the middle view's rays that meet anything, for what the line says of the scene. */
+static void measure_depth(bench *b)
+{
+    const lf_rig *rig = &b->renderer->rig;
+    double sum = 0;
+    int n = 0;
+
+    for (int u = 0; u < rig->width; u++) {
+        fan f = fan_to(b, rig->x0 + ((float)u + 0.5f) * rig->dx, INFINITY);
+        float tau[LF_MAX_LANES];
+        lf_media_depths(&b->worker->media, lf_kernels_get(), b->lanes, f.x0, f.slope, f.z_end, tau, -1, NULL);
+        sum += (double)tau[rig->n_views / 2];
+        n += tau[rig->n_views / 2] > 0;
+    }
+    b->mean_depth = n ? sum / n : 0;
+}
+
+static lf_status prepare(bench *b, lf_error *err)
+{
+    const arguments *a = b->arguments;
+    lf_render_settings settings;
+    lf_layout layout;
+    lf_status status = lf_scene_load(a->scene, NULL, NULL, &b->scene, err);
+
+    if (status == LF_OK)
+        status = lf_resolve_view(&a->options, lf_scene_camera(b->scene), NULL, &settings, &layout, err);
+    if (status == LF_OK && lf_pool_create(1, &b->pool) != LF_OK)
+        status = lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
+    if (status == LF_OK)
+        status = lf_renderer_create(b->scene, &settings, b->pool, &b->renderer, err);
+    if (status != LF_OK)
+        return status;
+    b->pivots = lf_calloc(N_FANS, sizeof *b->pivots);
+    b->exits = lf_calloc(N_FANS, sizeof *b->exits);
+    b->events = lf_calloc(N_RAYS, sizeof *b->events);
+    b->ways = lf_calloc(N_RAYS, sizeof *b->ways);
+    for (int i = 0; i < 2; i++)
+        b->answers[i] = lf_calloc(1, sizeof *b->answers[i]);
+    if (!b->pivots || !b->exits || !b->events || !b->ways || !b->answers[0] || !b->answers[1])
+        return lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
+    const lf_rig *rig = &b->renderer->rig;
+    b->worker = b->renderer->workers[0];
+    b->worker->tracer.scene = b->renderer->scene;
+    b->worker->tracer.rng = lf_hash64(a->options.seed, 1);
+    b->lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    lf_rig_row_plane(rig, 0.5f * (float)rig->height, (float[2]){0.5f, 0.5f}, &b->plane);
+    lf_media_cut(&b->worker->media, &b->renderer->frame, b->renderer->scene, rig, &b->plane, 0.5f, &b->worker->tracer.lookups);
+    draw_fans(b);
+    if (b->n_fans < N_FANS)
+        return lf_error_set(err, LF_E_ARG, a->scene, "rays of the middle row hardly collide with a volume: nothing to measure");
+    measure_depth(b);
+    b->body = (lf_body){.sphere = true, .sigma_t = 1.0f, .depth = {0, 0, 1}};
+    b->body.origin[2] = -rig->distance;
+    b->body.across[0] = 1.0f;
+    return LF_OK;
+}
+
+/* --------------------------------------------------------------------------------------------------------- kernels -- */
+
+static void run_march(const bench *b, const lf_kernels *k, answers *out)
+{
+    const lf_media *media = &b->worker->media;
+
+    for (int i = 0; i < b->n_fans; i++) {
+        const fan *f = &b->pivots[i];
+        memset(out->tau[i], 0, sizeof out->tau[i]);
+        if (media->item[b->medium[i]].grid)
+            k->march(&media->item[b->medium[i]].slice, b->lanes, f->x0, f->slope, f->z_end, out->tau[i], out->sigma[i]);
+    }
+}
+
+static void run_exits(const bench *b, const lf_kernels *k, answers *out)
+{
+    for (int i = 0; i < b->n_fans; i++) {
+        const fan *f = &b->exits[i];
+        lf_media_depths(&b->worker->media, k, b->lanes, f->x0, f->slope, f->z_end, out->tau[i], -1, NULL);
+    }
+}
+
+static void run_through(const bench *b, const lf_kernels *k, answers *out)
+{
+    for (int i = 0; i < b->n_fans; i++) {
+        const fan *f = &b->pivots[i];
+        memset(out->tau[i], 0, sizeof out->tau[i]);
+        k->through(&b->body, b->lanes, f->x0, f->slope, f->z_end, out->tau[i]);
+    }
+}
+
+static void run_densities(const bench *b, const lf_kernels *k, answers *out)
+{
+    for (int i = 0; i < b->n_fans; i++)
+        out->sum[i] = k->densities(b->lanes, out->sigma[i], out->tau[i], out->density[i]);
+}
+
+/* What every pivot of mvpt costs behind its geometry. */
+static void run_pivot(const bench *b, const lf_kernels *k, answers *out)
+{
+    for (int i = 0; i < b->n_fans; i++) {
+        const fan *f = &b->pivots[i];
+        lf_media_depths(&b->worker->media, k, b->lanes, f->x0, f->slope, f->z_end, out->tau[i], b->medium[i], out->sigma[i]);
+        out->sum[i] = k->densities(b->lanes, out->sigma[i], out->tau[i], out->density[i]);
+    }
+}
+
+static const struct kernel {
+    const char *name;
+    void (*run)(const bench *b, const lf_kernels *k, answers *out);
+} kernels[] = {
+    {"march to a collision", run_march},      {"densities", run_densities},
+    {"march through (exits fan)", run_exits}, {"through a shape", run_through},
+    {"transmittances of a pivot", run_pivot},
+};
+
+static void add_line(bench *b, const char *what, const char *table_name, const char *unit, double ns, double ratio)
+{
+    if (!b->arguments->json || strcmp(b->arguments->json, "-") != 0)
+        printf("%-34s %-8s %10.2f ns a %-10s %6.2fx\n", what, table_name, ns, unit, ratio);
+    json_array_append_new(b->lines, json_pack("{s:s, s:s, s:s, s:f, s:f}", "what", what, "kernels", table_name, "a", unit, "ns", ns,
+                                              "times_plain_c", ratio));
+}
+
+static void seconds_of(const bench *b, const struct kernel *what, const lf_kernels *k, answers *out, lf_timing *timing)
+{
+    double start = lf_time_cpu();
+
+    what->run(b, k, out);
+    lf_timing_add(timing, lf_time_cpu() - start);
+}
+
+static bool same(const bench *b, const answers *x, const answers *y)
+{
+    size_t bytes = (size_t)b->lanes * sizeof(float);
+    bool equal = memcmp(x->sum, y->sum, sizeof x->sum) == 0;
+
+    for (int i = 0; i < b->n_fans && equal; i++)
+        equal = memcmp(x->tau[i], y->tau[i], bytes) == 0 && memcmp(x->sigma[i], y->sigma[i], bytes) == 0 &&
+                memcmp(x->density[i], y->density[i], bytes) == 0;
+    return equal;
+}
+
+static lf_status measure_kernel(bench *b, const struct kernel *what, lf_error *err)
+{
+    lf_timing timing[MAX_TABLES] = {0};
+    double views = (double)b->n_fans * b->renderer->rig.n_views;
+    int n = 0;
+
+    for (int i = 0; i <= b->arguments->repeat; i++) {
+        for (n = 0; n < MAX_TABLES && lf_kernels_at(n); n++) {
+            answers *out = b->answers[n > 0];
+            seconds_of(b, what, lf_kernels_at(n), out, &timing[n]);
+            if (n > 0 && b->arguments->fault)
+                ((unsigned char *)out->tau[0])[0] ^= 1;
+            if (n > 0 && !same(b, b->answers[0], out))
+                return lf_error_set(err, LF_E_STATE, what->name, "the %s kernels answer something else than the plain C ones",
+                                    lf_kernels_at(n)->name);
+            if (i == 0)
+                timing[n].n = 0; /* pages and caches as they will be */
+        }
+    }
+    double plain = lf_timing_quantile(&timing[0], 0.5);
+    for (int k = 0; k < n; k++) {
+        double seconds = lf_timing_quantile(&timing[k], 0.5);
+        add_line(b, what->name, lf_kernels_at(k)->name, "view", 1e9 * seconds / views, plain / seconds);
+    }
+    return LF_OK;
+}
+
+/* ----------------------------------------------------------------------------------------------------------- steps -- */
+
+/* Each adds up something of every answer, so that none can be left out. */
+
+static double step_collision(bench *b)
+{
+    double sum = 0;
+    int volume = 0;
+
+    for (int i = 0; i < b->n_rays; i++) {
+        float t = lf_track_collision(&b->worker->tracer, b->events[i].p, b->ways[i], INFINITY, &volume);
+        sum += isfinite(t) ? (double)t : 1;
+    }
+    return sum;
+}
+
+static double step_transmittance(bench *b)
+{
+    double sum = 0;
+
+    for (int i = 0; i < b->n_rays; i++)
+        sum += (double)lf_track_transmittance(&b->worker->tracer, b->events[i].p, b->ways[i], INFINITY);
+    return sum;
+}
+
+static double step_lookup(bench *b)
+{
+    double sum = 0;
+
+    for (int i = 0; i < b->n_rays; i++)
+        sum += (double)lf_volume_sigma_t(&b->renderer->scene->volumes[b->events[i].volume], b->events[i].p);
+    return sum;
+}
+
+static double step_phase(bench *b)
+{
+    double sum = 0;
+
+    for (int i = 0; i < b->n_rays; i++)
+        sum += (double)lf_phase_between(0.6f, b->events[i].w, b->ways[i]);
+    return sum;
+}
+
+static double step_light(bench *b)
+{
+    lf_tracer *t = &b->worker->tracer;
+    double sum = 0;
+
+    for (int i = 0; i < b->n_rays; i++) {
+        const float u[3] = {lf_rng(t), lf_rng(t), lf_rng(t)};
+        lf_light_sample light;
+        if (lf_light_draw(b->renderer->scene, b->events[i].p, u, &light))
+            sum += (double)light.pdf;
+    }
+    return sum;
+}
+
+static double step_sampler(bench *b)
+{
+    lf_sampler s;
+    double sum = 0;
+
+    for (int i = 0; i < b->n_rays; i++) {
+        float u[2];
+        if (i % 16 == 0)
+            lf_sampler_init(&s, LF_SAMPLER_OWEN, lf_hash64(b->arguments->options.seed, (uint64_t)i), (uint32_t)i);
+        lf_sampler_2d(&s, u);
+        sum += (double)u[0];
+    }
+    return sum;
+}
+
+static double step_suffix(bench *b)
+{
+    double sum = 0;
+
+    for (int i = 0; i < b->n_rays / 16; i++)
+        sum += (double)lf_path_scattered(&b->worker->tracer, &b->events[i], 1, LF_DEFAULT_MAX_DEPTH).x;
+    return sum;
+}
+
+static const struct step {
+    const char *name, *unit;
+    double (*run)(bench *b);
+    int items; /* of N_RAYS, one in so many */
+} steps[] = {
+    {"next collision", "ray", step_collision, 1}, {"transmittance", "ray", step_transmittance, 1},
+    {"extinction", "point", step_lookup, 1},      {"phase function", "pair", step_phase, 1},
+    {"light drawn", "sample", step_light, 1},     {"sampler, owen", "pair", step_sampler, 1},
+    {"suffix", "path", step_suffix, 16},
+};
+
+static lf_status measure_step(bench *b, const struct step *what, lf_error *err)
+{
+    lf_timing timing = {0};
+
+    for (int i = 0; i <= b->arguments->repeat; i++) {
+        double start = lf_time_cpu();
+        double sum = what->run(b);
+        if (i > 0)
+            lf_timing_add(&timing, lf_time_cpu() - start);
+        if (!isfinite(sum))
+            return lf_error_set(err, LF_E_STATE, what->name, "an answer is not finite");
+    }
+    add_line(b, what->name, "-", what->unit, 1e9 * lf_timing_quantile(&timing, 0.5) * what->items / b->n_rays, 1);
+    return LF_OK;
+}
+
+static lf_status measure(bench *b, lf_error *err)
+{
+    lf_status status = LF_OK;
+
+    for (size_t i = 0; i < sizeof kernels / sizeof kernels[0] && status == LF_OK; i++)
+        status = measure_kernel(b, &kernels[i], err);
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == LF_OK; i++)
+        status = measure_step(b, &steps[i], err);
+    return status;
+}
+
+static lf_status write_json(const bench *b, lf_error *err)
+{
+    const lf_rig *rig = &b->renderer->rig;
+    json_t *object = json_pack("{s:s, s:o, s:i, s:i, s:i, s:i, s:f, s:O}", "scene", b->arguments->scene, "machine",
+                               lf_bench_machine(), "views", rig->n_views, "width", rig->width, "height", rig->height, "repeat",
+                               b->arguments->repeat, "optical_depth", b->mean_depth, "lines", b->lines);
+    lf_status status = object ? lf_bench_write_json(b->arguments->json, object, err)
+                              : lf_error_set(err, LF_E_NOMEM, b->arguments->json, "out of memory");
+
+    json_decref(object);
+    return status;
+}
+
+int lf_bench_micro(int argc, char **argv)
+{
+    arguments a = {.repeat = 15};
+    bench b = {.arguments = &a};
+    lf_error err = {0};
+    bool done = false;
+
+    if (parse(&a, argc, argv, &done, &err) != LF_OK)
+        return lf_usage_error(LF_BENCH_PROGRAM, &err);
+    if (done)
+        return LF_EXIT_OK;
+    b.lines = json_array();
+    lf_status status = b.lines ? prepare(&b, &err) : lf_error_set(&err, LF_E_NOMEM, a.scene, "out of memory");
+    if (status == LF_OK && (!a.json || strcmp(a.json, "-") != 0))
+        printf("%s: %d views of %dx%d, the middle row: %.1f mean free paths deep where it meets anything\n\n", a.scene,
+               b.renderer->rig.n_views, b.renderer->rig.width, b.renderer->rig.height, b.mean_depth);
+    if (status == LF_OK)
+        status = measure(&b, &err);
+    if (status == LF_OK && a.json)
+        status = write_json(&b, &err);
+    lf_free(b.pivots);
+    lf_free(b.exits);
+    lf_free(b.events);
+    lf_free(b.ways);
+    lf_free(b.answers[0]);
+    lf_free(b.answers[1]);
+    lf_renderer_destroy(b.renderer);
+    lf_pool_destroy(b.pool);
+    lf_scene_unref(b.scene);
+    json_decref(b.lines);
+    return status == LF_OK ? LF_EXIT_OK : lf_bench_fail(&err);
+}
