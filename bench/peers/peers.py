@@ -21,7 +21,7 @@ import subprocess
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-AGREE = 0.01  # of a view's mean, between the two references, and three standard errors of the difference
+AGREE = 0.005  # of a view's mean, between the two references, and three standard errors of the difference
 
 
 class Failed(Exception):
