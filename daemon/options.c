@@ -232,6 +232,8 @@ static lf_status take_render_option(lf_options *options, int code, const char *a
         status = lf_parse_seed("--seed", argument, &options->seed, err);
         options->has_seed |= status == LF_OK;
         return status;
+    case LF_OPTION_SKIP:
+        return blame(lf_skip_parse(argument, &options->kept, err), "--skip", err);
     case LF_OPTION_MAX_DEPTH:
         return parse_small("--max-depth", argument, 1, MAX_DEPTH, &options->max_depth, err);
     default:
@@ -334,6 +336,7 @@ lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera, co
         .sampler = options->sampler,
         .seed = options->seed,
         .max_depth = options->max_depth,
+        .kept = options->kept,
     };
     lf_layout layout = {0};
 

@@ -32,6 +32,7 @@ typedef struct lf_options {
     bool has_seed;               /* --seed S was given */
     uint64_t seed;               /* 0 when not given */
     int max_depth;               /* --max-depth N: 1..65536; 0 = the scene's */
+    unsigned kept;               /* --skip all|none|LIST: what is not skipped, bits of lf_skip; 0 when not given */
     double target_error;         /* --target-error RELMSE: > 0 */
     const char *calibration;     /* --panel FILE or --calibration FILE */
 } lf_options;
@@ -48,6 +49,7 @@ enum {
     LF_OPTION_THREADS,
     LF_OPTION_SEED,
     LF_OPTION_MAX_DEPTH,
+    LF_OPTION_SKIP,
     LF_OPTION_TARGET_ERROR,
     LF_OPTION_CALIBRATION,
     LF_OPTION_HELP,
@@ -68,6 +70,7 @@ enum {
         {"threads", required_argument, NULL, LF_OPTION_THREADS},              \
         {"seed", required_argument, NULL, LF_OPTION_SEED},                    \
         {"max-depth", required_argument, NULL, LF_OPTION_MAX_DEPTH},          \
+        {"skip", required_argument, NULL, LF_OPTION_SKIP},                    \
         {"target-error", required_argument, NULL, LF_OPTION_TARGET_ERROR},    \
         {calibration_option, required_argument, NULL, LF_OPTION_CALIBRATION}, \
         {"help", no_argument, NULL, LF_OPTION_HELP},                          \
@@ -86,6 +89,8 @@ enum {
     "  --estimator NAME       mwis (default), mis or cv (unbiased)\n"                                                              \
     "  --sampler NAME         owen (default) or independent\n"                                                                     \
     "  --max-depth N          longest path, in vertices after the camera (the scene's)\n"                                          \
+    "  --skip all|none|LIST   what is left out where the scene does not need it (all): surfaces, background,\n"                    \
+    "                         delta-lobes, view-lobes, emission, known-light\n"                                                    \
     "  --threads N            worker threads (all CPUs)\n"                                                                         \
     "  --seed S               whole number that the random choices follow from (0)\n"
 #define LF_OPTIONS_HELP_LAST                                                                                                       \

@@ -3,14 +3,14 @@
  * (docs/estimators.md, "B and q"). */
 #include "render/integrator.h"
 
-/* Nearest surface of each ray of the fan, in packets of 8 with t = Z; geometry of lane k in hits[k / 8]. */
-static void trace_fan(lf_worker *worker, const lf_visit *visit, int lanes, struct RTCRayHit8 *hits)
+/* Nearest surface of each ray of the fan, in packets of 8 with t = Z; geometry of lane k in hits[k / 8]. Lanes [from, to). */
+static void trace_fan(lf_worker *worker, const lf_visit *visit, int from, int to, struct RTCRayHit8 *hits)
 {
     const lf_rig *rig = visit->rig;
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    for (int first = 0; first < lanes; first += LF_LANES) {
+    for (int first = from; first < to; first += LF_LANES) {
         struct RTCRayHit8 *h = &hits[first / LF_LANES];
         int valid[LF_LANES] __attribute__((aligned(32)));
         for (int i = 0; i < LF_LANES; i++) {
@@ -37,7 +37,7 @@ static void trace_fan(lf_worker *worker, const lf_visit *visit, int lanes, struc
         for (int i = 0; i < LF_LANES; i++)
             worker->z_end[first + i] = h->hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? INFINITY : h->ray.tfar[i];
     }
-    worker->tracer.rays += rig->n_views;
+    worker->tracer.rays += (to < rig->n_views ? to : rig->n_views) - from;
 }
 
 /* One ray's known light and pivot probability; transmittance = 1 - q_medium, along the whole ray or to its surface. */
@@ -74,8 +74,7 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const struct
     known[2] = transmittance * light.z;
 }
 
-/* True when every escaping ray finds the same light. */
-static bool constant_sky(const lf_scene *scene, lf_vec3 *out)
+bool lf_exits_constant(const lf_scene *scene, float out_sky[3])
 {
     for (int i = 0; i < scene->n_lights; i++) {
         const lf_light *light = &scene->lights[i];
@@ -84,24 +83,21 @@ static bool constant_sky(const lf_scene *scene, lf_vec3 *out)
             return false;
     }
     float pdf;
-    *out = lf_light_escape(scene, lf_v3(0.0f, 1.0f, 0.0f), &pdf);
+    lf_vec3 sky = lf_light_escape(scene, lf_v3(0.0f, 1.0f, 0.0f), &pdf);
+    out_sky[0] = sky.x;
+    out_sky[1] = sky.y;
+    out_sky[2] = sky.z;
     return true;
 }
 
 bool lf_exits_uniform(const lf_scene *scene, float out_sky[3])
 {
-    lf_vec3 sky;
     for (int i = 0; i < scene->n_materials && scene->embree; i++) {
         const lf_material *m = &scene->materials[i];
         if (lf_max3(m->emission) > 0.0f || !lf_material_has_lobe(m))
             return false;
     }
-    if (!constant_sky(scene, &sky))
-        return false;
-    out_sky[0] = sky.x;
-    out_sky[1] = sky.y;
-    out_sky[2] = sky.z;
-    return true;
+    return lf_exits_constant(scene, out_sky);
 }
 
 float lf_exits_film_point(uint64_t key, int column, uint32_t index)
@@ -109,34 +105,60 @@ float lf_exits_film_point(uint64_t key, int column, uint32_t index)
     return lf_sampler_partner(lf_hash64(key, 0), lf_hash64(lf_hash64(key, 5), (uint64_t)column), index);
 }
 
-void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
+/* The groups of lanes [*from, *to) that hold all views which can meet something in this column. */
+static void lanes_of(const lf_reach *reach, int n_views, int column, int *from, int *to)
+{
+    int first = n_views, last = -1;
+    for (int k = 0; k < n_views; k++) {
+        bool in = column >= reach->first[k] && column < reach->end[k];
+        first = in && k < first ? k : first;
+        last = in ? k : last;
+    }
+    *from = first / LF_LANES * LF_LANES;
+    *to = last < 0 ? *from : (last / LF_LANES + 1) * LF_LANES;
+}
+
+/* The fan through one film point of a column, lens offset lx. */
+static void aim(const lf_visit *visit, float xw, float lx)
 {
     const lf_rig *rig = visit->rig;
     lf_worker *worker = visit->worker;
     int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
-    bool medium = worker->media.n_here > 0;
-    struct RTCRayHit8 packets[LF_MAX_LANES / LF_LANES], *hits = plan->scene->embree ? packets : NULL;
-    lf_vec3 sky;
-    bool constant = constant_sky(plan->scene, &sky);
-    for (int k = 0; k < lanes; k++)
+    for (int k = 0; k < lanes; k++) {
+        worker->x0[k] = rig->b[k] + lx;
+        worker->slope[k] = (xw - rig->b[k]) / rig->distance - lx / rig->focus;
         worker->z_end[k] = INFINITY;
+        worker->tau[k] = 0.0f;
+    }
+}
+
+void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
+{
+    const lf_rig *rig = visit->rig;
+    lf_worker *w = visit->worker;
+    struct RTCRayHit8 packets[LF_MAX_LANES / LF_LANES], *hits = plan->scene->embree ? packets : NULL;
+    float light[3];
+    bool constant = !(plan->kept & LF_SKIP_KNOWN_LIGHT) && lf_exits_constant(plan->scene, light);
+    lf_vec3 sky = constant ? lf_v3(light[0], light[1], light[2]) : lf_v3(0.0f, 0.0f, 0.0f);
     for (int column = 0; column < rig->width; column++) {
         float xw = rig->x0 + ((float)column + lf_exits_film_point(key, column, index)) * rig->dx, lx = 0.0f;
+        int from, to;
         if (visit->plane.lens_chord > 0.0f)
             lx = (2.0f * lf_sampler_radical(lf_hash64(lf_hash64(key, 10), (uint64_t)column), index) - 1.0f) *
                  visit->plane.lens_chord;
-        for (int k = 0; k < lanes; k++) {
-            worker->x0[k] = rig->b[k] + lx;
-            worker->slope[k] = (xw - rig->b[k]) / rig->distance - lx / rig->focus;
-        }
-        if (hits)
-            trace_fan(worker, visit, lanes, hits);
-        if (medium)
-            lf_media_depths(&worker->media, plan->kernels, lanes, worker->x0, worker->slope, worker->z_end, worker->tau, -1, NULL);
+        aim(visit, xw, lx);
+        lanes_of(&w->reach, rig->n_views, column, &from, &to);
+        if (hits && from < to)
+            trace_fan(w, visit, from, to, hits);
+        if (w->media.n_here > 0 && from < to)
+            lf_media_depths(&w->media, plan->kernels, to - from, w->x0 + from, w->slope + from, w->z_end + from, w->tau + from, -1,
+                            NULL);
         for (int k = 0; k < rig->n_views; k++) {
-            float length = sqrtf(1.0f + worker->slope[k] * worker->slope[k] + visit->plane.my * visit->plane.my);
-            float q = medium && worker->tau[k] > 0.0f ? -expm1f(-worker->tau[k] * length) : 0.0f;
-            write_known(visit, (size_t)k * (size_t)rig->width + (size_t)column, k, hits, q, constant ? &sky : NULL);
+            float q = 0.0f;
+            if (w->tau[k] > 0.0f)
+                q = -expm1f(-w->tau[k] * sqrtf(1.0f + w->slope[k] * w->slope[k] + visit->plane.my * visit->plane.my));
+            write_known(visit, (size_t)k * (size_t)rig->width + (size_t)column, k, hits && k >= from && k < to ? hits : NULL, q,
+                        constant ? &sky : NULL);
         }
     }
 }

@@ -162,6 +162,15 @@ static lf_merge_shares shares_of(const lf_film_row *row, int half, double weight
                              .inverse_weight = (float)(1.0 / weight)};
 }
 
+void lf_film_count(lf_film *film, int row, int half, double weight)
+{
+    lf_film_row *state = &film->rows[row];
+    if (state->visits[0] + state->visits[1] == 0)
+        memset(film->data + (size_t)row * film->row_bytes, 0, film->row_bytes);
+    state->visits[half]++;
+    state->n[half] += weight;
+}
+
 void lf_film_merge(lf_film *film, int row, int half, const lf_film_sums *sums, double weight, uint64_t key)
 {
     lf_film_row *state = &film->rows[row];

@@ -59,6 +59,7 @@ typedef struct lf_film_row {
     double n[2];   /* expected native samples a view pixel in each half */
     double passes; /* n times views, both halves */
     uint32_t visits[2];
+    uint32_t met; /* nonzero: some visit's plane held something to be met (reach.h) */
     /* Left by the last resolve: */
     double relative_error; /* sum over view pixels of var / (I^2 + epsilon), < 0 = not known */
     int64_t holes;
@@ -92,6 +93,9 @@ void lf_film_sums_begin(lf_film_sums *sums);
 /* Adds a whole visit of a row to one half: the sums, `weight` expected native samples a view pixel, one to its visits. key: random
  * bits of this visit's own. weight 0: it only counts as a visit. Thread: whoever owns the row. */
 void lf_film_merge(lf_film *film, int row, int half, const lf_film_sums *sums, double weight, uint64_t key);
+
+/* The same for a visit that could meet nothing, in a row that never has, where B is not stored: it only counts. */
+void lf_film_count(lf_film *film, int row, int half, double weight);
 
 /* See lf_renderer_resolve_row. */
 lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int row, float *out, uint8_t *flags);

@@ -6,6 +6,7 @@
 #include "render/film.h"
 #include "render/media.h"
 #include "render/path.h"
+#include "render/reach.h"
 #include "render/sampler.h"
 
 struct lf_visit;
@@ -28,6 +29,7 @@ typedef struct lf_worker {
     lf_tracer tracer;
     lf_media media;
     lf_film_sums sums; /* of the visit under way */
+    lf_reach reach;    /* of its row's plane */
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES], sigma[LF_MAX_LANES];
@@ -107,6 +109,7 @@ typedef struct lf_visit_plan {
     lf_sampler_kind sampler;
     int max_depth;
     unsigned faults;
+    unsigned kept;   /* lf_skip: what is done although nothing needs it */
     int subsets;     /* passes in this visit */
     int column_step; /* 1, or 2: only every other column is sampled (a pass split between halves) */
     bool force;      /* force collisions, so that thin media are covered at once */
@@ -123,7 +126,9 @@ float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 /* B and q of one row for this visit (exits.c), into the visit's sums; index is its number in its half. */
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index);
 
-/* True when B is sky (1 - q) in every pixel: every escaping ray finds the same light, and everything that can be hit scatters to all
+/* True when every escaping ray finds the same light. */
+bool lf_exits_constant(const lf_scene *scene, float out_sky[3]);
+/* True when moreover B is sky (1 - q) in every pixel: every escaping ray finds the same light, and everything that can be hit scatters to all
  * views and emits nothing. */
 bool lf_exits_uniform(const lf_scene *scene, float out_sky[3]);
 

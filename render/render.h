@@ -90,6 +90,29 @@ const char *lf_sampler_name(lf_sampler_kind kind);
 /* "mvpt" and "vpt" and what else the table of integrators holds; NULL behind the last. */
 const char *lf_integrator_name(int index);
 
+/* What is left out where the scene or the view does not need it. One row of lf_skip_at each. */
+typedef enum lf_skip {
+    LF_SKIP_SURFACES = 1,
+    LF_SKIP_BACKGROUND = 2,
+    LF_SKIP_DELTA_LOBES = 4,
+    LF_SKIP_VIEW_LOBES = 8,
+    LF_SKIP_EMISSION = 16,
+    LF_SKIP_KNOWN_LIGHT = 32,
+} lf_skip;
+
+typedef struct lf_skip_entry {
+    unsigned bit;
+    const char *name; /* as in --skip */
+    const char *what; /* when, and what is left out */
+    bool bitwise;     /* the picture is the same to the last bit without it; else to rounding */
+} lf_skip_entry;
+
+/* NULL behind the last. */
+const lf_skip_entry *lf_skip_at(int index);
+/* "all", "none" or names separated by commas, which are skipped, all others kept. LF_E_ARG for a name that does not exist, with what
+ * was meant. */
+LF_NODISCARD lf_status lf_skip_parse(const char *text, unsigned *out_kept, lf_error *err);
+
 typedef struct lf_render_settings {
     lf_camera camera;       /* the rig, after --preset, --panel and --views had their say */
     int width, height;      /* pixels of a view */
@@ -99,6 +122,7 @@ typedef struct lf_render_settings {
     lf_sampler_kind sampler;
     uint64_t seed;
     int max_depth; /* longest path in vertices after the camera; 0 = the scene's own limit */
+    unsigned kept; /* of lf_skip: what is not left out even where it is not needed; 0 = everything is */
 } lf_render_settings;
 
 typedef struct lf_renderer lf_renderer;

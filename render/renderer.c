@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "render/geometry.h"
+#include "render/skip.h"
 
 /* ----------------------------------------------------------------------------------------------------------- names -- */
 
@@ -86,9 +88,9 @@ static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_fil
 }
 
 /* What the scene needs of the film; sky where B is not stored. */
-static lf_film_layout film_layout(const lf_scene *scene, const lf_rig *rig, float sky[3])
+static lf_film_layout film_layout(const lf_scene *scene, unsigned kept, const lf_rig *rig, float sky[3])
 {
-    bool uniform = !scene->has_delta && lf_exits_uniform(scene, sky);
+    bool uniform = !scene->has_delta && !(kept & LF_SKIP_KNOWN_LIGHT) && lf_exits_uniform(scene, sky);
     return (lf_film_layout){.n_views = rig->n_views,
                             .width = rig->width,
                             .height = rig->height,
@@ -101,25 +103,31 @@ static lf_film_layout film_layout(const lf_scene *scene, const lf_rig *rig, floa
 static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_settings *settings, lf_error *err)
 {
     const lf_integrator *integrator = NULL;
+    lf_scene seen = {0};
+    lf_geometry *empty = NULL;
     lf_rig rig;
     lf_media_frame frame;
     lf_film film = {0};
     lf_status status = find_integrator(settings->integrator, &integrator, err);
     if (status == LF_OK)
         status = lf_rig_init(&rig, settings, scene->origin, err);
+    if (status == LF_OK)
+        status = lf_skip_scene(scene, settings->kept, &seen, &empty, err);
     if (status != LF_OK)
         return status;
     lf_media_frame_init(&frame, scene, &rig);
     float sky[3] = {0};
-    const lf_film_layout layout = film_layout(scene, &rig, sky);
-    bool keep = lf_film_has_layout(&r->film, &layout);
-    if (!keep && lf_film_init(&film, &layout) != LF_OK)
-        return lf_error_set(err, LF_E_NOMEM, "film", "not enough memory for %d views of %dx%d", rig.n_views, rig.width, rig.height);
+    const lf_film_layout layout = film_layout(&seen, settings->kept, &rig, sky);
     int n_workers = lf_pool_threads(r->pool);
-    lf_worker **workers = make_workers(n_workers, &frame, &layout);
+    bool keep = lf_film_has_layout(&r->film, &layout);
+    lf_worker **workers = NULL;
+    if (keep || lf_film_init(&film, &layout) == LF_OK)
+        workers = make_workers(n_workers, &frame, &layout);
     if (!workers) {
         lf_film_finish(&film);
-        return lf_error_set(err, LF_E_NOMEM, "renderer", "not enough memory for %d workers", n_workers);
+        lf_geometry_unref(empty);
+        return lf_error_set(err, LF_E_NOMEM, "renderer", "not enough memory for %d views of %dx%d and %d workers", rig.n_views,
+                            rig.width, rig.height, n_workers);
     }
     free_workers(r->workers, r->n_workers);
     r->workers = workers;
@@ -134,11 +142,14 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
     lf_scene *old = r->scene;
     r->scene = lf_scene_ref(scene);
     lf_scene_unref(old);
+    r->seen = seen;
+    lf_geometry_unref(r->empty);
+    r->empty = empty;
     r->settings = *settings;
     r->settings.integrator = integrator->name;
     r->rig = rig;
     r->frame = frame;
-    r->plan = (lf_visit_plan){.scene = r->scene,
+    r->plan = (lf_visit_plan){.scene = &r->seen,
                               .rig = &r->rig,
                               .frame = &r->frame,
                               .kernels = lf_kernels_get(),
@@ -152,6 +163,7 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
                               .subsets = 1,
                               .column_step = 1,
                               .hole_reach = -1,
+                              .kept = settings->kept,
                               .faults = r->plan.faults};
     return LF_OK;
 }
@@ -178,6 +190,7 @@ void lf_renderer_destroy(lf_renderer *renderer)
         return;
     free_workers(renderer->workers, renderer->n_workers);
     lf_film_finish(&renderer->film);
+    lf_geometry_unref(renderer->empty);
     lf_scene_unref(renderer->scene);
     lf_free(renderer);
 }
@@ -345,7 +358,7 @@ void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out)
     out->native_spp_mean /= film->height;
     out->effective_spp_mean = (double)out->contributions / (pixels * film->height);
     out->rel_mse_estimate = known ? error / (pixels * film->height) : -1.0;
-    if (!renderer->scene->embree)
+    if (!renderer->seen.embree)
         out->rays_traced = out->base_hidden = -1;
     if (renderer->scene->n_volumes == 0)
         out->volume_lookups = -1;
@@ -353,25 +366,19 @@ void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out)
 
 json_t *lf_renderer_skipped(const lf_renderer *renderer)
 {
-    const lf_scene *s = renderer->scene;
-    json_t *skipped = json_object();
-    if (s->n_volumes == 0)
-        json_object_set_new(skipped, "volumes", json_string("none in the scene: no slices, no tracking, no OpenVDB"));
+    unsigned skipped = lf_skip_found(renderer->scene) & ~renderer->settings.kept;
+    json_t *object = json_object();
+    if (renderer->scene->n_volumes == 0)
+        json_object_set_new(object, "volumes", json_string("none in the scene: no slices, no tracking, no OpenVDB"));
     else if (renderer->frame.n == 0)
-        json_object_set_new(skipped, "slices", json_string("no volume in front of the cameras"));
-    if (!s->embree)
-        json_object_set_new(skipped, "surfaces", json_string("none in the scene: no Embree device, no rays"));
-    if (!s->has_delta)
-        json_object_set_new(skipped, "delta_lobes", json_string("none in the scene: no sum M on the film"));
-    if (!s->has_view_lobes)
-        json_object_set_new(skipped, "directional_weights", json_string("no lobe depends on the view: W' is W"));
-    if (!s->has_emission)
-        json_object_set_new(skipped, "emission", json_string("no surface emits: hits are not tested for light"));
-    if (!renderer->film.layout.has_known)
-        json_object_set_new(skipped, "known_light", json_string("every ray that escapes finds the same light: B is sky (1 - q)"));
+        json_object_set_new(object, "volumes", json_string("none in front of the cameras: no slices"));
     if (renderer->rig.lens_radius == 0.0f)
-        json_object_set_new(skipped, "lens", json_string("pinhole cameras"));
-    return skipped;
+        json_object_set_new(object, "lens", json_string("pinhole cameras: no points on it are drawn"));
+    for (int i = 0; lf_skip_at(i); i++) {
+        if (skipped & lf_skip_at(i)->bit)
+            json_object_set_new(object, lf_skip_at(i)->name, json_string(lf_skip_at(i)->what));
+    }
+    return object;
 }
 
 const lf_render_settings *lf_renderer_settings(const lf_renderer *renderer)

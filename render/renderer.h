@@ -6,6 +6,8 @@
 
 struct lf_renderer {
     lf_scene *scene;
+    lf_scene seen; /* what the integrators see of it (skip.h); borrows from scene and empty */
+    struct lf_geometry *empty;
     lf_render_settings settings;
     lf_pool *pool;
     lf_rig rig;

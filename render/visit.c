@@ -128,9 +128,11 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     const lf_rig *rig = visit->rig;
     lf_sampler sampler;
     uint64_t pixel = lf_hash64(key, (uint64_t)view * (uint64_t)rig->width + (uint64_t)column + 16);
+    worker->base_paths++;
+    if (column < worker->reach.first[view] || column >= worker->reach.end[view])
+        return; /* it escapes */
     lf_sampler_init(&sampler, plan->sampler, pixel, index);
     worker->tracer.rng = lf_hash64(pixel, ~(uint64_t)index);
-    worker->base_paths++;
 
     float jitter[2], lens = 0.0f;
     lf_sampler_2d(&sampler, jitter);
@@ -181,6 +183,10 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
     lf_rig_row_plane(plan->rig, (float)visit->row + lf_sampler_radical(offsets, index), lens, &visit->plane);
     lf_media_cut(&visit->worker->media, plan->frame, plan->scene, plan->rig, &visit->plane,
                  lf_sampler_radical(lf_hash64(key, 4), index), &visit->worker->tracer.lookups);
+    if (plan->kept & LF_SKIP_BACKGROUND)
+        lf_reach_whole(&visit->worker->reach, plan->rig);
+    else
+        lf_reach_of(&visit->worker->reach, plan->scene, plan->rig, &visit->plane, &visit->worker->media);
 }
 
 /* key names the half's stream, index the visit. */
@@ -265,6 +271,15 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     begin(plan, &visit, key, index);
     visit.start = (int)(lf_sampler_radical(lf_hash64(key, 7), index) * (float)views);
 
+    double weight = (double)plan->subsets / (double)(views * plan->column_step);
+    int first = plan->column_step > 1 ? (int)((random >> 32) % (uint64_t)plan->column_step) : 0;
+    state->met |= worker->reach.any;
+    if (!state->met && !plan->film->layout.has_known) {
+        worker->base_paths += (int64_t)plan->subsets * ((width - first + plan->column_step - 1) / plan->column_step);
+        lf_film_count(plan->film, row, half, weight);
+        state->passes += (double)plan->subsets / plan->column_step;
+        return true;
+    }
     lf_film_sums_begin(&worker->sums);
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 8), index);
@@ -272,7 +287,6 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
         lf_exits_row(plan, &visit, key, index);
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 0), index);
-    int first = plan->column_step > 1 ? (int)((random >> 32) % (uint64_t)plan->column_step) : 0;
     for (int column = first; column < width; column += plan->column_step) {
         for (int j = 0; j < plan->subsets; j++) {
             if (cancelled(cancel))
@@ -280,7 +294,6 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
             base_sample(plan, &visit, lattice_view(&visit, column, j), column, -1.0f, key, index);
         }
     }
-    double weight = (double)plan->subsets / (double)(views * plan->column_step);
     lf_film_merge(plan->film, row, half, &worker->sums, weight, lf_hash64(lf_hash64(key, 9), index));
     state->passes += (double)plan->subsets / plan->column_step;
     return plan->hole_reach < 0 || fill_holes(plan, &visit, half, key, index, cancel);

@@ -1,0 +1,106 @@
+#include "render/skip.h"
+
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "render/geometry.h"
+#include "render/integrator.h"
+#include "render/json_reader.h"
+
+static const lf_skip_entry table[] = {
+    {LF_SKIP_SURFACES, "surfaces", "no meshes: no Embree device, no rays", true},
+    {LF_SKIP_BACKGROUND, "background", "view pixels that nothing can be met in: no paths, no optical depths", true},
+    {LF_SKIP_DELTA_LOBES, "delta-lobes", "no mirrors: no sum of native samples on the film", false},
+    {LF_SKIP_VIEW_LOBES, "view-lobes", "no lobe depends on the view: no directional weights on the film", false},
+    {LF_SKIP_EMISSION, "emission", "no surface emits: hits are not looked up among the lights", true},
+    {LF_SKIP_KNOWN_LIGHT, "known-light", "all rays that escape find the same light: it is neither looked up nor stored", false},
+};
+#define N_SKIPS (sizeof table / sizeof table[0])
+
+const lf_skip_entry *lf_skip_at(int index)
+{
+    return index >= 0 && index < (int)N_SKIPS ? &table[index] : NULL;
+}
+
+static unsigned all_skips(void)
+{
+    unsigned all = 0;
+    for (size_t i = 0; i < N_SKIPS; i++)
+        all |= table[i].bit;
+    return all;
+}
+
+static lf_status unknown(const char *word, lf_error *err)
+{
+    const char *names[N_SKIPS + 3] = {"all", "none"};
+    char list[256] = "all, none";
+    for (size_t i = 0, at = strlen(list); i < N_SKIPS; i++) {
+        names[i + 2] = table[i].name;
+        snprintf(list + at, sizeof list - at, ", %s", table[i].name);
+        at += strlen(list + at);
+    }
+    const char *meant = lf_nearest_name(word, names);
+    if (meant)
+        return lf_error_set(err, LF_E_ARG, "skip", "nothing is called \"%s\"; did you mean \"%s\"?", word, meant);
+    return lf_error_set(err, LF_E_ARG, "skip", "nothing is called \"%s\" (there are: %s)", word, list);
+}
+
+lf_status lf_skip_parse(const char *text, unsigned *out_kept, lf_error *err)
+{
+    unsigned skipped = 0;
+    if (strcmp(text, "all") == 0 || strcmp(text, "none") == 0) {
+        *out_kept = text[0] == 'a' ? 0 : all_skips();
+        return LF_OK;
+    }
+    for (;;) {
+        char word[64];
+        size_t length = strcspn(text, ",");
+        const lf_skip_entry *entry = NULL;
+        snprintf(word, sizeof word, "%.*s", (int)(length < sizeof word ? length : sizeof word - 1), text);
+        for (size_t i = 0; i < N_SKIPS && !entry; i++)
+            entry = strcmp(table[i].name, word) == 0 ? &table[i] : NULL;
+        if (!entry)
+            return unknown(word, err);
+        skipped |= entry->bit;
+        if (text[length] == '\0')
+            break;
+        text += length + 1;
+    }
+    *out_kept = all_skips() & ~skipped;
+    return LF_OK;
+}
+
+unsigned lf_skip_found(const lf_scene *scene)
+{
+    float sky[3];
+    unsigned found = LF_SKIP_BACKGROUND;
+    found |= scene->embree ? 0 : LF_SKIP_SURFACES;
+    found |= scene->has_delta ? 0 : LF_SKIP_DELTA_LOBES;
+    found |= scene->has_view_lobes ? 0 : LF_SKIP_VIEW_LOBES;
+    found |= scene->has_emission ? 0 : LF_SKIP_EMISSION;
+    found |= !scene->has_delta && lf_exits_uniform(scene, sky) ? LF_SKIP_KNOWN_LIGHT : 0;
+    return found;
+}
+
+lf_status lf_skip_scene(const lf_scene *scene, unsigned kept, lf_scene *out, lf_geometry **out_empty, lf_error *err)
+{
+    /* All but the count of references, which others may be changing. */
+    const size_t from = offsetof(lf_scene, json);
+    lf_geometry *empty = NULL;
+    if (kept & LF_SKIP_SURFACES && !scene->embree) {
+        json_t *key = json_object();
+        lf_status status = key ? lf_geometry_build(NULL, 0, scene->origin, key, &empty, err)
+                               : lf_error_set(err, LF_E_NOMEM, "renderer", "out of memory");
+        json_decref(key);
+        if (status != LF_OK)
+            return status;
+    }
+    memcpy((char *)out + from, (const char *)scene + from, sizeof *scene - from);
+    out->embree = empty ? empty->embree : scene->embree;
+    out->has_delta |= (kept & LF_SKIP_DELTA_LOBES) != 0;
+    out->has_view_lobes |= (kept & LF_SKIP_VIEW_LOBES) != 0;
+    out->has_emission |= (kept & LF_SKIP_EMISSION) != 0;
+    *out_empty = empty;
+    return LF_OK;
+}
