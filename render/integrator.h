@@ -128,8 +128,7 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
 
 /* True when every escaping ray finds the same light. */
 bool lf_exits_constant(const lf_scene *scene, float out_sky[3]);
-/* True when moreover B is sky (1 - q) in every pixel: every escaping ray finds the same light, and everything that can be hit scatters to all
- * views and emits nothing. */
+/* True when moreover everything that can be hit scatters to all views and emits nothing: B is then sky (1 - q) in every pixel. */
 bool lf_exits_uniform(const lf_scene *scene, float out_sky[3]);
 
 #endif

@@ -242,7 +242,7 @@ static void light_that_is_not_stored_is_the_same_light(void **state)
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
     assert_false(r->film.layout.has_known);
     json_t *skipped = lf_renderer_skipped(r);
-    assert_non_null(json_object_get(skipped, "known_light"));
+    assert_non_null(json_object_get(skipped, "known-light"));
     json_decref(skipped);
     for (int e = LF_ESTIMATOR_MWIS; e <= LF_ESTIMATOR_CV; e++) {
         lf_test_reseed(r, 7);

@@ -1,0 +1,212 @@
+/* Every entry of the table of skips, one by one and all of them: with it the picture is the same as without it, to the last bit where
+ * the table says so, else by Welch's test on tiles of 8 x 8 pixels of each view, replicates being seeds. A new entry is tested
+ * without a word here. Negative controls: another scene is told apart by the first, a bias of 2 % of the picture by the second. */
+#include "tests/testing.h"
+
+#include "render/reach.h"
+#include "render/skip.h"
+#include "tests/stat/fixture.h"
+#include "tests/stat/scenes.h"
+
+enum { width = 32, height = 24, n_views = 5, values = 3 * n_views * width * height, tile = 8, replicates = 12 };
+
+/* Little of the picture, under a sky that is the same everywhere: what most entries are about. */
+#define SMALL_CLOUD(more)                                                                                                          \
+    "{ " LF_TEST_CAMERA("5", more) "'volumes': { 'puff': { 'shape': 'sphere', 'density': 5, 'transform': { "                       \
+                                   "'scale': [0.5, 0.4, 0.6], 'translate': [0.5, 0.3, 0.4] } } }, " LF_TEST_SHARP_LIGHTS " }"
+#define SMALL_BALL                                                                                                                 \
+    "{ " LF_TEST_CAMERA("5", "") "'meshes': { 'ball': { 'shape': 'sphere', 'material': 'clay', 'transform': { 'scale': 0.5, "      \
+                                 "'translate': [-0.6, -0.2, 0.5] } } }, 'materials': { 'clay': {} }, " LF_TEST_SHARP_LIGHTS " }"
+#define INSIDE                                                                                                                     \
+    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 1], 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 40, 'views': 5 }, "            \
+    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 0.3, 'transform': { 'scale': 1.5 } } }, " LF_TEST_SHARP_LIGHTS " }"
+
+static const char *const scenes[] = {
+    SMALL_CLOUD(""),
+    SMALL_CLOUD(", 'lens_radius': 0.2, 'focus_distance': 4.2"),
+    SMALL_BALL,
+    INSIDE,
+    LF_TEST_MIXED("5", ""),
+    LF_TEST_FOGS("5", ""),
+    LF_TEST_LAMP("5", ""),
+};
+enum { n_scenes = sizeof scenes / sizeof *scenes };
+
+static void keep(lf_renderer *r, unsigned kept, uint64_t seed)
+{
+    lf_render_settings settings = *lf_renderer_settings(r);
+    settings.kept = kept;
+    settings.seed = seed;
+    assert_int_equal(lf_renderer_restart(r, lf_renderer_scene(r), &settings, NULL), LF_OK);
+}
+
+/* What quiltrender does: passes, the last holes, all answers. */
+static void render(lf_renderer *r, unsigned kept, uint64_t seed, float out[3][values])
+{
+    keep(r, kept, seed);
+    lf_test_passes(r, 2 * n_views + 3);
+    assert_int_equal(lf_renderer_fill_holes(r, NULL), LF_OK);
+    for (int e = LF_ESTIMATOR_MWIS; e <= LF_ESTIMATOR_CV; e++)
+        assert_int_equal(lf_renderer_resolve(r, (lf_estimator)e, out[e], NULL), LF_OK);
+}
+
+static void every_bitwise_skip_leaves_every_bit(void **state)
+{
+    (void)state;
+    static float with[3][values], without[3][values], other[3][values];
+    for (int s = 0; s < n_scenes; s++) {
+        lf_scene *scene = lf_test_scene(scenes[s]);
+        lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+        render(r, 0, 5, with);
+        for (int i = 0; lf_skip_at(i); i++) {
+            if (!lf_skip_at(i)->bitwise)
+                continue;
+            render(r, lf_skip_at(i)->bit, 5, without);
+            if (memcmp(with, without, sizeof with) != 0)
+                fail_msg("scene %d: another picture without \"%s\"", s, lf_skip_at(i)->name);
+        }
+        render(r, 0, 6, other);
+        assert_memory_not_equal(with, other, sizeof with);
+        lf_renderer_destroy(r);
+        lf_scene_unref(scene);
+    }
+}
+
+static void replicate(lf_renderer *r, unsigned kept, uint64_t stream, lf_blocks *out)
+{
+    lf_blocks_init(out, n_views, width, height, tile);
+    for (int k = 0; k < replicates; k++) {
+        keep(r, kept, lf_hash64(lf_test_seed() + stream, (uint64_t)k));
+        lf_test_passes(r, 4 * n_views);
+        lf_blocks_add_picture(out, r, LF_ESTIMATOR_MWIS);
+    }
+}
+
+/* The other entries, and all of them at once; returns how many comparisons there were. */
+static int compare(lf_renderer *r, int scene, double level)
+{
+    unsigned all = 0;
+    int n = 0;
+    lf_blocks with, without;
+    replicate(r, 0, 0, &with);
+    for (int i = 0; lf_skip_at(i); i++) {
+        all |= lf_skip_at(i)->bit;
+        unsigned kept = !lf_skip_at(i + 1) ? all : lf_skip_at(i)->bit;
+        if (lf_skip_at(i)->bitwise && kept != all)
+            continue;
+        int where = 0;
+        replicate(r, kept, 100 + (uint64_t)i, &without);
+        double p = lf_blocks_welch(&with, &without, &where);
+        if (!(p > level))
+            fail_msg("scene %d: without \"%s\" block %d differs, p %.2g", scene, lf_skip_at(i)->name, where, p);
+        assert_true(lf_blocks_welch_injected(&with, &without, with.n - 1, 1.02) < level);
+        lf_blocks_finish(&without);
+        n++;
+    }
+    lf_blocks_finish(&with);
+    return n;
+}
+
+static void every_other_skip_leaves_the_picture(void **state)
+{
+    (void)state;
+    const int tiles = n_views * (width / tile) * (height / tile) + 1;
+    int n = 0, entries = 0;
+    for (; lf_skip_at(entries); entries++)
+        continue;
+    for (int s = 0; s < n_scenes; s++) {
+        lf_scene *scene = lf_test_scene(scenes[s]);
+        lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+        n += compare(r, s, lf_sidak(LF_FALSE_ALARM, n_scenes * entries * tiles));
+        lf_renderer_destroy(r);
+        lf_scene_unref(scene);
+    }
+    assert_true(n >= 2 * n_scenes);
+}
+
+static void every_skip_is_found_in_some_scene_and_missed_in_another(void **state)
+{
+    (void)state;
+    unsigned found = 0, missed = LF_SKIP_BACKGROUND;
+    for (int s = 0; s < n_scenes; s++) {
+        lf_scene *scene = lf_test_scene(scenes[s]);
+        found |= lf_skip_found(scene);
+        missed |= ~lf_skip_found(scene);
+        lf_scene_unref(scene);
+    }
+    for (int i = 0; lf_skip_at(i); i++) {
+        assert_true(found & lf_skip_at(i)->bit);
+        assert_true(missed & lf_skip_at(i)->bit);
+    }
+}
+
+/* Columns in reach of the row's plane through its middle, summed over rows and views. */
+static int count_reach(const char *text)
+{
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+    static lf_media media;
+    static lf_reach reach;
+    int64_t lookups = 0;
+    int sum = 0;
+    assert_int_equal(lf_media_init(&media, &r->frame), LF_OK);
+    for (int row = 0; row < height; row++) {
+        const float lens[2] = {0.5f, 0.5f};
+        lf_row_plane plane;
+        lf_rig_row_plane(&r->rig, (float)row + 0.5f, lens, &plane);
+        lf_media_cut(&media, &r->frame, &r->seen, &r->rig, &plane, 0.5f, &lookups);
+        lf_reach_of(&reach, &r->seen, &r->rig, &plane, &media);
+        for (int k = 0; k < n_views; k++)
+            sum += reach.end[k] - reach.first[k];
+    }
+    lf_media_finish(&media);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+    return sum;
+}
+
+static void little_of_the_picture_is_in_reach_of_little_and_all_from_inside(void **state)
+{
+    (void)state;
+    const int all = n_views * width * height;
+    assert_true(count_reach(SMALL_CLOUD("")) * 3 < all);
+    assert_true(count_reach(SMALL_CLOUD("")) * 50 > all);
+    assert_true(count_reach(SMALL_BALL) * 3 < all);
+    assert_true(count_reach(SMALL_BALL) * 50 > all);
+    assert_int_equal(count_reach(INSIDE), all);
+}
+
+static void lists_are_read_and_unknown_names_refused(void **state)
+{
+    (void)state;
+    unsigned kept = 7, all = 0;
+    lf_error err;
+    for (int i = 0; lf_skip_at(i); i++)
+        all |= lf_skip_at(i)->bit;
+    lf_assert_ok(lf_skip_parse("all", &kept, &err), &err);
+    assert_int_equal(kept, 0);
+    lf_assert_ok(lf_skip_parse("none", &kept, &err), &err);
+    assert_int_equal(kept, all);
+    lf_assert_ok(lf_skip_parse("surfaces,emission", &kept, &err), &err);
+    assert_int_equal(kept, all & ~(unsigned)(LF_SKIP_SURFACES | LF_SKIP_EMISSION));
+    static const char *const wrong[] = {"", "surfaces,", ",surfaces", "surfaces, emission", "surface", "All", "surfaces,none"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        kept = 3;
+        assert_int_equal(lf_skip_parse(wrong[i], &kept, &err), LF_E_ARG);
+        assert_int_equal(kept, 3);
+    }
+    assert_int_equal(lf_skip_parse("backgrund", &kept, &err), LF_E_ARG);
+    assert_non_null(strstr(err.what, "did you mean \"background\"?"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lists_are_read_and_unknown_names_refused),
+        cmocka_unit_test(every_skip_is_found_in_some_scene_and_missed_in_another),
+        cmocka_unit_test(every_bitwise_skip_leaves_every_bit),
+        cmocka_unit_test(every_other_skip_leaves_the_picture),
+        cmocka_unit_test(little_of_the_picture_is_in_reach_of_little_and_all_from_inside),
+    };
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+}
