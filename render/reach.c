@@ -110,7 +110,7 @@ void lf_reach_of(lf_reach *reach, const lf_scene *scene, const lf_rig *rig, cons
     reach->any = false;
     for (int k = 0; k < LF_MAX_LANES; k++) {
         reach->first[k] = reach->end[k] = 0;
-        if (k < rig->n_views)
+        if (k < rig->n_views && s.lo[k] <= s.hi[k])
             take_columns(reach, &s, k);
     }
 }

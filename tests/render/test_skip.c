@@ -170,9 +170,9 @@ static void little_of_the_picture_is_in_reach_of_little_and_all_from_inside(void
     (void)state;
     const int all = n_views * width * height;
     assert_true(count_reach(SMALL_CLOUD("")) * 3 < all);
-    assert_true(count_reach(SMALL_CLOUD("")) * 50 > all);
+    assert_true(count_reach(SMALL_CLOUD("")) * 20 > all);
     assert_true(count_reach(SMALL_BALL) * 3 < all);
-    assert_true(count_reach(SMALL_BALL) * 50 > all);
+    assert_true(count_reach(SMALL_BALL) * 20 > all);
     assert_int_equal(count_reach(INSIDE), all);
 }
 
