@@ -111,7 +111,7 @@ test_srcs := $(call wild,tests/*/test_*.c)
 tests := $(patsubst %.c,$(O)/%,$(test_srcs))
 headers := $(foreach r,$(rooms) tests,$(call wild,$(r)/*.h))
 headers_alone := $(patsubst %,$(O)/alone/%.ok,$(headers))
-$(foreach l,stat optics,$(eval $(call library,$(l))))
+$(foreach l,stat optics bench,$(eval $(call library,$(l))))
 test_libs = $(call libs,$(or $(test_libs_$(1)),daemon render quilt device base))
 
 .PHONY: tests
@@ -156,8 +156,11 @@ jobs = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(shell nproc 2>/dev/null
 .PHONY: deps $(front) clean help install
 deps:
 	@$(SRCDIR)/.ci/deps install build test
-run bench:
+run:
 	@$(SRCDIR)/.ci/deps install build
+	@$(self) $(jobs) $@-now
+bench:
+	@$(SRCDIR)/.ci/deps install build bench
 	@$(self) $(jobs) $@-now
 bench-peers:
 	@$(SRCDIR)/.ci/deps install build peers

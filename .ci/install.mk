@@ -8,7 +8,7 @@ filled = sed -e 's|@BINDIR@|$(BINDIR)|g' -e 's|@SCENEDIR@|$(SCENEDIR)|g' $(SRCDI
 install: all
 	@for p in $(notdir $(built)); do $(call to,755,$(O)/$$p,$(BINDIR)/$$p) || exit 1; done
 	@for f in $(man_pages); do $(call to,644,$(SRCDIR)/$$f,$(MANDIR)/man$${f##*.}/$${f##*/}) || exit 1; done
-	@for f in $(scene_data); do $(call to,644,$(BUILDROOT)/$$f,$(SCENEDIR)/$${f##*/}) || exit 1; done
+	@for f in $(scene_data); do $(call to,644,$(BUILDROOT)/$$f,$(SCENEDIR)/$${f#scenes/}) || exit 1; done
 	@$(call to,644,$(SRCDIR)/docs/scene.schema.json,$(dir $(SCENEDIR))docs/scene.schema.json)
 	@$(call filled,quiltd.service) && $(call to,644,$(O)/quiltd.service,$(UNITDIR)/quiltd.service)
 	@$(call filled,quiltd.socket) && $(call to,644,$(O)/quiltd.socket,$(UNITDIR)/quiltd.socket)

@@ -1,6 +1,7 @@
-/* quiltbench --out DIR: the published benchmarks, one after the other, each as a table and as JSON in DIR. */
+/* quiltbench --out DIR: the published benchmarks, one after the other, each as a table and as JSON and plots in DIR. */
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -8,6 +9,23 @@
 #include "base/file.h"
 #include "bench/bench.h"
 #include "daemon/options.h"
+
+/* One after the other; NAME.json and so on end up in DIR. */
+static const struct step {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *arguments; /* the command first; "{scenes}" is the folder of the scenes, "{out}" DIR/NAME */
+} steps[] = {
+    {"compare", lf_bench_compare,
+     "compare {scenes}/cloud.json --view-size 105x140 --time 20 --seeds 8 --reference-spp 64 --json {out}.json"},
+    {"curve", lf_bench_curve,
+     "curve {scenes}/cloud.json --view-size 60x80 --contenders vpt:mwis,mvpt:mwis,mvpt:mis,mvpt:cv --seeds 8 --json {out}.json "
+     "--plot {out}"},
+    {"views", lf_bench_views, "views {scenes}/cloud.json --seeds 8 --json {out}.json --plot {out}"},
+    {"table", lf_bench_table, "table {scenes} --json {out}.json --markdown {out}.md"},
+};
+
+enum { N_STEPS = sizeof steps / sizeof steps[0], MAX_WORDS = 32 };
 
 enum { OPTION_OUT = LF_OPTION_OWN, OPTION_SCENES };
 
@@ -34,20 +52,48 @@ static lf_status parse(int argc, char **argv, const char **out_folder, const cha
     return *out_folder ? LF_OK : lf_error_set(err, LF_E_ARG, "--out", "missing (see --help)");
 }
 
-/* Equal CPU time on the cloud, the number that the README states. */
-static int compare_cloud(char *scene, char *json)
+/* The word with the folders filled in; caller frees. NULL = out of memory. */
+static char *fill(const char *word, int n, const char *scenes, const char *folder, const char *name)
 {
-    char words[][16] = {"compare", "--view-size", "105x140", "--time", "20", "--seeds", "8", "--reference-spp", "64", "--json"};
-    char *argv[sizeof words / sizeof words[0] + 3];
-    int argc = 0;
+    char *filled = NULL;
+    int length = -1;
 
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
-        argv[argc++] = words[i];
-    argv[argc++] = json;
-    argv[argc++] = scene;
-    argv[argc] = NULL;
-    optind = 0; /* GNU: another command line */
-    return lf_bench_compare(argc, argv);
+    if (strncmp(word, "{scenes}", 8) == 0)
+        length = asprintf(&filled, "%s%.*s", scenes, n - 8, word + 8);
+    else if (strncmp(word, "{out}", 5) == 0)
+        length = asprintf(&filled, "%s/%s%.*s", folder, name, n - 5, word + 5);
+    else
+        length = asprintf(&filled, "%.*s", n, word);
+    return length < 0 ? NULL : filled;
+}
+
+static int run(const struct step *step, const char *scenes, const char *folder)
+{
+    char *argv[MAX_WORDS + 1] = {0};
+    int argc = 0;
+    int code = LF_EXIT_FAILED;
+    bool whole = true;
+
+    for (const char *at = step->arguments; *at && argc < MAX_WORDS; at += strspn(at, " ")) {
+        int n = (int)strcspn(at, " ");
+        argv[argc] = fill(at, n, scenes, folder, step->name);
+        whole = whole && argv[argc++];
+        at += n;
+    }
+    if (whole) {
+        printf("== %s\n", step->name);
+        optind = 0; /* GNU: another command line */
+        code = step->run(argc, argv);
+        putchar('\n');
+        fflush(stdout);
+    } else {
+        lf_error err = {0};
+        lf_error_set(&err, LF_E_NOMEM, step->name, "out of memory");
+        lf_bench_fail(&err);
+    }
+    for (int i = 0; i < argc; i++)
+        free(argv[i]);
+    return code;
 }
 
 int lf_bench_all(int argc, char **argv)
@@ -55,6 +101,7 @@ int lf_bench_all(int argc, char **argv)
     const char *folder = NULL;
     const char *scenes = NULL;
     lf_error err = {0};
+    int code = LF_EXIT_OK;
 
     if (parse(argc, argv, &folder, &scenes, &err) != LF_OK)
         return lf_usage_error(LF_BENCH_PROGRAM, &err);
@@ -64,17 +111,14 @@ int lf_bench_all(int argc, char **argv)
     }
     /* make puts the scenes with their data beside the results */
     char *beside = lf_path_join(folder, "../scenes");
-    char *scene = beside ? lf_path_join(scenes ? scenes : beside, "cloud.json") : NULL;
-    char *json = lf_path_join(folder, "compare.json");
-    int code = LF_EXIT_FAILED;
-    if (scene && json) {
-        code = compare_cloud(scene, json);
-    } else {
+    if (!beside) {
         lf_error_set(&err, LF_E_NOMEM, folder, "out of memory");
-        lf_bench_fail(&err);
+        return lf_bench_fail(&err);
+    }
+    for (int i = 0; i < N_STEPS; i++) {
+        int failed = run(&steps[i], scenes ? scenes : beside, folder);
+        code = failed ? failed : code; /* the others may still be of use */
     }
     lf_free(beside);
-    lf_free(scene);
-    lf_free(json);
     return code;
 }

@@ -6,12 +6,16 @@
 #include <jansson.h>
 
 #include "base/status.h"
+#include "base/thread.h"
 
 #define LF_BENCH_PROGRAM "quiltbench"
 
 /* argv[0] is the command's name. */
 int lf_bench_error(int argc, char **argv);
 int lf_bench_compare(int argc, char **argv);
+int lf_bench_curve(int argc, char **argv);
+int lf_bench_table(int argc, char **argv);
+int lf_bench_views(int argc, char **argv);
 int lf_bench_micro(int argc, char **argv);
 int lf_bench_quilt(int argc, char **argv);
 /* argv[0] is the program's name. */
@@ -24,8 +28,23 @@ LF_NODISCARD lf_status lf_bench_parse_share(const char *option, const char *text
  * reference; NULL = out of memory. */
 json_t *lf_bench_machine(void);
 
-/* Writes object to path, indented ("-" = stdout). */
+/* A number, or null for what is not finite. */
+json_t *lf_bench_number(double value);
+
+/* Writes object to path, indented ("-" = stdout). NULL is LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_bench_write_json(const char *path, const json_t *object, lf_error *err);
+/* Whether stdout belongs to the JSON. json as on the command line, may be NULL. */
+bool lf_bench_only_json(const char *json);
+
+/* Writes text to path. NULL is LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_bench_write_text(const char *path, const char *text, lf_error *err);
+
+/* Draws PREFIX.svg and PREFIX.png with gnuplot from data, which is left as PREFIX.dat, and commands, left as PREFIX.gp with what sets
+ * up the two pictures around them; commands name the data as `data`. Without gnuplot: both files, and a word on stderr. */
+LF_NODISCARD lf_status lf_bench_plot(const char *prefix, const char *data, const char *commands, lf_error *err);
+
+/* lf_pool_create with an error. threads 0 = all CPUs. */
+LF_NODISCARD lf_status lf_bench_pool(int threads, lf_pool **out_pool, lf_error *err);
 
 /* Prints err and returns LF_EXIT_FAILED. */
 int lf_bench_fail(const lf_error *err);

@@ -1,4 +1,5 @@
 /* quiltbench: measurements. See docs/man/quiltbench.1. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +19,9 @@ static const struct command {
 } commands[] = {
     {"error", lf_bench_error, "how far a picture is from a reference"},
     {"compare", lf_bench_compare, "error of two integrators after equal CPU time"},
+    {"curve", lf_bench_curve, "error against CPU time, and what it is made of"},
+    {"table", lf_bench_table, "equal-time ratios on all kinds of scenes"},
+    {"views", lf_bench_views, "error against the number of views"},
     {"micro", lf_bench_micro, "the inner loops one by one, every instruction set against plain C"},
     {"quilt", lf_bench_quilt, "interlacing, tone mapping, filling and print against copying"},
 };
@@ -82,29 +86,52 @@ json_t *lf_bench_machine(void)
     return json_pack("{s:s, s:i, s:s}", "cpu", model, "cpus", lf_cpu_count(), "kernel", name.release);
 }
 
+json_t *lf_bench_number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+bool lf_bench_only_json(const char *json)
+{
+    return json && strcmp(json, "-") == 0;
+}
+
+lf_status lf_bench_write_text(const char *path, const char *text, lf_error *err)
+{
+    lf_outfile file = {.fd = -1};
+    lf_status status = text ? lf_outfile_open(&file, path, true, err) : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+
+    if (status != LF_OK)
+        return status;
+    status = lf_outfile_write(&file, text, strlen(text), err);
+    if (status == LF_OK)
+        status = lf_outfile_commit(&file, true, err);
+    lf_outfile_abandon(&file);
+    return status;
+}
+
 lf_status lf_bench_write_json(const char *path, const json_t *object, lf_error *err)
 {
-    char *text = json_dumps(object, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-    lf_outfile file = {.fd = -1};
-    lf_status status = text ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    char *text = object ? json_dumps(object, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
+    char *line = NULL;
+    lf_status status = LF_OK;
 
-    if (status == LF_OK && strcmp(path, "-") == 0) {
-        puts(text);
-        free(text);
-        return LF_OK;
-    }
-    if (status == LF_OK)
-        status = lf_outfile_open(&file, path, true, err);
-    if (status == LF_OK) {
-        status = lf_outfile_write(&file, text, strlen(text), err);
-        if (status == LF_OK)
-            status = lf_outfile_write(&file, "\n", 1, err);
-        if (status == LF_OK)
-            status = lf_outfile_commit(&file, true, err);
-        lf_outfile_abandon(&file);
-    }
+    if (text && asprintf(&line, "%s\n", text) < 0)
+        line = NULL;
+    if (line && lf_bench_only_json(path))
+        fputs(line, stdout);
+    else
+        status = lf_bench_write_text(path, line, err);
     free(text);
+    free(line);
     return status;
+}
+
+lf_status lf_bench_pool(int threads, lf_pool **out_pool, lf_error *err)
+{
+    lf_status status = lf_pool_create(threads, out_pool);
+
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, "--threads", "the threads cannot be started");
 }
 
 int lf_bench_fail(const lf_error *err)

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <fstream>
 
 namespace
 {
@@ -100,6 +101,17 @@ double density(double x, double y, double z)
     return inside * frame;
 }
 
+/* Every file gets an id of its own when it is written, in the 36 characters behind the numbers of the format and the library:
+ * one for all, so that the same cloud is the same bytes. */
+void forget_id(const char *path)
+{
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(8 + 3 * 4 + 1);
+    file << "00000000-0000-4000-8000-000000000000";
+    if (!file.flush())
+        throw std::runtime_error("cannot be written");
+}
+
 void write(const char *path)
 {
     openvdb::initialize();
@@ -126,6 +138,7 @@ void write(const char *path)
     file.setCompression(openvdb::io::COMPRESS_ACTIVE_MASK | openvdb::io::COMPRESS_BLOSC);
     file.write({grid});
     file.close();
+    forget_id(path);
 }
 
 } // namespace

@@ -1,7 +1,8 @@
 # The shipped scenes: their data is made here, by generators that do not depend on the variant being built, and the scene files
-# are copied beside it, so that relative paths hold.
+# are copied beside it, so that relative paths hold. scenes/bench holds those of `quiltbench table`; tests/bench/test_scenes.c knows
+# the hashes of all that they are made of.
 scene_generated := scenes/cloud.vdb scenes/knot.obj scenes/sky.hdr
-scene_data += $(scene_generated) $(call wild,scenes/*.json)
+scene_data += $(scene_generated) $(call wild,scenes/*.json) $(call wild,scenes/bench/*.json)
 
 $(BUILDROOT)/tools/%: $(SRCDIR)/scenes/%.c
 	@mkdir -p $(@D)

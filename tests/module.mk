@@ -4,6 +4,7 @@ test_libs_quilt := optics quilt base
 test_libs_device := device base
 test_libs_render := stat render base
 test_libs_stat := stat render base
+test_libs_bench := bench stat render base
 
 # what statistical tests share
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))

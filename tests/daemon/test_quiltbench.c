@@ -2,6 +2,7 @@
 #include "tests/testing.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <jansson.h>
@@ -178,7 +179,15 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"compare s.json --ours mvpt", "INTEGRATOR:ESTIMATOR"},
         {"compare s.json --ours magic:mis", "unknown integrator"},
         {"compare s.json --seeds 0", "--seeds"},
-        {"compare s.json --integrator vpt", "--ours"},
+        {"compare s.json --integrator vpt", "INTEGRATOR:ESTIMATOR"},
+        {"curve", "expects one SCENE"},
+        {"curve s.json --contenders vpt:mwis,mvpt", "INTEGRATOR:ESTIMATOR"},
+        {"curve s.json --budgets 0", "--budgets"},
+        {"table", "expects one FOLDER"},
+        {"table x --scenes cloud,moon", "no scene is called \"moon\""},
+        {"views", "expects one SCENE"},
+        {"views s.json --counts 4,2", "rising"},
+        {"views s.json --counts 0", "--counts"},
         {"--out", "--out: expects an argument"},
         {"--scenes x", "--out: missing"},
     };
@@ -193,15 +202,20 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
     assert_error_line(d, "absent.exr");
 }
 
+static void write_ball(const char *folder)
+{
+    lf_test_write(
+        folder, "fog.json",
+        "{ \"quiltd\": 1, \"camera\": { \"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, \"views\": 6, \"cone\": 35 },"
+        "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9 } },"
+        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }");
+}
+
 static void a_comparison_says_what_it_compared(void **state)
 {
     const char *d = *state;
 
-    lf_test_write(
-        d, "fog.json",
-        "{ \"quiltd\": 1, \"camera\": { \"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, \"views\": 6, \"cone\": 35 },"
-        "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9 } },"
-        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }");
+    write_ball(d);
     assert_int_equal(run(d, "compare fog.json --view-size 6x8 --time 0.05 --seeds 3 --reference-spp 256 --ours vpt:mis "
                             "--json c.json"),
                      0);
@@ -220,6 +234,92 @@ static void a_comparison_says_what_it_compared(void **state)
                             "--min-ratio 1000"),
                      1);
     assert_error_line(d, "the median ratio is");
+}
+
+static void a_curve_falls_and_says_where_the_time_goes(void **state)
+{
+    const char *d = *state;
+
+    write_ball(d);
+    assert_int_equal(run(d, "curve fog.json --view-size 12x16 --time 0.05 --budgets 3 --seeds 3 --reference-spp 512 --json c.json "
+                            "--plot plot"),
+                     0);
+    json_t *c = load(d, "c.json");
+    const json_t *contenders = json_object_get(c, "contenders");
+    assert_int_equal(json_array_size(contenders), 2);
+    for (size_t i = 0; i < 2; i++) {
+        const json_t *who = json_array_get(contenders, i);
+        const json_t *budgets = json_object_get(who, "budgets");
+        assert_int_equal(json_array_size(budgets), 3);
+        /* four times the time is a quarter of the error, and no less than half of it */
+        double first = number(json_object_get(json_array_get(budgets, 0), "rel_mse"), "estimate");
+        double last = number(json_object_get(json_array_get(budgets, 2), "rel_mse"), "estimate");
+        assert_true(last > 0 && last < 0.5 * first);
+        assert_true(number(who, "path_us") > 0);
+        assert_int_equal(json_array_size(json_object_get(json_array_get(budgets, 0), "runs")), 3);
+    }
+    /* the baseline is one times itself, its views do not share, and those of mvpt do */
+    const json_t *alone = json_array_get(json_object_get(json_array_get(contenders, 0), "budgets"), 2);
+    const json_t *shared = json_array_get(json_object_get(json_array_get(contenders, 1), "budgets"), 2);
+    lf_assert_close(number(json_object_get(alone, "equal_time_ratio"), "estimate"), 1, 1e-9, 0);
+    lf_assert_close(number(alone, "correlation_1"), 0, 0, 0.3);
+    assert_true(number(shared, "correlation_1") > 0.3);
+    assert_true(number(json_array_get(contenders, 0), "escape_share") > 0 &&
+                number(json_array_get(contenders, 0), "escape_share") < 1);
+    json_decref(c);
+    assert_int_equal(access(lf_test_path(d, "plot.dat"), R_OK), 0);
+    assert_int_equal(access(lf_test_path(d, "plot.gp"), R_OK), 0);
+    if (system("command -v gnuplot > /dev/null 2>&1") == 0) {
+        assert_int_equal(access(lf_test_path(d, "plot.svg"), R_OK), 0);
+        assert_int_equal(access(lf_test_path(d, "plot.png"), R_OK), 0);
+    }
+}
+
+/* 6 views against one: the error falls, by no more than 6 (and 20 standard errors or so). */
+static void more_views_have_less_error_at_equal_paths(void **state)
+{
+    const char *d = *state;
+
+    write_ball(d);
+    assert_int_equal(run(d, "views fog.json --view-size 12x16 --counts 1,6 --spp 16 --seeds 4 --reference-spp 512 --json v.json"),
+                     0);
+    json_t *v = load(d, "v.json");
+    const json_t *counts = json_object_get(v, "counts");
+    assert_int_equal(json_array_size(counts), 2);
+    double one = number(json_object_get(json_array_get(counts, 0), "rel_mse"), "estimate");
+    double six = number(json_object_get(json_array_get(counts, 1), "rel_mse"), "estimate");
+    assert_true(six < one && six > one / 12);
+    lf_assert_close(number(json_object_get(v, "exponent"), "estimate"), log(six / one) / log(6), 1e-9, 0);
+    assert_true(number(v, "exponent_se") > 0);
+    assert_true(number(json_array_get(counts, 0), "base_paths") >= 16);
+    json_decref(v);
+}
+
+static void a_table_says_what_is_met(void **state)
+{
+    const char *d = *state;
+
+    assert_int_equal(mkdir(lf_test_path(d, "bench"), 0700), 0);
+    write_ball(d);
+    assert_int_equal(rename(lf_test_path(d, "fog.json"), lf_test_path(d, "bench/cloud-g098.json")), 0);
+    assert_int_equal(run(d, "table . --scenes cloud-g098 --view-size 20x20 --time 0.05 --seeds 3 --json t.json --markdown t.md"),
+                     0);
+    json_t *t = load(d, "t.json");
+    const json_t *rows = json_object_get(t, "rows");
+    assert_int_equal(json_array_size(rows), 2);
+    const json_t *field = json_array_get(rows, 0);
+    lf_assert_close(number(field, "views"), 45, 0, 0);
+    lf_assert_close(number(json_array_get(rows, 1), "views"), 10, 0, 0);
+    /* 20 pixels are two tiles */
+    assert_true(number(json_object_get(field, "tiles"), "judged") <= 4);
+    assert_true(number(json_object_get(field, "view_tiles"), "judged") <= 4 * 45);
+    assert_true(number(json_object_get(field, "must"), "tile") > 0);
+    assert_true(strlen(json_string_value(json_object_get(field, "verdict"))) > 0);
+    assert_string_equal(json_string_value(json_object_get(json_array_get(rows, 1), "verdict")), "");
+    json_decref(t);
+    assert_int_equal(access(lf_test_path(d, "t.md"), R_OK), 0);
+    assert_int_equal(run(d, "table . --scenes cloud"), 1);
+    assert_error_line(d, "cloud.json");
 }
 
 /* The line of a table in JSON whose `key` is `value`, the k-th such. */
@@ -311,6 +411,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(one_view_is_picked_out_of_many, set_up, tear_down),
         cmocka_unit_test_setup_teardown(wrong_usage_is_one_line_and_exit_2, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_comparison_says_what_it_compared, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_curve_falls_and_says_where_the_time_goes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(more_views_have_less_error_at_equal_paths, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_table_says_what_is_met, set_up, tear_down),
         cmocka_unit_test_setup_teardown(kernels_are_timed_and_must_agree, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_between_views_and_panel_is_timed, set_up, tear_down),
     };
