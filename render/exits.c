@@ -40,15 +40,16 @@ static void trace_fan(lf_worker *worker, const lf_visit *visit, int from, int to
     worker->tracer.rays += (to < rig->n_views ? to : rig->n_views) - from;
 }
 
-/* One ray's known light and pivot probability; transmittance = 1 - q_medium, along the whole ray or to its surface. */
-static void write_known(const lf_visit *visit, size_t pixel, int k, const struct RTCRayHit8 *hits, float q_medium,
-                        const lf_vec3 *sky)
+/* One ray's known light and pivot probability; depth: optical, along the whole ray or to its surface. */
+static void write_known(const lf_visit *visit, size_t pixel, int k, const struct RTCRayHit8 *hits, float depth, const lf_vec3 *sky)
 {
     const lf_worker *worker = visit->worker;
     const struct RTCRayHit8 *h = hits ? &hits[k / LF_LANES] : NULL;
     int i = k % LF_LANES;
     bool surface = h && h->hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-    float transmittance = 1.0f - q_medium, *q = &visit->sums.half.q[pixel], pdf;
+    float q_medium = depth > 0.0f ? -expm1f(-depth) : 0.0f, *q = &visit->sums.half.q[pixel], pdf;
+    /* A sun or lamp behind 20 mean free paths and more: 1 - q would have no digits left. */
+    float transmittance = depth < 0.5f ? 1.0f - q_medium : expf(-depth);
     lf_vec3 light;
     *q = q_medium;
     if (!visit->sums.known) {
@@ -154,11 +155,9 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
             lf_media_depths(&w->media, plan->kernels, to - from, w->x0 + from, w->slope + from, w->z_end + from, w->tau + from, -1,
                             NULL);
         for (int k = 0; k < rig->n_views; k++) {
-            float q = 0.0f;
-            if (w->tau[k] > 0.0f)
-                q = -expm1f(-w->tau[k] * sqrtf(1.0f + w->slope[k] * w->slope[k] + visit->plane.my * visit->plane.my));
-            write_known(visit, (size_t)k * (size_t)rig->width + (size_t)column, k, hits && k >= from && k < to ? hits : NULL, q,
-                        constant ? &sky : NULL);
+            float length = sqrtf(1.0f + w->slope[k] * w->slope[k] + visit->plane.my * visit->plane.my);
+            write_known(visit, (size_t)k * (size_t)rig->width + (size_t)column, k, hits && k >= from && k < to ? hits : NULL,
+                        w->tau[k] * length, constant ? &sky : NULL);
         }
     }
 }

@@ -53,30 +53,38 @@ report "the portable parts compile for arm64" "$(grep -A5 warning: "$top/log")"
 
 # their own reports are added up by tests/run
 [ -n "${QUILTD_LONG-}" ] && slow=
-for program in $(build -s portable-tests); do
-    LF_TEST_SKIP=$slow "$emulator" "$program" > "$top/log" 2>&1
-    rc=$?
-    cat "$top/log"
-    grep -q '^\[  PASSED  \]' "$top/log" || report "${program##*/}" "exit status $rc, no results"
+programs=$(build -s portable-tests)
+echo "$programs" | tr ' ' '\n' | LF_TEST_SKIP=$slow xargs -P "$(nproc)" -I{} sh -c '"$1" "$2" > "$3/${2##*/}.log" 2>&1' - "$emulator" {} "$top"
+for program in $programs; do
+    log=$top/${program##*/}.log
+    cat "$log"
+    grep -q '^\[  PASSED  \]' "$log" || report "${program##*/}" "no results"
 done
 
-"$out/tests/arm64/results" > "$top/here" 2> /dev/null
-[ "$(wc -l < "$top/here")" -gt 9 ] || report "results here" "$(cat "$top/here")"
-"$emulator" "$out/arm64/tests/arm64/results" > "$top/arm64" 2> "$top/kernels"
-report "arm64 has the results of this machine" "$(diff "$top/here" "$top/arm64")"
-report "arm64 uses NEON" "$(grep -vx 'kernels: neon' "$top/kernels")"
-for word in "" "$emulator"; do
-    # shellcheck disable=SC2086  # nothing, or a word
-    LF_CPU=c $word "$out/${word:+arm64/}tests/arm64/results" kernels > "$top/plain" 2> /dev/null
-    report "plain C has the same results, ${word:-here}" "$(cmp "$top/plain" <(head -n "$(wc -l < "$top/plain")" "$top/here") 2>&1)"
-done
+# what a results program printed, and which kernels it used
+results() { # name, kernels, words of the command
+    local name=$1 kernels=$2
+    shift 2
+    "$@" > "$top/$name" 2> "$top/$name.kernels"
+    if [ "$(wc -l < "$top/$name")" -lt 4 ] || ! grep -qx "kernels: $kernels" "$top/$name.kernels"; then
+        report "results, $name" "$(cat "$top/$name.kernels" "$top/$name")"
+    fi
+}
+results here '.*' "$out/tests/arm64/results"
+results arm64 neon "$emulator" "$out/arm64/tests/arm64/results"
+results here-c c env LF_CPU=c "$out/tests/arm64/results" kernels
+results arm64-c c env LF_CPU=c "$emulator" "$out/arm64/tests/arm64/results" kernels
+head -n "$(wc -l < "$top/here-c")" "$top/here" > "$top/here-kernels"
+report "arm64, with NEON, has the results of this machine" "$(diff "$top/here" "$top/arm64")"
+report "plain C has the results of this machine's best kernels" "$(diff "$top/here-kernels" "$top/here-c")"
+report "plain C has the same results on arm64" "$(diff "$top/here-kernels" "$top/arm64-c")"
 
 # the comparison can fail: plain C with fused multiply-adds is another kernel
 fused_is_noticed() {
     $cc -std=c11 -D_GNU_SOURCE -O3 -ffp-contract=fast -I"$src" -idirafter /usr/include -c -o "$top/fused.o" "$src/render/kernel_c.c" &&
         $cc -static -pthread -o "$top/fused" "$out/arm64/tests/arm64/results.c.o" "$top/fused.o" "$out"/arm64/lib{render,quilt,base}.a -lm || return
-    LF_CPU=c "$emulator" "$top/fused" kernels > "$top/fused.txt" 2> /dev/null
-    ! cmp -s "$top/plain" "$top/fused.txt" || echo "the same results with and without"
+    results with-fma c env LF_CPU=c "$emulator" "$top/fused" kernels
+    ! cmp -s "$top/here-c" "$top/with-fma" || echo "the same results with and without"
 }
 report "fused multiply-adds would be noticed" "$(fused_is_noticed 2>&1)"
 end

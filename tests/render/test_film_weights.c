@@ -27,37 +27,9 @@ static void live(lf_renderer *r)
         assert_int_equal(lf_renderer_pass(r, 0, 1, 1 + i % 2, NULL, NULL, NULL), LF_OK);
 }
 
-static void run(const char *text, lf_test_schedule schedule, lf_blocks blocks[3])
-{
-    lf_scene *scene = lf_test_scene(text);
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
-    lf_render_stats stats;
-    lf_test_weight_blocks(r, schedule, replicates, 8, blocks);
-    lf_renderer_stats(r, &stats);
-    assert_true(stats.nonfinite_dropped == 0);
-    lf_renderer_destroy(r);
-    lf_scene_unref(scene);
-}
-
-static void finish(lf_blocks blocks[3])
-{
-    for (int i = 0; i < 3; i++)
-        lf_blocks_finish(&blocks[i]);
-}
-
 static void assert_weights(const char *text, lf_test_schedule schedule)
 {
-    lf_blocks blocks[3];
-    run(text, schedule, blocks);
-    for (int second = 0; second < 2; second++) {
-        int where = 0;
-        double p = lf_blocks_p_zero(&blocks[second], &where);
-        if (!(p > LEVEL))
-            fail_msg("W%s/n - q is %.3g +- %.2g in block %d of view %d where q is %.3g: p %.2g", second ? "'" : "",
-                     blocks[second].moments[where].mean, lf_moments_error(&blocks[second].moments[where]), where % 12, where / 12,
-                     blocks[2].moments[where].mean, p);
-    }
-    finish(blocks);
+    lf_test_assert_weights(text, width, height, schedule, replicates, 8, LEVEL);
 }
 
 static void weights_are_n_q_with_media_and_surfaces(void **state)
@@ -94,7 +66,9 @@ static void a_bias_of_one_per_cent_would_be_seen(void **state)
 {
     (void)state;
     lf_blocks blocks[3];
-    run(LF_TEST_MIXED("7", ""), whole_cycles, blocks);
+    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("7", ""));
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+    lf_test_weight_blocks(r, whole_cycles, replicates, 8, blocks);
     for (int second = 0; second < 2; second++) {
         int seen = 0, bright = 0;
         for (int i = 3 * 12; i < 4 * 12; i++) {
@@ -107,7 +81,10 @@ static void a_bias_of_one_per_cent_would_be_seen(void **state)
         int whole = blocks[second].n - 1;
         assert_true(lf_p_mean(&blocks[second].moments[whole], -0.003 * blocks[2].moments[whole].mean) < LEVEL);
     }
-    finish(blocks);
+    for (int i = 0; i < 3; i++)
+        lf_blocks_finish(&blocks[i]);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
 }
 
 int main(void)

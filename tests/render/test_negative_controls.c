@@ -45,13 +45,8 @@ static void pictures(const char *integrator, unsigned faults, uint64_t seed, lf_
 {
     lf_scene *scene = lf_test_scene(scene_text);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
-    lf_blocks_init(out, n_views, width, height, 8);
     r->plan.faults = faults;
-    for (int k = 0; k < 24; k++) {
-        lf_test_reseed(r, lf_hash64(lf_test_seed() + seed, (uint64_t)k));
-        whole_cycles(r);
-        lf_blocks_add_picture(out, r, LF_ESTIMATOR_MIS);
-    }
+    lf_test_pictures(r, whole_cycles, LF_ESTIMATOR_MIS, 24, seed, 8, out);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
 }

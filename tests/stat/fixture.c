@@ -54,6 +54,11 @@ void lf_test_passes(lf_renderer *renderer, int64_t n_passes)
     assert_int_equal(lf_renderer_passes(renderer, n_passes, true, NULL), LF_OK);
 }
 
+void lf_test_cycles(lf_renderer *r, int n)
+{
+    lf_test_passes(r, (int64_t)n * r->film.n_views);
+}
+
 double *lf_test_picture(const lf_renderer *renderer, lf_estimator estimator)
 {
     const lf_render_settings *s = lf_renderer_settings(renderer);
@@ -120,6 +125,22 @@ void lf_blocks_add_picture(lf_blocks *b, const lf_renderer *renderer, lf_estimat
     double *picture = lf_test_picture(renderer, estimator);
     lf_blocks_add(b, picture);
     free(picture);
+}
+
+void lf_blocks_mirror(lf_blocks *b)
+{
+    int per_view = (b->n - 1) / b->n_views, down = per_view / b->across;
+    lf_moments *flipped = malloc((size_t)b->n * sizeof *flipped);
+    assert_int_equal(b->width % b->block, 0);
+    for (int view = 0; view < b->n_views; view++) {
+        for (int i = 0; i < per_view; i++) {
+            int from = ((b->n_views - 1 - view) * down + i / b->across) * b->across + b->across - 1 - i % b->across;
+            flipped[view * per_view + i] = b->moments[from];
+        }
+    }
+    flipped[b->n - 1] = b->moments[b->n - 1];
+    free(b->moments);
+    b->moments = flipped;
 }
 
 /* The truth moved towards the estimate by no more than rounding may. */
@@ -223,4 +244,53 @@ void lf_test_weight_blocks(lf_renderer *r, lf_test_schedule schedule, int replic
     }
     free(q);
     free(d);
+}
+
+/* Smallest p of "the difference is 0", a millionth of q being left to rounding. */
+static double least_p(const lf_blocks *difference, const lf_blocks *q, int *out_where)
+{
+    double least = 2.0;
+    for (int i = 0; i < q->n; i++) {
+        double slack = 1e-6 * q->moments[i].mean, mean = difference->moments[i].mean;
+        double p = lf_p_mean(&difference->moments[i], fmin(fmax(mean, -slack), slack));
+        if (p < least)
+            *out_where = i;
+        least = p < least ? p : least;
+    }
+    return least;
+}
+
+void lf_test_assert_weights(const char *text, int width, int height, lf_test_schedule schedule, int replicates, int block,
+                            double level)
+{
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+    lf_render_stats stats;
+    lf_blocks blocks[3];
+    lf_test_weight_blocks(r, schedule, replicates, block, blocks);
+    lf_renderer_stats(r, &stats);
+    assert_true(stats.nonfinite_dropped == 0);
+    for (int second = 0; second < 2; second++) {
+        int where = 0;
+        double p = least_p(&blocks[second], &blocks[2], &where);
+        if (!(p > level))
+            fail_msg("W%s/n - q is %.3g +- %.2g in block %d where q is %.3g: p %.2g", second ? "'" : "",
+                     blocks[second].moments[where].mean, lf_moments_error(&blocks[second].moments[where]), where,
+                     blocks[2].moments[where].mean, p);
+    }
+    for (int i = 0; i < 3; i++)
+        lf_blocks_finish(&blocks[i]);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+void lf_test_pictures(lf_renderer *r, lf_test_schedule schedule, lf_estimator estimator, int replicates, uint64_t salt, int block,
+                      lf_blocks *out)
+{
+    lf_blocks_init(out, r->film.n_views, r->film.width, r->film.height, block);
+    for (int k = 0; k < replicates; k++) {
+        lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
+        schedule(r);
+        lf_blocks_add_picture(out, r, estimator);
+    }
 }

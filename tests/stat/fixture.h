@@ -29,6 +29,9 @@ typedef void (*lf_test_schedule)(lf_renderer *renderer);
 /* One picture: [row][view][column], the channels' mean with weights 0.5, 0.3, 0.2. Caller frees. */
 double *lf_test_picture(const lf_renderer *renderer, lf_estimator estimator);
 
+/* A whole cycle of passes n times: n native samples a view pixel. */
+void lf_test_cycles(lf_renderer *renderer, int n);
+
 /* Means over blocks of block x block pixels (the last ones smaller) of each view, over replicates. */
 typedef struct lf_blocks {
     int n_views, width, height, block, across, n;
@@ -42,6 +45,8 @@ void lf_blocks_finish(lf_blocks *blocks);
 void lf_blocks_add(lf_blocks *blocks, const double *picture);
 /* The picture of what the renderer holds. */
 void lf_blocks_add_picture(lf_blocks *blocks, const lf_renderer *renderer, lf_estimator estimator);
+/* From left to right, and the first view last: what the mirrored scene looks like. */
+void lf_blocks_mirror(lf_blocks *blocks);
 /* Smallest p of all blocks against the truth's block means (a picture), or against another set of replicates; *out_where (may be
  * NULL) is the block, blocks->n - 1 the whole picture. rounding: relative difference that single precision may make. */
 double lf_blocks_p(const lf_blocks *blocks, const double *truth, double rounding, int *out_where);
@@ -57,6 +62,14 @@ void lf_test_weights(const lf_renderer *renderer, bool second, double *out_diffe
 /* Replicates of the three pictures above, (W - n q)/n, (W' - n q)/n and q, in blocks of block x block pixels: blocks are made here
  * and finished by the caller. Replicate k starts from a seed of its own. */
 void lf_test_weight_blocks(lf_renderer *renderer, lf_test_schedule schedule, int replicates, int block, lf_blocks blocks[3]);
+
+/* Fails the test unless in every block W and W' are n q (p above level), and nothing was dropped. */
+void lf_test_assert_weights(const char *scene, int width, int height, lf_test_schedule schedule, int replicates, int block,
+                            double level);
+
+/* Replicates of an integrator's pictures; salt keeps the seeds of several sets apart. Blocks are made here. */
+void lf_test_pictures(lf_renderer *renderer, lf_test_schedule schedule, lf_estimator estimator, int replicates, uint64_t salt,
+                      int block, lf_blocks *out);
 
 /* Where pixel (column + x, row + y) of a view lies on the window plane, in camera space divided by the distance: slopes of the
  * pinhole ray of this view. */
