@@ -100,4 +100,8 @@ void lf_film_count(lf_film *film, int row, int half, double weight);
 /* See lf_renderer_resolve_row. */
 lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int row, float *out, uint8_t *flags);
 
+/* Of every pixel of a row that both halves have seen: the estimated relMSE of mwis, and q. Arrays [view][column]; left as they are for a
+ * row that was never visited. */
+void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *out_q);
+
 #endif

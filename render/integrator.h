@@ -3,6 +3,7 @@
 #ifndef LF_RENDER_INTEGRATOR_H
 #define LF_RENDER_INTEGRATOR_H
 
+#include "render/adaptive.h"
 #include "render/film.h"
 #include "render/media.h"
 #include "render/path.h"
@@ -14,12 +15,13 @@ struct lf_pivot;
 
 typedef struct lf_integrator {
     const char *name;
-    bool shares; /* other views receive contributions */
+    bool shares;   /* other views receive contributions */
+    bool adaptive; /* behind a pilot base samples go where the error is (adaptive.h) */
     /* Spreads one pivot over the views that see it. */
     void (*pivot)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot);
 } lf_integrator;
 
-extern const lf_integrator lf_integrator_vpt, lf_integrator_mvpt;
+extern const lf_integrator lf_integrator_vpt, lf_integrator_mvpt, lf_integrator_amvpt;
 
 /* NULL behind the last. */
 const lf_integrator *lf_integrator_at(int index);
@@ -34,8 +36,11 @@ typedef struct lf_worker {
     /* Lanes of the fan in work. */
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES], sigma[LF_MAX_LANES];
     float scale[LF_MAX_LANES], density[LF_MAX_LANES], lobe[LF_MAX_LANES], visible[LF_MAX_LANES];
+    float count[LF_MAX_LANES];    /* expected counts of the lanes' pixels, as in lf_visit.expected */
+    float strategy[LF_MAX_LANES]; /* count times density */
     int column[LF_MAX_LANES];
     lf_vec3 f[LF_MAX_LANES];
+    float *expected; /* [view][column]: where a visit keeps its row of the map */
 } lf_worker;
 
 /* A shared pivot: where a base ray found something that scatters. */
@@ -61,6 +66,10 @@ typedef struct lf_visit {
     int max_depth;
     int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
     float weight;             /* of every base sample: 1, but for holes */
+    /* [view][column] expected base samples of a pixel, in units of subsets / n_views; NULL: 1 everywhere. 0 in pixels that nobody
+     * reads: they are sampled by nobody, missing in everybody's sum, and receive nothing. */
+    const float *expected;
+    float alone;     /* 1 / expected at the base's own pixel: what a sample weighs that only its own pixel receives */
     unsigned faults;          /* lf_fault: deliberate mistakes, for the negative controls of the tests */
 } lf_visit;
 
@@ -95,6 +104,7 @@ typedef enum lf_fault {
     LF_FAULT_SWAPPED_VIEWS = 8, /* contributions land in mirrored views */
     LF_FAULT_NO_LIGHT_PDF = 16, /* the p_L term left out of the direction's weights */
     LF_FAULT_OTHER_ROW = 32,    /* B and q taken with another row offset than the base samples */
+    LF_FAULT_NO_COUNTS = 64,    /* c_k of an adaptive pass left out of the sums */
 } lf_fault;
 
 /* Everything that one visit of a row does. */
@@ -112,6 +122,7 @@ typedef struct lf_visit_plan {
     unsigned kept;   /* lf_skip: what is done although nothing needs it */
     int subsets;     /* passes in this visit */
     int column_step; /* 1, or 2: only every other column is sampled (a pass split between halves) */
+    const lf_counts *counts; /* where base samples go; NULL: the same number everywhere. Needs column_step 1 */
     bool force;      /* force collisions, so that thin media are covered at once */
     int hole_reach;  /* behind the visit, fill holes farther than this from what is there; < 0: leave them */
 } lf_visit_plan;

@@ -108,6 +108,35 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
     }
 }
 
+/* Expected counts of the pixels that the pivot projects to; views whose pixel nobody reads are left out. */
+static void counts(const lf_visit *visit, int base, int column)
+{
+    lf_worker *w = visit->worker;
+    size_t width = (size_t)visit->rig->width;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        w->count[k] = visit->expected[(size_t)k * width + (size_t)w->column[k]];
+        w->scale[k] = w->count[k] > 0.0f ? w->scale[k] : 0.0f;
+    }
+    /* Rounding may have moved the base's own pivot over the edge of a pixel that is read. */
+    if (!(w->count[base] > 0.0f)) {
+        w->column[base] = column;
+        w->count[base] = visit->expected[(size_t)base * width + (size_t)column];
+        w->scale[base] = 1e-6f * fabsf(w->z_end[base]);
+    }
+}
+
+/* The densities of all strategies, c_k D_k; returns their sum. */
+static float strategies(const lf_visit *visit)
+{
+    lf_worker *w = visit->worker;
+    float sum = 0.0f;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        w->strategy[k] = visit->faults & LF_FAULT_NO_COUNTS ? w->density[k] : w->count[k] * w->density[k];
+        sum += w->strategy[k];
+    }
+    return sum;
+}
+
 /* LF_FAULT_REALISED: the sum over the views that happen to have a base sample here, instead of over expected counts. */
 static float realised_sum(const lf_visit *visit, int base)
 {
@@ -169,10 +198,11 @@ static void phases(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
     }
 }
 
-/* The lobe's pdf for every view towards wi and, for surfaces, f_k; returns sum_k D_k pdf_k. */
+/* The lobe's pdf for every view towards wi and, for surfaces, f_k; returns sum_k c_k D_k pdf_k. */
 static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
 {
     lf_worker *w = visit->worker;
+    const float *strategy = visit->expected ? w->strategy : w->density;
     const lf_rig *rig = visit->rig;
     bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
     float sum = 0.0f;
@@ -185,7 +215,7 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
         } else if (!medium) {
             w->lobe[k] = 0.0f;
         }
-        sum += w->density[k] * w->lobe[k];
+        sum += strategy[k] * w->lobe[k];
     }
     return sum;
 }
@@ -270,12 +300,15 @@ static bool view_dependent(const lf_visit *visit, const lf_event *event)
 static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
 {
     lf_worker *w = visit->worker;
-    (void)column;
     geometry(visit, pivot, view);
+    if (visit->expected)
+        counts(visit, view, column);
     prefixes(visit, pivot, view);
     if (visit->scene->embree)
         visibility(visit, pivot, view);
     float sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
+    if (visit->expected)
+        sum = strategies(visit);
     if (visit->faults & LF_FAULT_REALISED)
         sum = realised_sum(visit, view);
     lf_suffix suffix;
@@ -288,3 +321,4 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
 }
 
 const lf_integrator lf_integrator_mvpt = {.name = "mvpt", .shares = true, .pivot = pivot_mvpt};
+const lf_integrator lf_integrator_amvpt = {.name = "amvpt", .shares = true, .adaptive = true, .pivot = pivot_mvpt};

@@ -56,7 +56,7 @@ static lf_status find_integrator(const char *name, const lf_integrator **out, lf
             return LF_OK;
         }
     }
-    return lf_error_set(err, LF_E_ARG, "integrator", "\"%s\" is none of mvpt, vpt", name);
+    return lf_error_set(err, LF_E_ARG, "integrator", "\"%s\" is none of mvpt, vpt, amvpt", name);
 }
 
 /* -------------------------------------------------------------------------------------------------- set-up, restart -- */
@@ -67,6 +67,7 @@ static void free_workers(lf_worker **workers, int n)
         if (workers[i]) {
             lf_media_finish(&workers[i]->media);
             lf_film_sums_finish(&workers[i]->sums);
+            lf_free(workers[i]->expected);
         }
         lf_free(workers[i]);
     }
@@ -78,7 +79,10 @@ static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_fil
     lf_worker **workers = lf_calloc((size_t)n, sizeof *workers);
     for (int i = 0; workers && i < n; i++) {
         workers[i] = lf_calloc(1, sizeof **workers);
-        if (!workers[i] || lf_media_init(&workers[i]->media, frame) != LF_OK ||
+        if (workers[i])
+            workers[i]->expected =
+                lf_calloc((size_t)layout->n_views * (size_t)layout->width, sizeof *workers[i]->expected);
+        if (!workers[i] || !workers[i]->expected || lf_media_init(&workers[i]->media, frame) != LF_OK ||
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK) {
             free_workers(workers, n);
             return NULL;
@@ -121,9 +125,12 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
     int n_workers = lf_pool_threads(r->pool);
     bool keep = lf_film_has_layout(&r->film, &layout);
     lf_worker **workers = NULL;
-    if (keep || lf_film_init(&film, &layout) == LF_OK)
+    lf_counts counts = {0};
+    if ((!integrator->adaptive || lf_counts_init(&counts, rig.n_views, rig.width, rig.height) == LF_OK) &&
+        (keep || lf_film_init(&film, &layout) == LF_OK))
         workers = make_workers(n_workers, &frame, &layout);
     if (!workers) {
+        lf_counts_finish(&counts);
         lf_film_finish(&film);
         lf_geometry_unref(empty);
         return lf_error_set(err, LF_E_NOMEM, "renderer", "not enough memory for %d views of %dx%d and %d workers", rig.n_views,
@@ -132,6 +139,9 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
     free_workers(r->workers, r->n_workers);
     r->workers = workers;
     r->n_workers = n_workers;
+    lf_counts_finish(&r->counts);
+    r->counts = counts;
+    r->mapped = false;
     if (keep) {
         lf_film_clear(&r->film);
     } else {
@@ -189,6 +199,7 @@ void lf_renderer_destroy(lf_renderer *renderer)
     if (!renderer)
         return;
     free_workers(renderer->workers, renderer->n_workers);
+    lf_counts_finish(&renderer->counts);
     lf_film_finish(&renderer->film);
     lf_geometry_unref(renderer->empty);
     lf_scene_unref(renderer->scene);
@@ -204,7 +215,7 @@ lf_status lf_renderer_restart(lf_renderer *renderer, lf_scene *scene, const lf_r
 
 typedef struct lf_pass_job {
     lf_renderer *renderer;
-    const lf_visit_plan *plan;
+    lf_visit_plan *plan;
     int first_row, row_step;
     int half; /* -1 = the one with fewer visits, A first */
     lf_row_fn row_done;
@@ -222,9 +233,21 @@ static void run_row(void *context, int item, int worker)
         job->row_done(job->context, row, worker);
 }
 
+/* Behind the pilot of an adaptive integrator: its map, once. Failing to make it costs nothing but its gain. */
+static void adapt(lf_renderer *renderer)
+{
+    if (renderer->plan.integrator->adaptive && !renderer->mapped && lf_adaptive_ready(&renderer->film)) {
+        renderer->mapped = true;
+        if (lf_adaptive_map(&renderer->film, renderer->pool, &renderer->counts) == LF_OK)
+            renderer->plan.counts = &renderer->counts;
+    }
+}
+
 static lf_status run(lf_pass_job *job)
 {
     int height = job->renderer->film.height;
+    adapt(job->renderer);
+    job->plan->counts = job->plan->column_step == 1 ? job->renderer->plan.counts : NULL;
     if (job->first_row < 0 || job->row_step < 1 || job->first_row >= height)
         return job->first_row >= height && job->row_step >= 1 ? LF_OK : LF_E_ARG;
     int items = (height - job->first_row + job->row_step - 1) / job->row_step;

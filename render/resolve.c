@@ -251,33 +251,64 @@ static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t
     }
 }
 
+/* What a row of the film holds, for tiles to be read from; false when it was never visited. */
+static bool open_row(lf_tile *t, const lf_film *film, int row)
+{
+    const lf_film_row *state = &film->rows[row];
+    double n = state->n[0] + state->n[1];
+    *t = (lf_tile){.film = film};
+    for (int h = 0; h < 2 && n > 0.0; h++) {
+        t->half[h] = lf_film_at(film, row, h);
+        t->known = lf_film_known_at(film, row);
+        t->n[h] = (float)state->n[h];
+        t->share[h] = (float)(state->n[h] / n);
+        t->n_halves += state->n[h] > 0.0;
+    }
+    return n > 0.0;
+}
+
+/* The tile's bounds; i-th of all. false behind the last. */
+static bool at_tile(lf_tile *t, int i)
+{
+    int across = (t->film->width + TILE_COLUMNS - 1) / TILE_COLUMNS;
+    t->view0 = i / across * TILE_VIEWS;
+    t->column0 = i % across * TILE_COLUMNS;
+    t->view1 = t->view0 + TILE_VIEWS < t->film->n_views ? t->view0 + TILE_VIEWS : t->film->n_views;
+    t->column1 = t->column0 + TILE_COLUMNS < t->film->width ? t->column0 + TILE_COLUMNS : t->film->width;
+    return t->view0 < t->film->n_views;
+}
+
 lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int row, float *out, uint8_t *flags)
 {
     lf_film_row *state = &film->rows[row];
     size_t pixels = (size_t)film->n_views * (size_t)film->width;
-    double n = state->n[0] + state->n[1];
-    lf_tile t = {.film = film};
-    if (n == 0.0) {
+    lf_tile t;
+    if (!open_row(&t, film, row)) {
         memset(out, 0, 3 * pixels * sizeof *out);
         if (flags)
             memset(flags, LF_PIXEL_UNSEEN, pixels);
         return LF_E_STATE;
     }
-    for (int h = 0; h < 2; h++) {
-        t.half[h] = lf_film_at(film, row, h);
-        t.known = lf_film_known_at(film, row);
-        t.n[h] = (float)state->n[h];
-        t.share[h] = (float)(state->n[h] / n);
-        t.n_halves += state->n[h] > 0.0;
-    }
     state->holes = 0;
     state->relative_error = t.n_halves == 2 ? 0.0 : -1.0;
-    for (t.view0 = 0; t.view0 < film->n_views; t.view0 += TILE_VIEWS) {
-        for (t.column0 = 0; t.column0 < film->width; t.column0 += TILE_COLUMNS) {
-            t.view1 = t.view0 + TILE_VIEWS < film->n_views ? t.view0 + TILE_VIEWS : film->n_views;
-            t.column1 = t.column0 + TILE_COLUMNS < film->width ? t.column0 + TILE_COLUMNS : film->width;
-            resolve_tile(&t, estimator, out, flags, state);
+    for (int i = 0; at_tile(&t, i); i++)
+        resolve_tile(&t, estimator, out, flags, state);
+    return LF_OK;
+}
+
+void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *out_q)
+{
+    lf_tile t;
+    if (!open_row(&t, film, row))
+        return;
+    for (int k = 0; at_tile(&t, k); k++) {
+        read_tile(&t);
+        bool second = second_is_better(&t);
+        for (int i = 0; i < t.count; i++) {
+            float answer[3];
+            answer_ratio(&t.pixel[i].pooled, second, answer);
+            out_error[pixel_index(&t, i)] = (float)relative_error(&t, &t.pixel[i], LF_ESTIMATOR_MWIS, second, NULL, answer);
+            out_q[pixel_index(&t, i)] = t.pixel[i].pooled.q;
         }
     }
-    return LF_OK;
 }

@@ -3,7 +3,7 @@
 
 const lf_integrator *lf_integrator_at(int index)
 {
-    static const lf_integrator *const table[] = {&lf_integrator_mvpt, &lf_integrator_vpt};
+    static const lf_integrator *const table[] = {&lf_integrator_mvpt, &lf_integrator_vpt, &lf_integrator_amvpt};
     return index >= 0 && index < (int)(sizeof table / sizeof table[0]) ? table[index] : NULL;
 }
 
@@ -103,7 +103,7 @@ static void add_native(lf_visit *visit, int view, int column, const lf_event *ev
     lf_vec3 radiance = lf_path_light_found(visit->scene, event, &next, &light_pdf);
     if (next.kind != LF_EVENT_ESCAPE)
         radiance = lf_add(radiance, lf_path_scattered(tracer, &next, 2, visit->max_depth));
-    radiance = lf_scale(lf_mul(radiance, r), visit->weight / probability);
+    radiance = lf_scale(lf_mul(radiance, r), visit->weight * visit->alone / probability);
     float *out = visit->sums.native[(size_t)view * (size_t)visit->rig->width + (size_t)column];
     out[0] += radiance.x;
     out[1] += radiance.y;
@@ -200,6 +200,7 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint
     visit->subsets = plan->subsets;
     visit->step = lattice_step(plan->rig->n_views);
     visit->weight = 1.0f;
+    visit->alone = 1.0f;
     visit->faults = plan->faults;
     visit->worker->tracer.scene = plan->scene;
     cut(plan, visit, key, lf_hash64(key, 0), index);
@@ -213,6 +214,48 @@ static uint64_t stream(const lf_visit_plan *plan, int row, int half)
 static bool cancelled(const lf_cancel *cancel)
 {
     return cancel && atomic_load_explicit(cancel, memory_order_relaxed);
+}
+
+/* Every pixel of the lattice once; false = cancelled. */
+static bool sample_lattice(const lf_visit_plan *plan, lf_visit *visit, int first, uint64_t key, uint32_t index,
+                           const lf_cancel *cancel)
+{
+    for (int column = first; column < plan->rig->width; column += plan->column_step) {
+        for (int j = 0; j < plan->subsets; j++) {
+            if (cancelled(cancel))
+                return false;
+            base_sample(plan, visit, lattice_view(visit, column, j), column, -1.0f, key, index);
+        }
+    }
+    return true;
+}
+
+/* As many samples as the map expects, rounded so that every pixel gets its own on average and a column of views as many as all of
+ * them expect together: systematic sampling, with a start of its own in every column. false = cancelled. */
+static bool sample_counts(const lf_visit_plan *plan, lf_visit *visit, double start, uint64_t key, uint32_t index,
+                          const lf_cancel *cancel)
+{
+    const double golden = 0.61803398874989485;
+    int width = plan->rig->width, views = plan->rig->n_views;
+    double share = (double)plan->subsets / views;
+    for (int column = 0; column < width; column++) {
+        double sum = start + golden * column;
+        sum -= floor(sum);
+        for (int view = 0; view < views; view++) {
+            double count = share * (double)visit->expected[(size_t)view * (size_t)width + (size_t)column];
+            uint32_t n = (uint32_t)(floor(sum + count) - floor(sum)), slots = (uint32_t)ceil(count);
+            sum += count;
+            /* Behind a sure sample the realised number is as good as the expected one, and has no noise of its own. */
+            visit->alone = n > 0 ? (float)(share / (count < 1.0 ? count : (double)n)) : 1.0f;
+            for (uint32_t i = 0; i < n; i++) {
+                if (cancelled(cancel))
+                    return false;
+                base_sample(plan, visit, view, column, -1.0f, key, index * slots + i);
+            }
+        }
+    }
+    visit->alone = 1.0f;
+    return true;
 }
 
 #define LF_LOOKED_FOR 1e-30f
@@ -243,6 +286,8 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uin
     for (int view = 0; view < plan->rig->n_views; view++) {
         for (int column = 0, filled = -1; column < width; column++) {
             size_t pixel = (size_t)view * (size_t)width + (size_t)column;
+            if (visit->expected && !(visit->expected[pixel] > 0.0f))
+                continue;
             for (int i = 0; i < TRIES && column - filled >= plan->hole_reach && is_hole(halves, state->n, pixel); i++) {
                 float film = i == 0 ? lf_exits_film_point(key, column, index) : -1.0f;
                 if (cancelled(cancel))
@@ -262,14 +307,19 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uin
 bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worker, const lf_cancel *cancel)
 {
     lf_film_row *state = &plan->film->rows[row];
-    int width = plan->rig->width, views = plan->rig->n_views;
+    int views = plan->rig->n_views;
     if (plan->subsets == 0 && !(state->n[half] > 0.0))
         half = 1 - half; /* holes are filled where there is a count to weigh as much as */
     uint32_t index = state->visits[half];
     uint64_t key = stream(plan, row, half), random = lf_hash64(lf_hash64(key, 3), index);
     lf_visit visit = {.worker = worker, .sums = worker->sums, .row = row};
     begin(plan, &visit, key, index);
-    visit.start = (int)(lf_sampler_radical(lf_hash64(key, 7), index) * (float)views);
+    float start = lf_sampler_radical(lf_hash64(key, 7), index);
+    visit.start = (int)(start * (float)views);
+    if (plan->counts) {
+        lf_counts_row(plan->counts, row, worker->expected);
+        visit.expected = worker->expected;
+    }
 
     double weight = (double)plan->subsets / (double)(views * plan->column_step);
     int first = plan->column_step > 1 ? (int)((random >> 32) % (uint64_t)plan->column_step) : 0;
@@ -287,13 +337,9 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
         lf_exits_row(plan, &visit, key, index);
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 0), index);
-    for (int column = first; column < width; column += plan->column_step) {
-        for (int j = 0; j < plan->subsets; j++) {
-            if (cancelled(cancel))
-                return false;
-            base_sample(plan, &visit, lattice_view(&visit, column, j), column, -1.0f, key, index);
-        }
-    }
+    if (visit.expected ? !sample_counts(plan, &visit, (double)start, key, index, cancel)
+                       : !sample_lattice(plan, &visit, first, key, index, cancel))
+        return false;
     lf_film_merge(plan->film, row, half, &worker->sums, weight, lf_hash64(lf_hash64(key, 9), index));
     state->passes += (double)plan->subsets / plan->column_step;
     return plan->hole_reach < 0 || fill_holes(plan, &visit, half, key, index, cancel);

@@ -1,5 +1,5 @@
 /* vpt: each view alone, the baseline. The same base samples, suffixes, samplers and known light as mvpt; nothing is shared, so no
- * weights are needed: the expected count of a base pixel is the visit's n itself. */
+ * weights are needed but one over the expected count of the base's own pixel. */
 #include "render/integrator.h"
 
 static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
@@ -15,12 +15,13 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
         visit->worker->tracer.nonfinite++;
         radiance = lf_v3(0.0f, 0.0f, 0.0f);
     }
-    out->n[0] += pivot->boost * radiance.x;
-    out->n[1] += pivot->boost * radiance.y;
-    out->n[2] += pivot->boost * radiance.z;
-    out->w += pivot->boost;
+    float weight = pivot->boost * visit->alone;
+    out->n[0] += weight * radiance.x;
+    out->n[1] += weight * radiance.y;
+    out->n[2] += weight * radiance.z;
+    out->w += weight;
     if (visit->sums.half.w2)
-        visit->sums.half.w2[pixel] += pivot->boost;
+        visit->sums.half.w2[pixel] += weight;
 }
 
 const lf_integrator lf_integrator_vpt = {.name = "vpt", .shares = false, .pivot = pivot_vpt};
