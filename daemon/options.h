@@ -85,7 +85,8 @@ enum {
     "  --quilt CxR            tiles of the quilt, columns x rows\n"                                                                \
     "  --view-size WxH        pixels of one view\n"
 #define LF_OPTIONS_HELP_RENDER                                                                                                     \
-    "  --integrator NAME      mvpt (all views at once, the default) or vpt (each view alone)\n"                                    \
+    "  --integrator NAME      mvpt (all views at once, the default), amvpt (the same, more paths where the error is) or\n"         \
+    "                         vpt (each view alone)\n"                                                                             \
     "  --estimator NAME       mwis (default), mis or cv (unbiased)\n"                                                              \
     "  --sampler NAME         owen (default) or independent\n"                                                                     \
     "  --max-depth N          longest path, in vertices after the camera (the scene's)\n"                                          \

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/alloc.h"
 
@@ -19,14 +20,19 @@ lf_status lf_counts_init(lf_counts *counts, int n_views, int width, int height)
     counts->tiles_across = (width + TILE_COLUMNS - 1) / TILE_COLUMNS;
     size_t n = (size_t)height * (size_t)counts->tiles_down * (size_t)counts->tiles_across;
     counts->tile = lf_calloc(n, sizeof *counts->tile);
+    counts->delta = lf_calloc(n, sizeof *counts->delta);
     for (size_t i = 0; counts->tile && i < n; i++)
         counts->tile[i] = 1.0f;
-    return counts->tile ? LF_OK : LF_E_NOMEM;
+    if (counts->tile && counts->delta)
+        return LF_OK;
+    lf_counts_finish(counts);
+    return LF_E_NOMEM;
 }
 
 void lf_counts_finish(lf_counts *counts)
 {
     lf_free(counts->tile);
+    lf_free(counts->delta);
     *counts = (lf_counts){0};
 }
 
@@ -35,20 +41,30 @@ size_t lf_counts_words(const lf_counts *counts)
     return ((size_t)counts->n_views * (size_t)counts->width + 63) / 64;
 }
 
-static float *row_tiles(const lf_counts *counts, int row)
+static size_t row_start(const lf_counts *counts, int row)
 {
-    return counts->tile + (size_t)row * (size_t)counts->tiles_down * (size_t)counts->tiles_across;
+    return (size_t)row * (size_t)counts->tiles_down * (size_t)counts->tiles_across;
+}
+
+static size_t tile_of(const lf_counts *counts, int view, int column)
+{
+    return (size_t)(view / TILE_VIEWS) * (size_t)counts->tiles_across + (size_t)(column / TILE_COLUMNS);
+}
+
+void lf_counts_mark_delta(const lf_counts *counts, int row, int view, int column)
+{
+    counts->delta[row_start(counts, row) + tile_of(counts, view, column)] = 1;
 }
 
 void lf_counts_row(const lf_counts *counts, int row, float *out)
 {
     size_t pixels = (size_t)counts->n_views * (size_t)counts->width;
-    const float *tiles = counts->tile ? row_tiles(counts, row) : NULL;
+    const float *tiles = counts->tile ? counts->tile + row_start(counts, row) : NULL;
     const uint64_t *wanted = counts->wanted ? counts->wanted + (size_t)row * lf_counts_words(counts) : NULL;
     for (int view = 0; view < counts->n_views; view++) {
         for (int column = 0; column < counts->width; column++) {
             size_t pixel = (size_t)view * (size_t)counts->width + (size_t)column;
-            out[pixel] = tiles ? tiles[view / TILE_VIEWS * counts->tiles_across + column / TILE_COLUMNS] : 1.0f;
+            out[pixel] = tiles ? tiles[tile_of(counts, view, column)] : 1.0f;
         }
     }
     for (size_t pixel = 0; wanted && pixel < pixels; pixel++)
@@ -60,21 +76,23 @@ void lf_counts_row(const lf_counts *counts, int row, float *out)
 /* What the pilot says of a tile, sums over its pixels. */
 typedef struct lf_pilot_tile {
     float error, q, pixels;
+    bool delta;
 } lf_pilot_tile;
 
 typedef struct lf_map_job {
     const lf_film *film;
     lf_counts *counts;
     lf_pilot_tile *pilot; /* [row][tile of views][tile of columns] */
-    double *merit; /* [row][tile of views][tile of columns] of the tile's neighbourhood, without its own row */
-    double *spent; /* [row] cost of as many samples as the merits say … */
-    double *cost;  /* [row] … and of one a pixel */
+    float *least;         /* [row][tile of views][tile of columns] smallest count */
+    double *merit;        /* [row][tile of views][tile of columns] of the tile's neighbourhood, without its own row */
+    double *spent;        /* [row] cost of as many samples as the merits say … */
+    double *cost;         /* [row] … and of one a pixel */
     atomic_bool failed;
 } lf_map_job;
 
 static lf_pilot_tile *row_pilot(const lf_map_job *job, int row)
 {
-    return job->pilot + (size_t)row * (size_t)job->counts->tiles_down * (size_t)job->counts->tiles_across;
+    return job->pilot + row_start(job->counts, row);
 }
 
 /* Of a base sample in the tile, in units of one that finds a pivot. */
@@ -99,11 +117,13 @@ static void read_row(void *context, int row, int worker)
     lf_film_row_errors(job->film, row, error, q);
     for (size_t i = 0; i < pixels; i++) {
         int view = (int)(i / (size_t)counts->width), column = (int)(i % (size_t)counts->width);
-        lf_pilot_tile *tile = &tiles[view / TILE_VIEWS * counts->tiles_across + column / TILE_COLUMNS];
+        lf_pilot_tile *tile = &tiles[tile_of(counts, view, column)];
         tile->error += error[i];
         tile->q += q[i];
         tile->pixels += 1.0f;
     }
+    for (int i = 0; i < counts->tiles_down * counts->tiles_across; i++)
+        tiles[i].delta = counts->delta[row_start(counts, row) + (size_t)i];
     lf_free(error);
 }
 
@@ -125,6 +145,7 @@ static lf_pilot_tile pooled(const lf_map_job *job, int row, int down, int across
                 sum.error += weight * tile->error;
                 sum.q += weight * tile->q;
                 sum.pixels += weight * tile->pixels;
+                sum.delta |= tile->delta;
             }
         }
     }
@@ -141,7 +162,9 @@ static void judge_row(void *context, int row, int worker)
     for (int i = 0; i < n; i++) {
         lf_pilot_tile tile = pooled(job, row, i / counts->tiles_across, i % counts->tiles_across);
         double cost = cost_of(&tile), error = tile.pixels > 0.0f ? (double)(tile.error / tile.pixels) : 0.0;
-        job->merit[(size_t)row * (size_t)n + (size_t)i] = sqrt(error / cost);
+        job->merit[row_start(counts, row) + (size_t)i] = sqrt(error / cost);
+        /* Where a delta lobe is met native samples are all there is: a plain sum, to which their number must not add noise. */
+        job->least[row_start(counts, row) + (size_t)i] = tile.delta ? 1.0f : 0.125f;
         job->spent[row] += sqrt(error / cost) * cost;
         job->cost[row] += cost;
     }
@@ -153,17 +176,16 @@ static void map_row(void *context, int row, int worker)
 {
     const lf_map_job *job = context;
     const lf_counts *counts = job->counts;
-    const double least = 0.125, most = 16.0;
-    int n = counts->tiles_down * counts->tiles_across;
+    const double most = 16.0;
     double spent = 0.0, cost = 0.0;
     (void)worker;
     for (int r = 0; r < counts->height; r++) {
         spent += abs(r - row) > NEIGHBOURS ? job->spent[r] : 0.0;
         cost += abs(r - row) > NEIGHBOURS ? job->cost[r] : 0.0;
     }
-    for (int i = 0; i < n; i++) {
-        double count = spent > 0.0 ? job->merit[(size_t)row * (size_t)n + (size_t)i] * cost / spent : 1.0;
-        row_tiles(counts, row)[i] = (float)fmin(least + (1.0 - least) * count, most);
+    for (size_t i = row_start(counts, row); i < row_start(counts, row + 1); i++) {
+        double least = (double)job->least[i], count = spent > 0.0 ? job->merit[i] * cost / spent : 1.0;
+        counts->tile[i] = (float)fmin(fmax(least, 0.125 + 0.875 * count), most);
     }
 }
 
@@ -176,17 +198,27 @@ bool lf_adaptive_ready(const lf_film *film)
     return film->height > 2 * NEIGHBOURS + 1;
 }
 
+/* A restored film knows nothing of where its pilot met delta lobes: then they may be anywhere. */
+static void assume_delta(const lf_film *film, const lf_counts *counts)
+{
+    size_t n = row_start(counts, counts->height);
+    if (film->layout.has_native && !memchr(counts->delta, 1, n))
+        memset(counts->delta, 1, n);
+}
+
 lf_status lf_adaptive_map(const lf_film *film, lf_pool *pool, lf_counts *counts)
 {
     size_t tiles = (size_t)counts->tiles_down * (size_t)counts->tiles_across * (size_t)counts->height;
     lf_map_job job = {.film = film, .counts = counts};
     lf_status status = LF_E_NOMEM;
     atomic_init(&job.failed, false);
+    assume_delta(film, counts);
     job.pilot = lf_calloc(tiles, sizeof *job.pilot);
     job.merit = lf_calloc(tiles, sizeof *job.merit);
-    job.spent = lf_calloc(2 * (size_t)film->height, sizeof *job.spent);
-    job.cost = job.spent + film->height;
-    if (job.pilot && job.merit && job.spent)
+    job.least = lf_calloc(tiles, sizeof *job.least);
+    job.spent = lf_calloc((size_t)film->height, sizeof *job.spent);
+    job.cost = lf_calloc((size_t)film->height, sizeof *job.cost);
+    if (job.pilot && job.merit && job.least && job.spent && job.cost)
         status = lf_pool_run(pool, film->height, read_row, &job, NULL);
     if (status == LF_OK && atomic_load(&job.failed))
         status = LF_E_NOMEM;
@@ -196,6 +228,8 @@ lf_status lf_adaptive_map(const lf_film *film, lf_pool *pool, lf_counts *counts)
         status = lf_pool_run(pool, film->height, map_row, &job, NULL);
     lf_free(job.pilot);
     lf_free(job.merit);
+    lf_free(job.least);
     lf_free(job.spent);
+    lf_free(job.cost);
     return status;
 }

@@ -15,6 +15,7 @@ typedef struct lf_counts {
     int n_views, width, height;
     int tiles_down, tiles_across; /* tiles of views and columns of one row */
     float *tile;                  /* [row][tile of views][tile of columns] expected counts, 1 = as many as without a map; NULL: 1 */
+    uint8_t *delta;               /* [row][tile of views][tile of columns] the pilot met a delta lobe here; with tile */
     const uint64_t *wanted;       /* bit view * width + column of row's lf_counts_words: 0 = nobody reads that pixel; NULL: all */
 } lf_counts;
 
@@ -23,6 +24,8 @@ LF_NODISCARD lf_status lf_counts_init(lf_counts *counts, int n_views, int width,
 void lf_counts_finish(lf_counts *counts);
 /* 64-bit words of a row of wanted. */
 size_t lf_counts_words(const lf_counts *counts);
+/* A delta lobe was met; counts->delta must be there. */
+void lf_counts_mark_delta(const lf_counts *counts, int row, int view, int column);
 /* One row, out [view][column]. */
 void lf_counts_row(const lf_counts *counts, int row, float *out);
 

@@ -69,8 +69,9 @@ typedef struct lf_visit {
     /* [view][column] expected base samples of a pixel, in units of subsets / n_views; NULL: 1 everywhere. 0 in pixels that nobody
      * reads: they are sampled by nobody, missing in everybody's sum, and receive nothing. */
     const float *expected;
-    float alone;     /* 1 / expected at the base's own pixel: what a sample weighs that only its own pixel receives */
-    unsigned faults;          /* lf_fault: deliberate mistakes, for the negative controls of the tests */
+    const lf_counts *pilot; /* as in lf_visit_plan */
+    float alone;            /* 1 / expected at the base's own pixel: what a sample weighs that only its own pixel receives */
+    unsigned faults;        /* lf_fault: deliberate mistakes, for the negative controls of the tests */
 } lf_visit;
 
 /* The rest of the path behind a pivot, drawn once and used by all views: a light sample, and one direction from the base
@@ -119,12 +120,13 @@ typedef struct lf_visit_plan {
     lf_sampler_kind sampler;
     int max_depth;
     unsigned faults;
-    unsigned kept;   /* lf_skip: what is done although nothing needs it */
-    int subsets;     /* passes in this visit */
-    int column_step; /* 1, or 2: only every other column is sampled (a pass split between halves) */
+    unsigned kept;           /* lf_skip: what is done although nothing needs it */
+    int subsets;             /* passes in this visit */
+    int column_step;         /* 1, or 2: only every other column is sampled (a pass split between halves) */
+    const lf_counts *pilot;  /* what a pilot leaves its marks in; NULL: this is none */
     const lf_counts *counts; /* where base samples go; NULL: the same number everywhere. Needs column_step 1 */
-    bool force;      /* force collisions, so that thin media are covered at once */
-    int hole_reach;  /* behind the visit, fill holes farther than this from what is there; < 0: leave them */
+    bool force;              /* force collisions, so that thin media are covered at once */
+    int hole_reach;          /* behind the visit, fill holes farther than this from what is there; < 0: leave them */
 } lf_visit_plan;
 
 /* Runs it on one worker; false = cancelled in the middle (the row's sums are then worthless). */

@@ -80,8 +80,7 @@ static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_fil
     for (int i = 0; workers && i < n; i++) {
         workers[i] = lf_calloc(1, sizeof **workers);
         if (workers[i])
-            workers[i]->expected =
-                lf_calloc((size_t)layout->n_views * (size_t)layout->width, sizeof *workers[i]->expected);
+            workers[i]->expected = lf_calloc((size_t)layout->n_views * (size_t)layout->width, sizeof *workers[i]->expected);
         if (!workers[i] || !workers[i]->expected || lf_media_init(&workers[i]->media, frame) != LF_OK ||
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK) {
             free_workers(workers, n);
@@ -174,6 +173,7 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
                               .column_step = 1,
                               .hole_reach = -1,
                               .kept = settings->kept,
+                              .pilot = integrator->adaptive ? &r->counts : NULL,
                               .faults = r->plan.faults};
     return LF_OK;
 }
@@ -240,6 +240,7 @@ static void adapt(lf_renderer *renderer)
         renderer->mapped = true;
         if (lf_adaptive_map(&renderer->film, renderer->pool, &renderer->counts) == LF_OK)
             renderer->plan.counts = &renderer->counts;
+        renderer->plan.pilot = NULL;
     }
 }
 
@@ -248,6 +249,7 @@ static lf_status run(lf_pass_job *job)
     int height = job->renderer->film.height;
     adapt(job->renderer);
     job->plan->counts = job->plan->column_step == 1 ? job->renderer->plan.counts : NULL;
+    job->plan->pilot = job->renderer->plan.pilot;
     if (job->first_row < 0 || job->row_step < 1 || job->first_row >= height)
         return job->first_row >= height && job->row_step >= 1 ? LF_OK : LF_E_ARG;
     int items = (height - job->first_row + job->row_step - 1) / job->row_step;

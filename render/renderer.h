@@ -14,8 +14,8 @@ struct lf_renderer {
     lf_media_frame frame;
     lf_film film;
     lf_visit_plan plan;
-    lf_counts counts; /* tiles only for adaptive integrators */
-    bool mapped;      /* the map has been made: plan.counts */
+    lf_counts counts;    /* tiles only for adaptive integrators */
+    bool mapped;         /* the map has been made: plan.counts */
     lf_worker **workers; /* [lf_pool_threads] each its own allocation: no shared cache lines */
     int n_workers;
 };

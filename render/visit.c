@@ -94,6 +94,8 @@ static void add_native(lf_visit *visit, int view, int column, const lf_event *ev
     lf_tracer *tracer = &visit->worker->tracer;
     lf_vec3 wo = lf_scale(event->w, -1.0f), r = lf_surfaces[m->type].delta(m, event->hit.ns, wo);
     float probability = lf_min(1.0f, 4.0f * lf_max3(r));
+    if (visit->pilot && probability > 0.0f)
+        lf_counts_mark_delta(visit->pilot, visit->row, view, column);
     if (!(probability > 0.0f) || lf_rng(tracer) >= probability)
         return;
     lf_vec3 wi = lf_madd(event->w, 2.0f * lf_dot(wo, event->hit.ns), event->hit.ns);
@@ -201,6 +203,7 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint
     visit->step = lattice_step(plan->rig->n_views);
     visit->weight = 1.0f;
     visit->alone = 1.0f;
+    visit->pilot = plan->pilot;
     visit->faults = plan->faults;
     visit->worker->tracer.scene = plan->scene;
     cut(plan, visit, key, lf_hash64(key, 0), index);

@@ -51,6 +51,8 @@ static void pictures_do_not_depend_on_the_number_of_threads(void **state)
     assert_threads(LF_TEST_MIXED("7", ""), "vpt", LF_SAMPLER_OWEN);
     assert_threads(LF_TEST_FOGS("7", ""), "mvpt", LF_SAMPLER_OWEN);
     assert_threads(LF_TEST_LAMP("7", ""), "mvpt", LF_SAMPLER_OWEN);
+    assert_threads(LF_TEST_LAMP("7", ""), "amvpt", LF_SAMPLER_OWEN);
+    assert_threads(LF_TEST_MIXED("7", ""), "amvpt", LF_SAMPLER_OWEN);
 }
 
 int main(void)
