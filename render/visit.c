@@ -310,7 +310,7 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uin
 bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worker, const lf_cancel *cancel)
 {
     lf_film_row *state = &plan->film->rows[row];
-    int views = plan->rig->n_views;
+    int width = plan->rig->width, views = plan->rig->n_views;
     if (plan->subsets == 0 && !(state->n[half] > 0.0))
         half = 1 - half; /* holes are filled where there is a count to weigh as much as */
     uint32_t index = state->visits[half];
