@@ -156,19 +156,3 @@ void lf_metrics_finish(lf_metrics *metrics)
     metrics->n_stored = 0;
     metrics->capacity = 0;
 }
-
-double lf_rel_mse(size_t n, const float *reference, const float *picture, double epsilon)
-{
-    double sum = 0;
-    size_t used = 0;
-
-    for (size_t i = 0; i < n; i++) {
-        double r = (double)reference[i];
-        double d = (double)picture[i] - r;
-        if (!isfinite(d))
-            continue;
-        sum += d * d / (r * r + epsilon);
-        used++;
-    }
-    return used > 0 ? sum / (double)used : 0;
-}

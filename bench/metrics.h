@@ -1,4 +1,4 @@
-/* How far a picture is from a reference: the numbers of `quiltbench error` and `quiltbench compare`.
+/* How far a picture is from a reference: the numbers of `quiltbench error`.
  *
  * All over linear float RGB, every channel of every pixel alike. r is the reference, x the picture:
  *   relMSE    mean of (x - r)^2 / (r^2 + epsilon)
@@ -49,8 +49,5 @@ LF_NODISCARD lf_status lf_metrics_add(lf_metrics *metrics, int view, int width, 
                                       size_t reference_stride, const float *picture, size_t picture_stride);
 /* Computes the answer and releases what was kept. Call it after a failed add too. */
 void lf_metrics_finish(lf_metrics *metrics);
-
-/* relMSE alone of n samples, epsilon as above, non-finite samples left out. */
-double lf_rel_mse(size_t n, const float *reference, const float *picture, double epsilon);
 
 #endif
