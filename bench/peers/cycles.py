@@ -84,9 +84,12 @@ def add_volume(name, volume, folder):
     material.cycles.volume_sampling = "MULTIPLE_IMPORTANCE"
     material.cycles.volume_interpolation = "LINEAR"
     data.materials.append(material)
-    place(where, data, volume)
-    if not data.grids.load() or grid not in [found.name for found in data.grids]:
+    found = place(where, data, volume)
+    if not data.grids.load() or grid not in [one.name for one in data.grids]:
         raise Unsupported(f"{data.filepath}: Blender finds no such grid: {data.grids.error_message}")
+    # Cycles 3.4 puts the values of a grid in the middle between its indices, half a voxel too far along every axis
+    to_object = next(one.matrix_object for one in data.grids if one.name == grid)
+    found.matrix_world = found.matrix_world @ Matrix.Translation(to_object.to_3x3() @ Vector((-0.5, -0.5, -0.5)))
 
 
 def quad():

@@ -255,9 +255,9 @@ def parse():
     add("--threads", type=at_least(1), default=len(os.sched_getaffinity(0)), help="of either renderer (all CPUs)")
     add("--spp", type=at_least(1), default=4, help="of quiltrender (4)")
     add("--estimator", choices=("mwis", "mis", "cv"), default="mwis")
-    add("--reference-spp", type=at_least(1), default=48, help="of each half of our reference (48)")
+    add("--reference-spp", type=at_least(1), default=32, help="of each half of our reference (32)")
     add("--cycles-spp", type=at_least(2), default=16, help="samples of Cycles (16)")
-    add("--cycles-reference-spp", type=at_least(1), default=128, help="of each half of its reference (128)")
+    add("--cycles-reference-spp", type=at_least(1), default=64, help="of each half of its reference (64)")
     add("--step-rate", type=float, default=1, help="Cycles' volume step rate (1: a step a voxel)")
     return parser.parse_args()
 
