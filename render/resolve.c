@@ -99,10 +99,12 @@ static void answer_mis(const lf_sums *s, float out[3])
         out[c] = s->known[c] + s->scattered[c];
 }
 
-/* B + q N/W; where q has not settled (0 while something was found) or nothing was found, B + N/n. */
+/* B + q N/W; where q has not settled (0 while something was found) or nothing was found, B + N/n. N/W is a weighted mean of what was found,
+ * N/W' is not: W' does not count light samples, and where no direction of a narrow lobe has arrived yet it is next to nothing and N is
+ * not. W stands in there. */
 static void answer_ratio(const lf_sums *s, bool second, float out[3])
 {
-    float w = second ? s->w2 : s->w;
+    float w = second && s->w2 > 0.25f * s->w ? s->w2 : s->w;
     bool known = w > 0.0f && s->q > 0.0f;
     for (int c = 0; c < 3; c++)
         out[c] = s->known[c] + (known ? s->q * (s->scattered[c] / w) : s->scattered[c]);
