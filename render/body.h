@@ -55,4 +55,21 @@ static inline float lf_body_depth(const lf_body *body, float x0, float slope, fl
     return body->sigma_t * lf_max(lf_min(to, z_end) - from, 0.0f);
 }
 
+/* Adds the depths of n rays to tau: the kernels' loop, here once and compiled for each instruction set. */
+static inline void lf_body_depths(const lf_body *body, int n, const float *restrict x0, const float *restrict slope,
+                                  const float *restrict z_end, float *restrict tau)
+{
+    /* copies of a known kind, so that the loops become vector code */
+    lf_body ball = *body, box = *body;
+    ball.sphere = true;
+    box.sphere = false;
+    if (body->sphere) {
+        for (int k = 0; k < n; k++)
+            tau[k] += lf_body_depth(&ball, x0[k], slope[k], z_end[k]);
+    } else {
+        for (int k = 0; k < n; k++)
+            tau[k] += lf_body_depth(&box, x0[k], slope[k], z_end[k]);
+    }
+}
+
 #endif

@@ -23,7 +23,8 @@ static inline void neighbours(const float *row, __m256i i, __m256 *a, __m256 *b)
     farthest = _mm256_max_epu32(off, _mm256_set1_epi32(14));
     if (_mm256_movemask_epi8(_mm256_cmpeq_epi32(farthest, _mm256_set1_epi32(14))) == -1) {
         __m256 w = _mm256_loadu_ps(row + low + LF_LANES);
-        __m256 upper_a = _mm256_castsi256_ps(_mm256_slli_epi32(off, 28)), upper_b = _mm256_castsi256_ps(_mm256_slli_epi32(next, 28));
+        __m256 upper_a = _mm256_castsi256_ps(_mm256_slli_epi32(off, 28)),
+               upper_b = _mm256_castsi256_ps(_mm256_slli_epi32(next, 28));
         *a = _mm256_blendv_ps(_mm256_permutevar8x32_ps(v, off), _mm256_permutevar8x32_ps(w, off), upper_a);
         *b = _mm256_blendv_ps(_mm256_permutevar8x32_ps(v, next), _mm256_permutevar8x32_ps(w, next), upper_b);
         return;
@@ -99,11 +100,9 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
         march8(slice, x0 + k, slope + k, z_end + k, tau + k, sigma ? sigma + k : NULL);
 }
 
-/* The compiler's own vectors: no operation in it is but exactly rounded. */
 static void through(const lf_body *body, int n, const float *x0, const float *slope, const float *z_end, float *tau)
 {
-    for (int k = 0; k < n; k++)
-        tau[k] += lf_body_depth(body, x0[k], slope[k], z_end[k]);
+    lf_body_depths(body, n, x0, slope, z_end, tau);
 }
 
 static inline __m256 exp_kernel(__m256 x)

@@ -79,11 +79,9 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
         march4(slice, x0 + k, slope + k, z_end + k, tau + k, sigma ? sigma + k : NULL);
 }
 
-/* Left to the compiler, as in kernel_avx2.c. */
 static void through(const lf_body *body, int n, const float *x0, const float *slope, const float *z_end, float *tau)
 {
-    for (int k = 0; k < n; k++)
-        tau[k] += lf_body_depth(body, x0[k], slope[k], z_end[k]);
+    lf_body_depths(body, n, x0, slope, z_end, tau);
 }
 
 static inline float32x4_t exp_kernel(float32x4_t x)
