@@ -23,6 +23,7 @@ static const struct command {
     {"table", lf_bench_table, "equal-time ratios on all kinds of scenes"},
     {"views", lf_bench_views, "error against the number of views"},
     {"micro", lf_bench_micro, "the inner loops one by one, every instruction set against plain C"},
+    {"live", lf_bench_live, "what the panel shows after a command, and how soon"},
     {"quilt", lf_bench_quilt, "interlacing, tone mapping, filling and print against copying"},
 };
 

@@ -1,0 +1,652 @@
+/* quiltbench live SCENE: what somebody in front of the panel sees after a command. The daemon's loader and engine run here as
+ * they do in quiltd; in place of a device that needs its time, every frame is shown at once, and its rectangles are counted
+ * as a device counts them. */
+#include <errno.h>
+#include <math.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "bench/bench.h"
+#include "bench/timing.h"
+#include "daemon/loader.h"
+#include "daemon/render_job.h"
+
+#define MAX_MOMENTS 5
+#define PATIENCE_SECONDS 600.0
+#define IDLE_SECONDS 2.0
+#define SPEED_REPEAT 3
+#define REFERENCE_SEED UINT64_C(0x5eed0000)
+#define BYTES_A_PIXEL 3
+
+static const double all_moments[MAX_MOMENTS] = {0.1, 0.3, 1, 3, 10};
+
+typedef struct arguments {
+    lf_options options;
+    const char *scene, *json;
+    int repeat;
+    double yaw;
+    double seconds; /* how long is watched */
+    double reference_seconds;
+    double epsilon;
+    int speed_passes;
+} arguments;
+
+/* One command and what followed. */
+typedef struct watch {
+    double start;
+    int64_t before; /* generation shown until then */
+    double coarse, complete;
+    double wire_bytes, cpu_seconds;
+    int updates;
+    double rel_mse[MAX_MOMENTS];
+} watch;
+
+typedef struct bench {
+    const arguments *arguments;
+    int n_moments;
+    lf_calibration calibration;
+    int event_fd;
+    lf_roots roots;
+    lf_inbox inbox;
+    bool has_inbox;
+    lf_engine *engine;
+    lf_loader *loader;
+    lf_stage *stage; /* what is shown, for references and speeds */
+    lf_status load_status;
+    lf_error load_error;
+    int64_t generation;
+    bool answered;
+    size_t n; /* samples of a panel frame */
+    uint8_t *shown[MAX_MOMENTS];
+    float *reference; /* [n] linear */
+    double reference_error;
+    float to_linear[256];
+    lf_timing coarse, complete, rel_mse[MAX_MOMENTS], updates, wire_bytes, cpu;
+    double idle_cpu, speed_up;
+} bench;
+
+/* ------------------------------------------------------------------------------------------------------ arguments -- */
+
+enum {
+    OPTION_REPEAT = LF_OPTION_OWN,
+    OPTION_YAW,
+    OPTION_SECONDS,
+    OPTION_REFERENCE_TIME,
+    OPTION_EPSILON,
+    OPTION_SPEED_PASSES,
+    OPTION_JSON,
+};
+
+static const struct option table[] = {
+    LF_OPTIONS_LONG("calibration"),
+    {"repeat", required_argument, NULL, OPTION_REPEAT},
+    {"yaw", required_argument, NULL, OPTION_YAW},
+    {"seconds", required_argument, NULL, OPTION_SECONDS},
+    {"reference-time", required_argument, NULL, OPTION_REFERENCE_TIME},
+    {"epsilon", required_argument, NULL, OPTION_EPSILON},
+    {"speed-passes", required_argument, NULL, OPTION_SPEED_PASSES},
+    {"json", required_argument, NULL, OPTION_JSON},
+    {NULL, 0, NULL, 0},
+};
+
+static void print_help(void)
+{
+    printf("Usage: quiltbench live SCENE [options]\n"
+           "After camera.orbit: relMSE of the panel picture that is shown 0.1, 0.3, 1, 3 and 10 s later, time to a coarse and to\n"
+           "a complete frame, updates and bytes on the wire, CPU use, and the speed-up of rendering on all threads.\n\n"
+           "  --repeat N             commands (5)\n"
+           "  --yaw DEGREES          of each (5)\n"
+           "  --seconds S            how long each is watched (10)\n"
+           "  --reference-time S     CPU seconds of each of the two renderings that make the reference (60)\n"
+           "  --epsilon E            of relMSE (0.01)\n"
+           "  --speed-passes N       passes that the speed-up is measured on; 0 = not (4)\n"
+           "  --json FILE            the numbers as JSON (- for stdout)\n" LF_OPTIONS_HELP_VIEWS
+           "  --calibration FILE     the panel (a nominal Portrait)\n" LF_OPTIONS_HELP_RENDER
+           "  --help                 this text\n");
+}
+
+static lf_status take_whole(const char *option, const char *text, int low, int *out, lf_error *err)
+{
+    int64_t number = 0;
+    lf_status status = lf_parse_int(option, text, low, LF_TIMING_MAX, &number, err);
+
+    if (status == LF_OK)
+        *out = (int)number;
+    return status;
+}
+
+static lf_status take(arguments *a, int code, const char *text, lf_error *err)
+{
+    switch (code) {
+    case OPTION_REPEAT:
+        return take_whole("--repeat", text, 1, &a->repeat, err);
+    case OPTION_SPEED_PASSES:
+        return take_whole("--speed-passes", text, 0, &a->speed_passes, err);
+    case OPTION_YAW:
+        return lf_parse_double("--yaw", text, -180, 180, &a->yaw, err);
+    case OPTION_SECONDS:
+        return lf_parse_double("--seconds", text, 0.1, 3600, &a->seconds, err);
+    case OPTION_REFERENCE_TIME:
+        return lf_parse_double("--reference-time", text, 1e-2, 1e6, &a->reference_seconds, err);
+    case OPTION_EPSILON:
+        return lf_parse_double("--epsilon", text, 0, 1e9, &a->epsilon, err);
+    default:
+        a->json = text;
+        return LF_OK;
+    }
+}
+
+static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
+{
+    int code = 0;
+    bool taken = false;
+
+    *out_done = false;
+    for (;;) {
+        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
+        if (status != LF_OK)
+            return status;
+        if (code == -1)
+            break;
+        if (code == LF_OPTION_HELP || code == LF_OPTION_VERSION) {
+            code == LF_OPTION_HELP ? print_help() : lf_print_version(LF_BENCH_PROGRAM);
+            *out_done = true;
+            return LF_OK;
+        }
+        status = lf_options_take(&a->options, code, optarg, &taken, err);
+        if (status == LF_OK && !taken)
+            status = take(a, code, optarg, err);
+        if (status != LF_OK)
+            return status;
+    }
+    if (argc - optind != 1)
+        return lf_error_set(err, LF_E_ARG, "live", "expects one SCENE (see quiltbench live --help)");
+    a->scene = argv[optind];
+    return LF_OK;
+}
+
+/* -------------------------------------------------------------------------------------------------------- commands -- */
+
+static void open_letter(void *reader, lf_letter *letter)
+{
+    bench *b = reader;
+    lf_load *load = (lf_load *)letter; /* its first member */
+
+    b->load_status = load->status;
+    b->load_error = load->err;
+    b->generation = load->generation;
+    b->answered = true;
+    if (load->stage) {
+        lf_stage_unref(b->stage);
+        b->stage = lf_stage_ref(load->stage);
+    }
+    lf_load_destroy(load);
+}
+
+static lf_status send_load(bench *b, lf_load_kind kind, double yaw, lf_error *err)
+{
+    lf_load *load = lf_load_create(kind);
+
+    if (!load)
+        return lf_error_set(err, LF_E_NOMEM, b->arguments->scene, "out of memory");
+    load->letter.open = open_letter;
+    load->options = b->arguments->options;
+    load->has_calibration = true;
+    load->calibration = b->calibration;
+    load->restore_fd = -1;
+    load->yaw = yaw;
+    load->zoom = 1;
+    if (kind == LF_LOAD_FILE) {
+        load->file = realpath(b->arguments->scene, NULL);
+        char *path = lf_strdup(load->file ? load->file : b->arguments->scene);
+        free(load->file);
+        load->file = path;
+    }
+    b->answered = false;
+    lf_loader_queue(b->loader, load);
+    return LF_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------------ watch -- */
+
+static void drain(int fd)
+{
+    uint64_t count;
+
+    while (read(fd, &count, sizeof count) > 0)
+        continue;
+}
+
+/* Shows the newest frame, as a device that is always ready. */
+static void show(bench *b, watch *w)
+{
+    lf_mailbox *mailbox = lf_engine_mailbox(b->engine);
+    const lf_frame *frame = lf_mailbox_take(mailbox);
+
+    if (!frame)
+        return;
+    double after = lf_time_now() - w->start;
+    for (int i = 0; i < frame->n_rects; i++)
+        w->wire_bytes += (double)frame->rects[i].width * frame->rects[i].height * BYTES_A_PIXEL;
+    w->updates++;
+    bool news = frame->generation > w->before;
+    if (news && frame->level >= LF_LEVEL_COARSE && w->coarse < 0)
+        w->coarse = after;
+    if (news && frame->level >= LF_LEVEL_COMPLETE && w->complete < 0)
+        w->complete = after;
+    lf_mailbox_shown(mailbox);
+}
+
+/* Sleeps until something happens or `until` (seconds after the start) has come. */
+static void wait_for_news(bench *b, const watch *w, double until)
+{
+    struct pollfd fds[2] = {{.fd = b->event_fd, .events = POLLIN}, {.fd = b->inbox.event_fd, .events = POLLIN}};
+    double left = until - (lf_time_now() - w->start);
+
+    if (left > 0 && poll(fds, 2, (int)(1e3 * left) + 1) > 0) {
+        if (fds[1].revents)
+            lf_inbox_read(&b->inbox, b);
+        if (fds[0].revents)
+            drain(b->event_fd);
+    }
+}
+
+static void remember(bench *b, int moment)
+{
+    const lf_frame *frame = lf_mailbox_current(lf_engine_mailbox(b->engine));
+
+    if (frame && frame->image.data)
+        memcpy(b->shown[moment], frame->image.data, b->n);
+}
+
+/* Sends an orbit and follows the panel for `seconds`, and until a complete frame was there. */
+static lf_status follow(bench *b, double yaw, double seconds, bool remembers, watch *out, lf_error *err)
+{
+    watch *w = out;
+    int moment = 0;
+
+    *w = (watch){.start = lf_time_now(), .before = b->generation, .coarse = -1, .complete = -1};
+    double cpu = lf_time_cpu();
+    lf_status status = send_load(b, LF_LOAD_ORBIT, yaw, err);
+    while (status == LF_OK) {
+        double now = lf_time_now() - w->start;
+        if (moment < b->n_moments && now >= all_moments[moment]) {
+            if (remembers)
+                remember(b, moment);
+            moment++;
+            continue;
+        }
+        if (now >= seconds && w->cpu_seconds <= 0)
+            w->cpu_seconds = lf_time_cpu() - cpu;
+        if (now >= seconds && b->answered && w->complete >= 0)
+            break;
+        if (now > PATIENCE_SECONDS)
+            return lf_error_set(err, LF_E_STATE, b->arguments->scene, "no complete frame after %g s", PATIENCE_SECONDS);
+        wait_for_news(b, w, moment < b->n_moments ? all_moments[moment] : now >= seconds ? PATIENCE_SECONDS + 1 : seconds);
+        if (b->answered && b->load_status != LF_OK) {
+            *err = b->load_error;
+            return b->load_status;
+        }
+        if (lf_time_now() - w->start < seconds || w->complete < 0)
+            show(b, w);
+    }
+    return status;
+}
+
+/* Loads the scene and waits for its first complete frame. */
+static lf_status start_up(bench *b, lf_error *err)
+{
+    watch w = {.start = lf_time_now(), .coarse = -1, .complete = -1};
+    lf_status status = send_load(b, LF_LOAD_FILE, 0, err);
+
+    while (status == LF_OK && (!b->answered || w.complete < 0)) {
+        wait_for_news(b, &w, PATIENCE_SECONDS);
+        show(b, &w);
+        if (b->answered && b->load_status != LF_OK) {
+            *err = b->load_error;
+            return b->load_status;
+        }
+        if (lf_time_now() - w.start > PATIENCE_SECONDS)
+            return lf_error_set(err, LF_E_STATE, b->arguments->scene, "no complete frame after %g s", PATIENCE_SECONDS);
+    }
+    if (status == LF_OK && !b->stage->scene)
+        return lf_error_set(err, LF_E_ARG, b->arguments->scene, "is a picture (expected a scene)");
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------- reference -- */
+
+static void fill_to_linear(float out[256])
+{
+    for (int i = 0; i < 256; i++) {
+        double s = i / 255.0;
+        out[i] = (float)(s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4));
+    }
+}
+
+static lf_status render_film(const bench *b, const lf_render_settings *settings, lf_pool *pool, const lf_budget *budget,
+                             float *film, double *out_seconds, lf_error *err)
+{
+    lf_renderer *renderer = NULL;
+    lf_render_times times;
+    lf_status status = lf_renderer_create(b->stage->scene, settings, pool, &renderer, err);
+
+    if (status != LF_OK)
+        return status;
+    double start = lf_time_now();
+    status = lf_render_run(renderer, budget, b->arguments->options.estimator, film, NULL, NULL, NULL, &times);
+    *out_seconds = lf_time_now() - start;
+    lf_renderer_destroy(renderer);
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, b->arguments->scene, "rendering failed");
+}
+
+/* The panel's picture of a film, as the engine makes it. */
+static lf_status compose(const bench *b, const float *film, uint8_t *views, lf_image8 *out, lf_error *err)
+{
+    const lf_layout *l = &b->stage->layout;
+    size_t row = (size_t)l->view_width * 3;
+    const lf_views8 v = {l->n_views, l->view_width, l->view_height, row, row * (size_t)l->n_views, views};
+    lf_tone *tone = NULL;
+    lf_interlacer *interlacer = NULL;
+    lf_status status = lf_tone_create(b->stage->film.exposure, b->stage->film.tonemap, &tone, err);
+
+    if (status == LF_OK)
+        status = lf_interlacer_create(&b->calibration, l->n_views, l->view_width, l->view_height, l->aspect, LF_FILTER_NEAREST,
+                                      LF_INVERT_AUTO, &interlacer, err);
+    if (status == LF_OK) {
+        lf_tone_map(tone, v.row_stride / 3 * (size_t)l->view_height, film, views);
+        lf_interlace(interlacer, &v, out, NULL);
+    }
+    lf_tone_destroy(tone);
+    lf_interlacer_destroy(interlacer);
+    return status;
+}
+
+/* Of the stage that is shown: the mean of two panel pictures, and from half their difference what that mean is off by. */
+static lf_status make_reference(bench *b, lf_error *err)
+{
+    const lf_layout *l = &b->stage->layout;
+    size_t samples = (size_t)l->n_views * (size_t)l->view_width * (size_t)l->view_height * 3;
+    const lf_budget budget = {.cpu_seconds = b->arguments->reference_seconds};
+    float *film = lf_calloc(samples, sizeof *film);
+    uint8_t *views = lf_calloc(samples, 1);
+    lf_image8 panel[2] = {{0}, {0}};
+    lf_pool *pool = NULL;
+    double seconds, sum = 0;
+    lf_status status = LF_OK;
+
+    for (int i = 0; i < 2 && status == LF_OK; i++)
+        status = lf_image8_init(&panel[i], b->calibration.screen_width_px, b->calibration.screen_height_px, 3);
+    if (status != LF_OK || !film || !views || lf_pool_create(b->arguments->options.threads, &pool) != LF_OK)
+        status = lf_error_set(err, LF_E_NOMEM, b->arguments->scene, "out of memory");
+    for (uint64_t i = 0; i < 2 && status == LF_OK; i++) {
+        lf_render_settings settings = b->stage->settings;
+        settings.seed = REFERENCE_SEED + i;
+        status = render_film(b, &settings, pool, &budget, film, &seconds, err);
+        if (status == LF_OK)
+            status = compose(b, film, views, &panel[i], err);
+    }
+    for (size_t i = 0; i < b->n && status == LF_OK; i++) {
+        double x = (double)b->to_linear[panel[0].data[i]], y = (double)b->to_linear[panel[1].data[i]], mean = 0.5 * (x + y);
+        sum += 0.25 * (x - y) * (x - y) / (mean * mean + b->arguments->epsilon);
+        b->reference[i] = (float)mean;
+    }
+    b->reference_error = sum / (double)b->n;
+    lf_pool_destroy(pool);
+    lf_image8_finish(&panel[0]);
+    lf_image8_finish(&panel[1]);
+    lf_free(film);
+    lf_free(views);
+    return status;
+}
+
+static double panel_error(const bench *b, const uint8_t *shown)
+{
+    double sum = 0;
+
+    for (size_t i = 0; i < b->n; i++) {
+        double r = (double)b->reference[i], d = (double)b->to_linear[shown[i]] - r;
+        sum += d * d / (r * r + b->arguments->epsilon);
+    }
+    return sum / (double)b->n - b->reference_error;
+}
+
+/* ------------------------------------------------------------------------------------------------------ measuring -- */
+
+static void add_watch(bench *b, const watch *w)
+{
+    lf_timing_add(&b->coarse, w->coarse);
+    lf_timing_add(&b->complete, w->complete);
+    lf_timing_add(&b->updates, w->updates / b->arguments->seconds);
+    lf_timing_add(&b->wire_bytes, w->wire_bytes / b->arguments->seconds);
+    lf_timing_add(&b->cpu, w->cpu_seconds / b->arguments->seconds);
+}
+
+static void pause_engine(bench *b, bool paused)
+{
+    lf_engine_controls controls = lf_engine_get_controls(b->engine);
+
+    controls.paused = paused;
+    lf_engine_set_controls(b->engine, &controls);
+}
+
+static lf_status measure_commands(bench *b, lf_error *err)
+{
+    const arguments *a = b->arguments;
+    lf_status status = LF_OK;
+    watch w;
+
+    for (int i = 0; i < a->repeat && status == LF_OK; i++) {
+        status = follow(b, a->yaw, a->seconds, true, &w, err);
+        if (status != LF_OK)
+            break;
+        add_watch(b, &w);
+        if (i == 0) { /* the same view of the scene every time; nothing else renders meanwhile */
+            pause_engine(b, true);
+            status = make_reference(b, err);
+            pause_engine(b, false);
+        }
+        for (int k = 0; k < b->n_moments && status == LF_OK; k++)
+            lf_timing_add(&b->rel_mse[k], panel_error(b, b->shown[k]));
+        if (status == LF_OK) /* and back */
+            status = follow(b, -a->yaw, 0.1, false, &w, err);
+    }
+    return status;
+}
+
+/* CPU share of a converged daemon: any error is low enough for it. */
+static lf_status measure_idle(bench *b, lf_error *err)
+{
+    lf_engine_controls controls = lf_engine_get_controls(b->engine);
+    lf_engine_status status;
+    watch w = {.start = lf_time_now()};
+
+    controls.target_error = 1e30;
+    lf_engine_set_controls(b->engine, &controls);
+    do {
+        wait_for_news(b, &w, lf_time_now() - w.start + 0.1);
+        show(b, &w);
+        lf_engine_get_status(b->engine, &status);
+        if (lf_time_now() - w.start > PATIENCE_SECONDS)
+            return lf_error_set(err, LF_E_STATE, b->arguments->scene, "does not converge");
+    } while (status.state != LF_STATE_CONVERGED);
+    double start = lf_time_now(), cpu = lf_time_cpu();
+    while (lf_time_now() - start < IDLE_SECONDS) {
+        wait_for_news(b, &w, lf_time_now() - w.start + IDLE_SECONDS - (lf_time_now() - start));
+        show(b, &w);
+    }
+    b->idle_cpu = (lf_time_cpu() - cpu) / (lf_time_now() - start);
+    return LF_OK;
+}
+
+/* Wall clock of the same passes on one thread over that on all of them, in turns. */
+static lf_status measure_speed_up(bench *b, lf_error *err)
+{
+    const lf_layout *l = &b->stage->layout;
+    const lf_budget budget = {.passes = b->arguments->speed_passes};
+    float *film = lf_calloc((size_t)l->n_views * (size_t)l->view_width * (size_t)l->view_height, 3 * sizeof *film);
+    lf_pool *pools[2] = {NULL, NULL};
+    lf_timing times[2] = {0};
+    lf_status status = LF_OK;
+
+    if (!film || lf_pool_create(1, &pools[0]) != LF_OK || lf_pool_create(b->arguments->options.threads, &pools[1]) != LF_OK)
+        status = lf_error_set(err, LF_E_NOMEM, b->arguments->scene, "out of memory");
+    for (int i = 0; i < 2 * SPEED_REPEAT && status == LF_OK; i++) {
+        double seconds = 0;
+        status = render_film(b, &b->stage->settings, pools[i % 2], &budget, film, &seconds, err);
+        lf_timing_add(&times[i % 2], seconds);
+    }
+    b->speed_up = lf_timing_quantile(&times[0], 0) / lf_timing_quantile(&times[1], 0);
+    lf_pool_destroy(pools[0]);
+    lf_pool_destroy(pools[1]);
+    lf_free(film);
+    return status;
+}
+
+/* ---------------------------------------------------------------------------------------------------------- answer -- */
+
+static void print_table(const bench *b)
+{
+    const lf_layout *l = &b->stage->layout;
+
+    printf("%s: %d views of %dx%d on a panel of %dx%d, orbit by %g degrees, %d times\n\n", b->arguments->scene, l->n_views,
+           l->view_width, l->view_height, b->calibration.screen_width_px, b->calibration.screen_height_px, b->arguments->yaw,
+           b->arguments->repeat);
+    printf("to a coarse frame      median %.3f s, 95 %% %.3f s\n", lf_timing_quantile(&b->coarse, 0.5),
+           lf_timing_quantile(&b->coarse, 0.95));
+    printf("to a complete frame    median %.3f s, 95 %% %.3f s\n", lf_timing_quantile(&b->complete, 0.5),
+           lf_timing_quantile(&b->complete, 0.95));
+    for (int k = 0; k < b->n_moments; k++)
+        printf("after %5.1f s          relMSE of the panel %.4g (%.4g .. %.4g)\n", all_moments[k],
+               lf_timing_quantile(&b->rel_mse[k], 0.5), lf_timing_quantile(&b->rel_mse[k], 0),
+               lf_timing_quantile(&b->rel_mse[k], 1));
+    printf("                       (of the reference itself: %.3g, subtracted)\n", b->reference_error);
+    printf("while it converges     %.1f updates and %.2f MB a second, %.2f CPUs\n", lf_timing_quantile(&b->updates, 0.5),
+           1e-6 * lf_timing_quantile(&b->wire_bytes, 0.5), lf_timing_quantile(&b->cpu, 0.5));
+    printf("converged              %.2f %% of a CPU\n", 100 * b->idle_cpu);
+    if (b->arguments->speed_passes > 0)
+        printf("all threads            %.2f times one\n", b->speed_up);
+}
+
+static json_t *quantiles(const lf_timing *t)
+{
+    return json_pack("{s:f, s:f, s:f, s:f}", "median", lf_timing_quantile(t, 0.5), "p95", lf_timing_quantile(t, 0.95), "low",
+                     lf_timing_quantile(t, 0), "high", lf_timing_quantile(t, 1));
+}
+
+static lf_status write_json(const bench *b, lf_error *err)
+{
+    const arguments *a = b->arguments;
+    const lf_layout *l = &b->stage->layout;
+    json_t *moments = json_array();
+
+    for (int k = 0; k < b->n_moments; k++)
+        json_array_append_new(moments, json_pack("{s:f, s:o}", "seconds", all_moments[k], "rel_mse", quantiles(&b->rel_mse[k])));
+    json_t *object =
+        json_pack("{s:s, s:o, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:o, s:o, s:o, s:f, s:o, s:o, s:o, s:f, s:o}", "scene",
+                  a->scene, "machine", lf_bench_machine(), "views", l->n_views, "width", l->view_width, "height", l->view_height,
+                  "panel_width", b->calibration.screen_width_px, "panel_height", b->calibration.screen_height_px, "repeat",
+                  a->repeat, "yaw", a->yaw, "seconds", a->seconds, "coarse_seconds", quantiles(&b->coarse), "complete_seconds",
+                  quantiles(&b->complete), "shown", moments, "reference_rel_mse", b->reference_error, "updates_per_second",
+                  quantiles(&b->updates), "wire_bytes_per_second", quantiles(&b->wire_bytes), "cpus", quantiles(&b->cpu),
+                  "converged_cpus", b->idle_cpu, "speed_up", a->speed_passes > 0 ? json_real(b->speed_up) : json_null());
+    lf_status status = object ? lf_bench_write_json(a->json, object, err) : lf_error_set(err, LF_E_NOMEM, a->json, "out of memory");
+
+    json_decref(object);
+    return status;
+}
+
+/* --------------------------------------------------------------------------------------------------------- set-up -- */
+
+static lf_status prepare(bench *b, lf_error *err)
+{
+    const arguments *a = b->arguments;
+    const lf_engine_controls controls = {.estimator = a->options.estimator, .target_error = 1e-12, .threads = a->options.threads};
+    lf_status status = LF_OK;
+
+    lf_calibration_portrait(&b->calibration);
+    if (a->options.calibration)
+        status = lf_calibration_load(a->options.calibration, &b->calibration, err);
+    if (status != LF_OK)
+        return status;
+    fill_to_linear(b->to_linear);
+    b->n = (size_t)b->calibration.screen_width_px * (size_t)b->calibration.screen_height_px * 3;
+    b->reference = lf_calloc(b->n, sizeof *b->reference);
+    bool whole = b->reference != NULL;
+    while (b->n_moments < MAX_MOMENTS && all_moments[b->n_moments] <= a->seconds) {
+        b->shown[b->n_moments] = lf_calloc(b->n, 1);
+        whole = whole && b->shown[b->n_moments] != NULL;
+        b->n_moments++;
+    }
+    b->event_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    b->has_inbox = whole && b->event_fd >= 0 && lf_inbox_init(&b->inbox) == LF_OK;
+    if (!b->has_inbox)
+        return lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
+    status = lf_engine_create(&controls, b->event_fd, &b->engine, err);
+    if (status != LF_OK)
+        return status;
+    lf_engine_set_panel(b->engine, &b->calibration, 1, false);
+    status = lf_loader_create(b->engine, &b->roots, &b->inbox, &b->loader);
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, a->scene, "cannot start the loader");
+}
+
+static void finish(bench *b)
+{
+    lf_loader_destroy(b->loader);
+    lf_engine_destroy(b->engine);
+    if (b->has_inbox)
+        lf_inbox_finish(&b->inbox, b);
+    lf_stage_unref(b->stage);
+    if (b->event_fd >= 0)
+        close(b->event_fd);
+    lf_free(b->reference);
+    for (int i = 0; i < MAX_MOMENTS; i++)
+        lf_free(b->shown[i]);
+    lf_free(b);
+}
+
+static lf_status measure(bench *b, lf_error *err)
+{
+    lf_status status = start_up(b, err);
+
+    if (status == LF_OK)
+        status = measure_commands(b, err);
+    if (status == LF_OK)
+        status = measure_idle(b, err);
+    if (status == LF_OK && b->arguments->speed_passes > 0)
+        status = measure_speed_up(b, err);
+    if (status == LF_OK && (!b->arguments->json || strcmp(b->arguments->json, "-") != 0))
+        print_table(b);
+    if (status == LF_OK && b->arguments->json)
+        status = write_json(b, err);
+    return status;
+}
+
+int lf_bench_live(int argc, char **argv)
+{
+    arguments a = {.repeat = 5, .yaw = 5, .seconds = 10, .reference_seconds = 60, .epsilon = 1e-2, .speed_passes = 4};
+    lf_error err = {0};
+    bool done = false;
+
+    if (parse(&a, argc, argv, &done, &err) != LF_OK)
+        return lf_usage_error(LF_BENCH_PROGRAM, &err);
+    if (done)
+        return LF_EXIT_OK;
+    bench *b = lf_calloc(1, sizeof *b);
+    if (!b) {
+        lf_error_set(&err, LF_E_NOMEM, a.scene, "out of memory");
+        return lf_bench_fail(&err);
+    }
+    b->arguments = &a;
+    b->event_fd = -1;
+    lf_status status = prepare(b, &err);
+    if (status == LF_OK)
+        status = measure(b, &err);
+    finish(b);
+    return status == LF_OK ? LF_EXIT_OK : lf_bench_fail(&err);
+}
