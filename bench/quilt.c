@@ -381,10 +381,9 @@ static lf_status run_tone(void *context, lf_pool *pool, lf_error *err)
 static lf_status run_fill(void *context, lf_pool *pool, lf_error *err)
 {
     field *f = context;
-    int64_t far = 0;
 
     (void)err;
-    lf_fill(f->n_views, f->width, f->height, f->rgb, f->missing, 16, f->filled, 4, &far, pool);
+    (void)lf_fill(f->n_views, f->width, f->height, f->rgb, f->missing, 4, 16, f->filled, pool);
     return LF_OK;
 }
 

@@ -140,8 +140,10 @@ lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfi
     views.data = picture->rgb;
     *out_unfilled = *out_blank = 0;
     if (lf_picture_missing(picture) > 0) {
-        *out_blank = lf_fill(picture->n_views, picture->width, picture->height, picture->rgb, picture->missing, LF_FILL_REACH,
-                             picture->filled, LF_COARSE_REACH, out_unfilled, pool);
+        lf_fill_counts counts = lf_fill(picture->n_views, picture->width, picture->height, picture->rgb, picture->missing,
+                                        LF_COARSE_REACH, LF_FILL_REACH, picture->filled, pool);
+        *out_unfilled = counts.far;
+        *out_blank = counts.unfilled;
         views.data = picture->filled;
     }
     return views;

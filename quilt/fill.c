@@ -152,8 +152,8 @@ static void fill_view(void *context, int view, int worker)
     atomic_fetch_add_explicit(&job->n_far, b.n_far, memory_order_relaxed);
 }
 
-int64_t lf_fill(int n_views, int width, int height, const uint8_t *rgb, const uint8_t *missing, int reach, uint8_t *filled,
-                int near, int64_t *out_far, lf_pool *pool)
+lf_fill_counts lf_fill(int n_views, int width, int height, const uint8_t *rgb, const uint8_t *missing, int near, int reach,
+                       uint8_t *filled, lf_pool *pool)
 {
     fill_job job = {.n_views = n_views, .width = width, .height = height, .near = near, .rgb = rgb, .missing = missing};
     job.filled = filled;
@@ -161,7 +161,8 @@ int64_t lf_fill(int n_views, int width, int height, const uint8_t *rgb, const ui
     bool done = pool && lf_pool_run(pool, n_views, fill_view, &job, NULL) == LF_OK;
     for (int view = 0; view < n_views && !done; view++)
         fill_view(&job, view, 0);
-    if (out_far)
-        *out_far = atomic_load_explicit(&job.n_far, memory_order_relaxed);
-    return atomic_load_explicit(&job.n_unfilled, memory_order_relaxed);
+    return (lf_fill_counts){
+        .unfilled = atomic_load_explicit(&job.n_unfilled, memory_order_relaxed),
+        .far = atomic_load_explicit(&job.n_far, memory_order_relaxed),
+    };
 }

@@ -54,12 +54,15 @@ void lf_tone_map(const lf_tone *tone, size_t n, const float *in, uint8_t *out);
  * may be out. */
 void lf_tone_linear(const lf_tone *tone, size_t n, const float *in, float *out);
 
+typedef struct lf_fill_counts {
+    int64_t unfilled; /* pixels that stayed as they were */
+    int64_t far;      /* missing pixels that have none at most `near` pixels away */
+} lf_fill_counts;
 /* Fills what is missing in 8-bit views laid out [row][view][column], for the screen only: every pixel whose flag is nonzero
  * in `missing` takes the nearest pixel of its own view (Euclidean, ties by lower row then column) with flag 0, at most
- * `reach` (0..16) pixels away. Returns how many stayed unfilled (left as they were); *out_far (may be NULL): how many
- * have none at most `near` pixels away. filled is rgb itself or apart from it. pool may be NULL. Allocates nothing. */
-int64_t lf_fill(int n_views, int width, int height, const uint8_t *rgb, const uint8_t *missing, int reach, uint8_t *filled,
-                int near, int64_t *out_far, lf_pool *pool);
+ * `reach` (0..16) pixels away. filled is rgb itself or apart from it. pool may be NULL. Allocates nothing. */
+lf_fill_counts lf_fill(int n_views, int width, int height, const uint8_t *rgb, const uint8_t *missing, int near, int reach,
+                       uint8_t *filled, lf_pool *pool);
 
 /* ------------------------------------------------------------------------------------------------------ interlace -- */
 

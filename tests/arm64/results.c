@@ -192,8 +192,8 @@ static void fills_and_rectangles(void)
         for (size_t c = 0; c < 3; c++)
             rgb[3 * i + c] = (uint8_t)lf_hash64(9, 3 * i + c);
     }
-    int64_t far_off, left = lf_fill(VIEWS, WIDTH, HEIGHT, rgb, missing, 4, filled, 1, &far_off, NULL);
-    say("fill", mix(mix(mix(start, &left, sizeof left), &far_off, sizeof far_off), filled, 3 * n));
+    lf_fill_counts counts = lf_fill(VIEWS, WIDTH, HEIGHT, rgb, missing, 1, 4, filled, NULL);
+    say("fill", mix(mix(start, &counts, sizeof counts), filled, 3 * n));
     lf_image8 a = {.width = WIDTH, .height = HEIGHT * VIEWS, .channels = 3, .stride = (size_t)WIDTH * 3, .data = rgb};
     lf_image8 b = a;
     b.data = filled;

@@ -341,7 +341,8 @@ static void write_fog(const char *folder)
 {
     lf_test_write(folder, "fog.json",
                   "{\"quiltd\": 1, \"camera\": {\"target\": [0,0,0], \"position\": [0,0,5], \"fov_y\": 30, \"views\": 12},"
-                  " \"volumes\": {\"fog\": {\"shape\": \"sphere\", \"density\": 4, \"albedo\": 0.9}},"
+                  " \"volumes\": {\"fog\": {\"shape\": \"sphere\", \"density\": 4, \"albedo\": 0.9,"
+                  " \"transform\": {\"translate\": [0.5, 0, 0]}}},"
                   " \"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 1}}}");
 }
 
@@ -377,14 +378,15 @@ static void kernels_are_timed_and_must_agree(void **state)
     assert_int_equal(run(d, "micro none.json"), 1);
 }
 
+static const char panel_text[] =
+    "{\"configVersion\":\"3.0\",\"serial\":\"LKG-T\",\"pitch\":50.0,\"slope\":-7.0,\"center\":0.1,\"DPI\":324.0,\"screenW\":96.0,"
+    "\"screenH\":64.0,\"viewCone\":40.0,\"invView\":1.0,\"flipImageX\":0.0,\"flipImageY\":0.0,\"flipSubp\":0.0}";
+
 static void what_is_between_views_and_panel_is_timed(void **state)
 {
     const char *d = *state;
 
-    lf_test_write(d, "visual.json",
-                  "{\"configVersion\":\"3.0\",\"serial\":\"LKG-T\",\"pitch\":50.0,\"slope\":-7.0,\"center\":0.1,\"DPI\":324.0,"
-                  "\"screenW\":96.0,\"screenH\":64.0,\"viewCone\":40.0,\"invView\":1.0,\"flipImageX\":0.0,\"flipImageY\":0.0,"
-                  "\"flipSubp\":0.0}");
+    lf_test_write(d, "visual.json", panel_text);
     assert_int_equal(run(d, "quilt visual.json --views 8 --view-size 24x16 --repeat 3 --threads 2 --json q.json"), 0);
     json_t *q = load(d, "q.json");
     for (int threads = 0; threads < 2; threads++) {
@@ -403,6 +405,35 @@ static void what_is_between_views_and_panel_is_timed(void **state)
     assert_int_equal(run(d, "quilt --repeat"), 2);
 }
 
+static void what_is_shown_after_a_command_comes_closer(void **state)
+{
+    const char *d = *state;
+
+    write_fog(d);
+    lf_test_write(d, "visual.json", panel_text);
+    assert_int_equal(run(d, "live fog.json --calibration visual.json --view-size 24x32 --threads 2 --seconds 1 --repeat 2 --yaw 20 "
+                            "--reference-time 0.5 --speed-passes 1 --json l.json"),
+                     0);
+    json_t *l = load(d, "l.json");
+    const json_t *shown = json_object_get(l, "shown");
+    lf_assert_close((double)json_array_size(shown), 3, 0, 0);
+    const json_t *first = json_object_get(json_array_get(shown, 0), "rel_mse"),
+                 *last = json_object_get(json_array_get(shown, 2), "rel_mse");
+    assert_true(number(last, "low") < number(first, "high"));
+    assert_true(number(last, "high") < 0.1);
+    const json_t *coarse = json_object_get(l, "coarse_seconds"), *complete = json_object_get(l, "complete_seconds");
+    assert_true(number(coarse, "median") > 0 && number(complete, "median") >= number(coarse, "median"));
+    assert_true(number(json_object_get(l, "updates_per_second"), "low") >= 1);
+    assert_true(number(json_object_get(l, "wire_bytes_per_second"), "low") > 0);
+    assert_true(number(l, "converged_cpus") >= 0 && number(l, "speed_up") > 0);
+    json_decref(l);
+    assert_int_equal(run(d, "live"), 2);
+    assert_error_line(d, "live: expects one SCENE");
+    assert_int_equal(run(d, "live fog.json --seconds 0"), 2);
+    assert_int_equal(run(d, "live none.json"), 1);
+    assert_error_line(d, "none.json");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -416,6 +447,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_table_says_what_is_met, set_up, tear_down),
         cmocka_unit_test_setup_teardown(kernels_are_timed_and_must_agree, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_between_views_and_panel_is_timed, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_is_shown_after_a_command_comes_closer, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -69,14 +69,15 @@ static void assert_filled(scene *s, int reach, lf_pool *pool)
     memset(s->filled, 0xcc, bytes);
     uint64_t before = lf_alloc_count();
     int n_views = s->n_views, width = s->width, height = s->height, near = reach / 2;
-    int64_t n_far[2], n_unfilled = s->n_unfilled;
-    int64_t n_left = lf_fill(n_views, width, height, s->rgb, s->missing, near, s->filled, near, &n_far[0], NULL);
-    assert_int_equal(n_left, n_far[0]);
-    assert_int_equal(lf_fill(n_views, width, height, s->rgb, s->missing, reach, s->filled, near, &n_far[1], NULL), n_unfilled);
-    assert_int_equal(n_far[0], n_far[1]);
+    lf_fill_counts less = lf_fill(n_views, width, height, s->rgb, s->missing, near, near, s->filled, NULL);
+    assert_int_equal(less.unfilled, less.far);
+    lf_fill_counts counts = lf_fill(n_views, width, height, s->rgb, s->missing, near, reach, s->filled, NULL);
+    assert_int_equal(counts.unfilled, s->n_unfilled);
+    assert_int_equal(counts.far, less.far);
     assert_memory_equal(s->filled, s->expected, bytes);
     memcpy(s->filled, s->rgb, bytes);
-    assert_int_equal(lf_fill(n_views, width, height, s->filled, s->missing, reach, s->filled, 0, NULL, pool), n_unfilled);
+    counts = lf_fill(n_views, width, height, s->filled, s->missing, 0, reach, s->filled, pool);
+    assert_int_equal(counts.unfilled, s->n_unfilled);
     assert_memory_equal(s->filled, s->expected, bytes);
     assert_int_equal(lf_alloc_count(), before);
 }
