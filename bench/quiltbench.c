@@ -24,6 +24,7 @@ static const struct command {
     {"views", lf_bench_views, "error against the number of views"},
     {"micro", lf_bench_micro, "the inner loops one by one, every instruction set against plain C"},
     {"live", lf_bench_live, "what the panel shows after a command, and how soon"},
+    {"skip", lf_bench_skip, "what leaving out saves where a scene does not need it"},
     {"quilt", lf_bench_quilt, "interlacing, tone mapping, filling and print against copying"},
 };
 

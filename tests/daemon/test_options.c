@@ -43,8 +43,8 @@ static void every_shared_option_is_taken(void **state)
     (void)state;
 
     lf_assert_ok(read_line("--preset portrait --views 7 --quilt 8x6 --view-size 640x480 --integrator vpt --estimator cv "
-                           "--sampler independent --threads 3 --seed 18446744073709551615 --max-depth 12 --target-error 1e-3 "
-                           "--panel p.json operand",
+                           "--sampler independent --threads 3 --seed 18446744073709551615 --max-depth 12 --skip none "
+                           "--target-error 1e-3 --panel p.json operand",
                            &o, &err),
                  &err);
     assert_string_equal(o.preset->name, "portrait");
@@ -59,6 +59,7 @@ static void every_shared_option_is_taken(void **state)
     assert_int_equal(o.threads, 3);
     assert_true(o.has_seed && o.seed == UINT64_MAX);
     assert_int_equal(o.max_depth, 12);
+    assert_true(o.kept & LF_SKIP_SURFACES && o.kept & LF_SKIP_KNOWN_LIGHT);
     lf_assert_close(o.target_error, 1e-3, 0, 0);
     assert_string_equal(o.calibration, "p.json");
     lf_assert_ok(read_line("", &o, &err), &err);
@@ -96,6 +97,7 @@ static void wrong_words_are_refused_with_the_option_and_what_it_expects(void **s
         {"--target-error inf", "--target-error", "number"},
         {"--target-error 0x1p-3", "--target-error", "number"},
         {"--max-depth 0", "--max-depth", "from 1"},
+        {"--skip backgrund", "--skip", "did you mean \"background\""},
         {"--colour red", "--colour", "unknown option"},
         {"--view", "--view", "several"},
         {"--help=now", "--help", "takes no argument"},

@@ -434,6 +434,26 @@ static void what_is_shown_after_a_command_comes_closer(void **state)
     assert_error_line(d, "none.json");
 }
 
+static void what_is_left_out_is_timed_and_leaves_the_picture(void **state)
+{
+    const char *d = *state;
+
+    assert_int_equal(run(d, "skip --views 3 --view-size 12x16 --passes 6 --repeat 2 --json s.json"), 0);
+    json_t *s = load(d, "s.json");
+    const json_t *lines = json_object_get(s, "skips");
+    size_t i;
+    json_t *line;
+    assert_true(json_array_size(lines) >= 12);
+    json_array_foreach(lines, i, line)
+    {
+        assert_true(number(line, "without_over_with") > 0);
+        assert_true(number(line, "difference") < 1e-5);
+    }
+    json_decref(s);
+    assert_int_equal(run(d, "skip scene.json"), 2);
+    assert_int_equal(run(d, "skip --passes 0"), 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -448,6 +468,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(kernels_are_timed_and_must_agree, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_between_views_and_panel_is_timed, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_shown_after_a_command_comes_closer, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_is_left_out_is_timed_and_leaves_the_picture, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
