@@ -267,10 +267,14 @@ lf_status lf_engine_snapshot(lf_engine *engine, lf_snapshot *out, lf_error *err)
     return call(engine, &request, false);
 }
 
-lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, lf_error *err)
+lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, bool yields, lf_error *err)
 {
     engine_request request = {.run = engine_run_save, .err = err, .file = file};
-    return lf_engine_stopped(engine) ? engine_run_save(engine, &request) : call(engine, &request, false);
+    if (lf_engine_stopped(engine)) {
+        return engine_run_save(engine, &request);
+    }
+    request.yields = yields;
+    return call(engine, &request, false);
 }
 
 void lf_snapshot_finish(lf_snapshot *snapshot)

@@ -69,8 +69,9 @@ typedef struct lf_snapshot {
 /* (blocks) LF_E_STATE: nothing is on stage. Release with lf_snapshot_finish. */
 LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_snapshot *out, lf_error *err);
 void lf_snapshot_finish(lf_snapshot *snapshot);
-/* (blocks) Writes the accumulation between two batches; the caller commits file. LF_E_STATE: no scene is on stage. Works after
- * lf_engine_stop(engine, false) too, from any thread, once lf_engine_stopped. */
-LF_NODISCARD lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, lf_error *err);
+/* (blocks) Writes the accumulation between two batches; the caller commits file. LF_E_STATE: no scene is on stage. yields: a commit,
+ * which makes the accumulation obsolete, does not wait for it (LF_E_CANCELLED). Works after lf_engine_stop(engine, false) too, from any
+ * thread, once lf_engine_stopped, and is then not given up. */
+LF_NODISCARD lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, bool yields, lf_error *err);
 
 #endif

@@ -24,6 +24,7 @@ typedef struct engine_request {
     /* of the others */
     lf_snapshot *snapshot;
     lf_outfile *file;
+    bool yields; /* saving: gives up for a commit */
 } engine_request;
 
 typedef struct engine_panel {

@@ -410,5 +410,5 @@ lf_status engine_run_save(lf_engine *engine, engine_request *request)
     if (engine->renderer == NULL || engine->spoiled) {
         return lf_error_set(request->err, LF_E_STATE, "", "there is no accumulation to save");
     }
-    return lf_renderer_save(engine->renderer, request->file, request->err);
+    return lf_renderer_save(engine->renderer, request->file, request->yields ? &engine->cancel : NULL, request->err);
 }

@@ -126,7 +126,7 @@ static lf_status write_state(lf_job *job)
         lf_free(path);
     }
     if (status == LF_OK) {
-        status = lf_engine_save(job->server->engine, &file, &job->err);
+        status = lf_engine_save(job->server->engine, &file, job->client == 0, &job->err);
         if (status == LF_OK) {
             status = lf_outfile_commit(&file, job->overwrite, &job->err);
         } else {

@@ -66,7 +66,7 @@ void lf_server_save_state_now(lf_server *server)
     sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d\nSTATUS=saving the accumulation", SAVE_MORE_USEC);
     lf_status status = lf_outfile_open(&file, path, true, &err);
     if (status == LF_OK) {
-        status = lf_engine_save(server->engine, &file, &err);
+        status = lf_engine_save(server->engine, &file, false, &err);
     }
     if (status == LF_OK) {
         status = lf_outfile_commit(&file, true, &err);

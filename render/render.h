@@ -204,8 +204,9 @@ const lf_render_settings *lf_renderer_settings(const lf_renderer *renderer);
 lf_scene *lf_renderer_scene(const lf_renderer *renderer);
 
 /* Saves and restores the accumulation (kind "state": --state). The file names scene, rig, seed and a version: another one
- * gives LF_E_STATE and leaves the renderer as it was. Written little-endian through file; read from fd. */
-LF_NODISCARD lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file, lf_error *err);
+ * gives LF_E_STATE and leaves the renderer as it was. Written little-endian through file; read from fd. cancel (may be NULL) is looked
+ * at once a row: LF_E_CANCELLED, the file is to be abandoned. */
+LF_NODISCARD lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file, const lf_cancel *cancel, lf_error *err);
 LF_NODISCARD lf_status lf_renderer_restore(lf_renderer *renderer, int fd, lf_error *err);
 
 #endif

@@ -54,7 +54,7 @@ static bool visited(const lf_film_row *row)
     return row->visits[0] + row->visits[1] > 0;
 }
 
-lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file, lf_error *err)
+lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file, const lf_cancel *cancel, lf_error *err)
 {
     const lf_film *film = &renderer->film;
     lf_state_header header;
@@ -63,6 +63,8 @@ lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file, lf_err
     if (status == LF_OK)
         status = lf_outfile_write(file, film->rows, (size_t)film->height * sizeof *film->rows, err);
     for (int row = 0; row < film->height && status == LF_OK; row++) {
+        if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
+            return lf_error_set(err, LF_E_CANCELLED, "state", "interrupted");
         if (visited(&film->rows[row]))
             status = lf_outfile_write(file, film->data + (size_t)row * film->row_bytes, film->row_bytes, err);
     }

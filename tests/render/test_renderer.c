@@ -172,7 +172,11 @@ static const char *saved(const lf_renderer *r, const char *folder)
     lf_outfile file;
     lf_error err;
     lf_assert_ok(lf_outfile_open(&file, path, true, &err), &err);
-    lf_assert_ok(lf_renderer_save(r, &file, &err), &err);
+    lf_cancel cancel = 1;
+    assert_int_equal(lf_renderer_save(r, &file, &cancel, &err), LF_E_CANCELLED);
+    assert_int_equal(lseek(file.fd, 0, SEEK_SET), 0);
+    assert_int_equal(ftruncate(file.fd, 0), 0);
+    lf_assert_ok(lf_renderer_save(r, &file, NULL, &err), &err);
     lf_assert_ok(lf_outfile_commit(&file, true, &err), &err);
     return path;
 }
