@@ -92,7 +92,7 @@ static void p_of_weights(const char *text, unsigned faults, double out_p[2])
     free(wanted);
 }
 
-static void weights_are_n_q_whatever_the_counts(void **state)
+static void case_20_weights_are_n_q_whatever_the_counts(void **state)
 {
     (void)state;
     static const char *const scenes[] = {LF_TEST_MIXED("7", ""), LF_TEST_FOGS("7", ", 'lens_radius': 0.1"), LF_TEST_LAMP("7", "")};
@@ -216,7 +216,7 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(weights_are_n_q_whatever_the_counts),
+        cmocka_unit_test(case_20_weights_are_n_q_whatever_the_counts),
         cmocka_unit_test(counts_left_out_of_the_sums_are_caught),
         cmocka_unit_test(unbiased_answers_agree_with_uniform_vpt),
         cmocka_unit_test(a_rows_map_does_not_hear_of_its_own_pilot),

@@ -98,31 +98,31 @@ static void compare(const char *text, int replicates, int native_passes, int pas
     lf_scene_unref(scene);
 }
 
-static void mvpt_agrees_on_media_and_surfaces(void **state)
+static void case_21_mvpt_agrees_on_media_and_surfaces(void **state)
 {
     (void)state;
     compare(LF_TEST_MIXED("3", ""), 24, 36, 24);
 }
 
-static void mvpt_agrees_on_overlapping_media(void **state)
+static void invariant_4_mvpt_agrees_on_overlapping_media(void **state)
 {
     (void)state;
     compare(LF_TEST_FOGS("3", ", 'placement': 'inclusive'"), 24, 36, 24);
 }
 
-static void mvpt_agrees_beside_a_lamp_and_a_mirror(void **state)
+static void invariant_4_mvpt_agrees_beside_a_lamp_and_a_mirror(void **state)
 {
     (void)state;
     compare(LF_TEST_LAMP("3", ", 'lens_radius': 0.1, 'focus_distance': 4.2"), 24, 36, 24);
 }
 
-static void mvpt_agrees_behind_a_veil(void **state)
+static void invariant_4_mvpt_agrees_behind_a_veil(void **state)
 {
     (void)state;
     compare(LF_TEST_VEIL("3", ""), 24, 36, 24);
 }
 
-static void mvpt_agrees_where_normals_are_bent(void **state)
+static void invariant_4_mvpt_agrees_where_normals_are_bent(void **state)
 {
     (void)state;
     compare(LF_TEST_BENT("3", ""), 24, 24, 12);
@@ -131,9 +131,11 @@ static void mvpt_agrees_where_normals_are_bent(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mvpt_agrees_on_media_and_surfaces),      cmocka_unit_test(mvpt_agrees_on_overlapping_media),
-        cmocka_unit_test(mvpt_agrees_beside_a_lamp_and_a_mirror), cmocka_unit_test(mvpt_agrees_behind_a_veil),
-        cmocka_unit_test(mvpt_agrees_where_normals_are_bent),
+        cmocka_unit_test(case_21_mvpt_agrees_on_media_and_surfaces),
+        cmocka_unit_test(invariant_4_mvpt_agrees_on_overlapping_media),
+        cmocka_unit_test(invariant_4_mvpt_agrees_beside_a_lamp_and_a_mirror),
+        cmocka_unit_test(invariant_4_mvpt_agrees_behind_a_veil),
+        cmocka_unit_test(invariant_4_mvpt_agrees_where_normals_are_bent),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }

@@ -1,8 +1,8 @@
 /* The bias of mwis, measured: what it differs by from cv, which is unbiased, on one and the same film, so that most of the noise cancels;
- * over whole cycles n = 8 .. 64 (below, holes decide), the mean over one view and over seeds, regressed on 1/n. mwis is consistent when the intercept is 0
- * within its standard error, and its bias falls as 1/n with the slope. An estimator with wrong weights has an intercept. (One view,
- * not all: what wrong weights take from one view they give to another.) Standard errors are those of groups, each a regression of
- * its own. QUILTD_LONG=1 takes eight times the seeds. */
+ * over whole cycles n = 8 .. 64 (below, holes decide), the mean over one view and over seeds, regressed on 1/n. mwis is consistent when
+ * the intercept is 0 within its standard error, and its bias falls as 1/n with the slope. An estimator with wrong weights has an
+ * intercept. (One view, not all: what wrong weights take from one view they give to another.) Standard errors are those of groups,
+ * each a regression of its own. QUILTD_LONG=1 takes eight times the seeds. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"

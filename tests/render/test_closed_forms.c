@@ -137,7 +137,7 @@ static void assert_pixels(const char *text, const char *integrator, truth_fn tru
     "'meshes': { 'sky': { 'shape': 'sphere', 'normals': 'flat', 'material': 'lamp', 'transform': { 'scale': 12 } } }, "            \
     "'materials': { 'lamp': { 'type': 'diffuse', 'albedo': 0, 'emission': 1 } } }"
 
-static void a_white_fog_in_a_white_furnace_is_white_in_every_pixel(void **state)
+static void case_01_a_white_fog_in_a_white_furnace_is_white_in_every_pixel(void **state)
 {
     (void)state;
     for (int i = 0; i < 2; i++) {
@@ -148,14 +148,14 @@ static void a_white_fog_in_a_white_furnace_is_white_in_every_pixel(void **state)
     }
 }
 
-static void a_white_fog_in_a_white_furnace_is_white_in_the_mean(void **state)
+static void case_01_a_white_fog_in_a_white_furnace_is_white_in_the_mean(void **state)
 {
     (void)state;
     assert_blocks(FOG("0"), one, 10, 0, 24, 1e-4);
     assert_blocks(FOG("0.7"), one, 7, 0, 24, 1e-4);
 }
 
-static void white_surfaces_in_a_white_furnace_are_white(void **state)
+static void case_01_white_surfaces_in_a_white_furnace_are_white(void **state)
 {
     (void)state;
     for (int i = 0; i < 2; i++)
@@ -165,14 +165,14 @@ static void white_surfaces_in_a_white_furnace_are_white(void **state)
     assert_blocks(BALL("{ 'type': 'plastic', 'albedo': 1, 'roughness': 0 }"), one, 10, 0, 24, 6e-4);
 }
 
-static void a_furnace_of_lamps_is_white(void **state)
+static void case_01_a_furnace_of_lamps_is_white(void **state)
 {
     (void)state;
     assert_blocks(LIT_BY_A_BALL, one, 10, 0, 24, 1e-4);
 }
 
 /* Negative control: an albedo of 0.99 is not white. */
-static void a_grey_furnace_is_rejected(void **state)
+static void case_01_a_grey_furnace_is_rejected(void **state)
 {
     (void)state;
     lf_scene *scene =
@@ -207,7 +207,7 @@ static double absorbed(const lf_renderer *renderer, int view, double mx, double 
     return exp(-1.5 * sqrt(1.0 + mx * mx + my * my));
 }
 
-static void a_black_slab_lets_exp_of_minus_its_depth_through(void **state)
+static void case_03_a_black_slab_lets_exp_of_minus_its_depth_through(void **state)
 {
     (void)state;
     for (int i = 0; i < 2; i++)
@@ -238,7 +238,7 @@ static double single_backward(const lf_renderer *renderer, int view, double mx, 
     return single_scattering(-0.6, mx, my);
 }
 
-static void a_slab_scatters_the_sun_once(void **state)
+static void case_08_a_slab_scatters_the_sun_once(void **state)
 {
     (void)state;
     assert_blocks(SLAB("0.8", "0", SUN, "1"), single_isotropic, 10, 90, 24, 2e-3);
@@ -258,7 +258,7 @@ static double lamp_on_a_plane(const lf_renderer *renderer, int view, double mx, 
     return 0.6 / M_PI * 4.0 / (r2 * sqrt(r2));
 }
 
-static void a_lamp_lights_a_plane_by_cosine_and_distance(void **state)
+static void case_06_a_lamp_lights_a_plane_by_cosine_and_distance(void **state)
 {
     (void)state;
     assert_blocks(LAMP_ON_A_PLANE, lamp_on_a_plane, 10, 10, 16, 1e-3);
@@ -266,7 +266,7 @@ static void a_lamp_lights_a_plane_by_cosine_and_distance(void **state)
 
 /* ------------------------------------------------------------------------------------------------- one place twice -- */
 
-static void cameras_in_one_place_see_one_picture(void **state)
+static void case_05_cameras_in_one_place_see_one_picture(void **state)
 {
     (void)state;
     lf_scene *scene = lf_test_scene(
@@ -296,15 +296,15 @@ static void cameras_in_one_place_see_one_picture(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_white_fog_in_a_white_furnace_is_white_in_every_pixel),
-        cmocka_unit_test(a_white_fog_in_a_white_furnace_is_white_in_the_mean),
-        cmocka_unit_test(white_surfaces_in_a_white_furnace_are_white),
-        cmocka_unit_test(a_furnace_of_lamps_is_white),
-        cmocka_unit_test(a_grey_furnace_is_rejected),
-        cmocka_unit_test(a_black_slab_lets_exp_of_minus_its_depth_through),
-        cmocka_unit_test(a_slab_scatters_the_sun_once),
-        cmocka_unit_test(a_lamp_lights_a_plane_by_cosine_and_distance),
-        cmocka_unit_test(cameras_in_one_place_see_one_picture),
+        cmocka_unit_test(case_01_a_white_fog_in_a_white_furnace_is_white_in_every_pixel),
+        cmocka_unit_test(case_01_a_white_fog_in_a_white_furnace_is_white_in_the_mean),
+        cmocka_unit_test(case_01_white_surfaces_in_a_white_furnace_are_white),
+        cmocka_unit_test(case_01_a_furnace_of_lamps_is_white),
+        cmocka_unit_test(case_01_a_grey_furnace_is_rejected),
+        cmocka_unit_test(case_03_a_black_slab_lets_exp_of_minus_its_depth_through),
+        cmocka_unit_test(case_08_a_slab_scatters_the_sun_once),
+        cmocka_unit_test(case_06_a_lamp_lights_a_plane_by_cosine_and_distance),
+        cmocka_unit_test(case_05_cameras_in_one_place_see_one_picture),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }

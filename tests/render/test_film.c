@@ -55,7 +55,7 @@ static void a_view_pixel_takes_at_most_64_bytes(void **state)
 }
 
 /* Ten million contributions of one: 222 222 visits of 45, whole numbers all the way. */
-static void ten_million_ones_are_ten_million(void **state)
+static void case_19_ten_million_ones_are_ten_million(void **state)
 {
     (void)state;
     bench b;
@@ -119,7 +119,7 @@ static void sums_neither_drift_nor_stagnate(void **state)
 }
 
 /* Stress case 19: ten million contributions, 1 and 1e8 in turn, 45 a visit. */
-static void ones_beside_hundred_millions_are_kept(void **state)
+static void case_19_ones_beside_hundred_millions_are_kept(void **state)
 {
     (void)state;
     enum { visits = 222222 };
@@ -322,8 +322,8 @@ static void light_is_stored_where_it_is_not_implied(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_view_pixel_takes_at_most_64_bytes), cmocka_unit_test(ten_million_ones_are_ten_million),
-        cmocka_unit_test(sums_neither_drift_nor_stagnate),     cmocka_unit_test(ones_beside_hundred_millions_are_kept),
+        cmocka_unit_test(a_view_pixel_takes_at_most_64_bytes), cmocka_unit_test(case_19_ten_million_ones_are_ten_million),
+        cmocka_unit_test(sums_neither_drift_nor_stagnate),     cmocka_unit_test(case_19_ones_beside_hundred_millions_are_kept),
         cmocka_unit_test(what_is_constant_stays_exact),        cmocka_unit_test(known_light_and_its_difference_follow_both_halves),
         cmocka_unit_test(differences_are_packed_without_bias), cmocka_unit_test(light_that_is_not_stored_is_the_same_light),
         cmocka_unit_test(the_error_goes_on_falling),           cmocka_unit_test(light_is_stored_where_it_is_not_implied),

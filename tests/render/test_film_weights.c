@@ -32,7 +32,7 @@ static void assert_weights(const char *text, lf_test_schedule schedule)
     lf_test_assert_weights(text, width, height, schedule, replicates, 8, LEVEL);
 }
 
-static void weights_are_n_q_with_media_and_surfaces(void **state)
+static void invariant_2_weights_are_n_q_with_media_and_surfaces(void **state)
 {
     (void)state;
     assert_weights(LF_TEST_MIXED("7", ""), whole_cycles);
@@ -40,21 +40,21 @@ static void weights_are_n_q_with_media_and_surfaces(void **state)
     assert_weights(LF_TEST_MIXED("7", ""), live);
 }
 
-static void weights_are_n_q_with_a_lens(void **state)
+static void invariant_2_weights_are_n_q_with_a_lens(void **state)
 {
     (void)state;
     assert_weights(LF_TEST_MIXED("7", ", 'lens_radius': 0.15, 'focus_distance': 4.2"), whole_cycles);
     assert_weights(LF_TEST_MIXED("7", ", 'lens_radius': 0.15, 'focus_distance': 4.2"), live);
 }
 
-static void weights_are_n_q_in_overlapping_media(void **state)
+static void invariant_2_weights_are_n_q_in_overlapping_media(void **state)
 {
     (void)state;
     assert_weights(LF_TEST_FOGS("7", ", 'placement': 'inclusive'"), whole_cycles);
     assert_weights(LF_TEST_FOGS("7", ", 'placement': 'inclusive'"), live);
 }
 
-static void weights_are_n_q_beside_mirrors(void **state)
+static void invariant_2_weights_are_n_q_beside_mirrors(void **state)
 {
     (void)state;
     assert_weights(LF_TEST_LAMP("7", ""), two_passes);
@@ -90,8 +90,10 @@ static void a_bias_of_one_per_cent_would_be_seen(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(weights_are_n_q_with_media_and_surfaces), cmocka_unit_test(weights_are_n_q_with_a_lens),
-        cmocka_unit_test(weights_are_n_q_in_overlapping_media),    cmocka_unit_test(weights_are_n_q_beside_mirrors),
+        cmocka_unit_test(invariant_2_weights_are_n_q_with_media_and_surfaces),
+        cmocka_unit_test(invariant_2_weights_are_n_q_with_a_lens),
+        cmocka_unit_test(invariant_2_weights_are_n_q_in_overlapping_media),
+        cmocka_unit_test(invariant_2_weights_are_n_q_beside_mirrors),
         cmocka_unit_test(a_bias_of_one_per_cent_would_be_seen),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);

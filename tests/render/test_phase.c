@@ -35,7 +35,7 @@ static double p_value(const setup *s, double *mass)
     return lf_chi2_sphere_p(&q, mass);
 }
 
-static void sampler_follows_the_phase_function(void **state)
+static void case_14_sampler_follows_the_phase_function(void **state)
 {
     (void)state;
     const lf_vec3 directions[] = {{0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, -1.0f}, {0.48f, -0.6f, 0.64f}};
@@ -110,7 +110,7 @@ static void corners_of_the_unit_square_give_unit_directions(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sampler_follows_the_phase_function),
+        cmocka_unit_test(case_14_sampler_follows_the_phase_function),
         cmocka_unit_test(a_wrong_g_is_rejected),
         cmocka_unit_test(mean_cosine_is_g),
         cmocka_unit_test(both_forms_agree_and_are_finite),

@@ -47,7 +47,7 @@ static void dense_media_scatter_at_their_surface(void **state)
     }
 }
 
-static void a_camera_inside_a_fog_sees_all_of_it(void **state)
+static void case_13_a_camera_inside_a_fog_sees_all_of_it(void **state)
 {
     (void)state;
     double seen =
@@ -58,7 +58,7 @@ static void a_camera_inside_a_fog_sees_all_of_it(void **state)
 }
 
 /* Shapes know their rays' intervals: what holds at twenty mean free paths holds at ten thousand, at any angle of the sun. */
-static void shapes_have_no_resolution(void **state)
+static void case_08_shapes_have_no_resolution(void **state)
 {
     (void)state;
     static const char *const density[] = {"400", "5000"};
@@ -130,7 +130,7 @@ static void volumes_out_of_sight_change_nothing(void **state)
     }
 }
 
-static void a_big_plane_does_not_hide_itself(void **state)
+static void case_12_a_big_plane_does_not_hide_itself(void **state)
 {
     (void)state;
     lf_render_stats stats;
@@ -147,9 +147,9 @@ static void a_big_plane_does_not_hide_itself(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(dense_media_scatter_at_their_surface),    cmocka_unit_test(shapes_have_no_resolution),
-        cmocka_unit_test(a_ray_knows_its_interval_inside_a_shape), cmocka_unit_test(a_camera_inside_a_fog_sees_all_of_it),
-        cmocka_unit_test(volumes_out_of_sight_change_nothing),     cmocka_unit_test(a_big_plane_does_not_hide_itself),
+        cmocka_unit_test(dense_media_scatter_at_their_surface),    cmocka_unit_test(case_08_shapes_have_no_resolution),
+        cmocka_unit_test(a_ray_knows_its_interval_inside_a_shape), cmocka_unit_test(case_13_a_camera_inside_a_fog_sees_all_of_it),
+        cmocka_unit_test(volumes_out_of_sight_change_nothing),     cmocka_unit_test(case_12_a_big_plane_does_not_hide_itself),
     };
     return cmocka_run_group_tests_name("slice", tests, NULL, lf_test_finish);
 }

@@ -43,7 +43,7 @@ static void assert_threads(const char *text, const char *integrator, lf_sampler_
     free(many);
 }
 
-static void pictures_do_not_depend_on_the_number_of_threads(void **state)
+static void invariant_5_pictures_do_not_depend_on_the_number_of_threads(void **state)
 {
     (void)state;
     assert_threads(LF_TEST_MIXED("7", ", 'lens_radius': 0.1"), "mvpt", LF_SAMPLER_OWEN);
@@ -58,7 +58,7 @@ static void pictures_do_not_depend_on_the_number_of_threads(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pictures_do_not_depend_on_the_number_of_threads),
+        cmocka_unit_test(invariant_5_pictures_do_not_depend_on_the_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -194,7 +194,7 @@ static void empty_and_zero_grids_are_grids_without_bricks(void **state)
     }
 }
 
-static void what_is_no_density_is_refused_in_words(void **state)
+static void case_23_what_is_no_density_is_refused_in_words(void **state)
 {
     (void)state;
     const char *kinds = data_file("kinds.vdb");
@@ -298,7 +298,7 @@ int main(void)
         cmocka_unit_test(of_several_grids_with_one_name_the_first_is_taken_and_the_others_have_numbers),
         cmocka_unit_test(a_level_set_becomes_fog_that_is_full_inside),
         cmocka_unit_test(empty_and_zero_grids_are_grids_without_bricks),
-        cmocka_unit_test(what_is_no_density_is_refused_in_words),
+        cmocka_unit_test(case_23_what_is_no_density_is_refused_in_words),
         cmocka_unit_test(damaged_files_are_refused_and_never_crash),
         cmocka_unit_test(the_shared_volumes_are_read_or_refused_as_they_should_be),
     };
