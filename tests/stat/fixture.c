@@ -101,6 +101,9 @@ static void block_means(const lf_blocks *b, const double *picture, double *out)
             for (int column = 0; column < b->width; column++) {
                 int i = (view * down + row / b->block) * b->across + column / b->block;
                 double x = *picture++;
+                /* NaN would pass every comparison of p-values. */
+                if (!isfinite(x))
+                    fail_msg("view %d, row %d, column %d: %g", view, row, column, x);
                 out[i] += x;
                 pixels[i] += 1.0;
                 out[b->n - 1] += x;
