@@ -356,6 +356,7 @@ static lf_status run(const arguments *a, row *rows, lf_pool *pool, lf_error *err
                lf_pool_threads(pool), a->contenders[BASELINE].integrator, lf_estimator_name(a->contenders[BASELINE].estimator),
                a->contenders[OURS].integrator, lf_estimator_name(a->contenders[OURS].estimator));
         write_head(stdout, a);
+        fflush(stdout);
     }
     for (int i = 0; i < N_SCENES * n_kinds && status == LF_OK; i++) {
         const struct scene *scene = &scenes[i / n_kinds];
