@@ -16,10 +16,15 @@ static const struct step {
     int (*run)(int argc, char **argv);
     const char *arguments; /* the command first; "{scenes}" is the folder of the scenes, "{out}" DIR/NAME */
 } steps[] = {
+    {"micro", lf_bench_micro, "micro {scenes}/cloud.json --json {out}.json"},
+    {"quilt", lf_bench_quilt, "quilt --json {out}.json"},
+    {"skip", lf_bench_skip, "skip --json {out}.json"},
+    {"live", lf_bench_live, "live {scenes}/first-light.json --json {out}.json"},
     {"compare", lf_bench_compare,
      "compare {scenes}/cloud.json --view-size 105x140 --time 20 --seeds 8 --reference-spp 64 --json {out}.json"},
     {"curve", lf_bench_curve,
-     "curve {scenes}/cloud.json --view-size 60x80 --contenders vpt:mwis,mvpt:mwis,mvpt:mis,mvpt:cv --seeds 8 --json {out}.json "
+     "curve {scenes}/cloud.json --view-size 60x80 --contenders vpt:mwis,mvpt:mwis,amvpt:mwis,mvpt:mis,mvpt:cv --seeds 8 --json "
+     "{out}.json "
      "--plot {out}"},
     {"views", lf_bench_views, "views {scenes}/cloud.json --seeds 8 --json {out}.json --plot {out}"},
     {"table", lf_bench_table, "table {scenes} --json {out}.json --markdown {out}.md"},

@@ -259,6 +259,14 @@ static json_t *curve_json(const curve *c)
     return object;
 }
 
+static void print_number(int width, int digits, double value)
+{
+    if (isfinite(value))
+        printf("%*.*f", width, digits, value);
+    else
+        printf("%*s", width, "-");
+}
+
 static void print_ratio(lf_interval ratio, bool beyond)
 {
     if (isfinite(ratio.estimate))
@@ -294,12 +302,19 @@ static void print_table(const curve *c)
         c->contenders[0].integrator, lf_estimator_name(c->contenders[0].estimator));
     for (int i = 0; i < c->n_contenders; i++)
         print_points(c, i);
-    printf("\n             path us   shift ns  look-up ns  contributions/path  escape share    slope\n");
+    printf("\n              path us   shift ns  look-up ns  contributions/path  escape share    slope\n");
     for (int i = 0; i < c->n_contenders; i++) {
         const cost *spent = &c->costs[i];
-        printf("%-5s %-5s %9.2f  %9.1f   %9.1f           %9.3f     %9.3f    %.3f (%.3f .. %.3f)\n", c->contenders[i].integrator,
-               lf_estimator_name(c->contenders[i].estimator), spent->path_us, spent->shift_ns, spent->lookup_ns,
-               spent->contributions_per_path, spent->escape_share, spent->slope.estimate, spent->slope.low, spent->slope.high);
+        printf("%-5s %-5s", c->contenders[i].integrator, lf_estimator_name(c->contenders[i].estimator));
+        print_number(10, 2, spent->path_us);
+        print_number(11, 1, spent->shift_ns);
+        print_number(12, 1, spent->lookup_ns);
+        print_number(20, 3, spent->contributions_per_path);
+        print_number(14, 3, spent->escape_share);
+        print_number(9, 3, spent->slope.estimate);
+        if (isfinite(spent->slope.low))
+            printf(" (%.3f .. %.3f)", spent->slope.low, spent->slope.high);
+        putchar('\n');
     }
     for (int i = 0; i < c->n_contenders * c->n_budgets; i++) {
         if (c->points[i / c->n_budgets][i % c->n_budgets].beyond) {
