@@ -1,6 +1,8 @@
 /* B and q: what is known without sampling paths. A fan of one ray per view runs through one film point of each pixel column: its
  * rays share y and z steps, so one march gives the exit transmittances of all views' pixels in that column at once
  * (docs/estimators.md, "B and q"). */
+#include <string.h>
+
 #include "render/integrator.h"
 
 /* Nearest surface of each ray of the fan, in packets of 8 with t = Z; geometry of lane k in hits[k / 8]. Lanes [from, to). */
@@ -141,6 +143,8 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
     float light[3];
     bool constant = !(plan->kept & LF_SKIP_KNOWN_LIGHT) && lf_exits_constant(plan->scene, light);
     lf_vec3 sky = constant ? lf_v3(light[0], light[1], light[2]) : lf_v3(0.0f, 0.0f, 0.0f);
+    if (hits)
+        memset(packets, 0xff, sizeof packets); /* no geometry: lanes out of reach are never traced */
     for (int column = 0; column < rig->width; column++) {
         float xw = rig->x0 + ((float)column + lf_exits_film_point(key, column, index)) * rig->dx, lx = 0.0f;
         int from, to;

@@ -101,10 +101,10 @@ typedef enum lf_skip {
 } lf_skip;
 
 typedef struct lf_skip_entry {
-    unsigned bit;
     const char *name; /* as in --skip */
     const char *what; /* when, and what is left out */
-    bool bitwise;     /* the picture is the same to the last bit without it; else to rounding */
+    unsigned bit;
+    bool bitwise; /* the picture is the same to the last bit without it; else to rounding */
 } lf_skip_entry;
 
 /* NULL behind the last. */

@@ -9,12 +9,12 @@
 #include "render/json_reader.h"
 
 static const lf_skip_entry table[] = {
-    {LF_SKIP_SURFACES, "surfaces", "no meshes: no Embree device, no rays", true},
-    {LF_SKIP_BACKGROUND, "background", "view pixels that nothing can be met in: no paths, no optical depths", true},
-    {LF_SKIP_DELTA_LOBES, "delta-lobes", "no mirrors: no sum of native samples on the film", false},
-    {LF_SKIP_VIEW_LOBES, "view-lobes", "no lobe depends on the view: no directional weights on the film", false},
-    {LF_SKIP_EMISSION, "emission", "no surface emits: hits are not looked up among the lights", true},
-    {LF_SKIP_KNOWN_LIGHT, "known-light", "all rays that escape find the same light: it is neither looked up nor stored", false},
+    {"surfaces", "no meshes: no Embree device, no rays", LF_SKIP_SURFACES, true},
+    {"background", "view pixels that nothing can be met in: no paths, no optical depths", LF_SKIP_BACKGROUND, true},
+    {"delta-lobes", "no mirrors: no sum of native samples on the film", LF_SKIP_DELTA_LOBES, false},
+    {"view-lobes", "no lobe depends on the view: no directional weights on the film", LF_SKIP_VIEW_LOBES, false},
+    {"emission", "no surface emits: hits are not looked up among the lights", LF_SKIP_EMISSION, true},
+    {"known-light", "all rays that escape find the same light: it is neither looked up nor stored", LF_SKIP_KNOWN_LIGHT, false},
 };
 #define N_SKIPS (sizeof table / sizeof table[0])
 
