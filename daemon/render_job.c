@@ -10,8 +10,8 @@ typedef struct run {
     lf_estimator estimator;
     float *film;
     int n_views, height;
-    int64_t passes;  /* whole ones so far */
-    atomic_int rows; /* of the visits under way */
+    int64_t passes;           /* whole ones so far */
+    atomic_llong row_passes; /* summed over rows, those under way included */
     double start, cpu_start;
     double target_fraction;
     lf_render_progress_fn progress;
@@ -34,8 +34,7 @@ static double fraction_of(const run *r, double passes)
 
 static void report(const run *r)
 {
-    int rows = atomic_load_explicit(&r->rows, memory_order_relaxed);
-    double passes = (double)r->passes + (double)rows * r->n_views / r->height;
+    double passes = (double)atomic_load_explicit(&r->row_passes, memory_order_relaxed) / r->height;
     lf_render_progress progress = {
         .fraction = fmin(1, fmax(0, fraction_of(r, passes))),
         .seconds = lf_time_now() - r->start,
@@ -47,24 +46,13 @@ static void report(const run *r)
         r->progress(r->context, &progress);
 }
 
-static void row_done(void *context, int row, int worker)
+static void row_done(void *context, int passes, int worker)
 {
     run *r = context;
 
-    (void)row;
-    atomic_fetch_add_explicit(&r->rows, 1, memory_order_relaxed);
+    atomic_fetch_add_explicit(&r->row_passes, passes, memory_order_relaxed);
     if (worker == 0) /* the thread that called lf_render_run */
         report(r);
-}
-
-/* A whole cycle for each half of the film: what lf_renderer_passes makes of 2 n_views passes, row by row to be seen. */
-static lf_status add_cycles(run *r)
-{
-    lf_status status = LF_OK;
-
-    for (int half = 0; half < 2 && status == LF_OK; half++)
-        status = lf_renderer_pass(r->renderer, 0, 1, r->n_views, row_done, r, r->cancel);
-    return status;
 }
 
 /* Pairs of whole cycles are what lf_renderer_passes makes of any number of passes, but for the rest, so that the film is the
@@ -76,8 +64,7 @@ static lf_status add(run *r, int64_t n_passes, bool split)
 
     while (n_passes > 0 && status == LF_OK) {
         int64_t now = n_passes < cycles ? n_passes : cycles;
-        status = now == cycles ? add_cycles(r) : lf_renderer_passes(r->renderer, now, split, r->cancel);
-        atomic_store_explicit(&r->rows, 0, memory_order_relaxed);
+        status = lf_renderer_passes(r->renderer, now, split, row_done, r, r->cancel);
         if (status == LF_OK)
             r->passes += now;
         n_passes -= now;

@@ -65,6 +65,7 @@ typedef struct lf_visit {
     int row;
     int max_depth;
     int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
+    uint64_t random;          /* this visit's own */
     float weight;             /* of every base sample: 1, but for holes */
     /* [view][column] expected base samples of a pixel, in units of subsets / n_views; NULL: 1 everywhere. 0 in pixels that nobody
      * reads: they are sampled by nobody, missing in everybody's sum, and receive nothing. */

@@ -162,10 +162,14 @@ LF_NODISCARD lf_status lf_renderer_pass_filling(lf_renderer *renderer, int first
  * cv, whose answer in a hole, B + N/n, is the unbiased one. */
 LF_NODISCARD lf_status lf_renderer_fill_holes(lf_renderer *renderer, const lf_cancel *cancel);
 
+/* Called on the worker that has just given a row so many more passes; worker 0 is the thread that called lf_renderer_passes. */
+typedef void (*lf_passes_fn)(void *context, int passes, int worker);
+
 /* Adds exactly n_passes passes (one pass = one view's worth of base paths: width x height of them) to every row, split
  * evenly between the halves, in visits that grow to whole cycles of n_views passes: the offline schedule. 45 views:
  * --spp S is 45 S passes. A single pass with cross-fitting in mind (split) puts one half of its columns into each half. */
-LF_NODISCARD lf_status lf_renderer_passes(lf_renderer *renderer, int64_t n_passes, bool split, const lf_cancel *cancel);
+LF_NODISCARD lf_status lf_renderer_passes(lf_renderer *renderer, int64_t n_passes, bool split, lf_passes_fn row_done, void *context,
+                                          const lf_cancel *cancel);
 
 /* Per-pixel flags of a resolved row. */
 #define LF_PIXEL_HOLE 1u    /* scattering is possible here but nothing was found yet (W = 0): out is a stand-in */

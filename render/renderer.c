@@ -1,6 +1,7 @@
 /* The renderer: passes over rows on a pool, the offline schedule, counters. */
 #include "render/renderer.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -102,6 +103,21 @@ static lf_film_layout film_layout(const lf_scene *scene, unsigned kept, const lf
                             .has_known = !uniform};
 }
 
+/* Passes in a visit of the offline schedule. Where surfaces have edges a picture needs many row offsets and film points of B and q,
+ * which all views of a visit share: a third of a cycle, by a divisor of n. Media alone are smooth, and their slices want whole
+ * cycles; so does what shares nothing. */
+static int passes_of_a_visit(const lf_scene *scene, const lf_integrator *integrator, int n)
+{
+    int best = n;
+    if (!scene->embree || !integrator->shares)
+        return n;
+    for (int g = (n + 4) / 5; 2 * g <= n; g++) {
+        if (n % g == 0 && abs(3 * g - n) < abs(3 * best - n))
+            best = g;
+    }
+    return best;
+}
+
 /* Everything that can fail is made before anything of the old is given up. */
 static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_settings *settings, lf_error *err)
 {
@@ -158,6 +174,7 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
     r->settings.integrator = integrator->name;
     r->rig = rig;
     r->frame = frame;
+    r->visit_passes = passes_of_a_visit(scene, integrator, rig.n_views);
     r->plan = (lf_visit_plan){.scene = &r->seen,
                               .rig = &r->rig,
                               .frame = &r->frame,
@@ -295,32 +312,52 @@ lf_status lf_renderer_fill_holes(lf_renderer *renderer, const lf_cancel *cancel)
     return run(&job);
 }
 
+typedef struct lf_passes_report {
+    lf_passes_fn row_done; /* NULL: nobody asks */
+    void *context;
+    int passes;
+} lf_passes_report;
+
+static void report_row(void *context, int row, int worker)
+{
+    const lf_passes_report *report = context;
+    (void)row;
+    report->row_done(report->context, report->passes, worker);
+}
+
 /* One visit of every row. */
-static lf_status visit_all(lf_renderer *renderer, int half, int subsets, int column_step, const lf_cancel *cancel)
+static lf_status visit_all(lf_renderer *renderer, int half, int subsets, int column_step, lf_passes_report *report,
+                           const lf_cancel *cancel)
 {
     lf_visit_plan plan = renderer->plan;
     plan.subsets = subsets;
     plan.column_step = column_step;
     lf_pass_job job = {.renderer = renderer, .plan = &plan, .row_step = 1, .half = half, .cancel = cancel};
+    if (report->row_done) {
+        report->passes = column_step > 1 ? half : subsets; /* a pass split between the halves is one */
+        job.row_done = report_row;
+        job.context = report;
+    }
     return run(&job);
 }
 
-lf_status lf_renderer_passes(lf_renderer *renderer, int64_t n_passes, bool split, const lf_cancel *cancel)
+lf_status lf_renderer_passes(lf_renderer *renderer, int64_t n_passes, bool split, lf_passes_fn row_done, void *context,
+                             const lf_cancel *cancel)
 {
-    int n = renderer->rig.n_views;
+    lf_passes_report report = {.row_done = row_done, .context = context};
     int64_t left[2] = {n_passes - n_passes / 2, n_passes / 2};
     lf_status status = LF_OK;
     if (n_passes < 1)
         return LF_E_ARG;
     if (n_passes == 1 && split && renderer->rig.width > 1) {
         for (int half = 0; half < 2 && status == LF_OK; half++)
-            status = visit_all(renderer, half, 1, 2, cancel);
+            status = visit_all(renderer, half, 1, 2, &report, cancel);
         return status;
     }
     while (status == LF_OK && left[0] + left[1] > 0) {
         int half = left[1] > left[0];
-        int subsets = left[half] < n ? (int)left[half] : n;
-        status = visit_all(renderer, half, subsets, 1, cancel);
+        int subsets = left[half] < renderer->visit_passes ? (int)left[half] : renderer->visit_passes;
+        status = visit_all(renderer, half, subsets, 1, &report, cancel);
         left[half] -= subsets;
     }
     return status;

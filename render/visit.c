@@ -23,6 +23,16 @@ static int lattice_step(int n)
     return step;
 }
 
+/* Visits of g passes, g a divisor of n, come in cycles of n / g in which every view pixel is sampled once: a random start for the cycle,
+ * the cosets in turn. Other visits start anywhere; either way a pixel is in a visit's lattice with probability g / n.
+ * *out_point numbers a pixel's samples over the cycles: its points of the nets. */
+static int lattice_start(int n, int subsets, uint64_t key, uint32_t index, uint32_t *out_point)
+{
+    uint32_t length = subsets > 0 && n % subsets == 0 ? (uint32_t)(n / subsets) : 1, cycle = index / length;
+    *out_point = cycle;
+    return (int)(lf_sampler_radical(key, cycle) * (float)n) + (int)(index % length);
+}
+
 /* Column u takes view (step u + start + floor(j n / subsets)) mod n for j = 0 .. subsets - 1. */
 static int lattice_view(const lf_visit *visit, int column, int j)
 {
@@ -134,7 +144,7 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     if (column < worker->reach.first[view] || column >= worker->reach.end[view])
         return; /* it escapes */
     lf_sampler_init(&sampler, plan->sampler, pixel, index);
-    worker->tracer.rng = lf_hash64(pixel, ~(uint64_t)index);
+    worker->tracer.rng = lf_hash64(pixel ^ visit->random, ~(uint64_t)index);
 
     float jitter[2], lens = 0.0f;
     lf_sampler_2d(&sampler, jitter);
@@ -314,18 +324,20 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     if (plan->subsets == 0 && !(state->n[half] > 0.0))
         half = 1 - half; /* holes are filled where there is a count to weigh as much as */
     uint32_t index = state->visits[half];
-    uint64_t key = stream(plan, row, half), random = lf_hash64(lf_hash64(key, 3), index);
+    uint64_t key = stream(plan, row, half);
     lf_visit visit = {.worker = worker, .sums = worker->sums, .row = row};
     begin(plan, &visit, key, index);
     float start = lf_sampler_radical(lf_hash64(key, 7), index);
-    visit.start = (int)(start * (float)views);
+    uint32_t point;
+    visit.random = lf_hash64(lf_hash64(key, 3), index);
+    visit.start = lattice_start(views, plan->subsets, lf_hash64(key, 7), index, &point);
     if (plan->counts) {
         lf_counts_row(plan->counts, row, worker->expected);
         visit.expected = worker->expected;
     }
 
     double weight = (double)plan->subsets / (double)(views * plan->column_step);
-    int first = plan->column_step > 1 ? (int)((random >> 32) % (uint64_t)plan->column_step) : 0;
+    int first = plan->column_step > 1 ? (int)((visit.random >> 32) % (uint64_t)plan->column_step) : 0;
     state->met |= worker->reach.any;
     if (!state->met && !plan->film->layout.has_known) {
         worker->base_paths += (int64_t)plan->subsets * ((width - first + plan->column_step - 1) / plan->column_step);
@@ -341,7 +353,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 0), index);
     if (visit.expected ? !sample_counts(plan, &visit, (double)start, key, index, cancel)
-                       : !sample_lattice(plan, &visit, first, key, index, cancel))
+                       : !sample_lattice(plan, &visit, first, key, point, cancel))
         return false;
     lf_film_merge(plan->film, row, half, &worker->sums, weight, lf_hash64(lf_hash64(key, 9), index));
     state->passes += (double)plan->subsets / plan->column_step;

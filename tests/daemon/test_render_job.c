@@ -66,14 +66,14 @@ static void a_job_gives_the_film_of_so_many_passes(void **state)
             const lf_budget budget = {.passes = passes[i]};
             lf_render_times times;
             restart(f);
-            lf_assert_ok(lf_renderer_passes(f->renderer, passes[i], cv && passes[i] == 1, NULL), NULL);
+            lf_assert_ok(lf_renderer_passes(f->renderer, passes[i], cv && passes[i] == 1, NULL, NULL, NULL), NULL);
             lf_assert_ok(lf_renderer_resolve(f->renderer, estimator, expected, NULL), NULL);
             restart(f);
             lf_assert_ok(lf_render_run(f->renderer, &budget, estimator, f->film, NULL, NULL, NULL, &times), NULL);
             assert_memory_equal(f->film, expected, sizeof expected);
             assert_int_equal(times.passes, passes[i]);
             /* negative control: one pass more is another picture */
-            lf_assert_ok(lf_renderer_passes(f->renderer, 1, false, NULL), NULL);
+            lf_assert_ok(lf_renderer_passes(f->renderer, 1, false, NULL, NULL, NULL), NULL);
             lf_assert_ok(lf_renderer_resolve(f->renderer, estimator, f->film, NULL), NULL);
             assert_memory_not_equal(f->film, expected, sizeof expected);
         }

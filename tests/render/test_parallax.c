@@ -33,7 +33,7 @@ static float *render(lf_render_settings *settings)
     *settings = (lf_render_settings){.camera = *lf_scene_camera(scene), .width = WIDTH, .height = HEIGHT, .seed = 5};
     lf_assert_ok(lf_pool_create(2, &pool), NULL);
     lf_assert_ok(lf_renderer_create(scene, settings, pool, &renderer, &err), &err);
-    lf_assert_ok(lf_renderer_passes(renderer, 64 * VIEWS, false, NULL), NULL);
+    lf_assert_ok(lf_renderer_passes(renderer, 64 * VIEWS, false, NULL, NULL, NULL), NULL);
     lf_assert_ok(lf_renderer_resolve(renderer, LF_ESTIMATOR_MIS, out, NULL), NULL);
     lf_renderer_destroy(renderer);
     lf_pool_destroy(pool);

@@ -105,7 +105,7 @@ static void a_cancelled_pass_says_so(void **state)
     lf_cancel cancel = 1;
     lf_renderer *r = mixed(&scene);
     lf_assert_status(lf_renderer_pass(r, 0, 1, 1, NULL, NULL, &cancel), LF_E_CANCELLED, NULL);
-    lf_assert_status(lf_renderer_passes(r, 7, false, &cancel), LF_E_CANCELLED, NULL);
+    lf_assert_status(lf_renderer_passes(r, 7, false, NULL, NULL, &cancel), LF_E_CANCELLED, NULL);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
 }

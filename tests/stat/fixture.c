@@ -51,7 +51,7 @@ void lf_test_reseed(lf_renderer *renderer, uint64_t seed)
 
 void lf_test_passes(lf_renderer *renderer, int64_t n_passes)
 {
-    assert_int_equal(lf_renderer_passes(renderer, n_passes, true, NULL), LF_OK);
+    assert_int_equal(lf_renderer_passes(renderer, n_passes, true, NULL, NULL, NULL), LF_OK);
 }
 
 void lf_test_cycles(lf_renderer *r, int n)
