@@ -120,7 +120,7 @@ static lf_status run(bench *b, unsigned kept, float *picture, double *out_second
 
     b->settings.kept = kept;
     lf_status status = lf_renderer_create(b->scene, &b->settings, b->pool, &renderer, err);
-    if (status == LF_OK && (lf_renderer_passes(renderer, b->arguments->passes, false, NULL) != LF_OK ||
+    if (status == LF_OK && (lf_renderer_passes(renderer, b->arguments->passes, false, NULL, NULL, NULL) != LF_OK ||
                             lf_renderer_resolve(renderer, LF_ESTIMATOR_MWIS, picture, NULL) != LF_OK))
         status = lf_error_set(err, LF_E_STATE, "skip", "rendering failed");
     *out_seconds = lf_time_cpu() - start;
