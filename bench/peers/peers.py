@@ -192,7 +192,7 @@ def table(options, result):
     for view in result["agreement"]:
         lines.append(f"references, view {view['view']}: Cycles' mean {100 * view['relative_mean']:+.3f} %; 7x7 blocks differ by "
                      f"{100 * view['block_rms']:.2f} % rms; relMSE {view['rel_mse']:.2e}, "
-                     f"of which noise {view['rel_mse_of_noise']:.2e}")
+                     f"noise alone {view['rel_mse_of_noise']:.2e}")
     return "\n".join(lines) + "\n"
 
 
