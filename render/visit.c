@@ -40,6 +40,15 @@ static int lattice_view(const lf_visit *visit, int column, int j)
     return (int)(((int64_t)visit->step * column + visit->start + (int64_t)j * n / visit->subsets) % n);
 }
 
+/* 1 / step modulo n. */
+static int lattice_inverse(int step, int n)
+{
+    int inverse = 1;
+    while ((int64_t)step * inverse % n != 1 % n)
+        inverse++;
+    return inverse;
+}
+
 bool lf_lattice_has(const lf_visit *visit, int view, int column)
 {
     for (int j = 0; j < visit->subsets; j++) {
@@ -243,27 +252,25 @@ static bool sample_lattice(const lf_visit_plan *plan, lf_visit *visit, int first
     return true;
 }
 
-/* As many samples as the map expects, rounded so that every pixel gets its own on average and a column of views as many as all of
- * them expect together: systematic sampling, with a start of its own in every column. false = cancelled. */
-static bool sample_counts(const lf_visit_plan *plan, lf_visit *visit, double start, uint64_t key, uint32_t index,
-                          const lf_cancel *cancel)
+/* As many samples as the map expects: a pixel's count runs on from visit to visit, rounded down behind a start that the lattice spreads
+ * over the pixels, so that each gets its own number on average and is never a sample away from it. false = cancelled. */
+static bool sample_counts(const lf_visit_plan *plan, lf_visit *visit, double n, double first, uint64_t key, const lf_cancel *cancel)
 {
-    const double golden = 0.61803398874989485;
-    int width = plan->rig->width, views = plan->rig->n_views;
+    int width = plan->rig->width, views = plan->rig->n_views, inverse = lattice_inverse(visit->step, views);
     double share = (double)plan->subsets / views;
     for (int column = 0; column < width; column++) {
-        double sum = start + golden * column;
-        sum -= floor(sum);
         for (int view = 0; view < views; view++) {
-            double count = share * (double)visit->expected[(size_t)view * (size_t)width + (size_t)column];
-            uint32_t n = (uint32_t)(floor(sum + count) - floor(sum)), slots = (uint32_t)ceil(count);
-            sum += count;
+            double expected = (double)visit->expected[(size_t)view * (size_t)width + (size_t)column];
+            double rank = (double)(((int64_t)inverse * view - column) % views) - first;
+            double phase = rank / views - floor(rank / views);
+            uint32_t begin = (uint32_t)floor(phase + expected * n), end = (uint32_t)floor(phase + expected * (n + share));
             /* Behind a sure sample the realised number is as good as the expected one, and has no noise of its own. */
-            visit->alone = n > 0 ? (float)(share / (count < 1.0 ? count : (double)n)) : 1.0f;
-            for (uint32_t i = 0; i < n; i++) {
+            double count = expected * share < 1.0 ? expected * share : (double)(end - begin);
+            visit->alone = end > begin ? (float)(share / count) : 1.0f;
+            for (uint32_t i = begin; i < end; i++) {
                 if (cancelled(cancel))
                     return false;
-                base_sample(plan, visit, view, column, -1.0f, key, index * slots + i);
+                base_sample(plan, visit, view, column, -1.0f, key, i);
             }
         }
     }
@@ -327,7 +334,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     uint64_t key = stream(plan, row, half);
     lf_visit visit = {.worker = worker, .sums = worker->sums, .row = row};
     begin(plan, &visit, key, index);
-    float start = lf_sampler_radical(lf_hash64(key, 7), index);
+    double first_rank = (double)(lf_sampler_radical(lf_hash64(key, 11), 0) * (float)views);
     uint32_t point;
     visit.random = lf_hash64(lf_hash64(key, 3), index);
     visit.start = lattice_start(views, plan->subsets, lf_hash64(key, 7), index, &point);
@@ -352,7 +359,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
         lf_exits_row(plan, &visit, key, index);
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 0), index);
-    if (visit.expected ? !sample_counts(plan, &visit, (double)start, key, index, cancel)
+    if (visit.expected ? !sample_counts(plan, &visit, state->n[half], first_rank, lf_hash64(key, 10), cancel)
                        : !sample_lattice(plan, &visit, first, key, point, cancel))
         return false;
     lf_film_merge(plan->film, row, half, &worker->sums, weight, lf_hash64(lf_hash64(key, 9), index));

@@ -153,8 +153,8 @@ static void assert_agreement(const char *text)
         pictures(scene, i == 0 ? "mvpt" : i == 1 ? "vpt" : "amvpt", i < 2 ? &counts : NULL, 200 + (uint64_t)i, 5 * n_views, other);
         for (int e = 0; e < 2; e++) {
             double p = lf_blocks_welch(&other[e], &native[0], NULL);
-            double moved = lf_blocks_welch_injected(&other[e], &native[0], blocks_of_all - 1, 1.01);
-            print_message("%s, %s: p %.3g, 1 %% too bright %.3g\n", names[i], e ? "cv" : "mis", p, moved);
+            double moved = lf_blocks_welch_injected(&other[e], &native[0], blocks_of_all - 1, 1.02);
+            print_message("%s, %s: p %.3g, 2 %% too bright %.3g\n", names[i], e ? "cv" : "mis", p, moved);
             assert_true(p > LEVEL && moved < LEVEL);
             lf_blocks_finish(&other[e]);
         }
