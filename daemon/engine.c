@@ -120,6 +120,7 @@ void engine_publish(lf_engine *engine)
         .cpu_seconds = engine->cpu_seconds,
         .spp = engine->renderer != NULL ? engine->passes / engine->stage->layout.n_views : -1,
         .error_estimate = engine->stats.rel_mse_estimate,
+        .error_bound = engine->error_bound,
         .missing = engine->renderer != NULL ? lf_picture_missing(&engine->picture) : 0,
         .threads = lf_pool_threads(engine->pool),
         .frames = engine->n_frames,
@@ -162,6 +163,7 @@ lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_
     engine->event_fd = event_fd;
     engine->controls = engine->now_controls = *controls;
     engine->stats = (lf_render_stats){.rel_mse_estimate = -1};
+    engine->error_bound = -1;
     pthread_mutex_init(&engine->lock, NULL);
     pthread_cond_init(&engine->wake, NULL);
     pthread_cond_init(&engine->answered, NULL);

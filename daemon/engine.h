@@ -28,6 +28,7 @@ typedef struct lf_engine_status {
     lf_level level; /* of the picture now */
     double passes, seconds, cpu_seconds;
     double spp, error_estimate; /* mean native samples a view pixel; < 0 = not known */
+    double error_bound;         /* of the relMSE, at the last look (95 %); < 0 = the estimate was never below the target */
     int64_t missing;            /* view pixels not found yet */
     int threads;
     uint64_t frames; /* composed so far */

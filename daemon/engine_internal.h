@@ -71,6 +71,7 @@ struct lf_engine {
     double frame_at, frame_cost;        /* when the last one was begun, and how long it took */
     lf_render_stats stats;
     double stats_at, stats_cost, views_at;
+    double error_bound, bound_passes; /* of the last look, < 0 = none; after how many passes */
 };
 
 /* True when there is something to render. */

@@ -44,12 +44,24 @@ static void update_stats(lf_engine *engine, bool now)
     engine->stats_cost = engine->stats_at - start;
 }
 
+/* The estimate says when it is worth to look at the bound, which takes as long as two resolves; looks are a tenth of the passes apart. */
+static bool reached_target(lf_engine *engine)
+{
+    double target = engine->now_controls.target_error;
+    if (!(engine->stats.rel_mse_estimate >= 0 && engine->stats.rel_mse_estimate < target)) {
+        return false;
+    }
+    if (engine->passes >= 1.1 * engine->bound_passes) {
+        engine->error_bound = lf_renderer_error_bound(engine->renderer, engine->picture.estimator, LF_ERROR_ALPHA, NULL);
+        engine->bound_passes = engine->passes;
+    }
+    return engine->error_bound >= 0 && engine->error_bound < target;
+}
+
 static void check_converged(lf_engine *engine)
 {
-    const lf_render_stats *stats = &engine->stats;
-    bool reached = stats->rel_mse_estimate >= 0 && stats->rel_mse_estimate < engine->now_controls.target_error;
     bool enough = engine->passes >= (double)MAX_SPP * engine->schedule.n_views;
-    if (lf_schedule_has_halves(&engine->schedule) && engine->level >= LF_LEVEL_COARSE && (reached || enough)) {
+    if (lf_schedule_has_halves(&engine->schedule) && engine->level >= LF_LEVEL_COARSE && (enough || reached_target(engine))) {
         engine->converged = true;
         engine->owed = true;
     }
@@ -327,6 +339,8 @@ static void start_over(lf_engine *engine)
     engine->level = LF_LEVEL_NONE;
     engine->passes = engine->seconds = engine->cpu_seconds = 0;
     engine->stats = (lf_render_stats){.rel_mse_estimate = -1};
+    engine->error_bound = -1;
+    engine->bound_passes = 0;
     engine->stats_at = 0;
     engine->n_frames_before = engine->n_frames;
 }

@@ -55,11 +55,11 @@ static void add_engine(lf_server *server, json_t *status)
     lf_engine_get_status(server->engine, &now);
     lf_engine_controls controls = lf_engine_get_controls(server->engine);
     json_t *more =
-        json_pack("{s:I, s:s, s:f, s:f, s:f, s:o, s:o, s:I, s:i, s:s, s:f, s:b}", "generation", (json_int_t)now.generation, "level",
-                  lf_level_name(now.level), "passes", now.passes, "seconds", now.seconds, "cpu_seconds", now.cpu_seconds, "spp",
-                  known_or_null(now.spp), "error_estimate", known_or_null(now.error_estimate), "missing", (json_int_t)now.missing,
-                  "threads", now.threads, "estimator", lf_estimator_name(controls.estimator), "target_error", controls.target_error,
-                  "paused", controls.paused);
+        json_pack("{s:I, s:s, s:f, s:f, s:f, s:o, s:o, s:o, s:I, s:i, s:s, s:f, s:b}", "generation", (json_int_t)now.generation,
+                  "level", lf_level_name(now.level), "passes", now.passes, "seconds", now.seconds, "cpu_seconds", now.cpu_seconds,
+                  "spp", known_or_null(now.spp), "error_estimate", known_or_null(now.error_estimate), "error_bound",
+                  known_or_null(now.error_bound), "missing", (json_int_t)now.missing, "threads", now.threads, "estimator",
+                  lf_estimator_name(controls.estimator), "target_error", controls.target_error, "paused", controls.paused);
     json_object_update(status, more);
     json_decref(more);
 }

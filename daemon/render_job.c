@@ -89,24 +89,33 @@ static lf_status run_time(run *r, double seconds, double start, double (*clock_n
     return status;
 }
 
+/* Looks at the error are taken at passes fixed beforehand, each half as many again as the one before. The chance that any of LOOKS
+ * looks stops too early is LF_ERROR_ALPHA: every look has its share. */
+enum { LOOKS = 40 };
+
 static lf_status run_target(run *r, double target)
 {
     lf_render_stats stats = {.rel_mse_estimate = -1};
     int64_t cycles = 2 * (int64_t)r->n_views;
     lf_status status = LF_OK;
+    bool reached = false;
 
-    do {
-        status = add(r, (r->passes / (4 * cycles) + 1) * cycles, false);
+    while (!reached) {
+        status = add(r, (r->passes / (2 * cycles) + 1) * cycles, false);
         /* the estimate is a by-product of the answer */
         if (status == LF_OK)
             status = lf_renderer_resolve(r->renderer, r->estimator, r->film, NULL);
         if (status != LF_OK)
             break;
         lf_renderer_stats(r->renderer, &stats);
+        if (stats.rel_mse_estimate >= 0 && stats.rel_mse_estimate <= target) {
+            double bound = lf_renderer_error_bound(r->renderer, r->estimator, LF_ERROR_ALPHA / LOOKS, NULL);
+            reached = bound >= 0 && bound <= target;
+        }
         /* the error falls as one over the passes, so that this is the share of the passes that will be needed */
         r->target_fraction = stats.rel_mse_estimate > 0 ? target / stats.rel_mse_estimate : 0;
         report(r);
-    } while (!(stats.rel_mse_estimate >= 0 && stats.rel_mse_estimate <= target));
+    }
     return status;
 }
 
@@ -177,6 +186,8 @@ static void set_rendered(json_t *object, const lf_render_report *report)
     json_object_set_new(object, "native_spp_mean", real_or_null(stats.native_spp_mean));
     json_object_set_new(object, "effective_spp_mean", real_or_null(stats.effective_spp_mean));
     json_object_set_new(object, "rel_mse_estimate", real_or_null(stats.rel_mse_estimate));
+    json_object_set_new(object, "rel_mse_bound",
+                        real_or_null(lf_renderer_error_bound(report->renderer, report->estimator, LF_ERROR_ALPHA, NULL)));
     json_object_set_new(object, "rays_traced", count_or_null(stats.rays_traced));
     json_object_set_new(object, "volume_lookups", count_or_null(stats.volume_lookups));
     json_object_set_new(object, "contributions", count_or_null(stats.contributions));
@@ -201,6 +212,7 @@ json_t *lf_render_report_json(const lf_render_report *report)
                                        "native_spp_mean",
                                        "effective_spp_mean",
                                        "rel_mse_estimate",
+                                       "rel_mse_bound",
                                        "rays_traced",
                                        "volume_lookups",
                                        "contributions",

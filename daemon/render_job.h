@@ -12,7 +12,7 @@ typedef struct lf_budget {
     int64_t passes;      /* one pass = width x height base paths; --spp S is S * n_views of them */
     double seconds;      /* wall time */
     double cpu_seconds;  /* CPU time of the whole process */
-    double target_error; /* relMSE as lf_render_stats estimates it */
+    double target_error; /* relMSE that the picture is under, with confidence 1 - LF_ERROR_ALPHA over all looks */
 } lf_budget;
 
 typedef struct lf_render_progress {

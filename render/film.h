@@ -104,4 +104,19 @@ lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int r
  * row that was never visited. */
 void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *out_q);
 
+/* Of every pixel and channel of a row: sqrt(s_A s_B) (x_A - x_B) over sqrt(I^2 + epsilon), s the halves' shares of the samples and x
+ * their answers; its mean square estimates the row's relMSE. out [view][column][3]; false, and untouched, unless both halves have been
+ * visited. */
+bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out);
+
+/* What one row tells about the error of the picture (film_error.c): means over its view pixels and channels. */
+typedef struct lf_row_error {
+    double square;    /* of the differences: the row's relMSE, estimated */
+    double magnitude; /* mean of their absolute values */
+    double cross;     /* of their products with the next row's; 0 in the last row */
+} lf_row_error;
+
+/* rows [n]: an upper bound of the realised relMSE of the picture at confidence 1 - alpha; *out_estimate (may be NULL) its estimate. */
+double lf_error_bound(const lf_row_error *rows, int n, double alpha, double *out_estimate);
+
 #endif

@@ -200,6 +200,14 @@ typedef struct lf_render_stats {
     double rel_mse_estimate;   /* mean over view pixels, epsilon 1e-2, from the two halves; < 0 = not known yet */
 } lf_render_stats;
 
+/* An upper bound, at confidence 1 - alpha (0 < alpha <= 0.5), of the relMSE of this very picture: of mean over view pixels and channels of
+ * (x - I)^2 / (I^2 + 1e-2), x what lf_renderer_resolve answers now and I the truth. From the halves, row by row; *out_estimate (may be
+ * NULL) gets the estimate of the same. Negative (estimate untouched) while a row has not been seen by both halves, or without memory.
+ * Takes about as long as two resolves, on the pool; same thread as lf_renderer_resolve. docs/estimators.md, "The error and its bound". */
+/* What programs use: 95 %. */
+#define LF_ERROR_ALPHA 0.05
+double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimator, double alpha, double *out_estimate);
+
 /* Not while a pass or a resolve is under way: it reads what workers count and what resolving a row leaves behind. */
 void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out);
 /* {"volumes": "none in the scene", …}: what this scene did not need and was left out. A new reference. */

@@ -202,54 +202,113 @@ static uint8_t flags_of(const lf_sums *s)
     return s->q > 0.0f ? LF_PIXEL_HOLE : LF_PIXEL_SETTLED;
 }
 
-/* s_A s_B (x_A - x_B)^2 over I^2 + epsilon, mean over channels: what the mean of two halves errs by, from how far they are apart. */
-static double relative_error(const lf_tile *t, const lf_tile_pixel *p, lf_estimator estimator, bool second, const lf_beta beta[2],
-                             const float answer[3])
-{
-    double sum = 0.0, x[2][3];
-    for (int h = 0; h < 2; h++) {
-        float y[3] = {0};
-        if (estimator == LF_ESTIMATOR_CV)
-            answer_half_cv(&p->half[h], &beta[1 - h], x[h]);
-        else if (estimator == LF_ESTIMATOR_MIS)
-            answer_mis(&p->half[h], y);
-        else
-            answer_ratio(&p->half[h], second, y);
-        for (int c = 0; c < 3; c++)
-            x[h][c] = estimator == LF_ESTIMATOR_CV ? x[h][c] + (double)p->half[h].known[c] : (double)y[c];
-    }
-    for (int c = 0; c < 3; c++) {
-        double d = x[0][c] - x[1][c];
-        sum += d * d / ((double)answer[c] * (double)answer[c] + LF_ERROR_EPSILON);
-    }
-    return (double)t->share[0] * (double)t->share[1] * sum / 3.0;
-}
+/* ----------------------------------------------------------------------------------------------------------- errors -- */
 
-static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t *flags, lf_film_row *state)
+/* What a tile's pixels are answered with. */
+typedef struct lf_tile_answers {
+    lf_estimator estimator;
+    bool second; /* mwis: W' */
+    lf_beta beta[2];
+    float pixel[TILE_VIEWS * TILE_COLUMNS][3];
+} lf_tile_answers;
+
+static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_tile_answers *a)
 {
-    lf_beta beta[2] = {{{0}, {0}}, {{0}, {0}}};
-    read_tile(t);
-    bool second = estimator != LF_ESTIMATOR_MIS && second_is_better(t);
+    a->estimator = estimator;
+    a->second = estimator != LF_ESTIMATOR_MIS && second_is_better(t);
+    memset(a->beta, 0, sizeof a->beta);
     if (estimator == LF_ESTIMATOR_CV && t->n_halves == 2) {
-        regress(t, 0, &beta[0]);
-        regress(t, 1, &beta[1]);
+        regress(t, 0, &a->beta[0]);
+        regress(t, 1, &a->beta[1]);
     }
     for (int i = 0; i < t->count; i++) {
         const lf_tile_pixel *p = &t->pixel[i];
-        size_t pixel = pixel_index(t, i);
-        float *answer = out + 3 * pixel;
         if (estimator == LF_ESTIMATOR_CV)
-            answer_cv(t, p, beta, answer);
+            answer_cv(t, p, a->beta, a->pixel[i]);
         else if (estimator == LF_ESTIMATOR_MIS)
-            answer_mis(&p->pooled, answer);
+            answer_mis(&p->pooled, a->pixel[i]);
         else
-            answer_ratio(&p->pooled, second, answer);
-        uint8_t f = flags_of(&p->pooled);
+            answer_ratio(&p->pooled, a->second, a->pixel[i]);
+    }
+}
+
+static void answer_half(const lf_tile_pixel *p, const lf_tile_answers *a, int h, double out[3])
+{
+    float y[3] = {0};
+    if (a->estimator == LF_ESTIMATOR_CV)
+        answer_half_cv(&p->half[h], &a->beta[1 - h], out);
+    else if (a->estimator == LF_ESTIMATOR_MIS)
+        answer_mis(&p->half[h], y);
+    else
+        answer_ratio(&p->half[h], a->second, y);
+    for (int c = 0; c < 3; c++)
+        out[c] = a->estimator == LF_ESTIMATOR_CV ? out[c] + (double)p->half[h].known[c] : (double)y[c];
+}
+
+static inline float least(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static inline float most(float a, float b)
+{
+    return a < b ? b : a;
+}
+
+static float median_of_5(const float x[5])
+{
+    float f = most(least(x[0], x[1]), least(x[2], x[3])), g = least(most(x[0], x[1]), most(x[2], x[3]));
+    return most(least(most(f, g), x[4]), least(f, g));
+}
+
+/* I^2 + epsilon of a channel, I the median of five neighbours of the row and view: a rare bright path must not hide its own error by
+ * standing in the denominator. */
+static double scale_of(const lf_tile *t, const lf_tile_answers *a, int i, int c)
+{
+    int columns = t->column1 - t->column0, column = i % columns, first = column - 2;
+    float x = a->pixel[i][c], near[5];
+    if (columns >= 5) {
+        first = first < 0 ? 0 : first > columns - 5 ? columns - 5 : first;
+        for (int k = 0; k < 5; k++)
+            near[k] = fabsf(a->pixel[i - column + first + k][c]);
+        x = median_of_5(near);
+    }
+    return (double)x * (double)x + LF_ERROR_EPSILON;
+}
+
+/* How far the halves are apart, so scaled that its square is what their mean errs by: sqrt(s_A s_B) (x_A - x_B) over sqrt(I^2 + epsilon). */
+static void difference(const lf_tile *t, const lf_tile_answers *a, int i, float out[3])
+{
+    double x[2][3], share = (double)t->share[0] * (double)t->share[1];
+    answer_half(&t->pixel[i], a, 0, x[0]);
+    answer_half(&t->pixel[i], a, 1, x[1]);
+    for (int c = 0; c < 3; c++)
+        out[c] = (float)((x[0][c] - x[1][c]) * sqrt(share / scale_of(t, a, i, c)));
+}
+
+static double relative_error(const lf_tile *t, const lf_tile_answers *a, int i)
+{
+    float d[3];
+    difference(t, a, i, d);
+    return (double)(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / 3.0;
+}
+
+/* ------------------------------------------------------------------------------------------------------------- rows -- */
+
+static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t *flags, lf_film_row *state)
+{
+    lf_tile_answers a;
+    read_tile(t);
+    answer_tile(t, estimator, &a);
+    for (int i = 0; i < t->count; i++) {
+        size_t pixel = pixel_index(t, i);
+        memcpy(out + 3 * pixel, a.pixel[i], sizeof a.pixel[i]);
+        uint8_t f = flags_of(&t->pixel[i].pooled);
         state->holes += f == LF_PIXEL_HOLE;
         if (flags)
             flags[pixel] = f;
         if (t->n_halves == 2)
-            state->relative_error += relative_error(t, p, estimator, second, beta, answer);
+            state->relative_error += relative_error(t, &a, i);
     }
 }
 
@@ -304,13 +363,27 @@ void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *o
     if (!open_row(&t, film, row))
         return;
     for (int k = 0; at_tile(&t, k); k++) {
+        lf_tile_answers a;
         read_tile(&t);
-        bool second = second_is_better(&t);
+        answer_tile(&t, LF_ESTIMATOR_MWIS, &a);
         for (int i = 0; i < t.count; i++) {
-            float answer[3];
-            answer_ratio(&t.pixel[i].pooled, second, answer);
-            out_error[pixel_index(&t, i)] = (float)relative_error(&t, &t.pixel[i], LF_ESTIMATOR_MWIS, second, NULL, answer);
+            out_error[pixel_index(&t, i)] = (float)relative_error(&t, &a, i);
             out_q[pixel_index(&t, i)] = t.pixel[i].pooled.q;
         }
     }
+}
+
+bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out)
+{
+    lf_tile t;
+    if (!open_row(&t, film, row) || t.n_halves < 2)
+        return false;
+    for (int k = 0; at_tile(&t, k); k++) {
+        lf_tile_answers a;
+        read_tile(&t);
+        answer_tile(&t, estimator, &a);
+        for (int i = 0; i < t.count; i++)
+            difference(&t, &a, i, out + 3 * pixel_index(&t, i));
+    }
+    return true;
 }

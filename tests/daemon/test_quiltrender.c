@@ -415,6 +415,7 @@ static void stats_have_the_stated_keys_and_nothing_made_up(void **state)
                                        "native_spp_mean",
                                        "effective_spp_mean",
                                        "rel_mse_estimate",
+                                       "rel_mse_bound",
                                        "rays_traced",
                                        "volume_lookups",
                                        "contributions",
@@ -500,6 +501,8 @@ static void every_budget_ends(void **state)
     const json_t *error = json_object_get(stats, "rel_mse_estimate");
     assert_true(json_is_real(error));
     assert_true(json_real_value(error) <= 0.05 && json_real_value(error) > 0);
+    const json_t *bound = json_object_get(stats, "rel_mse_bound");
+    assert_true(json_real_value(bound) <= 0.05 && json_real_value(bound) > json_real_value(error));
     json_decref(stats);
     succeed("%s -o %s/b_qs2x3a0.75.png --quilt 2x3 --view-size 6x8 --passes 1 --estimator cv", f->scene, f->folder);
 }
