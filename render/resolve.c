@@ -276,7 +276,7 @@ static double scale_of(const lf_tile *t, const lf_tile_answers *a, int i, int c)
     return (double)x * (double)x + LF_ERROR_EPSILON;
 }
 
-/* How far the halves are apart, so scaled that its square is what their mean errs by: sqrt(s_A s_B) (x_A - x_B) over sqrt(I^2 + epsilon). */
+/* How far the halves are apart, so scaled that its square is what their mean errs by: sqrt(s_A s_B / (I^2 + epsilon)) (x_A - x_B). */
 static void difference(const lf_tile *t, const lf_tile_answers *a, int i, float out[3])
 {
     double x[2][3], share = (double)t->share[0] * (double)t->share[1];
