@@ -10,7 +10,7 @@ typedef struct run {
     lf_estimator estimator;
     float *film;
     int n_views, height;
-    int64_t passes;           /* whole ones so far */
+    int64_t passes;          /* whole ones so far */
     atomic_llong row_passes; /* summed over rows, those under way included */
     double start, cpu_start;
     double target_fraction;
