@@ -1,5 +1,6 @@
 /* Three answers from one film (docs/estimators.md, "Three answers"). Everything is per row: a tile is a block of
  * neighbouring columns and views of one row, so that resolving needs nothing but the row itself. */
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -41,6 +42,7 @@ static size_t pixel_index(const lf_tile *t, int i)
 
 static void read_half(const lf_film_half *half, size_t pixel, float inverse, lf_sums *s)
 {
+    assert(half->scattered && half->q);
     for (int c = 0; c < 3; c++)
         s->scattered[c] = half->scattered[pixel].n[c] * inverse;
     s->w = half->scattered[pixel].w * inverse;
@@ -297,7 +299,7 @@ static double relative_error(const lf_tile *t, const lf_tile_answers *a, int i)
 
 static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t *flags, lf_film_row *state)
 {
-    lf_tile_answers a;
+    lf_tile_answers a = {0};
     read_tile(t);
     answer_tile(t, estimator, &a);
     for (int i = 0; i < t->count; i++) {
@@ -317,15 +319,16 @@ static bool open_row(lf_tile *t, const lf_film *film, int row)
 {
     const lf_film_row *state = &film->rows[row];
     double n = state->n[0] + state->n[1];
-    *t = (lf_tile){.film = film};
-    for (int h = 0; h < 2 && n > 0.0; h++) {
+    *t = (lf_tile){.film = film, .known = lf_film_known_at(film, row)};
+    if (!(n > 0.0))
+        return false;
+    for (int h = 0; h < 2; h++) {
         t->half[h] = lf_film_at(film, row, h);
-        t->known = lf_film_known_at(film, row);
         t->n[h] = (float)state->n[h];
         t->share[h] = (float)(state->n[h] / n);
         t->n_halves += state->n[h] > 0.0;
     }
-    return n > 0.0;
+    return true;
 }
 
 /* The tile's bounds; i-th of all. false behind the last. */
@@ -363,7 +366,7 @@ void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *o
     if (!open_row(&t, film, row))
         return;
     for (int k = 0; at_tile(&t, k); k++) {
-        lf_tile_answers a;
+        lf_tile_answers a = {0};
         read_tile(&t);
         answer_tile(&t, LF_ESTIMATOR_MWIS, &a);
         for (int i = 0; i < t.count; i++) {
@@ -379,7 +382,7 @@ bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int ro
     if (!open_row(&t, film, row) || t.n_halves < 2)
         return false;
     for (int k = 0; at_tile(&t, k); k++) {
-        lf_tile_answers a;
+        lf_tile_answers a = {0};
         read_tile(&t);
         answer_tile(&t, estimator, &a);
         for (int i = 0; i < t.count; i++)
