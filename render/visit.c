@@ -23,21 +23,12 @@ static int lattice_step(int n)
     return step;
 }
 
-/* Visits of g passes, g a divisor of n, come in cycles of n / g in which every view pixel is sampled once: a random start for the cycle,
- * the cosets in turn. Other visits start anywhere; either way a pixel is in a visit's lattice with probability g / n.
- * *out_point numbers a pixel's samples over the cycles: its points of the nets. */
-static int lattice_start(int n, int subsets, uint64_t key, uint32_t index, uint32_t *out_point)
-{
-    uint32_t length = subsets > 0 && n % subsets == 0 ? (uint32_t)(n / subsets) : 1, cycle = index / length;
-    *out_point = cycle;
-    return (int)(lf_sampler_radical(key, cycle) * (float)n) + (int)(index % length);
-}
-
-/* Column u takes view (step u + start + floor(j n / subsets)) mod n for j = 0 .. subsets - 1. */
+/* The views of a column in the order in which visits take them: rank r of column u is view step (u + r) mod n. A visit takes the
+ * next `subsets` ranks of every column, from a start that is uniform in a half's first visit: a pixel is sampled with probability
+ * subsets / n in each visit, and once in any n passes, however they were cut into visits. */
 static int lattice_view(const lf_visit *visit, int column, int j)
 {
-    int n = visit->rig->n_views;
-    return (int)(((int64_t)visit->step * column + visit->start + (int64_t)j * n / visit->subsets) % n);
+    return (int)((int64_t)visit->step * (column + visit->start + j) % visit->rig->n_views);
 }
 
 /* 1 / step modulo n. */
@@ -239,14 +230,16 @@ static bool cancelled(const lf_cancel *cancel)
 }
 
 /* Every pixel of the lattice once; false = cancelled. */
-static bool sample_lattice(const lf_visit_plan *plan, lf_visit *visit, int first, uint64_t key, uint32_t index,
+static bool sample_lattice(const lf_visit_plan *plan, lf_visit *visit, int first, int64_t passes, uint64_t key,
                            const lf_cancel *cancel)
 {
     for (int column = first; column < plan->rig->width; column += plan->column_step) {
         for (int j = 0; j < plan->subsets; j++) {
             if (cancelled(cancel))
                 return false;
-            base_sample(plan, visit, lattice_view(visit, column, j), column, -1.0f, key, index);
+            /* So many samples the pixel has had. */
+            uint32_t point = (uint32_t)((passes + j) / plan->rig->n_views);
+            base_sample(plan, visit, lattice_view(visit, column, j), column, -1.0f, key, point);
         }
     }
     return true;
@@ -335,9 +328,9 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     lf_visit visit = {.worker = worker, .sums = worker->sums, .row = row};
     begin(plan, &visit, key, index);
     double first_rank = (double)(lf_sampler_radical(lf_hash64(key, 11), 0) * (float)views);
-    uint32_t point;
+    int64_t passes = llround(state->n[half] * views);
     visit.random = lf_hash64(lf_hash64(key, 3), index);
-    visit.start = lattice_start(views, plan->subsets, lf_hash64(key, 7), index, &point);
+    visit.start = (int)(lf_sampler_radical(lf_hash64(key, 7), 0) * (float)views) + (int)(passes % views);
     if (plan->counts) {
         lf_counts_row(plan->counts, row, worker->expected);
         visit.expected = worker->expected;
@@ -360,7 +353,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 0), index);
     if (visit.expected ? !sample_counts(plan, &visit, state->n[half], first_rank, lf_hash64(key, 10), cancel)
-                       : !sample_lattice(plan, &visit, first, key, point, cancel))
+                       : !sample_lattice(plan, &visit, first, passes, key, cancel))
         return false;
     lf_film_merge(plan->film, row, half, &worker->sums, weight, lf_hash64(lf_hash64(key, 9), index));
     state->passes += (double)plan->subsets / plan->column_step;
