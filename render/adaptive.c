@@ -107,13 +107,14 @@ static void read_row(void *context, int row, int worker)
     lf_map_job *job = context;
     const lf_counts *counts = job->counts;
     size_t pixels = (size_t)counts->n_views * (size_t)counts->width;
-    float *error = lf_calloc(2 * pixels, sizeof *error), *q = error + pixels;
+    float *error = lf_calloc(2 * pixels, sizeof *error);
     lf_pilot_tile *tiles = row_pilot(job, row);
     (void)worker;
     if (!error) {
         atomic_store(&job->failed, true);
         return;
     }
+    float *q = error + pixels;
     lf_film_row_errors(job->film, row, error, q);
     for (size_t i = 0; i < pixels; i++) {
         int view = (int)(i / (size_t)counts->width), column = (int)(i % (size_t)counts->width);
