@@ -54,6 +54,8 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const struct
     float transmittance = depth < 0.5f ? 1.0f - q_medium : expf(-depth);
     lf_vec3 light;
     *q = q_medium;
+    if (worker->mirrors)
+        worker->mirrors[pixel] = false;
     if (!visit->sums.known) {
         *q = surface ? 1.0f : q_medium;
         return;
@@ -65,6 +67,8 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const struct
         light = hit.material->emission;
         if (lf_material_has_lobe(hit.material))
             *q = 1.0f;
+        if (worker->mirrors)
+            worker->mirrors[pixel] = lf_material_has_delta(hit.material);
     } else if (sky) {
         light = *sky;
     } else {
@@ -135,6 +139,19 @@ static void aim(const lf_visit *visit, float xw, float lx)
     }
 }
 
+/* Marks the neighbours too: rays of a row lie in one plane, so where a delta lobe begins or ends one of its pixels has found it. */
+static void widen(bool *mirrors, int n_views, int width)
+{
+    for (int view = 0; view < n_views; view++, mirrors += width) {
+        bool before = false;
+        for (int column = 0; column < width; column++) {
+            bool here = mirrors[column];
+            mirrors[column] = before || here || (column + 1 < width && mirrors[column + 1]);
+            before = here;
+        }
+    }
+}
+
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
 {
     const lf_rig *rig = visit->rig;
@@ -164,4 +181,6 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
                         w->tau[k] * length, constant ? &sky : NULL);
         }
     }
+    if (w->mirrors)
+        widen(w->mirrors, rig->n_views, rig->width);
 }

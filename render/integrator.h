@@ -41,6 +41,7 @@ typedef struct lf_worker {
     int column[LF_MAX_LANES];
     lf_vec3 f[LF_MAX_LANES];
     float *expected; /* [view][column]: where a visit keeps its row of the map */
+    bool *mirrors;   /* [view][column]: B and q have found a delta lobe here or beside it; NULL without M */
 } lf_worker;
 
 /* A shared pivot: where a base ray found something that scatters. */
@@ -71,6 +72,7 @@ typedef struct lf_visit {
      * reads: they are sampled by nobody, missing in everybody's sum, and receive nothing. */
     const float *expected;
     const lf_counts *pilot; /* as in lf_visit_plan */
+    float more;             /* expected native samples that a pixel of worker->mirrors gets beyond its base samples, in units of them */
     float alone;            /* 1 / expected at the base's own pixel: what a sample weighs that only its own pixel receives */
     unsigned faults;        /* lf_fault: deliberate mistakes, for the negative controls of the tests */
 } lf_visit;

@@ -112,8 +112,8 @@ lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, fl
     return first;
 }
 
-void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, const float *x0, const float *slope, const float *z_end,
-                     float *tau, int collided, float *density)
+void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, const float *x0, const float *slope,
+                     const float *z_end, float *tau, int collided, float *density)
 {
     memset(tau, 0, sizeof *tau * (size_t)n);
     for (int k = 0; k < n && collided >= 0; k++)

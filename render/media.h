@@ -26,8 +26,8 @@ typedef struct lf_medium {
 
 /* One worker's media of the row in work. */
 typedef struct lf_media {
-    int n;             /* media with memory */
-    int n_here;        /* of them on this row's plane … */
+    int n;                    /* media with memory */
+    int n_here;               /* of them on this row's plane … */
     int here[LF_MAX_VOLUMES]; /* … these, in the scene's order */
     lf_medium item[LF_MAX_VOLUMES];
 } lf_media;
@@ -39,8 +39,8 @@ typedef struct lf_media_ray {
 } lf_media_ray;
 
 typedef struct lf_collision {
-    float z;    /* INFINITY: the ray goes through */
-    int medium; /* index into lf_media.item */
+    float z;     /* INFINITY: the ray goes through */
+    int medium;  /* index into lf_media.item */
     float boost; /* 1, or the probability q of any collision when it was forced */
 } lf_collision;
 
@@ -60,7 +60,7 @@ lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, fl
 
 /* Optical depths per unit of Z of n rays (see lf_kernels.march) through all media; with collided >= 0 also density[n], up to a common
  * factor the collision density of that medium at z_end. */
-void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, const float *x0, const float *slope, const float *z_end,
-                     float *tau, int collided, float *density);
+void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, const float *x0, const float *slope,
+                     const float *z_end, float *tau, int collided, float *density);
 
 #endif

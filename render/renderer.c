@@ -69,6 +69,7 @@ static void free_workers(lf_worker **workers, int n)
             lf_media_finish(&workers[i]->media);
             lf_film_sums_finish(&workers[i]->sums);
             lf_free(workers[i]->expected);
+            lf_free(workers[i]->mirrors);
         }
         lf_free(workers[i]);
     }
@@ -82,8 +83,10 @@ static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_fil
         workers[i] = lf_calloc(1, sizeof **workers);
         if (workers[i])
             workers[i]->expected = lf_calloc((size_t)layout->n_views * (size_t)layout->width, sizeof *workers[i]->expected);
-        if (!workers[i] || !workers[i]->expected || lf_media_init(&workers[i]->media, frame) != LF_OK ||
-            lf_film_sums_init(&workers[i]->sums, layout) != LF_OK) {
+        if (workers[i] && layout->has_native)
+            workers[i]->mirrors = lf_calloc((size_t)layout->n_views * (size_t)layout->width, sizeof *workers[i]->mirrors);
+        if (!workers[i] || !workers[i]->expected || (layout->has_native && !workers[i]->mirrors) ||
+            lf_media_init(&workers[i]->media, frame) != LF_OK || lf_film_sums_init(&workers[i]->sums, layout) != LF_OK) {
             free_workers(workers, n);
             return NULL;
         }
@@ -109,10 +112,11 @@ static lf_film_layout film_layout(const lf_scene *scene, unsigned kept, const lf
 static int passes_of_a_visit(const lf_scene *scene, const lf_integrator *integrator, int n)
 {
     int best = n;
-    if (!scene->embree || !integrator->shares || scene->has_delta)
+    if (!scene->embree || !integrator->shares)
         return n;
-    for (int g = (n + 4) / 5; 2 * g <= n; g++) {
-        if (n % g == 0 && abs(3 * g - n) < abs(3 * best - n))
+    int parts = 3;
+    for (int g = (n + 6) / 7; 2 * g <= n; g++) {
+        if (n % g == 0 && abs(parts * g - n) < abs(parts * best - n))
             best = g;
     }
     return best;

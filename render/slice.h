@@ -30,9 +30,9 @@ typedef struct lf_slice {
     int nx, nz, stride; /* stride = nx + LF_SLICE_PADDING */
     float x_min, inv_dx;
     float z0, dz, inv_dz; /* plane s stands at Z = z0 + s dz; from there to its neighbours its share falls linearly to 0 */
-    int first, last; /* occupied planes first .. last; first > last: empty */
-    float *sigma;    /* [nz][stride] sigma_t per scene unit; 0 from nx on */
-    float *behind;   /* [nz] share of a plane's hat behind the cameras, Z < 0: 0 unless they are inside */
+    int first, last;      /* occupied planes first .. last; first > last: empty */
+    float *sigma;         /* [nz][stride] sigma_t per scene unit; 0 from nx on */
+    float *behind;        /* [nz] share of a plane's hat behind the cameras, Z < 0: 0 unless they are inside */
     lf_plane_span *spans; /* [nz] */
 } lf_slice;
 

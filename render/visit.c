@@ -115,8 +115,10 @@ static void add_native(lf_visit *visit, int view, int column, const lf_event *ev
     lf_vec3 radiance = lf_path_light_found(visit->scene, event, &next, &light_pdf);
     if (next.kind != LF_EVENT_ESCAPE)
         radiance = lf_add(radiance, lf_path_scattered(tracer, &next, 2, visit->max_depth));
-    radiance = lf_scale(lf_mul(radiance, r), visit->weight * visit->alone / probability);
-    float *out = visit->sums.native[(size_t)view * (size_t)visit->rig->width + (size_t)column];
+    size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
+    float alone = visit->worker->mirrors[pixel] ? visit->alone / (1.0f + visit->more * visit->alone) : visit->alone;
+    radiance = lf_scale(lf_mul(radiance, r), visit->weight * alone / probability);
+    float *out = visit->sums.native[pixel];
     out[0] += radiance.x;
     out[1] += radiance.y;
     out[2] += radiance.z;
@@ -133,8 +135,9 @@ static lf_vec3 make_ray(const lf_visit *visit, int view, float u, float lx, lf_m
     return lf_scale(lf_rig_direction(rig, ray->slope, visit->plane.my, 1.0f), 1.0f / ray->length);
 }
 
-/* film: where in the pixel, 0..1; < 0 = drawn. */
-static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, int column, float film, uint64_t key, uint32_t index)
+/* film: where in the pixel, 0..1; < 0 = drawn. What is found is shared, or only its delta lobe followed (native_only). */
+static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, int column, float film, bool native_only,
+                        uint64_t key, uint32_t index)
 {
     lf_worker *worker = visit->worker;
     const lf_rig *rig = visit->rig;
@@ -164,7 +167,7 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
         ray.z_end = event->hit.t / ray.length;
     /* Rays that end on a scattering surface are tracked natively also where collisions are forced. */
     lf_collision collision = lf_media_collide(&worker->media, &ray, jitter[1], plan->force && !native, &worker->tracer);
-    if (collision.z < INFINITY) {
+    if (collision.z < INFINITY && !native_only) {
         event->kind = LF_EVENT_MEDIUM;
         pivot.z = collision.z;
         pivot.x = ray.x0 + ray.slope * pivot.z;
@@ -173,7 +176,7 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
         event->p = lf_rig_point(rig, pivot.x, visit->plane.ly + visit->plane.my * pivot.z, pivot.z);
         event->volume = worker->media.item[collision.medium].volume;
         visit->integrator->pivot(visit, view, column, &pivot);
-    } else if (surface) {
+    } else if (surface && !(collision.z < INFINITY)) {
         lf_vec3 d = lf_sub(event->hit.p, rig->eye);
         event->kind = LF_EVENT_SURFACE;
         event->p = event->hit.p;
@@ -181,12 +184,24 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
         pivot.x = lf_dot(d, rig->right);
         pivot.z = lf_dot(d, rig->forward);
         add_native(visit, view, column, event);
-        if (shared)
+        if (shared && !native_only)
             visit->integrator->pivot(visit, view, column, &pivot);
     }
 }
 
 /* ------------------------------------------------------------------------------------------------------------ visit -- */
+
+enum { MIRROR_ROUNDS = 2 };
+
+/* Native samples of a pixel with a delta lobe, in passes. */
+static int mirror_subsets(const lf_visit_plan *plan)
+{
+    enum { TIMES = 6 };
+    int n = plan->rig->n_views;
+    if (!plan->film->layout.has_native || plan->column_step > 1)
+        return 0;
+    return TIMES * plan->subsets < MIRROR_ROUNDS * n ? TIMES * plan->subsets : MIRROR_ROUNDS * n;
+}
 
 /* Draws the plane of a visit and cuts the volumes with it. offsets names the sequence of row offsets. */
 static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets, uint32_t index)
@@ -213,6 +228,7 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint
     visit->step = lattice_step(plan->rig->n_views);
     visit->weight = 1.0f;
     visit->alone = 1.0f;
+    visit->more = plan->subsets > 0 ? (float)mirror_subsets(plan) / (float)plan->subsets : 0.0f;
     visit->pilot = plan->pilot;
     visit->faults = plan->faults;
     visit->worker->tracer.scene = plan->scene;
@@ -239,7 +255,7 @@ static bool sample_lattice(const lf_visit_plan *plan, lf_visit *visit, int first
                 return false;
             /* So many samples the pixel has had. */
             uint32_t point = (uint32_t)((passes + j) / plan->rig->n_views);
-            base_sample(plan, visit, lattice_view(visit, column, j), column, -1.0f, key, point);
+            base_sample(plan, visit, lattice_view(visit, column, j), column, -1.0f, false, key, point);
         }
     }
     return true;
@@ -263,7 +279,7 @@ static bool sample_counts(const lf_visit_plan *plan, lf_visit *visit, double n, 
             for (uint32_t i = begin; i < end; i++) {
                 if (cancelled(cancel))
                     return false;
-                base_sample(plan, visit, view, column, -1.0f, key, i);
+                base_sample(plan, visit, view, column, -1.0f, false, key, i);
             }
         }
     }
@@ -305,7 +321,7 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uin
                 float film = i == 0 ? lf_exits_film_point(key, column, index) : -1.0f;
                 if (cancelled(cancel))
                     return false;
-                base_sample(plan, visit, view, column, film, hole_key, index * TRIES + (uint32_t)i);
+                base_sample(plan, visit, view, column, film, false, hole_key, index * TRIES + (uint32_t)i);
             }
             /* Looked for and not found, in a pixel that something touches only just: its scattered light is taken for 0 until a
              * path arrives, whose weight is beyond comparison. */
@@ -314,6 +330,32 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uin
             filled = is_hole(halves, state->n, pixel) ? filled : column;
         }
     }
+    return true;
+}
+
+/* Delta lobes are nobody else's to find. Pixels whose film point of B and q met one get native samples of their own, three for each that
+ * sharing takes, on a lattice as the base's; the film points are a net with the row offsets. The choice of the pixels knows nothing
+ * of the samples: their number is what the weights expect (add_native). false = cancelled. */
+static bool sample_mirrors(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint32_t index, const lf_cancel *cancel)
+{
+    int width = plan->rig->width, subsets = mirror_subsets(plan);
+    uint64_t own = lf_hash64(key, 12);
+    for (int column = 0; column < width; column++) {
+        for (int j = 0; j < subsets; j++) {
+            int view = lattice_view(visit, column, j);
+            size_t pixel = (size_t)view * (size_t)width + (size_t)column;
+            float expected = visit->expected ? visit->expected[pixel] : 1.0f;
+            if (!visit->worker->mirrors[pixel] || !(expected > 0.0f))
+                continue;
+            if (cancelled(cancel))
+                return false;
+            uint32_t round = (uint32_t)(j / plan->rig->n_views);
+            float film = lf_sampler_partner(lf_hash64(key, 0), lf_hash64(lf_hash64(own, pixel), round), index);
+            visit->alone = 1.0f / expected;
+            base_sample(plan, visit, view, column, film, true, own, index * MIRROR_ROUNDS + round);
+        }
+    }
+    visit->alone = 1.0f;
     return true;
 }
 
@@ -352,8 +394,10 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
         lf_exits_row(plan, &visit, key, index);
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 0), index);
-    if (visit.expected ? !sample_counts(plan, &visit, state->n[half], first_rank, lf_hash64(key, 10), cancel)
+    if (visit.expected ? !sample_counts(plan, &visit, state->n[half], first_rank, lf_hash64(key, 13), cancel)
                        : !sample_lattice(plan, &visit, first, passes, key, cancel))
+        return false;
+    if (visit.more > 0.0f && !sample_mirrors(plan, &visit, key, index, cancel))
         return false;
     lf_film_merge(plan->film, row, half, &worker->sums, weight, lf_hash64(lf_hash64(key, 9), index));
     state->passes += (double)plan->subsets / plan->column_step;
