@@ -102,7 +102,7 @@ static void case_14_lobes_of_any_width(void **state)
     }
 }
 
-/* Mirrors first: nothing is shared, W is 0 everywhere, and mvpt is vpt bit for bit. */
+/* Mirrors first: nothing is shared, W is 0 everywhere, and in visits of the same size mvpt is vpt bit for bit. */
 static void case_15_mirrors_share_nothing(void **state)
 {
     (void)state;
@@ -118,6 +118,7 @@ static void case_15_mirrors_share_nothing(void **state)
     lf_scene *scene = lf_test_scene(scene_text);
     for (int i = 0; i < 2; i++) {
         lf_renderer *r = lf_test_renderer(scene, integrators[i], width, height, NULL);
+        r->visit_passes = lf_renderer_settings(r)->camera.n_views;
         cycles(r);
         picture[i] = lf_test_picture(r, LF_ESTIMATOR_MWIS);
         lf_test_weights(r, false, d, q);
