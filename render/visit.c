@@ -95,6 +95,14 @@ lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const l
 
 /* ------------------------------------------------------------------------------------------------------ base samples -- */
 
+/* 1 over the native samples that a pixel expects, base samples and its own (sample_mirrors), in units of g / n. */
+static float native_weight(const lf_visit *visit, size_t pixel)
+{
+    if (!visit->worker->mirrors[pixel])
+        return visit->alone;
+    return 1.0f / ((visit->expected ? visit->expected[pixel] : 1.0f) + visit->more);
+}
+
 /* Delta lobes of the first surface: native, into M. */
 static void add_native(lf_visit *visit, int view, int column, const lf_event *event)
 {
@@ -116,8 +124,7 @@ static void add_native(lf_visit *visit, int view, int column, const lf_event *ev
     if (next.kind != LF_EVENT_ESCAPE)
         radiance = lf_add(radiance, lf_path_scattered(tracer, &next, 2, visit->max_depth));
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
-    float alone = visit->worker->mirrors[pixel] ? visit->alone / (1.0f + visit->more * visit->alone) : visit->alone;
-    radiance = lf_scale(lf_mul(radiance, r), visit->weight * alone / probability);
+    radiance = lf_scale(lf_mul(radiance, r), visit->weight * native_weight(visit, pixel) / probability);
     float *out = visit->sums.native[pixel];
     out[0] += radiance.x;
     out[1] += radiance.y;
@@ -333,9 +340,9 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uin
     return true;
 }
 
-/* Delta lobes are nobody else's to find. Pixels whose film point of B and q met one get native samples of their own, three for each that
- * sharing takes, on a lattice as the base's; the film points are a net with the row offsets. The choice of the pixels knows nothing
- * of the samples: their number is what the weights expect (add_native). false = cancelled. */
+/* Delta lobes are nobody else's to find. Pixels whose film point of B and q met one get native samples of their own, six for each
+ * that sharing takes and at most MIRROR_ROUNDS a pixel, on a lattice as the base's; the film points are a net with the row offsets.
+ * The choice of the pixels knows nothing of the samples: their number is what the weights expect (add_native). false = cancelled. */
 static bool sample_mirrors(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint32_t index, const lf_cancel *cancel)
 {
     int width = plan->rig->width, subsets = mirror_subsets(plan);
@@ -344,18 +351,16 @@ static bool sample_mirrors(const lf_visit_plan *plan, lf_visit *visit, uint64_t 
         for (int j = 0; j < subsets; j++) {
             int view = lattice_view(visit, column, j);
             size_t pixel = (size_t)view * (size_t)width + (size_t)column;
-            float expected = visit->expected ? visit->expected[pixel] : 1.0f;
-            if (!visit->worker->mirrors[pixel] || !(expected > 0.0f))
+            bool wanted = !visit->expected || visit->expected[pixel] > 0.0f;
+            if (!visit->worker->mirrors[pixel] || !wanted)
                 continue;
             if (cancelled(cancel))
                 return false;
             uint32_t round = (uint32_t)(j / plan->rig->n_views);
             float film = lf_sampler_partner(lf_hash64(key, 0), lf_hash64(lf_hash64(own, pixel), round), index);
-            visit->alone = 1.0f / expected;
             base_sample(plan, visit, view, column, film, true, own, index * MIRROR_ROUNDS + round);
         }
     }
-    visit->alone = 1.0f;
     return true;
 }
 

@@ -293,6 +293,51 @@ static void case_05_cameras_in_one_place_see_one_picture(void **state)
     lf_scene_unref(scene);
 }
 
+/* A mirror in the window's own plane covers the same part of every view, and shows the sky in 0.9 of its light: however passes are cut
+ * into visits, in the middle of the mirror as in pixels that it covers in part. */
+static void mean_of_a_mirror(const char *integrator, int subsets, lf_moments *out)
+{
+    lf_scene *scene =
+        lf_test_scene("{" CAMERA "'meshes': { 'mirror': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': 0.5, "
+                      "'rotate': [90, 0, 0] } } }, 'materials': { 'm': { 'type': 'conductor', 'albedo': 0.9, "
+                      "'roughness': 0 } }, " WHITE_SKY "}");
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
+    *out = (lf_moments){0};
+    for (int k = 0; k < 32; k++) {
+        lf_test_reseed(r, lf_hash64(lf_test_seed() + 77, (uint64_t)k));
+        for (int done = 0; subsets > 0 && done < 20; done += subsets)
+            assert_int_equal(lf_renderer_pass(r, 0, 1, subsets, NULL, NULL, NULL), LF_OK);
+        if (subsets == 0)
+            lf_test_passes(r, 40);
+        double *picture = lf_test_picture(r, LF_ESTIMATOR_MIS), sum = 0.0;
+        for (int i = 0; i < n_views * width * height; i++)
+            sum += picture[i];
+        lf_moments_add(out, sum / (n_views * width * height));
+        free(picture);
+    }
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+static void a_mirror_shows_its_share_of_the_sky_however_visits_are_cut(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *integrator;
+        int subsets; /* of 5; 0: the offline schedule */
+    } cuts[] = {{"vpt", 0}, {"mvpt", 0}, {"mvpt", 1}, {"mvpt", 2}, {"amvpt", 0}};
+    const double half = 5.0 * tan(12.0 * (double)LF_PI / 180.0), share = 0.25 / (half * half * 1.3333333333);
+    for (size_t i = 0; i < sizeof cuts / sizeof cuts[0]; i++) {
+        lf_moments m;
+        mean_of_a_mirror(cuts[i].integrator, cuts[i].subsets, &m);
+        double error = lf_moments_error(&m);
+        print_message("%s %d: %.6f +- %.1e, should be %.6f\n", cuts[i].integrator, cuts[i].subsets, m.mean, error,
+                      1.0 - 0.1 * share);
+        assert_true(fabs(m.mean - (1.0 - 0.1 * share)) < 5.0 * error);
+        assert_true(error < 1e-3 * share); /* half a per cent of M would be seen */
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -305,6 +350,7 @@ int main(void)
         cmocka_unit_test(case_08_a_slab_scatters_the_sun_once),
         cmocka_unit_test(case_06_a_lamp_lights_a_plane_by_cosine_and_distance),
         cmocka_unit_test(case_05_cameras_in_one_place_see_one_picture),
+        cmocka_unit_test(a_mirror_shows_its_share_of_the_sky_however_visits_are_cut),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }
