@@ -41,49 +41,14 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
 /* Takes views from which a surface hides the pivot out of scale; the base counts as seeing it (disagreements are counted). */
 static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
-    const lf_rig *rig = visit->rig;
     lf_worker *w = visit->worker;
-    lf_vec3 eye = lf_rig_point(rig, w->x0[base], visit->plane.ly, 0.0f), o = pivot->event.p;
-    if (pivot->event.kind == LF_EVENT_SURFACE)
-        o = lf_offset(&pivot->event.hit, lf_sub(eye, o));
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    for (int first = 0; first < lanes_of(rig); first += LF_LANES) {
-        struct RTCRay8 ray;
-        int valid[LF_LANES] __attribute__((aligned(32))), any = 0;
-        for (int i = 0; i < LF_LANES; i++) {
-            int k = first + i;
-            lf_vec3 d = lf_sub(lf_rig_point(rig, w->x0[k], visit->plane.ly, 0.0f), o);
-            valid[i] = w->scale[k] > 0.0f ? -1 : 0;
-            any += w->scale[k] > 0.0f;
-            ray.org_x[i] = o.x;
-            ray.org_y[i] = o.y;
-            ray.org_z[i] = o.z;
-            ray.dir_x[i] = d.x;
-            ray.dir_y[i] = d.y;
-            ray.dir_z[i] = d.z;
-            ray.tnear[i] = 0.0f;
-            ray.tfar[i] = 1.0f - 1e-5f;
-            ray.time[i] = 0.0f;
-            ray.mask[i] = ~0u;
-            ray.id[i] = 0;
-            ray.flags[i] = 0;
-        }
-        if (!any)
-            continue;
-        w->tracer.rays += any;
-        rtcOccluded8(valid, visit->scene->embree, &context, &ray);
-        for (int i = 0; i < LF_LANES; i++) {
-            bool hidden = w->scale[first + i] > 0.0f && ray.tfar[i] < 0.0f;
-            if (visit->faults & LF_FAULT_NO_VISIBILITY && first + i == 0)
-                hidden = false;
-            if (hidden && first + i == base)
-                w->base_hidden++;
-            else if (hidden)
-                w->scale[first + i] = 0.0f;
-        }
-    }
+    float own = w->scale[base], first = w->scale[0];
+    const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
+    lf_section_hide(&w->section, visit->triangles, visit->rig, pivot->event.p, on, visit->rig->n_views, w->x0, w->scale);
+    w->base_hidden += !(w->scale[base] > 0.0f);
+    w->scale[base] = own;
+    if (visit->faults & LF_FAULT_NO_VISIBILITY)
+        w->scale[0] = first;
 }
 
 /* Optical depths to the views, and the collision density in the slab that holds a medium pivot. */
@@ -304,7 +269,7 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
     if (visit->expected)
         counts(visit, view, column);
     prefixes(visit, pivot, view);
-    if (visit->scene->embree)
+    if (visit->triangles)
         visibility(visit, pivot, view);
     float sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
     if (visit->expected)

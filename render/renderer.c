@@ -68,6 +68,7 @@ static void free_workers(lf_worker **workers, int n)
         if (workers[i]) {
             lf_media_finish(&workers[i]->media);
             lf_film_sums_finish(&workers[i]->sums);
+            lf_section_finish(&workers[i]->section);
             lf_free(workers[i]->expected);
             lf_free(workers[i]->mirrors);
         }
@@ -76,7 +77,7 @@ static void free_workers(lf_worker **workers, int n)
     lf_free(workers);
 }
 
-static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_film_layout *layout)
+static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_film_layout *layout, const lf_row_triangles *triangles)
 {
     lf_worker **workers = lf_calloc((size_t)n, sizeof *workers);
     for (int i = 0; workers && i < n; i++) {
@@ -86,7 +87,8 @@ static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_fil
         if (workers[i] && layout->has_native)
             workers[i]->mirrors = lf_calloc((size_t)layout->n_views * (size_t)layout->width, sizeof *workers[i]->mirrors);
         if (!workers[i] || !workers[i]->expected || (layout->has_native && !workers[i]->mirrors) ||
-            lf_media_init(&workers[i]->media, frame) != LF_OK || lf_film_sums_init(&workers[i]->sums, layout) != LF_OK) {
+            lf_media_init(&workers[i]->media, frame) != LF_OK || lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
+            lf_section_init(&workers[i]->section, triangles->longest) != LF_OK) {
             free_workers(workers, n);
             return NULL;
         }
@@ -122,68 +124,113 @@ static int passes_of_a_visit(const lf_scene *scene, const lf_integrator *integra
     return best;
 }
 
-/* Everything that can fail is made before anything of the old is given up. */
-static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_settings *settings, lf_error *err)
-{
-    const lf_integrator *integrator = NULL;
-    lf_scene seen = {0};
-    lf_geometry *empty = NULL;
+/* What a start or restart makes, before anything of the old is given up. */
+typedef struct parts {
+    const lf_integrator *integrator;
+    lf_scene seen;
+    lf_geometry *empty;
     lf_rig rig;
     lf_media_frame frame;
-    lf_film film = {0};
-    lf_status status = find_integrator(settings->integrator, &integrator, err);
-    if (status == LF_OK)
-        status = lf_rig_init(&rig, settings, scene->origin, err);
-    if (status == LF_OK)
-        status = lf_skip_scene(scene, settings->kept, &seen, &empty, err);
+    lf_row_triangles triangles;
+    lf_film film; /* nothing where the old one fits */
+    float sky[3];
+    bool keep_film;
+    lf_counts counts;
+    lf_worker **workers;
+    int n_workers;
+} parts;
+
+static void drop_parts(parts *new)
+{
+    free_workers(new->workers, new->n_workers);
+    lf_counts_finish(&new->counts);
+    lf_film_finish(&new->film);
+    lf_row_triangles_finish(&new->triangles);
+    lf_geometry_unref(new->empty);
+}
+
+/* The memory: everything that can fail for want of it. */
+static lf_status make_memory(lf_renderer *r, unsigned kept, parts *new)
+{
+    const lf_film_layout layout = film_layout(&new->seen, kept, &new->rig, new->sky);
+    lf_status status = LF_OK;
+    new->keep_film = lf_film_has_layout(&r->film, &layout);
+    if (new->integrator->shares && new->seen.n_meshes > 0)
+        status = lf_row_triangles_init(&new->triangles, &new->seen, &new->rig, r->pool);
+    if (status == LF_OK && new->integrator->adaptive)
+        status = lf_counts_init(&new->counts, new->rig.n_views, new->rig.width, new->rig.height);
+    if (status == LF_OK && !new->keep_film)
+        status = lf_film_init(&new->film, &layout);
     if (status != LF_OK)
         return status;
-    lf_media_frame_init(&frame, scene, &rig);
-    float sky[3] = {0};
-    const lf_film_layout layout = film_layout(&seen, settings->kept, &rig, sky);
-    int n_workers = lf_pool_threads(r->pool);
-    bool keep = lf_film_has_layout(&r->film, &layout);
-    lf_worker **workers = NULL;
-    lf_counts counts = {0};
-    if ((!integrator->adaptive || lf_counts_init(&counts, rig.n_views, rig.width, rig.height) == LF_OK) &&
-        (keep || lf_film_init(&film, &layout) == LF_OK))
-        workers = make_workers(n_workers, &frame, &layout);
-    if (!workers) {
-        lf_counts_finish(&counts);
-        lf_film_finish(&film);
-        lf_geometry_unref(empty);
-        return lf_error_set(err, LF_E_NOMEM, "renderer", "not enough memory for %d views of %dx%d and %d workers", rig.n_views,
-                            rig.width, rig.height, n_workers);
-    }
-    free_workers(r->workers, r->n_workers);
-    r->workers = workers;
-    r->n_workers = n_workers;
-    lf_counts_finish(&r->counts);
-    r->counts = counts;
-    r->mapped = false;
-    if (keep) {
+    new->n_workers = lf_pool_threads(r->pool);
+    new->workers = make_workers(new->n_workers, &new->frame, &layout, &new->triangles);
+    return new->workers ? LF_OK : LF_E_NOMEM;
+}
+
+static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_settings *settings, parts *new, lf_error *err)
+{
+    lf_status status = find_integrator(settings->integrator, &new->integrator, err);
+    if (status == LF_OK)
+        status = lf_rig_init(&new->rig, settings, scene->origin, err);
+    if (status == LF_OK)
+        status = lf_skip_scene(scene, settings->kept, &new->seen, &new->empty, err);
+    if (status != LF_OK)
+        return status;
+    lf_media_frame_init(&new->frame, scene, &new->rig);
+    status = make_memory(r, settings->kept, new);
+    if (status != LF_OK)
+        lf_error_set(err, status, "renderer", "not enough memory for %d views of %dx%d and %d workers", new->rig.n_views,
+                     new->rig.width, new->rig.height, lf_pool_threads(r->pool));
+    return status;
+}
+
+/* Gives up the old for the new; what remains in *new is the old, to be dropped. */
+static void take_parts(lf_renderer *r, parts *new)
+{
+    parts old = {.empty = r->empty, .triangles = r->triangles, .counts = r->counts, .workers = r->workers, .n_workers = r->n_workers};
+    r->seen = new->seen;
+    r->empty = new->empty;
+    r->rig = new->rig;
+    r->frame = new->frame;
+    r->triangles = new->triangles;
+    r->counts = new->counts;
+    r->workers = new->workers;
+    r->n_workers = new->n_workers;
+    if (new->keep_film) {
         lf_film_clear(&r->film);
     } else {
-        lf_film_finish(&r->film);
-        r->film = film;
+        old.film = r->film;
+        r->film = new->film;
     }
-    memcpy(r->film.sky, sky, sizeof sky);
+    memcpy(r->film.sky, new->sky, sizeof new->sky);
+    *new = old;
+}
+
+static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_settings *settings, lf_error *err)
+{
+    parts new = {0};
+    lf_status status = make_parts(r, scene, settings, &new, err);
+    if (status != LF_OK) {
+        drop_parts(&new);
+        return status;
+    }
+    const lf_integrator *integrator = new.integrator;
+    take_parts(r, &new);
     lf_scene *old = r->scene;
     r->scene = lf_scene_ref(scene);
+    drop_parts(&new);
     lf_scene_unref(old);
-    r->seen = seen;
-    lf_geometry_unref(r->empty);
-    r->empty = empty;
     r->settings = *settings;
     r->settings.integrator = integrator->name;
-    r->rig = rig;
-    r->frame = frame;
-    r->visit_passes = passes_of_a_visit(scene, integrator, rig.n_views);
+    r->mapped = false;
+    r->visit_passes = passes_of_a_visit(scene, integrator, r->rig.n_views);
     r->plan = (lf_visit_plan){.scene = &r->seen,
                               .rig = &r->rig,
                               .frame = &r->frame,
                               .kernels = lf_kernels_get(),
                               .integrator = integrator,
+                              .triangles = r->triangles.first ? &r->triangles : NULL,
                               .film = &r->film,
                               .seed = settings->seed,
                               .sampler = settings->sampler,
@@ -222,6 +269,7 @@ void lf_renderer_destroy(lf_renderer *renderer)
     free_workers(renderer->workers, renderer->n_workers);
     lf_counts_finish(&renderer->counts);
     lf_film_finish(&renderer->film);
+    lf_row_triangles_finish(&renderer->triangles);
     lf_geometry_unref(renderer->empty);
     lf_scene_unref(renderer->scene);
     lf_free(renderer);

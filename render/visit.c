@@ -217,6 +217,8 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
     lf_rig_row_plane(plan->rig, (float)visit->row + lf_sampler_radical(offsets, index), lens, &visit->plane);
     lf_media_cut(&visit->worker->media, plan->frame, plan->scene, plan->rig, &visit->plane,
                  lf_sampler_radical(lf_hash64(key, 4), index), &visit->worker->tracer.lookups);
+    if (plan->triangles && plan->subsets > 0)
+        lf_section_cut(&visit->worker->section, plan->triangles, plan->scene, plan->rig, visit->row, &visit->plane);
     if (plan->kept & LF_SKIP_BACKGROUND)
         lf_reach_whole(&visit->worker->reach, plan->rig);
     else
@@ -230,6 +232,7 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint
     visit->rig = plan->rig;
     visit->kernels = plan->kernels;
     visit->integrator = plan->integrator;
+    visit->triangles = plan->triangles;
     visit->max_depth = plan->max_depth;
     visit->subsets = plan->subsets;
     visit->step = lattice_step(plan->rig->n_views);
