@@ -44,7 +44,7 @@ static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
     lf_worker *w = visit->worker;
     float own = w->scale[base], first = w->scale[0];
     const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
-    lf_section_hide(&w->section, visit->triangles, visit->rig, pivot->event.p, on, visit->rig->n_views, w->x0, w->scale);
+    lf_section_hide(&w->section, visit->triangles, visit->rig, pivot->event.p, on, lanes_of(visit->rig), w->x0, w->scale);
     w->base_hidden += !(w->scale[base] > 0.0f);
     w->scale[base] = own;
     if (visit->faults & LF_FAULT_NO_VISIBILITY)

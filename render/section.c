@@ -364,33 +364,49 @@ static void meets(const lf_section_node *node, const question *q, int out[WIDE])
     }
 }
 
-/* The positions [lo, hi] that each segment hides the point from; lo > hi: none. */
+/* The positions [lo, hi] that each segment hides the point from; lo > hi: none. No branches, for the compiler's vectors. */
 static void intervals(const lf_section_leaf *leaf, const question *q, float lo[WIDE], float hi[WIDE])
 {
+    float behind = q->behind, d = q->d, s = q->s;
     for (int i = 0; i < WIDE; i++) {
-        float d0 = leaf->d0[i] - q->d, d1 = leaf->d1[i] - q->d, s0 = leaf->s0[i] - q->s, s1 = leaf->s1[i] - q->s;
-        bool in_front = d1 > q->behind && leaf->triangle[i] != q->on, straddles = d0 < q->behind;
-        float cut = s0 + (s1 - s0) * ((q->behind - d0) / (d1 - d0));
-        float c0 = (straddles ? cut : s0) / (straddles ? q->behind : d0), c1 = s1 / d1;
-        lo[i] = in_front ? lf_min(c0, c1) : INFINITY;
-        hi[i] = in_front ? lf_max(c0, c1) : -INFINITY;
+        float d0 = leaf->d0[i] - d, d1 = leaf->d1[i] - d, s0 = leaf->s0[i] - s, s1 = leaf->s1[i] - s;
+        float cut = s0 + (s1 - s0) * ((behind - d0) / (d1 - d0)); /* where it comes out from behind the point */
+        float c0 = (d0 < behind ? cut : s0) / lf_max(d0, behind), c1 = s1 / d1;
+        lo[i] = d1 > behind ? lf_min(c0, c1) : INFINITY;
+        hi[i] = d1 > behind ? lf_max(c0, c1) : -INFINITY;
+    }
+    for (int i = 0; i < WIDE; i++)
+        lo[i] = leaf->triangle[i] == q->on ? INFINITY : lo[i];
+}
+
+static void hide_between(question *q, float lo, float hi)
+{
+    for (int group = q->first / WIDE * WIDE; group <= q->last; group += WIDE) {
+        const float *c = q->c + group;
+        float *scale = q->scale + group;
+        for (int i = 0; i < WIDE; i++)
+            scale[i] = (c[i] >= lo) & (c[i] <= hi) ? 0.0f : scale[i];
     }
 }
 
 /* false: nothing is left to hide. */
 static bool hide_leaf(const lf_section_leaf *leaf, question *q)
 {
-    float lo[WIDE], hi[WIDE];
+    float lo[WIDE], hi[WIDE], from = INFINITY, to = -INFINITY, first = q->c[q->first], last = q->c[q->last];
     intervals(leaf, q, lo, hi);
+    /* Segments of one surface share their ends, so that mostly one interval is left. */
     for (int i = 0; i < WIDE; i++) {
-        if (!(lo[i] <= q->c[q->last] && hi[i] >= q->c[q->first]))
+        if (!(lo[i] <= last && hi[i] >= first))
             continue;
-        for (int k = q->first; k <= q->last; k++)
-            q->scale[k] = q->c[k] >= lo[i] && q->c[k] <= hi[i] ? 0.0f : q->scale[k];
-        if (!narrow(q))
-            return false;
+        bool apart = lo[i] > to || hi[i] < from;
+        if (apart && from <= to)
+            hide_between(q, from, to);
+        from = apart ? lo[i] : lf_min(from, lo[i]);
+        to = apart ? hi[i] : lf_max(to, hi[i]);
     }
-    return true;
+    if (from <= to)
+        hide_between(q, from, to);
+    return narrow(q);
 }
 
 static bool hide_node(const lf_section *section, int node, question *q)

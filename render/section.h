@@ -64,8 +64,9 @@ void lf_section_finish(lf_section *section);
 void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene, const lf_rig *rig, int row,
                     const lf_row_plane *plane);
 
-/* Sets scale[k] to 0 for every camera position c[k], rising in k, from which a surface hides the point p of the plane; those whose
- * scale is 0 already are not looked at. on: the surface that p lies on, which hides it from nobody; NULL for a point of a medium. */
+/* Sets scale[k] to 0 for every camera position c[k] from which a surface hides the point p of the plane, k < n, n a multiple of
+ * LF_LANES; c rises in k but for lanes behind the views, whose scale is 0. Views whose scale is 0 are not looked at. on: the surface that p
+ * lies on, which hides it from nobody; NULL for a point of a medium. */
 void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig, lf_vec3 p, const lf_hit *on, int n,
                      const float *c, float *scale);
 
