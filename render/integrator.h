@@ -31,8 +31,8 @@ const lf_integrator *lf_integrator_at(int index);
 typedef struct lf_worker {
     lf_tracer tracer;
     lf_media media;
-    lf_film_sums sums; /* of the visit under way */
-    lf_reach reach;    /* of its row's plane */
+    lf_film_sums sums;  /* of the visit under way */
+    lf_reach reach;     /* of its row's plane */
     lf_section section; /* the meshes in it; empty where nothing is shared */
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
@@ -75,9 +75,9 @@ typedef struct lf_visit {
      * reads: they are sampled by nobody, missing in everybody's sum, and receive nothing. */
     const float *expected;
     const lf_counts *pilot; /* as in lf_visit_plan */
-    float more;             /* expected native samples that a pixel of worker->mirrors gets beyond its base samples, in units of them */
-    float alone;            /* 1 / expected at the base's own pixel: what a sample weighs that only its own pixel receives */
-    unsigned faults;        /* lf_fault: deliberate mistakes, for the negative controls of the tests */
+    float more;      /* expected native samples that a pixel of worker->mirrors gets beyond its base samples, in units of them */
+    float alone;     /* 1 / expected at the base's own pixel: what a sample weighs that only its own pixel receives */
+    unsigned faults; /* lf_fault: deliberate mistakes, for the negative controls of the tests */
 } lf_visit;
 
 /* The rest of the path behind a pivot, drawn once and used by all views: a light sample, and one direction from the base

@@ -155,7 +155,7 @@ static lf_status make_memory(lf_renderer *r, unsigned kept, parts *new)
     const lf_film_layout layout = film_layout(&new->seen, kept, &new->rig, new->sky);
     lf_status status = LF_OK;
     new->keep_film = lf_film_has_layout(&r->film, &layout);
-    if (new->integrator->shares && new->seen.n_meshes > 0)
+    if (new->integrator->shares &&new->seen.n_meshes > 0)
         status = lf_row_triangles_init(&new->triangles, &new->seen, &new->rig, r->pool);
     if (status == LF_OK && new->integrator->adaptive)
         status = lf_counts_init(&new->counts, new->rig.n_views, new->rig.width, new->rig.height);
@@ -188,7 +188,8 @@ static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_set
 /* Gives up the old for the new; what remains in *new is the old, to be dropped. */
 static void take_parts(lf_renderer *r, parts *new)
 {
-    parts old = {.empty = r->empty, .triangles = r->triangles, .counts = r->counts, .workers = r->workers, .n_workers = r->n_workers};
+    parts old = {
+        .empty = r->empty, .triangles = r->triangles, .counts = r->counts, .workers = r->workers, .n_workers = r->n_workers};
     r->seen = new->seen;
     r->empty = new->empty;
     r->rig = new->rig;

@@ -15,10 +15,10 @@ struct lf_renderer {
     lf_film film;
     lf_visit_plan plan;
     lf_row_triangles triangles; /* all zero without meshes, or where nothing is shared */
-    int visit_passes;    /* passes in a visit of the offline schedule */
-    lf_counts counts;    /* tiles only for adaptive integrators */
-    bool mapped;         /* the map has been made: plan.counts */
-    lf_worker **workers; /* [lf_pool_threads] each its own allocation: no shared cache lines */
+    int visit_passes;           /* passes in a visit of the offline schedule */
+    lf_counts counts;           /* tiles only for adaptive integrators */
+    bool mapped;                /* the map has been made: plan.counts */
+    lf_worker **workers;        /* [lf_pool_threads] each its own allocation: no shared cache lines */
     int n_workers;
 };
 

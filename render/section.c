@@ -353,14 +353,15 @@ static bool narrow(question *q)
     return q->first <= q->last;
 }
 
-/* Boxes that reach between the rays from the outermost positions, in front of the point. */
+/* Boxes that hide the point from positions between the outermost. The same roundings as below, which rise and fall with what they round:
+ * a box spans no less than its segments do, so that no ray slips through between two that share an end. */
 static void meets(const lf_section_node *node, const question *q, int out[WIDE])
 {
-    float lo = q->c[q->first], hi = q->c[q->last];
+    float first = q->c[q->first], last = q->c[q->last], behind = q->behind, d = q->d, s = q->s;
     for (int i = 0; i < WIDE; i++) {
-        float near = lf_max(node->d0[i] - q->d, 0.0f), far = node->d1[i] - q->d;
-        float below = lf_min(lo * near, lo * far), above = lf_max(hi * near, hi * far);
-        out[i] = (far > q->behind) & (node->s0[i] - q->s <= above) & (node->s1[i] - q->s >= below);
+        float near = lf_max(node->d0[i] - d, behind), far = node->d1[i] - d, s0 = node->s0[i] - s, s1 = node->s1[i] - s;
+        float lo = s0 / (s0 < 0.0f ? near : far), hi = s1 / (s1 < 0.0f ? far : near);
+        out[i] = (far > behind) & (lo <= last) & (hi >= first);
     }
 }
 

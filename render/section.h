@@ -21,10 +21,10 @@ typedef struct lf_row_triangle {
 
 /* The triangles of every row: all that a plane of it, through any point of row and lens, can meet in front of the cameras. */
 typedef struct lf_row_triangles {
-    size_t *first;           /* [height + 1] */
-    lf_row_triangle *list;   /* of row r: [first[r], first[r + 1]) */
-    uint32_t *mesh_start;    /* [meshes] number of a mesh's first triangle, counted through all meshes */
-    size_t longest;          /* triangles of the row that has most */
+    size_t *first;         /* [height + 1] */
+    lf_row_triangle *list; /* of row r: [first[r], first[r + 1]) */
+    uint32_t *mesh_start;  /* [meshes] number of a mesh's first triangle, counted through all meshes */
+    size_t longest;        /* triangles of the row that has most */
 } lf_row_triangles;
 
 /* Sorts the scene's triangles into the rig's rows, on the pool. LF_E_NOMEM; *out may then be finished. Release with
