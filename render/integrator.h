@@ -41,9 +41,9 @@ typedef struct lf_worker {
     float count[LF_MAX_LANES];    /* expected counts of the lanes' pixels, as in lf_visit.expected */
     float strategy[LF_MAX_LANES]; /* count times density */
     int column[LF_MAX_LANES];
-    lf_vec3 f[LF_MAX_LANES];
-    float *expected; /* [view][column]: where a visit keeps its row of the map */
-    bool *mirrors;   /* [view][column]: B and q have found a delta lobe here or beside it; NULL without M */
+    float coloured[LF_MAX_LANES], grey[LF_MAX_LANES]; /* of a surface's lobes: lf_fan_lobes */
+    float *expected;                                  /* [view][column]: where a visit keeps its row of the map */
+    bool *mirrors; /* [view][column]: B and q have found a delta lobe here or beside it; NULL without M */
 } lf_worker;
 
 /* A shared pivot: where a base ray found something that scatters. */

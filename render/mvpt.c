@@ -163,45 +163,64 @@ static void phases(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
     }
 }
 
-/* The lobe's pdf for every view towards wi and, for surfaces, f_k; returns sum_k c_k D_k pdf_k. */
-static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
+/* The lobes of a surface for every view towards wi; returns their colour. The directions to the views are linear in the slope but for
+ * their length. */
+static lf_vec3 reflections(lf_visit *visit, const lf_hit *hit, lf_vec3 wi)
+{
+    lf_worker *w = visit->worker;
+    const lf_rig *rig = visit->rig;
+    lf_vec3 axis[3] = {hit->ns, hit->ns, hit->ns};
+    float local[3][LF_MAX_LANES], my = visit->plane.my, my2 = 1.0f + my * my;
+    lf_fan_lobes out = {.pdf = w->lobe, .coloured = w->coloured, .grey = w->grey};
+    lf_frame(hit->ns, &axis[0], &axis[1]);
+    for (int a = 0; a < 3; a++) {
+        float across = lf_dot(axis[a], rig->right), along = my * lf_dot(axis[a], rig->up) + lf_dot(axis[a], rig->forward);
+        for (int k = 0; k < lanes_of(rig); k++)
+            local[a][k] = -(w->slope[k] * across + along) / sqrtf(my2 + w->slope[k] * w->slope[k]);
+    }
+    lf_surfaces[hit->material->type].eval_fan(hit->material, lf_to_frame(axis[0], axis[1], axis[2], wi), lanes_of(rig), local[0],
+                                              local[1], local[2], &out);
+    return out.colour;
+}
+
+/* The lobe's pdf for every view towards wi and, for surfaces, f_k; returns sum_k c_k D_k pdf_k. *out_colour: what f_k is in units of, the
+ * albedo for media. */
+static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_vec3 *out_colour)
 {
     lf_worker *w = visit->worker;
     const float *strategy = visit->expected ? w->strategy : w->density;
-    const lf_rig *rig = visit->rig;
-    bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
     float sum = 0.0f;
-    if (medium)
+    if (pivot->event.kind == LF_EVENT_MEDIUM) {
         phases(visit, pivot, wi);
-    for (int k = 0; k < rig->n_views; k++) {
-        if (!medium && w->density[k] > 0.0f) {
-            lf_vec3 to = lf_rig_direction(rig, -w->slope[k], -visit->plane.my, -1.0f);
-            w->lobe[k] = lf_scatter_eval(visit->scene, &pivot->event, lf_normalize(to), wi, &w->f[k]);
-        } else if (!medium) {
-            w->lobe[k] = 0.0f;
-        }
-        sum += strategy[k] * w->lobe[k];
+        *out_colour = visit->scene->volumes[pivot->event.volume].albedo;
+    } else {
+        *out_colour = reflections(visit, &pivot->event.hit, wi);
     }
+    for (int k = 0; k < visit->rig->n_views; k++)
+        sum += strategy[k] * w->lobe[k];
     return sum;
 }
 
-/* Adds density_k f_k times one radiance to every view; f is albedo times lobe for media. */
-static void add_lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 radiance)
+/* Adds density_k f_k times one radiance to every view. */
+static void add_lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 colour, lf_vec3 radiance)
 {
     lf_worker *w = visit->worker;
     bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
+    const float *coloured = medium ? w->lobe : w->coloured;
+    lf_vec3 tinted = lf_mul(radiance, colour);
     if (!isfinite(radiance.x + radiance.y + radiance.z)) {
         w->tracer.nonfinite++;
         return;
     }
-    if (medium)
-        radiance = lf_mul(radiance, visit->scene->volumes[pivot->event.volume].albedo);
     for (int k = 0; k < visit->rig->n_views; k++) {
         size_t pixel;
-        if (!(w->density[k] > 0.0f))
+        float d = w->density[k];
+        if (!(d > 0.0f))
             continue;
         lf_film_scattered *out = target(visit, k, &pixel);
-        lf_vec3 y = medium ? lf_scale(radiance, w->density[k] * w->lobe[k]) : lf_scale(lf_mul(radiance, w->f[k]), w->density[k]);
+        lf_vec3 y = lf_scale(tinted, d * coloured[k]);
+        if (!medium)
+            y = lf_madd(y, d * w->grey[k], radiance);
         out->n[0] += y.x;
         out->n[1] += y.y;
         out->n[2] += y.z;
@@ -230,21 +249,22 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, const lf_suffix
     lf_worker *w = visit->worker;
     bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
     bool no_light_pdf = visit->faults & LF_FAULT_NO_LIGHT_PDF;
+    lf_vec3 colour;
     add_weights(visit, pivot->boost / sum, visit->sums.half.w2 && !medium);
     if (suffix->has_light) {
         const lf_light_sample *light = &suffix->light;
-        float over = lobes(visit, pivot, light->wi);
+        float over = lobes(visit, pivot, light->wi, &colour);
         float denominator = light->delta ? light->pdf * sum : light->pdf * sum + (no_light_pdf ? 0.0f : over);
-        add_lobes(visit, pivot, lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
+        add_lobes(visit, pivot, colour, lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
     }
     if (!suffix->has_direction)
         return;
-    float over = lobes(visit, pivot, suffix->wi);
+    float over = lobes(visit, pivot, suffix->wi, &colour);
     if (!(over > 0.0f))
         return;
     float with_light = over + (no_light_pdf ? 0.0f : suffix->found_pdf * sum);
     lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->boost / over), pivot->boost / with_light, suffix->found);
-    add_lobes(visit, pivot, radiance);
+    add_lobes(visit, pivot, colour, radiance);
     if (!visit->sums.half.w2 || !medium)
         return;
     for (int k = 0; k < visit->rig->n_views; k++) {

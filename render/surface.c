@@ -1,9 +1,9 @@
 #include "render/surface_lobes.h"
 
 const lf_surface_ops lf_surfaces[LF_MATERIAL_TYPES] = {
-    [LF_MATERIAL_DIFFUSE] = {lf_diffuse_eval, lf_diffuse_sample, NULL, false},
-    [LF_MATERIAL_CONDUCTOR] = {lf_conductor_eval, lf_conductor_sample, lf_conductor_delta, true},
-    [LF_MATERIAL_PLASTIC] = {lf_plastic_eval, lf_plastic_sample, lf_plastic_delta, true},
+    [LF_MATERIAL_DIFFUSE] = {lf_diffuse_eval, NULL, lf_diffuse_sample, NULL, false},
+    [LF_MATERIAL_CONDUCTOR] = {lf_conductor_eval, lf_conductor_eval_fan, lf_conductor_sample, lf_conductor_delta, true},
+    [LF_MATERIAL_PLASTIC] = {lf_plastic_eval, lf_plastic_eval_fan, lf_plastic_sample, lf_plastic_delta, true},
 };
 
 bool lf_material_has_lobe(const lf_material *m)

@@ -18,10 +18,19 @@ typedef struct lf_hit {
     uint32_t triangle;
 } lf_hit;
 
+/* What eval gives to a fan of directions: f is colour coloured[k] + grey[k]. */
+typedef struct lf_fan_lobes {
+    lf_vec3 colour;
+    float *pdf, *coloured, *grey; /* [n] */
+} lf_fan_lobes;
+
 typedef struct lf_surface_ops {
     /* f(wo, wi) |ns.wi| into *f (0 where wi is below ns, and where wo is when the lobe depends on the view: the geometric side of
      * wo is the caller's to check); returns the pdf with which sample draws wi. */
     float (*eval)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
+    /* eval towards one wi for n directions wo = (x[k], y[k], z[k]) at once, all in the frame whose z axis is ns; n is a multiple of 8.
+     * No branches a direction. NULL where nothing depends on the view. */
+    void (*eval_fan)(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z, lf_fan_lobes *out);
     /* Draws wi from u[3] in [0,1); *f and return as eval at that wi; 0 = no direction (absorbed). */
     float (*sample)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f);
     /* Reflectance of the delta lobe for wo (mirror direction about ns); NULL = the type never has one. {0,0,0} when alpha

@@ -25,6 +25,25 @@ float lf_conductor_eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi
     return eval_local(m, lf_to_frame(t, b, ns, wo), lf_to_frame(t, b, ns, wi), f);
 }
 
+void lf_conductor_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z,
+                           lf_fan_lobes *out)
+{
+    float alpha = lf_material_alpha(m);
+    if (alpha < LF_ALPHA_MIN || !(wi.z > LF_MIN_COS)) {
+        lf_fan_clear(n, out);
+        return;
+    }
+    /* Schlick's F0 (1 - k) + k */
+    for (int i = 0; i < n; i++) {
+        lf_ggx_lobe lobe = lf_ggx_eval(alpha, lf_v3(x[i], y[i], lf_max(z[i], LF_MIN_COS)), wi);
+        float c = 1.0f - lobe.cos_oh, c2 = c * c, k = c2 * c2 * c, above = z[i] > LF_MIN_COS ? 1.0f : 0.0f;
+        out->pdf[i] = above * lobe.pdf;
+        out->coloured[i] = above * lobe.f * (1.0f - k);
+        out->grey[i] = above * lobe.f * k;
+    }
+    out->colour = m->albedo;
+}
+
 float lf_conductor_sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f)
 {
     lf_vec3 t, b;

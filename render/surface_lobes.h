@@ -8,14 +8,26 @@
 float lf_diffuse_eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
 float lf_diffuse_sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f);
 float lf_conductor_eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
+void lf_conductor_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z,
+                           lf_fan_lobes *out);
 float lf_conductor_sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f);
 lf_vec3 lf_conductor_delta(const lf_material *m, lf_vec3 ns, lf_vec3 wo);
 float lf_plastic_eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
+void lf_plastic_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z,
+                         lf_fan_lobes *out);
 float lf_plastic_sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f);
 lf_vec3 lf_plastic_delta(const lf_material *m, lf_vec3 ns, lf_vec3 wo);
 
 /* Directions closer to the horizon than this count as below it: keeps quotients of cosines finite with denormals flushed. */
 #define LF_MIN_COS 1e-7f
+
+/* No direction of the fan reflects anything. */
+static inline void lf_fan_clear(int n, lf_fan_lobes *out)
+{
+    out->colour = lf_v3(0.0f, 0.0f, 0.0f);
+    for (int k = 0; k < n; k++)
+        out->pdf[k] = out->coloured[k] = out->grey[k] = 0.0f;
+}
 
 static inline float lf_material_alpha(const lf_material *m)
 {

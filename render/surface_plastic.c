@@ -45,12 +45,13 @@ static float base_component(float albedo, float transmittance, float eta)
     return albedo / (eta * eta * (1.0f - albedo) + albedo * transmittance);
 }
 
-static lf_vec3 base_lobe(const lf_material *m, const plastic *p, float cos_i)
+/* The base towards wi, but for T(cos_o). */
+static lf_vec3 base_colour(const lf_material *m, bool rough, float cos_i)
 {
-    float te = diffuse_transmittance(p->eta), ti = 1.0f - lf_fresnel_dielectric(lf_min(cos_i, 1.0f), p->eta);
-    float k = (p->rough ? ROUGH_MARGIN : 1.0f) * (1.0f - p->fresnel_o) * ti * cos_i * LF_INV_PI;
-    return lf_v3(k * base_component(m->albedo.x, te, p->eta), k * base_component(m->albedo.y, te, p->eta),
-                 k * base_component(m->albedo.z, te, p->eta));
+    float te = diffuse_transmittance(m->ior), ti = 1.0f - lf_fresnel_dielectric(lf_min(cos_i, 1.0f), m->ior);
+    float k = (rough ? ROUGH_MARGIN : 1.0f) * ti * cos_i * LF_INV_PI;
+    return lf_v3(k * base_component(m->albedo.x, te, m->ior), k * base_component(m->albedo.y, te, m->ior),
+                 k * base_component(m->albedo.z, te, m->ior));
 }
 
 /* wo.z > LF_MIN_COS. */
@@ -59,7 +60,7 @@ static float eval_local(const lf_material *m, const plastic *p, lf_vec3 wo, lf_v
     *f = lf_v3(0.0f, 0.0f, 0.0f);
     if (!(wi.z > LF_MIN_COS))
         return 0.0f;
-    *f = base_lobe(m, p, wi.z);
+    *f = lf_scale(base_colour(m, p->rough, wi.z), 1.0f - p->fresnel_o);
     float pdf = (1.0f - p->select) * wi.z * LF_INV_PI;
     if (p->rough) {
         lf_ggx_lobe coat = lf_ggx_eval(p->alpha, wo, wi);
@@ -80,6 +81,33 @@ float lf_plastic_eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, 
     plastic p = plastic_init(m, cos_o);
     lf_frame(ns, &t, &b);
     return eval_local(m, &p, lf_to_frame(t, b, ns, wo), lf_to_frame(t, b, ns, wi), f);
+}
+
+/* plastic_init and eval_local for all directions of a fan. */
+void lf_plastic_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z, lf_fan_lobes *out)
+{
+    float alpha = lf_material_alpha(m), eta = m->ior, mean = lf_mean3(m->albedo), cosine = wi.z * LF_INV_PI;
+    bool rough = alpha >= LF_ALPHA_MIN;
+    if (!(wi.z > LF_MIN_COS)) {
+        lf_fan_clear(n, out);
+        return;
+    }
+    out->colour = base_colour(m, rough, wi.z);
+    for (int k = 0; k < n; k++) {
+        float above = z[k] > LF_MIN_COS ? 1.0f : 0.0f;
+        out->coloured[k] = above * (1.0f - lf_fresnel_dielectric(lf_min(lf_max(z[k], LF_MIN_COS), 1.0f), eta));
+        out->pdf[k] = above * cosine;
+        out->grey[k] = 0.0f;
+    }
+    if (!rough)
+        return;
+    for (int k = 0; k < n; k++) {
+        float above = z[k] > LF_MIN_COS ? 1.0f : 0.0f, fresnel = above - out->coloured[k], sum = fresnel + out->coloured[k] * mean;
+        float select = sum > 0.0f ? fresnel / sum : 1.0f;
+        lf_ggx_lobe coat = lf_ggx_eval(alpha, lf_v3(x[k], y[k], lf_max(z[k], LF_MIN_COS)), wi);
+        out->pdf[k] = above * ((1.0f - select) * cosine + select * coat.pdf);
+        out->grey[k] = above * coat.f * lf_fresnel_dielectric(lf_max(coat.cos_oh, 0.0f), eta);
+    }
 }
 
 float lf_plastic_sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f)

@@ -30,7 +30,8 @@ void lf_trace_hit(const lf_scene *scene, unsigned geom_id, unsigned prim_id, flo
 {
     const lf_mesh *mesh = &scene->meshes[geom_id];
     const uint32_t *tri = mesh->triangles + 3 * (size_t)prim_id;
-    lf_vec3 a = lf_mesh_vertex(mesh, tri[0]), ab = lf_sub(lf_mesh_vertex(mesh, tri[1]), a), ac = lf_sub(lf_mesh_vertex(mesh, tri[2]), a);
+    lf_vec3 a = lf_mesh_vertex(mesh, tri[0]), ab = lf_sub(lf_mesh_vertex(mesh, tri[1]), a),
+            ac = lf_sub(lf_mesh_vertex(mesh, tri[2]), a);
     lf_vec3 n = lf_cross(ab, ac);
     float length = lf_length(n);
     hit->ng = length > 0.0f ? lf_scale(n, 1.0f / length) : lf_scale(w, -1.0f / lf_length(w));

@@ -270,6 +270,42 @@ static void coat_of_index_one_is_not_there(void **state)
     assert_true(fabsf(f.x / g.x - 1.0f) < 3e-4f);
 }
 
+/* A fan of directions, some below the horizon, one in the mirror direction. */
+static void fans_answer_as_single_directions_do(void **state)
+{
+    (void)state;
+    enum { n = 48 };
+    lf_material m[max_materials];
+    int n_materials = make_materials(m), compared = 0;
+    for (int i = 0; i < n_materials; i++) {
+        if (!lf_surfaces[m[i].type].view_dependent)
+            continue;
+        m[i].albedo = lf_v3(0.9f * m[i].albedo.x, 0.5f * m[i].albedo.y, m[i].albedo.z);
+        for (int c = 0; c < 5; c++) {
+            float x[n], y[n], z[n], pdf_of[n], coloured[n], grey[n];
+            lf_vec3 ns = lf_v3(0.0f, 0.0f, 1.0f), wi = at_cosine(ns, c < 4 ? cosines[c] : -0.1f, 1.0f);
+            lf_fan_lobes fan = {.pdf = pdf_of, .coloured = coloured, .grey = grey};
+            for (int k = 0; k < n; k++) {
+                lf_vec3 wo = k == 0 ? lf_v3(-wi.x, -wi.y, wi.z) : at_cosine(ns, 1.0f - (float)k / 40.0f, 0.3f * (float)k);
+                x[k] = wo.x;
+                y[k] = wo.y;
+                z[k] = wo.z;
+            }
+            lf_surfaces[m[i].type].eval_fan(&m[i], wi, n, x, y, z, &fan);
+            for (int k = 0; k < n; k++) {
+                lf_vec3 f;
+                float p = lf_surfaces[m[i].type].eval(&m[i], ns, lf_v3(x[k], y[k], z[k]), wi, &f);
+                lf_assert_close((double)pdf_of[k], (double)p, 1e-5, 1e-7);
+                lf_assert_close((double)(fan.colour.x * coloured[k] + grey[k]), (double)f.x, 1e-5, 1e-7);
+                lf_assert_close((double)(fan.colour.y * coloured[k] + grey[k]), (double)f.y, 1e-5, 1e-7);
+                lf_assert_close((double)(fan.colour.z * coloured[k] + grey[k]), (double)f.z, 1e-5, 1e-7);
+                compared += p > 0.0f;
+            }
+        }
+    }
+    assert_true(compared > 1000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -282,6 +318,7 @@ int main(void)
         cmocka_unit_test(directions_below_the_surface_get_nothing),
         cmocka_unit_test(grazing_directions_give_finite_values),
         cmocka_unit_test(mirrors_are_delta_lobes_and_nothing_else),
+        cmocka_unit_test(fans_answer_as_single_directions_do),
         cmocka_unit_test(coat_reflects_by_fresnel),
         cmocka_unit_test(coat_of_index_one_is_not_there),
     };
