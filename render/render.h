@@ -189,10 +189,10 @@ LF_NODISCARD lf_status lf_renderer_resolve(const lf_renderer *renderer, lf_estim
 typedef struct lf_render_stats {
     int64_t base_paths;        /* native samples drawn */
     int64_t contributions;     /* additions to a view pixel */
-    int64_t rays_traced;       /* surface rays, occlusion rays included; -1 without meshes */
+    int64_t rays_traced;       /* surface rays, light samples' occlusion rays included; -1 without meshes */
     int64_t volume_lookups;    /* density look-ups, slices and tracking included; -1 without volumes */
     int64_t nonfinite_dropped; /* contributions that were NaN or infinite: must be 0 */
-    int64_t base_hidden;       /* bases that their own occlusion ray denied (V_i forced to 1); -1 without meshes */
+    int64_t base_hidden;       /* pivots that the row's section hides from their own base (V_i forced to 1); -1 without meshes */
     int64_t holes;             /* view pixels flagged LF_PIXEL_HOLE by the estimator last resolved; 0 before the first resolve */
     double passes;             /* mean over rows, in passes */
     double native_spp_mean;    /* n, mean over view pixels */
