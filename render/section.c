@@ -42,7 +42,7 @@ typedef struct span {
 typedef struct spans {
     const lf_scene *scene;
     const lf_rig *rig;
-    const uint32_t *mesh_start;
+    const uint32_t *mesh_start; /* [meshes + 1] */
     span *spans;
 } spans;
 
@@ -81,13 +81,19 @@ static span span_of(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle)
     return out;
 }
 
-static void span_mesh(void *context, int item, int worker)
+enum { CHUNK = 4096 };
+
+static void span_chunk(void *context, int item, int worker)
 {
     const spans *job = context;
-    const lf_mesh *mesh = &job->scene->meshes[item];
+    uint32_t n = job->mesh_start[job->scene->n_meshes], from = (uint32_t)item * CHUNK, to = n - from > CHUNK ? from + CHUNK : n;
+    int mesh = 0;
     (void)worker;
-    for (int i = 0; i < mesh->n_triangles; i++)
-        job->spans[job->mesh_start[item] + (uint32_t)i] = span_of(job->rig, mesh, (uint32_t)i);
+    for (uint32_t i = from; i < to; i++) {
+        while (i >= job->mesh_start[mesh + 1])
+            mesh++;
+        job->spans[i] = span_of(job->rig, &job->scene->meshes[mesh], i - job->mesh_start[mesh]);
+    }
 }
 
 /* The bits of x in the even places. */
@@ -170,7 +176,7 @@ lf_status lf_row_triangles_init(lf_row_triangles *out, const lf_scene *scene, co
         out->mesh_start[i + 1] = out->mesh_start[i] + (uint32_t)scene->meshes[i].n_triangles;
     size_t n = out->mesh_start[scene->n_meshes];
     spans job = {.scene = scene, .rig = rig, .mesh_start = out->mesh_start, .spans = lf_calloc(n, sizeof *job.spans)};
-    lf_status status = job.spans ? lf_pool_run(pool, scene->n_meshes, span_mesh, &job, NULL) : LF_E_NOMEM;
+    lf_status status = job.spans ? lf_pool_run(pool, (int)((n + CHUNK - 1) / CHUNK), span_chunk, &job, NULL) : LF_E_NOMEM;
     if (status == LF_OK) {
         count_rows(out, rig, job.spans, n);
         out->list = lf_calloc(out->first[rig->height], sizeof *out->list);

@@ -23,7 +23,7 @@ typedef struct lf_row_triangle {
 typedef struct lf_row_triangles {
     size_t *first;         /* [height + 1] */
     lf_row_triangle *list; /* of row r: [first[r], first[r + 1]) */
-    uint32_t *mesh_start;  /* [meshes] number of a mesh's first triangle, counted through all meshes */
+    uint32_t *mesh_start;  /* [meshes + 1] number of a mesh's first triangle, counted through all meshes */
     size_t longest;        /* triangles of the row that has most */
 } lf_row_triangles;
 
