@@ -1,74 +1,24 @@
 /* B and q: what is known without sampling paths. A fan of one ray per view runs through one film point of each pixel column: its
  * rays share y and z steps, so one march gives the exit transmittances of all views' pixels in that column at once
  * (docs/estimators.md, "B and q"). */
-#include <string.h>
-
 #include "render/integrator.h"
 
-/* Nearest surface of each ray of the fan, in packets of 8 with t = Z; geometry of lane k in hits[k / 8]. Lanes [from, to). */
-static void trace_fan(lf_worker *worker, const lf_visit *visit, int from, int to, struct RTCRayHit8 *hits)
-{
-    const lf_rig *rig = visit->rig;
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    for (int first = from; first < to; first += LF_LANES) {
-        struct RTCRayHit8 *h = &hits[first / LF_LANES];
-        int valid[LF_LANES] __attribute__((aligned(32)));
-        for (int i = 0; i < LF_LANES; i++) {
-            int k = first + i;
-            lf_vec3 o = lf_rig_point(rig, worker->x0[k], visit->plane.ly, 0.0f);
-            lf_vec3 w = lf_rig_direction(rig, worker->slope[k], visit->plane.my, 1.0f);
-            valid[i] = k < rig->n_views ? -1 : 0;
-            h->ray.org_x[i] = o.x;
-            h->ray.org_y[i] = o.y;
-            h->ray.org_z[i] = o.z;
-            h->ray.dir_x[i] = w.x;
-            h->ray.dir_y[i] = w.y;
-            h->ray.dir_z[i] = w.z;
-            h->ray.tnear[i] = 0.0f;
-            h->ray.tfar[i] = INFINITY;
-            h->ray.time[i] = 0.0f;
-            h->ray.mask[i] = ~0u;
-            h->ray.id[i] = 0;
-            h->ray.flags[i] = 0;
-            h->hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-            h->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-        }
-        rtcIntersect8(valid, visit->scene->embree, &context, h);
-        for (int i = 0; i < LF_LANES; i++)
-            worker->z_end[first + i] = h->hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? INFINITY : h->ray.tfar[i];
-    }
-    worker->tracer.rays += (to < rig->n_views ? to : rig->n_views) - from;
-}
-
-/* One ray's known light and pivot probability; depth: optical, along the whole ray or to its surface. */
-static void write_known(const lf_visit *visit, size_t pixel, int k, const struct RTCRayHit8 *hits, float depth, const lf_vec3 *sky)
+/* One ray's known light and pivot probability; material: of the surface it meets, NULL: none; depth: optical, along the whole ray or to
+ * the surface. */
+static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_material *material, float depth, const lf_vec3 *sky)
 {
     const lf_worker *worker = visit->worker;
-    const struct RTCRayHit8 *h = hits ? &hits[k / LF_LANES] : NULL;
-    int i = k % LF_LANES;
-    bool surface = h && h->hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
     float q_medium = depth > 0.0f ? -expm1f(-depth) : 0.0f, *q = &visit->sums.half.q[pixel], pdf;
     /* A sun or lamp behind 20 mean free paths and more: 1 - q would have no digits left. */
     float transmittance = depth < 0.5f ? 1.0f - q_medium : expf(-depth);
     lf_vec3 light;
-    *q = q_medium;
+    *q = material && lf_material_has_lobe(material) ? 1.0f : q_medium;
     if (worker->mirrors)
-        worker->mirrors[pixel] = false;
-    if (!visit->sums.known) {
-        *q = surface ? 1.0f : q_medium;
+        worker->mirrors[pixel] = material && lf_material_has_delta(material);
+    if (!visit->sums.known)
         return;
-    }
-    if (surface) {
-        lf_hit hit;
-        lf_vec3 w = lf_normalize(lf_v3(h->ray.dir_x[i], h->ray.dir_y[i], h->ray.dir_z[i]));
-        lf_trace_hit(visit->scene, h->hit.geomID[i], h->hit.primID[i], h->hit.u[i], h->hit.v[i], h->ray.tfar[i], w, &hit);
-        light = hit.material->emission;
-        if (lf_material_has_lobe(hit.material))
-            *q = 1.0f;
-        if (worker->mirrors)
-            worker->mirrors[pixel] = lf_material_has_delta(hit.material);
+    if (material) {
+        light = material->emission;
     } else if (sky) {
         light = *sky;
     } else {
@@ -156,12 +106,12 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
 {
     const lf_rig *rig = visit->rig;
     lf_worker *w = visit->worker;
-    struct RTCRayHit8 packets[LF_MAX_LANES / LF_LANES], *hits = plan->scene->embree ? packets : NULL;
+    int material[LF_MAX_LANES];
     float light[3];
     bool constant = !(plan->kept & LF_SKIP_KNOWN_LIGHT) && lf_exits_constant(plan->scene, light);
     lf_vec3 sky = constant ? lf_v3(light[0], light[1], light[2]) : lf_v3(0.0f, 0.0f, 0.0f);
-    if (hits)
-        memset(packets, 0xff, sizeof packets); /* no geometry: lanes out of reach are never traced */
+    for (int k = 0; k < LF_MAX_LANES; k++)
+        material[k] = -1; /* and so it stays without meshes */
     for (int column = 0; column < rig->width; column++) {
         float xw = rig->x0 + ((float)column + lf_exits_film_point(key, column, index)) * rig->dx, lx = 0.0f;
         int from, to;
@@ -170,15 +120,17 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
                  visit->plane.lens_chord;
         aim(visit, xw, lx);
         lanes_of(&w->reach, rig->n_views, column, &from, &to);
-        if (hits && from < to)
-            trace_fan(w, visit, from, to, hits);
+        if (visit->triangles && from < to)
+            lf_section_nearest(&w->section, rig, xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus), to - from,
+                               w->x0 + from, w->z_end + from, material + from);
         if (w->media.n_here > 0 && from < to)
             lf_media_depths(&w->media, plan->kernels, to - from, w->x0 + from, w->slope + from, w->z_end + from, w->tau + from, -1,
                             NULL);
         for (int k = 0; k < rig->n_views; k++) {
             float length = sqrtf(1.0f + w->slope[k] * w->slope[k] + visit->plane.my * visit->plane.my);
-            write_known(visit, (size_t)k * (size_t)rig->width + (size_t)column, k, hits && k >= from && k < to ? hits : NULL,
-                        w->tau[k] * length, constant ? &sky : NULL);
+            bool met = k >= from && k < to && material[k] >= 0;
+            write_known(visit, (size_t)k * (size_t)rig->width + (size_t)column, k,
+                        met ? &plan->scene->materials[material[k]] : NULL, w->tau[k] * length, constant ? &sky : NULL);
         }
     }
     if (w->mirrors)

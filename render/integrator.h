@@ -33,7 +33,7 @@ typedef struct lf_worker {
     lf_media media;
     lf_film_sums sums;  /* of the visit under way */
     lf_reach reach;     /* of its row's plane */
-    lf_section section; /* the meshes in it; empty where nothing is shared */
+    lf_section section; /* the meshes in it */
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES], sigma[LF_MAX_LANES];
@@ -62,7 +62,7 @@ typedef struct lf_visit {
     const lf_rig *rig;
     const lf_kernels *kernels;
     const lf_integrator *integrator;
-    const lf_row_triangles *triangles; /* NULL: no meshes, or nothing is shared */
+    const lf_row_triangles *triangles; /* NULL: no meshes */
     lf_worker *worker;
     lf_film_sums sums; /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;

@@ -140,87 +140,87 @@ typedef struct parts {
     int n_workers;
 } parts;
 
-static void drop_parts(parts *new)
+static void drop_parts(parts *fresh)
 {
-    free_workers(new->workers, new->n_workers);
-    lf_counts_finish(&new->counts);
-    lf_film_finish(&new->film);
-    lf_row_triangles_finish(&new->triangles);
-    lf_geometry_unref(new->empty);
+    free_workers(fresh->workers, fresh->n_workers);
+    lf_counts_finish(&fresh->counts);
+    lf_film_finish(&fresh->film);
+    lf_row_triangles_finish(&fresh->triangles);
+    lf_geometry_unref(fresh->empty);
 }
 
 /* The memory: everything that can fail for want of it. */
-static lf_status make_memory(lf_renderer *r, unsigned kept, parts *new)
+static lf_status make_memory(lf_renderer *r, unsigned kept, parts *fresh)
 {
-    const lf_film_layout layout = film_layout(&new->seen, kept, &new->rig, new->sky);
+    const lf_film_layout layout = film_layout(&fresh->seen, kept, &fresh->rig, fresh->sky);
     lf_status status = LF_OK;
-    new->keep_film = lf_film_has_layout(&r->film, &layout);
-    if (new->integrator->shares &&new->seen.n_meshes > 0)
-        status = lf_row_triangles_init(&new->triangles, &new->seen, &new->rig, r->pool);
-    if (status == LF_OK && new->integrator->adaptive)
-        status = lf_counts_init(&new->counts, new->rig.n_views, new->rig.width, new->rig.height);
-    if (status == LF_OK && !new->keep_film)
-        status = lf_film_init(&new->film, &layout);
+    fresh->keep_film = lf_film_has_layout(&r->film, &layout);
+    if (fresh->seen.n_meshes > 0)
+        status = lf_row_triangles_init(&fresh->triangles, &fresh->seen, &fresh->rig, r->pool);
+    if (status == LF_OK && fresh->integrator->adaptive)
+        status = lf_counts_init(&fresh->counts, fresh->rig.n_views, fresh->rig.width, fresh->rig.height);
+    if (status == LF_OK && !fresh->keep_film)
+        status = lf_film_init(&fresh->film, &layout);
     if (status != LF_OK)
         return status;
-    new->n_workers = lf_pool_threads(r->pool);
-    new->workers = make_workers(new->n_workers, &new->frame, &layout, &new->triangles);
-    return new->workers ? LF_OK : LF_E_NOMEM;
+    fresh->n_workers = lf_pool_threads(r->pool);
+    fresh->workers = make_workers(fresh->n_workers, &fresh->frame, &layout, &fresh->triangles);
+    return fresh->workers ? LF_OK : LF_E_NOMEM;
 }
 
-static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_settings *settings, parts *new, lf_error *err)
+static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_settings *settings, parts *fresh, lf_error *err)
 {
-    lf_status status = find_integrator(settings->integrator, &new->integrator, err);
+    lf_status status = find_integrator(settings->integrator, &fresh->integrator, err);
     if (status == LF_OK)
-        status = lf_rig_init(&new->rig, settings, scene->origin, err);
+        status = lf_rig_init(&fresh->rig, settings, scene->origin, err);
     if (status == LF_OK)
-        status = lf_skip_scene(scene, settings->kept, &new->seen, &new->empty, err);
+        status = lf_skip_scene(scene, settings->kept, &fresh->seen, &fresh->empty, err);
     if (status != LF_OK)
         return status;
-    lf_media_frame_init(&new->frame, scene, &new->rig);
-    status = make_memory(r, settings->kept, new);
+    lf_media_frame_init(&fresh->frame, scene, &fresh->rig);
+    status = make_memory(r, settings->kept, fresh);
     if (status != LF_OK)
-        lf_error_set(err, status, "renderer", "not enough memory for %d views of %dx%d and %d workers", new->rig.n_views,
-                     new->rig.width, new->rig.height, lf_pool_threads(r->pool));
+        lf_error_set(err, status, "renderer", "not enough memory for %d views of %dx%d and %d workers", fresh->rig.n_views,
+                     fresh->rig.width, fresh->rig.height, lf_pool_threads(r->pool));
     return status;
 }
 
-/* Gives up the old for the new; what remains in *new is the old, to be dropped. */
-static void take_parts(lf_renderer *r, parts *new)
+/* Gives up the old for the new; what remains in *fresh is the old, to be dropped. */
+static void take_parts(lf_renderer *r, parts *fresh)
 {
     parts old = {
         .empty = r->empty, .triangles = r->triangles, .counts = r->counts, .workers = r->workers, .n_workers = r->n_workers};
-    r->seen = new->seen;
-    r->empty = new->empty;
-    r->rig = new->rig;
-    r->frame = new->frame;
-    r->triangles = new->triangles;
-    r->counts = new->counts;
-    r->workers = new->workers;
-    r->n_workers = new->n_workers;
-    if (new->keep_film) {
+    r->seen = fresh->seen;
+    r->empty = fresh->empty;
+    r->rig = fresh->rig;
+    r->frame = fresh->frame;
+    r->triangles = fresh->triangles;
+    r->counts = fresh->counts;
+    r->workers = fresh->workers;
+    r->n_workers = fresh->n_workers;
+    if (fresh->keep_film) {
         lf_film_clear(&r->film);
     } else {
         old.film = r->film;
-        r->film = new->film;
+        r->film = fresh->film;
     }
-    memcpy(r->film.sky, new->sky, sizeof new->sky);
-    *new = old;
+    memcpy(r->film.sky, fresh->sky, sizeof fresh->sky);
+    *fresh = old;
 }
 
 static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_settings *settings, lf_error *err)
 {
-    parts new = {0};
-    lf_status status = make_parts(r, scene, settings, &new, err);
+    parts fresh = {0};
+    lf_status status = make_parts(r, scene, settings, &fresh, err);
     if (status != LF_OK) {
-        drop_parts(&new);
+        drop_parts(&fresh);
         return status;
     }
-    const lf_integrator *integrator = new.integrator;
-    take_parts(r, &new);
+    const lf_integrator *integrator = fresh.integrator;
+    take_parts(r, &fresh);
     lf_scene *old = r->scene;
     r->scene = lf_scene_ref(scene);
-    drop_parts(&new);
+    drop_parts(&fresh);
     lf_scene_unref(old);
     r->settings = *settings;
     r->settings.integrator = integrator->name;

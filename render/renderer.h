@@ -14,7 +14,7 @@ struct lf_renderer {
     lf_media_frame frame;
     lf_film film;
     lf_visit_plan plan;
-    lf_row_triangles triangles; /* all zero without meshes, or where nothing is shared */
+    lf_row_triangles triangles; /* all zero without meshes */
     int visit_passes;           /* passes in a visit of the offline schedule */
     lf_counts counts;           /* tiles only for adaptive integrators */
     bool mapped;                /* the map has been made: plan.counts */

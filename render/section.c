@@ -269,13 +269,17 @@ static bool cut_triangle(const lf_rig *rig, const lf_row_plane *plane, const lf_
     return true;
 }
 
-static void put_segment(lf_section_leaf *leaf, int i, const lf_rig *rig, const corner end[2], uint32_t triangle)
+static int material_of(const lf_mesh *mesh, uint32_t triangle)
+{
+    return mesh->triangle_material ? mesh->triangle_material[triangle] : mesh->material;
+}
+
+static void put_segment(lf_section_leaf *leaf, int i, const lf_rig *rig, const corner end[2])
 {
     leaf->d0[i] = to_d(rig, end[0].z);
     leaf->s0[i] = (float)(end[0].x / end[0].z);
     leaf->d1[i] = to_d(rig, end[1].z);
     leaf->s1[i] = (float)(end[1].x / end[1].z);
-    leaf->triangle[i] = triangle;
 }
 
 static void clear_boxes(lf_section_node *node)
@@ -325,7 +329,10 @@ void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_
         const lf_row_triangle *t = &rows->list[at];
         corner end[2];
         if (cut_triangle(rig, plane, &scene->meshes[t->mesh], t->triangle, end)) {
-            put_segment(&section->leaves[n / WIDE], n % WIDE, rig, end, rows->mesh_start[t->mesh] + t->triangle);
+            lf_section_leaf *leaf = &section->leaves[n / WIDE];
+            put_segment(leaf, n % WIDE, rig, end);
+            leaf->triangle[n % WIDE] = rows->mesh_start[t->mesh] + t->triangle;
+            leaf->material[n % WIDE] = material_of(&scene->meshes[t->mesh], t->triangle);
             n++;
         }
     }
@@ -433,7 +440,8 @@ void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, co
     double at[3];
     to_camera(rig, p, at);
     float inverse = 1.0f / (float)at[2];
-    question q = {.d = to_d(rig, at[2]), .s = (float)(at[0] / at[2]), .on = UINT32_MAX, .c = c, .scale = scale, .last = n - 1};
+    question q = {.d = to_d(rig, at[2]), .s = (float)(at[0] / at[2]), .on = UINT32_MAX, .c = c, .last = n - 1};
+    q.scale = scale;
     q.behind = 1e-6f * fabsf(q.d) + 1e-12f * inverse;
     if (on) {
         q.behind += 4e-6f * on->extent * inverse * inverse;
@@ -449,4 +457,78 @@ void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, co
                 return;
         }
     }
+}
+
+/* --------------------------------------------------------------------------------------------------------- nearest -- */
+
+/* The fan, and what it has met so far. */
+typedef struct fan {
+    float s; /* where its lines meet, at d = 0 */
+    int n;
+    const float *c;
+    float d[LF_MAX_LANES];
+    int *material;
+} fan;
+
+/* Boxes that lie between the outermost rays, on either side of d = 0. */
+static void fan_meets(const lf_section_node *node, const fan *f, int out[WIDE])
+{
+    float first = f->c[0], last = f->c[f->n - 1];
+    for (int i = 0; i < WIDE; i++) {
+        float d0 = node->d0[i], d1 = node->d1[i], a = first * d0, b = first * d1, e = last * d0, g = last * d1;
+        float below = lf_min(lf_min(a, b), lf_min(e, g)), above = lf_max(lf_max(a, b), lf_max(e, g));
+        out[i] = (node->s0[i] - f->s <= above) & (node->s1[i] - f->s >= below) & (d1 > -LF_SECTION_FAR);
+    }
+}
+
+/* A segment is met by the rays that have its ends on different sides: those that share an end agree on its side. */
+static void meet_segment(fan *f, int group, float d0, float s0, float d1, float s1, int material)
+{
+    for (int k = group; k < group + WIDE; k++) {
+        float a = s0 - f->c[k] * d0, b = s1 - f->c[k] * d1;
+        float d = d0 + (d1 - d0) * (a / (a - b));
+        bool nearer = ((a >= 0.0f) != (b >= 0.0f)) & (d > f->d[k]);
+        f->d[k] = nearer ? d : f->d[k];
+        f->material[k] = nearer ? material : f->material[k];
+    }
+}
+
+static void fan_leaf(const lf_section_leaf *leaf, fan *f)
+{
+    for (int i = 0; i < WIDE; i++) {
+        float d0 = leaf->d0[i], d1 = leaf->d1[i], s0 = leaf->s0[i] - f->s, s1 = leaf->s1[i] - f->s;
+        for (int group = 0; group < f->n && d1 > -LF_SECTION_FAR; group += WIDE) {
+            /* linear in c: no ray between two that have both ends on one side meets it */
+            float c0 = f->c[group], c1 = f->c[group + WIDE - 1];
+            bool above = s0 >= c0 * d0 && s1 >= c0 * d1 && s0 >= c1 * d0 && s1 >= c1 * d1;
+            bool below = s0 < c0 * d0 && s1 < c0 * d1 && s0 < c1 * d0 && s1 < c1 * d1;
+            if (!above && !below)
+                meet_segment(f, group, d0, s0, d1, s1, leaf->material[i]);
+        }
+    }
+}
+
+void lf_section_nearest(const lf_section *section, const lf_rig *rig, float s0, int n, const float *c, float *z, int *material)
+{
+    fan f = {.s = s0, .n = n, .c = c};
+    f.material = material;
+    for (int k = 0; k < n; k++) {
+        f.d[k] = -LF_SECTION_FAR;
+        material[k] = -1;
+    }
+    for (int root = 0; root < section->n_roots; root++) {
+        int hit[WIDE], inner[WIDE];
+        fan_meets(&section->roots[root], &f, hit);
+        for (int i = 0; i < WIDE; i++) {
+            if (!hit[i])
+                continue;
+            fan_meets(&section->nodes[WIDE * root + i], &f, inner);
+            for (int j = 0; j < WIDE; j++) {
+                if (inner[j])
+                    fan_leaf(&section->leaves[WIDE * (WIDE * root + i) + j], &f);
+            }
+        }
+    }
+    for (int k = 0; k < n; k++)
+        z[k] = material[k] < 0 ? INFINITY : rig->distance / (f.d[k] * rig->distance + 1.0f);
 }

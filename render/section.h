@@ -1,4 +1,5 @@
-/* The meshes cut by the plane of a row: from which views a surface hides a point of it; private to render/.
+/* The meshes cut by the plane of a row: from which views a surface hides a point of it, and what the rays of a fan meet first; private to
+ * render/.
  *
  * All rays of a visit lie in one plane (rig.h), and meshes meet it in segments. With d = 1/Z - 1/D and s = X/Z straight lines
  * stay straight, and the ray from the camera position c to the point (d0, s0) is the line s = s0 + c (d - d0): cameras are
@@ -41,6 +42,7 @@ void lf_row_triangles_finish(lf_row_triangles *rows);
 typedef struct lf_section_leaf {
     float d0[LF_SECTION_WIDE], s0[LF_SECTION_WIDE], d1[LF_SECTION_WIDE], s1[LF_SECTION_WIDE];
     uint32_t triangle[LF_SECTION_WIDE]; /* counted through all meshes */
+    int material[LF_SECTION_WIDE];
 } lf_section_leaf;
 
 /* Boxes of the leaves, or nodes, from 8 i on. */
@@ -69,5 +71,10 @@ void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_
  * lies on, which hides it from nobody; NULL for a point of a medium. */
 void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig, lf_vec3 p, const lf_hit *on, int n,
                      const float *c, float *scale);
+
+/* The nearest surface along each of n rays that leave the camera positions c[k], rising in k, through one point of the plane Z = D, or for
+ * a lens through one point of what it makes of that plane: the lines s = s0 + c d. n is a multiple of LF_LANES. z[k] is where it lies, INFINITY:
+ * nowhere; material[k] is its material in the scene, -1: none. */
+void lf_section_nearest(const lf_section *section, const lf_rig *rig, float s0, int n, const float *c, float *z, int *material);
 
 #endif

@@ -200,6 +200,58 @@ static void assert_as_rays(const char *text)
     tear_down(&b);
 }
 
+/* Triangles beside and behind the cameras, and some that reach from before to behind. */
+#define ROOM                                                                                                                       \
+    "'meshes': { 'room': { 'shape': 'sphere', 'transform': { 'scale': 9 } }, "                                                     \
+    "'floor': { 'shape': 'quad', 'transform': { 'scale': 30, 'translate': [0, -0.4, 0] } }, "                                      \
+    "'post': { 'shape': 'sphere', 'transform': { 'scale': [0.05, 3, 0.05], 'translate': [0.3, 0, 4.2] } }, "                       \
+    "'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.5, 'translate': [-0.4, 0.2, 1] } } }"
+
+/* Fans through points of the window: the rays of all views and columns find what Embree finds, but at edges. */
+static void assert_fans(bench *b)
+{
+    const lf_rig *rig = &b->renderer->rig;
+    int asked = 0, found = 0, wrong = 0, lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    for (int i = 0; i < 40 * height; i++) {
+        float c[LF_MAX_LANES], z[LF_MAX_LANES];
+        int material[LF_MAX_LANES];
+        if (i % 40 == 0)
+            cut(b, i / 40, 0.0f);
+        float lx = (2.0f * uniform(b) - 1.0f) * b->plane.lens_chord, xw = rig->x0 + uniform(b) * (float)width * rig->dx;
+        for (int k = 0; k < lanes; k++)
+            c[k] = rig->b[k] + lx;
+        lf_section_nearest(&b->section, rig, xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus), lanes, c, z,
+                           material);
+        for (int k = 0; k < rig->n_views; k++) {
+            lf_vec3 eye = lf_rig_point(rig, c[k], b->plane.ly, 0.0f);
+            lf_vec3 w = lf_rig_direction(rig, (xw - rig->b[k]) / rig->distance - lx / rig->focus, b->plane.my, 1.0f);
+            lf_hit hit;
+            bool met = lf_trace_surface(&b->tracer, eye, w, INFINITY, &hit);
+            bool same = met ? fabsf(z[k] - hit.t) <= 1e-4f * hit.t && &b->scene->materials[material[k]] == hit.material
+                            : z[k] == INFINITY && material[k] == -1;
+            asked++;
+            found += met;
+            wrong += !same;
+        }
+    }
+    if (wrong > asked / 2000)
+        fail_msg("of %d rays %d are wrong", asked, wrong);
+    assert_true(found > asked / 10);
+}
+
+static void fans_meet_what_rays_meet(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {LF_TEST_LAMP("45", ""), LF_TEST_LAMP("13", ", 'lens_radius': 0.15, 'focus_distance': 4"),
+                                         "{ " LF_TEST_CAMERA("45", "") ROOM " }"};
+    for (int i = 0; i < 3; i++) {
+        bench b;
+        set_up(&b, scenes[i]);
+        assert_fans(&b);
+        tear_down(&b);
+    }
+}
+
 /* Balls, a mirror, a lamp and the ground. */
 static void surfaces_hide_as_rays_find(void **state)
 {
@@ -213,13 +265,6 @@ static void lenses_move_the_cameras_of_a_row(void **state)
     (void)state;
     assert_as_rays(LF_TEST_LAMP("13", ", 'lens_radius': 0.15, 'focus_distance': 4"));
 }
-
-/* Triangles beside and behind the cameras, and some that reach from before to behind. */
-#define ROOM                                                                                                                       \
-    "'meshes': { 'room': { 'shape': 'sphere', 'transform': { 'scale': 9 } }, "                                                     \
-    "'floor': { 'shape': 'quad', 'transform': { 'scale': 30, 'translate': [0, -0.4, 0] } }, "                                      \
-    "'post': { 'shape': 'sphere', 'transform': { 'scale': [0.05, 3, 0.05], 'translate': [0.3, 0, 4.2] } }, "                       \
-    "'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.5, 'translate': [-0.4, 0.2, 1] } } }"
 
 static void rooms_surround_the_cameras(void **state)
 {
@@ -324,7 +369,7 @@ int main(void)
         cmocka_unit_test(a_card_hides_the_views_behind_it), cmocka_unit_test(surfaces_hide_as_rays_find),
         cmocka_unit_test(lenses_move_the_cameras_of_a_row), cmocka_unit_test(rooms_surround_the_cameras),
         cmocka_unit_test(scenes_far_away_tiny_and_huge),    cmocka_unit_test(lists_of_rows_are_complete),
-        cmocka_unit_test(another_plane_is_noticed),
+        cmocka_unit_test(another_plane_is_noticed),         cmocka_unit_test(fans_meet_what_rays_meet),
     };
     return cmocka_run_group_tests_name("section", tests, NULL, lf_test_finish);
 }
