@@ -14,9 +14,14 @@ static double normal_quantile(double alpha)
     return z;
 }
 
-/* Upper quantile of Student's t: Fisher and Cornish's expansion about the normal one, for 3 degrees of freedom or more. */
+/* Upper quantile of Student's t, for 2 degrees of freedom or more: Fisher and Cornish's expansion about the normal one, below 5 on a
+ * line in 1/freedom from there to the closed form at 2. */
 static double t_quantile(double alpha, double freedom)
 {
+    if (freedom < 5.0) {
+        double two = (1.0 - 2.0 * alpha) * sqrt(0.5 / (alpha * (1.0 - alpha))), share = (1.0 / freedom - 0.2) / 0.3;
+        return share * two + (1.0 - share) * t_quantile(alpha, 5.0);
+    }
     double z = normal_quantile(alpha), z2 = z * z, f = 1.0 / freedom;
     double g1 = (z2 + 1.0) * z / 4.0;
     double g2 = ((5.0 * z2 + 16.0) * z2 + 3.0) * z / 96.0;
@@ -39,9 +44,11 @@ static double trigamma(double x)
 
 double lf_error_bound(const lf_row_error *rows, int n, double alpha, double *out_estimate)
 {
-    double estimate = 0.0, second = 0.0, fourth = 0.0, scale = 0.0;
+    double estimate = 0.0, second = 0.0, fourth = 0.0, scale = 0.0, own = 0.0, next = 0.0;
     for (int i = 0; i < n; i++) {
         double x = rows[i].cross * rows[i].cross;
+        own += rows[i].square * rows[i].square;
+        next += i + 1 < n ? rows[i].square * rows[i + 1].square : 0.0;
         estimate += rows[i].square / n;
         second += x;
         fourth += x * x;
@@ -49,15 +56,28 @@ double lf_error_bound(const lf_row_error *rows, int n, double alpha, double *out
     }
     if (out_estimate)
         *out_estimate = estimate;
-    if (!(estimate > 0.0))
-        return 0.0;
-    /* One row alone tells nothing about its own scatter: as if it were a single number. */
-    double variance = 4.0 * estimate * estimate;
-    if (n > 1)
-        variance = (4.0 * second * n / (n - 1.0) + SCALE_VARIANCE * scale) / ((double)n * n);
-    double freedom = fmax(3.0, fourth > 0.0 ? second * second / fourth : 3.0);
+    if (!(estimate > 0.0) || !isfinite(estimate))
+        return estimate == 0.0 ? 0.0 : -1.0;
+    /* A row alone, or beside rows without error, tells nothing about its own scatter: as if it were a single number. Else the products
+     * with the next row, times what is lost where the next row has less error than this one. */
+    double variance = 4.0 * own / ((double)n * n);
+    if (next > 1e-6 * own)
+        variance = fmin(variance, (4.0 * second * fmax(n / (n - 1.0), own / next) + SCALE_VARIANCE * scale) / ((double)n * n));
+    double freedom = fmax(2.0, fourth > 0.0 ? second * second / fourth : 2.0);
     double deviation = sqrt(2.0 * trigamma(fmax(2.0 * estimate * estimate / fmax(variance, 1e-300), 1e-3)));
     return estimate * exp(t_quantile(alpha, freedom) * deviation);
+}
+
+/* Visits of a row, in both halves, before finding no error at all is believed: what a row's plane has missed so far shows none. */
+#define MIN_VISITS 8
+
+static bool visited_enough(const lf_film *film)
+{
+    for (int row = 0; row < film->height; row++) {
+        if (film->rows[row].visits[0] + film->rows[row].visits[1] < MIN_VISITS)
+            return false;
+    }
+    return true;
 }
 
 typedef struct error_job {
@@ -100,6 +120,8 @@ double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimat
     double bound = -1.0;
     if (job.scratch && job.rows && lf_pool_run(renderer->pool, film->height, error_of_row, &job, NULL) == LF_OK && !job.unknown)
         bound = lf_error_bound(job.rows, film->height, alpha, out_estimate);
+    if (bound == 0.0 && !visited_enough(film))
+        bound = -1.0;
     lf_free(job.scratch);
     lf_free(job.rows);
     return bound;

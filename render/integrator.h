@@ -37,7 +37,7 @@ typedef struct lf_worker {
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES], sigma[LF_MAX_LANES];
-    float scale[LF_MAX_LANES], density[LF_MAX_LANES], lobe[LF_MAX_LANES], visible[LF_MAX_LANES];
+    float scale[LF_MAX_LANES], density[LF_MAX_LANES], lobe[LF_MAX_LANES];
     float count[LF_MAX_LANES];    /* expected counts of the lanes' pixels, as in lf_visit.expected */
     float strategy[LF_MAX_LANES]; /* count times density */
     int column[LF_MAX_LANES];

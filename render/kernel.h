@@ -12,7 +12,8 @@ typedef struct lf_kernels {
 
     /* Adds to tau[n] the optical depths per unit of Z that n rays X(Z) = x0[k] + slope[k] Z meet in a slice between the camera line
      * and z_end[k]; sigma[n] (may be NULL: not wanted) is set to sigma_t of each ray at z_end, the same z_end for all then. n is
-     * a multiple of LF_LANES; x0 and slope are linear in k (lanes behind the views repeat the last), so that the ends bound the fan. */
+     * a multiple of LF_LANES; on every plane X(Z) rises or falls with k (camera positions rise with k, lanes behind the views repeat
+     * the last), so that the ends bound the fan. */
     void (*march)(const lf_slice *slice, int n, const float *x0, const float *slope, const float *z_end, float *tau, float *sigma);
 
     /* The same for a homogeneous shape. */

@@ -202,7 +202,8 @@ typedef struct lf_render_stats {
 
 /* An upper bound, at confidence 1 - alpha (0 < alpha <= 0.5), of the relMSE of this very picture: of mean over view pixels and channels of
  * (x - I)^2 / (I^2 + 1e-2), x what lf_renderer_resolve answers now and I the truth. From the halves, row by row; *out_estimate (may be
- * NULL) gets the estimate of the same. Negative (estimate untouched) while a row has not been seen by both halves, or without memory.
+ * NULL) gets the estimate of the same. Negative while a row has not been seen by both halves, while there is no error at all and rows have
+ * had few visits, where the picture is not finite, or without memory.
  * Takes about as long as two resolves, on the pool; same thread as lf_renderer_resolve. docs/estimators.md, "The error and its bound". */
 /* What programs use: 95 %. */
 #define LF_ERROR_ALPHA 0.05

@@ -110,13 +110,13 @@ static lf_film_layout film_layout(const lf_scene *scene, unsigned kept, const lf
 
 /* Passes in a visit of the offline schedule. Where surfaces have edges a picture needs many row offsets and film points of B and q,
  * which all views of a visit share: a third of a cycle, by a divisor of n. Media alone are smooth, and their slices want whole
- * cycles; so does what shares nothing, and delta lobes, whose plain sum M takes a sample too many or too few for noise. */
+ * cycles; so does what shares nothing. */
 static int passes_of_a_visit(const lf_scene *scene, const lf_integrator *integrator, int n)
 {
+    const int parts = 3;
     int best = n;
     if (!scene->embree || !integrator->shares)
         return n;
-    int parts = 3;
     for (int g = (n + 6) / 7; 2 * g <= n; g++) {
         if (n % g == 0 && abs(parts * g - n) < abs(parts * best - n))
             best = g;

@@ -444,7 +444,7 @@ void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, co
     q.scale = scale;
     q.behind = 1e-6f * fabsf(q.d) + 1e-12f * inverse;
     if (on) {
-        q.behind += 4e-6f * on->extent * inverse * inverse;
+        q.behind += 5e-7f * on->extent * inverse * inverse; /* the rounding of p */
         q.on = rows->mesh_start[on->mesh->geom_id] + on->triangle;
     }
     if (!narrow(&q))

@@ -72,9 +72,9 @@ void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_
 void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig, lf_vec3 p, const lf_hit *on, int n,
                      const float *c, float *scale);
 
-/* The nearest surface along each of n rays that leave the camera positions c[k], rising in k, through one point of the plane Z = D, or for
- * a lens through one point of what it makes of that plane: the lines s = s0 + c d. n is a multiple of LF_LANES. z[k] is where it lies, INFINITY:
- * nowhere; material[k] is its material in the scene, -1: none. */
+/* The nearest surface along each of n rays that leave the camera positions c[k], rising in k, through one point of the plane Z = D, or
+ * for a lens through one point of what it makes of that plane: the lines s = s0 + c d. n is a multiple of LF_LANES. z[k] is where it
+ * lies, INFINITY: nowhere; material[k] is its material in the scene, -1: none. */
 void lf_section_nearest(const lf_section *section, const lf_rig *rig, float s0, int n, const float *c, float *z, int *material);
 
 #endif

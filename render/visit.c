@@ -125,6 +125,10 @@ static void add_native(lf_visit *visit, int view, int column, const lf_event *ev
         radiance = lf_add(radiance, lf_path_scattered(tracer, &next, 2, visit->max_depth));
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
     radiance = lf_scale(lf_mul(radiance, r), visit->weight * native_weight(visit, pixel) / probability);
+    if (!isfinite(radiance.x + radiance.y + radiance.z)) {
+        tracer->nonfinite++;
+        return;
+    }
     float *out = visit->sums.native[pixel];
     out[0] += radiance.x;
     out[1] += radiance.y;
@@ -217,7 +221,7 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
     lf_rig_row_plane(plan->rig, (float)visit->row + lf_sampler_radical(offsets, index), lens, &visit->plane);
     lf_media_cut(&visit->worker->media, plan->frame, plan->scene, plan->rig, &visit->plane,
                  lf_sampler_radical(lf_hash64(key, 4), index), &visit->worker->tracer.lookups);
-    if (plan->triangles && plan->subsets > 0)
+    if (plan->triangles)
         lf_section_cut(&visit->worker->section, plan->triangles, plan->scene, plan->rig, visit->row, &visit->plane);
     if (plan->kept & LF_SKIP_BACKGROUND)
         lf_reach_whole(&visit->worker->reach, plan->rig);
@@ -225,8 +229,7 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
         lf_reach_of(&visit->worker->reach, plan->scene, plan->rig, &visit->plane, &visit->worker->media);
 }
 
-/* key names the half's stream, index the visit. */
-static void begin(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint32_t index)
+static void begin(const lf_visit_plan *plan, lf_visit *visit)
 {
     visit->scene = plan->scene;
     visit->rig = plan->rig;
@@ -242,7 +245,6 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint
     visit->pilot = plan->pilot;
     visit->faults = plan->faults;
     visit->worker->tracer.scene = plan->scene;
-    cut(plan, visit, key, lf_hash64(key, 0), index);
 }
 
 static uint64_t stream(const lf_visit_plan *plan, int row, int half)
@@ -309,38 +311,65 @@ static bool is_hole(const lf_film_half half[2], const double n[2], size_t pixel)
     return q > 0.0f && !(w > 0.0f);
 }
 
-/* Native samples for pixels where something scatters and nothing has arrived, so far that none is left farther than hole_reach columns
- * from one that has something; the first at the very film point that found q > 0. Each weighs as much as the half's count so
- * far (docs/estimators.md, "Holes"). false = cancelled. */
-static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, uint64_t key, uint32_t index, const lf_cancel *cancel)
+/* Native samples for holes, in the plane of one visit, until none is left farther than hole_reach columns from a pixel that has
+ * something; the first of a pixel at the very film point of B and q in that visit. tries = 0: what is left counts as dark from now on.
+ * *out_left: how many there are. false = cancelled. */
+static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int tries, uint64_t exits, uint32_t index,
+                       int *out_left, const lf_cancel *cancel)
 {
-    enum { TRIES = 4 };
     const lf_film_row *state = &plan->film->rows[visit->row];
     const lf_film_half halves[2] = {lf_film_at(plan->film, visit->row, 0), lf_film_at(plan->film, visit->row, 1)};
     int width = plan->rig->width;
-    uint64_t hole_key = lf_hash64(key, 6);
-    visit->integrator = &lf_integrator_vpt;
-    visit->sums = (lf_film_sums){.half = halves[half]}; /* no M: it takes no samples beyond the count */
-    visit->weight = (float)state->n[half];
+    uint64_t own = lf_hash64(exits, 6 + 16 * (uint64_t)tries);
+    *out_left = 0;
     for (int view = 0; view < plan->rig->n_views; view++) {
         for (int column = 0, filled = -1; column < width; column++) {
             size_t pixel = (size_t)view * (size_t)width + (size_t)column;
+            /* Nobody reads it. */
             if (visit->expected && !(visit->expected[pixel] > 0.0f))
                 continue;
-            for (int i = 0; i < TRIES && column - filled >= plan->hole_reach && is_hole(halves, state->n, pixel); i++) {
-                float film = i == 0 ? lf_exits_film_point(key, column, index) : -1.0f;
+            bool far = column - filled >= plan->hole_reach;
+            for (int i = 0; i < tries && far && is_hole(halves, state->n, pixel); i++) {
+                float film = i == 0 ? lf_exits_film_point(exits, column, index) : -1.0f;
                 if (cancelled(cancel))
                     return false;
-                base_sample(plan, visit, view, column, film, false, hole_key, index * TRIES + (uint32_t)i);
+                base_sample(plan, visit, view, column, film, false, own, index * (uint32_t)tries + (uint32_t)i);
             }
-            /* Looked for and not found, in a pixel that something touches only just: its scattered light is taken for 0 until a
-             * path arrives, whose weight is beyond comparison. */
-            if (column - filled >= plan->hole_reach && is_hole(halves, state->n, pixel))
+            bool hole = is_hole(halves, state->n, pixel);
+            if (hole && far && tries == 0)
                 halves[half].scattered[pixel].w = LF_LOOKED_FOR;
-            filled = is_hole(halves, state->n, pixel) ? filled : column;
+            *out_left += hole && far;
+            filled = hole && !(far && tries == 0) ? filled : column;
         }
     }
     return true;
+}
+
+/* Fills the holes of a row: in the plane of the visit that has just been (now; < 0: none has), where most are found at once, then in those
+ * of earlier visits, one of which has found that something scatters there. Each sample weighs as much as the half's count so far
+ * (docs/estimators.md, "Holes"). What only older visits have met counts as dark until a path arrives, whose weight is beyond
+ * comparison. false = cancelled. */
+static bool fill_row(const lf_visit_plan *plan, lf_visit *visit, int half, int64_t now, const lf_cancel *cancel)
+{
+    enum { TRIES = 4, REPLAYS = 8 };
+    const lf_film_row *state = &plan->film->rows[visit->row];
+    int left = 1;
+    visit->integrator = &lf_integrator_vpt;
+    visit->sums = (lf_film_sums){.half = lf_film_at(plan->film, visit->row, half)}; /* no M: it takes no samples beyond the count */
+    visit->weight = (float)state->n[half];
+    if (now >= 0 && !fill_holes(plan, visit, half, TRIES, stream(plan, visit->row, half), (uint32_t)now, &left, cancel))
+        return false;
+    for (int i = 0; i < 2 * REPLAYS && left > 0; i++) {
+        int from = i % 2 ? 1 - half : half;
+        int64_t index = (int64_t)state->visits[from] - 1 - i / 2;
+        uint64_t key = stream(plan, visit->row, from);
+        if (index < 0 || (from == half && index == now))
+            continue;
+        cut(plan, visit, key, lf_hash64(key, 0), (uint32_t)index);
+        if (!fill_holes(plan, visit, half, 1, key, (uint32_t)index, &left, cancel))
+            return false;
+    }
+    return left == 0 || fill_holes(plan, visit, half, 0, 0, 0, &left, cancel);
 }
 
 /* Delta lobes are nobody else's to find. Pixels whose film point of B and q met one get native samples of their own, six for each
@@ -376,15 +405,18 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     uint32_t index = state->visits[half];
     uint64_t key = stream(plan, row, half);
     lf_visit visit = {.worker = worker, .sums = worker->sums, .row = row};
-    begin(plan, &visit, key, index);
-    double first_rank = (double)(lf_sampler_radical(lf_hash64(key, 11), 0) * (float)views);
-    int64_t passes = llround(state->n[half] * views);
+    begin(plan, &visit);
     visit.random = lf_hash64(lf_hash64(key, 3), index);
-    visit.start = (int)(lf_sampler_radical(lf_hash64(key, 7), 0) * (float)views) + (int)(passes % views);
     if (plan->counts) {
         lf_counts_row(plan->counts, row, worker->expected);
         visit.expected = worker->expected;
     }
+    if (plan->subsets == 0)
+        return fill_row(plan, &visit, half, -1, cancel);
+    cut(plan, &visit, key, lf_hash64(key, 0), index);
+    double first_rank = (double)(lf_sampler_radical(lf_hash64(key, 11), 0) * (float)views);
+    int64_t passes = llround(state->n[half] * views);
+    visit.start = (int)(lf_sampler_radical(lf_hash64(key, 7), 0) * (float)views) + (int)(passes % views);
 
     double weight = (double)plan->subsets / (double)(views * plan->column_step);
     int first = plan->column_step > 1 ? (int)((visit.random >> 32) % (uint64_t)plan->column_step) : 0;
@@ -398,8 +430,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
     lf_film_sums_begin(&worker->sums);
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 8), index);
-    if (plan->subsets > 0)
-        lf_exits_row(plan, &visit, key, index);
+    lf_exits_row(plan, &visit, key, index);
     if (plan->faults & LF_FAULT_OTHER_ROW)
         cut(plan, &visit, key, lf_hash64(key, 0), index);
     if (visit.expected ? !sample_counts(plan, &visit, state->n[half], first_rank, lf_hash64(key, 13), cancel)
@@ -409,5 +440,5 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
         return false;
     lf_film_merge(plan->film, row, half, &worker->sums, weight, lf_hash64(lf_hash64(key, 9), index));
     state->passes += (double)plan->subsets / plan->column_step;
-    return plan->hole_reach < 0 || fill_holes(plan, &visit, half, key, index, cancel);
+    return plan->hole_reach < 0 || fill_row(plan, &visit, half, index, cancel);
 }

@@ -110,6 +110,36 @@ static void a_cancelled_pass_says_so(void **state)
     lf_scene_unref(scene);
 }
 
+/* A slab whose upper and lower sides run along rows: a visit's plane meets it or passes it by. Whatever the last plane did, a pixel that an
+ * earlier one found something in gets a path there. */
+static void holes_are_filled_where_something_was_found(void **state)
+{
+    (void)state;
+    lf_scene *scene =
+        lf_test_scene("{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.6667, 'cone': 35, 'views': 5 }, "
+                      "'volumes': { 'slab': { 'shape': 'box', 'density': 4, 'transform': { 'scale': [0.8, 0.03, 0.5] } } }, "
+                      "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", WIDTH, HEIGHT, NULL);
+    int64_t filled = 0;
+    for (uint64_t seed = 0; seed < 100; seed++) {
+        lf_render_stats stats;
+        lf_test_reseed(r, lf_hash64(lf_test_seed(), seed));
+        lf_test_passes(r, 2);
+        free(lf_test_picture(r, LF_ESTIMATOR_MWIS));
+        lf_renderer_stats(r, &stats);
+        filled += stats.holes;
+        lf_assert_ok(lf_renderer_fill_holes(r, NULL), NULL);
+        for (int row = 0; row < HEIGHT; row++) {
+            const lf_film_half a = lf_film_at(&r->film, row, 0), b = lf_film_at(&r->film, row, 1);
+            for (int i = 0; i < VIEWS * WIDTH; i++)
+                assert_true(a.q[i] + b.q[i] < 1e-3f || a.scattered[i].w + b.scattered[i].w > 1e-20f);
+        }
+    }
+    assert_true(filled > 100);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
 /* Largest distance along a row from a hole to a pixel of its view that is none. */
 static int farthest_hole(const uint8_t *flags)
 {
@@ -237,6 +267,7 @@ static void another_picture_or_half_a_file_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(holes_are_filled_where_something_was_found),
         cmocka_unit_test(passes_allocate_nothing),
         cmocka_unit_test(a_restart_leaves_nothing_of_the_old_picture),
         cmocka_unit_test(settings_out_of_range_are_refused_and_change_nothing),
