@@ -2,6 +2,11 @@
 #
 #   make                    programs and scenes into build/ (packages must be there: make deps)
 #   make run | check        install what is missing, build, and start the daemon | run all tests
+#   SCENE=FILE DEVICE=NAME RUN_FOR=SECONDS ARGS="…"   what make run shows, where, how long, and more options of quiltd
+#   make install            programs, man pages, scenes, units, udev rule: PREFIX (/usr/local), DESTDIR
+#   make deps | clean       install what building needs | remove what was built
+#   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
+#   make lint               static checks
 #   make check-arm64        the portable parts, built for arm64 and run by an emulator
 #   make T=render check     only the tests whose path holds this word
 #   make build/release/tests/base/test_file     one test program
@@ -32,6 +37,7 @@ TMPFILESDIR ?= $(PREFIX)/lib/tmpfiles.d
 UDEVDIR ?= $(PREFIX)/lib/udev/rules.d
 INSTALL ?= install
 
+comma := ,
 programs := quiltd quiltctl quiltrender quiltbench
 rooms := base render quilt device daemon
 
@@ -176,11 +182,12 @@ lint:
 	@$(self) $(jobs) $@-now
 
 RUN := $(BUILDROOT)/run
-run-now: SCENE ?= $(if $(scene_copies),$(SRCDIR),$(BUILDROOT))/scenes/first-light.json
-run-now: DEVICE ?= sim:$(RUN)/sim
+# not for run-now alone: make 4.3 takes such a variable out of the environment of every other recipe
+SCENE ?= $(if $(scene_copies),$(SRCDIR),$(BUILDROOT))/scenes/first-light.json
+DEVICE ?= sim:$(RUN)/sim
 run-now: all
 	@mkdir -p $(RUN)/sim $(RUN)/state $(RUN)/export
-	@echo 'pictures: $(abspath $(RUN))/sim/panel.png (the panel), view.png (what an eye sees), quilt.png (all views)'
+	@$(if $(filter sim:%,$(DEVICE)),echo 'pictures: $(abspath $(firstword $(subst $(comma), ,$(DEVICE:sim:%=%))))/panel.png (the panel)$(comma) view.png (what an eye sees)$(comma) quilt.png (all views)')
 	@echo 'talk to it: $(abspath $(if $(links),$(BUILDROOT),$(O)))/quiltctl --socket $(call socket) status'
 	@$(O)/quiltd '$(SCENE)' --device '$(DEVICE)' --socket '$(call socket)' --state '$(RUN)/state' --export-dir '$(RUN)/export' \
 	 $(if $(RUN_FOR),--run-for $(RUN_FOR)) $(ARGS)

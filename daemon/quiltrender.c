@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
@@ -185,6 +186,44 @@ static lf_status open_scene(job *j, lf_error *err)
     return status;
 }
 
+/* Files that are written beside and renamed would take the place of what they were made from. */
+static lf_status check_not_input(const char *path, const char *input, lf_error *err)
+{
+    struct stat out, in;
+    if (stat(path, &out) == 0 && stat(input, &in) == 0 && out.st_dev == in.st_dev && out.st_ino == in.st_ino)
+        return lf_error_set(err, LF_E_ARG, path, "is what is being rendered: choose another name");
+    return LF_OK;
+}
+
+/* The manifest of a print takes the place of another manifest, and of nothing else. */
+static lf_status check_manifest(const char *print, const char *input, lf_error *err)
+{
+    char *path = lf_output_manifest_path(print);
+    if (!path)
+        return lf_error_set(err, LF_E_NOMEM, print, "out of memory");
+    lf_status status = check_not_input(path, input, err);
+    if (status == LF_OK && access(path, F_OK) == 0) {
+        json_t *there = json_load_file(path, 0, NULL);
+        if (!json_object_get(there, "quiltd_print"))
+            status = lf_error_set(err, LF_E_ARG, path,
+                                  "is there already and is no manifest of a print: choose another name for the TIFF");
+        json_decref(there);
+    }
+    lf_free(path);
+    return status;
+}
+
+static lf_status check_outputs(const job *j, lf_error *err)
+{
+    const lf_render_arguments *a = j->arguments;
+    lf_status status = check_not_input(j->path, a->scene, err);
+    if (status == LF_OK && a->stats)
+        status = check_not_input(a->stats, a->scene, err);
+    if (status == LF_OK && a->kind == LF_OUTPUT_PRINT)
+        status = check_manifest(j->path, a->scene, err);
+    return status;
+}
+
 static lf_status open_input(job *j, lf_error *err)
 {
     const lf_render_arguments *a = j->arguments;
@@ -198,6 +237,8 @@ static lf_status open_input(job *j, lf_error *err)
         status = lf_is_quilt(a->scene, NULL) ? open_quilt(j, err) : open_scene(j, err);
     if (status == LF_OK)
         status = lf_output_path(a->kind, a->out, &j->layout, &j->path, err);
+    if (status == LF_OK)
+        status = check_outputs(j, err);
     if (status == LF_OK && lf_pool_create(a->options.threads, &j->pool) != LF_OK)
         status = lf_error_set(err, LF_E_NOMEM, "--threads", "cannot start the worker threads");
     return status;

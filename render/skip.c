@@ -40,6 +40,8 @@ static lf_status unknown(const char *word, lf_error *err)
         snprintf(list + at, sizeof list - at, ", %s", table[i].name);
         at += strlen(list + at);
     }
+    if (strcmp(word, "all") == 0 || strcmp(word, "none") == 0)
+        return lf_error_set(err, LF_E_ARG, "skip", "\"%s\" stands alone, not in a list", word);
     const char *meant = lf_nearest_name(word, names);
     if (meant)
         return lf_error_set(err, LF_E_ARG, "skip", "nothing is called \"%s\"; did you mean \"%s\"?", word, meant);
