@@ -128,7 +128,8 @@ typedef struct lf_render_settings {
 typedef struct lf_renderer lf_renderer;
 
 /* A renderer with an empty film. Keeps a reference to scene; pool is borrowed and must outlive it. LF_E_ARG for settings
- * out of range (err says which), LF_E_NOMEM. Memory: 40 to 64 bytes a view pixel (film.h). */
+ * out of range (err says which), LF_E_NOMEM. Memory: 40 to 64 bytes a view pixel (film.h), and 12 for every triangle and row that can meet
+ * it: with a wide lens those are many rows (section.h). */
 LF_NODISCARD lf_status lf_renderer_create(lf_scene *scene, const lf_render_settings *settings, lf_pool *pool,
                                           lf_renderer **out_renderer, lf_error *err);
 /* Accepts NULL. */
