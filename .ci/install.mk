@@ -9,7 +9,7 @@ install: all
 	@for p in $(notdir $(built)); do $(call to,755,$(O)/$$p,$(BINDIR)/$$p) || exit 1; done
 	@for f in $(man_pages); do $(call to,644,$(SRCDIR)/$$f,$(MANDIR)/man$${f##*.}/$${f##*/}) || exit 1; done
 	@for f in $(scene_data); do $(call to,644,$(BUILDROOT)/$$f,$(SCENEDIR)/$${f#scenes/}) || exit 1; done
-	@$(call to,644,$(SRCDIR)/docs/scene.schema.json,$(dir $(SCENEDIR))docs/scene.schema.json)
+	@for f in scene.schema.json scene.md print.md; do $(call to,644,$(SRCDIR)/docs/$$f,$(dir $(SCENEDIR))docs/$$f) || exit 1; done
 	@$(call filled,quiltd.service) && $(call to,644,$(O)/quiltd.service,$(UNITDIR)/quiltd.service)
 	@$(call filled,quiltd.socket) && $(call to,644,$(O)/quiltd.socket,$(UNITDIR)/quiltd.socket)
 	@$(call to,644,$(SRCDIR)/systemd/quiltd.sysusers,$(SYSUSERSDIR)/quiltd.conf)
