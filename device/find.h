@@ -1,0 +1,43 @@
+/* Finding calibrations: every place where the lens of a panel may be written down, and which one belongs to a display.
+ *
+ * Places, in the order in which they are believed: a file that the user gave (the caller's business), the EEPROM of a first-generation
+ * panel over HID, LKG_calibration/visual.json on the drive that a later panel is, the cache of what was read before. Reading never
+ * writes to a panel: EEPROM pages are only read, drives are mounted by udisks2 read-only when nothing else has mounted them, and
+ * nothing is ever mounted by quiltd itself.
+ * Threads: any, one at a time a call. May take 2 s (a device that does not answer): not for the event thread. */
+#ifndef LF_DEVICE_FIND_H
+#define LF_DEVICE_FIND_H
+
+#include "base/calibration.h"
+#include "device/edid.h"
+
+typedef enum lf_source { LF_SOURCE_HID, LF_SOURCE_DRIVE, LF_SOURCE_CACHE } lf_source;
+
+/* A place where a calibration is, or should be. Strings are sanitised (lf_device_text). */
+typedef struct lf_found {
+    lf_source source;
+    char path[256];    /* /dev/hidraw0, /media/me/LKG-P00671/LKG_calibration/visual.json */
+    char label[64];    /* product string, volume label: what the place says before it is read */
+    char problem[256]; /* why it cannot be used and what to do; empty = calibration is valid */
+    lf_calibration calibration;
+} lf_found;
+
+/* Looks everywhere; fills at most max entries (the same serial over HID or drive and from the cache is told once) and returns their
+ * number. Damaged and forbidden places are told with their problem. */
+int lf_find_all(lf_found *out, int max);
+
+/* The calibration for a display among found[n]: one whose serial or label begins with the display's name or serial number; else the
+ * only one whose screen size is the display's; else, when there is one in all and the display says nothing of itself, that. NULL =
+ * none, with err telling what was found instead and what to do. */
+const lf_found *lf_find_match(const lf_found *found, int n, const lf_edid *display, lf_error *err);
+
+/* lf_find_all and lf_find_match in one: what the devices that show on a display call. *out_from[256] tells where it came from. Remembers it
+ * in the cache. LF_E_NODEV: none; LF_E_FORMAT: the one that matches is damaged. */
+LF_NODISCARD lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, char *out_from, lf_error *err);
+
+/* The cache: a file a serial under $CACHE_DIRECTORY/panels (systemd's), else $XDG_CACHE_HOME/quiltd/panels, else
+ * ~/.cache/quiltd/panels. A cache that cannot be written is no error. */
+void lf_cache_store(const lf_calibration *calibration);
+int lf_cache_list(lf_found *out, int max);
+
+#endif
