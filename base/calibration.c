@@ -155,6 +155,17 @@ static lf_status take_numbers(parser *p)
     return status;
 }
 
+/* Texts end up in listings and terminals; controls (C0, DEL, and C1 in UTF-8) do not. */
+static void remove_controls(char *text)
+{
+    for (unsigned char *c = (unsigned char *)text; *c != 0; c++) {
+        if (*c < 0x20 || *c == 0x7f)
+            *c = '?';
+        else if (c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0)
+            c[0] = c[1] = '?';
+    }
+}
+
 static lf_status take_text(parser *p, const char *key, char *to, size_t size)
 {
     const json_t *value = unwrap(json_object_get(p->root, key));
@@ -163,6 +174,7 @@ static lf_status take_text(parser *p, const char *key, char *to, size_t size)
     if (!json_is_string(value) || json_string_length(value) >= size)
         return bad_key(p, key, "a short text");
     memcpy(to, json_string_value(value), json_string_length(value));
+    remove_controls(to);
     return LF_OK;
 }
 

@@ -10,43 +10,6 @@ enum { MAX_FOUND = 32 };
 
 const lf_device_ops *const lf_device_table[] = {&lf_sim_ops, &lf_none_ops, NULL};
 
-/* Length of the UTF-8 character at s, 0 when it is none or a control character. */
-static size_t character_length(const unsigned char *s)
-{
-    if (s[0] < 0x80)
-        return s[0] >= 0x20 && s[0] != 0x7f;
-    size_t n = s[0] >= 0xc2 && s[0] < 0xe0 ? 2 : (s[0] & 0xf0) == 0xe0 ? 3 : s[0] >= 0xf0 && s[0] < 0xf5 ? 4 : 0;
-    for (size_t i = 1; i < n; i++)
-        if ((s[i] & 0xc0) != 0x80)
-            return 0;
-    if (s[0] == 0xc2 && s[1] < 0xa0)
-        return 0; /* C1 controls */
-    if ((s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xed && s[1] > 0x9f) || (s[0] == 0xf0 && s[1] < 0x90) ||
-        (s[0] == 0xf4 && s[1] > 0x8f))
-        return 0; /* overlong, surrogates, beyond U+10FFFF */
-    return n;
-}
-
-void lf_device_text(char *out, size_t size, const char *text)
-{
-    assert(size > 0);
-    const unsigned char *s = (const unsigned char *)text;
-    size_t used = 0;
-    while (*s != 0) {
-        size_t n = character_length(s);
-        size_t wide = n > 0 ? n : 1;
-        if (used + wide >= size)
-            break;
-        if (n > 0)
-            memcpy(out + used, s, n);
-        else
-            out[used] = '?';
-        used += wide;
-        s += wide;
-    }
-    out[used] = 0;
-}
-
 static const lf_device_ops *find_kind(const char *kind, size_t length)
 {
     for (int i = 0; lf_device_table[i] != NULL; i++)

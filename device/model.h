@@ -40,11 +40,14 @@ size_t lf_model_hid_eeprom(const char *json, size_t n, uint8_t *out, size_t max)
 void lf_model_hid_destroy(lf_model_hid *hid);
 /* SET_REPORT of the feature report, without its id: n is what the host sent. Returns n or an errno as above. */
 int lf_model_hid_feature(lf_model_hid *hid, const uint8_t *data, size_t n);
-/* The next packet of input reports into out[max]; -EAGAIN when there is none. */
+/* The next packet of input reports into out[max], its rest with the next call when it does not fit; -EAGAIN when there is none. At most 64
+ * packets wait; the newest are dropped. */
 int lf_model_hid_input(lf_model_hid *hid, uint8_t *out, size_t max);
-/* The buttons that are down from now on, bit 0 = square, 1 = left, 2 = right, 3 = circle: sends an unsolicited report. */
+/* The buttons that are down from now on, bit 0 = square, 1 = left, 2 = right, 3 = circle: sends an unsolicited report, which repeats the
+ * echo and the data of the last reply (zeros before the first, which looks like a page 0 of zeros). */
 void lf_model_hid_press(lf_model_hid *hid, uint8_t buttons);
-/* Requests other than reading a page so far: must stay 0, the EEPROM might be writable. */
+/* Requests so far that are not, to the byte, the reading of a page (another command or length, bytes that should be 0): must stay 0, the
+ * EEPROM might be writable. They are refused with a STALL. */
 uint64_t lf_model_hid_violations(const lf_model_hid *hid);
 
 /* ------------------------------------------------------------------------------------------------- model_gud.c -- */

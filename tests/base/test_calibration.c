@@ -169,6 +169,15 @@ static void hostile_texts_are_refused(void **state)
     assert_refused(longest, strlen(longest), "/serial", 1, "short");
 }
 
+static void texts_hold_no_control_characters(void **state)
+{
+    (void)state;
+    lf_calibration c = parsed("{" GOOD ",\"serial\":\"LKG\\u001b[2J\\u007f\\u009b\\u00e4\",\"configVersion\":\"3\\n\"}");
+    assert_string_equal(c.serial, "LKG?[2J???\xc3\xa4");
+    assert_string_equal(c.config_version, "3?");
+    assert_refused("{\n" GOOD ",\"serial\":\"a\\u0000b\"}", strlen("{\n" GOOD ",\"serial\":\"a\\u0000b\"}"), "", 2, "not JSON");
+}
+
 static void too_many_or_malformed_cells_are_refused(void **state)
 {
     (void)state;
@@ -298,6 +307,7 @@ int main(void)
         cmocka_unit_test(required_numbers_are_checked_one_by_one),
         cmocka_unit_test(values_out_of_range_are_refused),
         cmocka_unit_test(hostile_texts_are_refused),
+        cmocka_unit_test(texts_hold_no_control_characters),
         cmocka_unit_test(too_many_or_malformed_cells_are_refused),
         cmocka_unit_test(damaged_texts_give_sane_numbers_or_an_error),
         cmocka_unit_test(a_missing_or_huge_file_is_an_error),

@@ -1,0 +1,72 @@
+#include "device/edid.h"
+
+#include <string.h>
+
+#include "device/device_table.h"
+
+/* VESA E-EDID A2, section 3: a block of 128 bytes, four descriptors of 18 bytes from byte 54 on. */
+enum { BLOCK = 128, DESCRIPTORS_AT = 54, DESCRIPTOR = 18, N_DESCRIPTORS = 4, TEXT_AT = 5, TEXT = 13 };
+enum { TAG_SERIAL = 0xff, TAG_NAME = 0xfc };
+
+/* Text of a descriptor: ends at a line feed, blanks behind it; bytes beyond ASCII are of a code page that no panel uses. */
+static void take_text(const uint8_t *descriptor, char out[16])
+{
+    char text[TEXT + 1] = {0};
+    memcpy(text, descriptor + TEXT_AT, TEXT);
+    text[strcspn(text, "\n")] = 0;
+    size_t n = strlen(text);
+    while (n > 0 && text[n - 1] == ' ')
+        text[--n] = 0;
+    lf_device_text(out, 16, text);
+}
+
+/* A detailed timing; the first one is the preferred one. */
+static void take_size(const uint8_t *d, lf_edid *out)
+{
+    int width = d[2] | (d[4] & 0xf0) << 4, height = d[5] | (d[7] & 0xf0) << 4;
+    if (width > 0 && height > 0) {
+        out->width_px = width;
+        out->height_px = height;
+    }
+}
+
+static lf_status check_block(const uint8_t *edid, size_t n, lf_error *err)
+{
+    static const uint8_t header[8] = {0, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0};
+    if (n < BLOCK || n % BLOCK != 0)
+        return lf_error_set(err, LF_E_FORMAT, "EDID", "%zu bytes, expected a multiple of %d", n, BLOCK);
+    if (memcmp(edid, header, sizeof header) != 0)
+        return lf_error_set(err, LF_E_FORMAT, "EDID", "does not begin with the header of an EDID");
+    unsigned sum = 0;
+    for (int i = 0; i < BLOCK; i++)
+        sum += edid[i];
+    if (sum % 256 != 0)
+        return lf_error_set(err, LF_E_FORMAT, "EDID",
+                            "wrong checksum: the bytes of a block add up to %u, expected a multiple of 256", sum);
+    return LF_OK;
+}
+
+lf_status lf_edid_parse(const uint8_t *edid, size_t n, lf_edid *out, lf_error *err)
+{
+    lf_status status = check_block(edid, n, err);
+    if (status != LF_OK)
+        return status;
+    lf_edid found = {0};
+    for (int i = 0; i < N_DESCRIPTORS; i++) {
+        const uint8_t *d = edid + DESCRIPTORS_AT + i * DESCRIPTOR;
+        bool timing = d[0] != 0 || d[1] != 0;
+        if (i == 0 && timing)
+            take_size(d, &found);
+        else if (!timing && d[3] == TAG_NAME)
+            take_text(d, found.name);
+        else if (!timing && d[3] == TAG_SERIAL)
+            take_text(d, found.serial);
+    }
+    *out = found;
+    return LF_OK;
+}
+
+bool lf_edid_is_panel(const lf_edid *edid)
+{
+    return strncmp(edid->name, "LKG", 3) == 0;
+}

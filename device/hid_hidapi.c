@@ -1,0 +1,100 @@
+#include <errno.h>
+#include <fcntl.h>
+#include <hidapi.h>
+#include <pthread.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+#include <wchar.h>
+
+#include "base/errno_text.h"
+#include "device/device_table.h"
+#include "device/hid.h"
+
+#define VENDOR 0x04d8
+#define PRODUCT 0xef7e
+#define PRODUCT_NAME L"HoloPlay"
+
+/* hidapi keeps its last error of everything that is not about an open device in one place for all threads. */
+static pthread_mutex_t global_lock = PTHREAD_MUTEX_INITIALIZER;
+
+static int hid_send(void *context, const uint8_t *report, size_t n)
+{
+    return hid_send_feature_report(context, report, n);
+}
+
+static int hid_receive(void *context, uint8_t *out, size_t max, int timeout_ms)
+{
+    int n = hid_read_timeout(context, out, max, timeout_ms);
+    return n < 0 && errno == EINTR ? 0 : n;
+}
+
+static uint64_t hid_clock(void *context)
+{
+    (void)context;
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000 + (uint64_t)t.tv_nsec / 1000000;
+}
+
+static void close_device(void *context)
+{
+    hid_close(context);
+}
+
+/* Names of panels are ASCII; what is not becomes a question mark. */
+static void narrow(const wchar_t *wide, char *out, size_t size)
+{
+    size_t n = 0;
+    for (; wide[n] != 0 && n + 1 < size; n++)
+        out[n] = wide[n] >= 0x20 && wide[n] < 0x7f ? (char)wide[n] : '?';
+    out[n] = 0;
+}
+
+int lf_hid_list(lf_hid_place *out, int max)
+{
+    int n = 0;
+    pthread_mutex_lock(&global_lock);
+    struct hid_device_info *all = hid_enumerate(VENDOR, PRODUCT);
+    for (const struct hid_device_info *d = all; d != NULL && n < max; d = d->next) {
+        if (d->product_string == NULL || wcsncmp(d->product_string, PRODUCT_NAME, wcslen(PRODUCT_NAME)) != 0)
+            continue;
+        lf_device_text(out[n].path, sizeof out[n].path, d->path);
+        narrow(d->product_string, out[n].product, sizeof out[n].product);
+        n++;
+    }
+    hid_free_enumeration(all);
+    pthread_mutex_unlock(&global_lock);
+    return n;
+}
+
+static lf_status cannot_open(const char *path, lf_error *err)
+{
+    if (faccessat(AT_FDCWD, path, R_OK | W_OK, AT_EACCESS) == 0)
+        return lf_error_set(err, LF_E_IO, path, "cannot be opened as a HID device");
+    if (errno == ENOENT || errno == ENODEV || errno == ENXIO)
+        return lf_error_set(err, LF_E_NODEV, path, "is not there (any more)");
+    if (errno == EACCES || errno == EPERM)
+        return lf_error_set(err, LF_E_IO, path,
+                            "no permission: the udev rule 70-quiltd.rules gives it to the group quiltd and to whoever sits at the "
+                            "machine; install it (make install), add the user to the group, and plug the panel in again");
+    return lf_error_set(err, LF_E_IO, path, "cannot be opened: %s", lf_errno_text(errno));
+}
+
+lf_status lf_hid_open(const char *path, lf_hid_link *out, lf_error *err)
+{
+    pthread_mutex_lock(&global_lock);
+    hid_device *device = hid_open_path(path);
+    pthread_mutex_unlock(&global_lock);
+    if (device == NULL)
+        return cannot_open(path, err);
+    *out = (lf_hid_link){hid_send, hid_receive, hid_clock, close_device, device};
+    return LF_OK;
+}
+
+void lf_hid_close(lf_hid_link *link)
+{
+    if (link->close != NULL)
+        link->close(link->context);
+    *link = (lf_hid_link){0};
+}
