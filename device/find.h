@@ -4,7 +4,7 @@
  * panel over HID, LKG_calibration/visual.json on the drive that a later panel is, the cache of what was read before. Reading never
  * writes to a panel: EEPROM pages are only read, drives are mounted by udisks2 read-only when nothing else has mounted them, and
  * nothing is ever mounted by quiltd itself.
- * Threads: any, one at a time a call. May take 2 s (a device that does not answer): not for the event thread. */
+ * Threads: any, one at a time a call. May take 4 s (a panel that does not answer) and 5 s more a drive: not for the event thread. */
 #ifndef LF_DEVICE_FIND_H
 #define LF_DEVICE_FIND_H
 
@@ -16,7 +16,8 @@ typedef enum lf_source { LF_SOURCE_HID, LF_SOURCE_DRIVE, LF_SOURCE_CACHE } lf_so
 /* A place where a calibration is, or should be. Strings are sanitised (lf_device_text). */
 typedef struct lf_found {
     lf_source source;
-    char path[256];    /* /dev/hidraw0, /media/me/LKG-P00671/LKG_calibration/visual.json */
+    char path
+        [256]; /* /dev/hidraw0, /media/me/LKG-P00671/LKG_calibration/visual.json; a drive mounted for reading only: its block device */
     char label[64];    /* product string, volume label: what the place says before it is read */
     char problem[256]; /* why it cannot be used and what to do; empty = calibration is valid */
     lf_calibration calibration;
@@ -26,9 +27,10 @@ typedef struct lf_found {
  * number. Damaged and forbidden places are told with their problem. */
 int lf_find_all(lf_found *out, int max);
 
-/* The calibration for a display among found[n]: one whose serial or label begins with the display's name or serial number; else the
- * only one whose screen size is the display's; else, when there is one in all and the display says nothing of itself, that. NULL =
- * none, with err telling what was found instead and what to do. */
+/* The calibration for a display among found[n]: the one whose serial or label begins with the display's name or serial number (of 5
+ * characters or more); else the only one whose screen size is the display's; else, when the display says nothing of itself, the
+ * only one there is. Each time what is plugged in goes before the cache. NULL = none, with err telling what was found instead and
+ * what to do: LF_E_NODEV, or LF_E_FORMAT when the display's own panel is there and cannot be read (the cache may still help then). */
 const lf_found *lf_find_match(const lf_found *found, int n, const lf_edid *display, lf_error *err);
 
 /* lf_find_all and lf_find_match in one: what the devices that show on a display call. *out_from[256] tells where it came from. Remembers it

@@ -1,0 +1,150 @@
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <jansson.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/alloc.h"
+#include "base/file.h"
+#include "base/log.h"
+#include "device/device_table.h"
+#include "device/find.h"
+
+#define SUFFIX ".json"
+
+/* The folder of the cache; false when there is no place for one. */
+static bool cache_folder(char *out, size_t size)
+{
+    static const struct {
+        const char *variable, *below;
+    } places[] = {{"CACHE_DIRECTORY", "panels"}, {"XDG_CACHE_HOME", "quiltd/panels"}, {"HOME", ".cache/quiltd/panels"}};
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        const char *base = getenv(places[i].variable);
+        if (base == NULL || base[0] != '/')
+            continue;
+        /* systemd separates several cache directories by colons; the first is ours */
+        int n = snprintf(out, size, "%.*s/%s", (int)strcspn(base, i == 0 ? ":" : ""), base, places[i].below);
+        return n > 0 && (size_t)n < size;
+    }
+    return false;
+}
+
+/* A file's name from a serial, which comes from a device: nothing that leads elsewhere or hides. */
+static bool file_name(const char *serial, char *out, size_t size)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
+    if (serial[0] == 0)
+        return false;
+    int n = snprintf(out, size, "%s%s", serial, SUFFIX);
+    if (n < 0 || (size_t)n >= size)
+        return false;
+    for (size_t i = 0; i < (size_t)n - strlen(SUFFIX); i++)
+        if (strchr(plain, out[i]) == NULL)
+            out[i] = '_';
+    return true;
+}
+
+static json_t *cells_json(const lf_calibration *c)
+{
+    json_t *cells = json_array();
+    for (int i = 0; i < c->n_cells; i++) {
+        const float(*o)[2] = c->cells[i];
+        json_array_append_new(cells, json_pack("{s:f,s:f,s:f,s:f,s:f,s:f}", "ROffsetX", (double)o[0][0], "ROffsetY",
+                                               (double)o[0][1], "GOffsetX", (double)o[1][0], "GOffsetY", (double)o[1][1],
+                                               "BOffsetX", (double)o[2][0], "BOffsetY", (double)o[2][1]));
+    }
+    return cells;
+}
+
+/* The text of a calibration; NULL = out of memory. Released with free. */
+static char *to_text(const lf_calibration *c)
+{
+    json_t *root = json_pack("{s:s,s:s,s:f,s:f,s:f,s:f,s:f,s:i,s:i,s:i,s:i,s:i,s:i,s:o}", "configVersion", c->config_version,
+                             "serial", c->serial, "pitch", c->pitch, "slope", c->slope, "center", c->center, "viewCone",
+                             c->view_cone_deg, "DPI", c->dpi, "screenW", c->screen_width_px, "screenH", c->screen_height_px,
+                             "invView", c->inv_view, "flipImageX", c->flip_image_x, "flipSubp", c->flip_subp, "CellPatternMode",
+                             c->cell_pattern_mode, "subpixelCells", cells_json(c));
+    char *text = root != NULL ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
+    json_decref(root);
+    return text;
+}
+
+static void make_folders(char *path)
+{
+    for (char *p = path + 1; *p != 0; p++) {
+        if (*p != '/')
+            continue;
+        *p = 0;
+        mkdir(path, 0700);
+        *p = '/';
+    }
+    mkdir(path, 0700);
+}
+
+static bool is_cached(const char *path, const lf_calibration *calibration)
+{
+    lf_calibration old;
+    return lf_calibration_load(path, &old, NULL) == LF_OK && memcmp(&old, calibration, sizeof old) == 0;
+}
+
+static lf_status write_file(const char *path, const char *text, lf_error *err)
+{
+    lf_outfile file = {0};
+    lf_status status = lf_outfile_open(&file, path, true, err);
+    if (status != LF_OK)
+        return status;
+    status = lf_outfile_write(&file, text, strlen(text), err);
+    if (status == LF_OK)
+        return lf_outfile_commit(&file, true, err);
+    lf_outfile_abandon(&file);
+    return status;
+}
+
+void lf_cache_store(const lf_calibration *calibration)
+{
+    char folder[PATH_MAX], name[sizeof calibration->serial + sizeof SUFFIX], path[PATH_MAX + sizeof name];
+    lf_error err = {0};
+    if (!cache_folder(folder, sizeof folder) || !file_name(calibration->serial, name, sizeof name))
+        return;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    if (is_cached(path, calibration))
+        return;
+    char *text = to_text(calibration);
+    if (text == NULL)
+        return;
+    make_folders(folder);
+    if (write_file(path, text, &err) != LF_OK)
+        lf_log(LF_LOG_DEBUG, "%s: the calibration is not remembered: %s", path, err.what);
+    free(text);
+}
+
+int lf_cache_list(lf_found *out, int max)
+{
+    char folder[PATH_MAX];
+    if (!cache_folder(folder, sizeof folder))
+        return 0;
+    DIR *dir = opendir(folder);
+    if (dir == NULL)
+        return 0;
+    int n = 0;
+    for (struct dirent *e = readdir(dir); e != NULL && n < max; e = readdir(dir)) {
+        size_t length = strlen(e->d_name);
+        char path[PATH_MAX + sizeof e->d_name + 1];
+        if (e->d_name[0] == '.' || length <= strlen(SUFFIX) || strcmp(e->d_name + length - strlen(SUFFIX), SUFFIX) != 0)
+            continue;
+        snprintf(path, sizeof path, "%s/%s", folder, e->d_name);
+        lf_found found = {.source = LF_SOURCE_CACHE};
+        /* what is damaged was told nothing about, and will be written anew */
+        if (lf_calibration_load(path, &found.calibration, NULL) != LF_OK)
+            continue;
+        lf_device_text(found.path, sizeof found.path, path);
+        lf_device_text(found.label, sizeof found.label, found.calibration.serial);
+        out[n++] = found;
+    }
+    closedir(dir);
+    return n;
+}

@@ -1,0 +1,40 @@
+/* Calibrations on the drives that panels of the second generation and later are: LKG_calibration/visual.json (looking-glass.md 1.2).
+ * Volumes that somebody has mounted are read where they lie; drives that nobody has mounted are mounted by udisks2, read-only,
+ * for as long as reading takes. Whatever lies on a drive is hostile. Private to device/ and its tests.
+ * Threads: any. May take as long as udisks2 does (5 s at most a call): not for the event thread. */
+#ifndef LF_DEVICE_DRIVE_H
+#define LF_DEVICE_DRIVE_H
+
+#include "device/find.h"
+
+/* Where to look. */
+typedef struct lf_drive_places {
+    const char *mountinfo; /* the kernel's list of mounts: /proc/self/mountinfo */
+    const char *by_label;  /* udev's folder of links from volume labels to block devices: /dev/disk/by-label */
+} lf_drive_places;
+extern const lf_drive_places lf_drive_system;
+
+/* Fills at most max entries with the calibrations found on drives, and drives labelled LKG-… that cannot be read, with their problem; returns
+ * their number. path is the file, or the block device when it was mounted for reading only. */
+int lf_drive_list(const lf_drive_places *places, lf_found *out, int max);
+
+/* The calibration on a volume mounted at `volume`. The file must be a regular one under that folder: links are not followed.
+ *   LF_E_NODEV   there is none
+ *   LF_E_IO      it may not be read
+ *   LF_E_FORMAT  too large, no file, or no calibration */
+LF_NODISCARD lf_status lf_drive_read(const char *volume, lf_calibration *out, lf_error *err);
+
+/* --------------------------------------------------------------------------------------------- drive_udisks.c -- */
+
+/* A volume that udisks2 has mounted for us. */
+typedef struct lf_udisks lf_udisks;
+
+/* Asks udisks2 (on the system's bus) to mount a block device with ro,nosuid,nodev,noexec, without asking anybody for a password. On
+ * LF_OK *out is the caller's: lf_udisks_unmount it. LF_E_IO: err says what to do. */
+LF_NODISCARD lf_status lf_udisks_mount(const char *device, lf_udisks **out, lf_error *err);
+/* Where it is mounted; valid until unmounting. */
+const char *lf_udisks_folder(const lf_udisks *mount);
+/* Unmounts and frees; accepts NULL. */
+void lf_udisks_unmount(lf_udisks *mount);
+
+#endif

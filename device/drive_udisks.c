@@ -1,0 +1,127 @@
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <systemd/sd-bus.h>
+
+#include "base/alloc.h"
+#include "base/errno_text.h"
+#include "device/drive.h"
+
+#define SERVICE "org.freedesktop.UDisks2"
+#define MANAGER "/org/freedesktop/UDisks2/Manager"
+#define OPTIONS "ro,nosuid,nodev,noexec"
+#define BY_HAND "mount it by hand (mount -o " OPTIONS "), or give a copy of its LKG_calibration/visual.json with --calibration"
+
+/* A drive that spins up, or a bus that hangs. */
+#define TIMEOUT_US (5 * 1000 * 1000)
+
+struct lf_udisks {
+    sd_bus *bus;
+    char object[256]; /* of the block device */
+    char folder[4096];
+};
+
+const char *lf_udisks_folder(const lf_udisks *mount)
+{
+    return mount->folder;
+}
+
+static void destroy(lf_udisks *mount)
+{
+    if (mount == NULL)
+        return;
+    sd_bus_flush_close_unref(mount->bus);
+    lf_free(mount);
+}
+
+static lf_status refused(const char *device, const sd_bus_error *why, int negative_errno, lf_error *err)
+{
+    static const char *const absent[] = {"org.freedesktop.DBus.Error.ServiceUnknown", "org.freedesktop.DBus.Error.NameHasNoOwner",
+                                         "org.freedesktop.DBus.Error.Spawn.ServiceNotFound"};
+    for (size_t i = 0; i < sizeof absent / sizeof absent[0]; i++)
+        if (sd_bus_error_has_name(why, absent[i]))
+            return lf_error_set(err, LF_E_IO, device,
+                                "is not mounted, and udisks2 is not there to do it: install udisks2, " BY_HAND);
+    if (why->name != NULL && strstr(why->name, ".NotAuthorized") != NULL)
+        return lf_error_set(err, LF_E_IO, device,
+                            "is not mounted, and udisks2 may not mount it for this user (polkit: "
+                            "org.freedesktop.udisks2.filesystem-mount): " BY_HAND);
+    return lf_error_set(err, LF_E_IO, device, "is not mounted, and udisks2 cannot mount it: %.120s; " BY_HAND,
+                        why->message != NULL ? why->message : lf_errno_text(-negative_errno));
+}
+
+/* The object that stands for a block device. */
+static lf_status resolve(lf_udisks *mount, const char *device, lf_error *err)
+{
+    sd_bus_error why = SD_BUS_ERROR_NULL;
+    sd_bus_message *reply = NULL;
+    const char *object = NULL;
+    lf_status status = LF_OK;
+    int r = sd_bus_call_method(mount->bus, SERVICE, MANAGER, SERVICE ".Manager", "ResolveDevice", &why, &reply, "a{sv}a{sv}", 1,
+                               "path", "s", device, 0);
+    if (r >= 0)
+        r = sd_bus_message_enter_container(reply, 'a', "o");
+    if (r >= 0)
+        r = sd_bus_message_read(reply, "o", &object);
+    if (r < 0)
+        status = refused(device, &why, r, err);
+    else if (r == 0 || strlen(object) >= sizeof mount->object)
+        status = lf_error_set(err, LF_E_IO, device, "is not mounted, and udisks2 does not know it: " BY_HAND);
+    else
+        snprintf(mount->object, sizeof mount->object, "%s", object);
+    sd_bus_message_unref(reply);
+    sd_bus_error_free(&why);
+    return status;
+}
+
+static lf_status ask_to_mount(lf_udisks *mount, const char *device, lf_error *err)
+{
+    sd_bus_error why = SD_BUS_ERROR_NULL;
+    sd_bus_message *reply = NULL;
+    const char *folder = NULL;
+    lf_status status = LF_OK;
+    int r = sd_bus_call_method(mount->bus, SERVICE, mount->object, SERVICE ".Filesystem", "Mount", &why, &reply, "a{sv}", 2,
+                               "options", "s", OPTIONS, "auth.no_user_interaction", "b", 1);
+    if (r >= 0)
+        r = sd_bus_message_read(reply, "s", &folder);
+    if (r < 0)
+        status = refused(device, &why, r, err);
+    else
+        snprintf(mount->folder, sizeof mount->folder, "%s", folder);
+    sd_bus_message_unref(reply);
+    sd_bus_error_free(&why);
+    return status;
+}
+
+lf_status lf_udisks_mount(const char *device, lf_udisks **out, lf_error *err)
+{
+    lf_status status;
+    lf_udisks *mount = lf_calloc(1, sizeof *mount);
+    if (mount == NULL)
+        return lf_error_set(err, LF_E_NOMEM, device, "out of memory");
+    if (sd_bus_open_system(&mount->bus) < 0 || sd_bus_set_method_call_timeout(mount->bus, TIMEOUT_US) < 0) {
+        status = lf_error_set(err, LF_E_IO, device, "is not mounted, and there is no system bus to ask udisks2: " BY_HAND);
+        goto fail;
+    }
+    status = resolve(mount, device, err);
+    if (status != LF_OK)
+        goto fail;
+    status = ask_to_mount(mount, device, err);
+    if (status != LF_OK)
+        goto fail;
+    *out = mount;
+    return LF_OK;
+fail:
+    destroy(mount);
+    return status;
+}
+
+void lf_udisks_unmount(lf_udisks *mount)
+{
+    if (mount == NULL)
+        return;
+    /* What cannot be unmounted stays as it is, read-only: nothing to be told. */
+    sd_bus_call_method(mount->bus, SERVICE, mount->object, SERVICE ".Filesystem", "Unmount", NULL, NULL, "a{sv}", 1,
+                       "auth.no_user_interaction", "b", 1);
+    destroy(mount);
+}

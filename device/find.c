@@ -1,0 +1,202 @@
+#include "device/find.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "device/device_table.h"
+#include "device/drive.h"
+#include "device/hid.h"
+
+#define MAX_FOUND 32
+/* A name that says less than this ("LKG-") is every panel's. */
+#define MIN_NAME 5
+
+static int find_hid(lf_found *out, int max)
+{
+    lf_hid_place places[MAX_FOUND];
+    int n = lf_hid_list(places, max < MAX_FOUND ? max : MAX_FOUND);
+    for (int i = 0; i < n; i++) {
+        lf_hid_link link = {0};
+        lf_error err = {0};
+        out[i] = (lf_found){.source = LF_SOURCE_HID};
+        lf_device_text(out[i].path, sizeof out[i].path, places[i].path);
+        lf_device_text(out[i].label, sizeof out[i].label, places[i].product);
+        lf_status status = lf_hid_open(places[i].path, &link, &err);
+        if (status == LF_OK)
+            status = lf_hid_read_calibration(&link, &lf_hid_patient, places[i].path, &out[i].calibration, &err);
+        if (status != LF_OK)
+            lf_device_text(out[i].problem, sizeof out[i].problem, err.what);
+        lf_hid_close(&link);
+    }
+    return n;
+}
+
+/* Leaves out what a more trusted place has told already. */
+static int drop_repeated(lf_found *found, int n)
+{
+    int kept = 0;
+    for (int i = 0; i < n; i++) {
+        bool repeated = false;
+        for (int k = 0; k < kept && !repeated; k++)
+            repeated = found[k].source != found[i].source && found[k].problem[0] == 0 && found[i].problem[0] == 0 &&
+                       found[i].calibration.serial[0] != 0 && strcmp(found[k].calibration.serial, found[i].calibration.serial) == 0;
+        if (!repeated)
+            found[kept++] = found[i];
+    }
+    return kept;
+}
+
+int lf_find_all(lf_found *out, int max)
+{
+    int n = find_hid(out, max);
+    n += lf_drive_list(&lf_drive_system, out + n, max - n);
+    n += lf_cache_list(out + n, max - n);
+    return drop_repeated(out, n);
+}
+
+/* ------------------------------------------------------------------------------------------------------ matching -- */
+
+typedef bool (*fits)(const lf_found *found, const lf_edid *display);
+
+static bool begins(const char *text, const char *name)
+{
+    return strlen(name) >= MIN_NAME && strncmp(text, name, strlen(name)) == 0;
+}
+
+static bool fits_by_name(const lf_found *found, const lf_edid *display)
+{
+    return begins(found->calibration.serial, display->name) || begins(found->label, display->name) ||
+           begins(found->calibration.serial, display->serial) || begins(found->label, display->serial);
+}
+
+static bool fits_by_size(const lf_found *found, const lf_edid *display)
+{
+    return found->calibration.screen_width_px == display->width_px && found->calibration.screen_height_px == display->height_px;
+}
+
+/* A display that says nothing of itself is whatever panel there is. */
+static bool fits_silence(const lf_found *found, const lf_edid *display)
+{
+    (void)found;
+    return display->name[0] == 0 && display->serial[0] == 0 && display->width_px == 0;
+}
+
+/* The last of the valid ones that fit, in the cache or plugged in; *out_n says how many there are. */
+static const lf_found *fitting(const lf_found *found, int n, const lf_edid *display, bool cached, fits fit, int *out_n)
+{
+    const lf_found *one = NULL;
+    *out_n = 0;
+    for (int i = 0; i < n; i++) {
+        if (found[i].problem[0] != 0 || (found[i].source == LF_SOURCE_CACHE) != cached || !fit(&found[i], display))
+            continue;
+        one = &found[i];
+        ++*out_n;
+    }
+    return one;
+}
+
+/* The display's own panel, when it is plugged in and cannot be read. */
+static const lf_found *damaged(const lf_found *found, int n, const lf_edid *display)
+{
+    for (int i = 0; i < n; i++)
+        if (found[i].problem[0] != 0 && fits_by_name(&found[i], display))
+            return &found[i];
+    return NULL;
+}
+
+/* By the first rule that anything fits. When the display's own panel cannot be read, what is plugged in besides is another's: only
+ * the cache may help then. */
+static const lf_found *choose(const lf_found *found, int n, const lf_edid *display, int *out_n)
+{
+    static const struct {
+        fits fit;
+        bool cached, of_others;
+    } rules[] = {{fits_by_name, false, false}, {fits_by_name, true, false}, {fits_by_size, false, true},
+                 {fits_by_size, true, false},  {fits_silence, false, true}, {fits_silence, true, false}};
+    bool unreadable = damaged(found, n, display) != NULL;
+    *out_n = 0;
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
+        if (unreadable && rules[i].of_others)
+            continue;
+        const lf_found *one = fitting(found, n, display, rules[i].cached, rules[i].fit, out_n);
+        if (*out_n > 0)
+            return *out_n == 1 ? one : NULL;
+    }
+    return NULL;
+}
+
+/* One place in words: what is wrong with it, else whose lens it tells. */
+static void describe(const lf_found *found, char *out, size_t size)
+{
+    if (found->problem[0] != 0)
+        snprintf(out, size, "%.60s: %.150s", found->path, found->problem);
+    else
+        snprintf(out, size, "%.60s: serial %.40s, %dx%d", found->path, found->calibration.serial,
+                 found->calibration.screen_width_px, found->calibration.screen_height_px);
+}
+
+static void nothing_fits(const lf_found *found, int n, const lf_edid *display, int n_fit, lf_error *err)
+{
+    char where[64], first[256] = "";
+    snprintf(where, sizeof where, "%s (%dx%d)", display->name[0] != 0 ? display->name : "display", display->width_px,
+             display->height_px);
+    if (n == 0) {
+        lf_error_set(err, LF_E_NODEV, where,
+                     "no calibration was found: plug the panel's USB in (not only its video), or give its visual.json with "
+                     "--calibration");
+        return;
+    }
+    describe(&found[0], first, sizeof first);
+    for (int i = n - 1; i >= 0; i--)
+        if (found[i].problem[0] != 0)
+            describe(&found[i], first, sizeof first);
+    if (n_fit > 1)
+        lf_error_set(err, LF_E_NODEV, where,
+                     "%d calibrations fit it, and none says that it is its own: give the right one with "
+                     "--calibration (the first is %s)",
+                     n_fit, first);
+    else
+        lf_error_set(err, LF_E_NODEV, where,
+                     "none of the %d calibrations found is this display's: give its visual.json with "
+                     "--calibration (%s)",
+                     n, first);
+}
+
+const lf_found *lf_find_match(const lf_found *found, int n, const lf_edid *display, lf_error *err)
+{
+    int n_fit = 0;
+    const lf_found *match = choose(found, n, display, &n_fit);
+    const lf_found *own = match == NULL ? damaged(found, n, display) : NULL;
+    if (own != NULL)
+        lf_error_set(err, LF_E_FORMAT, own->path, "%s", own->problem);
+    else if (match == NULL)
+        nothing_fits(found, n, display, n_fit, err);
+    return match;
+}
+
+static void tell_source(const lf_found *found, char out[256])
+{
+    static const char *const names[] = {[LF_SOURCE_HID] = "EEPROM", [LF_SOURCE_DRIVE] = "drive", [LF_SOURCE_CACHE] = "cache"};
+    snprintf(out, 256, "%s, %.240s", names[found->source], found->path);
+}
+
+lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, char *out_from, lf_error *err)
+{
+    lf_found *found = lf_calloc(MAX_FOUND, sizeof *found);
+    lf_error why = {0};
+    if (found == NULL)
+        return lf_error_set(err, LF_E_NOMEM, "calibration", "out of memory");
+    int n = lf_find_all(found, MAX_FOUND);
+    const lf_found *match = lf_find_match(found, n, display, &why);
+    if (match != NULL) {
+        *out = match->calibration;
+        tell_source(match, out_from);
+        if (match->source != LF_SOURCE_CACHE)
+            lf_cache_store(&match->calibration);
+    } else if (err != NULL) {
+        *err = why;
+    }
+    lf_free(found);
+    return match != NULL ? LF_OK : why.status;
+}
