@@ -1,8 +1,10 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <hidapi.h>
+#include <linux/hidraw.h>
 #include <pthread.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
 #include <wchar.h>
@@ -68,26 +70,38 @@ int lf_hid_list(lf_hid_place *out, int max)
     return n;
 }
 
-static lf_status cannot_open(const char *path, lf_error *err)
+static lf_status cannot_open(const char *path, int e, lf_error *err)
 {
-    if (faccessat(AT_FDCWD, path, R_OK | W_OK, AT_EACCESS) == 0)
-        return lf_error_set(err, LF_E_IO, path, "cannot be opened as a HID device");
-    if (errno == ENOENT || errno == ENODEV || errno == ENXIO)
+    if (e == ENOENT || e == ENODEV || e == ENXIO)
         return lf_error_set(err, LF_E_NODEV, path, "is not there (any more)");
-    if (errno == EACCES || errno == EPERM)
+    if (e == EACCES || e == EPERM)
         return lf_error_set(err, LF_E_IO, path,
                             "no permission: the udev rule 70-quiltd.rules gives it to the group quiltd and to whoever sits at the "
                             "machine; install it (make install), add the user to the group, and plug the panel in again");
-    return lf_error_set(err, LF_E_IO, path, "cannot be opened: %s", lf_errno_text(errno));
+    return lf_error_set(err, LF_E_IO, path, "cannot be opened as a HID device: %s", lf_errno_text(e));
+}
+
+/* hidapi 0.13.1 writes into memory it has freed when what it opens turns out to be no hidraw device: that is found out here. */
+static lf_status check_hidraw(const char *path, lf_error *err)
+{
+    int size, fd = open(path, O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (fd < 0)
+        return cannot_open(path, errno, err);
+    int e = ioctl(fd, HIDIOCGRDESCSIZE, &size) < 0 ? errno : 0;
+    close(fd);
+    return e == 0 ? LF_OK : cannot_open(path, e, err);
 }
 
 lf_status lf_hid_open(const char *path, lf_hid_link *out, lf_error *err)
 {
+    lf_status status = check_hidraw(path, err);
+    if (status != LF_OK)
+        return status;
     pthread_mutex_lock(&global_lock);
     hid_device *device = hid_open_path(path);
     pthread_mutex_unlock(&global_lock);
     if (device == NULL)
-        return cannot_open(path, err);
+        return lf_error_set(err, LF_E_IO, path, "cannot be opened by hidapi");
     *out = (lf_hid_link){hid_send, hid_receive, hid_clock, close_device, device};
     return LF_OK;
 }
