@@ -7,6 +7,7 @@
 #   make deps | clean       install what building needs | remove what was built
 #   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
 #   make lint               static checks
+#   make fuzz               hostile bytes for everything read from devices: FUZZ_SECONDS each (60), T=hid only that one
 #   make check-arm64        the portable parts, built for arm64 and run by an emulator
 #   make T=render check     only the tests whose path holds this word
 #   make build/release/tests/base/test_file     one test program
@@ -45,7 +46,7 @@ rooms := base render quilt device daemon
 all:
 
 # Goals that install packages first, then come back here as GOAL-now.
-front := check check-arm64 run bench verify lint
+front := check check-arm64 run bench verify lint fuzz
 # Goals that need no library flags.
 light := $(front) deps clean help
 goals := $(or $(MAKECMDGOALS),all)
@@ -115,7 +116,7 @@ $(foreach p,$(programs),$(eval $(call program,$(p))))
 # --------------------------------------------------------------------------------------------------------- testing --
 test_srcs := $(call wild,tests/*/test_*.c)
 tests := $(patsubst %.c,$(O)/%,$(test_srcs))
-headers := $(foreach r,$(rooms) tests,$(call wild,$(r)/*.h))
+headers := $(foreach r,$(rooms) tests,$(call wild,$(r)/*.h)) $(call wild,tests/fuzz/*.h)
 headers_alone := $(patsubst %,$(O)/alone/%.ok,$(headers))
 $(foreach l,stat optics bench,$(eval $(call library,$(l))))
 test_libs = $(call libs,$(or $(test_libs_$(1)),daemon render quilt device base))
@@ -128,6 +129,12 @@ $(O)/$(1:.c=): $(call objs,$(1)) $(call test_libs,$(notdir $(patsubst %/,%,$(dir
 endef
 $(foreach t,$(test_srcs),$(eval $(call test,$(t))))
 
+# a fuzz target is its one file with the room it looks at
+fuzz_srcs := $(call wild,tests/fuzz/fuzz_*.c)
+fuzz_targets := $(patsubst %.c,$(O)/%,$(fuzz_srcs))
+$(fuzz_targets): $(O)/%: $(O)/%.c.o $(call libs,device base)
+	$(call link,-fsanitize=fuzzer)
+
 # every header compiles alone
 $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 	@mkdir -p $(@D)
@@ -137,10 +144,11 @@ $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
  MAKE_AGAIN='$(MAKE_COMMAND) --no-print-directory -C $(CURDIR) -f $(MAKEFILE) O=$(O) BUILD=$(BUILD)' $(SRCDIR)/tests/run
 
-.PHONY: check-now check-arm64-now verify-now bench-now run-now lint-now
+.PHONY: check-now check-arm64-now verify-now bench-now run-now lint-now fuzz-now
 tests_extra := $(SRCDIR)/tests/style.sh $(SRCDIR)/tests/install.sh $(SRCDIR)/tests/arm64.sh
 matching = $(foreach x,$(1),$(if $(strip $(foreach t,$(T),$(findstring $(t),$(x)))),$(x)))
-selected := $(if $(T),$(call matching,$(tests)),$(tests))
+matching_or_all = $(if $(T),$(call matching,$(1)),$(1))
+selected := $(call matching_or_all,$(tests))
 check-now: all $(selected) $(if $(T),,$(headers_alone)) $(O)/tests/arm64/results
 	@$(run_tests) $(if $(T),$(call matching,$(tests_extra)),$(tests_extra)) $(selected)
 
@@ -151,6 +159,9 @@ check-arm64-now: $(O)/tests/arm64/results
 verify-now: all tests
 	@seed=$${QUILTD_SEED:-$$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}; echo "QUILTD_SEED=$$seed"; \
 	 QUILTD_SEED=$$seed QUILTD_LONG=1 TEST_TIMEOUT=$${TEST_TIMEOUT:-3600} $(run_tests) $(tests)
+
+fuzz-now: $(call matching_or_all,$(fuzz_targets))
+	@O='$(O)' $(SRCDIR)/tests/fuzz.sh $^
 
 bench-now: all
 	@mkdir -p $(BUILDROOT)/bench
@@ -181,6 +192,10 @@ lint:
 	@$(SRCDIR)/.ci/deps install build test lint
 	@$(self) $(jobs) $@-now
 
+fuzz:
+	@$(SRCDIR)/.ci/deps install build fuzz
+	@$(self) $(jobs) BUILD=fuzz CC=clang CXX=clang++ $@-now
+
 RUN := $(BUILDROOT)/run
 # not for run-now alone: make 4.3 takes such a variable out of the environment of every other recipe
 SCENE ?= $(if $(scene_copies),$(SRCDIR),$(BUILDROOT))/scenes/first-light.json
@@ -208,5 +223,5 @@ lint-now: $(if $(generated),$(addprefix $(O)/,$(generated)))
 # ------------------------------------------------------------------------------------------------------- installing --
 include $(SRCDIR)/.ci/install.mk
 
--include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(optics_srcs) $(test_srcs) tests/arm64/results.c)))
+-include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(optics_srcs) $(test_srcs) $(fuzz_srcs) tests/arm64/results.c)))
 -include $(addsuffix .d,$(headers_alone))

@@ -10,6 +10,11 @@ ARCH := $(shell $(CC) -dumpmachine 2>/dev/null | cut -d- -f1)
 lf_warnings := -Wall -Wextra -Wpedantic -Wshadow -Wundef -Wvla -Wdouble-promotion -Wcast-qual -Wwrite-strings -Wpointer-arith \
  -Wformat=2 -Wimplicit-fallthrough
 lf_cwarnings := -Wconversion -Wsign-conversion -Wstrict-prototypes -Wmissing-prototypes
+# another compiler's words on the same code are of no use here
+ifeq ($(BUILD),fuzz)
+lf_warnings :=
+lf_cwarnings :=
+endif
 ifdef WERROR
 lf_warnings += -Werror
 endif
@@ -21,8 +26,10 @@ variant_release := -O2 -g -D_FORTIFY_SOURCE=2 -fstack-protector-strong
 variant_debug := -Og -g
 variant_asan := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 variant_tsan := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
+# clang's: make fuzz
+variant_fuzz := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all
 ifeq ($(variant_$(BUILD)),)
-$(error BUILD=$(BUILD): expected release, debug, asan or tsan)
+$(error BUILD=$(BUILD): expected release, debug, asan, tsan or fuzz)
 endif
 ifeq ($(BUILD),release)
 opt_render := -O3

@@ -162,7 +162,8 @@ static void decode_octal(char *s)
     char *to = s;
     while (*s != 0) {
         bool escape = s[0] == '\\' && s[1] >= '0' && s[1] <= '3' && s[2] >= '0' && s[2] <= '7' && s[3] >= '0' && s[3] <= '7';
-        *to++ = escape ? (char)((s[1] - '0') << 6 | (s[2] - '0') << 3 | (s[3] - '0')) : *s;
+        int byte = escape ? (s[1] - '0') << 6 | (s[2] - '0') << 3 | (s[3] - '0') : *s;
+        *to++ = (char)byte;
         s += escape ? 4 : 1;
     }
     *to = 0;
