@@ -23,8 +23,9 @@ typedef struct lf_calibration {
     float cells[LF_MAX_CELLS][3 /* R, G, B */][2 /* x, y */]; /* offsets in PIXELS */
 } lf_calibration;
 
-/* Parses JSON text of length n (at most LF_CALIBRATION_MAX_BYTES). where names it in errors. Control characters of texts become '?'. LF_E_FORMAT with line and
- * pointer for anything missing that the formulas need, non-finite or out of range; *out untouched then. */
+/* Parses JSON text of length n (at most LF_CALIBRATION_MAX_BYTES). where names it in errors. Control characters in texts become '?'.
+ * LF_E_FORMAT with line and pointer for anything missing that the formulas need, non-finite or out of range; *out untouched
+ * then. */
 LF_NODISCARD lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf_calibration *out, lf_error *err);
 /* The same from a file. */
 LF_NODISCARD lf_status lf_calibration_load(const char *path, lf_calibration *out, lf_error *err);

@@ -130,7 +130,8 @@ static bool device_of(const char *by_label, const char *name, char out[PATH_MAX]
     return n > 0 && (size_t)n < sizeof path && realpath(path, out) != NULL;
 }
 
-/* The label of a mounted volume: udev's word for its device, else the name of the folder, which is the label where a desktop has mounted it. */
+/* The label of a mounted volume: udev's word for its device, else the name of the folder, which is the label where a desktop has
+ * mounted it. */
 static void label_of(const char *by_label, const char *device, const char *folder, char *out, size_t size)
 {
     char label[256], target[PATH_MAX];

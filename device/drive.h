@@ -14,8 +14,8 @@ typedef struct lf_drive_places {
 } lf_drive_places;
 extern const lf_drive_places lf_drive_system;
 
-/* Fills at most max entries with the calibrations found on drives, and drives labelled LKG-… that cannot be read, with their problem; returns
- * their number. path is the file, or the block device when it was mounted for reading only. */
+/* Fills at most max entries with the calibrations found on drives, and drives labelled LKG-… that cannot be read, with their
+ * problem; returns their number. path is the file, or the block device when it was mounted for reading only. */
 int lf_drive_list(const lf_drive_places *places, lf_found *out, int max);
 
 /* The calibration on a volume mounted at `volume`. The file must be a regular one under that folder: links are not followed.
