@@ -15,6 +15,10 @@ optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 # files made as on file systems without O_TMPFILE
 wrap_test_file := -Wl,--wrap=open
 
+# under the unmodified libraries
+isa_test_hid_umockdev = $(dep_umockdev_cflags)
+wrap_test_hid_umockdev = $(dep_umockdev_libs)
+
 # What needs none of the libraries, with its tests and a program that prints hashes of results: PORTABLE=1 builds nothing else, for
 # machines without those libraries (tests/arm64.sh). Embree's header stays: it is the same everywhere.
 portable_tests := base/test_alloc base/test_status base/test_thread quilt/test_interlace quilt/test_tone quilt/test_layout \
