@@ -33,13 +33,13 @@ static bool cache_folder(char *out, size_t size)
     return false;
 }
 
-/* A file's name from a serial, which comes from a device: nothing that leads elsewhere or hides. */
-static bool file_name(const char *serial, char *out, size_t size)
+/* A file's name from a panel's, which comes from a device: nothing that leads elsewhere or hides. */
+static bool file_name(const char *panel, char *out, size_t size)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
-    if (serial[0] == 0)
+    if (panel[0] == 0)
         return false;
-    int n = snprintf(out, size, "%s%s", serial, SUFFIX);
+    int n = snprintf(out, size, "%s%s", panel, SUFFIX);
     if (n < 0 || (size_t)n >= size)
         return false;
     for (size_t i = 0; i < (size_t)n - strlen(SUFFIX); i++)
@@ -104,16 +104,16 @@ static lf_status write_file(const char *path, const char *text, lf_error *err)
     return status;
 }
 
-void lf_cache_store(const lf_calibration *calibration)
+void lf_cache_store(const lf_found *found)
 {
-    char folder[PATH_MAX], name[sizeof calibration->serial + sizeof SUFFIX], path[PATH_MAX + sizeof name];
+    char folder[PATH_MAX], name[sizeof found->label + sizeof SUFFIX], path[PATH_MAX + sizeof name];
     lf_error err = {0};
-    if (!cache_folder(folder, sizeof folder) || !file_name(calibration->serial, name, sizeof name))
+    if (!cache_folder(folder, sizeof folder) || !file_name(lf_found_name(found), name, sizeof name))
         return;
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    if (is_cached(path, calibration))
+    if (is_cached(path, &found->calibration))
         return;
-    char *text = to_text(calibration);
+    char *text = to_text(&found->calibration);
     if (text == NULL)
         return;
     make_folders(folder);
@@ -142,7 +142,8 @@ int lf_cache_list(lf_found *out, int max)
         if (lf_calibration_load(path, &found.calibration, NULL) != LF_OK)
             continue;
         lf_device_text(found.path, sizeof found.path, path);
-        lf_device_text(found.label, sizeof found.label, found.calibration.serial);
+        e->d_name[length - strlen(SUFFIX)] = 0;
+        lf_device_text(found.label, sizeof found.label, e->d_name);
         out[n++] = found;
     }
     closedir(dir);

@@ -21,4 +21,7 @@ LF_NODISCARD lf_status lf_none_create(const char *problem, lf_device **out_devic
  * cut between characters. */
 void lf_device_text(char *out, size_t size, const char *text);
 
+/* The words of an error for a problem field: what is wrong, with its place in a file before it when it has one, sanitised and cut. */
+void lf_device_problem(char *out, size_t size, const lf_error *why);
+
 #endif

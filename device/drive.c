@@ -209,11 +209,8 @@ static void fill(lf_found *out, const char *path, const char *label, lf_status s
 {
     lf_device_text(out->path, sizeof out->path, path);
     lf_device_text(out->label, sizeof out->label, label);
-    if (status == LF_OK)
-        return;
-    char text[sizeof why->what + sizeof why->pointer + 2];
-    snprintf(text, sizeof text, "%s%s%s", why->pointer, why->pointer[0] != 0 ? ": " : "", why->what);
-    lf_device_text(out->problem, sizeof out->problem, text);
+    if (status != LF_OK)
+        lf_device_problem(out->problem, sizeof out->problem, why);
 }
 
 /* A volume without the file is a drive like any other, unless its label says that it is a panel's. */

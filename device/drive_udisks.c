@@ -46,7 +46,7 @@ static lf_status refused(const char *device, const sd_bus_error *why, int negati
         return lf_error_set(err, LF_E_IO, device,
                             "is not mounted, and udisks2 may not mount it for this user (polkit: "
                             "org.freedesktop.udisks2.filesystem-mount): " BY_HAND);
-    return lf_error_set(err, LF_E_IO, device, "is not mounted, and udisks2 cannot mount it: %.120s; " BY_HAND,
+    return lf_error_set(err, LF_E_IO, device, "is not mounted, and udisks2 cannot mount it: %.80s; " BY_HAND,
                         why->message != NULL ? why->message : lf_errno_text(-negative_errno));
 }
 

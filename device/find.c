@@ -12,6 +12,11 @@
 /* A name that says less than this ("LKG-") is every panel's. */
 #define MIN_NAME 5
 
+const char *lf_found_name(const lf_found *found)
+{
+    return strncmp(found->label, "LKG-", 4) == 0 ? found->label : found->calibration.serial;
+}
+
 static int find_hid(lf_found *out, int max)
 {
     lf_hid_place places[MAX_FOUND];
@@ -26,7 +31,7 @@ static int find_hid(lf_found *out, int max)
         if (status == LF_OK)
             status = lf_hid_read_calibration(&link, &lf_hid_patient, places[i].path, &out[i].calibration, &err);
         if (status != LF_OK)
-            lf_device_text(out[i].problem, sizeof out[i].problem, err.what);
+            lf_device_problem(out[i].problem, sizeof out[i].problem, &err);
         lf_hid_close(&link);
     }
     return n;
@@ -40,7 +45,7 @@ static int drop_repeated(lf_found *found, int n)
         bool repeated = false;
         for (int k = 0; k < kept && !repeated; k++)
             repeated = found[k].source != found[i].source && found[k].problem[0] == 0 && found[i].problem[0] == 0 &&
-                       found[i].calibration.serial[0] != 0 && strcmp(found[k].calibration.serial, found[i].calibration.serial) == 0;
+                       lf_found_name(&found[i])[0] != 0 && strcmp(lf_found_name(&found[k]), lf_found_name(&found[i])) == 0;
         if (!repeated)
             found[kept++] = found[i];
     }
@@ -193,7 +198,7 @@ lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, char 
         *out = match->calibration;
         tell_source(match, out_from);
         if (match->source != LF_SOURCE_CACHE)
-            lf_cache_store(&match->calibration);
+            lf_cache_store(match);
     } else if (err != NULL) {
         *err = why;
     }

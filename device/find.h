@@ -23,7 +23,10 @@ typedef struct lf_found {
     lf_calibration calibration;
 } lf_found;
 
-/* Looks everywhere; fills at most max entries (the same serial over HID or drive and from the cache is told once) and returns their
+/* What tells a panel from others: its drive's label, else its serial (which on some Portraits is a bare "LKG-PORT-"). */
+const char *lf_found_name(const lf_found *found);
+
+/* Looks everywhere; fills at most max entries (a panel that is plugged in is not told from the cache again) and returns their
  * number. Damaged and forbidden places are told with their problem. */
 int lf_find_all(lf_found *out, int max);
 
@@ -37,9 +40,9 @@ const lf_found *lf_find_match(const lf_found *found, int n, const lf_edid *displ
  * in the cache. LF_E_NODEV: none; LF_E_FORMAT: the one that matches is damaged. */
 LF_NODISCARD lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, char *out_from, lf_error *err);
 
-/* The cache: a file a serial under $CACHE_DIRECTORY/panels (systemd's), else $XDG_CACHE_HOME/quiltd/panels, else
+/* The cache: a file a panel (lf_found_name, which is the label of what is listed) under $CACHE_DIRECTORY/panels (systemd's), else $XDG_CACHE_HOME/quiltd/panels, else
  * ~/.cache/quiltd/panels. A cache that cannot be written is no error. */
-void lf_cache_store(const lf_calibration *calibration);
+void lf_cache_store(const lf_found *found);
 int lf_cache_list(lf_found *out, int max);
 
 #endif

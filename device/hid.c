@@ -181,7 +181,7 @@ static lf_status read_once(const reading *r, lf_calibration *out)
         return LF_OK;
     return lf_error_set_at(
         r->err, status, r->where, why.line, why.pointer,
-        "the calibration in the panel's EEPROM is damaged: %.200s; give the panel's visual.json with --calibration", why.what);
+        "the calibration in the panel's EEPROM is damaged: %.120s; give the panel's visual.json with --calibration", why.what);
 }
 
 lf_status lf_hid_read_calibration(const lf_hid_link *link, const lf_hid_patience *patience, const char *where, lf_calibration *out,

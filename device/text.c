@@ -1,4 +1,5 @@
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "device/device_table.h"
@@ -38,4 +39,11 @@ void lf_device_text(char *out, size_t size, const char *text)
         s += wide;
     }
     out[used] = 0;
+}
+
+void lf_device_problem(char *out, size_t size, const lf_error *why)
+{
+    char text[sizeof why->pointer + sizeof why->what + 2];
+    snprintf(text, sizeof text, "%s%s%s", why->pointer, why->pointer[0] != 0 ? ": " : "", why->what);
+    lf_device_text(out, size, text);
 }

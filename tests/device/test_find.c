@@ -28,6 +28,7 @@ static lf_found place(lf_source source, const char *label, const char *serial, i
     lf_found f = {.source = source, .path = "/dev/place"};
     lf_calibration_portrait(&f.calibration);
     snprintf(f.label, sizeof f.label, "%s", label);
+    memset(f.calibration.serial, 0, sizeof f.calibration.serial);
     snprintf(f.calibration.serial, sizeof f.calibration.serial, "%s", serial);
     f.calibration.screen_width_px = width;
     f.calibration.screen_height_px = height;
@@ -170,6 +171,12 @@ static lf_calibration full(const char *serial)
     return c;
 }
 
+static void store(const lf_calibration *c)
+{
+    lf_found found = {.source = LF_SOURCE_HID, .label = "HoloPlay", .calibration = *c};
+    lf_cache_store(&found);
+}
+
 static const lf_found *cached(const lf_found *found, int n, const char *serial)
 {
     for (int i = 0; i < n; i++)
@@ -185,9 +192,9 @@ static void the_cache_gives_back_what_was_stored(void **state)
     lf_found found[8];
     a.n_cells = 0;
     memset(a.cells, 0, sizeof a.cells);
-    lf_cache_store(&a);
-    lf_cache_store(&b);
-    lf_cache_store(&b);
+    store(&a);
+    store(&b);
+    store(&b);
     int n = lf_cache_list(found, 8);
     assert_int_equal(n, 2);
     assert_memory_equal(&cached(found, n, "LKG-J00332")->calibration, &a, sizeof a);
@@ -196,7 +203,7 @@ static void the_cache_gives_back_what_was_stored(void **state)
     assert_string_equal(found[0].label, found[0].calibration.serial);
     assert_int_equal(lf_cache_list(found, 1), 1);
     b.pitch += 1e-12;
-    lf_cache_store(&b);
+    store(&b);
     n = lf_cache_list(found, 8);
     assert_int_equal(n, 2);
     assert_memory_equal(&cached(found, n, "LKG-K1")->calibration, &b, sizeof b);
@@ -211,13 +218,32 @@ static void a_serial_leads_nowhere_else(void **state)
     int before = lf_cache_list(found, 16);
     for (size_t i = 0; i < sizeof serials / sizeof serials[0]; i++) {
         lf_calibration c = full(serials[i]);
-        lf_cache_store(&c);
+        store(&c);
     }
     assert_int_equal(lf_cache_list(found, 16), before + 8);
     lf_calibration nameless = full("");
-    lf_cache_store(&nameless);
+    store(&nameless);
     assert_int_equal(lf_cache_list(found, 16), before + 8);
     assert_int_not_equal(access("/tmp/owned.json", F_OK), 0);
+}
+
+static void panels_of_the_same_bare_serial_are_remembered_by_their_labels(void **state)
+{
+    (void)state;
+    lf_found found[16], a = place(LF_SOURCE_DRIVE, "LKG-P00655", "LKG-PORT-", 1536, 2048);
+    lf_found b = place(LF_SOURCE_DRIVE, "LKG-P00671", "LKG-PORT-", 1536, 2048);
+    b.calibration.center = 0.25;
+    lf_cache_store(&a);
+    lf_cache_store(&b);
+    int n = lf_cache_list(found, 16);
+    lf_edid d = display("LKG-P00671", "", 1536, 2048);
+    const lf_found *match = lf_find_match(found, n, &d, NULL);
+    assert_non_null(match);
+    assert_memory_equal(&match->calibration, &b.calibration, sizeof b.calibration);
+    d = display("LKG-P00655", "", 1536, 2048);
+    match = lf_find_match(found, n, &d, NULL);
+    assert_non_null(match);
+    assert_memory_equal(&match->calibration, &a.calibration, sizeof a.calibration);
 }
 
 static void damaged_and_foreign_files_in_the_cache_are_passed_over(void **state)
@@ -242,11 +268,11 @@ static void a_cache_that_cannot_be_is_no_error(void **state)
     lf_found found[4];
     const char *file = lf_test_write(folder, "file", "");
     setenv("CACHE_DIRECTORY", file, 1);
-    lf_cache_store(&c);
+    store(&c);
     assert_int_equal(lf_cache_list(found, 4), 0);
     setenv("CACHE_DIRECTORY", lf_test_path(folder, "deeper/down"), 1);
     assert_int_equal(lf_cache_list(found, 4), 0);
-    lf_cache_store(&c);
+    store(&c);
     assert_int_equal(lf_cache_list(found, 4), 1);
     setenv("CACHE_DIRECTORY", folder, 1);
 }
@@ -263,7 +289,7 @@ static void looking_everywhere_comes_to_an_end(void **state)
     lf_edid d = display("LKG-NOBODY", "", 1, 1);
     lf_assert_status(lf_find_for_display(&d, &c, from, &err), LF_E_NODEV, &err);
     lf_calibration known = full("LKG-SOMEBODY-1");
-    lf_cache_store(&known);
+    store(&known);
     d = display("LKG-SOMEBODY-", "", 1, 1);
     lf_assert_ok(lf_find_for_display(&d, &c, from, &err), &err);
     assert_memory_equal(&c, &known, sizeof c);
@@ -281,6 +307,7 @@ int main(void)
         cmocka_unit_test(what_was_found_instead_is_told),
         cmocka_unit_test(the_cache_gives_back_what_was_stored),
         cmocka_unit_test(a_serial_leads_nowhere_else),
+        cmocka_unit_test(panels_of_the_same_bare_serial_are_remembered_by_their_labels),
         cmocka_unit_test(damaged_and_foreign_files_in_the_cache_are_passed_over),
         cmocka_unit_test(a_cache_that_cannot_be_is_no_error),
         cmocka_unit_test(looking_everywhere_comes_to_an_end),
