@@ -40,8 +40,9 @@ const lf_found *lf_find_match(const lf_found *found, int n, const lf_edid *displ
  * in the cache. LF_E_NODEV: none; LF_E_FORMAT: the one that matches is damaged. */
 LF_NODISCARD lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, char *out_from, lf_error *err);
 
-/* The cache: a file a panel (lf_found_name, which is the label of what is listed) under $CACHE_DIRECTORY/panels (systemd's), else $XDG_CACHE_HOME/quiltd/panels, else
- * ~/.cache/quiltd/panels. A cache that cannot be written is no error. */
+/* The cache: a file a panel, called by lf_found_name (which is the label of what is listed), under $CACHE_DIRECTORY/panels (systemd's),
+ * else $XDG_CACHE_HOME/quiltd/panels, else ~/.cache/quiltd/panels. Writing replaces whole files. A cache that cannot be written is
+ * no error; damaged files in it are passed over. */
 void lf_cache_store(const lf_found *found);
 int lf_cache_list(lf_found *out, int max);
 

@@ -9,9 +9,11 @@ for program in "$@"; do
     name=${program##*/fuzz_}
     log=$program.log
     learnt=$program.corpus
+    seeds=$src/tests/fuzz/corpus/$name
+    [ -d "$seeds" ] || seeds=
     mkdir -p "$learnt"
     if "$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=8192 -print_final_stats=1 \
-        -artifact_prefix="${O:-build/fuzz}/crash-$name-" "$learnt" "$src/tests/fuzz/corpus/$name" > "$log" 2>&1; then
+        -artifact_prefix="${O:-build/fuzz}/crash-$name-" "$learnt" ${seeds:+"$seeds"} > "$log" 2>&1; then
         runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
         covered=$(sed -n 's/.*DONE *cov: *\([0-9]*\).*/\1/p' "$log")
         echo "fuzz: $name: nothing found in $seconds s, $runs inputs, $covered edges"

@@ -9,6 +9,7 @@
 #include <sys/ioctl.h>
 #include <umockdev.h>
 
+#include "device/find.h"
 #include "device/hid.h"
 #include "device/model.h"
 
@@ -130,6 +131,20 @@ static bool preloaded(void)
     return dlopen(PRELOAD, RTLD_LAZY | RTLD_NOLOAD) != NULL;
 }
 
+static void a_panel_that_cannot_be_read_is_told_with_its_problem(void **state)
+{
+    lf_found found[8];
+    setenv("CACHE_DIRECTORY", "/nonexistent", 1);
+    int before = lf_find_all(found, 8);
+    plug_in(*state, 1, 0x04d8, 0xef7e, "HoloPlay");
+    assert_int_equal(lf_find_all(found, 8), before + 1);
+    assert_int_equal(found[0].source, LF_SOURCE_HID);
+    assert_string_equal(found[0].path, "/dev/hidraw1");
+    assert_string_equal(found[0].label, "HoloPlay");
+    assert_non_null(strstr(found[0].problem, "cannot be opened"));
+    unsetenv("CACHE_DIRECTORY");
+}
+
 #define test(name) cmocka_unit_test_setup_teardown(name, make_testbed, remove_testbed)
 
 int main(int argc, char **argv)
@@ -137,6 +152,7 @@ int main(int argc, char **argv)
     (void)argc;
     const struct CMUnitTest tests[] = {
         test(only_panels_are_taken_for_panels),
+        test(a_panel_that_cannot_be_read_is_told_with_its_problem),
         test(a_request_reaches_the_device_and_a_missing_reply_ends),
     };
     if (SANITIZED) {
