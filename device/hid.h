@@ -2,7 +2,8 @@
  * over a link of a few functions, so that tests and fuzzers stand where the hardware would; device/hid_hidapi.c is the link to
  * real devices. Nothing but "read a page" is ever sent. Private to device/ and its tests.
  *
- * Whatever the device does, a call ends: reports are counted, and the clock is the link's.
+ * Whatever the device does, a call ends: reports are counted, and the clock is the link's. A device that does not take requests holds
+ * the kernel for 5 s each; the time for everything runs out after the first.
  * Threads: a link belongs to one thread at a time; lf_hid_list and lf_hid_open may be called by any. */
 #ifndef LF_DEVICE_HID_H
 #define LF_DEVICE_HID_H
