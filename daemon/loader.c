@@ -1,25 +1,17 @@
 #include "daemon/loader.h"
 
 #include <math.h>
-#include <signal.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "daemon/worker.h"
 
 struct lf_loader {
-    pthread_t thread;
-    bool started;
     lf_engine *engine;
     const lf_roots *roots;
-    lf_inbox *inbox;
-    lf_stage *stage; /* the thread's own: what was committed last */
-    pthread_mutex_t lock;
-    pthread_cond_t wake;
-    /* under lock */
-    lf_letter *first;
-    int pending;
-    bool stop;
+    lf_worker *worker;
+    lf_stage *stage; /* the worker's own: what was committed last */
 };
 
 lf_load *lf_load_create(lf_load_kind kind)
@@ -211,37 +203,16 @@ static void run_load(lf_loader *loader, lf_load *load)
 
 /* --------------------------------------------------------------------------------------------------------- thread -- */
 
-static lf_load *next_load(lf_loader *loader)
+static void run_letter(void *context, lf_letter *letter)
 {
-    pthread_mutex_lock(&loader->lock);
-    while (loader->first == NULL && !loader->stop) {
-        pthread_cond_wait(&loader->wake, &loader->lock);
-    }
-    lf_load *load = loader->stop ? NULL : (lf_load *)(void *)loader->first;
-    if (load != NULL) {
-        loader->first = loader->first->next;
-    }
-    pthread_mutex_unlock(&loader->lock);
-    return load;
+    run_load(context, (lf_load *)(void *)letter);
 }
 
-static void post_back(lf_loader *loader, lf_load *load)
+static void drop_letter(void *context, lf_letter *letter)
 {
-    pthread_mutex_lock(&loader->lock);
-    loader->pending--;
-    pthread_mutex_unlock(&loader->lock);
-    lf_inbox_post(loader->inbox, &load->letter);
-}
-
-static void *loader_main(void *context)
-{
-    lf_loader *loader = context;
-    pthread_setname_np(pthread_self(), "lf-loader");
-    for (lf_load *load = next_load(loader); load != NULL; load = next_load(loader)) {
-        run_load(loader, load);
-        post_back(loader, load);
-    }
-    return NULL;
+    lf_load *load = (lf_load *)(void *)letter;
+    (void)context;
+    load->status = lf_error_set(&load->err, LF_E_CANCELLED, "", "the daemon is shutting down");
 }
 
 lf_status lf_loader_create(lf_engine *engine, const lf_roots *roots, lf_inbox *inbox, lf_loader **out_loader)
@@ -252,17 +223,10 @@ lf_status lf_loader_create(lf_engine *engine, const lf_roots *roots, lf_inbox *i
     }
     loader->engine = engine;
     loader->roots = roots;
-    loader->inbox = inbox;
-    pthread_mutex_init(&loader->lock, NULL);
-    pthread_cond_init(&loader->wake, NULL);
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before);
-    loader->started = pthread_create(&loader->thread, NULL, loader_main, loader) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (!loader->started) {
-        lf_loader_destroy(loader);
-        return LF_E_NOMEM;
+    lf_status status = lf_worker_create("lf-loader", run_letter, drop_letter, loader, inbox, &loader->worker);
+    if (status != LF_OK) {
+        lf_free(loader);
+        return status;
     }
     *out_loader = loader;
     return LF_OK;
@@ -273,43 +237,17 @@ void lf_loader_destroy(lf_loader *loader)
     if (loader == NULL) {
         return;
     }
-    if (loader->started) {
-        pthread_mutex_lock(&loader->lock);
-        loader->stop = true;
-        pthread_cond_signal(&loader->wake);
-        pthread_mutex_unlock(&loader->lock);
-        pthread_join(loader->thread, NULL);
-    }
-    while (loader->first != NULL) {
-        lf_load *load = (lf_load *)(void *)loader->first;
-        loader->first = loader->first->next;
-        load->status = lf_error_set(&load->err, LF_E_CANCELLED, "", "the daemon is shutting down");
-        post_back(loader, load);
-    }
+    lf_worker_destroy(loader->worker);
     lf_stage_unref(loader->stage);
-    pthread_cond_destroy(&loader->wake);
-    pthread_mutex_destroy(&loader->lock);
     lf_free(loader);
 }
 
 void lf_loader_queue(lf_loader *loader, lf_load *load)
 {
-    pthread_mutex_lock(&loader->lock);
-    lf_letter **at = &loader->first;
-    while (*at != NULL) {
-        at = &(*at)->next;
-    }
-    load->letter.next = NULL;
-    *at = &load->letter;
-    loader->pending++;
-    pthread_cond_signal(&loader->wake);
-    pthread_mutex_unlock(&loader->lock);
+    lf_worker_queue(loader->worker, &load->letter);
 }
 
 int lf_loader_pending(lf_loader *loader)
 {
-    pthread_mutex_lock(&loader->lock);
-    int pending = loader->pending;
-    pthread_mutex_unlock(&loader->lock);
-    return pending;
+    return lf_worker_pending(loader->worker);
 }

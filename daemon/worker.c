@@ -1,0 +1,158 @@
+#include "daemon/worker.h"
+
+#include <math.h>
+#include <signal.h>
+#include <time.h>
+
+#include "base/alloc.h"
+#include "base/thread.h"
+
+struct lf_worker {
+    pthread_t thread;
+    bool started;
+    char name[16];
+    lf_errand_fn run, drop;
+    void *context;
+    lf_inbox *inbox;
+    pthread_mutex_t lock;
+    pthread_cond_t wake, idle;
+    /* under lock */
+    lf_letter *first, **last;
+    int pending;
+    bool stop;
+};
+
+static lf_letter *take(lf_worker *worker)
+{
+    lf_letter *letter = worker->first;
+    if (letter != NULL) {
+        worker->first = letter->next;
+        if (worker->first == NULL) {
+            worker->last = &worker->first;
+        }
+    }
+    return letter;
+}
+
+static lf_letter *next_letter(lf_worker *worker)
+{
+    pthread_mutex_lock(&worker->lock);
+    while (worker->first == NULL && !worker->stop) {
+        pthread_cond_wait(&worker->wake, &worker->lock);
+    }
+    lf_letter *letter = worker->stop ? NULL : take(worker);
+    pthread_mutex_unlock(&worker->lock);
+    return letter;
+}
+
+static void post_back(lf_worker *worker, lf_letter *letter)
+{
+    pthread_mutex_lock(&worker->lock);
+    worker->pending--;
+    pthread_cond_broadcast(&worker->idle);
+    pthread_mutex_unlock(&worker->lock);
+    lf_inbox_post(worker->inbox, letter);
+}
+
+static void *worker_main(void *context)
+{
+    lf_worker *worker = context;
+    pthread_setname_np(pthread_self(), worker->name);
+    for (lf_letter *letter = next_letter(worker); letter != NULL; letter = next_letter(worker)) {
+        worker->run(worker->context, letter);
+        post_back(worker, letter);
+    }
+    return NULL;
+}
+
+/* Signals stay with the event thread. */
+static bool start(lf_worker *worker)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);
+    worker->started = pthread_create(&worker->thread, NULL, worker_main, worker) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return worker->started;
+}
+
+lf_status lf_worker_create(const char *name, lf_errand_fn run, lf_errand_fn drop, void *context, lf_inbox *inbox,
+                           lf_worker **out_worker)
+{
+    lf_worker *worker = lf_calloc(1, sizeof *worker);
+    if (worker == NULL) {
+        return LF_E_NOMEM;
+    }
+    *worker = (lf_worker){.run = run, .drop = drop, .context = context, .inbox = inbox};
+    worker->last = &worker->first;
+    for (size_t i = 0; i + 1 < sizeof worker->name && name[i] != '\0'; i++) {
+        worker->name[i] = name[i];
+    }
+    pthread_condattr_t monotonic;
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    pthread_mutex_init(&worker->lock, NULL);
+    pthread_cond_init(&worker->wake, NULL);
+    pthread_cond_init(&worker->idle, &monotonic);
+    pthread_condattr_destroy(&monotonic);
+    if (!start(worker)) {
+        lf_worker_destroy(worker);
+        return LF_E_NOMEM;
+    }
+    *out_worker = worker;
+    return LF_OK;
+}
+
+void lf_worker_destroy(lf_worker *worker)
+{
+    if (worker == NULL) {
+        return;
+    }
+    if (worker->started) {
+        pthread_mutex_lock(&worker->lock);
+        worker->stop = true;
+        pthread_cond_signal(&worker->wake);
+        pthread_mutex_unlock(&worker->lock);
+        pthread_join(worker->thread, NULL);
+    }
+    for (lf_letter *letter = take(worker); letter != NULL; letter = take(worker)) {
+        worker->drop(worker->context, letter);
+        post_back(worker, letter);
+    }
+    pthread_cond_destroy(&worker->idle);
+    pthread_cond_destroy(&worker->wake);
+    pthread_mutex_destroy(&worker->lock);
+    lf_free(worker);
+}
+
+void lf_worker_queue(lf_worker *worker, lf_letter *letter)
+{
+    letter->next = NULL;
+    pthread_mutex_lock(&worker->lock);
+    *worker->last = letter;
+    worker->last = &letter->next;
+    worker->pending++;
+    pthread_cond_signal(&worker->wake);
+    pthread_mutex_unlock(&worker->lock);
+}
+
+int lf_worker_pending(lf_worker *worker)
+{
+    pthread_mutex_lock(&worker->lock);
+    int pending = worker->pending;
+    pthread_mutex_unlock(&worker->lock);
+    return pending;
+}
+
+bool lf_worker_drain(lf_worker *worker, double end)
+{
+    struct timespec at = {.tv_sec = (time_t)floor(end), .tv_nsec = (long)((end - floor(end)) * 1e9)};
+    int waited = 0;
+    pthread_mutex_lock(&worker->lock);
+    while (worker->pending > 0 && waited == 0) {
+        waited = pthread_cond_timedwait(&worker->idle, &worker->lock, &at);
+    }
+    bool done = worker->pending == 0;
+    pthread_mutex_unlock(&worker->lock);
+    return done;
+}
