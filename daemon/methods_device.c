@@ -5,20 +5,12 @@
 #include "base/alloc.h"
 #include "daemon/methods.h"
 
-#define MAX_DEVICES 16
-
 void lf_method_device_list(lf_call *call)
 {
-    lf_device_info infos[MAX_DEVICES];
-    int n = lf_device_list(infos, MAX_DEVICES);
-    json_t *list = json_array();
-    for (int i = 0; i < n; i++) {
-        const lf_device_info *info = &infos[i];
-        json_array_append_new(list,
-                              json_pack("{s:s, s:s, s:s, s:s, s:s, s:s}", "spec", info->spec, "kind", info->kind, "model",
-                                        info->model, "serial", info->serial, "output", info->output, "problem", info->problem));
+    lf_ticket *ticket = lf_defer(call);
+    if (ticket != NULL) {
+        lf_server_list_devices(call->server, ticket);
     }
-    lf_reply(call, json_pack("{s:o, s:o}", "devices", list, "present", lf_server_device_json(call->server)));
 }
 
 /* A simulated device writes into its folder: a client may name the one of the command line, or one beneath --export-dir. */
@@ -45,26 +37,16 @@ static lf_status check_spec(const lf_server *server, const char *spec, lf_error 
 
 void lf_method_device_set(lf_call *call)
 {
-    lf_server *server = call->server;
     const char *spec = json_string_value(json_object_get(call->params, "spec"));
-    lf_error err, ignored;
-    char before[sizeof server->panel.spec];
-    snprintf(before, sizeof before, "%s", server->panel.spec);
-    lf_status status = check_spec(server, spec, &err);
-    if (status == LF_OK) {
-        status = lf_server_open_device(server, spec, &err);
-        if (status != LF_OK && server->panel.device == NULL) {
-            (void)!lf_server_open_device(server, before, &ignored); /* else it is tried again from time to time */
-        }
-    }
-    if (status == LF_E_IO || status == LF_E_FORMAT) {
-        err.status = LF_E_NODEV;
-    }
-    if (status != LF_OK) {
+    lf_error err;
+    if (check_spec(call->server, spec, &err) != LF_OK) {
         lf_fail(call, &err, false);
         return;
     }
-    lf_reply(call, lf_server_device_json(server));
+    lf_ticket *ticket = lf_defer(call);
+    if (ticket != NULL) {
+        lf_server_open_device(call->server, spec, ticket);
+    }
 }
 
 static json_t *cells_json(const lf_calibration *c)

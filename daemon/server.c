@@ -122,7 +122,7 @@ static void finish(lf_server *server)
     if (server->config.state_dir != NULL) {
         end = fmax(end, lf_time_now() + CLOSE_SECONDS);
     }
-    bool closed = lf_server_end_farewells(server, end);
+    bool closed = lf_worker_drain(server->opener, end);
     if (!closed || !engine_ended || server->jobs != NULL || lf_loader_pending(server->loader) > 0) {
         _exit(server->exit_code);
     }
@@ -133,7 +133,8 @@ static void destroy(lf_server *server)
     lf_error over;
     (void)lf_error_set(&over, LF_E_CANCELLED, "", "the daemon is shutting down");
     server->stopping = server->leaving = true;
-    (void)lf_server_end_farewells(server, INFINITY);
+    lf_server_drop_errands(server);
+    lf_worker_destroy(server->opener);
     lf_loader_destroy(server->loader);
     lf_engine_destroy(server->engine);
     while (server->waits != NULL) {
@@ -259,6 +260,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
         return status;
     }
     status = lf_loader_create(server->engine, &server->roots, &server->inbox, &server->loader);
+    status = status == LF_OK ? lf_opener_start(&server->inbox, &server->opener) : status;
     if (status != LF_OK ||
         sd_event_add_io(server->event, &server->inbox_io, server->inbox.event_fd, EPOLLIN, on_inbox, server) < 0 ||
         sd_event_add_io(server->event, &server->engine_io, server->engine_fd, EPOLLIN, lf_server_on_engine, server) < 0) {
@@ -280,42 +282,40 @@ static lf_status open_socket(lf_server *server, lf_error *err)
     return status;
 }
 
-/* The first attempts; what comes of them is told, and ends nothing but a wrong --device or --calibration. */
+/* The device's first attempt; what comes of it ends nothing but a wrong --device or --calibration. */
 static lf_status open_first(lf_server *server, lf_error *err)
 {
     lf_calibration calibration;
     const char *given = server->config.calibration;
     lf_status status = given != NULL ? lf_calibration_load(given, &calibration, err) : LF_OK;
-    if (status != LF_OK) {
-        return status;
+    if (status == LF_OK) {
+        lf_server_open_device(server, server->config.device, NULL);
     }
-    status = lf_server_open_device(server, server->config.device, err);
-    if (status == LF_E_ARG) {
-        return status;
-    }
-    if (status != LF_OK) {
-        lf_log_error(err);
-    }
-    if (server->config.scene == NULL) {
+    return status;
+}
+
+/* The scene's first attempt, when the device's has ended: its calibration says how to render. */
+void lf_server_begin(lf_server *server)
+{
+    const char *scene = server->config.scene;
+    if (scene == NULL) {
         lf_server_ready(server);
-        return LF_OK;
+        return;
     }
-    if (access(server->config.scene, R_OK) != 0) {
+    bool there = access(scene, R_OK) == 0;
+    int why = errno;
+    lf_load *load = there ? lf_load_create(LF_LOAD_FILE) : NULL;
+    if (load == NULL) {
         /* Said here: a folder that is not there is no root either, and "outside" would be no help. */
-        (void)lf_error_set(&server->error, LF_E_IO, server->config.scene, "cannot open: %s", lf_errno_text(errno));
+        (void)lf_error_set(&server->error, LF_E_IO, scene, "cannot open: %s", there ? "out of memory" : lf_errno_text(why));
         lf_log_error(&server->error);
         server->has_error = true;
         lf_server_ready(server);
-        return LF_OK;
-    }
-    lf_load *load = lf_load_create(LF_LOAD_FILE);
-    if (load == NULL) {
-        return lf_error_set(err, LF_E_NOMEM, "", "out of memory");
+        return;
     }
     load->restore_fd = lf_server_open_state(server);
-    load->file = lf_strdup(server->config.scene);
+    load->file = lf_strdup(scene);
     lf_server_load(server, load, NULL);
-    return LF_OK;
 }
 
 static void prepare_process(void)
@@ -361,9 +361,6 @@ int lf_server_run(const lf_server_config *config)
     } else {
         lf_log_error(&err);
         code = status == LF_E_ARG ? LF_EXIT_USAGE : LF_EXIT_FAILED;
-        if (server->engine != NULL && server->panel.device != NULL) {
-            lf_server_close_device(server, 0);
-        }
     }
     destroy(server);
     lf_free(server);

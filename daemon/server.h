@@ -2,7 +2,8 @@
  *
  *   server.c          putting it together, the loop, the way down
  *   server_socket.c   which socket: systemd's, or a path with its lock
- *   server_device.c   the panel: opening, pushing at its own pace, unplugging
+ *   server_device.c   which device: opening, closing, unplugging, trying again
+ *   server_panel.c    what it shows: frames, pushed at its own pace
  *   server_engine.c   what comes back from the engine and the loader; waits
  *   server_signals.c  signals, timers, the watched scene file, systemd's ears
  *   server_export.c   exports: what a call's words say
@@ -17,6 +18,7 @@
 #include "daemon/client.h"
 #include "daemon/engine.h"
 #include "daemon/loader.h"
+#include "daemon/opener.h"
 #include "device/device.h"
 
 /* Bits of lf_client_flags: what a client subscribed to. */
@@ -64,13 +66,12 @@ typedef struct lf_wait {
     lf_level level;
 } lf_wait;
 
-typedef struct lf_farewell lf_farewell;
-
 /* What the panel is and what it shows. */
 typedef struct lf_panel {
     lf_device *device; /* NULL while unplugged */
-    char spec[512];
-    lf_error problem; /* why there is none */
+    char wanted[512];  /* the spec asked for, which is tried again when a device has gone … */
+    char spec[512];    /* … and the one that is open, or could not be opened */
+    lf_error problem;  /* why there is none */
     bool has_problem;
     uint64_t number;      /* rises with every device opened; frames carry it */
     bool has_calibration; /* of the device or --calibration */
@@ -82,7 +83,9 @@ typedef struct lf_panel {
     lf_level flying_level;
     double flying_passes;
     lf_device_counters before; /* of devices closed by now */
-    lf_farewell *farewells;    /* devices being closed */
+    lf_errand *opening;        /* under way; NULL = none … */
+    lf_errand *queued;         /* … and those that wait for it, the next one first */
+    bool plugged;              /* something was, since a device was last looked for */
 } lf_panel;
 
 typedef struct lf_job lf_job;
@@ -98,6 +101,7 @@ struct lf_server {
     lf_options options; /* as changed by render.set */
     lf_engine *engine;
     lf_loader *loader;
+    lf_worker *opener;
     lf_clients *clients;
     char *socket_path; /* to unlink at the end; NULL = systemd's */
     int lock_fd;
@@ -115,7 +119,7 @@ struct lf_server {
     lf_job *jobs;
     int64_t n_jobs;
 
-    bool ready_sent, stopping, leaving;
+    bool begun, ready_sent, stopping, leaving;
     double stopped_at; /* lf_time_now when the way down began */
     int exit_code;
     sd_event_source *stop_timer, *state_timer, *run_timer, *status_timer, *watch_io, *watch_timer;
@@ -131,6 +135,8 @@ struct lf_server {
 
 /* Runs the daemon; returns the exit code. */
 int lf_server_run(const lf_server_config *config);
+/* The first attempt to open a device has ended: the scene's begins. */
+void lf_server_begin(lf_server *server);
 /* Begins the way down. */
 void lf_server_shutdown(lf_server *server);
 
@@ -146,19 +152,33 @@ bool lf_default_socket(int index, char *out, size_t size);
 
 /* ------------------------------------------------------------------------------------------------ server_device.c -- */
 
-/* Opens a device in the place of the one there is now, which stays on failure where it need not be closed first. Else on failure
- * there is none (LF_E_NODEV, LF_E_BUSY, LF_E_IO: tried again from time to time). */
-LF_NODISCARD lf_status lf_server_open_device(lf_server *server, const char *spec, lf_error *err);
-/* Gives the panel the newest frame, if it can take one. */
-void lf_server_pump(lf_server *server);
+/* Opens a device in the place of the one there is now, which stays on failure where it need not be closed first; where it had to be, it is
+ * opened again. Else on failure there is none (LF_E_NODEV, LF_E_BUSY, LF_E_IO: tried again from time to time). ticket (taken over, may be
+ * NULL) is answered when that is known, with the device; without one a wrong spec or calibration ends the daemon before it is ready. */
+void lf_server_open_device(lf_server *server, const char *spec, lf_ticket *ticket);
+/* Something was plugged in: a device that is missing is tried again soon. */
+void lf_server_plugged(lf_server *server);
+/* Answers with the devices there are. */
+void lf_server_list_devices(lf_server *server, lf_ticket *ticket);
+/* The device said that it is gone. */
+void lf_server_gone(lf_server *server);
+/* Looks at the panel again after usec: pushes what failed, or opens what is missing. */
+void lf_server_retry(lf_server *server, uint64_t usec);
 /* At the end: waits for what was pushed, at most timeout_ms, and begins to close. */
 void lf_server_close_device(lf_server *server, int timeout_ms);
-/* Waits until `end` (lf_time_now) for devices that are being closed; true when none is left. */
-bool lf_server_end_farewells(lf_server *server, double end);
+/* At the end: devices that wait to be opened are not opened any more. */
+void lf_server_drop_errands(lf_server *server);
 /* Updates, bytes and errors of all devices so far. */
 lf_device_counters lf_server_device_counters(const lf_server *server);
 /* The device as status, device.set and the event `device` show it. */
 json_t *lf_server_device_json(const lf_server *server);
+
+/* ------------------------------------------------------------------------------------------------- server_panel.c -- */
+
+/* Gives the panel the newest frame, if it can take one. */
+void lf_server_pump(lf_server *server);
+/* Asks the device what became of the push under way. */
+void lf_server_dispatch(lf_server *server);
 
 /* ------------------------------------------------------------------------------------------------ server_engine.c -- */
 

@@ -1,0 +1,44 @@
+/* opener: opens, closes and looks for devices on a thread of its own, because real ones take seconds: an EEPROM that does not answer,
+ * a display that still has a push under way. In the order of the calls, so that a device is closed before it is opened again. */
+#ifndef LF_DAEMON_OPENER_H
+#define LF_DAEMON_OPENER_H
+
+#include "daemon/worker.h"
+#include "device/device.h"
+
+typedef enum lf_errand_kind {
+    LF_ERRAND_OPEN,  /* a device by its spec */
+    LF_ERRAND_CLOSE, /* an open device */
+    LF_ERRAND_LIST,  /* the devices there are */
+} lf_errand_kind;
+
+#define LF_LISTED_DEVICES 16
+
+typedef struct lf_errand {
+    lf_letter letter; /* posted when it is done; the poster sets open */
+    lf_errand_kind kind;
+    char spec[512];          /* OPEN */
+    const char *calibration; /* OPEN: a file, NULL = the device's own; borrowed */
+    bool panel_only;         /* OPEN: "auto" that finds no panel is LF_E_NODEV, not a device that shows nothing */
+    /* the poster's own */
+    void *ticket;
+    struct lf_errand *next;
+    char before[512]; /* OPEN: what had to be closed for it; empty = nothing */
+    bool again;       /* OPEN: a device that is missing is tried again */
+    /* the outcome */
+    lf_status status;
+    lf_error err;      /* OPEN: when status is not LF_OK */
+    lf_device *device; /* OPEN: the poster's to take, else closed with the errand; CLOSE: the one to close */
+    int n_devices;     /* LIST */
+    lf_device_info devices[LF_LISTED_DEVICES];
+} lf_errand;
+
+/* A zeroed errand; NULL = out of memory. */
+lf_errand *lf_errand_create(lf_errand_kind kind);
+/* Closes the device that nobody took, which may block. */
+void lf_errand_destroy(lf_errand *errand);
+
+/* The worker that does errands: queue &errand->letter. What is left when it is destroyed is closed, or posted as LF_E_CANCELLED. */
+LF_NODISCARD lf_status lf_opener_start(lf_inbox *inbox, lf_worker **out_worker);
+
+#endif
