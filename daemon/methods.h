@@ -33,6 +33,7 @@ void lf_method_render_set(lf_call *call);
 void lf_method_device_list(lf_call *call);
 void lf_method_device_set(lf_call *call);
 void lf_method_device_calibration(lf_call *call);
+void lf_method_button(lf_call *call);
 /* methods_export.c */
 void lf_method_job_cancel(lf_call *call);
 

@@ -78,3 +78,10 @@ void lf_method_device_calibration(lf_call *call)
                        "invView", c->inv_view, "flipImageX", c->flip_image_x, "flipImageY", c->flip_image_y, "flipSubp",
                        c->flip_subp, "CellPatternMode", c->cell_pattern_mode, "subpixelCells", cells_json(c)));
 }
+
+void lf_method_button(lf_call *call)
+{
+    lf_button button = lf_button_of_name(json_string_value(json_object_get(call->params, "name")));
+    lf_server_press(call->server, button);
+    lf_reply(call, json_pack("{s:s}", "action", lf_action_name(call->server->config.buttons.of[button])));
+}

@@ -54,9 +54,11 @@ static const lf_method methods[] = {
     {"device.list", "devices that could be opened", OBJECT(""), lf_method_device_list},
     {"device.set", "show on another device", OBJECT_WITH("\"spec\"", "\"spec\":" STRING), lf_method_device_set},
     {"device.calibration", "the lens calibration of the panel", OBJECT(""), lf_method_device_calibration},
+    {"button", "do what a button of the panel does",
+     OBJECT_WITH("\"name\"", "\"name\":" ENUM("\"square\",\"left\",\"right\",\"circle\"")), lf_method_button},
     {"subscribe", "which notifications to send to this client",
      OBJECT_WITH("\"events\"", "\"events\":{\"type\":\"array\",\"items\":" ENUM(
-                                   "\"frame\",\"converged\",\"device\",\"scene\",\"export\"") ",\"maxItems\":16}"),
+                                   "\"frame\",\"converged\",\"device\",\"scene\",\"export\",\"button\"") ",\"maxItems\":16}"),
      lf_method_subscribe},
     {"shutdown", "end the daemon", OBJECT(""), lf_method_shutdown},
 };

@@ -3,6 +3,9 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "device/find.h"
+
+enum { MAX_FOUND = 16 };
 
 lf_errand *lf_errand_create(lf_errand_kind kind)
 {
@@ -16,7 +19,38 @@ lf_errand *lf_errand_create(lf_errand_kind kind)
 void lf_errand_destroy(lf_errand *errand)
 {
     lf_device_destroy(errand->device);
+    lf_buttons_destroy(errand->buttons);
     lf_free(errand);
+}
+
+void lf_errand_forget(void *reader, lf_letter *letter)
+{
+    (void)reader;
+    lf_errand_destroy((lf_errand *)(void *)letter);
+}
+
+static void close_all(lf_errand *errand)
+{
+    lf_device_destroy(errand->device);
+    lf_buttons_destroy(errand->buttons);
+    errand->device = NULL;
+    errand->buttons = NULL;
+}
+
+/* The HID side of the panel whose EEPROM holds this serial number. */
+static lf_status open_buttons(lf_errand *errand)
+{
+    lf_found *found = lf_calloc(MAX_FOUND, sizeof *found);
+    int n = found != NULL ? lf_find_all(found, MAX_FOUND) : 0;
+    lf_status status = LF_E_NODEV;
+    for (int i = 0; i < n && status != LF_OK; i++) {
+        if (found[i].source == LF_SOURCE_HID && found[i].problem[0] == '\0' &&
+            strcmp(found[i].calibration.serial, errand->spec) == 0) {
+            status = lf_buttons_open(found[i].path, &errand->buttons, &errand->err);
+        }
+    }
+    lf_free(found);
+    return status;
 }
 
 static lf_status open_device(lf_errand *errand)
@@ -46,8 +80,10 @@ static void run_letter(void *context, lf_letter *letter)
         errand->status = open_device(errand);
         break;
     case LF_ERRAND_CLOSE:
-        lf_device_destroy(errand->device);
-        errand->device = NULL;
+        close_all(errand);
+        break;
+    case LF_ERRAND_BUTTONS:
+        errand->status = open_buttons(errand);
         break;
     case LF_ERRAND_LIST:
         errand->n_devices = lf_device_list(errand->devices, LF_LISTED_DEVICES);

@@ -4,12 +4,14 @@
 #define LF_DAEMON_OPENER_H
 
 #include "daemon/worker.h"
+#include "device/buttons.h"
 #include "device/device.h"
 
 typedef enum lf_errand_kind {
-    LF_ERRAND_OPEN,  /* a device by its spec */
-    LF_ERRAND_CLOSE, /* an open device */
-    LF_ERRAND_LIST,  /* the devices there are */
+    LF_ERRAND_OPEN,    /* a device by its spec */
+    LF_ERRAND_CLOSE,   /* an open device, or its buttons */
+    LF_ERRAND_LIST,    /* the devices there are */
+    LF_ERRAND_BUTTONS, /* the buttons of the panel with this serial number */
 } lf_errand_kind;
 
 #define LF_LISTED_DEVICES 16
@@ -17,7 +19,7 @@ typedef enum lf_errand_kind {
 typedef struct lf_errand {
     lf_letter letter; /* posted when it is done; the poster sets open */
     lf_errand_kind kind;
-    char spec[512];          /* OPEN */
+    char spec[512];          /* OPEN; BUTTONS: the serial number */
     const char *calibration; /* OPEN: a file, NULL = the device's own; borrowed */
     bool panel_only;         /* OPEN: "auto" that finds no panel is LF_E_NODEV, not a device that shows nothing */
     /* the poster's own */
@@ -27,16 +29,19 @@ typedef struct lf_errand {
     bool again;       /* OPEN: a device that is missing is tried again */
     /* the outcome */
     lf_status status;
-    lf_error err;      /* OPEN: when status is not LF_OK */
-    lf_device *device; /* OPEN: the poster's to take, else closed with the errand; CLOSE: the one to close */
-    int n_devices;     /* LIST */
+    lf_error err;        /* OPEN: when status is not LF_OK */
+    lf_device *device;   /* OPEN: the poster's to take, else closed with the errand; CLOSE: the one to close */
+    lf_buttons *buttons; /* BUTTONS and CLOSE: likewise; LF_E_NODEV: that panel has none */
+    int n_devices;       /* LIST */
     lf_device_info devices[LF_LISTED_DEVICES];
 } lf_errand;
 
 /* A zeroed errand; NULL = out of memory. */
 lf_errand *lf_errand_create(lf_errand_kind kind);
-/* Closes the device that nobody took, which may block. */
+/* Closes the device and buttons that nobody took, which may block. */
 void lf_errand_destroy(lf_errand *errand);
+/* The same, as what opens a letter. */
+void lf_errand_forget(void *reader, lf_letter *letter);
 
 /* The worker that does errands: queue &errand->letter. What is left when it is destroyed is closed, or posted as LF_E_CANCELLED. */
 LF_NODISCARD lf_status lf_opener_start(lf_inbox *inbox, lf_worker **out_worker);

@@ -18,6 +18,7 @@ enum {
     OPTION_EXPORT_DIR,
     OPTION_WATCH,
     OPTION_RUN_FOR,
+    OPTION_BUTTONS,
 };
 
 static const struct option table[] = {
@@ -29,6 +30,7 @@ static const struct option table[] = {
     {"export-dir", required_argument, NULL, OPTION_EXPORT_DIR},
     {"watch", no_argument, NULL, OPTION_WATCH},
     {"run-for", required_argument, NULL, OPTION_RUN_FOR},
+    {"buttons", required_argument, NULL, OPTION_BUTTONS},
     {NULL, 0, NULL, 0},
 };
 
@@ -46,6 +48,8 @@ static void print_help(void)
         "  --state DIR            keeps the accumulation there over restarts\n"
         "  --allow-path DIR       clients may name files to read beneath it; may be given often\n"
         "  --export-dir DIR       clients may name files to write beneath it\n"
+        "  --buttons LIST         what the panel's buttons do: square=pause,left=previous,right=next,circle=reset\n"
+        "                         (none, next, previous, pause, reset)\n"
         "  --watch                reads the scene file again when it changes\n"
         "  --run-for SECONDS      ends by itself\n" LF_OPTIONS_HELP_LAST);
 }
@@ -68,6 +72,8 @@ static lf_status take_own(lf_server_config *config, int code, const char *text, 
     case OPTION_WATCH:
         config->watch = true;
         return LF_OK;
+    case OPTION_BUTTONS:
+        return lf_button_actions_parse(text, &config->buttons, err);
     case OPTION_RUN_FOR:
         return lf_parse_double("--run-for", text, 0.001, 1e9, &config->run_for, err);
     case OPTION_ALLOW_PATH:
@@ -132,6 +138,7 @@ int main(int argc, char *argv[])
     lf_server_config config = {.device = "auto"};
     lf_error err;
     bool done = false;
+    lf_button_actions_default(&config.buttons);
     lf_log_init(PROGRAM, LF_LOG_INFO);
     if (read_arguments(argc, argv, &config, &done, &err) != LF_OK) {
         return lf_usage_error(PROGRAM, &err);

@@ -133,7 +133,9 @@ static void destroy(lf_server *server)
     lf_error over;
     (void)lf_error_set(&over, LF_E_CANCELLED, "", "the daemon is shutting down");
     server->stopping = server->leaving = true;
+    lf_server_unwatch_plugs(server);
     lf_server_drop_errands(server);
+    lf_server_drop_buttons(server);
     lf_worker_destroy(server->opener);
     lf_loader_destroy(server->loader);
     lf_engine_destroy(server->engine);
@@ -158,6 +160,8 @@ static void destroy(lf_server *server)
     lf_roots_finish(&server->roots);
     lf_free(server->export_root);
     lf_free(server->watch_name);
+    lf_free(server->browsed);
+    json_decref(server->file_camera);
     if (server->watch_fd >= 0) {
         close(server->watch_fd);
     }
@@ -289,6 +293,7 @@ static lf_status open_first(lf_server *server, lf_error *err)
     const char *given = server->config.calibration;
     lf_status status = given != NULL ? lf_calibration_load(given, &calibration, err) : LF_OK;
     if (status == LF_OK) {
+        lf_server_watch_plugs(server);
         lf_server_open_device(server, server->config.device, NULL);
     }
     return status;

@@ -4,6 +4,8 @@
  *   server_socket.c   which socket: systemd's, or a path with its lock
  *   server_device.c   which device: opening, closing, unplugging, trying again
  *   server_panel.c    what it shows: frames, pushed at its own pace
+ *   server_buttons.c  its buttons
+ *   server_plug.c     what udev tells of plugging in
  *   server_engine.c   what comes back from the engine and the loader; waits
  *   server_signals.c  signals, timers, the watched scene file, systemd's ears
  *   server_export.c   exports: what a call's words say
@@ -15,6 +17,9 @@
 #ifndef LF_DAEMON_SERVER_H
 #define LF_DAEMON_SERVER_H
 
+#include <systemd/sd-device.h>
+
+#include "daemon/buttons.h"
 #include "daemon/client.h"
 #include "daemon/engine.h"
 #include "daemon/loader.h"
@@ -28,6 +33,7 @@ enum {
     LF_EVENT_DEVICE = 4,
     LF_EVENT_SCENE = 8,
     LF_EVENT_EXPORT = 16,
+    LF_EVENT_BUTTON = 32,
 };
 
 typedef struct lf_server_config {
@@ -41,6 +47,7 @@ typedef struct lf_server_config {
     int n_allow;
     bool watch;
     double run_for; /* seconds; 0 = until told */
+    lf_button_actions buttons;
     lf_options options;
 } lf_server_config;
 
@@ -106,6 +113,11 @@ struct lf_server {
     char *socket_path; /* to unlink at the end; NULL = systemd's */
     int lock_fd;
     lf_panel panel;
+    lf_buttons *buttons; /* of the panel; NULL = none */
+    sd_event_source *buttons_io;
+    sd_device_monitor *plugs;
+    json_t *file_camera; /* the camera block as the scene's file has it */
+    char *browsed;       /* where next and previous have come to; NULL = what is shown */
 
     lf_stage *stage; /* what is on stage, as far as this thread knows; NULL = nothing */
     int64_t generation;
@@ -179,6 +191,20 @@ json_t *lf_server_device_json(const lf_server *server);
 void lf_server_pump(lf_server *server);
 /* Asks the device what became of the push under way. */
 void lf_server_dispatch(lf_server *server);
+
+/* ----------------------------------------------------------------------------------------------- server_buttons.c -- */
+
+/* A button was pressed: tells subscribers, and does what --buttons says. */
+void lf_server_press(lf_server *server, lf_button button);
+/* Looks for the buttons of the panel that was opened. */
+void lf_server_find_buttons(lf_server *server);
+void lf_server_drop_buttons(lf_server *server);
+
+/* -------------------------------------------------------------------------------------------------- server_plug.c -- */
+
+/* Watches udev for what is plugged in. */
+void lf_server_watch_plugs(lf_server *server);
+void lf_server_unwatch_plugs(lf_server *server);
 
 /* ------------------------------------------------------------------------------------------------ server_engine.c -- */
 

@@ -26,12 +26,6 @@ static void tell_device(lf_server *server)
 
 /* ------------------------------------------------------------------------------------------------------- letting go -- */
 
-static void on_closed(void *reader, lf_letter *letter)
-{
-    (void)reader;
-    lf_errand_destroy((lf_errand *)(void *)letter);
-}
-
 /* Destroying a device may wait for its panel, which the event thread must not. */
 static void close_device(lf_server *server, lf_device *device)
 {
@@ -41,7 +35,7 @@ static void close_device(lf_server *server, lf_device *device)
         return;
     }
     errand->device = device;
-    errand->letter.open = on_closed;
+    errand->letter.open = lf_errand_forget;
     lf_worker_queue(server->opener, &errand->letter);
 }
 
@@ -53,6 +47,7 @@ static void let_go(lf_server *server)
     if (panel->device == NULL) {
         return;
     }
+    lf_server_drop_buttons(server);
     sd_event_source_disable_unref(panel->io);
     panel->io = NULL;
     lf_device_counters now;
@@ -147,6 +142,7 @@ static lf_status take_device(lf_server *server, lf_device *device, lf_error *err
         return lf_error_set(err, LF_E_NOMEM, panel->spec, "out of memory");
     }
     take_calibration(server, device->ops->calibration(device));
+    lf_server_find_buttons(server);
     lf_log(LF_LOG_INFO, "%s: %s%s%s", panel->spec, info.model, info.problem[0] != '\0' ? ": " : "", info.problem);
     return LF_OK;
 }
@@ -364,6 +360,8 @@ void lf_server_plugged(lf_server *server)
     if (shows_nothing(server->panel.device)) {
         server->panel.plugged = true;
         lf_server_retry(server, PLUGGED_USEC);
+    } else {
+        lf_server_find_buttons(server);
     }
 }
 

@@ -180,6 +180,16 @@ int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *
 
 /* ---------------------------------------------------------------------------------------------------------- loader -- */
 
+/* What the file itself says, for the buttons: patches come later. */
+static void keep_file(lf_server *server)
+{
+    const lf_scene *scene = server->stage->scene;
+    json_decref(server->file_camera);
+    server->file_camera = scene != NULL ? json_deep_copy(json_object_get(lf_scene_json(scene), "camera")) : NULL;
+    lf_free(server->browsed);
+    server->browsed = NULL;
+}
+
 static void load_succeeded(lf_server *server, lf_load *load)
 {
     if (load->committed) {
@@ -191,6 +201,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
             server, LF_EVENT_SCENE, "scene",
             json_pack("{s:I, s:o}", "generation", (json_int_t)load->generation, "file", lf_rpc_text(server->stage->file)));
         if (load->kind == LF_LOAD_FILE) {
+            keep_file(server);
             server->has_error = false;
             lf_server_watch(server);
             lf_log(LF_LOG_INFO, "%s: generation %lld%s", server->stage->file, (long long)load->generation,

@@ -1,0 +1,165 @@
+/* The buttons of the panel: found beside its display, told to subscribers, and what they do. */
+#include <stdio.h>
+#include <string.h>
+#include <sys/epoll.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "daemon/server.h"
+
+/* --------------------------------------------------------------------------------------------------------- actions -- */
+
+static void load_neighbour(lf_server *server, int step)
+{
+    const char *from = server->browsed != NULL ? server->browsed
+                       : server->stage != NULL ? server->stage->file
+                                               : server->config.scene;
+    char *path = NULL;
+    lf_error err;
+    if (from == NULL) {
+        return;
+    }
+    if (lf_folder_neighbour(from, step, &path, &err) != LF_OK) {
+        lf_log_error(&err);
+        return;
+    }
+    lf_load *load = lf_load_create(LF_LOAD_FILE);
+    if (load != NULL) {
+        load->file = lf_strdup(path);
+        lf_server_load(server, load, NULL);
+    }
+    /* From here on when the button is pressed again, also when this one cannot be shown. */
+    lf_free(server->browsed);
+    server->browsed = path;
+}
+
+static void toggle_pause(lf_server *server)
+{
+    lf_engine_controls controls = lf_engine_get_controls(server->engine);
+    controls.paused = !controls.paused;
+    lf_engine_set_controls(server->engine, &controls);
+}
+
+/* The file's own camera block, and null for the keys that it does not have. */
+static json_t *camera_patch(const lf_server *server)
+{
+    json_t *camera = json_deep_copy(server->file_camera);
+    const json_t *now = json_object_get(lf_scene_json(server->stage->scene), "camera");
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)(uintptr_t)now, key, value)
+    {
+        if (json_object_get(camera, key) == NULL) {
+            json_object_set_new(camera, key, json_null());
+        }
+    }
+    return json_pack("{s:o}", "camera", camera);
+}
+
+static void reset_camera(lf_server *server)
+{
+    if (server->stage == NULL || server->stage->scene == NULL || server->file_camera == NULL) {
+        return;
+    }
+    lf_load *load = lf_load_create(LF_LOAD_PATCH);
+    if (load != NULL) {
+        load->patch = camera_patch(server);
+        lf_server_load(server, load, NULL);
+    }
+}
+
+void lf_server_press(lf_server *server, lf_button button)
+{
+    lf_action action = server->config.buttons.of[button];
+    lf_server_notify(server, LF_EVENT_BUTTON, "button",
+                     json_pack("{s:s, s:s}", "button", lf_button_name(button), "action", lf_action_name(action)));
+    switch (action) {
+    case LF_ACTION_NEXT:
+        load_neighbour(server, 1);
+        break;
+    case LF_ACTION_PREVIOUS:
+        load_neighbour(server, -1);
+        break;
+    case LF_ACTION_PAUSE:
+        toggle_pause(server);
+        break;
+    case LF_ACTION_RESET:
+        reset_camera(server);
+        break;
+    case LF_ACTION_NONE:
+    case LF_ACTIONS_N:
+        break;
+    }
+}
+
+/* -------------------------------------------------------------------------------------------------------- watching -- */
+
+void lf_server_drop_buttons(lf_server *server)
+{
+    sd_event_source_disable_unref(server->buttons_io);
+    server->buttons_io = NULL;
+    if (server->buttons == NULL) {
+        return;
+    }
+    lf_errand *errand = lf_errand_create(LF_ERRAND_CLOSE);
+    if (errand == NULL) {
+        lf_buttons_destroy(server->buttons);
+    } else {
+        errand->buttons = server->buttons;
+        errand->letter.open = lf_errand_forget;
+        lf_worker_queue(server->opener, &errand->letter);
+    }
+    server->buttons = NULL;
+}
+
+static int on_buttons(sd_event_source *source, int fd, uint32_t events, void *context)
+{
+    lf_server *server = context;
+    lf_button button;
+    (void)source;
+    (void)fd;
+    (void)events;
+    for (;;) {
+        switch (lf_buttons_next(server->buttons, &button)) {
+        case LF_BUTTONS_PRESSED:
+            lf_server_press(server, button);
+            break;
+        case LF_BUTTONS_GONE:
+            lf_server_drop_buttons(server);
+            return 0;
+        case LF_BUTTONS_NOTHING:
+            return 0;
+        }
+    }
+}
+
+static void on_buttons_found(void *reader, lf_letter *letter)
+{
+    lf_server *server = reader;
+    lf_errand *errand = (lf_errand *)(void *)letter;
+    if (errand->status == LF_OK && errand->buttons != NULL && !server->stopping) {
+        lf_server_drop_buttons(server);
+        if (sd_event_add_io(server->event, &server->buttons_io, lf_buttons_poll_fd(errand->buttons), EPOLLIN, on_buttons, server) >=
+            0) {
+            server->buttons = errand->buttons;
+            errand->buttons = NULL;
+        }
+    } else if (errand->status != LF_OK && errand->status != LF_E_NODEV && errand->status != LF_E_CANCELLED) {
+        lf_log_error(&errand->err);
+    }
+    lf_errand_destroy(errand);
+}
+
+void lf_server_find_buttons(lf_server *server)
+{
+    const lf_panel *panel = &server->panel;
+    if (server->buttons != NULL || !panel->has_calibration) {
+        return;
+    }
+    lf_errand *errand = lf_errand_create(LF_ERRAND_BUTTONS);
+    if (errand != NULL) {
+        snprintf(errand->spec, sizeof errand->spec, "%s", panel->calibration.serial);
+        errand->letter.open = on_buttons_found;
+        lf_worker_queue(server->opener, &errand->letter);
+    }
+}
