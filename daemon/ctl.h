@@ -28,6 +28,10 @@ LF_NODISCARD lf_status lf_ctl_export(lf_ctl *ctl, json_t *params, json_t **out_r
 /* Prints a status line again and again until the connection ends or SIGINT. */
 LF_NODISCARD lf_status lf_ctl_watch(lf_ctl *ctl, lf_error *err);
 
+/* Prints what stands between this machine and a picture on a panel, and what to do about it, a line each. socket NULL: the defaults. False:
+ * something has to be mended. */
+bool lf_ctl_doctor(const char *socket);
+
 /* A result for people: one "key  value" a line, members of members as key.key, control characters escaped. */
 void lf_ctl_print(const json_t *result);
 

@@ -33,10 +33,12 @@ static void print_help(void)
 {
     printf("Usage: quiltctl [--socket PATH] [--json] METHOD [key=value ...]\n"
            "       quiltctl [--socket PATH] watch\n"
+           "       quiltctl [--socket PATH] doctor\n"
            "       quiltctl [--socket PATH] export quilt|views|panel|print|state FILE [key=value ...]\n"
            "Calls a running quiltd and prints what it answers. Values are typed by the method's schema; key:=JSON is raw.\n"
            "`quiltctl hello` lists the methods; some of them: status, scene.load file=PATH, scene.patch patch:=JSON,\n"
            "camera.orbit yaw=5, wait for=complete, render.set paused=true, device.list, shutdown.\n"
+           "doctor says what stands between this machine and a picture on a panel; it needs no daemon.\n"
            "An export is written with your rights: FILE may lie anywhere you may write.\n"
            "\n"
            "  --socket PATH          the daemon's socket ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/quiltd.sock,\n"
@@ -211,6 +213,9 @@ int main(int argc, char *argv[])
     }
     if (done) {
         return LF_EXIT_OK;
+    }
+    if (strcmp(a.method, "doctor") == 0 && a.n_words == 0) {
+        return lf_ctl_doctor(a.socket) ? LF_EXIT_OK : LF_EXIT_FAILED;
     }
     lf_ctl *ctl = NULL;
     json_t *result = NULL;

@@ -1,0 +1,107 @@
+/* What the buttons of a panel do: their words on the command line, and the folder they walk through. */
+#include "tests/testing.h"
+
+#include "base/alloc.h"
+#include "daemon/buttons.h"
+
+static lf_button_actions parsed(const char *text)
+{
+    lf_button_actions actions;
+    lf_button_actions_default(&actions);
+    lf_assert_ok(lf_button_actions_parse(text, &actions, NULL), NULL);
+    return actions;
+}
+
+static void only_named_buttons_change(void **state)
+{
+    (void)state;
+    lf_button_actions a = parsed("left=next,circle=none");
+    assert_int_equal(a.of[LF_BUTTON_LEFT], LF_ACTION_NEXT);
+    assert_int_equal(a.of[LF_BUTTON_CIRCLE], LF_ACTION_NONE);
+    assert_int_equal(a.of[LF_BUTTON_SQUARE], LF_ACTION_PAUSE);
+    assert_int_equal(a.of[LF_BUTTON_RIGHT], LF_ACTION_NEXT);
+}
+
+static void unknown_words_change_nothing(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {"", "left", "left=", "=next", "left=jump", "top=next", "left=next,", "right=none,left=jump"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        lf_button_actions actions, before;
+        lf_error err;
+        lf_button_actions_default(&actions);
+        before = actions;
+        assert_int_equal(lf_button_actions_parse(bad[i], &actions, &err), LF_E_ARG);
+        assert_string_equal(err.where, "--buttons");
+        assert_memory_equal(&actions, &before, sizeof actions);
+    }
+}
+
+static void make(const char *folder, const char *name)
+{
+    char path[600];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fclose(file);
+}
+
+static void expect(const char *folder, const char *from, int step, const char *to)
+{
+    char path[600];
+    char *next = NULL;
+    snprintf(path, sizeof path, "%s/%s", folder, from);
+    lf_assert_ok(lf_folder_neighbour(path, step, &next, NULL), NULL);
+    assert_string_equal(strrchr(next, '/') + 1, to);
+    lf_free(next);
+}
+
+static void neighbours_go_round_by_name(void **state)
+{
+    (void)state;
+    char *folder = lf_test_folder();
+    static const char *const files[] = {"a.json", "b_qs5x9a0.75.png", "c.json", "notes.txt", "plain.png", ".hidden.json", "d_qs8x6.JPG"};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        make(folder, files[i]);
+    }
+    expect(folder, "a.json", 1, "b_qs5x9a0.75.png");
+    expect(folder, "b_qs5x9a0.75.png", 1, "c.json");
+    expect(folder, "c.json", 1, "d_qs8x6.JPG");
+    expect(folder, "d_qs8x6.JPG", 1, "a.json");
+    expect(folder, "a.json", -1, "d_qs8x6.JPG");
+    expect(folder, "c.json", -1, "b_qs5x9a0.75.png");
+    /* One that has been deleted: on from where it was. */
+    expect(folder, "bb.json", 1, "c.json");
+    expect(folder, "bb.json", -1, "b_qs5x9a0.75.png");
+    expect(folder, "z.json", 1, "a.json");
+}
+
+static void a_scene_alone_is_its_own_neighbour(void **state)
+{
+    (void)state;
+    char *folder = lf_test_folder();
+    make(folder, "only.json");
+    expect(folder, "only.json", 1, "only.json");
+    expect(folder, "only.json", -1, "only.json");
+}
+
+static void a_folder_that_is_gone_is_an_error(void **state)
+{
+    (void)state;
+    char *next = NULL;
+    lf_error err;
+    assert_int_equal(lf_folder_neighbour("/nowhere/at/all.json", 1, &next, &err), LF_E_IO);
+    assert_null(next);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(only_named_buttons_change),
+        cmocka_unit_test(unknown_words_change_nothing),
+        cmocka_unit_test(neighbours_go_round_by_name),
+        cmocka_unit_test(a_scene_alone_is_its_own_neighbour),
+        cmocka_unit_test(a_folder_that_is_gone_is_an_error),
+    };
+    return lf_run_tests(tests);
+}
