@@ -73,7 +73,8 @@ static void check_system(report *r)
     if (rule != NULL) {
         say_ok("udev rule", rule);
     } else {
-        say_bad(r, "udev rule", "70-quiltd.rules is not installed: `make install`, then `udevadm control --reload` and plug the panel in again");
+        say_bad(r, "udev rule",
+                "70-quiltd.rules is not installed: `make install`, then `udevadm control --reload` and plug the panel in again");
     }
     if (access("/run/udev/control", F_OK) != 0) {
         say_note("udev", "is not running: plugging in is not noticed, and devices get no rights from the rule");
@@ -135,7 +136,8 @@ bool lf_ctl_doctor(const char *socket)
     check_panels(&r);
     check_calibrations(&r);
     if (r.n_panels == 0) {
-        say_note("panels", "no display of a Looking Glass is connected (its EDID name begins with LKG), nor a GUD display over USB");
+        say_note("panels",
+                 "no display of a Looking Glass is connected (its EDID name begins with LKG), nor a GUD display over USB");
     }
     if (r.n_calibrations == 0) {
         say_note("calibrations", "none was found: connect the panel's USB cable too, or give --calibration FILE");

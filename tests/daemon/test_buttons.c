@@ -37,15 +37,6 @@ static void unknown_words_change_nothing(void **state)
     }
 }
 
-static void make(const char *folder, const char *name)
-{
-    char path[600];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    fclose(file);
-}
-
 static void expect(const char *folder, const char *from, int step, const char *to)
 {
     char path[600];
@@ -60,9 +51,10 @@ static void neighbours_go_round_by_name(void **state)
 {
     (void)state;
     char *folder = lf_test_folder();
-    static const char *const files[] = {"a.json", "b_qs5x9a0.75.png", "c.json", "notes.txt", "plain.png", ".hidden.json", "d_qs8x6.JPG"};
+    static const char *const files[] = {"a.json",    "b_qs5x9a0.75.png", "c.json",     "notes.txt",
+                                        "plain.png", ".hidden.json",     "d_qs8x6.JPG"};
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
-        make(folder, files[i]);
+        lf_test_write(folder, files[i], "");
     }
     expect(folder, "a.json", 1, "b_qs5x9a0.75.png");
     expect(folder, "b_qs5x9a0.75.png", 1, "c.json");
@@ -74,15 +66,17 @@ static void neighbours_go_round_by_name(void **state)
     expect(folder, "bb.json", 1, "c.json");
     expect(folder, "bb.json", -1, "b_qs5x9a0.75.png");
     expect(folder, "z.json", 1, "a.json");
+    lf_test_folder_remove(folder);
 }
 
 static void a_scene_alone_is_its_own_neighbour(void **state)
 {
     (void)state;
     char *folder = lf_test_folder();
-    make(folder, "only.json");
+    lf_test_write(folder, "only.json", "");
     expect(folder, "only.json", 1, "only.json");
     expect(folder, "only.json", -1, "only.json");
+    lf_test_folder_remove(folder);
 }
 
 static void a_folder_that_is_gone_is_an_error(void **state)
@@ -97,10 +91,8 @@ static void a_folder_that_is_gone_is_an_error(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(only_named_buttons_change),
-        cmocka_unit_test(unknown_words_change_nothing),
-        cmocka_unit_test(neighbours_go_round_by_name),
-        cmocka_unit_test(a_scene_alone_is_its_own_neighbour),
+        cmocka_unit_test(only_named_buttons_change),         cmocka_unit_test(unknown_words_change_nothing),
+        cmocka_unit_test(neighbours_go_round_by_name),       cmocka_unit_test(a_scene_alone_is_its_own_neighbour),
         cmocka_unit_test(a_folder_that_is_gone_is_an_error),
     };
     return lf_run_tests(tests);

@@ -146,6 +146,59 @@ static void subscribers_hear_what_they_asked_for(void **state)
     live_finish(&l);
 }
 
+/* Waits until the scene shown is the file of this name. */
+static void await_scene(live_client *c, const char *name)
+{
+    for (int i = 0; i < 1000; i++) {
+        const char *slash = strrchr(live_status_text(c, "scene"), '/');
+        if (slash != NULL && strcmp(slash + 1, name) == 0) {
+            return;
+        }
+        live_nap(10);
+    }
+    fail_msg("%s is not shown", name);
+}
+
+static double camera_x(live_client *c)
+{
+    json_t *answer = live_call(c, "scene.get", NULL);
+    json_t *camera = json_object_get(json_object_get(json_object_get(answer, "result"), "scene"), "camera");
+    double x = json_number_value(json_array_get(json_object_get(camera, "position"), 0));
+    json_decref(answer);
+    return x;
+}
+
+static void buttons_turn_pages_stop_rendering_and_reset_the_camera(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    lf_test_write(l.folder, "scene/gas.json", live_scene_text);
+    live_start(&l, l.scene, "--device", l.sim, "--buttons", "left=next", NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    assert_int_equal(live_code(&c, "button", json_pack("{s:s}", "name", "right")), 0);
+    await_scene(&c, "gas.json");
+    assert_int_equal(live_code(&c, "button", json_pack("{s:s}", "name", "left")), 0);
+    await_scene(&c, "fog.json");
+    assert_int_equal(live_code(&c, "camera.orbit", json_pack("{s:i}", "yaw", 30)), 0);
+    assert_true(fabs(camera_x(&c)) > 1);
+    assert_int_equal(live_code(&c, "button", json_pack("{s:s}", "name", "circle")), 0);
+    for (int i = 0; i < 1000 && camera_x(&c) != 0; i++) {
+        live_nap(10);
+    }
+    assert_true(camera_x(&c) == 0);
+    assert_int_equal(live_code(&c, "button", json_pack("{s:s}", "name", "square")), 0);
+    for (int i = 0; i < 500 && strcmp(live_status_text(&c, "state"), "paused") != 0; i++) {
+        live_nap(10);
+    }
+    assert_string_equal(live_status_text(&c, "state"), "paused");
+    assert_int_equal(live_code(&c, "button", json_pack("{s:s}", "name", "top")), -32602);
+    live_close(&c);
+    live_finish(&l);
+}
+
 /* Starts an export by name; the error code, or 0 and how the job ended. */
 static int export_to(live_client *c, const char *kind, const char *file, bool overwrite, const char **out_end)
 {
@@ -578,6 +631,7 @@ int main(void)
         cmocka_unit_test(a_bad_patch_says_where_and_leaves_the_picture),
         cmocka_unit_test(how_to_render_can_be_changed),
         cmocka_unit_test(subscribers_hear_what_they_asked_for),
+        cmocka_unit_test(buttons_turn_pages_stop_rendering_and_reset_the_camera),
         cmocka_unit_test(exports_are_written_beneath_the_export_dir_only),
         cmocka_unit_test(an_export_that_waits_can_be_cancelled),
         cmocka_unit_test(a_folder_that_is_swapped_leads_no_export_away),
