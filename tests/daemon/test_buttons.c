@@ -95,5 +95,5 @@ int main(void)
         cmocka_unit_test(neighbours_go_round_by_name),       cmocka_unit_test(a_scene_alone_is_its_own_neighbour),
         cmocka_unit_test(a_folder_that_is_gone_is_an_error),
     };
-    return lf_run_tests(tests);
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }
