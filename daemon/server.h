@@ -115,6 +115,7 @@ struct lf_server {
     lf_panel panel;
     lf_buttons *buttons; /* of the panel; NULL = none */
     sd_event_source *buttons_io;
+    bool seeking_buttons; /* they are being looked for */
     sd_device_monitor *plugs;
     json_t *file_camera; /* the camera block as the scene's file has it */
     char *browsed;       /* where next and previous have come to; NULL = what is shown */

@@ -137,6 +137,7 @@ static void on_buttons_found(void *reader, lf_letter *letter)
 {
     lf_server *server = reader;
     lf_errand *errand = (lf_errand *)(void *)letter;
+    server->seeking_buttons = false;
     if (errand->status == LF_OK && errand->buttons != NULL && !server->stopping) {
         lf_server_drop_buttons(server);
         if (sd_event_add_io(server->event, &server->buttons_io, lf_buttons_poll_fd(errand->buttons), EPOLLIN, on_buttons, server) >=
@@ -153,13 +154,14 @@ static void on_buttons_found(void *reader, lf_letter *letter)
 void lf_server_find_buttons(lf_server *server)
 {
     const lf_panel *panel = &server->panel;
-    if (server->buttons != NULL || !panel->has_calibration) {
+    if (server->buttons != NULL || server->seeking_buttons || !panel->has_calibration) {
         return;
     }
     lf_errand *errand = lf_errand_create(LF_ERRAND_BUTTONS);
     if (errand != NULL) {
         snprintf(errand->spec, sizeof errand->spec, "%s", panel->calibration.serial);
         errand->letter.open = on_buttons_found;
+        server->seeking_buttons = true;
         lf_worker_queue(server->opener, &errand->letter);
     }
 }
