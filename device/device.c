@@ -8,7 +8,7 @@
 
 enum { MAX_FOUND = 32 };
 
-const lf_device_ops *const lf_device_table[] = {&lf_sim_ops, &lf_none_ops, NULL};
+const lf_device_ops *const lf_device_table[] = {&lf_drm_ops, &lf_window_ops, &lf_sim_ops, &lf_none_ops, NULL};
 
 static const lf_device_ops *find_kind(const char *kind, size_t length)
 {
@@ -35,6 +35,10 @@ lf_status lf_device_open_auto(const lf_device_ops *const table[], const lf_calib
         lf_device_info found[MAX_FOUND];
         int n = table[i]->probe(found, MAX_FOUND);
         for (int k = 0; k < n; k++) {
+            if (found[k].model[0] == 0) { /* nobody knows whether it is a panel */
+                snprintf(problem, sizeof problem, "%.255s", found[k].problem);
+                continue;
+            }
             lf_error why = {0};
             lf_status status = table[i]->open(argument_of(found[k].spec), calibration, out_device, &why);
             if (status == LF_OK)
@@ -54,7 +58,9 @@ lf_status lf_device_open(const char *spec, const lf_calibration *calibration, lf
         return lf_device_open_auto(lf_device_table, calibration, out_device, err);
     const lf_device_ops *ops = find_kind(spec, strcspn(spec, ":"));
     if (ops == NULL)
-        return lf_error_set(err, LF_E_ARG, spec, "no such kind of device; expected auto, none or sim:DIR[,option=value]");
+        return lf_error_set(
+            err, LF_E_ARG, spec,
+            "no such kind of device; expected auto, drm[:OUTPUT], window[:MONITOR], none or sim:DIR[,option=value]");
     return ops->open(argument_of(spec), calibration, out_device, err);
 }
 

@@ -51,7 +51,8 @@ typedef struct lf_device_ops {
 
     /* Finds the panels of this kind that are there now, without disturbing them or whoever uses them: no exclusive opening,
      * no mode setting. Fills at most max entries of out (spec is what open takes, with the kind and the colon; problem says
-     * when it is used by somebody else) and returns their number; nothing found and nothing accessible are both 0.
+     * when it is used by somebody else) and returns their number; nothing found and nothing accessible are both 0. What may be a
+     * panel but does not say so is told with model empty and why in problem: it is listed, and never taken by "auto".
      * NULL = devices of this kind cannot be found, only named. Called rarely (at the start, after a unplug, for
      * device.list); may take 50 ms. */
     int (*probe)(lf_device_info *out, int max);
@@ -118,6 +119,8 @@ struct lf_device {
 /* Opens by spec "KIND[:ARGUMENT]" (at most 511 bytes). "auto" = the first panel found that can be opened, else "none" with
  * info.problem saying why. Errors as lf_device_ops.open; LF_E_ARG for an unknown kind. On LF_OK the caller owns *out_device.
  *   none                        takes and counts everything, shows nothing, has no calibration
+ *   drm[:OUTPUT]                a display output without a desktop: device/drm.c
+ *   window[:MONITOR]            a monitor of a desktop: device/window.c
  *   sim:DIR[,OPTION=VALUE…]     files in DIR: device/sim.c */
 LF_NODISCARD lf_status lf_device_open(const char *spec, const lf_calibration *calibration, lf_device **out_device, lf_error *err);
 /* Accepts NULL. */

@@ -15,6 +15,16 @@ optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 # files made as on file systems without O_TMPFILE
 wrap_test_file := -Wl,--wrap=open
 
+# what the cases of make check-kernel run in their guest
+kernel_srcs := $(call wild,tests/kernel/*.c)
+kernel_programs := $(patsubst %.c,$(O)/%,$(kernel_srcs))
+kernel_cases := $(patsubst tests/kernel/cases/%.sh,%,$(call wild,tests/kernel/cases/*.sh))
+define kernel_program
+$(1): $(1).c.o $(patsubst %,$(O)/lib%.a,device base)
+	$$(call link,)
+endef
+$(foreach p,$(kernel_programs),$(eval $(call kernel_program,$(p))))
+
 # under the unmodified libraries
 isa_test_hid_umockdev = $(dep_umockdev_cflags)
 wrap_test_hid_umockdev = $(dep_umockdev_libs)

@@ -15,6 +15,9 @@ static void bad_specs_are_refused_with_a_reason(void **state)
                          "si",
                          ":",
                          "none:x",
+                         "drm:x",
+                         "drm:card0",
+                         "drms",
                          "auto:x",
                          "sim",
                          "sim:",
@@ -81,6 +84,19 @@ static void none_takes_and_counts_everything(void **state)
     lf_device_destroy(NULL);
 }
 
+static void all_kinds_are_in_the_table(void **state)
+{
+    (void)state;
+    static const char *const kinds[] = {"drm", "window", "sim", "none"};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        bool found = false;
+        for (int i = 0; lf_device_table[i] != NULL; i++)
+            found = found || strcmp(lf_device_table[i]->kind, kinds[k]) == 0;
+        if (!found)
+            fail_msg("%s is not there", kinds[k]);
+    }
+}
+
 static void list_has_what_can_be_opened(void **state)
 {
     (void)state;
@@ -119,8 +135,18 @@ static int probe_n(lf_device_info *out, int max, int n)
     static const char *const specs[] = {"fake:taken", "fake:free"};
     n = n < max ? n : max;
     for (int i = 0; i < n; i++) {
-        out[i] = (lf_device_info){.kind = "fake"};
+        out[i] = (lf_device_info){.kind = "fake", .model = "a panel"};
         snprintf(out[i].spec, sizeof out[i].spec, "%s", specs[i]);
+    }
+    return n;
+}
+
+static int probe_unknown(lf_device_info *out, int max)
+{
+    int n = probe_n(out, max, 2);
+    for (int i = 0; i < n; i++) {
+        out[i].model[0] = 0;
+        snprintf(out[i].problem, sizeof out[i].problem, "it does not say what it is");
     }
     return n;
 }
@@ -152,6 +178,12 @@ static void auto_takes_the_first_panel_that_opens(void **state)
     device->ops->info(device, &info);
     assert_string_equal(info.problem, "fake:taken cannot be used: another program has it");
     lf_device_destroy(device);
+    const lf_device_ops unknown = {.kind = "fake", .probe = probe_unknown, .open = fake_open};
+    const lf_device_ops *const no_panels[] = {&unknown, NULL};
+    lf_assert_ok(lf_device_open_auto(no_panels, NULL, &device, NULL), NULL);
+    device->ops->info(device, &info);
+    assert_string_equal(info.problem, "it does not say what it is");
+    lf_device_destroy(device);
 }
 
 static void texts_are_sanitised_and_cut_between_characters(void **state)
@@ -173,9 +205,13 @@ static void texts_are_sanitised_and_cut_between_characters(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bad_specs_are_refused_with_a_reason),   cmocka_unit_test(none_takes_and_counts_everything),
-        cmocka_unit_test(list_has_what_can_be_opened),           cmocka_unit_test(auto_without_a_panel_is_none_with_a_word),
-        cmocka_unit_test(auto_takes_the_first_panel_that_opens), cmocka_unit_test(texts_are_sanitised_and_cut_between_characters),
+        cmocka_unit_test(bad_specs_are_refused_with_a_reason),
+        cmocka_unit_test(none_takes_and_counts_everything),
+        cmocka_unit_test(all_kinds_are_in_the_table),
+        cmocka_unit_test(list_has_what_can_be_opened),
+        cmocka_unit_test(auto_without_a_panel_is_none_with_a_word),
+        cmocka_unit_test(auto_takes_the_first_panel_that_opens),
+        cmocka_unit_test(texts_are_sanitised_and_cut_between_characters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

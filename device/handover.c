@@ -1,0 +1,255 @@
+#include "device/handover.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "device/device_table.h"
+
+enum { STOP_WAIT_MS = 1000 };
+
+static void ring(int fd)
+{
+    /* It can only fail by being full, and rings then. */
+    ssize_t n = write(fd, &(uint64_t){1}, sizeof(uint64_t));
+    (void)n;
+}
+
+static void silence(int fd)
+{
+    uint64_t rings;
+    /* Not having rung is no error. */
+    ssize_t n = read(fd, &rings, sizeof rings);
+    (void)n;
+}
+
+/* ------------------------------------------------------------------------------------------------ begin and end -- */
+
+lf_status lf_handover_init(lf_handover *h, int width, int height, lf_error *err)
+{
+    pthread_condattr_t monotonic;
+    *h = (lf_handover){.made = true, .wake_fd = -1, .tell_fd = -1};
+    if (pthread_condattr_init(&monotonic) == 0) {
+        pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+        h->has_lock = pthread_mutex_init(&h->lock, NULL) == 0;
+        h->has_ended = pthread_cond_init(&h->ended, &monotonic) == 0;
+        pthread_condattr_destroy(&monotonic);
+    }
+    h->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    h->tell_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    h->rects = lf_calloc(LF_DEVICE_MAX_RECTS, sizeof *h->rects);
+    if (!h->has_lock || !h->has_ended || h->wake_fd < 0 || h->tell_fd < 0 || h->rects == NULL ||
+        lf_image8_init(&h->picture, width, height, 3) != LF_OK)
+        return lf_error_set(err, LF_E_NOMEM, "device", "out of memory or descriptors");
+    return LF_OK;
+}
+
+/* Signals stay with the program's own threads. */
+lf_status lf_handover_start(lf_handover *h, void *(*main)(void *), void *context, const char *name, lf_error *err)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    h->has_thread = pthread_create(&h->thread, NULL, main, context) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (!h->has_thread)
+        return lf_error_set(err, LF_E_NOMEM, "device", "cannot start a thread");
+    pthread_setname_np(h->thread, name);
+    return LF_OK;
+}
+
+void lf_handover_stop(lf_handover *h)
+{
+    if (!h->has_thread)
+        return;
+    lf_status status = lf_handover_flush(h, STOP_WAIT_MS);
+    (void)status; /* what has not ended by now is dropped */
+    pthread_mutex_lock(&h->lock);
+    h->stop = true;
+    pthread_mutex_unlock(&h->lock);
+    ring(h->wake_fd);
+    pthread_join(h->thread, NULL);
+    h->has_thread = false;
+}
+
+void lf_handover_finish(lf_handover *h)
+{
+    if (h->has_lock)
+        pthread_mutex_destroy(&h->lock);
+    if (h->has_ended)
+        pthread_cond_destroy(&h->ended);
+    if (h->made && h->wake_fd >= 0)
+        close(h->wake_fd);
+    if (h->made && h->tell_fd >= 0)
+        close(h->tell_fd);
+    lf_image8_finish(&h->picture);
+    lf_free(h->rects);
+    *h = (lf_handover){0};
+}
+
+/* --------------------------------------------------------------------------------------------- the event thread -- */
+
+static bool rect_fits(const lf_rect *r, int width, int height)
+{
+    return r->x >= 0 && r->y >= 0 && r->width > 0 && r->height > 0 && r->width <= width && r->height <= height &&
+           r->x <= width - r->width && r->y <= height - r->height;
+}
+
+static bool push_fits(const lf_image8 *picture, const lf_image8 *frame, const lf_rect *rects, int n)
+{
+    if (n < 0 || n > LF_DEVICE_MAX_RECTS || frame == NULL || frame->channels != 3 || frame->width != picture->width ||
+        frame->height != picture->height)
+        return false;
+    for (int i = 0; i < n; i++)
+        if (!rect_fits(&rects[i], frame->width, frame->height))
+            return false;
+    return true;
+}
+
+static void copy_rect(lf_image8 *to, const lf_image8 *from, const lf_rect *r)
+{
+    for (int y = r->y; y < r->y + r->height; y++)
+        memcpy(to->data + (size_t)y * to->stride + (size_t)r->x * 3, from->data + (size_t)y * from->stride + (size_t)r->x * 3,
+               (size_t)r->width * 3);
+}
+
+lf_status lf_handover_push(lf_handover *h, const lf_image8 *frame, const lf_rect *rects, int n)
+{
+    pthread_mutex_lock(&h->lock);
+    lf_status status = h->gone ? LF_E_NODEV : h->busy || h->retry ? LF_E_STATE : LF_OK;
+    pthread_mutex_unlock(&h->lock);
+    if (status != LF_OK)
+        return status;
+    if (!push_fits(&h->picture, frame, rects, n))
+        return LF_E_ARG;
+    for (int i = 0; i < n; i++)
+        copy_rect(&h->picture, frame, &rects[i]);
+    if (n > 0)
+        memcpy(h->rects, rects, (size_t)n * sizeof *rects);
+    h->n_rects = n;
+    pthread_mutex_lock(&h->lock);
+    h->busy = h->pushed = true;
+    pthread_mutex_unlock(&h->lock);
+    ring(h->wake_fd);
+    return LF_OK;
+}
+
+lf_device_event lf_handover_dispatch(lf_handover *h)
+{
+    silence(h->tell_fd);
+    pthread_mutex_lock(&h->lock);
+    lf_device_event event = LF_DEVICE_READY;
+    if (h->gone)
+        event = LF_DEVICE_GONE;
+    else if (h->busy)
+        event = LF_DEVICE_BUSY;
+    else if (h->retry)
+        event = LF_DEVICE_RETRY;
+    h->retry = false;
+    pthread_mutex_unlock(&h->lock);
+    return event;
+}
+
+lf_status lf_handover_flush(lf_handover *h, int timeout_ms)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    if (timeout_ms > 0) {
+        until.tv_sec += timeout_ms / 1000;
+        until.tv_nsec += timeout_ms % 1000 * 1000000L;
+        if (until.tv_nsec >= 1000000000L) {
+            until.tv_sec++;
+            until.tv_nsec -= 1000000000L;
+        }
+    }
+    pthread_mutex_lock(&h->lock);
+    int e = 0;
+    while (h->busy && !h->gone && e == 0)
+        e = pthread_cond_timedwait(&h->ended, &h->lock, &until);
+    lf_status status = h->gone ? LF_E_NODEV : h->busy ? LF_E_TIMEOUT : LF_OK;
+    pthread_mutex_unlock(&h->lock);
+    return status;
+}
+
+/* A lock is no part of what const promises. */
+static lf_handover *unconst(const lf_handover *h)
+{
+    return (lf_handover *)(uintptr_t)h;
+}
+
+void lf_handover_counters(const lf_handover *h, lf_device_counters *out)
+{
+    pthread_mutex_lock(&unconst(h)->lock);
+    *out = h->counters;
+    pthread_mutex_unlock(&unconst(h)->lock);
+}
+
+void lf_handover_problem(const lf_handover *h, char out[256])
+{
+    pthread_mutex_lock(&unconst(h)->lock);
+    memcpy(out, h->problem, sizeof h->problem);
+    pthread_mutex_unlock(&unconst(h)->lock);
+}
+
+/* -------------------------------------------------------------------------------------------- the device thread -- */
+
+lf_handover_word lf_handover_take(lf_handover *h)
+{
+    silence(h->wake_fd);
+    pthread_mutex_lock(&h->lock);
+    lf_handover_word word = h->stop ? LF_HANDOVER_STOP : h->pushed ? LF_HANDOVER_PUSH : LF_HANDOVER_NOTHING;
+    h->pushed = false;
+    pthread_mutex_unlock(&h->lock);
+    return word;
+}
+
+void lf_handover_end(lf_handover *h, bool shown, uint64_t bytes)
+{
+    pthread_mutex_lock(&h->lock);
+    h->busy = false;
+    h->retry = !shown;
+    if (shown) {
+        h->counters.updates += (uint64_t)h->n_rects;
+        h->counters.bytes += bytes;
+    } else {
+        h->counters.errors++;
+    }
+    pthread_cond_broadcast(&h->ended);
+    pthread_mutex_unlock(&h->lock);
+    ring(h->tell_fd);
+}
+
+bool lf_handover_lost(lf_handover *h)
+{
+    pthread_mutex_lock(&h->lock);
+    bool told = !h->busy;
+    if (told) {
+        h->retry = true;
+        h->counters.errors++;
+    }
+    pthread_mutex_unlock(&h->lock);
+    if (told)
+        ring(h->tell_fd);
+    return told;
+}
+
+void lf_handover_gone(lf_handover *h)
+{
+    pthread_mutex_lock(&h->lock);
+    h->gone = true;
+    h->busy = false;
+    pthread_cond_broadcast(&h->ended);
+    pthread_mutex_unlock(&h->lock);
+    ring(h->tell_fd);
+}
+
+void lf_handover_problem_set(lf_handover *h, const char *text)
+{
+    pthread_mutex_lock(&h->lock);
+    lf_device_text(h->problem, sizeof h->problem, text);
+    pthread_mutex_unlock(&h->lock);
+}

@@ -1,0 +1,55 @@
+/* SDL2, loaded when it is wanted: machines without a desktop need none of its libraries. Private to device/ and its tests.
+ *
+ * SDL's video part is one for the whole process and belongs to one thread at a time: lf_sdl_begin takes it for the calling thread
+ * until lf_sdl_end. */
+#ifndef LF_DEVICE_SDL_H
+#define LF_DEVICE_SDL_H
+
+#include <SDL2/SDL.h>
+
+#include "base/status.h"
+
+/* The functions used, named and typed as in SDL's headers. */
+#define LF_SDL_FUNCTIONS(X)                                                                                                        \
+    X(SetHint)                                                                                                                     \
+    X(VideoInit)                                                                                                                   \
+    X(VideoQuit)                                                                                                                   \
+    X(TLSCleanup)                                                                                                                  \
+    X(GetError)                                                                                                                    \
+    X(GetNumVideoDisplays)                                                                                                         \
+    X(GetDisplayName)                                                                                                              \
+    X(GetDisplayBounds)                                                                                                            \
+    X(GetDesktopDisplayMode)                                                                                                       \
+    X(CreateWindow)                                                                                                                \
+    X(DestroyWindow)                                                                                                               \
+    X(ShowCursor)                                                                                                                  \
+    X(PollEvent)                                                                                                                   \
+    X(CreateRenderer)                                                                                                              \
+    X(DestroyRenderer)                                                                                                             \
+    X(GetRendererOutputSize)                                                                                                       \
+    X(CreateTexture)                                                                                                               \
+    X(DestroyTexture)                                                                                                              \
+    X(SetTextureBlendMode)                                                                                                         \
+    X(LockTexture)                                                                                                                 \
+    X(UnlockTexture)                                                                                                               \
+    X(RenderClear)                                                                                                                 \
+    X(RenderCopy)                                                                                                                  \
+    X(RenderPresent)
+
+typedef struct lf_sdl {
+#define X(name) __typeof__(SDL_##name) *name;
+    LF_SDL_FUNCTIONS(X)
+#undef X
+} lf_sdl;
+
+/* Whether this process was started within a desktop (WAYLAND_DISPLAY, DISPLAY; or SDL_VIDEODRIVER names a driver): without one SDL
+ * would take over a display output by itself. */
+bool lf_sdl_has_desktop(void);
+/* Fills *out from a library (NULL = libSDL2-2.0.so.0), which stays loaded. LF_E_NODEV: it is not there, with the package to install. */
+LF_NODISCARD lf_status lf_sdl_load(const char *library, lf_sdl *out, lf_error *err);
+/* Connects to the desktop. LF_E_BUSY: another thread has SDL; LF_E_NODEV: no desktop. */
+LF_NODISCARD lf_status lf_sdl_begin(const lf_sdl *sdl, lf_error *err);
+/* After a begin that succeeded, by the same thread. */
+void lf_sdl_end(const lf_sdl *sdl);
+
+#endif

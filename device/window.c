@@ -1,0 +1,459 @@
+/* The panel as a monitor of a desktop: window (the monitor whose name has LKG, else the one of the calibration's size), window:NAME (the
+ * monitor whose name has NAME). A borderless full-screen window by SDL2, of which what has changed is uploaded and which is presented
+ * at the display's own pace.
+ *
+ * All of SDL happens in a thread of the device's own. SDL has no descriptor to wait for the desktop's events with: while nothing is
+ * pushed they are looked at ten times a second. */
+#include <ctype.h>
+#include <poll.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "device/device_table.h"
+#include "device/find.h"
+#include "device/handover.h"
+#include "device/pixels.h"
+#include "device/sdl.h"
+
+enum { LOOK_MS = 100, NAME = 128 };
+
+typedef struct window_device {
+    lf_device base;
+    /* immutable after open; monitor is written by the thread before */
+    lf_calibration calibration;
+    char calibration_from[256];
+    char wanted[NAME];  /* the argument */
+    char monitor[NAME]; /* its name */
+    lf_sdl sdl;
+
+    lf_handover handover;
+
+    /* the device's thread */
+    SDL_Window *window;
+    SDL_Renderer *renderer;
+    SDL_Texture *texture; /* what the panel shows */
+    bool lost;            /* the graphics driver has forgotten it */
+
+    /* under handover.lock, told once through handover.ended */
+    bool answered; /* the window is there, or why not */
+    lf_status status;
+    lf_error why;
+} window_device;
+
+static window_device *window_of(lf_device *device)
+{
+    return (window_device *)(void *)device;
+}
+
+static const window_device *const_window_of(const lf_device *device)
+{
+    return (const window_device *)(const void *)device;
+}
+
+/* ----------------------------------------------------------------------------------------------------- monitors -- */
+
+static const char *monitor_name(const lf_sdl *sdl, int i)
+{
+    const char *name = sdl->GetDisplayName(i);
+    return name != NULL ? name : "";
+}
+
+static bool monitor_size(const lf_sdl *sdl, int i, int *out_width, int *out_height)
+{
+    SDL_DisplayMode mode = {0};
+    if (sdl->GetDesktopDisplayMode(i, &mode) != 0)
+        return false;
+    *out_width = mode.w;
+    *out_height = mode.h;
+    return true;
+}
+
+/* Number of the monitor to show on; -1 = none. By its name, then, unless one was asked for, by its size. */
+static int choose_monitor(const window_device *w)
+{
+    const lf_sdl *sdl = &w->sdl;
+    const char *part = w->wanted[0] != 0 ? w->wanted : "LKG";
+    int n = sdl->GetNumVideoDisplays(), width = 0, height = 0;
+    for (int i = 0; i < n; i++)
+        if (strstr(monitor_name(sdl, i), part) != NULL)
+            return i;
+    for (int i = 0; i < n && w->wanted[0] == 0; i++)
+        if (monitor_size(sdl, i, &width, &height) && width == w->calibration.screen_width_px &&
+            height == w->calibration.screen_height_px)
+            return i;
+    return -1;
+}
+
+static lf_status no_monitor(const window_device *w, lf_error *err)
+{
+    char seen[256] = "";
+    const lf_calibration *c = &w->calibration;
+    int n = w->sdl.GetNumVideoDisplays(), width = 0, height = 0;
+    for (int i = 0; i < n; i++) {
+        size_t used = strlen(seen);
+        if (monitor_size(&w->sdl, i, &width, &height))
+            snprintf(seen + used, sizeof seen - used, "%s%.60s %dx%d", used > 0 ? ", " : "", monitor_name(&w->sdl, i), width,
+                     height);
+    }
+    if (w->wanted[0] != 0)
+        return lf_error_set(err, LF_E_NODEV, "window", "no monitor of this desktop is called %s; there is: %s", w->wanted, seen);
+    return lf_error_set(err, LF_E_NODEV, "window",
+                        "no monitor of this desktop is called LKG or has the calibration's %dx%d pixels; there is: %s",
+                        c->screen_width_px, c->screen_height_px, seen);
+}
+
+/* ------------------------------------------------------------------------------------------- the device's thread -- */
+
+static lf_status sdl_error(const lf_sdl *sdl, const char *what, lf_error *err)
+{
+    return lf_error_set(err, LF_E_IO, "window", "cannot make %s: %.200s", what, sdl->GetError());
+}
+
+static void check_scale(window_device *w)
+{
+    const lf_calibration *c = &w->calibration;
+    int width = 0, height = 0;
+    char text[256] = "";
+    if (w->sdl.GetRendererOutputSize(w->renderer, &width, &height) != 0)
+        return;
+    if (width != c->screen_width_px || height != c->screen_height_px)
+        snprintf(
+            text, sizeof text,
+            "the window has %dx%d pixels, the panel %dx%d: set the monitor to its native mode, to a scale of 100 %% and to normal "
+            "orientation",
+            width, height, c->screen_width_px, c->screen_height_px);
+    lf_handover_problem_set(&w->handover, text);
+}
+
+static lf_status make_window(window_device *w, lf_error *err)
+{
+    const lf_sdl *sdl = &w->sdl;
+    SDL_Rect bounds;
+    int i = choose_monitor(w);
+    if (i < 0)
+        return no_monitor(w, err);
+    if (sdl->GetDisplayBounds(i, &bounds) != 0)
+        return sdl_error(sdl, "a window", err);
+    snprintf(w->monitor, sizeof w->monitor, "%s", monitor_name(sdl, i));
+    w->window = sdl->CreateWindow("quiltd", bounds.x, bounds.y, bounds.w, bounds.h,
+                                  SDL_WINDOW_BORDERLESS | SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_ALLOW_HIGHDPI);
+    if (w->window == NULL)
+        return sdl_error(sdl, "a window", err);
+    w->renderer = sdl->CreateRenderer(w->window, -1, SDL_RENDERER_PRESENTVSYNC);
+    if (w->renderer == NULL)
+        w->renderer = sdl->CreateRenderer(w->window, -1, SDL_RENDERER_SOFTWARE);
+    if (w->renderer == NULL)
+        return sdl_error(sdl, "a renderer", err);
+    w->texture = sdl->CreateTexture(w->renderer, SDL_PIXELFORMAT_ARGB8888, SDL_TEXTUREACCESS_STREAMING,
+                                    w->calibration.screen_width_px, w->calibration.screen_height_px);
+    if (w->texture == NULL)
+        return sdl_error(sdl, "a picture of the panel's size", err);
+    sdl->SetTextureBlendMode(w->texture, SDL_BLENDMODE_NONE);
+    sdl->ShowCursor(SDL_DISABLE);
+    check_scale(w);
+    return LF_OK;
+}
+
+static void end_window(window_device *w)
+{
+    if (w->texture != NULL)
+        w->sdl.DestroyTexture(w->texture);
+    if (w->renderer != NULL)
+        w->sdl.DestroyRenderer(w->renderer);
+    if (w->window != NULL)
+        w->sdl.DestroyWindow(w->window);
+    w->texture = NULL;
+    w->renderer = NULL;
+    w->window = NULL;
+}
+
+static bool upload(window_device *w, const lf_rect *r)
+{
+    const lf_image8 *picture = &w->handover.picture;
+    const SDL_Rect rect = {r->x, r->y, r->width, r->height};
+    void *to;
+    int pitch;
+    if (w->sdl.LockTexture(w->texture, &rect, &to, &pitch) != 0)
+        return false;
+    for (int y = 0; y < r->height; y++)
+        lf_pixels_xrgb8888((uint8_t *)to + (size_t)y * (size_t)pitch,
+                           picture->data + (size_t)(r->y + y) * picture->stride + (size_t)r->x * 3, r->width);
+    w->sdl.UnlockTexture(w->texture);
+    return true;
+}
+
+/* Pixel for pixel from the top left corner, whatever size the window has. */
+static bool present(window_device *w)
+{
+    const SDL_Rect to = {0, 0, w->calibration.screen_width_px, w->calibration.screen_height_px};
+    if (w->sdl.RenderClear(w->renderer) != 0 || w->sdl.RenderCopy(w->renderer, w->texture, NULL, &to) != 0)
+        return false;
+    w->sdl.RenderPresent(w->renderer);
+    return true;
+}
+
+static void show_push(window_device *w)
+{
+    lf_handover *h = &w->handover;
+    uint64_t bytes = 0;
+    bool good = true;
+    for (int i = 0; i < h->n_rects && good; i++) {
+        good = upload(w, &h->rects[i]);
+        bytes += (uint64_t)h->rects[i].width * (uint64_t)h->rects[i].height * 4;
+    }
+    if (h->n_rects > 0)
+        good = good && present(w);
+    if (w->lost) { /* these rectangles are not all that is missing */
+        w->lost = false;
+        lf_handover_end(h, false, 0);
+        return;
+    }
+    if (!good) {
+        char text[256];
+        snprintf(text, sizeof text, "the window does not take pictures: %.180s", w->sdl.GetError());
+        lf_handover_problem_set(h, text);
+    }
+    lf_handover_end(h, good, bytes);
+}
+
+/* False when the monitor is gone. */
+static bool read_events(window_device *w)
+{
+    SDL_Event event;
+    bool exposed = false, there = true;
+    while (w->sdl.PollEvent(&event) != 0) {
+        if (event.type == SDL_DISPLAYEVENT)
+            there = choose_monitor(w) >= 0;
+        else if (event.type == SDL_RENDER_TARGETS_RESET || event.type == SDL_RENDER_DEVICE_RESET)
+            w->lost = true;
+        else if (event.type == SDL_WINDOWEVENT)
+            exposed = true;
+    }
+    if (w->lost)
+        w->lost = !lf_handover_lost(&w->handover);
+    else if (exposed)
+        present(w);
+    if (exposed)
+        check_scale(w);
+    return there;
+}
+
+/* Lets open go on. */
+static void answer(window_device *w, lf_status status, const lf_error *why)
+{
+    pthread_mutex_lock(&w->handover.lock);
+    w->answered = true;
+    w->status = status;
+    w->why = *why;
+    pthread_cond_broadcast(&w->handover.ended);
+    pthread_mutex_unlock(&w->handover.lock);
+}
+
+static void run(window_device *w)
+{
+    for (;;) {
+        struct pollfd p = {.fd = w->handover.wake_fd, .events = POLLIN};
+        poll(&p, 1, LOOK_MS);
+        if (!read_events(w)) {
+            lf_handover_gone(&w->handover);
+            return;
+        }
+        lf_handover_word word = lf_handover_take(&w->handover);
+        if (word == LF_HANDOVER_STOP)
+            return;
+        if (word == LF_HANDOVER_PUSH)
+            show_push(w);
+    }
+}
+
+static void *thread_main(void *argument)
+{
+    window_device *w = argument;
+    lf_error err = {0};
+    lf_status status = lf_sdl_begin(&w->sdl, &err);
+    if (status != LF_OK) {
+        answer(w, status, &err);
+        return NULL;
+    }
+    status = make_window(w, &err);
+    answer(w, status, &err);
+    if (status == LF_OK)
+        run(w);
+    end_window(w);
+    lf_sdl_end(&w->sdl);
+    return NULL;
+}
+
+/* ---------------------------------------------------------------------------------------------------------- open -- */
+
+/* What the desktop says of the monitor that its name stands for; zeroed when there is none. */
+static lf_status ask_desktop(const window_device *w, lf_edid *out, lf_error *err)
+{
+    lf_status status = lf_sdl_begin(&w->sdl, err);
+    if (status != LF_OK)
+        return status;
+    *out = (lf_edid){0};
+    int i = choose_monitor(w);
+    if (i >= 0) {
+        lf_device_text(out->name, sizeof out->name, monitor_name(&w->sdl, i));
+        if (!monitor_size(&w->sdl, i, &out->width_px, &out->height_px))
+            out->width_px = out->height_px = 0;
+    }
+    lf_sdl_end(&w->sdl);
+    return LF_OK;
+}
+
+/* Before the window is there: its size is the lens's. */
+static lf_status find_calibration(window_device *w, const lf_calibration *given, lf_error *err)
+{
+    lf_edid display;
+    if (given == NULL) {
+        lf_status status = ask_desktop(w, &display, err);
+        return status == LF_OK ? lf_find_for_display(&display, &w->calibration, w->calibration_from, err) : status;
+    }
+    w->calibration = *given;
+    snprintf(w->calibration_from, sizeof w->calibration_from, "given by the caller");
+    return LF_OK;
+}
+
+static lf_status take_argument(window_device *w, const char *argument, lf_error *err)
+{
+    size_t n = strlen(argument);
+    bool good = n < sizeof w->wanted;
+    for (size_t i = 0; i < n && good; i++)
+        good = !iscntrl((unsigned char)argument[i]);
+    if (!good)
+        return lf_error_set(err, LF_E_ARG, "window", "\"%.60s\" is no monitor's name; expected window or window:NAME", argument);
+    memcpy(w->wanted, argument, n);
+    return LF_OK;
+}
+
+static lf_status wait_for_window(window_device *w, lf_error *err)
+{
+    pthread_mutex_lock(&w->handover.lock);
+    while (!w->answered)
+        pthread_cond_wait(&w->handover.ended, &w->handover.lock);
+    lf_status status = w->status;
+    if (status != LF_OK && err != NULL)
+        *err = w->why;
+    pthread_mutex_unlock(&w->handover.lock);
+    return status;
+}
+
+static lf_status window_open(const char *argument, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
+{
+    window_device *w = lf_calloc(1, sizeof *w);
+    if (w == NULL)
+        return lf_error_set(err, LF_E_NOMEM, "window", "out of memory");
+    w->base.ops = &lf_window_ops;
+    lf_status status = take_argument(w, argument, err);
+    if (status == LF_OK)
+        status = lf_sdl_load(NULL, &w->sdl, err);
+    if (status == LF_OK)
+        status = find_calibration(w, calibration, err);
+    if (status == LF_OK)
+        status = lf_handover_init(&w->handover, w->calibration.screen_width_px, w->calibration.screen_height_px, err);
+    if (status == LF_OK)
+        status = lf_handover_start(&w->handover, thread_main, w, "lf-window", err);
+    if (status == LF_OK)
+        status = wait_for_window(w, err);
+    if (status != LF_OK) {
+        lf_device_destroy(&w->base);
+        return status;
+    }
+    *out_device = &w->base;
+    return LF_OK;
+}
+
+/* Monitors that say that they are a Looking Glass; nothing else may "auto" open a window on. */
+static int window_probe(lf_device_info *out, int max)
+{
+    lf_sdl sdl;
+    int n = 0, width = 0, height = 0;
+    if (!lf_sdl_has_desktop() || lf_sdl_load(NULL, &sdl, NULL) != LF_OK || lf_sdl_begin(&sdl, NULL) != LF_OK)
+        return 0;
+    int n_monitors = sdl.GetNumVideoDisplays();
+    for (int i = 0; i < n_monitors && n < max; i++) {
+        const char *name = monitor_name(&sdl, i);
+        if (strstr(name, "LKG") == NULL)
+            continue;
+        lf_device_info *info = &out[n++];
+        *info = (lf_device_info){.kind = "window"};
+        lf_device_text(info->model, sizeof info->model, name);
+        snprintf(info->spec, sizeof info->spec, "window:%s", info->model);
+        if (monitor_size(&sdl, i, &width, &height))
+            snprintf(info->output, sizeof info->output, "desktop, %dx%d", width, height);
+    }
+    lf_sdl_end(&sdl);
+    return n;
+}
+
+/* ------------------------------------------------------------------------------------------------- the other ops -- */
+
+static void window_destroy(lf_device *device)
+{
+    window_device *w = window_of(device);
+    lf_handover_stop(&w->handover);
+    lf_handover_finish(&w->handover);
+    lf_free(w);
+}
+
+static void window_info(const lf_device *device, lf_device_info *out)
+{
+    const window_device *w = const_window_of(device);
+    *out = (lf_device_info){.kind = "window"};
+    lf_device_text(out->model, sizeof out->model, w->monitor);
+    char spec[sizeof w->wanted + 8];
+    snprintf(spec, sizeof spec, "window%s%s", w->wanted[0] != 0 ? ":" : "", w->wanted);
+    lf_device_text(out->spec, sizeof out->spec, spec);
+    lf_device_text(out->serial, sizeof out->serial, w->calibration.serial);
+    lf_device_text(out->calibration_from, sizeof out->calibration_from, w->calibration_from);
+    snprintf(out->output, sizeof out->output, "desktop, %dx%d", w->calibration.screen_width_px, w->calibration.screen_height_px);
+    lf_handover_problem(&w->handover, out->problem);
+}
+
+static const lf_calibration *window_calibration(const lf_device *device)
+{
+    return &const_window_of(device)->calibration;
+}
+
+static lf_status window_push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n, uint64_t generation)
+{
+    (void)generation;
+    return lf_handover_push(&window_of(device)->handover, frame, rects, n);
+}
+
+static int window_poll_fd(const lf_device *device)
+{
+    return const_window_of(device)->handover.tell_fd;
+}
+
+static lf_device_event window_dispatch(lf_device *device)
+{
+    return lf_handover_dispatch(&window_of(device)->handover);
+}
+
+static void window_counters(const lf_device *device, lf_device_counters *out)
+{
+    lf_handover_counters(&const_window_of(device)->handover, out);
+}
+
+static lf_status window_flush(lf_device *device, int timeout_ms)
+{
+    return lf_handover_flush(&window_of(device)->handover, timeout_ms);
+}
+
+const lf_device_ops lf_window_ops = {
+    .kind = "window",
+    .probe = window_probe,
+    .open = window_open,
+    .destroy = window_destroy,
+    .info = window_info,
+    .calibration = window_calibration,
+    .push = window_push,
+    .poll_fd = window_poll_fd,
+    .dispatch = window_dispatch,
+    .counters = window_counters,
+    .flush = window_flush,
+};

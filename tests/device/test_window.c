@@ -1,0 +1,378 @@
+/* The window device over SDL's dummy driver, which saves every picture that it shows, and over an X server without a screen. */
+#include "tests/testing.h"
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include "base/image_io.h"
+#include "device/device_table.h"
+#include "device/sdl.h"
+
+enum { WIDTH = 1024, HEIGHT = 768 /* the dummy's only mode */, WAIT_MS = 20000 };
+
+static bool has_sdl(void)
+{
+    lf_sdl sdl;
+    if (lf_sdl_load(NULL, &sdl, NULL) == LF_OK)
+        return true;
+    print_message("absent: libSDL2-2.0.so.0\n");
+    return false;
+}
+
+static lf_status try_open(const char *spec, int width, int height, lf_device **out, lf_error *err)
+{
+    lf_calibration c;
+    lf_calibration_portrait(&c);
+    c.screen_width_px = width;
+    c.screen_height_px = height;
+    return lf_device_open(spec, &c, out, err);
+}
+
+static const lf_rect whole = {0, 0, WIDTH, HEIGHT};
+
+static void scribble(lf_image8 *frame, const lf_rect *r, int seed)
+{
+    for (int y = r->y; y < r->y + r->height; y++)
+        for (int i = r->x * 3; i < (r->x + r->width) * 3; i++)
+            frame->data[(size_t)y * frame->stride + (size_t)i] = (uint8_t)(seed * 37 + y * 5 + i * 3);
+}
+
+static lf_device_event push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n)
+{
+    struct pollfd p = {.fd = device->ops->poll_fd(device), .events = POLLIN};
+    lf_assert_ok(device->ops->push(device, frame, rects, n, 1), NULL);
+    while (poll(&p, 1, WAIT_MS) == 1) {
+        lf_device_event event = device->ops->dispatch(device);
+        if (event != LF_DEVICE_BUSY)
+            return event;
+    }
+    return LF_DEVICE_BUSY;
+}
+
+static uint32_t le32(const uint8_t *b)
+{
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+/* Name of the last picture that was saved, by SDL's pattern SDL_windowID-NUMBER.bmp; false = none. */
+static bool last_picture(char *out, size_t size)
+{
+    for (int id = 20; id > 0; id--)
+        for (int number = 40; number >= 0; number--) {
+            snprintf(out, size, "SDL_window%d-%08d.bmp", id, number);
+            if (access(out, R_OK) == 0)
+                return true;
+        }
+    return false;
+}
+
+/* Whether the last picture saved is the frame: a BMP of 24 or 32 bits, the last row first. */
+static bool shows(const lf_image8 *frame)
+{
+    char name[64];
+    static uint8_t bmp[4 * WIDTH * HEIGHT + 1024];
+    if (!last_picture(name, sizeof name))
+        return false;
+    FILE *file = fopen(name, "rb");
+    size_t n = file != NULL ? fread(bmp, 1, sizeof bmp, file) : 0;
+    if (file != NULL)
+        fclose(file);
+    size_t bytes = bmp[28] / 8u, pitch = (WIDTH * bytes + 3) / 4 * 4, start = le32(bmp + 10);
+    if (n < 54 || le32(bmp + 18) != WIDTH || le32(bmp + 22) != HEIGHT || bytes < 3 || start + pitch * HEIGHT > n)
+        return false;
+    for (size_t y = 0; y < HEIGHT; y++)
+        for (size_t x = 0; x < WIDTH; x++) {
+            const uint8_t *bgr = bmp + start + (HEIGHT - 1 - y) * pitch + x * bytes, *rgb = frame->data + y * frame->stride + x * 3;
+            if (bgr[0] != rgb[2] || bgr[1] != rgb[1] || bgr[2] != rgb[0])
+                return false;
+        }
+    return true;
+}
+
+static void forget_pictures(void)
+{
+    char name[64];
+    while (last_picture(name, sizeof name))
+        assert_int_equal(remove(name), 0);
+}
+
+static void rectangles_make_the_frame(void **state)
+{
+    (void)state;
+    lf_device *device = NULL;
+    lf_error err = {0};
+    lf_image8 frame = {0};
+    lf_device_info info;
+    lf_device_counters counters;
+    if (!has_sdl())
+        skip();
+    lf_assert_ok(try_open("window", WIDTH, HEIGHT, &device, &err), &err);
+    lf_assert_ok(lf_image8_init(&frame, WIDTH, HEIGHT, 3), NULL);
+    device->ops->info(device, &info);
+    assert_string_equal(info.spec, "window");
+    assert_string_equal(info.problem, "");
+    scribble(&frame, &whole, 1);
+    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_true(shows(&frame));
+    for (int i = 2; i < 8; i++) {
+        lf_rect rects[5];
+        for (int k = 0; k < 5; k++) {
+            rects[k] = (lf_rect){(i * 211 + k * 97) % WIDTH, (i * 89 + k * 131) % HEIGHT, 1, 1};
+            rects[k].width = 1 + (i * 31 + k) % (WIDTH - rects[k].x);
+            rects[k].height = 1 + (i * 17 + k) % (HEIGHT - rects[k].y);
+            scribble(&frame, &rects[k], i);
+        }
+        assert_int_equal(push(device, &frame, rects, i == 5 ? 0 : 5), LF_DEVICE_READY);
+        if (i == 5) /* nothing was told, so nothing has changed */
+            for (int k = 0; k < 5; k++)
+                assert_int_equal(push(device, &frame, &rects[k], 1), LF_DEVICE_READY);
+        assert_true(shows(&frame));
+        forget_pictures();
+    }
+    frame.data[5] ^= 1;
+    assert_int_equal(push(device, &frame, &(lf_rect){0, 1, 1, 1}, 1), LF_DEVICE_READY);
+    assert_false(shows(&frame));
+    device->ops->counters(device, &counters);
+    assert_int_equal(counters.updates, 1 + 30 + 1);
+    assert_int_equal(counters.errors, 0);
+    lf_device_destroy(device);
+    lf_image8_finish(&frame);
+    forget_pictures();
+}
+
+/* What a graphics driver that was reset tells. */
+static void lost_picture_is_asked_for_again(void **state)
+{
+    (void)state;
+    lf_device *device = NULL;
+    lf_error err = {0};
+    lf_image8 frame = {0};
+    if (!has_sdl())
+        skip();
+    __typeof__(SDL_PushEvent) *push_event;
+    void *library = dlopen("libSDL2-2.0.so.0", RTLD_NOW), *address = dlsym(library, "SDL_PushEvent");
+    memcpy(&push_event, &address, sizeof address);
+    lf_assert_ok(try_open("window", WIDTH, HEIGHT, &device, &err), &err);
+    lf_assert_ok(lf_image8_init(&frame, WIDTH, HEIGHT, 3), NULL);
+    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    SDL_Event event = {.type = SDL_RENDER_DEVICE_RESET};
+    assert_int_equal(push_event(&event), 1);
+    struct pollfd p = {.fd = device->ops->poll_fd(device), .events = POLLIN};
+    assert_int_equal(poll(&p, 1, WAIT_MS), 1);
+    assert_int_equal(device->ops->dispatch(device), LF_DEVICE_RETRY);
+    assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
+    scribble(&frame, &whole, 4);
+    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_true(shows(&frame));
+    lf_device_destroy(device);
+    lf_image8_finish(&frame);
+    dlclose(library);
+    forget_pictures();
+}
+
+/* ------------------------------------------------------------------------------------------------- an X server -- */
+
+enum { X_WIDTH = 480, X_HEIGHT = 640 };
+
+/* Starts Xvfb, whose screen is the file Xvfb_screen0 here, and points DISPLAY at it. Returns its process, -1 = there is none. */
+static pid_t start_server(void)
+{
+    int ready[2];
+    char number[16] = "", mode[32], display[20];
+    assert_int_equal(pipe(ready), 0);
+    snprintf(mode, sizeof mode, "%dx%dx24", X_WIDTH, X_HEIGHT);
+    pid_t server = fork();
+    assert_true(server >= 0);
+    if (server == 0) {
+        int nowhere = open("/dev/null", O_RDWR);
+        dup2(nowhere, STDOUT_FILENO);
+        dup2(nowhere, STDERR_FILENO);
+        dup2(ready[1], STDIN_FILENO);
+        execlp("Xvfb", "Xvfb", "-displayfd", "0", "-screen", "0", mode, "-fbdir", ".", "-nolisten", "tcp", NULL);
+        _exit(127);
+    }
+    close(ready[1]);
+    ssize_t n = read(ready[0], number, sizeof number - 1);
+    close(ready[0]);
+    if (n > 0) {
+        snprintf(display, sizeof display, ":%.*s", (int)strcspn(number, "\n"), number);
+        setenv("DISPLAY", display, 1);
+        return server;
+    }
+    waitpid(server, NULL, 0);
+    return -1;
+}
+
+static uint32_t be32(const uint8_t *b)
+{
+    return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | (uint32_t)b[3];
+}
+
+/* The screen is a window dump: 25 numbers, a name, colours of 12 bytes, rows. */
+static bool screen_shows(const lf_image8 *frame)
+{
+    static uint8_t dump[4 * X_WIDTH * X_HEIGHT + 16384];
+    FILE *file = fopen("Xvfb_screen0", "rb");
+    size_t n = file != NULL ? fread(dump, 1, sizeof dump, file) : 0;
+    if (file != NULL)
+        fclose(file);
+    size_t start = be32(dump) + 12 * (size_t)be32(dump + 76), pitch = be32(dump + 48);
+    if (n < 100 || be32(dump + 44) != 32 || start > n || pitch < 4 * X_WIDTH || pitch * X_HEIGHT > n - start)
+        return false;
+    for (size_t y = 0; y < X_HEIGHT; y++)
+        for (size_t x = 0; x < X_WIDTH; x++) {
+            const uint8_t *bgr = dump + start + y * pitch + x * 4, *rgb = frame->data + y * frame->stride + x * 3;
+            if (bgr[0] != rgb[2] || bgr[1] != rgb[1] || bgr[2] != rgb[0])
+                return false;
+        }
+    return true;
+}
+
+/* The server shows a little later than it is told. */
+static bool screen_comes_to_show(const lf_image8 *frame)
+{
+    bool shown = screen_shows(frame);
+    for (int i = 0; i < WAIT_MS / 20 && !shown; i++) {
+        usleep(20000);
+        shown = screen_shows(frame);
+    }
+    return shown;
+}
+
+static void screen_shows_the_frame_pixel_for_pixel(void **state)
+{
+    (void)state;
+    const lf_rect all = {0, 0, X_WIDTH, X_HEIGHT}, part = {100, 333, 77, 55};
+    lf_device *device = NULL;
+    lf_device_info info;
+    lf_error err = {0};
+    lf_image8 frame = {0};
+    pid_t server = has_sdl() ? start_server() : -1;
+    if (server < 0) {
+        print_message("absent: Xvfb\n");
+        skip();
+    }
+    unsetenv("SDL_VIDEODRIVER");
+    lf_assert_ok(try_open("window", X_WIDTH, X_HEIGHT, &device, &err), &err);
+    lf_assert_ok(lf_image8_init(&frame, X_WIDTH, X_HEIGHT, 3), NULL);
+    scribble(&frame, &all, 1);
+    assert_int_equal(push(device, &frame, &all, 1), LF_DEVICE_READY);
+    assert_true(screen_comes_to_show(&frame));
+    scribble(&frame, &part, 9);
+    assert_false(screen_shows(&frame));
+    assert_int_equal(push(device, &frame, &part, 1), LF_DEVICE_READY);
+    assert_true(screen_comes_to_show(&frame));
+    device->ops->info(device, &info);
+    assert_string_equal(info.problem, "");
+    lf_device_destroy(device);
+    lf_image8_finish(&frame);
+    assert_int_equal(lf_window_ops.probe(&info, 1), 0);
+    kill(server, SIGTERM);
+    waitpid(server, NULL, 0);
+    unsetenv("DISPLAY");
+    setenv("SDL_VIDEODRIVER", "dummy", 1);
+}
+
+static void output_that_is_not_the_panels_size_is_told(void **state)
+{
+    (void)state;
+    lf_device *device = NULL;
+    lf_error err = {0};
+    lf_sdl sdl;
+    char name[64], spec[80];
+    if (!has_sdl())
+        skip();
+    lf_assert_ok(lf_sdl_load(NULL, &sdl, NULL), NULL);
+    lf_assert_ok(lf_sdl_begin(&sdl, NULL), NULL);
+    snprintf(name, sizeof name, "%s", sdl.GetDisplayName(0));
+    lf_sdl_end(&sdl);
+    lf_assert_status(try_open("window", 1536, 2048, &device, &err), LF_E_NODEV, &err);
+    assert_non_null(strstr(err.what, "1536x2048 pixels; there is: "));
+    assert_non_null(strstr(err.what, " 1024x768"));
+    lf_assert_status(try_open("window:LKG", WIDTH, HEIGHT, &device, &err), LF_E_NODEV, &err);
+    assert_non_null(strstr(err.what, "is called LKG"));
+    assert_null(device);
+    snprintf(spec, sizeof spec, "window:%s", name);
+    lf_assert_ok(try_open(spec, 1536, 2048, &device, &err), &err);
+    lf_device_info info;
+    device->ops->info(device, &info);
+    assert_string_equal(info.spec, spec);
+    assert_non_null(strstr(info.problem, "the window has 1024x768 pixels, the panel 1536x2048"));
+    lf_device_destroy(device);
+}
+
+static void sdl_belongs_to_one_at_a_time(void **state)
+{
+    (void)state;
+    lf_device *device = NULL, *second = NULL;
+    lf_device_info info[4];
+    lf_error err = {0};
+    if (!has_sdl())
+        skip();
+    lf_assert_ok(try_open("window", WIDTH, HEIGHT, &device, &err), &err);
+    lf_assert_status(try_open("window", WIDTH, HEIGHT, &second, &err), LF_E_BUSY, &err);
+    assert_null(second);
+    assert_int_equal(lf_window_ops.probe(info, 4), 0);
+    lf_device_destroy(device);
+    lf_assert_ok(try_open("window", WIDTH, HEIGHT, &second, &err), &err);
+    lf_device_destroy(second);
+}
+
+static void probe_opens_nothing_on_ordinary_monitors(void **state)
+{
+    (void)state;
+    lf_device_info info[4];
+    char name[64];
+    forget_pictures();
+    assert_int_equal(lf_window_ops.probe(info, 4), 0);
+    assert_false(last_picture(name, sizeof name));
+}
+
+static void what_is_missing_is_told(void **state)
+{
+    (void)state;
+    lf_sdl sdl;
+    lf_error err = {0};
+    lf_device *device = NULL;
+    lf_assert_status(lf_sdl_load("libnone-of-that-name.so.7", &sdl, &err), LF_E_NODEV, &err);
+    assert_non_null(strstr(err.what, "apt-get install libsdl2-2.0-0"));
+    lf_assert_status(lf_sdl_load("libc.so.6", &sdl, &err), LF_E_NODEV, &err);
+    assert_non_null(strstr(err.what, "has no SDL_"));
+    lf_assert_status(try_open("window:a\nb", WIDTH, HEIGHT, &device, &err), LF_E_ARG, &err);
+    if (!has_sdl())
+        skip();
+    setenv("CACHE_DIRECTORY", ".", 1);
+    lf_assert_status(lf_device_open("window", NULL, &device, &err), LF_E_NODEV, &err);
+    unsetenv("SDL_VIDEODRIVER");
+    lf_assert_status(try_open("window", WIDTH, HEIGHT, &device, &err), LF_E_NODEV, &err);
+    assert_non_null(strstr(err.what, "--device drm"));
+    assert_int_equal(lf_window_ops.probe(NULL, 0), 0);
+    setenv("SDL_VIDEODRIVER", "no-such-driver", 1);
+    lf_assert_status(try_open("window", WIDTH, HEIGHT, &device, &err), LF_E_NODEV, &err);
+    setenv("SDL_VIDEODRIVER", "dummy", 1);
+    assert_null(device);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rectangles_make_the_frame),
+        cmocka_unit_test(lost_picture_is_asked_for_again),
+        cmocka_unit_test(screen_shows_the_frame_pixel_for_pixel),
+        cmocka_unit_test(output_that_is_not_the_panels_size_is_told),
+        cmocka_unit_test(sdl_belongs_to_one_at_a_time),
+        cmocka_unit_test(probe_opens_nothing_on_ordinary_monitors),
+        cmocka_unit_test(what_is_missing_is_told),
+    };
+    char *dir = lf_test_folder();
+    unsetenv("WAYLAND_DISPLAY");
+    unsetenv("DISPLAY");
+    setenv("SDL_VIDEODRIVER", "dummy", 1);
+    setenv("SDL_VIDEO_DUMMY_SAVE_FRAMES", "1", 1);
+    int failed = chdir(dir) == 0 ? cmocka_run_group_tests(tests, NULL, NULL) : 1;
+    lf_test_folder_remove(dir);
+    return failed;
+}
