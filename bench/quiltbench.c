@@ -26,6 +26,7 @@ static const struct command {
     {"live", lf_bench_live, "what the panel shows after a command, and how soon"},
     {"skip", lf_bench_skip, "what leaving out saves where a scene does not need it"},
     {"quilt", lf_bench_quilt, "interlacing, tone mapping, filling and print against copying"},
+    {"usb", lf_bench_usb, "updates of a simulated USB display against copying"},
 };
 
 static void print_help(void)

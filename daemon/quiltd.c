@@ -43,7 +43,7 @@ static void print_help(void)
         "  --socket PATH          where clients talk to it ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/quiltd.sock,\n"
         "                         /run/quiltd/control.sock)\n"
         "  --device SPEC          auto (default), drm[:OUTPUT], window[:MONITOR],\n"
-        "                         sim:DIR[,option=value...] or none\n"
+        "                         usb[:BUS-PORT], sim:DIR[,option=value...] or none\n"
         "  --calibration FILE     the panel's lens calibration, instead of its own\n" LF_OPTIONS_HELP_VIEWS LF_OPTIONS_HELP_RENDER
         "  --target-error RELMSE  rendering rests when the estimated relative error is below (1e-4)\n"
         "  --state DIR            keeps the accumulation there over restarts\n"

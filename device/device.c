@@ -8,7 +8,7 @@
 
 enum { MAX_FOUND = 32 };
 
-const lf_device_ops *const lf_device_table[] = {&lf_drm_ops, &lf_window_ops, &lf_sim_ops, &lf_none_ops, NULL};
+const lf_device_ops *const lf_device_table[] = {&lf_drm_ops, &lf_window_ops, &lf_usb_ops, &lf_sim_ops, &lf_none_ops, NULL};
 
 static const lf_device_ops *find_kind(const char *kind, size_t length)
 {
@@ -58,9 +58,9 @@ lf_status lf_device_open(const char *spec, const lf_calibration *calibration, lf
         return lf_device_open_auto(lf_device_table, calibration, out_device, err);
     const lf_device_ops *ops = find_kind(spec, strcspn(spec, ":"));
     if (ops == NULL)
-        return lf_error_set(
-            err, LF_E_ARG, spec,
-            "no such kind of device; expected auto, drm[:OUTPUT], window[:MONITOR], none or sim:DIR[,option=value]");
+        return lf_error_set(err, LF_E_ARG, spec,
+                            "no such kind of device; expected auto, drm[:OUTPUT], window[:MONITOR], usb[:BUS-PORT], none or "
+                            "sim:DIR[,option=value]");
     return ops->open(argument_of(spec), calibration, out_device, err);
 }
 

@@ -8,6 +8,7 @@ extern const lf_device_ops lf_none_ops;
 extern const lf_device_ops lf_sim_ops;
 extern const lf_device_ops lf_drm_ops;
 extern const lf_device_ops lf_window_ops;
+extern const lf_device_ops lf_usb_ops;
 
 /* The members in the order in which "auto" looks for panels, ended by NULL. */
 extern const lf_device_ops *const lf_device_table[];

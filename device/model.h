@@ -52,8 +52,10 @@ uint64_t lf_model_hid_violations(const lf_model_hid *hid);
 
 /* ------------------------------------------------------------------------------------------------- model_gud.c -- */
 
-/* A GUD display, protocol version 1 (usb.md 1). It refuses (STALL, then GET_STATUS) whatever the protocol does not allow, in
- * whatever order; SET_BUFFER announces what the next bulk transfers carry. */
+/* A GUD display, protocol version 1 (usb.md 1). It refuses (STALL, then GET_STATUS; with status_on_set what SET requests carry is told by
+ * GET_STATUS alone) whatever the protocol does not allow, in whatever order; SET_BUFFER announces what the next bulk transfers carry.
+ * One connector, and one property each of the plane (rotation) and of the connector (backlight), which every state must carry. A
+ * rectangle that fails leaves its upper half inverted. */
 typedef struct lf_model_gud_options {
     int width, height;        /* its only mode, unless faults say otherwise */
     const uint8_t *formats;   /* GUD format numbers, best first; copied */
@@ -102,7 +104,8 @@ LF_NODISCARD lf_status lf_model_gud_create(const lf_model_gud_options *options, 
                                            lf_model_gud **out);
 /* Accepts NULL. */
 void lf_model_gud_destroy(lf_model_gud *gud);
-/* A vendor request to the interface (bmRequestType 0xc1 or 0x41, wValue): `in` fills data[n], else data[n] is what was sent. Returns bytes. */
+/* A vendor request to the interface (bmRequestType 0xc1 or 0x41, wValue): `in` fills data[n], else data[n] is what was sent.
+ * Returns bytes. */
 int lf_model_gud_control(lf_model_gud *gud, bool in, uint8_t request, uint16_t value, uint8_t *data, size_t n);
 /* Data on the bulk endpoint; a rectangle may come in several pieces and shows when its last byte is there. Returns n. */
 int lf_model_gud_bulk(lf_model_gud *gud, const uint8_t *data, size_t n);

@@ -28,6 +28,8 @@ $(foreach p,$(kernel_programs),$(eval $(call kernel_program,$(p))))
 # under the unmodified libraries
 isa_test_hid_umockdev = $(dep_umockdev_cflags)
 wrap_test_hid_umockdev = $(dep_umockdev_libs)
+isa_test_usb_umockdev = $(dep_umockdev_cflags)
+wrap_test_usb_umockdev = $(dep_umockdev_libs)
 
 # What needs none of the libraries, with its tests and a program that prints hashes of results: PORTABLE=1 builds nothing else, for
 # machines without those libraries (tests/arm64.sh). Embree's header stays: it is the same everywhere.

@@ -15,6 +15,8 @@ static void bad_specs_are_refused_with_a_reason(void **state)
                          "si",
                          ":",
                          "none:x",
+                         "usb:x",
+                         "usb:1",
                          "drm:x",
                          "drm:card0",
                          "drms",
@@ -87,7 +89,7 @@ static void none_takes_and_counts_everything(void **state)
 static void all_kinds_are_in_the_table(void **state)
 {
     (void)state;
-    static const char *const kinds[] = {"drm", "window", "sim", "none"};
+    static const char *const kinds[] = {"drm", "window", "usb", "sim", "none"};
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         bool found = false;
         for (int i = 0; lf_device_table[i] != NULL; i++)
