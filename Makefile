@@ -9,6 +9,7 @@
 #   make lint               static checks
 #   make fuzz               hostile bytes for everything read from devices: FUZZ_SECONDS each (60), T=hid only that one
 #   make check-arm64        the portable parts, built for arm64 and run by an emulator
+#   make check-kernel       simulated devices through a real kernel and the installed daemon under systemd, in QEMU; as root
 #   make T=render check     only the tests whose path holds this word
 #   make build/release/tests/base/test_file     one test program
 #   BUILD=release|debug|asan|tsan  O=DIR  V=1  WERROR=1  CC CXX CFLAGS CXXFLAGS LDFLAGS  DESTDIR PREFIX
@@ -39,14 +40,14 @@ UDEVDIR ?= $(PREFIX)/lib/udev/rules.d
 INSTALL ?= install
 
 comma := ,
-programs := quiltd quiltctl quiltrender quiltbench
+programs := quiltd quiltctl quiltrender quiltsim quiltbench
 rooms := base render quilt device daemon
 
 .PHONY: all FORCE
 all:
 
 # Goals that install packages first, then come back here as GOAL-now.
-front := check check-arm64 run bench verify lint fuzz
+front := check check-arm64 check-kernel run bench verify lint fuzz
 # Goals that need no library flags.
 light := $(front) deps clean help
 goals := $(or $(MAKECMDGOALS),all)
@@ -144,7 +145,7 @@ $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
  MAKE_AGAIN='$(MAKE_COMMAND) --no-print-directory -C $(CURDIR) -f $(MAKEFILE) O=$(O) BUILD=$(BUILD)' $(SRCDIR)/tests/run
 
-.PHONY: check-now check-arm64-now verify-now bench-now run-now lint-now fuzz-now
+.PHONY: check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now
 tests_extra := $(SRCDIR)/tests/style.sh $(SRCDIR)/tests/install.sh $(SRCDIR)/tests/arm64.sh
 matching = $(foreach x,$(1),$(if $(strip $(foreach t,$(T),$(findstring $(t),$(x)))),$(x)))
 matching_or_all = $(if $(T),$(call matching,$(1)),$(1))
@@ -154,6 +155,10 @@ check-now: all $(selected) $(if $(T),,$(headers_alone)) $(O)/tests/arm64/results
 
 check-arm64-now: $(O)/tests/arm64/results
 	@$(run_tests) $(SRCDIR)/tests/arm64.sh
+
+# T=word: only the cases with that word
+check-kernel-now: all $(kernel_programs)
+	@KERNEL='$(BUILDROOT)/kernel' $(subst /tests/run,/tests/kernel/run,$(run_tests)) $(call matching_or_all,$(kernel_cases))
 
 # the statistical tests again, on numbers nobody has seen, at their longest
 verify-now: all tests
@@ -187,6 +192,9 @@ check verify:
 	@$(self) $(jobs) $@-now
 check-arm64:
 	@$(SRCDIR)/.ci/deps install build arm64
+	@$(self) $(jobs) $@-now
+check-kernel:
+	@$(SRCDIR)/.ci/deps install build kernel
 	@$(self) $(jobs) $@-now
 lint:
 	@$(SRCDIR)/.ci/deps install build test lint
@@ -223,5 +231,5 @@ lint-now: $(if $(generated),$(addprefix $(O)/,$(generated)))
 # ------------------------------------------------------------------------------------------------------- installing --
 include $(SRCDIR)/.ci/install.mk
 
--include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(optics_srcs) $(test_srcs) $(fuzz_srcs) tests/arm64/results.c)))
+-include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(optics_srcs) $(test_srcs) $(fuzz_srcs) $(kernel_srcs) tests/arm64/results.c)))
 -include $(addsuffix .d,$(headers_alone))

@@ -126,16 +126,25 @@ void lf_model_gud_counters_get(const lf_model_gud *gud, lf_model_gud_counters *o
 /* ----------------------------------------------------------------------------------------------------- model.c -- */
 
 /* A whole device on a plug: descriptors, the standard requests of USB 2.0 chapter 9 and of the HID class, and the two models above as
- * interfaces: HID first when both are there. VID:PID 04d8:ef7e with HID ("HoloPlay", "Looking Glass Factory"), else 1d50:614d. */
+ * interfaces: HID first when both are there. VID:PID 04d8:ef7e with HID ("HoloPlay", "Looking Glass Factory"), else 1d50:614d.
+ * High speed; one configuration; GET_REPORT is refused, reports come on the interrupt endpoint. */
 typedef struct lf_model lf_model;
 
-/* hid and gud (either may be NULL) are borrowed until destroy. */
+/* Addresses of the endpoints, of whichever interfaces are there. */
+enum { LF_MODEL_HID_ENDPOINT = 0x81, LF_MODEL_GUD_ENDPOINT = 0x02 };
+
+/* hid and gud (one of them may be NULL) are borrowed until destroy. */
 LF_NODISCARD lf_status lf_model_create(lf_model_hid *hid, lf_model_gud *gud, lf_model **out);
 /* Accepts NULL. */
 void lf_model_destroy(lf_model *model);
 /* A transfer on endpoint 0: setup as on the wire; data[n] with n <= wLength. Returns bytes. SET_ADDRESS is the host controller's own. */
 int lf_model_control(lf_model *model, const uint8_t setup[8], uint8_t *data, size_t n);
-/* A transfer on another endpoint (address with the direction bit). Returns bytes. */
+/* A transfer on another endpoint (address with the direction bit). Returns bytes. A STALL halts the endpoint until the host clears
+ * it (CLEAR_FEATURE ENDPOINT_HALT, what libusb_clear_halt sends) or sets the configuration. */
 int lf_model_transfer(lf_model *model, uint8_t endpoint, uint8_t *data, size_t n);
+
+/* An EDID as a panel has it (VESA E-EDID A2): name and serial cut at 13 characters; a side over 4095 pixels cannot be said in it, and no
+ * timing is then. */
+void lf_model_edid(const char *name, const char *serial, int width, int height, uint8_t out[128]);
 
 #endif

@@ -39,8 +39,8 @@ fi
 
 missing() {
     local f
-    for f in bin/quiltd bin/quiltctl bin/quiltrender bin/quiltbench share/quiltd/docs/scene.schema.json share/quiltd/docs/scene.md share/quiltd/docs/print.md \
-        share/quiltd/scenes/first-light.json share/man/man1/quiltd.1 share/man/man1/quiltctl.1 share/man/man1/quiltrender.1 \
+    for f in bin/quiltd bin/quiltctl bin/quiltrender bin/quiltsim bin/quiltbench share/quiltd/docs/scene.schema.json share/quiltd/docs/scene.md share/quiltd/docs/print.md \
+        share/quiltd/scenes/first-light.json share/man/man1/quiltd.1 share/man/man1/quiltctl.1 share/man/man1/quiltrender.1 share/man/man1/quiltsim.1 \
         lib/systemd/system/quiltd.service lib/systemd/system/quiltd.socket lib/sysusers.d/quiltd.conf \
         lib/tmpfiles.d/quiltd.conf lib/udev/rules.d/70-quiltd.rules; do
         [ -s "$prefix/$f" ] || echo "$f"
@@ -53,7 +53,7 @@ report "no placeholder is left in the units" "$(unfilled)"
 
 startable() {
     local p words
-    for p in quiltd quiltctl quiltrender quiltbench; do
+    for p in quiltd quiltctl quiltrender quiltsim quiltbench; do
         words=$("$prefix/bin/$p" --version 2>&1) || echo "$p --version: $words"
         words=$("$prefix/bin/$p" --help 2>&1) || echo "$p --help: $words"
         "$prefix/bin/$p" --no-such-option > /dev/null 2>&1

@@ -1,0 +1,112 @@
+# init: systemd
+# memory: 2G
+# limit: 300
+# The installed daemon under systemd, as its units, users and rules are shipped: it becomes active whatever is missing, comes back
+# after a crash, and reaches its devices out of its sandbox.
+. "$QUILTD_SOURCE/tests/kernel/lib.sh"
+panel=$QUILTD_BUILD/tests/kernel/panel
+
+options() { printf '%s\n' 'QUILTD_OPTIONS="--views 4 --view-size 60x80"' "$@" > /etc/default/quiltd; }
+becomes_active() {
+    systemctl start quiltd 2>&1
+    [ "$(systemctl is-active quiltd)" = active ] || { systemctl status --no-pager quiltd; journalctl --no-pager -n 20 -u quiltd; }
+}
+stops() {
+    systemctl stop --quiet quiltd 2>&1
+    [ "$(systemctl is-active quiltd)" = inactive ] || systemctl status --no-pager quiltd
+}
+main_pid() { systemctl show -P MainPID quiltd; }
+another_pid() { [ "$(main_pid)" != "$1" ] && [ "$(main_pid)" != 0 ] && [ "$(systemctl is-active quiltd)" = active ]; }
+comes_back() {
+    local before
+    before=$(main_pid)
+    kill -SEGV "$before"
+    within 120 another_pid "$before" || systemctl status --no-pager quiltd
+}
+answers() { timeout 60 quiltctl status > status.log 2>&1 || cat status.log; }
+runs_as() { # user
+    [ "$(stat -c %U "/proc/$(main_pid)")" = "$1" ] || echo "the daemon runs as $(stat -c %U "/proc/$(main_pid)")"
+}
+hardened() {
+    local level
+    level=$(systemd-analyze security quiltd --no-pager | sed -n 's/.*exposure level[^:]*: \([0-9.]*\).*/\1/p')
+    echo "  exposure level $level" >&4
+    awk -v e="$level" 'BEGIN { exit !(e == "" || e > 2.0) }' && echo "exposure level $level, expected at most 2.0"
+}
+found() { # the display by USB, its calibration by HID
+    timeout 60 quiltctl device.list > list.log 2>&1
+    grep '^present' list.log >&4
+    grep -q '^present.kind *usb' list.log || cat list.log
+    grep -q '^present.calibration_from *.*hidraw' list.log || cat list.log
+}
+bytes_shown() { sim_tell counters; sed -n 's/^lit=.* bytes=\([0-9]*\).*/\1/p' sim.log | tail -n 1; }
+rests() { # no more is sent
+    local before
+    before=$(bytes_shown)
+    sleep 2
+    [ "$before" = "$(bytes_shown)" ]
+}
+shows_frame() {
+    timeout 120 quiltctl wait for=complete > wait.log 2>&1 || cat wait.log
+    quiltctl render.set paused=true > paused.log 2>&1 || cat paused.log
+    within 60 rests || echo "it never rests"
+    timeout 60 quiltctl export panel frame.png > export.log 2>&1 || cat export.log
+    sim_tell picture
+    "$panel" same frame.png shown.png
+    sim_tell counters
+    echo "  $(grep '^lit=' sim.log | tail -n 1)" >&4
+}
+shows_again() { # after unplugging and replugging, without being told
+    local since
+    sim_tell unplug
+    sleep 2
+    since=$EPOCHREALTIME
+    sim_tell replug
+    quiltctl render.set paused=false > paused.log 2>&1 || cat paused.log
+    within 60 shows_something || { echo "nothing comes"; quiltctl device.list; }
+    echo "  shown again $(awk -v a="$since" -v b="$EPOCHREALTIME" 'BEGIN { printf "%.1f", b - a }') s after replugging" >&4
+}
+shows_something() { [ "$(bytes_shown)" -gt 0 ]; }
+# The daemon's own unit with another program in it.
+in_its_sandbox() { # name, command
+    sed -e "s|^ExecStart=.*|ExecStart=$2|" -e 's/^Type=.*/Type=oneshot/' -e '/^ExecReload\|^Restart\|^Watchdog\|^NotifyAccess\|^Requires\|^After\|^Timeout/d' \
+        /usr/lib/systemd/system/quiltd.service > "/run/systemd/system/$1.service"
+    systemctl daemon-reload
+    systemctl start "$1" 2>&1 || journalctl --no-pager -n 20 -u "$1"
+}
+
+exec 4>&1
+fact "users are made" succeeds systemd-sysusers
+fact "folders are made" succeeds systemd-tmpfiles --create /usr/lib/tmpfiles.d/quiltd.conf
+fact "the socket is there" succeeds systemctl start quiltd.socket
+options
+fact "active without a device" becomes_active
+fact "as its own user" runs_as quiltd
+fact "it answers" answers
+fact "the service is hardened" hardened
+fact "active again after a crash" comes_back
+fact "and answers" answers
+fact "it stops" stops
+options QUILTD_SCENE=/nonexistent.json
+fact "active with the scene missing" becomes_active
+fact "it says so" answers
+fact "it stops again" stops
+options
+cp "$panel" /usr/local/bin/panel
+printf '%s' '{"configVersion":"3.0","serial":"LKG-PORT-NOMINAL","pitch":52,"slope":-7,"center":0.5,"DPI":324,"screenW":512,"screenH":512}' > /var/lib/quiltd/nominal.json
+chown quiltd: /var/lib/quiltd/nominal.json
+fact "vhci_hcd is there" succeeds modprobe vhci_hcd
+fact "a panel is plugged in" sim_start --attach --calibration /var/lib/quiltd/nominal.json --panel-png shown.png
+fact "its nodes belong to the group quiltd" succeeds within 60 granted hid usb
+fact "active with a device" becomes_active
+fact "it answers with a device" answers
+fact "it has found the panel by itself" found
+fact "what it shows is the exact frame" shows_frame
+fact "after replugging it shows on" shows_again
+fact "it stops with a device" stops
+fact "the EEPROM is read out of the sandbox" in_its_sandbox quilt-eeprom "/usr/local/bin/panel eeprom /var/lib/quiltd/nominal.json"
+fact "the display is drawn to out of the sandbox" in_its_sandbox quilt-draw "/usr/local/bin/panel draw 512x512 1 20 /var/lib/quiltd/expected.png"
+sim_tell picture
+fact "it shows what was drawn" "$panel" same /var/lib/quiltd/expected.png shown.png
+sim_stop
+finish
