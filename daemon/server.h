@@ -19,7 +19,7 @@
 
 #include <systemd/sd-device.h>
 
-#include "daemon/buttons.h"
+#include "daemon/button_actions.h"
 #include "daemon/client.h"
 #include "daemon/engine.h"
 #include "daemon/loader.h"

@@ -1,6 +1,6 @@
 /* What the buttons of a panel do: --buttons, and the folder that next and previous walk through. No sockets, no devices here. */
-#ifndef LF_DAEMON_BUTTONS_H
-#define LF_DAEMON_BUTTONS_H
+#ifndef LF_DAEMON_BUTTON_ACTIONS_H
+#define LF_DAEMON_BUTTON_ACTIONS_H
 
 #include "device/buttons.h"
 

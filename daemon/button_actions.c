@@ -1,4 +1,4 @@
-#include "daemon/buttons.h"
+#include "daemon/button_actions.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -2,7 +2,7 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
-#include "daemon/buttons.h"
+#include "daemon/button_actions.h"
 
 static lf_button_actions parsed(const char *text)
 {
