@@ -31,4 +31,5 @@ show_end() {
     wait "$show_pid"
     show_status=$?
 }
+show_kill() { kill -9 "$show_pid"; }
 ended_well() { [ "$show_status" -eq 0 ] || { echo "exit status $show_status"; cat show.log; }; }

@@ -55,7 +55,7 @@ cat show.log
 fact "the console comes back" console after
 show_start drm:Virtual-1 $SIZE 1
 fact "it shows again" shown
-kill -9 "$show_pid"
+show_kill
 show_end 2> /dev/null
 fact "the console comes back after kill -9" console killed
 fact "the monitor is renamed" rename_monitor
