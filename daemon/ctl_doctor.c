@@ -15,6 +15,7 @@ enum { MAX_DEVICES = 32, MAX_FOUND = 32 };
 typedef struct report {
     bool failed;
     int n_panels, n_calibrations;
+    char shown_on[512]; /* the daemon's panel; empty = there is none */
 } report;
 
 static void say_ok(const char *what, const char *detail)
@@ -41,7 +42,7 @@ static bool any_file(const char *pattern)
     return there;
 }
 
-static void check_daemon(const char *socket)
+static void check_daemon(report *r, const char *socket)
 {
     lf_ctl *ctl = NULL;
     json_t *status = NULL;
@@ -57,6 +58,9 @@ static void check_daemon(const char *socket)
         snprintf(text, sizeof text, "%s, shows on %s%s%s", json_string_value(json_object_get(status, "state")),
                  json_string_value(json_object_get(device, "spec")), problem[0] != '\0' ? ": " : "", problem);
         say_ok("daemon", text);
+        if (json_is_true(json_object_get(device, "present"))) {
+            snprintf(r->shown_on, sizeof r->shown_on, "%s", json_string_value(json_object_get(device, "spec")));
+        }
     }
     json_decref(status);
     lf_ctl_close(ctl);
@@ -101,7 +105,9 @@ static void check_panels(report *r)
         char what[sizeof infos->spec + sizeof infos->model + 8];
         snprintf(what, sizeof what, "panel %s", infos[i].spec);
         r->n_panels++;
-        if (infos[i].problem[0] != '\0') {
+        if (strcmp(infos[i].spec, r->shown_on) == 0) {
+            say_ok(what, "quiltd shows on it");
+        } else if (infos[i].problem[0] != '\0') {
             say_bad(r, what, infos[i].problem);
         } else {
             say_ok(what, infos[i].model);
@@ -132,7 +138,7 @@ static void check_calibrations(report *r)
 bool lf_ctl_doctor(const char *socket)
 {
     report r = {0};
-    check_daemon(socket);
+    check_daemon(&r, socket);
     check_system();
     check_panels(&r);
     check_calibrations(&r);

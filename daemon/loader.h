@@ -26,6 +26,7 @@ typedef struct lf_load {
     lf_calibration calibration;
     int restore_fd; /* FILE: -1, or an accumulation to go on with (taken over) */
     void *ticket;   /* the poster's */
+    bool browsed;   /* the poster's: a button asked for it */
     /* the outcome */
     lf_status status;
     lf_error err; /* when status is not LF_OK */

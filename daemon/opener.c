@@ -37,18 +37,23 @@ static void close_all(lf_errand *errand)
     errand->buttons = NULL;
 }
 
-/* The HID side of the panel whose EEPROM holds this serial number. */
+/* The HID side of the panel whose EEPROM holds this serial number; else the only one there is, when it does not tell its own. */
+static const lf_found *panel_of(const lf_found *found, int n, const char *serial)
+{
+    for (int i = 0; i < n; i++) {
+        if (found[i].problem[0] == '\0' && strcmp(found[i].calibration.serial, serial) == 0) {
+            return &found[i];
+        }
+    }
+    return n == 1 && found->problem[0] != '\0' ? found : NULL;
+}
+
 static lf_status open_buttons(lf_errand *errand)
 {
     lf_found *found = lf_calloc(MAX_FOUND, sizeof *found);
-    int n = found != NULL ? lf_find_all(found, MAX_FOUND) : 0;
-    lf_status status = LF_E_NODEV;
-    for (int i = 0; i < n && status != LF_OK; i++) {
-        if (found[i].source == LF_SOURCE_HID && found[i].problem[0] == '\0' &&
-            strcmp(found[i].calibration.serial, errand->spec) == 0) {
-            status = lf_buttons_open(found[i].path, &errand->buttons, &errand->err);
-        }
-    }
+    int n = found != NULL ? lf_find_hid(found, MAX_FOUND) : 0;
+    const lf_found *panel = panel_of(found, n, errand->spec);
+    lf_status status = panel != NULL ? lf_buttons_open(panel->path, &errand->buttons, &errand->err) : LF_E_NODEV;
     lf_free(found);
     return status;
 }

@@ -30,6 +30,8 @@
 #define BATCH_MORE_USEC 10000000
 #define MOST_SECONDS 60
 #define DEFAULT_TARGET_ERROR 1e-4
+/* The scene does not wait for a panel longer than this. */
+#define BEGIN_USEC 10000000
 
 /* ------------------------------------------------------------------------------------------------------ the way down -- */
 
@@ -135,6 +137,7 @@ static void destroy(lf_server *server)
     server->stopping = server->leaving = true;
     lf_server_unwatch_plugs(server);
     lf_server_drop_errands(server);
+    lf_server_release_loads(server);
     lf_server_drop_buttons(server);
     lf_worker_destroy(server->opener);
     lf_loader_destroy(server->loader);
@@ -150,8 +153,9 @@ static void destroy(lf_server *server)
     }
     lf_clients_destroy(server->clients);
     lf_server_unlisten(server);
-    sd_event_source *sources[] = {server->inbox_io,  server->engine_io,    server->stop_timer, server->state_timer,
-                                  server->run_timer, server->status_timer, server->watch_io,   server->watch_timer};
+    sd_event_source *sources[] = {server->inbox_io,     server->engine_io,   server->stop_timer,
+                                  server->begin_timer,  server->state_timer, server->run_timer,
+                                  server->status_timer, server->watch_io,    server->watch_timer};
     for (size_t i = 0; i < sizeof sources / sizeof *sources; i++) {
         sd_event_source_disable_unref(sources[i]);
     }
@@ -286,6 +290,14 @@ static lf_status open_socket(lf_server *server, lf_error *err)
     return status;
 }
 
+static int on_begin_timer(sd_event_source *source, uint64_t usec, void *context)
+{
+    (void)source;
+    (void)usec;
+    lf_server_begin(context);
+    return 0;
+}
+
 /* The device's first attempt; what comes of it ends nothing but a wrong --device or --calibration. */
 static lf_status open_first(lf_server *server, lf_error *err)
 {
@@ -294,19 +306,15 @@ static lf_status open_first(lf_server *server, lf_error *err)
     lf_status status = given != NULL ? lf_calibration_load(given, &calibration, err) : LF_OK;
     if (status == LF_OK) {
         lf_server_watch_plugs(server);
+        (void)sd_event_add_time_relative(server->event, &server->begin_timer, CLOCK_MONOTONIC, BEGIN_USEC, 0, on_begin_timer,
+                                         server);
         lf_server_open_device(server, server->config.device, NULL);
     }
     return status;
 }
 
-/* The scene's first attempt, when the device's has ended: its calibration says how to render. */
-void lf_server_begin(lf_server *server)
+static void load_first(lf_server *server, const char *scene)
 {
-    const char *scene = server->config.scene;
-    if (scene == NULL) {
-        lf_server_ready(server);
-        return;
-    }
     bool there = access(scene, R_OK) == 0;
     int why = errno;
     lf_load *load = there ? lf_load_create(LF_LOAD_FILE) : NULL;
@@ -321,6 +329,21 @@ void lf_server_begin(lf_server *server)
     load->restore_fd = lf_server_open_state(server);
     load->file = lf_strdup(scene);
     lf_server_load(server, load, NULL);
+}
+
+/* Best with the panel's calibration, which says how to render. */
+void lf_server_begin(lf_server *server)
+{
+    if (server->begun) {
+        return;
+    }
+    server->begun = true;
+    if (server->config.scene != NULL) {
+        load_first(server, server->config.scene);
+    } else {
+        lf_server_ready(server);
+    }
+    lf_server_release_loads(server);
 }
 
 static void prepare_process(void)

@@ -93,6 +93,9 @@ typedef struct lf_panel {
     lf_errand *opening;        /* under way; NULL = none … */
     lf_errand *queued;         /* … and those that wait for it, the next one first */
     bool plugged;              /* something was, since a device was last looked for */
+    bool tried;                /* the first attempt has ended */
+    double retry_at;           /* lf_time_now when retry is due */
+    uint64_t patience_usec;    /* before the next attempt that is not hurried */
 } lf_panel;
 
 typedef struct lf_job lf_job;
@@ -108,6 +111,7 @@ struct lf_server {
     lf_options options; /* as changed by render.set */
     lf_engine *engine;
     lf_loader *loader;
+    lf_letter *held; /* loads that came before the scene of the command line */
     lf_worker *opener;
     lf_clients *clients;
     char *socket_path; /* to unlink at the end; NULL = systemd's */
@@ -115,7 +119,6 @@ struct lf_server {
     lf_panel panel;
     lf_buttons *buttons; /* of the panel; NULL = none */
     sd_event_source *buttons_io;
-    bool seeking_buttons; /* they are being looked for */
     sd_device_monitor *plugs;
     json_t *file_camera; /* the camera block as the scene's file has it */
     char *browsed;       /* where next and previous have come to; NULL = what is shown */
@@ -132,10 +135,13 @@ struct lf_server {
     lf_job *jobs;
     int64_t n_jobs;
 
+    bool seeking_buttons; /* they are being looked for … */
+    bool seek_again;      /* … and something was plugged in meanwhile */
+    bool browsing;        /* a scene on the way to `browsed` is being loaded */
     bool begun, ready_sent, stopping, leaving;
     double stopped_at; /* lf_time_now when the way down began */
     int exit_code;
-    sd_event_source *stop_timer, *state_timer, *run_timer, *status_timer, *watch_io, *watch_timer;
+    sd_event_source *stop_timer, *begin_timer, *state_timer, *run_timer, *status_timer, *watch_io, *watch_timer;
     int watch_fd, watch_id;
     char *watch_name;
     int reloads; /* reloads for systemd that have not ended */
@@ -148,7 +154,7 @@ struct lf_server {
 
 /* Runs the daemon; returns the exit code. */
 int lf_server_run(const lf_server_config *config);
-/* The first attempt to open a device has ended: the scene's begins. */
+/* The scene's first attempt begins, once: when the device's has ended, or takes long. */
 void lf_server_begin(lf_server *server);
 /* Begins the way down. */
 void lf_server_shutdown(lf_server *server);
@@ -197,6 +203,8 @@ void lf_server_dispatch(lf_server *server);
 
 /* A button was pressed: tells subscribers, and does what --buttons says. */
 void lf_server_press(lf_server *server, lf_button button);
+/* The file that a button asked for was loaded, or could not be: goes on when the buttons have gone on meanwhile. */
+void lf_server_browsed(lf_server *server, const char *file);
 /* Looks for the buttons of the panel that was opened. */
 void lf_server_find_buttons(lf_server *server);
 void lf_server_drop_buttons(lf_server *server);
@@ -213,8 +221,10 @@ void lf_server_unwatch_plugs(lf_server *server);
 int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *context);
 /* A frame is shown: answers waits, tells subscribers. */
 void lf_server_shown(lf_server *server, int64_t generation, lf_level level, double passes);
-/* Queues a load with the options and the panel there are now; ticket may be NULL. */
+/* Queues a load with the options and the panel there are now, behind the scene of the command line; ticket may be NULL. */
 void lf_server_load(lf_server *server, lf_load *load, lf_ticket *ticket);
+/* Queues those that came before that scene was queued; on the way down they fail. */
+void lf_server_release_loads(lf_server *server);
 /* The scene file again. */
 void lf_server_reload(lf_server *server);
 /* Answers when generation is shown at that level; takes the ticket over. */

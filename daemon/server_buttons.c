@@ -9,11 +9,35 @@
 
 /* --------------------------------------------------------------------------------------------------------- actions -- */
 
-static void load_neighbour(lf_server *server, int step)
+/* One at a time: who presses faster than scenes load gets to the last one. */
+static void load_browsed(lf_server *server)
 {
-    const char *from = server->browsed != NULL ? server->browsed
-                       : server->stage != NULL ? server->stage->file
-                                               : server->config.scene;
+    lf_load *load = server->browsing ? NULL : lf_load_create(LF_LOAD_FILE);
+    if (load == NULL) {
+        return;
+    }
+    load->file = lf_strdup(server->browsed);
+    load->browsed = true;
+    if (load->file == NULL) {
+        lf_load_destroy(load);
+        return;
+    }
+    server->browsing = true;
+    lf_server_load(server, load, NULL);
+}
+
+void lf_server_browsed(lf_server *server, const char *file)
+{
+    server->browsing = false;
+    if (server->browsed != NULL && strcmp(server->browsed, file) != 0) {
+        load_browsed(server);
+    }
+}
+
+static void turn_page(lf_server *server, int step)
+{
+    const char *shown = server->stage != NULL ? server->stage->file : server->config.scene;
+    const char *from = server->browsed != NULL ? server->browsed : shown;
     char *path = NULL;
     lf_error err;
     if (from == NULL) {
@@ -23,14 +47,10 @@ static void load_neighbour(lf_server *server, int step)
         lf_log_error(&err);
         return;
     }
-    lf_load *load = lf_load_create(LF_LOAD_FILE);
-    if (load != NULL) {
-        load->file = lf_strdup(path);
-        lf_server_load(server, load, NULL);
-    }
     /* From here on when the button is pressed again, also when this one cannot be shown. */
     lf_free(server->browsed);
     server->browsed = path;
+    load_browsed(server);
 }
 
 static void toggle_pause(lf_server *server)
@@ -75,10 +95,10 @@ void lf_server_press(lf_server *server, lf_button button)
                      json_pack("{s:s, s:s}", "button", lf_button_name(button), "action", lf_action_name(action)));
     switch (action) {
     case LF_ACTION_NEXT:
-        load_neighbour(server, 1);
+        turn_page(server, 1);
         break;
     case LF_ACTION_PREVIOUS:
-        load_neighbour(server, -1);
+        turn_page(server, -1);
         break;
     case LF_ACTION_PAUSE:
         toggle_pause(server);
@@ -133,28 +153,50 @@ static int on_buttons(sd_event_source *source, int fd, uint32_t events, void *co
     }
 }
 
+/* Whether they belong to the panel that is there now. */
+static bool are_wanted(const lf_server *server, const lf_errand *errand)
+{
+    const lf_panel *panel = &server->panel;
+    return !server->stopping && panel->device != NULL && panel->has_calibration &&
+           strcmp(errand->spec, panel->calibration.serial) == 0;
+}
+
 static void on_buttons_found(void *reader, lf_letter *letter)
 {
     lf_server *server = reader;
     lf_errand *errand = (lf_errand *)(void *)letter;
-    server->seeking_buttons = false;
-    if (errand->status == LF_OK && errand->buttons != NULL && !server->stopping) {
-        lf_server_drop_buttons(server);
-        if (sd_event_add_io(server->event, &server->buttons_io, lf_buttons_poll_fd(errand->buttons), EPOLLIN, on_buttons, server) >=
-            0) {
+    bool again = server->seek_again || !are_wanted(server, errand);
+    server->seeking_buttons = server->seek_again = false;
+    if (errand->status == LF_OK && are_wanted(server, errand)) {
+        int fd = lf_buttons_poll_fd(errand->buttons);
+        if (sd_event_add_io(server->event, &server->buttons_io, fd, EPOLLIN, on_buttons, server) >= 0) {
             server->buttons = errand->buttons;
             errand->buttons = NULL;
         }
     } else if (errand->status != LF_OK && errand->status != LF_E_NODEV && errand->status != LF_E_CANCELLED) {
         lf_log_error(&errand->err);
     }
-    lf_errand_destroy(errand);
+    if (errand->buttons != NULL && !server->stopping) { /* closing may wait */
+        errand->kind = LF_ERRAND_CLOSE;
+        errand->letter.open = lf_errand_forget;
+        lf_worker_queue(server->opener, &errand->letter);
+    } else {
+        lf_errand_destroy(errand);
+    }
+    if (again && !server->stopping) {
+        lf_server_find_buttons(server);
+    }
 }
 
 void lf_server_find_buttons(lf_server *server)
 {
     const lf_panel *panel = &server->panel;
-    if (server->buttons != NULL || server->seeking_buttons || !panel->has_calibration) {
+    bool panel_there = panel->device != NULL && panel->has_calibration && strcmp(panel->device->ops->kind, "sim") != 0;
+    if (server->buttons != NULL || !panel_there) {
+        return;
+    }
+    if (server->seeking_buttons) {
+        server->seek_again = true;
         return;
     }
     lf_errand *errand = lf_errand_create(LF_ERRAND_BUTTONS);

@@ -9,8 +9,10 @@
 #include "base/log.h"
 #include "daemon/server.h"
 
-/* Between attempts to open a panel that is away; from plugging something in until all of it is there, its rights included. */
+/* Between attempts to open a panel that is away, the first and, after ever longer ones, the last; from plugging something in until all
+ * of it is there, its rights included. */
 #define REOPEN_USEC 500000
+#define REOPEN_LAST_USEC 8000000
 #define PLUGGED_USEC 300000
 
 static bool shows_nothing(const lf_device *device)
@@ -44,10 +46,10 @@ static void let_go(lf_server *server)
 {
     lf_panel *panel = &server->panel;
     panel->in_flight = false;
+    lf_server_drop_buttons(server);
     if (panel->device == NULL) {
         return;
     }
-    lf_server_drop_buttons(server);
     sd_event_source_disable_unref(panel->io);
     panel->io = NULL;
     lf_device_counters now;
@@ -67,6 +69,7 @@ void lf_server_gone(lf_server *server)
     panel->has_problem = true;
     (void)lf_error_set(&panel->problem, LF_E_NODEV, panel->spec, "unplugged");
     tell_device(server);
+    panel->patience_usec = REOPEN_USEC;
     lf_server_retry(server, REOPEN_USEC);
 }
 
@@ -218,6 +221,11 @@ static void open_errand(lf_server *server, const char *spec, bool again, lf_tick
 
 void lf_server_open_device(lf_server *server, const char *spec, lf_ticket *ticket)
 {
+    lf_panel *panel = &server->panel;
+    if (panel->wanted[0] == '\0') { /* the first: wanted whether it is there or not */
+        snprintf(panel->wanted, sizeof panel->wanted, "%s", spec);
+        panel->patience_usec = REOPEN_USEC;
+    }
     open_errand(server, spec, false, ticket);
 }
 
@@ -228,6 +236,7 @@ static void opened(lf_server *server, lf_errand *errand)
     errand->status = take_device(server, device, &errand->err);
     if (errand->status == LF_OK) {
         memcpy(server->panel.wanted, errand->spec, sizeof server->panel.wanted);
+        server->panel.patience_usec = REOPEN_USEC;
         tell_device(server);
         lf_server_pump(server);
         lf_ticket_reply(server, errand->ticket, lf_server_device_json(server));
@@ -239,20 +248,28 @@ static bool worth_another_try(lf_status status)
     return status == LF_E_NODEV || status == LF_E_BUSY || status == LF_E_IO || status == LF_E_TIMEOUT;
 }
 
-/* Nothing is open now: what was closed for it comes back, or the panel stays missing. */
+/* Ever more rarely: finding out can take seconds, and may disturb others. */
+static void try_later(lf_server *server)
+{
+    lf_panel *panel = &server->panel;
+    lf_server_retry(server, panel->patience_usec);
+    panel->patience_usec = panel->patience_usec < REOPEN_LAST_USEC / 2 ? 2 * panel->patience_usec : REOPEN_LAST_USEC;
+}
+
+/* Nothing is open now: what was closed for it comes back, or what was wanted before goes on being wanted. */
 static void stays_missing(lf_server *server, const lf_errand *errand)
 {
     lf_panel *panel = &server->panel;
-    panel->has_problem = true;
-    panel->problem = errand->err;
-    if (!errand->again) {
-        memcpy(panel->wanted, errand->spec, sizeof panel->wanted);
+    bool wanted = strcmp(errand->spec, panel->wanted) == 0;
+    if (wanted) {
+        panel->has_problem = true;
+        panel->problem = errand->err;
         memcpy(panel->spec, errand->spec, sizeof panel->spec);
     }
     if (errand->before[0] != '\0') {
         open_errand(server, errand->before, false, NULL);
-    } else if (worth_another_try(errand->status)) {
-        lf_server_retry(server, REOPEN_USEC);
+    } else if (!wanted || worth_another_try(errand->status)) {
+        try_later(server);
     }
     if (!errand->again) {
         tell_device(server);
@@ -317,8 +334,8 @@ static void on_opened(void *reader, lf_letter *letter)
     if (errand->status != LF_OK) {
         not_opened(server, errand);
     }
-    if (!server->begun) {
-        server->begun = true;
+    if (!panel->tried) {
+        panel->tried = true;
         first_opened(server, errand);
     }
     lf_errand_destroy(errand);
@@ -326,6 +343,9 @@ static void on_opened(void *reader, lf_letter *letter)
         lf_errand *next = panel->queued;
         panel->queued = next->next;
         begin_errand(server, next);
+    }
+    if (panel->plugged && shows_nothing(panel->device)) { /* while it was being looked for */
+        lf_server_retry(server, PLUGGED_USEC);
     }
 }
 
@@ -337,6 +357,8 @@ static int on_retry(sd_event_source *source, uint64_t usec, void *context)
     lf_panel *panel = &server->panel;
     (void)source;
     (void)usec;
+    sd_event_source_disable_unref(panel->retry);
+    panel->retry = NULL;
     bool searches = strcmp(panel->wanted, "auto") == 0 && panel->plugged && shows_nothing(panel->device);
     if (panel->opening == NULL && (panel->device == NULL || searches)) {
         open_errand(server, panel->wanted, true, NULL);
@@ -348,9 +370,12 @@ static int on_retry(sd_event_source *source, uint64_t usec, void *context)
 void lf_server_retry(lf_server *server, uint64_t usec)
 {
     lf_panel *panel = &server->panel;
-    if (!server->stopping) {
+    double at = lf_time_now() + (double)usec * 1e-6;
+    /* Never later than what is due already: what is plugged in may go on for ever. */
+    if (!server->stopping && (panel->retry == NULL || at < panel->retry_at)) {
         sd_event_source_disable_unref(panel->retry);
         panel->retry = NULL;
+        panel->retry_at = at;
         (void)sd_event_add_time_relative(server->event, &panel->retry, CLOCK_MONOTONIC, usec, 0, on_retry, server);
     }
 }
@@ -359,6 +384,7 @@ void lf_server_plugged(lf_server *server)
 {
     if (shows_nothing(server->panel.device)) {
         server->panel.plugged = true;
+        server->panel.patience_usec = REOPEN_USEC;
         lf_server_retry(server, PLUGGED_USEC);
     } else {
         lf_server_find_buttons(server);
@@ -409,6 +435,9 @@ static void on_listed(void *reader, lf_letter *letter)
     lf_errand *errand = (lf_errand *)(void *)letter;
     json_t *list = json_array();
     for (int i = 0; i < errand->n_devices; i++) {
+        if (server->panel.device != NULL && strcmp(errand->devices[i].spec, server->panel.spec) == 0) {
+            server->panel.device->ops->info(server->panel.device, &errand->devices[i]); /* it is in use: by this daemon */
+        }
         json_array_append_new(list, info_json(&errand->devices[i]));
     }
     lf_ticket_reply(server, errand->ticket, json_pack("{s:o, s:o}", "devices", list, "present", lf_server_device_json(server)));

@@ -94,9 +94,11 @@ static json_t *shown_json(const lf_server *server)
     return json_pack("{s:I, s:s}", "generation", (json_int_t)server->shown_generation, "level", lf_level_name(server->shown_level));
 }
 
+/* A frame may be shown before the loader's word has come that its scene is on stage, and whoever waits asks for that next. */
 static bool is_over(const lf_server *server, const lf_wait *wait)
 {
-    return server->shown_generation >= wait->generation && server->shown_level >= wait->level;
+    return server->generation >= server->shown_generation && server->shown_generation >= wait->generation &&
+           server->shown_level >= wait->level;
 }
 
 /* Those of clients that have left end too. */
@@ -185,9 +187,8 @@ static void keep_file(lf_server *server)
 {
     const lf_scene *scene = server->stage->scene;
     json_decref(server->file_camera);
-    server->file_camera = scene != NULL ? json_deep_copy(json_object_get(lf_scene_json(scene), "camera")) : NULL;
-    lf_free(server->browsed);
-    server->browsed = NULL;
+    const json_t *camera = scene != NULL ? json_object_get(lf_scene_json(scene), "camera") : NULL;
+    server->file_camera = camera != NULL ? json_deep_copy(camera) : json_object();
 }
 
 static void load_succeeded(lf_server *server, lf_load *load)
@@ -202,11 +203,16 @@ static void load_succeeded(lf_server *server, lf_load *load)
             json_pack("{s:I, s:o}", "generation", (json_int_t)load->generation, "file", lf_rpc_text(server->stage->file)));
         if (load->kind == LF_LOAD_FILE) {
             keep_file(server);
+            if (!load->browsed) {
+                lf_free(server->browsed);
+                server->browsed = NULL;
+            }
             server->has_error = false;
             lf_server_watch(server);
             lf_log(LF_LOG_INFO, "%s: generation %lld%s", server->stage->file, (long long)load->generation,
                    load->restored ? ", going on with the saved state" : "");
         }
+        answer_waits(server);
     }
     lf_ticket_reply(server, load->ticket, json_pack("{s:I}", "generation", (json_int_t)server->generation));
 }
@@ -230,7 +236,11 @@ static void on_load_done(void *reader, lf_letter *letter)
     } else {
         load_failed(server, load);
     }
-    bool plain = load->kind == LF_LOAD_FILE && load->ticket == NULL;
+    bool browsed = load->browsed;
+    bool plain = load->kind == LF_LOAD_FILE && load->ticket == NULL && !browsed;
+    if (browsed && !server->stopping) {
+        lf_server_browsed(server, load->file);
+    }
     lf_load_destroy(load);
     if (server->stopping) {
         lf_server_shutdown(server);
@@ -240,15 +250,43 @@ static void on_load_done(void *reader, lf_letter *letter)
     }
 }
 
+static void queue_load(lf_server *server, lf_load *load)
+{
+    load->options = server->options;
+    load->has_calibration = server->panel.has_calibration;
+    load->calibration = server->panel.calibration;
+    lf_loader_queue(server->loader, load);
+}
+
 void lf_server_load(lf_server *server, lf_load *load, lf_ticket *ticket)
 {
     load->letter.open = on_load_done;
-    load->options = server->options;
     load->name_wins = load->file != NULL && (server->config.scene == NULL || strcmp(load->file, server->config.scene) != 0);
-    load->has_calibration = server->panel.has_calibration;
-    load->calibration = server->panel.calibration;
     load->ticket = ticket;
-    lf_loader_queue(server->loader, load);
+    if (server->begun) {
+        queue_load(server, load);
+        return;
+    }
+    lf_letter **at = &server->held;
+    while (*at != NULL) {
+        at = &(*at)->next;
+    }
+    load->letter.next = NULL;
+    *at = &load->letter;
+}
+
+void lf_server_release_loads(lf_server *server)
+{
+    while (server->held != NULL) {
+        lf_load *load = (lf_load *)(void *)server->held;
+        server->held = server->held->next;
+        if (!server->stopping) {
+            queue_load(server, load);
+            continue;
+        }
+        load->status = lf_error_set(&load->err, LF_E_CANCELLED, "", "the daemon is shutting down");
+        on_load_done(server, &load->letter);
+    }
 }
 
 void lf_server_reload(lf_server *server)

@@ -1,4 +1,5 @@
-/* What is plugged in and out, as udev tells it: without udev (a container) nothing is told, and nothing is lost but the promptness. */
+/* What is plugged in, as udev tells it. Without udev (a container) nothing is told: a panel that was there and went is still tried again
+ * from time to time, but one that was never there is not looked for. */
 #include <systemd/sd-device.h>
 
 #include "base/errno_text.h"

@@ -29,6 +29,7 @@ lf_status lf_device_open_auto(const lf_device_ops *const table[], const lf_calib
                               lf_error *err)
 {
     char problem[256] = "no panel was found";
+    bool tried = false;
     for (int i = 0; table[i] != NULL; i++) {
         if (table[i]->probe == NULL)
             continue;
@@ -36,9 +37,11 @@ lf_status lf_device_open_auto(const lf_device_ops *const table[], const lf_calib
         int n = table[i]->probe(found, MAX_FOUND);
         for (int k = 0; k < n; k++) {
             if (found[k].model[0] == 0) { /* nobody knows whether it is a panel */
-                snprintf(problem, sizeof problem, "%.255s", found[k].problem);
+                if (!tried)
+                    snprintf(problem, sizeof problem, "%.255s", found[k].problem);
                 continue;
             }
+            tried = true;
             lf_error why = {0};
             lf_status status = table[i]->open(argument_of(found[k].spec), calibration, out_device, &why);
             if (status == LF_OK)

@@ -17,7 +17,7 @@ const char *lf_found_name(const lf_found *found)
     return strncmp(found->label, "LKG-", 4) == 0 ? found->label : found->calibration.serial;
 }
 
-static int find_hid(lf_found *out, int max)
+int lf_find_hid(lf_found *out, int max)
 {
     lf_hid_place places[MAX_FOUND];
     int n = lf_hid_list(places, max < MAX_FOUND ? max : MAX_FOUND);
@@ -54,7 +54,7 @@ static int drop_repeated(lf_found *found, int n)
 
 int lf_find_all(lf_found *out, int max)
 {
-    int n = find_hid(out, max);
+    int n = lf_find_hid(out, max);
     n += lf_drive_list(&lf_drive_system, out + n, max - n);
     n += lf_cache_list(out + n, max - n);
     return drop_repeated(out, n);
@@ -95,8 +95,10 @@ static const lf_found *fitting(const lf_found *found, int n, const lf_edid *disp
     for (int i = 0; i < n; i++) {
         if (found[i].problem[0] != 0 || (found[i].source == LF_SOURCE_CACHE) != cached || !fit(&found[i], display))
             continue;
+        /* a drive that is mounted twice, or a panel's other place, is no second answer */
+        bool again = one != NULL && memcmp(&one->calibration, &found[i].calibration, sizeof one->calibration) == 0;
         one = &found[i];
-        ++*out_n;
+        *out_n += !again;
     }
     return one;
 }

@@ -29,6 +29,8 @@ const char *lf_found_name(const lf_found *found);
 /* Looks everywhere; fills at most max entries (a panel that is plugged in is not told from the cache again) and returns their
  * number. Damaged and forbidden places are told with their problem. */
 int lf_find_all(lf_found *out, int max);
+/* Those over HID alone: the panels that have buttons. */
+int lf_find_hid(lf_found *out, int max);
 
 /* The calibration for a display among found[n]: the one whose serial or label begins with the display's name or serial number (of 5
  * characters or more); else the only one whose screen size is the display's; else, when the display says nothing of itself, the
