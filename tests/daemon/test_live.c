@@ -199,6 +199,60 @@ static void buttons_turn_pages_stop_rendering_and_reset_the_camera(void **state)
     live_finish(&l);
 }
 
+static void whoever_presses_faster_than_scenes_load_gets_to_the_last_one(void **state)
+{
+    (void)state;
+    enum { PRESSES = 101 };
+    live l;
+    live_prepare(&l);
+    lf_test_write(l.folder, "scene/gas.json", live_scene_text);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    for (int i = 0; i < PRESSES; i++) {
+        assert_int_equal(live_code(&c, "button", json_pack("{s:s}", "name", "right")), 0);
+    }
+    await_scene(&c, "gas.json");
+    while (live_number(&c, "status", NULL, "loading") > 0) {
+        live_nap(10);
+    }
+    assert_string_equal(strrchr(live_status_text(&c, "scene"), '/'), "/gas.json");
+    assert_true(live_number(&c, "status", NULL, "generation") < PRESSES);
+    live_close(&c);
+    live_finish(&l);
+}
+
+static bool panel_is_there(live_client *c)
+{
+    json_t *answer = live_call(c, "status", NULL);
+    bool there = json_is_true(json_object_get(json_object_get(json_object_get(answer, "result"), "device"), "present"));
+    json_decref(answer);
+    return there;
+}
+
+static void a_refused_device_forgets_no_panel_that_is_unplugged(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    char spec[PATH_MAX];
+    snprintf(spec, sizeof spec, "%s,unplug=1,replug=1500", l.sim);
+    live_start(&l, l.scene, "--device", spec, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    for (int i = 0; i < 3000 && panel_is_there(&c); i++) {
+        live_nap(10);
+    }
+    assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", "foo:bar")), -32602);
+    for (int i = 0; i < 3000 && !panel_is_there(&c); i++) {
+        live_nap(10);
+    }
+    assert_true(panel_is_there(&c));
+    live_close(&c);
+    live_finish(&l);
+}
+
 /* Starts an export by name; the error code, or 0 and how the job ended. */
 static int export_to(live_client *c, const char *kind, const char *file, bool overwrite, const char **out_end)
 {
@@ -632,6 +686,8 @@ int main(void)
         cmocka_unit_test(how_to_render_can_be_changed),
         cmocka_unit_test(subscribers_hear_what_they_asked_for),
         cmocka_unit_test(buttons_turn_pages_stop_rendering_and_reset_the_camera),
+        cmocka_unit_test(whoever_presses_faster_than_scenes_load_gets_to_the_last_one),
+        cmocka_unit_test(a_refused_device_forgets_no_panel_that_is_unplugged),
         cmocka_unit_test(exports_are_written_beneath_the_export_dir_only),
         cmocka_unit_test(an_export_that_waits_can_be_cancelled),
         cmocka_unit_test(a_folder_that_is_swapped_leads_no_export_away),
