@@ -281,11 +281,14 @@ static void describe(drm_device *drm, const lf_drm_found *found)
 /* Everything on the card: the display is ours, and would take pictures. */
 static lf_status set_up(drm_device *drm, const lf_drm_found *found, const lf_calibration *given, lf_error *err)
 {
-    lf_status status = take_display(drm, err);
-    if (status == LF_OK)
-        status = find_calibration(drm, given, found, err);
+    /* Opening has made us master where nobody was. Looking for the calibration may take seconds: not at the cost of a desktop that
+     * starts meanwhile. */
+    drm->kms->master_drop(drm->fd);
+    lf_status status = find_calibration(drm, given, found, err);
     if (status == LF_OK)
         status = check_size(drm, &found->mode, err);
+    if (status == LF_OK)
+        status = take_display(drm, err);
     if (status == LF_OK)
         status = lf_drm_output_init(drm->kms, found, &drm->output, err);
     for (int i = 0; i < 2 && status == LF_OK; i++)
