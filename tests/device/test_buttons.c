@@ -40,6 +40,7 @@ typedef struct wire {
     lf_model_hid *model;
     bool unplugged;
     atomic_int n_closed;
+    atomic_bool ended; /* the reader knows that it is unplugged */
 } wire;
 
 static int wire_send(void *context, const uint8_t *report, size_t n)
@@ -66,6 +67,8 @@ static int wire_read(void *context, uint8_t *out, size_t max, int timeout_ms)
     if (n < 0)
         n = w->unplugged ? -1 : 0;
     pthread_mutex_unlock(&w->lock);
+    if (n < 0)
+        atomic_store(&w->ended, true);
     return n;
 }
 
@@ -177,9 +180,22 @@ static void a_flood_of_presses_is_bounded(void **state)
     lf_buttons *buttons = plug_in(&w, NULL);
     for (int i = 0; i < 20000; i++)
         press(&w, i % 2 == 0 ? 0x0f : 0);
-    assert_true(rings(buttons, PATIENCE_MS));
-    lf_buttons_destroy(buttons);
-    lf_model_hid_destroy(w.model);
+    pthread_mutex_lock(&w.lock);
+    w.unplugged = true;
+    pthread_cond_signal(&w.changed);
+    pthread_mutex_unlock(&w.lock);
+    while (!atomic_load(&w.ended))
+        usleep(1000);
+    /* Nobody has taken any so far: what was kept comes now, and then the end. */
+    int kept = 0;
+    lf_button button;
+    for (lf_buttons_event event = LF_BUTTONS_NOTHING; event != LF_BUTTONS_GONE;) {
+        assert_true(rings(buttons, PATIENCE_MS));
+        event = lf_buttons_next(buttons, &button);
+        kept += event == LF_BUTTONS_PRESSED;
+    }
+    assert_in_range(kept, 1, 32);
+    unplug(&w, buttons);
 }
 
 static void unplugging_is_told_after_the_last_press_and_from_then_on(void **state)
