@@ -1,5 +1,5 @@
 # The drm device on a real kernel: virtio-gpu as a Portrait, compared with what QEMU shows pixel for pixel, and the console afterwards.
-# limit: 300
+# limit: 600
 # memory: 1G
 # qemu: -device virtio-gpu-pci,xres=1536,yres=2048,max_hostmem=256M
 . "$QUILTD_SOURCE/tests/kernel/lib.sh"

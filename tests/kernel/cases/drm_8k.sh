@@ -1,5 +1,5 @@
 # The drm device at the greatest size there is, 7680x4320.
-# limit: 400
+# limit: 600
 # memory: 2G
 # qemu: -device virtio-gpu-pci,xres=7680,yres=4320,max_hostmem=1G
 . "$QUILTD_SOURCE/tests/kernel/lib.sh"

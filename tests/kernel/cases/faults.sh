@@ -1,4 +1,4 @@
-# limit: 240
+# limit: 480
 # Displays that stall, fail, hang, are slow or lie, through the kernel.
 . "$QUILTD_SOURCE/tests/kernel/lib.sh"
 panel=$QUILTD_BUILD/tests/kernel/panel

@@ -1,4 +1,4 @@
-# limit: 240
+# limit: 480
 # Unplugging in the middle of a stream, plugging in again, and what is left behind.
 . "$QUILTD_SOURCE/tests/kernel/lib.sh"
 panel=$QUILTD_BUILD/tests/kernel/panel

@@ -1,4 +1,4 @@
-# limit: 240
+# limit: 480
 # A simulated panel through the kernel: nodes and their permissions, EEPROM and buttons through hidapi, pixels through libusb.
 . "$QUILTD_SOURCE/tests/kernel/lib.sh"
 panel=$QUILTD_BUILD/tests/kernel/panel
