@@ -151,6 +151,11 @@ static lf_status open_quilt(job *j, lf_error *err)
     if (o->preset || o->view_width > 0)
         return lf_error_set(err, LF_E_ARG, o->preset ? "--preset" : "--view-size",
                             "does not go with a finished quilt (its name or --quilt says the layout)");
+    if (a->render_option) {
+        char where[64];
+        snprintf(where, sizeof where, "--%s", a->render_option);
+        return lf_error_set(err, LF_E_ARG, where, "does not go with a finished quilt: nothing is rendered");
+    }
     lf_status status = lf_quilt_read(a->scene, NULL, o->columns, o->rows, &j->quilt, err);
     if (status != LF_OK)
         return status;

@@ -174,6 +174,13 @@ static lf_status take_print(lf_render_arguments *a, int code, const char *text, 
     }
 }
 
+/* Says how paths are traced, so nothing where nothing is rendered. */
+static bool is_render_option(int code)
+{
+    return (code >= LF_OPTION_INTEGRATOR && code <= LF_OPTION_TARGET_ERROR && code != LF_OPTION_THREADS) ||
+           (code >= OPTION_PASSES && code <= OPTION_TIME);
+}
+
 static const char *name_of_option(int code)
 {
     for (const struct option *o = table; o->name; o++)
@@ -302,5 +309,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
             status = take_own(a, code, optarg, err);
         if (status != LF_OK)
             return status;
+        if (!a->render_option && is_render_option(code))
+            a->render_option = name_of_option(code);
     }
 }

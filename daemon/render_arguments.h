@@ -19,7 +19,8 @@ typedef struct lf_render_arguments {
     bool has_filter, has_invert;
     lf_filter filter;
     lf_invert invert;
-    const char *print_option; /* the first option that only makes sense with --print */
+    const char *render_option; /* the first option that only makes sense where paths are traced */
+    const char *print_option;  /* the first option that only makes sense with --print */
     bool has_print, has_print_size;
     lf_print print;
 } lf_render_arguments;
