@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/log.h"
 #include "daemon/worker.h"
 
 struct lf_loader {
@@ -127,6 +128,9 @@ static lf_status load_file(const lf_loader *loader, lf_load *load, lf_stage **ou
     lf_scene *scene = NULL;
     const lf_scene *previous = loader->stage != NULL ? loader->stage->scene : NULL;
     lf_status status = lf_scene_load(load->file, loader->roots, previous, &scene, &load->err);
+    if (status == LF_OK && lf_scene_is_unlit(scene)) {
+        lf_log(LF_LOG_WARNING, "%s: no light shines here: the picture will be black (see lights in docs/scene.md)", load->file);
+    }
     return status == LF_OK ? stage_of_scene(load, scene, load->file, out, &load->err) : status;
 }
 

@@ -68,6 +68,8 @@ const json_t *lf_scene_json(const lf_scene *scene);
 const char *lf_scene_folder(const lf_scene *scene);
 const lf_camera *lf_scene_camera(const lf_scene *scene);
 const lf_film_settings *lf_scene_film_settings(const lf_scene *scene);
+/* No light, no sky and nothing that glows: every picture of it is black, which is seldom meant. */
+bool lf_scene_is_unlit(const lf_scene *scene);
 /* The JSON Schema of scene files (docs/scene.schema.json, compiled in); a new reference. */
 json_t *lf_scene_schema(void);
 

@@ -1,5 +1,6 @@
 #include "render/scene.h"
 
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -139,4 +140,15 @@ const lf_camera *lf_scene_camera(const lf_scene *scene)
 const lf_film_settings *lf_scene_film_settings(const lf_scene *scene)
 {
     return &scene->film;
+}
+
+/* Meshes that glow are lights too, since the commit. */
+bool lf_scene_is_unlit(const lf_scene *scene)
+{
+    float most = 0.0f;
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *l = &scene->lights[i];
+        most = fmaxf(most, fmaxf(lf_max3(l->radiance), fmaxf(lf_max3(l->irradiance), lf_max3(l->intensity))));
+    }
+    return !(most > 0.0f);
 }

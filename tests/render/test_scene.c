@@ -127,6 +127,28 @@ static void only_materials_in_use_set_the_flags(void **state)
     }
 }
 
+static void a_scene_is_unlit_until_anything_shines(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        bool unlit;
+    } scenes[] = {
+        {"{}", true},
+        {"{\"lights\": {\"e\": {\"type\": \"environment\", \"radiance\": 0}}}", true},
+        {"{\"meshes\": {\"q\": {\"shape\": \"quad\"}}}", true},
+        {"{\"lights\": {\"e\": {\"type\": \"environment\", \"radiance\": [0, 0, 0.1]}}}", false},
+        {"{\"lights\": {\"d\": {\"type\": \"distant\", \"direction\": [0, -1, 0], \"irradiance\": 1}}}", false},
+        {"{\"lights\": {\"p\": {\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}}}", false},
+        {"{\"materials\": {\"m\": {\"emission\": 1}}, \"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"m\"}}}", false},
+    };
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        lf_scene *scene = make_scene(scenes[i].text, ".", NULL);
+        assert_int_equal(lf_scene_is_unlit(scene), scenes[i].unlit);
+        lf_scene_unref(scene);
+    }
+}
+
 /* --------------------------------------------------------------------------------------------------------- errors -- */
 
 typedef struct bad {
@@ -554,6 +576,7 @@ int main(void)
         cmocka_unit_test(every_key_of_camera_film_and_render_arrives),
         cmocka_unit_test(lights_and_materials_arrive_in_their_units),
         cmocka_unit_test(only_materials_in_use_set_the_flags),
+        cmocka_unit_test(a_scene_is_unlit_until_anything_shines),
         IN_FOLDER(every_error_says_where_and_what),
         cmocka_unit_test(documents_in_memory_give_the_pointer_without_a_line),
         cmocka_unit_test(errors_may_go_unread),
