@@ -1,9 +1,8 @@
 #include "base/thread.h"
 
-#include <pthread.h>
+#include <errno.h>
 #include <sched.h>
 #include <signal.h>
-#include <stdint.h>
 #include <time.h>
 #include <unistd.h>
 #ifdef __SSE__
@@ -13,7 +12,6 @@
 #include "base/alloc.h"
 
 #define MAX_THREADS 256
-/* readers of meshes and volumes recurse on workers too */
 #define STACK_BYTES (8u << 20)
 
 typedef struct worker {
@@ -45,6 +43,46 @@ struct lf_pool {
     /* relaxed: it only hands out numbers; what items wrote is published by the lock */
     atomic_int_fast64_t next;
 };
+
+/* ------------------------------------------------------------------------------------------- one thread, and waiting -- */
+
+lf_status lf_thread_start(const char *name, void *(*main)(void *), void *context, pthread_t *out)
+{
+    pthread_attr_t attributes;
+    if (pthread_attr_init(&attributes) != 0)
+        return LF_E_NOMEM;
+    pthread_attr_setstacksize(&attributes, STACK_BYTES);
+    /* a thread is born with the mask of who starts it */
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    bool started = pthread_create(out, &attributes, main, context) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_attr_destroy(&attributes);
+    if (!started)
+        return LF_E_NOMEM;
+    pthread_setname_np(*out, name);
+    return LF_OK;
+}
+
+lf_status lf_cond_init(pthread_cond_t *cond)
+{
+    pthread_condattr_t monotonic;
+    if (pthread_condattr_init(&monotonic) != 0)
+        return LF_E_NOMEM;
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    bool made = pthread_cond_init(cond, &monotonic) == 0;
+    pthread_condattr_destroy(&monotonic);
+    return made ? LF_OK : LF_E_NOMEM;
+}
+
+bool lf_cond_wait_until(pthread_cond_t *cond, pthread_mutex_t *lock, uint64_t end_ns)
+{
+    struct timespec end = {.tv_sec = (time_t)(end_ns / LF_NS_PER_S), .tv_nsec = (long)(end_ns % LF_NS_PER_S)};
+    return pthread_cond_timedwait(cond, lock, &end) != ETIMEDOUT;
+}
+
+/* ------------------------------------------------------------------------------------------------------------ a crew -- */
 
 int lf_cpu_count(void)
 {
@@ -127,30 +165,16 @@ static void *worker_main(void *argument)
     return NULL;
 }
 
-/* Signals belong to the event thread: workers are born with all of them blocked. */
 static lf_status start_workers(lf_pool *pool)
 {
-    pthread_attr_t attributes;
-    if (pthread_attr_init(&attributes) != 0)
-        return LF_E_NOMEM;
-    pthread_attr_setstacksize(&attributes, STACK_BYTES);
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
     lf_status status = LF_OK;
     while (pool->n_started < pool->n_threads - 1 && status == LF_OK) {
         worker *w = &pool->workers[pool->n_started];
         w->pool = pool;
         w->index = pool->n_started + 1;
-        if (pthread_create(&w->thread, &attributes, worker_main, w) != 0) {
-            status = LF_E_NOMEM;
-        } else {
-            pool->n_started++;
-            pthread_setname_np(w->thread, "lf-worker");
-        }
+        status = lf_thread_start("lf-worker", worker_main, w, &w->thread);
+        pool->n_started += status == LF_OK;
     }
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    pthread_attr_destroy(&attributes);
     return status;
 }
 
@@ -230,11 +254,20 @@ lf_status lf_pool_run(lf_pool *pool, int n_items, lf_pool_fn fn, void *context, 
     return handed_out < n_items ? LF_E_CANCELLED : LF_OK;
 }
 
+/* ------------------------------------------------------------------------------------------------------------ clocks -- */
+
 static double seconds(clockid_t clock)
 {
     struct timespec t;
     clock_gettime(clock, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+uint64_t lf_time_now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * LF_NS_PER_S + (uint64_t)t.tv_nsec;
 }
 
 double lf_time_now(void)

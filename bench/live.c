@@ -7,10 +7,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/bell.h"
 #include "bench/bench.h"
 #include "bench/timing.h"
 #include "daemon/loader.h"
@@ -214,14 +214,6 @@ static lf_status send_load(bench *b, lf_load_kind kind, double yaw, lf_error *er
 
 /* ------------------------------------------------------------------------------------------------------------ watch -- */
 
-static void drain(int fd)
-{
-    uint64_t count;
-
-    while (read(fd, &count, sizeof count) > 0)
-        continue;
-}
-
 /* Shows the newest frame, as a device that is always ready. */
 static void show(bench *b, watch *w)
 {
@@ -252,7 +244,7 @@ static void wait_for_news(bench *b, const watch *w, double until)
         if (fds[1].revents)
             lf_inbox_read(&b->inbox, b);
         if (fds[0].revents)
-            drain(b->event_fd);
+            lf_bell_silence(b->event_fd);
     }
 }
 
@@ -583,7 +575,7 @@ static lf_status prepare(bench *b, lf_error *err)
         whole = whole && b->shown[b->n_moments] != NULL;
         b->n_moments++;
     }
-    b->event_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    b->event_fd = lf_bell_make();
     b->has_inbox = whole && b->event_fd >= 0 && lf_inbox_init(&b->inbox) == LF_OK;
     if (!b->has_inbox)
         return lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");

@@ -1,14 +1,7 @@
-#include <signal.h>
-#include <unistd.h>
-
 #include "base/alloc.h"
+#include "base/bell.h"
+#include "base/thread.h"
 #include "daemon/engine_internal.h"
-
-static void notify(lf_engine *engine)
-{
-    uint64_t one = 1;
-    (void)!write(engine->event_fd, &one, sizeof one);
-}
 
 /* ----------------------------------------------------------------------------------------------------- the thread -- */
 
@@ -74,13 +67,12 @@ static void end(lf_engine *engine)
     engine->first = NULL;
     pthread_cond_broadcast(&engine->answered);
     pthread_mutex_unlock(&engine->lock);
-    notify(engine);
+    lf_bell_ring(engine->event_fd);
 }
 
 static void *engine_main(void *context)
 {
     lf_engine *engine = context;
-    pthread_setname_np(pthread_self(), "lf-engine");
     for (;;) {
         engine_request *request = NULL;
         lf_engine_controls controls;
@@ -138,21 +130,11 @@ void engine_publish(lf_engine *engine)
     engine->status = now;
     pthread_mutex_unlock(&engine->lock);
     if (changed) {
-        notify(engine);
+        lf_bell_ring(engine->event_fd);
     }
 }
 
 /* -------------------------------------------------------------------------------------------------- for the others -- */
-
-static lf_status start_thread(lf_engine *engine)
-{
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before);
-    engine->started = pthread_create(&engine->thread, NULL, engine_main, engine) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return engine->started ? LF_OK : LF_E_NOMEM;
-}
 
 lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_engine **out_engine, lf_error *err)
 {
@@ -172,7 +154,8 @@ lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_
         status = lf_pool_create(controls->threads, &engine->pool);
     }
     if (status == LF_OK) {
-        status = start_thread(engine);
+        status = lf_thread_start("lf-engine", engine_main, engine, &engine->thread);
+        engine->started = status == LF_OK;
     }
     if (status != LF_OK) {
         lf_engine_destroy(engine);

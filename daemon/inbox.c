@@ -1,13 +1,13 @@
 #include "daemon/inbox.h"
 
-#include <stdint.h>
-#include <sys/eventfd.h>
 #include <unistd.h>
+
+#include "base/bell.h"
 
 lf_status lf_inbox_init(lf_inbox *inbox)
 {
     *inbox = (lf_inbox){.last = &inbox->first};
-    inbox->event_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    inbox->event_fd = lf_bell_make();
     pthread_mutex_init(&inbox->lock, NULL);
     return inbox->event_fd >= 0 ? LF_OK : LF_E_IO;
 }
@@ -21,20 +21,18 @@ void lf_inbox_finish(lf_inbox *inbox, void *reader)
 
 void lf_inbox_post(lf_inbox *inbox, lf_letter *letter)
 {
-    uint64_t one = 1;
     letter->next = NULL;
     pthread_mutex_lock(&inbox->lock);
     *inbox->last = letter;
     inbox->last = &letter->next;
     /* Under the lock: whoever reads the letter may close the descriptor next. */
-    (void)!write(inbox->event_fd, &one, sizeof one);
+    lf_bell_ring(inbox->event_fd);
     pthread_mutex_unlock(&inbox->lock);
 }
 
 void lf_inbox_read(lf_inbox *inbox, void *reader)
 {
-    uint64_t count;
-    (void)!read(inbox->event_fd, &count, sizeof count);
+    lf_bell_silence(inbox->event_fd);
     pthread_mutex_lock(&inbox->lock);
     lf_letter *letter = inbox->first;
     inbox->first = NULL;

@@ -1,9 +1,9 @@
 #include "daemon/mailbox.h"
 
 #include <string.h>
-#include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/bell.h"
 #include "quilt/quilt.h"
 
 lf_status lf_mailbox_init(lf_mailbox *mailbox, int event_fd)
@@ -104,8 +104,7 @@ void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame)
     mailbox->ready = mailbox->back;
     mailbox->back = -1;
     pthread_mutex_unlock(&mailbox->lock);
-    uint64_t one = 1;
-    (void)!write(mailbox->event_fd, &one, sizeof one);
+    lf_bell_ring(mailbox->event_fd);
 }
 
 const lf_frame *lf_mailbox_take(lf_mailbox *mailbox)

@@ -7,13 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
-#include <sys/eventfd.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/bell.h"
 #include "base/errno_text.h"
 #include "base/log.h"
 
@@ -259,7 +259,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
         .target_error = options->target_error > 0 ? options->target_error : DEFAULT_TARGET_ERROR,
         .threads = options->threads,
     };
-    server->engine_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    server->engine_fd = lf_bell_make();
     if (sd_event_new(&server->event) < 0 || server->engine_fd < 0 || lf_inbox_init(&server->inbox) != LF_OK) {
         return lf_error_set(err, LF_E_IO, "event loop", "cannot be made");
     }

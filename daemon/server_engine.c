@@ -1,8 +1,8 @@
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/bell.h"
 #include "base/log.h"
 #include "daemon/server.h"
 
@@ -163,10 +163,9 @@ void lf_server_shown(lf_server *server, int64_t generation, lf_level level, doub
 int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *context)
 {
     lf_server *server = context;
-    uint64_t count;
     (void)source;
     (void)events;
-    (void)!read(fd, &count, sizeof count);
+    lf_bell_silence(fd);
     lf_engine_state before = server->last.state;
     lf_engine_get_status(server->engine, &server->last);
     lf_server_pump(server);

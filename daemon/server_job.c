@@ -2,13 +2,13 @@
  * takes a snapshot from the engine between two batches and writes it while rendering goes on. */
 #include "daemon/server_job.h"
 
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/log.h"
+#include "base/thread.h"
 
 #define PROGRESS_USEC 250000
 
@@ -139,7 +139,6 @@ static lf_status write_state(lf_job *job)
 static void *job_main(void *context)
 {
     lf_job *job = context;
-    pthread_setname_np(pthread_self(), "lf-export");
     if (job->is_state) {
         job->status = write_state(job);
     } else {
@@ -241,8 +240,6 @@ static int on_progress_timer(sd_event_source *source, uint64_t usec, void *conte
 
 void job_start(lf_job *job)
 {
-    sigset_t all, before;
-    sigfillset(&all);
     job->started = true;
     job->letter.open = on_job_done;
     if (job->client != 0) {
@@ -250,10 +247,7 @@ void job_start(lf_job *job)
                                          job);
         tell(job, job_json(job, "running"));
     }
-    pthread_sigmask(SIG_BLOCK, &all, &before);
-    bool ok = pthread_create(&job->thread, NULL, job_main, job) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (!ok) {
+    if (lf_thread_start("lf-export", job_main, job, &job->thread) != LF_OK) {
         job->status = lf_error_set(&job->err, LF_E_NOMEM, job->file, "cannot start a thread");
         end_job(job);
     }

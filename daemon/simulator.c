@@ -11,7 +11,6 @@
 #include <string.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
@@ -19,6 +18,7 @@
 #include "base/errno_text.h"
 #include "base/image_io.h"
 #include "base/log.h"
+#include "base/thread.h"
 #include "device/buttons.h"
 #include "device/gud.h"
 #include "device/usbip.h"
@@ -48,13 +48,6 @@ typedef struct simulator {
     size_t n_line;
     bool line_too_long;
 } simulator;
-
-static uint64_t now_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
-}
 
 static void LF_PRINTF(1, 2) say(const char *fmt, ...)
 {
@@ -240,7 +233,7 @@ static void run_connections(simulator *s)
     for (int i = 0; i < s->n_connections;) {
         lf_error err = {0};
         bool imported = lf_usbip_imported(s->connections[i]);
-        lf_status status = lf_usbip_run(s->connections[i], now_ns(), &err);
+        lf_status status = lf_usbip_run(s->connections[i], lf_time_now_ns(), &err);
         if (!imported && lf_usbip_imported(s->connections[i]))
             say("attached");
         if (status == LF_OK) {
@@ -406,7 +399,7 @@ static void loop(simulator *s)
             {.fd = s->listen_fd, .events = POLLIN},
         };
         int timeout_ms = -1;
-        uint64_t now = now_ns();
+        uint64_t now = lf_time_now_ns();
         for (int i = 0; i < s->n_connections; i++) {
             int ms = lf_usbip_poll(s->connections[i], now, &fds[3 + i]);
             if (ms >= 0 && (timeout_ms < 0 || ms < timeout_ms))

@@ -1,16 +1,11 @@
 #include "daemon/worker.h"
 
-#include <math.h>
-#include <signal.h>
-#include <time.h>
-
 #include "base/alloc.h"
 #include "base/thread.h"
 
 struct lf_worker {
     pthread_t thread;
-    bool started;
-    char name[16];
+    bool has_wake, has_idle, started;
     lf_errand_fn run, drop;
     void *context;
     lf_inbox *inbox;
@@ -57,23 +52,11 @@ static void post_back(lf_worker *worker, lf_letter *letter)
 static void *worker_main(void *context)
 {
     lf_worker *worker = context;
-    pthread_setname_np(pthread_self(), worker->name);
     for (lf_letter *letter = next_letter(worker); letter != NULL; letter = next_letter(worker)) {
         worker->run(worker->context, letter);
         post_back(worker, letter);
     }
     return NULL;
-}
-
-/* Signals stay with the event thread. */
-static bool start(lf_worker *worker)
-{
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before);
-    worker->started = pthread_create(&worker->thread, NULL, worker_main, worker) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return worker->started;
 }
 
 lf_status lf_worker_create(const char *name, lf_errand_fn run, lf_errand_fn drop, void *context, lf_inbox *inbox,
@@ -85,17 +68,11 @@ lf_status lf_worker_create(const char *name, lf_errand_fn run, lf_errand_fn drop
     }
     *worker = (lf_worker){.run = run, .drop = drop, .context = context, .inbox = inbox};
     worker->last = &worker->first;
-    for (size_t i = 0; i + 1 < sizeof worker->name && name[i] != '\0'; i++) {
-        worker->name[i] = name[i];
-    }
-    pthread_condattr_t monotonic;
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_mutex_init(&worker->lock, NULL);
-    pthread_cond_init(&worker->wake, NULL);
-    pthread_cond_init(&worker->idle, &monotonic);
-    pthread_condattr_destroy(&monotonic);
-    if (!start(worker)) {
+    worker->has_wake = lf_cond_init(&worker->wake) == LF_OK;
+    worker->has_idle = lf_cond_init(&worker->idle) == LF_OK;
+    worker->started = worker->has_wake && worker->has_idle && lf_thread_start(name, worker_main, worker, &worker->thread) == LF_OK;
+    if (!worker->started) {
         lf_worker_destroy(worker);
         return LF_E_NOMEM;
     }
@@ -119,8 +96,12 @@ void lf_worker_destroy(lf_worker *worker)
         worker->drop(worker->context, letter);
         post_back(worker, letter);
     }
-    pthread_cond_destroy(&worker->idle);
-    pthread_cond_destroy(&worker->wake);
+    if (worker->has_idle) {
+        pthread_cond_destroy(&worker->idle);
+    }
+    if (worker->has_wake) {
+        pthread_cond_destroy(&worker->wake);
+    }
     pthread_mutex_destroy(&worker->lock);
     lf_free(worker);
 }
@@ -146,11 +127,10 @@ int lf_worker_pending(lf_worker *worker)
 
 bool lf_worker_drain(lf_worker *worker, double end)
 {
-    struct timespec at = {.tv_sec = (time_t)floor(end), .tv_nsec = (long)((end - floor(end)) * 1e9)};
-    int waited = 0;
+    bool in_time = true;
     pthread_mutex_lock(&worker->lock);
-    while (worker->pending > 0 && waited == 0) {
-        waited = pthread_cond_timedwait(&worker->idle, &worker->lock, &at);
+    while (worker->pending > 0 && in_time) {
+        in_time = lf_cond_wait_until(&worker->idle, &worker->lock, (uint64_t)(end * 1e9));
     }
     bool done = worker->pending == 0;
     pthread_mutex_unlock(&worker->lock);

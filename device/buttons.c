@@ -2,14 +2,13 @@
  * as long as there is something in it. */
 #include "device/buttons.h"
 
-#include <errno.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdatomic.h>
-#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/bell.h"
+#include "base/thread.h"
 #include "device/buttons_link.h"
 
 /* More presses that nobody has taken are not those of a person. */
@@ -22,7 +21,7 @@ struct lf_buttons {
     pthread_t thread;
     bool has_thread;
     atomic_bool stop;
-    int event_fd;
+    int bell; /* rings while something waits, and for good once the link is gone */
     pthread_mutex_t lock;
     /* under lock */
     lf_button waiting[MAX_WAITING];
@@ -43,20 +42,13 @@ unsigned lf_buttons_pressed(unsigned *down, uint8_t mask)
     return pressed;
 }
 
-static void ring(const lf_buttons *buttons)
-{
-    uint64_t one = 1;
-    while (write(buttons->event_fd, &one, sizeof one) < 0 && errno == EINTR)
-        ;
-}
-
 static void tell_pressed(lf_buttons *buttons, unsigned pressed)
 {
     pthread_mutex_lock(&buttons->lock);
     for (int b = 0; b < LF_BUTTONS_N; b++)
         if ((pressed & 1u << b) != 0 && buttons->n_waiting < MAX_WAITING)
             buttons->waiting[(buttons->first + buttons->n_waiting++) % MAX_WAITING] = (lf_button)b;
-    ring(buttons);
+    lf_bell_ring(buttons->bell);
     pthread_mutex_unlock(&buttons->lock);
 }
 
@@ -64,7 +56,7 @@ static void tell_gone(lf_buttons *buttons)
 {
     pthread_mutex_lock(&buttons->lock);
     buttons->gone = true;
-    ring(buttons);
+    lf_bell_ring(buttons->bell);
     pthread_mutex_unlock(&buttons->lock);
 }
 
@@ -86,28 +78,15 @@ static void *watch(void *data)
     return NULL;
 }
 
-/* Signals are the event thread's. */
-static int start_thread(lf_buttons *buttons)
-{
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    int e = pthread_create(&buttons->thread, NULL, watch, buttons);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (e == 0)
-        pthread_setname_np(buttons->thread, "lf-buttons");
-    return e;
-}
-
 lf_status lf_buttons_watch(lf_hid_link *link, lf_buttons **out, lf_error *err)
 {
     lf_buttons *buttons = lf_calloc(1, sizeof *buttons);
     if (buttons == NULL)
         return lf_error_set(err, LF_E_NOMEM, "buttons", "out of memory");
     pthread_mutex_init(&buttons->lock, NULL);
-    buttons->event_fd = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    buttons->bell = lf_bell_make();
     buttons->link = *link;
-    buttons->has_thread = buttons->event_fd >= 0 && start_thread(buttons) == 0;
+    buttons->has_thread = buttons->bell >= 0 && lf_thread_start("lf-buttons", watch, buttons, &buttons->thread) == LF_OK;
     if (!buttons->has_thread) {
         buttons->link = (lf_hid_link){0}; /* stays the caller's */
         lf_buttons_destroy(buttons);
@@ -137,23 +116,15 @@ void lf_buttons_destroy(lf_buttons *buttons)
     if (buttons->has_thread)
         pthread_join(buttons->thread, NULL);
     lf_hid_close(&buttons->link);
-    if (buttons->event_fd >= 0)
-        close(buttons->event_fd);
+    if (buttons->bell >= 0)
+        close(buttons->bell);
     pthread_mutex_destroy(&buttons->lock);
     lf_free(buttons);
 }
 
 int lf_buttons_poll_fd(const lf_buttons *buttons)
 {
-    return buttons->event_fd;
-}
-
-/* Silences the descriptor while nothing waits; what is gone stays readable. */
-static void silence(const lf_buttons *buttons)
-{
-    uint64_t rings;
-    while (read(buttons->event_fd, &rings, sizeof rings) < 0 && errno == EINTR)
-        ;
+    return buttons->bell;
 }
 
 lf_buttons_event lf_buttons_next(lf_buttons *buttons, lf_button *out_button)
@@ -169,7 +140,7 @@ lf_buttons_event lf_buttons_next(lf_buttons *buttons, lf_button *out_button)
         event = LF_BUTTONS_GONE;
     }
     if (buttons->n_waiting == 0 && !buttons->gone)
-        silence(buttons);
+        lf_bell_silence(buttons->bell);
     pthread_mutex_unlock(&buttons->lock);
     return event;
 }

@@ -9,17 +9,14 @@
 #include <poll.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/thread.h"
 #include "device/device_table.h"
 #include "device/drm.h"
 #include "device/find.h"
 #include "device/handover.h"
-
-#define NS_PER_S UINT64_C(1000000000)
-#define NS_PER_MS UINT64_C(1000000)
 
 /* A flip without an end is given up; a failing display is not tried more often than this; where the kernel announces nothing it is
  * asked for the monitor. */
@@ -66,19 +63,12 @@ static const drm_device *const_drm_of(const lf_device *device)
     return (const drm_device *)(const void *)device;
 }
 
-static uint64_t now_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (uint64_t)t.tv_sec * NS_PER_S + (uint64_t)t.tv_nsec;
-}
-
 /* ------------------------------------------------------------------------------------------- the device's thread -- */
 
 static void enter(drm_device *drm, drm_phase phase, uint64_t wait_ms)
 {
     drm->phase = phase;
-    drm->until_ns = now_ns() + wait_ms * NS_PER_MS;
+    drm->until_ns = lf_time_now_ns() + wait_ms * LF_NS_PER_MS;
 }
 
 /* What was shown last is on the glass. */
@@ -188,8 +178,8 @@ static int wait_ms(const drm_device *drm)
 {
     if (drm->phase == DRM_IDLE)
         return drm->watch_fd >= 0 && !drm->relight ? -1 : LOOK_MS;
-    uint64_t now = now_ns();
-    return drm->until_ns > now ? (int)((drm->until_ns - now) / NS_PER_MS + 1) : 0;
+    uint64_t now = lf_time_now_ns();
+    return drm->until_ns > now ? (int)((drm->until_ns - now) / LF_NS_PER_MS + 1) : 0;
 }
 
 /* Waits for something to happen and deals with it; false when the display is gone. */
@@ -208,7 +198,7 @@ static bool turn(drm_device *drm, bool *out_stop)
         there = (p[1].revents & (POLLERR | POLLHUP)) == 0 && read_events(drm);
     if (!there)
         return false;
-    if (drm->phase != DRM_IDLE && now_ns() >= drm->until_ns)
+    if (drm->phase != DRM_IDLE && lf_time_now_ns() >= drm->until_ns)
         time_is_up(drm);
     if (drm->relight && drm->phase == DRM_IDLE)
         relight(drm);

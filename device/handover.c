@@ -1,46 +1,22 @@
 #include "device/handover.h"
 
-#include <errno.h>
-#include <signal.h>
 #include <string.h>
-#include <sys/eventfd.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/bell.h"
+#include "base/thread.h"
 #include "device/device_table.h"
 
 enum { STOP_WAIT_MS = 1000 };
-
-static void ring(int fd)
-{
-    /* It can only fail by being full, and rings then. */
-    ssize_t n = write(fd, &(uint64_t){1}, sizeof(uint64_t));
-    (void)n;
-}
-
-static void silence(int fd)
-{
-    uint64_t rings;
-    /* Not having rung is no error. */
-    ssize_t n = read(fd, &rings, sizeof rings);
-    (void)n;
-}
 
 /* ------------------------------------------------------------------------------------------------ begin and end -- */
 
 lf_status lf_handover_init(lf_handover *h, int width, int height, lf_error *err)
 {
-    pthread_condattr_t monotonic;
-    *h = (lf_handover){.made = true, .wake_fd = -1, .tell_fd = -1};
-    if (pthread_condattr_init(&monotonic) == 0) {
-        pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-        h->has_lock = pthread_mutex_init(&h->lock, NULL) == 0;
-        h->has_ended = pthread_cond_init(&h->ended, &monotonic) == 0;
-        pthread_condattr_destroy(&monotonic);
-    }
-    h->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    h->tell_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    *h = (lf_handover){.made = true, .wake_fd = lf_bell_make(), .tell_fd = lf_bell_make()};
+    h->has_lock = pthread_mutex_init(&h->lock, NULL) == 0;
+    h->has_ended = lf_cond_init(&h->ended) == LF_OK;
     h->rects = lf_calloc(LF_DEVICE_MAX_RECTS, sizeof *h->rects);
     if (!h->has_lock || !h->has_ended || h->wake_fd < 0 || h->tell_fd < 0 || h->rects == NULL ||
         lf_image8_init(&h->picture, width, height, 3) != LF_OK)
@@ -48,18 +24,10 @@ lf_status lf_handover_init(lf_handover *h, int width, int height, lf_error *err)
     return LF_OK;
 }
 
-/* Signals stay with the program's own threads. */
 lf_status lf_handover_start(lf_handover *h, void *(*main)(void *), void *context, const char *name, lf_error *err)
 {
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    h->has_thread = pthread_create(&h->thread, NULL, main, context) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (!h->has_thread)
-        return lf_error_set(err, LF_E_NOMEM, "device", "cannot start a thread");
-    pthread_setname_np(h->thread, name);
-    return LF_OK;
+    h->has_thread = lf_thread_start(name, main, context, &h->thread) == LF_OK;
+    return h->has_thread ? LF_OK : lf_error_set(err, LF_E_NOMEM, "device", "cannot start a thread");
 }
 
 void lf_handover_stop(lf_handover *h)
@@ -71,7 +39,7 @@ void lf_handover_stop(lf_handover *h)
     pthread_mutex_lock(&h->lock);
     h->stop = true;
     pthread_mutex_unlock(&h->lock);
-    ring(h->wake_fd);
+    lf_bell_ring(h->wake_fd);
     pthread_join(h->thread, NULL);
     h->has_thread = false;
 }
@@ -134,13 +102,13 @@ lf_status lf_handover_push(lf_handover *h, const lf_image8 *frame, const lf_rect
     pthread_mutex_lock(&h->lock);
     h->busy = h->pushed = true;
     pthread_mutex_unlock(&h->lock);
-    ring(h->wake_fd);
+    lf_bell_ring(h->wake_fd);
     return LF_OK;
 }
 
 lf_device_event lf_handover_dispatch(lf_handover *h)
 {
-    silence(h->tell_fd);
+    lf_bell_silence(h->tell_fd);
     pthread_mutex_lock(&h->lock);
     lf_device_event event = LF_DEVICE_READY;
     if (h->gone)
@@ -156,20 +124,11 @@ lf_device_event lf_handover_dispatch(lf_handover *h)
 
 lf_status lf_handover_flush(lf_handover *h, int timeout_ms)
 {
-    struct timespec until;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    if (timeout_ms > 0) {
-        until.tv_sec += timeout_ms / 1000;
-        until.tv_nsec += timeout_ms % 1000 * 1000000L;
-        if (until.tv_nsec >= 1000000000L) {
-            until.tv_sec++;
-            until.tv_nsec -= 1000000000L;
-        }
-    }
+    uint64_t end = lf_time_now_ns() + (uint64_t)(timeout_ms > 0 ? timeout_ms : 0) * LF_NS_PER_MS;
+    bool in_time = true;
     pthread_mutex_lock(&h->lock);
-    int e = 0;
-    while (h->busy && !h->gone && e == 0)
-        e = pthread_cond_timedwait(&h->ended, &h->lock, &until);
+    while (h->busy && !h->gone && in_time)
+        in_time = lf_cond_wait_until(&h->ended, &h->lock, end);
     lf_status status = h->gone ? LF_E_NODEV : h->busy ? LF_E_TIMEOUT : LF_OK;
     pthread_mutex_unlock(&h->lock);
     return status;
@@ -199,7 +158,7 @@ void lf_handover_problem(const lf_handover *h, char out[256])
 
 lf_handover_word lf_handover_take(lf_handover *h)
 {
-    silence(h->wake_fd);
+    lf_bell_silence(h->wake_fd);
     pthread_mutex_lock(&h->lock);
     lf_handover_word word = h->stop ? LF_HANDOVER_STOP : h->pushed ? LF_HANDOVER_PUSH : LF_HANDOVER_NOTHING;
     h->pushed = false;
@@ -220,7 +179,7 @@ void lf_handover_end(lf_handover *h, bool shown, uint64_t bytes)
     }
     pthread_cond_broadcast(&h->ended);
     pthread_mutex_unlock(&h->lock);
-    ring(h->tell_fd);
+    lf_bell_ring(h->tell_fd);
 }
 
 bool lf_handover_lost(lf_handover *h)
@@ -233,7 +192,7 @@ bool lf_handover_lost(lf_handover *h)
     }
     pthread_mutex_unlock(&h->lock);
     if (told)
-        ring(h->tell_fd);
+        lf_bell_ring(h->tell_fd);
     return told;
 }
 
@@ -244,7 +203,7 @@ void lf_handover_gone(lf_handover *h)
     h->busy = false;
     pthread_cond_broadcast(&h->ended);
     pthread_mutex_unlock(&h->lock);
-    ring(h->tell_fd);
+    lf_bell_ring(h->tell_fd);
 }
 
 void lf_handover_problem_set(lf_handover *h, const char *text)

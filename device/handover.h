@@ -34,7 +34,7 @@ typedef struct lf_handover {
 
 /* Zeroed picture of this size, no thread yet. On failure finish takes what is there. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_handover_init(lf_handover *h, int width, int height, lf_error *err);
-/* Starts the device's thread, all signals blocked. LF_E_NOMEM. */
+/* Starts the device's thread (lf_thread_start). LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_handover_start(lf_handover *h, void *(*main)(void *), void *context, const char *name, lf_error *err);
 /* Waits for a push under way (at most 1 s), asks the thread to end and joins it. */
 void lf_handover_stop(lf_handover *h);

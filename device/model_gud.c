@@ -4,10 +4,9 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/thread.h"
 #include "device/gud.h"
 #include "device/model.h"
-
-#define NS_PER_S UINT64_C(1000000000)
 
 enum { MAX_OPTION_FORMATS = 8, MANY_FORMATS = 200, SHORT_EDID = 100, MAX_ANSWER = 4096, ODD_STATUS = 200 };
 
@@ -456,7 +455,7 @@ int lf_model_gud_bulk(lf_model_gud *gud, const uint8_t *data, size_t n)
 uint64_t lf_model_gud_delay_ns(const lf_model_gud *gud, size_t n)
 {
     uint64_t speed = gud->faults.bytes_per_s;
-    return speed == 0 ? 0 : (uint64_t)((double)n / (double)speed * (double)NS_PER_S);
+    return speed == 0 ? 0 : (uint64_t)((double)n / (double)speed * (double)LF_NS_PER_S);
 }
 
 /* ---------------------------------------------------------------------------------------------------------- looking -- */

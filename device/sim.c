@@ -24,12 +24,11 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/thread.h"
 #include "device/device_table.h"
 #include "device/sim.h"
 
-#define NS_PER_S UINT64_C(1000000000)
-#define NS_PER_MS UINT64_C(1000000)
-#define DESTROY_WAIT_NS NS_PER_S
+#define DESTROY_WAIT_NS LF_NS_PER_S
 
 typedef struct sim_device {
     lf_device base;
@@ -131,7 +130,7 @@ static lf_status check_plug(sim_device *sim, lf_error *err)
         lf_sim_plug_clear(o->dir);
         return LF_OK;
     }
-    lf_sim_plug plug = lf_sim_plug_state(o->dir, lf_sim_now_ns());
+    lf_sim_plug plug = lf_sim_plug_state(o->dir, lf_time_now_ns());
     if (plug == LF_SIM_UNPLUGGED)
         return lf_error_set(err, LF_E_NODEV, o->dir, "the simulated panel is unplugged");
     sim->may_unplug = plug == LF_SIM_PLUGGED;
@@ -187,12 +186,12 @@ static bool push_fails(const sim_device *sim)
 static uint64_t push_duration_ns(const sim_device *sim, uint64_t bytes)
 {
     const lf_sim_options *o = &sim->options;
-    uint64_t duration = o->latency_ms * NS_PER_MS;
+    uint64_t duration = o->latency_ms * LF_NS_PER_MS;
     if (o->bandwidth > 0)
-        duration += (uint64_t)((double)bytes / (double)o->bandwidth * (double)NS_PER_S);
+        duration += (uint64_t)((double)bytes / (double)o->bandwidth * (double)LF_NS_PER_S);
     if (sim->pushes != o->stall_push)
         return duration;
-    return o->stall_ms == LF_SIM_NEVER ? LF_SIM_NEVER : duration + o->stall_ms * NS_PER_MS;
+    return o->stall_ms == LF_SIM_NEVER ? LF_SIM_NEVER : duration + o->stall_ms * LF_NS_PER_MS;
 }
 
 static bool rect_fits(const lf_rect *r, int width, int height)
@@ -218,7 +217,7 @@ static void set_timer(const sim_device *sim, uint64_t end_ns)
 {
     if (end_ns == LF_SIM_NEVER)
         return;
-    struct itimerspec at = {.it_value = {.tv_sec = (time_t)(end_ns / NS_PER_S), .tv_nsec = (long)(end_ns % NS_PER_S)}};
+    struct itimerspec at = {.it_value = {.tv_sec = (time_t)(end_ns / LF_NS_PER_S), .tv_nsec = (long)(end_ns % LF_NS_PER_S)}};
     timerfd_settime(sim->timer_fd, TFD_TIMER_ABSTIME, &at, NULL);
 }
 
@@ -243,7 +242,7 @@ static lf_status sim_push(lf_device *device, const lf_image8 *frame, const lf_re
     sim->generation = generation;
     sim->busy = true;
     sim->fails = push_fails(sim);
-    sim->end_ns = duration == LF_SIM_NEVER ? LF_SIM_NEVER : lf_sim_now_ns() + duration;
+    sim->end_ns = duration == LF_SIM_NEVER ? LF_SIM_NEVER : lf_time_now_ns() + duration;
     if (!sim->fails && duration != LF_SIM_NEVER)
         lf_sim_writer_pixels(sim->writer, frame, rects, n);
     set_timer(sim, sim->end_ns);
@@ -254,7 +253,7 @@ static void unplug(sim_device *sim)
 {
     lf_error err = {0};
     uint64_t away = sim->options.replug_ms;
-    uint64_t back_ns = away == LF_SIM_NEVER ? LF_SIM_NEVER : lf_sim_now_ns() + away * NS_PER_MS;
+    uint64_t back_ns = away == LF_SIM_NEVER ? LF_SIM_NEVER : lf_time_now_ns() + away * LF_NS_PER_MS;
     sim->gone = true;
     if (lf_sim_plug_out(sim->options.dir, back_ns, &err) != LF_OK) {
         char text[512];
@@ -273,7 +272,7 @@ static void end_push(sim_device *sim)
         sim->counters.errors++;
         return;
     }
-    uint64_t now = lf_sim_now_ns();
+    uint64_t now = lf_time_now_ns();
     for (int i = 0; i < sim->n_pending; i++) {
         sim->pending[i].time_ns = now;
         sim->counters.bytes += sim->pending[i].bytes;
@@ -292,7 +291,7 @@ static bool wait_for_push(sim_device *sim, uint64_t until)
     if (!sim->busy)
         return true;
     uint64_t end = sim->end_ns < until ? sim->end_ns : until;
-    struct timespec at = {.tv_sec = (time_t)(end / NS_PER_S), .tv_nsec = (long)(end % NS_PER_S)};
+    struct timespec at = {.tv_sec = (time_t)(end / LF_NS_PER_S), .tv_nsec = (long)(end % LF_NS_PER_S)};
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, NULL) == EINTR)
         ;
     if (sim->end_ns > until)
@@ -305,7 +304,7 @@ static void sim_destroy(lf_device *device)
 {
     sim_device *sim = sim_of(device);
     if (sim->writer != NULL && !sim->given_up)
-        wait_for_push(sim, lf_sim_now_ns() + DESTROY_WAIT_NS);
+        wait_for_push(sim, lf_time_now_ns() + DESTROY_WAIT_NS);
     lf_sim_writer_destroy(sim->writer);
     if (sim->timer_fd >= 0)
         close(sim->timer_fd);
@@ -353,7 +352,7 @@ static lf_device_event sim_dispatch(lf_device *device)
     /* Nothing to read is no error: what counts is the clock. */
     if (read(sim->timer_fd, &rings, sizeof rings) < 0)
         assert(errno == EAGAIN || errno == EINTR || errno == ECANCELED);
-    if (sim->busy && lf_sim_now_ns() >= sim->end_ns)
+    if (sim->busy && lf_time_now_ns() >= sim->end_ns)
         end_push(sim);
     if (sim->gone)
         return LF_DEVICE_GONE;
@@ -376,12 +375,12 @@ static void sim_counters(const lf_device *device, lf_device_counters *out)
 static lf_status sim_flush(lf_device *device, int timeout_ms)
 {
     sim_device *sim = sim_of(device);
-    uint64_t began = lf_sim_now_ns(), limit = (uint64_t)(timeout_ms > 0 ? timeout_ms : 0) * NS_PER_MS;
+    uint64_t began = lf_time_now_ns(), limit = (uint64_t)(timeout_ms > 0 ? timeout_ms : 0) * LF_NS_PER_MS;
     sim->given_up = !wait_for_push(sim, began + limit);
     if (sim->given_up)
         return LF_E_TIMEOUT;
-    uint64_t used = lf_sim_now_ns() - began;
-    lf_status status = lf_sim_writer_flush(sim->writer, used < limit ? (int)((limit - used) / NS_PER_MS) : 0);
+    uint64_t used = lf_time_now_ns() - began;
+    lf_status status = lf_sim_writer_flush(sim->writer, used < limit ? (int)((limit - used) / LF_NS_PER_MS) : 0);
     return status == LF_OK && sim->gone ? LF_E_NODEV : status;
 }
 

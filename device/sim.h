@@ -85,7 +85,4 @@ LF_NODISCARD lf_status lf_sim_writer_flush(lf_sim_writer *writer, int timeout_ms
 /* Copies what is wrong at present ("" = nothing) and returns how many writes failed so far. */
 uint64_t lf_sim_writer_problem(lf_sim_writer *writer, char *out, size_t size);
 
-/* CLOCK_MONOTONIC. */
-uint64_t lf_sim_now_ns(void);
-
 #endif

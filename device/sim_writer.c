@@ -1,8 +1,6 @@
 #include <assert.h>
-#include <errno.h>
 #include <inttypes.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -11,14 +9,14 @@
 
 #include "base/alloc.h"
 #include "base/image_io.h"
+#include "base/thread.h"
 #include "device/device_table.h"
 #include "device/optics.h"
 #include "device/sim.h"
 
-#define NS_PER_S UINT64_C(1000000000)
-#define LEAST_PAUSE_NS (NS_PER_S / 2)
+#define LEAST_PAUSE_NS (LF_NS_PER_S / 2)
 #define PAUSE_PER_WORK 5 /* at most a sixth of one core goes into pictures */
-#define LAST_PICTURES_NS (NS_PER_S / 2)
+#define LAST_PICTURES_NS (LF_NS_PER_S / 2)
 
 enum { PNG_LEVEL = 1, RING = 16384, BATCH = 256, MAX_QUILT = 16384 };
 
@@ -56,18 +54,11 @@ struct lf_sim_writer {
     char log_problem[256], picture_problem[256];
 };
 
-uint64_t lf_sim_now_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (uint64_t)t.tv_sec * NS_PER_S + (uint64_t)t.tv_nsec;
-}
-
 static uint64_t thread_cpu_ns(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (uint64_t)t.tv_sec * NS_PER_S + (uint64_t)t.tv_nsec;
+    return (uint64_t)t.tv_sec * LF_NS_PER_S + (uint64_t)t.tv_nsec;
 }
 
 static void set_problem(char *out, size_t size, const lf_error *err)
@@ -99,7 +90,7 @@ static lf_status write_png(const char *path, const lf_image8 *image, uint64_t ge
 static bool too_late(lf_sim_writer *w)
 {
     pthread_mutex_lock(&w->lock);
-    bool late = w->stop && lf_sim_now_ns() > w->stop_ns + LAST_PICTURES_NS;
+    bool late = w->stop && lf_time_now_ns() > w->stop_ns + LAST_PICTURES_NS;
     pthread_mutex_unlock(&w->lock);
     return late;
 }
@@ -148,7 +139,7 @@ static void write_pictures(lf_sim_writer *w, bool *quilt_owed)
         w->errors++;
         set_problem(w->picture_problem, sizeof w->picture_problem, &err);
     }
-    w->due_ns = lf_sim_now_ns() + (pause > LEAST_PAUSE_NS ? pause : LEAST_PAUSE_NS);
+    w->due_ns = lf_time_now_ns() + (pause > LEAST_PAUSE_NS ? pause : LEAST_PAUSE_NS);
 }
 
 /* Called and left with the lock held. */
@@ -182,7 +173,7 @@ static bool picture_due(const lf_sim_writer *w)
 {
     if (w->hurry || w->stop)
         return untried(w);
-    return w->shown != w->written && lf_sim_now_ns() >= w->due_ns;
+    return w->shown != w->written && lf_time_now_ns() >= w->due_ns;
 }
 
 static void wait_for_work(lf_sim_writer *w)
@@ -191,8 +182,7 @@ static void wait_for_work(lf_sim_writer *w)
         pthread_cond_wait(&w->wake, &w->lock);
         return;
     }
-    struct timespec due = {.tv_sec = (time_t)(w->due_ns / NS_PER_S), .tv_nsec = (long)(w->due_ns % NS_PER_S)};
-    pthread_cond_timedwait(&w->wake, &w->lock, &due);
+    lf_cond_wait_until(&w->wake, &w->lock, w->due_ns);
 }
 
 static void *writer_main(void *context)
@@ -287,16 +277,15 @@ void lf_sim_writer_views(lf_sim_writer *w, const lf_views8 *views, int columns, 
 
 lf_status lf_sim_writer_flush(lf_sim_writer *w, int timeout_ms)
 {
-    uint64_t until = lf_sim_now_ns() + (uint64_t)(timeout_ms > 0 ? timeout_ms : 0) * (NS_PER_S / 1000);
-    struct timespec end = {.tv_sec = (time_t)(until / NS_PER_S), .tv_nsec = (long)(until % NS_PER_S)};
-    int waited = 0;
+    uint64_t end = lf_time_now_ns() + (uint64_t)(timeout_ms > 0 ? timeout_ms : 0) * LF_NS_PER_MS;
+    bool in_time = true;
     pthread_mutex_lock(&w->lock);
     w->hurry = true;
     if (w->written != w->shown)
         w->attempted = w->written; /* what failed before is tried once more */
     pthread_cond_signal(&w->wake);
-    while ((w->n_ring > 0 || untried(w)) && waited != ETIMEDOUT)
-        waited = pthread_cond_timedwait(&w->idle, &w->lock, &end);
+    while ((w->n_ring > 0 || untried(w)) && in_time)
+        in_time = lf_cond_wait_until(&w->idle, &w->lock, end);
     w->hurry = false;
     bool done = w->n_ring == 0 && !untried(w);
     bool failed = w->log_failed || w->written != w->shown;
@@ -338,28 +327,10 @@ static lf_status make_pictures(lf_sim_writer *w, const lf_calibration *c, double
 
 static bool make_locks(lf_sim_writer *w)
 {
-    pthread_condattr_t monotonic;
-    if (pthread_condattr_init(&monotonic) != 0)
-        return false;
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     w->has_lock = pthread_mutex_init(&w->lock, NULL) == 0;
-    w->has_wake = pthread_cond_init(&w->wake, &monotonic) == 0;
-    w->has_idle = pthread_cond_init(&w->idle, &monotonic) == 0;
-    pthread_condattr_destroy(&monotonic);
+    w->has_wake = lf_cond_init(&w->wake) == LF_OK;
+    w->has_idle = lf_cond_init(&w->idle) == LF_OK;
     return w->has_lock && w->has_wake && w->has_idle;
-}
-
-/* Signals stay with the program's own threads. */
-static bool start_thread(lf_sim_writer *w)
-{
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    w->has_thread = pthread_create(&w->thread, NULL, writer_main, w) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (w->has_thread)
-        pthread_setname_np(w->thread, "lf-sim");
-    return w->has_thread;
 }
 
 lf_status lf_sim_writer_create(const lf_sim_options *options, const lf_calibration *calibration, lf_sim_writer **out, lf_error *err)
@@ -378,9 +349,10 @@ lf_status lf_sim_writer_create(const lf_sim_options *options, const lf_calibrati
     status = make_pictures(w, calibration, options->eye_deg);
     if (status != LF_OK)
         goto fail;
-    status = LF_E_NOMEM;
-    if (!start_thread(w))
+    status = lf_thread_start("lf-sim", writer_main, w, &w->thread);
+    if (status != LF_OK)
         goto fail;
+    w->has_thread = true;
     *out = w;
     return LF_OK;
 fail:
@@ -392,7 +364,7 @@ static void end_thread(lf_sim_writer *w)
 {
     pthread_mutex_lock(&w->lock);
     w->stop = true;
-    w->stop_ns = lf_sim_now_ns();
+    w->stop_ns = lf_time_now_ns();
     if (w->written != w->shown)
         w->attempted = w->written;
     pthread_cond_signal(&w->wake);

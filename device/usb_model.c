@@ -3,13 +3,10 @@
 #include <assert.h>
 #include <errno.h>
 #include <pthread.h>
-#include <time.h>
 
 #include "base/alloc.h"
+#include "base/thread.h"
 #include "device/usb_link.h"
-
-#define NS_PER_S UINT64_C(1000000000)
-#define NS_PER_MS UINT64_C(1000000)
 
 enum { PIECE_BYTES = 256 * 1024 };
 
@@ -31,14 +28,11 @@ static model_link *model_of(lf_usb_link *link)
 /* Sleeps; false when the link was cancelled, also before. */
 static bool sleep_ns(model_link *m, uint64_t ns)
 {
-    struct timespec at;
-    clock_gettime(CLOCK_MONOTONIC, &at);
-    uint64_t end = (uint64_t)at.tv_sec * NS_PER_S + (uint64_t)at.tv_nsec + ns;
-    at = (struct timespec){.tv_sec = (time_t)(end / NS_PER_S), .tv_nsec = (long)(end % NS_PER_S)};
-    int waited = ns == 0 ? ETIMEDOUT : 0;
+    uint64_t end = lf_time_now_ns() + ns;
+    bool in_time = ns > 0;
     pthread_mutex_lock(&m->lock);
-    while (!m->cancelled && waited != ETIMEDOUT)
-        waited = pthread_cond_timedwait(&m->wake, &m->lock, &at);
+    while (!m->cancelled && in_time)
+        in_time = lf_cond_wait_until(&m->wake, &m->lock, end);
     bool cancelled = m->cancelled;
     pthread_mutex_unlock(&m->lock);
     return !cancelled;
@@ -53,7 +47,7 @@ static lf_usb_result result_of(model_link *m, int answer, int timeout_ms)
         return LF_USB_GONE;
     case -ETIMEDOUT:
     case -EAGAIN:
-        return sleep_ns(m, (uint64_t)timeout_ms * NS_PER_MS) ? LF_USB_TIMEOUT : LF_USB_CANCELLED;
+        return sleep_ns(m, (uint64_t)timeout_ms * LF_NS_PER_MS) ? LF_USB_TIMEOUT : LF_USB_CANCELLED;
     default:
         return answer < 0 ? LF_USB_IO : LF_USB_OK;
     }
@@ -85,7 +79,7 @@ static void model_bulk_begin(lf_usb_link *link, const uint8_t *data, size_t n)
 static lf_usb_result send_piece(model_link *m, int timeout_ms)
 {
     size_t piece = m->n < PIECE_BYTES ? m->n : PIECE_BYTES;
-    uint64_t limit = (uint64_t)timeout_ms * NS_PER_MS, delay = lf_model_gud_delay_ns(m->gud, piece);
+    uint64_t limit = (uint64_t)timeout_ms * LF_NS_PER_MS, delay = lf_model_gud_delay_ns(m->gud, piece);
     if (!sleep_ns(m, delay < limit ? delay : limit))
         return LF_USB_CANCELLED;
     if (delay > limit)
@@ -133,13 +127,8 @@ static const lf_usb_link_ops model_ops = {
 
 static bool make_locks(model_link *m)
 {
-    pthread_condattr_t monotonic;
-    if (pthread_condattr_init(&monotonic) != 0)
-        return false;
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     bool has_lock = pthread_mutex_init(&m->lock, NULL) == 0;
-    bool has_wake = has_lock && pthread_cond_init(&m->wake, &monotonic) == 0;
-    pthread_condattr_destroy(&monotonic);
+    bool has_wake = has_lock && lf_cond_init(&m->wake) == LF_OK;
     if (has_lock && !has_wake)
         pthread_mutex_destroy(&m->lock);
     return has_wake;

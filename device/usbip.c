@@ -11,13 +11,13 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/thread.h"
 
 enum { VERSION = 0x0111, OP_REQ_DEVLIST = 0x8005, OP_REP_DEVLIST = 0x0005, OP_REQ_IMPORT = 0x8003, OP_REP_IMPORT = 0x0003 };
 enum { CMD_SUBMIT = 1, CMD_UNLINK = 2, RET_SUBMIT = 3, RET_UNLINK = 4 };
 enum { OP_SIZE = 8, BUSID_SIZE = 32, RECORD_SIZE = 312, URB_HEADER = 48, MAX_INTERFACES = 8, NOT_ISO = -1 };
 enum { MAX_IN = 65536, REPLY_MAX = URB_HEADER + MAX_IN, OUTPUT_SIZE = 4 * REPLY_MAX, ROUNDS = 256 };
 #define NEVER UINT64_MAX
-#define NS_PER_MS 1000000u
 
 /* A request that waits for its answer, or for the rest of its own data. */
 typedef struct urb {
@@ -457,7 +457,7 @@ int lf_usbip_poll(const lf_usbip *usbip, uint64_t now_ns, struct pollfd *out)
         return -1;
     if (usbip->due_ns <= now_ns)
         return 0;
-    uint64_t ms = (usbip->due_ns - now_ns + NS_PER_MS - 1) / NS_PER_MS;
+    uint64_t ms = (usbip->due_ns - now_ns + LF_NS_PER_MS - 1) / LF_NS_PER_MS;
     return ms < 60000 ? (int)ms : 60000;
 }
 

@@ -172,6 +172,98 @@ static void a_run_does_not_allocate(void **state)
     lf_pool_destroy(pool);
 }
 
+typedef struct seen {
+    sigset_t blocked;
+    char name[16];
+    size_t stack_bytes;
+} seen;
+
+static void *see(void *context)
+{
+    seen *s = context;
+    pthread_attr_t attributes;
+    pthread_sigmask(SIG_BLOCK, NULL, &s->blocked);
+    if (pthread_getattr_np(pthread_self(), &attributes) == 0) {
+        pthread_attr_getstacksize(&attributes, &s->stack_bytes);
+        pthread_attr_destroy(&attributes);
+    }
+    /* named by who started it, so perhaps a moment later */
+    while (pthread_getname_np(pthread_self(), s->name, sizeof s->name) == 0 && strcmp(s->name, "lf-fifteen-byte") != 0)
+        sched_yield();
+    return context;
+}
+
+static void a_started_thread_has_its_name_its_stack_and_no_signals(void **state)
+{
+    (void)state;
+    pthread_t thread;
+    seen s = {0};
+    void *returned = NULL;
+    sigset_t before, after;
+    pthread_sigmask(SIG_BLOCK, NULL, &before);
+    lf_assert_ok(lf_thread_start("lf-fifteen-byte", see, &s, &thread), NULL);
+    pthread_join(thread, &returned);
+    assert_ptr_equal(returned, &s);
+    assert_string_equal(s.name, "lf-fifteen-byte");
+    assert_in_range(s.stack_bytes, 8u << 20, 9u << 20);
+    for (int number = 1; number < 32; number++)
+        assert_int_equal(sigismember(&s.blocked, number), number != SIGKILL && number != SIGSTOP);
+
+    /* the caller's own mask is as it was */
+    pthread_sigmask(SIG_BLOCK, NULL, &after);
+    for (int number = 1; number < 32; number++)
+        assert_int_equal(sigismember(&after, number), sigismember(&before, number));
+}
+
+typedef struct meeting {
+    pthread_mutex_t lock;
+    pthread_cond_t cond;
+    bool come;
+} meeting;
+
+static void *come(void *context)
+{
+    meeting *m = context;
+    pthread_mutex_lock(&m->lock);
+    m->come = true;
+    pthread_cond_signal(&m->cond);
+    pthread_mutex_unlock(&m->lock);
+    return NULL;
+}
+
+static void a_wait_ends_with_the_signal_or_when_its_time_has_come(void **state)
+{
+    (void)state;
+    meeting m = {.lock = PTHREAD_MUTEX_INITIALIZER};
+    lf_assert_ok(lf_cond_init(&m.cond), NULL);
+    pthread_mutex_lock(&m.lock);
+    assert_false(lf_cond_wait_until(&m.cond, &m.lock, lf_time_now_ns())); /* past already */
+    uint64_t end = lf_time_now_ns() + 20 * LF_NS_PER_MS;
+    while (lf_cond_wait_until(&m.cond, &m.lock, end))
+        continue; /* it may wake for nothing */
+    assert_true(lf_time_now_ns() >= end);
+
+    pthread_t thread;
+    lf_assert_ok(lf_thread_start("comes", come, &m, &thread), NULL);
+    bool in_time = true;
+    while (!m.come && in_time)
+        in_time = lf_cond_wait_until(&m.cond, &m.lock, lf_time_now_ns() + 600 * LF_NS_PER_S);
+    assert_true(in_time);
+    pthread_mutex_unlock(&m.lock);
+    pthread_join(thread, NULL);
+    pthread_cond_destroy(&m.cond);
+}
+
+static void both_forms_of_the_time_are_of_one_clock(void **state)
+{
+    (void)state;
+    uint64_t before = lf_time_now_ns();
+    double between = lf_time_now();
+    uint64_t after = lf_time_now_ns();
+    assert_true((double)before / 1e9 <= between + 1e-6);
+    assert_true(between <= (double)after / 1e9 + 1e-6);
+}
+
 static void clocks_run_forward(void **state)
 {
     (void)state;
@@ -192,6 +284,9 @@ int main(void)
         cmocka_unit_test(thread_counts_have_limits_and_a_default),
         cmocka_unit_test(workers_flush_denormals_and_leave_signals_alone),
         cmocka_unit_test(a_run_does_not_allocate),
+        cmocka_unit_test(a_started_thread_has_its_name_its_stack_and_no_signals),
+        cmocka_unit_test(a_wait_ends_with_the_signal_or_when_its_time_has_come),
+        cmocka_unit_test(both_forms_of_the_time_are_of_one_clock),
         cmocka_unit_test(clocks_run_forward),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

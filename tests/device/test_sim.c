@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 
 #include "base/image_io.h"
+#include "base/thread.h"
 #include "device/sim.h"
 
 enum { WIDTH = 96, HEIGHT = 128, FLUSH_MS = 20000 };
@@ -149,9 +150,9 @@ static void push_is_busy_until_dispatch_says_ready(void **state)
     assert_false(rings(device, 0));
     lf_assert_ok(push_seed(device, 1), NULL);
     lf_assert_status(push_seed(device, 2), LF_E_STATE, NULL);
-    uint64_t before = lf_sim_now_ns();
+    uint64_t before = lf_time_now_ns();
     assert_int_equal(outcome(device), LF_DEVICE_READY);
-    assert_true(lf_sim_now_ns() > before);
+    assert_true(lf_time_now_ns() > before);
     assert_int_equal(counters_of(device).updates, 1);
     assert_int_equal(counters_of(device).bytes, WIDTH * HEIGHT * 3);
     assert_false(rings(device, 0));
@@ -283,10 +284,10 @@ static void stall_with_a_time_ends(void **state)
     (void)state;
     char *dir = lf_test_folder();
     lf_device *device = open_sim(dir, ",stall=1:150,bandwidth=100000000");
-    uint64_t before = lf_sim_now_ns();
+    uint64_t before = lf_time_now_ns();
     lf_assert_ok(push_seed(device, 1), NULL);
     assert_int_equal(outcome(device), LF_DEVICE_READY);
-    assert_true(lf_sim_now_ns() - before >= 150000000);
+    assert_true(lf_time_now_ns() - before >= 150000000);
     lf_device_destroy(device);
     lf_test_folder_remove(dir);
 }
@@ -296,10 +297,10 @@ static void bandwidth_takes_its_time(void **state)
     (void)state;
     char *dir = lf_test_folder();
     lf_device *device = open_sim(dir, ",bandwidth=184320"); /* 36864 bytes: 0.2 s */
-    uint64_t before = lf_sim_now_ns();
+    uint64_t before = lf_time_now_ns();
     lf_assert_ok(push_seed(device, 1), NULL);
     assert_int_equal(outcome(device), LF_DEVICE_READY);
-    assert_true(lf_sim_now_ns() - before >= 200000000);
+    assert_true(lf_time_now_ns() - before >= 200000000);
     lf_device_destroy(device);
     lf_test_folder_remove(dir);
 }
@@ -314,7 +315,7 @@ static void unplugged_panel_comes_back_once(void **state)
     assert_int_equal(outcome(device), LF_DEVICE_READY);
     lf_assert_ok(push_seed(device, 2), NULL);
     assert_int_equal(outcome(device), LF_DEVICE_GONE);
-    uint64_t gone = lf_sim_now_ns();
+    uint64_t gone = lf_time_now_ns();
     lf_assert_status(push_seed(device, 3), LF_E_NODEV, NULL);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_GONE);
     assert_int_equal(counters_of(device).updates, 2);
@@ -325,7 +326,7 @@ static void unplugged_panel_comes_back_once(void **state)
         usleep(10000);
     lf_assert_ok(status, NULL);
     /* the state was set a little before `gone` was read */
-    assert_true(lf_sim_now_ns() - gone >= 300000000);
+    assert_true(lf_time_now_ns() - gone >= 300000000);
     for (int i = 3; i < 8; i++) {
         lf_assert_ok(push_seed(again, i), NULL);
         assert_int_equal(outcome(again), LF_DEVICE_READY);

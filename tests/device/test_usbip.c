@@ -7,12 +7,12 @@
 #include <sys/socket.h>
 
 #include "base/alloc.h"
+#include "base/thread.h"
 #include "device/gud.h"
 #include "device/usbip.h"
 #include "device/vhci.h"
 
 enum { WIDTH = 64, HEIGHT = 32, SUBMIT = 1, UNLINK = 2, RET_SUBMIT = 3, RET_UNLINK = 4, HEADER = 48, RECORD = 312, RUNS = 64 };
-#define NS_PER_S UINT64_C(1000000000)
 
 typedef struct fixture {
     lf_model_hid *hid;
@@ -382,12 +382,12 @@ static void a_slow_display_delays_nobody_else(void **state)
     assert_int_equal(lf_usbip_poll(f->usbip, f->now, &p), 1000);
     ask(f, 7, 0);
     expect(f, RET_SUBMIT, 7, 0);
-    f->now += NS_PER_S - 1;
+    f->now += LF_NS_PER_S - 1;
     assert_true(silent(f));
     f->now += 1;
     expect(f, RET_SUBMIT, 5, 0);
     assert_true(silent(f)); /* the second has begun only now */
-    f->now += NS_PER_S;
+    f->now += LF_NS_PER_S;
     expect(f, RET_SUBMIT, 6, 0);
     end(f);
 }
@@ -402,7 +402,7 @@ static void a_display_that_hangs_is_freed_by_unlinking(void **state)
     announce(f, 1);
     submit(f, 5, false, 2, NULL, row, sizeof row);
     assert_true(silent(f));
-    f->now += 1000 * NS_PER_S;
+    f->now += 1000 * LF_NS_PER_S;
     assert_true(silent(f));
     unlink_urb(f, 6, 5);
     expect(f, RET_UNLINK, 6, -ECONNRESET);
