@@ -178,16 +178,18 @@ static lf_status take_text(parser *p, const char *key, char *to, size_t size)
     return LF_OK;
 }
 
+static const char *const cell_keys[3 /* R, G, B */][2 /* x, y */] = {
+    {"ROffsetX", "ROffsetY"}, {"GOffsetX", "GOffsetY"}, {"BOffsetX", "BOffsetY"}};
+
 static lf_status take_cell(parser *p, size_t index, const json_t *cell)
 {
-    static const char *const names[3][2] = {{"ROffsetX", "ROffsetY"}, {"GOffsetX", "GOffsetY"}, {"BOffsetX", "BOffsetY"}};
     for (int channel = 0; channel < 3; channel++) {
         for (int axis = 0; axis < 2; axis++) {
             double offset;
-            const json_t *value = json_object_get(cell, names[channel][axis]);
+            const json_t *value = json_object_get(cell, cell_keys[channel][axis]);
             if (!value || !to_number(value, &offset) || fabs(offset) > 16) {
                 char pointer[80];
-                snprintf(pointer, sizeof pointer, "/subpixelCells/%zu/%s", index, names[channel][axis]);
+                snprintf(pointer, sizeof pointer, "/subpixelCells/%zu/%s", index, cell_keys[channel][axis]);
                 return lf_error_set_at(p->err, LF_E_FORMAT, p->where, line_of(p, "subpixelCells"), pointer,
                                        "expected a number from -16 to 16 (pixels)");
             }
@@ -253,6 +255,26 @@ lf_status lf_calibration_load(const char *path, lf_calibration *out, lf_error *e
         status = lf_calibration_parse(text, n, path, out, err);
     lf_free(text);
     return status;
+}
+
+static json_t *cell_json(const float cell[3][2])
+{
+    json_t *json = json_object();
+    for (int i = 0; i < 6; i++)
+        json_object_set_new(json, cell_keys[i / 2][i % 2], json_real((double)cell[i / 2][i % 2]));
+    return json;
+}
+
+json_t *lf_calibration_json(const lf_calibration *c)
+{
+    json_t *cells = json_array();
+    for (int i = 0; i < c->n_cells; i++)
+        json_array_append_new(cells, cell_json(c->cells[i]));
+    return json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:o}", "configVersion",
+                     c->config_version, "serial", c->serial, "pitch", c->pitch, "slope", c->slope, "center", c->center, "viewCone",
+                     c->view_cone_deg, "DPI", c->dpi, "screenW", c->screen_width_px, "screenH", c->screen_height_px, "invView",
+                     c->inv_view, "flipImageX", c->flip_image_x, "flipImageY", c->flip_image_y, "flipSubp", c->flip_subp,
+                     "CellPatternMode", c->cell_pattern_mode, "subpixelCells", cells);
 }
 
 void lf_calibration_portrait(lf_calibration *out)

@@ -29,6 +29,9 @@ typedef struct lf_calibration {
 LF_NODISCARD lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf_calibration *out, lf_error *err);
 /* The same from a file. */
 LF_NODISCARD lf_status lf_calibration_load(const char *path, lf_calibration *out, lf_error *err);
+/* What parses as the same calibration: an object (a json_t of Jansson) of the vendor's keys with bare values. NULL = out of memory;
+ * released with json_decref. */
+struct json_t *lf_calibration_json(const lf_calibration *c) __attribute__((warn_unused_result));
 /* A nominal Portrait (1536x2048), what the simulated device has when nothing else is said. */
 void lf_calibration_portrait(lf_calibration *out);
 

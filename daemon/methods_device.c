@@ -49,34 +49,16 @@ void lf_method_device_set(lf_call *call)
     }
 }
 
-static json_t *cells_json(const lf_calibration *c)
-{
-    json_t *cells = json_array();
-    for (int i = 0; i < c->n_cells; i++) {
-        json_array_append_new(cells, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "ROffsetX", (double)c->cells[i][0][0], "ROffsetY",
-                                               (double)c->cells[i][0][1], "GOffsetX", (double)c->cells[i][1][0], "GOffsetY",
-                                               (double)c->cells[i][1][1], "BOffsetX", (double)c->cells[i][2][0], "BOffsetY",
-                                               (double)c->cells[i][2][1]));
-    }
-    return cells;
-}
-
 void lf_method_device_calibration(lf_call *call)
 {
     const lf_panel *panel = &call->server->panel;
-    const lf_calibration *c = &panel->calibration;
     if (!panel->has_calibration) {
         lf_error err;
         (void)lf_error_set(&err, LF_E_NODEV, panel->spec, "there is no panel whose calibration is known");
         lf_fail(call, &err, false);
         return;
     }
-    lf_reply(call,
-             json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:o}", "configVersion",
-                       c->config_version, "serial", c->serial, "pitch", c->pitch, "slope", c->slope, "center", c->center,
-                       "viewCone", c->view_cone_deg, "DPI", c->dpi, "screenW", c->screen_width_px, "screenH", c->screen_height_px,
-                       "invView", c->inv_view, "flipImageX", c->flip_image_x, "flipImageY", c->flip_image_y, "flipSubp",
-                       c->flip_subp, "CellPatternMode", c->cell_pattern_mode, "subpixelCells", cells_json(c)));
+    lf_reply(call, lf_calibration_json(&panel->calibration));
 }
 
 void lf_method_button(lf_call *call)

@@ -1,13 +1,14 @@
 #include "daemon/simulator.h"
 
 #include <arpa/inet.h>
-#include <assert.h>
 #include <errno.h>
 #include <inttypes.h>
+#include <jansson.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
@@ -61,17 +62,17 @@ static void LF_PRINTF(1, 2) say(const char *fmt, ...)
 
 /* -------------------------------------------------------------------------------------------------------- panel -- */
 
-static size_t portrait_json(const lf_calibration *c, char *out, size_t size)
+/* Numbers as {"value": x}, as the EEPROMs have them. NULL = out of memory; released with free. */
+static char *eeprom_text(const lf_calibration *c)
 {
-    int n =
-        snprintf(out, size,
-                 "{\"configVersion\":\"%s\",\"serial\":\"%s\",\"pitch\":{\"value\":%.17g},\"slope\":{\"value\":%.17g},"
-                 "\"center\":{\"value\":%.17g},\"viewCone\":{\"value\":%.17g},\"invView\":{\"value\":%d},\"DPI\":{\"value\":%.17g},"
-                 "\"screenW\":{\"value\":%d},\"screenH\":{\"value\":%d},\"flipImageX\":{\"value\":0},\"flipSubp\":{\"value\":0}}",
-                 c->config_version, c->serial, c->pitch, c->slope, c->center, c->view_cone_deg, c->inv_view, c->dpi,
-                 c->screen_width_px, c->screen_height_px);
-    assert(n > 0 && (size_t)n < size);
-    return (size_t)n;
+    const char *key;
+    json_t *value, *wrapped = json_object(), *bare = lf_calibration_json(c);
+    json_object_foreach(bare, key, value)
+        json_object_set_new(wrapped, key, json_is_number(value) ? json_pack("{s:O}", "value", value) : json_incref(value));
+    char *text = bare != NULL ? json_dumps(wrapped, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    json_decref(bare);
+    json_decref(wrapped);
+    return text;
 }
 
 static lf_status fill_eeprom(simulator *s, const char *json, size_t n, const char *where, lf_error *err)
@@ -82,11 +83,21 @@ static lf_status fill_eeprom(simulator *s, const char *json, size_t n, const cha
     return LF_OK;
 }
 
+static lf_status fill_nominal(simulator *s, lf_error *err)
+{
+    char *text = eeprom_text(&s->calibration);
+    if (text == NULL)
+        return lf_error_set(err, LF_E_NOMEM, "eeprom", "out of memory");
+    lf_status status = fill_eeprom(s, text, strlen(text), "eeprom", err);
+    free(text);
+    return status;
+}
+
 /* The EEPROM takes any file, also one that is no calibration; the display then needs its size from elsewhere. */
 static lf_status load_calibration(simulator *s, lf_error *err)
 {
     const lf_simulator_config *config = s->config;
-    char *text = NULL, nominal[1024];
+    char *text = NULL;
     size_t n = 0;
     lf_calibration_portrait(&s->calibration);
     if (config->width_px > 0) {
@@ -94,7 +105,7 @@ static lf_status load_calibration(simulator *s, lf_error *err)
         s->calibration.screen_height_px = config->height_px;
     }
     if (config->calibration == NULL)
-        return fill_eeprom(s, nominal, portrait_json(&s->calibration, nominal, sizeof nominal), "eeprom", err);
+        return fill_nominal(s, err);
     lf_status status = lf_file_read(config->calibration, NULL, LF_CALIBRATION_MAX_BYTES, &text, &n, err);
     if (status == LF_OK)
         status = fill_eeprom(s, text, n, config->calibration, err);

@@ -48,26 +48,10 @@ static bool file_name(const char *panel, char *out, size_t size)
     return true;
 }
 
-static json_t *cells_json(const lf_calibration *c)
-{
-    json_t *cells = json_array();
-    for (int i = 0; i < c->n_cells; i++) {
-        const float(*o)[2] = c->cells[i];
-        json_array_append_new(cells, json_pack("{s:f,s:f,s:f,s:f,s:f,s:f}", "ROffsetX", (double)o[0][0], "ROffsetY",
-                                               (double)o[0][1], "GOffsetX", (double)o[1][0], "GOffsetY", (double)o[1][1],
-                                               "BOffsetX", (double)o[2][0], "BOffsetY", (double)o[2][1]));
-    }
-    return cells;
-}
-
 /* The text of a calibration; NULL = out of memory. Released with free. */
 static char *to_text(const lf_calibration *c)
 {
-    json_t *root = json_pack("{s:s,s:s,s:f,s:f,s:f,s:f,s:f,s:i,s:i,s:i,s:i,s:i,s:i,s:o}", "configVersion", c->config_version,
-                             "serial", c->serial, "pitch", c->pitch, "slope", c->slope, "center", c->center, "viewCone",
-                             c->view_cone_deg, "DPI", c->dpi, "screenW", c->screen_width_px, "screenH", c->screen_height_px,
-                             "invView", c->inv_view, "flipImageX", c->flip_image_x, "flipSubp", c->flip_subp, "CellPatternMode",
-                             c->cell_pattern_mode, "subpixelCells", cells_json(c));
+    json_t *root = lf_calibration_json(c);
     char *text = root != NULL ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(root);
     return text;

@@ -1,5 +1,7 @@
 #include "tests/testing.h"
 
+#include <jansson.h>
+
 #include "base/calibration.h"
 
 static int make_folder(void **state)
@@ -233,6 +235,33 @@ static void damaged_texts_give_sane_numbers_or_an_error(void **state)
     assert_true(n_ok > 0);
 }
 
+static lf_calibration there_and_back(const lf_calibration *c)
+{
+    json_t *json = lf_calibration_json(c);
+    char *text = json_dumps(json, JSON_REAL_PRECISION(17));
+    lf_calibration back = parsed(text);
+    free(text);
+    json_decref(json);
+    return back;
+}
+
+static void what_is_written_parses_as_the_same(void **state)
+{
+    (void)state;
+    lf_calibration c = parsed("{\"configVersion\":\"3.0\",\"serial\":\"LKG-E01\",\"pitch\":52.1,\"slope\":-7.3,\"center\":-0.1,"
+                              "\"DPI\":323.9,\"screenW\":1440,\"screenH\":2560,\"viewCone\":53.7,\"invView\":0,\"flipImageX\":1,"
+                              "\"flipSubp\":1,\"CellPatternMode\":2,\"subpixelCells\":[{\"ROffsetX\":0.1,\"ROffsetY\":-0.2,"
+                              "\"GOffsetX\":0.3,\"GOffsetY\":0.4,\"BOffsetX\":0.5,\"BOffsetY\":16},{\"ROffsetX\":1,\"ROffsetY\":2,"
+                              "\"GOffsetX\":3,\"GOffsetY\":4,\"BOffsetX\":5,\"BOffsetY\":6}]}");
+    lf_calibration back = there_and_back(&c);
+    assert_memory_equal(&back, &c, sizeof c);
+    c.cells[1][2][1] = 6.5f; /* all of it counts, to the last number */
+    assert_memory_not_equal(&back, &c, sizeof c);
+    lf_calibration_portrait(&c);
+    back = there_and_back(&c);
+    assert_memory_equal(&back, &c, sizeof c);
+}
+
 static void a_missing_or_huge_file_is_an_error(void **state)
 {
     lf_calibration c;
@@ -310,6 +339,7 @@ int main(void)
         cmocka_unit_test(texts_hold_no_control_characters),
         cmocka_unit_test(too_many_or_malformed_cells_are_refused),
         cmocka_unit_test(damaged_texts_give_sane_numbers_or_an_error),
+        cmocka_unit_test(what_is_written_parses_as_the_same),
         cmocka_unit_test(a_missing_or_huge_file_is_an_error),
         cmocka_unit_test(the_nominal_portrait_is_one),
         cmocka_unit_test(real_calibrations_are_read),
