@@ -9,8 +9,6 @@
 #include "base/file.h"
 #include "base/log.h"
 
-#define MAX_SIDE_PX 16384
-
 typedef struct parser {
     const char *text, *where;
     size_t n;
@@ -38,8 +36,8 @@ static const struct integer_rule {
     size_t offset;
     int low, high, absent; /* absent -1: the key is required */
 } integer_rules[] = {
-    {"screenW", TO(screen_width_px), 1, MAX_SIDE_PX, -1},
-    {"screenH", TO(screen_height_px), 1, MAX_SIDE_PX, -1},
+    {"screenW", TO(screen_width_px), 1, LF_MAX_SIDE, -1},
+    {"screenH", TO(screen_height_px), 1, LF_MAX_SIDE, -1},
     {"CellPatternMode", TO(cell_pattern_mode), 0, 4, 0},
 };
 

@@ -5,6 +5,7 @@
 
 #include "base/status.h"
 
+#define LF_MAX_SIDE 16384 /* pixels: no panel is wider or higher, so nothing is allocated for one that claims to be */
 #define LF_MAX_CELLS 16
 #define LF_CALIBRATION_MAX_BYTES 65536
 
@@ -16,7 +17,7 @@ typedef struct lf_calibration {
     double center;                                            /* phase in lens periods */
     double view_cone_deg;                                     /* total angle of the optics; 0 when absent */
     double dpi;                                               /* panel pixels per inch; > 0 */
-    int screen_width_px, screen_height_px;                    /* native pixels; 1..16384 */
+    int screen_width_px, screen_height_px;                    /* native pixels; 1..LF_MAX_SIDE */
     int inv_view, flip_image_x, flip_image_y, flip_subp;      /* 0 or 1 (>= 0.5 test) */
     int cell_pattern_mode;                                    /* 0..4 */
     int n_cells;                                              /* 0 = plain RGB stripes */

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/calibration.h"
 #include "base/log.h"
 #include "daemon/options.h"
 #include "daemon/simulator.h"
@@ -11,7 +12,6 @@
 #include "device/usbip.h"
 
 #define PROGRAM "quiltsim"
-#define MAX_SIDE 16384
 
 /* What an option's text becomes. */
 typedef enum option_kind {
@@ -134,7 +134,7 @@ static lf_status take_whole(const struct option_rule *rule, const char *where, c
 static lf_status take_size(lf_simulator_config *config, const char *text, lf_error *err)
 {
     double pair[2];
-    lf_status status = lf_parse_pair("--size", text, 'x', 1, MAX_SIDE, pair, err);
+    lf_status status = lf_parse_pair("--size", text, 'x', 1, LF_MAX_SIDE, pair, err);
     if (status != LF_OK)
         return status;
     if (pair[0] != floor(pair[0]) || pair[1] != floor(pair[1]))

@@ -53,7 +53,7 @@ typedef struct lf_drm_buffer {
     lf_rect *stale; /* [LF_DEVICE_MAX_RECTS] */
 } lf_drm_buffer;
 
-/* Zeroed memory, everything stale. width and height 1..16384. On failure finish takes what is there. LF_E_NOMEM: too little video
+/* Zeroed memory, everything stale. width and height 1..LF_MAX_SIDE. On failure finish takes what is there. LF_E_NOMEM: too little video
  * memory; LF_E_FORMAT: a pitch or size that cannot hold the picture, or beyond any reason; LF_E_IO. */
 LF_NODISCARD lf_status lf_drm_buffer_init(const lf_kms_calls *kms, int fd, int width, int height, lf_drm_buffer *out,
                                           lf_error *err);

@@ -6,7 +6,7 @@
 #include "device/drm.h"
 #include "device/pixels.h"
 
-enum { MAX_SIDE = 16384, BYTES = 4, MAX_PITCH = 4 * MAX_SIDE * BYTES };
+enum { BYTES = 4, MAX_PITCH = 4 * LF_MAX_SIDE * BYTES };
 
 static lf_status buffer_error(lf_error *err, int e, const char *what, int width, int height)
 {
@@ -26,7 +26,7 @@ lf_status lf_drm_buffer_init(const lf_kms_calls *kms, int fd, int width, int hei
     if (e != 0)
         return buffer_error(err, -e, "get video memory for", width, height);
     if (pitch < (uint32_t)width * BYTES || pitch > MAX_PITCH || pitch % BYTES != 0 || size < (uint64_t)pitch * (uint64_t)height ||
-        size > (uint64_t)MAX_PITCH * MAX_SIDE)
+        size > (uint64_t)MAX_PITCH * LF_MAX_SIDE)
         return lf_error_set(err, LF_E_FORMAT, "drm",
                             "the driver gave memory for %dx%d pixels with rows of %u and %llu bytes in all, which cannot be", width,
                             height, pitch, (unsigned long long)size);

@@ -9,7 +9,7 @@
 #include "device/device_table.h"
 #include "device/drm.h"
 
-enum { MAX_CARD = 255, MAX_SIDE = 16384 };
+enum { MAX_CARD = 255 };
 
 /* ------------------------------------------------------------------------------------------------------- naming -- */
 
@@ -56,7 +56,7 @@ lf_status lf_drm_name_parse(const char *argument, lf_drm_name *out, lf_error *er
 static bool mode_usable(const struct drm_mode_modeinfo *mode)
 {
     const uint32_t odd = DRM_MODE_FLAG_INTERLACE | DRM_MODE_FLAG_DBLSCAN | DRM_MODE_FLAG_3D_MASK;
-    return mode->hdisplay > 0 && mode->hdisplay <= MAX_SIDE && mode->vdisplay > 0 && mode->vdisplay <= MAX_SIDE &&
+    return mode->hdisplay > 0 && mode->hdisplay <= LF_MAX_SIDE && mode->vdisplay > 0 && mode->vdisplay <= LF_MAX_SIDE &&
            (mode->flags & odd) == 0;
 }
 

@@ -17,7 +17,6 @@ enum {
     LF_GUD_MAX_CONNECTORS = 32,
     LF_GUD_MAX_MODES = 128,
     LF_GUD_MAX_EDID = 2048,
-    LF_GUD_MAX_SIDE = 16384, /* ours, not the protocol's: as a calibration has it */
     LF_GUD_DESCRIPTOR_BYTES = 30,
     LF_GUD_PROPERTY_BYTES = 10,
     LF_GUD_CONNECTOR_BYTES = 5,
@@ -145,7 +144,7 @@ void lf_gud_mode_write(const lf_gud_mode *mode, uint8_t out[LF_GUD_MODE_BYTES]);
 bool lf_gud_mode_from_edid(const uint8_t *edid, size_t n, lf_gud_mode *out);
 
 /* The mode to show in: of this size, or of any when width and height are 0; the preferred one first, then the first listed. A
- * mode counts only when it lies within the descriptor's limits and within 1..LF_GUD_MAX_SIDE. LF_E_FORMAT: no usable mode;
+ * mode counts only when it lies within the descriptor's limits and within 1..LF_MAX_SIDE. LF_E_FORMAT: no usable mode;
  * LF_E_ARG: usable ones, but none of this size. */
 LF_NODISCARD lf_status lf_gud_mode_choose(const lf_gud_descriptor *descriptor, const lf_gud_mode *modes, int n, int width,
                                           int height, lf_gud_mode *out, lf_error *err);

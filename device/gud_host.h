@@ -3,7 +3,7 @@
  *     lf_gud_host_open -> lf_gud_host_choose -> (lf_gud_host_start -> lf_gud_host_update …)* -> lf_gud_host_stop -> destroy
  *
  * Up to choose the display is only asked, nothing on it changes. Nothing that it says is believed before gud.h has checked it,
- * nothing is asked twice or waited for without an end, and no allocation is larger than a frame of LF_GUD_MAX_SIDE squared.
+ * nothing is asked twice or waited for without an end, and no allocation is larger than a frame of LF_MAX_SIDE squared.
  * Threads: an object, and its link, belong to one thread at a time. Private to device/, its tests and bench. */
 #ifndef LF_DEVICE_GUD_HOST_H
 #define LF_DEVICE_GUD_HOST_H

@@ -13,7 +13,7 @@
 
 typedef struct lf_gud_plan lf_gud_plan;
 
-/* For a panel of width x height pixels, 1..16384, of which nothing is known. LF_E_NOMEM. */
+/* For a panel of width x height pixels, 1..LF_MAX_SIDE, of which nothing is known. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_gud_plan_create(int width, int height, lf_gud_plan **out);
 /* Accepts NULL. */
 void lf_gud_plan_destroy(lf_gud_plan *plan);

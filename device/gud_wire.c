@@ -3,6 +3,8 @@
 #include <assert.h>
 #include <string.h>
 
+#include "base/calibration.h"
+
 #define MAGIC UINT32_C(0x1d50614d)
 #define WHERE "GUD display"
 
@@ -248,7 +250,7 @@ bool lf_gud_mode_from_edid(const uint8_t *edid, size_t n, lf_gud_mode *out)
 
 static bool usable(const lf_gud_descriptor *d, const lf_gud_mode *m)
 {
-    return m->hdisplay >= 1 && m->hdisplay <= LF_GUD_MAX_SIDE && m->vdisplay >= 1 && m->vdisplay <= LF_GUD_MAX_SIDE &&
+    return m->hdisplay >= 1 && m->hdisplay <= LF_MAX_SIDE && m->vdisplay >= 1 && m->vdisplay <= LF_MAX_SIDE &&
            m->hdisplay >= d->min_width && m->hdisplay <= d->max_width && m->vdisplay >= d->min_height &&
            m->vdisplay <= d->max_height;
 }
@@ -279,7 +281,7 @@ lf_status lf_gud_mode_choose(const lf_gud_descriptor *descriptor, const lf_gud_m
         return lf_error_set(err, LF_E_FORMAT, WHERE, "it has neither modes nor an EDID with a timing");
     return lf_error_set(err, LF_E_FORMAT, WHERE,
                         "none of its modes can be used: the first is %dx%d, expected 1..%d within its own %ux%u to %ux%u",
-                        modes[0].hdisplay, modes[0].vdisplay, LF_GUD_MAX_SIDE, descriptor->min_width, descriptor->min_height,
+                        modes[0].hdisplay, modes[0].vdisplay, LF_MAX_SIDE, descriptor->min_width, descriptor->min_height,
                         descriptor->max_width, descriptor->max_height);
 }
 

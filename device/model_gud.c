@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/calibration.h"
 #include "base/thread.h"
 #include "device/gud.h"
 #include "device/model.h"
@@ -35,7 +36,7 @@ struct lf_model_gud {
 
 static bool good_options(const lf_model_gud_options *o)
 {
-    if (o->width < 1 || o->width > LF_GUD_MAX_SIDE || o->height < 1 || o->height > LF_GUD_MAX_SIDE)
+    if (o->width < 1 || o->width > LF_MAX_SIDE || o->height < 1 || o->height > LF_MAX_SIDE)
         return false;
     if (o->n_formats < 1 || o->n_formats > MAX_OPTION_FORMATS || o->formats == NULL)
         return false;

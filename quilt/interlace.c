@@ -12,7 +12,6 @@
 #include "quilt/quilt.h"
 
 #define MAX_VIEWS 65535
-#define MAX_SIDE_PX 16384
 #define BAND_ROWS 64
 /* Of a strip of all views: well below a core's own cache, addressed by 16 bits. Measured: the longer the runs that are copied the
  * better, what misses the nearest cache costs less. */
@@ -253,9 +252,9 @@ static bool has_strips(const lf_interlacer *it)
 
 static lf_status check(const lf_calibration *c, int n_views, int view_width, int view_height, double aspect, lf_error *err)
 {
-    if (c->screen_width_px < 1 || c->screen_width_px > MAX_SIDE_PX || c->screen_height_px < 1 || c->screen_height_px > MAX_SIDE_PX)
+    if (c->screen_width_px < 1 || c->screen_width_px > LF_MAX_SIDE || c->screen_height_px < 1 || c->screen_height_px > LF_MAX_SIDE)
         return lf_error_set(err, LF_E_ARG, "panel", "%dx%d pixels (expected 1 to %d a side)", c->screen_width_px,
-                            c->screen_height_px, MAX_SIDE_PX);
+                            c->screen_height_px, LF_MAX_SIDE);
     if (!(c->pitch > 0) || !(c->dpi > 0) || !(fabs(c->slope) > 0) || !isfinite(c->center) || c->n_cells > LF_MAX_CELLS)
         return lf_error_set(err, LF_E_ARG, "panel", "pitch, slope, center or DPI of the calibration make no lens");
     if (n_views < 1 || n_views > MAX_VIEWS || view_width < 1 || view_height < 1)

@@ -228,8 +228,8 @@ static void damaged_texts_give_sane_numbers_or_an_error(void **state)
         }
         n_ok++;
         assert_true(c.pitch >= 1 && c.pitch <= 1000 && fabs(c.slope) >= 1e-3 && fabs(c.center) <= 1000 && c.dpi >= 1);
-        assert_in_range(c.screen_width_px, 1, 16384);
-        assert_in_range(c.screen_height_px, 1, 16384);
+        assert_in_range(c.screen_width_px, 1, LF_MAX_SIDE);
+        assert_in_range(c.screen_height_px, 1, LF_MAX_SIDE);
         assert_in_range(c.cell_pattern_mode, 0, 4);
     }
     assert_true(n_ok > 0);

@@ -3,6 +3,8 @@
 
 #include <errno.h>
 
+#include "base/calibration.h"
+
 enum { WIDTH = 40, HEIGHT = 30, PIXELS = WIDTH * HEIGHT };
 
 static int set(lf_model_gud *gud, uint8_t request, uint8_t *data, size_t n)
@@ -248,7 +250,7 @@ static void impossible_displays_are_not_made(void **state)
     for (int i = 0; i < 6; i++)
         bad[i] = gud_options(WIDTH, HEIGHT);
     bad[0].width = 0;
-    bad[1].height = LF_GUD_MAX_SIDE + 1;
+    bad[1].height = LF_MAX_SIDE + 1;
     bad[2].n_formats = 0;
     bad[3].n_formats = 9;
     bad[4].formats = unknown;
