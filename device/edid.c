@@ -20,16 +20,6 @@ static void take_text(const uint8_t *descriptor, char out[16])
     lf_device_text(out, 16, text);
 }
 
-/* A detailed timing; the first one is the preferred one. */
-static void take_size(const uint8_t *d, lf_edid *out)
-{
-    int width = d[2] | (d[4] & 0xf0) << 4, height = d[5] | (d[7] & 0xf0) << 4;
-    if (width > 0 && height > 0) {
-        out->width_px = width;
-        out->height_px = height;
-    }
-}
-
 static lf_status check_block(const uint8_t *edid, size_t n, lf_error *err)
 {
     static const uint8_t header[8] = {0, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0};
@@ -52,18 +42,43 @@ lf_status lf_edid_parse(const uint8_t *edid, size_t n, lf_edid *out, lf_error *e
     if (status != LF_OK)
         return status;
     lf_edid found = {0};
+    lf_edid_timing preferred;
+    if (lf_edid_timing_read(edid, n, &preferred)) {
+        found.width_px = preferred.width;
+        found.height_px = preferred.height;
+    }
     for (int i = 0; i < N_DESCRIPTORS; i++) {
         const uint8_t *d = edid + DESCRIPTORS_AT + i * DESCRIPTOR;
         bool timing = d[0] != 0 || d[1] != 0;
-        if (i == 0 && timing)
-            take_size(d, &found);
-        else if (!timing && d[3] == TAG_NAME)
+        if (!timing && d[3] == TAG_NAME)
             take_text(d, found.name);
         else if (!timing && d[3] == TAG_SERIAL)
             take_text(d, found.serial);
     }
     *out = found;
     return LF_OK;
+}
+
+bool lf_edid_timing_read(const uint8_t *edid, size_t n, lf_edid_timing *out)
+{
+    if (n < BLOCK)
+        return false;
+    const uint8_t *t = edid + DESCRIPTORS_AT; /* the first descriptor is the preferred timing */
+    lf_edid_timing timing = {
+        .clock_khz = (t[0] | t[1] << 8) * 10,
+        .width = t[2] | (t[4] & 0xf0) << 4,
+        .h_front = t[8] | (t[11] & 0xc0) << 2,
+        .h_sync = t[9] | (t[11] & 0x30) << 4,
+        .h_blank = t[3] | (t[4] & 0x0f) << 8,
+        .height = t[5] | (t[7] & 0xf0) << 4,
+        .v_front = t[10] >> 4 | (t[11] & 0x0c) << 2,
+        .v_sync = (t[10] & 0x0f) | (t[11] & 0x03) << 4,
+        .v_blank = t[6] | (t[7] & 0x0f) << 8,
+    };
+    if (timing.clock_khz == 0 || timing.width == 0 || timing.height == 0)
+        return false;
+    *out = timing;
+    return true;
 }
 
 bool lf_edid_is_panel(const lf_edid *edid)

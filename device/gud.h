@@ -140,7 +140,7 @@ LF_NODISCARD lf_status lf_gud_properties_read(const uint8_t *data, size_t n, lf_
 LF_NODISCARD lf_status lf_gud_modes_read(const uint8_t *data, size_t n, lf_gud_mode out[LF_GUD_MAX_MODES], int *out_n,
                                          lf_error *err);
 void lf_gud_mode_write(const lf_gud_mode *mode, uint8_t out[LF_GUD_MODE_BYTES]);
-/* The preferred timing of an EDID of at least 128 bytes (VESA E-EDID A2 3.10.2), false when it has none. */
+/* The preferred timing of an EDID (lf_edid_timing_read) as a mode, false when it has none. */
 bool lf_gud_mode_from_edid(const uint8_t *edid, size_t n, lf_gud_mode *out);
 
 /* The mode to show in: of this size, or of any when width and height are 0; the preferred one first, then the first listed. A

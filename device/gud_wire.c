@@ -4,11 +4,12 @@
 #include <string.h>
 
 #include "base/calibration.h"
+#include "device/edid.h"
 
 #define MAGIC UINT32_C(0x1d50614d)
 #define WHERE "GUD display"
 
-enum { VERSION = 1, EDID_BLOCK = 128, EDID_TIMING = 54 };
+enum { VERSION = 1 };
 
 /* --------------------------------------------------------------------------------------------------------- numbers -- */
 
@@ -224,25 +225,19 @@ lf_status lf_gud_modes_read(const uint8_t *data, size_t n, lf_gud_mode out[LF_GU
 
 bool lf_gud_mode_from_edid(const uint8_t *edid, size_t n, lf_gud_mode *out)
 {
-    if (n < EDID_BLOCK)
-        return false;
-    const uint8_t *t = edid + EDID_TIMING;
-    int hactive = t[2] | (t[4] & 0xf0) << 4, hblank = t[3] | (t[4] & 0x0f) << 8;
-    int vactive = t[5] | (t[7] & 0xf0) << 4, vblank = t[6] | (t[7] & 0x0f) << 8;
-    int hfront = t[8] | (t[11] & 0xc0) << 2, hsync = t[9] | (t[11] & 0x30) << 4;
-    int vfront = t[10] >> 4 | (t[11] & 0x0c) << 2, vsync = (t[10] & 0x0f) | (t[11] & 0x03) << 4;
-    if (read16(t) == 0 || hactive == 0 || vactive == 0)
+    lf_edid_timing t;
+    if (!lf_edid_timing_read(edid, n, &t))
         return false;
     *out = (lf_gud_mode){
-        .clock_khz = (uint32_t)read16(t) * 10,
-        .hdisplay = (uint16_t)hactive,
-        .hsync_start = (uint16_t)(hactive + hfront),
-        .hsync_end = (uint16_t)(hactive + hfront + hsync),
-        .htotal = (uint16_t)(hactive + hblank),
-        .vdisplay = (uint16_t)vactive,
-        .vsync_start = (uint16_t)(vactive + vfront),
-        .vsync_end = (uint16_t)(vactive + vfront + vsync),
-        .vtotal = (uint16_t)(vactive + vblank),
+        .clock_khz = (uint32_t)t.clock_khz,
+        .hdisplay = (uint16_t)t.width,
+        .hsync_start = (uint16_t)(t.width + t.h_front),
+        .hsync_end = (uint16_t)(t.width + t.h_front + t.h_sync),
+        .htotal = (uint16_t)(t.width + t.h_blank),
+        .vdisplay = (uint16_t)t.height,
+        .vsync_start = (uint16_t)(t.height + t.v_front),
+        .vsync_end = (uint16_t)(t.height + t.v_front + t.v_sync),
+        .vtotal = (uint16_t)(t.height + t.v_blank),
         .flags = LF_GUD_MODE_PREFERRED,
     };
     return true;
