@@ -41,21 +41,30 @@ static const struct option table[] = {
     {NULL, 0, NULL, 0},
 };
 
-static lf_status parse(int argc, char **argv, const char **out_folder, const char **out_scenes, lf_error *err)
-{
-    int code = 0;
+typedef struct folders {
+    const char *out, *scenes;
+} folders;
 
-    for (;;) {
-        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
-        if (status != LF_OK)
-            return status;
-        if (code == -1)
-            break;
-        *(code == OPTION_OUT ? out_folder : out_scenes) = optarg;
-    }
+static lf_status take(void *context, int code, const char *text, lf_error *err)
+{
+    folders *f = context;
+
+    (void)err;
+    *(code == OPTION_OUT ? &f->out : &f->scenes) = text;
+    return LF_OK;
+}
+
+static lf_status parse(int argc, char **argv, folders *out, lf_error *err)
+{
+    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, NULL, NULL, take, out};
+    bool done = false;
+    lf_status status = lf_options_read(argc, argv, &rules, &done, err);
+
+    if (status != LF_OK)
+        return status;
     if (optind < argc)
         return lf_error_set(err, LF_E_ARG, argv[optind], "does not go with --out (see --help)");
-    return *out_folder ? LF_OK : lf_error_set(err, LF_E_ARG, "--out", "missing (see --help)");
+    return out->out ? LF_OK : lf_error_set(err, LF_E_ARG, "--out", "missing (see --help)");
 }
 
 /* The word with the folders filled in; caller frees. NULL = out of memory. */
@@ -104,25 +113,24 @@ static int run(const struct step *step, const char *scenes, const char *folder)
 
 int lf_bench_all(int argc, char **argv)
 {
-    const char *folder = NULL;
-    const char *scenes = NULL;
+    folders into = {0};
     lf_error err = {0};
     int code = LF_EXIT_OK;
 
-    if (parse(argc, argv, &folder, &scenes, &err) != LF_OK)
+    if (parse(argc, argv, &into, &err) != LF_OK)
         return lf_usage_error(LF_BENCH_PROGRAM, &err);
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
-        lf_error_set(&err, LF_E_IO, folder, "cannot make the folder: %s", strerror(errno));
+    if (mkdir(into.out, 0777) != 0 && errno != EEXIST) {
+        lf_error_set(&err, LF_E_IO, into.out, "cannot make the folder: %s", strerror(errno));
         return lf_bench_fail(&err);
     }
     /* make puts the scenes with their data beside the results */
-    char *beside = lf_path_join(folder, "../scenes");
+    char *beside = lf_path_join(into.out, "../scenes");
     if (!beside) {
-        lf_error_set(&err, LF_E_NOMEM, folder, "out of memory");
+        lf_error_set(&err, LF_E_NOMEM, into.out, "out of memory");
         return lf_bench_fail(&err);
     }
     for (int i = 0; i < N_STEPS; i++) {
-        int failed = run(&steps[i], scenes ? scenes : beside, folder);
+        int failed = run(&steps[i], into.scenes ? into.scenes : beside, into.out);
         code = failed ? failed : code; /* the others may still be of use */
     }
     lf_free(beside);

@@ -83,16 +83,12 @@ static lf_status take_contenders(curve *c, const char *text, lf_error *err)
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     curve *c = context;
-    int64_t number = 0;
-    lf_status status = LF_OK;
 
     switch (code) {
     case OPTION_CONTENDERS:
         return take_contenders(c, text, err);
     case OPTION_BUDGETS:
-        status = lf_parse_int("--budgets", text, 1, LF_MAX_BUDGETS, &number, err);
-        c->n_budgets = status == LF_OK ? (int)number : c->n_budgets;
-        return status;
+        return lf_parse_small("--budgets", text, 1, LF_MAX_BUDGETS, &c->n_budgets, err);
     default:
         c->plot = text;
         return LF_OK;

@@ -1,8 +1,6 @@
 /* quiltbench error REFERENCE PICTURE: how far one is from the other. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "base/alloc.h"
@@ -65,22 +63,17 @@ static void print_help(void)
            "  --json FILE        the numbers as JSON (- for stdout)\n");
 }
 
-static lf_status take(arguments *a, int code, const char *text, lf_error *err)
+static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
-    int64_t number = 0;
-    lf_status status = LF_OK;
+    arguments *a = context;
 
     switch (code) {
     case OPTION_QUILT:
         return lf_parse_tiles(text, &a->columns, &a->rows, err);
     case OPTION_VIEW:
-        status = lf_parse_int("--view", text, 0, LF_MAX_VIEWS - 1, &number, err);
-        a->view = (int)number;
-        return status;
+        return lf_parse_small("--view", text, 0, LF_MAX_VIEWS - 1, &a->view, err);
     case OPTION_BLOCK:
-        status = lf_parse_int("--block", text, 1, 65536, &number, err);
-        a->block = (int)number;
-        return status;
+        return lf_parse_small("--block", text, 1, 65536, &a->block, err);
     case OPTION_EPSILON:
         return lf_parse_double("--epsilon", text, 0, 1e9, &a->epsilon, err);
     case OPTION_MAX_MEAN:
@@ -97,24 +90,11 @@ static lf_status take(arguments *a, int code, const char *text, lf_error *err)
 
 static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
 {
-    int code = 0;
+    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, NULL, take, a};
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
 
-    *out_done = false;
-    for (;;) {
-        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
-        if (status != LF_OK)
-            return status;
-        if (code == -1)
-            break;
-        if (code == LF_OPTION_HELP) {
-            print_help();
-            *out_done = true;
-            return LF_OK;
-        }
-        status = take(a, code, optarg, err);
-        if (status != LF_OK)
-            return status;
-    }
+    if (status != LF_OK || *out_done)
+        return status;
     if (argc - optind != 2)
         return lf_error_set(err, LF_E_ARG, "error", "expects REFERENCE and PICTURE (see quiltbench error --help)");
     a->reference = argv[optind];
@@ -241,7 +221,7 @@ static lf_status write_json(const arguments *a, const lf_metrics *m, lf_error *e
         "reference_mean", m->reference_mean, "relative_mean", m->relative_mean, "bias", m->bias, "bias_se", m->bias_se, "block",
         m->block, "block_rms", m->block_rms, "nonfinite", (json_int_t)m->n_nonfinite, "nonfinite_reference",
         (json_int_t)m->n_nonfinite_reference, "holes", (json_int_t)m->n_holes, "pixels", (json_int_t)m->n_pixels);
-    lf_status status = object ? lf_bench_write_json(a->json, object, err) : lf_error_set(err, LF_E_NOMEM, a->json, "out of memory");
+    lf_status status = lf_bench_write_json(a->json, object, err);
 
     json_decref(object);
     return status;
@@ -286,7 +266,7 @@ static lf_status run(const arguments *a, lf_error *err)
     light_field_finish(&picture);
     if (status != LF_OK)
         return status;
-    if (!a->json || strcmp(a->json, "-") != 0)
+    if (!lf_bench_only_json(a->json))
         print_table(a, &metrics);
     if (a->json)
         status = write_json(a, &metrics, err);

@@ -110,23 +110,14 @@ static void print_help(void)
            "  --help                 this text\n");
 }
 
-static lf_status take_whole(const char *option, const char *text, int low, int *out, lf_error *err)
+static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
-    int64_t number = 0;
-    lf_status status = lf_parse_int(option, text, low, LF_TIMING_MAX, &number, err);
-
-    if (status == LF_OK)
-        *out = (int)number;
-    return status;
-}
-
-static lf_status take(arguments *a, int code, const char *text, lf_error *err)
-{
+    arguments *a = context;
     switch (code) {
     case OPTION_REPEAT:
-        return take_whole("--repeat", text, 1, &a->repeat, err);
+        return lf_parse_small("--repeat", text, 1, LF_TIMING_MAX, &a->repeat, err);
     case OPTION_SPEED_PASSES:
-        return take_whole("--speed-passes", text, 0, &a->speed_passes, err);
+        return lf_parse_small("--speed-passes", text, 0, LF_TIMING_MAX, &a->speed_passes, err);
     case OPTION_YAW:
         return lf_parse_double("--yaw", text, -180, 180, &a->yaw, err);
     case OPTION_SECONDS:
@@ -143,27 +134,11 @@ static lf_status take(arguments *a, int code, const char *text, lf_error *err)
 
 static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
 {
-    int code = 0;
-    bool taken = false;
+    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, &a->options, take, a};
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
 
-    *out_done = false;
-    for (;;) {
-        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
-        if (status != LF_OK)
-            return status;
-        if (code == -1)
-            break;
-        if (code == LF_OPTION_HELP || code == LF_OPTION_VERSION) {
-            code == LF_OPTION_HELP ? print_help() : lf_print_version(LF_BENCH_PROGRAM);
-            *out_done = true;
-            return LF_OK;
-        }
-        status = lf_options_take(&a->options, code, optarg, &taken, err);
-        if (status == LF_OK && !taken)
-            status = take(a, code, optarg, err);
-        if (status != LF_OK)
-            return status;
-    }
+    if (status != LF_OK || *out_done)
+        return status;
     if (argc - optind != 1)
         return lf_error_set(err, LF_E_ARG, "live", "expects one SCENE (see quiltbench live --help)");
     a->scene = argv[optind];
@@ -547,7 +522,7 @@ static lf_status write_json(const bench *b, lf_error *err)
                   quantiles(&b->complete), "shown", moments, "reference_rel_mse", b->reference_error, "updates_per_second",
                   quantiles(&b->updates), "wire_bytes_per_second", quantiles(&b->wire_bytes), "cpus", quantiles(&b->cpu),
                   "converged_cpus", b->idle_cpu, "speed_up", a->speed_passes > 0 ? json_real(b->speed_up) : json_null());
-    lf_status status = object ? lf_bench_write_json(a->json, object, err) : lf_error_set(err, LF_E_NOMEM, a->json, "out of memory");
+    lf_status status = lf_bench_write_json(a->json, object, err);
 
     json_decref(object);
     return status;

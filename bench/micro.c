@@ -2,7 +2,6 @@
  * against the plain C ones, bit for bit, and timed in turns with them. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -72,19 +71,13 @@ static void print_help(void)
            "  --help                 this text\n");
 }
 
-static lf_status take(arguments *a, int code, const char *text, lf_error *err)
+static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
-    bool taken = false;
-    int64_t number = 0;
-    lf_status status = lf_options_take(&a->options, code, text, &taken, err);
+    arguments *a = context;
 
-    if (status != LF_OK || taken)
-        return status;
     switch (code) {
     case OPTION_REPEAT:
-        status = lf_parse_int("--repeat", text, 1, LF_TIMING_MAX, &number, err);
-        a->repeat = (int)number;
-        return status;
+        return lf_parse_small("--repeat", text, 1, LF_TIMING_MAX, &a->repeat, err);
     case OPTION_FAULT:
         a->fault = true;
         return LF_OK;
@@ -96,24 +89,11 @@ static lf_status take(arguments *a, int code, const char *text, lf_error *err)
 
 static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
 {
-    int code = 0;
+    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, &a->options, take, a};
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
 
-    *out_done = false;
-    for (;;) {
-        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
-        if (status != LF_OK)
-            return status;
-        if (code == -1)
-            break;
-        if (code == LF_OPTION_HELP || code == LF_OPTION_VERSION) {
-            code == LF_OPTION_HELP ? print_help() : lf_print_version(LF_BENCH_PROGRAM);
-            *out_done = true;
-            return LF_OK;
-        }
-        status = take(a, code, optarg, err);
-        if (status != LF_OK)
-            return status;
-    }
+    if (status != LF_OK || *out_done)
+        return status;
     if (argc - optind != 1)
         return lf_error_set(err, LF_E_ARG, "micro", "expects one SCENE (see quiltbench micro --help)");
     a->scene = argv[optind];
@@ -456,8 +436,7 @@ static lf_status write_json(const bench *b, lf_error *err)
     json_t *object = json_pack("{s:s, s:o, s:i, s:i, s:i, s:i, s:f, s:O}", "scene", b->arguments->scene, "machine",
                                lf_bench_machine(), "views", rig->n_views, "width", rig->width, "height", rig->height, "repeat",
                                b->arguments->repeat, "optical_depth", b->mean_depth, "lines", b->lines);
-    lf_status status = object ? lf_bench_write_json(b->arguments->json, object, err)
-                              : lf_error_set(err, LF_E_NOMEM, b->arguments->json, "out of memory");
+    lf_status status = lf_bench_write_json(b->arguments->json, object, err);
 
     json_decref(object);
     return status;
@@ -476,7 +455,7 @@ int lf_bench_micro(int argc, char **argv)
         return LF_EXIT_OK;
     b.lines = json_array();
     lf_status status = b.lines ? prepare(&b, &err) : lf_error_set(&err, LF_E_NOMEM, a.scene, "out of memory");
-    if (status == LF_OK && (!a.json || strcmp(a.json, "-") != 0))
+    if (status == LF_OK && !lf_bench_only_json(a.json))
         printf("%s: %d views of %dx%d, the middle row: %.1f mean free paths deep where it meets anything\n\n", a.scene,
                b.renderer->rig.n_views, b.renderer->rig.width, b.renderer->rig.height, b.mean_depth);
     if (status == LF_OK)

@@ -1,6 +1,5 @@
 /* quiltbench quilt: what lies between resolved views and a panel, a file or a printer, against copying as many bytes. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -72,43 +71,23 @@ static void print_help(void)
         "  --json FILE            the numbers as JSON (- for stdout)\n");
 }
 
-static lf_status take(arguments *a, int code, const char *text, lf_error *err)
+static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
-    bool taken = false;
-    int64_t number = 0;
-    lf_status status = lf_options_take(&a->options, code, text, &taken, err);
+    arguments *a = context;
 
-    if (status != LF_OK || taken)
-        return status;
-    if (code == OPTION_REPEAT) {
-        status = lf_parse_int("--repeat", text, 1, LF_TIMING_MAX, &number, err);
-        a->repeat = (int)number;
-        return status;
-    }
+    if (code == OPTION_REPEAT)
+        return lf_parse_small("--repeat", text, 1, LF_TIMING_MAX, &a->repeat, err);
     a->json = text;
     return LF_OK;
 }
 
 static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
 {
-    int code = 0;
+    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, &a->options, take, a};
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
 
-    *out_done = false;
-    for (;;) {
-        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
-        if (status != LF_OK)
-            return status;
-        if (code == -1)
-            break;
-        if (code == LF_OPTION_HELP) {
-            print_help();
-            *out_done = true;
-            return LF_OK;
-        }
-        status = take(a, code, optarg, err);
-        if (status != LF_OK)
-            return status;
-    }
+    if (status != LF_OK || *out_done)
+        return status;
     for (; optind < argc; optind++) {
         if (a->n_panels == MAX_PANELS)
             return lf_error_set(err, LF_E_ARG, argv[optind], "more than %d panels", MAX_PANELS);
@@ -502,8 +481,7 @@ static lf_status measure_print(bench *b, const field *f, lf_error *err)
 static lf_status write_json(bench *b, lf_error *err)
 {
     json_t *object = json_pack("{s:o, s:i, s:O}", "machine", lf_bench_machine(), "repeat", b->arguments->repeat, "lines", b->lines);
-    lf_status status = object ? lf_bench_write_json(b->arguments->json, object, err)
-                              : lf_error_set(err, LF_E_NOMEM, b->arguments->json, "out of memory");
+    lf_status status = lf_bench_write_json(b->arguments->json, object, err);
 
     json_decref(object);
     return status;
@@ -525,7 +503,7 @@ int lf_bench_quilt(int argc, char **argv)
     lf_status status = b.lines && lf_pool_create(a.options.threads, &b.pool) == LF_OK
                            ? LF_OK
                            : lf_error_set(&err, LF_E_NOMEM, "quilt", "out of memory");
-    if (!a.json || strcmp(a.json, "-") != 0)
+    if (!lf_bench_only_json(a.json))
         printf("%-44s %7s %10s %10s %8s %10s %8s\n", "", "threads", "ms", "CPU ms", "GB/s", "copy CPU", "ratio");
     if (status == LF_OK)
         status = measure_panels(&b, &err);

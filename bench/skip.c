@@ -72,44 +72,29 @@ static void print_help(void)
            "  --json FILE            the numbers as JSON (- for stdout)\n");
 }
 
-static lf_status take(arguments *a, int code, const char *text, lf_error *err)
+static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
-    bool taken = false;
-    int64_t number = 0;
-    lf_status status = lf_options_take(&a->options, code, text, &taken, err);
+    arguments *a = context;
 
-    if (status != LF_OK || taken)
-        return status;
     switch (code) {
     case OPTION_PASSES:
         return lf_parse_int("--passes", text, 1, 1000000, &a->passes, err);
     case OPTION_REPEAT:
-        status = lf_parse_int("--repeat", text, 1, LF_TIMING_MAX, &number, err);
-        a->repeat = status == LF_OK ? (int)number : a->repeat;
-        return status;
+        return lf_parse_small("--repeat", text, 1, LF_TIMING_MAX, &a->repeat, err);
     default:
         a->json = text;
         return LF_OK;
     }
 }
 
-static lf_status parse(arguments *a, int argc, char **argv, bool *out_help, lf_error *err)
+static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
 {
-    int code = 0;
+    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, &a->options, take, a};
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
 
-    *out_help = false;
-    for (;;) {
-        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
-        if (status != LF_OK || code == -1)
-            return status == LF_OK && optind < argc ? lf_error_set(err, LF_E_ARG, argv[optind], "takes no arguments") : status;
-        if (code == LF_OPTION_HELP) {
-            *out_help = true;
-            return LF_OK;
-        }
-        status = take(a, code, optarg, err);
-        if (status != LF_OK)
-            return status;
-    }
+    if (status != LF_OK || *out_done)
+        return status;
+    return optind < argc ? lf_error_set(err, LF_E_ARG, argv[optind], "quiltbench skip takes options only") : LF_OK;
 }
 
 /* One picture from the start; CPU seconds of it. */
@@ -239,8 +224,7 @@ static lf_status report(const bench *b, lf_error *err)
         json_pack("{s:o, s:I, s:i, s:i, s:i, s:i, s:i, s:O}", "machine", lf_bench_machine(), "passes", (json_int_t)a->passes,
                   "repeat", a->repeat, "views", b->settings.camera.n_views, "width", b->settings.width, "height",
                   b->settings.height, "threads", lf_pool_threads(b->pool), "skips", b->lines);
-    lf_status status =
-        object ? lf_bench_write_json(a->json, object, err) : lf_error_set(err, LF_E_NOMEM, "--json", "out of memory");
+    lf_status status = lf_bench_write_json(a->json, object, err);
     json_decref(object);
     return status;
 }
@@ -250,14 +234,12 @@ int lf_bench_skip(int argc, char **argv)
     arguments a = {.options = {.view_width = 60, .view_height = 80}, .repeat = 5, .passes = 90};
     bench b = {.arguments = &a};
     lf_error err = {0};
-    bool help = false;
+    bool done = false;
 
-    if (parse(&a, argc, argv, &help, &err) != LF_OK)
+    if (parse(&a, argc, argv, &done, &err) != LF_OK)
         return lf_usage_error(LF_BENCH_PROGRAM, &err);
-    if (help) {
-        print_help();
+    if (done)
         return LF_EXIT_OK;
-    }
     lf_status status = lf_pool_create(a.options.threads, &b.pool);
     b.lines = json_array();
     if (status != LF_OK || !b.lines)

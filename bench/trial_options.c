@@ -23,33 +23,27 @@ lf_status lf_contender_parse(const char *option, const char *text, lf_contender 
     return status;
 }
 
-static lf_status take_int(const char *option, const char *text, int64_t high, int *out, lf_error *err)
+/* Where an option may belong: to all trials, else to the command. */
+typedef struct takers {
+    lf_trial_options *options;
+    const lf_trial_command *command;
+} takers;
+
+static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
-    int64_t number = 0;
-    lf_status status = lf_parse_int(option, text, 1, high, &number, err);
+    const takers *to = context;
+    lf_trial_options *options = to->options;
 
-    if (status == LF_OK)
-        *out = (int)number;
-    return status;
-}
-
-static lf_status take(lf_trial_options *options, const lf_trial_command *command, int code, const char *text, lf_error *err)
-{
-    bool taken = false;
-    lf_status status = lf_options_take(&options->common, code, text, &taken, err);
-
-    if (status != LF_OK || taken)
-        return status;
     switch (code) {
     case LF_TRIAL_OPTION_TIME:
         return lf_parse_double("--time", text, 1e-2, 1e6, &options->seconds, err);
     case LF_TRIAL_OPTION_SEEDS:
-        return take_int("--seeds", text, LF_MAX_SEEDS, &options->n_seeds, err);
+        return lf_parse_small("--seeds", text, 1, LF_MAX_SEEDS, &options->n_seeds, err);
     case LF_TRIAL_OPTION_REFERENCE:
         return lf_contender_parse("--reference", text, &options->reference, err);
     case LF_TRIAL_OPTION_REFERENCE_SPP:
         options->reference_seconds = 0;
-        return take_int("--reference-spp", text, 1 << 24, &options->reference_spp, err);
+        return lf_parse_small("--reference-spp", text, 1, 1 << 24, &options->reference_spp, err);
     case LF_TRIAL_OPTION_REFERENCE_TIME:
         return lf_parse_double("--reference-time", text, 1e-2, 1e6, &options->reference_seconds, err);
     case LF_TRIAL_OPTION_EPSILON:
@@ -58,31 +52,19 @@ static lf_status take(lf_trial_options *options, const lf_trial_command *command
         options->json = text;
         return LF_OK;
     default:
-        return command->take(command->context, code, text, err);
+        return to->command->take(to->command->context, code, text, err);
     }
 }
 
 lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv, lf_trial_options *options, bool *out_done,
                          lf_error *err)
 {
-    int code = 0;
+    takers to = {options, command};
+    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", command->table, command->print_help, &options->common, take, &to};
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
 
-    *out_done = false;
-    for (;;) {
-        lf_status status = lf_options_next(argc, argv, ":", command->table, &code, err);
-        if (status != LF_OK)
-            return status;
-        if (code == -1)
-            break;
-        if (code == LF_OPTION_HELP || code == LF_OPTION_VERSION) {
-            code == LF_OPTION_HELP ? command->print_help() : lf_print_version(LF_BENCH_PROGRAM);
-            *out_done = true;
-            return LF_OK;
-        }
-        status = take(options, command, code, optarg, err);
-        if (status != LF_OK)
-            return status;
-    }
+    if (status != LF_OK || *out_done)
+        return status;
     if (argc - optind != 1)
         return lf_error_set(err, LF_E_ARG, command->name, "expects one %s (see quiltbench %s --help)", command->operand,
                             command->name);

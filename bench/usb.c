@@ -62,39 +62,23 @@ static void print_help(void)
            "  --json FILE            the numbers as JSON (- for stdout)\n");
 }
 
-static lf_status take(arguments *a, int code, const char *text, lf_error *err)
+static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
-    int64_t number = 0;
+    arguments *a = context;
 
-    if (code == OPTION_REPEAT) {
-        lf_status status = lf_parse_int("--repeat", text, 1, LF_TIMING_MAX, &number, err);
-        a->repeat = (int)number;
-        return status;
-    }
+    if (code == OPTION_REPEAT)
+        return lf_parse_small("--repeat", text, 1, LF_TIMING_MAX, &a->repeat, err);
     a->json = text;
     return LF_OK;
 }
 
 static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
 {
-    int code = 0;
+    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, NULL, take, a};
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
 
-    *out_done = false;
-    for (;;) {
-        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
-        if (status != LF_OK)
-            return status;
-        if (code == -1)
-            break;
-        if (code == LF_OPTION_HELP) {
-            print_help();
-            *out_done = true;
-            return LF_OK;
-        }
-        status = take(a, code, optarg, err);
-        if (status != LF_OK)
-            return status;
-    }
+    if (status != LF_OK || *out_done)
+        return status;
     return optind < argc ? lf_error_set(err, LF_E_ARG, argv[optind], "quiltbench usb takes options only") : LF_OK;
 }
 

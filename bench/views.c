@@ -54,18 +54,18 @@ static void print_help(void)
 static lf_status take_counts(study *s, const char *text, lf_error *err)
 {
     char word[16];
-    int64_t number = 0;
+    int number = 0;
 
     s->n_counts = 0;
     for (const char *at = text; at;) {
         size_t n = strcspn(at, ",");
         snprintf(word, sizeof word, "%.*s", (int)(n < sizeof word ? n : sizeof word - 1), at);
-        lf_status status = lf_parse_int("--counts", word, 1, LF_MAX_VIEWS, &number, err);
+        lf_status status = lf_parse_small("--counts", word, 1, LF_MAX_VIEWS, &number, err);
         if (status != LF_OK)
             return status;
         if (s->n_counts == MAX_COUNTS || (s->n_counts > 0 && number <= s->counts[s->n_counts - 1]))
             return lf_error_set(err, LF_E_ARG, "--counts", "expects at most %d rising numbers", MAX_COUNTS);
-        s->counts[s->n_counts++] = (int)number;
+        s->counts[s->n_counts++] = number;
         at = at[n] ? at + n + 1 : NULL;
     }
     return LF_OK;
@@ -74,8 +74,6 @@ static lf_status take_counts(study *s, const char *text, lf_error *err)
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     study *s = context;
-    int64_t number = 0;
-    lf_status status = LF_OK;
 
     switch (code) {
     case OPTION_COUNTS:
@@ -83,9 +81,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     case OPTION_CONTENDER:
         return lf_contender_parse("--contender", text, &s->who, err);
     case OPTION_SPP:
-        status = lf_parse_int("--spp", text, 1, 1 << 20, &number, err);
-        s->spp = status == LF_OK ? (int)number : s->spp;
-        return status;
+        return lf_parse_small("--spp", text, 1, 1 << 20, &s->spp, err);
     default:
         s->plot = text;
         return LF_OK;

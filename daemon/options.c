@@ -25,16 +25,6 @@ static lf_status parse_view_size(lf_options *options, const char *text, lf_error
     return LF_OK;
 }
 
-static lf_status parse_small(const char *option, const char *text, int low, int high, int *out, lf_error *err)
-{
-    int64_t value = 0;
-    lf_status status = lf_parse_int(option, text, low, high, &value, err);
-
-    if (status == LF_OK)
-        *out = (int)value;
-    return status;
-}
-
 /* --------------------------------------------------------------------------------------------------------- names -- */
 
 static lf_status find_integrator(const char *name, const char **out, lf_error *err)
@@ -66,7 +56,7 @@ static lf_status take_view_option(lf_options *options, int code, const char *arg
     case LF_OPTION_PRESET:
         return blame(lf_preset_find(argument, &options->preset, err), "--preset", err);
     case LF_OPTION_VIEWS:
-        return parse_small("--views", argument, 1, LF_MAX_VIEWS, &options->views, err);
+        return lf_parse_small("--views", argument, 1, LF_MAX_VIEWS, &options->views, err);
     case LF_OPTION_QUILT:
         return blame(lf_parse_tiles(argument, &options->columns, &options->rows, err), "--quilt", err);
     case LF_OPTION_VIEW_SIZE:
@@ -94,7 +84,7 @@ static lf_status take_render_option(lf_options *options, int code, const char *a
         options->has_sampler |= status == LF_OK;
         return status;
     case LF_OPTION_THREADS:
-        return parse_small("--threads", argument, 1, MAX_THREADS, &options->threads, err);
+        return lf_parse_small("--threads", argument, 1, MAX_THREADS, &options->threads, err);
     case LF_OPTION_SEED:
         status = lf_parse_seed("--seed", argument, &options->seed, err);
         options->has_seed |= status == LF_OK;
@@ -102,7 +92,7 @@ static lf_status take_render_option(lf_options *options, int code, const char *a
     case LF_OPTION_SKIP:
         return blame(lf_skip_parse(argument, &options->kept, err), "--skip", err);
     case LF_OPTION_MAX_DEPTH:
-        return parse_small("--max-depth", argument, 1, MAX_DEPTH, &options->max_depth, err);
+        return lf_parse_small("--max-depth", argument, 1, MAX_DEPTH, &options->max_depth, err);
     default:
         assert(code == LF_OPTION_TARGET_ERROR);
         return lf_parse_double("--target-error", argument, 1e-12, 1e6, &options->target_error, err);

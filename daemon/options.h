@@ -104,6 +104,22 @@ enum {
 LF_NODISCARD lf_status lf_options_next(int argc, char *const argv[], const char *letters, const struct option *table, int *out_code,
                                        lf_error *err);
 
+/* What the command line of a program, or of one of its commands, consists of. */
+typedef struct lf_options_rules {
+    const char *program;        /* what --version names */
+    const char *letters;        /* as for lf_options_next */
+    const struct option *table; /* with LF_OPTION_HELP and LF_OPTION_VERSION where they are to be taken */
+    void (*print_help)(void);   /* for LF_OPTION_HELP */
+    lf_options *shared;         /* takes the shared options of the table; NULL = take is given them too */
+    /* takes the others, with the context below */
+    lf_status (*take)(void *context, int code, const char *argument, lf_error *err);
+    void *context;
+} lf_options_rules;
+
+/* Takes all options; optind is then the first operand. *out_done: help or the version was asked for and printed, and nothing behind it
+ * was read. Errors of lf_options_next, lf_options_take and take. */
+LF_NODISCARD lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *rules, bool *out_done, lf_error *err);
+
 /* Takes a shared option with its argument; *out_taken tells whether code was one (HELP and VERSION are left to the program).
  * LF_E_ARG for an argument that is no good; options untouched then. */
 LF_NODISCARD lf_status lf_options_take(lf_options *options, int code, const char *argument, bool *out_taken, lf_error *err);
@@ -117,6 +133,8 @@ void lf_print_version(const char *program);
  * locale; NaN and infinities are refused. */
 LF_NODISCARD lf_status lf_parse_int(const char *option, const char *text, int64_t low, int64_t high, int64_t *out, lf_error *err);
 LF_NODISCARD lf_status lf_parse_double(const char *option, const char *text, double low, double high, double *out, lf_error *err);
+/* As lf_parse_int, into an int; out untouched on failure. */
+LF_NODISCARD lf_status lf_parse_small(const char *option, const char *text, int low, int high, int *out, lf_error *err);
 /* "A<separator>B", e.g. "420x560" or "60.13@600", each within [low, high]. */
 LF_NODISCARD lf_status lf_parse_pair(const char *option, const char *text, char separator, double low, double high, double out[2],
                                      lf_error *err);

@@ -51,6 +51,29 @@ lf_status lf_options_next(int argc, char *const argv[], const char *letters, con
     return lf_error_set(err, LF_E_ARG, where, "unknown option (see --help)");
 }
 
+lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *rules, bool *out_done, lf_error *err)
+{
+    *out_done = false;
+    for (;;) {
+        int code = 0;
+        bool taken = false;
+        lf_status status = lf_options_next(argc, argv, rules->letters, rules->table, &code, err);
+        if (status != LF_OK || code == -1)
+            return status;
+        if (code == LF_OPTION_HELP || code == LF_OPTION_VERSION) {
+            code == LF_OPTION_HELP ? rules->print_help() : lf_print_version(rules->program);
+            *out_done = true;
+            return LF_OK;
+        }
+        if (rules->shared)
+            status = lf_options_take(rules->shared, code, optarg, &taken, err);
+        if (status == LF_OK && !taken)
+            status = rules->take(rules->context, code, optarg, err);
+        if (status != LF_OK)
+            return status;
+    }
+}
+
 int lf_usage_error(const char *program, const lf_error *err)
 {
     char line[1400];
@@ -93,6 +116,16 @@ static bool read_double(const char *text, char stop, double low, double high, do
     *out = value;
     *out_end = end;
     return true;
+}
+
+lf_status lf_parse_small(const char *option, const char *text, int low, int high, int *out, lf_error *err)
+{
+    int64_t value = 0;
+    lf_status status = lf_parse_int(option, text, low, high, &value, err);
+
+    if (status == LF_OK)
+        *out = (int)value;
+    return status;
 }
 
 lf_status lf_parse_double(const char *option, const char *text, double low, double high, double *out, lf_error *err)

@@ -47,24 +47,24 @@ static void print_help(void)
            "Exit status: 0, 1 when the daemon refused, 2 for wrong usage, 3 when no daemon answers.\n");
 }
 
+static lf_status take(void *context, int code, const char *text, lf_error *err)
+{
+    arguments *a = context;
+    (void)err;
+    if (code == OPTION_SOCKET) {
+        a->socket = text;
+    } else {
+        a->json = true;
+    }
+    return LF_OK;
+}
+
 static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool *out_done, lf_error *err)
 {
-    for (;;) {
-        int code;
-        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
-        if (status != LF_OK) {
-            return status;
-        }
-        if (code < 0) {
-            break;
-        }
-        if (code == LF_OPTION_HELP || code == LF_OPTION_VERSION) {
-            code == LF_OPTION_HELP ? print_help() : lf_print_version(PROGRAM);
-            *out_done = true;
-            return LF_OK;
-        }
-        a->socket = code == OPTION_SOCKET ? optarg : a->socket;
-        a->json = a->json || code == OPTION_JSON;
+    const lf_options_rules rules = {PROGRAM, ":", table, print_help, NULL, take, a};
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
+    if (status != LF_OK || *out_done) {
+        return status;
     }
     if (optind >= argc) {
         return lf_error_set(err, LF_E_ARG, "METHOD", "is missing; quiltctl --help");

@@ -1,7 +1,6 @@
 /* quiltd: the daemon. See docs/man/quiltd.1. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
@@ -55,8 +54,9 @@ static void print_help(void)
         "  --run-for SECONDS      ends by itself\n" LF_OPTIONS_HELP_LAST);
 }
 
-static lf_status take_own(lf_server_config *config, int code, const char *text, lf_error *err)
+static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
+    lf_server_config *config = context;
     switch (code) {
     case OPTION_SOCKET:
         config->socket = text;
@@ -88,31 +88,6 @@ static lf_status take_own(lf_server_config *config, int code, const char *text, 
     }
 }
 
-/* Reads the command line; *out_done: only help or the version was asked for. */
-static lf_status read_arguments(int argc, char *const argv[], lf_server_config *config, bool *out_done, lf_error *err)
-{
-    for (;;) {
-        int code;
-        bool taken;
-        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
-        if (status != LF_OK || code < 0) {
-            return status;
-        }
-        if (code == LF_OPTION_HELP || code == LF_OPTION_VERSION) {
-            code == LF_OPTION_HELP ? print_help() : lf_print_version(PROGRAM);
-            *out_done = true;
-            return LF_OK;
-        }
-        status = lf_options_take(&config->options, code, optarg, &taken, err);
-        if (status == LF_OK && !taken) {
-            status = take_own(config, code, optarg, err);
-        }
-        if (status != LF_OK) {
-            return status;
-        }
-    }
-}
-
 /* The scene's absolute path: clients and relative files go by its folder. Owned by the caller. */
 static char *absolute_scene(const char *scene)
 {
@@ -137,11 +112,12 @@ static lf_status check_tiles(const lf_options *options, lf_error *err)
 int main(int argc, char *argv[])
 {
     lf_server_config config = {.device = "auto"};
+    const lf_options_rules rules = {PROGRAM, ":", table, print_help, &config.options, take, &config};
     lf_error err;
     bool done = false;
     lf_button_actions_default(&config.buttons);
     lf_log_init(PROGRAM, LF_LOG_INFO);
-    if (read_arguments(argc, argv, &config, &done, &err) != LF_OK) {
+    if (lf_options_read(argc, argv, &rules, &done, &err) != LF_OK) {
         return lf_usage_error(PROGRAM, &err);
     }
     if (done) {

@@ -184,8 +184,10 @@ static lf_status take_lie(const char *text, int *out, lf_error *err)
     return lf_error_set(err, LF_E_ARG, "--lie", "\"%s\" is no lie that is known (see --help)", text);
 }
 
-static lf_status take(lf_simulator_config *config, const struct option_rule *rule, const char *text, lf_error *err)
+static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
+    lf_simulator_config *config = context;
+    const struct option_rule *rule = &rules[code - LF_OPTION_OWN];
     char where[64];
     void *to = (char *)config + rule->offset;
     snprintf(where, sizeof where, "--%s", rule->name);
@@ -217,22 +219,10 @@ static lf_status read_arguments(int argc, char *const argv[], lf_simulator_confi
     for (int i = 0; i < N_RULES; i++)
         table[2 + i] =
             (struct option){rules[i].name, rules[i].kind == FLAG ? no_argument : required_argument, NULL, LF_OPTION_OWN + i};
-    for (;;) {
-        int code;
-        lf_status status = lf_options_next(argc, argv, ":", table, &code, err);
-        if (status != LF_OK)
-            return status;
-        if (code == -1)
-            break;
-        if (code == LF_OPTION_HELP || code == LF_OPTION_VERSION) {
-            code == LF_OPTION_HELP ? print_help() : lf_print_version(PROGRAM);
-            *out_done = true;
-            return LF_OK;
-        }
-        status = take(config, &rules[code - LF_OPTION_OWN], optarg, err);
-        if (status != LF_OK)
-            return status;
-    }
+    const lf_options_rules reading = {PROGRAM, ":", table, print_help, NULL, take, config};
+    lf_status status = lf_options_read(argc, argv, &reading, out_done, err);
+    if (status != LF_OK || *out_done)
+        return status;
     return optind < argc ? lf_error_set(err, LF_E_ARG, argv[optind], "expects options alone (see --help)") : LF_OK;
 }
 

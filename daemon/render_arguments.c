@@ -286,30 +286,24 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     return choose_kind(a, err);
 }
 
+static lf_status take(void *context, int code, const char *text, lf_error *err)
+{
+    lf_render_arguments *a = context;
+    bool taken = false;
+    lf_status status = lf_options_take(&a->options, code, text, &taken, err);
+
+    if (status == LF_OK && !taken)
+        status = take_own(a, code, text, err);
+    if (status == LF_OK && !a->render_option && is_render_option(code))
+        a->render_option = name_of_option(code);
+    return status;
+}
+
 lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_arguments *a, bool *out_done, lf_error *err)
 {
     *a = (lf_render_arguments){.print = {.bits = 8}};
-    int code = 0;
-    bool taken = false;
+    const lf_options_rules rules = {LF_RENDER_PROGRAM, ":o:", table, print_help, NULL, take, a};
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
 
-    *out_done = false;
-    for (;;) {
-        lf_status status = lf_options_next(argc, argv, ":o:", table, &code, err);
-        if (status != LF_OK)
-            return status;
-        if (code == -1)
-            return check_arguments(a, argc, argv, err);
-        if (code == LF_OPTION_HELP || code == LF_OPTION_VERSION) {
-            *out_done = true;
-            code == LF_OPTION_HELP ? print_help() : lf_print_version(LF_RENDER_PROGRAM);
-            return LF_OK;
-        }
-        status = lf_options_take(&a->options, code, optarg, &taken, err);
-        if (status == LF_OK && !taken)
-            status = take_own(a, code, optarg, err);
-        if (status != LF_OK)
-            return status;
-        if (!a->render_option && is_render_option(code))
-            a->render_option = name_of_option(code);
-    }
+    return status != LF_OK || *out_done ? status : check_arguments(a, argc, argv, err);
 }

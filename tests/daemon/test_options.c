@@ -9,31 +9,84 @@ static const struct option table[] = {
     {NULL, 0, NULL, 0},
 };
 
+/* What was handed to the program itself. */
+typedef struct own {
+    int n, last_code;
+    const char *last;
+    bool done;
+    int helps;
+} own;
+
+static own got;
+
+static void count_help(void)
+{
+    got.helps++;
+}
+
+static lf_status take_own(void *context, int code, const char *text, lf_error *err)
+{
+    own *o = context;
+
+    if (text && strcmp(text, "bad") == 0)
+        return lf_error_set(err, LF_E_ARG, "--own", "is bad");
+    o->n++;
+    o->last_code = code;
+    o->last = text;
+    return LF_OK;
+}
+
 /* Reads a whole command line (words parted by blanks); the first status that is not LF_OK. */
 static lf_status read_line(const char *text, lf_options *options, lf_error *err)
 {
     static char copy[1024];
     char *argv[32] = {(char[]){"program"}};
+    const lf_options_rules rules = {"program", ":o:", table, count_help, options, take_own, &got};
     int argc = 1;
-    int code = 0;
-    bool taken = false;
 
     *options = (lf_options){0};
     *err = (lf_error){0};
+    got = (own){0};
     snprintf(copy, sizeof copy, "%s", text);
     for (char *word = strtok(copy, " "); word && argc < 31; word = strtok(NULL, " "))
         argv[argc++] = word;
     optind = 0; /* GNU: start over */
-    for (;;) {
-        lf_status status = lf_options_next(argc, argv, ":o:", table, &code, err);
-        if (status != LF_OK || code == -1)
-            return status;
-        status = lf_options_take(options, code, optarg, &taken, err);
-        if (status != LF_OK)
-            return status;
-        if (!taken)
-            assert_true(code == 'o' || code == LF_OPTION_OWN || code == LF_OPTION_HELP || code == LF_OPTION_VERSION);
-    }
+    return lf_options_read(argc, argv, &rules, &got.done, err);
+}
+
+static void options_of_the_program_itself_are_handed_to_it_until_one_is_bad(void **state)
+{
+    lf_options o;
+    lf_error err;
+    (void)state;
+
+    lf_assert_ok(read_line("--own one --views 7 -o two operand", &o, &err), &err);
+    assert_int_equal(got.n, 2);
+    assert_int_equal(got.last_code, 'o');
+    assert_string_equal(got.last, "two");
+    assert_int_equal(o.views, 7);
+    assert_false(got.done);
+    assert_int_equal(optind, 7); /* the operand */
+    lf_assert_status(read_line("--own bad --own behind", &o, &err), LF_E_ARG, &err);
+    assert_string_equal(err.what, "is bad");
+    assert_int_equal(got.n, 0);
+}
+
+static void nothing_is_read_behind_help_and_version(void **state)
+{
+    lf_options o;
+    lf_error err;
+    (void)state;
+
+    lf_assert_ok(read_line("--views 7 --help --own bad --unknown", &o, &err), &err);
+    assert_true(got.done);
+    assert_int_equal(got.helps, 1);
+    assert_int_equal(o.views, 7);
+    lf_assert_ok(read_line("--version --unknown", &o, &err), &err);
+    assert_true(got.done);
+    assert_int_equal(got.helps, 0);
+    lf_assert_status(read_line("--unknown --help", &o, &err), LF_E_ARG, &err);
+    assert_false(got.done);
 }
 
 static void every_shared_option_is_taken(void **state)
@@ -289,6 +342,8 @@ static void any_number_of_views_finds_tiles(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(options_of_the_program_itself_are_handed_to_it_until_one_is_bad),
+        cmocka_unit_test(nothing_is_read_behind_help_and_version),
         cmocka_unit_test(every_shared_option_is_taken),
         cmocka_unit_test(wrong_words_are_refused_with_the_option_and_what_it_expects),
         cmocka_unit_test(pairs_and_numbers_read_what_was_typed),
