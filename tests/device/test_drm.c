@@ -1,9 +1,8 @@
 /* The drm device over a kernel of the test's own: finding, taking over, showing by three kinds of drivers, and every step failing. */
-#include "tests/testing.h"
+#include "tests/device/device_testing.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <poll.h>
 #include <pthread.h>
 #include <sys/eventfd.h>
 
@@ -14,7 +13,6 @@
 enum {
     WIDTH = 64,
     HEIGHT = 48,
-    WAIT_MS = 20000,
     MAX_BUFFERS = 8,
     PITCH = WIDTH * 4 + 64,
     CRTC = 40,
@@ -606,23 +604,6 @@ static void scribble(lf_image8 *frame, const lf_rect *r, int seed)
             frame->data[(size_t)y * frame->stride + (size_t)i] = (uint8_t)(seed * 37 + y * 5 + i * 3);
 }
 
-static lf_device_event outcome(lf_device *device)
-{
-    struct pollfd p = {.fd = device->ops->poll_fd(device), .events = POLLIN};
-    while (poll(&p, 1, WAIT_MS) == 1) {
-        lf_device_event event = device->ops->dispatch(device);
-        if (event != LF_DEVICE_BUSY)
-            return event;
-    }
-    return LF_DEVICE_BUSY;
-}
-
-static lf_device_event push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n)
-{
-    lf_assert_ok(device->ops->push(device, frame, rects, n, 1), NULL);
-    return outcome(device);
-}
-
 static bool is_picture(uint8_t picture[HEIGHT][WIDTH][4], const lf_image8 *frame)
 {
     for (int y = 0; y < HEIGHT; y++)
@@ -642,20 +623,6 @@ static bool shows(const lf_image8 *frame)
         fake.shown.fb >= 1000 && is_picture(fake.glass, frame) && is_picture(fake.buffers[fake.shown.fb - 1000].uploaded, frame);
     pthread_mutex_unlock(&fake.lock);
     return good;
-}
-
-static lf_device_info info_of(const lf_device *device)
-{
-    lf_device_info info;
-    device->ops->info(device, &info);
-    return info;
-}
-
-static lf_device_counters counters_of(const lf_device *device)
-{
-    lf_device_counters counters;
-    device->ops->counters(device, &counters);
-    return counters;
 }
 
 /* ------------------------------------------------------------------------------------------------------- finding -- */
@@ -723,7 +690,7 @@ static void looking_glass_is_found_by_its_edid(void **state)
     (void)state;
     plug_in(true);
     lf_device *device = open_drm();
-    lf_device_info info = info_of(device);
+    lf_device_info info = device_info_of(device);
     assert_string_equal(info.spec, "drm:card0/DP-1");
     assert_string_equal(info.model, "LKG-TEST");
     assert_string_equal(info.output, "card0/DP-1 64x48 at 60 Hz");
@@ -776,8 +743,8 @@ static void calibration_is_found_by_what_the_monitor_is_called(void **state)
     lf_cache_store(&found);
     lf_assert_ok(lf_drm_open(&fake_kms, "", NULL, &device, &err), &err);
     assert_int_equal(device->ops->calibration(device)->screen_width_px, WIDTH);
-    assert_string_equal(info_of(device).serial, "LKG-TEST");
-    assert_non_null(strstr(info_of(device).calibration_from, dir));
+    assert_string_equal(device_info_of(device).serial, "LKG-TEST");
+    assert_non_null(strstr(device_info_of(device).calibration_from, dir));
     lf_device_destroy(device);
     nothing_is_left();
     unsetenv("CACHE_DIRECTORY");
@@ -860,7 +827,7 @@ static void rectangles_make_the_frame(bool atomic, bool no_page_flip)
     lf_device *device = open_drm();
     lf_image8 frame = make_frame();
     scribble(&frame, &whole, 1);
-    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     uint64_t pushes = 1, rects_pushed = 1;
     for (int i = 2; i < 200; i++) {
         lf_rect rects[80];
@@ -871,15 +838,15 @@ static void rectangles_make_the_frame(bool atomic, bool no_page_flip)
             rects[k].height = 1 + (i * 3 + k) % (HEIGHT - rects[k].y);
             scribble(&frame, &rects[k], i);
         }
-        assert_int_equal(push(device, &frame, rects, n), LF_DEVICE_READY);
+        assert_int_equal(device_push(device, &frame, rects, n), LF_DEVICE_READY);
         assert_true(shows(&frame));
         pushes += n > 0;
         rects_pushed += (uint64_t)n;
     }
     frame.data[0] ^= 1;
     assert_false(shows(&frame));
-    assert_int_equal(counters_of(device).updates, rects_pushed);
-    assert_int_equal(counters_of(device).errors, 0);
+    assert_int_equal(device_counters_of(device).updates, rects_pushed);
+    assert_int_equal(device_counters_of(device).errors, 0);
     assert_int_equal(fake.modes, no_page_flip ? pushes : 1);
     assert_int_equal(fake.flips, no_page_flip ? 0 : pushes - 1);
     lf_image8_finish(&frame);
@@ -915,7 +882,7 @@ static void pixels_are_shown_unchanged_and_the_rest_is_put_back(void **state)
         plug_in(legacy == 0);
         lf_device *device = open_drm();
         lf_image8 frame = make_frame();
-        assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+        assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
         assert_int_equal(fake.connector[N_RANGE], 1);
         assert_int_equal(fake.connector[N_DEPTH], 8);
         if (legacy == 0) {
@@ -925,7 +892,7 @@ static void pixels_are_shown_unchanged_and_the_rest_is_put_back(void **state)
             assert_int_equal(fake.crtc[C_ACTIVE], 1);
             assert_int_equal(fake.cursor[P_FB], 0);
         }
-        assert_string_equal(info_of(device).problem, "");
+        assert_string_equal(device_info_of(device).problem, "");
         lf_image8_finish(&frame);
         lf_device_destroy(device);
         assert_int_equal(fake.connector[N_RANGE], 0);
@@ -943,9 +910,9 @@ static void refused_wishes_are_told_and_the_rest_is_shown(void **state)
         fake.wishes_refused = true;
         lf_device *device = open_drm();
         lf_image8 frame = make_frame();
-        assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+        assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
         assert_true(shows(&frame));
-        assert_non_null(strstr(info_of(device).problem, "full colour range"));
+        assert_non_null(strstr(device_info_of(device).problem, "full colour range"));
         lf_image8_finish(&frame);
         lf_device_destroy(device);
         nothing_is_left();
@@ -969,7 +936,7 @@ static void pushes_of_the_wrong_shape_are_refused(void **state)
     lf_assert_status(device->ops->push(device, &frame, &whole, LF_DEVICE_MAX_RECTS + 1, 1), LF_E_ARG, NULL);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
     lf_assert_ok(device->ops->push(device, &frame, &whole, 1, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     lf_image8_finish(&frame);
     lf_image8_finish(&small);
     lf_device_destroy(device);
@@ -987,17 +954,17 @@ static void failed_picture_is_told_once_and_the_next_sets_the_mode(void **state)
         lf_device *device = open_drm();
         lf_image8 frame = make_frame();
         for (int i = 1; i < at; i++)
-            assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
-        assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_RETRY);
+            assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
+        assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_RETRY);
         assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
-        assert_non_null(strstr(info_of(device).problem, "DP-1 does not take pictures: Permission denied"));
+        assert_non_null(strstr(device_info_of(device).problem, "DP-1 does not take pictures: Permission denied"));
         int modes = fake.modes;
         scribble(&frame, &whole, 9);
-        assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+        assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
         assert_int_equal(fake.modes, modes + 1);
         assert_true(shows(&frame));
-        assert_string_equal(info_of(device).problem, "");
-        assert_int_equal(counters_of(device).errors, 1);
+        assert_string_equal(device_info_of(device).problem, "");
+        assert_int_equal(device_counters_of(device).errors, 1);
         lf_image8_finish(&frame);
         lf_device_destroy(device);
         nothing_is_left();
@@ -1010,16 +977,16 @@ static void flip_without_an_end_is_given_up(void **state)
     plug_in(true);
     lf_device *device = open_drm();
     lf_image8 frame = make_frame();
-    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     fake.silent = true;
     lf_assert_ok(device->ops->push(device, &frame, &whole, 1, 2), NULL);
     lf_assert_status(device->ops->push(device, &frame, &whole, 1, 3), LF_E_STATE, NULL);
     lf_assert_status(device->ops->flush(device, 10), LF_E_TIMEOUT, NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_RETRY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_RETRY);
     pthread_mutex_lock(&fake.lock);
     fake.silent = false;
     pthread_mutex_unlock(&fake.lock);
-    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     assert_int_equal(fake.modes, 2);
     lf_assert_ok(device->ops->push(device, &frame, &whole, 1, 5), NULL);
     lf_device_destroy(device); /* in the middle of a push */
@@ -1030,7 +997,7 @@ static void flip_without_an_end_is_given_up(void **state)
 
 static void stays_gone(lf_device *device, const lf_image8 *frame)
 {
-    assert_int_equal(outcome(device), LF_DEVICE_GONE);
+    assert_int_equal(device_outcome(device), LF_DEVICE_GONE);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_GONE);
     lf_assert_status(device->ops->push(device, frame, &whole, 1, 9), LF_E_NODEV, NULL);
     lf_assert_status(device->ops->flush(device, 10), LF_E_NODEV, NULL);
@@ -1056,9 +1023,9 @@ static void unplugged_monitor_is_told(void **state)
     lf_image8 frame = make_frame();
     plug_in(true);
     lf_device *device = open_drm();
-    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     announce(); /* of another display */
-    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     set_connected(false);
     announce();
     stays_gone(device, &frame);
@@ -1079,7 +1046,7 @@ static void unplugged_card_is_told(void **state)
     fake.fail_show = 2;
     fake.fail_with = ENODEV;
     lf_device *device = open_drm();
-    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     lf_assert_ok(device->ops->push(device, &frame, &whole, 1, 2), NULL);
     stays_gone(device, &frame);
     plug_in(true);
@@ -1099,7 +1066,7 @@ static void link_that_fails_is_set_up_again(void **state)
     lf_device *device = open_drm();
     lf_image8 frame = make_frame();
     scribble(&frame, &whole, 3);
-    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     pthread_mutex_lock(&fake.lock);
     fake.connector[N_LINK] = DRM_MODE_LINK_STATUS_BAD;
     pthread_mutex_unlock(&fake.lock);

@@ -1,9 +1,8 @@
 /* The simulated panel: pushes, every fault, the lock, and what lies in its folder. */
-#include "tests/testing.h"
+#include "tests/device/device_testing.h"
 
 #include <fcntl.h>
 #include <inttypes.h>
-#include <poll.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
@@ -11,7 +10,7 @@
 #include "base/thread.h"
 #include "device/sim.h"
 
-enum { WIDTH = 96, HEIGHT = 128, FLUSH_MS = 20000 };
+enum { WIDTH = 96, HEIGHT = 128 };
 
 static lf_calibration small_panel(void)
 {
@@ -57,38 +56,6 @@ static lf_status push_seed(lf_device *device, int seed)
     lf_status status = device->ops->push(device, &frame, &whole, 1, (uint64_t)seed);
     lf_image8_finish(&frame);
     return status;
-}
-
-static bool rings(const lf_device *device, int timeout_ms)
-{
-    struct pollfd p = {.fd = device->ops->poll_fd(device), .events = POLLIN};
-    return poll(&p, 1, timeout_ms) == 1;
-}
-
-/* Waits as the daemon does until the push has ended, and says how. */
-static lf_device_event outcome(lf_device *device)
-{
-    for (;;) {
-        if (!rings(device, FLUSH_MS))
-            return LF_DEVICE_BUSY;
-        lf_device_event event = device->ops->dispatch(device);
-        if (event != LF_DEVICE_BUSY)
-            return event;
-    }
-}
-
-static lf_device_counters counters_of(const lf_device *device)
-{
-    lf_device_counters counters;
-    device->ops->counters(device, &counters);
-    return counters;
-}
-
-static lf_device_info info_of(const lf_device *device)
-{
-    lf_device_info info;
-    device->ops->info(device, &info);
-    return info;
 }
 
 static bool file_shows(const char *path, const lf_image8 *expected)
@@ -147,18 +114,18 @@ static void push_is_busy_until_dispatch_says_ready(void **state)
     char *dir = lf_test_folder();
     lf_device *device = open_sim(dir, ",latency=200");
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
-    assert_false(rings(device, 0));
+    assert_false(device_rings(device, 0));
     lf_assert_ok(push_seed(device, 1), NULL);
     lf_assert_status(push_seed(device, 2), LF_E_STATE, NULL);
     uint64_t before = lf_time_now_ns();
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     assert_true(lf_time_now_ns() > before);
-    assert_int_equal(counters_of(device).updates, 1);
-    assert_int_equal(counters_of(device).bytes, WIDTH * HEIGHT * 3);
-    assert_false(rings(device, 0));
+    assert_int_equal(device_counters_of(device).updates, 1);
+    assert_int_equal(device_counters_of(device).bytes, WIDTH * HEIGHT * 3);
+    assert_false(device_rings(device, 0));
     lf_assert_ok(push_seed(device, 2), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, FLUSH_MS), NULL);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
     assert_true(panel_shows(dir, 2));
     assert_false(panel_shows(dir, 1));
     lf_device_destroy(device);
@@ -181,9 +148,9 @@ static void pushes_of_the_wrong_shape_are_refused(void **state)
     lf_assert_status(device->ops->push(device, &frame, &whole, -1, 1), LF_E_ARG, NULL);
     lf_assert_status(device->ops->push(device, &frame, &whole, LF_DEVICE_MAX_RECTS + 1, 1), LF_E_ARG, NULL);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
-    assert_int_equal(counters_of(device).updates, 0);
+    assert_int_equal(device_counters_of(device).updates, 0);
     lf_assert_ok(device->ops->push(device, &frame, NULL, 0, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     lf_image8_finish(&frame);
     lf_image8_finish(&small);
     lf_device_destroy(device);
@@ -198,10 +165,10 @@ static void only_the_rectangles_change(void **state)
     lf_image8 expected = make_frame(1), second = make_frame(2);
     const lf_rect rects[] = {{3, 5, 7, 11}, {WIDTH - 4, HEIGHT - 6, 4, 6}};
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     lf_assert_ok(device->ops->push(device, &second, rects, 2, 2), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, FLUSH_MS), NULL);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
     for (int i = 0; i < 2; i++)
         for (int y = rects[i].y; y < rects[i].y + rects[i].height; y++)
             memcpy(expected.data + (size_t)y * expected.stride + rects[i].x * 3,
@@ -231,17 +198,17 @@ static void nth_push_fails_and_is_told_once(void **state)
     char *dir = lf_test_folder();
     lf_device *device = open_sim(dir, ",error=2");
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     lf_assert_ok(push_seed(device, 2), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_RETRY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_RETRY);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, FLUSH_MS), NULL);
+    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
     assert_true(panel_shows(dir, 1));
-    assert_int_equal(counters_of(device).errors, 1);
-    assert_int_equal(counters_of(device).updates, 1);
+    assert_int_equal(device_counters_of(device).errors, 1);
+    assert_int_equal(device_counters_of(device).updates, 1);
     lf_assert_ok(push_seed(device, 2), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, FLUSH_MS), NULL);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
     assert_true(panel_shows(dir, 2));
     lf_device_destroy(device);
     lf_test_folder_remove(dir);
@@ -254,10 +221,10 @@ static void every_nth_push_fails(void **state)
     lf_device *device = open_sim(dir, ",error_every=3");
     for (int i = 1; i <= 9; i++) {
         lf_assert_ok(push_seed(device, i), NULL);
-        assert_int_equal(outcome(device), i % 3 == 0 ? LF_DEVICE_RETRY : LF_DEVICE_READY);
+        assert_int_equal(device_outcome(device), i % 3 == 0 ? LF_DEVICE_RETRY : LF_DEVICE_READY);
     }
-    assert_int_equal(counters_of(device).errors, 3);
-    assert_int_equal(counters_of(device).updates, 6);
+    assert_int_equal(device_counters_of(device).errors, 3);
+    assert_int_equal(device_counters_of(device).updates, 6);
     lf_device_destroy(device);
     lf_test_folder_remove(dir);
 }
@@ -268,9 +235,9 @@ static void stalled_push_never_ends_and_is_not_shown(void **state)
     char *dir = lf_test_folder();
     lf_device *device = open_sim(dir, ",stall=2");
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     lf_assert_ok(push_seed(device, 2), NULL);
-    assert_false(rings(device, 100));
+    assert_false(device_rings(device, 100));
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_BUSY);
     lf_assert_status(device->ops->flush(device, 50), LF_E_TIMEOUT, NULL);
     lf_assert_status(push_seed(device, 3), LF_E_STATE, NULL);
@@ -286,7 +253,7 @@ static void stall_with_a_time_ends(void **state)
     lf_device *device = open_sim(dir, ",stall=1:150,bandwidth=100000000");
     uint64_t before = lf_time_now_ns();
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     assert_true(lf_time_now_ns() - before >= 150000000);
     lf_device_destroy(device);
     lf_test_folder_remove(dir);
@@ -299,7 +266,7 @@ static void bandwidth_takes_its_time(void **state)
     lf_device *device = open_sim(dir, ",bandwidth=184320"); /* 36864 bytes: 0.2 s */
     uint64_t before = lf_time_now_ns();
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     assert_true(lf_time_now_ns() - before >= 200000000);
     lf_device_destroy(device);
     lf_test_folder_remove(dir);
@@ -312,13 +279,13 @@ static void unplugged_panel_comes_back_once(void **state)
     const char *options = ",unplug=2,replug=400";
     lf_device *device = open_sim(dir, options), *again = NULL;
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     lf_assert_ok(push_seed(device, 2), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_GONE);
+    assert_int_equal(device_outcome(device), LF_DEVICE_GONE);
     uint64_t gone = lf_time_now_ns();
     lf_assert_status(push_seed(device, 3), LF_E_NODEV, NULL);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_GONE);
-    assert_int_equal(counters_of(device).updates, 2);
+    assert_int_equal(device_counters_of(device).updates, 2);
     lf_device_destroy(device);
     assert_true(panel_shows(dir, 2));
     lf_status status;
@@ -329,7 +296,7 @@ static void unplugged_panel_comes_back_once(void **state)
     assert_true(lf_time_now_ns() - gone >= 300000000);
     for (int i = 3; i < 8; i++) {
         lf_assert_ok(push_seed(again, i), NULL);
-        assert_int_equal(outcome(again), LF_DEVICE_READY);
+        assert_int_equal(device_outcome(again), LF_DEVICE_READY);
     }
     lf_device_destroy(again);
     assert_true(panel_shows(dir, 7));
@@ -342,7 +309,7 @@ static void unplugged_for_good_stays_away_in_this_process_only(void **state)
     char *dir = lf_test_folder();
     lf_device *device = open_sim(dir, ",unplug=1");
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_GONE);
+    assert_int_equal(device_outcome(device), LF_DEVICE_GONE);
     lf_device_destroy(device);
     device = NULL;
     lf_assert_status(try_open(dir, ",unplug=1", &device), LF_E_NODEV, NULL);
@@ -412,14 +379,14 @@ static void log_rotates_and_keeps_whole_lines(void **state)
     lf_device *device = open_sim(dir, ",rotate=1000");
     lf_sim_update lines[64];
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, FLUSH_MS), NULL);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
     assert_int_equal(read_lines(lf_test_path(dir, "updates.jsonl"), lines, 64), 2); /* the half line is gone */
     assert_int_equal(lines[0].seq, 7);
     assert_int_equal(lines[1].seq, 1);
     for (int i = 2; i <= PUSHES; i++) {
         lf_assert_ok(push_seed(device, i), NULL);
-        assert_int_equal(outcome(device), LF_DEVICE_READY);
+        assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     }
     lf_device_destroy(device);
     int old = read_lines(lf_test_path(dir, "updates.jsonl.1"), lines, 64);
@@ -452,11 +419,11 @@ static void views_become_a_quilt_with_view_0_at_the_bottom_left(void **state)
     all.view_stride = 0;
     device->ops->views(device, &all, 3, 2);
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, FLUSH_MS), NULL);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
     for (int i = 0; i < 2; i++) { /* twice, for both of its buffers */
         device->ops->views(device, &views, 3, 2);
-        lf_assert_ok(device->ops->flush(device, FLUSH_MS), NULL);
+        lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
     }
     device->ops->views(device, &views, 0, 2); /* declined */
     device->ops->views(device, &views, 1 << 30, 1 << 30);
@@ -477,7 +444,7 @@ static void first_picture_comes_by_itself(void **state)
     char *dir = lf_test_folder();
     lf_device *device = open_sim(dir, "");
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     for (int i = 0; i < 2000 && !(exists(dir, "panel.png") && exists(dir, "view.png")); i++)
         usleep(10000);
     assert_true(panel_shows(dir, 1));
@@ -495,7 +462,7 @@ static void destroy_writes_what_is_owed(void **state)
     for (int i = 1; i < 6; i++) {
         lf_assert_ok(push_seed(device, i), NULL);
         if (i < 5)
-            assert_int_equal(outcome(device), LF_DEVICE_READY);
+            assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     }
     lf_device_destroy(device); /* the 5th is still under way */
     assert_true(panel_shows(dir, 5));
@@ -513,8 +480,8 @@ static void calibration_is_the_callers_then_the_folders_then_a_portraits(void **
     lf_device *device = NULL;
     lf_assert_ok(lf_device_open(spec, NULL, &device, NULL), NULL);
     assert_int_equal(device->ops->calibration(device)->screen_width_px, 1536);
-    assert_string_equal(info_of(device).calibration_from, "nominal Portrait");
-    assert_string_equal(info_of(device).spec, spec);
+    assert_string_equal(device_info_of(device).calibration_from, "nominal Portrait");
+    assert_string_equal(device_info_of(device).spec, spec);
     lf_device_destroy(device);
     lf_test_write(dir, "calibration.json",
                   "{\"configVersion\":\"3.0\",\"serial\":\"LKG-E\\u0007\",\"pitch\":{\"value\":80.7},\"slope\":{\"value\":-6.6},"
@@ -522,12 +489,12 @@ static void calibration_is_the_callers_then_the_folders_then_a_portraits(void **
                   "\"screenH\":{\"value\":256},\"invView\":{\"value\":1}}");
     lf_assert_ok(lf_device_open(spec, NULL, &device, NULL), NULL);
     assert_int_equal(device->ops->calibration(device)->screen_width_px, 144);
-    assert_string_equal(info_of(device).serial, "LKG-E?");
-    assert_non_null(strstr(info_of(device).calibration_from, "calibration.json"));
+    assert_string_equal(device_info_of(device).serial, "LKG-E?");
+    assert_non_null(strstr(device_info_of(device).calibration_from, "calibration.json"));
     lf_device_destroy(device);
     device = open_sim(dir, "");
     assert_int_equal(device->ops->calibration(device)->screen_width_px, WIDTH);
-    assert_string_equal(info_of(device).serial, "TEST-1");
+    assert_string_equal(device_info_of(device).serial, "TEST-1");
     lf_device_destroy(device);
     lf_test_write(dir, "calibration.json", "{\"pitch\":");
     lf_error err = {0};
@@ -546,21 +513,21 @@ static void unwritable_folder_ends_nothing(void **state)
     snprintf(dir, sizeof dir, "%s/panel", base);
     snprintf(moved, sizeof moved, "%s/moved", base);
     lf_device *device = open_sim(dir, "");
-    assert_string_equal(info_of(device).problem, "");
+    assert_string_equal(device_info_of(device).problem, "");
     assert_int_equal(rename(dir, moved), 0);
     for (int i = 1; i < 4; i++) {
         lf_assert_ok(push_seed(device, i), NULL);
-        assert_int_equal(outcome(device), LF_DEVICE_READY);
+        assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     }
-    lf_assert_status(device->ops->flush(device, FLUSH_MS), LF_E_IO, NULL);
-    assert_true(info_of(device).problem[0] != 0);
-    assert_true(counters_of(device).errors > 0);
-    assert_int_equal(counters_of(device).updates, 3);
+    lf_assert_status(device->ops->flush(device, DEVICE_WAIT_MS), LF_E_IO, NULL);
+    assert_true(device_info_of(device).problem[0] != 0);
+    assert_true(device_counters_of(device).errors > 0);
+    assert_int_equal(device_counters_of(device).updates, 3);
     assert_int_equal(rename(moved, dir), 0);
     lf_assert_ok(push_seed(device, 4), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, FLUSH_MS), NULL);
-    assert_string_equal(info_of(device).problem, "");
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
+    assert_string_equal(device_info_of(device).problem, "");
     lf_device_destroy(device);
     assert_true(panel_shows(dir, 4));
     lf_test_folder_remove(base);
@@ -576,9 +543,9 @@ static void lens_that_cannot_be_looked_through_is_a_problem_only(void **state)
     snprintf(spec, sizeof spec, "sim:%s", dir);
     lf_device *device = NULL;
     lf_assert_ok(lf_device_open(spec, &c, &device, NULL), NULL);
-    assert_non_null(strstr(info_of(device).problem, "view.png"));
+    assert_non_null(strstr(device_info_of(device).problem, "view.png"));
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     lf_device_destroy(device);
     assert_true(panel_shows(dir, 1));
     assert_false(exists(dir, "view.png"));

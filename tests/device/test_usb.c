@@ -1,7 +1,7 @@
 /* The device usb over a simulated display in this process: the contract of device/device.h, slowness, faults, unplugging. */
+#include "tests/device/device_testing.h"
 #include "tests/device/gud_testing.h"
 
-#include <poll.h>
 #include <stdatomic.h>
 #include <time.h>
 
@@ -9,7 +9,7 @@
 #include "device/device_table.h"
 #include "device/usb.h"
 
-enum { WIDTH = 96, HEIGHT = 128, WAIT_MS = 20000 };
+enum { WIDTH = 96, HEIGHT = 128 };
 
 static const lf_rect whole = {0, 0, WIDTH, HEIGHT};
 
@@ -63,24 +63,6 @@ static lf_status push_seed(lf_device *device, uint64_t seed)
     return status;
 }
 
-static bool rings(const lf_device *device, int timeout_ms)
-{
-    struct pollfd p = {.fd = device->ops->poll_fd(device), .events = POLLIN};
-    return poll(&p, 1, timeout_ms) == 1;
-}
-
-/* Waits as the daemon does until the push has ended, and says how. */
-static lf_device_event outcome(lf_device *device)
-{
-    for (;;) {
-        if (!rings(device, WAIT_MS))
-            return LF_DEVICE_BUSY;
-        lf_device_event event = device->ops->dispatch(device);
-        if (event != LF_DEVICE_BUSY)
-            return event;
-    }
-}
-
 /* Call only when no push is under way: the model then belongs to this thread. */
 static bool shows(const lf_model_gud *gud, uint64_t seed)
 {
@@ -90,40 +72,26 @@ static bool shows(const lf_model_gud *gud, uint64_t seed)
     return differences == 0;
 }
 
-static lf_device_counters counters_of(const lf_device *device)
-{
-    lf_device_counters counters;
-    device->ops->counters(device, &counters);
-    return counters;
-}
-
-static lf_device_info info_of(const lf_device *device)
-{
-    lf_device_info info;
-    device->ops->info(device, &info);
-    return info;
-}
-
 static void a_push_shows_and_is_counted(void **state)
 {
     (void)state;
     lf_model_gud *gud = small_model(NULL);
     lf_device *device = open_usb(gud);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
-    assert_false(rings(device, 0));
+    assert_false(device_rings(device, 0));
     assert_false(lf_model_gud_lit(gud));
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
-    assert_false(rings(device, 0));
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_false(device_rings(device, 0));
     assert_true(lf_model_gud_lit(gud));
     assert_true(shows(gud, 1));
     assert_false(shows(gud, 2));
-    assert_int_equal(counters_of(device).updates, 1);
-    assert_int_equal(counters_of(device).bytes, WIDTH * HEIGHT * 3);
+    assert_int_equal(device_counters_of(device).updates, 1);
+    assert_int_equal(device_counters_of(device).bytes, WIDTH * HEIGHT * 3);
     lf_assert_ok(push_seed(device, 1), NULL); /* nothing new */
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
-    assert_int_equal(counters_of(device).updates, 2);
-    assert_int_equal(counters_of(device).bytes, WIDTH * HEIGHT * 3);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_counters_of(device).updates, 2);
+    assert_int_equal(device_counters_of(device).bytes, WIDTH * HEIGHT * 3);
     lf_device_destroy(device);
     assert_false(lf_model_gud_lit(gud)); /* given back dark */
     lf_model_gud_destroy(gud);
@@ -134,7 +102,7 @@ static void info_says_what_it_is(void **state)
     (void)state;
     lf_model_gud *gud = small_model(NULL);
     lf_device *device = open_usb(gud);
-    lf_device_info info = info_of(device);
+    lf_device_info info = device_info_of(device);
     assert_string_equal(info.spec, "usb:9-1.2");
     assert_string_equal(info.kind, "usb");
     assert_string_equal(info.model, "a display");
@@ -161,7 +129,7 @@ static void bad_pushes_are_refused_and_leave_it_ready(void **state)
     lf_assert_status(device->ops->push(device, &frame, &whole, LF_DEVICE_MAX_RECTS + 1, 1), LF_E_ARG, NULL);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
     lf_assert_ok(device->ops->push(device, &frame, NULL, 0, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     lf_image8_finish(&frame);
     lf_image8_finish(&other);
     lf_device_destroy(device);
@@ -178,15 +146,15 @@ static void a_slow_display_refuses_at_once_and_gets_the_newest(void **state)
     lf_assert_ok(push_seed(device, seed), NULL);
     do
         lf_assert_status(push_seed(device, ++seed), LF_E_STATE, NULL);
-    while (!rings(device, 20));
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    while (!device_rings(device, 20));
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     assert_true(shows(gud, 1));
     lf_assert_ok(push_seed(device, seed), NULL);
     lf_assert_status(device->ops->flush(device, 1), LF_E_TIMEOUT, NULL);
-    lf_assert_ok(device->ops->flush(device, WAIT_MS), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     assert_true(shows(gud, seed));
-    assert_int_equal(counters_of(device).updates, 2);
+    assert_int_equal(device_counters_of(device).updates, 2);
     lf_device_destroy(device);
     lf_model_gud_destroy(gud);
 }
@@ -201,20 +169,20 @@ static void a_failure_is_told_once_and_the_next_whole_push_mends_it(void **state
         lf_device_event event;
         do {
             lf_assert_ok(push_seed(device, seed), NULL);
-            event = outcome(device);
+            event = device_outcome(device);
             if (event == LF_DEVICE_RETRY) {
                 failures++;
                 assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
-                assert_non_null(strstr(info_of(device).problem, "refused"));
+                assert_non_null(strstr(device_info_of(device).problem, "refused"));
             }
         } while (event == LF_DEVICE_RETRY);
         assert_int_equal(event, LF_DEVICE_READY);
         assert_true(shows(gud, seed));
-        assert_string_equal(info_of(device).problem, "");
+        assert_string_equal(device_info_of(device).problem, "");
     }
     assert_true(failures > 5);
-    assert_int_equal(counters_of(device).errors, failures);
-    assert_int_equal(counters_of(device).updates, 20);
+    assert_int_equal(device_counters_of(device).errors, failures);
+    assert_int_equal(device_counters_of(device).updates, 20);
     lf_device_destroy(device);
     lf_model_gud_destroy(gud);
 }
@@ -226,10 +194,10 @@ static void a_display_that_never_takes_anything_fails_without_spinning(void **st
     lf_device *device = open_usb(gud);
     for (uint64_t seed = 1; seed <= 5; seed++) {
         lf_assert_ok(push_seed(device, seed), NULL);
-        assert_int_equal(outcome(device), LF_DEVICE_RETRY);
+        assert_int_equal(device_outcome(device), LF_DEVICE_RETRY);
     }
-    assert_int_equal(counters_of(device).errors, 5);
-    assert_int_equal(counters_of(device).bytes, 0);
+    assert_int_equal(device_counters_of(device).errors, 5);
+    assert_int_equal(device_counters_of(device).bytes, 0);
     lf_device_destroy(device);
     lf_model_gud_destroy(gud);
 }
@@ -245,14 +213,14 @@ static void unplugging_in_a_stream_ends_it_and_it_can_be_opened_again(void **sta
     lf_device_event event = LF_DEVICE_READY;
     for (; event == LF_DEVICE_READY && seed < 100; seed++) {
         lf_assert_ok(push_seed(device, seed), NULL);
-        event = outcome(device);
+        event = device_outcome(device);
     }
     assert_int_equal(event, LF_DEVICE_GONE);
     assert_int_equal(seed, 4); /* 8 bands a push */
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_GONE);
     lf_assert_status(push_seed(device, 1), LF_E_NODEV, NULL);
     lf_assert_status(device->ops->flush(device, 10), LF_E_NODEV, NULL);
-    assert_string_equal(info_of(device).problem, "unplugged");
+    assert_string_equal(device_info_of(device).problem, "unplugged");
     lf_device_destroy(device);
     lf_assert_status(try_open(gud, &second, &err), LF_E_NODEV, &err);
     assert_null(second);
@@ -260,7 +228,7 @@ static void unplugging_in_a_stream_ends_it_and_it_can_be_opened_again(void **sta
     gud = small_model(NULL);
     device = open_usb(gud);
     lf_assert_ok(push_seed(device, 7), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     assert_true(shows(gud, 7));
     lf_device_destroy(device);
     lf_model_gud_destroy(gud);
@@ -272,8 +240,8 @@ static void unplugging_is_seen_without_a_push(void **state)
     lf_model_gud *gud = small_model(&(lf_model_gud_faults){.unplug_after = 8});
     lf_device *device = open_usb(gud);
     lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(outcome(device), LF_DEVICE_READY);
-    assert_int_equal(outcome(device), LF_DEVICE_GONE);
+    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_int_equal(device_outcome(device), LF_DEVICE_GONE);
     lf_device_destroy(device);
     lf_model_gud_destroy(gud);
 }

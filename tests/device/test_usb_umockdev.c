@@ -1,5 +1,6 @@
 /* The device usb over the unmodified libusb: umockdev gives it a bus on which the simulated display hangs (usb.md 2 (b)). The
  * program starts itself again with umockdev's library preloaded; where that cannot be, and under the sanitizers, it is skipped. */
+#include "tests/device/device_testing.h"
 #include "tests/device/gud_testing.h"
 
 enum { SKIPPED = 77 };
@@ -17,7 +18,6 @@ int main(void)
 #include <dlfcn.h>
 #include <errno.h>
 #include <linux/usbdevice_fs.h>
-#include <poll.h>
 #include <pthread.h>
 #include <stddef.h>
 #include <sys/ioctl.h>
@@ -27,7 +27,7 @@ int main(void)
 #include "device/device_table.h"
 #include "device/usb_link.h"
 
-enum { WIDTH = 700, HEIGHT = 900, WAIT_MS = 20000, MAX_URBS = 64, MAX_BULK = 1 << 20 };
+enum { WIDTH = 700, HEIGHT = 900, MAX_URBS = 64, MAX_BULK = 1 << 20 };
 
 #define NODE "/dev/bus/usb/001/002"
 #define SYSTEM_PATH "/sys/devices/usb1/1-1"
@@ -289,15 +289,6 @@ static lf_device *open_usb(const char *spec)
     return device;
 }
 
-static lf_device_event push_and_wait(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n)
-{
-    struct pollfd p = {.fd = device->ops->poll_fd(device), .events = POLLIN};
-    lf_assert_ok(device->ops->push(device, frame, rects, n, 1), NULL);
-    if (poll(&p, 1, WAIT_MS) != 1)
-        fail_msg("the push has not ended");
-    return device->ops->dispatch(device);
-}
-
 static int differences(bus *b, const lf_image8 *frame)
 {
     pthread_mutex_lock(&b->lock);
@@ -360,14 +351,14 @@ static void rectangles_arrive_in_pieces_several_in_flight(void **state)
     plug_in(&b, NULL);
     lf_device *device = open_usb("usb");
     gud_paint(&frame, whole, true, &random);
-    assert_int_equal(push_and_wait(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     assert_int_equal(differences(&b, &frame), 0);
     assert_true(b.most_urbs > 2 && b.most_urbs <= 16);
     assert_true(b.longest >= 256 * 1024 && b.longest <= MAX_BULK);
     for (int i = 0; i < 200; i++) {
         lf_rect r = gud_random_rect(WIDTH, HEIGHT, &random);
         gud_paint(&frame, r, i % 2 == 0, &random);
-        assert_int_equal(push_and_wait(device, &frame, &r, 1), LF_DEVICE_READY);
+        assert_int_equal(device_push(device, &frame, &r, 1), LF_DEVICE_READY);
     }
     assert_int_equal(differences(&b, &frame), 0);
     assert_int_equal(gud_counters(b.gud).refused, 0);
@@ -391,12 +382,12 @@ static void stalls_are_cleared_and_mended(void **state)
     for (int i = 0; i < 60; i++) {
         lf_rect r = gud_random_rect(WIDTH, HEIGHT, &random);
         gud_paint(&frame, r, true, &random);
-        lf_device_event event = push_and_wait(device, &frame, &r, 1);
+        lf_device_event event = device_push(device, &frame, &r, 1);
         for (; event == LF_DEVICE_RETRY; failures++)
-            event = push_and_wait(device, &frame, &whole, 1);
+            event = device_push(device, &frame, &whole, 1);
         assert_int_equal(event, LF_DEVICE_READY);
     }
-    assert_int_equal(push_and_wait(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     assert_int_equal(differences(&b, &frame), 0);
     assert_true(failures >= 3);
     assert_true(b.cleared >= 1);
@@ -432,7 +423,7 @@ static void unplugging_in_a_stream_is_final_and_a_new_one_opens(void **state)
     lf_device_event event = LF_DEVICE_READY;
     for (int i = 0; i < 20 && event == LF_DEVICE_READY; i++) {
         gud_paint(&frame, whole, true, &random);
-        event = push_and_wait(device, &frame, &whole, 1);
+        event = device_push(device, &frame, &whole, 1);
     }
     assert_int_equal(event, LF_DEVICE_GONE);
     lf_assert_status(device->ops->push(device, &frame, &whole, 1, 1), LF_E_NODEV, NULL);
@@ -440,7 +431,7 @@ static void unplugging_in_a_stream_is_final_and_a_new_one_opens(void **state)
     pull_out(&b);
     plug_in(&b, NULL);
     device = open_usb("usb");
-    assert_int_equal(push_and_wait(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     assert_int_equal(differences(&b, &frame), 0);
     lf_device_destroy(device);
     lf_image8_finish(&frame);
@@ -462,7 +453,7 @@ static void throughput_is_told(void **state)
     size_t bytes = frames[0].stride * HEIGHT;
     double start = lf_time_now();
     for (int i = 0; i < FRAMES; i++)
-        assert_int_equal(push_and_wait(device, &frames[i % 2], &whole, 1), LF_DEVICE_READY);
+        assert_int_equal(device_push(device, &frames[i % 2], &whole, 1), LF_DEVICE_READY);
     double usb_s = lf_time_now() - start;
     start = lf_time_now();
     for (int i = 0; i < FRAMES; i++)

@@ -1,9 +1,8 @@
 /* The window device over SDL's dummy driver, which saves every picture that it shows, and over an X server without a screen. */
-#include "tests/testing.h"
+#include "tests/device/device_testing.h"
 
 #include <dlfcn.h>
 #include <fcntl.h>
-#include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
 
@@ -11,7 +10,7 @@
 #include "device/device_table.h"
 #include "device/sdl.h"
 
-enum { WIDTH = 1024, HEIGHT = 768 /* the dummy's only mode */, WAIT_MS = 20000 };
+enum { WIDTH = 1024, HEIGHT = 768 /* the dummy's only mode */ };
 
 static bool has_sdl(void)
 {
@@ -38,18 +37,6 @@ static void scribble(lf_image8 *frame, const lf_rect *r, int seed)
     for (int y = r->y; y < r->y + r->height; y++)
         for (int i = r->x * 3; i < (r->x + r->width) * 3; i++)
             frame->data[(size_t)y * frame->stride + (size_t)i] = (uint8_t)(seed * 37 + y * 5 + i * 3);
-}
-
-static lf_device_event push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n)
-{
-    struct pollfd p = {.fd = device->ops->poll_fd(device), .events = POLLIN};
-    lf_assert_ok(device->ops->push(device, frame, rects, n, 1), NULL);
-    while (poll(&p, 1, WAIT_MS) == 1) {
-        lf_device_event event = device->ops->dispatch(device);
-        if (event != LF_DEVICE_BUSY)
-            return event;
-    }
-    return LF_DEVICE_BUSY;
 }
 
 static uint32_t le32(const uint8_t *b)
@@ -115,7 +102,7 @@ static void rectangles_make_the_frame(void **state)
     assert_string_equal(info.spec, "window");
     assert_string_equal(info.problem, "");
     scribble(&frame, &whole, 1);
-    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     assert_true(shows(&frame));
     for (int i = 2; i < 8; i++) {
         lf_rect rects[5];
@@ -125,15 +112,15 @@ static void rectangles_make_the_frame(void **state)
             rects[k].height = 1 + (i * 17 + k) % (HEIGHT - rects[k].y);
             scribble(&frame, &rects[k], i);
         }
-        assert_int_equal(push(device, &frame, rects, i == 5 ? 0 : 5), LF_DEVICE_READY);
+        assert_int_equal(device_push(device, &frame, rects, i == 5 ? 0 : 5), LF_DEVICE_READY);
         if (i == 5) /* nothing was told, so nothing has changed */
             for (int k = 0; k < 5; k++)
-                assert_int_equal(push(device, &frame, &rects[k], 1), LF_DEVICE_READY);
+                assert_int_equal(device_push(device, &frame, &rects[k], 1), LF_DEVICE_READY);
         assert_true(shows(&frame));
         forget_pictures();
     }
     frame.data[5] ^= 1;
-    assert_int_equal(push(device, &frame, &(lf_rect){0, 1, 1, 1}, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &(lf_rect){0, 1, 1, 1}, 1), LF_DEVICE_READY);
     assert_false(shows(&frame));
     device->ops->counters(device, &counters);
     assert_int_equal(counters.updates, 1 + 30 + 1);
@@ -157,15 +144,14 @@ static void lost_picture_is_asked_for_again(void **state)
     memcpy(&push_event, &address, sizeof address);
     lf_assert_ok(try_open("window", WIDTH, HEIGHT, &device, &err), &err);
     lf_assert_ok(lf_image8_init(&frame, WIDTH, HEIGHT, 3), NULL);
-    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     SDL_Event event = {.type = SDL_RENDER_DEVICE_RESET};
     assert_int_equal(push_event(&event), 1);
-    struct pollfd p = {.fd = device->ops->poll_fd(device), .events = POLLIN};
-    assert_int_equal(poll(&p, 1, WAIT_MS), 1);
+    assert_true(device_rings(device, DEVICE_WAIT_MS));
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_RETRY);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
     scribble(&frame, &whole, 4);
-    assert_int_equal(push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
     assert_true(shows(&frame));
     lf_device_destroy(device);
     lf_image8_finish(&frame);
@@ -235,7 +221,7 @@ static bool screen_shows(const lf_image8 *frame)
 static bool screen_comes_to_show(const lf_image8 *frame)
 {
     bool shown = screen_shows(frame);
-    for (int i = 0; i < WAIT_MS / 20 && !shown; i++) {
+    for (int i = 0; i < DEVICE_WAIT_MS / 20 && !shown; i++) {
         usleep(20000);
         shown = screen_shows(frame);
     }
@@ -259,11 +245,11 @@ static void screen_shows_the_frame_pixel_for_pixel(void **state)
     lf_assert_ok(try_open("window", X_WIDTH, X_HEIGHT, &device, &err), &err);
     lf_assert_ok(lf_image8_init(&frame, X_WIDTH, X_HEIGHT, 3), NULL);
     scribble(&frame, &all, 1);
-    assert_int_equal(push(device, &frame, &all, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &all, 1), LF_DEVICE_READY);
     assert_true(screen_comes_to_show(&frame));
     scribble(&frame, &part, 9);
     assert_false(screen_shows(&frame));
-    assert_int_equal(push(device, &frame, &part, 1), LF_DEVICE_READY);
+    assert_int_equal(device_push(device, &frame, &part, 1), LF_DEVICE_READY);
     assert_true(screen_comes_to_show(&frame));
     device->ops->info(device, &info);
     assert_string_equal(info.problem, "");
