@@ -1,0 +1,203 @@
+/* The worker: letters are done in order on a thread of its own and come back through the inbox, whatever happens. */
+#include "tests/testing.h"
+
+#include <poll.h>
+#include <stdatomic.h>
+
+#include "base/thread.h"
+#include "daemon/worker.h"
+
+enum { N_LETTERS = 20 };
+
+typedef struct errand {
+    lf_letter letter; /* first */
+    int number;
+    bool done, dropped, opened;
+} errand;
+
+typedef struct office {
+    lf_inbox inbox;
+    lf_worker *worker;
+    errand errands[N_LETTERS];
+    int n_opened;
+    int opened[N_LETTERS];
+    pthread_t reader;
+    bool same_thread; /* an errand was done by the reader's thread */
+    atomic_bool shut; /* errands wait until it is open */
+    atomic_bool ending;
+    pid_t ender; /* the thread that ends the worker */
+    atomic_int begun;
+} office;
+
+static errand *errand_of(lf_letter *letter)
+{
+    return (errand *)(void *)letter;
+}
+
+static void run(void *context, lf_letter *letter)
+{
+    office *o = context;
+    atomic_fetch_add(&o->begun, 1);
+    o->same_thread = o->same_thread || pthread_equal(pthread_self(), o->reader);
+    while (atomic_load(&o->shut))
+        sched_yield();
+    errand_of(letter)->done = true;
+}
+
+static void drop(void *context, lf_letter *letter)
+{
+    (void)context;
+    errand_of(letter)->dropped = true;
+}
+
+static void opened(void *reader, lf_letter *letter)
+{
+    office *o = reader;
+    errand_of(letter)->opened = true;
+    o->opened[o->n_opened++] = errand_of(letter)->number;
+}
+
+static office *open_office(void)
+{
+    office *o = calloc(1, sizeof *o);
+    assert_non_null(o);
+    o->reader = pthread_self();
+    lf_assert_ok(lf_inbox_init(&o->inbox), NULL);
+    lf_assert_ok(lf_worker_create("lf-test", run, drop, o, &o->inbox, &o->worker), NULL);
+    for (int i = 0; i < N_LETTERS; i++)
+        o->errands[i] = (errand){.letter.open = opened, .number = i};
+    return o;
+}
+
+static void close_office(office *o)
+{
+    lf_worker_destroy(o->worker);
+    lf_inbox_finish(&o->inbox, o);
+    free(o);
+}
+
+/* Reads until so many letters were opened. */
+static void read_until(office *o, int n)
+{
+    struct pollfd p = {.fd = o->inbox.event_fd, .events = POLLIN};
+    while (o->n_opened < n) {
+        assert_int_equal(poll(&p, 1, 60000), 1);
+        lf_inbox_read(&o->inbox, o);
+    }
+}
+
+static void letters_are_done_elsewhere_and_come_back_in_order(void **state)
+{
+    (void)state;
+    office *o = open_office();
+    for (int i = 0; i < N_LETTERS; i++)
+        lf_worker_queue(o->worker, &o->errands[i].letter);
+    read_until(o, N_LETTERS);
+    for (int i = 0; i < N_LETTERS; i++) {
+        assert_int_equal(o->opened[i], i);
+        assert_true(o->errands[i].done);
+        assert_false(o->errands[i].dropped);
+    }
+    assert_false(o->same_thread);
+    assert_int_equal(lf_worker_pending(o->worker), 0);
+    close_office(o);
+}
+
+static void a_letter_may_be_queued_again_once_it_has_come_back(void **state)
+{
+    (void)state;
+    office *o = open_office();
+    for (int i = 0; i < 5; i++) {
+        lf_worker_queue(o->worker, &o->errands[0].letter);
+        read_until(o, i + 1);
+    }
+    assert_int_equal(atomic_load(&o->begun), 5);
+    close_office(o);
+}
+
+static void what_is_pending_counts_the_one_under_way(void **state)
+{
+    (void)state;
+    office *o = open_office();
+    atomic_store(&o->shut, true);
+    for (int i = 0; i < 3; i++)
+        lf_worker_queue(o->worker, &o->errands[i].letter);
+    while (atomic_load(&o->begun) == 0)
+        sched_yield();
+    assert_int_equal(lf_worker_pending(o->worker), 3);
+    assert_false(lf_worker_drain(o->worker, lf_time_now() + 0.02));
+    assert_false(lf_worker_drain(o->worker, lf_time_now() - 1)); /* past already */
+    atomic_store(&o->shut, false);
+    assert_true(lf_worker_drain(o->worker, lf_time_now() + 600));
+    assert_int_equal(lf_worker_pending(o->worker), 0);
+    assert_true(lf_worker_drain(o->worker, lf_time_now() - 1)); /* there is nothing to wait for */
+    read_until(o, 3);
+    close_office(o);
+}
+
+static bool is_asleep(pid_t thread)
+{
+    char path[64], name[32], state = 0;
+    snprintf(path, sizeof path, "/proc/self/task/%d/stat", thread);
+    FILE *file = fopen(path, "re");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%*d %31s %c", name, &state), 2);
+    fclose(file);
+    return state == 'S';
+}
+
+/* Opens the gate when the end has been asked for: whoever asked sleeps then, waiting for the worker's thread. */
+static void *open_at_the_end(void *context)
+{
+    office *o = context;
+    while (!atomic_load(&o->ending) || !is_asleep(o->ender))
+        sched_yield();
+    atomic_store(&o->shut, false);
+    return NULL;
+}
+
+static void at_the_end_the_one_under_way_is_done_and_the_others_are_dropped(void **state)
+{
+    (void)state;
+    office *o = open_office();
+    pthread_t opener;
+    o->ender = gettid();
+    atomic_store(&o->shut, true);
+    for (int i = 0; i < 3; i++)
+        lf_worker_queue(o->worker, &o->errands[i].letter);
+    while (atomic_load(&o->begun) == 0)
+        sched_yield();
+    lf_assert_ok(lf_thread_start("opener", open_at_the_end, o, &opener), NULL);
+    atomic_store(&o->ending, true);
+    lf_worker_destroy(o->worker);
+    o->worker = NULL;
+    pthread_join(opener, NULL);
+    assert_true(o->errands[0].done && !o->errands[0].dropped);
+    assert_true(!o->errands[1].done && o->errands[1].dropped);
+    assert_true(!o->errands[2].done && o->errands[2].dropped);
+    /* and all of them come back */
+    assert_int_equal(o->n_opened, 0);
+    lf_inbox_read(&o->inbox, o);
+    assert_int_equal(o->n_opened, 3);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(o->opened[i], i);
+    close_office(o);
+}
+
+static void no_worker_is_nothing_to_destroy(void **state)
+{
+    (void)state;
+    lf_worker_destroy(NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(letters_are_done_elsewhere_and_come_back_in_order),
+        cmocka_unit_test(a_letter_may_be_queued_again_once_it_has_come_back),
+        cmocka_unit_test(what_is_pending_counts_the_one_under_way),
+        cmocka_unit_test(at_the_end_the_one_under_way_is_done_and_the_others_are_dropped),
+        cmocka_unit_test(no_worker_is_nothing_to_destroy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
