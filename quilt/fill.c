@@ -122,6 +122,53 @@ static void fill_pixel(block *b, int row, int i)
     memcpy(job->filled + to * 3, job->rgb + from * 3, 3);
 }
 
+/* The nearest places, nearest first and of equals in the order of found_at. */
+static const struct {
+    int dx, dy;
+} nearest[] = {{0, -1}, {-1, 0}, {1, 0}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}, {0, -2}, {-2, 0}, {2, 0}, {0, 2}};
+
+/* Which of the columns from x0 + x on have a pixel dx and dy from them, |dx| < WORD_PX. */
+static uint64_t there_from(const block *b, int x, int dx, int dy)
+{
+    const uint64_t *row = b->around[dy + b->job->reach] + x / WORD_PX + 1;
+    uint64_t word = le64toh(row[0]);
+    if (dx > 0)
+        return word >> dx | le64toh(row[1]) << (WORD_PX - dx);
+    return dx == 0 ? word : word << -dx | le64toh(row[-1]) >> (WORD_PX + dx);
+}
+
+/* Copies to the pixels of a mask from x0 + x on those dx and dy from them, a run at a time. */
+static void copy_runs(const block *b, int row, int x, uint64_t mask, int dx, int dy)
+{
+    const fill_job *job = b->job;
+    uint8_t *to = job->filled + (start_of(job, row, b->view) + (size_t)(b->x0 + x)) * 3;
+    const uint8_t *from = job->rgb + (start_of(job, row + dy, b->view) + (size_t)(b->x0 + x + dx)) * 3;
+    while (mask) {
+        int first = __builtin_ctzll(mask);
+        uint64_t behind = ~(mask >> first); /* 0 only when every pixel of the word is copied */
+        int n = behind ? __builtin_ctzll(behind) : WORD_PX;
+        memcpy(to + (size_t)first * 3, from + (size_t)first * 3, (size_t)n * 3);
+        mask &= n < WORD_PX ? ~(((UINT64_C(1) << n) - 1) << first) : 0;
+    }
+}
+
+/* Holes that have a neighbour among the nearest places, 64 at a time; returns those that are left. A coarse frame, of which three rows
+ * in four are missing, is filled by this alone. */
+static uint64_t fill_word(block *b, int row, int x, uint64_t holes)
+{
+    for (size_t i = 0; i < sizeof nearest / sizeof *nearest && holes; i++) {
+        int dx = nearest[i].dx, dy = nearest[i].dy, distance2 = dx * dx + dy * dy;
+        if (distance2 > b->job->reach * b->job->reach)
+            break;
+        uint64_t mask = holes & there_from(b, x, dx, dy);
+        copy_runs(b, row, x, mask, dx, dy);
+        holes &= ~mask;
+        if (distance2 > b->job->near * b->job->near)
+            b->n_far += __builtin_popcountll(mask);
+    }
+    return holes;
+}
+
 static void fill_row(block *b, int row)
 {
     const fill_job *job = b->job;
@@ -131,8 +178,8 @@ static void fill_row(block *b, int row)
     go_to_row(b, row);
     for (int x = 0; x < b->n; x += WORD_PX) {
         uint64_t all = b->n - x < WORD_PX ? (UINT64_C(1) << (b->n - x)) - 1 : ~UINT64_C(0);
-        uint64_t there = le64toh(b->there[row % MAX_ROWS][x / WORD_PX + 1]);
-        for (uint64_t holes = ~there & all; holes; holes &= holes - 1)
+        uint64_t holes = ~there_from(b, x, 0, 0) & all;
+        for (holes = fill_word(b, row, x, holes); holes; holes &= holes - 1)
             fill_pixel(b, row, x + __builtin_ctzll(holes));
     }
 }
