@@ -1,8 +1,9 @@
 /* Which pixels a display has to be sent: changed rectangles become bands, and what the display shows already is left out.
  *
  * The panel is divided into tiles. Of each the plan keeps a hash of what the display is known to show, or that nothing is known.
- * An update hashes the tiles that its rectangles touch in the new frame, leaves out those that are equal, and joins neighbours
- * to bands of whole rows. A tile of which nothing is known is sent whole. Threads: an object belongs to one thread at a time.
+ * An update hashes the tiles that its rectangles touch in the new frame, leaves out those that are equal, and joins what is near to
+ * bands, with what lies between, as long as that is less than announcing another band costs. A tile of which nothing is known is sent
+ * whole. Threads: an object belongs to one thread at a time.
  * Nothing but create allocates. Private to device/ and its tests. */
 #ifndef LF_DEVICE_GUD_PLAN_H
 #define LF_DEVICE_GUD_PLAN_H
