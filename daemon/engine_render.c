@@ -4,11 +4,10 @@
 #include "base/log.h"
 #include "daemon/engine_internal.h"
 
-/* How long a batch may take: short until the picture is complete, then longer, since every frame costs as much. */
+/* How long a batch may take: short until the picture is complete, then longer, since every frame costs as much, but not so long that
+ * a picture that changes would be seen to stand still. */
 #define BATCH_SECONDS 0.12
-#define BATCH_SECONDS_COMPLETE 0.25
-#define BATCH_SECONDS_LATE 0.5
-#define LATE_SECONDS 10.0
+#define BATCH_SECONDS_COMPLETE 0.2
 /* Frames are at least so far apart, while the picture is incomplete and later: small pictures have short batches. */
 #define FRAME_SECONDS 0.03
 #define FRAME_SECONDS_COMPLETE 0.1
@@ -27,10 +26,7 @@ bool engine_has_work(const lf_engine *engine)
 
 static double batch_seconds(const lf_engine *engine)
 {
-    if (engine->level < LF_LEVEL_COMPLETE) {
-        return BATCH_SECONDS;
-    }
-    return engine->seconds < LATE_SECONDS ? BATCH_SECONDS_COMPLETE : BATCH_SECONDS_LATE;
+    return engine->level < LF_LEVEL_COMPLETE ? BATCH_SECONDS : BATCH_SECONDS_COMPLETE;
 }
 
 static void update_stats(lf_engine *engine, bool now)

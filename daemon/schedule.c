@@ -1,8 +1,11 @@
 #include "daemon/schedule.h"
 
-/* Rows a batch has at the least, so that no worker idles. */
+/* Rows a batch has at the least, so that no worker idles: fewer once the picture is complete, since it takes a slow machine, which
+ * has few workers, to make batches of a few rows as long as they may be. */
 #define MIN_ROWS 8
-#define MAX_BATCHES 64
+#define MIN_ROWS_COMPLETE 4
+#define FIRST_COMPLETE_SWEEP 2
+#define MAX_BATCHES 128
 /* The first sweep is wanted whole: it is not cut finer than this. */
 #define MAX_COARSE_BATCHES 4
 /* Rows go by their place in groups of four: a row of the first sweep is at most two away from every other of its group. */
@@ -41,9 +44,10 @@ void lf_schedule_start(lf_schedule *schedule, int height, int n_views, double pa
 static int batches_for(const lf_schedule *schedule, double target_seconds)
 {
     int most = schedule->sweep == 0 ? MAX_COARSE_BATCHES : MAX_BATCHES;
+    int least = schedule->sweep < FIRST_COMPLETE_SWEEP ? MIN_ROWS : MIN_ROWS_COMPLETE;
     double sweep_seconds = schedule->row_seconds * sweep_rows(schedule) * subsets_of(schedule);
     int n = 1;
-    while (n < most && sweep_seconds > target_seconds * n && sweep_rows(schedule) / (n * 2) >= MIN_ROWS) {
+    while (n < most && sweep_seconds > target_seconds * n && sweep_rows(schedule) / (n * 2) >= least) {
         n *= 2;
     }
     return n;

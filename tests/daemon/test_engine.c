@@ -25,7 +25,7 @@ static int run_sweep(lf_schedule *schedule, double target, int *visits, lf_batch
         }
         subsets = batch.subsets;
         ended = lf_schedule_done(schedule, &batch, 0.001 * batch.n_rows * batch.subsets);
-        assert_true(n < 100);
+        assert_true(n < 200);
     }
     return subsets;
 }
