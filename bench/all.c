@@ -18,7 +18,7 @@ static const struct step {
 } steps[] = {
     {"micro", lf_bench_micro, "micro {scenes}/cloud.json --json {out}.json"},
     {"quilt", lf_bench_quilt, "quilt --json {out}.json"},
-    {"usb", lf_bench_usb, "usb --json {out}.json"},
+    {"usb", lf_bench_usb, "usb {scenes}/first-light.json --json {out}.json"},
     {"skip", lf_bench_skip, "skip --json {out}.json"},
     {"live", lf_bench_live, "live {scenes}/first-light.json --json {out}.json"},
     {"compare", lf_bench_compare,

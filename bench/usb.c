@@ -1,36 +1,50 @@
-/* quiltbench usb: updates of a simulated USB display in this process, against copying as many bytes. */
+/* quiltbench usb [SCENE]: updates of a simulated USB display in this process, against copying as many bytes; and what a scene that
+ * converges sends to it. */
 #include <stdio.h>
 #include <string.h>
 
 #include "bench/bench.h"
 #include "bench/timing.h"
+#include "bench/usb.h"
 #include "daemon/options.h"
 #include "device/gud_host.h"
 
 typedef struct arguments {
     lf_options options;
+    const char *scene; /* NULL = none */
     const char *json;
     int repeat;
+    double seconds;
 } arguments;
+
+typedef enum content {
+    NOISE,
+    GRADIENTS,
+    SCENE, /* the panel's picture of the scene, right way up and upside down */
+} content;
 
 /* A display and what it is made to show. */
 typedef struct work {
     const char *name;
     uint8_t format;
     bool lz4;
-    bool smooth; /* the picture: soft gradients, else noise */
-    bool same;   /* the display shows it already */
-    int side;    /* of a square that changes; 0 = the whole panel */
+    content content;
+    bool same; /* the display shows it already */
+    int side;  /* of a square that changes; 0 = the whole panel */
 } work;
 
 static const work works[] = {
-    {"noise, RGB888", LF_GUD_RGB888, false, false, false, 0},
-    {"noise, XRGB8888", LF_GUD_XRGB8888, false, false, false, 0},
-    {"noise, RGB565", LF_GUD_RGB565, false, false, false, 0},
-    {"noise, RGB888, LZ4 offered", LF_GUD_RGB888, true, false, false, 0},
-    {"gradients, RGB888, LZ4 offered", LF_GUD_RGB888, true, true, false, 0},
-    {"unchanged, RGB888", LF_GUD_RGB888, false, false, true, 0},
-    {"471x471 of noise, RGB888", LF_GUD_RGB888, false, false, false, 471},
+    {"noise, RGB888", LF_GUD_RGB888, false, NOISE, false, 0},
+    {"noise, XRGB8888", LF_GUD_XRGB8888, false, NOISE, false, 0},
+    {"noise, RGB565", LF_GUD_RGB565, false, NOISE, false, 0},
+    {"noise, RGB888, LZ4 offered", LF_GUD_RGB888, true, NOISE, false, 0},
+    {"gradients, RGB888, LZ4 offered", LF_GUD_RGB888, true, GRADIENTS, false, 0},
+    {"scene, RGB888", LF_GUD_RGB888, false, SCENE, false, 0},
+    {"scene, XRGB8888", LF_GUD_XRGB8888, false, SCENE, false, 0},
+    {"scene, RGB565", LF_GUD_RGB565, false, SCENE, false, 0},
+    {"scene, RGB888, LZ4 offered", LF_GUD_RGB888, true, SCENE, false, 0},
+    {"unchanged, RGB888", LF_GUD_RGB888, false, NOISE, true, 0},
+    {"471x471 of noise, RGB888", LF_GUD_RGB888, false, NOISE, false, 471},
 };
 
 static const lf_rect panels[] = {{0, 0, 1536, 2048}, {0, 0, 3840, 2160}};
@@ -42,44 +56,58 @@ typedef struct bench {
     lf_usb_link *link;
     lf_gud_host *host;
     lf_image8 pictures[2], copy;
+    lf_image8 scene; /* of a Portrait; empty = none */
 } bench;
 
-enum { OPTION_REPEAT = LF_OPTION_OWN, OPTION_JSON };
+enum { OPTION_REPEAT = LF_OPTION_OWN, OPTION_SECONDS, OPTION_JSON };
 
 static const struct option table[] = {
+    LF_OPTIONS_LONG("calibration"),
+    {"seconds", required_argument, NULL, OPTION_SECONDS},
     {"repeat", required_argument, NULL, OPTION_REPEAT},
     {"json", required_argument, NULL, OPTION_JSON},
-    {"help", no_argument, NULL, LF_OPTION_HELP},
     {NULL, 0, NULL, 0},
 };
 
 static void print_help(void)
 {
-    printf("Usage: quiltbench usb [options]\n"
+    printf("Usage: quiltbench usb [SCENE] [options]\n"
            "Updates of a simulated USB display in this process, its own decoding included: milliseconds, MB/s of changed pixels\n"
-           "(three bytes each), bytes on the wire, and the ratio to copying the changed pixels.\n\n"
+           "(three bytes each), bytes on the wire, and the ratio to copying the changed pixels. With a scene: what its rendering\n"
+           "sends while it converges.\n\n"
+           "  --seconds S            how long it converges (20)\n"
            "  --repeat N             repetitions; their median counts (15)\n"
-           "  --json FILE            the numbers as JSON (- for stdout)\n");
+           "  --json FILE            the numbers as JSON (- for stdout)\n" LF_OPTIONS_HELP_VIEWS
+           "  --calibration FILE     the panel that the scene is shown on (a nominal Portrait)\n" LF_OPTIONS_HELP_RENDER
+           "  --help                 this text\n");
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     arguments *a = context;
 
-    if (code == OPTION_REPEAT)
+    switch (code) {
+    case OPTION_REPEAT:
         return lf_parse_small("--repeat", text, 1, LF_TIMING_MAX, &a->repeat, err);
-    a->json = text;
-    return LF_OK;
+    case OPTION_SECONDS:
+        return lf_parse_double("--seconds", text, 0.1, 3600, &a->seconds, err);
+    default:
+        a->json = text;
+        return LF_OK;
+    }
 }
 
 static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
 {
-    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, NULL, take, a};
+    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, &a->options, take, a};
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
 
     if (status != LF_OK || *out_done)
         return status;
-    return optind < argc ? lf_error_set(err, LF_E_ARG, argv[optind], "quiltbench usb takes options only") : LF_OK;
+    if (argc - optind > 1)
+        return lf_error_set(err, LF_E_ARG, argv[optind + 1], "quiltbench usb takes one SCENE");
+    a->scene = argv[optind];
+    return LF_OK;
 }
 
 /* -------------------------------------------------------------------------------------------------------- pictures -- */
@@ -102,6 +130,21 @@ static bool inside(lf_rect r, int x, int y)
     return x >= r.x && x < r.x + r.width && y >= r.y && y < r.y + r.height;
 }
 
+static uint8_t sample_at(const bench *b, content c, int x, int y, int seed)
+{
+    switch (c) {
+    case NOISE:
+        return noise_at(x, y, seed);
+    case GRADIENTS:
+        return gradient_at(x, y, seed);
+    case SCENE:
+        break;
+    }
+    /* a panel that is larger shows it several times */
+    int row = y % b->scene.height;
+    return b->scene.data[(size_t)(seed ? b->scene.height - 1 - row : row) * b->scene.stride + (size_t)(x % (3 * b->scene.width))];
+}
+
 /* Both pictures; they differ within `changed` only, and not at all when the display is to show it already. */
 static void paint(bench *b, const work *w, lf_rect changed)
 {
@@ -109,8 +152,7 @@ static void paint(bench *b, const work *w, lf_rect changed)
         for (int y = 0; y < b->pictures[i].height; y++)
             for (int x = 0; x < b->pictures[i].width * 3; x++) {
                 int seed = i > 0 && !w->same && inside(changed, x / 3, y) ? 1 : 0;
-                uint8_t *sample = b->pictures[i].data + (size_t)y * b->pictures[i].stride + (size_t)x;
-                *sample = w->smooth ? gradient_at(x, y, seed) : noise_at(x, y, seed);
+                b->pictures[i].data[(size_t)y * b->pictures[i].stride + (size_t)x] = sample_at(b, w->content, x, y, seed);
             }
 }
 
@@ -205,6 +247,8 @@ static lf_status measure_all(bench *b, lf_error *err)
 
     for (size_t p = 0; p < sizeof panels / sizeof panels[0]; p++)
         for (size_t i = 0; i < sizeof works / sizeof works[0] && status == LF_OK; i++) {
+            if (works[i].content == SCENE && !b->scene.data)
+                continue;
             status = make(b, &works[i], panels[p], err);
             if (status == LF_OK)
                 status = measure(b, &works[i], panels[p], err);
@@ -213,9 +257,44 @@ static lf_status measure_all(bench *b, lf_error *err)
     return status;
 }
 
+/* ------------------------------------------------------------------------------------------------------- converging -- */
+
+static void report_converging(bench *b, const lf_bench_converge *c)
+{
+    double per_second = (c->updates - 1) / c->shown_seconds, share = c->wire_bytes / (c->updates * c->frame_bytes);
+    double later = (c->wire_bytes - c->first_bytes) / ((c->updates - 1) * c->frame_bytes);
+
+    if (!lf_bench_only_json(b->arguments->json))
+        printf("converging, RGB888%-26s %.1f updates a second for %.0f s, %.0f bytes each: %.2f %% of full frames (%.2f %% without "
+               "the first), last picture %s\n",
+               c->lz4 ? ", LZ4 offered" : "", per_second, c->shown_seconds, c->wire_bytes / c->updates, 100 * share, 100 * later,
+               c->differences == 0 ? "exact" : "NOT EXACT");
+    json_array_append_new(b->lines, json_pack("{s:s, s:b, s:f, s:f, s:f, s:f, s:f, s:b}", "what", "converging", "lz4", c->lz4,
+                                              "seconds", c->shown_seconds, "updates_per_second", per_second, "bytes_an_update",
+                                              c->wire_bytes / c->updates, "share_of_full_frames", share, "share_without_the_first",
+                                              later, "exact", c->differences == 0));
+}
+
+static lf_status measure_converging(bench *b, lf_error *err)
+{
+    lf_status status = LF_OK;
+
+    for (int lz4 = 0; lz4 < 2 && b->arguments->scene && status == LF_OK; lz4++) {
+        lf_bench_converge c = {.seconds = b->arguments->seconds, .lz4 = lz4 > 0};
+        lf_image8_finish(&b->scene);
+        status = lf_bench_usb_converge(b->arguments->scene, &b->arguments->options, &c, &b->scene, err);
+        if (status == LF_OK)
+            report_converging(b, &c);
+        if (status == LF_OK && c.differences > 0)
+            status = lf_error_set(err, LF_E_STATE, "usb", "the display's last picture differs from the frame in %lld bytes",
+                                  (long long)c.differences);
+    }
+    return status;
+}
+
 int lf_bench_usb(int argc, char **argv)
 {
-    arguments a = {.repeat = 15};
+    arguments a = {.repeat = 15, .seconds = 20};
     bench b = {.arguments = &a};
     lf_error err = {0};
     bool done = false;
@@ -226,14 +305,17 @@ int lf_bench_usb(int argc, char **argv)
     if (done)
         return LF_EXIT_OK;
     b.lines = json_array();
-    if (!lf_bench_only_json(a.json))
+    status = measure_converging(&b, &err);
+    if (status == LF_OK && !lf_bench_only_json(a.json))
         printf("%-44s %10s %10s %12s %10s %8s\n", "", "ms", "MB/s", "wire bytes", "copy ms", "ratio");
-    status = measure_all(&b, &err);
+    if (status == LF_OK)
+        status = measure_all(&b, &err);
     if (status == LF_OK && a.json) {
         json_t *object = json_pack("{s:o, s:i, s:O}", "machine", lf_bench_machine(), "repeat", a.repeat, "lines", b.lines);
         status = lf_bench_write_json(a.json, object, &err);
         json_decref(object);
     }
+    lf_image8_finish(&b.scene);
     json_decref(b.lines);
     return status == LF_OK ? LF_EXIT_OK : lf_bench_fail(&err);
 }

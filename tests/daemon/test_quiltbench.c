@@ -435,6 +435,38 @@ static void what_is_shown_after_a_command_comes_closer(void **state)
     assert_error_line(d, "none.json");
 }
 
+static void what_a_usb_display_is_sent_is_timed_and_ends_exact(void **state)
+{
+    const char *d = *state;
+    int n_exact = 0;
+
+    write_fog(d);
+    lf_test_write(d, "visual.json", panel_text);
+    assert_int_equal(
+        run(d, "usb fog.json --calibration visual.json --view-size 24x32 --threads 2 --seconds 0.5 --repeat 2 --json u.json"), 0);
+    json_t *u = load(d, "u.json");
+    const json_t *line;
+    size_t i;
+    json_array_foreach(json_object_get(u, "lines"), i, line)
+    {
+        if (strcmp(json_string_value(json_object_get(line, "what")), "converging") != 0) {
+            assert_true(number(line, "ms") > 0 && number(line, "mb_per_second") > 0);
+            continue;
+        }
+        assert_true(json_is_true(json_object_get(line, "exact")));
+        assert_true(number(line, "bytes_an_update") > 0 && number(line, "share_of_full_frames") <= 1);
+        n_exact++;
+    }
+    assert_true(i > 10);
+    assert_int_equal(n_exact, 2);
+    json_decref(u);
+    assert_int_equal(run(d, "usb fog.json other.json"), 2);
+    assert_error_line(d, "one SCENE");
+    assert_int_equal(run(d, "usb --seconds 0"), 2);
+    assert_int_equal(run(d, "usb none.json"), 1);
+    assert_error_line(d, "none.json");
+}
+
 static void what_is_left_out_is_timed_and_leaves_the_picture(void **state)
 {
     const char *d = *state;
@@ -469,6 +501,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(kernels_are_timed_and_must_agree, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_between_views_and_panel_is_timed, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_shown_after_a_command_comes_closer, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_a_usb_display_is_sent_is_timed_and_ends_exact, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_left_out_is_timed_and_leaves_the_picture, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
