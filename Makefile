@@ -8,6 +8,7 @@
 #   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
 #   make lint               static checks
 #   make fuzz               hostile bytes for everything read from devices: FUZZ_SECONDS each (60), T=hid only that one
+#   make soak               the daemon on a panel with random faults: SOAK_SECONDS (600), SOAK_SEED
 #   make check-arm64        the portable parts, built for arm64 and run by an emulator
 #   make check-kernel       simulated devices through a real kernel and the installed daemon under systemd, in QEMU; as root
 #   make T=render check     only the tests whose path holds this word
@@ -47,7 +48,7 @@ rooms := base render quilt device daemon
 all:
 
 # Goals that install packages first, then come back here as GOAL-now.
-front := check check-arm64 check-kernel run bench verify lint fuzz
+front := check check-arm64 check-kernel run bench verify lint fuzz soak
 # Goals that need no library flags.
 light := $(front) deps clean help
 goals := $(or $(MAKECMDGOALS),all)
@@ -119,7 +120,7 @@ test_srcs := $(call wild,tests/*/test_*.c)
 tests := $(patsubst %.c,$(O)/%,$(test_srcs))
 headers := $(foreach r,$(rooms) tests,$(call wild,$(r)/*.h)) $(call wild,tests/fuzz/*.h)
 headers_alone := $(patsubst %,$(O)/alone/%.ok,$(headers))
-$(foreach l,stat optics bench,$(eval $(call library,$(l))))
+$(foreach l,stat optics bench faulty,$(eval $(call library,$(l))))
 test_libs = $(call libs,$(or $(test_libs_$(1)),daemon render quilt device base))
 
 .PHONY: tests
@@ -145,7 +146,7 @@ $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
  MAKE_AGAIN='$(MAKE_COMMAND) --no-print-directory -C $(CURDIR) -f $(MAKEFILE) O=$(O) BUILD=$(BUILD)' $(SRCDIR)/tests/run
 
-.PHONY: check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now
+.PHONY: check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now
 tests_extra := $(SRCDIR)/tests/style.sh $(SRCDIR)/tests/install.sh $(SRCDIR)/tests/arm64.sh
 matching = $(foreach x,$(1),$(if $(strip $(foreach t,$(T),$(findstring $(t),$(x)))),$(x)))
 matching_or_all = $(if $(T),$(call matching,$(1)),$(1))
@@ -164,6 +165,12 @@ check-kernel-now: all $(kernel_programs)
 verify-now: all tests
 	@seed=$${QUILTD_SEED:-$$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}; echo "QUILTD_SEED=$$seed"; \
 	 QUILTD_SEED=$$seed QUILTD_LONG=1 TEST_TIMEOUT=$${TEST_TIMEOUT:-3600} $(run_tests) $(tests)
+
+# its table is the last thing in the log; a command that was delayed is a failure here
+soak-now: $(O)/tests/daemon/test_faults
+	@seed=$${SOAK_SEED:-$$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}; seconds=$${SOAK_SECONDS:-600}; rc=0; \
+	 SOAK_SEED=$$seed SOAK_SECONDS=$$seconds SOAK_STRICT=1 TEST_TIMEOUT=$$((seconds + 1200)) $(run_tests) $< || rc=1; \
+	 sed -n '/^SOAK_SEED/,/^descriptors/p' $(O)/tests/test_faults.log; exit $$rc
 
 fuzz-now: $(call matching_or_all,$(fuzz_targets))
 	@O='$(O)' $(SRCDIR)/tests/fuzz.sh $^
@@ -187,7 +194,7 @@ bench:
 bench-peers:
 	@$(SRCDIR)/.ci/deps install build peers
 	@$(self) $(jobs) $@-now
-check verify:
+check verify soak:
 	@$(SRCDIR)/.ci/deps install build test
 	@$(self) $(jobs) $@-now
 check-arm64:
@@ -231,5 +238,5 @@ lint-now: $(if $(generated),$(addprefix $(O)/,$(generated)))
 # ------------------------------------------------------------------------------------------------------- installing --
 include $(SRCDIR)/.ci/install.mk
 
--include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(optics_srcs) $(test_srcs) $(fuzz_srcs) $(kernel_srcs) tests/arm64/results.c)))
+-include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(optics_srcs) $(faulty_srcs) $(test_srcs) $(fuzz_srcs) $(kernel_srcs) tests/arm64/results.c)))
 -include $(addsuffix .d,$(headers_alone))

@@ -5,12 +5,17 @@ test_libs_device := device base
 test_libs_render := stat render base
 test_libs_stat := stat render base
 test_libs_bench := bench stat render base
+test_libs_daemon := faulty daemon render quilt device base
 
 # what statistical tests share
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
 
 # what tests of the print share
 optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
+
+# devices with random faults in place of libusb and hidapi
+faulty_srcs := tests/daemon/faulty.c
+wrap_test_faults := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hid_list lf_hid_open)
 
 # files made as on file systems without O_TMPFILE
 wrap_test_file := -Wl,--wrap=open
