@@ -1,0 +1,222 @@
+/* quiltctl doctor: what it says of machines that are made up, folders and all. */
+#include "tests/testing.h"
+
+#include <sys/stat.h>
+
+#include "daemon/doctor.h"
+
+typedef struct machine {
+    char *root;
+    json_t *status;
+    lf_error no_answer;
+    lf_device_info devices[4];
+    lf_found found[4];
+    lf_doctor_facts facts;
+    bool sound;
+    char *said;
+    size_t n_said;
+} machine;
+
+static void add_file(const machine *m, const char *path)
+{
+    char folder[PATH_MAX];
+    snprintf(folder, sizeof folder, "%s%s", m->root, path);
+    for (char *at = folder + strlen(m->root) + 1; (at = strchr(at, '/')) != NULL; at++) {
+        *at = 0;
+        mkdir(folder, 0700);
+        *at = '/';
+    }
+    lf_test_write(m->root, path + 1, "");
+}
+
+/* One with all that a panel needs, but neither panel nor daemon. */
+static machine *make_machine(void)
+{
+    machine *m = calloc(1, sizeof *m);
+    assert_non_null(m);
+    m->root = lf_test_folder();
+    add_file(m, "/usr/lib/udev/rules.d/70-quiltd.rules");
+    add_file(m, "/run/udev/control");
+    add_file(m, "/sys/bus/usb/devices/1-1");
+    add_file(m, "/sys/bus/hid/drivers/hid-generic/bind");
+    add_file(m, "/dev/dri/card1");
+    lf_error_set(&m->no_answer, LF_E_NODEV, "/run/quiltd/control.sock", "no daemon answers");
+    m->facts = (lf_doctor_facts){.root = m->root, .no_answer = &m->no_answer, .devices = m->devices, .found = m->found};
+    return m;
+}
+
+static void add_device(machine *m, const char *kind, const char *spec, const char *problem)
+{
+    lf_device_info *info = &m->devices[m->facts.n_devices++];
+    snprintf(info->kind, sizeof info->kind, "%s", kind);
+    snprintf(info->spec, sizeof info->spec, "%s", spec);
+    snprintf(info->model, sizeof info->model, "Looking Glass");
+    snprintf(info->problem, sizeof info->problem, "%s", problem);
+}
+
+static void add_calibration(machine *m, const char *path, const char *problem)
+{
+    lf_found *found = &m->found[m->facts.n_found++];
+    snprintf(found->path, sizeof found->path, "%s", path);
+    snprintf(found->problem, sizeof found->problem, "%s", problem);
+    lf_calibration_portrait(&found->calibration);
+}
+
+static void examine(machine *m)
+{
+    free(m->said);
+    m->said = NULL;
+    FILE *out = open_memstream(&m->said, &m->n_said);
+    assert_non_null(out);
+    m->facts.status = m->status;
+    m->sound = lf_doctor_judge(&m->facts, out);
+    fclose(out);
+}
+
+static void assert_says(const machine *m, const char *line)
+{
+    if (strstr(m->said, line) == NULL)
+        fail_msg("\"%s\" is not said:\n%s", line, m->said);
+}
+
+static void assert_does_not_say(const machine *m, const char *words)
+{
+    if (strstr(m->said, words) != NULL)
+        fail_msg("\"%s\" is said:\n%s", words, m->said);
+}
+
+static void destroy_machine(machine *m)
+{
+    json_decref(m->status);
+    lf_test_folder_remove(m->root);
+    free(m->said);
+    free(m);
+}
+
+static void a_machine_with_its_panel_has_nothing_but_ok(void **state)
+{
+    (void)state;
+    machine *m = make_machine();
+    m->status =
+        json_pack("{s:s, s:{s:s, s:s, s:b}}", "state", "rendering", "device", "spec", "drm:DP-1", "problem", "", "present", 1);
+    add_device(m, "drm", "drm:DP-1", "used by quiltd"); /* which is the daemon: no problem */
+    add_device(m, "none", "none", "");
+    add_calibration(m, "/dev/hidraw0", "");
+    examine(m);
+    assert_true(m->sound);
+    assert_string_equal(m->said, "ok    daemon: rendering, shows on drm:DP-1\n"
+                                 "ok    udev rule: /usr/lib/udev/rules.d/70-quiltd.rules\n"
+                                 "ok    panel drm:DP-1: quiltd shows on it\n"
+                                 "ok    calibration /dev/hidraw0: LKG-PORT-NOMINAL, 1536 x 2048\n");
+    destroy_machine(m);
+}
+
+static void what_is_missing_is_noted_but_fails_nothing(void **state)
+{
+    (void)state;
+    machine *m = make_machine();
+    add_device(m, "none", "none", "");
+    examine(m);
+    assert_true(m->sound);
+    assert_says(m, "note  daemon: /run/quiltd/control.sock: no daemon answers\n");
+    assert_says(m, "note  panels: no display of a Looking Glass");
+    assert_says(m, "note  calibrations: none was found");
+    assert_does_not_say(m, "FAIL");
+    destroy_machine(m);
+}
+
+static void every_part_of_the_system_is_looked_for(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *removed, *line;
+    } cases[] = {
+        {"usr/lib/udev/rules.d/70-quiltd.rules", "note  udev rule: 70-quiltd.rules is not installed"},
+        {"run/udev/control", "note  udev: is not running"},
+        {"sys/bus/hid", "note  module hid-generic: is not loaded"},
+        {"sys/bus/usb", "note  USB: this kernel shows no USB bus"},
+        {"dev/dri/card1", "note  displays: there is no /dev/dri/card*"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        machine *m = make_machine();
+        char away[PATH_MAX];
+        examine(m);
+        assert_does_not_say(m, cases[i].line);
+        snprintf(away, sizeof away, "%s/away", m->root);
+        assert_int_equal(rename(lf_test_path(m->root, cases[i].removed), away), 0);
+        examine(m);
+        assert_says(m, cases[i].line);
+        assert_true(m->sound);
+        destroy_machine(m);
+    }
+}
+
+static void a_rule_of_the_administrator_goes_before_the_others(void **state)
+{
+    (void)state;
+    machine *m = make_machine();
+    add_file(m, "/etc/udev/rules.d/70-quiltd.rules");
+    examine(m);
+    assert_says(m, "ok    udev rule: /etc/udev/rules.d/70-quiltd.rules\n");
+    destroy_machine(m);
+}
+
+static void panels_and_calibrations_that_cannot_be_used_fail(void **state)
+{
+    (void)state;
+    machine *m = make_machine();
+    add_device(m, "drm", "drm:DP-1", "may not be opened: the user has to be in the group video");
+    add_calibration(m, "/dev/hidraw0", "may not be opened");
+    examine(m);
+    assert_false(m->sound);
+    assert_says(m, "FAIL  panel drm:DP-1: may not be opened: the user has to be in the group video\n");
+    assert_says(m, "FAIL  calibration /dev/hidraw0: may not be opened\n");
+    assert_says(m, "note  calibrations: none was found"); /* that could be used */
+    assert_does_not_say(m, "note  panels");
+    destroy_machine(m);
+}
+
+static void a_daemon_that_has_no_panel_owns_none(void **state)
+{
+    (void)state;
+    machine *m = make_machine();
+    m->status = json_pack("{s:s, s:{s:s, s:s, s:b}}", "state", "rendering", "device", "spec", "drm:DP-1", "problem", "unplugged",
+                          "present", 0);
+    add_device(m, "drm", "drm:DP-1", "used by another program");
+    examine(m);
+    assert_says(m, "ok    daemon: rendering, shows on drm:DP-1: unplugged\n");
+    assert_says(m, "FAIL  panel drm:DP-1: used by another program\n");
+    assert_false(m->sound);
+    destroy_machine(m);
+}
+
+static void a_daemon_that_says_other_things_is_put_up_with(void **state)
+{
+    (void)state;
+    static const char *const answers[] = {"{}", "{\"device\":null}", "{\"device\":{\"spec\":1,\"problem\":[],\"present\":true}}",
+                                          "[]"};
+    for (size_t i = 0; i < sizeof answers / sizeof answers[0]; i++) {
+        machine *m = make_machine();
+        m->status = json_loads(answers[i], 0, NULL);
+        assert_non_null(m->status);
+        add_device(m, "drm", "drm:DP-1", "");
+        examine(m);
+        assert_says(m, "ok    daemon: ");
+        assert_says(m, "ok    panel drm:DP-1: Looking Glass\n");
+        destroy_machine(m);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_machine_with_its_panel_has_nothing_but_ok),
+        cmocka_unit_test(what_is_missing_is_noted_but_fails_nothing),
+        cmocka_unit_test(every_part_of_the_system_is_looked_for),
+        cmocka_unit_test(a_rule_of_the_administrator_goes_before_the_others),
+        cmocka_unit_test(panels_and_calibrations_that_cannot_be_used_fail),
+        cmocka_unit_test(a_daemon_that_has_no_panel_owns_none),
+        cmocka_unit_test(a_daemon_that_says_other_things_is_put_up_with),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
