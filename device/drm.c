@@ -29,7 +29,8 @@ typedef enum drm_phase {
 } drm_phase;
 
 typedef struct drm_device {
-    lf_device base;
+    lf_handover handover; /* first */
+
     /* immutable after open */
     const lf_kms_calls *kms;
     lf_calibration calibration;
@@ -39,8 +40,6 @@ typedef struct drm_device {
     uint32_t connector;
     int card, fd;
     int watch_fd; /* -1 = none */
-
-    lf_handover handover;
 
     /* the device's thread */
     lf_drm_output output;
@@ -294,16 +293,15 @@ lf_status lf_drm_open(const lf_kms_calls *kms, const char *argument, const lf_ca
                       lf_error *err)
 {
     lf_drm_name name;
-    lf_drm_found *found = NULL;
-    lf_status status = LF_E_NOMEM;
     drm_device *drm = lf_calloc(1, sizeof *drm);
     if (drm == NULL)
         return lf_error_set(err, LF_E_NOMEM, "drm", "out of memory");
-    drm->base.ops = &lf_drm_ops;
+    drm->handover.base.ops = &lf_drm_ops;
     drm->kms = kms;
     drm->fd = drm->watch_fd = -1;
-    found = lf_calloc(1, sizeof *found);
-    status = found != NULL ? lf_drm_name_parse(argument, &name, err) : lf_error_set(err, LF_E_NOMEM, "drm", "out of memory");
+    lf_drm_found *found = lf_calloc(1, sizeof *found);
+    lf_status status =
+        found != NULL ? lf_drm_name_parse(argument, &name, err) : lf_error_set(err, LF_E_NOMEM, "drm", "out of memory");
     if (status == LF_OK)
         status = lf_drm_find(kms, &name, found, err);
     if (status != LF_OK)
@@ -321,11 +319,11 @@ lf_status lf_drm_open(const lf_kms_calls *kms, const char *argument, const lf_ca
     if (status != LF_OK)
         goto fail;
     lf_free(found);
-    *out_device = &drm->base;
+    *out_device = &drm->handover.base;
     return LF_OK;
 fail:
     lf_free(found);
-    lf_device_destroy(&drm->base);
+    lf_device_destroy(&drm->handover.base);
     return status;
 }
 
@@ -368,32 +366,6 @@ static const lf_calibration *drm_calibration(const lf_device *device)
     return &const_drm_of(device)->calibration;
 }
 
-static lf_status drm_push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n, uint64_t generation)
-{
-    (void)generation;
-    return lf_handover_push(&drm_of(device)->handover, frame, rects, n);
-}
-
-static int drm_poll_fd(const lf_device *device)
-{
-    return const_drm_of(device)->handover.tell_fd;
-}
-
-static lf_device_event drm_dispatch(lf_device *device)
-{
-    return lf_handover_dispatch(&drm_of(device)->handover);
-}
-
-static void drm_counters(const lf_device *device, lf_device_counters *out)
-{
-    lf_handover_counters(&const_drm_of(device)->handover, out);
-}
-
-static lf_status drm_flush(lf_device *device, int timeout_ms)
-{
-    return lf_handover_flush(&drm_of(device)->handover, timeout_ms);
-}
-
 const lf_device_ops lf_drm_ops = {
     .kind = "drm",
     .probe = drm_probe,
@@ -401,9 +373,9 @@ const lf_device_ops lf_drm_ops = {
     .destroy = drm_destroy,
     .info = drm_info,
     .calibration = drm_calibration,
-    .push = drm_push,
-    .poll_fd = drm_poll_fd,
-    .dispatch = drm_dispatch,
-    .counters = drm_counters,
-    .flush = drm_flush,
+    .push = lf_handover_push,
+    .poll_fd = lf_handover_poll_fd,
+    .dispatch = lf_handover_dispatch,
+    .counters = lf_handover_counters,
+    .flush = lf_handover_flush,
 };

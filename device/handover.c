@@ -10,11 +10,22 @@
 
 enum { STOP_WAIT_MS = 1000 };
 
+static lf_handover *handover_of(lf_device *device)
+{
+    return (lf_handover *)(void *)device;
+}
+
+/* A lock is no part of what const promises. */
+static lf_handover *unconst(const void *handover)
+{
+    return (lf_handover *)(uintptr_t)handover;
+}
+
 /* ------------------------------------------------------------------------------------------------ begin and end -- */
 
 lf_status lf_handover_init(lf_handover *h, int width, int height, lf_error *err)
 {
-    *h = (lf_handover){.made = true, .wake_fd = lf_bell_make(), .tell_fd = lf_bell_make()};
+    *h = (lf_handover){.base = h->base, .made = true, .wake_fd = lf_bell_make(), .tell_fd = lf_bell_make()};
     h->has_lock = pthread_mutex_init(&h->lock, NULL) == 0;
     h->has_ended = lf_cond_init(&h->ended) == LF_OK;
     h->rects = lf_calloc(LF_DEVICE_MAX_RECTS, sizeof *h->rects);
@@ -34,7 +45,7 @@ void lf_handover_stop(lf_handover *h)
 {
     if (!h->has_thread)
         return;
-    lf_status status = lf_handover_flush(h, STOP_WAIT_MS);
+    lf_status status = lf_handover_flush(&h->base, STOP_WAIT_MS);
     (void)status; /* what has not ended by now is dropped */
     pthread_mutex_lock(&h->lock);
     h->stop = true;
@@ -56,7 +67,7 @@ void lf_handover_finish(lf_handover *h)
         close(h->tell_fd);
     lf_image8_finish(&h->picture);
     lf_free(h->rects);
-    *h = (lf_handover){0};
+    *h = (lf_handover){.base = h->base};
 }
 
 /* --------------------------------------------------------------------------------------------- the event thread -- */
@@ -85,8 +96,10 @@ static void copy_rect(lf_image8 *to, const lf_image8 *from, const lf_rect *r)
                (size_t)r->width * 3);
 }
 
-lf_status lf_handover_push(lf_handover *h, const lf_image8 *frame, const lf_rect *rects, int n)
+lf_status lf_handover_push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n, uint64_t generation)
 {
+    lf_handover *h = handover_of(device);
+    (void)generation;
     pthread_mutex_lock(&h->lock);
     lf_status status = h->gone ? LF_E_NODEV : h->busy || h->retry ? LF_E_STATE : LF_OK;
     pthread_mutex_unlock(&h->lock);
@@ -106,8 +119,14 @@ lf_status lf_handover_push(lf_handover *h, const lf_image8 *frame, const lf_rect
     return LF_OK;
 }
 
-lf_device_event lf_handover_dispatch(lf_handover *h)
+int lf_handover_poll_fd(const lf_device *device)
 {
+    return unconst(device)->tell_fd;
+}
+
+lf_device_event lf_handover_dispatch(lf_device *device)
+{
+    lf_handover *h = handover_of(device);
     lf_bell_silence(h->tell_fd);
     pthread_mutex_lock(&h->lock);
     lf_device_event event = LF_DEVICE_READY;
@@ -122,8 +141,9 @@ lf_device_event lf_handover_dispatch(lf_handover *h)
     return event;
 }
 
-lf_status lf_handover_flush(lf_handover *h, int timeout_ms)
+lf_status lf_handover_flush(lf_device *device, int timeout_ms)
 {
+    lf_handover *h = handover_of(device);
     uint64_t end = lf_time_now_ns() + (uint64_t)(timeout_ms > 0 ? timeout_ms : 0) * LF_NS_PER_MS;
     bool in_time = true;
     pthread_mutex_lock(&h->lock);
@@ -134,17 +154,12 @@ lf_status lf_handover_flush(lf_handover *h, int timeout_ms)
     return status;
 }
 
-/* A lock is no part of what const promises. */
-static lf_handover *unconst(const lf_handover *h)
+void lf_handover_counters(const lf_device *device, lf_device_counters *out)
 {
-    return (lf_handover *)(uintptr_t)h;
-}
-
-void lf_handover_counters(const lf_handover *h, lf_device_counters *out)
-{
-    pthread_mutex_lock(&unconst(h)->lock);
+    lf_handover *h = unconst(device);
+    pthread_mutex_lock(&h->lock);
     *out = h->counters;
-    pthread_mutex_unlock(&unconst(h)->lock);
+    pthread_mutex_unlock(&h->lock);
 }
 
 void lf_handover_problem(const lf_handover *h, char out[256])

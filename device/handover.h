@@ -1,5 +1,6 @@
 /* How a push gets from the event thread to a thread of the device's own, and its end back: what devices that show a whole picture
- * from memory share (drm, window). The picture and its rectangles belong to the event thread until a push, then to the device's
+ * from memory share (drm, usb, window). Such a device begins with an lf_handover and takes what stands here for the event thread into its
+ * table as it is. The picture and its rectangles belong to the event thread until a push, then to the device's
  * thread until it says how the push ended; nothing is queued. Private to device/. */
 #ifndef LF_DEVICE_HANDOVER_H
 #define LF_DEVICE_HANDOVER_H
@@ -9,8 +10,9 @@
 #include "device/device.h"
 
 typedef struct lf_handover {
-    int wake_fd; /* polls readable for the device's thread: lf_handover_take has something to tell */
-    int tell_fd; /* lf_device_ops.poll_fd */
+    lf_device base; /* set by the device, before init */
+    int wake_fd;    /* polls readable for the device's thread: lf_handover_take has something to tell */
+    int tell_fd;    /* lf_device_ops.poll_fd */
     bool made, has_lock, has_ended, has_thread;
     pthread_t thread;
 
@@ -43,10 +45,12 @@ void lf_handover_finish(lf_handover *h);
 
 /* The members of lf_device_ops of the same names. Pushing copies the rectangles: what memory takes (1 ms for a whole
  * Portrait, 10 to 30 ms for 7680x4320). */
-LF_NODISCARD lf_status lf_handover_push(lf_handover *h, const lf_image8 *frame, const lf_rect *rects, int n);
-lf_device_event lf_handover_dispatch(lf_handover *h);
-LF_NODISCARD lf_status lf_handover_flush(lf_handover *h, int timeout_ms);
-void lf_handover_counters(const lf_handover *h, lf_device_counters *out);
+LF_NODISCARD lf_status lf_handover_push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n,
+                                        uint64_t generation);
+int lf_handover_poll_fd(const lf_device *device);
+lf_device_event lf_handover_dispatch(lf_device *device);
+void lf_handover_counters(const lf_device *device, lf_device_counters *out);
+LF_NODISCARD lf_status lf_handover_flush(lf_device *device, int timeout_ms);
 /* The last word of lf_handover_problem_set. */
 void lf_handover_problem(const lf_handover *h, char out[256]);
 

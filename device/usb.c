@@ -26,8 +26,8 @@ enum {
 };
 
 typedef struct usb_device {
-    lf_device base;
-    lf_handover handover;
+    lf_handover handover; /* first */
+
     /* immutable after open */
     lf_usb_place place;
     lf_calibration calibration;
@@ -188,15 +188,15 @@ lf_status lf_usb_create(lf_usb_link *link, const lf_usb_place *place, const lf_c
         link->ops->close(link);
         return lf_error_set(err, LF_E_NOMEM, "usb", "out of memory");
     }
-    usb->base.ops = &lf_usb_ops;
+    usb->handover.base.ops = &lf_usb_ops;
     usb->link = link;
     usb->place = *place;
     lf_status status = set_up(usb, calibration, err);
     if (status != LF_OK) {
-        lf_device_destroy(&usb->base);
+        lf_device_destroy(&usb->handover.base);
         return status;
     }
-    *out_device = &usb->base;
+    *out_device = &usb->handover.base;
     return LF_OK;
 }
 
@@ -232,7 +232,7 @@ static int usb_probe(lf_device_info *out, int max)
 static void usb_destroy(lf_device *device)
 {
     usb_device *usb = usb_of(device);
-    if (usb->handover.has_thread && lf_handover_flush(&usb->handover, DESTROY_MS) == LF_E_TIMEOUT)
+    if (usb->handover.has_thread && lf_handover_flush(device, DESTROY_MS) == LF_E_TIMEOUT)
         usb->link->ops->cancel(usb->link);
     lf_handover_stop(&usb->handover);
     lf_handover_finish(&usb->handover);
@@ -259,32 +259,6 @@ static const lf_calibration *usb_calibration(const lf_device *device)
     return &const_usb_of(device)->calibration;
 }
 
-static lf_status usb_push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n, uint64_t generation)
-{
-    (void)generation;
-    return lf_handover_push(&usb_of(device)->handover, frame, rects, n);
-}
-
-static int usb_poll_fd(const lf_device *device)
-{
-    return const_usb_of(device)->handover.tell_fd;
-}
-
-static lf_device_event usb_dispatch(lf_device *device)
-{
-    return lf_handover_dispatch(&usb_of(device)->handover);
-}
-
-static void usb_counters(const lf_device *device, lf_device_counters *out)
-{
-    lf_handover_counters(&const_usb_of(device)->handover, out);
-}
-
-static lf_status usb_flush(lf_device *device, int timeout_ms)
-{
-    return lf_handover_flush(&usb_of(device)->handover, timeout_ms);
-}
-
 const lf_device_ops lf_usb_ops = {
     .kind = "usb",
     .probe = usb_probe,
@@ -292,9 +266,9 @@ const lf_device_ops lf_usb_ops = {
     .destroy = usb_destroy,
     .info = usb_info,
     .calibration = usb_calibration,
-    .push = usb_push,
-    .poll_fd = usb_poll_fd,
-    .dispatch = usb_dispatch,
-    .counters = usb_counters,
-    .flush = usb_flush,
+    .push = lf_handover_push,
+    .poll_fd = lf_handover_poll_fd,
+    .dispatch = lf_handover_dispatch,
+    .counters = lf_handover_counters,
+    .flush = lf_handover_flush,
 };

@@ -19,15 +19,14 @@
 enum { LOOK_MS = 100, NAME = 128 };
 
 typedef struct window_device {
-    lf_device base;
+    lf_handover handover; /* first */
+
     /* immutable after open; monitor is written by the thread before */
     lf_calibration calibration;
     char calibration_from[256];
     char wanted[NAME];  /* the argument */
     char monitor[NAME]; /* its name */
     lf_sdl sdl;
-
-    lf_handover handover;
 
     /* the device's thread */
     SDL_Window *window;
@@ -346,7 +345,7 @@ static lf_status window_open(const char *argument, const lf_calibration *calibra
     window_device *w = lf_calloc(1, sizeof *w);
     if (w == NULL)
         return lf_error_set(err, LF_E_NOMEM, "window", "out of memory");
-    w->base.ops = &lf_window_ops;
+    w->handover.base.ops = &lf_window_ops;
     lf_status status = take_argument(w, argument, err);
     if (status == LF_OK)
         status = lf_sdl_load(NULL, &w->sdl, err);
@@ -359,10 +358,10 @@ static lf_status window_open(const char *argument, const lf_calibration *calibra
     if (status == LF_OK)
         status = wait_for_window(w, err);
     if (status != LF_OK) {
-        lf_device_destroy(&w->base);
+        lf_device_destroy(&w->handover.base);
         return status;
     }
-    *out_device = &w->base;
+    *out_device = &w->handover.base;
     return LF_OK;
 }
 
@@ -418,32 +417,6 @@ static const lf_calibration *window_calibration(const lf_device *device)
     return &const_window_of(device)->calibration;
 }
 
-static lf_status window_push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n, uint64_t generation)
-{
-    (void)generation;
-    return lf_handover_push(&window_of(device)->handover, frame, rects, n);
-}
-
-static int window_poll_fd(const lf_device *device)
-{
-    return const_window_of(device)->handover.tell_fd;
-}
-
-static lf_device_event window_dispatch(lf_device *device)
-{
-    return lf_handover_dispatch(&window_of(device)->handover);
-}
-
-static void window_counters(const lf_device *device, lf_device_counters *out)
-{
-    lf_handover_counters(&const_window_of(device)->handover, out);
-}
-
-static lf_status window_flush(lf_device *device, int timeout_ms)
-{
-    return lf_handover_flush(&window_of(device)->handover, timeout_ms);
-}
-
 const lf_device_ops lf_window_ops = {
     .kind = "window",
     .probe = window_probe,
@@ -451,9 +424,9 @@ const lf_device_ops lf_window_ops = {
     .destroy = window_destroy,
     .info = window_info,
     .calibration = window_calibration,
-    .push = window_push,
-    .poll_fd = window_poll_fd,
-    .dispatch = window_dispatch,
-    .counters = window_counters,
-    .flush = window_flush,
+    .push = lf_handover_push,
+    .poll_fd = lf_handover_poll_fd,
+    .dispatch = lf_handover_dispatch,
+    .counters = lf_handover_counters,
+    .flush = lf_handover_flush,
 };

@@ -14,7 +14,7 @@ static lf_status push(lf_handover *h, const lf_rect *r)
     static uint8_t pixels[HEIGHT][WIDTH * 3];
     const lf_image8 frame = {WIDTH, HEIGHT, 3, sizeof pixels[0], pixels[0]};
     memset(pixels, 7, sizeof pixels);
-    return lf_handover_push(h, &frame, r, r != NULL);
+    return lf_handover_push(&h->base, &frame, r, r != NULL, 1);
 }
 
 static bool rings(int fd)
@@ -26,15 +26,15 @@ static bool rings(int fd)
 static void push_goes_there_and_its_end_comes_back(void **state)
 {
     (void)state;
-    lf_handover h;
+    lf_handover h = {0};
     lf_assert_ok(lf_handover_init(&h, WIDTH, HEIGHT, NULL), NULL);
     lf_device_counters counters;
     assert_int_equal(lf_handover_take(&h), LF_HANDOVER_NOTHING);
     lf_assert_ok(push(&h, &part), NULL);
     assert_true(rings(h.wake_fd));
-    assert_int_equal(lf_handover_dispatch(&h), LF_DEVICE_BUSY);
+    assert_int_equal(lf_handover_dispatch(&h.base), LF_DEVICE_BUSY);
     lf_assert_status(push(&h, &part), LF_E_STATE, NULL);
-    lf_assert_status(lf_handover_flush(&h, 1), LF_E_TIMEOUT, NULL);
+    lf_assert_status(lf_handover_flush(&h.base, 1), LF_E_TIMEOUT, NULL);
     assert_int_equal(lf_handover_take(&h), LF_HANDOVER_PUSH);
     assert_int_equal(lf_handover_take(&h), LF_HANDOVER_NOTHING);
     assert_false(rings(h.wake_fd));
@@ -47,10 +47,10 @@ static void push_goes_there_and_its_end_comes_back(void **state)
     assert_false(rings(h.tell_fd));
     lf_handover_end(&h, true, 24);
     assert_true(rings(h.tell_fd));
-    lf_assert_ok(lf_handover_flush(&h, 0), NULL);
-    assert_int_equal(lf_handover_dispatch(&h), LF_DEVICE_READY);
+    lf_assert_ok(lf_handover_flush(&h.base, 0), NULL);
+    assert_int_equal(lf_handover_dispatch(&h.base), LF_DEVICE_READY);
     assert_false(rings(h.tell_fd));
-    lf_handover_counters(&h, &counters);
+    lf_handover_counters(&h.base, &counters);
     assert_int_equal(counters.updates, 1);
     assert_int_equal(counters.bytes, 24);
     lf_handover_finish(&h);
@@ -60,17 +60,17 @@ static void push_goes_there_and_its_end_comes_back(void **state)
 static void failed_push_is_told_once_and_holds_the_next(void **state)
 {
     (void)state;
-    lf_handover h;
+    lf_handover h = {0};
     lf_assert_ok(lf_handover_init(&h, WIDTH, HEIGHT, NULL), NULL);
     lf_device_counters counters;
     lf_assert_ok(push(&h, NULL), NULL);
     assert_int_equal(lf_handover_take(&h), LF_HANDOVER_PUSH);
     lf_handover_end(&h, false, 99);
     lf_assert_status(push(&h, &whole), LF_E_STATE, NULL);
-    assert_int_equal(lf_handover_dispatch(&h), LF_DEVICE_RETRY);
-    assert_int_equal(lf_handover_dispatch(&h), LF_DEVICE_READY);
+    assert_int_equal(lf_handover_dispatch(&h.base), LF_DEVICE_RETRY);
+    assert_int_equal(lf_handover_dispatch(&h.base), LF_DEVICE_READY);
     lf_assert_ok(push(&h, &whole), NULL);
-    lf_handover_counters(&h, &counters);
+    lf_handover_counters(&h.base, &counters);
     assert_int_equal(counters.errors, 1);
     assert_int_equal(counters.bytes, 0);
     lf_handover_finish(&h);
@@ -79,29 +79,29 @@ static void failed_push_is_told_once_and_holds_the_next(void **state)
 static void lost_picture_is_told_unless_a_push_is_under_way(void **state)
 {
     (void)state;
-    lf_handover h;
+    lf_handover h = {0};
     lf_assert_ok(lf_handover_init(&h, WIDTH, HEIGHT, NULL), NULL);
     assert_true(lf_handover_lost(&h));
     assert_true(rings(h.tell_fd));
-    assert_int_equal(lf_handover_dispatch(&h), LF_DEVICE_RETRY);
+    assert_int_equal(lf_handover_dispatch(&h.base), LF_DEVICE_RETRY);
     lf_assert_ok(push(&h, &part), NULL);
     assert_false(lf_handover_lost(&h));
-    assert_int_equal(lf_handover_dispatch(&h), LF_DEVICE_BUSY);
+    assert_int_equal(lf_handover_dispatch(&h.base), LF_DEVICE_BUSY);
     lf_handover_finish(&h);
 }
 
 static void what_is_gone_stays_gone(void **state)
 {
     (void)state;
-    lf_handover h;
+    lf_handover h = {0};
     lf_assert_ok(lf_handover_init(&h, WIDTH, HEIGHT, NULL), NULL);
     char problem[256];
     lf_assert_ok(push(&h, &whole), NULL);
     lf_handover_gone(&h);
     assert_true(rings(h.tell_fd));
-    lf_assert_status(lf_handover_flush(&h, 1000), LF_E_NODEV, NULL);
+    lf_assert_status(lf_handover_flush(&h.base, 1000), LF_E_NODEV, NULL);
     for (int i = 0; i < 2; i++)
-        assert_int_equal(lf_handover_dispatch(&h), LF_DEVICE_GONE);
+        assert_int_equal(lf_handover_dispatch(&h.base), LF_DEVICE_GONE);
     lf_assert_status(push(&h, &whole), LF_E_NODEV, NULL);
     lf_handover_problem_set(&h, "bad\n\x1bthing");
     lf_handover_problem(&h, problem);
@@ -126,17 +126,17 @@ static void *serve(void *argument)
 static void stopping_waits_for_the_push_under_way(void **state)
 {
     (void)state;
-    lf_handover h;
+    lf_handover h = {0};
     lf_assert_ok(lf_handover_init(&h, WIDTH, HEIGHT, NULL), NULL);
     lf_device_counters counters;
     lf_assert_ok(lf_handover_start(&h, serve, &h, "lf-test", NULL), NULL);
     for (int i = 0; i < 1000; i++) {
         lf_assert_ok(push(&h, &whole), NULL);
         if (i < 999)
-            lf_assert_ok(lf_handover_flush(&h, 20000), NULL);
+            lf_assert_ok(lf_handover_flush(&h.base, 20000), NULL);
     }
     lf_handover_stop(&h);
-    lf_handover_counters(&h, &counters);
+    lf_handover_counters(&h.base, &counters);
     assert_int_equal(counters.updates, 1000);
     lf_handover_stop(&h);
     lf_handover_finish(&h);
