@@ -67,6 +67,23 @@ lf_status lf_device_open(const char *spec, const lf_calibration *calibration, lf
     return ops->open(argument_of(spec), calibration, out_device, err);
 }
 
+static bool rect_fits(const lf_rect *r, int width, int height)
+{
+    return r->x >= 0 && r->y >= 0 && r->width > 0 && r->height > 0 && r->width <= width && r->height <= height &&
+           r->x <= width - r->width && r->y <= height - r->height;
+}
+
+bool lf_device_push_fits(int width, int height, const lf_image8 *frame, const lf_rect *rects, int n)
+{
+    if (n < 0 || n > LF_DEVICE_MAX_RECTS || frame == NULL || frame->channels != 3 || frame->width != width ||
+        frame->height != height)
+        return false;
+    for (int i = 0; i < n; i++)
+        if (!rect_fits(&rects[i], width, height))
+            return false;
+    return true;
+}
+
 void lf_device_destroy(lf_device *device)
 {
     if (device != NULL)

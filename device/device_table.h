@@ -20,6 +20,9 @@ LF_NODISCARD lf_status lf_device_open_auto(const lf_device_ops *const table[], c
 /* A "none" that says `problem`. */
 LF_NODISCARD lf_status lf_none_create(const char *problem, lf_device **out_device, lf_error *err);
 
+/* What lf_device_ops.push asks of its arguments, for a panel of width x height pixels; false = LF_E_ARG. */
+bool lf_device_push_fits(int width, int height, const lf_image8 *frame, const lf_rect *rects, int n);
+
 /* Copies text for an lf_device_info field: control characters and bytes that are not UTF-8 become '?', what does not fit is
  * cut between characters. */
 void lf_device_text(char *out, size_t size, const char *text);

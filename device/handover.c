@@ -72,23 +72,6 @@ void lf_handover_finish(lf_handover *h)
 
 /* --------------------------------------------------------------------------------------------- the event thread -- */
 
-static bool rect_fits(const lf_rect *r, int width, int height)
-{
-    return r->x >= 0 && r->y >= 0 && r->width > 0 && r->height > 0 && r->width <= width && r->height <= height &&
-           r->x <= width - r->width && r->y <= height - r->height;
-}
-
-static bool push_fits(const lf_image8 *picture, const lf_image8 *frame, const lf_rect *rects, int n)
-{
-    if (n < 0 || n > LF_DEVICE_MAX_RECTS || frame == NULL || frame->channels != 3 || frame->width != picture->width ||
-        frame->height != picture->height)
-        return false;
-    for (int i = 0; i < n; i++)
-        if (!rect_fits(&rects[i], frame->width, frame->height))
-            return false;
-    return true;
-}
-
 static void copy_rect(lf_image8 *to, const lf_image8 *from, const lf_rect *r)
 {
     for (int y = r->y; y < r->y + r->height; y++)
@@ -105,7 +88,7 @@ lf_status lf_handover_push(lf_device *device, const lf_image8 *frame, const lf_r
     pthread_mutex_unlock(&h->lock);
     if (status != LF_OK)
         return status;
-    if (!push_fits(&h->picture, frame, rects, n))
+    if (!lf_device_push_fits(h->picture.width, h->picture.height, frame, rects, n))
         return LF_E_ARG;
     for (int i = 0; i < n; i++)
         copy_rect(&h->picture, frame, &rects[i]);

@@ -194,24 +194,6 @@ static uint64_t push_duration_ns(const sim_device *sim, uint64_t bytes)
     return o->stall_ms == LF_SIM_NEVER ? LF_SIM_NEVER : duration + o->stall_ms * LF_NS_PER_MS;
 }
 
-static bool rect_fits(const lf_rect *r, int width, int height)
-{
-    return r->x >= 0 && r->y >= 0 && r->width > 0 && r->height > 0 && r->width <= width && r->height <= height &&
-           r->x <= width - r->width && r->y <= height - r->height;
-}
-
-static bool push_fits(const sim_device *sim, const lf_image8 *frame, const lf_rect *rects, int n)
-{
-    const lf_calibration *c = &sim->calibration;
-    if (n < 0 || n > LF_DEVICE_MAX_RECTS || frame == NULL || frame->channels != 3 || frame->width != c->screen_width_px ||
-        frame->height != c->screen_height_px)
-        return false;
-    for (int i = 0; i < n; i++)
-        if (!rect_fits(&rects[i], frame->width, frame->height))
-            return false;
-    return true;
-}
-
 /* Rings at end_ns; LF_SIM_NEVER never. */
 static void set_timer(const sim_device *sim, uint64_t end_ns)
 {
@@ -228,7 +210,7 @@ static lf_status sim_push(lf_device *device, const lf_image8 *frame, const lf_re
         return LF_E_NODEV;
     if (sim->busy || sim->retry)
         return LF_E_STATE;
-    if (!push_fits(sim, frame, rects, n))
+    if (!lf_device_push_fits(sim->calibration.screen_width_px, sim->calibration.screen_height_px, frame, rects, n))
         return LF_E_ARG;
     uint64_t bytes = 0;
     sim->pushes++;
