@@ -16,6 +16,7 @@ optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 # devices with random faults in place of libusb and hidapi
 faulty_srcs := tests/daemon/faulty.c
 wrap_test_faults := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hid_list lf_hid_open)
+
 # a display that hangs in place of libusb's
 wrap_test_stuck_display := -Wl,--wrap=lf_usb_list,--wrap=lf_usb_open
 
