@@ -9,6 +9,9 @@
 #include "base/file.h"
 #include "base/log.h"
 
+_Static_assert(sizeof(lf_calibration) == 16 + 64 + 5 * sizeof(double) + 8 * sizeof(int) + sizeof((lf_calibration *)0)->cells,
+               "compared as bytes: no padding");
+
 typedef struct parser {
     const char *text, *where;
     size_t n;

@@ -1,5 +1,6 @@
 /* One panel's lens calibration, as the vendor's JSON carries it (looking-glass.md section 2: every number may be wrapped as
- * {"value": x} or plain, integers may come as floats, keys may be missing). A plain struct that crosses rooms. */
+ * {"value": x} or plain, integers may come as floats, keys may be missing). A plain struct that crosses rooms;
+ * what a parser made may be compared as bytes. */
 #ifndef LF_BASE_CALIBRATION_H
 #define LF_BASE_CALIBRATION_H
 

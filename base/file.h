@@ -59,5 +59,7 @@ LF_NODISCARD lf_status lf_outfile_commit(lf_outfile *file, bool overwrite, lf_er
 void lf_outfile_abandon(lf_outfile *file);
 /* Writes all bytes, EINTR and short writes handled. */
 LF_NODISCARD lf_status lf_outfile_write(lf_outfile *file, const void *data, size_t n, lf_error *err);
+/* All of that in one: the file is this text from now on, or on failure what it was. */
+LF_NODISCARD lf_status lf_outfile_text(const char *path, const char *text, lf_error *err);
 
 #endif

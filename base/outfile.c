@@ -191,6 +191,19 @@ lf_status lf_outfile_write(lf_outfile *file, const void *data, size_t n, lf_erro
     return LF_OK;
 }
 
+lf_status lf_outfile_text(const char *path, const char *text, lf_error *err)
+{
+    lf_outfile file = {.fd = -1};
+    lf_status status = lf_outfile_open(&file, path, true, err);
+    if (status != LF_OK)
+        return status;
+    status = lf_outfile_write(&file, text, strlen(text), err);
+    if (status == LF_OK)
+        return lf_outfile_commit(&file, true, err);
+    lf_outfile_abandon(&file);
+    return status;
+}
+
 /* Gives an unnamed file the name `name`, which must not be there. */
 static int link_unnamed(int fd, const char *name)
 {

@@ -101,16 +101,7 @@ bool lf_bench_only_json(const char *json)
 
 lf_status lf_bench_write_text(const char *path, const char *text, lf_error *err)
 {
-    lf_outfile file = {.fd = -1};
-    lf_status status = text ? lf_outfile_open(&file, path, true, err) : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-
-    if (status != LF_OK)
-        return status;
-    status = lf_outfile_write(&file, text, strlen(text), err);
-    if (status == LF_OK)
-        status = lf_outfile_commit(&file, true, err);
-    lf_outfile_abandon(&file);
-    return status;
+    return text ? lf_outfile_text(path, text, err) : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
 }
 
 lf_status lf_bench_write_json(const char *path, const json_t *object, lf_error *err)

@@ -1,6 +1,4 @@
 #include <dirent.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <jansson.h>
 #include <limits.h>
 #include <stdio.h>
@@ -75,19 +73,6 @@ static bool is_cached(const char *path, const lf_calibration *calibration)
     return lf_calibration_load(path, &old, NULL) == LF_OK && memcmp(&old, calibration, sizeof old) == 0;
 }
 
-static lf_status write_file(const char *path, const char *text, lf_error *err)
-{
-    lf_outfile file = {0};
-    lf_status status = lf_outfile_open(&file, path, true, err);
-    if (status != LF_OK)
-        return status;
-    status = lf_outfile_write(&file, text, strlen(text), err);
-    if (status == LF_OK)
-        return lf_outfile_commit(&file, true, err);
-    lf_outfile_abandon(&file);
-    return status;
-}
-
 void lf_cache_store(const lf_found *found)
 {
     char folder[PATH_MAX], name[sizeof found->label + sizeof SUFFIX], path[PATH_MAX + sizeof name];
@@ -101,7 +86,7 @@ void lf_cache_store(const lf_found *found)
     if (text == NULL)
         return;
     make_folders(folder);
-    if (write_file(path, text, &err) != LF_OK)
+    if (lf_outfile_text(path, text, &err) != LF_OK)
         lf_log(LF_LOG_DEBUG, "%s: the calibration is not remembered: %s", path, err.what);
     free(text);
 }
@@ -122,7 +107,7 @@ int lf_cache_list(lf_found *out, int max)
             continue;
         snprintf(path, sizeof path, "%s/%s", folder, e->d_name);
         lf_found found = {.source = LF_SOURCE_CACHE};
-        /* what is damaged was told nothing about, and will be written anew */
+        /* a damaged one is no news to anybody: it is written anew when its panel is read */
         if (lf_calibration_load(path, &found.calibration, NULL) != LF_OK)
             continue;
         lf_device_text(found.path, sizeof found.path, path);

@@ -5,11 +5,11 @@
 #include <pthread.h>
 #include <string.h>
 #include <sys/ioctl.h>
-#include <time.h>
 #include <unistd.h>
 #include <wchar.h>
 
 #include "base/errno_text.h"
+#include "base/thread.h"
 #include "device/device_table.h"
 #include "device/hid.h"
 
@@ -34,9 +34,7 @@ static int hid_receive(void *context, uint8_t *out, size_t max, int timeout_ms)
 static uint64_t hid_clock(void *context)
 {
     (void)context;
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (uint64_t)t.tv_sec * 1000 + (uint64_t)t.tv_nsec / 1000000;
+    return lf_time_now_ns() / LF_NS_PER_MS;
 }
 
 static void close_device(void *context)

@@ -446,6 +446,18 @@ static void a_name_as_long_as_names_can_be_works(void **state)
 }
 
 /* The limit on a file's size stands for a full disk. */
+static void a_text_replaces_a_file_as_a_whole(void **state)
+{
+    char path[PATH_MAX];
+    lf_error err;
+    snprintf(path, sizeof path, "%s", lf_test_path(*state, "text"));
+    lf_assert_ok(lf_outfile_text(path, "a first text\n", &err), &err);
+    assert_contents(path, "a first text\n");
+    lf_assert_ok(lf_outfile_text(path, "", &err), &err);
+    assert_contents(path, "");
+    lf_assert_status(lf_outfile_text(lf_test_path(*state, "absent/text"), "x", &err), LF_E_IO, &err);
+}
+
 static void a_full_disk_is_an_error_and_leaves_nothing(void **state)
 {
     lf_error err;
@@ -546,6 +558,7 @@ int main(void)
         BOTH_WAYS(a_link_is_replaced_and_not_followed),
         BOTH_WAYS(what_is_not_a_file_is_not_replaced),
         BOTH_WAYS(a_name_as_long_as_names_can_be_works),
+        BOTH_WAYS(a_text_replaces_a_file_as_a_whole),
         BOTH_WAYS(a_full_disk_is_an_error_and_leaves_nothing),
         {"a_named_file_lies_beside_until_the_commit", a_named_file_lies_beside_until_the_commit, make_folder_named,
          remove_folder_named, NULL},
