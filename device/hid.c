@@ -36,11 +36,14 @@ int lf_hid_read_report(const lf_hid_link *link, int timeout_ms, int rest_ms, uin
 {
     uint8_t part[LF_HID_REPORT];
     size_t have = 0;
+    uint64_t end = 0; /* of the rest */
     for (int parts = 0; parts < LF_HID_REPORT; parts++) {
-        int n = link->read(link->context, part, sizeof part, have == 0 ? timeout_ms : rest_ms);
+        int n = link->read(link->context, part, sizeof part, parts == 0 ? timeout_ms : until(link, end));
         if (n <= 0)
             return n < 0 ? -1 : 0;
         assert((size_t)n <= sizeof part);
+        if (parts == 0)
+            end = now_ms(link) + (uint64_t)rest_ms;
         if (have + (size_t)n > LF_HID_REPORT)
             have = 0; /* what came before was the torso of another report */
         memcpy(out + have, part, (size_t)n);
@@ -95,12 +98,12 @@ static lf_status await_page(const reading *r, unsigned page, uint8_t out[LF_HID_
         int got = lf_hid_read_report(r->link, until(r->link, end), r->patience->rest_ms, report);
         if (got < 0)
             return gone(r);
-        if (got == 0 && now_ms(r->link) >= end)
-            break;
         if (got > 0 && echoes(report, page)) {
             memcpy(out, report + DATA_AT, LF_HID_PAGE);
             return LF_OK;
         }
+        if (now_ms(r->link) >= end)
+            break;
     }
     return LF_E_TIMEOUT;
 }

@@ -2,8 +2,9 @@
  * over a link of a few functions, so that tests and fuzzers stand where the hardware would; device/hid_hidapi.c is the link to
  * real devices. Nothing but "read a page" is ever sent. Private to device/ and its tests.
  *
- * Whatever the device does, a call ends: reports are counted, and the clock is the link's. A device that does not take requests holds
- * the kernel for 5 s each; the time for everything runs out after the first.
+ * Whatever the device does, a call ends: reports are counted, and the clock is the link's; replies that trickle in overrun the time for
+ * everything by no more than the rest of a report. A device that does not take requests holds the kernel for 5 s each; the time
+ * for everything runs out after the first.
  * Threads: a link belongs to one thread at a time; lf_hid_list and lf_hid_open may be called by any. */
 #ifndef LF_DEVICE_HID_H
 #define LF_DEVICE_HID_H
@@ -34,15 +35,15 @@ typedef struct lf_hid_link {
 /* How long to wait, and how often to try. */
 typedef struct lf_hid_patience {
     int reply_ms; /* for the reply to a request */
-    int rest_ms;  /* for the second part of a report that came in two */
+    int rest_ms;  /* for the rest of a report that came in parts */
     int attempts; /* requests of the same page */
     int total_ms; /* for everything */
 } lf_hid_patience;
 /* 1 s, 10 ms, 3 times, 4 s. */
 extern const lf_hid_patience lf_hid_patient;
 
-/* One whole input report: 1 = in out, 0 = none in timeout_ms, -1 = the device is gone. Parts are put together; what does not become
- * LF_HID_REPORT bytes is dropped (and is then the "none"). */
+/* One whole input report: 1 = in out, 0 = none in timeout_ms, -1 = the device is gone. Parts are put together; what has not become
+ * LF_HID_REPORT bytes rest_ms after its first part is dropped (and is then the "none"). */
 int lf_hid_read_report(const lf_hid_link *link, int timeout_ms, int rest_ms, uint8_t out[LF_HID_REPORT]);
 
 /* The calibration in the EEPROM. `where` names the device in errors. What does not parse is read a second time: before the first

@@ -6,6 +6,7 @@
 #include <stdatomic.h>
 #include <time.h>
 
+#include "base/thread.h"
 #include "device/buttons_link.h"
 #include "device/model.h"
 
@@ -72,6 +73,12 @@ static int wire_read(void *context, uint8_t *out, size_t max, int timeout_ms)
     return n;
 }
 
+static uint64_t wire_now(void *context)
+{
+    (void)context;
+    return lf_time_now_ns() / LF_NS_PER_MS;
+}
+
 static void wire_close(void *context)
 {
     wire *w = context;
@@ -84,7 +91,7 @@ static lf_buttons *plug_in(wire *w, const lf_model_hid_faults *faults)
     static const pthread_cond_t changed = PTHREAD_COND_INITIALIZER;
     *w = (wire){.lock = lock, .changed = changed};
     lf_assert_ok(lf_model_hid_create(NULL, 0, faults, &w->model), NULL);
-    lf_hid_link link = {wire_send, wire_read, NULL, wire_close, w};
+    lf_hid_link link = {wire_send, wire_read, wire_now, wire_close, w};
     lf_buttons *buttons = NULL;
     lf_assert_ok(lf_buttons_watch(&link, &buttons, NULL), NULL);
     return buttons;

@@ -19,7 +19,8 @@ typedef struct wire {
     uint64_t now_ms;
     int unplug_after; /* so many packets read; 0 = never */
     int n_read, n_sent;
-    int read_ms; /* what every packet takes */
+    int read_ms;   /* what every packet takes */
+    bool trickles; /* every packet is one byte that comes just in time */
 } wire;
 
 static int wire_send(void *context, const uint8_t *report, size_t n)
@@ -35,6 +36,12 @@ static int wire_read(void *context, uint8_t *out, size_t max, int timeout_ms)
 {
     wire *w = context;
     assert_true(timeout_ms >= 0);
+    if (w->trickles && timeout_ms > 0) {
+        w->now_ms += (uint64_t)timeout_ms - 1;
+        w->n_read++;
+        out[0] = 0xff;
+        return 1;
+    }
     if (w->unplug_after > 0 && w->n_read >= w->unplug_after)
         return -1;
     int n = lf_model_hid_input(w->model, out, max);
@@ -204,6 +211,20 @@ static void a_slow_panel_is_not_waited_for_for_ever(void **state)
     lf_hid_link link = {wire_send, wire_read, wire_now, NULL, &w};
     lf_assert_status(lf_hid_read_calibration(&link, &lf_hid_patient, "slow", &c, &err), LF_E_TIMEOUT, &err);
     assert_true(w.n_read < 3 * 64);
+    lf_model_hid_destroy(w.model);
+}
+
+static void replies_that_trickle_in_do_not_stretch_the_time(void **state)
+{
+    (void)state;
+    wire w = plug_in_json(good, strlen(good), NULL);
+    uint64_t began = w.now_ms;
+    w.trickles = true;
+    lf_calibration c;
+    lf_error err = {0};
+    lf_assert_status(read_wire(&w, &c, &err), LF_E_TIMEOUT, &err);
+    assert_true(w.n_read > 3); /* it did trickle */
+    assert_in_range(w.now_ms - began, 1, lf_hid_patient.total_ms + lf_hid_patient.rest_ms);
     lf_model_hid_destroy(w.model);
 }
 
@@ -409,6 +430,7 @@ int main(void)
         cmocka_unit_test(faults_that_stay_end_in_one_clear_error),
         cmocka_unit_test(what_was_asked_before_is_dropped),
         cmocka_unit_test(a_slow_panel_is_not_waited_for_for_ever),
+        cmocka_unit_test(replies_that_trickle_in_do_not_stretch_the_time),
         cmocka_unit_test(unplugging_is_told_as_such),
         cmocka_unit_test(blank_and_lying_lengths_are_refused),
         cmocka_unit_test(calibrations_that_no_panel_has_are_refused),
