@@ -271,7 +271,7 @@ static void look_at_device(const char *device, const char *label, lf_found *out)
     lf_udisks *mount = NULL;
     lf_error why = {0};
     *out = (lf_found){.source = LF_SOURCE_DRIVE};
-    lf_status status = lf_udisks_mount(device, &mount, &why);
+    lf_status status = lf_udisks_mount(device, lf_udisks_patient_ms, &mount, &why);
     if (status == LF_OK)
         status = lf_drive_read(lf_udisks_folder(mount), &out->calibration, &why);
     fill(out, device, label, status, &why);

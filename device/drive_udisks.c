@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/thread.h"
 #include "device/drive.h"
 
 #define SERVICE "org.freedesktop.UDisks2"
@@ -12,11 +13,15 @@
 #define OPTIONS "ro,nosuid,nodev,noexec"
 #define BY_HAND "mount it by hand (mount -o " OPTIONS "), or give a copy of its LKG_calibration/visual.json with --calibration"
 
-/* A drive that spins up, or a bus that hangs. */
-#define TIMEOUT_US (5 * 1000 * 1000)
+#define US_PER_S 1e6
+/* For unmounting, which nobody waits for. */
+#define UNMOUNT_S 2
+
+const int lf_udisks_patient_ms = 5000;
 
 struct lf_udisks {
     sd_bus *bus;
+    double until;     /* lf_time_now: the end of all asking */
     char object[256]; /* of the block device */
     char folder[4096];
 };
@@ -30,8 +35,27 @@ static void destroy(lf_udisks *mount)
 {
     if (mount == NULL)
         return;
-    sd_bus_flush_close_unref(mount->bus);
+    sd_bus_close_unref(mount->bus); /* without flushing, which a bus that does not read could hold up */
     lf_free(mount);
+}
+
+/* What is left of the time in microseconds, at least 1: to sd-bus 0 means "as long as it likes". */
+static uint64_t left_us(const lf_udisks *mount)
+{
+    double left = mount->until - lf_time_now();
+    return left > 0 ? (uint64_t)(left * US_PER_S) + 1 : 1;
+}
+
+/* Until the bus has let us in, for which sd-bus by itself would give it 90 s. A negative errno on failure. */
+static int connect_bus(lf_udisks *mount)
+{
+    int r = sd_bus_open_system(&mount->bus);
+    while (r >= 0 && (r = sd_bus_is_ready(mount->bus)) == 0) {
+        r = sd_bus_process(mount->bus, NULL);
+        if (r == 0)
+            r = lf_time_now() < mount->until ? sd_bus_wait(mount->bus, left_us(mount)) : -ETIMEDOUT;
+    }
+    return r;
 }
 
 static lf_status refused(const char *device, const sd_bus_error *why, int negative_errno, lf_error *err)
@@ -57,6 +81,7 @@ static lf_status resolve(lf_udisks *mount, const char *device, lf_error *err)
     sd_bus_message *reply = NULL;
     const char *object = NULL;
     lf_status status = LF_OK;
+    sd_bus_set_method_call_timeout(mount->bus, left_us(mount));
     int r = sd_bus_call_method(mount->bus, SERVICE, MANAGER, SERVICE ".Manager", "ResolveDevice", &why, &reply, "a{sv}a{sv}", 1,
                                "path", "s", device, 0);
     if (r >= 0)
@@ -80,6 +105,7 @@ static lf_status ask_to_mount(lf_udisks *mount, const char *device, lf_error *er
     sd_bus_message *reply = NULL;
     const char *folder = NULL;
     lf_status status = LF_OK;
+    sd_bus_set_method_call_timeout(mount->bus, left_us(mount));
     int r = sd_bus_call_method(mount->bus, SERVICE, mount->object, SERVICE ".Filesystem", "Mount", &why, &reply, "a{sv}", 2,
                                "options", "s", OPTIONS, "auth.no_user_interaction", "b", 1);
     if (r >= 0)
@@ -93,14 +119,17 @@ static lf_status ask_to_mount(lf_udisks *mount, const char *device, lf_error *er
     return status;
 }
 
-lf_status lf_udisks_mount(const char *device, lf_udisks **out, lf_error *err)
+lf_status lf_udisks_mount(const char *device, int total_ms, lf_udisks **out, lf_error *err)
 {
     lf_status status;
     lf_udisks *mount = lf_calloc(1, sizeof *mount);
     if (mount == NULL)
         return lf_error_set(err, LF_E_NOMEM, device, "out of memory");
-    if (sd_bus_open_system(&mount->bus) < 0 || sd_bus_set_method_call_timeout(mount->bus, TIMEOUT_US) < 0) {
-        status = lf_error_set(err, LF_E_IO, device, "is not mounted, and there is no system bus to ask udisks2: " BY_HAND);
+    mount->until = lf_time_now() + total_ms * 1e-3;
+    int r = connect_bus(mount);
+    if (r < 0) {
+        status = lf_error_set(err, LF_E_IO, device, "is not mounted, and %s to ask udisks2: " BY_HAND,
+                              r == -ETIMEDOUT ? "the system bus does not answer" : "there is no system bus");
         goto fail;
     }
     status = resolve(mount, device, err);
@@ -120,6 +149,8 @@ void lf_udisks_unmount(lf_udisks *mount)
 {
     if (mount == NULL)
         return;
+    mount->until = lf_time_now() + UNMOUNT_S;
+    sd_bus_set_method_call_timeout(mount->bus, left_us(mount));
     /* What cannot be unmounted stays as it is, read-only: nothing to be told. */
     sd_bus_call_method(mount->bus, SERVICE, mount->object, SERVICE ".Filesystem", "Unmount", NULL, NULL, "a{sv}", 1,
                        "auth.no_user_interaction", "b", 1);

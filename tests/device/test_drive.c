@@ -8,7 +8,9 @@
 #include <signal.h>
 #include <stdatomic.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <systemd/sd-bus.h>
 
@@ -534,6 +536,36 @@ static void a_refusal_says_what_to_do(void **state)
     assert_int_equal(f.n_mounts, 0);
 }
 
+/* Takes calls and answers none. */
+static int listen_silently(const machine *m)
+{
+    char path[PATH_MAX], address[PATH_MAX + 16];
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    snprintf(path, sizeof path, "%s/silent", m->folder);
+    assert_true(strlen(path) < sizeof at.sun_path);
+    memcpy(at.sun_path, path, strlen(path));
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    assert_true(fd >= 0);
+    assert_int_equal(bind(fd, (const struct sockaddr *)&at, sizeof at), 0);
+    assert_int_equal(listen(fd, 8), 0);
+    snprintf(address, sizeof address, "unix:path=%s", path);
+    setenv("DBUS_SYSTEM_BUS_ADDRESS", address, 1);
+    return fd;
+}
+
+static void a_bus_that_is_silent_is_not_waited_for_for_ever(void **state)
+{
+    const machine *m = *state;
+    lf_udisks *mount = NULL;
+    lf_error err = {0};
+    int fd = listen_silently(m);
+    lf_assert_status(lf_udisks_mount("/dev/sda1", 50, &mount, &err), LF_E_IO, &err);
+    close(fd);
+    unsetenv("DBUS_SYSTEM_BUS_ADDRESS");
+    assert_non_null(strstr(err.what, "does not answer"));
+    assert_null(mount);
+}
+
 static void without_udisks_it_is_said_how_to_mount_by_hand(void **state)
 {
     machine *m = *state;
@@ -571,6 +603,7 @@ int main(void)
         test(a_mounted_panel_is_not_mounted_again),
         test(a_drive_is_unmounted_also_when_it_holds_nothing),
         test(a_refusal_says_what_to_do),
+        test(a_bus_that_is_silent_is_not_waited_for_for_ever),
         test(without_udisks_it_is_said_how_to_mount_by_hand),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
