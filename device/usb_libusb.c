@@ -24,6 +24,8 @@ enum {
     CLASS_VENDOR = 0xff,
     TYPE_SET = 0x41, /* bmRequestType: vendor, interface */
     TYPE_GET = 0xc1,
+    ENDPOINT_HALT = 0, /* a feature of endpoints (USB 2.0, table 9-6) */
+    CLEAR_MS = 1000,
     EVENT_MS = 100,
 };
 
@@ -161,6 +163,20 @@ static lf_usb_result wait_for_end(usb_link *usb, int timeout_ms)
     return usb->result;
 }
 
+/* What stands in the control buffer. */
+static lf_usb_result run_control(usb_link *usb, int timeout_ms)
+{
+    if (atomic_load(&usb->cancelled))
+        return LF_USB_CANCELLED;
+    libusb_fill_control_transfer(usb->control, usb->handle, usb->control_buffer, control_ended, usb, 0);
+    usb->result = LF_USB_OK;
+    int error = libusb_submit_transfer(usb->control);
+    if (error != LIBUSB_SUCCESS)
+        return result_of_error(error);
+    usb->in_flight++;
+    return wait_for_end(usb, timeout_ms);
+}
+
 static lf_usb_result usb_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value, uint8_t *data, size_t n,
                                  size_t *out_n, int timeout_ms)
 {
@@ -169,18 +185,10 @@ static lf_usb_result usb_control(lf_usb_link *link, bool in, uint8_t request, ui
     uint8_t *payload = usb->control_buffer + LIBUSB_CONTROL_SETUP_SIZE;
     if (out_n != NULL)
         *out_n = 0;
-    if (atomic_load(&usb->cancelled))
-        return LF_USB_CANCELLED;
     libusb_fill_control_setup(usb->control_buffer, in ? TYPE_GET : TYPE_SET, request, value, usb->interface, (uint16_t)n);
     if (!in && n > 0)
         memcpy(payload, data, n);
-    libusb_fill_control_transfer(usb->control, usb->handle, usb->control_buffer, control_ended, usb, 0);
-    usb->result = LF_USB_OK;
-    int error = libusb_submit_transfer(usb->control);
-    if (error != LIBUSB_SUCCESS)
-        return result_of_error(error);
-    usb->in_flight++;
-    lf_usb_result result = wait_for_end(usb, timeout_ms);
+    lf_usb_result result = run_control(usb, timeout_ms);
     size_t got = (size_t)usb->control->actual_length;
     if (result != LF_USB_OK)
         return result;
@@ -206,13 +214,25 @@ static void usb_bulk_begin(lf_usb_link *link, const uint8_t *data, size_t n)
         submit_piece(usb, usb->bulk[i]);
 }
 
+/* The system's own call for it waits up to 5 s for a display that does not answer, and nothing ends it early: the display is asked
+ * before, by a request that has an end, and the system only when it has answered. It takes the system's call too, without which the
+ * host would go on counting packets where it was (USB 2.0, 9.4.5: the display begins anew). */
+static lf_usb_result clear_halt(usb_link *usb)
+{
+    libusb_fill_control_setup(usb->control_buffer, LIBUSB_RECIPIENT_ENDPOINT, LIBUSB_REQUEST_CLEAR_FEATURE, ENDPOINT_HALT,
+                              usb->endpoint, 0);
+    lf_usb_result result = run_control(usb, CLEAR_MS);
+    return result == LF_USB_OK ? result_of_error(libusb_clear_halt(usb->handle, usb->endpoint)) : result;
+}
+
 static lf_usb_result usb_bulk_end(lf_usb_link *link, int timeout_ms)
 {
     usb_link *usb = usb_of(link);
     lf_usb_result result = wait_for_end(usb, timeout_ms);
-    if (result == LF_USB_STALL && libusb_clear_halt(usb->handle, usb->endpoint) == LIBUSB_ERROR_NO_DEVICE)
-        return LF_USB_GONE;
-    return result;
+    if (result != LF_USB_STALL)
+        return result;
+    lf_usb_result cleared = clear_halt(usb);
+    return cleared == LF_USB_GONE || cleared == LF_USB_CANCELLED ? cleared : result;
 }
 
 static void usb_cancel(lf_usb_link *link)

@@ -53,7 +53,9 @@ typedef struct bus {
     int n_urbs, most_urbs;
     size_t longest;
     int cleared;
+    int n_clears; /* asked to clear the endpoint by request */
     bool halted, claimed;
+    bool deaf;          /* to those */
     const char *driver; /* of the kernel, on the interface; NULL = none */
 } bus;
 
@@ -74,11 +76,15 @@ static void execute(bus *b, urb *u)
         uint8_t payload[4096];
         size_t n = (size_t)(setup[6] | setup[7] << 8);
         bool in = (setup[0] & 0x80) != 0;
-        assert_true(setup[0] == 0xc1 || setup[0] == 0x41);
-        assert_int_equal(setup[4], 0);
+        bool clears = setup[0] == 0x02 && setup[1] == 0x01 && setup[4] == 0x02; /* CLEAR_FEATURE of the endpoint */
+        assert_true(clears || ((setup[0] == 0xc1 || setup[0] == 0x41) && setup[4] == 0));
         assert_true(n <= sizeof payload && n + 8 == (size_t)c->buffer_length);
         memcpy(payload, setup + 8, n);
-        answer = lf_model_gud_control(b->gud, in, setup[1], (uint16_t)(setup[2] | setup[3] << 8), payload, n);
+        b->n_clears += clears;
+        if (clears)
+            answer = b->deaf ? -EAGAIN : 0;
+        else
+            answer = lf_model_gud_control(b->gud, in, setup[1], (uint16_t)(setup[2] | setup[3] << 8), payload, n);
         if (in && answer > 0)
             umockdev_ioctl_data_update(data, 8, payload, answer);
     } else {
@@ -418,6 +424,25 @@ static void a_display_that_hangs_does_not_hold_up_the_end(void **state)
     pull_out(&b);
 }
 
+/* The system's own call for clearing an endpoint waits 5 s for such a display. */
+static void a_display_that_stalls_and_falls_silent_does_not_hold_up_the_end(void **state)
+{
+    (void)state;
+    bus b;
+    lf_image8 frame = gud_frame(WIDTH, HEIGHT);
+    plug_in(&b, &(lf_model_gud_faults){.fail_every = 1});
+    b.deaf = true;
+    lf_device *device = open_usb("usb");
+    lf_assert_ok(device->ops->push(device, &frame, &whole, 1, 1), NULL);
+    lf_assert_status(device->ops->flush(device, 100), LF_E_TIMEOUT, NULL);
+    lf_device_destroy(device);
+    assert_true(b.n_clears >= 1);
+    assert_int_equal(b.cleared, 0);
+    assert_int_equal(b.n_urbs, 0);
+    lf_image8_finish(&frame);
+    pull_out(&b);
+}
+
 static void unplugging_in_a_stream_is_final_and_a_new_one_opens(void **state)
 {
     (void)state;
@@ -538,6 +563,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(rectangles_arrive_in_pieces_several_in_flight),
         cmocka_unit_test(stalls_are_cleared_and_mended),
         cmocka_unit_test(a_display_that_hangs_does_not_hold_up_the_end),
+        cmocka_unit_test(a_display_that_stalls_and_falls_silent_does_not_hold_up_the_end),
         cmocka_unit_test(unplugging_in_a_stream_is_final_and_a_new_one_opens),
         cmocka_unit_test(throughput_is_told),
     };
