@@ -48,6 +48,8 @@ typedef struct simulator {
     char line[MAX_LINE];
     size_t n_line;
     bool line_too_long;
+    uint64_t plugged_ns; /* when the panel that is there now was */
+    int64_t first_ms;    /* from then to its first rectangle; -1 = it has shown none */
 } simulator;
 
 static void LF_PRINTF(1, 2) say(const char *fmt, ...)
@@ -166,6 +168,8 @@ static lf_status panel_init(simulator *s, lf_error *err)
         status = lf_model_create(s->panel.hid, s->panel.gud, &s->panel.model);
     if (status == LF_OK) {
         s->device = (lf_usbip_device){.model = s->panel.model, .gud = s->panel.gud};
+        s->plugged_ns = lf_time_now_ns();
+        s->first_ms = -1;
         return LF_OK;
     }
     panel_finish(s);
@@ -289,6 +293,17 @@ static lf_status start_listening(simulator *s, int *out_port, lf_error *err)
 
 /* ----------------------------------------------------------------------------------------------------- commands -- */
 
+/* How long the first picture was on its way. */
+static void note_first(simulator *s)
+{
+    lf_model_gud_counters c;
+    if (s->first_ms >= 0 || s->panel.gud == NULL)
+        return;
+    lf_model_gud_counters_get(s->panel.gud, &c);
+    if (c.rects > 0)
+        s->first_ms = (int64_t)((lf_time_now_ns() - s->plugged_ns) / LF_NS_PER_MS);
+}
+
 static void unplug(simulator *s)
 {
     for (int i = s->n_connections - 1; i >= 0; i--)
@@ -323,9 +338,10 @@ static void say_counters(const simulator *s)
     lf_model_gud_counters c = {0};
     if (s->panel.gud != NULL)
         lf_model_gud_counters_get(s->panel.gud, &c);
-    say("lit=%d rects=%" PRIu64 " bytes=%" PRIu64 " compressed=%" PRIu64 " refused=%" PRIu64 " violations=%" PRIu64,
+    say("lit=%d rects=%" PRIu64 " bytes=%" PRIu64 " compressed=%" PRIu64 " refused=%" PRIu64 " violations=%" PRIu64
+        " first_ms=%" PRId64,
         s->panel.gud != NULL && lf_model_gud_lit(s->panel.gud), c.rects, c.bytes, c.compressed_rects, c.refused,
-        s->panel.hid != NULL ? lf_model_hid_violations(s->panel.hid) : 0);
+        s->panel.hid != NULL ? lf_model_hid_violations(s->panel.hid) : 0, s->first_ms);
 }
 
 static void take_line(simulator *s, const char *line)
@@ -425,6 +441,7 @@ static void loop(simulator *s)
         if (fds[2].revents)
             take_connection(s);
         run_connections(s);
+        note_first(s);
     }
 }
 
