@@ -63,6 +63,10 @@ static lf_status open_device(lf_errand *errand)
     lf_calibration calibration;
     bool given = errand->calibration != NULL;
     lf_status status = given ? lf_calibration_load(errand->calibration, &calibration, &errand->err) : LF_OK;
+    if (status == LF_OK && errand->first[0] != '\0' &&
+        lf_device_open(errand->first, given ? &calibration : NULL, &errand->device, NULL) == LF_OK) {
+        return LF_OK;
+    }
     if (status == LF_OK) {
         status = lf_device_open(errand->spec, given ? &calibration : NULL, &errand->device, &errand->err);
     }

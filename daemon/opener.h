@@ -21,6 +21,7 @@ typedef struct lf_errand {
     lf_errand_kind kind;
     char spec[512];          /* OPEN; BUTTONS: the serial number */
     const char *calibration; /* OPEN: a file, NULL = the device's own; borrowed */
+    char first[512];         /* OPEN: before "auto" looks everywhere: the panel that was there last; empty = none */
     bool panel_only;         /* OPEN: "auto" that finds no panel is LF_E_NODEV, not a device that shows nothing */
     /* the poster's own */
     void *ticket;

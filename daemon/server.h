@@ -81,6 +81,7 @@ typedef struct lf_panel {
     lf_error problem;  /* why there is none */
     bool has_problem;
     uint64_t number;      /* rises with every device opened; frames carry it */
+    char last[512];       /* the panel that was open last, as its spec; empty = none yet */
     bool has_calibration; /* of the device or --calibration */
     lf_calibration calibration;
     sd_event_source *io, *retry;
@@ -120,6 +121,7 @@ struct lf_server {
     lf_buttons *buttons; /* of the panel; NULL = none */
     sd_event_source *buttons_io;
     sd_device_monitor *plugs;
+    bool told_of_plugs;  /* there is an udev to tell */
     json_t *file_camera; /* the camera block as the scene's file has it */
     char *browsed;       /* where next and previous have come to; NULL = what is shown */
 
@@ -175,8 +177,9 @@ bool lf_default_socket(int index, char *out, size_t size);
  * opened again. Else on failure there is none (LF_E_NODEV, LF_E_BUSY, LF_E_IO: tried again from time to time). ticket (taken over, may be
  * NULL) is answered when that is known, with the device; without one a wrong spec or calibration ends the daemon before it is ready. */
 void lf_server_open_device(lf_server *server, const char *spec, lf_ticket *ticket);
-/* Something was plugged in: a device that is missing is tried again soon. */
-void lf_server_plugged(lf_server *server);
+/* Something was plugged in: a device that is missing is tried again soon; at once, where it is a panel that is there with all its
+ * parts and rights. */
+void lf_server_plugged(lf_server *server, bool whole);
 /* Answers with the devices there are. */
 void lf_server_list_devices(lf_server *server, lf_ticket *ticket);
 /* The device said that it is gone. */

@@ -9,11 +9,12 @@
 #include "base/log.h"
 #include "daemon/server.h"
 
-/* Between attempts to open a panel that is away, the first and, after ever longer ones, the last; from plugging something in until all
- * of it is there, its rights included. */
+/* Between attempts to open a panel that is away, the first and, after ever longer ones, the last; from plugging in something that may be
+ * a part of a panel until the rest is there; between searches for a panel that was never there, where nobody tells. */
 #define REOPEN_USEC 500000
 #define REOPEN_LAST_USEC 8000000
 #define PLUGGED_USEC 300000
+#define SEARCH_USEC 30000000
 
 static bool shows_nothing(const lf_device *device)
 {
@@ -137,6 +138,9 @@ static lf_status take_device(lf_server *server, lf_device *device, lf_error *err
     panel->device = device;
     device->ops->info(device, &info);
     snprintf(panel->spec, sizeof panel->spec, "%s", info.spec);
+    if (!shows_nothing(device)) {
+        memcpy(panel->last, panel->spec, sizeof panel->last);
+    }
     panel->has_problem = false;
     panel->whole = true;
     int fd = device->ops->poll_fd(device);
@@ -207,6 +211,9 @@ static void open_errand(lf_server *server, const char *spec, bool again, lf_tick
     snprintf(errand->spec, sizeof errand->spec, "%s", spec);
     errand->calibration = server->config.calibration;
     errand->again = errand->panel_only = again;
+    if (again && strcmp(spec, "auto") == 0) {
+        memcpy(errand->first, panel->last, sizeof errand->first);
+    }
     errand->ticket = ticket;
     if (panel->opening == NULL) {
         begin_errand(server, errand);
@@ -248,10 +255,19 @@ static bool worth_another_try(lf_status status)
     return status == LF_E_NODEV || status == LF_E_BUSY || status == LF_E_IO || status == LF_E_TIMEOUT;
 }
 
-/* Ever more rarely: finding out can take seconds, and may disturb others. */
-static void try_later(lf_server *server)
+/* Whether udev tells when the device that is wanted comes back. */
+static bool will_be_told(const lf_server *server)
+{
+    return server->told_of_plugs && strncmp(server->panel.wanted, "sim:", 4) != 0;
+}
+
+/* Ever more rarely: finding out can take seconds, in which the panel may come back unseen, and may disturb others. */
+static void try_later(lf_server *server, lf_status status)
 {
     lf_panel *panel = &server->panel;
+    if (status == LF_E_NODEV && will_be_told(server)) {
+        panel->patience_usec = REOPEN_LAST_USEC;
+    }
     lf_server_retry(server, panel->patience_usec);
     panel->patience_usec = panel->patience_usec < REOPEN_LAST_USEC / 2 ? 2 * panel->patience_usec : REOPEN_LAST_USEC;
 }
@@ -269,7 +285,7 @@ static void stays_missing(lf_server *server, const lf_errand *errand)
     if (errand->before[0] != '\0') {
         open_errand(server, errand->before, false, NULL);
     } else if (!wanted || worth_another_try(errand->status)) {
-        try_later(server);
+        try_later(server, errand->status);
     }
     if (!errand->again) {
         tell_device(server);
@@ -318,6 +334,17 @@ void lf_server_drop_errands(lf_server *server)
     }
 }
 
+/* While no panel is there. */
+static void look_again(lf_server *server)
+{
+    const lf_panel *panel = &server->panel;
+    if (panel->plugged) { /* while it was being looked for */
+        lf_server_retry(server, 0);
+    } else if (panel->device != NULL && strcmp(panel->wanted, "auto") == 0 && !server->told_of_plugs) {
+        lf_server_retry(server, SEARCH_USEC);
+    }
+}
+
 static void on_opened(void *reader, lf_letter *letter)
 {
     lf_server *server = reader;
@@ -344,8 +371,8 @@ static void on_opened(void *reader, lf_letter *letter)
         panel->queued = next->next;
         begin_errand(server, next);
     }
-    if (panel->plugged && shows_nothing(panel->device)) { /* while it was being looked for */
-        lf_server_retry(server, PLUGGED_USEC);
+    if (shows_nothing(panel->device)) {
+        look_again(server);
     }
 }
 
@@ -359,7 +386,8 @@ static int on_retry(sd_event_source *source, uint64_t usec, void *context)
     (void)usec;
     sd_event_source_disable_unref(panel->retry);
     panel->retry = NULL;
-    bool searches = strcmp(panel->wanted, "auto") == 0 && panel->plugged && shows_nothing(panel->device);
+    bool searches =
+        strcmp(panel->wanted, "auto") == 0 && (panel->plugged || !server->told_of_plugs) && shows_nothing(panel->device);
     if (panel->opening == NULL && (panel->device == NULL || searches)) {
         open_errand(server, panel->wanted, true, NULL);
     }
@@ -380,12 +408,12 @@ void lf_server_retry(lf_server *server, uint64_t usec)
     }
 }
 
-void lf_server_plugged(lf_server *server)
+void lf_server_plugged(lf_server *server, bool whole)
 {
     if (shows_nothing(server->panel.device)) {
         server->panel.plugged = true;
         server->panel.patience_usec = REOPEN_USEC;
-        lf_server_retry(server, PLUGGED_USEC);
+        lf_server_retry(server, whole ? 0 : PLUGGED_USEC);
     } else {
         lf_server_find_buttons(server);
     }

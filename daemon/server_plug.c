@@ -1,6 +1,8 @@
-/* What is plugged in, as udev tells it. Without udev (a container) nothing is told: a panel that was there and went is still tried again
- * from time to time, but one that was never there is not looked for. */
+/* What is plugged in, as udev tells it: when its rules are done, so that what is named is there with its nodes and rights. Without udev
+ * (a container) nothing is told, and panels are looked for from time to time instead. */
+#include <string.h>
 #include <systemd/sd-device.h>
+#include <unistd.h>
 
 #include "base/errno_text.h"
 #include "base/log.h"
@@ -11,12 +13,48 @@ static const struct {
     const char *subsystem, *type;
 } watched[] = {{"usb", "usb_device"}, {"hidraw", NULL}, {"drm", NULL}, {"block", NULL}};
 
+/* The kernel's words for the USB numbers of panels and of displays with an open protocol: as in systemd/70-quiltd.rules. */
+static const char *const products[] = {"4d8/ef7e/", "1d50/614d/", "16d0/10a9/"};
+
+static const char *property(sd_device *device, const char *name)
+{
+    const char *value;
+    return sd_device_get_property_value(device, name, &value) >= 0 ? value : "";
+}
+
+static bool is_panel_product(const char *product)
+{
+    for (size_t i = 0; i < sizeof products / sizeof *products; i++) {
+        if (strncmp(product, products[i], strlen(products[i])) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Whether what has appeared is a panel's, and whole: nothing is left to wait for. A USB device is bound when all of its interfaces have
+ * found their drivers, and udev tells that after what it has told of them; that it was added says nothing yet. */
+static bool is_panel(sd_device *device, const char *subsystem, sd_device_action_t action)
+{
+    if (strcmp(subsystem, "usb") == 0) {
+        return action == SD_DEVICE_BIND && is_panel_product(property(device, "PRODUCT"));
+    }
+    return strcmp(subsystem, "block") == 0 && strncmp(property(device, "ID_FS_LABEL"), "LKG-", 4) == 0;
+}
+
 static int on_plug(sd_device_monitor *monitor, sd_device *device, void *context)
 {
+    const char *subsystem;
     sd_device_action_t action;
     (void)monitor;
-    if (sd_device_get_action(device, &action) >= 0 && action != SD_DEVICE_REMOVE && action != SD_DEVICE_UNBIND) {
-        lf_server_plugged(context);
+    if (sd_device_get_action(device, &action) < 0 || action == SD_DEVICE_REMOVE || action == SD_DEVICE_UNBIND ||
+        sd_device_get_subsystem(device, &subsystem) < 0) {
+        return 0;
+    }
+    if (is_panel(device, subsystem, action)) {
+        lf_server_plugged(context, true);
+    } else if (strcmp(subsystem, "usb") != 0) {
+        lf_server_plugged(context, false);
     }
     return 0;
 }
@@ -43,6 +81,8 @@ void lf_server_watch_plugs(lf_server *server)
         lf_log(LF_LOG_DEBUG, "plugging in is not seen: %s", lf_errno_text(-r));
         server->plugs = sd_device_monitor_unref(server->plugs);
     }
+    /* Without udev there is a monitor too: a silent one. */
+    server->told_of_plugs = r >= 0 && access("/run/udev/control", F_OK) == 0;
 }
 
 void lf_server_unwatch_plugs(lf_server *server)
