@@ -110,7 +110,68 @@ static void drop_letter(void *context, lf_letter *letter)
     }
 }
 
-lf_status lf_opener_start(lf_inbox *inbox, lf_worker **out_worker)
+/* ----------------------------------------------------------------------------------------------------------- lanes -- */
+
+struct lf_opener {
+    lf_worker *lanes[LF_LANES];
+};
+
+lf_lane lf_lane_of(const char *spec)
 {
-    return lf_worker_create("lf-opener", run_letter, drop_letter, NULL, inbox, out_worker);
+    size_t n = strcspn(spec, ":");
+    bool files = (n == 3 && memcmp(spec, "sim", n) == 0) || (n == 4 && memcmp(spec, "none", n) == 0);
+    return files ? LF_LANE_FILES : LF_LANE_PANELS;
+}
+
+static lf_lane lane_of_errand(const lf_errand *errand)
+{
+    switch (errand->kind) {
+    case LF_ERRAND_OPEN:
+        return lf_lane_of(errand->spec);
+    case LF_ERRAND_CLOSE:
+        return errand->device != NULL ? lf_lane_of(errand->device->ops->kind) : LF_LANE_BUTTONS;
+    case LF_ERRAND_LIST:
+        return LF_LANE_LIST;
+    case LF_ERRAND_BUTTONS:
+        break;
+    }
+    return LF_LANE_BUTTONS;
+}
+
+lf_status lf_opener_create(lf_inbox *inbox, lf_opener **out_opener)
+{
+    static const char *const names[LF_LANES] = {"lf-opener", "lf-opener-files", "lf-opener-keys", "lf-opener-list"};
+    lf_opener *opener = lf_calloc(1, sizeof *opener);
+    lf_status status = opener != NULL ? LF_OK : LF_E_NOMEM;
+    for (int i = 0; i < LF_LANES && status == LF_OK; i++) {
+        status = lf_worker_create(names[i], run_letter, drop_letter, NULL, inbox, &opener->lanes[i]);
+    }
+    if (status != LF_OK) {
+        lf_opener_destroy(opener);
+        return status;
+    }
+    *out_opener = opener;
+    return LF_OK;
+}
+
+void lf_opener_destroy(lf_opener *opener)
+{
+    for (int i = 0; opener != NULL && i < LF_LANES; i++) {
+        lf_worker_destroy(opener->lanes[i]);
+    }
+    lf_free(opener);
+}
+
+void lf_opener_queue(lf_opener *opener, lf_errand *errand)
+{
+    lf_worker_queue(opener->lanes[lane_of_errand(errand)], &errand->letter);
+}
+
+bool lf_opener_drain(lf_opener *opener, double end)
+{
+    bool done = true;
+    for (int i = 0; i < LF_LANES; i++) {
+        done = lf_worker_drain(opener->lanes[i], end) && done;
+    }
+    return done;
 }

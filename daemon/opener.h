@@ -1,5 +1,6 @@
-/* opener: opens, closes and looks for devices on a thread of its own, because real ones take seconds: an EEPROM that does not answer,
- * a display that still has a push under way. In the order of the calls, so that a device is closed before it is opened again. */
+/* opener: opens, closes and looks for devices on threads of its own, because real ones take seconds: an EEPROM that does not answer,
+ * a display that still has a push under way. There are several lanes, so that nothing waits for a faulty panel but what is about
+ * panels; within a lane everything happens in the order of the calls, so that a device is closed before it is opened again. */
 #ifndef LF_DAEMON_OPENER_H
 #define LF_DAEMON_OPENER_H
 
@@ -14,6 +15,18 @@ typedef enum lf_errand_kind {
     LF_ERRAND_BUTTONS, /* the buttons of the panel with this serial number */
 } lf_errand_kind;
 
+/* A thread each. */
+typedef enum lf_lane {
+    LF_LANE_PANELS,  /* opening and closing whatever is hardware, or may be (auto) */
+    LF_LANE_FILES,   /* opening and closing sim and none, which have nothing in common with it */
+    LF_LANE_BUTTONS, /* buttons: finding them reads EEPROMs */
+    LF_LANE_LIST,    /* listing, which opens nothing */
+    LF_LANES,
+} lf_lane;
+
+/* The lane in which a device of this spec is opened and closed. */
+lf_lane lf_lane_of(const char *spec);
+
 #define LF_LISTED_DEVICES 16
 
 typedef struct lf_errand {
@@ -26,8 +39,10 @@ typedef struct lf_errand {
     /* the poster's own */
     void *ticket;
     struct lf_errand *next;
+    uint64_t number;  /* OPEN: rises with every wish, so that the last one wins */
     char before[512]; /* OPEN: what had to be closed for it; empty = nothing */
     bool again;       /* OPEN: a device that is missing is tried again */
+    bool at_start;    /* OPEN: the daemon's own, of the command line */
     /* the outcome */
     lf_status status;
     lf_error err;        /* OPEN: when status is not LF_OK */
@@ -44,7 +59,15 @@ void lf_errand_destroy(lf_errand *errand);
 /* The same, as what opens a letter. */
 void lf_errand_forget(void *reader, lf_letter *letter);
 
-/* The worker that does errands: queue &errand->letter. What is left when it is destroyed is closed, or posted as LF_E_CANCELLED. */
-LF_NODISCARD lf_status lf_opener_start(lf_inbox *inbox, lf_worker **out_worker);
+typedef struct lf_opener lf_opener;
+
+/* LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_opener_create(lf_inbox *inbox, lf_opener **out_opener);
+/* Ends when the errands under way have. What is left is closed, or posted as LF_E_CANCELLED. Accepts NULL. */
+void lf_opener_destroy(lf_opener *opener);
+/* Does the errand in its lane. */
+void lf_opener_queue(lf_opener *opener, lf_errand *errand);
+/* Waits until all is done, until lf_time_now is end at the latest; false = it is not. */
+bool lf_opener_drain(lf_opener *opener, double end);
 
 #endif

@@ -124,7 +124,7 @@ static void finish(lf_server *server)
     if (server->config.state_dir != NULL) {
         end = fmax(end, lf_time_now() + CLOSE_SECONDS);
     }
-    bool closed = lf_worker_drain(server->opener, end);
+    bool closed = lf_opener_drain(server->opener, end);
     if (!closed || !engine_ended || server->jobs != NULL || lf_loader_pending(server->loader) > 0) {
         _exit(server->exit_code);
     }
@@ -139,7 +139,7 @@ static void destroy(lf_server *server)
     lf_server_drop_errands(server);
     lf_server_release_loads(server);
     lf_server_drop_buttons(server);
-    lf_worker_destroy(server->opener);
+    lf_opener_destroy(server->opener);
     lf_loader_destroy(server->loader);
     lf_engine_destroy(server->engine);
     while (server->waits != NULL) {
@@ -268,7 +268,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
         return status;
     }
     status = lf_loader_create(server->engine, &server->roots, &server->inbox, &server->loader);
-    status = status == LF_OK ? lf_opener_start(&server->inbox, &server->opener) : status;
+    status = status == LF_OK ? lf_opener_create(&server->inbox, &server->opener) : status;
     if (status != LF_OK ||
         sd_event_add_io(server->event, &server->inbox_io, server->inbox.event_fd, EPOLLIN, on_inbox, server) < 0 ||
         sd_event_add_io(server->event, &server->engine_io, server->engine_fd, EPOLLIN, lf_server_on_engine, server) < 0) {

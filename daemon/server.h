@@ -90,13 +90,13 @@ typedef struct lf_panel {
     int64_t flying_generation;
     lf_level flying_level;
     double flying_passes;
-    lf_device_counters before; /* of devices closed by now */
-    lf_errand *opening;        /* under way; NULL = none … */
-    lf_errand *queued;         /* … and those that wait for it, the next one first */
-    bool plugged;              /* something was, since a device was last looked for */
-    bool tried;                /* the first attempt has ended */
-    double retry_at;           /* lf_time_now when retry is due */
-    uint64_t patience_usec;    /* before the next attempt that is not hurried */
+    lf_device_counters before;    /* of devices closed by now */
+    lf_errand *opening[LF_LANES]; /* under way; NULL = none … */
+    lf_errand *queued;            /* … and those that wait for their lane, in the order of the calls */
+    uint64_t wishes, taken;       /* so many so far; the number of the one whose device is, or was last, this panel's */
+    bool plugged;                 /* something was, since a device was last looked for */
+    double retry_at;              /* lf_time_now when retry is due */
+    uint64_t patience_usec;       /* before the next attempt that is not hurried */
 } lf_panel;
 
 typedef struct lf_job lf_job;
@@ -113,7 +113,7 @@ struct lf_server {
     lf_engine *engine;
     lf_loader *loader;
     lf_letter *held; /* loads that came before the scene of the command line */
-    lf_worker *opener;
+    lf_opener *opener;
     lf_clients *clients;
     char *socket_path; /* to unlink at the end; NULL = systemd's */
     int lock_fd;

@@ -127,7 +127,7 @@ void lf_server_drop_buttons(lf_server *server)
     } else {
         errand->buttons = server->buttons;
         errand->letter.open = lf_errand_forget;
-        lf_worker_queue(server->opener, &errand->letter);
+        lf_opener_queue(server->opener, errand);
     }
     server->buttons = NULL;
 }
@@ -179,7 +179,7 @@ static void on_buttons_found(void *reader, lf_letter *letter)
     if (errand->buttons != NULL && !server->stopping) { /* closing may wait */
         errand->kind = LF_ERRAND_CLOSE;
         errand->letter.open = lf_errand_forget;
-        lf_worker_queue(server->opener, &errand->letter);
+        lf_opener_queue(server->opener, errand);
     } else {
         lf_errand_destroy(errand);
     }
@@ -204,6 +204,6 @@ void lf_server_find_buttons(lf_server *server)
         snprintf(errand->spec, sizeof errand->spec, "%s", panel->calibration.serial);
         errand->letter.open = on_buttons_found;
         server->seeking_buttons = true;
-        lf_worker_queue(server->opener, &errand->letter);
+        lf_opener_queue(server->opener, errand);
     }
 }

@@ -39,7 +39,7 @@ static void close_device(lf_server *server, lf_device *device)
     }
     errand->device = device;
     errand->letter.open = lf_errand_forget;
-    lf_worker_queue(server->opener, &errand->letter);
+    lf_opener_queue(server->opener, errand);
 }
 
 /* Lets go of the device; its counters are kept. */
@@ -186,6 +186,16 @@ static bool may_be_same(const char *now, const char *spec)
 
 static void on_opened(void *reader, lf_letter *letter);
 
+static bool is_opening(const lf_panel *panel)
+{
+    for (int i = 0; i < LF_LANES; i++) {
+        if (panel->opening[i] != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static void begin_errand(lf_server *server, lf_errand *errand)
 {
     lf_panel *panel = &server->panel;
@@ -193,13 +203,29 @@ static void begin_errand(lf_server *server, lf_errand *errand)
         memcpy(errand->before, panel->wanted, sizeof errand->before);
         let_go(server);
     }
-    panel->opening = errand;
+    panel->opening[lf_lane_of(errand->spec)] = errand;
     panel->plugged = false;
-    lf_worker_queue(server->opener, &errand->letter);
+    lf_opener_queue(server->opener, errand);
 }
 
-/* Opens now, or when those before it are open. */
-static void open_errand(lf_server *server, const char *spec, bool again, lf_ticket *ticket)
+/* Begins what waits and whose lane is free. */
+static void begin_queued(lf_server *server)
+{
+    lf_panel *panel = &server->panel;
+    lf_errand **at = &panel->queued;
+    while (*at != NULL) {
+        lf_errand *errand = *at;
+        if (panel->opening[lf_lane_of(errand->spec)] != NULL) {
+            at = &errand->next;
+        } else {
+            *at = errand->next;
+            begin_errand(server, errand);
+        }
+    }
+}
+
+/* Opens now, or when those before it in its lane are open. number: of the wish. */
+static void open_errand(lf_server *server, const char *spec, uint64_t number, bool again, lf_ticket *ticket)
 {
     lf_panel *panel = &server->panel;
     lf_errand *errand = lf_errand_create(LF_ERRAND_OPEN);
@@ -207,6 +233,7 @@ static void open_errand(lf_server *server, const char *spec, bool again, lf_tick
         lf_ticket_reply(server, ticket, NULL);
         return;
     }
+    errand->number = number;
     errand->letter.open = on_opened;
     snprintf(errand->spec, sizeof errand->spec, "%s", spec);
     errand->calibration = server->config.calibration;
@@ -214,16 +241,14 @@ static void open_errand(lf_server *server, const char *spec, bool again, lf_tick
     if (again && strcmp(spec, "auto") == 0) {
         memcpy(errand->first, panel->last, sizeof errand->first);
     }
+    errand->at_start = number == 1 && !again;
     errand->ticket = ticket;
-    if (panel->opening == NULL) {
-        begin_errand(server, errand);
-        return;
-    }
     lf_errand **at = &panel->queued;
     while (*at != NULL) {
         at = &(*at)->next;
     }
     *at = errand;
+    begin_queued(server);
 }
 
 void lf_server_open_device(lf_server *server, const char *spec, lf_ticket *ticket)
@@ -233,15 +258,28 @@ void lf_server_open_device(lf_server *server, const char *spec, lf_ticket *ticke
         snprintf(panel->wanted, sizeof panel->wanted, "%s", spec);
         panel->patience_usec = REOPEN_USEC;
     }
-    open_errand(server, spec, false, ticket);
+    open_errand(server, spec, ++panel->wishes, false, ticket);
+}
+
+/* While it was being opened, another was asked for, in another lane, and is there. */
+static void come_too_late(lf_server *server, lf_errand *errand)
+{
+    close_device(server, errand->device);
+    errand->device = NULL;
+    errand->status = lf_error_set(&errand->err, LF_E_CANCELLED, errand->spec, "another device was chosen meanwhile");
 }
 
 static void opened(lf_server *server, lf_errand *errand)
 {
     lf_device *device = errand->device;
+    if (errand->number < server->panel.taken) {
+        come_too_late(server, errand);
+        return;
+    }
     errand->device = NULL;
     errand->status = take_device(server, device, &errand->err);
     if (errand->status == LF_OK) {
+        server->panel.taken = errand->number;
         memcpy(server->panel.wanted, errand->spec, sizeof server->panel.wanted);
         server->panel.patience_usec = REOPEN_USEC;
         tell_device(server);
@@ -283,7 +321,7 @@ static void stays_missing(lf_server *server, const lf_errand *errand)
         memcpy(panel->spec, errand->spec, sizeof panel->spec);
     }
     if (errand->before[0] != '\0') {
-        open_errand(server, errand->before, false, NULL);
+        open_errand(server, errand->before, errand->number, false, NULL);
     } else if (!wanted || worth_another_try(errand->status)) {
         try_later(server, errand->status);
     }
@@ -307,7 +345,7 @@ static void not_opened(lf_server *server, lf_errand *errand)
 /* The daemon's own attempt, at its start. */
 static void first_opened(lf_server *server, const lf_errand *errand)
 {
-    if (errand->status != LF_OK) {
+    if (errand->status != LF_OK && errand->status != LF_E_CANCELLED) {
         lf_log_error(&errand->err);
     }
     if (errand->status == LF_E_ARG) {
@@ -350,7 +388,7 @@ static void on_opened(void *reader, lf_letter *letter)
     lf_server *server = reader;
     lf_panel *panel = &server->panel;
     lf_errand *errand = (lf_errand *)(void *)letter;
-    panel->opening = NULL;
+    panel->opening[lf_lane_of(errand->spec)] = NULL;
     if (server->stopping) {
         drop_errand(server, errand);
         return;
@@ -361,16 +399,11 @@ static void on_opened(void *reader, lf_letter *letter)
     if (errand->status != LF_OK) {
         not_opened(server, errand);
     }
-    if (!panel->tried) {
-        panel->tried = true;
+    if (errand->at_start) {
         first_opened(server, errand);
     }
     lf_errand_destroy(errand);
-    if (panel->opening == NULL && panel->queued != NULL) {
-        lf_errand *next = panel->queued;
-        panel->queued = next->next;
-        begin_errand(server, next);
-    }
+    begin_queued(server);
     if (shows_nothing(panel->device)) {
         look_again(server);
     }
@@ -388,8 +421,8 @@ static int on_retry(sd_event_source *source, uint64_t usec, void *context)
     panel->retry = NULL;
     bool searches =
         strcmp(panel->wanted, "auto") == 0 && (panel->plugged || !server->told_of_plugs) && shows_nothing(panel->device);
-    if (panel->opening == NULL && (panel->device == NULL || searches)) {
-        open_errand(server, panel->wanted, true, NULL);
+    if (!is_opening(panel) && (panel->device == NULL || searches)) {
+        open_errand(server, panel->wanted, panel->wishes, true, NULL);
     }
     lf_server_pump(server);
     return 0;
@@ -481,5 +514,5 @@ void lf_server_list_devices(lf_server *server, lf_ticket *ticket)
     }
     errand->letter.open = on_listed;
     errand->ticket = ticket;
-    lf_worker_queue(server->opener, &errand->letter);
+    lf_opener_queue(server->opener, errand);
 }
