@@ -1,11 +1,53 @@
 #include "device/sdl.h"
 
 #include <dlfcn.h>
-#include <stdatomic.h>
+#include <pthread.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
-static atomic_flag in_use = ATOMIC_FLAG_INIT;
+#include "base/alloc.h"
+#include "device/device_table.h"
+
+/* Who has SDL. */
+static pthread_mutex_t turn_lock = PTHREAD_MUTEX_INITIALIZER;
+static pthread_cond_t turn_over = PTHREAD_COND_INITIALIZER;
+static bool in_use;
+
+static struct timespec in_ms(int ms)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    t.tv_sec += ms / 1000;
+    t.tv_nsec += ms % 1000 * 1000000L;
+    if (t.tv_nsec >= 1000000000L) {
+        t.tv_sec++;
+        t.tv_nsec -= 1000000000L;
+    }
+    return t;
+}
+
+static bool take_turn(int wait_ms)
+{
+    struct timespec until = in_ms(wait_ms);
+    int e = 0;
+    pthread_mutex_lock(&turn_lock);
+    while (in_use && e == 0)
+        e = pthread_cond_clockwait(&turn_over, &turn_lock, CLOCK_MONOTONIC, &until);
+    bool mine = !in_use;
+    in_use = true;
+    pthread_mutex_unlock(&turn_lock);
+    return mine;
+}
+
+static void end_turn(void)
+{
+    pthread_mutex_lock(&turn_lock);
+    in_use = false;
+    pthread_cond_signal(&turn_over);
+    pthread_mutex_unlock(&turn_lock);
+}
 
 static bool is_set(const char *variable)
 {
@@ -42,6 +84,11 @@ lf_status lf_sdl_load(const char *library, lf_sdl *out, lf_error *err)
     return LF_OK;
 }
 
+lf_status lf_sdl_no_answer(int timeout_ms, lf_error *err)
+{
+    return lf_error_set(err, LF_E_IO, "window", "the desktop has not answered for %d ms; it may hang", timeout_ms);
+}
+
 /* The driver of the desktop that is there, never another: SDL's last resort is to take a display output over. */
 static int connect_desktop(const lf_sdl *sdl)
 {
@@ -52,7 +99,7 @@ static int connect_desktop(const lf_sdl *sdl)
     return is_set("DISPLAY") ? sdl->VideoInit("x11") : -1;
 }
 
-lf_status lf_sdl_begin(const lf_sdl *sdl, lf_error *err)
+lf_status lf_sdl_begin(const lf_sdl *sdl, int wait_ms, lf_error *err)
 {
     static const char *const hints[][2] = {
         {SDL_HINT_NO_SIGNAL_HANDLERS, "1"},
@@ -63,15 +110,15 @@ lf_status lf_sdl_begin(const lf_sdl *sdl, lf_error *err)
         return lf_error_set(
             err, LF_E_NODEV, "window",
             "no desktop: neither WAYLAND_DISPLAY nor DISPLAY is set; start quiltd within one, or take --device drm");
-    if (atomic_flag_test_and_set(&in_use))
-        return lf_error_set(err, LF_E_BUSY, "window", "this program has a window already");
+    if (!take_turn(wait_ms))
+        return lf_error_set(err, LF_E_BUSY, "window", "this program has a window already, or is waiting for the desktop");
     for (size_t i = 0; i < sizeof hints / sizeof *hints; i++)
         sdl->SetHint(hints[i][0], hints[i][1]);
     if (connect_desktop(sdl) == 0)
         return LF_OK;
     lf_status status = lf_error_set(err, LF_E_NODEV, "window", "the desktop cannot be reached: %.200s", sdl->GetError());
     sdl->TLSCleanup();
-    atomic_flag_clear(&in_use);
+    end_turn();
     return status;
 }
 
@@ -79,5 +126,120 @@ void lf_sdl_end(const lf_sdl *sdl)
 {
     sdl->VideoQuit();
     sdl->TLSCleanup(); /* the thread is none of SDL's making */
-    atomic_flag_clear(&in_use);
+    end_turn();
+}
+
+/* ----------------------------------------------------------------------------------------------------- monitors -- */
+
+int lf_sdl_monitors(const lf_sdl *sdl, lf_sdl_monitor out[LF_SDL_MONITORS])
+{
+    int n = sdl->GetNumVideoDisplays();
+    if (n > LF_SDL_MONITORS)
+        n = LF_SDL_MONITORS;
+    for (int i = 0; i < n; i++) {
+        SDL_DisplayMode mode = {0};
+        const char *name = sdl->GetDisplayName(i);
+        out[i] = (lf_sdl_monitor){0};
+        lf_device_text(out[i].name, sizeof out[i].name, name != NULL ? name : "");
+        if (sdl->GetDesktopDisplayMode(i, &mode) == 0) {
+            out[i].width_px = mode.w;
+            out[i].height_px = mode.h;
+        }
+    }
+    return n > 0 ? n : 0;
+}
+
+/* A question, which belongs to who asks and to the thread that finds out; the last of the two frees it. */
+typedef struct question {
+    lf_sdl sdl;
+    int wait_ms;
+    pthread_mutex_t lock;
+    pthread_cond_t answered;
+    /* under lock */
+    bool done, left;
+    lf_status status;
+    lf_error err;
+    int n;
+    lf_sdl_monitor monitors[LF_SDL_MONITORS];
+} question;
+
+static void free_question(question *q)
+{
+    pthread_cond_destroy(&q->answered);
+    pthread_mutex_destroy(&q->lock);
+    lf_free(q);
+}
+
+static void *find_out(void *context)
+{
+    question *q = context;
+    lf_sdl_monitor monitors[LF_SDL_MONITORS];
+    lf_error err = {0};
+    int n = 0;
+    lf_status status = lf_sdl_begin(&q->sdl, q->wait_ms, &err);
+    if (status == LF_OK) {
+        n = lf_sdl_monitors(&q->sdl, monitors);
+        lf_sdl_end(&q->sdl);
+    }
+    pthread_mutex_lock(&q->lock);
+    q->done = true;
+    q->status = status;
+    q->err = err;
+    q->n = n;
+    memcpy(q->monitors, monitors, (size_t)n * sizeof *monitors);
+    bool left = q->left;
+    pthread_cond_signal(&q->answered);
+    pthread_mutex_unlock(&q->lock);
+    if (left)
+        free_question(q);
+    return NULL;
+}
+
+/* Nobody joins it: it may never end. */
+static bool begin_to_find_out(question *q)
+{
+    pthread_t thread;
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    bool begun = pthread_create(&thread, NULL, find_out, q) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (begun)
+        pthread_detach(thread);
+    return begun;
+}
+
+lf_status lf_sdl_ask_monitors(const lf_sdl *sdl, int wait_ms, int timeout_ms, lf_sdl_monitor out[LF_SDL_MONITORS], int *out_n,
+                              lf_error *err)
+{
+    struct timespec until = in_ms(timeout_ms);
+    int e = 0;
+    question *q = lf_calloc(1, sizeof *q);
+    if (q == NULL)
+        return lf_error_set(err, LF_E_NOMEM, "window", "out of memory");
+    q->sdl = *sdl;
+    q->wait_ms = wait_ms;
+    pthread_mutex_init(&q->lock, NULL);
+    pthread_cond_init(&q->answered, NULL);
+    if (!begin_to_find_out(q)) {
+        free_question(q);
+        return lf_error_set(err, LF_E_NOMEM, "window", "cannot start a thread");
+    }
+    pthread_mutex_lock(&q->lock);
+    while (!q->done && e == 0)
+        e = pthread_cond_clockwait(&q->answered, &q->lock, CLOCK_MONOTONIC, &until);
+    bool done = q->done;
+    q->left = !done;
+    pthread_mutex_unlock(&q->lock);
+    if (!done)
+        return lf_sdl_no_answer(timeout_ms, err);
+    lf_status status = q->status;
+    if (status == LF_OK) {
+        memcpy(out, q->monitors, (size_t)q->n * sizeof *out);
+        *out_n = q->n;
+    } else if (err != NULL) {
+        *err = q->err;
+    }
+    free_question(q);
+    return status;
 }

@@ -16,7 +16,9 @@
 #include "device/pixels.h"
 #include "device/sdl.h"
 
-enum { LOOK_MS = 100, NAME = 128 };
+/* TURN_MS: for a list that looks at the desktop, and is quick. PROBE_MS, DESKTOP_MS: for a desktop that is asked for its monitors, and
+ * for a window. */
+enum { LOOK_MS = 100, NAME = 128, TURN_MS = 1000, PROBE_MS = 1000, DESKTOP_MS = 4000 };
 
 typedef struct window_device {
     lf_handover handover; /* first */
@@ -25,7 +27,7 @@ typedef struct window_device {
     lf_calibration calibration;
     char calibration_from[256];
     char wanted[NAME];  /* the argument */
-    char monitor[NAME]; /* its name */
+    char monitor[NAME]; /* its name, sanitised */
     lf_sdl sdl;
 
     /* the device's thread */
@@ -35,6 +37,7 @@ typedef struct window_device {
     bool lost;            /* the graphics driver has forgotten it */
 
     /* under handover.lock, told once through handover.ended */
+    bool left;     /* nobody waits any more: the device is its thread's to free */
     bool answered; /* the window is there, or why not */
     lf_status status;
     lf_error why;
@@ -52,48 +55,35 @@ static const window_device *const_window_of(const lf_device *device)
 
 /* ----------------------------------------------------------------------------------------------------- monitors -- */
 
-static const char *monitor_name(const lf_sdl *sdl, int i)
-{
-    const char *name = sdl->GetDisplayName(i);
-    return name != NULL ? name : "";
-}
-
-static bool monitor_size(const lf_sdl *sdl, int i, int *out_width, int *out_height)
-{
-    SDL_DisplayMode mode = {0};
-    if (sdl->GetDesktopDisplayMode(i, &mode) != 0)
-        return false;
-    *out_width = mode.w;
-    *out_height = mode.h;
-    return true;
-}
-
 /* Number of the monitor to show on; -1 = none. By its name, then, unless one was asked for, by its size. */
-static int choose_monitor(const window_device *w)
+static int choose_monitor(const window_device *w, const lf_sdl_monitor *monitors, int n)
 {
-    const lf_sdl *sdl = &w->sdl;
     const char *part = w->wanted[0] != 0 ? w->wanted : "LKG";
-    int n = sdl->GetNumVideoDisplays(), width = 0, height = 0;
     for (int i = 0; i < n; i++)
-        if (strstr(monitor_name(sdl, i), part) != NULL)
+        if (strstr(monitors[i].name, part) != NULL)
             return i;
     for (int i = 0; i < n && w->wanted[0] == 0; i++)
-        if (monitor_size(sdl, i, &width, &height) && width == w->calibration.screen_width_px &&
-            height == w->calibration.screen_height_px)
+        if (monitors[i].width_px > 0 && monitors[i].width_px == w->calibration.screen_width_px &&
+            monitors[i].height_px == w->calibration.screen_height_px)
             return i;
     return -1;
 }
 
-static lf_status no_monitor(const window_device *w, lf_error *err)
+static bool monitor_is_there(const window_device *w)
+{
+    lf_sdl_monitor monitors[LF_SDL_MONITORS];
+    int n = lf_sdl_monitors(&w->sdl, monitors);
+    return choose_monitor(w, monitors, n) >= 0;
+}
+
+static lf_status no_monitor(const window_device *w, const lf_sdl_monitor *monitors, int n, lf_error *err)
 {
     char seen[256] = "";
     const lf_calibration *c = &w->calibration;
-    int n = w->sdl.GetNumVideoDisplays(), width = 0, height = 0;
     for (int i = 0; i < n; i++) {
         size_t used = strlen(seen);
-        if (monitor_size(&w->sdl, i, &width, &height))
-            snprintf(seen + used, sizeof seen - used, "%s%.60s %dx%d", used > 0 ? ", " : "", monitor_name(&w->sdl, i), width,
-                     height);
+        snprintf(seen + used, sizeof seen - used, "%s%.60s %dx%d", used > 0 ? ", " : "", monitors[i].name, monitors[i].width_px,
+                 monitors[i].height_px);
     }
     if (w->wanted[0] != 0)
         return lf_error_set(err, LF_E_NODEV, "window", "no monitor of this desktop is called %s; there is: %s", w->wanted, seen);
@@ -128,13 +118,14 @@ static void check_scale(window_device *w)
 static lf_status make_window(window_device *w, lf_error *err)
 {
     const lf_sdl *sdl = &w->sdl;
+    lf_sdl_monitor monitors[LF_SDL_MONITORS];
     SDL_Rect bounds;
-    int i = choose_monitor(w);
+    int n = lf_sdl_monitors(sdl, monitors), i = choose_monitor(w, monitors, n);
     if (i < 0)
-        return no_monitor(w, err);
+        return no_monitor(w, monitors, n, err);
     if (sdl->GetDisplayBounds(i, &bounds) != 0)
         return sdl_error(sdl, "a window", err);
-    snprintf(w->monitor, sizeof w->monitor, "%s", monitor_name(sdl, i));
+    snprintf(w->monitor, sizeof w->monitor, "%s", monitors[i].name);
     w->window = sdl->CreateWindow("quiltd", bounds.x, bounds.y, bounds.w, bounds.h,
                                   SDL_WINDOW_BORDERLESS | SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_ALLOW_HIGHDPI);
     if (w->window == NULL)
@@ -223,7 +214,7 @@ static bool read_events(window_device *w)
     bool exposed = false, there = true;
     while (w->sdl.PollEvent(&event) != 0) {
         if (event.type == SDL_DISPLAYEVENT)
-            there = choose_monitor(w) >= 0;
+            there = monitor_is_there(w);
         else if (event.type == SDL_RENDER_TARGETS_RESET || event.type == SDL_RENDER_DEVICE_RESET)
             w->lost = true;
         else if (event.type == SDL_WINDOWEVENT)
@@ -238,15 +229,17 @@ static bool read_events(window_device *w)
     return there;
 }
 
-/* Lets open go on. */
-static void answer(window_device *w, lf_status status, const lf_error *why)
+/* Lets open go on; false when that has not waited for it. */
+static bool answer(window_device *w, lf_status status, const lf_error *why)
 {
     pthread_mutex_lock(&w->handover.lock);
     w->answered = true;
     w->status = status;
     w->why = *why;
+    bool wanted = !w->left;
     pthread_cond_broadcast(&w->handover.ended);
     pthread_mutex_unlock(&w->handover.lock);
+    return wanted;
 }
 
 static void run(window_device *w)
@@ -270,17 +263,21 @@ static void *thread_main(void *argument)
 {
     window_device *w = argument;
     lf_error err = {0};
-    lf_status status = lf_sdl_begin(&w->sdl, &err);
-    if (status != LF_OK) {
-        answer(w, status, &err);
-        return NULL;
-    }
-    status = make_window(w, &err);
-    answer(w, status, &err);
-    if (status == LF_OK)
+    lf_status status = lf_sdl_begin(&w->sdl, TURN_MS, &err);
+    bool begun = status == LF_OK;
+    if (begun)
+        status = make_window(w, &err);
+    bool wanted = answer(w, status, &err);
+    if (wanted && status == LF_OK)
         run(w);
-    end_window(w);
-    lf_sdl_end(&w->sdl);
+    if (begun) {
+        end_window(w);
+        lf_sdl_end(&w->sdl);
+    }
+    if (!wanted) {
+        lf_handover_finish(&w->handover);
+        lf_free(w);
+    }
     return NULL;
 }
 
@@ -289,17 +286,18 @@ static void *thread_main(void *argument)
 /* What the desktop says of the monitor that its name stands for; zeroed when there is none. */
 static lf_status ask_desktop(const window_device *w, lf_edid *out, lf_error *err)
 {
-    lf_status status = lf_sdl_begin(&w->sdl, err);
+    lf_sdl_monitor monitors[LF_SDL_MONITORS];
+    int n = 0;
+    lf_status status = lf_sdl_ask_monitors(&w->sdl, TURN_MS, DESKTOP_MS, monitors, &n, err);
     if (status != LF_OK)
         return status;
+    int i = choose_monitor(w, monitors, n);
     *out = (lf_edid){0};
-    int i = choose_monitor(w);
     if (i >= 0) {
-        lf_device_text(out->name, sizeof out->name, monitor_name(&w->sdl, i));
-        if (!monitor_size(&w->sdl, i, &out->width_px, &out->height_px))
-            out->width_px = out->height_px = 0;
+        lf_device_text(out->name, sizeof out->name, monitors[i].name);
+        out->width_px = monitors[i].width_px;
+        out->height_px = monitors[i].height_px;
     }
-    lf_sdl_end(&w->sdl);
     return LF_OK;
 }
 
@@ -328,16 +326,26 @@ static lf_status take_argument(window_device *w, const char *argument, lf_error 
     return LF_OK;
 }
 
-static lf_status wait_for_window(window_device *w, lf_error *err)
+/* *out_left: the desktop did not answer, and w now belongs to its thread. */
+static lf_status wait_for_window(window_device *w, bool *out_left, lf_error *err)
 {
+    pthread_t thread = w->handover.thread;
+    struct timespec until;
+    int e = 0;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_sec += DESKTOP_MS / 1000;
     pthread_mutex_lock(&w->handover.lock);
-    while (!w->answered)
-        pthread_cond_wait(&w->handover.ended, &w->handover.lock);
+    while (!w->answered && e == 0)
+        e = pthread_cond_timedwait(&w->handover.ended, &w->handover.lock, &until);
     lf_status status = w->status;
-    if (status != LF_OK && err != NULL)
+    if (w->answered && status != LF_OK && err != NULL)
         *err = w->why;
+    *out_left = w->left = !w->answered;
     pthread_mutex_unlock(&w->handover.lock);
-    return status;
+    if (!*out_left)
+        return status;
+    pthread_detach(thread);
+    return lf_sdl_no_answer(DESKTOP_MS, err);
 }
 
 static lf_status window_open(const char *argument, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
@@ -346,6 +354,7 @@ static lf_status window_open(const char *argument, const lf_calibration *calibra
     if (w == NULL)
         return lf_error_set(err, LF_E_NOMEM, "window", "out of memory");
     w->handover.base.ops = &lf_window_ops;
+    bool left = false;
     lf_status status = take_argument(w, argument, err);
     if (status == LF_OK)
         status = lf_sdl_load(NULL, &w->sdl, err);
@@ -356,35 +365,33 @@ static lf_status window_open(const char *argument, const lf_calibration *calibra
     if (status == LF_OK)
         status = lf_handover_start(&w->handover, thread_main, w, "lf-window", err);
     if (status == LF_OK)
-        status = wait_for_window(w, err);
-    if (status != LF_OK) {
+        status = wait_for_window(w, &left, err);
+    if (status == LF_OK)
+        *out_device = &w->handover.base;
+    else if (!left)
         lf_device_destroy(&w->handover.base);
-        return status;
-    }
-    *out_device = &w->handover.base;
-    return LF_OK;
+    return status;
 }
 
 /* Monitors that say that they are a Looking Glass; nothing else may "auto" open a window on. */
 static int window_probe(lf_device_info *out, int max)
 {
     lf_sdl sdl;
-    int n = 0, width = 0, height = 0;
-    if (!lf_sdl_has_desktop() || lf_sdl_load(NULL, &sdl, NULL) != LF_OK || lf_sdl_begin(&sdl, NULL) != LF_OK)
+    lf_sdl_monitor monitors[LF_SDL_MONITORS];
+    int n = 0, n_monitors = 0;
+    if (!lf_sdl_has_desktop() || lf_sdl_load(NULL, &sdl, NULL) != LF_OK ||
+        lf_sdl_ask_monitors(&sdl, 0, PROBE_MS, monitors, &n_monitors, NULL) != LF_OK)
         return 0;
-    int n_monitors = sdl.GetNumVideoDisplays();
     for (int i = 0; i < n_monitors && n < max; i++) {
-        const char *name = monitor_name(&sdl, i);
-        if (strstr(name, "LKG") == NULL)
+        if (strstr(monitors[i].name, "LKG") == NULL)
             continue;
         lf_device_info *info = &out[n++];
         *info = (lf_device_info){.kind = "window"};
-        lf_device_text(info->model, sizeof info->model, name);
+        memcpy(info->model, monitors[i].name, sizeof info->model);
         snprintf(info->spec, sizeof info->spec, "window:%s", info->model);
-        if (monitor_size(&sdl, i, &width, &height))
-            snprintf(info->output, sizeof info->output, "desktop, %dx%d", width, height);
+        if (monitors[i].width_px > 0)
+            snprintf(info->output, sizeof info->output, "desktop, %dx%d", monitors[i].width_px, monitors[i].height_px);
     }
-    lf_sdl_end(&sdl);
     return n;
 }
 

@@ -5,6 +5,9 @@
 #include <fcntl.h>
 #include <link.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 
 #include "base/image_io.h"
@@ -298,7 +301,7 @@ static void output_that_is_not_the_panels_size_is_told(void **state)
     if (!has_sdl())
         skip();
     lf_assert_ok(lf_sdl_load(NULL, &sdl, NULL), NULL);
-    lf_assert_ok(lf_sdl_begin(&sdl, NULL), NULL);
+    lf_assert_ok(lf_sdl_begin(&sdl, 0, NULL), NULL);
     snprintf(name, sizeof name, "%s", sdl.GetDisplayName(0));
     lf_sdl_end(&sdl);
     lf_assert_status(try_open("window", 1536, 2048, &device, &err), LF_E_NODEV, &err);
@@ -368,6 +371,75 @@ static void what_is_missing_is_told(void **state)
     assert_null(device);
 }
 
+/* An X server that takes calls and never says a word; its number is in $DISPLAY. -1 = there is no place for one. */
+static int start_silent_server(void)
+{
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    char display[16];
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0), number = 600;
+    assert_true(fd >= 0);
+    mkdir("/tmp/.X11-unix", 01777);
+    for (; number < 700; number++) {
+        snprintf(at.sun_path, sizeof at.sun_path, "/tmp/.X11-unix/X%d", number);
+        if (bind(fd, (const struct sockaddr *)&at, sizeof at) == 0 && listen(fd, 8) == 0)
+            break;
+    }
+    if (number == 700) {
+        close(fd);
+        return -1;
+    }
+    snprintf(display, sizeof display, ":%d", number);
+    setenv("DISPLAY", display, 1);
+    setenv("SDL_VIDEODRIVER", "x11", 1);
+    return fd;
+}
+
+static void stop_silent_server(int fd)
+{
+    struct sockaddr_un at;
+    socklen_t n = sizeof at;
+    assert_int_equal(getsockname(fd, (struct sockaddr *)&at, &n), 0);
+    unlink(at.sun_path);
+    close(fd);
+    unsetenv("DISPLAY");
+    setenv("SDL_VIDEODRIVER", "dummy", 1);
+}
+
+static void a_desktop_that_hangs_is_left_behind(void **state)
+{
+    (void)state;
+    lf_device *device = NULL;
+    lf_device_info info[4];
+    lf_error err = {0};
+    if (!has_sdl())
+        skip();
+    int fd = start_silent_server();
+    if (fd < 0) {
+        print_message("no socket can be made in /tmp/.X11-unix\n");
+        skip();
+    }
+    assert_int_equal(lf_window_ops.probe(info, 4), 0);
+    /* until the one that was left behind has ended, SDL is its */
+    lf_assert_status(try_open("window", WIDTH, HEIGHT, &device, &err), LF_E_BUSY, &err);
+    stop_silent_server(fd);
+    lf_status status = LF_E_BUSY;
+    for (int i = 0; i < 100 && status == LF_E_BUSY; i++)
+        status = try_open("window", WIDTH, HEIGHT, &device, &err);
+    lf_assert_ok(status, &err);
+    lf_device_destroy(device);
+    device = NULL;
+    fd = start_silent_server();
+    assert_true(fd >= 0);
+    lf_assert_status(try_open("window", WIDTH, HEIGHT, &device, &err), LF_E_IO, &err);
+    assert_non_null(strstr(err.what, "has not answered"));
+    assert_null(device);
+    stop_silent_server(fd);
+    for (status = LF_E_BUSY; status == LF_E_BUSY;)
+        status = try_open("window", WIDTH, HEIGHT, &device, &err);
+    lf_assert_ok(status, &err);
+    lf_device_destroy(device);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -378,6 +450,7 @@ int main(void)
         cmocka_unit_test(sdl_belongs_to_one_at_a_time),
         cmocka_unit_test(probe_opens_nothing_on_ordinary_monitors),
         cmocka_unit_test(what_is_missing_is_told),
+        cmocka_unit_test(a_desktop_that_hangs_is_left_behind),
     };
     char *dir = lf_test_folder();
     unsetenv("WAYLAND_DISPLAY");
