@@ -1,7 +1,12 @@
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include "base/alloc.h"
 #include "base/bell.h"
 #include "base/thread.h"
 #include "daemon/engine_internal.h"
+
+enum { NICER = 5 };
 
 /* ----------------------------------------------------------------------------------------------------- the thread -- */
 
@@ -70,9 +75,28 @@ static void end(lf_engine *engine)
     lf_bell_ring(engine->event_fd);
 }
 
+/* Rendering takes all processors there are, for as long as there is something to render: whatever else the daemon does goes before it
+ * (commands, pushes, a panel that comes back). Threads inherit how nice they are, so the crew is made here. */
+static lf_status begin(lf_engine *engine)
+{
+    /* Without it all would work, only slower. */
+    (void)setpriority(PRIO_PROCESS, (id_t)gettid(), getpriority(PRIO_PROCESS, 0) + NICER);
+    lf_status status = lf_pool_create(engine->now_controls.threads, &engine->pool);
+    pthread_mutex_lock(&engine->lock);
+    engine->begun = true;
+    engine->begun_status = status;
+    engine->ended = status != LF_OK;
+    pthread_cond_broadcast(&engine->answered);
+    pthread_mutex_unlock(&engine->lock);
+    return status;
+}
+
 static void *engine_main(void *context)
 {
     lf_engine *engine = context;
+    if (begin(engine) != LF_OK) {
+        return NULL;
+    }
     for (;;) {
         engine_request *request = NULL;
         lf_engine_controls controls;
@@ -136,6 +160,19 @@ void engine_publish(lf_engine *engine)
 
 /* -------------------------------------------------------------------------------------------------- for the others -- */
 
+static lf_status start_thread(lf_engine *engine)
+{
+    lf_status status = lf_thread_start("lf-engine", engine_main, engine, &engine->thread);
+    engine->started = status == LF_OK;
+    pthread_mutex_lock(&engine->lock);
+    while (engine->started && !engine->begun) {
+        pthread_cond_wait(&engine->answered, &engine->lock);
+    }
+    status = engine->started ? engine->begun_status : status;
+    pthread_mutex_unlock(&engine->lock);
+    return status;
+}
+
 lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_engine **out_engine, lf_error *err)
 {
     lf_engine *engine = lf_calloc(1, sizeof *engine);
@@ -151,11 +188,7 @@ lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_
     pthread_cond_init(&engine->answered, NULL);
     lf_status status = lf_mailbox_init(&engine->mailbox, event_fd);
     if (status == LF_OK) {
-        status = lf_pool_create(controls->threads, &engine->pool);
-    }
-    if (status == LF_OK) {
-        status = lf_thread_start("lf-engine", engine_main, engine, &engine->thread);
-        engine->started = status == LF_OK;
+        status = start_thread(engine);
     }
     if (status != LF_OK) {
         lf_engine_destroy(engine);

@@ -44,7 +44,8 @@ struct lf_engine {
     pthread_cond_t wake, answered;
     /* under lock */
     engine_request *first;
-    bool stop, ended;
+    bool begun, stop, ended;
+    lf_status begun_status;
     bool controls_changed, panel_changed;
     lf_engine_controls controls;
     engine_panel panel;
