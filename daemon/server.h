@@ -80,7 +80,8 @@ typedef struct lf_panel {
     char spec[512];    /* … and the one that is open, or could not be opened */
     lf_error problem;  /* why there is none */
     bool has_problem;
-    uint64_t number;      /* rises with every device opened; frames carry it */
+    uint64_t number;      /* rises with every panel that is not the one before; frames carry it */
+    bool has_views;       /* it takes the views behind a frame too */
     char last[512];       /* the panel that was open last, as its spec; empty = none yet */
     bool has_calibration; /* of the device or --calibration */
     lf_calibration calibration;

@@ -109,18 +109,23 @@ static int on_device(sd_event_source *source, int fd, uint32_t events, void *con
     return 0;
 }
 
-/* The panel that frames are made for from now on. */
+/* The panel that frames are made for from now on. The frame there is fits a panel that comes back: it need not wait for the engine. */
 static void take_calibration(lf_server *server, const lf_calibration *calibration)
 {
     lf_panel *panel = &server->panel;
+    bool views = panel->device->ops->views != NULL;
     bool same = panel->has_calibration == (calibration != NULL) &&
                 (calibration == NULL || memcmp(calibration, &panel->calibration, sizeof *calibration) == 0);
+    if (same && panel->number > 0 && panel->has_views == views) {
+        return;
+    }
     panel->has_calibration = calibration != NULL;
+    panel->has_views = views;
     if (calibration != NULL) {
         panel->calibration = *calibration;
     }
     panel->number++;
-    lf_engine_set_panel(server->engine, calibration, panel->number, panel->device->ops->views != NULL);
+    lf_engine_set_panel(server->engine, calibration, panel->number, views);
     if (!same) { /* also with nothing on stage: the first scene may be under way */
         lf_load *load = lf_load_create(LF_LOAD_APPLY);
         if (load != NULL) {
