@@ -13,6 +13,7 @@
 #include "device/find.h"
 
 #define SUFFIX ".json"
+#define DISPLAY "display" /* a key that calibrations do not have */
 
 /* The folder of the cache; false when there is no place for one. */
 static bool cache_folder(char *out, size_t size)
@@ -46,10 +47,12 @@ static bool file_name(const char *panel, char *out, size_t size)
     return true;
 }
 
-/* The text of a calibration; NULL = out of memory. Released with free. */
-static char *to_text(const lf_calibration *c)
+/* The text of a calibration and of its display; NULL = out of memory. Released with free. */
+static char *to_text(const lf_found *found)
 {
-    json_t *root = lf_calibration_json(c);
+    json_t *root = lf_calibration_json(&found->calibration);
+    if (root != NULL && found->display.name[0] != 0)
+        json_object_set_new(root, DISPLAY, json_pack("{s:s,s:s}", "name", found->display.name, "serial", found->display.serial));
     char *text = root != NULL ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(root);
     return text;
@@ -67,10 +70,39 @@ static void make_folders(char *path)
     mkdir(path, 0700);
 }
 
-static bool is_cached(const char *path, const lf_calibration *calibration)
+static void take_display(const char *text, size_t n, lf_edid *out)
 {
-    lf_calibration old;
-    return lf_calibration_load(path, &old, NULL) == LF_OK && memcmp(&old, calibration, sizeof old) == 0;
+    json_t *root = json_loadb(text, n, 0, NULL);
+    const json_t *display = json_object_get(root, DISPLAY);
+    const char *name = json_string_value(json_object_get(display, "name"));
+    const char *serial = json_string_value(json_object_get(display, "serial"));
+    *out = (lf_edid){0};
+    if (name != NULL && serial != NULL) {
+        lf_device_text(out->name, sizeof out->name, name);
+        lf_device_text(out->serial, sizeof out->serial, serial);
+    }
+    json_decref(root);
+}
+
+/* Calibration and display of a file; false = there is none, or it is damaged. */
+static bool load(const char *path, lf_found *out)
+{
+    char *text = NULL;
+    size_t n = 0;
+    if (lf_file_read(path, NULL, LF_CALIBRATION_MAX_BYTES, &text, &n, NULL) != LF_OK)
+        return false;
+    bool good = lf_calibration_parse(text, n, path, &out->calibration, NULL) == LF_OK;
+    if (good)
+        take_display(text, n, &out->display);
+    lf_free(text);
+    return good;
+}
+
+static bool is_cached(const char *path, const lf_found *found)
+{
+    lf_found old = {0};
+    return load(path, &old) && memcmp(&old.calibration, &found->calibration, sizeof old.calibration) == 0 &&
+           strcmp(old.display.name, found->display.name) == 0 && strcmp(old.display.serial, found->display.serial) == 0;
 }
 
 void lf_cache_store(const lf_found *found)
@@ -80,9 +112,9 @@ void lf_cache_store(const lf_found *found)
     if (!cache_folder(folder, sizeof folder) || !file_name(lf_found_name(found), name, sizeof name))
         return;
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    if (is_cached(path, &found->calibration))
+    if (is_cached(path, found))
         return;
-    char *text = to_text(&found->calibration);
+    char *text = to_text(found);
     if (text == NULL)
         return;
     make_folders(folder);
@@ -108,7 +140,7 @@ int lf_cache_list(lf_found *out, int max)
         snprintf(path, sizeof path, "%s/%s", folder, e->d_name);
         lf_found found = {.source = LF_SOURCE_CACHE};
         /* a damaged one is no news to anybody: it is written anew when its panel is read */
-        if (lf_calibration_load(path, &found.calibration, NULL) != LF_OK)
+        if (!load(path, &found))
             continue;
         lf_device_text(found.path, sizeof found.path, path);
         e->d_name[length - strlen(SUFFIX)] = 0;

@@ -37,17 +37,24 @@ int lf_find_hid(lf_found *out, int max)
     return n;
 }
 
-/* Leaves out what a more trusted place has told already. */
+static bool is_same_panel(const lf_found *a, const lf_found *b)
+{
+    return a->source != b->source && a->problem[0] == 0 && b->problem[0] == 0 && lf_found_name(b)[0] != 0 &&
+           strcmp(lf_found_name(a), lf_found_name(b)) == 0;
+}
+
+/* Leaves out what a more trusted place has told already, but for the display that only the cache knows. */
 static int drop_repeated(lf_found *found, int n)
 {
     int kept = 0;
     for (int i = 0; i < n; i++) {
-        bool repeated = false;
-        for (int k = 0; k < kept && !repeated; k++)
-            repeated = found[k].source != found[i].source && found[k].problem[0] == 0 && found[i].problem[0] == 0 &&
-                       lf_found_name(&found[i])[0] != 0 && strcmp(lf_found_name(&found[k]), lf_found_name(&found[i])) == 0;
-        if (!repeated)
+        int k = 0;
+        while (k < kept && !is_same_panel(&found[k], &found[i]))
+            k++;
+        if (k == kept)
             found[kept++] = found[i];
+        else if (found[k].display.name[0] == 0)
+            found[k].display = found[i].display;
     }
     return kept;
 }
@@ -69,15 +76,30 @@ static bool begins(const char *text, const char *name)
     return strlen(name) >= MIN_NAME && strncmp(text, name, strlen(name)) == 0;
 }
 
+/* Whether this is the display that the calibration was found for. Desktops lengthen names. */
+static bool was_found_for(const lf_found *found, const lf_edid *display)
+{
+    return begins(display->name, found->display.name) &&
+           (display->serial[0] == 0 || strcmp(display->serial, found->display.serial) == 0);
+}
+
+/* Whether it was found for another. Only what names itself as a panel counts: desktops have names of their own for displays. */
+static bool is_anothers(const lf_found *found, const lf_edid *display)
+{
+    return lf_edid_is_panel(&found->display) && lf_edid_is_panel(display) && !was_found_for(found, display);
+}
+
 static bool fits_by_name(const lf_found *found, const lf_edid *display)
 {
-    return begins(found->calibration.serial, display->name) || begins(found->label, display->name) ||
-           begins(found->calibration.serial, display->serial) || begins(found->label, display->serial);
+    return was_found_for(found, display) || begins(found->calibration.serial, display->name) ||
+           begins(found->label, display->name) || begins(found->calibration.serial, display->serial) ||
+           begins(found->label, display->serial);
 }
 
 static bool fits_by_size(const lf_found *found, const lf_edid *display)
 {
-    return found->calibration.screen_width_px == display->width_px && found->calibration.screen_height_px == display->height_px;
+    return found->calibration.screen_width_px == display->width_px && found->calibration.screen_height_px == display->height_px &&
+           !is_anothers(found, display);
 }
 
 /* A display that says nothing of itself is whatever panel there is. */
@@ -188,6 +210,14 @@ static void tell_source(const lf_found *found, char out[256])
     snprintf(out, 256, "%s, %.240s", names[found->source], found->path);
 }
 
+static void remember(const lf_found *match, const lf_edid *display)
+{
+    lf_found known = *match;
+    if (lf_edid_is_panel(display))
+        known.display = *display;
+    lf_cache_store(&known);
+}
+
 lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, char *out_from, lf_error *err)
 {
     lf_found *found = lf_calloc(MAX_FOUND, sizeof *found);
@@ -200,7 +230,7 @@ lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, char 
         *out = match->calibration;
         tell_source(match, out_from);
         if (match->source != LF_SOURCE_CACHE)
-            lf_cache_store(match);
+            remember(match, display);
     } else if (err != NULL) {
         *err = why;
     }

@@ -21,6 +21,7 @@ typedef struct lf_found {
     char label[64];    /* product string, volume label: what the place says before it is read */
     char problem[256]; /* why it cannot be used and what to do; empty = calibration is valid */
     lf_calibration calibration;
+    lf_edid display; /* CACHE: the display that it was found for, and what the cache knows already; name empty = unknown */
 } lf_found;
 
 /* What tells a panel from others: its drive's label, else its serial (which on some Portraits is a bare "LKG-PORT-"). */
@@ -33,13 +34,14 @@ int lf_find_all(lf_found *out, int max);
 int lf_find_hid(lf_found *out, int max);
 
 /* The calibration for a display among found[n]: the one whose serial or label begins with the display's name or serial number (of 5
- * characters or more); else the only one whose screen size is the display's; else, when the display says nothing of itself, the
- * only one there is. Each time what is plugged in goes before the cache. NULL = none, with err telling what was found instead and
+ * characters or more), or that was found for this display before; else the only one whose screen size is the display's, unless
+ * it was found for another; else, when the display says nothing of itself, the only one there is. Each time what is plugged in
+ * goes before the cache. NULL = none, with err telling what was found instead and
  * what to do: LF_E_NODEV, or LF_E_FORMAT when the display's own panel is there and cannot be read (the cache may still help then). */
 const lf_found *lf_find_match(const lf_found *found, int n, const lf_edid *display, lf_error *err);
 
 /* lf_find_all and lf_find_match in one: what the devices that show on a display call. *out_from[256] tells where it came from. Remembers it
- * in the cache. LF_E_NODEV: none; LF_E_FORMAT: the one that matches is damaged. */
+ * in the cache, with the display. LF_E_NODEV: none; LF_E_FORMAT: the one that matches is damaged. */
 LF_NODISCARD lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, char *out_from, lf_error *err);
 
 /* The cache: a file a panel, called by lf_found_name (which is the label of what is listed), under $CACHE_DIRECTORY/panels (systemd's),

@@ -209,6 +209,40 @@ static void the_cache_gives_back_what_was_stored(void **state)
     assert_memory_equal(&cached(found, n, "LKG-K1")->calibration, &b, sizeof b);
 }
 
+static lf_found stored_for(const char *serial, const char *display_name)
+{
+    lf_found found = {.source = LF_SOURCE_HID, .label = "HoloPlay", .calibration = full(serial)};
+    found.display = display(display_name, "", 0, 0);
+    lf_cache_store(&found);
+    return found;
+}
+
+static void the_cache_knows_which_display_a_calibration_was_found_for(void **state)
+{
+    (void)state;
+    lf_found found[8];
+    stored_for("LKG-2K-04409", "LKG01Do12HjQE");
+    int n = lf_cache_list(found, 8);
+    assert_int_equal(n, 1);
+    assert_match(found, n, display("LKG01Do12HjQE", "", 0, 0), 0);
+    assert_match(found, n, display("LKG01Do12HjQE 9", "", 0, 0), 0); /* as a desktop calls it */
+    assert_match(found, n, display("Looking Glass F", "", 3840, 2160), 0);
+    /* another panel of the same size, whose own calibration is not there yet */
+    assert_none(found, n, display("LKG030nffpp24", "", 3840, 2160), LF_E_NODEV, "none of the 1");
+    stored_for("LKG-2K-00001", "LKG030nffpp24");
+    n = lf_cache_list(found, 8);
+    assert_int_equal(n, 2);
+    int second = strcmp(found[0].calibration.serial, "LKG-2K-00001") == 0 ? 0 : 1;
+    assert_match(found, n, display("LKG030nffpp24", "", 3840, 2160), second);
+    /* what it was found for last is what counts */
+    stored_for("LKG-2K-00001", "LKG-OTHER");
+    n = lf_cache_list(found, 8);
+    assert_int_equal(n, 2);
+    assert_none(found, n, display("LKG030nffpp24", "", 3840, 2160), LF_E_NODEV, "none of the 2");
+    for (int i = 0; i < n; i++)
+        assert_int_equal(unlink(found[i].path), 0);
+}
+
 static void a_serial_leads_nowhere_else(void **state)
 {
     (void)state;
@@ -305,6 +339,7 @@ int main(void)
         cmocka_unit_test(what_is_plugged_in_goes_before_the_cache),
         cmocka_unit_test(an_unreadable_panel_is_told_and_only_the_cache_stands_in),
         cmocka_unit_test(what_was_found_instead_is_told),
+        cmocka_unit_test(the_cache_knows_which_display_a_calibration_was_found_for),
         cmocka_unit_test(the_cache_gives_back_what_was_stored),
         cmocka_unit_test(a_serial_leads_nowhere_else),
         cmocka_unit_test(panels_of_the_same_bare_serial_are_remembered_by_their_labels),
