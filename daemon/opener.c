@@ -94,6 +94,9 @@ static void run_letter(void *context, lf_letter *letter)
     case LF_ERRAND_BUTTONS:
         errand->status = open_buttons(errand);
         break;
+    case LF_ERRAND_CHECK:
+        errand->status = lf_find_denies(&errand->used) ? LF_E_FORMAT : LF_OK;
+        break;
     case LF_ERRAND_LIST:
         errand->n_devices = lf_device_list(errand->devices, LF_LISTED_DEVICES);
         break;
@@ -133,6 +136,7 @@ static lf_lane lane_of_errand(const lf_errand *errand)
     case LF_ERRAND_LIST:
         return LF_LANE_LIST;
     case LF_ERRAND_BUTTONS:
+    case LF_ERRAND_CHECK:
         break;
     }
     return LF_LANE_BUTTONS;

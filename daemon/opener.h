@@ -13,13 +13,14 @@ typedef enum lf_errand_kind {
     LF_ERRAND_CLOSE,   /* an open device, or its buttons */
     LF_ERRAND_LIST,    /* the devices there are */
     LF_ERRAND_BUTTONS, /* the buttons of the panel with this serial number */
+    LF_ERRAND_CHECK,   /* whether a cached calibration is that of what is plugged in */
 } lf_errand_kind;
 
 /* A thread each. */
 typedef enum lf_lane {
     LF_LANE_PANELS,  /* opening and closing whatever is hardware, or may be (auto) */
     LF_LANE_FILES,   /* opening and closing sim and none, which have nothing in common with it */
-    LF_LANE_BUTTONS, /* buttons: finding them reads EEPROMs */
+    LF_LANE_BUTTONS, /* buttons and checks: they read EEPROMs and drives */
     LF_LANE_LIST,    /* listing, which opens nothing */
     LF_LANES,
 } lf_lane;
@@ -36,6 +37,7 @@ typedef struct lf_errand {
     const char *calibration; /* OPEN: a file, NULL = the device's own; borrowed */
     char first[512];         /* OPEN: before "auto" looks everywhere: the panel that was there last; empty = none */
     bool panel_only;         /* OPEN: "auto" that finds no panel is LF_E_NODEV, not a device that shows nothing */
+    lf_calibration used;     /* CHECK */
     /* the poster's own */
     void *ticket;
     struct lf_errand *next;
@@ -44,7 +46,7 @@ typedef struct lf_errand {
     bool again;       /* OPEN: a device that is missing is tried again */
     bool at_start;    /* OPEN: the daemon's own, of the command line */
     /* the outcome */
-    lf_status status;
+    lf_status status;    /* CHECK: LF_E_FORMAT, when it is not */
     lf_error err;        /* OPEN: when status is not LF_OK */
     lf_device *device;   /* OPEN: the poster's to take, else closed with the errand; CLOSE: the one to close */
     lf_buttons *buttons; /* BUTTONS and CLOSE: likewise; LF_E_NODEV: that panel has none */

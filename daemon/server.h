@@ -6,6 +6,7 @@
  *   server_panel.c    what it shows: frames, pushed at its own pace
  *   server_buttons.c  its buttons
  *   server_plug.c     what udev tells of plugging in
+ *   server_check.c    a cached calibration, when the panel's own turns up
  *   server_engine.c   what comes back from the engine and the loader; waits
  *   server_signals.c  signals, timers, the watched scene file, systemd's ears
  *   server_export.c   exports: what a call's words say
@@ -140,6 +141,8 @@ struct lf_server {
 
     bool seeking_buttons; /* they are being looked for … */
     bool seek_again;      /* … and something was plugged in meanwhile */
+    bool checking;        /* the cached calibration is being compared with what is plugged in … */
+    bool check_again;     /* … and something was plugged in meanwhile */
     bool browsing;        /* a scene on the way to `browsed` is being loaded */
     bool begun, ready_sent, stopping, leaving;
     double stopped_at; /* lf_time_now when the way down began */
@@ -181,6 +184,8 @@ void lf_server_open_device(lf_server *server, const char *spec, lf_ticket *ticke
 /* Something was plugged in: a device that is missing is tried again soon; at once, where it is a panel that is there with all its
  * parts and rights. */
 void lf_server_plugged(lf_server *server, bool whole);
+/* Opens what is wanted anew. */
+void lf_server_open_again(lf_server *server);
 /* Answers with the devices there are. */
 void lf_server_list_devices(lf_server *server, lf_ticket *ticket);
 /* The device said that it is gone. */
@@ -218,6 +223,11 @@ void lf_server_drop_buttons(lf_server *server);
 /* Watches udev for what is plugged in. */
 void lf_server_watch_plugs(lf_server *server);
 void lf_server_unwatch_plugs(lf_server *server);
+
+/* ------------------------------------------------------------------------------------------------- server_check.c -- */
+
+/* Something was plugged in that may be where the panel's own calibration is. */
+void lf_server_check_calibration(lf_server *server);
 
 /* ------------------------------------------------------------------------------------------------ server_engine.c -- */
 

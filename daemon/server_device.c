@@ -274,6 +274,17 @@ static void come_too_late(lf_server *server, lf_errand *errand)
     errand->status = lf_error_set(&errand->err, LF_E_CANCELLED, errand->spec, "another device was chosen meanwhile");
 }
 
+/* A display that the kernel's driver shows on is shown on through the kernel, whatever was asked for. */
+static void tell_detour(const lf_errand *errand, const lf_device *device)
+{
+    lf_device_info info;
+    size_t n = strcspn(errand->spec, ":");
+    device->ops->info(device, &info);
+    if (strcmp(errand->spec, "auto") != 0 && (strncmp(errand->spec, info.kind, n) != 0 || info.kind[n] != '\0')) {
+        lf_log(LF_LOG_INFO, "%s: the kernel's driver shows on it: shown on through that, as %s", errand->spec, info.spec);
+    }
+}
+
 static void opened(lf_server *server, lf_errand *errand)
 {
     lf_device *device = errand->device;
@@ -285,6 +296,7 @@ static void opened(lf_server *server, lf_errand *errand)
     errand->status = take_device(server, device, &errand->err);
     if (errand->status == LF_OK) {
         server->panel.taken = errand->number;
+        tell_detour(errand, device);
         memcpy(server->panel.wanted, errand->spec, sizeof server->panel.wanted);
         server->panel.patience_usec = REOPEN_USEC;
         tell_device(server);
@@ -416,6 +428,14 @@ static void on_opened(void *reader, lf_letter *letter)
 
 /* --------------------------------------------------------------------------------------------------------- trying again -- */
 
+void lf_server_open_again(lf_server *server)
+{
+    lf_panel *panel = &server->panel;
+    if (!is_opening(panel)) {
+        open_errand(server, panel->wanted, panel->wishes, true, NULL);
+    }
+}
+
 static int on_retry(sd_event_source *source, uint64_t usec, void *context)
 {
     lf_server *server = context;
@@ -426,8 +446,8 @@ static int on_retry(sd_event_source *source, uint64_t usec, void *context)
     panel->retry = NULL;
     bool searches =
         strcmp(panel->wanted, "auto") == 0 && (panel->plugged || !server->told_of_plugs) && shows_nothing(panel->device);
-    if (!is_opening(panel) && (panel->device == NULL || searches)) {
-        open_errand(server, panel->wanted, panel->wishes, true, NULL);
+    if (panel->device == NULL || searches) {
+        lf_server_open_again(server);
     }
     lf_server_pump(server);
     return 0;
@@ -454,6 +474,7 @@ void lf_server_plugged(lf_server *server, bool whole)
         lf_server_retry(server, whole ? 0 : PLUGGED_USEC);
     } else {
         lf_server_find_buttons(server);
+        lf_server_check_calibration(server);
     }
 }
 

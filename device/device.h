@@ -122,7 +122,8 @@ struct lf_device {
  *   none                        takes and counts everything, shows nothing, has no calibration
  *   drm[:OUTPUT]                a display output without a desktop: device/drm.c
  *   window[:MONITOR]            a monitor of a desktop: device/window.c
- *   usb[:BUS-PORT]              a display with an open protocol over USB: device/usb.c
+ *   usb[:BUS-PORT]              a display with an open protocol over USB: device/usb.c; where the kernel's driver shows on it, a
+ *                               drm device is what comes out
  *   sim:DIR[,OPTION=VALUE…]     files in DIR: device/sim.c */
 LF_NODISCARD lf_status lf_device_open(const char *spec, const lf_calibration *calibration, lf_device **out_device, lf_error *err);
 /* Accepts NULL. */

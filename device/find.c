@@ -59,10 +59,36 @@ static int drop_repeated(lf_found *found, int n)
     return kept;
 }
 
-int lf_find_all(lf_found *out, int max)
+static int find_plugged(lf_found *out, int max)
 {
     int n = lf_find_hid(out, max);
-    n += lf_drive_list(&lf_drive_system, out + n, max - n);
+    return n + lf_drive_list(&lf_drive_system, out + n, max - n);
+}
+
+bool lf_found_deny(const lf_found *found, int n, const lf_calibration *cached)
+{
+    bool others = false, itself = false;
+    for (int i = 0; i < n; i++) {
+        const lf_calibration *c = &found[i].calibration;
+        if (found[i].problem[0] != 0)
+            continue;
+        itself = itself || memcmp(c, cached, sizeof *c) == 0;
+        others = others || (c->screen_width_px == cached->screen_width_px && c->screen_height_px == cached->screen_height_px);
+    }
+    return others && !itself;
+}
+
+bool lf_find_denies(const lf_calibration *cached)
+{
+    lf_found *found = lf_calloc(MAX_FOUND, sizeof *found);
+    bool denies = found != NULL && lf_found_deny(found, find_plugged(found, MAX_FOUND), cached);
+    lf_free(found);
+    return denies;
+}
+
+int lf_find_all(lf_found *out, int max)
+{
+    int n = find_plugged(out, max);
     n += lf_cache_list(out + n, max - n);
     return drop_repeated(out, n);
 }

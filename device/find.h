@@ -33,6 +33,12 @@ int lf_find_all(lf_found *out, int max);
 /* Those over HID alone: the panels that have buttons. */
 int lf_find_hid(lf_found *out, int max);
 
+/* Whether found[n], what is plugged in, says otherwise than a calibration that came from the cache: there are calibrations for its size,
+ * and none of them is it. */
+bool lf_found_deny(const lf_found *found, int n, const lf_calibration *cached);
+/* The same of what is plugged in now. */
+bool lf_find_denies(const lf_calibration *cached);
+
 /* The calibration for a display among found[n]: the one whose serial or label begins with the display's name or serial number (of 5
  * characters or more), or that was found for this display before; else the only one whose screen size is the display's, unless
  * it was found for another; else, when the display says nothing of itself, the only one there is. Each time what is plugged in

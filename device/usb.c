@@ -1,5 +1,6 @@
 /* Displays with an open protocol over USB: usb = the first GUD display found, usb:BUS-PORT = the one plugged in there
- * (usb:1-4.2).
+ * (usb:1-4.2). One that the kernel's own driver shows on is left to it: the display output that it has made is opened instead, as drm
+ * does, and the device says so by being one of drm's.
  *
  * The display's mode is set by the first push, in the device's own thread, which also asks an idle display every now and then
  * whether it is still there. A display that keeps failing is given time before the failure is told, and gets its mode anew. */
@@ -202,10 +203,12 @@ lf_status lf_usb_create(lf_usb_link *link, const lf_usb_place *place, const lf_c
 
 static lf_status usb_open(const char *argument, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
 {
-    lf_usb_place place;
+    lf_usb_place place = {0};
     lf_usb_link *link = NULL;
     lf_status status = lf_usb_open(argument, &place, &link, err);
-    return status == LF_OK ? lf_usb_create(link, &place, calibration, out_device, err) : status;
+    if (status == LF_OK)
+        return lf_usb_create(link, &place, calibration, out_device, err);
+    return status == LF_E_BUSY && place.output[0] != 0 ? lf_drm_ops.open(place.output, calibration, out_device, err) : status;
 }
 
 static void describe_place(const lf_usb_place *place, lf_device_info *out)
@@ -216,6 +219,9 @@ static void describe_place(const lf_usb_place *place, lf_device_info *out)
     snprintf(out->model, sizeof out->model, "%s", place->product[0] != 0 ? place->product : "GUD display");
     memcpy(out->serial, place->serial, sizeof out->serial);
     memcpy(out->problem, place->problem, sizeof out->problem);
+    if (place->output[0] != 0)
+        snprintf(out->problem, sizeof out->problem, "the kernel's driver shows on it: it is shown on through that, as drm:%s",
+                 place->output);
 }
 
 static int usb_probe(lf_device_info *out, int max)

@@ -2,6 +2,7 @@
  * that all can be cancelled. Bulk data go in pieces, several in flight: a single large transfer would be slower than the bus, or
  * refused, because all programs share usbcore.usbfs_memory_mb (16 MiB when nobody has changed it). */
 #include <assert.h>
+#include <dirent.h>
 #include <libusb.h>
 #include <limits.h>
 #include <stdatomic.h>
@@ -332,13 +333,43 @@ static void find_driver(const lf_usb_place *place, int configuration, char *out,
     lf_device_text(out, size, slash != NULL ? slash + 1 : target);
 }
 
+/* The name of an entry of a folder that begins so; the first of several. */
+static bool find_entry(const char *folder, const char *prefix, char out[NAME_MAX + 1])
+{
+    bool found = false;
+    DIR *dir = opendir(folder);
+    for (struct dirent *e = dir != NULL ? readdir(dir) : NULL; e != NULL; e = readdir(dir)) {
+        if (strncmp(e->d_name, prefix, strlen(prefix)) != 0 || (found && strcmp(e->d_name, out) > 0))
+            continue;
+        snprintf(out, NAME_MAX + 1, "%s", e->d_name);
+        found = true;
+    }
+    if (dir != NULL)
+        closedir(dir);
+    return found;
+}
+
+/* The display output that the kernel's driver has made of the interface: the first connector of its card. */
+static void find_output(int configuration, lf_usb_place *place)
+{
+    char folder[128], card[NAME_MAX + 1], below[sizeof folder + sizeof card], prefix[NAME_MAX + 2], connector[NAME_MAX + 1];
+    snprintf(folder, sizeof folder, "/sys/bus/usb/devices/%s:%d.%d/drm", place->address, configuration, place->interface);
+    if (!find_entry(folder, "card", card))
+        return;
+    snprintf(below, sizeof below, "%s/%s", folder, card);
+    snprintf(prefix, sizeof prefix, "%s-", card);
+    if (find_entry(below, prefix, connector))
+        snprintf(place->output, sizeof place->output, "%.16s/%.40s", card, connector + strlen(prefix));
+}
+
 static void say_bound(const char *driver, lf_usb_place *place)
 {
     if (strcmp(driver, "usbfs") == 0)
         snprintf(place->problem, sizeof place->problem, "another program has it");
     else if (driver[0] != 0)
         snprintf(place->problem, sizeof place->problem,
-                 "the kernel's driver \"%.32s\" shows on it: use --device drm, which goes through the kernel", driver);
+                 "the kernel's driver \"%.32s\" shows on it: --device drm goes through the kernel, once it has a display output",
+                 driver);
 }
 
 static void say_forbidden(lf_usb_place *place)
@@ -353,6 +384,7 @@ static void find_problem(libusb_device *device, int configuration, lf_usb_place 
     char driver[64], node[64];
     find_driver(place, configuration, driver, sizeof driver);
     say_bound(driver, place);
+    find_output(configuration, place);
     snprintf(node, sizeof node, "/dev/bus/usb/%03d/%03d", libusb_get_bus_number(device), libusb_get_device_address(device));
     if (place->problem[0] == 0 && access(node, R_OK | W_OK) != 0)
         say_forbidden(place);
@@ -510,11 +542,11 @@ lf_status lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link 
     int error = libusb_init(&usb->context);
     lf_status status = error == LIBUSB_SUCCESS ? open_device(usb, address, &place, err)
                                                : lf_error_set(err, LF_E_NODEV, "usb", "no USB here: %s", libusb_error_name(error));
+    *out_place = place;
     if (status != LF_OK) {
         usb_close(&usb->base);
         return status;
     }
-    *out_place = place;
     *out_link = &usb->base;
     return LF_OK;
 }

@@ -55,6 +55,7 @@ typedef struct lf_usb_place {
     char product[64], serial[64];
     uint16_t vendor_id, product_id;
     uint8_t interface, endpoint; /* the display's interface, its first bulk OUT endpoint */
+    char output[64];             /* what the kernel's driver has made of it: "card1/USB-1"; empty = nothing */
     char problem[256];           /* why it cannot be used and what to do; empty = nothing known */
 } lf_usb_place;
 
@@ -63,7 +64,7 @@ typedef struct lf_usb_place {
 int lf_usb_list(lf_usb_place *out, int max);
 
 /* Opens the one at this address, "" = the first that is free. Takes no driver away: LF_E_BUSY when one, or another program, has
- * the interface (err says what to use instead); LF_E_ARG not an address; LF_E_NODEV; LF_E_IO no permission (err says which rule
+ * the interface (err says what to use instead, *out_place->output where the driver shows on it); LF_E_ARG not an address; LF_E_NODEV; LF_E_IO no permission (err says which rule
  * is missing). The caller closes *out_link. */
 LF_NODISCARD lf_status lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link, lf_error *err);
 

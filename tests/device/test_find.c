@@ -149,6 +149,23 @@ static void what_was_found_instead_is_told(void **state)
     assert_none(found, 1, display("LKG01Do12HjQE", "", 2560, 1600), LF_E_NODEV, "LKG-PORT-, 1536x2048");
 }
 
+static void what_is_plugged_in_later_denies_a_cached_calibration(void **state)
+{
+    (void)state;
+    const lf_found used = place(LF_SOURCE_CACHE, "LKG-P1", "LKG-PORT-1", 1536, 2048);
+    lf_found found[] = {
+        place(LF_SOURCE_HID, "HoloPlay", "LKG-2K-1", 2560, 1600), /* another's: a smaller one */
+        broken(LF_SOURCE_DRIVE, "LKG-P9", "damaged"),
+        place(LF_SOURCE_DRIVE, "LKG-P1", "LKG-PORT-1", 1536, 2048),
+        place(LF_SOURCE_DRIVE, "LKG-P2", "LKG-PORT-2", 1536, 2048),
+    };
+    assert_false(lf_found_deny(found, 2, &used.calibration));
+    assert_false(lf_found_deny(found, 4, &used.calibration)); /* it is there itself */
+    found[2].calibration.pitch += 1e-6;
+    assert_true(lf_found_deny(found, 4, &used.calibration));
+    assert_true(lf_found_deny(found, 3, &used.calibration));
+}
+
 /* A calibration whose every field is its own. */
 static lf_calibration full(const char *serial)
 {
@@ -339,6 +356,7 @@ int main(void)
         cmocka_unit_test(what_is_plugged_in_goes_before_the_cache),
         cmocka_unit_test(an_unreadable_panel_is_told_and_only_the_cache_stands_in),
         cmocka_unit_test(what_was_found_instead_is_told),
+        cmocka_unit_test(what_is_plugged_in_later_denies_a_cached_calibration),
         cmocka_unit_test(the_cache_knows_which_display_a_calibration_was_found_for),
         cmocka_unit_test(the_cache_gives_back_what_was_stored),
         cmocka_unit_test(a_serial_leads_nowhere_else),

@@ -250,6 +250,10 @@ static const char devices[] =
     "\n"
     "P: /devices/usb1/1-1/1-1:1.0\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nA: bInterfaceNumber=00\\n\n";
 
+/* What the kernel's driver makes of the display. */
+static const char card[] = "P: /devices/usb1/1-1/1-1:1.0/drm/card7\nE: SUBSYSTEM=drm\nE: DEVTYPE=drm_minor\n\n"
+                           "P: /devices/usb1/1-1/1-1:1.0/drm/card7/card7-USB-1\nE: SUBSYSTEM=drm\nE: DEVTYPE=drm_connector\n";
+
 static void plug_in_model(bus *b, lf_model_gud *gud)
 {
     GError *error = NULL;
@@ -336,6 +340,7 @@ static void a_display_that_the_kernel_shows_on_is_left_to_drm(void **state)
     bus b;
     lf_calibration c = panel();
     lf_usb_place place;
+    lf_device_info info;
     lf_device *device = NULL;
     lf_error err = {0};
     plug_in(&b, NULL);
@@ -345,11 +350,21 @@ static void a_display_that_the_kernel_shows_on_is_left_to_drm(void **state)
     umockdev_testbed_set_attribute_link(b.testbed, SYSTEM_PATH "/1-1:1.0", "driver", "../../../../bus/usb/drivers/gud");
     assert_int_equal(lf_usb_list(&place, 1), 1);
     assert_non_null(strstr(place.problem, "\"gud\""));
+    assert_string_equal(place.output, "");
     b.driver = NULL;
     b.claimed = true; /* by another program */
     lf_assert_status(lf_device_open("usb", &c, &device, &err), LF_E_BUSY, &err);
     assert_non_null(strstr(err.what, "another program"));
     lf_assert_status(lf_device_open("usb:1-2", &c, &device, &err), LF_E_NODEV, &err);
+    b.driver = "gud";
+    assert_true(umockdev_testbed_add_from_string(b.testbed, card, NULL));
+    assert_int_equal(lf_usb_list(&place, 1), 1);
+    assert_string_equal(place.output, "card7/USB-1");
+    assert_int_equal(lf_usb_ops.probe(&info, 1), 1);
+    assert_non_null(strstr(info.problem, "drm:card7/USB-1"));
+    /* it is opened as that, which fails here: there is no such card */
+    lf_assert_status(lf_device_open("usb:1-1", &c, &device, &err), LF_E_NODEV, &err);
+    assert_string_equal(err.where, "drm");
     assert_null(device);
     pull_out(&b);
 }
