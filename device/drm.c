@@ -116,7 +116,6 @@ static bool show_push(drm_device *drm)
     } else if (e == -ENODEV) {
         return false;
     } else {
-        drm->kms->master_set(drm->fd); /* in case somebody has taken it and gave it back */
         failed(drm, lf_errno_text(-e));
     }
     return true;
@@ -224,7 +223,7 @@ static void *thread_main(void *argument)
 static lf_status take_display(drm_device *drm, lf_error *err)
 {
     char who[64] = "another program, perhaps a desktop,";
-    int e = drm->kms->master_set(drm->fd);
+    int e = lf_drm_become_master(drm->kms, drm->fd);
     if (e == 0)
         return LF_OK;
     if (e != -EBUSY && e != -EACCES)
@@ -270,9 +269,8 @@ static void describe(drm_device *drm, const lf_drm_found *found)
 /* Everything on the card: the display is ours, and would take pictures. */
 static lf_status set_up(drm_device *drm, const lf_drm_found *found, const lf_calibration *given, lf_error *err)
 {
-    /* Opening has made us master where nobody was. Looking for the calibration may take seconds: not at the cost of a desktop that
-     * starts meanwhile. */
-    drm->kms->master_drop(drm->fd);
+    /* Before it is taken: looking for the calibration may take seconds, which must not be at the cost of a desktop that starts
+     * meanwhile. */
     lf_status status = find_calibration(drm, given, found, err);
     if (status == LF_OK)
         status = check_size(drm, &found->mode, err);

@@ -28,10 +28,13 @@ typedef struct lf_drm_found {
     lf_edid edid; /* zeroed without */
 } lf_drm_found;
 
-/* Opens the card that has the output and tells about it; out->fd is owned by the caller. May become master of that card by opening it.
+/* Opens the card that has the output and tells about it; out->fd is owned by the caller, and not master of the card.
  * LF_E_NODEV: it is not there, with the monitors that are; LF_E_IO: a card that could have it may not be opened; LF_E_FORMAT:
  * it has no mode that can be used. */
 LF_NODISCARD lf_status lf_drm_find(const lf_kms_calls *kms, const lf_drm_name *name, lf_drm_found *out, lf_error *err);
+
+/* Makes fd master of its card: 0 or a negative errno. Not refused because another thread is just looking (lf_drm_find, lf_drm_probe). */
+int lf_drm_become_master(const lf_kms_calls *kms, int fd);
 
 /* The native mode of a connector; NULL = none that can be used. */
 const struct drm_mode_modeinfo *lf_drm_native_mode(const lf_kms_connector *connector);

@@ -1,5 +1,6 @@
 #include <errno.h>
 #include <inttypes.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,9 @@
 #include "device/drm.h"
 
 enum { MAX_CARD = 255 };
+
+/* The first opener of a card is its master, wanted or not: while one thread only looks, another must not be refused for it. */
+static pthread_mutex_t mastership = PTHREAD_MUTEX_INITIALIZER;
 
 /* ------------------------------------------------------------------------------------------------------- naming -- */
 
@@ -169,7 +173,7 @@ static lf_status not_found(const lf_drm_name *name, const drm_search *search, lf
     return lf_error_set(err, LF_E_NODEV, "drm", "%s; there is: %s", what, search->seen[0] != 0 ? search->seen : "nothing");
 }
 
-lf_status lf_drm_find(const lf_kms_calls *kms, const lf_drm_name *name, lf_drm_found *out, lf_error *err)
+static lf_status find(const lf_kms_calls *kms, const lf_drm_name *name, lf_drm_found *out, lf_error *err)
 {
     int cards[LF_KMS_CARDS];
     drm_search search = {.denied = -1};
@@ -188,6 +192,24 @@ lf_status lf_drm_find(const lf_kms_calls *kms, const lf_drm_name *name, lf_drm_f
         return lf_error_set(err, LF_E_FORMAT, "drm", "the monitor on %s has no mode that can be used", out->connector.name);
     }
     return not_found(name, &search, err);
+}
+
+lf_status lf_drm_find(const lf_kms_calls *kms, const lf_drm_name *name, lf_drm_found *out, lf_error *err)
+{
+    pthread_mutex_lock(&mastership);
+    lf_status status = find(kms, name, out, err);
+    if (status == LF_OK)
+        kms->master_drop(out->fd);
+    pthread_mutex_unlock(&mastership);
+    return status;
+}
+
+int lf_drm_become_master(const lf_kms_calls *kms, int fd)
+{
+    pthread_mutex_lock(&mastership);
+    int e = kms->master_set(fd);
+    pthread_mutex_unlock(&mastership);
+    return e;
 }
 
 /* ------------------------------------------------------------------------------------------------------- probing -- */
@@ -260,10 +282,23 @@ static bool describe(const lf_kms_calls *kms, int card, int fd, uint32_t id, boo
     return true;
 }
 
+/* As open_card, and is not its master afterwards. */
+static int look_at_card(const lf_kms_calls *kms, int card, lf_kms_resources *resources, bool *out_unused)
+{
+    pthread_mutex_lock(&mastership);
+    int fd = open_card(kms, card, resources);
+    *out_unused = fd >= 0 && kms->master_is(fd);
+    if (*out_unused)
+        kms->master_drop(fd);
+    pthread_mutex_unlock(&mastership);
+    return fd;
+}
+
 static int probe_card(const lf_kms_calls *kms, int card, lf_device_info *out, int max)
 {
     lf_kms_resources resources;
-    int n = 0, fd = open_card(kms, card, &resources);
+    bool unused = false;
+    int n = 0, fd = look_at_card(kms, card, &resources, &unused);
     if (fd == -EACCES || fd == -EPERM) {
         *out = (lf_device_info){.spec = "drm", .kind = "drm"};
         snprintf(out->output, sizeof out->output, "card%d", card);
@@ -274,9 +309,6 @@ static int probe_card(const lf_kms_calls *kms, int card, lf_device_info *out, in
     }
     if (fd < 0)
         return 0;
-    bool unused = kms->master_is(fd);
-    if (unused)
-        kms->master_drop(fd);
     for (int i = 0; i < resources.n_connectors && n < max; i++)
         n += describe(kms, card, fd, resources.connectors[i], !unused, &out[n]);
     kms->close(fd);
