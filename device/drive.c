@@ -299,3 +299,19 @@ int lf_drive_list(const lf_drive_places *places, lf_found *out, int max)
     int n = list_mounted(places, out, max);
     return n + list_unmounted(places, out + n, max - n);
 }
+
+bool lf_drive_is_there(const lf_drive_places *places, char out_label[64])
+{
+    char label[256];
+    bool there = false;
+    DIR *dir = opendir(places->by_label);
+    for (struct dirent *e = dir != NULL ? readdir(dir) : NULL; e != NULL && !there; e = readdir(dir)) {
+        decode_label(e->d_name, label, sizeof label);
+        there = is_panel_label(label);
+    }
+    if (dir != NULL)
+        closedir(dir);
+    if (there)
+        lf_device_text(out_label, 64, label);
+    return there;
+}

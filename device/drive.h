@@ -18,6 +18,9 @@ extern const lf_drive_places lf_drive_system;
  * problem; returns their number. path is the file, or the block device when it was mounted for reading only. */
 int lf_drive_list(const lf_drive_places *places, lf_found *out, int max);
 
+/* Whether a drive labelled LKG-… is plugged in, and the label of one (sanitised). Reads no drive. */
+bool lf_drive_is_there(const lf_drive_places *places, char out_label[64]);
+
 /* The calibration on a volume mounted at `volume`. The file must be a regular one under that folder: links are not followed.
  *   LF_E_NODEV   there is none
  *   LF_E_IO      it may not be read

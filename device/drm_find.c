@@ -9,6 +9,7 @@
 #include "base/errno_text.h"
 #include "device/device_table.h"
 #include "device/drm.h"
+#include "device/find.h"
 
 enum { MAX_CARD = 255 };
 
@@ -233,6 +234,41 @@ static bool is_rotated(const lf_kms_calls *kms, int fd, uint32_t crtc)
     return rotated;
 }
 
+/* How the kernel says that the panel is built in, where that is not upright; "" = nothing is said. */
+static void find_orientation(const lf_kms_calls *kms, int fd, uint32_t connector, char out[LF_KMS_NAME])
+{
+    out[0] = 0;
+    lf_kms_property *properties = lf_calloc(LF_KMS_PROPERTIES, sizeof *properties);
+    int n = properties != NULL ? kms->properties(fd, connector, DRM_MODE_OBJECT_CONNECTOR, properties) : 0;
+    for (int i = 0; i < n; i++) {
+        const lf_kms_property *p = &properties[i];
+        for (int k = 0; k < p->n_enums && strcmp(p->name, "panel orientation") == 0; k++)
+            if (p->enums[k].value == p->value && strcmp(p->enums[k].name, "Normal") != 0)
+                memcpy(out, p->enums[k].name, LF_KMS_NAME);
+    }
+    lf_free(properties);
+}
+
+/* What would be wrong with a panel that nobody uses, and what to do. */
+static void describe_trouble(const lf_kms_calls *kms, int fd, const lf_kms_connector *connector, bool known, lf_device_info *out)
+{
+    char orientation[LF_KMS_NAME], text[256] = "";
+    find_orientation(kms, fd, connector->id, orientation);
+    if (lf_drm_native_mode(connector) == NULL)
+        snprintf(text, sizeof text, "the monitor has no mode that can be used: unplug it and plug it in again");
+    else if (orientation[0] != 0)
+        snprintf(text, sizeof text,
+                 "the kernel takes it for a panel that is built in turned (%s), and desktops will turn it: set its orientation to "
+                 "normal there, or boot with video=%s:panel_orientation=normal",
+                 orientation, connector->name);
+    else if (out->problem[0] == 0 && !known)
+        snprintf(text, sizeof text,
+                 "no calibration for it is known: plug the panel's USB in (not only its video), or give its visual.json with "
+                 "--calibration");
+    if (text[0] != 0)
+        lf_device_text(out->problem, sizeof out->problem, text);
+}
+
 /* What the program that has the card does wrong with this panel, for "…; it shows SOMETHING". */
 static void describe_use(const lf_kms_calls *kms, int card, int fd, const lf_kms_connector *connector, lf_device_info *out)
 {
@@ -275,10 +311,11 @@ static bool describe(const lf_kms_calls *kms, int card, int fd, uint32_t id, boo
                  "the monitor does not say what it is (no EDID); if it is a Looking Glass, name it: --device drm:card%d/%s", card,
                  connector.name);
     }
+    bool known = has_edid && lf_find_promise(&edid, out->calibration_from);
     if (used)
         describe_use(kms, card, fd, &connector, out);
-    else if (mode == NULL)
-        snprintf(out->problem, sizeof out->problem, "the monitor has no mode that can be used: unplug it and plug it in again");
+    else
+        describe_trouble(kms, fd, &connector, known, out);
     return true;
 }
 

@@ -236,6 +236,31 @@ static void tell_source(const lf_found *found, char out[256])
     snprintf(out, 256, "%s, %.240s", names[found->source], found->path);
 }
 
+/* What is plugged in that may hold a calibration. */
+static bool find_unread(char out_from[256])
+{
+    lf_hid_place place;
+    char label[64];
+    if (lf_hid_list(&place, 1) > 0)
+        snprintf(out_from, 256, "EEPROM, %.200s (not read yet)", place.path);
+    else if (lf_drive_is_there(&lf_drive_system, label))
+        snprintf(out_from, 256, "drive, %.60s (not read yet)", label);
+    else
+        out_from[0] = 0;
+    return out_from[0] != 0;
+}
+
+bool lf_find_promise(const lf_edid *display, char out_from[256])
+{
+    lf_found *found = lf_calloc(MAX_FOUND, sizeof *found);
+    int n = found != NULL ? lf_cache_list(found, MAX_FOUND) : 0;
+    const lf_found *match = lf_find_match(found, n, display, NULL);
+    if (match != NULL)
+        tell_source(match, out_from);
+    lf_free(found);
+    return match != NULL || find_unread(out_from);
+}
+
 static void remember(const lf_found *match, const lf_edid *display)
 {
     lf_found known = *match;

@@ -50,6 +50,10 @@ const lf_found *lf_find_match(const lf_found *found, int n, const lf_edid *displ
  * in the cache, with the display. LF_E_NODEV: none; LF_E_FORMAT: the one that matches is damaged. */
 LF_NODISCARD lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, char *out_from, lf_error *err);
 
+/* Where the calibration for a display will probably come from, without asking any panel or drive: in words of lf_find_for_display, from the
+ * cache, or from what is plugged in and was not read yet. False (out_from empty): from nowhere that is known. */
+bool lf_find_promise(const lf_edid *display, char out_from[256]);
+
 /* The cache: a file a panel, called by lf_found_name (which is the label of what is listed), under $CACHE_DIRECTORY/panels (systemd's),
  * else $XDG_CACHE_HOME/quiltd/panels, else ~/.cache/quiltd/panels. Writing replaces whole files. A cache that cannot be written is
  * no error; damaged files in it are passed over. */

@@ -283,6 +283,13 @@ static void *thread_main(void *argument)
 
 /* ---------------------------------------------------------------------------------------------------------- open -- */
 
+static lf_edid edid_of(const lf_sdl_monitor *monitor)
+{
+    lf_edid edid = {.width_px = monitor->width_px, .height_px = monitor->height_px};
+    lf_device_text(edid.name, sizeof edid.name, monitor->name);
+    return edid;
+}
+
 /* What the desktop says of the monitor that its name stands for; zeroed when there is none. */
 static lf_status ask_desktop(const window_device *w, lf_edid *out, lf_error *err)
 {
@@ -293,11 +300,8 @@ static lf_status ask_desktop(const window_device *w, lf_edid *out, lf_error *err
         return status;
     int i = choose_monitor(w, monitors, n);
     *out = (lf_edid){0};
-    if (i >= 0) {
-        lf_device_text(out->name, sizeof out->name, monitors[i].name);
-        out->width_px = monitors[i].width_px;
-        out->height_px = monitors[i].height_px;
-    }
+    if (i >= 0)
+        *out = edid_of(&monitors[i]);
     return LF_OK;
 }
 
@@ -391,6 +395,11 @@ static int window_probe(lf_device_info *out, int max)
         snprintf(info->spec, sizeof info->spec, "window:%s", info->model);
         if (monitors[i].width_px > 0)
             snprintf(info->output, sizeof info->output, "desktop, %dx%d", monitors[i].width_px, monitors[i].height_px);
+        const lf_edid display = edid_of(&monitors[i]);
+        if (!lf_find_promise(&display, info->calibration_from))
+            snprintf(info->problem, sizeof info->problem,
+                     "no calibration for it is known: plug the panel's USB in (not only its video), or give its visual.json with "
+                     "--calibration");
     }
     return n;
 }

@@ -26,7 +26,7 @@ enum {
 
 enum { P_FB, P_CRTC, P_SRC_X, P_SRC_Y, P_SRC_W, P_SRC_H, P_X, P_Y, P_W, P_H, P_TYPE, P_ROTATION, P_CLIPS, PLANE_PROPERTIES };
 enum { C_MODE, C_ACTIVE, C_GAMMA, CRTC_PROPERTIES };
-enum { N_CRTC, N_RANGE, N_DEPTH, N_LINK, CONNECTOR_PROPERTIES };
+enum { N_CRTC, N_RANGE, N_DEPTH, N_LINK, N_ORIENTATION, CONNECTOR_PROPERTIES };
 /* The hundreds of a property's number tell whose it is. */
 enum { PLANE_BASE = 100, CURSOR_BASE = 200, CRTC_BASE = 300, CONNECTOR_BASE = 400 };
 
@@ -184,7 +184,7 @@ static int fake_planes(int fd, lf_kms_plane out[LF_KMS_PLANES])
 static const char *const plane_names[] = {"FB_ID",  "CRTC_ID", "SRC_X",  "SRC_Y", "SRC_W",    "SRC_H",          "CRTC_X",
                                           "CRTC_Y", "CRTC_W",  "CRTC_H", "type",  "rotation", "FB_DAMAGE_CLIPS"};
 static const char *const crtc_names[] = {"MODE_ID", "ACTIVE", "GAMMA_LUT"};
-static const char *const connector_names[] = {"CRTC_ID", "Broadcast RGB", "max bpc", "link-status"};
+static const char *const connector_names[] = {"CRTC_ID", "Broadcast RGB", "max bpc", "link-status", "panel orientation"};
 
 static int list(lf_kms_property *out, uint32_t base, const char *const names[], const uint64_t *values, int n)
 {
@@ -213,6 +213,10 @@ static int fake_properties(int fd, uint32_t object, uint32_t type, lf_kms_proper
         strcpy(out[N_RANGE].enums[0].name, "Automatic");
         strcpy(out[N_RANGE].enums[1].name, "Full");
         out[N_RANGE].enums[1].value = 1;
+        out[N_ORIENTATION].n_enums = 2;
+        strcpy(out[N_ORIENTATION].enums[0].name, "Normal");
+        strcpy(out[N_ORIENTATION].enums[1].name, "Left Side Up");
+        out[N_ORIENTATION].enums[1].value = 2;
         out[N_DEPTH].low = 8;
         out[N_DEPTH].high = 16;
     }
@@ -1095,7 +1099,6 @@ static void probe_tells_panels_and_what_may_be_one(void **state)
     assert_int_equal(lf_drm_probe(&fake_kms, out, 4), 1);
     assert_string_equal(out[0].spec, "drm:card0/DP-1");
     assert_string_equal(out[0].model, "LKG-TEST");
-    assert_string_equal(out[0].problem, "");
     assert_string_equal(out[0].output, "card0/DP-1 64x48");
     assert_int_equal(fake.dropped, 1); /* opening had made it master */
     assert_int_equal(fake.modes + fake.flips + fake.looks, 0);
@@ -1108,6 +1111,32 @@ static void probe_tells_panels_and_what_may_be_one(void **state)
     fake.connectors[0].known = fake.connectors[0].connected = false;
     assert_int_equal(lf_drm_probe(&fake_kms, out, 4), 1);
     assert_int_equal(fake.looks, 1); /* nobody had looked at that one before */
+    nothing_is_left();
+}
+
+static void probe_tells_where_the_calibration_will_come_from(void **state)
+{
+    (void)state;
+    lf_device_info out[4];
+    char *dir = lf_test_folder();
+    lf_found found = {.source = LF_SOURCE_HID, .calibration = lens(WIDTH, HEIGHT)};
+    snprintf(found.calibration.serial, sizeof found.calibration.serial, "LKG-TEST-1");
+    setenv("CACHE_DIRECTORY", dir, 1);
+    plug_in(true);
+    assert_int_equal(lf_drm_probe(&fake_kms, out, 4), 1);
+    if (out[0].calibration_from[0] == 0) /* this machine has no panel of its own */
+        assert_non_null(strstr(out[0].problem, "no calibration for it is known: plug the panel's USB in"));
+    lf_cache_store(&found);
+    assert_int_equal(lf_drm_probe(&fake_kms, out, 4), 1);
+    assert_non_null(strstr(out[0].calibration_from, "cache, "));
+    assert_string_equal(out[0].problem, "");
+    fake.connector[N_ORIENTATION] = 2;
+    assert_int_equal(lf_drm_probe(&fake_kms, out, 4), 1);
+    assert_non_null(strstr(out[0].problem, "Left Side Up"));
+    assert_non_null(strstr(out[0].problem, "video=DP-1:panel_orientation=normal"));
+    assert_int_equal(fake.modes + fake.flips, 0);
+    unsetenv("CACHE_DIRECTORY");
+    lf_test_folder_remove(dir);
     nothing_is_left();
 }
 
@@ -1166,6 +1195,7 @@ int main(void)
         cmocka_unit_test(unplugged_card_is_told),
         cmocka_unit_test(link_that_fails_is_set_up_again),
         cmocka_unit_test(probe_tells_panels_and_what_may_be_one),
+        cmocka_unit_test(probe_tells_where_the_calibration_will_come_from),
         cmocka_unit_test(probe_tells_who_uses_a_panel_and_what_is_wrong),
         cmocka_unit_test(machines_without_displays_are_probed),
     };
