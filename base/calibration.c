@@ -2,6 +2,7 @@
 
 #include <jansson.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -216,11 +217,24 @@ static lf_status take_cells(parser *p)
     return status;
 }
 
+/* A panel of the longest sides would take gigabytes; a device that says so is not believed. */
+static lf_status check_area(const parser *p)
+{
+    int64_t pixels = (int64_t)p->c.screen_width_px * p->c.screen_height_px;
+    if (pixels <= LF_MAX_PANEL_PIXELS)
+        return LF_OK;
+    return lf_error_set_at(p->err, LF_E_FORMAT, p->where, line_of(p, "screenW"), "/screenW",
+                           "%dx%d pixels (no panel has more than %d)", p->c.screen_width_px, p->c.screen_height_px,
+                           LF_MAX_PANEL_PIXELS);
+}
+
 static lf_status take_all(parser *p)
 {
     if (!json_is_object(p->root))
         return lf_error_set(p->err, LF_E_FORMAT, p->where, "expected a JSON object with a panel's calibration");
     lf_status status = take_numbers(p);
+    if (status == LF_OK)
+        status = check_area(p);
     if (status == LF_OK)
         status = take_text(p, "configVersion", p->c.config_version, sizeof p->c.config_version);
     if (status == LF_OK)

@@ -7,21 +7,22 @@
 #include "base/status.h"
 
 #define LF_MAX_SIDE 16384 /* pixels: no panel is wider or higher, so nothing is allocated for one that claims to be */
+#define LF_MAX_PANEL_PIXELS (8192 * 8192) /* twice the largest panel there is */
 #define LF_MAX_CELLS 16
 #define LF_CALIBRATION_MAX_BYTES 65536
 
 typedef struct lf_calibration {
-    char config_version[16];                                  /* "1.0", "3.0"; empty when absent */
-    char serial[64];                                          /* "LKG-..."; empty when absent */
-    double pitch;                                             /* lenses per inch across the lens; > 0 */
-    double slope;                                             /* run over rise of the lens axis, signed; != 0 */
-    double center;                                            /* phase in lens periods */
-    double view_cone_deg;                                     /* total angle of the optics; 0 when absent */
-    double dpi;                                               /* panel pixels per inch; > 0 */
-    int screen_width_px, screen_height_px;                    /* native pixels; 1..LF_MAX_SIDE */
-    int inv_view, flip_image_x, flip_image_y, flip_subp;      /* 0 or 1 (>= 0.5 test) */
-    int cell_pattern_mode;                                    /* 0..4 */
-    int n_cells;                                              /* 0 = plain RGB stripes */
+    char config_version[16];                             /* "1.0", "3.0"; empty when absent */
+    char serial[64];                                     /* "LKG-..."; empty when absent */
+    double pitch;                                        /* lenses per inch across the lens; > 0 */
+    double slope;                                        /* run over rise of the lens axis, signed; != 0 */
+    double center;                                       /* phase in lens periods */
+    double view_cone_deg;                                /* total angle of the optics; 0 when absent */
+    double dpi;                                          /* panel pixels per inch; > 0 */
+    int screen_width_px, screen_height_px;               /* native pixels; 1..LF_MAX_SIDE, at most LF_MAX_PANEL_PIXELS in all */
+    int inv_view, flip_image_x, flip_image_y, flip_subp; /* 0 or 1 (>= 0.5 test) */
+    int cell_pattern_mode;                               /* 0..4 */
+    int n_cells;                                         /* 0 = plain RGB stripes */
     float cells[LF_MAX_CELLS][3 /* R, G, B */][2 /* x, y */]; /* offsets in PIXELS */
 } lf_calibration;
 

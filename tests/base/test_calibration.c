@@ -161,6 +161,8 @@ static void hostile_texts_are_refused(void **state)
     for (size_t i = 0; i < sizeof plain / sizeof plain[0]; i++)
         assert_refused(plain[i], strlen(plain[i]), "", 1, "");
     assert_refused("[1]", 3, "", 0, "object");
+    static const char huge[] = "{\"pitch\":52,\"slope\":-7,\"center\":0,\"DPI\":324,\"screenW\":8192,\"screenH\":8193}";
+    assert_refused(huge, strlen(huge), "/screenW", 1, "no panel has more");
     assert_refused("{\n\n\"pitch\": oops}", 17, "", 3, "not JSON");
     static char deep[LF_CALIBRATION_MAX_BYTES];
     memset(deep, '[', sizeof deep);
