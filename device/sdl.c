@@ -2,12 +2,11 @@
 
 #include <dlfcn.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "base/alloc.h"
+#include "base/thread.h"
 #include "device/device_table.h"
 
 /* Who has SDL. */
@@ -15,25 +14,18 @@ static pthread_mutex_t turn_lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t turn_over = PTHREAD_COND_INITIALIZER;
 static bool in_use;
 
-static struct timespec in_ms(int ms)
+static uint64_t in_ms(int ms)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    t.tv_sec += ms / 1000;
-    t.tv_nsec += ms % 1000 * 1000000L;
-    if (t.tv_nsec >= 1000000000L) {
-        t.tv_sec++;
-        t.tv_nsec -= 1000000000L;
-    }
-    return t;
+    return lf_time_now_ns() + (uint64_t)ms * LF_NS_PER_MS;
 }
 
 static bool take_turn(int wait_ms)
 {
-    struct timespec until = in_ms(wait_ms);
+    uint64_t end = in_ms(wait_ms);
+    const struct timespec until = {.tv_sec = (time_t)(end / LF_NS_PER_S), .tv_nsec = (long)(end % LF_NS_PER_S)};
     int e = 0;
     pthread_mutex_lock(&turn_lock);
-    while (in_use && e == 0)
+    while (in_use && e == 0) /* a condition that is made by its initializer knows no other clock by itself */
         e = pthread_cond_clockwait(&turn_over, &turn_lock, CLOCK_MONOTONIC, &until);
     bool mine = !in_use;
     in_use = true;
@@ -195,39 +187,37 @@ static void *find_out(void *context)
     return NULL;
 }
 
-/* Nobody joins it: it may never end. */
-static bool begin_to_find_out(question *q)
+/* NULL = out of memory. Nobody joins the thread: it may never end. */
+static question *make_question(const lf_sdl *sdl, int wait_ms)
 {
     pthread_t thread;
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    bool begun = pthread_create(&thread, NULL, find_out, q) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (begun)
-        pthread_detach(thread);
-    return begun;
+    question *q = lf_calloc(1, sizeof *q);
+    if (q == NULL || lf_cond_init(&q->answered) != LF_OK) {
+        lf_free(q);
+        return NULL;
+    }
+    pthread_mutex_init(&q->lock, NULL);
+    q->sdl = *sdl;
+    q->wait_ms = wait_ms;
+    if (lf_thread_start("lf-desktop", find_out, q, &thread) != LF_OK) {
+        free_question(q);
+        return NULL;
+    }
+    pthread_detach(thread);
+    return q;
 }
 
 lf_status lf_sdl_ask_monitors(const lf_sdl *sdl, int wait_ms, int timeout_ms, lf_sdl_monitor out[LF_SDL_MONITORS], int *out_n,
                               lf_error *err)
 {
-    struct timespec until = in_ms(timeout_ms);
-    int e = 0;
-    question *q = lf_calloc(1, sizeof *q);
+    uint64_t end = in_ms(timeout_ms);
+    bool in_time = true;
+    question *q = make_question(sdl, wait_ms);
     if (q == NULL)
-        return lf_error_set(err, LF_E_NOMEM, "window", "out of memory");
-    q->sdl = *sdl;
-    q->wait_ms = wait_ms;
-    pthread_mutex_init(&q->lock, NULL);
-    pthread_cond_init(&q->answered, NULL);
-    if (!begin_to_find_out(q)) {
-        free_question(q);
-        return lf_error_set(err, LF_E_NOMEM, "window", "cannot start a thread");
-    }
+        return lf_error_set(err, LF_E_NOMEM, "window", "out of memory, or no thread can be started");
     pthread_mutex_lock(&q->lock);
-    while (!q->done && e == 0)
-        e = pthread_cond_clockwait(&q->answered, &q->lock, CLOCK_MONOTONIC, &until);
+    while (!q->done && in_time)
+        in_time = lf_cond_wait_until(&q->answered, &q->lock, end);
     bool done = q->done;
     q->left = !done;
     pthread_mutex_unlock(&q->lock);

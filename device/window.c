@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/thread.h"
 #include "device/device_table.h"
 #include "device/find.h"
 #include "device/handover.h"
@@ -334,13 +335,11 @@ static lf_status take_argument(window_device *w, const char *argument, lf_error 
 static lf_status wait_for_window(window_device *w, bool *out_left, lf_error *err)
 {
     pthread_t thread = w->handover.thread;
-    struct timespec until;
-    int e = 0;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_sec += DESKTOP_MS / 1000;
+    uint64_t end = lf_time_now_ns() + DESKTOP_MS * LF_NS_PER_MS;
+    bool in_time = true;
     pthread_mutex_lock(&w->handover.lock);
-    while (!w->answered && e == 0)
-        e = pthread_cond_timedwait(&w->handover.ended, &w->handover.lock, &until);
+    while (!w->answered && in_time)
+        in_time = lf_cond_wait_until(&w->handover.ended, &w->handover.lock, end);
     lf_status status = w->status;
     if (w->answered && status != LF_OK && err != NULL)
         *err = w->why;
