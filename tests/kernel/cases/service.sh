@@ -64,7 +64,7 @@ shows_again() { # after unplugging and replugging, without being told
     sim_tell replug
     quiltctl render.set paused=false > paused.log 2>&1 || cat paused.log
     within 60 shows_something || { echo "nothing comes"; quiltctl device.list; }
-    echo "  shown again $(awk -v a="$since" -v b="$EPOCHREALTIME" 'BEGIN { printf "%.1f", b - a }') s after replugging" >&4
+    echo "  shown again $(sed -n 's/^lit=.* first_ms=\([0-9]*\)$/\1/p' sim.log | tail -n 1) ms after replugging, seen $(awk -v a="$since" -v b="$EPOCHREALTIME" 'BEGIN { printf "%.1f", b - a }') s after" >&4
 }
 shows_something() { [ "$(bytes_shown)" -gt 0 ]; }
 # The daemon's own unit with another program in it.
