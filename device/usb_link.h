@@ -64,8 +64,8 @@ typedef struct lf_usb_place {
 int lf_usb_list(lf_usb_place *out, int max);
 
 /* Opens the one at this address, "" = the first that is free. Takes no driver away: LF_E_BUSY when one, or another program, has
- * the interface (err says what to use instead, *out_place->output where the driver shows on it); LF_E_ARG not an address; LF_E_NODEV; LF_E_IO no permission (err says which rule
- * is missing). The caller closes *out_link. */
+ * the interface (err says what to use instead, *out_place->output where the driver shows on it); LF_E_ARG not an address;
+ * LF_E_NODEV; LF_E_IO no permission (err says which rule is missing). The caller closes *out_link. */
 LF_NODISCARD lf_status lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link, lf_error *err);
 
 /* A simulated display without a bus: takes its time when it is slow (lf_model_gud_delay_ns). gud is borrowed until close. NULL =
