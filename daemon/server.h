@@ -123,12 +123,12 @@ struct lf_server {
     lf_buttons *buttons; /* of the panel; NULL = none */
     sd_event_source *buttons_io;
     sd_device_monitor *plugs;
-    bool told_of_plugs;  /* there is an udev to tell */
     json_t *file_camera; /* the camera block as the scene's file has it */
     char *browsed;       /* where next and previous have come to; NULL = what is shown */
 
     lf_stage *stage; /* what is on stage, as far as this thread knows; NULL = nothing */
     int64_t generation;
+    bool told_of_plugs;    /* there is an udev to tell what is plugged in */
     bool has_error;        /* the last attempt to load the scene failed … */
     lf_error error;        /* … like this */
     lf_engine_status last; /* as last seen */
@@ -141,8 +141,6 @@ struct lf_server {
 
     bool seeking_buttons; /* they are being looked for … */
     bool seek_again;      /* … and something was plugged in meanwhile */
-    bool checking;        /* the cached calibration is being compared with what is plugged in … */
-    bool check_again;     /* … and something was plugged in meanwhile */
     bool browsing;        /* a scene on the way to `browsed` is being loaded */
     bool begun, ready_sent, stopping, leaving;
     double stopped_at; /* lf_time_now when the way down began */
@@ -152,6 +150,8 @@ struct lf_server {
     char *watch_name;
     int reloads; /* reloads for systemd that have not ended */
     bool saving;
+    bool checking;            /* the cached calibration is being compared with what is plugged in … */
+    bool check_again;         /* … and something was plugged in meanwhile */
     int64_t saved_generation; /* what the saved state holds */
     double saved_passes;
 };

