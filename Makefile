@@ -3,7 +3,7 @@
 #   make                    programs and scenes into build/ (packages must be there: make deps)
 #   make run | check        install what is missing, build, and start the daemon | run all tests
 #   SCENE=FILE DEVICE=NAME RUN_FOR=SECONDS ARGS="…"   what make run shows, where, how long, and more options of quiltd
-#   make install            programs, man pages, scenes, units, udev rule: PREFIX (/usr/local), DESTDIR
+#   make install            programs, man pages, scenes, units, udev and polkit rules: PREFIX (/usr/local), DESTDIR
 #   make deps | clean       install what building needs | remove what was built
 #   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
 #   make lint               static checks
@@ -38,6 +38,8 @@ UNITDIR ?= $(PREFIX)/lib/systemd/system
 SYSUSERSDIR ?= $(PREFIX)/lib/sysusers.d
 TMPFILESDIR ?= $(PREFIX)/lib/tmpfiles.d
 UDEVDIR ?= $(PREFIX)/lib/udev/rules.d
+# polkit 122 reads /usr/share and /etc alone: with another PREFIX, POLKITDIR=/etc/polkit-1/rules.d
+POLKITDIR ?= $(DATADIR)/polkit-1/rules.d
 INSTALL ?= install
 
 comma := ,
