@@ -22,7 +22,7 @@ refused() { # the host must complain in one line and end by itself
 
 exec 4>&1
 fact "vhci_hcd is there" succeeds modprobe vhci_hcd
-for options in "--stall-every 7" "--fail-every 9" "--bytes-per-second 1000000"; do
+for options in "--stall-every 7" "--fail-every 9" "--hang-every 15" "--bytes-per-second 1000000"; do
     with $options
     fact "a display with $options shows what was drawn" draws 40
     sim_stop

@@ -6,6 +6,8 @@
 . "$QUILTD_SOURCE/tests/kernel/lib.sh"
 panel=$QUILTD_BUILD/tests/kernel/panel
 
+up=$(cut -d. -f1 /proc/uptime)
+patience=$((up > 10 ? up : 10))
 options() { printf '%s\n' 'QUILTD_OPTIONS="--views 4 --view-size 60x80"' "$@" > /etc/default/quiltd; }
 becomes_active() {
     systemctl start quiltd 2>&1
@@ -33,8 +35,10 @@ hardened() {
     echo "  exposure level $level" >&4
     awk -v e="$level" 'BEGIN { exit !(e == "" || e > 2.0) }' && echo "exposure level $level, expected at most 2.0"
 }
+shows_on() { timeout 60 quiltctl device.list > list.log 2>&1 && grep -q "^present.kind *$1" list.log; } # kind of device
+gone() { timeout 60 quiltctl device.list > list.log 2>&1 && grep -q '^present.present *false' list.log; }
 found() { # the display by USB, its calibration by HID
-    timeout 60 quiltctl device.list > list.log 2>&1
+    within 60 shows_on usb
     grep '^present' list.log >&4
     grep -q '^present.kind *usb' list.log || cat list.log
     grep -q '^present.calibration_from *.*hidraw' list.log || cat list.log
@@ -56,17 +60,29 @@ shows_frame() {
     sim_tell counters
     echo "  $(grep '^lit=' sim.log | tail -n 1)" >&4
 }
-shows_again() { # after unplugging and replugging, without being told
-    local since
+# After unplugging and replugging, without being told. 2 s are what people should wait; what fails is more than any delay of a sound
+# daemon: 10 s, or as long as this guest took to start, where the machine is busy.
+shows_again() {
+    local seconds word=held
+    quiltctl render.set paused=false > paused.log 2>&1 || cat paused.log
     sim_tell unplug
     sleep 2
-    since=$EPOCHREALTIME
     sim_tell replug
-    quiltctl render.set paused=false > paused.log 2>&1 || cat paused.log
-    within 60 shows_something || { echo "nothing comes"; quiltctl device.list; }
-    echo "  shown again $(sed -n 's/^lit=.* first_ms=\([0-9]*\)$/\1/p' sim.log | tail -n 1) ms after replugging, seen $(awk -v a="$since" -v b="$EPOCHREALTIME" 'BEGIN { printf "%.1f", b - a }') s after" >&4
+    within 120 shows_something || { echo "nothing comes"; quiltctl device.list; }
+    seconds=$(sed -n 's/^lit=.* first_ms=\([0-9]*\)$/\1/p' sim.log | tail -n 1 | awk '{ printf "%.2f", $1 / 1000 }')
+    exceeds "${seconds:-9999}" 2 && word=exceeded
+    echo "  shown again ${seconds} s after replugging; 2 s wanted: $word" >&4
+    exceeds "${seconds:-9999}" "$patience" && echo "$seconds s, expected at most $patience"
 }
+exceeds() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a > b) }'; }
+shows_nothing() { [ "$(bytes_shown)" -eq 0 ] || grep '^lit=' sim.log; }
 shows_something() { [ "$(bytes_shown)" -gt 0 ]; }
+ends_in_time() { # by itself, before systemd kills it
+    local since=$EPOCHREALTIME
+    stops
+    echo "  stopped after $(awk -v a="$since" -v b="$EPOCHREALTIME" 'BEGIN { printf "%.1f", b - a }') s" >&4
+    [ "$(systemctl show -P Result quiltd)" = success ] || systemctl show -p Result quiltd
+}
 # The daemon's own unit with another program in it.
 in_its_sandbox() { # name, command
     sed -e "s|^ExecStart=.*|ExecStart=$2|" -e 's/^Type=.*/Type=oneshot/' -e '/^ExecReload\|^Restart\|^Watchdog\|^NotifyAccess\|^Requires\|^After\|^Timeout/d' \
@@ -95,15 +111,28 @@ options
 cp "$panel" /usr/local/bin/panel
 printf '%s' '{"configVersion":"3.0","serial":"LKG-PORT-NOMINAL","pitch":52,"slope":-7,"center":0.5,"DPI":324,"screenW":512,"screenH":512}' > /var/lib/quiltd/nominal.json
 chown quiltd: /var/lib/quiltd/nominal.json
+fact "active once more" becomes_active
+fact "it shows nothing" succeeds within 60 shows_on none
 fact "vhci_hcd is there" succeeds modprobe vhci_hcd
-fact "a panel is plugged in" sim_start --attach --calibration /var/lib/quiltd/nominal.json --panel-png shown.png
+fact "the first panel is plugged in while it runs" sim_start --attach --calibration /var/lib/quiltd/nominal.json --panel-png shown.png
 fact "its nodes belong to the group quiltd" succeeds within 60 granted hid usb
-fact "active with a device" becomes_active
-fact "it answers with a device" answers
 fact "it has found the panel by itself" found
 fact "what it shows is the exact frame" shows_frame
 fact "after replugging it shows on" shows_again
-fact "it stops with a device" stops
+fact "it stops with a device" ends_in_time
+fact "active with a device" becomes_active
+fact "it answers with a device" answers
+fact "it has found the panel again" found
+sim_stop
+fact "it notices that the panel is gone" succeeds within 60 gone
+fact "a panel is plugged in whose display takes no pixels" sim_start --attach --calibration /var/lib/quiltd/nominal.json --hang-every 1
+fact "it is taken" succeeds within 120 shows_on usb
+fact "the daemon answers while its display hangs" answers
+fact "which has shown nothing" shows_nothing
+fact "and stops" ends_in_time
+sim_stop
+fact "a sound panel is plugged in" sim_start --attach --calibration /var/lib/quiltd/nominal.json --panel-png shown.png
+fact "it is there" succeeds within 60 granted hid usb
 fact "the EEPROM is read out of the sandbox" in_its_sandbox quilt-eeprom "/usr/local/bin/panel eeprom /var/lib/quiltd/nominal.json"
 fact "the display is drawn to out of the sandbox" in_its_sandbox quilt-draw "/usr/local/bin/panel draw 512x512 1 20 /var/lib/quiltd/expected.png"
 sim_tell picture
