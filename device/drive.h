@@ -1,7 +1,7 @@
 /* Calibrations on the drives that panels of the second generation and later are: LKG_calibration/visual.json (looking-glass.md 1.2).
  * Volumes that somebody has mounted are read where they lie; drives that nobody has mounted are mounted by udisks2, read-only,
  * for as long as reading takes. Whatever lies on a drive is hostile. Private to device/ and its tests.
- * Threads: any. May take as long as udisks2 does (7 s at most a drive that is not mounted): not for the event thread. */
+ * Threads: any. May take as long as udisks2 does (17 s at most a drive that is not mounted): not for the event thread. */
 #ifndef LF_DEVICE_DRIVE_H
 #define LF_DEVICE_DRIVE_H
 
@@ -32,12 +32,12 @@ LF_NODISCARD lf_status lf_drive_read(const char *volume, lf_calibration *out, lf
 /* A volume that udisks2 has mounted for us. */
 typedef struct lf_udisks lf_udisks;
 
-/* For everything up to the mount: a drive that spins up, a bus that hangs. 5 s. */
+/* For everything up to the mount: a drive that spins up, a udisks2 that has to be started first, a bus that hangs. 15 s. */
 extern const int lf_udisks_patient_ms;
 
 /* Asks udisks2 (on the system's bus) to mount a block device with ro,nosuid,nodev,noexec, without asking anybody for a password, and
- * takes no longer than total_ms, whoever does not answer. On LF_OK *out is the caller's: lf_udisks_unmount it. LF_E_IO: err says
- * what to do. */
+ * takes no longer than total_ms, whoever does not answer (and 2 s to undo a mount that may come too late). On LF_OK *out is the
+ * caller's: lf_udisks_unmount it. LF_E_IO: err says what to do. */
 LF_NODISCARD lf_status lf_udisks_mount(const char *device, int total_ms, lf_udisks **out, lf_error *err);
 /* Where it is mounted; valid until unmounting. */
 const char *lf_udisks_folder(const lf_udisks *mount);

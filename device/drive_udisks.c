@@ -17,11 +17,12 @@
 /* For unmounting, which nobody waits for. */
 #define UNMOUNT_S 2
 
-const int lf_udisks_patient_ms = 5000;
+const int lf_udisks_patient_ms = 15000;
 
 struct lf_udisks {
     sd_bus *bus;
     double until;     /* lf_time_now: the end of all asking */
+    bool unanswered;  /* a mount was asked for, and may come yet */
     char object[256]; /* of the block device */
     char folder[4096];
 };
@@ -108,6 +109,7 @@ static lf_status ask_to_mount(lf_udisks *mount, const char *device, lf_error *er
     sd_bus_set_method_call_timeout(mount->bus, left_us(mount));
     int r = sd_bus_call_method(mount->bus, SERVICE, mount->object, SERVICE ".Filesystem", "Mount", &why, &reply, "a{sv}", 2,
                                "options", "s", OPTIONS, "auth.no_user_interaction", "b", 1);
+    mount->unanswered = r == -ETIMEDOUT;
     if (r >= 0)
         r = sd_bus_message_read(reply, "s", &folder);
     if (r < 0)
@@ -141,7 +143,10 @@ lf_status lf_udisks_mount(const char *device, int total_ms, lf_udisks **out, lf_
     *out = mount;
     return LF_OK;
 fail:
-    destroy(mount);
+    if (mount->unanswered)
+        lf_udisks_unmount(mount); /* udisks2 does one after the other: what is mounted too late does not stay mounted */
+    else
+        destroy(mount);
     return status;
 }
 

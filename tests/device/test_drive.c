@@ -321,6 +321,7 @@ typedef struct fake {
     const char *refusal;   /* name of the error that Mount gives; NULL = it mounts … */
     const char *folder;    /* … here */
     bool stranger;         /* ResolveDevice knows no device */
+    bool late;             /* Mount is not answered */
     char device[PATH_MAX]; /* asked for */
     char options[64];      /* … with these options … */
     bool no_interaction;   /* … and without questions */
@@ -363,6 +364,8 @@ static int serve(sd_bus_message *message, void *data, sd_bus_error *error)
                            : sd_bus_reply_method_return(message, "ao", 1, "/org/freedesktop/UDisks2/block_devices/sda1");
     if (sd_bus_message_is_method_call(message, "org.freedesktop.UDisks2.Filesystem", "Mount")) {
         f->n_mounts++;
+        if (f->late)
+            return 1;
         return f->refusal != NULL ? sd_bus_error_set(error, f->refusal, "it said no\x1b[31m")
                                   : sd_bus_reply_method_return(message, "s", f->folder);
     }
@@ -566,6 +569,25 @@ static void a_bus_that_is_silent_is_not_waited_for_for_ever(void **state)
     assert_null(mount);
 }
 
+/* 1 s is for asking which device that is, and for what comes before. */
+static void a_mount_that_is_not_answered_is_undone(void **state)
+{
+    machine *m = *state;
+    lf_udisks *mount = NULL;
+    lf_error err = {0};
+    fake f = {.late = true};
+    if (!start_bus(&f, m))
+        skip();
+    start_udisks(&f);
+    lf_status status = lf_udisks_mount("/dev/sda1", 1000, &mount, &err);
+    stop_udisks(&f);
+    stop_bus(&f);
+    lf_assert_status(status, LF_E_IO, &err);
+    assert_null(mount);
+    assert_int_equal(f.n_mounts, 1);
+    assert_int_equal(f.n_unmounts, 1);
+}
+
 static void without_udisks_it_is_said_how_to_mount_by_hand(void **state)
 {
     machine *m = *state;
@@ -604,6 +626,7 @@ int main(void)
         test(a_drive_is_unmounted_also_when_it_holds_nothing),
         test(a_refusal_says_what_to_do),
         test(a_bus_that_is_silent_is_not_waited_for_for_ever),
+        test(a_mount_that_is_not_answered_is_undone),
         test(without_udisks_it_is_said_how_to_mount_by_hand),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
