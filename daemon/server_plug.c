@@ -13,6 +13,15 @@ static const struct {
     const char *subsystem, *type;
 } watched[] = {{"usb", "usb_device"}, {"hidraw", NULL}, {"drm", NULL}, {"block", NULL}};
 
+/* udisks2 has the kernel tell of a drive again when it has mounted it. Searches have drives mounted: taken for news, each would lead to
+ * the next. */
+static bool is_echo(sd_device *device, const char *subsystem, sd_device_action_t action)
+{
+    const char *text;
+    return action == SD_DEVICE_CHANGE && strcmp(subsystem, "block") == 0 &&
+           sd_device_get_property_value(device, "SYNTH_UUID", &text) >= 0;
+}
+
 /* The kernel's words for the USB numbers of panels and of displays with an open protocol: as in systemd/70-quiltd.rules. */
 static const char *const products[] = {"4d8/ef7e/", "1d50/614d/", "16d0/10a9/"};
 
@@ -48,7 +57,7 @@ static int on_plug(sd_device_monitor *monitor, sd_device *device, void *context)
     sd_device_action_t action;
     (void)monitor;
     if (sd_device_get_action(device, &action) < 0 || action == SD_DEVICE_REMOVE || action == SD_DEVICE_UNBIND ||
-        sd_device_get_subsystem(device, &subsystem) < 0) {
+        sd_device_get_subsystem(device, &subsystem) < 0 || is_echo(device, subsystem, action)) {
         return 0;
     }
     if (is_panel(device, subsystem, action)) {
