@@ -110,7 +110,7 @@ static int by_name(const struct dirent **a, const struct dirent **b)
     return strcmp((*a)->d_name, (*b)->d_name);
 }
 
-/* Index of the entry `step` after `name`, which may be missing. */
+/* Index of the entry `step` (not 0) after `name`, which may be missing. */
 static int neighbour(struct dirent *const *entries, int n, const char *name, int step)
 {
     int at = 0;
@@ -118,8 +118,8 @@ static int neighbour(struct dirent *const *entries, int n, const char *name, int
         at++;
     }
     bool there = at < n && strcmp(entries[at]->d_name, name) == 0;
-    int next = step < 0 ? at - 1 : there ? at + 1 : at;
-    return (next + n) % n;
+    int next = at + step % n - (step > 0 && !there ? 1 : 0);
+    return (next % n + n) % n;
 }
 
 lf_status lf_folder_neighbour(const char *file, int step, char **out_path, lf_error *err)

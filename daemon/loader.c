@@ -6,6 +6,7 @@
 
 #include "base/alloc.h"
 #include "base/log.h"
+#include "daemon/button_actions.h"
 #include "daemon/worker.h"
 
 struct lf_loader {
@@ -110,8 +111,23 @@ static lf_status stage_of_scene(const lf_load *load, lf_scene *scene, const char
     return status;
 }
 
+static lf_status turn_pages(lf_load *load)
+{
+    char *path = NULL;
+    lf_status status = load->step != 0 ? lf_folder_neighbour(load->file, load->step, &path, &load->err) : LF_OK;
+    if (path != NULL) {
+        lf_free(load->file);
+        load->file = path;
+    }
+    return status;
+}
+
 static lf_status load_file(const lf_loader *loader, lf_load *load, lf_stage **out)
 {
+    lf_status status = turn_pages(load);
+    if (status != LF_OK) {
+        return status;
+    }
     int columns, rows;
     double aspect;
     const char *dot = strrchr(load->file, '.');
@@ -120,14 +136,14 @@ static lf_status load_file(const lf_loader *loader, lf_load *load, lf_stage **ou
     bool meant = named && dot != NULL && strcmp(dot, ".json") != 0;
     if (meant || lf_is_quilt(load->file, loader->roots)) {
         lf_options options = load->options;
-        if (load->name_wins && named) {
+        if (named && (load->meant == NULL || strcmp(load->file, load->meant) != 0)) {
             options.columns = options.rows = 0;
         }
         return lf_stage_from_quilt(load->file, loader->roots, &options, out, &load->err);
     }
     lf_scene *scene = NULL;
     const lf_scene *previous = loader->stage != NULL ? loader->stage->scene : NULL;
-    lf_status status = lf_scene_load(load->file, loader->roots, previous, &scene, &load->err);
+    status = lf_scene_load(load->file, loader->roots, previous, &scene, &load->err);
     if (status == LF_OK && lf_scene_is_unlit(scene)) {
         lf_log(LF_LOG_WARNING, "%s: no light shines here: the picture will be black (see lights in docs/scene.md)", load->file);
     }

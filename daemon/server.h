@@ -141,7 +141,10 @@ struct lf_server {
 
     bool seeking_buttons; /* they are being looked for … */
     bool seek_again;      /* … and something was plugged in meanwhile */
-    bool browsing;        /* a scene on the way to `browsed` is being loaded */
+    bool browsing;        /* a scene that next or previous asked for is being loaded … */
+    int turns;            /* … and they were pressed so often since (previous: negative) */
+    bool resetting;       /* the camera is on its way back … */
+    bool reset_again;     /* … and was asked for again */
     bool begun, ready_sent, stopping, leaving;
     double stopped_at; /* lf_time_now when the way down began */
     int exit_code;
@@ -214,6 +217,8 @@ void lf_server_dispatch(lf_server *server);
 void lf_server_press(lf_server *server, lf_button button);
 /* The file that a button asked for was loaded, or could not be: goes on when the buttons have gone on meanwhile. */
 void lf_server_browsed(lf_server *server, const char *file);
+/* The camera was reset, or could not be: once more when that was asked for meanwhile. */
+void lf_server_was_reset(lf_server *server);
 /* Looks for the buttons of the panel that was opened. */
 void lf_server_find_buttons(lf_server *server);
 void lf_server_drop_buttons(lf_server *server);

@@ -1,5 +1,6 @@
 /* The buttons of the panel: found beside its display, told to subscribers, and what they do. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
 
@@ -9,15 +10,27 @@
 
 /* --------------------------------------------------------------------------------------------------------- actions -- */
 
-/* One at a time: who presses faster than scenes load gets to the last one. */
+/* Presses between two loads count together: who presses faster than scenes load gets to the last one, and a panel whose buttons chatter
+ * keeps nothing else from being done. */
+#define MAX_TURNS 1000000
+
+/* One at a time. The folder is looked at on the loader's thread: it may be large, or on a drive that does not answer. */
 static void load_browsed(lf_server *server)
 {
+    const char *shown = server->stage != NULL ? server->stage->file : server->config.scene;
+    const char *from = server->browsed != NULL ? server->browsed : shown;
+    if (from == NULL) {
+        server->turns = 0;
+        return;
+    }
     lf_load *load = server->browsing ? NULL : lf_load_create(LF_LOAD_FILE);
     if (load == NULL) {
         return;
     }
-    load->file = lf_strdup(server->browsed);
+    load->file = lf_strdup(from);
+    load->step = server->turns;
     load->browsed = true;
+    server->turns = 0;
     if (load->file == NULL) {
         lf_load_destroy(load);
         return;
@@ -29,28 +42,22 @@ static void load_browsed(lf_server *server)
 void lf_server_browsed(lf_server *server, const char *file)
 {
     server->browsing = false;
-    if (server->browsed != NULL && strcmp(server->browsed, file) != 0) {
+    /* From here on when a button is pressed again, also when this one cannot be shown. */
+    lf_free(server->browsed);
+    server->browsed = lf_strdup(file);
+    if (server->turns != 0) {
         load_browsed(server);
     }
 }
 
 static void turn_page(lf_server *server, int step)
 {
-    const char *shown = server->stage != NULL ? server->stage->file : server->config.scene;
-    const char *from = server->browsed != NULL ? server->browsed : shown;
-    char *path = NULL;
-    lf_error err;
-    if (from == NULL) {
-        return;
+    if (abs(server->turns) < MAX_TURNS) {
+        server->turns += step;
     }
-    if (lf_folder_neighbour(from, step, &path, &err) != LF_OK) {
-        lf_log_error(&err);
-        return;
+    if (server->turns != 0) {
+        load_browsed(server);
     }
-    /* From here on when the button is pressed again, also when this one cannot be shown. */
-    lf_free(server->browsed);
-    server->browsed = path;
-    load_browsed(server);
 }
 
 static void toggle_pause(lf_server *server)
@@ -76,15 +83,26 @@ static json_t *camera_patch(const lf_server *server)
     return json_pack("{s:o}", "camera", camera);
 }
 
+/* One on the way, and one that takes back what came after it, stand for any number. */
 static void reset_camera(lf_server *server)
 {
     if (server->stage == NULL || server->stage->scene == NULL || server->file_camera == NULL) {
         return;
     }
-    lf_load *load = lf_load_create(LF_LOAD_PATCH);
+    server->reset_again = server->resetting;
+    lf_load *load = server->resetting ? NULL : lf_load_create(LF_LOAD_PATCH);
     if (load != NULL) {
         load->patch = camera_patch(server);
+        load->reset = server->resetting = true;
         lf_server_load(server, load, NULL);
+    }
+}
+
+void lf_server_was_reset(lf_server *server)
+{
+    server->resetting = false;
+    if (server->reset_again) {
+        reset_camera(server);
     }
 }
 
@@ -132,6 +150,9 @@ void lf_server_drop_buttons(lf_server *server)
     server->buttons = NULL;
 }
 
+/* Presses that are dealt with in a row; the rest come when all else had its turn. */
+#define PRESSES_AT_ONCE 32
+
 static int on_buttons(sd_event_source *source, int fd, uint32_t events, void *context)
 {
     lf_server *server = context;
@@ -139,7 +160,7 @@ static int on_buttons(sd_event_source *source, int fd, uint32_t events, void *co
     (void)source;
     (void)fd;
     (void)events;
-    for (;;) {
+    for (int i = 0; i < PRESSES_AT_ONCE; i++) {
         switch (lf_buttons_next(server->buttons, &button)) {
         case LF_BUTTONS_PRESSED:
             lf_server_press(server, button);
@@ -151,6 +172,7 @@ static int on_buttons(sd_event_source *source, int fd, uint32_t events, void *co
             return 0;
         }
     }
+    return 0;
 }
 
 /* Whether they belong to the panel that is there now. */

@@ -240,6 +240,9 @@ static void on_load_done(void *reader, lf_letter *letter)
     if (browsed && !server->stopping) {
         lf_server_browsed(server, load->file);
     }
+    if (load->reset && !server->stopping) {
+        lf_server_was_reset(server);
+    }
     lf_load_destroy(load);
     if (server->stopping) {
         lf_server_shutdown(server);
@@ -260,7 +263,7 @@ static void queue_load(lf_server *server, lf_load *load)
 void lf_server_load(lf_server *server, lf_load *load, lf_ticket *ticket)
 {
     load->letter.open = on_load_done;
-    load->name_wins = load->file != NULL && (server->config.scene == NULL || strcmp(load->file, server->config.scene) != 0);
+    load->meant = server->config.scene;
     load->ticket = ticket;
     if (server->begun) {
         queue_load(server, load);

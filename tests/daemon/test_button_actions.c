@@ -62,6 +62,11 @@ static void neighbours_go_round_by_name(void **state)
     expect(folder, "d_qs8x6.JPG", 1, "a.json");
     expect(folder, "a.json", -1, "d_qs8x6.JPG");
     expect(folder, "c.json", -1, "b_qs5x9a0.75.png");
+    expect(folder, "a.json", 2, "c.json");
+    expect(folder, "a.json", -3, "b_qs5x9a0.75.png");
+    expect(folder, "a.json", 4001, "b_qs5x9a0.75.png");
+    expect(folder, "bb.json", 2, "d_qs8x6.JPG");
+    expect(folder, "bb.json", -2, "a.json");
     /* One that has been deleted: on from where it was. */
     expect(folder, "bb.json", 1, "c.json");
     expect(folder, "bb.json", -1, "b_qs5x9a0.75.png");

@@ -230,6 +230,28 @@ static void whoever_presses_faster_than_scenes_load_gets_to_the_last_one(void **
     live_finish(&l);
 }
 
+static void a_camera_that_is_reset_again_and_again_is_reset_last(void **state)
+{
+    (void)state;
+    enum { PRESSES = 100 };
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    for (int i = 0; i < PRESSES; i++) {
+        assert_int_equal(live_code(&c, "button", json_pack("{s:s}", "name", "circle")), 0);
+    }
+    assert_int_equal(live_code(&c, "camera.orbit", json_pack("{s:i}", "yaw", 30)), 0);
+    assert_int_equal(live_code(&c, "button", json_pack("{s:s}", "name", "circle")), 0);
+    await_rest(&c);
+    assert_true(camera_x(&c) == 0);
+    assert_true(live_number(&c, "status", NULL, "generation") < PRESSES);
+    live_close(&c);
+    live_finish(&l);
+}
+
 static bool panel_is_there(live_client *c)
 {
     json_t *answer = live_call(c, "status", NULL);
@@ -694,6 +716,7 @@ int main(void)
         cmocka_unit_test(subscribers_hear_what_they_asked_for),
         cmocka_unit_test(buttons_turn_pages_stop_rendering_and_reset_the_camera),
         cmocka_unit_test(whoever_presses_faster_than_scenes_load_gets_to_the_last_one),
+        cmocka_unit_test(a_camera_that_is_reset_again_and_again_is_reset_last),
         cmocka_unit_test(a_refused_device_forgets_no_panel_that_is_unplugged),
         cmocka_unit_test(exports_are_written_beneath_the_export_dir_only),
         cmocka_unit_test(an_export_that_waits_can_be_cancelled),
