@@ -1,6 +1,6 @@
 /* The host's side of a panel that is plugged in, for the cases of make check-kernel: quiltd's own readers over the unmodified libraries.
  *   panel eeprom FILE                   the EEPROM holds the calibration in FILE
- *   panel buttons N                     prints the names of the next N buttons that go down
+ *   panel buttons N                     prints the names of the next N buttons that go down; says on stderr when they are watched
  *   panel draw WxH SEED N FILE.png      draws N random rectangles and writes what should be seen; N 0: until it is unplugged
  *   panel same A.png B.png              both show the same
  * Prints nothing more when all is well. Exit status 0, 1 = not so, 2 = wrong usage, 3 = unplugged. */
@@ -59,6 +59,7 @@ static int buttons(int wanted)
     lf_error err = {0};
     if (open_hid(&link, &err) != LF_OK)
         return complain(&err);
+    fputs("buttons are watched\n", stderr);
     for (int seen = 0; seen < wanted;) {
         int got = lf_hid_read_report(&link, BUTTON_WAIT_MS, lf_hid_patient.rest_ms, report);
         if (got <= 0) {

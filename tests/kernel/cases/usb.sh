@@ -15,11 +15,11 @@ belongs() { # node
     udevadm info "$1" | grep -q 'TAGS=.*:uaccess:' || echo "$1: no tag uaccess"
 }
 presses() {
-    "$panel" buttons 4 > pressed &
+    "$panel" buttons 4 > pressed 2> watching &
     local reader=$!
-    sleep 2
+    within 60 grep -q watched watching
     for b in left right circle square; do sim_tell "press $b"; done
-    wait "$reader" || echo "exit status $?"
+    wait "$reader" || { echo "exit status $?"; cat watching; }
     [ "$(paste -sd' ' pressed)" = "left right circle square" ] || cat pressed
 }
 draws() { # size, rectangles
