@@ -403,6 +403,7 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
             lf_snapshot_finish(out);
             return lf_error_set(request->err, status, "", "nothing has been rendered yet");
         }
+        lf_picture_fill(&engine->picture, engine->pool, out->film);
         out->source = lf_output_from_film(&stage->settings, out->film);
         update_stats(engine, true);
     } else {

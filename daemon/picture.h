@@ -43,5 +43,7 @@ int64_t lf_picture_missing(const lf_picture *picture);
 /* The views to show; borrowed until the next call. *out_unfilled: pixels that have none to be filled from in a coarse frame's reach
  * (0 = at least coarse); *out_blank: those that have none in LF_FILL_REACH either, and are not shown as anything. */
 lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfilled, int64_t *out_blank);
+/* Fills the same pixels in the resolved film [row][view][column][3] that the picture is made of, for exports of what is shown. */
+void lf_picture_fill(const lf_picture *picture, lf_pool *pool, float *film);
 
 #endif

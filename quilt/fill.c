@@ -15,7 +15,8 @@
 
 typedef struct fill_job {
     int n_views, width, height, reach, near;
-    const uint8_t *rgb, *missing;
+    size_t pixel; /* bytes of one */
+    const uint8_t *pixels, *missing;
     uint8_t *filled;
     atomic_int_least64_t n_unfilled, n_far;
 } fill_job;
@@ -119,7 +120,7 @@ static void fill_pixel(block *b, int row, int i)
     int dy = (found >> 6 & 63) - MIDDLE, dx = (found & 63) - MIDDLE;
     size_t x = (size_t)(b->x0 + i);
     size_t from = start_of(job, row + dy, b->view) + x + (size_t)dx, to = start_of(job, row, b->view) + x;
-    memcpy(job->filled + to * 3, job->rgb + from * 3, 3);
+    memcpy(job->filled + to * job->pixel, job->pixels + from * job->pixel, job->pixel);
 }
 
 /* The nearest places, nearest first and of equals in the order of found_at. */
@@ -141,13 +142,13 @@ static uint64_t there_from(const block *b, int x, int dx, int dy)
 static void copy_runs(const block *b, int row, int x, uint64_t mask, int dx, int dy)
 {
     const fill_job *job = b->job;
-    uint8_t *to = job->filled + (start_of(job, row, b->view) + (size_t)(b->x0 + x)) * 3;
-    const uint8_t *from = job->rgb + (start_of(job, row + dy, b->view) + (size_t)(b->x0 + x + dx)) * 3;
+    uint8_t *to = job->filled + (start_of(job, row, b->view) + (size_t)(b->x0 + x)) * job->pixel;
+    const uint8_t *from = job->pixels + (start_of(job, row + dy, b->view) + (size_t)(b->x0 + x + dx)) * job->pixel;
     while (mask) {
         int first = __builtin_ctzll(mask);
         uint64_t behind = ~(mask >> first); /* 0 only when every pixel of the word is copied */
         int n = behind ? __builtin_ctzll(behind) : WORD_PX;
-        memcpy(to + (size_t)first * 3, from + (size_t)first * 3, (size_t)n * 3);
+        memcpy(to + (size_t)first * job->pixel, from + (size_t)first * job->pixel, (size_t)n * job->pixel);
         mask &= n < WORD_PX ? ~(((UINT64_C(1) << n) - 1) << first) : 0;
     }
 }
@@ -173,8 +174,8 @@ static void fill_row(block *b, int row)
 {
     const fill_job *job = b->job;
     size_t start = start_of(job, row, b->view) + (size_t)b->x0;
-    if (job->filled != job->rgb)
-        memcpy(job->filled + start * 3, job->rgb + start * 3, (size_t)b->n * 3);
+    if (job->filled != job->pixels)
+        memcpy(job->filled + start * job->pixel, job->pixels + start * job->pixel, (size_t)b->n * job->pixel);
     go_to_row(b, row);
     for (int x = 0; x < b->n; x += WORD_PX) {
         uint64_t all = b->n - x < WORD_PX ? (UINT64_C(1) << (b->n - x)) - 1 : ~UINT64_C(0);
@@ -199,10 +200,11 @@ static void fill_view(void *context, int view, int worker)
     atomic_fetch_add_explicit(&job->n_far, b.n_far, memory_order_relaxed);
 }
 
-lf_fill_counts lf_fill(int n_views, int width, int height, const uint8_t *rgb, const uint8_t *missing, int near, int reach,
-                       uint8_t *filled, lf_pool *pool)
+lf_fill_counts lf_fill(int n_views, int width, int height, size_t pixel_bytes, const void *pixels, const uint8_t *missing, int near,
+                       int reach, void *filled, lf_pool *pool)
 {
-    fill_job job = {.n_views = n_views, .width = width, .height = height, .near = near, .rgb = rgb, .missing = missing};
+    fill_job job = {.n_views = n_views, .width = width, .height = height, .near = near, .pixel = pixel_bytes, .missing = missing};
+    job.pixels = pixels;
     job.filled = filled;
     job.reach = reach < 0 ? 0 : reach > MAX_REACH ? MAX_REACH : reach;
     bool done = pool && lf_pool_run(pool, n_views, fill_view, &job, NULL) == LF_OK;

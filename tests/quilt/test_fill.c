@@ -69,14 +69,14 @@ static void assert_filled(scene *s, int reach, lf_pool *pool)
     memset(s->filled, 0xcc, bytes);
     uint64_t before = lf_alloc_count();
     int n_views = s->n_views, width = s->width, height = s->height, near = reach / 2;
-    lf_fill_counts less = lf_fill(n_views, width, height, s->rgb, s->missing, near, near, s->filled, NULL);
+    lf_fill_counts less = lf_fill(n_views, width, height, 3, s->rgb, s->missing, near, near, s->filled, NULL);
     assert_int_equal(less.unfilled, less.far);
-    lf_fill_counts counts = lf_fill(n_views, width, height, s->rgb, s->missing, near, reach, s->filled, NULL);
+    lf_fill_counts counts = lf_fill(n_views, width, height, 3, s->rgb, s->missing, near, reach, s->filled, NULL);
     assert_int_equal(counts.unfilled, s->n_unfilled);
     assert_int_equal(counts.far, less.far);
     assert_memory_equal(s->filled, s->expected, bytes);
     memcpy(s->filled, s->rgb, bytes);
-    counts = lf_fill(n_views, width, height, s->filled, s->missing, 0, reach, s->filled, pool);
+    counts = lf_fill(n_views, width, height, 3, s->filled, s->missing, 0, reach, s->filled, pool);
     assert_int_equal(counts.unfilled, s->n_unfilled);
     assert_memory_equal(s->filled, s->expected, bytes);
     assert_int_equal(lf_alloc_count(), before);
@@ -105,6 +105,26 @@ static void holes_are_filled_as_the_slow_way_does(void **state)
         finish(&s);
     }
     lf_pool_destroy(pool);
+}
+
+static void floats_are_filled_from_the_same_places_as_bytes(void **state)
+{
+    (void)state;
+    uint64_t seed = lf_test_seed();
+    scene s = make_scene(3, 130, 20);
+    size_t n = 3 * 130 * 20;
+    float *film = lf_calloc(n, 3 * sizeof *film);
+    for (size_t i = 0; i < n; i++) {
+        s.missing[i] = random_bits(&seed) % 9 != 0;
+        for (size_t c = 0; c < 3; c++)
+            film[3 * i + c] = s.rgb[3 * i + c];
+    }
+    (void)lf_fill(3, 130, 20, 3, s.rgb, s.missing, 4, 5, s.filled, NULL);
+    (void)lf_fill(3, 130, 20, 3 * sizeof *film, film, s.missing, 4, 5, film, NULL);
+    for (size_t i = 0; i < 3 * n; i++)
+        assert_true(film[i] == (float)s.filled[i]);
+    lf_free(film);
+    finish(&s);
 }
 
 static void missing_rows_are_filled_from_the_rows_around(void **state)
@@ -177,9 +197,12 @@ static void what_is_whole_or_empty_stays_as_it_is(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(holes_are_filled_as_the_slow_way_does),     cmocka_unit_test(missing_rows_are_filled_from_the_rows_around),
-        cmocka_unit_test(equals_are_settled_by_row_and_then_column), cmocka_unit_test(views_are_never_mixed),
+        cmocka_unit_test(holes_are_filled_as_the_slow_way_does),
+        cmocka_unit_test(missing_rows_are_filled_from_the_rows_around),
+        cmocka_unit_test(equals_are_settled_by_row_and_then_column),
+        cmocka_unit_test(views_are_never_mixed),
         cmocka_unit_test(what_is_whole_or_empty_stays_as_it_is),
+        cmocka_unit_test(floats_are_filled_from_the_same_places_as_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
