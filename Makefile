@@ -38,8 +38,8 @@ UNITDIR ?= $(PREFIX)/lib/systemd/system
 SYSUSERSDIR ?= $(PREFIX)/lib/sysusers.d
 TMPFILESDIR ?= $(PREFIX)/lib/tmpfiles.d
 UDEVDIR ?= $(PREFIX)/lib/udev/rules.d
-# polkit 122 reads /usr/share and /etc alone: with another PREFIX, POLKITDIR=/etc/polkit-1/rules.d
-POLKITDIR ?= $(DATADIR)/polkit-1/rules.d
+# polkit 122 does not read /usr/local
+POLKITDIR ?= $(if $(filter /usr/local,$(PREFIX)),/etc,$(DATADIR))/polkit-1/rules.d
 INSTALL ?= install
 
 comma := ,

@@ -72,7 +72,9 @@ lf_status lf_ctl_connect(const char *path, lf_ctl **out, lf_error *err)
         }
     }
     if (ctl->fd < 0) {
-        lf_status status = lf_error_set(err, LF_E_NODEV, first, "no quiltd answers there: %s", lf_errno_text(why));
+        lf_status status =
+            lf_error_set(err, LF_E_NODEV, first,
+                         "no quiltd answers there: %s (start one, or give the socket of another by --socket)", lf_errno_text(why));
         lf_ctl_close(ctl);
         return status;
     }
