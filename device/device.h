@@ -69,7 +69,8 @@ typedef struct lf_device_ops {
     lf_status (*open)(const char *argument, const lf_calibration *calibration, lf_device **out_device, lf_error *err);
 
     /* Waits for a push in flight (at most 1 s, then drops it), writes what is owed, ends the device's threads, gives the panel back,
-     * frees. Accepts half-built and unplugged devices; never NULL. May block. */
+     * frees. Accepts half-built and unplugged devices; never NULL. May block, but not for ever: what does not answer (a desktop) is
+     * left behind after 1 s more, and until it does, open says LF_E_BUSY. */
     void (*destroy)(lf_device *device);
 
     /* Fills *out; cheap, never talks to the device. */

@@ -41,16 +41,21 @@ lf_status lf_handover_start(lf_handover *h, void *(*main)(void *), void *context
     return h->has_thread ? LF_OK : lf_error_set(err, LF_E_NOMEM, "device", "cannot start a thread");
 }
 
-void lf_handover_stop(lf_handover *h)
+void lf_handover_ask_stop(lf_handover *h)
 {
-    if (!h->has_thread)
-        return;
     lf_status status = lf_handover_flush(&h->base, STOP_WAIT_MS);
     (void)status; /* what has not ended by now is dropped */
     pthread_mutex_lock(&h->lock);
     h->stop = true;
     pthread_mutex_unlock(&h->lock);
     lf_bell_ring(h->wake_fd);
+}
+
+void lf_handover_stop(lf_handover *h)
+{
+    if (!h->has_thread)
+        return;
+    lf_handover_ask_stop(h);
     pthread_join(h->thread, NULL);
     h->has_thread = false;
 }

@@ -38,9 +38,11 @@ typedef struct lf_handover {
 LF_NODISCARD lf_status lf_handover_init(lf_handover *h, int width, int height, lf_error *err);
 /* Starts the device's thread (lf_thread_start). LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_handover_start(lf_handover *h, void *(*main)(void *), void *context, const char *name, lf_error *err);
-/* Waits for a push under way (at most 1 s), asks the thread to end and joins it. */
+/* Waits for a push under way (at most 1 s) and asks the thread, which start has made, to end. */
+void lf_handover_ask_stop(lf_handover *h);
+/* The same where there is a thread, and joins it: for threads that end by themselves, whatever their device does. */
 void lf_handover_stop(lf_handover *h);
-/* After stop. Accepts zeroed and half-made ones. */
+/* When there is no thread (any more). Accepts zeroed and half-made ones. */
 void lf_handover_finish(lf_handover *h);
 
 /* The members of lf_device_ops of the same names. Pushing copies the rectangles: what memory takes (1 ms for a whole

@@ -17,9 +17,9 @@
 #include "device/pixels.h"
 #include "device/sdl.h"
 
-/* TURN_MS: for a list that looks at the desktop, and is quick. PROBE_MS, DESKTOP_MS: for a desktop that is asked for its monitors, and
- * for a window. */
-enum { LOOK_MS = 100, NAME = 128, TURN_MS = 1000, PROBE_MS = 1000, DESKTOP_MS = 4000 };
+/* TURN_MS: for a list that looks at the desktop, and is quick. PROBE_MS, DESKTOP_MS, END_MS: for a desktop that is asked for its
+ * monitors, for a window, and to take it back. */
+enum { LOOK_MS = 100, NAME = 128, TURN_MS = 1000, PROBE_MS = 1000, DESKTOP_MS = 4000, END_MS = 1000 };
 
 typedef struct window_device {
     lf_handover handover; /* first */
@@ -37,8 +37,9 @@ typedef struct window_device {
     SDL_Texture *texture; /* what the panel shows */
     bool lost;            /* the graphics driver has forgotten it */
 
-    /* under handover.lock, told once through handover.ended */
+    /* under handover.lock, told through handover.ended */
     bool left;     /* nobody waits any more: the device is its thread's to free */
+    bool over;     /* the thread has given the desktop back */
     bool answered; /* the window is there, or why not */
     lf_status status;
     lf_error why;
@@ -243,6 +244,17 @@ static bool answer(window_device *w, lf_status status, const lf_error *why)
     return wanted;
 }
 
+/* Lets destroy go on; false when nobody has waited for it. */
+static bool tell_over(window_device *w)
+{
+    pthread_mutex_lock(&w->handover.lock);
+    w->over = true;
+    bool wanted = !w->left;
+    pthread_cond_broadcast(&w->handover.ended);
+    pthread_mutex_unlock(&w->handover.lock);
+    return wanted;
+}
+
 static void run(window_device *w)
 {
     for (;;) {
@@ -268,14 +280,13 @@ static void *thread_main(void *argument)
     bool begun = status == LF_OK;
     if (begun)
         status = make_window(w, &err);
-    bool wanted = answer(w, status, &err);
-    if (wanted && status == LF_OK)
+    if (answer(w, status, &err) && status == LF_OK)
         run(w);
     if (begun) {
         end_window(w);
         lf_sdl_end(&w->sdl);
     }
-    if (!wanted) {
+    if (!tell_over(w)) {
         lf_handover_finish(&w->handover);
         lf_free(w);
     }
@@ -331,24 +342,32 @@ static lf_status take_argument(window_device *w, const char *argument, lf_error 
     return LF_OK;
 }
 
-/* *out_left: the desktop did not answer, and w now belongs to its thread. */
-static lf_status wait_for_window(window_device *w, bool *out_left, lf_error *err)
+/* Until the thread has set *word. False: the desktop does not answer, and w now belongs to its thread, which nobody joins. */
+static bool wait_for_thread(window_device *w, const bool *word, int timeout_ms)
 {
     pthread_t thread = w->handover.thread;
-    uint64_t end = lf_time_now_ns() + DESKTOP_MS * LF_NS_PER_MS;
+    uint64_t end = lf_time_now_ns() + (uint64_t)timeout_ms * LF_NS_PER_MS;
     bool in_time = true;
     pthread_mutex_lock(&w->handover.lock);
-    while (!w->answered && in_time)
+    while (!*word && in_time)
         in_time = lf_cond_wait_until(&w->handover.ended, &w->handover.lock, end);
-    lf_status status = w->status;
-    if (w->answered && status != LF_OK && err != NULL)
-        *err = w->why;
-    *out_left = w->left = !w->answered;
+    bool said = *word;
+    w->left = !said;
     pthread_mutex_unlock(&w->handover.lock);
-    if (!*out_left)
-        return status;
-    pthread_detach(thread);
-    return lf_sdl_no_answer(DESKTOP_MS, err);
+    if (!said)
+        pthread_detach(thread);
+    return said;
+}
+
+/* *out_left: w now belongs to its thread. */
+static lf_status wait_for_window(window_device *w, bool *out_left, lf_error *err)
+{
+    *out_left = !wait_for_thread(w, &w->answered, DESKTOP_MS);
+    if (*out_left)
+        return lf_sdl_no_answer(DESKTOP_MS, err);
+    if (w->status != LF_OK && err != NULL)
+        *err = w->why;
+    return w->status;
 }
 
 static lf_status window_open(const char *argument, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
@@ -408,7 +427,12 @@ static int window_probe(lf_device_info *out, int max)
 static void window_destroy(lf_device *device)
 {
     window_device *w = window_of(device);
-    lf_handover_stop(&w->handover);
+    if (w->handover.has_thread) {
+        lf_handover_ask_stop(&w->handover);
+        if (!wait_for_thread(w, &w->over, END_MS))
+            return;
+        pthread_join(w->handover.thread, NULL);
+    }
     lf_handover_finish(&w->handover);
     lf_free(w);
 }
