@@ -78,7 +78,7 @@ typedef struct lf_drm_output {
     uint32_t connector, crtc, plane; /* plane: atomic only */
     struct drm_mode_modeinfo mode;
     bool atomic;
-    bool plain;      /* the properties of `wishes` were refused: shown without them */
+    bool plain;      /* wishes were refused: shown without them */
     bool no_flip;    /* legacy without page flips: the CRTC is pointed at the fb, and told what changed */
     bool lit;        /* the mode is set and was not lost since */
     bool touched;    /* something was set: there is something to restore */
@@ -88,7 +88,7 @@ typedef struct lf_drm_output {
     uint32_t mode_blob;
     uint32_t clips_property; /* FB_DAMAGE_CLIPS; 0 = the driver takes none */
     int n_base;              /* what showing takes; the first is the fb … */
-    int n_all;               /* … and behind it the wishes: full range, 8 bits, no gamma…, where the driver has them */
+    int n_all; /* … and behind it the wishes: full range, 8 bits, no gamma…, where the driver has (and grants) them */
     lf_kms_assignment all[LF_DRM_ASSIGNMENTS];
 } lf_drm_output;
 

@@ -175,7 +175,11 @@ static bool plan_crtc_and_connector(lf_drm_output *output, drm_scratch *scratch)
         !assign_named(output, output->crtc, properties, n, "ACTIVE", 1))
         return false;
     n = kms->properties(output->fd, output->connector, DRM_MODE_OBJECT_CONNECTOR, properties);
-    return assign_named(output, output->connector, properties, n, "CRTC_ID", output->crtc);
+    if (!assign_named(output, output->connector, properties, n, "CRTC_ID", output->crtc))
+        return false;
+    /* Without it a link that has failed is not set up again, and stays dark. */
+    assign_named(output, output->connector, properties, n, "link-status", DRM_MODE_LINK_STATUS_GOOD);
+    return true;
 }
 
 static void plan_wishes(lf_drm_output *output, drm_scratch *scratch)
@@ -194,8 +198,6 @@ static void plan_wishes(lf_drm_output *output, drm_scratch *scratch)
     }
     n = kms->properties(output->fd, output->connector, DRM_MODE_OBJECT_CONNECTOR, properties);
     wish_exact_pixels(output, properties, n);
-    if (output->atomic)
-        assign_named(output, output->connector, properties, n, "link-status", DRM_MODE_LINK_STATUS_GOOD);
 }
 
 /* True when the driver has everything that atomic mode setting takes. */
@@ -251,16 +253,34 @@ static bool refused(int e)
     return e == -EINVAL || e == -ERANGE || e == -EOPNOTSUPP || e == -ENOSYS;
 }
 
-/* With all wishes, or without any when the driver refuses them. */
+/* Whether the driver does not want the first n assignments. */
+static bool would_refuse(const lf_drm_output *output, int n)
+{
+    return refused(output->kms->commit(output->fd, LF_KMS_TEST, output->all, n));
+}
+
+/* Asks for the wishes one by one: those that are refused must not cost the others. */
+static void drop_refused_wishes(lf_drm_output *output)
+{
+    int n = output->n_base;
+    for (int i = output->n_base; i < output->n_all; i++) {
+        output->all[n] = output->all[i];
+        if (!would_refuse(output, n + 1))
+            n++;
+    }
+    output->plain = output->plain || n < output->n_all;
+    output->n_all = n;
+}
+
+/* With all wishes, or without those that the driver refuses. */
 static int commit_mode(lf_drm_output *output, lf_kms_commit how, uint32_t fb)
 {
     output->all[0].value = fb;
-    int e = output->kms->commit(output->fd, how, output->all, output->plain ? output->n_base : output->n_all);
-    if (!refused(e) || output->plain)
-        return e;
-    e = output->kms->commit(output->fd, how, output->all, output->n_base);
-    output->plain = e == 0;
-    return e;
+    int e = output->kms->commit(output->fd, how, output->all, output->n_all);
+    if (!refused(e) || output->n_all == output->n_base || would_refuse(output, output->n_base))
+        return e; /* not for a wish */
+    drop_refused_wishes(output);
+    return output->kms->commit(output->fd, how, output->all, output->n_all);
 }
 
 lf_status lf_drm_output_test(lf_drm_output *output, uint32_t fb, lf_error *err)
@@ -378,5 +398,8 @@ void lf_drm_output_finish(lf_drm_output *output)
 
 const char *lf_drm_output_problem(const lf_drm_output *output)
 {
-    return output->plain ? "the driver refuses full colour range, 8 bits a channel or unscaled output: views may mix" : "";
+    return output->plain
+               ? "the driver refuses full colour range, 8 bits a channel, or output that is not scaled, turned or recoloured: "
+                 "views may mix"
+               : "";
 }
