@@ -38,6 +38,7 @@ typedef struct drm_device {
     lf_device_info info; /* all but the problem */
     char name[LF_KMS_NAME];
     uint32_t connector;
+    uint8_t edid_block[LF_DRM_EDID_BLOCK]; /* of the monitor that the calibration is for */
     int card, fd;
     int watch_fd; /* -1 = none */
 
@@ -141,12 +142,21 @@ static bool link_is_bad(const drm_device *drm)
     return bad;
 }
 
+/* Whether the connector has another monitor now, without a moment without one: swapped during a suspend, by a switch, in a dock. An EDID
+ * that cannot be read says nothing: monitors that sleep may not tell it. */
+static bool is_another(const drm_device *drm)
+{
+    lf_edid edid;
+    uint8_t block[LF_DRM_EDID_BLOCK];
+    return lf_drm_read_edid(drm->kms, drm->fd, drm->connector, &edid, block) && memcmp(block, drm->edid_block, sizeof block) != 0;
+}
+
 /* False when the monitor is gone. look: ask it, not the kernel's memory. */
 static bool check_connector(drm_device *drm, bool look)
 {
     lf_kms_connector connector;
     int e = drm->kms->connector(drm->fd, drm->connector, look, &connector);
-    if (e == -ENODEV || e == -ENOENT || (e == 0 && connector.known && !connector.connected))
+    if (e == -ENODEV || e == -ENOENT || (e == 0 && connector.known && !connector.connected) || is_another(drm))
         return false;
     drm->relight = drm->relight || (look && link_is_bad(drm));
     return true;
@@ -307,6 +317,7 @@ lf_status lf_drm_open(const lf_kms_calls *kms, const char *argument, const lf_ca
     drm->card = found->card;
     drm->fd = found->fd;
     drm->connector = found->connector.id;
+    memcpy(drm->edid_block, found->edid_block, sizeof drm->edid_block);
     snprintf(drm->name, sizeof drm->name, "%s", found->connector.name);
     status = set_up(drm, found, calibration, err);
     if (status != LF_OK)

@@ -18,6 +18,9 @@ typedef struct lf_drm_name {
 /* LF_E_ARG when no kernel would name an output so. */
 LF_NODISCARD lf_status lf_drm_name_parse(const char *argument, lf_drm_name *out, lf_error *err);
 
+/* The first block of an EDID has maker, product and serial number of a monitor, and its name (VESA E-EDID A2 3). */
+enum { LF_DRM_EDID_BLOCK = 128 };
+
 /* An output with a monitor on it. */
 typedef struct lf_drm_found {
     int card, fd; /* fd: the caller's */
@@ -25,13 +28,17 @@ typedef struct lf_drm_found {
     lf_kms_connector connector;
     struct drm_mode_modeinfo mode; /* the native one: preferred, progressive, of a usable size */
     bool has_edid;
-    lf_edid edid; /* zeroed without */
+    lf_edid edid;                          /* zeroed without */
+    uint8_t edid_block[LF_DRM_EDID_BLOCK]; /* likewise */
 } lf_drm_found;
 
 /* Opens the card that has the output and tells about it; out->fd is owned by the caller, and not master of the card.
  * LF_E_NODEV: it is not there, with the monitors that are; LF_E_IO: a card that could have it may not be opened; LF_E_FORMAT:
  * it has no mode that can be used. */
 LF_NODISCARD lf_status lf_drm_find(const lf_kms_calls *kms, const lf_drm_name *name, lf_drm_found *out, lf_error *err);
+
+/* Reads what the monitor on a connector says of itself. False: nothing that is whole; both are zeroed then. */
+bool lf_drm_read_edid(const lf_kms_calls *kms, int fd, uint32_t connector, lf_edid *out, uint8_t out_block[LF_DRM_EDID_BLOCK]);
 
 /* Makes fd master of its card: 0 or a negative errno. Not refused because another thread is just looking (lf_drm_find, lf_drm_probe). */
 int lf_drm_become_master(const lf_kms_calls *kms, int fd);

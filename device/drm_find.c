@@ -92,12 +92,16 @@ static bool get_connector(const lf_kms_calls *kms, int fd, uint32_t id, bool loo
     return look || !unasked || kms->connector(fd, id, true, out) == 0;
 }
 
-static bool read_edid(const lf_kms_calls *kms, int fd, uint32_t connector, lf_edid *out)
+bool lf_drm_read_edid(const lf_kms_calls *kms, int fd, uint32_t connector, lf_edid *out, uint8_t out_block[LF_DRM_EDID_BLOCK])
 {
     uint8_t bytes[LF_KMS_EDID];
     int n = kms->edid(fd, connector, bytes);
     *out = (lf_edid){0};
-    return n > 0 && lf_edid_parse(bytes, (size_t)n / 128 * 128, out, NULL) == LF_OK;
+    memset(out_block, 0, LF_DRM_EDID_BLOCK);
+    if (n < LF_DRM_EDID_BLOCK || lf_edid_parse(bytes, LF_DRM_EDID_BLOCK, out, NULL) != LF_OK)
+        return false;
+    memcpy(out_block, bytes, LF_DRM_EDID_BLOCK);
+    return true;
 }
 
 /* ------------------------------------------------------------------------------------------------------- finding -- */
@@ -128,7 +132,7 @@ static bool is_wanted(const lf_kms_calls *kms, const lf_drm_name *name, uint32_t
         return false;
     if (!connector->connected)
         return false;
-    out->has_edid = read_edid(kms, out->fd, id, &out->edid);
+    out->has_edid = lf_drm_read_edid(kms, out->fd, id, &out->edid, out->edid_block);
     remember(search, connector, &out->edid);
     return named ? strcmp(connector->name, name->connector) == 0 : out->has_edid && lf_edid_is_panel(&out->edid);
 }
@@ -294,7 +298,8 @@ static bool describe(const lf_kms_calls *kms, int card, int fd, uint32_t id, boo
     lf_edid edid;
     if (!get_connector(kms, fd, id, false, &connector) || !connector.connected)
         return false;
-    bool has_edid = read_edid(kms, fd, id, &edid);
+    uint8_t block[LF_DRM_EDID_BLOCK];
+    bool has_edid = lf_drm_read_edid(kms, fd, id, &edid, block);
     if (has_edid && !lf_edid_is_panel(&edid))
         return false;
     const struct drm_mode_modeinfo *mode = lf_drm_native_mode(&connector);

@@ -160,8 +160,11 @@ static int fake_edid(int fd, uint32_t connector, uint8_t out[LF_KMS_EDID])
 {
     (void)fd;
     unsigned i = (connector - CONNECTOR) % 4;
+    pthread_mutex_lock(&fake.lock);
     memcpy(out, fake.edid[i], sizeof fake.edid[i]);
-    return fake.n_edid[i];
+    int n = fake.n_edid[i];
+    pthread_mutex_unlock(&fake.lock);
+    return n;
 }
 
 static int fake_crtc(int fd, uint32_t id, lf_kms_crtc *out)
@@ -1069,6 +1072,45 @@ static void unplugged_card_is_told(void **state)
     lf_image8_finish(&frame);
 }
 
+/* Another monitor, or one that does not say what it is (NULL). */
+static void swap_monitor(const char *name)
+{
+    pthread_mutex_lock(&fake.lock);
+    fake.n_edid[1] = 0;
+    if (name != NULL)
+        set_edid(1, name);
+    pthread_mutex_unlock(&fake.lock);
+}
+
+static void swapped_monitor_is_told(void **state)
+{
+    (void)state;
+    lf_image8 frame = make_frame();
+    plug_in(true);
+    lf_device *device = open_drm();
+    for (int whole_edid = 0; whole_edid < 2; whole_edid++) {
+        swap_monitor(whole_edid != 0 ? "LKG-TEST" : NULL);
+        announce();
+        assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
+        assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    }
+    swap_monitor("LKG-OTHER");
+    announce();
+    stays_gone(device, &frame);
+    plug_in(true);
+    fake.no_watch = true;
+    device = open_drm();
+    swap_monitor("LKG-OTHER");
+    stays_gone(device, &frame);
+    plug_in(true);
+    fake.n_edid[1] = 0; /* opened by its output's name, and then it says that it is another */
+    lf_assert_ok(try_open("DP-1", &device, NULL), NULL);
+    swap_monitor("DELL U2720Q");
+    announce();
+    stays_gone(device, &frame);
+    lf_image8_finish(&frame);
+}
+
 static void break_link(void)
 {
     pthread_mutex_lock(&fake.lock);
@@ -1212,6 +1254,7 @@ int main(void)
         cmocka_unit_test(flip_without_an_end_is_given_up),
         cmocka_unit_test(unplugged_monitor_is_told),
         cmocka_unit_test(unplugged_card_is_told),
+        cmocka_unit_test(swapped_monitor_is_told),
         cmocka_unit_test(link_that_fails_is_set_up_again),
         cmocka_unit_test(probe_tells_panels_and_what_may_be_one),
         cmocka_unit_test(probe_tells_where_the_calibration_will_come_from),
