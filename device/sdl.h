@@ -8,7 +8,7 @@
 
 #include <SDL2/SDL.h>
 
-#include "base/status.h"
+#include "device/device.h"
 
 /* The functions used, named and typed as in SDL's headers. */
 #define LF_SDL_FUNCTIONS(X)                                                                                                        \
@@ -23,6 +23,7 @@
     X(GetDesktopDisplayMode)                                                                                                       \
     X(CreateWindow)                                                                                                                \
     X(DestroyWindow)                                                                                                               \
+    X(GetWindowDisplayIndex)                                                                                                       \
     X(ShowCursor)                                                                                                                  \
     X(PollEvent)                                                                                                                   \
     X(CreateRenderer)                                                                                                              \
@@ -71,5 +72,11 @@ int lf_sdl_monitors(const lf_sdl *sdl, lf_sdl_monitor out[LF_SDL_MONITORS]);
  * wait_ms; LF_E_NODEV: no desktop; LF_E_IO: it does not answer; LF_E_NOMEM. *out_n is untouched on failure. */
 LF_NODISCARD lf_status lf_sdl_ask_monitors(const lf_sdl *sdl, int wait_ms, int timeout_ms, lf_sdl_monitor out[LF_SDL_MONITORS],
                                            int *out_n, lf_error *err);
+
+/* ---------------------------------------------------------------------------------------------------- window.c -- */
+
+/* lf_device_ops.open over this SDL, of which a copy is kept; NULL = the one that lf_sdl_load finds. */
+LF_NODISCARD lf_status lf_window_open(const lf_sdl *sdl, const char *argument, const lf_calibration *calibration,
+                                      lf_device **out_device, lf_error *err);
 
 #endif

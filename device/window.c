@@ -71,11 +71,12 @@ static int choose_monitor(const window_device *w, const lf_sdl_monitor *monitors
     return -1;
 }
 
+/* When a monitor goes desktops move its windows to another, which may be a Looking Glass too: with a lens of its own. */
 static bool monitor_is_there(const window_device *w)
 {
     lf_sdl_monitor monitors[LF_SDL_MONITORS];
-    int n = lf_sdl_monitors(&w->sdl, monitors);
-    return choose_monitor(w, monitors, n) >= 0;
+    int n = lf_sdl_monitors(&w->sdl, monitors), i = w->sdl.GetWindowDisplayIndex(w->window);
+    return i >= 0 && i < n && strcmp(monitors[i].name, w->monitor) == 0;
 }
 
 static lf_status no_monitor(const window_device *w, const lf_sdl_monitor *monitors, int n, lf_error *err)
@@ -342,6 +343,14 @@ static lf_status take_argument(window_device *w, const char *argument, lf_error 
     return LF_OK;
 }
 
+static lf_status take_sdl(window_device *w, const lf_sdl *given, lf_error *err)
+{
+    if (given == NULL)
+        return lf_sdl_load(NULL, &w->sdl, err);
+    w->sdl = *given;
+    return LF_OK;
+}
+
 /* Until the thread has set *word. False: the desktop does not answer, and w now belongs to its thread, which nobody joins. */
 static bool wait_for_thread(window_device *w, const bool *word, int timeout_ms)
 {
@@ -370,7 +379,8 @@ static lf_status wait_for_window(window_device *w, bool *out_left, lf_error *err
     return w->status;
 }
 
-static lf_status window_open(const char *argument, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
+lf_status lf_window_open(const lf_sdl *sdl, const char *argument, const lf_calibration *calibration, lf_device **out_device,
+                         lf_error *err)
 {
     window_device *w = lf_calloc(1, sizeof *w);
     if (w == NULL)
@@ -379,7 +389,7 @@ static lf_status window_open(const char *argument, const lf_calibration *calibra
     bool left = false;
     lf_status status = take_argument(w, argument, err);
     if (status == LF_OK)
-        status = lf_sdl_load(NULL, &w->sdl, err);
+        status = take_sdl(w, sdl, err);
     if (status == LF_OK)
         status = find_calibration(w, calibration, err);
     if (status == LF_OK)
@@ -393,6 +403,11 @@ static lf_status window_open(const char *argument, const lf_calibration *calibra
     else if (!left)
         lf_device_destroy(&w->handover.base);
     return status;
+}
+
+static lf_status window_open(const char *argument, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
+{
+    return lf_window_open(NULL, argument, calibration, out_device, err);
 }
 
 /* Monitors that say that they are a Looking Glass; nothing else may "auto" open a window on. */

@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <link.h>
+#include <pthread.h>
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -146,6 +147,16 @@ static void rectangles_make_the_frame(void **state)
     forget_pictures();
 }
 
+/* Puts an event into SDL's own queue. */
+static void tell(SDL_Event event)
+{
+    __typeof__(SDL_PushEvent) *push_event;
+    void *library = dlopen("libSDL2-2.0.so.0", RTLD_NOW), *address = dlsym(library, "SDL_PushEvent");
+    memcpy(&push_event, &address, sizeof address);
+    assert_int_equal(push_event(&event), 1);
+    dlclose(library);
+}
+
 /* What a graphics driver that was reset tells. */
 static void lost_picture_is_asked_for_again(void **state)
 {
@@ -155,14 +166,10 @@ static void lost_picture_is_asked_for_again(void **state)
     lf_image8 frame = {0};
     if (!has_sdl())
         skip();
-    __typeof__(SDL_PushEvent) *push_event;
-    void *library = dlopen("libSDL2-2.0.so.0", RTLD_NOW), *address = dlsym(library, "SDL_PushEvent");
-    memcpy(&push_event, &address, sizeof address);
     lf_assert_ok(try_open("window", WIDTH, HEIGHT, &device, &err), &err);
     lf_assert_ok(lf_image8_init(&frame, WIDTH, HEIGHT, 3), NULL);
     assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
-    SDL_Event event = {.type = SDL_RENDER_DEVICE_RESET};
-    assert_int_equal(push_event(&event), 1);
+    tell((SDL_Event){.type = SDL_RENDER_DEVICE_RESET});
     assert_true(device_rings(device, DEVICE_WAIT_MS));
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_RETRY);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
@@ -171,7 +178,96 @@ static void lost_picture_is_asked_for_again(void **state)
     assert_true(shows(&frame));
     lf_device_destroy(device);
     lf_image8_finish(&frame);
-    dlclose(library);
+    forget_pictures();
+}
+
+/* ------------------------------------------------------------------------------------ a desktop of the test's own -- */
+
+/* Monitors side by side, by name; the window is on the first of them, wherever the desktop has moved it from. */
+static struct desk {
+    pthread_mutex_t lock;
+    int n;
+    const char *names[2];
+} desk = {.lock = PTHREAD_MUTEX_INITIALIZER};
+
+static void set_desk(int n, const char *first, const char *second)
+{
+    pthread_mutex_lock(&desk.lock);
+    desk.n = n;
+    desk.names[0] = first;
+    desk.names[1] = second;
+    pthread_mutex_unlock(&desk.lock);
+}
+
+static int desk_count(void)
+{
+    pthread_mutex_lock(&desk.lock);
+    int n = desk.n;
+    pthread_mutex_unlock(&desk.lock);
+    return n;
+}
+
+static const char *desk_name(int i)
+{
+    pthread_mutex_lock(&desk.lock);
+    const char *name = desk.names[i];
+    pthread_mutex_unlock(&desk.lock);
+    return name;
+}
+
+static int desk_mode(int i, SDL_DisplayMode *out)
+{
+    (void)i;
+    *out = (SDL_DisplayMode){.w = WIDTH, .h = HEIGHT};
+    return 0;
+}
+
+static int desk_bounds(int i, SDL_Rect *out)
+{
+    (void)i;
+    *out = (SDL_Rect){0, 0, WIDTH, HEIGHT};
+    return 0;
+}
+
+static int desk_of_window(SDL_Window *window)
+{
+    (void)window;
+    return 0;
+}
+
+static void window_that_is_moved_to_another_looking_glass_is_gone(void **state)
+{
+    (void)state;
+    const SDL_Event news = {.type = SDL_DISPLAYEVENT};
+    lf_device *device = NULL;
+    lf_error err = {0};
+    lf_image8 frame = {0};
+    lf_calibration c;
+    lf_sdl sdl;
+    if (!has_sdl())
+        skip();
+    lf_calibration_portrait(&c);
+    c.screen_width_px = WIDTH;
+    c.screen_height_px = HEIGHT;
+    lf_assert_ok(lf_sdl_load(NULL, &sdl, NULL), NULL);
+    sdl.GetNumVideoDisplays = desk_count;
+    sdl.GetDisplayName = desk_name;
+    sdl.GetDesktopDisplayMode = desk_mode;
+    sdl.GetDisplayBounds = desk_bounds;
+    sdl.GetWindowDisplayIndex = desk_of_window;
+    set_desk(2, "LKG-A", "LKG-B");
+    lf_assert_ok(lf_window_open(&sdl, "", &c, &device, &err), &err);
+    assert_string_equal(device_info_of(device).model, "LKG-A");
+    lf_assert_ok(lf_image8_init(&frame, WIDTH, HEIGHT, 3), NULL);
+    set_desk(1, "LKG-A", NULL);
+    tell(news);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(device_push(device, &frame, &whole, 1), LF_DEVICE_READY);
+    set_desk(1, "LKG-B", NULL);
+    tell(news);
+    assert_int_equal(device_outcome(device), LF_DEVICE_GONE);
+    lf_device_destroy(device);
+    lf_image8_finish(&frame);
     forget_pictures();
 }
 
@@ -507,6 +603,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rectangles_make_the_frame),
         cmocka_unit_test(lost_picture_is_asked_for_again),
+        cmocka_unit_test(window_that_is_moved_to_another_looking_glass_is_gone),
         cmocka_unit_test(screen_shows_the_frame_pixel_for_pixel),
         cmocka_unit_test(window_of_a_desktop_that_hangs_is_left_behind),
         cmocka_unit_test(output_that_is_not_the_panels_size_is_told),
