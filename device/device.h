@@ -55,7 +55,7 @@ typedef struct lf_device_ops {
      * when it is used by somebody else) and returns their number; nothing found and nothing accessible are both 0. What may be a
      * panel but does not say so is told with model empty and why in problem: it is listed, and never taken by "auto".
      * NULL = devices of this kind cannot be found, only named. Called rarely (at the start, after a unplug, for
-     * device.list); may take 50 ms. */
+     * device.list), and never by the event thread: takes some 50 ms, and 1 s where a desktop does not answer (window). */
     int (*probe)(lf_device_info *out, int max);
 
     /* Opens what `argument` names: the text behind the colon, "" when absent. calibration (may be NULL; copied) overrides the

@@ -4,7 +4,8 @@
  * panel over HID, LKG_calibration/visual.json on the drive that a later panel is, the cache of what was read before. Reading never
  * writes to a panel: EEPROM pages are only read, drives are mounted by udisks2 read-only when nothing else has mounted them, and
  * nothing is ever mounted by quiltd itself.
- * Threads: any, one at a time a call. May take 4 s (a panel that does not answer) and 17 s more a drive: not for the event thread. */
+ * Threads: any, one at a time a call. May take 9 s for each panel that does not answer over HID (4 s, and 5 s that the
+ * kernel may hold the last request: hid.h) and 17 s for each drive: not for the event thread. */
 #ifndef LF_DEVICE_FIND_H
 #define LF_DEVICE_FIND_H
 

@@ -21,7 +21,8 @@ typedef struct lf_gud_host_counters {
 } lf_gud_host_counters;
 
 /* Asks for descriptor, formats, properties, the first connector that is not disconnected, its EDID and modes. Refusing is
- * an answer where a display need not have any. link is borrowed until destroy. Takes at most 4 s. LF_E_FORMAT: it says what it must
+ * an answer where a display need not have any. link is borrowed until destroy. Takes at most 5 s (a question
+ * may begin in the third, takes one, and a refusal's reason another). LF_E_FORMAT: it says what it must
  * not; LF_E_NODEV: unplugged, or all connectors disconnected; LF_E_TIMEOUT, LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_gud_host_open(lf_usb_link *link, lf_gud_host **out, lf_error *err);
 /* Accepts NULL. Says nothing to the display. */
