@@ -296,6 +296,7 @@ static void keep_libraries(void)
     libraries all = {.n = 0};
     dl_iterate_phdr(add_library, &all);
     for (int i = 0; i < all.n; i++)
+        /* cppcheck-suppress leakReturnValNotUsed */
         (void)dlopen(all.names[i], RTLD_NOW | RTLD_NOLOAD | RTLD_NODELETE);
 }
 
