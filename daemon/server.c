@@ -308,7 +308,7 @@ static lf_status open_first(lf_server *server, lf_error *err)
         lf_server_watch_plugs(server);
         (void)sd_event_add_time_relative(server->event, &server->begin_timer, CLOCK_MONOTONIC, BEGIN_USEC, 0, on_begin_timer,
                                          server);
-        lf_server_open_device(server, server->config.device, NULL);
+        status = lf_server_open_device(server, server->config.device, NULL, err);
     }
     return status;
 }

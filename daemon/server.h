@@ -182,8 +182,9 @@ bool lf_default_socket(int index, char *out, size_t size);
 
 /* Opens a device in the place of the one there is now, which stays on failure where it need not be closed first; where it had to be, it is
  * opened again. Else on failure there is none (LF_E_NODEV, LF_E_BUSY, LF_E_IO: tried again from time to time). ticket (taken over, may be
- * NULL) is answered when that is known, with the device; without one a wrong spec or calibration ends the daemon before it is ready. */
-void lf_server_open_device(lf_server *server, const char *spec, lf_ticket *ticket);
+ * NULL) is answered when that is known, with the device; without one a wrong spec or calibration ends the daemon before it is ready.
+ * LF_E_ARG: the spec is longer than 511 bytes; nothing was begun, and the ticket is still the caller's. */
+LF_NODISCARD lf_status lf_server_open_device(lf_server *server, const char *spec, lf_ticket *ticket, lf_error *err);
 /* Something was plugged in: a device that is missing is tried again soon; at once, where it is a panel that is there with all its
  * parts and rights. */
 void lf_server_plugged(lf_server *server, bool whole);

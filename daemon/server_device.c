@@ -256,14 +256,18 @@ static void open_errand(lf_server *server, const char *spec, uint64_t number, bo
     begin_queued(server);
 }
 
-void lf_server_open_device(lf_server *server, const char *spec, lf_ticket *ticket)
+lf_status lf_server_open_device(lf_server *server, const char *spec, lf_ticket *ticket, lf_error *err)
 {
     lf_panel *panel = &server->panel;
+    if (strlen(spec) >= sizeof panel->wanted) {
+        return lf_error_set(err, LF_E_ARG, "device", "the spec is longer than %zu bytes", sizeof panel->wanted - 1);
+    }
     if (panel->wanted[0] == '\0') { /* the first: wanted whether it is there or not */
         snprintf(panel->wanted, sizeof panel->wanted, "%s", spec);
         panel->patience_usec = REOPEN_USEC;
     }
     open_errand(server, spec, ++panel->wishes, false, ticket);
+    return LF_OK;
 }
 
 /* While it was being opened, another was asked for, in another lane, and is there. */

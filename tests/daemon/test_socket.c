@@ -347,6 +347,39 @@ static void a_client_opens_simulated_panels_only_where_it_may_write(void **state
     live_finish(&l);
 }
 
+static void what_is_checked_of_a_spec_is_what_is_opened(void **state)
+{
+    enum { LIMIT = 511 };
+    static const char back[] = "/../expo", rest[] = "rts/a"; /* of the folder "exports" */
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    char spec[PATH_MAX];
+    /* what is beneath the export directory as a whole, and beside it when it is cut */
+    size_t used = (size_t)snprintf(spec, sizeof spec, "sim:%s", l.exports);
+    memset(spec + used, '/', LIMIT);
+    snprintf(spec + LIMIT - strlen(back), sizeof spec - LIMIT + strlen(back), "%s%s", back, rest);
+    assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", spec)), 0);
+    assert_int_not_equal(access(lf_test_path(l.folder, "expo"), F_OK), 0);
+    assert_int_equal(access(lf_test_path(l.exports, "a"), F_OK), 0);
+    /* what is too long when everything is resolved */
+    used = (size_t)snprintf(spec, sizeof spec, "sim:%s/p,latency=", l.exports);
+    memset(spec + used, '0', LIMIT);
+    spec[used + LIMIT] = '\0';
+    assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", spec)), -32602);
+    /* a path that would be taken for options */
+    assert_int_equal(mkdir(lf_test_path(l.exports, "b,latency=1"), 0700), 0);
+    assert_int_equal(symlink("b,latency=1", lf_test_path(l.exports, "link")), 0);
+    snprintf(spec, sizeof spec, "sim:%s/link/p", l.exports);
+    assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", spec)), -32001);
+    assert_int_not_equal(access(lf_test_path(l.exports, "b"), F_OK), 0);
+    live_close(&c);
+    live_finish(&l);
+}
+
 /* A daemon under a service manager: told through a datagram socket, with a listening socket handed over. */
 static void systemd_hears_of_readiness_and_hands_over_a_socket(void **state)
 {
@@ -413,6 +446,7 @@ int main(void)
         cmocka_unit_test(without_a_scene_nothing_may_be_read),
         cmocka_unit_test(a_client_waits_only_so_often),
         cmocka_unit_test(a_client_opens_simulated_panels_only_where_it_may_write),
+        cmocka_unit_test(what_is_checked_of_a_spec_is_what_is_opened),
         cmocka_unit_test(systemd_hears_of_readiness_and_hands_over_a_socket),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
