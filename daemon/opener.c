@@ -58,26 +58,29 @@ static lf_status open_buttons(lf_errand *errand)
     return status;
 }
 
+static lf_status find_panel(lf_errand *errand, const lf_calibration *calibration)
+{
+    errand->found = lf_device_find(errand->first, calibration, &errand->device, &errand->err);
+    if (errand->found == LF_OK || errand->panel_only) {
+        return errand->found;
+    }
+    const lf_error why = errand->err;
+    return lf_none_create(why.what, &errand->device, &errand->err);
+}
+
 static lf_status open_device(lf_errand *errand)
 {
     lf_calibration calibration;
-    bool given = errand->calibration != NULL;
-    lf_status status = given ? lf_calibration_load(errand->calibration, &calibration, &errand->err) : LF_OK;
-    if (status == LF_OK && errand->first[0] != '\0' &&
-        lf_device_open(errand->first, given ? &calibration : NULL, &errand->device, NULL) == LF_OK) {
-        return LF_OK;
+    const lf_calibration *given = NULL;
+    if (errand->calibration != NULL) {
+        lf_status status = lf_calibration_load(errand->calibration, &calibration, &errand->err);
+        if (status != LF_OK) {
+            return status;
+        }
+        given = &calibration;
     }
-    if (status == LF_OK) {
-        status = lf_device_open(errand->spec, given ? &calibration : NULL, &errand->device, &errand->err);
-    }
-    if (status != LF_OK || !errand->panel_only || strcmp(errand->device->ops->kind, "none") != 0) {
-        return status;
-    }
-    lf_device_info info;
-    errand->device->ops->info(errand->device, &info);
-    lf_device_destroy(errand->device);
-    errand->device = NULL;
-    return lf_error_set(&errand->err, LF_E_NODEV, errand->spec, "%s", info.problem);
+    return strcmp(errand->spec, "auto") == 0 ? find_panel(errand, given)
+                                             : lf_device_open(errand->spec, given, &errand->device, &errand->err);
 }
 
 static void run_letter(void *context, lf_letter *letter)

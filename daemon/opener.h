@@ -35,9 +35,9 @@ typedef struct lf_errand {
     lf_errand_kind kind;
     char spec[512];          /* OPEN; BUTTONS: the serial number */
     const char *calibration; /* OPEN: a file, NULL = the device's own; borrowed */
-    char first[512];         /* OPEN: before "auto" looks everywhere: the panel that was there last; empty = none */
-    bool panel_only;         /* OPEN: "auto" that finds no panel is LF_E_NODEV, not a device that shows nothing */
-    lf_calibration used;     /* CHECK */
+    char first[512];         /* OPEN: where "auto" begins: the panel that was there last; empty = none */
+    bool panel_only;     /* OPEN: "auto" that finds no panel fails like lf_device_find, and is not a device that shows nothing */
+    lf_calibration used; /* CHECK */
     /* the poster's own */
     void *ticket;
     struct lf_errand *next;
@@ -47,6 +47,7 @@ typedef struct lf_errand {
     bool at_start;    /* OPEN: the daemon's own, of the command line */
     /* the outcome */
     lf_status status;    /* CHECK: LF_E_FORMAT, when it is not */
+    lf_status found;     /* OPEN: what lf_device_find said; LF_OK when it was not asked */
     lf_error err;        /* OPEN: when status is not LF_OK */
     lf_device *device;   /* OPEN: the poster's to take, else closed with the errand; CLOSE: the one to close */
     lf_buttons *buttons; /* BUTTONS and CLOSE: likewise; LF_E_NODEV: that panel has none */

@@ -10,11 +10,11 @@ enum { MAX_FOUND = 32 };
 
 const lf_device_ops *const lf_device_table[] = {&lf_drm_ops, &lf_window_ops, &lf_usb_ops, &lf_sim_ops, &lf_none_ops, NULL};
 
-static const lf_device_ops *find_kind(const char *kind, size_t length)
+static const lf_device_ops *find_kind(const lf_device_ops *const table[], const char *kind, size_t length)
 {
-    for (int i = 0; lf_device_table[i] != NULL; i++)
-        if (strlen(lf_device_table[i]->kind) == length && memcmp(lf_device_table[i]->kind, kind, length) == 0)
-            return lf_device_table[i];
+    for (int i = 0; table[i] != NULL; i++)
+        if (strlen(table[i]->kind) == length && memcmp(table[i]->kind, kind, length) == 0)
+            return table[i];
     return NULL;
 }
 
@@ -25,31 +25,70 @@ static const char *argument_of(const char *spec)
     return colon != NULL ? colon + 1 : "";
 }
 
-lf_status lf_device_open_auto(const lf_device_ops *const table[], const lf_calibration *calibration, lf_device **out_device,
-                              lf_error *err)
+/* What has become of looking for a panel so far. */
+typedef struct search {
+    const char *first; /* its spec; empty = any */
+    const lf_calibration *calibration;
+    lf_device *device; /* the one that could be opened */
+    lf_status status;  /* LF_E_NODEV, until a panel was found that cannot be opened */
+    char problem[256];
+} search;
+
+static bool try_panel(const lf_device_ops *ops, const lf_device_info *found, search *s)
 {
-    char problem[256] = "no panel was found";
-    bool tried = false;
-    for (int i = 0; table[i] != NULL; i++) {
-        if (table[i]->probe == NULL)
+    lf_error why = {0};
+    lf_status status = ops->open(argument_of(found->spec), s->calibration, &s->device, &why);
+    if (status == LF_OK)
+        return true;
+    s->status = status == LF_E_BUSY ? LF_E_BUSY : LF_E_IO;
+    snprintf(s->problem, sizeof s->problem, "%.100s cannot be used: %.130s", found->spec, why.what);
+    return false;
+}
+
+/* Tries the panels of a kind: the first one's, or all others. */
+static bool try_kind(const lf_device_ops *ops, bool first, search *s)
+{
+    lf_device_info found[MAX_FOUND];
+    int n = ops->probe != NULL ? ops->probe(found, MAX_FOUND) : 0;
+    for (int i = 0; i < n; i++) {
+        if ((strcmp(found[i].spec, s->first) == 0) != first)
             continue;
-        lf_device_info found[MAX_FOUND];
-        int n = table[i]->probe(found, MAX_FOUND);
-        for (int k = 0; k < n; k++) {
-            if (found[k].model[0] == 0) { /* nobody knows whether it is a panel */
-                if (!tried)
-                    snprintf(problem, sizeof problem, "%.255s", found[k].problem);
-                continue;
-            }
-            tried = true;
-            lf_error why = {0};
-            lf_status status = table[i]->open(argument_of(found[k].spec), calibration, out_device, &why);
-            if (status == LF_OK)
-                return LF_OK;
-            snprintf(problem, sizeof problem, "%.100s cannot be used: %.130s", found[k].spec, why.what);
+        if (found[i].model[0] == 0) { /* nobody knows whether it is a panel */
+            if (s->status == LF_E_NODEV)
+                snprintf(s->problem, sizeof s->problem, "%.255s", found[i].problem);
+            continue;
         }
+        if (try_panel(ops, &found[i], s))
+            return true;
     }
-    return lf_none_create(problem, out_device, err);
+    return false;
+}
+
+lf_status lf_device_find_in(const lf_device_ops *const table[], const char *first, const lf_calibration *calibration,
+                            lf_device **out_device, lf_error *err)
+{
+    search s = {.first = first, .calibration = calibration, .status = LF_E_NODEV, .problem = "no panel was found"};
+    const lf_device_ops *kind = find_kind(table, first, strcspn(first, ":"));
+    bool found = kind != NULL && try_kind(kind, true, &s);
+    for (int i = 0; table[i] != NULL && !found; i++)
+        found = try_kind(table[i], false, &s);
+    if (!found)
+        return lf_error_set(err, s.status, "auto", "%s", s.problem);
+    *out_device = s.device;
+    return LF_OK;
+}
+
+lf_status lf_device_find(const char *first, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
+{
+    assert(first != NULL && out_device != NULL);
+    return lf_device_find_in(lf_device_table, first, calibration, out_device, err);
+}
+
+static lf_status open_auto(const lf_calibration *calibration, lf_device **out_device, lf_error *err)
+{
+    lf_error why = {0};
+    lf_status status = lf_device_find("", calibration, out_device, &why);
+    return status == LF_OK ? LF_OK : lf_none_create(why.what, out_device, err);
 }
 
 lf_status lf_device_open(const char *spec, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
@@ -58,8 +97,8 @@ lf_status lf_device_open(const char *spec, const lf_calibration *calibration, lf
     if (strlen(spec) >= sizeof((lf_device_info *)0)->spec)
         return lf_error_set(err, LF_E_ARG, "device", "the spec is longer than %zu bytes", sizeof((lf_device_info *)0)->spec - 1);
     if (strcmp(spec, "auto") == 0)
-        return lf_device_open_auto(lf_device_table, calibration, out_device, err);
-    const lf_device_ops *ops = find_kind(spec, strcspn(spec, ":"));
+        return open_auto(calibration, out_device, err);
+    const lf_device_ops *ops = find_kind(lf_device_table, spec, strcspn(spec, ":"));
     if (ops == NULL)
         return lf_error_set(err, LF_E_ARG, spec,
                             "no such kind of device; expected auto, drm[:OUTPUT], window[:MONITOR], usb[:BUS-PORT], none or "

@@ -118,8 +118,16 @@ struct lf_device {
     const lf_device_ops *ops;
 };
 
-/* Opens by spec "KIND[:ARGUMENT]" (at most 511 bytes). "auto" = the first panel found that can be opened, else "none" with
- * info.problem saying why. Errors as lf_device_ops.open; LF_E_ARG for an unknown kind. On LF_OK the caller owns *out_device.
+/* Opens the first panel found that says that it is one and can be opened. first: the spec of the one to begin with, empty = any;
+ * what is there now under that name must be a panel like all others. On failure *out_device is untouched, and err says why:
+ *   LF_E_NODEV   no panel is there: worth trying again when something is plugged in
+ *   LF_E_BUSY    another program has it
+ *   LF_E_IO      there is one that cannot be used for now: it does not answer, its calibration is not known, no permission */
+LF_NODISCARD lf_status lf_device_find(const char *first, const lf_calibration *calibration, lf_device **out_device, lf_error *err);
+/* A "none" whose info.problem says `problem`. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_none_create(const char *problem, lf_device **out_device, lf_error *err);
+/* Opens by spec "KIND[:ARGUMENT]" (at most 511 bytes). "auto" = what lf_device_find finds, else "none" with info.problem saying why
+ * there is nothing. Errors as lf_device_ops.open; LF_E_ARG for an unknown kind. On LF_OK the caller owns *out_device.
  *   none                        takes and counts everything, shows nothing, has no calibration
  *   drm[:OUTPUT]                a display output without a desktop: device/drm.c
  *   window[:MONITOR]            a monitor of a desktop: device/window.c

@@ -13,12 +13,9 @@ extern const lf_device_ops lf_usb_ops;
 /* The members in the order in which "auto" looks for panels, ended by NULL. */
 extern const lf_device_ops *const lf_device_table[];
 
-/* "auto" over a table (ended by NULL): the first panel that a probe finds and open opens, else none with a problem. */
-LF_NODISCARD lf_status lf_device_open_auto(const lf_device_ops *const table[], const lf_calibration *calibration,
-                                           lf_device **out_device, lf_error *err);
-
-/* A "none" that says `problem`. */
-LF_NODISCARD lf_status lf_none_create(const char *problem, lf_device **out_device, lf_error *err);
+/* lf_device_find over a table (ended by NULL). */
+LF_NODISCARD lf_status lf_device_find_in(const lf_device_ops *const table[], const char *first, const lf_calibration *calibration,
+                                         lf_device **out_device, lf_error *err);
 
 /* What lf_device_ops.push asks of its arguments, for a panel of width x height pixels; false = LF_E_ARG. */
 bool lf_device_push_fits(int width, int height, const lf_image8 *frame, const lf_rect *rects, int n);

@@ -110,31 +110,29 @@ static void list_has_what_can_be_opened(void **state)
     assert_int_equal(lf_device_list(list, 0), 0);
 }
 
-static void auto_without_a_panel_is_none_with_a_word(void **state)
+static void without_a_panel_none_is_found(void **state)
 {
     (void)state;
     static const lf_device_ops *const no_panels[] = {&lf_sim_ops, &lf_none_ops, NULL};
     lf_device *device = NULL;
-    lf_device_info info;
-    lf_assert_ok(lf_device_open_auto(no_panels, NULL, &device, NULL), NULL);
-    device->ops->info(device, &info);
-    assert_string_equal(info.kind, "none");
-    assert_non_null(strstr(info.problem, "no panel"));
-    lf_device_destroy(device);
+    lf_error err = {0};
+    lf_assert_status(lf_device_find_in(no_panels, "", NULL, &device, &err), LF_E_NODEV, &err);
+    assert_string_equal(err.what, "no panel was found");
+    assert_null(device);
 }
 
-/* A kind with two panels, the first of which is in use. */
+/* A kind with panels of which one is in use. Opens as a "none" whose problem is the name. */
 static lf_status fake_open(const char *argument, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
 {
     (void)calibration;
-    if (strcmp(argument, "free") != 0)
+    if (strcmp(argument, "taken") == 0)
         return lf_error_set(err, LF_E_BUSY, argument, "another program has it");
-    return lf_none_create("stands for a panel", out_device, err);
+    return lf_none_create(argument, out_device, err);
 }
 
 static int probe_n(lf_device_info *out, int max, int n)
 {
-    static const char *const specs[] = {"fake:taken", "fake:free"};
+    static const char *const specs[] = {"fake:taken", "fake:free", "fake:free too"};
     n = n < max ? n : max;
     for (int i = 0; i < n; i++) {
         out[i] = (lf_device_info){.kind = "fake", .model = "a panel"};
@@ -163,29 +161,60 @@ static int probe_two(lf_device_info *out, int max)
     return probe_n(out, max, 2);
 }
 
-static void auto_takes_the_first_panel_that_opens(void **state)
+static int probe_open(lf_device_info *out, int max)
+{
+    int n = probe_n(out, max, 3);
+    memmove(out, out + 1, (size_t)(n - 1) * sizeof *out);
+    return n - 1;
+}
+
+static void assert_finds(const lf_device_ops *const table[], const char *first, const char *expected)
+{
+    lf_device *device = NULL;
+    lf_device_info info;
+    lf_error err = {0};
+    lf_assert_ok(lf_device_find_in(table, first, NULL, &device, &err), &err);
+    device->ops->info(device, &info);
+    assert_string_equal(info.problem, expected);
+    lf_device_destroy(device);
+}
+
+static void assert_finds_none(const lf_device_ops *const table[], const char *first, lf_status status, const char *why)
+{
+    lf_device *device = NULL;
+    lf_error err = {0};
+    lf_assert_status(lf_device_find_in(table, first, NULL, &device, &err), status, &err);
+    assert_string_equal(err.what, why);
+    assert_null(device);
+}
+
+static void the_first_panel_that_opens_is_found(void **state)
 {
     (void)state;
     const lf_device_ops two = {.kind = "fake", .probe = probe_two, .open = fake_open};
     const lf_device_ops one = {.kind = "fake", .probe = probe_one, .open = fake_open};
-    const lf_device_ops *const with_free[] = {&lf_sim_ops, &two, &lf_none_ops, NULL};
-    const lf_device_ops *const all_taken[] = {&one, NULL};
-    lf_device *device = NULL;
-    lf_device_info info;
-    lf_assert_ok(lf_device_open_auto(with_free, NULL, &device, NULL), NULL);
-    device->ops->info(device, &info);
-    assert_string_equal(info.problem, "stands for a panel");
-    lf_device_destroy(device);
-    lf_assert_ok(lf_device_open_auto(all_taken, NULL, &device, NULL), NULL);
-    device->ops->info(device, &info);
-    assert_string_equal(info.problem, "fake:taken cannot be used: another program has it");
-    lf_device_destroy(device);
     const lf_device_ops unknown = {.kind = "fake", .probe = probe_unknown, .open = fake_open};
-    const lf_device_ops *const no_panels[] = {&unknown, NULL};
-    lf_assert_ok(lf_device_open_auto(no_panels, NULL, &device, NULL), NULL);
-    device->ops->info(device, &info);
-    assert_string_equal(info.problem, "it does not say what it is");
-    lf_device_destroy(device);
+    const lf_device_ops *const with_free[] = {&lf_sim_ops, &two, &lf_none_ops, NULL};
+    const lf_device_ops *const all_taken[] = {&one, NULL}, *const no_panels[] = {&unknown, NULL};
+    const lf_device_ops *const taken_and_unknown[] = {&one, &unknown, NULL};
+    assert_finds(with_free, "", "free");
+    assert_finds_none(all_taken, "", LF_E_BUSY, "fake:taken cannot be used: another program has it");
+    assert_finds_none(no_panels, "", LF_E_NODEV, "it does not say what it is");
+    assert_finds_none(taken_and_unknown, "", LF_E_BUSY, "fake:taken cannot be used: another program has it");
+}
+
+/* What was there before may be another thing by now: an ordinary monitor on the panel's output. */
+static void what_was_there_last_comes_first_only_while_it_is_a_panel(void **state)
+{
+    (void)state;
+    const lf_device_ops open = {.kind = "fake", .probe = probe_open, .open = fake_open};
+    const lf_device_ops unknown = {.kind = "fake", .probe = probe_unknown, .open = fake_open};
+    const lf_device_ops *const with_two[] = {&open, NULL}, *const no_panels[] = {&unknown, NULL};
+    assert_finds(with_two, "", "free");
+    assert_finds(with_two, "fake:free too", "free too");
+    assert_finds(with_two, "fake:monitor", "free"); /* it could be opened by this name, and is not listed */
+    assert_finds(with_two, "fakes:free too", "free");
+    assert_finds_none(no_panels, "fake:free", LF_E_NODEV, "it does not say what it is");
 }
 
 static void texts_are_sanitised_and_cut_between_characters(void **state)
@@ -211,8 +240,9 @@ int main(void)
         cmocka_unit_test(none_takes_and_counts_everything),
         cmocka_unit_test(all_kinds_are_in_the_table),
         cmocka_unit_test(list_has_what_can_be_opened),
-        cmocka_unit_test(auto_without_a_panel_is_none_with_a_word),
-        cmocka_unit_test(auto_takes_the_first_panel_that_opens),
+        cmocka_unit_test(without_a_panel_none_is_found),
+        cmocka_unit_test(the_first_panel_that_opens_is_found),
+        cmocka_unit_test(what_was_there_last_comes_first_only_while_it_is_a_panel),
         cmocka_unit_test(texts_are_sanitised_and_cut_between_characters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
