@@ -84,6 +84,7 @@ typedef struct lf_panel {
     uint64_t number;      /* rises with every panel that is not the one before; frames carry it */
     bool has_views;       /* it takes the views behind a frame too */
     char last[512];       /* the panel that was open last, as its spec; empty = none yet */
+    lf_status found;      /* what lf_device_find said last, for "auto" */
     bool has_calibration; /* of the device or --calibration */
     lf_calibration calibration;
     sd_event_source *io, *retry;

@@ -341,12 +341,12 @@ static void stays_missing(lf_server *server, const lf_errand *errand)
         panel->problem = errand->err;
         memcpy(panel->spec, errand->spec, sizeof panel->spec);
     }
-    if (errand->before[0] != '\0') {
+    if (errand->before[0] != '\0' && !errand->again) {
         open_errand(server, errand->before, errand->number, false, NULL);
     } else if (!wanted || worth_another_try(errand->status)) {
         try_later(server, errand->status);
     }
-    if (!errand->again) {
+    if (!errand->again || errand->before[0] != '\0') {
         tell_device(server);
     }
 }
@@ -393,13 +393,21 @@ void lf_server_drop_errands(lf_server *server)
     }
 }
 
+/* Whether "none" stands in for a panel. */
+static bool is_stand_in(const lf_panel *panel)
+{
+    return panel->device != NULL && shows_nothing(panel->device) && strcmp(panel->wanted, "auto") == 0;
+}
+
 /* While no panel is there. */
 static void look_again(lf_server *server)
 {
     const lf_panel *panel = &server->panel;
     if (panel->plugged) { /* while it was being looked for */
         lf_server_retry(server, 0);
-    } else if (panel->device != NULL && strcmp(panel->wanted, "auto") == 0 && !server->told_of_plugs) {
+    } else if (is_stand_in(panel) && panel->found != LF_E_NODEV) { /* nothing need be plugged in for it to be usable */
+        try_later(server, panel->found);
+    } else if (is_stand_in(panel) && !server->told_of_plugs) {
         lf_server_retry(server, SEARCH_USEC);
     }
 }
@@ -410,6 +418,9 @@ static void on_opened(void *reader, lf_letter *letter)
     lf_panel *panel = &server->panel;
     lf_errand *errand = (lf_errand *)(void *)letter;
     panel->opening[lf_lane_of(errand->spec)] = NULL;
+    if (strcmp(errand->spec, "auto") == 0) {
+        panel->found = errand->found;
+    }
     if (server->stopping) {
         drop_errand(server, errand);
         return;
@@ -448,9 +459,7 @@ static int on_retry(sd_event_source *source, uint64_t usec, void *context)
     (void)usec;
     sd_event_source_disable_unref(panel->retry);
     panel->retry = NULL;
-    bool searches =
-        strcmp(panel->wanted, "auto") == 0 && (panel->plugged || !server->told_of_plugs) && shows_nothing(panel->device);
-    if (panel->device == NULL || searches) {
+    if (panel->device == NULL || is_stand_in(panel)) {
         lf_server_open_again(server);
     }
     lf_server_pump(server);
