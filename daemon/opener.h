@@ -7,13 +7,14 @@
 #include "daemon/worker.h"
 #include "device/buttons.h"
 #include "device/device.h"
+#include "device/edid.h"
 
 typedef enum lf_errand_kind {
     LF_ERRAND_OPEN,    /* a device by its spec */
     LF_ERRAND_CLOSE,   /* an open device, or its buttons */
     LF_ERRAND_LIST,    /* the devices there are */
     LF_ERRAND_BUTTONS, /* the buttons of the panel with this serial number */
-    LF_ERRAND_CHECK,   /* whether a cached calibration is that of what is plugged in */
+    LF_ERRAND_CHECK,   /* whether what is plugged in has another calibration for a display than the cached one */
 } lf_errand_kind;
 
 /* A thread each. */
@@ -37,7 +38,8 @@ typedef struct lf_errand {
     const char *calibration; /* OPEN: a file, NULL = the device's own; borrowed */
     char first[512];         /* OPEN: where "auto" begins: the panel that was there last; empty = none */
     bool panel_only;     /* OPEN: "auto" that finds no panel fails like lf_device_find, and is not a device that shows nothing */
-    lf_calibration used; /* CHECK */
+    lf_calibration used; /* CHECK: the cached one … */
+    lf_edid display;     /* … and what it was found for */
     /* the poster's own */
     void *ticket;
     struct lf_errand *next;

@@ -1,5 +1,6 @@
 /* A panel that was shown with what the cache knows, because its own calibration was not there yet: a drive takes seconds to appear, and the
- * USB cable may come last. When it comes it is read, and where it says otherwise the panel is opened anew. */
+ * USB cable may come last. When it comes it is read, and where the panel would get another one now it is opened anew. */
+#include <stdio.h>
 #include <string.h>
 
 #include "base/log.h"
@@ -13,6 +14,15 @@ static bool is_from_cache(const lf_panel *panel)
     }
     panel->device->ops->info(panel->device, &info);
     return strncmp(info.calibration_from, "cache", 5) == 0;
+}
+
+/* The display as it calls itself, in its native mode, which is the calibration's. */
+static void describe_display(const lf_panel *panel, lf_edid *out)
+{
+    lf_device_info info;
+    panel->device->ops->info(panel->device, &info);
+    *out = (lf_edid){.width_px = panel->calibration.screen_width_px, .height_px = panel->calibration.screen_height_px};
+    snprintf(out->name, sizeof out->name, "%.*s", (int)sizeof out->name - 1, info.model);
 }
 
 static void on_checked(void *reader, lf_letter *letter)
@@ -44,6 +54,7 @@ void lf_server_check_calibration(lf_server *server)
     lf_errand *errand = lf_errand_create(LF_ERRAND_CHECK);
     if (errand != NULL) {
         errand->used = server->panel.calibration;
+        describe_display(&server->panel, &errand->display);
         errand->letter.open = on_checked;
         server->checking = true;
         lf_opener_queue(server->opener, errand);

@@ -22,7 +22,8 @@ typedef struct lf_device lf_device;
 typedef struct lf_device_info {
     char spec[512]; /* what --device takes to get this one: "sim:/run/x", "none" */
     char kind[16];  /* member of the table: "sim", "none" */
-    char model[64], serial[64];
+    char model[64]; /* the display's own name (EDID), where it has one */
+    char serial[64];
     char calibration_from[256]; /* where the calibration came from; empty = none */
     char output[64];            /* "file", connector, USB address */
     char problem[256];          /* what is wrong and what to do; empty = nothing */

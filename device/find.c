@@ -65,27 +65,6 @@ static int find_plugged(lf_found *out, int max)
     return n + lf_drive_list(&lf_drive_system, out + n, max - n);
 }
 
-bool lf_found_deny(const lf_found *found, int n, const lf_calibration *cached)
-{
-    bool others = false, itself = false;
-    for (int i = 0; i < n; i++) {
-        const lf_calibration *c = &found[i].calibration;
-        if (found[i].problem[0] != 0)
-            continue;
-        itself = itself || memcmp(c, cached, sizeof *c) == 0;
-        others = others || (c->screen_width_px == cached->screen_width_px && c->screen_height_px == cached->screen_height_px);
-    }
-    return others && !itself;
-}
-
-bool lf_find_denies(const lf_calibration *cached)
-{
-    lf_found *found = lf_calloc(MAX_FOUND, sizeof *found);
-    bool denies = found != NULL && lf_found_deny(found, find_plugged(found, MAX_FOUND), cached);
-    lf_free(found);
-    return denies;
-}
-
 int lf_find_all(lf_found *out, int max)
 {
     int n = find_plugged(out, max);
@@ -228,6 +207,24 @@ const lf_found *lf_find_match(const lf_found *found, int n, const lf_edid *displ
     else if (match == NULL)
         nothing_fits(found, n, display, n_fit, err);
     return match;
+}
+
+bool lf_found_deny(const lf_found *found, int n, const lf_edid *display, const lf_calibration *cached)
+{
+    lf_edid known = *display;
+    for (int i = 0; i < n && known.serial[0] == 0; i++)
+        if (memcmp(&found[i].calibration, cached, sizeof *cached) == 0 && was_found_for(&found[i], display))
+            memcpy(known.serial, found[i].display.serial, sizeof known.serial);
+    const lf_found *match = lf_find_match(found, n, &known, NULL);
+    return match != NULL && match->source != LF_SOURCE_CACHE && memcmp(&match->calibration, cached, sizeof *cached) != 0;
+}
+
+bool lf_find_denies(const lf_edid *display, const lf_calibration *cached)
+{
+    lf_found *found = lf_calloc(MAX_FOUND, sizeof *found);
+    bool denies = found != NULL && lf_found_deny(found, lf_find_all(found, MAX_FOUND), display, cached);
+    lf_free(found);
+    return denies;
 }
 
 static void tell_source(const lf_found *found, char out[256])

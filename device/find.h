@@ -34,18 +34,18 @@ int lf_find_all(lf_found *out, int max);
 /* Those over HID alone: the panels that have buttons. */
 int lf_find_hid(lf_found *out, int max);
 
-/* Whether found[n], what is plugged in, says otherwise than a calibration that came from the cache: there are calibrations for its size,
- * and none of them is it. */
-bool lf_found_deny(const lf_found *found, int n, const lf_calibration *cached);
-/* The same of what is plugged in now. */
-bool lf_find_denies(const lf_calibration *cached);
-
 /* The calibration for a display among found[n]: the one whose serial or label begins with the display's name or serial number (of 5
  * characters or more), or that was found for this display before; else the only one whose screen size is the display's, unless
  * it was found for another; else, when the display says nothing of itself, the only one there is. Each time what is plugged in
  * goes before the cache. NULL = none, with err telling what was found instead and
  * what to do: LF_E_NODEV, or LF_E_FORMAT when the display's own panel is there and cannot be read (the cache may still help then). */
 const lf_found *lf_find_match(const lf_found *found, int n, const lf_edid *display, lf_error *err);
+
+/* Whether what is plugged in says otherwise of a display than the calibration that the cache had for it: what lf_find_match chooses of
+ * found[n] is plugged in, and is not that. A serial number that the display does not tell is taken from the cache. */
+bool lf_found_deny(const lf_found *found, int n, const lf_edid *display, const lf_calibration *cached);
+/* The same of what lf_find_all finds now. */
+bool lf_find_denies(const lf_edid *display, const lf_calibration *cached);
 
 /* lf_find_all and lf_find_match in one: what the devices that show on a display call. *out_from[256] tells where it came from. Remembers it
  * in the cache, with the display. LF_E_NODEV: none; LF_E_FORMAT: the one that matches is damaged. */

@@ -152,18 +152,44 @@ static void what_was_found_instead_is_told(void **state)
 static void what_is_plugged_in_later_denies_a_cached_calibration(void **state)
 {
     (void)state;
-    const lf_found used = place(LF_SOURCE_CACHE, "LKG-P1", "LKG-PORT-1", 1536, 2048);
+    const lf_edid named = display("LKG-P1", "", 1536, 2048), nameless = display("HDMI-A-1", "", 1536, 2048);
     lf_found found[] = {
         place(LF_SOURCE_HID, "HoloPlay", "LKG-2K-1", 2560, 1600), /* another's: a smaller one */
         broken(LF_SOURCE_DRIVE, "LKG-P9", "damaged"),
         place(LF_SOURCE_DRIVE, "LKG-P1", "LKG-PORT-1", 1536, 2048),
         place(LF_SOURCE_DRIVE, "LKG-P2", "LKG-PORT-2", 1536, 2048),
     };
-    assert_false(lf_found_deny(found, 2, &used.calibration));
-    assert_false(lf_found_deny(found, 4, &used.calibration)); /* it is there itself */
+    const lf_calibration used = found[2].calibration;
+    assert_false(lf_found_deny(found, 2, &named, &used));
+    assert_false(lf_found_deny(found, 2, &nameless, &used));
+    assert_false(lf_found_deny(found, 4, &named, &used)); /* it is there itself */
     found[2].calibration.pitch += 1e-6;
-    assert_true(lf_found_deny(found, 4, &used.calibration));
-    assert_true(lf_found_deny(found, 3, &used.calibration));
+    assert_true(lf_found_deny(found, 4, &named, &used));
+    assert_true(lf_found_deny(found, 3, &nameless, &used));
+    assert_false(lf_found_deny(found, 4, &nameless, &used)); /* one of two: nobody knows which */
+}
+
+/* To open a panel anew that gets the same lens again would only interrupt the picture. */
+static void a_cached_calibration_that_would_be_taken_again_is_not_denied(void **state)
+{
+    (void)state;
+    const lf_edid one = display("LKG01Do12HjQE", "", 2560, 1600), desktops = display("Looking Glass", "", 2560, 1600);
+    lf_found found[] = {
+        place(LF_SOURCE_HID, "HoloPlay", "LKG-2K-2", 2560, 1600),
+        place(LF_SOURCE_CACHE, "LKG-2K-1", "LKG-2K-1", 2560, 1600),
+    };
+    const lf_calibration used = found[1].calibration;
+    found[1].display = one;
+    assert_match(found, 2, one, 1);
+    assert_false(lf_found_deny(found, 2, &one, &used));
+    assert_true(lf_found_deny(found, 2, &desktops, &used)); /* found by its size alone, and now by that of what is plugged in */
+    /* two of the same name: the serial number, which only the cache tells here, says which is which */
+    snprintf(found[0].display.name, sizeof found[0].display.name, "%s", one.name);
+    snprintf(found[0].display.serial, sizeof found[0].display.serial, "2");
+    snprintf(found[1].display.serial, sizeof found[1].display.serial, "1");
+    assert_false(lf_found_deny(found, 2, &one, &used));
+    found[0].display.serial[0] = '1';
+    assert_true(lf_found_deny(found, 2, &one, &used));
 }
 
 /* A calibration whose every field is its own. */
@@ -357,6 +383,7 @@ int main(void)
         cmocka_unit_test(an_unreadable_panel_is_told_and_only_the_cache_stands_in),
         cmocka_unit_test(what_was_found_instead_is_told),
         cmocka_unit_test(what_is_plugged_in_later_denies_a_cached_calibration),
+        cmocka_unit_test(a_cached_calibration_that_would_be_taken_again_is_not_denied),
         cmocka_unit_test(the_cache_knows_which_display_a_calibration_was_found_for),
         cmocka_unit_test(the_cache_gives_back_what_was_stored),
         cmocka_unit_test(a_serial_leads_nowhere_else),
