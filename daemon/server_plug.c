@@ -7,6 +7,7 @@
 #include "base/errno_text.h"
 #include "base/log.h"
 #include "daemon/server.h"
+#include "device/find.h"
 
 /* Where a panel, its calibration or its buttons may appear. */
 static const struct {
@@ -14,12 +15,14 @@ static const struct {
 } watched[] = {{"usb", "usb_device"}, {"hidraw", NULL}, {"drm", NULL}, {"block", NULL}};
 
 /* udisks2 has the kernel tell of a drive again when it has mounted it. Searches have drives mounted: taken for news, each would lead to
- * the next. */
+ * the next. What others mount, which may be what the user was asked to do, is news. */
 static bool is_echo(sd_device *device, const char *subsystem, sd_device_action_t action)
 {
     const char *text;
+    dev_t number;
     return action == SD_DEVICE_CHANGE && strcmp(subsystem, "block") == 0 &&
-           sd_device_get_property_value(device, "SYNTH_UUID", &text) >= 0;
+           sd_device_get_property_value(device, "SYNTH_UUID", &text) >= 0 && sd_device_get_devnum(device, &number) >= 0 &&
+           lf_find_touches(number);
 }
 
 /* The kernel's words for the USB numbers of panels and of displays with an open protocol: as in systemd/70-quiltd.rules. */

@@ -266,16 +266,20 @@ static bool is_mounted(const lf_drive_places *places, const char *device)
     return found;
 }
 
-static void look_at_device(const char *device, const char *label, lf_found *out)
+/* False when it is mounted by now: then it is read where that is. */
+static bool look_at_device(const char *device, const char *label, lf_found *out)
 {
     lf_udisks *mount = NULL;
     lf_error why = {0};
     *out = (lf_found){.source = LF_SOURCE_DRIVE};
     lf_status status = lf_udisks_mount(device, lf_udisks_patient_ms, &mount, &why);
+    if (status == LF_E_BUSY)
+        return false;
     if (status == LF_OK)
         status = lf_drive_read(lf_udisks_folder(mount), &out->calibration, &why);
     fill(out, device, label, status, &why);
     lf_udisks_unmount(mount);
+    return true;
 }
 
 static int list_unmounted(const lf_drive_places *places, lf_found *out, int max)
@@ -288,7 +292,7 @@ static int list_unmounted(const lf_drive_places *places, lf_found *out, int max)
     for (struct dirent *e = readdir(dir); e != NULL && n < max; e = readdir(dir)) {
         decode_label(e->d_name, label, sizeof label);
         if (is_panel_label(label) && device_of(places->by_label, e->d_name, device) && !is_mounted(places, device))
-            look_at_device(device, label, &out[n++]);
+            n += look_at_device(device, label, &out[n]);
     }
     closedir(dir);
     return n;
@@ -296,8 +300,9 @@ static int list_unmounted(const lf_drive_places *places, lf_found *out, int max)
 
 int lf_drive_list(const lf_drive_places *places, lf_found *out, int max)
 {
-    int n = list_mounted(places, out, max);
-    return n + list_unmounted(places, out + n, max - n);
+    /* In this order: what is mounted by others meanwhile is not missed. */
+    int n = list_unmounted(places, out, max);
+    return n + list_mounted(places, out + n, max - n);
 }
 
 bool lf_drive_is_there(const lf_drive_places *places, char out_label[64])

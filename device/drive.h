@@ -37,7 +37,7 @@ extern const int lf_udisks_patient_ms;
 
 /* Asks udisks2 (on the system's bus) to mount a block device with ro,nosuid,nodev,noexec, without asking anybody for a password, and
  * takes no longer than total_ms, whoever does not answer (and 2 s to undo a mount that may come too late). On LF_OK *out is the
- * caller's: lf_udisks_unmount it. LF_E_IO: err says what to do. */
+ * caller's: lf_udisks_unmount it. LF_E_BUSY: somebody else has mounted it meanwhile. LF_E_IO: err says what to do. */
 LF_NODISCARD lf_status lf_udisks_mount(const char *device, int total_ms, lf_udisks **out, lf_error *err);
 /* Where it is mounted; valid until unmounting. */
 const char *lf_udisks_folder(const lf_udisks *mount);

@@ -9,6 +9,8 @@
 #ifndef LF_DEVICE_FIND_H
 #define LF_DEVICE_FIND_H
 
+#include <sys/types.h>
+
 #include "base/calibration.h"
 #include "device/edid.h"
 
@@ -54,6 +56,9 @@ LF_NODISCARD lf_status lf_find_for_display(const lf_edid *display, lf_calibratio
 /* Where the calibration for a display will probably come from, without asking any panel or drive: in words of lf_find_for_display, from the
  * cache, or from what is plugged in and was not read yet. False (out_from empty): from nowhere that is known. */
 bool lf_find_promise(const lf_edid *display, char out_from[256]);
+
+/* Whether looking for calibrations has, or until 5 s ago had, this block device mounted: the kernel tells of it again then, which is no news. */
+bool lf_find_touches(dev_t device);
 
 /* The cache: a file a panel, called by lf_found_name (which is the label of what is listed), under $CACHE_DIRECTORY/panels (systemd's),
  * else $XDG_CACHE_HOME/quiltd/panels, else ~/.cache/quiltd/panels. Writing replaces whole files. A cache that cannot be written is

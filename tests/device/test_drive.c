@@ -21,6 +21,9 @@
 static const char good[] = "{\"serial\":\"LKG-PORT-TEST\",\"pitch\":52.5,\"slope\":-7.25,\"center\":0.375,\"viewCone\":40,"
                            "\"DPI\":324,\"screenW\":1536,\"screenH\":2048}";
 
+/* The number of the test's block devices, which are files. */
+enum { NO_DEVICE = 0 };
+
 /* A machine of the test's own: volumes, a list of mounts and a folder of labels. */
 typedef struct machine {
     char *folder;
@@ -101,6 +104,15 @@ static const char *add_label(machine *m, const char *device, const char *label)
     const char *path = path_of(m, "%s", device);
     lf_test_write(m->folder, device, "");
     assert_int_equal(symlink(path, lf_test_path(m->by_label, label)), 0);
+    return path;
+}
+
+/* The device by a path as mountinfo has it: sources are looked at only below /dev. */
+static const char *below_dev(machine *m, const char *device)
+{
+    assert_true(m->n_paths < 16);
+    char *path = m->paths[m->n_paths++];
+    snprintf(path, PATH_MAX, "/dev/..%.4000s", device);
     return path;
 }
 
@@ -277,10 +289,7 @@ static void the_label_is_that_of_the_device(void **state)
     const char *device = add_label(m, "sda1", "LKG-P\\x20\\xc3\\xa4\\x1b\\x5c");
     add_label(m, "sdb1", "OTHER");
     const char *volume = make_volume(m, "usb", good, strlen(good));
-    /* sources are looked at only below /dev */
-    char source[PATH_MAX];
-    snprintf(source, sizeof source, "/dev/..%s", device);
-    add_mount(m, volume, source);
+    add_mount(m, volume, below_dev(m, device));
     assert_int_equal(lf_drive_list(&m->places, found, 2), 1);
     assert_string_equal(found[0].label, "LKG-P \xc3\xa4?\\");
     assert_string_equal(found[0].problem, "");
@@ -320,11 +329,13 @@ typedef struct fake {
     int wake[2];           /* a byte, and the thread ends */
     const char *refusal;   /* name of the error that Mount gives; NULL = it mounts … */
     const char *folder;    /* … here */
+    machine *desktop;      /* it mounts what Mount is called for in this folder, just before; NULL = nobody does */
     bool stranger;         /* ResolveDevice knows no device */
     bool late;             /* Mount is not answered */
     char device[PATH_MAX]; /* asked for */
     char options[64];      /* … with these options … */
     bool no_interaction;   /* … and without questions */
+    bool touches;          /* it was said to be mounted by ourselves when Mount was called */
     int n_mounts, n_unmounts;
 } fake;
 
@@ -366,6 +377,9 @@ static int serve(sd_bus_message *message, void *data, sd_bus_error *error)
         f->n_mounts++;
         if (f->late)
             return 1;
+        f->touches = lf_find_touches(NO_DEVICE);
+        if (f->desktop != NULL)
+            add_mount(f->desktop, f->folder, below_dev(f->desktop, f->device));
         return f->refusal != NULL ? sd_bus_error_set(error, f->refusal, "it said no\x1b[31m")
                                   : sd_bus_reply_method_return(message, "s", f->folder);
     }
@@ -488,19 +502,37 @@ static void an_unmounted_drive_is_mounted_for_reading_only_and_unmounted(void **
     assert_true(f.no_interaction);
     assert_int_equal(f.n_mounts, 1);
     assert_int_equal(f.n_unmounts, 1);
+    assert_true(f.touches);
+    assert_true(lf_find_touches(NO_DEVICE)); /* for what is told of it late */
+    assert_false(lf_find_touches(NO_DEVICE + 1));
 }
 
 static void a_mounted_panel_is_not_mounted_again(void **state)
 {
     machine *m = *state;
     lf_found found[4];
-    char source[PATH_MAX];
-    snprintf(source, sizeof source, "/dev/..%s", add_label(m, "sda1", "LKG-P00671"));
+    const char *source = below_dev(m, add_label(m, "sda1", "LKG-P00671"));
     add_mount(m, make_volume(m, "usb", good, strlen(good)), source);
     setenv("DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nonexistent", 1);
     assert_int_equal(lf_drive_list(&m->places, found, 4), 1);
     assert_string_equal(found[0].problem, "");
     unsetenv("DBUS_SYSTEM_BUS_ADDRESS");
+}
+
+static void what_a_desktop_mounts_meanwhile_is_read_there(void **state)
+{
+    machine *m = *state;
+    fake f = {.refusal = "org.freedesktop.UDisks2.Error.AlreadyMounted", .folder = make_volume(m, "LKG-P1", good, strlen(good))};
+    f.desktop = m;
+    add_label(m, "sda1", "LKG-P1");
+    lf_found found = find_unmounted(m, &f);
+    assert_string_equal(found.problem, "");
+    assert_string_equal(found.calibration.serial, "LKG-PORT-TEST");
+    assert_string_equal(found.path, path_of(m, "LKG-P1/LKG_calibration/visual.json"));
+    assert_int_equal(f.n_mounts, 1);
+    assert_int_equal(f.n_unmounts, 0);
+    assert_true(f.touches);
+    assert_false(lf_find_touches(NO_DEVICE));
 }
 
 static void a_drive_is_unmounted_also_when_it_holds_nothing(void **state)
@@ -623,6 +655,7 @@ int main(void)
         test(real_calibrations_come_from_a_drive_unchanged),
         test(an_unmounted_drive_is_mounted_for_reading_only_and_unmounted),
         test(a_mounted_panel_is_not_mounted_again),
+        test(what_a_desktop_mounts_meanwhile_is_read_there),
         test(a_drive_is_unmounted_also_when_it_holds_nothing),
         test(a_refusal_says_what_to_do),
         test(a_bus_that_is_silent_is_not_waited_for_for_ever),
