@@ -20,6 +20,10 @@ wrap_test_faults := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hi
 # a display that hangs in place of libusb's
 wrap_test_stuck_display := -Wl,--wrap=lf_usb_list,--wrap=lf_usb_open
 
+# a display, an EEPROM and a udev of the test's own
+wrap_test_auto := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hid_list lf_hid_open lf_find_touches access \
+ $(addprefix sd_device_,monitor_attach_event monitor_start get_action get_subsystem get_devnum get_property_value))
+
 # files made as on file systems without O_TMPFILE
 wrap_test_file := -Wl,--wrap=open
 
