@@ -57,7 +57,8 @@ LF_NODISCARD lf_status lf_find_for_display(const lf_edid *display, lf_calibratio
  * cache, or from what is plugged in and was not read yet. False (out_from empty): from nowhere that is known. */
 bool lf_find_promise(const lf_edid *display, char out_from[256]);
 
-/* Whether looking for calibrations has, or until 5 s ago had, this block device mounted: the kernel tells of it again then, which is no news. */
+/* Whether looking for calibrations has, or until 5 s ago had, this block device mounted: the kernel tells of it again then, which is
+ * no news. */
 bool lf_find_touches(dev_t device);
 
 /* The cache: a file a panel, called by lf_found_name (which is the label of what is listed), under $CACHE_DIRECTORY/panels (systemd's),
