@@ -362,7 +362,7 @@ static lf_status run_fill(void *context, lf_pool *pool, lf_error *err)
     field *f = context;
 
     (void)err;
-    (void)lf_fill(f->n_views, f->width, f->height, 3, f->rgb, f->missing, 4, 16, f->filled, pool);
+    (void)lf_fill(f->n_views, f->width, f->height, f->rgb, f->missing, 4, 16, f->filled, pool);
     return LF_OK;
 }
 

@@ -16,19 +16,19 @@ typedef enum lf_load_kind {
 typedef struct lf_load {
     lf_letter letter; /* posted when it is done; the poster sets open */
     lf_load_kind kind;
-    char *file;              /* FILE: absolute; what it came to, after step */
     int step;                /* FILE: so many files on from `file` in its folder (lf_folder_neighbour); 0 = itself */
+    char *file;              /* FILE: absolute; what it came to, after step */
     const char *meant;       /* FILE: what the options are for, borrowed; in another quilt's name the layout wins over theirs */
     json_t *patch;           /* PATCH */
     double yaw, pitch, zoom; /* ORBIT: degrees to the right and up, and how many times nearer */
-    bool force;              /* APPLY: commit even when the settings come out the same */
     lf_options options;
-    bool has_calibration;
     lf_calibration calibration;
     int restore_fd; /* FILE: -1, or an accumulation to go on with (taken over) */
-    void *ticket;   /* the poster's */
-    bool browsed;   /* the poster's: a button asked for it, … */
-    bool reset;     /* … or for this */
+    bool has_calibration;
+    bool force;   /* APPLY: commit even when the settings come out the same */
+    bool browsed; /* the poster's: a button asked for it, … */
+    bool reset;   /* … or for this */
+    void *ticket; /* the poster's */
     /* the outcome */
     lf_status status;
     lf_error err; /* when status is not LF_OK */

@@ -140,7 +140,7 @@ lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfi
     views.data = picture->rgb;
     *out_unfilled = *out_blank = 0;
     if (lf_picture_missing(picture) > 0) {
-        lf_fill_counts counts = lf_fill(picture->n_views, picture->width, picture->height, 3, picture->rgb, picture->missing,
+        lf_fill_counts counts = lf_fill(picture->n_views, picture->width, picture->height, picture->rgb, picture->missing,
                                         LF_COARSE_REACH, LF_FILL_REACH, picture->filled, pool);
         *out_unfilled = counts.far;
         *out_blank = counts.unfilled;
@@ -152,7 +152,6 @@ lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfi
 void lf_picture_fill(const lf_picture *picture, lf_pool *pool, float *film)
 {
     if (lf_picture_missing(picture) > 0) {
-        (void)lf_fill(picture->n_views, picture->width, picture->height, 3 * sizeof *film, film, picture->missing, LF_COARSE_REACH,
-                      LF_FILL_REACH, film, pool);
+        lf_fill_film(picture->n_views, picture->width, picture->height, film, picture->missing, LF_FILL_REACH, pool);
     }
 }

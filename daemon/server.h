@@ -80,24 +80,24 @@ typedef struct lf_panel {
     char wanted[512];  /* the spec asked for, which is tried again when a device has gone … */
     char spec[512];    /* … and the one that is open, or could not be opened */
     lf_error problem;  /* why there is none */
-    bool has_problem;
-    uint64_t number;      /* rises with every panel that is not the one before; frames carry it */
-    bool has_views;       /* it takes the views behind a frame too */
-    char last[512];       /* the panel that was open last, as its spec; empty = none yet */
-    lf_status found;      /* what lf_device_find said last, for "auto" */
-    bool has_calibration; /* of the device or --calibration */
+    uint64_t number;   /* rises with every panel that is not the one before; frames carry it */
+    char last[512];    /* the panel that was open last, as its spec; empty = none yet */
     lf_calibration calibration;
     sd_event_source *io, *retry;
-    bool in_flight; /* a push is under way */
-    bool whole;     /* the next push must be the whole frame */
-    int64_t flying_generation;
+    bool has_problem;
+    bool has_calibration; /* of the device or --calibration */
+    bool has_views;       /* it takes the views behind a frame too */
+    bool plugged;         /* something was, since a device was last looked for */
+    bool in_flight;       /* a push is under way */
+    bool whole;           /* the next push must be the whole frame */
+    lf_status found;      /* what lf_device_find said last, for "auto" */
     lf_level flying_level;
+    int64_t flying_generation;
     double flying_passes;
     lf_device_counters before;    /* of devices closed by now */
     lf_errand *opening[LF_LANES]; /* under way; NULL = none … */
     lf_errand *queued;            /* … and those that wait for their lane, in the order of the calls */
     uint64_t wishes, taken;       /* so many so far; the number of the one whose device is, or was last, this panel's */
-    bool plugged;                 /* something was, since a device was last looked for */
     double retry_at;              /* lf_time_now when retry is due */
     uint64_t patience_usec;       /* before the next attempt that is not hurried */
 } lf_panel;

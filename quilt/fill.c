@@ -200,18 +200,32 @@ static void fill_view(void *context, int view, int worker)
     atomic_fetch_add_explicit(&job->n_far, b.n_far, memory_order_relaxed);
 }
 
-lf_fill_counts lf_fill(int n_views, int width, int height, size_t pixel_bytes, const void *pixels, const uint8_t *missing, int near,
-                       int reach, void *filled, lf_pool *pool)
+static lf_fill_counts fill(fill_job *job, int reach, lf_pool *pool)
 {
-    fill_job job = {.n_views = n_views, .width = width, .height = height, .near = near, .pixel = pixel_bytes, .missing = missing};
-    job.pixels = pixels;
-    job.filled = filled;
-    job.reach = reach < 0 ? 0 : reach > MAX_REACH ? MAX_REACH : reach;
-    bool done = pool && lf_pool_run(pool, n_views, fill_view, &job, NULL) == LF_OK;
-    for (int view = 0; view < n_views && !done; view++)
-        fill_view(&job, view, 0);
+    job->reach = reach < 0 ? 0 : reach > MAX_REACH ? MAX_REACH : reach;
+    bool done = pool && lf_pool_run(pool, job->n_views, fill_view, job, NULL) == LF_OK;
+    for (int view = 0; view < job->n_views && !done; view++)
+        fill_view(job, view, 0);
     return (lf_fill_counts){
-        .unfilled = atomic_load_explicit(&job.n_unfilled, memory_order_relaxed),
-        .far = atomic_load_explicit(&job.n_far, memory_order_relaxed),
+        .unfilled = atomic_load_explicit(&job->n_unfilled, memory_order_relaxed),
+        .far = atomic_load_explicit(&job->n_far, memory_order_relaxed),
     };
+}
+
+lf_fill_counts lf_fill(int n_views, int width, int height, const uint8_t *rgb, const uint8_t *missing, int near, int reach,
+                       uint8_t *filled, lf_pool *pool)
+{
+    fill_job job = {.n_views = n_views, .width = width, .height = height, .near = near, .missing = missing};
+    job.pixel = 3;
+    job.pixels = rgb;
+    job.filled = filled;
+    return fill(&job, reach, pool);
+}
+
+void lf_fill_film(int n_views, int width, int height, float *film, const uint8_t *missing, int reach, lf_pool *pool)
+{
+    fill_job job = {.n_views = n_views, .width = width, .height = height, .missing = missing};
+    job.pixel = 3 * sizeof *film;
+    job.pixels = job.filled = (uint8_t *)film;
+    (void)fill(&job, reach, pool);
 }

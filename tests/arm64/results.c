@@ -192,7 +192,7 @@ static void fills_and_rectangles(void)
         for (size_t c = 0; c < 3; c++)
             rgb[3 * i + c] = (uint8_t)lf_hash64(9, 3 * i + c);
     }
-    lf_fill_counts counts = lf_fill(VIEWS, WIDTH, HEIGHT, 3, rgb, missing, 1, 4, filled, NULL);
+    lf_fill_counts counts = lf_fill(VIEWS, WIDTH, HEIGHT, rgb, missing, 1, 4, filled, NULL);
     say("fill", mix(mix(start, &counts, sizeof counts), filled, 3 * n));
     lf_image8 a = {.width = WIDTH, .height = HEIGHT * VIEWS, .channels = 3, .stride = (size_t)WIDTH * 3, .data = rgb};
     lf_image8 b = a;

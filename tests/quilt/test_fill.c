@@ -69,14 +69,14 @@ static void assert_filled(scene *s, int reach, lf_pool *pool)
     memset(s->filled, 0xcc, bytes);
     uint64_t before = lf_alloc_count();
     int n_views = s->n_views, width = s->width, height = s->height, near = reach / 2;
-    lf_fill_counts less = lf_fill(n_views, width, height, 3, s->rgb, s->missing, near, near, s->filled, NULL);
+    lf_fill_counts less = lf_fill(n_views, width, height, s->rgb, s->missing, near, near, s->filled, NULL);
     assert_int_equal(less.unfilled, less.far);
-    lf_fill_counts counts = lf_fill(n_views, width, height, 3, s->rgb, s->missing, near, reach, s->filled, NULL);
+    lf_fill_counts counts = lf_fill(n_views, width, height, s->rgb, s->missing, near, reach, s->filled, NULL);
     assert_int_equal(counts.unfilled, s->n_unfilled);
     assert_int_equal(counts.far, less.far);
     assert_memory_equal(s->filled, s->expected, bytes);
     memcpy(s->filled, s->rgb, bytes);
-    counts = lf_fill(n_views, width, height, 3, s->filled, s->missing, 0, reach, s->filled, pool);
+    counts = lf_fill(n_views, width, height, s->filled, s->missing, 0, reach, s->filled, pool);
     assert_int_equal(counts.unfilled, s->n_unfilled);
     assert_memory_equal(s->filled, s->expected, bytes);
     assert_int_equal(lf_alloc_count(), before);
@@ -119,8 +119,8 @@ static void floats_are_filled_from_the_same_places_as_bytes(void **state)
         for (size_t c = 0; c < 3; c++)
             film[3 * i + c] = s.rgb[3 * i + c];
     }
-    (void)lf_fill(3, 130, 20, 3, s.rgb, s.missing, 4, 5, s.filled, NULL);
-    (void)lf_fill(3, 130, 20, 3 * sizeof *film, film, s.missing, 4, 5, film, NULL);
+    (void)lf_fill(3, 130, 20, s.rgb, s.missing, 4, 5, s.filled, NULL);
+    lf_fill_film(3, 130, 20, film, s.missing, 5, NULL);
     for (size_t i = 0; i < 3 * n; i++)
         assert_true(film[i] == (float)s.filled[i]);
     lf_free(film);
