@@ -30,7 +30,8 @@ typedef struct search {
     const char *first; /* its spec; empty = any */
     const lf_calibration *calibration;
     lf_device *device; /* the one that could be opened */
-    lf_status status;  /* LF_E_NODEV, until a panel was found that cannot be opened */
+    bool tried;        /* there was one that could not */
+    lf_status status;  /* LF_E_NODEV, until there was one that may be opened later without anything being plugged in */
     char problem[256];
 } search;
 
@@ -40,7 +41,9 @@ static bool try_panel(const lf_device_ops *ops, const lf_device_info *found, sea
     lf_status status = ops->open(argument_of(found->spec), s->calibration, &s->device, &why);
     if (status == LF_OK)
         return true;
-    s->status = status == LF_E_BUSY ? LF_E_BUSY : LF_E_IO;
+    s->tried = true;
+    if (status != LF_E_NODEV)
+        s->status = status == LF_E_BUSY ? LF_E_BUSY : LF_E_IO;
     snprintf(s->problem, sizeof s->problem, "%.100s cannot be used: %.130s", found->spec, why.what);
     return false;
 }
@@ -54,7 +57,7 @@ static bool try_kind(const lf_device_ops *ops, bool first, search *s)
         if ((strcmp(found[i].spec, s->first) == 0) != first)
             continue;
         if (found[i].model[0] == 0) { /* nobody knows whether it is a panel */
-            if (s->status == LF_E_NODEV)
+            if (!s->tried)
                 snprintf(s->problem, sizeof s->problem, "%.255s", found[i].problem);
             continue;
         }

@@ -121,9 +121,9 @@ struct lf_device {
 
 /* Opens the first panel found that says that it is one and can be opened. first: the spec of the one to begin with, empty = any;
  * what is there now under that name must be a panel like all others. On failure *out_device is untouched, and err says why:
- *   LF_E_NODEV   no panel is there: worth trying again when something is plugged in
+ *   LF_E_NODEV   no panel is there, or none whose calibration is known: worth trying again when something is plugged in
  *   LF_E_BUSY    another program has it
- *   LF_E_IO      there is one that cannot be used for now: it does not answer, its calibration is not known, no permission */
+ *   LF_E_IO      there is one that cannot be used for now: it does not answer, its calibration cannot be read, no permission */
 LF_NODISCARD lf_status lf_device_find(const char *first, const lf_calibration *calibration, lf_device **out_device, lf_error *err);
 /* A "none" whose info.problem says `problem`. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_none_create(const char *problem, lf_device **out_device, lf_error *err);

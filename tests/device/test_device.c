@@ -127,6 +127,8 @@ static lf_status fake_open(const char *argument, const lf_calibration *calibrati
     (void)calibration;
     if (strcmp(argument, "taken") == 0)
         return lf_error_set(err, LF_E_BUSY, argument, "another program has it");
+    if (strcmp(argument, "unmeasured") == 0)
+        return lf_error_set(err, LF_E_NODEV, argument, "its calibration is not known");
     return lf_none_create(argument, out_device, err);
 }
 
@@ -139,6 +141,13 @@ static int probe_n(lf_device_info *out, int max, int n)
         snprintf(out[i].spec, sizeof out[i].spec, "%s", specs[i]);
     }
     return n;
+}
+
+static int probe_unmeasured(lf_device_info *out, int max)
+{
+    assert_true(max > 0);
+    *out = (lf_device_info){.spec = "fake:unmeasured", .kind = "fake", .model = "a panel"};
+    return 1;
 }
 
 static int probe_unknown(lf_device_info *out, int max)
@@ -203,6 +212,18 @@ static void the_first_panel_that_opens_is_found(void **state)
     assert_finds_none(taken_and_unknown, "", LF_E_BUSY, "fake:taken cannot be used: another program has it");
 }
 
+/* Looking for it again and again would have its drive mounted each time. */
+static void a_panel_without_a_calibration_waits_for_what_is_plugged_in(void **state)
+{
+    (void)state;
+    const lf_device_ops unmeasured = {.kind = "fake", .probe = probe_unmeasured, .open = fake_open};
+    const lf_device_ops unknown = {.kind = "fake", .probe = probe_unknown, .open = fake_open};
+    const lf_device_ops taken = {.kind = "fake", .probe = probe_one, .open = fake_open};
+    const lf_device_ops *const alone[] = {&unmeasured, &unknown, NULL}, *const with_taken[] = {&unmeasured, &taken, NULL};
+    assert_finds_none(alone, "", LF_E_NODEV, "fake:unmeasured cannot be used: its calibration is not known");
+    assert_finds_none(with_taken, "", LF_E_BUSY, "fake:taken cannot be used: another program has it");
+}
+
 /* What was there before may be another thing by now: an ordinary monitor on the panel's output. */
 static void what_was_there_last_comes_first_only_while_it_is_a_panel(void **state)
 {
@@ -242,6 +263,7 @@ int main(void)
         cmocka_unit_test(list_has_what_can_be_opened),
         cmocka_unit_test(without_a_panel_none_is_found),
         cmocka_unit_test(the_first_panel_that_opens_is_found),
+        cmocka_unit_test(a_panel_without_a_calibration_waits_for_what_is_plugged_in),
         cmocka_unit_test(what_was_there_last_comes_first_only_while_it_is_a_panel),
         cmocka_unit_test(texts_are_sanitised_and_cut_between_characters),
     };
