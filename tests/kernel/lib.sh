@@ -82,3 +82,12 @@ screendump() { # name
     : > "$RESULTS/$1.ask"
     within 30 test ! -e "$RESULTS/$1.ask" || echo "the host takes no picture"
 }
+presses() { # the buttons to press on the simulated panel; they arrive in their order
+    local reader b
+    "$QUILTD_BUILD/tests/kernel/panel" buttons $# > pressed 2> watching &
+    reader=$!
+    within 60 grep -q watched watching
+    for b in "$@"; do sim_tell "press $b"; done
+    wait $reader || { echo "exit status $?"; cat watching; }
+    [ "$(paste -sd' ' pressed)" = "$*" ] || cat pressed
+}

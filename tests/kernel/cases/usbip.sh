@@ -4,14 +4,6 @@ panel=$QUILTD_BUILD/tests/kernel/panel
 
 lists() { usbip list -r 127.0.0.1 2>&1 | grep -q '04d8:ef7e' || usbip list -r 127.0.0.1; }
 printed_line() { sh -c "$(sed -n 's/^as root: //p' sim.log)" 2>&1; }
-presses() {
-    "$panel" buttons 1 > pressed &
-    local reader=$!
-    sleep 2
-    sim_tell "press circle"
-    wait "$reader" || echo "exit status $?"
-    [ "$(cat pressed)" = circle ] || cat pressed
-}
 detaches() { usbip detach -p 00 > detach.log 2>&1 || cat detach.log; }
 gone() { [ -z "$(hid_node)" ]; }
 
@@ -20,7 +12,7 @@ fact "usbip lists it" lists
 fact "the printed line plugs it in" printed_line
 fact "its nodes belong to the group quiltd" succeeds within 60 granted hid usb
 usbip port
-fact "a button arrives" presses
+fact "a button arrives" presses circle
 fact "rectangles are drawn" succeeds "$panel" draw 320x200 2 20 expected.png
 sim_tell picture
 fact "they are shown as they were drawn" "$panel" same expected.png shown.png
