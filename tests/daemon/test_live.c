@@ -343,6 +343,48 @@ static void exports_are_written_beneath_the_export_dir_only(void **state)
     live_finish(&l);
 }
 
+/* Share of the picture's pixels that are black. */
+static double black(const char *path)
+{
+    lf_image8 picture = {0};
+    lf_error err;
+    lf_assert_ok(lf_image8_read(path, NULL, &picture, &err), &err);
+    size_t n = (size_t)picture.width * (size_t)picture.height, dark = 0;
+    for (int y = 0; y < picture.height; y++) {
+        const uint8_t *p = picture.data + (size_t)y * picture.stride;
+        for (int x = 0; x < picture.width; x++, p += 3) {
+            dark += (p[0] | p[1] | p[2]) == 0;
+        }
+    }
+    lf_image8_finish(&picture);
+    return (double)dark / (double)n;
+}
+
+/* There is light everywhere in this scene, but rows that were not visited yet have none of their own. */
+static void an_export_of_a_coarse_picture_is_filled_as_the_screen_is(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, "--views", "45", "--view-size", "210x280", "--quilt", "5x9", NULL);
+    live_client c;
+    live_connect(&l, &c);
+    const char *end = "";
+    bool coarse = false;
+    for (int i = 0; i < 50 && !coarse; i++) {
+        assert_int_equal(live_code(&c, "camera.orbit", json_pack("{s:i}", "yaw", 5)), 0);
+        live_wait(&c, "coarse");
+        assert_int_equal(export_to(&c, "quilt", "q_qs5x9a0.75.png", true, &end), 0);
+        assert_string_equal(end, "done");
+        /* a picture that is coarse behind the export was so before */
+        coarse = strcmp(live_status_text(&c, "level"), "coarse") == 0;
+    }
+    assert_true(coarse);
+    assert_true(black(lf_test_path(l.exports, "q_qs5x9a0.75.png")) < 0.001);
+    live_close(&c);
+    live_finish(&l);
+}
+
 static void an_export_that_waits_can_be_cancelled(void **state)
 {
     (void)state;
@@ -719,6 +761,7 @@ int main(void)
         cmocka_unit_test(a_camera_that_is_reset_again_and_again_is_reset_last),
         cmocka_unit_test(a_refused_device_forgets_no_panel_that_is_unplugged),
         cmocka_unit_test(exports_are_written_beneath_the_export_dir_only),
+        cmocka_unit_test(an_export_of_a_coarse_picture_is_filled_as_the_screen_is),
         cmocka_unit_test(an_export_that_waits_can_be_cancelled),
         cmocka_unit_test(a_folder_that_is_swapped_leads_no_export_away),
         cmocka_unit_test(quiltctl_exports_with_the_rights_of_its_caller),
