@@ -98,7 +98,7 @@ static void run_letter(void *context, lf_letter *letter)
         errand->status = open_buttons(errand);
         break;
     case LF_ERRAND_CHECK:
-        errand->status = lf_find_denies(&errand->display, &errand->used) ? LF_E_FORMAT : LF_OK;
+        errand->denied = lf_find_denies(&errand->display, &errand->used);
         break;
     case LF_ERRAND_LIST:
         errand->n_devices = lf_device_list(errand->devices, LF_LISTED_DEVICES);

@@ -48,7 +48,8 @@ typedef struct lf_errand {
     bool again;       /* OPEN: a device that is missing is tried again */
     bool at_start;    /* OPEN: the daemon's own, of the command line */
     /* the outcome */
-    lf_status status;    /* CHECK: LF_E_FORMAT, when it is not */
+    lf_status status;
+    bool denied;         /* CHECK: what is plugged in has another one */
     lf_status found;     /* OPEN: what lf_device_find said; LF_OK when it was not asked */
     lf_error err;        /* OPEN: when status is not LF_OK */
     lf_device *device;   /* OPEN: the poster's to take, else closed with the errand; CLOSE: the one to close */

@@ -13,7 +13,7 @@ static bool is_from_cache(const lf_panel *panel)
         return false;
     }
     panel->device->ops->info(panel->device, &info);
-    return strncmp(info.calibration_from, "cache", 5) == 0;
+    return info.calibration_cached;
 }
 
 /* The display as it calls itself, in its native mode, which is the calibration's. */
@@ -32,7 +32,7 @@ static void on_checked(void *reader, lf_letter *letter)
     lf_errand *errand = (lf_errand *)(void *)letter;
     bool again = server->check_again;
     server->checking = server->check_again = false;
-    if (!server->stopping && is_from_cache(panel) && errand->status == LF_E_FORMAT &&
+    if (!server->stopping && is_from_cache(panel) && errand->denied &&
         memcmp(&errand->used, &panel->calibration, sizeof errand->used) == 0) {
         lf_log(LF_LOG_INFO, "%s: the panel's own calibration is not the cached one", panel->spec);
         lf_server_open_again(server);

@@ -25,6 +25,7 @@ typedef struct lf_device_info {
     char model[64]; /* the display's own name (EDID), where it has one */
     char serial[64];
     char calibration_from[256]; /* where the calibration came from; empty = none */
+    bool calibration_cached;    /* it was read before; the panel's own was not there */
     char output[64];            /* "file", connector, USB address */
     char problem[256];          /* what is wrong and what to do; empty = nothing */
 } lf_device_info;

@@ -34,7 +34,7 @@ typedef struct drm_device {
     /* immutable after open */
     const lf_kms_calls *kms;
     lf_calibration calibration;
-    char calibration_from[256];
+    lf_origin origin;    /* of the calibration */
     lf_device_info info; /* all but the problem */
     char name[LF_KMS_NAME];
     uint32_t connector;
@@ -246,9 +246,9 @@ static lf_status take_display(drm_device *drm, lf_error *err)
 static lf_status find_calibration(drm_device *drm, const lf_calibration *given, const lf_drm_found *found, lf_error *err)
 {
     if (given == NULL)
-        return lf_find_for_display(&found->edid, &drm->calibration, drm->calibration_from, err);
+        return lf_find_for_display(&found->edid, &drm->calibration, &drm->origin, err);
     drm->calibration = *given;
-    snprintf(drm->calibration_from, sizeof drm->calibration_from, "given by the caller");
+    drm->origin = (lf_origin){.words = "given by the caller"};
     return LF_OK;
 }
 
@@ -259,7 +259,7 @@ static lf_status check_size(const drm_device *drm, const struct drm_mode_modeinf
         return LF_OK;
     bool turned = mode->hdisplay == c->screen_height_px && mode->vdisplay == c->screen_width_px;
     return lf_error_set(err, LF_E_ARG, drm->name, "its native mode is %dx%d pixels, the calibration (%.80s) is for %dx%d%s",
-                        mode->hdisplay, mode->vdisplay, drm->calibration_from, c->screen_width_px, c->screen_height_px,
+                        mode->hdisplay, mode->vdisplay, drm->origin.words, c->screen_width_px, c->screen_height_px,
                         turned ? ": another model, or one of the two is turned" : ": it belongs to another panel");
 }
 
@@ -273,7 +273,8 @@ static void describe(drm_device *drm, const lf_drm_found *found)
     lf_device_text(info->model, sizeof info->model, found->edid.name[0] != 0 ? found->edid.name : "a monitor without a name");
     lf_device_text(info->serial, sizeof info->serial,
                    drm->calibration.serial[0] != 0 ? drm->calibration.serial : found->edid.serial);
-    lf_device_text(info->calibration_from, sizeof info->calibration_from, drm->calibration_from);
+    lf_device_text(info->calibration_from, sizeof info->calibration_from, drm->origin.words);
+    info->calibration_cached = drm->origin.cached;
 }
 
 /* Everything on the card: the display is ours, and would take pictures. */

@@ -266,7 +266,7 @@ static void remember(const lf_found *match, const lf_edid *display)
     lf_cache_store(&known);
 }
 
-lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, char *out_from, lf_error *err)
+lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, lf_origin *out_origin, lf_error *err)
 {
     lf_found *found = lf_calloc(MAX_FOUND, sizeof *found);
     lf_error why = {0};
@@ -276,7 +276,8 @@ lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, char 
     const lf_found *match = lf_find_match(found, n, display, &why);
     if (match != NULL) {
         *out = match->calibration;
-        tell_source(match, out_from);
+        tell_source(match, out_origin->words);
+        out_origin->cached = match->source == LF_SOURCE_CACHE;
         if (match->source != LF_SOURCE_CACHE)
             remember(match, display);
     } else if (err != NULL) {

@@ -49,9 +49,15 @@ bool lf_found_deny(const lf_found *found, int n, const lf_edid *display, const l
 /* The same of what lf_find_all finds now. */
 bool lf_find_denies(const lf_edid *display, const lf_calibration *cached);
 
-/* lf_find_all and lf_find_match in one: what the devices that show on a display call. *out_from[256] tells where it came from. Remembers it
- * in the cache, with the display. LF_E_NODEV: none; LF_E_FORMAT: the one that matches is damaged. */
-LF_NODISCARD lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, char *out_from, lf_error *err);
+/* Where a calibration came from. */
+typedef struct lf_origin {
+    char words[256]; /* for people: "EEPROM, /dev/hidraw0" */
+    bool cached;     /* LF_SOURCE_CACHE */
+} lf_origin;
+
+/* lf_find_all and lf_find_match in one: what the devices that show on a display call. Remembers the calibration in the cache, with the
+ * display. LF_E_NODEV: none; LF_E_FORMAT: the one that matches is damaged. */
+LF_NODISCARD lf_status lf_find_for_display(const lf_edid *display, lf_calibration *out, lf_origin *out_origin, lf_error *err);
 
 /* Where the calibration for a display will probably come from, without asking any panel or drive: in words of lf_find_for_display, from the
  * cache, or from what is plugged in and was not read yet. False (out_from empty): from nowhere that is known. */

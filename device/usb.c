@@ -32,7 +32,7 @@ typedef struct usb_device {
     /* immutable after open */
     lf_usb_place place;
     lf_calibration calibration;
-    char calibration_from[256];
+    lf_origin origin; /* of the calibration */
     lf_edid edid;
     lf_usb_link *link;
     /* the device's thread */
@@ -151,9 +151,9 @@ static void read_edid(usb_device *usb)
 static lf_status find_calibration(usb_device *usb, const lf_calibration *given, lf_error *err)
 {
     if (given == NULL)
-        return lf_find_for_display(&usb->edid, &usb->calibration, usb->calibration_from, err);
+        return lf_find_for_display(&usb->edid, &usb->calibration, &usb->origin, err);
     usb->calibration = *given;
-    snprintf(usb->calibration_from, sizeof usb->calibration_from, "given by the caller");
+    usb->origin = (lf_origin){.words = "given by the caller"};
     return LF_OK;
 }
 
@@ -255,7 +255,8 @@ static void usb_info(const lf_device *device, lf_device_info *out)
         snprintf(out->model, sizeof out->model, "%s", usb->edid.name);
     if (usb->calibration.serial[0] != 0)
         lf_device_text(out->serial, sizeof out->serial, usb->calibration.serial);
-    memcpy(out->calibration_from, usb->calibration_from, sizeof out->calibration_from);
+    memcpy(out->calibration_from, usb->origin.words, sizeof out->calibration_from);
+    out->calibration_cached = usb->origin.cached;
     snprintf(out->output, sizeof out->output, "USB %s, %s", usb->place.address, lf_gud_format_name(lf_gud_host_format(usb->host)));
     lf_handover_problem(&usb->handover, out->problem);
 }

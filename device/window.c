@@ -26,7 +26,7 @@ typedef struct window_device {
 
     /* immutable after open; monitor is written by the thread before */
     lf_calibration calibration;
-    char calibration_from[256];
+    lf_origin origin;   /* of the calibration */
     char wanted[NAME];  /* the argument */
     char monitor[NAME]; /* its name, sanitised */
     lf_sdl sdl;
@@ -324,10 +324,10 @@ static lf_status find_calibration(window_device *w, const lf_calibration *given,
     lf_edid display;
     if (given == NULL) {
         lf_status status = ask_desktop(w, &display, err);
-        return status == LF_OK ? lf_find_for_display(&display, &w->calibration, w->calibration_from, err) : status;
+        return status == LF_OK ? lf_find_for_display(&display, &w->calibration, &w->origin, err) : status;
     }
     w->calibration = *given;
-    snprintf(w->calibration_from, sizeof w->calibration_from, "given by the caller");
+    w->origin = (lf_origin){.words = "given by the caller"};
     return LF_OK;
 }
 
@@ -461,7 +461,8 @@ static void window_info(const lf_device *device, lf_device_info *out)
     snprintf(spec, sizeof spec, "window%s%s", w->wanted[0] != 0 ? ":" : "", w->wanted);
     lf_device_text(out->spec, sizeof out->spec, spec);
     lf_device_text(out->serial, sizeof out->serial, w->calibration.serial);
-    lf_device_text(out->calibration_from, sizeof out->calibration_from, w->calibration_from);
+    lf_device_text(out->calibration_from, sizeof out->calibration_from, w->origin.words);
+    out->calibration_cached = w->origin.cached;
     snprintf(out->output, sizeof out->output, "desktop, %dx%d", w->calibration.screen_width_px, w->calibration.screen_height_px);
     lf_handover_problem(&w->handover, out->problem);
 }

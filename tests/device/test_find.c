@@ -361,16 +361,17 @@ static void looking_everywhere_comes_to_an_end(void **state)
     lf_found found[8];
     assert_in_range(lf_find_all(found, 8), 0, 8);
     lf_calibration c;
-    char from[256];
+    lf_origin origin = {0};
     lf_error err = {0};
     lf_edid d = display("LKG-NOBODY", "", 1, 1);
-    lf_assert_status(lf_find_for_display(&d, &c, from, &err), LF_E_NODEV, &err);
+    lf_assert_status(lf_find_for_display(&d, &c, &origin, &err), LF_E_NODEV, &err);
     lf_calibration known = full("LKG-SOMEBODY-1");
     store(&known);
     d = display("LKG-SOMEBODY-", "", 1, 1);
-    lf_assert_ok(lf_find_for_display(&d, &c, from, &err), &err);
+    lf_assert_ok(lf_find_for_display(&d, &c, &origin, &err), &err);
     assert_memory_equal(&c, &known, sizeof c);
-    assert_int_equal(strncmp(from, "cache, ", 7), 0);
+    assert_true(origin.cached);
+    assert_int_equal(strncmp(origin.words, "cache, ", 7), 0);
 }
 
 int main(void)
