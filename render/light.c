@@ -1,5 +1,6 @@
 #include "base/alloc.h"
 #include "render/light_types.h"
+#include "render/sampler.h"
 
 /* Share of the picks that goes to all lights evenly: the power estimate knows nothing of distances and shadows. */
 #define EVEN_SHARE 0.2
@@ -25,18 +26,26 @@ lf_vec3 lf_light_escape(const lf_scene *scene, lf_vec3 w, float *out_pdf)
     return radiance;
 }
 
+/* u[0] with more digits: it ends at 2^-24, and picking a light uses some of that up, while the light may have millions of triangles.
+ * A hash of the other two numbers goes on where it ends. */
+static double refine(const float u[3])
+{
+    uint64_t others = (uint64_t)(u[1] * 0x1p24f) << 32 | (uint64_t)(u[2] * 0x1p24f);
+    return (double)u[0] + (double)(lf_hash64(others, 0) >> 40) * 0x1p-48;
+}
+
 /* Picks the first light whose cumulative probability lies above *u, which becomes the place of u in its share. */
-static const lf_light *pick(const lf_scene *scene, float *u)
+static const lf_light *pick(const lf_scene *scene, double *u)
 {
     int first = 0, count = scene->n_lights;
     while (count > 0) {
         int half = count / 2;
-        bool below = scene->lights[first + half].cumulative <= *u;
+        bool below = (double)scene->lights[first + half].cumulative <= *u;
         first = below ? first + half + 1 : first;
         count = below ? count - half - 1 : half;
     }
     const lf_light *light = &scene->lights[first];
-    *u = lf_min(lf_max((*u - (light->cumulative - light->select)) / light->select, 0.0f), 0x1.fffffep-1f);
+    *u = (*u - (double)(light->cumulative - light->select)) / (double)light->select;
     return light;
 }
 
@@ -44,10 +53,10 @@ bool lf_light_draw(const lf_scene *scene, lf_vec3 p, const float u[3], lf_light_
 {
     if (!lf_scene_has_light_sampling(scene))
         return false;
-    float v[3] = {u[0], u[1], u[2]};
-    const lf_light *light = pick(scene, &v[0]);
+    double place = refine(u);
+    const lf_light *light = pick(scene, &place);
     *out = (lf_light_sample){.distance = INFINITY};
-    if (!ops[light->type].draw(scene, light, p, v, out))
+    if (!ops[light->type].draw(scene, light, p, place, u + 1, out))
         return false;
     if (light - scene->lights < scene->n_lights_infinite && !out->delta)
         out->radiance = lf_light_escape(scene, out->wi, &out->pdf);

@@ -22,15 +22,15 @@ lf_vec3 lf_distant_escape(const lf_light *light, lf_vec3 w, float *out_pdf)
     return inside ? light->radiance : lf_v3(0.0f, 0.0f, 0.0f);
 }
 
-bool lf_distant_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, const float u[3], lf_light_sample *out)
+bool lf_distant_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place, const float u[2], lf_light_sample *out)
 {
-    (void)scene, (void)p;
+    (void)scene, (void)p, (void)place;
     lf_vec3 axis = lf_scale(light->direction, -1.0f), t, b;
     if (!(light->cos_angle < 1.0f)) {
         *out = (lf_light_sample){.wi = axis, .distance = INFINITY, .radiance = light->irradiance, .pdf = 1.0f, .delta = true};
         return true;
     }
-    float m = u[1] * (1.0f - light->cos_angle), sine = sqrtf(m * (2.0f - m)), phi = 2.0f * LF_PI * u[2];
+    float m = u[0] * (1.0f - light->cos_angle), sine = sqrtf(m * (2.0f - m)), phi = 2.0f * LF_PI * u[1];
     lf_frame(axis, &t, &b);
     out->wi = lf_from_frame(t, b, axis, lf_v3(sine * cosf(phi), sine * sinf(phi), 1.0f - m));
     return true;

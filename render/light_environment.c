@@ -166,13 +166,14 @@ lf_vec3 lf_environment_escape(const lf_light *light, lf_vec3 w, float *out_pdf)
     return lf_mul(light->radiance, bilinear(e, x, y));
 }
 
-bool lf_environment_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, const float u[3], lf_light_sample *out)
+bool lf_environment_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place, const float u[2],
+                         lf_light_sample *out)
 {
-    (void)scene, (void)p;
+    (void)scene, (void)p, (void)place;
     const lf_environment *e = light->environment;
     float along, across, edges[2];
-    int row = lf_cdf_find(e->marginal, e->height, u[1], &across);
-    int column = lf_cdf_find(e->conditional + (size_t)row * ((size_t)e->width + 1), e->width, u[2], &along);
+    int row = lf_cdf_find(e->marginal, e->height, u[0], &across);
+    int column = lf_cdf_find(e->conditional + (size_t)row * ((size_t)e->width + 1), e->width, u[1], &along);
     int from_pole = row_from_pole(e, row);
     row_edges(e, from_pole, edges);
     float h = edges[0] + across * (edges[1] - edges[0]), sine = 2.0f * sqrtf(h * (1.0f - h)), cosine = 1.0f - 2.0f * h;

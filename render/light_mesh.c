@@ -15,25 +15,47 @@ static lf_vec3 twice_area(const lf_mesh *mesh, uint32_t triangle)
     return lf_cross(lf_sub(vertex(mesh, triangle, 1), a), lf_sub(vertex(mesh, triangle, 2), a));
 }
 
-float lf_mesh_light_pdf(const lf_light *light, lf_vec3 from, lf_vec3 p, lf_vec3 ng)
+/* Per unit solid angle, of a point at d with normal ng that is drawn evenly from an area. */
+static float pdf_of(lf_vec3 d, lf_vec3 ng, float area)
 {
-    lf_vec3 d = lf_sub(p, from);
-    float distance2 = lf_dot(d, d), cosine = fabsf(lf_dot(ng, d)) / sqrtf(distance2), k = light->area * cosine;
+    float distance2 = lf_dot(d, d), cosine = fabsf(lf_dot(ng, d)) / sqrtf(distance2), k = area * cosine;
     return k > 0.0f ? distance2 / k : 0.0f;
 }
 
-bool lf_mesh_light_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, const float u[3], lf_light_sample *out)
+/* A triangle is chosen as its share of the area says: the point is even over all of it. */
+float lf_mesh_light_pdf(const lf_light *light, lf_vec3 from, lf_vec3 p, lf_vec3 ng)
+{
+    return pdf_of(lf_sub(p, from), ng, light->area);
+}
+
+/* Chooses one of the light's triangles by area, place in [0, 1); *out_probability: how likely that was. */
+static uint32_t choose_triangle(const lf_light *light, double place, float *out_probability)
+{
+    const double *cdf = light->area_cdf;
+    int first = 0, count = light->n_triangles;
+    while (count > 1) {
+        int half = count / 2;
+        bool above = cdf[first + half] <= place;
+        first = above ? first + half : first;
+        count = above ? count - half : half;
+    }
+    *out_probability = (float)(cdf[first + 1] - cdf[first]);
+    return light->triangle[first];
+}
+
+bool lf_mesh_light_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place, const float u[2],
+                        lf_light_sample *out)
 {
     const lf_mesh *mesh = &scene->meshes[light->mesh];
-    float ignored, root = sqrtf(u[1]), b1 = root * (1.0f - u[2]), b2 = root * u[2];
-    uint32_t triangle = light->triangle[lf_cdf_find(light->area_cdf, light->n_triangles, u[0], &ignored)];
+    float probability, root = sqrtf(u[0]), b1 = root * (1.0f - u[1]), b2 = root * u[1];
+    uint32_t triangle = choose_triangle(light, place, &probability);
     lf_vec3 a = vertex(mesh, triangle, 0), cross = twice_area(mesh, triangle);
     lf_vec3 q = lf_madd(lf_madd(a, b1, lf_sub(vertex(mesh, triangle, 1), a)), b2, lf_sub(vertex(mesh, triangle, 2), a));
     lf_vec3 d = lf_sub(q, p);
     float distance = lf_length(d), size = lf_length(cross);
     if (!(size > 0.0f) || !(distance > 0.0f))
         return false;
-    float pdf = lf_mesh_light_pdf(light, p, q, lf_scale(cross, 1.0f / size));
+    float pdf = probability * pdf_of(d, lf_scale(cross, 1.0f / size), 0.5f * size);
     *out = (lf_light_sample){.wi = lf_scale(d, 1.0f / distance), .distance = distance, .radiance = light->radiance, .pdf = pdf};
     return pdf > 0.0f && pdf < INFINITY;
 }
@@ -77,7 +99,7 @@ static lf_status mesh_light_init(lf_light *light, const lf_mesh *mesh, int n_tri
     }
     for (int i = 0; i < n; i++) {
         sum += 0.5 * (double)lf_length(twice_area(mesh, light->triangle[i]));
-        light->area_cdf[i + 1] = i >= last ? 1.0f : lf_cumulative_round(sum / total);
+        light->area_cdf[i + 1] = i >= last ? 1.0 : sum / total;
     }
     light->area = (float)total;
     return LF_OK;

@@ -1,8 +1,8 @@
 #include "render/light_types.h"
 
-bool lf_point_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, const float u[3], lf_light_sample *out)
+bool lf_point_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place, const float u[2], lf_light_sample *out)
 {
-    (void)scene, (void)u;
+    (void)scene, (void)place, (void)u;
     lf_vec3 d = lf_sub(light->position, p);
     float distance2 = lf_dot(d, d), distance = sqrtf(distance2);
     if (!(distance2 > 1e-30f))

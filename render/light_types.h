@@ -5,28 +5,31 @@
 #include "render/light.h"
 
 typedef struct lf_light_ops {
-    /* Draws a direction from p. Lights at infinity that are not delta fill wi only. false = nothing to be had there. */
-    bool (*draw)(const lf_scene *scene, const lf_light *light, lf_vec3 p, const float u[3], lf_light_sample *out);
+    /* Draws a direction from p with place and u[2] in [0,1). place is what is left of the number that picked the light: finer than a
+     * float. Lights at infinity that are not delta fill wi only. false = nothing to be had there. */
+    bool (*draw)(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place, const float u[2], lf_light_sample *out);
     /* Radiance from infinity along w and the pdf of drawing it; NULL = not at infinity. */
     lf_vec3 (*escape)(const lf_light *light, lf_vec3 w, float *out_pdf);
     /* Estimate of the power that reaches a scene of this radius, any common unit; 0 = never to be sampled. */
     double (*power)(const lf_light *light, double radius);
 } lf_light_ops;
 
-bool lf_environment_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, const float u[3], lf_light_sample *out);
+bool lf_environment_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place, const float u[2],
+                         lf_light_sample *out);
 lf_vec3 lf_environment_escape(const lf_light *light, lf_vec3 w, float *out_pdf);
 double lf_environment_power(const lf_light *light, double radius);
 
-bool lf_distant_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, const float u[3], lf_light_sample *out);
+bool lf_distant_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place, const float u[2], lf_light_sample *out);
 lf_vec3 lf_distant_escape(const lf_light *light, lf_vec3 w, float *out_pdf);
 double lf_distant_power(const lf_light *light, double radius);
 /* Radiance of the disk from irradiance and angle. */
 void lf_distant_commit(lf_light *light);
 
-bool lf_point_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, const float u[3], lf_light_sample *out);
+bool lf_point_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place, const float u[2], lf_light_sample *out);
 double lf_point_power(const lf_light *light, double radius);
 
-bool lf_mesh_light_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, const float u[3], lf_light_sample *out);
+bool lf_mesh_light_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place, const float u[2],
+                        lf_light_sample *out);
 double lf_mesh_light_power(const lf_light *light, double radius);
 /* pdf per unit solid angle at `from` of drawing the point p, with geometric normal ng, of a mesh light. */
 float lf_mesh_light_pdf(const lf_light *light, lf_vec3 from, lf_vec3 p, lf_vec3 ng);

@@ -127,7 +127,7 @@ typedef struct lf_light {
     uint16_t mesh_material;      /* mesh: the emitting material (triangles of it only) */
     int n_triangles;             /* mesh: emitting triangles … */
     uint32_t *triangle;          /* … their numbers */
-    float *area_cdf;             /* [n_triangles + 1] cumulative area, 0..1 */
+    double *area_cdf;            /* [n_triangles + 1] cumulative area, 0..1: a float's steps would show in small triangles */
     float area;                  /* total */
 } lf_light;
 

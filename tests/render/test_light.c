@@ -386,6 +386,45 @@ static void triangles_of_several_materials_become_several_lights(void **state)
     fixture_destroy(x);
 }
 
+/* Three places with half a million equal triangles each, every third one here: a step of 2^-24 is a tenth of what one is drawn by, and
+ * beside a strong light more than all of it. */
+static void small_triangles_are_drawn_in_proportion(void **state)
+{
+    (void)state;
+    enum { n_triangles = 3 << 19, n_draws = 200000, places = 3 };
+    static const float vertices[9 * places] = {-3, 2, 0, -3, 2, 1, -2, 2, 0, 0, 2, 0, 0, 2, 1, 1, 2, 0, 3, 2, 0, 3, 2, 1, 4, 2, 0};
+    uint32_t *triangles = lf_calloc(3 * n_triangles, sizeof *triangles);
+    assert_non_null(triangles);
+    for (uint32_t i = 0; i < 3 * n_triangles; i++)
+        triangles[i] = i % 9;
+    for (int crowded = 0; crowded < 2; crowded++) {
+        fixture *x = fixture_create();
+        double observed[places] = {0}, expected[places];
+        add_mesh(x);
+        x->mesh =
+            (lf_mesh){.n_vertices = 9, .n_triangles = n_triangles, .vertices = vertices, .triangles = triangles, .material = 1};
+        if (crowded) {
+            add_point(x);
+            x->scene.lights[0].intensity = lf_v3(1e9f, 1e9f, 1e9f);
+        }
+        commit(x);
+        float before = 1.0f - x->scene.lights[x->scene.n_lights - 1].select;
+        for (uint32_t i = 0; i < n_draws; i++) {
+            float u[3];
+            lf_light_sample s;
+            numbers(17, i, u);
+            u[0] = lf_min(before + (1.0f - before) * u[0], 0x1.fffffep-1f);
+            assert_true(lf_light_draw(&x->scene, lf_v3(0.0f, 0.0f, 0.0f), u, &s) && !s.delta);
+            observed[(int)floorf((s.distance * s.wi.x + 4.0f) / 3.0f)] += 1.0;
+        }
+        for (int i = 0; i < places; i++)
+            expected[i] = (double)n_draws / places;
+        assert_true(lf_chi2_p(observed, expected, places) > lf_sidak(LF_FALSE_ALARM, 2));
+        fixture_destroy(x);
+    }
+    lf_free(triangles);
+}
+
 static void dark_triangles_emit_nothing(void **state)
 {
     (void)state;
@@ -555,6 +594,7 @@ int main(void)
         cmocka_unit_test(a_disk_without_an_angle_is_a_direction),
         cmocka_unit_test(mesh_is_drawn_as_hits_say),
         cmocka_unit_test(triangles_of_several_materials_become_several_lights),
+        cmocka_unit_test(small_triangles_are_drawn_in_proportion),
         cmocka_unit_test(dark_triangles_emit_nothing),
         cmocka_unit_test(lights_stand_in_order_and_all_can_be_picked),
         cmocka_unit_test(draws_at_infinity_and_escapes_agree),
