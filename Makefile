@@ -11,7 +11,7 @@
 #   make soak               the daemon on a panel with random faults: SOAK_SECONDS (600), SOAK_SEED
 #   make check-arm64        the portable parts, built for arm64 and run by an emulator
 #   make check-kernel       simulated devices through a real kernel and the installed daemon under systemd, in QEMU; as root
-#   make T=render check     only the tests whose path holds this word
+#   make T=render check     only the tests whose path holds this word; WITHOUT='tests/render/test_bias …' leaves those out
 #   make build/release/tests/base/test_file     one test program
 #   BUILD=release|debug|asan|tsan  O=DIR  V=1  WERROR=1  CC CXX CFLAGS CXXFLAGS LDFLAGS  DESTDIR PREFIX
 #
@@ -152,7 +152,7 @@ run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
 tests_extra := $(SRCDIR)/tests/style.sh $(SRCDIR)/tests/install.sh $(SRCDIR)/tests/arm64.sh
 matching = $(foreach x,$(1),$(if $(strip $(foreach t,$(T),$(findstring $(t),$(x)))),$(x)))
 matching_or_all = $(if $(T),$(call matching,$(1)),$(1))
-selected := $(call matching_or_all,$(tests))
+selected := $(filter-out $(addprefix $(O)/,$(WITHOUT)),$(call matching_or_all,$(tests)))
 check-now: all $(selected) $(if $(T),,$(headers_alone)) $(O)/tests/arm64/results
 	@$(run_tests) $(if $(T),$(call matching,$(tests_extra)),$(tests_extra)) $(selected)
 
