@@ -85,7 +85,7 @@ lf_vec3 lf_light_hit(const lf_scene *scene, lf_vec3 from, const lf_hit *hit, flo
     if (!(lf_max3(hit->material->emission) > 0.0f))
         return lf_v3(0.0f, 0.0f, 0.0f);
     const lf_light *light = find_mesh_light(scene, (int)(hit->mesh - scene->meshes), (uint16_t)(hit->material - scene->materials));
-    *out_pdf = light->select * lf_mesh_light_pdf(light, from, hit->p, hit->ng);
+    *out_pdf = light->select * lf_mesh_light_pdf(light, from, hit);
     return light->radiance;
 }
 

@@ -1,8 +1,10 @@
-/* The triangles of one mesh that carry one emissive material: points uniform over their area. */
+/* The triangles of one mesh that carry one emissive material. One of them is drawn by its area, a point of it even over its solid angle
+ * or, where it looks small, over its area (spherical.h). */
 #include <string.h>
 
 #include "base/alloc.h"
 #include "render/light_types.h"
+#include "render/spherical.h"
 
 static lf_vec3 vertex(const lf_mesh *mesh, uint32_t triangle, int corner)
 {
@@ -22,10 +24,18 @@ static float pdf_of(lf_vec3 d, lf_vec3 ng, float area)
     return k > 0.0f ? distance2 / k : 0.0f;
 }
 
-/* A triangle is chosen as its share of the area says: the point is even over all of it. */
-float lf_mesh_light_pdf(const lf_light *light, lf_vec3 from, lf_vec3 p, lf_vec3 ng)
+static bool see(const lf_mesh *mesh, uint32_t triangle, lf_vec3 from, lf_spherical *out)
 {
-    return pdf_of(lf_sub(p, from), ng, light->area);
+    return lf_spherical_init(out, from, vertex(mesh, triangle, 0), vertex(mesh, triangle, 1), vertex(mesh, triangle, 2));
+}
+
+float lf_mesh_light_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit)
+{
+    lf_spherical seen;
+    if (see(hit->mesh, hit->triangle, from, &seen))
+        return 0.5f * lf_length(twice_area(hit->mesh, hit->triangle)) / (light->area * (float)seen.solid_angle);
+    /* A triangle is chosen as its share of the area says: the point is even over all of it. */
+    return pdf_of(lf_sub(hit->p, from), hit->ng, light->area);
 }
 
 /* Chooses one of the light's triangles by area, place in [0, 1); *out_probability: how likely that was. */
@@ -43,19 +53,36 @@ static uint32_t choose_triangle(const lf_light *light, double place, float *out_
     return light->triangle[first];
 }
 
+/* Barycentric coordinates of the point where the direction w from p meets a triangle that lies there. */
+static void meet(const lf_mesh *mesh, uint32_t triangle, lf_vec3 p, const double w[3], float *b1, float *b2)
+{
+    lf_vec3 a = vertex(mesh, triangle, 0), ab = lf_sub(vertex(mesh, triangle, 1), a), ac = lf_sub(vertex(mesh, triangle, 2), a);
+    lf_vec3 s = lf_sub(p, a), q = lf_cross(s, ab), d = lf_v3((float)w[0], (float)w[1], (float)w[2]), h = lf_cross(d, ac);
+    float inverse = 1.0f / lf_dot(ab, h);
+    *b1 = lf_min(lf_max(lf_dot(s, h) * inverse, 0.0f), 1.0f);
+    *b2 = lf_min(lf_max(lf_dot(d, q) * inverse, 0.0f), 1.0f - *b1);
+}
+
 bool lf_mesh_light_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place, const float u[2],
                         lf_light_sample *out)
 {
     const lf_mesh *mesh = &scene->meshes[light->mesh];
     float probability, root = sqrtf(u[0]), b1 = root * (1.0f - u[1]), b2 = root * u[1];
     uint32_t triangle = choose_triangle(light, place, &probability);
+    lf_spherical seen;
+    bool large = see(mesh, triangle, p, &seen);
+    if (large) {
+        double w[3];
+        lf_spherical_draw(&seen, u, w);
+        meet(mesh, triangle, p, w, &b1, &b2);
+    }
     lf_vec3 a = vertex(mesh, triangle, 0), cross = twice_area(mesh, triangle);
     lf_vec3 q = lf_madd(lf_madd(a, b1, lf_sub(vertex(mesh, triangle, 1), a)), b2, lf_sub(vertex(mesh, triangle, 2), a));
     lf_vec3 d = lf_sub(q, p);
     float distance = lf_length(d), size = lf_length(cross);
     if (!(size > 0.0f) || !(distance > 0.0f))
         return false;
-    float pdf = probability * pdf_of(d, lf_scale(cross, 1.0f / size), 0.5f * size);
+    float pdf = probability * (large ? 1.0f / (float)seen.solid_angle : pdf_of(d, lf_scale(cross, 1.0f / size), 0.5f * size));
     *out = (lf_light_sample){.wi = lf_scale(d, 1.0f / distance), .distance = distance, .radiance = light->radiance, .pdf = pdf};
     return pdf > 0.0f && pdf < INFINITY;
 }

@@ -31,8 +31,8 @@ double lf_point_power(const lf_light *light, double radius);
 bool lf_mesh_light_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place, const float u[2],
                         lf_light_sample *out);
 double lf_mesh_light_power(const lf_light *light, double radius);
-/* pdf per unit solid angle at `from` of drawing the point p, with geometric normal ng, of a mesh light. */
-float lf_mesh_light_pdf(const lf_light *light, lf_vec3 from, lf_vec3 p, lf_vec3 ng);
+/* pdf per unit solid angle at `from` of drawing the direction to a hit on a mesh light. */
+float lf_mesh_light_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit);
 /* Appends a light for every pair of a mesh and an emissive material on it. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_lights_append(lf_scene *scene);
 
