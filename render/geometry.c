@@ -53,6 +53,9 @@ bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const l
 
 /* ------------------------------------------------------------------------------------------------------- building -- */
 
+/* How far off the plane of a triangle, in units of its size, a ray that starts there can be for Embree to find it on the wrong side. */
+#define EMBREE_ERROR 1e-6f
+
 /* Takes over the arrays of data; materials are numbered from first_material. */
 static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned id, int first_material)
 {
@@ -108,6 +111,19 @@ static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
     return LF_OK;
 }
 
+static float span(float a, float b, float c)
+{
+    return lf_max(a, lf_max(b, c)) - lf_min(a, lf_min(b, c));
+}
+
+/* The longest side of a triangle's box. */
+static float triangle_size(const lf_mesh *mesh, int triangle)
+{
+    const uint32_t *corner = mesh->triangles + 3 * (size_t)triangle;
+    lf_vec3 a = lf_mesh_vertex(mesh, corner[0]), b = lf_mesh_vertex(mesh, corner[1]), c = lf_mesh_vertex(mesh, corner[2]);
+    return lf_max(span(a.x, b.x, c.x), lf_max(span(a.y, b.y, c.y), span(a.z, b.z, c.z)));
+}
+
 static bool attach_mesh(lf_geometry *geometry, const lf_mesh *mesh)
 {
     RTCGeometry shape = rtcNewGeometry(geometry->device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -130,6 +146,11 @@ static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
     geometry->embree = geometry->device ? rtcNewScene(geometry->device) : NULL;
     if (!geometry->embree)
         return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot start (error %d)", (int)rtcGetDeviceError(geometry->device));
+    float largest = 0.0f;
+    for (int i = 0; i < geometry->n_meshes; i++)
+        for (int t = 0; t < geometry->meshes[i].n_triangles; t++)
+            largest = lf_max(largest, triangle_size(&geometry->meshes[i], t));
+    geometry->offset = EMBREE_ERROR * largest;
     rtcSetSceneFlags(geometry->embree, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(geometry->embree, RTC_BUILD_QUALITY_HIGH);
     for (int i = 0; i < geometry->n_meshes; i++)

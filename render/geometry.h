@@ -10,6 +10,7 @@ typedef struct lf_geometry {
     atomic_int refs;
     RTCDevice device;
     RTCScene embree;
+    float offset; /* within this distance of a surface Embree's single precision may find it on either side */
     int n_meshes, n_materials;
     lf_mesh *meshes;        /* owner of their arrays; .material is left 0: the scene fills it in its own copy */
     lf_material *materials; /* the files' own, which triangle_material numbers */

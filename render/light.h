@@ -9,6 +9,8 @@
 typedef struct lf_light_sample {
     lf_vec3 wi;       /* unit, towards the light */
     float distance;   /* to the light, INFINITY for lights at infinity */
+    lf_vec3 point;    /* lights at a distance: where on the light … */
+    lf_vec3 normal;   /* … and its unit normal there, on either side; 0 = it has none */
     lf_vec3 radiance; /* arriving from wi when nothing is between; delta lights: irradiance across wi */
     float pdf;        /* > 0 */
     bool delta;

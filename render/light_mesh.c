@@ -76,14 +76,19 @@ bool lf_mesh_light_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p,
         lf_spherical_draw(&seen, u, w);
         meet(mesh, triangle, p, w, &b1, &b2);
     }
-    lf_vec3 a = vertex(mesh, triangle, 0), cross = twice_area(mesh, triangle);
-    lf_vec3 q = lf_madd(lf_madd(a, b1, lf_sub(vertex(mesh, triangle, 1), a)), b2, lf_sub(vertex(mesh, triangle, 2), a));
+    lf_vec3 cross = twice_area(mesh, triangle), q = lf_mesh_point(mesh, triangle, b1, b2);
     lf_vec3 d = lf_sub(q, p);
     float distance = lf_length(d), size = lf_length(cross);
     if (!(size > 0.0f) || !(distance > 0.0f))
         return false;
-    float pdf = probability * (large ? 1.0f / (float)seen.solid_angle : pdf_of(d, lf_scale(cross, 1.0f / size), 0.5f * size));
-    *out = (lf_light_sample){.wi = lf_scale(d, 1.0f / distance), .distance = distance, .radiance = light->radiance, .pdf = pdf};
+    lf_vec3 n = lf_scale(cross, 1.0f / size);
+    float pdf = probability * (large ? 1.0f / (float)seen.solid_angle : pdf_of(d, n, 0.5f * size));
+    *out = (lf_light_sample){.wi = lf_scale(d, 1.0f / distance),
+                             .distance = distance,
+                             .point = q,
+                             .normal = n,
+                             .radiance = light->radiance,
+                             .pdf = pdf};
     return pdf > 0.0f && pdf < INFINITY;
 }
 

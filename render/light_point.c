@@ -9,6 +9,7 @@ bool lf_point_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, doub
         return false;
     *out = (lf_light_sample){.wi = lf_scale(d, 1.0f / distance),
                              .distance = distance,
+                             .point = light->position,
                              .radiance = lf_scale(light->intensity, 1.0f / distance2),
                              .pdf = 1.0f,
                              .delta = true};

@@ -2,7 +2,7 @@
 
 void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out)
 {
-    lf_vec3 o = from->kind == LF_EVENT_SURFACE ? lf_offset(&from->hit, w) : from->p;
+    lf_vec3 o = from->kind == LF_EVENT_SURFACE ? lf_offset(tracer->scene, from->p, from->hit.ng, w) : from->p;
     float t_max = INFINITY;
     out->kind = LF_EVENT_ESCAPE;
     out->w = w;
@@ -46,13 +46,18 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
 
 float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_sample *light)
 {
-    lf_vec3 o = event->p;
+    lf_vec3 o = event->p, d = light->wi;
+    float t_max = INFINITY;
     if (event->kind == LF_EVENT_SURFACE)
-        o = lf_offset(&event->hit, light->wi);
-    float t_max = light->distance < INFINITY ? light->distance * (1.0f - 1e-5f) : INFINITY;
-    if (lf_trace_occluded(tracer, o, light->wi, t_max))
+        o = lf_offset(tracer->scene, event->p, event->hit.ng, light->wi);
+    if (light->distance < INFINITY) {
+        /* Neither end may move without the other: the ray would pass the light and meet what lies behind or beside it. */
+        d = lf_sub(lf_offset(tracer->scene, light->point, light->normal, lf_scale(light->wi, -1.0f)), o);
+        t_max = 1.0f - 1e-6f;
+    }
+    if (lf_trace_occluded(tracer, o, d, t_max))
         return 0.0f;
-    return lf_track_transmittance(tracer, o, light->wi, t_max);
+    return lf_track_transmittance(tracer, event->p, light->wi, light->distance);
 }
 
 lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const lf_event *event, float *out_light_pdf)

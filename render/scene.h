@@ -94,6 +94,18 @@ static inline lf_vec3 lf_mesh_vertex(const lf_mesh *mesh, uint32_t vertex)
     return lf_v3(v[0], v[1], v[2]);
 }
 
+/* The point a + u (b - a) + v (c - a) of a triangle, off its plane by no more than the rounding of the point's own coordinates. */
+static inline lf_vec3 lf_mesh_point(const lf_mesh *mesh, uint32_t triangle, float u, float v)
+{
+    const uint32_t *corner = mesh->triangles + 3 * (size_t)triangle;
+    const float *a = mesh->vertices + 3 * (size_t)corner[0], *b = mesh->vertices + 3 * (size_t)corner[1],
+                *c = mesh->vertices + 3 * (size_t)corner[2];
+    double p[3];
+    for (int i = 0; i < 3; i++)
+        p[i] = (double)a[i] + (double)u * ((double)b[i] - (double)a[i]) + (double)v * ((double)c[i] - (double)a[i]);
+    return lf_v3((float)p[0], (float)p[1], (float)p[2]);
+}
+
 /* -------------------------------------------------------------------------------------------------------- lights -- */
 
 /* A latitude-longitude picture of radiance with its sampling tables; shared between scenes. Row 0 looks up (+y); column 0 .. width-1
@@ -149,6 +161,7 @@ struct lf_scene {
     lf_light *lights;               /* in the order of their types after lf_lights_commit: those at infinity first */
     int n_lights_infinite;          /* set by lf_lights_commit */
     RTCScene embree;                /* NULL without meshes (then no Embree device exists either) */
+    float offset;                   /* lf_geometry.offset; 0 without meshes */
     struct lf_geometry *geometry;   /* owner of the meshes' arrays and of embree, shared between scenes; NULL without meshes */
     lf_vec3 bounds_min, bounds_max; /* of volumes and meshes; min > max when there is nothing */
 

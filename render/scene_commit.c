@@ -335,6 +335,7 @@ static void place_meshes(commit *c)
         scene->n_meshes++;
     }
     scene->embree = geometry ? geometry->embree : NULL;
+    scene->offset = geometry ? geometry->offset : 0.0f;
 }
 
 /* --------------------------------------------------------------------------------------------------------- lights -- */

@@ -444,7 +444,8 @@ void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, co
     q.scale = scale;
     q.behind = 1e-6f * fabsf(q.d) + 1e-12f * inverse;
     if (on) {
-        q.behind += 5e-7f * on->extent * inverse * inverse; /* the rounding of p */
+        /* the rounding of p, and of the ray that found it */
+        q.behind += 5e-7f * (lf_max(fabsf(p.x), lf_max(fabsf(p.y), fabsf(p.z))) + (float)at[2]) * inverse * inverse;
         q.on = rows->mesh_start[on->mesh->geom_id] + on->triangle;
     }
     if (!narrow(&q))

@@ -8,10 +8,9 @@
 
 /* Where a ray met a surface. */
 typedef struct lf_hit {
-    lf_vec3 p;    /* scene-local, refined from the triangle's barycentrics (closer than the ray's t) */
-    lf_vec3 ng;   /* geometric unit normal, on the side the ray came from */
-    lf_vec3 ns;   /* shading normal, same side; equals ng with flat shading */
-    float extent; /* largest coordinate of the triangle: what the rounding error of p scales with */
+    lf_vec3 p;  /* scene-local, on the triangle but for the rounding of its own coordinates */
+    lf_vec3 ng; /* geometric unit normal, on the side the ray came from */
+    lf_vec3 ns; /* shading normal, same side; equals ng with flat shading */
     float t;
     const lf_material *material;
     const lf_mesh *mesh;

@@ -38,8 +38,7 @@ void lf_trace_hit(const lf_scene *scene, unsigned geom_id, unsigned prim_id, flo
     if (lf_dot(hit->ng, w) > 0.0f)
         hit->ng = lf_scale(hit->ng, -1.0f);
     hit->ns = shading_normal(mesh, tri, u, v, hit->ng);
-    hit->p = lf_madd(lf_madd(a, u, ab), v, ac);
-    hit->extent = lf_max(largest(a), lf_max(largest(lf_add(a, ab)), largest(lf_add(a, ac))));
+    hit->p = lf_mesh_point(mesh, prim_id, u, v);
     hit->t = t;
     hit->mesh = mesh;
     hit->triangle = prim_id;
@@ -93,10 +92,10 @@ bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
     return ray.tfar < 0.0f;
 }
 
-lf_vec3 lf_offset(const lf_hit *hit, lf_vec3 w)
+lf_vec3 lf_offset(const lf_scene *scene, lf_vec3 p, lf_vec3 n, lf_vec3 w)
 {
-    float eps = 4e-6f * hit->extent + 1e-30f;
-    return lf_madd(hit->p, lf_dot(hit->ng, w) >= 0.0f ? eps : -eps, hit->ng);
+    float eps = scene->offset + 4e-7f * largest(p) + 1e-30f;
+    return lf_madd(p, lf_dot(n, w) >= 0.0f ? eps : -eps, n);
 }
 
 /* -------------------------------------------------------------------------------------------------------- volumes -- */

@@ -68,7 +68,7 @@ static bool sees(bench *b, float c, lf_vec3 p, const lf_hit *on)
 {
     lf_vec3 eye = lf_rig_point(&b->renderer->rig, c, b->plane.ly, 0.0f), o = p;
     if (on)
-        o = lf_offset(on, lf_sub(eye, p));
+        o = lf_offset(b->scene, p, on->ng, lf_sub(eye, p));
     return !lf_trace_occluded(&b->tracer, o, lf_sub(eye, o), 1.0f - 1e-5f);
 }
 
@@ -133,7 +133,7 @@ static bool holds_nearby(const bench *b, float c, lf_vec3 p, const lf_hit *on, b
         float at = c + (float)(i % 3 - 1) * step, along = (float)(i / 3 % 3 - 1) * 0.01f * fabsf(rig->dy) * z / rig->distance;
         lf_vec3 moved = lf_madd(p, along, up);
         if (on)
-            moved = lf_madd(moved, (float)(i / 9 - 1) * 4e-6f * on->extent, on->ng);
+            moved = lf_madd(moved, (float)(i / 9 - 1) * 5e-7f * (z + lf_max(fabsf(p.x), lf_max(fabsf(p.y), fabsf(p.z)))), on->ng);
         if (sees_exactly(b, at, moved, on, 1e-7) == seen || sees_exactly(b, at, moved, on, 1e-5) == seen)
             return true;
     }
