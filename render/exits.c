@@ -36,7 +36,7 @@ bool lf_exits_constant(const lf_scene *scene, float out_sky[3])
     for (int i = 0; i < scene->n_lights; i++) {
         const lf_light *light = &scene->lights[i];
         if ((light->type == LF_LIGHT_ENVIRONMENT && light->environment) ||
-            (light->type == LF_LIGHT_DISTANT && light->cos_angle < 1.0f))
+            (light->type == LF_LIGHT_DISTANT && light->versine > 0.0f))
             return false;
     }
     float pdf;

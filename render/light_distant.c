@@ -1,36 +1,59 @@
-/* A light at infinity: a direction, or a disk of constant radiance. How far w is from the middle of the disk is measured as
- * |w - c|^2 = 2 (1 - cos): the cosine itself has two digits left at the size of the sun. */
+/* A light at infinity: a direction, or a disk of constant radiance. Angles are measured by the versine, 1 - cos, which keeps its digits
+ * where the cosine has none left: half of the squared chord from w to the middle of the disk.
+ *
+ * Directions in single precision stand on a lattice of 6e-8, 1/15 of the radius of the smallest disk. Whether such a direction is inside
+ * says nothing within that distance of the rim, and counting lattice points would make the area of a small disk a matter of luck. The rim
+ * is therefore a ramp, linear in the versine and as wide as directions are blurred: the mean over it is the disk's, so that area and
+ * energy are kept, and a sum of something smooth over a lattice is as good as the integral. */
 #include "render/light_types.h"
+
+/* Half of the ramp, radians: what a direction may be off after a reflection. */
+#define BLUR 2.5e-7f
+
+/* Versine of half of 1e-4 degrees; smaller disks count as this. */
+#define LEAST_VERSINE 3.8077e-13f
 
 static float solid_angle(const lf_light *light)
 {
-    return 2.0f * LF_PI * (1.0f - light->cos_angle);
+    return 2.0f * LF_PI * light->versine;
 }
 
 /* Projected solid angle of the disk seen face on: pi sin^2. */
 void lf_distant_commit(lf_light *light)
 {
-    float projected = LF_PI * (1.0f - light->cos_angle) * (1.0f + light->cos_angle);
+    light->versine = light->versine > 0.0f ? lf_max(light->versine, LEAST_VERSINE) : 0.0f;
+    float projected = LF_PI * light->versine * (2.0f - light->versine);
     light->radiance = projected > 0.0f ? lf_scale(light->irradiance, 1.0f / projected) : lf_v3(0.0f, 0.0f, 0.0f);
+}
+
+/* Share of the disk's radiance that w sees. The difference from the middle is exact; of it only what stands across the middle counts, for
+ * neither vector has length 1 to the last digit. */
+static float coverage(const lf_light *light, lf_vec3 w)
+{
+    lf_vec3 d = lf_add(w, light->direction), across = lf_cross(d, light->direction);
+    float cosine = -lf_dot(w, light->direction);
+    if (!(light->versine > 0.0f && cosine > 0.0f))
+        return 0.0f;
+    float versine = lf_dot(across, across) / (1.0f + cosine), ramp = BLUR * sqrtf(2.0f * light->versine);
+    return lf_min(lf_max(0.5f + (light->versine - versine) / (2.0f * ramp), 0.0f), 1.0f);
 }
 
 lf_vec3 lf_distant_escape(const lf_light *light, lf_vec3 w, float *out_pdf)
 {
-    lf_vec3 d = lf_add(w, light->direction);
-    bool inside = lf_dot(d, d) < 2.0f * (1.0f - light->cos_angle);
-    *out_pdf = inside ? 1.0f / solid_angle(light) : 0.0f;
-    return inside ? light->radiance : lf_v3(0.0f, 0.0f, 0.0f);
+    float share = coverage(light, w);
+    *out_pdf = share > 0.0f ? share / solid_angle(light) : 0.0f;
+    return lf_scale(light->radiance, share);
 }
 
 bool lf_distant_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place, const float u[2], lf_light_sample *out)
 {
     (void)scene, (void)p, (void)place;
     lf_vec3 axis = lf_scale(light->direction, -1.0f), t, b;
-    if (!(light->cos_angle < 1.0f)) {
+    if (!(light->versine > 0.0f)) {
         *out = (lf_light_sample){.wi = axis, .distance = INFINITY, .radiance = light->irradiance, .pdf = 1.0f, .delta = true};
         return true;
     }
-    float m = u[0] * (1.0f - light->cos_angle), sine = sqrtf(m * (2.0f - m)), phi = 2.0f * LF_PI * u[1];
+    float m = u[0] * light->versine, sine = sqrtf(m * (2.0f - m)), phi = 2.0f * LF_PI * u[1];
     lf_frame(axis, &t, &b);
     out->wi = lf_from_frame(t, b, axis, lf_v3(sine * cosf(phi), sine * sinf(phi), 1.0f - m));
     return true;

@@ -100,7 +100,7 @@ static bool mirrored(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_ve
         return false;
     }
     *beta = lf_scale(lf_mul(*beta, r), 1.0f / probability);
-    *wi = lf_madd(lf_scale(wo, -1.0f), 2.0f * lf_dot(wo, event->hit.ns), event->hit.ns);
+    *wi = lf_reflect(wo, event->hit.ns);
     return true;
 }
 

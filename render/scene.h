@@ -133,7 +133,7 @@ typedef struct lf_light {
     float to_environment[3][3];  /* scene direction -> the picture's frame */
     lf_vec3 direction;           /* distant: unit, in which light travels */
     lf_vec3 irradiance;          /* distant: on a plane across it */
-    float cos_angle;             /* distant: cosine of half the angular diameter; 1 = delta */
+    float versine;               /* distant: 1 - cos of half the angular diameter; 0 = delta */
     lf_vec3 position, intensity; /* point: scene-local, W sr^-1 */
     int mesh;                    /* mesh: index into scene->meshes */
     uint16_t mesh_material;      /* mesh: the emitting material (triangles of it only) */

@@ -378,7 +378,7 @@ static void load_lights(commit *c)
             load_environment(c, desc, light);
         light->direction = to_vec3(desc->direction);
         light->irradiance = to_vec3(desc->irradiance);
-        light->cos_angle = (float)cos(0.5 * desc->angle);
+        light->versine = (float)(2.0 * pow(sin(0.25 * desc->angle), 2.0));
         double local[3];
         for (int j = 0; j < 3; j++)
             local[j] = desc->position[j] - scene->origin[j];

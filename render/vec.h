@@ -77,6 +77,15 @@ static inline float lf_mean3(lf_vec3 a)
     return (a.x + a.y + a.z) * (1.0f / 3.0f);
 }
 
+/* The mirror direction of wo, both away from the surface with normal n. In double, rounded once: rounding that depends on the direction in
+ * steps of its own would distort what is reflected where it is as small as the smallest sun. */
+static inline lf_vec3 lf_reflect(lf_vec3 wo, lf_vec3 n)
+{
+    double k = 2.0 * ((double)wo.x * (double)n.x + (double)wo.y * (double)n.y + (double)wo.z * (double)n.z);
+    return lf_v3((float)(k * (double)n.x - (double)wo.x), (float)(k * (double)n.y - (double)wo.y),
+                 (float)(k * (double)n.z - (double)wo.z));
+}
+
 /* Two unit vectors that make a right-handed orthonormal frame (t, b, n) with the unit vector n (Duff et al. 2017, JCGT 6(1)). */
 static inline void lf_frame(lf_vec3 n, lf_vec3 *t, lf_vec3 *b)
 {

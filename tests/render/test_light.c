@@ -65,7 +65,7 @@ static void add_disk(fixture *x, float half_angle)
     lf_light *l = add_light(x, LF_LIGHT_DISTANT);
     l->direction = lf_normalize(lf_v3(0.3f, -1.0f, -0.2f));
     l->irradiance = lf_v3(3.0f, 2.0f, 1.0f);
-    l->cos_angle = cosf(half_angle);
+    l->versine = 2.0f * sinf(0.5f * half_angle) * sinf(0.5f * half_angle);
 }
 
 static void add_point(fixture *x)
@@ -293,7 +293,7 @@ static void disk_is_drawn_evenly_and_carries_its_irradiance(void **state)
         add_disk(x, half_angle[i]);
         commit(x);
         lf_vec3 axis = lf_scale(x->scene.lights[0].direction, -1.0f);
-        double m_max = 1.0 - (double)x->scene.lights[0].cos_angle, mass;
+        double m_max = (double)x->scene.lights[0].versine, mass;
         lf_chi2_sphere q = {draw_scene, escape_pdf, x, axis, 1.0001 * m_max, 0.01, 10, 20, 400000, lf_test_seed()};
         assert_true(lf_chi2_sphere_p(&q, &mass) > lf_sidak(LF_FALSE_ALARM, 3));
         assert_true(fabs(mass - 1.0) < 2e-3);
@@ -305,6 +305,57 @@ static void disk_is_drawn_evenly_and_carries_its_irradiance(void **state)
                 irradiance += (double)(s.radiance.x * lf_dot(s.wi, axis) / s.pdf) / 4096.0;
         }
         assert_true(fabs(irradiance / 3.0 - 1.0) < 1e-3);
+        fixture_destroy(x);
+    }
+}
+
+/* Direction number i of n about the axis, even in solid angle over more than the disk, rounded as rays are; with a mirror, reflected and
+ * reflected back. */
+static lf_vec3 seen_direction(const double axis[3], double versine, int i, int n, const lf_vec3 *mirror)
+{
+    double m = versine * (i + 0.5) / n, phi = 2.0 * M_PI * fmod(i * 0.6180339887498949, 1.0), sine = sqrt(m * (2.0 - m));
+    double t[3] = {axis[1], -axis[0], 0.0}, b[3], w[3], length = hypot(axis[0], axis[1]);
+    for (int a = 0; a < 3; a++)
+        t[a] /= length;
+    for (int a = 0; a < 3; a++)
+        b[a] = axis[(a + 1) % 3] * t[(a + 2) % 3] - axis[(a + 2) % 3] * t[(a + 1) % 3];
+    for (int a = 0; a < 3; a++)
+        w[a] = sine * (cos(phi) * t[a] + sin(phi) * b[a]) + (1.0 - m) * axis[a];
+    if (!mirror)
+        return lf_v3((float)w[0], (float)w[1], (float)w[2]);
+    lf_vec3 wi = lf_v3((float)w[0], (float)w[1], (float)w[2]);
+    return lf_reflect(lf_reflect(wi, *mirror), *mirror);
+}
+
+/* Solid angle and energy, seen directly and in a mirror, of suns from 1/5000 of ours to a quarter of the sky. */
+static void a_sun_of_any_angle_has_its_size_and_its_energy(void **state)
+{
+    (void)state;
+    enum { n = 100000 };
+    static const double degrees[] = {1e-4, 3e-4, 1e-3, 0.01, 0.028, 0.05, 0.1, 0.53, 10.0, 90.0};
+    static const lf_vec3 axes[] = {{0.0002f, -1.0f, 0.0003f}, {0.3f, -1.0f, -0.2f}, {-0.6f, -0.64f, 0.48f}};
+    for (int i = 0; i < 30; i++) {
+        fixture *x = fixture_create();
+        double half = 0.5 * degrees[i % 10] * M_PI / 180.0, versine = 2.0 * pow(sin(0.5 * half), 2.0), beyond = 3.0 * versine;
+        add_disk(x, (float)half);
+        lf_light *l = &x->scene.lights[0];
+        l->direction = lf_normalize(axes[i / 10]);
+        commit(x);
+        double axis[3] = {-(double)l->direction.x, -(double)l->direction.y, -(double)l->direction.z}, sum[2] = {0}, energy = 0.0;
+        lf_vec3 mirror = lf_normalize(lf_v3(0.4f, 0.9f, 0.1f));
+        for (int j = 0; j < n; j++) {
+            float pdf, u[3] = {0.0f, ((float)j + 0.5f) / n, fmodf((float)j * 0.618034f, 1.0f)};
+            lf_light_sample s;
+            for (int k = 0; k < 2; k++)
+                sum[k] += (double)lf_light_escape(&x->scene, seen_direction(axis, beyond, j, n, k ? &mirror : NULL), &pdf).x / n;
+            if (lf_light_draw(&x->scene, lf_v3(0, 0, 0), u, &s))
+                energy -= (double)(s.radiance.x / s.pdf * lf_dot(s.wi, l->direction)) / n;
+        }
+        /* its radiance times its share of what was looked at */
+        double truth = 3.0 / (M_PI * versine * (2.0 - versine)) * versine / beyond;
+        for (int k = 0; k < 2; k++)
+            lf_assert_close(sum[k], truth, 1e-3 * truth, i);
+        lf_assert_close(energy, 3.0, 3e-5, i);
         fixture_destroy(x);
     }
 }
@@ -662,6 +713,7 @@ int main(void)
         cmocka_unit_test(poles_and_seams_are_looked_up_inside_the_picture),
         cmocka_unit_test(a_black_environment_is_never_drawn),
         cmocka_unit_test(disk_is_drawn_evenly_and_carries_its_irradiance),
+        cmocka_unit_test(a_sun_of_any_angle_has_its_size_and_its_energy),
         cmocka_unit_test(a_disk_without_an_angle_is_a_direction),
         cmocka_unit_test(mesh_is_drawn_as_hits_say),
         cmocka_unit_test(next_to_a_lamp_irradiance_is_lamberts_and_has_little_noise),

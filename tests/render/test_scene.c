@@ -100,7 +100,7 @@ static void lights_and_materials_arrive_in_their_units(void **state)
     assert_true(d->type == LF_LIGHT_DISTANT && d->irradiance.x == 7);
     lf_assert_close(d->direction.y, -0.6, 1e-6, 0);
     lf_assert_close(d->direction.z, 0.8, 1e-6, 0);
-    lf_assert_close(d->cos_angle, cos(30 * DEGREE), 1e-6, 0);
+    lf_assert_close(d->versine, 1 - cos(30 * DEGREE), 1e-6, 0);
     assert_true(p->type == LF_LIGHT_POINT && p->position.z == 3 && p->intensity.x == 4);
     assert_true(m->type == LF_LIGHT_MESH && m->mesh == 0 && m->radiance.x == 2);
     const lf_material *material = &scene->materials[scene->meshes[0].material];
