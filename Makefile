@@ -9,6 +9,7 @@
 #   make lint               static checks
 #   make fuzz               hostile bytes for everything read from devices: FUZZ_SECONDS each (60), T=hid only that one
 #   make soak               the daemon on a panel with random faults: SOAK_SECONDS (600), SOAK_SEED
+#   make mutants            one wrong line at a time: which of them does no test notice? T=render only those with this word
 #   make check-arm64        the portable parts, built for arm64 and run by an emulator
 #   make check-kernel       simulated devices through a real kernel and the installed daemon under systemd, in QEMU; as root
 #   make T=render check     only the tests whose path holds this word; WITHOUT='tests/render/test_bias …' leaves those out
@@ -50,7 +51,7 @@ rooms := base render quilt device daemon
 all:
 
 # Goals that install packages first, then come back here as GOAL-now.
-front := check check-arm64 check-kernel run bench verify lint fuzz soak
+front := check check-arm64 check-kernel run bench verify lint fuzz soak mutants
 # Goals that need no library flags.
 light := $(front) deps clean help
 goals := $(or $(MAKECMDGOALS),all)
@@ -148,7 +149,7 @@ $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
  MAKE_AGAIN='$(MAKE_COMMAND) --no-print-directory -C $(CURDIR) -f $(MAKEFILE) O=$(O) BUILD=$(BUILD)' $(SRCDIR)/tests/run
 
-.PHONY: check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now
+.PHONY: check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
 tests_extra := $(SRCDIR)/tests/style.sh $(SRCDIR)/tests/install.sh $(SRCDIR)/tests/arm64.sh
 matching = $(foreach x,$(1),$(if $(strip $(foreach t,$(T),$(findstring $(t),$(x)))),$(x)))
 matching_or_all = $(if $(T),$(call matching,$(1)),$(1))
@@ -174,6 +175,10 @@ soak-now: $(O)/tests/daemon/test_faults
 	 SOAK_SEED=$$seed SOAK_SECONDS=$$seconds SOAK_STRICT=1 TEST_TIMEOUT=$$((seconds + 1200)) $(run_tests) $< || rc=1; \
 	 sed -n '/^SOAK_SEED/,/^descriptors/p' $(O)/tests/test_faults.log; exit $$rc
 
+# in a copy of the tree, which starts with what is built here
+mutants-now: all tests
+	@O='$(O)' SRCDIR='$(SRCDIR)' MAKE='$(MAKE_COMMAND)' $(SRCDIR)/tests/mutants/run $(T)
+
 fuzz-now: $(call matching_or_all,$(fuzz_targets))
 	@O='$(O)' $(SRCDIR)/tests/fuzz.sh $^
 
@@ -196,7 +201,7 @@ bench:
 bench-peers:
 	@$(SRCDIR)/.ci/deps install build peers
 	@$(self) $(jobs) $@-now
-check verify soak:
+check verify soak mutants:
 	@$(SRCDIR)/.ci/deps install build test
 	@$(self) $(jobs) $@-now
 check-arm64:

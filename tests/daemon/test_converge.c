@@ -8,6 +8,7 @@
 #include "device/gud_host.h"
 
 enum { VIEWS = 8, VIEW_WIDTH = 48, VIEW_HEIGHT = 280, WIDTH = 384, HEIGHT = 1024, THREADS = 2, SWEEPS = 5 };
+enum { PIXELS = VIEWS * VIEW_WIDTH * VIEW_HEIGHT };
 
 #define ROW_SECONDS 0.005 /* of a pass over a row, by the clock of this test */
 
@@ -165,11 +166,29 @@ static void updates_of_whole_sweeps_cost_more(void **state)
     tear_down(&c);
 }
 
+/* Later visits find that something is possible where the first found nothing: no hole where there was a pixel. */
+static void a_pixel_that_was_there_stays(void **state)
+{
+    (void)state;
+    static uint8_t before[PIXELS];
+    converging c;
+    set_up(&c, false);
+    for (int visit = 0; visit < 6; visit++) {
+        lf_assert_ok(lf_renderer_pass(c.renderer, 0, 1, 1, lf_picture_row, &c.picture, NULL), NULL);
+        for (int i = 0; i < PIXELS && visit > 0; i++)
+            if (before[i] == 0 && c.picture.missing[i] != 0)
+                fail_msg("visit %d: pixel %d was there and is missing", visit, i);
+        memcpy(before, c.picture.missing, PIXELS);
+    }
+    tear_down(&c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(updates_cost_less_than_a_tenth_of_full_frames_and_the_last_is_exact),
         cmocka_unit_test(updates_of_whole_sweeps_cost_more),
+        cmocka_unit_test(a_pixel_that_was_there_stays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -111,6 +111,8 @@ static void parameters_are_held_to_the_schema(void **state)
     assert_non_null(strstr(err.what, "yow"));
     assert_non_null(strstr(err.what, "yaw"));
     assert_int_equal(check("camera.orbit", "{\"zoom\":0}", &err), LF_E_ARG);
+    lf_assert_ok(check("camera.orbit", "{\"zoom\":1000}", &err), &err);
+    assert_int_equal(check("camera.orbit", "{\"zoom\":1000.5}", &err), LF_E_ARG);
     assert_int_equal(check("camera.set", "{\"target\":[0,0]}", &err), LF_E_ARG);
     assert_int_equal(check("camera.set", "{\"target\":[0,0,null]}", &err), LF_E_ARG);
     assert_string_equal(err.pointer, "/target/2");

@@ -155,6 +155,21 @@ static void presses_come_in_their_order(void **state)
     unplug(&w, buttons);
 }
 
+static void the_bell_rings_until_the_last_press_is_taken(void **state)
+{
+    (void)state;
+    wire w;
+    lf_button button;
+    lf_buttons *buttons = plug_in(&w, NULL);
+    press(&w, 0x0f);
+    for (int i = 0; i < LF_BUTTONS_N; i++) {
+        assert_true(rings(buttons, i == 0 ? PATIENCE_MS : 0)); /* all four came in one report */
+        assert_int_equal(lf_buttons_next(buttons, &button), LF_BUTTONS_PRESSED);
+    }
+    assert_nothing(buttons);
+    unplug(&w, buttons);
+}
+
 static void replies_to_others_press_nothing(void **state)
 {
     (void)state;
@@ -241,6 +256,7 @@ int main(void)
         cmocka_unit_test(every_button_has_its_name),
         cmocka_unit_test(a_press_is_told_once_and_again_after_release),
         cmocka_unit_test(presses_come_in_their_order),
+        cmocka_unit_test(the_bell_rings_until_the_last_press_is_taken),
         cmocka_unit_test(replies_to_others_press_nothing),
         cmocka_unit_test(a_flood_of_presses_is_bounded),
         cmocka_unit_test(unplugging_is_told_after_the_last_press_and_from_then_on),
