@@ -25,12 +25,13 @@ typedef struct lf_fan_lobes {
 
 typedef struct lf_surface_ops {
     /* f(wo, wi) |ns.wi| into *f (0 where wi is below ns, and where wo is when the lobe depends on the view: the geometric side of
-     * wo is the caller's to check); returns the pdf with which sample draws wi. */
+     * wo is the caller's to check); returns the pdf with which sample draws wi. Directions below ns count as drawn by microfacets, so
+     * that the pdf integrates to 1 over the sphere wherever anything is drawn. */
     float (*eval)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
     /* eval towards one wi for n directions wo = (x[k], y[k], z[k]) at once, all in the frame whose z axis is ns; n is a multiple of 8.
      * No branches a direction. NULL where nothing depends on the view. */
     void (*eval_fan)(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z, lf_fan_lobes *out);
-    /* Draws wi from u[3] in [0,1); *f and return as eval at that wi; 0 = no direction (absorbed). */
+    /* Draws wi from u[3] in [0,1); *f and return as eval at that wi; 0 = no direction, only where wo is below ns or there is no lobe. */
     float (*sample)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f);
     /* Reflectance of the delta lobe for wo (mirror direction about ns); NULL = the type never has one. {0,0,0} when alpha
      * >= LF_ALPHA_MIN. */

@@ -11,10 +11,11 @@ static float eval_local(const lf_material *m, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f
 {
     float alpha = lf_material_alpha(m);
     *f = lf_v3(0.0f, 0.0f, 0.0f);
-    if (alpha < LF_ALPHA_MIN || !(wo.z > LF_MIN_COS) || !(wi.z > LF_MIN_COS))
+    if (alpha < LF_ALPHA_MIN || !(wo.z > LF_MIN_COS))
         return 0.0f;
     lf_ggx_lobe lobe = lf_ggx_eval(alpha, wo, wi);
-    *f = lf_scale(schlick(m->albedo, lobe.cos_oh), lobe.f);
+    if (lobe.f > 0.0f)
+        *f = lf_scale(schlick(m->albedo, lobe.cos_oh), lobe.f);
     return lobe.pdf;
 }
 
@@ -29,17 +30,18 @@ void lf_conductor_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float 
                            lf_fan_lobes *out)
 {
     float alpha = lf_material_alpha(m);
-    if (alpha < LF_ALPHA_MIN || !(wi.z > LF_MIN_COS)) {
+    if (alpha < LF_ALPHA_MIN) {
         lf_fan_clear(n, out);
         return;
     }
     /* Schlick's F0 (1 - k) + k */
     for (int i = 0; i < n; i++) {
         lf_ggx_lobe lobe = lf_ggx_eval(alpha, lf_v3(x[i], y[i], lf_max(z[i], LF_MIN_COS)), wi);
-        float c = 1.0f - lobe.cos_oh, c2 = c * c, k = c2 * c2 * c, above = z[i] > LF_MIN_COS ? 1.0f : 0.0f;
-        out->pdf[i] = above * lobe.pdf;
-        out->coloured[i] = above * lobe.f * (1.0f - k);
-        out->grey[i] = above * lobe.f * k;
+        bool above = z[i] > LF_MIN_COS, lit = above && lobe.f > 0.0f;
+        float c = 1.0f - lobe.cos_oh, c2 = c * c, k = c2 * c2 * c;
+        out->pdf[i] = above ? lobe.pdf : 0.0f;
+        out->coloured[i] = lit ? lobe.f * (1.0f - k) : 0.0f;
+        out->grey[i] = lit ? lobe.f * k : 0.0f;
     }
     out->colour = m->albedo;
 }

@@ -56,18 +56,20 @@ static inline float lf_ggx_root(float alpha, float cos_theta)
     return sqrtf(alpha * alpha * (1.0f - c2) + c2);
 }
 
-/* Reflection off GGX microfacets between wo and wi (z > LF_MIN_COS), without Fresnel. */
+/* Reflection off GGX microfacets from wo (z > LF_MIN_COS) to wi, without Fresnel. */
 typedef struct lf_ggx_lobe {
-    float f;      /* D G2 |cos_i| / (4 cos_o cos_i); G2 height-correlated (Heitz 2014, eq. 99) */
-    float pdf;    /* of wi when h is drawn from the normals visible from wo (Heitz 2018, eq. 17) */
+    float f;      /* D G2 |cos_i| / (4 cos_o cos_i), 0 for wi below the horizon; G2 height-correlated (Heitz 2014, eq. 99) */
+    float pdf;    /* of wi when h is drawn from the normals visible from wo (Heitz 2018, eq. 17): 1 over the whole sphere */
     float cos_oh; /* wo.h: what Fresnel wants */
 } lf_ggx_lobe;
 
 static inline lf_ggx_lobe lf_ggx_eval(float alpha, lf_vec3 wo, lf_vec3 wi)
 {
     lf_vec3 h = lf_normalize(lf_add(wo, wi));
-    float d = 0.5f * lf_ggx_d(alpha, h), ro = lf_ggx_root(alpha, wo.z), ri = lf_ggx_root(alpha, wi.z);
-    return (lf_ggx_lobe){.f = d * wi.z / (wi.z * ro + wo.z * ri), .pdf = d / (wo.z + ro), .cos_oh = lf_min(lf_dot(wo, h), 1.0f)};
+    float d = 0.5f * lf_ggx_d(alpha, h), ro = lf_ggx_root(alpha, wo.z), ri = lf_ggx_root(alpha, wi.z), i = lf_max(wi.z, LF_MIN_COS);
+    return (lf_ggx_lobe){.f = wi.z > LF_MIN_COS ? d * i / (i * ro + wo.z * ri) : 0.0f,
+                         .pdf = h.z > 0.0f ? d / (wo.z + ro) : 0.0f,
+                         .cos_oh = lf_min(lf_dot(wo, h), 1.0f)};
 }
 
 /* Draws a normal visible from wo (the distribution of Heitz 2018, JCGT 7(4)) by the spherical cap of Dupuy and Benyoub 2023 and

@@ -57,11 +57,9 @@ static lf_vec3 base_colour(const lf_material *m, bool rough, float cos_i)
 /* wo.z > LF_MIN_COS. */
 static float eval_local(const lf_material *m, const plastic *p, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
-    *f = lf_v3(0.0f, 0.0f, 0.0f);
-    if (!(wi.z > LF_MIN_COS))
-        return 0.0f;
-    *f = lf_scale(base_colour(m, p->rough, wi.z), 1.0f - p->fresnel_o);
-    float pdf = (1.0f - p->select) * wi.z * LF_INV_PI;
+    bool above = wi.z > LF_MIN_COS;
+    float pdf = above ? (1.0f - p->select) * wi.z * LF_INV_PI : 0.0f;
+    *f = above ? lf_scale(base_colour(m, p->rough, wi.z), 1.0f - p->fresnel_o) : lf_v3(0.0f, 0.0f, 0.0f);
     if (p->rough) {
         lf_ggx_lobe coat = lf_ggx_eval(p->alpha, wo, wi);
         float k = coat.f * lf_fresnel_dielectric(lf_max(coat.cos_oh, 0.0f), p->eta);
@@ -86,13 +84,10 @@ float lf_plastic_eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, 
 /* plastic_init and eval_local for all directions of a fan. */
 void lf_plastic_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z, lf_fan_lobes *out)
 {
-    float alpha = lf_material_alpha(m), eta = m->ior, mean = lf_mean3(m->albedo), cosine = wi.z * LF_INV_PI;
+    float alpha = lf_material_alpha(m), eta = m->ior, mean = lf_mean3(m->albedo);
+    float cosine = wi.z > LF_MIN_COS ? wi.z * LF_INV_PI : 0.0f;
     bool rough = alpha >= LF_ALPHA_MIN;
-    if (!(wi.z > LF_MIN_COS)) {
-        lf_fan_clear(n, out);
-        return;
-    }
-    out->colour = base_colour(m, rough, wi.z);
+    out->colour = cosine > 0.0f ? base_colour(m, rough, wi.z) : lf_v3(0.0f, 0.0f, 0.0f);
     for (int k = 0; k < n; k++) {
         float above = z[k] > LF_MIN_COS ? 1.0f : 0.0f;
         out->coloured[k] = above * (1.0f - lf_fresnel_dielectric(lf_min(lf_max(z[k], LF_MIN_COS), 1.0f), eta));
@@ -105,7 +100,7 @@ void lf_plastic_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x
         float above = z[k] > LF_MIN_COS ? 1.0f : 0.0f, fresnel = above - out->coloured[k], sum = fresnel + out->coloured[k] * mean;
         float select = sum > 0.0f ? fresnel / sum : 1.0f;
         lf_ggx_lobe coat = lf_ggx_eval(alpha, lf_v3(x[k], y[k], lf_max(z[k], LF_MIN_COS)), wi);
-        out->pdf[k] = above * ((1.0f - select) * cosine + select * coat.pdf);
+        out->pdf[k] = above > 0.0f ? (1.0f - select) * cosine + select * coat.pdf : 0.0f;
         out->grey[k] = above * coat.f * lf_fresnel_dielectric(lf_max(coat.cos_oh, 0.0f), eta);
     }
 }

@@ -57,7 +57,7 @@ static double pdf(const void *context, lf_vec3 w)
     return (double)lf_surfaces[s->claimed.type].eval(&s->claimed, s->ns, s->wo, w, &f);
 }
 
-/* Narrow lobes are binned about the mirror direction, wide ones about the normal, where the horizon is the edge of the bins. */
+/* Narrow lobes are binned about the mirror direction, wide ones about the normal, where the horizon is an edge of bins. */
 static double p_value(const setup *s, double *mass)
 {
     double alpha = (double)(s->m.roughness * s->m.roughness);
@@ -65,13 +65,14 @@ static double p_value(const setup *s, double *mass)
     lf_vec3 mirror = lf_normalize(lf_sub(lf_scale(s->ns, 2.0f * lf_dot(s->ns, s->wo)), s->wo));
     lf_chi2_sphere q = {.sample = draw, .pdf = pdf, .context = s, .n_t = 30, .n_phi = 30, .n_samples = 400000};
     q.axis = narrow ? mirror : s->ns;
-    q.m_max = narrow ? 2.0 : 1.0;
-    q.warp = narrow ? log(1.0 / (alpha * alpha)) : 0.1;
+    q.m_max = 2.0;
+    q.warp = narrow ? log(1.0 / (alpha * alpha)) : 1e-6;
     q.seed = lf_test_seed();
     return lf_chi2_sphere_p(&q, mass);
 }
 
-static void samplers_follow_their_pdfs(void **state)
+/* Over the whole sphere: what microfacets send below the horizon is drawn and counts. */
+static void samplers_follow_their_pdfs_which_integrate_to_one(void **state)
 {
     (void)state;
     lf_material m[max_materials];
@@ -82,7 +83,7 @@ static void samplers_follow_their_pdfs(void **state)
             lf_vec3 ns = normals[(i + j) % 2];
             setup s = {m[i], m[i], ns, at_cosine(ns, cosines[j], 1.0f + (float)j)};
             double p = p_value(&s, &mass);
-            if (!(p > lf_sidak(LF_FALSE_ALARM, 4 * n)))
+            if (!(p > lf_sidak(LF_FALSE_ALARM, 4 * n)) || fabs(mass - 1.0) > 1e-4)
                 fail_msg("type %d, roughness %g, cosine %g: p %g, integral %g", (int)m[i].type, (double)m[i].roughness,
                          (double)cosines[j], p, mass);
         }
@@ -98,16 +99,6 @@ static void a_wrong_roughness_is_rejected(void **state)
         setup s = {m, wrong, normals[1], at_cosine(normals[1], 0.25f, 2.0f)};
         assert_true(p_value(&s, NULL) < 1e-6);
     }
-}
-
-static void diffuse_pdf_integrates_to_one(void **state)
-{
-    (void)state;
-    setup s = {material(LF_MATERIAL_DIFFUSE, 0.0f, 0.5f), material(LF_MATERIAL_DIFFUSE, 0.0f, 0.5f), normals[1],
-               at_cosine(normals[1], 0.5f, 0.0f)};
-    double mass;
-    p_value(&s, &mass);
-    assert_true(fabs(mass - 1.0) < 1e-3);
 }
 
 /* Mean and error of f / pdf: the share of light from wo that is reflected; and what eval says at what sample drew. */
@@ -186,6 +177,7 @@ static void surfaces_are_reciprocal(void **state)
     }
 }
 
+/* 0.6 below and 0.5 above: the microfacet between them lies below the horizon, where there is none. */
 static void directions_below_the_surface_get_nothing(void **state)
 {
     (void)state;
@@ -194,7 +186,7 @@ static void directions_below_the_surface_get_nothing(void **state)
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < 3; j++) {
             lf_vec3 f = {1.0f, 1.0f, 1.0f}, wi, ns = normals[1];
-            lf_vec3 up = at_cosine(ns, 0.5f, 0.0f), down = at_cosine(ns, -0.5f, 2.0f);
+            lf_vec3 up = at_cosine(ns, 0.5f, 0.0f), down = at_cosine(ns, -0.6f, 2.0f);
             const float u[3] = {0.3f, 0.7f, 0.1f};
             const lf_surface_ops *lobes = &lf_surfaces[m[i].type];
             /* 0: both below, 1: wi below, 2: wo below, which is nothing to lobes that do not look at wo */
@@ -309,9 +301,8 @@ static void fans_answer_as_single_directions_do(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samplers_follow_their_pdfs),
+        cmocka_unit_test(samplers_follow_their_pdfs_which_integrate_to_one),
         cmocka_unit_test(a_wrong_roughness_is_rejected),
-        cmocka_unit_test(diffuse_pdf_integrates_to_one),
         cmocka_unit_test(no_surface_makes_energy),
         cmocka_unit_test(white_surfaces_lose_little_when_smooth),
         cmocka_unit_test(surfaces_are_reciprocal),
