@@ -169,7 +169,7 @@ lf_tile_bound lf_worst_tile(const double *ratio, int n_seeds, int n_tiles, doubl
 
     assert(n_seeds >= 1 && n_seeds <= LF_MAX_SEEDS);
     for (int i = 0; i < n_tiles; i++)
-        bound.n_judged += n_seeds > 1 && logs_of(ratio + i, (size_t)n_tiles, n_seeds, logs);
+        bound.n_judged += n_seeds >= LF_TILE_SEEDS && logs_of(ratio + i, (size_t)n_tiles, n_seeds, logs);
     if (bound.n_judged == 0)
         return (lf_tile_bound){.worst = -1, .low = NAN, .estimate = NAN, .least = NAN};
     double t = lf_student_quantile(pow(confidence, 1.0 / bound.n_judged), n_seeds - 1);

@@ -10,7 +10,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#define LF_MAX_SEEDS 64
+#define LF_MAX_SEEDS 128
+/* From this many seeds on the worst of many tiles is told. */
+#define LF_TILE_SEEDS 80
 
 /* n values, 1..LF_MAX_SEEDS. */
 typedef struct lf_spread {
@@ -51,7 +53,8 @@ void lf_cross_add(lf_cross *cross, size_t n, const float *a, const float *b, con
 double lf_cross_correlation(const lf_cross *cross);
 
 /* The worst of many tiles. ratio [n_seeds][n_tiles]: > 1 is better. Each tile has a one-sided Student bound over the seeds, on the
- * logarithm, at the level that holds for all tiles at once (Sidak). A tile without a positive ratio in every seed is not judged. */
+ * logarithm, at the level that holds for all tiles at once (Sidak). A tile without a positive ratio in every seed is not judged. Fewer
+ * than LF_TILE_SEEDS seeds judge none: where errors are heavy-tailed, hundreds of tiles ask for more standard errors than they have. */
 typedef struct lf_tile_bound {
     int n_judged;
     int worst;         /* the tile with the least lower bound; -1 = none was judged */
