@@ -87,7 +87,7 @@ static void grow_bounds(double bounds[2][3], const lf_mesh_data *data)
     }
 }
 
-/* Moves materials and file notes of all meshes into the geometry. */
+/* Moves materials, file notes and warnings of all meshes into the geometry. */
 static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
 {
     int n_materials = 0, n_files = 0;
@@ -100,6 +100,7 @@ static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
     if (!geometry->materials || !geometry->files)
         return LF_E_NOMEM;
     for (int i = 0; i < n; i++) {
+        lf_warnings_add_all(&geometry->warnings, &data[i].warnings);
         if (data[i].n_materials)
             memcpy(geometry->materials + geometry->n_materials, data[i].materials,
                    (size_t)data[i].n_materials * sizeof *data[i].materials);
@@ -228,6 +229,7 @@ void lf_geometry_unref(lf_geometry *geometry)
     lf_free(geometry->files);
     lf_free(geometry->meshes);
     lf_free(geometry->materials);
+    lf_warnings_finish(&geometry->warnings);
     json_decref(geometry->key);
     lf_free(geometry);
 }

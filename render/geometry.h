@@ -18,7 +18,8 @@ typedef struct lf_geometry {
     double bounds[2][3];    /* world: least, greatest */
     json_t *key;            /* the JSON that shaped it */
     int n_files;
-    lf_mesh_file *files; /* everything that was read */
+    lf_mesh_file *files;  /* everything that was read */
+    lf_warnings warnings; /* of the meshes */
 } lf_geometry;
 
 /* What decides about the meshes' shape: names, files, shapes, transforms, normals, and whether each has a material of its own

@@ -11,6 +11,7 @@
 
 #include "render/render.h"
 #include "render/vec.h"
+#include "render/warnings.h"
 
 /* -------------------------------------------------------------------------------------------------------- volumes -- */
 
@@ -164,6 +165,8 @@ struct lf_scene {
     float offset;                   /* lf_geometry.offset; 0 without meshes */
     struct lf_geometry *geometry;   /* owner of the meshes' arrays and of embree, shared between scenes; NULL without meshes */
     lf_vec3 bounds_min, bounds_max; /* of volumes and meshes; min > max when there is nothing */
+
+    lf_warnings warnings; /* of its parts and of the whole */
 
     /* What integrators are specialised by. */
     bool has_delta;      /* some material has a delta lobe */

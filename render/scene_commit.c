@@ -9,6 +9,7 @@
 #include "render/geometry.h"
 #include "render/grid.h"
 #include "render/light.h"
+#include "render/mesh_doubles.h"
 #include "render/vdb_import.h"
 
 typedef struct commit {
@@ -208,6 +209,7 @@ static void import_meshes(const commit *c, lf_mesh_data *data)
     for (int i = 0; i < c->desc->n_meshes && c->reader->status == LF_OK; i++) {
         const lf_mesh_desc *desc = &c->desc->meshes[i];
         lf_error err = {0};
+        data[i].name = desc->name;
         lf_status status = desc->shape == LF_SHAPE_FILE ? lf_mesh_import(desc, c->scene->folder, c->roots, &data[i], &err)
                                                         : lf_mesh_shape_make(desc, &data[i], &err);
         if (status != LF_OK)
@@ -266,6 +268,10 @@ static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_
 static void build_geometry(const commit *c, lf_mesh_data *data, json_t *key)
 {
     lf_error err = {0};
+    if (lf_mesh_drop_doubles(data, c->desc->n_meshes, c->scene->origin, c->scene->where) != LF_OK) {
+        out_of_memory(c);
+        return;
+    }
     if (lf_geometry_build(data, c->desc->n_meshes, c->scene->origin, key, &c->scene->geometry, &err) != LF_OK) {
         lf_node node = lf_node_child(c->root, "meshes");
         lf_read_fail_with(c->reader, &node, &err);
@@ -405,7 +411,7 @@ static void set_bounds(const commit *c)
 static void mark_used(const lf_mesh *mesh, bool *used)
 {
     if (!mesh->triangle_material) {
-        used[mesh->material] = true;
+        used[mesh->material] |= mesh->n_triangles > 0;
         return;
     }
     for (int t = 0; t < mesh->n_triangles; t++)
@@ -426,6 +432,28 @@ static void set_flags(lf_scene *scene)
     }
     for (int i = 0; i < scene->n_volumes; i++)
         scene->has_view_lobes |= scene->volumes[i].g != 0.0f;
+}
+
+/* Meshes that glow are lights too, since lf_lights_commit. */
+static bool is_unlit(const lf_scene *scene)
+{
+    float most = 0.0f;
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *l = &scene->lights[i];
+        most = lf_max(most, lf_max(lf_max3(l->radiance), lf_max(lf_max3(l->irradiance), lf_max3(l->intensity))));
+    }
+    return !(most > 0.0f);
+}
+
+/* What parts that may be shared with other scenes know, and what only the whole does. */
+static void collect_warnings(const commit *c)
+{
+    lf_scene *scene = c->scene;
+    if (scene->geometry)
+        lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
+    if (is_unlit(scene))
+        lf_warnings_add(&scene->warnings, scene->where,
+                        "no light shines here: the picture will be black (see lights in docs/scene.md)");
 }
 
 void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc *desc, const lf_roots *roots,
@@ -449,4 +477,5 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         return;
     set_flags(scene);
     reader->status = lf_lights_commit(scene, reader->err);
+    collect_warnings(&c);
 }
