@@ -13,7 +13,7 @@ typedef struct search {
     const double *origin;
     double per_unit; /* steps of the grid that corners are rounded to */
     uint32_t *first; /* [n + 1] number of a mesh's first triangle */
-    uint32_t *slots; /* [mask + 1] hash table of triangles that stay, their numbers + 1; 0 = free */
+    uint64_t *slots; /* [mask + 1] hash table of triangles that stay: upper half of the hash, number + 1; 0 = free */
     uint64_t mask;
     bool *doubled; /* [triangles] */
 } search;
@@ -69,21 +69,24 @@ static uint64_t hash(const corners *c)
     uint64_t bits[9], h = 0;
     memcpy(bits, c->p, sizeof bits);
     for (int i = 0; i < 9; i++)
-        h = lf_hash64(h, bits[i]);
-    return h;
+        h = (h ^ h >> 32 ^ bits[i]) * 0x9e3779b97f4a7c15u;
+    return lf_hash64(h, 0);
 }
 
 /* The triangle that stands in this one's place, or UINT32_MAX: from now on this one does. */
 static uint32_t find_or_keep(search *s, uint32_t triangle)
 {
     corners own = corners_of(s, triangle);
-    uint64_t at = hash(&own) & s->mask;
+    uint64_t h = hash(&own), at = h & s->mask, tag = h >> 32 << 32;
     for (; s->slots[at] != 0; at = (at + 1) & s->mask) {
-        corners there = corners_of(s, s->slots[at] - 1);
+        uint32_t other = (uint32_t)s->slots[at] - 1;
+        if ((s->slots[at] & ~(uint64_t)UINT32_MAX) != tag)
+            continue;
+        corners there = corners_of(s, other);
         if (memcmp(&own, &there, sizeof own) == 0)
-            return s->slots[at] - 1;
+            return other;
     }
-    s->slots[at] = triangle + 1;
+    s->slots[at] = tag | (triangle + 1);
     return UINT32_MAX;
 }
 

@@ -33,6 +33,7 @@ typedef struct lf_grid {
     float max_value;
     double local_to_file[3][4]; /* voxel index of this box -> the file's own world space (before the scene's transform) */
     char *key;                  /* file, grid, modification time: what sharing compares */
+    char *others;               /* names of the file's other grids, each with a newline behind it; NULL = none */
 } lf_grid;
 
 typedef enum lf_volume_kind {

@@ -1,10 +1,10 @@
 #include "render/scene_commit.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/log.h"
 #include "render/environment_load.h"
 #include "render/geometry.h"
 #include "render/grid.h"
@@ -88,7 +88,7 @@ static void load_grid(const commit *c, const lf_volume_desc *desc, lf_volume *vo
     if (status != LF_OK)
         fail_at(c, "volumes", desc->name, "file", &err);
     else if (volume->grid->n_bricks == 0)
-        lf_log(LF_LOG_DEBUG, "%s: grid %s is empty: the volume %s is not there", path, desc->grid, desc->name);
+        lf_warnings_add(&c->scene->warnings, path, "grid %s is empty: the volume \"%s\" is not there", desc->grid, desc->name);
     if (fd >= 0)
         close(fd);
     lf_free(path);
@@ -445,10 +445,39 @@ static bool is_unlit(const lf_scene *scene)
     return !(most > 0.0f);
 }
 
+/* name: `length` bytes. A plain name means the first grid of that name. */
+static bool is_grid_used(const lf_scene_desc *desc, const char *file, const char *name, size_t length)
+{
+    for (int i = 0; i < desc->n_volumes; i++) {
+        const lf_volume_desc *v = &desc->volumes[i];
+        size_t n = v->file && strcmp(v->file, file) == 0 ? strlen(v->grid) : SIZE_MAX;
+        bool first = n + 3 == length && strncmp(name + n, "[0]", 3) == 0;
+        if ((n == length || first) && strncmp(v->grid, name, n) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* The grids of a volume's file that no volume is made of. */
+static void warn_of_grids(const commit *c, const lf_grid *grid, const char *file)
+{
+    char unused[256] = "";
+    for (const char *name = grid->others; name && *name; name = strchr(name, '\n') + 1) {
+        size_t length = strcspn(name, "\n"), at = strlen(unused);
+        if (!is_grid_used(c->desc, file, name, length))
+            snprintf(unused + at, sizeof unused - at, "%s%.*s", at ? ", " : "", (int)length, name);
+    }
+    if (unused[0])
+        lf_warnings_add(&c->scene->warnings, file, "grids that no volume is made of: %s", unused);
+}
+
 /* What parts that may be shared with other scenes know, and what only the whole does. */
 static void collect_warnings(const commit *c)
 {
     lf_scene *scene = c->scene;
+    for (int i = 0; i < scene->n_volumes; i++)
+        if (scene->volumes[i].grid)
+            warn_of_grids(c, scene->volumes[i].grid, c->desc->volumes[i].file);
     if (scene->geometry)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
     if (is_unlit(scene))

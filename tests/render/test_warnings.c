@@ -205,6 +205,33 @@ static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
     lf_scene_unref(scene);
 }
 
+/* The file holds three grids called density. */
+static void grids_that_nothing_is_made_of_are_said(void **state)
+{
+    (void)state;
+    static const char *const volumes[] = {"'v': {'file': 'names.vdb'}",
+                                          "'v': {'file': 'names.vdb'}, 'w': {'file': 'names.vdb', 'grid': 'density[2]'}",
+                                          "'a': {'file': 'names.vdb', 'grid': 'density[0]'}, 'b': {'file': 'names.vdb', 'grid': "
+                                          "'density[1]'}, 'c': {'file': 'names.vdb', 'grid': 'density[2]'}"};
+    static const char *const words[] = {"names.vdb: grids that no volume is made of: density[1], density[2]",
+                                        "names.vdb: grids that no volume is made of: density[1]"};
+    char folder[PATH_MAX];
+    snprintf(folder, sizeof folder, "%s", lf_test_built("testdata"));
+    for (int i = 0; i < 3; i++) {
+        char text[512];
+        lf_scene *scene = NULL;
+        lf_error err;
+        snprintf(text, sizeof text, "{'volumes': {%s}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}", volumes[i]);
+        for (char *c = text; *c; c++)
+            *c = *c == '\'' ? '"' : *c;
+        json_t *doc = json_loads(text, 0, NULL);
+        lf_assert_ok(lf_scene_from_json(doc, folder, "test.json", NULL, NULL, &scene, &err), &err);
+        json_decref(doc);
+        assert_lines(scene, words + i, i < 2);
+        lf_scene_unref(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -213,6 +240,7 @@ int main(void)
         cmocka_unit_test(a_file_that_is_shown_whole_says_nothing),
         cmocka_unit_test(what_an_obj_or_ply_holds_beside_triangles_is_said),
         cmocka_unit_test(faces_in_one_place_are_said_and_one_of_them_stays),
+        cmocka_unit_test(grids_that_nothing_is_made_of_are_said),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
