@@ -83,12 +83,8 @@ bool lf_mesh_light_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p,
         return false;
     lf_vec3 n = lf_scale(cross, 1.0f / size);
     float pdf = probability * (large ? 1.0f / (float)seen.solid_angle : pdf_of(d, n, 0.5f * size));
-    *out = (lf_light_sample){.wi = lf_scale(d, 1.0f / distance),
-                             .distance = distance,
-                             .point = q,
-                             .normal = n,
-                             .radiance = light->radiance,
-                             .pdf = pdf};
+    *out = (lf_light_sample){
+        .wi = lf_scale(d, 1.0f / distance), .distance = distance, .point = q, .normal = n, .radiance = light->radiance, .pdf = pdf};
     return pdf > 0.0f && pdf < INFINITY;
 }
 

@@ -2,7 +2,7 @@
 
 void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out)
 {
-    lf_vec3 o = from->kind == LF_EVENT_SURFACE ? lf_offset(tracer->scene, from->p, from->hit.ng, w) : from->p;
+    lf_vec3 o = from->kind == LF_EVENT_SURFACE ? lf_offset(tracer->scene, from->p, from->hit.ng, w, 0.0f) : from->p;
     float t_max = INFINITY;
     out->kind = LF_EVENT_ESCAPE;
     out->w = w;
@@ -49,10 +49,10 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_s
     lf_vec3 o = event->p, d = light->wi;
     float t_max = INFINITY;
     if (event->kind == LF_EVENT_SURFACE)
-        o = lf_offset(tracer->scene, event->p, event->hit.ng, light->wi);
+        o = lf_offset(tracer->scene, event->p, event->hit.ng, light->wi, 0.0f);
     if (light->distance < INFINITY) {
         /* Neither end may move without the other: the ray would pass the light and meet what lies behind or beside it. */
-        d = lf_sub(lf_offset(tracer->scene, light->point, light->normal, lf_scale(light->wi, -1.0f)), o);
+        d = lf_sub(lf_offset(tracer->scene, light->point, light->normal, lf_scale(light->wi, -1.0f), light->distance), o);
         t_max = 1.0f - 1e-6f;
     }
     if (lf_trace_occluded(tracer, o, d, t_max))
