@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "render/surface.h"
 
 /* ThreadSanitizer cannot see how TBB hands work from thread to thread: under it Embree builds on the calling thread. */
 #ifdef __SANITIZE_THREAD__
@@ -102,6 +103,8 @@ static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
             memcpy(geometry->materials + geometry->n_materials, data[i].materials,
                    (size_t)data[i].n_materials * sizeof *data[i].materials);
         memcpy(geometry->files + geometry->n_files, data[i].files, (size_t)data[i].n_files * sizeof data[i].files[0]);
+        for (int j = 0; j < data[i].n_materials; j++)
+            lf_material_prepare(&geometry->materials[geometry->n_materials + j]);
         geometry->n_materials += data[i].n_materials;
         geometry->n_files += data[i].n_files;
         data[i].n_files = 0;

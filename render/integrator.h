@@ -42,7 +42,7 @@ typedef struct lf_worker {
     float strategy[LF_MAX_LANES]; /* count times density */
     int column[LF_MAX_LANES];
     float local[3][LF_MAX_LANES];                     /* directions to the views in the frame of a surface's shading normal (z) */
-    float coloured[LF_MAX_LANES], grey[LF_MAX_LANES]; /* of a surface's lobes: lf_fan_lobes */
+    float term[LF_FAN_TERMS][LF_MAX_LANES];           /* of a surface's lobes: lf_fan_lobes.weight */
     float *expected;                                  /* [view][column]: where a visit keeps its row of the map */
     bool *mirrors; /* [view][column]: B and q have found a delta lobe here or beside it; NULL without M */
 } lf_worker;

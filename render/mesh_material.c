@@ -128,7 +128,7 @@ static bool is_made_up(const struct aiMaterial *m)
 
 static lf_material convert_material(const struct aiMaterial *m)
 {
-    lf_material out = {LF_MATERIAL_DIFFUSE, {0.5f, 0.5f, 0.5f}, 0.3f, 1.5f, {0, 0, 0}};
+    lf_material out = {.type = LF_MATERIAL_DIFFUSE, .albedo = {0.5f, 0.5f, 0.5f}, .roughness = 0.3f, .ior = 1.5f};
     float metallic;
     if (is_made_up(m))
         return out;

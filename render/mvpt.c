@@ -178,30 +178,24 @@ static void look_back(lf_visit *visit, const lf_hit *hit)
     }
 }
 
-/* The lobes of a surface for every view towards wi; returns their colour. */
-static lf_vec3 reflections(lf_visit *visit, const lf_hit *hit, lf_vec3 wi)
-{
-    lf_worker *w = visit->worker;
-    lf_vec3 t, b;
-    lf_fan_lobes out = {.pdf = w->lobe, .coloured = w->coloured, .grey = w->grey};
-    lf_frame(hit->ns, &t, &b);
-    lf_surfaces[hit->material->type].eval_fan(hit->material, lf_to_frame(t, b, hit->ns, wi), lanes_of(visit->rig), w->local[0],
-                                              w->local[1], w->local[2], &out);
-    return out.colour;
-}
-
-/* The lobe's pdf for every view towards wi and, for surfaces, f_k; returns sum_k c_k D_k pdf_k. *out_colour: what f_k is in units of, the
- * albedo for media. */
-static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_vec3 *out_colour)
+/* The lobes of all views towards wi: their pdfs and f_k; returns sum_k c_k D_k pdf_k. */
+static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lobes *out)
 {
     lf_worker *w = visit->worker;
     const float *strategy = visit->expected ? w->strategy : w->density;
     float sum = 0.0f;
+    *out = (lf_fan_lobes){.pdf = w->lobe, .weight = {w->term[0], w->term[1], w->term[2]}};
     if (pivot->event.kind == LF_EVENT_MEDIUM) {
         phases(visit, pivot, wi);
-        *out_colour = visit->scene->volumes[pivot->event.volume].albedo;
+        out->n_terms = 1;
+        out->weight[0] = w->lobe;
+        out->colour[0] = visit->scene->volumes[pivot->event.volume].albedo;
     } else {
-        *out_colour = reflections(visit, &pivot->event.hit, wi);
+        const lf_hit *hit = &pivot->event.hit;
+        lf_vec3 t, b;
+        lf_frame(hit->ns, &t, &b);
+        lf_surfaces[hit->material->type].eval_fan(hit->material, lf_to_frame(t, b, hit->ns, wi), lanes_of(visit->rig), w->local[0],
+                                                  w->local[1], w->local[2], out);
     }
     for (int k = 0; k < visit->rig->n_views; k++)
         sum += strategy[k] * w->lobe[k];
@@ -209,27 +203,27 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_vec3 *
 }
 
 /* Adds density_k f_k times one radiance to every view. */
-static void add_lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 colour, lf_vec3 radiance)
+static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
 {
     lf_worker *w = visit->worker;
-    bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
-    const float *coloured = medium ? w->lobe : w->coloured;
-    lf_vec3 tinted = lf_mul(radiance, colour);
+    lf_vec3 tinted[LF_FAN_TERMS];
     if (!isfinite(radiance.x + radiance.y + radiance.z)) {
         w->tracer.nonfinite++;
         return;
     }
     if (!(lf_max3(radiance) > 0.0f))
         return;
+    for (int t = 0; t < f->n_terms; t++)
+        tinted[t] = lf_mul(radiance, f->colour[t]);
     for (int k = 0; k < visit->rig->n_views; k++) {
         size_t pixel;
         float d = w->density[k];
+        lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f);
         if (!(d > 0.0f))
             continue;
         lf_film_scattered *out = target(visit, k, &pixel);
-        lf_vec3 y = lf_scale(tinted, d * coloured[k]);
-        if (!medium)
-            y = lf_madd(y, d * w->grey[k], radiance);
+        for (int t = 0; t < f->n_terms; t++)
+            y = lf_madd(y, d * f->weight[t][k], tinted[t]);
         out->n[0] += y.x;
         out->n[1] += y.y;
         out->n[2] += y.z;
@@ -271,23 +265,23 @@ static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, 
 static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, float sum)
 {
     bool no_light_pdf = visit->faults & LF_FAULT_NO_LIGHT_PDF;
-    lf_vec3 colour;
+    lf_fan_lobes f;
     if (pivot->event.kind == LF_EVENT_SURFACE)
         look_back(visit, &pivot->event.hit);
     add_weights(visit, pivot->boost / sum);
     if (suffix->has_light) {
         const lf_light_sample *light = &suffix->light;
-        float over = lobes(visit, pivot, light->wi, &colour);
+        float over = lobes(visit, pivot, light->wi, &f);
         float denominator = light->delta ? light->pdf * sum : light->pdf * sum + (no_light_pdf ? 0.0f : over);
-        add_lobes(visit, pivot, colour, lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
+        add_lobes(visit, &f, lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
     }
     bool below = pivot->event.kind == LF_EVENT_SURFACE && !(lf_dot(pivot->event.hit.ns, suffix->wi) > 0.0f);
     bool drawn = suffix->has_direction && !(below && visit->faults & LF_FAULT_HORIZON);
-    float over = drawn ? lobes(visit, pivot, suffix->wi, &colour) : 0.0f;
+    float over = drawn ? lobes(visit, pivot, suffix->wi, &f) : 0.0f;
     if (over > 0.0f) {
         float with_light = over + (no_light_pdf ? 0.0f : suffix->found_pdf * sum);
         lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->boost / over), pivot->boost / with_light, suffix->found);
-        add_lobes(visit, pivot, colour, radiance);
+        add_lobes(visit, &f, radiance);
     }
     if (visit->sums.half.w2)
         add_directional(visit, pivot, over, sum);

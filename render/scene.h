@@ -71,12 +71,18 @@ typedef enum lf_material_type {
     LF_MATERIAL_TYPES
 } lf_material_type;
 
+#define LF_LOSS_TERMS 9
+
 typedef struct lf_material {
     lf_material_type type;
     lf_vec3 albedo;   /* diffuse: reflectance; conductor: colour at normal incidence (Schlick F0); plastic: base reflectance */
     float roughness;  /* perceptual, 0..1; alpha = roughness^2; alpha below LF_ALPHA_MIN is a delta lobe (mirror) */
     float ior;        /* plastic coat, 1..3 */
     lf_vec3 emission; /* radiance leaving both sides; 0 = not a light */
+    lf_vec3 eta, k;   /* conductor: complex index eta + i k of each channel; eta.x = 0: none, albedo says it all */
+    /* Made of the above by lf_material_prepare (surface.h). */
+    float loss[LF_LOSS_TERMS]; /* of a rough lobe: lf_loss */
+    lf_vec3 rest;              /* what becomes of it: surface_energy.c */
 } lf_material;
 #define LF_ALPHA_MIN 1e-3f
 

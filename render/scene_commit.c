@@ -10,6 +10,7 @@
 #include "render/grid.h"
 #include "render/light.h"
 #include "render/mesh_doubles.h"
+#include "render/surface.h"
 #include "render/vdb_import.h"
 
 typedef struct commit {
@@ -335,6 +336,8 @@ static void place_meshes(commit *c)
         memcpy(scene->materials, geometry->materials, (size_t)n_own * sizeof *scene->materials);
     if (c->desc->n_materials)
         memcpy(scene->materials + n_own, c->desc->materials, (size_t)c->desc->n_materials * sizeof *scene->materials);
+    for (int i = n_own; i < n; i++)
+        lf_material_prepare(&scene->materials[i]);
     for (int i = 0; geometry && i < geometry->n_meshes; i++) {
         scene->meshes[i] = geometry->meshes[i];
         scene->meshes[i].material = (uint16_t)(c->desc->meshes[i].material < 0 ? 0 : n_own + c->desc->meshes[i].material);

@@ -17,10 +17,13 @@ typedef struct lf_hit {
     uint32_t triangle;
 } lf_hit;
 
-/* What eval gives to a fan of directions: f is colour coloured[k] + grey[k]. */
+/* What eval gives to a fan of directions: f is the sum of colour[t] weight[t][k] over the terms. */
+#define LF_FAN_TERMS 3
 typedef struct lf_fan_lobes {
-    lf_vec3 colour;
-    float *pdf, *coloured, *grey; /* [n] */
+    float *pdf;                   /* [n] */
+    float *weight[LF_FAN_TERMS];  /* [n] each; memory is there for all */
+    lf_vec3 colour[LF_FAN_TERMS]; /* of the n_terms first ones */
+    int n_terms;
 } lf_fan_lobes;
 
 typedef struct lf_surface_ops {
@@ -40,6 +43,10 @@ typedef struct lf_surface_ops {
 } lf_surface_ops;
 
 extern const lf_surface_ops lf_surfaces[LF_MATERIAL_TYPES];
+
+/* Works out what the lobes need beyond the material's own words; to be called once they are all set. Half a millisecond for a rough metal
+ * or plastic. */
+void lf_material_prepare(lf_material *m);
 
 /* True when the material has any non-delta lobe / a delta lobe of nonzero reflectance. */
 bool lf_material_has_lobe(const lf_material *m);
