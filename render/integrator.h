@@ -41,10 +41,10 @@ typedef struct lf_worker {
     float count[LF_MAX_LANES];    /* expected counts of the lanes' pixels, as in lf_visit.expected */
     float strategy[LF_MAX_LANES]; /* count times density */
     int column[LF_MAX_LANES];
-    float local[3][LF_MAX_LANES];                     /* directions to the views in the frame of a surface's shading normal (z) */
-    float term[LF_FAN_TERMS][LF_MAX_LANES];           /* of a surface's lobes: lf_fan_lobes.weight */
-    float *expected;                                  /* [view][column]: where a visit keeps its row of the map */
-    bool *mirrors; /* [view][column]: B and q have found a delta lobe here or beside it; NULL without M */
+    float local[3][LF_MAX_LANES];           /* directions to the views in the frame of a surface's shading normal (z) */
+    float term[LF_FAN_TERMS][LF_MAX_LANES]; /* of a surface's lobes: lf_fan_lobes.weight */
+    float *expected;                        /* [view][column]: where a visit keeps its row of the map */
+    bool *mirrors;                          /* [view][column]: B and q have found a delta lobe here or beside it; NULL without M */
 } lf_worker;
 
 /* A shared pivot: where a base ray found something that scatters. */

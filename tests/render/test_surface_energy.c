@@ -69,7 +69,8 @@ static double around(const lobe *l, reflected f, double s)
 
 static double simpson(const lobe *l, reflected f, double a, double b, const double y[3], double tolerance, int depth)
 {
-    double m = 0.5 * (a + b), left[3] = {y[0], around(l, f, 0.5 * (a + m)), y[1]}, right[3] = {y[1], around(l, f, 0.5 * (m + b)), y[2]};
+    double m = 0.5 * (a + b), left[3] = {y[0], around(l, f, 0.5 * (a + m)), y[1]},
+           right[3] = {y[1], around(l, f, 0.5 * (m + b)), y[2]};
     double whole = (b - a) / 6.0 * (y[0] + 4.0 * y[1] + y[2]);
     double fine = (b - a) / 12.0 * (left[0] + 4.0 * left[1] + 2.0 * y[1] + 4.0 * right[1] + y[2]);
     if (depth == 0 || fabs(fine - whole) < 15.0 * tolerance)
@@ -108,7 +109,8 @@ static lf_material white(lf_material_type type, float rough, float ior)
 static lf_material nth(int i)
 {
     int kind = i / N_ROUGHNESS;
-    return white(kind == 0 ? LF_MATERIAL_CONDUCTOR : LF_MATERIAL_PLASTIC, roughness[i % N_ROUGHNESS], kind ? indices[kind - 1] : 1.5f);
+    return white(kind == 0 ? LF_MATERIAL_CONDUCTOR : LF_MATERIAL_PLASTIC, roughness[i % N_ROUGHNESS],
+                 kind ? indices[kind - 1] : 1.5f);
 }
 enum { N_MATERIALS = (1 + N_INDICES) * N_ROUGHNESS };
 
@@ -122,7 +124,8 @@ static void white_furnaces_are_white_at_every_roughness_and_angle(void **state)
             double got = integral(&m, (double)lf_material_alpha(&m), cosines[j], of_eval);
             worst = fmax(worst, fabs(got - 1.0));
             if (!(fabs(got - 1.0) < 5e-3))
-                fail_msg("type %d, roughness %g, ior %g, cosine %g: %g", (int)m.type, (double)m.roughness, (double)m.ior, cosines[j], got);
+                fail_msg("type %d, roughness %g, ior %g, cosine %g: %g", (int)m.type, (double)m.roughness, (double)m.ior,
+                         cosines[j], got);
         }
     }
     print_message("worst furnace: off by %.2g\n", worst);
