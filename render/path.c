@@ -44,6 +44,15 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
     return phase;
 }
 
+/* Whether the face that was drawn is the first that a ray from o meets: where faces share a place, rays find one of them and so may next
+ * event. */
+static bool meets_lamp(lf_tracer *tracer, lf_vec3 o, const lf_light_sample *light)
+{
+    lf_hit hit;
+    return lf_trace_surface(tracer, o, lf_sub(light->point, o), INFINITY, &hit) && hit.mesh == light->mesh &&
+           hit.triangle == light->triangle;
+}
+
 float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_sample *light)
 {
     lf_vec3 o = event->p, d = light->wi;
@@ -55,7 +64,7 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_s
         d = lf_sub(lf_offset(tracer->scene, light->point, light->normal, lf_scale(light->wi, -1.0f), light->distance), o);
         t_max = 1.0f - 1e-6f;
     }
-    if (lf_trace_occluded(tracer, o, d, t_max))
+    if (tracer->scene->has_overlaps && light->mesh ? !meets_lamp(tracer, o, light) : lf_trace_occluded(tracer, o, d, t_max))
         return 0.0f;
     return lf_track_transmittance(tracer, event->p, light->wi, light->distance);
 }

@@ -178,6 +178,7 @@ struct lf_scene {
     /* What integrators are specialised by. */
     bool has_delta;      /* some material has a delta lobe */
     bool has_emission;   /* some material emits */
+    bool has_overlaps;   /* faces of lamps share their place with others: next event counts the one that a ray meets */
     bool has_view_lobes; /* some lobe depends on the view: g != 0, conductor, plastic */
 };
 #define LF_DEFAULT_MAX_DEPTH 1024

@@ -474,6 +474,22 @@ static void warn_of_grids(const commit *c, const lf_grid *grid, const char *file
         lf_warnings_add(&c->scene->warnings, file, "grids that no volume is made of: %s", unused);
 }
 
+static void find_overlaps(const commit *c)
+{
+    lf_scene *scene = c->scene;
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *light = &scene->lights[i];
+        int other = light->type == LF_LIGHT_MESH ? lf_mesh_light_overlaps(scene, light) : -1;
+        if (other < 0)
+            continue;
+        scene->has_overlaps = true;
+        lf_warnings_add(
+            &scene->warnings, scene->where,
+            "mesh \"%s\": its lamp stands in one place with faces of \"%s\": which of them is seen there is a matter of rounding",
+            c->desc->meshes[light->mesh].name, c->desc->meshes[other].name);
+    }
+}
+
 /* What parts that may be shared with other scenes know, and what only the whole does. */
 static void collect_warnings(const commit *c)
 {
@@ -509,5 +525,7 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         return;
     set_flags(scene);
     reader->status = lf_lights_commit(scene, reader->err);
+    if (reader->status == LF_OK)
+        find_overlaps(&c);
     collect_warnings(&c);
 }
