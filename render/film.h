@@ -104,14 +104,15 @@ lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int r
  * row that was never visited. */
 void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *out_q);
 
-/* Of every pixel and channel of a row: sqrt(s_A s_B) (x_A - x_B) over sqrt(I^2 + epsilon), s the halves' shares of the samples and x
- * their answers; its mean square estimates the row's relMSE. out [view][column][3]; false, and untouched, unless both halves have been
- * visited. */
-bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out);
+/* Of every pixel and channel of a row: sqrt(s_A s_B) (x_A - x_B) over the root of what stands for I^2 + epsilon, s the halves' shares of
+ * the samples and x their answers; its mean square estimates the row's relMSE. out [view][column][3]; *out_known: the mean square of
+ * what known light alone says, where that is less. false, and both untouched, unless both halves have been visited. */
+bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out, double *out_known);
 
 /* What one row tells about the error of the picture (film_error.c): means over its view pixels and channels. */
 typedef struct lf_row_error {
     double square;    /* of the differences: the row's relMSE, estimated */
+    double known;     /* the part of it that known light alone makes */
     double magnitude; /* mean of their absolute values */
     double cross;     /* of their products with the next row's; 0 in the last row */
 } lf_row_error;

@@ -38,20 +38,17 @@ static double trigamma(double x)
     return sum + 1.0 / x + 1.0 / (2.0 * x * x) + 1.0 / (6.0 * x * x * x) - 1.0 / (30.0 * pow(x, 5.0));
 }
 
-/* Variance of a median of five, squared, relative to the relMSE of one: 4 times that of the median (0.287), and pi/2 to get from the
+/* Variance of a median of three, squared, relative to the relMSE of one: 4 times that of the median (0.449), and pi/2 to get from the
  * mean magnitude of a normal difference to its mean square. */
-#define SCALE_VARIANCE (4.0 * 0.287 * M_PI / 2.0)
+#define SCALE_VARIANCE (4.0 * 0.449 * M_PI / 2.0)
 
 double lf_error_bound(const lf_row_error *rows, int n, double alpha, double *out_estimate)
 {
-    double estimate = 0.0, second = 0.0, fourth = 0.0, scale = 0.0, own = 0.0, next = 0.0;
+    double estimate = 0.0, scale = 0.0, own = 0.0, next = 0.0, shared = 0.0, fourth = 0.0;
     for (int i = 0; i < n; i++) {
-        double x = rows[i].cross * rows[i].cross;
         own += rows[i].square * rows[i].square;
         next += i + 1 < n ? rows[i].square * rows[i + 1].square : 0.0;
         estimate += rows[i].square / n;
-        second += x;
-        fourth += x * x;
         scale += pow(rows[i].square * rows[i].magnitude, 2.0);
     }
     if (out_estimate)
@@ -59,11 +56,17 @@ double lf_error_bound(const lf_row_error *rows, int n, double alpha, double *out
     if (!(estimate > 0.0) || !isfinite(estimate))
         return estimate == 0.0 ? 0.0 : -1.0;
     /* A row alone, or beside rows without error, tells nothing about its own scatter: as if it were a single number. Else the products
-     * with the next row, times what is lost where the next row has less error than this one. */
-    double variance = 4.0 * own / ((double)n * n);
-    if (next > 1e-6 * own)
-        variance = fmin(variance, (4.0 * second * fmax(n / (n - 1.0), own / next) + SCALE_VARIANCE * scale) / ((double)n * n));
-    double freedom = fmax(2.0, fourth > 0.0 ? second * second / fourth : 2.0);
+     * with the next row, times what is lost where the next row has less error than this one, and what known light alone makes of a
+     * row, whose edges the next row has elsewhere. */
+    double variance = 4.0 * own / ((double)n * n), lost = next > 1e-6 * own ? 4.0 * fmax(n / (n - 1.0), own / next) : 0.0;
+    for (int i = 0; i < n; i++) {
+        double x = lost * rows[i].cross * rows[i].cross + 4.0 / 3.0 * rows[i].known * rows[i].known;
+        shared += x;
+        fourth += x * x;
+    }
+    if (lost > 0.0)
+        variance = fmin(variance, (shared + SCALE_VARIANCE * scale) / ((double)n * n));
+    double freedom = fmax(2.0, fourth > 0.0 ? shared * shared / fourth : 2.0);
     double deviation = sqrt(2.0 * trigamma(fmax(2.0 * estimate * estimate / fmax(variance, 1e-300), 1e-3)));
     return estimate * exp(t_quantile(alpha, freedom) * deviation);
 }
@@ -95,8 +98,9 @@ static void error_of_row(void *context, int row, int worker)
     float *a = job->scratch + (size_t)worker * 2 * values, *b = a + values;
     lf_row_error *out = &job->rows[row];
     bool last = row + 1 == job->film->height;
-    if (!lf_film_row_differences(job->film, job->estimator, row, a) ||
-        (!last && !lf_film_row_differences(job->film, job->estimator, row + 1, b))) {
+    double next;
+    if (!lf_film_row_differences(job->film, job->estimator, row, a, &out->known) ||
+        (!last && !lf_film_row_differences(job->film, job->estimator, row + 1, b, &next))) {
         atomic_store_explicit(&job->unknown, true, memory_order_relaxed);
         return;
     }

@@ -7,9 +7,11 @@
 #include "render/film.h"
 #include "render/film_difference.h"
 
-enum { TILE_COLUMNS = 16, TILE_VIEWS = 4 };
+enum { TILE_COLUMNS = 16, TILE_VIEWS = 4, BESIDE = 2, AROUND = TILE_COLUMNS + 2 * BESIDE };
 
 #define LF_ERROR_EPSILON 1e-2
+/* Of the squared difference of known light between the halves to its square: what changes the error by less than a hundredth. */
+#define NEGLIGIBLE 1e-4
 
 /* What a pixel holds: means over n; known is B + M/n. */
 typedef struct lf_sums {
@@ -101,12 +103,17 @@ static void answer_mis(const lf_sums *s, float out[3])
         out[c] = s->known[c] + s->scattered[c];
 }
 
-/* B + q N/W; where q has not settled (0 while something was found) or nothing was found, B + N/n. N/W is a weighted mean of what was found,
- * N/W' is not: W' does not count light samples, and where no direction of a narrow lobe has arrived yet it is next to nothing and N is
- * not. W stands in there. */
+/* W, or W'. N/W is a weighted mean of what was found, N/W' is not: W' does not count light samples, and where no direction of a narrow
+ * lobe has arrived yet it is next to nothing and N is not. W stands in there. */
+static float weight_of(const lf_sums *s, bool second)
+{
+    return second && s->w2 > 0.25f * s->w ? s->w2 : s->w;
+}
+
+/* B + q N/W; where q has not settled (0 while something was found) or nothing was found, B + N/n. */
 static void answer_ratio(const lf_sums *s, bool second, float out[3])
 {
-    float w = second && s->w2 > 0.25f * s->w ? s->w2 : s->w;
+    float w = weight_of(s, second);
     bool known = w > 0.0f && s->q > 0.0f;
     for (int c = 0; c < 3; c++)
         out[c] = s->known[c] + (known ? s->q * (s->scattered[c] / w) : s->scattered[c]);
@@ -209,30 +216,11 @@ static uint8_t flags_of(const lf_sums *s)
 /* What a tile's pixels are answered with. */
 typedef struct lf_tile_answers {
     lf_estimator estimator;
-    bool second; /* mwis: W' */
+    bool second; /* W' is the better weight */
     lf_beta beta[2];
     float pixel[TILE_VIEWS * TILE_COLUMNS][3];
+    float radiance[3][TILE_VIEWS * AROUND]; /* of the tile and BESIDE columns around it */
 } lf_tile_answers;
-
-static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_tile_answers *a)
-{
-    a->estimator = estimator;
-    a->second = estimator != LF_ESTIMATOR_MIS && second_is_better(t);
-    memset(a->beta, 0, sizeof a->beta);
-    if (estimator == LF_ESTIMATOR_CV && t->n_halves == 2) {
-        regress(t, 0, &a->beta[0]);
-        regress(t, 1, &a->beta[1]);
-    }
-    for (int i = 0; i < t->count; i++) {
-        const lf_tile_pixel *p = &t->pixel[i];
-        if (estimator == LF_ESTIMATOR_CV)
-            answer_cv(t, p, a->beta, a->pixel[i]);
-        else if (estimator == LF_ESTIMATOR_MIS)
-            answer_mis(&p->pooled, a->pixel[i]);
-        else
-            answer_ratio(&p->pooled, a->second, a->pixel[i]);
-    }
-}
 
 static void answer_half(const lf_tile_pixel *p, const lf_tile_answers *a, int h, double out[3])
 {
@@ -257,41 +245,142 @@ static inline float most(float a, float b)
     return a < b ? b : a;
 }
 
-static float median_of_5(const float x[5])
+/* The lower median of those of five numbers that are not negative; -1: none is. */
+static float lower_median(const float x[5])
 {
+    float sorted[5];
+    int n = 0;
     float f = most(least(x[0], x[1]), least(x[2], x[3])), g = least(most(x[0], x[1]), most(x[2], x[3]));
-    return most(least(most(f, g), x[4]), least(f, g));
+    float lowest = least(least(least(x[0], x[1]), least(x[2], x[3])), x[4]);
+    if (lowest >= 0.0f)
+        return most(least(most(f, g), x[4]), least(f, g));
+    for (int i = 0; i < 5; i++) {
+        int k = n;
+        if (x[i] < 0.0f)
+            continue;
+        for (n++; k > 0 && sorted[k - 1] > x[i]; k--)
+            sorted[k] = sorted[k - 1];
+        sorted[k] = x[i];
+    }
+    return n > 0 ? sorted[(n - 1) / 2] : -1.0f;
 }
 
-/* I^2 + epsilon of a channel, I the median of five neighbours of the row and view: a rare bright path must not hide its own error by
- * standing in the denominator. */
+/* What scatters in the pixels of a tile, and of two columns to either side of it, sends R = N/W; -1: nothing was found, or beyond the
+ * picture. */
+static void read_radiance(const lf_tile *t, lf_tile_answers *a)
+{
+    for (int view = t->view0; view < t->view1; view++) {
+        for (int column = t->column0 - BESIDE; column < t->column1 + BESIDE; column++) {
+            int at = (view - t->view0) * AROUND + column - t->column0 + BESIDE;
+            size_t pixel = (size_t)view * (size_t)t->film->width + (size_t)(ptrdiff_t)column;
+            lf_sums half[2] = {{.w = 0.0f}, {.w = 0.0f}};
+            for (int h = 0; h < 2 && column >= 0 && column < t->film->width; h++) {
+                if (t->n[h] > 0.0f)
+                    read_half(&t->half[h], pixel, 1.0f, &half[h]);
+            }
+            const lf_sums sum = {.w = half[0].w + half[1].w, .w2 = half[0].w2 + half[1].w2};
+            float w = weight_of(&sum, a->second), inverse = w > 0.0f ? 1.0f / w : 0.0f;
+            for (int c = 0; c < 3; c++)
+                a->radiance[c][at] = w > 0.0f ? (half[0].scattered[c] + half[1].scattered[c]) * inverse : -1.0f;
+        }
+    }
+}
+
+static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_tile_answers *a)
+{
+    a->estimator = estimator;
+    a->second = second_is_better(t);
+    memset(a->beta, 0, sizeof a->beta);
+    if (estimator == LF_ESTIMATOR_CV && t->n_halves == 2) {
+        regress(t, 0, &a->beta[0]);
+        regress(t, 1, &a->beta[1]);
+    }
+    for (int i = 0; i < t->count; i++) {
+        const lf_tile_pixel *p = &t->pixel[i];
+        if (estimator == LF_ESTIMATOR_CV)
+            answer_cv(t, p, a->beta, a->pixel[i]);
+        else if (estimator == LF_ESTIMATOR_MIS)
+            answer_mis(&p->pooled, a->pixel[i]);
+        else
+            answer_ratio(&p->pooled, a->second, a->pixel[i]);
+    }
+    if (t->n_halves == 2)
+        read_radiance(t, a);
+}
+
+/* R of a pixel, as the error's denominator takes it: the median of five, brought between what the two halves say of the pixel itself where
+ * they agree at all. A rare bright path must not hide its own error by standing there, but only one half has met it. */
+static float steady_radiance(const lf_tile *t, const lf_tile_answers *a, int i, int c)
+{
+    int columns = t->column1 - t->column0;
+    const lf_sums *x = &t->pixel[i].half[0], *y = &t->pixel[i].half[1];
+    float median = most(0.0f, lower_median(&a->radiance[c][i / columns * AROUND + i % columns]));
+    float w[2] = {weight_of(x, a->second), weight_of(y, a->second)};
+    if (!(w[0] > 0.0f && w[1] > 0.0f))
+        return median;
+    float u = x->scattered[c] / w[0], v = y->scattered[c] / w[1], low = least(u, v), high = most(u, v);
+    return high > 4.0f * low ? median : most(low, least(high, median));
+}
+
+/* The darkest known light of a pixel and two to either side. */
+static float darkest(const lf_tile *t, int i, int c)
+{
+    int column = t->column0 + i % (t->column1 - t->column0);
+    float dark = t->pixel[i].pooled.known[c];
+    for (int k = column > BESIDE ? -BESIDE : -column; k <= BESIDE && column + k < t->film->width && t->known; k++)
+        dark = least(dark, t->known[pixel_index(t, i) + (size_t)(ptrdiff_t)k].b[c]);
+    return dark;
+}
+
+/* Known light as far as it can be told from a rare bright path in a mirror, which only one half has found and nobody beside it, here
+ * or in the next views. */
+static float believed(const lf_tile *t, int i, int c)
+{
+    int columns = t->column1 - t->column0, column = t->column0 + i % columns;
+    const lf_tile_pixel *p = &t->pixel[i];
+    float known = p->pooled.known[c], enough = 2.0f * least(p->half[0].known[c], p->half[1].known[c]);
+    for (int view = t->view0; view < t->view1; view++) {
+        for (int k = column > 0 ? column - 1 : 0; k <= column + 1 && k < t->film->width && enough < known; k++) {
+            size_t pixel = (size_t)view * (size_t)t->film->width + (size_t)k;
+            enough = pixel == pixel_index(t, i) ? enough : most(enough, t->known[pixel].b[c]);
+        }
+    }
+    return least(known, enough);
+}
+
+/* I^2 + epsilon of a channel, over what its inverse is expected to be more than that (docs/estimators.md, "The error and its bound"). */
 static double scale_of(const lf_tile *t, const lf_tile_answers *a, int i, int c)
 {
-    int columns = t->column1 - t->column0, column = i % columns, first = column - 2;
-    float x = a->pixel[i][c], near[5];
-    if (columns >= 5) {
-        first = first < 0 ? 0 : first > columns - 5 ? columns - 5 : first;
-        for (int k = 0; k < 5; k++)
-            near[k] = fabsf(a->pixel[i - column + first + k][c]);
-        x = median_of_5(near);
-    }
-    return (double)x * (double)x + LF_ERROR_EPSILON;
+    const lf_tile_pixel *p = &t->pixel[i];
+    float scattered = p->pooled.q * steady_radiance(t, a, i, c), difference = p->half[0].known[c] - p->half[1].known[c];
+    float known = t->film->layout.has_native ? believed(t, i, c) : p->pooled.known[c];
+    double x = (double)known + (double)scattered, scale = x * x + LF_ERROR_EPSILON;
+    double d = (double)(t->share[0] * t->share[1]) * (double)difference * (double)difference, k = (double)known * (double)known;
+    if (!(d > NEGLIGIBLE * k))
+        return scale;
+    double dark = (double)darkest(t, i, c) + (double)scattered, lone = d < k ? d / k : 1.0;
+    return scale / (1.0 + 0.9 * lone * sqrt(sqrt(k / (dark * dark + LF_ERROR_EPSILON))));
 }
 
-/* How far the halves are apart, so scaled that its square is what their mean errs by: sqrt(s_A s_B / (I^2 + epsilon)) (x_A - x_B). */
-static void difference(const lf_tile *t, const lf_tile_answers *a, int i, float out[3])
+/* How far the halves are apart, so scaled that its square is what their mean errs by: sqrt(s_A s_B / (I^2 + epsilon)) (x_A - x_B);
+ * out_known the same of their known light. */
+static void difference(const lf_tile *t, const lf_tile_answers *a, int i, float out[3], float out_known[3])
 {
     double x[2][3], share = (double)t->share[0] * (double)t->share[1];
-    answer_half(&t->pixel[i], a, 0, x[0]);
-    answer_half(&t->pixel[i], a, 1, x[1]);
-    for (int c = 0; c < 3; c++)
-        out[c] = (float)((x[0][c] - x[1][c]) * sqrt(share / scale_of(t, a, i, c)));
+    const lf_tile_pixel *p = &t->pixel[i];
+    answer_half(p, a, 0, x[0]);
+    answer_half(p, a, 1, x[1]);
+    for (int c = 0; c < 3; c++) {
+        double factor = sqrt(share / scale_of(t, a, i, c));
+        out[c] = (float)((x[0][c] - x[1][c]) * factor);
+        out_known[c] = (float)((double)(p->half[0].known[c] - p->half[1].known[c]) * factor);
+    }
 }
 
 static double relative_error(const lf_tile *t, const lf_tile_answers *a, int i)
 {
-    float d[3];
-    difference(t, a, i, d);
+    float d[3], known[3];
+    difference(t, a, i, d, known);
     return (double)(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / 3.0;
 }
 
@@ -376,17 +465,23 @@ void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *o
     }
 }
 
-bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out)
+bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out, double *out_known)
 {
     lf_tile t;
+    double sum = 0.0;
     if (!open_row(&t, film, row) || t.n_halves < 2)
         return false;
     for (int k = 0; at_tile(&t, k); k++) {
         lf_tile_answers a = {0};
         read_tile(&t);
         answer_tile(&t, estimator, &a);
-        for (int i = 0; i < t.count; i++)
-            difference(&t, &a, i, out + 3 * pixel_index(&t, i));
+        for (int i = 0; i < t.count; i++) {
+            float known[3], *d = out + 3 * pixel_index(&t, i);
+            difference(&t, &a, i, d, known);
+            for (int c = 0; c < 3; c++)
+                sum += (double)least(d[c] * d[c], known[c] * known[c]);
+        }
     }
+    *out_known = sum / (3.0 * film->n_views * film->width);
     return true;
 }
