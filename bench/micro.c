@@ -7,7 +7,7 @@
 #include "base/alloc.h"
 #include "bench/bench.h"
 #include "bench/timing.h"
-#include "daemon/options.h"
+#include "daemon/stage.h"
 #include "render/renderer.h"
 
 #define N_FANS 512
@@ -167,6 +167,8 @@ static lf_status prepare(bench *b, lf_error *err)
     lf_render_settings settings;
     lf_layout layout;
     lf_status status = lf_scene_load(a->scene, NULL, NULL, &b->scene, err);
+    if (status == LF_OK)
+        lf_log_warnings(b->scene, NULL);
 
     if (status == LF_OK)
         status = lf_resolve_view(&a->options, lf_scene_camera(b->scene), NULL, &settings, &layout, err);

@@ -28,6 +28,8 @@ static const struct scene {
     {"cloud-thin", "bench/cloud-thin.json", 14, 30, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"meshes-diffuse", "bench/meshes-diffuse.json", 10, 28, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"meshes-glossy-ground", "bench/meshes-glossy-ground.json", 0, 0, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
+    {"meshes-glossy-ground-sky", "bench/meshes-glossy-ground-sky.json", 4, 7, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
+    {"meshes-glossy-sky", "bench/meshes-glossy-sky.json", 1.2, 2, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"cloud-mesh", "bench/cloud-mesh.json", 0, 0, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"mixed-cubes", "bench/mixed-cubes.json", 0, 0, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"cloud-g098", "bench/cloud-g098.json", 0.97, 2, 0.8, 1, {"mvpt", LF_ESTIMATOR_CV}},

@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "bench/bench.h"
+#include "daemon/stage.h"
 
 #define REFERENCE_SEED UINT64_C(0x5eed0000)
 
@@ -18,6 +19,8 @@ lf_status lf_trial_open(lf_trial *trial, const char *path, const lf_trial_option
 
     *trial = (lf_trial){.name = path, .pool = pool, .epsilon = options->epsilon};
     lf_status status = lf_scene_load(path, NULL, NULL, &trial->scene, err);
+    if (status == LF_OK)
+        lf_log_warnings(trial->scene, NULL);
     if (status == LF_OK && panel)
         status = lf_calibration_load(panel, &calibration, err);
     if (status == LF_OK)

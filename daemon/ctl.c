@@ -231,14 +231,18 @@ static void print_member(const char *prefix, const char *key, json_t *value)
     snprintf(name, sizeof name, "%.127s%s%s", prefix, prefix[0] != '\0' ? "." : "", escaped);
     if (json_is_object(value)) {
         print_members(name, value);
-    } else if (json_is_array(value) && json_is_object(json_array_get(value, 0))) {
+    } else if (json_is_object(json_array_get(value, 0)) || json_is_string(json_array_get(value, 0))) {
         size_t i;
         json_t *element;
         json_array_foreach(value, i, element)
         {
             char numbered[300];
             snprintf(numbered, sizeof numbered, "%s.%zu", name, i);
-            print_members(numbered, element);
+            if (json_is_object(element)) {
+                print_members(numbered, element);
+            } else {
+                print_value(numbered, element);
+            }
         }
     } else {
         print_value(name, value);

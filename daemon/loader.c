@@ -144,8 +144,8 @@ static lf_status load_file(const lf_loader *loader, lf_load *load, lf_stage **ou
     lf_scene *scene = NULL;
     const lf_scene *previous = loader->stage != NULL ? loader->stage->scene : NULL;
     status = lf_scene_load(load->file, loader->roots, previous, &scene, &load->err);
-    if (status == LF_OK && lf_scene_is_unlit(scene)) {
-        lf_log(LF_LOG_WARNING, "%s: no light shines here: the picture will be black (see lights in docs/scene.md)", load->file);
+    if (status == LF_OK) {
+        lf_log_warnings(scene, NULL);
     }
     return status == LF_OK ? stage_of_scene(load, scene, load->file, out, &load->err) : status;
 }
@@ -161,6 +161,9 @@ static lf_status load_patch(const lf_loader *loader, lf_load *load, const json_t
     lf_status status =
         lf_scene_from_json(doc, lf_scene_folder(now->scene), now->file, loader->roots, now->scene, &scene, &load->err);
     json_decref(doc);
+    if (status == LF_OK) {
+        lf_log_warnings(scene, now->scene);
+    }
     return status == LF_OK ? stage_of_scene(load, scene, now->file, out, &load->err) : status;
 }
 

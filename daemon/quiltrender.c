@@ -11,6 +11,7 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/render_arguments.h"
+#include "daemon/stage.h"
 
 #define PROGRAM LF_RENDER_PROGRAM
 
@@ -180,8 +181,8 @@ static lf_status open_scene(job *j, lf_error *err)
     if (a->kind == LF_OUTPUT_PRINT && (a->options.preset || a->options.columns > 0 || a->options.view_width > 0))
         return lf_error_set(err, LF_E_ARG, "--print", "says what to render: no --preset, --quilt or --view-size");
     lf_status status = lf_scene_load(a->scene, NULL, NULL, &j->scene, err);
-    if (status == LF_OK && lf_scene_is_unlit(j->scene))
-        lf_log(LF_LOG_WARNING, "%s: no light shines here: the picture will be black (see lights in docs/scene.md)", a->scene);
+    if (status == LF_OK)
+        lf_log_warnings(j->scene, NULL);
     if (status == LF_OK)
         status = lf_resolve_view(&a->options, lf_scene_camera(j->scene), calibration, &j->settings, &j->layout, err);
     if (status == LF_OK && a->kind == LF_OUTPUT_PRINT) {

@@ -190,6 +190,22 @@ static void keep_file(lf_server *server)
     server->file_camera = camera != NULL ? json_deep_copy(camera) : json_object();
 }
 
+/* The answer to a load, and with it what is to be said of the scene's files. */
+static json_t *load_answer(const lf_server *server, const lf_load *load)
+{
+    json_t *answer = json_pack("{s:I}", "generation", (json_int_t)server->generation), *lines;
+    if (answer == NULL || load->kind == LF_LOAD_ORBIT || load->kind == LF_LOAD_APPLY) {
+        return answer;
+    }
+    const lf_scene *scene = server->stage->scene;
+    lines = json_array();
+    for (int i = 0; scene != NULL && lf_scene_warning(scene, i) != NULL; i++) {
+        (void)json_array_append_new(lines, lf_rpc_text(lf_scene_warning(scene, i)));
+    }
+    (void)json_object_set_new(answer, "warnings", lines);
+    return answer;
+}
+
 static void load_succeeded(lf_server *server, lf_load *load)
 {
     if (load->committed) {
@@ -213,7 +229,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
         }
         answer_waits(server);
     }
-    lf_ticket_reply(server, load->ticket, json_pack("{s:I}", "generation", (json_int_t)server->generation));
+    lf_ticket_reply(server, load->ticket, load_answer(server, load));
 }
 
 static void load_failed(lf_server *server, const lf_load *load)

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/log.h"
 
 static lf_stage *stage_create(const char *file)
 {
@@ -52,6 +53,25 @@ lf_status lf_stage_from_quilt(const char *file, const lf_roots *roots, const lf_
     stage->layout = stage->quilt.layout;
     *out_stage = stage;
     return LF_OK;
+}
+
+static bool has_warned(const lf_scene *scene, const char *line)
+{
+    for (int i = 0; scene != NULL && lf_scene_warning(scene, i) != NULL; i++) {
+        if (strcmp(lf_scene_warning(scene, i), line) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void lf_log_warnings(const lf_scene *scene, const lf_scene *before)
+{
+    for (int i = 0; lf_scene_warning(scene, i) != NULL; i++) {
+        if (!has_warned(before, lf_scene_warning(scene, i))) {
+            lf_log(LF_LOG_WARNING, "%s", lf_scene_warning(scene, i));
+        }
+    }
 }
 
 lf_stage *lf_stage_ref(lf_stage *stage)

@@ -22,6 +22,9 @@ LF_NODISCARD lf_status lf_stage_from_scene(lf_scene *scene, const char *file, co
                                            const lf_calibration *calibration, lf_stage **out_stage, lf_error *err);
 LF_NODISCARD lf_status lf_stage_from_quilt(const char *file, const lf_roots *roots, const lf_options *options, lf_stage **out_stage,
                                            lf_error *err);
+/* Logs what the scene warns of, but for what `before` (may be NULL) has warned of already. */
+void lf_log_warnings(const lf_scene *scene, const lf_scene *before);
+
 lf_stage *lf_stage_ref(lf_stage *stage);
 /* Accepts NULL. */
 void lf_stage_unref(lf_stage *stage);

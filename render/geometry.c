@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "render/surface.h"
 
 /* ThreadSanitizer cannot see how TBB hands work from thread to thread: under it Embree builds on the calling thread. */
 #ifdef __SANITIZE_THREAD__
@@ -53,9 +54,6 @@ bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const l
 
 /* ------------------------------------------------------------------------------------------------------- building -- */
 
-/* How far off the plane of a triangle, in units of its size, a ray that starts there can be for Embree to find it on the wrong side. */
-#define EMBREE_ERROR 1e-6f
-
 /* Takes over the arrays of data; materials are numbered from first_material. */
 static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned id, int first_material)
 {
@@ -87,7 +85,7 @@ static void grow_bounds(double bounds[2][3], const lf_mesh_data *data)
     }
 }
 
-/* Moves materials and file notes of all meshes into the geometry. */
+/* Moves materials, file notes and warnings of all meshes into the geometry. */
 static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
 {
     int n_materials = 0, n_files = 0;
@@ -100,10 +98,13 @@ static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
     if (!geometry->materials || !geometry->files)
         return LF_E_NOMEM;
     for (int i = 0; i < n; i++) {
+        lf_warnings_add_all(&geometry->warnings, &data[i].warnings);
         if (data[i].n_materials)
             memcpy(geometry->materials + geometry->n_materials, data[i].materials,
                    (size_t)data[i].n_materials * sizeof *data[i].materials);
         memcpy(geometry->files + geometry->n_files, data[i].files, (size_t)data[i].n_files * sizeof data[i].files[0]);
+        for (int j = 0; j < data[i].n_materials; j++)
+            lf_material_prepare(&geometry->materials[geometry->n_materials + j]);
         geometry->n_materials += data[i].n_materials;
         geometry->n_files += data[i].n_files;
         data[i].n_files = 0;
@@ -111,17 +112,26 @@ static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
     return LF_OK;
 }
 
-static float span(float a, float b, float c)
+/* The mesh's triangles for Embree: without the large ones, a copy of its own in which those are points; true: it is there. */
+static bool share_triangles(const lf_mesh *mesh, const lf_large *large, RTCGeometry shape)
 {
-    return lf_max(a, lf_max(b, c)) - lf_min(a, lf_min(b, c));
-}
-
-/* The longest side of a triangle's box. */
-static float triangle_size(const lf_mesh *mesh, int triangle)
-{
-    const uint32_t *corner = mesh->triangles + 3 * (size_t)triangle;
-    lf_vec3 a = lf_mesh_vertex(mesh, corner[0]), b = lf_mesh_vertex(mesh, corner[1]), c = lf_mesh_vertex(mesh, corner[2]);
-    return lf_max(span(a.x, b.x, c.x), lf_max(span(a.y, b.y, c.y), span(a.z, b.z, c.z)));
+    const size_t size = 3 * sizeof(uint32_t), n = (size_t)mesh->n_triangles;
+    uint32_t at = 0, *copy = NULL;
+    while (at < large->n && large->triangles[at].mesh < mesh->geom_id)
+        at++;
+    if (at == large->n || large->triangles[at].mesh != mesh->geom_id) {
+        rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0, size, n);
+        return true;
+    }
+    copy = rtcSetNewGeometryBuffer(shape, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, size, n);
+    if (!copy)
+        return false;
+    memcpy(copy, mesh->triangles, size * n);
+    for (; at < large->n && large->triangles[at].mesh == mesh->geom_id; at++) {
+        uint32_t *corner = copy + 3 * (size_t)large->triangles[at].triangle;
+        corner[1] = corner[2] = corner[0];
+    }
+    return true;
 }
 
 static bool attach_mesh(lf_geometry *geometry, const lf_mesh *mesh)
@@ -131,8 +141,10 @@ static bool attach_mesh(lf_geometry *geometry, const lf_mesh *mesh)
         return false;
     rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->vertices, 0, 3 * sizeof(float),
                                (size_t)mesh->n_vertices);
-    rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0, 3 * sizeof(uint32_t),
-                               (size_t)mesh->n_triangles);
+    if (!share_triangles(mesh, &geometry->large, shape)) {
+        rtcReleaseGeometry(shape);
+        return false;
+    }
     rtcSetGeometryBuildQuality(shape, RTC_BUILD_QUALITY_HIGH);
     rtcCommitGeometry(shape);
     rtcAttachGeometryByID(geometry->embree, shape, mesh->geom_id);
@@ -146,16 +158,16 @@ static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
     geometry->embree = geometry->device ? rtcNewScene(geometry->device) : NULL;
     if (!geometry->embree)
         return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot start (error %d)", (int)rtcGetDeviceError(geometry->device));
-    float largest = 0.0f;
-    for (int i = 0; i < geometry->n_meshes; i++)
-        for (int t = 0; t < geometry->meshes[i].n_triangles; t++)
-            largest = lf_max(largest, triangle_size(&geometry->meshes[i], t));
-    geometry->offset = EMBREE_ERROR * largest;
+    if (lf_large_pick(geometry->meshes, geometry->n_meshes, &geometry->large, &geometry->offset) != LF_OK)
+        return lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
     rtcSetSceneFlags(geometry->embree, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(geometry->embree, RTC_BUILD_QUALITY_HIGH);
     for (int i = 0; i < geometry->n_meshes; i++)
         if (!attach_mesh(geometry, &geometry->meshes[i]))
             return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot take mesh %d", i);
+    if (geometry->large.n > 0 &&
+        !lf_large_attach(&geometry->large, geometry->device, geometry->embree, (unsigned)geometry->n_meshes))
+        return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot take the large triangles");
     rtcCommitScene(geometry->embree);
     enum RTCError problem = rtcGetDeviceError(geometry->device);
     if (problem != RTC_ERROR_NONE)
@@ -226,8 +238,10 @@ void lf_geometry_unref(lf_geometry *geometry)
     for (int i = 0; i < geometry->n_files; i++)
         lf_free(geometry->files[i].path);
     lf_free(geometry->files);
+    lf_free(geometry->large.triangles);
     lf_free(geometry->meshes);
     lf_free(geometry->materials);
+    lf_warnings_finish(&geometry->warnings);
     json_decref(geometry->key);
     lf_free(geometry);
 }

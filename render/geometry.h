@@ -3,6 +3,7 @@
 #ifndef LF_RENDER_GEOMETRY_H
 #define LF_RENDER_GEOMETRY_H
 
+#include "render/large.h"
 #include "render/mesh_import.h"
 #include "render/scene.h"
 
@@ -10,7 +11,8 @@ typedef struct lf_geometry {
     atomic_int refs;
     RTCDevice device;
     RTCScene embree;
-    float offset; /* within this distance of a surface Embree's single precision may find it on either side */
+    float offset;   /* within this distance of a surface a ray may find it on either side */
+    lf_large large; /* met in double precision: Embree's geometry number n_meshes */
     int n_meshes, n_materials;
     lf_mesh *meshes;        /* owner of their arrays; .material is left 0: the scene fills it in its own copy */
     lf_material *materials; /* the files' own, which triangle_material numbers */
@@ -18,7 +20,8 @@ typedef struct lf_geometry {
     double bounds[2][3];    /* world: least, greatest */
     json_t *key;            /* the JSON that shaped it */
     int n_files;
-    lf_mesh_file *files; /* everything that was read */
+    lf_mesh_file *files;  /* everything that was read */
+    lf_warnings warnings; /* of the meshes */
 } lf_geometry;
 
 /* What decides about the meshes' shape: names, files, shapes, transforms, normals, and whether each has a material of its own

@@ -31,6 +31,8 @@ void lf_grid_finish(lf_grid *grid);
 
 /* Takes a copy of key. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_grid_set_key(lf_grid *grid, const char *key);
+/* The same for the names of the file's other grids (scene.h). */
+LF_NODISCARD lf_status lf_grid_set_others(lf_grid *grid, const char *others);
 lf_grid *lf_grid_ref(lf_grid *grid);
 /* Accepts NULL. */
 void lf_grid_unref(lf_grid *grid);

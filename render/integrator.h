@@ -41,9 +41,10 @@ typedef struct lf_worker {
     float count[LF_MAX_LANES];    /* expected counts of the lanes' pixels, as in lf_visit.expected */
     float strategy[LF_MAX_LANES]; /* count times density */
     int column[LF_MAX_LANES];
-    float coloured[LF_MAX_LANES], grey[LF_MAX_LANES]; /* of a surface's lobes: lf_fan_lobes */
-    float *expected;                                  /* [view][column]: where a visit keeps its row of the map */
-    bool *mirrors; /* [view][column]: B and q have found a delta lobe here or beside it; NULL without M */
+    float local[3][LF_MAX_LANES];           /* directions to the views in the frame of a surface's shading normal (z) */
+    float term[LF_FAN_TERMS][LF_MAX_LANES]; /* of a surface's lobes: lf_fan_lobes.weight */
+    float *expected;                        /* [view][column]: where a visit keeps its row of the map */
+    bool *mirrors;                          /* [view][column]: B and q have found a delta lobe here or beside it; NULL without M */
 } lf_worker;
 
 /* A shared pivot: where a base ray found something that scatters. */
@@ -112,6 +113,7 @@ typedef enum lf_fault {
     LF_FAULT_NO_LIGHT_PDF = 16, /* the p_L term left out of the direction's weights */
     LF_FAULT_OTHER_ROW = 32,    /* B and q taken with another row offset than the base samples */
     LF_FAULT_NO_COUNTS = 64,    /* c_k of an adaptive pass left out of the sums */
+    LF_FAULT_HORIZON = 128,     /* directions drawn below a surface's horizon do not count in W' */
 } lf_fault;
 
 /* Everything that one visit of a row does. */

@@ -14,6 +14,8 @@ typedef struct lf_light_sample {
     lf_vec3 radiance; /* arriving from wi when nothing is between; delta lights: irradiance across wi */
     float pdf;        /* > 0 */
     bool delta;
+    const lf_mesh *mesh; /* mesh lights: the face it is on; else NULL */
+    uint32_t triangle;
 } lf_light_sample;
 
 /* Draws one direction towards a light as seen from p with u[3] in [0,1). For lights at infinity that are not delta, radiance is
@@ -40,6 +42,9 @@ bool lf_scene_has_light_sampling(const lf_scene *scene);
  * mesh light, and the lights' select probabilities (by power estimate; constant skies 0); called at commit. */
 LF_NODISCARD lf_status lf_environment_commit(lf_environment *environment);
 LF_NODISCARD lf_status lf_lights_commit(lf_scene *scene, lf_error *err);
+/* The mesh of which a face shares its place with a part of a mesh light (by looking at up to 4096 points), or -1. Once the lights are
+ * committed. */
+int lf_mesh_light_overlaps(const lf_scene *scene, const lf_light *light);
 void lf_light_finish(lf_light *light);
 void lf_environment_unref(lf_environment *environment);
 

@@ -38,8 +38,7 @@ float lf_mesh_light_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit)
     return pdf_of(lf_sub(hit->p, from), hit->ng, light->area);
 }
 
-/* Chooses one of the light's triangles by area, place in [0, 1); *out_probability: how likely that was. */
-static uint32_t choose_triangle(const lf_light *light, double place, float *out_probability)
+uint32_t lf_mesh_light_choose(const lf_light *light, double place, float *out_probability)
 {
     const double *cdf = light->area_cdf;
     int first = 0, count = light->n_triangles;
@@ -68,7 +67,7 @@ bool lf_mesh_light_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p,
 {
     const lf_mesh *mesh = &scene->meshes[light->mesh];
     float probability, root = sqrtf(u[0]), b1 = root * (1.0f - u[1]), b2 = root * u[1];
-    uint32_t triangle = choose_triangle(light, place, &probability);
+    uint32_t triangle = lf_mesh_light_choose(light, place, &probability);
     lf_spherical seen;
     bool large = see(mesh, triangle, p, &seen);
     if (large) {
@@ -88,7 +87,9 @@ bool lf_mesh_light_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p,
                              .point = q,
                              .normal = n,
                              .radiance = light->radiance,
-                             .pdf = pdf};
+                             .pdf = pdf,
+                             .mesh = mesh,
+                             .triangle = triangle};
     return pdf > 0.0f && pdf < INFINITY;
 }
 

@@ -33,6 +33,8 @@ bool lf_mesh_light_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p,
 double lf_mesh_light_power(const lf_light *light, double radius);
 /* pdf per unit solid angle at `from` of drawing the direction to a hit on a mesh light. */
 float lf_mesh_light_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit);
+/* Chooses one of a mesh light's triangles by area, place in [0, 1); *out_probability: how likely that was. */
+uint32_t lf_mesh_light_choose(const lf_light *light, double place, float *out_probability);
 /* Appends a light for every pair of a mesh and an emissive material on it. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_lights_append(lf_scene *scene);
 

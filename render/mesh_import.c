@@ -3,7 +3,6 @@
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
 #include <assimp/config.h>
-#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <pthread.h>
@@ -13,6 +12,7 @@
 
 #include "base/alloc.h"
 #include "base/log.h"
+#include "render/mesh_material.h"
 
 #define MAX_NODE_DEPTH 256
 
@@ -120,109 +120,6 @@ static void io_close(struct aiFileIO *io, struct aiFile *file)
     lf_free(file);
 }
 
-/* ------------------------------------------------------------------------------------------------------ materials -- */
-
-static float clamp_unit(float v)
-{
-    return v > 0.0f ? fminf(v, 1.0f) : 0.0f; /* NaN gives 0 */
-}
-
-static bool get_colour(const struct aiMaterial *m, const char *key, unsigned type, unsigned index, lf_vec3 *out)
-{
-    struct aiColor4D c;
-    if (aiGetMaterialColor(m, key, type, index, &c) != aiReturn_SUCCESS)
-        return false;
-    *out = lf_v3(clamp_unit(c.r), clamp_unit(c.g), clamp_unit(c.b));
-    return true;
-}
-
-static bool get_float(const struct aiMaterial *m, const char *key, unsigned type, unsigned index, float *out)
-{
-    float v;
-    if (aiGetMaterialFloatArray(m, key, type, index, &v, NULL) != aiReturn_SUCCESS || !isfinite(v))
-        return false;
-    *out = v;
-    return true;
-}
-
-static lf_vec3 get_emission(const struct aiMaterial *m)
-{
-    struct aiColor4D c;
-    float strength = 1.0f;
-    get_float(m, AI_MATKEY_EMISSIVE_INTENSITY, &strength);
-    if (aiGetMaterialColor(m, AI_MATKEY_COLOR_EMISSIVE, &c) != aiReturn_SUCCESS)
-        return lf_v3(0, 0, 0);
-    float e[3] = {c.r * strength, c.g * strength, c.b * strength};
-    for (int i = 0; i < 3; i++)
-        e[i] = e[i] > 0.0f ? fminf(e[i], (float)LF_MAX_RADIANCE) : 0.0f;
-    return lf_v3(e[0], e[1], e[2]);
-}
-
-/* glTF's metallic-roughness model: metals become conductors, the rest gets a coat unless it is fully rough. */
-static void convert_metallic(const struct aiMaterial *m, float metallic, lf_material *out)
-{
-    float roughness = 1.0f, ior = 1.5f;
-    get_float(m, AI_MATKEY_ROUGHNESS_FACTOR, &roughness);
-    get_float(m, AI_MATKEY_REFRACTI, &ior);
-    get_colour(m, AI_MATKEY_BASE_COLOR, &out->albedo);
-    out->roughness = clamp_unit(roughness);
-    out->ior = fminf(fmaxf(ior, 1.0f), 3.0f);
-    out->type = metallic >= 0.5f ? LF_MATERIAL_CONDUCTOR : out->roughness >= 0.99f ? LF_MATERIAL_DIFFUSE : LF_MATERIAL_PLASTIC;
-}
-
-/* Phong's Kd, Ks, Ns: a highlight without a diffuse part is a metal, with one a coat. */
-static void convert_phong(const struct aiMaterial *m, lf_material *out)
-{
-    lf_vec3 specular = {0, 0, 0};
-    float exponent = 0.0f, ior = 1.0f;
-    get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &out->albedo);
-    get_colour(m, AI_MATKEY_COLOR_SPECULAR, &specular);
-    get_float(m, AI_MATKEY_SHININESS, &exponent);
-    get_float(m, AI_MATKEY_REFRACTI, &ior);
-    if (!(lf_max3(specular) > 0.0f) || !(exponent > 0.0f))
-        return;
-    /* alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007, section 5), roughness = sqrt(alpha). */
-    out->roughness = clamp_unit(powf(2.0f / (exponent + 2.0f), 0.25f));
-    out->ior = ior > 1.0f ? fminf(ior, 3.0f) : 1.5f;
-    out->type = LF_MATERIAL_PLASTIC;
-    if (!(lf_max3(out->albedo) > 0.0f)) {
-        out->type = LF_MATERIAL_CONDUCTOR;
-        out->albedo = specular;
-    }
-}
-
-static lf_material convert_material(const struct aiMaterial *m)
-{
-    lf_material out = {LF_MATERIAL_DIFFUSE, {0.5f, 0.5f, 0.5f}, 0.3f, 1.5f, {0, 0, 0}};
-    struct aiString name = {0};
-    float metallic;
-    aiGetMaterialString(m, AI_MATKEY_NAME, &name);
-    if (name.length == 0 || strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0)
-        return out; /* what Assimp makes up for meshes without a material */
-    if (get_float(m, AI_MATKEY_METALLIC_FACTOR, &metallic))
-        convert_metallic(m, metallic, &out);
-    else
-        convert_phong(m, &out);
-    out.emission = get_emission(m);
-    for (unsigned type = 1; type < aiTextureType_UNKNOWN; type++)
-        if (aiGetMaterialTextureCount(m, (enum aiTextureType)type) > 0)
-            lf_log(LF_LOG_DEBUG, "material %s: textures are not supported, the colour factors alone are used", name.data);
-    return out;
-}
-
-static lf_status convert_materials(const struct aiScene *scene, lf_mesh_data *out, const char *path, lf_error *err)
-{
-    if (scene->mNumMaterials == 0 || scene->mNumMaterials > LF_MAX_MATERIALS)
-        return lf_error_set(err, LF_E_FORMAT, path, "%u materials; 1 to %d are possible", scene->mNumMaterials, LF_MAX_MATERIALS);
-    out->materials = lf_calloc(scene->mNumMaterials, sizeof *out->materials);
-    if (!out->materials)
-        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    out->n_materials = (int)scene->mNumMaterials;
-    for (unsigned i = 0; i < scene->mNumMaterials; i++)
-        out->materials[i] = convert_material(scene->mMaterials[i]);
-    return LF_OK;
-}
-
 /* ------------------------------------------------------------------------------------------------------- geometry -- */
 
 static bool is_triangle_mesh(const struct aiMesh *mesh)
@@ -327,8 +224,10 @@ static void append_mesh(const struct aiMesh *mesh, unsigned material, const lf_a
             continue;
         uint32_t t[3] = {base + corner[0], base + corner[mirrored ? 2 : 1], base + corner[mirrored ? 1 : 2]};
         const double *p = data->positions;
-        if (!has_area(p + 3 * (size_t)t[0], p + 3 * (size_t)t[1], p + 3 * (size_t)t[2]))
+        if (!has_area(p + 3 * (size_t)t[0], p + 3 * (size_t)t[1], p + 3 * (size_t)t[2])) {
+            data->n_broken += isnan(p[3 * (size_t)t[0]] + p[3 * (size_t)t[1]] + p[3 * (size_t)t[2]]);
             continue;
+        }
         memcpy(data->triangles + 3 * (size_t)data->n_triangles, t, sizeof t);
         if (data->triangle_material)
             data->triangle_material[data->n_triangles] = (uint16_t)(material < (unsigned)data->n_materials ? material : 0);
@@ -395,6 +294,9 @@ static lf_status convert_geometry(const struct aiScene *scene, const lf_mesh_des
     if (out->n_triangles < wanted.n_triangles)
         lf_log(LF_LOG_DEBUG, "%s: %lld of %lld triangles dropped (no area, or vertices that are not finite)", path,
                (long long)wanted.n_triangles - out->n_triangles, (long long)wanted.n_triangles);
+    if (out->n_broken > 0)
+        lf_warnings_add(&out->warnings, path, "%d of %lld triangles are left out: a vertex is not finite, or beyond %g",
+                        out->n_broken, (long long)wanted.n_triangles, LF_MAX_COORDINATE);
     repair(out);
     return LF_OK;
 }
@@ -405,14 +307,12 @@ static lf_status convert_geometry(const struct aiScene *scene, const lf_mesh_des
 static const struct aiScene *import_with(const char *path, lf_normals wanted, unsigned steps, reading *state)
 {
     struct aiFileIO io = {io_open, io_close, (aiUserData)(void *)state};
-    int remove = aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS | aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS |
-                 aiComponent_ANIMATIONS | aiComponent_LIGHTS | aiComponent_CAMERAS;
+    int remove = aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_TEXCOORDS; /* what else there is gets a warning */
     if (wanted != LF_NORMALS_FILE)
         remove |= aiComponent_NORMALS;
     if (wanted == LF_NORMALS_SMOOTH)
         steps |= aiProcess_GenSmoothNormals;
     struct aiPropertyStore *store = aiCreatePropertyStore();
-    aiSetImportPropertyInteger(store, AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     aiSetImportPropertyInteger(store, AI_CONFIG_PP_RVC_FLAGS, remove);
     steps |= aiProcess_ValidateDataStructure | aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType |
              aiProcess_JoinIdenticalVertices;
@@ -436,6 +336,32 @@ static const struct aiScene *read_scene(const char *path, lf_normals wanted, rea
     if (!scene)
         lf_error_set(err, LF_E_FORMAT, path, "cannot be read as a mesh: %s", aiGetErrorString());
     return scene;
+}
+
+/* Of things beside triangles and their materials. */
+static void warn(const struct aiScene *scene, const lf_mesh_desc *desc, const reading *state, const char *path,
+                 lf_warnings *warnings)
+{
+    unsigned coloured = 0, boned = 0, beside = 0;
+    for (unsigned i = 0; i < scene->mNumMeshes; i++) {
+        coloured += scene->mMeshes[i]->mColors[0] != NULL;
+        boned += scene->mMeshes[i]->mNumBones > 0;
+        beside += is_triangle_mesh(scene->mMeshes[i]) ? 0 : scene->mMeshes[i]->mNumFaces;
+    }
+    const struct {
+        unsigned n;
+        const char *what;
+    } unused[] = {{scene->mNumCameras, "cameras are not used, the scene has its own"},
+                  {scene->mNumLights, "lights are not used, the scene has its own"},
+                  {scene->mNumAnimations, "animations are not used"},
+                  {boned, "parts with bones are shown as they are without"},
+                  {desc->material < 0 ? coloured : 0, "parts have colours a vertex, which are not used"},
+                  {beside, "points and lines are left out"}};
+    for (size_t i = 0; i < sizeof unused / sizeof *unused; i++)
+        if (unused[i].n > 0)
+            lf_warnings_add(warnings, path, "%u %s", unused[i].n, unused[i].what);
+    if (state->failed.status != LF_OK && desc->material < 0)
+        lf_warnings_add(warnings, path, "left out: %s: %s", state->failed.where, state->failed.what);
 }
 
 static bool is_ply(const char *path)
@@ -465,12 +391,12 @@ lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_
         problem = state.refused.status != LF_OK ? state.refused : state.failed;
         status = problem.status;
     }
-    if (scene && state.failed.status != LF_OK)
-        lf_log(LF_LOG_DEBUG, "%s: left out: %s: %s", path, state.failed.where, state.failed.what);
     if (status == LF_OK && desc->material < 0)
-        status = convert_materials(scene, out, path, &problem);
+        status = lf_mesh_materials(scene, path, out, &problem);
     if (status == LF_OK)
         status = convert_geometry(scene, desc, out, normals, path, &problem);
+    if (status == LF_OK)
+        warn(scene, desc, &state, path, &out->warnings);
     if (status != LF_OK && err)
         *err = problem;
     if (scene)
@@ -486,6 +412,7 @@ void lf_mesh_data_finish(lf_mesh_data *data)
     lf_free(data->triangles);
     lf_free(data->triangle_material);
     lf_free(data->materials);
+    lf_warnings_finish(&data->warnings);
     for (int i = 0; i < data->n_files; i++)
         lf_free(data->files[i].path);
     *data = (lf_mesh_data){0};

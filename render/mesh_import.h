@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "render/scene_parse.h"
+#include "render/warnings.h"
 
 #define LF_MAX_TRIANGLES 50000000
 #define LF_MESH_MAX_BYTES ((uint64_t)2 << 30)
@@ -20,7 +21,9 @@ typedef struct lf_mesh_file {
 } lf_mesh_file;
 
 typedef struct lf_mesh_data {
+    const char *name; /* the scene's, borrowed */
     int n_vertices, n_triangles;
+    int n_broken;                /* triangles left out for a vertex that is not finite, or too far away */
     double *positions;           /* [n_vertices][3] world coordinates, finite */
     float *normals;              /* [n_vertices][3] unit, world; NULL = flat shading */
     uint32_t *triangles;         /* [n_triangles][3] */
@@ -29,11 +32,13 @@ typedef struct lf_mesh_data {
     lf_material *materials;
     int n_files;
     lf_mesh_file files[LF_MESH_MAX_FILES];
+    lf_warnings warnings; /* what the file holds and the mesh lacks */
 } lf_mesh_data;
 
 /* Reads desc->file through Assimp (OBJ, PLY, STL, glTF, 3DS), every file it opens under roots (NULL = anywhere), applies the
  * file's own node transforms and desc->transform. Triangles with vertices that are not finite or lie beyond
- * LF_MAX_COORDINATE, and those without area, are dropped (a debug line counts them); a mesh without triangles is an error.
+ * LF_MAX_COORDINATE, and those without area, are dropped (of the former a warning); a mesh without triangles is an error. What the file
+ * holds and the mesh lacks is in out->warnings.
  * folder is what relative names are relative to. Zeroed *out is filled; release with lf_mesh_data_finish in any case.
  * Errors: LF_E_IO, LF_E_PATH, LF_E_FORMAT, LF_E_NOMEM. Thread: any; takes turns inside (Assimp keeps its last error in a
  * global). */

@@ -125,7 +125,7 @@ static lf_status grey_material(lf_mesh_data *out, lf_error *err)
     out->triangle_material = lf_calloc((size_t)out->n_triangles, sizeof *out->triangle_material);
     if (!out->materials || !out->triangle_material)
         return lf_error_set(err, LF_E_NOMEM, "mesh", "out of memory");
-    out->materials[0] = (lf_material){LF_MATERIAL_DIFFUSE, {0.5f, 0.5f, 0.5f}, 0.3f, 1.5f, {0, 0, 0}};
+    out->materials[0] = (lf_material){.type = LF_MATERIAL_DIFFUSE, .albedo = {0.5f, 0.5f, 0.5f}, .roughness = 0.3f, .ior = 1.5f};
     out->n_materials = 1;
     return LF_OK;
 }

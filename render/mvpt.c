@@ -163,38 +163,39 @@ static void phases(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
     }
 }
 
-/* The lobes of a surface for every view towards wi; returns their colour. The directions to the views are linear in the slope but for
- * their length. */
-static lf_vec3 reflections(lf_visit *visit, const lf_hit *hit, lf_vec3 wi)
+/* The directions to the views in a surface's frame: linear in the slope but for their length. */
+static void look_back(lf_visit *visit, const lf_hit *hit)
 {
     lf_worker *w = visit->worker;
     const lf_rig *rig = visit->rig;
     lf_vec3 axis[3] = {hit->ns, hit->ns, hit->ns};
-    float local[3][LF_MAX_LANES], my = visit->plane.my, my2 = 1.0f + my * my;
-    lf_fan_lobes out = {.pdf = w->lobe, .coloured = w->coloured, .grey = w->grey};
+    float my = visit->plane.my, my2 = 1.0f + my * my;
     lf_frame(hit->ns, &axis[0], &axis[1]);
     for (int a = 0; a < 3; a++) {
         float across = lf_dot(axis[a], rig->right), along = my * lf_dot(axis[a], rig->up) + lf_dot(axis[a], rig->forward);
         for (int k = 0; k < lanes_of(rig); k++)
-            local[a][k] = -(w->slope[k] * across + along) / sqrtf(my2 + w->slope[k] * w->slope[k]);
+            w->local[a][k] = -(w->slope[k] * across + along) / sqrtf(my2 + w->slope[k] * w->slope[k]);
     }
-    lf_surfaces[hit->material->type].eval_fan(hit->material, lf_to_frame(axis[0], axis[1], axis[2], wi), lanes_of(rig), local[0],
-                                              local[1], local[2], &out);
-    return out.colour;
 }
 
-/* The lobe's pdf for every view towards wi and, for surfaces, f_k; returns sum_k c_k D_k pdf_k. *out_colour: what f_k is in units of, the
- * albedo for media. */
-static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_vec3 *out_colour)
+/* The lobes of all views towards wi: their pdfs and f_k; returns sum_k c_k D_k pdf_k. */
+static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lobes *out)
 {
     lf_worker *w = visit->worker;
     const float *strategy = visit->expected ? w->strategy : w->density;
     float sum = 0.0f;
+    *out = (lf_fan_lobes){.pdf = w->lobe, .weight = {w->term[0], w->term[1], w->term[2]}};
     if (pivot->event.kind == LF_EVENT_MEDIUM) {
         phases(visit, pivot, wi);
-        *out_colour = visit->scene->volumes[pivot->event.volume].albedo;
+        out->n_terms = 1;
+        out->weight[0] = w->lobe;
+        out->colour[0] = visit->scene->volumes[pivot->event.volume].albedo;
     } else {
-        *out_colour = reflections(visit, &pivot->event.hit, wi);
+        const lf_hit *hit = &pivot->event.hit;
+        lf_vec3 t, b;
+        lf_frame(hit->ns, &t, &b);
+        lf_surfaces[hit->material->type].eval_fan(hit->material, lf_to_frame(t, b, hit->ns, wi), lanes_of(visit->rig), w->local[0],
+                                                  w->local[1], w->local[2], out);
     }
     for (int k = 0; k < visit->rig->n_views; k++)
         sum += strategy[k] * w->lobe[k];
@@ -202,33 +203,35 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_vec3 *
 }
 
 /* Adds density_k f_k times one radiance to every view. */
-static void add_lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 colour, lf_vec3 radiance)
+static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
 {
     lf_worker *w = visit->worker;
-    bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
-    const float *coloured = medium ? w->lobe : w->coloured;
-    lf_vec3 tinted = lf_mul(radiance, colour);
+    lf_vec3 tinted[LF_FAN_TERMS];
     if (!isfinite(radiance.x + radiance.y + radiance.z)) {
         w->tracer.nonfinite++;
         return;
     }
+    if (!(lf_max3(radiance) > 0.0f))
+        return;
+    for (int t = 0; t < f->n_terms; t++)
+        tinted[t] = lf_mul(radiance, f->colour[t]);
     for (int k = 0; k < visit->rig->n_views; k++) {
         size_t pixel;
         float d = w->density[k];
+        lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f);
         if (!(d > 0.0f))
             continue;
         lf_film_scattered *out = target(visit, k, &pixel);
-        lf_vec3 y = lf_scale(tinted, d * coloured[k]);
-        if (!medium)
-            y = lf_madd(y, d * w->grey[k], radiance);
+        for (int t = 0; t < f->n_terms; t++)
+            y = lf_madd(y, d * f->weight[t][k], tinted[t]);
         out->n[0] += y.x;
         out->n[1] += y.y;
         out->n[2] += y.z;
     }
 }
 
-/* W of every view, and W' where the direction's weights are not known to be normalised (surfaces: lobes cut by the horizon). */
-static void add_weights(lf_visit *visit, float scale, bool also_w2)
+/* W of every view. */
+static void add_weights(lf_visit *visit, float scale)
 {
     lf_worker *w = visit->worker;
     for (int k = 0; k < visit->rig->n_views; k++) {
@@ -237,43 +240,51 @@ static void add_weights(lf_visit *visit, float scale, bool also_w2)
         if (!(weight > 0.0f))
             continue;
         target(visit, k, &pixel)->w += weight;
-        if (also_w2)
-            visit->sums.half.w2[pixel] += weight;
         w->contributions++;
+    }
+}
+
+/* W' of every view: what the direction would weigh, whatever is reflected along it; over = 0: there is none. Views from below the
+ * shading horizon draw no directions and see nothing: W. */
+static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, float sum)
+{
+    lf_worker *w = visit->worker;
+    bool surface = pivot->event.kind == LF_EVENT_SURFACE;
+    float drawn = over > 0.0f ? pivot->boost / over : 0.0f, blind = pivot->boost / sum;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        size_t pixel;
+        if (!(w->density[k] > 0.0f))
+            continue;
+        target(visit, k, &pixel);
+        bool below = surface && !(w->local[2][k] > 0.0f);
+        visit->sums.half.w2[pixel] += w->density[k] * (below ? blind : drawn * w->lobe[k]);
     }
 }
 
 /* The lobe depends on the view: balance over all views' lobes and light sampling. */
 static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, float sum)
 {
-    lf_worker *w = visit->worker;
-    bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
     bool no_light_pdf = visit->faults & LF_FAULT_NO_LIGHT_PDF;
-    lf_vec3 colour;
-    add_weights(visit, pivot->boost / sum, visit->sums.half.w2 && !medium);
+    lf_fan_lobes f;
+    if (pivot->event.kind == LF_EVENT_SURFACE)
+        look_back(visit, &pivot->event.hit);
+    add_weights(visit, pivot->boost / sum);
     if (suffix->has_light) {
         const lf_light_sample *light = &suffix->light;
-        float over = lobes(visit, pivot, light->wi, &colour);
+        float over = lobes(visit, pivot, light->wi, &f);
         float denominator = light->delta ? light->pdf * sum : light->pdf * sum + (no_light_pdf ? 0.0f : over);
-        add_lobes(visit, pivot, colour, lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
+        add_lobes(visit, &f, lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
     }
-    if (!suffix->has_direction)
-        return;
-    float over = lobes(visit, pivot, suffix->wi, &colour);
-    if (!(over > 0.0f))
-        return;
-    float with_light = over + (no_light_pdf ? 0.0f : suffix->found_pdf * sum);
-    lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->boost / over), pivot->boost / with_light, suffix->found);
-    add_lobes(visit, pivot, colour, radiance);
-    if (!visit->sums.half.w2 || !medium)
-        return;
-    for (int k = 0; k < visit->rig->n_views; k++) {
-        size_t pixel;
-        if (!(w->density[k] > 0.0f))
-            continue;
-        target(visit, k, &pixel);
-        visit->sums.half.w2[pixel] += pivot->boost * w->density[k] * w->lobe[k] / over;
+    bool below = pivot->event.kind == LF_EVENT_SURFACE && !(lf_dot(pivot->event.hit.ns, suffix->wi) > 0.0f);
+    bool drawn = suffix->has_direction && !(below && visit->faults & LF_FAULT_HORIZON);
+    float over = drawn ? lobes(visit, pivot, suffix->wi, &f) : 0.0f;
+    if (over > 0.0f) {
+        float with_light = over + (no_light_pdf ? 0.0f : suffix->found_pdf * sum);
+        lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->boost / over), pivot->boost / with_light, suffix->found);
+        add_lobes(visit, &f, radiance);
     }
+    if (visit->sums.half.w2)
+        add_directional(visit, pivot, over, sum);
 }
 
 static bool view_dependent(const lf_visit *visit, const lf_event *event)

@@ -68,8 +68,10 @@ const json_t *lf_scene_json(const lf_scene *scene);
 const char *lf_scene_folder(const lf_scene *scene);
 const lf_camera *lf_scene_camera(const lf_scene *scene);
 const lf_film_settings *lf_scene_film_settings(const lf_scene *scene);
-/* No light, no sky and nothing that glows: every picture of it is black, which is seldom meant. */
-bool lf_scene_is_unlit(const lf_scene *scene);
+/* What the files of the scene hold and its pictures lack (textures, transparency, lights of a mesh file, faces that stand in one place, …),
+ * and what is seldom meant (no light at all): one line for people, with the file's name, control characters escaped. NULL behind the last;
+ * they belong to the scene. At most 65, of which the last says how many more there are. */
+const char *lf_scene_warning(const lf_scene *scene, int index);
 /* The JSON Schema of scene files (docs/scene.schema.json, compiled in); a new reference. */
 json_t *lf_scene_schema(void);
 

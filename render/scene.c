@@ -116,6 +116,7 @@ void lf_scene_unref(lf_scene *scene)
     lf_free(scene->lights);
     lf_free(scene->meshes);
     lf_free(scene->materials);
+    lf_warnings_finish(&scene->warnings);
     json_decref(scene->json);
     lf_free(scene->folder);
     lf_free(scene->where);
@@ -142,13 +143,7 @@ const lf_film_settings *lf_scene_film_settings(const lf_scene *scene)
     return &scene->film;
 }
 
-/* Meshes that glow are lights too, since the commit. */
-bool lf_scene_is_unlit(const lf_scene *scene)
+const char *lf_scene_warning(const lf_scene *scene, int index)
 {
-    float most = 0.0f;
-    for (int i = 0; i < scene->n_lights; i++) {
-        const lf_light *l = &scene->lights[i];
-        most = fmaxf(most, fmaxf(lf_max3(l->radiance), fmaxf(lf_max3(l->irradiance), lf_max3(l->intensity))));
-    }
-    return !(most > 0.0f);
+    return lf_warnings_at(&scene->warnings, index);
 }

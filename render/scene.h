@@ -11,6 +11,7 @@
 
 #include "render/render.h"
 #include "render/vec.h"
+#include "render/warnings.h"
 
 /* -------------------------------------------------------------------------------------------------------- volumes -- */
 
@@ -32,6 +33,7 @@ typedef struct lf_grid {
     float max_value;
     double local_to_file[3][4]; /* voxel index of this box -> the file's own world space (before the scene's transform) */
     char *key;                  /* file, grid, modification time: what sharing compares */
+    char *others;               /* names of the file's other grids, each with a newline behind it; NULL = none */
 } lf_grid;
 
 typedef enum lf_volume_kind {
@@ -69,12 +71,18 @@ typedef enum lf_material_type {
     LF_MATERIAL_TYPES
 } lf_material_type;
 
+#define LF_LOSS_TERMS 9
+
 typedef struct lf_material {
     lf_material_type type;
     lf_vec3 albedo;   /* diffuse: reflectance; conductor: colour at normal incidence (Schlick F0); plastic: base reflectance */
     float roughness;  /* perceptual, 0..1; alpha = roughness^2; alpha below LF_ALPHA_MIN is a delta lobe (mirror) */
     float ior;        /* plastic coat, 1..3 */
     lf_vec3 emission; /* radiance leaving both sides; 0 = not a light */
+    lf_vec3 eta, k;   /* conductor: complex index eta + i k of each channel; eta.x = 0: none, albedo says it all */
+    /* Made of the above by lf_material_prepare (surface.h). */
+    float loss[LF_LOSS_TERMS]; /* of a rough lobe: lf_loss */
+    lf_vec3 rest;              /* what becomes of it: surface_energy.c */
 } lf_material;
 #define LF_ALPHA_MIN 1e-3f
 
@@ -165,9 +173,12 @@ struct lf_scene {
     struct lf_geometry *geometry;   /* owner of the meshes' arrays and of embree, shared between scenes; NULL without meshes */
     lf_vec3 bounds_min, bounds_max; /* of volumes and meshes; min > max when there is nothing */
 
+    lf_warnings warnings; /* of its parts and of the whole */
+
     /* What integrators are specialised by. */
     bool has_delta;      /* some material has a delta lobe */
     bool has_emission;   /* some material emits */
+    bool has_overlaps;   /* faces of lamps share their place with others: next event counts the one that a ray meets */
     bool has_view_lobes; /* some lobe depends on the view: g != 0, conductor, plastic */
 };
 #define LF_DEFAULT_MAX_DEPTH 1024

@@ -1,14 +1,16 @@
 #include "render/scene_commit.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/log.h"
 #include "render/environment_load.h"
 #include "render/geometry.h"
 #include "render/grid.h"
 #include "render/light.h"
+#include "render/mesh_doubles.h"
+#include "render/surface.h"
 #include "render/vdb_import.h"
 
 typedef struct commit {
@@ -87,7 +89,7 @@ static void load_grid(const commit *c, const lf_volume_desc *desc, lf_volume *vo
     if (status != LF_OK)
         fail_at(c, "volumes", desc->name, "file", &err);
     else if (volume->grid->n_bricks == 0)
-        lf_log(LF_LOG_DEBUG, "%s: grid %s is empty: the volume %s is not there", path, desc->grid, desc->name);
+        lf_warnings_add(&c->scene->warnings, path, "grid %s is empty: the volume \"%s\" is not there", desc->grid, desc->name);
     if (fd >= 0)
         close(fd);
     lf_free(path);
@@ -208,6 +210,7 @@ static void import_meshes(const commit *c, lf_mesh_data *data)
     for (int i = 0; i < c->desc->n_meshes && c->reader->status == LF_OK; i++) {
         const lf_mesh_desc *desc = &c->desc->meshes[i];
         lf_error err = {0};
+        data[i].name = desc->name;
         lf_status status = desc->shape == LF_SHAPE_FILE ? lf_mesh_import(desc, c->scene->folder, c->roots, &data[i], &err)
                                                         : lf_mesh_shape_make(desc, &data[i], &err);
         if (status != LF_OK)
@@ -266,6 +269,10 @@ static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_
 static void build_geometry(const commit *c, lf_mesh_data *data, json_t *key)
 {
     lf_error err = {0};
+    if (lf_mesh_drop_doubles(data, c->desc->n_meshes, c->scene->origin, c->scene->where) != LF_OK) {
+        out_of_memory(c);
+        return;
+    }
     if (lf_geometry_build(data, c->desc->n_meshes, c->scene->origin, key, &c->scene->geometry, &err) != LF_OK) {
         lf_node node = lf_node_child(c->root, "meshes");
         lf_read_fail_with(c->reader, &node, &err);
@@ -329,6 +336,8 @@ static void place_meshes(commit *c)
         memcpy(scene->materials, geometry->materials, (size_t)n_own * sizeof *scene->materials);
     if (c->desc->n_materials)
         memcpy(scene->materials + n_own, c->desc->materials, (size_t)c->desc->n_materials * sizeof *scene->materials);
+    for (int i = n_own; i < n; i++)
+        lf_material_prepare(&scene->materials[i]);
     for (int i = 0; geometry && i < geometry->n_meshes; i++) {
         scene->meshes[i] = geometry->meshes[i];
         scene->meshes[i].material = (uint16_t)(c->desc->meshes[i].material < 0 ? 0 : n_own + c->desc->meshes[i].material);
@@ -405,7 +414,7 @@ static void set_bounds(const commit *c)
 static void mark_used(const lf_mesh *mesh, bool *used)
 {
     if (!mesh->triangle_material) {
-        used[mesh->material] = true;
+        used[mesh->material] |= mesh->n_triangles > 0;
         return;
     }
     for (int t = 0; t < mesh->n_triangles; t++)
@@ -426,6 +435,73 @@ static void set_flags(lf_scene *scene)
     }
     for (int i = 0; i < scene->n_volumes; i++)
         scene->has_view_lobes |= scene->volumes[i].g != 0.0f;
+}
+
+/* Meshes that glow are lights too, since lf_lights_commit. */
+static bool is_unlit(const lf_scene *scene)
+{
+    float most = 0.0f;
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *l = &scene->lights[i];
+        most = lf_max(most, lf_max(lf_max3(l->radiance), lf_max(lf_max3(l->irradiance), lf_max3(l->intensity))));
+    }
+    return !(most > 0.0f);
+}
+
+/* name: `length` bytes. A plain name means the first grid of that name. */
+static bool is_grid_used(const lf_scene_desc *desc, const char *file, const char *name, size_t length)
+{
+    for (int i = 0; i < desc->n_volumes; i++) {
+        const lf_volume_desc *v = &desc->volumes[i];
+        size_t n = v->file && strcmp(v->file, file) == 0 ? strlen(v->grid) : SIZE_MAX;
+        bool first = n + 3 == length && strncmp(name + n, "[0]", 3) == 0;
+        if ((n == length || first) && strncmp(v->grid, name, n) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* The grids of a volume's file that no volume is made of. */
+static void warn_of_grids(const commit *c, const lf_grid *grid, const char *file)
+{
+    char unused[256] = "";
+    for (const char *name = grid->others; name && *name; name = strchr(name, '\n') + 1) {
+        size_t length = strcspn(name, "\n"), at = strlen(unused);
+        if (!is_grid_used(c->desc, file, name, length))
+            snprintf(unused + at, sizeof unused - at, "%s%.*s", at ? ", " : "", (int)length, name);
+    }
+    if (unused[0])
+        lf_warnings_add(&c->scene->warnings, file, "grids that no volume is made of: %s", unused);
+}
+
+static void find_overlaps(const commit *c)
+{
+    lf_scene *scene = c->scene;
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *light = &scene->lights[i];
+        int other = light->type == LF_LIGHT_MESH ? lf_mesh_light_overlaps(scene, light) : -1;
+        if (other < 0)
+            continue;
+        scene->has_overlaps = true;
+        lf_warnings_add(
+            &scene->warnings, scene->where,
+            "mesh \"%s\": its lamp stands in one place with faces of \"%s\": which of them is seen there is a matter of rounding",
+            c->desc->meshes[light->mesh].name, c->desc->meshes[other].name);
+    }
+}
+
+/* What parts that may be shared with other scenes know, and what only the whole does. */
+static void collect_warnings(const commit *c)
+{
+    lf_scene *scene = c->scene;
+    for (int i = 0; i < scene->n_volumes; i++)
+        if (scene->volumes[i].grid)
+            warn_of_grids(c, scene->volumes[i].grid, c->desc->volumes[i].file);
+    if (scene->geometry)
+        lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
+    if (is_unlit(scene))
+        lf_warnings_add(&scene->warnings, scene->where,
+                        "no light shines here: the picture will be black (see lights in docs/scene.md)");
 }
 
 void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc *desc, const lf_roots *roots,
@@ -449,4 +525,7 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         return;
     set_flags(scene);
     reader->status = lf_lights_commit(scene, reader->err);
+    if (reader->status == LF_OK)
+        find_overlaps(&c);
+    collect_warnings(&c);
 }

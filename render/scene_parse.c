@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "render/metal.h"
 
 #define RADIANS(degrees) ((degrees) * (M_PI / 180.0))
 
@@ -297,9 +298,37 @@ static lf_vec3 to_vec3(const double v[3])
     return lf_v3((float)v[0], (float)v[1], (float)v[2]);
 }
 
+/* The complex index of a conductor: of a metal by name, or eta and k; albedo is the colour of those that have none. */
+static void parse_index(lf_reader *reader, const lf_node *node, lf_material *out)
+{
+    const lf_node metal = lf_node_child(node, "metal"), eta = lf_node_child(node, "eta"), k = lf_node_child(node, "k");
+    const lf_node albedo = lf_node_child(node, "albedo"), *first = metal.value ? &metal : eta.value ? &eta : &k;
+    double index[2][3] = {{0}};
+    if (!first->value)
+        return;
+    if (out->type != LF_MATERIAL_CONDUCTOR)
+        lf_read_fail(reader, first, "only conductors have %s", first->key);
+    else if (albedo.value)
+        lf_read_fail(reader, &albedo, "%s says the colour already", first->key);
+    else if (metal.value && (eta.value || k.value))
+        lf_read_fail(reader, eta.value ? &eta : &k, "metal says eta and k already");
+    else if (metal.value) {
+        int i = lf_read_choice(reader, node, "metal", lf_metal_names, 0);
+        out->eta = lf_metals[i].eta;
+        out->k = lf_metals[i].k;
+    } else if (!eta.value || !k.value)
+        lf_read_fail(reader, eta.value ? &k : &eta, "eta and k belong together");
+    else {
+        lf_read_colour(reader, node, "eta", index[0], 0.01, 20);
+        lf_read_colour(reader, node, "k", index[1], 0, 20);
+        out->eta = to_vec3(index[0]);
+        out->k = to_vec3(index[1]);
+    }
+}
+
 static void parse_material(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
-    static const char *const keys[] = {"type", "albedo", "roughness", "ior", "emission", NULL};
+    static const char *const keys[] = {"type", "albedo", "metal", "eta", "k", "roughness", "ior", "emission", NULL};
     static const char *const types[] = {"diffuse", "conductor", "plastic", NULL};
     double albedo[3] = {0.5, 0.5, 0.5}, emission[3] = {0, 0, 0};
     lf_material *material = &desc->materials[index];
@@ -312,6 +341,7 @@ static void parse_material(lf_reader *reader, const lf_node *node, lf_scene_desc
     material->emission = to_vec3(emission);
     material->roughness = (float)lf_read_number(reader, node, "roughness", 0.3, 0, 1);
     material->ior = (float)lf_read_number(reader, node, "ior", 1.5, 1, 3);
+    parse_index(reader, node, material);
 }
 
 /* The number of the material that a mesh names. */

@@ -21,14 +21,6 @@ lf_vec3 lf_plastic_delta(const lf_material *m, lf_vec3 ns, lf_vec3 wo);
 /* Directions closer to the horizon than this count as below it: keeps quotients of cosines finite with denormals flushed. */
 #define LF_MIN_COS 1e-7f
 
-/* No direction of the fan reflects anything. */
-static inline void lf_fan_clear(int n, lf_fan_lobes *out)
-{
-    out->colour = lf_v3(0.0f, 0.0f, 0.0f);
-    for (int k = 0; k < n; k++)
-        out->pdf[k] = out->coloured[k] = out->grey[k] = 0.0f;
-}
-
 static inline float lf_material_alpha(const lf_material *m)
 {
     return m->roughness * m->roughness;
@@ -56,18 +48,20 @@ static inline float lf_ggx_root(float alpha, float cos_theta)
     return sqrtf(alpha * alpha * (1.0f - c2) + c2);
 }
 
-/* Reflection off GGX microfacets between wo and wi (z > LF_MIN_COS), without Fresnel. */
+/* Reflection off GGX microfacets from wo (z > LF_MIN_COS) to wi, without Fresnel. */
 typedef struct lf_ggx_lobe {
-    float f;      /* D G2 |cos_i| / (4 cos_o cos_i); G2 height-correlated (Heitz 2014, eq. 99) */
-    float pdf;    /* of wi when h is drawn from the normals visible from wo (Heitz 2018, eq. 17) */
+    float f;      /* D G2 |cos_i| / (4 cos_o cos_i), 0 for wi below the horizon; G2 height-correlated (Heitz 2014, eq. 99) */
+    float pdf;    /* of wi when h is drawn from the normals visible from wo (Heitz 2018, eq. 17): 1 over the whole sphere */
     float cos_oh; /* wo.h: what Fresnel wants */
 } lf_ggx_lobe;
 
 static inline lf_ggx_lobe lf_ggx_eval(float alpha, lf_vec3 wo, lf_vec3 wi)
 {
     lf_vec3 h = lf_normalize(lf_add(wo, wi));
-    float d = 0.5f * lf_ggx_d(alpha, h), ro = lf_ggx_root(alpha, wo.z), ri = lf_ggx_root(alpha, wi.z);
-    return (lf_ggx_lobe){.f = d * wi.z / (wi.z * ro + wo.z * ri), .pdf = d / (wo.z + ro), .cos_oh = lf_min(lf_dot(wo, h), 1.0f)};
+    float d = 0.5f * lf_ggx_d(alpha, h), ro = lf_ggx_root(alpha, wo.z), ri = lf_ggx_root(alpha, wi.z), i = lf_max(wi.z, LF_MIN_COS);
+    return (lf_ggx_lobe){.f = wi.z > LF_MIN_COS ? d * i / (i * ro + wo.z * ri) : 0.0f,
+                         .pdf = h.z > 0.0f ? d / (wo.z + ro) : 0.0f,
+                         .cos_oh = lf_min(lf_dot(wo, h), 1.0f)};
 }
 
 /* Draws a normal visible from wo (the distribution of Heitz 2018, JCGT 7(4)) by the spherical cap of Dupuy and Benyoub 2023 and
@@ -87,6 +81,51 @@ static inline float lf_fresnel_dielectric(float cos_i, float eta)
     float cos_t = sqrtf(1.0f - (1.0f - cos_i * cos_i) / (eta * eta));
     float s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t), p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     return 0.5f * (s * s + p * p);
+}
+
+/* Of a metal of complex index eta + i k, cosine in (0, 1] (Born and Wolf, Principles of Optics, section 14.2). */
+static inline float lf_fresnel_index(float cos_i, float eta, float k)
+{
+    float c2 = cos_i * cos_i, s2 = 1.0f - c2, d = eta * eta - k * k - s2, ab = sqrtf(d * d + 4.0f * eta * eta * k * k);
+    float a = sqrtf(lf_max(0.5f * (ab + d), 0.0f)) * 2.0f * cos_i;
+    float s = (ab + c2 - a) / (ab + c2 + a), t = c2 * ab + s2 * s2, u = a * s2;
+    return 0.5f * s * (1.0f + (t - u) / (t + u));
+}
+
+/* (1 - cos)^5 of Schlick 1994. */
+static inline float lf_schlick(float cos_theta)
+{
+    float c = 1.0f - cos_theta, c2 = c * c;
+    return c2 * c2 * c;
+}
+
+/* Of a conductor, by its index or by the colour at normal incidence. */
+static inline lf_vec3 lf_conductor_fresnel(const lf_material *m, float cos_theta)
+{
+    if (m->eta.x > 0.0f)
+        return lf_v3(lf_fresnel_index(cos_theta, m->eta.x, m->k.x), lf_fresnel_index(cos_theta, m->eta.y, m->k.y),
+                     lf_fresnel_index(cos_theta, m->eta.z, m->k.z));
+    float k = lf_schlick(cos_theta);
+    return lf_v3(lf_lerp(m->albedo.x, 1.0f, k), lf_lerp(m->albedo.y, 1.0f, k), lf_lerp(m->albedo.z, 1.0f, k));
+}
+
+/* What a smooth coat lets through; 0: there is metal below it. */
+static inline float lf_coat_transmittance(const lf_material *m, float cos_theta)
+{
+    return m->type == LF_MATERIAL_PLASTIC ? 1.0f - lf_fresnel_dielectric(lf_min(cos_theta, 1.0f), m->ior) : 0.0f;
+}
+
+/* 1 - E(cos), E the directional albedo of the material's rough lobe, Fresnel included (metals: without): smooth, which is what
+ * lf_coat_transmittance says, and a polynomial in x = 2 sqrt((1 + a) cos / (cos + a)) - 1, a = LF_LOSS_SCALE alpha, which follows what happens at
+ * cosines of the order of alpha. Within 3e-3 of quadrature for alpha in [1e-3, 1] and all cosines. */
+#define LF_LOSS_SCALE 2.0f
+static inline float lf_loss(const lf_material *m, float smooth, float cos_theta)
+{
+    float a = LF_LOSS_SCALE * lf_material_alpha(m), x = 2.0f * sqrtf((1.0f + a) * cos_theta / (cos_theta + a)) - 1.0f;
+    float p = m->loss[LF_LOSS_TERMS - 1];
+    for (int i = LF_LOSS_TERMS - 2; i >= 0; i--)
+        p = p * x + m->loss[i];
+    return lf_min(lf_max(smooth + p, 0.0f), 1.0f);
 }
 
 #endif

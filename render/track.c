@@ -2,12 +2,9 @@
 
 #include <string.h>
 
-/* ------------------------------------------------------------------------------------------------------- surfaces -- */
+#include "render/geometry.h"
 
-static float largest(lf_vec3 v)
-{
-    return lf_max(fabsf(v.x), lf_max(fabsf(v.y), fabsf(v.z)));
-}
+/* ------------------------------------------------------------------------------------------------------- surfaces -- */
 
 static lf_vec3 shading_normal(const lf_mesh *mesh, const uint32_t *tri, float u, float v, lf_vec3 ng)
 {
@@ -26,10 +23,11 @@ static lf_vec3 shading_normal(const lf_mesh *mesh, const uint32_t *tri, float u,
     return lf_dot(ns, ng) < 0.0f ? lf_scale(ns, -1.0f) : ns;
 }
 
-void lf_trace_hit(const lf_scene *scene, unsigned geom_id, unsigned prim_id, float u, float v, float t, lf_vec3 w, lf_hit *hit)
+/* Everything about a hit but where it is. */
+static void describe(const lf_scene *scene, unsigned mesh_number, unsigned triangle, float u, float v, lf_vec3 w, lf_hit *hit)
 {
-    const lf_mesh *mesh = &scene->meshes[geom_id];
-    const uint32_t *tri = mesh->triangles + 3 * (size_t)prim_id;
+    const lf_mesh *mesh = &scene->meshes[mesh_number];
+    const uint32_t *tri = mesh->triangles + 3 * (size_t)triangle;
     lf_vec3 a = lf_mesh_vertex(mesh, tri[0]), ab = lf_sub(lf_mesh_vertex(mesh, tri[1]), a),
             ac = lf_sub(lf_mesh_vertex(mesh, tri[2]), a);
     lf_vec3 n = lf_cross(ab, ac);
@@ -38,11 +36,32 @@ void lf_trace_hit(const lf_scene *scene, unsigned geom_id, unsigned prim_id, flo
     if (lf_dot(hit->ng, w) > 0.0f)
         hit->ng = lf_scale(hit->ng, -1.0f);
     hit->ns = shading_normal(mesh, tri, u, v, hit->ng);
-    hit->p = lf_mesh_point(mesh, prim_id, u, v);
-    hit->t = t;
     hit->mesh = mesh;
-    hit->triangle = prim_id;
-    hit->material = &scene->materials[mesh->triangle_material ? mesh->triangle_material[prim_id] : mesh->material];
+    hit->triangle = triangle;
+    hit->material = &scene->materials[mesh->triangle_material ? mesh->triangle_material[triangle] : mesh->material];
+}
+
+/* Barycentric coordinates are good to 1e-7 of a triangle's size; on the large ones that is too much, and the point is the ray's. */
+static lf_vec3 point_of(const lf_large_triangle *large, lf_vec3 o, lf_vec3 w)
+{
+    const double from[3] = {(double)o.x, (double)o.y, (double)o.z}, along[3] = {(double)w.x, (double)w.y, (double)w.z};
+    double t = 0.0, uv[2];
+    lf_large_meet(large, from, along, &t, uv);
+    return lf_v3((float)(from[0] + t * along[0]), (float)(from[1] + t * along[1]), (float)(from[2] + t * along[2]));
+}
+
+/* Fills *hit from what Embree reported. */
+static void take_hit(const lf_scene *scene, const struct RTCRayHit *rh, lf_vec3 o, lf_vec3 w, lf_hit *hit)
+{
+    hit->t = rh->ray.tfar;
+    if (rh->hit.geomID < (unsigned)scene->n_meshes) {
+        describe(scene, rh->hit.geomID, rh->hit.primID, rh->hit.u, rh->hit.v, w, hit);
+        hit->p = lf_mesh_point(hit->mesh, hit->triangle, rh->hit.u, rh->hit.v);
+        return;
+    }
+    const lf_large_triangle *large = &scene->geometry->large.triangles[rh->hit.primID];
+    describe(scene, large->mesh, large->triangle, rh->hit.u, rh->hit.v, w, hit);
+    hit->p = point_of(large, o, w);
 }
 
 bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit)
@@ -68,7 +87,7 @@ bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_h
     rtcIntersect1(scene->embree, &context, &rh);
     if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
         return false;
-    lf_trace_hit(scene, rh.hit.geomID, rh.hit.primID, rh.hit.u, rh.hit.v, rh.ray.tfar, w, hit);
+    take_hit(scene, &rh, o, w, hit);
     return true;
 }
 
@@ -92,9 +111,10 @@ bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
     return ray.tfar < 0.0f;
 }
 
-lf_vec3 lf_offset(const lf_scene *scene, lf_vec3 p, lf_vec3 n, lf_vec3 w)
+lf_vec3 lf_offset(const lf_scene *scene, lf_vec3 p, lf_vec3 n, lf_vec3 w, float length)
 {
-    float eps = scene->offset + 4e-7f * largest(p) + 1e-30f;
+    /* Twice half a unit in the last place of every coordinate, and a quarter more. */
+    float eps = scene->offset + 1.5e-7f * (fabsf(n.x * p.x) + fabsf(n.y * p.y) + fabsf(n.z * p.z) + length);
     return lf_madd(p, lf_dot(n, w) >= 0.0f ? eps : -eps, n);
 }
 

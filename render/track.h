@@ -49,13 +49,12 @@ static inline float lf_rng_exponential(lf_tracer *t)
 
 /* Nearest surface along o + t w, 0 < t < t_max; w need not be unit. true and *hit filled, or false. */
 bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
-/* Fills *hit from what Embree reported for the ray o + t w. */
-void lf_trace_hit(const lf_scene *scene, unsigned geom_id, unsigned prim_id, float u, float v, float t, lf_vec3 w, lf_hit *hit);
 /* True when a surface lies between. */
 bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
 /* The start of a ray that leaves the surface point p towards w, or the end of one that comes from there: moved off the surface along
- * its unit normal n by a few units in the last place of p, and by what Embree may err (lf_geometry.offset). n = 0: p. */
-lf_vec3 lf_offset(const lf_scene *scene, lf_vec3 p, lf_vec3 n, lf_vec3 w);
+ * its unit normal n by what p and the start itself are rounded by, by the rounding of a ray of this length that ends here, and by
+ * lf_geometry.offset. n = 0: p. */
+lf_vec3 lf_offset(const lf_scene *scene, lf_vec3 p, lf_vec3 n, lf_vec3 w, float length);
 
 /* First collision with t < t_max, or INFINITY; *out_volume says whose. w unit. */
 float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, int *out_volume);

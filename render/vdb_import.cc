@@ -84,6 +84,16 @@ std::string find_grid(openvdb::io::File &file, const std::string &wanted)
     return "";
 }
 
+/* All but one, each with a newline behind it; not without end. */
+std::string other_grids(openvdb::io::File &file, const std::string &unique)
+{
+    std::string list;
+    for (auto name = file.beginName(); name != file.endName() && list.size() < 2048; ++name)
+        if (name.gridName() != unique)
+            list += openvdb::Name(name.gridName()) + "\n";
+    return list;
+}
+
 template <typename Tree> bool check_values(const Import &import, const Tree &tree, lf_status *out_status)
 {
     for (auto value = tree.cbeginValueOn(); value; ++value) {
@@ -199,10 +209,14 @@ lf_status import_from(Import &import, const std::string &file_name)
         return import.fail(LF_E_FORMAT, std::string("grid \"") + import.name + "\" is of type " + metadata->type() +
                                             "; a density is float, half or double; the file holds " + list_grids(file));
     openvdb::GridBase::Ptr grid = file.readGrid(unique);
+    std::string others = other_grids(file, unique);
     file.close();
-    if (auto single = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
-        return convert_any_class<openvdb::FloatGrid>(import, single);
-    return convert_any_class<openvdb::DoubleGrid>(import, openvdb::gridPtrCast<openvdb::DoubleGrid>(grid));
+    auto single = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
+    lf_status status = single ? convert_any_class<openvdb::FloatGrid>(import, single)
+                              : convert_any_class<openvdb::DoubleGrid>(import, openvdb::gridPtrCast<openvdb::DoubleGrid>(grid));
+    if (status == LF_OK && lf_grid_set_others(import.grid, others.c_str()) != LF_OK)
+        status = import.fail(LF_E_NOMEM, "out of memory");
+    return status;
 }
 
 } // namespace

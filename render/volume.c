@@ -129,11 +129,24 @@ void lf_grid_finish(lf_grid *grid)
     }
 }
 
+static lf_status replace_text(char **at, const char *text)
+{
+    char *copy = lf_strdup(text);
+    if (!copy)
+        return LF_E_NOMEM;
+    lf_free(*at);
+    *at = copy;
+    return LF_OK;
+}
+
 lf_status lf_grid_set_key(lf_grid *grid, const char *key)
 {
-    lf_free(grid->key);
-    grid->key = lf_strdup(key);
-    return grid->key ? LF_OK : LF_E_NOMEM;
+    return replace_text(&grid->key, key);
+}
+
+lf_status lf_grid_set_others(lf_grid *grid, const char *others)
+{
+    return replace_text(&grid->others, others);
 }
 
 lf_grid *lf_grid_ref(lf_grid *grid)
@@ -151,6 +164,7 @@ void lf_grid_unref(lf_grid *grid)
     lf_free(grid->values);
     lf_free(grid->brick_max);
     lf_free(grid->key);
+    lf_free(grid->others);
     lf_free(grid);
 }
 

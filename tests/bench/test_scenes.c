@@ -19,6 +19,8 @@ static const struct {
     {"bench/meshes-diffuse.json", "8086eb865b1db88c8e827e16e865e393c987cee7f73b691fe949728644c84142"},
     {"bench/meshes-glossy-ground.json", "4ed0173d5fc27b53ab993cffb7b166e522bb5d8a88172841d0b99fb1e1d952e1"},
     {"bench/meshes-glossy.json", "0dab115fd9b1981007dc863b03e3d82fdab1977dc7738c4ea89263dbe3bdf91e"},
+    {"bench/meshes-glossy-ground-sky.json", "b7e72569a51b90c6198fa1d8bba53b1f693bd8182b01498e58b52bcf2748ba03"},
+    {"bench/meshes-glossy-sky.json", "8a2b7a0528c5461ba2e559a5c0fefb1ced04f259e1a5cd4079fa8e36fdde5cbf"},
     {"bench/meshes-mirror.json", "8eee579a78160c5776c425e0b5f4d07f494029f7d14616da7d3de61b1c7c8b8d"},
     {"bench/mixed-cubes.json", "5b7656255fb4033af0aa0be456a8b34b26751b76e22594eff0120bfb9702dd5e"},
     {"cloud.json", "31a78b7de5f891b1c18e9404644fdc498433f28d15a1a6ecf685c126dee99459"},

@@ -662,6 +662,22 @@ static void a_full_disk_is_an_error_and_leaves_nothing(void **state)
     }
 }
 
+static void what_a_scene_lacks_is_a_line_on_stderr(void **state)
+{
+    const fixture *f = *state;
+    outcome o;
+    char scene[PATH_MAX];
+
+    lf_test_write(f->folder, "bare.mtl", "newmtl wood\nKd 1 1 1\nmap_Kd wood.png\nd 0.5\n");
+    lf_test_write(f->folder, "bare.obj", "mtllib bare.mtl\nusemtl wood\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    snprintf(scene, sizeof scene, "%s", lf_test_write(f->folder, "bare.json", "{\"meshes\": {\"m\": {\"file\": \"bare.obj\"}}}"));
+    run(&o, "%s --spp 1 --views 2 --quilt 2x1 --view-size 8x8 -o %s/bare.png", scene, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "bare.obj: material \"wood\": textures are not read"));
+    assert_non_null(strstr(o.err, "bare.obj: material \"wood\": transparency is left out"));
+    assert_non_null(strstr(o.err, "bare.json: no light shines here"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -678,6 +694,7 @@ int main(void)
         cmocka_unit_test(a_scene_becomes_what_the_options_say),
         cmocka_unit_test(a_terminated_job_leaves_nothing_and_exits_1),
         cmocka_unit_test(a_killed_job_leaves_no_broken_file),
+        cmocka_unit_test(what_a_scene_lacks_is_a_line_on_stderr),
         cmocka_unit_test(a_full_disk_is_an_error_and_leaves_nothing),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -271,6 +271,57 @@ static void reads_stay_beneath_the_scene_and_the_allowed_paths(void **state)
     lf_test_folder_remove(elsewhere);
 }
 
+/* Lines in the daemon's log that hold the words. */
+static int lines_logged(const live *l, const char *words)
+{
+    char line[4096];
+    int n = 0;
+    FILE *file = fopen(l->log, "r");
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file) != NULL) {
+        n += strstr(line, words) != NULL;
+    }
+    fclose(file);
+    return n;
+}
+
+static size_t warnings_of(live_client *c, const char *method, json_t *params, const char *words)
+{
+    json_t *answer = live_call(c, method, params);
+    const json_t *warnings = json_object_get(json_object_get(answer, "result"), "warnings");
+    size_t n = json_array_size(warnings);
+    bool told = words == NULL;
+    assert_true(json_is_array(warnings));
+    for (size_t i = 0; i < n; i++) {
+        told |= words != NULL && strstr(json_string_value(json_array_get(warnings, i)), words) != NULL;
+    }
+    assert_true(told);
+    json_decref(answer);
+    return n;
+}
+
+static void what_a_scene_lacks_is_told_with_the_answer_and_logged_once(void **state)
+{
+    (void)state;
+    static const char twice[] = "{\"meshes\":{\"a\":{\"shape\":\"quad\"},\"b\":{\"shape\":\"quad\"}}}";
+    static const char dark[] = "{\"lights\":null}", moved[] = "{\"camera\":{\"fov_y\":21}}";
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", "none", NULL);
+    live_client c;
+    live_connect(&l, &c);
+    assert_int_equal(warnings_of(&c, "scene.load", json_pack("{s:s}", "file", l.scene), NULL), 0);
+    assert_int_equal(warnings_of(&c, "scene.patch", json_pack("{s:o}", "patch", json_loads(twice, 0, NULL)), "same stand in \"a\""),
+                     1);
+    assert_int_equal(warnings_of(&c, "scene.patch", json_pack("{s:o}", "patch", json_loads(dark, 0, NULL)), "no light shines"), 2);
+    assert_int_equal(warnings_of(&c, "scene.patch", json_pack("{s:o}", "patch", json_loads(moved, 0, NULL)), "no light shines"), 2);
+    assert_int_equal(lines_logged(&l, "same stand in"), 1);
+    assert_int_equal(lines_logged(&l, "no light shines"), 1);
+    assert_int_equal(warnings_of(&c, "scene.load", json_pack("{s:s}", "file", l.scene), NULL), 0);
+    live_close(&c);
+    live_finish(&l);
+}
+
 static void without_a_scene_nothing_may_be_read(void **state)
 {
     (void)state;
@@ -443,6 +494,7 @@ int main(void)
         cmocka_unit_test(wrong_usage_is_2),
         cmocka_unit_test(quiltctl_calls_and_prints),
         cmocka_unit_test(reads_stay_beneath_the_scene_and_the_allowed_paths),
+        cmocka_unit_test(what_a_scene_lacks_is_told_with_the_answer_and_logged_once),
         cmocka_unit_test(without_a_scene_nothing_may_be_read),
         cmocka_unit_test(a_client_waits_only_so_often),
         cmocka_unit_test(a_client_opens_simulated_panels_only_where_it_may_write),

@@ -170,11 +170,153 @@ static void a_lamp_of_any_size_over_a_ground_gives_lamberts_formula(void **state
     }
 }
 
+/* ------------------------------------------------------------------------------------- a small box on a ground -- */
+
+/* Where a ray meets a triangle, in double (Moeller and Trumbore 1997); INFINITY: nowhere. */
+static double meet(const lf_mesh *mesh, int triangle, vec o, vec w)
+{
+    const uint32_t *corner = mesh->triangles + 3 * triangle;
+    vec a = v3(lf_mesh_vertex(mesh, corner[0])), ab = sub(v3(lf_mesh_vertex(mesh, corner[1])), a);
+    vec ac = sub(v3(lf_mesh_vertex(mesh, corner[2])), a), p = cross(w, ac), to = sub(o, a), q = cross(to, ab);
+    double det = dot(ab, p), u = dot(to, p) / det, v = dot(w, q) / det, t = dot(ac, q) / det;
+    return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 ? t : (double)INFINITY;
+}
+
+/* The nearest mesh, by asking every triangle; -1: none. A ray that leaves a mesh does not meet it again: none of these is hollow. */
+static int nearest(const lf_scene *scene, vec o, vec w, int leaves, double *out_t)
+{
+    int found = -1;
+    *out_t = INFINITY;
+    for (int m = 0; m < scene->n_meshes; m++) {
+        for (int i = 0; i < scene->meshes[m].n_triangles && m != leaves; i++) {
+            double t = meet(&scene->meshes[m], i, o, w);
+            found = t < *out_t ? m : found;
+            *out_t = fmin(t, *out_t);
+        }
+    }
+    return found;
+}
+
+enum { GROUND, BOX };
+
+/* A flat box on a ground, and a sun. */
+typedef struct boxed {
+    double ground, turned[3], moved;
+    lf_scene *scene;
+    lf_tracer tracer;
+    vec middle, axis[3];
+    uint64_t random;
+} boxed;
+
+static void set_box(boxed *b)
+{
+    char text[2048];
+    vec up = turn(b->turned, (vec){0, 1, 0});
+    const double *r = b->turned, x = b->moved, lift = 0.01;
+    snprintf(
+        text, sizeof text,
+        "{ 'quiltd': 1, 'camera': { 'position': [0, 1, 5], 'fov_y': 24, 'aspect': 1, 'views': 1 }, 'meshes': { "
+        "'ground': { 'shape': 'quad', 'transform': { 'scale': %.17g, 'rotate': [%g, %g, %g], 'translate': [%.17g, %.17g, 0] } }, "
+        "'hut': { 'shape': 'cube', 'transform': { 'scale': [0.1, 0.01, 0.1], 'rotate': [%g, %g, %g], 'translate': [%.17g, "
+        "%.17g, %.17g] } } }, 'lights': {} }",
+        b->ground, r[0], r[1], r[2], x, -x, r[0], r[1], r[2], x + lift * up.x, lift * up.y - x, lift * up.z);
+    b->scene = lf_test_scene(text);
+    b->tracer = (lf_tracer){.scene = b->scene};
+    b->random = lf_test_seed();
+    const double *o = b->scene->origin;
+    b->middle = (vec){x - o[0], -x - o[1], -o[2]};
+    b->axis[0] = turn(r, (vec){1, 0, 0});
+    b->axis[1] = up;
+    b->axis[2] = turn(r, (vec){0, 0, 1});
+}
+
+static double uniform(boxed *b)
+{
+    b->random = lf_hash64(b->random, 1);
+    return (double)(b->random >> 40) * 0x1p-24;
+}
+
+/* A point or, without the middle, a direction given in the frame of the box. */
+static vec place(const boxed *b, vec middle, double x, double y, double z)
+{
+    return madd(madd(madd(middle, x, b->axis[0]), y, b->axis[1]), z, b->axis[2]);
+}
+
+/* Not inline: GCC 12 takes a vector of doubles, made float and double again, for what it was. */
+static __attribute__((noinline)) lf_vec3 rounded(vec a)
+{
+    return lf_v3((float)a.x, (float)a.y, (float)a.z);
+}
+
+/* A ray from above to a point near the box (in its frame); counts where another mesh is met than in double. */
+static int look(boxed *b, double x, double y, double z, lf_event *out)
+{
+    lf_vec3 eye = rounded(place(b, b->middle, 0.3, 2.0, 2.5)), to = rounded(place(b, b->middle, x, y, z));
+    double t;
+    out->kind = LF_EVENT_SURFACE;
+    out->w = lf_normalize(lf_sub(to, eye));
+    bool met = lf_trace_surface(&b->tracer, eye, out->w, INFINITY, &out->hit);
+    int expected = nearest(b->scene, v3(eye), v3(out->w), -1, &t);
+    out->p = out->hit.p;
+    return !met || expected != (int)(out->hit.mesh - b->scene->meshes);
+}
+
+/* Counts where something else lies between a point and a sun, or is met by a ray that goes on from there, than in double. */
+static int ask(boxed *b, const lf_event *at, lf_vec3 w)
+{
+    int from = (int)(at->hit.mesh - b->scene->meshes);
+    double t;
+    if (lf_dot(w, at->hit.ng) < 1e-3f)
+        return 0;
+    int expected = nearest(b->scene, v3(at->p), v3(w), from, &t);
+    lf_light_sample sun = {.wi = w, .distance = INFINITY};
+    lf_event next;
+    lf_path_next(&b->tracer, at, w, &next);
+    int met = next.kind == LF_EVENT_SURFACE ? (int)(next.hit.mesh - b->scene->meshes) : -1;
+    return (met != expected) + ((lf_path_visible(&b->tracer, at, &sun) > 0.0f) != (expected < 0));
+}
+
+static void assert_box(boxed b)
+{
+    int n = 8000, primary = 0, shadow = 0, bounce = 0, dark = 0;
+    set_box(&b);
+    lf_vec3 sun = lf_normalize(rounded(place(&b, (vec){0, 0, 0}, -0.9, 0.3, 0.0)));
+    for (int i = 0; i < n; i++) {
+        lf_event at;
+        lf_vec3 w = lf_normalize(rounded(place(&b, (vec){0, 0, 0}, uniform(&b) - 0.5, uniform(&b) - 0.5, uniform(&b) - 0.5)));
+        primary += look(&b, 0.4 * uniform(&b) - 0.2, 0.0, 0.4 * uniform(&b) - 0.2, &at);
+        shadow += ask(&b, &at, sun);
+        dark += !(lf_path_visible(&b.tracer, &at, &(lf_light_sample){.wi = sun, .distance = INFINITY}) > 0.0f);
+        bounce += ask(&b, &at, w);
+        /* along the foot of the wall */
+        primary += look(&b, 0.2 * uniform(&b) - 0.1, 0.004 * uniform(&b) - 0.002, 0.1, &at);
+        bounce += ask(&b, &at, w);
+    }
+    lf_scene_unref(b.scene);
+    assert_true(dark > n / 20);
+    if (primary > n / 1000 || shadow > dark / 200 || bounce > n / 1000)
+        fail_msg("ground %g turned %g: of %d %d are seen wrong, %d shaded wrong (of %d in the shadow), %d bounce wrong", b.ground,
+                 b.turned[0], n, primary, shadow, dark, bounce);
+}
+
+static void a_small_box_stands_on_a_ground_of_any_size_as_in_double_precision(void **state)
+{
+    (void)state;
+    for (double ground = 3.0; ground < 1e6; ground *= 10.0) {
+        assert_box((boxed){.ground = ground});
+        assert_box((boxed){.ground = ground, .turned = {33, 20, -51}});
+        /* its corners and points are then rounded to 3e-5 */
+        if (ground < 1e3)
+            assert_box((boxed){.ground = ground, .turned = {-70, 11, 4}, .moved = 3e5});
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lamp_over_a_ground_of_any_size_gives_lamberts_formula),
         cmocka_unit_test(a_lamp_of_any_size_over_a_ground_gives_lamberts_formula),
+        cmocka_unit_test(a_small_box_stands_on_a_ground_of_any_size_as_in_double_precision),
     };
     return cmocka_run_group_tests_name("direct light", tests, NULL, lf_test_finish);
 }

@@ -7,8 +7,8 @@
 
 enum { width = 32, height = 24, n_views = 7, replicates = 40 };
 
-/* Blocks of all comparisons below: 9 runs, W and W', 85 blocks each. */
-#define LEVEL lf_sidak(LF_FALSE_ALARM, 9 * 2 * (n_views * 12 + 1))
+/* Blocks of all comparisons below: 12 runs, W and W', 85 blocks each (121 of ten views). */
+#define LEVEL lf_sidak(LF_FALSE_ALARM, 2 * (11 * (n_views * 12 + 1) + 10 * 12 + 1))
 
 static void whole_cycles(lf_renderer *r)
 {
@@ -61,6 +61,14 @@ static void invariant_2_weights_are_n_q_beside_mirrors(void **state)
     assert_weights(LF_TEST_VEIL("7", ""), live);
 }
 
+static void invariant_2_weights_are_n_q_on_glossy_surfaces_with_bent_normals(void **state)
+{
+    (void)state;
+    assert_weights(LF_TEST_GLOSSY("7", ""), whole_cycles);
+    assert_weights(LF_TEST_GLOSSY("7", ", 'lens_radius': 0.15, 'focus_distance': 4.2"), live);
+    assert_weights(LF_TEST_GLOSSY("10", ""), two_passes);
+}
+
 /* Power: 1 % of q in one block of the middle view, 0.3 % of it over the picture. */
 static void a_bias_of_one_per_cent_would_be_seen(void **state)
 {
@@ -94,6 +102,7 @@ int main(void)
         cmocka_unit_test(invariant_2_weights_are_n_q_with_a_lens),
         cmocka_unit_test(invariant_2_weights_are_n_q_in_overlapping_media),
         cmocka_unit_test(invariant_2_weights_are_n_q_beside_mirrors),
+        cmocka_unit_test(invariant_2_weights_are_n_q_on_glossy_surfaces_with_bent_normals),
         cmocka_unit_test(a_bias_of_one_per_cent_would_be_seen),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);

@@ -275,6 +275,49 @@ static void gltf_nodes_and_factors_arrive(void **state)
     lf_mesh_data_finish(&data);
 }
 
+/* Three triangles whose materials have colours and no names, and a fourth without a material. */
+static void materials_without_a_name_keep_their_colours(void **state)
+{
+    static const char *const text =
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+        "\"buffers\":[{\"uri\":\"tri.bin\",\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],"
+        "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0,0,1],\"metallicFactor\":0}},"
+        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0,0.8,0,1]}},{\"emissiveFactor\":[0,0,1]}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},{\"attributes\":{\"POSITION\":0},"
+        "\"material\":1},{\"attributes\":{\"POSITION\":0},\"material\":2},{\"attributes\":{\"POSITION\":0}}]}]}";
+    write_corners(*state);
+    lf_test_write(*state, "nameless.gltf", text);
+    lf_test_write(
+        *state, "nameless.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nelement material 1\nproperty float diffuse_red\n"
+        "property float diffuse_green\nproperty float diffuse_blue\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n0.25 0.5 1\n");
+    lf_mesh_desc desc = of_file("nameless.gltf");
+    lf_mesh_data data = imported(&desc, *state);
+    assert_int_equal(data.n_triangles, 4);
+    const lf_material *m[4];
+    for (int i = 0; i < 4; i++)
+        m[i] = &data.materials[data.triangle_material[i]];
+    assert_true(m[0]->albedo.x == 0.9f && m[0]->albedo.y == 0.0f && m[0]->type == LF_MATERIAL_DIFFUSE);
+    assert_true(m[1]->albedo.y == 0.8f && m[1]->albedo.x == 0.0f && m[1]->type == LF_MATERIAL_CONDUCTOR);
+    assert_true(m[2]->emission.z == 1.0f);
+    assert_true(m[3]->albedo.x == 0.5f && m[3]->albedo.y == 0.5f && m[3]->emission.x == 0.0f && m[3]->type == LF_MATERIAL_DIFFUSE);
+    lf_mesh_data_finish(&data);
+    desc = of_file("nameless.ply");
+    data = imported(&desc, *state);
+    const lf_material *blue = &data.materials[data.triangle_material[0]];
+    assert_true(blue->albedo.x == 0.25f && blue->albedo.y == 0.5f && blue->albedo.z == 1.0f);
+    lf_mesh_data_finish(&data);
+    lf_test_write(*state, "plain.ply",
+                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                  "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    desc = of_file("plain.ply");
+    data = imported(&desc, *state);
+    assert_true(data.materials[data.triangle_material[0]].albedo.x == 0.5f);
+    lf_mesh_data_finish(&data);
+}
+
 static void ply_and_stl_are_read(void **state)
 {
     lf_test_write(*state, "a.ply",
@@ -321,7 +364,7 @@ static void malformed_files_are_refused_in_words(void **state)
     lf_test_write(folder, "json.gltf", "{\"asset\":");
     assert_refused("empty.obj", folder, LF_E_FORMAT, "");
     assert_refused("words.obj", folder, LF_E_FORMAT, "");
-    assert_refused("points.obj", folder, LF_E_FORMAT, "cannot be read as a mesh");
+    assert_refused("points.obj", folder, LF_E_FORMAT, "no triangles in this file");
     assert_refused("flat.obj", folder, LF_E_FORMAT, "no usable triangle");
     assert_refused("short.ply", folder, LF_E_FORMAT, "promises at least 800000000 bytes of elements, the file has 76");
     assert_refused("short.glb", folder, LF_E_FORMAT, "cannot be read as a mesh");
@@ -494,6 +537,7 @@ int main(void)
         IN_FOLDER(obj_materials_become_ours),
         IN_FOLDER(a_mesh_without_materials_is_grey),
         IN_FOLDER(gltf_nodes_and_factors_arrive),
+        IN_FOLDER(materials_without_a_name_keep_their_colours),
         IN_FOLDER(ply_and_stl_are_read),
         IN_FOLDER(useless_triangles_are_dropped_and_the_rest_kept),
         IN_FOLDER(malformed_files_are_refused_in_words),

@@ -7,8 +7,8 @@
 
 enum { width = 32, height = 24, n_views = 7 };
 
-/* What the sound estimator may fail by: three runs of the weights' test and one of agreement. */
-#define LEVEL lf_sidak(LF_FALSE_ALARM, 4 * (n_views * 12 + 1))
+/* What the sound estimator may fail by: four runs of the weights' test and one of agreement. */
+#define LEVEL lf_sidak(LF_FALSE_ALARM, 5 * (n_views * 12 + 1))
 /* What a mistake must be rejected with. */
 #define CERTAIN 1e-9
 
@@ -24,20 +24,30 @@ static void live(lf_renderer *r)
         assert_int_equal(lf_renderer_pass(r, 0, 1, 2, NULL, NULL, NULL), LF_OK);
 }
 
-/* Smallest p of W - n q over blocks of every view. */
-static double p_of_weights(unsigned faults, lf_test_schedule schedule)
+/* Smallest p of W - n q, or of W' - n q, over blocks of every view. */
+static double p_of_weights_of(const char *text, bool second, unsigned faults, lf_test_schedule schedule)
 {
-    lf_scene *scene = lf_test_scene(scene_text);
+    lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_blocks blocks[3];
     r->plan.faults = faults;
     lf_test_weight_blocks(r, schedule, 24, 8, blocks);
-    double p = lf_blocks_p_zero(&blocks[0], NULL);
+    double p = lf_blocks_p_zero(&blocks[second], NULL);
     for (int i = 0; i < 3; i++)
         lf_blocks_finish(&blocks[i]);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
     return p;
+}
+
+static double p_of_weights(unsigned faults, lf_test_schedule schedule)
+{
+    return p_of_weights_of(scene_text, false, faults, schedule);
+}
+
+static double p_of_glossy_weights(unsigned faults)
+{
+    return p_of_weights_of(LF_TEST_GLOSSY("7", ""), true, faults, whole_cycles);
 }
 
 /* Pictures of one integrator by mis. */
@@ -67,6 +77,7 @@ static void nothing_is_found_where_nothing_is_wrong(void **state)
     (void)state;
     assert_true(p_of_weights(0, whole_cycles) > LEVEL);
     assert_true(p_of_weights(0, live) > LEVEL);
+    assert_true(p_of_glossy_weights(0) > LEVEL);
     assert_true(p_of_agreement(0) > LEVEL);
 }
 
@@ -98,6 +109,12 @@ static void a_missing_light_pdf_is_caught(void **state)
 {
     (void)state;
     assert_true(p_of_agreement(LF_FAULT_NO_LIGHT_PDF) < CERTAIN);
+}
+
+static void lobes_cut_at_the_horizon_are_caught(void **state)
+{
+    (void)state;
+    assert_true(p_of_glossy_weights(LF_FAULT_HORIZON) < CERTAIN);
 }
 
 /* A card whose upper edge runs along the rows, seen by a whole cycle: every ray of a row meets it or none does, so that with B and q of
@@ -146,6 +163,7 @@ int main(void)
         cmocka_unit_test(realised_counts_are_caught),
         cmocka_unit_test(swapped_views_are_caught),
         cmocka_unit_test(a_missing_light_pdf_is_caught),
+        cmocka_unit_test(lobes_cut_at_the_horizon_are_caught),
         cmocka_unit_test(a_q_of_another_row_offset_is_caught),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);

@@ -110,6 +110,22 @@ static void lights_and_materials_arrive_in_their_units(void **state)
     lf_scene_unref(scene);
 }
 
+static void metals_arrive_by_name_and_by_index(void **state)
+{
+    (void)state;
+    lf_scene *scene = make_scene("{\"materials\": {\"a\": {\"type\": \"conductor\", \"metal\": \"gold\"}, "
+                                 "\"b\": {\"type\": \"conductor\", \"eta\": [0.2, 0.4, 1.5], \"k\": 3}, "
+                                 "\"c\": {\"type\": \"conductor\"}},"
+                                 "\"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"a\"}}}",
+                                 ".", NULL);
+    const lf_material *m = &scene->materials[scene->n_materials - 3];
+    /* Johnson and Christy at 617 and 582 nm are 0.21 + 3.27i and 0.29 + 2.86i. */
+    assert_true(m[0].eta.x > 0.21f && m[0].eta.x < 0.29f && m[0].k.x > 2.86f && m[0].k.x < 3.27f && m[0].eta.z > 1.3f);
+    assert_true(m[1].eta.x == 0.2f && m[1].eta.z == 1.5f && m[1].k.x == 3.0f && m[1].k.z == 3.0f);
+    assert_true(m[2].eta.x == 0.0f);
+    lf_scene_unref(scene);
+}
+
 static void only_materials_in_use_set_the_flags(void **state)
 {
     (void)state;
@@ -144,7 +160,8 @@ static void a_scene_is_unlit_until_anything_shines(void **state)
     };
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         lf_scene *scene = make_scene(scenes[i].text, ".", NULL);
-        assert_int_equal(lf_scene_is_unlit(scene), scenes[i].unlit);
+        const char *warning = lf_scene_warning(scene, 0);
+        assert_true(scenes[i].unlit ? warning && strstr(warning, "no light shines here") != NULL : warning == NULL);
         lf_scene_unref(scene);
     }
 }
@@ -205,6 +222,19 @@ static const bad bad_scenes[] = {
     {"{\"meshes\": {\"m\": {\"shape\": \"qaud\"}}}", 1, "/meshes/m/shape", "did you mean \"quad\"?"},
     {"{\"meshes\": {\"m\": {\"shape\": \"quad\", \"normals\": \"round\"}}}", 1, "/meshes/m/normals", "file, smooth, flat"},
     {"{\"materials\": {\"m\": {\"type\": \"glass\"}}}", 1, "/materials/m/type", "expected one of diffuse, conductor, plastic"},
+    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"metal\": \"gould\"}}}", 1, "/materials/m/metal",
+     "did you mean \"gold\"?"},
+    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"metal\": \"gold\",\n\"albedo\": 0.5}}}", 2, "/materials/m/albedo",
+     "metal says the colour already"},
+    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"eta\": 1, \"k\": 2,\n\"albedo\": 0.5}}}", 2, "/materials/m/albedo",
+     "eta says the colour already"},
+    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"metal\": \"gold\", \"k\": 3}}}", 1, "/materials/m/k",
+     "metal says eta and k already"},
+    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"eta\": 1}}}", 1, "/materials/m/k", "eta and k belong together"},
+    {"{\"materials\": {\"m\": {\"metal\": \"gold\"}}}", 1, "/materials/m/metal", "only conductors have metal"},
+    {"{\"materials\": {\"m\": {\"type\": \"plastic\", \"eta\": 1, \"k\": 1}}}", 1, "/materials/m/eta", "only conductors have eta"},
+    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"eta\": 0, \"k\": 1}}}", 1, "/materials/m/eta",
+     "out of range: 0.01 to 20"},
     {"{\"materials\": {\"m\": {\"albedo\": 1.1}}}", 1, "/materials/m/albedo", "out of range: 0 to 1"},
     {"{\"lights\": {\"l\": {\"radiance\": 1}}}", 1, "/lights/l", "\"type\" is missing"},
     {"{\"lights\": {\"l\": {\"type\": \"sun\"}}}", 1, "/lights/l/type", "expected one of environment, distant, point"},
@@ -575,6 +605,7 @@ int main(void)
         cmocka_unit_test(an_empty_scene_has_the_defaults_of_the_manual),
         cmocka_unit_test(every_key_of_camera_film_and_render_arrives),
         cmocka_unit_test(lights_and_materials_arrive_in_their_units),
+        cmocka_unit_test(metals_arrive_by_name_and_by_index),
         cmocka_unit_test(only_materials_in_use_set_the_flags),
         cmocka_unit_test(a_scene_is_unlit_until_anything_shines),
         IN_FOLDER(every_error_says_where_and_what),

@@ -68,7 +68,7 @@ static bool sees(bench *b, float c, lf_vec3 p, const lf_hit *on)
 {
     lf_vec3 eye = lf_rig_point(&b->renderer->rig, c, b->plane.ly, 0.0f), o = p;
     if (on)
-        o = lf_offset(b->scene, p, on->ng, lf_sub(eye, p));
+        o = lf_offset(b->scene, p, on->ng, lf_sub(eye, p), 0.0f);
     return !lf_trace_occluded(&b->tracer, o, lf_sub(eye, o), 1.0f - 1e-5f);
 }
 
@@ -298,6 +298,23 @@ static void scenes_far_away_tiny_and_huge(void **state)
     assert_scaled(1e5, 0.0);
 }
 
+/* What stands on it is a ten thousandth of the ground. */
+static void a_small_box_on_a_large_ground(void **state)
+{
+    (void)state;
+    static const char *const grounds[] = {"3000, 'rotate': [0, 20, 0]", "3000, 'rotate': [4, 20, -7]", "100000"};
+    for (int i = 0; i < 3; i++) {
+        char text[1024];
+        snprintf(
+            text, sizeof text,
+            "{ 'quiltd': 1, 'camera': { 'position': [0, 0.3, 1], 'fov_y': 12, 'aspect': 1.3333333333, 'cone': 40, 'views': 45 }, "
+            "'meshes': { 'ground': { 'shape': 'quad', 'transform': { 'scale': %s } }, 'box': { 'shape': 'cube', 'transform': { "
+            "'scale': [0.06, 0.04, 0.06], 'rotate': [0, 31, 0], 'translate': [0.02, 0.03, 0] } } } }",
+            grounds[i]);
+        assert_as_rays(text);
+    }
+}
+
 /* A card between a point and the middle of the rig, both at known places: views b with |b (1 - z_card / z)| < half its width are hidden. */
 static void a_card_hides_the_views_behind_it(void **state)
 {
@@ -369,7 +386,8 @@ int main(void)
         cmocka_unit_test(a_card_hides_the_views_behind_it), cmocka_unit_test(surfaces_hide_as_rays_find),
         cmocka_unit_test(lenses_move_the_cameras_of_a_row), cmocka_unit_test(rooms_surround_the_cameras),
         cmocka_unit_test(scenes_far_away_tiny_and_huge),    cmocka_unit_test(lists_of_rows_are_complete),
-        cmocka_unit_test(another_plane_is_noticed),         cmocka_unit_test(fans_meet_what_rays_meet),
+        cmocka_unit_test(a_small_box_on_a_large_ground),    cmocka_unit_test(another_plane_is_noticed),
+        cmocka_unit_test(fans_meet_what_rays_meet),
     };
     return cmocka_run_group_tests_name("section", tests, NULL, lf_test_finish);
 }

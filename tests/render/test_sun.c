@@ -1,5 +1,5 @@
-/* Suns of every size in pictures: the disk itself, its image in a mirror, and a plane that it lights. Replicates are seeds; that 0.5 % would
- * be seen is asserted beside every mean. */
+/* Suns of every size in pictures: the disk itself, its image in a mirror, and a plane that it lights. Replicates are seeds; that 0.5 %
+ * would be seen is asserted beside every mean. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"

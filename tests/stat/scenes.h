@@ -46,6 +46,19 @@
     "'metal': { 'type': 'conductor', 'albedo': [0.9, 0.7, 0.4], 'roughness': 0.6 }, "                                           \
     "'lamp': { 'albedo': 0, 'emission': [2, 2, 2] } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 0.3 } } }"
 
+/* Lobes that depend on the view, cut by the horizon: metal whose shading normals lean far away from its coarse triangles, a coat over
+ * colour, ground that is looked at flatly. A sharp sun besides, whose light samples no direction finds. */
+#define LF_TEST_GLOSSY(views, more)                                                                                           \
+    "{ " LF_TEST_CAMERA(views, more)                                                                                           \
+    "'meshes': { 'ground': { 'shape': 'quad', 'material': 'ground', 'transform': { 'scale': 4, 'translate': [0, -0.9, 0] } }, "  \
+    "'block': { 'shape': 'cube', 'material': 'metal', 'normals': 'smooth', "                                                    \
+    "'transform': { 'scale': 0.6, 'rotate': [20, 30, 10], 'translate': [-0.5, 0, 0] } }, "                                      \
+    "'coated': { 'shape': 'cube', 'material': 'glaze', 'normals': 'smooth', "                                                   \
+    "'transform': { 'scale': 0.5, 'rotate': [-10, 40, 5], 'translate': [0.9, -0.2, 0.4] } } }, "                                \
+    "'materials': { 'ground': { 'type': 'conductor', 'albedo': 0.8, 'roughness': 0.3 }, "                                       \
+    "'metal': { 'type': 'conductor', 'albedo': [0.9, 0.7, 0.4], 'roughness': 0.6 }, "                                           \
+    "'glaze': { 'type': 'plastic', 'albedo': [0.6, 0.3, 0.2], 'roughness': 0.4, 'ior': 2 } }, " LF_TEST_SHARP_LIGHTS " }"
+
 /* A mirror and a black card behind a veil of fog. */
 #define LF_TEST_VEIL(views, more)                                                                                             \
     "{ " LF_TEST_CAMERA(views, more)                                                                                           \

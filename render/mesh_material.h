@@ -1,0 +1,13 @@
+/* Materials of mesh files; private to render/mesh_*.c. */
+#ifndef LF_RENDER_MESH_MATERIAL_H
+#define LF_RENDER_MESH_MATERIAL_H
+
+#include "render/mesh_import.h"
+
+struct aiScene;
+
+/* Makes out->materials of the file's materials, in its order, and a warning of everything that those of triangles lose: textures,
+ * transparency, … Materials that Assimp makes up for meshes without one become grey. LF_E_FORMAT: too many; LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_mesh_materials(const struct aiScene *scene, const char *path, lf_mesh_data *out, lf_error *err);
+
+#endif

@@ -1,0 +1,149 @@
+/* What GGX microfacets do not reflect at once. A rough lobe (lf_ggx_eval) counts light that leaves after one reflection; the rest, loss(cos)
+ * = 1 - E(cos) with E the lobe's directional albedo, meets further microfacets or enters the base, and both send it on as the lobe
+ *
+ *   rest  loss(cos_o) loss(cos_i) |cos_i|
+ *
+ * whose colour `rest` makes white materials give back all they get: reciprocal, and with nothing lost at any angle. For metals it is that of
+ * Kulla and Conty 2017 (Revisiting physically based shading at Imageworks), with Hill's sum over the reflections (2018); for plastics the
+ * base of surface_plastic.c. E is integrated once a material, and fitted by a polynomial. */
+#include <string.h>
+
+#include "render/surface_lobes.h"
+
+/* A lobe seen along one direction; double throughout. */
+typedef struct view {
+    double alpha, eta; /* eta of a coat, 0: everything is reflected */
+    double cos_o, sin_o;
+    double vx, vz; /* the direction in the space where microfacets are a hemisphere */
+    double root_o;
+} view;
+
+static double root_of(double alpha, double cosine)
+{
+    return sqrt(alpha * alpha * (1.0 - cosine * cosine) + cosine * cosine);
+}
+
+static view view_along(double alpha, double eta, double cos_o)
+{
+    double root = root_of(alpha, cos_o), sin_o = sqrt(1.0 - cos_o * cos_o);
+    return (view){alpha, eta, cos_o, sin_o, alpha * sin_o / root, cos_o / root, root};
+}
+
+/* Cosine of the direction that the visible normal at (z, phi) of the spherical cap reflects to (lf_ggx_sample), and wo.h. */
+static double reflect(const view *v, double z, double phi, double *out_cos_oh)
+{
+    double r = sqrt(fmax((1.0 - z) * (1.0 + z), 0.0));
+    double x = v->alpha * (r * cos(phi) + v->vx), y = v->alpha * r * sin(phi), up = z + v->vz;
+    double inverse = 1.0 / sqrt(x * x + y * y + up * up);
+    *out_cos_oh = (v->sin_o * x + v->cos_o * up) * inverse;
+    return 2.0 * *out_cos_oh * up * inverse - v->cos_o;
+}
+
+/* Where along the cap's meridian phi directions begin to lie above the horizon. */
+static double horizon(const view *v, double phi)
+{
+    double low = -v->vz, high = 1.0, cos_oh;
+    for (int i = 0; i < 30; i++) {
+        double middle = 0.5 * (low + high);
+        if (reflect(v, middle, phi, &cos_oh) > 0.0)
+            high = middle;
+        else
+            low = middle;
+    }
+    return high;
+}
+
+/* E(cos_o): the mean of F G2/G1 over visible normals. Even steps in phi; from the horizon up steps that begin and end gently, so that the
+ * midpoint rule converges as fast as in the middle of smooth functions. */
+static double albedo_along(double alpha, double eta, double cos_o)
+{
+    enum { ROUND = 24, UP = 16 };
+    view v = view_along(alpha, eta, cos_o);
+    double sum = 0.0;
+    for (int i = 0; i < ROUND; i++) {
+        double phi = (double)LF_PI * (i + 0.5) / ROUND, from = horizon(&v, phi), cos_oh;
+        for (int j = 0; j < UP; j++) {
+            double s = (j + 0.5) / UP, step = 30.0 * s * s * (1.0 - s) * (1.0 - s);
+            double cos_i = reflect(&v, from + (1.0 - from) * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), phi, &cos_oh);
+            double fresnel = eta > 0.0 ? (double)lf_fresnel_dielectric((float)fmin(fmax(cos_oh, 0.0), 1.0), (float)eta) : 1.0;
+            double kept = cos_i * (cos_o + v.root_o) / (cos_i * v.root_o + cos_o * root_of(alpha, cos_i));
+            sum += cos_i > 0.0 ? (1.0 - from) * step * fresnel * kept : 0.0;
+        }
+    }
+    return sum / (ROUND * UP * (1.0 + v.vz));
+}
+
+/* The polynomial in x of order LF_LOSS_TERMS - 1 through y at Chebyshev's nodes. */
+static void fit(const double y[LF_LOSS_TERMS], float out[LF_LOSS_TERMS])
+{
+    enum { N = LF_LOSS_TERMS };
+    double power[N][N] = {{1.0}, {0.0, 1.0}}, sum[N] = {0}; /* Chebyshev's polynomials; their sum, in powers of x */
+    for (int j = 0; j < N; j++) {
+        double c = 0.0;
+        for (int k = 0; k < N; k++) {
+            c += y[k] * cos((double)LF_PI * j * (k + 0.5) / N) * (j == 0 ? 1.0 : 2.0) / N;
+            if (j > 1)
+                power[j][k] = (k > 0 ? 2.0 * power[j - 1][k - 1] : 0.0) - power[j - 2][k];
+        }
+        for (int k = 0; k < N; k++)
+            sum[k] += c * power[j][k];
+    }
+    for (int k = 0; k < N; k++)
+        out[k] = (float)sum[k];
+}
+
+static void fit_loss(lf_material *m, double eta)
+{
+    double alpha = (double)lf_material_alpha(m), a = (double)LF_LOSS_SCALE * alpha, y[LF_LOSS_TERMS];
+    for (int k = 0; k < LF_LOSS_TERMS; k++) {
+        double t = 0.5 + 0.5 * cos((double)LF_PI * (k + 0.5) / LF_LOSS_TERMS), cosine = a * t * t / (1.0 + a - t * t);
+        y[k] = 1.0 - albedo_along(alpha, eta, cosine) - (double)lf_coat_transmittance(m, (float)cosine);
+    }
+    fit(y, m->loss);
+}
+
+/* 2 int_0^1 g(c) c dc of the loss and of a metal's Fresnel reflectance. */
+static void averages(const lf_material *m, double *out_loss, double fresnel[3])
+{
+    enum { STEPS = 128 };
+    *out_loss = fresnel[0] = fresnel[1] = fresnel[2] = 0.0;
+    for (int i = 0; i < STEPS; i++) {
+        double root = (i + 0.5) / STEPS, cosine = root * root, weight = 4.0 * cosine * root / STEPS;
+        lf_vec3 f = lf_conductor_fresnel(m, (float)cosine);
+        *out_loss += weight * (double)lf_loss(m, lf_coat_transmittance(m, (float)cosine), (float)cosine);
+        fresnel[0] += weight * (double)f.x;
+        fresnel[1] += weight * (double)f.y;
+        fresnel[2] += weight * (double)f.z;
+    }
+}
+
+/* Light that was not reflected at once is reflected by f on the average, and at each further reflection the share `loss` stays
+ * behind: f^2 (1 - loss) / (1 - f loss). */
+static float metal_rest(double f, double loss)
+{
+    return loss > 0.0 ? (float)(f * f * (1.0 - loss) / (1.0 - f * loss) / ((double)LF_PI * loss)) : 0.0f;
+}
+
+/* surface_plastic.c: the series over reflections between base and coat. */
+static float base_rest(double albedo, double eta, double loss)
+{
+    return (float)(albedo / ((double)LF_PI * (eta * eta * (1.0 - albedo) + albedo * loss)));
+}
+
+void lf_material_prepare(lf_material *m)
+{
+    bool rough = lf_material_alpha(m) >= LF_ALPHA_MIN, metal = m->type == LF_MATERIAL_CONDUCTOR;
+    double loss, f[3], eta = (double)m->ior;
+    memset(m->loss, 0, sizeof m->loss);
+    m->rest = lf_v3(0.0f, 0.0f, 0.0f);
+    if (m->type == LF_MATERIAL_DIFFUSE || (metal && !rough))
+        return;
+    if (rough)
+        fit_loss(m, metal ? 0.0 : eta);
+    averages(m, &loss, f);
+    if (metal)
+        m->rest = lf_v3(metal_rest(f[0], loss), metal_rest(f[1], loss), metal_rest(f[2], loss));
+    else
+        m->rest = lf_v3(base_rest((double)m->albedo.x, eta, loss), base_rest((double)m->albedo.y, eta, loss),
+                        base_rest((double)m->albedo.z, eta, loss));
+}

@@ -1,0 +1,246 @@
+/* What files hold and pictures lack is said, in one line each, and nothing else is. */
+#include "tests/testing.h"
+
+#include <math.h>
+
+#include "render/scene.h"
+
+static int make_folder(void **state)
+{
+    *state = lf_test_folder();
+    return 0;
+}
+
+static int remove_folder(void **state)
+{
+    lf_test_folder_remove(*state);
+    return 0;
+}
+
+/* A lit scene with one mesh, of a file unless shape says otherwise; ' stands for ". */
+static lf_scene *scene_of(const char *folder, const char *meshes, const lf_scene *previous)
+{
+    char text[2048];
+    lf_scene *scene = NULL;
+    lf_error err;
+    snprintf(text, sizeof text,
+             "{'meshes': {%s}, 'materials': {'lamp': {'emission': 3}}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}",
+             meshes);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    json_t *doc = json_loads(text, 0, NULL);
+    assert_non_null(doc);
+    lf_assert_ok(lf_scene_from_json(doc, folder, "test.json", NULL, previous, &scene, &err), &err);
+    json_decref(doc);
+    return scene;
+}
+
+static bool says(const lf_scene *scene, const char *words)
+{
+    for (int i = 0; lf_scene_warning(scene, i); i++)
+        if (strstr(lf_scene_warning(scene, i), words))
+            return true;
+    return false;
+}
+
+static void assert_lines(const lf_scene *scene, const char *const words[], int n)
+{
+    int lines = 0;
+    for (int i = 0; i < n; i++)
+        if (!says(scene, words[i]))
+            fail_msg("no warning says \"%s\"", words[i]);
+    while (lf_scene_warning(scene, lines))
+        lines++;
+    if (lines != n)
+        fail_msg("%d warnings instead of %d; the first: %s", lines, n, lf_scene_warning(scene, 0));
+}
+
+static void lines_are_kept_once_escaped_and_counted_beyond_their_limit(void **state)
+{
+    (void)state;
+    lf_warnings w = {0}, all = {0};
+    char last[32];
+    assert_null(lf_warnings_at(&w, 0));
+    lf_warnings_add(&w, "a\nb.obj", "two\x1b[31m %d", 2);
+    lf_warnings_add(&w, "a\nb.obj", "two\x1b[31m %d", 2);
+    assert_string_equal(lf_warnings_at(&w, 0), "a\\nb.obj: two\\x1b[31m 2");
+    assert_null(lf_warnings_at(&w, 1));
+    for (int i = 0; i < 100; i++)
+        lf_warnings_add(&w, "x", "%d", i);
+    lf_warnings_add_all(&all, &w);
+    lf_warnings_add(&all, "one", "more");
+    snprintf(last, sizeof last, "and %d more", 101 - LF_MAX_WARNINGS);
+    assert_string_equal(lf_warnings_at(&w, LF_MAX_WARNINGS), last);
+    snprintf(last, sizeof last, "and %d more", 102 - LF_MAX_WARNINGS);
+    assert_string_equal(lf_warnings_at(&all, LF_MAX_WARNINGS), last);
+    assert_null(lf_warnings_at(&all, LF_MAX_WARNINGS + 1));
+    lf_warnings_finish(&w);
+    lf_warnings_finish(&all);
+}
+
+/* One triangle with the material given, and more members of the document. */
+static void write_gltf(const char *folder, const char *material, const char *more)
+{
+    const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    char text[4096];
+    FILE *file = fopen(lf_test_path(folder, "tri.bin"), "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(corners, sizeof corners, 1, file), 1);
+    fclose(file);
+    snprintf(
+        text, sizeof text,
+        "{'asset':{'version':'2.0'},'scene':0,'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0,'children':[1,2]},{'camera':0},"
+        "{'extensions':{'KHR_lights_punctual':{'light':0}}}],'buffers':[{'uri':'tri.bin','byteLength':36}],"
+        "'bufferViews':[{'buffer':0,'byteLength':36}],'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3',"
+        "'min':[0,0,0],'max':[1,1,0]}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],"
+        "'textures':[{'source':0}],'images':[{'uri':'gone.png'}],'materials':[%s],%s}",
+        material, more);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    lf_test_write(folder, "a.gltf", text);
+}
+
+#define NOTHING "'cameras':[],'extensions':{}"
+#define EXTENSIONS                                                                                                                 \
+    "'extensionsUsed':['KHR_lights_punctual','KHR_materials_transmission','KHR_materials_clearcoat','KHR_materials_sheen',"        \
+    "'KHR_materials_volume','KHR_materials_unlit'],'cameras':[{'type':'perspective','perspective':{'yfov':1,'znear':0.1}}],"       \
+    "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point','intensity':3}]}}"
+
+static void what_a_gltf_material_loses_is_said(void **state)
+{
+    write_gltf(*state,
+               "{'name':'wo\\nod','alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorTexture':{'index':0},'metallicFactor':0.4},"
+               "'emissiveTexture':{'index':0},'emissiveFactor':[1,1,1],'extensions':{'KHR_materials_transmission':{'"
+               "transmissionFactor':0.9},"
+               "'KHR_materials_clearcoat':{'clearcoatFactor':1},'KHR_materials_sheen':{'sheenColorFactor':[1,0,0]},"
+               "'KHR_materials_volume':{'thicknessFactor':1}}}",
+               EXTENSIONS);
+    lf_scene *scene = scene_of(*state, "'m': {'file': 'a.gltf'}", NULL);
+    static const char *const words[] = {
+        "a.gltf: material \"wo\\nod\": textures are not read",
+        "the texture of what glows is not read",
+        "transparency is left out",
+        "metallic between 0 and 1",
+        "clear coat",
+        "sheen",
+        "the volume inside",
+        "a.gltf: 1 cameras",
+        "a.gltf: 1 lights",
+    };
+    assert_lines(scene, words, sizeof words / sizeof *words);
+    assert_false(scene->has_emission); /* what glows by a texture would glow all over */
+    lf_scene_unref(scene);
+    /* Where the scene says what the mesh is made of, the file's materials are not missed. */
+    scene = scene_of(*state, "'m': {'file': 'a.gltf', 'material': 'lamp'}", NULL);
+    assert_lines(scene, words + 7, 2);
+    lf_scene_unref(scene);
+}
+
+static void a_file_that_is_shown_whole_says_nothing(void **state)
+{
+    lf_test_write(*state, "m.mtl", "newmtl red\nKd 1 0 0\nKs 0.5 0.5 0.5\nNs 30\nNi 1.4\nd 1\nTf 1 1 1\n");
+    lf_test_write(*state, "m.obj", "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
+    lf_scene *scene =
+        scene_of(*state, "'m': {'file': 'm.obj'}, 'c': {'shape': 'cube'}, 's': {'shape': 'sphere', 'material': 'lamp'}", NULL);
+    assert_lines(scene, NULL, 0);
+    lf_scene_unref(scene);
+}
+
+static void what_an_obj_or_ply_holds_beside_triangles_is_said(void **state)
+{
+    lf_test_write(*state, "m.mtl", "newmtl glass\nKd 1 1 1\nd 0.3\nmap_Kd foo.png\nnewmtl green\nKd 0 1 0\n");
+    lf_test_write(
+        *state, "m.obj",
+        "mtllib m.mtl\nusemtl glass\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 2 3 4\nusemtl green\nl 1 2\nl 2 3\n");
+    lf_scene *scene = scene_of(*state, "'m': {'file': 'm.obj'}", NULL);
+    static const char *const obj[] = {"m.obj: material \"glass\": textures", "\"glass\": transparency", "2 points and lines",
+                                      "1 of 2 triangles are left out: a vertex is not finite"};
+    assert_lines(scene, obj, 4);
+    lf_scene_unref(scene);
+    lf_test_write(*state, "n.obj", "mtllib gone.mtl\nusemtl glass\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    scene = scene_of(*state, "'m': {'file': 'n.obj'}", NULL);
+    static const char *const library[] = {"gone.mtl: "};
+    assert_lines(scene, library, 1);
+    lf_scene_unref(scene);
+    lf_test_write(
+        *state, "c.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
+        "property uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2\n");
+    scene = scene_of(*state, "'m': {'file': 'c.ply'}", NULL);
+    static const char *const colours[] = {"colours a vertex, which are not used"};
+    assert_lines(scene, colours, 1);
+    lf_scene_unref(scene);
+}
+
+static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
+{
+    lf_test_write(*state, "d.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 -0.0\nv 1 0 0\nf 1 2 3\nf 3 2 1\nf 3 4 5\nf 1 2 3\n");
+    lf_scene *scene = scene_of(*state,
+                               "'one': {'shape': 'quad'}, 'two': {'shape': 'quad', 'material': 'lamp', 'transform': {'rotate': "
+                               "[0, 180, 0]}}, 'three': {'shape': 'quad', 'transform': {'translate': [0, 1e-6, 0]}}, "
+                               "'own': {'file': 'd.obj'}",
+                               NULL);
+    static const char *const words[] = {"test.json: mesh \"two\": 2 of its triangles", "the same stand in \"one\"",
+                                        "mesh \"own\": 3 of its triangles are left out, the same stand in \"own\""};
+    assert_true(says(scene, words[0]) && says(scene, words[1]) && says(scene, words[2]));
+    assert_int_equal(scene->meshes[0].n_triangles, 2);
+    assert_int_equal(scene->meshes[1].n_triangles, 0);
+    assert_int_equal(scene->meshes[2].n_triangles, 2);
+    assert_int_equal(scene->meshes[3].n_triangles, 1);
+    assert_false(scene->has_emission);
+    /* What is shared with the scene before is said again. */
+    lf_scene *next = scene_of(*state,
+                              "'one': {'shape': 'quad', 'material': 'lamp'}, 'two': {'shape': 'quad', 'transform': {'rotate': "
+                              "[0, 180, 0]}}",
+                              NULL);
+    lf_scene *after = scene_of(*state,
+                               "'one': {'shape': 'quad', 'material': 'lamp'}, 'two': {'shape': 'quad', 'transform': {'rotate': "
+                               "[0, 180, 0]}}",
+                               next);
+    assert_ptr_equal(after->geometry, next->geometry);
+    assert_true(says(next, words[1]) && says(after, words[1]) && after->has_emission);
+    lf_scene_unref(after);
+    lf_scene_unref(next);
+    lf_scene_unref(scene);
+}
+
+/* The file holds three grids called density. */
+static void grids_that_nothing_is_made_of_are_said(void **state)
+{
+    (void)state;
+    static const char *const volumes[] = {"'v': {'file': 'names.vdb'}",
+                                          "'v': {'file': 'names.vdb'}, 'w': {'file': 'names.vdb', 'grid': 'density[2]'}",
+                                          "'a': {'file': 'names.vdb', 'grid': 'density[0]'}, 'b': {'file': 'names.vdb', 'grid': "
+                                          "'density[1]'}, 'c': {'file': 'names.vdb', 'grid': 'density[2]'}"};
+    static const char *const words[] = {"names.vdb: grids that no volume is made of: density[1], density[2]",
+                                        "names.vdb: grids that no volume is made of: density[1]"};
+    char folder[PATH_MAX];
+    snprintf(folder, sizeof folder, "%s", lf_test_built("testdata"));
+    for (int i = 0; i < 3; i++) {
+        char text[512];
+        lf_scene *scene = NULL;
+        lf_error err;
+        snprintf(text, sizeof text, "{'volumes': {%s}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}", volumes[i]);
+        for (char *c = text; *c; c++)
+            *c = *c == '\'' ? '"' : *c;
+        json_t *doc = json_loads(text, 0, NULL);
+        lf_assert_ok(lf_scene_from_json(doc, folder, "test.json", NULL, NULL, &scene, &err), &err);
+        json_decref(doc);
+        assert_lines(scene, words + i, i < 2);
+        lf_scene_unref(scene);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lines_are_kept_once_escaped_and_counted_beyond_their_limit),
+        cmocka_unit_test(what_a_gltf_material_loses_is_said),
+        cmocka_unit_test(a_file_that_is_shown_whole_says_nothing),
+        cmocka_unit_test(what_an_obj_or_ply_holds_beside_triangles_is_said),
+        cmocka_unit_test(faces_in_one_place_are_said_and_one_of_them_stays),
+        cmocka_unit_test(grids_that_nothing_is_made_of_are_said),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
