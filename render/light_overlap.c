@@ -16,7 +16,7 @@ typedef struct search {
     int other; /* mesh of another face there; -1: none */
 } search;
 
-/* Whether p is within reach of the triangle's plane, and well inside the triangle: its neighbours do not count. */
+/* Whether p is within reach of the triangle's plane, and farther than that from its edges: neighbours do not count. */
 static bool contains(const lf_mesh *mesh, uint32_t triangle, lf_vec3 p, float reach)
 {
     const uint32_t *t = mesh->triangles + 3 * (size_t)triangle;
@@ -24,10 +24,12 @@ static bool contains(const lf_mesh *mesh, uint32_t triangle, lf_vec3 p, float re
     for (int i = 0; i < 3; i++)
         to[i] = lf_sub(lf_mesh_vertex(mesh, t[i]), p);
     lf_vec3 n = lf_cross(lf_sub(to[1], to[0]), lf_sub(to[2], to[0]));
-    float n2 = lf_dot(n, n), height = fabsf(lf_dot(to[0], n));
-    bool inside = height <= reach * sqrtf(n2);
-    for (int i = 0; i < 3; i++)
-        inside = inside && lf_dot(lf_cross(to[i], to[(i + 1) % 3]), n) > 1e-3f * n2;
+    float length = lf_length(n);
+    bool inside = fabsf(lf_dot(to[0], n)) <= reach * length;
+    for (int i = 0; i < 3; i++) {
+        lf_vec3 a = to[i], b = to[(i + 1) % 3];
+        inside = inside && lf_dot(lf_cross(a, b), n) > reach * length * lf_length(lf_sub(b, a));
+    }
     return inside;
 }
 

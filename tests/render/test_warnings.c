@@ -205,6 +205,27 @@ static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
     lf_scene_unref(scene);
 }
 
+static void lamps_in_the_plane_of_other_faces_are_said(void **state)
+{
+    static const struct {
+        const char *ceiling, *height;
+        bool overlaps;
+    } cases[] = {{"3", "1", true}, {"3000", "1", true}, {"3", "0.999", false}, {"3000", "0.99", false}};
+    for (int i = 0; i < 4; i++) {
+        char meshes[512];
+        snprintf(meshes, sizeof meshes,
+                 "'ceiling': {'shape': 'quad', 'transform': {'scale': %s, 'translate': [0, 1, 0]}}, 'ball': {'shape': 'sphere', "
+                 "'material': 'lamp', 'transform': {'scale': 0.1}}, 'panel': {'shape': 'quad', 'material': 'lamp', 'transform': "
+                 "{'scale': 0.5, 'translate': [0.1, %s, 0]}}",
+                 cases[i].ceiling, cases[i].height);
+        lf_scene *scene = scene_of(*state, meshes, NULL);
+        static const char *const words[] = {"mesh \"panel\": its lamp stands in one place with faces of \"ceiling\""};
+        assert_lines(scene, words, cases[i].overlaps);
+        assert_int_equal(scene->has_overlaps, cases[i].overlaps);
+        lf_scene_unref(scene);
+    }
+}
+
 /* The file holds three grids called density. */
 static void grids_that_nothing_is_made_of_are_said(void **state)
 {
@@ -240,6 +261,7 @@ int main(void)
         cmocka_unit_test(a_file_that_is_shown_whole_says_nothing),
         cmocka_unit_test(what_an_obj_or_ply_holds_beside_triangles_is_said),
         cmocka_unit_test(faces_in_one_place_are_said_and_one_of_them_stays),
+        cmocka_unit_test(lamps_in_the_plane_of_other_faces_are_said),
         cmocka_unit_test(grids_that_nothing_is_made_of_are_said),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
