@@ -1,7 +1,14 @@
-/* GGX microfacets of metal, and what light does that meets several of them (surface_energy.c). */
+/* GGX microfacets of metal, brightened by what comes back after several of them (surface_energy.c). */
 #include <string.h>
 
 #include "render/surface_lobes.h"
+
+/* 1 / E(cos_o) - 1: how much more than once reflected light there is, were nothing absorbed. */
+static inline float several(const lf_material *m, float cos_o)
+{
+    float loss = lf_loss(m, 0.0f, cos_o);
+    return loss / (1.0f - loss);
+}
 
 static float eval_local(const lf_material *m, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
@@ -10,9 +17,9 @@ static float eval_local(const lf_material *m, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f
     if (alpha < LF_ALPHA_MIN || !(wo.z > LF_MIN_COS))
         return 0.0f;
     lf_ggx_lobe lobe = lf_ggx_eval(alpha, wo, wi);
-    if (wi.z > LF_MIN_COS) {
+    if (lobe.f > 0.0f) {
         lf_vec3 once = lf_scale(lf_conductor_fresnel(m, lobe.cos_oh), lobe.f);
-        *f = lf_madd(once, lf_loss(m, 0.0f, wo.z) * lf_loss(m, 0.0f, wi.z) * wi.z, m->rest);
+        *f = lf_madd(once, several(m, wo.z), lf_mul(once, m->rest));
     }
     return lobe.pdf;
 }
@@ -24,53 +31,43 @@ float lf_conductor_eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi
     return eval_local(m, lf_to_frame(t, b, ns, wo), lf_to_frame(t, b, ns, wi), f);
 }
 
-/* The lobes without Fresnel; term 0: of one reflection, term 2: of several; *cos_oh for term 0. */
-static void fan_geometry(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z, lf_fan_lobes *out)
+/* The lobes without Fresnel: of one reflection (once), how much more there is of several, and wo.h. */
+static void fan_geometry(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z,
+                         float *restrict pdf, float *restrict once, float *restrict cos_oh, float *restrict more)
 {
     const lf_material own = *m;
-    float alpha = lf_material_alpha(m), several = wi.z > LF_MIN_COS ? lf_loss(m, 0.0f, wi.z) * wi.z : 0.0f;
+    float alpha = lf_material_alpha(m);
     for (int i = 0; i < n; i++) {
         float cos_o = lf_max(z[i], LF_MIN_COS);
         lf_ggx_lobe lobe = lf_ggx_eval(alpha, lf_v3(x[i], y[i], cos_o), wi);
         bool above = z[i] > LF_MIN_COS;
-        out->pdf[i] = above ? lobe.pdf : 0.0f;
-        out->weight[0][i] = above ? lobe.f : 0.0f;
-        out->weight[1][i] = lobe.cos_oh;
-        out->weight[2][i] = above ? lf_loss(&own, 0.0f, cos_o) * several : 0.0f;
+        pdf[i] = above ? lobe.pdf : 0.0f;
+        once[i] = above ? lobe.f : 0.0f;
+        cos_oh[i] = lobe.cos_oh;
+        more[i] = several(&own, cos_o);
     }
 }
 
+/* One term a channel. */
 void lf_conductor_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z,
                            lf_fan_lobes *out)
 {
-    float *const *w = out->weight;
+    float *restrict once = out->weight[0], *restrict cos_oh = out->weight[1], *restrict more = out->weight[2];
+    const lf_material own = *m;
     if (lf_material_alpha(m) < LF_ALPHA_MIN) {
         out->n_terms = 0;
         memset(out->pdf, 0, (size_t)n * sizeof *out->pdf);
         return;
     }
-    fan_geometry(m, wi, n, x, y, z, out);
-    out->n_terms = 3;
-    if (!(m->eta.x > 0.0f)) { /* Schlick's F0 (1 - k) + k */
-        for (int i = 0; i < n; i++) {
-            float k = lf_schlick(w[1][i]);
-            w[1][i] = w[0][i] * k;
-            w[0][i] *= 1.0f - k;
-        }
-        out->colour[0] = m->albedo;
-        out->colour[1] = lf_v3(1.0f, 1.0f, 1.0f);
-        out->colour[2] = m->rest;
-        return;
-    }
-    const lf_material own = *m;
+    fan_geometry(m, wi, n, x, y, z, out->pdf, once, cos_oh, more);
     for (int i = 0; i < n; i++) {
-        lf_vec3 f = lf_v3(lf_fresnel_index(w[1][i], own.eta.x, own.k.x), lf_fresnel_index(w[1][i], own.eta.y, own.k.y),
-                          lf_fresnel_index(w[1][i], own.eta.z, own.k.z));
-        float once = w[0][i], several = w[2][i];
-        w[0][i] = once * f.x + several * own.rest.x;
-        w[1][i] = once * f.y + several * own.rest.y;
-        w[2][i] = once * f.z + several * own.rest.z;
+        lf_vec3 f = lf_conductor_fresnel(&own, cos_oh[i]);
+        float g = once[i], s = more[i];
+        once[i] = g * f.x + s * (g * f.x * own.rest.x);
+        cos_oh[i] = g * f.y + s * (g * f.y * own.rest.y);
+        more[i] = g * f.z + s * (g * f.z * own.rest.z);
     }
+    out->n_terms = 3;
     out->colour[0] = lf_v3(1.0f, 0.0f, 0.0f);
     out->colour[1] = lf_v3(0.0f, 1.0f, 0.0f);
     out->colour[2] = lf_v3(0.0f, 0.0f, 1.0f);

@@ -1,11 +1,12 @@
 /* What GGX microfacets do not reflect at once. A rough lobe (lf_ggx_eval) counts light that leaves after one reflection; the rest, loss(cos)
- * = 1 - E(cos) with E the lobe's directional albedo, meets further microfacets or enters the base, and both send it on as the lobe
+ * = 1 - E(cos) with E the lobe's directional albedo, meets further microfacets or enters the base:
  *
- *   rest  loss(cos_o) loss(cos_i) |cos_i|
+ *   metal     f = once (1 + rest loss(cos_o) / E(cos_o))         plastic   f = once + rest loss(cos_o) loss(cos_i) |cos_i|
  *
- * whose colour `rest` makes white materials give back all they get: reciprocal, and with nothing lost at any angle. For metals it is that of
- * Kulla and Conty 2017 (Revisiting physically based shading at Imageworks), with Hill's sum over the reflections (2018); for plastics the
- * base of surface_plastic.c. E is integrated once a material, and fitted by a polynomial. */
+ * with `rest` such that white materials give back all they get at any angle. Metals are Turquin's (2019, Practical multiple scattering
+ * compensation for microfacet models): the lobe keeps its shape, which its own directions sample well (the even lobe of Kulla and
+ * Conty 2017, of smooth metals next to nothing and far from their peak, does not), but is not reciprocal; the colour is Hill's
+ * sum over the reflections (2018). Plastics: surface_plastic.c. E is integrated once a material, and fitted by a polynomial. */
 #include <string.h>
 
 #include "render/surface_lobes.h"
@@ -98,6 +99,7 @@ static void fit_loss(lf_material *m, double eta)
     for (int k = 0; k < LF_LOSS_TERMS; k++) {
         double t = 0.5 + 0.5 * cos((double)LF_PI * (k + 0.5) / LF_LOSS_TERMS), cosine = a * t * t / (1.0 + a - t * t);
         y[k] = 1.0 - albedo_along(alpha, eta, cosine) - (double)lf_coat_transmittance(m, (float)cosine);
+        y[k] *= (cosine + a) / a;
     }
     fit(y, m->loss);
 }
@@ -117,11 +119,11 @@ static void averages(const lf_material *m, double *out_loss, double fresnel[3])
     }
 }
 
-/* Light that was not reflected at once is reflected by f on the average, and at each further reflection the share `loss` stays
- * behind: f^2 (1 - loss) / (1 - f loss). */
+/* Light that was not reflected at once is by f on the average, and at each further reflection the share `loss` stays behind: f^2 (1 - loss) /
+ * (1 - f loss) in all; the lobe that it brightens holds one f. */
 static float metal_rest(double f, double loss)
 {
-    return loss > 0.0 ? (float)(f * f * (1.0 - loss) / (1.0 - f * loss) / ((double)LF_PI * loss)) : 0.0f;
+    return (float)(f * (1.0 - loss) / (1.0 - f * loss));
 }
 
 /* surface_plastic.c: the series over reflections between base and coat. */

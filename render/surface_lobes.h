@@ -116,16 +116,18 @@ static inline float lf_coat_transmittance(const lf_material *m, float cos_theta)
 }
 
 /* 1 - E(cos), E the directional albedo of the material's rough lobe, Fresnel included (metals: without): smooth, which is what
- * lf_coat_transmittance says, and a polynomial in x = 2 sqrt((1 + a) cos / (cos + a)) - 1, a = LF_LOSS_SCALE alpha, which follows what happens at
- * cosines of the order of alpha. Within 3e-3 of quadrature for alpha in [1e-3, 1] and all cosines. */
+ * lf_coat_transmittance says, and a / (cos + a) times a polynomial in x = 2 sqrt((1 + a) cos / (cos + a)) - 1, a = LF_LOSS_SCALE alpha, which
+ * follows what happens at cosines of the order of alpha. Within 3e-3 of quadrature for alpha in [1e-3, 1] and all cosines. */
 #define LF_LOSS_SCALE 2.0f
 static inline float lf_loss(const lf_material *m, float smooth, float cos_theta)
 {
-    float a = LF_LOSS_SCALE * lf_material_alpha(m), x = 2.0f * sqrtf((1.0f + a) * cos_theta / (cos_theta + a)) - 1.0f;
-    float p = m->loss[LF_LOSS_TERMS - 1];
-    for (int i = LF_LOSS_TERMS - 2; i >= 0; i--)
-        p = p * x + m->loss[i];
-    return lf_min(lf_max(smooth + p, 0.0f), 1.0f);
+    float a = LF_LOSS_SCALE * lf_material_alpha(m), inverse = 1.0f / (cos_theta + a);
+    float x = 2.0f * sqrtf((1.0f + a) * cos_theta * inverse) - 1.0f;
+    /* Written out: with a loop in it GCC does not vectorise the caller's. */
+    const float *c = m->loss;
+    float p = (((c[8] * x + c[7]) * x + c[6]) * x + c[5]) * x + c[4];
+    p = (((p * x + c[3]) * x + c[2]) * x + c[1]) * x + c[0];
+    return lf_min(lf_max(smooth + a * inverse * p, 0.0f), 1.0f);
 }
 
 #endif

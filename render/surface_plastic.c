@@ -65,30 +65,38 @@ float lf_plastic_eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, 
     return eval_local(m, &p, lf_to_frame(t, b, ns, wo), lf_to_frame(t, b, ns, wi), f);
 }
 
+/* A rough coat over all directions of a fan; entering is what a smooth one lets through, and then what this one does. */
+static void fan_coat(const lf_material *m, lf_vec3 wi, float cosine, int n, const float *x, const float *y, const float *z,
+                     float *restrict pdf, float *restrict entering, float *restrict reflected)
+{
+    const lf_material own = *m;
+    float alpha = lf_material_alpha(m), mean = lf_mean3(m->albedo);
+    for (int k = 0; k < n; k++) {
+        float cos_o = lf_max(z[k], LF_MIN_COS), loss = lf_loss(&own, entering[k], cos_o), select = select_of(loss, mean);
+        lf_ggx_lobe coat = lf_ggx_eval(alpha, lf_v3(x[k], y[k], cos_o), wi);
+        bool above = z[k] > LF_MIN_COS;
+        pdf[k] = above ? (1.0f - select) * cosine + select * coat.pdf : 0.0f;
+        entering[k] = above ? loss : 0.0f;
+        reflected[k] = above ? coat.f * lf_fresnel_dielectric(lf_max(coat.cos_oh, 0.0f), own.ior) : 0.0f;
+    }
+}
+
 /* plastic_init and eval_local for all directions of a fan. */
 void lf_plastic_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z, lf_fan_lobes *out)
 {
-    const lf_material own = *m;
-    float alpha = lf_material_alpha(m), mean = lf_mean3(m->albedo), cosine = wi.z > LF_MIN_COS ? wi.z * LF_INV_PI : 0.0f;
-    bool rough = alpha >= LF_ALPHA_MIN;
+    float *restrict pdf = out->pdf, *restrict entering = out->weight[0], ior = m->ior;
+    float cosine = wi.z > LF_MIN_COS ? wi.z * LF_INV_PI : 0.0f;
+    bool rough = lf_material_alpha(m) >= LF_ALPHA_MIN;
     out->n_terms = rough ? 2 : 1;
     out->colour[0] = cosine > 0.0f ? base_colour(m, wi.z) : lf_v3(0.0f, 0.0f, 0.0f);
     out->colour[1] = lf_v3(1.0f, 1.0f, 1.0f);
     for (int k = 0; k < n; k++) {
         float above = z[k] > LF_MIN_COS ? 1.0f : 0.0f;
-        out->weight[0][k] = above * (1.0f - lf_fresnel_dielectric(lf_min(lf_max(z[k], LF_MIN_COS), 1.0f), own.ior));
-        out->pdf[k] = above * cosine;
+        entering[k] = above * (1.0f - lf_fresnel_dielectric(lf_min(lf_max(z[k], LF_MIN_COS), 1.0f), ior));
+        pdf[k] = above * cosine;
     }
-    if (!rough)
-        return;
-    for (int k = 0; k < n; k++) {
-        float cos_o = lf_max(z[k], LF_MIN_COS), loss = lf_loss(&own, out->weight[0][k], cos_o), select = select_of(loss, mean);
-        lf_ggx_lobe coat = lf_ggx_eval(alpha, lf_v3(x[k], y[k], cos_o), wi);
-        bool above = z[k] > LF_MIN_COS;
-        out->pdf[k] = above ? (1.0f - select) * cosine + select * coat.pdf : 0.0f;
-        out->weight[0][k] = above ? loss : 0.0f;
-        out->weight[1][k] = above ? coat.f * lf_fresnel_dielectric(lf_max(coat.cos_oh, 0.0f), own.ior) : 0.0f;
-    }
+    if (rough)
+        fan_coat(m, wi, cosine, n, x, y, z, pdf, entering, out->weight[1]);
 }
 
 float lf_plastic_sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f)
