@@ -4,13 +4,16 @@
 #include "render/integrator.h"
 
 /* One ray's known light and pivot probability; material: of the surface it meets, NULL: none; depth: optical, along the whole ray or to
- * the surface. */
-static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_material *material, float depth, const lf_vec3 *sky)
+ * the surface; exp(-depth) times correction is what comes through. */
+static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_material *material, float depth, float correction,
+                        const lf_vec3 *sky)
 {
     const lf_worker *worker = visit->worker;
     float q_medium = depth > 0.0f ? -expm1f(-depth) : 0.0f, *q = &visit->sums.half.q[pixel], pdf;
     /* A sun or lamp behind 20 mean free paths and more: 1 - q would have no digits left. */
     float transmittance = depth < 0.5f ? 1.0f - q_medium : expf(-depth);
+    q_medium += transmittance * (1.0f - correction);
+    transmittance *= correction;
     lf_vec3 light;
     *q = material && lf_material_has_lobe(material) ? 1.0f : q_medium;
     if (worker->mirrors)
@@ -102,6 +105,17 @@ static void widen(bool *mirrors, int n_views, int width)
     }
 }
 
+/* Correction weights of the fan's rays [from, to). Where media are thin 1 - T is what is wanted: a look-up for every fourth ray, at least. */
+static void correct(const lf_visit *visit, int from, int to)
+{
+    lf_worker *w = visit->worker;
+    lf_rays rays = {visit->scene, visit->rig,   &visit->plane,   visit->kernels,
+                    to - from,    w->x0 + from, w->slope + from, w->z_end + from};
+    for (int k = from; k < to; k++)
+        w->factor[k] = 1.0f;
+    lf_correction_transmittance(&w->media, &rays, LF_CORRECTION_EXIT, 0.5f, &w->tracer, w->factor + from);
+}
+
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
 {
     const lf_rig *rig = visit->rig;
@@ -110,6 +124,8 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
     float light[3];
     bool constant = !(plan->kept & LF_SKIP_KNOWN_LIGHT) && lf_exits_constant(plan->scene, light);
     lf_vec3 sky = constant ? lf_v3(light[0], light[1], light[2]) : lf_v3(0.0f, 0.0f, 0.0f);
+    bool corrected = lf_correction_needed(&w->media) && !(visit->faults & LF_FAULT_NO_CORRECTION);
+    w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
     for (int k = 0; k < LF_MAX_LANES; k++)
         material[k] = -1; /* and so it stays without meshes */
     for (int column = 0; column < rig->width; column++) {
@@ -126,11 +142,14 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
         if (w->media.n_here > 0 && from < to)
             lf_media_depths(&w->media, plan->kernels, to - from, w->x0 + from, w->slope + from, w->z_end + from, w->tau + from, -1,
                             NULL);
+        if (corrected && from < to)
+            correct(visit, from, to);
         for (int k = 0; k < rig->n_views; k++) {
             float length = sqrtf(1.0f + w->slope[k] * w->slope[k] + visit->plane.my * visit->plane.my);
             bool met = k >= from && k < to && material[k] >= 0;
             write_known(visit, (size_t)k * (size_t)rig->width + (size_t)column, k,
-                        met ? &plan->scene->materials[material[k]] : NULL, w->tau[k] * length, constant ? &sky : NULL);
+                        met ? &plan->scene->materials[material[k]] : NULL, w->tau[k] * length,
+                        corrected && k >= from && k < to ? w->factor[k] : 1.0f, constant ? &sky : NULL);
         }
     }
     if (w->mirrors)

@@ -4,6 +4,7 @@
 #define LF_RENDER_INTEGRATOR_H
 
 #include "render/adaptive.h"
+#include "render/correction.h"
 #include "render/film.h"
 #include "render/media.h"
 #include "render/path.h"
@@ -39,7 +40,8 @@ typedef struct lf_worker {
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES], sigma[LF_MAX_LANES];
     float scale[LF_MAX_LANES], density[LF_MAX_LANES], lobe[LF_MAX_LANES];
     float count[LF_MAX_LANES];    /* expected counts of the lanes' pixels, as in lf_visit.expected */
-    float strategy[LF_MAX_LANES]; /* count times density */
+    float strategy[LF_MAX_LANES]; /* count times density: what the pivot is drawn with */
+    float factor[LF_MAX_LANES];   /* correction weights (correction.h) */
     int column[LF_MAX_LANES];
     float local[3][LF_MAX_LANES];           /* directions to the views in the frame of a surface's shading normal (z) */
     float term[LF_FAN_TERMS][LF_MAX_LANES]; /* of a surface's lobes: lf_fan_lobes.weight */
@@ -100,20 +102,24 @@ void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf
  * lobe and light sampling). What vpt uses, and mvpt where the lobe does not depend on the view. */
 lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, lf_vec3 wo);
 
+/* R of the base's own ray up to the pivot (correction.h): what a sample weighs that only its own pixel receives. */
+float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot);
+
 /* True when the pixel (view, column) has a base sample in this visit: each with probability subsets / n_views, each column as often
  * as any other, all of them after a whole cycle. */
 bool lf_lattice_has(const lf_visit *visit, int view, int column);
 
 /* Deliberate mistakes that tests switch on to show that they are caught; 0 in every program. */
 typedef enum lf_fault {
-    LF_FAULT_NO_H = 1,          /* h_k left out of D_k: a missing r_j/r_i */
-    LF_FAULT_NO_VISIBILITY = 2, /* one view's visibility forgotten */
-    LF_FAULT_REALISED = 4,      /* realised instead of expected counts in the weights */
-    LF_FAULT_SWAPPED_VIEWS = 8, /* contributions land in mirrored views */
-    LF_FAULT_NO_LIGHT_PDF = 16, /* the p_L term left out of the direction's weights */
-    LF_FAULT_OTHER_ROW = 32,    /* B and q taken with another row offset than the base samples */
-    LF_FAULT_NO_COUNTS = 64,    /* c_k of an adaptive pass left out of the sums */
-    LF_FAULT_HORIZON = 128,     /* directions drawn below a surface's horizon do not count in W' */
+    LF_FAULT_NO_H = 1,            /* h_k left out of D_k: a missing r_j/r_i */
+    LF_FAULT_NO_VISIBILITY = 2,   /* one view's visibility forgotten */
+    LF_FAULT_REALISED = 4,        /* realised instead of expected counts in the weights */
+    LF_FAULT_SWAPPED_VIEWS = 8,   /* contributions land in mirrored views */
+    LF_FAULT_NO_LIGHT_PDF = 16,   /* the p_L term left out of the direction's weights */
+    LF_FAULT_OTHER_ROW = 32,      /* B and q taken with another row offset than the base samples */
+    LF_FAULT_NO_COUNTS = 64,      /* c_k of an adaptive pass left out of the sums */
+    LF_FAULT_HORIZON = 128,       /* directions drawn below a surface's horizon do not count in W' */
+    LF_FAULT_NO_CORRECTION = 512, /* what is drawn from slices counts as if they were the grid */
 } lf_fault;
 
 /* Everything that one visit of a row does. */

@@ -5,7 +5,17 @@
 #define LF_RENDER_KERNEL_H
 
 #include "render/body.h"
+#include "render/look_up.h"
 #include "render/slice.h"
+
+/* Points of a slice's rays that are held against the grid (correction.h). */
+typedef struct lf_probe {
+    const lf_slice *slice;
+    const lf_volume *volume;
+    lf_line line;  /* of the row's plane, at this depth */
+    float z, my2;  /* the depth; 1 + my^2 */
+    float inverse; /* 1 / density of the points, per unit of Z */
+} lf_probe;
 
 typedef struct lf_kernels {
     const char *name;
@@ -18,6 +28,13 @@ typedef struct lf_kernels {
 
     /* The same for a homogeneous shape. */
     void (*through)(const lf_body *body, int n, const float *x0, const float *slope, const float *z_end, float *tau);
+
+    /* sigma_t of a grid, interpolated whatever it asks for, at n points of a line, n a multiple of LF_LANES. */
+    void (*sample)(const lf_volume *volume, const lf_line *line, int n, const float *x, float *sigma);
+
+    /* factor[n] *= 1 - (sigma - sigma~) length / density of points, for rays as march has them that reach so deep: sigma of the grid where
+     * the ray is at the probe's depth, sigma~ what the slice has there. */
+    void (*compare)(const lf_probe *probe, int n, const float *x0, const float *slope, const float *z_end, float *factor);
 
     /* Prefix densities D_k = scale_k exp(-(tau_k - tau_min)), tau_min over lanes with scale_k > 0; all 0 when there is none.
      * Returns their sum, added in the fixed order lane 0..7 of running sums of 8. d may alias scale. */

@@ -100,6 +100,84 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
         march8(slice, x0 + k, slope + k, z_end + k, tau + k, sigma ? sigma + k : NULL);
 }
 
+/* lf_grid_value times sigma_scale for 8 points of a line. */
+static inline __m256 sample8(const lf_volume *volume, const lf_line *line, __m256 x)
+{
+    const lf_grid *grid = volume->grid;
+    const __m256i seven = _mm256_set1_epi32(LF_BRICK - 1);
+    __m256 t[3], here = _mm256_castsi256_ps(_mm256_set1_epi32(-1));
+    __m256i brick = _mm256_setzero_si256(), cell = brick;
+    for (int i = 2; i >= 0; i--) {
+        __m256 p = _mm256_add_ps(_mm256_set1_ps(line->origin[i]), _mm256_mul_ps(x, _mm256_set1_ps(line->across[i])));
+        here = _mm256_and_ps(here, _mm256_cmp_ps(p, _mm256_set1_ps(-1.0f), _CMP_GT_OQ));
+        here = _mm256_and_ps(here, _mm256_cmp_ps(p, _mm256_set1_ps((float)grid->size[i]), _CMP_LT_OQ));
+        __m256i below = _mm256_castps_si256(_mm256_cmp_ps(p, _mm256_setzero_ps(), _CMP_LT_OQ)); /* -1 there */
+        __m256i c = _mm256_add_epi32(_mm256_cvttps_epi32(p), below);
+        t[i] = _mm256_sub_ps(p, _mm256_cvtepi32_ps(c));
+        c = _mm256_add_epi32(c, _mm256_set1_epi32(1));
+        brick = _mm256_add_epi32(_mm256_mullo_epi32(brick, _mm256_set1_epi32(grid->bricks[i])), _mm256_srli_epi32(c, 3));
+        cell = _mm256_add_epi32(_mm256_mullo_epi32(cell, _mm256_set1_epi32(LF_BRICK_VALUES)), _mm256_and_si256(c, seven));
+    }
+    __m256i mask = _mm256_castps_si256(here);
+    __m256i number = _mm256_i32gather_epi32((const int *)grid->index, _mm256_and_si256(brick, mask), 4);
+    __m256i from = _mm256_add_epi32(_mm256_mullo_epi32(number, _mm256_set1_epi32(LF_BRICK_STRIDE)), cell);
+    from = _mm256_and_si256(from, mask);
+    __m256 v[4];
+    for (int i = 0; i < 4; i++) {
+        const float *values = grid->values + (i & 1) * LF_BRICK_VALUES + (i >> 1) * LF_BRICK_VALUES * LF_BRICK_VALUES;
+        __m256 a = _mm256_i32gather_ps(values, from, 4), b = _mm256_i32gather_ps(values + 1, from, 4);
+        v[i] = _mm256_add_ps(a, _mm256_mul_ps(t[0], _mm256_sub_ps(b, a)));
+    }
+    __m256 a = _mm256_add_ps(v[0], _mm256_mul_ps(t[1], _mm256_sub_ps(v[1], v[0])));
+    __m256 b = _mm256_add_ps(v[2], _mm256_mul_ps(t[1], _mm256_sub_ps(v[3], v[2])));
+    __m256 value = _mm256_add_ps(a, _mm256_mul_ps(t[2], _mm256_sub_ps(b, a)));
+    return _mm256_mul_ps(_mm256_set1_ps(volume->sigma_scale), _mm256_and_ps(value, here));
+}
+
+static void sample(const lf_volume *volume, const lf_line *line, int n, const float *x, float *sigma)
+{
+    for (int k = 0; k < n; k += LF_LANES)
+        _mm256_storeu_ps(sigma + k, sample8(volume, line, _mm256_loadu_ps(x + k)));
+}
+
+static inline void compare8(const lf_probe *probe, const float *x0, const float *slope, const float *z_end, float *factor)
+{
+    const lf_slice *slice = probe->slice;
+    const __m256 x = _mm256_loadu_ps(x0), s = _mm256_loadu_ps(slope), one = _mm256_set1_ps(1.0f);
+    const __m256 depth = _mm256_set1_ps(probe->z);
+    __m256 density = _mm256_setzero_ps();
+    float t;
+    int plane = lf_slice_plane(slice, probe->z, &t);
+    for (int i = 0; i < 2; i++) {
+        if (plane + i < 0 || plane + i >= slice->nz)
+            continue;
+        float z = slice->z0 + (float)(plane + i) * slice->dz;
+        const float *row = slice->sigma + (size_t)(plane + i) * (size_t)slice->stride;
+        __m256 v = at(slice, row, _mm256_add_ps(x, _mm256_mul_ps(s, _mm256_set1_ps(z))));
+        density = _mm256_add_ps(density, _mm256_mul_ps(_mm256_set1_ps(i ? t : 1.0f - t), v));
+    }
+    __m256 at_z = _mm256_add_ps(x, _mm256_mul_ps(s, depth)), truth;
+    if (probe->volume->nearest) {
+        float points[LF_LANES], voxels[LF_LANES];
+        _mm256_storeu_ps(points, at_z);
+        lf_line_sample(probe->volume, true, &probe->line, LF_LANES, points, voxels);
+        truth = _mm256_loadu_ps(voxels);
+    } else {
+        truth = sample8(probe->volume, &probe->line, at_z);
+    }
+    __m256 length = _mm256_sqrt_ps(_mm256_add_ps(_mm256_set1_ps(probe->my2), _mm256_mul_ps(s, s)));
+    __m256 off = _mm256_mul_ps(_mm256_mul_ps(_mm256_sub_ps(truth, density), length), _mm256_set1_ps(probe->inverse));
+    __m256 reached = _mm256_cmp_ps(depth, _mm256_loadu_ps(z_end), _CMP_LT_OQ);
+    __m256 ratio = _mm256_blendv_ps(one, _mm256_sub_ps(one, off), reached);
+    _mm256_storeu_ps(factor, _mm256_mul_ps(_mm256_loadu_ps(factor), ratio));
+}
+
+static void compare(const lf_probe *probe, int n, const float *x0, const float *slope, const float *z_end, float *factor)
+{
+    for (int k = 0; k < n; k += LF_LANES)
+        compare8(probe, x0 + k, slope + k, z_end + k, factor + k);
+}
+
 static void through(const lf_body *body, int n, const float *x0, const float *slope, const float *z_end, float *tau)
 {
     lf_body_depths(body, n, x0, slope, z_end, tau);
@@ -154,7 +232,8 @@ static float densities(int n, const float *scale, const float *tau, float *d)
     return total;
 }
 
-const lf_kernels lf_kernels_avx2 = {.name = "avx2", .march = march, .through = through, .densities = densities};
+const lf_kernels lf_kernels_avx2 = {
+    .name = "avx2", .march = march, .through = through, .sample = sample, .compare = compare, .densities = densities};
 
 #else
 typedef int lf_kernels_avx2_not_here;

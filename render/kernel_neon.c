@@ -79,6 +79,39 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
         march4(slice, x0 + k, slope + k, z_end + k, tau + k, sigma ? sigma + k : NULL);
 }
 
+/* Look-ups wait for memory: no vectors. */
+static void sample(const lf_volume *volume, const lf_line *line, int n, const float *x, float *sigma)
+{
+    lf_line_sample(volume, false, line, n, x, sigma);
+}
+
+static void compare4(const lf_probe *probe, const float *x0, const float *slope, const float *z_end, float *factor)
+{
+    const lf_slice *slice = probe->slice;
+    float32x4_t x = vld1q_f32(x0), s = vld1q_f32(slope), density = vdupq_n_f32(0.0f), one = vdupq_n_f32(1.0f);
+    float t, at_z[GROUP], truth[GROUP];
+    int plane = lf_slice_plane(slice, probe->z, &t);
+    for (int i = 0; i < 2; i++) {
+        if (plane + i < 0 || plane + i >= slice->nz)
+            continue;
+        float z = slice->z0 + (float)(plane + i) * slice->dz;
+        const float *row = slice->sigma + (size_t)(plane + i) * (size_t)slice->stride;
+        density = vaddq_f32(density, vmulq_n_f32(at(slice, row, vaddq_f32(x, vmulq_n_f32(s, z))), i ? t : 1.0f - t));
+    }
+    vst1q_f32(at_z, vaddq_f32(x, vmulq_n_f32(s, probe->z)));
+    lf_line_sample(probe->volume, probe->volume->nearest, &probe->line, GROUP, at_z, truth);
+    float32x4_t length = vsqrtq_f32(vaddq_f32(vdupq_n_f32(probe->my2), vmulq_f32(s, s)));
+    float32x4_t off = vmulq_n_f32(vmulq_f32(vsubq_f32(vld1q_f32(truth), density), length), probe->inverse);
+    uint32x4_t reached = vcltq_f32(vdupq_n_f32(probe->z), vld1q_f32(z_end));
+    vst1q_f32(factor, vmulq_f32(vld1q_f32(factor), vbslq_f32(reached, vsubq_f32(one, off), one)));
+}
+
+static void compare(const lf_probe *probe, int n, const float *x0, const float *slope, const float *z_end, float *factor)
+{
+    for (int k = 0; k < n; k += GROUP)
+        compare4(probe, x0 + k, slope + k, z_end + k, factor + k);
+}
+
 static void through(const lf_body *body, int n, const float *x0, const float *slope, const float *z_end, float *tau)
 {
     lf_body_depths(body, n, x0, slope, z_end, tau);
@@ -140,7 +173,8 @@ static float densities(int n, const float *scale, const float *tau, float *d)
     return total;
 }
 
-const lf_kernels lf_kernels_neon = {.name = "neon", .march = march, .through = through, .densities = densities};
+const lf_kernels lf_kernels_neon = {
+    .name = "neon", .march = march, .through = through, .sample = sample, .compare = compare, .densities = densities};
 
 #else
 typedef int lf_kernels_neon_not_here;

@@ -37,7 +37,7 @@ void lf_media_finish(lf_media *media)
 }
 
 void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_scene *scene, const lf_rig *rig, const lf_row_plane *plane,
-                  float phase, int64_t *lookups)
+                  const float phase[2], const lf_kernels *kernels, int64_t *lookups)
 {
     media->n_here = 0;
     for (int i = 0; i < media->n; i++) {
@@ -45,7 +45,7 @@ void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_scene *
         const lf_volume *volume = &scene->volumes[m->volume];
         bool here;
         if (m->grid) {
-            *lookups += lf_slice_fill(&m->slice, &frame->item[i].slice, volume, rig, plane, phase);
+            *lookups += lf_slice_fill(&m->slice, &frame->item[i].slice, volume, rig, plane, phase, kernels);
             here = m->slice.first <= m->slice.last;
         } else {
             here = lf_body_cut(&m->body, volume, rig, plane);

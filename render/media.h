@@ -50,9 +50,9 @@ void lf_media_frame_init(lf_media_frame *frame, const lf_scene *scene, const lf_
 LF_NODISCARD lf_status lf_media_init(lf_media *media, const lf_media_frame *frame);
 void lf_media_finish(lf_media *media);
 
-/* Cuts the volumes with the row's plane; phase in [0,1) moves the slices' planes. Adds the look-ups made to *lookups. */
+/* Cuts the volumes with the row's plane; phase[2] in [0,1) moves the slices' samples and planes. Adds the look-ups made to *lookups. */
 void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_scene *scene, const lf_rig *rig, const lf_row_plane *plane,
-                  float phase, int64_t *lookups);
+                  const float phase[2], const lf_kernels *kernels, int64_t *lookups);
 
 /* The first collision of a base ray, u in [0,1) (further numbers from the tracer). forced: with certainty where there is anything to
  * collide with. */

@@ -1,5 +1,7 @@
 /* mvpt: every pivot serves all views that see it. Prefix densities D_k and the full balance over (pivot, direction) of
  * docs/estimators.md, sections "Prefix weights" and "Direction". */
+#include <string.h>
+
 #include "render/integrator.h"
 
 static int lanes_of(const lf_rig *rig)
@@ -65,7 +67,7 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
     lf_media_depths(&w->media, visit->kernels, lanes, w->x0, w->slope, w->z_end, w->tau, surface ? -1 : pivot->medium, w->sigma);
     /* At the very edge of what is occupied rounding may find nothing; the base has collided where there is something. */
     if (!surface && !(w->sigma[base] > 0.0f))
-        w->sigma[base] = 1e-6f;
+        w->sigma[base] = lf_max(lf_volume_sigma_t(&visit->scene->volumes[pivot->event.volume], pivot->event.p), 1e-6f);
     float my2 = 1.0f + visit->plane.my * visit->plane.my;
     for (int k = 0; k < lanes; k++) {
         w->tau[k] *= sqrtf(my2 + w->slope[k] * w->slope[k]);
@@ -90,16 +92,42 @@ static void counts(const lf_visit *visit, int base, int column)
     }
 }
 
-/* The densities of all strategies, c_k D_k; returns their sum. */
-static float strategies(const lf_visit *visit)
+/* The densities of all strategies, c_k D_k, whose sum is `sum` where all c_k are 1; returns it. */
+static float strategies(const lf_visit *visit, float sum)
 {
     lf_worker *w = visit->worker;
-    float sum = 0.0f;
+    memcpy(w->strategy, w->density, sizeof w->strategy);
+    if (!visit->expected)
+        return sum;
+    sum = 0.0f;
     for (int k = 0; k < visit->rig->n_views; k++) {
         w->strategy[k] = visit->faults & LF_FAULT_NO_COUNTS ? w->density[k] : w->count[k] * w->density[k];
         sum += w->strategy[k];
     }
     return sum;
+}
+
+/* What is drawn from slices counts for the grids: D_k becomes D_k R_k in what the views receive, and stays as it is in the sum over
+ * strategies. false = nothing is there. */
+static bool correct(const lf_visit *visit, const lf_pivot *pivot)
+{
+    lf_worker *w = visit->worker;
+    int n = lanes_of(visit->rig);
+    if (!lf_correction_needed(&w->media) || visit->faults & LF_FAULT_NO_CORRECTION)
+        return true;
+    bool medium = pivot->event.kind == LF_EVENT_MEDIUM && w->media.item[pivot->medium].grid;
+    float truth = 1.0f;
+    if (medium)
+        truth = lf_correction_density(&w->media, pivot->medium, visit->scene, pivot->event.p, 1.0f, &w->tracer);
+    if (!(truth > 0.0f))
+        return false;
+    for (int k = 0; k < n; k++)
+        w->factor[k] = medium && w->density[k] > 0.0f ? truth / w->sigma[k] : 1.0f;
+    lf_rays rays = {visit->scene, visit->rig, &visit->plane, visit->kernels, n, w->x0, w->slope, w->z_end};
+    lf_correction_transmittance(&w->media, &rays, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, w->factor);
+    for (int k = 0; k < n; k++)
+        w->density[k] *= w->factor[k];
+    return true;
 }
 
 /* LF_FAULT_REALISED: the sum over the views that happen to have a base sample here, instead of over expected counts. */
@@ -134,7 +162,7 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suff
     for (int k = 0; k < visit->rig->n_views; k++) {
         size_t pixel;
         float weight = w->density[k] * scale;
-        if (!(weight > 0.0f))
+        if (weight == 0.0f)
             continue;
         lf_film_scattered *out = target(visit, k, &pixel);
         out->n[0] += weight * y.x;
@@ -182,7 +210,6 @@ static void look_back(lf_visit *visit, const lf_hit *hit)
 static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lobes *out)
 {
     lf_worker *w = visit->worker;
-    const float *strategy = visit->expected ? w->strategy : w->density;
     float sum = 0.0f;
     *out = (lf_fan_lobes){.pdf = w->lobe, .weight = {w->term[0], w->term[1], w->term[2]}};
     if (pivot->event.kind == LF_EVENT_MEDIUM) {
@@ -198,7 +225,7 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lo
                                                   w->local[1], w->local[2], out);
     }
     for (int k = 0; k < visit->rig->n_views; k++)
-        sum += strategy[k] * w->lobe[k];
+        sum += w->strategy[k] * w->lobe[k];
     return sum;
 }
 
@@ -219,7 +246,7 @@ static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
         size_t pixel;
         float d = w->density[k];
         lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f);
-        if (!(d > 0.0f))
+        if (d == 0.0f)
             continue;
         lf_film_scattered *out = target(visit, k, &pixel);
         for (int t = 0; t < f->n_terms; t++)
@@ -237,7 +264,7 @@ static void add_weights(lf_visit *visit, float scale)
     for (int k = 0; k < visit->rig->n_views; k++) {
         size_t pixel;
         float weight = w->density[k] * scale;
-        if (!(weight > 0.0f))
+        if (weight == 0.0f)
             continue;
         target(visit, k, &pixel)->w += weight;
         w->contributions++;
@@ -253,7 +280,7 @@ static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, 
     float drawn = over > 0.0f ? pivot->boost / over : 0.0f, blind = pivot->boost / sum;
     for (int k = 0; k < visit->rig->n_views; k++) {
         size_t pixel;
-        if (!(w->density[k] > 0.0f))
+        if (w->density[k] == 0.0f)
             continue;
         target(visit, k, &pixel);
         bool below = surface && !(w->local[2][k] > 0.0f);
@@ -303,10 +330,11 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
     if (visit->triangles)
         visibility(visit, pivot, view);
     float sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
-    if (visit->expected)
-        sum = strategies(visit);
+    sum = strategies(visit, sum);
     if (visit->faults & LF_FAULT_REALISED)
         sum = realised_sum(visit, view);
+    if (!correct(visit, pivot))
+        return;
     lf_suffix suffix;
     lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
     lf_suffix_draw(visit, pivot, wo, &suffix);

@@ -17,6 +17,7 @@
 
 #define LF_BRICK 8        /* cells along a side of a brick */
 #define LF_BRICK_VALUES 9 /* values along a side: the cells' corners, so that one brick answers a trilinear look-up */
+#define LF_BRICK_REACH 2  /* voxels */
 #define LF_BRICK_STRIDE (LF_BRICK_VALUES * LF_BRICK_VALUES * LF_BRICK_VALUES)
 
 /* Values of one grid, shared between scenes. Voxel centre (i, j, k), i in [0, size), carries a value; a cell (i, j, k)
@@ -30,6 +31,7 @@ typedef struct lf_grid {
     uint32_t *index;   /* [bz][by][bx] number of the brick; 0 = empty */
     float *values;     /* [n_bricks + 1][9 z][9 y][9 x]; brick 0 is all zero; values are finite and >= 0 */
     float *brick_max;  /* [bz][by][bx] largest value a look-up inside the brick can return, the filter's footprint included */
+    float *brick_near; /* [bz][by][bx] largest voxel within LF_BRICK_REACH of the brick; 0: nothing is near */
     float max_value;
     double local_to_file[3][4]; /* voxel index of this box -> the file's own world space (before the scene's transform) */
     char *key;                  /* file, grid, modification time: what sharing compares */
@@ -53,7 +55,8 @@ typedef struct lf_volume {
     /* Scene-local point -> volume space (voxel index for grids: voxel centres at integers) and back; rows of a 3x4 affine. */
     float to_volume[3][4], to_scene[3][4];
     lf_vec3 bounds_min, bounds_max; /* scene-local box outside of which sigma_t = 0 (filter footprint included) */
-    float slice_cell;               /* grids: what slices resolve, scene units (scene_commit.c) */
+    float voxel;                    /* grids: the shortest edge of a voxel, scene units … */
+    float slice_cell;               /* … and what slices resolve of it (scene_commit.c) */
 } lf_volume;
 
 /* sigma_t at a scene-local point, filter applied, 0 outside. */

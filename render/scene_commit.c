@@ -162,13 +162,19 @@ static void extend_by_volume(const lf_volume *volume, const lf_affine *map, doub
     }
 }
 
-/* What slices resolve of a grid: the shortest edge of a voxel, down to a quarter of it where that is optically thick. (Between planes
- * the density is linear along the ray, so that a voxel's own gradient is kept; what is rounded off are its kinks.) */
-static float slice_cell(const lf_volume *volume, const lf_affine *map)
+static double shortest_edge(const lf_affine *map)
 {
     double edge = INFINITY;
     for (int j = 0; j < 3; j++)
         edge = fmin(edge, sqrt(map->m[0][j] * map->m[0][j] + map->m[1][j] * map->m[1][j] + map->m[2][j] * map->m[2][j]));
+    return edge;
+}
+
+/* What slices resolve of a grid: the shortest edge of a voxel, down to a quarter of it where that is optically thick. (Between planes
+ * the density is linear along the ray, so that a voxel's own gradient is kept; what is rounded off are its kinks.) */
+static float slice_cell(const lf_volume *volume)
+{
+    double edge = (double)volume->voxel;
     return (float)fmax(edge / 4.0, fmin(edge, 2.0 / fmax((double)volume->sigma_max, 1e-30)));
 }
 
@@ -200,7 +206,10 @@ static void place_volume(const commit *c, lf_volume *volume, const lf_volume_des
     }
     volume->bounds_min = to_vec3(bounds[0]);
     volume->bounds_max = to_vec3(bounds[1]);
-    volume->slice_cell = volume->kind == LF_VOLUME_GRID ? slice_cell(volume, &map) : 0.0f;
+    if (volume->kind == LF_VOLUME_GRID) {
+        volume->voxel = (float)shortest_edge(&map);
+        volume->slice_cell = slice_cell(volume);
+    }
 }
 
 /* --------------------------------------------------------------------------------------------------------- meshes -- */

@@ -93,6 +93,31 @@ lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const l
     return radiance;
 }
 
+float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot)
+{
+    lf_worker *w = visit->worker;
+    if (!lf_correction_needed(&w->media) || visit->faults & LF_FAULT_NO_CORRECTION)
+        return 1.0f;
+    float x0 = visit->rig->b[view] + pivot->lx, slope = (pivot->x - x0) / pivot->z, factor = 1.0f;
+    float lanes[4][LF_LANES];
+    if (pivot->event.kind == LF_EVENT_MEDIUM && w->media.item[pivot->medium].grid) {
+        float sampled = lf_slice_density(&w->media.item[pivot->medium].slice, x0, slope, pivot->z);
+        float density = lf_correction_density(&w->media, pivot->medium, visit->scene, pivot->event.p, sampled, &w->tracer);
+        factor = sampled > 0.0f ? density / sampled : 1.0f;
+    }
+    if (!(factor > 0.0f))
+        return 0.0f;
+    for (int k = 0; k < LF_LANES; k++) {
+        lanes[0][k] = x0;
+        lanes[1][k] = slope;
+        lanes[2][k] = pivot->z;
+        lanes[3][k] = factor;
+    }
+    lf_rays ray = {visit->scene, visit->rig, &visit->plane, visit->kernels, LF_LANES, lanes[0], lanes[1], lanes[2]};
+    lf_correction_transmittance(&w->media, &ray, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, lanes[3]);
+    return lanes[3][0];
+}
+
 /* ------------------------------------------------------------------------------------------------------ base samples -- */
 
 /* 1 over the native samples that a pixel expects, base samples and its own (sample_mirrors), in units of g / n. */
@@ -104,8 +129,9 @@ static float native_weight(const lf_visit *visit, size_t pixel)
 }
 
 /* Delta lobes of the first surface: native, into M. */
-static void add_native(lf_visit *visit, int view, int column, const lf_event *event)
+static void add_native(lf_visit *visit, int view, int column, const lf_pivot *pivot)
 {
+    const lf_event *event = &pivot->event;
     const lf_material *m = event->hit.material;
     if (!visit->sums.native || !lf_surfaces[m->type].delta)
         return;
@@ -124,7 +150,8 @@ static void add_native(lf_visit *visit, int view, int column, const lf_event *ev
     if (next.kind != LF_EVENT_ESCAPE)
         radiance = lf_add(radiance, lf_path_scattered(tracer, &next, 2, visit->max_depth));
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
-    radiance = lf_scale(lf_mul(radiance, r), visit->weight * native_weight(visit, pixel) / probability);
+    float weight = visit->weight * native_weight(visit, pixel) * lf_visit_correction(visit, view, pivot);
+    radiance = lf_scale(lf_mul(radiance, r), weight / probability);
     if (!isfinite(radiance.x + radiance.y + radiance.z)) {
         tracer->nonfinite++;
         return;
@@ -194,7 +221,7 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
         pivot.boost = visit->weight;
         pivot.x = lf_dot(d, rig->right);
         pivot.z = lf_dot(d, rig->forward);
-        add_native(visit, view, column, event);
+        add_native(visit, view, column, &pivot);
         if (shared && !native_only)
             visit->integrator->pivot(visit, view, column, &pivot);
     }
@@ -218,9 +245,10 @@ static int mirror_subsets(const lf_visit_plan *plan)
 static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets, uint32_t index)
 {
     const float lens[2] = {lf_sampler_radical(lf_hash64(key, 1), index), lf_sampler_radical(lf_hash64(key, 2), index)};
+    const float phase[2] = {lf_sampler_radical(lf_hash64(key, 15), index), lf_sampler_radical(lf_hash64(key, 4), index)};
     lf_rig_row_plane(plan->rig, (float)visit->row + lf_sampler_radical(offsets, index), lens, &visit->plane);
-    lf_media_cut(&visit->worker->media, plan->frame, plan->scene, plan->rig, &visit->plane,
-                 lf_sampler_radical(lf_hash64(key, 4), index), &visit->worker->tracer.lookups);
+    lf_media_cut(&visit->worker->media, plan->frame, plan->scene, plan->rig, &visit->plane, phase, plan->kernels,
+                 &visit->worker->tracer.lookups);
     if (plan->triangles)
         lf_section_cut(&visit->worker->section, plan->triangles, plan->scene, plan->rig, visit->row, &visit->plane);
     if (plan->kept & LF_SKIP_BACKGROUND)

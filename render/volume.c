@@ -4,6 +4,7 @@
 
 #include "base/alloc.h"
 #include "render/grid.h"
+#include "render/look_up.h"
 
 /* -------------------------------------------------------------------------------------------------------- building -- */
 
@@ -30,7 +31,8 @@ lf_status lf_grid_create(const int64_t size[3], const double local_to_file[12], 
     memcpy(grid->local_to_file, local_to_file, sizeof grid->local_to_file);
     grid->index = lf_calloc(n, sizeof *grid->index);
     grid->brick_max = lf_calloc(n, sizeof *grid->brick_max);
-    if (!grid->index || !grid->brick_max)
+    grid->brick_near = lf_calloc(n, sizeof *grid->brick_near);
+    if (!grid->index || !grid->brick_max || !grid->brick_near)
         goto fail;
     *out_grid = grid;
     return LF_OK;
@@ -46,11 +48,6 @@ static void bricks_of(int first, int last, int *out_first, int *out_last)
     *out_last = (last + 1) / LF_BRICK;
 }
 
-static size_t brick_at(const lf_grid *grid, int bx, int by, int bz)
-{
-    return ((size_t)bz * (size_t)grid->bricks[1] + (size_t)by) * (size_t)grid->bricks[0] + (size_t)bx;
-}
-
 void lf_grid_mark(lf_grid *grid, const int first[3], const int last[3])
 {
     int b0[3], b1[3];
@@ -59,7 +56,7 @@ void lf_grid_mark(lf_grid *grid, const int first[3], const int last[3])
     for (int z = b0[2]; z <= b1[2]; z++)
         for (int y = b0[1]; y <= b1[1]; y++)
             for (int x = b0[0]; x <= b1[0]; x++)
-                grid->index[brick_at(grid, x, y, z)] = 1;
+                grid->index[lf_grid_brick(grid, x, y, z)] = 1;
 }
 
 static size_t index_length(const lf_grid *grid)
@@ -91,7 +88,7 @@ static int clamp(int v, int lo, int hi)
 /* Writes the part of a box of voxels that brick (b[0], b[1], b[2]) stores. */
 static void fill_brick(lf_grid *grid, const int b[3], const int first[3], const int last[3], float value)
 {
-    float *values = grid->values + (size_t)grid->index[brick_at(grid, b[0], b[1], b[2])] * LF_BRICK_STRIDE;
+    float *values = grid->values + (size_t)grid->index[lf_grid_brick(grid, b[0], b[1], b[2])] * LF_BRICK_STRIDE;
     int v0[3], v1[3];
     for (int i = 0; i < 3; i++) {
         v0[i] = clamp(first[i] + 1 - LF_BRICK * b[i], 0, LF_BRICK);
@@ -114,6 +111,39 @@ void lf_grid_fill(lf_grid *grid, const int first[3], const int last[3], float va
                 fill_brick(grid, b, first, last, value);
 }
 
+/* The largest value that lies within LF_BRICK_REACH of a brick, in the one that stands `offset` bricks (each -1 .. 1) behind it. */
+static float largest_near(const lf_grid *grid, size_t brick, const int offset[3])
+{
+    const float *values = grid->values + (size_t)grid->index[brick] * LF_BRICK_STRIDE;
+    int lo[3], hi[3];
+    float max = 0.0f;
+    for (int i = 0; i < 3; i++) {
+        lo[i] = offset[i] < 0 ? LF_BRICK - LF_BRICK_REACH : 0;
+        hi[i] = offset[i] > 0 ? LF_BRICK_REACH : LF_BRICK;
+    }
+    for (int z = lo[2]; z <= hi[2]; z++)
+        for (int y = lo[1]; y <= hi[1]; y++)
+            for (int x = lo[0]; x <= hi[0]; x++)
+                max = lf_max(max, values[(z * LF_BRICK_VALUES + y) * LF_BRICK_VALUES + x]);
+    return max;
+}
+
+/* What a brick has near itself: its own values and those of the 26 around it that reach so far. */
+static void note_near(lf_grid *grid, int bx, int by, int bz)
+{
+    float *near = &grid->brick_near[lf_grid_brick(grid, bx, by, bz)];
+    for (int n = 0; n < 27; n++) {
+        const int offset[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+        const int b[3] = {bx + offset[0], by + offset[1], bz + offset[2]};
+        bool inside = true;
+        for (int i = 0; i < 3; i++)
+            inside = inside && b[i] >= 0 && b[i] < grid->bricks[i];
+        size_t other = inside ? lf_grid_brick(grid, b[0], b[1], b[2]) : 0;
+        if (inside && grid->index[other])
+            *near = lf_max(*near, largest_near(grid, other, offset));
+    }
+}
+
 void lf_grid_finish(lf_grid *grid)
 {
     /* Three nested linear interpolations may round a few units above the largest of their eight values. */
@@ -127,6 +157,10 @@ void lf_grid_finish(lf_grid *grid)
         grid->brick_max[i] = max * margin;
         grid->max_value = fmaxf(grid->max_value, max * margin);
     }
+    for (int z = 0; z < grid->bricks[2]; z++)
+        for (int y = 0; y < grid->bricks[1]; y++)
+            for (int x = 0; x < grid->bricks[0]; x++)
+                note_near(grid, x, y, z);
 }
 
 static lf_status replace_text(char **at, const char *text)
@@ -163,6 +197,7 @@ void lf_grid_unref(lf_grid *grid)
     lf_free(grid->index);
     lf_free(grid->values);
     lf_free(grid->brick_max);
+    lf_free(grid->brick_near);
     lf_free(grid->key);
     lf_free(grid->others);
     lf_free(grid);
@@ -170,48 +205,14 @@ void lf_grid_unref(lf_grid *grid)
 
 /* ------------------------------------------------------------------------------------------------------- look-ups -- */
 
-/* The brick that holds cell c (counted from -1) along each axis, or brick 0. */
-static const float *brick_of_cell(const lf_grid *grid, const int c[3])
-{
-    size_t at = brick_at(grid, (c[0] + 1) / LF_BRICK, (c[1] + 1) / LF_BRICK, (c[2] + 1) / LF_BRICK);
-    return grid->values + (size_t)grid->index[at] * LF_BRICK_STRIDE;
-}
-
-static int value_at(const int c[3])
-{
-    return (((c[2] + 1) % LF_BRICK) * LF_BRICK_VALUES + (c[1] + 1) % LF_BRICK) * LF_BRICK_VALUES + (c[0] + 1) % LF_BRICK;
-}
-
 float lf_grid_linear(const lf_grid *grid, float x, float y, float z)
 {
-    float p[3] = {x, y, z}, t[3];
-    int c[3];
-    for (int i = 0; i < 3; i++) {
-        if (!(p[i] > -1.0f && p[i] < (float)grid->size[i]))
-            return 0.0f;
-        float base = floorf(p[i]);
-        t[i] = p[i] - base;
-        c[i] = (int)base;
-    }
-    const int row = LF_BRICK_VALUES, slab = LF_BRICK_VALUES * LF_BRICK_VALUES;
-    const float *v = brick_of_cell(grid, c) + value_at(c);
-    float v00 = lf_lerp(v[0], v[1], t[0]), v01 = lf_lerp(v[row], v[row + 1], t[0]);
-    float v10 = lf_lerp(v[slab], v[slab + 1], t[0]), v11 = lf_lerp(v[slab + row], v[slab + row + 1], t[0]);
-    return lf_lerp(lf_lerp(v00, v01, t[1]), lf_lerp(v10, v11, t[1]), t[2]);
+    return lf_grid_value(grid, x, y, z);
 }
 
 float lf_grid_nearest(const lf_grid *grid, float x, float y, float z)
 {
-    float p[3] = {x, y, z};
-    int c[3];
-    for (int i = 0; i < 3; i++) {
-        if (!(p[i] >= -0.5f && p[i] < (float)grid->size[i] - 0.5f))
-            return 0.0f;
-        c[i] = (int)floorf(p[i] + 0.5f);
-        if (c[i] >= grid->size[i]) /* p + 0.5 may round up */
-            return 0.0f;
-    }
-    return brick_of_cell(grid, c)[value_at(c)];
+    return lf_grid_voxel(grid, x, y, z);
 }
 
 float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p)

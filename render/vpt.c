@@ -4,6 +4,9 @@
 
 static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
 {
+    float correction = lf_visit_correction(visit, view, pivot);
+    if (correction == 0.0f)
+        return; /* nothing is there */
     lf_suffix suffix;
     lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
     lf_suffix_draw(visit, pivot, wo, &suffix);
@@ -15,7 +18,7 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
         visit->worker->tracer.nonfinite++;
         radiance = lf_v3(0.0f, 0.0f, 0.0f);
     }
-    float weight = pivot->boost * visit->alone;
+    float weight = pivot->boost * visit->alone * correction;
     out->n[0] += weight * radiance.x;
     out->n[1] += weight * radiance.y;
     out->n[2] += weight * radiance.z;

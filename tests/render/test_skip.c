@@ -151,10 +151,10 @@ static int count_reach(const char *text)
     int sum = 0;
     assert_int_equal(lf_media_init(&media, &r->frame), LF_OK);
     for (int row = 0; row < height; row++) {
-        const float lens[2] = {0.5f, 0.5f};
+        const float lens[2] = {0.5f, 0.5f}, phase[2] = {0.5f, 0.5f};
         lf_row_plane plane;
         lf_rig_row_plane(&r->rig, (float)row + 0.5f, lens, &plane);
-        lf_media_cut(&media, &r->frame, &r->seen, &r->rig, &plane, 0.5f, &lookups);
+        lf_media_cut(&media, &r->frame, &r->seen, &r->rig, &plane, phase, lf_kernels_get(), &lookups);
         lf_reach_of(&reach, &r->seen, &r->rig, &plane, &media);
         for (int k = 0; k < n_views; k++)
             sum += reach.end[k] - reach.first[k];
