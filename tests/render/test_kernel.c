@@ -1,6 +1,7 @@
 /* Every instruction set's kernels equal the plain C ones bit for bit, and those equal what they stand for. */
 #include "tests/testing.h"
 
+#include "render/grid.h"
 #include "tests/render/fans.h"
 
 static void every_instruction_set_equals_plain_c_bit_for_bit(void **state)
@@ -33,6 +34,68 @@ static void every_instruction_set_equals_plain_c_bit_for_bit(void **state)
             assert_memory_equal(d[0], d[1], sizeof d[0]);
         }
     }
+    lf_slice_finish(&slice);
+}
+
+/* A grid of 20^3 voxels, a fifth of them 0, some bricks empty. */
+static lf_grid *make_grid(uint64_t *seed)
+{
+    enum { SIDE = 20 };
+    static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    const int64_t size[3] = {SIDE, SIDE, SIDE};
+    const int first[3] = {0, 0, 0}, last[3] = {SIDE - 1, SIDE - 1, 5};
+    lf_grid *grid = NULL;
+    lf_assert_ok(lf_grid_create(size, identity, &grid, NULL), NULL);
+    lf_grid_mark(grid, first, last);
+    lf_assert_ok(lf_grid_allocate(grid, NULL), NULL);
+    for (int i = 0; i < SIDE * SIDE * 6; i++) {
+        const int at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+        lf_grid_fill(grid, at, at, lf_max(uniform(seed) - 0.2f, 0.0f));
+    }
+    lf_grid_finish(grid);
+    return grid;
+}
+
+/* Look-ups along lines that leave the grid, and what they are held against. */
+static void grids_are_the_same_in_every_instruction_set(void **state)
+{
+    (void)state;
+    uint64_t seed = 23;
+    lf_slice slice;
+    int met = 0;
+    assert_true(make_slice(&slice, 11));
+    lf_volume volume = {.kind = LF_VOLUME_GRID, .grid = make_grid(&seed), .sigma_scale = 3.0f};
+    for (int trial = 0; trial < 1000; trial++) {
+        lf_fan fan;
+        float points[LANES], sigma[2][LANES], factor[2][LANES];
+        make_fan(&fan, trial % 2 == 0, &seed);
+        lf_probe probe = {.slice = &slice, .volume = &volume, .z = 2.8f + 3.5f * uniform(&seed), .my2 = 1.1f, .inverse = 0.1f};
+        for (int i = 0; i < 3; i++) {
+            probe.line.origin[i] = 20.0f * uniform(&seed) - (i == 2 ? 3.0f : 0.0f);
+            probe.line.across[i] = 20.0f * uniform(&seed) - 10.0f;
+        }
+        volume.nearest = trial % 3 == 0;
+        for (int k = 0; k < LANES; k++)
+            points[k] = 4.0f * uniform(&seed) - 2.0f;
+        for (int i = 0; lf_kernels_at(i); i++) {
+            const lf_kernels *kernels = lf_kernels_at(i);
+            int j = i > 0;
+            for (int k = 0; k < LANES; k++)
+                factor[j][k] = 1.0f;
+            kernels->sample(&volume, &probe.line, LANES, points, sigma[j]);
+            kernels->compare(&probe, LANES, fan.x0, fan.slope, fan.z_end, factor[j]);
+            assert_memory_equal(sigma[0], sigma[j], sizeof sigma[0]);
+            assert_memory_equal(factor[0], factor[j], sizeof factor[0]);
+        }
+        for (int k = 0; k < LANES; k++) {
+            const float *o = probe.line.origin, *a = probe.line.across, x = points[k];
+            float truth = lf_grid_linear(volume.grid, o[0] + x * a[0], o[1] + x * a[1], o[2] + x * a[2]);
+            assert_true(sigma[0][k] == volume.sigma_scale * truth);
+            met += truth > 0.0f;
+        }
+    }
+    assert_true(met > 1000);
+    lf_grid_unref(volume.grid);
     lf_slice_finish(&slice);
 }
 
@@ -124,6 +187,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_instruction_set_equals_plain_c_bit_for_bit),
+        cmocka_unit_test(grids_are_the_same_in_every_instruction_set),
         cmocka_unit_test(shapes_are_as_deep_in_every_instruction_set),
         cmocka_unit_test(a_fan_is_as_deep_as_its_rays_alone),
         cmocka_unit_test(a_march_stops_where_the_depth_is_reached),
