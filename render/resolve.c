@@ -110,13 +110,13 @@ static float weight_of(const lf_sums *s, bool second)
     return second && s->w2 > 0.25f * s->w ? s->w2 : s->w;
 }
 
-/* B + q N/W; where q has not settled (0 while something was found) or nothing was found, B + N/n. */
+/* B + q N/W, and B where nothing was found. B and q are of the same film points: where none of them has met what scatters, q is 0 and B all
+ * the background, and what other paths have found there is counted at the pixels where q is too high. */
 static void answer_ratio(const lf_sums *s, bool second, float out[3])
 {
-    float w = weight_of(s, second);
-    bool known = w > 0.0f && s->q > 0.0f;
+    float w = weight_of(s, second), share = w > 0.0f ? s->q / w : 0.0f;
     for (int c = 0; c < 3; c++)
-        out[c] = s->known[c] + (known ? s->q * (s->scattered[c] / w) : s->scattered[c]);
+        out[c] = s->known[c] + share * s->scattered[c];
 }
 
 /* Compares the spread between the halves of N/W and N/W' over a tile. */

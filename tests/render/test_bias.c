@@ -113,6 +113,43 @@ static void wrong_weights_have_an_intercept(void **state)
     assert_true(lf_p_mean(&no_visibility.intercept, 0.0) < CERTAIN);
 }
 
+/* A card of one radiance before the dark, lit head-on, across the pixels: N/W is the same everywhere, and the mean of the picture is the
+ * card's share of the window. What a pixel at its rim shows although none of its film points has met the card would come on top, the more
+ * the fewer visits there are: 1 % of the mean behind four visits. */
+#define CARD                                                                                                                       \
+    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 40, 'views': 9 }, "            \
+    "'meshes': { 'card': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 0.5, 'rotate': [90, 0, 20] } } }, "        \
+    "'materials': { 'clay': { 'albedo': 0.5 } }, "                                                                                 \
+    "'lights': { 'sun': { 'type': 'distant', 'direction': [0, 0, -1], 'irradiance': 3.14159265 } } }"
+
+static void a_silhouette_has_no_rim_at_few_visits(void **state)
+{
+    (void)state;
+    enum { across = 24, down = 18, replicates = 48, most = 8 };
+    double side = 10 * tan(12 * M_PI / 180), truth = 0.5 / (side * side * 4 / 3);
+    lf_scene *scene = lf_test_scene(CARD);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", across, down, NULL);
+    for (int cycles = 1; cycles <= most; cycles *= 2) {
+        lf_moments mean = {0};
+        for (int k = 0; k < replicates; k++) {
+            lf_test_reseed(r, lf_hash64(lf_hash64(lf_test_seed(), (uint64_t)cycles), (uint64_t)k));
+            lf_test_cycles(r, cycles);
+            assert_int_equal(lf_renderer_fill_holes(r, NULL), LF_OK);
+            double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS), sum = 0.0;
+            for (int i = 0; i < 9 * across * down; i++)
+                sum += picture[i];
+            free(picture);
+            lf_moments_add(&mean, sum / (9 * across * down));
+        }
+        print_message("%u visits: %.2g +- %.2g of the mean too bright\n", r->film.rows[0].visits[0] + r->film.rows[0].visits[1],
+                      mean.mean / truth - 1, lf_moments_error(&mean) / truth);
+        assert_true(lf_p_mean(&mean, truth) > lf_sidak(LF_FALSE_ALARM, 4));
+        assert_true(lf_p_mean(&mean, truth * 1.01) < CERTAIN);
+    }
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -121,6 +158,7 @@ int main(void)
         cmocka_unit_test(mwis_is_consistent_beside_a_lamp_and_a_mirror),
         cmocka_unit_test(mwis_is_consistent_behind_a_veil),
         cmocka_unit_test(wrong_weights_have_an_intercept),
+        cmocka_unit_test(a_silhouette_has_no_rim_at_few_visits),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }
