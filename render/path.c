@@ -18,11 +18,20 @@ void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *
     }
 }
 
+/* Lobes lie about the shading normal; where that leans, some of their directions lead through the surface. */
+static bool leads_through(const lf_hit *hit, lf_vec3 wi)
+{
+    return !(lf_dot(hit->ng, wi) > 0.0f);
+}
+
 float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
     if (event->kind == LF_EVENT_SURFACE) {
         const lf_material *m = event->hit.material;
-        return lf_surfaces[m->type].eval(m, event->hit.ns, wo, wi, f);
+        float pdf = lf_surfaces[m->type].eval(m, event->hit.ns, wo, wi, f);
+        if (leads_through(&event->hit, wi))
+            *f = lf_v3(0.0f, 0.0f, 0.0f);
+        return pdf;
     }
     const lf_volume *volume = &scene->volumes[event->volume];
     float phase = lf_phase_between(volume->g, lf_scale(wo, -1.0f), wi);
@@ -34,7 +43,10 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
 {
     if (event->kind == LF_EVENT_SURFACE) {
         const lf_material *m = event->hit.material;
-        return lf_surfaces[m->type].sample(m, event->hit.ns, wo, u, wi, f);
+        float pdf = lf_surfaces[m->type].sample(m, event->hit.ns, wo, u, wi, f);
+        if (leads_through(&event->hit, *wi))
+            *f = lf_v3(0.0f, 0.0f, 0.0f);
+        return pdf;
     }
     const lf_volume *volume = &scene->volumes[event->volume];
     lf_vec3 w = lf_scale(wo, -1.0f);
@@ -42,6 +54,12 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
     float phase = lf_phase_between(volume->g, w, *wi);
     *f = lf_scale(volume->albedo, phase);
     return phase;
+}
+
+lf_vec3 lf_scatter_mirror(const lf_hit *hit, lf_vec3 wo)
+{
+    lf_vec3 wi = lf_reflect(wo, hit->ns);
+    return leads_through(hit, wi) ? lf_madd(wi, -2.0f * lf_dot(wi, hit->ng), hit->ng) : wi;
 }
 
 /* Whether the face that was drawn is the first that a ray from o meets: where faces share a place, rays find one of them and so may next
@@ -57,8 +75,11 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_s
 {
     lf_vec3 o = event->p, d = light->wi;
     float t_max = INFINITY;
-    if (event->kind == LF_EVENT_SURFACE)
+    if (event->kind == LF_EVENT_SURFACE) {
+        if (leads_through(&event->hit, light->wi))
+            return 0.0f;
         o = lf_offset(tracer->scene, event->p, event->hit.ng, light->wi, 0.0f);
+    }
     if (light->distance < INFINITY) {
         /* Neither end may move without the other: the ray would pass the light and meet what lies behind or beside it. */
         d = lf_sub(lf_offset(tracer->scene, light->point, light->normal, lf_scale(light->wi, -1.0f), light->distance), o);
@@ -109,7 +130,7 @@ static bool mirrored(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_ve
         return false;
     }
     *beta = lf_scale(lf_mul(*beta, r), 1.0f / probability);
-    *wi = lf_reflect(wo, event->hit.ns);
+    *wi = lf_scatter_mirror(&event->hit, wo);
     return true;
 }
 

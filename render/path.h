@@ -20,13 +20,17 @@ typedef struct lf_event {
 /* The next event of a path that leaves `from` (a vertex) along the unit vector w. */
 void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out);
 
-/* Non-delta scattering at a vertex towards wi: returns the pdf of sampling it, *f gets albedo x phase or f |cos|. wo is the unit
- * direction back to where the path came from. */
+/* Non-delta scattering at a vertex towards wi: returns the pdf of sampling it, *f gets albedo x phase or f |cos|; 0 where wi leads through
+ * the surface, which a lobe about a shading normal may. wo is the unit direction back to where the path came from. */
 float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
 /* Draws wi; pdf 0 = absorbed. */
 float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f);
 
-/* What is left of a light sample on its way to the vertex: visibility times an unbiased estimate of the transmittance. */
+/* The mirror direction of wo about the shading normal; where that leads through the surface, mirrored by it once more. */
+lf_vec3 lf_scatter_mirror(const lf_hit *hit, lf_vec3 wo);
+
+/* What is left of a light sample on its way to the vertex: visibility times an unbiased estimate of the transmittance.
+ * 0 where the light lies behind the surface. */
 float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_sample *light);
 
 /* Radiance found at the first event of a path that leaves with direction w (light reached without a collision), and the pdf with

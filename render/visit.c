@@ -142,7 +142,7 @@ static void add_native(lf_visit *visit, int view, int column, const lf_pivot *pi
         lf_counts_mark_delta(visit->pilot, visit->row, view, column);
     if (!(probability > 0.0f) || lf_rng(tracer) >= probability)
         return;
-    lf_vec3 wi = lf_reflect(wo, event->hit.ns);
+    lf_vec3 wi = lf_scatter_mirror(&event->hit, wo);
     lf_event next;
     lf_path_next(tracer, event, wi, &next);
     float light_pdf;

@@ -1,0 +1,114 @@
+/* Sheets whose shading normals lean far from their surface: what a lobe would send through the sheet is lost, in every view and by every
+ * way light is found. */
+#include "tests/testing.h"
+
+#include "tests/stat/fixture.h"
+
+enum { width = 12, height = 9, n_views = 5, leaning = 50 /* degrees */ };
+
+static const char *const integrators[] = {"vpt", "mvpt"};
+static const lf_estimator estimators[] = {LF_ESTIMATOR_MWIS, LF_ESTIMATOR_MIS, LF_ESTIMATOR_CV};
+
+static const char *const materials[] = {"'albedo': 0.8", "'type': 'conductor', 'albedo': 0.9, 'roughness': 0.5",
+                                        "'type': 'plastic', 'albedo': 0.7, 'roughness': 0.6",
+                                        "'type': 'conductor', 'albedo': 0.9, 'roughness': 0"};
+enum { N_MATERIALS = sizeof materials / sizeof materials[0] };
+
+static char *folder;
+
+static int set_up(void **state)
+{
+    (void)state;
+    char text[512];
+    double a = leaning * M_PI / 180.0;
+    folder = lf_test_folder();
+    snprintf(text, sizeof text, "v -5 -4 0\nv 5 -4 0\nv 5 4 0\nv -5 4 0\nvn %.9f 0 %.9f\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\n",
+             sin(a), cos(a));
+    lf_test_write(folder, "sheet.obj", text);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    lf_test_folder_remove(folder);
+    return lf_test_finish(state);
+}
+
+/* A sheet that fills all views, and what shines on it. */
+static lf_renderer *make(const char *material, const char *meshes, const char *lights, const char *integrator)
+{
+    char text[2048];
+    snprintf(
+        text, sizeof text,
+        "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'views': 5, 'cone': 40 }, "
+        "'meshes': { 'sheet': { 'file': '%s/sheet.obj', 'material': 'm' }%s }, 'materials': { 'm': { %s }, 'lamp': { 'albedo': 0, "
+        "'emission': 3 } }, 'lights': { %s } }",
+        folder, meshes, material, lights);
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
+    lf_scene_unref(scene);
+    return r;
+}
+
+/* A lamp, a bulb, a sun and a sun with an angle, all behind the sheet. */
+static void nothing_leaks_through_a_sheet(void **state)
+{
+    (void)state;
+    for (int m = 0; m < N_MATERIALS; m++) {
+        for (int i = 0; i < 2; i++) {
+            lf_renderer *r =
+                make(materials[m],
+                     ", 'lamp': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': 4, 'rotate': [90, 0, 0], "
+                     "'translate': [0, 0, -2] } }",
+                     "'bulb': { 'type': 'point', 'position': [1, 0, -1], 'intensity': 5 }, 'sun': { 'type': 'distant', "
+                     "'direction': [-0.9, 0, 0.3], 'irradiance': 3 }, 'disk': { 'type': 'distant', 'direction': [-0.9, 0, "
+                     "0.2], 'irradiance': 3, 'angle': 9 }",
+                     integrators[i]);
+            lf_test_cycles(r, 8);
+            for (size_t e = 0; e < sizeof estimators / sizeof estimators[0]; e++) {
+                double *picture = lf_test_picture(r, estimators[e]);
+                for (int k = 0; k < n_views * width * height; k++)
+                    if (picture[k] != 0.0)
+                        fail_msg("material %d, %s, estimate %zu: %g in pixel %d", m, integrators[i], e, picture[k], k);
+                free(picture);
+            }
+            lf_renderer_destroy(r);
+        }
+    }
+}
+
+static void eight_cycles(lf_renderer *renderer)
+{
+    lf_test_cycles(renderer, 8);
+}
+
+/* Of a hemisphere weighted by its cosine a plane that leans by a cuts off (1 - cos a) / 2. */
+static void a_matt_sheet_under_a_sky_loses_what_lies_below_it(void **state)
+{
+    (void)state;
+    double truth[n_views * width * height], known = 0.8 * 0.5 * (1.0 + cos(leaning * M_PI / 180.0));
+    for (int k = 0; k < n_views * width * height; k++)
+        truth[k] = known;
+    for (int i = 0; i < 2; i++) {
+        lf_renderer *r = make(materials[0], "", "'sky': { 'type': 'environment', 'radiance': 1 }", integrators[i]);
+        lf_blocks blocks;
+        int where;
+        lf_test_pictures(r, eight_cycles, LF_ESTIMATOR_MIS, 24, (uint64_t)i, width, &blocks);
+        double p = lf_blocks_p(&blocks, truth, 1e-5, &where);
+        if (p < lf_sidak(LF_FALSE_ALARM, 2))
+            fail_msg("%s: %.5f for %.5f in block %d, p %g", integrators[i], blocks.moments[where].mean, known, where, p);
+        /* A loss of one per cent would be seen. */
+        assert_true(lf_moments_error(&blocks.moments[blocks.n - 1]) < 2e-3 * known);
+        lf_blocks_finish(&blocks);
+        lf_renderer_destroy(r);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nothing_leaks_through_a_sheet),
+        cmocka_unit_test(a_matt_sheet_under_a_sky_loses_what_lies_below_it),
+    };
+    return cmocka_run_group_tests_name("shading normals", tests, set_up, tear_down);
+}
