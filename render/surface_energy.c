@@ -1,5 +1,5 @@
-/* What GGX microfacets do not reflect at once. A rough lobe (lf_ggx_eval) counts light that leaves after one reflection; the rest, loss(cos)
- * = 1 - E(cos) with E the lobe's directional albedo, meets further microfacets or enters the base:
+/* What GGX microfacets do not reflect at once. A rough lobe (lf_ggx_eval) counts light that leaves after one reflection; the rest,
+ * loss(cos) = 1 - E(cos) with E the lobe's directional albedo, meets further microfacets or enters the base:
  *
  *   metal     f = once (1 + rest loss(cos_o) / E(cos_o))         plastic   f = once + rest loss(cos_o) loss(cos_i) |cos_i|
  *
@@ -119,8 +119,8 @@ static void averages(const lf_material *m, double *out_loss, double fresnel[3])
     }
 }
 
-/* Light that was not reflected at once is by f on the average, and at each further reflection the share `loss` stays behind: f^2 (1 - loss) /
- * (1 - f loss) in all; the lobe that it brightens holds one f. */
+/* Light that was not reflected at once is by f on the average, and at each further reflection the share `loss` stays behind:
+ * f^2 (1 - loss) / (1 - f loss) in all; the lobe that it brightens holds one f. */
 static float metal_rest(double f, double loss)
 {
     return (float)(f * (1.0 - loss) / (1.0 - f * loss));

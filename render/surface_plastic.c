@@ -6,8 +6,8 @@
  *        = albedo loss loss / (pi (eta^2 (1 - albedo) + albedo Te))  =  rest loss loss
  *
  * (the sum of the geometric series over inner reflections; Mitsuba's "plastic" with nonlinear = true, after Wolff 1994). With
- * albedo 1 the base reflects loss(cos_o), so that nothing is lost or won; light that a rough coat would reflect at a second microfacet goes to
- * the base. */
+ * albedo 1 the base reflects loss(cos_o), so that nothing is lost or won; light that a rough coat would reflect at a second microfacet
+ * goes to the base. */
 #include "render/surface_lobes.h"
 
 typedef struct plastic {

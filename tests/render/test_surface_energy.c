@@ -1,5 +1,5 @@
-/* What surfaces give back in all, by quadrature in double precision over the half vectors of one direction. The microfacets here are written
- * from the textbook (Walter et al. 2007; Heitz 2014) and share no code with the lobes. */
+/* What surfaces give back in all, by quadrature in double precision over the half vectors of one direction. The microfacets here are
+ * written from the textbook (Walter et al. 2007; Heitz 2014) and share no code with the lobes. */
 #include "tests/testing.h"
 
 #include <complex.h>
