@@ -117,7 +117,8 @@ static inline float lf_coat_transmittance(const lf_material *m, float cos_theta)
 
 /* 1 - E(cos), E the directional albedo of the material's rough lobe, Fresnel included (metals: without): smooth, which is what
  * lf_coat_transmittance says, and a / (cos + a) times a polynomial in x = 2 sqrt((1 + a) cos / (cos + a)) - 1,
- * a = LF_LOSS_SCALE alpha, which follows what happens at cosines of the order of alpha. Within 3e-3 of quadrature for alpha in [1e-3, 1] and all cosines. */
+ * a = LF_LOSS_SCALE alpha, which follows what happens at cosines of the order of alpha. Within 3e-3 of quadrature for alpha in
+ * [1e-3, 1] and all cosines. */
 #define LF_LOSS_SCALE 2.0f
 static inline float lf_loss(const lf_material *m, float smooth, float cos_theta)
 {
