@@ -166,7 +166,7 @@ static void a_lamp_in_fog_is_as_found_by_chance(void **state)
 static void voxels_under_a_sky_are_as_found_by_chance(void **state)
 {
     (void)state;
-    compare(&grid, 4, 16);
+    compare(&grid, 5, 32);
 }
 
 static void media_in_each_other_are_as_found_by_chance(void **state)
@@ -183,8 +183,8 @@ static void another_albedo_is_rejected(void **state)
     lf_blocks truth, picture;
     for (int c = 0; c < 3; c++)
         wrong.media[0].albedo[c] *= 0.99;
-    oracle(&wrong, 4, &truth);
-    rendered(&grid, "vpt", 16, &picture);
+    oracle(&wrong, 5, &truth);
+    rendered(&grid, "vpt", 32, &picture);
     assert_true(lf_p_welch(&picture.moments[picture.n - 1], &truth.moments[truth.n - 1]) < LEVEL);
     lf_blocks_finish(&picture);
     lf_blocks_finish(&truth);
