@@ -43,7 +43,7 @@ typedef struct lf_film_half {
 typedef struct lf_film_sums {
     lf_film_half half;  /* N, W, W' are sums, q the value of this visit */
     float (*known)[3];  /* B, the value of this visit; NULL where it is not stored */
-    float (*native)[3]; /* M, a sum; NULL without delta lobes */
+    float (*native)[3]; /* M, a sum; NULL without delta lobes and lights in media */
     size_t zeroed_bytes;
     unsigned char *data;
 } lf_film_sums;
@@ -52,7 +52,7 @@ typedef struct lf_film_sums {
 typedef struct lf_film_layout {
     int n_views, width, height;
     bool has_w2, has_native;
-    bool has_known; /* B is stored: always with delta lobes */
+    bool has_known; /* B is stored: always where M is */
 } lf_film_layout;
 
 typedef struct lf_film_row {

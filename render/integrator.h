@@ -6,6 +6,7 @@
 #include "render/adaptive.h"
 #include "render/correction.h"
 #include "render/film.h"
+#include "render/glow_row.h"
 #include "render/media.h"
 #include "render/path.h"
 #include "render/reach.h"
@@ -14,6 +15,7 @@
 
 struct lf_visit;
 struct lf_pivot;
+struct lf_suffix;
 
 typedef struct lf_integrator {
     const char *name;
@@ -21,6 +23,11 @@ typedef struct lf_integrator {
     bool adaptive; /* behind a pilot base samples go where the error is (adaptive.h) */
     /* Spreads one pivot over the views that see it. */
     void (*pivot)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot);
+    /* Lights in media (glow_row.h): spreads a sample of one of them at a point that was drawn about it: to `view`, or to all that see
+     * it … */
+    void (*glow)(struct lf_visit *visit, int view, const struct lf_pivot *pivot, const lf_light_sample *light);
+    /* … and makes room for such points in the suffix of a pivot in a medium that the base drew. */
+    void (*balance)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot, struct lf_suffix *suffix);
 } lf_integrator;
 
 extern const lf_integrator lf_integrator_vpt, lf_integrator_mvpt, lf_integrator_amvpt;
@@ -35,6 +42,7 @@ typedef struct lf_worker {
     lf_film_sums sums;  /* of the visit under way */
     lf_reach reach;     /* of its row's plane */
     lf_section section; /* the meshes in it */
+    lf_glow_row glows;  /* the lights in its media */
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES], sigma[LF_MAX_LANES];
@@ -64,7 +72,8 @@ typedef struct lf_visit {
     const lf_scene *scene;
     const lf_rig *rig;
     const lf_kernels *kernels;
-    const lf_integrator *integrator;
+    const lf_integrator *integrator,
+        *sharing;                      /* `sharing`: of the visit's samples and points; the other differs where holes are filled */
     const lf_row_triangles *triangles; /* NULL: no meshes */
     lf_worker *worker;
     lf_film_sums sums; /* the worker's, or where holes are filled the film's own half */
@@ -88,12 +97,24 @@ typedef struct lf_visit {
 typedef struct lf_suffix {
     bool has_light, has_direction;
     lf_light_sample light;
-    float light_visible; /* what is left of it, 0..1 */
-    lf_vec3 wi;          /* the direction */
-    lf_vec3 found;       /* light met at its first event … */
-    float found_pdf;     /* … and p_L, the pdf of light sampling for it */
-    lf_vec3 scattered;   /* radiance scattered there */
+    float light_visible;         /* what is left of it, 0..1 */
+    lf_vec3 wi;                  /* the direction */
+    lf_vec3 found;               /* light met at its first event … */
+    float found_pdf;             /* … and p_L, the pdf of light sampling for it */
+    const lf_light *found_light; /* whose it is, where the scene has lights in media and it is a lamp's; else NULL */
+    lf_vec3 scattered;           /* radiance scattered there */
 } lf_suffix;
+
+/* Adds to M of a view pixel, which is [view][column]; what is not finite is dropped and counted. */
+void lf_visit_add_native(lf_visit *visit, size_t pixel, lf_vec3 radiance);
+
+/* The points that a visit draws about its lights in media; weight: its native samples a pixel. false = cancelled. */
+struct lf_visit_plan;
+bool lf_glow_visit(const struct lf_visit_plan *plan, lf_visit *visit, float weight, const lf_cancel *cancel);
+/* lf_glow_row_ratio at a pivot where base samples have the density sum exp(-depth), as in lf_kernels.densities. */
+float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light *light, int view, float sum, float depth);
+/* Raises the pdfs of the suffix's light and of what its direction found by the points that are drawn about these lights. */
+void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, float sum, float depth, lf_suffix *suffix);
 
 /* Draws the suffix; wo is the base view's direction at the pivot. */
 void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out);
@@ -111,15 +132,16 @@ bool lf_lattice_has(const lf_visit *visit, int view, int column);
 
 /* Deliberate mistakes that tests switch on to show that they are caught; 0 in every program. */
 typedef enum lf_fault {
-    LF_FAULT_NO_H = 1,            /* h_k left out of D_k: a missing r_j/r_i */
-    LF_FAULT_NO_VISIBILITY = 2,   /* one view's visibility forgotten */
-    LF_FAULT_REALISED = 4,        /* realised instead of expected counts in the weights */
-    LF_FAULT_SWAPPED_VIEWS = 8,   /* contributions land in mirrored views */
-    LF_FAULT_NO_LIGHT_PDF = 16,   /* the p_L term left out of the direction's weights */
-    LF_FAULT_OTHER_ROW = 32,      /* B and q taken with another row offset than the base samples */
-    LF_FAULT_NO_COUNTS = 64,      /* c_k of an adaptive pass left out of the sums */
-    LF_FAULT_HORIZON = 128,       /* directions drawn below a surface's horizon do not count in W' */
-    LF_FAULT_NO_CORRECTION = 512, /* what is drawn from slices counts as if they were the grid */
+    LF_FAULT_NO_H = 1,              /* h_k left out of D_k: a missing r_j/r_i */
+    LF_FAULT_NO_VISIBILITY = 2,     /* one view's visibility forgotten */
+    LF_FAULT_REALISED = 4,          /* realised instead of expected counts in the weights */
+    LF_FAULT_SWAPPED_VIEWS = 8,     /* contributions land in mirrored views */
+    LF_FAULT_NO_LIGHT_PDF = 16,     /* the p_L term left out of the direction's weights */
+    LF_FAULT_OTHER_ROW = 32,        /* B and q taken with another row offset than the base samples */
+    LF_FAULT_NO_COUNTS = 64,        /* c_k of an adaptive pass left out of the sums */
+    LF_FAULT_HORIZON = 128,         /* directions drawn below a surface's horizon do not count in W' */
+    LF_FAULT_NO_GLOW_BALANCE = 256, /* no room made for points drawn about lights in media */
+    LF_FAULT_NO_CORRECTION = 512,   /* what is drawn from slices counts as if they were the grid */
 } lf_fault;
 
 /* Everything that one visit of a row does. */

@@ -1,4 +1,5 @@
 #include "base/alloc.h"
+#include "render/glow.h"
 #include "render/light_types.h"
 #include "render/sampler.h"
 
@@ -62,12 +63,24 @@ bool lf_light_draw(const lf_scene *scene, lf_vec3 p, const float u[3], lf_light_
         out->radiance = lf_light_escape(scene, out->wi, &out->pdf);
     else
         out->pdf *= light->select;
+    out->light = light;
     return out->pdf > 0.0f;
 }
 
-/* The light of a mesh and material; the lights are ordered by type, mesh and material, in that order. */
-static const lf_light *find_mesh_light(const lf_scene *scene, int mesh, uint16_t material)
+bool lf_light_draw_from(const lf_scene *scene, const lf_light *light, lf_vec3 p, const float u[3], lf_light_sample *out)
 {
+    if (!ops[light->type].draw(scene, light, p, refine(u), u + 1, out))
+        return false;
+    out->pdf *= light->select;
+    out->light = light;
+    return out->pdf > 0.0f;
+}
+
+/* The lights are ordered by type, mesh and material, in that order. */
+const lf_light *lf_light_of_hit(const lf_scene *scene, const lf_hit *hit)
+{
+    int mesh = (int)(hit->mesh - scene->meshes);
+    uint16_t material = (uint16_t)(hit->material - scene->materials);
     int first = scene->n_lights_infinite, count = scene->n_lights - first;
     while (count > 0) {
         int half = count / 2;
@@ -84,7 +97,7 @@ lf_vec3 lf_light_hit(const lf_scene *scene, lf_vec3 from, const lf_hit *hit, flo
     *out_pdf = 0.0f;
     if (!(lf_max3(hit->material->emission) > 0.0f))
         return lf_v3(0.0f, 0.0f, 0.0f);
-    const lf_light *light = find_mesh_light(scene, (int)(hit->mesh - scene->meshes), (uint16_t)(hit->material - scene->materials));
+    const lf_light *light = lf_light_of_hit(scene, hit);
     *out_pdf = light->select * lf_mesh_light_pdf(light, from, hit);
     return light->radiance;
 }
@@ -149,6 +162,7 @@ lf_status lf_lights_commit(lf_scene *scene, lf_error *err)
         return lf_error_set(err, status, scene->where ? scene->where : "scene", "out of memory for the lights of emissive meshes");
     order_by_type(scene);
     set_select(scene);
+    lf_glows_commit(scene);
     return LF_OK;
 }
 

@@ -16,12 +16,16 @@ typedef struct lf_light_sample {
     bool delta;
     const lf_mesh *mesh; /* mesh lights: the face it is on; else NULL */
     uint32_t triangle;
+    const lf_light *light; /* the one that was picked */
 } lf_light_sample;
 
 /* Draws one direction towards a light as seen from p with u[3] in [0,1). For lights at infinity that are not delta, radiance is
  * the SUM over all of them along wi, and pdf the density of wi under all of them together (so that lf_light_escape is its
  * exact counterpart). false = no sample (no lights that are sampled, or a degenerate triangle). */
 bool lf_light_draw(const lf_scene *scene, lf_vec3 p, const float u[3], lf_light_sample *out);
+
+/* The same from one light at a distance, pdf as lf_light_draw has it: times the probability of picking that light. */
+bool lf_light_draw_from(const lf_scene *scene, const lf_light *light, lf_vec3 p, const float u[3], lf_light_sample *out);
 
 /* Radiance that a ray escaping along w finds at infinity (skies and visible sun disks; delta lights give none), and the pdf with
  * which lf_light_draw draws w from lights at infinity. */
@@ -30,6 +34,9 @@ lf_vec3 lf_light_escape(const lf_scene *scene, lf_vec3 w, float *out_pdf);
 /* Radiance leaving an emissive hit towards the ray's origin (0 when the material does not emit), and the pdf with which
  * lf_light_draw at `from` draws the direction to it. */
 lf_vec3 lf_light_hit(const lf_scene *scene, lf_vec3 from, const lf_hit *hit, float *out_pdf);
+
+/* The light that an emissive hit belongs to. */
+const lf_light *lf_light_of_hit(const lf_scene *scene, const lf_hit *hit);
 
 /* True when lf_light_draw can ever give a sample. */
 bool lf_scene_has_light_sampling(const lf_scene *scene);

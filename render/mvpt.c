@@ -9,7 +9,8 @@ static int lanes_of(const lf_rig *rig)
     return (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
 }
 
-/* h_k for the views whose frame holds the pivot and who see its side (else 0), their film columns, and the rays from them. */
+/* h_k for the views whose frame holds the pivot and who see its side (else 0), their film columns, and the rays from them. Here and
+ * below base is the view that drew the pivot; < 0: none did, it was drawn about a light. */
 static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
     const lf_rig *rig = visit->rig;
@@ -33,7 +34,7 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
         w->scale[k] = in_frame && h > 0.0f ? (visit->faults & LF_FAULT_NO_H ? 1.0f : h) : 0.0f;
     }
     /* The base sees its own pivot whatever rounding says about the frame's edge or a grazing surface. */
-    if (!(w->scale[base] > 0.0f)) {
+    if (base >= 0 && !(w->scale[base] > 0.0f)) {
         float u = (rig->b[base] + lens + rig->distance * w->slope[base] - rig->x0) * per_pixel;
         w->column[base] = (int)lf_min(lf_max(u, 0.0f), (float)(rig->width - 1));
         w->scale[base] = 1e-6f * fabsf(pivot->z);
@@ -44,11 +45,13 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
 static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
     lf_worker *w = visit->worker;
-    float own = w->scale[base], first = w->scale[0];
+    float own = base >= 0 ? w->scale[base] : 0.0f, first = w->scale[0];
     const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
     lf_section_hide(&w->section, visit->triangles, visit->rig, pivot->event.p, on, lanes_of(visit->rig), w->x0, w->scale);
-    w->base_hidden += !(w->scale[base] > 0.0f);
-    w->scale[base] = own;
+    if (base >= 0) {
+        w->base_hidden += !(w->scale[base] > 0.0f);
+        w->scale[base] = own;
+    }
     if (visit->faults & LF_FAULT_NO_VISIBILITY)
         w->scale[0] = first;
 }
@@ -66,7 +69,7 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
     }
     lf_media_depths(&w->media, visit->kernels, lanes, w->x0, w->slope, w->z_end, w->tau, surface ? -1 : pivot->medium, w->sigma);
     /* At the very edge of what is occupied rounding may find nothing; the base has collided where there is something. */
-    if (!surface && !(w->sigma[base] > 0.0f))
+    if (!surface && base >= 0 && !(w->sigma[base] > 0.0f))
         w->sigma[base] = lf_max(lf_volume_sigma_t(&visit->scene->volumes[pivot->event.volume], pivot->event.p), 1e-6f);
     float my2 = 1.0f + visit->plane.my * visit->plane.my;
     for (int k = 0; k < lanes; k++) {
@@ -85,7 +88,7 @@ static void counts(const lf_visit *visit, int base, int column)
         w->scale[k] = w->count[k] > 0.0f ? w->scale[k] : 0.0f;
     }
     /* Rounding may have moved the base's own pivot over the edge of a pixel that is read. */
-    if (!(w->count[base] > 0.0f)) {
+    if (base >= 0 && !(w->count[base] > 0.0f)) {
         w->column[base] = column;
         w->count[base] = visit->expected[(size_t)base * width + (size_t)column];
         w->scale[base] = 1e-6f * fabsf(w->z_end[base]);
@@ -320,29 +323,77 @@ static bool view_dependent(const lf_visit *visit, const lf_event *event)
                                            : visit->scene->volumes[event->volume].g != 0.0f;
 }
 
-static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
+/* The densities of the pivot under all views; returns the sum of those that samples are drawn with. */
+static float fan(const lf_visit *visit, int base, int column, const lf_pivot *pivot)
 {
     lf_worker *w = visit->worker;
-    geometry(visit, pivot, view);
+    geometry(visit, pivot, base);
     if (visit->expected)
-        counts(visit, view, column);
-    prefixes(visit, pivot, view);
+        counts(visit, base, column);
+    prefixes(visit, pivot, base);
     if (visit->triangles)
-        visibility(visit, pivot, view);
+        visibility(visit, pivot, base);
     float sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
     sum = strategies(visit, sum);
-    if (visit->faults & LF_FAULT_REALISED)
-        sum = realised_sum(visit, view);
+    return visit->faults & LF_FAULT_REALISED ? realised_sum(visit, base) : sum;
+}
+
+/* What the densities of the fan leave out: the smallest depth (lf_kernels.densities). */
+static float least_depth(const lf_visit *visit)
+{
+    const lf_worker *w = visit->worker;
+    float least = INFINITY;
+    for (int k = 0; k < visit->rig->n_views; k++)
+        least = lf_min(least, w->scale[k] > 0.0f ? w->tau[k] : INFINITY);
+    return least;
+}
+
+static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
+{
+    float sum = fan(visit, view, column, pivot);
     if (!correct(visit, pivot))
         return;
     lf_suffix suffix;
     lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
     lf_suffix_draw(visit, pivot, wo, &suffix);
+    if (visit->worker->glows.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
+        lf_glow_balance(visit, pivot, -1, sum, least_depth(visit), &suffix);
     if (view_dependent(visit, &pivot->event))
         spread_lobes(visit, pivot, &suffix, sum);
     else
         spread_uniform(visit, pivot, &suffix, wo, sum);
 }
 
-const lf_integrator lf_integrator_mvpt = {.name = "mvpt", .shares = true, .pivot = pivot_mvpt};
-const lf_integrator lf_integrator_amvpt = {.name = "amvpt", .shares = true, .adaptive = true, .pivot = pivot_mvpt};
+/* A point about a light serves all views that see it, beside their own base samples. */
+static void glow_mvpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_light_sample *light)
+{
+    (void)view;
+    float sum = fan(visit, -1, 0, pivot);
+    if (!(sum > 0.0f) || !correct(visit, pivot))
+        return;
+    float visible = lf_path_visible(&visit->worker->tracer, &pivot->event, light);
+    if (!(visible > 0.0f))
+        return;
+    lf_fan_lobes f;
+    float over = lobes(visit, pivot, light->wi, &f), ratio = lf_glow_ratio(visit, pivot, light->light, -1, sum, least_depth(visit));
+    float denominator = light->pdf * (1.0f + ratio) * sum + (light->delta ? 0.0f : over);
+    lf_vec3 radiance = lf_scale(lf_mul(light->radiance, f.colour[0]), visible / denominator);
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        size_t pixel;
+        if (visit->worker->density[k] == 0.0f)
+            continue;
+        target(visit, k, &pixel);
+        lf_visit_add_native(visit, pixel, lf_scale(radiance, visit->worker->density[k] * visit->worker->lobe[k]));
+    }
+}
+
+static void balance_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot, lf_suffix *suffix)
+{
+    float sum = fan(visit, view, column, pivot);
+    lf_glow_balance(visit, pivot, -1, sum, least_depth(visit), suffix);
+}
+
+const lf_integrator lf_integrator_mvpt = {
+    .name = "mvpt", .shares = true, .pivot = pivot_mvpt, .glow = glow_mvpt, .balance = balance_mvpt};
+const lf_integrator lf_integrator_amvpt = {
+    .name = "amvpt", .shares = true, .adaptive = true, .pivot = pivot_mvpt, .glow = glow_mvpt, .balance = balance_mvpt};

@@ -1,5 +1,7 @@
 #include "render/path.h"
 
+#include "render/glow.h"
+
 void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out)
 {
     lf_vec3 o = from->kind == LF_EVENT_SURFACE ? lf_offset(tracer->scene, from->p, from->hit.ng, w, 0.0f) : from->p;
@@ -11,10 +13,12 @@ void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *
         out->p = out->hit.p;
         t_max = out->hit.t;
     }
-    float t = lf_track_collision(tracer, o, w, t_max, &out->volume);
-    if (t < t_max) {
+    out->from = o;
+    out->surface = t_max;
+    out->t = lf_track_collision(tracer, o, w, t_max, &out->volume);
+    if (out->t < t_max) {
         out->kind = LF_EVENT_MEDIUM;
-        out->p = lf_madd(o, t, w);
+        out->p = lf_madd(o, out->t, w);
     }
 }
 
@@ -100,6 +104,74 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
     return lf_v3(0.0f, 0.0f, 0.0f);
 }
 
+static float extinction(const lf_scene *scene, lf_vec3 p)
+{
+    float sigma = 0.0f;
+    for (int i = 0; i < scene->n_volumes; i++)
+        sigma += lf_volume_sigma_t(&scene->volumes[i], p);
+    return sigma;
+}
+
+static const lf_glow *pick_glow(const lf_scene *scene, float u)
+{
+    int i = 0;
+    for (; i < scene->n_glows - 1 && u >= scene->glows[i].share; i++)
+        u -= scene->glows[i].share;
+    return &scene->glows[i];
+}
+
+/* Albedo times phase function times extinction of all volumes at p, each over the pdf with which this light is found from there. */
+static lf_vec3 scattered_by_volumes(const lf_scene *scene, lf_vec3 p, lf_vec3 w, const lf_light_sample *light)
+{
+    lf_vec3 sum = lf_v3(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < scene->n_volumes; i++) {
+        const lf_volume *v = &scene->volumes[i];
+        float phase = lf_phase_between(v->g, w, light->wi);
+        sum = lf_madd(sum, lf_volume_sigma_t(v, p) * phase / (light->delta ? light->pdf : light->pdf + phase), v->albedo);
+    }
+    return sum;
+}
+
+lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
+{
+    const lf_vec3 nothing = lf_v3(0.0f, 0.0f, 0.0f);
+    const lf_scene *scene = tracer->scene;
+    if (scene->n_glows == 0)
+        return nothing;
+    const lf_glow *glow = pick_glow(scene, lf_rng(tracer));
+    lf_glow_segment segment;
+    if (!lf_glow_segment_init(&segment, scene, glow, next->from, next->w) || lf_rng(tracer) >= segment.count)
+        return nothing;
+    lf_event event = {.kind = LF_EVENT_MEDIUM};
+    float t = lf_glow_segment_draw(&segment, lf_rng(tracer)), pdf;
+    const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
+    event.p = lf_madd(next->from, t, next->w);
+    float sigma = t < next->surface ? extinction(scene, event.p) : 0.0f;
+    const lf_light *from = &scene->lights[glow->light];
+    lf_light_sample light;
+    if (!(sigma > 0.0f) || !lf_light_draw_from(scene, from, event.p, u, &light))
+        return nothing;
+    float weight = lf_glow_segment_weight(&segment, t, sigma, glow->share, from->select, &pdf);
+    weight *= from->select / (segment.count * glow->share * pdf) * lf_path_visible(tracer, &event, &light);
+    if (!(weight > 0.0f))
+        return nothing;
+    weight *= lf_track_transmittance(tracer, next->from, next->w, t);
+    return lf_scale(lf_mul(scattered_by_volumes(scene, event.p, next->w, &light), light.radiance), weight);
+}
+
+/* What is left to the collision at `event` of a light's next event there. */
+static float beside_glow(const lf_scene *scene, const lf_event *event, const lf_light *light)
+{
+    lf_glow_segment segment;
+    if (event->kind != LF_EVENT_MEDIUM || light->glow == 0)
+        return 1.0f;
+    const lf_glow *glow = &scene->glows[light->glow - 1];
+    if (!lf_glow_segment_init(&segment, scene, glow, event->from, event->w))
+        return 1.0f;
+    float sigma = extinction(scene, event->p);
+    return sigma > 0.0f ? 1.0f - lf_glow_segment_weight(&segment, event->t, sigma, glow->share, light->select, NULL) : 1.0f;
+}
+
 /* Next-event estimation with the balance heuristic against direction sampling. */
 static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
 {
@@ -112,6 +184,7 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
     if (!(lf_max3(f) > 0.0f))
         return lf_v3(0.0f, 0.0f, 0.0f);
     float weight = lf_path_visible(tracer, event, &light) / (light.delta ? light.pdf : light.pdf + pdf);
+    weight *= beside_glow(tracer->scene, event, light.light);
     return lf_scale(lf_mul(f, light.radiance), weight);
 }
 
@@ -171,9 +244,17 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
         lf_vec3 found = lf_path_light_found(tracer->scene, &here, &next, &light_pdf);
         float weight = delta || light_pdf <= 0.0f ? 1.0f : pdf / (pdf + light_pdf);
         radiance = lf_add(radiance, lf_scale(lf_mul(beta, found), weight));
+        if (depth < max_depth)
+            radiance = lf_add(radiance, lf_mul(beta, lf_path_glow(tracer, &next)));
         if (next.kind == LF_EVENT_ESCAPE)
             break;
         here = next;
     }
     return radiance;
+}
+
+lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth)
+{
+    lf_vec3 radiance = depth <= max_depth ? lf_path_glow(tracer, next) : lf_v3(0.0f, 0.0f, 0.0f);
+    return next->kind == LF_EVENT_ESCAPE ? radiance : lf_add(radiance, lf_path_scattered(tracer, next, depth, max_depth));
 }

@@ -15,6 +15,10 @@ typedef struct lf_event {
     lf_vec3 w;  /* unit direction of travel with which the path arrived */
     int volume; /* LF_EVENT_MEDIUM: whose collision */
     lf_hit hit; /* LF_EVENT_SURFACE */
+    /* Set by lf_path_next: the segment that ends here. */
+    lf_vec3 from;  /* where it began … */
+    float t;       /* … and how far from here that is */
+    float surface; /* distance of the first surface along it, INFINITY: none */
 } lf_event;
 
 /* The next event of a path that leaves `from` (a vertex) along the unit vector w. */
@@ -37,8 +41,16 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_s
  * which light sampling at `from` would have drawn w. */
 lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const lf_event *event, float *out_light_pdf);
 
+/* Radiance scattered back along the segment that ends at `next`, at points drawn about one of the lights in media (glow.h); what collisions
+ * find of these lights in lf_path_scattered makes room for it. 0 where the scene has none. */
+lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next);
+
+/* All that is scattered along the segment that ends at `next`, at it and behind it; arguments as in lf_path_scattered. */
+lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth);
+
 /* Radiance scattered at `event` back along the path, by next-event estimation and a random walk; the vertex is number `depth`
- * behind the camera (the pivot is 1) and paths end behind vertex max_depth. Light emitted AT the vertex is not counted. */
+ * behind the camera (the pivot is 1) and paths end behind vertex max_depth. Light emitted AT the vertex is not counted. The
+ * event comes from lf_path_next. */
 lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, int max_depth);
 
 #endif

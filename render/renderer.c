@@ -77,16 +77,17 @@ static void free_workers(lf_worker **workers, int n)
     lf_free(workers);
 }
 
-static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_film_layout *layout, const lf_row_triangles *triangles)
+static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_film_layout *layout, const lf_row_triangles *triangles,
+                                bool mirrors)
 {
     lf_worker **workers = lf_calloc((size_t)n, sizeof *workers);
     for (int i = 0; workers && i < n; i++) {
         workers[i] = lf_calloc(1, sizeof **workers);
         if (workers[i])
             workers[i]->expected = lf_calloc((size_t)layout->n_views * (size_t)layout->width, sizeof *workers[i]->expected);
-        if (workers[i] && layout->has_native)
+        if (workers[i] && mirrors)
             workers[i]->mirrors = lf_calloc((size_t)layout->n_views * (size_t)layout->width, sizeof *workers[i]->mirrors);
-        if (!workers[i] || !workers[i]->expected || (layout->has_native && !workers[i]->mirrors) ||
+        if (!workers[i] || !workers[i]->expected || (mirrors && !workers[i]->mirrors) ||
             lf_media_init(&workers[i]->media, frame) != LF_OK || lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
             lf_section_init(&workers[i]->section, triangles->longest) != LF_OK) {
             free_workers(workers, n);
@@ -99,12 +100,13 @@ static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_fil
 /* What the scene needs of the film; sky where B is not stored. */
 static lf_film_layout film_layout(const lf_scene *scene, unsigned kept, const lf_rig *rig, float sky[3])
 {
-    bool uniform = !scene->has_delta && !(kept & LF_SKIP_KNOWN_LIGHT) && lf_exits_uniform(scene, sky);
+    bool native = scene->has_delta || scene->n_glows > 0;
+    bool uniform = !native && !(kept & LF_SKIP_KNOWN_LIGHT) && lf_exits_uniform(scene, sky);
     return (lf_film_layout){.n_views = rig->n_views,
                             .width = rig->width,
                             .height = rig->height,
                             .has_w2 = scene->has_view_lobes,
-                            .has_native = scene->has_delta,
+                            .has_native = native,
                             .has_known = !uniform};
 }
 
@@ -164,7 +166,7 @@ static lf_status make_memory(lf_renderer *r, unsigned kept, parts *fresh)
     if (status != LF_OK)
         return status;
     fresh->n_workers = lf_pool_threads(r->pool);
-    fresh->workers = make_workers(fresh->n_workers, &fresh->frame, &layout, &fresh->triangles);
+    fresh->workers = make_workers(fresh->n_workers, &fresh->frame, &layout, &fresh->triangles, fresh->seen.has_delta);
     return fresh->workers ? LF_OK : LF_E_NOMEM;
 }
 

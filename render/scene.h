@@ -152,7 +152,18 @@ typedef struct lf_light {
     uint32_t *triangle;          /* … their numbers */
     double *area_cdf;            /* [n_triangles + 1] cumulative area, 0..1: a float's steps would show in small triangles */
     float area;                  /* total */
+    int glow;                    /* point and mesh: 1 + its place in scene->glows; 0 = none */
 } lf_light;
+
+/* A light in media (glow.h). */
+typedef struct lf_glow {
+    int light;
+    lf_vec3 middle;
+    float radius; /* how far the light reaches from its middle; 0 for points */
+    float reach;  /* and how far the farthest point of the volumes is */
+    float share;  /* of the light's probability to be picked in that of all glows */
+} lf_glow;
+#define LF_MAX_GLOWS 64
 
 /* ---------------------------------------------------------------------------------------------------------- scene -- */
 
@@ -169,8 +180,11 @@ struct lf_scene {
     lf_volume *volumes;
     lf_mesh *meshes; /* indexed by Embree's geomID */
     lf_material *materials;
-    lf_light *lights;               /* in the order of their types after lf_lights_commit: those at infinity first */
-    int n_lights_infinite;          /* set by lf_lights_commit */
+    lf_light *lights;      /* in the order of their types after lf_lights_commit: those at infinity first */
+    int n_lights_infinite; /* set by lf_lights_commit */
+    int n_glows;           /* lights in media */
+    lf_glow glows[LF_MAX_GLOWS];
+    lf_vec3 media_min, media_max;   /* box of all volumes; min > max when there are none */
     RTCScene embree;                /* NULL without meshes (then no Embree device exists either) */
     float offset;                   /* lf_geometry.offset; 0 without meshes */
     struct lf_geometry *geometry;   /* owner of the meshes' arrays and of embree, shared between scenes; NULL without meshes */

@@ -72,8 +72,9 @@ void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf
     lf_event next;
     lf_path_next(tracer, &pivot->event, out->wi, &next);
     out->found = lf_path_light_found(visit->scene, &pivot->event, &next, &out->found_pdf);
-    if (next.kind != LF_EVENT_ESCAPE)
-        out->scattered = lf_path_scattered(tracer, &next, 2, visit->max_depth);
+    if (visit->worker->glows.n > 0 && out->found_pdf > 0.0f && next.kind == LF_EVENT_SURFACE)
+        out->found_light = lf_light_of_hit(visit->scene, &next.hit);
+    out->scattered = lf_path_arriving(tracer, &next, 2, visit->max_depth);
 }
 
 lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, lf_vec3 wo)
@@ -128,6 +129,18 @@ static float native_weight(const lf_visit *visit, size_t pixel)
     return 1.0f / ((visit->expected ? visit->expected[pixel] : 1.0f) + visit->more);
 }
 
+void lf_visit_add_native(lf_visit *visit, size_t pixel, lf_vec3 radiance)
+{
+    float *out = visit->sums.native[pixel];
+    if (!isfinite(radiance.x + radiance.y + radiance.z)) {
+        visit->worker->tracer.nonfinite++;
+        return;
+    }
+    out[0] += radiance.x;
+    out[1] += radiance.y;
+    out[2] += radiance.z;
+}
+
 /* Delta lobes of the first surface: native, into M. */
 static void add_native(lf_visit *visit, int view, int column, const lf_pivot *pivot)
 {
@@ -147,19 +160,11 @@ static void add_native(lf_visit *visit, int view, int column, const lf_pivot *pi
     lf_path_next(tracer, event, wi, &next);
     float light_pdf;
     lf_vec3 radiance = lf_path_light_found(visit->scene, event, &next, &light_pdf);
-    if (next.kind != LF_EVENT_ESCAPE)
-        radiance = lf_add(radiance, lf_path_scattered(tracer, &next, 2, visit->max_depth));
+    radiance = lf_add(radiance, lf_path_arriving(tracer, &next, 2, visit->max_depth));
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
     float weight = visit->weight * native_weight(visit, pixel) * lf_visit_correction(visit, view, pivot);
     radiance = lf_scale(lf_mul(radiance, r), weight / probability);
-    if (!isfinite(radiance.x + radiance.y + radiance.z)) {
-        tracer->nonfinite++;
-        return;
-    }
-    float *out = visit->sums.native[pixel];
-    out[0] += radiance.x;
-    out[1] += radiance.y;
-    out[2] += radiance.z;
+    lf_visit_add_native(visit, pixel, radiance);
 }
 
 /* A base ray in its row's plane; returns its direction. */
@@ -236,9 +241,20 @@ static int mirror_subsets(const lf_visit_plan *plan)
 {
     enum { TIMES = 6 };
     int n = plan->rig->n_views;
-    if (!plan->film->layout.has_native || plan->column_step > 1)
+    if (!plan->scene->has_delta || plan->column_step > 1)
         return 0;
     return TIMES * plan->subsets < MIRROR_ROUNDS * n ? TIMES * plan->subsets : MIRROR_ROUNDS * n;
+}
+
+/* The lights in the media of the row, as seen in its plane. */
+static void cut_glows(lf_visit *visit)
+{
+    lf_worker *w = visit->worker;
+    int base = 0;
+    for (int k = 0; k < visit->rig->n_views && w->media.n_here > 0; k++)
+        base += w->reach.end[k] - w->reach.first[k];
+    lf_glow_row_init(&w->glows, visit->scene, visit->rig, &visit->plane, &w->media, (float)base,
+                     visit->sharing->shares ? 1.0f : (float)visit->rig->n_views);
 }
 
 /* Draws the plane of a visit and cuts the volumes with it. offsets names the sequence of row offsets. */
@@ -255,6 +271,7 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
         lf_reach_whole(&visit->worker->reach, plan->rig);
     else
         lf_reach_of(&visit->worker->reach, plan->scene, plan->rig, &visit->plane, &visit->worker->media);
+    cut_glows(visit);
 }
 
 static void begin(const lf_visit_plan *plan, lf_visit *visit)
@@ -262,7 +279,7 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
     visit->scene = plan->scene;
     visit->rig = plan->rig;
     visit->kernels = plan->kernels;
-    visit->integrator = plan->integrator;
+    visit->integrator = visit->sharing = plan->integrator;
     visit->triangles = plan->triangles;
     visit->max_depth = plan->max_depth;
     visit->subsets = plan->subsets;
@@ -463,6 +480,8 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
         cut(plan, &visit, key, lf_hash64(key, 0), index);
     if (visit.expected ? !sample_counts(plan, &visit, state->n[half], first_rank, lf_hash64(key, 13), cancel)
                        : !sample_lattice(plan, &visit, first, passes, key, cancel))
+        return false;
+    if (!lf_glow_visit(plan, &visit, (float)weight, cancel))
         return false;
     if (visit.more > 0.0f && !sample_mirrors(plan, &visit, key, index, cancel))
         return false;
