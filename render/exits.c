@@ -105,7 +105,7 @@ static void widen(bool *mirrors, int n_views, int width)
     }
 }
 
-/* Correction weights of the fan's rays [from, to). Where media are thin 1 - T is what is wanted: a look-up for every fourth ray, at least. */
+/* Correction weights of the fan's rays [from, to). Where media are thin 1 - T is what is wanted: a point for every other fan, at least. */
 static void correct(const lf_visit *visit, int from, int to)
 {
     lf_worker *w = visit->worker;

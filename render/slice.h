@@ -46,7 +46,7 @@ typedef struct lf_slice {
     lf_samples *filled;   /* [nz] while it is filled: samples that are not 0 */
     /* Cell (c, i) lies between planes c - 1 and c and between samples i and i + 1; a tile is so many cells. */
     int tile_cells_x, tile_cells_z, tiles_x, tiles_z;
-    /* [tiles_z][tiles_x] about how far the slice is from the grid: root of the mean square, per scene unit; above 0 wherever they differ. */
+    /* [tiles_z][tiles_x] about how far the slice is from the grid: root mean square, per scene unit; above 0 wherever they differ. */
     float *rough;
     float *near; /* [tiles_z][tiles_x] while it is filled: largest sigma_t near a tile */
 } lf_slice;
