@@ -235,6 +235,37 @@ static void append_mesh(const struct aiMesh *mesh, unsigned material, const lf_a
     }
 }
 
+/* Normals of vertices: the mean of their faces', weighted by the faces' angles there (Thuermer and Wuethrich 1998). Assimp's own are those
+ * of one face where a file's faces share their vertices. */
+static void smooth(lf_mesh_data *data)
+{
+    for (size_t c = 0; c < 3 * (size_t)data->n_triangles; c++) {
+        const uint32_t *t = data->triangles + c - c % 3;
+        const double *p = data->positions + 3 * (size_t)t[c % 3], *q = data->positions + 3 * (size_t)t[(c + 1) % 3],
+                     *r = data->positions + 3 * (size_t)t[(c + 2) % 3];
+        double a[3], b[3], w[3], cosine = 0, length = 0;
+        for (int i = 0; i < 3; i++) {
+            a[i] = q[i] - p[i];
+            b[i] = r[i] - p[i];
+            cosine += a[i] * b[i];
+        }
+        for (int i = 0; i < 3; i++) {
+            int j = (i + 1) % 3, k = (i + 2) % 3;
+            w[i] = a[j] * b[k] - a[k] * b[j];
+            length += w[i] * w[i];
+        }
+        length = sqrt(length);
+        double weight = length > 0 ? atan2(length, cosine) / length : 0;
+        for (int i = 0; i < 3; i++)
+            data->normals[3 * (size_t)t[c % 3] + (size_t)i] += (float)(weight * w[i]);
+    }
+    for (float *n = data->normals, *end = n + 3 * (size_t)data->n_vertices; n < end; n += 3) {
+        float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        for (int i = 0; i < 3; i++)
+            n[i] = length > 1e-6f ? n[i] / length : 0.0f;
+    }
+}
+
 /* Gives vertices without a usable normal that of a face at them, and takes NaN out of positions that no face uses. */
 static void repair(lf_mesh_data *data)
 {
@@ -297,6 +328,8 @@ static lf_status convert_geometry(const struct aiScene *scene, const lf_mesh_des
     if (out->n_broken > 0)
         lf_warnings_add(&out->warnings, path, "%d of %lld triangles are left out: a vertex is not finite, or beyond %g",
                         out->n_broken, (long long)wanted.n_triangles, LF_MAX_COORDINATE);
+    if (desc->normals == LF_NORMALS_SMOOTH)
+        smooth(out);
     repair(out);
     return LF_OK;
 }
@@ -310,8 +343,6 @@ static const struct aiScene *import_with(const char *path, lf_normals wanted, un
     int remove = aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_TEXCOORDS; /* what else there is gets a warning */
     if (wanted != LF_NORMALS_FILE)
         remove |= aiComponent_NORMALS;
-    if (wanted == LF_NORMALS_SMOOTH)
-        steps |= aiProcess_GenSmoothNormals;
     struct aiPropertyStore *store = aiCreatePropertyStore();
     aiSetImportPropertyInteger(store, AI_CONFIG_PP_RVC_FLAGS, remove);
     steps |= aiProcess_ValidateDataStructure | aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType |
@@ -321,7 +352,7 @@ static const struct aiScene *import_with(const char *path, lf_normals wanted, un
     return scene;
 }
 
-/* NULL with err filled. *out_normals: whether all meshes have normals. Under the lock. */
+/* NULL with err filled. *out_normals: whether all meshes have normals, or get them. Under the lock. */
 static const struct aiScene *read_scene(const char *path, lf_normals wanted, reading *state, bool *out_normals, lf_error *err)
 {
     unsigned with = 0;
@@ -332,7 +363,7 @@ static const struct aiScene *read_scene(const char *path, lf_normals wanted, rea
         aiReleaseImport(scene);
         scene = import_with(path, wanted, aiProcess_GenNormals, state);
     }
-    *out_normals = with > 0;
+    *out_normals = with > 0 || wanted == LF_NORMALS_SMOOTH;
     if (!scene)
         lf_error_set(err, LF_E_FORMAT, path, "cannot be read as a mesh: %s", aiGetErrorString());
     return scene;
