@@ -170,6 +170,128 @@ static void a_lamp_of_any_size_over_a_ground_gives_lamberts_formula(void **state
     }
 }
 
+/* What the formula gives for the triangles of a convex lamp that face the point. */
+static double facets(const lf_mesh *mesh, const lf_event *at)
+{
+    double e = 0.0;
+    for (int t = 0; t < mesh->n_triangles; t++) {
+        vec v[3], n = v3(at->hit.ng);
+        for (int i = 0; i < 3; i++)
+            v[i] = sub(v3(lf_mesh_vertex(mesh, mesh->triangles[3 * t + i])), v3(at->p));
+        if (dot(v[0], cross(sub(v[1], v[0]), sub(v[2], v[0]))) >= 0.0)
+            continue;
+        for (int i = 0; i < 3; i++) {
+            vec c = cross(v[i], v[(i + 1) % 3]);
+            e -= 0.5 * atan2(length(c), dot(v[i], v[(i + 1) % 3])) / length(c) * dot(c, n);
+        }
+    }
+    return e;
+}
+
+/* Half of the samples lie on the far side of the ball, which the near side hides. */
+static void a_ball_of_light_over_a_plane_gives_the_formula_and_the_inverse_square(void **state)
+{
+    (void)state;
+    static const double sizes[] = {0.01, 0.5, 9.0};
+    for (int k = 0; k < 3; k++) {
+        char text[1024];
+        double r = sizes[k], h = fmax(1.0, 1.1 * r);
+        snprintf(
+            text, sizeof text,
+            "{ 'quiltd': 1, 'camera': { 'position': [0, 1, 5], 'fov_y': 24, 'aspect': 1, 'views': 1 }, 'meshes': { 'ground': { "
+            "'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 1000 } }, 'lamp': { 'shape': 'sphere', 'material': "
+            "'lamp', 'transform': { 'scale': %g, 'translate': [0, %g, 0] } } }, 'materials': { 'clay': { 'albedo': 1 }, 'lamp': "
+            "{ 'albedo': 0, 'emission': 1 } }, 'lights': {} }",
+            r, h);
+        lf_scene *scene = lf_test_scene(text);
+        lf_tracer tracer = {.scene = scene, .rng = lf_test_seed()};
+        lf_event at = {.kind = LF_EVENT_SURFACE, .w = lf_v3(0.0f, -1.0f, 0.0f)};
+        assert_true(lf_trace_surface(&tracer, lf_v3((float)(1.5 * h), (float)(0.3 * h), 0.0f), at.w, INFINITY, &at.hit));
+        at.p = at.hit.p;
+        double d2 = h * h * (1.0 + 1.5 * 1.5), expected = facets(&scene->meshes[1], &at), error;
+        lf_assert_close(expected, M_PI * r * r / d2 / sqrt(1.0 + 1.5 * 1.5), 2e-3, 0.0);
+        lf_moments m = {0};
+        for (int i = 0; i < 400000; i++) {
+            const float u[3] = {lf_rng(&tracer), lf_rng(&tracer), lf_rng(&tracer)};
+            lf_light_sample light;
+            double given = 0.0;
+            if (lf_light_draw(scene, at.p, u, &light))
+                given = (double)(lf_path_visible(&tracer, &at, &light) * lf_max(lf_dot(light.wi, at.hit.ng), 0.0f) / light.pdf);
+            lf_moments_add(&m, given);
+        }
+        error = lf_moments_error(&m);
+        assert_true(error < 5e-3 * expected);
+        if (lf_p_mean(&m, expected) < lf_sidak(LF_FALSE_ALARM, 3))
+            fail_msg("ball of %g: %.6f +- %.6f for %.6f", r, m.mean, error, expected);
+        lf_scene_unref(scene);
+    }
+}
+
+/* The form factor of two equal squares that face each other (Howell's catalogue, C-11), at distances of 1 and 0.1 of their sides. */
+static void two_plates_exchange_their_form_factor(void **state)
+{
+    (void)state;
+    static const double across[] = {1.0, 10.0};
+    enum { n = 12 };
+    for (int k = 0; k < 2; k++) {
+        double x = across[k], y = sqrt(1.0 + x * x), sum = 0.0;
+        double expected =
+            2.0 / (M_PI * x * x) * (log(y * y / sqrt(1.0 + 2.0 * x * x)) + 2.0 * x * y * atan(x / y) - 2.0 * x * atan(x));
+        set_up s = {.ground = 0.5 * x, .lamp = 0.5 * x, .height = 1, .turned = {10, 20, 30}};
+        lf_scene *scene = make_scene(&s);
+        lf_tracer tracer = {.scene = scene, .rng = lf_test_seed()};
+        for (int i = 0; i < n * n; i++) {
+            lf_event at;
+            double lost, place[2] = {0.5 - 0.5 * cos(M_PI * (i % n + 0.5) / n), 0.5 - 0.5 * cos(M_PI * (i / n + 0.5) / n)};
+            double weight = 0.25 * (M_PI / n) * (M_PI / n) * sin(M_PI * (i % n + 0.5) / n) * sin(M_PI * (i / n + 0.5) / n);
+            find_ground(&tracer, &s, x * (place[0] - 0.5), x * (place[1] - 0.5), &at);
+            sum += weight * by_samples(&tracer, &at, 48, &lost) / M_PI;
+            assert_true(lost == 0.0);
+        }
+        /* What the rule of points makes of a constant. */
+        double whole = pow(0.5 * M_PI / n / sin(0.5 * M_PI / n), 2.0);
+        lf_assert_close(sum / whole, expected, 3e-3, 0.0);
+        lf_scene_unref(scene);
+    }
+}
+
+/* ---------------------------------------------------------------------------------------------------- in pictures -- */
+
+static void four_cycles(lf_renderer *renderer)
+{
+    lf_test_cycles(renderer, 4);
+}
+
+/* One small spot right below the lamp: 0.5 times the form factor of a square of 1 at a distance of 1. */
+static void a_lamp_lights_a_ground_of_any_size_in_pictures(void **state)
+{
+    (void)state;
+    static const char *const grounds[] = {"1", "16", "1e4"}, *const integrators[] = {"vpt", "mvpt"};
+    const double f = 0.5 * 4.0 / M_PI * sqrt(0.2) * atan(sqrt(0.2));
+    for (int k = 0; k < 6; k++) {
+        char text[1024];
+        snprintf(
+            text, sizeof text,
+            "{ 'quiltd': 1, 'camera': { 'position': [0, 0.5, 0.02], 'target': [0, 0, 0], 'up': [0, 0, -1], 'fov_y': 1, 'aspect': "
+            "1, "
+            "'views': 3, 'cone': 1 }, 'meshes': { 'f': { 'shape': 'quad', 'material': 'd', 'transform': { 'scale': %s } }, 'l': { "
+            "'shape': 'quad', 'material': 'e', 'transform': { 'scale': 0.5, 'translate': [0, 1, 0] } } }, 'materials': { 'd': { "
+            "'albedo': 0.5 }, 'e': { 'albedo': 0, 'emission': 1 } }, 'lights': {} }",
+            grounds[k / 2]);
+        lf_scene *scene = lf_test_scene(text);
+        lf_renderer *r = lf_test_renderer(scene, integrators[k % 2], 32, 32, NULL);
+        lf_blocks blocks;
+        lf_test_pictures(r, four_cycles, LF_ESTIMATOR_MIS, 12, (uint64_t)k, 32, &blocks);
+        const lf_moments *m = &blocks.moments[blocks.n - 1];
+        assert_true(lf_moments_error(m) < 1.5e-3 * f);
+        if (lf_p_mean(m, f) < lf_sidak(LF_FALSE_ALARM, 6))
+            fail_msg("ground %s, %s: %.6f +- %.6f for %.6f", grounds[k / 2], integrators[k % 2], m->mean, lf_moments_error(m), f);
+        lf_blocks_finish(&blocks);
+        lf_renderer_destroy(r);
+        lf_scene_unref(scene);
+    }
+}
+
 /* ------------------------------------------------------------------------------------- a small box on a ground -- */
 
 /* Where a ray meets a triangle, in double (Moeller and Trumbore 1997); INFINITY: nowhere. */
@@ -299,6 +421,39 @@ static void assert_box(boxed b)
                  b.turned[0], n, primary, shadow, dark, bounce);
 }
 
+/* The mean of a picture of a box of 0.02 and its shadow. */
+static double picture_of_box(const char *ground, const char *integrator)
+{
+    char text[1024];
+    snprintf(
+        text, sizeof text,
+        "{ 'quiltd': 1, 'camera': { 'position': [0, 4, 4], 'target': [0, 0, 0], 'fov_y': 6, 'aspect': 0.75, 'views': 5, 'cone': 10 "
+        "}, 'meshes': { 'ground': { 'shape': 'quad', 'material': 'g', 'transform': { 'scale': %s } }, 'box': { 'shape': 'cube', "
+        "'material': 'g', 'transform': { 'scale': [0.1, 0.01, 0.1], 'translate': [0, 0.01, 0] } } }, 'materials': { 'g': { "
+        "'albedo': 0.5 } }, 'lights': { 'sun': { 'type': 'distant', 'direction': [0.9, -0.3, 0], 'irradiance': 5 } }, 'render': { "
+        "'max_depth': 1 } }",
+        ground);
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, integrator, 36, 48, NULL);
+    lf_test_cycles(r, 2);
+    double *picture = lf_test_picture(r, LF_ESTIMATOR_MIS), sum = 0.0;
+    for (int i = 0; i < 36 * 48 * 5; i++)
+        sum += picture[i];
+    free(picture);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+    return sum / (36 * 48 * 5);
+}
+
+/* The same seeds: what differs is the ground, which the picture does not show the end of. Its shadow is 2 % of the picture. */
+static void a_small_box_casts_the_same_shadow_on_a_ground_of_any_size(void **state)
+{
+    (void)state;
+    static const char *const grounds[] = {"300", "3000", "1e5"}, *const integrators[] = {"vpt", "mvpt"};
+    for (int k = 0; k < 6; k++)
+        lf_assert_close(picture_of_box(grounds[k / 2], integrators[k % 2]), picture_of_box("3", integrators[k % 2]), 1e-4, 0.0);
+}
+
 static void a_small_box_stands_on_a_ground_of_any_size_as_in_double_precision(void **state)
 {
     (void)state;
@@ -316,6 +471,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lamp_over_a_ground_of_any_size_gives_lamberts_formula),
         cmocka_unit_test(a_lamp_of_any_size_over_a_ground_gives_lamberts_formula),
+        cmocka_unit_test(a_ball_of_light_over_a_plane_gives_the_formula_and_the_inverse_square),
+        cmocka_unit_test(two_plates_exchange_their_form_factor),
+        cmocka_unit_test(a_lamp_lights_a_ground_of_any_size_in_pictures),
+        cmocka_unit_test(a_small_box_casts_the_same_shadow_on_a_ground_of_any_size),
         cmocka_unit_test(a_small_box_stands_on_a_ground_of_any_size_as_in_double_precision),
     };
     return cmocka_run_group_tests_name("direct light", tests, NULL, lf_test_finish);
