@@ -33,12 +33,13 @@ void lf_glow_row_init(lf_glow_row *row, const lf_scene *scene, const lf_rig *rig
     }
 }
 
-/* The direction from a light's foot in which a view finds it brightest, (x, true depth in the plane). */
+/* The direction from a light's foot in which a view finds it brightest, (x, true depth in the plane); any where the foot is the camera. */
 static void axis_of(const lf_glow_row *row, const lf_glow_plane *p, int view, float *out_x, float *out_z)
 {
-    float x = p->x - row->rig->b[view], z = p->z * sqrtf(row->my2), over = copysignf(1.0f / sqrtf(x * x + z * z), -row->g);
+    float x = p->x - row->rig->b[view], z = p->z * sqrtf(row->my2), distance = sqrtf(x * x + z * z);
+    float over = distance > 0.0f ? copysignf(1.0f / distance, -row->g) : 0.0f;
     *out_x = x * over;
-    *out_z = z * over;
+    *out_z = distance > 0.0f ? z * over : 1.0f;
 }
 
 void lf_glow_row_draw(const lf_glow_row *row, int glow, int view, const float u[3], float *out_x, float *out_z)
