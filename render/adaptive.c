@@ -203,7 +203,7 @@ bool lf_adaptive_ready(const lf_film *film)
 static void assume_delta(const lf_film *film, const lf_counts *counts)
 {
     size_t n = row_start(counts, counts->height);
-    if (film->layout.has_native && !memchr(counts->delta, 1, n))
+    if (film->layout.has_delta && !memchr(counts->delta, 1, n))
         memset(counts->delta, 1, n);
 }
 

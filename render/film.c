@@ -47,7 +47,8 @@ bool lf_film_has_layout(const lf_film *film, const lf_film_layout *b)
 {
     const lf_film_layout *a = &film->layout;
     return film->data && a->n_views == b->n_views && a->width == b->width && a->height == b->height && a->has_w2 == b->has_w2 &&
-           a->has_native == b->has_native && a->has_known == b->has_known;
+           a->has_native == b->has_native && a->has_known == b->has_known && a->has_delta == b->has_delta &&
+           a->has_signed == b->has_signed;
 }
 
 void lf_film_clear(lf_film *film)

@@ -52,7 +52,9 @@ typedef struct lf_film_sums {
 typedef struct lf_film_layout {
     int n_views, width, height;
     bool has_w2, has_native;
-    bool has_known; /* B is stored: always where M is */
+    bool has_known;  /* B is stored: always where M is */
+    bool has_delta;  /* M is of delta lobes too */
+    bool has_signed; /* N and W may cancel: correction weights of grids have both signs */
 } lf_film_layout;
 
 typedef struct lf_film_row {

@@ -101,13 +101,17 @@ static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_fil
 static lf_film_layout film_layout(const lf_scene *scene, unsigned kept, const lf_rig *rig, float sky[3])
 {
     bool native = scene->has_delta || scene->n_glows > 0;
-    bool uniform = !native && !(kept & LF_SKIP_KNOWN_LIGHT) && lf_exits_uniform(scene, sky);
+    bool uniform = !native && !(kept & LF_SKIP_KNOWN_LIGHT) && lf_exits_uniform(scene, sky), grids = false;
+    for (int i = 0; i < scene->n_volumes; i++)
+        grids = grids || scene->volumes[i].kind == LF_VOLUME_GRID;
     return (lf_film_layout){.n_views = rig->n_views,
                             .width = rig->width,
                             .height = rig->height,
                             .has_w2 = scene->has_view_lobes,
                             .has_native = native,
-                            .has_known = !uniform};
+                            .has_known = !uniform,
+                            .has_delta = scene->has_delta,
+                            .has_signed = grids};
 }
 
 /* Passes in a visit of the offline schedule. Where surfaces have edges a picture needs many row offsets and film points of B and q,

@@ -33,6 +33,7 @@ typedef struct lf_tile {
     int n_halves;
     int view0, view1, column0, column1;
     int count;
+    double ratio[3][3]; /* N/W of the tile: of the halves, and of both; where weights may cancel */
     lf_tile_pixel pixel[TILE_VIEWS * TILE_COLUMNS];
 } lf_tile;
 
@@ -82,6 +83,27 @@ static void read_known(const lf_tile *t, size_t pixel, lf_tile_pixel *p)
     }
 }
 
+enum { POOLED = 2 };
+
+static const lf_sums *sums_of(const lf_tile_pixel *p, int which)
+{
+    return which == POOLED ? &p->pooled : &p->half[which];
+}
+
+/* N/W of a whole tile: of a half, or of both. */
+static void tile_ratio(const lf_tile *t, int which, double ratio[3])
+{
+    double n[3] = {0}, w = 0.0;
+    for (int i = 0; i < t->count; i++) {
+        const lf_sums *s = sums_of(&t->pixel[i], which);
+        w += (double)s->w;
+        for (int c = 0; c < 3; c++)
+            n[c] += (double)s->scattered[c];
+    }
+    for (int c = 0; c < 3; c++)
+        ratio[c] = w > 0.0 ? n[c] / w : 0.0;
+}
+
 static void read_tile(lf_tile *t)
 {
     t->count = (t->view1 - t->view0) * (t->column1 - t->column0);
@@ -95,6 +117,8 @@ static void read_tile(lf_tile *t)
         pool(p, t->share);
         read_known(t, pixel_index(t, i), p);
     }
+    for (int which = 0; which <= POOLED && t->film->layout.has_signed; which++)
+        tile_ratio(t, which, t->ratio[which]);
 }
 
 static void answer_mis(const lf_sums *s, float out[3])
@@ -111,12 +135,15 @@ static float weight_of(const lf_sums *s, bool second)
 }
 
 /* B + q N/W, and B where nothing was found. B and q are of the same film points: where none of them has met what scatters, q is 0 and B all
- * the background, and what other paths have found there is counted at the pixels where q is too high. */
-static void answer_ratio(const lf_sums *s, bool second, float out[3])
+ * the background, and what other paths have found there is counted at the pixels where q is too high. Where weights have both signs a sum
+ * W that is small beside q may be what they have left of each other, and N/W anything: the tile's stands in for it. */
+static void answer_ratio(const lf_tile *t, int i, int which, bool second, float out[3])
 {
+    const lf_sums *s = sums_of(&t->pixel[i], which);
     float w = weight_of(s, second), share = w > 0.0f ? s->q / w : 0.0f;
+    bool cancelled = t->film->layout.has_signed && w != 0.0f && w < 0.25f * s->q;
     for (int c = 0; c < 3; c++)
-        out[c] = s->known[c] + share * s->scattered[c];
+        out[c] = s->known[c] + (cancelled ? s->q * (float)t->ratio[which][c] : share * s->scattered[c]);
 }
 
 /* Compares the spread between the halves of N/W and N/W' over a tile. */
@@ -128,8 +155,8 @@ static bool second_is_better(const lf_tile *t)
     for (int i = 0; i < t->count; i++) {
         for (int j = 0; j < 2; j++) {
             float x[3], y[3];
-            answer_ratio(&t->pixel[i].half[0], j == 1, x);
-            answer_ratio(&t->pixel[i].half[1], j == 1, y);
+            answer_ratio(t, i, 0, j == 1, x);
+            answer_ratio(t, i, 1, j == 1, y);
             for (int c = 0; c < 3; c++)
                 error[j] += (double)((x[c] - y[c]) * (x[c] - y[c]));
         }
@@ -142,19 +169,6 @@ typedef struct lf_beta {
     double ratio[3]; /* R */
     double lambda[2];
 } lf_beta;
-
-static void tile_ratio(const lf_tile *t, int h, double ratio[3])
-{
-    double n[3] = {0}, w = 0.0;
-    for (int i = 0; i < t->count; i++) {
-        const lf_sums *s = &t->pixel[i].half[h];
-        w += (double)s->w;
-        for (int c = 0; c < 3; c++)
-            n[c] += (double)s->scattered[c];
-    }
-    for (int c = 0; c < 3; c++)
-        ratio[c] = w > 0.0 ? n[c] / w : 0.0;
-}
 
 static void regress(const lf_tile *t, int h, lf_beta *beta)
 {
@@ -206,7 +220,7 @@ static void answer_cv(const lf_tile *t, const lf_tile_pixel *p, const lf_beta be
 /* A hole is where scattering is possible and no weight has arrived. */
 static uint8_t flags_of(const lf_sums *s)
 {
-    if (s->w > 0.0f)
+    if (s->w != 0.0f)
         return 0;
     return s->q > 0.0f ? LF_PIXEL_HOLE : LF_PIXEL_SETTLED;
 }
@@ -222,15 +236,16 @@ typedef struct lf_tile_answers {
     float radiance[3][TILE_VIEWS * AROUND]; /* of the tile and BESIDE columns around it */
 } lf_tile_answers;
 
-static void answer_half(const lf_tile_pixel *p, const lf_tile_answers *a, int h, double out[3])
+static void answer_half(const lf_tile *t, const lf_tile_answers *a, int i, int h, double out[3])
 {
+    const lf_tile_pixel *p = &t->pixel[i];
     float y[3] = {0};
     if (a->estimator == LF_ESTIMATOR_CV)
         answer_half_cv(&p->half[h], &a->beta[1 - h], out);
     else if (a->estimator == LF_ESTIMATOR_MIS)
         answer_mis(&p->half[h], y);
     else
-        answer_ratio(&p->half[h], a->second, y);
+        answer_ratio(t, i, h, a->second, y);
     for (int c = 0; c < 3; c++)
         out[c] = a->estimator == LF_ESTIMATOR_CV ? out[c] + (double)p->half[h].known[c] : (double)y[c];
 }
@@ -302,7 +317,7 @@ static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_tile_answer
         else if (estimator == LF_ESTIMATOR_MIS)
             answer_mis(&p->pooled, a->pixel[i]);
         else
-            answer_ratio(&p->pooled, a->second, a->pixel[i]);
+            answer_ratio(t, i, POOLED, a->second, a->pixel[i]);
     }
     if (t->n_halves == 2)
         read_radiance(t, a);
@@ -368,8 +383,8 @@ static void difference(const lf_tile *t, const lf_tile_answers *a, int i, float 
 {
     double x[2][3], share = (double)t->share[0] * (double)t->share[1];
     const lf_tile_pixel *p = &t->pixel[i];
-    answer_half(p, a, 0, x[0]);
-    answer_half(p, a, 1, x[1]);
+    answer_half(t, a, i, 0, x[0]);
+    answer_half(t, a, i, 1, x[1]);
     for (int c = 0; c < 3; c++) {
         double factor = sqrt(share / scale_of(t, a, i, c));
         out[c] = (float)((x[0][c] - x[1][c]) * factor);

@@ -353,7 +353,7 @@ static bool is_hole(const lf_film_half half[2], const double n[2], size_t pixel)
         q += n[h] > 0.0 ? half[h].q[pixel] : 0.0f;
         w += n[h] > 0.0 ? half[h].scattered[pixel].w : 0.0f;
     }
-    return q > 0.0f && !(w > 0.0f);
+    return q > 0.0f && w == 0.0f;
 }
 
 /* Native samples for holes, in the plane of one visit, until none is left farther than hole_reach columns from a pixel that has

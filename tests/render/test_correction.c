@@ -212,10 +212,40 @@ static void what_comes_through_rough_voxels_is_what_brute_force_says(void **stat
     }
 }
 
+/* Correction weights have both signs. Where they cancel in a pixel's W, behind few visits, N/W must not be a spark, and a negative W is no
+ * hole: sparks were 250 times, and what was put over such holes 10^30 times, as bright as anything is. */
+static void weights_that_cancel_leave_no_sparks(void **state)
+{
+    (void)state;
+    char text[1024];
+    const double tilt = 0.35, mu0 = 0.3, turn = tilt + acos(mu0);
+    snprintf(text, sizeof text,
+             "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 0.5, 'aspect': 1, 'cone': 0, 'views': 5 }, " PLACEHOLDER
+             ", 'lights': { 'sun': { 'type': 'distant', 'direction': [%.9f, 0, %.9f], 'irradiance': 10 } }, 'render': { "
+             "'max_depth': 1 } }",
+             -sin(turn), -cos(turn));
+    lf_scene *scene = scene_of(text, grid_of(full, WIDE, 16, THICK), voxel, tilt, (float)(1.0 / voxel), false);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
+    for (uint64_t seed = 0; seed < 24; seed++) {
+        lf_test_reseed(r, seed);
+        lf_test_passes(r, 3);
+        lf_assert_ok(lf_renderer_fill_holes(r, NULL), NULL);
+        double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS);
+        for (int k = 0; k < VIEWS * SIDE * SIDE; k++) {
+            if (!(fabs(picture[k]) < 16.0 * slab_truth(1.0, tilt, mu0)))
+                fail_msg("seed %d, pixel %d: %g", (int)seed, k, picture[k]);
+        }
+        free(picture);
+    }
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(edges_of_one_voxel_scatter_what_a_grazing_sun_gives_them),
+        cmocka_unit_test(weights_that_cancel_leave_no_sparks),
         cmocka_unit_test(what_comes_through_rough_voxels_is_what_brute_force_says),
     };
     return cmocka_run_group_tests_name("correction", tests, NULL, lf_test_finish);
