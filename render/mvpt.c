@@ -335,7 +335,7 @@ static float fan(const lf_visit *visit, int base, int column, const lf_pivot *pi
         visibility(visit, pivot, base);
     float sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
     sum = strategies(visit, sum);
-    return visit->faults & LF_FAULT_REALISED ? realised_sum(visit, base) : sum;
+    return visit->faults & LF_FAULT_REALISED && base >= 0 ? realised_sum(visit, base) : sum;
 }
 
 /* What the densities of the fan leave out: the smallest depth (lf_kernels.densities). */
