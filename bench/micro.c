@@ -214,7 +214,7 @@ static void run_march(const bench *b, const lf_kernels *k, answers *out)
     for (int i = 0; i < b->n_fans; i++) {
         const fan *f = &b->pivots[i];
         memset(out->tau[i], 0, sizeof out->tau[i]);
-        if (media->item[b->medium[i]].grid)
+        if (media->item[b->medium[i]].kind == LF_MEDIUM_SLICE)
             k->march(&media->item[b->medium[i]].slice, b->lanes, f->x0, f->slope, f->z_end, out->tau[i], out->sigma[i]);
     }
 }

@@ -12,6 +12,10 @@ typedef struct lf_body {
     float origin[3], across[3], depth[3];
 } lf_body;
 
+/* The rays of a row's plane in a volume's space, as lf_body has them. Returns false when the plane misses the volume. */
+bool lf_body_rays(const lf_volume *volume, const lf_rig *rig, const lf_row_plane *plane, float origin[3], float across[3],
+                  float depth[3]);
+
 /* Cuts the shape with the row's plane. Returns false when the plane misses it. */
 bool lf_body_cut(lf_body *body, const lf_volume *volume, const lf_rig *rig, const lf_row_plane *plane);
 

@@ -4,7 +4,7 @@ bool lf_correction_needed(const lf_media *media)
 {
     bool needed = false;
     for (int i = 0; i < media->n_here; i++)
-        needed = needed || media->item[media->here[i]].grid;
+        needed = needed || media->item[media->here[i]].kind == LF_MEDIUM_SLICE;
     return needed;
 }
 
@@ -68,7 +68,7 @@ void lf_correction_transmittance(const lf_media *media, const lf_rays *rays, flo
     longest = sqrtf(1.0f + longest * longest + rays->plane->my * rays->plane->my);
     for (int i = 0; i < media->n_here; i++) {
         const lf_medium *medium = &media->item[media->here[i]];
-        if (!medium->grid)
+        if (medium->kind != LF_MEDIUM_SLICE)
             continue;
         float occupied = (float)(medium->slice.last - medium->slice.first + 2) * medium->slice.dz;
         field f = {dense * longest, least / occupied, z_end};
@@ -78,7 +78,7 @@ void lf_correction_transmittance(const lf_media *media, const lf_rays *rays, flo
 
 float lf_correction_density(const lf_media *media, int medium, const lf_scene *scene, lf_vec3 p, float sampled, lf_tracer *tracer)
 {
-    if (!media->item[medium].grid)
+    if (media->item[medium].kind != LF_MEDIUM_SLICE)
         return sampled;
     tracer->lookups++;
     return lf_volume_sigma_t(&scene->volumes[media->item[medium].volume], p);

@@ -4,7 +4,7 @@ static double density(const lf_visit *visit, const lf_pivot *pivot, float sum, f
 {
     const lf_medium *medium = &visit->worker->media.item[pivot->medium];
     /* Homogeneous shapes count as 1 in the sum (lf_media_depths). */
-    return (double)sum * exp(-(double)depth) * (medium->grid ? 1.0 : (double)medium->body.sigma_t);
+    return (double)sum * exp(-(double)depth) * (medium->kind == LF_MEDIUM_BODY ? (double)medium->body.sigma_t : 1.0);
 }
 
 float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light *light, int view, float sum, float depth)
@@ -50,8 +50,9 @@ static void scatter(const lf_visit_plan *plan, lf_visit *visit, int glow, uint64
     for (int i = 0; i < w->media.n_here; i++) {
         pivot.medium = w->media.here[i];
         pivot.event.volume = w->media.item[pivot.medium].volume;
-        /* What a grid's slice has there the integrator finds out. */
-        if (w->media.item[pivot.medium].grid || lf_volume_sigma_t(&visit->scene->volumes[pivot.event.volume], pivot.event.p) > 0.0f)
+        /* What a slice has there the integrator finds out. */
+        if (w->media.item[pivot.medium].kind == LF_MEDIUM_SLICE ||
+            lf_volume_sigma_t(&visit->scene->volumes[pivot.event.volume], pivot.event.p) > 0.0f)
             visit->integrator->glow(visit, view, &pivot, &light);
     }
 }

@@ -29,7 +29,7 @@ typedef struct lf_kernels {
     /* The same for a homogeneous shape. */
     void (*through)(const lf_body *body, int n, const float *x0, const float *slope, const float *z_end, float *tau);
 
-    /* sigma_t of a grid, interpolated whatever it asks for, at n points of a line, n a multiple of LF_LANES. */
+    /* sigma_t of an interpolated grid at n points of a line, n a multiple of LF_LANES. */
     void (*sample)(const lf_volume *volume, const lf_line *line, int n, const float *x, float *sigma);
 
     /* factor[n] *= 1 - (sigma - sigma~) length / density of points, for rays as march has them that reach so deep: sigma of the grid where

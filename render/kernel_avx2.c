@@ -156,15 +156,7 @@ static inline void compare8(const lf_probe *probe, const float *x0, const float 
         __m256 v = at(slice, row, _mm256_add_ps(x, _mm256_mul_ps(s, _mm256_set1_ps(z))));
         density = _mm256_add_ps(density, _mm256_mul_ps(_mm256_set1_ps(i ? t : 1.0f - t), v));
     }
-    __m256 at_z = _mm256_add_ps(x, _mm256_mul_ps(s, depth)), truth;
-    if (probe->volume->nearest) {
-        float points[LF_LANES], voxels[LF_LANES];
-        _mm256_storeu_ps(points, at_z);
-        lf_line_sample(probe->volume, true, &probe->line, LF_LANES, points, voxels);
-        truth = _mm256_loadu_ps(voxels);
-    } else {
-        truth = sample8(probe->volume, &probe->line, at_z);
-    }
+    __m256 truth = sample8(probe->volume, &probe->line, _mm256_add_ps(x, _mm256_mul_ps(s, depth)));
     __m256 length = _mm256_sqrt_ps(_mm256_add_ps(_mm256_set1_ps(probe->my2), _mm256_mul_ps(s, s)));
     __m256 off = _mm256_mul_ps(_mm256_mul_ps(_mm256_sub_ps(truth, density), length), _mm256_set1_ps(probe->inverse));
     __m256 reached = _mm256_cmp_ps(depth, _mm256_loadu_ps(z_end), _CMP_LT_OQ);

@@ -33,14 +33,14 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
 
 static void sample(const lf_volume *volume, const lf_line *line, int n, const float *x, float *sigma)
 {
-    lf_line_sample(volume, false, line, n, x, sigma);
+    lf_line_sample(volume, line, n, x, sigma);
 }
 
 static void compare(const lf_probe *probe, int n, const float *x0, const float *slope, const float *z_end, float *factor)
 {
     for (int k = 0; k < n; k++) {
         float x = x0[k] + slope[k] * probe->z, truth;
-        lf_line_sample(probe->volume, probe->volume->nearest, &probe->line, 1, &x, &truth);
+        lf_line_sample(probe->volume, &probe->line, 1, &x, &truth);
         float difference = truth - lf_slice_density(probe->slice, x0[k], slope[k], probe->z);
         float length = sqrtf(probe->my2 + slope[k] * slope[k]);
         factor[k] *= probe->z < z_end[k] ? 1.0f - difference * length * probe->inverse : 1.0f;

@@ -82,7 +82,7 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
 /* Look-ups wait for memory: no vectors. */
 static void sample(const lf_volume *volume, const lf_line *line, int n, const float *x, float *sigma)
 {
-    lf_line_sample(volume, false, line, n, x, sigma);
+    lf_line_sample(volume, line, n, x, sigma);
 }
 
 static void compare4(const lf_probe *probe, const float *x0, const float *slope, const float *z_end, float *factor)
@@ -99,7 +99,7 @@ static void compare4(const lf_probe *probe, const float *x0, const float *slope,
         density = vaddq_f32(density, vmulq_n_f32(at(slice, row, vaddq_f32(x, vmulq_n_f32(s, z))), i ? t : 1.0f - t));
     }
     vst1q_f32(at_z, vaddq_f32(x, vmulq_n_f32(s, probe->z)));
-    lf_line_sample(probe->volume, probe->volume->nearest, &probe->line, GROUP, at_z, truth);
+    lf_line_sample(probe->volume, &probe->line, GROUP, at_z, truth);
     float32x4_t length = vsqrtq_f32(vaddq_f32(vdupq_n_f32(probe->my2), vmulq_f32(s, s)));
     float32x4_t off = vmulq_n_f32(vmulq_f32(vsubq_f32(vld1q_f32(truth), density), length), probe->inverse);
     uint32x4_t reached = vcltq_f32(vdupq_n_f32(probe->z), vld1q_f32(z_end));

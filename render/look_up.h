@@ -71,15 +71,14 @@ typedef struct lf_line {
     float origin[3], across[3];
 } lf_line;
 
-/* sigma_t of a grid at n points of a line, interpolated or its voxels'; the loop of kernels without vectors for it. */
-static inline void lf_line_sample(const lf_volume *volume, bool voxels, const lf_line *line, int n, const float *x, float *sigma)
+/* sigma_t of a grid at n points of a line, interpolated; the loop of kernels without vectors for it. */
+static inline void lf_line_sample(const lf_volume *volume, const lf_line *line, int n, const float *x, float *sigma)
 {
     for (int k = 0; k < n; k++) {
         float p[3];
         for (int i = 0; i < 3; i++)
             p[i] = line->origin[i] + x[k] * line->across[i];
-        float value = voxels ? lf_grid_voxel(volume->grid, p[0], p[1], p[2]) : lf_grid_value(volume->grid, p[0], p[1], p[2]);
-        sigma[k] = volume->sigma_scale * value;
+        sigma[k] = volume->sigma_scale * lf_grid_value(volume->grid, p[0], p[1], p[2]);
     }
 }
 

@@ -11,7 +11,7 @@ void lf_media_frame_init(lf_media_frame *frame, const lf_scene *scene, const lf_
         if (!(volume->sigma_max > 0.0f) || (grid && !lf_slice_frame_init(&frame->item[frame->n].slice, volume, rig)))
             continue;
         frame->item[frame->n].volume = i;
-        frame->item[frame->n].grid = grid;
+        frame->item[frame->n].kind = !grid ? LF_MEDIUM_BODY : volume->nearest ? LF_MEDIUM_VOXELS : LF_MEDIUM_SLICE;
         frame->n++;
     }
 }
@@ -22,8 +22,8 @@ lf_status lf_media_init(lf_media *media, const lf_media_frame *frame)
     media->n = frame->n;
     for (int i = 0; i < frame->n && status == LF_OK; i++) {
         media->item[i].volume = frame->item[i].volume;
-        media->item[i].grid = frame->item[i].grid;
-        if (frame->item[i].grid)
+        media->item[i].kind = frame->item[i].kind;
+        if (frame->item[i].kind == LF_MEDIUM_SLICE)
             status = lf_slice_init(&media->item[i].slice, &frame->item[i].slice);
     }
     return status;
@@ -44,11 +44,12 @@ void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_scene *
         lf_medium *m = &media->item[i];
         const lf_volume *volume = &scene->volumes[m->volume];
         bool here;
-        if (m->grid) {
+        if (m->kind == LF_MEDIUM_SLICE) {
             *lookups += lf_slice_fill(&m->slice, &frame->item[i].slice, volume, rig, plane, phase, kernels);
             here = m->slice.first <= m->slice.last;
         } else {
-            here = lf_body_cut(&m->body, volume, rig, plane);
+            here = m->kind == LF_MEDIUM_VOXELS ? lf_voxels_cut(&m->voxels, volume, rig, plane)
+                                               : lf_body_cut(&m->body, volume, rig, plane);
         }
         if (here)
             media->here[media->n_here++] = i;
@@ -58,8 +59,10 @@ void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_scene *
 /* Optical depth of one medium along the ray up to z_end; stops at `stop` (per unit of Z) and says where. */
 static float march(const lf_medium *medium, const lf_media_ray *ray, float z_end, float stop, float *out_z)
 {
-    if (medium->grid)
+    if (medium->kind == LF_MEDIUM_SLICE)
         return lf_slice_march(&medium->slice, ray->x0, ray->slope, z_end, stop, out_z);
+    if (medium->kind == LF_MEDIUM_VOXELS)
+        return lf_voxels_march(&medium->voxels, ray->x0, ray->slope, z_end, stop, out_z);
     float from, to;
     lf_body_interval(&medium->body, ray->x0, ray->slope, &from, &to);
     to = lf_min(to, z_end);
@@ -112,6 +115,16 @@ lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, fl
     return first;
 }
 
+/* The rays of a pivot meet in one voxel. */
+static void through_voxels(const lf_voxels *voxels, int n, const float *x0, const float *slope, const float *z_end, float *tau,
+                           float *density)
+{
+    lf_voxels_depths(voxels, n, x0, slope, z_end, tau);
+    float sigma = density ? lf_voxels_density(voxels, x0[0] + slope[0] * z_end[0], z_end[0]) : 0.0f;
+    for (int k = 0; k < n && density; k++)
+        density[k] = sigma;
+}
+
 void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, const float *x0, const float *slope,
                      const float *z_end, float *tau, int collided, float *density)
 {
@@ -120,8 +133,10 @@ void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, co
         density[k] = 1.0f;
     for (int i = 0; i < media->n_here; i++) {
         const lf_medium *medium = &media->item[media->here[i]];
-        if (medium->grid)
+        if (medium->kind == LF_MEDIUM_SLICE)
             kernels->march(&medium->slice, n, x0, slope, z_end, tau, media->here[i] == collided ? density : NULL);
+        else if (medium->kind == LF_MEDIUM_VOXELS)
+            through_voxels(&medium->voxels, n, x0, slope, z_end, tau, media->here[i] == collided ? density : NULL);
         else
             kernels->through(&medium->body, n, x0, slope, z_end, tau);
     }

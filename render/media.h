@@ -1,4 +1,4 @@
-/* The participating media on one row's plane: grids as slices, homogeneous shapes in closed form. Several media are independent
+/* The participating media on one row's plane: interpolated grids as slices, voxels with edges and homogeneous shapes exactly. Several media are independent
  * processes: optical depths add up, and a collision belongs to the medium in which it happened; private to render/.
  * docs/estimators.md, "Media of a row". */
 #ifndef LF_RENDER_MEDIA_H
@@ -6,22 +6,26 @@
 
 #include "render/kernel.h"
 #include "render/track.h"
+#include "render/voxels.h"
+
+typedef enum lf_medium_kind { LF_MEDIUM_BODY, LF_MEDIUM_SLICE, LF_MEDIUM_VOXELS } lf_medium_kind;
 
 /* The volumes that the rig's rays can meet: fixed for a scene and rig. */
 typedef struct lf_media_frame {
     int n;
     struct {
         int volume; /* index into scene->volumes */
-        bool grid;
-        lf_slice_frame slice;
+        lf_medium_kind kind;
+        lf_slice_frame slice; /* LF_MEDIUM_SLICE */
     } item[LF_MAX_VOLUMES];
 } lf_media_frame;
 
 typedef struct lf_medium {
     int volume;
-    bool grid;
-    lf_slice slice; /* grids */
-    lf_body body;   /* shapes */
+    lf_medium_kind kind;
+    lf_slice slice;   /* LF_MEDIUM_SLICE: interpolated grids */
+    lf_voxels voxels; /* LF_MEDIUM_VOXELS: grids that are not */
+    lf_body body;     /* LF_MEDIUM_BODY: shapes */
 } lf_medium;
 
 /* One worker's media of the row in work. */

@@ -118,7 +118,7 @@ static bool correct(const lf_visit *visit, const lf_pivot *pivot)
     int n = lanes_of(visit->rig);
     if (!lf_correction_needed(&w->media) || visit->faults & LF_FAULT_NO_CORRECTION)
         return true;
-    bool medium = pivot->event.kind == LF_EVENT_MEDIUM && w->media.item[pivot->medium].grid;
+    bool medium = pivot->event.kind == LF_EVENT_MEDIUM && w->media.item[pivot->medium].kind == LF_MEDIUM_SLICE;
     float truth = 1.0f;
     if (medium)
         truth = lf_correction_density(&w->media, pivot->medium, visit->scene, pivot->event.p, 1.0f, &w->tracer);

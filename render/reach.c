@@ -89,7 +89,7 @@ void lf_reach_of(lf_reach *reach, const lf_scene *scene, const lf_rig *rig, cons
     for (int i = 0; i < media->n_here; i++) {
         const lf_medium *medium = &media->item[media->here[i]];
         const lf_volume *volume = &scene->volumes[medium->volume];
-        if (medium->grid)
+        if (medium->kind == LF_MEDIUM_SLICE)
             add_slice(&s, &medium->slice);
         else
             add_box(&s, volume->bounds_min, volume->bounds_max, plane);

@@ -235,25 +235,21 @@ static void settle(lf_slice *slice, int s, lf_samples around)
 }
 
 /* How far a straight line between samples may be from the grid. Samples that bend by d, the second difference: d / 8 where they lie on a
- * parabola, d / 4 at a kink. From voxels that have sharp edges it is as far as the samples differ. The sum of squares over a tile's row. */
-static float distances(const lf_slice *slice, bool voxels, int s, int from, int to)
+ * parabola, d / 4 at a kink. The sum of squares over a tile's row. */
+static float distances(const lf_slice *slice, int s, int from, int to)
 {
     const float *row = slice->sigma + (size_t)s * (size_t)slice->stride;
     const float *before = s > 0 ? row - slice->stride : row, *behind = s + 1 < slice->nz ? row + slice->stride : row;
     float sum = 0.0f;
     for (int i = from; i < to; i++) {
         float along = fabsf(row[i - 1] - 2.0f * row[i] + row[i + 1]), across = fabsf(before[i] - 2.0f * row[i] + behind[i]);
-        if (voxels) {
-            along = fabsf(row[i + 1] - row[i - 1]);
-            across = fabsf(behind[i] - before[i]);
-        }
         sum += (along + across) * (along + across);
     }
-    return (voxels ? 4.0f : 0.0625f) * sum;
+    return 0.0625f * sum;
 }
 
 /* rough from the samples, and a little where they show nothing. */
-static void note_rough(lf_slice *slice, bool voxels)
+static void note_rough(lf_slice *slice)
 {
     const float little = 0x1p-10f;
     int nx = slice->tile_cells_x, nz = slice->tile_cells_z;
@@ -265,7 +261,7 @@ static void note_rough(lf_slice *slice, bool voxels)
             if (!(near > 0.0f))
                 continue;
             for (int s = z * nz; s < (z + 1) * nz && s < slice->nz; s++)
-                sum += distances(slice, voxels, s, from > 0 ? from : 1, to);
+                sum += distances(slice, s, from > 0 ? from : 1, to);
             *rough = sqrtf(sum / (float)(nx * nz)) + little * near;
         }
     }
@@ -291,7 +287,7 @@ int64_t lf_slice_fill(lf_slice *slice, const lf_slice_frame *frame, const lf_vol
         grow(slice, s, samples_around(slice, s));
     for (int s = 0; s < slice->nz; s++)
         settle(slice, s, samples_around(slice, s));
-    note_rough(slice, volume->nearest);
+    note_rough(slice);
     return lookups;
 }
 

@@ -101,7 +101,7 @@ float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot
         return 1.0f;
     float x0 = visit->rig->b[view] + pivot->lx, slope = (pivot->x - x0) / pivot->z, factor = 1.0f;
     float lanes[4][LF_LANES];
-    if (pivot->event.kind == LF_EVENT_MEDIUM && w->media.item[pivot->medium].grid) {
+    if (pivot->event.kind == LF_EVENT_MEDIUM && w->media.item[pivot->medium].kind == LF_MEDIUM_SLICE) {
         float sampled = lf_slice_density(&w->media.item[pivot->medium].slice, x0, slope, pivot->z);
         float density = lf_correction_density(&w->media, pivot->medium, visit->scene, pivot->event.p, sampled, &w->tracer);
         factor = sampled > 0.0f ? density / sampled : 1.0f;
