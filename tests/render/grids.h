@@ -8,7 +8,8 @@
 /* A box for a grid to take its place, and what stands beside it: "" or ", 'name': { … }". */
 #define LF_TEST_VOLUMES(others) "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 1 }" others " }"
 
-/* A scene whose first volume, there in its text as LF_TEST_VOLUMES has it, becomes this grid: `size` voxels of edge `voxel` about the origin, turned by `tilt` about y. Takes the grid. */
+/* A scene whose first volume, there in its text as LF_TEST_VOLUMES has it, becomes this grid: `size` voxels of edge `voxel` about the
+ * origin, turned by `tilt` about y. Takes the grid. */
 static inline lf_scene *lf_test_grid_scene(const char *text, lf_grid *grid, double voxel, double tilt, float sigma, bool nearest)
 {
     lf_scene *scene = lf_test_scene(text);
