@@ -103,7 +103,7 @@ static lf_film_layout film_layout(const lf_scene *scene, unsigned kept, const lf
     bool native = scene->has_delta || scene->n_glows > 0;
     bool uniform = !native && !(kept & LF_SKIP_KNOWN_LIGHT) && lf_exits_uniform(scene, sky), grids = false;
     for (int i = 0; i < scene->n_volumes; i++)
-        grids = grids || scene->volumes[i].kind == LF_VOLUME_GRID;
+        grids = grids || (scene->volumes[i].kind == LF_VOLUME_GRID && !scene->volumes[i].nearest);
     return (lf_film_layout){.n_views = rig->n_views,
                             .width = rig->width,
                             .height = rig->height,

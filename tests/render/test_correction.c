@@ -164,11 +164,12 @@ static void weights_that_cancel_leave_no_sparks(void **state)
     char text[1024];
     const double tilt = 0.35, mu0 = 0.3, turn = tilt + acos(mu0);
     snprintf(text, sizeof text,
-             "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 0.5, 'aspect': 1, 'cone': 0, 'views': 5 }, " PLACEHOLDER
-             ", 'lights': { 'sun': { 'type': 'distant', 'direction': [%.9f, 0, %.9f], 'irradiance': 10 } }, 'render': { "
-             "'max_depth': 1 } }",
+             "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 0.5, 'aspect': 1, 'cone': 0, 'views': 5 }, " LF_TEST_VOLUMES(
+                 "") ", 'lights': { 'sun': { 'type': 'distant', 'direction': [%.9f, 0, %.9f], 'irradiance': 10 } }, 'render': { "
+                     "'max_depth': 1 } }",
              -sin(turn), -cos(turn));
-    lf_scene *scene = scene_of(text, grid_of(full, WIDE, 16, THICK), voxel, tilt, (float)(1.0 / voxel), false);
+    lf_scene *scene =
+        lf_test_grid_scene(text, lf_test_grid(lf_test_full, WIDE, 16, THICK), voxel, tilt, (float)(1.0 / voxel), false);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
     for (uint64_t seed = 0; seed < 24; seed++) {
         lf_test_reseed(r, seed);

@@ -1,7 +1,6 @@
 /* Voxels with edges are cut exactly: depths, collisions, weights, and the picture of a box. */
 #include "tests/testing.h"
 
-#include "base/alloc.h"
 #include "render/sampler.h"
 #include "render/voxels.h"
 #include "tests/render/grids.h"
@@ -169,7 +168,7 @@ static void constant_voxels_are_as_deep_as_a_box(void **state)
     }
     assert_true(largest > 0.5);
     for (int i = 0; i < 2; i++)
-        lf_free(picture[i]);
+        free(picture[i]);
 }
 
 /* ----------------------------------------------------------------------------------------------------------- weights -- */
