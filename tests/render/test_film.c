@@ -223,6 +223,33 @@ static void differences_are_packed_without_bias(void **state)
     }
 }
 
+/* What scatters is as uneven as W, or as W', both of which are known to be q in the mean: nothing is left of it. */
+static void both_controls_take_out_what_they_explain(void **state)
+{
+    (void)state;
+    const lf_film_layout layout = {.n_views = 1, .width = 16, .height = 1, .has_w2 = true};
+    for (int second = 0; second < 2; second++) {
+        bench b;
+        float out[3 * 16];
+        bench_init(&b, &layout);
+        for (int i = 0; i < 16; i++) {
+            float w = i % 2 ? 0.75f : 0.25f, w2 = i / 2 % 2 ? 0.625f : 0.375f, n = 3.0f * (second ? w2 : w);
+            b.sums.half.scattered[i] = (lf_film_scattered){{n, n, n}, w};
+            b.sums.half.w2[i] = w2;
+            b.sums.half.q[i] = 0.5f;
+        }
+        merge(&b, 0, 1, 1.0);
+        merge(&b, 1, 1, 1.0);
+        assert_int_equal(lf_film_resolve_row(&b.film, LF_ESTIMATOR_CV, 0, out, NULL), LF_OK);
+        for (int i = 0; i < 3 * 16; i++)
+            lf_assert_close((double)out[i], 1.5, 1e-6, 0);
+        /* without them it is uneven */
+        assert_int_equal(lf_film_resolve_row(&b.film, LF_ESTIMATOR_MIS, 0, out, NULL), LF_OK);
+        assert_true(fabsf(out[0] - 1.5f) > 0.3f);
+        bench_finish(&b);
+    }
+}
+
 static void resolve_all(lf_renderer *r, lf_estimator estimator, float *out)
 {
     assert_int_equal(lf_renderer_resolve(r, estimator, out, NULL), LF_OK);
@@ -322,11 +349,17 @@ static void light_is_stored_where_it_is_not_implied(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_view_pixel_takes_at_most_64_bytes), cmocka_unit_test(case_19_ten_million_ones_are_ten_million),
-        cmocka_unit_test(sums_neither_drift_nor_stagnate),     cmocka_unit_test(case_19_ones_beside_hundred_millions_are_kept),
-        cmocka_unit_test(what_is_constant_stays_exact),        cmocka_unit_test(known_light_and_its_difference_follow_both_halves),
-        cmocka_unit_test(differences_are_packed_without_bias), cmocka_unit_test(light_that_is_not_stored_is_the_same_light),
-        cmocka_unit_test(the_error_goes_on_falling),           cmocka_unit_test(light_is_stored_where_it_is_not_implied),
+        cmocka_unit_test(a_view_pixel_takes_at_most_64_bytes),
+        cmocka_unit_test(case_19_ten_million_ones_are_ten_million),
+        cmocka_unit_test(sums_neither_drift_nor_stagnate),
+        cmocka_unit_test(case_19_ones_beside_hundred_millions_are_kept),
+        cmocka_unit_test(what_is_constant_stays_exact),
+        cmocka_unit_test(known_light_and_its_difference_follow_both_halves),
+        cmocka_unit_test(differences_are_packed_without_bias),
+        cmocka_unit_test(both_controls_take_out_what_they_explain),
+        cmocka_unit_test(light_that_is_not_stored_is_the_same_light),
+        cmocka_unit_test(the_error_goes_on_falling),
+        cmocka_unit_test(light_is_stored_where_it_is_not_implied),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -257,6 +257,25 @@ static void case_17_a_rig_of_60_degrees(void **state)
     assert_same(&native, &shared);
 }
 
+/* As much light through any part of the disk: the mean of y^2 is a quarter of the radius', and a chord at y is as long as it is. */
+static void case_18_a_lens_is_open_evenly(void **state)
+{
+    (void)state;
+    enum { n = 64 };
+    const lf_rig rig = {.distance = 5.0f, .focus = 4.0f, .lens_radius = 0.3f};
+    double y2 = 0.0, x2 = 0.0;
+    for (int i = 0; i < n * n; i++) {
+        const float u[2] = {((float)(i % n) + 0.5f) / n, ((float)(i / n) + 0.5f) / n};
+        lf_row_plane plane;
+        lf_rig_row_plane(&rig, 0.0f, u, &plane);
+        y2 += (double)(plane.ly * plane.ly) / (n * n);
+        x2 += (double)(plane.lens_chord * plane.lens_chord) / (3.0 * n * n); /* x is even on the chord */
+        lf_assert_close((double)plane.my, -(double)plane.ly / 4.0, 1e-6, 0.0);
+    }
+    lf_assert_close(y2, 0.25 * 0.09, 1e-3, 0.0);
+    lf_assert_close(x2, 0.25 * 0.09, 1e-3, 0.0);
+}
+
 static void case_18_lenses_from_nothing_to_large(void **state)
 {
     (void)state;
@@ -316,6 +335,7 @@ int main(void)
         cmocka_unit_test(case_12_scenes_of_a_ten_thousandth_and_of_a_hundred_thousand),
         cmocka_unit_test(case_16_whole_disparities_at_the_edges_of_the_frame),
         cmocka_unit_test(case_17_a_rig_of_60_degrees),
+        cmocka_unit_test(case_18_a_lens_is_open_evenly),
         cmocka_unit_test(case_18_lenses_from_nothing_to_large),
         cmocka_unit_test(case_24_a_mirrored_scene_gives_mirrored_views),
     };
