@@ -36,7 +36,8 @@ static void merge(bench *b, int half, int visits, double weight)
 
 static double bytes_a_pixel(bool w2, bool known, bool native)
 {
-    const lf_film_layout layout = {45, 420, 2, w2, native, known};
+    const lf_film_layout layout = {
+        .n_views = 45, .width = 420, .height = 2, .has_w2 = w2, .has_native = native, .has_known = known};
     lf_film film = {0};
     assert_int_equal(lf_film_init(&film, &layout), LF_OK);
     double bytes = (double)film.data_bytes / (45 * 420 * 2);
