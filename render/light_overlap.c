@@ -63,8 +63,8 @@ int lf_mesh_light_overlaps(const lf_scene *scene, const lf_light *light)
     float longest = lf_length(lf_sub(scene->bounds_max, scene->bounds_min));
     search s = {.scene = scene, .mesh = light->mesh, .other = -1};
     for (int i = 0; i < n && s.other < 0; i++) {
-        /* A lattice of the two golden numbers of the plane, folded into the triangle. */
-        float ignored, b1 = fmodf((float)i * 0.7548777f, 1.0f), b2 = fmodf((float)i * 0.5698403f, 1.0f);
+        /* A lattice of the two golden numbers of the plane, folded into the triangle; never a corner, which may stand on another face. */
+        float place = (float)i + 0.5f, ignored, b1 = fmodf(place * 0.7548777f, 1.0f), b2 = fmodf(place * 0.5698403f, 1.0f);
         bool beyond = b1 + b2 > 1.0f;
         s.triangle = lf_mesh_light_choose(light, (i + 0.5) / n, &ignored);
         s.p = lf_mesh_point(mesh, s.triangle, beyond ? 1.0f - b1 : b1, beyond ? 1.0f - b2 : b2);

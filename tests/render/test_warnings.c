@@ -226,6 +226,18 @@ static void lamps_in_the_plane_of_other_faces_are_said(void **state)
     }
 }
 
+static void a_lamp_that_stands_on_the_ground_by_its_edge_is_no_overlap(void **state)
+{
+    lf_scene *scene =
+        scene_of(*state,
+                 "'ground': {'shape': 'quad', 'transform': {'scale': 5}}, 'screen': {'shape': 'quad', 'material': 'lamp', "
+                 "'transform': {'rotate': [90, 0, 0], 'translate': [0, 1, 0]}}",
+                 NULL);
+    assert_lines(scene, NULL, 0);
+    assert_false(scene->has_overlaps);
+    lf_scene_unref(scene);
+}
+
 /* The file holds three grids called density. */
 static void grids_that_nothing_is_made_of_are_said(void **state)
 {
@@ -262,6 +274,7 @@ int main(void)
         cmocka_unit_test(what_an_obj_or_ply_holds_beside_triangles_is_said),
         cmocka_unit_test(faces_in_one_place_are_said_and_one_of_them_stays),
         cmocka_unit_test(lamps_in_the_plane_of_other_faces_are_said),
+        cmocka_unit_test(a_lamp_that_stands_on_the_ground_by_its_edge_is_no_overlap),
         cmocka_unit_test(grids_that_nothing_is_made_of_are_said),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
