@@ -72,6 +72,15 @@ openvdb::GridPtrVec tiles()
     return {grid};
 }
 
+/* 8^3 voxels of 1. */
+openvdb::GridPtrVec block()
+{
+    auto grid = FloatGrid::create(0);
+    grid->fill(CoordBBox(Coord(0), Coord(7)), 1);
+    grid->setName("density");
+    return {grid};
+}
+
 openvdb::GridPtrVec kinds()
 {
     auto vector = openvdb::Vec3SGrid::create();
@@ -137,6 +146,7 @@ void write_all(const std::string &folder)
     write(folder, "patterns_zip.vdb", patterns(), zip);
     write(folder, "patterns_plain.vdb", patterns(), openvdb::io::COMPRESS_NONE);
     write(folder, "tiles.vdb", tiles(), zip);
+    write(folder, "block.vdb", block(), zip);
     write(folder, "kinds.vdb", kinds(), zip);
     write(folder, "names.vdb", {one_voxel("density", 1), one_voxel("density", 2), one_voxel("density", 3)}, zip);
     write(folder, "values.vdb", bad_values(), zip);
