@@ -295,7 +295,7 @@ static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, 
 static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, float sum)
 {
     bool no_light_pdf = visit->faults & LF_FAULT_NO_LIGHT_PDF;
-    lf_fan_lobes f;
+    lf_fan_lobes f = {.n_terms = 0};
     if (pivot->event.kind == LF_EVENT_SURFACE)
         look_back(visit, &pivot->event.hit);
     add_weights(visit, pivot->boost / sum);

@@ -504,7 +504,7 @@ static void collect_warnings(const commit *c)
 {
     lf_scene *scene = c->scene;
     for (int i = 0; i < scene->n_volumes; i++)
-        if (scene->volumes[i].grid)
+        if (scene->volumes[i].grid && c->desc->volumes[i].file)
             warn_of_grids(c, scene->volumes[i].grid, c->desc->volumes[i].file);
     if (scene->geometry)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
@@ -534,7 +534,8 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         return;
     set_flags(scene);
     reader->status = lf_lights_commit(scene, reader->err);
-    if (reader->status == LF_OK)
-        find_overlaps(&c);
+    if (reader->status != LF_OK)
+        return;
+    find_overlaps(&c);
     collect_warnings(&c);
 }
