@@ -54,7 +54,7 @@ bool lf_light_draw(const lf_scene *scene, lf_vec3 p, const float u[3], lf_light_
 {
     if (!lf_scene_has_light_sampling(scene))
         return false;
-    double place = refine(u);
+    double place = scene->n_lights > scene->n_lights_infinite ? refine(u) : (double)u[0];
     const lf_light *light = pick(scene, &place);
     *out = (lf_light_sample){.distance = INFINITY};
     if (!ops[light->type].draw(scene, light, p, place, u + 1, out))

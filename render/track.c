@@ -122,7 +122,7 @@ lf_vec3 lf_offset(const lf_scene *scene, lf_vec3 p, lf_vec3 n, lf_vec3 w, float 
 
 /* A ray in a volume's own space, clipped to its box; t keeps its meaning. */
 typedef struct lf_local_ray {
-    float o[3], d[3];
+    float o[3], d[3], inverse[3]; /* inverse = 1 / d; not finite along axes that the ray does not move on */
     float t0, t1;
 } lf_local_ray;
 
@@ -130,8 +130,7 @@ static bool clip_axis(lf_local_ray *r, int axis, float min, float max)
 {
     if (r->d[axis] == 0.0f)
         return r->o[axis] > min && r->o[axis] < max;
-    float inverse = 1.0f / r->d[axis];
-    float a = (min - r->o[axis]) * inverse, b = (max - r->o[axis]) * inverse;
+    float a = (min - r->o[axis]) * r->inverse[axis], b = (max - r->o[axis]) * r->inverse[axis];
     r->t0 = lf_max(r->t0, lf_min(a, b));
     r->t1 = lf_min(r->t1, lf_max(a, b));
     return r->t1 > r->t0;
@@ -143,6 +142,7 @@ static void to_local(const lf_volume *volume, lf_vec3 o, lf_vec3 w, float t_max,
         const float *m = volume->to_volume[i];
         r->o[i] = m[0] * o.x + m[1] * o.y + m[2] * o.z + m[3];
         r->d[i] = m[0] * w.x + m[1] * w.y + m[2] * w.z;
+        r->inverse[i] = 1.0f / r->d[i];
     }
     r->t0 = 0.0f;
     r->t1 = t_max;
@@ -178,9 +178,11 @@ static bool clip_volume(const lf_volume *volume, lf_local_ray *r)
 typedef struct lf_walk {
     const lf_grid *grid;
     int b[3], step[3];
+    size_t brick, stride[3]; /* of the present brick's number, where a step goes (modulo 2^64) */
     float next[3], delta[3];
     float t0, t1; /* the present brick's part of the ray */
     float end;
+    float corner[3];     /* the ray's start as seen from the present brick's corner */
     const float *values; /* of the present brick */
     float max;           /* its largest value */
 } lf_walk;
@@ -188,9 +190,8 @@ typedef struct lf_walk {
 static void enter(lf_walk *k)
 {
     const lf_grid *g = k->grid;
-    size_t i = ((size_t)k->b[2] * (size_t)g->bricks[1] + (size_t)k->b[1]) * (size_t)g->bricks[0] + (size_t)k->b[0];
-    k->values = g->values + (size_t)g->index[i] * LF_BRICK_STRIDE;
-    k->max = g->brick_max[i];
+    k->values = g->values + (size_t)g->index[k->brick] * LF_BRICK_STRIDE;
+    k->max = g->brick_max[k->brick];
     k->t1 = lf_max(k->t0, lf_min(k->end, lf_min(k->next[0], lf_min(k->next[1], k->next[2]))));
 }
 
@@ -199,18 +200,22 @@ static void walk_begin(lf_walk *k, const lf_grid *grid, const lf_local_ray *r)
     k->grid = grid;
     k->t0 = r->t0;
     k->end = r->t1;
+    k->brick = 0;
+    size_t stride = 1;
     for (int i = 0; i < 3; i++) {
-        float x = (r->o[i] + r->t0 * r->d[i] + 1.0f) * (1.0f / LF_BRICK);
-        int b = (int)floorf(x);
-        k->b[i] = b < 0 ? 0 : b >= grid->bricks[i] ? grid->bricks[i] - 1 : b;
-        k->step[i] = r->d[i] > 0.0f ? 1 : -1;
-        k->next[i] = INFINITY;
-        k->delta[i] = INFINITY;
-        if (r->d[i] != 0.0f) {
-            float face = (float)((k->b[i] + (r->d[i] > 0.0f ? 1 : 0)) * LF_BRICK - 1);
-            k->next[i] = (face - r->o[i]) / r->d[i];
-            k->delta[i] = LF_BRICK / fabsf(r->d[i]);
-        }
+        /* below 0 by rounding alone */
+        int b = (int)((r->o[i] + r->t0 * r->d[i] + 1.0f) * (1.0f / LF_BRICK));
+        b = b < 0 ? 0 : b < grid->bricks[i] ? b : grid->bricks[i] - 1;
+        bool up = r->d[i] > 0.0f;
+        float face = (float)((b + up) * LF_BRICK - 1);
+        k->b[i] = b;
+        k->step[i] = up ? 1 : -1;
+        k->stride[i] = up ? stride : -stride;
+        k->next[i] = r->d[i] != 0.0f ? (face - r->o[i]) * r->inverse[i] : INFINITY;
+        k->delta[i] = LF_BRICK * fabsf(r->inverse[i]);
+        k->corner[i] = r->o[i] + 1.0f - (float)(b * LF_BRICK);
+        k->brick += (size_t)b * stride;
+        stride *= (size_t)grid->bricks[i];
     }
     enter(k);
 }
@@ -225,6 +230,8 @@ static bool walk_next(lf_walk *k)
         return false;
     k->t0 = k->t1;
     k->next[axis] += k->delta[axis];
+    k->brick += k->stride[axis];
+    k->corner[axis] -= (float)(k->step[axis] * LF_BRICK);
     enter(k);
     return true;
 }
@@ -232,7 +239,7 @@ static bool walk_next(lf_walk *k)
 /* Clamped coordinate inside the present brick, 0..8. */
 static inline float inside(const lf_walk *k, const lf_local_ray *r, float t, int axis)
 {
-    float x = r->o[axis] + t * r->d[axis] + 1.0f - (float)(k->b[axis] * LF_BRICK);
+    float x = k->corner[axis] + t * r->d[axis];
     return lf_min(lf_max(x, 0.0f), (float)LF_BRICK);
 }
 
