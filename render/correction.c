@@ -21,19 +21,24 @@ static int tile_of(const lf_slice *slice, float x)
     return (int)cell / slice->tile_cells_x;
 }
 
-/* The roughest tile of a row of tiles that the fan meets between two depths. */
-static float roughest(const lf_slice *slice, const lf_rays *rays, int row, float z0, float z1)
+/* The roughest tile that the fan meets at a depth. */
+static float roughest(const lf_slice *slice, const lf_rays *rays, int row, float z)
 {
     int n = rays->n - 1;
-    float a = rays->x0[0] + rays->slope[0] * z0, b = rays->x0[0] + rays->slope[0] * z1;
-    float c = rays->x0[n] + rays->slope[n] * z0, d = rays->x0[n] + rays->slope[n] * z1, most = 0.0f;
-    int from = tile_of(slice, lf_min(lf_min(a, b), lf_min(c, d))), to = tile_of(slice, lf_max(lf_max(a, b), lf_max(c, d)));
+    float a = rays->x0[0] + rays->slope[0] * z, b = rays->x0[n] + rays->slope[n] * z, most = 0.0f;
+    int from = tile_of(slice, lf_min(a, b)), to = tile_of(slice, lf_max(a, b));
     for (int tile = from; tile <= to; tile++)
         most = lf_max(most, slice->rough[row * slice->tiles_x + tile]);
     return most;
 }
 
-/* One Poisson process of depths for the whole fan, as dense as its roughest tile wants. */
+static float rate_of(const field *f, float rough)
+{
+    return rough > 0.0f ? lf_max(f->dense * rough, f->least) : 0.0f;
+}
+
+/* One Poisson process of depths for the whole fan, as dense as the roughest tile that it meets there wants: thinned from one that is as
+ * dense as a row's roughest. */
 static void multiply(const lf_slice *slice, const lf_volume *volume, const lf_rays *rays, const field *f, lf_tracer *tracer,
                      float *factor)
 {
@@ -44,9 +49,12 @@ static void multiply(const lf_slice *slice, const lf_volume *volume, const lf_ra
         z = lf_max(z, 0.0f);
         if (!(z < end))
             continue;
-        float rough = roughest(slice, rays, row, z, end), rate = rough > 0.0f ? lf_max(f->dense * rough, f->least) : 0.0f, room;
-        for (; depth < (room = rate * (end - z)); depth = lf_rng_exponential(tracer)) {
-            z += depth / rate;
+        float most = rate_of(f, slice->roughest[row]), room;
+        for (; depth < (room = most * (end - z)); depth = lf_rng_exponential(tracer)) {
+            z += depth / most;
+            float rate = rate_of(f, roughest(slice, rays, row, z));
+            if (lf_rng(tracer) * most >= rate)
+                continue;
             probe.z = z;
             probe.inverse = 1.0f / rate;
             probe.line = lf_slice_line(volume, rays->rig, rays->plane, z);
@@ -60,12 +68,10 @@ static void multiply(const lf_slice *slice, const lf_volume *volume, const lf_ra
 void lf_correction_transmittance(const lf_media *media, const lf_rays *rays, float dense, float least, lf_tracer *tracer,
                                  float *factor)
 {
-    float longest = 0.0f, z_end = 0.0f;
-    for (int k = 0; k < rays->n; k++) {
-        longest = lf_max(longest, fabsf(rays->slope[k]));
+    float steepest = lf_max(fabsf(rays->slope[0]), fabsf(rays->slope[rays->n - 1])), z_end = 0.0f;
+    float longest = sqrtf(1.0f + steepest * steepest + rays->plane->my * rays->plane->my);
+    for (int k = 0; k < rays->n; k++)
         z_end = lf_max(z_end, rays->z_end[k]);
-    }
-    longest = sqrtf(1.0f + longest * longest + rays->plane->my * rays->plane->my);
     for (int i = 0; i < media->n_here; i++) {
         const lf_medium *medium = &media->item[media->here[i]];
         if (medium->kind != LF_MEDIUM_SLICE)

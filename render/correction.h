@@ -12,7 +12,7 @@
 #include "render/media.h"
 
 /* How dense points are, in units of 1 / rough: a pivot's are one of many that a pixel receives, an exit's stand for a whole visit. */
-#define LF_CORRECTION_PIVOT 0.5f
+#define LF_CORRECTION_PIVOT 2.0f
 #define LF_CORRECTION_EXIT 16.0f
 
 /* Rays X(Z) = x0[k] + slope[k] Z of a row's plane, 0 < Z < z_end[k], in the order that lf_kernels.march wants. */

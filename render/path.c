@@ -244,7 +244,7 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
         lf_vec3 found = lf_path_light_found(tracer->scene, &here, &next, &light_pdf);
         float weight = delta || light_pdf <= 0.0f ? 1.0f : pdf / (pdf + light_pdf);
         radiance = lf_add(radiance, lf_scale(lf_mul(beta, found), weight));
-        if (depth < max_depth)
+        if (depth < max_depth && tracer->scene->n_glows > 0)
             radiance = lf_add(radiance, lf_mul(beta, lf_path_glow(tracer, &next)));
         if (next.kind == LF_EVENT_ESCAPE)
             break;

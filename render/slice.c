@@ -82,8 +82,10 @@ lf_status lf_slice_init(lf_slice *slice, const lf_slice_frame *frame)
     slice->tiles_x = tiles(slice->nx, &slice->tile_cells_x);
     slice->tiles_z = tiles(slice->nz + 1, &slice->tile_cells_z);
     slice->rough = lf_calloc((size_t)slice->tiles_z * (size_t)slice->tiles_x, sizeof *slice->rough);
+    slice->roughest = lf_calloc((size_t)slice->tiles_z, sizeof *slice->roughest);
     slice->near = lf_calloc((size_t)slice->tiles_z * (size_t)slice->tiles_x, sizeof *slice->near);
-    return slice->sigma && slice->behind && slice->spans && slice->filled && slice->rough && slice->near ? LF_OK : LF_E_NOMEM;
+    bool complete = slice->sigma && slice->behind && slice->spans && slice->filled && slice->rough && slice->roughest && slice->near;
+    return complete ? LF_OK : LF_E_NOMEM;
 }
 
 void lf_slice_finish(lf_slice *slice)
@@ -93,6 +95,7 @@ void lf_slice_finish(lf_slice *slice)
     lf_free(slice->spans);
     lf_free(slice->filled);
     lf_free(slice->rough);
+    lf_free(slice->roughest);
     lf_free(slice->near);
     memset(slice, 0, sizeof *slice);
 }
@@ -254,6 +257,7 @@ static void note_rough(lf_slice *slice)
     const float little = 0x1p-10f;
     int nx = slice->tile_cells_x, nz = slice->tile_cells_z;
     for (int z = 0; z < slice->tiles_z; z++) {
+        slice->roughest[z] = 0.0f;
         for (int x = 0; x < slice->tiles_x; x++) {
             float *rough = &slice->rough[z * slice->tiles_x + x], near = slice->near[z * slice->tiles_x + x], sum = 0.0f;
             int from = x * nx, to = from + nx < slice->nx - 1 ? from + nx : slice->nx - 1;
@@ -263,6 +267,7 @@ static void note_rough(lf_slice *slice)
             for (int s = z * nz; s < (z + 1) * nz && s < slice->nz; s++)
                 sum += distances(slice, s, from > 0 ? from : 1, to);
             *rough = sqrtf(sum / (float)(nx * nz)) + little * near;
+            slice->roughest[z] = lf_max(slice->roughest[z], *rough);
         }
     }
 }

@@ -48,7 +48,8 @@ typedef struct lf_slice {
     int tile_cells_x, tile_cells_z, tiles_x, tiles_z;
     /* [tiles_z][tiles_x] about how far the slice is from the grid: root mean square, per scene unit; above 0 wherever they differ. */
     float *rough;
-    float *near; /* [tiles_z][tiles_x] while it is filled: largest sigma_t near a tile */
+    float *roughest; /* [tiles_z] the largest of a row of tiles */
+    float *near;     /* [tiles_z][tiles_x] while it is filled: largest sigma_t near a tile */
 } lf_slice;
 
 /* false = the rig's rays do not meet the volume (a grid). */
