@@ -92,8 +92,8 @@ typedef struct lf_visit {
     unsigned faults; /* lf_fault: deliberate mistakes, for the negative controls of the tests */
 } lf_visit;
 
-/* The rest of the path behind a pivot, drawn once and used by all views: a light sample, and one direction from the base
- * view's own lobe with what was found along it. */
+/* The rest of the path behind a pivot, used by all views: a light sample, and a direction from the lobe of one view with what was found
+ * along it. */
 typedef struct lf_suffix {
     bool has_light, has_direction;
     lf_light_sample light;
@@ -116,8 +116,10 @@ float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light
 /* Raises the pdfs of the suffix's light and of what its direction found by the points that are drawn about these lights. */
 void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, float sum, float depth, lf_suffix *suffix);
 
-/* Draws the suffix; wo is the base view's direction at the pivot. */
+/* Draws the suffix: wo is where its direction's lobe looks back to, the base view's place or that of any view that sees the pivot. */
 void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out);
+/* Draws another direction in place of the suffix's own; its light sample stays. */
+void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *suffix);
 
 /* Radiance that the suffix gives to a view that looks from wo, when that view alone samples it (balance heuristic between its
  * lobe and light sampling). What vpt uses, and mvpt where the lobe does not depend on the view. */

@@ -4,6 +4,10 @@
 
 #include "render/integrator.h"
 
+/* Directions drawn at a pivot whose surface reflects each view's light elsewhere: a lobe that is narrower than the cone of views serves
+ * few of them. */
+#define LF_GLOSSY_DIRECTIONS 4
+
 static int lanes_of(const lf_rig *rig)
 {
     return (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
@@ -275,7 +279,7 @@ static void add_weights(lf_visit *visit, float scale)
 }
 
 /* W' of every view: what the direction would weigh, whatever is reflected along it; over = 0: there is none. Views from below the
- * shading horizon draw no directions and see nothing: W. */
+ * shading horizon draw no directions and see nothing: their share of W. */
 static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, float sum)
 {
     lf_worker *w = visit->worker;
@@ -291,30 +295,63 @@ static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, 
     }
 }
 
-/* The lobe depends on the view: balance over all views' lobes and light sampling. */
-static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, float sum)
+/* The light sample, in balance with n directions. */
+static void spread_light(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, float sum, int n)
 {
-    bool no_light_pdf = visit->faults & LF_FAULT_NO_LIGHT_PDF;
+    const lf_light_sample *light = &suffix->light;
+    lf_fan_lobes f;
+    float over = (float)n * lobes(visit, pivot, light->wi, &f);
+    bool alone = light->delta || visit->faults & LF_FAULT_NO_LIGHT_PDF;
+    float denominator = light->pdf * sum + (alone ? 0.0f : over);
+    add_lobes(visit, &f, lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
+}
+
+/* One of n directions, in balance with the light sample. */
+static void spread_direction(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, float sum, int n)
+{
     lf_fan_lobes f = {.n_terms = 0};
-    if (pivot->event.kind == LF_EVENT_SURFACE)
-        look_back(visit, &pivot->event.hit);
-    add_weights(visit, pivot->boost / sum);
-    if (suffix->has_light) {
-        const lf_light_sample *light = &suffix->light;
-        float over = lobes(visit, pivot, light->wi, &f);
-        float denominator = light->delta ? light->pdf * sum : light->pdf * sum + (no_light_pdf ? 0.0f : over);
-        add_lobes(visit, &f, lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
-    }
     bool below = pivot->event.kind == LF_EVENT_SURFACE && !(lf_dot(pivot->event.hit.ns, suffix->wi) > 0.0f);
     bool drawn = suffix->has_direction && !(below && visit->faults & LF_FAULT_HORIZON);
-    float over = drawn ? lobes(visit, pivot, suffix->wi, &f) : 0.0f;
+    float over = drawn ? (float)n * lobes(visit, pivot, suffix->wi, &f) : 0.0f;
     if (over > 0.0f) {
-        float with_light = over + (no_light_pdf ? 0.0f : suffix->found_pdf * sum);
+        float with_light = over + (visit->faults & LF_FAULT_NO_LIGHT_PDF ? 0.0f : suffix->found_pdf * sum);
         lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->boost / over), pivot->boost / with_light, suffix->found);
         add_lobes(visit, &f, radiance);
     }
     if (visit->sums.half.w2)
-        add_directional(visit, pivot, over, sum);
+        add_directional(visit, pivot, over, (float)n * sum);
+}
+
+/* The way back to view k with probability c_k D_k / sum, u in [0, 1). */
+static lf_vec3 some_way_back(const lf_visit *visit, const lf_pivot *pivot, float u, float sum)
+{
+    const lf_worker *w = visit->worker;
+    float rest = u * sum;
+    int view = 0;
+    for (int k = 0; k < visit->rig->n_views && rest >= 0.0f; k++) {
+        view = w->strategy[k] > 0.0f ? k : view;
+        rest -= w->strategy[k];
+    }
+    return lf_normalize(lf_sub(lf_rig_point(visit->rig, w->x0[view], visit->plane.ly, 0.0f), pivot->event.p));
+}
+
+/* The lobe depends on the view: balance over all views' lobes and light sampling. Further directions come from the lobes of other views,
+ * evenly over the sum of densities: with the base's own view they have one and the same density, sum_k c_k D_k pdf_k. */
+static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suffix, float sum)
+{
+    bool surface = pivot->event.kind == LF_EVENT_SURFACE;
+    int n = surface && !lf_material_has_delta(pivot->event.hit.material) ? LF_GLOSSY_DIRECTIONS : 1;
+    if (surface)
+        look_back(visit, &pivot->event.hit);
+    add_weights(visit, pivot->boost / sum);
+    if (suffix->has_light)
+        spread_light(visit, pivot, suffix, sum, n);
+    spread_direction(visit, pivot, suffix, sum, n);
+    for (int i = 1; i < n; i++) {
+        float u = ((float)(i - 1) + lf_rng(&visit->worker->tracer)) / (float)(n - 1);
+        lf_suffix_redraw(visit, pivot, some_way_back(visit, pivot, u, sum), suffix);
+        spread_direction(visit, pivot, suffix, sum, n);
+    }
 }
 
 static bool view_dependent(const lf_visit *visit, const lf_event *event)

@@ -51,30 +51,39 @@ bool lf_lattice_has(const lf_visit *visit, int view, int column)
 
 /* ----------------------------------------------------------------------------------------------------------- suffix -- */
 
-void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out)
+void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *suffix)
 {
     lf_tracer *tracer = &visit->worker->tracer;
+    lf_vec3 f;
+    float u[3];
+    lf_sampler_2d(pivot->sampler, u);
+    u[2] = lf_sampler_1d(pivot->sampler);
+    suffix->found = suffix->scattered = lf_v3(0.0f, 0.0f, 0.0f);
+    suffix->found_pdf = 0.0f;
+    suffix->found_light = NULL;
+    float pdf = lf_scatter_sample(visit->scene, &pivot->event, wo, u, &suffix->wi, &f);
+    /* A direction counts in W' whether or not anything is reflected along it. */
+    suffix->has_direction = pdf > 0.0f;
+    if (!suffix->has_direction || !(lf_max3(f) > 0.0f))
+        return;
+    lf_event next;
+    lf_path_next(tracer, &pivot->event, suffix->wi, &next);
+    suffix->found = lf_path_light_found(visit->scene, &pivot->event, &next, &suffix->found_pdf);
+    if (visit->worker->glows.n > 0 && suffix->found_pdf > 0.0f && next.kind == LF_EVENT_SURFACE)
+        suffix->found_light = lf_light_of_hit(visit->scene, &next.hit);
+    suffix->scattered = lf_path_arriving(tracer, &next, 2, visit->max_depth);
+}
+
+void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out)
+{
     float u[3];
     *out = (lf_suffix){0};
     u[0] = lf_sampler_1d(pivot->sampler);
     lf_sampler_2d(pivot->sampler, u + 1);
     out->has_light = lf_light_draw(visit->scene, pivot->event.p, u, &out->light);
     if (out->has_light)
-        out->light_visible = lf_path_visible(tracer, &pivot->event, &out->light);
-    lf_sampler_2d(pivot->sampler, u);
-    u[2] = lf_sampler_1d(pivot->sampler);
-    lf_vec3 f;
-    float pdf = lf_scatter_sample(visit->scene, &pivot->event, wo, u, &out->wi, &f);
-    /* A direction counts in W' whether or not anything is reflected along it. */
-    out->has_direction = pdf > 0.0f;
-    if (!out->has_direction || !(lf_max3(f) > 0.0f))
-        return;
-    lf_event next;
-    lf_path_next(tracer, &pivot->event, out->wi, &next);
-    out->found = lf_path_light_found(visit->scene, &pivot->event, &next, &out->found_pdf);
-    if (visit->worker->glows.n > 0 && out->found_pdf > 0.0f && next.kind == LF_EVENT_SURFACE)
-        out->found_light = lf_light_of_hit(visit->scene, &next.hit);
-    out->scattered = lf_path_arriving(tracer, &next, 2, visit->max_depth);
+        out->light_visible = lf_path_visible(&visit->worker->tracer, &pivot->event, &out->light);
+    lf_suffix_redraw(visit, pivot, wo, out);
 }
 
 lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, lf_vec3 wo)
