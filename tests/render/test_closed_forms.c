@@ -165,6 +165,14 @@ static void case_01_white_surfaces_in_a_white_furnace_are_white(void **state)
     assert_blocks(BALL("{ 'type': 'plastic', 'albedo': 1, 'roughness': 0 }"), one, 10, 0, 24, 6e-4);
 }
 
+/* To what the fit of lost energy is good for (surface_energy.c). */
+static void case_01_white_metals_in_a_white_furnace_are_white(void **state)
+{
+    (void)state;
+    assert_blocks(BALL("{ 'type': 'conductor', 'albedo': 1, 'roughness': 0.3 }"), one, 10, 0, 24, 2.5e-3);
+    assert_blocks(BALL("{ 'type': 'conductor', 'albedo': 1, 'roughness': 1 }"), one, 10, 0, 24, 2.5e-3);
+}
+
 static void case_01_a_furnace_of_lamps_is_white(void **state)
 {
     (void)state;
@@ -344,6 +352,7 @@ int main(void)
         cmocka_unit_test(case_01_a_white_fog_in_a_white_furnace_is_white_in_every_pixel),
         cmocka_unit_test(case_01_a_white_fog_in_a_white_furnace_is_white_in_the_mean),
         cmocka_unit_test(case_01_white_surfaces_in_a_white_furnace_are_white),
+        cmocka_unit_test(case_01_white_metals_in_a_white_furnace_are_white),
         cmocka_unit_test(case_01_a_furnace_of_lamps_is_white),
         cmocka_unit_test(case_01_a_grey_furnace_is_rejected),
         cmocka_unit_test(case_03_a_black_slab_lets_exp_of_minus_its_depth_through),
