@@ -84,7 +84,8 @@ lf_status lf_slice_init(lf_slice *slice, const lf_slice_frame *frame)
     slice->rough = lf_calloc((size_t)slice->tiles_z * (size_t)slice->tiles_x, sizeof *slice->rough);
     slice->roughest = lf_calloc((size_t)slice->tiles_z, sizeof *slice->roughest);
     slice->near = lf_calloc((size_t)slice->tiles_z * (size_t)slice->tiles_x, sizeof *slice->near);
-    bool complete = slice->sigma && slice->behind && slice->spans && slice->filled && slice->rough && slice->roughest && slice->near;
+    bool complete =
+        slice->sigma && slice->behind && slice->spans && slice->filled && slice->rough && slice->roughest && slice->near;
     return complete ? LF_OK : LF_E_NOMEM;
 }
 
