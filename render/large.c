@@ -1,6 +1,7 @@
 #include "render/large.h"
 
 #include "base/alloc.h"
+#include "render/vec_double.h"
 
 /* -------------------------------------------------------------------------------------------------------- picking -- */
 
@@ -63,14 +64,9 @@ static lf_large_triangle make(const lf_mesh *mesh, int mesh_number, int triangle
         out.corner[i][1] = (double)p.y;
         out.corner[i][2] = (double)p.z;
     }
-    for (int i = 0; i < 3; i++) {
-        ab[i] = out.corner[1][i] - out.corner[0][i];
-        ac[i] = out.corner[2][i] - out.corner[0][i];
-    }
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        out.normal[i] = ab[j] * ac[k] - ab[k] * ac[j];
-    }
+    lf_sub_double(out.corner[1], out.corner[0], ab);
+    lf_sub_double(out.corner[2], out.corner[0], ac);
+    lf_cross_double(ab, ac, out.normal);
     return out;
 }
 
@@ -111,18 +107,17 @@ lf_status lf_large_pick(const lf_mesh *meshes, int n_meshes, lf_large *out, floa
 /* Six times the signed volume that the ray and an edge span. */
 static inline double side(const double a[3], const double b[3], const double w[3])
 {
-    return w[0] * (a[1] * b[2] - a[2] * b[1]) + w[1] * (a[2] * b[0] - a[0] * b[2]) + w[2] * (a[0] * b[1] - a[1] * b[0]);
+    double across[3];
+    lf_cross_double(a, b, across);
+    return lf_dot_double(w, across);
 }
 
 bool lf_large_meet(const lf_large_triangle *triangle, const double o[3], const double w[3], double *out_t, double out_uv[2])
 {
     double v[3][3];
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++)
-            v[i][j] = triangle->corner[i][j] - o[j];
-    }
-    const double *n = triangle->normal;
-    double height = n[0] * v[0][0] + n[1] * v[0][1] + n[2] * v[0][2], along = n[0] * w[0] + n[1] * w[1] + n[2] * w[2];
+    for (int i = 0; i < 3; i++)
+        lf_sub_double(triangle->corner[i], o, v[i]);
+    double height = lf_dot_double(triangle->normal, v[0]), along = lf_dot_double(triangle->normal, w);
     if (!(height * along > 0.0))
         return false;
     double c0 = side(v[1], v[2], w), c1 = side(v[2], v[0], w), c2 = side(v[0], v[1], w);

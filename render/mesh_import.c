@@ -13,6 +13,7 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "render/mesh_material.h"
+#include "render/vec_double.h"
 
 #define MAX_NODE_DEPTH 256
 
@@ -198,14 +199,11 @@ static void append_vertices(lf_mesh_data *data, const struct aiMesh *mesh, const
 
 static bool has_area(const double *a, const double *b, const double *c)
 {
-    double u[3], v[3], area = 0;
-    for (int i = 0; i < 3; i++) {
-        u[i] = b[i] - a[i];
-        v[i] = c[i] - a[i];
-    }
-    for (int i = 0; i < 3; i++)
-        area += fabs(u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
-    return area > 0; /* false for NaN too */
+    double ab[3], ac[3], n[3];
+    lf_sub_double(b, a, ab);
+    lf_sub_double(c, a, ac);
+    lf_cross_double(ab, ac, n);
+    return fabs(n[0]) + fabs(n[1]) + fabs(n[2]) > 0; /* false for NaN too */
 }
 
 static void append_mesh(const struct aiMesh *mesh, unsigned material, const lf_affine *transform, void *context)
@@ -279,12 +277,11 @@ static void repair(lf_mesh_data *data)
         const uint32_t *t = data->triangles + c - c % 3;
         const double *a = data->positions + 3 * (size_t)t[0], *b = data->positions + 3 * (size_t)t[1],
                      *d = data->positions + 3 * (size_t)t[2];
-        double w[3];
-        for (int i = 0; i < 3; i++) {
-            int j = (i + 1) % 3, k = (i + 2) % 3;
-            w[i] = (b[j] - a[j]) * (d[k] - a[k]) - (b[k] - a[k]) * (d[j] - a[j]);
-        }
-        double length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+        double ab[3], ad[3], w[3];
+        lf_sub_double(b, a, ab);
+        lf_sub_double(d, a, ad);
+        lf_cross_double(ab, ad, w);
+        double length = lf_length_double(w);
         for (int i = 0; i < 3; i++)
             n[i] = length > 0 ? (float)(w[i] / length) : i == 1 ? 1.0f : 0.0f;
     }

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "render/vec_double.h"
+
 static lf_status check(const lf_render_settings *s, lf_error *err)
 {
     const lf_camera *c = &s->camera;
@@ -21,18 +23,6 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
     return LF_OK;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 static lf_vec3 scaled(const double a[3], double s)
 {
     return lf_v3((float)(a[0] * s), (float)(a[1] * s), (float)(a[2] * s));
@@ -41,19 +31,18 @@ static lf_vec3 scaled(const double a[3], double s)
 static lf_status axes(lf_rig *rig, const lf_camera *c, double *out_distance, lf_error *err)
 {
     double forward[3], right[3], up[3];
-    for (int i = 0; i < 3; i++)
-        forward[i] = c->target[i] - c->position[i];
-    double distance = sqrt(dot(forward, forward));
+    lf_sub_double(c->target, c->position, forward);
+    double distance = lf_length_double(forward);
     if (!(distance > 0.0) || !isfinite(distance))
         return lf_error_set(err, LF_E_ARG, "camera", "position and target must not be the same point");
-    cross(forward, c->up, right);
-    double r = sqrt(dot(right, right));
-    if (!(r > 1e-12 * distance * sqrt(dot(c->up, c->up))))
+    lf_cross_double(forward, c->up, right);
+    double r = lf_length_double(right);
+    if (!(r > 1e-12 * distance * lf_length_double(c->up)))
         return lf_error_set(err, LF_E_ARG, "camera.up", "must not be parallel to the view direction");
-    cross(right, forward, up);
+    lf_cross_double(right, forward, up);
     rig->forward = scaled(forward, 1.0 / distance);
     rig->right = scaled(right, 1.0 / r);
-    rig->up = scaled(up, 1.0 / sqrt(dot(up, up)));
+    rig->up = scaled(up, 1.0 / lf_length_double(up));
     *out_distance = distance;
     return LF_OK;
 }

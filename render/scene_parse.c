@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "render/metal.h"
+#include "render/vec_double.h"
 
 #define RADIANS(degrees) ((degrees) * (M_PI / 180.0))
 
@@ -100,27 +101,20 @@ static lf_affine parse_transform(lf_reader *reader, const lf_node *parent)
 
 /* --------------------------------------------------------------------------------------------------------- camera -- */
 
-static double length3(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
 /* The rig needs a view axis and an up vector that is not along it. */
 static void check_camera(lf_reader *reader, const lf_node *node, lf_camera *camera)
 {
     double view[3], cross[3];
     const double *up = camera->up;
-    for (int i = 0; i < 3; i++)
-        view[i] = camera->target[i] - camera->position[i];
-    double distance = length3(view);
+    lf_sub_double(camera->target, camera->position, view);
+    double distance = lf_length_double(view);
     lf_node position = lf_node_child(node, "position"), up_node = lf_node_child(node, "up");
     if (!(distance > 0)) {
         lf_read_fail(reader, &position, "the camera stands on its target");
         return;
     }
-    for (int i = 0; i < 3; i++)
-        cross[i] = view[(i + 1) % 3] * up[(i + 2) % 3] - view[(i + 2) % 3] * up[(i + 1) % 3];
-    if (!(length3(cross) > 1e-6 * distance * length3(up)))
+    lf_cross_double(view, up, cross);
+    if (!(lf_length_double(cross) > 1e-6 * distance * lf_length_double(up)))
         lf_read_fail(reader, &up_node, "up is zero or along the line of sight");
     if (!lf_node_child(node, "focus_distance").value)
         camera->focus_distance = distance;
@@ -415,7 +409,7 @@ static void parse_distant(lf_reader *reader, const lf_node *node, lf_light_desc 
     double direction[3] = {0, -1, 0};
     lf_read_object(reader, node, keys);
     lf_read_numbers(reader, node, "direction", 3, direction, -LF_MAX_COORDINATE, LF_MAX_COORDINATE);
-    double length = length3(direction);
+    double length = lf_length_double(direction);
     lf_node at = lf_node_child(node, "direction");
     if (!(length > 0))
         lf_read_fail(reader, &at, "the direction has no length");

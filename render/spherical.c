@@ -1,16 +1,6 @@
 #include "render/spherical.h"
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
+#include "render/vec_double.h"
 
 bool lf_spherical_init(lf_spherical *s, lf_vec3 p, lf_vec3 a, lf_vec3 b, lf_vec3 c)
 {
@@ -21,21 +11,19 @@ bool lf_spherical_init(lf_spherical *s, lf_vec3 p, lf_vec3 a, lf_vec3 b, lf_vec3
         to[i][0] = (double)corners[i].x - (double)p.x;
         to[i][1] = (double)corners[i].y - (double)p.y;
         to[i][2] = (double)corners[i].z - (double)p.z;
-        length[i] = sqrt(dot(to[i], to[i]));
+        length[i] = lf_length_double(to[i]);
         farthest = fmax(farthest, length[i]);
         if (!(length[i] > 0.0))
             return false;
     }
-    for (int i = 0; i < 3; i++) {
-        ab[i] = to[1][i] - to[0][i];
-        ac[i] = to[2][i] - to[0][i];
-    }
-    cross(ab, ac, n);
-    double volume = fabs(dot(n, to[0])), twice_area = sqrt(dot(n, n));
+    lf_sub_double(to[1], to[0], ab);
+    lf_sub_double(to[2], to[0], ac);
+    lf_cross_double(ab, ac, n);
+    double volume = fabs(lf_dot_double(n, to[0])), twice_area = lf_length_double(n);
     if (!(volume > twice_area * fmax(1e-5 * farthest, 1e-6 * coordinate)))
         return false;
-    double denominator = length[0] * length[1] * length[2] + dot(to[0], to[1]) * length[2] + dot(to[1], to[2]) * length[0] +
-                         dot(to[2], to[0]) * length[1];
+    double denominator = length[0] * length[1] * length[2] + lf_dot_double(to[0], to[1]) * length[2] +
+                         lf_dot_double(to[1], to[2]) * length[0] + lf_dot_double(to[2], to[0]) * length[1];
     s->solid_angle = 2.0 * atan2(volume, denominator);
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++)
@@ -47,10 +35,10 @@ bool lf_spherical_init(lf_spherical *s, lf_vec3 p, lf_vec3 a, lf_vec3 b, lf_vec3
 /* The unit vector of v's part across the unit vector n. */
 static void across(const double v[3], const double n[3], double out[3])
 {
-    double along = dot(v, n), length = 0.0;
+    double along = lf_dot_double(v, n), length = 0.0;
     for (int i = 0; i < 3; i++)
         out[i] = v[i] - along * n[i];
-    length = sqrt(dot(out, out));
+    length = lf_length_double(out);
     for (int i = 0; i < 3; i++)
         out[i] /= length > 0.0 ? length : 1.0;
 }
@@ -69,13 +57,13 @@ void lf_spherical_draw(const lf_spherical *s, const float u[2], double out_w[3])
     double to_b[3], to_c[3], side[3], part[3], toward[3];
     across(b, a, to_b);
     across(c, a, to_c);
-    cross(to_b, to_c, side);
-    double cosine = dot(to_b, to_c), sine = sqrt(dot(side, side)), alpha = atan2(sine, cosine);
+    lf_cross_double(to_b, to_c, side);
+    double cosine = lf_dot_double(to_b, to_c), sine = lf_length_double(side), alpha = atan2(sine, cosine);
     /* The third corner moves along the arc from a to c until the triangle has its share of the solid angle. */
     double angle = (double)u[0] * s->solid_angle - alpha, sn = sin(angle), cs = cos(angle);
-    double x = cs - cosine, y = sn + sine * dot(a, b), q = (y * sn + x * cs) * sine;
+    double x = cs - cosine, y = sn + sine * lf_dot_double(a, b), q = (y * sn + x * cs) * sine;
     double along = q != 0.0 ? ((y * cs - x * sn) * cosine - y) / q : 1.0;
     turned(a, to_c, fmin(fmax(along, -1.0), 1.0), part);
     across(part, b, toward);
-    turned(b, toward, 1.0 - (double)u[1] * (1.0 - dot(part, b)), out_w);
+    turned(b, toward, 1.0 - (double)u[1] * (1.0 - lf_dot_double(part, b)), out_w);
 }
