@@ -7,16 +7,8 @@
 #include "tests/stat/brute.h"
 #include "tests/stat/fixture.h"
 
-enum {
-    width = 16,
-    height = 12,
-    n_views = 3,
-    block = 8,
-    blocks_of_all = n_views * 4 + 1,
-    integrators = 2,
-    scenes = 6,
-    replicates = 24
-};
+enum { width = 16, height = 12, n_views = 3, block = 8, blocks_of_all = n_views * 4 + 1 };
+enum { integrators = 2, scenes = 6, replicates = 24 };
 
 static const char *const names[integrators] = {"vpt", "mvpt"};
 

@@ -7,16 +7,8 @@
 
 #include "tests/stat/fixture.h"
 
-enum {
-    replicates = 16,
-    width = 16,
-    height = 12,
-    n_views = 3,
-    block = 8,
-    blocks_of_all = n_views * 4 + 1,
-    n_nodes = 64,
-    comparisons = 14
-};
+enum { width = 16, height = 12, n_views = 3, block = 8, blocks_of_all = n_views * 4 + 1 };
+enum { replicates = 16, n_nodes = 64, comparisons = 14 };
 
 #define LEVEL lf_sidak(LF_FALSE_ALARM, comparisons *blocks_of_all)
 

@@ -11,8 +11,6 @@ static const char *const integrators[] = {"mvpt", "vpt"};
 static lf_scene *floor_below(const char *folder, const char *lamps)
 {
     char text[2048];
-    lf_scene *scene = NULL;
-    lf_error err;
     snprintf(
         text, sizeof text,
         "{'camera': {'position': [0, 1.5, 6], 'target': [0, -1, 0], 'fov_y': 18, 'aspect': 1.3333333333, 'views': 4, 'cone': 20}, "
@@ -20,13 +18,7 @@ static lf_scene *floor_below(const char *folder, const char *lamps)
         "{'shape': 'quad', 'material': 'clay', 'transform': {'scale': 3, 'translate': [0, -1, 0]}}, %s}, 'materials': {'clay': "
         "{'albedo': 0.5}, 'dim': {'albedo': 0, 'emission': 1}, 'lamp': {'albedo': 0, 'emission': [5, 4, 3]}}}",
         lamps);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
-    json_t *doc = json_loads(text, 0, NULL);
-    assert_non_null(doc);
-    lf_assert_ok(lf_scene_from_json(doc, folder, "test", NULL, NULL, &scene, &err), &err);
-    json_decref(doc);
-    return scene;
+    return lf_test_scene_in(folder, text, NULL);
 }
 
 #define QUAD(name, material, more)                                                                                                 \

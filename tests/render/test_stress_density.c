@@ -2,8 +2,7 @@
  * tight majorants, cameras inside. Numbers of the cases are those of the list there. */
 #include "tests/testing.h"
 
-#include "render/grid.h"
-#include "tests/stat/fixture.h"
+#include "tests/render/grids.h"
 
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -239,35 +238,16 @@ static void case_04_weights_are_n_q_in_grids_of_any_density(void **state)
 
 /* ------------------------------------------------------------------------------------------------------- the trackers -- */
 
-typedef float (*voxel_fn)(int x, int y, int z);
-
 static float checkerboard(int x, int y, int z)
 {
     return (x + y + z) & 1 ? 100.0f : 0.0f;
 }
 
-static float constant(int x, int y, int z)
-{
-    (void)x, (void)y, (void)z;
-    return 1.0f;
-}
-
 enum { side = 20 };
 
-static void make_volume(voxel_fn voxel, float scale, bool nearest, lf_volume *volume)
+static void make_volume(lf_voxel_fn voxel, float scale, bool nearest, lf_volume *volume)
 {
-    static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-    const int64_t size[3] = {side, side, side};
-    const int first[3] = {0, 0, 0}, last[3] = {side - 1, side - 1, side - 1};
-    lf_grid *grid = NULL;
-    lf_assert_ok(lf_grid_create(size, identity, &grid, NULL), NULL);
-    lf_grid_mark(grid, first, last);
-    lf_assert_ok(lf_grid_allocate(grid, NULL), NULL);
-    for (int i = 0; i < side * side * side; i++) {
-        const int at[3] = {i % side, i / side % side, i / side / side};
-        lf_grid_fill(grid, at, at, voxel(at[0], at[1], at[2]));
-    }
-    lf_grid_finish(grid);
+    lf_grid *grid = lf_test_grid(voxel, side, side, side);
     *volume = (lf_volume){.kind = LF_VOLUME_GRID, .grid = grid, .nearest = nearest, .sigma_scale = scale};
     volume->sigma_max = scale * grid->max_value;
     for (int i = 0; i < 3; i++)
@@ -327,7 +307,7 @@ static void case_10_a_majorant_that_is_the_density_leaves_no_gap(void **state)
 {
     (void)state;
     lf_volume volume;
-    make_volume(constant, 0.05f, false, &volume);
+    make_volume(lf_test_full, 0.05f, false, &volume);
     for (float t = 2.0f; t < 20.0f; t += 5.0f)
         assert_tracked(&volume, lf_v3(1.5f, 9.0f, 9.0f), lf_v3(1.0f, 0.0f, 0.0f), t);
     assert_tracked(&volume, lf_v3(0.0f, 0.0f, 0.0f), lf_v3(0.0f, -0.0f, 1.0f), 19.0f);

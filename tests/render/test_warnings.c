@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "render/scene.h"
+#include "tests/stat/fixture.h"
 
 static int make_folder(void **state)
 {
@@ -21,18 +21,10 @@ static int remove_folder(void **state)
 static lf_scene *scene_of(const char *folder, const char *meshes, const lf_scene *previous)
 {
     char text[2048];
-    lf_scene *scene = NULL;
-    lf_error err;
     snprintf(text, sizeof text,
              "{'meshes': {%s}, 'materials': {'lamp': {'emission': 3}}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}",
              meshes);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
-    json_t *doc = json_loads(text, 0, NULL);
-    assert_non_null(doc);
-    lf_assert_ok(lf_scene_from_json(doc, folder, "test.json", NULL, previous, &scene, &err), &err);
-    json_decref(doc);
-    return scene;
+    return lf_test_scene_in(folder, text, previous);
 }
 
 static bool says(const lf_scene *scene, const char *words)
@@ -252,14 +244,8 @@ static void grids_that_nothing_is_made_of_are_said(void **state)
     snprintf(folder, sizeof folder, "%s", lf_test_built("testdata"));
     for (int i = 0; i < 3; i++) {
         char text[512];
-        lf_scene *scene = NULL;
-        lf_error err;
         snprintf(text, sizeof text, "{'volumes': {%s}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}", volumes[i]);
-        for (char *c = text; *c; c++)
-            *c = *c == '\'' ? '"' : *c;
-        json_t *doc = json_loads(text, 0, NULL);
-        lf_assert_ok(lf_scene_from_json(doc, folder, "test.json", NULL, NULL, &scene, &err), &err);
-        json_decref(doc);
+        lf_scene *scene = lf_test_scene_in(folder, text, NULL);
         assert_lines(scene, words + i, i < 2);
         lf_scene_unref(scene);
     }

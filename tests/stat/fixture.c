@@ -4,6 +4,11 @@ static lf_pool *own_pool;
 
 lf_scene *lf_test_scene(const char *text)
 {
+    return lf_test_scene_in(".", text, NULL);
+}
+
+lf_scene *lf_test_scene_in(const char *folder, const char *text, const lf_scene *previous)
+{
     char *copy = strdup(text);
     lf_scene *scene = NULL;
     lf_error err = {0};
@@ -14,7 +19,7 @@ lf_scene *lf_test_scene(const char *text)
     free(copy);
     if (!doc)
         fail_msg("line %d: %s", json_err.line, json_err.text);
-    if (lf_scene_from_json(doc, ".", "test", NULL, NULL, &scene, &err) != LF_OK)
+    if (lf_scene_from_json(doc, folder, "test.json", NULL, previous, &scene, &err) != LF_OK)
         fail_msg("%s: %s", err.pointer, err.what);
     json_decref(doc);
     return scene;

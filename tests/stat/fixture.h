@@ -10,6 +10,8 @@
 
 /* A scene from text in which ' stands for "; fails the test when it cannot be loaded. */
 lf_scene *lf_test_scene(const char *text);
+/* The same, called "test.json" in warnings, with files in `folder` and what can be shared with a scene before it (may be NULL). */
+lf_scene *lf_test_scene_in(const char *folder, const char *text, const lf_scene *previous);
 
 /* A renderer of it; integrator "vpt" or "mvpt"; pool NULL = the program's own, of two threads. */
 lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width, int height, lf_pool *pool);
