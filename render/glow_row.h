@@ -15,10 +15,9 @@ typedef struct lf_glow_plane {
     float x, z;      /* its foot, camera space */
     float e2;        /* as above */
     float log_range; /* log(1 + reach^2 / e^2) */
-    float
-        density; /* what is over rho^2 + e^2 in the density of points in (X, Z), with the points that one native sample a pixel has */
-    float points; /* expected number of points, for one native sample a pixel */
-    float reach2; /* no point is farther from the foot; squared */
+    float density;   /* of points in (X, Z), times rho^2 + e^2, with the points that one native sample a pixel has */
+    float points;    /* expected number of points, for one native sample a pixel */
+    float reach2;    /* no point is farther from the foot; squared */
 } lf_glow_plane;
 
 /* All of them, in the order of scene->glows. */

@@ -4,8 +4,9 @@
  * A slice is a stack of planes, dz apart in Z, each sampled dx apart in X and linear between samples. A ray X(Z) = x0 + slope Z meets
  * sigma_t at the planes; between them it is linear ALONG THE RAY. Optical depth (a quadratic in each step), collision density and exit
  * transmittance all use this one field, which is what pivots are drawn from: correction.h makes them count for the grid itself. So it has
- * to be above 0 where the grid is: samples beside one that is have a little of it. A cell is at most a voxel; the phases of planes and
- * samples are drawn anew in every visit. docs/estimators.md, "Media of a row". */
+ * to be above 0 where the grid is: samples beside one that is have a little of it. A cell is at most a voxel, unless what the rays can meet
+ * is longer than LF_SLICE_MAX_SIDE - 4 of these: then it is that share of the length. The phases of planes and samples are drawn anew in
+ * every visit. docs/estimators.md, "Media of a row". */
 #ifndef LF_RENDER_SLICE_H
 #define LF_RENDER_SLICE_H
 
