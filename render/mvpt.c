@@ -290,7 +290,7 @@ static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, 
         if (w->density[k] == 0.0f)
             continue;
         target(visit, k, &pixel);
-        bool below = surface && !(w->local[2][k] > 0.0f);
+        bool below = surface && !(w->local[2][k] > LF_MIN_COS);
         visit->sums.half.w2[pixel] += w->density[k] * (below ? blind : drawn * w->lobe[k]);
     }
 }

@@ -17,6 +17,9 @@ typedef struct lf_hit {
     uint32_t triangle;
 } lf_hit;
 
+/* Directions closer to the horizon than this count as below it: keeps quotients of cosines finite with denormals flushed. */
+#define LF_MIN_COS 1e-7f
+
 /* What eval gives to a fan of directions: f is the sum of colour[t] weight[t][k] over the terms. */
 #define LF_FAN_TERMS 3
 typedef struct lf_fan_lobes {

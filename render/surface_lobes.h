@@ -18,9 +18,6 @@ void lf_plastic_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x
 float lf_plastic_sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f);
 lf_vec3 lf_plastic_delta(const lf_material *m, lf_vec3 ns, lf_vec3 wo);
 
-/* Directions closer to the horizon than this count as below it: keeps quotients of cosines finite with denormals flushed. */
-#define LF_MIN_COS 1e-7f
-
 static inline float lf_material_alpha(const lf_material *m)
 {
     return m->roughness * m->roughness;
