@@ -104,15 +104,17 @@ static void fit_loss(lf_material *m, double eta)
     fit(y, m->loss);
 }
 
-/* 2 int_0^1 g(c) c dc of the loss and of a metal's Fresnel reflectance. */
-static void averages(const lf_material *m, double *out_loss, double fresnel[3])
+/* 2 int_0^1 g(c) c dc of the loss and, of metals, of Fresnel's reflectance. */
+static void averages(const lf_material *m, bool metal, double *out_loss, double fresnel[3])
 {
     enum { STEPS = 128 };
     *out_loss = fresnel[0] = fresnel[1] = fresnel[2] = 0.0;
     for (int i = 0; i < STEPS; i++) {
         double root = (i + 0.5) / STEPS, cosine = root * root, weight = 4.0 * cosine * root / STEPS;
-        lf_vec3 f = lf_conductor_fresnel(m, (float)cosine);
         *out_loss += weight * (double)lf_loss(m, lf_coat_transmittance(m, (float)cosine), (float)cosine);
+        if (!metal)
+            continue;
+        lf_vec3 f = lf_conductor_fresnel(m, (float)cosine);
         fresnel[0] += weight * (double)f.x;
         fresnel[1] += weight * (double)f.y;
         fresnel[2] += weight * (double)f.z;
@@ -142,7 +144,7 @@ void lf_material_prepare(lf_material *m)
         return;
     if (rough)
         fit_loss(m, metal ? 0.0 : eta);
-    averages(m, &loss, f);
+    averages(m, metal, &loss, f);
     if (metal)
         m->rest = lf_v3(metal_rest(f[0], loss), metal_rest(f[1], loss), metal_rest(f[2], loss));
     else
