@@ -483,19 +483,29 @@ static void warn_of_grids(const commit *c, const lf_grid *grid, const char *file
         lf_warnings_add(&c->scene->warnings, file, "grids that no volume is made of: %s", unused);
 }
 
+static bool is_lamp(const lf_scene *scene, int mesh)
+{
+    bool found = false;
+    for (int i = 0; i < scene->n_lights; i++)
+        found = found || (scene->lights[i].type == LF_LIGHT_MESH && scene->lights[i].mesh == mesh);
+    return found;
+}
+
 static void find_overlaps(const commit *c)
 {
     lf_scene *scene = c->scene;
     for (int i = 0; i < scene->n_lights; i++) {
         const lf_light *light = &scene->lights[i];
-        int other = light->type == LF_LIGHT_MESH ? lf_mesh_light_overlaps(scene, light) : -1;
+        int mesh = light->mesh, other = light->type == LF_LIGHT_MESH ? lf_mesh_light_overlaps(scene, light) : -1;
         if (other < 0)
             continue;
         scene->has_overlaps = true;
+        /* Two lamps find each other: one line, whose words are the same for both. */
+        bool second = other < mesh && is_lamp(scene, other);
         lf_warnings_add(
             &scene->warnings, scene->where,
             "mesh \"%s\": its lamp stands in one place with faces of \"%s\": which of them is seen there is a matter of rounding",
-            c->desc->meshes[light->mesh].name, c->desc->meshes[other].name);
+            c->desc->meshes[second ? other : mesh].name, c->desc->meshes[second ? mesh : other].name);
     }
 }
 

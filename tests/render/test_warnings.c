@@ -218,6 +218,19 @@ static void lamps_in_the_plane_of_other_faces_are_said(void **state)
     }
 }
 
+static void two_lamps_in_one_place_are_said_in_one_line(void **state)
+{
+    lf_scene *scene =
+        scene_of(*state,
+                 "'wide': {'shape': 'quad', 'material': 'lamp', 'transform': {'scale': 2}}, 'narrow': {'shape': 'quad', "
+                 "'material': 'lamp'}",
+                 NULL);
+    static const char *const words[] = {"mesh \"wide\": its lamp stands in one place with faces of \"narrow\""};
+    assert_lines(scene, words, 1);
+    assert_true(scene->has_overlaps);
+    lf_scene_unref(scene);
+}
+
 static void a_lamp_that_stands_on_the_ground_by_its_edge_is_no_overlap(void **state)
 {
     lf_scene *scene =
@@ -260,6 +273,7 @@ int main(void)
         cmocka_unit_test(what_an_obj_or_ply_holds_beside_triangles_is_said),
         cmocka_unit_test(faces_in_one_place_are_said_and_one_of_them_stays),
         cmocka_unit_test(lamps_in_the_plane_of_other_faces_are_said),
+        cmocka_unit_test(two_lamps_in_one_place_are_said_in_one_line),
         cmocka_unit_test(a_lamp_that_stands_on_the_ground_by_its_edge_is_no_overlap),
         cmocka_unit_test(grids_that_nothing_is_made_of_are_said),
     };
