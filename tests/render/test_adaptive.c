@@ -200,6 +200,42 @@ static void a_rows_map_does_not_hear_of_its_own_pilot(void **state)
     lf_scene_unref(scene);
 }
 
+/* The map of a film whose pilot marked no mirrors: of a scene that has none, and of one that has (a film that was restored). */
+static void map_of_unmarked(const char *text, bool has_delta, lf_counts *out)
+{
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, "amvpt", width, height, pool);
+    lf_test_passes(r, 2 * n_views);
+    assert_true(r->film.layout.has_native && r->film.layout.has_delta == has_delta);
+    assert_int_equal(lf_counts_init(out, n_views, width, height), LF_OK);
+    assert_int_equal(lf_adaptive_map(&r->film, pool, out), LF_OK);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+/* Bulbs in fog give native samples too, which is no reason to spend samples everywhere. */
+static void counts_fall_where_there_is_a_bulb_and_no_mirror(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {
+        "{" LF_TEST_CAMERA("7", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 2 } }, "
+                                    "'lights': { 'bulb': { 'type': 'point', 'position': [0.2, 0.1, 0] } } }",
+        LF_TEST_LAMP("7", "")};
+    for (int mirrors = 0; mirrors < 2; mirrors++) {
+        lf_counts counts;
+        float least = INFINITY;
+        map_of_unmarked(scenes[mirrors], mirrors, &counts);
+        size_t n = (size_t)counts.tiles_down * (size_t)counts.tiles_across * height;
+        for (size_t i = 0; i < n; i++)
+            least = fminf(least, counts.tile[i]);
+        if (mirrors)
+            assert_true(least >= 1.0f);
+        else
+            assert_true(least < 0.5f);
+        lf_counts_finish(&counts);
+    }
+}
+
 static int set_up(void **state)
 {
     (void)state;
@@ -219,6 +255,7 @@ int main(void)
         cmocka_unit_test(case_20_weights_are_n_q_whatever_the_counts),
         cmocka_unit_test(counts_left_out_of_the_sums_are_caught),
         cmocka_unit_test(unbiased_answers_agree_with_uniform_vpt),
+        cmocka_unit_test(counts_fall_where_there_is_a_bulb_and_no_mirror),
         cmocka_unit_test(a_rows_map_does_not_hear_of_its_own_pilot),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
