@@ -125,8 +125,9 @@ double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimat
     job.scratch = lf_calloc((size_t)renderer->n_workers * 2 * values, sizeof *job.scratch);
     job.rows = lf_calloc((size_t)film->height, sizeof *job.rows);
     double bound = -1.0;
+    /* Half of the risk is kept for what rows cannot tell: a bias that both halves share, a denominator that is off. */
     if (job.scratch && job.rows && lf_pool_run(renderer->pool, film->height, error_of_row, &job, NULL) == LF_OK && !job.unknown)
-        bound = lf_error_bound(job.rows, film->height, alpha, out_estimate);
+        bound = lf_error_bound(job.rows, film->height, 0.5 * alpha, out_estimate);
     if (bound == 0.0 && !visited_enough(film))
         bound = -1.0;
     lf_free(job.scratch);
