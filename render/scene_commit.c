@@ -513,6 +513,7 @@ static void find_overlaps(const commit *c)
 static void collect_warnings(const commit *c)
 {
     lf_scene *scene = c->scene;
+    lf_warnings_add_all(&scene->warnings, &c->desc->warnings);
     for (int i = 0; i < scene->n_volumes; i++)
         if (scene->volumes[i].grid && c->desc->volumes[i].file)
             warn_of_grids(c, scene->volumes[i].grid, c->desc->volumes[i].file);

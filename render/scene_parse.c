@@ -320,6 +320,20 @@ static void parse_index(lf_reader *reader, const lf_node *node, lf_material *out
     }
 }
 
+/* A patch of the type alone leaves such words behind: they are no errors. */
+static void warn_of_unused(const lf_reader *reader, const lf_node *node, lf_material_type type, lf_warnings *warnings)
+{
+    static const char *const beyond[LF_MATERIAL_TYPES] = {
+        [LF_MATERIAL_DIFFUSE] = "diffuse surfaces have none",
+        [LF_MATERIAL_CONDUCTOR] = "of metals eta and k say it",
+    };
+    static const char *const keys[] = {"ior", "roughness"};
+    int n = type == LF_MATERIAL_DIFFUSE ? 2 : type == LF_MATERIAL_CONDUCTOR ? 1 : 0;
+    for (int i = 0; i < n; i++)
+        if (lf_node_child(node, keys[i]).value)
+            lf_warnings_add(warnings, reader->where, "material \"%s\": %s has no effect, %s", node->key, keys[i], beyond[type]);
+}
+
 static void parse_material(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
     static const char *const keys[] = {"type", "albedo", "metal", "eta", "k", "roughness", "ior", "emission", NULL};
@@ -336,6 +350,7 @@ static void parse_material(lf_reader *reader, const lf_node *node, lf_scene_desc
     material->roughness = (float)lf_read_number(reader, node, "roughness", 0.3, 0, 1);
     material->ior = (float)lf_read_number(reader, node, "ior", 1.5, 1, 3);
     parse_index(reader, node, material);
+    warn_of_unused(reader, node, material->type, &desc->warnings);
 }
 
 /* The number of the material that a mesh names. */
@@ -492,5 +507,6 @@ void lf_scene_desc_finish(lf_scene_desc *desc)
     lf_free(desc->materials);
     lf_free(desc->meshes);
     lf_free(desc->lights);
+    lf_warnings_finish(&desc->warnings);
     *desc = (lf_scene_desc){0};
 }

@@ -6,6 +6,7 @@
 #include "render/affine.h"
 #include "render/json_reader.h"
 #include "render/scene.h"
+#include "render/warnings.h"
 
 #define LF_MAX_MESHES 1024
 #define LF_MAX_MATERIALS 4096
@@ -56,6 +57,7 @@ typedef struct lf_scene_desc {
     lf_mesh_desc *meshes;
     lf_material *materials;
     lf_light_desc *lights;
+    lf_warnings warnings; /* of what it says without effect */
 } lf_scene_desc;
 
 /* Fills *out from the root of a document; reader->status says how it went. Release with lf_scene_desc_finish in any case. */

@@ -197,6 +197,19 @@ static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
     lf_scene_unref(scene);
 }
 
+static void what_a_material_has_no_use_for_is_said(void **state)
+{
+    lf_scene *scene = lf_test_scene_in(
+        *state,
+        "{'materials': {'clay': {'roughness': 0.2}, 'gold': {'type': 'conductor', 'metal': 'gold', 'roughness': 0.2, 'ior': 1.3}, "
+        "'glaze': {'type': 'plastic', 'roughness': 0.2, 'ior': 1.3}}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}",
+        NULL);
+    static const char *const words[] = {"test.json: material \"clay\": roughness has no effect, diffuse surfaces have none",
+                                        "test.json: material \"gold\": ior has no effect, of metals eta and k say it"};
+    assert_lines(scene, words, 2);
+    lf_scene_unref(scene);
+}
+
 static void lamps_in_the_plane_of_other_faces_are_said(void **state)
 {
     static const struct {
@@ -272,6 +285,7 @@ int main(void)
         cmocka_unit_test(a_file_that_is_shown_whole_says_nothing),
         cmocka_unit_test(what_an_obj_or_ply_holds_beside_triangles_is_said),
         cmocka_unit_test(faces_in_one_place_are_said_and_one_of_them_stays),
+        cmocka_unit_test(what_a_material_has_no_use_for_is_said),
         cmocka_unit_test(lamps_in_the_plane_of_other_faces_are_said),
         cmocka_unit_test(two_lamps_in_one_place_are_said_in_one_line),
         cmocka_unit_test(a_lamp_that_stands_on_the_ground_by_its_edge_is_no_overlap),
