@@ -241,19 +241,11 @@ static void smooth(lf_mesh_data *data)
         const uint32_t *t = data->triangles + c - c % 3;
         const double *p = data->positions + 3 * (size_t)t[c % 3], *q = data->positions + 3 * (size_t)t[(c + 1) % 3],
                      *r = data->positions + 3 * (size_t)t[(c + 2) % 3];
-        double a[3], b[3], w[3], cosine = 0, length = 0;
-        for (int i = 0; i < 3; i++) {
-            a[i] = q[i] - p[i];
-            b[i] = r[i] - p[i];
-            cosine += a[i] * b[i];
-        }
-        for (int i = 0; i < 3; i++) {
-            int j = (i + 1) % 3, k = (i + 2) % 3;
-            w[i] = a[j] * b[k] - a[k] * b[j];
-            length += w[i] * w[i];
-        }
-        length = sqrt(length);
-        double weight = length > 0 ? atan2(length, cosine) / length : 0;
+        double a[3], b[3], w[3];
+        lf_sub_double(q, p, a);
+        lf_sub_double(r, p, b);
+        lf_cross_double(a, b, w);
+        double length = lf_length_double(w), weight = length > 0 ? atan2(length, lf_dot_double(a, b)) / length : 0;
         for (int i = 0; i < 3; i++)
             data->normals[3 * (size_t)t[c % 3] + (size_t)i] += (float)(weight * w[i]);
     }
@@ -333,7 +325,7 @@ static lf_status convert_geometry(const struct aiScene *scene, const lf_mesh_des
 
 /* --------------------------------------------------------------------------------------------------------- Assimp -- */
 
-/* Reads and processes in one go: a failing aiApplyPostProcessing frees its scene twice (Assimp 5.2). */
+/* Reads and processes in one go: a failing aiApplyPostProcessing frees its scene twice (Assimp 5.2). Vertices are not joined yet. */
 static const struct aiScene *import_with(const char *path, lf_normals wanted, unsigned steps, reading *state)
 {
     struct aiFileIO io = {io_open, io_close, (aiUserData)(void *)state};
@@ -342,11 +334,28 @@ static const struct aiScene *import_with(const char *path, lf_normals wanted, un
         remove |= aiComponent_NORMALS;
     struct aiPropertyStore *store = aiCreatePropertyStore();
     aiSetImportPropertyInteger(store, AI_CONFIG_PP_RVC_FLAGS, remove);
-    steps |= aiProcess_ValidateDataStructure | aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType |
-             aiProcess_JoinIdenticalVertices;
+    steps |= aiProcess_ValidateDataStructure | aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_SortByPType;
     const struct aiScene *scene = aiImportFileExWithProperties(path, steps, &io, store);
     aiReleasePropertyStore(store);
     return scene;
+}
+
+static bool has_nan(const struct aiMesh *mesh)
+{
+    for (unsigned i = 0; i < mesh->mNumVertices; i++)
+        if (isnan(mesh->mVertices[i].x + mesh->mVertices[i].y + mesh->mVertices[i].z))
+            return true;
+    return false;
+}
+
+/* Joins vertices that are the same, which cannot fail. To Assimp one that is not a number is the same as any other, and a face there would
+ * become another face: then they stay as they are in the file. */
+static const struct aiScene *join_vertices(const struct aiScene *scene)
+{
+    bool nan = false;
+    for (unsigned i = 0; i < scene->mNumMeshes; i++)
+        nan = nan || has_nan(scene->mMeshes[i]);
+    return nan ? scene : aiApplyPostProcessing(scene, aiProcess_JoinIdenticalVertices);
 }
 
 /* NULL with err filled. *out_normals: whether all meshes have normals, or get them. Under the lock. */
@@ -361,6 +370,8 @@ static const struct aiScene *read_scene(const char *path, lf_normals wanted, rea
         scene = import_with(path, wanted, aiProcess_GenNormals, state);
     }
     *out_normals = with > 0 || wanted == LF_NORMALS_SMOOTH;
+    if (scene)
+        scene = join_vertices(scene);
     if (!scene)
         lf_error_set(err, LF_E_FORMAT, path, "cannot be read as a mesh: %s", aiGetErrorString());
     return scene;
@@ -392,10 +403,10 @@ static void warn(const struct aiScene *scene, const lf_mesh_desc *desc, const re
         lf_warnings_add(warnings, path, "left out: %s: %s", state->failed.where, state->failed.what);
 }
 
-static bool is_ply(const char *path)
+static bool is_kind(const char *path, const char *ending)
 {
-    size_t n = strlen(path);
-    return n > 4 && strcasecmp(path + n - 4, ".ply") == 0;
+    size_t n = strlen(path), length = strlen(ending);
+    return n > length && strcasecmp(path + n - length, ending) == 0;
 }
 
 lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_roots *roots, lf_mesh_data *out, lf_error *err)
@@ -407,7 +418,7 @@ lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_
     bool normals = false;
     if (!path)
         return lf_error_set(err, LF_E_NOMEM, desc->file, "out of memory");
-    lf_status status = is_ply(path) ? lf_ply_check(path, roots, &problem) : LF_OK;
+    lf_status status = is_kind(path, ".ply") ? lf_ply_check(path, roots, &problem) : LF_OK;
     const struct aiScene *scene = NULL;
     if (status == LF_OK) {
         pthread_mutex_lock(&lock);
@@ -421,6 +432,8 @@ lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_
     }
     if (status == LF_OK && desc->material < 0)
         status = lf_mesh_materials(scene, path, out, &problem);
+    if (status == LF_OK && desc->material < 0 && is_kind(path, ".obj"))
+        lf_mesh_warn_of_libraries(scene, roots, path, out);
     if (status == LF_OK)
         status = convert_geometry(scene, desc, out, normals, path, &problem);
     if (status == LF_OK)

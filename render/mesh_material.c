@@ -246,6 +246,15 @@ static void warn(const struct aiScene *scene, const bool *used, const char *path
     }
 }
 
+static void mark_used(const struct aiScene *scene, bool *used)
+{
+    for (unsigned i = 0; i < scene->mNumMeshes; i++) {
+        const struct aiMesh *mesh = scene->mMeshes[i];
+        if ((mesh->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && mesh->mMaterialIndex < scene->mNumMaterials)
+            used[mesh->mMaterialIndex] = true;
+    }
+}
+
 lf_status lf_mesh_materials(const struct aiScene *scene, const char *path, lf_mesh_data *out, lf_error *err)
 {
     bool used[LF_MAX_MATERIALS] = {false};
@@ -257,11 +266,60 @@ lf_status lf_mesh_materials(const struct aiScene *scene, const char *path, lf_me
     out->n_materials = (int)scene->mNumMaterials;
     for (unsigned i = 0; i < scene->mNumMaterials; i++)
         out->materials[i] = convert_material(scene->mMaterials[i]);
-    for (unsigned i = 0; i < scene->mNumMeshes; i++) {
-        const struct aiMesh *mesh = scene->mMeshes[i];
-        if ((mesh->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && mesh->mMaterialIndex < scene->mNumMaterials)
-            used[mesh->mMaterialIndex] = true;
-    }
+    mark_used(scene, used);
     warn(scene, used, path, &out->warnings);
     return LF_OK;
+}
+
+/* The colour of what Assimp makes up for a name that no library has. */
+static bool is_unsaid(const struct aiMaterial *m)
+{
+    lf_vec3 c;
+    return !is_made_up(m) && get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &c) && c.x == 0.6f && c.y == 0.6f && c.z == 0.6f;
+}
+
+/* Whether the text of a library has the line "newmtl NAME". */
+static bool is_defined(const char *text, const char *name)
+{
+    static const char blanks[] = " \t\r", key[] = "newmtl";
+    for (const char *line = text; line; line = strchr(line, '\n')) {
+        line += strspn(line, " \t\r\n");
+        if (strncmp(line, key, sizeof key - 1) != 0)
+            continue;
+        const char *at = line + sizeof key - 1;
+        at += strspn(at, blanks);
+        if (strncmp(at, name, strlen(name)) != 0)
+            continue;
+        at += strlen(name);
+        at += strspn(at, blanks);
+        if (*at == '\n' || *at == '\0')
+            return true;
+    }
+    return false;
+}
+
+void lf_mesh_warn_of_libraries(const struct aiScene *scene, const lf_roots *roots, const char *path, lf_mesh_data *data)
+{
+    bool used[LF_MAX_MATERIALS] = {false};
+    char names[256] = "";
+    int n = 0;
+    mark_used(scene, used);
+    for (int i = 1; i < data->n_files; i++) {
+        char *text;
+        size_t size;
+        if (lf_file_read(data->files[i].path, roots, LF_MESH_MAX_BYTES, &text, &size, NULL) != LF_OK)
+            return;
+        for (unsigned m = 0; m < scene->mNumMaterials; m++) {
+            struct aiString name;
+            get_name(scene->mMaterials[m], &name);
+            used[m] = used[m] && is_unsaid(scene->mMaterials[m]) && !is_defined(text, name.data);
+        }
+        lf_free(text);
+    }
+    for (unsigned m = 0; m < scene->mNumMaterials && data->n_files > 1; m++)
+        if (used[m])
+            list_name(scene->mMaterials[m], m, n++, names, sizeof names);
+    if (n > 0)
+        lf_warnings_add(&data->warnings, path, "%s %s: not in the file's material libraries, so it is grey",
+                        n == 1 ? "material" : "materials", names);
 }

@@ -165,6 +165,39 @@ static void what_an_obj_or_ply_holds_beside_triangles_is_said(void **state)
     lf_scene_unref(scene);
 }
 
+static void an_obj_whose_material_is_not_in_its_library_is_said(void **state)
+{
+    lf_test_write(*state, "r.mtl", "newmtl blue ink\nKd 0 0 1\n newmtl  red \r\nKd 1 0 0\n");
+    lf_test_write(*state, "r.obj", "mtllib r.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nusemtl blue\nf 2 4 3\n");
+    lf_scene *scene = scene_of(*state, "'m': {'file': 'r.obj'}", NULL);
+    static const char *const words[] = {"r.obj: material \"blue\": not in the file's material libraries"};
+    assert_lines(scene, words, 1);
+    lf_scene_unref(scene);
+    scene = scene_of(*state, "'m': {'file': 'r.obj', 'material': 'lamp'}", NULL);
+    assert_lines(scene, NULL, 0);
+    lf_scene_unref(scene);
+}
+
+/* Vertices that are not numbers, first or last, in files whose faces share them. */
+static void a_ply_with_vertices_that_are_not_numbers_is_said(void **state)
+{
+    static const char *const vertices[] = {"0 0 0\n1 0 0\n0 1 0\nnan 0 0\n3 0 1 2\n3 1 2 3\n",
+                                           "0 nan 0\n1 0 0\n0 1 0\n0 0 0\n3 0 1 2\n3 1 2 3\n"};
+    for (int i = 0; i < 2; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
+                 "property list uchar int vertex_indices\nend_header\n%s",
+                 vertices[i]);
+        lf_test_write(*state, "n.ply", text);
+        lf_scene *scene = scene_of(*state, "'m': {'file': 'n.ply'}", NULL);
+        static const char *const words[] = {"n.ply: 1 of 2 triangles are left out: a vertex is not finite"};
+        assert_lines(scene, words, 1);
+        assert_int_equal(scene->meshes[0].n_triangles, 1);
+        lf_scene_unref(scene);
+    }
+}
+
 static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
 {
     lf_test_write(*state, "d.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 -0.0\nv 1 0 0\nf 1 2 3\nf 3 2 1\nf 3 4 5\nf 1 2 3\n");
@@ -284,6 +317,8 @@ int main(void)
         cmocka_unit_test(what_a_gltf_material_loses_is_said),
         cmocka_unit_test(a_file_that_is_shown_whole_says_nothing),
         cmocka_unit_test(what_an_obj_or_ply_holds_beside_triangles_is_said),
+        cmocka_unit_test(an_obj_whose_material_is_not_in_its_library_is_said),
+        cmocka_unit_test(a_ply_with_vertices_that_are_not_numbers_is_said),
         cmocka_unit_test(faces_in_one_place_are_said_and_one_of_them_stays),
         cmocka_unit_test(what_a_material_has_no_use_for_is_said),
         cmocka_unit_test(lamps_in_the_plane_of_other_faces_are_said),
