@@ -232,7 +232,8 @@ static void case_04_weights_are_n_q_in_grids_of_any_density(void **state)
                  "{" CAMERA "'volumes': { 'cloud': { 'file': '%s', 'scale': %s, 'albedo': 0.5, 'g': 0.8, "
                  "'transform': { 'rotate': [0, 30, 0] } } }, " WHITE_SKY ", 'render': { 'max_depth': 2 } }",
                  lf_test_built("../scenes/cloud.vdb"), scale[i]);
-        lf_test_assert_weights(text, width, 6, i == 0 ? forced : cycles, 8, 2, LEVEL);
+        /* A visit of the densest cuts as many cells as 40 of the others: its rows are three times as high. */
+        lf_test_assert_weights(text, width, i == 3 ? 2 : 6, i == 0 ? forced : cycles, 8, 2, LEVEL);
     }
 }
 
