@@ -69,7 +69,8 @@ lf_vec3 lf_scatter_mirror(const lf_hit *hit, lf_vec3 wo)
 /* Whether the face that was drawn is the first that a ray from o meets: where faces share a place, rays find one of them and so may next
  * event. So the ray goes to the lamp itself, not to a point beside it; a face that stands nearer before the lamp than rays resolve hides
  * it from both ways alike. A point within rounding of its triangle's edge may be met as the neighbour's and is lost: of lamps cut into
- * triangles n times as wide as coordinates are rounded a share of the order of 1/n. */
+ * triangles n times as wide as coordinates are rounded a share of a few times 1/n (a ball of radius 0.05, 1000 from the middle of the
+ * scene: 2.8 %). */
 static bool meets_lamp(lf_tracer *tracer, lf_vec3 o, const lf_light_sample *light)
 {
     lf_hit hit;
