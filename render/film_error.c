@@ -41,8 +41,7 @@ static double trigamma(double x)
 /* Variance of R squared, relative to the relMSE of one answer: 4 times that of R, and pi/2 to get from the mean magnitude of a normal
  * difference to its mean square. R is a median of five brought between the pixel's two halves (resolve.c: steady_radiance). Of normal
  * answers of variance 1 that has 0.510, and 0.325 weighed by the squared difference of the halves, as errors weigh it (by Monte Carlo).
- * What is used lies between: noise is not normal, and with 0.325 the bounds of test_film_error are up to 7 % lower and hold in up to two
- * of 100 runs less. */
+ * What is used lies between, since noise is not normal; 0.325 would lower bounds by some per cent. */
 #define SCALE_VARIANCE (4.0 * 0.449 * M_PI / 2.0)
 
 double lf_error_bound(const lf_row_error *rows, int n, double alpha, double *out_estimate)
