@@ -21,12 +21,14 @@ static int tile_of(const lf_slice *slice, float x)
     return (int)cell / slice->tile_cells_x;
 }
 
-/* The roughest tile that the fan meets at a depth. */
+/* The roughest tile that the fan meets between the planes about a depth, whose samples the slice is made of there. */
 static float roughest(const lf_slice *slice, const lf_rays *rays, int row, float z)
 {
     int n = rays->n - 1;
-    float a = rays->x0[0] + rays->slope[0] * z, b = rays->x0[n] + rays->slope[n] * z, most = 0.0f;
-    int from = tile_of(slice, lf_min(a, b)), to = tile_of(slice, lf_max(a, b));
+    float z0 = z - slice->dz, z1 = z + slice->dz, most = 0.0f;
+    float a = rays->x0[0] + rays->slope[0] * z0, b = rays->x0[0] + rays->slope[0] * z1;
+    float c = rays->x0[n] + rays->slope[n] * z0, d = rays->x0[n] + rays->slope[n] * z1;
+    int from = tile_of(slice, lf_min(lf_min(a, b), lf_min(c, d))), to = tile_of(slice, lf_max(lf_max(a, b), lf_max(c, d)));
     for (int tile = from; tile <= to; tile++)
         most = lf_max(most, slice->rough[row * slice->tiles_x + tile]);
     return most;
@@ -53,7 +55,7 @@ static void multiply(const lf_slice *slice, const lf_volume *volume, const lf_ra
         for (; depth < (room = most * (end - z)); depth = lf_rng_exponential(tracer)) {
             z += depth / most;
             float rate = rate_of(f, roughest(slice, rays, row, z));
-            if (lf_rng(tracer) * most >= rate)
+            if (lf_rng_fine(tracer) * most >= rate)
                 continue;
             probe.z = z;
             probe.inverse = 1.0f / rate;

@@ -336,7 +336,7 @@ static lf_vec3 some_way_back(const lf_visit *visit, const lf_pivot *pivot, float
 }
 
 /* The lobe depends on the view: balance over all views' lobes and light sampling. Further directions come from the lobes of other views,
- * evenly over the sum of densities: with the base's own view they have one and the same density, sum_k c_k D_k pdf_k. */
+ * evenly over the sum of densities: on the average over them, as from the base's own, the density is sum_k c_k D_k pdf_k. */
 static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suffix, float sum)
 {
     bool surface = pivot->event.kind == LF_EVENT_SURFACE;
