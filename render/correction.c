@@ -79,7 +79,9 @@ void lf_correction_transmittance(const lf_media *media, const lf_rays *rays, flo
         if (medium->kind != LF_MEDIUM_SLICE)
             continue;
         float occupied = (float)(medium->slice.last - medium->slice.first + 2) * medium->slice.dz;
-        field f = {dense * longest, least / occupied, z_end};
+        /* Between planes a ray that crosses several cells is further from the grid than what samples side by side show. */
+        float cells = lf_max(1.0f, steepest * medium->slice.dz * medium->slice.inv_dx);
+        field f = {dense * longest * cells * cells, least / occupied, z_end};
         multiply(&medium->slice, &rays->scene->volumes[medium->volume], rays, &f, tracer, factor);
     }
 }
