@@ -100,6 +100,9 @@ room_of = $(firstword $(subst /, ,$(1)))
 $(O)/%.c.o: $(SRCDIR)/%.c $(O)/flags.stamp
 	@mkdir -p $(@D)
 	$(call say,CC )$(CC) $(lf_cflags) $(opt_$(call room_of,$*)) $(isa_$(notdir $*)) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+$(O)/faults/%.c.o: $(SRCDIR)/%.c $(O)/flags.stamp
+	@mkdir -p $(@D)
+	$(call say,CC )$(CC) $(lf_cflags) $(opt_$(call room_of,$*)) -DLF_FAULTS $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 $(O)/%.cc.o: $(SRCDIR)/%.cc $(O)/flags.stamp
 	@mkdir -p $(@D)
 	$(call say,CXX)$(CXX) $(lf_cxxflags) $(opt_$(call room_of,$*)) $(isa_$(notdir $*)) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
@@ -124,12 +127,13 @@ tests := $(patsubst %.c,$(O)/%,$(test_srcs))
 headers := $(foreach r,$(rooms) tests,$(call wild,$(r)/*.h)) $(call wild,tests/fuzz/*.h)
 headers_alone := $(patsubst %,$(O)/alone/%.ok,$(headers))
 $(foreach l,stat optics bench faulty,$(eval $(call library,$(l))))
+test_objs = $(call objs,$(addprefix faults/,$(test_faults_$(1))))
 test_libs = $(call libs,$(or $(test_libs_$(1)),daemon render quilt device base))
 
 .PHONY: tests
 tests: $(tests)
 define test
-$(O)/$(1:.c=): $(call objs,$(1)) $(call test_libs,$(notdir $(patsubst %/,%,$(dir $(1)))))
+$(O)/$(1:.c=): $(call objs,$(1)) $(call test_objs,$(notdir $(patsubst %/,%,$(dir $(1))))) $(call test_libs,$(notdir $(patsubst %/,%,$(dir $(1)))))
 	$$(call link,$$(dep_test_libs) $$(wrap_$(notdir $(1:.c=))))
 endef
 $(foreach t,$(test_srcs),$(eval $(call test,$(t))))
@@ -245,5 +249,5 @@ lint-now: $(if $(generated),$(addprefix $(O)/,$(generated)))
 # ------------------------------------------------------------------------------------------------------- installing --
 include $(SRCDIR)/.ci/install.mk
 
--include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(optics_srcs) $(faulty_srcs) $(test_srcs) $(fuzz_srcs) $(kernel_srcs) tests/arm64/results.c)))
+-include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(optics_srcs) $(faulty_srcs) $(addprefix faults/,$(test_faults_render)) $(test_srcs) $(fuzz_srcs) $(kernel_srcs) tests/arm64/results.c)))
 -include $(addsuffix .d,$(headers_alone))

@@ -124,7 +124,7 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
     float light[3];
     bool constant = !(plan->kept & LF_SKIP_KNOWN_LIGHT) && lf_exits_constant(plan->scene, light);
     lf_vec3 sky = constant ? lf_v3(light[0], light[1], light[2]) : lf_v3(0.0f, 0.0f, 0.0f);
-    bool corrected = lf_correction_needed(&w->media) && !(visit->faults & LF_FAULT_NO_CORRECTION);
+    bool corrected = lf_correction_needed(&w->media) && !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
     w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
     for (int k = 0; k < LF_MAX_LANES; k++)
         material[k] = -1; /* and so it stays without meshes */

@@ -14,7 +14,7 @@ float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light
 
 void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, float sum, float depth, lf_suffix *suffix)
 {
-    if (visit->faults & LF_FAULT_NO_GLOW_BALANCE)
+    if (lf_has_fault(visit, LF_FAULT_NO_GLOW_BALANCE))
         return;
     if (suffix->has_light)
         suffix->light.pdf *= 1.0f + lf_glow_ratio(visit, pivot, suffix->light.light, view, sum, depth);

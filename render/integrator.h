@@ -132,7 +132,8 @@ float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot
  * as any other, all of them after a whole cycle. */
 bool lf_lattice_has(const lf_visit *visit, int view, int column);
 
-/* Deliberate mistakes that tests switch on to show that they are caught; 0 in every program. */
+/* Deliberate mistakes that tests switch on to show that they are caught: render's tests link a second build of the sources that have them,
+ * with LF_FAULTS (tests/module.mk); in programs they are not there. */
 typedef enum lf_fault {
     LF_FAULT_NO_H = 1,              /* h_k left out of D_k: a missing r_j/r_i */
     LF_FAULT_NO_VISIBILITY = 2,     /* one view's visibility forgotten */
@@ -145,6 +146,12 @@ typedef enum lf_fault {
     LF_FAULT_NO_GLOW_BALANCE = 256, /* no room made for points drawn about lights in media */
     LF_FAULT_NO_CORRECTION = 512,   /* what is drawn from slices counts as if they were the grid */
 } lf_fault;
+
+#ifdef LF_FAULTS
+#define lf_has_fault(holder, fault) (((holder)->faults & (unsigned)(fault)) != 0)
+#else
+#define lf_has_fault(holder, fault) ((void)(holder), false)
+#endif
 
 /* Everything that one visit of a row does. */
 typedef struct lf_visit_plan {

@@ -35,7 +35,7 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
         w->slope[k] = slope;
         w->z_end[k] = pivot->z;
         w->column[k] = in_frame ? (int)u : 0;
-        w->scale[k] = in_frame && h > 0.0f ? (visit->faults & LF_FAULT_NO_H ? 1.0f : h) : 0.0f;
+        w->scale[k] = in_frame && h > 0.0f ? (lf_has_fault(visit, LF_FAULT_NO_H) ? 1.0f : h) : 0.0f;
     }
     /* The base sees its own pivot whatever rounding says about the frame's edge or a grazing surface. */
     if (base >= 0 && !(w->scale[base] > 0.0f)) {
@@ -49,15 +49,15 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
 static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
     lf_worker *w = visit->worker;
-    float own = base >= 0 ? w->scale[base] : 0.0f, first = w->scale[0];
+    const float seen[2] = {base >= 0 ? w->scale[base] : 0.0f, w->scale[0]};
     const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
     lf_section_hide(&w->section, visit->triangles, visit->rig, pivot->event.p, on, lanes_of(visit->rig), w->x0, w->scale);
     if (base >= 0) {
         w->base_hidden += !(w->scale[base] > 0.0f);
-        w->scale[base] = own;
+        w->scale[base] = seen[0];
     }
-    if (visit->faults & LF_FAULT_NO_VISIBILITY)
-        w->scale[0] = first;
+    if (lf_has_fault(visit, LF_FAULT_NO_VISIBILITY))
+        w->scale[0] = seen[1];
 }
 
 /* Optical depths to the views, and the collision density in the slab that holds a medium pivot. */
@@ -108,7 +108,7 @@ static float strategies(const lf_visit *visit, float sum)
         return sum;
     sum = 0.0f;
     for (int k = 0; k < visit->rig->n_views; k++) {
-        w->strategy[k] = visit->faults & LF_FAULT_NO_COUNTS ? w->density[k] : w->count[k] * w->density[k];
+        w->strategy[k] = lf_has_fault(visit, LF_FAULT_NO_COUNTS) ? w->density[k] : w->count[k] * w->density[k];
         sum += w->strategy[k];
     }
     return sum;
@@ -120,7 +120,7 @@ static bool correct(const lf_visit *visit, const lf_pivot *pivot)
 {
     lf_worker *w = visit->worker;
     int n = lanes_of(visit->rig);
-    if (!lf_correction_needed(&w->media) || visit->faults & LF_FAULT_NO_CORRECTION)
+    if (!lf_correction_needed(&w->media) || lf_has_fault(visit, LF_FAULT_NO_CORRECTION))
         return true;
     bool medium = pivot->event.kind == LF_EVENT_MEDIUM && w->media.item[pivot->medium].kind == LF_MEDIUM_SLICE;
     float truth = 1.0f;
@@ -151,7 +151,7 @@ static float realised_sum(const lf_visit *visit, int base)
 
 static lf_film_scattered *target(const lf_visit *visit, int k, size_t *out_pixel)
 {
-    int view = visit->faults & LF_FAULT_SWAPPED_VIEWS ? visit->rig->n_views - 1 - k : k;
+    int view = lf_has_fault(visit, LF_FAULT_SWAPPED_VIEWS) ? visit->rig->n_views - 1 - k : k;
     *out_pixel = (size_t)view * (size_t)visit->rig->width + (size_t)visit->worker->column[k];
     return &visit->sums.half.scattered[*out_pixel];
 }
@@ -301,7 +301,7 @@ static void spread_light(lf_visit *visit, const lf_pivot *pivot, const lf_suffix
     const lf_light_sample *light = &suffix->light;
     lf_fan_lobes f;
     float over = (float)n * lobes(visit, pivot, light->wi, &f);
-    bool alone = light->delta || visit->faults & LF_FAULT_NO_LIGHT_PDF;
+    bool alone = light->delta || lf_has_fault(visit, LF_FAULT_NO_LIGHT_PDF);
     float denominator = light->pdf * sum + (alone ? 0.0f : over);
     add_lobes(visit, &f, lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
 }
@@ -311,10 +311,10 @@ static void spread_direction(lf_visit *visit, const lf_pivot *pivot, const lf_su
 {
     lf_fan_lobes f = {.n_terms = 0};
     bool below = pivot->event.kind == LF_EVENT_SURFACE && !(lf_dot(pivot->event.hit.ns, suffix->wi) > 0.0f);
-    bool drawn = suffix->has_direction && !(below && visit->faults & LF_FAULT_HORIZON);
+    bool drawn = suffix->has_direction && !(below && lf_has_fault(visit, LF_FAULT_HORIZON));
     float over = drawn ? (float)n * lobes(visit, pivot, suffix->wi, &f) : 0.0f;
     if (over > 0.0f) {
-        float with_light = over + (visit->faults & LF_FAULT_NO_LIGHT_PDF ? 0.0f : suffix->found_pdf * sum);
+        float with_light = over + (lf_has_fault(visit, LF_FAULT_NO_LIGHT_PDF) ? 0.0f : suffix->found_pdf * sum);
         lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->boost / over), pivot->boost / with_light, suffix->found);
         add_lobes(visit, &f, radiance);
     }
@@ -372,7 +372,7 @@ static float fan(const lf_visit *visit, int base, int column, const lf_pivot *pi
         visibility(visit, pivot, base);
     float sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
     sum = strategies(visit, sum);
-    return visit->faults & LF_FAULT_REALISED && base >= 0 ? realised_sum(visit, base) : sum;
+    return lf_has_fault(visit, LF_FAULT_REALISED) && base >= 0 ? realised_sum(visit, base) : sum;
 }
 
 /* What the densities of the fan leave out: the smallest depth (lf_kernels.densities). */

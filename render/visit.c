@@ -106,7 +106,7 @@ lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const l
 float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot)
 {
     lf_worker *w = visit->worker;
-    if (!lf_correction_needed(&w->media) || visit->faults & LF_FAULT_NO_CORRECTION)
+    if (!lf_correction_needed(&w->media) || lf_has_fault(visit, LF_FAULT_NO_CORRECTION))
         return 1.0f;
     float x0 = visit->rig->b[view] + pivot->lx, slope = (pivot->x - x0) / pivot->z, factor = 1.0f;
     float lanes[4][LF_LANES];
@@ -482,10 +482,10 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worke
         return true;
     }
     lf_film_sums_begin(&worker->sums);
-    if (plan->faults & LF_FAULT_OTHER_ROW)
+    if (lf_has_fault(plan, LF_FAULT_OTHER_ROW))
         cut(plan, &visit, key, lf_hash64(key, 8), index);
     lf_exits_row(plan, &visit, key, index);
-    if (plan->faults & LF_FAULT_OTHER_ROW)
+    if (lf_has_fault(plan, LF_FAULT_OTHER_ROW))
         cut(plan, &visit, key, lf_hash64(key, 0), index);
     if (visit.expected ? !sample_counts(plan, &visit, state->n[half], first_rank, lf_hash64(key, 13), cancel)
                        : !sample_lattice(plan, &visit, first, passes, key, cancel))

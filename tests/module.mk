@@ -7,6 +7,9 @@ test_libs_stat := stat render base
 test_libs_bench := bench stat render base
 test_libs_daemon := faulty daemon render quilt device base
 
+# Sources with mistakes that its tests switch on, built a second time for them (lf_fault in render/integrator.h).
+test_faults_render := $(patsubst %,render/%.c,exits glow_visit mvpt visit)
+
 # what statistical tests share
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
 
