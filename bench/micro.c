@@ -36,7 +36,7 @@ typedef struct bench {
     lf_scene *scene;
     lf_pool *pool;
     lf_renderer *renderer;
-    lf_worker *worker;
+    lf_scratch *worker;
     lf_row_plane plane;
     lf_body body; /* a shape of the size of the window, for the kernel of shapes */
     int lanes, n_fans, n_rays;

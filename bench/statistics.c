@@ -101,7 +101,7 @@ lf_interval lf_log_interval(const double *values, int n, double confidence)
     return (lf_interval){exp(of_logs.estimate), exp(of_logs.low), exp(of_logs.high)};
 }
 
-lf_line lf_fit_line(const double *x, const double *y, int n)
+lf_fit lf_fit_line(const double *x, const double *y, int n)
 {
     double unused;
     double mx = mean_of(x, n, &unused);
@@ -109,7 +109,7 @@ lf_line lf_fit_line(const double *x, const double *y, int n)
     double xx = 0;
     double xy = 0;
     double rest = 0;
-    lf_line line;
+    lf_fit line;
 
     for (int i = 0; i < n; i++) {
         xx += (x[i] - mx) * (x[i] - mx);
@@ -146,7 +146,7 @@ double lf_time_of_error(const double *times, const double *errors, int n, double
     return fabs(distance) <= log(LF_BEYOND) ? exp(t[end] + distance) : (double)NAN;
 }
 
-void lf_cross_add(lf_cross *cross, size_t n, const float *a, const float *b, const float *na, const float *nb)
+void lf_correlation_add(lf_correlation *cross, size_t n, const float *a, const float *b, const float *na, const float *nb)
 {
     for (size_t i = 0; i < n; i++) {
         cross->ab += (double)a[i] * (double)b[i] - (double)na[i] * (double)nb[i];
@@ -155,7 +155,7 @@ void lf_cross_add(lf_cross *cross, size_t n, const float *a, const float *b, con
     }
 }
 
-double lf_cross_correlation(const lf_cross *cross)
+double lf_correlation_value(const lf_correlation *cross)
 {
     if (!(cross->aa > 0) || !(cross->bb > 0))
         return NAN;

@@ -32,10 +32,10 @@ lf_interval lf_log_interval(const double *values, int n, double confidence);
 lf_interval lf_mean_interval(const double *values, int n, double confidence);
 
 /* y = intercept + slope x by least squares; error is the slope's standard error from the residuals (NaN for n < 3). */
-typedef struct lf_line {
+typedef struct lf_fit {
     double slope, intercept, error;
-} lf_line;
-lf_line lf_fit_line(const double *x, const double *y, int n);
+} lf_fit;
+lf_fit lf_fit_line(const double *x, const double *y, int n);
 
 /* When a curve of errors over rising times reaches `error`: a straight line in log-log between its points, beyond its ends the line
  * of all points, moved to go through the end, for at most LF_BEYOND times the end's time. NaN when that does not reach it, or when a point
@@ -45,12 +45,12 @@ double lf_time_of_error(const double *times, const double *errors, int n, double
 
 /* Sums for the correlation of two errors a, b about 0 (their expected value), freed of what an error na, nb of the reference itself
  * adds to them. */
-typedef struct lf_cross {
+typedef struct lf_correlation {
     double ab, aa, bb;
-} lf_cross;
-void lf_cross_add(lf_cross *cross, size_t n, const float *a, const float *b, const float *na, const float *nb);
+} lf_correlation;
+void lf_correlation_add(lf_correlation *cross, size_t n, const float *a, const float *b, const float *na, const float *nb);
 /* -1..1; NaN when one of the two has no error beyond the reference's. */
-double lf_cross_correlation(const lf_cross *cross);
+double lf_correlation_value(const lf_correlation *cross);
 
 /* The worst of many tiles. ratio [n_seeds][n_tiles]: > 1 is better. Each tile has a one-sided Student bound over the seeds, on the
  * logarithm, at the level that holds for all tiles at once (Sidak). A tile without a positive ratio in every seed is not judged. Fewer

@@ -131,13 +131,13 @@ static double correlation(const lf_trial *trial, int apart)
     double sum = 0;
 
     for (int view = 0; view < n_pairs; view++) {
-        lf_cross cross = {0};
+        lf_correlation cross = {0};
         for (int row = 0; row < trial->settings.height; row++) {
             size_t a = row_at(trial, row, view);
             size_t b = row_at(trial, row, view + apart);
-            lf_cross_add(&cross, n, trial->picture + a, trial->picture + b, trial->noise + a, trial->noise + b);
+            lf_correlation_add(&cross, n, trial->picture + a, trial->picture + b, trial->noise + a, trial->noise + b);
         }
-        sum += lf_cross_correlation(&cross);
+        sum += lf_correlation_value(&cross);
     }
     return n_pairs > 0 ? sum / n_pairs : (double)NAN;
 }

@@ -119,7 +119,7 @@ static void drop_letter(void *context, lf_letter *letter)
 /* ----------------------------------------------------------------------------------------------------------- lanes -- */
 
 struct lf_opener {
-    lf_worker *lanes[LF_LANES];
+    lf_worker *lanes[LF_OPENER_LANES];
 };
 
 lf_lane lf_lane_of(const char *spec)
@@ -147,10 +147,10 @@ static lf_lane lane_of_errand(const lf_errand *errand)
 
 lf_status lf_opener_create(lf_inbox *inbox, lf_opener **out_opener)
 {
-    static const char *const names[LF_LANES] = {"lf-opener", "lf-opener-files", "lf-opener-keys", "lf-opener-list"};
+    static const char *const names[LF_OPENER_LANES] = {"lf-opener", "lf-opener-files", "lf-opener-keys", "lf-opener-list"};
     lf_opener *opener = lf_calloc(1, sizeof *opener);
     lf_status status = opener != NULL ? LF_OK : LF_E_NOMEM;
-    for (int i = 0; i < LF_LANES && status == LF_OK; i++) {
+    for (int i = 0; i < LF_OPENER_LANES && status == LF_OK; i++) {
         status = lf_worker_create(names[i], run_letter, drop_letter, NULL, inbox, &opener->lanes[i]);
     }
     if (status != LF_OK) {
@@ -163,7 +163,7 @@ lf_status lf_opener_create(lf_inbox *inbox, lf_opener **out_opener)
 
 void lf_opener_destroy(lf_opener *opener)
 {
-    for (int i = 0; opener != NULL && i < LF_LANES; i++) {
+    for (int i = 0; opener != NULL && i < LF_OPENER_LANES; i++) {
         lf_worker_destroy(opener->lanes[i]);
     }
     lf_free(opener);
@@ -177,7 +177,7 @@ void lf_opener_queue(lf_opener *opener, lf_errand *errand)
 bool lf_opener_drain(lf_opener *opener, double end)
 {
     bool done = true;
-    for (int i = 0; i < LF_LANES; i++) {
+    for (int i = 0; i < LF_OPENER_LANES; i++) {
         done = lf_worker_drain(opener->lanes[i], end) && done;
     }
     return done;

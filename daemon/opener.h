@@ -23,7 +23,7 @@ typedef enum lf_lane {
     LF_LANE_FILES,   /* opening and closing sim and none, which have nothing in common with it */
     LF_LANE_BUTTONS, /* buttons and checks: they read EEPROMs and drives */
     LF_LANE_LIST,    /* listing, which opens nothing */
-    LF_LANES,
+    LF_OPENER_LANES,
 } lf_lane;
 
 /* The lane in which a device of this spec is opened and closed. */

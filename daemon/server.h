@@ -94,12 +94,12 @@ typedef struct lf_panel {
     lf_level flying_level;
     int64_t flying_generation;
     double flying_passes;
-    lf_device_counters before;    /* of devices closed by now */
-    lf_errand *opening[LF_LANES]; /* under way; NULL = none … */
-    lf_errand *queued;            /* … and those that wait for their lane, in the order of the calls */
-    uint64_t wishes, taken;       /* so many so far; the number of the one whose device is, or was last, this panel's */
-    double retry_at;              /* lf_time_now when retry is due */
-    uint64_t patience_usec;       /* before the next attempt that is not hurried */
+    lf_device_counters before;           /* of devices closed by now */
+    lf_errand *opening[LF_OPENER_LANES]; /* under way; NULL = none … */
+    lf_errand *queued;                   /* … and those that wait for their lane, in the order of the calls */
+    uint64_t wishes, taken;              /* so many so far; the number of the one whose device is, or was last, this panel's */
+    double retry_at;                     /* lf_time_now when retry is due */
+    uint64_t patience_usec;              /* before the next attempt that is not hurried */
 } lf_panel;
 
 typedef struct lf_job lf_job;

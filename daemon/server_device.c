@@ -193,7 +193,7 @@ static void on_opened(void *reader, lf_letter *letter);
 
 static bool is_opening(const lf_panel *panel)
 {
-    for (int i = 0; i < LF_LANES; i++) {
+    for (int i = 0; i < LF_OPENER_LANES; i++) {
         if (panel->opening[i] != NULL) {
             return true;
         }

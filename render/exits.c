@@ -8,7 +8,7 @@
 static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_material *material, float depth, float correction,
                         const lf_vec3 *sky)
 {
-    const lf_worker *worker = visit->worker;
+    const lf_scratch *worker = visit->worker;
     float q_medium = depth > 0.0f ? -expm1f(-depth) : 0.0f, *q = &visit->sums.half.q[pixel], pdf;
     /* A sun or lamp behind 20 mean free paths and more: 1 - q would have no digits left. */
     float transmittance = depth < 0.5f ? 1.0f - q_medium : expf(-depth);
@@ -82,7 +82,7 @@ static void lanes_of(const lf_reach *reach, int n_views, int column, int *from, 
 static void aim(const lf_visit *visit, float xw, float lx)
 {
     const lf_rig *rig = visit->rig;
-    lf_worker *worker = visit->worker;
+    lf_scratch *worker = visit->worker;
     int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     for (int k = 0; k < lanes; k++) {
         worker->x0[k] = rig->b[k] + lx;
@@ -108,7 +108,7 @@ static void widen(bool *mirrors, int n_views, int width)
 /* Correction weights of the fan's rays [from, to). Where media are thin 1 - T is what is wanted: a point for every other fan, at least. */
 static void correct(const lf_visit *visit, int from, int to)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     lf_rays rays = {visit->scene, visit->rig,   &visit->plane,   visit->kernels,
                     to - from,    w->x0 + from, w->slope + from, w->z_end + from};
     for (int k = from; k < to; k++)
@@ -119,7 +119,7 @@ static void correct(const lf_visit *visit, int from, int to)
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
 {
     const lf_rig *rig = visit->rig;
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     int material[LF_MAX_LANES];
     float light[3];
     bool constant = !(plan->kept & LF_SKIP_KNOWN_LIGHT) && lf_exits_constant(plan->scene, light);

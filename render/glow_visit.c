@@ -25,7 +25,7 @@ void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, flo
 /* One point: in every medium that is there, since a collision is one medium's own. */
 static void scatter(const lf_visit_plan *plan, lf_visit *visit, int glow, uint64_t key, uint32_t index)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     const lf_rig *rig = visit->rig;
     lf_sampler sampler;
     float place[3], u[3], lens = 0.0f;

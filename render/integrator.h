@@ -36,7 +36,7 @@ extern const lf_integrator lf_integrator_vpt, lf_integrator_mvpt, lf_integrator_
 const lf_integrator *lf_integrator_at(int index);
 
 /* One worker's memory. */
-typedef struct lf_worker {
+typedef struct lf_scratch {
     lf_tracer tracer;
     lf_media media;
     lf_film_sums sums;  /* of the visit under way */
@@ -55,7 +55,7 @@ typedef struct lf_worker {
     float term[LF_FAN_TERMS][LF_MAX_LANES]; /* of a surface's lobes: lf_fan_lobes.weight */
     float *expected;                        /* [view][column]: where a visit keeps its row of the map */
     bool *mirrors;                          /* [view][column]: B and q have found a delta lobe here or beside it; NULL without M */
-} lf_worker;
+} lf_scratch;
 
 /* A shared pivot: where a base ray found something that scatters. */
 typedef struct lf_pivot {
@@ -75,7 +75,7 @@ typedef struct lf_visit {
     const lf_integrator *integrator,
         *sharing;                      /* `sharing`: of the visit's samples and points; the other differs where holes are filled */
     const lf_row_triangles *triangles; /* NULL: no meshes */
-    lf_worker *worker;
+    lf_scratch *worker;
     lf_film_sums sums; /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
     int row;
@@ -176,7 +176,7 @@ typedef struct lf_visit_plan {
 } lf_visit_plan;
 
 /* Runs it on one worker; false = cancelled in the middle (the row's sums are then worthless). */
-bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worker, const lf_cancel *cancel);
+bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *worker, const lf_cancel *cancel);
 
 /* The film point of a pixel column in this visit, in [0, 1) of its width; key is the half's stream. With the row offset of the visit, the
  * first of lf_hash64(key, 0), it covers the pixel as a net. */

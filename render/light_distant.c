@@ -54,7 +54,7 @@ bool lf_distant_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, do
         return true;
     }
     float m = u[0] * light->versine, sine = sqrtf(m * (2.0f - m)), phi = 2.0f * LF_PI * u[1];
-    lf_frame(axis, &t, &b);
+    lf_tangents(axis, &t, &b);
     out->wi = lf_from_frame(t, b, axis, lf_v3(sine * cosf(phi), sine * sinf(phi), 1.0f - m));
     return true;
 }

@@ -18,7 +18,7 @@ static int lanes_of(const lf_rig *rig)
 static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
     const lf_rig *rig = visit->rig;
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     bool surface = pivot->event.kind == LF_EVENT_SURFACE;
     lf_vec3 n = surface ? pivot->event.hit.ng : lf_v3(0.0f, 0.0f, 0.0f);
     float nx = lf_dot(n, rig->right), nyz = (lf_dot(n, rig->up) * visit->plane.my + lf_dot(n, rig->forward)) * pivot->z;
@@ -48,7 +48,7 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
 /* Takes views from which a surface hides the pivot out of scale; the base counts as seeing it (disagreements are counted). */
 static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     const float seen[2] = {base >= 0 ? w->scale[base] : 0.0f, w->scale[0]};
     const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
     lf_section_hide(&w->section, visit->triangles, visit->rig, pivot->event.p, on, lanes_of(visit->rig), w->x0, w->scale);
@@ -63,7 +63,7 @@ static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
 /* Optical depths to the views, and the collision density in the slab that holds a medium pivot. */
 static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     bool surface = pivot->event.kind == LF_EVENT_SURFACE;
     int lanes = lanes_of(visit->rig);
     if (w->media.n_here == 0) {
@@ -85,7 +85,7 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
 /* Expected counts of the pixels that the pivot projects to; views whose pixel nobody reads are left out. */
 static void counts(const lf_visit *visit, int base, int column)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     size_t width = (size_t)visit->rig->width;
     for (int k = 0; k < visit->rig->n_views; k++) {
         w->count[k] = visit->expected[(size_t)k * width + (size_t)w->column[k]];
@@ -102,7 +102,7 @@ static void counts(const lf_visit *visit, int base, int column)
 /* The densities of all strategies, c_k D_k, whose sum is `sum` where all c_k are 1; returns it. */
 static float strategies(const lf_visit *visit, float sum)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     memcpy(w->strategy, w->density, sizeof w->strategy);
     if (!visit->expected)
         return sum;
@@ -118,7 +118,7 @@ static float strategies(const lf_visit *visit, float sum)
  * strategies. false = nothing is there. */
 static bool correct(const lf_visit *visit, const lf_pivot *pivot)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     int n = lanes_of(visit->rig);
     if (!lf_correction_needed(&w->media) || lf_has_fault(visit, LF_FAULT_NO_CORRECTION))
         return true;
@@ -140,7 +140,7 @@ static bool correct(const lf_visit *visit, const lf_pivot *pivot)
 /* LF_FAULT_REALISED: the sum over the views that happen to have a base sample here, instead of over expected counts. */
 static float realised_sum(const lf_visit *visit, int base)
 {
-    const lf_worker *w = visit->worker;
+    const lf_scratch *w = visit->worker;
     float sum = 0.0f;
     for (int k = 0; k < visit->rig->n_views; k++) {
         if (k == base || lf_lattice_has(visit, k, w->column[k]))
@@ -159,7 +159,7 @@ static lf_film_scattered *target(const lf_visit *visit, int k, size_t *out_pixel
 /* The lobe does not depend on the view: one radiance for all. */
 static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, lf_vec3 wo, float sum)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     lf_vec3 y = lf_suffix_radiance(visit, pivot, suffix, wo);
     if (!isfinite(y.x + y.y + y.z)) {
         w->tracer.nonfinite++;
@@ -185,7 +185,7 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suff
 /* Henyey-Greenstein of every view towards wi, in one loop without branches (phase.h: lf_phase_between). */
 static void phases(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     const lf_rig *rig = visit->rig;
     float g = visit->scene->volumes[pivot->event.volume].g, a = fabsf(g), my = visit->plane.my;
     float sign = copysignf(1.0f, g), my2 = 1.0f + my * my, numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a);
@@ -201,11 +201,11 @@ static void phases(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
 /* The directions to the views in a surface's frame: linear in the slope but for their length. */
 static void look_back(lf_visit *visit, const lf_hit *hit)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     const lf_rig *rig = visit->rig;
     lf_vec3 axis[3] = {hit->ns, hit->ns, hit->ns};
     float my = visit->plane.my, my2 = 1.0f + my * my;
-    lf_frame(hit->ns, &axis[0], &axis[1]);
+    lf_tangents(hit->ns, &axis[0], &axis[1]);
     for (int a = 0; a < 3; a++) {
         float across = lf_dot(axis[a], rig->right), along = my * lf_dot(axis[a], rig->up) + lf_dot(axis[a], rig->forward);
         for (int k = 0; k < lanes_of(rig); k++)
@@ -216,7 +216,7 @@ static void look_back(lf_visit *visit, const lf_hit *hit)
 /* The lobes of all views towards wi: their pdfs and f_k; returns sum_k c_k D_k pdf_k. */
 static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lobes *out)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     float sum = 0.0f;
     *out = (lf_fan_lobes){.pdf = w->lobe, .weight = {w->term[0], w->term[1], w->term[2]}};
     if (pivot->event.kind == LF_EVENT_MEDIUM) {
@@ -227,7 +227,7 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lo
     } else {
         const lf_hit *hit = &pivot->event.hit;
         lf_vec3 t, b;
-        lf_frame(hit->ns, &t, &b);
+        lf_tangents(hit->ns, &t, &b);
         lf_surfaces[hit->material->type].eval_fan(hit->material, lf_to_frame(t, b, hit->ns, wi), lanes_of(visit->rig), w->local[0],
                                                   w->local[1], w->local[2], out);
     }
@@ -239,7 +239,7 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lo
 /* Adds density_k f_k times one radiance to every view. */
 static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     lf_vec3 tinted[LF_FAN_TERMS];
     if (!isfinite(radiance.x + radiance.y + radiance.z)) {
         w->tracer.nonfinite++;
@@ -267,7 +267,7 @@ static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
 /* W of every view. */
 static void add_weights(lf_visit *visit, float scale)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     for (int k = 0; k < visit->rig->n_views; k++) {
         size_t pixel;
         float weight = w->density[k] * scale;
@@ -282,7 +282,7 @@ static void add_weights(lf_visit *visit, float scale)
  * shading horizon draw no directions and see nothing: their share of W. */
 static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, float sum)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     bool surface = pivot->event.kind == LF_EVENT_SURFACE;
     float drawn = over > 0.0f ? pivot->boost / over : 0.0f, blind = pivot->boost / sum;
     for (int k = 0; k < visit->rig->n_views; k++) {
@@ -325,7 +325,7 @@ static void spread_direction(lf_visit *visit, const lf_pivot *pivot, const lf_su
 /* The way back to view k with probability c_k D_k / sum, u in [0, 1). */
 static lf_vec3 some_way_back(const lf_visit *visit, const lf_pivot *pivot, float u, float sum)
 {
-    const lf_worker *w = visit->worker;
+    const lf_scratch *w = visit->worker;
     float rest = u * sum;
     int view = 0;
     for (int k = 0; k < visit->rig->n_views && rest >= 0.0f; k++) {
@@ -363,7 +363,7 @@ static bool view_dependent(const lf_visit *visit, const lf_event *event)
 /* The densities of the pivot under all views; returns the sum of those that samples are drawn with. */
 static float fan(const lf_visit *visit, int base, int column, const lf_pivot *pivot)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     geometry(visit, pivot, base);
     if (visit->expected)
         counts(visit, base, column);
@@ -378,7 +378,7 @@ static float fan(const lf_visit *visit, int base, int column, const lf_pivot *pi
 /* What the densities of the fan leave out: the smallest depth (lf_kernels.densities). */
 static float least_depth(const lf_visit *visit)
 {
-    const lf_worker *w = visit->worker;
+    const lf_scratch *w = visit->worker;
     float least = INFINITY;
     for (int k = 0; k < visit->rig->n_views; k++)
         least = lf_min(least, w->scale[k] > 0.0f ? w->tau[k] : INFINITY);

@@ -10,6 +10,6 @@ lf_vec3 lf_phase_sample(float g, lf_vec3 w, const float u[2])
     float m = b * u[0] * (s + b) / d;
     float sine = sqrtf(lf_max(m * (2.0f - m), 0.0f)), phi = 2.0f * LF_PI * u[1];
     lf_vec3 axis = lf_scale(w, sign), t, bt;
-    lf_frame(axis, &t, &bt);
+    lf_tangents(axis, &t, &bt);
     return lf_from_frame(t, bt, axis, lf_v3(sine * cosf(phi), sine * sinf(phi), 1.0f - m));
 }

@@ -62,7 +62,7 @@ static lf_status find_integrator(const char *name, const lf_integrator **out, lf
 
 /* -------------------------------------------------------------------------------------------------- set-up, restart -- */
 
-static void free_workers(lf_worker **workers, int n)
+static void free_workers(lf_scratch **workers, int n)
 {
     for (int i = 0; i < n && workers; i++) {
         if (workers[i]) {
@@ -77,10 +77,10 @@ static void free_workers(lf_worker **workers, int n)
     lf_free(workers);
 }
 
-static lf_worker **make_workers(int n, const lf_media_frame *frame, const lf_film_layout *layout, const lf_row_triangles *triangles,
-                                bool mirrors)
+static lf_scratch **make_workers(int n, const lf_media_frame *frame, const lf_film_layout *layout,
+                                 const lf_row_triangles *triangles, bool mirrors)
 {
-    lf_worker **workers = lf_calloc((size_t)n, sizeof *workers);
+    lf_scratch **workers = lf_calloc((size_t)n, sizeof *workers);
     for (int i = 0; workers && i < n; i++) {
         workers[i] = lf_calloc(1, sizeof **workers);
         if (workers[i])
@@ -142,7 +142,7 @@ typedef struct parts {
     float sky[3];
     bool keep_film;
     lf_counts counts;
-    lf_worker **workers;
+    lf_scratch **workers;
     int n_workers;
 } parts;
 
@@ -459,7 +459,7 @@ void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out)
     bool known = true;
     *out = (lf_render_stats){0};
     for (int i = 0; i < renderer->n_workers; i++) {
-        const lf_worker *w = renderer->workers[i];
+        const lf_scratch *w = renderer->workers[i];
         out->base_paths += w->base_paths;
         out->contributions += w->contributions;
         out->rays_traced += w->tracer.rays;

@@ -18,7 +18,7 @@ struct lf_renderer {
     int visit_passes;           /* passes in a visit of the offline schedule */
     lf_counts counts;           /* tiles only for adaptive integrators */
     bool mapped;                /* the map has been made: plan.counts */
-    lf_worker **workers;        /* [lf_pool_threads] each its own allocation: no shared cache lines */
+    lf_scratch **workers;       /* [lf_pool_threads] each its own allocation: no shared cache lines */
     int n_workers;
 };
 

@@ -27,25 +27,30 @@ static float eval_local(const lf_material *m, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f
 float lf_conductor_eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
     lf_vec3 t, b;
-    lf_frame(ns, &t, &b);
+    lf_tangents(ns, &t, &b);
     return eval_local(m, lf_to_frame(t, b, ns, wo), lf_to_frame(t, b, ns, wi), f);
 }
 
-/* The lobes without Fresnel: of one reflection (once), how much more there is of several, and wo.h. */
-static void fan_geometry(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z,
-                         float *restrict pdf, float *restrict once, float *restrict cos_oh, float *restrict more)
+/* The lobes without Fresnel: of one reflection, and wo.h. */
+static void fan_once(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z, float *restrict pdf,
+                     float *restrict once, float *restrict cos_oh)
 {
-    const lf_material own = *m;
     float alpha = lf_material_alpha(m);
     for (int i = 0; i < n; i++) {
-        float cos_o = lf_max(z[i], LF_MIN_COS);
-        lf_ggx_lobe lobe = lf_ggx_eval(alpha, lf_v3(x[i], y[i], cos_o), wi);
+        lf_ggx_lobe lobe = lf_ggx_eval(alpha, lf_v3(x[i], y[i], lf_max(z[i], LF_MIN_COS)), wi);
         bool above = z[i] > LF_MIN_COS;
         pdf[i] = above ? lobe.pdf : 0.0f;
         once[i] = above ? lobe.f : 0.0f;
         cos_oh[i] = lobe.cos_oh;
-        more[i] = several(&own, cos_o);
     }
+}
+
+/* How much more there is of several reflections. */
+static void fan_several(const lf_material *m, int n, const float *z, float *restrict more)
+{
+    const lf_material own = *m;
+    for (int i = 0; i < n; i++)
+        more[i] = several(&own, lf_max(z[i], LF_MIN_COS));
 }
 
 /* One term a channel. */
@@ -59,7 +64,8 @@ void lf_conductor_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float 
         memset(out->pdf, 0, (size_t)n * sizeof *out->pdf);
         return;
     }
-    fan_geometry(m, wi, n, x, y, z, out->pdf, once, cos_oh, more);
+    fan_once(m, wi, n, x, y, z, out->pdf, once, cos_oh);
+    fan_several(m, n, z, more);
     for (int i = 0; i < n; i++) {
         lf_vec3 f = lf_conductor_fresnel(&own, cos_oh[i]);
         float g = once[i], s = more[i];
@@ -76,7 +82,7 @@ void lf_conductor_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float 
 float lf_conductor_sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f)
 {
     lf_vec3 t, b;
-    lf_frame(ns, &t, &b);
+    lf_tangents(ns, &t, &b);
     lf_vec3 o = lf_to_frame(t, b, ns, wo), i = lf_ggx_sample(lf_material_alpha(m), o, u[0], u[1]);
     *wi = lf_from_frame(t, b, ns, i);
     return eval_local(m, o, i, f);

@@ -13,7 +13,7 @@ float lf_diffuse_eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, 
 float lf_diffuse_sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f)
 {
     lf_vec3 t, b;
-    lf_frame(ns, &t, &b);
+    lf_tangents(ns, &t, &b);
     *wi = lf_from_frame(t, b, ns, lf_cosine_sample(u[0], u[1]));
     return lf_diffuse_eval(m, ns, wo, *wi, f);
 }

@@ -61,16 +61,22 @@ float lf_plastic_eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, 
     if (!(cos_o > LF_MIN_COS))
         return 0.0f;
     plastic p = plastic_init(m, cos_o);
-    lf_frame(ns, &t, &b);
+    lf_tangents(ns, &t, &b);
     return eval_local(m, &p, lf_to_frame(t, b, ns, wo), lf_to_frame(t, b, ns, wi), f);
 }
 
+/* The base's pdf. */
+static float cosine_of(lf_vec3 wi)
+{
+    return wi.z > LF_MIN_COS ? wi.z * LF_INV_PI : 0.0f;
+}
+
 /* A rough coat over all directions of a fan; entering is what a smooth one lets through, and then what this one does. */
-static void fan_coat(const lf_material *m, lf_vec3 wi, float cosine, int n, const float *x, const float *y, const float *z,
-                     float *restrict pdf, float *restrict entering, float *restrict reflected)
+static void fan_coat(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z, float *restrict pdf,
+                     float *restrict entering, float *restrict reflected)
 {
     const lf_material own = *m;
-    float alpha = lf_material_alpha(m), mean = lf_mean3(m->albedo);
+    float cosine = cosine_of(wi), alpha = lf_material_alpha(m), mean = lf_mean3(m->albedo);
     for (int k = 0; k < n; k++) {
         float cos_o = lf_max(z[k], LF_MIN_COS), loss = lf_loss(&own, entering[k], cos_o), select = select_of(loss, mean);
         lf_ggx_lobe coat = lf_ggx_eval(alpha, lf_v3(x[k], y[k], cos_o), wi);
@@ -85,7 +91,7 @@ static void fan_coat(const lf_material *m, lf_vec3 wi, float cosine, int n, cons
 void lf_plastic_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y, const float *z, lf_fan_lobes *out)
 {
     float *restrict pdf = out->pdf, *restrict entering = out->weight[0], ior = m->ior;
-    float cosine = wi.z > LF_MIN_COS ? wi.z * LF_INV_PI : 0.0f;
+    float cosine = cosine_of(wi);
     bool rough = lf_material_alpha(m) >= LF_ALPHA_MIN;
     out->n_terms = rough ? 2 : 1;
     out->colour[0] = cosine > 0.0f ? base_colour(m, wi.z) : lf_v3(0.0f, 0.0f, 0.0f);
@@ -96,13 +102,13 @@ void lf_plastic_eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x
         pdf[k] = above * cosine;
     }
     if (rough)
-        fan_coat(m, wi, cosine, n, x, y, z, pdf, entering, out->weight[1]);
+        fan_coat(m, wi, n, x, y, z, pdf, entering, out->weight[1]);
 }
 
 float lf_plastic_sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi, lf_vec3 *f)
 {
     lf_vec3 t, b;
-    lf_frame(ns, &t, &b);
+    lf_tangents(ns, &t, &b);
     lf_vec3 o = lf_to_frame(t, b, ns, wo), i;
     *f = lf_v3(0.0f, 0.0f, 0.0f);
     if (!(o.z > LF_MIN_COS))

@@ -87,7 +87,7 @@ static inline lf_vec3 lf_reflect(lf_vec3 wo, lf_vec3 n)
 }
 
 /* Two unit vectors that make a right-handed orthonormal frame (t, b, n) with the unit vector n (Duff et al. 2017, JCGT 6(1)). */
-static inline void lf_frame(lf_vec3 n, lf_vec3 *t, lf_vec3 *b)
+static inline void lf_tangents(lf_vec3 n, lf_vec3 *t, lf_vec3 *b)
 {
     float sign = copysignf(1.0f, n.z);
     float a = -1.0f / (sign + n.z);

@@ -105,7 +105,7 @@ lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const l
 
 float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     if (!lf_correction_needed(&w->media) || lf_has_fault(visit, LF_FAULT_NO_CORRECTION))
         return 1.0f;
     float x0 = visit->rig->b[view] + pivot->lx, slope = (pivot->x - x0) / pivot->z, factor = 1.0f;
@@ -191,7 +191,7 @@ static lf_vec3 make_ray(const lf_visit *visit, int view, float u, float lx, lf_m
 static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, int column, float film, bool native_only,
                         uint64_t key, uint32_t index)
 {
-    lf_worker *worker = visit->worker;
+    lf_scratch *worker = visit->worker;
     const lf_rig *rig = visit->rig;
     lf_sampler sampler;
     uint64_t pixel = lf_hash64(key, (uint64_t)view * (uint64_t)rig->width + (uint64_t)column + 16);
@@ -258,7 +258,7 @@ static int mirror_subsets(const lf_visit_plan *plan)
 /* The lights in the media of the row, as seen in its plane. */
 static void cut_glows(lf_visit *visit)
 {
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     int base = 0;
     for (int k = 0; k < visit->rig->n_views && w->media.n_here > 0; k++)
         base += w->reach.end[k] - w->reach.first[k];
@@ -450,7 +450,7 @@ static bool sample_mirrors(const lf_visit_plan *plan, lf_visit *visit, uint64_t 
     return true;
 }
 
-bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_worker *worker, const lf_cancel *cancel)
+bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *worker, const lf_cancel *cancel)
 {
     lf_film_row *state = &plan->film->rows[row];
     int width = plan->rig->width, views = plan->rig->n_views;

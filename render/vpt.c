@@ -55,7 +55,7 @@ static void balance_vpt(lf_visit *visit, int view, int column, const lf_pivot *p
 static void glow_vpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_light_sample *light)
 {
     const lf_rig *rig = visit->rig;
-    lf_worker *w = visit->worker;
+    lf_scratch *w = visit->worker;
     float x0 = rig->b[view] + pivot->lx, slope = (pivot->x - x0) / pivot->z, depth;
     float u = (rig->b[view] + pivot->lx * rig->distance / rig->focus + rig->distance * slope - rig->x0) / rig->dx;
     if (!(u >= 0.0f && u < (float)rig->width))

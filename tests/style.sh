@@ -50,6 +50,13 @@ long_functions() {
         awk -v f="$f" '/^\{$/ { start = NR } /^\}$/ && start { if (NR - start + 1 > 80) print f ":" start ": " NR - start + 1 " lines"; start = 0 }' "$1/$f"
     done
 }
+# A name of the house (functions, types, constants) belongs to one file, or to a header and its .c file.
+one_name_one_thing() {
+    sources "$1" -name '*.[ch]' -not -path 'tests/*' | (cd "$1" && ctags -x --kinds-C=defgsu --languages=C --langmap=C:.c.h -L - 2> /dev/null) |
+        awk '{ file = $4; sub(/\.[ch]$/, "", file) }
+            $1 ~ /^(lf|LF)_/ && !seen[$1, file]++ { places[$1] = places[$1] " " $4; n[$1]++ }
+            END { for (name in n) if (n[name] > 1) print name ":" places[name] }' | sort
+}
 empty_assertions() { grep_code "$1" 'assert_true\((1|true)\)|assert_int_equal\(([0-9]+), \2\)'; }
 
 # A tree in which every rule is broken once.
@@ -62,6 +69,7 @@ make_breaches() {
         for _ in $(seq 90); do echo '    g();'; done
         printf '}\n'
     } > "$1/render/bad.c"
+    printf 'struct lf_twice {\n    int x;\n};\n' | tee "$1/render/once.h" > "$1/quilt/twice.h"
     printf '__attribute__((target_''clones("avx2"))) int y;' > "$1/quilt/cloned.cc"
     printf 'assert_true(1);\n' > "$1/tests/quilt/test_bad.c"
 }
@@ -82,7 +90,7 @@ breaches=$(mktemp -d)
 trap 'rm -rf "$breaches"' EXIT
 make_breaches "$breaches"
 for rule in tabs_and_trailing_blanks long_lines missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
-    cxx_only_for_openvdb top_level long_functions empty_assertions; do
+    cxx_only_for_openvdb top_level long_functions one_name_one_thing empty_assertions; do
     if [ -z "$($rule "$breaches")" ]; then
         report "$rule" "the rule does not notice a breach of it"
     else

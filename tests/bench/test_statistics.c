@@ -88,7 +88,7 @@ static void what_cannot_be_said_is_not_a_number(void **state)
     lf_assert_close(lf_log_interval(values, 1, 0.95).estimate, 1, 0, 0);
     assert_true(isnan(lf_fit_line(values, values, 2).error));
     assert_true(isnan(lf_time_of_error((double[]){1, 2}, values, 2, 0.5, &beyond)));
-    assert_true(isnan(lf_cross_correlation(&(lf_cross){.ab = 1, .aa = 1})));
+    assert_true(isnan(lf_correlation_value(&(lf_correlation){.ab = 1, .aa = 1})));
 }
 
 static void lines_have_their_slopes_and_standard_errors(void **state)
@@ -97,7 +97,7 @@ static void lines_have_their_slopes_and_standard_errors(void **state)
     /* y = 2 - x + {1, -1, -1, 1}: the residuals are orthogonal to 1 and x; error^2 = 4 / 2 / 5 */
     const double x[] = {0, 1, 2, 3};
     const double y[] = {3, 0, -1, 0};
-    lf_line line = lf_fit_line(x, y, 4);
+    lf_fit line = lf_fit_line(x, y, 4);
 
     lf_assert_close(line.slope, -1, 1e-12, 0);
     lf_assert_close(line.intercept, 2, 1e-12, 0);
@@ -137,8 +137,8 @@ static void correlations_are_freed_of_the_references_error(void **state)
     float *b = data + N;
     float *noise = data + 2 * N;
     source s = {lf_test_seed()};
-    lf_cross cross = {0};
-    lf_cross raw = {0};
+    lf_correlation cross = {0};
+    lf_correlation raw = {0};
 
     for (int i = 0; i < N; i++) {
         double common = normal(&s);
@@ -147,12 +147,12 @@ static void correlations_are_freed_of_the_references_error(void **state)
         b[i] = (float)(sqrt(0.6) * common + sqrt(0.4) * normal(&s) - r);
         noise[i] = (float)normal(&s); /* another error with the same variance */
     }
-    lf_cross_add(&cross, N, a, b, noise, noise);
+    lf_correlation_add(&cross, N, a, b, noise, noise);
     float *none = lf_calloc(N, sizeof *none);
-    lf_cross_add(&raw, N, a, b, none, none);
+    lf_correlation_add(&raw, N, a, b, none, none);
     /* the standard error of the first is below 0.01 */
-    lf_assert_close(lf_cross_correlation(&cross), 0.6, 0, 0.04);
-    lf_assert_close(lf_cross_correlation(&raw), 0.8, 0, 0.02);
+    lf_assert_close(lf_correlation_value(&cross), 0.6, 0, 0.04);
+    lf_assert_close(lf_correlation_value(&raw), 0.8, 0, 0.02);
     lf_free(none);
     lf_free(data);
 }

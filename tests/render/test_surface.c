@@ -45,7 +45,7 @@ static lf_vec3 at_cosine(lf_vec3 ns, float cosine, float phi)
 {
     lf_vec3 t, b;
     float sine = sqrtf(1.0f - cosine * cosine);
-    lf_frame(ns, &t, &b);
+    lf_tangents(ns, &t, &b);
     return lf_from_frame(t, b, ns, lf_v3(sine * cosf(phi), sine * sinf(phi), cosine));
 }
 

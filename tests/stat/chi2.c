@@ -142,7 +142,7 @@ double lf_chi2_sphere_p(const lf_chi2_sphere *q, double *out_mass)
     int n = q->n_t * q->n_phi + 1;
     double *observed = calloc((size_t)n, sizeof *observed), *expected = calloc((size_t)n, sizeof *expected);
     domain d = {.test = q, .growth = expm1(q->warp)};
-    lf_frame(q->axis, &d.t, &d.b);
+    lf_tangents(q->axis, &d.t, &d.b);
     double mass = fill_expected(&d, expected);
     int impossible = fill_observed(&d, observed);
     expected[n - 1] = fmax(1.0 - mass, 0.0) * q->n_samples;
