@@ -55,6 +55,7 @@ base_srcs := $(patsubst %,base/%.c,alloc status thread image)
 quilt_srcs := $(filter-out quilt/files.c quilt/print%,$(quilt_srcs))
 render_srcs := $(filter render/kernel%,$(render_srcs)) $(patsubst %,render/%.c,slice body volume sampler)
 stat_srcs := tests/stat/stat.c tests/stat/chi2.c
+test_faults_render :=
 optics_srcs :=
 dep_cflags := -I$(SRCDIR)/tests/arm64 -idirafter /usr/include
 dep_libs := -lm
