@@ -11,7 +11,8 @@
 
 #include "render/media.h"
 
-/* How dense points are, in units of 1 / rough: a pivot's are one of many that a pixel receives, an exit's stand for a whole visit. */
+/* How dense points are, in units of the slice's rough: a pivot's are one of many that a pixel receives, an exit's stand for a whole
+ * visit. */
 #define LF_CORRECTION_PIVOT 2.0f
 #define LF_CORRECTION_EXIT 16.0f
 
@@ -28,9 +29,10 @@ typedef struct lf_rays {
 /* True when something on this row's plane is a slice; without, all R are 1. */
 bool lf_correction_needed(const lf_media *media);
 
-/* Multiplies factor[n] by estimates of T / T~ that are right in the mean; they share their depths. dense: lambda in units of what the slice
- * calls rough. least: points to expect in all of its depth, at least: thin media ask for some where the difference of T / T~ to 1 is
- * what is wanted. Numbers come from the tracer, which counts the look-ups. */
+/* Multiplies factor[n] by estimates of T / T~ that are right in the mean; they share their depths. dense: lambda in units of what the
+ * slice calls rough where the fan passes, more by the square of the cells that its steepest ray crosses between two planes. least: points
+ * to expect in all of its depth, at least: thin media ask for some where the difference of T / T~ to 1 is what is wanted. Numbers come
+ * from the tracer, which counts the look-ups. */
 void lf_correction_transmittance(const lf_media *media, const lf_rays *rays, float dense, float least, lf_tracer *tracer,
                                  float *factor);
 

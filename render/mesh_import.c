@@ -348,8 +348,8 @@ static bool has_nan(const struct aiMesh *mesh)
     return false;
 }
 
-/* Joins vertices that are the same, which cannot fail. To Assimp one that is not a number is the same as any other, and a face there would
- * become another face: then they stay as they are in the file. */
+/* Joins vertices that are the same, which fails for want of memory alone (JoinVerticesProcess.cpp throws nothing). To Assimp one that is
+ * not a number is the same as any other, and a face there would become another face: then they stay as they are in the file. */
 static const struct aiScene *join_vertices(const struct aiScene *scene)
 {
     bool nan = false;

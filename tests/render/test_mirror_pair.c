@@ -122,7 +122,7 @@ static void grids_are_as_bright_in_a_mirror(void **state)
         assert_pair(&subjects[i]);
 }
 
-static void the_cloud_is_as_bright_in_a_mirror_to_a_thousandth(void **state)
+static void the_cloud_and_a_sharp_edge_are_as_bright_in_a_mirror(void **state)
 {
     (void)state;
     if (!lf_test_long()) {
@@ -137,7 +137,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(grids_are_as_bright_in_a_mirror),
-        cmocka_unit_test(the_cloud_is_as_bright_in_a_mirror_to_a_thousandth),
+        cmocka_unit_test(the_cloud_and_a_sharp_edge_are_as_bright_in_a_mirror),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }
