@@ -13,11 +13,12 @@
 #   make check-arm64        the portable parts, built for arm64 and run by an emulator
 #   make check-kernel       simulated devices through a real kernel and the installed daemon under systemd, in QEMU; as root
 #   make T=render check     only the tests whose path holds this word; WITHOUT='tests/render/test_bias …' leaves those out
+#   make tests              builds what make check runs, with the same T and WITHOUT
 #   make build/release/tests/base/test_file     one test program
 #   BUILD=release|debug|asan|tsan  O=DIR  V=1  WERROR=1  CC CXX CFLAGS CXXFLAGS LDFLAGS  DESTDIR PREFIX
 #
 # Lists that fragments append to (paths relative to the source tree unless said otherwise):
-#   <room>_srcs     sources of lib<room>.a          <program>_srcs   sources of a program's own
+#   <library>_srcs  sources of lib<library>.a       <program>_srcs   sources of a program's own
 #   isa_<file>      extra flags of one source file  opt_<room>       extra release flags of a room
 #   scene_data      files in $(BUILDROOT) to be made with the programs (rules in the same fragment)
 .SUFFIXES:
@@ -46,6 +47,8 @@ INSTALL ?= install
 comma := ,
 programs := quiltd quiltctl quiltrender quiltsim quiltbench
 rooms := base render quilt device daemon
+# each stands before those whose functions it calls
+libraries := tools server engine render quilt model device base
 
 .PHONY: all FORCE
 all:
@@ -56,6 +59,8 @@ front := check check-arm64 check-kernel run bench verify lint fuzz soak mutants
 light := $(front) deps clean help
 goals := $(or $(MAKECMDGOALS),all)
 
+# files of one pattern in a room and its folders
+room_files = $(call wild,$(1)/$(2)) $(call wild,$(1)/*/$(2))
 wild = $(patsubst $(SRCDIR)/%,%,$(sort $(wildcard $(SRCDIR)/$(1))))
 
 include $(SRCDIR)/.ci/flags.mk
@@ -71,7 +76,7 @@ $(BUILDROOT)/deps.mk: $(SRCDIR)/.ci/deps
 
 # ------------------------------------------------------------------------------------------------------- building --
 built := $(addprefix $(O)/,$(foreach p,$(programs),$(if $($(p)_srcs),$(p))))
-all: $(built) $(patsubst %,$(O)/lib%.a,$(rooms)) $(addprefix $(BUILDROOT)/,$(scene_data))
+all: $(built) $(patsubst %,$(O)/lib%.a,$(libraries)) $(addprefix $(BUILDROOT)/,$(scene_data))
 objs = $(patsubst %,$(O)/%.o,$(1))
 say = $(if $(V),,@echo '  $(1) $(patsubst $(O)/%,%,$@)';)
 
@@ -109,14 +114,15 @@ $(O)/%.cc.o: $(SRCDIR)/%.cc $(O)/flags.stamp
 
 define library
 $(O)/lib$(1).a: $(call objs,$($(1)_srcs))
+	@mkdir -p $$(@D)
 	$$(call say,AR )rm -f $$@ && $$(AR) rcs $$@ $$^
 endef
-$(foreach r,$(rooms),$(eval $(call library,$(r))))
+$(foreach l,$(libraries),$(eval $(call library,$(l))))
 libs = $(patsubst %,$(O)/lib%.a,$(1))
 link = $(call say,LD )$(CXX) $(lf_ldflags) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(dep_libs) $(1) $(LDLIBS)
 
 define program
-$(O)/$(1): $(call objs,$($(1)_srcs)) $(call libs,daemon render quilt device base)
+$(O)/$(1): $(call objs,$($(1)_srcs)) $(call libs,$(or $(libs_$(1)),$(filter-out model,$(libraries))))
 	$$(call link,)
 endef
 $(foreach p,$(programs),$(eval $(call program,$(p))))
@@ -124,24 +130,24 @@ $(foreach p,$(programs),$(eval $(call program,$(p))))
 # --------------------------------------------------------------------------------------------------------- testing --
 test_srcs := $(call wild,tests/*/test_*.c)
 tests := $(patsubst %.c,$(O)/%,$(test_srcs))
-headers := $(foreach r,$(rooms) tests,$(call wild,$(r)/*.h)) $(call wild,tests/fuzz/*.h)
+headers := $(foreach r,$(rooms) tests,$(call room_files,$(r),*.h))
 headers_alone := $(patsubst %,$(O)/alone/%.ok,$(headers))
-$(foreach l,stat optics bench faulty,$(eval $(call library,$(l))))
+$(foreach l,$(test_libraries) bench,$(eval $(call library,$(l))))
+# a hundred programs, linked in a third of the time
+test_linker := $(if $(PORTABLE)$(findstring -fuse-ld,$(LDFLAGS)),,$(if $(shell command -v ld.gold),-fuse-ld=gold))
 test_objs = $(call objs,$(addprefix faults/,$(test_faults_$(1))))
-test_libs = $(call libs,$(or $(test_libs_$(1)),daemon render quilt device base))
+test_libs = $(call libs,$(or $(test_libs_$(1)),$(libraries)))
 
-.PHONY: tests
-tests: $(tests)
 define test
 $(O)/$(1:.c=): $(call objs,$(1)) $(call test_objs,$(notdir $(patsubst %/,%,$(dir $(1))))) $(call test_libs,$(notdir $(patsubst %/,%,$(dir $(1)))))
-	$$(call link,$$(dep_test_libs) $$(wrap_$(notdir $(1:.c=))))
+	$$(call link,$$(dep_test_libs) $$(wrap_$(notdir $(1:.c=))) $$(test_linker))
 endef
 $(foreach t,$(test_srcs),$(eval $(call test,$(t))))
 
 # a fuzz target is its one file with the room it looks at
 fuzz_srcs := $(call wild,tests/fuzz/fuzz_*.c)
 fuzz_targets := $(patsubst %.c,$(O)/%,$(fuzz_srcs))
-$(fuzz_targets): $(O)/%: $(O)/%.c.o $(call libs,device base)
+$(fuzz_targets): $(O)/%: $(O)/%.c.o $(call libs,model device base)
 	$(call link,-fsanitize=fuzzer)
 
 # every header compiles alone
@@ -153,12 +159,13 @@ $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
  MAKE_AGAIN='$(MAKE_COMMAND) --no-print-directory -C $(CURDIR) -f $(MAKEFILE) O=$(O) BUILD=$(BUILD)' $(SRCDIR)/tests/run
 
-.PHONY: check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
+.PHONY: tests fuzz-targets check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
 tests_extra := $(SRCDIR)/tests/style.sh $(SRCDIR)/tests/install.sh $(SRCDIR)/tests/arm64.sh
 matching = $(foreach x,$(1),$(if $(strip $(foreach t,$(T),$(findstring $(t),$(x)))),$(x)))
 matching_or_all = $(if $(T),$(call matching,$(1)),$(1))
 selected := $(filter-out $(addprefix $(O)/,$(WITHOUT)),$(call matching_or_all,$(tests)))
-check-now: all $(selected) $(if $(T),,$(headers_alone)) $(O)/tests/arm64/results
+tests: all $(selected) $(if $(T)$(filter-out release,$(BUILD)),,$(headers_alone)) $(O)/tests/arm64/results
+check-now: tests
 	@$(run_tests) $(if $(T),$(call matching,$(tests_extra)),$(tests_extra)) $(selected)
 
 check-arm64-now: $(O)/tests/arm64/results
@@ -169,7 +176,7 @@ check-kernel-now: all $(kernel_programs)
 	@KERNEL='$(BUILDROOT)/kernel' $(subst /tests/run,/tests/kernel/run,$(run_tests)) $(call matching_or_all,$(kernel_cases))
 
 # the statistical tests again, on numbers nobody has seen, at their longest
-verify-now: all tests
+verify-now: all $(tests)
 	@seed=$${QUILTD_SEED:-$$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}; echo "QUILTD_SEED=$$seed"; \
 	 QUILTD_SEED=$$seed QUILTD_LONG=1 TEST_TIMEOUT=$${TEST_TIMEOUT:-3600} $(run_tests) $(tests)
 
@@ -180,11 +187,12 @@ soak-now: $(O)/tests/daemon/test_faults
 	 sed -n '/^SOAK_SEED/,/^descriptors/p' $(O)/tests/test_faults.log; exit $$rc
 
 # in a copy of the tree, which starts with what is built here
-mutants-now: all tests
+mutants-now: all $(tests)
 	@O='$(O)' SRCDIR='$(SRCDIR)' MAKE='$(MAKE_COMMAND)' $(SRCDIR)/tests/mutants/run $(T)
 
-fuzz-now: $(call matching_or_all,$(fuzz_targets))
-	@O='$(O)' $(SRCDIR)/tests/fuzz.sh $^
+fuzz-targets: $(call matching_or_all,$(fuzz_targets))
+fuzz-now: fuzz-targets
+	@O='$(O)' $(SRCDIR)/tests/fuzz.sh $(call matching_or_all,$(fuzz_targets))
 
 bench-now: all
 	@mkdir -p $(BUILDROOT)/bench
@@ -242,12 +250,12 @@ help:
 	@sed -n '/^[^#]/q; s/^# \{0,1\}//p' $(MAKEFILE)
 
 # ---------------------------------------------------------------------------------------------------------- lint --
-lint_srcs = $(filter-out %.cc,$(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)))
+lint_srcs = $(filter-out %.cc,$(foreach l,$(libraries),$($(l)_srcs)) $(foreach p,$(programs),$($(p)_srcs)))
 lint-now: $(if $(generated),$(addprefix $(O)/,$(generated)))
 	@O='$(O)' SRCDIR='$(SRCDIR)' CFLAGS='$(filter-out -O% -g,$(lf_cflags))' $(SRCDIR)/.ci/lint $(lint_srcs)
 
 # ------------------------------------------------------------------------------------------------------- installing --
 include $(SRCDIR)/.ci/install.mk
 
--include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach r,$(rooms),$($(r)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(stat_srcs) $(optics_srcs) $(faulty_srcs) $(addprefix faults/,$(test_faults_render)) $(test_srcs) $(fuzz_srcs) $(kernel_srcs) tests/arm64/results.c)))
+-include $(patsubst %.o,%.d,$(call objs,$(sort $(foreach l,$(libraries),$($(l)_srcs)) $(foreach p,$(programs),$($(p)_srcs)) $(foreach l,$(test_libraries),$($(l)_srcs)) $(addprefix faults/,$(test_faults_render)) $(test_srcs) $(fuzz_srcs) $(kernel_srcs) tests/arm64/results.c)))
 -include $(addsuffix .d,$(headers_alone))

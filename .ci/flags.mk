@@ -35,6 +35,11 @@ ifeq ($(BUILD),release)
 opt_render := -O3
 opt_quilt := -O3
 endif
+# where the time of the sanitizers goes: half of it
+ifneq ($(filter asan tsan,$(BUILD)),)
+opt_render := -O2
+opt_quilt := -O2
+endif
 
 lf_common = $(variant_$(BUILD)) $(lf_float) $(lf_warnings) -pthread -I$(SRCDIR) -I$(O)
 lf_cflags = -std=c11 -D_GNU_SOURCE -fvisibility=hidden $(lf_common) $(lf_cwarnings) $(dep_cflags)

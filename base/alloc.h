@@ -1,13 +1,14 @@
-/* Allocation: zeroed, checked against overflow, aligned to 64 bytes (a cache line, an AVX-512 vector), and counted.
- * Steady state allocates nothing: tests read lf_alloc_count before and after. Thread safe. */
+/* Allocation: zeroed, checked against overflow, aligned to 64 bytes (a cache line, an AVX-512
+ * vector), and counted. Steady state allocates nothing: tests read lf_alloc_count before and after.
+ * Thread safe. */
 #ifndef LF_BASE_ALLOC_H
 #define LF_BASE_ALLOC_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-/* n * size zeroed bytes aligned to 64; NULL when out of memory or when the product overflows. n or size 0 gives a
- * pointer that may be freed and not read. Release with lf_free. */
+/* n * size zeroed bytes aligned to 64; NULL when out of memory or when the product overflows. n or
+ * size 0 gives a pointer that may be freed and not read. Release with lf_free. */
 void *lf_calloc(size_t n, size_t size) __attribute__((malloc, warn_unused_result));
 
 /* A copy of a string; NULL for NULL or out of memory. Release with lf_free. */

@@ -10,7 +10,8 @@
 #include "base/file.h"
 #include "base/log.h"
 
-_Static_assert(sizeof(lf_calibration) == 16 + 64 + 5 * sizeof(double) + 8 * sizeof(int) + sizeof((lf_calibration *)0)->cells,
+_Static_assert(sizeof(lf_calibration) == 16 + 64 + 5 * sizeof(double) + 8 * sizeof(int) +
+                                             sizeof((lf_calibration *)0)->cells,
                "compared as bytes: no padding");
 
 typedef struct parser {
@@ -31,8 +32,9 @@ typedef struct number_rule {
 #define TO(member) offsetof(lf_calibration, member)
 
 static const number_rule number_rules[] = {
-    {"pitch", TO(pitch), 1, 1000, NAN},         {"slope", TO(slope), -1e6, 1e6, NAN}, {"center", TO(center), -1000, 1000, NAN},
-    {"viewCone", TO(view_cone_deg), 0, 179, 0}, {"DPI", TO(dpi), 1, 10000, NAN},
+    {"pitch", TO(pitch), 1, 1000, NAN},       {"slope", TO(slope), -1e6, 1e6, NAN},
+    {"center", TO(center), -1000, 1000, NAN}, {"viewCone", TO(view_cone_deg), 0, 179, 0},
+    {"DPI", TO(dpi), 1, 10000, NAN},
 };
 
 static const struct integer_rule {
@@ -55,7 +57,8 @@ static const struct flag_rule {
     {"flipSubp", TO(flip_subp), 0},
 };
 
-/* Line of the first `"key"` in the text. Jansson keeps no positions; keys of this format stand once. */
+/* Line of the first `"key"` in the text. Jansson keeps no positions; keys of this format stand
+ * once. */
 static int line_of(const parser *p, const char *key)
 {
     char quoted[64];
@@ -73,7 +76,8 @@ static lf_status bad_key(const parser *p, const char *key, const char *expected)
 {
     char pointer[80];
     snprintf(pointer, sizeof pointer, "/%s", key);
-    return lf_error_set_at(p->err, LF_E_FORMAT, p->where, line_of(p, key), pointer, "expected %s", expected);
+    return lf_error_set_at(p->err, LF_E_FORMAT, p->where, line_of(p, key), pointer, "expected %s",
+                           expected);
 }
 
 /* The bare value of {"value": x} or x. */
@@ -120,7 +124,8 @@ static lf_status take_integer(parser *p, const struct integer_rule *rule)
         *to = rule->absent;
         return LF_OK;
     }
-    if (!value || !to_number(value, &number) || number < rule->low || number > rule->high || number != floor(number))
+    if (!value || !to_number(value, &number) || number < rule->low || number > rule->high ||
+        number != floor(number))
         return bad_key(p, rule->key, expected);
     *to = (int)number;
     return LF_OK;
@@ -160,12 +165,11 @@ static lf_status take_numbers(parser *p)
 /* Texts end up in listings and terminals; controls (C0, DEL, and C1 in UTF-8) do not. */
 static void remove_controls(char *text)
 {
-    for (unsigned char *c = (unsigned char *)text; *c != 0; c++) {
+    for (unsigned char *c = (unsigned char *)text; *c != 0; c++)
         if (*c < 0x20 || *c == 0x7f)
             *c = '?';
         else if (c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0)
             c[0] = c[1] = '?';
-    }
 }
 
 static lf_status take_text(parser *p, const char *key, char *to, size_t size)
@@ -191,9 +195,10 @@ static lf_status take_cell(parser *p, size_t index, const json_t *cell)
             const json_t *value = json_object_get(cell, cell_keys[channel][axis]);
             if (!value || !to_number(value, &offset) || fabs(offset) > 16) {
                 char pointer[80];
-                snprintf(pointer, sizeof pointer, "/subpixelCells/%zu/%s", index, cell_keys[channel][axis]);
-                return lf_error_set_at(p->err, LF_E_FORMAT, p->where, line_of(p, "subpixelCells"), pointer,
-                                       "expected a number from -16 to 16 (pixels)");
+                snprintf(pointer, sizeof pointer, "/subpixelCells/%zu/%s", index,
+                         cell_keys[channel][axis]);
+                return lf_error_set_at(p->err, LF_E_FORMAT, p->where, line_of(p, "subpixelCells"),
+                                       pointer, "expected a number from -16 to 16 (pixels)");
             }
             p->c.cells[index][channel][axis] = (float)offset;
         }
@@ -224,14 +229,15 @@ static lf_status check_area(const parser *p)
     if (pixels <= LF_MAX_PANEL_PIXELS)
         return LF_OK;
     return lf_error_set_at(p->err, LF_E_FORMAT, p->where, line_of(p, "screenW"), "/screenW",
-                           "%dx%d pixels (no panel has more than %d)", p->c.screen_width_px, p->c.screen_height_px,
-                           LF_MAX_PANEL_PIXELS);
+                           "%dx%d pixels (no panel has more than %d)", p->c.screen_width_px,
+                           p->c.screen_height_px, LF_MAX_PANEL_PIXELS);
 }
 
 static lf_status take_all(parser *p)
 {
     if (!json_is_object(p->root))
-        return lf_error_set(p->err, LF_E_FORMAT, p->where, "expected a JSON object with a panel's calibration");
+        return lf_error_set(p->err, LF_E_FORMAT, p->where,
+                            "expected a JSON object with a panel's calibration");
     lf_status status = take_numbers(p);
     if (status == LF_OK)
         status = check_area(p);
@@ -241,18 +247,22 @@ static lf_status take_all(parser *p)
         status = take_text(p, "serial", p->c.serial, sizeof p->c.serial);
     double flip_y;
     if (to_number(json_object_get(p->root, "flipImageY"), &flip_y) && flip_y >= 0.5)
-        lf_log(LF_LOG_DEBUG, "%s: flipImageY is not known to mean anything and has no effect", p->where);
+        lf_log(LF_LOG_DEBUG, "%s: flipImageY is not known to mean anything and has no effect",
+               p->where);
     return status == LF_OK ? take_cells(p) : status;
 }
 
-lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf_calibration *out, lf_error *err)
+lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf_calibration *out,
+                               lf_error *err)
 {
     if (n > LF_CALIBRATION_MAX_BYTES)
-        return lf_error_set(err, LF_E_FORMAT, where, "%zu bytes (a calibration has at most %d)", n, LF_CALIBRATION_MAX_BYTES);
+        return lf_error_set(err, LF_E_FORMAT, where, "%zu bytes (a calibration has at most %d)", n,
+                            LF_CALIBRATION_MAX_BYTES);
     json_error_t json;
     json_t *root = json_loadb(text, n, JSON_REJECT_DUPLICATES, &json);
     if (!root)
-        return lf_error_set_at(err, LF_E_FORMAT, where, json.line > 0 ? json.line : 0, NULL, "not JSON: %s", json.text);
+        return lf_error_set_at(err, LF_E_FORMAT, where, json.line > 0 ? json.line : 0, NULL,
+                               "not JSON: %s", json.text);
     parser p = {.text = text, .where = where, .n = n, .root = root, .err = err};
     lf_status status = take_all(&p);
     json_decref(root);
@@ -285,11 +295,13 @@ json_t *lf_calibration_json(const lf_calibration *c)
     json_t *cells = json_array();
     for (int i = 0; i < c->n_cells; i++)
         json_array_append_new(cells, cell_json(c->cells[i]));
-    return json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:o}", "configVersion",
-                     c->config_version, "serial", c->serial, "pitch", c->pitch, "slope", c->slope, "center", c->center, "viewCone",
-                     c->view_cone_deg, "DPI", c->dpi, "screenW", c->screen_width_px, "screenH", c->screen_height_px, "invView",
-                     c->inv_view, "flipImageX", c->flip_image_x, "flipImageY", c->flip_image_y, "flipSubp", c->flip_subp,
-                     "CellPatternMode", c->cell_pattern_mode, "subpixelCells", cells);
+    return json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:o}",
+                     "configVersion", c->config_version, "serial", c->serial, "pitch", c->pitch,
+                     "slope", c->slope, "center", c->center, "viewCone", c->view_cone_deg, "DPI",
+                     c->dpi, "screenW", c->screen_width_px, "screenH", c->screen_height_px,
+                     "invView", c->inv_view, "flipImageX", c->flip_image_x, "flipImageY",
+                     c->flip_image_y, "flipSubp", c->flip_subp, "CellPatternMode",
+                     c->cell_pattern_mode, "subpixelCells", cells);
 }
 
 void lf_calibration_portrait(lf_calibration *out)

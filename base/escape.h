@@ -4,8 +4,9 @@
 
 #include <stddef.h>
 
-/* Copies text into buf[size], always terminated: control characters (C0, DEL, and C1 in UTF-8) and stray bytes become \n, \t,
- * \r or \xNN; what does not fit is cut between characters. buf and text do not overlap. Returns the length written. */
+/* Copies text into buf[size], always terminated: control characters (C0, DEL, and C1 in UTF-8) and
+ * stray bytes become \n, \t, \r or \xNN; what does not fit is cut between characters. buf and text
+ * do not overlap. Returns the length written. */
 size_t lf_escape(char *buf, size_t size, const char *text);
 
 #endif

@@ -1,44 +1,32 @@
-/* Files from and to the outside: size limits, the paths rule, and writing beside and renaming.
- *
- * Paths rule (docs: quiltd(1), PATHS): a daemon reads only beneath a set of roots, checked on the opened descriptor
- * (/proc/self/fd), so symbolic links and races cannot lead out. Programs that run with the caller's own rights use a
- * policy without roots, which allows all. */
+/* Files from and to the outside: size limits, and writing beside and renaming.
+ * Files are read by the paths rule: base/paths.h. */
 #ifndef LF_BASE_FILE_H
 #define LF_BASE_FILE_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/status.h"
+#include "base/paths.h"
 
-#define LF_MAX_ROOTS 64
+/* Opens a regular file for reading (never blocks on a FIFO or device; O_CLOEXEC) and checks it
+ * against roots (NULL = anywhere) and max_bytes. On LF_OK the caller owns *out_fd; *out_size (may
+ * be NULL) is its size. LF_E_PATH, LF_E_IO, LF_E_FORMAT. */
+LF_NODISCARD lf_status lf_file_open(const char *path, const lf_roots *roots, uint64_t max_bytes,
+                                    int *out_fd, uint64_t *out_size, lf_error *err);
 
-/* Where files may be read. n_roots 0 = anywhere. Roots are canonical absolute folders, owned. */
-typedef struct lf_roots {
-    int n_roots;
-    char *root[LF_MAX_ROOTS];
-} lf_roots;
-
-/* Adds a folder (made canonical). LF_E_IO, LF_E_ARG (not a folder, too many). */
-LF_NODISCARD lf_status lf_roots_add(lf_roots *roots, const char *folder, lf_error *err);
-void lf_roots_finish(lf_roots *roots);
-
-/* Opens a regular file for reading (never blocks on a FIFO or device; O_CLOEXEC) and checks it against roots (NULL = anywhere)
- * and max_bytes. On LF_OK the caller owns *out_fd; *out_size (may be NULL) is its size. LF_E_PATH, LF_E_IO, LF_E_FORMAT. */
-LF_NODISCARD lf_status lf_file_open(const char *path, const lf_roots *roots, uint64_t max_bytes, int *out_fd, uint64_t *out_size,
-                                    lf_error *err);
-
-/* The whole file with a terminating 0 behind it (not counted in *out_size). Caller releases *out_data with lf_free. */
-LF_NODISCARD lf_status lf_file_read(const char *path, const lf_roots *roots, uint64_t max_bytes, char **out_data, size_t *out_size,
-                                    lf_error *err);
+/* The whole file with a terminating 0 behind it (not counted in *out_size). Caller releases
+ * *out_data with lf_free. */
+LF_NODISCARD lf_status lf_file_read(const char *path, const lf_roots *roots, uint64_t max_bytes,
+                                    char **out_data, size_t *out_size, lf_error *err);
 
 /* "folder/relative", or relative itself when it is absolute; caller frees. NULL = out of memory. */
 char *lf_path_join(const char *folder, const char *relative);
 /* The folder part of a path ("." when there is none); caller frees. */
 char *lf_path_folder(const char *path);
 
-/* A file that becomes visible whole or not at all: written beside as ".NAME.quiltd-XXXXXX" (O_TMPFILE where the file system
- * has it, so that a kill leaves nothing), fsynced, then linked or renamed onto NAME. */
+/* A file that becomes visible whole or not at all: written beside as ".NAME.quiltd-XXXXXX"
+ * (O_TMPFILE where the file system has it, so that a kill leaves nothing), fsynced, then linked or
+ * renamed onto NAME. */
 typedef struct lf_outfile {
     int fd;          /* write here; -1 when not open */
     bool borrowed;   /* the descriptor came from outside (a client's): no rename */
@@ -46,19 +34,23 @@ typedef struct lf_outfile {
     char *temporary; /* name beside; NULL when unnamed (O_TMPFILE) or borrowed */
 } lf_outfile;
 
-/* Begins to write path; leftovers "…quiltd-XXXXXX" of killed runs for the same NAME are removed first. */
-LF_NODISCARD lf_status lf_outfile_open(lf_outfile *file, const char *path, bool overwrite, lf_error *err);
-/* The same onto a descriptor opened by somebody else: truncated and rewound first. On LF_OK it is taken over (closed by commit
- * or abandon), otherwise it stays the caller's. LF_E_ARG when it is not a regular file open for writing. */
+/* Begins to write path; leftovers "…quiltd-XXXXXX" of killed runs for the same NAME are removed
+ * first. */
+LF_NODISCARD lf_status lf_outfile_open(lf_outfile *file, const char *path, bool overwrite,
+                                       lf_error *err);
+/* The same onto a descriptor opened by somebody else: truncated and rewound first. On LF_OK it is
+ * taken over (closed by commit or abandon), otherwise it stays the caller's. LF_E_ARG when it is
+ * not a regular file open for writing. */
 LF_NODISCARD lf_status lf_outfile_adopt(lf_outfile *file, int fd, lf_error *err);
-/* fsync, publish, close; the struct is finished then, also on failure, when nothing was published. LF_E_EXISTS without
- * overwrite. */
+/* fsync, publish, close; the struct is finished then, also on failure, when nothing was published.
+ * LF_E_EXISTS without overwrite. */
 LF_NODISCARD lf_status lf_outfile_commit(lf_outfile *file, bool overwrite, lf_error *err);
-/* Gives up: nothing is published, an adopted file is left empty. Accepts zeroed (fd 0 with path NULL and not borrowed) and
- * finished structs. */
+/* Gives up: nothing is published, an adopted file is left empty. Accepts zeroed (fd 0 with path
+ * NULL and not borrowed) and finished structs. */
 void lf_outfile_abandon(lf_outfile *file);
 /* Writes all bytes, EINTR and short writes handled. */
-LF_NODISCARD lf_status lf_outfile_write(lf_outfile *file, const void *data, size_t n, lf_error *err);
+LF_NODISCARD lf_status lf_outfile_write(lf_outfile *file, const void *data, size_t n,
+                                        lf_error *err);
 /* All of that in one: the file is this text from now on, or on failure what it was. */
 LF_NODISCARD lf_status lf_outfile_text(const char *path, const char *text, lf_error *err);
 

@@ -7,7 +7,8 @@
 
 static lf_status check_shape(int width, int height, int channels)
 {
-    if (width < 1 || width > MAX_SIDE || height < 1 || height > MAX_SIDE || channels < 1 || channels > 4)
+    if (width < 1 || width > MAX_SIDE || height < 1 || height > MAX_SIDE || channels < 1 ||
+        channels > 4)
         return LF_E_ARG;
     if ((size_t)width * (size_t)height > MAX_SAMPLES / (size_t)channels)
         return LF_E_ARG;
@@ -23,7 +24,8 @@ lf_status lf_image8_init(lf_image8 *image, int width, int height, int channels)
     uint8_t *data = lf_calloc((size_t)height, stride);
     if (!data)
         return LF_E_NOMEM;
-    *image = (lf_image8){.width = width, .height = height, .channels = channels, .stride = stride, .data = data};
+    *image = (lf_image8){
+        .width = width, .height = height, .channels = channels, .stride = stride, .data = data};
     return LF_OK;
 }
 

@@ -26,8 +26,9 @@ LF_NODISCARD lf_status lf_image32_init(lf_image32 *image, int width, int height,
 void lf_image8_finish(lf_image8 *image);
 void lf_image32_finish(lf_image32 *image);
 
-/* The views of one light field, 8-bit display-encoded RGB, 3 bytes a pixel, wherever they lie: the strides say whether it
- * is a stack of views or the film's order [row][view][column]. Borrowed, not owned. View 0 is the leftmost camera. */
+/* The views of one light field, 8-bit display-encoded RGB, 3 bytes a pixel, wherever they lie: the
+ * strides say whether it is a stack of views or the film's order [row][view][column]. Borrowed, not
+ * owned. View 0 is the leftmost camera. */
 typedef struct lf_views8 {
     int n_views, width, height;     /* width and height of a view in pixels */
     size_t view_stride, row_stride; /* bytes from view to view, and from row to row of one view */

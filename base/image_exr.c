@@ -1,6 +1,7 @@
-/* OpenEXR by the C library OpenEXRCore. The Core of OpenEXR 3.1 (Debian 12) has no DWA decoder, decodes B44 wrongly where a side
- * is no multiple of 4, and does not rebuild luminance-chroma pictures. Pixels of those kinds come through the C interface of the
- * C++ library (ImfCRgbaFile.h), whose half floats lose nothing there, as DWA, B44 and chroma coding go by way of halfs
+/* OpenEXR by the C library OpenEXRCore. The Core of OpenEXR 3.1 (Debian 12) has no DWA decoder,
+ * decodes B44 wrongly where a side is no multiple of 4, and does not rebuild luminance-chroma
+ * pictures. Pixels of those kinds come through the C interface of the C++ library (ImfCRgbaFile.h),
+ * whose half floats lose nothing there, as DWA, B44 and chroma coding go by way of halfs
  * themselves. Headers are always the Core's, so every check is made once. */
 #include <errno.h>
 #include <pthread.h>
@@ -46,7 +47,8 @@ static void on_error(exr_const_context_t exr, exr_result_t code, const char *mes
         return;
     exr_session *s = data;
     if (s->message[0] == 0)
-        snprintf(s->message, sizeof s->message, "%s", message ? message : exr_get_default_error_message(code));
+        snprintf(s->message, sizeof s->message, "%s",
+                 message ? message : exr_get_default_error_message(code));
 }
 
 static lf_status bad(const exr_session *s, exr_result_t code)
@@ -55,13 +57,14 @@ static lf_status bad(const exr_session *s, exr_result_t code)
     if (s->status != LF_OK)
         return s->status;
     lf_status status = code == EXR_ERR_OUT_OF_MEMORY ? LF_E_NOMEM : LF_E_FORMAT;
-    return lf_error_set(s->err, status, where, "EXR: %s", s->message[0] ? s->message : exr_get_default_error_message(code));
+    return lf_error_set(s->err, status, where, "EXR: %s",
+                        s->message[0] ? s->message : exr_get_default_error_message(code));
 }
 
-/* ---------------------------------------------------------------------------------------------------------- read -- */
+/* -------------------------------------------------------------------------------------- read -- */
 
-static int64_t read_bytes(exr_const_context_t exr, void *data, void *to, uint64_t n, uint64_t offset,
-                          exr_stream_error_func_ptr_t report)
+static int64_t read_bytes(exr_const_context_t exr, void *data, void *to, uint64_t n,
+                          uint64_t offset, exr_stream_error_func_ptr_t report)
 {
     (void)exr;
     (void)report;
@@ -72,7 +75,8 @@ static int64_t read_bytes(exr_const_context_t exr, void *data, void *to, uint64_
         if (got < 0 && errno == EINTR)
             continue;
         if (got < 0) {
-            s->status = lf_error_set(s->err, LF_E_IO, s->source->where, "cannot read: %s", strerror(errno));
+            s->status =
+                lf_error_set(s->err, LF_E_IO, s->source->where, "cannot read: %s", strerror(errno));
             return -1;
         }
         if (got == 0)
@@ -120,23 +124,28 @@ static lf_status check_channels(exr_input *in)
     exr_result_t rv = exr_get_channels(in->exr, 0, &channels);
     if (rv != EXR_ERR_SUCCESS || !channels)
         return bad(in->session, rv);
-    bool rgb = has_channel(channels, "R") && has_channel(channels, "G") && has_channel(channels, "B");
+    bool rgb =
+        has_channel(channels, "R") && has_channel(channels, "G") && has_channel(channels, "B");
     in->grey = !rgb && has_channel(channels, "Y");
     in->half = has_half(channels);
     in->chroma = in->grey && has_channel(channels, "RY") && has_channel(channels, "BY");
     if (!rgb && !in->grey)
-        return lf_error_set(in->session->err, LF_E_FORMAT, where, "an EXR with neither the channels R, G, B nor Y");
+        return lf_error_set(in->session->err, LF_E_FORMAT, where,
+                            "an EXR with neither the channels R, G, B nor Y");
     if (is_subsampled(channels) && !in->chroma)
-        return lf_error_set(in->session->err, LF_E_FORMAT, where, "an EXR with subsampled channels that are not Y, RY, BY");
+        return lf_error_set(in->session->err, LF_E_FORMAT, where,
+                            "an EXR with subsampled channels that are not Y, RY, BY");
     int n_used = rgb || in->chroma ? 3 : 1;
     if (channels->num_channels > n_used)
-        lf_log(LF_LOG_DEBUG, "%s: %d further channels are not read", where, channels->num_channels - n_used);
+        lf_log(LF_LOG_DEBUG, "%s: %d further channels are not read", where,
+               channels->num_channels - n_used);
     return LF_OK;
 }
 
 static lf_status check_windows(exr_input *in)
 {
-    int64_t data_w = (int64_t)in->data.max.x - in->data.min.x + 1, data_h = (int64_t)in->data.max.y - in->data.min.y + 1;
+    int64_t data_w = (int64_t)in->data.max.x - in->data.min.x + 1,
+            data_h = (int64_t)in->data.max.y - in->data.min.y + 1;
     int64_t width = (int64_t)in->display.max.x - in->display.min.x + 1;
     int64_t height = (int64_t)in->display.max.y - in->display.min.y + 1;
     const exr_session *s = in->session;
@@ -169,8 +178,10 @@ static lf_status read_header(exr_input *in)
     return status == LF_OK ? check_channels(in) : status;
 }
 
-/* The part of a block that lies in the display window; (x, y) is its corner in the file's coordinates. */
-static void place_block(const exr_input *in, const float *block, int x, int y, int width, int height, lf_image32 *out)
+/* The part of a block that lies in the display window; (x, y) is its corner in the file's
+ * coordinates. */
+static void place_block(const exr_input *in, const float *block, int x, int y, int width,
+                        int height, lf_image32 *out)
 {
     for (int row = 0; row < height; row++) {
         int to_y = y + row - in->display.min.y;
@@ -183,7 +194,8 @@ static void place_block(const exr_input *in, const float *block, int x, int y, i
             continue;
         size_t to_x = (size_t)(x + first - in->display.min.x);
         memcpy(out->data + ((size_t)to_y * (size_t)out->width + to_x) * 3,
-               block + ((size_t)row * (size_t)width + (size_t)first) * 3, (size_t)(last - first) * 3 * sizeof(float));
+               block + ((size_t)row * (size_t)width + (size_t)first) * 3,
+               (size_t)(last - first) * 3 * sizeof(float));
     }
 }
 
@@ -194,7 +206,8 @@ static void spread_grey(float *block, size_t n)
 }
 
 /* Points the channels that are wanted at the block; the library converts half and uint to float. */
-static void aim_channels(const exr_input *in, exr_decode_pipeline_t *decode, float *block, int width)
+static void aim_channels(const exr_input *in, exr_decode_pipeline_t *decode, float *block,
+                         int width)
 {
     const char *const wanted[] = {in->grey ? "Y" : "R", "G", "B"};
     for (int c = 0; c < decode->channel_count; c++) {
@@ -213,10 +226,11 @@ static void aim_channels(const exr_input *in, exr_decode_pipeline_t *decode, flo
     }
 }
 
-static exr_result_t decode_chunk(const exr_input *in, const exr_chunk_info_t *chunk, exr_decode_pipeline_t *decode, bool first,
-                                 float *block)
+static exr_result_t decode_chunk(const exr_input *in, const exr_chunk_info_t *chunk,
+                                 exr_decode_pipeline_t *decode, bool first, float *block)
 {
-    exr_result_t rv = first ? exr_decoding_initialize(in->exr, 0, chunk, decode) : exr_decoding_update(in->exr, 0, chunk, decode);
+    exr_result_t rv = first ? exr_decoding_initialize(in->exr, 0, chunk, decode)
+                            : exr_decoding_update(in->exr, 0, chunk, decode);
     if (rv != EXR_ERR_SUCCESS)
         return rv;
     aim_channels(in, decode, block, chunk->width);
@@ -225,12 +239,14 @@ static exr_result_t decode_chunk(const exr_input *in, const exr_chunk_info_t *ch
     return rv == EXR_ERR_SUCCESS ? exr_decoding_run(in->exr, 0, decode) : rv;
 }
 
-static exr_result_t read_scan_lines(const exr_input *in, exr_decode_pipeline_t *decode, float *block, int lines, lf_image32 *out)
+static exr_result_t read_scan_lines(const exr_input *in, exr_decode_pipeline_t *decode,
+                                    float *block, int lines, lf_image32 *out)
 {
     for (int y = 0; y < in->data_height; y += lines) {
         exr_chunk_info_t chunk = {0};
         exr_result_t rv = exr_read_scanline_chunk_info(in->exr, 0, in->data.min.y + y, &chunk);
-        if (rv == EXR_ERR_SUCCESS && (chunk.width != in->data_width || chunk.height > lines || chunk.height < 1))
+        if (rv == EXR_ERR_SUCCESS &&
+            (chunk.width != in->data_width || chunk.height > lines || chunk.height < 1))
             rv = EXR_ERR_BAD_CHUNK_LEADER;
         if (rv == EXR_ERR_SUCCESS)
             rv = decode_chunk(in, &chunk, decode, y == 0, block);
@@ -243,14 +259,16 @@ static exr_result_t read_scan_lines(const exr_input *in, exr_decode_pipeline_t *
     return EXR_ERR_SUCCESS;
 }
 
-static exr_result_t read_tiles(const exr_input *in, exr_decode_pipeline_t *decode, float *block, int tile_w, int tile_h,
-                               lf_image32 *out)
+static exr_result_t read_tiles(const exr_input *in, exr_decode_pipeline_t *decode, float *block,
+                               int tile_w, int tile_h, lf_image32 *out)
 {
     for (int y = 0; y < in->data_height; y += tile_h) {
         for (int x = 0; x < in->data_width; x += tile_w) {
             exr_chunk_info_t chunk = {0};
-            exr_result_t rv = exr_read_tile_chunk_info(in->exr, 0, x / tile_w, y / tile_h, 0, 0, &chunk);
-            if (rv == EXR_ERR_SUCCESS && (chunk.width > tile_w || chunk.height > tile_h || chunk.width < 1 || chunk.height < 1))
+            exr_result_t rv =
+                exr_read_tile_chunk_info(in->exr, 0, x / tile_w, y / tile_h, 0, 0, &chunk);
+            if (rv == EXR_ERR_SUCCESS && (chunk.width > tile_w || chunk.height > tile_h ||
+                                          chunk.width < 1 || chunk.height < 1))
                 rv = EXR_ERR_BAD_CHUNK_LEADER;
             if (rv == EXR_ERR_SUCCESS)
                 rv = decode_chunk(in, &chunk, decode, x == 0 && y == 0, block);
@@ -258,7 +276,8 @@ static exr_result_t read_tiles(const exr_input *in, exr_decode_pipeline_t *decod
                 return rv;
             if (in->grey)
                 spread_grey(block, (size_t)chunk.width * (size_t)chunk.height);
-            place_block(in, block, in->data.min.x + x, in->data.min.y + y, chunk.width, chunk.height, out);
+            place_block(in, block, in->data.min.x + x, in->data.min.y + y, chunk.width,
+                        chunk.height, out);
         }
     }
     return EXR_ERR_SUCCESS;
@@ -268,8 +287,8 @@ static exr_result_t read_tiles(const exr_input *in, exr_decode_pipeline_t *decod
 static exr_result_t block_shape(const exr_input *in, int *out_width, int *out_height)
 {
     int32_t width = in->data_width, height = 1;
-    exr_result_t rv =
-        in->tiled ? exr_get_tile_sizes(in->exr, 0, 0, 0, &width, &height) : exr_get_scanlines_per_chunk(in->exr, 0, &height);
+    exr_result_t rv = in->tiled ? exr_get_tile_sizes(in->exr, 0, 0, 0, &width, &height)
+                                : exr_get_scanlines_per_chunk(in->exr, 0, &height);
     if (rv == EXR_ERR_SUCCESS && (width < 1 || height < 1))
         rv = EXR_ERR_INVALID_ATTR;
     *out_width = width < in->data_width ? width : in->data_width;
@@ -285,9 +304,11 @@ static lf_status read_by_core(const exr_input *in, lf_image32 *out)
         return bad(in->session, rv);
     float *block = lf_calloc((size_t)width * (size_t)height * 3, sizeof *block);
     if (!block)
-        return lf_error_set(in->session->err, LF_E_NOMEM, in->session->source->where, "no memory for the picture");
+        return lf_error_set(in->session->err, LF_E_NOMEM, in->session->source->where,
+                            "no memory for the picture");
     exr_decode_pipeline_t decode = EXR_DECODE_PIPELINE_INITIALIZER;
-    rv = in->tiled ? read_tiles(in, &decode, block, width, height, out) : read_scan_lines(in, &decode, block, height, out);
+    rv = in->tiled ? read_tiles(in, &decode, block, width, height, out)
+                   : read_scan_lines(in, &decode, block, height, out);
     exr_decoding_destroy(in->exr, &decode);
     lf_free(block);
     return rv == EXR_ERR_SUCCESS ? LF_OK : bad(in->session, rv);
@@ -295,15 +316,20 @@ static lf_status read_by_core(const exr_input *in, lf_image32 *out)
 
 #define BAND_LINES 256 /* DWAB's block: each is unpacked once */
 
-static lf_status read_bands(const exr_input *in, ImfInputFile *file, ImfRgba *half, float *block, lf_image32 *out)
+static lf_status read_bands(const exr_input *in, ImfInputFile *file, ImfRgba *half, float *block,
+                            lf_image32 *out)
 {
     size_t width = (size_t)in->data_width;
     for (int y = 0; y < in->data_height; y += BAND_LINES) {
         int n = in->data_height - y < BAND_LINES ? in->data_height - y : BAND_LINES;
         int from = in->data.min.y + y;
-        /* The library wants the address that pixel (0, 0) would have, which need not lie in the buffer. */
-        intptr_t origin = (intptr_t)half - ((intptr_t)in->data.min.x + (intptr_t)from * (intptr_t)width) * (intptr_t)sizeof *half;
-        if (!ImfInputSetFrameBuffer(file, (ImfRgba *)origin, 1, width) || !ImfInputReadPixels(file, from, from + n - 1))
+        /* The library wants the address that pixel (0, 0) would have, which need not lie in the
+         * buffer. */
+        intptr_t origin =
+            (intptr_t)half -
+            ((intptr_t)in->data.min.x + (intptr_t)from * (intptr_t)width) * (intptr_t)sizeof *half;
+        if (!ImfInputSetFrameBuffer(file, (ImfRgba *)origin, 1, width) ||
+            !ImfInputReadPixels(file, from, from + n - 1))
             return LF_E_FORMAT;
         for (size_t i = 0; i < width * (size_t)n; i++) {
             block[3 * i] = ImfHalfToFloat(half[i].r);
@@ -327,7 +353,8 @@ static lf_status read_by_rgba_library(const exr_input *in, lf_image32 *out)
     if (!half || !block) {
         lf_free(half);
         lf_free(block);
-        return lf_error_set(in->session->err, LF_E_NOMEM, source->where, "no memory for the picture");
+        return lf_error_set(in->session->err, LF_E_NOMEM, source->where,
+                            "no memory for the picture");
     }
     char name[32];
     snprintf(name, sizeof name, "/proc/self/fd/%d", source->fd);
@@ -335,7 +362,8 @@ static lf_status read_by_rgba_library(const exr_input *in, lf_image32 *out)
     ImfInputFile *file = ImfOpenInputFile(name);
     lf_status status = file ? read_bands(in, file, half, block, out) : LF_E_FORMAT;
     if (status != LF_OK)
-        (void)lf_error_set(in->session->err, status, source->where, "EXR: %.300s", ImfErrorMessage());
+        (void)lf_error_set(in->session->err, status, source->where, "EXR: %.300s",
+                           ImfErrorMessage());
     if (file)
         ImfCloseInputFile(file);
     pthread_mutex_unlock(&rgba_library);
@@ -363,10 +391,12 @@ static lf_status read_part(exr_input *in, lf_image32 *out)
     lf_status status = read_header(in);
     if (status != LF_OK)
         return status;
-    int width = in->display.max.x - in->display.min.x + 1, height = in->display.max.y - in->display.min.y + 1;
+    int width = in->display.max.x - in->display.min.x + 1,
+        height = in->display.max.y - in->display.min.y + 1;
     status = lf_image32_init(out, width, height, 3);
     if (status != LF_OK)
-        return lf_error_set(in->session->err, status, in->session->source->where, "no memory for the picture");
+        return lf_error_set(in->session->err, status, in->session->source->where,
+                            "no memory for the picture");
     return is_beyond_core(in) ? read_by_rgba_library(in, out) : read_by_core(in, out);
 }
 
@@ -378,7 +408,8 @@ static lf_status read_exr(const lf_image_source *source, lf_image32 *out, lf_err
     setup.user_data = &session;
     setup.read_fn = read_bytes;
     setup.size_fn = file_size;
-    setup.max_image_width = setup.max_image_height = setup.max_tile_width = setup.max_tile_height = 65536;
+    setup.max_image_width = setup.max_image_height = setup.max_tile_width = setup.max_tile_height =
+        65536;
     setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     exr_input in = {.session = &session};
     exr_result_t rv = exr_start_read(&in.exr, source->where, &setup);
@@ -394,19 +425,21 @@ static lf_status read_exr(const lf_image_source *source, lf_image32 *out, lf_err
     return status;
 }
 
-const lf_image_format lf_format_exr = {.name = "EXR", .kind = LF_IMAGE_FLOAT, .recognises = recognises_exr, .read32 = read_exr};
+const lf_image_format lf_format_exr = {
+    .name = "EXR", .kind = LF_IMAGE_FLOAT, .recognises = recognises_exr, .read32 = read_exr};
 
-/* --------------------------------------------------------------------------------------------------------- write -- */
+/* ------------------------------------------------------------------------------------- write -- */
 
-static int64_t write_bytes(exr_const_context_t exr, void *data, const void *from, uint64_t n, uint64_t offset,
-                           exr_stream_error_func_ptr_t report)
+static int64_t write_bytes(exr_const_context_t exr, void *data, const void *from, uint64_t n,
+                           uint64_t offset, exr_stream_error_func_ptr_t report)
 {
     (void)exr;
     (void)report;
     exr_session *s = data;
     uint64_t done = 0;
     while (done < n && s->status == LF_OK) {
-        ssize_t put = pwrite(s->file->fd, (const char *)from + done, n - done, (off_t)(offset + done));
+        ssize_t put =
+            pwrite(s->file->fd, (const char *)from + done, n - done, (off_t)(offset + done));
         if (put > 0)
             done += (uint64_t)put;
         else if (put == 0 || errno != EINTR)
@@ -431,7 +464,8 @@ static exr_result_t define_part(exr_context_t exr, const exr_job *job)
     int part = 0;
     exr_result_t rv = exr_add_part(exr, NULL, EXR_STORAGE_SCANLINE, &part);
     if (rv == EXR_ERR_SUCCESS)
-        rv = exr_initialize_required_attr_simple(exr, part, job->width, job->height, EXR_COMPRESSION_ZIP);
+        rv = exr_initialize_required_attr_simple(exr, part, job->width, job->height,
+                                                 EXR_COMPRESSION_ZIP);
     const char *const names[] = {"B", "G", "R"};
     for (int c = 0; c < 3 && rv == EXR_ERR_SUCCESS; c++)
         rv = exr_add_channel(exr, part, names[c], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1);
@@ -459,7 +493,8 @@ static void aim_encoder(exr_encode_pipeline_t *encode, const float *block, int w
     }
 }
 
-/* The Core's own; OpenEXR 3.1 keeps compressed bytes that are as many as the plain ones, which readers then take for plain. */
+/* The Core's own; OpenEXR 3.1 keeps compressed bytes that are as many as the plain ones, which
+ * readers then take for plain. */
 static exr_result_t compress_or_copy(exr_encode_pipeline_t *encode)
 {
     const exr_job *job = encode->encoding_user_data;
@@ -469,7 +504,8 @@ static exr_result_t compress_or_copy(exr_encode_pipeline_t *encode)
     return rv;
 }
 
-static exr_result_t write_chunks(exr_context_t exr, exr_job *job, exr_encode_pipeline_t *encode, int lines)
+static exr_result_t write_chunks(exr_context_t exr, exr_job *job, exr_encode_pipeline_t *encode,
+                                 int lines)
 {
     for (int y = 0; y < job->height; y += lines) {
         exr_chunk_info_t chunk = {0};
@@ -477,7 +513,8 @@ static exr_result_t write_chunks(exr_context_t exr, exr_job *job, exr_encode_pip
         for (int row = 0; rv == EXR_ERR_SUCCESS && row < chunk.height; row++)
             job->rows(job->context, y + row, job->block + (size_t)row * (size_t)job->width * 3);
         if (rv == EXR_ERR_SUCCESS)
-            rv = y == 0 ? exr_encoding_initialize(exr, 0, &chunk, encode) : exr_encoding_update(exr, 0, &chunk, encode);
+            rv = y == 0 ? exr_encoding_initialize(exr, 0, &chunk, encode)
+                        : exr_encoding_update(exr, 0, &chunk, encode);
         if (rv != EXR_ERR_SUCCESS)
             return rv;
         aim_encoder(encode, job->block, job->width);
@@ -513,13 +550,19 @@ static exr_result_t write_picture(exr_context_t exr, exr_job *job)
     return rv;
 }
 
-lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_fn rows, void *context,
-                            const lf_attribute *attributes, int n, lf_error *err)
+lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_fn rows,
+                            void *context, const lf_attribute *attributes, int n, lf_error *err)
 {
     if (width < 1 || width > 65536 || height < 1 || height > 65536)
-        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%dx%d pixels cannot be an EXR", width, height);
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%dx%d pixels cannot be an EXR",
+                            width, height);
     exr_session session = {.file = file, .err = err};
-    exr_job job = {.width = width, .height = height, .rows = rows, .context = context, .attributes = attributes, .n_attributes = n};
+    exr_job job = {.width = width,
+                   .height = height,
+                   .rows = rows,
+                   .context = context,
+                   .attributes = attributes,
+                   .n_attributes = n};
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
     setup.error_handler_fn = on_error;
     setup.user_data = &session;
@@ -542,10 +585,13 @@ static void copy_row(void *context, int y, float *row)
     memcpy(row, image->data + (size_t)y * n, n * sizeof *row);
 }
 
-lf_status lf_exr_write(lf_outfile *file, const lf_image32 *image, const lf_attribute *attributes, int n, lf_error *err)
+lf_status lf_exr_write(lf_outfile *file, const lf_image32 *image, const lf_attribute *attributes,
+                       int n, lf_error *err)
 {
     if (image->channels != 3)
-        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%d channels (expected 3)", image->channels);
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%d channels (expected 3)",
+                            image->channels);
     lf_image32 borrowed = *image;
-    return lf_exr_write_rows(file, image->width, image->height, copy_row, &borrowed, attributes, n, err);
+    return lf_exr_write_rows(file, image->width, image->height, copy_row, &borrowed, attributes, n,
+                             err);
 }

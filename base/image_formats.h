@@ -1,7 +1,9 @@
-/* Private to base: one picture format is one table of functions in a file of its own, and one line in image_io.c.
+/* Private to base: one picture format is one table of functions in a file of its own, and one line
+ * in image_io.c.
  *
- * Readers get an open descriptor at offset 0 (not theirs to close), the file's size, and the name for errors. They fill
- * *out on LF_OK only; a format leaves the function of the other kind NULL and image_io.c converts. */
+ * Readers get an open descriptor at offset 0 (not theirs to close), the file's size, and the name
+ * for errors. They fill *out on LF_OK only; a format leaves the function of the other kind NULL and
+ * image_io.c converts. */
 #ifndef LF_BASE_IMAGE_FORMATS_H
 #define LF_BASE_IMAGE_FORMATS_H
 
@@ -17,8 +19,10 @@ typedef struct lf_image_format {
     const char *name;
     lf_image_kind kind;
     bool (*recognises)(const uint8_t *head, size_t n);
-    lf_status (*read8)(const lf_image_source *source, lf_image8 *out, lf_error *err);   /* kind LF_IMAGE_8BIT */
-    lf_status (*read32)(const lf_image_source *source, lf_image32 *out, lf_error *err); /* kind LF_IMAGE_FLOAT */
+    /* kind LF_IMAGE_8BIT */
+    lf_status (*read8)(const lf_image_source *source, lf_image8 *out, lf_error *err);
+    /* kind LF_IMAGE_FLOAT */
+    lf_status (*read32)(const lf_image_source *source, lf_image32 *out, lf_error *err);
 } lf_image_format;
 
 extern const lf_image_format lf_format_png, lf_format_jpeg, lf_format_exr, lf_format_hdr;
@@ -26,10 +30,11 @@ extern const lf_image_format lf_format_png, lf_format_jpeg, lf_format_exr, lf_fo
 /* Bytes that recognises() is shown. */
 #define LF_IMAGE_HEAD_BYTES 16
 
-/* Refuses shapes over the limits, and shapes that no honest file of this size holds (so that a few hostile bytes cannot ask
- * for gigabytes): more than 512 MiB of pixels at over 4096 times the file's size. LF_E_FORMAT. */
-LF_NODISCARD lf_status lf_image_check_shape(const lf_image_source *source, int64_t width, int64_t height, size_t bytes_per_pixel,
-                                            lf_error *err);
+/* Refuses shapes over the limits, and shapes that no honest file of this size holds (so that a few
+ * hostile bytes cannot ask for gigabytes): more than 512 MiB of pixels at over 4096 times the
+ * file's size. LF_E_FORMAT. */
+LF_NODISCARD lf_status lf_image_check_shape(const lf_image_source *source, int64_t width,
+                                            int64_t height, size_t bytes_per_pixel, lf_error *err);
 
 /* What an error about a file being written is about: its name, or that it has none. */
 const char *lf_outfile_name(const lf_outfile *file);

@@ -1,4 +1,5 @@
-/* Radiance pictures: G. Ward, "Real Pixels" (Graphics Gems II, 1991) and the format notes of the Radiance manual. */
+/* Radiance pictures: G. Ward, "Real Pixels" (Graphics Gems II, 1991) and the format notes of the
+ * Radiance manual. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -29,7 +30,8 @@ typedef struct hdr_header {
 
 static bool recognises_hdr(const uint8_t *head, size_t n)
 {
-    return (n >= 10 && memcmp(head, "#?RADIANCE", 10) == 0) || (n >= 6 && memcmp(head, "#?RGBE", 6) == 0);
+    return (n >= 10 && memcmp(head, "#?RADIANCE", 10) == 0) ||
+           (n >= 6 && memcmp(head, "#?RGBE", 6) == 0);
 }
 
 static lf_status fail(const reader *r, const char *what)
@@ -93,7 +95,8 @@ static lf_status take_variable(const reader *r, const char *line, hdr_header *h)
 {
     double c[3];
     if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
-        return lf_error_set(r->err, LF_E_FORMAT, r->source->where, "Radiance HDR: %.60s (expected 32-bit_rle_rgbe)", line);
+        return lf_error_set(r->err, LF_E_FORMAT, r->source->where,
+                            "Radiance HDR: %.60s (expected 32-bit_rle_rgbe)", line);
     if (strncmp(line, "EXPOSURE=", 9) == 0) {
         double exposure = strtod(line + 9, NULL);
         for (int i = 0; i < 3; i++)
@@ -109,12 +112,14 @@ static lf_status take_variable(const reader *r, const char *line, hdr_header *h)
     return LF_OK;
 }
 
-/* "-Y 512 +X 1024": the first axis is the one from scan line to scan line; y runs upwards and x to the right. */
+/* "-Y 512 +X 1024": the first axis is the one from scan line to scan line; y runs upwards and x to
+ * the right. */
 static lf_status take_resolution(const reader *r, const char *line, hdr_header *h)
 {
     char sign[2], axis[2], rest;
     int size[2];
-    if (sscanf(line, "%c%c %9d %c%c %9d %c", &sign[0], &axis[0], &size[0], &sign[1], &axis[1], &size[1], &rest) != 6)
+    if (sscanf(line, "%c%c %9d %c%c %9d %c", &sign[0], &axis[0], &size[0], &sign[1], &axis[1],
+               &size[1], &rest) != 6)
         return fail(r, "no resolution line such as \"-Y 512 +X 1024\"");
     bool known = (axis[0] == 'Y' && axis[1] == 'X') || (axis[0] == 'X' && axis[1] == 'Y');
     for (int i = 0; i < 2; i++)
@@ -159,7 +164,8 @@ static lf_status read_component(reader *r, uint8_t *to, int n)
         if (run)
             count -= 128;
         if (count <= 0 || count > n - i)
-            return fail(r, count < 0 ? "the file ends too early" : "a run is longer than its scan line");
+            return fail(r, count < 0 ? "the file ends too early"
+                                     : "a run is longer than its scan line");
         int value = 0;
         for (int k = 0; k < count; k++) {
             if (k == 0 || !run)
@@ -173,7 +179,8 @@ static lf_status read_component(reader *r, uint8_t *to, int n)
     return LF_OK;
 }
 
-/* Plain pixels and the old run lengths, in which 1 1 1 n repeats the last pixel, n shifted by 8 more for each one in a row. */
+/* Plain pixels and the old run lengths, in which 1 1 1 n repeats the last pixel, n shifted by 8
+ * more for each one in a row. */
 static lf_status read_old_scan(reader *r, uint8_t *scan, int n, int n_done)
 {
     int shift = 0;
@@ -215,7 +222,8 @@ static lf_status read_scan(reader *r, uint8_t *scan, int n)
     return status;
 }
 
-static void place_scan(const hdr_header *h, int s, const uint8_t *scan, const double scale[256], lf_image32 *out)
+static void place_scan(const hdr_header *h, int s, const uint8_t *scan, const double scale[256],
+                       lf_image32 *out)
 {
     for (int i = 0; i < h->n_along; i++) {
         int x = h->scans_are_columns ? s : i, y = h->scans_are_columns ? i : s;
@@ -272,5 +280,7 @@ static lf_status read_hdr(const lf_image_source *source, lf_image32 *out, lf_err
     return status;
 }
 
-const lf_image_format lf_format_hdr = {
-    .name = "Radiance HDR", .kind = LF_IMAGE_FLOAT, .recognises = recognises_hdr, .read32 = read_hdr};
+const lf_image_format lf_format_hdr = {.name = "Radiance HDR",
+                                       .kind = LF_IMAGE_FLOAT,
+                                       .recognises = recognises_hdr,
+                                       .read32 = read_hdr};

@@ -11,19 +11,24 @@
 #define MAX_SIDE 65536
 #define MAX_SAMPLES ((int64_t)1 << 31)
 
-static const lf_image_format *const formats[] = {&lf_format_png, &lf_format_jpeg, &lf_format_exr, &lf_format_hdr};
+static const lf_image_format *const formats[] = {&lf_format_png, &lf_format_jpeg, &lf_format_exr,
+                                                 &lf_format_hdr};
 
 #define N_FORMATS (sizeof formats / sizeof formats[0])
 
-lf_status lf_image_check_shape(const lf_image_source *source, int64_t width, int64_t height, size_t bytes_per_pixel, lf_error *err)
+lf_status lf_image_check_shape(const lf_image_source *source, int64_t width, int64_t height,
+                               size_t bytes_per_pixel, lf_error *err)
 {
-    if (width < 1 || width > MAX_SIDE || height < 1 || height > MAX_SIDE || width * height * 3 > MAX_SAMPLES)
-        return lf_error_set(err, LF_E_FORMAT, source->where,
-                            "a picture of %lldx%lld pixels (expected 1 to %d a side, and at most 2^31 samples)", (long long)width,
-                            (long long)height, MAX_SIDE);
+    if (width < 1 || width > MAX_SIDE || height < 1 || height > MAX_SIDE ||
+        width * height * 3 > MAX_SAMPLES)
+        return lf_error_set(
+            err, LF_E_FORMAT, source->where,
+            "a picture of %lldx%lld pixels (expected 1 to %d a side, and at most 2^31 samples)",
+            (long long)width, (long long)height, MAX_SIDE);
     uint64_t bytes = (uint64_t)(width * height) * bytes_per_pixel;
     if (bytes > ((uint64_t)512 << 20) && bytes / 4096 > source->size_bytes)
-        return lf_error_set(err, LF_E_FORMAT, source->where, "%lldx%lld pixels cannot be in a file of %llu bytes", (long long)width,
+        return lf_error_set(err, LF_E_FORMAT, source->where,
+                            "%lldx%lld pixels cannot be in a file of %llu bytes", (long long)width,
                             (long long)height, (unsigned long long)source->size_bytes);
     return LF_OK;
 }
@@ -33,7 +38,8 @@ const char *lf_outfile_name(const lf_outfile *file)
     return file->path ? file->path : "output";
 }
 
-static lf_status recognise(const lf_image_source *source, const lf_image_format **out, lf_error *err)
+static lf_status recognise(const lf_image_source *source, const lf_image_format **out,
+                           lf_error *err)
 {
     uint8_t head[LF_IMAGE_HEAD_BYTES] = {0};
     ssize_t n = pread(source->fd, head, sizeof head, 0);
@@ -45,15 +51,17 @@ static lf_status recognise(const lf_image_source *source, const lf_image_format 
             return LF_OK;
         }
     }
-    return lf_error_set(err, LF_E_FORMAT, source->where, "not a picture (expected PNG, JPEG, EXR or Radiance HDR)");
+    return lf_error_set(err, LF_E_FORMAT, source->where,
+                        "not a picture (expected PNG, JPEG, EXR or Radiance HDR)");
 }
 
 /* On LF_OK the caller closes source->fd. */
-static lf_status open_source(const char *path, const lf_roots *roots, lf_image_source *source, const lf_image_format **format,
-                             lf_error *err)
+static lf_status open_source(const char *path, const lf_roots *roots, lf_image_source *source,
+                             const lf_image_format **format, lf_error *err)
 {
     source->where = path;
-    lf_status status = lf_file_open(path, roots, MAX_FILE_BYTES, &source->fd, &source->size_bytes, err);
+    lf_status status =
+        lf_file_open(path, roots, MAX_FILE_BYTES, &source->fd, &source->size_bytes, err);
     if (status != LF_OK)
         return status;
     status = recognise(source, format, err);
@@ -62,7 +70,8 @@ static lf_status open_source(const char *path, const lf_roots *roots, lf_image_s
     return status;
 }
 
-lf_status lf_image_probe(const char *path, const lf_roots *roots, lf_image_kind *out_kind, lf_error *err)
+lf_status lf_image_probe(const char *path, const lf_roots *roots, lf_image_kind *out_kind,
+                         lf_error *err)
 {
     lf_image_source source;
     const lf_image_format *format;
@@ -84,7 +93,8 @@ lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out
     if (format->read8)
         status = format->read8(&source, out, err);
     else
-        status = lf_error_set(err, LF_E_FORMAT, path, "%s is a picture of floats (expected PNG or JPEG)", format->name);
+        status = lf_error_set(err, LF_E_FORMAT, path,
+                              "%s is a picture of floats (expected PNG or JPEG)", format->name);
     close(source.fd);
     return status;
 }
@@ -98,7 +108,8 @@ static lf_status decode_srgb(const lf_image8 *in, const char *where, lf_image32 
     }
     lf_status status = lf_image32_init(out, in->width, in->height, in->channels);
     if (status != LF_OK)
-        return lf_error_set(err, status, where, "no memory for %dx%d pixels", in->width, in->height);
+        return lf_error_set(err, status, where, "no memory for %dx%d pixels", in->width,
+                            in->height);
     size_t n = (size_t)in->width * (size_t)in->channels;
     for (int y = 0; y < in->height; y++) {
         const uint8_t *row = in->data + (size_t)y * in->stride;
@@ -115,14 +126,15 @@ static lf_status check_finite(const lf_image32 *image, const char *where, lf_err
     for (size_t i = 0; i < n; i++) {
         if (!isfinite(image->data[i])) {
             size_t pixel = i / (size_t)image->channels;
-            return lf_error_set(err, LF_E_FORMAT, where, "pixel (%zu, %zu) is not a finite number", pixel % (size_t)image->width,
-                                pixel / (size_t)image->width);
+            return lf_error_set(err, LF_E_FORMAT, where, "pixel (%zu, %zu) is not a finite number",
+                                pixel % (size_t)image->width, pixel / (size_t)image->width);
         }
     }
     return LF_OK;
 }
 
-static lf_status read32_from(const lf_image_source *source, const lf_image_format *format, lf_image32 *out, lf_error *err)
+static lf_status read32_from(const lf_image_source *source, const lf_image_format *format,
+                             lf_image32 *out, lf_error *err)
 {
     lf_status status;
     if (format->read32) {

@@ -1,6 +1,7 @@
-/* Reading and writing picture files: a table of formats, one file a format (image_png.c, image_exr.c, image_jpeg.c,
- * image_hdr.c). Format is found by contents when reading and by the name's ending when writing. Limits: 65536 pixels a
- * side, 2^31 samples, files up to 4 GiB. Malformed input gives LF_E_FORMAT, never a crash. Thread safe. */
+/* Reading and writing picture files: a table of formats, one file a format (image_png.c,
+ * image_exr.c, image_jpeg.c, image_hdr.c). Format is found by contents when reading and by the
+ * name's ending when writing. Limits: 65536 pixels a side, 2^31 samples, files up to 4 GiB.
+ * Malformed input gives LF_E_FORMAT, never a crash. Thread safe. */
 #ifndef LF_BASE_IMAGE_IO_H
 #define LF_BASE_IMAGE_IO_H
 
@@ -8,40 +9,51 @@
 #include "base/image.h"
 
 /* Which form the picture in a file has by nature. */
-typedef enum lf_image_kind { LF_IMAGE_8BIT /* PNG, JPEG */, LF_IMAGE_FLOAT /* EXR, HDR */ } lf_image_kind;
+typedef enum lf_image_kind {
+    LF_IMAGE_8BIT /* PNG, JPEG */,
+    LF_IMAGE_FLOAT /* EXR, HDR */
+} lf_image_kind;
 
 /* Looks at the first bytes only. LF_E_FORMAT when it is none of PNG, JPEG, EXR, HDR. */
-LF_NODISCARD lf_status lf_image_probe(const char *path, const lf_roots *roots, lf_image_kind *out_kind, lf_error *err);
+LF_NODISCARD lf_status lf_image_probe(const char *path, const lf_roots *roots,
+                                      lf_image_kind *out_kind, lf_error *err);
 
-/* 8-bit RGB (3 channels; grey is spread, alpha dropped, 16-bit PNG rounded, palettes expanded). Floats are not accepted. */
-LF_NODISCARD lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out, lf_error *err);
+/* 8-bit RGB (3 channels; grey is spread, alpha dropped, 16-bit PNG rounded, palettes expanded).
+ * Floats are not accepted. */
+LF_NODISCARD lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out,
+                                      lf_error *err);
 
-/* Linear float RGB (3 channels). EXR: scan lines and tiles, half, float and uint, every compression of OpenEXRCore (DWA
- * too), channels R,G,B or Y (layers ignored with a debug line), first part; data window placed in the display window.
- * HDR: Radiance RGBE, new and old run lengths, flipped axes. 8-bit pictures are decoded from sRGB. NaN and Inf are
- * refused. */
-LF_NODISCARD lf_status lf_image32_read(const char *path, const lf_roots *roots, lf_image32 *out, lf_error *err);
+/* Linear float RGB (3 channels). EXR: scan lines and tiles, half, float and uint, every compression
+ * of OpenEXRCore (DWA too), channels R,G,B or Y (layers ignored with a debug line), first part;
+ * data window placed in the display window. HDR: Radiance RGBE, new and old run lengths, flipped
+ * axes. 8-bit pictures are decoded from sRGB. NaN and Inf are refused. */
+LF_NODISCARD lf_status lf_image32_read(const char *path, const lf_roots *roots, lf_image32 *out,
+                                       lf_error *err);
 
 /* A text attribute written into an EXR header or PNG tEXt chunk. */
 typedef struct lf_attribute {
     const char *name, *value;
 } lf_attribute;
 
-/* Asked for rows 0, 1, ... in order, so that a picture need not lie in memory whole: fills row [width][3]. */
+/* Asked for rows 0, 1, ... in order, so that a picture need not lie in memory whole: fills row
+ * [width][3]. */
 typedef void (*lf_rows8_fn)(void *context, int y, uint8_t *row);
 typedef void (*lf_rows32_fn)(void *context, int y, float *row);
 
-/* PNG, 8-bit RGB, sRGB chunk; level 1..9 is zlib's (1 for live pictures). attributes[n] may be NULL with n 0; names up to 79
- * characters, values UTF-8. Nothing is published or closed: that is lf_outfile_commit's. LF_E_IO, LF_E_ARG, LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows, void *context, int level,
-                                         const lf_attribute *attributes, int n, lf_error *err);
-LF_NODISCARD lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level, const lf_attribute *attributes, int n,
-                                    lf_error *err);
-/* EXR, 32-bit float RGB, ZIP scan lines; attributes become string attributes (names up to 255 characters). The file must be
- * seekable. The same pixels and attributes give the same bytes. */
-LF_NODISCARD lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_fn rows, void *context,
-                                         const lf_attribute *attributes, int n, lf_error *err);
-LF_NODISCARD lf_status lf_exr_write(lf_outfile *file, const lf_image32 *image, const lf_attribute *attributes, int n,
-                                    lf_error *err);
+/* PNG, 8-bit RGB, sRGB chunk; level 1..9 is zlib's (1 for live pictures). attributes[n] may be NULL
+ * with n 0; names up to 79 characters, values UTF-8. Nothing is published or closed: that is
+ * lf_outfile_commit's. LF_E_IO, LF_E_ARG, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows,
+                                         void *context, int level, const lf_attribute *attributes,
+                                         int n, lf_error *err);
+LF_NODISCARD lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level,
+                                    const lf_attribute *attributes, int n, lf_error *err);
+/* EXR, 32-bit float RGB, ZIP scan lines; attributes become string attributes (names up to 255
+ * characters). The file must be seekable. The same pixels and attributes give the same bytes. */
+LF_NODISCARD lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_fn rows,
+                                         void *context, const lf_attribute *attributes, int n,
+                                         lf_error *err);
+LF_NODISCARD lf_status lf_exr_write(lf_outfile *file, const lf_image32 *image,
+                                    const lf_attribute *attributes, int n, lf_error *err);
 
 #endif

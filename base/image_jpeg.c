@@ -37,23 +37,26 @@ static void on_message(j_common_ptr jpeg, int level)
 {
     jpeg_session *s = (jpeg_session *)(void *)jpeg->err;
     int code = s->manager.msg_code;
-    if (level < 0 && (code == JWRN_JPEG_EOF || code == JWRN_HIT_MARKER || code == JWRN_HUFF_BAD_CODE || code == JWRN_MUST_RESYNC))
+    if (level < 0 && (code == JWRN_JPEG_EOF || code == JWRN_HIT_MARKER ||
+                      code == JWRN_HUFF_BAD_CODE || code == JWRN_MUST_RESYNC))
         s->damaged = true;
 }
 
-static lf_status decode(struct jpeg_decompress_struct *jpeg, jpeg_session *s, FILE *stream, lf_image8 *out)
+static lf_status decode(struct jpeg_decompress_struct *jpeg, jpeg_session *s, FILE *stream,
+                        lf_image8 *out)
 {
     if (setjmp(s->escape))
         return LF_E_FORMAT;
     jpeg_create_decompress(jpeg);
     jpeg_stdio_src(jpeg, stream);
     jpeg_read_header(jpeg, TRUE);
-    lf_status status = lf_image_check_shape(s->source, jpeg->image_width, jpeg->image_height, 3, s->err);
+    lf_status status =
+        lf_image_check_shape(s->source, jpeg->image_width, jpeg->image_height, 3, s->err);
     if (status != LF_OK)
         return status;
     if (jpeg->num_components != 1 && jpeg->num_components != 3)
-        return lf_error_set(s->err, LF_E_FORMAT, s->source->where, "a JPEG of %d components (expected grey or RGB)",
-                            jpeg->num_components);
+        return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
+                            "a JPEG of %d components (expected grey or RGB)", jpeg->num_components);
     jpeg->out_color_space = JCS_RGB;
     jpeg->dct_method = JDCT_ISLOW;
     jpeg_start_decompress(jpeg);
@@ -96,4 +99,5 @@ static lf_status read_jpeg(const lf_image_source *source, lf_image8 *out, lf_err
     return status;
 }
 
-const lf_image_format lf_format_jpeg = {.name = "JPEG", .kind = LF_IMAGE_8BIT, .recognises = recognises_jpeg, .read8 = read_jpeg};
+const lf_image_format lf_format_jpeg = {
+    .name = "JPEG", .kind = LF_IMAGE_8BIT, .recognises = recognises_jpeg, .read8 = read_jpeg};

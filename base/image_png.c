@@ -9,7 +9,8 @@
 #include "base/alloc.h"
 #include "base/image_formats.h"
 
-/* What libpng's callbacks reach; its errors leave by longjmp, so nothing else may change between setjmp and there. */
+/* What libpng's callbacks reach; its errors leave by longjmp, so nothing else may change between
+ * setjmp and there. */
 typedef struct png_session {
     png_structp png;
     png_infop info;
@@ -42,7 +43,7 @@ static void on_warning(png_structp png, png_const_charp message)
     (void)message;
 }
 
-/* ---------------------------------------------------------------------------------------------------------- read -- */
+/* -------------------------------------------------------------------------------------- read -- */
 
 static void read_bytes(png_structp png, png_bytep to, size_t n)
 {
@@ -52,7 +53,8 @@ static void read_bytes(png_structp png, png_bytep to, size_t n)
         if (got < 0 && errno == EINTR)
             continue;
         if (got < 0)
-            s->status = lf_error_set(s->err, LF_E_IO, s->source->where, "cannot read: %s", strerror(errno));
+            s->status =
+                lf_error_set(s->err, LF_E_IO, s->source->where, "cannot read: %s", strerror(errno));
         if (got <= 0)
             png_error(png, "the file ends too early");
         to += got;
@@ -81,7 +83,8 @@ static lf_status read_rows(png_session *s, lf_image8 *out)
     png_set_read_fn(s->png, s, read_bytes);
     png_set_user_limits(s->png, 65536, 65536);
     png_read_info(s->png, s->info);
-    int64_t width = png_get_image_width(s->png, s->info), height = png_get_image_height(s->png, s->info);
+    int64_t width = png_get_image_width(s->png, s->info),
+            height = png_get_image_height(s->png, s->info);
     s->status = lf_image_check_shape(s->source, width, height, 3, s->err);
     if (s->status != LF_OK)
         return s->status;
@@ -106,7 +109,9 @@ static lf_status read_png(const lf_image_source *source, lf_image8 *out, lf_erro
     lf_image8 image = {0};
     s.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &s, on_error, on_warning);
     s.info = s.png ? png_create_info_struct(s.png) : NULL;
-    lf_status status = s.info ? read_rows(&s, &image) : lf_error_set(err, LF_E_NOMEM, source->where, "no memory for libpng");
+    lf_status status = s.info
+                           ? read_rows(&s, &image)
+                           : lf_error_set(err, LF_E_NOMEM, source->where, "no memory for libpng");
     png_destroy_read_struct(&s.png, &s.info, NULL);
     if (status == LF_OK)
         *out = image;
@@ -115,9 +120,10 @@ static lf_status read_png(const lf_image_source *source, lf_image8 *out, lf_erro
     return status;
 }
 
-const lf_image_format lf_format_png = {.name = "PNG", .kind = LF_IMAGE_8BIT, .recognises = recognises_png, .read8 = read_png};
+const lf_image_format lf_format_png = {
+    .name = "PNG", .kind = LF_IMAGE_8BIT, .recognises = recognises_png, .read8 = read_png};
 
-/* --------------------------------------------------------------------------------------------------------- write -- */
+/* ------------------------------------------------------------------------------------- write -- */
 
 static void write_bytes(png_structp png, png_bytep from, size_t n)
 {
@@ -140,8 +146,10 @@ static void put_text(png_session *s, const lf_attribute *attribute)
     bool ascii = true;
     for (const char *c = attribute->value; *c; c++)
         ascii = ascii && (unsigned char)*c < 0x80;
-    png_text text = {
-        .compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE, .key = key, .lang = value, .lang_key = value};
+    png_text text = {.compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
+                     .key = key,
+                     .lang = value,
+                     .lang_key = value};
     char *copy = lf_strdup(attribute->value);
     if (!copy)
         png_error(s->png, "no memory for a text");
@@ -166,10 +174,12 @@ static lf_status write_rows(png_session *s, const png_job *job)
     png_set_write_fn(s->png, s, write_bytes, flush_nothing);
     png_set_compression_buffer_size(s->png, (size_t)1 << 17);
     png_set_compression_level(s->png, job->level);
-    /* At live speed one fixed cheap filter; trying all five for each row costs more than deflate's fast levels themselves. */
+    /* At live speed one fixed cheap filter; trying all five for each row costs more than deflate's
+     * fast levels themselves. */
     png_set_filter(s->png, 0, job->level <= 3 ? PNG_FILTER_SUB : PNG_ALL_FILTERS);
-    png_set_IHDR(s->png, s->info, (png_uint_32)job->width, (png_uint_32)job->height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
-                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(s->png, s->info, (png_uint_32)job->width, (png_uint_32)job->height, 8,
+                 PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(s->png, s->info, PNG_sRGB_INTENT_PERCEPTUAL);
     for (int i = 0; i < job->n_attributes; i++)
         put_text(s, &job->attributes[i]);
@@ -182,11 +192,13 @@ static lf_status write_rows(png_session *s, const png_job *job)
     return LF_OK;
 }
 
-lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows, void *context, int level,
-                            const lf_attribute *attributes, int n, lf_error *err)
+lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows,
+                            void *context, int level, const lf_attribute *attributes, int n,
+                            lf_error *err)
 {
     if (width < 1 || width > 65536 || height < 1 || height > 65536 || level < 1 || level > 9)
-        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%dx%d pixels at level %d cannot be a PNG", width, height, level);
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file),
+                            "%dx%d pixels at level %d cannot be a PNG", width, height, level);
     png_session s = {.file = file, .err = err};
     png_job job = {.width = width,
                    .height = height,
@@ -198,8 +210,9 @@ lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn
     job.row = lf_calloc((size_t)width, 3);
     s.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &s, on_error, on_warning);
     s.info = s.png ? png_create_info_struct(s.png) : NULL;
-    lf_status status =
-        s.info && job.row ? write_rows(&s, &job) : lf_error_set(err, LF_E_NOMEM, lf_outfile_name(file), "no memory for libpng");
+    lf_status status = s.info && job.row ? write_rows(&s, &job)
+                                         : lf_error_set(err, LF_E_NOMEM, lf_outfile_name(file),
+                                                        "no memory for libpng");
     png_destroy_write_struct(&s.png, &s.info);
     lf_free(job.row);
     return status;
@@ -211,10 +224,13 @@ static void copy_row(void *context, int y, uint8_t *row)
     memcpy(row, image->data + (size_t)y * image->stride, (size_t)image->width * 3);
 }
 
-lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level, const lf_attribute *attributes, int n, lf_error *err)
+lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level,
+                       const lf_attribute *attributes, int n, lf_error *err)
 {
     if (image->channels != 3)
-        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%d channels (expected 3)", image->channels);
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%d channels (expected 3)",
+                            image->channels);
     lf_image8 borrowed = *image;
-    return lf_png_write_rows(file, image->width, image->height, copy_row, &borrowed, level, attributes, n, err);
+    return lf_png_write_rows(file, image->width, image->height, copy_row, &borrowed, level,
+                             attributes, n, err);
 }

@@ -18,7 +18,8 @@ static struct {
     bool journal; /* stderr is the journal: lines carry their level */
 } log_state = {.program = "quiltd", .level = LF_LOG_INFO};
 
-/* systemd.exec(5): $JOURNAL_STREAM is "DEVICE:INODE" of the stream that stdout or stderr was connected to */
+/* systemd.exec(5): $JOURNAL_STREAM is "DEVICE:INODE" of the stream that stdout or stderr was
+ * connected to */
 static bool stderr_is_journal(void)
 {
     const char *stream = getenv("JOURNAL_STREAM");
@@ -40,7 +41,8 @@ void lf_log_init(const char *program, lf_log_level level)
 
 static void write_line(const char *line, size_t n)
 {
-    /* one write a line keeps lines of several threads whole; there is nobody to tell that the log failed */
+    /* one write a line keeps lines of several threads whole; there is nobody to tell that the log
+     * failed */
     ssize_t written = write(STDERR_FILENO, line, n);
     (void)written;
 }
@@ -54,8 +56,9 @@ void lf_log(lf_log_level level, const char *fmt, ...)
     va_start(ap, fmt);
     vsnprintf(text, sizeof text, fmt, ap);
     va_end(ap);
-    int n = log_state.journal ? snprintf(line, sizeof line, "<%d>%s: ", (int)level, log_state.program)
-                              : snprintf(line, sizeof line, "%s: ", log_state.program);
+    int n = log_state.journal
+                ? snprintf(line, sizeof line, "<%d>%s: ", (int)level, log_state.program)
+                : snprintf(line, sizeof line, "%s: ", log_state.program);
     size_t used = n < 0 ? 0 : (size_t)n < LINE_BYTES / 4 ? (size_t)n : LINE_BYTES / 4;
     used += lf_escape(line + used, sizeof line - used - 1, text);
     line[used++] = '\n';

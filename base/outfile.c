@@ -13,8 +13,8 @@
 #include "base/errno_text.h"
 #include "base/file.h"
 
-/* A name beside NAME: ".NAME.quiltd-XXXXXX". Who writes holds a lock (flock) on it; one that can be locked was left by a
- * killed run. */
+/* A name beside NAME: ".NAME.quiltd-XXXXXX". Who writes holds a lock (flock) on it; one that can be
+ * locked was left by a killed run. */
 #define SUFFIX ".quiltd-"
 #define RANDOM_CHARS 6
 #define ATTEMPTS 64
@@ -28,10 +28,12 @@ static lf_status fail_errno(lf_error *err, const char *path, const char *what)
 
 static lf_status fail_exists(lf_error *err, const char *path)
 {
-    return lf_error_set(err, LF_E_EXISTS, path, "is there already, and overwriting was not asked for");
+    return lf_error_set(err, LF_E_EXISTS, path,
+                        "is there already, and overwriting was not asked for");
 }
 
-/* The part of a temporary's name before the random characters; long names are cut so that the whole stays within NAME_MAX. */
+/* The part of a temporary's name before the random characters; long names are cut so that the whole
+ * stays within NAME_MAX. */
 static size_t temporary_prefix(const char *path, char out[static NAME_MAX + 1])
 {
     const char *slash = strrchr(path, '/');
@@ -43,10 +45,9 @@ static void random_chars(char out[static RANDOM_CHARS])
 {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyz012345";
     unsigned char bytes[RANDOM_CHARS] = {0};
-    if (getrandom(bytes, sizeof bytes, GRND_NONBLOCK) != (ssize_t)sizeof bytes) {
+    if (getrandom(bytes, sizeof bytes, GRND_NONBLOCK) != (ssize_t)sizeof bytes)
         for (int i = 0; i < RANDOM_CHARS; i++)
             bytes[i] = (unsigned char)((unsigned)getpid() >> (5 * i));
-    }
     for (int i = 0; i < RANDOM_CHARS; i++)
         out[i] = letters[bytes[i] & 31];
 }
@@ -82,14 +83,14 @@ static void remove_leftovers(const char *path, const char *folder)
     DIR *dir = opendir(folder);
     if (!dir)
         return;
-    for (const struct dirent *entry; (entry = readdir(dir)) != NULL;) {
+    for (const struct dirent *entry; (entry = readdir(dir));)
         if (strncmp(entry->d_name, prefix, n) == 0 && strlen(entry->d_name) == n + RANDOM_CHARS)
             remove_if_dead(dirfd(dir), entry->d_name);
-    }
     closedir(dir);
 }
 
-/* A named temporary, locked. Between its making and its lock another writer may have taken it for a leftover; then again. */
+/* A named temporary, locked. Between its making and its lock another writer may have taken it for a
+ * leftover; then again. */
 static lf_status open_named(lf_outfile *file, lf_error *err)
 {
     for (int i = 0; i < ATTEMPTS; i++) {
@@ -98,7 +99,8 @@ static lf_status open_named(lf_outfile *file, lf_error *err)
         if (!name)
             return lf_error_set(err, LF_E_NOMEM, file->path, "out of memory");
         int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
-        if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0 && fstat(fd, &st) == 0 && st.st_nlink > 0) {
+        if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0 && fstat(fd, &st) == 0 &&
+            st.st_nlink > 0) {
             file->fd = fd;
             file->temporary = name;
             return LF_OK;
@@ -115,7 +117,8 @@ static lf_status open_named(lf_outfile *file, lf_error *err)
 /* Unnamed where the file system can; publishing then goes through /proc. */
 static lf_status open_temporary(lf_outfile *file, const char *folder, lf_error *err)
 {
-    int fd = access("/proc/self/fd", X_OK) == 0 ? open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0666) : -1;
+    int fd = access("/proc/self/fd", X_OK) == 0 ? open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0666)
+                                                : -1;
     if (fd < 0)
         return open_named(file, err);
     /* nobody else can have it open: the lock is for the moment when it gets a temporary name */
@@ -212,7 +215,8 @@ static int link_unnamed(int fd, const char *name)
     return linkat(AT_FDCWD, link, AT_FDCWD, name, AT_SYMLINK_FOLLOW);
 }
 
-/* Only rename replaces, so an unnamed file that is to replace another gets a temporary name first. */
+/* Only rename replaces, so an unnamed file that is to replace another gets a temporary name first.
+ */
 static lf_status name_temporarily(lf_outfile *file, lf_error *err)
 {
     for (int i = 0; i < ATTEMPTS; i++) {
@@ -256,15 +260,18 @@ static lf_status publish(lf_outfile *file, bool overwrite, lf_error *err)
         if (status != LF_OK)
             return status;
     }
-    int rc = overwrite ? rename(file->temporary, file->path) : rename_new(file->temporary, file->path);
+    int rc =
+        overwrite ? rename(file->temporary, file->path) : rename_new(file->temporary, file->path);
     if (rc != 0)
-        return errno == EEXIST ? fail_exists(err, file->path) : fail_errno(err, file->path, "cannot be named");
+        return errno == EEXIST ? fail_exists(err, file->path)
+                               : fail_errno(err, file->path, "cannot be named");
     lf_free(file->temporary);
     file->temporary = NULL;
     return LF_OK;
 }
 
-/* The new name survives a power cut only when its folder is on the disk too; a file system that cannot is no failure. */
+/* The new name survives a power cut only when its folder is on the disk too; a file system that
+ * cannot is no failure. */
 static void sync_folder(const char *path)
 {
     char *folder = lf_path_folder(path);

@@ -28,10 +28,9 @@ static const struct {
 
 const char *lf_status_name(lf_status status)
 {
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (names[i].status == status)
             return names[i].name;
-    }
     return "LF_E_UNKNOWN";
 }
 
@@ -43,10 +42,9 @@ static size_t utf8_length(const unsigned char *s)
     if (s[0] < 0xc2 || s[0] > 0xf4)
         return 0;
     size_t length = s[0] < 0xe0 ? 2 : s[0] < 0xf0 ? 3 : 4;
-    for (size_t i = 1; i < length; i++) {
+    for (size_t i = 1; i < length; i++)
         if ((s[i] & 0xc0) != 0x80)
             return 0;
-    }
     return length;
 }
 
@@ -73,7 +71,8 @@ size_t lf_escape(char *buf, size_t size, const char *text)
     for (const unsigned char *s = (const unsigned char *)text; *s != 0;) {
         size_t length = utf8_length(s);
         /* C1 controls are two bytes in UTF-8, and terminals obey them too */
-        bool control = length == 1 ? s[0] < 0x20 || s[0] == 0x7f : length == 2 && s[0] == 0xc2 && s[1] < 0xa0;
+        bool control =
+            length == 1 ? s[0] < 0x20 || s[0] == 0x7f : length == 2 && s[0] == 0xc2 && s[1] < 0xa0;
         char escaped[4];
         const void *out = s;
         size_t out_length = length;
@@ -91,8 +90,8 @@ size_t lf_escape(char *buf, size_t size, const char *text)
     return n;
 }
 
-static lf_status report(lf_error *err, lf_status status, const char *where, int line, const char *pointer, const char *fmt,
-                        va_list ap)
+static lf_status report(lf_error *err, lf_status status, const char *where, int line,
+                        const char *pointer, const char *fmt, va_list ap)
 {
     if (!err)
         return status;
@@ -116,7 +115,8 @@ lf_status lf_error_set(lf_error *err, lf_status status, const char *where, const
     return status;
 }
 
-lf_status lf_error_set_at(lf_error *err, lf_status status, const char *where, int line, const char *pointer, const char *fmt, ...)
+lf_status lf_error_set_at(lf_error *err, lf_status status, const char *where, int line,
+                          const char *pointer, const char *fmt, ...)
 {
     va_list ap;
     va_start(ap, fmt);
@@ -132,6 +132,7 @@ char *lf_error_format(const lf_error *err, char *buf, size_t size)
         snprintf(line, sizeof line, ":%d", err->line);
     bool place = err->where[0] != 0 || line[0] != 0;
     bool pointer = err->pointer[0] != 0;
-    snprintf(buf, size, "%s%s%s%s%s%s", err->where, line, place ? ": " : "", err->pointer, pointer ? ": " : "", err->what);
+    snprintf(buf, size, "%s%s%s%s%s%s", err->where, line, place ? ": " : "", err->pointer,
+             pointer ? ": " : "", err->what);
     return buf;
 }

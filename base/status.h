@@ -1,9 +1,10 @@
 /* Status codes and the error report that travels with them.
  *
- * Every function that can fail returns an lf_status. Functions that open, load or talk to something outside take a last
- * lf_error * (may be NULL) and end with `return lf_error_set(err, LF_E_IO, "scene.json", "cannot open: %s", ...)`:
- * report and return in one expression, so that no path forgets either. Nothing here allocates or logs.
- * Thread: all functions are thread safe; an lf_error belongs to its caller. */
+ * Every function that can fail returns an lf_status. Functions that open, load or talk to something
+ * outside take a last lf_error * (may be NULL) and end with `return lf_error_set(err, LF_E_IO,
+ * "scene.json", "cannot open: %s", ...)`: report and return in one expression, so that no path
+ * forgets either. Nothing here allocates or logs. Thread: all functions are thread safe; an
+ * lf_error belongs to its caller. */
 #ifndef LF_BASE_STATUS_H
 #define LF_BASE_STATUS_H
 
@@ -29,8 +30,10 @@ typedef enum lf_status {
 #define LF_NODISCARD __attribute__((warn_unused_result))
 #define LF_PRINTF(f, a) __attribute__((format(printf, f, a)))
 
-/* What went wrong, where, in one line. `where` is a file, address or option; line 0 = none; pointer is a JSON pointer
- * ("/camera/views"; empty = none). Strings are always terminated; control characters are already escaped. */
+/* What went wrong, where, in one line. `where` is a file, address or option; line 0 = none; pointer
+ * is a JSON pointer
+ * ("/camera/views"; empty = none). Strings are always terminated; control characters are already
+ * escaped. */
 typedef struct lf_error {
     lf_status status;
     int line;
@@ -42,14 +45,17 @@ typedef struct lf_error {
 /* Name of a code, e.g. "LF_E_FORMAT"; never NULL. */
 const char *lf_status_name(lf_status status);
 
-/* Fills *err (may be NULL), escaping control characters, cutting what is too long; returns status. */
-lf_status lf_error_set(lf_error *err, lf_status status, const char *where, const char *fmt, ...) LF_PRINTF(4, 5);
+/* Fills *err (may be NULL), escaping control characters, cutting what is too long; returns status.
+ */
+lf_status lf_error_set(lf_error *err, lf_status status, const char *where, const char *fmt, ...)
+    LF_PRINTF(4, 5);
 
 /* As lf_error_set, with a line (0 = unknown) and a JSON pointer (NULL or "" = none). */
-lf_status lf_error_set_at(lf_error *err, lf_status status, const char *where, int line, const char *pointer, const char *fmt, ...)
-    LF_PRINTF(6, 7);
+lf_status lf_error_set_at(lf_error *err, lf_status status, const char *where, int line,
+                          const char *pointer, const char *fmt, ...) LF_PRINTF(6, 7);
 
-/* What static analysers cannot see across files: the status that comes back is the one that went in. */
+/* What static analysers cannot see across files: the status that comes back is the one that went
+ * in. */
 #ifdef __clang_analyzer__
 #define lf_error_set(err, status, ...) (lf_error_set((err), (status), __VA_ARGS__), (status))
 #define lf_error_set_at(err, status, ...) (lf_error_set_at((err), (status), __VA_ARGS__), (status))

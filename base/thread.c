@@ -44,7 +44,7 @@ struct lf_pool {
     atomic_int_fast64_t next;
 };
 
-/* ------------------------------------------------------------------------------------------- one thread, and waiting -- */
+/* ------------------------------------------------------------------- one thread, and waiting -- */
 
 lf_status lf_thread_start(const char *name, void *(*main)(void *), void *context, pthread_t *out)
 {
@@ -78,11 +78,12 @@ lf_status lf_cond_init(pthread_cond_t *cond)
 
 bool lf_cond_wait_until(pthread_cond_t *cond, pthread_mutex_t *lock, uint64_t end_ns)
 {
-    struct timespec end = {.tv_sec = (time_t)(end_ns / LF_NS_PER_S), .tv_nsec = (long)(end_ns % LF_NS_PER_S)};
+    struct timespec end = {.tv_sec = (time_t)(end_ns / LF_NS_PER_S),
+                           .tv_nsec = (long)(end_ns % LF_NS_PER_S)};
     return pthread_cond_timedwait(cond, lock, &end) != ETIMEDOUT;
 }
 
-/* ------------------------------------------------------------------------------------------------------------ a crew -- */
+/* ------------------------------------------------------------------------------------ a crew -- */
 
 int lf_cpu_count(void)
 {
@@ -192,7 +193,8 @@ lf_status lf_pool_create(int n_threads, lf_pool **out_pool)
     pool->has_lock = pthread_mutex_init(&pool->lock, NULL) == 0;
     pool->has_wake = pthread_cond_init(&pool->wake, NULL) == 0;
     pool->has_idle = pthread_cond_init(&pool->idle, NULL) == 0;
-    if (!pool->workers || !pool->has_lock || !pool->has_wake || !pool->has_idle || start_workers(pool) != LF_OK) {
+    if (!pool->workers || !pool->has_lock || !pool->has_wake || !pool->has_idle ||
+        start_workers(pool) != LF_OK) {
         lf_pool_destroy(pool);
         return LF_E_NOMEM;
     }
@@ -227,7 +229,8 @@ int lf_pool_threads(const lf_pool *pool)
     return pool->n_threads;
 }
 
-lf_status lf_pool_run(lf_pool *pool, int n_items, lf_pool_fn fn, void *context, const lf_cancel *cancel)
+lf_status lf_pool_run(lf_pool *pool, int n_items, lf_pool_fn fn, void *context,
+                      const lf_cancel *cancel)
 {
     if (n_items <= 0)
         return LF_OK;
@@ -254,7 +257,7 @@ lf_status lf_pool_run(lf_pool *pool, int n_items, lf_pool_fn fn, void *context, 
     return handed_out < n_items ? LF_E_CANCELLED : LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------------------------------ clocks -- */
+/* ------------------------------------------------------------------------------------ clocks -- */
 
 static double seconds(clockid_t clock)
 {

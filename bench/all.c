@@ -1,4 +1,5 @@
-/* quiltbench --out DIR: the published benchmarks, one after the other, each as a table and as JSON and plots in DIR. */
+/* quiltbench --out DIR: the published benchmarks, one after the other, each as a table and as JSON
+ * and plots in DIR. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,13 +9,14 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "bench/bench.h"
-#include "daemon/options.h"
+#include "daemon/output/options.h"
 
 /* One after the other; NAME.json and so on end up in DIR. */
 static const struct step {
     const char *name;
     int (*run)(int argc, char **argv);
-    const char *arguments; /* the command first; "{scenes}" is the folder of the scenes, "{out}" DIR/NAME */
+    const char *
+        arguments; /* the command first; "{scenes}" is the folder of the scenes, "{out}" DIR/NAME */
 } steps[] = {
     {"micro", lf_bench_micro, "micro {scenes}/cloud.json --json {out}.json"},
     {"quilt", lf_bench_quilt, "quilt --json {out}.json"},
@@ -22,9 +24,11 @@ static const struct step {
     {"skip", lf_bench_skip, "skip --json {out}.json"},
     {"live", lf_bench_live, "live {scenes}/first-light.json --json {out}.json"},
     {"compare", lf_bench_compare,
-     "compare {scenes}/cloud.json --view-size 105x140 --time 20 --seeds 8 --reference-spp 64 --json {out}.json"},
+     "compare {scenes}/cloud.json --view-size 105x140 --time 20 --seeds 8 --reference-spp 64 "
+     "--json {out}.json"},
     {"curve", lf_bench_curve,
-     "curve {scenes}/cloud.json --view-size 60x80 --contenders vpt:mwis,mvpt:mwis,amvpt:mwis,mvpt:mis,mvpt:cv --seeds 8 --json "
+     "curve {scenes}/cloud.json --view-size 60x80 --contenders "
+     "vpt:mwis,mvpt:mwis,amvpt:mwis,mvpt:mis,mvpt:cv --seeds 8 --json "
      "{out}.json "
      "--plot {out}"},
     {"views", lf_bench_views, "views {scenes}/cloud.json --seeds 8 --json {out}.json --plot {out}"},
@@ -48,7 +52,6 @@ typedef struct folders {
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     folders *f = context;
-
     (void)err;
     *(code == OPTION_OUT ? &f->out : &f->scenes) = text;
     return LF_OK;
@@ -59,7 +62,6 @@ static lf_status parse(int argc, char **argv, folders *out, lf_error *err)
     const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, NULL, NULL, take, out};
     bool done = false;
     lf_status status = lf_options_read(argc, argv, &rules, &done, err);
-
     if (status != LF_OK)
         return status;
     if (optind < argc)
@@ -72,7 +74,6 @@ static char *fill(const char *word, int n, const char *scenes, const char *folde
 {
     char *filled = NULL;
     int length = -1;
-
     if (strncmp(word, "{scenes}", 8) == 0)
         length = asprintf(&filled, "%s%.*s", scenes, n - 8, word + 8);
     else if (strncmp(word, "{out}", 5) == 0)
@@ -88,7 +89,6 @@ static int run(const struct step *step, const char *scenes, const char *folder)
     int argc = 0;
     int code = LF_EXIT_FAILED;
     bool whole = true;
-
     for (const char *at = step->arguments; *at && argc < MAX_WORDS; at += strspn(at, " ")) {
         int n = (int)strcspn(at, " ");
         argv[argc] = fill(at, n, scenes, folder, step->name);
@@ -116,7 +116,6 @@ int lf_bench_all(int argc, char **argv)
     folders into = {0};
     lf_error err = {0};
     int code = LF_EXIT_OK;
-
     if (parse(argc, argv, &into, &err) != LF_OK)
         return lf_usage_error(LF_BENCH_PROGRAM, &err);
     if (mkdir(into.out, 0777) != 0 && errno != EEXIST) {

@@ -1,5 +1,6 @@
-/* What the commands of quiltbench share. A command is one file (error.c, compare.c, …) and one line of the table in
- * quiltbench.c. Commands print their table to stdout, errors in one line to stderr, and return an exit code (daemon/options.h). */
+/* What the commands of quiltbench share. A command is one file (error.c, compare.c, …) and one line
+ * of the table in quiltbench.c. Commands print their table to stdout, errors in one line to stderr,
+ * and return an exit code (daemon/output/options.h). */
 #ifndef LF_BENCH_H
 #define LF_BENCH_H
 
@@ -25,26 +26,29 @@ int lf_bench_usb(int argc, char **argv);
 int lf_bench_all(int argc, char **argv);
 
 /* "0.5%" or "0.005", at least 0; option names it in the error. */
-LF_NODISCARD lf_status lf_bench_parse_share(const char *option, const char *text, double *out, lf_error *err);
+LF_NODISCARD lf_status lf_bench_parse_share(const char *option, const char *text, double *out,
+                                            lf_error *err);
 
-/* {"cpu": model, "cpus": how many this process may use, "kernel": …}: what every published number needs beside it. A new
- * reference; NULL = out of memory. */
+/* {"cpu": model, "cpus": how many this process may use, "kernel": …}: what every published number
+ * needs beside it. A new reference; NULL = out of memory. */
 json_t *lf_bench_machine(void);
 
 /* A number, or null for what is not finite. */
 json_t *lf_bench_number(double value);
 
-/* Writes object to path, indented ("-" = stdout). NULL is LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_bench_write_json(const char *path, const json_t *object, lf_error *err);
+/* Writes object to path, indented ("-" = stdout), and gives it up. NULL is LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_bench_write_json(const char *path, json_t *object, lf_error *err);
 /* Whether stdout belongs to the JSON. json as on the command line, may be NULL. */
 bool lf_bench_only_json(const char *json);
 
 /* Writes text to path. NULL is LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_bench_write_text(const char *path, const char *text, lf_error *err);
 
-/* Draws PREFIX.svg and PREFIX.png with gnuplot from data, which is left as PREFIX.dat, and commands, left as PREFIX.gp with what sets
- * up the two pictures around them; commands name the data as `data`. Without gnuplot: both files, and a word on stderr. */
-LF_NODISCARD lf_status lf_bench_plot(const char *prefix, const char *data, const char *commands, lf_error *err);
+/* Draws PREFIX.svg and PREFIX.png with gnuplot from data, which is left as PREFIX.dat, and
+ * commands, left as PREFIX.gp with what sets up the two pictures around them; commands name the
+ * data as `data`. Without gnuplot: both files, and a word on stderr. */
+LF_NODISCARD lf_status lf_bench_plot(const char *prefix, const char *data, const char *commands,
+                                     lf_error *err);
 
 /* lf_pool_create with an error. threads 0 = all CPUs. */
 LF_NODISCARD lf_status lf_bench_pool(int threads, lf_pool **out_pool, lf_error *err);

@@ -1,5 +1,5 @@
-/* quiltbench compare SCENE: the error of two ways to render after equal CPU time, over several seeds, taken in turns so that
- * a machine that slows down slows both. */
+/* quiltbench compare SCENE: the error of two ways to render after equal CPU time, over several
+ * seeds, taken in turns so that a machine that slows down slows both. */
 #include <stdio.h>
 
 #include "bench/bench.h"
@@ -28,18 +28,19 @@ static const struct option table[] = {
 static void print_help(void)
 {
     printf("Usage: quiltbench compare SCENE [options]\n"
-           "relMSE (mean over the views) of two integrators after equal CPU time, everything included; runs take turns.\n\n"
+           "relMSE (mean over the views) of two integrators after equal CPU time, everything "
+           "included; runs take turns.\n\n"
            "  --time SECONDS            CPU time of one run (10)\n"
            "  --seeds N                 runs of each (8)\n"
            "  --ours NAME:ESTIMATOR     (mvpt:mwis)\n"
            "  --baseline NAME:ESTIMATOR (vpt:mis)\n"
-           "  --min-ratio R             exit 1 when the median ratio is below this\n" LF_TRIAL_OPTIONS_HELP);
+           "  --min-ratio R             exit 1 when the median ratio is below "
+           "this\n" LF_TRIAL_OPTIONS_HELP);
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     comparison *c = context;
-
     switch (code) {
     case OPTION_OURS:
         return lf_contender_parse("--ours", text, &c->contenders[OURS], err);
@@ -58,7 +59,6 @@ static const lf_measure *measures_of(const comparison *c, int contender)
 static lf_spread errors_of(const lf_measure *measures, int n)
 {
     double values[LF_MAX_SEEDS];
-
     for (int i = 0; i < n; i++)
         values[i] = measures[i].rel_mse;
     return lf_spread_of(values, n);
@@ -77,14 +77,15 @@ static json_t *contender_json(const comparison *c, int contender)
     const lf_measure *measures = measures_of(c, contender);
     lf_spread error = errors_of(measures, c->options.n_seeds);
     json_t *runs = json_array();
-
     for (int i = 0; i < c->options.n_seeds; i++)
-        json_array_append_new(runs, json_pack("{s:f, s:f, s:f, s:f}", "rel_mse", measures[i].rel_mse, "cpu_seconds",
-                                              measures[i].cpu_seconds, "native_spp", measures[i].stats.native_spp_mean,
-                                              "effective_spp", measures[i].stats.effective_spp_mean));
+        json_array_append_new(runs,
+                              json_pack("{s:f, s:f, s:f, s:f}", "rel_mse", measures[i].rel_mse,
+                                        "cpu_seconds", measures[i].cpu_seconds, "native_spp",
+                                        measures[i].stats.native_spp_mean, "effective_spp",
+                                        measures[i].stats.effective_spp_mean));
     return json_pack("{s:s, s:s, s:f, s:f, s:f, s:o}", "integrator", who->integrator, "estimator",
-                     lf_estimator_name(who->estimator), "rel_mse_median", error.median, "rel_mse_low", error.low, "rel_mse_high",
-                     error.high, "runs", runs);
+                     lf_estimator_name(who->estimator), "rel_mse_median", error.median,
+                     "rel_mse_low", error.low, "rel_mse_high", error.high, "runs", runs);
 }
 
 static json_t *comparison_json(const comparison *c)
@@ -93,7 +94,6 @@ static json_t *comparison_json(const comparison *c)
     lf_spread ratios = ratios_of(c, ratio);
     json_t *object = lf_trial_json(&c->trial, &c->options);
     json_t *list = json_array();
-
     for (int i = 0; i < c->options.n_seeds; i++)
         json_array_append_new(list, lf_bench_number(ratio[i]));
     json_object_set_new(object, "cpu_seconds", json_real(c->options.seconds));
@@ -115,27 +115,27 @@ static void print_contender(const comparison *c, int contender)
     double cpu = 0;
     double native = 0;
     double effective = 0;
-
     for (int i = 0; i < n; i++) {
         cpu += measures[i].cpu_seconds / n;
         native += measures[i].stats.native_spp_mean / n;
         effective += measures[i].stats.effective_spp_mean / n;
     }
-    printf("%-6s %-6s %12.4g   (%.4g .. %.4g) %10.2f %10.3f %11.2f\n", who->integrator, lf_estimator_name(who->estimator),
-           error.median, error.low, error.high, cpu, native, effective);
+    printf("%-6s %-6s %12.4g   (%.4g .. %.4g) %10.2f %10.3f %11.2f\n", who->integrator,
+           lf_estimator_name(who->estimator), error.median, error.low, error.high, cpu, native,
+           effective);
 }
 
 static void print_table(const comparison *c)
 {
     double ratio[LF_MAX_SEEDS];
     lf_spread ratios = ratios_of(c, ratio);
-
     lf_trial_print(&c->trial, &c->options);
-    printf("\n                relMSE median  (low .. high)          CPU s   native spp  effective\n");
+    printf(
+        "\n                relMSE median  (low .. high)          CPU s   native spp  effective\n");
     print_contender(c, BASELINE);
     print_contender(c, OURS);
-    printf("\nratio at equal time, %g CPU seconds: %.2f (median over seeds; %.2f .. %.2f)\n", c->options.seconds, ratios.median,
-           ratios.low, ratios.high);
+    printf("\nratio at equal time, %g CPU seconds: %.2f (median over seeds; %.2f .. %.2f)\n",
+           c->options.seconds, ratios.median, ratios.low, ratios.high);
 }
 
 static lf_status report(const comparison *c, lf_error *err)
@@ -144,16 +144,13 @@ static lf_status report(const comparison *c, lf_error *err)
     double ratio[LF_MAX_SEEDS];
     double median = ratios_of(c, ratio).median;
     lf_status status = LF_OK;
-
     if (!lf_bench_only_json(options->json))
         print_table(c);
-    if (options->json) {
-        json_t *object = comparison_json(c);
-        status = lf_bench_write_json(options->json, object, err);
-        json_decref(object);
-    }
+    if (options->json)
+        status = lf_bench_write_json(options->json, comparison_json(c), err);
     if (status == LF_OK && c->min_ratio > 0 && !(median >= c->min_ratio))
-        return lf_error_set(err, LF_E_STATE, options->operand, "the median ratio is %.2f, less than %g", median, c->min_ratio);
+        return lf_error_set(err, LF_E_STATE, options->operand,
+                            "the median ratio is %.2f, less than %g", median, c->min_ratio);
     return status;
 }
 
@@ -161,11 +158,11 @@ static lf_status run(comparison *c, lf_pool *pool, lf_error *err)
 {
     const lf_budget budget = {.cpu_seconds = c->options.seconds};
     lf_status status = lf_trial_open(&c->trial, c->options.operand, &c->options, pool, err);
-
     if (status == LF_OK)
         status = lf_trial_reference(&c->trial, &c->options, err);
     if (status == LF_OK)
-        status = lf_trial_all(&c->trial, c->contenders, N_CONTENDERS, &c->options, &budget, 1, &c->measures[0][0], err);
+        status = lf_trial_all(&c->trial, c->contenders, N_CONTENDERS, &c->options, &budget, 1,
+                              &c->measures[0][0], err);
     if (status == LF_OK)
         status = report(c, err);
     lf_trial_close(&c->trial);
@@ -175,14 +172,18 @@ static lf_status run(comparison *c, lf_pool *pool, lf_error *err)
 int lf_bench_compare(int argc, char **argv)
 {
     comparison c = {
-        .contenders = {[BASELINE] = {"vpt", LF_ESTIMATOR_MIS}, [OURS] = {"mvpt", LF_ESTIMATOR_MWIS}},
-        .options = {.seconds = 10, .n_seeds = 8, .reference = {"mvpt", LF_ESTIMATOR_CV}, .reference_spp = 128, .epsilon = 1e-2},
+        .contenders =
+            {[BASELINE] = {"vpt", LF_ESTIMATOR_MIS}, [OURS] = {"mvpt", LF_ESTIMATOR_MWIS}},
+        .options = {.seconds = 10,
+                    .n_seeds = 8,
+                    .reference = {"mvpt", LF_ESTIMATOR_CV},
+                    .reference_spp = 128,
+                    .epsilon = 1e-2},
     };
     const lf_trial_command command = {"compare", "SCENE", table, print_help, take, &c};
     lf_pool *pool = NULL;
     lf_error err = {0};
     bool done = false;
-
     if (lf_trial_parse(&command, argc, argv, &c.options, &done, &err) != LF_OK)
         return lf_usage_error(LF_BENCH_PROGRAM, &err);
     if (done)

@@ -1,5 +1,5 @@
-/* quiltbench curve SCENE: error against CPU time at doubling budgets, what one contender is worth in the time of another, and where the
- * time goes. The first contender is the baseline. */
+/* quiltbench curve SCENE: error against CPU time at doubling budgets, what one contender is worth
+ * in the time of another, and where the time goes. The first contender is the baseline. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,10 +17,12 @@ typedef struct point {
     double cpu_seconds, native_spp, effective_spp, correlation[2]; /* means */
     lf_interval rel_mse, worst_view;
     lf_interval equal_time, equal_error; /* how many times better than the baseline */
-    bool beyond;                         /* equal_error leans on the baseline's line beyond its last point in some seed */
+    /* equal_error leans on the baseline's line beyond its last point in some seed */
+    bool beyond;
 } point;
 
-/* Where the time of one contender goes, at the last budget, over all seeds. NaN = does not apply. */
+/* Where the time of one contender goes, at the last budget, over all seeds. NaN = does not apply.
+ */
 typedef struct cost {
     double path_us, shift_ns, lookup_ns, contributions_per_path, escape_share;
     lf_interval slope; /* of log error over log time */
@@ -38,7 +40,7 @@ typedef struct curve {
     cost costs[MAX_CONTENDERS];
 } curve;
 
-/* ------------------------------------------------------------------------------------------------------- arguments -- */
+/* --------------------------------------------------------------------------------- arguments -- */
 
 enum { OPTION_CONTENDERS = LF_TRIAL_OPTION_OWN, OPTION_BUDGETS, OPTION_PLOT };
 
@@ -52,21 +54,22 @@ static const struct option table[] = {
 
 static void print_help(void)
 {
-    printf(
-        "Usage: quiltbench curve SCENE [options]\n"
-        "relMSE against CPU time at doubling budgets, with 95 %% intervals over the seeds; contenders take turns.\n\n"
-        "  --contenders LIST         NAME:ESTIMATOR,…; the first is the baseline (vpt:mwis,mvpt:mwis)\n"
-        "  --time SECONDS            CPU time of the shortest budget (1)\n"
-        "  --budgets N               how many, each twice the one before (5)\n"
-        "  --seeds N                 runs of each contender (8)\n"
-        "  --plot PREFIX             PREFIX.svg and PREFIX.png, by gnuplot from PREFIX.gp and PREFIX.dat\n" LF_TRIAL_OPTIONS_HELP);
+    printf("Usage: quiltbench curve SCENE [options]\n"
+           "relMSE against CPU time at doubling budgets, with 95 %% intervals over the seeds; "
+           "contenders take turns.\n\n"
+           "  --contenders LIST         NAME:ESTIMATOR,…; the first is the baseline "
+           "(vpt:mwis,mvpt:mwis)\n"
+           "  --time SECONDS            CPU time of the shortest budget (1)\n"
+           "  --budgets N               how many, each twice the one before (5)\n"
+           "  --seeds N                 runs of each contender (8)\n"
+           "  --plot PREFIX             PREFIX.svg and PREFIX.png, by gnuplot from PREFIX.gp and "
+           "PREFIX.dat\n" LF_TRIAL_OPTIONS_HELP);
 }
 
 static lf_status take_contenders(curve *c, const char *text, lf_error *err)
 {
     char word[64];
     lf_status status = LF_OK;
-
     c->n_contenders = 0;
     for (const char *at = text; at && status == LF_OK;) {
         size_t n = strcspn(at, ",");
@@ -83,7 +86,6 @@ static lf_status take_contenders(curve *c, const char *text, lf_error *err)
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     curve *c = context;
-
     switch (code) {
     case OPTION_CONTENDERS:
         return take_contenders(c, text, err);
@@ -95,11 +97,13 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     }
 }
 
-/* --------------------------------------------------------------------------------------------------------- analysis -- */
+/* ---------------------------------------------------------------------------------- analysis -- */
 
 static const lf_measure *measure_of(const curve *c, int contender, int seed, int budget)
 {
-    return &c->measures[((size_t)contender * (size_t)c->options.n_seeds + (size_t)seed) * (size_t)c->n_budgets + (size_t)budget];
+    return &c->measures[((size_t)contender * (size_t)c->options.n_seeds + (size_t)seed) *
+                            (size_t)c->n_budgets +
+                        (size_t)budget];
 }
 
 /* When the baseline is as good as this, in the curve of the same seed. */
@@ -107,12 +111,12 @@ static double equal_error_ratio(const curve *c, int seed, const lf_measure *ours
 {
     double times[LF_MAX_BUDGETS];
     double errors[LF_MAX_BUDGETS];
-
     for (int b = 0; b < c->n_budgets; b++) {
         times[b] = measure_of(c, 0, seed, b)->cpu_seconds;
         errors[b] = measure_of(c, 0, seed, b)->rel_mse;
     }
-    return lf_time_of_error(times, errors, c->n_budgets, ours->rel_mse, out_beyond) / ours->cpu_seconds;
+    return lf_time_of_error(times, errors, c->n_budgets, ours->rel_mse, out_beyond) /
+           ours->cpu_seconds;
 }
 
 static void find_point(const curve *c, int contender, int budget, point *out)
@@ -122,7 +126,6 @@ static void find_point(const curve *c, int contender, int budget, point *out)
     double equal_time[LF_MAX_SEEDS];
     double equal_error[LF_MAX_SEEDS];
     int n = c->options.n_seeds;
-
     *out = (point){0};
     for (int i = 0; i < n; i++) {
         const lf_measure *m = measure_of(c, contender, i, budget);
@@ -148,7 +151,6 @@ static void find_point(const curve *c, int contender, int budget, point *out)
 static lf_interval find_slope(const curve *c, int contender)
 {
     double slopes[LF_MAX_SEEDS];
-
     for (int i = 0; i < c->options.n_seeds; i++) {
         double x[LF_MAX_BUDGETS];
         double y[LF_MAX_BUDGETS];
@@ -166,13 +168,20 @@ static double share(double part, double whole)
     return part >= 0 && whole > 0 ? part / whole : (double)NAN;
 }
 
+static bool shares(const char *integrator)
+{
+    int i = 0;
+    while (strcmp(lf_integrator_at(i)->name, integrator) != 0)
+        i++;
+    return lf_integrator_at(i)->shares;
+}
+
 static void find_cost(const curve *c, int contender, cost *out)
 {
     double cpu = 0;
     double paths = 0;
     double contributions = 0;
     double lookups = 0;
-
     for (int i = 0; i < c->options.n_seeds; i++) {
         const lf_measure *m = measure_of(c, contender, i, c->n_budgets - 1);
         cpu += m->cpu_seconds;
@@ -180,15 +189,18 @@ static void find_cost(const curve *c, int contender, cost *out)
         contributions += (double)m->stats.contributions;
         lookups += (double)m->stats.volume_lookups;
     }
-    bool alone = strcmp(c->contenders[contender].integrator, "vpt") == 0;
+    bool alone = !shares(c->contenders[contender].integrator);
     *out = (cost){
         .path_us = share(1e6 * cpu, paths),
         .lookup_ns = share(1e9 * cpu, lookups),
         .contributions_per_path = share(contributions, paths),
-        .escape_share = alone ? 1 - share(contributions, paths) : (double)NAN, /* a pivot of vpt is one contribution */
+        /* a pivot of what shares nothing is one contribution */
+        .escape_share = alone ? 1 - share(contributions, paths) : (double)NAN,
         .slope = find_slope(c, contender),
     };
-    out->shift_ns = alone ? (double)NAN : 1e3 * (out->path_us - c->costs[0].path_us) / c->trial.settings.camera.n_views;
+    out->shift_ns =
+        alone ? (double)NAN
+              : 1e3 * (out->path_us - c->costs[0].path_us) / c->trial.settings.camera.n_views;
 }
 
 static void analyse(curve *c)
@@ -200,18 +212,19 @@ static void analyse(curve *c)
     }
 }
 
-/* --------------------------------------------------------------------------------------------------------- reporting -- */
+/* --------------------------------------------------------------------------------- reporting -- */
 
 static json_t *runs_json(const curve *c, int contender, int budget)
 {
     json_t *list = json_array();
-
     for (int i = 0; i < c->options.n_seeds; i++) {
         const lf_measure *m = measure_of(c, contender, i, budget);
-        json_array_append_new(list, json_pack("{s:o, s:o, s:f, s:f, s:f, s:I}", "rel_mse", lf_bench_number(m->rel_mse),
-                                              "worst_view", lf_bench_number(m->worst_view), "cpu_seconds", m->cpu_seconds,
-                                              "native_spp", m->stats.native_spp_mean, "effective_spp", m->stats.effective_spp_mean,
-                                              "nonfinite", (json_int_t)m->n_nonfinite));
+        json_array_append_new(
+            list,
+            json_pack("{s:o, s:o, s:f, s:f, s:f, s:I}", "rel_mse", lf_bench_number(m->rel_mse),
+                      "worst_view", lf_bench_number(m->worst_view), "cpu_seconds", m->cpu_seconds,
+                      "native_spp", m->stats.native_spp_mean, "effective_spp",
+                      m->stats.effective_spp_mean, "nonfinite", (json_int_t)m->n_nonfinite));
     }
     return list;
 }
@@ -219,13 +232,15 @@ static json_t *runs_json(const curve *c, int contender, int budget)
 static json_t *point_json(const curve *c, int contender, int budget)
 {
     const point *p = &c->points[contender][budget];
-
-    return json_pack("{s:f, s:f, s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o}", "budget", ldexp(c->options.seconds, budget),
-                     "cpu_seconds", p->cpu_seconds, "native_spp", p->native_spp, "effective_spp", p->effective_spp, "correlation_1",
-                     lf_bench_number(p->correlation[0]), "correlation_10", lf_bench_number(p->correlation[1]), "rel_mse",
-                     lf_interval_json(p->rel_mse), "worst_view", lf_interval_json(p->worst_view), "equal_time_ratio",
-                     lf_interval_json(p->equal_time), "equal_error_ratio", lf_interval_json(p->equal_error), "equal_error_beyond",
-                     p->beyond, "runs", runs_json(c, contender, budget));
+    return json_pack("{s:f, s:f, s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o}", "budget",
+                     ldexp(c->options.seconds, budget), "cpu_seconds", p->cpu_seconds, "native_spp",
+                     p->native_spp, "effective_spp", p->effective_spp, "correlation_1",
+                     lf_bench_number(p->correlation[0]), "correlation_10",
+                     lf_bench_number(p->correlation[1]), "rel_mse", lf_interval_json(p->rel_mse),
+                     "worst_view", lf_interval_json(p->worst_view), "equal_time_ratio",
+                     lf_interval_json(p->equal_time), "equal_error_ratio",
+                     lf_interval_json(p->equal_error), "equal_error_beyond", p->beyond, "runs",
+                     runs_json(c, contender, budget));
 }
 
 static json_t *contender_json(const curve *c, int contender)
@@ -233,21 +248,21 @@ static json_t *contender_json(const curve *c, int contender)
     const lf_contender *who = &c->contenders[contender];
     const cost *spent = &c->costs[contender];
     json_t *points = json_array();
-
     for (int b = 0; b < c->n_budgets; b++)
         json_array_append_new(points, point_json(c, contender, b));
-    return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "integrator", who->integrator, "estimator",
-                     lf_estimator_name(who->estimator), "slope", lf_interval_json(spent->slope), "path_us",
-                     lf_bench_number(spent->path_us), "shift_ns", lf_bench_number(spent->shift_ns), "lookup_ns",
-                     lf_bench_number(spent->lookup_ns), "contributions_per_path", lf_bench_number(spent->contributions_per_path),
-                     "escape_share", lf_bench_number(spent->escape_share), "budgets", points);
+    return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "integrator", who->integrator,
+                     "estimator", lf_estimator_name(who->estimator), "slope",
+                     lf_interval_json(spent->slope), "path_us", lf_bench_number(spent->path_us),
+                     "shift_ns", lf_bench_number(spent->shift_ns), "lookup_ns",
+                     lf_bench_number(spent->lookup_ns), "contributions_per_path",
+                     lf_bench_number(spent->contributions_per_path), "escape_share",
+                     lf_bench_number(spent->escape_share), "budgets", points);
 }
 
 static json_t *curve_json(const curve *c)
 {
     json_t *object = lf_trial_json(&c->trial, &c->options);
     json_t *list = json_array();
-
     for (int i = 0; i < c->n_contenders; i++)
         json_array_append_new(list, contender_json(c, i));
     json_object_set_new(object, "confidence", json_real(CONFIDENCE));
@@ -266,7 +281,8 @@ static void print_number(int width, int digits, double value)
 static void print_ratio(lf_interval ratio, bool beyond)
 {
     if (isfinite(ratio.estimate))
-        printf("   %6.2f%s (%.2f .. %.2f)", ratio.estimate, beyond ? "*" : "", ratio.low, ratio.high);
+        printf("   %6.2f%s (%.2f .. %.2f)", ratio.estimate, beyond ? "*" : "", ratio.low,
+               ratio.high);
     else
         printf("        -");
 }
@@ -275,9 +291,11 @@ static void print_points(const curve *c, int contender)
 {
     for (int b = 0; b < c->n_budgets; b++) {
         const point *p = &c->points[contender][b];
-        printf("%-5s %-5s %7.2f  %9.3g %9.3g .. %-9.3g %9.3g %7.2f %6.2f %6.2f %6.2f", c->contenders[contender].integrator,
-               lf_estimator_name(c->contenders[contender].estimator), p->cpu_seconds, p->rel_mse.estimate, p->rel_mse.low,
-               p->rel_mse.high, p->worst_view.estimate, p->native_spp, p->effective_spp / p->native_spp, p->correlation[0],
+        printf("%-5s %-5s %7.2f  %9.3g %9.3g .. %-9.3g %9.3g %7.2f %6.2f %6.2f %6.2f",
+               c->contenders[contender].integrator,
+               lf_estimator_name(c->contenders[contender].estimator), p->cpu_seconds,
+               p->rel_mse.estimate, p->rel_mse.low, p->rel_mse.high, p->worst_view.estimate,
+               p->native_spp, p->effective_spp / p->native_spp, p->correlation[0],
                p->correlation[1]);
         if (contender > 0) {
             print_ratio(p->equal_time, false);
@@ -290,18 +308,21 @@ static void print_points(const curve *c, int contender)
 static void print_table(const curve *c)
 {
     lf_trial_print(&c->trial, &c->options);
-    printf(
-        "every run is a film of its own; 95 %% intervals over seeds, Student's t on logarithms\n"
-        "eff = effective spp for a native one; corr = correlation of the errors of views 1 and 10 apart; ratios against %s %s\n\n"
-        "               CPU s     relMSE  (95 %%)                worst view native    eff  corr1 corr10    equal time"
-        "             equal error\n",
-        c->contenders[0].integrator, lf_estimator_name(c->contenders[0].estimator));
+    printf("every run is a film of its own; 95 %% intervals over seeds, Student's t on logarithms\n"
+           "eff = effective spp for a native one; corr = correlation of the errors of views 1 and "
+           "10 apart; ratios against %s %s\n\n"
+           "               CPU s     relMSE  (95 %%)                worst view native    eff  "
+           "corr1 corr10    equal time"
+           "             equal error\n",
+           c->contenders[0].integrator, lf_estimator_name(c->contenders[0].estimator));
     for (int i = 0; i < c->n_contenders; i++)
         print_points(c, i);
-    printf("\n              path us   shift ns  look-up ns  contributions/path  escape share    slope\n");
+    printf("\n              path us   shift ns  look-up ns  contributions/path  escape share    "
+           "slope\n");
     for (int i = 0; i < c->n_contenders; i++) {
         const cost *spent = &c->costs[i];
-        printf("%-5s %-5s", c->contenders[i].integrator, lf_estimator_name(c->contenders[i].estimator));
+        printf("%-5s %-5s", c->contenders[i].integrator,
+               lf_estimator_name(c->contenders[i].estimator));
         print_number(10, 2, spent->path_us);
         print_number(11, 1, spent->shift_ns);
         print_number(12, 1, spent->lookup_ns);
@@ -314,7 +335,9 @@ static void print_table(const curve *c)
     }
     for (int i = 0; i < c->n_contenders * c->n_budgets; i++) {
         if (c->points[i / c->n_budgets][i % c->n_budgets].beyond) {
-            printf("* where the baseline was not run that long: its line goes on, for at most %g times its time\n", LF_BEYOND);
+            printf("* where the baseline was not run that long: its line goes on, for at most %g "
+                   "times its time\n",
+                   LF_BEYOND);
             break;
         }
     }
@@ -325,14 +348,14 @@ static char *plot_data(const curve *c)
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-
     if (!out)
         return NULL;
     fputs("# CPU seconds, relMSE, low, high\n", out);
     for (int i = 0; i < c->n_contenders; i++) {
         for (int b = 0; b < c->n_budgets; b++) {
             const point *p = &c->points[i][b];
-            fprintf(out, "%.6g %.6g %.6g %.6g\n", p->cpu_seconds, p->rel_mse.estimate, p->rel_mse.low, p->rel_mse.high);
+            fprintf(out, "%.6g %.6g %.6g %.6g\n", p->cpu_seconds, p->rel_mse.estimate,
+                    p->rel_mse.low, p->rel_mse.high);
         }
         fputs("\n\n", out);
     }
@@ -344,14 +367,15 @@ static char *plot_commands(const curve *c)
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-
     if (!out)
         return NULL;
-    fputs("set logscale xy\nset format y '10^{%L}'\nset xlabel 'CPU seconds'\nset ylabel 'relMSE, mean over the views'\nplot ",
+    fputs("set logscale xy\nset format y '10^{%L}'\nset xlabel 'CPU seconds'\nset ylabel 'relMSE, "
+          "mean over the views'\nplot ",
           out);
     for (int i = 0; i < c->n_contenders; i++)
-        fprintf(out, "%sdata index %d with yerrorlines pointtype %d title '%s %s'", i ? ", " : "", i, 5 + 2 * i,
-                c->contenders[i].integrator, lf_estimator_name(c->contenders[i].estimator));
+        fprintf(out, "%sdata index %d with yerrorlines pointtype %d title '%s %s'", i ? ", " : "",
+                i, 5 + 2 * i, c->contenders[i].integrator,
+                lf_estimator_name(c->contenders[i].estimator));
     return fclose(out) == 0 ? text : NULL;
 }
 
@@ -359,9 +383,8 @@ static lf_status plot(const curve *c, lf_error *err)
 {
     char *data = plot_data(c);
     char *commands = plot_commands(c);
-    lf_status status =
-        data && commands ? lf_bench_plot(c->plot, data, commands, err) : lf_error_set(err, LF_E_NOMEM, c->plot, "out of memory");
-
+    lf_status status = data && commands ? lf_bench_plot(c->plot, data, commands, err)
+                                        : lf_error_set(err, LF_E_NOMEM, c->plot, "out of memory");
     free(data);
     free(commands);
     return status;
@@ -370,14 +393,10 @@ static lf_status plot(const curve *c, lf_error *err)
 static lf_status report(const curve *c, lf_error *err)
 {
     lf_status status = LF_OK;
-
     if (!lf_bench_only_json(c->options.json))
         print_table(c);
-    if (c->options.json) {
-        json_t *object = curve_json(c);
-        status = lf_bench_write_json(c->options.json, object, err);
-        json_decref(object);
-    }
+    if (c->options.json)
+        status = lf_bench_write_json(c->options.json, curve_json(c), err);
     return status == LF_OK && c->plot ? plot(c, err) : status;
 }
 
@@ -385,16 +404,18 @@ static lf_status run(curve *c, lf_pool *pool, lf_error *err)
 {
     lf_budget budgets[LF_MAX_BUDGETS] = {0};
     lf_status status = lf_trial_open(&c->trial, c->options.operand, &c->options, pool, err);
-
     for (int b = 0; b < c->n_budgets; b++)
         budgets[b].cpu_seconds = ldexp(c->options.seconds, b);
-    c->measures = lf_calloc((size_t)c->n_contenders * (size_t)c->options.n_seeds * (size_t)c->n_budgets, sizeof *c->measures);
+    c->measures =
+        lf_calloc((size_t)c->n_contenders * (size_t)c->options.n_seeds * (size_t)c->n_budgets,
+                  sizeof *c->measures);
     if (status == LF_OK && !c->measures)
         status = lf_error_set(err, LF_E_NOMEM, c->options.operand, "out of memory");
     if (status == LF_OK)
         status = lf_trial_reference(&c->trial, &c->options, err);
     if (status == LF_OK)
-        status = lf_trial_all(&c->trial, c->contenders, c->n_contenders, &c->options, budgets, c->n_budgets, c->measures, err);
+        status = lf_trial_all(&c->trial, c->contenders, c->n_contenders, &c->options, budgets,
+                              c->n_budgets, c->measures, err);
     if (status == LF_OK) {
         analyse(c);
         status = report(c, err);
@@ -407,7 +428,11 @@ static lf_status run(curve *c, lf_pool *pool, lf_error *err)
 int lf_bench_curve(int argc, char **argv)
 {
     curve c = {
-        .options = {.seconds = 1, .n_seeds = 8, .reference = {"mvpt", LF_ESTIMATOR_CV}, .reference_spp = 128, .epsilon = 1e-2},
+        .options = {.seconds = 1,
+                    .n_seeds = 8,
+                    .reference = {"mvpt", LF_ESTIMATOR_CV},
+                    .reference_spp = 128,
+                    .epsilon = 1e-2},
         .contenders = {{"vpt", LF_ESTIMATOR_MWIS}, {"mvpt", LF_ESTIMATOR_MWIS}},
         .n_contenders = 2,
         .n_budgets = 5,
@@ -416,7 +441,6 @@ int lf_bench_curve(int argc, char **argv)
     lf_pool *pool = NULL;
     lf_error err = {0};
     bool done = false;
-
     if (lf_trial_parse(&command, argc, argv, &c.options, &done, &err) != LF_OK)
         return lf_usage_error(LF_BENCH_PROGRAM, &err);
     if (done)

@@ -6,7 +6,7 @@
 #include "base/alloc.h"
 #include "bench/bench.h"
 #include "bench/metrics.h"
-#include "daemon/options.h"
+#include "daemon/output/options.h"
 
 typedef struct arguments {
     const char *reference, *picture, *json;
@@ -51,22 +51,23 @@ static const struct option table[] = {
 
 static void print_help(void)
 {
-    printf("Usage: quiltbench error REFERENCE PICTURE [options]\n"
-           "How far PICTURE is from REFERENCE; each is a picture, a quilt (by its name or --quilt) or a folder of views.\n\n"
-           "  --quilt CxR        both pictures are quilts of so many tiles\n"
-           "  --view K           only view K of what has several views\n"
-           "  --block N          blocks of N x N pixels (7)\n"
-           "  --epsilon E        of relMSE (0.01)\n"
-           "  --max-mean SHARE   exit 1 when the means differ by more, e.g. 0.5%%\n"
-           "  --max-block SHARE  exit 1 when the blocks' relative difference (rms) is more, e.g. 3%%\n"
-           "  --max-relmse R     exit 1 when relMSE is more\n"
-           "  --json FILE        the numbers as JSON (- for stdout)\n");
+    printf(
+        "Usage: quiltbench error REFERENCE PICTURE [options]\n"
+        "How far PICTURE is from REFERENCE; each is a picture, a quilt (by its name or --quilt) or "
+        "a folder of views.\n\n"
+        "  --quilt CxR        both pictures are quilts of so many tiles\n"
+        "  --view K           only view K of what has several views\n"
+        "  --block N          blocks of N x N pixels (7)\n"
+        "  --epsilon E        of relMSE (0.01)\n"
+        "  --max-mean SHARE   exit 1 when the means differ by more, e.g. 0.5%%\n"
+        "  --max-block SHARE  exit 1 when the blocks' relative difference (rms) is more, e.g. 3%%\n"
+        "  --max-relmse R     exit 1 when relMSE is more\n"
+        "  --json FILE        the numbers as JSON (- for stdout)\n");
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     arguments *a = context;
-
     switch (code) {
     case OPTION_QUILT:
         return lf_parse_tiles(text, &a->columns, &a->rows, err);
@@ -92,17 +93,17 @@ static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_e
 {
     const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, NULL, take, a};
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
-
     if (status != LF_OK || *out_done)
         return status;
     if (argc - optind != 2)
-        return lf_error_set(err, LF_E_ARG, "error", "expects REFERENCE and PICTURE (see quiltbench error --help)");
+        return lf_error_set(err, LF_E_ARG, "error",
+                            "expects REFERENCE and PICTURE (see quiltbench error --help)");
     a->reference = argv[optind];
     a->picture = argv[optind + 1];
     return LF_OK;
 }
 
-/* ---------------------------------------------------------------------------------------------------------- input -- */
+/* ------------------------------------------------------------------------------------- input -- */
 
 static void light_field_finish(light_field *field)
 {
@@ -117,7 +118,6 @@ static lf_status decode(light_field *field, const char *path, lf_error *err)
     const lf_views8 *in = &field->quilt.views8;
     size_t width = (size_t)in->width * 3;
     float table8[256];
-
     field->decoded = lf_calloc((size_t)in->n_views * (size_t)in->height, width * sizeof(float));
     if (!field->decoded)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
@@ -133,7 +133,8 @@ static lf_status decode(light_field *field, const char *path, lf_error *err)
                 out[i] = table8[from[i]];
         }
     }
-    field->views = (lf_views32){in->n_views, in->width, in->height, width * (size_t)in->height, width, field->decoded};
+    field->views = (lf_views32){in->n_views, in->width,     in->height, width * (size_t)in->height,
+                                width,       field->decoded};
     return LF_OK;
 }
 
@@ -144,7 +145,6 @@ static lf_status open_field(const arguments *a, const char *path, light_field *f
     double aspect = 0;
     struct stat info;
     bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
-
     if (columns > 0 || folder || lf_layout_from_name(path, &columns, &rows, &aspect)) {
         lf_status status = lf_quilt_read(path, NULL, a->columns, a->rows, &field->quilt, err);
         if (status != LF_OK)
@@ -157,8 +157,9 @@ static lf_status open_field(const arguments *a, const char *path, light_field *f
     lf_status status = lf_image32_read(path, NULL, &field->image, err);
     if (status == LF_OK) {
         size_t width = (size_t)field->image.width * 3;
-        field->views =
-            (lf_views32){1, field->image.width, field->image.height, width * (size_t)field->image.height, width, field->image.data};
+        field->views = (lf_views32){
+            1,     field->image.width, field->image.height, width * (size_t)field->image.height,
+            width, field->image.data};
     }
     return status;
 }
@@ -169,30 +170,33 @@ static lf_status pick_view(const arguments *a, const char *path, lf_views32 *vie
     if (a->view < 0 || views->n_views == 1)
         return LF_OK;
     if (a->view >= views->n_views)
-        return lf_error_set(err, LF_E_ARG, path, "has %d views: there is no view %d", views->n_views, a->view);
+        return lf_error_set(err, LF_E_ARG, path, "has %d views: there is no view %d",
+                            views->n_views, a->view);
     views->data += (size_t)a->view * views->view_stride;
     views->n_views = 1;
     return LF_OK;
 }
 
-/* --------------------------------------------------------------------------------------------------------- answer -- */
+/* ------------------------------------------------------------------------------------ answer -- */
 
-static lf_status measure(const arguments *a, const lf_views32 *reference, const lf_views32 *picture, lf_metrics *metrics,
-                         lf_error *err)
+static lf_status measure(const arguments *a, const lf_views32 *reference, const lf_views32 *picture,
+                         lf_metrics *metrics, lf_error *err)
 {
     lf_status status = LF_OK;
-
     if (reference->width != picture->width || reference->height != picture->height)
-        return lf_error_set(err, LF_E_ARG, a->picture, "views of %dx%d pixels, but the reference has %dx%d", picture->width,
+        return lf_error_set(err, LF_E_ARG, a->picture,
+                            "views of %dx%d pixels, but the reference has %dx%d", picture->width,
                             picture->height, reference->width, reference->height);
     if (reference->n_views != picture->n_views)
-        return lf_error_set(err, LF_E_ARG, a->picture, "%d views, but the reference has %d (--view K picks one)", picture->n_views,
-                            reference->n_views);
+        return lf_error_set(err, LF_E_ARG, a->picture,
+                            "%d views, but the reference has %d (--view K picks one)",
+                            picture->n_views, reference->n_views);
     lf_metrics_begin(metrics, a->block, a->epsilon);
     for (int view = 0; view < picture->n_views && status == LF_OK; view++)
-        status = lf_metrics_add(metrics, a->view >= 0 ? a->view : view, picture->width, picture->height,
-                                lf_views32_row(reference, view, 0), reference->row_stride, lf_views32_row(picture, view, 0),
-                                picture->row_stride);
+        status =
+            lf_metrics_add(metrics, a->view >= 0 ? a->view : view, picture->width, picture->height,
+                           lf_views32_row(reference, view, 0), reference->row_stride,
+                           lf_views32_row(picture, view, 0), picture->row_stride);
     lf_metrics_finish(metrics);
     return status == LF_OK ? LF_OK : lf_error_set(err, status, a->picture, "out of memory");
 }
@@ -201,49 +205,54 @@ static void print_table(const arguments *a, const lf_metrics *m)
 {
     printf("relMSE                 %.4g   (epsilon %g)\n", m->rel_mse, m->epsilon);
     printf("RMSE                   %.4g\n", m->rmse);
-    printf("mean                   %.6g   reference %.6g   difference %+.4f %%\n", m->picture_mean, m->reference_mean,
-           100 * m->relative_mean);
+    printf("mean                   %.6g   reference %.6g   difference %+.4f %%\n", m->picture_mean,
+           m->reference_mean, 100 * m->relative_mean);
     printf("bias                   %+.4g   standard error %.2g\n", m->bias, m->bias_se);
-    printf("%dx%d blocks, relative  %.4f %% rms over %lld blocks\n", a->block, a->block, 100 * m->block_rms,
-           (long long)m->n_blocks);
-    printf("not finite             %lld   (reference %lld)\n", (long long)m->n_nonfinite, (long long)m->n_nonfinite_reference);
-    printf("holes                  %lld of %lld pixels\n", (long long)m->n_holes, (long long)m->n_pixels);
+    printf("%dx%d blocks, relative  %.4f %% rms over %lld blocks\n", a->block, a->block,
+           100 * m->block_rms, (long long)m->n_blocks);
+    printf("not finite             %lld   (reference %lld)\n", (long long)m->n_nonfinite,
+           (long long)m->n_nonfinite_reference);
+    printf("holes                  %lld of %lld pixels\n", (long long)m->n_holes,
+           (long long)m->n_pixels);
     for (int i = 0; i < m->n_worst; i++)
-        printf("worst block %d          view %d at %d,%d: %+.2f %% (%.4g, reference %.4g)\n", i + 1, m->worst[i].view,
-               m->worst[i].x, m->worst[i].y, 100 * m->worst[i].relative, m->worst[i].picture, m->worst[i].reference);
+        printf("worst block %d          view %d at %d,%d: %+.2f %% (%.4g, reference %.4g)\n", i + 1,
+               m->worst[i].view, m->worst[i].x, m->worst[i].y, 100 * m->worst[i].relative,
+               m->worst[i].picture, m->worst[i].reference);
 }
 
 static lf_status write_json(const arguments *a, const lf_metrics *m, lf_error *err)
 {
     json_t *object = json_pack(
-        "{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:i, s:f, s:I, s:I, s:I, s:I}", "reference", a->reference, "picture",
-        a->picture, "rel_mse", m->rel_mse, "epsilon", m->epsilon, "rmse", m->rmse, "picture_mean", m->picture_mean,
-        "reference_mean", m->reference_mean, "relative_mean", m->relative_mean, "bias", m->bias, "bias_se", m->bias_se, "block",
-        m->block, "block_rms", m->block_rms, "nonfinite", (json_int_t)m->n_nonfinite, "nonfinite_reference",
-        (json_int_t)m->n_nonfinite_reference, "holes", (json_int_t)m->n_holes, "pixels", (json_int_t)m->n_pixels);
-    lf_status status = lf_bench_write_json(a->json, object, err);
-
-    json_decref(object);
-    return status;
+        "{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:i, s:f, s:I, s:I, s:I, s:I}",
+        "reference", a->reference, "picture", a->picture, "rel_mse", m->rel_mse, "epsilon",
+        m->epsilon, "rmse", m->rmse, "picture_mean", m->picture_mean, "reference_mean",
+        m->reference_mean, "relative_mean", m->relative_mean, "bias", m->bias, "bias_se",
+        m->bias_se, "block", m->block, "block_rms", m->block_rms, "nonfinite",
+        (json_int_t)m->n_nonfinite, "nonfinite_reference", (json_int_t)m->n_nonfinite_reference,
+        "holes", (json_int_t)m->n_holes, "pixels", (json_int_t)m->n_pixels);
+    return lf_bench_write_json(a->json, object, err);
 }
 
 /* The limits that were asked for; what is not finite never passes one. */
 static lf_status check_limits(const arguments *a, const lf_metrics *m, lf_error *err)
 {
     bool asked = a->max_mean >= 0 || a->max_block >= 0 || a->max_rel_mse >= 0;
-
     if (asked && m->n_nonfinite > 0)
-        return lf_error_set(err, LF_E_STATE, a->picture, "%lld pixels are not finite", (long long)m->n_nonfinite);
+        return lf_error_set(err, LF_E_STATE, a->picture, "%lld pixels are not finite",
+                            (long long)m->n_nonfinite);
     if (asked && m->n_pixels == 0)
         return lf_error_set(err, LF_E_STATE, a->picture, "no pixel to compare");
     if (a->max_mean >= 0 && !(fabs(m->relative_mean) <= a->max_mean))
-        return lf_error_set(err, LF_E_STATE, a->picture, "the mean differs by %+.4f %%, more than %g %%", 100 * m->relative_mean,
+        return lf_error_set(err, LF_E_STATE, a->picture,
+                            "the mean differs by %+.4f %%, more than %g %%", 100 * m->relative_mean,
                             100 * a->max_mean);
     if (a->max_block >= 0 && !(m->block_rms <= a->max_block))
-        return lf_error_set(err, LF_E_STATE, a->picture, "%dx%d blocks differ by %.4f %% rms, more than %g %%", a->block, a->block,
-                            100 * m->block_rms, 100 * a->max_block);
+        return lf_error_set(err, LF_E_STATE, a->picture,
+                            "%dx%d blocks differ by %.4f %% rms, more than %g %%", a->block,
+                            a->block, 100 * m->block_rms, 100 * a->max_block);
     if (a->max_rel_mse >= 0 && !(m->rel_mse <= a->max_rel_mse))
-        return lf_error_set(err, LF_E_STATE, a->picture, "relMSE is %.4g, more than %g", m->rel_mse, a->max_rel_mse);
+        return lf_error_set(err, LF_E_STATE, a->picture, "relMSE is %.4g, more than %g", m->rel_mse,
+                            a->max_rel_mse);
     return LF_OK;
 }
 
@@ -253,7 +262,6 @@ static lf_status run(const arguments *a, lf_error *err)
     light_field picture = {0};
     lf_metrics metrics;
     lf_status status = open_field(a, a->reference, &reference, err);
-
     if (status == LF_OK)
         status = open_field(a, a->picture, &picture, err);
     if (status == LF_OK)
@@ -275,10 +283,14 @@ static lf_status run(const arguments *a, lf_error *err)
 
 int lf_bench_error(int argc, char **argv)
 {
-    arguments a = {.view = -1, .block = 7, .epsilon = 1e-2, .max_mean = -1, .max_block = -1, .max_rel_mse = -1};
+    arguments a = {.view = -1,
+                   .block = 7,
+                   .epsilon = 1e-2,
+                   .max_mean = -1,
+                   .max_block = -1,
+                   .max_rel_mse = -1};
     lf_error err = {0};
     bool done = false;
-
     if (parse(&a, argc, argv, &done, &err) != LF_OK)
         return lf_usage_error(LF_BENCH_PROGRAM, &err);
     if (done)

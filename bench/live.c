@@ -1,6 +1,6 @@
-/* quiltbench live SCENE: what somebody in front of the panel sees after a command. The daemon's loader and engine run here as
- * they do in quiltd; in place of a device that needs its time, every frame is shown at once, and its rectangles are counted
- * as a device counts them. */
+/* quiltbench live SCENE: what somebody in front of the panel sees after a command. The daemon's
+ * loader and engine run here as they do in quiltd; in place of a device that needs its time, every
+ * frame is shown at once, and its rectangles are counted as a device counts them. */
 #include <errno.h>
 #include <math.h>
 #include <poll.h>
@@ -10,11 +10,11 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/bell.h"
+#include "base/wakeup.h"
 #include "bench/bench.h"
-#include "bench/timing.h"
-#include "daemon/loader.h"
-#include "daemon/render_job.h"
+#include "bench/command.h"
+#include "daemon/engine/loader.h"
+#include "daemon/output/render_job.h"
 
 #define MAX_MOMENTS 5
 #define PATIENCE_SECONDS 600.0
@@ -56,7 +56,7 @@ typedef struct bench {
     bool has_inbox;
     lf_engine *engine;
     lf_loader *loader;
-    lf_stage *stage; /* what is shown, for references and speeds */
+    lf_content *content; /* what is shown, for references and speeds */
     lf_status load_status;
     lf_error load_error;
     int64_t generation;
@@ -70,95 +70,58 @@ typedef struct bench {
     double idle_cpu, speed_up;
 } bench;
 
-/* ------------------------------------------------------------------------------------------------------ arguments -- */
+/* --------------------------------------------------------------------------------- arguments -- */
 
-enum {
-    OPTION_REPEAT = LF_OPTION_OWN,
-    OPTION_YAW,
-    OPTION_SECONDS,
-    OPTION_REFERENCE_TIME,
-    OPTION_EPSILON,
-    OPTION_SPEED_PASSES,
-    OPTION_JSON,
+static const struct option shared[] = {
+    LF_OPTIONS_LONG("calibration"),
+    {NULL, 0, NULL, 0},
 };
 
-static const struct option table[] = {
-    LF_OPTIONS_LONG("calibration"),
-    {"repeat", required_argument, NULL, OPTION_REPEAT},
-    {"yaw", required_argument, NULL, OPTION_YAW},
-    {"seconds", required_argument, NULL, OPTION_SECONDS},
-    {"reference-time", required_argument, NULL, OPTION_REFERENCE_TIME},
-    {"epsilon", required_argument, NULL, OPTION_EPSILON},
-    {"speed-passes", required_argument, NULL, OPTION_SPEED_PASSES},
-    {"json", required_argument, NULL, OPTION_JSON},
-    {NULL, 0, NULL, 0},
+static const lf_param own[] = {
+    LF_BENCH_REPEAT(offsetof(arguments, repeat), 5, "commands"),
+    LF_BENCH_FIELD(LF_PARAM_NUMBER, "yaw", offsetof(arguments, yaw), "DEGREES", -180, 180, 5,
+                   "of each"),
+    LF_BENCH_FIELD(LF_PARAM_NUMBER, "seconds", offsetof(arguments, seconds), "S", 0.1, 3600, 10,
+                   "how long each is watched"),
+    LF_BENCH_FIELD(LF_PARAM_NUMBER, "reference-time", offsetof(arguments, reference_seconds), "S",
+                   1e-2, 1e6, 60,
+                   "CPU seconds of each of the two renderings that make the reference"),
+    LF_BENCH_FIELD(LF_PARAM_NUMBER, "epsilon", offsetof(arguments, epsilon), "E", 0, 1e9, 1e-2,
+                   "of relMSE"),
+    LF_BENCH_FIELD(LF_PARAM_WHOLE, "speed-passes", offsetof(arguments, speed_passes), "N", 0,
+                   LF_TIMING_MAX, 4, "passes that the speed-up is measured on; 0 = not"),
+    LF_BENCH_JSON(offsetof(arguments, json)),
+    {0},
 };
 
 static void print_help(void)
 {
     printf("Usage: quiltbench live SCENE [options]\n"
-           "After camera.orbit: relMSE of the panel picture that is shown 0.1, 0.3, 1, 3 and 10 s later, time to a coarse and to\n"
-           "a complete frame, updates and bytes on the wire, CPU use, and the speed-up of rendering on all threads.\n\n"
-           "  --repeat N             commands (5)\n"
-           "  --yaw DEGREES          of each (5)\n"
-           "  --seconds S            how long each is watched (10)\n"
-           "  --reference-time S     CPU seconds of each of the two renderings that make the reference (60)\n"
-           "  --epsilon E            of relMSE (0.01)\n"
-           "  --speed-passes N       passes that the speed-up is measured on; 0 = not (4)\n"
-           "  --json FILE            the numbers as JSON (- for stdout)\n" LF_OPTIONS_HELP_VIEWS
+           "After camera.orbit: relMSE of the panel picture that is shown 0.1, 0.3, 1, 3 and 10 s "
+           "later, time to a coarse and to\n"
+           "a complete frame, updates and bytes on the wire, CPU use, and the speed-up of "
+           "rendering on all threads.\n\n");
+    lf_param_print_help(own);
+    printf(LF_OPTIONS_HELP_VIEWS
            "  --calibration FILE     the panel (a nominal Portrait)\n" LF_OPTIONS_HELP_RENDER
            "  --help                 this text\n");
 }
 
-static lf_status take(void *context, int code, const char *text, lf_error *err)
-{
-    arguments *a = context;
-    switch (code) {
-    case OPTION_REPEAT:
-        return lf_parse_small("--repeat", text, 1, LF_TIMING_MAX, &a->repeat, err);
-    case OPTION_SPEED_PASSES:
-        return lf_parse_small("--speed-passes", text, 0, LF_TIMING_MAX, &a->speed_passes, err);
-    case OPTION_YAW:
-        return lf_parse_double("--yaw", text, -180, 180, &a->yaw, err);
-    case OPTION_SECONDS:
-        return lf_parse_double("--seconds", text, 0.1, 3600, &a->seconds, err);
-    case OPTION_REFERENCE_TIME:
-        return lf_parse_double("--reference-time", text, 1e-2, 1e6, &a->reference_seconds, err);
-    case OPTION_EPSILON:
-        return lf_parse_double("--epsilon", text, 0, 1e9, &a->epsilon, err);
-    default:
-        a->json = text;
-        return LF_OK;
-    }
-}
+static const lf_bench_command command = {"live", shared, own, print_help, 1, 1, "one SCENE"};
 
-static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
-{
-    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, &a->options, take, a};
-    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
+/* ---------------------------------------------------------------------------------- commands -- */
 
-    if (status != LF_OK || *out_done)
-        return status;
-    if (argc - optind != 1)
-        return lf_error_set(err, LF_E_ARG, "live", "expects one SCENE (see quiltbench live --help)");
-    a->scene = argv[optind];
-    return LF_OK;
-}
-
-/* -------------------------------------------------------------------------------------------------------- commands -- */
-
-static void open_letter(void *reader, lf_letter *letter)
+static void task_done(void *reader, lf_task *task)
 {
     bench *b = reader;
-    lf_load *load = (lf_load *)letter; /* its first member */
-
+    lf_load *load = (lf_load *)task; /* its first member */
     b->load_status = load->status;
     b->load_error = load->err;
     b->generation = load->generation;
     b->answered = true;
-    if (load->stage) {
-        lf_stage_unref(b->stage);
-        b->stage = lf_stage_ref(load->stage);
+    if (load->content) {
+        lf_content_unref(b->content);
+        b->content = lf_content_ref(load->content);
     }
     lf_load_destroy(load);
 }
@@ -166,10 +129,9 @@ static void open_letter(void *reader, lf_letter *letter)
 static lf_status send_load(bench *b, lf_load_kind kind, double yaw, lf_error *err)
 {
     lf_load *load = lf_load_create(kind);
-
     if (!load)
         return lf_error_set(err, LF_E_NOMEM, b->arguments->scene, "out of memory");
-    load->letter.open = open_letter;
+    load->task.done = task_done;
     load->options = b->arguments->options;
     load->has_calibration = true;
     load->calibration = b->calibration;
@@ -187,14 +149,13 @@ static lf_status send_load(bench *b, lf_load_kind kind, double yaw, lf_error *er
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------------------------------ watch -- */
+/* ------------------------------------------------------------------------------------- watch -- */
 
 /* Shows the newest frame, as a device that is always ready. */
 static void show(bench *b, watch *w)
 {
     lf_mailbox *mailbox = lf_engine_mailbox(b->engine);
     const lf_frame *frame = lf_mailbox_take(mailbox);
-
     if (!frame)
         return;
     double after = lf_time_now() - w->start;
@@ -212,31 +173,30 @@ static void show(bench *b, watch *w)
 /* Sleeps until something happens or `until` (seconds after the start) has come. */
 static void wait_for_news(bench *b, const watch *w, double until)
 {
-    struct pollfd fds[2] = {{.fd = b->event_fd, .events = POLLIN}, {.fd = b->inbox.event_fd, .events = POLLIN}};
+    struct pollfd fds[2] = {{.fd = b->event_fd, .events = POLLIN},
+                            {.fd = b->inbox.event_fd, .events = POLLIN}};
     double left = until - (lf_time_now() - w->start);
-
     if (left > 0 && poll(fds, 2, (int)(1e3 * left) + 1) > 0) {
         if (fds[1].revents)
             lf_inbox_read(&b->inbox, b);
         if (fds[0].revents)
-            lf_bell_silence(b->event_fd);
+            lf_wakeup_clear(b->event_fd);
     }
 }
 
 static void remember(bench *b, int moment)
 {
     const lf_frame *frame = lf_mailbox_current(lf_engine_mailbox(b->engine));
-
     if (frame && frame->image.data)
         memcpy(b->shown[moment], frame->image.data, b->n);
 }
 
 /* Sends an orbit and follows the panel for `seconds`, and until a complete frame was there. */
-static lf_status follow(bench *b, double yaw, double seconds, bool remembers, watch *out, lf_error *err)
+static lf_status follow(bench *b, double yaw, double seconds, bool remembers, watch *out,
+                        lf_error *err)
 {
     watch *w = out;
     int moment = 0;
-
     *w = (watch){.start = lf_time_now(), .before = b->generation, .coarse = -1, .complete = -1};
     double cpu = lf_time_cpu();
     lf_status status = send_load(b, LF_LOAD_ORBIT, yaw, err);
@@ -253,8 +213,12 @@ static lf_status follow(bench *b, double yaw, double seconds, bool remembers, wa
         if (now >= seconds && b->answered && w->complete >= 0)
             break;
         if (now > PATIENCE_SECONDS)
-            return lf_error_set(err, LF_E_STATE, b->arguments->scene, "no complete frame after %g s", PATIENCE_SECONDS);
-        wait_for_news(b, w, moment < b->n_moments ? all_moments[moment] : now >= seconds ? PATIENCE_SECONDS + 1 : seconds);
+            return lf_error_set(err, LF_E_STATE, b->arguments->scene,
+                                "no complete frame after %g s", PATIENCE_SECONDS);
+        wait_for_news(b, w,
+                      moment < b->n_moments ? all_moments[moment]
+                      : now >= seconds      ? PATIENCE_SECONDS + 1
+                                            : seconds);
         if (b->answered && b->load_status != LF_OK) {
             *err = b->load_error;
             return b->load_status;
@@ -270,7 +234,6 @@ static lf_status start_up(bench *b, lf_error *err)
 {
     watch w = {.start = lf_time_now(), .coarse = -1, .complete = -1};
     lf_status status = send_load(b, LF_LOAD_FILE, 0, err);
-
     while (status == LF_OK && (!b->answered || w.complete < 0)) {
         wait_for_news(b, &w, PATIENCE_SECONDS);
         show(b, &w);
@@ -279,14 +242,15 @@ static lf_status start_up(bench *b, lf_error *err)
             return b->load_status;
         }
         if (lf_time_now() - w.start > PATIENCE_SECONDS)
-            return lf_error_set(err, LF_E_STATE, b->arguments->scene, "no complete frame after %g s", PATIENCE_SECONDS);
+            return lf_error_set(err, LF_E_STATE, b->arguments->scene,
+                                "no complete frame after %g s", PATIENCE_SECONDS);
     }
-    if (status == LF_OK && !b->stage->scene)
+    if (status == LF_OK && !b->content->scene)
         return lf_error_set(err, LF_E_ARG, b->arguments->scene, "is a picture (expected a scene)");
     return status;
 }
 
-/* ------------------------------------------------------------------------------------------------------- reference -- */
+/* --------------------------------------------------------------------------------- reference -- */
 
 static void fill_to_linear(float out[256])
 {
@@ -296,35 +260,40 @@ static void fill_to_linear(float out[256])
     }
 }
 
-static lf_status render_film(const bench *b, const lf_render_settings *settings, lf_pool *pool, const lf_budget *budget,
-                             float *film, double *out_seconds, lf_error *err)
+static lf_status render_film(const bench *b, const lf_render_settings *settings, lf_pool *pool,
+                             const lf_budget *budget, float *film, double *out_seconds,
+                             lf_error *err)
 {
     lf_renderer *renderer = NULL;
     lf_render_times times;
-    lf_status status = lf_renderer_create(b->stage->scene, settings, pool, &renderer, err);
-
+    lf_status status = lf_renderer_create(b->content->scene, settings, pool, &renderer, err);
     if (status != LF_OK)
         return status;
     double start = lf_time_now();
-    status = lf_render_run(renderer, budget, b->arguments->options.estimator, film, NULL, NULL, NULL, &times);
+    status = lf_render_run(renderer, budget, b->arguments->options.estimator, film, NULL, NULL,
+                           NULL, &times);
     *out_seconds = lf_time_now() - start;
     lf_renderer_destroy(renderer);
-    return status == LF_OK ? LF_OK : lf_error_set(err, status, b->arguments->scene, "rendering failed");
+    return status == LF_OK ? LF_OK
+                           : lf_error_set(err, status, b->arguments->scene, "rendering failed");
 }
 
 /* The panel's picture of a film, as the engine makes it. */
-static lf_status compose(const bench *b, const float *film, uint8_t *views, lf_image8 *out, lf_error *err)
+static lf_status compose(const bench *b, const float *film, uint8_t *views, lf_image8 *out,
+                         lf_error *err)
 {
-    const lf_layout *l = &b->stage->layout;
+    const lf_layout *l = &b->content->layout;
     size_t row = (size_t)l->view_width * 3;
-    const lf_views8 v = {l->n_views, l->view_width, l->view_height, row, row * (size_t)l->n_views, views};
+    const lf_views8 v = {l->n_views, l->view_width, l->view_height, row, row * (size_t)l->n_views,
+                         views};
     lf_tone *tone = NULL;
     lf_interlacer *interlacer = NULL;
-    lf_status status = lf_tone_create(b->stage->film.exposure, b->stage->film.tonemap, &tone, err);
-
+    lf_status status =
+        lf_tone_create(b->content->film.exposure, b->content->film.tonemap, &tone, err);
     if (status == LF_OK)
-        status = lf_interlacer_create(&b->calibration, l->n_views, l->view_width, l->view_height, l->aspect, LF_FILTER_NEAREST,
-                                      LF_INVERT_AUTO, &interlacer, err);
+        status =
+            lf_interlacer_create(&b->calibration, l->n_views, l->view_width, l->view_height,
+                                 l->aspect, LF_FILTER_NEAREST, LF_INVERT_AUTO, &interlacer, err);
     if (status == LF_OK) {
         lf_tone_map(tone, v.row_stride / 3 * (size_t)l->view_height, film, views);
         lf_interlace(interlacer, &v, out, NULL);
@@ -334,10 +303,11 @@ static lf_status compose(const bench *b, const float *film, uint8_t *views, lf_i
     return status;
 }
 
-/* Of the stage that is shown: the mean of two panel pictures, and from half their difference what that mean is off by. */
+/* Of the content that is shown: the mean of two panel pictures, and from half their difference what
+ * that mean is off by. */
 static lf_status make_reference(bench *b, lf_error *err)
 {
-    const lf_layout *l = &b->stage->layout;
+    const lf_layout *l = &b->content->layout;
     size_t samples = (size_t)l->n_views * (size_t)l->view_width * (size_t)l->view_height * 3;
     const lf_budget budget = {.cpu_seconds = b->arguments->reference_seconds};
     float *film = lf_calloc(samples, sizeof *film);
@@ -346,20 +316,22 @@ static lf_status make_reference(bench *b, lf_error *err)
     lf_pool *pool = NULL;
     double seconds, sum = 0;
     lf_status status = LF_OK;
-
     for (int i = 0; i < 2 && status == LF_OK; i++)
-        status = lf_image8_init(&panel[i], b->calibration.screen_width_px, b->calibration.screen_height_px, 3);
-    if (status != LF_OK || !film || !views || lf_pool_create(b->arguments->options.threads, &pool) != LF_OK)
+        status = lf_image8_init(&panel[i], b->calibration.screen_width_px,
+                                b->calibration.screen_height_px, 3);
+    if (status != LF_OK || !film || !views ||
+        lf_pool_create(b->arguments->options.threads, &pool) != LF_OK)
         status = lf_error_set(err, LF_E_NOMEM, b->arguments->scene, "out of memory");
     for (uint64_t i = 0; i < 2 && status == LF_OK; i++) {
-        lf_render_settings settings = b->stage->settings;
+        lf_render_settings settings = b->content->settings;
         settings.seed = REFERENCE_SEED + i;
         status = render_film(b, &settings, pool, &budget, film, &seconds, err);
         if (status == LF_OK)
             status = compose(b, film, views, &panel[i], err);
     }
     for (size_t i = 0; i < b->n && status == LF_OK; i++) {
-        double x = (double)b->to_linear[panel[0].data[i]], y = (double)b->to_linear[panel[1].data[i]], mean = 0.5 * (x + y);
+        double x = (double)b->to_linear[panel[0].data[i]],
+               y = (double)b->to_linear[panel[1].data[i]], mean = 0.5 * (x + y);
         sum += 0.25 * (x - y) * (x - y) / (mean * mean + b->arguments->epsilon);
         b->reference[i] = (float)mean;
     }
@@ -375,7 +347,6 @@ static lf_status make_reference(bench *b, lf_error *err)
 static double panel_error(const bench *b, const uint8_t *shown)
 {
     double sum = 0;
-
     for (size_t i = 0; i < b->n; i++) {
         double r = (double)b->reference[i], d = (double)b->to_linear[shown[i]] - r;
         sum += d * d / (r * r + b->arguments->epsilon);
@@ -383,7 +354,7 @@ static double panel_error(const bench *b, const uint8_t *shown)
     return sum / (double)b->n - b->reference_error;
 }
 
-/* ------------------------------------------------------------------------------------------------------ measuring -- */
+/* --------------------------------------------------------------------------------- measuring -- */
 
 static void add_watch(bench *b, const watch *w)
 {
@@ -397,7 +368,6 @@ static void add_watch(bench *b, const watch *w)
 static void pause_engine(bench *b, bool paused)
 {
     lf_engine_controls controls = lf_engine_get_controls(b->engine);
-
     controls.paused = paused;
     lf_engine_set_controls(b->engine, &controls);
 }
@@ -407,7 +377,6 @@ static lf_status measure_commands(bench *b, lf_error *err)
     const arguments *a = b->arguments;
     lf_status status = LF_OK;
     watch w;
-
     for (int i = 0; i < a->repeat && status == LF_OK; i++) {
         status = follow(b, a->yaw, a->seconds, true, &w, err);
         if (status != LF_OK)
@@ -432,7 +401,6 @@ static lf_status measure_idle(bench *b, lf_error *err)
     lf_engine_controls controls = lf_engine_get_controls(b->engine);
     lf_engine_status status;
     watch w = {.start = lf_time_now()};
-
     controls.target_error = 1e30;
     lf_engine_set_controls(b->engine, &controls);
     do {
@@ -454,18 +422,19 @@ static lf_status measure_idle(bench *b, lf_error *err)
 /* Wall clock of the same passes on one thread over that on all of them, in turns. */
 static lf_status measure_speed_up(bench *b, lf_error *err)
 {
-    const lf_layout *l = &b->stage->layout;
+    const lf_layout *l = &b->content->layout;
     const lf_budget budget = {.passes = b->arguments->speed_passes};
-    float *film = lf_calloc((size_t)l->n_views * (size_t)l->view_width * (size_t)l->view_height, 3 * sizeof *film);
+    float *film = lf_calloc((size_t)l->n_views * (size_t)l->view_width * (size_t)l->view_height,
+                            3 * sizeof *film);
     lf_pool *pools[2] = {NULL, NULL};
     lf_timing times[2] = {0};
     lf_status status = LF_OK;
-
-    if (!film || lf_pool_create(1, &pools[0]) != LF_OK || lf_pool_create(b->arguments->options.threads, &pools[1]) != LF_OK)
+    if (!film || lf_pool_create(1, &pools[0]) != LF_OK ||
+        lf_pool_create(b->arguments->options.threads, &pools[1]) != LF_OK)
         status = lf_error_set(err, LF_E_NOMEM, b->arguments->scene, "out of memory");
     for (int i = 0; i < 2 * SPEED_REPEAT && status == LF_OK; i++) {
         double seconds = 0;
-        status = render_film(b, &b->stage->settings, pools[i % 2], &budget, film, &seconds, err);
+        status = render_film(b, &b->content->settings, pools[i % 2], &budget, film, &seconds, err);
         lf_timing_add(&times[i % 2], seconds);
     }
     b->speed_up = lf_timing_quantile(&times[0], 0) / lf_timing_quantile(&times[1], 0);
@@ -475,26 +444,28 @@ static lf_status measure_speed_up(bench *b, lf_error *err)
     return status;
 }
 
-/* ---------------------------------------------------------------------------------------------------------- answer -- */
+/* ------------------------------------------------------------------------------------ answer -- */
 
 static void print_table(const bench *b)
 {
-    const lf_layout *l = &b->stage->layout;
-
-    printf("%s: %d views of %dx%d on a panel of %dx%d, orbit by %g degrees, %d times\n\n", b->arguments->scene, l->n_views,
-           l->view_width, l->view_height, b->calibration.screen_width_px, b->calibration.screen_height_px, b->arguments->yaw,
+    const lf_layout *l = &b->content->layout;
+    printf("%s: %d views of %dx%d on a panel of %dx%d, orbit by %g degrees, %d times\n\n",
+           b->arguments->scene, l->n_views, l->view_width, l->view_height,
+           b->calibration.screen_width_px, b->calibration.screen_height_px, b->arguments->yaw,
            b->arguments->repeat);
-    printf("to a coarse frame      median %.3f s, 95 %% %.3f s\n", lf_timing_quantile(&b->coarse, 0.5),
-           lf_timing_quantile(&b->coarse, 0.95));
-    printf("to a complete frame    median %.3f s, 95 %% %.3f s\n", lf_timing_quantile(&b->complete, 0.5),
-           lf_timing_quantile(&b->complete, 0.95));
+    printf("to a coarse frame      median %.3f s, 95 %% %.3f s\n",
+           lf_timing_quantile(&b->coarse, 0.5), lf_timing_quantile(&b->coarse, 0.95));
+    printf("to a complete frame    median %.3f s, 95 %% %.3f s\n",
+           lf_timing_quantile(&b->complete, 0.5), lf_timing_quantile(&b->complete, 0.95));
     for (int k = 0; k < b->n_moments; k++)
         printf("after %5.1f s          relMSE of the panel %.4g (%.4g .. %.4g)\n", all_moments[k],
                lf_timing_quantile(&b->rel_mse[k], 0.5), lf_timing_quantile(&b->rel_mse[k], 0),
                lf_timing_quantile(&b->rel_mse[k], 1));
-    printf("                       (of the reference itself: %.3g, subtracted)\n", b->reference_error);
-    printf("while it converges     %.1f updates and %.2f MB a second, %.2f CPUs\n", lf_timing_quantile(&b->updates, 0.5),
-           1e-6 * lf_timing_quantile(&b->wire_bytes, 0.5), lf_timing_quantile(&b->cpu, 0.5));
+    printf("                       (of the reference itself: %.3g, subtracted)\n",
+           b->reference_error);
+    printf("while it converges     %.1f updates and %.2f MB a second, %.2f CPUs\n",
+           lf_timing_quantile(&b->updates, 0.5), 1e-6 * lf_timing_quantile(&b->wire_bytes, 0.5),
+           lf_timing_quantile(&b->cpu, 0.5));
     printf("converged              %.2f %% of a CPU\n", 100 * b->idle_cpu);
     if (b->arguments->speed_passes > 0)
         printf("all threads            %.2f times one\n", b->speed_up);
@@ -502,40 +473,41 @@ static void print_table(const bench *b)
 
 static json_t *quantiles(const lf_timing *t)
 {
-    return json_pack("{s:f, s:f, s:f, s:f}", "median", lf_timing_quantile(t, 0.5), "p95", lf_timing_quantile(t, 0.95), "low",
-                     lf_timing_quantile(t, 0), "high", lf_timing_quantile(t, 1));
+    return json_pack("{s:f, s:f, s:f, s:f}", "median", lf_timing_quantile(t, 0.5), "p95",
+                     lf_timing_quantile(t, 0.95), "low", lf_timing_quantile(t, 0), "high",
+                     lf_timing_quantile(t, 1));
 }
 
 static lf_status write_json(const bench *b, lf_error *err)
 {
     const arguments *a = b->arguments;
-    const lf_layout *l = &b->stage->layout;
+    const lf_layout *l = &b->content->layout;
     json_t *moments = json_array();
-
     for (int k = 0; k < b->n_moments; k++)
-        json_array_append_new(moments, json_pack("{s:f, s:o}", "seconds", all_moments[k], "rel_mse", quantiles(&b->rel_mse[k])));
-    json_t *object =
-        json_pack("{s:s, s:o, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:o, s:o, s:o, s:f, s:o, s:o, s:o, s:f, s:o}", "scene",
-                  a->scene, "machine", lf_bench_machine(), "views", l->n_views, "width", l->view_width, "height", l->view_height,
-                  "panel_width", b->calibration.screen_width_px, "panel_height", b->calibration.screen_height_px, "repeat",
-                  a->repeat, "yaw", a->yaw, "seconds", a->seconds, "coarse_seconds", quantiles(&b->coarse), "complete_seconds",
-                  quantiles(&b->complete), "shown", moments, "reference_rel_mse", b->reference_error, "updates_per_second",
-                  quantiles(&b->updates), "wire_bytes_per_second", quantiles(&b->wire_bytes), "cpus", quantiles(&b->cpu),
-                  "converged_cpus", b->idle_cpu, "speed_up", a->speed_passes > 0 ? json_real(b->speed_up) : json_null());
-    lf_status status = lf_bench_write_json(a->json, object, err);
-
-    json_decref(object);
-    return status;
+        json_array_append_new(moments, json_pack("{s:f, s:o}", "seconds", all_moments[k], "rel_mse",
+                                                 quantiles(&b->rel_mse[k])));
+    json_t *object = json_pack(
+        "{s:s, s:o, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:o, s:o, s:o, s:f, s:o, s:o, s:o, "
+        "s:f, s:o}",
+        "scene", a->scene, "machine", lf_bench_machine(), "views", l->n_views, "width",
+        l->view_width, "height", l->view_height, "panel_width", b->calibration.screen_width_px,
+        "panel_height", b->calibration.screen_height_px, "repeat", a->repeat, "yaw", a->yaw,
+        "seconds", a->seconds, "coarse_seconds", quantiles(&b->coarse), "complete_seconds",
+        quantiles(&b->complete), "shown", moments, "reference_rel_mse", b->reference_error,
+        "updates_per_second", quantiles(&b->updates), "wire_bytes_per_second",
+        quantiles(&b->wire_bytes), "cpus", quantiles(&b->cpu), "converged_cpus", b->idle_cpu,
+        "speed_up", a->speed_passes > 0 ? json_real(b->speed_up) : json_null());
+    return lf_bench_write_json(a->json, object, err);
 }
 
-/* --------------------------------------------------------------------------------------------------------- set-up -- */
+/* ------------------------------------------------------------------------------------ set-up -- */
 
 static lf_status prepare(bench *b, lf_error *err)
 {
     const arguments *a = b->arguments;
-    const lf_engine_controls controls = {.estimator = a->options.estimator, .target_error = 1e-12, .threads = a->options.threads};
+    const lf_engine_controls controls = {
+        .estimator = a->options.estimator, .target_error = 1e-12, .threads = a->options.threads};
     lf_status status = LF_OK;
-
     lf_calibration_portrait(&b->calibration);
     if (a->options.calibration)
         status = lf_calibration_load(a->options.calibration, &b->calibration, err);
@@ -544,13 +516,13 @@ static lf_status prepare(bench *b, lf_error *err)
     fill_to_linear(b->to_linear);
     b->n = (size_t)b->calibration.screen_width_px * (size_t)b->calibration.screen_height_px * 3;
     b->reference = lf_calloc(b->n, sizeof *b->reference);
-    bool whole = b->reference != NULL;
+    bool whole = b->reference;
     while (b->n_moments < MAX_MOMENTS && all_moments[b->n_moments] <= a->seconds) {
         b->shown[b->n_moments] = lf_calloc(b->n, 1);
-        whole = whole && b->shown[b->n_moments] != NULL;
+        whole = whole && b->shown[b->n_moments];
         b->n_moments++;
     }
-    b->event_fd = lf_bell_make();
+    b->event_fd = lf_wakeup_make();
     b->has_inbox = whole && b->event_fd >= 0 && lf_inbox_init(&b->inbox) == LF_OK;
     if (!b->has_inbox)
         return lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
@@ -568,7 +540,7 @@ static void finish(bench *b)
     lf_engine_destroy(b->engine);
     if (b->has_inbox)
         lf_inbox_finish(&b->inbox, b);
-    lf_stage_unref(b->stage);
+    lf_content_unref(b->content);
     if (b->event_fd >= 0)
         close(b->event_fd);
     lf_free(b->reference);
@@ -580,7 +552,6 @@ static void finish(bench *b)
 static lf_status measure(bench *b, lf_error *err)
 {
     lf_status status = start_up(b, err);
-
     if (status == LF_OK)
         status = measure_commands(b, err);
     if (status == LF_OK)
@@ -596,14 +567,12 @@ static lf_status measure(bench *b, lf_error *err)
 
 int lf_bench_live(int argc, char **argv)
 {
-    arguments a = {.repeat = 5, .yaw = 5, .seconds = 10, .reference_seconds = 60, .epsilon = 1e-2, .speed_passes = 4};
+    arguments a = {0};
     lf_error err = {0};
-    bool done = false;
-
-    if (parse(&a, argc, argv, &done, &err) != LF_OK)
-        return lf_usage_error(LF_BENCH_PROGRAM, &err);
-    if (done)
-        return LF_EXIT_OK;
+    int code = LF_EXIT_OK;
+    if (!lf_bench_command_begin(&command, argc, argv, &a.options, &a, &code))
+        return code;
+    a.scene = argv[optind];
     bench *b = lf_calloc(1, sizeof *b);
     if (!b) {
         lf_error_set(&err, LF_E_NOMEM, a.scene, "out of memory");

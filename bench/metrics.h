@@ -2,11 +2,13 @@
  *
  * All over linear float RGB, every channel of every pixel alike. r is the reference, x the picture:
  *   relMSE    mean of (x - r)^2 / (r^2 + epsilon)
- *   bias      mean of x - r; its standard error comes from the scatter of N x N blocks, because pixels near each other share
- *             paths
- *   blocks    root mean square of (X - R) / R over whole N x N blocks with means X and R (R^2 is raised by 1e-4 times the
- *             squared mean of the reference, so that black blocks do not divide by 0)
- * Pixels that are not finite in either picture are counted and left out. Pure; one lf_metrics belongs to one thread. */
+ *   bias      mean of x - r; its standard error comes from the scatter of N x N blocks, because
+ *             pixels near each other share paths
+ *   blocks    root mean square of (X - R) / R over whole N x N blocks with means X and R (R^2 is
+ *             raised by 1e-4 times the squared mean of the reference, so that black blocks do not
+ *             divide by 0)
+ * Pixels that are not finite in either picture are counted and left out. Pure; one lf_metrics
+ * belongs to one thread. */
 #ifndef LF_BENCH_METRICS_H
 #define LF_BENCH_METRICS_H
 
@@ -45,8 +47,9 @@ typedef struct lf_metrics {
 
 void lf_metrics_begin(lf_metrics *metrics, int block, double epsilon);
 /* Adds one view: width x height pixels of 3 floats, rows `stride` floats apart. LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_metrics_add(lf_metrics *metrics, int view, int width, int height, const float *reference,
-                                      size_t reference_stride, const float *picture, size_t picture_stride);
+LF_NODISCARD lf_status lf_metrics_add(lf_metrics *metrics, int view, int width, int height,
+                                      const float *reference, size_t reference_stride,
+                                      const float *picture, size_t picture_stride);
 /* Computes the answer and releases what was kept. Call it after a failed add too. */
 void lf_metrics_finish(lf_metrics *metrics);
 

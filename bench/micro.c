@@ -1,14 +1,16 @@
-/* quiltbench micro SCENE: the inner loops one by one, on fans of rays that this scene gives. Every instruction set's kernels are held
- * against the plain C ones, bit for bit, and timed in turns with them. */
+/* quiltbench micro SCENE: the inner loops one by one, on fans of rays that this scene gives. Every
+ * instruction set's kernels are held against the plain C ones, bit for bit, and timed in turns with
+ * them. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/alloc.h"
 #include "bench/bench.h"
-#include "bench/timing.h"
-#include "daemon/stage.h"
+#include "bench/command.h"
+#include "daemon/output/content.h"
 #include "render/renderer.h"
+#include "render/rows/rows.h"
 
 #define N_FANS 512
 #define N_RAYS 4096
@@ -28,7 +30,8 @@ typedef struct fan {
 
 /* What the kernels answered for all fans. */
 typedef struct answers {
-    float tau[N_FANS][LF_MAX_LANES], sigma[N_FANS][LF_MAX_LANES], density[N_FANS][LF_MAX_LANES], sum[N_FANS];
+    float tau[N_FANS][LF_MAX_LANES], sigma[N_FANS][LF_MAX_LANES], density[N_FANS][LF_MAX_LANES],
+        sum[N_FANS];
 } answers;
 
 typedef struct bench {
@@ -36,6 +39,7 @@ typedef struct bench {
     lf_scene *scene;
     lf_pool *pool;
     lf_renderer *renderer;
+    const lf_rows *rows; /* its state */
     lf_scratch *worker;
     lf_row_plane plane;
     lf_body body; /* a shape of the size of the window, for the kernel of shapes */
@@ -49,64 +53,41 @@ typedef struct bench {
     json_t *lines;
 } bench;
 
-enum { OPTION_REPEAT = LF_OPTION_OWN, OPTION_JSON, OPTION_FAULT };
-
-static const struct option table[] = {
+static const struct option shared[] = {
     LF_OPTIONS_LONG("calibration"),
-    {"repeat", required_argument, NULL, OPTION_REPEAT},
-    {"json", required_argument, NULL, OPTION_JSON},
-    {"fault", no_argument, NULL, OPTION_FAULT},
     {NULL, 0, NULL, 0},
+};
+
+static const lf_param own[] = {
+    LF_BENCH_REPEAT(offsetof(arguments, repeat), 15, "repetitions; their median counts"),
+    {.name = "fault",
+     .option = "fault",
+     .help = "spoils a bit of an answer: the run must fail",
+     .type = LF_PARAM_SWITCH,
+     .place = offsetof(arguments, fault)},
+    LF_BENCH_JSON(offsetof(arguments, json)),
+    {0},
 };
 
 static void print_help(void)
 {
     printf("Usage: quiltbench micro SCENE [options]\n"
-           "CPU time of the inner loops on the fans of rays of this scene's middle row, in ns a view or an item. Exits 1 when\n"
-           "the kernels of an instruction set answer anything else than the plain C ones.\n\n"
-           "  --repeat N             repetitions; their median counts (15)\n"
-           "  --fault                spoils a bit of an answer: the run must fail\n"
-           "  --json FILE            the numbers as JSON (- for stdout)\n" LF_OPTIONS_HELP_VIEWS
-           "  --seed S               of the rays (0)\n"
-           "  --help                 this text\n");
+           "CPU time of the inner loops on the fans of rays of this scene's middle row, in ns a "
+           "view or an item. Exits 1 when\n"
+           "the kernels of an instruction set answer anything else than the plain C ones.\n\n");
+    lf_param_print_help(own);
+    printf(LF_OPTIONS_HELP_VIEWS "  --seed S               of the rays (0)\n"
+                                 "  --help                 this text\n");
 }
 
-static lf_status take(void *context, int code, const char *text, lf_error *err)
-{
-    arguments *a = context;
+static const lf_bench_command command = {"micro", shared, own, print_help, 1, 1, "one SCENE"};
 
-    switch (code) {
-    case OPTION_REPEAT:
-        return lf_parse_small("--repeat", text, 1, LF_TIMING_MAX, &a->repeat, err);
-    case OPTION_FAULT:
-        a->fault = true;
-        return LF_OK;
-    default:
-        a->json = text;
-        return LF_OK;
-    }
-}
-
-static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
-{
-    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, &a->options, take, a};
-    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
-
-    if (status != LF_OK || *out_done)
-        return status;
-    if (argc - optind != 1)
-        return lf_error_set(err, LF_E_ARG, "micro", "expects one SCENE (see quiltbench micro --help)");
-    a->scene = argv[optind];
-    return LF_OK;
-}
-
-/* ------------------------------------------------------------------------------------------------------------ rays -- */
+/* -------------------------------------------------------------------------------------- rays -- */
 
 static fan fan_to(const bench *b, float x, float z)
 {
-    const lf_rig *rig = &b->renderer->rig;
+    const lf_rig *rig = &b->rows->rig;
     fan f;
-
     for (int k = 0; k < b->lanes; k++) {
         f.x0[k] = rig->b[k];
         f.slope[k] = (x - rig->b[k]) / (isfinite(z) ? z : rig->distance);
@@ -115,17 +96,19 @@ static fan fan_to(const bench *b, float x, float z)
     return f;
 }
 
-/* Where base rays of the row collide; the fans that meet there, and those through the same points of the window. */
+/* Where base rays of the row collide; the fans that meet there, and those through the same points
+ * of the window. */
 static void draw_fans(bench *b)
 {
-    const lf_rig *rig = &b->renderer->rig;
+    const lf_rig *rig = &b->rows->rig;
     lf_tracer *tracer = &b->worker->tracer;
     int tries = 0;
-
     for (; b->n_rays < N_RAYS && tries < 64 * N_RAYS; tries++) {
         int view = (int)(lf_rng(tracer) * (float)rig->n_views);
         float window = rig->x0 + lf_rng(tracer) * (float)rig->width * rig->dx;
-        lf_media_ray ray = {.x0 = rig->b[view], .slope = (window - rig->b[view]) / rig->distance, .z_end = INFINITY};
+        lf_media_ray ray = {.x0 = rig->b[view],
+                            .slope = (window - rig->b[view]) / rig->distance,
+                            .z_end = INFINITY};
         ray.length = sqrtf(1.0f + ray.slope * ray.slope + b->plane.my * b->plane.my);
         lf_collision c = lf_media_collide(&b->worker->media, &ray, lf_rng(tracer), false, tracer);
         if (!isfinite(c.z))
@@ -140,21 +123,23 @@ static void draw_fans(bench *b)
         b->events[b->n_rays] = (lf_event){.kind = LF_EVENT_MEDIUM, .w = travel};
         b->events[b->n_rays].p = lf_rig_point(rig, x, b->plane.ly + b->plane.my * c.z, c.z);
         b->events[b->n_rays].volume = b->worker->media.item[c.medium].volume;
-        b->ways[b->n_rays++] = lf_phase_sample(0.0f, travel, (float[2]){lf_rng(tracer), lf_rng(tracer)});
+        b->ways[b->n_rays++] =
+            lf_phase_sample(0.0f, travel, (float[2]){lf_rng(tracer), lf_rng(tracer)});
     }
 }
 
-/* Mean optical depth of the middle view's rays that meet anything, for what the line says of the scene. */
+/* Mean optical depth of the middle view's rays that meet anything, for what the line says of the
+ * scene. */
 static void measure_depth(bench *b)
 {
-    const lf_rig *rig = &b->renderer->rig;
+    const lf_rig *rig = &b->rows->rig;
     double sum = 0;
     int n = 0;
-
     for (int u = 0; u < rig->width; u++) {
         fan f = fan_to(b, rig->x0 + ((float)u + 0.5f) * rig->dx, INFINITY);
         float tau[LF_MAX_LANES];
-        lf_media_depths(&b->worker->media, lf_kernels_get(), b->lanes, f.x0, f.slope, f.z_end, tau, -1, NULL);
+        lf_media_depths(&b->worker->media, lf_kernels_get(), b->lanes, f.x0, f.slope, f.z_end, tau,
+                        -1, NULL);
         sum += (double)tau[rig->n_views / 2];
         n += tau[rig->n_views / 2] > 0;
     }
@@ -171,13 +156,15 @@ static lf_status prepare(bench *b, lf_error *err)
         lf_log_warnings(b->scene, NULL);
 
     if (status == LF_OK)
-        status = lf_resolve_view(&a->options, lf_scene_camera(b->scene), NULL, &settings, &layout, err);
+        status =
+            lf_resolve_view(&a->options, lf_scene_camera(b->scene), NULL, &settings, &layout, err);
     if (status == LF_OK && lf_pool_create(1, &b->pool) != LF_OK)
         status = lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
     if (status == LF_OK)
         status = lf_renderer_create(b->scene, &settings, b->pool, &b->renderer, err);
     if (status != LF_OK)
         return status;
+    b->rows = b->renderer->state;
     b->pivots = lf_calloc(N_FANS, sizeof *b->pivots);
     b->exits = lf_calloc(N_FANS, sizeof *b->exits);
     b->events = lf_calloc(N_RAYS, sizeof *b->events);
@@ -186,18 +173,20 @@ static lf_status prepare(bench *b, lf_error *err)
         b->answers[i] = lf_calloc(1, sizeof *b->answers[i]);
     if (!b->pivots || !b->exits || !b->events || !b->ways || !b->answers[0] || !b->answers[1])
         return lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
-    const lf_rig *rig = &b->renderer->rig;
-    b->worker = b->renderer->workers[0];
+    const lf_rig *rig = &b->rows->rig;
+    b->worker = b->rows->workers[0];
     b->worker->tracer.scene = b->renderer->scene;
     b->worker->tracer.rng = lf_hash64(a->options.seed, 1);
     b->lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     lf_rig_row_plane(rig, 0.5f * (float)rig->height, (float[2]){0.5f, 0.5f}, &b->plane);
     const float phase[2] = {0.5f, 0.5f};
-    lf_media_cut(&b->worker->media, &b->renderer->frame, b->renderer->scene, rig, &b->plane, phase, lf_kernels_get(),
-                 &b->worker->tracer.lookups);
+    lf_media_cut(&b->worker->media, &b->rows->frame, b->renderer->scene, rig, &b->plane, phase,
+                 lf_kernels_get(), &b->worker->tracer.lookups);
     draw_fans(b);
     if (b->n_fans < N_FANS)
-        return lf_error_set(err, LF_E_ARG, a->scene, "rays of the middle row hardly collide with a volume: nothing to measure");
+        return lf_error_set(
+            err, LF_E_ARG, a->scene,
+            "rays of the middle row hardly collide with a volume: nothing to measure");
     measure_depth(b);
     b->body = (lf_body){.sphere = true, .sigma_t = 1.0f, .depth = {0, 0, 1}};
     b->body.origin[2] = -rig->distance;
@@ -205,17 +194,17 @@ static lf_status prepare(bench *b, lf_error *err)
     return LF_OK;
 }
 
-/* --------------------------------------------------------------------------------------------------------- kernels -- */
+/* ----------------------------------------------------------------------------------- kernels -- */
 
 static void run_march(const bench *b, const lf_kernels *k, answers *out)
 {
     const lf_media *media = &b->worker->media;
-
     for (int i = 0; i < b->n_fans; i++) {
         const fan *f = &b->pivots[i];
         memset(out->tau[i], 0, sizeof out->tau[i]);
         if (media->item[b->medium[i]].kind == LF_MEDIUM_SLICE)
-            k->march(&media->item[b->medium[i]].slice, b->lanes, f->x0, f->slope, f->z_end, out->tau[i], out->sigma[i]);
+            k->march(&media->item[b->medium[i]].slice, b->lanes, f->x0, f->slope, f->z_end,
+                     out->tau[i], out->sigma[i]);
     }
 }
 
@@ -223,7 +212,8 @@ static void run_exits(const bench *b, const lf_kernels *k, answers *out)
 {
     for (int i = 0; i < b->n_fans; i++) {
         const fan *f = &b->exits[i];
-        lf_media_depths(&b->worker->media, k, b->lanes, f->x0, f->slope, f->z_end, out->tau[i], -1, NULL);
+        lf_media_depths(&b->worker->media, k, b->lanes, f->x0, f->slope, f->z_end, out->tau[i], -1,
+                        NULL);
     }
 }
 
@@ -247,7 +237,8 @@ static void run_pivot(const bench *b, const lf_kernels *k, answers *out)
 {
     for (int i = 0; i < b->n_fans; i++) {
         const fan *f = &b->pivots[i];
-        lf_media_depths(&b->worker->media, k, b->lanes, f->x0, f->slope, f->z_end, out->tau[i], b->medium[i], out->sigma[i]);
+        lf_media_depths(&b->worker->media, k, b->lanes, f->x0, f->slope, f->z_end, out->tau[i],
+                        b->medium[i], out->sigma[i]);
         out->sum[i] = k->densities(b->lanes, out->sigma[i], out->tau[i], out->density[i]);
     }
 }
@@ -261,18 +252,20 @@ static const struct kernel {
     {"transmittances of a pivot", run_pivot},
 };
 
-static void add_line(bench *b, const char *what, const char *table_name, const char *unit, double ns, double ratio)
+static void add_line(bench *b, const char *what, const char *table_name, const char *unit,
+                     double ns, double ratio)
 {
     if (!b->arguments->json || strcmp(b->arguments->json, "-") != 0)
         printf("%-34s %-8s %10.2f ns a %-10s %6.2fx\n", what, table_name, ns, unit, ratio);
-    json_array_append_new(b->lines, json_pack("{s:s, s:s, s:s, s:f, s:f}", "what", what, "kernels", table_name, "a", unit, "ns", ns,
-                                              "times_plain_c", ratio));
+    json_array_append_new(b->lines,
+                          json_pack("{s:s, s:s, s:s, s:f, s:f}", "what", what, "kernels",
+                                    table_name, "a", unit, "ns", ns, "times_plain_c", ratio));
 }
 
-static void seconds_of(const bench *b, const struct kernel *what, const lf_kernels *k, answers *out, lf_timing *timing)
+static void seconds_of(const bench *b, const struct kernel *what, const lf_kernels *k, answers *out,
+                       lf_timing *timing)
 {
     double start = lf_time_cpu();
-
     what->run(b, k, out);
     lf_timing_add(timing, lf_time_cpu() - start);
 }
@@ -281,9 +274,9 @@ static bool same(const bench *b, const answers *x, const answers *y)
 {
     size_t bytes = (size_t)b->lanes * sizeof(float);
     bool equal = memcmp(x->sum, y->sum, sizeof x->sum) == 0;
-
     for (int i = 0; i < b->n_fans && equal; i++)
-        equal = memcmp(x->tau[i], y->tau[i], bytes) == 0 && memcmp(x->sigma[i], y->sigma[i], bytes) == 0 &&
+        equal = memcmp(x->tau[i], y->tau[i], bytes) == 0 &&
+                memcmp(x->sigma[i], y->sigma[i], bytes) == 0 &&
                 memcmp(x->density[i], y->density[i], bytes) == 0;
     return equal;
 }
@@ -291,9 +284,8 @@ static bool same(const bench *b, const answers *x, const answers *y)
 static lf_status measure_kernel(bench *b, const struct kernel *what, lf_error *err)
 {
     lf_timing timing[MAX_TABLES] = {0};
-    double views = (double)b->n_fans * b->renderer->rig.n_views;
+    double views = (double)b->n_fans * b->rows->rig.n_views;
     int n = 0;
-
     for (int i = 0; i <= b->arguments->repeat; i++) {
         for (n = 0; n < MAX_TABLES && lf_kernels_at(n); n++) {
             answers *out = b->answers[n > 0];
@@ -301,7 +293,8 @@ static lf_status measure_kernel(bench *b, const struct kernel *what, lf_error *e
             if (n > 0 && b->arguments->fault)
                 ((unsigned char *)out->tau[0])[0] ^= 1;
             if (n > 0 && !same(b, b->answers[0], out))
-                return lf_error_set(err, LF_E_STATE, what->name, "the %s kernels answer something else than the plain C ones",
+                return lf_error_set(err, LF_E_STATE, what->name,
+                                    "the %s kernels answer something else than the plain C ones",
                                     lf_kernels_at(n)->name);
             if (i == 0)
                 timing[n].n = 0; /* pages and caches as they will be */
@@ -310,12 +303,13 @@ static lf_status measure_kernel(bench *b, const struct kernel *what, lf_error *e
     double plain = lf_timing_quantile(&timing[0], 0.5);
     for (int k = 0; k < n; k++) {
         double seconds = lf_timing_quantile(&timing[k], 0.5);
-        add_line(b, what->name, lf_kernels_at(k)->name, "view", 1e9 * seconds / views, plain / seconds);
+        add_line(b, what->name, lf_kernels_at(k)->name, "view", 1e9 * seconds / views,
+                 plain / seconds);
     }
     return LF_OK;
 }
 
-/* ----------------------------------------------------------------------------------------------------------- steps -- */
+/* ------------------------------------------------------------------------------------- steps -- */
 
 /* Each adds up something of every answer, so that none can be left out. */
 
@@ -323,9 +317,9 @@ static double step_collision(bench *b)
 {
     double sum = 0;
     int volume = 0;
-
     for (int i = 0; i < b->n_rays; i++) {
-        float t = lf_track_collision(&b->worker->tracer, b->events[i].p, b->ways[i], INFINITY, &volume);
+        float t =
+            lf_track_collision(&b->worker->tracer, b->events[i].p, b->ways[i], INFINITY, &volume);
         sum += isfinite(t) ? (double)t : 1;
     }
     return sum;
@@ -334,25 +328,24 @@ static double step_collision(bench *b)
 static double step_transmittance(bench *b)
 {
     double sum = 0;
-
     for (int i = 0; i < b->n_rays; i++)
-        sum += (double)lf_track_transmittance(&b->worker->tracer, b->events[i].p, b->ways[i], INFINITY);
+        sum += (double)lf_track_transmittance(&b->worker->tracer, b->events[i].p, b->ways[i],
+                                              INFINITY);
     return sum;
 }
 
 static double step_lookup(bench *b)
 {
     double sum = 0;
-
     for (int i = 0; i < b->n_rays; i++)
-        sum += (double)lf_volume_sigma_t(&b->renderer->scene->volumes[b->events[i].volume], b->events[i].p);
+        sum += (double)lf_volume_sigma_t(&b->renderer->scene->volumes[b->events[i].volume],
+                                         b->events[i].p);
     return sum;
 }
 
 static double step_phase(bench *b)
 {
     double sum = 0;
-
     for (int i = 0; i < b->n_rays; i++)
         sum += (double)lf_phase_between(0.6f, b->events[i].w, b->ways[i]);
     return sum;
@@ -362,7 +355,6 @@ static double step_light(bench *b)
 {
     lf_tracer *t = &b->worker->tracer;
     double sum = 0;
-
     for (int i = 0; i < b->n_rays; i++) {
         const float u[3] = {lf_rng(t), lf_rng(t), lf_rng(t)};
         lf_light_sample light;
@@ -376,11 +368,11 @@ static double step_sampler(bench *b)
 {
     lf_sampler s;
     double sum = 0;
-
     for (int i = 0; i < b->n_rays; i++) {
         float u[2];
         if (i % 16 == 0)
-            lf_sampler_init(&s, LF_SAMPLER_OWEN, lf_hash64(b->arguments->options.seed, (uint64_t)i), (uint32_t)i);
+            lf_sampler_init(&s, LF_SAMPLER_OWEN, lf_hash64(b->arguments->options.seed, (uint64_t)i),
+                            (uint32_t)i);
         lf_sampler_2d(&s, u);
         sum += (double)u[0];
     }
@@ -390,9 +382,9 @@ static double step_sampler(bench *b)
 static double step_suffix(bench *b)
 {
     double sum = 0;
-
     for (int i = 0; i < b->n_rays / 16; i++)
-        sum += (double)lf_path_scattered(&b->worker->tracer, &b->events[i], 1, LF_DEFAULT_MAX_DEPTH).x;
+        sum +=
+            (double)lf_path_scattered(&b->worker->tracer, &b->events[i], 1, LF_DEFAULT_MAX_DEPTH).x;
     return sum;
 }
 
@@ -410,7 +402,6 @@ static const struct step {
 static lf_status measure_step(bench *b, const struct step *what, lf_error *err)
 {
     lf_timing timing = {0};
-
     for (int i = 0; i <= b->arguments->repeat; i++) {
         double start = lf_time_cpu();
         double sum = what->run(b);
@@ -419,14 +410,14 @@ static lf_status measure_step(bench *b, const struct step *what, lf_error *err)
         if (!isfinite(sum))
             return lf_error_set(err, LF_E_STATE, what->name, "an answer is not finite");
     }
-    add_line(b, what->name, "-", what->unit, 1e9 * lf_timing_quantile(&timing, 0.5) * what->items / b->n_rays, 1);
+    add_line(b, what->name, "-", what->unit,
+             1e9 * lf_timing_quantile(&timing, 0.5) * what->items / b->n_rays, 1);
     return LF_OK;
 }
 
 static lf_status measure(bench *b, lf_error *err)
 {
     lf_status status = LF_OK;
-
     for (size_t i = 0; i < sizeof kernels / sizeof kernels[0] && status == LF_OK; i++)
         status = measure_kernel(b, &kernels[i], err);
     for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == LF_OK; i++)
@@ -436,32 +427,30 @@ static lf_status measure(bench *b, lf_error *err)
 
 static lf_status write_json(const bench *b, lf_error *err)
 {
-    const lf_rig *rig = &b->renderer->rig;
-    json_t *object = json_pack("{s:s, s:o, s:i, s:i, s:i, s:i, s:f, s:O}", "scene", b->arguments->scene, "machine",
-                               lf_bench_machine(), "views", rig->n_views, "width", rig->width, "height", rig->height, "repeat",
-                               b->arguments->repeat, "optical_depth", b->mean_depth, "lines", b->lines);
-    lf_status status = lf_bench_write_json(b->arguments->json, object, err);
-
-    json_decref(object);
-    return status;
+    const lf_rig *rig = &b->rows->rig;
+    json_t *object = json_pack(
+        "{s:s, s:o, s:i, s:i, s:i, s:i, s:f, s:O}", "scene", b->arguments->scene, "machine",
+        lf_bench_machine(), "views", rig->n_views, "width", rig->width, "height", rig->height,
+        "repeat", b->arguments->repeat, "optical_depth", b->mean_depth, "lines", b->lines);
+    return lf_bench_write_json(b->arguments->json, object, err);
 }
 
 int lf_bench_micro(int argc, char **argv)
 {
-    arguments a = {.repeat = 15};
+    arguments a = {0};
     bench b = {.arguments = &a};
     lf_error err = {0};
-    bool done = false;
-
-    if (parse(&a, argc, argv, &done, &err) != LF_OK)
-        return lf_usage_error(LF_BENCH_PROGRAM, &err);
-    if (done)
-        return LF_EXIT_OK;
+    int code = LF_EXIT_OK;
+    if (!lf_bench_command_begin(&command, argc, argv, &a.options, &a, &code))
+        return code;
+    a.scene = argv[optind];
     b.lines = json_array();
-    lf_status status = b.lines ? prepare(&b, &err) : lf_error_set(&err, LF_E_NOMEM, a.scene, "out of memory");
+    lf_status status =
+        b.lines ? prepare(&b, &err) : lf_error_set(&err, LF_E_NOMEM, a.scene, "out of memory");
     if (status == LF_OK && !lf_bench_only_json(a.json))
-        printf("%s: %d views of %dx%d, the middle row: %.1f mean free paths deep where it meets anything\n\n", a.scene,
-               b.renderer->rig.n_views, b.renderer->rig.width, b.renderer->rig.height, b.mean_depth);
+        printf("%s: %d views of %dx%d, the middle row: %.1f mean free paths deep where it meets "
+               "anything\n\n",
+               a.scene, b.rows->rig.n_views, b.rows->rig.width, b.rows->rig.height, b.mean_depth);
     if (status == LF_OK)
         status = measure(&b, &err);
     if (status == LF_OK && a.json)

@@ -1,4 +1,5 @@
-/* Plots by gnuplot, from files that stay: PREFIX.gp draws again by `gnuplot PREFIX.gp` in its folder. */
+/* Plots by gnuplot, from files that stay: PREFIX.gp draws again by `gnuplot PREFIX.gp` in its
+ * folder. */
 #include <errno.h>
 #include <spawn.h>
 #include <stdio.h>
@@ -31,7 +32,6 @@ static char *script_of(const char *name, const char *commands)
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-
     if (!out)
         return NULL;
     fputs("data = ", out);
@@ -48,10 +48,10 @@ static char *script_of(const char *name, const char *commands)
     return NULL;
 }
 
-static lf_status write_beside(const char *prefix, const char *ending, const char *text, lf_error *err)
+static lf_status write_beside(const char *prefix, const char *ending, const char *text,
+                              lf_error *err)
 {
     char *path = NULL;
-
     if (asprintf(&path, "%s%s", prefix, ending) < 0)
         return lf_error_set(err, LF_E_NOMEM, prefix, "out of memory");
     lf_status status = lf_bench_write_text(path, text, err);
@@ -66,7 +66,6 @@ static lf_status draw(const char *folder, const char *name, lf_error *err)
     posix_spawn_file_actions_t actions;
     pid_t pid = 0;
     int result = 0;
-
     if (asprintf(&script, "%s.gp", name) < 0)
         return lf_error_set(err, LF_E_NOMEM, name, "out of memory");
     char program[] = "gnuplot";
@@ -85,7 +84,9 @@ static lf_status draw(const char *folder, const char *name, lf_error *err)
         return lf_error_set(err, LF_E_IO, "gnuplot", "cannot be started: %s", strerror(code));
     while (waitpid(pid, &result, 0) < 0 && errno == EINTR)
         continue;
-    return WIFEXITED(result) && WEXITSTATUS(result) == 0 ? LF_OK : lf_error_set(err, LF_E_IO, name, "gnuplot could not draw it");
+    return WIFEXITED(result) && WEXITSTATUS(result) == 0
+               ? LF_OK
+               : lf_error_set(err, LF_E_IO, name, "gnuplot could not draw it");
 }
 
 lf_status lf_bench_plot(const char *prefix, const char *data, const char *commands, lf_error *err)
@@ -95,7 +96,6 @@ lf_status lf_bench_plot(const char *prefix, const char *data, const char *comman
     char *folder = lf_path_folder(prefix);
     char *script = script_of(name, commands);
     lf_status status = folder ? LF_OK : lf_error_set(err, LF_E_NOMEM, prefix, "out of memory");
-
     if (status == LF_OK)
         status = write_beside(prefix, ".dat", data, err);
     if (status == LF_OK)

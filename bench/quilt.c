@@ -1,4 +1,5 @@
-/* quiltbench quilt: what lies between resolved views and a panel, a file or a printer, against copying as many bytes. */
+/* quiltbench quilt: what lies between resolved views and a panel, a file or a printer, against
+ * copying as many bytes. */
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -6,8 +7,7 @@
 
 #include "base/alloc.h"
 #include "bench/bench.h"
-#include "bench/timing.h"
-#include "daemon/options.h"
+#include "bench/command.h"
 
 #define MAX_PANELS 16
 #define PIECE_BYTES (1 << 20)
@@ -45,64 +45,43 @@ typedef struct bench {
     size_t copy_room;
 } bench;
 
-enum { OPTION_REPEAT = LF_OPTION_OWN, OPTION_JSON };
-
-static const struct option table[] = {
+static const struct option shared[] = {
     {"views", required_argument, NULL, LF_OPTION_VIEWS},
     {"view-size", required_argument, NULL, LF_OPTION_VIEW_SIZE},
     {"threads", required_argument, NULL, LF_OPTION_THREADS},
-    {"repeat", required_argument, NULL, OPTION_REPEAT},
-    {"json", required_argument, NULL, OPTION_JSON},
     {"help", no_argument, NULL, LF_OPTION_HELP},
     {NULL, 0, NULL, 0},
 };
 
+static const lf_param own[] = {
+    LF_BENCH_REPEAT(offsetof(arguments, repeat), 9, "repetitions; their median counts"),
+    LF_BENCH_JSON(offsetof(arguments, json)),
+    {0},
+};
+
 static void print_help(void)
 {
-    printf(
-        "Usage: quiltbench quilt [CALIBRATION.json …] [options]\n"
-        "Interlacing for these panels (a nominal Portrait and one of 7680x4320 when none is named), tone mapping, filling,\n"
-        "comparing and print: milliseconds, GB/s of bytes in and out, and the ratio of CPU time to that of copying as many bytes\n"
-        "on as many threads in the same run.\n\n"
-        "  --views N              (45)\n"
-        "  --view-size WxH        (420x560; 1638x910 for panels over 4 million pixels)\n"
-        "  --threads N            also on so many threads (all CPUs)\n"
-        "  --repeat N             repetitions; their median counts (9)\n"
-        "  --json FILE            the numbers as JSON (- for stdout)\n");
+    printf("Usage: quiltbench quilt [CALIBRATION.json …] [options]\n"
+           "Interlacing for these panels (a nominal Portrait and one of 7680x4320 when none is "
+           "named), tone mapping, filling,\n"
+           "comparing and print: milliseconds, GB/s of bytes in and out, and the ratio of CPU time "
+           "to that of copying as many bytes\n"
+           "on as many threads in the same run.\n\n");
+    lf_param_print_help(own);
+    printf("  --views N              (45)\n"
+           "  --view-size WxH        (420x560; 1638x910 for panels over 4 million pixels)\n"
+           "  --threads N            also on so many threads (all CPUs)\n");
 }
 
-static lf_status take(void *context, int code, const char *text, lf_error *err)
-{
-    arguments *a = context;
+static const lf_bench_command command = {
+    "quilt", shared, own, print_help, 0, MAX_PANELS, "calibrations of a few panels"};
 
-    if (code == OPTION_REPEAT)
-        return lf_parse_small("--repeat", text, 1, LF_TIMING_MAX, &a->repeat, err);
-    a->json = text;
-    return LF_OK;
-}
-
-static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
-{
-    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, &a->options, take, a};
-    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
-
-    if (status != LF_OK || *out_done)
-        return status;
-    for (; optind < argc; optind++) {
-        if (a->n_panels == MAX_PANELS)
-            return lf_error_set(err, LF_E_ARG, argv[optind], "more than %d panels", MAX_PANELS);
-        a->panels[a->n_panels++] = argv[optind];
-    }
-    return LF_OK;
-}
-
-/* --------------------------------------------------------------------------------------------------------- timing -- */
+/* ------------------------------------------------------------------------------------ timing -- */
 
 static void copy_piece(void *context, int item, int worker)
 {
     const bench *b = context;
     size_t at = (size_t)item * PIECE_BYTES;
-
     (void)worker;
     memcpy(b->copy_to + at, b->copy_from + at, PIECE_BYTES);
 }
@@ -111,7 +90,6 @@ static void copy_piece(void *context, int item, int worker)
 static void copy(bench *b, size_t bytes, lf_pool *pool)
 {
     int n = (int)((bytes / 2 + PIECE_BYTES - 1) / PIECE_BYTES);
-
     if (pool && lf_pool_run(pool, n, copy_piece, b, NULL) == LF_OK)
         return;
     for (int i = 0; i < n; i++)
@@ -121,7 +99,6 @@ static void copy(bench *b, size_t bytes, lf_pool *pool)
 static lf_status make_copy_room(bench *b, size_t bytes, lf_error *err)
 {
     size_t room = (bytes / 2 / PIECE_BYTES + 1) * PIECE_BYTES;
-
     if (room <= b->copy_room)
         return LF_OK;
     lf_free(b->copy_from);
@@ -136,19 +113,23 @@ static lf_status make_copy_room(bench *b, size_t bytes, lf_error *err)
     return LF_OK;
 }
 
-static void report(bench *b, const work *w, int threads, const times *work_times, const times *copies)
+static void report(bench *b, const work *w, int threads, const times *work_times,
+                   const times *copies)
 {
-    double seconds = lf_timing_quantile(&work_times->wall, 0.5), cpu = lf_timing_quantile(&work_times->cpu, 0.5);
-    double copying = lf_timing_quantile(&copies->cpu, 0.5), bytes = (double)(w->bytes_in + w->bytes_out);
-
+    double seconds = lf_timing_quantile(&work_times->wall, 0.5),
+           cpu = lf_timing_quantile(&work_times->cpu, 0.5);
+    double copying = lf_timing_quantile(&copies->cpu, 0.5),
+           bytes = (double)(w->bytes_in + w->bytes_out);
     if (!b->arguments->json || strcmp(b->arguments->json, "-") != 0)
-        printf("%-44s %7d %10.3f %10.3f %8.2f %10.3f %8.2f\n", w->name, threads, 1e3 * seconds, 1e3 * cpu, 1e-9 * bytes / seconds,
-               1e3 * copying, cpu / copying);
-    json_array_append_new(b->lines,
-                          json_pack("{s:s, s:i, s:f, s:f, s:f, s:I, s:I, s:f, s:f, s:f}", "what", w->name, "threads", threads, "ms",
-                                    1e3 * seconds, "ms_best", 1e3 * lf_timing_quantile(&work_times->wall, 0), "cpu_ms", 1e3 * cpu,
-                                    "bytes_in", (json_int_t)w->bytes_in, "bytes_out", (json_int_t)w->bytes_out, "gb_per_second",
-                                    1e-9 * bytes / seconds, "copy_cpu_ms", 1e3 * copying, "ratio_to_copy", cpu / copying));
+        printf("%-44s %7d %10.3f %10.3f %8.2f %10.3f %8.2f\n", w->name, threads, 1e3 * seconds,
+               1e3 * cpu, 1e-9 * bytes / seconds, 1e3 * copying, cpu / copying);
+    json_array_append_new(
+        b->lines, json_pack("{s:s, s:i, s:f, s:f, s:f, s:I, s:I, s:f, s:f, s:f}", "what", w->name,
+                            "threads", threads, "ms", 1e3 * seconds, "ms_best",
+                            1e3 * lf_timing_quantile(&work_times->wall, 0), "cpu_ms", 1e3 * cpu,
+                            "bytes_in", (json_int_t)w->bytes_in, "bytes_out",
+                            (json_int_t)w->bytes_out, "gb_per_second", 1e-9 * bytes / seconds,
+                            "copy_cpu_ms", 1e3 * copying, "ratio_to_copy", cpu / copying));
 }
 
 static void add_times(times *t, double wall, double cpu)
@@ -161,8 +142,8 @@ static lf_status measure_on(bench *b, const work *w, lf_pool *pool, lf_error *er
 {
     times work_times = {0};
     times copies = {0};
-    lf_status status = w->once ? LF_OK : w->run(w->context, pool, err); /* pages and caches as they will be */
-
+    /* pages and caches as they will be */
+    lf_status status = w->once ? LF_OK : w->run(w->context, pool, err);
     for (int i = 0; i < (w->once ? 1 : b->arguments->repeat) && status == LF_OK; i++) {
         double wall = lf_time_now(), cpu = lf_time_cpu();
         copy(b, w->bytes_in + w->bytes_out, pool);
@@ -180,7 +161,6 @@ static lf_status measure_on(bench *b, const work *w, lf_pool *pool, lf_error *er
 static lf_status measure(bench *b, const work *w, lf_error *err)
 {
     lf_status status = make_copy_room(b, w->bytes_in + w->bytes_out, err);
-
     if (status == LF_OK)
         status = measure_on(b, w, NULL, err);
     if (status == LF_OK && !w->alone && lf_pool_threads(b->pool) > 1)
@@ -188,7 +168,7 @@ static lf_status measure(bench *b, const work *w, lf_error *err)
     return status;
 }
 
-/* ---------------------------------------------------------------------------------------------------------- panels -- */
+/* ------------------------------------------------------------------------------------ panels -- */
 
 typedef struct panel {
     char name[64];
@@ -203,18 +183,16 @@ typedef struct panel {
 static lf_status run_create(void *context, lf_pool *pool, lf_error *err)
 {
     panel *p = context;
-
     (void)pool;
     lf_interlacer_destroy(p->interlacer);
     p->interlacer = NULL;
-    return lf_interlacer_create(&p->calibration, p->views.n_views, p->views.width, p->views.height, 0, p->filter, LF_INVERT_AUTO,
-                                &p->interlacer, err);
+    return lf_interlacer_create(&p->calibration, p->views.n_views, p->views.width, p->views.height,
+                                0, p->filter, LF_INVERT_AUTO, &p->interlacer, err);
 }
 
 static lf_status run_interlace(void *context, lf_pool *pool, lf_error *err)
 {
     panel *p = context;
-
     (void)err;
     lf_interlace(p->interlacer, &p->views, &p->out, pool);
     return LF_OK;
@@ -224,10 +202,10 @@ static lf_status run_compare(void *context, lf_pool *pool, lf_error *err)
 {
     const panel *p = context;
     lf_rect rects[8];
-
     (void)pool;
     if (lf_changed_rects(&p->before, &p->out, rects, 8) != 1)
-        return lf_error_set(err, LF_E_STATE, "quilt", "one pixel differs, and one rectangle was expected");
+        return lf_error_set(err, LF_E_STATE, "quilt",
+                            "one pixel differs, and one rectangle was expected");
     return LF_OK;
 }
 
@@ -245,9 +223,9 @@ static lf_status make_panel(panel *p, const arguments *a, lf_error *err)
     int height = a->options.view_width ? a->options.view_height : large ? 910 : 560;
     size_t row = (size_t)width * 3;
     int n_views = a->options.views ? a->options.views : 45;
-
     p->data = lf_calloc((size_t)n_views * (size_t)height, row);
-    p->views = (lf_views8){n_views, width, height, row, row * (size_t)n_views, p->data}; /* the daemon's order */
+    /* the daemon's order */
+    p->views = (lf_views8){n_views, width, height, row, row * (size_t)n_views, p->data};
     if (!p->data || lf_image8_init(&p->out, c->screen_width_px, c->screen_height_px, 3) != LF_OK ||
         lf_image8_init(&p->before, c->screen_width_px, c->screen_height_px, 3) != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, p->name, "out of memory");
@@ -267,13 +245,14 @@ static lf_status measure_interlacing(bench *b, panel *p, lf_filter filter, lf_er
 {
     char name[128];
     const char *how = filter == LF_FILTER_LINEAR ? "linear" : "nearest";
-    size_t in = p->views.row_stride * (size_t)p->views.height, out = p->out.stride * (size_t)p->out.height;
+    size_t in = p->views.row_stride * (size_t)p->views.height,
+           out = p->out.stride * (size_t)p->out.height;
     work w = {.name = name, .run = run_create, .context = p, .bytes_out = out, .alone = true};
-
     p->filter = filter;
     snprintf(name, sizeof name, "%s %dx%d: prepare %s", p->name, p->out.width, p->out.height, how);
     lf_status status = measure(b, &w, err);
-    snprintf(name, sizeof name, "%s %dx%d: interlace %s", p->name, p->out.width, p->out.height, how);
+    snprintf(name, sizeof name, "%s %dx%d: interlace %s", p->name, p->out.width, p->out.height,
+             how);
     w.run = run_interlace;
     w.bytes_in = in;
     w.alone = false;
@@ -285,7 +264,6 @@ static lf_status measure_panel(bench *b, panel *p, lf_error *err)
 {
     char name[128];
     lf_status status = make_panel(p, b->arguments, err);
-
     if (status == LF_OK)
         status = measure_interlacing(b, p, LF_FILTER_NEAREST, err);
     if (status == LF_OK) {
@@ -293,7 +271,8 @@ static lf_status measure_panel(bench *b, panel *p, lf_error *err)
         memcpy(p->before.data, p->out.data, bytes);
         p->before.data[bytes / 2] ^= 1;
         snprintf(name, sizeof name, "%s %dx%d: compare", p->name, p->out.width, p->out.height);
-        const work w = {.name = name, .run = run_compare, .context = p, .bytes_in = 2 * bytes, .alone = true};
+        const work w = {
+            .name = name, .run = run_compare, .context = p, .bytes_in = 2 * bytes, .alone = true};
         status = measure(b, &w, err);
     }
     if (status == LF_OK)
@@ -306,7 +285,6 @@ static lf_status measure_panels(bench *b, lf_error *err)
 {
     const arguments *a = b->arguments;
     lf_status status = LF_OK;
-
     for (int i = 0; i < (a->n_panels ? a->n_panels : 2) && status == LF_OK; i++) {
         panel p = {.name = "panel"};
         if (a->n_panels) {
@@ -326,7 +304,7 @@ static lf_status measure_panels(bench *b, lf_error *err)
     return status;
 }
 
-/* ----------------------------------------------------------------------------------------------------------- views -- */
+/* ------------------------------------------------------------------------------------- views -- */
 
 typedef struct field {
     int n_views, width, height;
@@ -340,7 +318,6 @@ static void tone_row(void *context, int row, int worker)
 {
     const field *f = context;
     size_t n = f->pixels / (size_t)f->height, at = (size_t)row * n * 3;
-
     (void)worker;
     lf_tone_map(f->tone, n, f->linear + at, f->rgb + at);
 }
@@ -348,7 +325,6 @@ static void tone_row(void *context, int row, int worker)
 static lf_status run_tone(void *context, lf_pool *pool, lf_error *err)
 {
     field *f = context;
-
     (void)err;
     if (pool && lf_pool_run(pool, f->height, tone_row, f, NULL) == LF_OK)
         return LF_OK;
@@ -360,7 +336,6 @@ static lf_status run_tone(void *context, lf_pool *pool, lf_error *err)
 static lf_status run_fill(void *context, lf_pool *pool, lf_error *err)
 {
     field *f = context;
-
     (void)err;
     (void)lf_fill(f->n_views, f->width, f->height, f->rgb, f->missing, 4, 16, f->filled, pool);
     return LF_OK;
@@ -370,7 +345,6 @@ static lf_status run_fill(void *context, lf_pool *pool, lf_error *err)
 static void make_holes(field *f, double share)
 {
     uint32_t x = 1;
-
     for (size_t i = 0; i < f->pixels; i++) {
         x = x * 1664525u + 1013904223u;
         f->missing[i] = x < share * 4294967296.0;
@@ -402,11 +376,13 @@ static lf_status measure_views(bench *b, field *f, lf_error *err)
     static const struct {
         double share;
         const char *name;
-    } holes[] = {{0.01, "fill, 1 % missing"}, {0.5, "fill, 50 % missing"}, {0.95, "fill, 95 % missing"}};
+    } holes[] = {
+        {0.01, "fill, 1 % missing"}, {0.5, "fill, 50 % missing"}, {0.95, "fill, 95 % missing"}};
     lf_status status = LF_OK;
 
     for (int i = 0; i < 2 && status == LF_OK; i++) {
-        work w = {tones[i].name, run_tone, f, f->pixels * 3 * sizeof(float), f->pixels * 3, false, false};
+        work w = {tones[i].name, run_tone, f,    f->pixels * 3 * sizeof(float),
+                  f->pixels * 3, false,    false};
         status = lf_tone_create(0.5, tones[i].tonemap, &f->tone, err);
         if (status == LF_OK)
             status = measure(b, &w, err);
@@ -420,7 +396,7 @@ static lf_status measure_views(bench *b, field *f, lf_error *err)
     return status;
 }
 
-/* ----------------------------------------------------------------------------------------------------------- print -- */
+/* ------------------------------------------------------------------------------------- print -- */
 
 typedef struct sheet {
     lf_print print;
@@ -436,7 +412,6 @@ static lf_status run_print(void *context, lf_pool *pool, lf_error *err)
     lf_outfile manifest = {.fd = -1};
     int fds[2] = {memfd_create("tiff", MFD_CLOEXEC), memfd_create("manifest", MFD_CLOEXEC)};
     lf_status status = LF_OK;
-
     (void)pool;
     if (fds[0] < 0 || fds[1] < 0)
         status = lf_error_set(err, LF_E_IO, "print", "no files in memory");
@@ -456,7 +431,8 @@ static lf_status measure_print(bench *b, const field *f, lf_error *err)
     static const struct {
         lf_stripes stripes;
         const char *name;
-    } kinds[] = {{LF_STRIPES_FRACTIONAL, "print, 60 lpi at 600 dpi, fractional"}, {LF_STRIPES_NEAREST, "print, nearest"}};
+    } kinds[] = {{LF_STRIPES_FRACTIONAL, "print, 60 lpi at 600 dpi, fractional"},
+                 {LF_STRIPES_NEAREST, "print, nearest"}};
     int n_views = f->n_views < PRINT_DPI / PRINT_LPI ? f->n_views : PRINT_DPI / PRINT_LPI;
     size_t row = (size_t)f->width * 3;
     sheet s = {.views = {n_views, f->width, f->height, row, row * (size_t)f->n_views, f->linear}};
@@ -464,7 +440,11 @@ static lf_status measure_print(bench *b, const field *f, lf_error *err)
     lf_status status = LF_OK;
 
     /* so large that a lens is a sample of the views */
-    s.print = (lf_print){.lpi = PRINT_LPI, .dpi = PRINT_DPI, .n_views = n_views, .bits = 8, .compress = LF_COMPRESS_NONE};
+    s.print = (lf_print){.lpi = PRINT_LPI,
+                         .dpi = PRINT_DPI,
+                         .n_views = n_views,
+                         .bits = 8,
+                         .compress = LF_COMPRESS_NONE};
     s.print.width_mm = f->width * 25.4 / PRINT_LPI;
     s.print.height_mm = s.print.width_mm * f->height / f->width;
     lf_print_shape_of(&s.print, &shape);
@@ -480,31 +460,29 @@ static lf_status measure_print(bench *b, const field *f, lf_error *err)
 
 static lf_status write_json(bench *b, lf_error *err)
 {
-    json_t *object = json_pack("{s:o, s:i, s:O}", "machine", lf_bench_machine(), "repeat", b->arguments->repeat, "lines", b->lines);
-    lf_status status = lf_bench_write_json(b->arguments->json, object, err);
-
-    json_decref(object);
-    return status;
+    json_t *object = json_pack("{s:o, s:i, s:O}", "machine", lf_bench_machine(), "repeat",
+                               b->arguments->repeat, "lines", b->lines);
+    return lf_bench_write_json(b->arguments->json, object, err);
 }
 
 int lf_bench_quilt(int argc, char **argv)
 {
-    arguments a = {.repeat = 9};
+    arguments a = {0};
     bench b = {.arguments = &a};
     field f = {0};
     lf_error err = {0};
-    bool done = false;
-
-    if (parse(&a, argc, argv, &done, &err) != LF_OK)
-        return lf_usage_error(LF_BENCH_PROGRAM, &err);
-    if (done)
-        return LF_EXIT_OK;
+    int code = LF_EXIT_OK;
+    if (!lf_bench_command_begin(&command, argc, argv, &a.options, &a, &code))
+        return code;
+    while (optind < argc)
+        a.panels[a.n_panels++] = argv[optind++];
     b.lines = json_array();
     lf_status status = b.lines && lf_pool_create(a.options.threads, &b.pool) == LF_OK
                            ? LF_OK
                            : lf_error_set(&err, LF_E_NOMEM, "quilt", "out of memory");
     if (!lf_bench_only_json(a.json))
-        printf("%-44s %7s %10s %10s %8s %10s %8s\n", "", "threads", "ms", "CPU ms", "GB/s", "copy CPU", "ratio");
+        printf("%-44s %7s %10s %10s %8s %10s %8s\n", "", "threads", "ms", "CPU ms", "GB/s",
+               "copy CPU", "ratio");
     if (status == LF_OK)
         status = measure_panels(&b, &err);
     if (status == LF_OK)

@@ -10,7 +10,7 @@
 #include "base/log.h"
 #include "base/thread.h"
 #include "bench/bench.h"
-#include "daemon/options.h"
+#include "daemon/output/options.h"
 
 static const struct command {
     const char *name;
@@ -31,9 +31,11 @@ static const struct command {
 
 static void print_help(void)
 {
-    printf("Usage: quiltbench COMMAND [arguments]   (quiltbench COMMAND --help says more)\n"
-           "       quiltbench --out DIR [--scenes DIR]   the published benchmarks, as JSON into DIR; the shipped scenes with\n"
-           "                                        their data are looked for in DIR/../scenes\n\n");
+    printf(
+        "Usage: quiltbench COMMAND [arguments]   (quiltbench COMMAND --help says more)\n"
+        "       quiltbench --out DIR [--scenes DIR]   the published benchmarks, as JSON into DIR; "
+        "the shipped scenes with\n"
+        "                                        their data are looked for in DIR/../scenes\n\n");
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         printf("  %-10s %s\n", commands[i].name, commands[i].what);
 }
@@ -41,7 +43,6 @@ static void print_help(void)
 static int usage(const char *where, const char *what)
 {
     lf_error err = {0};
-
     lf_error_set(&err, LF_E_ARG, where, "%s", what);
     return lf_usage_error(LF_BENCH_PROGRAM, &err);
 }
@@ -52,7 +53,6 @@ lf_status lf_bench_parse_share(const char *option, const char *text, double *out
     double value = 0;
     size_t n = strlen(text);
     bool percent = n > 0 && text[n - 1] == '%';
-
     snprintf(number, sizeof number, "%.*s", (int)(percent ? n - 1 : n), text);
     lf_status status = lf_parse_double(option, number, 0, 1e9, &value, err);
     if (status == LF_OK)
@@ -64,7 +64,6 @@ static void cpu_model(char *out, size_t size)
 {
     char line[512];
     FILE *file = fopen("/proc/cpuinfo", "re");
-
     snprintf(out, size, "unknown");
     while (file && fgets(line, sizeof line, file)) {
         const char *colon = strchr(line, ':');
@@ -82,11 +81,11 @@ json_t *lf_bench_machine(void)
 {
     char model[256];
     struct utsname name;
-
     cpu_model(model, sizeof model);
     if (uname(&name) != 0)
         snprintf(name.release, sizeof name.release, "unknown");
-    return json_pack("{s:s, s:i, s:s}", "cpu", model, "cpus", lf_cpu_count(), "kernel", name.release);
+    return json_pack("{s:s, s:i, s:s}", "cpu", model, "cpus", lf_cpu_count(), "kernel",
+                     name.release);
 }
 
 json_t *lf_bench_number(double value)
@@ -101,21 +100,22 @@ bool lf_bench_only_json(const char *json)
 
 lf_status lf_bench_write_text(const char *path, const char *text, lf_error *err)
 {
-    return text ? lf_outfile_text(path, text, err) : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    return text ? lf_outfile_text(path, text, err)
+                : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
 }
 
-lf_status lf_bench_write_json(const char *path, const json_t *object, lf_error *err)
+lf_status lf_bench_write_json(const char *path, json_t *object, lf_error *err)
 {
     char *text = object ? json_dumps(object, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     char *line = NULL;
     lf_status status = LF_OK;
-
     if (text && asprintf(&line, "%s\n", text) < 0)
         line = NULL;
     if (line && lf_bench_only_json(path))
         fputs(line, stdout);
     else
         status = lf_bench_write_text(path, line, err);
+    json_decref(object);
     free(text);
     free(line);
     return status;
@@ -124,8 +124,9 @@ lf_status lf_bench_write_json(const char *path, const json_t *object, lf_error *
 lf_status lf_bench_pool(int threads, lf_pool **out_pool, lf_error *err)
 {
     lf_status status = lf_pool_create(threads, out_pool);
-
-    return status == LF_OK ? LF_OK : lf_error_set(err, status, "--threads", "the threads cannot be started");
+    return status == LF_OK
+               ? LF_OK
+               : lf_error_set(err, status, "--threads", "the threads cannot be started");
 }
 
 int lf_bench_fail(const lf_error *err)

@@ -1,5 +1,6 @@
-/* quiltbench skip: what leaving out saves. Every entry of the table of skips on scenes that do not need what it leaves out: CPU time
- * with and without it, taken in turns, and whether the pictures agree. */
+/* quiltbench skip: what leaving out saves. Every entry of the table of skips on scenes that do not
+ * need what it leaves out: CPU time with and without it, taken in turns, and whether the pictures
+ * agree. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -7,30 +8,34 @@
 #include "base/alloc.h"
 #include "base/thread.h"
 #include "bench/bench.h"
-#include "bench/timing.h"
-#include "daemon/options.h"
+#include "bench/command.h"
 
 typedef struct arguments {
     lf_options options; /* views, view size, threads, seed */
     const char *json;
     int repeat;
-    int64_t passes;
+    int passes;
 } arguments;
 
-/* Little of the picture is covered, light comes from one colour of sky and a sun: what is left out is there to be left out. */
-#define CAMERA                                                                                                                     \
-    "\"camera\": {\"position\": [0, 0.5, 7], \"fov_y\": 22, \"aspect\": 0.75, \"cone\": 35, \"views\": 45}, "                      \
-    "\"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 0.5}, "                                                       \
+/* Little of the picture is covered, light comes from one colour of sky and a sun: what is left out
+ * is there to be left out. */
+#define CAMERA                                                                                     \
+    "\"camera\": {\"position\": [0, 0.5, 7], \"fov_y\": 22, \"aspect\": 0.75, \"cone\": 35, "      \
+    "\"views\": 45}, "                                                                             \
+    "\"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 0.5}, "                       \
     "\"sun\": {\"type\": \"distant\", \"direction\": [0.5, -0.7, -0.5], \"irradiance\": 3}}"
 static const struct scene {
     const char *name, *text;
 } scenes[] = {
-    {"cloud", "{\"quiltd\": 1, " CAMERA ", \"volumes\": {\"puff\": {\"shape\": \"sphere\", \"density\": 6, \"albedo\": 0.9, "
+    {"cloud", "{\"quiltd\": 1, " CAMERA
+              ", \"volumes\": {\"puff\": {\"shape\": \"sphere\", \"density\": 6, \"albedo\": 0.9, "
               "\"transform\": {\"scale\": 0.6}}}}"},
-    {"meshes", "{\"quiltd\": 1, " CAMERA ", \"meshes\": {\"ball\": {\"shape\": \"sphere\", \"material\": \"clay\", "
-               "\"transform\": {\"scale\": 0.6}}, \"block\": {\"shape\": \"cube\", \"material\": \"clay\", "
-               "\"transform\": {\"scale\": 0.3, \"rotate\": [0, 30, 0], \"translate\": [0.7, -0.4, 0.4]}}}, "
-               "\"materials\": {\"clay\": {\"albedo\": 0.6}}, \"render\": {\"max_depth\": 6}}"},
+    {"meshes",
+     "{\"quiltd\": 1, " CAMERA
+     ", \"meshes\": {\"ball\": {\"shape\": \"sphere\", \"material\": \"clay\", "
+     "\"transform\": {\"scale\": 0.6}}, \"block\": {\"shape\": \"cube\", \"material\": \"clay\", "
+     "\"transform\": {\"scale\": 0.3, \"rotate\": [0, 30, 0], \"translate\": [0.7, -0.4, 0.4]}}}, "
+     "\"materials\": {\"clay\": {\"albedo\": 0.6}}, \"render\": {\"max_depth\": 6}}"},
 };
 enum { N_SCENES = sizeof scenes / sizeof scenes[0] };
 
@@ -44,69 +49,51 @@ typedef struct bench {
     json_t *lines;
 } bench;
 
-enum { OPTION_REPEAT = LF_OPTION_OWN, OPTION_PASSES, OPTION_JSON };
-
-static const struct option table[] = {
+static const struct option shared[] = {
     {"views", required_argument, NULL, LF_OPTION_VIEWS},
     {"view-size", required_argument, NULL, LF_OPTION_VIEW_SIZE},
     {"threads", required_argument, NULL, LF_OPTION_THREADS},
     {"seed", required_argument, NULL, LF_OPTION_SEED},
-    {"passes", required_argument, NULL, OPTION_PASSES},
-    {"repeat", required_argument, NULL, OPTION_REPEAT},
-    {"json", required_argument, NULL, OPTION_JSON},
     {"help", no_argument, NULL, LF_OPTION_HELP},
     {NULL, 0, NULL, 0},
+};
+
+static const lf_param own[] = {
+    LF_BENCH_FIELD(LF_PARAM_WHOLE, "passes", offsetof(arguments, passes), "N", 1, 1000000, 90,
+                   "of one run"),
+    LF_BENCH_REPEAT(offsetof(arguments, repeat), 5,
+                    "runs of each; the median of their ratios counts"),
+    LF_BENCH_JSON(offsetof(arguments, json)),
+    {0},
 };
 
 static void print_help(void)
 {
     printf("Usage: quiltbench skip [options]\n"
-           "What is left out where a scene does not need it (quiltrender --skip): CPU time with and without, taken in turns, on a\n"
-           "small cloud and on small meshes under one colour of sky, and whether the pictures agree.\n\n"
-           "  --passes N             of one run (90)\n"
-           "  --repeat N             runs of each; the median of their ratios counts (5)\n"
-           "  --views N              (45)\n"
+           "What is left out where a scene does not need it (quiltrender --skip): CPU time with "
+           "and without, taken in turns, on a\n"
+           "small cloud and on small meshes under one colour of sky, and whether the pictures "
+           "agree.\n\n");
+    lf_param_print_help(own);
+    printf("  --views N              (45)\n"
            "  --view-size WxH        (60x80)\n"
            "  --threads N            (all CPUs)\n"
-           "  --seed S               (0)\n"
-           "  --json FILE            the numbers as JSON (- for stdout)\n");
+           "  --seed S               (0)\n");
 }
 
-static lf_status take(void *context, int code, const char *text, lf_error *err)
-{
-    arguments *a = context;
-
-    switch (code) {
-    case OPTION_PASSES:
-        return lf_parse_int("--passes", text, 1, 1000000, &a->passes, err);
-    case OPTION_REPEAT:
-        return lf_parse_small("--repeat", text, 1, LF_TIMING_MAX, &a->repeat, err);
-    default:
-        a->json = text;
-        return LF_OK;
-    }
-}
-
-static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
-{
-    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, &a->options, take, a};
-    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
-
-    if (status != LF_OK || *out_done)
-        return status;
-    return optind < argc ? lf_error_set(err, LF_E_ARG, argv[optind], "quiltbench skip takes options only") : LF_OK;
-}
+static const lf_bench_command command = {"skip", shared, own, print_help, 0, 0, "options only"};
 
 /* One picture from the start; CPU seconds of it. */
-static lf_status run(bench *b, unsigned kept, float *picture, double *out_seconds, lf_error *err)
+static lf_status run(bench *b, unsigned skip, float *picture, double *out_seconds, lf_error *err)
 {
     lf_renderer *renderer = NULL;
     double start = lf_time_cpu();
-
-    b->settings.kept = kept;
+    b->settings.skip = skip;
     lf_status status = lf_renderer_create(b->scene, &b->settings, b->pool, &renderer, err);
-    if (status == LF_OK && (lf_renderer_passes(renderer, b->arguments->passes, false, NULL, NULL, NULL) != LF_OK ||
-                            lf_renderer_resolve(renderer, LF_ESTIMATOR_MWIS, picture, NULL) != LF_OK))
+    if (status == LF_OK &&
+        (lf_renderer_passes(renderer, NULL, b->arguments->passes, false, NULL, NULL, NULL) !=
+             LF_OK ||
+         lf_renderer_resolve(renderer, LF_ESTIMATOR_MWIS, picture, NULL) != LF_OK))
         status = lf_error_set(err, LF_E_STATE, "skip", "rendering failed");
     *out_seconds = lf_time_cpu() - start;
     lf_renderer_destroy(renderer);
@@ -117,7 +104,6 @@ static lf_status run(bench *b, unsigned kept, float *picture, double *out_second
 static double difference(const bench *b)
 {
     double largest = 0;
-
     for (size_t i = 0; i < b->values; i++) {
         double x = (double)b->with[i];
         largest = fmax(largest, fabs((double)b->without[i] - x) / (fabs(x) + 0.01));
@@ -125,16 +111,16 @@ static double difference(const bench *b)
     return largest;
 }
 
-static lf_status measure(bench *b, const struct scene *scene, const char *name, unsigned bit, lf_error *err)
+static lf_status measure(bench *b, const struct scene *scene, const char *name, unsigned bit,
+                         lf_error *err)
 {
     lf_timing with = {0};
     lf_timing ratio = {0};
-
     for (int i = 0; i < b->arguments->repeat; i++) {
         double seconds[2];
-        lf_status status = run(b, 0, b->with, &seconds[0], err);
+        lf_status status = run(b, LF_SKIP_ALL, b->with, &seconds[0], err);
         if (status == LF_OK)
-            status = run(b, bit, b->without, &seconds[1], err);
+            status = run(b, LF_SKIP_ALL & ~bit, b->without, &seconds[1], err);
         if (status != LF_OK)
             return status;
         lf_timing_add(&with, seconds[0]);
@@ -145,12 +131,15 @@ static lf_status measure(bench *b, const struct scene *scene, const char *name, 
     char agree[32] = "same bits";
     if (!same)
         snprintf(agree, sizeof agree, "within %.1e", difference(b));
-    printf("%-12s %-8s %9.3f %8.3f   (%.3f .. %.3f)   %s\n", name, scene->name, lf_timing_quantile(&with, 0.5), median,
-           lf_timing_quantile(&ratio, 0), lf_timing_quantile(&ratio, 1), agree);
-    json_array_append_new(b->lines, json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:b, s:f}", "skip", name, "scene", scene->name,
-                                              "cpu_seconds", lf_timing_quantile(&with, 0.5), "without_over_with", median, "low",
-                                              lf_timing_quantile(&ratio, 0), "high", lf_timing_quantile(&ratio, 1), "same_bits",
-                                              same, "difference", same ? 0.0 : difference(b)));
+    printf("%-12s %-8s %9.3f %8.3f   (%.3f .. %.3f)   %s\n", name, scene->name,
+           lf_timing_quantile(&with, 0.5), median, lf_timing_quantile(&ratio, 0),
+           lf_timing_quantile(&ratio, 1), agree);
+    json_array_append_new(b->lines, json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:b, s:f}", "skip",
+                                              name, "scene", scene->name, "cpu_seconds",
+                                              lf_timing_quantile(&with, 0.5), "without_over_with",
+                                              median, "low", lf_timing_quantile(&ratio, 0), "high",
+                                              lf_timing_quantile(&ratio, 1), "same_bits", same,
+                                              "difference", same ? 0.0 : difference(b)));
     return LF_OK;
 }
 
@@ -160,16 +149,19 @@ static lf_status open_scene(bench *b, const struct scene *scene, lf_error *err)
     json_t *doc = json_loads(scene->text, 0, NULL);
     lf_status status = doc ? lf_scene_from_json(doc, "/", scene->name, NULL, NULL, &b->scene, err)
                            : lf_error_set(err, LF_E_NOMEM, scene->name, "out of memory");
-
     json_decref(doc);
     if (status == LF_OK)
-        status = lf_resolve_view(&b->arguments->options, lf_scene_camera(b->scene), NULL, &b->settings, &layout, err);
+        status = lf_resolve_view(&b->arguments->options, lf_scene_camera(b->scene), NULL,
+                                 &b->settings, &layout, err);
     if (status != LF_OK)
         return status;
-    b->values = (size_t)b->settings.camera.n_views * (size_t)b->settings.width * (size_t)b->settings.height * 3;
+    b->values = (size_t)b->settings.camera.n_views * (size_t)b->settings.width *
+                (size_t)b->settings.height * 3;
     b->with = lf_calloc(b->values, sizeof *b->with);
     b->without = lf_calloc(b->values, sizeof *b->without);
-    return b->with && b->without ? LF_OK : lf_error_set(err, LF_E_NOMEM, scene->name, "out of memory for the pictures");
+    return b->with && b->without
+               ? LF_OK
+               : lf_error_set(err, LF_E_NOMEM, scene->name, "out of memory for the pictures");
 }
 
 static void close_scene(bench *b)
@@ -185,8 +177,7 @@ static void close_scene(bench *b)
 static json_t *found(bench *b, lf_error *err)
 {
     lf_renderer *renderer = NULL;
-
-    b->settings.kept = 0;
+    b->settings.skip = LF_SKIP_ALL;
     if (lf_renderer_create(b->scene, &b->settings, b->pool, &renderer, err) != LF_OK)
         return NULL;
     json_t *skipped = lf_renderer_skipped(renderer);
@@ -199,7 +190,6 @@ static lf_status measure_scene(bench *b, const struct scene *scene, lf_error *er
     unsigned all = 0;
     lf_status status = open_scene(b, scene, err);
     json_t *skipped = status == LF_OK ? found(b, err) : NULL;
-
     for (int i = 0; skipped && status == LF_OK && lf_skip_at(i); i++) {
         all |= lf_skip_at(i)->bit;
         if (json_object_get(skipped, lf_skip_at(i)->name))
@@ -217,29 +207,24 @@ static lf_status measure_scene(bench *b, const struct scene *scene, lf_error *er
 static lf_status report(const bench *b, lf_error *err)
 {
     const arguments *a = b->arguments;
-
     if (!a->json)
         return LF_OK;
     json_t *object =
-        json_pack("{s:o, s:I, s:i, s:i, s:i, s:i, s:i, s:O}", "machine", lf_bench_machine(), "passes", (json_int_t)a->passes,
-                  "repeat", a->repeat, "views", b->settings.camera.n_views, "width", b->settings.width, "height",
+        json_pack("{s:o, s:I, s:i, s:i, s:i, s:i, s:i, s:O}", "machine", lf_bench_machine(),
+                  "passes", (json_int_t)a->passes, "repeat", a->repeat, "views",
+                  b->settings.camera.n_views, "width", b->settings.width, "height",
                   b->settings.height, "threads", lf_pool_threads(b->pool), "skips", b->lines);
-    lf_status status = lf_bench_write_json(a->json, object, err);
-    json_decref(object);
-    return status;
+    return lf_bench_write_json(a->json, object, err);
 }
 
 int lf_bench_skip(int argc, char **argv)
 {
-    arguments a = {.options = {.view_width = 60, .view_height = 80}, .repeat = 5, .passes = 90};
+    arguments a = {.options = {.view_width = 60, .view_height = 80}};
     bench b = {.arguments = &a};
     lf_error err = {0};
-    bool done = false;
-
-    if (parse(&a, argc, argv, &done, &err) != LF_OK)
-        return lf_usage_error(LF_BENCH_PROGRAM, &err);
-    if (done)
-        return LF_EXIT_OK;
+    int code = LF_EXIT_OK;
+    if (!lf_bench_command_begin(&command, argc, argv, &a.options, &a, &code))
+        return code;
     lf_status status = lf_pool_create(a.options.threads, &b.pool);
     b.lines = json_array();
     if (status != LF_OK || !b.lines)

@@ -9,14 +9,12 @@ static int compare_doubles(const void *a, const void *b)
 {
     double x = *(const double *)a;
     double y = *(const double *)b;
-
     return (x > y) - (x < y);
 }
 
 lf_spread lf_spread_of(const double *values, int n)
 {
     double sorted[LF_MAX_SEEDS];
-
     assert(n >= 1 && n <= LF_MAX_SEEDS);
     memcpy(sorted, values, (size_t)n * sizeof *values);
     qsort(sorted, (size_t)n, sizeof *sorted, compare_doubles);
@@ -31,7 +29,6 @@ static double student_within(double t, int degrees)
     bool odd = degrees % 2 == 1;
     double term = odd ? c : 1;
     double sum = degrees > 1 ? term : 0;
-
     for (int k = odd ? 3 : 2; k < degrees; k += 2) {
         term *= c * c * (k - 1) / k;
         sum += term;
@@ -44,7 +41,6 @@ double lf_student_quantile(double p, int degrees)
     double low = 0;
     double high = 1;
     double within = fabs(2 * p - 1);
-
     assert(p > 0 && p < 1 && degrees >= 1);
     while (student_within(high, degrees) < within && high < 1e15)
         high *= 2;
@@ -60,7 +56,6 @@ static double mean_of(const double *values, int n, double *out_error)
 {
     double sum = 0;
     double square = 0;
-
     for (int i = 0; i < n; i++)
         sum += values[i];
     for (int i = 0; i < n; i++)
@@ -74,7 +69,6 @@ lf_interval lf_mean_interval(const double *values, int n, double confidence)
     double error;
     double mean = mean_of(values, n, &error);
     double half = n > 1 ? lf_student_quantile(0.5 + 0.5 * confidence, n - 1) * error : (double)NAN;
-
     return (lf_interval){mean, mean - half, mean + half};
 }
 
@@ -93,7 +87,6 @@ static bool logs_of(const double *values, size_t stride, int n, double *out)
 lf_interval lf_log_interval(const double *values, int n, double confidence)
 {
     double logs[LF_MAX_SEEDS];
-
     assert(n >= 1 && n <= LF_MAX_SEEDS);
     if (!logs_of(values, 1, n, logs))
         return (lf_interval){NAN, NAN, NAN};
@@ -110,7 +103,6 @@ lf_fit lf_fit_line(const double *x, const double *y, int n)
     double xy = 0;
     double rest = 0;
     lf_fit line;
-
     for (int i = 0; i < n; i++) {
         xx += (x[i] - mx) * (x[i] - mx);
         xy += (x[i] - mx) * (y[i] - my);
@@ -125,18 +117,19 @@ lf_fit lf_fit_line(const double *x, const double *y, int n)
     return line;
 }
 
-double lf_time_of_error(const double *times, const double *errors, int n, double error, bool *out_beyond)
+double lf_time_of_error(const double *times, const double *errors, int n, double error,
+                        bool *out_beyond)
 {
     double t[LF_MAX_SEEDS];
     double e[LF_MAX_SEEDS];
     int i = 0;
-
     assert(n >= 1 && n <= LF_MAX_SEEDS);
     *out_beyond = false;
     if (!(error > 0) || !logs_of(times, 1, n, t) || !logs_of(errors, 1, n, e))
         return NAN;
     double wanted = log(error);
-    while (i + 1 < n && !((e[i] >= wanted && wanted >= e[i + 1]) || (e[i] <= wanted && wanted <= e[i + 1])))
+    while (i + 1 < n &&
+           !((e[i] >= wanted && wanted >= e[i + 1]) || (e[i] <= wanted && wanted <= e[i + 1])))
         i++;
     if (i + 1 < n && e[i] != e[i + 1])
         return exp(t[i] + (wanted - e[i]) / (e[i + 1] - e[i]) * (t[i + 1] - t[i]));
@@ -146,7 +139,8 @@ double lf_time_of_error(const double *times, const double *errors, int n, double
     return fabs(distance) <= log(LF_BEYOND) ? exp(t[end] + distance) : (double)NAN;
 }
 
-void lf_correlation_add(lf_correlation *cross, size_t n, const float *a, const float *b, const float *na, const float *nb)
+void lf_correlation_add(lf_correlation *cross, size_t n, const float *a, const float *b,
+                        const float *na, const float *nb)
 {
     for (size_t i = 0; i < n; i++) {
         cross->ab += (double)a[i] * (double)b[i] - (double)na[i] * (double)nb[i];
@@ -162,14 +156,15 @@ double lf_correlation_value(const lf_correlation *cross)
     return fmin(1, fmax(-1, cross->ab / sqrt(cross->aa * cross->bb)));
 }
 
-lf_tile_bound lf_worst_tile(const double *ratio, int n_seeds, int n_tiles, double confidence, double must)
+lf_tile_bound lf_worst_tile(const double *ratio, int n_seeds, int n_tiles, double confidence,
+                            double must)
 {
     lf_tile_bound bound = {.worst = -1, .low = INFINITY, .estimate = NAN, .least = INFINITY};
     double logs[LF_MAX_SEEDS];
-
     assert(n_seeds >= 1 && n_seeds <= LF_MAX_SEEDS);
     for (int i = 0; i < n_tiles; i++)
-        bound.n_judged += n_seeds >= LF_TILE_SEEDS && logs_of(ratio + i, (size_t)n_tiles, n_seeds, logs);
+        bound.n_judged +=
+            n_seeds >= LF_TILE_SEEDS && logs_of(ratio + i, (size_t)n_tiles, n_seeds, logs);
     if (bound.n_judged == 0)
         return (lf_tile_bound){.worst = -1, .low = NAN, .estimate = NAN, .least = NAN};
     double t = lf_student_quantile(pow(confidence, 1.0 / bound.n_judged), n_seeds - 1);

@@ -1,5 +1,6 @@
-/* quiltbench table FOLDER: equal-time ratios of mvpt to vpt for the kinds of scenes of Fraboni et al. 2022, Table 1, as a light
- * field and as a lenticular print, each held against what docs/performance.md promises. */
+/* quiltbench table FOLDER: equal-time ratios of mvpt to vpt for the kinds of scenes of Fraboni et
+ * al. 2022, Table 1, as a light field and as a lenticular print, each held against what
+ * docs/performance.md promises. */
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +16,8 @@ enum { FIELD_VIEWS = 45, LENTICULAR_VIEWS = 10 };
 
 #define TILE_CONFIDENCE 0.99
 
-/* must and aim are those of the light field; 0 = none. The tile's are of the worst tile's lower bound, where the seeds give one. */
+/* must and aim are those of the light field; 0 = none. The tile's are of the worst tile's lower
+ * bound, where the seeds give one. */
 static const struct scene {
     const char *name, *file;
     double must, aim, tile_must, tile_aim;
@@ -27,8 +29,20 @@ static const struct scene {
     {"cloud-g085", "bench/cloud-g085.json", 9, 22, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"cloud-thin", "bench/cloud-thin.json", 14, 30, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"meshes-diffuse", "bench/meshes-diffuse.json", 10, 28, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
-    {"meshes-glossy-ground", "bench/meshes-glossy-ground.json", 0, 0, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
-    {"meshes-glossy-ground-sky", "bench/meshes-glossy-ground-sky.json", 4, 7, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
+    {"meshes-glossy-ground",
+     "bench/meshes-glossy-ground.json",
+     0,
+     0,
+     0,
+     0,
+     {"mvpt", LF_ESTIMATOR_CV}},
+    {"meshes-glossy-ground-sky",
+     "bench/meshes-glossy-ground-sky.json",
+     4,
+     7,
+     0,
+     0,
+     {"mvpt", LF_ESTIMATOR_CV}},
     {"meshes-glossy-sky", "bench/meshes-glossy-sky.json", 1.2, 2, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"cloud-mesh", "bench/cloud-mesh.json", 0, 0, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"mixed-cubes", "bench/mixed-cubes.json", 0, 0, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
@@ -46,11 +60,13 @@ typedef struct row {
     int views;
     double ratios[LF_MAX_SEEDS];
     lf_spread ratio;
-    lf_interval interval;                                                        /* of the ratio, 95 % */
+    /* of the ratio, 95 % */
+    lf_interval interval;
     double seconds;                                                              /* CPU, a run */
     double rel_mse[N_CONTENDERS], native[N_CONTENDERS], effective[N_CONTENDERS]; /* medians */
-    lf_tile_bound tiles;                                                         /* of a place in all views */
-    lf_tile_bound view_tiles;                                                    /* of one view */
+    /* of a place in all views */
+    lf_tile_bound tiles;
+    lf_tile_bound view_tiles; /* of one view */
     double reference_error;
 } row;
 
@@ -61,7 +77,7 @@ typedef struct arguments {
     const char *markdown;
 } arguments;
 
-/* -------------------------------------------------------------------------------------------------------- arguments -- */
+/* --------------------------------------------------------------------------------- arguments -- */
 
 enum { OPTION_SCENES = LF_TRIAL_OPTION_OWN, OPTION_OURS, OPTION_BASELINE, OPTION_MARKDOWN };
 
@@ -77,16 +93,19 @@ static const struct option table[] = {
 static void print_help(void)
 {
     printf("Usage: quiltbench table FOLDER [options]\n"
-           "Equal-time ratios of relMSE on the scenes in FOLDER (build/scenes), 45 views and 10 views each.\n\n"
+           "Equal-time ratios of relMSE on the scenes in FOLDER (build/scenes), 45 views and 10 "
+           "views each.\n\n"
            "  --scenes LIST             only these:");
     for (int i = 0; i < N_SCENES; i++)
         printf("%s%s", i % 5 == 0 ? "\n                            " : " ", scenes[i].name);
-    printf("\n  --time SECONDS            CPU time of a run with 45 views, in proportion with 10 (4)\n"
-           "  --seeds N                 runs of each (8)\n"
-           "  --ours NAME:ESTIMATOR     (mvpt:mwis)\n"
-           "  --baseline NAME:ESTIMATOR (vpt:mwis)\n"
-           "  --markdown FILE           the table in a file too\n"
-           "With --views only that many views. The reference takes 12 runs' time unless told otherwise.\n\n" LF_TRIAL_OPTIONS_HELP);
+    printf(
+        "\n  --time SECONDS            CPU time of a run with 45 views, in proportion with 10 (4)\n"
+        "  --seeds N                 runs of each (8)\n"
+        "  --ours NAME:ESTIMATOR     (mvpt:mwis)\n"
+        "  --baseline NAME:ESTIMATOR (vpt:mwis)\n"
+        "  --markdown FILE           the table in a file too\n"
+        "With --views only that many views. The reference takes 12 runs' time unless told "
+        "otherwise.\n\n" LF_TRIAL_OPTIONS_HELP);
 }
 
 static lf_status check_scenes(const char *list, lf_error *err)
@@ -94,10 +113,12 @@ static lf_status check_scenes(const char *list, lf_error *err)
     for (const char *at = list; at;) {
         size_t n = strcspn(at, ",");
         int i = 0;
-        while (i < N_SCENES && !(strlen(scenes[i].name) == n && strncmp(scenes[i].name, at, n) == 0))
+        while (i < N_SCENES &&
+               !(strlen(scenes[i].name) == n && strncmp(scenes[i].name, at, n) == 0))
             i++;
         if (i == N_SCENES)
-            return lf_error_set(err, LF_E_ARG, "--scenes", "no scene is called \"%.*s\" (see --help)", (int)n, at);
+            return lf_error_set(err, LF_E_ARG, "--scenes",
+                                "no scene is called \"%.*s\" (see --help)", (int)n, at);
         at = at[n] ? at + n + 1 : NULL;
     }
     return LF_OK;
@@ -106,18 +127,15 @@ static lf_status check_scenes(const char *list, lf_error *err)
 static bool is_chosen(const char *list, const char *name)
 {
     size_t n = strlen(name);
-
-    for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
+    for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL)
         if (strncmp(at, name, n) == 0 && (at[n] == '\0' || at[n] == ','))
             return true;
-    }
     return !list;
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     arguments *a = context;
-
     switch (code) {
     case OPTION_OURS:
         return lf_contender_parse("--ours", text, &a->contenders[OURS], err);
@@ -132,26 +150,26 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     }
 }
 
-/* ------------------------------------------------------------------------------------------------------------- rows -- */
+/* -------------------------------------------------------------------------------------- rows -- */
 
 static double median_of(const lf_measure *measures, int n, size_t offset)
 {
     double values[LF_MAX_SEEDS];
-
     for (int i = 0; i < n; i++)
         memcpy(&values[i], (const char *)&measures[i] + offset, sizeof values[i]);
     return lf_spread_of(values, n).median;
 }
 
 /* Ratios of tiles: of every view's, and of the mean over the views at each place. */
-static lf_status judge_tiles(const lf_trial *trial, const lf_measure *measures, int n_seeds, row *out, lf_error *err)
+static lf_status judge_tiles(const lf_trial *trial, const lf_measure *measures, int n_seeds,
+                             row *out, lf_error *err)
 {
     int places = trial->n_tiles_across * trial->n_tiles_down;
     int all = places * out->views;
     double *of_views = lf_calloc((size_t)n_seeds * (size_t)all, sizeof(double));
     double *of_places = lf_calloc((size_t)n_seeds * (size_t)places, sizeof(double));
-    lf_status status = of_views && of_places ? LF_OK : lf_error_set(err, LF_E_NOMEM, trial->name, "out of memory");
-
+    lf_status status =
+        of_views && of_places ? LF_OK : lf_error_set(err, LF_E_NOMEM, trial->name, "out of memory");
     for (int s = 0; s < n_seeds && status == LF_OK; s++) {
         const lf_measure *base = &measures[s];
         const lf_measure *ours = &measures[n_seeds + s];
@@ -167,15 +185,18 @@ static lf_status judge_tiles(const lf_trial *trial, const lf_measure *measures, 
         }
     }
     if (status == LF_OK) {
-        out->tiles = lf_worst_tile(of_places, n_seeds, places, TILE_CONFIDENCE, out->scene->tile_must);
-        out->view_tiles = lf_worst_tile(of_views, n_seeds, all, TILE_CONFIDENCE, out->scene->tile_must);
+        out->tiles =
+            lf_worst_tile(of_places, n_seeds, places, TILE_CONFIDENCE, out->scene->tile_must);
+        out->view_tiles =
+            lf_worst_tile(of_views, n_seeds, all, TILE_CONFIDENCE, out->scene->tile_must);
     }
     lf_free(of_views);
     lf_free(of_places);
     return status;
 }
 
-static lf_status summarise(const lf_trial *trial, const lf_measure *measures, int n_seeds, row *out, lf_error *err)
+static lf_status summarise(const lf_trial *trial, const lf_measure *measures, int n_seeds, row *out,
+                           lf_error *err)
 {
     for (int i = 0; i < n_seeds; i++)
         out->ratios[i] = lf_measure_ratio(&measures[i], &measures[n_seeds + i]);
@@ -191,21 +212,24 @@ static lf_status summarise(const lf_trial *trial, const lf_measure *measures, in
     return judge_tiles(trial, measures, n_seeds, out, err);
 }
 
-static lf_status run_trial(const arguments *a, lf_trial *trial, const lf_trial_options *options, row *out, lf_error *err)
+static lf_status run_trial(const arguments *a, lf_trial *trial, const lf_trial_options *options,
+                           row *out, lf_error *err)
 {
     const lf_budget budget = {.cpu_seconds = options->seconds};
     size_t n_runs = (size_t)N_CONTENDERS * (size_t)options->n_seeds;
-    size_t n_tiles = (size_t)out->views * (size_t)trial->n_tiles_across * (size_t)trial->n_tiles_down;
+    size_t n_tiles =
+        (size_t)out->views * (size_t)trial->n_tiles_across * (size_t)trial->n_tiles_down;
     lf_measure *measures = lf_calloc(n_runs, sizeof *measures);
     double *tiles = lf_calloc(n_runs * n_tiles, sizeof *tiles);
-    lf_status status = measures && tiles ? LF_OK : lf_error_set(err, LF_E_NOMEM, trial->name, "out of memory");
-
+    lf_status status =
+        measures && tiles ? LF_OK : lf_error_set(err, LF_E_NOMEM, trial->name, "out of memory");
     for (size_t i = 0; i < n_runs && status == LF_OK; i++)
         measures[i].tiles = tiles + i * n_tiles;
     if (status == LF_OK)
         status = lf_trial_reference(trial, options, err);
     if (status == LF_OK)
-        status = lf_trial_all(trial, a->contenders, N_CONTENDERS, options, &budget, 1, measures, err);
+        status =
+            lf_trial_all(trial, a->contenders, N_CONTENDERS, options, &budget, 1, measures, err);
     if (status == LF_OK)
         status = summarise(trial, measures, options->n_seeds, out, err);
     lf_free(measures);
@@ -218,16 +242,16 @@ static lf_status run_row(const arguments *a, lf_pool *pool, row *out, lf_error *
     lf_trial_options options = a->options;
     lf_trial trial = {0};
     char *path = lf_path_join(options.operand, out->scene->file);
-
     options.common.views = out->views;
     options.seconds *= (double)out->views / FIELD_VIEWS;
     out->seconds = options.seconds;
     if (options.reference_spp == 0)
-        options.reference_seconds = options.reference_seconds > 0 ? options.reference_seconds : 6 * options.seconds;
+        options.reference_seconds =
+            options.reference_seconds > 0 ? options.reference_seconds : 6 * options.seconds;
     if (!options.reference.integrator)
         options.reference = out->scene->reference;
-    lf_status status =
-        path ? lf_trial_open(&trial, path, &options, pool, err) : lf_error_set(err, LF_E_NOMEM, "table", "out of memory");
+    lf_status status = path ? lf_trial_open(&trial, path, &options, pool, err)
+                            : lf_error_set(err, LF_E_NOMEM, "table", "out of memory");
     if (status == LF_OK)
         status = run_trial(a, &trial, &options, out, err);
     lf_trial_close(&trial);
@@ -235,7 +259,7 @@ static lf_status run_row(const arguments *a, lf_pool *pool, row *out, lf_error *
     return status;
 }
 
-/* ----------------------------------------------------------------------------------------------------------- answer -- */
+/* ------------------------------------------------------------------------------------ answer -- */
 
 static bool has_must(const row *r)
 {
@@ -265,23 +289,26 @@ static const char *verdict(const row *r)
 static void write_head(FILE *out, const arguments *a)
 {
     fprintf(out,
-            "| scene | views | equal time: median (low .. high) | 95 %% of the mean | %s relMSE | effective / native | "
-            "worst tile: lower bound (estimate), from %d seeds on | must / aim | |\n|---|---|---|---|---|---|---|---|---|\n",
+            "| scene | views | equal time: median (low .. high) | 95 %% of the mean | %s relMSE | "
+            "effective / native | "
+            "worst tile: lower bound (estimate), from %d seeds on | must / aim | "
+            "|\n|---|---|---|---|---|---|---|---|---|\n",
             a->contenders[OURS].integrator, LF_TILE_SEEDS);
 }
 
 static void write_row(FILE *out, const row *r)
 {
     const struct scene *scene = r->scene;
-
-    fprintf(out, "| %s | %d | %.2f (%.2f .. %.2f) | %.2f .. %.2f | %.3g | %.1f |", scene->name, r->views, r->ratio.median,
-            r->ratio.low, r->ratio.high, r->interval.low, r->interval.high, r->rel_mse[OURS], r->effective[OURS] / r->native[OURS]);
+    fprintf(out, "| %s | %d | %.2f (%.2f .. %.2f) | %.2f .. %.2f | %.3g | %.1f |", scene->name,
+            r->views, r->ratio.median, r->ratio.low, r->ratio.high, r->interval.low,
+            r->interval.high, r->rel_mse[OURS], r->effective[OURS] / r->native[OURS]);
     if (has_tiles(r))
         fprintf(out, " %.2f (%.2f) |", r->tiles.low, r->tiles.estimate);
     else
         fputs(" |", out);
     if (has_must(r) && has_tiles(r))
-        fprintf(out, " %g, tile %g / %g, tile %g |", scene->must, scene->tile_must, scene->aim, scene->tile_aim);
+        fprintf(out, " %g, tile %g / %g, tile %g |", scene->must, scene->tile_must, scene->aim,
+                scene->tile_aim);
     else if (has_must(r))
         fprintf(out, " %g / %g |", scene->must, scene->aim);
     else
@@ -291,48 +318,53 @@ static void write_row(FILE *out, const row *r)
 
 static json_t *tiles_json(const lf_tile_bound *b)
 {
-    return json_pack("{s:i, s:o, s:o, s:o, s:i}", "judged", b->n_judged, "worst_low", lf_bench_number(b->low), "worst_estimate",
-                     lf_bench_number(b->estimate), "least_estimate", lf_bench_number(b->least), "surely_below_must",
+    return json_pack("{s:i, s:o, s:o, s:o, s:i}", "judged", b->n_judged, "worst_low",
+                     lf_bench_number(b->low), "worst_estimate", lf_bench_number(b->estimate),
+                     "least_estimate", lf_bench_number(b->least), "surely_below_must",
                      b->n_surely_less);
 }
 
 static json_t *row_json(const arguments *a, const row *r)
 {
     json_t *ratios = json_array();
-
     for (int i = 0; i < a->options.n_seeds; i++)
         json_array_append_new(ratios, lf_bench_number(r->ratios[i]));
-    json_t *object = json_pack("{s:s, s:i, s:f, s:o, s:o, s:o, s:o, s:o, s:f, s:o, s:o, s:s}", "scene", r->scene->name, "views",
-                               r->views, "cpu_seconds", r->seconds, "ratio_median", lf_bench_number(r->ratio.median), "ratio_low",
-                               lf_bench_number(r->ratio.low), "ratio_high", lf_bench_number(r->ratio.high), "ratio",
-                               lf_interval_json(r->interval), "ratios", ratios, "reference_rel_mse", r->reference_error, "tiles",
-                               tiles_json(&r->tiles), "view_tiles", tiles_json(&r->view_tiles), "verdict", verdict(r));
+    json_t *object = json_pack(
+        "{s:s, s:i, s:f, s:o, s:o, s:o, s:o, s:o, s:f, s:o, s:o, s:s}", "scene", r->scene->name,
+        "views", r->views, "cpu_seconds", r->seconds, "ratio_median",
+        lf_bench_number(r->ratio.median), "ratio_low", lf_bench_number(r->ratio.low), "ratio_high",
+        lf_bench_number(r->ratio.high), "ratio", lf_interval_json(r->interval), "ratios", ratios,
+        "reference_rel_mse", r->reference_error, "tiles", tiles_json(&r->tiles), "view_tiles",
+        tiles_json(&r->view_tiles), "verdict", verdict(r));
     if (has_must(r))
         json_object_set_new(object, "must",
-                            json_pack("{s:f, s:f, s:f, s:f}", "ratio", r->scene->must, "aim", r->scene->aim, "tile",
-                                      r->scene->tile_must, "tile_aim", r->scene->tile_aim));
+                            json_pack("{s:f, s:f, s:f, s:f}", "ratio", r->scene->must, "aim",
+                                      r->scene->aim, "tile", r->scene->tile_must, "tile_aim",
+                                      r->scene->tile_aim));
     for (int c = 0; c < N_CONTENDERS; c++)
-        json_object_set_new(object, c == OURS ? "ours" : "baseline",
-                            json_pack("{s:s, s:s, s:f, s:f, s:f}", "integrator", a->contenders[c].integrator, "estimator",
-                                      lf_estimator_name(a->contenders[c].estimator), "rel_mse_median", r->rel_mse[c], "native_spp",
-                                      r->native[c], "effective_spp", r->effective[c]));
+        json_object_set_new(
+            object, c == OURS ? "ours" : "baseline",
+            json_pack("{s:s, s:s, s:f, s:f, s:f}", "integrator", a->contenders[c].integrator,
+                      "estimator", lf_estimator_name(a->contenders[c].estimator), "rel_mse_median",
+                      r->rel_mse[c], "native_spp", r->native[c], "effective_spp", r->effective[c]));
     return object;
 }
 
-static lf_status write_files(const arguments *a, const row *rows, int n_rows, lf_pool *pool, lf_error *err)
+static lf_status write_files(const arguments *a, const row *rows, int n_rows, lf_pool *pool,
+                             lf_error *err)
 {
     char *text = NULL;
     size_t size = 0;
     lf_status status = LF_OK;
     FILE *out = open_memstream(&text, &size);
     json_t *list = json_array();
-
     for (int i = 0; i < n_rows; i++)
         json_array_append_new(list, row_json(a, &rows[i]));
     json_t *object =
-        json_pack("{s:o, s:i, s:i, s:i, s:i, s:f, s:f, s:o}", "machine", lf_bench_machine(), "threads", lf_pool_threads(pool),
-                  "width", a->options.common.view_width, "height", a->options.common.view_height, "seeds", a->options.n_seeds,
-                  "epsilon", a->options.epsilon, "tile_confidence", TILE_CONFIDENCE, "rows", list);
+        json_pack("{s:o, s:i, s:i, s:i, s:i, s:f, s:f, s:o}", "machine", lf_bench_machine(),
+                  "threads", lf_pool_threads(pool), "width", a->options.common.view_width, "height",
+                  a->options.common.view_height, "seeds", a->options.n_seeds, "epsilon",
+                  a->options.epsilon, "tile_confidence", TILE_CONFIDENCE, "rows", list);
     if (out) {
         write_head(out, a);
         for (int i = 0; i < n_rows; i++)
@@ -342,7 +374,7 @@ static lf_status write_files(const arguments *a, const row *rows, int n_rows, lf
     if (a->markdown)
         status = lf_bench_write_text(a->markdown, text, err);
     if (status == LF_OK && a->options.json)
-        status = lf_bench_write_json(a->options.json, object, err);
+        status = lf_bench_write_json(a->options.json, json_incref(object), err);
     json_decref(object);
     free(text);
     return status;
@@ -351,17 +383,20 @@ static lf_status write_files(const arguments *a, const row *rows, int n_rows, lf
 static lf_status run(const arguments *a, row *rows, lf_pool *pool, lf_error *err)
 {
     bool quiet = lf_bench_only_json(a->options.json);
-    int kinds[2] = {a->options.common.views ? a->options.common.views : FIELD_VIEWS, LENTICULAR_VIEWS};
+    int kinds[2] = {a->options.common.views ? a->options.common.views : FIELD_VIEWS,
+                    LENTICULAR_VIEWS};
     int n_kinds = a->options.common.views ? 1 : 2;
     int n_rows = 0;
     lf_status status = LF_OK;
-
     if (!quiet) {
-        printf("%dx%d a view, %d seeds, %g CPU seconds a run of %d views, %d threads; ratios of relMSE x CPU seconds, %s %s to %s "
+        printf("%dx%d a view, %d seeds, %g CPU seconds a run of %d views, %d threads; ratios of "
+               "relMSE x CPU seconds, %s %s to %s "
                "%s\n\n",
-               a->options.common.view_width, a->options.common.view_height, a->options.n_seeds, a->options.seconds, FIELD_VIEWS,
-               lf_pool_threads(pool), a->contenders[BASELINE].integrator, lf_estimator_name(a->contenders[BASELINE].estimator),
-               a->contenders[OURS].integrator, lf_estimator_name(a->contenders[OURS].estimator));
+               a->options.common.view_width, a->options.common.view_height, a->options.n_seeds,
+               a->options.seconds, FIELD_VIEWS, lf_pool_threads(pool),
+               a->contenders[BASELINE].integrator,
+               lf_estimator_name(a->contenders[BASELINE].estimator), a->contenders[OURS].integrator,
+               lf_estimator_name(a->contenders[OURS].estimator));
         write_head(stdout, a);
         fflush(stdout);
     }
@@ -383,21 +418,24 @@ static lf_status run(const arguments *a, row *rows, lf_pool *pool, lf_error *err
 int lf_bench_table(int argc, char **argv)
 {
     arguments a = {
-        .options = {.common = {.view_width = 60, .view_height = 80}, .seconds = 4, .n_seeds = 8, .epsilon = 1e-2},
-        .contenders = {[BASELINE] = {"vpt", LF_ESTIMATOR_MWIS}, [OURS] = {"mvpt", LF_ESTIMATOR_MWIS}},
+        .options = {.common = {.view_width = 60, .view_height = 80},
+                    .seconds = 4,
+                    .n_seeds = 8,
+                    .epsilon = 1e-2},
+        .contenders =
+            {[BASELINE] = {"vpt", LF_ESTIMATOR_MWIS}, [OURS] = {"mvpt", LF_ESTIMATOR_MWIS}},
     };
     const lf_trial_command command = {"table", "FOLDER", table, print_help, take, &a};
     lf_pool *pool = NULL;
     lf_error err = {0};
     bool done = false;
-
     if (lf_trial_parse(&command, argc, argv, &a.options, &done, &err) != LF_OK)
         return lf_usage_error(LF_BENCH_PROGRAM, &err);
     if (done)
         return LF_EXIT_OK;
     row *rows = lf_calloc(2 * (size_t)N_SCENES, sizeof *rows);
-    lf_status status =
-        rows ? lf_bench_pool(a.options.common.threads, &pool, &err) : lf_error_set(&err, LF_E_NOMEM, "table", "out of memory");
+    lf_status status = rows ? lf_bench_pool(a.options.common.threads, &pool, &err)
+                            : lf_error_set(&err, LF_E_NOMEM, "table", "out of memory");
     if (status == LF_OK)
         status = run(&a, rows, pool, &err);
     lf_pool_destroy(pool);

@@ -14,7 +14,6 @@ static int rising(const void *a, const void *b)
 {
     double x = *(const double *)a;
     double y = *(const double *)b;
-
     return (x > y) - (x < y);
 }
 
@@ -22,7 +21,6 @@ double lf_timing_quantile(const lf_timing *timing, double share)
 {
     double sorted[LF_TIMING_MAX];
     int rank = (int)ceil(share * timing->n) - 1;
-
     if (timing->n == 0)
         return NAN;
     memcpy(sorted, timing->value, (size_t)timing->n * sizeof *sorted);

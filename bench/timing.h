@@ -11,8 +11,8 @@ typedef struct lf_timing {
 
 /* At most LF_TIMING_MAX; those behind are dropped. */
 void lf_timing_add(lf_timing *timing, double value);
-/* The smallest value that a share of all values (0..1) does not pass, by the nearest rank: 0.5 = the median, 0 = the smallest. NaN
- * where there is none. */
+/* The smallest value that a share of all values (0..1) does not pass, by the nearest rank: 0.5 =
+ * the median, 0 = the smallest. NaN where there is none. */
 double lf_timing_quantile(const lf_timing *timing, double share);
 
 #endif

@@ -7,16 +7,16 @@
 
 #include "base/alloc.h"
 #include "bench/bench.h"
-#include "daemon/stage.h"
+#include "daemon/output/content.h"
 
 #define REFERENCE_SEED UINT64_C(0x5eed0000)
 
-lf_status lf_trial_open(lf_trial *trial, const char *path, const lf_trial_options *options, lf_pool *pool, lf_error *err)
+lf_status lf_trial_open(lf_trial *trial, const char *path, const lf_trial_options *options,
+                        lf_pool *pool, lf_error *err)
 {
     lf_calibration calibration;
     lf_layout layout;
     const char *panel = options->common.calibration;
-
     *trial = (lf_trial){.name = path, .pool = pool, .epsilon = options->epsilon};
     lf_status status = lf_scene_load(path, NULL, NULL, &trial->scene, err);
     if (status == LF_OK)
@@ -24,12 +24,13 @@ lf_status lf_trial_open(lf_trial *trial, const char *path, const lf_trial_option
     if (status == LF_OK && panel)
         status = lf_calibration_load(panel, &calibration, err);
     if (status == LF_OK)
-        status = lf_resolve_view(&options->common, lf_scene_camera(trial->scene), panel ? &calibration : NULL, &trial->settings,
-                                 &layout, err);
+        status = lf_resolve_view(&options->common, lf_scene_camera(trial->scene),
+                                 panel ? &calibration : NULL, &trial->settings, &layout, err);
     if (status != LF_OK)
         return status;
     const lf_render_settings *settings = &trial->settings;
-    trial->n = (size_t)settings->camera.n_views * (size_t)settings->width * (size_t)settings->height * 3;
+    trial->n =
+        (size_t)settings->camera.n_views * (size_t)settings->width * (size_t)settings->height * 3;
     trial->n_tiles_across = (settings->width + LF_TILE_SIDE - 1) / LF_TILE_SIDE;
     trial->n_tiles_down = (settings->height + LF_TILE_SIDE - 1) / LF_TILE_SIDE;
     trial->reference = lf_calloc(trial->n, sizeof(float));
@@ -49,13 +50,12 @@ void lf_trial_close(lf_trial *trial)
     *trial = (lf_trial){0};
 }
 
-/* --------------------------------------------------------------------------------------------------------- measuring -- */
+/* --------------------------------------------------------------------------------- measuring -- */
 
 /* The picture becomes its e. */
 static int64_t to_errors(lf_trial *trial)
 {
     int64_t n_nonfinite = 0;
-
     for (size_t i = 0; i < trial->n; i++) {
         double r = (double)trial->reference[i];
         double e = ((double)trial->picture[i] - r) / sqrt(r * r + trial->epsilon);
@@ -68,16 +68,17 @@ static int64_t to_errors(lf_trial *trial)
 /* Where the floats of one row of one view begin. */
 static size_t row_at(const lf_trial *trial, int row, int view)
 {
-    return ((size_t)row * (size_t)trial->settings.camera.n_views + (size_t)view) * (size_t)trial->settings.width * 3;
+    return ((size_t)row * (size_t)trial->settings.camera.n_views + (size_t)view) *
+           (size_t)trial->settings.width * 3;
 }
 
 /* Sum of e^2 over pixels of a row, without the reference's own. */
 static double sum_squares(const lf_trial *trial, size_t first, size_t n_floats)
 {
     double sum = 0;
-
     for (size_t i = first; i < first + n_floats; i++)
-        sum += (double)trial->picture[i] * (double)trial->picture[i] - (double)trial->noise[i] * (double)trial->noise[i];
+        sum += (double)trial->picture[i] * (double)trial->picture[i] -
+               (double)trial->noise[i] * (double)trial->noise[i];
     return sum;
 }
 
@@ -92,10 +93,10 @@ static double sum_tile(const lf_trial *trial, int view, int across, int down, do
     int width = side_of(across, trial->settings.width);
     int height = side_of(down, trial->settings.height);
     double sum = 0;
-
     for (int y = 0; y < height; y++)
-        sum +=
-            sum_squares(trial, row_at(trial, down * LF_TILE_SIDE + y, view) + (size_t)across * LF_TILE_SIDE * 3, (size_t)width * 3);
+        sum += sum_squares(
+            trial, row_at(trial, down * LF_TILE_SIDE + y, view) + (size_t)across * LF_TILE_SIDE * 3,
+            (size_t)width * 3);
     *out_n = 3.0 * width * height;
     return sum;
 }
@@ -104,7 +105,6 @@ static void measure_errors(const lf_trial *trial, lf_measure *out)
 {
     double all = 0;
     size_t tile = 0;
-
     out->worst_view = -INFINITY;
     for (int view = 0; view < trial->settings.camera.n_views; view++) {
         double sum = 0;
@@ -118,7 +118,8 @@ static void measure_errors(const lf_trial *trial, lf_measure *out)
             }
         }
         all += sum;
-        out->worst_view = fmax(out->worst_view, sum * trial->settings.camera.n_views / (double)trial->n);
+        out->worst_view =
+            fmax(out->worst_view, sum * trial->settings.camera.n_views / (double)trial->n);
     }
     out->rel_mse = all / (double)trial->n;
 }
@@ -129,13 +130,13 @@ static double correlation(const lf_trial *trial, int apart)
     size_t n = (size_t)trial->settings.width * 3;
     int n_pairs = trial->settings.camera.n_views - apart;
     double sum = 0;
-
     for (int view = 0; view < n_pairs; view++) {
         lf_correlation cross = {0};
         for (int row = 0; row < trial->settings.height; row++) {
             size_t a = row_at(trial, row, view);
             size_t b = row_at(trial, row, view + apart);
-            lf_correlation_add(&cross, n, trial->picture + a, trial->picture + b, trial->noise + a, trial->noise + b);
+            lf_correlation_add(&cross, n, trial->picture + a, trial->picture + b, trial->noise + a,
+                               trial->noise + b);
         }
         sum += lf_correlation_value(&cross);
     }
@@ -150,17 +151,16 @@ static void measure(lf_trial *trial, lf_measure *out)
     out->correlation[1] = correlation(trial, 10);
 }
 
-/* ----------------------------------------------------------------------------------------------------------- running -- */
+/* ----------------------------------------------------------------------------------- running -- */
 
 /* Renders into trial->picture. */
-static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed, const lf_budget *budget, lf_measure *out,
-                        lf_error *err)
+static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
+                        const lf_budget *budget, lf_measure *out, lf_error *err)
 {
     lf_render_settings settings = trial->settings;
     lf_renderer *renderer = NULL;
     lf_render_times times;
     double start = lf_time_cpu();
-
     settings.integrator = who->integrator;
     settings.seed = seed;
     lf_status status = lf_renderer_create(trial->scene, &settings, trial->pool, &renderer, err);
@@ -169,18 +169,18 @@ static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
     lf_budget left = *budget;
     if (left.cpu_seconds > 0)
         left.cpu_seconds = fmax(1e-3, left.cpu_seconds - (lf_time_cpu() - start));
-    status = lf_render_run(renderer, &left, who->estimator, trial->picture, NULL, NULL, NULL, &times);
+    status =
+        lf_render_run(renderer, &left, who->estimator, trial->picture, NULL, NULL, NULL, &times);
     out->cpu_seconds = lf_time_cpu() - start;
     lf_renderer_stats(renderer, &out->stats);
     lf_renderer_destroy(renderer);
     return status == LF_OK ? LF_OK : lf_error_set(err, status, trial->name, "rendering failed");
 }
 
-lf_status lf_trial_run(lf_trial *trial, const lf_contender *who, uint64_t seed, const lf_budget *budget, lf_measure *out,
-                       lf_error *err)
+lf_status lf_trial_run(lf_trial *trial, const lf_contender *who, uint64_t seed,
+                       const lf_budget *budget, lf_measure *out, lf_error *err)
 {
     lf_status status = render(trial, who, seed, budget, out, err);
-
     if (status == LF_OK)
         measure(trial, out);
     return status;
@@ -191,12 +191,12 @@ lf_status lf_trial_reference(lf_trial *trial, const lf_trial_options *options, l
     lf_budget budget = {.cpu_seconds = options->reference_seconds};
     lf_measure halves[2] = {0};
     lf_status status = LF_OK;
-
     if (!(budget.cpu_seconds > 0))
         budget.passes = (int64_t)options->reference_spp * trial->settings.camera.n_views;
     trial->reference_by = options->reference;
     for (int half = 0; half < 2 && status == LF_OK; half++) {
-        status = render(trial, &options->reference, REFERENCE_SEED + (uint64_t)half, &budget, &halves[half], err);
+        status = render(trial, &options->reference, REFERENCE_SEED + (uint64_t)half, &budget,
+                        &halves[half], err);
         if (half == 0)
             memcpy(trial->reference, trial->picture, trial->n * sizeof(float));
     }
@@ -205,7 +205,8 @@ lf_status lf_trial_reference(lf_trial *trial, const lf_trial_options *options, l
     double sum = 0;
     for (size_t i = 0; i < trial->n; i++) {
         double mean = 0.5 * ((double)trial->reference[i] + (double)trial->picture[i]);
-        double e = 0.5 * ((double)trial->reference[i] - (double)trial->picture[i]) / sqrt(mean * mean + trial->epsilon);
+        double e = 0.5 * ((double)trial->reference[i] - (double)trial->picture[i]) /
+                   sqrt(mean * mean + trial->epsilon);
         trial->noise[i] = (float)e;
         trial->reference[i] = (float)mean;
         sum += e * e;
@@ -216,21 +217,23 @@ lf_status lf_trial_reference(lf_trial *trial, const lf_trial_options *options, l
     return LF_OK;
 }
 
-lf_status lf_trial_all(lf_trial *trial, const lf_contender *contenders, int n_contenders, const lf_trial_options *options,
-                       const lf_budget *budgets, int n_budgets, lf_measure *out_measures, lf_error *err)
+lf_status lf_trial_all(lf_trial *trial, const lf_contender *contenders, int n_contenders,
+                       const lf_trial_options *options, const lf_budget *budgets, int n_budgets,
+                       lf_measure *out_measures, lf_error *err)
 {
     bool terminal = isatty(STDERR_FILENO) == 1;
     uint64_t seed = options->common.has_seed ? options->common.seed : 1;
     int n = options->n_seeds;
     lf_status status = LF_OK;
-
     for (int i = 0; i < n * n_budgets * n_contenders && status == LF_OK; i++) {
         int run = i / n_contenders; /* seed by seed, budget by budget */
         int who = (run + i) % n_contenders;
         if (terminal)
-            fprintf(stderr, "\r" LF_BENCH_PROGRAM ": %s: run %d of %d\033[K", trial->name, run + 1, n * n_budgets);
-        status = lf_trial_run(trial, &contenders[who], seed + (uint64_t)run, &budgets[run % n_budgets],
-                              &out_measures[who * n * n_budgets + run], err);
+            fprintf(stderr, "\r" LF_BENCH_PROGRAM ": %s: run %d of %d\033[K", trial->name, run + 1,
+                    n * n_budgets);
+        status =
+            lf_trial_run(trial, &contenders[who], seed + (uint64_t)run, &budgets[run % n_budgets],
+                         &out_measures[who * n * n_budgets + run], err);
     }
     if (terminal)
         fputs("\r\033[K", stderr);
@@ -240,36 +243,39 @@ lf_status lf_trial_all(lf_trial *trial, const lf_contender *contenders, int n_co
 double lf_measure_ratio(const lf_measure *baseline, const lf_measure *ours)
 {
     double ratio = baseline->rel_mse * baseline->cpu_seconds / (ours->rel_mse * ours->cpu_seconds);
-
     return baseline->rel_mse > 0 && ours->rel_mse > 0 ? ratio : (double)NAN;
 }
 
-/* ---------------------------------------------------------------------------------------------------------- reporting -- */
+/* --------------------------------------------------------------------------------- reporting -- */
 
 json_t *lf_interval_json(lf_interval interval)
 {
-    return json_pack("{s:o, s:o, s:o}", "estimate", lf_bench_number(interval.estimate), "low", lf_bench_number(interval.low),
-                     "high", lf_bench_number(interval.high));
+    return json_pack("{s:o, s:o, s:o}", "estimate", lf_bench_number(interval.estimate), "low",
+                     lf_bench_number(interval.low), "high", lf_bench_number(interval.high));
 }
 
 json_t *lf_trial_json(const lf_trial *trial, const lf_trial_options *options)
 {
-    return json_pack("{s:s, s:o, s:i, s:i, s:i, s:i, s:i, s:f, s:{s:s, s:s, s:f, s:f, s:f}}", "scene", trial->name, "machine",
-                     lf_bench_machine(), "threads", lf_pool_threads(trial->pool), "views", trial->settings.camera.n_views, "width",
-                     trial->settings.width, "height", trial->settings.height, "seeds", options->n_seeds, "epsilon", trial->epsilon,
-                     "reference", "integrator", trial->reference_by.integrator, "estimator",
-                     lf_estimator_name(trial->reference_by.estimator), "spp", trial->reference_spp, "rel_mse",
-                     trial->reference_error, "cpu_seconds", trial->reference_cpu);
+    return json_pack("{s:s, s:o, s:i, s:i, s:i, s:i, s:i, s:f, s:{s:s, s:s, s:f, s:f, s:f}}",
+                     "scene", trial->name, "machine", lf_bench_machine(), "threads",
+                     lf_pool_threads(trial->pool), "views", trial->settings.camera.n_views, "width",
+                     trial->settings.width, "height", trial->settings.height, "seeds",
+                     options->n_seeds, "epsilon", trial->epsilon, "reference", "integrator",
+                     trial->reference_by.integrator, "estimator",
+                     lf_estimator_name(trial->reference_by.estimator), "spp", trial->reference_spp,
+                     "rel_mse", trial->reference_error, "cpu_seconds", trial->reference_cpu);
 }
 
 void lf_trial_print(const lf_trial *trial, const lf_trial_options *options)
 {
     json_t *machine = lf_bench_machine();
-
-    printf("%s: %d views of %dx%d, %d seeds, relMSE with epsilon %g\n", trial->name, trial->settings.camera.n_views,
-           trial->settings.width, trial->settings.height, options->n_seeds, trial->epsilon);
-    printf("machine: %s, %d threads\n", json_string_value(json_object_get(machine, "cpu")), lf_pool_threads(trial->pool));
-    printf("reference: %s %s, %.3g spp, its own relMSE %.3g (subtracted), %.1f CPU seconds\n", trial->reference_by.integrator,
-           lf_estimator_name(trial->reference_by.estimator), trial->reference_spp, trial->reference_error, trial->reference_cpu);
+    printf("%s: %d views of %dx%d, %d seeds, relMSE with epsilon %g\n", trial->name,
+           trial->settings.camera.n_views, trial->settings.width, trial->settings.height,
+           options->n_seeds, trial->epsilon);
+    printf("machine: %s, %d threads\n", json_string_value(json_object_get(machine, "cpu")),
+           lf_pool_threads(trial->pool));
+    printf("reference: %s %s, %.3g spp, its own relMSE %.3g (subtracted), %.1f CPU seconds\n",
+           trial->reference_by.integrator, lf_estimator_name(trial->reference_by.estimator),
+           trial->reference_spp, trial->reference_error, trial->reference_cpu);
     json_decref(machine);
 }

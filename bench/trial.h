@@ -1,20 +1,23 @@
-/* Trials: contenders (an integrator and the estimator that answers from its film) render one scene in turns, against a reference whose
- * own error is known. What `quiltbench compare`, `curve`, `table` and `views` have in common.
+/* Trials: contenders (an integrator and the estimator that answers from its film) render one scene
+ * in turns, against a reference whose own error is known. What `quiltbench compare`, `curve`,
+ * `table` and `views` have in common.
  *
- * Errors are relative: e = (x - r) / sqrt(r^2 + epsilon) for every channel of every pixel of every view, x the picture, r the
- * reference, and relMSE is the mean of e^2. The reference is the mean of two independent renderings; half their difference, scaled
- * likewise, has the variance of the reference's own error, and the mean of its square is subtracted from every relMSE (also of a
+ * Errors are relative: e = (x - r) / sqrt(r^2 + epsilon) for every channel of every pixel of every
+ * view, x the picture, r the reference, and relMSE is the mean of e^2. The reference is the mean of
+ * two independent renderings; half their difference, scaled likewise, has the variance of the
+ * reference's own error, and the mean of its square is subtracted from every relMSE (also of a
  * view, a tile, and from correlations).
  *
- * The clock is the CPU time of the process. It runs from before the film is made until the picture is there, so that all that an
- * integrator needs counts. Every run is a film of its own with a seed of its own: errors at two budgets are independent.
- * Thread: one trial belongs to one thread; its pool works. */
+ * The clock is the CPU time of the process. It runs from before the film is made until the picture
+ * is there, so that all that an integrator needs counts. Every run is a film of its own with a seed
+ * of its own: errors at two budgets are independent. Thread: one trial belongs to one thread; its
+ * pool works. */
 #ifndef LF_BENCH_TRIAL_H
 #define LF_BENCH_TRIAL_H
 
 #include "bench/statistics.h"
-#include "daemon/options.h"
-#include "daemon/render_job.h"
+#include "daemon/output/options.h"
+#include "daemon/output/render_job.h"
 
 #define LF_TILE_SIDE 16 /* pixels; tiles at the right and lower edge are smaller */
 #define LF_MAX_BUDGETS 16
@@ -25,11 +28,13 @@ typedef struct lf_contender {
 } lf_contender;
 
 /* "mvpt:mwis". LF_E_ARG; out untouched then. */
-LF_NODISCARD lf_status lf_contender_parse(const char *option, const char *text, lf_contender *out, lf_error *err);
+LF_NODISCARD lf_status lf_contender_parse(const char *option, const char *text, lf_contender *out,
+                                          lf_error *err);
 
-/* ------------------------------------------------------------------------------------------------------ command line -- */
+/* ------------------------------------------------------------------------------ command line -- */
 
-/* The options that all commands with trials have. Set defaults before parsing. Strings point into argv. */
+/* The options that all commands with trials have. Set defaults before parsing. Strings point into
+ * argv. */
 typedef struct lf_trial_options {
     lf_options common;
     const char *operand; /* the one operand, a scene or a folder */
@@ -65,17 +70,18 @@ enum {
         {"json", required_argument, NULL, LF_TRIAL_OPTION_JSON}
 /* clang-format on */
 
-#define LF_TRIAL_OPTIONS_HELP                                                                                                      \
-    "  --reference NAME:ESTIMATOR  renders the reference, twice, so that its own error is known (mvpt:cv)\n"                       \
-    "  --reference-spp N         of each of the two\n"                                                                             \
-    "  --reference-time SECONDS  CPU time of each of the two, instead of --reference-spp\n"                                        \
-    "  --epsilon E               of relMSE (0.01)\n"                                                                               \
-    "  --json FILE               everything as JSON (- for stdout)\n" LF_OPTIONS_HELP_VIEWS                                        \
-    "  --calibration FILE     aspect and cone of a panel\n"                                                                        \
-    "  --sampler NAME         owen (default) or independent\n"                                                                     \
-    "  --max-depth N          longest path, in vertices after the camera (the scene's)\n"                                          \
-    "  --threads N            worker threads (all CPUs)\n"                                                                         \
-    "  --seed S               of the first run (1)\n"                                                                              \
+#define LF_TRIAL_OPTIONS_HELP                                                                      \
+    "  --reference NAME:ESTIMATOR  renders the reference, twice, so that its own error is known "  \
+    "(mvpt:cv)\n"                                                                                  \
+    "  --reference-spp N         of each of the two\n"                                             \
+    "  --reference-time SECONDS  CPU time of each of the two, instead of --reference-spp\n"        \
+    "  --epsilon E               of relMSE (0.01)\n"                                               \
+    "  --json FILE               everything as JSON (- for stdout)\n" LF_OPTIONS_HELP_VIEWS        \
+    "  --calibration FILE     aspect and cone of a panel\n"                                        \
+    "  --sampler NAME         owen (default) or independent\n"                                     \
+    "  --max-depth N          longest path, in vertices after the camera (the scene's)\n"          \
+    "  --threads N            worker threads (all CPUs)\n"                                         \
+    "  --seed S               of the first run (1)\n"                                              \
     "  --help                 this text\n"
 
 /* A command's own part of the parsing. */
@@ -84,15 +90,16 @@ typedef struct lf_trial_command {
     const char *operand;        /* what its one operand is: "SCENE" */
     const struct option *table; /* LF_TRIAL_OPTIONS_LONG and its own */
     void (*print_help)(void);
-    lf_status (*take)(void *context, int code, const char *text, lf_error *err); /* its own options */
+    /* its own options */
+    lf_status (*take)(void *context, int code, const char *text, lf_error *err);
     void *context;
 } lf_trial_command;
 
 /* LF_E_ARG for wrong usage. *out_done: help or the version was asked for and printed. */
-LF_NODISCARD lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv, lf_trial_options *options,
-                                      bool *out_done, lf_error *err);
+LF_NODISCARD lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
+                                      lf_trial_options *options, bool *out_done, lf_error *err);
 
-/* ------------------------------------------------------------------------------------------------------------ trials -- */
+/* ------------------------------------------------------------------------------------ trials -- */
 
 typedef struct lf_trial {
     const char *name; /* in errors and progress; the scene's path; borrowed */
@@ -116,38 +123,44 @@ typedef struct lf_measure {
     double cpu_seconds;
     double rel_mse;    /* mean over the views */
     double worst_view; /* the greatest relMSE of a view */
-    /* correlation of e in pixels of one place in two views: next to each other, 10 apart; mean over pairs; NaN = not known */
+    /* correlation of e in pixels of one place in two views: next to each other, 10 apart; mean over
+     * pairs; NaN = not known */
     double correlation[2];
     int64_t n_nonfinite; /* samples of the picture; they count as right */
     lf_render_stats stats;
-    double *tiles; /* NULL, or set before the run: [view][tile row][tile column] gets the relMSE of each tile */
+    /* NULL, or set before the run: [view][tile row][tile column] gets the relMSE of each tile */
+    double *tiles;
 } lf_measure;
 
-/* Loads the scene and prepares a film for options (views, view size, …). options and path must outlive the trial. Close it whatever
- * comes of it; a zeroed trial may be closed. */
-LF_NODISCARD lf_status lf_trial_open(lf_trial *trial, const char *path, const lf_trial_options *options, lf_pool *pool,
-                                     lf_error *err);
+/* Loads the scene and prepares a film for options (views, view size, …). options and path must
+ * outlive the trial. Close it whatever comes of it; a zeroed trial may be closed. */
+LF_NODISCARD lf_status lf_trial_open(lf_trial *trial, const char *path,
+                                     const lf_trial_options *options, lf_pool *pool, lf_error *err);
 void lf_trial_close(lf_trial *trial);
 
 /* Renders the reference as the options say. */
-LF_NODISCARD lf_status lf_trial_reference(lf_trial *trial, const lf_trial_options *options, lf_error *err);
+LF_NODISCARD lf_status lf_trial_reference(lf_trial *trial, const lf_trial_options *options,
+                                          lf_error *err);
 
 /* One run. */
-LF_NODISCARD lf_status lf_trial_run(lf_trial *trial, const lf_contender *who, uint64_t seed, const lf_budget *budget,
-                                    lf_measure *out, lf_error *err);
+LF_NODISCARD lf_status lf_trial_run(lf_trial *trial, const lf_contender *who, uint64_t seed,
+                                    const lf_budget *budget, lf_measure *out, lf_error *err);
 
-/* All runs, contenders in turns that begin with another one every time. out_measures [contender][seed][budget]. */
-LF_NODISCARD lf_status lf_trial_all(lf_trial *trial, const lf_contender *contenders, int n_contenders,
-                                    const lf_trial_options *options, const lf_budget *budgets, int n_budgets,
+/* All runs, contenders in turns that begin with another one every time. out_measures
+ * [contender][seed][budget]. */
+LF_NODISCARD lf_status lf_trial_all(lf_trial *trial, const lf_contender *contenders,
+                                    int n_contenders, const lf_trial_options *options,
+                                    const lf_budget *budgets, int n_budgets,
                                     lf_measure *out_measures, lf_error *err);
 
-/* Ratio of relMSE x CPU seconds, baseline to ours: runs end within a pass of their time, and the error falls as one over it. NaN when
- * one of the two is not above the reference's error. */
+/* Ratio of relMSE x CPU seconds, baseline to ours: runs end within a pass of their time, and the
+ * error falls as one over it. NaN when one of the two is not above the reference's error. */
 double lf_measure_ratio(const lf_measure *baseline, const lf_measure *ours);
 
 /* {"estimate", "low", "high"}. */
 json_t *lf_interval_json(lf_interval interval);
-/* The part that all JSON answers share: scene, machine, threads, views, width, height, seeds, epsilon, reference. */
+/* The part that all JSON answers share: scene, machine, threads, views, width, height, seeds,
+ * epsilon, reference. */
 json_t *lf_trial_json(const lf_trial *trial, const lf_trial_options *options);
 /* And the head of all printed tables. */
 void lf_trial_print(const lf_trial *trial, const lf_trial_options *options);

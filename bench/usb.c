@@ -1,13 +1,13 @@
-/* quiltbench usb [SCENE]: updates of a simulated USB display in this process, against copying as many bytes; and what a scene that
- * converges sends to it. */
+/* quiltbench usb [SCENE]: updates of a simulated USB display in this process, against copying as
+ * many bytes; and what a scene that converges sends to it. */
 #include <stdio.h>
 #include <string.h>
 
 #include "bench/bench.h"
-#include "bench/timing.h"
+#include "bench/command.h"
 #include "bench/usb.h"
-#include "daemon/options.h"
-#include "device/gud_host.h"
+#include "device/model/usb_model.h"
+#include "device/usb/gud_host.h"
 
 typedef struct arguments {
     lf_options options;
@@ -59,63 +59,40 @@ typedef struct bench {
     lf_image8 scene; /* of a Portrait; empty = none */
 } bench;
 
-enum { OPTION_REPEAT = LF_OPTION_OWN, OPTION_SECONDS, OPTION_JSON };
-
-static const struct option table[] = {
+static const struct option shared[] = {
     LF_OPTIONS_LONG("calibration"),
-    {"seconds", required_argument, NULL, OPTION_SECONDS},
-    {"repeat", required_argument, NULL, OPTION_REPEAT},
-    {"json", required_argument, NULL, OPTION_JSON},
     {NULL, 0, NULL, 0},
+};
+
+static const lf_param own[] = {
+    LF_BENCH_FIELD(LF_PARAM_NUMBER, "seconds", offsetof(arguments, seconds), "S", 0.1, 3600, 20,
+                   "how long it converges"),
+    LF_BENCH_REPEAT(offsetof(arguments, repeat), 15, "repetitions; their median counts"),
+    LF_BENCH_JSON(offsetof(arguments, json)),
+    {0},
 };
 
 static void print_help(void)
 {
     printf("Usage: quiltbench usb [SCENE] [options]\n"
-           "Updates of a simulated USB display in this process, its own decoding included: milliseconds, MB/s of changed pixels\n"
-           "(three bytes each), bytes on the wire, and the ratio to copying the changed pixels. With a scene: what its rendering\n"
-           "sends while it converges.\n\n"
-           "  --seconds S            how long it converges (20)\n"
-           "  --repeat N             repetitions; their median counts (15)\n"
-           "  --json FILE            the numbers as JSON (- for stdout)\n" LF_OPTIONS_HELP_VIEWS
-           "  --calibration FILE     the panel that the scene is shown on (a nominal Portrait)\n" LF_OPTIONS_HELP_RENDER
-           "  --help                 this text\n");
+           "Updates of a simulated USB display in this process, its own decoding included: "
+           "milliseconds, MB/s of changed pixels\n"
+           "(three bytes each), bytes on the wire, and the ratio to copying the changed pixels. "
+           "With a scene: what its rendering\n"
+           "sends while it converges.\n\n");
+    lf_param_print_help(own);
+    printf(LF_OPTIONS_HELP_VIEWS
+           "  --calibration FILE     the panel that the scene is shown on (a nominal "
+           "Portrait)\n" LF_OPTIONS_HELP_RENDER "  --help                 this text\n");
 }
 
-static lf_status take(void *context, int code, const char *text, lf_error *err)
-{
-    arguments *a = context;
+static const lf_bench_command command = {"usb", shared, own, print_help, 0, 1, "at most one SCENE"};
 
-    switch (code) {
-    case OPTION_REPEAT:
-        return lf_parse_small("--repeat", text, 1, LF_TIMING_MAX, &a->repeat, err);
-    case OPTION_SECONDS:
-        return lf_parse_double("--seconds", text, 0.1, 3600, &a->seconds, err);
-    default:
-        a->json = text;
-        return LF_OK;
-    }
-}
-
-static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
-{
-    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, &a->options, take, a};
-    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
-
-    if (status != LF_OK || *out_done)
-        return status;
-    if (argc - optind > 1)
-        return lf_error_set(err, LF_E_ARG, argv[optind + 1], "quiltbench usb takes one SCENE");
-    a->scene = argv[optind];
-    return LF_OK;
-}
-
-/* -------------------------------------------------------------------------------------------------------- pictures -- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 static uint8_t noise_at(int x, int y, int seed)
 {
     uint32_t h = (uint32_t)x * 73856093u ^ (uint32_t)y * 19349663u ^ (uint32_t)seed * 83492791u;
-
     h = (h ^ h >> 15) * 2246822519u;
     return (uint8_t)(h >> 13);
 }
@@ -142,17 +119,20 @@ static uint8_t sample_at(const bench *b, content c, int x, int y, int seed)
     }
     /* a panel that is larger shows it several times */
     int row = y % b->scene.height;
-    return b->scene.data[(size_t)(seed ? b->scene.height - 1 - row : row) * b->scene.stride + (size_t)(x % (3 * b->scene.width))];
+    return b->scene.data[(size_t)(seed ? b->scene.height - 1 - row : row) * b->scene.stride +
+                         (size_t)(x % (3 * b->scene.width))];
 }
 
-/* Both pictures; they differ within `changed` only, and not at all when the display is to show it already. */
+/* Both pictures; they differ within `changed` only, and not at all when the display is to show it
+ * already. */
 static void paint(bench *b, const work *w, lf_rect changed)
 {
     for (int i = 0; i < 2; i++)
         for (int y = 0; y < b->pictures[i].height; y++)
             for (int x = 0; x < b->pictures[i].width * 3; x++) {
                 int seed = i > 0 && !w->same && inside(changed, x / 3, y) ? 1 : 0;
-                b->pictures[i].data[(size_t)y * b->pictures[i].stride + (size_t)x] = sample_at(b, w->content, x, y, seed);
+                b->pictures[i].data[(size_t)y * b->pictures[i].stride + (size_t)x] =
+                    sample_at(b, w->content, x, y, seed);
             }
 }
 
@@ -177,12 +157,15 @@ static void finish(bench *b)
 
 static lf_status make(bench *b, const work *w, lf_rect panel, lf_error *err)
 {
-    const lf_model_gud_options options = {
-        .width = panel.width, .height = panel.height, .formats = &w->format, .n_formats = 1, .lz4 = w->lz4};
-
+    const lf_model_gud_options options = {.width = panel.width,
+                                          .height = panel.height,
+                                          .formats = &w->format,
+                                          .n_formats = 1,
+                                          .lz4 = w->lz4};
     if (lf_image8_init(&b->pictures[0], panel.width, panel.height, 3) != LF_OK ||
         lf_image8_init(&b->pictures[1], panel.width, panel.height, 3) != LF_OK ||
-        lf_image8_init(&b->copy, panel.width, panel.height, 3) != LF_OK || lf_model_gud_create(&options, NULL, &b->gud) != LF_OK ||
+        lf_image8_init(&b->copy, panel.width, panel.height, 3) != LF_OK ||
+        lf_model_gud_create(&options, NULL, &b->gud) != LF_OK ||
         !(b->link = lf_usb_model_open(b->gud)))
         return lf_error_set(err, LF_E_NOMEM, "usb", "out of memory");
     paint(b, w, changed_by(w, panel));
@@ -194,27 +177,29 @@ static lf_status make(bench *b, const work *w, lf_rect panel, lf_error *err)
     return status == LF_OK ? lf_gud_host_update(b->host, &b->pictures[1], &panel, 1, err) : status;
 }
 
-/* ---------------------------------------------------------------------------------------------------------- timing -- */
+/* ------------------------------------------------------------------------------------ timing -- */
 
 static void copy_rect(bench *b, const lf_image8 *from, lf_rect r)
 {
     for (int y = r.y; y < r.y + r.height; y++)
-        memcpy(b->copy.data + (size_t)y * b->copy.stride + (size_t)r.x * 3, from->data + (size_t)y * from->stride + (size_t)r.x * 3,
-               (size_t)r.width * 3);
+        memcpy(b->copy.data + (size_t)y * b->copy.stride + (size_t)r.x * 3,
+               from->data + (size_t)y * from->stride + (size_t)r.x * 3, (size_t)r.width * 3);
 }
 
-static void report(bench *b, const work *w, lf_rect panel, lf_rect changed, double seconds, double copying, uint64_t wire)
+static void report(bench *b, const work *w, lf_rect panel, lf_rect changed, double seconds,
+                   double copying, uint64_t wire)
 {
     double bytes = (double)changed.width * changed.height * 3;
     char name[128];
-
     snprintf(name, sizeof name, "%dx%d: %s", panel.width, panel.height, w->name);
     if (!lf_bench_only_json(b->arguments->json))
-        printf("%-44s %10.3f %10.0f %12.0f %10.3f %8.2f\n", name, 1e3 * seconds, 1e-6 * bytes / seconds, (double)wire,
-               1e3 * copying, seconds / copying);
-    json_array_append_new(b->lines, json_pack("{s:s, s:f, s:f, s:I, s:f, s:f}", "what", name, "ms", 1e3 * seconds, "mb_per_second",
-                                              1e-6 * bytes / seconds, "bytes_on_the_wire", (json_int_t)wire, "copy_ms",
-                                              1e3 * copying, "ratio_to_copy", seconds / copying));
+        printf("%-44s %10.3f %10.0f %12.0f %10.3f %8.2f\n", name, 1e3 * seconds,
+               1e-6 * bytes / seconds, (double)wire, 1e3 * copying, seconds / copying);
+    json_array_append_new(b->lines,
+                          json_pack("{s:s, s:f, s:f, s:I, s:f, s:f}", "what", name, "ms",
+                                    1e3 * seconds, "mb_per_second", 1e-6 * bytes / seconds,
+                                    "bytes_on_the_wire", (json_int_t)wire, "copy_ms", 1e3 * copying,
+                                    "ratio_to_copy", seconds / copying));
 }
 
 /* Shows the pictures in turn. The display shows the second one before. */
@@ -224,7 +209,6 @@ static lf_status measure(bench *b, const work *w, lf_rect panel, lf_error *err)
     lf_gud_host_counters before, after;
     lf_rect changed = changed_by(w, panel);
     lf_status status = LF_OK;
-
     lf_gud_host_counters_get(b->host, &before);
     for (int i = 0; i < b->arguments->repeat && status == LF_OK; i++) {
         double start = lf_time_now();
@@ -236,7 +220,8 @@ static lf_status measure(bench *b, const work *w, lf_rect panel, lf_error *err)
     }
     lf_gud_host_counters_get(b->host, &after);
     if (status == LF_OK)
-        report(b, w, panel, changed, lf_timing_quantile(&updates, 0.5), lf_timing_quantile(&copies, 0.5),
+        report(b, w, panel, changed, lf_timing_quantile(&updates, 0.5),
+               lf_timing_quantile(&copies, 0.5),
                (after.bytes - before.bytes) / (uint64_t)b->arguments->repeat);
     return status;
 }
@@ -244,7 +229,6 @@ static lf_status measure(bench *b, const work *w, lf_rect panel, lf_error *err)
 static lf_status measure_all(bench *b, lf_error *err)
 {
     lf_status status = LF_OK;
-
     for (size_t p = 0; p < sizeof panels / sizeof panels[0]; p++)
         for (size_t i = 0; i < sizeof works / sizeof works[0] && status == LF_OK; i++) {
             if (works[i].content == SCENE && !b->scene.data)
@@ -257,36 +241,40 @@ static lf_status measure_all(bench *b, lf_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------------------------------------------- converging -- */
+/* -------------------------------------------------------------------------------- converging -- */
 
 static void report_converging(bench *b, const lf_bench_converge *c)
 {
-    double per_second = (c->updates - 1) / c->shown_seconds, share = c->wire_bytes / (c->updates * c->frame_bytes);
+    double per_second = (c->updates - 1) / c->shown_seconds,
+           share = c->wire_bytes / (c->updates * c->frame_bytes);
     double later = (c->wire_bytes - c->first_bytes) / ((c->updates - 1) * c->frame_bytes);
-
     if (!lf_bench_only_json(b->arguments->json))
-        printf("converging, RGB888%-26s %.1f updates a second for %.0f s, %.0f bytes each: %.2f %% of full frames (%.2f %% without "
+        printf("converging, RGB888%-26s %.1f updates a second for %.0f s, %.0f bytes each: %.2f %% "
+               "of full frames (%.2f %% without "
                "the first), last picture %s\n",
-               c->lz4 ? ", LZ4 offered" : "", per_second, c->shown_seconds, c->wire_bytes / c->updates, 100 * share, 100 * later,
+               c->lz4 ? ", LZ4 offered" : "", per_second, c->shown_seconds,
+               c->wire_bytes / c->updates, 100 * share, 100 * later,
                c->differences == 0 ? "exact" : "NOT EXACT");
-    json_array_append_new(b->lines, json_pack("{s:s, s:b, s:f, s:f, s:f, s:f, s:f, s:b}", "what", "converging", "lz4", c->lz4,
-                                              "seconds", c->shown_seconds, "updates_per_second", per_second, "bytes_an_update",
-                                              c->wire_bytes / c->updates, "share_of_full_frames", share, "share_without_the_first",
-                                              later, "exact", c->differences == 0));
+    json_array_append_new(
+        b->lines, json_pack("{s:s, s:b, s:f, s:f, s:f, s:f, s:f, s:b}", "what", "converging", "lz4",
+                            c->lz4, "seconds", c->shown_seconds, "updates_per_second", per_second,
+                            "bytes_an_update", c->wire_bytes / c->updates, "share_of_full_frames",
+                            share, "share_without_the_first", later, "exact", c->differences == 0));
 }
 
 static lf_status measure_converging(bench *b, lf_error *err)
 {
     lf_status status = LF_OK;
-
     for (int lz4 = 0; lz4 < 2 && b->arguments->scene && status == LF_OK; lz4++) {
         lf_bench_converge c = {.seconds = b->arguments->seconds, .lz4 = lz4 > 0};
         lf_image8_finish(&b->scene);
-        status = lf_bench_usb_converge(b->arguments->scene, &b->arguments->options, &c, &b->scene, err);
+        status =
+            lf_bench_usb_converge(b->arguments->scene, &b->arguments->options, &c, &b->scene, err);
         if (status == LF_OK)
             report_converging(b, &c);
         if (status == LF_OK && c.differences > 0)
-            status = lf_error_set(err, LF_E_STATE, "usb", "the display's last picture differs from the frame in %lld bytes",
+            status = lf_error_set(err, LF_E_STATE, "usb",
+                                  "the display's last picture differs from the frame in %lld bytes",
                                   (long long)c.differences);
     }
     return status;
@@ -294,26 +282,24 @@ static lf_status measure_converging(bench *b, lf_error *err)
 
 int lf_bench_usb(int argc, char **argv)
 {
-    arguments a = {.repeat = 15, .seconds = 20};
+    arguments a = {0};
     bench b = {.arguments = &a};
     lf_error err = {0};
-    bool done = false;
-    lf_status status = parse(&a, argc, argv, &done, &err);
-
-    if (status != LF_OK)
-        return lf_usage_error(LF_BENCH_PROGRAM, &err);
-    if (done)
-        return LF_EXIT_OK;
+    int code = LF_EXIT_OK;
+    if (!lf_bench_command_begin(&command, argc, argv, &a.options, &a, &code))
+        return code;
+    a.scene = argv[optind]; /* NULL = none */
     b.lines = json_array();
-    status = measure_converging(&b, &err);
+    lf_status status = measure_converging(&b, &err);
     if (status == LF_OK && !lf_bench_only_json(a.json))
-        printf("%-44s %10s %10s %12s %10s %8s\n", "", "ms", "MB/s", "wire bytes", "copy ms", "ratio");
+        printf("%-44s %10s %10s %12s %10s %8s\n", "", "ms", "MB/s", "wire bytes", "copy ms",
+               "ratio");
     if (status == LF_OK)
         status = measure_all(&b, &err);
     if (status == LF_OK && a.json) {
-        json_t *object = json_pack("{s:o, s:i, s:O}", "machine", lf_bench_machine(), "repeat", a.repeat, "lines", b.lines);
+        json_t *object = json_pack("{s:o, s:i, s:O}", "machine", lf_bench_machine(), "repeat",
+                                   a.repeat, "lines", b.lines);
         status = lf_bench_write_json(a.json, object, &err);
-        json_decref(object);
     }
     lf_image8_finish(&b.scene);
     json_decref(b.lines);

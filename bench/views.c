@@ -1,6 +1,6 @@
-/* quiltbench views SCENE: error against the number of views for the same number of base paths in every view (Fraboni et al. 2022,
- * Figure 9): what sharing is worth before its price. N views of one cone; were every base path as good for every view, relMSE would
- * fall as 1/N. */
+/* quiltbench views SCENE: error against the number of views for the same number of base paths in
+ * every view (Fraboni et al. 2022, Figure 9): what sharing is worth before its price. N views of
+ * one cone; were every base path as good for every view, relMSE would fall as 1/N. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,21 +41,21 @@ static const struct option table[] = {
 
 static void print_help(void)
 {
-    printf(
-        "Usage: quiltbench views SCENE [options]\n"
-        "relMSE for 1, 2, 4, … views of one cone with the same number of base paths in each, and the exponent of N.\n\n"
-        "  --counts LIST             numbers of views (1,2,4,8,16,32,45,64)\n"
-        "  --spp N                   base paths a view pixel (8)\n"
-        "  --contender NAME:ESTIMATOR  (mvpt:mwis)\n"
-        "  --seeds N                 (8)\n"
-        "  --plot PREFIX             PREFIX.svg and PREFIX.png, by gnuplot from PREFIX.gp and PREFIX.dat\n" LF_TRIAL_OPTIONS_HELP);
+    printf("Usage: quiltbench views SCENE [options]\n"
+           "relMSE for 1, 2, 4, … views of one cone with the same number of base paths in each, "
+           "and the exponent of N.\n\n"
+           "  --counts LIST             numbers of views (1,2,4,8,16,32,45,64)\n"
+           "  --spp N                   base paths a view pixel (8)\n"
+           "  --contender NAME:ESTIMATOR  (mvpt:mwis)\n"
+           "  --seeds N                 (8)\n"
+           "  --plot PREFIX             PREFIX.svg and PREFIX.png, by gnuplot from PREFIX.gp and "
+           "PREFIX.dat\n" LF_TRIAL_OPTIONS_HELP);
 }
 
 static lf_status take_counts(study *s, const char *text, lf_error *err)
 {
     char word[16];
     int number = 0;
-
     s->n_counts = 0;
     for (const char *at = text; at;) {
         size_t n = strcspn(at, ",");
@@ -64,7 +64,8 @@ static lf_status take_counts(study *s, const char *text, lf_error *err)
         if (status != LF_OK)
             return status;
         if (s->n_counts == MAX_COUNTS || (s->n_counts > 0 && number <= s->counts[s->n_counts - 1]))
-            return lf_error_set(err, LF_E_ARG, "--counts", "expects at most %d rising numbers", MAX_COUNTS);
+            return lf_error_set(err, LF_E_ARG, "--counts", "expects at most %d rising numbers",
+                                MAX_COUNTS);
         s->counts[s->n_counts++] = number;
         at = at[n] ? at + n + 1 : NULL;
     }
@@ -74,7 +75,6 @@ static lf_status take_counts(study *s, const char *text, lf_error *err)
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     study *s = context;
-
     switch (code) {
     case OPTION_COUNTS:
         return take_counts(s, text, err);
@@ -95,7 +95,6 @@ static lf_status run_count(study *s, int i, lf_error *err)
     lf_trial trial = {0};
     lf_measure measures[LF_MAX_SEEDS] = {0};
     const lf_budget budget = {.passes = (int64_t)s->spp * s->counts[i]};
-
     options.common.views = s->counts[i];
     lf_status status = lf_trial_open(&trial, options.operand, &options, s->pool, err);
     if (status == LF_OK)
@@ -125,7 +124,6 @@ static void fit(study *s)
     double x[MAX_COUNTS];
     double y[MAX_COUNTS];
     int n = s->options.n_seeds;
-
     for (int seed = 0; seed < n; seed++) {
         for (int i = 0; i < s->n_counts; i++) {
             x[i] = log(s->counts[i]);
@@ -134,35 +132,40 @@ static void fit(study *s)
         slopes[seed] = s->n_counts > 1 ? lf_fit_line(x, y, s->n_counts).slope : (double)NAN;
     }
     s->exponent = lf_mean_interval(slopes, n, 0.95);
-    s->exponent_se = n > 1 ? (s->exponent.high - s->exponent.estimate) / lf_student_quantile(0.975, n - 1) : (double)NAN;
+    s->exponent_se =
+        n > 1 ? (s->exponent.high - s->exponent.estimate) / lf_student_quantile(0.975, n - 1)
+              : (double)NAN;
 }
 
 static json_t *study_json(const study *s)
 {
     json_t *list = json_array();
-
     for (int i = 0; i < s->n_counts; i++) {
         json_t *runs = json_array();
         for (int seed = 0; seed < s->options.n_seeds; seed++)
             json_array_append_new(runs, lf_bench_number(s->errors[i][seed]));
-        json_array_append_new(list, json_pack("{s:i, s:f, s:o, s:o}", "views", s->counts[i], "base_paths", s->paths[i], "rel_mse",
+        json_array_append_new(list, json_pack("{s:i, s:f, s:o, s:o}", "views", s->counts[i],
+                                              "base_paths", s->paths[i], "rel_mse",
                                               lf_interval_json(s->rel_mse[i]), "runs", runs));
     }
-    return json_pack("{s:O, s:s, s:s, s:i, s:o, s:o, s:o}", "setting", s->scene, "integrator", s->who.integrator, "estimator",
-                     lf_estimator_name(s->who.estimator), "spp", s->spp, "exponent", lf_interval_json(s->exponent), "exponent_se",
+    return json_pack("{s:O, s:s, s:s, s:i, s:o, s:o, s:o}", "setting", s->scene, "integrator",
+                     s->who.integrator, "estimator", lf_estimator_name(s->who.estimator), "spp",
+                     s->spp, "exponent", lf_interval_json(s->exponent), "exponent_se",
                      lf_bench_number(s->exponent_se), "counts", list);
 }
 
 static void print_table(const study *s)
 {
-    printf("%s: %s %s, %d base paths a view pixel, %d seeds\n\n", s->options.operand, s->who.integrator,
-           lf_estimator_name(s->who.estimator), s->spp, s->options.n_seeds);
+    printf("%s: %s %s, %d base paths a view pixel, %d seeds\n\n", s->options.operand,
+           s->who.integrator, lf_estimator_name(s->who.estimator), s->spp, s->options.n_seeds);
     printf("views      relMSE  (95 %%)                  x views   base paths\n");
     for (int i = 0; i < s->n_counts; i++)
-        printf("%5d   %9.3g %9.3g .. %-9.3g  %9.3g   %7.2f\n", s->counts[i], s->rel_mse[i].estimate, s->rel_mse[i].low,
-               s->rel_mse[i].high, s->rel_mse[i].estimate * s->counts[i], s->paths[i]);
-    printf("\nrelMSE (at %d base paths) falls as N^%.3f, standard error %.3f (95 %%: %.3f .. %.3f); must: N^-0.8: %s\n", s->spp,
-           s->exponent.estimate, s->exponent_se, s->exponent.low, s->exponent.high,
+        printf("%5d   %9.3g %9.3g .. %-9.3g  %9.3g   %7.2f\n", s->counts[i], s->rel_mse[i].estimate,
+               s->rel_mse[i].low, s->rel_mse[i].high, s->rel_mse[i].estimate * s->counts[i],
+               s->paths[i]);
+    printf("\nrelMSE (at %d base paths) falls as N^%.3f, standard error %.3f (95 %%: %.3f .. "
+           "%.3f); must: N^-0.8: %s\n",
+           s->spp, s->exponent.estimate, s->exponent_se, s->exponent.low, s->exponent.high,
            s->exponent.estimate <= -0.8 ? "met" : "not met");
 }
 
@@ -172,20 +175,23 @@ static lf_status plot(const study *s, lf_error *err)
     char *commands = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&data, &size);
-
     if (out) {
         fputs("# views, relMSE, low, high\n", out);
         for (int i = 0; i < s->n_counts; i++)
-            fprintf(out, "%d %.6g %.6g %.6g\n", s->counts[i], s->rel_mse[i].estimate, s->rel_mse[i].low, s->rel_mse[i].high);
+            fprintf(out, "%d %.6g %.6g %.6g\n", s->counts[i], s->rel_mse[i].estimate,
+                    s->rel_mse[i].low, s->rel_mse[i].high);
         fclose(out);
     }
     if (asprintf(&commands,
-                 "set logscale xy\nset format y '10^{%%L}'\nset xlabel 'views'\nset ylabel 'relMSE at %d base paths a view pixel'\n"
-                 "plot data with yerrorlines pointtype 5 title '%s %s', %.6g/x with lines dashtype 2 title '1/N'",
-                 s->spp, s->who.integrator, lf_estimator_name(s->who.estimator), s->rel_mse[0].estimate * s->counts[0]) < 0)
+                 "set logscale xy\nset format y '10^{%%L}'\nset xlabel 'views'\nset ylabel 'relMSE "
+                 "at %d base paths a view pixel'\n"
+                 "plot data with yerrorlines pointtype 5 title '%s %s', %.6g/x with lines dashtype "
+                 "2 title '1/N'",
+                 s->spp, s->who.integrator, lf_estimator_name(s->who.estimator),
+                 s->rel_mse[0].estimate * s->counts[0]) < 0)
         commands = NULL;
-    lf_status status =
-        data && commands ? lf_bench_plot(s->plot, data, commands, err) : lf_error_set(err, LF_E_NOMEM, s->plot, "out of memory");
+    lf_status status = data && commands ? lf_bench_plot(s->plot, data, commands, err)
+                                        : lf_error_set(err, LF_E_NOMEM, s->plot, "out of memory");
     free(data);
     free(commands);
     return status;
@@ -194,7 +200,6 @@ static lf_status plot(const study *s, lf_error *err)
 static lf_status run(study *s, lf_error *err)
 {
     lf_status status = lf_bench_pool(s->options.common.threads, &s->pool, err);
-
     for (int i = 0; i < s->n_counts && status == LF_OK; i++)
         status = run_count(s, i, err);
     if (status != LF_OK)
@@ -202,11 +207,8 @@ static lf_status run(study *s, lf_error *err)
     fit(s);
     if (!lf_bench_only_json(s->options.json))
         print_table(s);
-    if (s->options.json) {
-        json_t *object = study_json(s);
-        status = lf_bench_write_json(s->options.json, object, err);
-        json_decref(object);
-    }
+    if (s->options.json)
+        status = lf_bench_write_json(s->options.json, study_json(s), err);
     return status == LF_OK && s->plot ? plot(s, err) : status;
 }
 
@@ -226,7 +228,6 @@ int lf_bench_views(int argc, char **argv)
     const lf_trial_command command = {"views", "SCENE", table, print_help, take, &s};
     lf_error err = {0};
     bool done = false;
-
     if (lf_trial_parse(&command, argc, argv, &s.options, &done, &err) != LF_OK)
         return lf_usage_error(LF_BENCH_PROGRAM, &err);
     if (done)

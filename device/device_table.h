@@ -14,17 +14,21 @@ extern const lf_device_ops lf_usb_ops;
 extern const lf_device_ops *const lf_device_table[];
 
 /* lf_device_find over a table (ended by NULL). */
-LF_NODISCARD lf_status lf_device_find_in(const lf_device_ops *const table[], const char *first, const lf_calibration *calibration,
-                                         lf_device **out_device, lf_error *err);
+LF_NODISCARD lf_status lf_device_find_in(const lf_device_ops *const table[], const char *first,
+                                         const lf_calibration *calibration, lf_device **out_device,
+                                         lf_error *err);
 
-/* What lf_device_ops.push asks of its arguments, for a panel of width x height pixels; false = LF_E_ARG. */
-bool lf_device_push_fits(int width, int height, const lf_image8 *frame, const lf_rect *rects, int n);
+/* What lf_device_ops.push asks of its arguments, for a panel of width x height pixels; false =
+ * LF_E_ARG. */
+bool lf_device_push_fits(int width, int height, const lf_image8 *frame, const lf_rect *rects,
+                         int n);
 
-/* Copies text for an lf_device_info field: control characters and bytes that are not UTF-8 become '?', what does not fit is
- * cut between characters. */
+/* Copies text for an lf_device_info field: control characters and bytes that are not UTF-8 become
+ * '?', what does not fit is cut between characters. */
 void lf_device_text(char *out, size_t size, const char *text);
 
-/* The words of an error for a problem field: what is wrong, with its place in a file before it when it has one, sanitised and cut. */
+/* The words of an error for a problem field: what is wrong, with its place in a file before it when
+ * it has one, sanitised and cut. */
 void lf_device_problem(char *out, size_t size, const lf_error *why);
 
 #endif

@@ -4,8 +4,8 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/bell.h"
 #include "base/thread.h"
+#include "base/wakeup.h"
 #include "device/device_table.h"
 
 enum { STOP_WAIT_MS = 1000 };
@@ -21,21 +21,23 @@ static lf_handover *unconst(const void *handover)
     return (lf_handover *)(uintptr_t)handover;
 }
 
-/* ------------------------------------------------------------------------------------------------ begin and end -- */
+/* ----------------------------------------------------------------------------- begin and end -- */
 
 lf_status lf_handover_init(lf_handover *h, int width, int height, lf_error *err)
 {
-    *h = (lf_handover){.base = h->base, .made = true, .wake_fd = lf_bell_make(), .tell_fd = lf_bell_make()};
+    *h = (lf_handover){
+        .base = h->base, .made = true, .wake_fd = lf_wakeup_make(), .tell_fd = lf_wakeup_make()};
     h->has_lock = pthread_mutex_init(&h->lock, NULL) == 0;
     h->has_ended = lf_cond_init(&h->ended) == LF_OK;
     h->rects = lf_calloc(LF_DEVICE_MAX_RECTS, sizeof *h->rects);
-    if (!h->has_lock || !h->has_ended || h->wake_fd < 0 || h->tell_fd < 0 || h->rects == NULL ||
+    if (!h->has_lock || !h->has_ended || h->wake_fd < 0 || h->tell_fd < 0 || !h->rects ||
         lf_image8_init(&h->picture, width, height, 3) != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "device", "out of memory or descriptors");
     return LF_OK;
 }
 
-lf_status lf_handover_start(lf_handover *h, void *(*main)(void *), void *context, const char *name, lf_error *err)
+lf_status lf_handover_start(lf_handover *h, void *(*main)(void *), void *context, const char *name,
+                            lf_error *err)
 {
     h->has_thread = lf_thread_start(name, main, context, &h->thread) == LF_OK;
     return h->has_thread ? LF_OK : lf_error_set(err, LF_E_NOMEM, "device", "cannot start a thread");
@@ -48,7 +50,7 @@ void lf_handover_ask_stop(lf_handover *h)
     pthread_mutex_lock(&h->lock);
     h->stop = true;
     pthread_mutex_unlock(&h->lock);
-    lf_bell_ring(h->wake_fd);
+    lf_wakeup_signal(h->wake_fd);
 }
 
 void lf_handover_stop(lf_handover *h)
@@ -75,16 +77,17 @@ void lf_handover_finish(lf_handover *h)
     *h = (lf_handover){.base = h->base};
 }
 
-/* --------------------------------------------------------------------------------------------- the event thread -- */
+/* -------------------------------------------------------------------------- the event thread -- */
 
 static void copy_rect(lf_image8 *to, const lf_image8 *from, const lf_rect *r)
 {
     for (int y = r->y; y < r->y + r->height; y++)
-        memcpy(to->data + (size_t)y * to->stride + (size_t)r->x * 3, from->data + (size_t)y * from->stride + (size_t)r->x * 3,
-               (size_t)r->width * 3);
+        memcpy(to->data + (size_t)y * to->stride + (size_t)r->x * 3,
+               from->data + (size_t)y * from->stride + (size_t)r->x * 3, (size_t)r->width * 3);
 }
 
-lf_status lf_handover_push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n, uint64_t generation)
+lf_status lf_handover_push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n,
+                           uint64_t generation)
 {
     lf_handover *h = handover_of(device);
     (void)generation;
@@ -103,7 +106,7 @@ lf_status lf_handover_push(lf_device *device, const lf_image8 *frame, const lf_r
     pthread_mutex_lock(&h->lock);
     h->busy = h->pushed = true;
     pthread_mutex_unlock(&h->lock);
-    lf_bell_ring(h->wake_fd);
+    lf_wakeup_signal(h->wake_fd);
     return LF_OK;
 }
 
@@ -115,7 +118,7 @@ int lf_handover_poll_fd(const lf_device *device)
 lf_device_event lf_handover_dispatch(lf_device *device)
 {
     lf_handover *h = handover_of(device);
-    lf_bell_silence(h->tell_fd);
+    lf_wakeup_clear(h->tell_fd);
     pthread_mutex_lock(&h->lock);
     lf_device_event event = LF_DEVICE_READY;
     if (h->gone)
@@ -157,13 +160,15 @@ void lf_handover_problem(const lf_handover *h, char out[256])
     pthread_mutex_unlock(&unconst(h)->lock);
 }
 
-/* -------------------------------------------------------------------------------------------- the device thread -- */
+/* ------------------------------------------------------------------------- the device thread -- */
 
 lf_handover_word lf_handover_take(lf_handover *h)
 {
-    lf_bell_silence(h->wake_fd);
+    lf_wakeup_clear(h->wake_fd);
     pthread_mutex_lock(&h->lock);
-    lf_handover_word word = h->stop ? LF_HANDOVER_STOP : h->pushed ? LF_HANDOVER_PUSH : LF_HANDOVER_NOTHING;
+    lf_handover_word word = h->stop     ? LF_HANDOVER_STOP
+                            : h->pushed ? LF_HANDOVER_PUSH
+                                        : LF_HANDOVER_NOTHING;
     h->pushed = false;
     pthread_mutex_unlock(&h->lock);
     return word;
@@ -182,7 +187,7 @@ void lf_handover_end(lf_handover *h, bool shown, uint64_t bytes)
     }
     pthread_cond_broadcast(&h->ended);
     pthread_mutex_unlock(&h->lock);
-    lf_bell_ring(h->tell_fd);
+    lf_wakeup_signal(h->tell_fd);
 }
 
 bool lf_handover_lost(lf_handover *h)
@@ -195,7 +200,7 @@ bool lf_handover_lost(lf_handover *h)
     }
     pthread_mutex_unlock(&h->lock);
     if (told)
-        lf_bell_ring(h->tell_fd);
+        lf_wakeup_signal(h->tell_fd);
     return told;
 }
 
@@ -206,7 +211,7 @@ void lf_handover_gone(lf_handover *h)
     h->busy = false;
     pthread_cond_broadcast(&h->ended);
     pthread_mutex_unlock(&h->lock);
-    lf_bell_ring(h->tell_fd);
+    lf_wakeup_signal(h->tell_fd);
 }
 
 void lf_handover_problem_set(lf_handover *h, const char *text)

@@ -1,1 +1,4 @@
-device_srcs := $(call wild,device/*.c)
+# model: simulated hardware, for quiltsim, tests and benchmarks; no part of what is installed but of quiltsim
+model_srcs := $(call wild,device/model/*.c)
+device_srcs := $(filter-out $(model_srcs),$(call room_files,device,*.c))
+libs_quiltsim := $(libraries)

@@ -24,7 +24,7 @@ static const none_device *const_none_of(const lf_device *device)
 lf_status lf_none_create(const char *problem, lf_device **out_device, lf_error *err)
 {
     none_device *none = lf_calloc(1, sizeof *none);
-    if (none == NULL)
+    if (!none)
         return lf_error_set(err, LF_E_NOMEM, "none", "out of memory");
     none->base.ops = &lf_none_ops;
     lf_device_text(none->problem, sizeof none->problem, problem);
@@ -33,7 +33,8 @@ lf_status lf_none_create(const char *problem, lf_device **out_device, lf_error *
 }
 
 /* A calibration is refused a place here: without a panel nothing is interlaced. */
-static lf_status none_open(const char *argument, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
+static lf_status none_open(const char *argument, const lf_calibration *calibration,
+                           lf_device **out_device, lf_error *err)
 {
     (void)calibration;
     if (argument[0] != 0)
@@ -58,7 +59,8 @@ static const lf_calibration *none_calibration(const lf_device *device)
     return NULL;
 }
 
-static lf_status none_push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n, uint64_t generation)
+static lf_status none_push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n,
+                           uint64_t generation)
 {
     (void)frame;
     (void)generation;

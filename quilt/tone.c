@@ -1,11 +1,12 @@
-/* Display code of a float by table, bit for bit the rounded formula: codes only ever rise with the value, so 255 thresholds
- * say everything. They are found once by bisecting the formula over the floats; a table over the leading bits of a float then gives
- * the code below its bucket and where in the bucket the next one begins. */
+/* Display code of a float by table, bit for bit the rounded formula: codes only ever rise with the
+ * value, so 255 thresholds say everything. They are found once by bisecting the formula over the
+ * floats; a table over the leading bits of a float then gives the code below its bucket and where
+ * in the bucket the next one begins. */
 #include <math.h>
 #include <string.h>
 
 #include "base/alloc.h"
-#include "quilt/kernel.h"
+#include "quilt/kernel/kernel.h"
 #include "quilt/quilt.h"
 
 #define INFINITY_BITS 0x7f800000
@@ -14,9 +15,10 @@
 struct lf_tone {
     double gain;
     bool filmic;
-    lf_tone_table table; /* low: below every threshold, at a bucket's start; high: the last threshold */
-    uint32_t *entries;   /* owned, the table's */
-    int32_t first[257];  /* [code] bits of the smallest float that has it; 256 is never reached */
+    /* low: below every threshold, at a bucket's start; high: the last threshold */
+    lf_tone_table table;
+    uint32_t *entries;  /* owned, the table's */
+    int32_t first[257]; /* [code] bits of the smallest float that has it; 256 is never reached */
     const lf_quilt_kernels *kernels;
 };
 
@@ -81,7 +83,8 @@ static lf_status build_table(lf_tone *tone)
     tone->entries = lf_calloc((size_t)n, sizeof *tone->entries);
     if (!tone->entries)
         return LF_E_NOMEM;
-    tone->table = (lf_tone_table){.entries = tone->entries, .low = low, .high = high, .shift = shift};
+    tone->table =
+        (lf_tone_table){.entries = tone->entries, .low = low, .high = high, .shift = shift};
     int code = 0;
     for (int32_t b = 0; b < n; b++) {
         int32_t start = low + (b << shift), size = 1 << shift;
@@ -97,9 +100,11 @@ lf_status lf_tone_create(double exposure, const char *tonemap, lf_tone **out, lf
 {
     bool filmic = strcmp(tonemap, "filmic") == 0;
     if (!filmic && strcmp(tonemap, "srgb") != 0)
-        return lf_error_set(err, LF_E_ARG, "tonemap", "\"%s\" is not known (expected srgb or filmic)", tonemap);
+        return lf_error_set(err, LF_E_ARG, "tonemap",
+                            "\"%s\" is not known (expected srgb or filmic)", tonemap);
     if (!(fabs(exposure) <= MAX_STOPS))
-        return lf_error_set(err, LF_E_ARG, "exposure", "%g stops (expected -%g to %g)", exposure, MAX_STOPS, MAX_STOPS);
+        return lf_error_set(err, LF_E_ARG, "exposure", "%g stops (expected -%g to %g)", exposure,
+                            MAX_STOPS, MAX_STOPS);
     lf_tone *tone = lf_calloc(1, sizeof *tone);
     if (!tone)
         return lf_error_set(err, LF_E_NOMEM, "tonemap", "no memory");

@@ -1,193 +1,66 @@
-/* Integrators: how a visit of a row turns base samples into sums on the film; private to render/. A member of the table is one
- * file (vpt.c, mvpt.c); everything around the pivot is shared (visit.c). */
+/* Integrators, as the renderer drives them; private to render/.
+ *
+ * An integrator takes a scene and a rig and adds visits of rows to a film; the renderer says which
+ * rows, how many passes and when, and owns the film, the pool and the answers. What a worker needs
+ * besides the film (a plane, slices, reservoirs, lists of cameras) is the integrator's own. One
+ * that comes in several kinds (rows/: how pivots are shared) lists them as entries. A new one is a
+ * folder or file with one of these, and a line of the table in integrator.c. */
 #ifndef LF_RENDER_INTEGRATOR_H
 #define LF_RENDER_INTEGRATOR_H
 
-#include "render/adaptive.h"
-#include "render/correction.h"
-#include "render/film.h"
-#include "render/glow_row.h"
-#include "render/media.h"
-#include "render/path.h"
-#include "render/reach.h"
-#include "render/sampler.h"
-#include "render/section.h"
+#include "render/film/film.h"
+#include "render/scene/scene.h"
 
-struct lf_visit;
-struct lf_pivot;
-struct lf_suffix;
+/* What one is made for. Borrowed; but for settings all of it outlives what is made. */
+typedef struct lf_integrator_input {
+    const lf_scene *scene;
+    const lf_scene *seen; /* what it is to see of the scene (skip.h): copied */
+    const lf_render_settings *settings;
+    lf_pool *pool;
+    lf_film *film; /* to be visited; has the layout and sky of lf_integrator_needs by then */
+} lf_integrator_input;
+
+/* What it needs of the renderer. */
+typedef struct lf_integrator_needs {
+    lf_film_layout layout;
+    float sky[3];     /* where B is not stored (film.h) */
+    int visit_passes; /* passes in a visit of the offline schedule */
+} lf_integrator_needs;
+
+/* What a pass asks of every row that it visits. */
+typedef struct lf_visit_order {
+    int subsets;     /* passes at once; 0: nothing but holes is sampled */
+    int column_step; /* 1, or 2: only every other column (a pass split between the halves) */
+    bool cover;      /* what is thin is to be found at once: the live picture */
+    int hole_reach;  /* as in lf_renderer_pass_filling; < 0: holes are left */
+    int stream;      /* where its counts are: of film->streams */
+    uint64_t random; /* its random numbers */
+    unsigned faults; /* lf_fault (rows/visit.h), in builds that have them */
+} lf_visit_order;
 
 typedef struct lf_integrator {
-    const char *name;
-    bool shares;   /* other views receive contributions */
-    bool adaptive; /* behind a pilot base samples go where the error is (adaptive.h) */
-    /* Spreads one pivot over the views that see it. */
-    void (*pivot)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot);
-    /* Lights in media (glow_row.h): spreads a sample of one of them at a point that was drawn about it: to `view`, or to all that see
-     * it … */
-    void (*glow)(struct lf_visit *visit, int view, const struct lf_pivot *pivot, const lf_light_sample *light);
-    /* … and makes room for such points in the suffix of a pivot in a medium that the base drew. */
-    void (*balance)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot, struct lf_suffix *suffix);
+    /* By index within this integrator; NULL behind the last. */
+    const lf_integrator_entry *(*entry)(int index);
+    /* Makes one for entry(index); *out_state is for the functions below. What fails for want of
+     * memory is LF_E_NOMEM without words; other errors have set err. */
+    lf_status (*create)(const lf_integrator_input *input, int index, void **out_state,
+                        lf_integrator_needs *out_needs, lf_error *err);
+    /* Before a pass, on its caller's thread: may use the pool. */
+    void (*begin)(void *state);
+    /* Adds a visit of a row to one half of the film, on a worker of the pool. false = cancelled:
+     * the film is as before, but that a row whose holes were being filled may have some of them. */
+    bool (*visit)(void *state, const lf_visit_order *order, int row, int half, int worker,
+                  const lf_cancel *cancel);
+    /* Adds its workers' counters to *out; what does not apply becomes -1. */
+    void (*count)(const void *state, lf_render_stats *out);
+    /* Adds what it leaves out of its own accord, as in lf_renderer_skipped. */
+    void (*skipped)(const void *state, json_t *out);
+    /* Accepts NULL. */
+    void (*destroy)(void *state);
 } lf_integrator;
 
-extern const lf_integrator lf_integrator_vpt, lf_integrator_mvpt, lf_integrator_amvpt;
-
-/* NULL behind the last. */
-const lf_integrator *lf_integrator_at(int index);
-
-/* One worker's memory. */
-typedef struct lf_scratch {
-    lf_tracer tracer;
-    lf_media media;
-    lf_film_sums sums;  /* of the visit under way */
-    lf_reach reach;     /* of its row's plane */
-    lf_section section; /* the meshes in it */
-    lf_glow_row glows;  /* the lights in its media */
-    int64_t base_paths, contributions, base_hidden;
-    /* Lanes of the fan in work. */
-    float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES], sigma[LF_MAX_LANES];
-    float scale[LF_MAX_LANES], density[LF_MAX_LANES], lobe[LF_MAX_LANES];
-    float count[LF_MAX_LANES];    /* expected counts of the lanes' pixels, as in lf_visit.expected */
-    float strategy[LF_MAX_LANES]; /* count times density: what the pivot is drawn with */
-    float factor[LF_MAX_LANES];   /* correction weights (correction.h) */
-    int column[LF_MAX_LANES];
-    float local[3][LF_MAX_LANES];           /* directions to the views in the frame of a surface's shading normal (z) */
-    float term[LF_FAN_TERMS][LF_MAX_LANES]; /* of a surface's lobes: lf_fan_lobes.weight */
-    float *expected;                        /* [view][column]: where a visit keeps its row of the map */
-    bool *mirrors;                          /* [view][column]: B and q have found a delta lobe here or beside it; NULL without M */
-} lf_scratch;
-
-/* A shared pivot: where a base ray found something that scatters. */
-typedef struct lf_pivot {
-    lf_event event;
-    int medium;          /* of a collision: index into the worker's media */
-    float x, z;          /* camera space; y follows from the row's plane */
-    float lx;            /* the base ray's lens offset, copied to every view */
-    float boost;         /* 1, or q/s when the collision was forced (docs/estimators.md, "Forced collisions") */
-    lf_sampler *sampler; /* goes on with the pivot's own dimensions */
-} lf_pivot;
-
-/* One visit of one row: what the integrators need of it. */
-typedef struct lf_visit {
-    const lf_scene *scene;
-    const lf_rig *rig;
-    const lf_kernels *kernels;
-    const lf_integrator *integrator,
-        *sharing;                      /* `sharing`: of the visit's samples and points; the other differs where holes are filled */
-    const lf_row_triangles *triangles; /* NULL: no meshes */
-    lf_scratch *worker;
-    lf_film_sums sums; /* the worker's, or where holes are filled the film's own half */
-    lf_row_plane plane;
-    int row;
-    int max_depth;
-    int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
-    uint64_t random;          /* this visit's own */
-    float weight;             /* of every base sample: 1, but for holes */
-    /* [view][column] expected base samples of a pixel, in units of subsets / n_views; NULL: 1 everywhere. 0 in pixels that nobody
-     * reads: they are sampled by nobody, missing in everybody's sum, and receive nothing. */
-    const float *expected;
-    const lf_counts *pilot; /* as in lf_visit_plan */
-    float more;      /* expected native samples that a pixel of worker->mirrors gets beyond its base samples, in units of them */
-    float alone;     /* 1 / expected at the base's own pixel: what a sample weighs that only its own pixel receives */
-    unsigned faults; /* lf_fault: deliberate mistakes, for the negative controls of the tests */
-} lf_visit;
-
-/* The rest of the path behind a pivot, used by all views: a light sample, and a direction from the lobe of one view with what was found
- * along it. */
-typedef struct lf_suffix {
-    bool has_light, has_direction;
-    lf_light_sample light;
-    float light_visible;         /* what is left of it, 0..1 */
-    lf_vec3 wi;                  /* the direction */
-    lf_vec3 found;               /* light met at its first event … */
-    float found_pdf;             /* … and p_L, the pdf of light sampling for it */
-    const lf_light *found_light; /* whose it is, where the scene has lights in media and it is a lamp's; else NULL */
-    lf_vec3 scattered;           /* radiance scattered there */
-} lf_suffix;
-
-/* Adds to M of a view pixel, which is [view][column]; what is not finite is dropped and counted. */
-void lf_visit_add_native(lf_visit *visit, size_t pixel, lf_vec3 radiance);
-
-/* The points that a visit draws about its lights in media; weight: its native samples a pixel. false = cancelled. */
-struct lf_visit_plan;
-bool lf_glow_visit(const struct lf_visit_plan *plan, lf_visit *visit, float weight, const lf_cancel *cancel);
-/* lf_glow_row_ratio at a pivot where base samples have the density sum exp(-depth), as in lf_kernels.densities. */
-float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light *light, int view, float sum, float depth);
-/* Raises the pdfs of the suffix's light and of what its direction found by the points that are drawn about these lights. */
-void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, float sum, float depth, lf_suffix *suffix);
-
-/* Draws the suffix: wo is where its direction's lobe looks back to, the base view's place or that of any view that sees the pivot. */
-void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out);
-/* Draws another direction in place of the suffix's own; its light sample stays. */
-void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *suffix);
-
-/* Radiance that the suffix gives to a view that looks from wo, when that view alone samples it (balance heuristic between its
- * lobe and light sampling). What vpt uses, and mvpt where the lobe does not depend on the view. */
-lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, lf_vec3 wo);
-
-/* R of the base's own ray up to the pivot (correction.h): what a sample weighs that only its own pixel receives. */
-float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot);
-
-/* True when the pixel (view, column) has a base sample in this visit: each with probability subsets / n_views, each column as often
- * as any other, all of them after a whole cycle. */
-bool lf_lattice_has(const lf_visit *visit, int view, int column);
-
-/* Deliberate mistakes that tests switch on to show that they are caught: render's tests link a second build of the sources that have them,
- * with LF_FAULTS (tests/module.mk); in programs they are not there. */
-typedef enum lf_fault {
-    LF_FAULT_NO_H = 1,              /* h_k left out of D_k: a missing r_j/r_i */
-    LF_FAULT_NO_VISIBILITY = 2,     /* one view's visibility forgotten */
-    LF_FAULT_REALISED = 4,          /* realised instead of expected counts in the weights */
-    LF_FAULT_SWAPPED_VIEWS = 8,     /* contributions land in mirrored views */
-    LF_FAULT_NO_LIGHT_PDF = 16,     /* the p_L term left out of the direction's weights */
-    LF_FAULT_OTHER_ROW = 32,        /* B and q taken with another row offset than the base samples */
-    LF_FAULT_NO_COUNTS = 64,        /* c_k of an adaptive pass left out of the sums */
-    LF_FAULT_HORIZON = 128,         /* directions drawn below a surface's horizon do not count in W' */
-    LF_FAULT_NO_GLOW_BALANCE = 256, /* no room made for points drawn about lights in media */
-    LF_FAULT_NO_CORRECTION = 512,   /* what is drawn from slices counts as if they were the grid */
-} lf_fault;
-
-#ifdef LF_FAULTS
-#define lf_has_fault(holder, fault) (((holder)->faults & (unsigned)(fault)) != 0)
-#else
-#define lf_has_fault(holder, fault) ((void)(holder), false)
-#endif
-
-/* Everything that one visit of a row does. */
-typedef struct lf_visit_plan {
-    const lf_scene *scene;
-    const lf_rig *rig;
-    const lf_media_frame *frame;
-    const lf_kernels *kernels;
-    const lf_integrator *integrator;
-    const lf_row_triangles *triangles; /* as in lf_visit */
-    lf_film *film;
-    uint64_t seed;
-    lf_sampler_kind sampler;
-    int max_depth;
-    unsigned faults;
-    unsigned kept;           /* lf_skip: what is done although nothing needs it */
-    int subsets;             /* passes in this visit */
-    int column_step;         /* 1, or 2: only every other column is sampled (a pass split between halves) */
-    const lf_counts *pilot;  /* what a pilot leaves its marks in; NULL: this is none */
-    const lf_counts *counts; /* where base samples go; NULL: the same number everywhere. Needs column_step 1 */
-    bool force;              /* force collisions, so that thin media are covered at once */
-    int hole_reach;          /* behind the visit, fill holes farther than this from what is there; < 0: leave them */
-} lf_visit_plan;
-
-/* Runs it on one worker; false = cancelled in the middle (the row's sums are then worthless). */
-bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *worker, const lf_cancel *cancel);
-
-/* The film point of a pixel column in this visit, in [0, 1) of its width; key is the half's stream. With the row offset of the visit, the
- * first of lf_hash64(key, 0), it covers the pixel as a net. */
-float lf_exits_film_point(uint64_t key, int column, uint32_t index);
-
-/* B and q of one row for this visit (exits.c), into the visit's sums; index is its number in its half. */
-void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index);
-
-/* True when every escaping ray finds the same light. */
-bool lf_exits_constant(const lf_scene *scene, float out_sky[3]);
-/* True when moreover everything that can be hit scatters to all views and emits nothing: B is then sky (1 - q) in every pixel. */
-bool lf_exits_uniform(const lf_scene *scene, float out_sky[3]);
+/* LF_E_ARG for an unknown name, with err naming those that exist; NULL is the default. */
+LF_NODISCARD lf_status lf_integrator_find(const char *name, const lf_integrator **out_integrator,
+                                          int *out_index, lf_error *err);
 
 #endif

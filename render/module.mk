@@ -1,5 +1,5 @@
 # C everywhere but where OpenVDB needs C++
-render_srcs := $(call without_isa,$(call wild,render/*.c)) $(call wild,render/*.cc)
+render_srcs := $(call without_isa,$(call room_files,render,*.c)) $(call room_files,render,*.cc)
 
 # the scene schema is compiled in: the parser checks against the very file that the documentation shows
 generated += gen/scene_schema.h

@@ -1,12 +1,41 @@
 /* render: from a scene file to a film of N views.
  *
- * A scene is loaded, committed and from then on immutable and reference counted; a new scene made by a patch shares
- * whatever did not change with the one before (moving the camera rebuilds no BVH and reloads no volume). A renderer adds
- * samples of one scene, seen by one rig, to a film; the film answers with three estimates of every view pixel.
+ * A scene is loaded, committed and from then on immutable and reference counted; a new scene made
+ * by a patch shares whatever did not change with the one before (moving the camera rebuilds no BVH
+ * and reloads no volume). A renderer adds samples of one scene, seen by one rig, to a film; the
+ * film answers with three estimates of every view pixel.
  *
- * Coordinates: right-handed, y up, scene units; angles in degrees in scene files and radians behind the parser; colours
- * linear Rec. 709, radiance in W m^-2 sr^-1. Views are numbered from the leftmost camera. Rows count from the top.
- * docs/estimators.md holds the formulas. */
+ * Coordinates: right-handed, y up, scene units; angles in degrees in scene files and radians behind
+ * the parser; colours linear Rec. 709, radiance in W m^-2 sr^-1. Views are numbered from the
+ * leftmost camera. Rows count from the top. docs/estimators.md holds the formulas.
+ *
+ * A whole picture, better with every round, rgb [row][view][column][3] (tests/render/test_usage.c
+ * compiles and runs these lines):
+ *
+ *     lf_pool *pool = NULL;
+ *     lf_scene *scene = NULL;
+ *     lf_renderer *renderer = NULL;
+ *     lf_status status = lf_pool_create(0, &pool);
+ *     if (status == LF_OK)
+ *         status = lf_scene_load(path, NULL, NULL, &scene, err);
+ *     if (status == LF_OK) {
+ *         lf_render_settings settings = {.camera = *lf_scene_camera(scene), .skip = LF_SKIP_ALL};
+ *         settings.width = width;
+ *         settings.height = height;
+ *         settings.camera.n_views = n_views;
+ *         status = lf_renderer_create(scene, &settings, pool, &renderer, err);
+ *     }
+ *     for (int i = 0; status == LF_OK && i < rounds; i++) {
+ *         status = lf_renderer_passes(renderer, NULL, 4 * n_views, true, NULL, NULL, NULL);
+ *         if (status == LF_OK)
+ *             status = lf_renderer_resolve(renderer, LF_ESTIMATOR_MWIS, rgb, NULL);
+ *         if (status == LF_OK)
+ *             show(rgb, lf_renderer_error_bound(renderer, LF_ESTIMATOR_MWIS, 0.05, NULL));
+ *     }
+ *     lf_renderer_destroy(renderer);
+ *     lf_scene_unref(scene);
+ *     lf_pool_destroy(pool);
+ */
 #ifndef LF_RENDER_H
 #define LF_RENDER_H
 
@@ -14,9 +43,10 @@
 
 #include "base/file.h"
 #include "base/image.h"
+#include "base/param.h"
 #include "base/thread.h"
 
-/* ---------------------------------------------------------------------------------------------------------- scene -- */
+/* ------------------------------------------------------------------------------------- scene -- */
 
 typedef struct lf_scene lf_scene;
 
@@ -29,32 +59,41 @@ typedef struct lf_film_settings {
 /* The rig of a scene's camera block, resolved. */
 typedef struct lf_camera {
     double target[3], position[3], up[3];
-    double fov_y;                       /* radians: vertical angle of the window seen from the middle of the rig */
-    double aspect;                      /* width / height of the window */
-    int n_views;                        /* 1..LF_MAX_VIEWS */
-    double cone;                        /* radians: total angle of the rig */
-    bool inclusive;                     /* placement: a_i = (i/(N-1) - 1/2) cone, else ((i+1/2)/N - 1/2) cone */
-    double lens_radius, focus_distance; /* scene units; radius 0 = pinhole; focus along the view axis */
-    /* Which of aspect, views and cone the scene itself states (the rest are defaults a preset or panel may replace
-     * without being a contradiction). */
+    /* radians: vertical angle of the window seen from the middle of the rig */
+    double fov_y;
+    double aspect; /* width / height of the window */
+    int n_views;   /* 1..LF_MAX_VIEWS */
+    double cone;   /* radians: total angle of the rig */
+    /* placement: a_i = (i/(N-1) - 1/2) cone, else ((i+1/2)/N - 1/2) cone */
+    bool inclusive;
+    /* scene units; radius 0 = pinhole; focus along the view axis */
+    double lens_radius, focus_distance;
+    /* Which of aspect, views and cone the scene itself states (the rest are defaults a preset or
+     * panel may replace without being a contradiction). */
     bool has_aspect, has_views, has_cone;
 } lf_camera;
+
+/* What a scene says of it: names, ranges, defaults (base/param.h). A focus_distance of 0 is not
+ * given: the distance to the target. */
+extern const lf_param lf_camera_params[];
 
 #define LF_MAX_VIEWS 256
 #define LF_MAX_VIEW_SIDE 16384
 
-/* Loads a scene file (JSON, at most 16 MiB). Files it names are read relative to its folder and under roots (NULL or empty
- * = anywhere; the scene's own folder is always allowed). previous (may be NULL): parts of it that are unchanged are
- * shared. On LF_OK the caller owns a reference to *out_scene.
- * Errors: LF_E_IO, LF_E_PATH, LF_E_NOMEM, LF_E_FORMAT with file, line and JSON pointer; *out_scene untouched then.
- * Thread: any; may take seconds; does not touch previous but to read it. */
-LF_NODISCARD lf_status lf_scene_load(const char *path, const lf_roots *roots, const lf_scene *previous, lf_scene **out_scene,
-                                     lf_error *err);
+/* Loads a scene file (JSON, at most 16 MiB). Files it names are read relative to its folder and
+ * under roots (NULL or empty = anywhere; the scene's own folder is always allowed). previous (may
+ * be NULL): parts of it that are unchanged are shared. On LF_OK the caller owns a reference to
+ * *out_scene. Errors: LF_E_IO, LF_E_PATH, LF_E_NOMEM, LF_E_FORMAT with file, line and JSON pointer;
+ * *out_scene untouched then. Thread: any; may take seconds; does not touch previous but to read it.
+ */
+LF_NODISCARD lf_status lf_scene_load(const char *path, const lf_roots *roots,
+                                     const lf_scene *previous, lf_scene **out_scene, lf_error *err);
 
-/* The same from a document in memory; folder is what relative paths are relative to. where names it in errors. doc is
- * borrowed (copied). */
-LF_NODISCARD lf_status lf_scene_from_json(const json_t *doc, const char *folder, const char *where, const lf_roots *roots,
-                                          const lf_scene *previous, lf_scene **out_scene, lf_error *err);
+/* The same from a document in memory; folder is what relative paths are relative to. where names it
+ * in errors. doc is borrowed (copied). */
+LF_NODISCARD lf_status lf_scene_from_json(const json_t *doc, const char *folder, const char *where,
+                                          const lf_roots *roots, const lf_scene *previous,
+                                          lf_scene **out_scene, lf_error *err);
 
 /* JSON Merge Patch (RFC 7396) of doc; a new reference, NULL = out of memory. */
 json_t *lf_json_merge_patch(const json_t *doc, const json_t *patch);
@@ -68,20 +107,23 @@ const json_t *lf_scene_json(const lf_scene *scene);
 const char *lf_scene_folder(const lf_scene *scene);
 const lf_camera *lf_scene_camera(const lf_scene *scene);
 const lf_film_settings *lf_scene_film_settings(const lf_scene *scene);
-/* What the files of the scene hold and its pictures lack (textures, transparency, lights of a mesh file, faces that stand in one place, …),
- * and what is seldom meant (no light at all): one line for people, with the file's name, control characters escaped. NULL behind the last;
- * they belong to the scene. At most 65, of which the last says how many more there are. */
+/* What the files of the scene hold and its pictures lack (textures, transparency, lights of a mesh
+ * file, faces that stand in one place, …), and what is seldom meant (no light at all): one line for
+ * people, with the file's name, control characters escaped. NULL behind the last; they belong to
+ * the scene. At most 65, of which the last says how many more there are. */
 const char *lf_scene_warning(const lf_scene *scene, int index);
 /* The JSON Schema of scene files (docs/scene.schema.json, compiled in); a new reference. */
 json_t *lf_scene_schema(void);
 
-/* ------------------------------------------------------------------------------------------------------- renderer -- */
+/* ---------------------------------------------------------------------------------- renderer -- */
 
 /* How to answer from a film (docs/estimators.md, section "Three answers"). */
 typedef enum lf_estimator {
-    LF_ESTIMATOR_MWIS, /* B + q N/W or B + q N/W', per tile the one of smaller variance; consistent; the default */
-    LF_ESTIMATOR_MIS,  /* B + N/n; unbiased */
-    LF_ESTIMATOR_CV,   /* regression on both controls, coefficients from the other half; unbiased for fixed budgets */
+    /* B + q N/W or B + q N/W', per tile the one of smaller variance; consistent; the default */
+    LF_ESTIMATOR_MWIS,
+    LF_ESTIMATOR_MIS, /* B + N/n; unbiased */
+    /* regression on both controls, coefficients from the other half; unbiased for fixed budgets */
+    LF_ESTIMATOR_CV,
 } lf_estimator;
 
 typedef enum lf_sampler_kind { LF_SAMPLER_OWEN, LF_SAMPLER_INDEPENDENT } lf_sampler_kind;
@@ -91,8 +133,16 @@ LF_NODISCARD lf_status lf_estimator_from_name(const char *name, lf_estimator *ou
 const char *lf_estimator_name(lf_estimator estimator);
 LF_NODISCARD lf_status lf_sampler_from_name(const char *name, lf_sampler_kind *out, lf_error *err);
 const char *lf_sampler_name(lf_sampler_kind kind);
-/* "mvpt" and "vpt" and what else the table of integrators holds; NULL behind the last. */
-const char *lf_integrator_name(int index);
+
+/* How paths are made and shared. */
+typedef struct lf_integrator_entry {
+    const char *name; /* as in --integrator */
+    const char *what; /* in a few words */
+    bool shares;      /* a path serves more view pixels than its own */
+} lf_integrator_entry;
+
+/* The first is the default; NULL behind the last. */
+const lf_integrator_entry *lf_integrator_at(int index);
 
 /* What is left out where the scene or the view does not need it. One row of lf_skip_at each. */
 typedef enum lf_skip {
@@ -102,6 +152,7 @@ typedef enum lf_skip {
     LF_SKIP_VIEW_LOBES = 8,
     LF_SKIP_EMISSION = 16,
     LF_SKIP_KNOWN_LIGHT = 32,
+    LF_SKIP_ALL = 63, /* what programs use */
 } lf_skip;
 
 typedef struct lf_skip_entry {
@@ -113,118 +164,172 @@ typedef struct lf_skip_entry {
 
 /* NULL behind the last. */
 const lf_skip_entry *lf_skip_at(int index);
-/* "all", "none" or names separated by commas, which are skipped, all others kept. LF_E_ARG for a name that does not exist, with what
+/* "all", "none" or names separated by commas. LF_E_ARG for a name that does not exist, with what
  * was meant. */
-LF_NODISCARD lf_status lf_skip_parse(const char *text, unsigned *out_kept, lf_error *err);
+LF_NODISCARD lf_status lf_skip_parse(const char *text, unsigned *out_skip, lf_error *err);
 
 typedef struct lf_render_settings {
-    lf_camera camera;       /* the rig, after --preset, --panel and --views had their say */
-    int width, height;      /* pixels of a view */
-    double window[4];       /* left, top, right, bottom of what the view pixels tile, in units of the camera's window with its
-                              top left corner at 0,0 and bottom right at 1,1; all zero = 0,0,1,1. Prints and bleed go beyond */
+    lf_camera camera;  /* the rig, after --preset, --panel and --views had their say */
+    int width, height; /* pixels of a view */
+    /* left, top, right, bottom of what the view pixels tile, in units of the camera's window with
+     * its top left corner at 0,0 and bottom right at 1,1; all zero = 0,0,1,1. Prints and bleed go
+     * beyond */
+    double window[4];
     const char *integrator; /* a name of the table; NULL = "mvpt" */
     lf_sampler_kind sampler;
     uint64_t seed;
     int max_depth; /* longest path in vertices after the camera; 0 = the scene's own limit */
-    unsigned kept; /* of lf_skip: what is not left out even where it is not needed; 0 = everything is */
+    unsigned skip; /* of lf_skip: what is left out where it is not needed */
 } lf_render_settings;
 
 typedef struct lf_renderer lf_renderer;
 
-/* A renderer with an empty film. Keeps a reference to scene; pool is borrowed and must outlive it. LF_E_ARG for settings
- * out of range (err says which), LF_E_NOMEM. Memory: 40 to 64 bytes a view pixel (film.h), and 12 for every triangle and row that can meet
- * it: with a wide lens those are many rows (section.h). */
-LF_NODISCARD lf_status lf_renderer_create(lf_scene *scene, const lf_render_settings *settings, lf_pool *pool,
-                                          lf_renderer **out_renderer, lf_error *err);
+/* A renderer with an empty film. Keeps a reference to scene; pool is borrowed and must outlive it.
+ * LF_E_ARG for settings out of range (err says which), LF_E_NOMEM. Memory: 40 to 64 bytes a view
+ * pixel (film.h), and 12 for every triangle and row that can meet it: with a wide lens those are
+ * many rows (section.h). */
+LF_NODISCARD lf_status lf_renderer_create(lf_scene *scene, const lf_render_settings *settings,
+                                          lf_pool *pool, lf_renderer **out_renderer, lf_error *err);
 /* Accepts NULL. */
 void lf_renderer_destroy(lf_renderer *renderer);
 
-/* Starts over with another scene or camera, keeping the film's memory when the shapes agree: nothing of the old picture
- * remains. On failure the renderer is as before. */
-LF_NODISCARD lf_status lf_renderer_restart(lf_renderer *renderer, lf_scene *scene, const lf_render_settings *settings,
-                                           lf_error *err);
+/* Starts over with another scene or camera, keeping the film's memory when the shapes agree:
+ * nothing of the old picture remains. On failure the renderer is as before. */
+LF_NODISCARD lf_status lf_renderer_restart(lf_renderer *renderer, lf_scene *scene,
+                                           const lf_render_settings *settings, lf_error *err);
 
-/* Called on the worker that has just finished a visit of a row: resolve it here, while it is in the cache. */
+/* Called on the worker that has just finished a visit of a row: resolve it here, while it is in the
+ * cache. */
 typedef void (*lf_row_fn)(void *context, int row, int worker);
 
-/* One pass over a set of rows: row first_row, first_row + row_step, …  Each visited row gets `subsets` passes at once, out
- * of the n_views that make one native sample a view pixel (1 <= subsets <= n_views): they share one row offset, one slice
- * of the volumes and one refresh of B and q. Successive visits of a row alternate between the film's two halves.
- * row_done may be NULL. LF_E_CANCELLED: rows not started have been left out; a row in progress is left within 20 ms as it was
- * before this visit. Same seed and same sequence of calls give the same film for any number of threads. Allocates nothing. */
-LF_NODISCARD lf_status lf_renderer_pass(lf_renderer *renderer, int first_row, int row_step, int subsets, lf_row_fn row_done,
-                                        void *context, const lf_cancel *cancel);
+/* What of the picture passes go to: rows first_row, first_row + row_step, … below end_row, by one
+ * of 2^32 streams of random numbers of the seed. All zero: the whole, by stream 0. Rows do not know
+ * of each other: a film gathered from parts of other rows (lf_renderer_add) has the bytes that one
+ * renderer makes of the same calls. Streams of one row add up to the same numbers but for rounding.
+ * Holes are filled by what all of a row's streams have found, and integrators that send samples
+ * where the error is (amvpt) look at all rows before they do. */
+typedef struct lf_part {
+    int first_row, end_row; /* end_row 0 = to the last row */
+    int row_step;           /* 0 = 1 */
+    uint32_t stream;
+} lf_part;
 
-/* The same for the live picture: behind its visit a row gets native samples for holes (LF_PIXEL_HOLE), with hole_reach 0 for all of
- * them, else for so many that none is farther than hole_reach columns from a pixel of its view and row that has something, which is
- * what a coarse frame needs; hole_reach < 0 is lf_renderer_pass. They do not count as passes. mwis stays consistent; mis and cv are too
- * bright in those pixels by a share that vanishes with further passes (docs/estimators.md, "Holes"): fixed budgets use
- * lf_renderer_passes, which never does this. */
-LF_NODISCARD lf_status lf_renderer_pass_filling(lf_renderer *renderer, int first_row, int row_step, int subsets, int hole_reach,
-                                                lf_row_fn row_done, void *context, const lf_cancel *cancel);
+/* One pass over a part (NULL: the whole). Each visited row gets `subsets` passes at once, out of
+ * the n_views that make one native sample a view pixel (1 <= subsets <= n_views): they share one
+ * row offset, one slice of the volumes and one refresh of B and q. Successive visits of a row
+ * alternate between the film's two halves. row_done may be NULL. LF_E_CANCELLED: rows not started
+ * have been left out; a row in progress is left within 20 ms as it was before this visit. Same seed
+ * and same sequence of calls give the same film for any number of threads. Allocates nothing but
+ * for the first pass of a second stream (LF_E_NOMEM). LF_E_ARG: rows or subsets out of range. */
+LF_NODISCARD lf_status lf_renderer_pass(lf_renderer *renderer, const lf_part *part, int subsets,
+                                        lf_row_fn row_done, void *context, const lf_cancel *cancel);
 
-/* Native samples for all holes that are left, and nothing else: what a consistent answer (mwis) of a small budget lacks. Not for mis and
- * cv, whose answer in a hole, B + N/n, is the unbiased one. */
-LF_NODISCARD lf_status lf_renderer_fill_holes(lf_renderer *renderer, const lf_cancel *cancel);
+/* The same for the live picture: behind its visit a row gets native samples for holes
+ * (LF_PIXEL_HOLE), with hole_reach 0 for all of them, else for so many that none is farther than
+ * hole_reach columns from a pixel of its view and row that has something, which is what a coarse
+ * frame needs; hole_reach < 0 is lf_renderer_pass. They do not count as passes. mwis stays
+ * consistent; mis and cv are too bright in those pixels by a share that vanishes with further
+ * passes (docs/estimators.md, "Holes"): fixed budgets use lf_renderer_passes, which never does
+ * this. */
+LF_NODISCARD lf_status lf_renderer_pass_filling(lf_renderer *renderer, const lf_part *part,
+                                                int subsets, int hole_reach, lf_row_fn row_done,
+                                                void *context, const lf_cancel *cancel);
 
-/* Called on the worker that has just given a row so many more passes; worker 0 is the thread that called lf_renderer_passes. */
+/* Native samples for all holes that are left in a part's rows, on planes of its stream's visits,
+ * and nothing else: what a consistent answer (mwis) of a small budget lacks. Not for mis and cv,
+ * whose answer in a hole, B + N/n, is the unbiased one.
+ */
+LF_NODISCARD lf_status lf_renderer_fill_holes(lf_renderer *renderer, const lf_part *part,
+                                              const lf_cancel *cancel);
+
+/* Called on the worker that has just given a row so many more passes; worker 0 is the thread that
+ * called lf_renderer_passes. */
 typedef void (*lf_passes_fn)(void *context, int passes, int worker);
 
-/* Adds exactly n_passes passes (one pass = one view's worth of base paths: width x height of them) to every row, split
- * evenly between the halves, in visits that grow to whole cycles of n_views passes: the offline schedule. 45 views:
- * --spp S is 45 S passes. A single pass with cross-fitting in mind (split) puts one half of its columns into each half. */
-LF_NODISCARD lf_status lf_renderer_passes(lf_renderer *renderer, int64_t n_passes, bool split, lf_passes_fn row_done, void *context,
-                                          const lf_cancel *cancel);
+/* Adds exactly n_passes passes (one pass = one view's worth of base paths: width x height of them)
+ * to every row of a part (NULL: the whole), split evenly between the halves, in visits that grow to
+ * whole cycles of n_views passes: the offline schedule. 45 views:
+ * --spp S is 45 S passes. A single pass with cross-fitting in mind (split) puts one half of its
+ * columns into each half. */
+LF_NODISCARD lf_status lf_renderer_passes(lf_renderer *renderer, const lf_part *part,
+                                          int64_t n_passes, bool split, lf_passes_fn row_done,
+                                          void *context, const lf_cancel *cancel);
 
 /* Per-pixel flags of a resolved row. */
-#define LF_PIXEL_HOLE 1u    /* scattering is possible here but nothing was found yet (W = 0): out is a stand-in */
+/* scattering is possible here but nothing was found yet (W = 0): out is a stand-in */
+#define LF_PIXEL_HOLE 1u
 #define LF_PIXEL_SETTLED 2u /* q = W = 0: nothing that scatters has been met here so far */
 #define LF_PIXEL_UNSEEN 4u  /* the row was never visited */
 
-/* The estimate of one row of all views. out [n_views][width][3], flags [n_views][width] (may be NULL); holes are returned
- * as the row's own estimate from MIS (B + N/n) and flagged. LF_E_STATE when the row was never visited (out black, flags
- * LF_PIXEL_UNSEEN). Thread: any, for different rows at once (each call leaves the row's holes and
- * error estimate for lf_renderer_stats); not while the row is being visited. */
-lf_status lf_renderer_resolve_row(const lf_renderer *renderer, lf_estimator estimator, int row, float *out, uint8_t *flags);
+/* The estimate of one row of all views. out [n_views][width][3], flags [n_views][width] (may be
+ * NULL); holes are returned as the row's own estimate from MIS (B + N/n) and flagged. LF_E_STATE
+ * when the row was never visited (out black, flags LF_PIXEL_UNSEEN). Thread: any, for different
+ * rows at once (each call leaves the row's holes and error estimate for lf_renderer_stats); not
+ * while the row is being visited. */
+lf_status lf_renderer_resolve_row(const lf_renderer *renderer, lf_estimator estimator, int row,
+                                  float *out, uint8_t *flags);
 
 /* All rows into out [row][view][column][3] on the renderer's pool. */
-LF_NODISCARD lf_status lf_renderer_resolve(const lf_renderer *renderer, lf_estimator estimator, float *out, uint8_t *flags);
+LF_NODISCARD lf_status lf_renderer_resolve(const lf_renderer *renderer, lf_estimator estimator,
+                                           float *out, uint8_t *flags);
 
 /* Counters since the last restart; what does not apply is negative (JSON null). */
 typedef struct lf_render_stats {
-    int64_t base_paths;        /* native samples drawn */
-    int64_t contributions;     /* additions to a view pixel */
-    int64_t rays_traced;       /* surface rays, light samples' occlusion rays included; -1 without meshes */
-    int64_t volume_lookups;    /* density look-ups, slices and tracking included; -1 without volumes */
+    int64_t base_paths;    /* native samples drawn */
+    int64_t contributions; /* additions to a view pixel */
+    /* surface rays, light samples' occlusion rays included; -1 without meshes */
+    int64_t rays_traced;
+    /* density look-ups, slices and tracking included; -1 without volumes */
+    int64_t volume_lookups;
     int64_t nonfinite_dropped; /* contributions that were NaN or infinite: must be 0 */
-    int64_t base_hidden;       /* pivots that the row's section hides from their own base (V_i forced to 1); -1 without meshes */
-    int64_t holes;             /* view pixels flagged LF_PIXEL_HOLE by the estimator last resolved; 0 before the first resolve */
+    /* pivots that the row's section hides from their own base (V_i forced to 1); -1 without meshes
+     */
+    int64_t base_hidden;
+    /* view pixels flagged LF_PIXEL_HOLE by the estimator last resolved; 0 before the first resolve
+     */
+    int64_t holes;
     double passes;             /* mean over rows, in passes */
     double native_spp_mean;    /* n, mean over view pixels */
     double effective_spp_mean; /* contributions a view pixel */
-    double rel_mse_estimate;   /* mean over view pixels, epsilon 1e-2, from the two halves; < 0 = not known yet */
+    /* mean over view pixels, epsilon 1e-2, from the two halves; < 0 = not known yet */
+    double rel_mse_estimate;
 } lf_render_stats;
 
-/* An upper bound, at confidence 1 - alpha (0 < alpha <= 0.5), of the relMSE of this very picture: of mean over view pixels and channels of
- * (x - I)^2 / (I^2 + 1e-2), x what lf_renderer_resolve answers now and I the truth. From the halves, row by row; *out_estimate (may be
- * NULL) gets the estimate of the same. Negative while a row has not been seen by both halves, while there is no error at all and rows have
- * had few visits, where the picture is not finite, or without memory.
- * Takes about as long as two resolves, on the pool; same thread as lf_renderer_resolve. docs/estimators.md, "The error and its bound". */
+/* An upper bound, at confidence 1 - alpha (0 < alpha <= 0.5), of the relMSE of this very picture:
+ * of mean over view pixels and channels of (x - I)^2 / (I^2 + 1e-2), x what lf_renderer_resolve
+ * answers now and I the truth. From the halves, row by row; *out_estimate (may be NULL) gets the
+ * estimate of the same. Negative while a row has not been seen by both halves, while there is no
+ * error at all and rows have had few visits, where the picture is not finite, or without memory.
+ * Takes about as long as two resolves, on the pool; same thread as lf_renderer_resolve.
+ * docs/estimators.md, "The error and its bound". */
 /* What programs use: 95 %. */
 #define LF_ERROR_ALPHA 0.05
-double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimator, double alpha, double *out_estimate);
+double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimator, double alpha,
+                               double *out_estimate);
 
-/* Not while a pass or a resolve is under way: it reads what workers count and what resolving a row leaves behind. */
+/* Not while a pass or a resolve is under way: it reads what workers count and what resolving a row
+ * leaves behind. */
 void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out);
-/* {"volumes": "none in the scene", …}: what this scene did not need and was left out. A new reference. */
+/* {"volumes": "none in the scene", …}: what this scene did not need and was left out. A new
+ * reference. */
 json_t *lf_renderer_skipped(const lf_renderer *renderer);
 const lf_render_settings *lf_renderer_settings(const lf_renderer *renderer);
 lf_scene *lf_renderer_scene(const lf_renderer *renderer);
 
-/* Saves and restores the accumulation (kind "state": --state). The file names scene, rig, seed and a version: another one
- * gives LF_E_STATE and leaves the renderer as it was. Written little-endian through file; read from fd. cancel (may be NULL) is looked
- * at once a row: LF_E_CANCELLED, the file is to be abandoned. */
-LF_NODISCARD lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file, const lf_cancel *cancel, lf_error *err);
+/* Saves and restores the accumulation (kind "state": --state), in the format of film/film_file.h:
+ * the sums, what they are a picture of (scene, files of volumes, rig and settings, not the seed),
+ * and which visits of which random streams are in them. Restoring gives LF_E_STATE for another
+ * picture or version, LF_E_FORMAT for a file that was cut or changed, and then leaves the renderer
+ * as it was; what was accumulated with another seed is kept, and gone on with by one's own.
+ * Written through file; read from fd. cancel (may be NULL) is looked at once a row: LF_E_CANCELLED,
+ * the file is to be abandoned. */
+LF_NODISCARD lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file,
+                                        const lf_cancel *cancel, lf_error *err);
 LF_NODISCARD lf_status lf_renderer_restore(lf_renderer *renderer, int fd, lf_error *err);
+/* Adds what another renderer of the same picture has saved: rows that only one of them has are
+ * taken as they are, of others sums are added, half by half. Errors as of restoring; LF_E_STATE too
+ * where both have visited the same half of a row by the same stream. Which is added to which makes
+ * no difference to a bit. Where sums are no floats they are rounded at random, without bias. */
+LF_NODISCARD lf_status lf_renderer_add(lf_renderer *renderer, int fd, lf_error *err);
 
 #endif

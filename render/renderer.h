@@ -1,4 +1,4 @@
-/* The renderer's insides, for renderer.c, state.c and the tests; private to render/. */
+/* The renderer's insides, for renderer*.c and the tests; private to render/. */
 #ifndef LF_RENDER_RENDERER_H
 #define LF_RENDER_RENDERER_H
 
@@ -6,20 +6,20 @@
 
 struct lf_renderer {
     lf_scene *scene;
-    lf_scene seen; /* what the integrators see of it (skip.h); borrows from scene and empty */
-    struct lf_geometry *empty;
+    struct lf_geometry *empty; /* what the integrator sees in place of meshes (skip.h), or NULL */
     lf_render_settings settings;
     lf_pool *pool;
-    lf_rig rig;
-    lf_media_frame frame;
     lf_film film;
-    lf_visit_plan plan;
-    lf_row_triangles triangles; /* all zero without meshes */
-    int visit_passes;           /* passes in a visit of the offline schedule */
-    lf_counts counts;           /* tiles only for adaptive integrators */
-    bool mapped;                /* the map has been made: plan.counts */
-    lf_scratch **workers;       /* [lf_pool_threads] each its own allocation: no shared cache lines */
-    int n_workers;
+    const lf_integrator *integrator;
+    void *state;      /* its own */
+    int visit_passes; /* passes in a visit of the offline schedule */
+    unsigned faults;  /* lf_fault (rows/visit.h), of every pass from now on */
 };
+
+/* What the picture is of, whatever its random numbers: a hash of scene, files of volumes, rig and
+ * settings but the seed; integrator is the name of the one in use. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_renderer_identify(const lf_scene *scene,
+                                            const lf_render_settings *settings,
+                                            const char *integrator, uint8_t out[LF_PICTURE_BYTES]);
 
 #endif

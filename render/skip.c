@@ -4,31 +4,27 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "render/geometry.h"
-#include "render/integrator.h"
-#include "render/json_reader.h"
+#include "render/load/geometry_build.h"
+#include "render/load/json_reader.h"
+#include "render/rows/visit.h"
 
 static const lf_skip_entry table[] = {
     {"surfaces", "no meshes: no Embree device, no rays", LF_SKIP_SURFACES, true},
-    {"background", "view pixels that nothing can be met in: no paths, no optical depths", LF_SKIP_BACKGROUND, true},
+    {"background", "view pixels that nothing can be met in: no paths, no optical depths",
+     LF_SKIP_BACKGROUND, true},
     {"delta-lobes", "no mirrors: no sum of native samples on the film", LF_SKIP_DELTA_LOBES, false},
-    {"view-lobes", "no lobe depends on the view: no directional weights on the film", LF_SKIP_VIEW_LOBES, false},
-    {"emission", "no surface emits: hits are not looked up among the lights", LF_SKIP_EMISSION, true},
-    {"known-light", "all rays that escape find the same light: it is neither looked up nor stored", LF_SKIP_KNOWN_LIGHT, false},
+    {"view-lobes", "no lobe depends on the view: no directional weights on the film",
+     LF_SKIP_VIEW_LOBES, false},
+    {"emission", "no surface emits: hits are not looked up among the lights", LF_SKIP_EMISSION,
+     true},
+    {"known-light", "all rays that escape find the same light: it is neither looked up nor stored",
+     LF_SKIP_KNOWN_LIGHT, false},
 };
 #define N_SKIPS (sizeof table / sizeof table[0])
 
 const lf_skip_entry *lf_skip_at(int index)
 {
     return index >= 0 && index < (int)N_SKIPS ? &table[index] : NULL;
-}
-
-static unsigned all_skips(void)
-{
-    unsigned all = 0;
-    for (size_t i = 0; i < N_SKIPS; i++)
-        all |= table[i].bit;
-    return all;
 }
 
 static lf_status unknown(const char *word, lf_error *err)
@@ -44,32 +40,35 @@ static lf_status unknown(const char *word, lf_error *err)
         return lf_error_set(err, LF_E_ARG, "skip", "\"%s\" stands alone, not in a list", word);
     const char *meant = lf_nearest_name(word, names);
     if (meant)
-        return lf_error_set(err, LF_E_ARG, "skip", "nothing is called \"%s\"; did you mean \"%s\"?", word, meant);
-    return lf_error_set(err, LF_E_ARG, "skip", "nothing is called \"%s\" (there are: %s)", word, list);
+        return lf_error_set(err, LF_E_ARG, "skip", "nothing is called \"%s\"; did you mean \"%s\"?",
+                            word, meant);
+    return lf_error_set(err, LF_E_ARG, "skip", "nothing is called \"%s\" (there are: %s)", word,
+                        list);
 }
 
-lf_status lf_skip_parse(const char *text, unsigned *out_kept, lf_error *err)
+lf_status lf_skip_parse(const char *text, unsigned *out_skip, lf_error *err)
 {
-    unsigned skipped = 0;
+    unsigned skip = 0;
     if (strcmp(text, "all") == 0 || strcmp(text, "none") == 0) {
-        *out_kept = text[0] == 'a' ? 0 : all_skips();
+        *out_skip = text[0] == 'a' ? LF_SKIP_ALL : 0;
         return LF_OK;
     }
     for (;;) {
         char word[64];
         size_t length = strcspn(text, ",");
         const lf_skip_entry *entry = NULL;
-        snprintf(word, sizeof word, "%.*s", (int)(length < sizeof word ? length : sizeof word - 1), text);
+        snprintf(word, sizeof word, "%.*s", (int)(length < sizeof word ? length : sizeof word - 1),
+                 text);
         for (size_t i = 0; i < N_SKIPS && !entry; i++)
             entry = strcmp(table[i].name, word) == 0 ? &table[i] : NULL;
         if (!entry)
             return unknown(word, err);
-        skipped |= entry->bit;
+        skip |= entry->bit;
         if (text[length] == '\0')
             break;
         text += length + 1;
     }
-    *out_kept = all_skips() & ~skipped;
+    *out_skip = skip;
     return LF_OK;
 }
 
@@ -81,16 +80,19 @@ unsigned lf_skip_found(const lf_scene *scene)
     found |= scene->has_delta ? 0 : LF_SKIP_DELTA_LOBES;
     found |= scene->has_view_lobes ? 0 : LF_SKIP_VIEW_LOBES;
     found |= scene->has_emission ? 0 : LF_SKIP_EMISSION;
-    found |= !scene->has_delta && scene->n_glows == 0 && lf_exits_uniform(scene, sky) ? LF_SKIP_KNOWN_LIGHT : 0;
+    found |= !scene->has_delta && scene->n_glows == 0 && lf_exits_uniform(scene, sky)
+                 ? LF_SKIP_KNOWN_LIGHT
+                 : 0;
     return found;
 }
 
-lf_status lf_skip_scene(const lf_scene *scene, unsigned kept, lf_scene *out, lf_geometry **out_empty, lf_error *err)
+lf_status lf_skip_scene(const lf_scene *scene, unsigned skip, lf_scene *out,
+                        lf_geometry **out_empty, lf_error *err)
 {
     /* All but the count of references, which others may be changing. */
     const size_t from = offsetof(lf_scene, json);
     lf_geometry *empty = NULL;
-    if (kept & LF_SKIP_SURFACES && !scene->embree) {
+    if (!(skip & LF_SKIP_SURFACES) && !scene->embree) {
         json_t *key = json_object();
         lf_status status = key ? lf_geometry_build(NULL, 0, scene->origin, key, &empty, err)
                                : lf_error_set(err, LF_E_NOMEM, "renderer", "out of memory");
@@ -100,9 +102,9 @@ lf_status lf_skip_scene(const lf_scene *scene, unsigned kept, lf_scene *out, lf_
     }
     memcpy((char *)out + from, (const char *)scene + from, sizeof *scene - from);
     out->embree = empty ? empty->embree : scene->embree;
-    out->has_delta |= (kept & LF_SKIP_DELTA_LOBES) != 0;
-    out->has_view_lobes |= (kept & LF_SKIP_VIEW_LOBES) != 0;
-    out->has_emission |= (kept & LF_SKIP_EMISSION) != 0;
+    out->has_delta |= !(skip & LF_SKIP_DELTA_LOBES);
+    out->has_view_lobes |= !(skip & LF_SKIP_VIEW_LOBES);
+    out->has_emission |= !(skip & LF_SKIP_EMISSION);
     *out_empty = empty;
     return LF_OK;
 }

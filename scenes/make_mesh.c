@@ -1,5 +1,5 @@
-/* make_mesh FILE.obj: writes the torus knot of the shipped scenes: the (2,3) knot, 20,480 triangles with smooth normals, inside the
- * unit ball, the axis of the torus along z. */
+/* make_mesh FILE.obj: writes the torus knot of the shipped scenes: the (2,3) knot, 20,480 triangles
+ * with smooth normals, inside the unit ball, the axis of the torus along z. */
 #include <math.h>
 #include <stdio.h>
 
@@ -37,7 +37,8 @@ static void tube(double t, double phi, vec3 *out_p, vec3 *out_n)
     vec3 tangent = normalize((vec3){ahead.x - behind.x, ahead.y - behind.y, ahead.z - behind.z});
     vec3 outward = {p.x, p.y, 0};
     vec3 u = normalize(cross(tangent, outward)), v = cross(u, tangent);
-    *out_n = (vec3){cos(phi) * v.x + sin(phi) * u.x, cos(phi) * v.y + sin(phi) * u.y, cos(phi) * v.z + sin(phi) * u.z};
+    *out_n = (vec3){cos(phi) * v.x + sin(phi) * u.x, cos(phi) * v.y + sin(phi) * u.y,
+                    cos(phi) * v.z + sin(phi) * u.z};
     *out_p = (vec3){p.x + TUBE * out_n->x, p.y + TUBE * out_n->y, p.z + TUBE * out_n->z};
 }
 
@@ -54,8 +55,10 @@ static void write_mesh(FILE *file)
     for (int i = 0; i < ALONG; i++) {
         for (int j = 0; j < AROUND; j++) {
             int a = 1 + i * AROUND + j, b = 1 + i * AROUND + (j + 1) % AROUND;
-            int c = 1 + (i + 1) % ALONG * AROUND + j, d = 1 + (i + 1) % ALONG * AROUND + (j + 1) % AROUND;
-            fprintf(file, "f %d//%d %d//%d %d//%d\nf %d//%d %d//%d %d//%d\n", a, a, b, b, d, d, a, a, d, d, c, c);
+            int c = 1 + (i + 1) % ALONG * AROUND + j,
+                d = 1 + (i + 1) % ALONG * AROUND + (j + 1) % AROUND;
+            fprintf(file, "f %d//%d %d//%d %d//%d\nf %d//%d %d//%d %d//%d\n", a, a, b, b, d, d, a,
+                    a, d, d, c, c);
         }
     }
 }
@@ -64,7 +67,8 @@ int main(int argc, char **argv)
 {
     FILE *file = argc == 2 ? fopen(argv[1], "w") : NULL;
     if (!file) {
-        fprintf(stderr, argc == 2 ? "make_mesh: cannot write %s\n" : "usage: make_mesh FILE.obj\n", argv[1]);
+        fprintf(stderr, argc == 2 ? "make_mesh: cannot write %s\n" : "usage: make_mesh FILE.obj\n",
+                argv[1]);
         return 2;
     }
     write_mesh(file);

@@ -1,6 +1,7 @@
-/* make_test_vdb FOLDER: writes the small OpenVDB files that tests/render/test_vdb_import.c reads: what a reader must understand,
- * state or refuse. Values of the pattern grids are pattern(i, j, k), which the test computes again. */
-#pragma GCC visibility push(default) /* as in render/vdb_import.cc */
+/* make_test_vdb FOLDER: writes the small OpenVDB files that tests/render/test_vdb_import.c reads:
+ * what a reader must understand, state or refuse. Values of the pattern grids are pattern(i, j, k),
+ * which the test computes again. */
+#pragma GCC visibility push(default) /* as in render/load/vdb_import.cc */
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
 #pragma GCC visibility pop
@@ -95,14 +96,15 @@ openvdb::GridPtrVec kinds()
 openvdb::GridPtrVec bad_values()
 {
     return {one_voxel("nan", std::numeric_limits<float>::quiet_NaN()),
-            one_voxel("infinite", std::numeric_limits<float>::infinity()), one_voxel("negative", -0.5f)};
+            one_voxel("infinite", std::numeric_limits<float>::infinity()),
+            one_voxel("negative", -0.5f)};
 }
 
 openvdb::GridPtrVec frustum()
 {
     auto grid = one_voxel("density", 1);
-    grid->setTransform(
-        openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(10)), 0.5, 10, 1));
+    grid->setTransform(openvdb::math::Transform::createFrustumTransform(
+        openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(10)), 0.5, 10, 1));
     return {grid};
 }
 
@@ -124,12 +126,14 @@ openvdb::GridPtrVec empty()
 
 openvdb::GridPtrVec level_set()
 {
-    auto sphere = openvdb::tools::createLevelSetSphere<FloatGrid>(5.0f, openvdb::Vec3f(0), 0.5f, 3.0f);
+    auto sphere =
+        openvdb::tools::createLevelSetSphere<FloatGrid>(5.0f, openvdb::Vec3f(0), 0.5f, 3.0f);
     sphere->setName("density");
     return {sphere};
 }
 
-void write(const std::string &folder, const char *name, const openvdb::GridPtrVec &grids, uint32_t compression)
+void write(const std::string &folder, const char *name, const openvdb::GridPtrVec &grids,
+           uint32_t compression)
 {
     openvdb::io::File file(folder + "/" + name);
     file.setCompression(compression);
@@ -148,7 +152,8 @@ void write_all(const std::string &folder)
     write(folder, "tiles.vdb", tiles(), zip);
     write(folder, "block.vdb", block(), zip);
     write(folder, "kinds.vdb", kinds(), zip);
-    write(folder, "names.vdb", {one_voxel("density", 1), one_voxel("density", 2), one_voxel("density", 3)}, zip);
+    write(folder, "names.vdb",
+          {one_voxel("density", 1), one_voxel("density", 2), one_voxel("density", 3)}, zip);
     write(folder, "values.vdb", bad_values(), zip);
     write(folder, "frustum.vdb", frustum(), zip);
     write(folder, "sizes.vdb", sizes(), zip);

@@ -1,9 +1,10 @@
 /* make_vdb FILE: writes the cloud of the shipped scenes, the same bytes of density every time.
  *
- * 128 x 96 x 128 voxels over [-1,1] x [-0.75,0.75] x [-1,1], grid "density", halves, values 0..1: an ellipsoid whose skin is
- * pushed in and out by a ridged multifractal (Musgrave, in Ebert et al., Texturing & Modeling, 3rd ed., chapter 16) over
- * gradient noise (Perlin, Improving Noise, 2002, with a hash in place of the permutation table). */
-#pragma GCC visibility push(default) /* as in render/vdb_import.cc */
+ * 128 x 96 x 128 voxels over [-1,1] x [-0.75,0.75] x [-1,1], grid "density", halves, values 0..1:
+ * an ellipsoid whose skin is pushed in and out by a ridged multifractal (Musgrave, in Ebert et al.,
+ * Texturing & Modeling, 3rd ed., chapter 16) over gradient noise (Perlin, Improving Noise, 2002,
+ * with a hash in place of the permutation table). */
+#pragma GCC visibility push(default) /* as in render/load/vdb_import.cc */
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
 #pragma GCC visibility pop
@@ -27,10 +28,12 @@ uint64_t mix(uint64_t v)
     return v ^ (v >> 31);
 }
 
-/* Dot product of the offset with the gradient of a lattice point: one of the twelve edges of a cube. */
+/* Dot product of the offset with the gradient of a lattice point: one of the twelve edges of a
+ * cube. */
 double gradient(int64_t x, int64_t y, int64_t z, double dx, double dy, double dz)
 {
-    uint64_t h = mix(uint64_t(x) * 0x9e3779b97f4a7c15u ^ mix(uint64_t(y) * 0xd1b54a32d192ed03u ^ mix(uint64_t(z) + 17)));
+    uint64_t h = mix(uint64_t(x) * 0x9e3779b97f4a7c15u ^
+                     mix(uint64_t(y) * 0xd1b54a32d192ed03u ^ mix(uint64_t(z) + 17)));
     double a = h & 1 ? 1 : -1, b = h & 2 ? 1 : -1;
     switch ((h >> 2) % 3) {
     case 0:
@@ -61,8 +64,10 @@ double noise(double x, double y, double z)
     for (int k = 0; k < 2; k++) {
         double row[2];
         for (int j = 0; j < 2; j++) {
-            double left = gradient(int64_t(fx), int64_t(fy) + j, int64_t(fz) + k, dx, dy - j, dz - k);
-            double right = gradient(int64_t(fx) + 1, int64_t(fy) + j, int64_t(fz) + k, dx - 1, dy - j, dz - k);
+            double left =
+                gradient(int64_t(fx), int64_t(fy) + j, int64_t(fz) + k, dx, dy - j, dz - k);
+            double right =
+                gradient(int64_t(fx) + 1, int64_t(fy) + j, int64_t(fz) + k, dx - 1, dy - j, dz - k);
             row[j] = lerp(left, right, fade(dx));
         }
         plane[k] = lerp(row[0], row[1], fade(dy));
@@ -101,8 +106,8 @@ double density(double x, double y, double z)
     return inside * frame;
 }
 
-/* Every file gets an id of its own when it is written, in the 36 characters behind the numbers of the format and the library:
- * one for all, so that the same cloud is the same bytes. */
+/* Every file gets an id of its own when it is written, in the 36 characters behind the numbers of
+ * the format and the library: one for all, so that the same cloud is the same bytes. */
 void forget_id(const char *path)
 {
     std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
@@ -121,14 +126,16 @@ void write(const char *path)
         for (int j = 0; j < size[1]; j++) {
             for (int i = 0; i < size[0]; i++) {
                 openvdb::Coord at(i - size[0] / 2, j - size[1] / 2, k - size[2] / 2);
-                double d = density((at.x() + 0.5) * voxel, (at.y() + 0.5) * voxel, (at.z() + 0.5) * voxel);
+                double d =
+                    density((at.x() + 0.5) * voxel, (at.y() + 0.5) * voxel, (at.z() + 0.5) * voxel);
                 if (d > 1e-3)
                     accessor.setValueOn(at, float(d));
             }
         }
     }
     auto map = openvdb::math::Transform::createLinearTransform(voxel);
-    map->postTranslate(openvdb::Vec3d(0.5 * voxel)); /* values sit at voxel centres, which lie at whole indices */
+    /* values sit at voxel centres, which lie at whole indices */
+    map->postTranslate(openvdb::Vec3d(0.5 * voxel));
     grid->setTransform(map);
     grid->setName("density");
     grid->setGridClass(openvdb::GRID_FOG_VOLUME);

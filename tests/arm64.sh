@@ -1,7 +1,7 @@
 #!/bin/bash
 # The parts that need no library, built for arm64 and run by an emulator: their tests pass, the NEON kernels among them, and what they
 # make of pseudo-random inputs has the same bytes as here, whatever the kernels. make check-arm64 installs what this needs; else it is
-# skipped. QUILTD_LONG=1 runs the tests that take the emulator minutes too. Prints its results as cmocka does.
+# skipped. QUILTD_LONG=1 runs the tests that take the emulator minutes too.
 set -u
 src=${QUILTD_SOURCE:-.}
 out=${QUILTD_BUILD:-build/release}
@@ -20,23 +20,8 @@ for tool in "$cc" "$emulator"; do
     command -v "${tool##* }" > /dev/null 2>&1 || no_chance "no ${tool##* } (make check-arm64 installs it)"
 done
 
-passed=0 failed=0
-report() { # name, complaints
-    if [ -z "$2" ]; then
-        passed=$((passed + 1))
-        echo "[       OK ] $1"
-    else
-        failed=$((failed + 1))
-        echo "[  ERROR   ] --- $1:"
-        echo "$2" | head -n 30
-    fi
-}
-end() {
-    echo "[  PASSED  ] $passed test(s)."
-    [ "$failed" -eq 0 ] || echo "[  FAILED  ] $failed test(s)."
-    [ "$failed" -eq 0 ]
-    exit
-}
+# shellcheck source=tests/report.sh
+. "$src/tests/report.sh"
 
 top=$(mktemp -d)
 trap 'rm -rf "$top"' EXIT
@@ -81,7 +66,7 @@ report "plain C has the same results on arm64" "$(diff "$top/here-kernels" "$top
 
 # the comparison can fail: plain C with fused multiply-adds is another kernel
 fused_is_noticed() {
-    $cc -std=c11 -D_GNU_SOURCE -O3 -ffp-contract=fast -I"$src" -idirafter /usr/include -c -o "$top/fused.o" "$src/render/kernel_c.c" &&
+    $cc -std=c11 -D_GNU_SOURCE -O3 -ffp-contract=fast -I"$src" -idirafter /usr/include -c -o "$top/fused.o" "$src/render/rows/kernel_c.c" &&
         $cc -static -pthread -o "$top/fused" "$out/arm64/tests/arm64/results.c.o" "$top/fused.o" "$out"/arm64/lib{render,quilt,base}.a -lm || return
     results with-fma c env LF_CPU=c "$emulator" "$top/fused" kernels
     ! cmp -s "$top/here-c" "$top/with-fma" || echo "the same results with and without"

@@ -1,25 +1,11 @@
 #!/bin/bash
 # make install into an empty folder: what has to lie there does, what is started there starts, and systemd accepts the units.
-# Prints its results as cmocka does.
 set -u
 src=${QUILTD_SOURCE:-.}
 out=${QUILTD_BUILD:-build/release}
 
-passed=0 failed=0 skipped=0
-report() { # name, complaints
-    if [ -z "$2" ]; then
-        passed=$((passed + 1))
-        echo "[       OK ] $1"
-    else
-        failed=$((failed + 1))
-        echo "[  ERROR   ] --- $1:"
-        echo "$2" | head -n 20
-    fi
-}
-skip() { # name, why
-    skipped=$((skipped + 1))
-    echo "[  SKIPPED ] $1: $2"
-}
+# shellcheck source=tests/report.sh
+. "$src/tests/report.sh"
 
 top=$(mktemp -d)
 trap 'rm -rf "$top"' EXIT
@@ -95,8 +81,4 @@ else
     skip "groff accepts the man pages" "no groff"
 fi
 
-echo "[==========] $((passed + failed + skipped)) test(s) run."
-echo "[  PASSED  ] $passed test(s)."
-[ "$skipped" -eq 0 ] || echo "[  SKIPPED ] $skipped test(s)."
-[ "$failed" -eq 0 ] || echo "[  FAILED  ] $failed test(s)."
-[ "$failed" -eq 0 ]
+end

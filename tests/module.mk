@@ -1,20 +1,28 @@
+# What tests of a folder share, a library each.
+test_libraries := stat optics kms pictures faulty
 # What a room's tests link: its own library and base; the tests of other folders link everything.
-test_libs_base := base
+test_libs_base := pictures base
 test_libs_quilt := optics quilt base
-test_libs_device := device base
+test_libs_device := kms model device base
 test_libs_render := stat render base
 test_libs_stat := stat render base
 test_libs_bench := bench stat render base
-test_libs_daemon := faulty daemon render quilt device base
+test_libs_daemon := faulty $(libraries)
 
-# Sources with mistakes that its tests switch on, built a second time for them (lf_fault in render/integrator.h).
-test_faults_render := $(patsubst %,render/%.c,exits glow_visit mvpt visit)
+# Sources with mistakes that its tests switch on, built a second time for them (lf_fault in render/rows/visit.h).
+test_faults_render := $(patsubst %,render/rows/%.c,exits glow_visit mvpt visit)
 
 # what statistical tests share
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
 
 # what tests of the print share
 optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
+
+# files of pictures
+pictures_srcs := tests/base/pictures.c
+
+# a kernel with displays
+kms_srcs := tests/device/fake_kms.c
 
 # devices with random faults in place of libusb and hidapi
 faulty_srcs := tests/daemon/faulty.c
@@ -35,7 +43,7 @@ kernel_srcs := $(call wild,tests/kernel/*.c)
 kernel_programs := $(patsubst %.c,$(O)/%,$(kernel_srcs))
 kernel_cases := $(patsubst tests/kernel/cases/%.sh,%,$(call wild,tests/kernel/cases/*.sh))
 define kernel_program
-$(1): $(1).c.o $(patsubst %,$(O)/lib%.a,device base)
+$(1): $(1).c.o $(patsubst %,$(O)/lib%.a,model device base)
 	$$(call link,)
 endef
 $(foreach p,$(kernel_programs),$(eval $(call kernel_program,$(p))))
@@ -52,11 +60,12 @@ portable_tests := base/test_alloc base/test_status base/test_thread quilt/test_i
  quilt/test_rects quilt/test_fill quilt/test_quilt_kernel render/test_kernel render/test_sampler
 ifdef PORTABLE
 base_srcs := $(patsubst %,base/%.c,alloc status thread image)
-quilt_srcs := $(filter-out quilt/files.c quilt/print%,$(quilt_srcs))
-render_srcs := $(filter render/kernel%,$(render_srcs)) $(patsubst %,render/%.c,slice body volume sampler)
+quilt_srcs := $(filter-out quilt/files.c quilt/print/%,$(quilt_srcs))
+render_srcs := $(filter render/rows/kernel%,$(render_srcs)) $(patsubst %,render/%.c,rows/slice rows/body scene/volume transport/sampler)
 stat_srcs := tests/stat/stat.c tests/stat/chi2.c
 test_faults_render :=
 optics_srcs :=
+pictures_srcs :=
 dep_cflags := -I$(SRCDIR)/tests/arm64 -idirafter /usr/include
 dep_libs := -lm
 endif

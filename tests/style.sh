@@ -1,6 +1,5 @@
 #!/bin/bash
 # The rules of the house that a grep can hold, each shown first to catch a breach in a small tree made for it.
-# Prints its results as cmocka does.
 set -u
 src=${QUILTD_SOURCE:-.}
 out=${QUILTD_BUILD:-build}
@@ -19,8 +18,21 @@ grep_code() { # tree, grep arguments
 }
 
 tabs_and_trailing_blanks() { grep_code "$1" $'\t|[ \t]$'; }
-# .clang-format keeps code at 132; comments are not reflowed
-long_lines() { grep_code "$1" '^.{141,}'; }
+# what .clang-format is told not to touch has the same width
+long_lines() { grep_code "$1" '^.{101,}'; }
+# Pointers are asked as `p` and `!p`.
+pointers_compared() { grep_code "$1" '[!=]= NULL\b|\bNULL [!=]=' | grep -v '^tests/arm64/cmocka.h:'; }
+# A block's first declarations and what follows them stand together.
+blanks_after_declarations() {
+    sources "$1" -name '*.c' | while read -r f; do
+        awk -v f="$f" '
+            /\{$/ { start = NR; plain = 1; next }
+            start && /^$/ { if (plain && NR > start + 1) print f ":" NR ": blank line after declarations"; start = 0; next }
+            start && (/^ +(return|goto|break|continue|case|else)\>/ ||
+                !/^ +((const|static|unsigned|struct|enum|volatile) +)*[A-Za-z_][A-Za-z0-9_]*( const)? +\**[A-Za-z_][A-Za-z0-9_]*(\[[^]]*\])?( = [^;]*|, [^;(]*)?;$/) { plain = 0 }
+            /^\}|^#|^(static const|typedef|struct|enum|const)/ { start = 0 }' "$1/$f"
+    done
+}
 missing_final_newline() {
     code "$1" | while read -r f; do
         [ -z "$(tail -c 1 "$1/$f")" ] || echo "$f"
@@ -39,7 +51,57 @@ rooms_apart() {
             (cd "$1" && xargs -r -d '\n' grep -nE "#include +[\"<](\.\./)*($other)/" /dev/null)
     done
 }
-cxx_only_for_openvdb() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/vdb_import|scenes/make_[a-z_]*)\.cc$'; }
+# Which folder may include which others of its room, and the headers in the room's own folder, one by one. Arrows go one way: what
+# stands below knows nothing of what is above it. Headers of other rooms but base are included by name alone (doors).
+floors() {
+    cat << 'END'
+render/scene: render/render.h
+render/transport: render/render.h render/scene
+render/load: render/render.h render/scene render/transport
+render/film: render/render.h render/transport
+render/rows: render/render.h render/integrator.h render/scene render/transport render/film
+render: render/scene render/transport render/load render/film render/rows
+quilt/kernel:
+quilt: quilt/kernel
+quilt/panel: quilt/quilt.h quilt/kernel
+quilt/print: quilt/quilt.h
+device:
+device/hid: device/device.h device/device_table.h
+device/find: device/device.h device/device_table.h device/hid
+device/drm: device/device.h device/device_table.h device/handover.h device/pixels.h device/find
+device/window: device/device.h device/device_table.h device/handover.h device/pixels.h device/find
+device/usb: device/device.h device/device_table.h device/handover.h device/find
+device/sim: device/device.h device/device_table.h
+device/model: device/usb
+daemon/wire:
+daemon/threads:
+daemon/output:
+daemon/engine: daemon/output daemon/threads
+daemon/show: daemon/threads daemon/engine/mailbox.h
+daemon/server: daemon/engine daemon/show daemon/wire
+daemon/tools: daemon/output daemon/wire daemon/server
+base:
+bench:
+END
+}
+# The headers that other rooms may include, and what looks behind the doors.
+doors='render/render\.h|quilt/quilt\.h|device/device\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|daemon/(output/(options|content|render_job)|engine/loader)\.h'
+behind_doors='bench/micro.c render/renderer.h'
+upward_includes() {
+    floors > "$1/floors.table"
+    sources "$1" -name '*.[ch]' -not -path 'tests/*' -not -path 'scenes/*' -o -name '*.cc' -not -path 'scenes/*' |
+        (cd "$1" && xargs -r -d '\n' grep -nHoE '#include "(base|render|quilt|device|daemon|bench)/[a-z_0-9/]+\.h"') |
+        awk -F'[:"]' -v doors="^($doors)$" -v behind="$behind_doors" '
+            FILENAME ~ /floors.table$/ { split($0, row, /: */); n = split(row[2], to, " "); known[row[1]] = 1
+                for (i = 1; i <= n; i++) may[row[1], to[i]] = 1; next }
+            { from = $1; sub(/\/[^\/]*$/, "", from); header = $4; to_folder = header; sub(/\/[^\/]*$/, "", to_folder)
+              room = from; sub(/\/.*/, "", room); to_room = header; sub(/\/.*/, "", to_room)
+              if (!known[from]) print $1 ":" $2 ": " from " stands in no row of the table"
+              else if (from != to_folder && room == to_room && !may[from, to_folder] && !may[from, header] ||
+                  room != to_room && to_room != "base" && header !~ doors && $1 " " header != behind) print $1 ":" $2 ": includes " header }' "$1/floors.table" -
+    rm "$1/floors.table"
+}
+cxx_only_for_openvdb() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/load/vdb_import|scenes/make_[a-z_]*)\.cc$'; }
 top_level() {
     (cd "$1" && if [ -e .git ]; then git ls-files 2> /dev/null | cut -d/ -f1 | sort -u; else ls; fi) |
         grep -vE '^(\..*|Makefile|README\.md|LICENSE|CONTRIBUTING(\.md)?|base|render|quilt|device|daemon|tests|systemd|scenes|bench|docs|debian|build)$'
@@ -57,40 +119,54 @@ one_name_one_thing() {
             $1 ~ /^(lf|LF)_/ && !seen[$1, file]++ { places[$1] = places[$1] " " $4; n[$1]++ }
             END { for (name in n) if (n[name] > 1) print name ":" places[name] }' | sort
 }
+# A struct has at most 30 fields.
+wide_structs() {
+    sources "$1" -name '*.[ch]' | (cd "$1" && ctags -x --kinds-C=m --languages=C --langmap=C:.c.h --_xformat='%{scope} %F %N' -L - 2> /dev/null) |
+        awk '{ n[$2 ": " $1]++ } END { for (s in n) if (n[s] > 30) print s " has " n[s] " fields" }' | sort
+}
+# make mutants changes lines that are there.
+stale_mutants() { SRCDIR=$1 O=$out "$src"/tests/mutants/run --stale; }
 empty_assertions() { grep_code "$1" 'assert_true\((1|true)\)|assert_int_equal\(([0-9]+), \2\)'; }
+# CI's lists name programs that are there.
+listed_tests_are_there() {
+    local programs
+    programs=$(cd "$1" && find tests -name 'test_*.c' -o -name '*.sh')
+    for list in statistics threads longest; do
+        [ ! -e "$1/.ci/$list" ] || while read -r name; do
+            grep -qF -- "$name" <<< "$programs" || echo ".ci/$list: $name"
+        done < "$1/.ci/$list"
+    done
+}
 
 # A tree in which every rule is broken once.
 make_breaches() {
-    mkdir -p "$1"/{render,quilt,tests/quilt,attic}
+    mkdir -p "$1"/{render,quilt,tests/quilt,attic,.ci}
     touch "$1/attic/old"
+    echo tests/render/test_gone > "$1/.ci/statistics"
     {
         printf '#include "quilt/quilt.h"\n\tint x; /* TO''DO */\n'
-        printf '/* %0141d */\nvoid f(void)\n{\n' 0
+        printf '/* %0101d */\nvoid f(void)\n{\n    int y = 1;\n\n    if (p == NULL)\n' 0
         for _ in $(seq 90); do echo '    g();'; done
         printf '}\n'
     } > "$1/render/bad.c"
+    printf 'struct lf_wide {\n    int a%s;\n};\n' "$(seq -s ', a' 31)" > "$1/render/wide.h"
     printf 'struct lf_twice {\n    int x;\n};\n' | tee "$1/render/once.h" > "$1/quilt/twice.h"
+    mkdir -p "$1/daemon/engine"
+    printf '#include "daemon/server/server.h"\n' > "$1/daemon/engine/up.c"
     printf '__attribute__((target_''clones("avx2"))) int y;' > "$1/quilt/cloned.cc"
+    mkdir -p "$1/tests/mutants"
+    printf 'render/bad.c  a line that is not there\n- h();\n+ i();\n! render/test_bad\n' > "$1/tests/mutants/render.txt"
     printf 'assert_true(1);\n' > "$1/tests/quilt/test_bad.c"
 }
 
-passed=0 failed=0
-report() { # name, breaches
-    if [ -z "$2" ]; then
-        passed=$((passed + 1))
-        echo "[       OK ] $1"
-    else
-        failed=$((failed + 1))
-        echo "[  ERROR   ] --- $1:"
-        echo "$2" | head -n 20
-    fi
-}
+# shellcheck source=tests/report.sh
+. "$src/tests/report.sh"
 
 breaches=$(mktemp -d)
 trap 'rm -rf "$breaches"' EXIT
 make_breaches "$breaches"
-for rule in tabs_and_trailing_blanks long_lines missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
-    cxx_only_for_openvdb top_level long_functions one_name_one_thing empty_assertions; do
+for rule in tabs_and_trailing_blanks long_lines pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart upward_includes \
+    cxx_only_for_openvdb top_level long_functions one_name_one_thing wide_structs stale_mutants empty_assertions listed_tests_are_there; do
     if [ -z "$($rule "$breaches")" ]; then
         report "$rule" "the rule does not notice a breach of it"
     else
@@ -106,7 +182,7 @@ foreign_names() {
 # inline function from a header might be chosen by the linker, on a machine without the instructions.
 isa_globals() {
     local o
-    for o in "$out"/render/*_avx2.c.o "$out"/render/*_avx512.c.o; do
+    for o in "$out"/*/*/*_avx2.c.o "$out"/*/*/*_avx512.c.o; do
         [ -e "$o" ] || continue
         objdump -t "$o" | awk -v o="${o##*/}" '/^[0-9a-f]+ +[lgu].* O \.(data|bss)[ \t]/ { print o, $NF, "(writable)" }
             /^[0-9a-f]+ +(w|u)/ && !/\*UND\*/ { print o, $NF, "(weak)" }
@@ -118,7 +194,4 @@ case ${BUILD:-release} in
 release | debug) report isa_globals "$(isa_globals)" ;;
 esac
 
-echo "[==========] $((passed + failed)) test(s) run."
-echo "[  PASSED  ] $passed test(s)."
-[ "$failed" -eq 0 ] || echo "[  FAILED  ] $failed test(s)."
-[ "$failed" -eq 0 ]
+end

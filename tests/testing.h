@@ -1,6 +1,7 @@
-/* What all tests share: cmocka with the headers it wants, comparisons that say what they saw, places of data and programs,
- * and temporary folders. Every test program includes this header alone and has its own main with
- * cmocka_run_group_tests. A group without a chance to run (data absent) calls skip() after a word by print_message. */
+/* What all tests share: cmocka with the headers it wants, comparisons that say what they saw,
+ * places of data and programs, and temporary folders. Every test program includes this header alone
+ * and has its own main with cmocka_run_group_tests. A group without a chance to run (data absent)
+ * calls skip() after a word by print_message. */
 #ifndef LF_TESTS_TESTING_H
 #define LF_TESTS_TESTING_H
 
@@ -32,27 +33,30 @@ static inline bool lf_close(double a, double b, double rel, double abs)
     return fabs(a - b) <= abs + rel * fmax(fabs(a), fabs(b));
 }
 
-static inline void lf_assert_close_at(double a, double b, double rel, double abs, const char *what, const char *file, int line)
+static inline void lf_assert_close_at(double a, double b, double rel, double abs, const char *what,
+                                      const char *file, int line)
 {
     if (lf_close(a, b, rel, abs))
         return;
-    print_error("%s: %.17g and %.17g differ by %g, expected at most %g + %g of the greater\n", what, a, b, fabs(a - b), abs, rel);
+    print_error("%s: %.17g and %.17g differ by %g, expected at most %g + %g of the greater\n", what,
+                a, b, fabs(a - b), abs, rel);
     _fail(file, line);
 }
-#define lf_assert_close(a, b, rel, abs) lf_assert_close_at((a), (b), (rel), (abs), #a " ~ " #b, __FILE__, __LINE__)
+#define lf_assert_close(a, b, rel, abs)                                                            \
+    lf_assert_close_at((a), (b), (rel), (abs), #a " ~ " #b, __FILE__, __LINE__)
 
-static inline void lf_assert_status_at(lf_status got, lf_status expected, const lf_error *err, const char *what, const char *file,
-                                       int line)
+static inline void lf_assert_status_at(lf_status got, lf_status expected, const lf_error *err,
+                                       const char *what, const char *file, int line)
 {
     if (got == expected)
         return;
     char text[sizeof(lf_error) + 32];
-    print_error("%s: %s, expected %s%s%s\n", what, lf_status_name(got), lf_status_name(expected), err ? ": " : "",
-                err ? lf_error_format(err, text, sizeof text) : "");
+    print_error("%s: %s, expected %s%s%s\n", what, lf_status_name(got), lf_status_name(expected),
+                err ? ": " : "", err ? lf_error_format(err, text, sizeof text) : "");
     _fail(file, line);
 }
 /* The status of an expression; err (an lf_error * or NULL) is shown when it is another. */
-#define lf_assert_status(expression, expected, err)                                                                                \
+#define lf_assert_status(expression, expected, err)                                                \
     lf_assert_status_at((expression), (expected), (err), #expression, __FILE__, __LINE__)
 #define lf_assert_ok(expression, err) lf_assert_status(expression, LF_OK, err)
 
@@ -73,7 +77,8 @@ static inline const char *lf_test_path(const char *folder, const char *name)
     return buffer;
 }
 
-/* A file of the source tree, "scenes/first-light.json": $QUILTD_SOURCE (tests/run sets it), else the current folder. */
+/* A file of the source tree, "scenes/first-light.json": $QUILTD_SOURCE (tests/run sets it), else
+ * the current folder. */
 static inline const char *lf_test_source(const char *name)
 {
     const char *root = getenv("QUILTD_SOURCE");
@@ -87,8 +92,8 @@ static inline const char *lf_test_built(const char *name)
     return lf_test_path(build ? build : "build", name);
 }
 
-/* A file of the shared data, "vdb/smoke.vdb": $QUILTD_SHARED, else ../shared/data beside the source tree. NULL, with a word,
- * when it is not there: the test then calls skip(). */
+/* A file of the shared data, "vdb/smoke.vdb": $QUILTD_SHARED, else ../shared/data beside the source
+ * tree. NULL, with a word, when it is not there: the test then calls skip(). */
 static inline const char *lf_test_shared(const char *name)
 {
     const char *shared = getenv("QUILTD_SHARED");
@@ -99,7 +104,22 @@ static inline const char *lf_test_shared(const char *name)
     return NULL;
 }
 
-/* The seed of the statistical tests: $QUILTD_SEED (make verify prints a fresh one), else the same number always. */
+/* The files of calibrations of real panels in the shared data, as lf_test_shared. */
+enum { LF_TEST_CALIBRATIONS = 5 };
+static inline const char *lf_test_calibration(int i)
+{
+    static const char *const names[LF_TEST_CALIBRATIONS] = {
+        "calibration/16in_gen3_LKG-J00332.visual.json",
+        "calibration/portrait_LKG-P00655.visual.json",
+        "calibration/portrait_LKG-PORT-05935.visual.json",
+        "calibration/standard_00297.visual.json",
+        "calibration/standard_8.9in_LKG-2K-01338.visual.json",
+    };
+    return lf_test_shared(names[i]);
+}
+
+/* The seed of the statistical tests: $QUILTD_SEED (make verify prints a fresh one), else the same
+ * number always. */
 static inline uint64_t lf_test_seed(void)
 {
     const char *seed = getenv("QUILTD_SEED");
@@ -109,7 +129,7 @@ static inline uint64_t lf_test_seed(void)
 /* make verify: as long as it takes. */
 static inline bool lf_test_long(void)
 {
-    return getenv("QUILTD_LONG") != NULL;
+    return getenv("QUILTD_LONG");
 }
 
 /* A fresh folder; remove it with lf_test_folder_remove. */
@@ -124,7 +144,8 @@ static inline char *lf_test_folder(void)
     return path;
 }
 
-static inline int lf_test_remove_one(const char *path, const struct stat *st, int type, struct FTW *walk)
+static inline int lf_test_remove_one(const char *path, const struct stat *st, int type,
+                                     struct FTW *walk)
 {
     (void)st;
     (void)type;
@@ -139,6 +160,22 @@ static inline void lf_test_folder_remove(char *path)
         nftw(path, lf_test_remove_one, 16, FTW_DEPTH | FTW_PHYS);
     free(path);
 }
+
+/* Set-up and tear-down of a test, or a group, with a folder of its own: *state is its name. */
+static inline int lf_test_folder_setup(void **state)
+{
+    *state = lf_test_folder();
+    return 0;
+}
+
+static inline int lf_test_folder_teardown(void **state)
+{
+    lf_test_folder_remove(*state);
+    return 0;
+}
+
+#define lf_test_in_folder(test)                                                                    \
+    cmocka_unit_test_setup_teardown(test, lf_test_folder_setup, lf_test_folder_teardown)
 
 /* Writes text as the file folder/name; the path is in a static buffer. */
 static inline const char *lf_test_write(const char *folder, const char *name, const char *text)

@@ -1,5 +1,6 @@
-/* As much of cmocka as the tests of portable parts use, where Debian has no cmocka for the machine at hand: found as <cmocka.h>
- * by the cross build alone. Prints its results in cmocka's form; a failed assertion ends the test, not the program. */
+/* As much of cmocka as the tests of portable parts use, where Debian has no cmocka for the machine
+ * at hand: found as <cmocka.h> by the cross build alone. Prints its results in cmocka's form; a
+ * failed assertion ends the test, not the program. */
 #ifndef LF_TESTS_ARM64_CMOCKA_H
 #define LF_TESTS_ARM64_CMOCKA_H
 
@@ -19,9 +20,9 @@ struct CMUnitTest {
 enum { LF_TEST_FAILED = 1, LF_TEST_SKIPPED = 2 };
 static jmp_buf lf_test_end;
 
-#define cmocka_unit_test(f)                                                                                                        \
-    {                                                                                                                              \
-        .name = #f, .function = (f)                                                                                                \
+#define cmocka_unit_test(f)                                                                        \
+    {                                                                                              \
+        .name = #f, .function = (f)                                                                \
     }
 
 #define print_message(...) printf(__VA_ARGS__)
@@ -47,15 +48,23 @@ static inline void lf_test_check(int holds, const char *what, const char *file, 
 #define assert_false(c) lf_test_check((c) == 0, "not: " #c, __FILE__, __LINE__)
 #define assert_null(p) lf_test_check((p) == NULL, #p " == NULL", __FILE__, __LINE__)
 #define assert_non_null(p) lf_test_check((p) != NULL, #p " != NULL", __FILE__, __LINE__)
-#define assert_ptr_equal(a, b) lf_test_check((const void *)(a) == (const void *)(b), #a " == " #b, __FILE__, __LINE__)
-#define assert_ptr_not_equal(a, b) lf_test_check((const void *)(a) != (const void *)(b), #a " != " #b, __FILE__, __LINE__)
-#define assert_int_equal(a, b) lf_test_check((intmax_t)(a) == (intmax_t)(b), #a " == " #b, __FILE__, __LINE__)
-#define assert_int_not_equal(a, b) lf_test_check((intmax_t)(a) != (intmax_t)(b), #a " != " #b, __FILE__, __LINE__)
-#define assert_string_equal(a, b) lf_test_check(strcmp((a), (b)) == 0, #a " == " #b, __FILE__, __LINE__)
-#define assert_string_not_equal(a, b) lf_test_check(strcmp((a), (b)) != 0, #a " != " #b, __FILE__, __LINE__)
-#define assert_memory_equal(a, b, n) lf_test_check(memcmp((a), (b), (n)) == 0, #a " == " #b, __FILE__, __LINE__)
-#define assert_in_range(x, lo, hi)                                                                                                 \
-    lf_test_check((uintmax_t)(x) >= (uintmax_t)(lo) && (uintmax_t)(x) <= (uintmax_t)(hi), #x " in range", __FILE__, __LINE__)
+#define assert_ptr_equal(a, b)                                                                     \
+    lf_test_check((const void *)(a) == (const void *)(b), #a " == " #b, __FILE__, __LINE__)
+#define assert_ptr_not_equal(a, b)                                                                 \
+    lf_test_check((const void *)(a) != (const void *)(b), #a " != " #b, __FILE__, __LINE__)
+#define assert_int_equal(a, b)                                                                     \
+    lf_test_check((intmax_t)(a) == (intmax_t)(b), #a " == " #b, __FILE__, __LINE__)
+#define assert_int_not_equal(a, b)                                                                 \
+    lf_test_check((intmax_t)(a) != (intmax_t)(b), #a " != " #b, __FILE__, __LINE__)
+#define assert_string_equal(a, b)                                                                  \
+    lf_test_check(strcmp((a), (b)) == 0, #a " == " #b, __FILE__, __LINE__)
+#define assert_string_not_equal(a, b)                                                              \
+    lf_test_check(strcmp((a), (b)) != 0, #a " != " #b, __FILE__, __LINE__)
+#define assert_memory_equal(a, b, n)                                                               \
+    lf_test_check(memcmp((a), (b), (n)) == 0, #a " == " #b, __FILE__, __LINE__)
+#define assert_in_range(x, lo, hi)                                                                 \
+    lf_test_check((uintmax_t)(x) >= (uintmax_t)(lo) && (uintmax_t)(x) <= (uintmax_t)(hi),          \
+                  #x " in range", __FILE__, __LINE__)
 
 /* LF_TEST_SKIP=name,name: tests to be left out. */
 static inline int lf_test_left_out(const char *name)
@@ -92,7 +101,9 @@ static inline int lf_test_run(const char *group, const struct CMUnitTest *tests,
     return count[LF_TEST_FAILED];
 }
 
-#define cmocka_run_group_tests_name(group, tests, setup, teardown) lf_test_run((group), (tests), sizeof(tests) / sizeof((tests)[0]))
-#define cmocka_run_group_tests(tests, setup, teardown) cmocka_run_group_tests_name("tests", tests, setup, teardown)
+#define cmocka_run_group_tests_name(group, tests, setup, teardown)                                 \
+    lf_test_run((group), (tests), sizeof(tests) / sizeof((tests)[0]))
+#define cmocka_run_group_tests(tests, setup, teardown)                                             \
+    cmocka_run_group_tests_name("tests", tests, setup, teardown)
 
 #endif

@@ -1,5 +1,5 @@
-/* Prints a hash of what each portable part makes of pseudo-random inputs: one line each, the same on every machine
- * (tests/arm64.sh compares). On standard error, the kernels that were in use. */
+/* Prints a hash of what each portable part makes of pseudo-random inputs: one line each, the same
+ * on every machine (tests/arm64.sh compares). On standard error, the kernels that were in use. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -75,11 +75,13 @@ static void depths(void)
         bool pivot = trial % 2 == 0;
         lf_body body = make_body(&seed);
         make_fan(&fan, pivot, &seed);
-        lf_kernels_get()->march(&slice, LANES, fan.x0, fan.slope, fan.z_end, tau, pivot ? sigma : NULL);
+        lf_kernels_get()->march(&slice, LANES, fan.x0, fan.slope, fan.z_end, tau,
+                                pivot ? sigma : NULL);
         hash[0] = mix(mix(hash[0], tau, sizeof tau), sigma, sizeof sigma);
         lf_kernels_get()->through(&body, LANES, fan.x0, fan.slope, fan.z_end, tau);
         hash[1] = mix(hash[1], tau, sizeof tau);
-        float reached = lf_slice_march(&slice, fan.x0[7], fan.slope[7], fan.z_end[7], 10.0f * uniform(&seed), &z);
+        float reached = lf_slice_march(&slice, fan.x0[7], fan.slope[7], fan.z_end[7],
+                                       10.0f * uniform(&seed), &z);
         hash[2] = mix(mix(hash[2], &reached, sizeof reached), &z, sizeof z);
     }
     say("march", hash[0]);
@@ -138,16 +140,21 @@ static const lf_calibration panels[] = {
      .inv_view = 1,
      .cell_pattern_mode = 4,
      .n_cells = 2,
-     .cells = {{{-0.25f, -0.31f}, {-0.25f, 0.28f}, {0.25f, 0}}, {{0.25f, -0.31f}, {0.25f, 0.28f}, {-0.25f, 0}}}},
+     .cells = {{{-0.25f, -0.31f}, {-0.25f, 0.28f}, {0.25f, 0}},
+               {{0.25f, -0.31f}, {0.25f, 0.28f}, {-0.25f, 0}}}},
 };
 
-static void panel(const char *what, const lf_calibration *calibration, lf_filter filter, const lf_views8 *views)
+static void panel(const char *what, const lf_calibration *calibration, lf_filter filter,
+                  const lf_views8 *views)
 {
     lf_interlacer *it = NULL;
     lf_image8 out = {0};
-    demand(lf_interlacer_create(calibration, VIEWS, WIDTH, HEIGHT, 0.75, filter, LF_INVERT_AUTO, &it, NULL) == LF_OK,
+    demand(lf_interlacer_create(calibration, VIEWS, WIDTH, HEIGHT, 0.75, filter, LF_INVERT_AUTO,
+                                &it, NULL) == LF_OK,
            "no interlacer");
-    demand(lf_image8_init(&out, calibration->screen_width_px, calibration->screen_height_px, 3) == LF_OK, "no picture");
+    demand(lf_image8_init(&out, calibration->screen_width_px, calibration->screen_height_px, 3) ==
+               LF_OK,
+           "no picture");
     /* of the slower filter, every 16th row */
     uint64_t hash = start;
     for (int row = 0; row < out.height; row += filter == LF_FILTER_LINEAR ? 16 : 1) {
@@ -163,7 +170,7 @@ static void interlacers(void)
 {
     size_t n = (size_t)VIEWS * WIDTH * HEIGHT * 3;
     uint8_t *data = lf_calloc(n, 1);
-    demand(data != NULL, "no memory");
+    demand(data, "no memory");
     for (size_t i = 0; i < n; i++)
         data[i] = (uint8_t)lf_hash64(5, i);
     lf_views8 views = {.n_views = VIEWS,
@@ -194,7 +201,11 @@ static void fills_and_rectangles(void)
     }
     lf_fill_counts counts = lf_fill(VIEWS, WIDTH, HEIGHT, rgb, missing, 1, 4, filled, NULL);
     say("fill", mix(mix(start, &counts, sizeof counts), filled, 3 * n));
-    lf_image8 a = {.width = WIDTH, .height = HEIGHT * VIEWS, .channels = 3, .stride = (size_t)WIDTH * 3, .data = rgb};
+    lf_image8 a = {.width = WIDTH,
+                   .height = HEIGHT * VIEWS,
+                   .channels = 3,
+                   .stride = (size_t)WIDTH * 3,
+                   .data = rgb};
     lf_image8 b = a;
     b.data = filled;
     lf_rect rects[32];

@@ -4,20 +4,9 @@
 
 #include "base/calibration.h"
 
-static int make_folder(void **state)
-{
-    *state = lf_test_folder();
-    return 0;
-}
-
-static int remove_folder(void **state)
-{
-    lf_test_folder_remove(*state);
-    return 0;
-}
-
-#define GOOD                                                                                                                       \
-    "\"pitch\":{\"value\":52.5},\"slope\":{\"value\":-7.25},\"center\":{\"value\":0.375},\"DPI\":{\"value\":324.0},"               \
+#define GOOD                                                                                       \
+    "\"pitch\":{\"value\":52.5},\"slope\":{\"value\":-7.25},\"center\":{\"value\":0.375},\"DPI\":" \
+    "{\"value\":324.0},"                                                                           \
     "\"screenW\":{\"value\":1536.0},\"screenH\":{\"value\":2048}"
 
 static lf_calibration parsed(const char *text)
@@ -29,7 +18,8 @@ static lf_calibration parsed(const char *text)
 }
 
 /* Refused, with this pointer, this line and this word; the output is untouched. */
-static void assert_refused(const char *text, size_t n, const char *pointer, int line, const char *word)
+static void assert_refused(const char *text, size_t n, const char *pointer, int line,
+                           const char *word)
 {
     lf_calibration c, before;
     lf_error err = {0};
@@ -48,8 +38,8 @@ static void numbers_are_wrapped_or_plain(void **state)
 {
     (void)state;
     lf_calibration a = parsed("{" GOOD ",\"viewCone\":{\"value\":40}}");
-    lf_calibration b =
-        parsed("{\"pitch\":52.5,\"slope\":-7.25,\"center\":0.375,\"DPI\":324,\"screenW\":1536,\"screenH\":2048.0,\"viewCone\":40}");
+    lf_calibration b = parsed("{\"pitch\":52.5,\"slope\":-7.25,\"center\":0.375,\"DPI\":324,"
+                              "\"screenW\":1536,\"screenH\":2048.0,\"viewCone\":40}");
     assert_memory_equal(&a, &b, sizeof a);
     lf_assert_close(a.pitch, 52.5, 0, 0);
     lf_assert_close(a.slope, -7.25, 0, 0);
@@ -77,7 +67,8 @@ static void absent_keys_have_their_defaults(void **state)
 static void flags_are_set_from_a_half_upwards(void **state)
 {
     (void)state;
-    lf_calibration c = parsed("{" GOOD ",\"invView\":{\"value\":0.49},\"flipImageX\":{\"value\":0.5},\"flipSubp\":true}");
+    lf_calibration c = parsed(
+        "{" GOOD ",\"invView\":{\"value\":0.49},\"flipImageX\":{\"value\":0.5},\"flipSubp\":true}");
     assert_int_equal(c.inv_view, 0);
     assert_int_equal(c.flip_image_x, 1);
     assert_int_equal(c.flip_subp, 1);
@@ -86,10 +77,11 @@ static void flags_are_set_from_a_half_upwards(void **state)
 static void cells_are_read_in_pixels(void **state)
 {
     (void)state;
-    lf_calibration c =
-        parsed("{" GOOD ",\"cellPatternMode\":{\"value\":3},\"subpixelCells\":["
-               "{\"ROffsetX\":-0.25,\"ROffsetY\":1,\"GOffsetX\":2,\"GOffsetY\":3,\"BOffsetX\":4,\"BOffsetY\":5},"
-               "{\"ROffsetX\":{\"value\":6},\"ROffsetY\":7,\"GOffsetX\":8,\"GOffsetY\":9,\"BOffsetX\":10,\"BOffsetY\":11}]}");
+    lf_calibration c = parsed("{" GOOD ",\"cellPatternMode\":{\"value\":3},\"subpixelCells\":["
+                              "{\"ROffsetX\":-0.25,\"ROffsetY\":1,\"GOffsetX\":2,\"GOffsetY\":3,"
+                              "\"BOffsetX\":4,\"BOffsetY\":5},"
+                              "{\"ROffsetX\":{\"value\":6},\"ROffsetY\":7,\"GOffsetX\":8,"
+                              "\"GOffsetY\":9,\"BOffsetX\":10,\"BOffsetY\":11}]}");
     assert_int_equal(c.cell_pattern_mode, 3);
     assert_int_equal(c.n_cells, 2);
     const float expected[2][3][2] = {{{-0.25f, 1}, {2, 3}, {4, 5}}, {{6, 7}, {8, 9}, {10, 11}}};
@@ -102,7 +94,8 @@ static void required_numbers_are_checked_one_by_one(void **state)
     (void)state;
     static const char *const keys[] = {"pitch", "slope", "center", "DPI", "screenW", "screenH"};
     static const char *const values[] = {"52", "-7", "0.5", "324", "1536", "2048"};
-    static const char *const bad[] = {"{}", "{\"value\":null}", "\"5\"", "[5]", "1e300", "-1e300", "{\"value\":{\"value\":5}}"};
+    static const char *const bad[] = {"{}",     "{\"value\":null}",         "\"5\"", "[5]", "1e300",
+                                      "-1e300", "{\"value\":{\"value\":5}}"};
     for (size_t k = 0; k < 6; k++) {
         for (size_t b = 0; b <= sizeof bad / sizeof bad[0]; b++) {
             char text[512] = "{", pointer[32];
@@ -157,11 +150,17 @@ static void values_out_of_range_are_refused(void **state)
 static void hostile_texts_are_refused(void **state)
 {
     (void)state;
-    const char *const plain[] = {"", "[]x", "{\"pitch\":NaN}", "{\"pitch\":1e999}", "{\"pitch\":5", "{" GOOD ",\"pitch\":5}"};
+    const char *const plain[] = {"",
+                                 "[]x",
+                                 "{\"pitch\":NaN}",
+                                 "{\"pitch\":1e999}",
+                                 "{\"pitch\":5",
+                                 "{" GOOD ",\"pitch\":5}"};
     for (size_t i = 0; i < sizeof plain / sizeof plain[0]; i++)
         assert_refused(plain[i], strlen(plain[i]), "", 1, "");
     assert_refused("[1]", 3, "", 0, "object");
-    static const char huge[] = "{\"pitch\":52,\"slope\":-7,\"center\":0,\"DPI\":324,\"screenW\":8192,\"screenH\":8193}";
+    static const char huge[] =
+        "{\"pitch\":52,\"slope\":-7,\"center\":0,\"DPI\":324,\"screenW\":8192,\"screenH\":8193}";
     assert_refused(huge, strlen(huge), "/screenW", 1, "no panel has more");
     assert_refused("{\n\n\"pitch\": oops}", 17, "", 3, "not JSON");
     static char deep[LF_CALIBRATION_MAX_BYTES];
@@ -176,10 +175,12 @@ static void hostile_texts_are_refused(void **state)
 static void texts_hold_no_control_characters(void **state)
 {
     (void)state;
-    lf_calibration c = parsed("{" GOOD ",\"serial\":\"LKG\\u001b[2J\\u007f\\u009b\\u00e4\",\"configVersion\":\"3\\n\"}");
+    lf_calibration c = parsed(
+        "{" GOOD ",\"serial\":\"LKG\\u001b[2J\\u007f\\u009b\\u00e4\",\"configVersion\":\"3\\n\"}");
     assert_string_equal(c.serial, "LKG?[2J???\xc3\xa4");
     assert_string_equal(c.config_version, "3?");
-    assert_refused("{\n" GOOD ",\"serial\":\"a\\u0000b\"}", strlen("{\n" GOOD ",\"serial\":\"a\\u0000b\"}"), "", 2, "not JSON");
+    assert_refused("{\n" GOOD ",\"serial\":\"a\\u0000b\"}",
+                   strlen("{\n" GOOD ",\"serial\":\"a\\u0000b\"}"), "", 2, "not JSON");
 }
 
 static void too_many_or_malformed_cells_are_refused(void **state)
@@ -189,18 +190,21 @@ static void too_many_or_malformed_cells_are_refused(void **state)
     for (int n = 15; n <= 700; n += n < 17 ? 1 : 683) {
         strcpy(text, "{" GOOD ",\"subpixelCells\":[");
         for (int i = 0; i < n; i++)
-            strcat(text, i ? ",{\"ROffsetX\":0,\"ROffsetY\":0,\"GOffsetX\":0,\"GOffsetY\":0,\"BOffsetX\":0,\"BOffsetY\":0}"
-                           : "{\"ROffsetX\":0,\"ROffsetY\":0,\"GOffsetX\":0,\"GOffsetY\":0,\"BOffsetX\":0,\"BOffsetY\":0}");
+            strcat(text, i ? ",{\"ROffsetX\":0,\"ROffsetY\":0,\"GOffsetX\":0,\"GOffsetY\":0,"
+                             "\"BOffsetX\":0,\"BOffsetY\":0}"
+                           : "{\"ROffsetX\":0,\"ROffsetY\":0,\"GOffsetX\":0,\"GOffsetY\":0,"
+                             "\"BOffsetX\":0,\"BOffsetY\":0}");
         strcat(text, "]}");
         if (n <= LF_MAX_CELLS)
             assert_int_equal(parsed(text).n_cells, n);
         else
             assert_refused(text, strlen(text), "/subpixelCells", 1, "at most 16");
     }
-    const char *const bad[][2] = {{"5", "/subpixelCells"},
-                                  {"[5]", "/subpixelCells/0/ROffsetX"},
-                                  {"[{\"ROffsetX\":0,\"ROffsetY\":99}]", "/subpixelCells/0/ROffsetY"},
-                                  {"[{\"ROffsetX\":0,\"ROffsetY\":0,\"GOffsetX\":null}]", "/subpixelCells/0/GOffsetX"}};
+    const char *const bad[][2] = {
+        {"5", "/subpixelCells"},
+        {"[5]", "/subpixelCells/0/ROffsetX"},
+        {"[{\"ROffsetX\":0,\"ROffsetY\":99}]", "/subpixelCells/0/ROffsetY"},
+        {"[{\"ROffsetX\":0,\"ROffsetY\":0,\"GOffsetX\":null}]", "/subpixelCells/0/GOffsetX"}};
     for (size_t i = 0; i < 4; i++) {
         snprintf(text, sizeof text, "{" GOOD ",\"subpixelCells\":%s}", bad[i][0]);
         assert_refused(text, strlen(text), bad[i][1], 1, "expected");
@@ -211,7 +215,8 @@ static void too_many_or_malformed_cells_are_refused(void **state)
 static void damaged_texts_give_sane_numbers_or_an_error(void **state)
 {
     (void)state;
-    const char text[] = "{\"configVersion\":\"1.0\",\"serial\":\"LKG\",\"CellPatternMode\":1,\"subpixelCells\":[]," GOOD "}";
+    const char text[] = "{\"configVersion\":\"1.0\",\"serial\":\"LKG\",\"CellPatternMode\":1,"
+                        "\"subpixelCells\":[]," GOOD "}";
     uint64_t seed = lf_test_seed();
     int n_ok = 0;
     for (int round = 0; round < 20000; round++) {
@@ -229,7 +234,8 @@ static void damaged_texts_give_sane_numbers_or_an_error(void **state)
             continue;
         }
         n_ok++;
-        assert_true(c.pitch >= 1 && c.pitch <= 1000 && fabs(c.slope) >= 1e-3 && fabs(c.center) <= 1000 && c.dpi >= 1);
+        assert_true(c.pitch >= 1 && c.pitch <= 1000 && fabs(c.slope) >= 1e-3 &&
+                    fabs(c.center) <= 1000 && c.dpi >= 1);
         assert_in_range(c.screen_width_px, 1, LF_MAX_SIDE);
         assert_in_range(c.screen_height_px, 1, LF_MAX_SIDE);
         assert_in_range(c.cell_pattern_mode, 0, 4);
@@ -250,10 +256,14 @@ static lf_calibration there_and_back(const lf_calibration *c)
 static void what_is_written_parses_as_the_same(void **state)
 {
     (void)state;
-    lf_calibration c = parsed("{\"configVersion\":\"3.0\",\"serial\":\"LKG-E01\",\"pitch\":52.1,\"slope\":-7.3,\"center\":-0.1,"
-                              "\"DPI\":323.9,\"screenW\":1440,\"screenH\":2560,\"viewCone\":53.7,\"invView\":0,\"flipImageX\":1,"
-                              "\"flipSubp\":1,\"CellPatternMode\":2,\"subpixelCells\":[{\"ROffsetX\":0.1,\"ROffsetY\":-0.2,"
-                              "\"GOffsetX\":0.3,\"GOffsetY\":0.4,\"BOffsetX\":0.5,\"BOffsetY\":16},{\"ROffsetX\":1,\"ROffsetY\":2,"
+    lf_calibration c = parsed("{\"configVersion\":\"3.0\",\"serial\":\"LKG-E01\",\"pitch\":52.1,"
+                              "\"slope\":-7.3,\"center\":-0.1,"
+                              "\"DPI\":323.9,\"screenW\":1440,\"screenH\":2560,\"viewCone\":53.7,"
+                              "\"invView\":0,\"flipImageX\":1,"
+                              "\"flipSubp\":1,\"CellPatternMode\":2,\"subpixelCells\":[{"
+                              "\"ROffsetX\":0.1,\"ROffsetY\":-0.2,"
+                              "\"GOffsetX\":0.3,\"GOffsetY\":0.4,\"BOffsetX\":0.5,\"BOffsetY\":16},"
+                              "{\"ROffsetX\":1,\"ROffsetY\":2,"
                               "\"GOffsetX\":3,\"GOffsetY\":4,\"BOffsetX\":5,\"BOffsetY\":6}]}");
     lf_calibration back = there_and_back(&c);
     assert_memory_equal(&back, &c, sizeof c);
@@ -268,7 +278,8 @@ static void a_missing_or_huge_file_is_an_error(void **state)
 {
     lf_calibration c;
     lf_error err;
-    lf_assert_status(lf_calibration_load(lf_test_path(*state, "none.json"), &c, &err), LF_E_IO, &err);
+    lf_assert_status(lf_calibration_load(lf_test_path(*state, "none.json"), &c, &err), LF_E_IO,
+                     &err);
     const char *path = lf_test_write(*state, "visual.json", "{" GOOD "}");
     lf_assert_ok(lf_calibration_load(path, &c, &err), &err);
     assert_int_equal(truncate(path, LF_CALIBRATION_MAX_BYTES + 1), 0);
@@ -295,14 +306,16 @@ static void real_calibrations_are_read(void **state)
         double pitch, slope, center, dpi, cone;
         int width, height, inv_view, mode, n_cells;
     } files[] = {
-        {"16in_gen3_LKG-J00332", "3.0", "LKG-J00332", 44.75058319896644, -6.874565686767793, 0.16935753461833172, 283, 50, 3840,
-         2160, 1, 2, 2},
-        {"portrait_LKG-P00655", "3.0", "LKG-PORT-", 52.58183670043945, -7.2032060623168945, 0.901610791683197, 324, 40, 1536, 2048,
-         1, 0, 0},
-        {"portrait_LKG-PORT-05935", "1.0", "LKG-PORT-05935", 52.56046553048362, -7.1423088016812, 0.47345216539737284, 324, 40,
-         1536, 2048, 1, 0, 0},
-        {"standard_00297", "1.0", "00297", 49.81804275512695, 5.044347763061523, 0.176902174949646, 338, 40, 2560, 1600, 1, 0, 0},
-        {"standard_8.9in_LKG-2K-01338", "1.0", "LKG-2K-01338", 49.91, 5.8, 0, 338, 40, 2560, 1600, 0, 0, 0},
+        {"16in_gen3_LKG-J00332", "3.0", "LKG-J00332", 44.75058319896644, -6.874565686767793,
+         0.16935753461833172, 283, 50, 3840, 2160, 1, 2, 2},
+        {"portrait_LKG-P00655", "3.0", "LKG-PORT-", 52.58183670043945, -7.2032060623168945,
+         0.901610791683197, 324, 40, 1536, 2048, 1, 0, 0},
+        {"portrait_LKG-PORT-05935", "1.0", "LKG-PORT-05935", 52.56046553048362, -7.1423088016812,
+         0.47345216539737284, 324, 40, 1536, 2048, 1, 0, 0},
+        {"standard_00297", "1.0", "00297", 49.81804275512695, 5.044347763061523, 0.176902174949646,
+         338, 40, 2560, 1600, 1, 0, 0},
+        {"standard_8.9in_LKG-2K-01338", "1.0", "LKG-2K-01338", 49.91, 5.8, 0, 338, 40, 2560, 1600,
+         0, 0, 0},
     };
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         char name[128];
@@ -346,5 +359,5 @@ int main(void)
         cmocka_unit_test(the_nominal_portrait_is_one),
         cmocka_unit_test(real_calibrations_are_read),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);
 }

@@ -11,18 +11,6 @@
 #include "base/alloc.h"
 #include "base/file.h"
 
-static int make_folder(void **state)
-{
-    *state = lf_test_folder();
-    return 0;
-}
-
-static int remove_folder(void **state)
-{
-    lf_test_folder_remove(*state);
-    return 0;
-}
-
 /* Number of entries of a folder. */
 static int entries(const char *folder)
 {
@@ -46,7 +34,7 @@ static void assert_contents(const char *path, const char *expected)
     lf_free(data);
 }
 
-/* ------------------------------------------------------------------------------------------------------- reading -- */
+/* ----------------------------------------------------------------------------------- reading -- */
 
 static void a_file_is_read_whole_and_terminated(void **state)
 {
@@ -58,7 +46,8 @@ static void a_file_is_read_whole_and_terminated(void **state)
     assert_int_equal(size, 9);
     assert_string_equal(data, "some text");
     lf_free(data);
-    lf_assert_ok(lf_file_read(lf_test_write(*state, "empty", ""), NULL, 0, &data, &size, &err), &err);
+    lf_assert_ok(lf_file_read(lf_test_write(*state, "empty", ""), NULL, 0, &data, &size, &err),
+                 &err);
     assert_int_equal(size, 0);
     assert_string_equal(data, "");
     lf_free(data);
@@ -90,8 +79,10 @@ static void only_regular_files_are_opened(void **state)
     lf_assert_status(lf_file_open(*state, NULL, 100, &fd, NULL, &err), LF_E_FORMAT, NULL);
     lf_assert_status(lf_file_open(*state, &roots, 100, &fd, NULL, &err), LF_E_FORMAT, NULL);
     lf_assert_status(lf_file_open("/dev/null", NULL, 100, &fd, NULL, &err), LF_E_FORMAT, NULL);
-    lf_assert_status(lf_file_open(lf_test_path(*state, "absent"), NULL, 100, &fd, NULL, &err), LF_E_IO, NULL);
-    lf_assert_status(lf_file_open(lf_test_path(*state, "absent"), &roots, 100, &fd, NULL, &err), LF_E_IO, NULL);
+    lf_assert_status(lf_file_open(lf_test_path(*state, "absent"), NULL, 100, &fd, NULL, &err),
+                     LF_E_IO, NULL);
+    lf_assert_status(lf_file_open(lf_test_path(*state, "absent"), &roots, 100, &fd, NULL, &err),
+                     LF_E_IO, NULL);
     assert_int_equal(fd, -1);
     lf_roots_finish(&roots);
 }
@@ -113,10 +104,10 @@ static void descriptors_are_not_inherited(void **state)
     lf_roots_finish(&roots);
 }
 
-/* --------------------------------------------------------------------------------------------------------- roots -- */
+/* ------------------------------------------------------------------------------------- roots -- */
 
-/* in/file, in/sub/file, out/secret, in/link -> out/secret, in/folder -> out, in/inside -> sub/file, inner (a name that only
- * begins like in) */
+/* in/file, in/sub/file, out/secret, in/link -> out/secret, in/folder -> out, in/inside -> sub/file,
+ * inner (a name that only begins like in) */
 static void make_tree(const char *folder)
 {
     assert_int_equal(mkdir(lf_test_path(folder, "in"), 0700), 0);
@@ -164,9 +155,11 @@ static void reading_stays_beneath_the_roots(void **state)
     lf_assert_ok(lf_roots_add(&roots, lf_test_path(*state, "alias"), &err), &err);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         int fd = -1;
-        lf_status got = lf_file_open(lf_test_path(*state, cases[i].name), &roots, 100, &fd, NULL, &err);
+        lf_status got =
+            lf_file_open(lf_test_path(*state, cases[i].name), &roots, 100, &fd, NULL, &err);
         if (got != cases[i].expected)
-            fail_msg("%s: %s, expected %s", cases[i].name, lf_status_name(got), lf_status_name(cases[i].expected));
+            fail_msg("%s: %s, expected %s", cases[i].name, lf_status_name(got),
+                     lf_status_name(cases[i].expected));
         if (fd >= 0)
             close(fd);
     }
@@ -188,7 +181,8 @@ static void several_roots_add_up(void **state)
     assert_int_equal(roots.n_roots, 2);
     lf_assert_ok(lf_file_open(lf_test_path(*state, "in/link"), &roots, 100, &fd, NULL, &err), &err);
     close(fd);
-    lf_assert_status(lf_file_open(lf_test_path(*state, "inner/file"), &roots, 100, &fd, NULL, &err), LF_E_PATH, NULL);
+    lf_assert_status(lf_file_open(lf_test_path(*state, "inner/file"), &roots, 100, &fd, NULL, &err),
+                     LF_E_PATH, NULL);
     lf_roots_finish(&roots);
     lf_roots_finish(&roots);
 }
@@ -203,12 +197,13 @@ static void roots_are_folders_and_not_endless(void **state)
         char name[16];
         snprintf(name, sizeof name, "d%d", i);
         assert_int_equal(mkdir(lf_test_path(*state, name), 0700), 0);
-        lf_assert_status(lf_roots_add(&roots, lf_test_path(*state, name), &err), i < LF_MAX_ROOTS ? LF_OK : LF_E_ARG, NULL);
+        lf_assert_status(lf_roots_add(&roots, lf_test_path(*state, name), &err),
+                         i < LF_MAX_ROOTS ? LF_OK : LF_E_ARG, NULL);
     }
     lf_roots_finish(&roots);
 }
 
-/* --------------------------------------------------------------------------------------------------------- names -- */
+/* ------------------------------------------------------------------------------------- names -- */
 
 static void assert_joined(const char *folder, const char *relative, const char *expected)
 {
@@ -238,7 +233,7 @@ static void names_are_joined_and_taken_apart(void **state)
     assert_folder("/a/b/c", "/a/b");
 }
 
-/* ------------------------------------------------------------------------------------------------------- writing -- */
+/* ----------------------------------------------------------------------------------- writing -- */
 
 static lf_status write_text(const char *path, bool overwrite, const char *text, lf_error *err)
 {
@@ -319,7 +314,8 @@ static void a_link_is_replaced_and_not_followed(void **state)
 {
     lf_error err;
     struct stat st;
-    const char *victim = lf_test_write(*state, "victim", "precious"), *path = lf_test_path(*state, "out");
+    const char *victim = lf_test_write(*state, "victim", "precious"),
+               *path = lf_test_path(*state, "out");
     assert_int_equal(symlink("victim", path), 0);
     lf_assert_status(write_text(path, false, "new", &err), LF_E_EXISTS, NULL);
     lf_assert_ok(write_text(path, true, "new", &err), &err);
@@ -338,10 +334,11 @@ static void what_is_not_a_file_is_not_replaced(void **state)
     lf_assert_status(write_text(fifo, true, "x", &err), LF_E_IO, NULL);
     lf_assert_status(write_text("", true, "x", &err), LF_E_ARG, NULL);
     lf_assert_status(write_text(lf_test_path(*state, "new/"), true, "x", &err), LF_E_ARG, NULL);
-    lf_assert_status(write_text(lf_test_path(*state, "absent/new"), true, "x", &err), LF_E_IO, NULL);
+    lf_assert_status(write_text(lf_test_path(*state, "absent/new"), true, "x", &err), LF_E_IO,
+                     NULL);
 }
 
-/* ------------------------------------------------------------- with and without unnamed files, as file systems go -- */
+/* ---------------------------------------- with and without unnamed files, as file systems go -- */
 
 static bool refuse_tmpfile;
 int __real_open(const char *path, int flags, ...);
@@ -366,13 +363,13 @@ int __wrap_open(const char *path, int flags, ...)
 static int make_folder_named(void **state)
 {
     refuse_tmpfile = true;
-    return make_folder(state);
+    return lf_test_folder_setup(state);
 }
 
 static int remove_folder_named(void **state)
 {
     refuse_tmpfile = false;
-    return remove_folder(state);
+    return lf_test_folder_teardown(state);
 }
 
 static void a_named_file_lies_beside_until_the_commit(void **state)
@@ -418,14 +415,16 @@ static void a_writer_killed_leaves_nothing_that_stays(void **state)
         pid_t child = fork();
         if (child == 0) {
             lf_outfile file;
-            if (lf_outfile_open(&file, path, true, NULL) == LF_OK && lf_outfile_write(&file, "half", 4, NULL) == LF_OK)
+            if (lf_outfile_open(&file, path, true, NULL) == LF_OK &&
+                lf_outfile_write(&file, "half", 4, NULL) == LF_OK)
                 kill(getpid(), SIGKILL);
             _exit(1);
         }
         int status;
         assert_int_equal(waitpid(child, &status, 0), child);
         assert_true(WIFSIGNALED(status));
-        assert_int_equal(entries(*state), i); /* the named one is still there, until somebody writes again */
+        /* the named one is still there, until somebody writes again */
+        assert_int_equal(entries(*state), i);
     }
     lf_assert_ok(write_text(path, false, "whole", &err), &err);
     assert_int_equal(entries(*state), 1);
@@ -455,7 +454,8 @@ static void a_text_replaces_a_file_as_a_whole(void **state)
     assert_contents(path, "a first text\n");
     lf_assert_ok(lf_outfile_text(path, "", &err), &err);
     assert_contents(path, "");
-    lf_assert_status(lf_outfile_text(lf_test_path(*state, "absent/text"), "x", &err), LF_E_IO, &err);
+    lf_assert_status(lf_outfile_text(lf_test_path(*state, "absent/text"), "x", &err), LF_E_IO,
+                     &err);
 }
 
 static void a_full_disk_is_an_error_and_leaves_nothing(void **state)
@@ -482,7 +482,7 @@ static void a_full_disk_is_an_error_and_leaves_nothing(void **state)
     assert_int_equal(entries(*state), 1);
 }
 
-/* ------------------------------------------------------------------------------------- descriptors of other people -- */
+/* --------------------------------------------------------------- descriptors of other people -- */
 
 static void an_adopted_descriptor_is_emptied_filled_and_closed(void **state)
 {
@@ -532,24 +532,23 @@ static void descriptors_that_cannot_be_written_stay_their_owners(void **state)
     assert_contents(path, "kept");
 }
 
-#define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_folder, remove_folder)
 /* once with unnamed files, once without */
-#define BOTH_WAYS(test)                                                                                                            \
-    IN_FOLDER(test),                                                                                                               \
-    {                                                                                                                              \
-#test " (named)", test, make_folder_named, remove_folder_named, NULL                                                       \
+#define BOTH_WAYS(test)                                                                            \
+    lf_test_in_folder(test),                                                                       \
+    {                                                                                              \
+#test " (named)", test, make_folder_named, remove_folder_named, NULL                       \
     }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(a_file_is_read_whole_and_terminated),
-        IN_FOLDER(size_limits_hold),
-        IN_FOLDER(only_regular_files_are_opened),
-        IN_FOLDER(descriptors_are_not_inherited),
-        IN_FOLDER(reading_stays_beneath_the_roots),
-        IN_FOLDER(several_roots_add_up),
-        IN_FOLDER(roots_are_folders_and_not_endless),
+        lf_test_in_folder(a_file_is_read_whole_and_terminated),
+        lf_test_in_folder(size_limits_hold),
+        lf_test_in_folder(only_regular_files_are_opened),
+        lf_test_in_folder(descriptors_are_not_inherited),
+        lf_test_in_folder(reading_stays_beneath_the_roots),
+        lf_test_in_folder(several_roots_add_up),
+        lf_test_in_folder(roots_are_folders_and_not_endless),
         cmocka_unit_test(names_are_joined_and_taken_apart),
         BOTH_WAYS(a_file_appears_whole_with_the_commit),
         BOTH_WAYS(the_mode_follows_the_umask),
@@ -560,13 +559,15 @@ int main(void)
         BOTH_WAYS(a_name_as_long_as_names_can_be_works),
         BOTH_WAYS(a_text_replaces_a_file_as_a_whole),
         BOTH_WAYS(a_full_disk_is_an_error_and_leaves_nothing),
-        {"a_named_file_lies_beside_until_the_commit", a_named_file_lies_beside_until_the_commit, make_folder_named,
-         remove_folder_named, NULL},
-        cmocka_unit_test_setup_teardown(leftovers_of_the_dead_go_and_of_the_living_stay, make_folder, remove_folder_named),
-        cmocka_unit_test_setup_teardown(a_writer_killed_leaves_nothing_that_stays, make_folder, remove_folder_named),
-        IN_FOLDER(an_adopted_descriptor_is_emptied_filled_and_closed),
-        IN_FOLDER(an_adopted_descriptor_given_up_is_empty),
-        IN_FOLDER(descriptors_that_cannot_be_written_stay_their_owners),
+        {"a_named_file_lies_beside_until_the_commit", a_named_file_lies_beside_until_the_commit,
+         make_folder_named, remove_folder_named, NULL},
+        cmocka_unit_test_setup_teardown(leftovers_of_the_dead_go_and_of_the_living_stay,
+                                        lf_test_folder_setup, remove_folder_named),
+        cmocka_unit_test_setup_teardown(a_writer_killed_leaves_nothing_that_stays,
+                                        lf_test_folder_setup, remove_folder_named),
+        lf_test_in_folder(an_adopted_descriptor_is_emptied_filled_and_closed),
+        lf_test_in_folder(an_adopted_descriptor_given_up_is_empty),
+        lf_test_in_folder(descriptors_that_cannot_be_written_stay_their_owners),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

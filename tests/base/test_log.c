@@ -128,9 +128,11 @@ static void lines_of_several_threads_stay_whole(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(lines_carry_the_program_and_levels_hold_back, redirect, restore),
+        cmocka_unit_test_setup_teardown(lines_carry_the_program_and_levels_hold_back, redirect,
+                                        restore),
         cmocka_unit_test_setup_teardown(the_environment_can_ask_for_debug, redirect, restore),
-        cmocka_unit_test_setup_teardown(the_journal_gets_levels_and_other_streams_do_not, redirect, restore),
+        cmocka_unit_test_setup_teardown(the_journal_gets_levels_and_other_streams_do_not, redirect,
+                                        restore),
         cmocka_unit_test_setup_teardown(a_line_stays_one_line, redirect, restore),
         cmocka_unit_test_setup_teardown(an_error_is_one_line_with_all_its_parts, redirect, restore),
         cmocka_unit_test_setup_teardown(lines_of_several_threads_stay_whole, redirect, restore),

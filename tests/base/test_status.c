@@ -20,9 +20,11 @@ static void an_error_reads_place_pointer_and_words(void **state)
     (void)state;
     lf_error err;
     char text[256];
-    lf_assert_status(lf_error_set_at(&err, LF_E_FORMAT, "a.json", 7, "/camera/views", "%d views, expected 1 to %d", 999, 256),
+    lf_assert_status(lf_error_set_at(&err, LF_E_FORMAT, "a.json", 7, "/camera/views",
+                                     "%d views, expected 1 to %d", 999, 256),
                      LF_E_FORMAT, NULL);
-    assert_string_equal(lf_error_format(&err, text, sizeof text), "a.json:7: /camera/views: 999 views, expected 1 to 256");
+    assert_string_equal(lf_error_format(&err, text, sizeof text),
+                        "a.json:7: /camera/views: 999 views, expected 1 to 256");
     lf_error_set(&err, LF_E_IO, "b.vdb", "cannot open");
     assert_string_equal(lf_error_format(&err, text, sizeof text), "b.vdb: cannot open");
     lf_error_set(&err, LF_E_NOMEM, NULL, "out of memory");
@@ -77,7 +79,8 @@ static void control_characters_are_escaped(void **state)
         {"\xc2\x9b"
          "31m",
          "\\x9b31m"}, /* C1 control sequence introducer */
-        {"h\xc3\xb6her \xe2\x82\xac \xf0\x9f\x99\x82", "h\xc3\xb6her \xe2\x82\xac \xf0\x9f\x99\x82"},
+        {"h\xc3\xb6her \xe2\x82\xac \xf0\x9f\x99\x82",
+         "h\xc3\xb6her \xe2\x82\xac \xf0\x9f\x99\x82"},
         {"\xff\xc3(\xe2\x82", "\\xff\\xc3(\\xe2\\x82"}, /* not UTF-8 */
         {"\xc0\xaf", "\\xc0\\xaf"},                     /* overlong */
     };

@@ -43,21 +43,31 @@ static job *new_job(int n_threads)
     return j;
 }
 
+static job *start(int n_threads, lf_pool **out_pool)
+{
+    lf_assert_ok(lf_pool_create(n_threads, out_pool), NULL);
+    return new_job(n_threads);
+}
+
+static void end(lf_pool *pool, job *j)
+{
+    lf_free(j);
+    lf_pool_destroy(pool);
+}
+
 static void every_item_runs_exactly_once(void **state)
 {
     (void)state;
     for (int n_threads = 1; n_threads <= 8; n_threads++) {
         lf_pool *pool;
-        lf_assert_ok(lf_pool_create(n_threads, &pool), NULL);
+        job *j = start(n_threads, &pool);
         assert_int_equal(lf_pool_threads(pool), n_threads);
-        job *j = new_job(n_threads);
         for (int round = 1; round <= 5; round++) {
             lf_assert_ok(lf_pool_run(pool, N_ITEMS, mark, j, &j->cancel), NULL);
             for (int i = 0; i < N_ITEMS; i++)
                 assert_int_equal(atomic_load(&j->runs[i]), round);
         }
-        lf_free(j);
-        lf_pool_destroy(pool);
+        end(pool, j);
     }
 }
 
@@ -65,8 +75,7 @@ static void a_cancelled_run_leaves_items_out_and_says_so(void **state)
 {
     (void)state;
     lf_pool *pool;
-    lf_assert_ok(lf_pool_create(4, &pool), NULL);
-    job *j = new_job(4);
+    job *j = start(4, &pool);
     j->cancel_at = 100;
     lf_assert_status(lf_pool_run(pool, N_ITEMS, mark, j, &j->cancel), LF_E_CANCELLED, NULL);
     int last = -1;
@@ -84,15 +93,13 @@ static void a_cancelled_run_leaves_items_out_and_says_so(void **state)
     /* nothing at all with the wish set before; everything when it comes with the last item */
     lf_assert_status(lf_pool_run(pool, 10, mark, j, &j->cancel), LF_E_CANCELLED, NULL);
     assert_int_equal(atomic_load(&j->runs[0]), 1);
-    lf_free(j);
-    lf_pool_destroy(pool);
+    end(pool, j);
 
     lf_assert_ok(lf_pool_create(1, &pool), NULL);
     j = new_job(1);
     j->cancel_at = 9;
     lf_assert_ok(lf_pool_run(pool, 10, mark, j, &j->cancel), NULL);
-    lf_free(j);
-    lf_pool_destroy(pool);
+    end(pool, j);
 }
 
 static void an_empty_run_is_fine(void **state)
@@ -119,7 +126,8 @@ static void thread_counts_have_limits_and_a_default(void **state)
     lf_pool_destroy(pool);
 }
 
-/* Half the smallest normal number is denormal: kept, it is not zero, neither as a result nor as what is read. */
+/* Half the smallest normal number is denormal: kept, it is not zero, neither as a result nor as
+ * what is read. */
 static void look_around(void *context, int item, int worker)
 {
     (void)item;
@@ -142,35 +150,32 @@ static void workers_flush_denormals_and_leave_signals_alone(void **state)
 {
     (void)state;
     lf_pool *pool;
-    lf_assert_ok(lf_pool_create(4, &pool), NULL);
-    job *j = new_job(4);
+    job *j = start(4, &pool);
     j->least = 1.1754944e-38f;
     j->denormal = j->least * 0.5f;
     lf_assert_ok(lf_pool_run(pool, 40, look_around, j, NULL), NULL);
 #if defined(__SSE__) || defined(__aarch64__)
     assert_int_equal(atomic_load(&j->denormals_kept), 0);
     volatile float half = j->least * 0.5f, twice = j->denormal * 2.0f;
-    assert_true(half != 0.0f && twice == j->least); /* the caller has its own mode back, and the test can see the difference */
+    /* the caller has its own mode back, and the test can see the difference */
+    assert_true(half != 0.0f && twice == j->least);
 #endif
     assert_int_equal(atomic_load(&j->signals_open), 0);
     for (int i = 0; i < 4; i++)
         assert_true(atomic_load(&j->seen_workers[i]) > 0);
-    lf_free(j);
-    lf_pool_destroy(pool);
+    end(pool, j);
 }
 
 static void a_run_does_not_allocate(void **state)
 {
     (void)state;
     lf_pool *pool;
-    lf_assert_ok(lf_pool_create(3, &pool), NULL);
-    job *j = new_job(3);
+    job *j = start(3, &pool);
     uint64_t before = lf_alloc_count();
     for (int i = 0; i < 100; i++)
         lf_assert_ok(lf_pool_run(pool, 10, mark, j, NULL), NULL);
     assert_int_equal(lf_alloc_count(), before);
-    lf_free(j);
-    lf_pool_destroy(pool);
+    end(pool, j);
 }
 
 typedef struct seen {
@@ -189,7 +194,8 @@ static void *see(void *context)
         pthread_attr_destroy(&attributes);
     }
     /* named by who started it, so perhaps a moment later */
-    while (pthread_getname_np(pthread_self(), s->name, sizeof s->name) == 0 && strcmp(s->name, "lf-fifteen-byte") != 0)
+    while (pthread_getname_np(pthread_self(), s->name, sizeof s->name) == 0 &&
+           strcmp(s->name, "lf-fifteen-byte") != 0)
         sched_yield();
     return context;
 }

@@ -30,7 +30,6 @@ static void spreads_are_order_statistics(void **state)
     (void)state;
     const double odd[] = {5, 1, 3};
     const double even[] = {4, 1, 3, 2};
-
     lf_assert_close(lf_spread_of(odd, 3).median, 3, 0, 0);
     lf_assert_close(lf_spread_of(even, 4).median, 2.5, 0, 0);
     lf_assert_close(lf_spread_of(even, 4).low, 1, 0, 0);
@@ -41,7 +40,6 @@ static void quantiles_of_student_invert_its_distribution(void **state)
 {
     (void)state;
     const double levels[] = {1e-6, 1e-3, 0.05, 0.5, 0.999};
-
     for (int degrees = 1; degrees <= 63; degrees++) {
         for (size_t i = 0; i < sizeof levels / sizeof levels[0]; i++) {
             double t = lf_student_quantile(1 - 0.5 * levels[i], degrees);
@@ -52,8 +50,9 @@ static void quantiles_of_student_invert_its_distribution(void **state)
     lf_assert_close(lf_student_quantile(0.975, 7), 2.3646242510, 1e-9, 0); /* any table */
 }
 
-/* 2000 intervals of 8 log-normal values: the share that holds the truth is binomial; |z| > 4.06 has probability 5e-5. A narrower one
- * (Student's t taken for the normal) is caught: 90.9 % is 8.4 standard errors away. */
+/* 2000 intervals of 8 log-normal values: the share that holds the truth is binomial; |z| > 4.06 has
+ * probability 5e-5. A narrower one (Student's t taken for the normal) is caught: 90.9 % is 8.4
+ * standard errors away. */
 static void intervals_cover_as_often_as_they_say(void **state)
 {
     (void)state;
@@ -69,7 +68,8 @@ static void intervals_cover_as_often_as_they_say(void **state)
         lf_interval interval = lf_log_interval(values, N, 0.95);
         inside += interval.low <= exp(1) && exp(1) <= interval.high;
         double narrower = 1.959964 / lf_student_quantile(0.975, N - 1);
-        inside_of_normal += fabs(log(interval.estimate) - 1) <= narrower * log(interval.high / interval.estimate);
+        inside_of_normal +=
+            fabs(log(interval.estimate) - 1) <= narrower * log(interval.high / interval.estimate);
     }
     double error = sqrt(0.95 * 0.05 * TRIALS);
     print_message("95 %%: %d of %d\n", inside, TRIALS);
@@ -82,7 +82,6 @@ static void what_cannot_be_said_is_not_a_number(void **state)
     (void)state;
     const double values[] = {1, -1, 2};
     bool beyond;
-
     assert_true(isnan(lf_log_interval(values, 3, 0.95).estimate));
     assert_true(isnan(lf_log_interval(values, 1, 0.95).low));
     lf_assert_close(lf_log_interval(values, 1, 0.95).estimate, 1, 0, 0);
@@ -98,7 +97,6 @@ static void lines_have_their_slopes_and_standard_errors(void **state)
     const double x[] = {0, 1, 2, 3};
     const double y[] = {3, 0, -1, 0};
     lf_fit line = lf_fit_line(x, y, 4);
-
     lf_assert_close(line.slope, -1, 1e-12, 0);
     lf_assert_close(line.intercept, 2, 1e-12, 0);
     lf_assert_close(line.error, sqrt(0.4), 1e-12, 0);
@@ -111,7 +109,6 @@ static void equal_errors_are_found_on_the_curve(void **state)
     const double times[] = {1, 2, 4, 8};
     const double errors[] = {3, 1.5, 0.75, 0.375};
     bool beyond = true;
-
     lf_assert_close(lf_time_of_error(times, errors, 4, 1.0, &beyond), 3, 1e-12, 0);
     assert_false(beyond);
     lf_assert_close(lf_time_of_error(times, errors, 4, 3, &beyond), 1, 1e-12, 0);
@@ -120,14 +117,16 @@ static void equal_errors_are_found_on_the_curve(void **state)
     assert_true(beyond);
     lf_assert_close(lf_time_of_error(times, errors, 4, 6, &beyond), 0.5, 1e-12, 0);
     assert_true(beyond);
-    assert_true(isnan(lf_time_of_error(times, errors, 4, 3.0 / 33, &beyond))); /* 4.1 times the last */
+    /* 4.1 times the last */
+    assert_true(isnan(lf_time_of_error(times, errors, 4, 3.0 / 33, &beyond)));
     /* a curve that is not straight: between two points only they count */
     const double bent[] = {3, 1.5, 1, 0.01};
-    lf_assert_close(lf_time_of_error(times, bent, 4, 1.2, &beyond), exp(log(2) + log(1.25) / log(1.5) * log(2)), 1e-12, 0);
+    lf_assert_close(lf_time_of_error(times, bent, 4, 1.2, &beyond),
+                    exp(log(2) + log(1.25) / log(1.5) * log(2)), 1e-12, 0);
 }
 
-/* Two errors with correlation 0.6, seen against a reference that adds an error of its own to both. A reference whose error was not taken
- * off would give (0.6 + 1) / 2. */
+/* Two errors with correlation 0.6, seen against a reference that adds an error of its own to both.
+ * A reference whose error was not taken off would give (0.6 + 1) / 2. */
 static void correlations_are_freed_of_the_references_error(void **state)
 {
     (void)state;
@@ -159,7 +158,8 @@ static void correlations_are_freed_of_the_references_error(void **state)
 
 enum { SEEDS = LF_TILE_SEEDS, TILES = 300 };
 
-/* Ratios of tiles that are `ratio` with a spread of 0.3 on the logarithm, and `special` in tile 7. */
+/* Ratios of tiles that are `ratio` with a spread of 0.3 on the logarithm, and `special` in tile 7.
+ */
 static void draw_tiles(source *s, double ratio, double special, double out[SEEDS][TILES])
 {
     for (int seed = 0; seed < SEEDS; seed++)
@@ -172,7 +172,6 @@ static void the_worst_tile_is_the_one_that_was_put_there(void **state)
     (void)state;
     static double ratio[SEEDS][TILES];
     source s = {lf_test_seed()};
-
     draw_tiles(&s, 20, 0.1, ratio);
     lf_tile_bound bound = lf_worst_tile(&ratio[0][0], SEEDS, TILES, 0.99, 0.8);
     assert_int_equal(bound.n_judged, TILES);
@@ -195,7 +194,6 @@ static void few_seeds_bound_no_tile(void **state)
     (void)state;
     static double ratio[SEEDS][TILES];
     source s = {lf_test_seed()};
-
     draw_tiles(&s, 20, 20, ratio);
     assert_true(lf_worst_tile(&ratio[0][0], SEEDS, TILES, 0.99, 0.8).low > 10);
     for (int n = 1; n < SEEDS; n++) {
@@ -205,8 +203,9 @@ static void few_seeds_bound_no_tile(void **state)
     }
 }
 
-/* 200 pictures in which all tiles are alike at 1: in 99 % no upper bound lies below it. The count of the others is
- * binomial; more than 10 of 200 has probability 1e-5. Without the correction almost every picture would have one. */
+/* 200 pictures in which all tiles are alike at 1: in 99 % no upper bound lies below it. The count
+ * of the others is binomial; more than 10 of 200 has probability 1e-5. Without the correction
+ * almost every picture would have one. */
 static void bounds_hold_for_all_tiles_at_once(void **state)
 {
     (void)state;

@@ -8,10 +8,9 @@
 
 #include "base/alloc.h"
 #include "base/thread.h"
-#include "device/gud.h"
-#include "device/hid.h"
-#include "device/model.h"
-#include "device/usb_link.h"
+#include "device/hid/hid.h"
+#include "device/model/usb_model.h"
+#include "device/usb/gud.h"
 
 #define WHERE "faulty panel"
 #define SERIAL "LKG-FAULTY-1"
@@ -19,8 +18,10 @@
 enum { EDID_BYTES = 128, NAP_MS = 5 };
 
 static const char *const names[LF_FAULTY_KINDS] = {
-    "unplugged", "refused", "stalled", "errors of its own", "hung",          "slow",          "lied",
-    "garbage",   "short",   "mute",    "EEPROM damaged",    "stale replies", "button floods",
+    "unplugged",     "refused", "stalled",        "errors of its own",
+    "hung",          "slow",    "lied",           "garbage",
+    "short",         "mute",    "EEPROM damaged", "stale replies",
+    "button floods",
 };
 
 /* The plug that both sides of the panel share. */
@@ -47,7 +48,7 @@ const char *lf_faulty_name(lf_faulty_kind kind)
     return names[kind];
 }
 
-/* ----------------------------------------------------------------------------------------------------------- chance -- */
+/* ------------------------------------------------------------------------------------ chance -- */
 
 static uint64_t draw_locked(void)
 {
@@ -76,7 +77,7 @@ static void nap(int ms)
     poll(NULL, 0, ms);
 }
 
-/* ------------------------------------------------------------------------------------------------------------- plug -- */
+/* -------------------------------------------------------------------------------------- plug -- */
 
 void lf_faulty_use(lf_faulty_orders *orders)
 {
@@ -125,7 +126,7 @@ static bool is_gone(const opened *o)
     return gone;
 }
 
-/* ---------------------------------------------------------------------------------------------------------- display -- */
+/* ----------------------------------------------------------------------------------- display -- */
 
 typedef struct display {
     lf_usb_link base;
@@ -144,9 +145,8 @@ static display *display_of(lf_usb_link *link)
 /* Whether an answer of a display with this illness goes wrong. */
 static bool strikes(const display *d, lf_faulty_kind illness)
 {
-    if (d->illness != illness || draw(4) != 0) {
+    if (d->illness != illness || draw(4) != 0)
         return false;
-    }
     count(illness);
     return true;
 }
@@ -156,42 +156,34 @@ static lf_usb_result silence(display *d, int timeout_ms)
 {
     double end = lf_time_now() + 1e-3 * timeout_ms;
     while (lf_time_now() < end) {
-        if (atomic_load(&d->cancelled)) {
+        if (atomic_load(&d->cancelled))
             return LF_USB_CANCELLED;
-        }
-        if (is_gone(&d->on)) {
+        if (is_gone(&d->on))
             return LF_USB_GONE;
-        }
         nap(NAP_MS);
     }
     return LF_USB_TIMEOUT;
 }
 
-static lf_usb_result display_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value, uint8_t *data, size_t n,
-                                     size_t *out_n, int timeout_ms)
+static lf_usb_result display_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value,
+                                     uint8_t *data, size_t n, size_t *out_n, int timeout_ms)
 {
     display *d = display_of(link);
     size_t moved = 0;
     lf_usb_result result = LF_USB_GONE;
-    if (strikes(d, LF_FAULTY_MUTE)) {
+    if (strikes(d, LF_FAULTY_MUTE))
         result = silence(d, timeout_ms);
-    } else if (!is_gone(&d->on)) {
+    else if (!is_gone(&d->on))
         result = d->inner->ops->control(d->inner, in, request, value, data, n, &moved, timeout_ms);
-    }
-    if (result == LF_USB_STALL) {
+    if (result == LF_USB_STALL)
         count(LF_FAULTY_STALL);
-    }
-    if (in && moved > 0 && strikes(d, LF_FAULTY_SHORT)) {
+    if (in && moved > 0 && strikes(d, LF_FAULTY_SHORT))
         moved = draw((unsigned)moved);
-    }
-    if (in && moved > 0 && strikes(d, LF_FAULTY_GARBAGE)) {
-        for (size_t i = draw((unsigned)moved); i < moved; i++) {
+    if (in && moved > 0 && strikes(d, LF_FAULTY_GARBAGE))
+        for (size_t i = draw((unsigned)moved); i < moved; i++)
             data[i] = (uint8_t)draw(256);
-        }
-    }
-    if (out_n != NULL) {
+    if (out_n)
         *out_n = moved;
-    }
     return result;
 }
 
@@ -205,17 +197,14 @@ static lf_usb_result display_bulk_end(lf_usb_link *link, int timeout_ms)
 {
     display *d = display_of(link);
     lf_usb_result result = d->inner->ops->bulk_end(d->inner, timeout_ms);
-    if (result == LF_USB_STALL) {
+    if (result == LF_USB_STALL)
         count(LF_FAULTY_STALL);
-    } else if (d->illness == LF_FAULTY_HANG && result != LF_USB_OK) {
+    else if (d->illness == LF_FAULTY_HANG && result != LF_USB_OK)
         count(LF_FAULTY_HANG);
-    }
-    if (is_gone(&d->on)) {
+    if (is_gone(&d->on))
         return LF_USB_GONE;
-    }
-    if (result == LF_USB_OK) {
+    if (result == LF_USB_OK)
         atomic_fetch_add(&plug.orders->rects, 1);
-    }
     return result;
 }
 
@@ -229,9 +218,8 @@ static void display_cancel(lf_usb_link *link)
 static void display_close(lf_usb_link *link)
 {
     display *d = display_of(link);
-    if (d->inner != NULL) {
+    if (d->inner)
         d->inner->ops->close(d->inner);
-    }
     lf_model_gud_destroy(d->gud);
     lf_free(d);
     pthread_mutex_lock(&plug.lock);
@@ -304,8 +292,9 @@ static lf_status make_model(display *d)
 static lf_faulty_kind draw_display_illness(const opened *on)
 {
     static const lf_faulty_kind illnesses[] = {
-        LF_FAULTY_UNPLUG, LF_FAULTY_STALL, LF_FAULTY_STATUS,  LF_FAULTY_HANG,  LF_FAULTY_SLOW, LF_FAULTY_SLOW,
-        LF_FAULTY_LIE,    LF_FAULTY_LIE,   LF_FAULTY_GARBAGE, LF_FAULTY_SHORT, LF_FAULTY_MUTE,
+        LF_FAULTY_UNPLUG,  LF_FAULTY_STALL, LF_FAULTY_STATUS, LF_FAULTY_HANG,
+        LF_FAULTY_SLOW,    LF_FAULTY_SLOW,  LF_FAULTY_LIE,    LF_FAULTY_LIE,
+        LF_FAULTY_GARBAGE, LF_FAULTY_SHORT, LF_FAULTY_MUTE,
     };
     return on->sick ? illnesses[draw(sizeof illnesses / sizeof *illnesses)] : LF_FAULTY_UNPLUG;
 }
@@ -322,35 +311,38 @@ static bool take_display(void)
 
 static void fill_place(lf_usb_place *out)
 {
-    *out = (lf_usb_place){.address = "1-1", .product = "HoloPlay", .vendor_id = 0x04d8, .product_id = 0xef7e, .endpoint = 2};
+    *out = (lf_usb_place){.address = "1-1",
+                          .product = "HoloPlay",
+                          .vendor_id = 0x04d8,
+                          .product_id = 0xef7e,
+                          .endpoint = 2};
 }
 
 int __wrap_lf_usb_list(lf_usb_place *out, int max);
 int __wrap_lf_usb_list(lf_usb_place *out, int max)
 {
     opened on;
-    if (max < 1 || !is_in(&on)) {
+    if (max < 1 || !is_in(&on))
         return 0;
-    }
     fill_place(out);
     return 1;
 }
 
-lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link, lf_error *err);
-lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link, lf_error *err)
+lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link,
+                             lf_error *err);
+lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link,
+                             lf_error *err)
 {
     opened on;
-    if (!is_in(&on) || (address[0] != 0 && strcmp(address, "1-1") != 0)) {
+    if (!is_in(&on) || (address[0] != 0 && strcmp(address, "1-1") != 0))
         return lf_error_set(err, LF_E_NODEV, WHERE, "is not plugged in");
-    }
     if (on.sick && draw(16) == 0) {
         count(LF_FAULTY_REFUSED);
         return lf_error_set(err, LF_E_IO, WHERE, "no permission");
     }
     display *d = lf_calloc(1, sizeof *d);
-    if (d == NULL) {
+    if (!d)
         return lf_error_set(err, LF_E_NOMEM, WHERE, "out of memory");
-    }
     if (!take_display()) {
         lf_free(d);
         return lf_error_set(err, LF_E_BUSY, WHERE, "another program has it");
@@ -359,7 +351,7 @@ lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_us
     d->on = on;
     d->illness = draw_display_illness(&on);
     d->inner = make_model(d) == LF_OK ? lf_usb_model_open(d->gud) : NULL;
-    if (d->inner == NULL) {
+    if (!d->inner) {
         display_close(&d->base);
         return lf_error_set(err, LF_E_NOMEM, WHERE, "out of memory");
     }
@@ -369,7 +361,7 @@ lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_us
     return LF_OK;
 }
 
-/* --------------------------------------------------------------------------------------------------------- HID side -- */
+/* ---------------------------------------------------------------------------------- HID side -- */
 
 typedef struct side {
     opened on;
@@ -377,18 +369,19 @@ typedef struct side {
     lf_model_hid *model;
 } side;
 
-static const char calibration_text[] =
-    "{\"configVersion\":\"1.0\",\"serial\":\"" SERIAL "\",\"pitch\":{\"value\":52.5},\"slope\":{\"value\":-7.2},"
-    "\"center\":{\"value\":0.3},\"viewCone\":{\"value\":40},\"invView\":{\"value\":1},\"DPI\":{\"value\":324},"
-    "\"screenW\":{\"value\":192},\"screenH\":{\"value\":256},\"flipImageX\":{\"value\":0},\"flipImageY\":{\"value\":0},"
-    "\"flipSubp\":{\"value\":0}}";
+static const char calibration_text[] = "{\"configVersion\":\"1.0\",\"serial\":\"" SERIAL
+                                       "\",\"pitch\":{\"value\":52.5},\"slope\":{\"value\":-7.2},"
+                                       "\"center\":{\"value\":0.3},\"viewCone\":{\"value\":40},"
+                                       "\"invView\":{\"value\":1},\"DPI\":{\"value\":324},"
+                                       "\"screenW\":{\"value\":192},\"screenH\":{\"value\":256},"
+                                       "\"flipImageX\":{\"value\":0},\"flipImageY\":{\"value\":0},"
+                                       "\"flipSubp\":{\"value\":0}}";
 
 static int side_send(void *context, const uint8_t *report, size_t n)
 {
     side *s = context;
-    if (is_gone(&s->on)) {
+    if (is_gone(&s->on))
         return -1;
-    }
     uint64_t before = lf_model_hid_violations(s->model);
     int answer = lf_model_hid_feature(s->model, report + 1, n - 1);
     atomic_fetch_add(&plug.orders->pages, 1);
@@ -405,16 +398,13 @@ static int side_read(void *context, uint8_t *out, size_t max, int timeout_ms)
     side *s = context;
     double end = lf_time_now() + 1e-3 * timeout_ms;
     for (;;) {
-        if (is_gone(&s->on)) {
+        if (is_gone(&s->on))
             return -1;
-        }
         int n = lf_model_hid_input(s->model, out, max);
-        if (n > 0) {
+        if (n > 0)
             return n;
-        }
-        if (lf_time_now() >= end) {
+        if (lf_time_now() >= end)
             return 0;
-        }
         nap(1);
         if (s->flood) {
             lf_model_hid_press(s->model, (uint8_t)draw(256));
@@ -440,25 +430,24 @@ static void side_close(void *context)
 static size_t damage(uint8_t *eeprom, size_t n)
 {
     static const char *const texts[] = {
-        "{\"serial\":\"" SERIAL "\",\"pitch\":{\"value\":1e308},\"slope\":{\"value\":0},\"screenW\":{\"value\":1e9}}",
-        "{\"serial\":\"" SERIAL "\",\"pitch\":{\"value\":NaN},\"screenW\":{\"value\":192},\"screenH\":{\"value\":256}}",
+        "{\"serial\":\"" SERIAL
+        "\",\"pitch\":{\"value\":1e308},\"slope\":{\"value\":0},\"screenW\":{\"value\":1e9}}",
+        "{\"serial\":\"" SERIAL
+        "\",\"pitch\":{\"value\":NaN},\"screenW\":{\"value\":192},\"screenH\":{\"value\":256}}",
         "[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[",
         "",
     };
     count(LF_FAULTY_EEPROM);
     unsigned way = draw(7);
-    if (way < 4) {
+    if (way < 4)
         return lf_model_hid_eeprom(texts[way], strlen(texts[way]), eeprom, LF_MODEL_EEPROM_MAX);
-    }
-    if (way == 4) { /* blank */
+    if (way == 4) /* blank */
         memset(eeprom, 0xff, n);
-    } else if (way == 5) { /* a length that no EEPROM has */
+    else if (way == 5) /* a length that no EEPROM has */
         eeprom[0] = 0x7f;
-    } else {
-        for (unsigned i = 1 + draw(20); i > 0; i--) {
+    else
+        for (unsigned i = 1 + draw(20); i > 0; i--)
             eeprom[4 + draw((unsigned)n - 4)] = (uint8_t)draw(256);
-        }
-    }
     return n;
 }
 
@@ -492,8 +481,9 @@ static lf_model_hid_faults side_faults(lf_faulty_kind illness)
 static lf_faulty_kind draw_side_illness(const opened *on)
 {
     static const lf_faulty_kind illnesses[] = {
-        LF_FAULTY_UNPLUG, LF_FAULTY_UNPLUG, LF_FAULTY_UNPLUG, LF_FAULTY_UNPLUG, LF_FAULTY_FLOOD,  LF_FAULTY_FLOOD,
-        LF_FAULTY_STALE,  LF_FAULTY_STALL,  LF_FAULTY_SHORT,  LF_FAULTY_MUTE,   LF_FAULTY_EEPROM,
+        LF_FAULTY_UNPLUG, LF_FAULTY_UNPLUG, LF_FAULTY_UNPLUG, LF_FAULTY_UNPLUG,
+        LF_FAULTY_FLOOD,  LF_FAULTY_FLOOD,  LF_FAULTY_STALE,  LF_FAULTY_STALL,
+        LF_FAULTY_SHORT,  LF_FAULTY_MUTE,   LF_FAULTY_EEPROM,
     };
     return on->sick ? illnesses[draw(sizeof illnesses / sizeof *illnesses)] : LF_FAULTY_UNPLUG;
 }
@@ -502,9 +492,8 @@ int __wrap_lf_hid_list(lf_hid_place *out, int max);
 int __wrap_lf_hid_list(lf_hid_place *out, int max)
 {
     opened on;
-    if (max < 1 || !is_in(&on)) {
+    if (max < 1 || !is_in(&on))
         return 0;
-    }
     *out = (lf_hid_place){.path = "/dev/hidraw-faulty", .product = "HoloPlay"};
     return 1;
 }
@@ -513,25 +502,23 @@ lf_status __wrap_lf_hid_open(const char *path, lf_hid_link *out, lf_error *err);
 lf_status __wrap_lf_hid_open(const char *path, lf_hid_link *out, lf_error *err)
 {
     opened on;
-    if (!is_in(&on)) {
+    if (!is_in(&on))
         return lf_error_set(err, LF_E_NODEV, path, "is not there (any more)");
-    }
     if (on.sick && draw(16) == 0) {
         count(LF_FAULTY_REFUSED);
         return lf_error_set(err, LF_E_IO, path, "no permission");
     }
     uint8_t eeprom[LF_MODEL_EEPROM_MAX];
     lf_faulty_kind illness = draw_side_illness(&on);
-    size_t n = lf_model_hid_eeprom(calibration_text, strlen(calibration_text), eeprom, sizeof eeprom);
-    if (illness == LF_FAULTY_EEPROM) {
+    size_t n =
+        lf_model_hid_eeprom(calibration_text, strlen(calibration_text), eeprom, sizeof eeprom);
+    if (illness == LF_FAULTY_EEPROM)
         n = damage(eeprom, n);
-    }
-    if (illness == LF_FAULTY_FLOOD) {
+    if (illness == LF_FAULTY_FLOOD)
         count(illness);
-    }
     lf_model_hid_faults faults = side_faults(illness);
     side *s = lf_calloc(1, sizeof *s);
-    if (s == NULL || lf_model_hid_create(eeprom, n, &faults, &s->model) != LF_OK) {
+    if (!s || lf_model_hid_create(eeprom, n, &faults, &s->model) != LF_OK) {
         lf_free(s);
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     }

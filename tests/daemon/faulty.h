@@ -1,10 +1,11 @@
-/* A panel of the first generation with random faults, in place of whatever hangs on this machine's USB: a GUD display ("usb:1-1")
- * and a HID side with its calibration and buttons on one plug. A program linked with wrap_test_faults (tests/module.mk) finds it where the
- * rest finds libusb's and hidapi's devices; everything above those two is as in the daemon.
+/* A panel of the first generation with random faults, in place of whatever hangs on this machine's
+ * USB: a GUD display ("usb:1-1") and a HID side with its calibration and buttons on one plug. A
+ * program linked with wrap_test_faults (tests/module.mk) finds it where the rest finds libusb's and
+ * hidapi's devices; everything above those two is as in the daemon.
  *
- * What the panel suffers from is drawn when it is opened and lasts until it is pulled out, which happens every few seconds. Numbers
- * are drawn from one seed, in the order in which threads ask for them.
- * Threads: any. The orders may lie in memory that is shared with another process. */
+ * What the panel suffers from is drawn when it is opened and lasts until it is pulled out, which
+ * happens every few seconds. Numbers are drawn from one seed, in the order in which threads ask for
+ * them. Threads: any. The orders may lie in memory that is shared with another process. */
 #ifndef LF_TESTS_DAEMON_FAULTY_H
 #define LF_TESTS_DAEMON_FAULTY_H
 
@@ -32,8 +33,9 @@ typedef enum lf_faulty_kind {
 } lf_faulty_kind;
 
 typedef struct lf_faulty_orders {
-    uint64_t seed;    /* before the first device is opened */
-    atomic_bool sick; /* false: plugged in and healthy (what is open under a fault is pulled out first) */
+    uint64_t seed; /* before the first device is opened */
+    /* false: plugged in and healthy (what is open under a fault is pulled out first) */
+    atomic_bool sick;
     /* what happened */
     atomic_uint_fast64_t struck[LF_FAULTY_KINDS];
     atomic_uint_fast64_t opened;     /* displays */

@@ -1,5 +1,6 @@
-/* A quiltd of the test's own: started in a temporary folder with a small scene and a small simulated panel, talked to over its
- * socket, ended and judged. Everything fails the test by itself; nothing here asserts how fast something is. */
+/* A quiltd of the test's own: started in a temporary folder with a small scene and a small
+ * simulated panel, talked to over its socket, ended and judged. Everything fails the test by
+ * itself; nothing here asserts how fast something is. */
 #ifndef LF_TESTS_DAEMON_LIVE_H
 #define LF_TESTS_DAEMON_LIVE_H
 
@@ -22,21 +23,23 @@
 
 /* 6 views: their quilt, 3x2, has no black tile, so that reading it gives the same views. */
 static const char live_scene_text[] =
-    "{\"quiltd\":1,\"camera\":{\"target\":[0,0,0],\"position\":[0,0.4,9],\"fov_y\":14,\"aspect\":0.75,\"views\":6,\"cone\":30},"
+    "{\"quiltd\":1,\"camera\":{\"target\":[0,0,0],\"position\":[0,0.4,9],\"fov_y\":14,\"aspect\":0."
+    "75,\"views\":6,\"cone\":30},"
     "\"volumes\":{\"fog\":{\"shape\":\"sphere\",\"density\":4,\"albedo\":0.9,\"g\":0.3}},"
     "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":0.7}}}";
 
 /* 96 x 128 pixels: every frame is quick. */
-static const char live_calibration_text[] = "{\"configVersion\":\"1.0\",\"serial\":\"LKG-TEST\",\"pitch\":{\"value\":52.5},"
-                                            "\"slope\":{\"value\":-7.2},\"center\":{\"value\":0.3},"
-                                            "\"viewCone\":{\"value\":40},\"invView\":{\"value\":1},\"DPI\":{\"value\":324},"
-                                            "\"screenW\":{\"value\":96},\"screenH\":{\"value\":128},"
-                                            "\"flipImageX\":{\"value\":0},\"flipImageY\":{\"value\":0},\"flipSubp\":{\"value\":0}}";
+static const char live_calibration_text[] =
+    "{\"configVersion\":\"1.0\",\"serial\":\"LKG-TEST\",\"pitch\":{\"value\":52.5},"
+    "\"slope\":{\"value\":-7.2},\"center\":{\"value\":0.3},"
+    "\"viewCone\":{\"value\":40},\"invView\":{\"value\":1},\"DPI\":{\"value\":324},"
+    "\"screenW\":{\"value\":96},\"screenH\":{\"value\":128},"
+    "\"flipImageX\":{\"value\":0},\"flipImageY\":{\"value\":0},\"flipSubp\":{\"value\":0}}";
 
 typedef struct live {
     char *folder;
-    char scene[PATH_MAX / 4], socket[PATH_MAX / 4], sim[PATH_MAX / 4], panel[PATH_MAX / 4], exports[PATH_MAX / 4],
-        state[PATH_MAX / 4], log[PATH_MAX / 4];
+    char scene[PATH_MAX / 4], socket[PATH_MAX / 4], sim[PATH_MAX / 4], panel[PATH_MAX / 4],
+        exports[PATH_MAX / 4], state[PATH_MAX / 4], log[PATH_MAX / 4];
     pid_t pid;
 } live;
 
@@ -92,9 +95,8 @@ static inline int live_reap(pid_t pid)
     int status = 0;
     for (int i = 0; i < LIVE_PATIENCE_S * 50; i++) {
         pid_t done = waitpid(pid, &status, WNOHANG);
-        if (done == pid) {
+        if (done == pid)
             return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-        }
         live_nap(20);
     }
     kill(pid, SIGKILL);
@@ -123,12 +125,10 @@ static inline void live_show_log(const live *l)
 {
     FILE *file = fopen(l->log, "r");
     char line[512];
-    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+    while (file && fgets(line, sizeof line, file))
         print_error("| %s", line);
-    }
-    if (file != NULL) {
+    if (file)
         fclose(file);
-    }
 }
 
 /* True when the daemon's log holds this text. */
@@ -137,12 +137,10 @@ static inline bool live_logged(const live *l, const char *text)
     FILE *file = fopen(l->log, "r");
     char line[1024];
     bool found = false;
-    while (file != NULL && !found && fgets(line, sizeof line, file) != NULL) {
-        found = strstr(line, text) != NULL;
-    }
-    if (file != NULL) {
+    while (file && !found && fgets(line, sizeof line, file))
+        found = strstr(line, text);
+    if (file)
         fclose(file);
-    }
     return found;
 }
 
@@ -155,9 +153,10 @@ static inline void live_connect(const live *l, live_client *c)
         c->fd = live_connect_fd(l);
         if (c->fd < 0) {
             siginfo_t info = {0};
-            if (l->pid > 0 && waitid(P_PID, (id_t)l->pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == l->pid) {
+            if (l->pid > 0 &&
+                waitid(P_PID, (id_t)l->pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+                info.si_pid == l->pid)
                 break;
-            }
             live_nap(20);
         }
     }
@@ -173,7 +172,8 @@ static inline void live_close(live_client *c)
     free(c->buffer);
 }
 
-/* Starts quiltd with the usual options and these (NULL ends them); the scene is the first, NULL = none. */
+/* Starts quiltd with the usual options and these (NULL ends them); the scene is the first, NULL =
+ * none. */
 static inline void live_start(live *l, const char *scene, ...)
 {
     char *args[40];
@@ -190,14 +190,13 @@ static inline void live_start(live *l, const char *scene, ...)
                      (char *)(uintptr_t) "24x32",
                      (char *)(uintptr_t) "--threads",
                      (char *)(uintptr_t) "2"};
-    for (size_t i = scene == NULL ? 1 : 0; i < sizeof usual / sizeof *usual; i++) {
+    for (size_t i = !scene ? 1 : 0; i < sizeof usual / sizeof *usual; i++)
         args[n++] = usual[i];
-    }
     va_list more;
     va_start(more, scene);
-    for (const char *arg = va_arg(more, const char *); arg != NULL && n < 39; arg = va_arg(more, const char *)) {
+    for (const char *arg = va_arg(more, const char *); arg && n < 39;
+         arg = va_arg(more, const char *))
         args[n++] = (char *)(uintptr_t)arg;
-    }
     va_end(more);
     args[n] = NULL;
     l->pid = live_spawn(l, args);
@@ -218,9 +217,8 @@ static inline int live_stop(live *l)
 /* Ends and removes everything; accepts what was never started. */
 static inline void live_finish(live *l)
 {
-    if (l->pid > 0) {
+    if (l->pid > 0)
         assert_int_equal(live_stop(l), 0);
-    }
     lf_test_folder_remove(l->folder);
 }
 
@@ -239,7 +237,7 @@ static inline json_t *live_receive(live_client *c)
 {
     for (;;) {
         char *end = memchr(c->buffer, '\n', c->used);
-        if (end != NULL) {
+        if (end) {
             json_t *message = json_loadb(c->buffer, (size_t)(end - c->buffer), 0, NULL);
             c->used -= (size_t)(end + 1 - c->buffer);
             memmove(c->buffer, end + 1, c->used);
@@ -248,12 +246,10 @@ static inline json_t *live_receive(live_client *c)
         }
         assert_true(c->used < c->size);
         ssize_t n = recv(c->fd, c->buffer + c->used, c->size - c->used, 0);
-        if (n < 0 && (errno == EAGAIN || errno == EINTR)) {
+        if (n < 0 && (errno == EAGAIN || errno == EINTR))
             fail_msg("no answer");
-        }
-        if (n <= 0) {
+        if (n <= 0)
             return NULL;
-        }
         c->used += (size_t)n;
     }
 }
@@ -262,8 +258,8 @@ static inline json_t *live_receive(live_client *c)
 static inline json_t *live_call(live_client *c, const char *method, json_t *params)
 {
     json_int_t id = ++c->ids;
-    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", id, "method", method, "params",
-                                params != NULL ? params : json_object());
+    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", id, "method",
+                                method, "params", params ? params : json_object());
     char *text = json_dumps(request, JSON_COMPACT);
     json_decref(request);
     live_send(c, text, strlen(text));
@@ -271,12 +267,10 @@ static inline json_t *live_call(live_client *c, const char *method, json_t *para
     free(text);
     for (;;) {
         json_t *message = live_receive(c);
-        if (message == NULL) {
+        if (!message)
             fail_msg("%s: the daemon closed the connection", method);
-        }
-        if (json_integer_value(json_object_get(message, "id")) == id) {
+        if (json_integer_value(json_object_get(message, "id")) == id)
             return message;
-        }
         json_decref(message);
     }
 }
@@ -291,7 +285,8 @@ static inline int live_code(live_client *c, const char *method, json_t *params)
 }
 
 /* A number of a call's result; the call must go well. */
-static inline double live_number(live_client *c, const char *method, json_t *params, const char *key)
+static inline double live_number(live_client *c, const char *method, json_t *params,
+                                 const char *key)
 {
     json_t *answer = live_call(c, method, params);
     const json_t *value = json_object_get(json_object_get(answer, "result"), key);
@@ -312,7 +307,7 @@ static inline const char *live_status_text(live_client *c, const char *key)
     json_t *answer = live_call(c, "status", NULL);
     const char *value = json_string_value(json_object_get(json_object_get(answer, "result"), key));
     char *buffer = lf_test_buffer();
-    snprintf(buffer, PATH_MAX, "%s", value != NULL ? value : "");
+    snprintf(buffer, PATH_MAX, "%s", value ? value : "");
     json_decref(answer);
     return buffer;
 }
@@ -333,13 +328,12 @@ static inline const char *live_job_end(live_client *c, json_int_t job)
         assert_non_null(message);
         const json_t *params = json_object_get(message, "params");
         const char *state = json_string_value(json_object_get(params, "state"));
-        bool ours = state != NULL && json_integer_value(json_object_get(params, "job")) == job;
+        bool ours = state && json_integer_value(json_object_get(params, "job")) == job;
         char *buffer = lf_test_buffer();
-        snprintf(buffer, PATH_MAX, "%s", state != NULL ? state : "");
+        snprintf(buffer, PATH_MAX, "%s", state ? state : "");
         json_decref(message);
-        if (ours && strcmp(buffer, "running") != 0) {
+        if (ours && strcmp(buffer, "running") != 0)
             return buffer;
-        }
     }
 }
 
@@ -353,9 +347,9 @@ static inline int live_run(const live *l, const char *program, ...)
     args[n++] = path;
     va_list more;
     va_start(more, program);
-    for (const char *arg = va_arg(more, const char *); arg != NULL && n < 39; arg = va_arg(more, const char *)) {
+    for (const char *arg = va_arg(more, const char *); arg && n < 39;
+         arg = va_arg(more, const char *))
         args[n++] = (char *)(uintptr_t)arg;
-    }
     va_end(more);
     args[n] = NULL;
     return live_reap(live_spawn(l, args));

@@ -1,7 +1,8 @@
-/* What the daemon makes of plugging in: "auto" that finds a panel which cannot be opened yet, udev's news and echoes of its own doing, a
- * cached calibration when a panel's own turns up. The daemon is this program again, with a display, an EEPROM and a udev of the test's
- * own in place of libusb's, hidapi's and the machine's (see wrap_test_auto): files in a folder say what there is, a pipe in it is the
- * udev. */
+/* What the daemon makes of plugging in: "auto" that finds a panel which cannot be opened yet,
+ * udev's news and echoes of its own doing, a cached calibration when a panel's own turns up. The
+ * daemon is this program again, with a display, an EEPROM and a udev of the test's own in place of
+ * libusb's, hidapi's and the machine's (see wrap_test_auto): files in a folder say what there is, a
+ * pipe in it is the udev. */
 #include "tests/daemon/live.h"
 
 #include <limits.h>
@@ -13,12 +14,11 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "base/thread.h"
-#include "daemon/server.h"
-#include "device/find.h"
-#include "device/gud.h"
-#include "device/hid.h"
-#include "device/model.h"
-#include "device/usb_link.h"
+#include "daemon/server/server.h"
+#include "device/find/find.h"
+#include "device/hid/hid.h"
+#include "device/model/usb_model.h"
+#include "device/usb/gud.h"
 
 #define NAME "LKG-DISPLAY-1"
 #define UDEV "udev"
@@ -31,9 +31,10 @@
 
 enum { WIDTH = 96, HEIGHT = 128 };
 
-/* ------------------------------------------------------------------------------------------------------ the world -- */
+/* --------------------------------------------------------------------------------- the world -- */
 
-static char world[PATH_MAX / 2]; /* its folder, in the daemon; set before the server's first thread starts */
+/* its folder, in the daemon; set before the server's first thread starts */
+static char world[PATH_MAX / 2];
 
 static bool has(const char *name)
 {
@@ -47,9 +48,8 @@ static void count(const char *name)
     char path[PATH_MAX];
     snprintf(path, sizeof path, "%s/%s", world, name);
     int fd = open(path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
-    if (fd < 0 || write(fd, "x", 1) != 1) {
+    if (fd < 0 || write(fd, "x", 1) != 1)
         abort();
-    }
     close(fd);
 }
 
@@ -64,8 +64,8 @@ static display *display_of(lf_usb_link *link)
     return (display *)(void *)link;
 }
 
-static lf_usb_result display_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value, uint8_t *data, size_t n,
-                                     size_t *out_n, int timeout_ms)
+static lf_usb_result display_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value,
+                                     uint8_t *data, size_t n, size_t *out_n, int timeout_ms)
 {
     lf_usb_link *inner = display_of(link)->inner;
     return inner->ops->control(inner, in, request, value, data, n, out_n, timeout_ms);
@@ -100,40 +100,48 @@ static void display_close(lf_usb_link *link)
 
 static void fill_place(lf_usb_place *out)
 {
-    *out = (lf_usb_place){.address = "1-1", .product = "A panel", .vendor_id = 0x1d50, .product_id = 0x614d, .endpoint = 2};
+    *out = (lf_usb_place){.address = "1-1",
+                          .product = "A panel",
+                          .vendor_id = 0x1d50,
+                          .product_id = 0x614d,
+                          .endpoint = 2};
 }
 
 int __wrap_lf_usb_list(lf_usb_place *out, int max);
 int __wrap_lf_usb_list(lf_usb_place *out, int max)
 {
-    if (max < 1 || !has(DISPLAY)) {
+    if (max < 1 || !has(DISPLAY))
         return 0;
-    }
     fill_place(out);
     return 1;
 }
 
-lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link, lf_error *err);
-lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link, lf_error *err)
+lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link,
+                             lf_error *err);
+lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link,
+                             lf_error *err)
 {
-    static const lf_usb_link_ops ops = {display_control, display_bulk_begin, display_bulk_end, display_cancel, display_close};
+    static const lf_usb_link_ops ops = {display_control, display_bulk_begin, display_bulk_end,
+                                        display_cancel, display_close};
     static const uint8_t rgb888 = LF_GUD_RGB888;
     (void)address;
-    if (!has(DISPLAY)) {
+    if (!has(DISPLAY))
         return lf_error_set(err, LF_E_NODEV, "display", "is not plugged in");
-    }
     count(OPENED);
-    if (has(BUSY)) {
+    if (has(BUSY))
         return lf_error_set(err, LF_E_BUSY, "display", "another program has it");
-    }
     uint8_t edid[128];
     lf_model_edid(NAME, "1", WIDTH, HEIGHT, edid);
-    const lf_model_gud_options options = {
-        .width = WIDTH, .height = HEIGHT, .formats = &rgb888, .n_formats = 1, .edid = edid, .n_edid = sizeof edid};
+    const lf_model_gud_options options = {.width = WIDTH,
+                                          .height = HEIGHT,
+                                          .formats = &rgb888,
+                                          .n_formats = 1,
+                                          .edid = edid,
+                                          .n_edid = sizeof edid};
     display *d = lf_calloc(1, sizeof *d);
-    if (d == NULL || lf_model_gud_create(&options, NULL, &d->gud) != LF_OK || (d->inner = lf_usb_model_open(d->gud)) == NULL) {
+    if (!d || lf_model_gud_create(&options, NULL, &d->gud) != LF_OK ||
+        !(d->inner = lf_usb_model_open(d->gud)))
         abort();
-    }
     d->base.ops = &ops;
     fill_place(out_place);
     *out_link = &d->base;
@@ -148,9 +156,8 @@ static int side_send(void *context, const uint8_t *report, size_t n)
 static int side_read(void *context, uint8_t *out, size_t max, int timeout_ms)
 {
     int n = lf_model_hid_input(context, out, max);
-    if (n <= 0) {
+    if (n <= 0)
         live_nap(timeout_ms);
-    }
     return n > 0 ? n : 0;
 }
 
@@ -168,9 +175,8 @@ static void side_close(void *context)
 int __wrap_lf_hid_list(lf_hid_place *out, int max);
 int __wrap_lf_hid_list(lf_hid_place *out, int max)
 {
-    if (max < 1 || !has(EEPROM)) {
+    if (max < 1 || !has(EEPROM))
         return 0;
-    }
     *out = (lf_hid_place){.path = "/dev/hidraw-test", .product = "HoloPlay"};
     return 1;
 }
@@ -183,14 +189,12 @@ lf_status __wrap_lf_hid_open(const char *path, lf_hid_link *out, lf_error *err)
     uint8_t eeprom[LF_MODEL_EEPROM_MAX];
     lf_model_hid *model = NULL;
     snprintf(file, sizeof file, "%s/" EEPROM, world);
-    if (lf_file_read(file, NULL, sizeof eeprom, &text, &n, NULL) != LF_OK) {
+    if (lf_file_read(file, NULL, sizeof eeprom, &text, &n, NULL) != LF_OK)
         return lf_error_set(err, LF_E_NODEV, path, "is not there (any more)");
-    }
     n = lf_model_hid_eeprom(text, n, eeprom, sizeof eeprom);
     lf_free(text);
-    if (lf_model_hid_create(eeprom, n, NULL, &model) != LF_OK) {
+    if (lf_model_hid_create(eeprom, n, NULL, &model) != LF_OK)
         abort();
-    }
     *out = (lf_hid_link){side_send, side_read, side_now, side_close, model};
     return LF_OK;
 }
@@ -202,7 +206,7 @@ bool __wrap_lf_find_touches(dev_t device)
     return has(TOUCHED);
 }
 
-/* ------------------------------------------------------------------------------------------------------- its udev -- */
+/* ---------------------------------------------------------------------------------- its udev -- */
 
 /* What is told of a device; texts that are empty are not told. */
 typedef struct news {
@@ -237,14 +241,15 @@ static int on_news(sd_event_source *source, int fd, uint32_t events, void *conte
     (void)source;
     (void)events;
     (void)context;
-    if (read(fd, &udev.now, sizeof udev.now) != (ssize_t)sizeof udev.now) {
+    if (read(fd, &udev.now, sizeof udev.now) != (ssize_t)sizeof udev.now)
         abort();
-    }
     return udev.handler(NULL, NULL, udev.context);
 }
 
-int __wrap_sd_device_monitor_start(sd_device_monitor *monitor, sd_device_monitor_handler_t handler, void *context);
-int __wrap_sd_device_monitor_start(sd_device_monitor *monitor, sd_device_monitor_handler_t handler, void *context)
+int __wrap_sd_device_monitor_start(sd_device_monitor *monitor, sd_device_monitor_handler_t handler,
+                                   void *context);
+int __wrap_sd_device_monitor_start(sd_device_monitor *monitor, sd_device_monitor_handler_t handler,
+                                   void *context)
 {
     char path[PATH_MAX];
     (void)monitor;
@@ -290,12 +295,13 @@ int __wrap_sd_device_get_property_value(sd_device *device, const char *key, cons
     return (*out)[0] != '\0' ? 0 : -ENOENT;
 }
 
-/* ------------------------------------------------------------------------------------------------------ the daemon -- */
+/* -------------------------------------------------------------------------------- the daemon -- */
 
 /* args: what start gives. */
 static int run_server(char *args[])
 {
-    lf_server_config config = {.scene = args[2], .socket = args[3], .device = "auto", .export_dir = args[4]};
+    lf_server_config config = {
+        .scene = args[2], .socket = args[3], .device = "auto", .export_dir = args[4]};
     snprintf(world, sizeof world, "%s", args[1]);
     setenv("CACHE_DIRECTORY", world, 1);
     unsetenv("DISPLAY");
@@ -338,7 +344,8 @@ static const char *lens(const char *serial, double center)
 {
     static char text[512];
     snprintf(text, sizeof text,
-             "{\"serial\":\"%s\",\"pitch\":52.5,\"slope\":-7.25,\"center\":%g,\"viewCone\":40,\"DPI\":324,\"screenW\":%d,"
+             "{\"serial\":\"%s\",\"pitch\":52.5,\"slope\":-7.25,\"center\":%g,\"viewCone\":40,"
+             "\"DPI\":324,\"screenW\":%d,"
              "\"screenH\":%d}",
              serial, center, WIDTH, HEIGHT);
     return text;
@@ -351,7 +358,7 @@ static void remember(const bench *b, const char *serial, double center, const ch
     const char *text = lens(serial, center);
     setenv("CACHE_DIRECTORY", lf_test_path(b->l.folder, "sim"), 1);
     lf_assert_ok(lf_calibration_parse(text, strlen(text), "test", &found.calibration, NULL), NULL);
-    if (display_name != NULL) {
+    if (display_name) {
         snprintf(found.display.name, sizeof found.display.name, "%s", display_name);
         snprintf(found.display.serial, sizeof found.display.serial, "1");
     }
@@ -363,7 +370,8 @@ static void start(bench *b)
 {
     char folder[PATH_MAX];
     snprintf(folder, sizeof folder, "%s", lf_test_path(b->l.folder, "sim"));
-    char *args[] = {(char *)(uintptr_t) "/proc/self/exe", folder, b->l.scene, b->l.socket, b->l.exports, NULL};
+    char *args[] = {
+        (char *)(uintptr_t) "/proc/self/exe", folder, b->l.scene, b->l.socket, b->l.exports, NULL};
     b->l.pid = live_spawn(&b->l, args);
     live_connect(&b->l, &b->c);
 }
@@ -389,11 +397,10 @@ static void await_device(bench *b, const char *key, const char *expected)
         json_t *answer = live_call(&b->c, "status", NULL);
         const json_t *device = json_object_get(json_object_get(answer, "result"), "device");
         const char *value = json_string_value(json_object_get(device, key));
-        bool there = value != NULL && strstr(value, expected) != NULL;
+        bool there = value && strstr(value, expected);
         json_decref(answer);
-        if (there) {
+        if (there)
             return;
-        }
         live_nap(20);
     }
     live_show_log(&b->l);
@@ -405,11 +412,11 @@ static void await_center(bench *b, double expected)
     for (int i = 0; i < LIVE_PATIENCE_S * 50; i++) {
         json_t *answer = live_call(&b->c, "device.calibration", NULL);
         const json_t *center = json_object_get(json_object_get(answer, "result"), "center");
-        double value = json_number_value(json_is_object(center) ? json_object_get(center, "value") : center);
+        double value =
+            json_number_value(json_is_object(center) ? json_object_get(center, "value") : center);
         json_decref(answer);
-        if (value == expected) {
+        if (value == expected)
             return;
-        }
         live_nap(20);
     }
     live_show_log(&b->l);
@@ -422,7 +429,7 @@ static long opened(const bench *b)
     return stat(in_world(b, OPENED), &st) == 0 ? (long)st.st_size : 0;
 }
 
-/* ---------------------------------------------------------------------------------------------------------- tests -- */
+/* ------------------------------------------------------------------------------------- tests -- */
 
 /* udev has nothing to tell then: nothing is plugged in. */
 static void a_panel_that_is_busy_at_the_start_is_taken_when_it_is_free(void **state)
@@ -442,7 +449,8 @@ static void a_panel_that_is_busy_at_the_start_is_taken_when_it_is_free(void **st
     finish(&b);
 }
 
-static const news plugged = {.action = SD_DEVICE_BIND, .subsystem = "usb", .product = "4d8/ef7e/100"};
+static const news plugged = {
+    .action = SD_DEVICE_BIND, .subsystem = "usb", .product = "4d8/ef7e/100"};
 
 /* And not looked for before: each time a panel's drive would be mounted anew. */
 static void a_panel_without_a_calibration_is_taken_when_one_is_plugged_in(void **state)
@@ -491,7 +499,8 @@ static void what_is_no_news_leads_to_no_search(void **state)
         {.action = SD_DEVICE_REMOVE, .subsystem = "hidraw"},
         {.action = SD_DEVICE_BIND, .subsystem = "usb", .product = "46d/c52b/1201"},
         {.action = SD_DEVICE_ADD, .subsystem = "usb", .product = "1d50/614d/100"},
-        {.action = SD_DEVICE_CHANGE, .subsystem = "block", .label = "LKG-A", .synth = "0"}, /* the daemon's own mount */
+        /* the daemon's own mount */
+        {.action = SD_DEVICE_CHANGE, .subsystem = "block", .label = "LKG-A", .synth = "0"},
     };
     (void)state;
     bench b;
@@ -501,9 +510,8 @@ static void what_is_no_news_leads_to_no_search(void **state)
     start(&b);
     await_device(&b, "problem", "no panel was found");
     put(&b, DISPLAY, "");
-    for (size_t i = 0; i < sizeof told / sizeof *told; i++) {
+    for (size_t i = 0; i < sizeof told / sizeof *told; i++)
         tell(&b, &told[i]);
-    }
     live_nap(1000); /* three times what a search waits for */
     assert_int_equal(opened(&b), 0);
     tell(&b, &(news){.action = SD_DEVICE_CHANGE, .subsystem = "block", .label = "LKG-A"});
@@ -538,9 +546,8 @@ static void another_panels_calibration_does_not_interrupt_a_panel(void **state)
     start(&b);
     await_center(&b, 0.125);
     put(&b, EEPROM, lens("LKG-B", 0.5));
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         tell(&b, &plugged);
-    }
     live_nap(1000);
     /* its own: that the others were looked at is seen by the one time that it is opened anew */
     put(&b, EEPROM, lens("LKG-A", 0.375));
@@ -572,9 +579,8 @@ static void a_panel_that_cannot_be_opened_anew_is_tried_again(void **state)
 
 int main(int argc, char *argv[])
 {
-    if (argc > 1) {
+    if (argc > 1)
         return run_server(argv);
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_panel_that_is_busy_at_the_start_is_taken_when_it_is_free),
         cmocka_unit_test(a_panel_without_a_calibration_is_taken_when_one_is_plugged_in),

@@ -1,8 +1,10 @@
-/* What the buttons of a panel do: their words on the command line, and the folder they walk through. */
+/* What the buttons of a panel do: their words on the command line, and the folder they walk
+ * through. */
 #include "tests/testing.h"
 
 #include "base/alloc.h"
-#include "daemon/button_actions.h"
+#include "daemon/engine/folder.h"
+#include "daemon/server/button_actions.h"
 
 static lf_button_actions parsed(const char *text)
 {
@@ -25,7 +27,9 @@ static void only_named_buttons_change(void **state)
 static void unknown_words_change_nothing(void **state)
 {
     (void)state;
-    static const char *const bad[] = {"", "left", "left=", "=next", "left=jump", "top=next", "left=next,", "right=none,left=jump"};
+    static const char *const bad[] = {
+        "",          "left",     "left=",      "=next",
+        "left=jump", "top=next", "left=next,", "right=none,left=jump"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         lf_button_actions actions, before;
         lf_error err;
@@ -53,9 +57,8 @@ static void neighbours_go_round_by_name(void **state)
     char *folder = lf_test_folder();
     static const char *const files[] = {"a.json",    "b_qs5x9a0.75.png", "c.json",     "notes.txt",
                                         "plain.png", ".hidden.json",     "d_qs8x6.JPG"};
-    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
         lf_test_write(folder, files[i], "");
-    }
     expect(folder, "a.json", 1, "b_qs5x9a0.75.png");
     expect(folder, "b_qs5x9a0.75.png", 1, "c.json");
     expect(folder, "c.json", 1, "d_qs8x6.JPG");
@@ -96,8 +99,10 @@ static void a_folder_that_is_gone_is_an_error(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(only_named_buttons_change),         cmocka_unit_test(unknown_words_change_nothing),
-        cmocka_unit_test(neighbours_go_round_by_name),       cmocka_unit_test(a_scene_alone_is_its_own_neighbour),
+        cmocka_unit_test(only_named_buttons_change),
+        cmocka_unit_test(unknown_words_change_nothing),
+        cmocka_unit_test(neighbours_go_round_by_name),
+        cmocka_unit_test(a_scene_alone_is_its_own_neighbour),
         cmocka_unit_test(a_folder_that_is_gone_is_an_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

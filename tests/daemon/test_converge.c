@@ -1,24 +1,34 @@
-/* What a picture that converges puts on the wire of a USB display. The engine's schedule, but with a clock of its own: the same
- * batches, frames and bytes every time. */
+/* What a picture that converges puts on the wire of a USB display. The engine's schedule, but with
+ * a clock of its own: the same batches, frames and bytes every time. */
 #include "tests/device/gud_testing.h"
 
-#include "daemon/picture.h"
-#include "daemon/schedule.h"
-#include "daemon/stage.h"
-#include "device/gud_host.h"
+#include "daemon/engine/picture.h"
+#include "daemon/engine/schedule.h"
+#include "daemon/output/content.h"
+#include "device/model/usb_model.h"
+#include "device/usb/gud_host.h"
 
-enum { VIEWS = 8, VIEW_WIDTH = 48, VIEW_HEIGHT = 280, WIDTH = 384, HEIGHT = 1024, THREADS = 2, SWEEPS = 5 };
+enum {
+    VIEWS = 8,
+    VIEW_WIDTH = 48,
+    VIEW_HEIGHT = 280,
+    WIDTH = 384,
+    HEIGHT = 1024,
+    THREADS = 2,
+    SWEEPS = 5
+};
 enum { PIXELS = VIEWS * VIEW_WIDTH * VIEW_HEIGHT };
 
 #define ROW_SECONDS 0.005 /* of a pass over a row, by the clock of this test */
 
 static const char scene_text[] =
-    "{\"quiltd\":1,\"camera\":{\"target\":[0,0,0],\"position\":[0,0.4,9],\"fov_y\":14,\"aspect\":0.75,\"cone\":30},"
+    "{\"quiltd\":1,\"camera\":{\"target\":[0,0,0],\"position\":[0,0.4,9],\"fov_y\":14,\"aspect\":0."
+    "75,\"cone\":30},"
     "\"volumes\":{\"fog\":{\"shape\":\"sphere\",\"density\":4,\"albedo\":0.9,\"g\":0.3}},"
     "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":0.7}}}";
 
 typedef struct converging {
-    lf_stage *stage;
+    lf_content *content;
     lf_pool *pool;
     lf_renderer *renderer;
     lf_picture picture;
@@ -44,17 +54,24 @@ static void make_picture(converging *c, const lf_calibration *calibration)
     lf_error err = {0};
     lf_scene *scene = NULL;
     json_t *doc = json_loads(scene_text, 0, NULL);
-    const lf_options options = {.views = VIEWS, .view_width = VIEW_WIDTH, .view_height = VIEW_HEIGHT};
+    const lf_options options = {
+        .views = VIEWS, .view_width = VIEW_WIDTH, .view_height = VIEW_HEIGHT};
     lf_assert_ok(lf_scene_from_json(doc, ".", "fog", NULL, NULL, &scene, &err), &err);
     json_decref(doc);
-    lf_assert_ok(lf_stage_from_scene(scene, "fog", &options, calibration, &c->stage, &err), &err);
+    lf_assert_ok(lf_content_from_scene(scene, "fog", &options, calibration, &c->content, &err),
+                 &err);
     lf_scene_unref(scene);
     lf_assert_ok(lf_pool_create(THREADS, &c->pool), NULL);
-    lf_assert_ok(lf_renderer_create(c->stage->scene, &c->stage->settings, c->pool, &c->renderer, &err), &err);
-    lf_assert_ok(lf_picture_shape(&c->picture, VIEWS, VIEW_WIDTH, VIEW_HEIGHT, THREADS, &c->stage->film, &err), &err);
+    lf_assert_ok(
+        lf_renderer_create(c->content->scene, &c->content->settings, c->pool, &c->renderer, &err),
+        &err);
+    lf_assert_ok(lf_picture_shape(&c->picture, VIEWS, VIEW_WIDTH, VIEW_HEIGHT, THREADS,
+                                  &c->content->film, &err),
+                 &err);
     c->picture.renderer = c->renderer;
-    lf_assert_ok(lf_interlacer_create(calibration, VIEWS, VIEW_WIDTH, VIEW_HEIGHT, c->stage->layout.aspect, LF_FILTER_NEAREST,
-                                      LF_INVERT_AUTO, &c->interlacer, &err),
+    lf_assert_ok(lf_interlacer_create(calibration, VIEWS, VIEW_WIDTH, VIEW_HEIGHT,
+                                      c->content->layout.aspect, LF_FILTER_NEAREST, LF_INVERT_AUTO,
+                                      &c->interlacer, &err),
                  &err);
 }
 
@@ -90,7 +107,7 @@ static void tear_down(converging *c)
     lf_picture_finish(&c->picture);
     lf_renderer_destroy(c->renderer);
     lf_pool_destroy(c->pool);
-    lf_stage_unref(c->stage);
+    lf_content_unref(c->content);
     for (int i = 0; i < 2; i++)
         lf_image8_finish(&c->frames[i]);
 }
@@ -120,9 +137,10 @@ static void converge(converging *c, double target_seconds)
     while (schedule.sweep < SWEEPS) {
         lf_batch batch = lf_schedule_next(&schedule, target_seconds);
         int reach = batch.coarse ? LF_COARSE_REACH : 0;
-        lf_assert_ok(
-            lf_renderer_pass_filling(c->renderer, batch.first, batch.step, batch.subsets, reach, lf_picture_row, &c->picture, NULL),
-            NULL);
+        lf_assert_ok(lf_renderer_pass_filling(
+                         c->renderer, &(lf_part){.first_row = batch.first, .row_step = batch.step},
+                         batch.subsets, reach, lf_picture_row, &c->picture, NULL),
+                     NULL);
         (void)lf_schedule_done(&schedule, &batch, ROW_SECONDS * batch.n_rows * batch.subsets);
         if (lf_schedule_covers(&schedule))
             show(c);
@@ -150,7 +168,8 @@ static void updates_cost_less_than_a_tenth_of_full_frames_and_the_last_is_exact(
         assert_true(share_of_full_frames(&c) < 0.1);
         assert_int_equal(gud_differences(c.gud, &c.frames[c.updates % 2], whole, LF_GUD_RGB888), 0);
         /* negative control: the frame before was another */
-        assert_true(gud_differences(c.gud, &c.frames[(c.updates + 1) % 2], whole, LF_GUD_RGB888) > 0);
+        assert_true(gud_differences(c.gud, &c.frames[(c.updates + 1) % 2], whole, LF_GUD_RGB888) >
+                    0);
         tear_down(&c);
     }
 }
@@ -166,7 +185,8 @@ static void updates_of_whole_sweeps_cost_more(void **state)
     tear_down(&c);
 }
 
-/* Later visits find that something is possible where the first found nothing: no hole where there was a pixel. */
+/* Later visits find that something is possible where the first found nothing: no hole where there
+ * was a pixel. */
 static void a_pixel_that_was_there_stays(void **state)
 {
     (void)state;
@@ -174,7 +194,7 @@ static void a_pixel_that_was_there_stays(void **state)
     converging c;
     set_up(&c, false);
     for (int visit = 0; visit < 6; visit++) {
-        lf_assert_ok(lf_renderer_pass(c.renderer, 0, 1, 1, lf_picture_row, &c.picture, NULL), NULL);
+        lf_assert_ok(lf_renderer_pass(c.renderer, NULL, 1, lf_picture_row, &c.picture, NULL), NULL);
         for (int i = 0; i < PIXELS && visit > 0; i++)
             if (before[i] == 0 && c.picture.missing[i] != 0)
                 fail_msg("visit %d: pixel %d was there and is missing", visit, i);

@@ -3,7 +3,7 @@
 
 #include <sys/stat.h>
 
-#include "daemon/doctor.h"
+#include "daemon/tools/doctor.h"
 
 typedef struct machine {
     char *root;
@@ -21,7 +21,7 @@ static void add_file(const machine *m, const char *path)
 {
     char folder[PATH_MAX];
     snprintf(folder, sizeof folder, "%s%s", m->root, path);
-    for (char *at = folder + strlen(m->root) + 1; (at = strchr(at, '/')) != NULL; at++) {
+    for (char *at = folder + strlen(m->root) + 1; (at = strchr(at, '/')); at++) {
         *at = 0;
         mkdir(folder, 0700);
         *at = '/';
@@ -41,7 +41,8 @@ static machine *make_machine(void)
     add_file(m, "/sys/bus/hid/drivers/hid-generic/bind");
     add_file(m, "/dev/dri/card1");
     lf_error_set(&m->no_answer, LF_E_NODEV, "/run/quiltd/control.sock", "no daemon answers");
-    m->facts = (lf_doctor_facts){.root = m->root, .no_answer = &m->no_answer, .devices = m->devices, .found = m->found};
+    m->facts = (lf_doctor_facts){
+        .root = m->root, .no_answer = &m->no_answer, .devices = m->devices, .found = m->found};
     return m;
 }
 
@@ -75,13 +76,13 @@ static void examine(machine *m)
 
 static void assert_says(const machine *m, const char *line)
 {
-    if (strstr(m->said, line) == NULL)
+    if (!strstr(m->said, line))
         fail_msg("\"%s\" is not said:\n%s", line, m->said);
 }
 
 static void assert_does_not_say(const machine *m, const char *words)
 {
-    if (strstr(m->said, words) != NULL)
+    if (strstr(m->said, words))
         fail_msg("\"%s\" is said:\n%s", words, m->said);
 }
 
@@ -97,8 +98,8 @@ static void a_machine_with_its_panel_has_nothing_but_ok(void **state)
 {
     (void)state;
     machine *m = make_machine();
-    m->status =
-        json_pack("{s:s, s:{s:s, s:s, s:b}}", "state", "rendering", "device", "spec", "drm:DP-1", "problem", "", "present", 1);
+    m->status = json_pack("{s:s, s:{s:s, s:s, s:b}}", "state", "rendering", "device", "spec",
+                          "drm:DP-1", "problem", "", "present", 1);
     add_device(m, "drm", "drm:DP-1", "used by quiltd"); /* which is the daemon: no problem */
     add_device(m, "none", "none", "");
     add_calibration(m, "/dev/hidraw0", "");
@@ -131,7 +132,8 @@ static void every_part_of_the_system_is_looked_for(void **state)
     static const struct {
         const char *removed, *line;
     } cases[] = {
-        {"usr/lib/udev/rules.d/70-quiltd.rules", "note  udev rule: 70-quiltd.rules is not installed"},
+        {"usr/lib/udev/rules.d/70-quiltd.rules",
+         "note  udev rule: 70-quiltd.rules is not installed"},
         {"run/udev/control", "note  udev: is not running"},
         {"sys/bus/hid", "note  module hid-generic: is not loaded"},
         {"sys/bus/usb", "note  USB: this kernel shows no USB bus"},
@@ -169,7 +171,8 @@ static void panels_and_calibrations_that_cannot_be_used_fail(void **state)
     add_calibration(m, "/dev/hidraw0", "may not be opened");
     examine(m);
     assert_false(m->sound);
-    assert_says(m, "FAIL  panel drm:DP-1: may not be opened: the user has to be in the group video\n");
+    assert_says(m,
+                "FAIL  panel drm:DP-1: may not be opened: the user has to be in the group video\n");
     assert_says(m, "FAIL  calibration /dev/hidraw0: may not be opened\n");
     assert_says(m, "note  calibrations: none was found"); /* that could be used */
     assert_does_not_say(m, "note  panels");
@@ -180,8 +183,8 @@ static void a_daemon_that_has_no_panel_owns_none(void **state)
 {
     (void)state;
     machine *m = make_machine();
-    m->status = json_pack("{s:s, s:{s:s, s:s, s:b}}", "state", "rendering", "device", "spec", "drm:DP-1", "problem", "unplugged",
-                          "present", 0);
+    m->status = json_pack("{s:s, s:{s:s, s:s, s:b}}", "state", "rendering", "device", "spec",
+                          "drm:DP-1", "problem", "unplugged", "present", 0);
     add_device(m, "drm", "drm:DP-1", "used by another program");
     examine(m);
     assert_says(m, "ok    daemon: rendering, shows on drm:DP-1: unplugged\n");
@@ -193,8 +196,9 @@ static void a_daemon_that_has_no_panel_owns_none(void **state)
 static void a_daemon_that_says_other_things_is_put_up_with(void **state)
 {
     (void)state;
-    static const char *const answers[] = {"{}", "{\"device\":null}", "{\"device\":{\"spec\":1,\"problem\":[],\"present\":true}}",
-                                          "[]"};
+    static const char *const answers[] = {
+        "{}", "{\"device\":null}", "{\"device\":{\"spec\":1,\"problem\":[],\"present\":true}}",
+        "[]"};
     for (size_t i = 0; i < sizeof answers / sizeof answers[0]; i++) {
         machine *m = make_machine();
         m->status = json_loads(answers[i], 0, NULL);

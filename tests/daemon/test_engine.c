@@ -3,9 +3,9 @@
 
 #include <sys/eventfd.h>
 
-#include "daemon/loader.h"
-#include "daemon/mailbox.h"
-#include "daemon/schedule.h"
+#include "daemon/engine/loader.h"
+#include "daemon/engine/mailbox.h"
+#include "daemon/engine/schedule.h"
 
 /* Runs one sweep, counting the visits of every row; returns its subsets. */
 static int run_sweep(lf_schedule *schedule, double target, int *visits, lf_batch *out_first)
@@ -20,9 +20,8 @@ static int run_sweep(lf_schedule *schedule, double target, int *visits, lf_batch
             rows++;
         }
         assert_int_equal(rows, batch.n_rows);
-        if (n == 0) {
+        if (n == 0)
             *out_first = batch;
-        }
         subsets = batch.subsets;
         ended = lf_schedule_done(schedule, &batch, 0.001 * batch.n_rows * batch.subsets);
         assert_true(n < 200);
@@ -46,9 +45,8 @@ static void the_first_sweep_visits_every_fourth_row_and_later_ones_all(void **st
                 assert_int_equal(lf_schedule_has_halves(&schedule), sweep > 2);
                 run_sweep(&schedule, targets[t], visits, &first);
                 assert_int_equal(first.coarse, sweep == 0);
-                for (int row = 0; row < heights[h]; row++) {
+                for (int row = 0; row < heights[h]; row++)
                     assert_int_equal(visits[row], sweep > 0 || row % 4 == 2);
-                }
             }
         }
     }
@@ -143,7 +141,8 @@ static void views_in_use_are_not_written_over(void **state)
     lf_mailbox mailbox;
     int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     uint8_t pixels[2 * 4 * 3 * 3];
-    lf_views8 views = {.n_views = 2, .width = 4, .height = 3, .view_stride = 12, .row_stride = 24, .data = pixels};
+    lf_views8 views = {
+        .n_views = 2, .width = 4, .height = 3, .view_stride = 12, .row_stride = 24, .data = pixels};
     lf_assert_ok(lf_mailbox_init(&mailbox, fd), NULL);
     memset(pixels, 1, sizeof pixels);
     lf_frame *frame = lf_mailbox_begin(&mailbox, 0, 0);

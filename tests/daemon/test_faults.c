@@ -1,10 +1,11 @@
-/* A soak: the daemon renders a small scene that moves and converges, on a panel with random faults (tests/daemon/faulty.h), while a
- * client goes on sending commands. Rendering never stops, nothing grows, nothing is left open.
+/* A soak: the daemon renders a small scene that moves and converges, on a panel with random faults
+ * (tests/daemon/faulty.h), while a client goes on sending commands. Rendering never stops, nothing
+ * grows, nothing is left open.
  *
  *     make soak                 10 minutes; SOAK_SECONDS, SOAK_SEED (printed)
  *
- * make check runs 20 seconds of it. How long commands take is told, and only make soak (SOAK_STRICT) judges it. The first fifth of
- * the time is without faults, to compare with. */
+ * make check runs 20 seconds of it. How long commands take is told, and only make soak
+ * (SOAK_STRICT) judges it. The first fifth of the time is without faults, to compare with. */
 #include "tests/daemon/live.h"
 
 #include <dirent.h>
@@ -15,7 +16,7 @@
 
 #include "base/log.h"
 #include "base/thread.h"
-#include "daemon/server.h"
+#include "daemon/server/server.h"
 #include "tests/daemon/faulty.h"
 
 #define SECONDS 20.0
@@ -26,7 +27,14 @@
 #define SAMPLE_SECONDS 0.25 /* between looks at the process */
 #define SETTLE_SECONDS 120  /* until what faults left behind is closed */
 
-enum { MAX_LATENCIES = 1 << 16, MAX_SAMPLES = 1 << 14, N_PHASES = 2, MAX_PARAMS = 5, N_SERIAL = 4, N_WORKERS = 2 };
+enum {
+    MAX_LATENCIES = 1 << 16,
+    MAX_SAMPLES = 1 << 14,
+    N_PHASES = 2,
+    MAX_PARAMS = 5,
+    N_SERIAL = 4,
+    N_WORKERS = 2
+};
 
 /* AddressSanitizer keeps what was freed for a while, ThreadSanitizer what it knows of memory. */
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -35,13 +43,13 @@ enum { GROWTH_KIB = 512 * 1024 };
 enum { GROWTH_KIB = 16 * 1024 };
 #endif
 
-/* Threads whose waits for a CPU count: this one, the daemon's event thread, loader and engine, one after the other; and workers,
- * who have to leave a cancelled pass, side by side. */
+/* Threads whose waits for a CPU count: this one, the daemon's event thread, loader and engine, one
+ * after the other; and workers, who have to leave a cancelled pass, side by side. */
 enum { N_WAITS = N_SERIAL + N_WORKERS };
 
 typedef enum phase { QUIET, FAULTS } phase;
 
-/* ------------------------------------------------------------------------------------------------------ the daemon -- */
+/* -------------------------------------------------------------------------------- the daemon -- */
 
 static lf_faulty_orders *orders; /* shared by both programs */
 
@@ -50,8 +58,8 @@ static void map_orders(int fd)
     orders = mmap(NULL, sizeof *orders, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
 }
 
-/* The whole server with the faulty panel in place of real ones: this program again, since a library that it links has threads that a
- * fork would lose. */
+/* The whole server with the faulty panel in place of real ones: this program again, since a library
+ * that it links has threads that a fork would lose. */
 static pid_t start_server(const live *l, int orders_fd)
 {
     char number[16];
@@ -68,15 +76,16 @@ static pid_t start_server(const live *l, int orders_fd)
 /* args: what start_server gives. */
 static int run_server(char *args[])
 {
-    lf_server_config config = {.scene = args[1], .socket = args[2], .device = "usb", .export_dir = args[3]};
+    lf_server_config config = {
+        .scene = args[1], .socket = args[2], .device = "usb", .export_dir = args[3]};
     lf_error err;
     map_orders((int)strtol(args[4], NULL, 10));
     lf_log_init("quiltd", LF_LOG_INFO);
     lf_button_actions_default(&config.buttons);
     /* a pause would be no stop of rendering */
-    if (orders == MAP_FAILED || lf_button_actions_parse("square=none", &config.buttons, &err) != LF_OK) {
+    if (orders == MAP_FAILED ||
+        lf_button_actions_parse("square=none", &config.buttons, &err) != LF_OK)
         return 1;
-    }
     config.options.view_width = 48;
     config.options.view_height = 64;
     config.options.threads = 2;
@@ -92,9 +101,8 @@ static int count_entries(pid_t pid, const char *what)
     DIR *folder = opendir(path);
     assert_non_null(folder);
     int n = 0;
-    while (readdir(folder) != NULL) {
+    while (readdir(folder))
         n++;
-    }
     closedir(folder);
     return n - 2; /* "." and ".." */
 }
@@ -111,13 +119,14 @@ static long resident_kib(pid_t pid)
     return pages * (sysconf(_SC_PAGESIZE) / 1024);
 }
 
-/* ------------------------------------------------------------------------------------------------------ the client -- */
+/* -------------------------------------------------------------------------------- the client -- */
 
 /* A command that is sent again and again, never before the last one was answered. */
 typedef struct command {
     const char *method;
-    double period;                  /* seconds */
-    bool late;                      /* answered when a file or a device was opened, looked for, or loaded */
+    double period; /* seconds */
+    /* answered when a file or a device was opened, looked for, or loaded */
+    bool late;
     const char *params[MAX_PARAMS]; /* in turn; NULL ends them */
 } command;
 
@@ -127,17 +136,25 @@ static const command commands[] = {
     {"device.calibration", 0.35, false, {"{}"}},
     {"render.set", 0.8, false, {"{\"target_error\":1e-9}", "{\"target_error\":1e-8}"}},
     {"button", 2.3, false, {"{\"name\":\"circle\"}", "{\"name\":\"right\"}"}},
-    {"camera.orbit", 1.1, false, {"{\"yaw\":7}", "{\"yaw\":-3,\"pitch\":2}", "{\"yaw\":-4,\"pitch\":-2}"}},
+    {"camera.orbit",
+     1.1,
+     false,
+     {"{\"yaw\":7}", "{\"yaw\":-3,\"pitch\":2}", "{\"yaw\":-4,\"pitch\":-2}"}},
     {"scene.patch",
      1.7,
      true,
-     {"{\"patch\":{\"lights\":{\"sky\":{\"radiance\":0.9}}}}", "{\"patch\":{\"lights\":{\"sky\":{\"radiance\":0.4}}}}"}},
-    {"scene.load", 3.1, true, {"{\"file\":\"fog.json\"}", "{\"file\":\"mist.json\"}", "{\"file\":\"broken.json\"}"}},
+     {"{\"patch\":{\"lights\":{\"sky\":{\"radiance\":0.9}}}}",
+      "{\"patch\":{\"lights\":{\"sky\":{\"radiance\":0.4}}}}"}},
+    {"scene.load",
+     3.1,
+     true,
+     {"{\"file\":\"fog.json\"}", "{\"file\":\"mist.json\"}", "{\"file\":\"broken.json\"}"}},
     {"device.list", 0.9, true, {"{}"}},
     {"device.set",
      4.3,
      true,
-     {"{\"spec\":\"usb\"}", "{\"spec\":\"usb:1-1\"}", "{\"spec\":\"none\"}", "{\"spec\":\"usb\"}", "{\"spec\":\"usb:7-7\"}"}},
+     {"{\"spec\":\"usb\"}", "{\"spec\":\"usb:1-1\"}", "{\"spec\":\"none\"}", "{\"spec\":\"usb\"}",
+      "{\"spec\":\"usb:7-7\"}"}},
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof *commands };
@@ -215,15 +232,13 @@ static void open_waits(soak *s)
     snprintf(path, sizeof path, "/proc/%d/task", (int)s->l.pid);
     DIR *folder = opendir(path);
     assert_non_null(folder);
-    for (const struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
+    for (const struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
         for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
             int place = kinds[k].first;
-            while (place < kinds[k].end && s->waits[place] > 0) {
+            while (place < kinds[k].end && s->waits[place] > 0)
                 place++;
-            }
-            if (place < kinds[k].end && is_thread(s->l.pid, entry->d_name, kinds[k].name)) {
+            if (place < kinds[k].end && is_thread(s->l.pid, entry->d_name, kinds[k].name))
                 s->waits[place] = open_of_thread(s->l.pid, entry->d_name, "schedstat");
-            }
         }
     }
     closedir(folder);
@@ -231,11 +246,9 @@ static void open_waits(soak *s)
 
 static void close_waits(soak *s)
 {
-    for (int i = 0; i < N_WAITS; i++) {
-        if (s->waits[i] > 0) {
+    for (int i = 0; i < N_WAITS; i++)
+        if (s->waits[i] > 0)
             close(s->waits[i]);
-        }
-    }
 }
 
 /* Seconds so far that a thread could have run and did not; 0 where the kernel does not count it. */
@@ -265,16 +278,15 @@ static void send_command(soak *s, int index)
     const command *c = &commands[index];
     turn *t = &s->turns[index];
     unsigned n = 0;
-    while (n < MAX_PARAMS && c->params[n] != NULL) {
+    while (n < MAX_PARAMS && c->params[n])
         n++;
-    }
     char text[512];
     t->id = ++s->ids;
-    int length = snprintf(text, sizeof text, "{\"jsonrpc\":\"2.0\",\"id\":%d,\"method\":\"%s\",\"params\":%s}\n", t->id, c->method,
-                          c->params[t->sent++ % n]);
-    for (int i = 0; i < N_WAITS; i++) {
+    int length = snprintf(text, sizeof text,
+                          "{\"jsonrpc\":\"2.0\",\"id\":%d,\"method\":\"%s\",\"params\":%s}\n",
+                          t->id, c->method, c->params[t->sent++ % n]);
+    for (int i = 0; i < N_WAITS; i++)
         t->waited[i] = wait_of(s, i);
-    }
     t->sent_at = lf_time_now();
     t->next_at = t->sent_at + c->period;
     live_send(&s->c, text, (size_t)length);
@@ -292,9 +304,8 @@ static void follow(progress *p, const json_t *status, double now)
     p->sum += fmax(more, 0);
     p->generation = generation;
     p->passes = passes;
-    if (now - p->moved_at > STOPPED_SECONDS) {
+    if (now - p->moved_at > STOPPED_SECONDS)
         fail_msg("nothing was rendered for %d s", STOPPED_SECONDS);
-    }
 }
 
 static void take_answer(soak *s, const json_t *message)
@@ -303,18 +314,16 @@ static void take_answer(soak *s, const json_t *message)
     int id = (int)json_integer_value(json_object_get(message, "id"));
     for (int i = 0; i < N_COMMANDS; i++) {
         turn *t = &s->turns[i];
-        if (t->sent_at <= 0 || t->id != id) {
+        if (t->sent_at <= 0 || t->id != id)
             continue;
-        }
         latencies *all = &s->latencies[s->phase][i];
         if (all->n < MAX_LATENCIES) {
             double seconds = now - t->sent_at, own = seconds - waited(s, t->waited);
             all->of[all->n++] = (latency){(float)seconds, (float)fmax(own, 0)};
         }
         t->sent_at = 0;
-        if (i == 0) {
+        if (i == 0)
             follow(&s->progress, json_object_get(message, "result"), now);
-        }
     }
 }
 
@@ -322,17 +331,15 @@ static void take_answer(soak *s, const json_t *message)
 static void take_answers(soak *s, int wait_ms)
 {
     struct pollfd p = {.fd = s->c.fd, .events = POLLIN};
-    if (memchr(s->c.buffer, '\n', s->c.used) == NULL && poll(&p, 1, wait_ms) != 1) {
+    if (!memchr(s->c.buffer, '\n', s->c.used) && poll(&p, 1, wait_ms) != 1)
         return;
-    }
     do {
         json_t *message = live_receive(&s->c);
-        if (message == NULL) {
+        if (!message)
             fail_msg("the daemon closed the connection");
-        }
         take_answer(s, message);
         json_decref(message);
-    } while (memchr(s->c.buffer, '\n', s->c.used) != NULL);
+    } while (memchr(s->c.buffer, '\n', s->c.used));
 }
 
 static void take_sample(soak *s)
@@ -352,9 +359,8 @@ static void run_phase(soak *s, phase which, double seconds)
     for (double now = begin; now < begin + seconds; now = lf_time_now()) {
         double next = begin + seconds;
         for (int i = 0; i < N_COMMANDS; i++) {
-            if (s->turns[i].sent_at <= 0 && now >= s->turns[i].next_at) {
+            if (s->turns[i].sent_at <= 0 && now >= s->turns[i].next_at)
                 send_command(s, i);
-            }
             next = s->turns[i].sent_at <= 0 ? fmin(next, s->turns[i].next_at) : next;
         }
         if (now >= sample_at) {
@@ -369,11 +375,9 @@ static void run_phase(soak *s, phase which, double seconds)
 
 static bool all_answered(const soak *s)
 {
-    for (int i = 0; i < N_COMMANDS; i++) {
-        if (s->turns[i].sent_at > 0) {
+    for (int i = 0; i < N_COMMANDS; i++)
+        if (s->turns[i].sent_at > 0)
             return false;
-        }
-    }
     return true;
 }
 
@@ -386,7 +390,7 @@ static void take_last_answers(soak *s)
     }
 }
 
-/* --------------------------------------------------------------------------------------------------------- judging -- */
+/* ----------------------------------------------------------------------------------- judging -- */
 
 /* Opens the panel, which is healthy. */
 static void open_panel(soak *s)
@@ -421,7 +425,7 @@ static holdings settled_holdings(soak *s, const holdings *expected)
         live_nap(50);
         holdings before = now;
         now = holdings_of(s);
-        bool good = same_holdings(now, before) && (expected == NULL || same_holdings(now, *expected));
+        bool good = same_holdings(now, before) && (!expected || same_holdings(now, *expected));
         same = good ? same + 1 : 0;
     }
     return now;
@@ -443,9 +447,8 @@ static double quantile_ms(const latencies *l, double share)
 static double most_own(const latencies *l)
 {
     float most = 0;
-    for (size_t i = 0; i < l->n; i++) {
+    for (size_t i = 0; i < l->n; i++)
         most = fmaxf(most, l->of[i].own);
-    }
     return (double)most;
 }
 
@@ -454,13 +457,15 @@ static double report_latencies(soak *s)
 {
     double slowest = 0;
     print_message("%-20s %24s   %42s\n", "", "without faults", "with faults");
-    print_message("%-20s %6s %8s %8s   %6s %8s %8s %8s %8s\n", "ms", "n", "99.9 %", "max", "n", "50 %", "99.9 %", "max", "own max");
+    print_message("%-20s %6s %8s %8s   %6s %8s %8s %8s %8s\n", "ms", "n", "99.9 %", "max", "n",
+                  "50 %", "99.9 %", "max", "own max");
     for (int i = 0; i < N_COMMANDS; i++) {
         latencies *quiet = &s->latencies[QUIET][i], *faults = &s->latencies[FAULTS][i];
         qsort(quiet->of, quiet->n, sizeof *quiet->of, compare_latencies);
         qsort(faults->of, faults->n, sizeof *faults->of, compare_latencies);
-        print_message("%-20s %6zu %8.1f %8.1f   %6zu %8.1f %8.1f %8.1f %8.1f%s\n", commands[i].method, quiet->n,
-                      quantile_ms(quiet, 0.999), quantile_ms(quiet, 1), faults->n, quantile_ms(faults, 0.5),
+        print_message("%-20s %6zu %8.1f %8.1f   %6zu %8.1f %8.1f %8.1f %8.1f%s\n",
+                      commands[i].method, quiet->n, quantile_ms(quiet, 0.999),
+                      quantile_ms(quiet, 1), faults->n, quantile_ms(faults, 0.5),
                       quantile_ms(faults, 0.999), quantile_ms(faults, 1), 1e3 * most_own(faults),
                       commands[i].late ? " (late by design)" : "");
         slowest = commands[i].late ? slowest : fmax(slowest, most_own(faults));
@@ -480,9 +485,8 @@ static double median_kib(const soak *s, size_t first, size_t last)
 {
     static double values[MAX_SAMPLES];
     size_t n = 0;
-    for (size_t i = first; i < last; i++) {
+    for (size_t i = first; i < last; i++)
         values[n++] = s->samples[i].kib;
-    }
     qsort(values, n, sizeof *values, compare_doubles);
     return n > 0 ? values[n / 2] : 0;
 }
@@ -509,35 +513,37 @@ static double report_memory(const soak *s)
     size_t n = s->n_samples, warm = (size_t)(WARM_SHARE * (double)n), tenth = n / 10 + 1;
     assert_true(n > 20);
     double begin = median_kib(s, warm, warm + tenth), end = median_kib(s, n - tenth, n);
-    print_message("RSS: %.1f MiB at the beginning (warm), %.1f at the end, slope %+.2f MiB a minute\n", begin / 1024, end / 1024,
-                  slope_kib(s, warm, n) / 1024);
+    print_message(
+        "RSS: %.1f MiB at the beginning (warm), %.1f at the end, slope %+.2f MiB a minute\n",
+        begin / 1024, end / 1024, slope_kib(s, warm, n) / 1024);
     return end - begin;
 }
 
 static void report_rendering(const soak *s)
 {
-    double quiet = s->passes[QUIET] / s->seconds[QUIET], faults = s->passes[FAULTS] / s->seconds[FAULTS];
-    print_message("passes a second: %.0f without faults, %.0f with (%.2f); longest without one %.2f s\n", quiet, faults,
-                  faults / quiet, s->progress.longest_s);
+    double quiet = s->passes[QUIET] / s->seconds[QUIET],
+           faults = s->passes[FAULTS] / s->seconds[FAULTS];
+    print_message(
+        "passes a second: %.0f without faults, %.0f with (%.2f); longest without one %.2f s\n",
+        quiet, faults, faults / quiet, s->progress.longest_s);
 }
 
 static void report_faults(void)
 {
     print_message("displays opened %llu, rectangles shown %llu, EEPROM pages %llu, presses %llu; ",
-                  (unsigned long long)orders->opened, (unsigned long long)orders->rects, (unsigned long long)orders->pages,
-                  (unsigned long long)orders->presses);
-    for (int i = 0; i < LF_FAULTY_KINDS; i++) {
-        print_message("%s %llu%s", lf_faulty_name((lf_faulty_kind)i), (unsigned long long)orders->struck[i],
-                      i + 1 < LF_FAULTY_KINDS ? ", " : "\n");
-    }
+                  (unsigned long long)orders->opened, (unsigned long long)orders->rects,
+                  (unsigned long long)orders->pages, (unsigned long long)orders->presses);
+    for (int i = 0; i < LF_FAULTY_KINDS; i++)
+        print_message("%s %llu%s", lf_faulty_name((lf_faulty_kind)i),
+                      (unsigned long long)orders->struck[i], i + 1 < LF_FAULTY_KINDS ? ", " : "\n");
 }
 
-/* ------------------------------------------------------------------------------------------------------------ test -- */
+/* -------------------------------------------------------------------------------------- test -- */
 
 static double wanted_seconds(void)
 {
     const char *text = getenv("SOAK_SECONDS");
-    double seconds = text != NULL ? strtod(text, NULL) : 0;
+    double seconds = text ? strtod(text, NULL) : 0;
     return seconds > 0 ? seconds : lf_test_long() ? 60 : SECONDS;
 }
 
@@ -555,7 +561,7 @@ static void prepare(soak *s)
     assert_int_equal(ftruncate(fd, sizeof *orders), 0);
     map_orders(fd);
     assert_ptr_not_equal(orders, MAP_FAILED);
-    orders->seed = seed != NULL ? strtoull(seed, NULL, 10) : lf_test_seed();
+    orders->seed = seed ? strtoull(seed, NULL, 10) : lf_test_seed();
     s->l.pid = start_server(&s->l, fd);
     close(fd);
 }
@@ -590,8 +596,8 @@ static void faults_stop_nothing_and_leave_nothing(void **state)
     double growth = report_memory(&s);
     report_rendering(&s);
     report_faults();
-    print_message("descriptors %d before, %d after; threads %d, %d\n", before.descriptors, after.descriptors, before.threads,
-                  after.threads);
+    print_message("descriptors %d before, %d after; threads %d, %d\n", before.descriptors,
+                  after.descriptors, before.threads, after.threads);
     close_waits(&s);
     live_close(&s.c);
     assert_int_equal(live_stop(&s.l), 0);
@@ -602,17 +608,15 @@ static void faults_stop_nothing_and_leave_nothing(void **state)
     assert_true(growth < GROWTH_KIB);
     assert_int_equal(after.descriptors, before.descriptors);
     assert_int_equal(after.threads, before.threads);
-    if (getenv("SOAK_STRICT") != NULL) {
+    if (getenv("SOAK_STRICT"))
         assert_true(slowest <= PROMPT_SECONDS);
-    }
     munmap(orders, sizeof *orders);
 }
 
 int main(int argc, char *argv[])
 {
-    if (argc > 1) {
+    if (argc > 1)
         return run_server(argv);
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(faults_stop_nothing_and_leave_nothing),
     };

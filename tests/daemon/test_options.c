@@ -1,7 +1,8 @@
-/* The shared command line: what is taken, what is refused and with which words, and which source of a value wins. */
+/* The shared command line: what is taken, what is refused and with which words, and which source of
+ * a value wins. */
 #include "tests/testing.h"
 
-#include "daemon/options.h"
+#include "daemon/output/options.h"
 
 static const struct option table[] = {
     LF_OPTIONS_LONG("panel"),
@@ -27,7 +28,6 @@ static void count_help(void)
 static lf_status take_own(void *context, int code, const char *text, lf_error *err)
 {
     own *o = context;
-
     if (text && strcmp(text, "bad") == 0)
         return lf_error_set(err, LF_E_ARG, "--own", "is bad");
     o->n++;
@@ -43,7 +43,6 @@ static lf_status read_line(const char *text, lf_options *options, lf_error *err)
     char *argv[32] = {(char[]){"program"}};
     const lf_options_rules rules = {"program", ":o:", table, count_help, options, take_own, &got};
     int argc = 1;
-
     *options = (lf_options){0};
     *err = (lf_error){0};
     got = (own){0};
@@ -59,7 +58,6 @@ static void options_of_the_program_itself_are_handed_to_it_until_one_is_bad(void
     lf_options o;
     lf_error err;
     (void)state;
-
     lf_assert_ok(read_line("--own one --views 7 -o two operand", &o, &err), &err);
     assert_int_equal(got.n, 2);
     assert_int_equal(got.last_code, 'o');
@@ -77,7 +75,6 @@ static void nothing_is_read_behind_help_and_version(void **state)
     lf_options o;
     lf_error err;
     (void)state;
-
     lf_assert_ok(read_line("--views 7 --help --own bad --unknown", &o, &err), &err);
     assert_true(got.done);
     assert_int_equal(got.helps, 1);
@@ -94,9 +91,10 @@ static void every_shared_option_is_taken(void **state)
     lf_options o;
     lf_error err;
     (void)state;
-
-    lf_assert_ok(read_line("--preset portrait --views 7 --quilt 8x6 --view-size 640x480 --integrator vpt --estimator cv "
-                           "--sampler independent --threads 3 --seed 18446744073709551615 --max-depth 12 --skip none "
+    lf_assert_ok(read_line("--preset portrait --views 7 --quilt 8x6 --view-size 640x480 "
+                           "--integrator vpt --estimator cv "
+                           "--sampler independent --threads 3 --seed 18446744073709551615 "
+                           "--max-depth 12 --skip none "
                            "--target-error 1e-3 --panel p.json operand",
                            &o, &err),
                  &err);
@@ -112,11 +110,12 @@ static void every_shared_option_is_taken(void **state)
     assert_int_equal(o.threads, 3);
     assert_true(o.has_seed && o.seed == UINT64_MAX);
     assert_int_equal(o.max_depth, 12);
-    assert_true(o.kept & LF_SKIP_SURFACES && o.kept & LF_SKIP_KNOWN_LIGHT);
+    assert_true(o.has_skip && o.skip == 0);
     lf_assert_close(o.target_error, 1e-3, 0, 0);
     assert_string_equal(o.calibration, "p.json");
     lf_assert_ok(read_line("", &o, &err), &err);
-    assert_true(!o.preset && !o.views && !o.integrator && !o.has_seed && o.estimator == LF_ESTIMATOR_MWIS);
+    assert_true(!o.preset && !o.views && !o.integrator && !o.has_seed &&
+                o.estimator == LF_ESTIMATOR_MWIS);
 }
 
 static void wrong_words_are_refused_with_the_option_and_what_it_expects(void **state)
@@ -177,7 +176,6 @@ static void pairs_and_numbers_read_what_was_typed(void **state)
     int64_t n = 0;
     lf_error err;
     (void)state;
-
     lf_assert_ok(lf_parse_pair("--print", "60.13@600", '@', 0, 1000, pair, &err), &err);
     lf_assert_close(pair[0], 60.13, 1e-15, 0);
     lf_assert_close(pair[1], 600, 0, 0);
@@ -193,12 +191,17 @@ static void pairs_and_numbers_read_what_was_typed(void **state)
     assert_int_equal(lf_parse_double("--phase", "", -10, 10, &x, &err), LF_E_ARG);
 }
 
-/* ------------------------------------------------------------------------------------------------------- precedence */
+/* -------------------------------------------------------------------------------- precedence -- */
 
 static lf_camera scene_camera(void)
 {
-    return (lf_camera){
-        .fov_y = 0.25, .aspect = 1.25, .n_views = 12, .cone = 0.5, .has_aspect = true, .has_views = true, .has_cone = true};
+    return (lf_camera){.fov_y = 0.25,
+                       .aspect = 1.25,
+                       .n_views = 12,
+                       .cone = 0.5,
+                       .has_aspect = true,
+                       .has_views = true,
+                       .has_cone = true};
 }
 
 static lf_calibration panel(void)
@@ -211,12 +214,11 @@ static lf_calibration panel(void)
     return c;
 }
 
-static void resolve(const char *line, const lf_camera *camera, const lf_calibration *calibration, lf_render_settings *settings,
-                    lf_layout *layout)
+static void resolve(const char *line, const lf_camera *camera, const lf_calibration *calibration,
+                    lf_render_settings *settings, lf_layout *layout)
 {
     lf_options o;
     lf_error err;
-
     lf_assert_ok(read_line(line, &o, &err), &err);
     lf_assert_ok(lf_resolve_view(&o, camera, calibration, settings, layout, &err), &err);
     assert_int_equal(settings->width, layout->view_width);
@@ -258,7 +260,8 @@ static void command_line_beats_preset_beats_panel_beats_scene(void **state)
         if (!cases[i].scene_says)
             camera = (lf_camera){.fov_y = 0.25, .aspect = 0.75, .n_views = 45, .cone = 0.7};
         print_message("case %zu: \"%s\"\n", i, cases[i].line);
-        resolve(cases[i].line, &camera, cases[i].with_panel ? &calibration : NULL, &settings, &layout);
+        resolve(cases[i].line, &camera, cases[i].with_panel ? &calibration : NULL, &settings,
+                &layout);
         assert_int_equal(layout.n_views, cases[i].views);
         if (cases[i].columns > 0) {
             assert_int_equal(layout.columns, cases[i].columns);
@@ -279,7 +282,6 @@ static void a_panel_without_a_cone_leaves_the_scenes(void **state)
     lf_render_settings settings;
     lf_layout layout;
     (void)state;
-
     calibration.view_cone_deg = 0;
     resolve("", &camera, &calibration, &settings, &layout);
     lf_assert_close(settings.camera.cone, 0.5, 0, 0);
@@ -291,8 +293,8 @@ static void render_options_reach_the_settings(void **state)
     lf_render_settings settings;
     lf_layout layout;
     (void)state;
-
-    resolve("--integrator vpt --sampler independent --seed 9 --max-depth 3", &camera, NULL, &settings, &layout);
+    resolve("--integrator vpt --sampler independent --seed 9 --max-depth 3", &camera, NULL,
+            &settings, &layout);
     assert_string_equal(settings.integrator, "vpt");
     assert_int_equal(settings.sampler, LF_SAMPLER_INDEPENDENT);
     assert_int_equal(settings.seed, 9);
@@ -309,7 +311,6 @@ static void too_few_tiles_are_refused(void **state)
     lf_options o;
     lf_error err;
     (void)state;
-
     lf_assert_ok(read_line("--views 45 --quilt 5x8", &o, &err), &err);
     assert_int_equal(lf_resolve_view(&o, &camera, NULL, &settings, &layout, &err), LF_E_ARG);
     assert_string_equal(err.where, "--quilt");
@@ -317,26 +318,6 @@ static void too_few_tiles_are_refused(void **state)
     assert_non_null(strstr(err.what, "45"));
     assert_int_equal(settings.width, -1);
     assert_int_equal(layout.columns, -1);
-}
-
-static void any_number_of_views_finds_tiles(void **state)
-{
-    (void)state;
-    for (int n = 1; n <= LF_MAX_VIEWS; n++) {
-        int columns = 0;
-        int rows = 0;
-        lf_choose_tiles(n, 420, 560, &columns, &rows);
-        assert_in_range(columns, 1, 64);
-        assert_in_range(rows, 1, 64);
-        assert_true(columns * rows >= n);
-        assert_true((columns - 1) * rows < n); /* no empty column */
-        assert_true(columns * (rows - 1) < n); /* no empty row */
-    }
-    int columns = 0;
-    int rows = 0;
-    lf_choose_tiles(48, 420, 560, &columns, &rows);
-    assert_int_equal(columns, 8);
-    assert_int_equal(rows, 6);
 }
 
 int main(void)
@@ -351,7 +332,6 @@ int main(void)
         cmocka_unit_test(a_panel_without_a_cone_leaves_the_scenes),
         cmocka_unit_test(render_options_reach_the_settings),
         cmocka_unit_test(too_few_tiles_are_refused),
-        cmocka_unit_test(any_number_of_views_finds_tiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

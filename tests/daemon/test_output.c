@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 
 #include "base/alloc.h"
-#include "daemon/output.h"
+#include "daemon/output/output.h"
 
 #define VIEWS 6
 #define WIDTH 10
@@ -30,13 +30,14 @@ static double linear_of(uint8_t value)
 static int set_up(void **state)
 {
     static fixture f;
-    lf_render_settings settings = {.camera = {.n_views = VIEWS, .aspect = 1.25}, .width = WIDTH, .height = HEIGHT};
-
+    lf_render_settings settings = {
+        .camera = {.n_views = VIEWS, .aspect = 1.25}, .width = WIDTH, .height = HEIGHT};
     f.folder = lf_test_folder();
     for (int view = 0; view < VIEWS; view++) {
         for (int y = 0; y < HEIGHT; y++) {
             for (int x = 0; x < WIDTH; x++) {
-                const uint8_t rgb[3] = {(uint8_t)(40 * view + 3), (uint8_t)(30 * y + 5), (uint8_t)(25 * x + 7)};
+                const uint8_t rgb[3] = {(uint8_t)(40 * view + 3), (uint8_t)(30 * y + 5),
+                                        (uint8_t)(25 * x + 7)};
                 for (int c = 0; c < 3; c++) {
                     f.bytes[view][y][x][c] = rgb[c];
                     f.film[y][view][x][c] = (float)linear_of(rgb[c]);
@@ -44,7 +45,8 @@ static int set_up(void **state)
             }
         }
     }
-    f.source8 = (lf_output_source){.views8 = {VIEWS, WIDTH, HEIGHT, sizeof f.bytes[0], sizeof f.bytes[0][0], &f.bytes[0][0][0][0]},
+    f.source8 = (lf_output_source){.views8 = {VIEWS, WIDTH, HEIGHT, sizeof f.bytes[0],
+                                              sizeof f.bytes[0][0], &f.bytes[0][0][0][0]},
                                    .aspect = 1.25};
     f.source32 = lf_output_from_film(&settings, &f.film[0][0][0][0]);
     f.layout = (lf_layout){3, 2, VIEWS, WIDTH, HEIGHT, 1.25};
@@ -63,7 +65,6 @@ static int count_files(const char *folder)
 {
     DIR *dir = opendir(folder);
     int n = 0;
-
     if (!dir)
         return -1;
     for (const struct dirent *entry = readdir(dir); entry; entry = readdir(dir))
@@ -85,23 +86,25 @@ static void assert_views8(const fixture *f, const lf_views8 *views)
 {
     for (int view = 0; view < VIEWS; view++)
         for (int y = 0; y < HEIGHT; y++)
-            assert_memory_equal(lf_views8_row(views, view, y), f->bytes[view][y], sizeof f->bytes[view][y]);
+            assert_memory_equal(lf_views8_row(views, view, y), f->bytes[view][y],
+                                sizeof f->bytes[view][y]);
 }
 
 static void assert_views32(const fixture *f, const lf_views32 *views)
 {
     for (int view = 0; view < VIEWS; view++)
         for (int y = 0; y < HEIGHT; y++)
-            assert_memory_equal(lf_views32_row(views, view, y), f->film[y][view], sizeof f->film[y][view]);
+            assert_memory_equal(lf_views32_row(views, view, y), f->film[y][view],
+                                sizeof f->film[y][view]);
 }
 
 static void png_quilts_of_both_sources_come_back_unchanged(void **state)
 {
     const fixture *f = *state;
     lf_error err = {0};
-
     for (int is_float = 0; is_float < 2; is_float++) {
-        const char *path = lf_test_path(f->folder, is_float ? "a_qs3x2a1.25.png" : "b_qs3x2a1.25.png");
+        const char *path =
+            lf_test_path(f->folder, is_float ? "a_qs3x2a1.25.png" : "b_qs3x2a1.25.png");
         lf_output_request request = {.kind = LF_OUTPUT_QUILT, .path = path, .layout = f->layout};
         lf_quilt_file quilt = {0};
         lf_assert_ok(lf_output_write(&request, is_float ? &f->source32 : &f->source8, &err), &err);
@@ -117,11 +120,12 @@ static void exr_quilts_hold_the_floats_and_the_settings(void **state)
     const fixture *f = *state;
     lf_error err = {0};
     const char *path = lf_test_path(f->folder, "c_qs3x2a1.25.exr");
-    json_t *settings = json_pack("{s:s, s:i, s:f, s:n}", "scene", "a scene.json", "views", 6, "fov_y", 14.5, "unknown");
-    lf_output_request request = {.kind = LF_OUTPUT_QUILT, .path = path, .layout = f->layout, .settings = settings};
+    json_t *settings = json_pack("{s:s, s:i, s:f, s:n}", "scene", "a scene.json", "views", 6,
+                                 "fov_y", 14.5, "unknown");
+    lf_output_request request = {
+        .kind = LF_OUTPUT_QUILT, .path = path, .layout = f->layout, .settings = settings};
     lf_quilt_file quilt = {0};
     char text[4096];
-
     lf_assert_ok(lf_output_write(&request, &f->source32, &err), &err);
     read_quilt(path, &quilt);
     assert_true(quilt.is_float);
@@ -145,7 +149,6 @@ static void a_folder_of_views_is_the_light_field_and_nothing_else(void **state)
     char folder[PATH_MAX];
     lf_output_request request = {.kind = LF_OUTPUT_VIEWS, .path = folder};
     lf_quilt_file quilt = {0};
-
     snprintf(folder, sizeof folder, "%s/views/", f->folder);
     lf_assert_ok(lf_output_write(&request, &f->source32, &err), &err);
     assert_int_equal(count_files(folder), VIEWS);
@@ -161,7 +164,8 @@ static void a_folder_of_views_is_the_light_field_and_nothing_else(void **state)
     fewer.views32.n_views = 4;
     lf_test_write(folder, "view_notes.txt", "mine");
     lf_assert_ok(lf_output_write(&request, &fewer, &err), &err);
-    assert_int_equal(count_files(folder), 4 + 1); /* the two old views are gone, the user's file is not */
+    /* the two old views are gone, the user's file is not */
+    assert_int_equal(count_files(folder), 4 + 1);
 }
 
 static void a_panel_picture_is_the_interlaced_views(void **state)
@@ -173,21 +177,23 @@ static void a_panel_picture_is_the_interlaced_views(void **state)
     lf_image8 expected = {0};
     lf_image8 got = {0};
     const char *path = lf_test_path(f->folder, "panel.png");
-
     lf_calibration_portrait(&calibration);
     calibration.screen_width_px = 64;
     calibration.screen_height_px = 48;
-    lf_output_request request = {.kind = LF_OUTPUT_PANEL, .path = path, .calibration = &calibration};
+    lf_output_request request = {
+        .kind = LF_OUTPUT_PANEL, .path = path, .calibration = &calibration};
     lf_assert_ok(lf_output_write(&request, &f->source32, &err), &err);
-    lf_assert_ok(
-        lf_interlacer_create(&calibration, VIEWS, WIDTH, HEIGHT, 1.25, LF_FILTER_NEAREST, LF_INVERT_AUTO, &interlacer, &err), &err);
+    lf_assert_ok(lf_interlacer_create(&calibration, VIEWS, WIDTH, HEIGHT, 1.25, LF_FILTER_NEAREST,
+                                      LF_INVERT_AUTO, &interlacer, &err),
+                 &err);
     lf_assert_ok(lf_image8_init(&expected, 64, 48, 3), NULL);
     lf_interlace(interlacer, &f->source8.views8, &expected, NULL);
     lf_assert_ok(lf_image8_read(path, NULL, &got, &err), &err);
     assert_int_equal(got.width, 64);
     assert_int_equal(got.height, 48);
     for (int y = 0; y < 48; y++)
-        assert_memory_equal(got.data + (size_t)y * got.stride, expected.data + (size_t)y * expected.stride, 64 * 3);
+        assert_memory_equal(got.data + (size_t)y * got.stride,
+                            expected.data + (size_t)y * expected.stride, 64 * 3);
     lf_interlacer_destroy(interlacer);
     lf_image8_finish(&expected);
     lf_image8_finish(&got);
@@ -195,7 +201,8 @@ static void a_panel_picture_is_the_interlaced_views(void **state)
 
 static lf_print small_print(void)
 {
-    return (lf_print){.lpi = 60, .dpi = 600, .width_mm = 12, .height_mm = 9, .n_views = 6, .bits = 8};
+    return (lf_print){
+        .lpi = 60, .dpi = 600, .width_mm = 12, .height_mm = 9, .n_views = 6, .bits = 8};
 }
 
 static void a_print_lies_beside_its_manifest(void **state)
@@ -206,7 +213,6 @@ static void a_print_lies_beside_its_manifest(void **state)
     const char *path = lf_test_path(f->folder, "p.tif");
     lf_output_request request = {.kind = LF_OUTPUT_PRINT, .path = path, .print = &print};
     struct stat info;
-
     lf_assert_ok(lf_output_write(&request, &f->source8, &err), &err);
     assert_int_equal(stat(path, &info), 0);
     assert_true(info.st_size > 283 * 213 * 3 / 2);
@@ -220,10 +226,14 @@ static void a_print_renders_what_its_window_says(void **state)
 {
     (void)state;
     const double fov = 0.3;
-    const lf_camera camera = {.position = {0, 0, 5}, .up = {0, 1, 0}, .fov_y = fov, .aspect = 2, .n_views = 45, .cone = 0.5};
+    const lf_camera camera = {.position = {0, 0, 5},
+                              .up = {0, 1, 0},
+                              .fov_y = fov,
+                              .aspect = 2,
+                              .n_views = 45,
+                              .cone = 0.5};
     lf_print print = small_print();
     lf_print_shape shape;
-
     print.bleed_mm = 3;
     lf_print_shape_of(&print, &shape);
     lf_render_settings settings = {.camera = camera};
@@ -236,17 +246,22 @@ static void a_print_renders_what_its_window_says(void **state)
     /* the bleed lies above and below the scene's own angle, to half a pixel of the raster */
     lf_assert_close(settings.window[1], -3.0 / 9, 0, 25.4 / 600 / 9);
     lf_assert_close(settings.window[3], 1 + 3.0 / 9, 0, 25.4 / 600 / 9);
-    lf_assert_close((settings.window[2] - settings.window[0]) * 12, settings.width * 25.4 / 60, 1e-9, 0);
+    lf_assert_close((settings.window[2] - settings.window[0]) * 12, settings.width * 25.4 / 60,
+                    1e-9, 0);
     assert_true(settings.window[0] < 0 && settings.window[2] > 1);
 }
 
 static void horizontal_lenses_roll_the_rig(void **state)
 {
     (void)state;
-    const lf_camera camera = {.position = {0, 0, 5}, .up = {0, 1, 0}, .fov_y = 0.3, .aspect = 2, .n_views = 45, .cone = 0.5};
+    const lf_camera camera = {.position = {0, 0, 5},
+                              .up = {0, 1, 0},
+                              .fov_y = 0.3,
+                              .aspect = 2,
+                              .n_views = 45,
+                              .cone = 0.5};
     lf_print print = small_print();
     lf_render_settings settings = {.camera = camera};
-
     print.horizontal = true;
     lf_output_print_view(&print, &settings);
     lf_assert_close(settings.camera.up[0], 1, 1e-12, 0); /* what was right is up */
@@ -254,7 +269,8 @@ static void horizontal_lenses_roll_the_rig(void **state)
     lf_assert_close(settings.camera.aspect, 9.0 / 12, 1e-12, 0);
     /* the rolled picture's height is the print's width, at the same scale */
     lf_assert_close(tan(settings.camera.fov_y / 2) / 12, tan(0.3 / 2) / 9, 1e-12, 0);
-    lf_assert_close((settings.window[2] - settings.window[0]) * 9, settings.width * 25.4 / 60, 1e-9, 0);
+    lf_assert_close((settings.window[2] - settings.window[0]) * 9, settings.width * 25.4 / 60, 1e-9,
+                    0);
 }
 
 static void names_are_completed_and_contradictions_refused(void **state)
@@ -309,8 +325,10 @@ static void cancelled_and_refused_jobs_publish_nothing(void **state)
     const struct {
         lf_output_kind kind;
         const char *name;
-    } cases[] = {
-        {LF_OUTPUT_QUILT, "x_qs3x2a1.25.png"}, {LF_OUTPUT_VIEWS, "x/"}, {LF_OUTPUT_PANEL, "x.png"}, {LF_OUTPUT_PRINT, "x.tif"}};
+    } cases[] = {{LF_OUTPUT_QUILT, "x_qs3x2a1.25.png"},
+                 {LF_OUTPUT_VIEWS, "x/"},
+                 {LF_OUTPUT_PANEL, "x.png"},
+                 {LF_OUTPUT_PRINT, "x.tif"}};
     int before = count_files(f->folder);
 
     lf_calibration_portrait(&calibration);
@@ -327,10 +345,12 @@ static void cancelled_and_refused_jobs_publish_nothing(void **state)
     }
     lf_error err = {0};
     print.icc_path = "/nonexistent/profile.icc";
-    lf_output_request request = {.kind = LF_OUTPUT_PRINT, .path = lf_test_path(f->folder, "x.tif"), .print = &print};
+    lf_output_request request = {
+        .kind = LF_OUTPUT_PRINT, .path = lf_test_path(f->folder, "x.tif"), .print = &print};
     assert_int_not_equal(lf_output_write(&request, &f->source32, &err), LF_OK);
-    request = (lf_output_request){
-        .kind = LF_OUTPUT_QUILT, .path = lf_test_path(f->folder, "nowhere/x_qs3x2a1.25.png"), .layout = f->layout};
+    request = (lf_output_request){.kind = LF_OUTPUT_QUILT,
+                                  .path = lf_test_path(f->folder, "nowhere/x_qs3x2a1.25.png"),
+                                  .layout = f->layout};
     assert_int_equal(lf_output_write(&request, &f->source32, &err), LF_E_IO);
     request.path = lf_test_path(f->folder, "x_qs3x2a1.25.png");
     request.tonemap = "vivid";
@@ -350,10 +370,12 @@ static void descriptors_are_written_and_closed(void **state)
     const char *path = lf_test_path(f->folder, "handed.png");
     int fd = open(path, O_RDWR | O_CREAT | O_TRUNC, 0600);
     lf_image8 image = {0};
-
     assert_true(fd >= 0);
-    lf_output_request request = {
-        .kind = LF_OUTPUT_QUILT, .path = "/not/ours/handed.png", .fds = &fd, .n_fds = 1, .layout = f->layout};
+    lf_output_request request = {.kind = LF_OUTPUT_QUILT,
+                                 .path = "/not/ours/handed.png",
+                                 .fds = &fd,
+                                 .n_fds = 1,
+                                 .layout = f->layout};
     lf_assert_ok(lf_output_write(&request, &f->source8, &err), &err);
     assert_false(is_open(fd));
     lf_assert_ok(lf_image8_read(path, NULL, &image, &err), &err);
@@ -363,13 +385,15 @@ static void descriptors_are_written_and_closed(void **state)
     /* too few for the job: refused, and closed all the same */
     lf_print print = small_print();
     fd = open(path, O_RDWR);
-    request = (lf_output_request){.kind = LF_OUTPUT_PRINT, .path = "p.tif", .fds = &fd, .n_fds = 1, .print = &print};
+    request = (lf_output_request){
+        .kind = LF_OUTPUT_PRINT, .path = "p.tif", .fds = &fd, .n_fds = 1, .print = &print};
     assert_int_equal(lf_output_write(&request, &f->source8, &err), LF_E_ARG);
     assert_false(is_open(fd));
 
     /* one that cannot be written */
     fd = open(path, O_RDONLY);
-    request = (lf_output_request){.kind = LF_OUTPUT_QUILT, .path = "q.png", .fds = &fd, .n_fds = 1, .layout = f->layout};
+    request = (lf_output_request){
+        .kind = LF_OUTPUT_QUILT, .path = "q.png", .fds = &fd, .n_fds = 1, .layout = f->layout};
     assert_int_not_equal(lf_output_write(&request, &f->source8, &err), LF_OK);
     assert_false(is_open(fd));
 
@@ -380,7 +404,8 @@ static void descriptors_are_written_and_closed(void **state)
         fds[i] = open(lf_test_path(f->folder, name), O_RDWR | O_CREAT | O_TRUNC, 0600);
         assert_true(fds[i] >= 0);
     }
-    request = (lf_output_request){.kind = LF_OUTPUT_VIEWS, .path = "views/", .fds = fds, .n_fds = VIEWS};
+    request =
+        (lf_output_request){.kind = LF_OUTPUT_VIEWS, .path = "views/", .fds = fds, .n_fds = VIEWS};
     lf_assert_ok(lf_output_write(&request, &f->source8, &err), &err);
     for (int i = 0; i < VIEWS; i++)
         assert_false(is_open(fds[i]));
@@ -406,7 +431,8 @@ static void progress_rises_to_one(void **state)
     const struct {
         lf_output_kind kind;
         const char *name;
-    } cases[] = {{LF_OUTPUT_QUILT, "r_qs3x2a1.25.png"}, {LF_OUTPUT_VIEWS, "r/"}, {LF_OUTPUT_PRINT, "r.tif"}};
+    } cases[] = {
+        {LF_OUTPUT_QUILT, "r_qs3x2a1.25.png"}, {LF_OUTPUT_VIEWS, "r/"}, {LF_OUTPUT_PRINT, "r.tif"}};
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         double last = 0;
@@ -426,35 +452,29 @@ static void names_of_choices_are_known(void **state)
     lf_output_kind kind = LF_OUTPUT_QUILT;
     lf_filter filter = LF_FILTER_NEAREST;
     lf_invert invert = LF_INVERT_AUTO;
-    lf_stripes stripes = LF_STRIPES_FRACTIONAL;
-    lf_compress compress = LF_COMPRESS_NONE;
     lf_error err = {0};
     (void)state;
-
     lf_assert_ok(lf_output_kind_from_name("print", &kind, &err), &err);
     lf_assert_ok(lf_filter_from_name("linear", &filter, &err), &err);
     lf_assert_ok(lf_invert_from_name("no", &invert, &err), &err);
-    lf_assert_ok(lf_stripes_from_name("nearest", &stripes, &err), &err);
-    lf_assert_ok(lf_compress_from_name("deflate", &compress, &err), &err);
     assert_int_equal(kind, LF_OUTPUT_PRINT);
     assert_int_equal(filter, LF_FILTER_LINEAR);
     assert_int_equal(invert, LF_INVERT_NO);
-    assert_int_equal(stripes, LF_STRIPES_NEAREST);
-    assert_int_equal(compress, LF_COMPRESS_DEFLATE);
     assert_string_equal(lf_output_kind_name(LF_OUTPUT_VIEWS), "views");
-    assert_int_equal(lf_compress_from_name("zip", &compress, &err), LF_E_ARG);
-    assert_non_null(strstr(err.what, "none, lzw, deflate"));
-    assert_int_equal(compress, LF_COMPRESS_DEFLATE);
+    assert_int_equal(lf_filter_from_name("cubic", &filter, &err), LF_E_ARG);
+    assert_non_null(strstr(err.what, "nearest, linear"));
+    assert_int_equal(filter, LF_FILTER_LINEAR);
 }
 
 static void settings_record_what_made_the_picture_and_not_the_run(void **state)
 {
     const fixture *f = *state;
-    lf_render_settings settings = {.camera = {.n_views = 6, .aspect = 0.75, .fov_y = M_PI / 12, .cone = M_PI / 4},
-                                   .seed = UINT64_MAX};
+    lf_render_settings settings = {
+        .camera = {.n_views = 6, .aspect = 0.75, .fov_y = M_PI / 12, .cone = M_PI / 4},
+        .seed = UINT64_MAX};
     lf_film_settings film = {.exposure = 1.5, .tonemap = "filmic"};
-    json_t *record = lf_output_settings("s.json", &settings, &f->layout, LF_ESTIMATOR_CV, 90, &film);
-
+    json_t *record =
+        lf_output_settings("s.json", &settings, &f->layout, LF_ESTIMATOR_CV, 90, &film);
     assert_non_null(record);
     assert_string_equal(json_string_value(json_object_get(record, "seed")), "18446744073709551615");
     assert_string_equal(json_string_value(json_object_get(record, "integrator")), "mvpt");

@@ -1,4 +1,5 @@
-/* quiltbench from outside: its numbers on pictures whose errors are known, its limits as exit codes. */
+/* quiltbench from outside: its numbers on pictures whose errors are known, its limits as exit
+ * codes. */
 #include "tests/testing.h"
 
 #include <fcntl.h>
@@ -24,7 +25,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* Runs quiltbench with words parted by blanks; its stderr ends up in the file "err" of the folder. Returns the exit code. */
+/* Runs quiltbench with words parted by blanks; its stderr ends up in the file "err" of the folder.
+ * Returns the exit code. */
 static int run(const char *folder, const char *line)
 {
     static char copy[4 * PATH_MAX];
@@ -33,7 +35,6 @@ static int run(const char *folder, const char *line)
     char *argv[48] = {program};
     int argc = 1;
     int status = 0;
-
     snprintf(program, sizeof program, "%s", lf_test_built("quiltbench"));
     snprintf(err, sizeof err, "%s/err", folder);
     snprintf(copy, sizeof copy, "%s", line);
@@ -57,26 +58,27 @@ static void assert_error_line(const char *folder, const char *words)
 {
     char text[4096] = "";
     FILE *file = fopen(lf_test_path(folder, "err"), "rb");
-
     assert_non_null(file);
     assert_true(fread(text, 1, sizeof text - 1, file) > 0);
     fclose(file);
-    if (strncmp(text, "quiltbench: ", 12) != 0 || !strstr(text, words) || strchr(text, '\n') != text + strlen(text) - 1)
+    if (strncmp(text, "quiltbench: ", 12) != 0 || !strstr(text, words) ||
+        strchr(text, '\n') != text + strlen(text) - 1)
         fail_msg("\"%s\", expected one line with \"%s\"", text, words);
 }
 
 /* A picture of the value `value`, but `special` in the 7x7 block whose top left pixel is 7, 7. */
-static void write_picture(const char *folder, const char *name, int views, float value, float special)
+static void write_picture(const char *folder, const char *name, int views, float value,
+                          float special)
 {
     lf_image32 image = {0};
     lf_outfile file;
     lf_error err = {0};
-
     lf_assert_ok(lf_image32_init(&image, views * WIDTH, HEIGHT, 3), NULL);
     for (int y = 0; y < HEIGHT; y++) {
         for (int x = 0; x < views * WIDTH; x++) {
             bool in = x % WIDTH >= 7 && x % WIDTH < 14 && y >= 7;
-            for (int c = 0; c < 3; c++) /* another value in every view, so that --view has something to pick */
+            /* another value in every view, so that --view has something to pick */
+            for (int c = 0; c < 3; c++)
                 image.data[((size_t)y * (size_t)(views * WIDTH) + (size_t)x) * 3 + (size_t)c] =
                     (in ? special : value) + (float)(x / WIDTH);
         }
@@ -105,7 +107,6 @@ static json_t *load(const char *folder, const char *name)
 static void errors_are_the_stated_formulas(void **state)
 {
     const char *d = *state;
-
     write_picture(d, "one.exr", 1, 1, 1);
     write_picture(d, "off.exr", 1, 1, 1.5f); /* one of six blocks is off by a half */
     assert_int_equal(run(d, "error one.exr off.exr --epsilon 0.25 --json e.json"), 0);
@@ -137,10 +138,10 @@ static void errors_are_the_stated_formulas(void **state)
 static void limits_are_exit_codes(void **state)
 {
     const char *d = *state;
-
     write_picture(d, "one.exr", 1, 1, 1);
     write_picture(d, "off.exr", 1, 1.01f, 1.01f);
-    assert_int_equal(run(d, "error one.exr off.exr --max-mean 1.1% --max-block 1.1% --max-relmse 0.001"), 0);
+    assert_int_equal(
+        run(d, "error one.exr off.exr --max-mean 1.1% --max-block 1.1% --max-relmse 0.001"), 0);
     assert_int_equal(run(d, "error one.exr off.exr --max-mean 0.9%"), 1);
     assert_error_line(d, "the mean differs by +1.0000 %");
     assert_int_equal(run(d, "error one.exr off.exr --max-block 0.009"), 1);
@@ -152,7 +153,6 @@ static void limits_are_exit_codes(void **state)
 static void one_view_is_picked_out_of_many(void **state)
 {
     const char *d = *state;
-
     write_picture(d, "one.exr", 1, 3, 3); /* is view 2 of the quilt */
     write_picture(d, "q_qs4x1.exr", 4, 1, 1);
     assert_int_equal(run(d, "error one.exr q_qs4x1.exr --view 2 --max-relmse 0"), 0);
@@ -206,7 +206,8 @@ static void write_ball(const char *folder)
 {
     lf_test_write(
         folder, "fog.json",
-        "{ \"quiltd\": 1, \"camera\": { \"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, \"views\": 6, \"cone\": 35 },"
+        "{ \"quiltd\": 1, \"camera\": { \"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, "
+        "\"views\": 6, \"cone\": 35 },"
         "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9 } },"
         "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }");
 }
@@ -214,9 +215,9 @@ static void write_ball(const char *folder)
 static void a_comparison_says_what_it_compared(void **state)
 {
     const char *d = *state;
-
     write_ball(d);
-    assert_int_equal(run(d, "compare fog.json --view-size 6x8 --time 0.05 --seeds 3 --reference-spp 256 --ours vpt:mis "
+    assert_int_equal(run(d, "compare fog.json --view-size 6x8 --time 0.05 --seeds 3 "
+                            "--reference-spp 256 --ours vpt:mis "
                             "--json c.json"),
                      0);
     json_t *c = load(d, "c.json");
@@ -228,9 +229,11 @@ static void a_comparison_says_what_it_compared(void **state)
     const json_t *runs = json_object_get(json_object_get(c, "ours"), "runs");
     assert_int_equal(json_array_size(runs), 3);
     assert_true(number(json_array_get(runs, 0), "cpu_seconds") > 0);
-    assert_true(number(c, "ratio_low") <= number(c, "ratio_median") && number(c, "ratio_median") <= number(c, "ratio_high"));
+    assert_true(number(c, "ratio_low") <= number(c, "ratio_median") &&
+                number(c, "ratio_median") <= number(c, "ratio_high"));
     json_decref(c);
-    assert_int_equal(run(d, "compare fog.json --view-size 6x8 --time 0.05 --seeds 1 --reference-spp 256 --ours vpt:mis "
+    assert_int_equal(run(d, "compare fog.json --view-size 6x8 --time 0.05 --seeds 1 "
+                            "--reference-spp 256 --ours vpt:mis "
                             "--min-ratio 1000"),
                      1);
     assert_error_line(d, "the median ratio is");
@@ -239,9 +242,9 @@ static void a_comparison_says_what_it_compared(void **state)
 static void a_curve_falls_and_says_where_the_time_goes(void **state)
 {
     const char *d = *state;
-
     write_ball(d);
-    assert_int_equal(run(d, "curve fog.json --view-size 12x16 --time 0.05 --budgets 3 --seeds 3 --reference-spp 512 --json c.json "
+    assert_int_equal(run(d, "curve fog.json --view-size 12x16 --time 0.05 --budgets 3 --seeds 3 "
+                            "--reference-spp 512 --json c.json "
                             "--plot plot"),
                      0);
     json_t *c = load(d, "c.json");
@@ -259,8 +262,10 @@ static void a_curve_falls_and_says_where_the_time_goes(void **state)
         assert_int_equal(json_array_size(json_object_get(json_array_get(budgets, 0), "runs")), 3);
     }
     /* the baseline is one times itself, its views do not share, and those of mvpt do */
-    const json_t *alone = json_array_get(json_object_get(json_array_get(contenders, 0), "budgets"), 2);
-    const json_t *shared = json_array_get(json_object_get(json_array_get(contenders, 1), "budgets"), 2);
+    const json_t *alone =
+        json_array_get(json_object_get(json_array_get(contenders, 0), "budgets"), 2);
+    const json_t *shared =
+        json_array_get(json_object_get(json_array_get(contenders, 1), "budgets"), 2);
     lf_assert_close(number(json_object_get(alone, "equal_time_ratio"), "estimate"), 1, 1e-9, 0);
     lf_assert_close(number(alone, "correlation_1"), 0, 0, 0.3);
     assert_true(number(shared, "correlation_1") > 0.3);
@@ -279,9 +284,9 @@ static void a_curve_falls_and_says_where_the_time_goes(void **state)
 static void more_views_have_less_error_at_equal_paths(void **state)
 {
     const char *d = *state;
-
     write_ball(d);
-    assert_int_equal(run(d, "views fog.json --view-size 12x16 --counts 1,6 --spp 16 --seeds 4 --reference-spp 512 --json v.json"),
+    assert_int_equal(run(d, "views fog.json --view-size 12x16 --counts 1,6 --spp 16 --seeds 4 "
+                            "--reference-spp 512 --json v.json"),
                      0);
     json_t *v = load(d, "v.json");
     const json_t *counts = json_object_get(v, "counts");
@@ -290,7 +295,8 @@ static void more_views_have_less_error_at_equal_paths(void **state)
     double six = number(json_object_get(json_array_get(counts, 1), "rel_mse"), "estimate");
     assert_true(six < one && six > one / 12);
     /* the file has nine digits: 5e-9 of each number */
-    lf_assert_close(number(json_object_get(v, "exponent"), "estimate"), log(six / one) / log(6), 5e-9, 2 * 5e-9 / log(6));
+    lf_assert_close(number(json_object_get(v, "exponent"), "estimate"), log(six / one) / log(6),
+                    5e-9, 2 * 5e-9 / log(6));
     assert_true(number(v, "exponent_se") > 0);
     assert_true(number(json_array_get(counts, 0), "base_paths") >= 16);
     json_decref(v);
@@ -299,11 +305,12 @@ static void more_views_have_less_error_at_equal_paths(void **state)
 static void a_table_says_what_is_met(void **state)
 {
     const char *d = *state;
-
     assert_int_equal(mkdir(lf_test_path(d, "bench"), 0700), 0);
     write_ball(d);
-    assert_int_equal(rename(lf_test_path(d, "fog.json"), lf_test_path(d, "bench/cloud-g098.json")), 0);
-    assert_int_equal(run(d, "table . --scenes cloud-g098 --view-size 20x20 --time 0.05 --seeds 3 --json t.json --markdown t.md"),
+    assert_int_equal(rename(lf_test_path(d, "fog.json"), lf_test_path(d, "bench/cloud-g098.json")),
+                     0);
+    assert_int_equal(run(d, "table . --scenes cloud-g098 --view-size 20x20 --time 0.05 --seeds 3 "
+                            "--json t.json --markdown t.md"),
                      0);
     json_t *t = load(d, "t.json");
     const json_t *rows = json_object_get(t, "rows");
@@ -329,7 +336,6 @@ static const json_t *line_of(const json_t *object, const char *key, const char *
 {
     size_t i;
     const json_t *line;
-
     json_array_foreach(json_object_get(object, "lines"), i, line)
     {
         if (strcmp(json_string_value(json_object_get(line, key)), value) == 0 && k-- == 0)
@@ -342,7 +348,8 @@ static const json_t *line_of(const json_t *object, const char *key, const char *
 static void write_fog(const char *folder)
 {
     lf_test_write(folder, "fog.json",
-                  "{\"quiltd\": 1, \"camera\": {\"target\": [0,0,0], \"position\": [0,0,5], \"fov_y\": 30, \"views\": 12},"
+                  "{\"quiltd\": 1, \"camera\": {\"target\": [0,0,0], \"position\": [0,0,5], "
+                  "\"fov_y\": 30, \"views\": 12},"
                   " \"volumes\": {\"fog\": {\"shape\": \"sphere\", \"density\": 4, \"albedo\": 0.9,"
                   " \"transform\": {\"translate\": [0.5, 0, 0]}}},"
                   " \"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 1}}}");
@@ -351,14 +358,15 @@ static void write_fog(const char *folder)
 static void kernels_are_timed_and_must_agree(void **state)
 {
     const char *d = *state;
-
     write_fog(d);
     assert_int_equal(run(d, "micro fog.json --view-size 40x30 --repeat 2 --json m.json"), 0);
     json_t *m = load(d, "m.json");
     lf_assert_close(number(m, "views"), 12, 0, 0);
-    /* through the middle of the ball it is 8 mean free paths, on average over the row a quarter of pi of that */
+    /* through the middle of the ball it is 8 mean free paths, on average over the row a quarter of
+     * pi of that */
     lf_assert_close(number(m, "optical_depth"), 6.283, 0.1, 0);
-    static const char *const kernels[] = {"march to a collision", "densities", "march through (exits fan)", "through a shape",
+    static const char *const kernels[] = {"march to a collision", "densities",
+                                          "march through (exits fan)", "through a shape",
                                           "transmittances of a pivot"};
     for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; i++) {
         const json_t *plain = line_of(m, "what", kernels[i], 0);
@@ -380,25 +388,30 @@ static void kernels_are_timed_and_must_agree(void **state)
     assert_int_equal(run(d, "micro none.json"), 1);
 }
 
-static const char panel_text[] =
-    "{\"configVersion\":\"3.0\",\"serial\":\"LKG-T\",\"pitch\":50.0,\"slope\":-7.0,\"center\":0.1,\"DPI\":324.0,\"screenW\":96.0,"
-    "\"screenH\":64.0,\"viewCone\":40.0,\"invView\":1.0,\"flipImageX\":0.0,\"flipImageY\":0.0,\"flipSubp\":0.0}";
+static const char panel_text[] = "{\"configVersion\":\"3.0\",\"serial\":\"LKG-T\",\"pitch\":50.0,"
+                                 "\"slope\":-7.0,\"center\":0.1,\"DPI\":324.0,\"screenW\":96.0,"
+                                 "\"screenH\":64.0,\"viewCone\":40.0,\"invView\":1.0,"
+                                 "\"flipImageX\":0.0,\"flipImageY\":0.0,\"flipSubp\":0.0}";
 
 static void what_is_between_views_and_panel_is_timed(void **state)
 {
     const char *d = *state;
-
     lf_test_write(d, "visual.json", panel_text);
-    assert_int_equal(run(d, "quilt visual.json --views 8 --view-size 24x16 --repeat 3 --threads 2 --json q.json"), 0);
+    assert_int_equal(
+        run(d,
+            "quilt visual.json --views 8 --view-size 24x16 --repeat 3 --threads 2 --json q.json"),
+        0);
     json_t *q = load(d, "q.json");
     for (int threads = 0; threads < 2; threads++) {
         const json_t *line = line_of(q, "what", "LKG-T 96x64: interlace nearest", threads);
         lf_assert_close(number(line, "threads"), threads + 1, 0, 0);
         lf_assert_close(number(line, "bytes_in"), 8 * 24 * 16 * 3, 0, 0);
         lf_assert_close(number(line, "bytes_out"), 96 * 64 * 3, 0, 0);
-        assert_true(number(line, "ms") > 0 && number(line, "cpu_ms") > 0 && number(line, "ratio_to_copy") > 0);
+        assert_true(number(line, "ms") > 0 && number(line, "cpu_ms") > 0 &&
+                    number(line, "ratio_to_copy") > 0);
     }
-    lf_assert_close(number(line_of(q, "what", "tone mapping, srgb", 0), "bytes_in"), 8 * 24 * 16 * 12, 0, 0);
+    lf_assert_close(number(line_of(q, "what", "tone mapping, srgb", 0), "bytes_in"),
+                    8 * 24 * 16 * 12, 0, 0);
     line_of(q, "what", "fill, 50 % missing", 1);
     line_of(q, "what", "print, nearest", 0);
     json_decref(q);
@@ -410,10 +423,10 @@ static void what_is_between_views_and_panel_is_timed(void **state)
 static void what_is_shown_after_a_command_comes_closer(void **state)
 {
     const char *d = *state;
-
     write_fog(d);
     lf_test_write(d, "visual.json", panel_text);
-    assert_int_equal(run(d, "live fog.json --calibration visual.json --view-size 24x32 --threads 2 --seconds 1 --repeat 2 --yaw 20 "
+    assert_int_equal(run(d, "live fog.json --calibration visual.json --view-size 24x32 --threads 2 "
+                            "--seconds 1 --repeat 2 --yaw 20 "
                             "--reference-time 0.5 --speed-passes 1 --json l.json"),
                      0);
     json_t *l = load(d, "l.json");
@@ -423,8 +436,10 @@ static void what_is_shown_after_a_command_comes_closer(void **state)
                  *last = json_object_get(json_array_get(shown, 2), "rel_mse");
     assert_true(number(last, "low") < number(first, "high"));
     assert_true(number(last, "high") < 0.1);
-    const json_t *coarse = json_object_get(l, "coarse_seconds"), *complete = json_object_get(l, "complete_seconds");
-    assert_true(number(coarse, "median") > 0 && number(complete, "median") >= number(coarse, "median"));
+    const json_t *coarse = json_object_get(l, "coarse_seconds"),
+                 *complete = json_object_get(l, "complete_seconds");
+    assert_true(number(coarse, "median") > 0 &&
+                number(complete, "median") >= number(coarse, "median"));
     assert_true(number(json_object_get(l, "updates_per_second"), "low") >= 1);
     assert_true(number(json_object_get(l, "wire_bytes_per_second"), "low") > 0);
     assert_true(number(l, "converged_cpus") >= 0 && number(l, "speed_up") > 0);
@@ -440,11 +455,11 @@ static void what_a_usb_display_is_sent_is_timed_and_ends_exact(void **state)
 {
     const char *d = *state;
     int n_exact = 0;
-
     write_fog(d);
     lf_test_write(d, "visual.json", panel_text);
-    assert_int_equal(
-        run(d, "usb fog.json --calibration visual.json --view-size 24x32 --threads 2 --seconds 0.5 --repeat 2 --json u.json"), 0);
+    assert_int_equal(run(d, "usb fog.json --calibration visual.json --view-size 24x32 --threads 2 "
+                            "--seconds 0.5 --repeat 2 --json u.json"),
+                     0);
     json_t *u = load(d, "u.json");
     const json_t *line;
     size_t i;
@@ -455,7 +470,8 @@ static void what_a_usb_display_is_sent_is_timed_and_ends_exact(void **state)
             continue;
         }
         assert_true(json_is_true(json_object_get(line, "exact")));
-        assert_true(number(line, "bytes_an_update") > 0 && number(line, "share_of_full_frames") <= 1);
+        assert_true(number(line, "bytes_an_update") > 0 &&
+                    number(line, "share_of_full_frames") <= 1);
         n_exact++;
     }
     assert_true(i > 10);
@@ -471,8 +487,8 @@ static void what_a_usb_display_is_sent_is_timed_and_ends_exact(void **state)
 static void what_is_left_out_is_timed_and_leaves_the_picture(void **state)
 {
     const char *d = *state;
-
-    assert_int_equal(run(d, "skip --views 3 --view-size 12x16 --passes 6 --repeat 2 --json s.json"), 0);
+    assert_int_equal(run(d, "skip --views 3 --view-size 12x16 --passes 6 --repeat 2 --json s.json"),
+                     0);
     json_t *s = load(d, "s.json");
     const json_t *lines = json_object_get(s, "skips");
     size_t i;
@@ -496,14 +512,20 @@ int main(void)
         cmocka_unit_test_setup_teardown(one_view_is_picked_out_of_many, set_up, tear_down),
         cmocka_unit_test_setup_teardown(wrong_usage_is_one_line_and_exit_2, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_comparison_says_what_it_compared, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_curve_falls_and_says_where_the_time_goes, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(more_views_have_less_error_at_equal_paths, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_curve_falls_and_says_where_the_time_goes, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(more_views_have_less_error_at_equal_paths, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(a_table_says_what_is_met, set_up, tear_down),
         cmocka_unit_test_setup_teardown(kernels_are_timed_and_must_agree, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_is_between_views_and_panel_is_timed, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_is_shown_after_a_command_comes_closer, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_a_usb_display_is_sent_is_timed_and_ends_exact, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_is_left_out_is_timed_and_leaves_the_picture, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_is_between_views_and_panel_is_timed, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(what_is_shown_after_a_command_comes_closer, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(what_a_usb_display_is_sent_is_timed_and_ends_exact, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(what_is_left_out_is_timed_and_leaves_the_picture, set_up,
+                                        tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* The program quiltsim: its command line, what it says, and its panel over TCP as `usbip` takes it. */
+/* The program quiltsim: its command line, what it says, and its panel over TCP as `usbip` takes it.
+ */
 #include "tests/testing.h"
 
 #include <arpa/inet.h>
@@ -24,7 +25,7 @@ static program *start(const char *const arguments[])
     int in[2], out[2];
     program *p = calloc(1, sizeof *p);
     assert_non_null(p);
-    for (int i = 0; arguments[i] != NULL; i++)
+    for (int i = 0; arguments[i]; i++)
         argv[1 + i] = arguments[i];
     assert_int_equal(pipe2(in, O_CLOEXEC), 0);
     assert_int_equal(pipe2(out, O_CLOEXEC), 0);
@@ -54,7 +55,8 @@ static bool readable(int fd)
 static const char *says(program *p)
 {
     size_t n = 0;
-    while (n + 1 < sizeof p->line && readable(p->out) && read(p->out, p->line + n, 1) == 1 && p->line[n] != '\n')
+    while (n + 1 < sizeof p->line && readable(p->out) && read(p->out, p->line + n, 1) == 1 &&
+           p->line[n] != '\n')
         n++;
     p->line[n] = 0;
     return p->line;
@@ -137,7 +139,8 @@ static void wrong_usage_is_told(void **state)
 static void a_file_that_is_not_there_is_told(void **state)
 {
     (void)state;
-    program *p = start((const char *const[]){"--listen", "0", "--calibration", "/nonexistent", NULL});
+    program *p =
+        start((const char *const[]){"--listen", "0", "--calibration", "/nonexistent", NULL});
     assert_non_null(strstr(says(p), "/nonexistent"));
     assert_int_equal(finish(p), 1);
 }
@@ -151,7 +154,8 @@ static void a_damaged_calibration_needs_a_size(void **state)
     program *p = start((const char *const[]){"--listen", "0", "--calibration", path, NULL});
     assert_non_null(strstr(says(p), "not JSON"));
     assert_int_equal(finish(p), 1);
-    p = start((const char *const[]){"--listen", "0", "--calibration", path, "--size", "32x16", NULL});
+    p = start(
+        (const char *const[]){"--listen", "0", "--calibration", path, "--size", "32x16", NULL});
     assert_true(port_of(says(p)) > 0);
     assert_string_equal(answer(p, "quit\n"), "ok");
     assert_int_equal(finish(p), 0);
@@ -230,7 +234,8 @@ static void the_picture_is_written(void **state)
     lf_image8 image = {0};
     lf_error err;
     snprintf(png, sizeof png, "%s", lf_test_path(dir, "panel.png"));
-    program *p = start((const char *const[]){"--listen", "0", "--size", "32x16", "--panel-png", png, NULL});
+    program *p =
+        start((const char *const[]){"--listen", "0", "--size", "32x16", "--panel-png", png, NULL});
     assert_true(port_of(says(p)) > 0);
     assert_int_not_equal(access(png, F_OK), 0);
     assert_string_equal(answer(p, "picture\n"), "ok");

@@ -1,8 +1,8 @@
 /* JSON-RPC messages, schemas, and arguments typed by them: without a socket. */
 #include "tests/testing.h"
 
-#include "daemon/methods.h"
-#include "daemon/rpc.h"
+#include "daemon/server/methods.h"
+#include "daemon/wire/rpc.h"
 
 static int code_for(const char *line, size_t n)
 {
@@ -22,7 +22,8 @@ static int code_for(const char *line, size_t n)
 static void a_request_is_taken_apart(void **state)
 {
     (void)state;
-    static const char line[] = "{\"jsonrpc\":\"2.0\",\"id\":\"x\",\"method\":\"wait\",\"params\":{\"generation\":3}}";
+    static const char line[] =
+        "{\"jsonrpc\":\"2.0\",\"id\":\"x\",\"method\":\"wait\",\"params\":{\"generation\":3}}";
     lf_rpc_request request;
     json_t *answer;
     assert_true(lf_rpc_parse(line, sizeof line - 1, &request, &answer));
@@ -59,23 +60,26 @@ static void what_is_no_request_is_invalid(void **state)
     (void)state;
     assert_int_equal(CODE("1"), LF_RPC_INVALID_REQUEST);
     assert_int_equal(CODE("[]"), LF_RPC_INVALID_REQUEST);
-    assert_int_equal(CODE("[{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\"}]"), LF_RPC_INVALID_REQUEST);
+    assert_int_equal(CODE("[{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\"}]"),
+                     LF_RPC_INVALID_REQUEST);
     assert_int_equal(CODE("{\"id\":1,\"method\":\"hello\"}"), LF_RPC_INVALID_REQUEST);
-    assert_int_equal(CODE("{\"jsonrpc\":\"1.0\",\"id\":1,\"method\":\"hello\"}"), LF_RPC_INVALID_REQUEST);
-    assert_int_equal(CODE("{\"jsonrpc\":\"2.0\",\"id\":[1],\"method\":\"hello\"}"), LF_RPC_INVALID_REQUEST);
+    assert_int_equal(CODE("{\"jsonrpc\":\"1.0\",\"id\":1,\"method\":\"hello\"}"),
+                     LF_RPC_INVALID_REQUEST);
+    assert_int_equal(CODE("{\"jsonrpc\":\"2.0\",\"id\":[1],\"method\":\"hello\"}"),
+                     LF_RPC_INVALID_REQUEST);
     assert_int_equal(CODE("{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":7}"), LF_RPC_INVALID_REQUEST);
-    assert_int_equal(CODE("{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\",\"extra\":1}"), LF_RPC_INVALID_REQUEST);
-    assert_int_equal(CODE("{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\",\"params\":[1]}"), LF_RPC_INVALID_PARAMS);
+    assert_int_equal(CODE("{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\",\"extra\":1}"),
+                     LF_RPC_INVALID_REQUEST);
+    assert_int_equal(CODE("{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\",\"params\":[1]}"),
+                     LF_RPC_INVALID_PARAMS);
     assert_int_equal(CODE("{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\",\"params\":{}}"), 0);
 }
 
 static json_t *schema_of(const char *method)
 {
-    for (int i = 0; lf_method_at(i) != NULL; i++) {
-        if (strcmp(lf_method_at(i)->name, method) == 0) {
+    for (int i = 0; lf_method_at(i); i++)
+        if (strcmp(lf_method_at(i)->name, method) == 0)
             return lf_method_schema(i);
-        }
-    }
     fail_msg("no method %s", method);
     return NULL;
 }
@@ -93,11 +97,12 @@ static void every_method_has_a_schema_that_parses(void **state)
 {
     (void)state;
     static const char *const promised[] = {
-        "hello",      "status", "scene.load", "scene.get",   "scene.patch", "camera.set",         "camera.orbit", "wait",
-        "render.set", "export", "job.cancel", "device.list", "device.set",  "device.calibration", "subscribe",    "shutdown"};
-    for (size_t i = 0; i < sizeof promised / sizeof *promised; i++) {
+        "hello",      "status",       "scene.load", "scene.get",          "scene.patch",
+        "camera.set", "camera.orbit", "wait",       "render.set",         "export",
+        "job.cancel", "device.list",  "device.set", "device.calibration", "subscribe",
+        "shutdown"};
+    for (size_t i = 0; i < sizeof promised / sizeof *promised; i++)
         assert_true(json_is_object(schema_of(promised[i])));
-    }
 }
 
 static void parameters_are_held_to_the_schema(void **state)
@@ -137,19 +142,24 @@ static void words_are_typed_by_the_schema(void **state)
     lf_assert_ok(lf_schema_argument(schema_of("render.set"), "paused=true", params, &err), &err);
     lf_assert_ok(lf_schema_argument(schema_of("render.set"), "threads=2", params, &err), &err);
     lf_assert_ok(lf_schema_argument(schema_of("render.set"), "estimator=1", params, &err), &err);
-    lf_assert_ok(lf_schema_argument(schema_of("subscribe"), "events=frame,scene", params, &err), &err);
+    lf_assert_ok(lf_schema_argument(schema_of("subscribe"), "events=frame,scene", params, &err),
+                 &err);
     lf_assert_ok(lf_schema_argument(schema_of("camera.set"), "target=1,2,3", params, &err), &err);
-    lf_assert_ok(lf_schema_argument(schema_of("scene.patch"), "patch:={\"a\":[1]}", params, &err), &err);
-    json_t *expected =
-        json_loads("{\"yaw\":-5.5,\"paused\":true,\"threads\":2,\"estimator\":\"1\",\"events\":[\"frame\",\"scene\"],"
-                   "\"target\":[1.0,2.0,3.0],\"patch\":{\"a\":[1]}}",
-                   0, NULL);
+    lf_assert_ok(lf_schema_argument(schema_of("scene.patch"), "patch:={\"a\":[1]}", params, &err),
+                 &err);
+    json_t *expected = json_loads("{\"yaw\":-5.5,\"paused\":true,\"threads\":2,\"estimator\":\"1\","
+                                  "\"events\":[\"frame\",\"scene\"],"
+                                  "\"target\":[1.0,2.0,3.0],\"patch\":{\"a\":[1]}}",
+                                  0, NULL);
     assert_true(json_equal(params, expected));
-    assert_int_equal(lf_schema_argument(schema_of("camera.orbit"), "yaw=x", params, &err), LF_E_ARG);
-    assert_int_equal(lf_schema_argument(schema_of("camera.orbit"), "yaw=nan", params, &err), LF_E_ARG);
+    assert_int_equal(lf_schema_argument(schema_of("camera.orbit"), "yaw=x", params, &err),
+                     LF_E_ARG);
+    assert_int_equal(lf_schema_argument(schema_of("camera.orbit"), "yaw=nan", params, &err),
+                     LF_E_ARG);
     assert_int_equal(lf_schema_argument(schema_of("camera.orbit"), "yaw", params, &err), LF_E_ARG);
     assert_int_equal(lf_schema_argument(schema_of("camera.orbit"), "=5", params, &err), LF_E_ARG);
-    assert_int_equal(lf_schema_argument(schema_of("scene.patch"), "patch:={", params, &err), LF_E_ARG);
+    assert_int_equal(lf_schema_argument(schema_of("scene.patch"), "patch:={", params, &err),
+                     LF_E_ARG);
     json_decref(expected);
     json_decref(params);
 }
@@ -161,8 +171,10 @@ static void failures_have_the_codes_promised(void **state)
         lf_status status;
         bool scene;
         int code;
-    } cases[] = {{LF_E_PATH, true, -32001},   {LF_E_PATH, false, -32001}, {LF_E_FORMAT, true, -32002}, {LF_E_IO, true, -32002},
-                 {LF_E_NODEV, false, -32003}, {LF_E_BUSY, false, -32000}, {LF_E_ARG, false, -32602},   {LF_E_NOMEM, false, -32603}};
+    } cases[] = {{LF_E_PATH, true, -32001},   {LF_E_PATH, false, -32001},
+                 {LF_E_FORMAT, true, -32002}, {LF_E_IO, true, -32002},
+                 {LF_E_NODEV, false, -32003}, {LF_E_BUSY, false, -32000},
+                 {LF_E_ARG, false, -32602},   {LF_E_NOMEM, false, -32603}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         lf_error err;
         (void)lf_error_set_at(&err, cases[i].status, "a.json", 3, "/camera", "bad");

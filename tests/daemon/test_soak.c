@@ -1,5 +1,5 @@
-/* Clients of random bytes against a daemon that renders: it goes on serving, and neither memory nor descriptors grow. A few
- * seconds; a minute under make verify. */
+/* Clients of random bytes against a daemon that renders: it goes on serving, and neither memory nor
+ * descriptors grow. A few seconds; a minute under make verify. */
 #include "tests/daemon/live.h"
 
 #include <dirent.h>
@@ -28,9 +28,8 @@ static int count_descriptors(pid_t pid)
     DIR *folder = opendir(path);
     assert_non_null(folder);
     int n = 0;
-    while (readdir(folder) != NULL) {
+    while (readdir(folder))
         n++;
-    }
     closedir(folder);
     return n;
 }
@@ -42,11 +41,9 @@ static long resident_kib(pid_t pid)
     snprintf(path, sizeof path, "/proc/%d/status", (int)pid);
     FILE *file = fopen(path, "r");
     assert_non_null(file);
-    while (fgets(line, sizeof line, file) != NULL) {
-        if (sscanf(line, "VmRSS: %ld", &kib) == 1) {
+    while (fgets(line, sizeof line, file))
+        if (sscanf(line, "VmRSS: %ld", &kib) == 1)
             break;
-        }
-    }
     fclose(file);
     return kib;
 }
@@ -55,8 +52,10 @@ static long resident_kib(pid_t pid)
 static size_t make_garbage(char *out, size_t size, uint64_t *state)
 {
     static const char *const pieces[] = {
-        "{\"jsonrpc\":\"2.0\",", "\"id\":1,", "\"method\":\"status\"", "\"method\":\"export\",", "}\n", "{\"a\":[[[[",
-        "\"params\":{",          "\n",        "\"file\":\"../x.png\"", "\"kind\":\"panel\","};
+        "{\"jsonrpc\":\"2.0\",",  "\"id\":1,", "\"method\":\"status\"",
+        "\"method\":\"export\",", "}\n",       "{\"a\":[[[[",
+        "\"params\":{",           "\n",        "\"file\":\"../x.png\"",
+        "\"kind\":\"panel\","};
     size_t n = 0;
     while (n + 64 < size) {
         if (next_random(state) % 3 == 0) {
@@ -97,22 +96,20 @@ static void run_for(const live *l, double seconds, uint64_t *state)
     int fds[N_CLIENTS];
     struct timespec begin, now;
     clock_gettime(CLOCK_MONOTONIC, &begin);
-    for (int i = 0; i < N_CLIENTS; i++) {
+    for (int i = 0; i < N_CLIENTS; i++)
         fds[i] = -1;
-    }
     do {
         run_round(l, fds, state);
         clock_gettime(CLOCK_MONOTONIC, &now);
-    } while ((double)(now.tv_sec - begin.tv_sec) + 1e-9 * (double)(now.tv_nsec - begin.tv_nsec) < seconds);
-    for (int i = 0; i < N_CLIENTS; i++) {
-        if (fds[i] >= 0) {
+    } while ((double)(now.tv_sec - begin.tv_sec) + 1e-9 * (double)(now.tv_nsec - begin.tv_nsec) <
+             seconds);
+    for (int i = 0; i < N_CLIENTS; i++)
+        if (fds[i] >= 0)
             close(fds[i]);
-        }
-    }
 }
 
-/* Until the daemon has noticed that all clients but this one have gone, and for long enough that none of those was still waiting
- * to be accepted. */
+/* Until the daemon has noticed that all clients but this one have gone, and for long enough that
+ * none of those was still waiting to be accepted. */
 static void wait_until_alone(live_client *c)
 {
     int alone = 0;
@@ -162,8 +159,8 @@ static void killed_at_any_moment_it_leaves_nothing_broken(void **state)
         live_client c;
         live_connect(&l, &c);
         live_wait(&c, "coarse");
-        json_t *params = json_pack("{s:s, s:s, s:b}", "kind", i % 2 == 0 ? "panel" : "state", "file",
-                                   i % 2 == 0 ? "p.png" : "s.lfstate", "overwrite", 1);
+        json_t *params = json_pack("{s:s, s:s, s:b}", "kind", i % 2 == 0 ? "panel" : "state",
+                                   "file", i % 2 == 0 ? "p.png" : "s.lfstate", "overwrite", 1);
         assert_int_equal(live_code(&c, "export", params), 0);
         live_nap((long)(next_random(&random) % 40));
         kill(l.pid, SIGKILL);
@@ -182,9 +179,8 @@ static void killed_at_any_moment_it_leaves_nothing_broken(void **state)
     live_close(&c);
     DIR *folder = opendir(l.exports);
     assert_non_null(folder);
-    for (const struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
+    for (const struct dirent *entry = readdir(folder); entry; entry = readdir(folder))
         assert_null(strstr(entry->d_name, ".p.png.quiltd-"));
-    }
     closedir(folder);
     live_finish(&l);
 }

@@ -1,13 +1,14 @@
-/* The daemon's end while a USB display hangs: in a push, in one that cannot even be cancelled, and while it is opened. The daemon is
- * this program again, with the display in place of libusb's (see wrap_test_stuck_display). Every case would wait for ever, and fail by
- * that, if the daemon waited for the display. */
+/* The daemon's end while a USB display hangs: in a push, in one that cannot even be cancelled, and
+ * while it is opened. The daemon is this program again, with the display in place of libusb's (see
+ * wrap_test_stuck_display). Every case would wait for ever, and fail by that, if the daemon waited
+ * for the display. */
 #include "tests/daemon/live.h"
 
 #include "base/alloc.h"
 #include "base/log.h"
-#include "daemon/server.h"
-#include "device/gud.h"
-#include "device/usb_link.h"
+#include "daemon/server/server.h"
+#include "device/model/usb_model.h"
+#include "device/usb/gud.h"
 
 enum { WIDTH = 96, HEIGHT = 128 };
 
@@ -18,7 +19,7 @@ typedef enum manner {
     MUTE,  /* answers no question */
 } manner;
 
-/* ------------------------------------------------------------------------------------------------------ the display -- */
+/* ------------------------------------------------------------------------------- the display -- */
 
 static manner how; /* set before the server's first thread starts */
 
@@ -35,13 +36,12 @@ static display *display_of(lf_usb_link *link)
 
 static void sleep_for_ever(void)
 {
-    for (;;) {
+    for (;;)
         pause();
-    }
 }
 
-static lf_usb_result display_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value, uint8_t *data, size_t n,
-                                     size_t *out_n, int timeout_ms)
+static lf_usb_result display_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value,
+                                     uint8_t *data, size_t n, size_t *out_n, int timeout_ms)
 {
     display *d = display_of(link);
     if (how == MUTE) {
@@ -60,13 +60,12 @@ static void display_bulk_begin(lf_usb_link *link, const uint8_t *data, size_t n)
 static lf_usb_result display_bulk_end(lf_usb_link *link, int timeout_ms)
 {
     display *d = display_of(link);
-    if (how == HANGS || how == DEAF) {
+    if (how == HANGS || how == DEAF)
         lf_log(LF_LOG_WARNING, "the display hangs");
-    }
-    if (how == DEAF) {
+    if (how == DEAF)
         sleep_for_ever();
-    }
-    /* the model takes none of them when it HANGS: only a cancel ends this one before its day is over */
+    /* the model takes none of them when it HANGS: only a cancel ends this one before its day is
+     * over */
     return d->inner->ops->bulk_end(d->inner, how == HANGS ? 24 * 3600 * 1000 : timeout_ms);
 }
 
@@ -92,31 +91,39 @@ int __wrap_lf_usb_list(lf_usb_place *out, int max)
     return 0;
 }
 
-lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link, lf_error *err);
-lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link, lf_error *err)
+lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link,
+                             lf_error *err);
+lf_status __wrap_lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link **out_link,
+                             lf_error *err)
 {
-    static const lf_usb_link_ops ops = {display_control, display_bulk_begin, display_bulk_end, display_cancel, display_close};
+    static const lf_usb_link_ops ops = {display_control, display_bulk_begin, display_bulk_end,
+                                        display_cancel, display_close};
     static const uint8_t rgb888 = LF_GUD_RGB888;
-    const lf_model_gud_options options = {.width = WIDTH, .height = HEIGHT, .formats = &rgb888, .n_formats = 1};
+    const lf_model_gud_options options = {
+        .width = WIDTH, .height = HEIGHT, .formats = &rgb888, .n_formats = 1};
     const lf_model_gud_faults faults = {.hang_every = how == HANGS};
     display *d = lf_calloc(1, sizeof *d);
     (void)address;
     (void)err;
-    if (d == NULL || lf_model_gud_create(&options, &faults, &d->gud) != LF_OK || (d->inner = lf_usb_model_open(d->gud)) == NULL) {
+    if (!d || lf_model_gud_create(&options, &faults, &d->gud) != LF_OK ||
+        !(d->inner = lf_usb_model_open(d->gud)))
         abort();
-    }
     d->base.ops = &ops;
     *out_place = (lf_usb_place){.address = "1-1", .endpoint = 2};
     *out_link = &d->base;
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------------------------- the daemon -- */
+/* -------------------------------------------------------------------------------- the daemon -- */
 
 /* args: what start gives. */
 static int run_server(char *args[])
 {
-    lf_server_config config = {.scene = args[2], .socket = args[3], .device = "usb", .export_dir = args[4], .calibration = args[5]};
+    lf_server_config config = {.scene = args[2],
+                               .socket = args[3],
+                               .device = "usb",
+                               .export_dir = args[4],
+                               .calibration = args[5]};
     how = (manner)(args[1][0] - '0');
     lf_log_init("quiltd", LF_LOG_INFO);
     lf_button_actions_default(&config.buttons);
@@ -131,7 +138,7 @@ static void allow_threads_to_stay(void)
 {
     const char *before = getenv("TSAN_OPTIONS");
     char options[1024];
-    snprintf(options, sizeof options, "%s:report_thread_leaks=0", before != NULL ? before : "");
+    snprintf(options, sizeof options, "%s:report_thread_leaks=0", before ? before : "");
     setenv("TSAN_OPTIONS", options, 1);
 }
 
@@ -140,16 +147,21 @@ static void start(live *l, manner ill)
     char number[2] = {(char)('0' + ill), 0}, calibration[PATH_MAX];
     live_prepare(l);
     snprintf(calibration, sizeof calibration, "%s/sim/calibration.json", l->folder);
-    char *args[] = {(char *)(uintptr_t) "/proc/self/exe", number, l->scene, l->socket, l->exports, calibration, NULL};
+    char *args[] = {(char *)(uintptr_t) "/proc/self/exe",
+                    number,
+                    l->scene,
+                    l->socket,
+                    l->exports,
+                    calibration,
+                    NULL};
     l->pid = live_spawn(l, args);
 }
 
 static void wait_until_it_hangs(const live *l)
 {
     for (int i = 0; i < LIVE_PATIENCE_S * 50; i++) {
-        if (live_logged(l, "the display hangs")) {
+        if (live_logged(l, "the display hangs"))
             return;
-        }
         live_nap(20);
     }
     live_show_log(l);
@@ -165,16 +177,14 @@ static void end_while_it_hangs(manner ill, bool by_signal)
     live_connect(&l, &c);
     wait_until_it_hangs(&l);
     assert_string_not_equal(live_status_text(&c, "state"), "");
-    if (by_signal) {
+    if (by_signal)
         kill(l.pid, SIGTERM);
-    } else {
+    else
         assert_int_equal(live_code(&c, "shutdown", NULL), 0);
-    }
     int code = live_reap(l.pid);
     l.pid = 0;
-    if (code != 0) {
+    if (code != 0)
         live_show_log(&l);
-    }
     assert_int_equal(code, 0);
     assert_int_not_equal(access(l.socket, F_OK), 0);
     live_close(&c);
@@ -202,7 +212,8 @@ static void a_display_that_hangs_while_it_is_opened_does_not_hold_up_the_end(voi
     end_while_it_hangs(MUTE, false);
 }
 
-/* The rest of the file can show a picture, and a panel that is well leaves nothing to the kernel. */
+/* The rest of the file can show a picture, and a panel that is well leaves nothing to the kernel.
+ */
 static void a_healthy_display_is_shown_on_and_given_back(void **state)
 {
     (void)state;
@@ -218,9 +229,8 @@ static void a_healthy_display_is_shown_on_and_given_back(void **state)
 
 int main(int argc, char *argv[])
 {
-    if (argc > 1) {
+    if (argc > 1)
         return run_server(argv);
-    }
     allow_threads_to_stay();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_display_that_hangs_in_a_push_does_not_hold_up_the_end),

@@ -1,60 +1,61 @@
-/* The worker: letters are done in order on a thread of its own and come back through the inbox, whatever happens. */
+/* The worker: tasks are done in order on a thread of its own and come back through the inbox,
+ * whatever happens. */
 #include "tests/testing.h"
 
 #include <poll.h>
 #include <stdatomic.h>
 
 #include "base/thread.h"
-#include "daemon/worker.h"
+#include "daemon/threads/worker.h"
 
-enum { N_LETTERS = 20 };
+enum { N_TASKS = 20 };
 
-typedef struct errand {
-    lf_letter letter; /* first */
+typedef struct work {
+    lf_task task; /* first */
     int number;
     bool done, dropped, opened;
-} errand;
+} work;
 
 typedef struct office {
     lf_inbox inbox;
     lf_worker *worker;
-    errand errands[N_LETTERS];
+    work works[N_TASKS];
     int n_opened;
-    int opened[N_LETTERS];
+    int opened[N_TASKS];
     pthread_t reader;
-    bool same_thread; /* an errand was done by the reader's thread */
-    atomic_bool shut; /* errands wait until it is open */
+    bool same_thread; /* an work was done by the reader's thread */
+    atomic_bool shut; /* works wait until it is open */
     atomic_bool ending;
     pid_t ender; /* the thread that ends the worker */
     atomic_int begun;
 } office;
 
-static errand *errand_of(lf_letter *letter)
+static work *work_of(lf_task *task)
 {
-    return (errand *)(void *)letter;
+    return (work *)(void *)task;
 }
 
-static void run(void *context, lf_letter *letter)
+static void run(void *context, lf_task *task)
 {
     office *o = context;
     atomic_fetch_add(&o->begun, 1);
     o->same_thread = o->same_thread || pthread_equal(pthread_self(), o->reader);
     while (atomic_load(&o->shut))
         sched_yield();
-    errand_of(letter)->done = true;
+    work_of(task)->done = true;
 }
 
-static void drop(void *context, lf_letter *letter)
+static void drop(void *context, lf_task *task)
 {
     (void)context;
-    errand_of(letter)->dropped = true;
+    work_of(task)->dropped = true;
 }
 
-static void opened(void *reader, lf_letter *letter)
+static void opened(void *reader, lf_task *task)
 {
     office *o = reader;
-    errand_of(letter)->opened = true;
-    o->opened[o->n_opened++] = errand_of(letter)->number;
+    work_of(task)->opened = true;
+    o->opened[o->n_opened++] = work_of(task)->number;
 }
 
 static office *open_office(void)
@@ -64,8 +65,8 @@ static office *open_office(void)
     o->reader = pthread_self();
     lf_assert_ok(lf_inbox_init(&o->inbox), NULL);
     lf_assert_ok(lf_worker_create("lf-test", run, drop, o, &o->inbox, &o->worker), NULL);
-    for (int i = 0; i < N_LETTERS; i++)
-        o->errands[i] = (errand){.letter.open = opened, .number = i};
+    for (int i = 0; i < N_TASKS; i++)
+        o->works[i] = (work){.task.done = opened, .number = i};
     return o;
 }
 
@@ -76,7 +77,7 @@ static void close_office(office *o)
     free(o);
 }
 
-/* Reads until so many letters were opened. */
+/* Reads until so many tasks were opened. */
 static void read_until(office *o, int n)
 {
     struct pollfd p = {.fd = o->inbox.event_fd, .events = POLLIN};
@@ -90,13 +91,13 @@ static void letters_are_done_elsewhere_and_come_back_in_order(void **state)
 {
     (void)state;
     office *o = open_office();
-    for (int i = 0; i < N_LETTERS; i++)
-        lf_worker_queue(o->worker, &o->errands[i].letter);
-    read_until(o, N_LETTERS);
-    for (int i = 0; i < N_LETTERS; i++) {
+    for (int i = 0; i < N_TASKS; i++)
+        lf_worker_queue(o->worker, &o->works[i].task);
+    read_until(o, N_TASKS);
+    for (int i = 0; i < N_TASKS; i++) {
         assert_int_equal(o->opened[i], i);
-        assert_true(o->errands[i].done);
-        assert_false(o->errands[i].dropped);
+        assert_true(o->works[i].done);
+        assert_false(o->works[i].dropped);
     }
     assert_false(o->same_thread);
     assert_int_equal(lf_worker_pending(o->worker), 0);
@@ -108,7 +109,7 @@ static void a_letter_may_be_queued_again_once_it_has_come_back(void **state)
     (void)state;
     office *o = open_office();
     for (int i = 0; i < 5; i++) {
-        lf_worker_queue(o->worker, &o->errands[0].letter);
+        lf_worker_queue(o->worker, &o->works[0].task);
         read_until(o, i + 1);
     }
     assert_int_equal(atomic_load(&o->begun), 5);
@@ -121,7 +122,7 @@ static void what_is_pending_counts_the_one_under_way(void **state)
     office *o = open_office();
     atomic_store(&o->shut, true);
     for (int i = 0; i < 3; i++)
-        lf_worker_queue(o->worker, &o->errands[i].letter);
+        lf_worker_queue(o->worker, &o->works[i].task);
     while (atomic_load(&o->begun) == 0)
         sched_yield();
     assert_int_equal(lf_worker_pending(o->worker), 3);
@@ -146,7 +147,8 @@ static bool is_asleep(pid_t thread)
     return state == 'S';
 }
 
-/* Opens the gate when the end has been asked for: whoever asked sleeps then, waiting for the worker's thread. */
+/* Opens the gate when the end has been asked for: whoever asked sleeps then, waiting for the
+ * worker's thread. */
 static void *open_at_the_end(void *context)
 {
     office *o = context;
@@ -164,7 +166,7 @@ static void at_the_end_the_one_under_way_is_done_and_the_others_are_dropped(void
     o->ender = gettid();
     atomic_store(&o->shut, true);
     for (int i = 0; i < 3; i++)
-        lf_worker_queue(o->worker, &o->errands[i].letter);
+        lf_worker_queue(o->worker, &o->works[i].task);
     while (atomic_load(&o->begun) == 0)
         sched_yield();
     lf_assert_ok(lf_thread_start("opener", open_at_the_end, o, &opener), NULL);
@@ -172,9 +174,9 @@ static void at_the_end_the_one_under_way_is_done_and_the_others_are_dropped(void
     lf_worker_destroy(o->worker);
     o->worker = NULL;
     pthread_join(opener, NULL);
-    assert_true(o->errands[0].done && !o->errands[0].dropped);
-    assert_true(!o->errands[1].done && o->errands[1].dropped);
-    assert_true(!o->errands[2].done && o->errands[2].dropped);
+    assert_true(o->works[0].done && !o->works[0].dropped);
+    assert_true(!o->works[1].done && o->works[1].dropped);
+    assert_true(!o->works[2].done && o->works[2].dropped);
     /* and all of them come back */
     assert_int_equal(o->n_opened, 0);
     lf_inbox_read(&o->inbox, o);

@@ -7,8 +7,8 @@
 #include <time.h>
 
 #include "base/thread.h"
-#include "device/buttons_link.h"
-#include "device/model.h"
+#include "device/hid/buttons_link.h"
+#include "device/model/model.h"
 
 enum { PATIENCE_MS = 20000 };
 
@@ -27,8 +27,9 @@ static void a_press_is_told_once_and_again_after_release(void **state)
     static const struct {
         uint8_t mask;
         unsigned pressed;
-    } reports[] = {{0, 0},       {1, 1},    {1, 0},    {1, 0},     {3, 2}, {2, 0}, {3, 1}, {0, 0},
-                   {0x0f, 0x0f}, {0x0f, 0}, {0xf0, 0}, {0xff, 15}, {0, 0}, {8, 8}, {4, 4}, {0x84, 0}};
+    } reports[] = {{0, 0}, {1, 1}, {1, 0},       {1, 0},    {3, 2},    {2, 0},
+                   {3, 1}, {0, 0}, {0x0f, 0x0f}, {0x0f, 0}, {0xf0, 0}, {0xff, 15},
+                   {0, 0}, {8, 8}, {4, 4},       {0x84, 0}};
     unsigned down = 0;
     for (size_t i = 0; i < sizeof reports / sizeof reports[0]; i++)
         assert_int_equal(lf_buttons_pressed(&down, reports[i].mask), reports[i].pressed);

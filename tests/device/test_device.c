@@ -1,6 +1,8 @@
 /* The table: specs, list, auto, and the device that shows nothing. */
 #include "tests/testing.h"
 
+#include <unistd.h>
+
 #include "device/device_table.h"
 
 static void bad_specs_are_refused_with_a_reason(void **state)
@@ -92,7 +94,7 @@ static void all_kinds_are_in_the_table(void **state)
     static const char *const kinds[] = {"drm", "window", "usb", "sim", "none"};
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         bool found = false;
-        for (int i = 0; lf_device_table[i] != NULL; i++)
+        for (int i = 0; lf_device_table[i]; i++)
             found = found || strcmp(lf_device_table[i]->kind, kinds[k]) == 0;
         if (!found)
             fail_msg("%s is not there", kinds[k]);
@@ -122,7 +124,8 @@ static void without_a_panel_none_is_found(void **state)
 }
 
 /* A kind with panels of which one is in use. Opens as a "none" whose problem is the name. */
-static lf_status fake_open(const char *argument, const lf_calibration *calibration, lf_device **out_device, lf_error *err)
+static lf_status fake_open(const char *argument, const lf_calibration *calibration,
+                           lf_device **out_device, lf_error *err)
 {
     (void)calibration;
     if (strcmp(argument, "taken") == 0)
@@ -177,7 +180,8 @@ static int probe_open(lf_device_info *out, int max)
     return n - 1;
 }
 
-static void assert_finds(const lf_device_ops *const table[], const char *first, const char *expected)
+static void assert_finds(const lf_device_ops *const table[], const char *first,
+                         const char *expected)
 {
     lf_device *device = NULL;
     lf_device_info info;
@@ -188,7 +192,8 @@ static void assert_finds(const lf_device_ops *const table[], const char *first, 
     lf_device_destroy(device);
 }
 
-static void assert_finds_none(const lf_device_ops *const table[], const char *first, lf_status status, const char *why)
+static void assert_finds_none(const lf_device_ops *const table[], const char *first,
+                              lf_status status, const char *why)
 {
     lf_device *device = NULL;
     lf_error err = {0};
@@ -207,9 +212,11 @@ static void the_first_panel_that_opens_is_found(void **state)
     const lf_device_ops *const all_taken[] = {&one, NULL}, *const no_panels[] = {&unknown, NULL};
     const lf_device_ops *const taken_and_unknown[] = {&one, &unknown, NULL};
     assert_finds(with_free, "", "free");
-    assert_finds_none(all_taken, "", LF_E_BUSY, "fake:taken cannot be used: another program has it");
+    assert_finds_none(all_taken, "", LF_E_BUSY,
+                      "fake:taken cannot be used: another program has it");
     assert_finds_none(no_panels, "", LF_E_NODEV, "it does not say what it is");
-    assert_finds_none(taken_and_unknown, "", LF_E_BUSY, "fake:taken cannot be used: another program has it");
+    assert_finds_none(taken_and_unknown, "", LF_E_BUSY,
+                      "fake:taken cannot be used: another program has it");
 }
 
 /* Looking for it again and again would have its drive mounted each time. */
@@ -219,9 +226,13 @@ static void a_panel_without_a_calibration_waits_for_what_is_plugged_in(void **st
     const lf_device_ops unmeasured = {.kind = "fake", .probe = probe_unmeasured, .open = fake_open};
     const lf_device_ops unknown = {.kind = "fake", .probe = probe_unknown, .open = fake_open};
     const lf_device_ops taken = {.kind = "fake", .probe = probe_one, .open = fake_open};
-    const lf_device_ops *const alone[] = {&unmeasured, &unknown, NULL}, *const with_taken[] = {&unmeasured, &taken, NULL};
-    assert_finds_none(alone, "", LF_E_NODEV, "fake:unmeasured cannot be used: its calibration is not known");
-    assert_finds_none(with_taken, "", LF_E_BUSY, "fake:taken cannot be used: another program has it");
+    const lf_device_ops *const alone[] = {&unmeasured, &unknown, NULL}, *const with_taken[] = {
+                                                                            &unmeasured, &taken,
+                                                                            NULL};
+    assert_finds_none(alone, "", LF_E_NODEV,
+                      "fake:unmeasured cannot be used: its calibration is not known");
+    assert_finds_none(with_taken, "", LF_E_BUSY,
+                      "fake:taken cannot be used: another program has it");
 }
 
 /* What was there before may be another thing by now: an ordinary monitor on the panel's output. */
@@ -233,7 +244,8 @@ static void what_was_there_last_comes_first_only_while_it_is_a_panel(void **stat
     const lf_device_ops *const with_two[] = {&open, NULL}, *const no_panels[] = {&unknown, NULL};
     assert_finds(with_two, "", "free");
     assert_finds(with_two, "fake:free too", "free too");
-    assert_finds(with_two, "fake:monitor", "free"); /* it could be opened by this name, and is not listed */
+    /* it could be opened by this name, and is not listed */
+    assert_finds(with_two, "fake:monitor", "free");
     assert_finds(with_two, "fakes:free too", "free");
     assert_finds_none(no_panels, "fake:free", LF_E_NODEV, "it does not say what it is");
 }
@@ -254,6 +266,60 @@ static void texts_are_sanitised_and_cut_between_characters(void **state)
     assert_string_equal(out, "??\xf0\x9f\x98\x80");
 }
 
+static void a_spec_says_what_its_kind_is_like(void **state)
+{
+    (void)state;
+    const struct {
+        const char *spec;
+        bool is_auto, is_panel, is_hardware;
+    } facts[] = {{"auto", true, true, true},         {"drm:HDMI-A-1", false, true, true},
+                 {"window", false, true, true},      {"usb:1-1", false, true, true},
+                 {"sim:/tmp/x", false, true, false}, {"none", false, false, false},
+                 {"simulated", false, true, true},   {"autos", false, true, true}};
+    for (size_t i = 0; i < sizeof facts / sizeof *facts; i++) {
+        assert_int_equal(lf_device_is_auto(facts[i].spec), facts[i].is_auto);
+        assert_int_equal(lf_device_is_panel(facts[i].spec), facts[i].is_panel);
+        assert_int_equal(lf_device_is_hardware(facts[i].spec), facts[i].is_hardware);
+    }
+    assert_true(lf_device_has_kind("usb:1-1", "usb"));
+    assert_false(lf_device_has_kind("usb:1-1", "usbip"));
+    assert_false(lf_device_has_kind("usbip:1-1", "usb"));
+}
+
+static void only_a_device_that_may_be_the_same_is_closed_first(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/test_device.XXXXXX", ours[64], link_spec[72], link[48];
+    assert_non_null(mkdtemp(folder));
+    snprintf(ours, sizeof ours, "sim:%s,latency=1", folder);
+    snprintf(link, sizeof link, "%s/itself", folder);
+    snprintf(link_spec, sizeof link_spec, "sim:%s", link);
+    assert_int_equal(symlink(".", link), 0);
+    assert_true(lf_device_same(ours, link_spec));
+    assert_true(lf_device_same(ours, "auto"));
+    assert_false(lf_device_same(ours, "sim:/"));
+    assert_false(lf_device_same(ours, "sim:/nowhere"));
+    assert_false(lf_device_same(ours, "usb:1-1"));
+    assert_true(lf_device_same("usb:1-1", "usb"));
+    assert_false(lf_device_same("usb:1-1", "drm"));
+    assert_int_equal(unlink(link), 0);
+    assert_int_equal(rmdir(folder), 0);
+}
+
+static void a_spec_says_which_folder_it_writes_into(void **state)
+{
+    (void)state;
+    size_t n = 0;
+    const char *spec = "sim:/tmp/x,latency=1";
+    assert_ptr_equal(lf_device_folder(spec, &n), spec + 4);
+    assert_int_equal(n, 6);
+    assert_non_null(lf_device_folder("sim:", &n));
+    assert_int_equal(n, 0);
+    const char *const nowhere[] = {"sim", "none", "auto", "usb:1-1", "sims:/tmp"};
+    for (size_t i = 0; i < sizeof nowhere / sizeof *nowhere; i++)
+        assert_null(lf_device_folder(nowhere[i], &n));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -265,6 +331,9 @@ int main(void)
         cmocka_unit_test(the_first_panel_that_opens_is_found),
         cmocka_unit_test(a_panel_without_a_calibration_waits_for_what_is_plugged_in),
         cmocka_unit_test(what_was_there_last_comes_first_only_while_it_is_a_panel),
+        cmocka_unit_test(a_spec_says_what_its_kind_is_like),
+        cmocka_unit_test(only_a_device_that_may_be_the_same_is_closed_first),
+        cmocka_unit_test(a_spec_says_which_folder_it_writes_into),
         cmocka_unit_test(texts_are_sanitised_and_cut_between_characters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,5 @@
-/* Calibrations on drives: mounted ones by a list of mounts made for the test, unmounted ones through a udisks2 of the test's own on a
- * private bus, and what hostile drives hold. */
+/* Calibrations on drives: mounted ones by a list of mounts made for the test, unmounted ones
+ * through a udisks2 of the test's own on a private bus, and what hostile drives hold. */
 #include "tests/testing.h"
 
 #include <fcntl.h>
@@ -16,10 +16,11 @@
 
 #include "base/alloc.h"
 #include "base/file.h"
-#include "device/drive.h"
+#include "device/find/drive.h"
 
-static const char good[] = "{\"serial\":\"LKG-PORT-TEST\",\"pitch\":52.5,\"slope\":-7.25,\"center\":0.375,\"viewCone\":40,"
-                           "\"DPI\":324,\"screenW\":1536,\"screenH\":2048}";
+static const char good[] =
+    "{\"serial\":\"LKG-PORT-TEST\",\"pitch\":52.5,\"slope\":-7.25,\"center\":0.375,\"viewCone\":40,"
+    "\"DPI\":324,\"screenW\":1536,\"screenH\":2048}";
 
 /* The number of the test's block devices, which are files. */
 enum { NO_DEVICE = 0 };
@@ -73,7 +74,7 @@ static const char *make_volume(machine *m, const char *name, const char *text, s
     char relative[256];
     const char *volume = path_of(m, "%s", name);
     assert_int_equal(mkdir(volume, 0700), 0);
-    if (text == NULL)
+    if (!text)
         return volume;
     snprintf(relative, sizeof relative, "%s/LKG_calibration", name);
     assert_int_equal(mkdir(lf_test_path(m->folder, relative), 0700), 0);
@@ -94,7 +95,9 @@ static void add_mount(machine *m, const char *folder, const char *source)
 {
     size_t n = strlen(m->mounts);
     snprintf(m->mounts + n, sizeof m->mounts - n,
-             "310 30 8:17 / %s ro,nosuid,nodev,noexec,relatime shared:172 master:3 - vfat %s ro,fmask=0022\n", folder, source);
+             "310 30 8:17 / %s ro,nosuid,nodev,noexec,relatime shared:172 master:3 - vfat %s "
+             "ro,fmask=0022\n",
+             folder, source);
     write_mounts(m);
 }
 
@@ -165,9 +168,9 @@ static void only_whole_volumes_of_block_devices_are_looked_at(void **state)
     };
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
         const char *at = strstr(lines[i], "%s");
-        size_t before = at != NULL ? (size_t)(at - lines[i]) : strlen(lines[i]);
-        snprintf(m->mounts, sizeof m->mounts, "%.*s%s%s", (int)before, lines[i], at != NULL ? volume : "",
-                 at != NULL ? at + 2 : "");
+        size_t before = at ? (size_t)(at - lines[i]) : strlen(lines[i]);
+        snprintf(m->mounts, sizeof m->mounts, "%.*s%s%s", (int)before, lines[i], at ? volume : "",
+                 at ? at + 2 : "");
         write_mounts(m);
         assert_int_equal(lf_drive_list(&m->places, found, 4), 0);
     }
@@ -184,7 +187,7 @@ static void assert_problem(machine *m, const char *word)
     lf_found found[2];
     lf_calibration nothing = {0};
     assert_int_equal(lf_drive_list(&m->places, found, 2), 1);
-    if (strstr(found[0].problem, word) == NULL)
+    if (!strstr(found[0].problem, word))
         fail_msg("\"%s\" does not say \"%s\"", found[0].problem, word);
     assert_memory_equal(&found[0].calibration, &nothing, sizeof nothing);
     for (const char *p = found[0].problem; *p != 0; p++)
@@ -195,7 +198,8 @@ static void no_link_leads_out_of_a_volume(void **state)
 {
     machine *m = *state;
     const char *volume = make_volume(m, "LKG-P1", good, strlen(good));
-    const char *file = path_of(m, "LKG-P1/LKG_calibration/visual.json"), *folder = path_of(m, "LKG-P1/LKG_calibration");
+    const char *file = path_of(m, "LKG-P1/LKG_calibration/visual.json"),
+               *folder = path_of(m, "LKG-P1/LKG_calibration");
     const char *elsewhere = path_of(m, "secret.json");
     lf_test_write(m->folder, "secret.json", good);
     add_mount(m, volume, "/dev/nonexistent1");
@@ -262,7 +266,8 @@ static void a_volume_of_another_user_is_told_only_when_it_is_a_panel(void **stat
     machine *m = *state;
     lf_found found[2];
     bool root = geteuid() == 0;
-    const char *panel = make_volume(m, "LKG-P1", good, strlen(good)), *stick = make_volume(m, "stick", good, strlen(good));
+    const char *panel = make_volume(m, "LKG-P1", good, strlen(good)),
+               *stick = make_volume(m, "stick", good, strlen(good));
     add_mount(m, panel, "/dev/nonexistent1");
     add_mount(m, stick, "/dev/nonexistent2");
     assert_int_equal(lf_drive_list(&m->places, found, 2), 2);
@@ -298,38 +303,37 @@ static void the_label_is_that_of_the_device(void **state)
 static void real_calibrations_come_from_a_drive_unchanged(void **state)
 {
     machine *m = *state;
-    static const char *const names[] = {"16in_gen3_LKG-J00332", "portrait_LKG-P00655", "portrait_LKG-PORT-05935", "standard_00297",
-                                        "standard_8.9in_LKG-2K-01338"};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        char name[128], *text = NULL;
+    for (int i = 0; i < LF_TEST_CALIBRATIONS; i++) {
+        char name[16], *text = NULL;
         size_t n = 0;
-        snprintf(name, sizeof name, "calibration/%s.visual.json", names[i]);
-        const char *path = lf_test_shared(name);
-        if (path == NULL)
+        snprintf(name, sizeof name, "panel%d", i);
+        const char *path = lf_test_calibration(i);
+        if (!path)
             skip();
         lf_calibration expected;
         lf_found found[2];
         lf_assert_ok(lf_calibration_load(path, &expected, NULL), NULL);
         lf_assert_ok(lf_file_read(path, NULL, LF_CALIBRATION_MAX_BYTES, &text, &n, NULL), NULL);
         m->mounts[0] = 0;
-        add_mount(m, make_volume(m, names[i], text, n), "/dev/nonexistent1");
+        add_mount(m, make_volume(m, name, text, n), "/dev/nonexistent1");
         lf_free(text);
         assert_int_equal(lf_drive_list(&m->places, found, 2), 1);
         assert_memory_equal(&found[0].calibration, &expected, sizeof expected);
     }
 }
 
-/* -------------------------------------------------------------------------------------------------------- udisks2 -- */
+/* ----------------------------------------------------------------------------------- udisks2 -- */
 
 /* A bus of the test's own, and a udisks2 on it that does what the test wants. */
 typedef struct fake {
     pid_t bus_pid;
     sd_bus *bus;
     pthread_t thread;
-    int wake[2];           /* a byte, and the thread ends */
-    const char *refusal;   /* name of the error that Mount gives; NULL = it mounts … */
-    const char *folder;    /* … here */
-    machine *desktop;      /* it mounts what Mount is called for in this folder, just before; NULL = nobody does */
+    int wake[2];         /* a byte, and the thread ends */
+    const char *refusal; /* name of the error that Mount gives; NULL = it mounts … */
+    const char *folder;  /* … here */
+    /* it mounts what Mount is called for in this folder, just before; NULL = nobody does */
+    machine *desktop;
     bool stranger;         /* ResolveDevice knows no device */
     bool late;             /* Mount is not answered */
     char device[PATH_MAX]; /* asked for */
@@ -372,16 +376,17 @@ static int serve(sd_bus_message *message, void *data, sd_bus_error *error)
         return r;
     if (sd_bus_message_is_method_call(message, "org.freedesktop.UDisks2.Manager", "ResolveDevice"))
         return f->stranger ? sd_bus_reply_method_return(message, "ao", 0)
-                           : sd_bus_reply_method_return(message, "ao", 1, "/org/freedesktop/UDisks2/block_devices/sda1");
+                           : sd_bus_reply_method_return(
+                                 message, "ao", 1, "/org/freedesktop/UDisks2/block_devices/sda1");
     if (sd_bus_message_is_method_call(message, "org.freedesktop.UDisks2.Filesystem", "Mount")) {
         f->n_mounts++;
         if (f->late)
             return 1;
         f->touches = lf_find_touches(NO_DEVICE);
-        if (f->desktop != NULL)
+        if (f->desktop)
             add_mount(f->desktop, f->folder, below_dev(f->desktop, f->device));
-        return f->refusal != NULL ? sd_bus_error_set(error, f->refusal, "it said no\x1b[31m")
-                                  : sd_bus_reply_method_return(message, "s", f->folder);
+        return f->refusal ? sd_bus_error_set(error, f->refusal, "it said no\x1b[31m")
+                          : sd_bus_reply_method_return(message, "s", f->folder);
     }
     if (sd_bus_message_is_method_call(message, "org.freedesktop.UDisks2.Filesystem", "Unmount")) {
         f->n_unmounts++;
@@ -399,21 +404,25 @@ static void *serve_all(void *data)
             return NULL;
         if (r > 0)
             continue;
-        struct pollfd p[2] = {{.fd = sd_bus_get_fd(f->bus), .events = (short)sd_bus_get_events(f->bus)},
-                              {.fd = f->wake[0], .events = POLLIN}};
+        struct pollfd p[2] = {
+            {.fd = sd_bus_get_fd(f->bus), .events = (short)sd_bus_get_events(f->bus)},
+            {.fd = f->wake[0], .events = POLLIN}};
         if (poll(p, 2, -1) < 0 || p[1].revents != 0)
             return NULL;
     }
 }
 
-/* Starts a bus; its address in $DBUS_SYSTEM_BUS_ADDRESS. False, with a word, where there is no dbus-daemon. */
+/* Starts a bus; its address in $DBUS_SYSTEM_BUS_ADDRESS. False, with a word, where there is no
+ * dbus-daemon. */
 static bool start_bus(fake *f, const machine *m)
 {
     char config[1024], path[PATH_MAX], address[512];
     int out[2];
     snprintf(config, sizeof config,
-             "<busconfig><type>session</type><listen>unix:dir=%s</listen><auth>EXTERNAL</auth><policy context=\"default\">"
-             "<allow send_destination=\"*\"/><allow receive_sender=\"*\"/><allow own=\"*\"/></policy></busconfig>",
+             "<busconfig><type>session</type><listen>unix:dir=%s</listen><auth>EXTERNAL</"
+             "auth><policy context=\"default\">"
+             "<allow send_destination=\"*\"/><allow receive_sender=\"*\"/><allow "
+             "own=\"*\"/></policy></busconfig>",
              m->folder);
     snprintf(path, sizeof path, "--config-file=%s", lf_test_write(m->folder, "bus.conf", config));
     assert_int_equal(pipe2(out, O_CLOEXEC), 0);
@@ -422,7 +431,8 @@ static bool start_bus(fake *f, const machine *m)
     if (f->bus_pid == 0) {
         prctl(PR_SET_PDEATHSIG, SIGKILL);
         dup2(out[1], 1);
-        execlp("dbus-daemon", "dbus-daemon", path, "--nofork", "--nopidfile", "--print-address=1", (char *)NULL);
+        execlp("dbus-daemon", "dbus-daemon", path, "--nofork", "--nopidfile", "--print-address=1",
+               (char *)NULL);
         _exit(127);
     }
     close(out[1]);
@@ -480,7 +490,7 @@ static lf_found find_unmounted(const machine *m, fake *f)
 
 static void assert_says(const lf_found *found, const char *word)
 {
-    if (strstr(found->problem, word) == NULL)
+    if (!strstr(found->problem, word))
         fail_msg("\"%s\" does not say \"%s\"", found->problem, word);
     for (const char *p = found->problem; *p != 0; p++)
         assert_true((unsigned char)*p >= 0x20 && *p != 0x7f);
@@ -522,7 +532,8 @@ static void a_mounted_panel_is_not_mounted_again(void **state)
 static void what_a_desktop_mounts_meanwhile_is_read_there(void **state)
 {
     machine *m = *state;
-    fake f = {.refusal = "org.freedesktop.UDisks2.Error.AlreadyMounted", .folder = make_volume(m, "LKG-P1", good, strlen(good))};
+    fake f = {.refusal = "org.freedesktop.UDisks2.Error.AlreadyMounted",
+              .folder = make_volume(m, "LKG-P1", good, strlen(good))};
     f.desktop = m;
     add_label(m, "sda1", "LKG-P1");
     lf_found found = find_unmounted(m, &f);

@@ -1,7 +1,7 @@
 /* EDID: what is taken from a sound one, and that damaged ones give nothing. */
 #include "tests/testing.h"
 
-#include "device/edid.h"
+#include "device/find/edid.h"
 
 enum { BLOCK = 128 };
 
@@ -26,7 +26,8 @@ static void set_checksum(uint8_t *edid)
 }
 
 /* A monitor of width x height with this name and serial number (NULL = none). */
-static void make_edid(uint8_t edid[BLOCK], int width, int height, const char *name, const char *serial)
+static void make_edid(uint8_t edid[BLOCK], int width, int height, const char *name,
+                      const char *serial)
 {
     static const uint8_t header[8] = {0, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0};
     memset(edid, 0, BLOCK);
@@ -37,9 +38,9 @@ static void make_edid(uint8_t edid[BLOCK], int width, int height, const char *na
     edid[58] = (uint8_t)(width >> 8 << 4);
     edid[59] = (uint8_t)height;
     edid[61] = (uint8_t)(height >> 8 << 4);
-    if (name != NULL)
+    if (name)
         set_descriptor(edid, 1, 0xfc, name);
-    if (serial != NULL)
+    if (serial)
         set_descriptor(edid, 3, 0xff, serial);
     set_checksum(edid);
 }
@@ -135,7 +136,7 @@ static void assert_refused(const uint8_t *edid, size_t n, const char *word)
     before = out;
     lf_assert_status(lf_edid_parse(edid, n, &out, &err), LF_E_FORMAT, &err);
     assert_memory_equal(&out, &before, sizeof out);
-    if (strstr(err.what, word) == NULL)
+    if (!strstr(err.what, word))
         fail_msg("\"%s\" does not say \"%s\"", err.what, word);
 }
 

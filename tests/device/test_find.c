@@ -3,7 +3,7 @@
 
 #include <sys/stat.h>
 
-#include "device/find.h"
+#include "device/find/find.h"
 
 static char *folder; /* the cache's */
 
@@ -23,7 +23,8 @@ static int remove_folder(void **state)
     return 0;
 }
 
-static lf_found place(lf_source source, const char *label, const char *serial, int width, int height)
+static lf_found place(lf_source source, const char *label, const char *serial, int width,
+                      int height)
 {
     lf_found f = {.source = source, .path = "/dev/place"};
     lf_calibration_portrait(&f.calibration);
@@ -51,11 +52,27 @@ static lf_edid display(const char *name, const char *serial, int width, int heig
     return d;
 }
 
+/* The 8.9" panel: its own EEPROM, what was cached of it, and its display, named by its maker. */
+static lf_found standard(const char *serial)
+{
+    return place(LF_SOURCE_HID, "HoloPlay", serial, 2560, 1600);
+}
+
+static lf_found cached_standard(const char *serial)
+{
+    return place(LF_SOURCE_CACHE, serial, serial, 2560, 1600);
+}
+
+static lf_edid standards_display(void)
+{
+    return display("LKG01Do12HjQE", "", 2560, 1600);
+}
+
 static void assert_match(const lf_found *found, int n, lf_edid d, int expected)
 {
     lf_error err = {0};
     const lf_found *match = lf_find_match(found, n, &d, &err);
-    if (match == NULL)
+    if (!match)
         fail_msg("no match: %s", err.what);
     assert_int_equal(match - found, expected);
 }
@@ -65,7 +82,7 @@ static void assert_none(const lf_found *found, int n, lf_edid d, lf_status statu
     lf_error err = {0};
     assert_null(lf_find_match(found, n, &d, &err));
     lf_assert_status(err.status, status, &err);
-    if (strstr(err.what, word) == NULL)
+    if (!strstr(err.what, word))
         fail_msg("\"%s\" does not say \"%s\"", err.what, word);
 }
 
@@ -87,10 +104,10 @@ static void a_display_with_a_name_of_its_own_is_found_by_size(void **state)
 {
     (void)state;
     const lf_found found[] = {
-        place(LF_SOURCE_HID, "HoloPlay", "LKG-2K-01338", 2560, 1600),
+        standard("LKG-2K-01338"),
         place(LF_SOURCE_DRIVE, "LKG-P00655", "LKG-PORT-", 1536, 2048),
     };
-    assert_match(found, 2, display("LKG01Do12HjQE", "", 2560, 1600), 0);
+    assert_match(found, 2, standards_display(), 0);
     assert_match(found, 2, display("LKG", "", 1536, 2048), 1);
     assert_match(found, 2, display("LKG-", "", 1536, 2048), 1);
     assert_none(found, 2, display("LKG01Do12HjQE", "", 2048, 1536), LF_E_NODEV, "none of the 2");
@@ -100,10 +117,10 @@ static void what_two_panels_fit_is_not_guessed(void **state)
 {
     (void)state;
     const lf_found found[] = {
-        place(LF_SOURCE_HID, "HoloPlay", "LKG-2K-1", 2560, 1600),
-        place(LF_SOURCE_HID, "HoloPlay", "LKG-2K-2", 2560, 1600),
+        standard("LKG-2K-1"),
+        standard("LKG-2K-2"),
     };
-    assert_none(found, 2, display("LKG01Do12HjQE", "", 2560, 1600), LF_E_NODEV, "2 calibrations fit");
+    assert_none(found, 2, standards_display(), LF_E_NODEV, "2 calibrations fit");
     assert_none(found, 2, display("", "", 0, 0), LF_E_NODEV, "2 calibrations fit");
     assert_none(found, 2, display("LKG-2K-", "", 2560, 1600), LF_E_NODEV, "2 calibrations fit");
     assert_match(found, 1, display("", "", 0, 0), 0);
@@ -113,15 +130,15 @@ static void what_is_plugged_in_goes_before_the_cache(void **state)
 {
     (void)state;
     const lf_found found[] = {
-        place(LF_SOURCE_HID, "HoloPlay", "LKG-2K-1", 2560, 1600),
-        place(LF_SOURCE_CACHE, "LKG-2K-2", "LKG-2K-2", 2560, 1600),
-        place(LF_SOURCE_CACHE, "LKG-2K-3", "LKG-2K-3", 2560, 1600),
+        standard("LKG-2K-1"),
+        cached_standard("LKG-2K-2"),
+        cached_standard("LKG-2K-3"),
     };
-    assert_match(found, 3, display("LKG01Do12HjQE", "", 2560, 1600), 0);
+    assert_match(found, 3, standards_display(), 0);
     assert_match(found, 3, display("", "", 0, 0), 0);
     assert_match(found, 3, display("LKG-2K-3", "", 2560, 1600), 2);
-    assert_none(found + 1, 2, display("LKG01Do12HjQE", "", 2560, 1600), LF_E_NODEV, "2 calibrations fit");
-    assert_match(found + 1, 1, display("LKG01Do12HjQE", "", 2560, 1600), 0);
+    assert_none(found + 1, 2, standards_display(), LF_E_NODEV, "2 calibrations fit");
+    assert_match(found + 1, 1, standards_display(), 0);
 }
 
 static void an_unreadable_panel_is_told_and_only_the_cache_stands_in(void **state)
@@ -144,17 +161,18 @@ static void what_was_found_instead_is_told(void **state)
         place(LF_SOURCE_DRIVE, "LKG-P00655", "LKG-PORT-", 1536, 2048),
         broken(LF_SOURCE_HID, "HoloPlay", "no permission: do this"),
     };
-    assert_none(NULL, 0, display("LKG01Do12HjQE", "", 2560, 1600), LF_E_NODEV, "plug the panel's USB in");
-    assert_none(found, 2, display("LKG01Do12HjQE", "", 2560, 1600), LF_E_NODEV, "no permission: do this");
-    assert_none(found, 1, display("LKG01Do12HjQE", "", 2560, 1600), LF_E_NODEV, "LKG-PORT-, 1536x2048");
+    assert_none(NULL, 0, standards_display(), LF_E_NODEV, "plug the panel's USB in");
+    assert_none(found, 2, standards_display(), LF_E_NODEV, "no permission: do this");
+    assert_none(found, 1, standards_display(), LF_E_NODEV, "LKG-PORT-, 1536x2048");
 }
 
 static void what_is_plugged_in_later_denies_a_cached_calibration(void **state)
 {
     (void)state;
-    const lf_edid named = display("LKG-P1", "", 1536, 2048), nameless = display("HDMI-A-1", "", 1536, 2048);
+    const lf_edid named = display("LKG-P1", "", 1536, 2048),
+                  nameless = display("HDMI-A-1", "", 1536, 2048);
     lf_found found[] = {
-        place(LF_SOURCE_HID, "HoloPlay", "LKG-2K-1", 2560, 1600), /* another's: a smaller one */
+        standard("LKG-2K-1"), /* another's: a smaller one */
         broken(LF_SOURCE_DRIVE, "LKG-P9", "damaged"),
         place(LF_SOURCE_DRIVE, "LKG-P1", "LKG-PORT-1", 1536, 2048),
         place(LF_SOURCE_DRIVE, "LKG-P2", "LKG-PORT-2", 1536, 2048),
@@ -173,17 +191,19 @@ static void what_is_plugged_in_later_denies_a_cached_calibration(void **state)
 static void a_cached_calibration_that_would_be_taken_again_is_not_denied(void **state)
 {
     (void)state;
-    const lf_edid one = display("LKG01Do12HjQE", "", 2560, 1600), desktops = display("Looking Glass", "", 2560, 1600);
+    const lf_edid one = standards_display(), desktops = display("Looking Glass", "", 2560, 1600);
     lf_found found[] = {
-        place(LF_SOURCE_HID, "HoloPlay", "LKG-2K-2", 2560, 1600),
-        place(LF_SOURCE_CACHE, "LKG-2K-1", "LKG-2K-1", 2560, 1600),
+        standard("LKG-2K-2"),
+        cached_standard("LKG-2K-1"),
     };
     const lf_calibration used = found[1].calibration;
     found[1].display = one;
     assert_match(found, 2, one, 1);
     assert_false(lf_found_deny(found, 2, &one, &used));
-    assert_true(lf_found_deny(found, 2, &desktops, &used)); /* found by its size alone, and now by that of what is plugged in */
-    /* two of the same name: the serial number, which only the cache tells here, says which is which */
+    /* found by its size alone, and now by that of what is plugged in */
+    assert_true(lf_found_deny(found, 2, &desktops, &used));
+    /* two of the same name: the serial number, which only the cache tells here, says which is which
+     */
     snprintf(found[0].display.name, sizeof found[0].display.name, "%s", one.name);
     snprintf(found[0].display.serial, sizeof found[0].display.serial, "2");
     snprintf(found[1].display.serial, sizeof found[1].display.serial, "1");
@@ -289,8 +309,9 @@ static void the_cache_knows_which_display_a_calibration_was_found_for(void **sta
 static void a_serial_leads_nowhere_else(void **state)
 {
     (void)state;
-    static const char *const serials[] = {"../../../../tmp/owned", "/etc/passwd",     "..", ".", ".hidden", "a/b",
-                                          "a\nb c\"'$(id)",        "\xc3\xa4\xc3\xa4"};
+    static const char *const serials[] = {
+        "../../../../tmp/owned", "/etc/passwd",     "..", ".", ".hidden", "a/b",
+        "a\nb c\"'$(id)",        "\xc3\xa4\xc3\xa4"};
     lf_found found[16];
     int before = lf_cache_list(found, 16);
     for (size_t i = 0; i < sizeof serials / sizeof serials[0]; i++) {

@@ -1,10 +1,12 @@
-/* The host of GUD displays against the simulated one: every lie, every fault, and that the display shows the frame in the end. */
+/* The host of GUD displays against the simulated one: every lie, every fault, and that the display
+ * shows the frame in the end. */
 #include "tests/device/gud_testing.h"
 
 #include "base/alloc.h"
 #include "base/thread.h"
-#include "device/gud_host.h"
-#include "device/gud_plan.h"
+#include "device/model/usb_model.h"
+#include "device/usb/gud_host.h"
+#include "device/usb/gud_plan.h"
 
 enum { WIDTH = 420, HEIGHT = 150, RECTS = 1000 };
 
@@ -15,9 +17,11 @@ typedef struct rig {
     lf_image8 frame;
 } rig;
 
-static lf_status try_rig(const lf_model_gud_options *options, const lf_model_gud_faults *faults, rig *out, lf_error *err)
+static lf_status try_rig(const lf_model_gud_options *options, const lf_model_gud_faults *faults,
+                         rig *out, lf_error *err)
 {
-    *out = (rig){.gud = gud_model(options, faults), .frame = gud_frame(options->width, options->height)};
+    *out = (rig){.gud = gud_model(options, faults),
+                 .frame = gud_frame(options->width, options->height)};
     out->link = lf_usb_model_open(out->gud);
     assert_non_null(out->link);
     lf_status status = lf_gud_host_open(out->link, &out->host, err);
@@ -71,10 +75,10 @@ static int update(rig *r, const lf_rect *rects, int n)
     return failures;
 }
 
-/* -------------------------------------------------------------------------------------------------------- rectangles -- */
+/* -------------------------------------------------------------------------------- rectangles -- */
 
-/* Paints and shows rectangles; the display must show the frame at the end, and in each rectangle after each. Returns the
- * failures. */
+/* Paints and shows rectangles; the display must show the frame at the end, and in each rectangle
+ * after each. Returns the failures. */
 static int show_random_rects(rig *r, int count, lf_gud_format format, uint64_t seed)
 {
     uint64_t random = seed;
@@ -117,7 +121,8 @@ static void a_thousand_rectangles_arrive_in_every_format_and_manner(void **state
         assert_int_equal(host_counters(&r).compressed, gud_counters(r.gud).compressed_rects);
         if (o.lz4) {
             assert_true(host_counters(&r).compressed > 0);
-            assert_true(host_counters(&r).compressed < host_counters(&r).bands); /* noise goes as it is */
+            /* noise goes as it is */
+            assert_true(host_counters(&r).compressed < host_counters(&r).bands);
         }
         free_rig(&r);
     }
@@ -140,7 +145,8 @@ static void a_thousand_rectangles_arrive_through_faults(void **state)
     }
 }
 
-/* Were a failed rectangle taken for shown, the half that the model spoils would stay: this is seen. */
+/* Were a failed rectangle taken for shown, the half that the model spoils would stay: this is seen.
+ */
 static void a_host_that_trusts_failed_rectangles_would_be_caught(void **state)
 {
     (void)state;
@@ -186,9 +192,11 @@ static void what_the_display_shows_already_is_not_sent(void **state)
         assert_int_equal(update(&r, &pixel, 1), 0);
         assert_int_equal(update(&r, NULL, 0), 0);
         assert_int_equal(gud_counters(r.gud).bytes, before.bytes);
-        r.frame.data[(size_t)pixel.y * r.frame.stride + (size_t)pixel.x * 3] ^= 1; /* but the least change is */
+        /* but the least change is */
+        r.frame.data[(size_t)pixel.y * r.frame.stride + (size_t)pixel.x * 3] ^= 1;
         assert_int_equal(update(&r, &pixel, 1), 0);
-        assert_int_equal(gud_counters(r.gud).bytes, before.bytes + (k == 1 ? (uint64_t)WIDTH * HEIGHT * 3 : 3));
+        assert_int_equal(gud_counters(r.gud).bytes,
+                         before.bytes + (k == 1 ? (uint64_t)WIDTH * HEIGHT * 3 : 3));
         assert_int_equal(gud_differences(r.gud, &r.frame, whole, LF_GUD_RGB888), 0);
         free_rig(&r);
     }
@@ -221,7 +229,7 @@ static void updates_do_not_allocate(void **state)
     free_rig(&r);
 }
 
-/* ------------------------------------------------------------------------------------------------------------- plan -- */
+/* -------------------------------------------------------------------------------------- plan -- */
 
 static void bands_are_whole_rows_within_the_limit(void **state)
 {
@@ -257,14 +265,24 @@ static void bands_are_whole_rows_within_the_limit(void **state)
     lf_image8_finish(&frame);
 }
 
-/* -------------------------------------------------------------------------------------------------------------- lies -- */
+/* -------------------------------------------------------------------------------------- lies -- */
 
 static const char *const lies[LF_GUD_LIES] = {
-    [LF_GUD_WRONG_MAGIC] = "descriptor",    [LF_GUD_VERSION_0] = "version 0",         [LF_GUD_VERSION_9] = "version 9",
-    [LF_GUD_SHORT_DESCRIPTOR] = "23 bytes", [LF_GUD_NO_FORMATS] = "formats",          [LF_GUD_UNKNOWN_FORMATS] = "formats",
-    [LF_GUD_MANY_FORMATS] = "formats",      [LF_GUD_NO_CONNECTORS] = "connector",     [LF_GUD_MODE_0X0] = "0x0",
-    [LF_GUD_MODE_65535] = "65535x65535",    [LF_GUD_MODES_CUT] = "modes ends within", [LF_GUD_TINY_BUFFER] = "smaller than a row",
-    [LF_GUD_SHORT_EDID] = "EDID has 100",   [LF_GUD_NO_MODES] = "neither modes nor",  [LF_GUD_COMPRESSED_FULL] = "compression",
+    [LF_GUD_WRONG_MAGIC] = "descriptor",
+    [LF_GUD_VERSION_0] = "version 0",
+    [LF_GUD_VERSION_9] = "version 9",
+    [LF_GUD_SHORT_DESCRIPTOR] = "23 bytes",
+    [LF_GUD_NO_FORMATS] = "formats",
+    [LF_GUD_UNKNOWN_FORMATS] = "formats",
+    [LF_GUD_MANY_FORMATS] = "formats",
+    [LF_GUD_NO_CONNECTORS] = "connector",
+    [LF_GUD_MODE_0X0] = "0x0",
+    [LF_GUD_MODE_65535] = "65535x65535",
+    [LF_GUD_MODES_CUT] = "modes ends within",
+    [LF_GUD_TINY_BUFFER] = "smaller than a row",
+    [LF_GUD_SHORT_EDID] = "EDID has 100",
+    [LF_GUD_NO_MODES] = "neither modes nor",
+    [LF_GUD_COMPRESSED_FULL] = "compression",
     [LF_GUD_BAD_STATUS] = "status is 200",
 };
 
@@ -283,8 +301,9 @@ static void every_lie_is_a_clear_error(void **state)
         if (lie == LF_GUD_HONEST) {
             lf_assert_ok(status, &err);
         } else {
-            if (status != LF_E_FORMAT || strstr(err.what, lies[lie]) == NULL)
-                fail_msg("lie %d: %s \"%s\", expected \"%s\"", lie, lf_status_name(status), err.what, lies[lie]);
+            if (status != LF_E_FORMAT || !strstr(err.what, lies[lie]))
+                fail_msg("lie %d: %s \"%s\", expected \"%s\"", lie, lf_status_name(status),
+                         err.what, lies[lie]);
         }
         free_rig(&r);
     }
@@ -337,11 +356,12 @@ typedef struct odd_link {
     bool unplugged; /* its connector has nothing on it */
 } odd_link;
 
-static lf_usb_result odd_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value, uint8_t *data, size_t n,
-                                 size_t *out_n, int timeout_ms)
+static lf_usb_result odd_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value,
+                                 uint8_t *data, size_t n, size_t *out_n, int timeout_ms)
 {
     odd_link *odd = (odd_link *)(void *)link;
-    if (odd->poor && (request == LF_GUD_GET_CONNECTOR_EDID || request == LF_GUD_GET_CONNECTOR_PROPERTIES))
+    if (odd->poor &&
+        (request == LF_GUD_GET_CONNECTOR_EDID || request == LF_GUD_GET_CONNECTOR_PROPERTIES))
         return LF_USB_STALL;
     if (odd->unplugged && request == LF_GUD_GET_CONNECTOR_STATUS) {
         data[0] = 0x80 | LF_GUD_DISCONNECTED;
@@ -384,7 +404,7 @@ static void a_display_need_not_have_an_edid_but_something_on_its_connector(void 
     assert_non_null(strstr(err.what, "nothing is connected"));
 }
 
-/* ------------------------------------------------------------------------------------------------------------ faults -- */
+/* ------------------------------------------------------------------------------------ faults -- */
 
 static void refusals_come_with_the_displays_reason(void **state)
 {

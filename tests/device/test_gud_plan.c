@@ -1,7 +1,7 @@
 /* Which pixels a display is sent: few where few changed, and always enough. */
 #include "tests/device/gud_testing.h"
 
-#include "device/gud_plan.h"
+#include "device/usb/gud_plan.h"
 
 enum { WIDTH = 1536, HEIGHT = 2048, ROUNDS = 300 };
 
@@ -15,7 +15,8 @@ static lf_gud_plan *plan_of(int width, int height)
 }
 
 /* Plans an update as if all of it arrived; returns its pixels. */
-static size_t send_all(lf_gud_plan *plan, const lf_image8 *frame, const lf_rect *rects, int n, int *out_bands)
+static size_t send_all(lf_gud_plan *plan, const lf_image8 *frame, const lf_rect *rects, int n,
+                       int *out_bands)
 {
     size_t pixels = 0;
     *out_bands = lf_gud_plan_update(plan, frame, rects, n, (size_t)WIDTH * HEIGHT);
@@ -82,13 +83,15 @@ static void copy_band(lf_image8 *display, const lf_image8 *frame, lf_rect r)
 static bool same(const lf_image8 *a, const lf_image8 *b)
 {
     for (int y = 0; y < a->height; y++)
-        if (memcmp(a->data + (size_t)y * a->stride, b->data + (size_t)y * b->stride, (size_t)a->width * 3) != 0)
+        if (memcmp(a->data + (size_t)y * a->stride, b->data + (size_t)y * b->stride,
+                   (size_t)a->width * 3) != 0)
             return false;
     return true;
 }
 
 /* Sends an update to `display`; when it breaks off at a band, that one is noise there. */
-static bool send_some(lf_gud_plan *plan, const lf_image8 *frame, const lf_rect *rects, int n, lf_image8 *display, uint64_t *random)
+static bool send_some(lf_gud_plan *plan, const lf_image8 *frame, const lf_rect *rects, int n,
+                      lf_image8 *display, uint64_t *random)
 {
     size_t most = 1 + gud_random(random) % 20000;
     int bands = lf_gud_plan_update(plan, frame, rects, n, most);
@@ -128,8 +131,8 @@ static void whatever_changes_and_breaks_off_the_display_ends_up_exact(void **sta
                 gud_paint(&frame, rects[k], gud_random(&random) % 2 == 0, &random);
             }
             /* after a failure everything is pushed, as the daemon does */
-            good =
-                good ? send_some(plan, &frame, rects, n, &display, &random) : send_some(plan, &frame, &all, 1, &display, &random);
+            good = good ? send_some(plan, &frame, rects, n, &display, &random)
+                        : send_some(plan, &frame, &all, 1, &display, &random);
             failures += !good;
             assert_true(!good || same(&display, &frame));
         }

@@ -1,11 +1,12 @@
 /* The GUD protocol's structures: what is written is read back, what must not be is refused. */
 #include "tests/testing.h"
 
-#include "device/gud.h"
+#include "device/usb/gud.h"
 
 static lf_gud_descriptor good_descriptor(void)
 {
-    return (lf_gud_descriptor){.version = 1, .max_buffer_size = 0x12345678, .max_width = 4096, .max_height = 4096};
+    return (lf_gud_descriptor){
+        .version = 1, .max_buffer_size = 0x12345678, .max_width = 4096, .max_height = 4096};
 }
 
 static void descriptors_lie_where_the_protocol_says(void **state)
@@ -17,8 +18,9 @@ static void descriptors_lie_where_the_protocol_says(void **state)
     d.compression = LF_GUD_COMPRESSION_LZ4;
     d.min_width = 7;
     lf_gud_descriptor_write(&d, bytes);
-    const uint8_t expected[] = {0x4d, 0x61, 0x50, 0x1d, 1,    1, 0, 0, 0, 1, 0x78, 0x56, 0x34, 0x12, 7,
-                                0,    0,    0,    0,    0x10, 0, 0, 0, 0, 0, 0,    0,    0x10, 0,    0};
+    const uint8_t expected[] = {0x4d, 0x61, 0x50, 0x1d, 1, 1, 0, 0,    0, 1,
+                                0x78, 0x56, 0x34, 0x12, 7, 0, 0, 0,    0, 0x10,
+                                0,    0,    0,    0,    0, 0, 0, 0x10, 0, 0};
     assert_memory_equal(bytes, expected, sizeof expected);
     lf_assert_ok(lf_gud_descriptor_read(bytes, sizeof bytes, &back, NULL), NULL);
     assert_int_equal(back.flags, d.flags);
@@ -69,13 +71,15 @@ static void the_best_format_wins_wherever_it_stands(void **state)
     (void)state;
     uint8_t many[LF_GUD_MAX_FORMATS + 1];
     lf_gud_format format = LF_GUD_NO_FORMAT;
-    lf_assert_ok(lf_gud_formats_choose((const uint8_t[]){0x01, 0x40, 0x80, 0x50}, 4, &format, NULL), NULL);
+    lf_assert_ok(lf_gud_formats_choose((const uint8_t[]){0x01, 0x40, 0x80, 0x50}, 4, &format, NULL),
+                 NULL);
     assert_int_equal(format, LF_GUD_RGB888);
     lf_assert_ok(lf_gud_formats_choose((const uint8_t[]){0x40, 0x80}, 2, &format, NULL), NULL);
     assert_int_equal(format, LF_GUD_XRGB8888);
     lf_assert_ok(lf_gud_formats_choose((const uint8_t[]){0x40, 0xff}, 2, &format, NULL), NULL);
     assert_int_equal(format, LF_GUD_RGB565);
-    lf_assert_status(lf_gud_formats_choose((const uint8_t[]){0x01, 0x08, 0x81}, 3, &format, NULL), LF_E_FORMAT, NULL);
+    lf_assert_status(lf_gud_formats_choose((const uint8_t[]){0x01, 0x08, 0x81}, 3, &format, NULL),
+                     LF_E_FORMAT, NULL);
     lf_assert_status(lf_gud_formats_choose(many, 0, &format, NULL), LF_E_FORMAT, NULL);
     memset(many, LF_GUD_RGB888, sizeof many);
     lf_assert_status(lf_gud_formats_choose(many, sizeof many, &format, NULL), LF_E_FORMAT, NULL);
@@ -94,13 +98,16 @@ static void lists_are_bounded_and_whole(void **state)
     lf_assert_ok(lf_gud_modes_read(bytes, 0, modes, &n, NULL), NULL);
     assert_int_equal(n, 0);
     lf_assert_status(lf_gud_modes_read(bytes, sizeof bytes, modes, &n, NULL), LF_E_FORMAT, NULL);
-    lf_assert_status(lf_gud_modes_read(bytes, LF_GUD_MODE_BYTES + 1, modes, &n, NULL), LF_E_FORMAT, NULL);
+    lf_assert_status(lf_gud_modes_read(bytes, LF_GUD_MODE_BYTES + 1, modes, &n, NULL), LF_E_FORMAT,
+                     NULL);
     lf_assert_status(lf_gud_connectors_count(bytes, 0, &n, NULL), LF_E_FORMAT, NULL);
     lf_assert_status(lf_gud_connectors_count(bytes, 6, &n, NULL), LF_E_FORMAT, NULL);
-    lf_assert_status(lf_gud_connectors_count(bytes, 33 * LF_GUD_CONNECTOR_BYTES, &n, NULL), LF_E_FORMAT, NULL);
+    lf_assert_status(lf_gud_connectors_count(bytes, 33 * LF_GUD_CONNECTOR_BYTES, &n, NULL),
+                     LF_E_FORMAT, NULL);
     lf_assert_ok(lf_gud_connectors_count(bytes, 32 * LF_GUD_CONNECTOR_BYTES, &n, NULL), NULL);
     assert_int_equal(n, 32);
-    lf_assert_status(lf_gud_properties_read(bytes, 33 * LF_GUD_PROPERTY_BYTES, &properties, NULL), LF_E_FORMAT, NULL);
+    lf_assert_status(lf_gud_properties_read(bytes, 33 * LF_GUD_PROPERTY_BYTES, &properties, NULL),
+                     LF_E_FORMAT, NULL);
     lf_assert_status(lf_gud_properties_read(bytes, 7, &properties, NULL), LF_E_FORMAT, NULL);
     assert_int_equal(properties.n_properties, 0);
 }
@@ -109,9 +116,14 @@ static void states_give_known_properties_back(void **state)
 {
     (void)state;
     uint8_t listed[4 * LF_GUD_PROPERTY_BYTES], bytes[LF_GUD_STATE_MAX_BYTES];
-    const lf_gud_property properties[] = {
-        {LF_GUD_PROPERTY_BACKLIGHT, 40}, {999, 1}, {LF_GUD_PROPERTY_ROTATION, 0x3f}, {1, UINT64_MAX}};
-    lf_gud_state s = {.mode = {.hdisplay = 640, .clock_khz = 25175, .flags = 5}, .format = LF_GUD_RGB888, .connector = 3}, back;
+    const lf_gud_property properties[] = {{LF_GUD_PROPERTY_BACKLIGHT, 40},
+                                          {999, 1},
+                                          {LF_GUD_PROPERTY_ROTATION, 0x3f},
+                                          {1, UINT64_MAX}};
+    lf_gud_state s = {.mode = {.hdisplay = 640, .clock_khz = 25175, .flags = 5},
+                      .format = LF_GUD_RGB888,
+                      .connector = 3},
+                 back;
     for (int i = 0; i < 4; i++)
         lf_gud_property_write(&properties[i], listed + i * LF_GUD_PROPERTY_BYTES);
     lf_assert_ok(lf_gud_properties_read(listed, sizeof listed, &s, NULL), NULL);
@@ -173,7 +185,8 @@ static void the_mode_of_the_calibration_is_chosen_else_the_preferred(void **stat
     assert_true((m.flags & LF_GUD_MODE_PREFERRED) != 0);
     lf_assert_ok(lf_gud_mode_choose(&d, modes, 3, 0, 0, &m, NULL), NULL);
     assert_int_equal(m.hdisplay, 1920);
-    lf_assert_status(lf_gud_mode_choose(&d, modes, n, 8192, 100, &m, &err), LF_E_ARG, &err); /* beyond the descriptor's limits */
+    /* beyond the descriptor's limits */
+    lf_assert_status(lf_gud_mode_choose(&d, modes, n, 8192, 100, &m, &err), LF_E_ARG, &err);
     assert_non_null(strstr(err.what, "1920x1080"));
     lf_assert_status(lf_gud_mode_choose(&d, modes, 1, 0, 0, &m, &err), LF_E_FORMAT, &err);
     assert_non_null(strstr(err.what, "0x0"));
@@ -186,7 +199,8 @@ static void an_edid_gives_the_mode_of_its_first_timing(void **state)
 {
     (void)state;
     /* 1920x1080 at 60 Hz as CEA-861 has it: 148.5 MHz, 88 + 44 + 148, 4 + 5 + 36 */
-    const uint8_t timing[] = {0x02, 0x3a, 0x80, 0x18, 0x71, 0x38, 0x2d, 0x40, 0x58, 0x2c, 0x45, 0, 0, 0, 0, 0, 0, 0x1e};
+    const uint8_t timing[] = {0x02, 0x3a, 0x80, 0x18, 0x71, 0x38, 0x2d, 0x40, 0x58,
+                              0x2c, 0x45, 0,    0,    0,    0,    0,    0,    0x1e};
     uint8_t edid[128] = {0};
     lf_gud_mode m;
     assert_false(lf_gud_mode_from_edid(edid, sizeof edid, &m));
@@ -226,7 +240,8 @@ static void pixels_survive_but_for_565_which_rounds_to_the_nearest(void **state)
     lf_gud_pixels_write(LF_GUD_RGB565, &frame, r, wire);
     lf_gud_pixels_read(LF_GUD_RGB565, wire, 256, back);
     for (int i = 0; i < 256 * 3; i++)
-        lf_assert_close(back[i], row[i], 0, i % 3 == 1 ? 2.1 : 4.2); /* half a step of 63 and of 31 */
+        /* half a step of 63 and of 31 */
+        lf_assert_close(back[i], row[i], 0, i % 3 == 1 ? 2.1 : 4.2);
     lf_image8_finish(&frame);
 }
 

@@ -14,7 +14,7 @@ static lf_status push(lf_handover *h, const lf_rect *r)
     static uint8_t pixels[HEIGHT][WIDTH * 3];
     const lf_image8 frame = {WIDTH, HEIGHT, 3, sizeof pixels[0], pixels[0]};
     memset(pixels, 7, sizeof pixels);
-    return lf_handover_push(&h->base, &frame, r, r != NULL, 1);
+    return lf_handover_push(&h->base, &frame, r, !!r, 1);
 }
 
 static bool rings(int fd)

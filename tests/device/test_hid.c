@@ -1,17 +1,18 @@
-/* The calibration over HID: the simulated panel, every fault of it, EEPROMs that lie, and that nothing but "read a page" is
- * ever sent. Time is the link's: nothing here waits. */
+/* The calibration over HID: the simulated panel, every fault of it, EEPROMs that lie, and that
+ * nothing but "read a page" is ever sent. Time is the link's: nothing here waits. */
 #include "tests/testing.h"
 
 #include <errno.h>
 
 #include "base/alloc.h"
 #include "base/file.h"
-#include "device/hid.h"
-#include "device/model.h"
+#include "device/hid/hid.h"
+#include "device/model/model.h"
 
-static const char good[] = "{\"configVersion\":\"1.0\",\"serial\":\"LKG-2K-TEST\",\"pitch\":{\"value\":47.5},"
-                           "\"slope\":{\"value\":-5.25},\"center\":{\"value\":0.375},\"viewCone\":{\"value\":40},"
-                           "\"DPI\":{\"value\":338},\"screenW\":{\"value\":2560.0},\"screenH\":{\"value\":1600}}";
+static const char good[] =
+    "{\"configVersion\":\"1.0\",\"serial\":\"LKG-2K-TEST\",\"pitch\":{\"value\":47.5},"
+    "\"slope\":{\"value\":-5.25},\"center\":{\"value\":0.375},\"viewCone\":{\"value\":40},"
+    "\"DPI\":{\"value\":338},\"screenW\":{\"value\":2560.0},\"screenH\":{\"value\":1600}}";
 
 /* A panel on a wire whose clock moves only while somebody waits. */
 typedef struct wire {
@@ -80,7 +81,8 @@ static lf_status read_wire(wire *w, lf_calibration *out, lf_error *err)
     if (status != LF_OK)
         assert_memory_equal(out, &before, sizeof before);
     assert_int_equal(lf_model_hid_violations(w->model), 0);
-    assert_true(w->now_ms - 5000 <= (uint64_t)lf_hid_patient.total_ms + 2 * (uint64_t)lf_hid_patient.rest_ms);
+    assert_true(w->now_ms - 5000 <=
+                (uint64_t)lf_hid_patient.total_ms + 2 * (uint64_t)lf_hid_patient.rest_ms);
     return status;
 }
 
@@ -109,7 +111,7 @@ static void assert_refused(wire *w, lf_status status, const char *word)
     lf_error err = {0};
     lf_assert_status(read_wire(w, &c, &err), status, &err);
     assert_string_equal(err.where, "/dev/hidraw7");
-    if (strstr(err.what, word) == NULL)
+    if (!strstr(err.what, word))
         fail_msg("\"%s\" does not say \"%s\"", err.what, word);
     lf_model_hid_destroy(w->model);
 }
@@ -173,8 +175,10 @@ static void faults_that_stay_end_in_one_clear_error(void **state)
         lf_status status;
         const char *word;
     } cases[] = {
-        {{.mute_every = 1}, LF_E_TIMEOUT, "does not answer"},  {{.stall_every = 1}, LF_E_IO, "refuses"},
-        {{.short_every = 1}, LF_E_TIMEOUT, "does not answer"}, {{.wrong_echo = true}, LF_E_TIMEOUT, "does not answer"},
+        {{.mute_every = 1}, LF_E_TIMEOUT, "does not answer"},
+        {{.stall_every = 1}, LF_E_IO, "refuses"},
+        {{.short_every = 1}, LF_E_TIMEOUT, "does not answer"},
+        {{.wrong_echo = true}, LF_E_TIMEOUT, "does not answer"},
         {{.stale = 1000}, LF_E_TIMEOUT, "does not answer"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -209,7 +213,8 @@ static void a_slow_panel_is_not_waited_for_for_ever(void **state)
     lf_calibration c;
     lf_error err = {0};
     lf_hid_link link = {wire_send, wire_read, wire_now, NULL, &w};
-    lf_assert_status(lf_hid_read_calibration(&link, &lf_hid_patient, "slow", &c, &err), LF_E_TIMEOUT, &err);
+    lf_assert_status(lf_hid_read_calibration(&link, &lf_hid_patient, "slow", &c, &err),
+                     LF_E_TIMEOUT, &err);
     assert_true(w.n_read < 3 * 64);
     lf_model_hid_destroy(w.model);
 }
@@ -261,14 +266,17 @@ static void blank_and_lying_lengths_are_refused(void **state)
     assert_refused(&w, LF_E_FORMAT, "blank");
 }
 
-#define WITH(pitch) "{\"pitch\":" pitch ",\"slope\":-7,\"center\":0,\"DPI\":324,\"screenW\":1536,\"screenH\":2048}"
+#define WITH(pitch)                                                                                \
+    "{\"pitch\":" pitch ",\"slope\":-7,\"center\":0,\"DPI\":324,\"screenW\":1536,\"screenH\":"     \
+    "2048}"
 
 static void calibrations_that_no_panel_has_are_refused(void **state)
 {
     (void)state;
     static char deep[LF_HID_MAX_JSON], cells[LF_HID_MAX_JSON];
     memset(deep, '[', sizeof deep - 1);
-    strcpy(cells, "{\"pitch\":52,\"slope\":-7,\"center\":0,\"DPI\":324,\"screenW\":1536,\"screenH\":2048,\"subpixelCells\":[{}");
+    strcpy(cells, "{\"pitch\":52,\"slope\":-7,\"center\":0,\"DPI\":324,\"screenW\":1536,"
+                  "\"screenH\":2048,\"subpixelCells\":[{}");
     for (int i = 1; i < 1000; i++)
         strcat(cells, ",{}");
     strcat(cells, "]}");
@@ -309,7 +317,8 @@ static void an_error_holds_no_control_characters(void **state)
     lf_model_hid_destroy(w.model);
 }
 
-/* Random faults and EEPROMs: whatever happens, nothing else than a page is asked for (read_wire looks), and it ends. */
+/* Random faults and EEPROMs: whatever happens, nothing else than a page is asked for (read_wire
+ * looks), and it ends. */
 static void only_pages_are_asked_for_over_every_fault(void **state)
 {
     (void)state;
@@ -385,13 +394,9 @@ static void the_model_gives_what_does_not_fit_later(void **state)
 static void real_calibrations_come_through_unchanged(void **state)
 {
     (void)state;
-    static const char *const names[] = {"16in_gen3_LKG-J00332", "portrait_LKG-P00655", "portrait_LKG-PORT-05935", "standard_00297",
-                                        "standard_8.9in_LKG-2K-01338"};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        char name[128];
-        snprintf(name, sizeof name, "calibration/%s.visual.json", names[i]);
-        const char *path = lf_test_shared(name);
-        if (path == NULL)
+    for (int i = 0; i < LF_TEST_CALIBRATIONS; i++) {
+        const char *path = lf_test_calibration(i);
+        if (!path)
             skip();
         char *text = NULL;
         size_t n = 0;

@@ -1,6 +1,6 @@
-/* The link to real HID devices over the unmodified hidapi, with devices of umockdev: which ones are taken for panels, and that what
- * is sent reaches the device as the protocol wants it. umockdev does not deliver input reports: the kernel's own path
- * (make check-kernel) has those. */
+/* The link to real HID devices over the unmodified hidapi, with devices of umockdev: which ones are
+ * taken for panels, and that what is sent reaches the device as the protocol wants it. umockdev
+ * does not deliver input reports: the kernel's own path (make check-kernel) has those. */
 #include "tests/testing.h"
 
 #include <dlfcn.h>
@@ -9,9 +9,9 @@
 #include <sys/ioctl.h>
 #include <umockdev.h>
 
-#include "device/find.h"
-#include "device/hid.h"
-#include "device/model.h"
+#include "device/find/find.h"
+#include "device/hid/hid.h"
+#include "device/model/model.h"
 
 #define PRELOAD "libumockdev-preload.so.0"
 
@@ -22,7 +22,8 @@ enum { SANITIZED = 0 };
 #endif
 
 /* Plugs in a USB device with one HID interface, described as umockdev-record does. */
-static void plug_in(UMockdevTestbed *testbed, int number, unsigned vendor, unsigned product, const char *name)
+static void plug_in(UMockdevTestbed *testbed, int number, unsigned vendor, unsigned product,
+                    const char *name)
 {
     char usb[64], hid[64], text[4096];
     GError *error = NULL;
@@ -30,13 +31,16 @@ static void plug_in(UMockdevTestbed *testbed, int number, unsigned vendor, unsig
     snprintf(hid, sizeof hid, "0003:%04X:%04X.%04X", vendor, product, (unsigned)number);
     snprintf(
         text, sizeof text,
-        "P: %s\nN: bus/usb/001/%03d\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nA: idVendor=%04x\\n\nA: idProduct=%04x\\n\n"
+        "P: %s\nN: bus/usb/001/%03d\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nA: "
+        "idVendor=%04x\\n\nA: idProduct=%04x\\n\n"
         "A: manufacturer=Looking Glass Factory\\n\nA: product=%s\\n\nA: serial=C\\n\n\n"
         "P: %s/1-%d:1.0\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nA: bInterfaceNumber=02\\n\n\n"
-        "P: %s/1-%d:1.0/%s\nE: SUBSYSTEM=hid\nE: HID_ID=0003:0000%04X:0000%04X\nE: HID_NAME=%s\nE: HID_UNIQ=C\n\n"
-        "P: %s/1-%d:1.0/%s/hidraw/hidraw%d\nN: hidraw%d\nE: SUBSYSTEM=hidraw\nE: DEVNAME=/dev/hidraw%d\nL: device=../../../%s\n\n",
-        usb, number, vendor, product, name, usb, number, usb, number, hid, vendor, product, name, usb, number, hid, number, number,
-        number, hid);
+        "P: %s/1-%d:1.0/%s\nE: SUBSYSTEM=hid\nE: HID_ID=0003:0000%04X:0000%04X\nE: HID_NAME=%s\nE: "
+        "HID_UNIQ=C\n\n"
+        "P: %s/1-%d:1.0/%s/hidraw/hidraw%d\nN: hidraw%d\nE: SUBSYSTEM=hidraw\nE: "
+        "DEVNAME=/dev/hidraw%d\nL: device=../../../%s\n\n",
+        usb, number, vendor, product, name, usb, number, usb, number, hid, vendor, product, name,
+        usb, number, hid, number, number, number, hid);
     if (!umockdev_testbed_add_from_string(testbed, text, &error))
         fail_msg("umockdev: %s", error->message);
 }
@@ -78,7 +82,8 @@ static gboolean answer(UMockdevIoctlBase *base, UMockdevIoctlClient *client, voi
     lf_model_hid *model = data;
     unsigned long request = umockdev_ioctl_client_get_request(client);
     size_t size = _IOC_SIZE(request);
-    UMockdevIoctlData *memory = umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, size, NULL);
+    UMockdevIoctlData *memory =
+        umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, size, NULL);
     if (request == HIDIOCGRDESCSIZE) {
         int none = 0;
         umockdev_ioctl_data_update(memory, 0, (guint8 *)&none, sizeof none);
@@ -87,7 +92,8 @@ static gboolean answer(UMockdevIoctlBase *base, UMockdevIoctlClient *client, voi
         guint8 *report = NULL;
         int n = 0;
         umockdev_ioctl_data_retrieve(memory, &report, &n);
-        int r = n > 0 && report[0] == 0 ? lf_model_hid_feature(model, report + 1, (size_t)n - 1) : -EPIPE;
+        int r = n > 0 && report[0] == 0 ? lf_model_hid_feature(model, report + 1, (size_t)n - 1)
+                                        : -EPIPE;
         umockdev_ioctl_client_complete(client, r < 0 ? -1 : n, r < 0 ? -r : 0);
         g_free(report);
     } else {
@@ -113,7 +119,8 @@ static void a_request_reaches_the_device_and_a_missing_reply_ends(void **state)
     lf_assert_ok(lf_hid_open("/dev/hidraw1", &link, &err), &err);
     lf_hid_patience patience = {.reply_ms = 20, .rest_ms = 1, .attempts = 2, .total_ms = 100};
     lf_calibration c;
-    lf_assert_status(lf_hid_read_calibration(&link, &patience, "/dev/hidraw1", &c, &err), LF_E_TIMEOUT, &err);
+    lf_assert_status(lf_hid_read_calibration(&link, &patience, "/dev/hidraw1", &c, &err),
+                     LF_E_TIMEOUT, &err);
     lf_hid_close(&link);
     for (int i = 0; i < patience.attempts; i++) {
         assert_int_equal(lf_model_hid_input(model, reply, sizeof reply), LF_MODEL_INPUT);
@@ -128,7 +135,7 @@ static void a_request_reaches_the_device_and_a_missing_reply_ends(void **state)
 
 static bool preloaded(void)
 {
-    return dlopen(PRELOAD, RTLD_LAZY | RTLD_NOLOAD) != NULL;
+    return dlopen(PRELOAD, RTLD_LAZY | RTLD_NOLOAD);
 }
 
 static void a_panel_that_cannot_be_read_is_told_with_its_problem(void **state)
@@ -159,7 +166,7 @@ int main(int argc, char **argv)
         printf("umockdev's preloaded library and the sanitizers' do not go together\n");
         return 77;
     }
-    if (!preloaded() && getenv("LD_PRELOAD") == NULL) {
+    if (!preloaded() && !getenv("LD_PRELOAD")) {
         setenv("LD_PRELOAD", PRELOAD, 1);
         execv("/proc/self/exe", argv);
     }

@@ -1,11 +1,12 @@
-/* The simulated device as a USB device: descriptors, standard and class requests, endpoints that halt. */
+/* The simulated device as a USB device: descriptors, standard and class requests, endpoints that
+ * halt. */
 #include "tests/testing.h"
 
 #include <errno.h>
 
-#include "device/edid.h"
-#include "device/gud.h"
-#include "device/model.h"
+#include "device/find/edid.h"
+#include "device/model/usb_model.h"
+#include "device/usb/gud.h"
 
 enum {
     IN_DEVICE = 0x80,
@@ -28,8 +29,11 @@ typedef struct panel {
 static panel make_panel(bool hid, bool display, const lf_model_gud_faults *faults)
 {
     static const uint8_t rgb888 = LF_GUD_RGB888;
-    const lf_model_gud_options options = {
-        .width = WIDTH, .height = HEIGHT, .formats = &rgb888, .n_formats = 1, .status_on_set = true};
+    const lf_model_gud_options options = {.width = WIDTH,
+                                          .height = HEIGHT,
+                                          .formats = &rgb888,
+                                          .n_formats = 1,
+                                          .status_on_set = true};
     panel p = {0};
     if (hid)
         lf_assert_ok(lf_model_hid_create("\0\0\0\2{}", 6, NULL, &p.hid), NULL);
@@ -46,10 +50,12 @@ static void drop_panel(panel *p)
     lf_model_hid_destroy(p->hid);
 }
 
-static int request(panel *p, unsigned type, unsigned code, unsigned value, unsigned index, void *data, size_t n)
+static int request(panel *p, unsigned type, unsigned code, unsigned value, unsigned index,
+                   void *data, size_t n)
 {
-    const uint8_t setup[8] = {(uint8_t)type,  (uint8_t)code,         (uint8_t)value, (uint8_t)(value >> 8),
-                              (uint8_t)index, (uint8_t)(index >> 8), (uint8_t)n,     (uint8_t)(n >> 8)};
+    const uint8_t setup[8] = {
+        (uint8_t)type,  (uint8_t)code,         (uint8_t)value, (uint8_t)(value >> 8),
+        (uint8_t)index, (uint8_t)(index >> 8), (uint8_t)n,     (uint8_t)(n >> 8)};
     return lf_model_control(p->model, setup, data, n);
 }
 
@@ -71,14 +77,16 @@ static void the_device_says_who_it_is(void **state)
     }
 }
 
-/* Every descriptor lies within the total length, and there are as many interfaces and endpoints as are told. */
+/* Every descriptor lies within the total length, and there are as many interfaces and endpoints as
+ * are told. */
 static void the_configuration_is_consistent(void **state)
 {
     (void)state;
     for (int kind = 1; kind < 4; kind++) {
         panel p = make_panel(kind & 1, kind & 2, NULL);
         uint8_t c[256] = {0};
-        int n = request(&p, IN_DEVICE, 6, 0x0200, 0, c, sizeof c), interfaces = 0, endpoints = 0, told = 0, at = 0;
+        int n = request(&p, IN_DEVICE, 6, 0x0200, 0, c, sizeof c), interfaces = 0, endpoints = 0,
+            told = 0, at = 0;
         assert_int_equal(n, c[2] | c[3] << 8);
         for (; at < n && c[at] >= 2; at += c[at]) {
             interfaces += c[at + 1] == 4;
@@ -132,9 +140,11 @@ static void a_page_is_asked_by_feature_and_comes_by_interrupt(void **state)
     (void)state;
     panel p = make_panel(true, false, NULL);
     uint8_t page[LF_MODEL_FEATURE] = {0}, report[LF_MODEL_INPUT];
-    assert_int_equal(lf_model_transfer(p.model, LF_MODEL_HID_ENDPOINT, report, sizeof report), -EAGAIN);
+    assert_int_equal(lf_model_transfer(p.model, LF_MODEL_HID_ENDPOINT, report, sizeof report),
+                     -EAGAIN);
     assert_int_equal(request(&p, OUT_HID, 9, 0x0300, 0, page, sizeof page), LF_MODEL_FEATURE);
-    assert_int_equal(lf_model_transfer(p.model, LF_MODEL_HID_ENDPOINT, report, sizeof report), LF_MODEL_INPUT);
+    assert_int_equal(lf_model_transfer(p.model, LF_MODEL_HID_ENDPOINT, report, sizeof report),
+                     LF_MODEL_INPUT);
     assert_memory_equal(report + 4, "\0\0\0\2{}", 6);
     assert_int_equal(lf_model_hid_violations(p.hid), 0);
     drop_panel(&p);
@@ -156,10 +166,13 @@ static void what_it_does_not_know_is_refused(void **state)
     (void)state;
     panel p = make_panel(true, true, NULL);
     uint8_t d[64] = {0};
-    assert_int_equal(request(&p, IN_HID, 1, 0x0300, 0, d, sizeof d), -EPIPE);  /* GET_REPORT */
-    assert_int_equal(request(&p, OUT_HID, 9, 0x0200, 0, d, sizeof d), -EPIPE); /* an output report */
-    assert_int_equal(request(&p, OUT_HID, 9, 0x0300, 1, d, sizeof d), -EPIPE); /* of the display's interface */
-    assert_int_equal(request(&p, IN_GUD, 1, 0, 0, d, 30), -EPIPE);             /* of the panel's interface */
+    assert_int_equal(request(&p, IN_HID, 1, 0x0300, 0, d, sizeof d), -EPIPE); /* GET_REPORT */
+    /* an output report */
+    assert_int_equal(request(&p, OUT_HID, 9, 0x0200, 0, d, sizeof d), -EPIPE);
+    /* of the display's interface */
+    assert_int_equal(request(&p, OUT_HID, 9, 0x0300, 1, d, sizeof d), -EPIPE);
+    /* of the panel's interface */
+    assert_int_equal(request(&p, IN_GUD, 1, 0, 0, d, 30), -EPIPE);
     assert_int_equal(request(&p, IN_DEVICE, 6, 0x0f00, 0, d, sizeof d), -EPIPE);
     assert_int_equal(request(&p, 0, 9, 2, 0, NULL, 0), -EPIPE);
     assert_int_equal(request(&p, IN_INTERFACE, 0, 0, 2, d, 2), -EPIPE);

@@ -1,4 +1,5 @@
-/* The simulated GUD display: what it takes, and that it refuses whatever the protocol does not allow. */
+/* The simulated GUD display: what it takes, and that it refuses whatever the protocol does not
+ * allow. */
 #include "tests/device/gud_testing.h"
 
 #include <errno.h>
@@ -29,12 +30,15 @@ static int check(lf_model_gud *gud, uint8_t format)
     uint8_t modes[LF_GUD_MODE_BYTES], bytes[LF_GUD_STATE_MAX_BYTES];
     lf_gud_mode mode[LF_GUD_MAX_MODES];
     int n;
-    assert_int_equal(lf_model_gud_control(gud, true, LF_GUD_GET_CONNECTOR_MODES, 0, modes, sizeof modes), LF_GUD_MODE_BYTES);
+    assert_int_equal(
+        lf_model_gud_control(gud, true, LF_GUD_GET_CONNECTOR_MODES, 0, modes, sizeof modes),
+        LF_GUD_MODE_BYTES);
     lf_assert_ok(lf_gud_modes_read(modes, sizeof modes, mode, &n, NULL), NULL);
     lf_gud_state s = {.mode = mode[0],
                       .format = format,
                       .n_properties = 2,
-                      .properties = {{LF_GUD_PROPERTY_BACKLIGHT, 50}, {LF_GUD_PROPERTY_ROTATION, LF_GUD_ROTATE_0}}};
+                      .properties = {{LF_GUD_PROPERTY_BACKLIGHT, 50},
+                                     {LF_GUD_PROPERTY_ROTATION, LF_GUD_ROTATE_0}}};
     return set(gud, LF_GUD_SET_STATE_CHECK, bytes, lf_gud_state_write(&s, bytes));
 }
 
@@ -47,7 +51,8 @@ static void switch_on(lf_model_gud *gud)
     assert_true(lf_model_gud_lit(gud));
 }
 
-static lf_model_gud *lit_model(const lf_model_gud_options *options, const lf_model_gud_faults *faults)
+static lf_model_gud *lit_model(const lf_model_gud_options *options,
+                               const lf_model_gud_faults *faults)
 {
     lf_model_gud *gud = gud_model(options, faults);
     switch_on(gud);
@@ -106,9 +111,11 @@ static void wrong_announcements_are_refused(void **state)
         assert_int_equal(status_of(gud), LF_GUD_STATUS_INVALID_PARAMETER);
     }
     assert_int_equal(gud_counters(gud).refused, n);
-    assert_int_equal(announce(gud, (lf_gud_buffer){WIDTH - 1, HEIGHT - 1, 1, 1, 3, 0, 0}), LF_GUD_BUFFER_BYTES);
+    assert_int_equal(announce(gud, (lf_gud_buffer){WIDTH - 1, HEIGHT - 1, 1, 1, 3, 0, 0}),
+                     LF_GUD_BUFFER_BYTES);
     assert_int_equal(lf_model_gud_bulk(gud, (uint8_t[4]){0}, 4), -EPIPE); /* more than announced */
-    assert_int_equal(lf_model_gud_bulk(gud, (uint8_t[3]){0}, 3), -EPIPE); /* nothing is announced any more */
+    /* nothing is announced any more */
+    assert_int_equal(lf_model_gud_bulk(gud, (uint8_t[3]){0}, 3), -EPIPE);
     assert_int_equal(gud_counters(gud).rects, 0);
     lf_model_gud_destroy(gud);
 }
@@ -130,8 +137,10 @@ static void requests_out_of_order_are_refused(void **state)
     assert_int_equal(set(gud, LF_GUD_SET_DISPLAY_ENABLE, data, 0), -EPIPE);
     assert_int_equal(set(gud, 0x65, data, 1), -EPIPE);
     assert_int_equal(status_of(gud), LF_GUD_STATUS_NOT_SUPPORTED);
-    assert_int_equal(lf_model_gud_control(gud, true, LF_GUD_GET_CONNECTOR_TV_MODE_VALUES, 0, data, 64), -EPIPE);
-    assert_int_equal(lf_model_gud_control(gud, true, LF_GUD_GET_CONNECTOR_STATUS, 1, data, 1), -EPIPE);
+    assert_int_equal(
+        lf_model_gud_control(gud, true, LF_GUD_GET_CONNECTOR_TV_MODE_VALUES, 0, data, 64), -EPIPE);
+    assert_int_equal(lf_model_gud_control(gud, true, LF_GUD_GET_CONNECTOR_STATUS, 1, data, 1),
+                     -EPIPE);
     assert_int_equal(lf_model_gud_bulk(gud, data, 3), -EPIPE);
     assert_false(lf_model_gud_lit(gud));
     switch_on(gud);
@@ -167,7 +176,8 @@ static void damaged_lz4_never_shows(void **state)
         uint32_t n = 1 + gud_random(&random) % 60;
         for (uint32_t i = 0; i < n; i++)
             bytes[i] = (uint8_t)gud_random(&random);
-        assert_int_equal(announce(gud, (lf_gud_buffer){0, 0, WIDTH, HEIGHT, PIXELS * 3, 1, n}), LF_GUD_BUFFER_BYTES);
+        assert_int_equal(announce(gud, (lf_gud_buffer){0, 0, WIDTH, HEIGHT, PIXELS * 3, 1, n}),
+                         LF_GUD_BUFFER_BYTES);
         assert_int_equal(lf_model_gud_bulk(gud, bytes, n), -EPIPE);
     }
     assert_int_equal(gud_counters(gud).rects, 0);
@@ -200,8 +210,9 @@ static void faults_strike_when_they_are_asked_for(void **state)
     lf_model_gud_options o = gud_options(WIDTH, HEIGHT);
     const lf_gud_buffer one = {0, 0, 1, 1, 3, 0, 0};
     const uint8_t pixel[3] = {0};
-    lf_model_gud *gud =
-        lit_model(&o, &(lf_model_gud_faults){.stall_every = 2, .hang_every = 3, .unplug_after = 3, .bytes_per_s = 1000});
+    lf_model_gud *gud = lit_model(
+        &o, &(lf_model_gud_faults){
+                .stall_every = 2, .hang_every = 3, .unplug_after = 3, .bytes_per_s = 1000});
     assert_int_equal(announce(gud, one), LF_GUD_BUFFER_BYTES);
     assert_int_equal(announce(gud, one), -EPIPE);
     assert_int_equal(status_of(gud), LF_GUD_STATUS_BUSY);

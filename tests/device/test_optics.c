@@ -1,7 +1,8 @@
-/* The optical model against panels painted by the vendor's formulas, which are written out here once more. */
+/* The optical model against panels painted by the vendor's formulas, which are written out here
+ * once more. */
 #include "tests/testing.h"
 
-#include "device/optics.h"
+#include "device/sim/optics.h"
 
 enum { WIDTH = 384, HEIGHT = 512, VIEWS = 9 };
 
@@ -43,8 +44,8 @@ static void paint(const lf_calibration *c, uint8_t level[VIEWS][3], lf_image8 *p
             for (int channel = 0; channel < 3; channel++) {
                 int view = (int)(vendor_z(c, x, y, channel) * VIEWS);
                 view = view >= VIEWS ? VIEWS - 1 : view;
-                panel->data[(size_t)(c->screen_height_px - 1 - y) * panel->stride + (size_t)(3 * x + channel)] =
-                    level[view][channel];
+                panel->data[(size_t)(c->screen_height_px - 1 - y) * panel->stride +
+                            (size_t)(3 * x + channel)] = level[view][channel];
             }
 }
 
@@ -90,6 +91,16 @@ static void ramp(uint8_t level[VIEWS][3])
             level[view][channel] = (uint8_t)(20 + 25 * view);
 }
 
+/* A panel's picture of that ramp. */
+static lf_image8 ramp_panel(const lf_calibration *c)
+{
+    uint8_t level[VIEWS][3];
+    lf_image8 panel;
+    ramp(level);
+    paint(c, level, &panel);
+    return panel;
+}
+
 static double seen_view(const lf_calibration *c, double eye_deg, const lf_image8 *panel)
 {
     seen s = look(c, eye_deg, panel);
@@ -106,7 +117,8 @@ static void eye_in_front_sees_the_middle_view(void **state)
     lf_image8 panel;
     paint(&c, level, &panel);
     seen s = look(&c, 0, &panel);
-    /* a view is 0.67 pixels wide here: 1.9 sigma of the spot on each side, so a little of the light is lost */
+    /* a view is 0.67 pixels wide here: 1.9 sigma of the spot on each side, so a little of the light
+     * is lost */
     lf_assert_close(s.mean[0], 250, 0, 12);
     lf_assert_close(s.mean[1], 120, 0, 8);
     lf_assert_close(s.mean[2], 60, 0, 6);
@@ -118,10 +130,7 @@ static void eye_walks_through_the_views_from_the_left(void **state)
 {
     (void)state;
     lf_calibration c = small_panel();
-    uint8_t level[VIEWS][3];
-    ramp(level);
-    lf_image8 panel;
-    paint(&c, level, &panel);
+    lf_image8 panel = ramp_panel(&c);
     for (int view = 1; view < VIEWS - 1; view++) {
         double eye = ((view + 0.5) / VIEWS - 0.5) * c.view_cone_deg;
         lf_assert_close(seen_view(&c, eye, &panel), view, 0, 0.15);
@@ -129,7 +138,8 @@ static void eye_walks_through_the_views_from_the_left(void **state)
     lf_image8_finish(&panel);
 }
 
-/* The last views of the cone have the other end as a neighbour, so their light is looked at alone. */
+/* The last views of the cone have the other end as a neighbour, so their light is looked at alone.
+ */
 static void ends_of_the_cone_are_seen_from_their_own_side(void **state)
 {
     (void)state;
@@ -151,23 +161,19 @@ static void views_repeat_beyond_the_cone(void **state)
 {
     (void)state;
     lf_calibration c = small_panel();
-    uint8_t level[VIEWS][3];
-    ramp(level);
-    lf_image8 panel;
-    paint(&c, level, &panel);
+    lf_image8 panel = ramp_panel(&c);
     lf_assert_close(seen_view(&c, c.view_cone_deg * 2 / VIEWS, &panel), 6, 0, 0.15);
-    lf_assert_close(seen_view(&c, c.view_cone_deg * 2 / VIEWS + c.view_cone_deg, &panel), 6, 0, 0.15);
-    lf_assert_close(seen_view(&c, c.view_cone_deg * 2 / VIEWS - c.view_cone_deg, &panel), 6, 0, 0.15);
+    lf_assert_close(seen_view(&c, c.view_cone_deg * 2 / VIEWS + c.view_cone_deg, &panel), 6, 0,
+                    0.15);
+    lf_assert_close(seen_view(&c, c.view_cone_deg * 2 / VIEWS - c.view_cone_deg, &panel), 6, 0,
+                    0.15);
     lf_image8_finish(&panel);
 }
 
 /* What is seen when the panel was made for `made` but looked at with the lens of `real`. */
 static seen mismatch(const lf_calibration *made, const lf_calibration *real)
 {
-    uint8_t level[VIEWS][3];
-    ramp(level);
-    lf_image8 panel;
-    paint(made, level, &panel);
+    lf_image8 panel = ramp_panel(made);
     seen s = look(real, 0, &panel);
     lf_image8_finish(&panel);
     return s;
@@ -210,8 +216,10 @@ static void every_kind_of_panel_is_seen_right(void **state)
         kinds[i].n_cells = 2;
         for (int cell = 0; cell < 2; cell++) {
             float sign = cell == 0 ? 1.0f : -1.0f;
-            float landscape[3][2] = {{-0.31f, 0.25f * sign}, {0.28f, 0.25f * sign}, {0, -0.25f * sign}};
-            float portrait[3][2] = {{-0.25f * sign, -0.31f}, {-0.25f * sign, 0.28f}, {0.25f * sign, 0}};
+            float landscape[3][2] = {
+                {-0.31f, 0.25f * sign}, {0.28f, 0.25f * sign}, {0, -0.25f * sign}};
+            float portrait[3][2] = {
+                {-0.25f * sign, -0.31f}, {-0.25f * sign, 0.28f}, {0.25f * sign, 0}};
             memcpy(kinds[i].cells[cell], i == 4 ? landscape : portrait, sizeof landscape);
         }
     }

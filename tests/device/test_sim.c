@@ -8,23 +8,20 @@
 
 #include "base/image_io.h"
 #include "base/thread.h"
-#include "device/sim.h"
+#include "device/sim/sim.h"
 
 enum { WIDTH = 96, HEIGHT = 128 };
 
 static lf_calibration small_panel(void)
 {
-    lf_calibration c;
-    lf_calibration_portrait(&c);
-    c.screen_width_px = WIDTH;
-    c.screen_height_px = HEIGHT;
+    lf_calibration c = device_lens(WIDTH, HEIGHT);
     strcpy(c.serial, "TEST-1");
     return c;
 }
 
 static lf_status try_open(const char *dir, const char *options, lf_device **out)
 {
-    char spec[512];
+    char spec[PATH_MAX + 64];
     lf_calibration c = small_panel();
     snprintf(spec, sizeof spec, "sim:%s%s", dir, options);
     return lf_device_open(spec, &c, out, NULL);
@@ -58,15 +55,28 @@ static lf_status push_seed(lf_device *device, int seed)
     return status;
 }
 
+/* To its end. */
+static lf_device_event show(lf_device *device, int seed)
+{
+    lf_assert_ok(push_seed(device, seed), NULL);
+    return device_outcome(device);
+}
+
+static void wait_for_files(lf_device *device)
+{
+    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
+}
+
 static bool file_shows(const char *path, const lf_image8 *expected)
 {
     lf_image8 got = {0};
     if (lf_image8_read(path, NULL, &got, NULL) != LF_OK)
         return false;
-    bool equal = got.width == expected->width && got.height == expected->height && got.channels == 3;
+    bool equal =
+        got.width == expected->width && got.height == expected->height && got.channels == 3;
     for (int y = 0; equal && y < got.height; y++)
-        equal =
-            memcmp(got.data + (size_t)y * got.stride, expected->data + (size_t)y * expected->stride, (size_t)got.width * 3) == 0;
+        equal = memcmp(got.data + (size_t)y * got.stride,
+                       expected->data + (size_t)y * expected->stride, (size_t)got.width * 3) == 0;
     lf_image8_finish(&got);
     return equal;
 }
@@ -85,18 +95,21 @@ static int read_lines(const char *path, lf_sim_update *out, int max)
     FILE *file = fopen(path, "r");
     char line[512];
     int n = 0;
-    while (file != NULL && fgets(line, sizeof line, file) != NULL && n >= 0) {
+    while (file && fgets(line, sizeof line, file) && n >= 0) {
         lf_sim_update u;
         int end = 0;
         sscanf(line,
-               "{\"seq\":%" SCNu64 ",\"x\":%d,\"y\":%d,\"width\":%d,\"height\":%d,\"bytes\":%" SCNu64 ",\"time_ns\":%" SCNu64 "}%n",
-               &u.seq, &u.rect.x, &u.rect.y, &u.rect.width, &u.rect.height, &u.bytes, &u.time_ns, &end);
+               "{\"seq\":%" SCNu64
+               ",\"x\":%d,\"y\":%d,\"width\":%d,\"height\":%d,\"bytes\":%" SCNu64
+               ",\"time_ns\":%" SCNu64 "}%n",
+               &u.seq, &u.rect.x, &u.rect.y, &u.rect.width, &u.rect.height, &u.bytes, &u.time_ns,
+               &end);
         if (end == 0 || strcmp(line + end, "\n") != 0 || n == max)
             n = -1;
         else
             out[n++] = u;
     }
-    if (file != NULL)
+    if (file)
         fclose(file);
     return n;
 }
@@ -106,12 +119,11 @@ static bool exists(const char *dir, const char *name)
     return access(lf_test_path(dir, name), F_OK) == 0;
 }
 
-/* ------------------------------------------------------------------------------------------------ state machine -- */
+/* ----------------------------------------------------------------------------- state machine -- */
 
 static void push_is_busy_until_dispatch_says_ready(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = open_sim(dir, ",latency=200");
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
     assert_false(device_rings(device, 0));
@@ -123,56 +135,39 @@ static void push_is_busy_until_dispatch_says_ready(void **state)
     assert_int_equal(device_counters_of(device).updates, 1);
     assert_int_equal(device_counters_of(device).bytes, WIDTH * HEIGHT * 3);
     assert_false(device_rings(device, 0));
-    lf_assert_ok(push_seed(device, 2), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
+    assert_int_equal(show(device, 2), LF_DEVICE_READY);
+    wait_for_files(device);
     assert_true(panel_shows(dir, 2));
     assert_false(panel_shows(dir, 1));
     lf_device_destroy(device);
-    lf_test_folder_remove(dir);
 }
 
 static void pushes_of_the_wrong_shape_are_refused(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = open_sim(dir, "");
-    lf_image8 frame = make_frame(1), small = {0};
-    lf_assert_ok(lf_image8_init(&small, WIDTH - 1, HEIGHT, 3), NULL);
-    const lf_rect bad[] = {{-1, 0, 2, 2},        {0, -1, 2, 2},     {0, 0, 0, 2},       {0, 0, 2, 0},
-                           {WIDTH - 1, 0, 2, 1}, {0, HEIGHT, 1, 1}, {INT_MAX, 0, 1, 1}, {1, 1, INT_MAX, 1}};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        lf_assert_status(device->ops->push(device, &frame, &bad[i], 1, 1), LF_E_ARG, NULL);
-    lf_assert_status(device->ops->push(device, &small, &whole, 1, 1), LF_E_ARG, NULL);
-    lf_assert_status(device->ops->push(device, NULL, &whole, 1, 1), LF_E_ARG, NULL);
-    lf_assert_status(device->ops->push(device, &frame, &whole, -1, 1), LF_E_ARG, NULL);
-    lf_assert_status(device->ops->push(device, &frame, &whole, LF_DEVICE_MAX_RECTS + 1, 1), LF_E_ARG, NULL);
-    assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
+    lf_image8 frame = make_frame(1);
+    device_refuses_bad_pushes(device, &frame);
     assert_int_equal(device_counters_of(device).updates, 0);
-    lf_assert_ok(device->ops->push(device, &frame, NULL, 0, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     lf_image8_finish(&frame);
-    lf_image8_finish(&small);
     lf_device_destroy(device);
-    lf_test_folder_remove(dir);
 }
 
 static void only_the_rectangles_change(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = open_sim(dir, "");
     lf_image8 expected = make_frame(1), second = make_frame(2);
     const lf_rect rects[] = {{3, 5, 7, 11}, {WIDTH - 4, HEIGHT - 6, 4, 6}};
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
     lf_assert_ok(device->ops->push(device, &second, rects, 2, 2), NULL);
     assert_int_equal(device_outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
+    wait_for_files(device);
     for (int i = 0; i < 2; i++)
         for (int y = rects[i].y; y < rects[i].y + rects[i].height; y++)
             memcpy(expected.data + (size_t)y * expected.stride + rects[i].x * 3,
-                   second.data + (size_t)y * second.stride + rects[i].x * 3, (size_t)rects[i].width * 3);
+                   second.data + (size_t)y * second.stride + rects[i].x * 3,
+                   (size_t)rects[i].width * 3);
     assert_true(file_shows(lf_test_path(dir, "panel.png"), &expected));
     lf_sim_update lines[8];
     assert_int_equal(read_lines(lf_test_path(dir, "updates.jsonl"), lines, 8), 3);
@@ -187,55 +182,43 @@ static void only_the_rectangles_change(void **state)
     lf_image8_finish(&expected);
     lf_image8_finish(&second);
     lf_device_destroy(device);
-    lf_test_folder_remove(dir);
 }
 
-/* ------------------------------------------------------------------------------------------------------- faults -- */
+/* ------------------------------------------------------------------------------------ faults -- */
 
 static void nth_push_fails_and_is_told_once(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = open_sim(dir, ",error=2");
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(push_seed(device, 2), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_RETRY);
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
+    assert_int_equal(show(device, 2), LF_DEVICE_RETRY);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
+    wait_for_files(device);
     assert_true(panel_shows(dir, 1));
     assert_int_equal(device_counters_of(device).errors, 1);
     assert_int_equal(device_counters_of(device).updates, 1);
-    lf_assert_ok(push_seed(device, 2), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
+    assert_int_equal(show(device, 2), LF_DEVICE_READY);
+    wait_for_files(device);
     assert_true(panel_shows(dir, 2));
     lf_device_destroy(device);
-    lf_test_folder_remove(dir);
 }
 
 static void every_nth_push_fails(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = open_sim(dir, ",error_every=3");
-    for (int i = 1; i <= 9; i++) {
-        lf_assert_ok(push_seed(device, i), NULL);
-        assert_int_equal(device_outcome(device), i % 3 == 0 ? LF_DEVICE_RETRY : LF_DEVICE_READY);
-    }
+    for (int i = 1; i <= 9; i++)
+        assert_int_equal(show(device, i), i % 3 == 0 ? LF_DEVICE_RETRY : LF_DEVICE_READY);
     assert_int_equal(device_counters_of(device).errors, 3);
     assert_int_equal(device_counters_of(device).updates, 6);
     lf_device_destroy(device);
-    lf_test_folder_remove(dir);
 }
 
 static void stalled_push_never_ends_and_is_not_shown(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = open_sim(dir, ",stall=2");
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
     lf_assert_ok(push_seed(device, 2), NULL);
     assert_false(device_rings(device, 100));
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_BUSY);
@@ -243,45 +226,35 @@ static void stalled_push_never_ends_and_is_not_shown(void **state)
     lf_assert_status(push_seed(device, 3), LF_E_STATE, NULL);
     lf_device_destroy(device);
     assert_true(panel_shows(dir, 1));
-    lf_test_folder_remove(dir);
 }
 
 static void stall_with_a_time_ends(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = open_sim(dir, ",stall=1:150,bandwidth=100000000");
     uint64_t before = lf_time_now_ns();
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
     assert_true(lf_time_now_ns() - before >= 150000000);
     lf_device_destroy(device);
-    lf_test_folder_remove(dir);
 }
 
 static void bandwidth_takes_its_time(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = open_sim(dir, ",bandwidth=184320"); /* 36864 bytes: 0.2 s */
     uint64_t before = lf_time_now_ns();
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
     assert_true(lf_time_now_ns() - before >= 200000000);
     lf_device_destroy(device);
-    lf_test_folder_remove(dir);
 }
 
 static void unplugged_panel_comes_back_once(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     const char *options = ",unplug=2,replug=400";
     lf_device *device = open_sim(dir, options), *again = NULL;
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(push_seed(device, 2), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_GONE);
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
+    assert_int_equal(show(device, 2), LF_DEVICE_GONE);
     uint64_t gone = lf_time_now_ns();
     lf_assert_status(push_seed(device, 3), LF_E_NODEV, NULL);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_GONE);
@@ -294,22 +267,17 @@ static void unplugged_panel_comes_back_once(void **state)
     lf_assert_ok(status, NULL);
     /* the state was set a little before `gone` was read */
     assert_true(lf_time_now_ns() - gone >= 300000000);
-    for (int i = 3; i < 8; i++) {
-        lf_assert_ok(push_seed(again, i), NULL);
-        assert_int_equal(device_outcome(again), LF_DEVICE_READY);
-    }
+    for (int i = 3; i < 8; i++)
+        assert_int_equal(show(again, i), LF_DEVICE_READY);
     lf_device_destroy(again);
     assert_true(panel_shows(dir, 7));
-    lf_test_folder_remove(dir);
 }
 
 static void unplugged_for_good_stays_away_in_this_process_only(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = open_sim(dir, ",unplug=1");
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_GONE);
+    assert_int_equal(show(device, 1), LF_DEVICE_GONE);
     lf_device_destroy(device);
     device = NULL;
     lf_assert_status(try_open(dir, ",unplug=1", &device), LF_E_NODEV, NULL);
@@ -326,15 +294,13 @@ static void unplugged_for_good_stays_away_in_this_process_only(void **state)
     /* without the option it was never unplugged */
     device = open_sim(dir, "");
     lf_device_destroy(device);
-    lf_test_folder_remove(dir);
 }
 
-/* -------------------------------------------------------------------------------------------------- the folder -- */
+/* -------------------------------------------------------------------------------- the folder -- */
 
 static void two_never_share_a_panel(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *first = open_sim(dir, ""), *second = NULL;
     lf_assert_status(try_open(dir, "", &second), LF_E_BUSY, NULL);
     assert_null(second);
@@ -348,13 +314,11 @@ static void two_never_share_a_panel(void **state)
     lf_device_destroy(first);
     second = open_sim(dir, "");
     lf_device_destroy(second);
-    lf_test_folder_remove(dir);
 }
 
 static void folder_is_made_and_bad_ones_are_named(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     char deep[PATH_MAX + 16];
     snprintf(deep, sizeof deep, "%s/a/b", dir);
     lf_device_destroy(open_sim(deep, ""));
@@ -366,28 +330,25 @@ static void folder_is_made_and_bad_ones_are_named(void **state)
     snprintf(deep, sizeof deep, "%s/file/below", dir);
     lf_assert_status(try_open(deep, "", &device), LF_E_IO, NULL);
     assert_null(device);
-    lf_test_folder_remove(dir);
 }
 
 static void log_rotates_and_keeps_whole_lines(void **state)
 {
-    (void)state;
     enum { LIMIT = 1000, PUSHES = 40 };
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_test_write(dir, "updates.jsonl",
-                  "{\"seq\":7,\"x\":0,\"y\":0,\"width\":1,\"height\":1,\"bytes\":3,\"time_ns\":5}\n{\"seq\":8,\"x");
+                  "{\"seq\":7,\"x\":0,\"y\":0,\"width\":1,\"height\":1,\"bytes\":3,\"time_ns\":5}"
+                  "\n{\"seq\":8,\"x");
     lf_device *device = open_sim(dir, ",rotate=1000");
     lf_sim_update lines[64];
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
-    assert_int_equal(read_lines(lf_test_path(dir, "updates.jsonl"), lines, 64), 2); /* the half line is gone */
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
+    wait_for_files(device);
+    /* the half line is gone */
+    assert_int_equal(read_lines(lf_test_path(dir, "updates.jsonl"), lines, 64), 2);
     assert_int_equal(lines[0].seq, 7);
     assert_int_equal(lines[1].seq, 1);
-    for (int i = 2; i <= PUSHES; i++) {
-        lf_assert_ok(push_seed(device, i), NULL);
-        assert_int_equal(device_outcome(device), LF_DEVICE_READY);
-    }
+    for (int i = 2; i <= PUSHES; i++)
+        assert_int_equal(show(device, i), LF_DEVICE_READY);
     lf_device_destroy(device);
     int old = read_lines(lf_test_path(dir, "updates.jsonl.1"), lines, 64);
     assert_in_range(old, 2, 20);
@@ -399,31 +360,31 @@ static void log_rotates_and_keeps_whole_lines(void **state)
     struct stat st;
     assert_int_equal(stat(lf_test_path(dir, "updates.jsonl.1"), &st), 0);
     assert_in_range(st.st_size, LIMIT, LIMIT + 256);
-    lf_test_folder_remove(dir);
 }
 
 static void views_become_a_quilt_with_view_0_at_the_bottom_left(void **state)
 {
-    (void)state;
     enum { N = 5, W = 4, H = 3 };
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = open_sim(dir, "");
     uint8_t film[H][N][W][3]; /* [row][view][column] */
     for (int y = 0; y < H; y++)
         for (int v = 0; v < N; v++)
             for (int x = 0; x < W; x++)
-                memcpy(film[y][v][x], (uint8_t[3]){(uint8_t)(10 + v), (uint8_t)(20 + y), (uint8_t)(30 + x)}, 3);
+                memcpy(film[y][v][x],
+                       (uint8_t[3]){(uint8_t)(10 + v), (uint8_t)(20 + y), (uint8_t)(30 + x)}, 3);
     lf_views8 views = {N, W, H, sizeof film[0][0], sizeof film[0], &film[0][0][0][0]};
     lf_views8 all = views;
-    all.n_views = 6; /* one more than shown at last; it must not linger: the film's memory ends here, so it is view 0 again */
+    /* one more than shown at last; it must not linger: the film's memory ends here, so it is view 0
+     * again */
+    all.n_views = 6;
     all.view_stride = 0;
     device->ops->views(device, &all, 3, 2);
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
+    wait_for_files(device);
     for (int i = 0; i < 2; i++) { /* twice, for both of its buffers */
         device->ops->views(device, &views, 3, 2);
-        lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
+        wait_for_files(device);
     }
     device->ops->views(device, &views, 0, 2); /* declined */
     device->ops->views(device, &views, 1 << 30, 1 << 30);
@@ -431,33 +392,29 @@ static void views_become_a_quilt_with_view_0_at_the_bottom_left(void **state)
     lf_assert_ok(lf_image8_init(&expected, 3 * W, 2 * H, 3), NULL);
     for (int v = 0; v < N; v++)
         for (int y = 0; y < H; y++)
-            memcpy(expected.data + (size_t)((v < 3 ? H : 0) + y) * expected.stride + v % 3 * W * 3, film[y][v], sizeof film[y][v]);
+            memcpy(expected.data + (size_t)((v < 3 ? H : 0) + y) * expected.stride + v % 3 * W * 3,
+                   film[y][v], sizeof film[y][v]);
     lf_device_destroy(device);
     assert_true(file_shows(lf_test_path(dir, "quilt.png"), &expected));
     lf_image8_finish(&expected);
-    lf_test_folder_remove(dir);
 }
 
 static void first_picture_comes_by_itself(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = open_sim(dir, "");
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
     for (int i = 0; i < 2000 && !(exists(dir, "panel.png") && exists(dir, "view.png")); i++)
         usleep(10000);
     assert_true(panel_shows(dir, 1));
     assert_true(exists(dir, "view.png"));
     assert_false(exists(dir, "quilt.png"));
     lf_device_destroy(device);
-    lf_test_folder_remove(dir);
 }
 
 static void destroy_writes_what_is_owed(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = open_sim(dir, ",latency=30");
     for (int i = 1; i < 6; i++) {
         lf_assert_ok(push_seed(device, i), NULL);
@@ -468,13 +425,11 @@ static void destroy_writes_what_is_owed(void **state)
     assert_true(panel_shows(dir, 5));
     lf_sim_update lines[8];
     assert_int_equal(read_lines(lf_test_path(dir, "updates.jsonl"), lines, 8), 5);
-    lf_test_folder_remove(dir);
 }
 
 static void calibration_is_the_callers_then_the_folders_then_a_portraits(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     char spec[PATH_MAX];
     snprintf(spec, sizeof spec, "sim:%s", dir);
     lf_device *device = NULL;
@@ -484,8 +439,10 @@ static void calibration_is_the_callers_then_the_folders_then_a_portraits(void **
     assert_string_equal(device_info_of(device).spec, spec);
     lf_device_destroy(device);
     lf_test_write(dir, "calibration.json",
-                  "{\"configVersion\":\"3.0\",\"serial\":\"LKG-E\\u0007\",\"pitch\":{\"value\":80.7},\"slope\":{\"value\":-6.6},"
-                  "\"center\":{\"value\":0.4},\"viewCone\":{\"value\":54},\"DPI\":{\"value\":491},\"screenW\":{\"value\":144},"
+                  "{\"configVersion\":\"3.0\",\"serial\":\"LKG-E\\u0007\",\"pitch\":{\"value\":80."
+                  "7},\"slope\":{\"value\":-6.6},"
+                  "\"center\":{\"value\":0.4},\"viewCone\":{\"value\":54},\"DPI\":{\"value\":491},"
+                  "\"screenW\":{\"value\":144},"
                   "\"screenH\":{\"value\":256},\"invView\":{\"value\":1}}");
     lf_assert_ok(lf_device_open(spec, NULL, &device, NULL), NULL);
     assert_int_equal(device->ops->calibration(device)->screen_width_px, 144);
@@ -501,42 +458,35 @@ static void calibration_is_the_callers_then_the_folders_then_a_portraits(void **
     device = NULL;
     lf_assert_status(lf_device_open(spec, NULL, &device, &err), LF_E_FORMAT, &err);
     assert_null(device);
-    lf_test_folder_remove(dir);
 }
 
 /* Takes the folder away under the device, which no rights of root survive. */
 static void unwritable_folder_ends_nothing(void **state)
 {
-    (void)state;
-    char *base = lf_test_folder();
+    char *base = *state;
     char dir[PATH_MAX], moved[PATH_MAX];
     snprintf(dir, sizeof dir, "%s/panel", base);
     snprintf(moved, sizeof moved, "%s/moved", base);
     lf_device *device = open_sim(dir, "");
     assert_string_equal(device_info_of(device).problem, "");
     assert_int_equal(rename(dir, moved), 0);
-    for (int i = 1; i < 4; i++) {
-        lf_assert_ok(push_seed(device, i), NULL);
-        assert_int_equal(device_outcome(device), LF_DEVICE_READY);
-    }
+    for (int i = 1; i < 4; i++)
+        assert_int_equal(show(device, i), LF_DEVICE_READY);
     lf_assert_status(device->ops->flush(device, DEVICE_WAIT_MS), LF_E_IO, NULL);
     assert_true(device_info_of(device).problem[0] != 0);
     assert_true(device_counters_of(device).errors > 0);
     assert_int_equal(device_counters_of(device).updates, 3);
     assert_int_equal(rename(moved, dir), 0);
-    lf_assert_ok(push_seed(device, 4), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->flush(device, DEVICE_WAIT_MS), NULL);
+    assert_int_equal(show(device, 4), LF_DEVICE_READY);
+    wait_for_files(device);
     assert_string_equal(device_info_of(device).problem, "");
     lf_device_destroy(device);
     assert_true(panel_shows(dir, 4));
-    lf_test_folder_remove(base);
 }
 
 static void lens_that_cannot_be_looked_through_is_a_problem_only(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     char spec[PATH_MAX];
     lf_calibration c = small_panel();
     c.pitch = 300;
@@ -544,18 +494,15 @@ static void lens_that_cannot_be_looked_through_is_a_problem_only(void **state)
     lf_device *device = NULL;
     lf_assert_ok(lf_device_open(spec, &c, &device, NULL), NULL);
     assert_non_null(strstr(device_info_of(device).problem, "view.png"));
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
     lf_device_destroy(device);
     assert_true(panel_shows(dir, 1));
     assert_false(exists(dir, "view.png"));
-    lf_test_folder_remove(dir);
 }
 
 static void nothing_is_left_open(void **state)
 {
-    (void)state;
-    char *dir = lf_test_folder();
+    char *dir = *state;
     lf_device *device = NULL;
     int before = dup(0);
     assert_true(before >= 0);
@@ -570,32 +517,31 @@ static void nothing_is_left_open(void **state)
     int after = dup(0);
     close(after);
     assert_int_equal(after, before);
-    lf_test_folder_remove(dir);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(push_is_busy_until_dispatch_says_ready),
-        cmocka_unit_test(pushes_of_the_wrong_shape_are_refused),
-        cmocka_unit_test(only_the_rectangles_change),
-        cmocka_unit_test(nth_push_fails_and_is_told_once),
-        cmocka_unit_test(every_nth_push_fails),
-        cmocka_unit_test(stalled_push_never_ends_and_is_not_shown),
-        cmocka_unit_test(stall_with_a_time_ends),
-        cmocka_unit_test(bandwidth_takes_its_time),
-        cmocka_unit_test(unplugged_panel_comes_back_once),
-        cmocka_unit_test(unplugged_for_good_stays_away_in_this_process_only),
-        cmocka_unit_test(two_never_share_a_panel),
-        cmocka_unit_test(folder_is_made_and_bad_ones_are_named),
-        cmocka_unit_test(log_rotates_and_keeps_whole_lines),
-        cmocka_unit_test(views_become_a_quilt_with_view_0_at_the_bottom_left),
-        cmocka_unit_test(first_picture_comes_by_itself),
-        cmocka_unit_test(destroy_writes_what_is_owed),
-        cmocka_unit_test(calibration_is_the_callers_then_the_folders_then_a_portraits),
-        cmocka_unit_test(unwritable_folder_ends_nothing),
-        cmocka_unit_test(lens_that_cannot_be_looked_through_is_a_problem_only),
-        cmocka_unit_test(nothing_is_left_open),
+        lf_test_in_folder(push_is_busy_until_dispatch_says_ready),
+        lf_test_in_folder(pushes_of_the_wrong_shape_are_refused),
+        lf_test_in_folder(only_the_rectangles_change),
+        lf_test_in_folder(nth_push_fails_and_is_told_once),
+        lf_test_in_folder(every_nth_push_fails),
+        lf_test_in_folder(stalled_push_never_ends_and_is_not_shown),
+        lf_test_in_folder(stall_with_a_time_ends),
+        lf_test_in_folder(bandwidth_takes_its_time),
+        lf_test_in_folder(unplugged_panel_comes_back_once),
+        lf_test_in_folder(unplugged_for_good_stays_away_in_this_process_only),
+        lf_test_in_folder(two_never_share_a_panel),
+        lf_test_in_folder(folder_is_made_and_bad_ones_are_named),
+        lf_test_in_folder(log_rotates_and_keeps_whole_lines),
+        lf_test_in_folder(views_become_a_quilt_with_view_0_at_the_bottom_left),
+        lf_test_in_folder(first_picture_comes_by_itself),
+        lf_test_in_folder(destroy_writes_what_is_owed),
+        lf_test_in_folder(calibration_is_the_callers_then_the_folders_then_a_portraits),
+        lf_test_in_folder(unwritable_folder_ends_nothing),
+        lf_test_in_folder(lens_that_cannot_be_looked_through_is_a_problem_only),
+        lf_test_in_folder(nothing_is_left_open),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

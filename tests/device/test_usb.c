@@ -1,4 +1,5 @@
-/* The device usb over a simulated display in this process: the contract of device/device.h, slowness, faults, unplugging. */
+/* The device usb over a simulated display in this process: the contract of device/device.h,
+ * slowness, faults, unplugging. */
 #include "tests/device/device_testing.h"
 #include "tests/device/gud_testing.h"
 
@@ -7,7 +8,8 @@
 
 #include "base/thread.h"
 #include "device/device_table.h"
-#include "device/usb.h"
+#include "device/model/usb_model.h"
+#include "device/usb/usb.h"
 
 enum { WIDTH = 96, HEIGHT = 128 };
 
@@ -15,10 +17,7 @@ static const lf_rect whole = {0, 0, WIDTH, HEIGHT};
 
 static lf_calibration small_panel(void)
 {
-    lf_calibration c;
-    lf_calibration_portrait(&c);
-    c.screen_width_px = WIDTH;
-    c.screen_height_px = HEIGHT;
+    lf_calibration c = device_lens(WIDTH, HEIGHT);
     strcpy(c.serial, "TEST\x1b-1");
     return c;
 }
@@ -63,6 +62,18 @@ static lf_status push_seed(lf_device *device, uint64_t seed)
     return status;
 }
 
+static lf_device_event show(lf_device *device, uint64_t seed)
+{
+    lf_assert_ok(push_seed(device, seed), NULL);
+    return device_outcome(device);
+}
+
+static void end(lf_device *device, lf_model_gud *gud)
+{
+    lf_device_destroy(device);
+    lf_model_gud_destroy(gud);
+}
+
 /* Call only when no push is under way: the model then belongs to this thread. */
 static bool shows(const lf_model_gud *gud, uint64_t seed)
 {
@@ -80,16 +91,14 @@ static void a_push_shows_and_is_counted(void **state)
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
     assert_false(device_rings(device, 0));
     assert_false(lf_model_gud_lit(gud));
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
     assert_false(device_rings(device, 0));
     assert_true(lf_model_gud_lit(gud));
     assert_true(shows(gud, 1));
     assert_false(shows(gud, 2));
     assert_int_equal(device_counters_of(device).updates, 1);
     assert_int_equal(device_counters_of(device).bytes, WIDTH * HEIGHT * 3);
-    lf_assert_ok(push_seed(device, 1), NULL); /* nothing new */
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_int_equal(show(device, 1), LF_DEVICE_READY); /* nothing new */
     assert_int_equal(device_counters_of(device).updates, 2);
     assert_int_equal(device_counters_of(device).bytes, WIDTH * HEIGHT * 3);
     lf_device_destroy(device);
@@ -111,8 +120,7 @@ static void info_says_what_it_is(void **state)
     assert_string_equal(info.problem, "");
     assert_true(info.calibration_from[0] != 0);
     assert_int_equal(device->ops->calibration(device)->screen_width_px, WIDTH);
-    lf_device_destroy(device);
-    lf_model_gud_destroy(gud);
+    end(device, gud);
 }
 
 static void bad_pushes_are_refused_and_leave_it_ready(void **state)
@@ -120,23 +128,14 @@ static void bad_pushes_are_refused_and_leave_it_ready(void **state)
     (void)state;
     lf_model_gud *gud = small_model(NULL);
     lf_device *device = open_usb(gud);
-    lf_image8 frame = frame_of(1), other = gud_frame(WIDTH + 1, HEIGHT);
-    const lf_rect bad[] = {{-1, 0, 1, 1}, {0, 0, 0, 1}, {0, 0, WIDTH + 1, 1}, {WIDTH, 0, 1, 1}, {1, 1, INT_MAX, INT_MAX}};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        lf_assert_status(device->ops->push(device, &frame, &bad[i], 1, 1), LF_E_ARG, NULL);
-    lf_assert_status(device->ops->push(device, NULL, &whole, 1, 1), LF_E_ARG, NULL);
-    lf_assert_status(device->ops->push(device, &other, &whole, 1, 1), LF_E_ARG, NULL);
-    lf_assert_status(device->ops->push(device, &frame, &whole, LF_DEVICE_MAX_RECTS + 1, 1), LF_E_ARG, NULL);
-    assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
-    lf_assert_ok(device->ops->push(device, &frame, NULL, 0, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    lf_image8 frame = frame_of(1);
+    device_refuses_bad_pushes(device, &frame);
     lf_image8_finish(&frame);
-    lf_image8_finish(&other);
-    lf_device_destroy(device);
-    lf_model_gud_destroy(gud);
+    end(device, gud);
 }
 
-/* 36 KB at 100 KB/s: the first push is under way for long, the second is refused at once, and the newest frame is what stays. */
+/* 36 KB at 100 KB/s: the first push is under way for long, the second is refused at once, and the
+ * newest frame is what stays. */
 static void a_slow_display_refuses_at_once_and_gets_the_newest(void **state)
 {
     (void)state;
@@ -155,8 +154,7 @@ static void a_slow_display_refuses_at_once_and_gets_the_newest(void **state)
     assert_int_equal(device_outcome(device), LF_DEVICE_READY);
     assert_true(shows(gud, seed));
     assert_int_equal(device_counters_of(device).updates, 2);
-    lf_device_destroy(device);
-    lf_model_gud_destroy(gud);
+    end(device, gud);
 }
 
 static void a_failure_is_told_once_and_the_next_whole_push_mends_it(void **state)
@@ -168,8 +166,7 @@ static void a_failure_is_told_once_and_the_next_whole_push_mends_it(void **state
     for (uint64_t seed = 1; seed <= 20; seed++) {
         lf_device_event event;
         do {
-            lf_assert_ok(push_seed(device, seed), NULL);
-            event = device_outcome(device);
+            event = show(device, seed);
             if (event == LF_DEVICE_RETRY) {
                 failures++;
                 assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
@@ -183,8 +180,7 @@ static void a_failure_is_told_once_and_the_next_whole_push_mends_it(void **state
     assert_true(failures > 5);
     assert_int_equal(device_counters_of(device).errors, failures);
     assert_int_equal(device_counters_of(device).updates, 20);
-    lf_device_destroy(device);
-    lf_model_gud_destroy(gud);
+    end(device, gud);
 }
 
 static void a_display_that_never_takes_anything_fails_without_spinning(void **state)
@@ -192,14 +188,11 @@ static void a_display_that_never_takes_anything_fails_without_spinning(void **st
     (void)state;
     lf_model_gud *gud = small_model(&(lf_model_gud_faults){.stall_every = 1});
     lf_device *device = open_usb(gud);
-    for (uint64_t seed = 1; seed <= 5; seed++) {
-        lf_assert_ok(push_seed(device, seed), NULL);
-        assert_int_equal(device_outcome(device), LF_DEVICE_RETRY);
-    }
+    for (uint64_t seed = 1; seed <= 5; seed++)
+        assert_int_equal(show(device, seed), LF_DEVICE_RETRY);
     assert_int_equal(device_counters_of(device).errors, 5);
     assert_int_equal(device_counters_of(device).bytes, 0);
-    lf_device_destroy(device);
-    lf_model_gud_destroy(gud);
+    end(device, gud);
 }
 
 static void unplugging_in_a_stream_ends_it_and_it_can_be_opened_again(void **state)
@@ -211,10 +204,8 @@ static void unplugging_in_a_stream_ends_it_and_it_can_be_opened_again(void **sta
     lf_error err = {0};
     uint64_t seed = 1;
     lf_device_event event = LF_DEVICE_READY;
-    for (; event == LF_DEVICE_READY && seed < 100; seed++) {
-        lf_assert_ok(push_seed(device, seed), NULL);
-        event = device_outcome(device);
-    }
+    for (; event == LF_DEVICE_READY && seed < 100; seed++)
+        event = show(device, seed);
     assert_int_equal(event, LF_DEVICE_GONE);
     assert_int_equal(seed, 4); /* 8 bands a push */
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_GONE);
@@ -227,11 +218,9 @@ static void unplugging_in_a_stream_ends_it_and_it_can_be_opened_again(void **sta
     lf_model_gud_destroy(gud);
     gud = small_model(NULL);
     device = open_usb(gud);
-    lf_assert_ok(push_seed(device, 7), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_int_equal(show(device, 7), LF_DEVICE_READY);
     assert_true(shows(gud, 7));
-    lf_device_destroy(device);
-    lf_model_gud_destroy(gud);
+    end(device, gud);
 }
 
 static void unplugging_is_seen_without_a_push(void **state)
@@ -239,14 +228,13 @@ static void unplugging_is_seen_without_a_push(void **state)
     (void)state;
     lf_model_gud *gud = small_model(&(lf_model_gud_faults){.unplug_after = 8});
     lf_device *device = open_usb(gud);
-    lf_assert_ok(push_seed(device, 1), NULL);
-    assert_int_equal(device_outcome(device), LF_DEVICE_READY);
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
     assert_int_equal(device_outcome(device), LF_DEVICE_GONE);
-    lf_device_destroy(device);
-    lf_model_gud_destroy(gud);
+    end(device, gud);
 }
 
-/* A link to a display that answers, but on which a transfer ends by being cancelled and in no other way. */
+/* A link to a display that answers, but on which a transfer ends by being cancelled and in no other
+ * way. */
 typedef struct stuck_link {
     lf_usb_link base;
     lf_usb_link *answers;
@@ -258,8 +246,8 @@ static stuck_link *stuck_of(lf_usb_link *link)
     return (stuck_link *)(void *)link;
 }
 
-static lf_usb_result stuck_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value, uint8_t *data, size_t n,
-                                   size_t *out_n, int timeout_ms)
+static lf_usb_result stuck_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value,
+                                   uint8_t *data, size_t n, size_t *out_n, int timeout_ms)
 {
     lf_usb_link *answers = stuck_of(link)->answers;
     return answers->ops->control(answers, in, request, value, data, n, out_n, timeout_ms);
@@ -297,7 +285,8 @@ static void stuck_close(lf_usb_link *link)
 static void destroying_does_not_wait_for_a_display_that_hangs(void **state)
 {
     (void)state;
-    static const lf_usb_link_ops ops = {stuck_control, stuck_bulk_begin, stuck_bulk_end, stuck_cancel, stuck_close};
+    static const lf_usb_link_ops ops = {stuck_control, stuck_bulk_begin, stuck_bulk_end,
+                                        stuck_cancel, stuck_close};
     lf_model_gud *gud = small_model(NULL);
     lf_calibration c = small_panel();
     lf_usb_place place = {.address = "9-1.2", .product = "a display"};
@@ -330,7 +319,8 @@ static void opens_that_fail_keep_nothing(void **state)
     lf_error err = {0};
     lf_assert_status(try_open(other, &device, &err), LF_E_ARG, &err);
     lf_usb_place place = {.address = "9-1"};
-    lf_assert_status(lf_usb_create(lf_usb_model_open(other), &place, NULL, &device, &err), LF_E_NODEV, &err);
+    lf_assert_status(lf_usb_create(lf_usb_model_open(other), &place, NULL, &device, &err),
+                     LF_E_NODEV, &err);
     assert_non_null(strstr(err.what, "calibration"));
     lf_model_gud_destroy(other);
 }
@@ -338,7 +328,9 @@ static void opens_that_fail_keep_nothing(void **state)
 static void addresses_are_checked_before_anything_is_touched(void **state)
 {
     (void)state;
-    const char *bad[] = {"1", "1-", "-1", "1-2.", "1-2-3", "1.2", "x", "1-2,x", "1-1.1.1.1.1.1.1.1.1", "1-9999", " 1-2"};
+    const char *bad[] = {
+        "1",      "1-",  "-1", "1-2.", "1-2-3", "1.2", "x", "1-2,x", "1-1.1.1.1.1.1.1.1.1",
+        "1-9999", " 1-2"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char spec[64];
         lf_device *device = NULL;

@@ -1,5 +1,6 @@
-/* The device usb over the unmodified libusb: umockdev gives it a bus on which the simulated display hangs (usb.md 2 (b)). The
- * program starts itself again with umockdev's library preloaded; where that cannot be, and under the sanitizers, it is skipped. */
+/* The device usb over the unmodified libusb: umockdev gives it a bus on which the simulated display
+ * hangs (usb.md 2 (b)). The program starts itself again with umockdev's library preloaded; where
+ * that cannot be, and under the sanitizers, it is skipped. */
 #include "tests/device/device_testing.h"
 #include "tests/device/gud_testing.h"
 
@@ -26,7 +27,7 @@ int main(void)
 #include "base/image_io.h"
 #include "base/thread.h"
 #include "device/device_table.h"
-#include "device/usb_link.h"
+#include "device/model/usb_model.h"
 
 enum { WIDTH = 700, HEIGHT = 900, MAX_URBS = 64, MAX_BULK = 1 << 20 };
 
@@ -35,7 +36,7 @@ enum { WIDTH = 700, HEIGHT = 900, MAX_URBS = 64, MAX_BULK = 1 << 20 };
 
 static const lf_rect whole = {0, 0, WIDTH, HEIGHT};
 
-/* ---------------------------------------------------------------------------------------------------------- the bus -- */
+/* ----------------------------------------------------------------------------------- the bus -- */
 
 typedef struct urb {
     UMockdevIoctlData *data; /* the client's struct usbdevfs_urb */
@@ -68,15 +69,16 @@ static struct usbdevfs_urb *client_urb(const urb *u)
 static void execute(bus *b, urb *u)
 {
     const struct usbdevfs_urb *c = client_urb(u);
-    g_autoptr(UMockdevIoctlData) data =
-        umockdev_ioctl_data_resolve(u->data, offsetof(struct usbdevfs_urb, buffer), (gsize)c->buffer_length, NULL);
+    g_autoptr(UMockdevIoctlData) data = umockdev_ioctl_data_resolve(
+        u->data, offsetof(struct usbdevfs_urb, buffer), (gsize)c->buffer_length, NULL);
     int answer;
     if (c->type == USBDEVFS_URB_TYPE_CONTROL) {
         uint8_t *setup = data->data;
         uint8_t payload[4096];
         size_t n = (size_t)(setup[6] | setup[7] << 8);
         bool in = (setup[0] & 0x80) != 0;
-        bool clears = setup[0] == 0x02 && setup[1] == 0x01 && setup[4] == 0x02; /* CLEAR_FEATURE of the endpoint */
+        /* CLEAR_FEATURE of the endpoint */
+        bool clears = setup[0] == 0x02 && setup[1] == 0x01 && setup[4] == 0x02;
         assert_true(clears || ((setup[0] == 0xc1 || setup[0] == 0x41) && setup[4] == 0));
         assert_true(n <= sizeof payload && n + 8 == (size_t)c->buffer_length);
         memcpy(payload, setup + 8, n);
@@ -84,13 +86,15 @@ static void execute(bus *b, urb *u)
         if (clears)
             answer = b->deaf ? -EAGAIN : 0;
         else
-            answer = lf_model_gud_control(b->gud, in, setup[1], (uint16_t)(setup[2] | setup[3] << 8), payload, n);
+            answer = lf_model_gud_control(b->gud, in, setup[1],
+                                          (uint16_t)(setup[2] | setup[3] << 8), payload, n);
         if (in && answer > 0)
             umockdev_ioctl_data_update(data, 8, payload, answer);
     } else {
         assert_int_equal(c->type, USBDEVFS_URB_TYPE_BULK);
         assert_int_equal(c->endpoint, 0x02);
-        answer = b->halted ? -EAGAIN : lf_model_gud_bulk(b->gud, data->data, (size_t)c->buffer_length);
+        answer =
+            b->halted ? -EAGAIN : lf_model_gud_bulk(b->gud, data->data, (size_t)c->buffer_length);
         b->halted = b->halted || answer == -EPIPE;
         if ((size_t)c->buffer_length > b->longest)
             b->longest = (size_t)c->buffer_length;
@@ -100,7 +104,8 @@ static void execute(bus *b, urb *u)
     u->moved = answer > 0 ? answer : 0;
 }
 
-/* Transfers on one endpoint end in their order: what comes behind one that is not answered waits. */
+/* Transfers on one endpoint end in their order: what comes behind one that is not answered waits.
+ */
 static void execute_waiting(bus *b)
 {
     for (int i = 0; i < b->n_urbs; i++)
@@ -130,9 +135,12 @@ static int reap(bus *b, UMockdevIoctlData *arg)
         urb u = b->urbs[i];
         if (!u.done)
             continue;
-        g_autoptr(UMockdevIoctlData) pointer = umockdev_ioctl_data_resolve(arg, 0, sizeof(gpointer), NULL);
-        umockdev_ioctl_data_update(u.data, offsetof(struct usbdevfs_urb, status), (guint8 *)&u.status, sizeof u.status);
-        umockdev_ioctl_data_update(u.data, offsetof(struct usbdevfs_urb, actual_length), (guint8 *)&u.moved, sizeof u.moved);
+        g_autoptr(UMockdevIoctlData) pointer =
+            umockdev_ioctl_data_resolve(arg, 0, sizeof(gpointer), NULL);
+        umockdev_ioctl_data_update(u.data, offsetof(struct usbdevfs_urb, status),
+                                   (guint8 *)&u.status, sizeof u.status);
+        umockdev_ioctl_data_update(u.data, offsetof(struct usbdevfs_urb, actual_length),
+                                   (guint8 *)&u.moved, sizeof u.moved);
         umockdev_ioctl_data_set_ptr(pointer, 0, u.data);
         g_object_unref(u.data);
         memmove(&b->urbs[i], &b->urbs[i + 1], (size_t)(b->n_urbs - i - 1) * sizeof *b->urbs);
@@ -157,9 +165,10 @@ static int discard(bus *b, UMockdevIoctlData *arg)
 
 static int get_driver(const bus *b, UMockdevIoctlData *arg)
 {
-    g_autoptr(UMockdevIoctlData) data = umockdev_ioctl_data_resolve(arg, 0, sizeof(struct usbdevfs_getdriver), NULL);
+    g_autoptr(UMockdevIoctlData) data =
+        umockdev_ioctl_data_resolve(arg, 0, sizeof(struct usbdevfs_getdriver), NULL);
     struct usbdevfs_getdriver out = {0};
-    if (b->driver == NULL)
+    if (!b->driver)
         return ENODATA;
     snprintf(out.driver, sizeof out.driver, "%s", b->driver);
     umockdev_ioctl_data_update(data, 0, (guint8 *)&out, sizeof out);
@@ -168,8 +177,8 @@ static int get_driver(const bus *b, UMockdevIoctlData *arg)
 
 static int get_capabilities(UMockdevIoctlData *arg)
 {
-    guint32 all = USBDEVFS_CAP_ZERO_PACKET | USBDEVFS_CAP_NO_PACKET_SIZE_LIM | USBDEVFS_CAP_BULK_SCATTER_GATHER |
-                  USBDEVFS_CAP_REAP_AFTER_DISCONNECT;
+    guint32 all = USBDEVFS_CAP_ZERO_PACKET | USBDEVFS_CAP_NO_PACKET_SIZE_LIM |
+                  USBDEVFS_CAP_BULK_SCATTER_GATHER | USBDEVFS_CAP_REAP_AFTER_DISCONNECT;
     g_autoptr(UMockdevIoctlData) data = umockdev_ioctl_data_resolve(arg, 0, sizeof all, NULL);
     umockdev_ioctl_data_update(data, 0, (guint8 *)&all, sizeof all);
     return 0;
@@ -184,7 +193,7 @@ static int answer_ioctl(bus *b, gulong request, UMockdevIoctlData *arg)
     case USBDEVFS_GETDRIVER:
         return get_driver(b, arg);
     case USBDEVFS_CLAIMINTERFACE:
-        if (b->claimed || b->driver != NULL)
+        if (b->claimed || b->driver)
             return EBUSY;
         b->claimed = true;
         return 0;
@@ -215,7 +224,8 @@ static gboolean handle_ioctl(UMockdevIoctlBase *handler, UMockdevIoctlClient *cl
     (void)handler;
     bus *b = user;
     pthread_mutex_lock(&b->lock);
-    int e = answer_ioctl(b, umockdev_ioctl_client_get_request(client), umockdev_ioctl_client_get_arg(client));
+    int e = answer_ioctl(b, umockdev_ioctl_client_get_request(client),
+                         umockdev_ioctl_client_get_arg(client));
     pthread_mutex_unlock(&b->lock);
     if (e < 0)
         return FALSE;
@@ -223,36 +233,43 @@ static gboolean handle_ioctl(UMockdevIoctlBase *handler, UMockdevIoctlClient *cl
     return TRUE;
 }
 
-/* A root hub, the display (one interface, class 0xff, one bulk OUT endpoint of 512 bytes) and its interface. */
-static const char devices[] =
-    "P: /devices/usb1\nN: bus/usb/001/001\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: DEVNAME=/dev/bus/usb/001/001\n"
-    "E: BUSNUM=001\nE: DEVNUM=001\nA: busnum=1\\n\nA: devnum=1\\n\nA: bConfigurationValue=1\\n\nA: speed=480\\n\n"
-    "H: descriptors=1201000209000140"
-    "6B1D020001050302"
-    "0101"
-    "0902190001010000"
-    "00"
-    "0904000001090000"
-    "00"
-    "0705810304000C\n"
-    "\n"
-    "P: /devices/usb1/1-1\nN: bus/usb/001/002\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: DEVNAME=/dev/bus/usb/001/002\n"
-    "E: BUSNUM=001\nE: DEVNUM=002\nA: busnum=1\\n\nA: devnum=2\\n\nA: bConfigurationValue=1\\n\nA: speed=480\\n\n"
-    "A: product=A \\033[31mdisplay\\n\nA: serial=S-1\\n\n"
-    "H: descriptors=1201000200000040"
-    "501D4D6100010102"
-    "0301"
-    "0902190001010080"
-    "32"
-    "09040000"
-    "01FF000000"
-    "07050202000200\n"
-    "\n"
-    "P: /devices/usb1/1-1/1-1:1.0\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nA: bInterfaceNumber=00\\n\n";
+/* A root hub, the display (one interface, class 0xff, one bulk OUT endpoint of 512 bytes) and its
+ * interface. */
+static const char devices[] = "P: /devices/usb1\nN: bus/usb/001/001\nE: SUBSYSTEM=usb\nE: "
+                              "DEVTYPE=usb_device\nE: DEVNAME=/dev/bus/usb/001/001\n"
+                              "E: BUSNUM=001\nE: DEVNUM=001\nA: busnum=1\\n\nA: devnum=1\\n\nA: "
+                              "bConfigurationValue=1\\n\nA: speed=480\\n\n"
+                              "H: descriptors=1201000209000140"
+                              "6B1D020001050302"
+                              "0101"
+                              "0902190001010000"
+                              "00"
+                              "0904000001090000"
+                              "00"
+                              "0705810304000C\n"
+                              "\n"
+                              "P: /devices/usb1/1-1\nN: bus/usb/001/002\nE: SUBSYSTEM=usb\nE: "
+                              "DEVTYPE=usb_device\nE: DEVNAME=/dev/bus/usb/001/002\n"
+                              "E: BUSNUM=001\nE: DEVNUM=002\nA: busnum=1\\n\nA: devnum=2\\n\nA: "
+                              "bConfigurationValue=1\\n\nA: speed=480\\n\n"
+                              "A: product=A \\033[31mdisplay\\n\nA: serial=S-1\\n\n"
+                              "H: descriptors=1201000200000040"
+                              "501D4D6100010102"
+                              "0301"
+                              "0902190001010080"
+                              "32"
+                              "09040000"
+                              "01FF000000"
+                              "07050202000200\n"
+                              "\n"
+                              "P: /devices/usb1/1-1/1-1:1.0\nE: SUBSYSTEM=usb\nE: "
+                              "DEVTYPE=usb_interface\nA: bInterfaceNumber=00\\n\n";
 
 /* What the kernel's driver makes of the display. */
-static const char card[] = "P: /devices/usb1/1-1/1-1:1.0/drm/card7\nE: SUBSYSTEM=drm\nE: DEVTYPE=drm_minor\n\n"
-                           "P: /devices/usb1/1-1/1-1:1.0/drm/card7/card7-USB-1\nE: SUBSYSTEM=drm\nE: DEVTYPE=drm_connector\n";
+static const char card[] =
+    "P: /devices/usb1/1-1/1-1:1.0/drm/card7\nE: SUBSYSTEM=drm\nE: DEVTYPE=drm_minor\n\n"
+    "P: /devices/usb1/1-1/1-1:1.0/drm/card7/card7-USB-1\nE: SUBSYSTEM=drm\nE: "
+    "DEVTYPE=drm_connector\n";
 
 static void plug_in_model(bus *b, lf_model_gud *gud)
 {
@@ -285,20 +302,11 @@ static void pull_out(bus *b)
     lf_model_gud_destroy(b->gud);
 }
 
-/* ------------------------------------------------------------------------------------------------------- the device -- */
-
-static lf_calibration panel(void)
-{
-    lf_calibration c;
-    lf_calibration_portrait(&c);
-    c.screen_width_px = WIDTH;
-    c.screen_height_px = HEIGHT;
-    return c;
-}
+/* -------------------------------------------------------------------------------- the device -- */
 
 static lf_device *open_usb(const char *spec)
 {
-    lf_calibration c = panel();
+    lf_calibration c = device_lens(WIDTH, HEIGHT);
     lf_device *device = NULL;
     lf_error err = {0};
     lf_assert_ok(lf_device_open(spec, &c, &device, &err), &err);
@@ -338,7 +346,7 @@ static void a_display_that_the_kernel_shows_on_is_left_to_drm(void **state)
 {
     (void)state;
     bus b;
-    lf_calibration c = panel();
+    lf_calibration c = device_lens(WIDTH, HEIGHT);
     lf_usb_place place;
     lf_device_info info;
     lf_device *device = NULL;
@@ -347,7 +355,8 @@ static void a_display_that_the_kernel_shows_on_is_left_to_drm(void **state)
     b.driver = "gud";
     lf_assert_status(lf_device_open("usb:1-1", &c, &device, &err), LF_E_BUSY, &err);
     assert_non_null(strstr(err.what, "--device drm"));
-    umockdev_testbed_set_attribute_link(b.testbed, SYSTEM_PATH "/1-1:1.0", "driver", "../../../../bus/usb/drivers/gud");
+    umockdev_testbed_set_attribute_link(b.testbed, SYSTEM_PATH "/1-1:1.0", "driver",
+                                        "../../../../bus/usb/drivers/gud");
     assert_int_equal(lf_usb_list(&place, 1), 1);
     assert_non_null(strstr(place.problem, "\"gud\""));
     assert_string_equal(place.output, "");
@@ -489,13 +498,14 @@ static void paint_frames(lf_image8 frames[2], const lf_image8 *picture)
 {
     uint64_t random = 4;
     for (int i = 0; i < 2; i++) {
-        if (picture == NULL)
+        if (!picture)
             gud_paint(&frames[i], whole, true, &random);
-        for (int y = 0; picture != NULL && y < HEIGHT; y++)
+        for (int y = 0; picture && y < HEIGHT; y++)
             for (int x = 0; x < WIDTH * 3; x++) {
                 int row = (i == 0 ? y : HEIGHT - 1 - y) % picture->height;
                 frames[i].data[(size_t)y * frames[i].stride + (size_t)x] =
-                    picture->data[(size_t)row * picture->stride + (size_t)(x % (picture->width * 3))];
+                    picture
+                        ->data[(size_t)row * picture->stride + (size_t)(x % (picture->width * 3))];
             }
     }
 }
@@ -512,7 +522,8 @@ static void tell_throughput(uint8_t format, bool lz4, const lf_image8 *picture)
     enum { FRAMES = 31 };
     bus b;
     lf_model_gud_options o = gud_options(WIDTH, HEIGHT);
-    lf_image8 frames[2] = {gud_frame(WIDTH, HEIGHT), gud_frame(WIDTH, HEIGHT)}, copy = gud_frame(WIDTH, HEIGHT);
+    lf_image8 frames[2] = {gud_frame(WIDTH, HEIGHT), gud_frame(WIDTH, HEIGHT)},
+              copy = gud_frame(WIDTH, HEIGHT);
     double usb_s[FRAMES], copy_s[FRAMES];
     o.formats = &format;
     o.lz4 = lz4;
@@ -531,7 +542,7 @@ static void tell_throughput(uint8_t format, bool lz4, const lf_image8 *picture)
     qsort(usb_s, FRAMES, sizeof *usb_s, compare_doubles);
     qsort(copy_s, FRAMES, sizeof *copy_s, compare_doubles);
     print_message("umockdev, %s, %s%s: %.0f MB/s, %.1f times as long as memcpy, %.2f MB a frame\n",
-                  picture != NULL ? "picture" : "noise", lf_gud_format_name(format), lz4 ? ", LZ4" : "",
+                  picture ? "picture" : "noise", lf_gud_format_name(format), lz4 ? ", LZ4" : "",
                   1e-6 * (double)bytes / usb_s[FRAMES / 2], usb_s[FRAMES / 2] / copy_s[FRAMES / 2],
                   1e-6 * (double)gud_counters(b.gud).bytes / FRAMES);
     lf_device_destroy(device);
@@ -548,7 +559,8 @@ static void throughput_is_told(void **state)
     static const uint8_t formats[] = {LF_GUD_RGB888, LF_GUD_XRGB8888, LF_GUD_RGB565};
     lf_image8 picture = {0};
     lf_error err = {0};
-    lf_assert_ok(lf_image8_read(lf_test_source("docs/first-light.png"), NULL, &picture, &err), &err);
+    lf_assert_ok(lf_image8_read(lf_test_source("docs/first-light.png"), NULL, &picture, &err),
+                 &err);
     assert_int_equal(picture.channels, 3);
     for (size_t i = 0; i < sizeof formats; i++) {
         tell_throughput(formats[i], false, NULL);
@@ -563,8 +575,8 @@ static void throughput_is_told(void **state)
 int main(int argc, char **argv)
 {
     (void)argc;
-    if (dlopen(PRELOADED, RTLD_LAZY | RTLD_NOLOAD) == NULL) {
-        if (getenv("LF_TEST_AGAIN") == NULL) {
+    if (!dlopen(PRELOADED, RTLD_LAZY | RTLD_NOLOAD)) {
+        if (!getenv("LF_TEST_AGAIN")) {
             setenv("LF_TEST_AGAIN", "1", 1);
             setenv("LD_PRELOAD", PRELOADED, 1);
             execv("/proc/self/exe", argv);

@@ -8,11 +8,22 @@
 
 #include "base/alloc.h"
 #include "base/thread.h"
-#include "device/gud.h"
-#include "device/usbip.h"
-#include "device/vhci.h"
+#include "device/model/usb_model.h"
+#include "device/model/usbip.h"
+#include "device/model/vhci.h"
+#include "device/usb/gud.h"
 
-enum { WIDTH = 64, HEIGHT = 32, SUBMIT = 1, UNLINK = 2, RET_SUBMIT = 3, RET_UNLINK = 4, HEADER = 48, RECORD = 312, RUNS = 64 };
+enum {
+    WIDTH = 64,
+    HEIGHT = 32,
+    SUBMIT = 1,
+    UNLINK = 2,
+    RET_SUBMIT = 3,
+    RET_UNLINK = 4,
+    HEADER = 48,
+    RECORD = 312,
+    RUNS = 64
+};
 
 typedef struct fixture {
     lf_model_hid *hid;
@@ -24,10 +35,12 @@ typedef struct fixture {
     lf_status last; /* of the last run */
 } fixture;
 
-static fixture *connect_to(const lf_model_hid_faults *hid_faults, const lf_model_gud_faults *gud_faults, bool imported)
+static fixture *connect_to(const lf_model_hid_faults *hid_faults,
+                           const lf_model_gud_faults *gud_faults, bool imported)
 {
     static const uint8_t rgb888 = LF_GUD_RGB888;
-    const lf_model_gud_options options = {.width = WIDTH, .height = HEIGHT, .formats = &rgb888, .n_formats = 1};
+    const lf_model_gud_options options = {
+        .width = WIDTH, .height = HEIGHT, .formats = &rgb888, .n_formats = 1};
     fixture *f = calloc(1, sizeof *f);
     int ends[2];
     assert_non_null(f);
@@ -97,7 +110,8 @@ static void send_all(fixture *f, const void *data, size_t n)
     }
 }
 
-static void make_header(uint8_t header[HEADER], uint32_t command, uint32_t seqnum, bool in, uint32_t endpoint)
+static void make_header(uint8_t header[HEADER], uint32_t command, uint32_t seqnum, bool in,
+                        uint32_t endpoint)
 {
     memset(header, 0, HEADER);
     put32(header, command);
@@ -107,13 +121,14 @@ static void make_header(uint8_t header[HEADER], uint32_t command, uint32_t seqnu
     put32(header + 16, endpoint);
 }
 
-static void submit(fixture *f, uint32_t seqnum, bool in, uint32_t endpoint, const uint8_t *setup, const void *data, uint32_t n)
+static void submit(fixture *f, uint32_t seqnum, bool in, uint32_t endpoint, const uint8_t *setup,
+                   const void *data, uint32_t n)
 {
     uint8_t header[HEADER];
     make_header(header, SUBMIT, seqnum, in, endpoint);
     put32(header + 24, n);
     put32(header + 32, 0xffffffff);
-    if (setup != NULL)
+    if (setup)
         memcpy(header + 40, setup, 8);
     send_all(f, header, sizeof header);
     if (!in && n > 0)
@@ -204,8 +219,10 @@ static void announce(fixture *f, uint32_t rows)
 
 static void light(fixture *f)
 {
-    const uint8_t get_modes[8] = {0xc1, 0x55, 0, 0, 1, 0, 24, 0}, on[8] = {0x41, 0x63, 0, 0, 1, 0, 1, 0};
-    const uint8_t check[8] = {0x41, 0x61, 0, 0, 1, 0, 46, 0}, commit[8] = {0x41, 0x62, 0, 0, 1, 0, 0, 0};
+    const uint8_t get_modes[8] = {0xc1, 0x55, 0, 0, 1, 0, 24, 0},
+                  on[8] = {0x41, 0x63, 0, 0, 1, 0, 1, 0};
+    const uint8_t check[8] = {0x41, 0x61, 0, 0, 1, 0, 46, 0},
+                  commit[8] = {0x41, 0x62, 0, 0, 1, 0, 0, 0};
     const uint8_t display[8] = {0x41, 0x64, 0, 0, 1, 0, 1, 0}, one = 1;
     /* mode, format, connector, backlight, rotation */
     uint8_t state[46] = {[24] = LF_GUD_RGB888, [26] = 12, [28] = 100, [36] = 50, [38] = 1};
@@ -220,7 +237,7 @@ static void light(fixture *f)
     assert_true(lf_model_gud_lit(f->gud));
 }
 
-/* ---------------------------------------------------------------------------------------------------- handshake -- */
+/* --------------------------------------------------------------------------------- handshake -- */
 
 static void the_device_is_listed_and_then_the_connection_ends(void **state)
 {
@@ -294,13 +311,14 @@ static void another_name_is_not_imported(void **state)
     end(f);
 }
 
-/* ---------------------------------------------------------------------------------------------------- transfers -- */
+/* --------------------------------------------------------------------------------- transfers -- */
 
 static void descriptors_come_through(void **state)
 {
     (void)state;
     fixture *f = connect_to(NULL, NULL, true);
-    const uint8_t setup[8] = {0x80, 6, 0, 1, 0, 0, 64, 0}, unknown[8] = {0x80, 6, 0, 15, 0, 0, 64, 0};
+    const uint8_t setup[8] = {0x80, 6, 0, 1, 0, 0, 64, 0},
+                  unknown[8] = {0x80, 6, 0, 15, 0, 0, 64, 0};
     uint8_t d[64];
     submit(f, 7, true, 0, setup, NULL, 64);
     reply r = next_reply(f, true, d, sizeof d);
@@ -471,7 +489,7 @@ static void messages_may_come_in_pieces(void **state)
     end(f);
 }
 
-/* --------------------------------------------------------------------------------------------- hostile clients -- */
+/* --------------------------------------------------------------------------- hostile clients -- */
 
 static void nonsense_ends_the_connection(void **state)
 {
@@ -481,8 +499,14 @@ static void nonsense_ends_the_connection(void **state)
         size_t at; /* in a good header */
         uint32_t value;
     } cases[] = {
-        {false, 0, 0x01060000 | 0x8005}, {false, 0, 0x01118009}, {true, 0, 0},   {true, 0, RET_SUBMIT},
-        {true, 8, 0x00020001},           {true, 12, 2},          {true, 16, 16}, {true, 32, 8},
+        {false, 0, 0x01060000 | 0x8005},
+        {false, 0, 0x01118009},
+        {true, 0, 0},
+        {true, 0, RET_SUBMIT},
+        {true, 8, 0x00020001},
+        {true, 12, 2},
+        {true, 16, 16},
+        {true, 32, 8},
         {true, 0, 0xffffffff},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -595,11 +619,13 @@ static void noise_never_hurts(void **state)
         fixture *f = connect_to(NULL, NULL, round % 4 != 0);
         for (int message = 0; message < 40 && f->last == LF_OK; message++) {
             uint8_t header[HEADER];
-            make_header(header, SUBMIT + (uint32_t)message % 2, (uint32_t)message, message & 2, (uint32_t)message % 3);
+            make_header(header, SUBMIT + (uint32_t)message % 2, (uint32_t)message, message & 2,
+                        (uint32_t)message % 3);
             put32(header + 24, message % 5 ? 200 : 0);
             for (int i = 0; i < 3; i++) {
                 random = random * 6364136223846793005u + 1442695040888963407u;
-                header[(random >> 33) % (message % 3 ? 8 : HEADER) + (message % 3 ? 40 : 0)] = (uint8_t)(random >> 50);
+                header[(random >> 33) % (message % 3 ? 8 : HEADER) + (message % 3 ? 40 : 0)] =
+                    (uint8_t)(random >> 50);
             }
             if (send(f->fd, header, sizeof header, MSG_NOSIGNAL) < 0)
                 break;
@@ -609,7 +635,7 @@ static void noise_never_hurts(void **state)
     }
 }
 
-/* --------------------------------------------------------------------------------------------------------- vhci -- */
+/* -------------------------------------------------------------------------------------- vhci -- */
 
 static void the_first_free_port_is_taken(void **state)
 {

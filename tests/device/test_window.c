@@ -1,4 +1,5 @@
-/* The window device over SDL's dummy driver, which saves every picture that it shows, and over an X server without a screen. */
+/* The window device over SDL's dummy driver, which saves every picture that it shows, and over an X
+ * server without a screen. */
 #include "tests/device/device_testing.h"
 
 #include <dlfcn.h>
@@ -13,7 +14,7 @@
 
 #include "base/image_io.h"
 #include "device/device_table.h"
-#include "device/sdl.h"
+#include "device/window/sdl.h"
 
 enum { WIDTH = 1024, HEIGHT = 768 /* the dummy's only mode */ };
 
@@ -28,10 +29,7 @@ static bool has_sdl(void)
 
 static lf_status try_open(const char *spec, int width, int height, lf_device **out, lf_error *err)
 {
-    lf_calibration c;
-    lf_calibration_portrait(&c);
-    c.screen_width_px = width;
-    c.screen_height_px = height;
+    lf_calibration c = device_lens(width, height);
     return lf_device_open(spec, &c, out, err);
 }
 
@@ -53,7 +51,8 @@ static void scribble(lf_image8 *frame, const lf_rect *r, int seed)
 {
     for (int y = r->y; y < r->y + r->height; y++)
         for (int i = r->x * 3; i < (r->x + r->width) * 3; i++)
-            frame->data[(size_t)y * frame->stride + (size_t)i] = (uint8_t)(seed * 37 + y * 5 + i * 3);
+            frame->data[(size_t)y * frame->stride + (size_t)i] =
+                (uint8_t)(seed * 37 + y * 5 + i * 3);
 }
 
 static uint32_t le32(const uint8_t *b)
@@ -61,7 +60,8 @@ static uint32_t le32(const uint8_t *b)
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-/* Name of the last picture that was saved, by SDL's pattern SDL_windowID-NUMBER.bmp; false = none. */
+/* Name of the last picture that was saved, by SDL's pattern SDL_windowID-NUMBER.bmp; false = none.
+ */
 static bool last_picture(char *out, size_t size)
 {
     for (int id = 20; id > 0; id--)
@@ -81,15 +81,17 @@ static bool shows(const lf_image8 *frame)
     if (!last_picture(name, sizeof name))
         return false;
     FILE *file = fopen(name, "rb");
-    size_t n = file != NULL ? fread(bmp, 1, sizeof bmp, file) : 0;
-    if (file != NULL)
+    size_t n = file ? fread(bmp, 1, sizeof bmp, file) : 0;
+    if (file)
         fclose(file);
     size_t bytes = bmp[28] / 8u, pitch = (WIDTH * bytes + 3) / 4 * 4, start = le32(bmp + 10);
-    if (n < 54 || le32(bmp + 18) != WIDTH || le32(bmp + 22) != HEIGHT || bytes < 3 || start + pitch * HEIGHT > n)
+    if (n < 54 || le32(bmp + 18) != WIDTH || le32(bmp + 22) != HEIGHT || bytes < 3 ||
+        start + pitch * HEIGHT > n)
         return false;
     for (size_t y = 0; y < HEIGHT; y++)
         for (size_t x = 0; x < WIDTH; x++) {
-            const uint8_t *bgr = bmp + start + (HEIGHT - 1 - y) * pitch + x * bytes, *rgb = frame->data + y * frame->stride + x * 3;
+            const uint8_t *bgr = bmp + start + (HEIGHT - 1 - y) * pitch + x * bytes,
+                          *rgb = frame->data + y * frame->stride + x * 3;
             if (bgr[0] != rgb[2] || bgr[1] != rgb[1] || bgr[2] != rgb[0])
                 return false;
         }
@@ -151,7 +153,8 @@ static void rectangles_make_the_frame(void **state)
 static void tell(SDL_Event event)
 {
     __typeof__(SDL_PushEvent) *push_event;
-    void *library = dlopen("libSDL2-2.0.so.0", RTLD_NOW), *address = dlsym(library, "SDL_PushEvent");
+    void *library = dlopen("libSDL2-2.0.so.0", RTLD_NOW),
+         *address = dlsym(library, "SDL_PushEvent");
     memcpy(&push_event, &address, sizeof address);
     assert_int_equal(push_event(&event), 1);
     dlclose(library);
@@ -181,9 +184,10 @@ static void lost_picture_is_asked_for_again(void **state)
     forget_pictures();
 }
 
-/* ------------------------------------------------------------------------------------ a desktop of the test's own -- */
+/* --------------------------------------------------------------- a desktop of the test's own -- */
 
-/* Monitors side by side, by name; the window is on the first of them, wherever the desktop has moved it from. */
+/* Monitors side by side, by name; the window is on the first of them, wherever the desktop has
+ * moved it from. */
 static struct desk {
     pthread_mutex_t lock;
     int n;
@@ -242,13 +246,10 @@ static void window_that_is_moved_to_another_looking_glass_is_gone(void **state)
     lf_device *device = NULL;
     lf_error err = {0};
     lf_image8 frame = {0};
-    lf_calibration c;
+    lf_calibration c = device_lens(WIDTH, HEIGHT);
     lf_sdl sdl;
     if (!has_sdl())
         skip();
-    lf_calibration_portrait(&c);
-    c.screen_width_px = WIDTH;
-    c.screen_height_px = HEIGHT;
     lf_assert_ok(lf_sdl_load(NULL, &sdl, NULL), NULL);
     sdl.GetNumVideoDisplays = desk_count;
     sdl.GetDisplayName = desk_name;
@@ -271,7 +272,7 @@ static void window_that_is_moved_to_another_looking_glass_is_gone(void **state)
     forget_pictures();
 }
 
-/* ------------------------------------------------------------------------------------------------- an X server -- */
+/* ------------------------------------------------------------------------------- an X server -- */
 
 enum { X_WIDTH = 480, X_HEIGHT = 640 };
 
@@ -289,8 +290,9 @@ static int add_library(struct dl_phdr_info *info, size_t size, void *context)
     return 0;
 }
 
-/* Graphics drivers are unloaded with the window. What one keeps until the process ends would then look lost to a sanitizer, with no
- * name to know it by (tests/lsan.supp): all that are there stay. */
+/* Graphics drivers are unloaded with the window. What one keeps until the process ends would then
+ * look lost to a sanitizer, with no name to know it by (tests/lsan.supp): all that are there stay.
+ */
 static void keep_libraries(void)
 {
     libraries all = {.n = 0};
@@ -300,7 +302,8 @@ static void keep_libraries(void)
         (void)dlopen(all.names[i], RTLD_NOW | RTLD_NOLOAD | RTLD_NODELETE);
 }
 
-/* Starts Xvfb, whose screen is the file Xvfb_screen0 here, and points DISPLAY at it. Returns its process, -1 = there is none. */
+/* Starts Xvfb, whose screen is the file Xvfb_screen0 here, and points DISPLAY at it. Returns its
+ * process, -1 = there is none. */
 static pid_t start_server(void)
 {
     int ready[2];
@@ -314,7 +317,8 @@ static pid_t start_server(void)
         dup2(nowhere, STDOUT_FILENO);
         dup2(nowhere, STDERR_FILENO);
         dup2(ready[1], STDIN_FILENO);
-        execlp("Xvfb", "Xvfb", "-displayfd", "0", "-screen", "0", mode, "-fbdir", ".", "-nolisten", "tcp", "-noreset", NULL);
+        execlp("Xvfb", "Xvfb", "-displayfd", "0", "-screen", "0", mode, "-fbdir", ".", "-nolisten",
+               "tcp", "-noreset", NULL);
         _exit(127);
     }
     close(ready[1]);
@@ -339,15 +343,17 @@ static bool screen_shows(const lf_image8 *frame)
 {
     static uint8_t dump[4 * X_WIDTH * X_HEIGHT + 16384];
     FILE *file = fopen("Xvfb_screen0", "rb");
-    size_t n = file != NULL ? fread(dump, 1, sizeof dump, file) : 0;
-    if (file != NULL)
+    size_t n = file ? fread(dump, 1, sizeof dump, file) : 0;
+    if (file)
         fclose(file);
     size_t start = be32(dump) + 12 * (size_t)be32(dump + 76), pitch = be32(dump + 48);
-    if (n < 100 || be32(dump + 44) != 32 || start > n || pitch < 4 * X_WIDTH || pitch * X_HEIGHT > n - start)
+    if (n < 100 || be32(dump + 44) != 32 || start > n || pitch < 4 * X_WIDTH ||
+        pitch * X_HEIGHT > n - start)
         return false;
     for (size_t y = 0; y < X_HEIGHT; y++)
         for (size_t x = 0; x < X_WIDTH; x++) {
-            const uint8_t *bgr = dump + start + y * pitch + x * 4, *rgb = frame->data + y * frame->stride + x * 3;
+            const uint8_t *bgr = dump + start + y * pitch + x * 4,
+                          *rgb = frame->data + y * frame->stride + x * 3;
             if (bgr[0] != rgb[2] || bgr[1] != rgb[1] || bgr[2] != rgb[0])
                 return false;
         }
@@ -400,7 +406,8 @@ static void screen_shows_the_frame_pixel_for_pixel(void **state)
     setenv("SDL_VIDEODRIVER", "dummy", 1);
 }
 
-/* Lets a stopped process go on when whoever waits for it has waited longer than any machine takes; returns the process that does. */
+/* Lets a stopped process go on when whoever waits for it has waited longer than any machine takes;
+ * returns the process that does. */
 static pid_t start_rescue(pid_t server)
 {
     pid_t rescue = fork();
@@ -423,7 +430,8 @@ static void window_of_a_desktop_that_hangs_is_left_behind(void **state)
         skip();
     }
     unsetenv("SDL_VIDEODRIVER");
-    setenv("SDL_RENDER_DRIVER", "software", 1); /* the threads of graphics drivers are nothing that a sanitizer can follow */
+    /* the threads of graphics drivers are nothing that a sanitizer can follow */
+    setenv("SDL_RENDER_DRIVER", "software", 1);
     for (int pushing = 0; pushing < 2; pushing++) {
         lf_device *device = NULL;
         lf_error err = {0};
@@ -534,7 +542,8 @@ static void what_is_missing_is_told(void **state)
     assert_null(device);
 }
 
-/* An X server that takes calls and never says a word; its number is in $DISPLAY. -1 = there is no place for one. */
+/* An X server that takes calls and never says a word; its number is in $DISPLAY. -1 = there is no
+ * place for one. */
 static int start_silent_server(void)
 {
     struct sockaddr_un at = {.sun_family = AF_UNIX};

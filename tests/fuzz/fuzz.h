@@ -1,5 +1,6 @@
-/* What fuzz targets share. A target is a file fuzz_NAME.c here with this one function, and a few seeds in corpus/NAME: `make fuzz`
- * finds it by its name. It links base/ and device/. What must hold is said by lf_fuzz_require, which ends the program. */
+/* What fuzz targets share. A target is a file fuzz_NAME.c here with this one function, and a few
+ * seeds in corpus/NAME: `make fuzz` finds it by its name. It links base/ and device/. What must
+ * hold is said by lf_fuzz_require, which ends the program. */
 #ifndef LF_TESTS_FUZZ_FUZZ_H
 #define LF_TESTS_FUZZ_FUZZ_H
 
@@ -11,12 +12,12 @@
 /* One input; always returns 0. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-#define lf_fuzz_require(condition)                                                                                                 \
-    do {                                                                                                                           \
-        if (!(condition)) {                                                                                                        \
-            fprintf(stderr, "%s:%d: does not hold: %s\n", __FILE__, __LINE__, #condition);                                         \
-            abort();                                                                                                               \
-        }                                                                                                                          \
+#define lf_fuzz_require(condition)                                                                 \
+    do {                                                                                           \
+        if (!(condition)) {                                                                        \
+            fprintf(stderr, "%s:%d: does not hold: %s\n", __FILE__, __LINE__, #condition);         \
+            abort();                                                                               \
+        }                                                                                          \
     } while (0)
 
 /* A terminated text that may stand in a terminal: no C0 controls, no DEL. */

@@ -1,9 +1,10 @@
-/* Any bytes, as they are and with header and checksum put right, so that what lies behind those checks is reached. */
+/* Any bytes, as they are and with header and checksum put right, so that what lies behind those
+ * checks is reached. */
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>
 
-#include "device/edid.h"
+#include "device/find/edid.h"
 
 enum { BLOCK = 128 };
 

@@ -1,9 +1,10 @@
-/* libFuzzer: the bytes are what a GUD display answers. The first byte chooses what transfers on the bulk endpoint come to; then,
- * for each question in turn, a length (two bytes, little-endian) and that many bytes. Nothing may crash, leak or go on for ever;
- * a host that got so far as to start is made to show rectangles. */
+/* libFuzzer: the bytes are what a GUD display answers. The first byte chooses what transfers on the
+ * bulk endpoint come to; then, for each question in turn, a length (two bytes, little-endian) and
+ * that many bytes. Nothing may crash, leak or go on for ever; a host that got so far as to start is
+ * made to show rectangles. */
 #include <string.h>
 
-#include "device/gud_host.h"
+#include "device/usb/gud_host.h"
 #include "tests/fuzz/fuzz.h"
 
 enum { MAX_PIXELS = 1 << 20 };
@@ -21,15 +22,16 @@ static fuzz_link *fuzz_of(lf_usb_link *link)
     return (fuzz_link *)(void *)link;
 }
 
-/* Lengths that end beyond the data, and every so many questions of some manners, fail as USB does. */
-static lf_usb_result fuzz_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value, uint8_t *data, size_t n,
-                                  size_t *out_n, int timeout_ms)
+/* Lengths that end beyond the data, and every so many questions of some manners, fail as USB does.
+ */
+static lf_usb_result fuzz_control(lf_usb_link *link, bool in, uint8_t request, uint16_t value,
+                                  uint8_t *data, size_t n, size_t *out_n, int timeout_ms)
 {
     fuzz_link *f = fuzz_of(link);
     (void)request;
     (void)value;
     (void)timeout_ms;
-    if (out_n != NULL)
+    if (out_n)
         *out_n = 0;
     if (!in)
         return LF_USB_OK;
@@ -45,7 +47,7 @@ static lf_usb_result fuzz_control(lf_usb_link *link, bool in, uint8_t request, u
         memcpy(data, f->data, given);
     f->data += length;
     f->left -= length;
-    if (out_n != NULL)
+    if (out_n)
         *out_n = given;
     return LF_USB_OK;
 }
@@ -61,7 +63,9 @@ static lf_usb_result fuzz_bulk_end(lf_usb_link *link, int timeout_ms)
     fuzz_link *f = fuzz_of(link);
     (void)timeout_ms;
     unsigned int every = f->manner % 16;
-    return every > 0 && ++f->transfers % every == 0 ? (lf_usb_result)(1 + f->manner / 16 % LF_USB_IO) : LF_USB_OK;
+    return every > 0 && ++f->transfers % every == 0
+               ? (lf_usb_result)(1 + f->manner / 16 % LF_USB_IO)
+               : LF_USB_OK;
 }
 
 static void fuzz_cancel(lf_usb_link *link)
@@ -80,7 +84,8 @@ static const lf_usb_link_ops fuzz_ops = {
 static void show(lf_gud_host *host, int width, int height)
 {
     lf_image8 frame = {0};
-    const lf_rect rects[] = {{0, 0, width, height}, {width / 2, height / 2, width - width / 2, height - height / 2}};
+    const lf_rect rects[] = {{0, 0, width, height},
+                             {width / 2, height / 2, width - width / 2, height - height / 2}};
     if ((long)width * height > MAX_PIXELS || lf_image8_init(&frame, width, height, 3) != LF_OK)
         return;
     for (int i = 0; i < 4; i++) {

@@ -1,11 +1,12 @@
-/* A HID device that answers as the input says. Every answer begins with a byte: 0..68 = a packet of so many bytes, which follow;
- * 69 = nothing; 70 = gone; 71..253 = a whole reply to the last request, whose page follows; 254 and 255 = a request is refused. Behind
- * the end of the input there is nothing. Whatever it says: an end, in time, and no command but "read a page". */
+/* A HID device that answers as the input says. Every answer begins with a byte: 0..68 = a packet of
+ * so many bytes, which follow; 69 = nothing; 70 = gone; 71..253 = a whole reply to the last
+ * request, whose page follows; 254 and 255 = a request is refused. Behind the end of the input
+ * there is nothing. Whatever it says: an end, in time, and no command but "read a page". */
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>
 
-#include "device/hid.h"
+#include "device/hid/hid.h"
 
 enum { NOTHING = 69, GONE = 70, REFUSED = 254 };
 

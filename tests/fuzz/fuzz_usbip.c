@@ -1,5 +1,6 @@
-/* libFuzzer: the bytes are what a peer of the USB/IP server sends. The first byte says what the simulated panel is like and into what
- * pieces the rest is cut. Nothing may crash, leak or go on for ever, and what the server sends must be USB/IP. */
+/* libFuzzer: the bytes are what a peer of the USB/IP server sends. The first byte says what the
+ * simulated panel is like and into what pieces the rest is cut. Nothing may crash, leak or go on
+ * for ever, and what the server sends must be USB/IP. */
 #include <endian.h>
 #include <errno.h>
 #include <string.h>
@@ -7,8 +8,9 @@
 #include <unistd.h>
 
 #include "base/thread.h"
-#include "device/gud.h"
-#include "device/usbip.h"
+#include "device/model/usb_model.h"
+#include "device/model/usbip.h"
+#include "device/usb/gud.h"
 #include "tests/fuzz/fuzz.h"
 
 enum { WIDTH = 16, HEIGHT = 8, REST = 1000, HEADER = 48 };
@@ -23,17 +25,24 @@ typedef struct fuzz_panel {
     bool imported_before, answered;
 } fuzz_panel;
 
-/* Bits of the first byte: 1 = the handshake is over, 2 = everything goes wrong every third time, 4 = a slow display; the rest chooses the
- * size of the pieces. */
+/* Bits of the first byte: 1 = the handshake is over, 2 = everything goes wrong every third time, 4
+ * = a slow display; the rest chooses the size of the pieces. */
 static void begin(fuzz_panel *p, uint8_t manner)
 {
     static const uint8_t rgb888 = LF_GUD_RGB888;
-    const lf_model_gud_options options = {
-        .width = WIDTH, .height = HEIGHT, .formats = &rgb888, .n_formats = 1, .lz4 = true, .status_on_set = true};
+    const lf_model_gud_options options = {.width = WIDTH,
+                                          .height = HEIGHT,
+                                          .formats = &rgb888,
+                                          .n_formats = 1,
+                                          .lz4 = true,
+                                          .status_on_set = true};
     uint64_t every = manner & 2 ? 3 : 0;
-    const lf_model_gud_faults gud_faults = {
-        .stall_every = every, .fail_every = every, .hang_every = 2 * every, .bytes_per_s = manner & 4 ? 1000 : 0};
-    const lf_model_hid_faults hid_faults = {.stall_every = (int)every, .mute_every = 2 * (int)every, .press_every = (int)every};
+    const lf_model_gud_faults gud_faults = {.stall_every = every,
+                                            .fail_every = every,
+                                            .hang_every = 2 * every,
+                                            .bytes_per_s = manner & 4 ? 1000 : 0};
+    const lf_model_hid_faults hid_faults = {
+        .stall_every = (int)every, .mute_every = 2 * (int)every, .press_every = (int)every};
     int ends[2];
     lf_fuzz_require(lf_model_hid_create("\0\0\0\2{}", 6, &hid_faults, &p->hid) == LF_OK);
     lf_fuzz_require(lf_model_gud_create(&options, &gud_faults, &p->gud) == LF_OK);

@@ -1,8 +1,9 @@
 /* Shows a known picture on a device, for the guest of make check-kernel:
  *   drm_show SPEC WIDTHxHEIGHT [PUSHES]
- * pushes whole frames of noise, then PUSHES times random rectangles with new noise, and says "shown" with what it took. After that
- * every line of its standard input is the name of a picture (PPM) that is compared with what the panel must show now: "equal" or
- * where it differs. Ends with its input, or when the panel is unplugged ("gone"). Exit status 0, or the negated lf_status. */
+ * pushes whole frames of noise, then PUSHES times random rectangles with new noise, and says
+ * "shown" with what it took. After that every line of its standard input is the name of a picture
+ * (PPM) that is compared with what the panel must show now: "equal" or where it differs. Ends with
+ * its input, or when the panel is unplugged ("gone"). Exit status 0, or the negated lf_status. */
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,8 +68,8 @@ static lf_device_event outcome(lf_device *device)
 }
 
 /* *out_copied_s: what the caller of push waited for; the return value is what the event was. */
-static lf_device_event push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n, double *out_copied_s,
-                            double *out_shown_s)
+static lf_device_event push(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n,
+                            double *out_copied_s, double *out_shown_s)
 {
     static uint64_t generation;
     double start = lf_time_now();
@@ -88,7 +89,8 @@ static bool show(lf_device *device, lf_image8 *frame, int pushes)
         fill(frame, &whole);
         if (push(device, frame, &whole, 1, &copied, &shown) != LF_DEVICE_READY)
             return false;
-        printf("whole frame: push %.1f ms, on the display after %.1f ms\n", copied * 1e3, shown * 1e3);
+        printf("whole frame: push %.1f ms, on the display after %.1f ms\n", copied * 1e3,
+               shown * 1e3);
     }
     lf_device_counters before, after;
     device->ops->counters(device, &before);
@@ -115,7 +117,8 @@ static bool show(lf_device *device, lf_image8 *frame, int pushes)
 /* Until the input ends or the panel is gone. */
 static void answer(lf_device *device, const lf_image8 *frame)
 {
-    struct pollfd p[2] = {{.fd = STDIN_FILENO, .events = POLLIN}, {.fd = device->ops->poll_fd(device), .events = POLLIN}};
+    struct pollfd p[2] = {{.fd = STDIN_FILENO, .events = POLLIN},
+                          {.fd = device->ops->poll_fd(device), .events = POLLIN}};
     char line[4096];
     while (poll(p, 2, -1) >= 0) {
         if (p[1].revents != 0 && device->ops->dispatch(device) == LF_DEVICE_GONE) {
@@ -124,7 +127,7 @@ static void answer(lf_device *device, const lf_image8 *frame)
         }
         if (p[0].revents == 0)
             continue;
-        if (fgets(line, sizeof line, stdin) == NULL)
+        if (!fgets(line, sizeof line, stdin))
             return;
         line[strcspn(line, "\n")] = 0;
         lf_ppm_compare(line, frame);
@@ -140,11 +143,13 @@ int main(int argc, char **argv)
     lf_error err = {0};
     char text[sizeof err + 32];
     lf_calibration_portrait(&calibration);
-    if (argc < 3 || sscanf(argv[2], "%dx%d", &calibration.screen_width_px, &calibration.screen_height_px) != 2)
+    if (argc < 3 ||
+        sscanf(argv[2], "%dx%d", &calibration.screen_width_px, &calibration.screen_height_px) != 2)
         return 2;
     setvbuf(stdout, NULL, _IOLBF, 0);
     setvbuf(stdin, NULL, _IONBF, 0); /* or poll would not see what is in its buffer */
-    lf_status status = lf_image8_init(&frame, calibration.screen_width_px, calibration.screen_height_px, 3);
+    lf_status status =
+        lf_image8_init(&frame, calibration.screen_width_px, calibration.screen_height_px, 3);
     if (status == LF_OK)
         status = lf_device_open(argv[1], &calibration, &device, &err);
     if (status != LF_OK) {
@@ -153,7 +158,8 @@ int main(int argc, char **argv)
     }
     bool good = show(device, &frame, argc > 3 ? (int)strtol(argv[3], NULL, 10) : 0);
     device->ops->info(device, &info);
-    printf("%s: %s, %s, %s; problem: \"%s\"\n", good ? "shown" : "failed", info.spec, info.model, info.output, info.problem);
+    printf("%s: %s, %s, %s; problem: \"%s\"\n", good ? "shown" : "failed", info.spec, info.model,
+           info.output, info.problem);
     if (good)
         answer(device, &frame);
     lf_device_destroy(device);

@@ -1,20 +1,31 @@
-/* The host's side of a panel that is plugged in, for the cases of make check-kernel: quiltd's own readers over the unmodified libraries.
+/* The host's side of a panel that is plugged in, for the cases of make check-kernel: quiltd's own
+ * readers over the unmodified libraries.
  *   panel eeprom FILE                   the EEPROM holds the calibration in FILE
- *   panel buttons N                     prints the names of the next N buttons that go down; says on stderr when they are watched
- *   panel draw WxH SEED N FILE.png      draws N random rectangles and writes what should be seen; N 0: until it is unplugged
+ *   panel buttons N                     prints the names of the next N buttons that go down; says
+ *                                       on stderr when they are watched
+ *   panel draw WxH SEED N FILE.png      draws N random rectangles and writes what should be seen; N
+ *                                       0: until it is unplugged
  *   panel same A.png B.png              both show the same
- * Prints nothing more when all is well. Exit status 0, 1 = not so, 2 = wrong usage, 3 = unplugged. */
+ * Prints nothing more when all is well. Exit status 0, 1 = not so, 2 = wrong usage, 3 = unplugged.
+ */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/image_io.h"
-#include "device/buttons.h"
-#include "device/gud_host.h"
-#include "device/hid.h"
+#include "device/hid/buttons.h"
+#include "device/hid/hid.h"
+#include "device/usb/gud_host.h"
 
-enum { FAILED = 1, USAGE = 2, UNPLUGGED = 3, BUTTON_WAIT_MS = 20000, MAX_PLACES = 4, MAX_TRIES = 20 };
+enum {
+    FAILED = 1,
+    USAGE = 2,
+    UNPLUGGED = 3,
+    BUTTON_WAIT_MS = 20000,
+    MAX_PLACES = 4,
+    MAX_TRIES = 20
+};
 
 static int complain(const lf_error *err)
 {
@@ -44,11 +55,14 @@ static int eeprom(const char *path)
     lf_hid_close(&link);
     if (status != LF_OK)
         return complain(&err);
-    bool same = strcmp(expected.serial, got.serial) == 0 && expected.pitch == got.pitch && expected.slope == got.slope &&
-                expected.center == got.center && expected.dpi == got.dpi && expected.screen_width_px == got.screen_width_px &&
-                expected.screen_height_px == got.screen_height_px && expected.n_cells == got.n_cells;
+    bool same = strcmp(expected.serial, got.serial) == 0 && expected.pitch == got.pitch &&
+                expected.slope == got.slope && expected.center == got.center &&
+                expected.dpi == got.dpi && expected.screen_width_px == got.screen_width_px &&
+                expected.screen_height_px == got.screen_height_px &&
+                expected.n_cells == got.n_cells;
     if (!same)
-        printf("the EEPROM holds another calibration: serial %s, pitch %.17g\n", got.serial, got.pitch);
+        printf("the EEPROM holds another calibration: serial %s, pitch %.17g\n", got.serial,
+               got.pitch);
     return same ? 0 : FAILED;
 }
 
@@ -89,7 +103,8 @@ static uint32_t draw_number(uint64_t *state, int below)
 static lf_rect scribble(lf_image8 *frame, uint64_t *state)
 {
     int most = draw_number(state, 20) == 0 ? 400 : 60;
-    lf_rect r = {.x = (int)draw_number(state, frame->width), .y = (int)draw_number(state, frame->height)};
+    lf_rect r = {.x = (int)draw_number(state, frame->width),
+                 .y = (int)draw_number(state, frame->height)};
     r.width = 1 + (int)draw_number(state, frame->width - r.x < most ? frame->width - r.x : most);
     r.height = 1 + (int)draw_number(state, frame->height - r.y < most ? frame->height - r.y : most);
     for (int y = r.y; y < r.y + r.height; y++)
@@ -98,7 +113,8 @@ static lf_rect scribble(lf_image8 *frame, uint64_t *state)
     return r;
 }
 
-/* After a failure what the display shows is unknown: everything is given to it again, as the daemon does. */
+/* After a failure what the display shows is unknown: everything is given to it again, as the daemon
+ * does. */
 static lf_status update(lf_gud_host *host, const lf_image8 *frame, lf_rect rect, lf_error *err)
 {
     const lf_rect whole = {0, 0, frame->width, frame->height};
@@ -151,13 +167,14 @@ static int draw(int width, int height, uint64_t seed, int n, const char *path)
         status = draw_all(host, &frame, seed, n, &err);
     if (status == LF_OK)
         status = write_frame(&frame, path, &err);
-    if (host != NULL)
+    if (host)
         lf_gud_host_counters_get(host, &counters);
-    fprintf(stderr, "bands %" PRIu64 ", compressed %" PRIu64 ", bytes %" PRIu64 ", failures %" PRIu64 "\n", counters.bands,
-            counters.compressed, counters.bytes, counters.failures);
+    fprintf(stderr,
+            "bands %" PRIu64 ", compressed %" PRIu64 ", bytes %" PRIu64 ", failures %" PRIu64 "\n",
+            counters.bands, counters.compressed, counters.bytes, counters.failures);
     lf_image8_finish(&frame);
     lf_gud_host_destroy(host);
-    if (link != NULL)
+    if (link)
         link->ops->close(link);
     return status == LF_OK ? 0 : complain(&err);
 }
@@ -167,16 +184,19 @@ static int same(const char *a_path, const char *b_path)
     lf_image8 a = {0}, b = {0};
     lf_error err = {0};
     size_t differ = 0;
-    if (lf_image8_read(a_path, NULL, &a, &err) != LF_OK || lf_image8_read(b_path, NULL, &b, &err) != LF_OK) {
+    if (lf_image8_read(a_path, NULL, &a, &err) != LF_OK ||
+        lf_image8_read(b_path, NULL, &b, &err) != LF_OK) {
         lf_image8_finish(&a);
         return complain(&err);
     }
     bool shape = a.width == b.width && a.height == b.height;
     for (int y = 0; shape && y < a.height; y++)
         for (int i = 0; i < a.width * 3; i++)
-            differ += a.data[(size_t)y * a.stride + (size_t)i] != b.data[(size_t)y * b.stride + (size_t)i];
+            differ += a.data[(size_t)y * a.stride + (size_t)i] !=
+                      b.data[(size_t)y * b.stride + (size_t)i];
     if (!shape || differ > 0)
-        printf("%dx%d and %dx%d, %zu values differ\n", a.width, a.height, b.width, b.height, differ);
+        printf("%dx%d and %dx%d, %zu values differ\n", a.width, a.height, b.width, b.height,
+               differ);
     lf_image8_finish(&a);
     lf_image8_finish(&b);
     return shape && differ == 0 ? 0 : FAILED;
@@ -193,6 +213,7 @@ int main(int argc, char *argv[])
         return same(argv[2], argv[3]);
     if (argc == 6 && strcmp(argv[1], "draw") == 0 && sscanf(argv[2], "%dx%d", &width, &height) == 2)
         return draw(width, height, strtoull(argv[3], NULL, 10), atoi(argv[4]), argv[5]);
-    fputs("usage: panel eeprom FILE | buttons N | draw WxH SEED N FILE.png | same A.png B.png\n", stderr);
+    fputs("usage: panel eeprom FILE | buttons N | draw WxH SEED N FILE.png | same A.png B.png\n",
+          stderr);
     return USAGE;
 }

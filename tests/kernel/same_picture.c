@@ -1,4 +1,5 @@
-/* same_picture PICTURE.png DISPLAY.ppm: whether they are the same, pixel for pixel. Exit status 0 or 1. */
+/* same_picture PICTURE.png DISPLAY.ppm: whether they are the same, pixel for pixel. Exit status 0
+ * or 1. */
 #include "base/image_io.h"
 #include "tests/kernel/ppm.h"
 

@@ -3,14 +3,13 @@
 #include <tiffio.h>
 
 #include "base/alloc.h"
-#include "quilt/print.h"
+#include "quilt/print/print.h"
 #include "tests/quilt/printed.h"
 
 static void read_bytes(const char *path, lf_printed *out)
 {
     char *data = NULL;
     lf_error err;
-
     lf_assert_ok(lf_file_read(path, NULL, UINT32_MAX, &data, &out->file_size, &err), &err);
     out->file = (uint8_t *)data;
 }
@@ -20,7 +19,6 @@ static void read_raster(const char *path, lf_printed *out)
     TIFF *tiff = TIFFOpen(path, "r");
     uint32_t width = 0, height = 0;
     uint16_t channels = 0, bits = 0;
-
     assert_non_null(tiff);
     TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &width);
     TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &height);
@@ -44,19 +42,23 @@ static void read_raster(const char *path, lf_printed *out)
     TIFFClose(tiff);
 }
 
-void lf_printed_make(const lf_print *print, const lf_views32 *views, int rows_per_strip, lf_printed *out)
+static void make(const lf_print *print, const lf_views32 *views, int rows_per_strip,
+                 lf_printed *out)
 {
     char *folder = lf_test_folder();
-    const char *path = lf_test_path(folder, "print.tif"), *manifest_path = lf_test_path(folder, "print.json");
+    const char *path = lf_test_path(folder, "print.tif"),
+               *manifest_path = lf_test_path(folder, "print.json");
     const lf_print_run run = {0};
     lf_outfile tiff, manifest;
     lf_error err;
     json_error_t json_error;
-
     memset(out, 0, sizeof *out);
     lf_assert_ok(lf_outfile_open(&tiff, path, false, &err), &err);
     lf_assert_ok(lf_outfile_open(&manifest, manifest_path, false, &err), &err);
-    lf_assert_ok(lf_print_write_strips(print, views, &run, rows_per_strip, &tiff, &manifest, &err), &err);
+    lf_assert_ok(
+        views ? lf_print_write_strips(print, views, &run, rows_per_strip, &tiff, &manifest, &err)
+              : lf_chart_write(print, &run, &tiff, &manifest, &err),
+        &err);
     lf_assert_ok(lf_outfile_commit(&tiff, false, &err), &err);
     lf_assert_ok(lf_outfile_commit(&manifest, false, &err), &err);
     out->manifest = json_load_file(manifest_path, JSON_REJECT_DUPLICATES, &json_error);
@@ -64,6 +66,17 @@ void lf_printed_make(const lf_print *print, const lf_views32 *views, int rows_pe
     read_bytes(path, out);
     read_raster(path, out);
     lf_test_folder_remove(folder);
+}
+
+void lf_printed_make(const lf_print *print, const lf_views32 *views, int rows_per_strip,
+                     lf_printed *out)
+{
+    make(print, views, rows_per_strip, out);
+}
+
+void lf_printed_chart(const lf_print *print, lf_printed *out)
+{
+    make(print, NULL, 0, out);
 }
 
 void lf_printed_finish(lf_printed *printed)
@@ -81,21 +94,22 @@ double lf_srgb_to_linear(double encoded)
 
 double lf_printed_linear(const lf_printed *printed, int x, int y, int c)
 {
-    const size_t i = ((size_t)y * (size_t)printed->width + (size_t)x) * (size_t)printed->channels + (size_t)c;
-
+    const size_t i =
+        ((size_t)y * (size_t)printed->width + (size_t)x) * (size_t)printed->channels + (size_t)c;
     return lf_srgb_to_linear(printed->value[i] / (printed->bits == 16 ? 65535.0 : 255.0));
 }
 
-void lf_card_make(const lf_print *print, float (*value)(const void *context, int view, int row, int column, int c),
+void lf_card_make(const lf_print *print,
+                  float (*value)(const void *context, int view, int row, int column, int c),
                   const void *context, lf_views32 *out)
 {
     lf_print_shape shape;
-
     lf_print_shape_of(print, &shape);
     const size_t width = (size_t)shape.view_width, height = (size_t)shape.view_height;
     float *data = lf_calloc((size_t)print->n_views * height, 3 * width * sizeof *data);
     assert_non_null(data);
-    *out = (lf_views32){print->n_views, shape.view_width, shape.view_height, 3 * width * height, 3 * width, data};
+    *out = (lf_views32){print->n_views,     shape.view_width, shape.view_height,
+                        3 * width * height, 3 * width,        data};
     for (int view = 0; view < print->n_views; view++)
         for (int row = 0; row < shape.view_height; row++)
             for (int i = 0; i < 3 * shape.view_width; i++)
@@ -111,5 +125,6 @@ void lf_card_finish(lf_views32 *views)
 
 lf_print lf_print_sound(void)
 {
-    return (lf_print){.lpi = 60.0, .dpi = 600, .width_mm = 50.8, .height_mm = 2.54, .n_views = 8, .bits = 8};
+    return (lf_print){
+        .lpi = 60.0, .dpi = 600, .width_mm = 50.8, .height_mm = 2.54, .n_views = 8, .bits = 8};
 }

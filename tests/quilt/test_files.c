@@ -5,18 +5,6 @@
 #include "base/alloc.h"
 #include "quilt/quilt.h"
 
-static int make_folder(void **state)
-{
-    *state = lf_test_folder();
-    return 0;
-}
-
-static int remove_folder(void **state)
-{
-    lf_test_folder_remove(*state);
-    return 0;
-}
-
 #define WIDTH 11
 #define HEIGHT 7
 
@@ -86,15 +74,18 @@ static void assert_views(const lf_quilt_file *q, int n_known)
     for (int i = 0; i < n * HEIGHT * WIDTH * 3; i++) {
         int c = i % 3, x = i / 3 % WIDTH, y = i / 3 / WIDTH % HEIGHT, view = i / 3 / WIDTH / HEIGHT;
         if (q->is_float)
-            assert_true(lf_views32_row(&q->views32, view, y)[3 * x + c] == (view < n_known ? value32(view, x, y, c) : 0));
+            assert_true(lf_views32_row(&q->views32, view, y)[3 * x + c] ==
+                        (view < n_known ? value32(view, x, y, c) : 0));
         else
-            assert_int_equal(lf_views8_row(&q->views8, view, y)[3 * x + c], view < n_known ? value8(view, x, y, c) : 0);
+            assert_int_equal(lf_views8_row(&q->views8, view, y)[3 * x + c],
+                             view < n_known ? value8(view, x, y, c) : 0);
     }
 }
 
 static void a_quilt_comes_back_as_its_views(void **state)
 {
-    static const int tiles[][3] = {{5, 9, 45}, {8, 6, 48}, {3, 4, 10}, {1, 1, 1}, {7, 1, 7}, {2, 5, 3}};
+    static const int tiles[][3] = {{5, 9, 45}, {8, 6, 48}, {3, 4, 10},
+                                   {1, 1, 1},  {7, 1, 7},  {2, 5, 3}};
     for (int i = 0; i < 12; i++) {
         bool is_float = i & 1;
         lf_layout layout = layout_of(tiles[i / 2][0], tiles[i / 2][1], tiles[i / 2][2]);
@@ -150,7 +141,8 @@ static void padding_at_the_right_and_the_top_is_left_out(void **state)
     memset(image.data, 99, image.stride * (size_t)image.height);
     for (int view = 0; view < 6; view++)
         for (int y = 0; y < HEIGHT; y++)
-            memcpy(image.data + (size_t)(1 + (1 - view / 3) * HEIGHT + y) * image.stride + view % 3 * WIDTH * 3,
+            memcpy(image.data + (size_t)(1 + (1 - view / 3) * HEIGHT + y) * image.stride +
+                       view % 3 * WIDTH * 3,
                    lf_views8_row(&views, view, y), WIDTH * 3);
     const char *path = lf_test_path(*state, "padded.png");
     lf_outfile file;
@@ -169,7 +161,8 @@ static void padding_at_the_right_and_the_top_is_left_out(void **state)
 static void a_layout_comes_from_the_name_or_the_caller(void **state)
 {
     lf_layout layout = layout_of(4, 3, 12);
-    const char *plain = lf_test_path(*state, "plain.png"), *named = lf_test_path(*state, "named_qs12x1a2.png");
+    const char *plain = lf_test_path(*state, "plain.png"),
+               *named = lf_test_path(*state, "named_qs12x1a2.png");
     save_quilt(plain, false, &layout);
     save_quilt(named, false, &layout);
     lf_quilt_file q = {0};
@@ -177,7 +170,8 @@ static void a_layout_comes_from_the_name_or_the_caller(void **state)
     lf_assert_status(lf_quilt_read(plain, NULL, 0, 0, &q, &err), LF_E_ARG, &err);
     assert_non_null(strstr(err.what, "--quilt"));
     assert_null(q.image8.data);
-    lf_assert_ok(lf_quilt_read(named, NULL, 4, 3, &q, &err), &err); /* the caller wins, the aspect stays */
+    /* the caller wins, the aspect stays */
+    lf_assert_ok(lf_quilt_read(named, NULL, 4, 3, &q, &err), &err);
     assert_views(&q, 12);
     lf_assert_close(q.layout.aspect, 2, 0, 0);
     lf_quilt_finish(&q);
@@ -188,7 +182,8 @@ static void a_folder_is_one_view_a_picture_in_name_order(void **state)
 {
     for (int is_float = 0; is_float < 2; is_float++) {
         char folder[256], name[64];
-        snprintf(folder, sizeof folder, "%s/%s", (const char *)*state, is_float ? "floats" : "bytes");
+        snprintf(folder, sizeof folder, "%s/%s", (const char *)*state,
+                 is_float ? "floats" : "bytes");
         assert_int_equal(mkdir(folder, 0700), 0);
         for (int view = 6; view >= 0; view--) {
             lf_outfile file;
@@ -224,7 +219,8 @@ static void a_folder_is_one_view_a_picture_in_name_order(void **state)
         lf_quilt_finish(&q);
         if (!is_float)
             continue;
-        lf_layout layout = layout_of(1, 2, 2); /* a picture of another size, then one of another kind */
+        /* a picture of another size, then one of another kind */
+        lf_layout layout = layout_of(1, 2, 2);
         save_quilt(lf_test_path(folder, "view_007.exr"), true, &layout);
         lf_assert_status(lf_quilt_read(folder, NULL, 0, 0, &q, &err), LF_E_FORMAT, &err);
         assert_non_null(strstr(err.where, "view_007"));
@@ -238,7 +234,8 @@ static void a_folder_is_one_view_a_picture_in_name_order(void **state)
 static void what_is_no_quilt_is_refused(void **state)
 {
     const char *scene = lf_test_write(*state, "scene.json", "{ \"quiltd\": 1 }");
-    const char *empty = lf_test_path(*state, "empty"), *none = lf_test_path(*state, "none_qs2x2a1.png");
+    const char *empty = lf_test_path(*state, "empty"),
+               *none = lf_test_path(*state, "none_qs2x2a1.png");
     assert_int_equal(mkdir(empty, 0700), 0);
     lf_quilt_file q = {0};
     lf_error err;
@@ -272,7 +269,8 @@ static void views_that_do_not_fit_the_layout_are_not_written(void **state)
     (void)state;
     lf_views8 views;
     uint8_t *data = views8_of(6, &views);
-    lf_layout bad[] = {layout_of(3, 2, 5), layout_of(1, 5, 6), layout_of(3, 2, 6), layout_of(3, 2, 6), layout_of(6000, 2, 6)};
+    lf_layout bad[] = {layout_of(3, 2, 5), layout_of(1, 5, 6), layout_of(3, 2, 6),
+                       layout_of(3, 2, 6), layout_of(6000, 2, 6)};
     bad[2].view_width++;
     bad[3].view_height--;
     lf_outfile file = {.fd = -1};
@@ -285,7 +283,8 @@ static void views_that_do_not_fit_the_layout_are_not_written(void **state)
 static void real_quilts_are_read_as_four_by_eight(void **state)
 {
     (void)state;
-    static const char *const names[] = {"quilts/kirurobo_example02_qs4x8a1.6.png", "quilts/kirurobo_startup_qs4x8a1.6.png"};
+    static const char *const names[] = {"quilts/kirurobo_example02_qs4x8a1.6.png",
+                                        "quilts/kirurobo_startup_qs4x8a1.6.png"};
     for (int i = 0; i < 2; i++) {
         const char *path = lf_test_shared(names[i]);
         if (!path)
@@ -302,7 +301,8 @@ static void real_quilts_are_read_as_four_by_eight(void **state)
         lf_assert_close(q.layout.aspect, 1.6, 0, 1e-12);
         lf_image8 image = {0};
         lf_assert_ok(lf_image8_read(path, NULL, &image, &err), &err);
-        assert_memory_equal(lf_views8_row(&q.views8, 0, 255), image.data + 2047 * image.stride, 512 * 3);
+        assert_memory_equal(lf_views8_row(&q.views8, 0, 255), image.data + 2047 * image.stride,
+                            512 * 3);
         assert_memory_equal(lf_views8_row(&q.views8, 31, 0), image.data + 3 * 512 * 3, 512 * 3);
         lf_image8_finish(&image);
         lf_quilt_finish(&q);
@@ -322,5 +322,5 @@ int main(void)
         cmocka_unit_test(views_that_do_not_fit_the_layout_are_not_written),
         cmocka_unit_test(real_quilts_are_read_as_four_by_eight),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);
 }

@@ -14,7 +14,8 @@ static size_t at(const scene *s, int row, int view, int x)
     return ((size_t)row * (size_t)s->n_views + (size_t)view) * (size_t)s->width + (size_t)x;
 }
 
-/* Every pixel in reach, by the words of the contract: nearest, then lower row, then lower column. */
+/* Every pixel in reach, by the words of the contract: nearest, then lower row, then lower column.
+ */
 static void fill_slowly(scene *s, int reach)
 {
     size_t n = (size_t)s->n_views * (size_t)s->width * (size_t)s->height;
@@ -23,13 +24,15 @@ static void fill_slowly(scene *s, int reach)
     for (size_t i = 0; i < n; i++) {
         if (!s->missing[i])
             continue;
-        int x = (int)(i % (size_t)s->width), view = (int)(i / (size_t)s->width % (size_t)s->n_views);
+        int x = (int)(i % (size_t)s->width),
+            view = (int)(i / (size_t)s->width % (size_t)s->n_views);
         int row = (int)(i / (size_t)s->width / (size_t)s->n_views), best = reach * reach + 1;
         size_t from = i;
         for (int r = row - reach; r <= row + reach; r++)
             for (int c = x - reach; c <= x + reach; c++) {
                 int d = (r - row) * (r - row) + (c - x) * (c - x);
-                if (r < 0 || c < 0 || r >= s->height || c >= s->width || d >= best || s->missing[at(s, r, view, c)])
+                if (r < 0 || c < 0 || r >= s->height || c >= s->width || d >= best ||
+                    s->missing[at(s, r, view, c)])
                     continue;
                 best = d;
                 from = at(s, r, view, c);
@@ -69,9 +72,11 @@ static void assert_filled(scene *s, int reach, lf_pool *pool)
     memset(s->filled, 0xcc, bytes);
     uint64_t before = lf_alloc_count();
     int n_views = s->n_views, width = s->width, height = s->height, near = reach / 2;
-    lf_fill_counts less = lf_fill(n_views, width, height, s->rgb, s->missing, near, near, s->filled, NULL);
+    lf_fill_counts less =
+        lf_fill(n_views, width, height, s->rgb, s->missing, near, near, s->filled, NULL);
     assert_int_equal(less.unfilled, less.far);
-    lf_fill_counts counts = lf_fill(n_views, width, height, s->rgb, s->missing, near, reach, s->filled, NULL);
+    lf_fill_counts counts =
+        lf_fill(n_views, width, height, s->rgb, s->missing, near, reach, s->filled, NULL);
     assert_int_equal(counts.unfilled, s->n_unfilled);
     assert_int_equal(counts.far, less.far);
     assert_memory_equal(s->filled, s->expected, bytes);
@@ -94,12 +99,14 @@ static void holes_are_filled_as_the_slow_way_does(void **state)
     lf_pool *pool;
     assert_int_equal(lf_pool_create(3, &pool), LF_OK);
     uint64_t seed = lf_test_seed();
-    static const int shapes[][3] = {{3, 40, 30}, {1, 1, 1}, {2, 3, 50}, {1, 600, 11}, {5, 257, 6}, {45, 16, 9}};
+    static const int shapes[][3] = {{3, 40, 30},  {1, 1, 1},   {2, 3, 50},
+                                    {1, 600, 11}, {5, 257, 6}, {45, 16, 9}};
     static const uint32_t present[] = {1, 2, 5, 20, 60, 400}; /* one in so many */
     for (int i = 0; i < 36; i++) {
         scene s = make_scene(shapes[i / 6][0], shapes[i / 6][1], shapes[i / 6][2]);
         for (size_t k = 0; k < (size_t)s.n_views * (size_t)s.width * (size_t)s.height; k++)
-            s.missing[k] = random_bits(&seed) % present[i % 6] ? (uint8_t)(1 + random_bits(&seed) % 255) : 0;
+            s.missing[k] =
+                random_bits(&seed) % present[i % 6] ? (uint8_t)(1 + random_bits(&seed) % 255) : 0;
         for (int reach = 0; reach <= 16; reach += reach < 5 ? 1 : 11)
             assert_filled(&s, reach, pool);
         finish(&s);
@@ -151,12 +158,14 @@ static void equals_are_settled_by_row_and_then_column(void **state)
 {
     (void)state;
     scene s = make_scene(1, 9, 9);
-    static const int order[][2] = {{3, 4}, {4, 3}, {4, 5}, {5, 4}}; /* row, column: all one pixel from (4, 4) */
+    /* row, column: all one pixel from (4, 4) */
+    static const int order[][2] = {{3, 4}, {4, 3}, {4, 5}, {5, 4}};
     memset(s.missing, 1, 81);
     for (int first = 3; first >= 0; first--) {
         s.missing[at(&s, order[first][0], 0, order[first][1])] = 0;
         assert_filled(&s, 4, NULL);
-        assert_memory_equal(s.filled + 3 * at(&s, 4, 0, 4), s.rgb + 3 * at(&s, order[first][0], 0, order[first][1]), 3);
+        assert_memory_equal(s.filled + 3 * at(&s, 4, 0, 4),
+                            s.rgb + 3 * at(&s, order[first][0], 0, order[first][1]), 3);
     }
     finish(&s);
 }
@@ -170,7 +179,8 @@ static void views_are_never_mixed(void **state)
         for (int view = 0; view < 3; view++)
             for (int x = 0; x < 20; x++) {
                 memset(s.rgb + 3 * at(&s, row, view, x), 50 * view + 10, 3);
-                s.missing[at(&s, row, view, x)] = view == 1 ? !(row == 6 && x == 3) : (row + x) % 3 != 0;
+                s.missing[at(&s, row, view, x)] =
+                    view == 1 ? !(row == 6 && x == 3) : (row + x) % 3 != 0;
             }
     assert_filled(&s, 4, NULL);
     for (int row = 0; row < 12; row++)

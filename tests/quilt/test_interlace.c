@@ -3,7 +3,8 @@
 #include "base/alloc.h"
 #include "quilt/quilt.h"
 
-static lf_calibration panel(double pitch, double slope, double center, double dpi, int width, int height)
+static lf_calibration panel(double pitch, double slope, double center, double dpi, int width,
+                            int height)
 {
     return (lf_calibration){.config_version = "3.0",
                             .pitch = pitch,
@@ -34,7 +35,8 @@ static lf_calibration panel_go(void)
 static lf_calibration panel_16p(void)
 {
     lf_calibration c = panel(44.72, -7.45, 0, 283, 2160, 3840);
-    const float cells[2][3][2] = {{{-0.25f, -0.31f}, {-0.25f, 0.28f}, {0.25f, 0}}, {{0.25f, -0.31f}, {0.25f, 0.28f}, {-0.25f, 0}}};
+    const float cells[2][3][2] = {{{-0.25f, -0.31f}, {-0.25f, 0.28f}, {0.25f, 0}},
+                                  {{0.25f, -0.31f}, {0.25f, 0.28f}, {-0.25f, 0}}};
     memcpy(c.cells, cells, sizeof cells);
     c.n_cells = 2;
     c.cell_pattern_mode = 4;
@@ -44,7 +46,8 @@ static lf_calibration panel_16p(void)
 static lf_calibration panel_16l(void)
 {
     lf_calibration c = panel(44.72, -6.9, 0.5, 283, 3840, 2160);
-    const float cells[2][3][2] = {{{-0.31f, 0.25f}, {0.28f, 0.25f}, {0, -0.25f}}, {{-0.31f, -0.25f}, {0.28f, -0.25f}, {0, 0.25f}}};
+    const float cells[2][3][2] = {{{-0.31f, 0.25f}, {0.28f, 0.25f}, {0, -0.25f}},
+                                  {{-0.31f, -0.25f}, {0.28f, -0.25f}, {0, 0.25f}}};
     memcpy(c.cells, cells, sizeof cells);
     c.n_cells = 2;
     c.cell_pattern_mode = 2;
@@ -71,12 +74,15 @@ static void known_subpixels_show_the_known_views(void **state)
     };
     for (size_t i = 0; i < sizeof panels / sizeof panels[0]; i++) {
         const lf_calibration *c = &panels[i].c;
-        const int at[3][2] = {{0, 0}, {100, 200}, {c->screen_width_px - 1, c->screen_height_px - 1}};
+        const int at[3][2] = {
+            {0, 0}, {100, 200}, {c->screen_width_px - 1, c->screen_height_px - 1}};
         for (int p = 0; p < 3; p++)
             for (int channel = 0; channel < 3; channel++)
-                if (view_of(c, panels[i].n, at[p][0], at[p][1], channel) != panels[i].view[p][channel])
+                if (view_of(c, panels[i].n, at[p][0], at[p][1], channel) !=
+                    panels[i].view[p][channel])
                     fail_msg("panel %zu, point %d, channel %d: view %d, expected %d", i, p, channel,
-                             view_of(c, panels[i].n, at[p][0], at[p][1], channel), panels[i].view[p][channel]);
+                             view_of(c, panels[i].n, at[p][0], at[p][1], channel),
+                             panels[i].view[p][channel]);
     }
     double z;
     const double known[2][3] = {{14.2919, 12.2154, 10.1388}, {16.0093, 13.4367, 10.8640}};
@@ -148,11 +154,13 @@ static void the_formulas_agree_with_themselves_in_higher_precision(void **state)
             for (int k = 0; k < 3 * c.screen_width_px; k++) {
                 bool from_right = i % 3 != 0;
                 long double z = place(&c, 45, from_right, k / 3, y, k % 3);
-                int view = lf_view_of_subpixel(&c, 45, from_right ? LF_INVERT_YES : LF_INVERT_NO, k / 3, y, k % 3, NULL);
+                int view = lf_view_of_subpixel(&c, 45, from_right ? LF_INVERT_YES : LF_INVERT_NO,
+                                               k / 3, y, k % 3, NULL);
                 bool close = fabsl(z - roundl(z)) < 1e-9L;
                 n_close += close;
                 if (!close && view != (int)z)
-                    fail_msg("variant %d (%d, %d) channel %d: view %d, expected %Lf", i, k / 3, y, k % 3, view, z);
+                    fail_msg("variant %d (%d, %d) channel %d: view %d, expected %Lf", i, k / 3, y,
+                             k % 3, view, z);
             }
         }
     }
@@ -182,7 +190,7 @@ static void inversion_follows_the_rule_unless_it_is_forced(void **state)
     }
 }
 
-/* ---------------------------------------------------------------------------------------------------- interlacer -- */
+/* -------------------------------------------------------------------------------- interlacer -- */
 
 /* n_views stacked views of width x height, each a constant: its number's low byte (or high one). */
 static uint8_t *constant_views(int n_views, int width, int height, int shift, lf_views8 *out)
@@ -196,15 +204,17 @@ static uint8_t *constant_views(int n_views, int width, int height, int shift, lf
     return data;
 }
 
-static lf_image8 interlaced(const lf_calibration *c, const lf_views8 *views, double aspect, lf_filter filter, lf_invert invert,
-                            lf_pool *pool)
+static lf_image8 interlaced(const lf_calibration *c, const lf_views8 *views, double aspect,
+                            lf_filter filter, lf_invert invert, lf_pool *pool)
 {
     lf_interlacer *it;
     lf_error err;
     lf_image8 out = {0};
     assert_int_equal(lf_image8_init(&out, c->screen_width_px, c->screen_height_px, 3), LF_OK);
     memset(out.data, 0xee, out.stride * (size_t)out.height);
-    lf_assert_ok(lf_interlacer_create(c, views->n_views, views->width, views->height, aspect, filter, invert, &it, &err), &err);
+    lf_assert_ok(lf_interlacer_create(c, views->n_views, views->width, views->height, aspect,
+                                      filter, invert, &it, &err),
+                 &err);
     uint64_t before = lf_alloc_count();
     lf_interlace(it, views, &out, pool);
     assert_int_equal(lf_alloc_count(), before);
@@ -222,7 +232,8 @@ static int64_t mismatches(const lf_calibration *c, int n_views, lf_invert invert
         lf_image8 out = interlaced(c, &views, 0, LF_FILTER_NEAREST, invert, pool);
         for (int y = 0; y < out.height; y++)
             for (int i = 0; i < 3 * out.width; i++) {
-                int view = lf_view_of_subpixel(c, n_views, invert, i / 3, out.height - 1 - y, i % 3, NULL);
+                int view =
+                    lf_view_of_subpixel(c, n_views, invert, i / 3, out.height - 1 - y, i % 3, NULL);
                 n += out.data[(size_t)y * out.stride + (size_t)i] != (view >> shift & 255);
             }
         lf_image8_finish(&out);
@@ -276,7 +287,8 @@ static void swapped_orders_are_noticed(void **state)
     assert_true(from_top > n / 2);
     assert_true(mirrored > n / 2);
     assert_true(swapped > n / 2);
-    for (int64_t i = 0; i < n; i += 3) { /* and that only red and blue changed places, green stays */
+    /* and that only red and blue changed places, green stays */
+    for (int64_t i = 0; i < n; i += 3) {
         assert_int_equal(right.data[i + 1], bgr.data[i + 1]);
         assert_int_equal(right.data[i], bgr.data[i + 2]);
         assert_int_equal(right.data[i + 2], bgr.data[i]);
@@ -293,7 +305,12 @@ static uint8_t *noise_views(int n_views, int width, int height, bool film, lf_vi
     size_t row = (size_t)width * 3, bytes = (size_t)n_views * (size_t)height * row;
     uint8_t *data = lf_calloc(bytes, 1);
     assert_non_null(data);
-    *out = (lf_views8){n_views, width, height, film ? row : row * (size_t)height, film ? row * (size_t)n_views : row, data};
+    *out = (lf_views8){n_views,
+                       width,
+                       height,
+                       film ? row : row * (size_t)height,
+                       film ? row * (size_t)n_views : row,
+                       data};
     for (int k = 0; k < n_views; k++)
         for (int y = 0; y < height; y++)
             for (size_t i = 0; i < row; i++)
@@ -302,8 +319,8 @@ static uint8_t *noise_views(int n_views, int width, int height, bool film, lf_vi
     return data;
 }
 
-/* Sample of n that panel pixel i of `size` shows when the views take `share` of it; -1 = none. In rationals of doubles small
- * enough to be exact where share is 1. */
+/* Sample of n that panel pixel i of `size` shows when the views take `share` of it; -1 = none. In
+ * rationals of doubles small enough to be exact where share is 1. */
 static int nearest(int i, int size, int n, double share)
 {
     if (share == 1)
@@ -328,7 +345,8 @@ static void nearest_copies_the_nearest_sample_unchanged(void **state)
                 int column = nearest(k / 3, 150, views.width, ratio < 1 ? ratio : 1);
                 int row = nearest(y, 97, views.height, ratio > 1 ? 1 / ratio : 1), expected = 0;
                 if (row >= 0 && column >= 0)
-                    expected = lf_views8_row(&views, view_of(&c, 45, k / 3, 96 - y, k % 3), row)[column * 3 + k % 3];
+                    expected = lf_views8_row(&views, view_of(&c, 45, k / 3, 96 - y, k % 3),
+                                             row)[column * 3 + k % 3];
                 assert_int_equal(out.data[(size_t)y * out.stride + (size_t)k], expected);
             }
         }
@@ -351,7 +369,8 @@ static void views_are_fitted_into_the_panel_and_centred(void **state)
         for (int y = 0; y < 2048; y += 1)
             for (int x = 0; x < 1536; x += 16 - (y == y0)) {
                 bool inside = x >= x0 && x < 1536 - x0 && y >= y0 && y < 2048 - y0;
-                assert_int_equal(out.data[(size_t)y * out.stride + (size_t)x * 3], inside ? 200 : 0);
+                assert_int_equal(out.data[(size_t)y * out.stride + (size_t)x * 3],
+                                 inside ? 200 : 0);
             }
         lf_image8_finish(&out);
     }
@@ -366,13 +385,16 @@ static void order_in_memory_rows_and_threads_make_no_difference(void **state)
     assert_int_equal(lf_pool_create(3, &pool), LF_OK);
     for (int filter = 0; filter < 2; filter++) {
         lf_views8 stack, film;
-        uint8_t *a = noise_views(12, 40, 30, false, &stack), *b = noise_views(12, 40, 30, true, &film);
+        uint8_t *a = noise_views(12, 40, 30, false, &stack),
+                *b = noise_views(12, 40, 30, true, &film);
         lf_image8 one = interlaced(&c, &stack, 1, (lf_filter)filter, LF_INVERT_AUTO, NULL);
         lf_image8 two = interlaced(&c, &film, 1, (lf_filter)filter, LF_INVERT_AUTO, pool);
         assert_memory_equal(one.data, two.data, one.stride * (size_t)one.height);
         lf_interlacer *it;
         lf_error err;
-        lf_assert_ok(lf_interlacer_create(&c, 12, 40, 30, 1, (lf_filter)filter, LF_INVERT_AUTO, &it, &err), &err);
+        lf_assert_ok(
+            lf_interlacer_create(&c, 12, 40, 30, 1, (lf_filter)filter, LF_INVERT_AUTO, &it, &err),
+            &err);
         memset(two.data, 0x55, two.stride * (size_t)two.height);
         lf_interlace_rows(it, &stack, &two, 20, 33);
         for (int y = 0; y < two.height; y++)
@@ -388,7 +410,7 @@ static void order_in_memory_rows_and_threads_make_no_difference(void **state)
     lf_pool_destroy(pool);
 }
 
-/* ------------------------------------------------------------------------------------------------------- linear -- */
+/* ------------------------------------------------------------------------------------ linear -- */
 
 /* Bilinear sample with clamped borders, of a place in samples. */
 static double sampled(const lf_views8 *v, int view, double x, double y, int channel)
@@ -418,11 +440,13 @@ static void linear_mixes_views_and_samples(void **state)
         for (int y = 0; y < out.height; y++) {
             for (int k = 0; k < 3 * out.width; k++) {
                 double z;
-                int view = lf_view_of_subpixel(&c, n_views, (lf_invert)(i % 3), k / 3, out.height - 1 - y, k % 3, &z);
+                int view = lf_view_of_subpixel(&c, n_views, (lf_invert)(i % 3), k / 3,
+                                               out.height - 1 - y, k % 3, &z);
                 int after = view + 1 < n_views ? view + 1 : n_views - 1;
-                double sx = (k / 3 + 0.5) * views.width / out.width - 0.5, sy = (y + 0.5) * views.height / out.height - 0.5;
-                double mixed =
-                    sampled(&views, view, sx, sy, k % 3) * (1 - (z - view)) + sampled(&views, after, sx, sy, k % 3) * (z - view);
+                double sx = (k / 3 + 0.5) * views.width / out.width - 0.5,
+                       sy = (y + 0.5) * views.height / out.height - 0.5;
+                double mixed = sampled(&views, view, sx, sy, k % 3) * (1 - (z - view)) +
+                               sampled(&views, after, sx, sy, k % 3) * (z - view);
                 int got = out.data[(size_t)y * out.stride + (size_t)k];
                 if (fabs(mixed + 0.5 - round(mixed + 0.5)) < 1e-6) /* on the edge of two values */
                     n_inexact++;
@@ -442,16 +466,30 @@ static void what_cannot_be_interlaced_is_refused(void **state)
     lf_calibration good = panel_portrait(), bad = good;
     lf_interlacer *it = NULL;
     lf_error err;
-    lf_assert_status(lf_interlacer_create(&good, 0, 4, 4, 1, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err), LF_E_ARG, &err);
-    lf_assert_status(lf_interlacer_create(&good, 65536, 4, 4, 1, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err), LF_E_ARG, &err);
-    lf_assert_status(lf_interlacer_create(&good, 45, 0, 4, 1, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err), LF_E_ARG, &err);
-    lf_assert_status(lf_interlacer_create(&good, 45, 4, 4, NAN, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err), LF_E_ARG, &err);
-    lf_assert_status(lf_interlacer_create(&good, 45, 4, 4, -1, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err), LF_E_ARG, &err);
+    lf_assert_status(
+        lf_interlacer_create(&good, 0, 4, 4, 1, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err),
+        LF_E_ARG, &err);
+    lf_assert_status(
+        lf_interlacer_create(&good, 65536, 4, 4, 1, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err),
+        LF_E_ARG, &err);
+    lf_assert_status(
+        lf_interlacer_create(&good, 45, 0, 4, 1, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err),
+        LF_E_ARG, &err);
+    lf_assert_status(
+        lf_interlacer_create(&good, 45, 4, 4, NAN, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err),
+        LF_E_ARG, &err);
+    lf_assert_status(
+        lf_interlacer_create(&good, 45, 4, 4, -1, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err),
+        LF_E_ARG, &err);
     bad.slope = 0;
-    lf_assert_status(lf_interlacer_create(&bad, 45, 4, 4, 1, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err), LF_E_ARG, &err);
+    lf_assert_status(
+        lf_interlacer_create(&bad, 45, 4, 4, 1, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err),
+        LF_E_ARG, &err);
     bad = good;
     bad.screen_width_px = 0;
-    lf_assert_status(lf_interlacer_create(&bad, 45, 4, 4, 1, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err), LF_E_ARG, &err);
+    lf_assert_status(
+        lf_interlacer_create(&bad, 45, 4, 4, 1, LF_FILTER_NEAREST, LF_INVERT_AUTO, &it, &err),
+        LF_E_ARG, &err);
     assert_null(it);
     lf_interlacer_destroy(NULL);
 }

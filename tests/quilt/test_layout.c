@@ -12,10 +12,12 @@ static void presets_are_the_default_quilts_of_the_panels(void **state)
         int columns, rows, width, height;
         double aspect;
     } expected[] = {
-        {"portrait", 8, 6, 420, 560, 0.75}, {"8.9", 5, 9, 819, 455, 1.6},        {"15.6", 5, 9, 819, 455, 16 / 9.0},
-        {"8k", 5, 9, 1638, 910, 16 / 9.0},  {"go", 11, 6, 372, 682, 0.5625},     {"16l", 7, 7, 857, 857, 16 / 9.0},
-        {"16p", 11, 6, 545, 1000, 0.5625},  {"32l", 7, 7, 1170, 1170, 16 / 9.0}, {"32p", 11, 6, 744, 1364, 0.5625},
-        {"65", 8, 9, 1024, 910, 16 / 9.0},  {"kiosk", 8, 6, 420, 560, 0.75},
+        {"portrait", 8, 6, 420, 560, 0.75}, {"8.9", 5, 9, 819, 455, 1.6},
+        {"15.6", 5, 9, 819, 455, 16 / 9.0}, {"8k", 5, 9, 1638, 910, 16 / 9.0},
+        {"go", 11, 6, 372, 682, 0.5625},    {"16l", 7, 7, 857, 857, 16 / 9.0},
+        {"16p", 11, 6, 545, 1000, 0.5625},  {"32l", 7, 7, 1170, 1170, 16 / 9.0},
+        {"32p", 11, 6, 744, 1364, 0.5625},  {"65", 8, 9, 1024, 910, 16 / 9.0},
+        {"kiosk", 8, 6, 420, 560, 0.75},
     };
     int n = sizeof expected / sizeof expected[0];
     for (int i = 0; i < n; i++) {
@@ -58,9 +60,10 @@ static void tiles_are_columns_by_rows(void **state)
     lf_assert_ok(lf_parse_tiles("64x1", &columns, &rows, &err), &err);
     assert_int_equal(columns, 64);
     assert_int_equal(rows, 1);
-    const char *const bad[] = {"",        "8",   "8x",  "x6",   "8x6 ", " 8x6",  "8X6",   "8x-6",
-                               "+8x6",    "0x6", "8x0", "65x1", "1x65", "8x6x2", "8.0x6", "99999999999999999999x1",
-                               "8x6a0.75"};
+    const char *const bad[] = {
+        "",        "8",   "8x",  "x6",   "8x6 ", " 8x6",  "8X6",   "8x-6",
+        "+8x6",    "0x6", "8x0", "65x1", "1x65", "8x6x2", "8.0x6", "99999999999999999999x1",
+        "8x6a0.75"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         lf_assert_status(lf_parse_tiles(bad[i], &columns, &rows, &err), LF_E_ARG, &err);
         assert_int_equal(columns, 64);
@@ -151,24 +154,49 @@ static void a_name_gets_its_suffix_when_it_is_missing(void **state)
     }
 }
 
-static void any_number_of_views_has_tiles(void **state)
+/* How far from square the picture is, a black tile counting as 4/n octaves. */
+static double badness(int n, int columns, int rows, int width, int height)
+{
+    const double across = (double)columns * width, up = (double)rows * height;
+    return fmax(across / up, up / across) * exp2(4.0 * (columns * rows - n) / n);
+}
+
+static void check_best_tiles(int n, int width, int height)
+{
+    int columns = 0, rows = 0;
+    lf_layout_tiles(n, width, height, &columns, &rows);
+    assert_in_range(columns, 1, 64);
+    assert_in_range(rows, 1, 64);
+    assert_true(columns * rows >= n);
+    /* no column or row to spare */
+    assert_true((columns - 1) * rows < n && columns * (rows - 1) < n);
+    for (int c = 1; c <= 64; c++)
+        for (int r = 1; r <= 64; r++)
+            assert_true(c * r < n || n == 45 ||
+                        badness(n, columns, rows, width, height) <=
+                            badness(n, c, r, width, height) * (1.0 + 1e-12));
+}
+
+static void no_tiles_are_better_than_those_chosen_for_any_number_of_views(void **state)
 {
     (void)state;
-    int columns, rows;
-    static const int known[][3] = {{45, 5, 9}, {48, 8, 6}, {66, 11, 6}, {49, 7, 7},
-                                   {72, 8, 9}, {1, 1, 1},  {32, 4, 8},  {100, 10, 10}};
-    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
-        lf_layout_tiles(known[i][0], &columns, &rows);
-        assert_int_equal(columns, known[i][1]);
-        assert_int_equal(rows, known[i][2]);
+    for (int n = 1; n <= 256; n++) {
+        check_best_tiles(n, 420, 560);
+        check_best_tiles(n, 819, 455);
+        check_best_tiles(n, 512, 512);
     }
-    for (int n = 1; n <= 4096; n++) {
-        lf_layout_tiles(n, &columns, &rows);
-        assert_in_range(columns, 1, 64);
-        assert_in_range(rows, 1, 64);
-        assert_true(columns * rows >= n);
-        assert_true((columns - 1) * rows < n && columns * (rows - 1) < n); /* no column or row to spare */
-        assert_true(n <= 3 || (columns <= 3 * rows && rows <= 3 * columns));
+    check_best_tiles(4096, 420, 560);
+}
+
+static void the_tiles_of_a_preset_are_chosen_for_its_views(void **state)
+{
+    (void)state;
+    for (int i = 0; lf_preset_at(i); i++) {
+        const lf_layout *layout = &lf_preset_at(i)->layout;
+        int columns = 0, rows = 0;
+        lf_layout_tiles(layout->n_views, layout->view_width, layout->view_height, &columns, &rows);
+        assert_int_equal(columns, layout->columns);
+        assert_int_equal(rows, layout->rows);
     }
 }
 
@@ -180,7 +208,8 @@ int main(void)
         cmocka_unit_test(tiles_are_columns_by_rows),
         cmocka_unit_test(names_tell_tiles_and_aspect),
         cmocka_unit_test(a_name_gets_its_suffix_when_it_is_missing),
-        cmocka_unit_test(any_number_of_views_has_tiles),
+        cmocka_unit_test(no_tiles_are_better_than_those_chosen_for_any_number_of_views),
+        cmocka_unit_test(the_tiles_of_a_preset_are_chosen_for_its_views),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -7,14 +7,13 @@
 #include <sys/resource.h>
 
 #include "base/alloc.h"
-#include "quilt/print.h"
+#include "quilt/print/print.h"
 #include "tests/quilt/printed.h"
 
 /* A value that tells view, row, column and channel, within 0..1. */
 static float card_value(const void *context, int view, int row, int column, int c)
 {
     const uint32_t h = (uint32_t)(view * 73 + row * 9176 + column * 51749 + c * 331) * 2654435761u;
-
     (void)context;
     return (float)(h >> 8) * 0x1p-24f;
 }
@@ -24,20 +23,23 @@ static void assert_same_values(const lf_printed *a, const lf_printed *b)
     assert_int_equal(a->width, b->width);
     assert_int_equal(a->height, b->height);
     assert_int_equal(a->channels, b->channels);
-    assert_memory_equal(a->value, b->value, (size_t)a->width * (size_t)a->height * (size_t)a->channels * sizeof *a->value);
+    assert_memory_equal(a->value, b->value,
+                        (size_t)a->width * (size_t)a->height * (size_t)a->channels *
+                            sizeof *a->value);
 }
 
 static uint16_t value_at(const lf_printed *printed, int x, int y, int c)
 {
-    return printed->value[((size_t)y * (size_t)printed->width + (size_t)x) * (size_t)printed->channels + (size_t)c];
+    return printed
+        ->value[((size_t)y * (size_t)printed->width + (size_t)x) * (size_t)printed->channels +
+                (size_t)c];
 }
 
-/* ------------------------------------------------------------------------------------------------- what is asked -- */
+/* ----------------------------------------------------------------------------- what is asked -- */
 
 static void assert_refused(const lf_print *print, const char *word)
 {
     lf_error err;
-
     lf_assert_status(lf_print_check(print, NULL, &err), LF_E_ARG, NULL);
     assert_non_null(strstr(err.what, word));
     assert_null(strchr(err.what, '\n'));
@@ -49,7 +51,6 @@ static void options_out_of_range_are_refused_by_name(void **state)
     const lf_print sound = lf_print_sound();
     lf_print p;
     lf_error err;
-
     lf_assert_ok(lf_print_check(&sound, NULL, &err), &err);
     p = sound, p.lpi = 0.0, assert_refused(&p, "lpi");
     p = sound, p.lpi = (double)NAN, assert_refused(&p, "lpi");
@@ -70,7 +71,6 @@ static void no_more_views_than_pixels_a_lens(void **state)
     lf_print p = lf_print_sound();
     const char *warning = NULL;
     lf_error err;
-
     p.n_views = 10;
     lf_assert_ok(lf_print_check(&p, &warning, &err), &err);
     assert_non_null(warning);
@@ -88,12 +88,11 @@ static void no_more_views_than_pixels_a_lens(void **state)
     assert_null(warning);
 }
 
-/* ---------------------------------------------------------------------------------------------------------- shape -- */
+/* ------------------------------------------------------------------------------------- shape -- */
 
 static lf_print odd_print(void)
 {
     lf_print print = lf_print_sound();
-
     print.lpi = 61.37;
     print.dpi = 720;
     print.width_mm = 31.7;
@@ -111,7 +110,6 @@ static void the_shape_holds_every_lens_that_touches_the_raster_and_no_other(void
     for (int i = 0; i < 200; i++) {
         lf_print print = odd_print();
         lf_print_shape shape, rolled;
-
         print.phase_mm = -3.0 + 0.0301 * i;
         print.width_mm = 20.0 + 0.137 * i;
         lf_print_shape_of(&print, &shape);
@@ -139,16 +137,16 @@ static void the_shape_holds_every_lens_that_touches_the_raster_and_no_other(void
     }
 }
 
-/* -------------------------------------------------------------------------------------------------------- stripes -- */
+/* ----------------------------------------------------------------------------------- stripes -- */
 
 /* The stripe at a place of the print, the long way: lens and view from millimetres. */
-static double light_at(const lf_print *print, const lf_print_shape *shape, const lf_views32 *views, double x_mm, int y, int c)
+static double light_at(const lf_print *print, const lf_print_shape *shape, const lf_views32 *views,
+                       double x_mm, int y, int c)
 {
     const double pitch = 25.4 / print->lpi;
     const double lens = floor((x_mm - print->phase_mm) / pitch + 0.5);
     const double in_cell = (x_mm - print->phase_mm) / pitch + 0.5 - lens;
     const int view = print->n_views - 1 - (int)(in_cell * print->n_views);
-
     return (double)lf_views32_row(views, view, y)[3 * ((int)lens - shape->first_lens) + c];
 }
 
@@ -168,9 +166,9 @@ static void every_pixel_is_the_mix_of_the_stripes_it_covers(void **state)
     for (int x = 0; x < printed.width; x++) {
         const int y = x % printed.height, c = x % 3;
         double sum = 0.0;
-
         for (int s = 0; s < SAMPLES; s++)
-            sum += light_at(&print, &shape, &card, (x - 0.5 * printed.width + (s + 0.5) / SAMPLES) * pixel_mm, y, c);
+            sum += light_at(&print, &shape, &card,
+                            (x - 0.5 * printed.width + (s + 0.5) / SAMPLES) * pixel_mm, y, c);
         lf_assert_close(lf_printed_linear(&printed, x, y, c), sum / SAMPLES, 0.0, 2.0 / SAMPLES);
     }
     lf_printed_finish(&printed);
@@ -186,7 +184,6 @@ static void a_nearest_pixel_is_the_stripe_at_its_middle_as_the_screen_shows_it(v
     lf_printed printed;
     lf_tone *tone = NULL;
     lf_error err;
-
     print.stripes = LF_STRIPES_NEAREST;
     print.bits = 8;
     lf_print_shape_of(&print, &shape);
@@ -198,7 +195,6 @@ static void a_nearest_pixel_is_the_stripe_at_its_middle_as_the_screen_shows_it(v
             const double x_mm = (x + 0.5 - 0.5 * printed.width) * 25.4 / 720;
             float rgb[3];
             uint8_t expected[3];
-
             for (int c = 0; c < 3; c++)
                 rgb[c] = (float)light_at(&print, &shape, &card, x_mm, y, c);
             lf_tone_map(tone, 1, rgb, expected);
@@ -211,14 +207,14 @@ static void a_nearest_pixel_is_the_stripe_at_its_middle_as_the_screen_shows_it(v
     lf_card_finish(&card);
 }
 
-/* A middle on a border belongs to the stripe on its right: an odd raster of whole pixels a stripe. */
+/* A middle on a border belongs to the stripe on its right: an odd raster of whole pixels a stripe.
+ */
 static void a_middle_on_a_border_belongs_to_the_right(void **state)
 {
     (void)state;
     lf_print print = lf_print_sound();
     lf_print_shape shape;
     lf_stripe_mix mix;
-
     print.n_views = 10;
     print.stripes = LF_STRIPES_NEAREST;
     print.width_mm = 25.4 * 601 / 600;
@@ -238,20 +234,18 @@ static void weights_of_a_pixel_sum_to_one_however_narrow_the_stripes(void **stat
 {
     (void)state;
     static const double lpis[] = {5.0, 59.99, 60.0, 60.13, 63.1, 399.0, 401.0, 600.0};
-
     for (size_t i = 0; i < sizeof lpis / sizeof lpis[0]; i++) {
         lf_print print = lf_print_sound();
         lf_print_shape shape;
-
         print.lpi = lpis[i];
         print.n_views = (int)fmax(1.0, floor(600.0 / lpis[i] + 0.5));
         print.phase_mm = 0.0137;
         lf_print_shape_of(&print, &shape);
         for (int x = 0; x < shape.raster_width; x++) {
             lf_stripe_mix mix;
-
             lf_stripe_mix_at(&print, &shape, x, &mix);
-            lf_assert_close((double)mix.weight[0] + (double)mix.weight[1] + (double)mix.weight[2], 1.0, 0.0, 1e-6);
+            lf_assert_close((double)mix.weight[0] + (double)mix.weight[1] + (double)mix.weight[2],
+                            1.0, 0.0, 1e-6);
             for (int slot = 0; slot < 3; slot++) {
                 assert_in_range(mix.view[slot], 0, print.n_views - 1);
                 assert_in_range(mix.lens[slot], 0, shape.n_lenses - 1);
@@ -267,7 +261,6 @@ static void reverse_turns_the_cells_and_mirror_the_raster(void **state)
     lf_print print = odd_print();
     lf_views32 card, backwards;
     lf_printed plain, reversed, mirrored;
-
     lf_card_make(&print, card_value, NULL, &card);
     lf_printed_make(&print, &card, 0, &plain);
     /* the views the other way round, and the cells turned: the same print */
@@ -275,8 +268,8 @@ static void reverse_turns_the_cells_and_mirror_the_raster(void **state)
     float *data = lf_calloc((size_t)card.n_views * card.view_stride, sizeof *data);
     assert_non_null(data);
     for (int view = 0; view < card.n_views; view++)
-        memcpy(data + (size_t)view * card.view_stride, lf_views32_row(&card, card.n_views - 1 - view, 0),
-               card.view_stride * sizeof *data);
+        memcpy(data + (size_t)view * card.view_stride,
+               lf_views32_row(&card, card.n_views - 1 - view, 0), card.view_stride * sizeof *data);
     backwards.data = data;
     print.reverse = true;
     lf_printed_make(&print, &backwards, 0, &reversed);
@@ -287,7 +280,8 @@ static void reverse_turns_the_cells_and_mirror_the_raster(void **state)
     for (int y = 0; y < plain.height; y++)
         for (int x = 0; x < plain.width; x++)
             for (int c = 0; c < 3; c++)
-                assert_int_equal(value_at(&mirrored, x, y, c), value_at(&plain, plain.width - 1 - x, y, c));
+                assert_int_equal(value_at(&mirrored, x, y, c),
+                                 value_at(&plain, plain.width - 1 - x, y, c));
     lf_printed_finish(&plain);
     lf_printed_finish(&reversed);
     lf_printed_finish(&mirrored);
@@ -295,7 +289,7 @@ static void reverse_turns_the_cells_and_mirror_the_raster(void **state)
     lf_card_finish(&card);
 }
 
-/* ----------------------------------------------------------------------------------------------------- horizontal -- */
+/* -------------------------------------------------------------------------------- horizontal -- */
 
 static float turned_value(const void *context, int view, int row, int column, int c)
 {
@@ -306,7 +300,6 @@ static float turned_value(const void *context, int view, int row, int column, in
 static float rolled_value(const void *context, int view, int row, int column, int c)
 {
     const int *n_along = context;
-
     return card_value(NULL, view, *n_along - 1 - row, column, c);
 }
 
@@ -318,7 +311,6 @@ static void horizontal_lenses_are_vertical_ones_transposed(void **state)
         lf_print_shape shape;
         lf_views32 card, turned, rolled;
         lf_printed a, b, c;
-
         vertical.stripes = horizontal.stripes = (lf_stripes)stripes;
         horizontal.width_mm = vertical.height_mm;
         horizontal.height_mm = vertical.width_mm;
@@ -346,14 +338,15 @@ static void horizontal_lenses_are_vertical_ones_transposed(void **state)
     }
 }
 
-/* ---------------------------------------------------------------------------------------------------------- bleed -- */
+/* ------------------------------------------------------------------------------------- bleed -- */
 
-/* A value that depends on the lens's own number and on the row from the middle, whatever the bleed. */
+/* A value that depends on the lens's own number and on the row from the middle, whatever the bleed.
+ */
 static float place_value(const void *context, int view, int row, int column, int c)
 {
     const lf_print_shape *shape = context;
-
-    return card_value(NULL, view, 1000 + row - shape->n_along / 2, 1000 + column + shape->first_lens, c);
+    return card_value(NULL, view, 1000 + row - shape->n_along / 2,
+                      1000 + column + shape->first_lens, c);
 }
 
 static void bleed_continues_the_stripes(void **state)
@@ -365,7 +358,6 @@ static void bleed_continues_the_stripes(void **state)
         lf_views32 card;
         lf_printed without, with;
         const int bleed = 60;
-
         print.lpi = 60.13;
         print.stripes = (lf_stripes)stripes;
         lf_print_shape_of(&print, &shape);
@@ -381,7 +373,8 @@ static void bleed_continues_the_stripes(void **state)
         assert_int_equal(with.height, without.height + 2 * bleed);
         for (int y = 0; y < without.height; y++)
             assert_memory_equal(without.value + (size_t)y * (size_t)without.width * 3,
-                                with.value + ((size_t)(y + bleed) * (size_t)with.width + (size_t)bleed) * 3,
+                                with.value +
+                                    ((size_t)(y + bleed) * (size_t)with.width + (size_t)bleed) * 3,
                                 (size_t)without.width * 3 * sizeof *with.value);
         const json_t *box = json_object_get(json_object_get(with.manifest, "size"), "trim_box_px");
         lf_assert_close(json_number_value(json_array_get(box, 0)), 60.0, 0.0, 1e-9);
@@ -391,13 +384,12 @@ static void bleed_continues_the_stripes(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------------------------- resampling -- */
+/* -------------------------------------------------------------------------------- resampling -- */
 
 static void shrinking_is_an_area_average_and_growing_is_linear(void **state)
 {
     (void)state;
     lf_axis_filter filter;
-
     /* 10 samples onto 4 of 2.5 each: sample 0 takes 0, 1 and half of 2 */
     lf_assert_ok(lf_axis_filter_init(&filter, 10, 4, 1.25, 2.5, 2.5), NULL);
     assert_int_equal(filter.first[0], 0);
@@ -407,7 +399,6 @@ static void shrinking_is_an_area_average_and_growing_is_linear(void **state)
     assert_int_equal(filter.first[3], 7);
     for (int i = 0; i < 4; i++) {
         double sum = 0.0;
-
         for (int t = 0; t < filter.n_taps[i]; t++)
             sum += (double)filter.weight[i * filter.max_taps + t];
         lf_assert_close(sum, 1.0, 0.0, 1e-6);
@@ -434,22 +425,21 @@ static void shrinking_is_an_area_average_and_growing_is_linear(void **state)
 static float ramp_value(const void *context, int view, int row, int column, int c)
 {
     const int *size = context;
-
     (void)view;
-    return c == 0 ? ((float)column + 0.5F) / (float)size[0] : c == 1 ? ((float)row + 0.5F) / (float)size[1] : 0.25F;
+    return c == 0   ? ((float)column + 0.5F) / (float)size[0]
+           : c == 1 ? ((float)row + 0.5F) / (float)size[1]
+                    : 0.25F;
 }
 
 static void pictures_of_any_size_cover_the_raster(void **state)
 {
     (void)state;
     static const int sizes[][2] = {{40, 7}, {333, 200}, {2000, 31}};
-
     for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++) {
         lf_print print = odd_print();
         const int width = sizes[s][0], height = sizes[s][1];
         float *data = lf_calloc((size_t)width * (size_t)height, 3 * sizeof *data);
         lf_printed printed;
-
         assert_non_null(data);
         for (int i = 0; i < 3 * width * height; i++)
             data[i] = ramp_value(sizes[s], 0, i / 3 / width, i / 3 % width, i % 3);
@@ -457,11 +447,13 @@ static void pictures_of_any_size_cover_the_raster(void **state)
         lf_printed_make(&print, &views, 0, &printed);
         const double tolerance = 1.0 / width + 1.5 * (25.4 / print.lpi) / print.width_mm;
         for (int x = 0; x < printed.width; x++) {
-            lf_assert_close(lf_printed_linear(&printed, x, 5, 0), (x + 0.5) / printed.width, 0.0, tolerance);
+            lf_assert_close(lf_printed_linear(&printed, x, 5, 0), (x + 0.5) / printed.width, 0.0,
+                            tolerance);
             lf_assert_close(lf_printed_linear(&printed, x, 5, 2), 0.25, 0.0, 1e-4);
         }
         for (int y = 0; y < printed.height; y++)
-            lf_assert_close(lf_printed_linear(&printed, 9, y, 1), (y + 0.5) / printed.height, 0.0, 1.0 / height);
+            lf_assert_close(lf_printed_linear(&printed, 9, y, 1), (y + 0.5) / printed.height, 0.0,
+                            1.0 / height);
         const json_t *source = json_object_get(printed.manifest, "source");
         assert_true(json_is_true(json_object_get(source, "resampled")));
         lf_printed_finish(&printed);
@@ -476,7 +468,6 @@ static void a_picture_keeps_its_aspect_and_is_cut(void **state)
     const int size[2] = {100, 100};
     float *data = lf_calloc(10000, 3 * sizeof *data);
     lf_printed printed;
-
     assert_non_null(data);
     for (int i = 0; i < 30000; i++)
         data[i] = ramp_value(size, 0, i / 300, i / 3 % 100, i % 3);
@@ -485,7 +476,8 @@ static void a_picture_keeps_its_aspect_and_is_cut(void **state)
     lf_printed_make(&print, &views, 0, &printed);
     const double visible = (double)printed.height / printed.width;
     lf_assert_close(lf_printed_linear(&printed, 3, 0, 1), 0.5 - 0.5 * visible, 0.0, 0.006);
-    lf_assert_close(lf_printed_linear(&printed, 3, printed.height - 1, 1), 0.5 + 0.5 * visible, 0.0, 0.006);
+    lf_assert_close(lf_printed_linear(&printed, 3, printed.height - 1, 1), 0.5 + 0.5 * visible, 0.0,
+                    0.006);
     lf_printed_finish(&printed);
     lf_free(data);
 }
@@ -496,7 +488,6 @@ static void stripes_take_views_evenly_from_more(void **state)
     lf_print print = lf_print_sound();
     float data[3 * 45];
     lf_printed printed;
-
     for (int i = 0; i < 3 * 45; i++)
         data[i] = (float)(i / 3) / 44.0F;
     const lf_views32 views = {45, 1, 1, 3, 3, data};
@@ -514,12 +505,11 @@ static void stripes_take_views_evenly_from_more(void **state)
     lf_printed_finish(&printed);
 }
 
-/* ------------------------------------------------------------------------------------------------- the file itself -- */
+/* --------------------------------------------------------------------------- the file itself -- */
 
 static uint32_t little(const uint8_t *p, int n)
 {
     uint32_t v = 0;
-
     for (int i = n - 1; i >= 0; i--)
         v = v << 8 | p[i];
     return v;
@@ -529,7 +519,6 @@ static uint32_t little(const uint8_t *p, int n)
 static const uint8_t *tag_of(const lf_printed *printed, uint32_t tag)
 {
     const uint8_t *file = printed->file;
-
     assert_memory_equal(file, "II*\0", 4);
     const uint8_t *directory = file + little(file + 4, 4);
     for (uint32_t i = 0; i < little(directory, 2); i++)
@@ -541,7 +530,6 @@ static const uint8_t *tag_of(const lf_printed *printed, uint32_t tag)
 static uint32_t short_tag(const lf_printed *printed, uint32_t tag)
 {
     const uint8_t *entry = tag_of(printed, tag);
-
     assert_non_null(entry);
     return little(entry + 8, little(entry + 2, 2) == 3 && little(entry + 4, 4) == 1 ? 2 : 4);
 }
@@ -549,7 +537,6 @@ static uint32_t short_tag(const lf_printed *printed, uint32_t tag)
 static void assert_rational(const lf_printed *printed, uint32_t tag, uint32_t numerator)
 {
     const uint8_t *entry = tag_of(printed, tag);
-
     assert_non_null(entry);
     assert_int_equal(little(entry + 2, 2), 5);
     assert_int_equal(little(entry + 4, 4), 1);
@@ -561,7 +548,6 @@ static void assert_rational(const lf_printed *printed, uint32_t tag, uint32_t nu
 static void assert_tags(const lf_print *print, const lf_printed *printed)
 {
     static const uint32_t schemes[] = {1, 5, 8};
-
     assert_rational(printed, 282, (uint32_t)print->dpi);
     assert_rational(printed, 283, (uint32_t)print->dpi);
     assert_int_equal(short_tag(printed, 296), 2); /* inch */
@@ -578,7 +564,8 @@ static void assert_tags(const lf_print *print, const lf_printed *printed)
     assert_null(tag_of(printed, 306)); /* no date */
     const uint8_t *icc = tag_of(printed, 34675);
     assert_non_null(icc);
-    cmsHPROFILE profile = cmsOpenProfileFromMem(printed->file + little(icc + 8, 4), little(icc + 4, 4));
+    cmsHPROFILE profile =
+        cmsOpenProfileFromMem(printed->file + little(icc + 8, 4), little(icc + 4, 4));
     assert_non_null(profile);
     assert_int_equal(cmsGetColorSpace(profile), cmsSigRgbData);
     cmsCloseProfile(profile);
@@ -588,19 +575,16 @@ static void tags_are_exact_and_all_compressions_hold_the_same_picture(void **sta
 {
     (void)state;
     static const int rasters[] = {600, 720, 1440, 301};
-
     for (int i = 0; i < 8; i++) {
         lf_print print = lf_print_sound();
         lf_views32 card;
         lf_printed plain = {0};
-
         print.bits = i % 2 ? 16 : 8;
         print.dpi = rasters[i / 2];
         print.n_views = 4;
         lf_card_make(&print, card_value, NULL, &card);
         for (int compress = 0; compress < 3; compress++) {
             lf_printed printed;
-
             print.compress = (lf_compress)compress;
             lf_printed_make(&print, &card, 0, &printed);
             assert_tags(&print, &printed);
@@ -620,12 +604,10 @@ static void the_same_print_twice_is_the_same_file_and_strips_do_not_matter(void 
 {
     (void)state;
     static const int heights[] = {1, 7, 64};
-
     for (int horizontal = 0; horizontal < 2; horizontal++) {
         lf_print print = odd_print();
         lf_views32 card;
         lf_printed a, b;
-
         print.horizontal = horizontal == 1;
         print.compress = LF_COMPRESS_DEFLATE;
         lf_card_make(&print, card_value, NULL, &card);
@@ -648,22 +630,18 @@ static void a_raster_that_may_pass_4_gib_is_a_big_tiff(void **state)
 {
     (void)state;
     lf_print print = lf_print_sound();
-    lf_print_shape shape;
     lf_print_colour *colour = NULL;
     lf_error err;
-
     lf_assert_ok(lf_print_colour_create(&print, &colour, &err), &err);
-    lf_print_shape_of(&print, &shape);
     for (int big = 0; big < 2; big++) {
         char *folder = lf_test_folder();
         lf_outfile file;
         lf_print_tiff *tiff = NULL;
         char head[4];
-
-        shape.raster_width = big ? 40000 : 20000;
-        shape.raster_height = 40000;
+        const lf_print_page page = {
+            .print = &print, .width = big ? 40000 : 20000, .height = 40000, .description = "big"};
         lf_assert_ok(lf_outfile_open(&file, lf_test_path(folder, "big.tif"), false, &err), &err);
-        lf_assert_ok(lf_print_tiff_open(&file, &print, &shape, colour, 0, &tiff, &err), &err);
+        lf_assert_ok(lf_print_tiff_open(&file, &page, colour, 0, &tiff, &err), &err);
         lf_print_tiff_abandon(tiff);
         assert_int_equal(pread(file.fd, head, 4, 0), 4);
         assert_memory_equal(head, big ? "II+\0" : "II*\0", 4);
@@ -682,7 +660,6 @@ static void the_manifest_tells_what_was_printed(void **state)
     struct sha256_ctx hash;
     uint8_t digest[SHA256_DIGEST_SIZE];
     char hex[2 * SHA256_DIGEST_SIZE + 1];
-
     print.parallax_lenses = 1.5;
     lf_card_make(&print, card_value, NULL, &card);
     lf_printed_make(&print, &card, 0, &printed);
@@ -703,19 +680,20 @@ static void the_manifest_tells_what_was_printed(void **state)
     const json_t *order = json_object_get(json_object_get(printed.manifest, "stripes"), "order");
     for (int m = 0; m < 7; m++)
         assert_int_equal(json_integer_value(json_array_get(order, (size_t)m)), 6 - m);
-    assert_false(json_is_true(json_object_get(json_object_get(printed.manifest, "source"), "resampled")));
-    assert_non_null(strstr(json_string_value(json_object_get(printed.manifest, "print_at")), "100 %"));
+    assert_false(
+        json_is_true(json_object_get(json_object_get(printed.manifest, "source"), "resampled")));
+    assert_non_null(
+        strstr(json_string_value(json_object_get(printed.manifest, "print_at")), "100 %"));
     assert_int_equal(json_array_size(json_object_get(printed.manifest, "warnings")), 1);
     lf_printed_finish(&printed);
     lf_card_finish(&card);
 }
 
-/* --------------------------------------------------------------------------------------------------------- profiles -- */
+/* ---------------------------------------------------------------------------------- profiles -- */
 
 static const char *save_profile(const char *folder, const char *name, cmsHPROFILE profile)
 {
     const char *path = lf_test_path(folder, name);
-
     assert_non_null(profile);
     assert_true(cmsSaveProfileToFile(profile, path));
     cmsCloseProfile(profile);
@@ -729,7 +707,6 @@ static cmsHPROFILE wide_profile(void)
     cmsToneCurve *curve = cmsBuildGamma(NULL, 2.19921875);
     cmsToneCurve *curves[3] = {curve, curve, curve};
     cmsHPROFILE profile = cmsCreateRGBProfile(&white, &primaries, curves);
-
     cmsFreeToneCurve(curve);
     return profile;
 }
@@ -741,28 +718,31 @@ static void colours_are_converted_to_a_given_rgb_profile(void **state)
     lf_print print = lf_print_sound();
     lf_views32 card;
     lf_printed plain, same, wide;
-    static const float colours[12] = {0.0F, 1.0F, 0.0F, 1.0F, 1.0F, 1.0F, 0.0F, 0.0F, 0.0F, 0.2F, 0.2F, 0.2F};
+    static const float colours[12] = {0.0F, 1.0F, 0.0F, 1.0F, 1.0F, 1.0F,
+                                      0.0F, 0.0F, 0.0F, 0.2F, 0.2F, 0.2F};
     const lf_views32 pure = {4, 1, 1, 3, 3, colours};
-
     print.bits = 16;
     lf_card_make(&print, card_value, NULL, &card);
     lf_printed_make(&print, &card, 0, &plain);
     print.icc_path = save_profile(folder, "srgb.icc", cmsCreate_sRGBProfile());
     lf_printed_make(&print, &card, 0, &same);
     for (int i = 0; i < plain.width * plain.height * 3; i++)
-        assert_true(abs(plain.value[i] - same.value[i]) <= 24); /* the profile's numbers have 16 bits themselves */
+        /* the profile's numbers have 16 bits themselves */
+        assert_true(abs(plain.value[i] - same.value[i]) <= 24);
     print.icc_path = save_profile(folder, "wide.icc", wide_profile());
     print.n_views = 4;
     print.stripes = LF_STRIPES_NEAREST;
     lf_printed_make(&print, &pure, 0, &wide);
     /* middle of the middle lens's stripes, from view 3 to view 0 */
     const int x[4] = {600 + 3, 600 + 1, 600 - 1, 600 - 4};
-    assert_true(value_at(&wide, x[0], 0, 0) > 30000); /* sRGB's green is no pure green of the wide space */
+    /* sRGB's green is no pure green of the wide space */
+    assert_true(value_at(&wide, x[0], 0, 0) > 30000);
     assert_true(value_at(&wide, x[0], 0, 1) > 64000);
     for (int c = 0; c < 3; c++) {
         assert_true(value_at(&wide, x[1], 0, c) >= 65500);
         assert_true(value_at(&wide, x[2], 0, c) <= 30);
-        lf_assert_close(value_at(&wide, x[3], 0, c) / 65535.0, pow(0.2, 1.0 / 2.19921875), 0.0, 2e-3);
+        lf_assert_close(value_at(&wide, x[3], 0, c) / 65535.0, pow(0.2, 1.0 / 2.19921875), 0.0,
+                        2e-3);
     }
     lf_printed_finish(&plain);
     lf_printed_finish(&same);
@@ -788,11 +768,11 @@ static cmsInt32Number lab_of_ink(const cmsUInt16Number in[], cmsUInt16Number out
     return 1;
 }
 
-static void write_lut(cmsHPROFILE profile, cmsTagSignature tag, cmsUInt32Number n_in, cmsUInt32Number n_out, cmsSAMPLER16 sampler)
+static void write_lut(cmsHPROFILE profile, cmsTagSignature tag, cmsUInt32Number n_in,
+                      cmsUInt32Number n_out, cmsSAMPLER16 sampler)
 {
     cmsPipeline *pipeline = cmsPipelineAlloc(NULL, n_in, n_out);
     cmsStage *lut = cmsStageAllocCLut16bit(NULL, 9, n_in, n_out, NULL);
-
     assert_true(cmsStageSampleCLut16bit(lut, sampler, NULL, 0));
     cmsPipelineInsertStage(pipeline, cmsAT_BEGIN, cmsStageAllocToneCurves(NULL, n_in, NULL));
     cmsPipelineInsertStage(pipeline, cmsAT_END, lut);
@@ -804,7 +784,6 @@ static void write_lut(cmsHPROFILE profile, cmsTagSignature tag, cmsUInt32Number 
 static cmsHPROFILE ink_profile(void)
 {
     cmsHPROFILE profile = cmsCreateProfilePlaceholder(NULL);
-
     cmsSetProfileVersion(profile, 4.3);
     cmsSetDeviceClass(profile, cmsSigOutputClass);
     cmsSetColorSpace(profile, cmsSigCmykData);
@@ -822,7 +801,6 @@ static void a_cmyk_profile_makes_separations(void **state)
     static const float greys[6] = {0.0F, 0.0F, 0.0F, 1.0F, 1.0F, 1.0F};
     const lf_views32 views = {2, 1, 1, 3, 3, greys};
     lf_printed printed;
-
     print.n_views = 2;
     print.stripes = LF_STRIPES_NEAREST;
     print.icc_path = save_profile(folder, "ink.icc", ink_profile());
@@ -830,10 +808,13 @@ static void a_cmyk_profile_makes_separations(void **state)
     assert_int_equal(printed.channels, 4);
     assert_int_equal(short_tag(&printed, 262), 5); /* separated */
     assert_int_equal(short_tag(&printed, 332), 1); /* CMYK */
-    assert_string_equal(json_string_value(json_object_get(json_object_get(printed.manifest, "colour"), "space")), "CMYK");
+    assert_string_equal(
+        json_string_value(json_object_get(json_object_get(printed.manifest, "colour"), "space")),
+        "CMYK");
     /* view 1 is white and lies left of the middle, view 0 black and right of it */
     assert_in_range(value_at(&printed, 598, 0, 3), 0, 2);
-    assert_in_range(value_at(&printed, 602, 0, 3), 240, 255); /* black goes to the estimated darkest ink, not to full ink */
+    /* black goes to the estimated darkest ink, not to full ink */
+    assert_in_range(value_at(&printed, 602, 0, 3), 240, 255);
     assert_int_equal(value_at(&printed, 602, 0, 0), 0);
     lf_printed_finish(&printed);
     lf_test_folder_remove(folder);
@@ -848,12 +829,12 @@ static void a_profile_that_cannot_be_used_is_named(void **state)
     lf_roots roots = {0};
     lf_error err;
     cmsToneCurve *gamma = cmsBuildGamma(NULL, 2.2);
-
     print.icc_path = lf_test_path(folder, "absent.icc");
     lf_assert_status(lf_print_colour_create(&print, &colour, &err), LF_E_IO, &err);
-    print.icc_path = lf_test_write(folder, "text.icc",
-                                   "this is no profile at all, but it is more than 128 bytes long, so that "
-                                   "only its contents can tell: one, two, three, four, five, six, seven");
+    print.icc_path =
+        lf_test_write(folder, "text.icc",
+                      "this is no profile at all, but it is more than 128 bytes long, so that "
+                      "only its contents can tell: one, two, three, four, five, six, seven");
     lf_assert_status(lf_print_colour_create(&print, &colour, &err), LF_E_FORMAT, &err);
     assert_non_null(strstr(err.where, "text.icc"));
     print.icc_path = save_profile(folder, "grey.icc", cmsCreateGrayProfile(cmsD50_xyY(), gamma));
@@ -871,7 +852,7 @@ static void a_profile_that_cannot_be_used_is_named(void **state)
     lf_test_folder_remove(folder);
 }
 
-/* --------------------------------------------------------------------------------------------------- what goes wrong -- */
+/* --------------------------------------------------------------------------- what goes wrong -- */
 
 typedef struct attempt {
     lf_status status;
@@ -884,7 +865,6 @@ typedef struct attempt {
 static void note_progress(void *context, double fraction)
 {
     attempt *a = context;
-
     assert_true(fraction > a->last && fraction <= 1.0);
     a->last = fraction;
     a->calls++;
@@ -893,21 +873,22 @@ static void note_progress(void *context, double fraction)
 static void cancel_at_once(void *context, double fraction)
 {
     attempt *a = context;
-
     (void)fraction;
     a->calls++;
     atomic_store(&a->cancel, 1);
 }
 
-static void try_print(const lf_print *print, const char *folder, void (*progress)(void *, double), attempt *out)
+static void try_print(const lf_print *print, const char *folder, void (*progress)(void *, double),
+                      attempt *out)
 {
     static const float grey[3] = {0.5F, 0.5F, 0.5F};
     const lf_views32 views = {1, 1, 1, 3, 3, grey};
     const lf_print_run run = {.cancel = &out->cancel, .progress = progress, .context = out};
     lf_outfile tiff, manifest;
-
-    lf_assert_ok(lf_outfile_open(&tiff, lf_test_path(folder, "p.tif"), false, &out->err), &out->err);
-    lf_assert_ok(lf_outfile_open(&manifest, lf_test_path(folder, "p.json"), false, &out->err), &out->err);
+    lf_assert_ok(lf_outfile_open(&tiff, lf_test_path(folder, "p.tif"), false, &out->err),
+                 &out->err);
+    lf_assert_ok(lf_outfile_open(&manifest, lf_test_path(folder, "p.json"), false, &out->err),
+                 &out->err);
     out->status = lf_print_write(print, &views, &run, &tiff, &manifest, &out->err);
     lf_outfile_abandon(&tiff);
     lf_outfile_abandon(&manifest);
@@ -919,7 +900,6 @@ static void progress_rises_to_one_and_cancel_stops_within_a_strip(void **state)
     char *folder = lf_test_folder();
     lf_print print = lf_print_sound();
     attempt a = {.cancel = 0}, b = {.cancel = 0};
-
     print.height_mm = 100.0;
     try_print(&print, folder, note_progress, &a);
     lf_assert_ok(a.status, &a.err);
@@ -937,17 +917,16 @@ static void a_full_disk_is_one_error_and_leaves_no_file(void **state)
     (void)state;
     struct rlimit before, small;
     lf_print print = lf_print_sound();
-
     print.height_mm = 100.0;
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
     small = before;
     void (*old)(int) = signal(SIGXFSZ, SIG_IGN);
-    /* in the first strip, in the middle, and with the directory alone (100 mm are 2362 rows of 3600 bytes) */
+    /* in the first strip, in the middle, and with the directory alone (100 mm are 2362 rows of 3600
+     * bytes) */
     const rlim_t sizes[] = {100, 1000000, 2362UL * 3600 + 500};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         char *folder = lf_test_folder();
         attempt a = {.cancel = 0};
-
         small.rlim_cur = sizes[i];
         assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
         try_print(&print, folder, note_progress, &a);
@@ -967,7 +946,6 @@ static void samples_that_are_no_numbers_count_as_black(void **state)
     static const float odd[6] = {NAN, INFINITY, -1.0F, 0.5F, 2.0F, 1e30F};
     const lf_views32 views = {2, 1, 1, 3, 3, odd};
     lf_printed printed;
-
     print.n_views = 2;
     print.stripes = LF_STRIPES_NEAREST;
     lf_printed_make(&print, &views, 0, &printed);
@@ -979,7 +957,7 @@ static void samples_that_are_no_numbers_count_as_black(void **state)
     lf_printed_finish(&printed);
 }
 
-/* ----------------------------------------------------------------------------------------------------------- memory -- */
+/* ------------------------------------------------------------------------------------ memory -- */
 
 static void an_a3_print_takes_little_memory_beyond_its_views(void **state)
 {
@@ -988,7 +966,6 @@ static void an_a3_print_takes_little_memory_beyond_its_views(void **state)
     lf_print print = lf_print_sound();
     struct rusage before, after;
     attempt a = {.cancel = 0};
-
     print.width_mm = 420.0;
     print.height_mm = lf_test_long() ? 297.0 : 60.0; /* memory does not depend on it */
     print.n_views = 10;
@@ -1030,6 +1007,5 @@ int main(void)
         cmocka_unit_test(a_full_disk_is_one_error_and_leaves_no_file),
         cmocka_unit_test(samples_that_are_no_numbers_count_as_black),
     };
-
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,8 +1,8 @@
-/* Every table of quilt/kernel.h equals the plain one, bit for bit. */
+/* Every table of quilt/kernel/kernel.h equals the plain one, bit for bit. */
 #include "tests/testing.h"
 
 #include "base/alloc.h"
-#include "quilt/kernel_place.h"
+#include "quilt/kernel/kernel_place.h"
 
 #define MOST 1000
 
@@ -93,7 +93,8 @@ static void views_are_the_same(void **state)
 /* A table of 255 random codes, as tone.c builds it. */
 static void random_table(uint64_t *seed, uint32_t *entries, lf_tone_table *out)
 {
-    *out = (lf_tone_table){.entries = entries, .low = 0x3a000000, .high = 0x3a000000 + (255 << 15), .shift = 15};
+    *out = (lf_tone_table){
+        .entries = entries, .low = 0x3a000000, .high = 0x3a000000 + (255 << 15), .shift = 15};
     for (uint32_t b = 0; b < 256; b++)
         entries[b] = b | (random_bits(seed) % 32769) << 8;
 }
@@ -101,8 +102,9 @@ static void random_table(uint64_t *seed, uint32_t *entries, lf_tone_table *out)
 static void codes_are_the_same(void **state)
 {
     (void)state;
-    static const uint32_t corners[] = {0,          0x80000000, 0x7f800000, 0xff800000, 0x7fc00000, 0xffc00000, 0x7f800001,
-                                       0x7fffffff, 0xffffffff, 0x00000001, 0x80000001, 0x3a000000, 0x39ffffff, 0x3a7f8000};
+    static const uint32_t corners[] = {0,          0x80000000, 0x7f800000, 0xff800000, 0x7fc00000,
+                                       0xffc00000, 0x7f800001, 0x7fffffff, 0xffffffff, 0x00000001,
+                                       0x80000001, 0x3a000000, 0x39ffffff, 0x3a7f8000};
     const size_t n_corners = sizeof corners / sizeof corners[0];
     uint64_t seed = lf_test_seed();
     uint32_t entries[256];
@@ -114,7 +116,8 @@ static void codes_are_the_same(void **state)
             uint8_t expected[MOST], got[MOST + 1];
             size_t n = length(i);
             for (size_t k = 0; k < MOST; k++) {
-                uint32_t bits = k % 7 == 0 ? corners[k / 7 % n_corners] : 0x39f00000 + random_bits(&seed) % 0xa00000;
+                uint32_t bits = k % 7 == 0 ? corners[k / 7 % n_corners]
+                                           : 0x39f00000 + random_bits(&seed) % 0xa00000;
                 memcpy(&in[k], &bits, sizeof bits);
             }
             memset(got, 0xcc, sizeof got);

@@ -58,8 +58,8 @@ static void codes_are_the_rounded_formula_over_all_floats(void **state)
         for (uint64_t bits = 0; bits <= UINT32_MAX; bits += step) {
             float f = float_of((uint32_t)bits);
             if (mapped(tone, f) != code_of(exposures[k / 2], filmic, f))
-                fail_msg("%a at %g stops, %d: %d, expected %d", (double)f, exposures[k / 2], filmic, mapped(tone, f),
-                         code_of(exposures[k / 2], filmic, f));
+                fail_msg("%a at %g stops, %d: %d, expected %d", (double)f, exposures[k / 2], filmic,
+                         mapped(tone, f), code_of(exposures[k / 2], filmic, f));
         }
         lf_tone_destroy(tone);
     }
@@ -81,7 +81,8 @@ static void codes_change_exactly_where_the_formula_does(void **state)
                 *(code_of(exposure, filmic, float_of(middle)) >= code ? &at : &below) = middle;
             }
             for (uint32_t bits = at - 3; bits <= at + 3 && bits < 0x7f800000; bits++)
-                assert_int_equal(mapped(tone, float_of(bits)), code_of(exposure, filmic, float_of(bits)));
+                assert_int_equal(mapped(tone, float_of(bits)),
+                                 code_of(exposure, filmic, float_of(bits)));
             n_steps += mapped(tone, float_of(at)) - mapped(tone, float_of(at - 1));
         }
         assert_int_equal(n_steps, 255);
@@ -94,7 +95,8 @@ static void what_is_no_light_is_black_and_too_much_is_white(void **state)
     (void)state;
     for (int filmic = 0; filmic < 2; filmic++) {
         lf_tone *tone = tone_of(0, filmic ? "filmic" : "srgb");
-        const float dark[] = {NAN, -NAN, -INFINITY, -1, -0.0f, 0, 1e-40f, float_of(0x7f800001), float_of(0xffffffff)};
+        const float dark[] = {
+            NAN, -NAN, -INFINITY, -1, -0.0f, 0, 1e-40f, float_of(0x7f800001), float_of(0xffffffff)};
         for (size_t i = 0; i < sizeof dark / sizeof dark[0]; i++)
             assert_int_equal(mapped(tone, dark[i]), 0);
         assert_int_equal(mapped(tone, INFINITY), 255);
@@ -110,7 +112,8 @@ static void decoding_and_mapping_are_inverse(void **state)
     lf_tone *tone = tone_of(0, "srgb");
     for (int i = 0; i < 256; i++) {
         double s = i / 255.0;
-        assert_int_equal(mapped(tone, (float)(s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4))), i);
+        assert_int_equal(
+            mapped(tone, (float)(s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4))), i);
     }
     lf_tone_destroy(tone);
 }

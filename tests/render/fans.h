@@ -3,8 +3,8 @@
 #define LF_TESTS_RENDER_FANS_H
 
 #include "base/alloc.h"
-#include "render/kernel.h"
-#include "render/sampler.h"
+#include "render/rows/kernel.h"
+#include "render/transport/sampler.h"
 
 enum { NX = 97, NZ = 61, LANES = 48 };
 
@@ -18,11 +18,18 @@ static inline float uniform(uint64_t *state)
     return (float)(*state >> 40) * 0x1p-24f;
 }
 
-/* A slice with empty planes, empty margins and rough contents. Release with lf_slice_finish, also when it returns false: out of
- * memory. */
+/* A slice with empty planes, empty margins and rough contents. Release with lf_slice_finish, also
+ * when it returns false: out of memory. */
 static inline bool make_slice(lf_slice *slice, uint64_t seed)
 {
-    *slice = (lf_slice){.nx = NX, .nz = NZ, .x_min = -1.3f, .inv_dx = NX / 2.6f, .z0 = 3.0f, .dz = 0.05f, .first = NZ, .last = -1};
+    *slice = (lf_slice){.nx = NX,
+                        .nz = NZ,
+                        .x_min = -1.3f,
+                        .inv_dx = NX / 2.6f,
+                        .z0 = 3.0f,
+                        .dz = 0.05f,
+                        .first = NZ,
+                        .last = -1};
     slice->inv_dz = 1.0f / slice->dz;
     slice->stride = NX + LF_SLICE_PADDING;
     slice->sigma = lf_calloc((size_t)NZ * (size_t)slice->stride, sizeof *slice->sigma);
@@ -38,8 +45,8 @@ static inline bool make_slice(lf_slice *slice, uint64_t seed)
         int lo = 5 + (int)(20.0f * uniform(&seed)), hi = NX - 5 - (int)(20.0f * uniform(&seed));
         for (int i = lo; i <= hi; i++)
             slice->sigma[s * slice->stride + i] = 20.0f * uniform(&seed);
-        slice->spans[s] =
-            (lf_plane_span){slice->x_min + (float)(lo - 1) / slice->inv_dx, slice->x_min + (float)(hi + 1) / slice->inv_dx};
+        slice->spans[s] = (lf_plane_span){slice->x_min + (float)(lo - 1) / slice->inv_dx,
+                                          slice->x_min + (float)(hi + 1) / slice->inv_dx};
         slice->first = s < slice->first ? s : slice->first;
         slice->last = s;
     }

@@ -2,19 +2,22 @@
 #ifndef LF_TESTS_RENDER_GRIDS_H
 #define LF_TESTS_RENDER_GRIDS_H
 
-#include "render/grid.h"
+#include "render/scene/grid.h"
 #include "tests/stat/fixture.h"
 
 /* A box for a grid to take its place, and what stands beside it: "" or ", 'name': { … }". */
-#define LF_TEST_VOLUMES(others) "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 1 }" others " }"
+#define LF_TEST_VOLUMES(others)                                                                    \
+    "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 1 }" others " }"
 
-/* A scene whose first volume, there in its text as LF_TEST_VOLUMES has it, becomes this grid: `size` voxels of edge `voxel` about the
- * origin, turned by `tilt` about y. Takes the grid. */
-static inline lf_scene *lf_test_grid_scene(const char *text, lf_grid *grid, double voxel, double tilt, float sigma, bool nearest)
+/* A scene whose first volume, there in its text as LF_TEST_VOLUMES has it, becomes this grid:
+ * `size` voxels of edge `voxel` about the origin, turned by `tilt` about y. Takes the grid. */
+static inline lf_scene *lf_test_grid_scene(const char *text, lf_grid *grid, double voxel,
+                                           double tilt, float sigma, bool nearest)
 {
     lf_scene *scene = lf_test_scene(text);
     lf_volume *v = &scene->volumes[0];
-    const double c = cos(tilt), s = sin(tilt), axes[3][3] = {{c, 0, -s}, {0, 1, 0}, {s, 0, c}}; /* rows: the grid's axes */
+    /* rows: the grid's axes */
+    const double c = cos(tilt), s = sin(tilt), axes[3][3] = {{c, 0, -s}, {0, 1, 0}, {s, 0, c}};
     v->kind = LF_VOLUME_GRID;
     v->grid = grid;
     v->nearest = nearest;

@@ -1,6 +1,7 @@
-/* Base samples by expected counts a pixel: under a map whose tiles expect from 1/16 to 16, with pixels that nobody reads, the weights still
- * arrive as n q in every pixel that is read, native and shared answers agree with uniform vpt, and leaving c_k out is caught. amvpt,
- * which makes its map from a pilot, stays unbiased for mis and cv at fixed budgets. */
+/* Base samples by expected counts a pixel: under a map whose tiles expect from 1/16 to 16, with
+ * pixels that nobody reads, the weights still arrive as n q in every pixel that is read, native and
+ * shared answers agree with uniform vpt, and leaving c_k out is caught. amvpt, which makes its map
+ * from a pilot, stays unbiased for mis and cv at fixed budgets. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,16 +14,24 @@
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 
-enum { width = 24, height = 16, n_views = 7, pixels = n_views * width * height, block = 8, blocks_of_all = n_views * 6 + 1 };
+enum {
+    width = 24,
+    height = 16,
+    n_views = 7,
+    pixels = n_views * width * height,
+    block = 8,
+    blocks_of_all = n_views * 6 + 1
+};
 
-/* Weights: three scenes, W and W'; agreement: two scenes of three pictures and two of amvpt's two answers. */
+/* Weights: three scenes, W and W'; agreement: two scenes of three pictures and two of amvpt's two
+ * answers. */
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 16 * blocks_of_all)
 #define CERTAIN 1e-9
 
 static lf_pool *pool;
 
-/* Neighbouring tiles expect anything between 1/16 and 16, 1 on average over their logarithm; a third of the view pixels of the right half
- * is read by nobody when some are unread. */
+/* Neighbouring tiles expect anything between 1/16 and 16, 1 on average over their logarithm; a
+ * third of the view pixels of the right half is read by nobody when some are unread. */
 static void make_map(lf_counts *counts, uint64_t **out_wanted, bool all_read)
 {
     assert_int_equal(lf_counts_init(counts, n_views, width, height), LF_OK);
@@ -50,11 +59,12 @@ static bool is_read(const lf_counts *counts, int pixel)
 static void schedule(lf_renderer *r)
 {
     for (int i = 0; i < 4; i++)
-        assert_int_equal(lf_renderer_pass(r, 0, 1, 1 + i, NULL, NULL, NULL), LF_OK);
+        assert_int_equal(lf_renderer_pass(r, NULL, 1 + i, NULL, NULL, NULL), LF_OK);
     lf_test_passes(r, 2 * n_views);
 }
 
-/* Smallest p of W - n q and W' - n q over blocks of what is read; also that nothing arrives elsewhere. */
+/* Smallest p of W - n q and W' - n q over blocks of what is read; also that nothing arrives
+ * elsewhere. */
 static void p_of_weights(const char *text, unsigned faults, int replicates, double out_p[2])
 {
     static double d[2][pixels], q[pixels], zero[pixels];
@@ -68,13 +78,14 @@ static void p_of_weights(const char *text, unsigned faults, int replicates, doub
         lf_blocks_init(&blocks[second], n_views, width, height, block);
     for (int k = 0; k < replicates; k++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
-        r->plan.counts = &counts;
-        r->plan.faults = faults;
+        lf_test_rows(r)->plan.counts = &counts;
+        r->faults = faults;
         schedule(r);
         for (int second = 0; second < 2; second++) {
             lf_test_weights(r, second, d[second], q);
             for (int i = 0; i < pixels; i++) {
-                double n = r->film.rows[i / (n_views * width)].n[0] + r->film.rows[i / (n_views * width)].n[1];
+                double n = r->film.rows[i / (n_views * width)].n[0] +
+                           r->film.rows[i / (n_views * width)].n[1];
                 if (!is_read(&counts, i))
                     assert_true(fabs(d[second][i] + q[i]) * n < 1e-6 * n);
                 d[second][i] = is_read(&counts, i) ? d[second][i] : 0.0;
@@ -95,7 +106,8 @@ static void p_of_weights(const char *text, unsigned faults, int replicates, doub
 static void case_20_weights_are_n_q_whatever_the_counts(void **state)
 {
     (void)state;
-    static const char *const scenes[] = {LF_TEST_MIXED("7", ""), LF_TEST_FOGS("7", ", 'lens_radius': 0.1"), LF_TEST_LAMP("7", "")};
+    static const char *const scenes[] = {
+        LF_TEST_MIXED("7", ""), LF_TEST_FOGS("7", ", 'lens_radius': 0.1"), LF_TEST_LAMP("7", "")};
     for (int i = 0; i < 3; i++) {
         double p[2];
         p_of_weights(scenes[i], 0, 24, p);
@@ -114,14 +126,15 @@ static void counts_left_out_of_the_sums_are_caught(void **state)
 }
 
 /* Pictures by both unbiased answers. */
-static void pictures(lf_scene *scene, const char *integrator, const lf_counts *counts, uint64_t seed, int passes, lf_blocks out[2])
+static void pictures(lf_scene *scene, const char *integrator, const lf_counts *counts,
+                     uint64_t seed, int passes, lf_blocks out[2])
 {
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, pool);
     for (int i = 0; i < 2; i++)
         lf_blocks_init(&out[i], n_views, width, height, block);
     for (int k = 0; k < 24; k++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed() + seed, (uint64_t)k));
-        r->plan.counts = counts;
+        lf_test_rows(r)->plan.counts = counts;
         lf_test_passes(r, passes);
         for (int i = 0; i < 2; i++) {
             double *picture = lf_test_picture(r, i ? LF_ESTIMATOR_CV : LF_ESTIMATOR_MIS);
@@ -129,14 +142,16 @@ static void pictures(lf_scene *scene, const char *integrator, const lf_counts *c
             free(picture);
         }
     }
-    if (r->plan.integrator->adaptive) {
+    if (lf_test_rows(r)->plan.sharing->adaptive) {
         double least = 16.0, most = 0.0;
-        for (int i = 0; i < r->counts.tiles_down * r->counts.tiles_across * height; i++) {
-            least = fmin(least, (double)r->counts.tile[i]);
-            most = fmax(most, (double)r->counts.tile[i]);
+        for (int i = 0;
+             i < lf_test_rows(r)->counts.tiles_down * lf_test_rows(r)->counts.tiles_across * height;
+             i++) {
+            least = fmin(least, (double)lf_test_rows(r)->counts.tile[i]);
+            most = fmax(most, (double)lf_test_rows(r)->counts.tile[i]);
         }
         print_message("counts from %.3g to %.3g\n", least, most);
-        assert_true(r->mapped && most > 2.0 * least);
+        assert_true(lf_test_rows(r)->mapped && most > 2.0 * least);
     }
     lf_renderer_destroy(r);
 }
@@ -147,7 +162,9 @@ static void assert_agreement(const char *text)
         const char *name, *integrator;
         bool map;
         int cycles; /* what the power takes */
-    } ways[] = {{"mvpt under a map", "mvpt", true, 3}, {"vpt under a map", "vpt", true, 8}, {"amvpt", "amvpt", false, 5}};
+    } ways[] = {{"mvpt under a map", "mvpt", true, 3},
+                {"vpt under a map", "vpt", true, 8},
+                {"amvpt", "amvpt", false, 5}};
     lf_scene *scene = lf_test_scene(text);
     lf_blocks native[2], other[2];
     lf_counts counts;
@@ -155,11 +172,13 @@ static void assert_agreement(const char *text)
     make_map(&counts, &wanted, true);
     pictures(scene, "vpt", NULL, 100, 5 * n_views, native);
     for (int i = 0; i < 3; i++) {
-        pictures(scene, ways[i].integrator, ways[i].map ? &counts : NULL, 200 + (uint64_t)i, ways[i].cycles * n_views, other);
+        pictures(scene, ways[i].integrator, ways[i].map ? &counts : NULL, 200 + (uint64_t)i,
+                 ways[i].cycles * n_views, other);
         for (int e = 0; e < 2; e++) {
             double p = lf_blocks_welch(&other[e], &native[0], NULL);
             double moved = lf_blocks_welch_injected(&other[e], &native[0], blocks_of_all - 1, 1.02);
-            print_message("%s, %s: p %.3g, 2 %% too bright %.3g\n", ways[i].name, e ? "cv" : "mis", p, moved);
+            print_message("%s, %s: p %.3g, 2 %% too bright %.3g\n", ways[i].name, e ? "cv" : "mis",
+                          p, moved);
             assert_true(p > LEVEL && moved < LEVEL);
             lf_blocks_finish(&other[e]);
         }
@@ -198,14 +217,16 @@ static void a_rows_map_does_not_hear_of_its_own_pilot(void **state)
     assert_int_equal(lf_adaptive_map(&r->film, pool, &after), LF_OK);
     size_t n = (size_t)before.tiles_down * (size_t)before.tiles_across;
     assert_memory_equal(before.tile + row * n, after.tile + row * n, n * sizeof *before.tile);
-    assert_memory_not_equal(before.tile + (row + 1) * n, after.tile + (row + 1) * n, n * sizeof *before.tile);
+    assert_memory_not_equal(before.tile + (row + 1) * n, after.tile + (row + 1) * n,
+                            n * sizeof *before.tile);
     lf_counts_finish(&before);
     lf_counts_finish(&after);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
 }
 
-/* The map of a film whose pilot marked no mirrors: of a scene that has none, and of one that has (a film that was restored). */
+/* The map of a film whose pilot marked no mirrors: of a scene that has none, and of one that has (a
+ * film that was restored). */
 static void map_of_unmarked(const char *text, bool has_delta, lf_counts *out)
 {
     lf_scene *scene = lf_test_scene(text);
@@ -223,8 +244,9 @@ static void counts_fall_where_there_is_a_bulb_and_no_mirror(void **state)
 {
     (void)state;
     static const char *const scenes[] = {
-        "{" LF_TEST_CAMERA("7", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 2 } }, "
-                                    "'lights': { 'bulb': { 'type': 'point', 'position': [0.2, 0.1, 0] } } }",
+        "{" LF_TEST_CAMERA(
+            "7", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 2 } }, "
+                     "'lights': { 'bulb': { 'type': 'point', 'position': [0.2, 0.1, 0] } } }",
         LF_TEST_LAMP("7", "")};
     for (int mirrors = 0; mirrors < 2; mirrors++) {
         lf_counts counts;

@@ -1,7 +1,8 @@
-/* mvpt, by all three answers and also with subsets of the views in each pass, against vpt, which shares nothing between views: Welch's
- * test on tiles of 16 x 16 pixels of each view of 64 x 48 crops, replicates being seeds. The tests show their own power: for every
- * answer 1 % in one tile, of either sign, would be rejected in at least a quarter of all tiles (the number is printed), and 0.3 % of
- * the whole picture always. QUILTD_LONG=1 takes four times the replicates. */
+/* mvpt, by all three answers and also with subsets of the views in each pass, against vpt, which
+ * shares nothing between views: Welch's test on tiles of 16 x 16 pixels of each view of 64 x 48
+ * crops, replicates being seeds. The tests show their own power: for every answer 1 % in one tile,
+ * of either sign, would be rejected in at least a quarter of all tiles (the number is printed), and
+ * 0.3 % of the whole picture always. QUILTD_LONG=1 takes four times the replicates. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
@@ -27,11 +28,12 @@ static void reference(lf_scene *scene, int replicates, int passes, lf_blocks *ou
     lf_renderer_destroy(r);
 }
 
-/* The first pictures of a live view: one or two base views of three in each pass, collisions forced. */
+/* The first pictures of a live view: one or two base views of three in each pass, collisions
+ * forced. */
 static void live_passes(lf_renderer *r, int n)
 {
     for (int i = 0; i < n; i++)
-        assert_int_equal(lf_renderer_pass(r, 0, 1, 1 + i % 2, NULL, NULL, NULL), LF_OK);
+        assert_int_equal(lf_renderer_pass(r, NULL, 1 + i % 2, NULL, NULL, NULL), LF_OK);
 }
 
 static void shared(lf_scene *scene, int replicates, int passes, lf_blocks out[answers])
@@ -59,8 +61,9 @@ static void assert_agreement(const lf_blocks *native, const lf_blocks *mvpt)
         double p = lf_blocks_welch(&mvpt[i], native, &where);
         const lf_moments *a = &mvpt[i].moments[where], *b = &native->moments[where];
         if (!(p > LEVEL))
-            fail_msg("%s: tile %d of view %d: %.6g +- %.2g, natively %.6g +- %.2g, p %.2g", names[i], where % 12, where / 12,
-                     a->mean, lf_moments_error(a), b->mean, lf_moments_error(b), p);
+            fail_msg("%s: tile %d of view %d: %.6g +- %.2g, natively %.6g +- %.2g, p %.2g",
+                     names[i], where % 12, where / 12, a->mean, lf_moments_error(a), b->mean,
+                     lf_moments_error(b), p);
     }
 }
 

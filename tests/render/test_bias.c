@@ -1,8 +1,10 @@
-/* The bias of mwis, measured: what it differs by from cv, which is unbiased, on one and the same film, so that most of the noise cancels;
- * over whole cycles n = 8 .. 64 (below, holes decide), the mean over one view and over seeds, regressed on 1/n. mwis is consistent when
- * the intercept is 0 within its standard error, and its bias falls as 1/n with the slope. An estimator with wrong weights has an
- * intercept. (One view, not all: what wrong weights take from one view they give to another.) Standard errors are those of groups,
- * each a regression of its own. QUILTD_LONG=1 takes eight times the seeds. */
+/* The bias of mwis, measured: what it differs by from cv, which is unbiased, on one and the same
+ * film, so that most of the noise cancels; over whole cycles n = 8 .. 64 (below, holes decide), the
+ * mean over one view and over seeds, regressed on 1/n. mwis is consistent when the intercept is 0
+ * within its standard error, and its bias falls as 1/n with the slope. An estimator with wrong
+ * weights has an intercept. (One view, not all: what wrong weights take from one view they give to
+ * another.) Standard errors are those of groups, each a regression of its own. QUILTD_LONG=1 takes
+ * eight times the seeds. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
@@ -24,15 +26,15 @@ typedef struct line {
 static double first_view(const lf_renderer *r, lf_estimator estimator)
 {
     double *picture = lf_test_picture(r, estimator), sum = 0.0;
-    for (int row = 0; row < height; row++) {
+    for (int row = 0; row < height; row++)
         for (int column = 0; column < width; column++)
             sum += picture[row * views * width + column];
-    }
     free(picture);
     return sum / (width * height);
 }
 
-/* Least squares of a + b/n, weighted by seeds n^2: a difference of n cycles has a variance near 1/n^2. Every n costs the same. */
+/* Least squares of a + b/n, weighted by seeds n^2: a difference of n cycles has a variance near
+ * 1/n^2. Every n costs the same. */
 static void add_group(lf_renderer *r, lf_estimator other, int group, line *out)
 {
     double s = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, mean = 0.0;
@@ -40,7 +42,8 @@ static void add_group(lf_renderer *r, lf_estimator other, int group, line *out)
         int n = 8 << i, seeds = (8 >> i) * (lf_test_long() ? 8 : 1);
         double weight = (double)n * n, x = 1.0 / n;
         for (int k = 0; k < seeds; k++) {
-            lf_test_reseed(r, lf_hash64(lf_hash64(lf_test_seed() + (uint64_t)n, (uint64_t)group), (uint64_t)k));
+            lf_test_reseed(r, lf_hash64(lf_hash64(lf_test_seed() + (uint64_t)n, (uint64_t)group),
+                                        (uint64_t)k));
             lf_test_cycles(r, n);
             double y = first_view(r, LF_ESTIMATOR_MWIS) - first_view(r, other);
             mean = i == counts - 1 ? first_view(r, other) : mean;
@@ -61,13 +64,14 @@ static line regress(const char *text, unsigned faults, lf_estimator other)
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     line l = {.intercept = {0}};
-    r->plan.faults = faults;
+    r->faults = faults;
     for (int group = 0; group < groups; group++)
         add_group(r, other, group, &l);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
-    print_message("mwis - %s: (%.2g +- %.2g) + (%.2g +- %.2g) / n of the mean\n", lf_estimator_name(other), l.intercept.mean,
-                  lf_moments_error(&l.intercept), l.slope.mean, lf_moments_error(&l.slope));
+    print_message("mwis - %s: (%.2g +- %.2g) + (%.2g +- %.2g) / n of the mean\n",
+                  lf_estimator_name(other), l.intercept.mean, lf_moments_error(&l.intercept),
+                  l.slope.mean, lf_moments_error(&l.slope));
     return l;
 }
 
@@ -103,7 +107,8 @@ static void mwis_is_consistent_behind_a_veil(void **state)
     assert_consistent(LF_TEST_VEIL("3", ""));
 }
 
-/* Negative control: without h_k the weights do not tend to n q, and what mwis tends to is not what mis does. */
+/* Negative control: without h_k the weights do not tend to n q, and what mwis tends to is not what
+ * mis does. */
 static void wrong_weights_have_an_intercept(void **state)
 {
     (void)state;
@@ -113,14 +118,18 @@ static void wrong_weights_have_an_intercept(void **state)
     assert_true(lf_p_mean(&no_visibility.intercept, 0.0) < CERTAIN);
 }
 
-/* A card of one radiance before the dark, lit head-on, across the pixels: N/W is the same everywhere, and the mean of the picture is the
- * card's share of the window. What a pixel at its rim shows although none of its film points has met the card would come on top, the more
- * the fewer visits there are: 1 % of the mean behind four visits. */
-#define CARD                                                                                                                       \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 40, 'views': 9 }, "            \
-    "'meshes': { 'card': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 0.5, 'rotate': [90, 0, 20] } } }, "        \
-    "'materials': { 'clay': { 'albedo': 0.5 } }, "                                                                                 \
-    "'lights': { 'sun': { 'type': 'distant', 'direction': [0, 0, -1], 'irradiance': 3.14159265 } } }"
+/* A card of one radiance before the dark, lit head-on, across the pixels: N/W is the same
+ * everywhere, and the mean of the picture is the card's share of the window. What a pixel at its
+ * rim shows although none of its film points has met the card would come on top, the more the fewer
+ * visits there are: 1 % of the mean behind four visits. */
+#define CARD                                                                                       \
+    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, "      \
+    "'cone': 40, 'views': 9 }, "                                                                   \
+    "'meshes': { 'card': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 0.5, "     \
+    "'rotate': [90, 0, 20] } } }, "                                                                \
+    "'materials': { 'clay': { 'albedo': 0.5 } }, "                                                 \
+    "'lights': { 'sun': { 'type': 'distant', 'direction': [0, 0, -1], 'irradiance': 3.14159265 } " \
+    "} }"
 
 static void a_silhouette_has_no_rim_at_few_visits(void **state)
 {
@@ -134,15 +143,16 @@ static void a_silhouette_has_no_rim_at_few_visits(void **state)
         for (int k = 0; k < replicates; k++) {
             lf_test_reseed(r, lf_hash64(lf_hash64(lf_test_seed(), (uint64_t)cycles), (uint64_t)k));
             lf_test_cycles(r, cycles);
-            assert_int_equal(lf_renderer_fill_holes(r, NULL), LF_OK);
+            assert_int_equal(lf_renderer_fill_holes(r, NULL, NULL), LF_OK);
             double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS), sum = 0.0;
             for (int i = 0; i < 9 * across * down; i++)
                 sum += picture[i];
             free(picture);
             lf_moments_add(&mean, sum / (9 * across * down));
         }
-        print_message("%u visits: %.2g +- %.2g of the mean too bright\n", r->film.rows[0].visits[0] + r->film.rows[0].visits[1],
-                      mean.mean / truth - 1, lf_moments_error(&mean) / truth);
+        print_message("%u visits: %.2g +- %.2g of the mean too bright\n",
+                      r->film.rows[0].visits[0] + r->film.rows[0].visits[1], mean.mean / truth - 1,
+                      lf_moments_error(&mean) / truth);
         assert_true(lf_p_mean(&mean, truth) > lf_sidak(LF_FALSE_ALARM, 4));
         assert_true(lf_p_mean(&mean, truth * 1.01) < CERTAIN);
     }

@@ -1,7 +1,8 @@
-/* vpt and mvpt against a tracer that shares no code with them (tests/stat/brute.h): small scenes, each with what one against the other
- * cannot show, in blocks of every view and in the whole picture, by Welch's test over replicates. False alarms as stat.h says; the tests
- * show their power: 0.8 % of the whole picture would be seen, and a scene of which one albedo is 2 % off is. With QUILTD_LONG=1 sixteen
- * times the paths see 0.2 %. */
+/* vpt and mvpt against a tracer that shares no code with them (tests/stat/brute.h): small scenes,
+ * each with what one against the other cannot show, in blocks of every view and in the whole
+ * picture, by Welch's test over replicates. False alarms as stat.h says; the tests show their
+ * power: 0.8 % of the whole picture would be seen, and a scene of which one albedo is 2 % off is.
+ * With QUILTD_LONG=1 sixteen times the paths see 0.2 %. */
 #include "tests/testing.h"
 
 #include "tests/stat/brute.h"
@@ -18,27 +19,34 @@ static const char *const names[integrators] = {"vpt", "mvpt"};
 
 /* clang-format off */
 
-#define CAMERA .position = {0.3, 0.8, 5}, .target = {0, -0.1, 0}, .fov_y = 26, .aspect = 4.0 / 3.0, .cone = 40, .n_views = n_views
+#define CAMERA                                                                                     \
+    .position = {0.3, 0.8, 5}, .target = {0, -0.1, 0}, .fov_y = 26, .aspect = 4.0 / 3.0,           \
+    .cone = 40, .n_views = n_views
 #define FLAT(y, half) .centre = {0, y, 0}, .u = {half, 0, 0}, .v = {0, 0, half}
 
-/* A lamp low over a ground and the walls of a box on it, and a slanted lamp beside it: lamps light, hide and are seen. */
+/* A lamp low over a ground and the walls of a box on it, and a slanted lamp beside it: lamps light,
+ * hide and are seen. */
 static const lf_brute_scene lamps = {
     CAMERA, .n_quads = 6, .sky = {0.4, 0.5, 0.6},
     .quads = {
         {FLAT(-1, 6), .albedo = {0.6, 0.5, 0.4}},
-        {.centre = {0, 1.2, 0}, .u = {1.6, 0, 0}, .v = {0, 0, 1.6}, .albedo = {0.2, 0.2, 0.2}, .emission = {1.5, 1.3, 1}},
+        {.centre = {0, 1.2, 0}, .u = {1.6, 0, 0}, .v = {0, 0, 1.6}, .albedo = {0.2, 0.2, 0.2},
+         .emission = {1.5, 1.3, 1}},
         {.centre = {-1.5, 0, 0.3}, .u = {0.4, 0.7, 0}, .v = {0, 0, 1}, .emission = {0.6, 1, 1.4}},
         {.centre = {0.4, -0.6, 0.6}, .u = {0.4, 0, 0}, .v = {0, 0.4, 0}, .albedo = {0.8, 0.3, 0.2}},
         {.centre = {0.8, -0.6, 0.1}, .u = {0, 0, 0.5}, .v = {0, 0.4, 0}, .albedo = {0.3, 0.3, 0.7}},
-        {.centre = {0.4, -0.2, 0.1}, .u = {0.4, 0, 0}, .v = {0, 0, 0.5}, .albedo = {0.3, 0.7, 0.3}}}};
+        {.centre = {0.4, -0.2, 0.1}, .u = {0.4, 0, 0}, .v = {0, 0, 0.5},
+         .albedo = {0.3, 0.7, 0.3}}}};
 
 /* The same in part, through a lens that is in focus in front of it. */
 static const lf_brute_scene lens = {
     CAMERA, .lens_radius = 0.35, .focus = 4.2, .n_quads = 4, .sky = {0.2, 0.3, 0.4},
     .quads = {
         {FLAT(-1, 4), .albedo = {0.7, 0.6, 0.5}},
-        {.centre = {-0.7, 0.2, 0.9}, .u = {0.5, 0.1, 0}, .v = {0, 0.4, 0.3}, .albedo = {0.1, 0.2, 0.1}, .emission = {1.5, 1.2, 0.9}},
-        {.centre = {0.6, -0.3, 0.2}, .u = {0.3, 0.1, -0.3}, .v = {0, 0.6, 0}, .albedo = {0.8, 0.7, 0.2}},
+        {.centre = {-0.7, 0.2, 0.9}, .u = {0.5, 0.1, 0}, .v = {0, 0.4, 0.3},
+         .albedo = {0.1, 0.2, 0.1}, .emission = {1.5, 1.2, 0.9}},
+        {.centre = {0.6, -0.3, 0.2}, .u = {0.3, 0.1, -0.3}, .v = {0, 0.6, 0},
+         .albedo = {0.8, 0.7, 0.2}},
         {.centre = {0, 0.3, -1.5}, .u = {2, 0, 0}, .v = {0, 1, 0}, .albedo = {0.4, 0.4, 0.6}}}};
 
 /* Fog that scatters forwards in a room that is open to the cameras, a lamp in it. */
@@ -48,30 +56,38 @@ static const lf_brute_scene fog = {
         {FLAT(-1, 1.6), .albedo = {0.7, 0.7, 0.7}},
         {FLAT(1, 1.6), .albedo = {0.7, 0.3, 0.3}},
         {.centre = {0, 0, -1.4}, .u = {1.6, 0, 0}, .v = {0, 1, 0}, .albedo = {0.3, 0.7, 0.3}},
-        {.centre = {0.3, 0.7, 0.1}, .u = {0.6, 0.1, 0}, .v = {0, 0.1, 0.6}, .albedo = {0.5, 0.5, 0.5}, .emission = {1.2, 1.1, 1}}},
-    .media = {{.centre = {0, 0, 0}, .half = {1.3, 0.95, 1}, .turn = 10, .density = 0.6, .albedo = {0.9, 0.85, 0.8}, .g = 0.7}}};
+        {.centre = {0.3, 0.7, 0.1}, .u = {0.6, 0.1, 0}, .v = {0, 0.1, 0.6},
+         .albedo = {0.5, 0.5, 0.5}, .emission = {1.2, 1.1, 1}}},
+    .media = {{.centre = {0, 0, 0}, .half = {1.3, 0.95, 1}, .turn = 10, .density = 0.6,
+               .albedo = {0.9, 0.85, 0.8}, .g = 0.7}}};
 
-/* Voxels that change from one to the next, half a mean free path wide, over a ground under a sky. */
+/* Voxels that change from one to the next, half a mean free path wide, over a ground under
+ * a sky. */
 static const lf_brute_scene grid = {
     CAMERA, .n_quads = 1, .n_media = 1, .sky = {0.7, 0.9, 1.2},
     .quads = {{FLAT(-1.3, 4), .albedo = {0.6, 0.5, 0.4}}},
-    .media = {{.centre = {0, 0, 0}, .half = {0.07, 0.06, 0.1}, .turn = 25, .density = 10, .albedo = {0.95, 0.9, 0.8}, .grid = true}}};
+    .media = {{.centre = {0, 0, 0}, .half = {0.07, 0.06, 0.1}, .turn = 25, .density = 10,
+               .albedo = {0.95, 0.9, 0.8}, .grid = true}}};
 
 /* The same voxels as cubes, thin, before the sun's wide disk. */
 static const lf_brute_scene cubes = {
     CAMERA, .n_quads = 1, .n_media = 1, .sky = {0.3, 0.4, 0.6},
     .sun_direction = {0.5, -0.6, -0.4}, .sun_angle = 80, .sun_irradiance = {1.2, 1.1, 1},
     .quads = {{FLAT(-1.3, 4), .albedo = {0.6, 0.5, 0.4}}},
-    .media = {{.centre = {0, 0, 0}, .half = {0.07, 0.06, 0.1}, .turn = -20, .density = 9, .albedo = {0.9, 0.8, 0.7}, .g = -0.4,
+    .media = {{.centre = {0, 0, 0}, .half = {0.07, 0.06, 0.1}, .turn = -20, .density = 9,
+               .albedo = {0.9, 0.8, 0.7}, .g = -0.4,
                .grid = true, .nearest = true}}};
 
 /* Media of two colours and phases in each other, one of them a grid, the lens before them. */
 static const lf_brute_scene mixture = {
     CAMERA, .lens_radius = 0.2, .n_media = 2, .n_quads = 2, .sky = {0.6, 0.7, 0.8},
     .quads = {{FLAT(-1.2, 3), .albedo = {0.3, 0.5, 0.7}},
-              {.centre = {0.2, 0, -0.2}, .u = {0.5, 0, 0.3}, .v = {0, 0.6, 0}, .albedo = {0.8, 0.4, 0.2}}},
-    .media = {{.centre = {0.4, -0.1, 0.2}, .half = {0.8, 0.9, 0.5}, .turn = -30, .density = 0.9, .albedo = {0.2, 0.4, 0.9}, .g = 0.5},
-              {.centre = {-0.3, 0, 0}, .half = {0.06, 0.06, 0.09}, .density = 5, .albedo = {0.95, 0.9, 0.8}, .g = -0.3, .grid = true}}};
+              {.centre = {0.2, 0, -0.2}, .u = {0.5, 0, 0.3}, .v = {0, 0.6, 0},
+               .albedo = {0.8, 0.4, 0.2}}},
+    .media = {{.centre = {0.4, -0.1, 0.2}, .half = {0.8, 0.9, 0.5}, .turn = -30, .density = 0.9,
+               .albedo = {0.2, 0.4, 0.9}, .g = 0.5},
+              {.centre = {-0.3, 0, 0}, .half = {0.06, 0.06, 0.09}, .density = 5,
+               .albedo = {0.95, 0.9, 0.8}, .g = -0.3, .grid = true}}};
 
 /* clang-format on */
 
@@ -87,13 +103,15 @@ static void oracle(const lf_brute_scene *scene, int strata, lf_blocks *out)
     double *picture = malloc(sizeof *picture * n_views * width * height);
     lf_blocks_init(out, n_views, width, height, block);
     for (int k = 0; k < replicates; k++) {
-        lf_brute_picture(scene, lf_hash64(lf_test_seed() + 1, (uint64_t)k), width, height, strata, picture);
+        lf_brute_picture(scene, lf_hash64(lf_test_seed() + 1, (uint64_t)k), width, height, strata,
+                         picture);
         lf_blocks_add(out, picture);
     }
     free(picture);
 }
 
-static void rendered(const lf_brute_scene *scene, const char *integrator, int cycles, lf_blocks *out)
+static void rendered(const lf_brute_scene *scene, const char *integrator, int cycles,
+                     lf_blocks *out)
 {
     char *text = lf_brute_text(scene, vdb());
     lf_scene *loaded = lf_test_scene(text);
@@ -109,7 +127,8 @@ static void rendered(const lf_brute_scene *scene, const char *integrator, int cy
     free(text);
 }
 
-/* What a difference of the whole picture has to be, so that it is seen for certain when the noise happens to be 0. */
+/* What a difference of the whole picture has to be, so that it is seen for certain when the noise
+ * happens to be 0. */
 static void assert_power(const lf_moments *m, const lf_moments *truth)
 {
     lf_moments off = *m;
@@ -124,10 +143,12 @@ static void assert_agreement(const char *name, const lf_blocks *a, const lf_bloc
     int where = 0, all = truth->n - 1;
     double p = lf_blocks_welch(a, truth, &where);
     const lf_moments *m = &a->moments[all], *t = &truth->moments[all];
-    print_message("%s: %.5f +- %.5f, brute force %.5f +- %.5f\n", name, m->mean, lf_moments_error(m), t->mean, lf_moments_error(t));
+    print_message("%s: %.5f +- %.5f, brute force %.5f +- %.5f\n", name, m->mean,
+                  lf_moments_error(m), t->mean, lf_moments_error(t));
     if (!(p > BLOCK_LEVEL && lf_p_welch(m, t) > LEVEL))
-        fail_msg("%s: block %d is %.5g +- %.2g, by brute force %.5g +- %.2g, p %.2g", name, where, a->moments[where].mean,
-                 lf_moments_error(&a->moments[where]), truth->moments[where].mean, lf_moments_error(&truth->moments[where]), p);
+        fail_msg("%s: block %d is %.5g +- %.2g, by brute force %.5g +- %.2g, p %.2g", name, where,
+                 a->moments[where].mean, lf_moments_error(&a->moments[where]),
+                 truth->moments[where].mean, lf_moments_error(&truth->moments[where]), p);
     assert_power(m, t);
 }
 

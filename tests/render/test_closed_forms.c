@@ -1,18 +1,23 @@
-/* Pictures that are known: furnaces, an absorbing slab, a point light on a plane, single scattering in a slab, two cameras in one
- * place. Replicates are seeds; blocks are compared by Student's t, false alarms as stat.h says. */
+/* Pictures that are known: furnaces, an absorbing slab, a point light on a plane, single scattering
+ * in a slab, two cameras in one place. Replicates are seeds; blocks are compared by Student's t,
+ * false alarms as stat.h says. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
 
 enum { width = 32, height = 24, n_views = 5 };
 
-#define CAMERA "'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'views': 5, 'cone': 30 }, "
+#define CAMERA                                                                                     \
+    "'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, "        \
+    "'views': 5, 'cone': 30 }, "
 #define WHITE_SKY "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }"
 
-static const lf_estimator estimators[] = {LF_ESTIMATOR_MWIS, LF_ESTIMATOR_MIS, LF_ESTIMATOR_CV}; /* as in lf_blocks blocks[3] */
+/* as in lf_blocks blocks[3] */
+static const lf_estimator estimators[] = {LF_ESTIMATOR_MWIS, LF_ESTIMATOR_MIS, LF_ESTIMATOR_CV};
 static const char *const integrators[] = {"mvpt", "vpt"};
 
-/* Comparisons of this program that may fail by chance: 3 estimators x 2 integrators x 61 blocks x 10 scenes. */
+/* Comparisons of this program that may fail by chance: 3 estimators x 2 integrators x 61 blocks x
+ * 10 scenes. */
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 3 * 2 * 61 * 10)
 
 /* Truth of one pixel: mean of a function of the pinhole ray's slopes over it. */
@@ -43,9 +48,11 @@ static double one(const lf_renderer *renderer, int view, double mx, double my)
     return 1.0;
 }
 
-/* The mean over seeds of every estimate by both integrators against the truth. mis and cv are unbiased after `passes`; mwis is
- * consistent only, its bias being that of pixels where nothing has arrived yet, and answers after mwis_passes more (0 = not asked). */
-static void assert_blocks(const char *text, truth_fn truth, int passes, int mwis_passes, int replicates, double rounding)
+/* The mean over seeds of every estimate by both integrators against the truth. mis and cv are
+ * unbiased after `passes`; mwis is consistent only, its bias being that of pixels where nothing has
+ * arrived yet, and answers after mwis_passes more (0 = not asked). */
+static void assert_blocks(const char *text, truth_fn truth, int passes, int mwis_passes,
+                          int replicates, double rounding)
 {
     lf_scene *scene = lf_test_scene(text);
     for (int i = 0; i < 2; i++) {
@@ -68,8 +75,9 @@ static void assert_blocks(const char *text, truth_fn truth, int passes, int mwis
             int where = 0;
             double p = lf_blocks_p(&blocks[e], expected, rounding, &where);
             if (!(p > LEVEL))
-                fail_msg("%s %s: block %d is %.6g +- %.2g, p %.2g", integrators[i], lf_estimator_name(estimators[e]), where,
-                         blocks[e].moments[where].mean, lf_moments_error(&blocks[e].moments[where]), p);
+                fail_msg("%s %s: block %d is %.6g +- %.2g, p %.2g", integrators[i],
+                         lf_estimator_name(estimators[e]), where, blocks[e].moments[where].mean,
+                         lf_moments_error(&blocks[e].moments[where]), p);
         }
         for (int e = 0; e < 3; e++)
             lf_blocks_finish(&blocks[e]);
@@ -88,8 +96,10 @@ static bool is_unsettled(const lf_renderer *r, int row, int pixel)
     return q == 0.0f;
 }
 
-/* By mwis, after a few whole cycles, every pixel where W and q both know of pivots or nothing does, against the truth. */
-static void assert_pixels(const char *text, const char *integrator, truth_fn truth, double tolerance)
+/* By mwis, after a few whole cycles, every pixel where W and q both know of pivots or nothing does,
+ * against the truth. */
+static void assert_pixels(const char *text, const char *integrator, truth_fn truth,
+                          double tolerance)
 {
     enum { pixels = n_views * width * height };
     lf_scene *scene = lf_test_scene(text);
@@ -102,12 +112,14 @@ static void assert_pixels(const char *text, const char *integrator, truth_fn tru
     assert_int_equal(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, rgb, flags), LF_OK);
     for (int i = 0; i < pixels; i++) {
         if (flags[i] & LF_PIXEL_HOLE ||
-            (!(flags[i] & LF_PIXEL_SETTLED) && is_unsettled(r, i / (n_views * width), i % (n_views * width))))
+            (!(flags[i] & LF_PIXEL_SETTLED) &&
+             is_unsettled(r, i / (n_views * width), i % (n_views * width))))
             continue;
         compared++;
         for (int c = 0; c < 3; c++) {
             if (!(fabs((double)rgb[3 * i + c] - expected[i]) <= tolerance * expected[i]))
-                fail_msg("%s: pixel %d is %.7g, not %.7g", integrator, i, (double)rgb[3 * i + c], expected[i]);
+                fail_msg("%s: pixel %d is %.7g, not %.7g", integrator, i, (double)rgb[3 * i + c],
+                         expected[i]);
         }
     }
     assert_true(compared > 0.95 * pixels);
@@ -118,23 +130,29 @@ static void assert_pixels(const char *text, const char *integrator, truth_fn tru
     lf_scene_unref(scene);
 }
 
-/* ------------------------------------------------------------------------------------------------------- furnaces -- */
+/* ---------------------------------------------------------------------------------- furnaces -- */
 
-#define FOG(g) "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 1, 'g': " g " } }, " WHITE_SKY "}"
-#define WHITE_SLAB(g)                                                                                                              \
-    "{" CAMERA "'volumes': { 'fog': { 'shape': 'box', 'density': 1.5, 'albedo': 1, 'g': " g ", "                                   \
+#define FOG(g)                                                                                     \
+    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 1, 'g': " g       \
+    " } }, " WHITE_SKY "}"
+#define WHITE_SLAB(g)                                                                              \
+    "{" CAMERA "'volumes': { 'fog': { 'shape': 'box', 'density': 1.5, 'albedo': 1, 'g': " g ", "   \
     "'transform': { 'scale': [60, 60, 0.5] } } }, " WHITE_SKY "}"
-#define WHITE_SURFACES                                                                                                             \
-    "{" CAMERA "'meshes': { 'ball': { 'shape': 'sphere', 'normals': 'flat', 'material': 'white' }, "                               \
-    "'ground': { 'shape': 'quad', 'material': 'white', 'transform': { 'scale': 3, 'translate': [0, -1, 0] } } }, "                 \
+#define WHITE_SURFACES                                                                             \
+    "{" CAMERA                                                                                     \
+    "'meshes': { 'ball': { 'shape': 'sphere', 'normals': 'flat', 'material': 'white' }, "          \
+    "'ground': { 'shape': 'quad', 'material': 'white', 'transform': { 'scale': 3, 'translate': "   \
+    "[0, -1, 0] } } }, "                                                                           \
     "'materials': { 'white': { 'type': 'diffuse', 'albedo': 1 } }, " WHITE_SKY "}"
-#define BALL(material)                                                                                                             \
-    "{" CAMERA "'meshes': { 'ball': { 'shape': 'sphere', 'normals': 'flat', 'material': 'm' } }, "                                 \
+#define BALL(material)                                                                             \
+    "{" CAMERA "'meshes': { 'ball': { 'shape': 'sphere', 'normals': 'flat', 'material': 'm' } }, " \
     "'materials': { 'm': " material " }, " WHITE_SKY "}"
 /* The same sky as a lamp that is sampled: mesh light all around. */
-#define LIT_BY_A_BALL                                                                                                              \
-    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 1, 'g': 0.6 } }, "                                \
-    "'meshes': { 'sky': { 'shape': 'sphere', 'normals': 'flat', 'material': 'lamp', 'transform': { 'scale': 12 } } }, "            \
+#define LIT_BY_A_BALL                                                                              \
+    "{" CAMERA                                                                                     \
+    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 1, 'g': 0.6 } }, "           \
+    "'meshes': { 'sky': { 'shape': 'sphere', 'normals': 'flat', 'material': 'lamp', 'transform': " \
+    "{ 'scale': 12 } } }, "                                                                        \
     "'materials': { 'lamp': { 'type': 'diffuse', 'albedo': 0, 'emission': 1 } } }"
 
 static void case_01_a_white_fog_in_a_white_furnace_is_white_in_every_pixel(void **state)
@@ -142,7 +160,8 @@ static void case_01_a_white_fog_in_a_white_furnace_is_white_in_every_pixel(void 
     (void)state;
     for (int i = 0; i < 2; i++) {
         assert_pixels(FOG("0"), integrators[i], one, 1e-4);
-        /* At silhouettes of anisotropic fog a tile may prefer N/W, which is 1 in the mean only: no silhouettes here. */
+        /* At silhouettes of anisotropic fog a tile may prefer N/W, which is 1 in the mean only: no
+         * silhouettes here. */
         assert_pixels(WHITE_SLAB("0.7"), integrators[i], one, 1e-4);
         assert_pixels(WHITE_SLAB("-0.5"), integrators[i], one, 1e-4);
     }
@@ -160,7 +179,8 @@ static void case_01_white_surfaces_in_a_white_furnace_are_white(void **state)
     (void)state;
     for (int i = 0; i < 2; i++)
         assert_pixels(WHITE_SURFACES, integrators[i], one, 1e-4);
-    assert_blocks(BALL("{ 'type': 'conductor', 'albedo': 1, 'roughness': 0 }"), one, 10, 0, 24, 1e-4);
+    assert_blocks(BALL("{ 'type': 'conductor', 'albedo': 1, 'roughness': 0 }"), one, 10, 0, 24,
+                  1e-4);
     assert_blocks(WHITE_SURFACES, one, 10, 0, 16, 1e-4);
     assert_blocks(BALL("{ 'type': 'plastic', 'albedo': 1, 'roughness': 0 }"), one, 10, 0, 24, 6e-4);
 }
@@ -169,8 +189,10 @@ static void case_01_white_surfaces_in_a_white_furnace_are_white(void **state)
 static void case_01_white_metals_in_a_white_furnace_are_white(void **state)
 {
     (void)state;
-    assert_blocks(BALL("{ 'type': 'conductor', 'albedo': 1, 'roughness': 0.3 }"), one, 10, 0, 24, 2.5e-3);
-    assert_blocks(BALL("{ 'type': 'conductor', 'albedo': 1, 'roughness': 1 }"), one, 10, 0, 24, 2.5e-3);
+    assert_blocks(BALL("{ 'type': 'conductor', 'albedo': 1, 'roughness': 0.3 }"), one, 10, 0, 24,
+                  2.5e-3);
+    assert_blocks(BALL("{ 'type': 'conductor', 'albedo': 1, 'roughness': 1 }"), one, 10, 0, 24,
+                  2.5e-3);
 }
 
 static void case_01_a_furnace_of_lamps_is_white(void **state)
@@ -183,8 +205,10 @@ static void case_01_a_furnace_of_lamps_is_white(void **state)
 static void case_01_a_grey_furnace_is_rejected(void **state)
 {
     (void)state;
-    lf_scene *scene =
-        lf_test_scene("{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.99 } }, " WHITE_SKY "}");
+    lf_scene *scene = lf_test_scene(
+        "{" CAMERA
+        "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.99 } }, " WHITE_SKY
+        "}");
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     double *expected = truth_picture(r, one);
     lf_blocks blocks;
@@ -201,12 +225,16 @@ static void case_01_a_grey_furnace_is_rejected(void **state)
     lf_scene_unref(scene);
 }
 
-/* ----------------------------------------------------------------------------------------------------------- slabs -- */
+/* ------------------------------------------------------------------------------------- slabs -- */
 
-#define SLAB(albedo, g, lights, depth)                                                                                             \
-    "{" CAMERA "'volumes': { 'slab': { 'shape': 'box', 'density': 1.5, 'albedo': " albedo ", 'g': " g ", "                         \
-    "'transform': { 'scale': [60, 60, 0.5] } } }, 'render': { 'max_depth': " depth " }, " lights "}"
-#define SUN "'lights': { 'sun': { 'type': 'distant', 'direction': [0.3, -0.2, -1], 'irradiance': [3, 3, 3] } }"
+#define SLAB(albedo, g, lights, depth)                                                             \
+    "{" CAMERA "'volumes': { 'slab': { 'shape': 'box', 'density': 1.5, 'albedo': " albedo          \
+    ", 'g': " g ", "                                                                               \
+    "'transform': { 'scale': [60, 60, 0.5] } } }, 'render': { 'max_depth': " depth " }, " lights   \
+    "}"
+#define SUN                                                                                        \
+    "'lights': { 'sun': { 'type': 'distant', 'direction': [0.3, -0.2, -1], 'irradiance': [3, 3, "  \
+    "3] } }"
 
 /* The slab is 1 thick and faces the cameras. */
 static double absorbed(const lf_renderer *renderer, int view, double mx, double my)
@@ -253,16 +281,19 @@ static void case_08_a_slab_scatters_the_sun_once(void **state)
     assert_blocks(SLAB("0.8", "-0.6", SUN, "1"), single_backward, 7, 90, 24, 2e-3);
 }
 
-/* ------------------------------------------------------------------------------------------------- a lamp, a plane -- */
+/* --------------------------------------------------------------------------- a lamp, a plane -- */
 
-#define LAMP_ON_A_PLANE                                                                                                            \
-    "{" CAMERA "'meshes': { 'plane': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': 20, 'rotate': [90, 0, 0] } } }, " \
-    "'materials': { 'm': { 'albedo': 0.6 } }, "                                                                                    \
-    "'lights': { 'lamp': { 'type': 'point', 'position': [0.3, 0.2, 1], 'intensity': [4, 4, 4] } } }"
+#define LAMP_ON_A_PLANE                                                                            \
+    "{" CAMERA "'meshes': { 'plane': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': " \
+    "20, 'rotate': [90, 0, 0] } } }, "                                                             \
+    "'materials': { 'm': { 'albedo': 0.6 } }, "                                                    \
+    "'lights': { 'lamp': { 'type': 'point', 'position': [0.3, 0.2, 1], 'intensity': [4, 4, 4] } "  \
+    "} }"
 
 static double lamp_on_a_plane(const lf_renderer *renderer, int view, double mx, double my)
 {
-    double x = (double)renderer->rig.b[view] + 5.0 * mx - 0.3, y = 5.0 * my - 0.2, r2 = x * x + y * y + 1.0;
+    double x = (double)lf_test_rows(renderer)->rig.b[view] + 5.0 * mx - 0.3, y = 5.0 * my - 0.2,
+           r2 = x * x + y * y + 1.0;
     return 0.6 / M_PI * 4.0 / (r2 * sqrt(r2));
 }
 
@@ -272,18 +303,21 @@ static void case_06_a_lamp_lights_a_plane_by_cosine_and_distance(void **state)
     assert_blocks(LAMP_ON_A_PLANE, lamp_on_a_plane, 10, 10, 16, 1e-3);
 }
 
-/* ------------------------------------------------------------------------------------------------- one place twice -- */
+/* --------------------------------------------------------------------------- one place twice -- */
 
 static void case_05_cameras_in_one_place_see_one_picture(void **state)
 {
     (void)state;
     lf_scene *scene = lf_test_scene(
-        "{ 'quiltd': 1, 'camera': { 'position': [0, 0.4, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'views': 3, 'cone': 0 }, "
+        "{ 'quiltd': 1, 'camera': { 'position': [0, 0.4, 5], 'fov_y': 24, 'aspect': 1.3333333333, "
+        "'views': 3, 'cone': 0 }, "
         "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.5 } }, "
-        "'meshes': { 'ground': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': 3, 'translate': [0, -1, 0] } } }, "
+        "'meshes': { 'ground': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': 3, "
+        "'translate': [0, -1, 0] } } }, "
         "'materials': { 'm': { 'type': 'plastic', 'albedo': 0.6, 'roughness': 0.4 } }, "
         "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.5 }, "
-        "'sun': { 'type': 'distant', 'direction': [0.3, -1, -0.2], 'irradiance': 3, 'angle': 5 } } }");
+        "'sun': { 'type': 'distant', 'direction': [0.3, -1, -0.2], 'irradiance': 3, 'angle': 5 } } "
+        "}");
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_test_passes(r, 5);
     size_t pixels = (size_t)width;
@@ -291,9 +325,12 @@ static void case_05_cameras_in_one_place_see_one_picture(void **state)
         for (int h = 0; h < 2; h++) {
             lf_film_half half = lf_film_at(&r->film, row, h);
             for (int view = 1; view < 3; view++) {
-                assert_memory_equal(half.scattered, half.scattered + (size_t)view * pixels, pixels * sizeof *half.scattered);
-                assert_memory_equal(half.q, half.q + (size_t)view * pixels, pixels * sizeof *half.q);
-                assert_memory_equal(half.w2, half.w2 + (size_t)view * pixels, pixels * sizeof *half.w2);
+                assert_memory_equal(half.scattered, half.scattered + (size_t)view * pixels,
+                                    pixels * sizeof *half.scattered);
+                assert_memory_equal(half.q, half.q + (size_t)view * pixels,
+                                    pixels * sizeof *half.q);
+                assert_memory_equal(half.w2, half.w2 + (size_t)view * pixels,
+                                    pixels * sizeof *half.w2);
             }
         }
     }
@@ -301,20 +338,22 @@ static void case_05_cameras_in_one_place_see_one_picture(void **state)
     lf_scene_unref(scene);
 }
 
-/* A mirror in the window's own plane covers the same part of every view, and shows the sky in 0.9 of its light: however passes are cut
- * into visits, in the middle of the mirror as in pixels that it covers in part. */
+/* A mirror in the window's own plane covers the same part of every view, and shows the sky in 0.9
+ * of its light: however passes are cut into visits, in the middle of the mirror as in pixels that
+ * it covers in part. */
 static void mean_of_a_mirror(const char *integrator, int subsets, lf_moments *out)
 {
-    lf_scene *scene =
-        lf_test_scene("{" CAMERA "'meshes': { 'mirror': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': 0.5, "
-                      "'rotate': [90, 0, 0] } } }, 'materials': { 'm': { 'type': 'conductor', 'albedo': 0.9, "
-                      "'roughness': 0 } }, " WHITE_SKY "}");
+    lf_scene *scene = lf_test_scene(
+        "{" CAMERA
+        "'meshes': { 'mirror': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': 0.5, "
+        "'rotate': [90, 0, 0] } } }, 'materials': { 'm': { 'type': 'conductor', 'albedo': 0.9, "
+        "'roughness': 0 } }, " WHITE_SKY "}");
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     *out = (lf_moments){0};
     for (int k = 0; k < 32; k++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed() + 77, (uint64_t)k));
         for (int done = 0; subsets > 0 && done < 20; done += subsets)
-            assert_int_equal(lf_renderer_pass(r, 0, 1, subsets, NULL, NULL, NULL), LF_OK);
+            assert_int_equal(lf_renderer_pass(r, NULL, subsets, NULL, NULL, NULL), LF_OK);
         if (subsets == 0)
             lf_test_passes(r, 40);
         double *picture = lf_test_picture(r, LF_ESTIMATOR_MIS), sum = 0.0;
@@ -334,13 +373,14 @@ static void a_mirror_shows_its_share_of_the_sky_however_visits_are_cut(void **st
         const char *integrator;
         int subsets; /* of 5; 0: the offline schedule */
     } cuts[] = {{"vpt", 0}, {"mvpt", 0}, {"mvpt", 1}, {"mvpt", 2}, {"amvpt", 0}};
-    const double half = 5.0 * tan(12.0 * (double)LF_PI / 180.0), share = 0.25 / (half * half * 1.3333333333);
+    const double half = 5.0 * tan(12.0 * (double)LF_PI / 180.0),
+                 share = 0.25 / (half * half * 1.3333333333);
     for (size_t i = 0; i < sizeof cuts / sizeof cuts[0]; i++) {
         lf_moments m;
         mean_of_a_mirror(cuts[i].integrator, cuts[i].subsets, &m);
         double error = lf_moments_error(&m);
-        print_message("%s %d: %.6f +- %.1e, should be %.6f\n", cuts[i].integrator, cuts[i].subsets, m.mean, error,
-                      1.0 - 0.1 * share);
+        print_message("%s %d: %.6f +- %.1e, should be %.6f\n", cuts[i].integrator, cuts[i].subsets,
+                      m.mean, error, 1.0 - 0.1 * share);
         assert_true(fabs(m.mean - (1.0 - 0.1 * share)) < 5.0 * error);
         assert_true(error < 1e-3 * share); /* half a per cent of M would be seen */
     }

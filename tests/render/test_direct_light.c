@@ -1,8 +1,9 @@
-/* Light samples against closed forms: what a lamp gives to a point of a ground, by the light that is drawn and by what of it arrives, with
- * lamps and grounds of very different sizes, turned and far away. */
+/* Light samples against closed forms: what a lamp gives to a point of a ground, by the light that
+ * is drawn and by what of it arrives, with lamps and grounds of very different sizes, turned and
+ * far away. */
 #include "tests/testing.h"
 
-#include "render/path.h"
+#include "render/transport/path.h"
 #include "tests/stat/fixture.h"
 
 typedef struct vec {
@@ -52,7 +53,7 @@ static vec turn(const double degrees[3], vec a)
     return (vec){c[2] * a.x - s[2] * a.y, s[2] * a.x + c[2] * a.y, a.z};
 }
 
-/* --------------------------------------------------------------------------------------- a lamp above a ground -- */
+/* --------------------------------------------------------------------- a lamp above a ground -- */
 
 /* A square lamp over the middle of a square ground. */
 typedef struct set_up {
@@ -69,14 +70,19 @@ static lf_scene *make_scene(const set_up *s)
     bool slanted = s->slant[0] != 0.0 || s->slant[1] != 0.0 || s->slant[2] != 0.0;
     const double *lamp = slanted ? s->slant : s->turned;
     snprintf(text, sizeof text,
-             "{ 'quiltd': 1, 'camera': { 'position': [0, 1, 5], 'fov_y': 24, 'aspect': 1, 'views': 1 }, 'meshes': { "
-             "'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': %.17g, 'rotate': [%g, %g, %g], 'translate': "
+             "{ 'quiltd': 1, 'camera': { 'position': [0, 1, 5], 'fov_y': 24, 'aspect': 1, 'views': "
+             "1 }, 'meshes': { "
+             "'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': %.17g, "
+             "'rotate': [%g, %g, %g], 'translate': "
              "[%.17g, %.17g, 0] } }, "
-             "'lamp': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': %.17g, 'rotate': [%g, %g, %g], 'translate': "
+             "'lamp': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': %.17g, "
+             "'rotate': [%g, %g, %g], 'translate': "
              "[%.17g, %.17g, %.17g] } } }, "
-             "'materials': { 'clay': { 'albedo': 1 }, 'lamp': { 'albedo': 0, 'emission': 1 } }, 'lights': {} }",
-             s->ground, s->turned[0], s->turned[1], s->turned[2], s->moved, -s->moved, s->lamp, lamp[0], lamp[1], lamp[2],
-             s->moved + s->height * up.x, s->height * up.y - s->moved, s->height * up.z);
+             "'materials': { 'clay': { 'albedo': 1 }, 'lamp': { 'albedo': 0, 'emission': 1 } }, "
+             "'lights': {} }",
+             s->ground, s->turned[0], s->turned[1], s->turned[2], s->moved, -s->moved, s->lamp,
+             lamp[0], lamp[1], lamp[2], s->moved + s->height * up.x, s->height * up.y - s->moved,
+             s->height * up.z);
     return lf_test_scene(text);
 }
 
@@ -85,8 +91,10 @@ static void find_ground(lf_tracer *tracer, const set_up *s, double x, double z, 
 {
     const double *o = tracer->scene->origin;
     vec middle = {s->moved - o[0], -s->moved - o[1], -o[2]};
-    vec at = madd(madd(middle, x, turn(s->turned, (vec){1, 0, 0})), z, turn(s->turned, (vec){0, 0, 1}));
-    vec from = madd(at, 0.4 * s->height, turn(s->turned, (vec){0, 1, 0})), w = turn(s->turned, (vec){0, -1, 0});
+    vec at =
+        madd(madd(middle, x, turn(s->turned, (vec){1, 0, 0})), z, turn(s->turned, (vec){0, 0, 1}));
+    vec from = madd(at, 0.4 * s->height, turn(s->turned, (vec){0, 1, 0})),
+        w = turn(s->turned, (vec){0, -1, 0});
     out->kind = LF_EVENT_SURFACE;
     out->w = lf_v3((float)w.x, (float)w.y, (float)w.z);
     lf_vec3 eye = lf_v3((float)from.x, (float)from.y, (float)from.z);
@@ -99,7 +107,8 @@ static void find_ground(lf_tracer *tracer, const set_up *s, double x, double z, 
 static double polygon(const lf_mesh *mesh, const lf_event *at)
 {
     /* of the quad's two triangles 0 1 2 and 0 2 3 */
-    const uint32_t corner[4] = {mesh->triangles[0], mesh->triangles[1], mesh->triangles[2], mesh->triangles[5]};
+    const uint32_t corner[4] = {mesh->triangles[0], mesh->triangles[1], mesh->triangles[2],
+                                mesh->triangles[5]};
     double e = 0.0;
     for (int i = 0; i < 4; i++) {
         vec a = sub(v3(lf_mesh_vertex(mesh, corner[i])), v3(at->p));
@@ -116,12 +125,14 @@ static double by_samples(lf_tracer *tracer, const lf_event *at, int across, doub
     double sum = 0.0;
     int lost = 0, n = 2 * across * across;
     for (int i = 0; i < n; i++) {
-        const float u[3] = {(float)(i % 2) * 0.5f + 0.25f, ((float)(i / 2 % across) + 0.5f) / (float)across,
+        const float u[3] = {(float)(i % 2) * 0.5f + 0.25f,
+                            ((float)(i / 2 % across) + 0.5f) / (float)across,
                             ((float)(i / 2 / across) + 0.5f) / (float)across};
         lf_light_sample light;
         if (!lf_light_draw(tracer->scene, at->p, u, &light))
             continue;
-        double arrives = (double)lf_path_visible(tracer, at, &light), cosine = (double)lf_dot(light.wi, at->hit.ng);
+        double arrives = (double)lf_path_visible(tracer, at, &light),
+               cosine = (double)lf_dot(light.wi, at->hit.ng);
         lost += !(arrives > 0.0);
         sum += arrives * fmax(cosine, 0.0) * (double)(light.radiance.x / light.pdf);
     }
@@ -131,7 +142,8 @@ static double by_samples(lf_tracer *tracer, const lf_event *at, int across, doub
 
 static void assert_lit(const set_up *s)
 {
-    static const double places[][2] = {{0.0137, 0.0291}, {-0.31, 0.17}, {0.9, -0.7}, {-0.05, -0.93}};
+    static const double places[][2] = {
+        {0.0137, 0.0291}, {-0.31, 0.17}, {0.9, -0.7}, {-0.05, -0.93}};
     lf_scene *scene = make_scene(s);
     lf_tracer tracer = {.scene = scene, .rng = lf_test_seed()};
     double reach = fmin(s->ground, fmax(s->lamp, 2.0 * s->height));
@@ -142,9 +154,10 @@ static void assert_lit(const set_up *s)
         double expected = polygon(&scene->meshes[1], &at),
                got = by_samples(&tracer, &at, s->lamp > 20 * s->height ? 384 : 96, &lost);
         if (!(fabs(got / expected - 1.0) < 1e-3) || lost > 0.0)
-            fail_msg("ground %g, lamp %g at %g, turned %g %g %g, slant %g, moved %g, place %zu: %.6f for %.6f, %.2f %% lost",
-                     s->ground, s->lamp, s->height, s->turned[0], s->turned[1], s->turned[2], s->slant[0], s->moved, i, got,
-                     expected, 100.0 * lost);
+            fail_msg("ground %g, lamp %g at %g, turned %g %g %g, slant %g, moved %g, place %zu: "
+                     "%.6f for %.6f, %.2f %% lost",
+                     s->ground, s->lamp, s->height, s->turned[0], s->turned[1], s->turned[2],
+                     s->slant[0], s->moved, i, got, expected, 100.0 * lost);
     }
     lf_scene_unref(scene);
 }
@@ -155,7 +168,8 @@ static void a_lamp_over_a_ground_of_any_size_gives_lamberts_formula(void **state
     for (double ground = 1.0; ground < 2e5; ground *= 10.0) {
         assert_lit(&(set_up){.ground = ground, .lamp = 0.5, .height = 1});
         assert_lit(&(set_up){.ground = ground, .lamp = 0.5, .height = 1, .turned = {33, 20, -51}});
-        assert_lit(&(set_up){.ground = ground, .lamp = 0.5, .height = 1, .turned = {-12, 0, 77}, .moved = 1e6});
+        assert_lit(&(set_up){
+            .ground = ground, .lamp = 0.5, .height = 1, .turned = {-12, 0, 77}, .moved = 1e6});
         assert_lit(&(set_up){.ground = ground, .lamp = 0.5, .height = 1, .slant = {38, 10, 15}});
     }
 }
@@ -166,7 +180,8 @@ static void a_lamp_of_any_size_over_a_ground_gives_lamberts_formula(void **state
     for (double lamp = 1e-2; lamp < 200.0; lamp *= 10.0) {
         assert_lit(&(set_up){.ground = 1e3, .lamp = lamp, .height = 1});
         assert_lit(&(set_up){.ground = 1e3, .lamp = lamp, .height = 1, .turned = {33, 20, -51}});
-        assert_lit(&(set_up){.ground = 1e3, .lamp = lamp, .height = 10, .turned = {-70, 11, 4}, .moved = -3e4});
+        assert_lit(&(set_up){
+            .ground = 1e3, .lamp = lamp, .height = 10, .turned = {-70, 11, 4}, .moved = -3e4});
     }
 }
 
@@ -196,17 +211,20 @@ static void a_ball_of_light_over_a_plane_gives_the_formula_and_the_inverse_squar
     for (int k = 0; k < 3; k++) {
         char text[1024];
         double r = sizes[k], h = fmax(1.0, 1.1 * r);
-        snprintf(
-            text, sizeof text,
-            "{ 'quiltd': 1, 'camera': { 'position': [0, 1, 5], 'fov_y': 24, 'aspect': 1, 'views': 1 }, 'meshes': { 'ground': { "
-            "'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 1000 } }, 'lamp': { 'shape': 'sphere', 'material': "
-            "'lamp', 'transform': { 'scale': %g, 'translate': [0, %g, 0] } } }, 'materials': { 'clay': { 'albedo': 1 }, 'lamp': "
-            "{ 'albedo': 0, 'emission': 1 } }, 'lights': {} }",
-            r, h);
+        snprintf(text, sizeof text,
+                 "{ 'quiltd': 1, 'camera': { 'position': [0, 1, 5], 'fov_y': 24, 'aspect': 1, "
+                 "'views': 1 }, 'meshes': { 'ground': { "
+                 "'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 1000 } }, 'lamp': { "
+                 "'shape': 'sphere', 'material': "
+                 "'lamp', 'transform': { 'scale': %g, 'translate': [0, %g, 0] } } }, 'materials': "
+                 "{ 'clay': { 'albedo': 1 }, 'lamp': "
+                 "{ 'albedo': 0, 'emission': 1 } }, 'lights': {} }",
+                 r, h);
         lf_scene *scene = lf_test_scene(text);
         lf_tracer tracer = {.scene = scene, .rng = lf_test_seed()};
         lf_event at = {.kind = LF_EVENT_SURFACE, .w = lf_v3(0.0f, -1.0f, 0.0f)};
-        assert_true(lf_trace_surface(&tracer, lf_v3((float)(1.5 * h), (float)(0.3 * h), 0.0f), at.w, INFINITY, &at.hit));
+        assert_true(lf_trace_surface(&tracer, lf_v3((float)(1.5 * h), (float)(0.3 * h), 0.0f), at.w,
+                                     INFINITY, &at.hit));
         at.p = at.hit.p;
         double d2 = h * h * (1.0 + 1.5 * 1.5), expected = facets(&scene->meshes[1], &at), error;
         lf_assert_close(expected, M_PI * r * r / d2 / sqrt(1.0 + 1.5 * 1.5), 2e-3, 0.0);
@@ -216,7 +234,8 @@ static void a_ball_of_light_over_a_plane_gives_the_formula_and_the_inverse_squar
             lf_light_sample light;
             double given = 0.0;
             if (lf_light_draw(scene, at.p, u, &light))
-                given = (double)(lf_path_visible(&tracer, &at, &light) * lf_max(lf_dot(light.wi, at.hit.ng), 0.0f) / light.pdf);
+                given = (double)(lf_path_visible(&tracer, &at, &light) *
+                                 lf_max(lf_dot(light.wi, at.hit.ng), 0.0f) / light.pdf);
             lf_moments_add(&m, given);
         }
         error = lf_moments_error(&m);
@@ -227,7 +246,8 @@ static void a_ball_of_light_over_a_plane_gives_the_formula_and_the_inverse_squar
     }
 }
 
-/* The form factor of two equal squares that face each other (Howell's catalogue, C-11), at distances of 1 and 0.1 of their sides. */
+/* The form factor of two equal squares that face each other (Howell's catalogue, C-11), at
+ * distances of 1 and 0.1 of their sides. */
 static void two_plates_exchange_their_form_factor(void **state)
 {
     (void)state;
@@ -236,14 +256,17 @@ static void two_plates_exchange_their_form_factor(void **state)
     for (int k = 0; k < 2; k++) {
         double x = across[k], y = sqrt(1.0 + x * x), sum = 0.0;
         double expected =
-            2.0 / (M_PI * x * x) * (log(y * y / sqrt(1.0 + 2.0 * x * x)) + 2.0 * x * y * atan(x / y) - 2.0 * x * atan(x));
+            2.0 / (M_PI * x * x) *
+            (log(y * y / sqrt(1.0 + 2.0 * x * x)) + 2.0 * x * y * atan(x / y) - 2.0 * x * atan(x));
         set_up s = {.ground = 0.5 * x, .lamp = 0.5 * x, .height = 1, .turned = {10, 20, 30}};
         lf_scene *scene = make_scene(&s);
         lf_tracer tracer = {.scene = scene, .rng = lf_test_seed()};
         for (int i = 0; i < n * n; i++) {
             lf_event at;
-            double lost, place[2] = {0.5 - 0.5 * cos(M_PI * (i % n + 0.5) / n), 0.5 - 0.5 * cos(M_PI * (i / n + 0.5) / n)};
-            double weight = 0.25 * (M_PI / n) * (M_PI / n) * sin(M_PI * (i % n + 0.5) / n) * sin(M_PI * (i / n + 0.5) / n);
+            double lost, place[2] = {0.5 - 0.5 * cos(M_PI * (i % n + 0.5) / n),
+                                     0.5 - 0.5 * cos(M_PI * (i / n + 0.5) / n)};
+            double weight = 0.25 * (M_PI / n) * (M_PI / n) * sin(M_PI * (i % n + 0.5) / n) *
+                            sin(M_PI * (i / n + 0.5) / n);
             find_ground(&tracer, &s, x * (place[0] - 0.5), x * (place[1] - 0.5), &at);
             sum += weight * by_samples(&tracer, &at, 48, &lost) / M_PI;
             assert_true(lost == 0.0);
@@ -255,14 +278,15 @@ static void two_plates_exchange_their_form_factor(void **state)
     }
 }
 
-/* ---------------------------------------------------------------------------------------------------- in pictures -- */
+/* ------------------------------------------------------------------------------- in pictures -- */
 
 static void four_cycles(lf_renderer *renderer)
 {
     lf_test_cycles(renderer, 4);
 }
 
-/* One small spot right below the lamp: 0.5 times the form factor of a square of 1 at a distance of 1. */
+/* One small spot right below the lamp: 0.5 times the form factor of a square of 1 at a distance
+ * of 1. */
 static void a_lamp_lights_a_ground_of_any_size_in_pictures(void **state)
 {
     (void)state;
@@ -270,14 +294,16 @@ static void a_lamp_lights_a_ground_of_any_size_in_pictures(void **state)
     const double f = 0.5 * 4.0 / M_PI * sqrt(0.2) * atan(sqrt(0.2));
     for (int k = 0; k < 6; k++) {
         char text[1024];
-        snprintf(
-            text, sizeof text,
-            "{ 'quiltd': 1, 'camera': { 'position': [0, 0.5, 0.02], 'target': [0, 0, 0], 'up': [0, 0, -1], 'fov_y': 1, 'aspect': "
-            "1, "
-            "'views': 3, 'cone': 1 }, 'meshes': { 'f': { 'shape': 'quad', 'material': 'd', 'transform': { 'scale': %s } }, 'l': { "
-            "'shape': 'quad', 'material': 'e', 'transform': { 'scale': 0.5, 'translate': [0, 1, 0] } } }, 'materials': { 'd': { "
-            "'albedo': 0.5 }, 'e': { 'albedo': 0, 'emission': 1 } }, 'lights': {} }",
-            grounds[k / 2]);
+        snprintf(text, sizeof text,
+                 "{ 'quiltd': 1, 'camera': { 'position': [0, 0.5, 0.02], 'target': [0, 0, 0], "
+                 "'up': [0, 0, -1], 'fov_y': 1, 'aspect': "
+                 "1, "
+                 "'views': 3, 'cone': 1 }, 'meshes': { 'f': { 'shape': 'quad', 'material': 'd', "
+                 "'transform': { 'scale': %s } }, 'l': { "
+                 "'shape': 'quad', 'material': 'e', 'transform': { 'scale': 0.5, 'translate': [0, "
+                 "1, 0] } } }, 'materials': { 'd': { "
+                 "'albedo': 0.5 }, 'e': { 'albedo': 0, 'emission': 1 } }, 'lights': {} }",
+                 grounds[k / 2]);
         lf_scene *scene = lf_test_scene(text);
         lf_renderer *r = lf_test_renderer(scene, integrators[k % 2], 32, 32, NULL);
         lf_blocks blocks;
@@ -285,26 +311,29 @@ static void a_lamp_lights_a_ground_of_any_size_in_pictures(void **state)
         const lf_moments *m = &blocks.moments[blocks.n - 1];
         assert_true(lf_moments_error(m) < 1.5e-3 * f);
         if (lf_p_mean(m, f) < lf_sidak(LF_FALSE_ALARM, 6))
-            fail_msg("ground %s, %s: %.6f +- %.6f for %.6f", grounds[k / 2], integrators[k % 2], m->mean, lf_moments_error(m), f);
+            fail_msg("ground %s, %s: %.6f +- %.6f for %.6f", grounds[k / 2], integrators[k % 2],
+                     m->mean, lf_moments_error(m), f);
         lf_blocks_finish(&blocks);
         lf_renderer_destroy(r);
         lf_scene_unref(scene);
     }
 }
 
-/* ------------------------------------------------------------------------------------- a small box on a ground -- */
+/* ------------------------------------------------------------------- a small box on a ground -- */
 
 /* Where a ray meets a triangle, in double (Moeller and Trumbore 1997); INFINITY: nowhere. */
 static double meet(const lf_mesh *mesh, int triangle, vec o, vec w)
 {
     const uint32_t *corner = mesh->triangles + 3 * triangle;
     vec a = v3(lf_mesh_vertex(mesh, corner[0])), ab = sub(v3(lf_mesh_vertex(mesh, corner[1])), a);
-    vec ac = sub(v3(lf_mesh_vertex(mesh, corner[2])), a), p = cross(w, ac), to = sub(o, a), q = cross(to, ab);
+    vec ac = sub(v3(lf_mesh_vertex(mesh, corner[2])), a), p = cross(w, ac), to = sub(o, a),
+        q = cross(to, ab);
     double det = dot(ab, p), u = dot(to, p) / det, v = dot(w, q) / det, t = dot(ac, q) / det;
     return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 ? t : (double)INFINITY;
 }
 
-/* The nearest mesh, by asking every triangle; -1: none. A ray that leaves a mesh does not meet it again: none of these is hollow. */
+/* The nearest mesh, by asking every triangle; -1: none. A ray that leaves a mesh does not meet it
+ * again: none of these is hollow. */
 static int nearest(const lf_scene *scene, vec o, vec w, int leaves, double *out_t)
 {
     int found = -1;
@@ -335,13 +364,16 @@ static void set_box(boxed *b)
     char text[2048];
     vec up = turn(b->turned, (vec){0, 1, 0});
     const double *r = b->turned, x = b->moved, lift = 0.01;
-    snprintf(
-        text, sizeof text,
-        "{ 'quiltd': 1, 'camera': { 'position': [0, 1, 5], 'fov_y': 24, 'aspect': 1, 'views': 1 }, 'meshes': { "
-        "'ground': { 'shape': 'quad', 'transform': { 'scale': %.17g, 'rotate': [%g, %g, %g], 'translate': [%.17g, %.17g, 0] } }, "
-        "'hut': { 'shape': 'cube', 'transform': { 'scale': [0.1, 0.01, 0.1], 'rotate': [%g, %g, %g], 'translate': [%.17g, "
-        "%.17g, %.17g] } } }, 'lights': {} }",
-        b->ground, r[0], r[1], r[2], x, -x, r[0], r[1], r[2], x + lift * up.x, lift * up.y - x, lift * up.z);
+    snprintf(text, sizeof text,
+             "{ 'quiltd': 1, 'camera': { 'position': [0, 1, 5], 'fov_y': 24, 'aspect': 1, 'views': "
+             "1 }, 'meshes': { "
+             "'ground': { 'shape': 'quad', 'transform': { 'scale': %.17g, 'rotate': [%g, %g, %g], "
+             "'translate': [%.17g, %.17g, 0] } }, "
+             "'hut': { 'shape': 'cube', 'transform': { 'scale': [0.1, 0.01, 0.1], 'rotate': [%g, "
+             "%g, %g], 'translate': [%.17g, "
+             "%.17g, %.17g] } } }, 'lights': {} }",
+             b->ground, r[0], r[1], r[2], x, -x, r[0], r[1], r[2], x + lift * up.x, lift * up.y - x,
+             lift * up.z);
     b->scene = lf_test_scene(text);
     b->tracer = (lf_tracer){.scene = b->scene};
     b->random = lf_test_seed();
@@ -370,10 +402,12 @@ static __attribute__((noinline)) lf_vec3 rounded(vec a)
     return lf_v3((float)a.x, (float)a.y, (float)a.z);
 }
 
-/* A ray from above to a point near the box (in its frame); counts where another mesh is met than in double. */
+/* A ray from above to a point near the box (in its frame); counts where another mesh is met than in
+ * double. */
 static int look(boxed *b, double x, double y, double z, lf_event *out)
 {
-    lf_vec3 eye = rounded(place(b, b->middle, 0.3, 2.0, 2.5)), to = rounded(place(b, b->middle, x, y, z));
+    lf_vec3 eye = rounded(place(b, b->middle, 0.3, 2.0, 2.5)),
+            to = rounded(place(b, b->middle, x, y, z));
     double t;
     out->kind = LF_EVENT_SURFACE;
     out->w = lf_normalize(lf_sub(to, eye));
@@ -383,7 +417,8 @@ static int look(boxed *b, double x, double y, double z, lf_event *out)
     return !met || expected != (int)(out->hit.mesh - b->scene->meshes);
 }
 
-/* Counts where something else lies between a point and a sun, or is met by a ray that goes on from there, than in double. */
+/* Counts where something else lies between a point and a sun, or is met by a ray that goes on from
+ * there, than in double. */
 static int ask(boxed *b, const lf_event *at, lf_vec3 w)
 {
     int from = (int)(at->hit.mesh - b->scene->meshes);
@@ -405,10 +440,12 @@ static void assert_box(boxed b)
     lf_vec3 sun = lf_normalize(rounded(place(&b, (vec){0, 0, 0}, -0.9, 0.3, 0.0)));
     for (int i = 0; i < n; i++) {
         lf_event at;
-        lf_vec3 w = lf_normalize(rounded(place(&b, (vec){0, 0, 0}, uniform(&b) - 0.5, uniform(&b) - 0.5, uniform(&b) - 0.5)));
+        lf_vec3 w = lf_normalize(rounded(
+            place(&b, (vec){0, 0, 0}, uniform(&b) - 0.5, uniform(&b) - 0.5, uniform(&b) - 0.5)));
         primary += look(&b, 0.4 * uniform(&b) - 0.2, 0.0, 0.4 * uniform(&b) - 0.2, &at);
         shadow += ask(&b, &at, sun);
-        dark += !(lf_path_visible(&b.tracer, &at, &(lf_light_sample){.wi = sun, .distance = INFINITY}) > 0.0f);
+        dark += !(lf_path_visible(&b.tracer, &at,
+                                  &(lf_light_sample){.wi = sun, .distance = INFINITY}) > 0.0f);
         bounce += ask(&b, &at, w);
         /* along the foot of the wall */
         primary += look(&b, 0.2 * uniform(&b) - 0.1, 0.004 * uniform(&b) - 0.002, 0.1, &at);
@@ -417,22 +454,26 @@ static void assert_box(boxed b)
     lf_scene_unref(b.scene);
     assert_true(dark > n / 20);
     if (primary > n / 1000 || shadow > dark / 200 || bounce > n / 1000)
-        fail_msg("ground %g turned %g: of %d %d are seen wrong, %d shaded wrong (of %d in the shadow), %d bounce wrong", b.ground,
-                 b.turned[0], n, primary, shadow, dark, bounce);
+        fail_msg("ground %g turned %g: of %d %d are seen wrong, %d shaded wrong (of %d in the "
+                 "shadow), %d bounce wrong",
+                 b.ground, b.turned[0], n, primary, shadow, dark, bounce);
 }
 
 /* The mean of a picture of a box of 0.02 and its shadow. */
 static double picture_of_box(const char *ground, const char *integrator)
 {
     char text[1024];
-    snprintf(
-        text, sizeof text,
-        "{ 'quiltd': 1, 'camera': { 'position': [0, 4, 4], 'target': [0, 0, 0], 'fov_y': 6, 'aspect': 0.75, 'views': 5, 'cone': 10 "
-        "}, 'meshes': { 'ground': { 'shape': 'quad', 'material': 'g', 'transform': { 'scale': %s } }, 'box': { 'shape': 'cube', "
-        "'material': 'g', 'transform': { 'scale': [0.1, 0.01, 0.1], 'translate': [0, 0.01, 0] } } }, 'materials': { 'g': { "
-        "'albedo': 0.5 } }, 'lights': { 'sun': { 'type': 'distant', 'direction': [0.9, -0.3, 0], 'irradiance': 5 } }, 'render': { "
-        "'max_depth': 1 } }",
-        ground);
+    snprintf(text, sizeof text,
+             "{ 'quiltd': 1, 'camera': { 'position': [0, 4, 4], 'target': [0, 0, 0], 'fov_y': 6, "
+             "'aspect': 0.75, 'views': 5, 'cone': 10 "
+             "}, 'meshes': { 'ground': { 'shape': 'quad', 'material': 'g', 'transform': { 'scale': "
+             "%s } }, 'box': { 'shape': 'cube', "
+             "'material': 'g', 'transform': { 'scale': [0.1, 0.01, 0.1], 'translate': [0, 0.01, 0] "
+             "} } }, 'materials': { 'g': { "
+             "'albedo': 0.5 } }, 'lights': { 'sun': { 'type': 'distant', 'direction': [0.9, -0.3, "
+             "0], 'irradiance': 5 } }, 'render': { "
+             "'max_depth': 1 } }",
+             ground);
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, integrator, 36, 48, NULL);
     lf_test_cycles(r, 2);
@@ -445,13 +486,16 @@ static double picture_of_box(const char *ground, const char *integrator)
     return sum / (36 * 48 * 5);
 }
 
-/* The same seeds: what differs is the ground, which the picture does not show the end of. Its shadow is 2 % of the picture. */
+/* The same seeds: what differs is the ground, which the picture does not show the end of. Its
+ * shadow is 2 % of the picture. */
 static void a_small_box_casts_the_same_shadow_on_a_ground_of_any_size(void **state)
 {
     (void)state;
-    static const char *const grounds[] = {"300", "3000", "1e5"}, *const integrators[] = {"vpt", "mvpt"};
+    static const char *const grounds[] = {"300", "3000", "1e5"}, *const integrators[] = {"vpt",
+                                                                                         "mvpt"};
     for (int k = 0; k < 6; k++)
-        lf_assert_close(picture_of_box(grounds[k / 2], integrators[k % 2]), picture_of_box("3", integrators[k % 2]), 1e-4, 0.0);
+        lf_assert_close(picture_of_box(grounds[k / 2], integrators[k % 2]),
+                        picture_of_box("3", integrators[k % 2]), 1e-4, 0.0);
 }
 
 static void a_small_box_stands_on_a_ground_of_any_size_as_in_double_precision(void **state)

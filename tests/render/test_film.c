@@ -1,9 +1,9 @@
-/* The film's arithmetic: bytes a view pixel, sums that neither stagnate nor drift, means that stay exact, the few bits of the
- * halves' difference, and light that is known without being stored. */
+/* The film's arithmetic: bytes a view pixel, sums that neither stagnate nor drift, means that stay
+ * exact, the few bits of the halves' difference, and light that is known without being stored. */
 #include "tests/testing.h"
 
-#include "render/film.h"
-#include "render/film_difference.h"
+#include "render/film/film.h"
+#include "render/film/film_difference.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 
@@ -17,6 +17,8 @@ typedef struct bench {
 static void bench_init(bench *b, const lf_film_layout *layout)
 {
     assert_int_equal(lf_film_init(&b->film, layout), LF_OK);
+    int stream;
+    assert_int_equal(lf_film_stream_at(&b->film, 0, 0, &stream), LF_OK);
     assert_int_equal(lf_film_sums_init(&b->sums, layout), LF_OK);
     lf_film_sums_begin(&b->sums);
 }
@@ -28,16 +30,21 @@ static void bench_finish(bench *b)
 }
 
 /* Merges `visits` visits that all find what the sums hold. */
-static void merge(bench *b, int half, int visits, double weight)
+static void merge(bench *b, int half, int visits, double spp)
 {
     for (int i = 0; i < visits; i++)
-        lf_film_merge(&b->film, 0, half, &b->sums, weight, lf_hash64(lf_test_seed(), (uint64_t)i * 2 + (uint64_t)half));
+        lf_film_merge(&b->film, 0, 0, half, &b->sums, spp * b->film.n_views,
+                      lf_hash64(lf_test_seed(), (uint64_t)i * 2 + (uint64_t)half));
 }
 
 static double bytes_a_pixel(bool w2, bool known, bool native)
 {
-    const lf_film_layout layout = {
-        .n_views = 45, .width = 420, .height = 2, .has_w2 = w2, .has_native = native, .has_known = known};
+    const lf_film_layout layout = {.n_views = 45,
+                                   .width = 420,
+                                   .height = 2,
+                                   .has_w2 = w2,
+                                   .has_native = native,
+                                   .has_known = known};
     lf_film film = {0};
     assert_int_equal(lf_film_init(&film, &layout), LF_OK);
     double bytes = (double)film.data_bytes / (45 * 420 * 2);
@@ -83,8 +90,9 @@ static void relative_errors(const bench *b, double truth, double *out_mean, doub
     *out_deviation = sqrt(squares / 256);
 }
 
-/* The worst case of plain floats, the same awkward number again and again: sums of 2^17 of them, and a tenth of 2^-24 of the sum, far
- * below half a unit in the last place. The bound is film.h's; unbiased: the mean within 4 standard errors. */
+/* The worst case of plain floats, the same awkward number again and again: sums of 2^17 of them,
+ * and a tenth of 2^-24 of the sum, far below half a unit in the last place. The bound is film.h's;
+ * unbiased: the mean within 4 standard errors. */
 static void sums_neither_drift_nor_stagnate(void **state)
 {
     (void)state;
@@ -97,7 +105,8 @@ static void sums_neither_drift_nor_stagnate(void **state)
         b.sums.half.scattered[i].w = x;
     merge(&b, 0, visits, 1.0);
     relative_errors(&b, visits * (double)x, &error, &deviation);
-    print_message("2^17 times 0.7: relative error %.2g on average, %.2g a pixel, bound %.2g\n", error, deviation, bound);
+    print_message("2^17 times 0.7: relative error %.2g on average, %.2g a pixel, bound %.2g\n",
+                  error, deviation, bound);
     assert_true(deviation < bound && fabs(error) < 4 * deviation / sqrt(256));
     double before = (double)lf_film_at(&b.film, 0, 0).scattered[0].w;
     float plain = 0, stuck = (float)before;
@@ -130,11 +139,13 @@ static void case_19_ones_beside_hundred_millions_are_kept(void **state)
     for (int i = 0; i < visits; i++) {
         for (int k = 0; k < 256; k += i == 0 ? 1 : 256)
             b.sums.half.scattered[k].w = 22 * 1e8f + 22;
-        lf_film_merge(&b.film, 0, 0, &b.sums, 1.0, lf_hash64(lf_test_seed(), (uint64_t)i));
+        lf_film_merge(&b.film, 0, 0, 0, &b.sums, 1.0, lf_hash64(lf_test_seed(), (uint64_t)i));
     }
     relative_errors(&b, visits * (double)(22 * 1e8f + 22), &error, &deviation);
-    print_message("1 and 1e8, ten million times: relative error %.2g on average, %.2g a pixel\n", error, deviation);
-    assert_true(deviation < 0x1p-24 * sqrt(visits / 3.0) && fabs(error) < 4 * deviation / sqrt(256));
+    print_message("1 and 1e8, ten million times: relative error %.2g on average, %.2g a pixel\n",
+                  error, deviation);
+    assert_true(deviation < 0x1p-24 * sqrt(visits / 3.0) &&
+                fabs(error) < 4 * deviation / sqrt(256));
     bench_finish(&b);
 }
 
@@ -162,14 +173,15 @@ static void what_is_constant_stays_exact(void **state)
     bench_finish(&b);
 }
 
-/* Known light and delta lobes that change from visit to visit, against the same in double. The difference's rounding adds about
- * 1e-5 a visit to its mean square (film_difference.h). */
+/* Known light and delta lobes that change from visit to visit, against the same in double. The
+ * difference's rounding adds about 1e-5 a visit to its mean square (film_difference.h). */
 static void known_light_and_its_difference_follow_both_halves(void **state)
 {
     (void)state;
     enum { visits = 400 };
     bench b;
-    const lf_film_layout layout = {.n_views = 1, .width = 256, .height = 1, .has_known = true, .has_native = true};
+    const lf_film_layout layout = {
+        .n_views = 1, .width = 256, .height = 1, .has_known = true, .has_native = true};
     double n[2] = {0}, sum[2][256] = {{0}}, wrong = 0, squares = 0;
     bench_init(&b, &layout);
     for (int v = 0; v < visits; v++) {
@@ -184,7 +196,7 @@ static void known_light_and_its_difference_follow_both_halves(void **state)
             sum[half][i] += weight * ((double)x + 2 * (double)x * (double)x);
         }
         n[half] += weight;
-        lf_film_merge(&b.film, 0, half, &b.sums, weight, lf_hash64(lf_test_seed(), (uint64_t)v));
+        lf_film_merge(&b.film, 0, 0, half, &b.sums, weight, lf_hash64(lf_test_seed(), (uint64_t)v));
     }
     for (int i = 0; i < 256; i++) {
         const lf_film_known *known = &lf_film_known_at(&b.film, 0)[i];
@@ -195,7 +207,8 @@ static void known_light_and_its_difference_follow_both_halves(void **state)
         wrong += ((double)difference[1] - truth) * ((double)difference[1] - truth);
         squares += truth * truth;
     }
-    print_message("difference between halves: %.2g of its mean square is rounding\n", wrong / squares);
+    print_message("difference between halves: %.2g of its mean square is rounding\n",
+                  wrong / squares);
     assert_true(wrong / squares < 1e-5 * visits);
     bench_finish(&b);
 }
@@ -224,7 +237,8 @@ static void differences_are_packed_without_bias(void **state)
     }
 }
 
-/* What scatters is as uneven as W, or as W', both of which are known to be q in the mean: nothing is left of it. */
+/* What scatters is as uneven as W, or as W', both of which are known to be q in the mean: nothing
+ * is left of it. */
 static void both_controls_take_out_what_they_explain(void **state)
 {
     (void)state;
@@ -234,7 +248,8 @@ static void both_controls_take_out_what_they_explain(void **state)
         float out[3 * 16];
         bench_init(&b, &layout);
         for (int i = 0; i < 16; i++) {
-            float w = i % 2 ? 0.75f : 0.25f, w2 = i / 2 % 2 ? 0.625f : 0.375f, n = 3.0f * (second ? w2 : w);
+            float w = i % 2 ? 0.75f : 0.25f, w2 = i / 2 % 2 ? 0.625f : 0.375f,
+                  n = 3.0f * (second ? w2 : w);
             b.sums.half.scattered[i] = (lf_film_scattered){{n, n, n}, w};
             b.sums.half.w2[i] = w2;
             b.sums.half.q[i] = 0.5f;
@@ -264,9 +279,10 @@ static void light_that_is_not_stored_is_the_same_light(void **state)
     static float stored[values], implied[values];
     lf_pool *pool = NULL;
     assert_int_equal(lf_pool_create(1, &pool), LF_OK);
-    lf_scene *scene = lf_test_scene("{ " LF_TEST_CAMERA("5", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5 } }, "
-                                                                 "'meshes': { " LF_TEST_GROUND
-                                                                 " }, 'materials': { 'clay': {} }, " LF_TEST_SHARP_LIGHTS " }");
+    lf_scene *scene = lf_test_scene(
+        "{ " LF_TEST_CAMERA("5", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5 } }, "
+                                     "'meshes': { " LF_TEST_GROUND
+                                     " }, 'materials': { 'clay': {} }, " LF_TEST_SHARP_LIGHTS " }");
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
     assert_false(r->film.layout.has_known);
     json_t *skipped = lf_renderer_skipped(r);
@@ -280,9 +296,9 @@ static void light_that_is_not_stored_is_the_same_light(void **state)
         lf_film_layout layout = r->film.layout;
         layout.has_known = true;
         lf_film_finish(&r->film);
-        lf_film_sums_finish(&r->workers[0]->sums);
+        lf_film_sums_finish(&lf_test_rows(r)->workers[0]->sums);
         assert_int_equal(lf_film_init(&r->film, &layout), LF_OK);
-        assert_int_equal(lf_film_sums_init(&r->workers[0]->sums, &layout), LF_OK);
+        assert_int_equal(lf_film_sums_init(&lf_test_rows(r)->workers[0]->sums, &layout), LF_OK);
         lf_test_passes(r, 2 * views);
         resolve_all(r, (lf_estimator)e, stored);
         for (int i = 0; i < values; i++)
@@ -293,8 +309,8 @@ static void light_that_is_not_stored_is_the_same_light(void **state)
     lf_pool_destroy(pool);
 }
 
-/* A picture that is wrong where two numbers of a visit hang together stops improving at some 100 passes; 16 times the passes are at
- * least 8 times better here (15 and 26). */
+/* A picture that is wrong where two numbers of a visit hang together stops improving at some 100
+ * passes; 16 times the passes are at least 8 times better here (15 and 26). */
 static void the_error_goes_on_falling(void **state)
 {
     (void)state;
@@ -302,8 +318,9 @@ static void the_error_goes_on_falling(void **state)
     static float picture[3 * views * width * height];
     lf_pool *pool = NULL;
     assert_int_equal(lf_pool_create(1, &pool), LF_OK);
-    lf_scene *scene = lf_test_scene(
-        "{ " LF_TEST_CAMERA("9", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 4 } }, " LF_TEST_SHARP_LIGHTS " }");
+    lf_scene *scene = lf_test_scene("{ " LF_TEST_CAMERA(
+        "9", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 4 } }, " LF_TEST_SHARP_LIGHTS
+                 " }");
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
     for (int e = LF_ESTIMATOR_MWIS; e <= LF_ESTIMATOR_MIS; e++) {
         lf_render_stats few, many;
@@ -314,7 +331,8 @@ static void the_error_goes_on_falling(void **state)
         lf_test_passes(r, 15 * 32 * views);
         resolve_all(r, (lf_estimator)e, picture);
         lf_renderer_stats(r, &many);
-        print_message("%s: %.3g, with 16 times the passes %.3g\n", lf_estimator_name((lf_estimator)e), few.rel_mse_estimate,
+        print_message("%s: %.3g, with 16 times the passes %.3g\n",
+                      lf_estimator_name((lf_estimator)e), few.rel_mse_estimate,
                       many.rel_mse_estimate);
         assert_true(many.rel_mse_estimate < few.rel_mse_estimate / 8);
     }

@@ -1,5 +1,6 @@
-/* The best detector of mistakes there is: W and W' are, in the mean, n q in every pixel. Differences W - n q are taken half by half
- * (one row offset, one slice for both), averaged over blocks of 8 x 8 pixels of one view, and compared with 0 over seeds. */
+/* The best detector of mistakes there is: W and W' are, in the mean, n q in every pixel.
+ * Differences W - n q are taken half by half (one row offset, one slice for both), averaged over
+ * blocks of 8 x 8 pixels of one view, and compared with 0 over seeds. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
@@ -8,7 +9,9 @@
 enum { width = 24, height = 16, n_views = 7, blocks_of_a_view = 6, replicates = 40 };
 
 /* Blocks of all comparisons below: 12 runs, W and W', 43 blocks each (61 of ten views). */
-#define LEVEL lf_sidak(LF_FALSE_ALARM, 2 * (11 * (n_views * blocks_of_a_view + 1) + 10 * blocks_of_a_view + 1))
+#define LEVEL                                                                                      \
+    lf_sidak(LF_FALSE_ALARM,                                                                       \
+             2 * (11 * (n_views * blocks_of_a_view + 1) + 10 * blocks_of_a_view + 1))
 
 static void whole_cycles(lf_renderer *r)
 {
@@ -24,7 +27,7 @@ static void two_passes(lf_renderer *r)
 static void live(lf_renderer *r)
 {
     for (int i = 0; i < 4; i++)
-        assert_int_equal(lf_renderer_pass(r, 0, 1, 1 + i % 2, NULL, NULL, NULL), LF_OK);
+        assert_int_equal(lf_renderer_pass(r, NULL, 1 + i % 2, NULL, NULL, NULL), LF_OK);
 }
 
 static void assert_weights(const char *text, lf_test_schedule schedule)
@@ -42,7 +45,8 @@ static void invariant_2_weights_are_n_q_with_media_and_surfaces(void **state)
 static void invariant_2_weights_are_n_q_with_a_lens(void **state)
 {
     (void)state;
-    assert_weights(LF_TEST_MIXED("7", ", 'lens_radius': 0.15, 'focus_distance': 4.2"), whole_cycles);
+    assert_weights(LF_TEST_MIXED("7", ", 'lens_radius': 0.15, 'focus_distance': 4.2"),
+                   whole_cycles);
     assert_weights(LF_TEST_MIXED("7", ", 'lens_radius': 0.15, 'focus_distance': 4.2"), live);
 }
 
@@ -87,7 +91,8 @@ static void invariant_2_weights_are_n_q_and_a_bias_of_one_per_cent_would_be_seen
         print_message("W%s: 1 %% seen in %d of %d blocks\n", second ? "'" : "", seen, bright);
         assert_true(seen == bright && bright >= 3);
         int whole = blocks[second].n - 1;
-        assert_true(lf_p_mean(&blocks[second].moments[whole], -0.003 * blocks[2].moments[whole].mean) < LEVEL);
+        assert_true(lf_p_mean(&blocks[second].moments[whole],
+                              -0.003 * blocks[2].moments[whole].mean) < LEVEL);
     }
     for (int i = 0; i < 3; i++)
         lf_blocks_finish(&blocks[i]);

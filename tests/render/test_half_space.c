@@ -1,8 +1,9 @@
-/* What a half-space that scatters isotropically sends back from under a sun: Chandrasekhar's H functions (Radiative Transfer, 1960,
- * section 33), computed here from their integral equation. The law knows optical depths alone: a homogeneous shape obeys it, a grid with
- * a sharp face, and one whose density rises linearly over a voxel of several mean free paths. Replicates are seeds. Every block of every
- * view is tested, and the whole picture; its standard error is below what each case says, and five of those would be seen. With
- * QUILTD_LONG=1 it is below 0.3 of that. */
+/* What a half-space that scatters isotropically sends back from under a sun: Chandrasekhar's H
+ * functions (Radiative Transfer, 1960, section 33), computed here from their integral equation. The
+ * law knows optical depths alone: a homogeneous shape obeys it, a grid with a sharp face, and one
+ * whose density rises linearly over a voxel of several mean free paths. Replicates are seeds. Every
+ * block of every view is tested, and the whole picture; its standard error is below what each case
+ * says, and five of those would be seen. With QUILTD_LONG=1 it is below 0.3 of that. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
@@ -12,13 +13,14 @@ enum { replicates = 16, n_nodes = 64, comparisons = 14 };
 
 #define LEVEL lf_sidak(LF_FALSE_ALARM, comparisons *blocks_of_all)
 
-/* ------------------------------------------------------------------------------------------------------------- H -- */
+/* ----------------------------------------------------------------------------------------- H -- */
 
 typedef struct h_function {
     double albedo, node[n_nodes], weight[n_nodes], value[n_nodes];
 } h_function;
 
-/* Gauss and Legendre's rule on 0..1: the roots by Newton, from the cosines that they lie close to. */
+/* Gauss and Legendre's rule on 0..1: the roots by Newton, from the cosines that they lie close to.
+ */
 static void make_nodes(h_function *h)
 {
     for (int i = 0; i < n_nodes; i++) {
@@ -38,7 +40,8 @@ static void make_nodes(h_function *h)
     }
 }
 
-/* 1/H(mu) = sqrt(1 - albedo) + albedo/2 int x H(x) / (mu + x) dx: the form that iteration converges in when nothing is absorbed, too. */
+/* 1/H(mu) = sqrt(1 - albedo) + albedo/2 int x H(x) / (mu + x) dx: the form that iteration converges
+ * in when nothing is absorbed, too. */
 static double h_at(const h_function *h, double mu)
 {
     double sum = sqrt(1 - h->albedo);
@@ -79,12 +82,14 @@ static void h_is_what_its_author_computed(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------------------------- half-spaces -- */
+/* ------------------------------------------------------------------------------- half-spaces -- */
 
-/* The face is the plane z = 0, a mean free path is 1 wide, and the views look at it aslant, at cosines from about 0.15 to 0.9. */
-#define CAMERA                                                                                                                     \
-    "'quiltd': 1, 'camera': { 'position': [8, 1, 4], 'target': [0, 0, 0], 'up': [0, 0, 1], 'fov_y': 30, 'aspect': 1.3333333333, "  \
-    "'views': 3, "                                                                                                                 \
+/* The face is the plane z = 0, a mean free path is 1 wide, and the views look at it aslant, at
+ * cosines from about 0.15 to 0.9. */
+#define CAMERA                                                                                     \
+    "'quiltd': 1, 'camera': { 'position': [8, 1, 4], 'target': [0, 0, 0], 'up': [0, 0, 1], "       \
+    "'fov_y': 30, 'aspect': 1.3333333333, "                                                        \
+    "'views': 3, "                                                                                 \
     "'cone': 70 }, 'render': { 'max_depth': 16384 }, "
 typedef struct half_space {
     const char *voxels; /* how they are interpolated; NULL = none, a shape */
@@ -101,7 +106,8 @@ static double *truth_of(const lf_renderer *r, const half_space *s)
     const double d = sqrt(8 * 8 + 1 + 4 * 4), ahead_z = -4 / d, up_z = sqrt(8 * 8 + 1) / d;
     h_function h;
     make_h(&h, s->albedo);
-    double *out = malloc(sizeof *out * n_views * width * height), *p = out, at_sun = h_at(&h, s->sun);
+    double *out = malloc(sizeof *out * n_views * width * height), *p = out,
+           at_sun = h_at(&h, s->sun);
     for (int row = 0; row < height; row++)
         for (int view = 0; view < n_views; view++)
             for (int column = 0; column < width; column++, p++) {
@@ -110,24 +116,28 @@ static double *truth_of(const lf_renderer *r, const half_space *s)
                     double mx, my;
                     lf_test_slopes(r, view, column + place[i & 1], row + place[i >> 1], &mx, &my);
                     double mu = -(ahead_z + my * up_z) / sqrt(1 + mx * mx + my * my);
-                    *p += 0.25 * s->albedo / (4 * M_PI) * s->sun / (s->sun + mu) * h_at(&h, mu) * at_sun;
+                    *p += 0.25 * s->albedo / (4 * M_PI) * s->sun / (s->sun + mu) * h_at(&h, mu) *
+                          at_sun;
                 }
             }
     return out;
 }
 
-/* A box; or 8^3 voxels (block() in scenes/make_test_vdb.cc), 4 mean free paths thick and 100 wide. */
+/* A box; or 8^3 voxels (block() in scenes/make_test_vdb.cc), 4 mean free paths thick and 100 wide.
+ */
 static char *volume_of(const half_space *s)
 {
     char path[PATH_MAX], *text = NULL;
     assert_non_null(realpath(lf_test_built("testdata/block.vdb"), path));
     if (s->voxels)
-        assert_true(asprintf(&text,
-                             "'file': '%s', 'interpolation': '%s', 'transform': { 'scale': [100, 100, 4], "
-                             "'translate': [-350, -350, -30] }",
-                             path, s->voxels) > 0);
+        assert_true(
+            asprintf(&text,
+                     "'file': '%s', 'interpolation': '%s', 'transform': { 'scale': [100, 100, 4], "
+                     "'translate': [-350, -350, -30] }",
+                     path, s->voxels) > 0);
     else
-        assert_non_null(text = strdup("'shape': 'box', 'transform': { 'scale': [2000, 2000, 300], 'translate': [0, 0, -300] }"));
+        assert_non_null(text = strdup("'shape': 'box', 'transform': { 'scale': [2000, 2000, 300], "
+                                      "'translate': [0, 0, -300] }"));
     return text;
 }
 
@@ -135,7 +145,8 @@ static lf_scene *scene_of(const half_space *s)
 {
     char *volume = volume_of(s), *text = NULL;
     assert_true(asprintf(&text,
-                         "{ " CAMERA "'volumes': { 'ground': { %s, 'albedo': %.17g } }, 'lights': { 'sun': { 'type': 'distant', "
+                         "{ " CAMERA "'volumes': { 'ground': { %s, 'albedo': %.17g } }, 'lights': "
+                         "{ 'sun': { 'type': 'distant', "
                          "'direction': [%.17g, 0, %.17g] } } }",
                          volume, s->albedo, sqrt(1 - s->sun * s->sun), -s->sun) > 0);
     lf_scene *scene = lf_test_scene(text);
@@ -177,9 +188,10 @@ static void assert_half_space(const half_space *s)
         int where = 0;
         render(s, integrators[i], &blocks, &truth);
         const lf_moments *all = &blocks.moments[blocks.n - 1];
-        double p = lf_blocks_p(&blocks, truth, 2e-4, &where), error = lf_moments_error(all) / all->mean;
-        print_message("albedo %g, sun at %g, %s: %.5f of the truth, +- %.5f\n", s->albedo, s->sun, integrators[i],
-                      all->mean / mean_of(truth), error);
+        double p = lf_blocks_p(&blocks, truth, 2e-4, &where),
+               error = lf_moments_error(all) / all->mean;
+        print_message("albedo %g, sun at %g, %s: %.5f of the truth, +- %.5f\n", s->albedo, s->sun,
+                      integrators[i], all->mean / mean_of(truth), error);
         if (!(p > LEVEL))
             fail_msg("block %d is %.6g +- %.2g, p %.2g", where, blocks.moments[where].mean,
                      lf_moments_error(&blocks.moments[where]), p);
@@ -206,7 +218,10 @@ static void a_half_space_of_voxels_reflects_as_chandrasekhar_says(void **state)
 {
     (void)state;
     static const half_space cases[] = {
-        {"nearest", 0.9, 0.1, 6e-3, 8}, {"linear", 0.9, 0.1, 6e-3, 8}, {"linear", 0.6, 1, 2.5e-3, 16}, /* make verify alone */
+        /* make verify alone */
+        {"nearest", 0.9, 0.1, 6e-3, 8},
+        {"linear", 0.9, 0.1, 6e-3, 8},
+        {"linear", 0.6, 1, 2.5e-3, 16},
     };
     for (size_t i = 0; i < (lf_test_long() ? 3 : 2); i++)
         assert_half_space(&cases[i]);

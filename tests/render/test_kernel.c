@@ -1,7 +1,8 @@
-/* Every instruction set's kernels equal the plain C ones bit for bit, and those equal what they stand for. */
+/* Every instruction set's kernels equal the plain C ones bit for bit, and those equal what they
+ * stand for. */
 #include "tests/testing.h"
 
-#include "render/grid.h"
+#include "render/scene/grid.h"
 #include "tests/render/fans.h"
 
 static void every_instruction_set_equals_plain_c_bit_for_bit(void **state)
@@ -22,14 +23,16 @@ static void every_instruction_set_equals_plain_c_bit_for_bit(void **state)
             const lf_kernels *k[2] = {lf_kernels_at(0), lf_kernels_at(i)};
             for (int j = 0; j < 2; j++) {
                 memset(tau[j], 0, sizeof tau[j]);
-                k[j]->march(&slice, LANES, fan.x0, fan.slope, fan.z_end, tau[j], pivot ? sigma[j] : NULL);
+                k[j]->march(&slice, LANES, fan.x0, fan.slope, fan.z_end, tau[j],
+                            pivot ? sigma[j] : NULL);
                 for (int l = 0; l < LANES; l++)
                     scale[l] = l % 6 == 5 ? 0.0f : 1.0f + (float)l;
             }
             assert_memory_equal(tau[0], tau[1], sizeof tau[0]);
             if (pivot)
                 assert_memory_equal(sigma[0], sigma[1], sizeof sigma[0]);
-            float a = k[0]->densities(LANES, scale, tau[0], d[0]), b = k[1]->densities(LANES, scale, tau[1], d[1]);
+            float a = k[0]->densities(LANES, scale, tau[0], d[0]),
+                  b = k[1]->densities(LANES, scale, tau[1], d[1]);
             assert_memory_equal(&a, &b, sizeof a);
             assert_memory_equal(d[0], d[1], sizeof d[0]);
         }
@@ -69,7 +72,11 @@ static void grids_are_the_same_in_every_instruction_set(void **state)
         lf_fan fan;
         float points[LANES], sigma[2][LANES], factor[2][LANES];
         make_fan(&fan, trial % 2 == 0, &seed);
-        lf_probe probe = {.slice = &slice, .volume = &volume, .z = 2.8f + 3.5f * uniform(&seed), .my2 = 1.1f, .inverse = 0.1f};
+        lf_probe probe = {.slice = &slice,
+                          .volume = &volume,
+                          .z = 2.8f + 3.5f * uniform(&seed),
+                          .my2 = 1.1f,
+                          .inverse = 0.1f};
         for (int i = 0; i < 3; i++) {
             probe.line.origin[i] = 20.0f * uniform(&seed) - (i == 2 ? 3.0f : 0.0f);
             probe.line.across[i] = 20.0f * uniform(&seed) - 10.0f;
@@ -88,7 +95,8 @@ static void grids_are_the_same_in_every_instruction_set(void **state)
         }
         for (int k = 0; k < LANES; k++) {
             const float *o = probe.line.origin, *a = probe.line.across, x = points[k];
-            float truth = lf_grid_linear(volume.grid, o[0] + x * a[0], o[1] + x * a[1], o[2] + x * a[2]);
+            float truth =
+                lf_grid_linear(volume.grid, o[0] + x * a[0], o[1] + x * a[1], o[2] + x * a[2]);
             assert_true(sigma[0][k] == volume.sigma_scale * truth);
             met += truth > 0.0f;
         }
@@ -133,8 +141,10 @@ static void a_fan_is_as_deep_as_its_rays_alone(void **state)
         memset(tau, 0, sizeof tau);
         lf_kernels_c.march(&slice, LANES, fan.x0, fan.slope, fan.z_end, tau, NULL);
         for (int k = 0; k < 45; k++)
-            lf_assert_close((double)tau[k], (double)lf_slice_march(&slice, fan.x0[k], fan.slope[k], fan.z_end[k], INFINITY, &z),
-                            1e-5, 1e-6);
+            lf_assert_close(
+                (double)tau[k],
+                (double)lf_slice_march(&slice, fan.x0[k], fan.slope[k], fan.z_end[k], INFINITY, &z),
+                1e-5, 1e-6);
     }
     lf_slice_finish(&slice);
 }
@@ -149,7 +159,8 @@ static void a_march_stops_where_the_depth_is_reached(void **state)
         float reached = lf_slice_march(&slice, 0.1f, 0.02f, INFINITY, stop, &z);
         if (reached < stop)
             break;
-        lf_assert_close((double)lf_slice_march(&slice, 0.1f, 0.02f, z, INFINITY, &again), (double)stop, 2e-5, 1e-6);
+        lf_assert_close((double)lf_slice_march(&slice, 0.1f, 0.02f, z, INFINITY, &again),
+                        (double)stop, 2e-5, 1e-6);
     }
     lf_slice_finish(&slice);
 }
@@ -169,7 +180,8 @@ static void densities_are_ratios_that_neither_overflow_nor_vanish(void **state)
             sum += (double)scale[k] * exp(-(double)(tau[k] - offset[o]));
         lf_assert_close((double)lf_kernels_c.densities(LF_LANES, scale, tau, d), sum, 1e-6, 0.0);
         for (int k = 0; k < LF_LANES; k++)
-            lf_assert_close((double)d[k], (double)scale[k] * exp(-(double)(tau[k] - offset[o])), 1e-6, 0.0);
+            lf_assert_close((double)d[k], (double)scale[k] * exp(-(double)(tau[k] - offset[o])),
+                            1e-6, 0.0);
     }
 }
 

@@ -11,25 +11,30 @@ static const char *const integrators[] = {"mvpt", "vpt"};
 static lf_scene *floor_below(const char *folder, const char *lamps)
 {
     char text[2048];
-    snprintf(
-        text, sizeof text,
-        "{'camera': {'position': [0, 1.5, 6], 'target': [0, -1, 0], 'fov_y': 18, 'aspect': 1.3333333333, 'views': 4, 'cone': 20}, "
-        "'meshes': {'floor': "
-        "{'shape': 'quad', 'material': 'clay', 'transform': {'scale': 3, 'translate': [0, -1, 0]}}, %s}, 'materials': {'clay': "
-        "{'albedo': 0.5}, 'dim': {'albedo': 0, 'emission': 1}, 'lamp': {'albedo': 0, 'emission': [5, 4, 3]}}}",
-        lamps);
+    snprintf(text, sizeof text,
+             "{'camera': {'position': [0, 1.5, 6], 'target': [0, -1, 0], 'fov_y': 18, 'aspect': "
+             "1.3333333333, 'views': 4, 'cone': 20}, "
+             "'meshes': {'floor': "
+             "{'shape': 'quad', 'material': 'clay', 'transform': {'scale': 3, 'translate': [0, -1, "
+             "0]}}, %s}, 'materials': {'clay': "
+             "{'albedo': 0.5}, 'dim': {'albedo': 0, 'emission': 1}, 'lamp': {'albedo': 0, "
+             "'emission': [5, 4, 3]}}}",
+             lamps);
     return lf_test_scene_in(folder, text, NULL);
 }
 
-#define QUAD(name, material, more)                                                                                                 \
-    "'" name "': {'shape': 'quad', 'material': '" material "', 'transform': {'scale': 0.7, 'translate': [0.3, 1, 0.2]" more "}}"
+#define QUAD(name, material, more)                                                                 \
+    "'" name "': {'shape': 'quad', 'material': '" material                                         \
+    "', 'transform': {'scale': 0.7, 'translate': [0.3, 1, 0.2]" more "}}"
 
-/* One lamp and the same again, or another behind it in the list, make the same picture to the last bit. */
+/* One lamp and the same again, or another behind it in the list, make the same picture to the last
+ * bit. */
 static void a_lamp_whose_faces_are_doubled_is_one_lamp(void **state)
 {
-    static const char *const lamps[] = {QUAD("a", "lamp", ""), QUAD("a", "lamp", "") ", " QUAD("b", "lamp", ""),
-                                        QUAD("a", "lamp", "") ", " QUAD("b", "dim", ", 'rotate': [0, 180, 0]"),
-                                        QUAD("a", "lamp", "") ", " QUAD("b", "clay", "")};
+    static const char *const lamps[] = {
+        QUAD("a", "lamp", ""), QUAD("a", "lamp", "") ", " QUAD("b", "lamp", ""),
+        QUAD("a", "lamp", "") ", " QUAD("b", "dim", ", 'rotate': [0, 180, 0]"),
+        QUAD("a", "lamp", "") ", " QUAD("b", "clay", "")};
     (void)state;
     for (int i = 0; i < 2; i++) {
         double *single = NULL;
@@ -54,14 +59,16 @@ static void write_grid(const char *folder, int n)
     FILE *file = fopen(lf_test_path(folder, "grid.obj"), "w");
     assert_non_null(file);
     for (int i = 0; i <= n * (n + 2); i++)
-        fprintf(file, "v %.9g 0 %.9g\n", 2.0 * (i % (n + 1)) / n - 1.0, 2.0 * (i / (n + 1)) / n - 1.0);
+        fprintf(file, "v %.9g 0 %.9g\n", 2.0 * (i % (n + 1)) / n - 1.0,
+                2.0 * (i / (n + 1)) / n - 1.0);
     for (int i = 1; i < n * (n + 1); i++)
         if (i % (n + 1) != 0)
             fprintf(file, "f %d %d %d\nf %d %d %d\n", i, i + 1, i + n + 2, i, i + n + 2, i + n + 1);
     fclose(file);
 }
 
-/* Replicates of two lamps by both integrators: whether they agree, when `found` times the whole would not. */
+/* Replicates of two lamps by both integrators: whether they agree, when `found` times the whole
+ * would not. */
 static bool same_light(const char *folder, const char *const lamps[2], double found)
 {
     enum { replicates = 16, block = 12 };
@@ -81,12 +88,14 @@ static bool same_light(const char *folder, const char *const lamps[2], double fo
             lf_scene_unref(scene);
         }
         int where = 0, whole = blocks[0].n - 1;
-        double p = lf_blocks_welch(&blocks[0], &blocks[1], &where), level = lf_sidak(LF_FALSE_ALARM, 4 * blocks[0].n);
+        double p = lf_blocks_welch(&blocks[0], &blocks[1], &where),
+               level = lf_sidak(LF_FALSE_ALARM, 4 * blocks[0].n);
         if (!(p > level))
-            print_message("%s: block %d is %.6g and %.6g, p %.2g\n", integrators[i], where, blocks[0].moments[where].mean,
-                          blocks[1].moments[where].mean, p);
+            print_message("%s: block %d is %.6g and %.6g, p %.2g\n", integrators[i], where,
+                          blocks[0].moments[where].mean, blocks[1].moments[where].mean, p);
         same = same && p > level;
-        assert_true(lf_blocks_welch_injected(&blocks[0], &blocks[1], whole, found) < level || !same);
+        assert_true(lf_blocks_welch_injected(&blocks[0], &blocks[1], whole, found) < level ||
+                    !same);
         for (int k = 0; k < 2; k++)
             lf_blocks_finish(&blocks[k]);
     }
@@ -98,25 +107,30 @@ static void a_lamp_is_the_same_as_one_quad_and_as_ten_thousand_triangles(void **
     char *folder = lf_test_folder();
     (void)state;
     write_grid(folder, 71);
-    assert_true(same_light(folder,
-                           (const char *const[]){QUAD("a", "lamp", ""), "'a': {'file': 'grid.obj', 'material': 'lamp', "
-                                                                        "'transform': {'scale': 0.7, 'translate': [0.3, 1, 0.2]}}"},
-                           1.006));
+    assert_true(same_light(
+        folder,
+        (const char *const[]){QUAD("a", "lamp", ""),
+                              "'a': {'file': 'grid.obj', 'material': 'lamp', "
+                              "'transform': {'scale': 0.7, 'translate': [0.3, 1, 0.2]}}"},
+        1.006));
     lf_test_folder_remove(folder);
 }
 
-/* Turned over, a quad is cut along its other diagonal; a part of the lamp stands in the plane of a smaller one. */
+/* Turned over, a quad is cut along its other diagonal; a part of the lamp stands in the plane of a
+ * smaller one. */
 static void a_lamp_in_the_place_of_another_is_one_lamp(void **state)
 {
     static const char *const lamps[] = {
         QUAD("a", "lamp", ""),
         QUAD("a", "lamp", "") ", " QUAD(
             "b", "lamp", ", 'rotate': [180, 0, 0]") ", 'c': {'shape': 'quad', "
-                                                    "'material': 'lamp', 'transform': {'scale': 0.3, 'translate': [0.4, 1, 0.3]}}"};
+                                                    "'material': 'lamp', 'transform': {'scale': "
+                                                    "0.3, 'translate': [0.4, 1, 0.3]}}"};
     (void)state;
     lf_scene *scene = floor_below(".", lamps[1]);
     assert_true(scene->has_overlaps &&
-                strstr(lf_scene_warning(scene, 0), "mesh \"a\": its lamp stands in one place with faces of"));
+                strstr(lf_scene_warning(scene, 0),
+                       "mesh \"a\": its lamp stands in one place with faces of"));
     lf_scene_unref(scene);
     assert_true(same_light(".", lamps, 1.01));
 }

@@ -1,26 +1,16 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
-#include "render/geometry.h"
-#include "render/mesh_import.h"
-#include "render/scene.h"
-
-static int make_folder(void **state)
-{
-    *state = lf_test_folder();
-    return 0;
-}
-
-static int remove_folder(void **state)
-{
-    lf_test_folder_remove(*state);
-    return 0;
-}
+#include "render/load/mesh_import.h"
+#include "render/scene/geometry.h"
+#include "render/scene/scene.h"
+#include "tests/stat/fixture.h"
 
 /* A mesh of a file as the scene would describe it: its own materials, nothing moved. */
 static lf_mesh_desc of_file(const char *file)
 {
-    return (lf_mesh_desc){.name = "m", .file = file, .material = -1, .transform = lf_affine_identity()};
+    return (lf_mesh_desc){
+        .name = "m", .file = file, .material = -1, .transform = lf_affine_identity()};
 }
 
 static lf_mesh_data imported(const lf_mesh_desc *desc, const char *folder)
@@ -32,7 +22,20 @@ static lf_mesh_data imported(const lf_mesh_desc *desc, const char *folder)
     return data;
 }
 
-static void assert_refused(const char *file, const char *folder, lf_status expected, const char *text)
+static lf_mesh_data imported_file(const char *file, const char *folder)
+{
+    lf_mesh_desc desc = of_file(file);
+    return imported(&desc, folder);
+}
+
+static lf_mesh_data imported_obj(const char *text, const char *folder)
+{
+    lf_test_write(folder, "a.obj", text);
+    return imported_file("a.obj", folder);
+}
+
+static void assert_refused(const char *file, const char *folder, lf_status expected,
+                           const char *text)
 {
     lf_mesh_desc desc = of_file(file);
     lf_mesh_data data = {0};
@@ -41,7 +44,7 @@ static void assert_refused(const char *file, const char *folder, lf_status expec
     lf_mesh_data_finish(&data);
     if (!strstr(err.what, text))
         fail_msg("%s: \"%s\" does not say \"%s\"", file, err.what, text);
-    assert_true(strstr(err.where, file) != NULL);
+    assert_true(strstr(err.where, file));
 }
 
 static const double *corner(const lf_mesh_data *data, int triangle, int c)
@@ -52,7 +55,8 @@ static const double *corner(const lf_mesh_data *data, int triangle, int c)
 /* Twice the area times the unit normal of a triangle. */
 static void area_vector(const lf_mesh_data *data, int triangle, double out[3])
 {
-    const double *a = corner(data, triangle, 0), *b = corner(data, triangle, 1), *c = corner(data, triangle, 2);
+    const double *a = corner(data, triangle, 0), *b = corner(data, triangle, 1),
+                 *c = corner(data, triangle, 2);
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
         out[i] = (b[j] - a[j]) * (c[k] - a[k]) - (b[k] - a[k]) * (c[j] - a[j]);
@@ -83,13 +87,12 @@ static double signed_volume(const lf_mesh_data *data)
 
 static const char *const SQUARE = "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nf 1 2 3 4\n";
 
-/* --------------------------------------------------------------------------------------------------------- files -- */
+/* ------------------------------------------------------------------------------------- files -- */
 
 static void polygons_are_split_and_points_and_lines_left_out(void **state)
 {
-    lf_test_write(*state, "a.obj", "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 9 9 9\np 5\nl 1 5\nf 1 2 3 4\n");
-    lf_mesh_desc desc = of_file("a.obj");
-    lf_mesh_data data = imported(&desc, *state);
+    lf_mesh_data data = imported_obj(
+        "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 9 9 9\np 5\nl 1 5\nf 1 2 3 4\n", *state);
     assert_int_equal(data.n_triangles, 2);
     assert_int_equal(data.n_vertices, 4);
     assert_null(data.normals);
@@ -136,7 +139,8 @@ static void normals_are_the_files_or_smooth_or_flat(void **state)
     for (int v = 0; v < data.n_vertices; v++) {
         const double *p = data.positions + 3 * v;
         const float *n = data.normals + 3 * v;
-        lf_assert_close(n[0], p[0] * M_SQRT1_2, 0, 1e-5); /* across the slopes at the eaves, up on the ridge */
+        /* across the slopes at the eaves, up on the ridge */
+        lf_assert_close(n[0], p[0] * M_SQRT1_2, 0, 1e-5);
         lf_assert_close(n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1, 1e-5, 0);
     }
     lf_mesh_data_finish(&data);
@@ -144,7 +148,8 @@ static void normals_are_the_files_or_smooth_or_flat(void **state)
 
 static void normals_follow_a_stretching_transform(void **state)
 {
-    lf_test_write(*state, "a.obj", "v 0 0 0\nv 1 -1 0\nv 0 0 1\nvn 0.70710678 0.70710678 0\nf 1//1 3//1 2//1\n");
+    lf_test_write(*state, "a.obj",
+                  "v 0 0 0\nv 1 -1 0\nv 0 0 1\nvn 0.70710678 0.70710678 0\nf 1//1 3//1 2//1\n");
     lf_mesh_desc desc = of_file("a.obj");
     desc.transform.m[0][0] = 3;
     lf_mesh_data data = imported(&desc, *state);
@@ -184,7 +189,8 @@ static void obj_materials_become_ours(void **state)
                   "newmtl steel\nKd 0 0 0\nKs 0.7 0.8 0.9\nNs 1998\n"
                   "newmtl lamp\nKd 0 0 0\nKe 5 4 3\n");
     lf_test_write(*state, "m.obj",
-                  "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl matte\nf 1 2 3\nusemtl shiny\nf 1 2 4\n"
+                  "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl matte\nf 1 2 3\nusemtl "
+                  "shiny\nf 1 2 4\n"
                   "usemtl steel\nf 1 3 4\nusemtl lamp\nf 2 3 4\n");
     lf_mesh_desc desc = of_file("m.obj");
     lf_mesh_data data = imported(&desc, *state);
@@ -195,10 +201,10 @@ static void obj_materials_become_ours(void **state)
         if (m->emission.x > 0) {
             assert_true(m->emission.x == 5 && m->emission.z == 3);
             seen[3]++;
-        } else if (m->type == LF_MATERIAL_DIFFUSE) {
+        } else if (m->kind == &lf_surface_diffuse) {
             lf_assert_close(m->albedo.y, 0.4, 1e-6, 0);
             seen[0]++;
-        } else if (m->type == LF_MATERIAL_PLASTIC) {
+        } else if (m->kind == &lf_surface_plastic) {
             lf_assert_close(m->roughness, pow(2.0 / 32, 0.25), 1e-5, 0);
             lf_assert_close(m->ior, 1.4, 1e-6, 0);
             lf_assert_close(m->albedo.x, 0.5, 1e-6, 0);
@@ -221,23 +227,26 @@ static void obj_materials_become_ours(void **state)
 
 static void a_mesh_without_materials_is_grey(void **state)
 {
-    lf_test_write(*state, "a.obj", SQUARE);
-    lf_mesh_desc desc = of_file("a.obj");
-    lf_mesh_data data = imported(&desc, *state);
+    lf_mesh_data data = imported_obj(SQUARE, *state);
     const lf_material *m = &data.materials[data.triangle_material[0]];
-    assert_true(m->type == LF_MATERIAL_DIFFUSE && m->albedo.x == 0.5f && m->emission.x == 0.0f);
+    assert_true(m->kind == &lf_surface_diffuse && m->albedo.x == 0.5f && m->emission.x == 0.0f);
     lf_mesh_data_finish(&data);
 }
 
 /* Two nodes, one in the other, one mesh; three materials by their factors. */
 static const char *const GLTF =
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"translation\":[10,0,0],\"children\":["
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{"
+    "\"translation\":[10,0,0],\"children\":["
     "1,2]},"
     "{\"mesh\":0,\"scale\":[2,2,2]},{\"mesh\":1,\"translation\":[0,0,7]}],"
-    "\"buffers\":[{\"uri\":\"tri.bin\",\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
-    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],"
-    "\"materials\":[{\"name\":\"metal\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0.6,0.2,1],\"metallicFactor\":1,"
-    "\"roughnessFactor\":0.25}},{\"name\":\"coat\",\"emissiveFactor\":[1,0.5,0],\"pbrMetallicRoughness\":{\"baseColorFactor\":"
+    "\"buffers\":[{\"uri\":\"tri.bin\",\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,"
+    "\"byteLength\":36}],"
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":"
+    "[0,0,0],\"max\":[1,1,0]}],"
+    "\"materials\":[{\"name\":\"metal\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0.6,0.2,"
+    "1],\"metallicFactor\":1,"
+    "\"roughnessFactor\":0.25}},{\"name\":\"coat\",\"emissiveFactor\":[1,0.5,0],"
+    "\"pbrMetallicRoughness\":{\"baseColorFactor\":"
     "[0.1,0.2,0.3,1],\"metallicFactor\":0,\"roughnessFactor\":0.5}}],"
     "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]},"
     "{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":1}]}]}";
@@ -255,8 +264,7 @@ static void gltf_nodes_and_factors_arrive(void **state)
 {
     write_corners(*state);
     lf_test_write(*state, "a.gltf", GLTF);
-    lf_mesh_desc desc = of_file("a.gltf");
-    lf_mesh_data data = imported(&desc, *state);
+    lf_mesh_data data = imported_file("a.gltf", *state);
     assert_int_equal(data.n_triangles, 2);
     assert_int_equal(data.n_files, 2);
     for (int t = 0; t < 2; t++) {
@@ -264,11 +272,12 @@ static void gltf_nodes_and_factors_arrive(void **state)
         double n[3];
         area_vector(&data, t, n);
         if (corner(&data, t, 0)[2] == 0) {
-            assert_true(m->type == LF_MATERIAL_CONDUCTOR && m->roughness == 0.25f);
+            assert_true(m->kind == &lf_surface_conductor && m->roughness == 0.25f);
             lf_assert_close(m->albedo.y, 0.6, 1e-6, 0);
             assert_true(corner(&data, t, 0)[0] == 10 && n[2] == 4);
         } else {
-            assert_true(m->type == LF_MATERIAL_PLASTIC && m->roughness == 0.5f && m->emission.x == 1 && m->emission.y == 0.5f);
+            assert_true(m->kind == &lf_surface_plastic && m->roughness == 0.5f &&
+                        m->emission.x == 1 && m->emission.y == 0.5f);
             assert_true(corner(&data, t, 0)[2] == 7 && n[2] == 1);
         }
     }
@@ -279,41 +288,52 @@ static void gltf_nodes_and_factors_arrive(void **state)
 static void materials_without_a_name_keep_their_colours(void **state)
 {
     static const char *const text =
-        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
-        "\"buffers\":[{\"uri\":\"tri.bin\",\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
-        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],"
-        "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0,0,1],\"metallicFactor\":0}},"
-        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0,0.8,0,1]}},{\"emissiveFactor\":[0,0,1]}],"
-        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},{\"attributes\":{\"POSITION\":0},"
-        "\"material\":1},{\"attributes\":{\"POSITION\":0},\"material\":2},{\"attributes\":{\"POSITION\":0}}]}]}";
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{"
+        "\"mesh\":0}],"
+        "\"buffers\":[{\"uri\":\"tri.bin\",\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,"
+        "\"byteLength\":36}],"
+        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
+        "\"min\":[0,0,0],\"max\":[1,1,0]}],"
+        "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0,0,1],"
+        "\"metallicFactor\":0}},"
+        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0,0.8,0,1]}},{\"emissiveFactor\":[0,0,1]}]"
+        ","
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},{"
+        "\"attributes\":{\"POSITION\":0},"
+        "\"material\":1},{\"attributes\":{\"POSITION\":0},\"material\":2},{\"attributes\":{"
+        "\"POSITION\":0}}]}]}";
     write_corners(*state);
     lf_test_write(*state, "nameless.gltf", text);
-    lf_test_write(
-        *state, "nameless.ply",
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-        "element face 1\nproperty list uchar int vertex_indices\nelement material 1\nproperty float diffuse_red\n"
-        "property float diffuse_green\nproperty float diffuse_blue\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n0.25 0.5 1\n");
-    lf_mesh_desc desc = of_file("nameless.gltf");
-    lf_mesh_data data = imported(&desc, *state);
+    lf_test_write(*state, "nameless.ply",
+                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
+                  "y\nproperty float z\n"
+                  "element face 1\nproperty list uchar int vertex_indices\nelement material "
+                  "1\nproperty float diffuse_red\n"
+                  "property float diffuse_green\nproperty float diffuse_blue\nend_header\n0 0 0\n1 "
+                  "0 0\n0 1 0\n3 0 1 2\n0.25 0.5 1\n");
+    lf_mesh_data data = imported_file("nameless.gltf", *state);
     assert_int_equal(data.n_triangles, 4);
     const lf_material *m[4];
     for (int i = 0; i < 4; i++)
         m[i] = &data.materials[data.triangle_material[i]];
-    assert_true(m[0]->albedo.x == 0.9f && m[0]->albedo.y == 0.0f && m[0]->type == LF_MATERIAL_DIFFUSE);
-    assert_true(m[1]->albedo.y == 0.8f && m[1]->albedo.x == 0.0f && m[1]->type == LF_MATERIAL_CONDUCTOR);
+    assert_true(m[0]->albedo.x == 0.9f && m[0]->albedo.y == 0.0f &&
+                m[0]->kind == &lf_surface_diffuse);
+    assert_true(m[1]->albedo.y == 0.8f && m[1]->albedo.x == 0.0f &&
+                m[1]->kind == &lf_surface_conductor);
     assert_true(m[2]->emission.z == 1.0f);
-    assert_true(m[3]->albedo.x == 0.5f && m[3]->albedo.y == 0.5f && m[3]->emission.x == 0.0f && m[3]->type == LF_MATERIAL_DIFFUSE);
+    assert_true(m[3]->albedo.x == 0.5f && m[3]->albedo.y == 0.5f && m[3]->emission.x == 0.0f &&
+                m[3]->kind == &lf_surface_diffuse);
     lf_mesh_data_finish(&data);
-    desc = of_file("nameless.ply");
-    data = imported(&desc, *state);
+    data = imported_file("nameless.ply", *state);
     const lf_material *blue = &data.materials[data.triangle_material[0]];
     assert_true(blue->albedo.x == 0.25f && blue->albedo.y == 0.5f && blue->albedo.z == 1.0f);
     lf_mesh_data_finish(&data);
     lf_test_write(*state, "plain.ply",
-                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                  "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
-    desc = of_file("plain.ply");
-    data = imported(&desc, *state);
+                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
+                  "y\nproperty float z\n"
+                  "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 "
+                  "0\n0 1 0\n3 0 1 2\n");
+    data = imported_file("plain.ply", *state);
     assert_true(data.materials[data.triangle_material[0]].albedo.x == 0.5f);
     lf_mesh_data_finish(&data);
 }
@@ -321,15 +341,16 @@ static void materials_without_a_name_keep_their_colours(void **state)
 static void ply_and_stl_are_read(void **state)
 {
     lf_test_write(*state, "a.ply",
-                  "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-                  "property list uchar int vertex_indices\nend_header\n0 0 0\n2 0 0\n2 3 0\n0 3 0\n4 0 1 2 3\n");
-    lf_test_write(
-        *state, "a.stl",
-        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 6 0\nendloop\nendfacet\nendsolid a\n");
+                  "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float "
+                  "y\nproperty float z\nelement face 1\n"
+                  "property list uchar int vertex_indices\nend_header\n0 0 0\n2 0 0\n2 3 0\n0 3 "
+                  "0\n4 0 1 2 3\n");
+    lf_test_write(*state, "a.stl",
+                  "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 6 "
+                  "0\nendloop\nendfacet\nendsolid a\n");
     static const char *const files[] = {"a.ply", "a.stl"};
     for (int i = 0; i < 2; i++) {
-        lf_mesh_desc desc = of_file(files[i]);
-        lf_mesh_data data = imported(&desc, *state);
+        lf_mesh_data data = imported_file(files[i], *state);
         lf_assert_close(total_area(&data), 6, 1e-6, 0);
         lf_mesh_data_finish(&data);
     }
@@ -337,10 +358,10 @@ static void ply_and_stl_are_read(void **state)
 
 static void useless_triangles_are_dropped_and_the_rest_kept(void **state)
 {
-    lf_test_write(*state, "a.obj",
-                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nv 1e30 0 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 1 2\nf 1 2 6\n");
-    lf_mesh_desc desc = of_file("a.obj");
-    lf_mesh_data data = imported(&desc, *state);
+    lf_mesh_data data = imported_obj(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nv 1e30 0 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf "
+        "1 2 5\nf 1 1 2\nf 1 2 6\n",
+        *state);
     assert_int_equal(data.n_triangles, 1);
     for (int i = 0; i < 3 * data.n_vertices; i++)
         assert_true(fabs(data.positions[i]) <= 2);
@@ -355,18 +376,22 @@ static void malformed_files_are_refused_in_words(void **state)
     lf_test_write(folder, "index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99\n");
     lf_test_write(folder, "points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n");
     lf_test_write(folder, "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
-    lf_test_write(folder, "short.ply", "ply\nformat ascii 1.0\nelement vertex 400000000\nproperty float x\nend_header\n0\n");
+    lf_test_write(
+        folder, "short.ply",
+        "ply\nformat ascii 1.0\nelement vertex 400000000\nproperty float x\nend_header\n0\n");
     lf_test_write(folder, "short.glb", "glTF\x02");
     lf_test_write(folder, "garbage.stl", "\x01\x02\x03\x04garbage");
     lf_test_write(folder, "nobin.gltf", GLTF); /* tri.bin is not there */
     lf_test_write(folder, "no.gltf",
-                  "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":7}}]}]}");
+                  "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{"
+                  "\"POSITION\":7}}]}]}");
     lf_test_write(folder, "json.gltf", "{\"asset\":");
     assert_refused("empty.obj", folder, LF_E_FORMAT, "");
     assert_refused("words.obj", folder, LF_E_FORMAT, "");
     assert_refused("points.obj", folder, LF_E_FORMAT, "no triangles in this file");
     assert_refused("flat.obj", folder, LF_E_FORMAT, "no usable triangle");
-    assert_refused("short.ply", folder, LF_E_FORMAT, "promises at least 800000000 bytes of elements, the file has 76");
+    assert_refused("short.ply", folder, LF_E_FORMAT,
+                   "promises at least 800000000 bytes of elements, the file has 76");
     assert_refused("short.glb", folder, LF_E_FORMAT, "cannot be read as a mesh");
     assert_refused("garbage.stl", folder, LF_E_FORMAT, "cannot be read as a mesh");
     assert_refused("no.gltf", folder, LF_E_FORMAT, "");
@@ -376,7 +401,8 @@ static void malformed_files_are_refused_in_words(void **state)
     lf_mesh_data data = {0};
     lf_error err;
     assert_int_not_equal(lf_mesh_import(&desc, folder, NULL, &data, &err), LF_OK);
-    assert_true(strstr(err.where, "tri.bin") != NULL); /* the file that is missing is the one that is named */
+    /* the file that is missing is the one that is named */
+    assert_true(strstr(err.where, "tri.bin"));
     lf_mesh_data_finish(&data);
     /* A face that points beyond the vertices is refused or dropped, never followed. */
     desc = of_file("index.obj");
@@ -387,14 +413,13 @@ static void malformed_files_are_refused_in_words(void **state)
 
 static void a_missing_material_library_is_no_reason_to_refuse_a_mesh(void **state)
 {
-    lf_test_write(*state, "a.obj", "mtllib gone.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    lf_mesh_desc desc = of_file("a.obj");
-    lf_mesh_data data = imported(&desc, *state);
+    lf_mesh_data data =
+        imported_obj("mtllib gone.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", *state);
     assert_int_equal(data.n_triangles, 1);
     lf_mesh_data_finish(&data);
 }
 
-/* -------------------------------------------------------------------------------------------------------- shapes -- */
+/* ------------------------------------------------------------------------------------ shapes -- */
 
 static void shapes_are_what_the_manual_says(void **state)
 {
@@ -403,9 +428,12 @@ static void shapes_are_what_the_manual_says(void **state)
         lf_mesh_shape shape;
         int n_triangles;
         double area, volume;
-    } cases[] = {{LF_SHAPE_QUAD, 2, 4, 0}, {LF_SHAPE_CUBE, 12, 24, 8}, {LF_SHAPE_SPHERE, 16128, 4 * M_PI, 4 * M_PI / 3}};
+    } cases[] = {{LF_SHAPE_QUAD, 2, 4, 0},
+                 {LF_SHAPE_CUBE, 12, 24, 8},
+                 {LF_SHAPE_SPHERE, 16128, 4 * M_PI, 4 * M_PI / 3}};
     for (int i = 0; i < 3; i++) {
-        lf_mesh_desc desc = {.shape = cases[i].shape, .material = -1, .transform = lf_affine_identity()};
+        lf_mesh_desc desc = {
+            .shape = cases[i].shape, .material = -1, .transform = lf_affine_identity()};
         lf_mesh_data data = {0};
         lf_error err;
         lf_assert_ok(lf_mesh_shape_make(&desc, &data, &err), &err);
@@ -413,7 +441,7 @@ static void shapes_are_what_the_manual_says(void **state)
         lf_assert_close(total_area(&data), cases[i].area, 2e-3, 0);
         lf_assert_close(signed_volume(&data), cases[i].volume, 2e-3, 1e-12);
         assert_int_equal(data.n_materials, 1);
-        assert_int_equal(data.normals != NULL, cases[i].shape == LF_SHAPE_SPHERE);
+        assert_int_equal(!!data.normals, cases[i].shape == LF_SHAPE_SPHERE);
         double n[3];
         area_vector(&data, 0, n);
         if (cases[i].shape == LF_SHAPE_QUAD)
@@ -422,9 +450,10 @@ static void shapes_are_what_the_manual_says(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------------------------ committed -- */
+/* --------------------------------------------------------------------------------- committed -- */
 
-/* Distance along a ray in scene-local coordinates, INFINITY when nothing is hit; *out_mesh is whose triangle. */
+/* Distance along a ray in scene-local coordinates, INFINITY when nothing is hit; *out_mesh is whose
+ * triangle. */
 static float trace(const lf_scene *scene, lf_vec3 from, lf_vec3 along, unsigned *out_mesh)
 {
     struct RTCIntersectContext context;
@@ -446,14 +475,10 @@ static float trace(const lf_scene *scene, lf_vec3 from, lf_vec3 along, unsigned 
 static void rays_meet_the_meshes_in_their_order(void **state)
 {
     (void)state;
-    json_t *doc = json_loads("{\"meshes\": {\"low\": {\"shape\": \"quad\"}, \"high\": {\"shape\": \"quad\","
-                             "\"transform\": {\"scale\": 0.5, \"translate\": [0, 2, 0]}}}}",
-                             0, NULL);
-    lf_scene *scene = NULL;
-    lf_error err;
+    lf_scene *scene =
+        lf_test_scene("{'meshes': {'low': {'shape': 'quad'}, 'high': {'shape': 'quad',"
+                      "'transform': {'scale': 0.5, 'translate': [0, 2, 0]}}}}");
     unsigned mesh;
-    lf_assert_ok(lf_scene_from_json(doc, ".", "test", NULL, NULL, &scene, &err), &err);
-    json_decref(doc);
     lf_assert_close(trace(scene, lf_v3(0.1f, 5, 0.2f), lf_v3(0, -1, 0), &mesh), 3, 1e-6, 0);
     assert_int_equal(mesh, 1);
     lf_assert_close(trace(scene, lf_v3(0.8f, 5, 0.2f), lf_v3(0, -1, 0), &mesh), 5, 1e-6, 0);
@@ -465,13 +490,9 @@ static void rays_meet_the_meshes_in_their_order(void **state)
 static void a_scene_far_away_loses_nothing(void **state)
 {
     (void)state;
-    json_t *doc =
-        json_loads("{\"meshes\": {\"q\": {\"shape\": \"quad\", \"transform\": {\"translate\": [3e8, 0.0625, 7e8]}}}}", 0, NULL);
-    lf_scene *scene = NULL;
-    lf_error err;
+    lf_scene *scene = lf_test_scene("{'meshes': {'q': {'shape': 'quad', 'transform': "
+                                    "{'translate': [3e8, 0.0625, 7e8]}}}}");
     unsigned mesh;
-    lf_assert_ok(lf_scene_from_json(doc, ".", "test", NULL, NULL, &scene, &err), &err);
-    json_decref(doc);
     assert_true(scene->origin[0] == 3e8 && scene->origin[2] == 7e8);
     const float *v = scene->meshes[0].vertices;
     assert_true(fabsf(v[0]) == 1.0f && v[1] == 0.0625f && fabsf(v[2]) == 1.0f);
@@ -482,14 +503,14 @@ static void a_scene_far_away_loses_nothing(void **state)
 static void materials_of_files_and_of_the_scene_share_one_table(void **state)
 {
     lf_test_write(*state, "m.mtl", "newmtl red\nKd 1 0 0\n");
-    lf_test_write(*state, "m.obj", "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    json_t *doc = json_loads("{\"materials\": {\"a\": {\"albedo\": 0.25}}, \"meshes\": {\"x\": {\"shape\": \"quad\"}, \"own\":"
-                             "{\"file\": \"m.obj\"}, \"named\": {\"file\": \"m.obj\", \"material\": \"a\"}}}",
-                             0, NULL);
-    lf_scene *scene = NULL;
-    lf_error err;
-    lf_assert_ok(lf_scene_from_json(doc, *state, "test", NULL, NULL, &scene, &err), &err);
-    json_decref(doc);
+    lf_test_write(*state, "m.obj",
+                  "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    lf_scene *scene =
+        lf_test_scene_in(*state,
+                         "{'materials': {'a': {'albedo': 0.25}}, 'meshes': {'x': {'shape': "
+                         "'quad'}, 'own':"
+                         "{'file': 'm.obj'}, 'named': {'file': 'm.obj', 'material': 'a'}}}",
+                         NULL);
     const lf_mesh *grey = &scene->meshes[0], *own = &scene->meshes[1], *named = &scene->meshes[2];
     assert_true(scene->materials[grey->triangle_material[1]].albedo.x == 0.5f);
     const lf_material *red = &scene->materials[own->triangle_material[0]];
@@ -517,14 +538,14 @@ static void the_shared_meshes_are_read(void **state)
         const char *path = lf_test_shared(cases[i].file);
         if (!path)
             skip();
-        lf_mesh_desc desc = of_file(path);
-        lf_mesh_data data = imported(&desc, ".");
+        lf_mesh_data data = imported_file(path, ".");
         assert_int_equal(data.n_triangles, cases[i].n_triangles);
         lf_mesh_data_finish(&data);
     }
 }
 
-#define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_folder, remove_folder)
+#define IN_FOLDER(test)                                                                            \
+    cmocka_unit_test_setup_teardown(test, lf_test_folder_setup, lf_test_folder_teardown)
 
 int main(void)
 {

@@ -1,8 +1,10 @@
-/* A grid seen directly, and in a perfect mirror. The direct way draws from slices, with correction weights, and shares between views;
- * behind a mirror every view tracks the grid itself: what slices leave in the picture is the difference. The camera stands at its own
- * mirror image, so that grid and sun are the same numbers in both. Single scattering, for more of it hides what edges do. What is
- * compared is the mean of the picture, by Welch's test over seeds; each case shows its power. QUILTD_LONG=1 takes the shipped cloud at
- * three densities as well, and an edge of one voxel under a low sun, and knows either side to some 0.03 %. */
+/* A grid seen directly, and in a perfect mirror. The direct way draws from slices, with correction
+ * weights, and shares between views; behind a mirror every view tracks the grid itself: what slices
+ * leave in the picture is the difference. The camera stands at its own mirror image, so that grid
+ * and sun are the same numbers in both. Single scattering, for more of it hides what edges do. What
+ * is compared is the mean of the picture, by Welch's test over seeds; each case shows its power.
+ * QUILTD_LONG=1 takes the shipped cloud at three densities as well, and an edge of one voxel under
+ * a low sun, and knows either side to some 0.03 %. */
 #include "tests/testing.h"
 
 #include "tests/render/grids.h"
@@ -23,14 +25,17 @@ typedef struct subject {
 /* Voxels of every density in a ball. */
 static float clump(int x, int y, int z)
 {
-    double m = 0.5 * (side - 1), r2 = ((x - m) * (x - m) + (y - m) * (y - m) + (z - m) * (z - m)) / (m * m);
-    return (float)fmax(0.0, 1.0 - r2) * (float)(lf_hash64((uint64_t)(x + 1000 * y), (uint64_t)z) >> 40) * 0x1p-24f;
+    double m = 0.5 * (side - 1),
+           r2 = ((x - m) * (x - m) + (y - m) * (y - m) + (z - m) * (z - m)) / (m * m);
+    return (float)fmax(0.0, 1.0 - r2) *
+           (float)(lf_hash64((uint64_t)(x + 1000 * y), (uint64_t)z) >> 40) * 0x1p-24f;
 }
 
 /* What a level set becomes: full, with an edge of one voxel. */
 static float ball(int x, int y, int z)
 {
-    double m = 0.5 * (side - 1), r = sqrt((x - m) * (x - m) + (y - m) * (y - m) + (z - m) * (z - m));
+    double m = 0.5 * (side - 1),
+           r = sqrt((x - m) * (x - m) + (y - m) * (y - m) + (z - m) * (z - m));
     return (float)fmin(1.0, fmax(0.0, m - r));
 }
 
@@ -50,31 +55,43 @@ static const subject long_subjects[] = {
     {"an edge of one voxel under a low sun", ball, 220, false, 0.2, 16, 100, 25, 0.0025},
 };
 
-enum { n_short = sizeof subjects / sizeof subjects[0], n_all = n_short + sizeof long_subjects / sizeof long_subjects[0] };
+enum {
+    n_short = sizeof subjects / sizeof subjects[0],
+    n_all = n_short + sizeof long_subjects / sizeof long_subjects[0]
+};
 
 #define LEVEL lf_sidak(LF_FALSE_ALARM, lf_test_long() ? n_all : n_short)
 #define CERTAIN 1e-6
 
-/* The mirror is a square through (0, 0, 3), its normal (1, 0, 1): what is at (x, y, z) is seen at (3 - z, y, 3 - x). */
+/* The mirror is a square through (0, 0, 3), its normal (1, 0, 1): what is at (x, y, z) is seen at
+ * (3 - z, y, 3 - x). */
 static lf_scene *make(const subject *s, bool mirrored)
 {
-    static const char mirror[] = "'mirror': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': 1.5, 'rotate': [90, 45, "
+    static const char mirror[] = "'mirror': { 'shape': 'quad', 'material': 'm', 'transform': { "
+                                 "'scale': 1.5, 'rotate': [90, 45, "
                                  "0], 'translate': [0, 0, 3] } }";
     char text[PATH_MAX + 2048], volume[PATH_MAX + 128] = "'shape': 'box'";
     if (!s->voxels)
-        snprintf(volume, sizeof volume, "'file': '%s', 'scale': %g, 'interpolation': '%s', 'transform': { 'rotate': [0, 30, 0] }",
-                 lf_test_built("../scenes/cloud.vdb"), (double)s->sigma, s->nearest ? "nearest" : "linear");
+        snprintf(volume, sizeof volume,
+                 "'file': '%s', 'scale': %g, 'interpolation': '%s', 'transform': { 'rotate': [0, "
+                 "30, 0] }",
+                 lf_test_built("../scenes/cloud.vdb"), (double)s->sigma,
+                 s->nearest ? "nearest" : "linear");
     snprintf(text, sizeof text,
-             "{ 'camera': { 'position': [%s], 'target': [%s], 'fov_y': %g, 'aspect': 1, 'cone': 20, 'views': 3 }, "
+             "{ 'camera': { 'position': [%s], 'target': [%s], 'fov_y': %g, 'aspect': 1, 'cone': "
+             "20, 'views': 3 }, "
              "'volumes': { 'v': { %s, 'albedo': 1 } }, 'meshes': { %s }, "
              "'materials': { 'm': { 'type': 'conductor', 'albedo': 1, 'roughness': 0 } }, "
-             "'lights': { 'sun': { 'type': 'distant', 'direction': [%.9f, -0.1, %.9f], 'irradiance': 10 } }, "
+             "'lights': { 'sun': { 'type': 'distant', 'direction': [%.9f, -0.1, %.9f], "
+             "'irradiance': 10 } }, "
              "'render': { 'max_depth': %d } }",
-             mirrored ? "-2, 0, 3" : "0, 0, 5", mirrored ? "3, 0, 3" : "0, 0, 0", s->voxels ? 2.4 : 14.0, volume,
-             mirrored ? mirror : "", sqrt(1.0 - s->sun * s->sun), -s->sun, mirrored ? 2 : 1);
+             mirrored ? "-2, 0, 3" : "0, 0, 5", mirrored ? "3, 0, 3" : "0, 0, 0",
+             s->voxels ? 2.4 : 14.0, volume, mirrored ? mirror : "", sqrt(1.0 - s->sun * s->sun),
+             -s->sun, mirrored ? 2 : 1);
     if (!s->voxels)
         return lf_test_scene(text);
-    return lf_test_grid_scene(text, lf_test_grid(s->voxels, side, side, side), 1.0 / 64, 0.5, s->sigma, s->nearest);
+    return lf_test_grid_scene(text, lf_test_grid(s->voxels, side, side, side), 1.0 / 64, 0.5,
+                              s->sigma, s->nearest);
 }
 
 static lf_moments seen(const subject *s, bool mirrored, int cycles, unsigned faults)
@@ -82,7 +99,7 @@ static lf_moments seen(const subject *s, bool mirrored, int cycles, unsigned fau
     lf_scene *scene = make(s, mirrored);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", s->width, height, NULL);
     lf_blocks blocks;
-    r->plan.faults = faults;
+    r->faults = faults;
     lf_blocks_init(&blocks, views, s->width, height, s->width);
     for (int k = 0; k < replicates; k++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed() + (uint64_t)mirrored, (uint64_t)k));
@@ -99,10 +116,12 @@ static lf_moments seen(const subject *s, bool mirrored, int cycles, unsigned fau
 static void assert_pair(const subject *s)
 {
     int more = lf_test_long() ? 4 : 1;
-    lf_moments direct = seen(s, false, more * s->direct, 0), mirrored = seen(s, true, more * s->mirrored, 0), off = mirrored;
+    lf_moments direct = seen(s, false, more * s->direct, 0),
+               mirrored = seen(s, true, more * s->mirrored, 0), off = mirrored;
     double p = lf_p_welch(&direct, &mirrored);
     print_message("%s: direct %+.3f %%, standard errors %.3f and %.3f %%, p %.2g\n", s->name,
-                  100.0 * (direct.mean / mirrored.mean - 1.0), 100.0 * lf_moments_error(&direct) / direct.mean,
+                  100.0 * (direct.mean / mirrored.mean - 1.0),
+                  100.0 * lf_moments_error(&direct) / direct.mean,
                   100.0 * lf_moments_error(&mirrored) / mirrored.mean, p);
     assert_true(p > LEVEL);
     off.mean = direct.mean * (1.0 + s->power);
@@ -111,7 +130,8 @@ static void assert_pair(const subject *s)
         return; /* there is nothing to correct */
     lf_moments wrong = seen(s, false, (s->direct + 3) / 4, LF_FAULT_NO_CORRECTION);
     p = lf_p_welch(&wrong, &mirrored);
-    print_message("    uncorrected %+.2f %%, p %.2g\n", 100.0 * (wrong.mean / mirrored.mean - 1.0), p);
+    print_message("    uncorrected %+.2f %%, p %.2g\n", 100.0 * (wrong.mean / mirrored.mean - 1.0),
+                  p);
     assert_true(p < CERTAIN);
 }
 

@@ -1,5 +1,5 @@
-/* Deliberate mistakes in the estimator (lf_fault), each of which one of the statistical tests must catch; and the same tests with the
- * same numbers pass without them. */
+/* Deliberate mistakes in the estimator (lf_fault), each of which one of the statistical tests must
+ * catch; and the same tests with the same numbers pass without them. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
@@ -21,16 +21,17 @@ static void whole_cycles(lf_renderer *r)
 static void live(lf_renderer *r)
 {
     for (int i = 0; i < 6; i++)
-        assert_int_equal(lf_renderer_pass(r, 0, 1, 2, NULL, NULL, NULL), LF_OK);
+        assert_int_equal(lf_renderer_pass(r, NULL, 2, NULL, NULL, NULL), LF_OK);
 }
 
 /* Smallest p of W - n q, or of W' - n q, over blocks of every view. */
-static double p_of_weights_of(const char *text, bool second, unsigned faults, lf_test_schedule schedule)
+static double p_of_weights_of(const char *text, bool second, unsigned faults,
+                              lf_test_schedule schedule)
 {
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_blocks blocks[3];
-    r->plan.faults = faults;
+    r->faults = faults;
     lf_test_weight_blocks(r, schedule, 24, 8, blocks);
     double p = lf_blocks_p_zero(&blocks[second], NULL);
     for (int i = 0; i < 3; i++)
@@ -55,7 +56,7 @@ static void pictures(const char *integrator, unsigned faults, uint64_t seed, lf_
 {
     lf_scene *scene = lf_test_scene(scene_text);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
-    r->plan.faults = faults;
+    r->faults = faults;
     lf_test_pictures(r, whole_cycles, LF_ESTIMATOR_MIS, 24, seed, 8, out);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
@@ -117,21 +118,24 @@ static void lobes_cut_at_the_horizon_are_caught(void **state)
     assert_true(p_of_glossy_weights(LF_FAULT_HORIZON) < CERTAIN);
 }
 
-/* A card whose upper edge runs along the rows, seen by a whole cycle: every ray of a row meets it or none does, so that with B and q of
- * the row's own plane W and n q agree in every visit of every row, not only in the mean. Largest difference in a row, per sample. With
- * another plane one row in two visits differs by all of it: unseen in 24 with probability 2^-24. */
+/* A card whose upper edge runs along the rows, seen by a whole cycle: every ray of a row meets it
+ * or none does, so that with B and q of the row's own plane W and n q agree in every visit of every
+ * row, not only in the mean. Largest difference in a row, per sample. With another plane one row in
+ * two visits differs by all of it: unseen in 24 with probability 2^-24. */
 static double worst_row(unsigned faults)
 {
-    static const char card[] = "{ " LF_TEST_CAMERA("7", "") "'meshes': { 'card': { 'shape': 'quad', 'transform': { 'scale': 4, "
-                                                            "'rotate': [90, 0, 0], 'translate': [0, -3.336, 0] } } } }";
+    static const char card[] = "{ " LF_TEST_CAMERA(
+        "7", "") "'meshes': { 'card': { 'shape': 'quad', 'transform': { 'scale': 4, "
+                 "'rotate': [90, 0, 0], 'translate': [0, -3.336, 0] } } } }";
     enum { pixels = n_views * width };
-    double *d = malloc(height * pixels * sizeof *d), *q = malloc(height * pixels * sizeof *q), worst = 0.0;
+    double *d = malloc(height * pixels * sizeof *d), *q = malloc(height * pixels * sizeof *q),
+           worst = 0.0;
     lf_scene *scene = lf_test_scene(card);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
-    r->plan.faults = faults;
+    r->faults = faults;
     for (int k = 0; k < 24; k++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
-        assert_int_equal(lf_renderer_pass(r, 0, 1, n_views, NULL, NULL, NULL), LF_OK);
+        assert_int_equal(lf_renderer_pass(r, NULL, n_views, NULL, NULL, NULL), LF_OK);
         lf_test_weights(r, false, d, q);
         for (int row = 0; row < height; row++) {
             double sum = 0.0;

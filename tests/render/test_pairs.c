@@ -1,6 +1,7 @@
-/* Two ways to the same picture: a scene, and the same scene made of other things or put elsewhere. Replicates are seeds, the same for both,
- * and what is compared is the mean of the whole picture by the unbiased answer. Each pair shows its power: its standard error is so
- * small that 0.3 % more in one of the two is rejected. */
+/* Two ways to the same picture: a scene, and the same scene made of other things or put elsewhere.
+ * Replicates are seeds, the same for both, and what is compared is the mean of the whole picture by
+ * the unbiased answer. Each pair shows its power: its standard error is so small that 0.3 % more in
+ * one of the two is rejected. */
 #include "tests/testing.h"
 
 #include <stdarg.h>
@@ -18,10 +19,12 @@ typedef struct way {
     bool mirrored, turned; /* left to right; by 180 degrees about y */
     int cuts;              /* the ground in cuts x cuts quads */
     int lamps;             /* the lamp likewise */
-    int cells, lamp_cells; /* > 0: either as one mesh of cells x cells x 4 triangles, the corners of the cells and their middles */
-    int fogs;              /* as many volumes in one place, their density shared out */
-    bool picture, dome;    /* the sky as a picture; as a box of lamps around everything */
-    bool box, voxels;      /* the fog as a box in the middle; the same as a grid */
+    /* > 0: either as one mesh of cells x cells x 4 triangles, the corners of the cells and their
+     * middles */
+    int cells, lamp_cells;
+    int fogs;           /* as many volumes in one place, their density shared out */
+    bool picture, dome; /* the sky as a picture; as a box of lamps around everything */
+    bool box, voxels;   /* the fog as a box in the middle; the same as a grid */
 } way;
 
 static const way plain = {.scale = 1, .cuts = 1, .lamps = 1, .fogs = 1},
@@ -52,37 +55,42 @@ static void put_point(text *t, double x, double y, double z)
 }
 
 /* A level square of this half side, in n x n parts. */
-static void put_square(text *t, const char *name, const char *material, int n, double half, double x, double y, double z)
+static void put_square(text *t, const char *name, const char *material, int n, double half,
+                       double x, double y, double z)
 {
     for (int i = 0; i < n * n; i++) {
-        put(t, "'%s %d': { 'shape': 'quad', 'material': '%s', 'transform': { 'scale': %.17g, 'translate': ", name, i, material,
-            t->way->scale * half / n);
-        put_point(t, x + half * ((2 * (i % n) + 1.0) / n - 1), y, z + half * ((2 * (i / n) + 1.0) / n - 1));
+        put(t,
+            "'%s %d': { 'shape': 'quad', 'material': '%s', 'transform': { 'scale': %.17g, "
+            "'translate': ",
+            name, i, material, t->way->scale * half / n);
+        put_point(t, x + half * ((2 * (i % n) + 1.0) / n - 1), y,
+                  z + half * ((2 * (i / n) + 1.0) / n - 1));
         put(t, " } }, ");
     }
 }
 
 /* The same, as a file. */
-static void put_mesh(text *t, const char *name, const char *path, const char *material, int n, double half, double x, double y,
-                     double z)
+static void put_mesh(text *t, const char *name, const char *path, const char *material, int n,
+                     double half, double x, double y, double z)
 {
     FILE *file = fopen(path, "w");
     assert_non_null(file);
     for (int i = 0; i <= n; i++) {
         for (int j = 0; j <= n; j++)
-            fprintf(file, "v %.9g 0 %.9g\nv %.9g 0 %.9g\n", 2.0 * i / n - 1, 2.0 * j / n - 1, (2 * i + 1.0) / n - 1,
-                    (2 * j + 1.0) / n - 1);
+            fprintf(file, "v %.9g 0 %.9g\nv %.9g 0 %.9g\n", 2.0 * i / n - 1, 2.0 * j / n - 1,
+                    (2 * i + 1.0) / n - 1, (2 * j + 1.0) / n - 1);
     }
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
-            int near = 2 * (i * (n + 1) + j) + 1, far = near + 2 * (n + 1), ring[] = {near, near + 2, far + 2, far, near};
+            int near = 2 * (i * (n + 1) + j) + 1, far = near + 2 * (n + 1),
+                ring[] = {near, near + 2, far + 2, far, near};
             for (int k = 0; k < 4; k++)
                 fprintf(file, "f %d %d %d\n", ring[k], ring[k + 1], near + 1);
         }
     }
     assert_int_equal(fclose(file), 0);
-    put(t, "'%s': { 'file': '%s', 'material': '%s', 'transform': { 'scale': %.17g, 'translate': ", name, path, material,
-        t->way->scale * half);
+    put(t, "'%s': { 'file': '%s', 'material': '%s', 'transform': { 'scale': %.17g, 'translate': ",
+        name, path, material, t->way->scale * half);
     put_point(t, x, y, z);
     put(t, " } }, ");
 }
@@ -104,9 +112,11 @@ static void put_fogs(text *t)
     put(t, "'volumes': { ");
     for (int i = 0; i < w->fogs; i++) {
         put(t,
-            "%s'fog %d': { 'shape': '%s', 'density': %.17g, 'albedo': 0.9, 'g': 0.3, 'transform': { 'scale': %.17g, "
+            "%s'fog %d': { 'shape': '%s', 'density': %.17g, 'albedo': 0.9, 'g': 0.3, 'transform': "
+            "{ 'scale': %.17g, "
             "'rotate': [0, %.17g, 0], 'translate': ",
-            i ? ", " : "", i, w->box ? "box" : "sphere", 2 / w->scale / w->fogs, 0.5 * w->scale, tilt * 180 / M_PI);
+            i ? ", " : "", i, w->box ? "box" : "sphere", 2 / w->scale / w->fogs, 0.5 * w->scale,
+            tilt * 180 / M_PI);
         if (w->box)
             put_point(t, 0, 0, 0);
         else
@@ -125,14 +135,19 @@ static void put_meshes(text *t, const char *folder)
     else
         put_square(t, "ground", "clay", w->cuts, 3, 0, -0.7, 0);
     if (w->lamp_cells)
-        put_mesh(t, "lamp", lf_test_path(folder, "lamp.obj"), "lamp", w->lamp_cells, 1, 0.3, 2.5, 0.2);
+        put_mesh(t, "lamp", lf_test_path(folder, "lamp.obj"), "lamp", w->lamp_cells, 1, 0.3, 2.5,
+                 0.2);
     else
         put_square(t, "lamp", "lamp", w->lamps, 1, 0.3, 2.5, 0.2);
     if (w->dome)
         put(t, "'dome': { 'shape': 'cube', 'material': 'sky', 'transform': { 'scale': 12 } }, ");
-    put(t, "'ball': { 'shape': 'sphere', 'material': 'clay', 'transform': { 'scale': %.17g, 'translate': ", 0.5 * w->scale);
+    put(t,
+        "'ball': { 'shape': 'sphere', 'material': 'clay', 'transform': { 'scale': %.17g, "
+        "'translate': ",
+        0.5 * w->scale);
     put_point(t, 0.5, -0.1, -0.2);
-    put(t, " } } }, 'materials': { 'clay': { 'albedo': 0.6 }, 'lamp': { 'albedo': 0, 'emission': 2 }, 'sky': { 'albedo': 0, "
+    put(t, " } } }, 'materials': { 'clay': { 'albedo': 0.6 }, 'lamp': { 'albedo': 0, 'emission': 2 "
+           "}, 'sky': { 'albedo': 0, "
            "'emission': 0.5 } }");
 }
 
@@ -156,7 +171,8 @@ static lf_scene *make(const way *w)
     static text t;
     char *folder = lf_test_folder();
     t = (text){.way = w};
-    put(&t, "{ 'quiltd': 1, 'camera': { 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 20, 'views': 3, 'position': ");
+    put(&t, "{ 'quiltd': 1, 'camera': { 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 20, 'views': "
+            "3, 'position': ");
     put_point(&t, 0, 0.8, 5);
     put(&t, ", 'target': ");
     put_point(&t, 0, 0, 0);
@@ -166,7 +182,8 @@ static lf_scene *make(const way *w)
     put_sky(&t, folder);
     put(&t, " }");
     lf_scene *scene = w->voxels
-                          ? lf_test_grid_scene(t.data, lf_test_grid(lf_test_full, side, side, side), 1.0 / side, tilt, 2.0f, true)
+                          ? lf_test_grid_scene(t.data, lf_test_grid(lf_test_full, side, side, side),
+                                               1.0 / side, tilt, 2.0f, true)
                           : lf_test_scene(t.data);
     lf_test_folder_remove(folder);
     return scene;
@@ -212,16 +229,21 @@ static const struct pair {
     {"the lamp as 10000 triangles", {.scale = 1, .cuts = 1, .lamp_cells = 50, .fogs = 1}, many},
     {"the fog as two of half the density", {.scale = 1, .cuts = 1, .lamps = 1, .fogs = 2}, many},
     {"the sky as a picture", {.scale = 1, .cuts = 1, .lamps = 1, .fogs = 1, .picture = true}, most},
-    {"the sky as a dome of lamps", {.scale = 1, .cuts = 1, .lamps = 1, .fogs = 1, .dome = true}, most},
+    {"the sky as a dome of lamps",
+     {.scale = 1, .cuts = 1, .lamps = 1, .fogs = 1, .dome = true},
+     most},
 };
 static const struct pair lamp_by_vpt = {
     "the lamp as 10000 triangles, vpt", {.scale = 1, .cuts = 1, .lamp_cells = 50, .fogs = 1}, many};
 static const struct pair box_of_voxels = {
-    "a box of fog as voxels", {.scale = 1, .cuts = 1, .lamps = 1, .fogs = 1, .box = true, .voxels = true}, many};
+    "a box of fog as voxels",
+    {.scale = 1, .cuts = 1, .lamps = 1, .fogs = 1, .box = true, .voxels = true},
+    many};
 
 enum { n_pairs = sizeof pairs / sizeof pairs[0] + 2 };
 
-/* 0.3 % in one of the two ways would have this p on average, far below what is rejected: it is, in at least nine of ten runs. */
+/* 0.3 % in one of the two ways would have this p on average, far below what is rejected: it is, in
+ * at least nine of ten runs. */
 #define POWER 1e-5
 
 /* Against the means of the first way, of at least as many seeds. */
@@ -238,7 +260,8 @@ static void assert_same(const struct pair *pair, const char *integrator, const d
     print_message("%-36s %+.2g +- %.2g\n", pair->name, difference.mean, error);
     /* What single precision may round off. */
     double beyond = fmax(fabs(difference.mean) - 2e-5, 0);
-    assert_true(lf_p_student(beyond / fmax(error, 1e-9), pair->replicates - 1) > lf_sidak(LF_FALSE_ALARM, n_pairs));
+    assert_true(lf_p_student(beyond / fmax(error, 1e-9), pair->replicates - 1) >
+                lf_sidak(LF_FALSE_ALARM, n_pairs));
     assert_true(lf_p_student(0.003 / fmax(error, 1e-9), pair->replicates - 1) < POWER);
 }
 

@@ -6,18 +6,22 @@
 
 enum { VIEWS = 9, WIDTH = 120, HEIGHT = 40 };
 
-/* Three glowing balls: red on the window plane, green in front of it, blue behind, one above the other. */
-static const char SCENE[] =
-    "{\"quiltd\":1,"
-    "\"camera\":{\"target\":[0.1,0,0],\"position\":[0.1,0,6],\"fov_y\":14,\"aspect\":3,\"views\":9,\"cone\":30},"
-    "\"meshes\":{"
-    "\"on\":{\"shape\":\"sphere\",\"material\":\"red\",\"transform\":{\"scale\":0.08,\"translate\":[0.3,0,0]}},"
-    "\"front\":{\"shape\":\"sphere\",\"material\":\"green\",\"transform\":{\"scale\":0.08,\"translate\":[0.3,0.3,1]}},"
-    "\"behind\":{\"shape\":\"sphere\",\"material\":\"blue\",\"transform\":{\"scale\":0.08,\"translate\":[0.3,-0.3,-1.5]}}},"
-    "\"materials\":{"
-    "\"red\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[1,0,0]},"
-    "\"green\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[0,1,0]},"
-    "\"blue\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[0,0,1]}}}";
+/* Three glowing balls: red on the window plane, green in front of it, blue behind, one above the
+ * other. */
+static const char SCENE[] = "{\"quiltd\":1,"
+                            "\"camera\":{\"target\":[0.1,0,0],\"position\":[0.1,0,6],\"fov_y\":14,"
+                            "\"aspect\":3,\"views\":9,\"cone\":30},"
+                            "\"meshes\":{"
+                            "\"on\":{\"shape\":\"sphere\",\"material\":\"red\",\"transform\":{"
+                            "\"scale\":0.08,\"translate\":[0.3,0,0]}},"
+                            "\"front\":{\"shape\":\"sphere\",\"material\":\"green\",\"transform\":{"
+                            "\"scale\":0.08,\"translate\":[0.3,0.3,1]}},"
+                            "\"behind\":{\"shape\":\"sphere\",\"material\":\"blue\",\"transform\":{"
+                            "\"scale\":0.08,\"translate\":[0.3,-0.3,-1.5]}}},"
+                            "\"materials\":{"
+                            "\"red\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[1,0,0]},"
+                            "\"green\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[0,1,0]},"
+                            "\"blue\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[0,0,1]}}}";
 
 static float *render(lf_render_settings *settings)
 {
@@ -30,10 +34,11 @@ static float *render(lf_render_settings *settings)
     assert_non_null(doc);
     assert_non_null(out);
     lf_assert_ok(lf_scene_from_json(doc, ".", "test", NULL, NULL, &scene, &err), &err);
-    *settings = (lf_render_settings){.camera = *lf_scene_camera(scene), .width = WIDTH, .height = HEIGHT, .seed = 5};
+    *settings = (lf_render_settings){
+        .camera = *lf_scene_camera(scene), .width = WIDTH, .height = HEIGHT, .seed = 5};
     lf_assert_ok(lf_pool_create(2, &pool), NULL);
     lf_assert_ok(lf_renderer_create(scene, settings, pool, &renderer, &err), &err);
-    lf_assert_ok(lf_renderer_passes(renderer, 64 * VIEWS, false, NULL, NULL, NULL), NULL);
+    lf_assert_ok(lf_renderer_passes(renderer, NULL, 64 * VIEWS, false, NULL, NULL, NULL), NULL);
     lf_assert_ok(lf_renderer_resolve(renderer, LF_ESTIMATOR_MIS, out, NULL), NULL);
     lf_renderer_destroy(renderer);
     lf_pool_destroy(pool);
@@ -48,7 +53,9 @@ static double centre(const float *picture, int view, int channel)
     double sum = 0.0, weighted = 0.0;
     for (int row = 0; row < HEIGHT; row++) {
         for (int column = 0; column < WIDTH; column++) {
-            double v = (double)picture[(((size_t)row * VIEWS + (size_t)view) * WIDTH + (size_t)column) * 3 + (size_t)channel];
+            double v = (double)
+                picture[(((size_t)row * VIEWS + (size_t)view) * WIDTH + (size_t)column) * 3 +
+                        (size_t)channel];
             sum += v;
             weighted += v * (column + 0.5);
         }
@@ -57,10 +64,12 @@ static double centre(const float *picture, int view, int channel)
     return weighted / sum;
 }
 
-/* The rig's own words: the window is D wide of the line of cameras, view k sits at D tan(a_k) (scene.md, camera). */
+/* The rig's own words: the window is D wide of the line of cameras, view k sits at D tan(a_k)
+ * (scene.md, camera). */
 static double predicted(const lf_camera *camera, int view, double x, double z)
 {
-    double distance = 6.0, height = 2.0 * distance * tan(0.5 * camera->fov_y), width = height * camera->aspect;
+    double distance = 6.0, height = 2.0 * distance * tan(0.5 * camera->fov_y),
+           width = height * camera->aspect;
     double b = distance * tan(((view + 0.5) / VIEWS - 0.5) * camera->cone);
     double on_window = b + (x - b) * distance / (distance - z);
     return (on_window / width + 0.5) * WIDTH;
@@ -74,7 +83,8 @@ static void points_land_where_the_rig_says(void **state)
     float *picture = render(&settings);
     for (int view = 0; view < VIEWS; view++) {
         for (int channel = 0; channel < 3; channel++)
-            lf_assert_close(centre(picture, view, channel), predicted(&settings.camera, view, 0.2, z[channel]), 0.0, 0.15);
+            lf_assert_close(centre(picture, view, channel),
+                            predicted(&settings.camera, view, 0.2, z[channel]), 0.0, 0.15);
     }
     lf_free(picture);
 }

@@ -1,7 +1,7 @@
 #include "tests/testing.h"
 
-#include "render/phase.h"
-#include "render/sampler.h"
+#include "render/transport/phase.h"
+#include "render/transport/sampler.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/stat.h"
 
@@ -53,7 +53,8 @@ static void case_14_sampler_follows_the_phase_function(void **state)
 static void a_wrong_g_is_rejected(void **state)
 {
     (void)state;
-    const float wrong[][2] = {{0.0f, 0.02f}, {0.5f, 0.515f}, {0.5f, -0.5f}, {0.98f, 0.981f}, {0.9999f, 0.999905f}};
+    const float wrong[][2] = {
+        {0.0f, 0.02f}, {0.5f, 0.515f}, {0.5f, -0.5f}, {0.98f, 0.981f}, {0.9999f, 0.999905f}};
     for (int i = 0; i < 5; i++) {
         setup s = {wrong[i][0], wrong[i][1], lf_v3(0.48f, -0.6f, 0.64f)};
         assert_true(p_value(&s, NULL) < 1e-6);
@@ -83,9 +84,11 @@ static void both_forms_agree_and_are_finite(void **state)
     (void)state;
     for (int i = 0; i < n_g; i++) {
         for (int j = 0; j <= 1000; j++) {
-            float cosine = -1.0f + (float)j / 500.0f, sine = sqrtf(fmaxf(1.0f - cosine * cosine, 0.0f));
+            float cosine = -1.0f + (float)j / 500.0f,
+                  sine = sqrtf(fmaxf(1.0f - cosine * cosine, 0.0f));
             float a = lf_phase(all_g[i], cosine),
-                  b = lf_phase_between(all_g[i], lf_v3(0.0f, 0.0f, 1.0f), lf_v3(sine, 0.0f, cosine));
+                  b = lf_phase_between(all_g[i], lf_v3(0.0f, 0.0f, 1.0f),
+                                       lf_v3(sine, 0.0f, cosine));
             assert_true(isfinite(a) && a > 0.0f && isfinite(b) && b > 0.0f);
             if (fabsf(cosine) < 0.999f)
                 assert_true(fabsf(a - b) < 1e-3f * a);

@@ -1,5 +1,6 @@
-/* Converged pictures by another renderer (pbrt-v4), where they are at hand: ../shared/data/references with its README, scenes in
- * bench/reference. The mean of each block and of the picture is theirs within 0.2 % and our own noise, which is below 0.15 % of the mean;
+/* Converged pictures by another renderer (pbrt-v4), where they are at hand:
+ * ../shared/data/references with its README, scenes in bench/reference. The mean of each block and
+ * of the picture is theirs within 0.2 % and our own noise, which is below 0.15 % of the mean;
  * QUILTD_LONG=1 brings it below 0.04 %. */
 #include "tests/testing.h"
 
@@ -19,8 +20,15 @@ typedef struct reference {
     int n_views, view; /* of so many views with the same outermost ones this is its camera */
 } reference;
 
-static const reference sphere = {"references/ref_sphere.exr", "bench/reference/sphere.json", 120, 160, 40, 3, 1};
-static const reference cloud = {"references/ref_bunny_cloud64_v0.exr", "bench/reference/bunny_cloud64.json", 105, 140, 35, 2, 0};
+static const reference sphere = {
+    "references/ref_sphere.exr", "bench/reference/sphere.json", 120, 160, 40, 3, 1};
+static const reference cloud = {"references/ref_bunny_cloud64_v0.exr",
+                                "bench/reference/bunny_cloud64.json",
+                                105,
+                                140,
+                                35,
+                                2,
+                                0};
 
 static void set_file(json_t *doc, const char *kind, const char *name, const char *file)
 {
@@ -55,16 +63,19 @@ static double *read_truth(const reference *ref, const char *path)
     size_t n = (size_t)ref->width * (size_t)ref->height;
     double *out = malloc(n * sizeof *out);
     for (size_t i = 0; i < n; i++)
-        out[i] = 0.5 * (double)image.data[3 * i] + 0.3 * (double)image.data[3 * i + 1] + 0.2 * (double)image.data[3 * i + 2];
+        out[i] = 0.5 * (double)image.data[3 * i] + 0.3 * (double)image.data[3 * i + 1] +
+                 0.2 * (double)image.data[3 * i + 2];
     lf_image32_finish(&image);
     return out;
 }
 
 static void add_view(const reference *ref, const lf_renderer *r, lf_blocks *blocks)
 {
-    double *all = lf_test_picture(r, LF_ESTIMATOR_MIS), *one = malloc(sizeof *one * (size_t)(ref->width * ref->height));
+    double *all = lf_test_picture(r, LF_ESTIMATOR_MIS),
+           *one = malloc(sizeof *one * (size_t)(ref->width * ref->height));
     for (int row = 0; row < ref->height; row++)
-        memcpy(one + row * ref->width, all + (row * ref->n_views + ref->view) * ref->width, sizeof *one * (size_t)ref->width);
+        memcpy(one + row * ref->width, all + (row * ref->n_views + ref->view) * ref->width,
+               sizeof *one * (size_t)ref->width);
     lf_blocks_add(blocks, one);
     free(one);
     free(all);
@@ -98,8 +109,8 @@ static void assert_same(const reference *ref)
         int where = 0;
         render(ref, integrators[i], &blocks);
         const lf_moments *all = &blocks.moments[blocks.n - 1];
-        print_message("%s %s: %.5f of theirs, +- %.5f\n", ref->scene, integrators[i], all->mean / mean,
-                      lf_moments_error(all) / mean);
+        print_message("%s %s: %.5f of theirs, +- %.5f\n", ref->scene, integrators[i],
+                      all->mean / mean, lf_moments_error(all) / mean);
         double p = lf_blocks_p(&blocks, truth, THEIR_OWN, &where);
         if (!(p > LEVEL))
             fail_msg("block %d is %.5g +- %.2g, p %.2g", where, blocks.moments[where].mean,

@@ -21,7 +21,8 @@ static float *resolved(const lf_renderer *r, lf_estimator estimator, uint8_t *fl
 static void assert_same_picture(const lf_renderer *a, const lf_renderer *b)
 {
     for (int estimator = LF_ESTIMATOR_MWIS; estimator <= LF_ESTIMATOR_CV; estimator++) {
-        float *x = resolved(a, (lf_estimator)estimator, NULL), *y = resolved(b, (lf_estimator)estimator, NULL);
+        float *x = resolved(a, (lf_estimator)estimator, NULL),
+              *y = resolved(b, (lf_estimator)estimator, NULL);
         assert_memory_equal(x, y, VALUES * sizeof *x);
         lf_free(x);
         lf_free(y);
@@ -43,7 +44,7 @@ static void passes_allocate_nothing(void **state)
     uint64_t ours = lf_alloc_count();
     size_t heap = mallinfo2().uordblks;
     for (int i = 0; i < 20; i++)
-        lf_assert_ok(lf_renderer_pass_filling(r, 0, 1, 1, 0, NULL, NULL, NULL), NULL);
+        lf_assert_ok(lf_renderer_pass_filling(r, NULL, 1, 0, NULL, NULL, NULL), NULL);
     lf_test_passes(r, VIEWS);
     assert_int_equal(lf_alloc_count(), ours);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -104,20 +105,23 @@ static void a_cancelled_pass_says_so(void **state)
     lf_scene *scene;
     lf_cancel cancel = 1;
     lf_renderer *r = mixed(&scene);
-    lf_assert_status(lf_renderer_pass(r, 0, 1, 1, NULL, NULL, &cancel), LF_E_CANCELLED, NULL);
-    lf_assert_status(lf_renderer_passes(r, 7, false, NULL, NULL, &cancel), LF_E_CANCELLED, NULL);
+    lf_assert_status(lf_renderer_pass(r, NULL, 1, NULL, NULL, &cancel), LF_E_CANCELLED, NULL);
+    lf_assert_status(lf_renderer_passes(r, NULL, 7, false, NULL, NULL, &cancel), LF_E_CANCELLED,
+                     NULL);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
 }
 
-/* A slab whose upper and lower sides run along rows: a visit's plane meets it or passes it by. Whatever the last plane did, a pixel that an
- * earlier one found something in gets a path there. */
+/* A slab whose upper and lower sides run along rows: a visit's plane meets it or passes it by.
+ * Whatever the last plane did, a pixel that an earlier one found something in gets a path there. */
 static void holes_are_filled_where_something_was_found(void **state)
 {
     (void)state;
     lf_scene *scene =
-        lf_test_scene("{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.6667, 'cone': 35, 'views': 5 }, "
-                      "'volumes': { 'slab': { 'shape': 'box', 'density': 4, 'transform': { 'scale': [0.8, 0.03, 0.5] } } }, "
+        lf_test_scene("{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': "
+                      "1.6667, 'cone': 35, 'views': 5 }, "
+                      "'volumes': { 'slab': { 'shape': 'box', 'density': 4, 'transform': { "
+                      "'scale': [0.8, 0.03, 0.5] } } }, "
                       "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
     lf_renderer *r = lf_test_renderer(scene, "mvpt", WIDTH, HEIGHT, NULL);
     int64_t filled = 0;
@@ -128,11 +132,12 @@ static void holes_are_filled_where_something_was_found(void **state)
         free(lf_test_picture(r, LF_ESTIMATOR_MWIS));
         lf_renderer_stats(r, &stats);
         filled += stats.holes;
-        lf_assert_ok(lf_renderer_fill_holes(r, NULL), NULL);
+        lf_assert_ok(lf_renderer_fill_holes(r, NULL, NULL), NULL);
         for (int row = 0; row < HEIGHT; row++) {
             const lf_film_half a = lf_film_at(&r->film, row, 0), b = lf_film_at(&r->film, row, 1);
             for (int i = 0; i < VIEWS * WIDTH; i++)
-                assert_true(a.q[i] + b.q[i] < 1e-3f || a.scattered[i].w + b.scattered[i].w > 1e-20f);
+                assert_true(a.q[i] + b.q[i] < 1e-3f ||
+                            a.scattered[i].w + b.scattered[i].w > 1e-20f);
         }
     }
     assert_true(filled > 100);
@@ -147,10 +152,9 @@ static int farthest_hole(const uint8_t *flags)
     for (int line = 0; line < VIEWS * HEIGHT; line++) {
         for (int x = 0; x < WIDTH; x++) {
             int nearest = WIDTH;
-            for (int other = 0; other < WIDTH; other++) {
+            for (int other = 0; other < WIDTH; other++)
                 if (flags[line * WIDTH + other] != LF_PIXEL_HOLE)
                     nearest = abs(other - x) < nearest ? abs(other - x) : nearest;
-            }
             farthest = nearest > farthest ? nearest : farthest;
         }
     }
@@ -166,7 +170,7 @@ static void filling_leaves_no_hole_beyond_its_reach(void **state)
         uint8_t flags[VIEWS * WIDTH * HEIGHT];
         lf_scene *scene = lf_test_scene(LF_TEST_FOGS("5", ""));
         lf_renderer *r = lf_test_renderer(scene, "vpt", WIDTH, HEIGHT, NULL);
-        lf_assert_ok(lf_renderer_pass_filling(r, 0, 1, 1, reach[i], NULL, NULL, NULL), NULL);
+        lf_assert_ok(lf_renderer_pass_filling(r, NULL, 1, reach[i], NULL, NULL, NULL), NULL);
         lf_free(resolved(r, LF_ESTIMATOR_MWIS, flags));
         farthest[i] = farthest_hole(flags);
         lf_renderer_destroy(r);
@@ -184,8 +188,10 @@ static void unseen_rows_are_said_to_be(void **state)
     uint8_t flags[VIEWS * WIDTH];
     float out[VIEWS * WIDTH * 3];
     lf_renderer *r = mixed(&scene);
-    lf_assert_ok(lf_renderer_pass(r, 2, 4, 1, NULL, NULL, NULL), NULL);
-    lf_assert_status(lf_renderer_resolve_row(r, LF_ESTIMATOR_MWIS, 3, out, flags), LF_E_STATE, NULL);
+    lf_assert_ok(
+        lf_renderer_pass(r, &(lf_part){.first_row = 2, .row_step = 4}, 1, NULL, NULL, NULL), NULL);
+    lf_assert_status(lf_renderer_resolve_row(r, LF_ESTIMATOR_MWIS, 3, out, flags), LF_E_STATE,
+                     NULL);
     for (int i = 0; i < VIEWS * WIDTH; i++)
         assert_int_equal(flags[i], LF_PIXEL_UNSEEN);
     lf_assert_ok(lf_renderer_resolve_row(r, LF_ESTIMATOR_MWIS, 6, out, flags), NULL);
@@ -227,7 +233,7 @@ static void a_saved_picture_goes_on_as_if_nothing_had_happened(void **state)
     lf_scene *scene, *again;
     char *folder = lf_test_folder();
     lf_renderer *steady = mixed(&scene), *resumed = mixed(&again);
-    lf_assert_ok(lf_renderer_pass(steady, 0, 2, 2, NULL, NULL, NULL), NULL);
+    lf_assert_ok(lf_renderer_pass(steady, &(lf_part){.row_step = 2}, 2, NULL, NULL, NULL), NULL);
     const char *path = saved(steady, folder);
     lf_assert_ok(restored(resumed, path), NULL);
     assert_same_picture(steady, resumed);
@@ -246,7 +252,8 @@ static void another_picture_or_half_a_file_is_refused(void **state)
     (void)state;
     lf_scene *scene, *other = lf_test_scene(LF_TEST_FOGS("5", ""));
     char *folder = lf_test_folder();
-    lf_renderer *r = mixed(&scene), *stranger = lf_test_renderer(other, "mvpt", WIDTH, HEIGHT, NULL);
+    lf_renderer *r = mixed(&scene),
+                *stranger = lf_test_renderer(other, "mvpt", WIDTH, HEIGHT, NULL);
     lf_test_passes(r, VIEWS);
     const char *path = saved(r, folder);
     lf_assert_status(restored(stranger, path), LF_E_STATE, NULL);

@@ -1,10 +1,11 @@
 #include "tests/testing.h"
 
-#include "render/sampler.h"
+#include "render/transport/sampler.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/stat.h"
 
-/* Every elementary interval of area 1/n of the unit square holds exactly one of n = 2^m points; false otherwise. */
+/* Every elementary interval of area 1/n of the unit square holds exactly one of n = 2^m points;
+ * false otherwise. */
 static bool is_net(float (*points)[2], int m)
 {
     for (int a = 0; a <= m; a++) {
@@ -19,7 +20,8 @@ static bool is_net(float (*points)[2], int m)
     return true;
 }
 
-static void draw_points(lf_sampler_kind kind, uint64_t key, int n, uint32_t start, int skip, float (*points)[2])
+static void draw_points(lf_sampler_kind kind, uint64_t key, int n, uint32_t start, int skip,
+                        float (*points)[2])
 {
     for (int i = 0; i < n; i++) {
         lf_sampler s;
@@ -37,7 +39,8 @@ static void aligned_blocks_of_owen_pairs_are_nets(void **state)
     for (uint64_t key = 0; key < 20; key++) {
         for (int m = 0; m <= 10; m += 2) {
             uint32_t start = (uint32_t)((key * 7919) << m);
-            draw_points(LF_SAMPLER_OWEN, lf_hash64(key, 5), 1 << m, start, (int)(3 * key % 60), points);
+            draw_points(LF_SAMPLER_OWEN, lf_hash64(key, 5), 1 << m, start, (int)(3 * key % 60),
+                        points);
             assert_true(is_net(points, m));
         }
     }
@@ -74,15 +77,17 @@ static void aligned_blocks_of_one_dimension_are_stratified(void **state)
     }
 }
 
-/* What a visit draws for its whole row (its offset, the lens, the slices' phase) and for a column of it are such pairs: if one sequence
- * told the other, no mean over both would converge. Of 64 cells each is filled as it should be within 5 standard errors. */
+/* What a visit draws for its whole row (its offset, the lens, the slices' phase) and for a column
+ * of it are such pairs: if one sequence told the other, no mean over both would converge. Of 64
+ * cells each is filled as it should be within 5 standard errors. */
 static void sequences_of_different_keys_fill_the_square(void **state)
 {
     (void)state;
     for (uint64_t key = 0; key < 40; key++) {
         int cell[8][8] = {{0}};
         for (uint32_t i = 0; i < 4096; i++) {
-            float x = lf_sampler_radical(lf_hash64(key, 0), i), y = lf_sampler_radical(lf_hash64(key, 1), i);
+            float x = lf_sampler_radical(lf_hash64(key, 0), i),
+                  y = lf_sampler_radical(lf_hash64(key, 1), i);
             cell[(int)(8 * y)][(int)(8 * x)]++;
         }
         for (int i = 0; i < 64; i++)
@@ -132,7 +137,8 @@ static void values_depend_on_key_index_and_dimension_alone(void **state)
     }
 }
 
-/* One point each of many keys: what a single scrambled point gives is uniform, in the square and in each dimension. */
+/* One point each of many keys: what a single scrambled point gives is uniform, in the square and in
+ * each dimension. */
 static double p_of_first_points(lf_sampler_kind kind, uint32_t index, int skip)
 {
     enum { n = 200000, side = 16 };
@@ -159,13 +165,15 @@ static void single_points_are_uniform(void **state)
     for (int kind = 0; kind < 2; kind++) {
         for (int i = 0; i < 5; i++) {
             for (int skip = 0; skip < 80; skip += 39)
-                assert_true(p_of_first_points((lf_sampler_kind)kind, index[i], skip) > lf_sidak(LF_FALSE_ALARM, 30));
+                assert_true(p_of_first_points((lf_sampler_kind)kind, index[i], skip) >
+                            lf_sidak(LF_FALSE_ALARM, 30));
         }
     }
 }
 
-/* Covariance of two numbers of one sample over 256 samples: 0 in the mean over keys. Points of different pairs must not know of
- * each other (padding), or integrals over both are wrong. Its variance is a property of the sampler, so it is measured. */
+/* Covariance of two numbers of one sample over 256 samples: 0 in the mean over keys. Points of
+ * different pairs must not know of each other (padding), or integrals over both are wrong. Its
+ * variance is a property of the sampler, so it is measured. */
 static void dimensions_are_uncorrelated(void **state)
 {
     (void)state;
@@ -181,21 +189,24 @@ static void dimensions_are_uncorrelated(void **state)
                 for (int j = 0; j < dimensions; j += 2)
                     lf_sampler_2d(&s, &u[j]);
                 for (int a = 0; a < dimensions * dimensions; a++)
-                    sum[a / dimensions][a % dimensions] += ((double)u[a / dimensions] - 0.5) * ((double)u[a % dimensions] - 0.5);
+                    sum[a / dimensions][a % dimensions] +=
+                        ((double)u[a / dimensions] - 0.5) * ((double)u[a % dimensions] - 0.5);
             }
             for (int a = 0; a < dimensions * dimensions; a++)
-                lf_moments_add(&covariance[a / dimensions][a % dimensions], sum[a / dimensions][a % dimensions] / 256.0);
+                lf_moments_add(&covariance[a / dimensions][a % dimensions],
+                               sum[a / dimensions][a % dimensions] / 256.0);
         }
         for (int a = 0; a < dimensions; a++) {
             assert_true(fabs(covariance[a][a].mean - 1.0 / 12.0) < 1e-3);
             for (int b = 0; b < a; b++)
-                assert_true(lf_p_mean(&covariance[a][b], 0.0) > lf_sidak(LF_FALSE_ALARM, dimensions * (dimensions - 1)));
+                assert_true(lf_p_mean(&covariance[a][b], 0.0) >
+                            lf_sidak(LF_FALSE_ALARM, dimensions * (dimensions - 1)));
         }
     }
 }
 
-/* Mean of an integrand with a known integral over many keys: scrambling is unbiased, and the error of a smooth integrand falls
- * faster than that of independent points. */
+/* Mean of an integrand with a known integral over many keys: scrambling is unbiased, and the error
+ * of a smooth integrand falls faster than that of independent points. */
 static void integral(lf_sampler_kind kind, int n_points, lf_moments *m)
 {
     for (int key = 0; key < 500; key++) {

@@ -2,21 +2,10 @@
 
 #include "base/alloc.h"
 #include "base/image_io.h"
-#include "render/geometry.h"
-#include "render/json_reader.h"
-#include "render/scene.h"
-
-static int make_folder(void **state)
-{
-    *state = lf_test_folder();
-    return 0;
-}
-
-static int remove_folder(void **state)
-{
-    lf_test_folder_remove(*state);
-    return 0;
-}
+#include "render/load/json_reader.h"
+#include "render/scene/geometry.h"
+#include "render/scene/scene.h"
+#include "render/transport/light_kind.h"
 
 static json_t *parse(const char *text)
 {
@@ -39,7 +28,7 @@ static lf_scene *make_scene(const char *text, const char *folder, const lf_scene
 
 #define DEGREE (M_PI / 180.0)
 
-/* -------------------------------------------------------------------------------------------------------- parsing -- */
+/* ----------------------------------------------------------------------------------- parsing -- */
 
 static void an_empty_scene_has_the_defaults_of_the_manual(void **state)
 {
@@ -57,19 +46,21 @@ static void an_empty_scene_has_the_defaults_of_the_manual(void **state)
     assert_int_equal(scene->max_depth, 0);
     assert_int_equal(scene->n_volumes + scene->n_meshes + scene->n_lights, 0);
     assert_null(scene->embree);
-    assert_true(scene->bounds_min.x > scene->bounds_max.x);
+    assert_true(scene->bounds.min.x > scene->bounds.max.x);
     lf_scene_unref(scene);
 }
 
 static void every_key_of_camera_film_and_render_arrives(void **state)
 {
     (void)state;
-    lf_scene *scene =
-        make_scene("{\"quiltd\": 1, \"camera\": {\"target\": [1,2,3], \"position\": [4,6,3], \"up\": [0,0,1], \"fov_y\": 30,"
-                   "\"aspect\": 1.6, \"views\": 8, \"cone\": 53, \"placement\": \"inclusive\", \"lens_radius\": 0.25,"
-                   "\"focus_distance\": 7}, \"film\": {\"exposure\": -1.5, \"tonemap\": \"filmic\"},"
-                   "\"render\": {\"max_depth\": 12}}",
-                   ".", NULL);
+    lf_scene *scene = make_scene(
+        "{\"quiltd\": 1, \"camera\": {\"target\": [1,2,3], \"position\": [4,6,3], \"up\": [0,0,1], "
+        "\"fov_y\": 30,"
+        "\"aspect\": 1.6, \"views\": 8, \"cone\": 53, \"placement\": \"inclusive\", "
+        "\"lens_radius\": 0.25,"
+        "\"focus_distance\": 7}, \"film\": {\"exposure\": -1.5, \"tonemap\": \"filmic\"},"
+        "\"render\": {\"max_depth\": 12}}",
+        ".", NULL);
     const lf_camera *camera = lf_scene_camera(scene);
     assert_true(camera->target[2] == 3 && camera->position[1] == 6 && camera->up[2] == 1);
     lf_assert_close(camera->fov_y, 30 * DEGREE, 1e-15, 0);
@@ -86,25 +77,31 @@ static void every_key_of_camera_film_and_render_arrives(void **state)
 static void lights_and_materials_arrive_in_their_units(void **state)
 {
     (void)state;
-    lf_scene *scene = make_scene("{\"lights\": {\"p\": {\"type\": \"point\", \"position\": [1, 2, 3], \"intensity\": [4, 5, 6]},"
-                                 "\"d\": {\"type\": \"distant\", \"direction\": [0, -3, 4], \"irradiance\": 7, \"angle\": 60},"
-                                 "\"e\": {\"type\": \"environment\", \"radiance\": [0.1, 0.2, 0.3]}},"
-                                 "\"materials\": {\"m\": {\"type\": \"plastic\", \"albedo\": [0.1, 0.2, 0.3], \"roughness\": 0.4, "
-                                 "\"ior\": 1.7, \"emission\": 2}},"
-                                 "\"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"m\"}}}",
-                                 ".", NULL);
+    lf_scene *scene =
+        make_scene("{\"lights\": {\"p\": {\"type\": \"point\", \"position\": [1, 2, 3], "
+                   "\"intensity\": [4, 5, 6]},"
+                   "\"d\": {\"type\": \"distant\", \"direction\": [0, -3, 4], \"irradiance\": 7, "
+                   "\"angle\": 60},"
+                   "\"e\": {\"type\": \"environment\", \"radiance\": [0.1, 0.2, 0.3]}},"
+                   "\"materials\": {\"m\": {\"type\": \"plastic\", \"albedo\": [0.1, 0.2, 0.3], "
+                   "\"roughness\": 0.4, "
+                   "\"ior\": 1.7, \"emission\": 2}},"
+                   "\"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"m\"}}}",
+                   ".", NULL);
     /* In the order of their types, the mesh's light behind them. */
     assert_int_equal(scene->n_lights, 4);
-    const lf_light *e = &scene->lights[0], *d = &scene->lights[1], *p = &scene->lights[2], *m = &scene->lights[3];
-    assert_true(e->type == LF_LIGHT_ENVIRONMENT && e->radiance.y == 0.2f && !e->environment);
-    assert_true(d->type == LF_LIGHT_DISTANT && d->irradiance.x == 7);
+    const lf_light *e = &scene->lights[0], *d = &scene->lights[1], *p = &scene->lights[2],
+                   *m = &scene->lights[3];
+    assert_true(e->kind == &lf_light_environment && e->radiance.y == 0.2f && !e->environment);
+    assert_true(d->kind == &lf_light_distant && d->irradiance.x == 7);
     lf_assert_close(d->direction.y, -0.6, 1e-6, 0);
     lf_assert_close(d->direction.z, 0.8, 1e-6, 0);
     lf_assert_close(d->versine, 1 - cos(30 * DEGREE), 1e-6, 0);
-    assert_true(p->type == LF_LIGHT_POINT && p->position.z == 3 && p->intensity.x == 4);
-    assert_true(m->type == LF_LIGHT_MESH && m->mesh == 0 && m->radiance.x == 2);
+    assert_true(p->kind == &lf_light_point && p->position.z == 3 && p->intensity.x == 4);
+    assert_true(m->kind == &lf_light_mesh && m->mesh == 0 && m->radiance.x == 2);
     const lf_material *material = &scene->materials[scene->meshes[0].material];
-    assert_true(material->type == LF_MATERIAL_PLASTIC && material->albedo.z == 0.3f && material->roughness == 0.4f);
+    assert_true(material->kind == &lf_surface_plastic && material->albedo.z == 0.3f &&
+                material->roughness == 0.4f);
     assert_true(material->ior == 1.7f && material->emission.y == 2);
     assert_true(scene->has_emission && scene->has_view_lobes && !scene->has_delta);
     lf_scene_unref(scene);
@@ -113,14 +110,16 @@ static void lights_and_materials_arrive_in_their_units(void **state)
 static void metals_arrive_by_name_and_by_index(void **state)
 {
     (void)state;
-    lf_scene *scene = make_scene("{\"materials\": {\"a\": {\"type\": \"conductor\", \"metal\": \"gold\"}, "
-                                 "\"b\": {\"type\": \"conductor\", \"eta\": [0.2, 0.4, 1.5], \"k\": 3}, "
-                                 "\"c\": {\"type\": \"conductor\"}},"
-                                 "\"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"a\"}}}",
-                                 ".", NULL);
+    lf_scene *scene =
+        make_scene("{\"materials\": {\"a\": {\"type\": \"conductor\", \"metal\": \"gold\"}, "
+                   "\"b\": {\"type\": \"conductor\", \"eta\": [0.2, 0.4, 1.5], \"k\": 3}, "
+                   "\"c\": {\"type\": \"conductor\"}},"
+                   "\"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"a\"}}}",
+                   ".", NULL);
     const lf_material *m = &scene->materials[scene->n_materials - 3];
     /* Johnson and Christy at 617 and 582 nm are 0.21 + 3.27i and 0.29 + 2.86i. */
-    assert_true(m[0].eta.x > 0.21f && m[0].eta.x < 0.29f && m[0].k.x > 2.86f && m[0].k.x < 3.27f && m[0].eta.z > 1.3f);
+    assert_true(m[0].eta.x > 0.21f && m[0].eta.x < 0.29f && m[0].k.x > 2.86f && m[0].k.x < 3.27f &&
+                m[0].eta.z > 1.3f);
     assert_true(m[1].eta.x == 0.2f && m[1].eta.z == 1.5f && m[1].k.x == 3.0f && m[1].k.z == 3.0f);
     assert_true(m[2].eta.x == 0.0f);
     lf_scene_unref(scene);
@@ -131,10 +130,11 @@ static void only_materials_in_use_set_the_flags(void **state)
     (void)state;
     char text[512];
     for (int used = 0; used < 2; used++) {
-        snprintf(text, sizeof text,
-                 "{\"materials\": {\"a\": {}, \"mirror\": {\"type\": \"conductor\", \"roughness\": 0}},"
-                 "\"meshes\": {\"q\": {\"shape\": \"cube\", \"material\": \"%s\"}}}",
-                 used ? "mirror" : "a");
+        snprintf(
+            text, sizeof text,
+            "{\"materials\": {\"a\": {}, \"mirror\": {\"type\": \"conductor\", \"roughness\": 0}},"
+            "\"meshes\": {\"q\": {\"shape\": \"cube\", \"material\": \"%s\"}}}",
+            used ? "mirror" : "a");
         lf_scene *scene = make_scene(text, ".", NULL);
         assert_int_equal(scene->has_delta, used);
         assert_int_equal(scene->has_view_lobes, used);
@@ -154,19 +154,25 @@ static void a_scene_is_unlit_until_anything_shines(void **state)
         {"{\"lights\": {\"e\": {\"type\": \"environment\", \"radiance\": 0}}}", true},
         {"{\"meshes\": {\"q\": {\"shape\": \"quad\"}}}", true},
         {"{\"lights\": {\"e\": {\"type\": \"environment\", \"radiance\": [0, 0, 0.1]}}}", false},
-        {"{\"lights\": {\"d\": {\"type\": \"distant\", \"direction\": [0, -1, 0], \"irradiance\": 1}}}", false},
-        {"{\"lights\": {\"p\": {\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}}}", false},
-        {"{\"materials\": {\"m\": {\"emission\": 1}}, \"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"m\"}}}", false},
+        {"{\"lights\": {\"d\": {\"type\": \"distant\", \"direction\": [0, -1, 0], \"irradiance\": "
+         "1}}}",
+         false},
+        {"{\"lights\": {\"p\": {\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}}}",
+         false},
+        {"{\"materials\": {\"m\": {\"emission\": 1}}, \"meshes\": {\"q\": {\"shape\": \"quad\", "
+         "\"material\": \"m\"}}}",
+         false},
     };
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         lf_scene *scene = make_scene(scenes[i].text, ".", NULL);
         const char *warning = lf_scene_warning(scene, 0);
-        assert_true(scenes[i].unlit ? warning && strstr(warning, "no light shines here") != NULL : warning == NULL);
+        assert_true(scenes[i].unlit ? warning && strstr(warning, "no light shines here")
+                                    : !warning);
         lf_scene_unref(scene);
     }
 }
 
-/* --------------------------------------------------------------------------------------------------------- errors -- */
+/* ------------------------------------------------------------------------------------ errors -- */
 
 typedef struct bad {
     const char *text;
@@ -175,75 +181,107 @@ typedef struct bad {
 } bad;
 
 static const bad bad_scenes[] = {
-    {"{\n\"camera\": {\n\"veiws\": 45}}", 3, "/camera/veiws", "unknown key \"veiws\"; did you mean \"views\"?"},
+    {"{\n\"camera\": {\n\"veiws\": 45}}", 3, "/camera/veiws",
+     "unknown key \"veiws\"; did you mean \"views\"?"},
     {"{\n\"cameras\": {}}", 2, "/cameras", "did you mean \"camera\"?"},
     {"{\"zzzzzzz\": 1}", 1, "/zzzzzzz", "keys here are quiltd, camera"},
     {"[]", 1, "", "expected an object, found an array"},
     {"3", 1, "", "'[' or '{' expected"},
     {"{\"quiltd\": 2}", 1, "/quiltd", "2 is out of range: 1 to 1"},
     {"{\n\n\"camera\": 3}", 3, "/camera", "expected an object, found a number"},
-    {"{\"camera\": {\n \"fov_y\": \"14\"}}", 2, "/camera/fov_y", "expected a number, found a string"},
+    {"{\"camera\": {\n \"fov_y\": \"14\"}}", 2, "/camera/fov_y",
+     "expected a number, found a string"},
     {"{\"camera\": {\n \"fov_y\": 0}}", 2, "/camera/fov_y", "0 is out of range: 0.1 to 160"},
     {"{\"camera\": {\"views\": 1.5}}", 1, "/camera/views", "expected a whole number"},
     {"{\"camera\": {\"views\": 257}}", 1, "/camera/views", "out of range: 1 to 256"},
     {"{\"camera\": {\"views\": null}}", 1, "/camera/views", "expected a number, found null"},
-    {"{\"camera\": {\"target\": [0,\n0,\ntrue]}}", 3, "/camera/target/2", "expected a number, found a boolean"},
-    {"{\"camera\": {\"target\": [0, 0]}}", 1, "/camera/target", "array of 3 numbers, found an array of another length"},
+    {"{\"camera\": {\"target\": [0,\n0,\ntrue]}}", 3, "/camera/target/2",
+     "expected a number, found a boolean"},
+    {"{\"camera\": {\"target\": [0, 0]}}", 1, "/camera/target",
+     "array of 3 numbers, found an array of another length"},
     {"{\"camera\": {\"target\": [0, 0, 2e9]}}", 1, "/camera/target/2", "out of range"},
-    {"{\"camera\": {\"placement\": \"centered\"}}", 1, "/camera/placement", "did you mean \"centred\"?"},
-    {"{\"camera\":\n{\"position\": [1,1,1],\n\"target\": [1,1,1]}}", 2, "/camera/position", "stands on its target"},
+    {"{\"camera\": {\"placement\": \"centered\"}}", 1, "/camera/placement",
+     "did you mean \"centred\"?"},
+    {"{\"camera\":\n{\"position\": [1,1,1],\n\"target\": [1,1,1]}}", 2, "/camera/position",
+     "stands on its target"},
     {"{\"camera\": {\"up\": [0, 0, -2]}}", 1, "/camera/up", "along the line of sight"},
     {"{\"camera\": {\"up\": [0, 0, 0]}}", 1, "/camera/up", "zero or along"},
     {"{\"film\": {\"tonemap\": \"aces\"}}", 1, "/film/tonemap", "expected one of srgb, filmic"},
     {"{\"render\": {\"max_depth\": 0}}", 1, "/render/max_depth", "out of range"},
     {"{\"volumes\": []}", 1, "/volumes", "expected an object of things by name"},
-    {"{\"volumes\": {\"a/b~\": {}}}", 1, "/volumes/a~1b~0", "one is missing: \"file\" or \"shape\""},
+    {"{\"volumes\": {\"a/b~\": {}}}", 1, "/volumes/a~1b~0",
+     "one is missing: \"file\" or \"shape\""},
     {"{\"volumes\": {\"\": {\"shape\": \"box\"}}}", 1, "/volumes/", "a name has 1 to 128 bytes"},
-    {"{\"volumes\": {\"v\": {\"shape\": \"box\",\n\"file\": \"a.vdb\"}}}", 1, "/volumes/v", "only one is allowed"},
-    {"{\"volumes\": {\"v\": {\"shape\": \"box\",\n\"scale\": 2}}}", 2, "/volumes/v/scale", "unknown key \"scale\""},
-    {"{\"volumes\": {\"v\": {\"file\": \"a.nvdb\"}}}", 1, "/volumes/v/file", "unknown kind of file; expected .vdb"},
-    {"{\"volumes\": {\"v\": {\"file\": \"\"}}}", 1, "/volumes/v/file", "expected a string of 1 to 4095 bytes, found 0"},
-    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"g\": 1}}}", 1, "/volumes/v/g", "1 is out of range: -0.999 to 0.999"},
-    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"albedo\": [1, 1.5, 1]}}}", 1, "/volumes/v/albedo/1", "out of range: 0 to 1"},
-    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"albedo\": \"white\"}}}", 1, "/volumes/v/albedo", "a number or an array of 3"},
-    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"density\": -1}}}", 1, "/volumes/v/density", "out of range"},
-    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": 0}}}}", 1, "/volumes/v/transform", "flattens space"},
-    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]}}}}", 1,
-     "/volumes/v/transform/matrix", "last row must be 0 0 0 1"},
-    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1], \"scale\": 2}}}}", 1,
-     "/volumes/v/transform/matrix", "a matrix stands alone"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\",\n\"file\": \"a.vdb\"}}}", 1, "/volumes/v",
+     "only one is allowed"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\",\n\"scale\": 2}}}", 2, "/volumes/v/scale",
+     "unknown key \"scale\""},
+    {"{\"volumes\": {\"v\": {\"file\": \"a.nvdb\"}}}", 1, "/volumes/v/file",
+     "unknown kind of file; expected .vdb"},
+    {"{\"volumes\": {\"v\": {\"file\": \"\"}}}", 1, "/volumes/v/file",
+     "expected a string of 1 to 4095 bytes, found 0"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"g\": 1}}}", 1, "/volumes/v/g",
+     "1 is out of range: -0.999 to 0.999"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"albedo\": [1, 1.5, 1]}}}", 1,
+     "/volumes/v/albedo/1", "out of range: 0 to 1"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"albedo\": \"white\"}}}", 1, "/volumes/v/albedo",
+     "a number or an array of 3"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"density\": -1}}}", 1, "/volumes/v/density",
+     "out of range"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": 0}}}}", 1,
+     "/volumes/v/transform", "flattens space"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1,0,0,0, 0,1,0,0, "
+     "0,0,1,0, 0,0,1,1]}}}}",
+     1, "/volumes/v/transform/matrix", "last row must be 0 0 0 1"},
+    {"{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1], \"scale\": 2}}}}",
+     1, "/volumes/v/transform/matrix", "a matrix stands alone"},
     {"{\"volumes\": {\"v\":\n{\n\"file\": \"absent.vdb\"}}}", 3, "/volumes/v/file", "absent.vdb"},
     {"{\"meshes\": {\"m\": {\"file\": \"absent.obj\"}}}", 1, "/meshes/m/file", "absent.obj"},
     {"{\"meshes\": {\"m\": {\"file\": \"a.blend\"}}}", 1, "/meshes/m/file", "expected .obj, .ply"},
-    {"{\"materials\": {\"clay\": {}},\n\"meshes\": {\"m\": {\"shape\": \"quad\",\n\"material\": \"caly\"}}}", 3,
-     "/meshes/m/material", "no material \"caly\"; did you mean \"clay\"?"},
+    {"{\"materials\": {\"clay\": {}},\n\"meshes\": {\"m\": {\"shape\": \"quad\",\n\"material\": "
+     "\"caly\"}}}",
+     3, "/meshes/m/material", "no material \"caly\"; did you mean \"clay\"?"},
     {"{\"meshes\": {\"m\": {\"shape\": \"quad\", \"material\": \"x\"}}}", 1, "/meshes/m/material",
      "no material \"x\" in materials"},
-    {"{\"meshes\": {\"m\": {\"shape\": \"qaud\"}}}", 1, "/meshes/m/shape", "did you mean \"quad\"?"},
-    {"{\"meshes\": {\"m\": {\"shape\": \"quad\", \"normals\": \"round\"}}}", 1, "/meshes/m/normals", "file, smooth, flat"},
-    {"{\"materials\": {\"m\": {\"type\": \"glass\"}}}", 1, "/materials/m/type", "expected one of diffuse, conductor, plastic"},
-    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"metal\": \"gould\"}}}", 1, "/materials/m/metal",
-     "did you mean \"gold\"?"},
-    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"metal\": \"gold\",\n\"albedo\": 0.5}}}", 2, "/materials/m/albedo",
-     "metal says the colour already"},
-    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"eta\": 1, \"k\": 2,\n\"albedo\": 0.5}}}", 2, "/materials/m/albedo",
-     "eta says the colour already"},
-    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"metal\": \"gold\", \"k\": 3}}}", 1, "/materials/m/k",
-     "metal says eta and k already"},
-    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"eta\": 1}}}", 1, "/materials/m/k", "eta and k belong together"},
-    {"{\"materials\": {\"m\": {\"metal\": \"gold\"}}}", 1, "/materials/m/metal", "only conductors have metal"},
-    {"{\"materials\": {\"m\": {\"type\": \"plastic\", \"eta\": 1, \"k\": 1}}}", 1, "/materials/m/eta", "only conductors have eta"},
-    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"eta\": 0, \"k\": 1}}}", 1, "/materials/m/eta",
-     "out of range: 0.01 to 20"},
-    {"{\"materials\": {\"m\": {\"albedo\": 1.1}}}", 1, "/materials/m/albedo", "out of range: 0 to 1"},
+    {"{\"meshes\": {\"m\": {\"shape\": \"qaud\"}}}", 1, "/meshes/m/shape",
+     "did you mean \"quad\"?"},
+    {"{\"meshes\": {\"m\": {\"shape\": \"quad\", \"normals\": \"round\"}}}", 1, "/meshes/m/normals",
+     "file, smooth, flat"},
+    {"{\"materials\": {\"m\": {\"type\": \"glass\"}}}", 1, "/materials/m/type",
+     "expected one of diffuse, conductor, plastic"},
+    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"metal\": \"gould\"}}}", 1,
+     "/materials/m/metal", "did you mean \"gold\"?"},
+    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"metal\": \"gold\",\n\"albedo\": 0.5}}}",
+     2, "/materials/m/albedo", "metal says the colour already"},
+    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"eta\": 1, \"k\": 2,\n\"albedo\": 0.5}}}",
+     2, "/materials/m/albedo", "eta says the colour already"},
+    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"metal\": \"gold\", \"k\": 3}}}", 1,
+     "/materials/m/k", "metal says eta and k already"},
+    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"eta\": 1}}}", 1, "/materials/m/k",
+     "eta and k belong together"},
+    {"{\"materials\": {\"m\": {\"metal\": \"gold\"}}}", 1, "/materials/m/metal",
+     "only conductors have metal"},
+    {"{\"materials\": {\"m\": {\"type\": \"plastic\", \"eta\": 1, \"k\": 1}}}", 1,
+     "/materials/m/eta", "only conductors have eta"},
+    {"{\"materials\": {\"m\": {\"type\": \"conductor\", \"eta\": 0, \"k\": 1}}}", 1,
+     "/materials/m/eta", "out of range: 0.01 to 20"},
+    {"{\"materials\": {\"m\": {\"albedo\": 1.1}}}", 1, "/materials/m/albedo",
+     "out of range: 0 to 1"},
     {"{\"lights\": {\"l\": {\"radiance\": 1}}}", 1, "/lights/l", "\"type\" is missing"},
-    {"{\"lights\": {\"l\": {\"type\": \"sun\"}}}", 1, "/lights/l/type", "expected one of environment, distant, point"},
-    {"{\"lights\": {\"l\": {\"type\": \"environment\"}}}", 1, "/lights/l", "one is missing: \"file\" or \"radiance\""},
-    {"{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 1, \"rotate\": 3}}}", 1, "/lights/l/rotate", "unknown key"},
-    {"{\"lights\": {\"l\": {\"type\": \"distant\", \"direction\": [0, 0, 0]}}}", 1, "/lights/l/direction", "no length"},
-    {"{\"lights\": {\"l\": {\"type\": \"point\", \"irradiance\": 3}}}", 1, "/lights/l/irradiance", "unknown key"},
-    {"{\"lights\": {\"l\": {\"type\": \"environment\",\n\"file\": \"absent.exr\"}}}", 2, "/lights/l/file", "absent.exr"},
-    {"{\"lights\": {\"l\": {\"type\": \"environment\", \"file\": \"a.png\"}}}", 1, "/lights/l/file", "expected .exr or .hdr"},
+    {"{\"lights\": {\"l\": {\"type\": \"sun\"}}}", 1, "/lights/l/type",
+     "expected one of environment, distant, point"},
+    {"{\"lights\": {\"l\": {\"type\": \"environment\"}}}", 1, "/lights/l",
+     "one is missing: \"file\" or \"radiance\""},
+    {"{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 1, \"rotate\": 3}}}", 1,
+     "/lights/l/rotate", "unknown key"},
+    {"{\"lights\": {\"l\": {\"type\": \"distant\", \"direction\": [0, 0, 0]}}}", 1,
+     "/lights/l/direction", "no length"},
+    {"{\"lights\": {\"l\": {\"type\": \"point\", \"irradiance\": 3}}}", 1, "/lights/l/irradiance",
+     "unknown key"},
+    {"{\"lights\": {\"l\": {\"type\": \"environment\",\n\"file\": \"absent.exr\"}}}", 2,
+     "/lights/l/file", "absent.exr"},
+    {"{\"lights\": {\"l\": {\"type\": \"environment\", \"file\": \"a.png\"}}}", 1, "/lights/l/file",
+     "expected .exr or .hdr"},
     {"{\n\"camera\": {,}}", 2, "", "string or '}' expected"},
     {"{\"camera\": {}, \"camera\": {}}", 1, "", "duplicate object key"},
     {"{\"camera\": {\"fov_y\": 1e999}}", 1, "", "overflow"},
@@ -263,9 +301,10 @@ static void every_error_says_where_and_what(void **state)
             fail_msg("accepted: %s", b->text);
         assert_null(scene);
         assert_int_equal(err.status, status);
-        if (strcmp(err.pointer, b->pointer) != 0 || (err.line != b->line && err.line > 0) || !strstr(err.what, b->what))
-            fail_msg("%s\n  gives %d: %s: %s\n  expected %d: %s: %s", b->text, err.line, err.pointer, err.what, b->line, b->pointer,
-                     b->what);
+        if (strcmp(err.pointer, b->pointer) != 0 || (err.line != b->line && err.line > 0) ||
+            !strstr(err.what, b->what))
+            fail_msg("%s\n  gives %d: %s: %s\n  expected %d: %s: %s", b->text, err.line,
+                     err.pointer, err.what, b->line, b->pointer, b->what);
         assert_int_equal(err.line, b->line);
         assert_string_equal(err.where, path);
     }
@@ -277,7 +316,8 @@ static void documents_in_memory_give_the_pointer_without_a_line(void **state)
     json_t *doc = parse("{\"camera\": {\"views\": 0}}");
     lf_scene *scene = NULL;
     lf_error err = {0};
-    lf_assert_status(lf_scene_from_json(doc, ".", "patch", NULL, NULL, &scene, &err), LF_E_FORMAT, &err);
+    lf_assert_status(lf_scene_from_json(doc, ".", "patch", NULL, NULL, &scene, &err), LF_E_FORMAT,
+                     &err);
     assert_int_equal(err.line, 0);
     assert_string_equal(err.pointer, "/camera/views");
     assert_string_equal(err.where, "patch");
@@ -290,16 +330,18 @@ static void errors_may_go_unread(void **state)
     (void)state;
     json_t *doc = parse("{\"camera\": {\"views\": 0}}");
     lf_scene *scene = NULL;
-    lf_assert_status(lf_scene_from_json(doc, ".", "patch", NULL, NULL, &scene, NULL), LF_E_FORMAT, NULL);
-    lf_assert_status(lf_scene_load("/nowhere/at/all.json", NULL, NULL, &scene, NULL), LF_E_IO, NULL);
+    lf_assert_status(lf_scene_from_json(doc, ".", "patch", NULL, NULL, &scene, NULL), LF_E_FORMAT,
+                     NULL);
+    lf_assert_status(lf_scene_load("/nowhere/at/all.json", NULL, NULL, &scene, NULL), LF_E_IO,
+                     NULL);
     json_decref(doc);
 }
 
 static void lines_are_found_past_strings_escapes_and_nesting(void **state)
 {
     (void)state;
-    const char *text =
-        "{\n \"a\": \"} ] , \\\" \\\\\",\n \"b\": [\n  1, [2, {\"x\": 3}],\n  {\"c\": \"\\n\",\n   \"d\\u0041\": 4}\n ]\n}";
+    const char *text = "{\n \"a\": \"} ] , \\\" \\\\\",\n \"b\": [\n  1, [2, {\"x\": 3}],\n  "
+                       "{\"c\": \"\\n\",\n   \"d\\u0041\": 4}\n ]\n}";
     assert_int_equal(lf_json_line(text, strlen(text), ""), 1);
     assert_int_equal(lf_json_line(text, strlen(text), "/a"), 2);
     assert_int_equal(lf_json_line(text, strlen(text), "/b"), 3);
@@ -320,7 +362,9 @@ static void deep_and_large_documents_are_refused_not_followed(void **state)
     deep[n] = '\0';
     lf_error err;
     lf_scene *scene = NULL;
-    lf_assert_status(lf_scene_load(lf_test_write(*state, "deep.json", deep), NULL, NULL, &scene, &err), LF_E_FORMAT, &err);
+    lf_assert_status(
+        lf_scene_load(lf_test_write(*state, "deep.json", deep), NULL, NULL, &scene, &err),
+        LF_E_FORMAT, &err);
     free(deep);
     const char *path = lf_test_write(*state, "large.json", "{}");
     assert_int_equal(truncate(path, (16 << 20) + 1), 0);
@@ -328,7 +372,7 @@ static void deep_and_large_documents_are_refused_not_followed(void **state)
     assert_null(scene);
 }
 
-/* ---------------------------------------------------------------------------------------------------------- paths -- */
+/* ------------------------------------------------------------------------------------- paths -- */
 
 static const char *const CUBE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
@@ -343,7 +387,8 @@ static lf_status load_under(const char *scene_path, const char *root, lf_error *
     return status;
 }
 
-/* A folder with in/ (allowed) and out/ (not), a mesh, a material library and a copy of each on both sides. */
+/* A folder with in/ (allowed) and out/ (not), a mesh, a material library and a copy of each on both
+ * sides. */
 static void make_sides(const char *folder)
 {
     char name[PATH_MAX];
@@ -355,12 +400,17 @@ static void make_sides(const char *folder)
         snprintf(name, sizeof name, "%s/m.mtl", sides[i]);
         lf_test_write(folder, name, "newmtl red\nKd 1 0 0\n");
     }
-    lf_test_write(folder, "in/far.obj", "mtllib ../out/m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    lf_test_write(folder, "in/near.obj", "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    lf_test_write(folder, "in/far.obj",
+                  "mtllib ../out/m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    lf_test_write(folder, "in/near.obj",
+                  "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     lf_test_write(folder, "in/tri.gltf",
-                  "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"../out/tri.bin\",\"byteLength\":36}],\"bufferViews\":"
-                  "[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":"
-                  "\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+                  "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"../out/"
+                  "tri.bin\",\"byteLength\":36}],\"bufferViews\":"
+                  "[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,"
+                  "\"componentType\":5126,\"count\":3,\"type\":"
+                  "\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],\"meshes\":[{\"primitives\":[{"
+                  "\"attributes\":{\"POSITION\":0}}]}],"
                   "\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}],\"scene\":0}");
     const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     FILE *bin = fopen(lf_test_path(folder, "out/tri.bin"), "wb");
@@ -421,17 +471,20 @@ static void volumes_and_skies_obey_the_rule_too(void **state)
     snprintf(root, sizeof root, "%s/in", folder);
     for (int i = 0; i < 2; i++) {
         lf_error err;
-        lf_assert_status(load_under(lf_test_write(folder, "in/scene.json", cases[i]), root, &err), LF_E_PATH, &err);
-        assert_true(strstr(err.pointer, "/x/file") != NULL);
+        lf_assert_status(load_under(lf_test_write(folder, "in/scene.json", cases[i]), root, &err),
+                         LF_E_PATH, &err);
+        assert_true(strstr(err.pointer, "/x/file"));
     }
 }
 
-/* -------------------------------------------------------------------------------------------------------- sharing -- */
+/* ----------------------------------------------------------------------------------- sharing -- */
 
 static const char *const SHARED_SCENE =
-    "{\"volumes\": {\"v\": {\"file\": \"tiles.vdb\", \"scale\": 2}, \"w\": {\"file\": \"tiles.vdb\", \"transform\": {\"scale\": "
+    "{\"volumes\": {\"v\": {\"file\": \"tiles.vdb\", \"scale\": 2}, \"w\": {\"file\": "
+    "\"tiles.vdb\", \"transform\": {\"scale\": "
     "0.5}}},"
-    "\"meshes\": {\"m\": {\"file\": \"tri.obj\", \"material\": \"a\"}, \"q\": {\"shape\": \"quad\", \"material\": \"b\"}},"
+    "\"meshes\": {\"m\": {\"file\": \"tri.obj\", \"material\": \"a\"}, \"q\": {\"shape\": "
+    "\"quad\", \"material\": \"b\"}},"
     "\"materials\": {\"a\": {}, \"b\": {\"albedo\": 0.25}},"
     "\"lights\": {\"sky\": {\"type\": \"environment\", \"file\": \"sky.hdr\"}}}";
 
@@ -467,7 +520,8 @@ static lf_scene *patched(const lf_scene *scene, const char *patch_text)
     lf_scene *out = NULL;
     lf_error err;
     assert_non_null(doc);
-    lf_assert_ok(lf_scene_from_json(doc, lf_scene_folder(scene), "patch", NULL, scene, &out, &err), &err);
+    lf_assert_ok(lf_scene_from_json(doc, lf_scene_folder(scene), "patch", NULL, scene, &out, &err),
+                 &err);
     json_decref(doc);
     json_decref(patch);
     return out;
@@ -498,7 +552,8 @@ static void what_a_patch_does_not_touch_is_shared(void **state)
     assert_ptr_equal(scene->volumes[0].grid, scene->volumes[1].grid); /* one file, read once */
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         lf_scene *next = patched(scene, cases[i].patch);
-        if ((next->geometry == scene->geometry) != cases[i].geometry || (next->embree == scene->embree) != cases[i].geometry)
+        if ((next->geometry == scene->geometry) != cases[i].geometry ||
+            (next->embree == scene->embree) != cases[i].geometry)
             fail_msg("geometry: %s", cases[i].patch);
         assert_int_equal(next->volumes[0].grid == scene->volumes[0].grid, cases[i].grid);
         assert_int_equal(next->lights[0].environment == scene->lights[0].environment, cases[i].sky);
@@ -562,7 +617,7 @@ static void scenes_may_lack_meshes_or_volumes_or_both(void **state)
     lf_scene_unref(none);
 }
 
-/* ---------------------------------------------------------------------------------------------------- merge patch -- */
+/* ------------------------------------------------------------------------------- merge patch -- */
 
 static void merge_patches_do_what_rfc_7396_lists(void **state)
 {
@@ -584,7 +639,8 @@ static void merge_patches_do_what_rfc_7396_lists(void **state)
         {"{}", "{\"a\":{\"bb\":{\"ccc\":null}}}", "{\"a\":{\"bb\":{}}}"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        json_t *doc = parse(cases[i][0]), *patch = parse(cases[i][1]), *expected = parse(cases[i][2]);
+        json_t *doc = parse(cases[i][0]), *patch = parse(cases[i][1]),
+               *expected = parse(cases[i][2]);
         json_t *before = json_deep_copy(doc), *got = lf_json_merge_patch(doc, patch);
         if (!json_equal(got, expected))
             fail_msg("%s with %s", cases[i][0], cases[i][1]);
@@ -597,8 +653,6 @@ static void merge_patches_do_what_rfc_7396_lists(void **state)
     }
 }
 
-#define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_folder, remove_folder)
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -608,16 +662,16 @@ int main(void)
         cmocka_unit_test(metals_arrive_by_name_and_by_index),
         cmocka_unit_test(only_materials_in_use_set_the_flags),
         cmocka_unit_test(a_scene_is_unlit_until_anything_shines),
-        IN_FOLDER(every_error_says_where_and_what),
+        lf_test_in_folder(every_error_says_where_and_what),
         cmocka_unit_test(documents_in_memory_give_the_pointer_without_a_line),
         cmocka_unit_test(errors_may_go_unread),
         cmocka_unit_test(lines_are_found_past_strings_escapes_and_nesting),
-        IN_FOLDER(deep_and_large_documents_are_refused_not_followed),
-        IN_FOLDER(paths_that_try_to_get_out_are_refused_and_named),
-        IN_FOLDER(volumes_and_skies_obey_the_rule_too),
-        IN_FOLDER(what_a_patch_does_not_touch_is_shared),
-        IN_FOLDER(a_new_material_shows_although_the_geometry_is_shared),
-        IN_FOLDER(files_that_changed_are_read_again),
+        lf_test_in_folder(deep_and_large_documents_are_refused_not_followed),
+        lf_test_in_folder(paths_that_try_to_get_out_are_refused_and_named),
+        lf_test_in_folder(volumes_and_skies_obey_the_rule_too),
+        lf_test_in_folder(what_a_patch_does_not_touch_is_shared),
+        lf_test_in_folder(a_new_material_shows_although_the_geometry_is_shared),
+        lf_test_in_folder(files_that_changed_are_read_again),
         cmocka_unit_test(a_reference_keeps_a_scene_alive),
         cmocka_unit_test(scenes_may_lack_meshes_or_volumes_or_both),
         cmocka_unit_test(merge_patches_do_what_rfc_7396_lists),

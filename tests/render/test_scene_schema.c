@@ -1,11 +1,11 @@
-/* The schema and the parser say the same, and both like what is shipped. The validator here knows the keywords that
- * docs/scene.schema.json uses, and fails on any other. */
+/* The schema and the parser say the same, and both like what is shipped. The validator here knows
+ * the keywords that docs/scene.schema.json uses, and fails on any other. */
 #include "tests/testing.h"
 
 #include <dirent.h>
 #include <regex.h>
 
-#include "render/scene.h"
+#include "render/scene/scene.h"
 
 static bool valid(const json_t *root, const json_t *schema, json_t *value);
 
@@ -13,8 +13,10 @@ static bool has_type(const char *type, const json_t *value)
 {
     if (strcmp(type, "integer") == 0)
         return json_is_number(value) && json_number_value(value) == floor(json_number_value(value));
-    return (strcmp(type, "object") == 0 && json_is_object(value)) || (strcmp(type, "array") == 0 && json_is_array(value)) ||
-           (strcmp(type, "string") == 0 && json_is_string(value)) || (strcmp(type, "number") == 0 && json_is_number(value));
+    return (strcmp(type, "object") == 0 && json_is_object(value)) ||
+           (strcmp(type, "array") == 0 && json_is_array(value)) ||
+           (strcmp(type, "string") == 0 && json_is_string(value)) ||
+           (strcmp(type, "number") == 0 && json_is_number(value));
 }
 
 static size_t count_valid(const json_t *root, const json_t *schemas, json_t *value)
@@ -31,8 +33,10 @@ static size_t count_valid(const json_t *root, const json_t *schemas, json_t *val
 /* properties, additionalProperties, propertyNames, required, maxProperties. */
 static bool valid_object(const json_t *root, const json_t *schema, json_t *value)
 {
-    const json_t *properties = json_object_get(schema, "properties"), *names = json_object_get(schema, "propertyNames");
-    const json_t *others = json_object_get(schema, "additionalProperties"), *max = json_object_get(schema, "maxProperties");
+    const json_t *properties = json_object_get(schema, "properties"),
+                 *names = json_object_get(schema, "propertyNames");
+    const json_t *others = json_object_get(schema, "additionalProperties"),
+                 *max = json_object_get(schema, "maxProperties");
     const char *key;
     json_t *member, *required;
     size_t i;
@@ -40,8 +44,8 @@ static bool valid_object(const json_t *root, const json_t *schema, json_t *value
     {
         const json_t *own = json_object_get(properties, key);
         json_t *name = json_string(key);
-        bool good =
-            (!names || valid(root, names, name)) && (own ? valid(root, own, member) : !others || valid(root, others, member));
+        bool good = (!names || valid(root, names, name)) &&
+                    (own ? valid(root, own, member) : !others || valid(root, others, member));
         json_decref(name);
         if (!good)
             return false;
@@ -56,7 +60,8 @@ static bool valid_object(const json_t *root, const json_t *schema, json_t *value
 
 static bool valid_array(const json_t *root, const json_t *schema, json_t *value)
 {
-    const json_t *min = json_object_get(schema, "minItems"), *max = json_object_get(schema, "maxItems");
+    const json_t *min = json_object_get(schema, "minItems"),
+                 *max = json_object_get(schema, "maxItems");
     const json_t *items = json_object_get(schema, "items");
     size_t i;
     json_t *item;
@@ -71,10 +76,12 @@ static bool valid_array(const json_t *root, const json_t *schema, json_t *value)
 
 static bool valid_string(const json_t *schema, const json_t *value)
 {
-    const json_t *min = json_object_get(schema, "minLength"), *max = json_object_get(schema, "maxLength");
+    const json_t *min = json_object_get(schema, "minLength"),
+                 *max = json_object_get(schema, "maxLength");
     const json_t *pattern = json_object_get(schema, "pattern");
     size_t n = json_string_length(value);
-    if ((min && n < (size_t)json_integer_value(min)) || (max && n > (size_t)json_integer_value(max)))
+    if ((min && n < (size_t)json_integer_value(min)) ||
+        (max && n > (size_t)json_integer_value(max)))
         return false;
     if (!pattern)
         return true;
@@ -87,8 +94,10 @@ static bool valid_string(const json_t *schema, const json_t *value)
 
 static bool valid_scalar(const json_t *schema, const json_t *value)
 {
-    const json_t *min = json_object_get(schema, "minimum"), *max = json_object_get(schema, "maximum");
-    const json_t *choices = json_object_get(schema, "enum"), *constant = json_object_get(schema, "const");
+    const json_t *min = json_object_get(schema, "minimum"),
+                 *max = json_object_get(schema, "maximum");
+    const json_t *choices = json_object_get(schema, "enum"),
+                 *constant = json_object_get(schema, "const");
     size_t i;
     json_t *choice;
     bool among = !choices;
@@ -98,14 +107,17 @@ static bool valid_scalar(const json_t *schema, const json_t *value)
     }
     double v = json_number_value(value);
     return among && (!constant || json_equal(constant, value)) &&
-           (!json_is_number(value) || ((!min || v >= json_number_value(min)) && (!max || v <= json_number_value(max))));
+           (!json_is_number(value) ||
+            ((!min || v >= json_number_value(min)) && (!max || v <= json_number_value(max))));
 }
 
 static void assert_known_keywords(const json_t *schema)
 {
-    static const char *const known = " $schema title description default $defs type additionalProperties properties propertyNames "
-                                     "maxProperties required $ref items minItems maxItems minLength maxLength pattern minimum "
-                                     "maximum enum const anyOf oneOf ";
+    static const char *const known =
+        " $schema title description default $defs type additionalProperties properties "
+        "propertyNames "
+        "maxProperties required $ref items minItems maxItems minLength maxLength pattern minimum "
+        "maximum enum const anyOf oneOf ";
     const char *key;
     json_t *member;
     json_object_foreach((json_t *)(uintptr_t)schema, key, member)
@@ -133,10 +145,12 @@ static bool valid(const json_t *root, const json_t *schema, json_t *value)
         if (!valid(root, target, value))
             return false;
     }
-    return (!type || has_type(json_string_value(type), value)) && (!any || count_valid(root, any, value) > 0) &&
+    return (!type || has_type(json_string_value(type), value)) &&
+           (!any || count_valid(root, any, value) > 0) &&
            (!one || count_valid(root, one, value) == 1) && valid_scalar(schema, value) &&
            (!json_is_object(value) || valid_object(root, schema, value)) &&
-           (!json_is_array(value) || valid_array(root, schema, value)) && (!json_is_string(value) || valid_string(schema, value));
+           (!json_is_array(value) || valid_array(root, schema, value)) &&
+           (!json_is_string(value) || valid_string(schema, value));
 }
 
 static bool schema_accepts(json_t *doc)
@@ -161,23 +175,34 @@ static const char *const good[] = {
     "{}",
     "{\"quiltd\": 1, \"comment\": \"c\", \"$schema\": \"s\"}",
     "{\"quiltd\": 1.0, \"camera\": {\"views\": 45.0}}",
-    "{\"camera\": {\"fov_y\": 0.1, \"aspect\": 20, \"cone\": 0, \"placement\": \"inclusive\", \"views\": 1, \"lens_radius\": 1}}",
-    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"grid\": \"d\", \"scale\": 0, \"interpolation\": \"nearest\", \"g\": -0.999}}}",
+    "{\"camera\": {\"fov_y\": 0.1, \"aspect\": 20, \"cone\": 0, \"placement\": \"inclusive\", "
+    "\"views\": 1, \"lens_radius\": 1}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"grid\": \"d\", \"scale\": 0, \"interpolation\": "
+    "\"nearest\", \"g\": -0.999}}}",
     "{\"volumes\": {\"v\": {\"file\": \"a.VDB\"}}}",
-    "{\"volumes\": {\"v\": {\"shape\": \"sphere\", \"density\": 2, \"albedo\": [0, 1, 0.5], \"transform\": {}}}}",
-    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": [1, 2, -3], \"rotate\": [1, 2, 3], \"translate\": [1, "
+    "{\"volumes\": {\"v\": {\"shape\": \"sphere\", \"density\": 2, \"albedo\": [0, 1, 0.5], "
+    "\"transform\": {}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": [1, 2, -3], \"rotate\": "
+    "[1, 2, 3], \"translate\": [1, "
     "2, 3]}}}}",
-    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [2,0,0,0, 0,2,0,0, 0,0,2,0, 0,0,0,1]}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [2,0,0,0, 0,2,0,0, "
+    "0,0,2,0, 0,0,0,1]}}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"normals\": \"smooth\"}}}",
-    "{\"meshes\": {\"m\": {\"shape\": \"cube\", \"material\": \"a\"}}, \"materials\": {\"a\": {\"type\": \"plastic\", \"ior\": "
+    "{\"meshes\": {\"m\": {\"shape\": \"cube\", \"material\": \"a\"}}, \"materials\": {\"a\": "
+    "{\"type\": \"plastic\", \"ior\": "
     "3}}}",
-    "{\"materials\": {\"a\": {\"type\": \"conductor\", \"metal\": \"silver\", \"roughness\": 0.2}}}",
+    "{\"materials\": {\"a\": {\"type\": \"conductor\", \"metal\": \"silver\", \"roughness\": "
+    "0.2}}}",
     "{\"materials\": {\"a\": {\"type\": \"conductor\", \"eta\": [0.2, 0.9, 1.1], \"k\": 3}}}",
     "{\"materials\": {\"a\": {\"emission\": [1e9, 0, 0], \"roughness\": 1}}}",
-    "{\"lights\": {\"l\": {\"type\": \"environment\", \"file\": \"a.exr\", \"scale\": [1, 2, 3], \"rotate\": -10}}}",
+    "{\"lights\": {\"l\": {\"type\": \"environment\", \"file\": \"a.exr\", \"scale\": [1, 2, 3], "
+    "\"rotate\": -10}}}",
     "{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 0}}}",
-    "{\"lights\": {\"l\": {\"type\": \"distant\", \"direction\": [0, 0, 1], \"irradiance\": [1, 2, 3], \"angle\": 0.5}}}",
+    "{\"lights\": {\"l\": {\"type\": \"distant\", \"direction\": [0, 0, 1], \"irradiance\": [1, 2, "
+    "3], \"angle\": 0.5}}}",
     "{\"lights\": {\"l\": {\"type\": \"point\"}}}",
+    "{\"lights\": {\"l\": {\"type\": \"spot\", \"direction\": [1, 0, 0], \"angle\": 180, "
+    "\"blend\": 0}}}",
     "{\"film\": {\"exposure\": 32, \"tonemap\": \"filmic\"}, \"render\": {\"max_depth\": 65536}}",
 };
 
@@ -193,7 +218,8 @@ static const char *const wrong[] = {
     "{\"camera\": null}",
     "{\"camera\": {\"views\": 0}}",
     "{\"materials\": {\"a\": {\"type\": \"conductor\", \"metal\": \"silver\", \"albedo\": 0.2}}}",
-    "{\"materials\": {\"a\": {\"type\": \"conductor\", \"metal\": \"silver\", \"eta\": 1, \"k\": 1}}}",
+    "{\"materials\": {\"a\": {\"type\": \"conductor\", \"metal\": \"silver\", \"eta\": 1, \"k\": "
+    "1}}}",
     "{\"materials\": {\"a\": {\"type\": \"conductor\", \"eta\": 1}}}",
     "{\"materials\": {\"a\": {\"type\": \"plastic\", \"metal\": \"silver\"}}}",
     "{\"materials\": {\"a\": {\"type\": \"conductor\", \"eta\": 1, \"k\": 21}}}",
@@ -221,7 +247,8 @@ static const char *const wrong[] = {
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"rotate\": 30}}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": [1, 1]}}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1, 2, 3]}}}}",
-    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], \"scale\": 1}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"matrix\": [1,0,0,0, 0,1,0,0, "
+    "0,0,1,0, 0,0,0,1], \"scale\": 1}}}}",
     "{\"meshes\": {\"m\": {}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.obj\", \"shape\": \"quad\"}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.dae\"}}}",
@@ -236,6 +263,7 @@ static const char *const wrong[] = {
     "{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 1, \"scale\": 1}}}",
     "{\"lights\": {\"l\": {\"type\": \"environment\", \"file\": \"a.exr\", \"radiance\": 1}}}",
     "{\"lights\": {\"l\": {\"type\": \"distant\", \"angle\": 91}}}",
+    "{\"lights\": {\"l\": {\"type\": \"spot\", \"angle\": 0}}}",
     "{\"lights\": {\"l\": {\"type\": \"distant\", \"position\": [0, 0, 0]}}}",
     "{\"lights\": {\"l\": {\"type\": \"point\", \"intensity\": [1, 2, 3, 4]}}}",
     "{\"film\": {\"tonemap\": \"linear\"}}",
@@ -281,7 +309,8 @@ static void schema_and_parser_refuse_the_same_documents(void **state)
     }
 }
 
-/* Keys that a section of the schema lists are keys that the parser knows: it complains about the value, not the key. */
+/* Keys that a section of the schema lists are keys that the parser knows: it complains about the
+ * value, not the key. */
 static void every_key_of_the_schema_is_known_to_the_parser(void **state)
 {
     (void)state;
@@ -315,7 +344,8 @@ static int check_folder(const char *name)
         if (!dot || strcmp(dot, ".json") != 0)
             continue;
         json_error_t problem;
-        json_t *doc = json_load_file(lf_test_path(folder, entry->d_name), JSON_REJECT_DUPLICATES, &problem);
+        json_t *doc =
+            json_load_file(lf_test_path(folder, entry->d_name), JSON_REJECT_DUPLICATES, &problem);
         if (!doc)
             fail_msg("%s:%d: %s", entry->d_name, problem.line, problem.text);
         if (!schema_accepts(doc))

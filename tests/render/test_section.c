@@ -1,8 +1,9 @@
-/* The meshes in a row's plane: which views see a point follows from segments as it does from rays, on surfaces and off them, with lenses,
- * in rooms around the cameras, far from the origin, tiny and huge. */
+/* The meshes in a row's plane: which views see a point follows from segments as it does from rays,
+ * on surfaces and off them, with lenses, in rooms around the cameras, far from the origin, tiny and
+ * huge. */
 #include "tests/testing.h"
 
-#include "render/section.h"
+#include "render/rows/section.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 
@@ -24,7 +25,8 @@ static void set_up(bench *b, const char *text)
     *b = (bench){.scene = lf_test_scene(text), .strict = true, .random = lf_test_seed()};
     b->renderer = lf_test_renderer(b->scene, "mvpt", width, height, NULL);
     b->tracer.scene = b->scene;
-    assert_int_equal(lf_section_init(&b->section, b->renderer->triangles.longest), LF_OK);
+    assert_int_equal(lf_section_init(&b->section, lf_test_rows(b->renderer)->triangles.longest),
+                     LF_OK);
 }
 
 static void tear_down(bench *b)
@@ -43,19 +45,19 @@ static float uniform(bench *b)
 /* A plane of the row; the section's is moved by so many rows. */
 static void cut(bench *b, int row, float moved)
 {
-    const lf_rig *rig = &b->renderer->rig;
+    const lf_rig *rig = &lf_test_rows(b->renderer)->rig;
     const float lens[2] = {uniform(b), uniform(b)};
     float v = (float)row + (1.0f - moved) * uniform(b);
     lf_row_plane other;
     lf_rig_row_plane(rig, v, lens, &b->plane);
     lf_rig_row_plane(rig, v + moved, lens, &other);
-    lf_section_cut(&b->section, &b->renderer->triangles, b->scene, rig, row, &other);
+    lf_section_cut(&b->section, &lf_test_rows(b->renderer)->triangles, b->scene, rig, row, &other);
 }
 
 /* Positions of the cameras, and which of them look at the side of the surface that p is on. */
 static void cameras(const bench *b, float lx, lf_vec3 p, const lf_hit *on, float *c, float *scale)
 {
-    const lf_rig *rig = &b->renderer->rig;
+    const lf_rig *rig = &lf_test_rows(b->renderer)->rig;
     for (int k = 0; k < LF_MAX_LANES; k++) {
         c[k] = rig->b[k] + lx;
         lf_vec3 to = lf_sub(lf_rig_point(rig, c[k], b->plane.ly, 0.0f), p);
@@ -66,7 +68,7 @@ static void cameras(const bench *b, float lx, lf_vec3 p, const lf_hit *on, float
 
 static bool sees(bench *b, float c, lf_vec3 p, const lf_hit *on)
 {
-    lf_vec3 eye = lf_rig_point(&b->renderer->rig, c, b->plane.ly, 0.0f), o = p;
+    lf_vec3 eye = lf_rig_point(&lf_test_rows(b->renderer)->rig, c, b->plane.ly, 0.0f), o = p;
     if (on)
         o = lf_offset(b->scene, p, on->ng, lf_sub(eye, p), 0.0f);
     return !lf_trace_occluded(&b->tracer, o, lf_sub(eye, o), 1.0f - 1e-5f);
@@ -76,7 +78,8 @@ typedef struct tally {
     int64_t asked, hidden, edges, wrong;
 } tally;
 
-/* Where a triangle is met on the way from o to o + w, in double; a number that is not between 0 and 1: nowhere. */
+/* Where a triangle is met on the way from o to o + w, in double; a number that is not between 0 and
+ * 1: nowhere. */
 static double met(const lf_mesh *mesh, int triangle, const double o[3], const double w[3])
 {
     double v[3][3], ab[3], ac[3], p[3], q[3], to[3], det = 0.0, u = 0.0, s = 0.0, t = 0.0;
@@ -105,10 +108,11 @@ static double met(const lf_mesh *mesh, int triangle, const double o[3], const do
     return u * det >= 0.0 && s * det >= 0.0 && (u + s) * det <= det * det ? t / det : -1.0;
 }
 
-/* The same question to every triangle in double, where rays need no offset; nearer than `behind` of the way nothing counts. */
+/* The same question to every triangle in double, where rays need no offset; nearer than `behind` of
+ * the way nothing counts. */
 static bool sees_exactly(const bench *b, float c, lf_vec3 p, const lf_hit *on, double behind)
 {
-    lf_vec3 eye = lf_rig_point(&b->renderer->rig, c, b->plane.ly, 0.0f);
+    lf_vec3 eye = lf_rig_point(&lf_test_rows(b->renderer)->rig, c, b->plane.ly, 0.0f);
     const double o[3] = {(double)p.x, (double)p.y, (double)p.z};
     const double w[3] = {(double)eye.x - o[0], (double)eye.y - o[1], (double)eye.z - o[2]};
     for (int m = 0; m < b->scene->n_meshes; m++) {
@@ -122,19 +126,26 @@ static bool sees_exactly(const bench *b, float c, lf_vec3 p, const lf_hit *on, d
     return true;
 }
 
-/* Whether the answer holds there, or where an edge passes within a hundredth of the views' distance, or of the row's height along the
- * surface, or the point within the rounding of its coordinates; what touches it may hide it or not. */
+/* Whether the answer holds there, or where an edge passes within a hundredth of the views'
+ * distance, or of the row's height along the surface, or the point within the rounding of its
+ * coordinates; what touches it may hide it or not. */
 static bool holds_nearby(const bench *b, float c, lf_vec3 p, const lf_hit *on, bool seen)
 {
-    const lf_rig *rig = &b->renderer->rig;
-    float step = 0.01f * fabsf(rig->b[1] - rig->b[0]), z = lf_dot(lf_sub(p, rig->eye), rig->forward);
+    const lf_rig *rig = &lf_test_rows(b->renderer)->rig;
+    float step = 0.01f * fabsf(rig->b[1] - rig->b[0]),
+          z = lf_dot(lf_sub(p, rig->eye), rig->forward);
     lf_vec3 up = on ? lf_madd(rig->up, -lf_dot(rig->up, on->ng), on->ng) : rig->up;
     for (int i = 0; i < 27; i++) {
-        float at = c + (float)(i % 3 - 1) * step, along = (float)(i / 3 % 3 - 1) * 0.01f * fabsf(rig->dy) * z / rig->distance;
+        float at = c + (float)(i % 3 - 1) * step,
+              along = (float)(i / 3 % 3 - 1) * 0.01f * fabsf(rig->dy) * z / rig->distance;
         lf_vec3 moved = lf_madd(p, along, up);
         if (on)
-            moved = lf_madd(moved, (float)(i / 9 - 1) * 5e-7f * (z + lf_max(fabsf(p.x), lf_max(fabsf(p.y), fabsf(p.z)))), on->ng);
-        if (sees_exactly(b, at, moved, on, 1e-7) == seen || sees_exactly(b, at, moved, on, 1e-5) == seen)
+            moved = lf_madd(moved,
+                            (float)(i / 9 - 1) * 5e-7f *
+                                (z + lf_max(fabsf(p.x), lf_max(fabsf(p.y), fabsf(p.z)))),
+                            on->ng);
+        if (sees_exactly(b, at, moved, on, 1e-7) == seen ||
+            sees_exactly(b, at, moved, on, 1e-5) == seen)
             return true;
     }
     return false;
@@ -143,12 +154,12 @@ static bool holds_nearby(const bench *b, float c, lf_vec3 p, const lf_hit *on, b
 /* Asks for one point. */
 static void ask(bench *b, float lx, lf_vec3 p, const lf_hit *on, tally *t)
 {
-    const lf_rig *rig = &b->renderer->rig;
+    const lf_rig *rig = &lf_test_rows(b->renderer)->rig;
     float c[LF_MAX_LANES], wanted[LF_MAX_LANES], scale[LF_MAX_LANES];
     cameras(b, lx, p, on, c, wanted);
     memcpy(scale, wanted, sizeof scale);
-    lf_section_hide(&b->section, &b->renderer->triangles, rig, p, on, (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES, c,
-                    scale);
+    lf_section_hide(&b->section, &lf_test_rows(b->renderer)->triangles, rig, p, on,
+                    (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES, c, scale);
     for (int k = 0; k < rig->n_views; k++) {
         if (!(wanted[k] > 0.0f)) {
             assert_true(scale[k] == 0.0f);
@@ -168,21 +179,23 @@ static void ask(bench *b, float lx, lf_vec3 p, const lf_hit *on, tally *t)
 /* Points that base rays find, on surfaces, and points on the way there. */
 static tally compare(bench *b, float moved)
 {
-    const lf_rig *rig = &b->renderer->rig;
+    const lf_rig *rig = &lf_test_rows(b->renderer)->rig;
     tally t = {0};
     for (int row = 0; row < height; row++) {
         cut(b, row, moved);
         for (int i = 0; i < 60; i++) {
             int view = (int)(uniform(b) * (float)rig->n_views);
             float lx = (2.0f * uniform(b) - 1.0f) * b->plane.lens_chord;
-            float xw = rig->x0 + uniform(b) * (float)width * rig->dx, slope = (xw - rig->b[view]) / rig->distance - lx / rig->focus;
+            float xw = rig->x0 + uniform(b) * (float)width * rig->dx,
+                  slope = (xw - rig->b[view]) / rig->distance - lx / rig->focus;
             lf_vec3 eye = lf_rig_point(rig, rig->b[view] + lx, b->plane.ly, 0.0f);
             lf_vec3 w = lf_rig_direction(rig, slope, b->plane.my, 1.0f);
             lf_hit hit;
             bool found = lf_trace_surface(&b->tracer, eye, w, INFINITY, &hit);
             if (found)
                 ask(b, lx, hit.p, &hit, &t);
-            ask(b, lx, lf_madd(eye, uniform(b) * (found ? hit.t : 2.0f * rig->distance), w), NULL, &t);
+            ask(b, lx, lf_madd(eye, uniform(b) * (found ? hit.t : 2.0f * rig->distance), w), NULL,
+                &t);
         }
     }
     return t;
@@ -194,40 +207,47 @@ static void assert_as_rays(const char *text)
     set_up(&b, text);
     tally t = compare(&b, 0.0f);
     if (t.wrong > 0 || t.edges > t.asked / 1000)
-        fail_msg("of %lld answers %lld are wrong, and %lld at edges differ: %s", (long long)t.asked, (long long)t.wrong,
-                 (long long)t.edges, text);
+        fail_msg("of %lld answers %lld are wrong, and %lld at edges differ: %s", (long long)t.asked,
+                 (long long)t.wrong, (long long)t.edges, text);
     assert_true(t.asked > 10000 && t.hidden > t.asked / 100 && t.hidden < t.asked);
     tear_down(&b);
 }
 
 /* Triangles beside and behind the cameras, and some that reach from before to behind. */
-#define ROOM                                                                                                                       \
-    "'meshes': { 'room': { 'shape': 'sphere', 'transform': { 'scale': 9 } }, "                                                     \
-    "'floor': { 'shape': 'quad', 'transform': { 'scale': 30, 'translate': [0, -0.4, 0] } }, "                                      \
-    "'post': { 'shape': 'sphere', 'transform': { 'scale': [0.05, 3, 0.05], 'translate': [0.3, 0, 4.2] } }, "                       \
+#define ROOM                                                                                       \
+    "'meshes': { 'room': { 'shape': 'sphere', 'transform': { 'scale': 9 } }, "                     \
+    "'floor': { 'shape': 'quad', 'transform': { 'scale': 30, 'translate': [0, -0.4, 0] } }, "      \
+    "'post': { 'shape': 'sphere', 'transform': { 'scale': [0.05, 3, 0.05], 'translate': [0.3, 0, " \
+    "4.2] } }, "                                                                                   \
     "'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.5, 'translate': [-0.4, 0.2, 1] } } }"
 
-/* Fans through points of the window: the rays of all views and columns find what Embree finds, but at edges. */
+/* Fans through points of the window: the rays of all views and columns find what Embree finds, but
+ * at edges. */
 static void assert_fans(bench *b)
 {
-    const lf_rig *rig = &b->renderer->rig;
-    int asked = 0, found = 0, wrong = 0, lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    const lf_rig *rig = &lf_test_rows(b->renderer)->rig;
+    int asked = 0, found = 0, wrong = 0,
+        lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     for (int i = 0; i < 40 * height; i++) {
         float c[LF_MAX_LANES], z[LF_MAX_LANES];
         int material[LF_MAX_LANES];
         if (i % 40 == 0)
             cut(b, i / 40, 0.0f);
-        float lx = (2.0f * uniform(b) - 1.0f) * b->plane.lens_chord, xw = rig->x0 + uniform(b) * (float)width * rig->dx;
+        float lx = (2.0f * uniform(b) - 1.0f) * b->plane.lens_chord,
+              xw = rig->x0 + uniform(b) * (float)width * rig->dx;
         for (int k = 0; k < lanes; k++)
             c[k] = rig->b[k] + lx;
-        lf_section_nearest(&b->section, rig, xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus), lanes, c, z,
-                           material);
+        lf_section_nearest(&b->section, rig,
+                           xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus),
+                           lanes, c, z, material);
         for (int k = 0; k < rig->n_views; k++) {
             lf_vec3 eye = lf_rig_point(rig, c[k], b->plane.ly, 0.0f);
-            lf_vec3 w = lf_rig_direction(rig, (xw - rig->b[k]) / rig->distance - lx / rig->focus, b->plane.my, 1.0f);
+            lf_vec3 w = lf_rig_direction(rig, (xw - rig->b[k]) / rig->distance - lx / rig->focus,
+                                         b->plane.my, 1.0f);
             lf_hit hit;
             bool met = lf_trace_surface(&b->tracer, eye, w, INFINITY, &hit);
-            bool same = met ? fabsf(z[k] - hit.t) <= 1e-4f * hit.t && &b->scene->materials[material[k]] == hit.material
+            bool same = met ? fabsf(z[k] - hit.t) <= 1e-4f * hit.t &&
+                                  &b->scene->materials[material[k]] == hit.material
                             : z[k] == INFINITY && material[k] == -1;
             asked++;
             found += met;
@@ -242,8 +262,9 @@ static void assert_fans(bench *b)
 static void fans_meet_what_rays_meet(void **state)
 {
     (void)state;
-    static const char *const scenes[] = {LF_TEST_LAMP("45", ""), LF_TEST_LAMP("13", ", 'lens_radius': 0.15, 'focus_distance': 4"),
-                                         "{ " LF_TEST_CAMERA("45", "") ROOM " }"};
+    static const char *const scenes[] = {
+        LF_TEST_LAMP("45", ""), LF_TEST_LAMP("13", ", 'lens_radius': 0.15, 'focus_distance': 4"),
+        "{ " LF_TEST_CAMERA("45", "") ROOM " }"};
     for (int i = 0; i < 3; i++) {
         bench b;
         set_up(&b, scenes[i]);
@@ -270,9 +291,8 @@ static void rooms_surround_the_cameras(void **state)
 {
     (void)state;
     assert_as_rays("{ " LF_TEST_CAMERA("45", "") ROOM " }");
-    assert_as_rays(
-        "{ 'quiltd': 1, 'camera': { 'position': [0, 0.2, 2], 'fov_y': 60, 'aspect': 1.3333333333, 'cone': 60, 'views': 9 }, " ROOM
-        " }");
+    assert_as_rays("{ 'quiltd': 1, 'camera': { 'position': [0, 0.2, 2], 'fov_y': 60, 'aspect': "
+                   "1.3333333333, 'cone': 60, 'views': 9 }, " ROOM " }");
 }
 
 /* Two balls and a ground, everything by s about (x, 0, -x). */
@@ -281,12 +301,16 @@ static void assert_scaled(double s, double x)
     char text[2048];
     snprintf(
         text, sizeof text,
-        "{ 'quiltd': 1, 'camera': { 'target': [%.17g, 0, %.17g], 'position': [%.17g, %.17g, %.17g], 'up': [0, 1, 0], 'fov_y': 24, "
+        "{ 'quiltd': 1, 'camera': { 'target': [%.17g, 0, %.17g], 'position': [%.17g, %.17g, "
+        "%.17g], 'up': [0, 1, 0], 'fov_y': 24, "
         "'aspect': 1.3333333333, 'cone': 40, 'views': 45 }, 'meshes': { "
-        "'ground': { 'shape': 'quad', 'transform': { 'scale': %g, 'translate': [%.17g, %.17g, %.17g] } }, "
+        "'ground': { 'shape': 'quad', 'transform': { 'scale': %g, 'translate': [%.17g, %.17g, "
+        "%.17g] } }, "
         "'a': { 'shape': 'sphere', 'transform': { 'scale': %g, 'translate': [%.17g, 0, %.17g] } }, "
-        "'b': { 'shape': 'sphere', 'transform': { 'scale': %g, 'translate': [%.17g, 0, %.17g] } } } }",
-        x, -x, x, 0.6 * s, 5 * s - x, 4 * s, x, -s, -x, 0.6 * s, x - 0.5 * s, 0.3 * s - x, 0.4 * s, x + 0.6 * s, -0.4 * s - x);
+        "'b': { 'shape': 'sphere', 'transform': { 'scale': %g, 'translate': [%.17g, 0, %.17g] } } "
+        "} }",
+        x, -x, x, 0.6 * s, 5 * s - x, 4 * s, x, -s, -x, 0.6 * s, x - 0.5 * s, 0.3 * s - x, 0.4 * s,
+        x + 0.6 * s, -0.4 * s - x);
     assert_as_rays(text);
 }
 
@@ -302,33 +326,39 @@ static void scenes_far_away_tiny_and_huge(void **state)
 static void a_small_box_on_a_large_ground(void **state)
 {
     (void)state;
-    static const char *const grounds[] = {"3000, 'rotate': [0, 20, 0]", "3000, 'rotate': [4, 20, -7]", "100000"};
+    static const char *const grounds[] = {"3000, 'rotate': [0, 20, 0]",
+                                          "3000, 'rotate': [4, 20, -7]", "100000"};
     for (int i = 0; i < 3; i++) {
         char text[1024];
-        snprintf(
-            text, sizeof text,
-            "{ 'quiltd': 1, 'camera': { 'position': [0, 0.3, 1], 'fov_y': 12, 'aspect': 1.3333333333, 'cone': 40, 'views': 45 }, "
-            "'meshes': { 'ground': { 'shape': 'quad', 'transform': { 'scale': %s } }, 'box': { 'shape': 'cube', 'transform': { "
-            "'scale': [0.06, 0.04, 0.06], 'rotate': [0, 31, 0], 'translate': [0.02, 0.03, 0] } } } }",
-            grounds[i]);
+        snprintf(text, sizeof text,
+                 "{ 'quiltd': 1, 'camera': { 'position': [0, 0.3, 1], 'fov_y': 12, 'aspect': "
+                 "1.3333333333, 'cone': 40, 'views': 45 }, "
+                 "'meshes': { 'ground': { 'shape': 'quad', 'transform': { 'scale': %s } }, 'box': "
+                 "{ 'shape': 'cube', 'transform': { "
+                 "'scale': [0.06, 0.04, 0.06], 'rotate': [0, 31, 0], 'translate': [0.02, 0.03, 0] "
+                 "} } } }",
+                 grounds[i]);
         assert_as_rays(text);
     }
 }
 
-/* A card between a point and the middle of the rig, both at known places: views b with |b (1 - z_card / z)| < half its width are hidden. */
+/* A card between a point and the middle of the rig, both at known places: views b with |b (1 -
+ * z_card / z)| < half its width are hidden. */
 static void a_card_hides_the_views_behind_it(void **state)
 {
     (void)state;
     bench b;
-    set_up(&b, "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 40, 'views': 45 }, "
-               "'meshes': { 'card': { 'shape': 'quad', 'transform': { 'scale': 0.31, 'rotate': [90, 0, 0], 'translate': [0, 0, 3] "
+    set_up(&b, "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': "
+               "1.3333333333, 'cone': 40, 'views': 45 }, "
+               "'meshes': { 'card': { 'shape': 'quad', 'transform': { 'scale': 0.31, 'rotate': "
+               "[90, 0, 0], 'translate': [0, 0, 3] "
                "} } } }");
-    const lf_rig *rig = &b.renderer->rig;
+    const lf_rig *rig = &lf_test_rows(b.renderer)->rig;
     float c[LF_MAX_LANES], scale[LF_MAX_LANES];
     cut(&b, height / 2, 0.0f);
     lf_vec3 p = lf_rig_point(rig, 0.0f, b.plane.my * 8.0f, 8.0f);
     cameras(&b, 0.0f, p, NULL, c, scale);
-    lf_section_hide(&b.section, &b.renderer->triangles, rig, p, NULL, 48, c, scale);
+    lf_section_hide(&b.section, &lf_test_rows(b.renderer)->triangles, rig, p, NULL, 48, c, scale);
     int hidden = 0;
     for (int k = 0; k < 45; k++) {
         assert_true((scale[k] > 0.0f) == (fabsf(rig->b[k]) * (1.0f - 2.0f / 8.0f) > 0.31f));
@@ -344,22 +374,26 @@ static void lists_of_rows_are_complete(void **state)
     (void)state;
     bench b;
     set_up(&b, LF_TEST_LAMP("5", ", 'lens_radius': 0.15, 'focus_distance': 4"));
-    const lf_row_triangles *rows = &b.renderer->triangles;
+    const lf_row_triangles *rows = &lf_test_rows(b.renderer)->triangles;
     size_t found = 0;
     for (int row = 0; row < height; row++) {
         for (int i = 0; i < 200; i++) {
             cut(&b, row, 0.0f);
-            const lf_rig *rig = &b.renderer->rig;
-            float lx = (2.0f * uniform(&b) - 1.0f) * b.plane.lens_chord, xw = rig->x0 + uniform(&b) * (float)width * rig->dx;
+            const lf_rig *rig = &lf_test_rows(b.renderer)->rig;
+            float lx = (2.0f * uniform(&b) - 1.0f) * b.plane.lens_chord,
+                  xw = rig->x0 + uniform(&b) * (float)width * rig->dx;
             lf_vec3 eye = lf_rig_point(rig, lx + rig->b[2], b.plane.ly, 0.0f);
             lf_hit hit;
-            if (!lf_trace_surface(&b.tracer, eye,
-                                  lf_rig_direction(rig, (xw - rig->b[2]) / rig->distance - lx / rig->focus, b.plane.my, 1.0f),
-                                  INFINITY, &hit))
+            if (!lf_trace_surface(
+                    &b.tracer, eye,
+                    lf_rig_direction(rig, (xw - rig->b[2]) / rig->distance - lx / rig->focus,
+                                     b.plane.my, 1.0f),
+                    INFINITY, &hit))
                 continue;
             bool listed = false;
             for (size_t at = rows->first[row]; at < rows->first[row + 1]; at++)
-                listed |= rows->list[at].mesh == hit.mesh->geom_id && rows->list[at].triangle == hit.triangle;
+                listed |= rows->list[at].mesh == hit.mesh->geom_id &&
+                          rows->list[at].triangle == hit.triangle;
             assert_true(listed);
             found++;
         }
@@ -383,10 +417,14 @@ static void another_plane_is_noticed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_card_hides_the_views_behind_it), cmocka_unit_test(surfaces_hide_as_rays_find),
-        cmocka_unit_test(lenses_move_the_cameras_of_a_row), cmocka_unit_test(rooms_surround_the_cameras),
-        cmocka_unit_test(scenes_far_away_tiny_and_huge),    cmocka_unit_test(lists_of_rows_are_complete),
-        cmocka_unit_test(a_small_box_on_a_large_ground),    cmocka_unit_test(another_plane_is_noticed),
+        cmocka_unit_test(a_card_hides_the_views_behind_it),
+        cmocka_unit_test(surfaces_hide_as_rays_find),
+        cmocka_unit_test(lenses_move_the_cameras_of_a_row),
+        cmocka_unit_test(rooms_surround_the_cameras),
+        cmocka_unit_test(scenes_far_away_tiny_and_huge),
+        cmocka_unit_test(lists_of_rows_are_complete),
+        cmocka_unit_test(a_small_box_on_a_large_ground),
+        cmocka_unit_test(another_plane_is_noticed),
         cmocka_unit_test(fans_meet_what_rays_meet),
     };
     return cmocka_run_group_tests_name("section", tests, NULL, lf_test_finish);

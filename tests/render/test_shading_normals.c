@@ -1,5 +1,5 @@
-/* Sheets whose shading normals lean far from their surface: what a lobe would send through the sheet is lost, in every view and by every
- * way light is found. */
+/* Sheets whose shading normals lean far from their surface: what a lobe would send through the
+ * sheet is lost, in every view and by every way light is found. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
@@ -9,7 +9,8 @@ enum { width = 12, height = 9, n_views = 5, leaning = 50 /* degrees */ };
 static const char *const integrators[] = {"vpt", "mvpt"};
 static const lf_estimator estimators[] = {LF_ESTIMATOR_MWIS, LF_ESTIMATOR_MIS, LF_ESTIMATOR_CV};
 
-static const char *const materials[] = {"'albedo': 0.8", "'type': 'conductor', 'albedo': 0.9, 'roughness': 0.5",
+static const char *const materials[] = {"'albedo': 0.8",
+                                        "'type': 'conductor', 'albedo': 0.9, 'roughness': 0.5",
                                         "'type': 'plastic', 'albedo': 0.7, 'roughness': 0.6",
                                         "'type': 'conductor', 'albedo': 0.9, 'roughness': 0"};
 enum { N_MATERIALS = sizeof materials / sizeof materials[0] };
@@ -22,7 +23,9 @@ static int set_up(void **state)
     char text[512];
     double a = leaning * M_PI / 180.0;
     folder = lf_test_folder();
-    snprintf(text, sizeof text, "v -5 -4 0\nv 5 -4 0\nv 5 4 0\nv -5 4 0\nvn %.9f 0 %.9f\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\n",
+    snprintf(text, sizeof text,
+             "v -5 -4 0\nv 5 -4 0\nv 5 4 0\nv -5 4 0\nvn %.9f 0 %.9f\nf 1//1 2//1 3//1\nf 1//1 "
+             "3//1 4//1\n",
              sin(a), cos(a));
     lf_test_write(folder, "sheet.obj", text);
     return 0;
@@ -35,15 +38,17 @@ static int tear_down(void **state)
 }
 
 /* A sheet that fills all views, and what shines on it. */
-static lf_renderer *make(const char *material, const char *meshes, const char *lights, const char *integrator)
+static lf_renderer *make(const char *material, const char *meshes, const char *lights,
+                         const char *integrator)
 {
     char text[2048];
-    snprintf(
-        text, sizeof text,
-        "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'views': 5, 'cone': 40 }, "
-        "'meshes': { 'sheet': { 'file': '%s/sheet.obj', 'material': 'm' }%s }, 'materials': { 'm': { %s }, 'lamp': { 'albedo': 0, "
-        "'emission': 3 } }, 'lights': { %s } }",
-        folder, meshes, material, lights);
+    snprintf(text, sizeof text,
+             "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': "
+             "1.3333333333, 'views': 5, 'cone': 40 }, "
+             "'meshes': { 'sheet': { 'file': '%s/sheet.obj', 'material': 'm' }%s }, 'materials': { "
+             "'m': { %s }, 'lamp': { 'albedo': 0, "
+             "'emission': 3 } }, 'lights': { %s } }",
+             folder, meshes, material, lights);
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     lf_scene_unref(scene);
@@ -56,20 +61,23 @@ static void nothing_leaks_through_a_sheet(void **state)
     (void)state;
     for (int m = 0; m < N_MATERIALS; m++) {
         for (int i = 0; i < 2; i++) {
-            lf_renderer *r =
-                make(materials[m],
-                     ", 'lamp': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': 4, 'rotate': [90, 0, 0], "
-                     "'translate': [0, 0, -2] } }",
-                     "'bulb': { 'type': 'point', 'position': [1, 0, -1], 'intensity': 5 }, 'sun': { 'type': 'distant', "
-                     "'direction': [-0.9, 0, 0.3], 'irradiance': 3 }, 'disk': { 'type': 'distant', 'direction': [-0.9, 0, "
-                     "0.2], 'irradiance': 3, 'angle': 9 }",
-                     integrators[i]);
+            lf_renderer *r = make(materials[m],
+                                  ", 'lamp': { 'shape': 'quad', 'material': 'lamp', 'transform': { "
+                                  "'scale': 4, 'rotate': [90, 0, 0], "
+                                  "'translate': [0, 0, -2] } }",
+                                  "'bulb': { 'type': 'point', 'position': [1, 0, -1], 'intensity': "
+                                  "5 }, 'sun': { 'type': 'distant', "
+                                  "'direction': [-0.9, 0, 0.3], 'irradiance': 3 }, 'disk': { "
+                                  "'type': 'distant', 'direction': [-0.9, 0, "
+                                  "0.2], 'irradiance': 3, 'angle': 9 }",
+                                  integrators[i]);
             lf_test_cycles(r, 8);
             for (size_t e = 0; e < sizeof estimators / sizeof estimators[0]; e++) {
                 double *picture = lf_test_picture(r, estimators[e]);
                 for (int k = 0; k < n_views * width * height; k++)
                     if (picture[k] != 0.0)
-                        fail_msg("material %d, %s, estimate %zu: %g in pixel %d", m, integrators[i], e, picture[k], k);
+                        fail_msg("material %d, %s, estimate %zu: %g in pixel %d", m, integrators[i],
+                                 e, picture[k], k);
                 free(picture);
             }
             lf_renderer_destroy(r);
@@ -90,13 +98,15 @@ static void a_matt_sheet_under_a_sky_loses_what_lies_below_it(void **state)
     for (int k = 0; k < n_views * width * height; k++)
         truth[k] = known;
     for (int i = 0; i < 2; i++) {
-        lf_renderer *r = make(materials[0], "", "'sky': { 'type': 'environment', 'radiance': 1 }", integrators[i]);
+        lf_renderer *r = make(materials[0], "", "'sky': { 'type': 'environment', 'radiance': 1 }",
+                              integrators[i]);
         lf_blocks blocks;
         int where;
         lf_test_pictures(r, eight_cycles, LF_ESTIMATOR_MIS, 24, (uint64_t)i, width, &blocks);
         double p = lf_blocks_p(&blocks, truth, 1e-5, &where);
         if (p < lf_sidak(LF_FALSE_ALARM, 2))
-            fail_msg("%s: %.5f for %.5f in block %d, p %g", integrators[i], blocks.moments[where].mean, known, where, p);
+            fail_msg("%s: %.5f for %.5f in block %d, p %g", integrators[i],
+                     blocks.moments[where].mean, known, where, p);
         /* A loss of one per cent would be seen. */
         assert_true(lf_moments_error(&blocks.moments[blocks.n - 1]) < 2e-3 * known);
         lf_blocks_finish(&blocks);
@@ -111,7 +121,8 @@ static void write_ball(const char *name)
     FILE *file = fopen(lf_test_path(folder, name), "w");
     assert_non_null(file);
     fprintf(file,
-            "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\nelement face %d\n"
+            "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float "
+            "y\nproperty float z\nelement face %d\n"
             "property list uchar int vertex_indices\nend_header\n",
             across * (down + 1), 2 * across * down);
     for (int i = 0; i < across * (down + 1); i++) {
@@ -120,30 +131,34 @@ static void write_ball(const char *name)
     }
     for (int i = 0; i < across * down; i++) {
         int next = i / across * across + (i + 1) % across;
-        fprintf(file, "3 %d %d %d\n3 %d %d %d\n", i, next, next + across, i, next + across, i + across);
+        fprintf(file, "3 %d %d %d\n3 %d %d %d\n", i, next, next + across, i, next + across,
+                i + across);
     }
     assert_int_equal(fclose(file), 0);
 }
 
-/* Not those of the last face at every vertex, which lean by half a face to one side: 0.7 % of a sun's light at 10^6 triangles. */
+/* Not those of the last face at every vertex, which lean by half a face to one side: 0.7 % of a
+ * sun's light at 10^6 triangles. */
 static void smooth_normals_of_a_ball_point_outwards(void **state)
 {
     (void)state;
     char text[512];
     write_ball("ball.ply");
-    snprintf(
-        text, sizeof text,
-        "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1, 'views': 1 }, 'meshes': { 'ball': { 'file': "
-        "'%s/ball.ply', 'normals': 'smooth' } } }",
-        folder);
+    snprintf(text, sizeof text,
+             "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1, 'views': "
+             "1 }, 'meshes': { 'ball': { 'file': "
+             "'%s/ball.ply', 'normals': 'smooth' } } }",
+             folder);
     lf_scene *scene = lf_test_scene(text);
     const lf_mesh *mesh = &scene->meshes[0];
     assert_true(mesh->normals && mesh->n_triangles > 3000);
     for (int v = 0; v < 3 * mesh->n_vertices; v += 3) {
         const float *p = mesh->vertices + v, *n = mesh->normals + v;
         double cosine = (double)(p[0] * n[0] + p[1] * n[1] + p[2] * n[2]);
-        if (fabsf(p[1]) < 0.99f && cosine < cos(2e-3)) /* half a face is 0.05; at the poles every vertex has one face */
-            fail_msg("vertex %d at %g %g %g leans by %g", v / 3, (double)p[0], (double)p[1], (double)p[2], acos(cosine));
+        /* half a face is 0.05; at the poles every vertex has one face */
+        if (fabsf(p[1]) < 0.99f && cosine < cos(2e-3))
+            fail_msg("vertex %d at %g %g %g leans by %g", v / 3, (double)p[0], (double)p[1],
+                     (double)p[2], acos(cosine));
     }
     lf_scene_unref(scene);
 }

@@ -1,25 +1,40 @@
-/* Every entry of the table of skips, one by one and all of them: with it the picture is the same as without it, to the last bit where
- * the table says so, else by Welch's test on tiles of 8 x 8 pixels of each view, replicates being seeds. A new entry is tested
- * without a word here. Negative controls: another scene is told apart by the first, a bias of 2 % of the picture by the second. */
+/* Every entry of the table of skips, one by one and all of them: with it the picture is the same as
+ * without it, to the last bit where the table says so, else by Welch's test on tiles of 8 x 8
+ * pixels of each view, replicates being seeds. A new entry is tested without a word here. Negative
+ * controls: another scene is told apart by the first, a bias of 2 % of the picture by the second.
+ */
 #include "tests/testing.h"
 
-#include "render/reach.h"
+#include "render/rows/reach.h"
 #include "render/skip.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 
-enum { width = 32, height = 24, n_views = 5, values = 3 * n_views * width * height, tile = 8, replicates = 12 };
+enum {
+    width = 32,
+    height = 24,
+    n_views = 5,
+    values = 3 * n_views * width * height,
+    tile = 8,
+    replicates = 12
+};
 
 /* Little of the picture, under a sky that is the same everywhere: what most entries are about. */
-#define SMALL_CLOUD(more)                                                                                                          \
-    "{ " LF_TEST_CAMERA("5", more) "'volumes': { 'puff': { 'shape': 'sphere', 'density': 5, 'transform': { "                       \
-                                   "'scale': [0.5, 0.4, 0.6], 'translate': [0.5, 0.3, 0.4] } } }, " LF_TEST_SHARP_LIGHTS " }"
-#define SMALL_BALL                                                                                                                 \
-    "{ " LF_TEST_CAMERA("5", "") "'meshes': { 'ball': { 'shape': 'sphere', 'material': 'clay', 'transform': { 'scale': 0.5, "      \
-                                 "'translate': [-0.6, -0.2, 0.5] } } }, 'materials': { 'clay': {} }, " LF_TEST_SHARP_LIGHTS " }"
-#define INSIDE                                                                                                                     \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 1], 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 40, 'views': 5 }, "            \
-    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 0.3, 'transform': { 'scale': 1.5 } } }, " LF_TEST_SHARP_LIGHTS " }"
+#define SMALL_CLOUD(more)                                                                          \
+    "{ " LF_TEST_CAMERA(                                                                           \
+        "5", more) "'volumes': { 'puff': { 'shape': 'sphere', 'density': 5, 'transform': { "       \
+                   "'scale': [0.5, 0.4, 0.6], 'translate': [0.5, 0.3, 0.4] } } "                   \
+                   "}, " LF_TEST_SHARP_LIGHTS " }"
+#define SMALL_BALL                                                                                 \
+    "{ " LF_TEST_CAMERA("5", "") "'meshes': { 'ball': { 'shape': 'sphere', 'material': 'clay', "   \
+                                 "'transform': { 'scale': 0.5, "                                   \
+                                 "'translate': [-0.6, -0.2, 0.5] } } }, 'materials': { 'clay': "   \
+                                 "{} }, " LF_TEST_SHARP_LIGHTS " }"
+#define INSIDE                                                                                     \
+    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 1], 'fov_y': 24, 'aspect': 1.3333333333, "      \
+    "'cone': 40, 'views': 5 }, "                                                                   \
+    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 0.3, 'transform': { 'scale': 1.5 } } "    \
+    "}, " LF_TEST_SHARP_LIGHTS " }"
 
 static const char *const scenes[] = {
     SMALL_CLOUD(""),
@@ -31,21 +46,22 @@ static const char *const scenes[] = {
     LF_TEST_LAMP("5", ""),
 };
 enum { n_scenes = sizeof scenes / sizeof *scenes };
+static const unsigned all = LF_SKIP_ALL;
 
-static void keep(lf_renderer *r, unsigned kept, uint64_t seed)
+static void leave_out(lf_renderer *r, unsigned skip, uint64_t seed)
 {
     lf_render_settings settings = *lf_renderer_settings(r);
-    settings.kept = kept;
+    settings.skip = skip;
     settings.seed = seed;
     assert_int_equal(lf_renderer_restart(r, lf_renderer_scene(r), &settings, NULL), LF_OK);
 }
 
 /* What quiltrender does: passes, the last holes, all answers. */
-static void render(lf_renderer *r, unsigned kept, uint64_t seed, float out[3][values])
+static void render(lf_renderer *r, unsigned skip, uint64_t seed, float out[3][values])
 {
-    keep(r, kept, seed);
+    leave_out(r, skip, seed);
     lf_test_passes(r, 2 * n_views + 3);
-    assert_int_equal(lf_renderer_fill_holes(r, NULL), LF_OK);
+    assert_int_equal(lf_renderer_fill_holes(r, NULL, NULL), LF_OK);
     for (int e = LF_ESTIMATOR_MWIS; e <= LF_ESTIMATOR_CV; e++)
         assert_int_equal(lf_renderer_resolve(r, (lf_estimator)e, out[e], NULL), LF_OK);
 }
@@ -57,26 +73,26 @@ static void every_bitwise_skip_leaves_every_bit(void **state)
     for (int s = 0; s < n_scenes; s++) {
         lf_scene *scene = lf_test_scene(scenes[s]);
         lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
-        render(r, 0, 5, with);
+        render(r, all, 5, with);
         for (int i = 0; lf_skip_at(i); i++) {
             if (!lf_skip_at(i)->bitwise)
                 continue;
-            render(r, lf_skip_at(i)->bit, 5, without);
+            render(r, all & ~lf_skip_at(i)->bit, 5, without);
             if (memcmp(with, without, sizeof with) != 0)
                 fail_msg("scene %d: another picture without \"%s\"", s, lf_skip_at(i)->name);
         }
-        render(r, 0, 6, other);
+        render(r, all, 6, other);
         assert_memory_not_equal(with, other, sizeof with);
         lf_renderer_destroy(r);
         lf_scene_unref(scene);
     }
 }
 
-static void replicate(lf_renderer *r, unsigned kept, uint64_t stream, lf_blocks *out)
+static void replicate(lf_renderer *r, unsigned skip, uint64_t stream, lf_blocks *out)
 {
     lf_blocks_init(out, n_views, width, height, tile);
     for (int k = 0; k < replicates; k++) {
-        keep(r, kept, lf_hash64(lf_test_seed() + stream, (uint64_t)k));
+        leave_out(r, skip, lf_hash64(lf_test_seed() + stream, (uint64_t)k));
         lf_test_passes(r, 4 * n_views);
         lf_blocks_add_picture(out, r, LF_ESTIMATOR_MWIS);
     }
@@ -85,20 +101,19 @@ static void replicate(lf_renderer *r, unsigned kept, uint64_t stream, lf_blocks 
 /* The other entries, and all of them at once; returns how many comparisons there were. */
 static int compare(lf_renderer *r, int scene, double level)
 {
-    unsigned all = 0;
     int n = 0;
     lf_blocks with, without;
-    replicate(r, 0, 0, &with);
+    replicate(r, all, 0, &with);
     for (int i = 0; lf_skip_at(i); i++) {
-        all |= lf_skip_at(i)->bit;
-        unsigned kept = !lf_skip_at(i + 1) ? all : lf_skip_at(i)->bit;
-        if (lf_skip_at(i)->bitwise && kept != all)
+        unsigned skip = lf_skip_at(i + 1) ? all & ~lf_skip_at(i)->bit : 0;
+        if (lf_skip_at(i)->bitwise && skip)
             continue;
         int where = 0;
-        replicate(r, kept, 100 + (uint64_t)i, &without);
+        replicate(r, skip, 100 + (uint64_t)i, &without);
         double p = lf_blocks_welch(&with, &without, &where);
         if (!(p > level))
-            fail_msg("scene %d: without \"%s\" block %d differs, p %.2g", scene, lf_skip_at(i)->name, where, p);
+            fail_msg("scene %d: without \"%s\" block %d differs, p %.2g", scene,
+                     lf_skip_at(i)->name, where, p);
         assert_true(lf_blocks_welch_injected(&with, &without, with.n - 1, 1.02) < level);
         lf_blocks_finish(&without);
         n++;
@@ -149,13 +164,14 @@ static int count_reach(const char *text)
     static lf_reach reach;
     int64_t lookups = 0;
     int sum = 0;
-    assert_int_equal(lf_media_init(&media, &r->frame), LF_OK);
+    assert_int_equal(lf_media_init(&media, &lf_test_rows(r)->frame), LF_OK);
     for (int row = 0; row < height; row++) {
         const float lens[2] = {0.5f, 0.5f}, phase[2] = {0.5f, 0.5f};
         lf_row_plane plane;
-        lf_rig_row_plane(&r->rig, (float)row + 0.5f, lens, &plane);
-        lf_media_cut(&media, &r->frame, &r->seen, &r->rig, &plane, phase, lf_kernels_get(), &lookups);
-        lf_reach_of(&reach, &r->seen, &r->rig, &plane, &media);
+        lf_rig_row_plane(&lf_test_rows(r)->rig, (float)row + 0.5f, lens, &plane);
+        lf_media_cut(&media, &lf_test_rows(r)->frame, &lf_test_rows(r)->seen, &lf_test_rows(r)->rig,
+                     &plane, phase, lf_kernels_get(), &lookups);
+        lf_reach_of(&reach, &lf_test_rows(r)->seen, &lf_test_rows(r)->rig, &plane, &media);
         for (int k = 0; k < n_views; k++)
             sum += reach.end[k] - reach.first[k];
     }
@@ -168,34 +184,36 @@ static int count_reach(const char *text)
 static void little_of_the_picture_is_in_reach_of_little_and_all_from_inside(void **state)
 {
     (void)state;
-    const int all = n_views * width * height;
-    assert_true(count_reach(SMALL_CLOUD("")) * 3 < all);
-    assert_true(count_reach(SMALL_CLOUD("")) * 20 > all);
-    assert_true(count_reach(SMALL_BALL) * 3 < all);
-    assert_true(count_reach(SMALL_BALL) * 20 > all);
-    assert_int_equal(count_reach(INSIDE), all);
+    const int pixels = n_views * width * height;
+    assert_true(count_reach(SMALL_CLOUD("")) * 3 < pixels);
+    assert_true(count_reach(SMALL_CLOUD("")) * 20 > pixels);
+    assert_true(count_reach(SMALL_BALL) * 3 < pixels);
+    assert_true(count_reach(SMALL_BALL) * 20 > pixels);
+    assert_int_equal(count_reach(INSIDE), pixels);
 }
 
 static void lists_are_read_and_unknown_names_refused(void **state)
 {
     (void)state;
-    unsigned kept = 7, all = 0;
+    unsigned skip = 7, every = 0;
     lf_error err;
     for (int i = 0; lf_skip_at(i); i++)
-        all |= lf_skip_at(i)->bit;
-    lf_assert_ok(lf_skip_parse("all", &kept, &err), &err);
-    assert_int_equal(kept, 0);
-    lf_assert_ok(lf_skip_parse("none", &kept, &err), &err);
-    assert_int_equal(kept, all);
-    lf_assert_ok(lf_skip_parse("surfaces,emission", &kept, &err), &err);
-    assert_int_equal(kept, all & ~(unsigned)(LF_SKIP_SURFACES | LF_SKIP_EMISSION));
-    static const char *const wrong[] = {"", "surfaces,", ",surfaces", "surfaces, emission", "surface", "All", "surfaces,none"};
+        every |= lf_skip_at(i)->bit;
+    assert_int_equal(every, LF_SKIP_ALL);
+    lf_assert_ok(lf_skip_parse("all", &skip, &err), &err);
+    assert_int_equal(skip, LF_SKIP_ALL);
+    lf_assert_ok(lf_skip_parse("none", &skip, &err), &err);
+    assert_int_equal(skip, 0);
+    lf_assert_ok(lf_skip_parse("surfaces,emission", &skip, &err), &err);
+    assert_int_equal(skip, LF_SKIP_SURFACES | LF_SKIP_EMISSION);
+    static const char *const wrong[] = {
+        "", "surfaces,", ",surfaces", "surfaces, emission", "surface", "All", "surfaces,none"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-        kept = 3;
-        assert_int_equal(lf_skip_parse(wrong[i], &kept, &err), LF_E_ARG);
-        assert_int_equal(kept, 3);
+        skip = 3;
+        assert_int_equal(lf_skip_parse(wrong[i], &skip, &err), LF_E_ARG);
+        assert_int_equal(skip, 3);
     }
-    assert_int_equal(lf_skip_parse("backgrund", &kept, &err), LF_E_ARG);
+    assert_int_equal(lf_skip_parse("backgrund", &skip, &err), LF_E_ARG);
     assert_non_null(strstr(err.what, "did you mean \"background\"?"));
 }
 

@@ -1,5 +1,5 @@
-/* Media on a row's plane stand for the volumes: where they are dense, where the camera is inside, where most of them is out of
- * sight; and rays start on the right side of big triangles. */
+/* Media on a row's plane stand for the volumes: where they are dense, where the camera is inside,
+ * where most of them is out of sight; and rays start on the right side of big triangles. */
 #include "tests/testing.h"
 
 #include "base/alloc.h"
@@ -30,51 +30,51 @@ static double mean_of(const char *text, int cycles, lf_render_stats *out_stats)
     return sum / n;
 }
 
-/* albedo E/(4 pi) m0/(m0 + mv): single scattering of a thick isotropic slab (Chandrasekhar 1950), sun at cosine m0, seen at mv. */
+/* albedo E/(4 pi) m0/(m0 + mv): single scattering of a thick isotropic slab (Chandrasekhar 1950),
+ * sun at cosine m0, seen at mv. */
+static void scatters_at_its_surface(const char *density, int thickness)
+{
+    char text[1024];
+    snprintf(text, sizeof text,
+             "{ " NARROW ", 'volumes': { 'slab': { 'shape': 'box', 'density': %s, 'albedo': 1, "
+             "'transform': { 'scale': [40, 4, %d] } } },"
+             " 'lights': { 'sun': { 'type': 'distant', 'direction': [0.98, 0, -0.199], "
+             "'irradiance': 10 } }, 'render': { 'max_depth': 1 } }",
+             density, thickness);
+    lf_assert_close(mean_of(text, 400, NULL), 10.0 / (4.0 * 3.14159265358979) * 0.199 / 1.199, 0.01,
+                    0.0);
+}
+
 static void dense_media_scatter_at_their_surface(void **state)
 {
     (void)state;
-    static const char *const density[] = {"1.5", "5", "20"};
-    for (int i = 0; i < 3; i++) {
-        char text[1024];
-        snprintf(text, sizeof text,
-                 "{ " NARROW
-                 ", 'volumes': { 'slab': { 'shape': 'box', 'density': %s, 'albedo': 1, 'transform': { 'scale': [40, 4, 2] } } },"
-                 " 'lights': { 'sun': { 'type': 'distant', 'direction': [0.98, 0, -0.199], 'irradiance': 10 } }, 'render': { "
-                 "'max_depth': 1 } }",
-                 density[i]);
-        lf_assert_close(mean_of(text, 400, NULL), 10.0 / (4.0 * 3.14159265358979) * 0.199 / 1.199, 0.01, 0.0);
-    }
+    scatters_at_its_surface("1.5", 2);
+    scatters_at_its_surface("5", 2);
+    scatters_at_its_surface("20", 2);
 }
 
 static void case_13_a_camera_inside_a_fog_sees_all_of_it(void **state)
 {
     (void)state;
-    double seen =
-        mean_of("{ " NARROW ", 'volumes': { 'fog': { 'shape': 'sphere', 'density': 0.05, 'albedo': 0, 'transform': { 'scale': 50, "
-                "'translate': [0, 0, 5] } } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }",
-                64, NULL);
+    double seen = mean_of("{ " NARROW ", 'volumes': { 'fog': { 'shape': 'sphere', 'density': 0.05, "
+                          "'albedo': 0, 'transform': { 'scale': 50, "
+                          "'translate': [0, 0, 5] } } }, 'lights': { 'sky': { 'type': "
+                          "'environment', 'radiance': 1 } } }",
+                          64, NULL);
     lf_assert_close(seen, exp(-2.5), 2e-3, 0.0);
 }
 
-/* Shapes know their rays' intervals: what holds at twenty mean free paths holds at ten thousand, at any angle of the sun. */
+/* Shapes know their rays' intervals: what holds at twenty mean free paths holds at ten thousand, at
+ * any angle of the sun. */
 static void case_08_shapes_have_no_resolution(void **state)
 {
     (void)state;
-    static const char *const density[] = {"400", "5000"};
-    for (int i = 0; i < 2; i++) {
-        char text[1024];
-        snprintf(text, sizeof text,
-                 "{ " NARROW
-                 ", 'volumes': { 'slab': { 'shape': 'box', 'density': %s, 'albedo': 1, 'transform': { 'scale': [40, 4, 1] } } },"
-                 " 'lights': { 'sun': { 'type': 'distant', 'direction': [0.98, 0, -0.199], 'irradiance': 10 } }, 'render': { "
-                 "'max_depth': 1 } }",
-                 density[i]);
-        lf_assert_close(mean_of(text, 400, NULL), 10.0 / (4.0 * 3.14159265358979) * 0.199 / 1.199, 0.01, 0.0);
-    }
+    scatters_at_its_surface("400", 1);
+    scatters_at_its_surface("5000", 1);
 }
 
-/* Interval of a ray of the row's plane inside a turned, stretched shape, against points tested one by one. */
+/* Interval of a ray of the row's plane inside a turned, stretched shape, against points tested one
+ * by one. */
 static void a_ray_knows_its_interval_inside_a_shape(void **state)
 {
     (void)state;
@@ -82,8 +82,8 @@ static void a_ray_knows_its_interval_inside_a_shape(void **state)
     for (int i = 0; i < 2; i++) {
         char text[512];
         snprintf(text, sizeof text,
-                 "{ " NARROW
-                 ", 'volumes': { 'v': { 'shape': '%s', 'density': 3, 'transform': { 'scale': [1, 0.5, 0.7], 'rotate': [20, "
+                 "{ " NARROW ", 'volumes': { 'v': { 'shape': '%s', 'density': 3, 'transform': { "
+                 "'scale': [1, 0.5, 0.7], 'rotate': [20, "
                  "30, 40], 'translate': [0.1, 0.05, 0] } } } }",
                  shapes[i]);
         lf_scene *scene = lf_test_scene(text);
@@ -91,19 +91,23 @@ static void a_ray_knows_its_interval_inside_a_shape(void **state)
         const float lens[2] = {0.5f, 0.5f};
         lf_row_plane plane;
         lf_body body;
-        lf_rig_row_plane(&r->rig, 4.3f, lens, &plane);
-        assert_true(lf_body_cut(&body, &scene->volumes[0], &r->rig, &plane));
+        lf_rig_row_plane(&lf_test_rows(r)->rig, 4.3f, lens, &plane);
+        assert_true(lf_body_cut(&body, &scene->volumes[0], &lf_test_rows(r)->rig, &plane));
         for (int j = 0; j < 40; j++) {
-            float x0 = 0.1f * (float)(j % 7) - 0.3f, slope = (0.05f * (float)(j - 20) - x0) / 5.0f, step = 1e-3f;
+            float x0 = 0.1f * (float)(j % 7) - 0.3f, slope = (0.05f * (float)(j - 20) - x0) / 5.0f,
+                  step = 1e-3f;
             double inside = 0.0;
             for (float z = 2.0f; z < 8.0f; z += step) {
-                lf_vec3 p = lf_rig_point(&r->rig, x0 + slope * z, plane.ly + plane.my * z, z);
+                lf_vec3 p =
+                    lf_rig_point(&lf_test_rows(r)->rig, x0 + slope * z, plane.ly + plane.my * z, z);
                 inside += lf_volume_sigma_t(&scene->volumes[0], p) > 0.0f ? (double)step : 0.0;
             }
-            lf_assert_close((double)lf_body_depth(&body, x0, slope, INFINITY), 3.0 * inside, 0.0, 0.01);
+            lf_assert_close((double)lf_body_depth(&body, x0, slope, INFINITY), 3.0 * inside, 0.0,
+                            0.01);
             float half = lf_body_depth(&body, x0, slope, 5.0f), from, to;
             lf_body_interval(&body, x0, slope, &from, &to);
-            lf_assert_close((double)half, 3.0 * (double)lf_max(lf_min(to, 5.0f) - from, 0.0f), 1e-6, 1e-6);
+            lf_assert_close((double)half, 3.0 * (double)lf_max(lf_min(to, 5.0f) - from, 0.0f), 1e-6,
+                            1e-6);
         }
         lf_renderer_destroy(r);
         lf_scene_unref(scene);
@@ -113,19 +117,25 @@ static void a_ray_knows_its_interval_inside_a_shape(void **state)
 static void volumes_out_of_sight_change_nothing(void **state)
 {
     (void)state;
-    static const char ball[] = "'ball': { 'shape': 'sphere', 'density': 2, 'albedo': 0, 'transform': { 'scale': 0.1 } }";
+    static const char ball[] =
+        "'ball': { 'shape': 'sphere', 'density': 2, 'albedo': 0, 'transform': { 'scale': 0.1 } }";
     static const char *const other[] = {
-        ", 'behind': { 'shape': 'sphere', 'density': 1, 'albedo': 0, 'transform': { 'scale': 30, 'translate': [0, 0, 60] } }",
-        ", 'beside': { 'shape': 'sphere', 'density': 1, 'albedo': 0, 'transform': { 'scale': 3, 'translate': [900, 0, 0] } }"};
+        ", 'behind': { 'shape': 'sphere', 'density': 1, 'albedo': 0, 'transform': { 'scale': 30, "
+        "'translate': [0, 0, 60] } }",
+        ", 'beside': { 'shape': 'sphere', 'density': 1, 'albedo': 0, 'transform': { 'scale': 3, "
+        "'translate': [900, 0, 0] } }"};
     char text[1024];
-    snprintf(text, sizeof text, "{ " NARROW ", 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }, 'volumes': { %s } }",
+    snprintf(text, sizeof text,
+             "{ " NARROW
+             ", 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }, 'volumes': { %s } }",
              ball);
     double alone = mean_of(text, 4, NULL);
     assert_true(alone < 0.98);
     for (int i = 0; i < 2; i++) {
         snprintf(text, sizeof text,
-                 "{ " NARROW ", 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }, 'volumes': { %s%s } }", ball,
-                 other[i]);
+                 "{ " NARROW ", 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }, "
+                 "'volumes': { %s%s } }",
+                 ball, other[i]);
         lf_assert_close(mean_of(text, 4, NULL), alone, 1e-6, 0.0);
     }
 }
@@ -134,9 +144,11 @@ static void case_12_a_big_plane_does_not_hide_itself(void **state)
 {
     (void)state;
     lf_render_stats stats;
-    (void)mean_of("{ 'camera': { 'position': [0, 0, 0.1], 'fov_y': 40, 'aspect': 1, 'cone': 30, 'views': 5 }, 'meshes': { 'plane': "
+    (void)mean_of("{ 'camera': { 'position': [0, 0, 0.1], 'fov_y': 40, 'aspect': 1, 'cone': 30, "
+                  "'views': 5 }, 'meshes': { 'plane': "
                   "{ 'shape': 'quad', "
-                  "'material': 'grey', 'transform': { 'scale': 100, 'rotate': [60, 30, 40] } } }, 'materials': { 'grey': { "
+                  "'material': 'grey', 'transform': { 'scale': 100, 'rotate': [60, 30, 40] } } }, "
+                  "'materials': { 'grey': { "
                   "'albedo': 0.5 } }, "
                   "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }",
                   20, &stats);
@@ -147,9 +159,12 @@ static void case_12_a_big_plane_does_not_hide_itself(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(dense_media_scatter_at_their_surface),    cmocka_unit_test(case_08_shapes_have_no_resolution),
-        cmocka_unit_test(a_ray_knows_its_interval_inside_a_shape), cmocka_unit_test(case_13_a_camera_inside_a_fog_sees_all_of_it),
-        cmocka_unit_test(volumes_out_of_sight_change_nothing),     cmocka_unit_test(case_12_a_big_plane_does_not_hide_itself),
+        cmocka_unit_test(dense_media_scatter_at_their_surface),
+        cmocka_unit_test(case_08_shapes_have_no_resolution),
+        cmocka_unit_test(a_ray_knows_its_interval_inside_a_shape),
+        cmocka_unit_test(case_13_a_camera_inside_a_fog_sees_all_of_it),
+        cmocka_unit_test(volumes_out_of_sight_change_nothing),
+        cmocka_unit_test(case_12_a_big_plane_does_not_hide_itself),
     };
     return cmocka_run_group_tests_name("slice", tests, NULL, lf_test_finish);
 }

@@ -1,5 +1,6 @@
-/* Stress cases of the media (docs/estimators.md, "Stress cases"): from a millionth to ten thousand mean free paths, furnaces, contrast,
- * tight majorants, cameras inside. Numbers of the cases are those of the list there. */
+/* Stress cases of the media (docs/estimators.md, "Stress cases"): from a millionth to ten thousand
+ * mean free paths, furnaces, contrast, tight majorants, cameras inside. Numbers of the cases are
+ * those of the list there. */
 #include "tests/testing.h"
 
 #include "tests/render/grids.h"
@@ -13,7 +14,9 @@ enum { width = 16, height = 12, views = 5, pixels = views * width * height };
 /* Comparisons that may fail by chance: blocks of 4 x 4 of some 30 runs. */
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 30 * (views * 12 + 1))
 
-#define CAMERA "'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 12, 'aspect': 1.3333333333, 'views': 5, 'cone': 20 }, "
+#define CAMERA                                                                                     \
+    "'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 12, 'aspect': 1.3333333333, "        \
+    "'views': 5, 'cone': 20 }, "
 #define WHITE_SKY "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }"
 
 static void cycles(lf_renderer *r)
@@ -30,17 +33,20 @@ static void one_cycle(lf_renderer *r)
 static void forced(lf_renderer *r)
 {
     for (int i = 0; i < 2 * views; i++)
-        assert_int_equal(lf_renderer_pass(r, 0, 1, 2, NULL, NULL, NULL), LF_OK);
+        assert_int_equal(lf_renderer_pass(r, NULL, 2, NULL, NULL, NULL), LF_OK);
 }
 
-/* --------------------------------------------------------------------------------------------------------- furnaces -- */
+/* ---------------------------------------------------------------------------------- furnaces -- */
 
-#define BALL(density, albedo, g)                                                                                                   \
-    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': " density ", 'albedo': " albedo ", 'g': " g " } }, "           \
+#define BALL(density, albedo, g)                                                                   \
+    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': " density                      \
+    ", 'albedo': " albedo ", 'g': " g " } }, "                                                     \
     "'render': { 'max_depth': 65536 }, " WHITE_SKY "}"
 
-/* Means over a set of replicates by cv in a white furnace, p and error of the whole picture left to the caller. */
-static void furnace(const char *text, int w, int h, lf_test_schedule schedule, int replicates, int block, lf_blocks *out)
+/* Means over a set of replicates by cv in a white furnace, p and error of the whole picture left to
+ * the caller. */
+static void furnace(const char *text, int w, int h, lf_test_schedule schedule, int replicates,
+                    int block, lf_blocks *out)
 {
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", w, h, NULL);
@@ -64,8 +70,9 @@ static double p_of_white(const lf_blocks *blocks, double rounding, int *out_wher
     return p;
 }
 
-/* A ball of 1000 mean free paths that fills the picture, g = 0.9: paths of 700 collisions in the mean, of 10^5 now and then. Every
- * pixel of every view is 1 within what Sidak allows at 1e-3, and so is the whole, known to better than a thousandth. */
+/* A ball of 1000 mean free paths that fills the picture, g = 0.9: paths of 700 collisions in the
+ * mean, of 10^5 now and then. Every pixel of every view is 1 within what Sidak allows at 1e-3, and
+ * so is the whole, known to better than a thousandth. */
 static void case_01_a_furnace_of_1000_mean_free_paths_and_g_of_0_9_is_white(void **state)
 {
     (void)state;
@@ -74,15 +81,17 @@ static void case_01_a_furnace_of_1000_mean_free_paths_and_g_of_0_9_is_white(void
     furnace(BALL("500", "1", "0.9"), width, height, cycles, lf_test_long() ? 48 : 8, 1, &blocks);
     const lf_moments *whole = &blocks.moments[blocks.n - 1];
     double p = p_of_white(&blocks, 0.0, &where), error = lf_moments_error(whole);
-    print_message("mean %.6f +- %.6f, smallest p of %d pixels %.2g\n", whole->mean, error, blocks.n - 1, p);
+    print_message("mean %.6f +- %.6f, smallest p of %d pixels %.2g\n", whole->mean, error,
+                  blocks.n - 1, p);
     assert_true(p > lf_sidak(1e-3, blocks.n));
     assert_true(error < 1e-3);
     assert_true(fabs(whole->mean - 1.0) < 3.0 * error);
     lf_blocks_finish(&blocks);
 }
 
-/* Isotropic: N/W is a mean of ones wherever anything arrived. At 10^4 mean free paths a few paths reach the limit of 65536 vertices
- * (a random walk of n steps is still inside with probability near n^-1/2): darker by at most that. */
+/* Isotropic: N/W is a mean of ones wherever anything arrived. At 10^4 mean free paths a few paths
+ * reach the limit of 65536 vertices (a random walk of n steps is still inside with probability near
+ * n^-1/2): darker by at most that. */
 static void case_01_furnaces_of_any_density_are_white(void **state)
 {
     (void)state;
@@ -92,7 +101,11 @@ static void case_01_furnaces_of_any_density_are_white(void **state)
         lf_blocks blocks;
         int where = 0;
         snprintf(text, sizeof text, BALL("%s", "1", "0"), density[i]);
-        furnace(text, 8, 6, i < 2 ? forced : i == 4 ? one_cycle : cycles, i == 4 ? 2 : 12, 2, &blocks);
+        furnace(text, 8, 6,
+                i < 2    ? forced
+                : i == 4 ? one_cycle
+                         : cycles,
+                i == 4 ? 2 : 12, 2, &blocks);
         double mean = blocks.moments[blocks.n - 1].mean;
         print_message("density %s: mean %.7f\n", density[i], mean);
         if (i < 4)
@@ -103,7 +116,8 @@ static void case_01_furnaces_of_any_density_are_white(void **state)
     }
 }
 
-/* The bigger the albedo the brighter, always below 1; and what is symmetric looks so from view k and view N + 1 - k. */
+/* The bigger the albedo the brighter, always below 1; and what is symmetric looks so from view k
+ * and view N + 1 - k. */
 static void case_02_grey_furnaces_are_darker_and_symmetric(void **state)
 {
     (void)state;
@@ -132,12 +146,14 @@ static void case_02_grey_furnaces_are_darker_and_symmetric(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------------------- optical thickness -- */
+/* ------------------------------------------------------------------------- optical thickness -- */
 
 /* A black slab, 1 thick, before a wall that glows. */
-#define BEFORE_A_WALL                                                                                                              \
-    "{" CAMERA "'volumes': { 'slab': { 'shape': 'box', 'density': %s, 'albedo': 0, 'transform': { 'scale': [40, 40, 0.5] } } }, "  \
-    "'meshes': { 'wall': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': 40, 'rotate': [90, 0, 0], "                \
+#define BEFORE_A_WALL                                                                              \
+    "{" CAMERA "'volumes': { 'slab': { 'shape': 'box', 'density': %s, 'albedo': 0, 'transform': "  \
+    "{ 'scale': [40, 40, 0.5] } } }, "                                                             \
+    "'meshes': { 'wall': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': 40, "      \
+    "'rotate': [90, 0, 0], "                                                                       \
     "'translate': [0, 0, -2] } } }, 'materials': { 'lamp': { 'albedo': 0, 'emission': 1 } } }"
 
 static const char *const thickness[] = {"1e-6", "1e-3", "1", "50", "100", "1e3", "1e4"};
@@ -161,8 +177,8 @@ static void assert_transmitted(const lf_renderer *r, double tau)
         double rounding = 1e-6 + 1e-6 * tau;
         if (!(picture[i] >= exp(-tau * longest) * (1.0 - rounding) - 1e-37 &&
               picture[i] <= exp(-tau * shortest) * (1.0 + rounding)))
-            fail_msg("tau %g: pixel %d is %.9g, not between %.9g and %.9g", tau, i, picture[i], exp(-tau * longest),
-                     exp(-tau * shortest));
+            fail_msg("tau %g: pixel %d is %.9g, not between %.9g and %.9g", tau, i, picture[i],
+                     exp(-tau * longest), exp(-tau * shortest));
     }
     free(picture);
 }
@@ -188,7 +204,8 @@ static void case_04_weights_are_n_q_at_any_thickness(void **state)
     for (int i = 0; i < thicknesses; i++) {
         char text[1024];
         snprintf(text, sizeof text, BEFORE_A_WALL, thickness[i]);
-        lf_test_assert_weights(text, width, height, atof(thickness[i]) < 1.0 ? forced : cycles, 16, 4, LEVEL);
+        lf_test_assert_weights(text, width, height, atof(thickness[i]) < 1.0 ? forced : cycles, 16,
+                               4, LEVEL);
     }
 }
 
@@ -229,15 +246,18 @@ static void case_04_weights_are_n_q_in_grids_of_any_density(void **state)
     for (int i = 0; i < 4; i++) {
         char text[1024];
         snprintf(text, sizeof text,
-                 "{" CAMERA "'volumes': { 'cloud': { 'file': '%s', 'scale': %s, 'albedo': 0.5, 'g': 0.8, "
-                 "'transform': { 'rotate': [0, 30, 0] } } }, " WHITE_SKY ", 'render': { 'max_depth': 2 } }",
+                 "{" CAMERA
+                 "'volumes': { 'cloud': { 'file': '%s', 'scale': %s, 'albedo': 0.5, 'g': 0.8, "
+                 "'transform': { 'rotate': [0, 30, 0] } } }, " WHITE_SKY
+                 ", 'render': { 'max_depth': 2 } }",
                  lf_test_built("../scenes/cloud.vdb"), scale[i]);
-        /* A visit of the densest cuts as many cells as 40 of the others: its rows are three times as high. */
+        /* A visit of the densest cuts as many cells as 40 of the others: its rows are three times
+         * as high. */
         lf_test_assert_weights(text, width, i == 3 ? 2 : 6, i == 0 ? forced : cycles, 8, 2, LEVEL);
     }
 }
 
-/* ------------------------------------------------------------------------------------------------------- the trackers -- */
+/* ------------------------------------------------------------------------------ the trackers -- */
 
 static float checkerboard(int x, int y, int z)
 {
@@ -249,7 +269,8 @@ enum { side = 20 };
 static void make_volume(lf_voxel_fn voxel, float scale, bool nearest, lf_volume *volume)
 {
     lf_grid *grid = lf_test_grid(voxel, side, side, side);
-    *volume = (lf_volume){.kind = LF_VOLUME_GRID, .grid = grid, .nearest = nearest, .sigma_scale = scale};
+    *volume =
+        (lf_volume){.kind = LF_VOLUME_GRID, .grid = grid, .nearest = nearest, .sigma_scale = scale};
     volume->sigma_max = scale * grid->max_value;
     for (int i = 0; i < 3; i++)
         volume->to_volume[i][i] = volume->to_scene[i][i] = 1.0f;
@@ -262,13 +283,14 @@ static double depth(const lf_volume *volume, lf_vec3 o, lf_vec3 w, double t)
     double sum = 0.0;
     for (int i = 0; i < steps; i++) {
         lf_vec3 p = lf_madd(o, (float)(t * (i + 0.5) / steps), w);
-        sum +=
-            (double)(volume->nearest ? lf_grid_nearest(volume->grid, p.x, p.y, p.z) : lf_grid_linear(volume->grid, p.x, p.y, p.z));
+        sum += (double)(volume->nearest ? lf_grid_nearest(volume->grid, p.x, p.y, p.z)
+                                        : lf_grid_linear(volume->grid, p.x, p.y, p.z));
     }
     return sum * (double)volume->sigma_scale * t / steps;
 }
 
-/* Collisions before t as often as the depth says, and the transmittance up to t in the mean exp of minus it. */
+/* Collisions before t as often as the depth says, and the transmittance up to t in the mean exp of
+ * minus it. */
 static void assert_tracked(lf_volume *volume, lf_vec3 o, lf_vec3 w, float t)
 {
     enum { n = 40000 };
@@ -282,8 +304,9 @@ static void assert_tracked(lf_volume *volume, lf_vec3 o, lf_vec3 w, float t)
         lf_moments_add(&transmitted, (double)lf_track_transmittance(&tracer, o, w, t));
     }
     if (!(lf_p_mean(&through, expected) > LEVEL && lf_p_mean(&transmitted, expected) > LEVEL))
-        fail_msg("t %g: %.6g +- %.2g pass, transmittance %.6g +- %.2g, not %.6g", (double)t, through.mean,
-                 lf_moments_error(&through), transmitted.mean, lf_moments_error(&transmitted), expected);
+        fail_msg("t %g: %.6g +- %.2g pass, transmittance %.6g +- %.2g, not %.6g", (double)t,
+                 through.mean, lf_moments_error(&through), transmitted.mean,
+                 lf_moments_error(&transmitted), expected);
 }
 
 static void case_09_trackers_are_right_in_a_checkerboard_of_0_and_100(void **state)
@@ -298,7 +321,8 @@ static void case_09_trackers_are_right_in_a_checkerboard_of_0_and_100(void **sta
         /* Thin enough to see the other side of many voxels. */
         volume.sigma_scale = volume.sigma_max = 1e-3f;
         volume.sigma_max *= 100.0f;
-        assert_tracked(&volume, lf_v3(-3.0f, 7.5f, 6.2f), lf_normalize(lf_v3(1.0f, 0.13f, 0.21f)), 30.0f);
+        assert_tracked(&volume, lf_v3(-3.0f, 7.5f, 6.2f), lf_normalize(lf_v3(1.0f, 0.13f, 0.21f)),
+                       30.0f);
         lf_grid_unref(volume.grid);
     }
 }
@@ -315,10 +339,11 @@ static void case_10_a_majorant_that_is_the_density_leaves_no_gap(void **state)
     lf_grid_unref(volume.grid);
 }
 
-/* ----------------------------------------------------------------------------------------------------- cameras inside -- */
+/* ---------------------------------------------------------------------------- cameras inside -- */
 
-#define INSIDE(density, g)                                                                                                         \
-    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': " density ", 'albedo': 0.8, 'g': " g ", "                      \
+#define INSIDE(density, g)                                                                         \
+    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': " density                      \
+    ", 'albedo': 0.8, 'g': " g ", "                                                                \
     "'transform': { 'scale': 9 } } }, 'render': { 'max_depth': 8 }, " WHITE_SKY "}"
 
 static void case_13_cameras_inside_a_medium_share_what_they_see(void **state)
@@ -326,7 +351,8 @@ static void case_13_cameras_inside_a_medium_share_what_they_see(void **state)
     (void)state;
     lf_test_assert_weights(INSIDE("0.5", "0.6"), width, height, cycles, 16, 4, LEVEL);
     lf_test_assert_weights(INSIDE("0.05", "0"), width, height, forced, 16, 4, LEVEL);
-    /* Pivots a ten thousandth before the camera: no other view has them in its frame, W is n where it is anything. */
+    /* Pivots a ten thousandth before the camera: no other view has them in its frame, W is n where
+     * it is anything. */
     lf_test_assert_weights(INSIDE("1e4", "0.6"), width, height, cycles, 16, 4, LEVEL);
 }
 

@@ -1,6 +1,7 @@
-/* Stress cases of the rig and of surfaces (docs/estimators.md, "Stress cases"): grazing planes, edges of frames and media, contact,
- * scenes far away, tiny and huge, wide rigs, lenses, mirrored scenes; and what the weights hold to whatever the scene. Numbers of the
- * cases are those of the list there. */
+/* Stress cases of the rig and of surfaces (docs/estimators.md, "Stress cases"): grazing planes,
+ * edges of frames and media, contact, scenes far away, tiny and huge, wide rigs, lenses, mirrored
+ * scenes; and what the weights hold to whatever the scene. Numbers of the cases are those of the
+ * list there. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
@@ -20,7 +21,7 @@ static void cycles(lf_renderer *r)
 static void live(lf_renderer *r)
 {
     for (int i = 0; i < 8; i++)
-        assert_int_equal(lf_renderer_pass(r, 0, 1, 1 + i % 2, NULL, NULL, NULL), LF_OK);
+        assert_int_equal(lf_renderer_pass(r, NULL, 1 + i % 2, NULL, NULL, NULL), LF_OK);
 }
 
 static void assert_weights(const char *text)
@@ -35,7 +36,8 @@ static lf_moments *whole(lf_blocks *blocks)
 }
 
 /* Pictures of a scene by mis. */
-static void pictures(const char *text, const char *integrator, int replicates, uint64_t salt, lf_blocks *out)
+static void pictures(const char *text, const char *integrator, int replicates, uint64_t salt,
+                     lf_blocks *out)
 {
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
@@ -56,23 +58,25 @@ static void assert_same(lf_blocks *a, lf_blocks *b)
     double p = lf_blocks_welch(a, b, &where);
     if (!(p > LEVEL))
         fail_msg("block %d: %.6g +- %.2g and %.6g +- %.2g, p %.2g", where, a->moments[where].mean,
-                 lf_moments_error(&a->moments[where]), b->moments[where].mean, lf_moments_error(&b->moments[where]), p);
+                 lf_moments_error(&a->moments[where]), b->moments[where].mean,
+                 lf_moments_error(&b->moments[where]), p);
     assert_true(whole(a)->mean > 0.0);
     assert_true(lf_blocks_welch_injected(a, b, a->n - 1, 1.02) < LEVEL);
     lf_blocks_finish(a);
     lf_blocks_finish(b);
 }
 
-/* ------------------------------------------------------------------------------------------------------- invariants -- */
+/* -------------------------------------------------------------------------------- invariants -- */
 
-/* Every base ray finds the card and the weights of a pivot sum to 1 over the views that see it: the film holds as many as there were base
- * paths. */
+/* Every base ray finds the card and the weights of a pivot sum to 1 over the views that see it: the
+ * film holds as many as there were base paths. */
 static void invariant_1_weights_of_a_pivot_sum_to_one(void **state)
 {
     (void)state;
     double *d = malloc(pixels * sizeof *d), *q = malloc(pixels * sizeof *q), sum = 0.0;
-    lf_scene *scene = lf_test_scene("{ " LF_TEST_CAMERA(
-        "5", "") "'meshes': { 'card': { 'shape': 'quad', 'transform': { 'scale': 20, 'rotate': [70, 10, 20] } } } }");
+    lf_scene *scene = lf_test_scene(
+        "{ " LF_TEST_CAMERA("5", "") "'meshes': { 'card': { 'shape': 'quad', 'transform': { "
+                                     "'scale': 20, 'rotate': [70, 10, 20] } } } }");
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_render_stats stats;
     cycles(r);
@@ -91,7 +95,8 @@ static void invariant_1_weights_of_a_pivot_sum_to_one(void **state)
 static void point_of(const lf_rig *rig, int k, double u, double v, double r, double p[3])
 {
     double mx = ((double)rig->x0 + u * (double)rig->dx - (double)rig->b[k]) / (double)rig->distance;
-    double my = ((double)rig->y0 + v * (double)rig->dy) / (double)rig->distance, z = r / sqrt(1.0 + mx * mx + my * my);
+    double my = ((double)rig->y0 + v * (double)rig->dy) / (double)rig->distance,
+           z = r / sqrt(1.0 + mx * mx + my * my);
     p[0] = (double)rig->b[k] + mx * z;
     p[1] = my * z;
     p[2] = z;
@@ -101,7 +106,8 @@ static void point_of(const lf_rig *rig, int k, double u, double v, double r, dou
 static void film_of(const lf_rig *rig, int k, const double p[3], double film[3])
 {
     double x = p[0] - (double)rig->b[k];
-    film[0] = ((double)rig->b[k] + (double)rig->distance * x / p[2] - (double)rig->x0) / (double)rig->dx;
+    film[0] =
+        ((double)rig->b[k] + (double)rig->distance * x / p[2] - (double)rig->x0) / (double)rig->dx;
     film[1] = ((double)rig->distance * p[1] / p[2] - (double)rig->y0) / (double)rig->dy;
     film[2] = sqrt(x * x + p[1] * p[1] + p[2] * p[2]);
 }
@@ -121,20 +127,22 @@ static double jacobian(const lf_rig *rig, int i, int j, const double at[3])
         for (int k = 0; k < 3; k++)
             m[k][c] = (hi[k] - lo[k]) / (2.0 * step);
     }
-    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/* The map of one view's samples to another's is inverted by the map back, its Jacobians multiply as they should, and they are h_j / h_i:
- * the density of a pivot under view k goes as r_k. */
+/* The map of one view's samples to another's is inverted by the map back, its Jacobians multiply as
+ * they should, and they are h_j / h_i: the density of a pivot under view k goes as r_k. */
 static void invariant_3_maps_between_views_invert_and_their_jacobians_are_ratios_of_h(void **state)
 {
     (void)state;
     lf_scene *scene = lf_test_scene("{ " LF_TEST_CAMERA("5", "") "'render': {} }");
     lf_renderer *renderer = lf_test_renderer(scene, "mvpt", width, height, NULL);
-    const lf_rig *rig = &renderer->rig;
+    const lf_rig *rig = &lf_test_rows(renderer)->rig;
     for (int n = 0; n < 50; n++) {
-        double at[3] = {2.0 + 0.23 * n, 1.0 + 0.19 * n, 3.0 + 0.11 * n}, p[3], back[3], there[3], h[5], j0[5];
+        double at[3] = {2.0 + 0.23 * n, 1.0 + 0.19 * n, 3.0 + 0.11 * n}, p[3], back[3], there[3],
+               h[5], j0[5];
         for (int k = 0; k < views; k++) {
             point_of(rig, 1, at[0], at[1], at[2], p);
             film_of(rig, k, p, there);
@@ -153,44 +161,55 @@ static void invariant_3_maps_between_views_invert_and_their_jacobians_are_ratios
     lf_scene_unref(scene);
 }
 
-/* ------------------------------------------------------------------------------------------------- planes and edges -- */
+/* -------------------------------------------------------------------------- planes and edges -- */
 
-/* A wall in the plane of the middle camera: seen from the left by the views to its left, edge on by the middle one, from the right by
- * the others. */
+/* A wall in the plane of the middle camera: seen from the left by the views to its left, edge on by
+ * the middle one, from the right by the others. */
 static void case_07_a_plane_that_turns_its_back_inside_the_rig(void **state)
 {
     (void)state;
-    assert_weights(
-        "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1.3333333333, 'views': 5, 'cone': 30 }, "
-        "'meshes': { 'wall': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': [1, 1, 2], 'rotate': [0, 0, 90] } }, "
-        "'leaf': { 'shape': 'quad', 'material': 'clay', 'transform': { 'rotate': [0, 0, 89.9], 'translate': [0.4, 0, 0.5] } } }, "
-        "'materials': { 'clay': { 'type': 'plastic', 'albedo': 0.5, 'roughness': 0.4 } }, " LF_TEST_SHARP_LIGHTS " }");
+    assert_weights("{ 'camera': { 'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1.3333333333, "
+                   "'views': 5, 'cone': 30 }, "
+                   "'meshes': { 'wall': { 'shape': 'quad', 'material': 'clay', 'transform': { "
+                   "'scale': [1, 1, 2], 'rotate': [0, 0, 90] } }, "
+                   "'leaf': { 'shape': 'quad', 'material': 'clay', 'transform': { 'rotate': [0, 0, "
+                   "89.9], 'translate': [0.4, 0, 0.5] } } }, "
+                   "'materials': { 'clay': { 'type': 'plastic', 'albedo': 0.5, 'roughness': 0.4 } "
+                   "}, " LF_TEST_SHARP_LIGHTS " }");
 }
 
 /* A blade of fog, thin and deep, turned so that some views look along it and others across. */
 static void case_11_the_edge_of_a_slab_that_some_views_miss(void **state)
 {
     (void)state;
-    assert_weights("{ 'camera': { 'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1.3333333333, 'views': 5, 'cone': 30 }, "
-                   "'volumes': { 'blade': { 'shape': 'box', 'density': 20, 'albedo': 0.8, 'g': 0.3, "
-                   "'transform': { 'scale': [0.02, 2, 1], 'rotate': [0, 8, 0] } } }, " LF_TEST_SHARP_LIGHTS " }");
+    assert_weights(
+        "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1.3333333333, 'views': 5, "
+        "'cone': 30 }, "
+        "'volumes': { 'blade': { 'shape': 'box', 'density': 20, 'albedo': 0.8, 'g': 0.3, "
+        "'transform': { 'scale': [0.02, 2, 1], 'rotate': [0, 8, 0] } } }, " LF_TEST_SHARP_LIGHTS
+        " }");
 }
 
-/* Fog that lies on the ground and encloses the foot of a ball: pivots at any distance from surfaces. `by` moves everything. */
-#define CONTACT                                                                                                                    \
-    "{ 'camera': { 'target': [%.9g, 0, 0], 'position': [%.9g, %.9g, %.9g], 'fov_y': 24, 'aspect': 1.3333333333, 'views': 5, "      \
-    "'cone': 40 }, 'volumes': { 'fog': { 'shape': 'box', 'density': %.9g, 'albedo': 0.9, 'g': 0.4, 'transform': { "                \
-    "'scale': [%.9g, %.9g, %.9g], 'translate': [%.9g, %.9g, 0] } } }, "                                                            \
-    "'meshes': { 'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': %.9g, 'translate': [%.9g, %.9g, 0] } "   \
-    "}, "                                                                                                                          \
-    "'ball': { 'shape': 'sphere', 'material': 'clay', 'transform': { 'scale': %.9g, 'translate': [%.9g, %.9g, 0] } } }, "          \
+/* Fog that lies on the ground and encloses the foot of a ball: pivots at any distance from
+ * surfaces. `by` moves everything. */
+#define CONTACT                                                                                    \
+    "{ 'camera': { 'target': [%.9g, 0, 0], 'position': [%.9g, %.9g, %.9g], 'fov_y': 24, "          \
+    "'aspect': 1.3333333333, 'views': 5, "                                                         \
+    "'cone': 40 }, 'volumes': { 'fog': { 'shape': 'box', 'density': %.9g, 'albedo': 0.9, 'g': "    \
+    "0.4, 'transform': { "                                                                         \
+    "'scale': [%.9g, %.9g, %.9g], 'translate': [%.9g, %.9g, 0] } } }, "                            \
+    "'meshes': { 'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': %.9g, "  \
+    "'translate': [%.9g, %.9g, 0] } "                                                              \
+    "}, "                                                                                          \
+    "'ball': { 'shape': 'sphere', 'material': 'clay', 'transform': { 'scale': %.9g, 'translate': " \
+    "[%.9g, %.9g, 0] } } }, "                                                                      \
     "'materials': { 'clay': { 'albedo': 0.5 } }, " LF_TEST_SHARP_LIGHTS " }"
 
 /* The same scene s times as large, moved along x. */
 static void contact(double s, double by, char text[2048])
 {
-    snprintf(text, 2048, CONTACT, by, by, 0.6 * s, 5.0 * s, 2.0 / s, 0.9 * s, 0.4 * s, 0.6 * s, by + 0.2 * s, -0.6 * s, 4.0 * s, by,
-             -1.0 * s, 0.6 * s, by - 0.3 * s, -0.5 * s);
+    snprintf(text, 2048, CONTACT, by, by, 0.6 * s, 5.0 * s, 2.0 / s, 0.9 * s, 0.4 * s, 0.6 * s,
+             by + 0.2 * s, -0.6 * s, 4.0 * s, by, -1.0 * s, 0.6 * s, by - 0.3 * s, -0.5 * s);
 }
 
 static void assert_same_at(double scale, double by)
@@ -222,29 +241,34 @@ static void case_12_scenes_of_a_ten_thousandth_and_of_a_hundred_thousand(void **
     assert_same_at(1e-4, 1e3);
 }
 
-/* --------------------------------------------------------------------------------------------------------- the frame -- */
+/* --------------------------------------------------------------------------------- the frame -- */
 
-/* Cards whose disparity from view to view is a whole number of pixels, one of them 0, and the ends of the rig look at the very edges:
- * each contribution lands in exactly one pixel, also in the first and last columns. */
+/* Cards whose disparity from view to view is a whole number of pixels, one of them 0, and the ends
+ * of the rig look at the very edges: each contribution lands in exactly one pixel, also in the
+ * first and last columns. */
 static void case_16_whole_disparities_at_the_edges_of_the_frame(void **state)
 {
     (void)state;
-    /* Window 2 wide and 1.5 high at distance 5, 16 pixels: dx = 0.125. b = 5 tan(a): disparity of Z = 10 is (b_k+1 - b_k) / 2, 2 pixels
-     * when the rig is 0.5 a step; cone 2 atan(1/5). */
-    static const char scene[] =
-        "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 17.0615, 'aspect': 1.3333333333, 'views': 2, "
-        "'cone': 5.7248, 'placement': 'inclusive' }, 'meshes': { 'at': { 'shape': 'quad', 'transform': { 'scale': "
-        "[20, 1, 0.4], 'rotate': [90, 0, 0] } }, 'behind': { 'shape': 'quad', 'transform': { 'scale': 40, 'rotate': "
-        "[90, 0, 0], 'translate': [0, 0, -5] } } } }";
+    /* Window 2 wide and 1.5 high at distance 5, 16 pixels: dx = 0.125. b = 5 tan(a): disparity of Z
+     * = 10 is (b_k+1 - b_k) / 2, 2 pixels when the rig is 0.5 a step; cone 2 atan(1/5). */
+    static const char scene[] = "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 17.0615, 'aspect': "
+                                "1.3333333333, 'views': 2, "
+                                "'cone': 5.7248, 'placement': 'inclusive' }, 'meshes': { 'at': { "
+                                "'shape': 'quad', 'transform': { 'scale': "
+                                "[20, 1, 0.4], 'rotate': [90, 0, 0] } }, 'behind': { 'shape': "
+                                "'quad', 'transform': { 'scale': 40, 'rotate': "
+                                "[90, 0, 0], 'translate': [0, 0, -5] } } } }";
     lf_test_assert_weights(scene, width, height, cycles, 24, 1, LEVEL);
     lf_test_assert_weights(scene, width, height, live, 24, 1, LEVEL);
 }
 
 /* Outermost and middle views of a wide rig. */
-#define WIDE                                                                                                                       \
-    "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'views': 5, 'cone': 60, 'placement': 'inclusive' "  \
-    "}, "                                                                                                                          \
-    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.5 } }, 'meshes': { " LF_TEST_GROUND " }, "       \
+#define WIDE                                                                                       \
+    "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'views': 5, "       \
+    "'cone': 60, 'placement': 'inclusive' "                                                        \
+    "}, "                                                                                          \
+    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.5 } }, "         \
+    "'meshes': { " LF_TEST_GROUND " }, "                                                           \
     "'materials': { 'clay': { 'albedo': 0.5 } }, " LF_TEST_SHARP_LIGHTS " }"
 
 static void case_17_a_rig_of_60_degrees(void **state)
@@ -257,7 +281,8 @@ static void case_17_a_rig_of_60_degrees(void **state)
     assert_same(&native, &shared);
 }
 
-/* As much light through any part of the disk: the mean of y^2 is a quarter of the radius', and a chord at y is as long as it is. */
+/* As much light through any part of the disk: the mean of y^2 is a quarter of the radius', and a
+ * chord at y is as long as it is. */
 static void case_18_a_lens_is_open_evenly(void **state)
 {
     (void)state;
@@ -269,7 +294,8 @@ static void case_18_a_lens_is_open_evenly(void **state)
         lf_row_plane plane;
         lf_rig_row_plane(&rig, 0.0f, u, &plane);
         y2 += (double)(plane.ly * plane.ly) / (n * n);
-        x2 += (double)(plane.lens_chord * plane.lens_chord) / (3.0 * n * n); /* x is even on the chord */
+        /* x is even on the chord */
+        x2 += (double)(plane.lens_chord * plane.lens_chord) / (3.0 * n * n);
         lf_assert_close((double)plane.my, -(double)plane.ly / 4.0, 1e-6, 0.0);
     }
     lf_assert_close(y2, 0.25 * 0.09, 1e-3, 0.0);
@@ -283,12 +309,15 @@ static void case_18_lenses_from_nothing_to_large(void **state)
     static const char *const radii[] = {"1e-6", "0.02", "0.5"};
     for (int i = 0; i < 3; i++) {
         char text[2048];
-        snprintf(text, sizeof text, LF_TEST_FOGS("5", ", 'lens_radius': %s, 'focus_distance': 4.5"), radii[i]);
+        snprintf(text, sizeof text, LF_TEST_FOGS("5", ", 'lens_radius': %s, 'focus_distance': 4.5"),
+                 radii[i]);
         assert_weights(text);
     }
     /* Radius 0 is a pinhole bit for bit, wherever its focus. */
     for (int i = 0; i < 2; i++) {
-        lf_scene *scene = lf_test_scene(i ? LF_TEST_FOGS("5", ", 'lens_radius': 0, 'focus_distance': 3") : LF_TEST_FOGS("5", ""));
+        lf_scene *scene =
+            lf_test_scene(i ? LF_TEST_FOGS("5", ", 'lens_radius': 0, 'focus_distance': 3")
+                            : LF_TEST_FOGS("5", ""));
         lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
         cycles(r);
         *(i ? &none : &pinhole) = lf_test_picture(r, LF_ESTIMATOR_CV);
@@ -300,17 +329,22 @@ static void case_18_lenses_from_nothing_to_large(void **state)
     free(none);
 }
 
-/* --------------------------------------------------------------------------------------------------------- symmetry -- */
+/* ---------------------------------------------------------------------------------- symmetry -- */
 
-#define SIDED(s, t)                                                                                                                \
-    "{ " LF_TEST_CAMERA("5", "") "'volumes': { 'fog': { 'shape': 'box', 'density': 2.5, 'albedo': [0.95, 0.9, 0.8], 'g': 0.5, "    \
-                                 "'transform': { 'scale': [0.7, 0.6, 0.5], 'rotate': [0, " s "20, 0], 'translate': [" s            \
-                                 "0.4, 0, 0.8] } } }, 'meshes': { " LF_TEST_GROUND                                                 \
-                                 ", 'ball': { 'shape': 'sphere', 'material': 'glaze', "                                            \
-                                 "'transform': { 'scale': 0.6, 'translate': [" t "0.7, -0.3, 0.6] } } }, "                         \
-                                 "'materials': { 'clay': { 'albedo': 0.5 }, 'glaze': { 'type': 'plastic', 'albedo': 0.6, "         \
-                                 "'roughness': 0.5 } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 0.5 }, "           \
-                                 "'sun': { 'type': 'distant', 'direction': [" s                                                    \
+#define SIDED(s, t)                                                                                \
+    "{ " LF_TEST_CAMERA("5", "") "'volumes': { 'fog': { 'shape': 'box', 'density': 2.5, "          \
+                                 "'albedo': [0.95, 0.9, 0.8], 'g': 0.5, "                          \
+                                 "'transform': { 'scale': [0.7, 0.6, 0.5], 'rotate': [0, " s       \
+                                 "20, 0], 'translate': [" s                                        \
+                                 "0.4, 0, 0.8] } } }, 'meshes': { " LF_TEST_GROUND                 \
+                                 ", 'ball': { 'shape': 'sphere', 'material': 'glaze', "            \
+                                 "'transform': { 'scale': 0.6, 'translate': [" t                   \
+                                 "0.7, -0.3, 0.6] } } }, "                                         \
+                                 "'materials': { 'clay': { 'albedo': 0.5 }, 'glaze': { 'type': "   \
+                                 "'plastic', 'albedo': 0.6, "                                      \
+                                 "'roughness': 0.5 } }, 'lights': { 'sky': { 'type': "             \
+                                 "'environment', 'radiance': 0.5 }, "                              \
+                                 "'sun': { 'type': 'distant', 'direction': [" s                    \
                                  "0.5, -0.7, -0.5], 'irradiance': 3, 'angle': 8 } } }"
 
 static void case_24_a_mirrored_scene_gives_mirrored_views(void **state)

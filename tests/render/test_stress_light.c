@@ -1,5 +1,5 @@
-/* Stress cases of lobes, colours, mirrors and scenes with nothing in them (docs/estimators.md, "Stress cases"). Numbers of the cases are
- * those of the list there. */
+/* Stress cases of lobes, colours, mirrors and scenes with nothing in them (docs/estimators.md,
+ * "Stress cases"). Numbers of the cases are those of the list there. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
@@ -10,7 +10,9 @@ enum { width = 16, height = 12, views = 5, pixels = views * width * height };
 /* Comparisons that may fail by chance: blocks of 4 x 4 of some 30 runs. */
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 30 * (views * 12 + 1))
 
-#define CAMERA "'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1.3333333333, 'views': 5, 'cone': 30 }, "
+#define CAMERA                                                                                     \
+    "'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1.3333333333, "        \
+    "'views': 5, 'cone': 30 }, "
 
 enum { native_spp = 8 };
 
@@ -19,8 +21,8 @@ static void cycles(lf_renderer *r)
     lf_test_cycles(r, native_spp);
 }
 
-static void pictures(const char *text, const char *integrator, lf_estimator estimator, int replicates, uint64_t salt, int block,
-                     lf_blocks *out)
+static void pictures(const char *text, const char *integrator, lf_estimator estimator,
+                     int replicates, uint64_t salt, int block, lf_blocks *out)
 {
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
@@ -32,13 +34,14 @@ static void pictures(const char *text, const char *integrator, lf_estimator esti
     lf_scene_unref(scene);
 }
 
-/* ------------------------------------------------------------------------------------------------------------ lobes -- */
+/* ------------------------------------------------------------------------------------- lobes -- */
 
-#define FOG(g)                                                                                                                     \
-    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5, 'albedo': 0.9, 'g': " g                                   \
-    " } }, 'render': { 'max_depth': 16 }, "                                                                                        \
-    "'lights': { 'sky': { 'type': 'environment', 'radiance': [0.4, 0.5, 0.7] }, "                                                  \
-    "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': [3, 2.7, 2.2], 'angle': 40 } } }"
+#define FOG(g)                                                                                     \
+    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5, 'albedo': 0.9, 'g': " g   \
+    " } }, 'render': { 'max_depth': 16 }, "                                                        \
+    "'lights': { 'sky': { 'type': 'environment', 'radiance': [0.4, 0.5, 0.7] }, "                  \
+    "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': [3, 2.7, 2.2], "    \
+    "'angle': 40 } } }"
 
 static int ascending(const void *a, const void *b)
 {
@@ -56,19 +59,22 @@ static double *variances(const lf_blocks *blocks)
     return out;
 }
 
-/* By mwis, variance over 32 seeds: the middle half of all pixels taken together within 1 + 1/n of native (and a fifth more for what 480
- * pixels of 32 seeds can tell), and no pixel a hundred times as noisy as the noisiest native one. */
+/* By mwis, variance over 32 seeds: the middle half of all pixels taken together within 1 + 1/n of
+ * native (and a fifth more for what 480 pixels of 32 seeds can tell), and no pixel a hundred times
+ * as noisy as the noisiest native one. */
 static void assert_never_noisier(const char *text, int replicates)
 {
     lf_blocks blocks[2];
     double *v[2], middle[2] = {0.0, 0.0};
     for (int i = 0; i < 2; i++) {
-        pictures(text, i ? "mvpt" : "vpt", LF_ESTIMATOR_MWIS, replicates, i ? 700 : 0, 1, &blocks[i]);
+        pictures(text, i ? "mvpt" : "vpt", LF_ESTIMATOR_MWIS, replicates, i ? 700 : 0, 1,
+                 &blocks[i]);
         v[i] = variances(&blocks[i]);
         for (int j = pixels / 4; j < 3 * pixels / 4; j++)
             middle[i] += v[i][j];
     }
-    print_message("variance %.3g of native, of the worst pixel %.3g\n", middle[1] / middle[0], v[1][pixels - 1] / v[0][pixels - 1]);
+    print_message("variance %.3g of native, of the worst pixel %.3g\n", middle[1] / middle[0],
+                  v[1][pixels - 1] / v[0][pixels - 1]);
     assert_true(middle[1] < 1.2 * (1.0 + 1.0 / native_spp) * middle[0]);
     assert_true(v[1][pixels - 1] < 100.0 * v[0][pixels - 1]);
     for (int i = 0; i < 2; i++) {
@@ -77,7 +83,8 @@ static void assert_never_noisier(const char *text, int replicates)
     }
 }
 
-/* From nearly all backwards to nearly all forwards: mvpt and vpt have one mean, and mvpt is not noisier by the same paths. */
+/* From nearly all backwards to nearly all forwards: mvpt and vpt have one mean, and mvpt is not
+ * noisier by the same paths. */
 static void case_14_lobes_of_any_width(void **state)
 {
     (void)state;
@@ -92,9 +99,9 @@ static void case_14_lobes_of_any_width(void **state)
         int where = 0;
         double p = lf_blocks_welch(&unbiased, &native, &where);
         if (!(p > LEVEL))
-            fail_msg("g %s, block %d: %.6g +- %.2g, natively %.6g +- %.2g, p %.2g", all_g[i], where, unbiased.moments[where].mean,
-                     lf_moments_error(&unbiased.moments[where]), native.moments[where].mean,
-                     lf_moments_error(&native.moments[where]), p);
+            fail_msg("g %s, block %d: %.6g +- %.2g, natively %.6g +- %.2g, p %.2g", all_g[i], where,
+                     unbiased.moments[where].mean, lf_moments_error(&unbiased.moments[where]),
+                     native.moments[where].mean, lf_moments_error(&native.moments[where]), p);
         lf_blocks_finish(&native);
         lf_blocks_finish(&unbiased);
         print_message("g %s: ", all_g[i]);
@@ -102,14 +109,16 @@ static void case_14_lobes_of_any_width(void **state)
     }
 }
 
-/* Mirrors first: nothing is shared, W is 0 everywhere, and in visits of the same size mvpt is vpt bit for bit. */
+/* Mirrors first: nothing is shared, W is 0 everywhere, and in visits of the same size mvpt is vpt
+ * bit for bit. */
 static void case_15_mirrors_share_nothing(void **state)
 {
     (void)state;
     static const char scene_text[] =
-        "{" CAMERA
-        "'meshes': { 'ball': { 'shape': 'sphere', 'material': 'mirror' }, 'lamp': { 'shape': 'quad', 'material': 'lamp', "
-        "'transform': { 'scale': 2, 'rotate': [0, 0, 180], 'translate': [0, 3, 3] } } }, 'materials': { 'mirror': { 'type': "
+        "{" CAMERA "'meshes': { 'ball': { 'shape': 'sphere', 'material': 'mirror' }, 'lamp': { "
+        "'shape': 'quad', 'material': 'lamp', "
+        "'transform': { 'scale': 2, 'rotate': [0, 0, 180], 'translate': [0, 3, 3] } } }, "
+        "'materials': { 'mirror': { 'type': "
         "'conductor', "
         "'albedo': [0.9, 0.8, 0.7], 'roughness': 0 }, 'lamp': { 'albedo': 0, 'emission': 2 } }, "
         "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.3 } } }";
@@ -134,14 +143,14 @@ static void case_15_mirrors_share_nothing(void **state)
     lf_scene_unref(scene);
 }
 
-/* ----------------------------------------------------------------------------------------------------------- colours -- */
+/* ----------------------------------------------------------------------------------- colours -- */
 
-/* Extinction has no colour here, albedos have: red light in a coloured scene is what it is in one that is grey as red is. The picture
- * is half of the red channel then. */
-#define RED_LIGHT(fog, ground)                                                                                                     \
-    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 2, 'albedo': " fog                                             \
-    ", 'g': 0.4 } }, 'meshes': { " LF_TEST_GROUND " }, 'materials': { 'clay': { 'albedo': " ground                                 \
-    " } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': [1, 0, 0] }, "                                                  \
+/* Extinction has no colour here, albedos have: red light in a coloured scene is what it is in one
+ * that is grey as red is. The picture is half of the red channel then. */
+#define RED_LIGHT(fog, ground)                                                                     \
+    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 2, 'albedo': " fog             \
+    ", 'g': 0.4 } }, 'meshes': { " LF_TEST_GROUND " }, 'materials': { 'clay': { 'albedo': " ground \
+    " } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': [1, 0, 0] }, "                  \
     "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': [3, 0, 0] } } }"
 
 static void case_22_channels_do_not_mix(void **state)
@@ -161,7 +170,7 @@ static void case_22_channels_do_not_mix(void **state)
     }
 }
 
-/* ----------------------------------------------------------------------------------------------------------- nothing -- */
+/* ----------------------------------------------------------------------------------- nothing -- */
 
 /* By every answer of both integrators all pixels are `value`, and W and q are 0. */
 static void assert_flat(const char *text, double value)
@@ -190,13 +199,16 @@ static void case_23_scenes_with_nothing_to_meet_show_their_background(void **sta
 {
     (void)state;
     assert_flat("{" CAMERA "'render': {} }", 0.0);
-    assert_flat("{" CAMERA "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.7 } } }", 0.7);
+    assert_flat("{" CAMERA "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.7 } } }",
+                0.7);
     assert_flat("{" CAMERA "'volumes': { 'none': { 'shape': 'box', 'density': 0 } }, "
                 "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.7 } } }",
                 0.7);
-    assert_flat("{" CAMERA "'volumes': { 'small': { 'shape': 'sphere', 'density': 1, 'transform': { 'scale': 1e-9, 'translate': "
-                "[0, 40, 0] } } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 0.7 } } }",
-                0.7);
+    assert_flat(
+        "{" CAMERA "'volumes': { 'small': { 'shape': 'sphere', 'density': 1, 'transform': { "
+        "'scale': 1e-9, 'translate': "
+        "[0, 40, 0] } } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 0.7 } } }",
+        0.7);
 }
 
 /* Lights of no power: black, not NaN, whatever there is to be lit. */
@@ -204,8 +216,10 @@ static void case_23_black_lights_light_nothing(void **state)
 {
     (void)state;
     static const char scene_text[] =
-        "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 2, 'g': 0.5 } }, 'meshes': { " LF_TEST_GROUND
-        " }, 'materials': { 'clay': { 'albedo': 0.5 } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 0 }, 'sun': { "
+        "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 2, 'g': 0.5 } }, 'meshes': "
+        "{ " LF_TEST_GROUND
+        " }, 'materials': { 'clay': { 'albedo': 0.5 } }, 'lights': { 'sky': { 'type': "
+        "'environment', 'radiance': 0 }, 'sun': { "
         "'type': "
         "'distant', 'irradiance': 0, 'angle': 3 }, 'lamp': { 'type': 'point', 'intensity': 0 } } }";
     for (int i = 0; i < 2; i++) {

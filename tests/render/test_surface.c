@@ -1,7 +1,7 @@
 #include "tests/testing.h"
 
-#include "render/sampler.h"
-#include "render/surface.h"
+#include "render/transport/sampler.h"
+#include "render/transport/surface.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/stat.h"
 
@@ -10,9 +10,18 @@ typedef struct setup {
     lf_vec3 ns, wo;
 } setup;
 
-static lf_material material(lf_material_type type, float roughness, float albedo)
+/* What the first delta lobe reflects, 0 where there is none. */
+static lf_vec3 delta_of(const lf_material *m, lf_vec3 ns, lf_vec3 wo)
 {
-    lf_material m = {.type = type, .albedo = {albedo, albedo, albedo}, .roughness = roughness, .ior = 1.5f};
+    lf_delta lobe[LF_MAX_DELTAS];
+    int n = m->kind->deltas ? m->kind->deltas(m, ns, ns, wo, lobe) : 0;
+    return n > 0 ? lobe[0].f : lf_v3(0.0f, 0.0f, 0.0f);
+}
+
+static lf_material material(const lf_surface_kind *kind, float roughness, float albedo)
+{
+    lf_material m = {
+        .kind = kind, .albedo = {albedo, albedo, albedo}, .roughness = roughness, .ior = 1.5f};
     lf_material_prepare(&m);
     return m;
 }
@@ -22,14 +31,14 @@ static int make_materials(lf_material *m)
 {
     const float roughness[] = {0.04f, 0.1f, 0.3f, 0.6f, 1.0f};
     int n = 0;
-    m[n++] = material(LF_MATERIAL_DIFFUSE, 0.0f, 0.8f);
-    m[n++] = material(LF_MATERIAL_PLASTIC, 0.0f, 0.5f);
+    m[n++] = material(&lf_surface_diffuse, 0.0f, 0.8f);
+    m[n++] = material(&lf_surface_plastic, 0.0f, 0.5f);
     for (int i = 0; i < 5; i++) {
-        m[n++] = material(LF_MATERIAL_CONDUCTOR, roughness[i], 0.9f);
-        m[n++] = material(LF_MATERIAL_PLASTIC, roughness[i], 0.5f);
+        m[n++] = material(&lf_surface_conductor, roughness[i], 0.9f);
+        m[n++] = material(&lf_surface_plastic, roughness[i], 0.5f);
     }
-    m[n++] = material(LF_MATERIAL_PLASTIC, 0.3f, 0.0f);
-    m[n] = material(LF_MATERIAL_CONDUCTOR, 0.3f, 0.0f);
+    m[n++] = material(&lf_surface_plastic, 0.3f, 0.0f);
+    m[n] = material(&lf_surface_conductor, 0.3f, 0.0f);
     m[n].eta = lf_v3(0.2f, 0.9f, 1.3f);
     m[n].k = lf_v3(3.3f, 2.6f, 2.4f);
     lf_material_prepare(&m[n++]);
@@ -53,23 +62,25 @@ static bool draw(const void *context, const float u[3], lf_vec3 *w)
 {
     const setup *s = context;
     lf_vec3 f;
-    return lf_surfaces[s->m.type].sample(&s->m, s->ns, s->wo, u, w, &f) > 0.0f;
+    return s->m.kind->sample(&s->m, s->ns, s->wo, u, w, &f) > 0.0f;
 }
 
 static double pdf(const void *context, lf_vec3 w)
 {
     const setup *s = context;
     lf_vec3 f;
-    return (double)lf_surfaces[s->claimed.type].eval(&s->claimed, s->ns, s->wo, w, &f);
+    return (double)s->claimed.kind->eval(&s->claimed, s->ns, s->wo, w, &f);
 }
 
-/* Narrow lobes are binned about the mirror direction, wide ones about the normal, where the horizon is an edge of bins. */
+/* Narrow lobes are binned about the mirror direction, wide ones about the normal, where the horizon
+ * is an edge of bins. */
 static double p_value(const setup *s, double *mass)
 {
     double alpha = (double)(s->m.roughness * s->m.roughness);
-    bool narrow = s->m.type != LF_MATERIAL_DIFFUSE && alpha > 0.0 && alpha < 0.05;
+    bool narrow = s->m.kind != &lf_surface_diffuse && alpha > 0.0 && alpha < 0.05;
     lf_vec3 mirror = lf_normalize(lf_sub(lf_scale(s->ns, 2.0f * lf_dot(s->ns, s->wo)), s->wo));
-    lf_chi2_sphere q = {.sample = draw, .pdf = pdf, .context = s, .n_t = 30, .n_phi = 30, .n_samples = 400000};
+    lf_chi2_sphere q = {
+        .sample = draw, .pdf = pdf, .context = s, .n_t = 30, .n_phi = 30, .n_samples = 400000};
     q.axis = narrow ? mirror : s->ns;
     q.m_max = 2.0;
     q.warp = narrow ? log(1.0 / (alpha * alpha)) : 1e-6;
@@ -90,8 +101,8 @@ static void samplers_follow_their_pdfs_which_integrate_to_one(void **state)
             setup s = {m[i], m[i], ns, at_cosine(ns, cosines[j], 1.0f + (float)j)};
             double p = p_value(&s, &mass);
             if (!(p > lf_sidak(LF_FALSE_ALARM, 4 * n)) || fabs(mass - 1.0) > 1e-4)
-                fail_msg("type %d, roughness %g, cosine %g: p %g, integral %g", (int)m[i].type, (double)m[i].roughness,
-                         (double)cosines[j], p, mass);
+                fail_msg("%s, roughness %g, cosine %g: p %g, integral %g", m[i].kind->name,
+                         (double)m[i].roughness, (double)cosines[j], p, mass);
         }
     }
 }
@@ -100,7 +111,9 @@ static void a_wrong_roughness_is_rejected(void **state)
 {
     (void)state;
     for (int i = 0; i < 4; i++) {
-        lf_material m = material(i & 1 ? LF_MATERIAL_PLASTIC : LF_MATERIAL_CONDUCTOR, i & 2 ? 0.6f : 0.1f, 0.5f), wrong = m;
+        lf_material m = material(i & 1 ? &lf_surface_plastic : &lf_surface_conductor,
+                                 i & 2 ? 0.6f : 0.1f, 0.5f),
+                    wrong = m;
         wrong.roughness *= 1.05f;
         lf_material_prepare(&wrong);
         setup s = {m, wrong, normals[1], at_cosine(normals[1], 0.25f, 2.0f)};
@@ -108,7 +121,8 @@ static void a_wrong_roughness_is_rejected(void **state)
     }
 }
 
-/* Mean and error of f / pdf: the share of light from wo that is reflected; and what eval says at what sample drew. */
+/* Mean and error of f / pdf: the share of light from wo that is reflected; and what eval says at
+ * what sample drew. */
 static lf_moments reflectance(const lf_material *m, lf_vec3 ns, lf_vec3 wo, int n_samples)
 {
     lf_moments sum = {0};
@@ -119,11 +133,11 @@ static lf_moments reflectance(const lf_material *m, lf_vec3 ns, lf_vec3 wo, int 
         lf_sampler_init(&s, LF_SAMPLER_OWEN, lf_test_seed() + 3, (uint32_t)i);
         lf_sampler_2d(&s, u);
         u[2] = lf_sampler_1d(&s);
-        float p = lf_surfaces[m->type].sample(m, ns, wo, u, &wi, &f);
+        float p = m->kind->sample(m, ns, wo, u, &wi, &f);
         assert_true(isfinite(p) && p >= 0.0f && isfinite(f.x) && f.x >= 0.0f);
         lf_moments_add(&sum, p > 0.0f ? (double)(f.x / p) : 0.0);
         if (p > 0.0f && lf_dot(wi, ns) > 1e-3f) {
-            float q = lf_surfaces[m->type].eval(m, ns, wo, wi, &again);
+            float q = m->kind->eval(m, ns, wo, wi, &again);
             assert_true(fabsf(q - p) < 0.02f * p && fabsf(again.x - f.x) <= 0.02f * f.x);
         }
     }
@@ -145,11 +159,11 @@ static void no_surface_makes_energy(void **state)
             lf_vec3 wo = at_cosine(normals[1], cosines[j], 1.0f);
             lf_moments r = reflectance(&white, normals[1], wo, 16384);
             double delta = 0.0;
-            if (lf_surfaces[white.type].delta)
-                delta = (double)lf_surfaces[white.type].delta(&white, normals[1], wo).x;
+            if (white.kind->deltas)
+                delta = (double)delta_of(&white, normals[1], wo).x;
             if (r.mean + delta > 1.0 + 3e-4 + 4.0 * lf_moments_error(&r))
-                fail_msg("type %d, roughness %g, cosine %g: reflects %g", (int)white.type, (double)white.roughness,
-                         (double)cosines[j], r.mean + delta);
+                fail_msg("%s, roughness %g, cosine %g: reflects %g", white.kind->name,
+                         (double)white.roughness, (double)cosines[j], r.mean + delta);
         }
     }
 }
@@ -159,12 +173,13 @@ static void white_surfaces_lose_little_when_smooth(void **state)
     (void)state;
     for (int j = 0; j < 3; j++) {
         lf_vec3 wo = at_cosine(normals[0], cosines[j], 0.0f);
-        lf_material diffuse = material(LF_MATERIAL_DIFFUSE, 0.0f, 1.0f), metal = material(LF_MATERIAL_CONDUCTOR, 0.2f, 1.0f);
-        lf_material coated = material(LF_MATERIAL_PLASTIC, 0.0f, 1.0f);
+        lf_material diffuse = material(&lf_surface_diffuse, 0.0f, 1.0f),
+                    metal = material(&lf_surface_conductor, 0.2f, 1.0f);
+        lf_material coated = material(&lf_surface_plastic, 0.0f, 1.0f);
         assert_true(fabs(reflectance(&diffuse, normals[0], wo, 4096).mean - 1.0) < 1e-4);
         assert_true(reflectance(&metal, normals[0], wo, 4096).mean > 0.98);
         double base = reflectance(&coated, normals[0], wo, 16384).mean;
-        double coat = (double)lf_surfaces[LF_MATERIAL_PLASTIC].delta(&coated, normals[0], wo).x;
+        double coat = (double)delta_of(&coated, normals[0], wo).x;
         assert_true(fabs(base + coat - 1.0) < 5e-4);
     }
 }
@@ -176,17 +191,18 @@ static void surfaces_without_metal_are_reciprocal(void **state)
     lf_material m[max_materials];
     int n = make_materials(m);
     for (int i = 0; i < n; i++) {
-        for (int j = 0; j < 64 && m[i].type != LF_MATERIAL_CONDUCTOR; j++) {
+        for (int j = 0; j < 64 && m[i].kind != &lf_surface_conductor; j++) {
             float a = 0.05f + 0.015f * (float)j, b = 1.0f - 0.014f * (float)j;
             lf_vec3 ns = normals[1], wo = at_cosine(ns, a, 0.3f), wi = at_cosine(ns, b, 3.4f), f, g;
-            lf_surfaces[m[i].type].eval(&m[i], ns, wo, wi, &f);
-            lf_surfaces[m[i].type].eval(&m[i], ns, wi, wo, &g);
+            m[i].kind->eval(&m[i], ns, wo, wi, &f);
+            m[i].kind->eval(&m[i], ns, wi, wo, &g);
             assert_true(fabsf(f.x / b - g.x / a) <= 2e-3f * (f.x / b) + 1e-6f);
         }
     }
 }
 
-/* 0.6 below and 0.5 above: the microfacet between them lies below the horizon, where there is none. */
+/* 0.6 below and 0.5 above: the microfacet between them lies below the horizon, where there is none.
+ */
 static void directions_below_the_surface_get_nothing(void **state)
 {
     (void)state;
@@ -197,12 +213,15 @@ static void directions_below_the_surface_get_nothing(void **state)
             lf_vec3 f = {1.0f, 1.0f, 1.0f}, wi, ns = normals[1];
             lf_vec3 up = at_cosine(ns, 0.5f, 0.0f), down = at_cosine(ns, -0.6f, 2.0f);
             const float u[3] = {0.3f, 0.7f, 0.1f};
-            const lf_surface_ops *lobes = &lf_surfaces[m[i].type];
-            /* 0: both below, 1: wi below, 2: wo below, which is nothing to lobes that do not look at wo */
+            const lf_surface_kind *lobes = m[i].kind;
+            /* 0: both below, 1: wi below, 2: wo below, which is nothing to lobes that do not look
+             * at wo */
             float p = lobes->eval(&m[i], ns, j & 1 ? up : down, j & 2 ? up : down, &f);
             bool dark = j < 2 || lobes->view_dependent;
-            assert_true((p == 0.0f) == dark && (f.x == 0.0f) == dark && (f.y == 0.0f) == dark && (f.z == 0.0f) == dark);
-            assert_true((lobes->sample(&m[i], ns, down, u, &wi, &f) == 0.0f) == lobes->view_dependent);
+            assert_true((p == 0.0f) == dark && (f.x == 0.0f) == dark && (f.y == 0.0f) == dark &&
+                        (f.z == 0.0f) == dark);
+            assert_true((lobes->sample(&m[i], ns, down, u, &wi, &f) == 0.0f) ==
+                        lobes->view_dependent);
         }
     }
 }
@@ -214,14 +233,16 @@ static void grazing_directions_give_finite_values(void **state)
     lf_material m[max_materials];
     int n = make_materials(m);
     for (int i = 0; i < n; i++) {
-        const lf_surface_ops *ops = &lf_surfaces[m[i].type];
+        const lf_surface_kind *ops = m[i].kind;
         for (int j = 0; j < 12 * 12; j++) {
             float co = powf(10.0f, -(float)(j % 12)), ci = powf(10.0f, -(float)(j / 12));
-            lf_vec3 ns = normals[j % 2], wo = at_cosine(ns, co, 0.0f), wi = at_cosine(ns, ci, LF_PI), f;
+            lf_vec3 ns = normals[j % 2], wo = at_cosine(ns, co, 0.0f),
+                    wi = at_cosine(ns, ci, LF_PI), f;
             float p = ops->eval(&m[i], ns, wo, wi, &f);
             assert_true(isfinite(p) && p >= 0.0f && isfinite(f.x) && f.x >= 0.0f);
             for (int k = 0; k < 8; k++) {
-                const float end = 0x1.fffffep-1f, u[3] = {k & 1 ? end : 0.0f, k & 2 ? end : 0.0f, k & 4 ? end : 0.0f};
+                const float end = 0x1.fffffep-1f,
+                            u[3] = {k & 1 ? end : 0.0f, k & 2 ? end : 0.0f, k & 4 ? end : 0.0f};
                 p = ops->sample(&m[i], ns, wo, u, &wi, &f);
                 assert_true(isfinite(p) && p >= 0.0f && isfinite(f.x) && f.x >= 0.0f);
                 assert_true(p == 0.0f || fabsf(lf_length(wi) - 1.0f) < 1e-5f);
@@ -233,43 +254,49 @@ static void grazing_directions_give_finite_values(void **state)
 static void mirrors_are_delta_lobes_and_nothing_else(void **state)
 {
     (void)state;
-    lf_vec3 ns = normals[0], wo = at_cosine(ns, 0.6f, 0.0f), mirror = at_cosine(ns, 0.6f, LF_PI), f, wi;
-    lf_material smooth = material(LF_MATERIAL_CONDUCTOR, 0.0f, 0.7f), rough = material(LF_MATERIAL_CONDUCTOR, 0.5f, 0.7f);
+    lf_vec3 ns = normals[0], wo = at_cosine(ns, 0.6f, 0.0f), mirror = at_cosine(ns, 0.6f, LF_PI), f,
+            wi;
+    lf_material smooth = material(&lf_surface_conductor, 0.0f, 0.7f),
+                rough = material(&lf_surface_conductor, 0.5f, 0.7f);
     const float u[3] = {0.5f, 0.5f, 0.5f};
-    const lf_surface_ops *ops = &lf_surfaces[LF_MATERIAL_CONDUCTOR];
+    const lf_surface_kind *ops = &lf_surface_conductor;
     assert_true(ops->eval(&smooth, ns, wo, mirror, &f) == 0.0f && f.x == 0.0f);
     assert_true(ops->sample(&smooth, ns, wo, u, &wi, &f) == 0.0f);
-    assert_true(fabsf(ops->delta(&smooth, ns, wo).x - (0.7f + 0.3f * powf(0.4f, 5.0f))) < 1e-5f);
-    assert_true(ops->delta(&rough, ns, wo).x == 0.0f);
-    assert_true(!lf_material_has_lobe(&smooth) && lf_material_has_delta(&smooth));
-    assert_true(lf_material_has_lobe(&rough) && !lf_material_has_delta(&rough));
+    assert_true(fabsf(delta_of(&smooth, ns, wo).x - (0.7f + 0.3f * powf(0.4f, 5.0f))) < 1e-5f);
+    assert_true(delta_of(&rough, ns, wo).x == 0.0f);
+    assert_true(!smooth.has_lobe && smooth.has_delta);
+    assert_true(rough.has_lobe && !rough.has_delta);
 }
 
 static void coat_reflects_by_fresnel(void **state)
 {
     (void)state;
-    lf_material coat = material(LF_MATERIAL_PLASTIC, 0.0f, 0.5f), none = coat, black = material(LF_MATERIAL_PLASTIC, 0.0f, 0.0f);
+    lf_material coat = material(&lf_surface_plastic, 0.0f, 0.5f), none = coat,
+                black = material(&lf_surface_plastic, 0.0f, 0.0f);
     none.ior = 1.0f;
     lf_material_prepare(&none);
-    const lf_surface_ops *ops = &lf_surfaces[LF_MATERIAL_PLASTIC];
-    assert_true(fabsf(ops->delta(&coat, normals[0], normals[0]).x - 0.04f) < 1e-6f);
-    /* Brewster's angle, tan = 1.5: only the s half is reflected, ((1 - 2.25) / (1 + 2.25))^2 / 2. */
-    assert_true(fabsf(ops->delta(&coat, normals[0], at_cosine(normals[0], 1.0f / sqrtf(3.25f), 0.0f)).x - 0.0739645f) < 1e-5f);
-    assert_true(lf_material_has_lobe(&coat) && lf_material_has_delta(&coat));
-    assert_true(lf_material_has_lobe(&none) && !lf_material_has_delta(&none));
-    assert_true(!lf_material_has_lobe(&black) && lf_material_has_delta(&black));
+    assert_true(fabsf(delta_of(&coat, normals[0], normals[0]).x - 0.04f) < 1e-6f);
+    /* Brewster's angle, tan = 1.5: only the s half is reflected, ((1 - 2.25) / (1 + 2.25))^2 / 2.
+     */
+    assert_true(
+        fabsf(delta_of(&coat, normals[0], at_cosine(normals[0], 1.0f / sqrtf(3.25f), 0.0f)).x -
+              0.0739645f) < 1e-5f);
+    assert_true(coat.has_lobe && coat.has_delta);
+    assert_true(none.has_lobe && !none.has_delta);
+    assert_true(!black.has_lobe && black.has_delta);
 }
 
 /* Without a coat's step in the index it is a diffuse surface. */
 static void coat_of_index_one_is_not_there(void **state)
 {
     (void)state;
-    lf_material plastic = material(LF_MATERIAL_PLASTIC, 0.0f, 0.5f), diffuse = material(LF_MATERIAL_DIFFUSE, 0.0f, 0.5f);
+    lf_material plastic = material(&lf_surface_plastic, 0.0f, 0.5f),
+                diffuse = material(&lf_surface_diffuse, 0.0f, 0.5f);
     plastic.ior = 1.0f;
     lf_material_prepare(&plastic);
     lf_vec3 f, g, wo = at_cosine(normals[0], 0.4f, 0.0f), wi = at_cosine(normals[0], 0.8f, 2.0f);
-    lf_surfaces[LF_MATERIAL_PLASTIC].eval(&plastic, normals[0], wo, wi, &f);
-    lf_surfaces[LF_MATERIAL_DIFFUSE].eval(&diffuse, normals[0], wo, wi, &g);
+    lf_surface_plastic.eval(&plastic, normals[0], wo, wi, &f);
+    lf_surface_diffuse.eval(&diffuse, normals[0], wo, wi, &g);
     assert_true(fabsf(f.x / g.x - 1.0f) < 3e-4f);
 }
 
@@ -281,24 +308,26 @@ static void fans_answer_as_single_directions_do(void **state)
     lf_material m[max_materials];
     int n_materials = make_materials(m), compared = 0;
     for (int i = 0; i < n_materials; i++) {
-        if (!lf_surfaces[m[i].type].view_dependent)
+        if (!m[i].kind->view_dependent)
             continue;
         m[i].albedo = lf_v3(0.9f * m[i].albedo.x, 0.5f * m[i].albedo.y, m[i].albedo.z);
         lf_material_prepare(&m[i]);
         for (int c = 0; c < 5; c++) {
             float x[n], y[n], z[n], pdf_of[n], weight[LF_FAN_TERMS][n];
-            lf_vec3 ns = lf_v3(0.0f, 0.0f, 1.0f), wi = at_cosine(ns, c < 4 ? cosines[c] : -0.1f, 1.0f);
+            lf_vec3 ns = lf_v3(0.0f, 0.0f, 1.0f),
+                    wi = at_cosine(ns, c < 4 ? cosines[c] : -0.1f, 1.0f);
             lf_fan_lobes fan = {.pdf = pdf_of, .weight = {weight[0], weight[1], weight[2]}};
             for (int k = 0; k < n; k++) {
-                lf_vec3 wo = k == 0 ? lf_v3(-wi.x, -wi.y, wi.z) : at_cosine(ns, 1.0f - (float)k / 40.0f, 0.3f * (float)k);
+                lf_vec3 wo = k == 0 ? lf_v3(-wi.x, -wi.y, wi.z)
+                                    : at_cosine(ns, 1.0f - (float)k / 40.0f, 0.3f * (float)k);
                 x[k] = wo.x;
                 y[k] = wo.y;
                 z[k] = wo.z;
             }
-            lf_surfaces[m[i].type].eval_fan(&m[i], wi, n, x, y, z, &fan);
+            m[i].kind->eval_fan(&m[i], wi, n, x, y, z, &fan);
             for (int k = 0; k < n; k++) {
                 lf_vec3 f, g = {0.0f, 0.0f, 0.0f};
-                float p = lf_surfaces[m[i].type].eval(&m[i], ns, lf_v3(x[k], y[k], z[k]), wi, &f);
+                float p = m[i].kind->eval(&m[i], ns, lf_v3(x[k], y[k], z[k]), wi, &f);
                 for (int t = 0; t < fan.n_terms; t++)
                     g = lf_madd(g, weight[t][k], fan.colour[t]);
                 lf_assert_close((double)pdf_of[k], (double)p, 1e-5, 1e-7);

@@ -1,13 +1,14 @@
-/* What surfaces give back in all, by quadrature in double precision over the half vectors of one direction. The microfacets here are
- * written from the textbook (Walter et al. 2007; Heitz 2014) and share no code with the lobes. */
+/* What surfaces give back in all, by quadrature in double precision over the half vectors of one
+ * direction. The microfacets here are written from the textbook (Walter et al. 2007; Heitz 2014)
+ * and share no code with the lobes. */
 #include "tests/testing.h"
 
 #include <complex.h>
 
-#include "render/metal.h"
-#include "render/surface_lobes.h"
+#include "render/transport/metal.h"
+#include "render/transport/surface_lobes.h"
 
-/* ------------------------------------------------------------------------------------------------------------ oracle -- */
+/* ------------------------------------------------------------------------------------ oracle -- */
 
 typedef struct lobe {
     const lf_material *m;
@@ -37,25 +38,29 @@ static double of_eval(const lobe *l, const double wi[3], double cos_oh, double c
 {
     (void)cos_oh, (void)cos_h;
     lf_vec3 f, wo = lf_v3((float)sqrt(1.0 - l->cos_o * l->cos_o), 0.0f, (float)l->cos_o);
-    lf_surfaces[l->m->type].eval(l->m, lf_v3(0.0f, 0.0f, 1.0f), wo, lf_v3((float)wi[0], (float)wi[1], (float)wi[2]), &f);
+    l->m->kind->eval(l->m, lf_v3(0.0f, 0.0f, 1.0f), wo,
+                     lf_v3((float)wi[0], (float)wi[1], (float)wi[2]), &f);
     return (double)f.x;
 }
 
 /* One reflection off a microfacet. */
 static double of_textbook(const lobe *l, const double wi[3], double cos_oh, double cos_h)
 {
-    double a2 = l->alpha * l->alpha, tangent2 = (1.0 - cos_h * cos_h) / (cos_h * cos_h), c4 = cos_h * cos_h * cos_h * cos_h;
+    double a2 = l->alpha * l->alpha, tangent2 = (1.0 - cos_h * cos_h) / (cos_h * cos_h),
+           c4 = cos_h * cos_h * cos_h * cos_h;
     double d = a2 / (M_PI * c4 * (a2 + tangent2) * (a2 + tangent2));
     double g = 1.0 / (1.0 + smith_lambda(l->alpha, l->cos_o) + smith_lambda(l->alpha, wi[2]));
-    double f = l->m->type == LF_MATERIAL_PLASTIC ? fresnel(cos_oh, (double)l->m->ior) : 1.0;
+    double f = l->m->kind == &lf_surface_plastic ? fresnel(cos_oh, (double)l->m->ior) : 1.0;
     return f * d * g / (4.0 * l->cos_o);
 }
 
-/* Over one half of the half vectors whose tangent is alpha sqrt(e^s - 1), which is even in s for microfacets and for a cosine alike. */
+/* Over one half of the half vectors whose tangent is alpha sqrt(e^s - 1), which is even in s for
+ * microfacets and for a cosine alike. */
 static double around(const lobe *l, reflected f, double s)
 {
     enum { N = 96 };
-    double tangent = l->alpha * sqrt(expm1(s)), cos_h = 1.0 / sqrt(1.0 + tangent * tangent), sin_h = tangent * cos_h, sum = 0.0;
+    double tangent = l->alpha * sqrt(expm1(s)), cos_h = 1.0 / sqrt(1.0 + tangent * tangent),
+           sin_h = tangent * cos_h, sum = 0.0;
     double sin_o = sqrt(1.0 - l->cos_o * l->cos_o);
     for (int i = 0; i < N; i++) {
         double phi = M_PI * (i + 0.5) / N, h[3] = {sin_h * cos(phi), sin_h * sin(phi), cos_h};
@@ -67,7 +72,8 @@ static double around(const lobe *l, reflected f, double s)
     return sum * M_PI / N * l->alpha * l->alpha * exp(s) * cos_h * cos_h * cos_h;
 }
 
-static double simpson(const lobe *l, reflected f, double a, double b, const double y[3], double tolerance, int depth)
+static double simpson(const lobe *l, reflected f, double a, double b, const double y[3],
+                      double tolerance, int depth)
 {
     double m = 0.5 * (a + b), left[3] = {y[0], around(l, f, 0.5 * (a + m)), y[1]},
            right[3] = {y[1], around(l, f, 0.5 * (m + b)), y[2]};
@@ -75,10 +81,12 @@ static double simpson(const lobe *l, reflected f, double a, double b, const doub
     double fine = (b - a) / 12.0 * (left[0] + 4.0 * left[1] + 2.0 * y[1] + 4.0 * right[1] + y[2]);
     if (depth == 0 || fabs(fine - whole) < 15.0 * tolerance)
         return fine + (fine - whole) / 15.0;
-    return simpson(l, f, a, m, left, 0.5 * tolerance, depth - 1) + simpson(l, f, m, b, right, 0.5 * tolerance, depth - 1);
+    return simpson(l, f, a, m, left, 0.5 * tolerance, depth - 1) +
+           simpson(l, f, m, b, right, 0.5 * tolerance, depth - 1);
 }
 
-/* The integral over the hemisphere. Half vectors beyond a tangent of 3e3 lie within the tolerance. */
+/* The integral over the hemisphere. Half vectors beyond a tangent of 3e3 lie within the tolerance.
+ */
 static double integral(const lf_material *m, double alpha, double cos_o, reflected f)
 {
     enum { PIECES = 32 };
@@ -92,15 +100,16 @@ static double integral(const lf_material *m, double alpha, double cos_o, reflect
     return sum;
 }
 
-/* ------------------------------------------------------------------------------------------------------------- cases -- */
+/* ------------------------------------------------------------------------------------- cases -- */
 
 static const double cosines[] = {1.0, 0.6, 0.2, 0.05, 0.01, 1e-3};
-static const float roughness[] = {0.032f, 0.1f, 0.25f, 0.5f, 0.75f, 1.0f}, indices[] = {1.1f, 1.5f, 3.0f};
+static const float roughness[] = {0.032f, 0.1f, 0.25f, 0.5f, 0.75f, 1.0f},
+                   indices[] = {1.1f, 1.5f, 3.0f};
 enum { N_COSINES = 6, N_ROUGHNESS = 6, N_INDICES = 3 };
 
-static lf_material white(lf_material_type type, float rough, float ior)
+static lf_material white(const lf_surface_kind *kind, float rough, float ior)
 {
-    lf_material m = {.type = type, .albedo = {1.0f, 1.0f, 1.0f}, .roughness = rough, .ior = ior};
+    lf_material m = {.kind = kind, .albedo = {1.0f, 1.0f, 1.0f}, .roughness = rough, .ior = ior};
     lf_material_prepare(&m);
     return m;
 }
@@ -109,8 +118,8 @@ static lf_material white(lf_material_type type, float rough, float ior)
 static lf_material nth(int i)
 {
     int kind = i / N_ROUGHNESS;
-    return white(kind == 0 ? LF_MATERIAL_CONDUCTOR : LF_MATERIAL_PLASTIC, roughness[i % N_ROUGHNESS],
-                 kind ? indices[kind - 1] : 1.5f);
+    return white(kind == 0 ? &lf_surface_conductor : &lf_surface_plastic,
+                 roughness[i % N_ROUGHNESS], kind ? indices[kind - 1] : 1.5f);
 }
 enum { N_MATERIALS = (1 + N_INDICES) * N_ROUGHNESS };
 
@@ -124,14 +133,15 @@ static void white_furnaces_are_white_at_every_roughness_and_angle(void **state)
             double got = integral(&m, (double)lf_material_alpha(&m), cosines[j], of_eval);
             worst = fmax(worst, fabs(got - 1.0));
             if (!(fabs(got - 1.0) < 5e-3))
-                fail_msg("type %d, roughness %g, ior %g, cosine %g: %g", (int)m.type, (double)m.roughness, (double)m.ior,
-                         cosines[j], got);
+                fail_msg("%s, roughness %g, ior %g, cosine %g: %g", m.kind->name,
+                         (double)m.roughness, (double)m.ior, cosines[j], got);
         }
     }
     print_message("worst furnace: off by %.2g\n", worst);
 }
 
-/* 1 - E as the textbook has it; and that is less than half for the roughest metal, which without `rest` would be as dark as that. */
+/* 1 - E as the textbook has it; and that is less than half for the roughest metal, which without
+ * `rest` would be as dark as that. */
 static void what_is_not_reflected_at_once_is_known(void **state)
 {
     (void)state;
@@ -140,30 +150,43 @@ static void what_is_not_reflected_at_once_is_known(void **state)
         lf_material m = nth(i);
         for (int j = 0; j < N_COSINES; j++) {
             double e = integral(&m, (double)lf_material_alpha(&m), cosines[j], of_textbook);
-            float loss = lf_loss(&m, lf_coat_transmittance(&m, (float)cosines[j]), (float)cosines[j]);
+            float loss = lf_loss(&m,
+                                 m.kind == &lf_surface_plastic
+                                     ? lf_coat_transmittance(m.ior, (float)cosines[j])
+                                     : 0.0f,
+                                 (float)cosines[j]);
             worst = fmax(worst, fabs(1.0 - e - (double)loss));
-            darkest = fmin(darkest, m.type == LF_MATERIAL_CONDUCTOR ? e : 1.0);
+            darkest = fmin(darkest, m.kind == &lf_surface_conductor ? e : 1.0);
             if (!(fabs(1.0 - e - (double)loss) < 3e-3))
-                fail_msg("type %d, roughness %g, ior %g, cosine %g: %g is lost, not %g", (int)m.type, (double)m.roughness,
-                         (double)m.ior, cosines[j], 1.0 - e, (double)loss);
+                fail_msg("%s, roughness %g, ior %g, cosine %g: %g is lost, not %g", m.kind->name,
+                         (double)m.roughness, (double)m.ior, cosines[j], 1.0 - e, (double)loss);
         }
     }
-    print_message("worst loss: off by %.2g; the darkest metal reflects %.3f at once\n", worst, darkest);
+    print_message("worst loss: off by %.2g; the darkest metal reflects %.3f at once\n", worst,
+                  darkest);
     assert_true(darkest < 0.5);
 }
 
-/* Fresnel's equations by amplitudes, with a complex index; the worst that floats may make of 1 - R is 1e-3 of it. */
+/* Fresnel's equations by amplitudes, with a complex index; the worst that floats may make of 1 - R
+ * is 1e-3 of it. */
 static void metals_reflect_by_fresnel(void **state)
 {
     (void)state;
     for (int i = 0; lf_metal_names[i]; i++) {
-        lf_material m = {.type = LF_MATERIAL_CONDUCTOR, .eta = lf_metals[i].eta, .k = lf_metals[i].k};
+        lf_material m = {
+            .kind = &lf_surface_conductor, .eta = lf_metals[i].eta, .k = lf_metals[i].k};
+        lf_material_prepare(&m);
         for (int j = 0; j < N_COSINES; j++) {
             double c = cosines[j];
-            double complex n = CMPLX((double)m.eta.y, (double)m.k.y), t = csqrt(1.0 - (1.0 - c * c) / (n * n));
-            double s = cabs((c - n * t) / (c + n * t)), p = cabs((t - n * c) / (t + n * c)), r = 0.5 * (s * s + p * p);
+            double complex n = CMPLX((double)m.eta.y, (double)m.k.y),
+                           t = csqrt(1.0 - (1.0 - c * c) / (n * n));
+            double s = cabs((c - n * t) / (c + n * t)), p = cabs((t - n * c) / (t + n * c)),
+                   r = 0.5 * (s * s + p * p);
             lf_vec3 wo = lf_v3((float)sqrt(1.0 - c * c), 0.0f, (float)c);
-            double got = (double)lf_surfaces[m.type].delta(&m, lf_v3(0.0f, 0.0f, 1.0f), wo).y;
+            lf_vec3 up = lf_v3(0.0f, 0.0f, 1.0f);
+            lf_delta mirrored[LF_MAX_DELTAS];
+            assert_int_equal(m.kind->deltas(&m, up, up, wo, mirrored), 1);
+            double got = (double)mirrored[0].f.y;
             if (!(fabs(got - r) < 1e-3 * (1.0 - r) + 1e-6))
                 fail_msg("%s, cosine %g: %.6f, not %.6f", lf_metal_names[i], c, got, r);
         }
@@ -175,7 +198,10 @@ static void rough_metals_keep_their_colour(void **state)
 {
     (void)state;
     for (int i = 0; lf_metal_names[i]; i++) {
-        lf_material m = {.type = LF_MATERIAL_CONDUCTOR, .eta = lf_metals[i].eta, .k = lf_metals[i].k, .roughness = 1.0f};
+        lf_material m = {.kind = &lf_surface_conductor,
+                         .eta = lf_metals[i].eta,
+                         .k = lf_metals[i].k,
+                         .roughness = 1.0f};
         lf_material_prepare(&m);
         double once = integral(&m, 1.0, 0.6, of_textbook), all = integral(&m, 1.0, 0.6, of_eval);
         float r = lf_conductor_fresnel(&m, 1.0f).x;

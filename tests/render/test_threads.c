@@ -1,4 +1,5 @@
-/* The same seed and the same calls give the same bits for any number of threads, either sampler and either integrator. */
+/* The same seed and the same calls give the same bits for any number of threads, either sampler and
+ * either integrator. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
@@ -6,8 +7,10 @@
 
 enum { width = 32, height = 24, n_views = 7, pixels = n_views * width * height };
 
-/* A mixture of what a live view and an offline job do; resolved by all answers, into out [3][pixels][3]. */
-static void render(const char *text, const char *integrator, lf_sampler_kind sampler, uint64_t seed, int threads, float *out)
+/* A mixture of what a live view and an offline job do; resolved by all answers, into out
+ * [3][pixels][3]. */
+static void render(const char *text, const char *integrator, lf_sampler_kind sampler, uint64_t seed,
+                   int threads, float *out)
 {
     lf_pool *pool = NULL;
     assert_int_equal(lf_pool_create(threads, &pool), LF_OK);
@@ -18,10 +21,13 @@ static void render(const char *text, const char *integrator, lf_sampler_kind sam
     settings.seed = seed;
     assert_int_equal(lf_renderer_restart(r, scene, &settings, NULL), LF_OK);
     for (int i = 0; i < 4; i++)
-        assert_int_equal(lf_renderer_pass(r, i % 2, 2, 1 + i, NULL, NULL, NULL), LF_OK);
+        assert_int_equal(lf_renderer_pass(r, &(lf_part){.first_row = i % 2, .row_step = 2}, 1 + i,
+                                          NULL, NULL, NULL),
+                         LF_OK);
     lf_test_passes(r, 5 + 2 * n_views);
     for (int e = 0; e < 3; e++)
-        assert_int_equal(lf_renderer_resolve(r, (lf_estimator)e, out + (size_t)e * 3 * pixels, NULL), LF_OK);
+        assert_int_equal(
+            lf_renderer_resolve(r, (lf_estimator)e, out + (size_t)e * 3 * pixels, NULL), LF_OK);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
     lf_pool_destroy(pool);

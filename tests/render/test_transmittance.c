@@ -1,10 +1,11 @@
-/* The mean of ratio tracking itself, at the tracker's own door, against exp(-tau) in closed form. Where the transmittance is small all of
- * what is seen has passed the roulette several times: giving back 1.9 for 2 there takes 5 % at every throw. */
+/* The mean of ratio tracking itself, at the tracker's own door, against exp(-tau) in closed form.
+ * Where the transmittance is small all of what is seen has passed the roulette several times:
+ * giving back 1.9 for 2 there takes 5 % at every throw. */
 #include "tests/testing.h"
 
-#include "render/grid.h"
-#include "render/sampler.h"
-#include "render/track.h"
+#include "render/scene/grid.h"
+#include "render/transport/sampler.h"
+#include "render/transport/track.h"
 #include "tests/stat/stat.h"
 
 /* Bricks: 6 x 4 x 4. */
@@ -49,7 +50,11 @@ static lf_grid *make_grid(void)
 /* A volume whose own space is the scene's. */
 static lf_volume make_volume(lf_volume_kind kind, lf_grid *grid, bool nearest, double sigma)
 {
-    lf_volume v = {.kind = kind, .grid = grid, .nearest = nearest, .sigma_scale = (float)sigma, .sigma_max = (float)sigma};
+    lf_volume v = {.kind = kind,
+                   .grid = grid,
+                   .nearest = nearest,
+                   .sigma_scale = (float)sigma,
+                   .sigma_max = (float)sigma};
     for (int i = 0; i < 3; i++)
         v.to_volume[i][i] = 1.0f;
     return v;
@@ -63,23 +68,27 @@ static lf_moments estimates(lf_volume *volumes, int n_volumes, lf_vec3 a, lf_vec
     lf_vec3 d = lf_sub(b, a);
     lf_moments m = {0};
     for (int i = 0; i < n; i++)
-        lf_moments_add(&m, (double)lf_track_transmittance(&tracer, a, lf_normalize(d), lf_length(d)));
+        lf_moments_add(&m,
+                       (double)lf_track_transmittance(&tracer, a, lf_normalize(d), lf_length(d)));
     return m;
 }
 
-/* The mean is the truth, and `error` (relative) is what the standard error is at most; four times that in the mean is rejected. */
+/* The mean is the truth, and `error` (relative) is what the standard error is at most; four times
+ * that in the mean is rejected. */
 static void assert_mean(const char *what, const lf_moments *m, double truth, double error)
 {
     double level = lf_sidak(LF_FALSE_ALARM, comparisons);
     if (!(lf_p_mean(m, truth) > level))
         fail_msg("%s: %.6g +- %.2g for %.6g", what, m->mean, lf_moments_error(m), truth);
     if (!(lf_moments_error(m) < error * truth))
-        fail_msg("%s: %.2g of %.6g is too much noise to hold anything", what, lf_moments_error(m), truth);
+        fail_msg("%s: %.2g of %.6g is too much noise to hold anything", what, lf_moments_error(m),
+                 truth);
     assert_true(lf_p_mean(m, truth * (1.0 + 8.0 * error)) < level);
 }
 
-/* A ray that runs across the profile's planes through most of the bricks, whole in y and z: its depth is the sum of the voxels over the
- * cosine, since the shares of neighbours add up to 1 everywhere. */
+/* A ray that runs across the profile's planes through most of the bricks, whole in y and z: its
+ * depth is the sum of the voxels over the cosine, since the shares of neighbours add up to 1
+ * everywhere. */
 static const lf_vec3 from = {-3.0f, 2.3f, 22.1f}, to = {51.0f, 24.6f, 1.7f};
 
 static double slant(void)
@@ -99,7 +108,8 @@ static void ratio_tracking_through_many_bricks_is_exp_of_minus_the_depth(void **
     lf_grid *grid = make_grid();
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         for (int nearest = 0; nearest < 2; nearest++) {
-            lf_volume v = make_volume(LF_VOLUME_GRID, grid, nearest, cases[i].depth / (profile_sum() * slant()));
+            lf_volume v = make_volume(LF_VOLUME_GRID, grid, nearest,
+                                      cases[i].depth / (profile_sum() * slant()));
             lf_moments m = estimates(&v, 1, from, to, cases[i].n);
             assert_mean(nearest ? "nearest" : "linear", &m, exp(-cases[i].depth), cases[i].error);
         }
@@ -107,8 +117,8 @@ static void ratio_tracking_through_many_bricks_is_exp_of_minus_the_depth(void **
     lf_grid_unref(grid);
 }
 
-/* A shape takes exactly exp(-depth); what it leaves is below the roulette's threshold for all of a grid behind it, so that every look-up
- * there is a throw. */
+/* A shape takes exactly exp(-depth); what it leaves is below the roulette's threshold for all of a
+ * grid behind it, so that every look-up there is a throw. */
 static void a_grid_behind_18_mean_free_paths_of_fog_keeps_its_own_transmittance(void **state)
 {
     (void)state;
@@ -116,8 +126,9 @@ static void a_grid_behind_18_mean_free_paths_of_fog_keeps_its_own_transmittance(
     static const double error[] = {5e-4, 1e-3, 4e-3, 3e-2};
     lf_grid *grid = make_grid();
     for (int i = 0; i < 4; i++) {
-        lf_volume v[2] = {make_volume(LF_VOLUME_BOX, NULL, false, 9.0),
-                          make_volume(LF_VOLUME_GRID, grid, false, depth[i] / (profile_sum() * slant()))};
+        lf_volume v[2] = {
+            make_volume(LF_VOLUME_BOX, NULL, false, 9.0),
+            make_volume(LF_VOLUME_GRID, grid, false, depth[i] / (profile_sum() * slant()))};
         v[0].to_volume[0][3] = 2.0f; /* x in -3 … -1: 2 wide, all of it in front of the grid */
         v[0].to_volume[1][1] = v[0].to_volume[2][2] = 1e-3f;
         double truth = exp(-18.0 * slant() - depth[i]);

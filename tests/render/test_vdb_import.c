@@ -5,8 +5,8 @@
 
 #include "base/alloc.h"
 #include "base/file.h"
-#include "render/scene.h"
-#include "render/vdb_import.h"
+#include "render/load/vdb_import.h"
+#include "render/scene/scene.h"
 
 static double pattern(int i, int j, int k)
 {
@@ -41,7 +41,8 @@ static lf_grid *imported(const char *path, const char *grid_name)
 }
 
 /* The import fails with a status and a message that holds a text. */
-static void assert_refused(const char *path, const char *grid_name, lf_status expected, const char *text)
+static void assert_refused(const char *path, const char *grid_name, lf_status expected,
+                           const char *text)
 {
     lf_grid *grid = NULL;
     lf_error err;
@@ -66,7 +67,8 @@ static void assert_pattern(const lf_grid *grid, const int origin[3])
             for (int i = -7; i <= 22; i++) {
                 bool inside = i >= -5 && i <= 20 && j >= 3 && j <= 30 && k >= -9 && k <= 8;
                 double expected = inside ? pattern(i, j, k) : 0.0;
-                assert_true((double)at(grid, i - origin[0], j - origin[1], k - origin[2]) == expected);
+                assert_true((double)at(grid, i - origin[0], j - origin[1], k - origin[2]) ==
+                            expected);
                 n += expected > 0;
             }
         }
@@ -96,8 +98,10 @@ static void every_compression_and_precision_gives_the_voxels_that_were_written(v
 static void the_map_of_the_file_is_kept_whatever_affine_map_it_is(void **state)
 {
     (void)state;
-    /* x = 0.5 i + 0.125 j + 7, y = 0.25 k - 3, z = -2 j + 1 of the file's indices; ours start at (-5, 3, -9). */
-    static const double expected[3][4] = {{0.5, 0.125, 0, 7 - 2.5 + 0.375}, {0, 0, 0.25, -3 - 2.25}, {0, -2, 0, 1 - 6}};
+    /* x = 0.5 i + 0.125 j + 7, y = 0.25 k - 3, z = -2 j + 1 of the file's indices; ours start at
+     * (-5, 3, -9). */
+    static const double expected[3][4] = {
+        {0.5, 0.125, 0, 7 - 2.5 + 0.375}, {0, 0, 0.25, -3 - 2.25}, {0, -2, 0, 1 - 6}};
     lf_grid *grid = imported(data_file("patterns.vdb"), "density");
     for (int i = 0; i < 12; i++)
         lf_assert_close(grid->local_to_file[i / 4][i % 4], expected[i / 4][i % 4], 0, 1e-12);
@@ -109,23 +113,27 @@ static void transforms_of_file_and_scene_are_composed(void **state)
     (void)state;
     lf_error err;
     lf_scene *scene = NULL;
-    json_t *doc = json_pack("{s:{s:{s:s, s:f, s:{s:f, s:[f,f,f], s:[f,f,f]}}}}", "volumes", "v", "file", data_file("patterns.vdb"),
-                            "scale", 3.0, "transform", "scale", 2.0, "rotate", 0.0, 0.0, 90.0, "translate", 1000.0, 5.0, 0.0);
+    json_t *doc = json_pack("{s:{s:{s:s, s:f, s:{s:f, s:[f,f,f], s:[f,f,f]}}}}", "volumes", "v",
+                            "file", data_file("patterns.vdb"), "scale", 3.0, "transform", "scale",
+                            2.0, "rotate", 0.0, 0.0, 90.0, "translate", 1000.0, 5.0, 0.0);
     lf_assert_ok(lf_scene_from_json(doc, "/", "test", NULL, NULL, &scene, &err), &err);
     json_decref(doc);
     const lf_volume *v = &scene->volumes[0];
     for (int n = 0; n < 200; n++) {
         int i = -5 + n % 26, j = 3 + n * 7 % 28, k = -9 + n * 11 % 18;
         double file[3] = {0.5 * i + 0.125 * j + 7, 0.25 * k - 3, -2.0 * j + 1};
-        double world[3] = {-2 * file[1] + 1000, 2 * file[0] + 5, 2 * file[2]}; /* twice, a quarter turn about z, moved */
+        /* twice, a quarter turn about z, moved */
+        double world[3] = {-2 * file[1] + 1000, 2 * file[0] + 5, 2 * file[2]};
         lf_vec3 p =
-            lf_v3((float)(world[0] - scene->origin[0]), (float)(world[1] - scene->origin[1]), (float)(world[2] - scene->origin[2]));
+            lf_v3((float)(world[0] - scene->origin[0]), (float)(world[1] - scene->origin[1]),
+                  (float)(world[2] - scene->origin[2]));
         lf_assert_close(lf_volume_sigma_t(v, p), 3 * pattern(i, j, k), 0, 1e-3);
         assert_true(p.x > v->bounds_min.x && p.y > v->bounds_min.y && p.z > v->bounds_min.z);
         assert_true(p.x < v->bounds_max.x && p.y < v->bounds_max.y && p.z < v->bounds_max.z);
     }
     lf_assert_close(v->sigma_max, 3, 1e-5, 0);
-    lf_assert_close(v->slice_cell, 0.5, 1e-6, 0); /* the shortest edge: 0.25, twice; shorter than two optical depths */
+    /* the shortest edge: 0.25, twice; shorter than two optical depths */
+    lf_assert_close(v->slice_cell, 0.5, 1e-6, 0);
     lf_scene_unref(scene);
 }
 
@@ -151,7 +159,8 @@ static void active_tiles_are_expanded(void **state)
     lf_grid_unref(grid);
 }
 
-static void of_several_grids_with_one_name_the_first_is_taken_and_the_others_have_numbers(void **state)
+static void
+of_several_grids_with_one_name_the_first_is_taken_and_the_others_have_numbers(void **state)
 {
     (void)state;
     static const struct {
@@ -175,7 +184,8 @@ static void a_level_set_becomes_fog_that_is_full_inside(void **state)
     double cx = -m[0][3] / 0.5, cy = -m[1][3] / 0.5, cz = -m[2][3] / 0.5;
     for (int n = 0; n <= 24; n++) {
         double r = 0.25 * n, expected = fmin(fmax((5 - r) / 1.5, 0), 1);
-        lf_assert_close(lf_grid_linear(grid, (float)(cx + r / 0.5), (float)cy, (float)cz), expected, 0, 0.05);
+        lf_assert_close(lf_grid_linear(grid, (float)(cx + r / 0.5), (float)cy, (float)cz), expected,
+                        0, 0.05);
     }
     assert_true(lf_grid_linear(grid, (float)cx, (float)cy, (float)cz) == 1.0f);
     lf_grid_unref(grid);
@@ -198,7 +208,8 @@ static void case_23_what_is_no_density_is_refused_in_words(void **state)
 {
     (void)state;
     const char *kinds = data_file("kinds.vdb");
-    assert_refused(kinds, "velocity", LF_E_FORMAT, "a density is float, half or double; the file holds");
+    assert_refused(kinds, "velocity", LF_E_FORMAT,
+                   "a density is float, half or double; the file holds");
     assert_refused(kinds, "velocity", LF_E_FORMAT, "flags (int32)");
     assert_refused(kinds, "flags", LF_E_FORMAT, "velocity (vec3s)");
     assert_refused(kinds, "mask", LF_E_FORMAT, "mask (bool)");
@@ -234,8 +245,11 @@ static void damaged_files_are_refused_and_never_crash(void **state)
     char *folder = lf_test_folder();
     lf_grid *grid = NULL;
     lf_error err;
-    lf_assert_status(import(lf_test_write(folder, "a.vdb", "this is not a volume"), "density", &grid, &err), LF_E_FORMAT, &err);
-    lf_assert_status(import(lf_test_write(folder, "b.vdb", ""), "density", &grid, &err), LF_E_FORMAT, &err);
+    lf_assert_status(
+        import(lf_test_write(folder, "a.vdb", "this is not a volume"), "density", &grid, &err),
+        LF_E_FORMAT, &err);
+    lf_assert_status(import(lf_test_write(folder, "b.vdb", ""), "density", &grid, &err),
+                     LF_E_FORMAT, &err);
     for (size_t n = 100; n < 29000; n += 977) {
         const char *path = cut(folder, data_file("patterns.vdb"), n);
         lf_assert_status(import(path, "density", &grid, &err), LF_E_FORMAT, &err);
@@ -295,7 +309,8 @@ int main(void)
         cmocka_unit_test(the_map_of_the_file_is_kept_whatever_affine_map_it_is),
         cmocka_unit_test(transforms_of_file_and_scene_are_composed),
         cmocka_unit_test(active_tiles_are_expanded),
-        cmocka_unit_test(of_several_grids_with_one_name_the_first_is_taken_and_the_others_have_numbers),
+        cmocka_unit_test(
+            of_several_grids_with_one_name_the_first_is_taken_and_the_others_have_numbers),
         cmocka_unit_test(a_level_set_becomes_fog_that_is_full_inside),
         cmocka_unit_test(empty_and_zero_grids_are_grids_without_bricks),
         cmocka_unit_test(case_23_what_is_no_density_is_refused_in_words),

@@ -1,8 +1,8 @@
 /* Voxels with edges are cut exactly: depths, collisions, weights, and the picture of a box. */
 #include "tests/testing.h"
 
-#include "render/sampler.h"
-#include "render/voxels.h"
+#include "render/rows/voxels.h"
+#include "render/transport/sampler.h"
 #include "tests/render/grids.h"
 
 enum { NX = 21, NY = 13, NZ = 17, SIDE = 12 };
@@ -19,7 +19,8 @@ static float patchy(int x, int y, int z)
     return x >= 7 && x < 15 ? 0.0f : lf_test_rough(x, y, z);
 }
 
-/* A plane through a grid, turned anyhow, and one ray in it, which now and then runs along an axis or starts inside. */
+/* A plane through a grid, turned anyhow, and one ray in it, which now and then runs along an axis
+ * or starts inside. */
 static void draw_ray(lf_voxels *voxels, float *x0, float *slope, uint64_t *seed)
 {
     const float size[3] = {NX, NY, NZ};
@@ -29,7 +30,8 @@ static void draw_ray(lf_voxels *voxels, float *x0, float *slope, uint64_t *seed)
     *slope = 2.0f * uniform(seed) - 1.0f;
     for (int i = 0; i < 3; i++) {
         bool level = along < 3 && i != along;
-        float point = (1.4f * uniform(seed) - 0.2f) * size[i] - 0.5f, d = level ? 0.0f : 2.0f * uniform(seed) - 1.0f;
+        float point = (1.4f * uniform(seed) - 0.2f) * size[i] - 0.5f,
+              d = level ? 0.0f : 2.0f * uniform(seed) - 1.0f;
         voxels->across[i] = level ? 0.0f : 2.0f * uniform(seed) - 1.0f;
         voxels->depth[i] = d - *slope * voxels->across[i];
         voxels->origin[i] = point - away * d - *x0 * voxels->across[i];
@@ -42,7 +44,8 @@ static int compare(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-/* The optical depth by definition, in double: all faces in order, and the voxel in the middle between two. */
+/* The optical depth by definition, in double: all faces in order, and the voxel in the middle
+ * between two. */
 static double brute_depth(const lf_voxels *v, float x0, float slope, double z_end)
 {
     static const int size[3] = {NX, NY, NZ};
@@ -83,14 +86,16 @@ static void depths_and_collisions_are_those_of_a_walk_from_face_to_face(void **s
     uint64_t seed = 5;
     int met = 0, collided = 0, there = 0;
     for (int n = 0; n < RAYS; n++) {
-        float x0, slope, z, end = n % 3 == 0 ? INFINITY : 60.0f * uniform(&seed), lanes[4][LF_LANES] = {{0}};
+        float x0, slope, z, end = n % 3 == 0 ? INFINITY : 60.0f * uniform(&seed),
+                            lanes[4][LF_LANES] = {{0}};
         draw_ray(&voxels, &x0, &slope, &seed);
         double truth = brute_depth(&voxels, x0, slope, (double)end), close = 2e-4 * (1.0 + truth);
         float depth = lf_voxels_march(&voxels, x0, slope, end, INFINITY, &z);
         met += truth > 0.1;
         lf_assert_close((double)depth, truth, 0.0, close);
         assert_true(z == end);
-        float stop = 1.3f * uniform(&seed) * depth, reached = lf_voxels_march(&voxels, x0, slope, end, stop, &z);
+        float stop = 1.3f * uniform(&seed) * depth,
+              reached = lf_voxels_march(&voxels, x0, slope, end, stop, &z);
         assert_true(reached <= stop);
         if (reached == stop && z < end) {
             lf_assert_close(brute_depth(&voxels, x0, slope, (double)z), (double)stop, 0.0, close);
@@ -117,14 +122,18 @@ static void a_ray_along_faces_is_in_a_voxel_beside_them(void **state)
 {
     (void)state;
     lf_grid *grid = lf_test_grid(lf_test_full, NX, NY, NZ);
-    lf_voxels voxels = {.grid = grid, .sigma_scale = 1.0f, .depth = {0.0f, 0.0f, 1.0f}, .across = {1.0f, 0.0f, 0.0f}};
+    lf_voxels voxels = {.grid = grid,
+                        .sigma_scale = 1.0f,
+                        .depth = {0.0f, 0.0f, 1.0f},
+                        .across = {1.0f, 0.0f, 0.0f}};
     for (int x = 0; x <= NX; x++) {
         for (int y = 0; y <= NY; y++) {
             float z;
             voxels.origin[1] = (float)y - 0.5f;
             voxels.origin[2] = -10.5f;
             float depth = lf_voxels_march(&voxels, (float)x - 0.5f, 0.0f, INFINITY, INFINITY, &z);
-            assert_true(x == NX || y == NY ? depth == 0.0f || depth == (float)NZ : depth == (float)NZ);
+            assert_true(x == NX || y == NY ? depth == 0.0f || depth == (float)NZ
+                                           : depth == (float)NZ);
         }
     }
     lf_grid_unref(grid);
@@ -136,15 +145,19 @@ static lf_scene *constant_scene(bool box, float albedo, const char *lights)
     const double voxel = 0.02, tilt = 0.5;
     char text[1024], shape[256];
     snprintf(shape, sizeof shape,
-             "'volumes': { 'v': { 'shape': 'box', 'density': 6, 'albedo': %.9f, 'transform': { 'rotate': [0, %.9f, 0], "
+             "'volumes': { 'v': { 'shape': 'box', 'density': 6, 'albedo': %.9f, 'transform': { "
+             "'rotate': [0, %.9f, 0], "
              "'scale': [%.9f, %.9f, %.9f] } } }",
-             (double)albedo, tilt * 180.0 / M_PI, NX * voxel / 2.0, NY * voxel / 2.0, NZ * voxel / 2.0);
+             (double)albedo, tilt * 180.0 / M_PI, NX * voxel / 2.0, NY * voxel / 2.0,
+             NZ * voxel / 2.0);
     snprintf(text, sizeof text,
-             "{ 'camera': { 'position': [0.3, 0.5, 5], 'fov_y': 5, 'aspect': 1, 'cone': 30, 'views': 5 }, 'lights': { %s }, %s }",
+             "{ 'camera': { 'position': [0.3, 0.5, 5], 'fov_y': 5, 'aspect': 1, 'cone': 30, "
+             "'views': 5 }, 'lights': { %s }, %s }",
              lights, box ? shape : LF_TEST_VOLUMES(""));
     if (box)
         return lf_test_scene(text);
-    lf_scene *scene = lf_test_grid_scene(text, lf_test_grid(lf_test_full, NX, NY, NZ), voxel, tilt, 6.0f, true);
+    lf_scene *scene =
+        lf_test_grid_scene(text, lf_test_grid(lf_test_full, NX, NY, NZ), voxel, tilt, 6.0f, true);
     scene->volumes[0].albedo = lf_v3(albedo, albedo, albedo);
     return scene;
 }
@@ -155,7 +168,8 @@ static void constant_voxels_are_as_deep_as_a_box(void **state)
     (void)state;
     double *picture[2], largest = 0.0;
     for (int i = 0; i < 2; i++) {
-        lf_scene *scene = constant_scene(i == 1, 0.0f, "'sky': { 'type': 'environment', 'radiance': 1 }");
+        lf_scene *scene =
+            constant_scene(i == 1, 0.0f, "'sky': { 'type': 'environment', 'radiance': 1 }");
         lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
         lf_test_cycles(r, 4);
         picture[i] = lf_test_picture(r, LF_ESTIMATOR_MIS);
@@ -171,7 +185,7 @@ static void constant_voxels_are_as_deep_as_a_box(void **state)
         free(picture[i]);
 }
 
-/* ----------------------------------------------------------------------------------------------------------- weights -- */
+/* ----------------------------------------------------------------------------------- weights -- */
 
 enum { REPLICATES = 24, BLOCK = 4, BLOCKS = 5 * 9 + 1 };
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 9 * BLOCKS)
@@ -181,13 +195,17 @@ static lf_scene *rough_scene(bool inside)
 {
     char text[1024];
     snprintf(text, sizeof text,
-             "{ 'camera': { 'position': [0, 0, %s], 'fov_y': %s, 'aspect': 1, 'cone': 40, 'views': 5%s }, "
-             "%s, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 }, 'sun': { 'type': 'distant', 'direction': [0.6, "
+             "{ 'camera': { 'position': [0, 0, %s], 'fov_y': %s, 'aspect': 1, 'cone': 40, 'views': "
+             "5%s }, "
+             "%s, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 }, 'sun': { 'type': "
+             "'distant', 'direction': [0.6, "
              "-0.74, -0.3], 'irradiance': 4 } } }",
-             inside ? "0.1" : "5", inside ? "60" : "4", inside ? "" : ", 'lens_radius': 0.1, 'focus_distance': 4.9",
-             LF_TEST_VOLUMES(
-                 ", 'w': { 'shape': 'sphere', 'density': 2, 'albedo': [0.9, 0.5, 0.2], 'g': 0.4, 'transform': { 'scale': 0.1 } }"));
-    lf_scene *scene = lf_test_grid_scene(text, lf_test_grid(lf_test_rough, 14, 14, 14), 0.02, 0.5, 100.0f, true);
+             inside ? "0.1" : "5", inside ? "60" : "4",
+             inside ? "" : ", 'lens_radius': 0.1, 'focus_distance': 4.9",
+             LF_TEST_VOLUMES(", 'w': { 'shape': 'sphere', 'density': 2, 'albedo': [0.9, 0.5, 0.2], "
+                             "'g': 0.4, 'transform': { 'scale': 0.1 } }"));
+    lf_scene *scene =
+        lf_test_grid_scene(text, lf_test_grid(lf_test_rough, 14, 14, 14), 0.02, 0.5, 100.0f, true);
     scene->volumes[0].albedo = lf_v3(0.9f, 0.8f, 0.5f);
     return scene;
 }
@@ -200,7 +218,7 @@ static void whole_cycles(lf_renderer *r)
 static void live(lf_renderer *r)
 {
     for (int i = 0; i < 8; i++)
-        assert_int_equal(lf_renderer_pass(r, 0, 1, 1 + i % 2, NULL, NULL, NULL), LF_OK);
+        assert_int_equal(lf_renderer_pass(r, NULL, 1 + i % 2, NULL, NULL, NULL), LF_OK);
 }
 
 /* The points that are drawn about it know the density of their voxel. */
@@ -209,11 +227,13 @@ static void a_lamp_in_constant_voxels_shines_as_in_a_box(void **state)
     (void)state;
     lf_blocks blocks[3];
     for (int i = 0; i < 3; i++) {
-        lf_scene *scene =
-            constant_scene(i == 0, 0.8f, "'lamp': { 'type': 'point', 'position': [0.03, 0.05, 0.02], 'intensity': 1 }");
+        lf_scene *scene = constant_scene(
+            i == 0, 0.8f,
+            "'lamp': { 'type': 'point', 'position': [0.03, 0.05, 0.02], 'intensity': 1 }");
         lf_renderer *r = lf_test_renderer(scene, i == 2 ? "vpt" : "mvpt", SIDE, SIDE, NULL);
         assert_int_equal(scene->n_glows, 1);
-        lf_test_pictures(r, whole_cycles, LF_ESTIMATOR_MIS, REPLICATES, (uint64_t)i, BLOCK, &blocks[i]);
+        lf_test_pictures(r, whole_cycles, LF_ESTIMATOR_MIS, REPLICATES, (uint64_t)i, BLOCK,
+                         &blocks[i]);
         lf_renderer_destroy(r);
         lf_scene_unref(scene);
     }
@@ -232,7 +252,7 @@ static double weights_p(bool inside, lf_test_schedule schedule, unsigned faults)
     lf_blocks blocks[3];
     lf_scene *scene = rough_scene(inside);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
-    r->plan.faults = faults;
+    r->faults = faults;
     lf_test_weight_blocks(r, schedule, REPLICATES, BLOCK, blocks);
     double p = fmin(lf_blocks_p_zero(&blocks[0], NULL), lf_blocks_p_zero(&blocks[1], NULL));
     for (int i = 0; i < 3; i++)
@@ -260,11 +280,13 @@ static void both_integrators_find_the_same_light_among_voxels(void **state)
     lf_scene *scene = rough_scene(false);
     for (int i = 0; i < 2; i++) {
         lf_renderer *r = lf_test_renderer(scene, i ? "vpt" : "mvpt", SIDE, SIDE, NULL);
-        lf_test_pictures(r, whole_cycles, LF_ESTIMATOR_MIS, REPLICATES, (uint64_t)i, BLOCK, &blocks[i]);
+        lf_test_pictures(r, whole_cycles, LF_ESTIMATOR_MIS, REPLICATES, (uint64_t)i, BLOCK,
+                         &blocks[i]);
         lf_renderer_destroy(r);
     }
     double p = lf_blocks_welch(&blocks[0], &blocks[1], NULL);
-    print_message("p %.2g; a factor of 1.03: %.2g\n", p, lf_blocks_welch_injected(&blocks[0], &blocks[1], blocks[0].n - 1, 1.03));
+    print_message("p %.2g; a factor of 1.03: %.2g\n", p,
+                  lf_blocks_welch_injected(&blocks[0], &blocks[1], blocks[0].n - 1, 1.03));
     assert_true(p > LEVEL);
     assert_true(lf_blocks_welch_injected(&blocks[0], &blocks[1], blocks[0].n - 1, 1.03) < LEVEL);
     for (int i = 0; i < 2; i++)

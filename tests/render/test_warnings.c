@@ -5,24 +5,13 @@
 
 #include "tests/stat/fixture.h"
 
-static int make_folder(void **state)
-{
-    *state = lf_test_folder();
-    return 0;
-}
-
-static int remove_folder(void **state)
-{
-    lf_test_folder_remove(*state);
-    return 0;
-}
-
 /* A lit scene with one mesh, of a file unless shape says otherwise; ' stands for ". */
 static lf_scene *scene_of(const char *folder, const char *meshes, const lf_scene *previous)
 {
     char text[2048];
     snprintf(text, sizeof text,
-             "{'meshes': {%s}, 'materials': {'lamp': {'emission': 3}}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}",
+             "{'meshes': {%s}, 'materials': {'lamp': {'emission': 3}}, 'lights': {'sky': {'type': "
+             "'environment', 'radiance': 1}}}",
              meshes);
     return lf_test_scene_in(folder, text, previous);
 }
@@ -79,32 +68,40 @@ static void write_gltf(const char *folder, const char *material, const char *mor
     assert_non_null(file);
     assert_int_equal(fwrite(corners, sizeof corners, 1, file), 1);
     fclose(file);
-    snprintf(
-        text, sizeof text,
-        "{'asset':{'version':'2.0'},'scene':0,'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0,'children':[1,2]},{'camera':0},"
-        "{'extensions':{'KHR_lights_punctual':{'light':0}}}],'buffers':[{'uri':'tri.bin','byteLength':36}],"
-        "'bufferViews':[{'buffer':0,'byteLength':36}],'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3',"
-        "'min':[0,0,0],'max':[1,1,0]}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],"
-        "'textures':[{'source':0}],'images':[{'uri':'gone.png'}],'materials':[%s],%s}",
-        material, more);
+    snprintf(text, sizeof text,
+             "{'asset':{'version':'2.0'},'scene':0,'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0,'"
+             "children':[1,2]},{'camera':0},"
+             "{'extensions':{'KHR_lights_punctual':{'light':0}}}],'buffers':[{'uri':'tri.bin','"
+             "byteLength':36}],"
+             "'bufferViews':[{'buffer':0,'byteLength':36}],'accessors':[{'bufferView':0,'"
+             "componentType':5126,'count':3,'type':'VEC3',"
+             "'min':[0,0,0],'max':[1,1,0]}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},'"
+             "material':0}]}],"
+             "'textures':[{'source':0}],'images':[{'uri':'gone.png'}],'materials':[%s],%s}",
+             material, more);
     for (char *c = text; *c; c++)
         *c = *c == '\'' ? '"' : *c;
     lf_test_write(folder, "a.gltf", text);
 }
 
 #define NOTHING "'cameras':[],'extensions':{}"
-#define EXTENSIONS                                                                                                                 \
-    "'extensionsUsed':['KHR_lights_punctual','KHR_materials_transmission','KHR_materials_clearcoat','KHR_materials_sheen',"        \
-    "'KHR_materials_volume','KHR_materials_unlit'],'cameras':[{'type':'perspective','perspective':{'yfov':1,'znear':0.1}}],"       \
+#define EXTENSIONS                                                                                 \
+    "'extensionsUsed':['KHR_lights_punctual','KHR_materials_transmission','KHR_materials_"         \
+    "clearcoat','KHR_materials_sheen',"                                                            \
+    "'KHR_materials_volume','KHR_materials_unlit'],'cameras':[{'type':'perspective','perspective'" \
+    ":{'yfov':1,'znear':0.1}}],"                                                                   \
     "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point','intensity':3}]}}"
 
 static void what_a_gltf_material_loses_is_said(void **state)
 {
     write_gltf(*state,
-               "{'name':'wo\\nod','alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorTexture':{'index':0},'metallicFactor':0.4},"
-               "'emissiveTexture':{'index':0},'emissiveFactor':[1,1,1],'extensions':{'KHR_materials_transmission':{'"
+               "{'name':'wo\\nod','alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorTexture':{'"
+               "index':0},'metallicFactor':0.4},"
+               "'emissiveTexture':{'index':0},'emissiveFactor':[1,1,1],'extensions':{'KHR_"
+               "materials_transmission':{'"
                "transmissionFactor':0.9},"
-               "'KHR_materials_clearcoat':{'clearcoatFactor':1},'KHR_materials_sheen':{'sheenColorFactor':[1,0,0]},"
+               "'KHR_materials_clearcoat':{'clearcoatFactor':1},'KHR_materials_sheen':{'"
+               "sheenColorFactor':[1,0,0]},"
                "'KHR_materials_volume':{'thicknessFactor':1}}}",
                EXTENSIONS);
     lf_scene *scene = scene_of(*state, "'m': {'file': 'a.gltf'}", NULL);
@@ -130,35 +127,44 @@ static void what_a_gltf_material_loses_is_said(void **state)
 
 static void a_file_that_is_shown_whole_says_nothing(void **state)
 {
-    lf_test_write(*state, "m.mtl", "newmtl red\nKd 1 0 0\nKs 0.5 0.5 0.5\nNs 30\nNi 1.4\nd 1\nTf 1 1 1\n");
-    lf_test_write(*state, "m.obj", "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
-    lf_scene *scene =
-        scene_of(*state, "'m': {'file': 'm.obj'}, 'c': {'shape': 'cube'}, 's': {'shape': 'sphere', 'material': 'lamp'}", NULL);
+    lf_test_write(*state, "m.mtl",
+                  "newmtl red\nKd 1 0 0\nKs 0.5 0.5 0.5\nNs 30\nNi 1.4\nd 1\nTf 1 1 1\n");
+    lf_test_write(
+        *state, "m.obj",
+        "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
+    lf_scene *scene = scene_of(*state,
+                               "'m': {'file': 'm.obj'}, 'c': {'shape': 'cube'}, 's': {'shape': "
+                               "'sphere', 'material': 'lamp'}",
+                               NULL);
     assert_lines(scene, NULL, 0);
     lf_scene_unref(scene);
 }
 
 static void what_an_obj_or_ply_holds_beside_triangles_is_said(void **state)
 {
-    lf_test_write(*state, "m.mtl", "newmtl glass\nKd 1 1 1\nd 0.3\nmap_Kd foo.png\nnewmtl green\nKd 0 1 0\n");
-    lf_test_write(
-        *state, "m.obj",
-        "mtllib m.mtl\nusemtl glass\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 2 3 4\nusemtl green\nl 1 2\nl 2 3\n");
+    lf_test_write(*state, "m.mtl",
+                  "newmtl glass\nKd 1 1 1\nd 0.3\nmap_Kd foo.png\nnewmtl green\nKd 0 1 0\n");
+    lf_test_write(*state, "m.obj",
+                  "mtllib m.mtl\nusemtl glass\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 2 "
+                  "3 4\nusemtl green\nl 1 2\nl 2 3\n");
     lf_scene *scene = scene_of(*state, "'m': {'file': 'm.obj'}", NULL);
-    static const char *const obj[] = {"m.obj: material \"glass\": textures", "\"glass\": transparency", "2 points and lines",
+    static const char *const obj[] = {"m.obj: material \"glass\": textures",
+                                      "\"glass\": transparency", "2 points and lines",
                                       "1 of 2 triangles are left out: a vertex is not finite"};
     assert_lines(scene, obj, 4);
     lf_scene_unref(scene);
-    lf_test_write(*state, "n.obj", "mtllib gone.mtl\nusemtl glass\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    lf_test_write(*state, "n.obj",
+                  "mtllib gone.mtl\nusemtl glass\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     scene = scene_of(*state, "'m': {'file': 'n.obj'}", NULL);
     static const char *const library[] = {"gone.mtl: "};
     assert_lines(scene, library, 1);
     lf_scene_unref(scene);
-    lf_test_write(
-        *state, "c.ply",
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
-        "property uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-        "0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2\n");
+    lf_test_write(*state, "c.ply",
+                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
+                  "y\nproperty float z\nproperty uchar red\n"
+                  "property uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar "
+                  "int vertex_indices\nend_header\n"
+                  "0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2\n");
     scene = scene_of(*state, "'m': {'file': 'c.ply'}", NULL);
     static const char *const colours[] = {"colours a vertex, which are not used"};
     assert_lines(scene, colours, 1);
@@ -168,9 +174,12 @@ static void what_an_obj_or_ply_holds_beside_triangles_is_said(void **state)
 static void an_obj_whose_material_is_not_in_its_library_is_said(void **state)
 {
     lf_test_write(*state, "r.mtl", "newmtl blue ink\nKd 0 0 1\n newmtl  red \r\nKd 1 0 0\n");
-    lf_test_write(*state, "r.obj", "mtllib r.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nusemtl blue\nf 2 4 3\n");
+    lf_test_write(*state, "r.obj",
+                  "mtllib r.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nusemtl "
+                  "blue\nf 2 4 3\n");
     lf_scene *scene = scene_of(*state, "'m': {'file': 'r.obj'}", NULL);
-    static const char *const words[] = {"r.obj: material \"blue\": not in the file's material libraries"};
+    static const char *const words[] = {
+        "r.obj: material \"blue\": not in the file's material libraries"};
     assert_lines(scene, words, 1);
     lf_scene_unref(scene);
     scene = scene_of(*state, "'m': {'file': 'r.obj', 'material': 'lamp'}", NULL);
@@ -186,12 +195,14 @@ static void a_ply_with_vertices_that_are_not_numbers_is_said(void **state)
     for (int i = 0; i < 2; i++) {
         char text[512];
         snprintf(text, sizeof text,
-                 "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
+                 "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float "
+                 "y\nproperty float z\nelement face 2\n"
                  "property list uchar int vertex_indices\nend_header\n%s",
                  vertices[i]);
         lf_test_write(*state, "n.ply", text);
         lf_scene *scene = scene_of(*state, "'m': {'file': 'n.ply'}", NULL);
-        static const char *const words[] = {"n.ply: 1 of 2 triangles are left out: a vertex is not finite"};
+        static const char *const words[] = {
+            "n.ply: 1 of 2 triangles are left out: a vertex is not finite"};
         assert_lines(scene, words, 1);
         assert_int_equal(scene->meshes[0].n_triangles, 1);
         lf_scene_unref(scene);
@@ -200,14 +211,19 @@ static void a_ply_with_vertices_that_are_not_numbers_is_said(void **state)
 
 static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
 {
-    lf_test_write(*state, "d.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 -0.0\nv 1 0 0\nf 1 2 3\nf 3 2 1\nf 3 4 5\nf 1 2 3\n");
-    lf_scene *scene = scene_of(*state,
-                               "'one': {'shape': 'quad'}, 'two': {'shape': 'quad', 'material': 'lamp', 'transform': {'rotate': "
-                               "[0, 180, 0]}}, 'three': {'shape': 'quad', 'transform': {'translate': [0, 1e-6, 0]}}, "
-                               "'own': {'file': 'd.obj'}",
-                               NULL);
-    static const char *const words[] = {"test.json: mesh \"two\": 2 of its triangles", "the same stand in \"one\"",
-                                        "mesh \"own\": 3 of its triangles are left out, the same stand in \"own\""};
+    lf_test_write(
+        *state, "d.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 -0.0\nv 1 0 0\nf 1 2 3\nf 3 2 1\nf 3 4 5\nf 1 2 3\n");
+    lf_scene *scene = scene_of(
+        *state,
+        "'one': {'shape': 'quad'}, 'two': {'shape': 'quad', 'material': 'lamp', 'transform': "
+        "{'rotate': "
+        "[0, 180, 0]}}, 'three': {'shape': 'quad', 'transform': {'translate': [0, 1e-6, 0]}}, "
+        "'own': {'file': 'd.obj'}",
+        NULL);
+    static const char *const words[] = {
+        "test.json: mesh \"two\": 2 of its triangles", "the same stand in \"one\"",
+        "mesh \"own\": 3 of its triangles are left out, the same stand in \"own\""};
     assert_true(says(scene, words[0]) && says(scene, words[1]) && says(scene, words[2]));
     assert_int_equal(scene->meshes[0].n_triangles, 2);
     assert_int_equal(scene->meshes[1].n_triangles, 0);
@@ -216,11 +232,13 @@ static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
     assert_false(scene->has_emission);
     /* What is shared with the scene before is said again. */
     lf_scene *next = scene_of(*state,
-                              "'one': {'shape': 'quad', 'material': 'lamp'}, 'two': {'shape': 'quad', 'transform': {'rotate': "
+                              "'one': {'shape': 'quad', 'material': 'lamp'}, 'two': {'shape': "
+                              "'quad', 'transform': {'rotate': "
                               "[0, 180, 0]}}",
                               NULL);
     lf_scene *after = scene_of(*state,
-                               "'one': {'shape': 'quad', 'material': 'lamp'}, 'two': {'shape': 'quad', 'transform': {'rotate': "
+                               "'one': {'shape': 'quad', 'material': 'lamp'}, 'two': {'shape': "
+                               "'quad', 'transform': {'rotate': "
                                "[0, 180, 0]}}",
                                next);
     assert_ptr_equal(after->geometry, next->geometry);
@@ -232,14 +250,26 @@ static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
 
 static void what_a_material_has_no_use_for_is_said(void **state)
 {
-    lf_scene *scene = lf_test_scene_in(
-        *state,
-        "{'materials': {'clay': {'roughness': 0.2}, 'gold': {'type': 'conductor', 'metal': 'gold', 'roughness': 0.2, 'ior': 1.3}, "
-        "'glaze': {'type': 'plastic', 'roughness': 0.2, 'ior': 1.3}}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}",
-        NULL);
-    static const char *const words[] = {"test.json: material \"clay\": roughness has no effect, diffuse surfaces have none",
-                                        "test.json: material \"gold\": ior has no effect, of metals eta and k say it"};
+    lf_scene *scene =
+        lf_test_scene_in(*state,
+                         "{'materials': {'clay': {'roughness': 0.2}, 'gold': {'type': 'conductor', "
+                         "'metal': 'gold', 'roughness': 0.2, 'ior': 1.3}, "
+                         "'glaze': {'type': 'plastic', 'roughness': 0.2, 'ior': 1.3}}, 'lights': "
+                         "{'sky': {'type': 'environment', 'radiance': 1}}}",
+                         NULL);
+    static const char *const words[] = {
+        "test.json: material \"clay\": roughness has no effect, diffuse surfaces have none",
+        "test.json: material \"gold\": ior has no effect, of metals eta and k say it"};
     assert_lines(scene, words, 2);
+    lf_scene_unref(scene);
+}
+
+/* A lamp and other faces in one place are said in these words alone; NULL = there are none. */
+static void assert_overlap(const char *folder, const char *meshes, const char *words)
+{
+    lf_scene *scene = scene_of(folder, meshes, NULL);
+    assert_lines(scene, &words, words ? 1 : 0);
+    assert_int_equal(scene->has_overlaps, words ? 1 : 0);
     lf_scene_unref(scene);
 }
 
@@ -248,62 +278,62 @@ static void lamps_in_the_plane_of_other_faces_are_said(void **state)
     static const struct {
         const char *ceiling, *height;
         bool overlaps;
-    } cases[] = {{"3", "1", true}, {"3000", "1", true}, {"3", "0.999", false}, {"3000", "0.99", false}};
+    } cases[] = {
+        {"3", "1", true}, {"3000", "1", true}, {"3", "0.999", false}, {"3000", "0.99", false}};
     for (int i = 0; i < 4; i++) {
         char meshes[512];
         snprintf(meshes, sizeof meshes,
-                 "'ceiling': {'shape': 'quad', 'transform': {'scale': %s, 'translate': [0, 1, 0]}}, 'ball': {'shape': 'sphere', "
-                 "'material': 'lamp', 'transform': {'scale': 0.1}}, 'panel': {'shape': 'quad', 'material': 'lamp', 'transform': "
+                 "'ceiling': {'shape': 'quad', 'transform': {'scale': %s, 'translate': [0, 1, "
+                 "0]}}, 'ball': {'shape': 'sphere', "
+                 "'material': 'lamp', 'transform': {'scale': 0.1}}, 'panel': {'shape': 'quad', "
+                 "'material': 'lamp', 'transform': "
                  "{'scale': 0.5, 'translate': [0.1, %s, 0]}}",
                  cases[i].ceiling, cases[i].height);
-        lf_scene *scene = scene_of(*state, meshes, NULL);
-        static const char *const words[] = {"mesh \"panel\": its lamp stands in one place with faces of \"ceiling\""};
-        assert_lines(scene, words, cases[i].overlaps);
-        assert_int_equal(scene->has_overlaps, cases[i].overlaps);
-        lf_scene_unref(scene);
+        assert_overlap(
+            *state, meshes,
+            cases[i].overlaps
+                ? "mesh \"panel\": its lamp stands in one place with faces of \"ceiling\""
+                : NULL);
     }
 }
 
 static void two_lamps_in_one_place_are_said_in_one_line(void **state)
 {
-    lf_scene *scene =
-        scene_of(*state,
-                 "'wide': {'shape': 'quad', 'material': 'lamp', 'transform': {'scale': 2}}, 'narrow': {'shape': 'quad', "
-                 "'material': 'lamp'}",
-                 NULL);
-    static const char *const words[] = {"mesh \"wide\": its lamp stands in one place with faces of \"narrow\""};
-    assert_lines(scene, words, 1);
-    assert_true(scene->has_overlaps);
-    lf_scene_unref(scene);
+    assert_overlap(*state,
+                   "'wide': {'shape': 'quad', 'material': 'lamp', 'transform': "
+                   "{'scale': 2}}, 'narrow': {'shape': 'quad', "
+                   "'material': 'lamp'}",
+                   "mesh \"wide\": its lamp stands in one place with faces of \"narrow\"");
 }
 
 static void a_lamp_that_stands_on_the_ground_by_its_edge_is_no_overlap(void **state)
 {
-    lf_scene *scene =
-        scene_of(*state,
-                 "'ground': {'shape': 'quad', 'transform': {'scale': 5}}, 'screen': {'shape': 'quad', 'material': 'lamp', "
-                 "'transform': {'rotate': [90, 0, 0], 'translate': [0, 1, 0]}}",
-                 NULL);
-    assert_lines(scene, NULL, 0);
-    assert_false(scene->has_overlaps);
-    lf_scene_unref(scene);
+    assert_overlap(*state,
+                   "'ground': {'shape': 'quad', 'transform': {'scale': 5}}, 'screen': "
+                   "{'shape': 'quad', 'material': 'lamp', "
+                   "'transform': {'rotate': [90, 0, 0], 'translate': [0, 1, 0]}}",
+                   NULL);
 }
 
 /* The file holds three grids called density. */
 static void grids_that_nothing_is_made_of_are_said(void **state)
 {
     (void)state;
-    static const char *const volumes[] = {"'v': {'file': 'names.vdb'}",
-                                          "'v': {'file': 'names.vdb'}, 'w': {'file': 'names.vdb', 'grid': 'density[2]'}",
-                                          "'a': {'file': 'names.vdb', 'grid': 'density[0]'}, 'b': {'file': 'names.vdb', 'grid': "
-                                          "'density[1]'}, 'c': {'file': 'names.vdb', 'grid': 'density[2]'}"};
-    static const char *const words[] = {"names.vdb: grids that no volume is made of: density[1], density[2]",
-                                        "names.vdb: grids that no volume is made of: density[1]"};
+    static const char *const volumes[] = {
+        "'v': {'file': 'names.vdb'}",
+        "'v': {'file': 'names.vdb'}, 'w': {'file': 'names.vdb', 'grid': 'density[2]'}",
+        "'a': {'file': 'names.vdb', 'grid': 'density[0]'}, 'b': {'file': 'names.vdb', 'grid': "
+        "'density[1]'}, 'c': {'file': 'names.vdb', 'grid': 'density[2]'}"};
+    static const char *const words[] = {
+        "names.vdb: grids that no volume is made of: density[1], density[2]",
+        "names.vdb: grids that no volume is made of: density[1]"};
     char folder[PATH_MAX];
     snprintf(folder, sizeof folder, "%s", lf_test_built("testdata"));
     for (int i = 0; i < 3; i++) {
         char text[512];
-        snprintf(text, sizeof text, "{'volumes': {%s}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}", volumes[i]);
+        snprintf(text, sizeof text,
+                 "{'volumes': {%s}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}",
+                 volumes[i]);
         lf_scene *scene = lf_test_scene_in(folder, text, NULL);
         assert_lines(scene, words + i, i < 2);
         lf_scene_unref(scene);
@@ -326,5 +356,5 @@ int main(void)
         cmocka_unit_test(a_lamp_that_stands_on_the_ground_by_its_edge_is_no_overlap),
         cmocka_unit_test(grids_that_nothing_is_made_of_are_said),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);
 }

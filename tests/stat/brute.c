@@ -27,7 +27,7 @@ typedef struct tracer {
     uint64_t random;
 } tracer;
 
-/* --------------------------------------------------------------------------------------------------------- vectors -- */
+/* ----------------------------------------------------------------------------------- vectors -- */
 
 static vec combine(vec a, double t, vec b)
 {
@@ -41,7 +41,8 @@ static double dot(vec a, vec b)
 
 static vec cross(vec a, vec b)
 {
-    return (vec){{a.x[1] * b.x[2] - a.x[2] * b.x[1], a.x[2] * b.x[0] - a.x[0] * b.x[2], a.x[0] * b.x[1] - a.x[1] * b.x[0]}};
+    return (vec){{a.x[1] * b.x[2] - a.x[2] * b.x[1], a.x[2] * b.x[0] - a.x[0] * b.x[2],
+                  a.x[0] * b.x[1] - a.x[1] * b.x[0]}};
 }
 
 static vec unit(vec a)
@@ -76,7 +77,7 @@ static vec around(tracer *t, vec axis, double cosine)
     return unit(combine(out, sine * sin(phi), b));
 }
 
-/* ----------------------------------------------------------------------------------------------------------- media -- */
+/* ------------------------------------------------------------------------------------- media -- */
 
 static double voxel(int i, int j, int k)
 {
@@ -114,12 +115,14 @@ static vec inside(const tracer *t, int index, vec a, bool is_point)
     const lf_brute_medium *m = &t->scene->media[index];
     if (is_point)
         a = combine(a, -1, of(m->centre));
-    double x = t->cosine[index] * a.x[0] - t->sine[index] * a.x[2], z = t->sine[index] * a.x[0] + t->cosine[index] * a.x[2];
+    double x = t->cosine[index] * a.x[0] - t->sine[index] * a.x[2],
+           z = t->sine[index] * a.x[0] + t->cosine[index] * a.x[2];
     vec out = {{x / m->half[0], a.x[1] / m->half[1], z / m->half[2]}};
     return m->grid && is_point ? combine(out, 1, of(middle_voxel)) : out;
 }
 
-/* Where the ray is in the medium's box, or where its voxels are not all 0; false = nowhere before end. */
+/* Where the ray is in the medium's box, or where its voxels are not all 0; false = nowhere before
+ * end. */
 static bool interval(const lf_brute_medium *m, vec o, vec d, double end, double *t0, double *t1)
 {
     *t0 = 0;
@@ -133,8 +136,8 @@ static bool interval(const lf_brute_medium *m, vec o, vec d, double end, double 
     return *t0 < *t1;
 }
 
-/* Distance of the next collision with a medium, by Woodcock's tracking (1965) against its greatest density; end when there is none
- * before. */
+/* Distance of the next collision with a medium, by Woodcock's tracking (1965) against its greatest
+ * density; end when there is none before. */
 static double collide(tracer *t, int index, vec origin, vec direction, double end)
 {
     const lf_brute_medium *m = &t->scene->media[index];
@@ -161,7 +164,7 @@ static double scattering_cosine(tracer *t, double g)
     return (1 + g * g - s * s) / (2 * g);
 }
 
-/* -------------------------------------------------------------------------------------------------------- surfaces -- */
+/* ---------------------------------------------------------------------------------- surfaces -- */
 
 /* Distance to a quad; INFINITY when it is missed. */
 static double meet(const lf_brute_quad *q, vec o, vec d)
@@ -183,7 +186,7 @@ static vec diffuse(tracer *t, const lf_brute_quad *q, vec d)
     return around(t, n, sqrt(1 - uniform(t)));
 }
 
-/* ----------------------------------------------------------------------------------------------------------- paths -- */
+/* ------------------------------------------------------------------------------------- paths -- */
 
 static void add_sky(const tracer *t, vec d, const double throughput[3], double radiance[3])
 {
@@ -238,11 +241,12 @@ static void trace(tracer *t, vec o, vec d, double radiance[3])
             radiance[c] += medium < 0 ? throughput[c] * s->quads[quad].emission[c] : 0;
             throughput[c] *= albedo[c];
         }
-        d = medium < 0 ? diffuse(t, &s->quads[quad], d) : around(t, d, scattering_cosine(t, s->media[medium].g));
+        d = medium < 0 ? diffuse(t, &s->quads[quad], d)
+                       : around(t, d, scattering_cosine(t, s->media[medium].g));
     } while (goes_on(t, throughput));
 }
 
-/* ---------------------------------------------------------------------------------------------------------- camera -- */
+/* ------------------------------------------------------------------------------------ camera -- */
 
 static void aim(tracer *t)
 {
@@ -265,13 +269,16 @@ static void aim(tracer *t)
     }
 }
 
-/* Radiance that arrives at a point (0..1 from the left and the top) of a view's film, by one path. */
+/* Radiance that arrives at a point (0..1 from the left and the top) of a view's film, by one path.
+ */
 static void look(tracer *t, int view, double u, double v, double radiance[3])
 {
     const lf_brute_scene *s = t->scene;
-    double angle = ((view + 0.5) / s->n_views - 0.5) * s->cone * PI / 180, b = t->distance * tan(angle);
+    double angle = ((view + 0.5) / s->n_views - 0.5) * s->cone * PI / 180,
+           b = t->distance * tan(angle);
     double height = 2 * t->distance * tan(s->fov_y * PI / 360), width = s->aspect * height;
-    double x = (u - 0.5) * width, y = (0.5 - v) * height, lens[2] = {0, 0}, sharp = s->focus > 0 ? s->focus : t->distance;
+    double x = (u - 0.5) * width, y = (0.5 - v) * height, lens[2] = {0, 0},
+           sharp = s->focus > 0 ? s->focus : t->distance;
     if (s->lens_radius > 0) {
         double r = s->lens_radius * sqrt(uniform(t)), phi = 2 * PI * uniform(t);
         lens[0] = r * cos(phi);
@@ -284,7 +291,8 @@ static void look(tracer *t, int view, double u, double v, double radiance[3])
     trace(t, o, unit(d), radiance);
 }
 
-void lf_brute_picture(const lf_brute_scene *scene, uint64_t seed, int width, int height, int strata, double *out)
+void lf_brute_picture(const lf_brute_scene *scene, uint64_t seed, int width, int height, int strata,
+                      double *out)
 {
     tracer t = {.scene = scene, .random = (seed + 1) * 0x9e3779b97f4a7c15u};
     aim(&t);
@@ -299,7 +307,7 @@ void lf_brute_picture(const lf_brute_scene *scene, uint64_t seed, int width, int
             }
 }
 
-/* ------------------------------------------------------------------------------------------------------------ text -- */
+/* -------------------------------------------------------------------------------------- text -- */
 
 typedef struct text {
     char at[16384];
@@ -328,8 +336,8 @@ static void say_camera(text *t, const lf_brute_scene *s)
     say_three(t, "position", s->position);
     say(t, ", ");
     say_three(t, "target", s->target);
-    say(t, ", 'fov_y': %.17g, 'aspect': %.17g, 'cone': %.17g, 'views': %d, 'lens_radius': %.17g", s->fov_y, s->aspect, s->cone,
-        s->n_views, s->lens_radius);
+    say(t, ", 'fov_y': %.17g, 'aspect': %.17g, 'cone': %.17g, 'views': %d, 'lens_radius': %.17g",
+        s->fov_y, s->aspect, s->cone, s->n_views, s->lens_radius);
     if (s->focus > 0)
         say(t, ", 'focus_distance': %.17g", s->focus);
     say(t, " }, ");
@@ -342,20 +350,23 @@ static void say_media(text *t, const lf_brute_scene *s, const char *vdb)
         const lf_brute_medium *m = &s->media[i];
         say(t, "%s'm%d': { ", i ? ", " : "", i);
         if (m->grid)
-            say(t, "'file': '%s', 'grid': 'half', 'scale': %.17g, 'interpolation': '%s', ", vdb, m->density,
-                m->nearest ? "nearest" : "linear");
+            say(t, "'file': '%s', 'grid': 'half', 'scale': %.17g, 'interpolation': '%s', ", vdb,
+                m->density, m->nearest ? "nearest" : "linear");
         else
             say(t, "'shape': 'box', 'density': %.17g, ", m->density);
         say_three(t, "albedo", m->albedo);
-        /* scale, turn and move in one matrix, behind the one that puts the middle of the voxels at 0 */
+        /* scale, turn and move in one matrix, behind the one that puts the middle of the voxels at
+         * 0 */
         double c = cos(m->turn * PI / 180), n = sin(m->turn * PI / 180), x[3];
         for (int k = 0; k < 3; k++)
             x[k] = m->grid ? -middle_voxel[k] * m->half[k] : 0;
         say(t,
-            ", 'g': %.17g, 'transform': { 'matrix': [%.17g, 0, %.17g, %.17g, 0, %.17g, 0, %.17g, %.17g, 0, %.17g, %.17g, "
+            ", 'g': %.17g, 'transform': { 'matrix': [%.17g, 0, %.17g, %.17g, 0, %.17g, 0, %.17g, "
+            "%.17g, 0, %.17g, %.17g, "
             "0, 0, 0, 1] } }",
-            m->g, c * m->half[0], n * m->half[2], c * x[0] + n * x[2] + m->centre[0], m->half[1], x[1] + m->centre[1],
-            -n * m->half[0], c * m->half[2], c * x[2] - n * x[0] + m->centre[2]);
+            m->g, c * m->half[0], n * m->half[2], c * x[0] + n * x[2] + m->centre[0], m->half[1],
+            x[1] + m->centre[1], -n * m->half[0], c * m->half[2],
+            c * x[2] - n * x[0] + m->centre[2]);
     }
     say(t, " }, ");
 }
@@ -366,7 +377,8 @@ static void say_quads(text *t, const lf_brute_scene *s)
     for (int i = 0; i < s->n_quads; i++) {
         const lf_brute_quad *q = &s->quads[i];
         vec n = unit(cross(of(q->v), of(q->u)));
-        say(t, "%s'q%d': { 'shape': 'quad', 'material': 'q%d', 'transform': { 'matrix': [", i ? ", " : "", i, i);
+        say(t, "%s'q%d': { 'shape': 'quad', 'material': 'q%d', 'transform': { 'matrix': [",
+            i ? ", " : "", i, i);
         for (int k = 0; k < 3; k++)
             say(t, "%.17g, %.17g, %.17g, %.17g, ", q->u[k], n.x[k], q->v[k], q->centre[k]);
         say(t, "0, 0, 0, 1] } }");

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "render/sampler.h"
+#include "render/transport/sampler.h"
 #include "tests/stat/stat.h"
 
 #define MIN_EXPECTED 5.0
@@ -45,7 +45,7 @@ double lf_chi2_p(double *observed, double *expected, int n)
     return lf_p_chi2(chi2, degrees);
 }
 
-/* ------------------------------------------------------------------------------------------------ bins on a sphere -- */
+/* -------------------------------------------------------------------------- bins on a sphere -- */
 
 typedef struct domain {
     const lf_chi2_sphere *test;
@@ -56,7 +56,8 @@ typedef struct domain {
 static double density(const domain *d, double t, double phi01)
 {
     const lf_chi2_sphere *q = d->test;
-    double m = q->m_max * expm1(q->warp * t) / d->growth, sine = sqrt(m * (2.0 - m)), phi = 2.0 * M_PI * phi01;
+    double m = q->m_max * expm1(q->warp * t) / d->growth, sine = sqrt(m * (2.0 - m)),
+           phi = 2.0 * M_PI * phi01;
     double jacobian = 2.0 * M_PI * q->m_max * q->warp * exp(q->warp * t) / d->growth;
     lf_vec3 local = lf_v3((float)(sine * cos(phi)), (float)(sine * sin(phi)), (float)(1.0 - m));
     return q->pdf(q->context, lf_from_frame(d->t, d->b, q->axis, local)) * jacobian;
@@ -65,23 +66,26 @@ static double density(const domain *d, double t, double phi01)
 /* 3 x 3 points of Gauss and Legendre. */
 static double gauss(const domain *d, double t, double phi, double dt, double dphi)
 {
-    static const double x[3] = {0.11270166537925831, 0.5, 0.88729833462074169}, w[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+    static const double x[3] = {0.11270166537925831, 0.5, 0.88729833462074169},
+                        w[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
     double sum = 0.0;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             sum += w[i] * w[j] * density(d, t + x[i] * dt, phi + x[j] * dphi);
-    }
     return sum * dt * dphi;
 }
 
-/* Splits while the four quarters disagree with the whole by more than a hundredth of the noise that the samples will have. */
-static double integrate(const domain *d, double t, double phi, double dt, double dphi, double whole, int depth)
+/* Splits while the four quarters disagree with the whole by more than a hundredth of the noise that
+ * the samples will have. */
+static double integrate(const domain *d, double t, double phi, double dt, double dphi, double whole,
+                        int depth)
 {
     double part[4], sum = 0.0, hx = 0.5 * dt, hy = 0.5 * dphi;
     for (int i = 0; i < 4; i++)
         sum += part[i] = gauss(d, t + (i & 1) * hx, phi + (i >> 1) * hy, hx, hy);
     double noise = sqrt(fmax(sum, 1e-6) / d->test->n_samples);
-    if (depth >= MAX_DEPTH || (depth >= MIN_DEPTH && fabs(sum - whole) < 0.01 * noise / (1 << depth)))
+    if (depth >= MAX_DEPTH ||
+        (depth >= MIN_DEPTH && fabs(sum - whole) < 0.01 * noise / (1 << depth)))
         return sum;
     sum = 0.0;
     for (int i = 0; i < 4; i++)
@@ -95,8 +99,10 @@ static double fill_expected(const domain *d, double *expected)
     double mass = 0.0, dt = 1.0 / q->n_t, dphi = 1.0 / q->n_phi;
     for (int i = 0; i < q->n_t; i++) {
         for (int j = 0; j < q->n_phi; j++) {
-            double p = integrate(d, i * dt, j * dphi, dt, dphi, gauss(d, i * dt, j * dphi, dt, dphi), 0);
-            /* A cell of which only a corner lies under the pdf may miss all points: not impossible, only unlikely. */
+            double p =
+                integrate(d, i * dt, j * dphi, dt, dphi, gauss(d, i * dt, j * dphi, dt, dphi), 0);
+            /* A cell of which only a corner lies under the pdf may miss all points: not impossible,
+             * only unlikely. */
             expected[i * q->n_phi + j] = fmax(p * q->n_samples, 1e-9);
             mass += p;
         }
@@ -104,7 +110,8 @@ static double fill_expected(const domain *d, double *expected)
     return mass;
 }
 
-/* The bin of a direction, or the extra one behind the last. 1 - cos comes from a difference: it must be right at 1e-8 too. */
+/* The bin of a direction, or the extra one behind the last. 1 - cos comes from a difference: it
+ * must be right at 1e-8 too. */
 static int bin_of(const domain *d, lf_vec3 w)
 {
     const lf_chi2_sphere *q = d->test;
@@ -114,7 +121,8 @@ static int bin_of(const domain *d, lf_vec3 w)
     double phi = atan2((double)lf_dot(d->b, w), (double)lf_dot(d->t, w)) / (2.0 * M_PI);
     phi -= floor(phi);
     if (!(t < 1.0))
-        return q->m_max < 2.0 ? q->n_t * q->n_phi : (q->n_t - 1) * q->n_phi + (int)fmin(phi * q->n_phi, q->n_phi - 1);
+        return q->m_max < 2.0 ? q->n_t * q->n_phi
+                              : (q->n_t - 1) * q->n_phi + (int)fmin(phi * q->n_phi, q->n_phi - 1);
     return (int)(t * q->n_t) * q->n_phi + (int)fmin(phi * q->n_phi, q->n_phi - 1);
 }
 
@@ -140,7 +148,8 @@ static int fill_observed(const domain *d, double *observed)
 double lf_chi2_sphere_p(const lf_chi2_sphere *q, double *out_mass)
 {
     int n = q->n_t * q->n_phi + 1;
-    double *observed = calloc((size_t)n, sizeof *observed), *expected = calloc((size_t)n, sizeof *expected);
+    double *observed = calloc((size_t)n, sizeof *observed),
+           *expected = calloc((size_t)n, sizeof *expected);
     domain d = {.test = q, .growth = expm1(q->warp)};
     lf_tangents(q->axis, &d.t, &d.b);
     double mass = fill_expected(&d, expected);

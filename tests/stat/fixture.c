@@ -25,11 +25,16 @@ lf_scene *lf_test_scene_in(const char *folder, const char *text, const lf_scene 
     return scene;
 }
 
-lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width, int height, lf_pool *pool)
+lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width, int height,
+                              lf_pool *pool)
 {
     lf_renderer *renderer = NULL;
     lf_error err = {0};
-    lf_render_settings settings = {.camera = *lf_scene_camera(scene), .width = width, .height = height, .integrator = integrator};
+    lf_render_settings settings = {.skip = LF_SKIP_ALL,
+                                   .camera = *lf_scene_camera(scene),
+                                   .width = width,
+                                   .height = height,
+                                   .integrator = integrator};
     settings.seed = lf_test_seed();
     if (!pool && !own_pool)
         lf_assert_ok(lf_pool_create(2, &own_pool), NULL);
@@ -51,12 +56,13 @@ void lf_test_reseed(lf_renderer *renderer, uint64_t seed)
 {
     lf_render_settings settings = *lf_renderer_settings(renderer);
     settings.seed = seed;
-    assert_int_equal(lf_renderer_restart(renderer, lf_renderer_scene(renderer), &settings, NULL), LF_OK);
+    assert_int_equal(lf_renderer_restart(renderer, lf_renderer_scene(renderer), &settings, NULL),
+                     LF_OK);
 }
 
 void lf_test_passes(lf_renderer *renderer, int64_t n_passes)
 {
-    assert_int_equal(lf_renderer_passes(renderer, n_passes, true, NULL, NULL, NULL), LF_OK);
+    assert_int_equal(lf_renderer_passes(renderer, NULL, n_passes, true, NULL, NULL, NULL), LF_OK);
 }
 
 void lf_test_cycles(lf_renderer *r, int n)
@@ -74,7 +80,8 @@ double *lf_test_picture(const lf_renderer *renderer, lf_estimator estimator)
     assert_non_null(out);
     assert_int_equal(lf_renderer_resolve(renderer, estimator, rgb, NULL), LF_OK);
     for (size_t i = 0; i < n; i++)
-        out[i] = 0.5 * (double)rgb[3 * i] + 0.3 * (double)rgb[3 * i + 1] + 0.2 * (double)rgb[3 * i + 2];
+        out[i] =
+            0.5 * (double)rgb[3 * i] + 0.3 * (double)rgb[3 * i + 1] + 0.2 * (double)rgb[3 * i + 2];
     free(rgb);
     return out;
 }
@@ -82,7 +89,8 @@ double *lf_test_picture(const lf_renderer *renderer, lf_estimator estimator)
 void lf_blocks_init(lf_blocks *b, int n_views, int width, int height, int block)
 {
     int across = (width + block - 1) / block, down = (height + block - 1) / block;
-    *b = (lf_blocks){n_views, width, height, block, across, n_views * across * down + 1, NULL, NULL};
+    *b =
+        (lf_blocks){n_views, width, height, block, across, n_views * across * down + 1, NULL, NULL};
     b->moments = calloc((size_t)b->n, sizeof *b->moments);
     b->last = calloc((size_t)b->n, sizeof *b->last);
     assert_non_null(b->moments);
@@ -142,7 +150,8 @@ void lf_blocks_mirror(lf_blocks *b)
     assert_int_equal(b->width % b->block, 0);
     for (int view = 0; view < b->n_views; view++) {
         for (int i = 0; i < per_view; i++) {
-            int from = ((b->n_views - 1 - view) * down + i / b->across) * b->across + b->across - 1 - i % b->across;
+            int from = ((b->n_views - 1 - view) * down + i / b->across) * b->across + b->across -
+                       1 - i % b->across;
             flipped[view * per_view + i] = b->moments[from];
         }
     }
@@ -199,15 +208,18 @@ double lf_blocks_welch_injected(const lf_blocks *a, const lf_blocks *b, int whic
     return lf_p_welch(&m, &b->moments[which]);
 }
 
-void lf_test_slopes(const lf_renderer *renderer, int view, double column, double row, double *out_mx, double *out_my)
+void lf_test_slopes(const lf_renderer *renderer, int view, double column, double row,
+                    double *out_mx, double *out_my)
 {
-    const lf_rig *rig = &renderer->rig;
-    *out_mx = ((double)rig->x0 + column * (double)rig->dx - (double)rig->b[view]) / (double)rig->distance;
+    const lf_rig *rig = &lf_test_rows(renderer)->rig;
+    *out_mx =
+        ((double)rig->x0 + column * (double)rig->dx - (double)rig->b[view]) / (double)rig->distance;
     *out_my = ((double)rig->y0 + row * (double)rig->dy) / (double)rig->distance;
 }
 
 /* Sums over both halves of one view pixel. */
-static void weight_sums(const lf_renderer *r, int row, int pixel, bool second, double *out_w, double *out_q)
+static void weight_sums(const lf_renderer *r, int row, int pixel, bool second, double *out_w,
+                        double *out_q)
 {
     const lf_film_row *state = &r->film.rows[row];
     *out_w = *out_q = 0.0;
@@ -234,7 +246,8 @@ void lf_test_weights(const lf_renderer *r, bool second, double *out_difference, 
     }
 }
 
-void lf_test_weight_blocks(lf_renderer *r, lf_test_schedule schedule, int replicates, int block, lf_blocks blocks[3])
+void lf_test_weight_blocks(lf_renderer *r, lf_test_schedule schedule, int replicates, int block,
+                           lf_blocks blocks[3])
 {
     const lf_film *film = &r->film;
     size_t pixels = (size_t)film->n_views * (size_t)film->width * (size_t)film->height;
@@ -268,8 +281,8 @@ static double least_p(const lf_blocks *difference, const lf_blocks *q, int *out_
     return least;
 }
 
-void lf_test_assert_weights(const char *text, int width, int height, lf_test_schedule schedule, int replicates, int block,
-                            double level)
+void lf_test_assert_weights(const char *text, int width, int height, lf_test_schedule schedule,
+                            int replicates, int block, double level)
 {
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
@@ -282,8 +295,9 @@ void lf_test_assert_weights(const char *text, int width, int height, lf_test_sch
         int where = 0;
         double p = least_p(&blocks[second], &blocks[2], &where);
         if (!(p > level))
-            fail_msg("W%s/n - q is %.3g +- %.2g in block %d where q is %.3g: p %.2g", second ? "'" : "",
-                     blocks[second].moments[where].mean, lf_moments_error(&blocks[second].moments[where]), where,
+            fail_msg("W%s/n - q is %.3g +- %.2g in block %d where q is %.3g: p %.2g",
+                     second ? "'" : "", blocks[second].moments[where].mean,
+                     lf_moments_error(&blocks[second].moments[where]), where,
                      blocks[2].moments[where].mean, p);
     }
     for (int i = 0; i < 3; i++)
@@ -292,8 +306,8 @@ void lf_test_assert_weights(const char *text, int width, int height, lf_test_sch
     lf_scene_unref(scene);
 }
 
-void lf_test_pictures(lf_renderer *r, lf_test_schedule schedule, lf_estimator estimator, int replicates, uint64_t salt, int block,
-                      lf_blocks *out)
+void lf_test_pictures(lf_renderer *r, lf_test_schedule schedule, lf_estimator estimator,
+                      int replicates, uint64_t salt, int block, lf_blocks *out)
 {
     lf_blocks_init(out, r->film.n_views, r->film.width, r->film.height, block);
     for (int k = 0; k < replicates; k++) {

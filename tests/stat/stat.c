@@ -7,8 +7,9 @@ double lf_sidak(double alpha, int n)
     return -expm1(log1p(-alpha) / n);
 }
 
-/* Below x = a + 1 the series of the lower function converges, above it the continued fraction of the upper one (Abramowitz and
- * Stegun 6.5.29, 6.5.31; the fraction evaluated forwards after Lentz). */
+/* Below x = a + 1 the series of the lower function converges, above it the continued fraction of
+ * the upper one (Abramowitz and Stegun 6.5.29, 6.5.31; the fraction evaluated forwards after
+ * Lentz). */
 double lf_gamma_q(double a, double x)
 {
     if (!(x > 0.0))

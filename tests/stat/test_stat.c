@@ -1,8 +1,8 @@
-/* The harness of the statistical tests is itself tested: known values, p-values that are uniform when all is well, and rejection
- * when it is not. */
+/* The harness of the statistical tests is itself tested: known values, p-values that are uniform
+ * when all is well, and rejection when it is not. */
 #include "tests/testing.h"
 
-#include "render/sampler.h"
+#include "render/transport/sampler.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/stat.h"
 
@@ -54,7 +54,8 @@ static double throw_dice(uint64_t key, double tilt, int n)
     return lf_chi2_p(observed, expected, 20);
 }
 
-/* Kolmogorov and Smirnov's distance of 1000 p-values from uniform exceeds 1.95 / sqrt(1000) once in a thousand. */
+/* Kolmogorov and Smirnov's distance of 1000 p-values from uniform exceeds 1.95 / sqrt(1000) once in
+ * a thousand. */
 static void p_values_are_uniform_when_the_pdf_is_right(void **state)
 {
     (void)state;
@@ -88,7 +89,8 @@ static void low_cells_are_pooled(void **state)
     double observed[82] = {500, 400}, expected[82] = {495, 400};
     for (int i = 2; i < 82; i++)
         expected[i] = 0.0625;
-    /* The eighty small cells expect 5 together and saw none: two cells against one, chi^2 = 25/495 + 5. */
+    /* The eighty small cells expect 5 together and saw none: two cells against one, chi^2 = 25/495
+     * + 5. */
     assert_near(lf_chi2_p(observed, expected, 82), lf_p_chi2(25.0 / 495.0 + 5.0, 2.0), 1e-12);
 }
 
@@ -112,7 +114,15 @@ static void directions_are_binned_about_any_axis(void **state)
     for (int i = 0; i < 4; i++) {
         double tilt = i == 3 ? 0.1 : 0.0, mass;
         lf_vec3 axis = i == 1 ? lf_v3(0.0f, 0.6f, 0.8f) : lf_v3(0.0f, 0.0f, 1.0f);
-        lf_chi2_sphere q = {sample_hemisphere, hemisphere_pdf, &tilt, axis, 2.0, i == 2 ? 12.0 : 0.1, 15, 30, 400000,
+        lf_chi2_sphere q = {sample_hemisphere,
+                            hemisphere_pdf,
+                            &tilt,
+                            axis,
+                            2.0,
+                            i == 2 ? 12.0 : 0.1,
+                            15,
+                            30,
+                            400000,
                             lf_test_seed()};
         double p = lf_chi2_sphere_p(&q, &mass);
         assert_near(mass, 1.0, 1e-3);

@@ -1,6 +1,6 @@
 # init: systemd
 # memory: 2G
-# limit: 600
+# limit: 900
 # A machine without a desktop: the drive that a panel keeps its calibration on is mounted by udisks2 for the service, by quiltd's polkit
 # rule, seen from within its sandbox, and left as it was. Drives that are no panel's are not.
 . "$QUILTD_SOURCE/tests/kernel/lib.sh"

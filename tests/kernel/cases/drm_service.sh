@@ -1,6 +1,6 @@
 # init: systemd
 # memory: 2G
-# limit: 600
+# limit: 900
 # qemu: -device virtio-gpu-pci,xres=1536,yres=2048,max_hostmem=256M
 # The installed daemon under systemd, out of its sandbox and as its own user, shows on a display output, and gives the console back.
 . "$QUILTD_SOURCE/tests/kernel/lib.sh"

@@ -1,6 +1,6 @@
 # init: systemd
 # memory: 2G
-# limit: 600
+# limit: 900
 # The installed daemon under systemd, as its units, users and rules are shipped: it becomes active whatever is missing, comes back
 # after a crash, and reaches its devices out of its sandbox.
 . "$QUILTD_SOURCE/tests/kernel/lib.sh"

@@ -1,0 +1,78 @@
+/* param: the fields of a struct that people set, as a table.
+ *
+ * A row says what a field is called on the command line and in JSON, what it may be, what it means
+ * and where it lies. Everything else is read from the rows: the options of getopt_long, the lines
+ * of --help, the JSON Schema of a method, the checks and what their errors say, the JSON of a
+ * manifest. A table ends with a row of zeros. Nothing here keeps state. Thread: any, but for
+ * lf_param_print_help, which writes to stdout. */
+#ifndef LF_BASE_PARAM_H
+#define LF_BASE_PARAM_H
+
+#include <stdint.h>
+
+#include "base/status.h"
+
+typedef enum lf_param_type {
+    LF_PARAM_NUMBER, /* double */
+    LF_PARAM_ANGLE,  /* double in radians; outside of the struct, and in the row, degrees */
+    LF_PARAM_POINT,  /* double[3]; in JSON alone */
+    LF_PARAM_WHOLE,  /* int */
+    LF_PARAM_SWITCH, /* bool; no argument on the command line where it has no words */
+    LF_PARAM_WORD,   /* an enum whose values count from 0 */
+    LF_PARAM_TEXT,   /* const char *, borrowed from argv or from the JSON */
+} lf_param_type;
+
+typedef struct lf_param {
+    const char *name;   /* key in JSON; NULL: not there */
+    const char *option; /* long option; NULL: not there */
+    /* What stands between this row's text and that of the next row of the same option; NULL: the
+     * last row of its option. */
+    const char *joined;
+    const char *argument; /* how --help calls the text; NULL for a switch without words */
+    const char *unit;     /* of a number, "mm"; NULL: none */
+    const char *help;     /* the first row of an option has that of all; may be NULL with words */
+    /* Names of the values 0, 1 …, NULL behind the last; of a WHOLE: the numbers that it may be. */
+    const char *const *words;
+    lf_param_type type;
+    bool required;    /* by lf_param_missing and lf_param_check */
+    size_t place;     /* offset in the struct */
+    double low, high; /* range, of numbers */
+    double initial;   /* 0 with a range above it: not given */
+    double point[3];  /* the same of a POINT */
+} lf_param;
+
+/* Sets every field that has a row to its initial value. */
+void lf_param_defaults(const lf_param *params, void *object);
+
+/* Takes the text of an option, for its first row and those joined to it; NULL for a switch.
+ * LF_E_ARG with "--OPTION" as where and what was expected; *object untouched then. */
+LF_NODISCARD lf_status lf_param_from_text(const lf_param *row, const char *text, void *object,
+                                          lf_error *err);
+
+struct json_t;
+/* Takes the keys of a JSON object that have rows; others are left alone. LF_E_ARG with the key as
+ * pointer. */
+LF_NODISCARD lf_status lf_param_from_json(const lf_param *params, const struct json_t *values,
+                                          void *object, const char *where, lf_error *err);
+/* The first required key that is not in a JSON object; NULL = none. */
+const char *lf_param_missing(const lf_param *params, const struct json_t *values);
+
+/* Every field that has a name is within its range, or has its initial value where that is not
+ * required. LF_E_ARG. */
+LF_NODISCARD lf_status lf_param_check(const lf_param *params, const void *object, const char *where,
+                                      lf_error *err);
+
+/* {name: value}, of the rows with a name. A new reference; NULL = out of memory. */
+struct json_t *lf_param_json(const lf_param *params, const void *object);
+/* {name: JSON Schema}, the properties of an object, with help and unit as description. A new
+ * reference; NULL = out of memory. */
+struct json_t *lf_param_schema(const lf_param *params);
+
+/* The row behind those of this row's option. */
+const lf_param *lf_param_next(const lf_param *row);
+/* "LPI@DPI": the argument of an option as --help names it, from its first row; returns buf. */
+char *lf_param_argument(const lf_param *row, char *buf, size_t size);
+/* A line of --help for every option. */
+void lf_param_print_help(const lf_param *params);
+
+#endif

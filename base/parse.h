@@ -1,0 +1,27 @@
+/* parse: numbers from text that was typed. The whole text must be the number. The decimal point is
+ * a point as long as nobody calls setlocale, which quiltd's programs do not. Pure functions; out
+ * untouched on failure. */
+#ifndef LF_BASE_PARSE_H
+#define LF_BASE_PARSE_H
+
+#include <stdint.h>
+
+#include "base/status.h"
+
+/* The whole text must be a number within [low, high]; option names it in the error (LF_E_ARG).
+ * NaN and infinities are refused. */
+LF_NODISCARD lf_status lf_parse_int(const char *option, const char *text, int64_t low, int64_t high,
+                                    int64_t *out, lf_error *err);
+LF_NODISCARD lf_status lf_parse_double(const char *option, const char *text, double low,
+                                       double high, double *out, lf_error *err);
+/* As lf_parse_int, into an int; out untouched on failure. */
+LF_NODISCARD lf_status lf_parse_small(const char *option, const char *text, int low, int high,
+                                      int *out, lf_error *err);
+/* "A<separator>B", e.g. "420x560" or "60.13@600", each within [low, high]. */
+LF_NODISCARD lf_status lf_parse_pair(const char *option, const char *text, char separator,
+                                     double low, double high, double out[2], lf_error *err);
+/* 0..2^64-1, decimal. */
+LF_NODISCARD lf_status lf_parse_seed(const char *option, const char *text, uint64_t *out,
+                                     lf_error *err);
+
+#endif

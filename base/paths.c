@@ -1,0 +1,388 @@
+#include "base/paths.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <linux/openat2.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/errno_text.h"
+
+#define HANDLE (O_PATH | O_CLOEXEC)
+
+static lf_status fail_errno(lf_error *err, const char *path, const char *what)
+{
+    int e = errno;
+    return lf_error_set(err, e == ENOMEM ? LF_E_NOMEM : LF_E_IO, path, "%s: %s", what,
+                        lf_errno_text(e));
+}
+
+static lf_status no_memory(lf_error *err, const char *path)
+{
+    return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+}
+
+/* --------------------------------------------------------------------------------- mechanism -- */
+
+static bool is_part(const char *part, size_t n)
+{
+    bool dots = (n == 1 && part[0] == '.') || (n == 2 && part[0] == '.' && part[1] == '.');
+    return n > 0 && n <= NAME_MAX && !dots;
+}
+
+/* What either mechanism takes: they agree on nothing else. */
+static bool is_canonical(const char *name)
+{
+    if (strcmp(name, ".") == 0)
+        return true;
+    for (;; name++) {
+        size_t n = strcspn(name, "/");
+        if (!is_part(name, n))
+            return false;
+        name += n;
+        if (name[0] == '\0')
+            return true;
+    }
+}
+
+/* With O_PATH a link is opened itself: it is as much refused as with any other flag. */
+static int refuse_link(int fd)
+{
+    struct stat st;
+    if (fd >= 0 && fstat(fd, &st) == 0 && S_ISLNK(st.st_mode)) {
+        close(fd);
+        errno = ELOOP;
+        return -1;
+    }
+    return fd;
+}
+
+int lf_beneath_walk(int folder_fd, const char *name, int flags)
+{
+    assert((flags & O_CREAT) == 0); /* no mode is passed */
+    if (!is_canonical(name)) {
+        errno = EXDEV;
+        return -1;
+    }
+    int at = folder_fd;
+    for (const char *slash; at >= 0 && (slash = strchr(name, '/')); name = slash + 1) {
+        char part[NAME_MAX + 1] = {0};
+        memcpy(part, name, (size_t)(slash - name));
+        int next = openat(at, part, HANDLE | O_DIRECTORY | O_NOFOLLOW);
+        int why = errno;
+        if (at != folder_fd)
+            close(at);
+        errno = why;
+        at = next;
+    }
+    if (at < 0)
+        return -1;
+    int fd = refuse_link(openat(at, name, flags | O_NOFOLLOW | O_CLOEXEC));
+    int why = errno;
+    if (at != folder_fd)
+        close(at);
+    errno = why;
+    return fd;
+}
+
+int lf_beneath_open(int folder_fd, const char *name, int flags)
+{
+    struct open_how how = {.flags = (unsigned)(flags | O_CLOEXEC),
+                           .resolve =
+                               RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS | RESOLVE_NO_MAGICLINKS};
+    if (!is_canonical(name)) {
+        errno = EXDEV;
+        return -1;
+    }
+    int fd = (int)syscall(SYS_openat2, folder_fd, name, &how, sizeof how);
+    return fd < 0 && (errno == ENOSYS || errno == EPERM) ? lf_beneath_walk(folder_fd, name, flags)
+                                                         : refuse_link(fd);
+}
+
+/* A folder by its canonical absolute name. */
+static int open_root(const char *root)
+{
+    int top = open("/", HANDLE | O_DIRECTORY);
+    int fd = top >= 0 ? lf_beneath_open(top, root[1] != '\0' ? root + 1 : ".", O_PATH | O_DIRECTORY)
+                      : -1;
+    int why = errno;
+    if (top >= 0)
+        close(top);
+    errno = why;
+    return fd;
+}
+
+/* Where the canonical `path` goes on behind the canonical `root`; NULL = it does not lie beneath.
+ */
+static const char *behind(const char *root, const char *path)
+{
+    size_t n = strcmp(root, "/") == 0 ? 0 : strlen(root);
+    if (strncmp(path, root, n) != 0 || (path[n] != '/' && path[n] != '\0'))
+        return NULL;
+    return path[n] == '\0' || path[n + 1] == '\0' ? "." : path + n + 1;
+}
+
+/* Whether opening what was canonical failed because it is another now. */
+static bool was_swapped(int why)
+{
+    return why == ELOOP || why == EXDEV || why == ENOTDIR;
+}
+
+/* Opens the canonical `path` beneath the canonical `root`; -1 and errno. */
+static int open_behind(const char *root, const char *path, int flags)
+{
+    int root_fd = open_root(root);
+    int fd = root_fd >= 0 ? lf_beneath_open(root_fd, behind(root, path), flags) : -1;
+    int why = errno;
+    if (root_fd >= 0)
+        close(root_fd);
+    errno = why;
+    return fd;
+}
+
+/* ------------------------------------------------------------------------------------- roots -- */
+
+lf_status lf_roots_add(lf_roots *roots, const char *folder, lf_error *err)
+{
+    struct stat st;
+    char real[PATH_MAX];
+    if (!realpath(folder, real) || stat(real, &st) != 0)
+        return fail_errno(err, folder, "cannot open the folder");
+    if (!S_ISDIR(st.st_mode))
+        return lf_error_set(err, LF_E_ARG, folder, "not a folder");
+    for (int i = 0; i < roots->n_roots; i++)
+        if (strcmp(roots->root[i], real) == 0)
+            return LF_OK;
+    if (roots->n_roots == LF_MAX_ROOTS)
+        return lf_error_set(err, LF_E_ARG, folder, "more than %d folders", LF_MAX_ROOTS);
+    char *copy = lf_strdup(real);
+    if (!copy)
+        return no_memory(err, folder);
+    roots->root[roots->n_roots++] = copy;
+    return LF_OK;
+}
+
+void lf_roots_finish(lf_roots *roots)
+{
+    for (int i = 0; i < roots->n_roots; i++)
+        lf_free(roots->root[i]);
+    *roots = (lf_roots){0};
+}
+
+/* The root that the canonical path lies beneath; NULL = none. */
+static const char *root_of(const lf_roots *roots, const char *path)
+{
+    for (int i = 0; i < roots->n_roots; i++)
+        if (behind(roots->root[i], path))
+            return roots->root[i];
+    return NULL;
+}
+
+/* Whether what does not exist (or cannot be opened) would lie beneath the roots: the nearest folder
+ * above it that exists decides. Otherwise the difference of two errors would tell a client which
+ * files exist outside. */
+static bool would_lie_beneath(const lf_roots *roots, const char *path)
+{
+    char above[PATH_MAX], real[PATH_MAX];
+    size_t n = strlen(path);
+    if (n >= sizeof above)
+        return false;
+    memcpy(above, path, n + 1);
+    for (;;) {
+        char *slash = strrchr(above, '/');
+        if (!slash)
+            return realpath(".", real) && root_of(roots, real);
+        if (slash == above)
+            return root_of(roots, "/");
+        *slash = 0;
+        if (realpath(above, real))
+            return root_of(roots, real);
+    }
+}
+
+static lf_status outside(lf_error *err, const char *path)
+{
+    return lf_error_set(err, LF_E_PATH, path, "lies outside the folders that may be read");
+}
+
+/* Where path leads now. */
+static lf_status resolve(const lf_roots *roots, const char *path, char real[static PATH_MAX],
+                         lf_error *err)
+{
+    if (!realpath(path, real)) {
+        int why = errno;
+        if (roots->n_roots > 0 && !would_lie_beneath(roots, path))
+            return outside(err, path);
+        errno = why;
+        return fail_errno(err, path, "cannot open");
+    }
+    return roots->n_roots == 0 || root_of(roots, real) ? LF_OK : outside(err, path);
+}
+
+lf_status lf_roots_resolve(const lf_roots *roots, const char *path, char **out_path, lf_error *err)
+{
+    char real[PATH_MAX];
+    lf_status status = resolve(roots, path, real, err);
+    if (status != LF_OK)
+        return status;
+    char *copy = lf_strdup(real);
+    if (!copy)
+        return no_memory(err, path);
+    *out_path = copy;
+    return LF_OK;
+}
+
+/* O_PATH opens nothing: no device notices, no FIFO waits. */
+lf_status lf_roots_open(const lf_roots *roots, const char *path, int *out_fd, lf_error *err)
+{
+    char real[PATH_MAX], link[64];
+    struct stat st;
+    lf_status status = resolve(roots, path, real, err);
+    if (status != LF_OK)
+        return status;
+    int handle = open_behind(root_of(roots, real), real, HANDLE);
+    if (handle < 0 && was_swapped(errno))
+        return outside(err, path);
+    if (handle < 0)
+        return fail_errno(err, path, "cannot open");
+    if (fstat(handle, &st) != 0 || !S_ISREG(st.st_mode)) {
+        close(handle);
+        return lf_error_set(err, LF_E_FORMAT, path, "not a regular file");
+    }
+    snprintf(link, sizeof link, "/proc/self/fd/%d", handle);
+    int fd = open(link, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (fd < 0)
+        status = fail_errno(err, path, "cannot open");
+    else
+        *out_fd = fd;
+    close(handle);
+    return status;
+}
+
+/* ----------------------------------------------------------------------------------- writing -- */
+
+/* The folder of the absolute `name`, whose last part begins at `last`: canonical. */
+static bool resolve_folder(const char *name, const char *last, char real[static PATH_MAX])
+{
+    char folder[PATH_MAX];
+    size_t n = (size_t)(last - name) - 1;
+    if (n >= sizeof folder) {
+        errno = ENAMETOOLONG;
+        return false;
+    }
+    snprintf(folder, sizeof folder, "%.*s", n > 0 ? (int)n : 1, name);
+    return realpath(folder, real);
+}
+
+static bool is_link(int folder_fd, const char *name)
+{
+    struct stat st;
+    return fstatat(folder_fd, name, &st, AT_SYMLINK_NOFOLLOW) == 0 && S_ISLNK(st.st_mode);
+}
+
+/* Opens the canonical folder when `last` is a name for a file or folder in it, beneath root; -1 and
+ * errno: EXDEV when it is none, or the folder is another by now. */
+static int hold_folder(const char *root, const char *folder, const char *last)
+{
+    bool allowed = is_part(last, strlen(last)) && behind(root, folder);
+    int fd = allowed ? open_behind(root, folder, O_PATH | O_DIRECTORY) : -1;
+    if (!allowed || (fd < 0 && was_swapped(errno)))
+        errno = EXDEV;
+    return fd;
+}
+
+static lf_status folder_errno(lf_error *err, const char *path)
+{
+    return lf_error_set(err, LF_E_PATH, path, "its folder cannot be opened: %s",
+                        lf_errno_text(errno));
+}
+
+/* folder "/" name, with the slash that a folder of views ends in. */
+static char *join(const char *folder, const char *name, const char *slash)
+{
+    size_t size = strlen(folder) + strlen(name) + 3;
+    char *joined = lf_calloc(size, 1);
+    if (joined)
+        snprintf(joined, size, "%s/%s%s", strcmp(folder, "/") == 0 ? "" : folder, name, slash);
+    return joined;
+}
+
+/* Takes the slashes off the end of name; whether there were any. */
+static bool cut_slashes(char *name)
+{
+    size_t n = strlen(name);
+    bool any = n > 1 && name[n - 1] == '/';
+    while (n > 1 && name[n - 1] == '/')
+        name[--n] = '\0';
+    return any;
+}
+
+lf_status lf_held_name_open(const char *root, const char *option, const char *path,
+                            lf_held_name *out, lf_error *err)
+{
+    char real[PATH_MAX];
+    char *name = path[0] == '/' ? lf_strdup(path) : join(root, path, "");
+    if (!name)
+        return no_memory(err, path);
+    const char *slash = cut_slashes(name) ? "/" : "", *last = strrchr(name, '/') + 1;
+    lf_held_name held = {.folder_fd = -1};
+    lf_status status = LF_OK;
+    if (!resolve_folder(name, last, real)) {
+        status = folder_errno(err, path);
+    } else {
+        held.folder_fd = hold_folder(root, real, last);
+        if (held.folder_fd < 0 && errno == EXDEV)
+            status =
+                lf_error_set(err, LF_E_PATH, path, "does not lie beneath the %s %s", option, root);
+        else if (held.folder_fd < 0)
+            status = folder_errno(err, path);
+        else if (is_link(held.folder_fd, last))
+            status = lf_error_set(err, LF_E_PATH, path, "is a symbolic link");
+    }
+    if (status == LF_OK)
+        held.path = join(real, last, slash);
+    if (status == LF_OK && !held.path)
+        status = no_memory(err, path);
+    lf_free(name);
+    if (status != LF_OK)
+        lf_held_name_finish(&held);
+    else
+        *out = held;
+    return status;
+}
+
+void lf_held_name_finish(lf_held_name *held)
+{
+    if (held->folder_fd >= 0)
+        close(held->folder_fd);
+    lf_free(held->path);
+    *held = (lf_held_name){.folder_fd = -1};
+}
+
+char *lf_held_path(int folder_fd, const char *name)
+{
+    char folder[64];
+    snprintf(folder, sizeof folder, "/proc/self/fd/%d", folder_fd);
+    return join(folder, name, "");
+}
+
+lf_status lf_held_folder(int folder_fd, const char *name, int *out_fd, bool *out_made,
+                         lf_error *err)
+{
+    bool made = mkdirat(folder_fd, name, 0777) == 0;
+    if (!made && errno != EEXIST)
+        return fail_errno(err, name, "cannot make the folder");
+    int fd = lf_beneath_open(folder_fd, name, O_PATH | O_DIRECTORY);
+    if (fd < 0)
+        return fail_errno(err, name, "cannot open the folder");
+    *out_fd = fd;
+    *out_made = made;
+    return LF_OK;
+}

@@ -1,0 +1,338 @@
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/thread.h"
+#include "base/wakeup.h"
+#include "daemon/engine/engine_internal.h"
+
+enum { NICER = 5 };
+
+/* -------------------------------------------------------------------------------- the thread -- */
+
+typedef enum next_step {
+    NEXT_STOP,
+    NEXT_REQUEST,
+    NEXT_CHANGES,
+    NEXT_RENDER,
+    NEXT_SETTLE
+} next_step;
+
+static next_step next_todo(const lf_engine *engine)
+{
+    if (engine->life.stop)
+        return NEXT_STOP;
+    if (engine->first)
+        return NEXT_REQUEST;
+    if (engine->controls_changed || engine->panel_changed)
+        return NEXT_CHANGES;
+    return engine_has_work(engine) ? NEXT_RENDER : NEXT_SETTLE;
+}
+
+/* Sleeps while there is nothing to do. What changed is copied out under the lock. */
+static next_step wait_for_work(lf_engine *engine, engine_request **out_request,
+                               lf_engine_controls *controls, engine_panel *panel)
+{
+    pthread_mutex_lock(&engine->lock);
+    next_step what = next_todo(engine);
+    while (what == NEXT_SETTLE && !engine->owed) {
+        pthread_cond_wait(&engine->wake, &engine->lock);
+        what = next_todo(engine);
+    }
+    if (what == NEXT_REQUEST) {
+        *out_request = engine->first;
+        engine->first = engine->first->next;
+        atomic_store_explicit(&engine->cancel, 0, memory_order_relaxed);
+    } else if (what == NEXT_CHANGES) {
+        *controls = engine->wanted.controls;
+        *panel = engine->wanted.panel;
+        engine->controls_changed = engine->panel_changed = false;
+    }
+    pthread_mutex_unlock(&engine->lock);
+    return what;
+}
+
+static void answer(lf_engine *engine, engine_request *request, lf_status status)
+{
+    pthread_mutex_lock(&engine->lock);
+    request->status = status;
+    request->done = true;
+    pthread_cond_broadcast(&engine->answered);
+    pthread_mutex_unlock(&engine->lock);
+}
+
+static void end(lf_engine *engine)
+{
+    if (!engine->spoiled)
+        engine_settle(engine);
+    engine_publish(engine);
+    pthread_mutex_lock(&engine->lock);
+    engine->life.ended = true;
+    for (engine_request *r = engine->first; r; r = r->next) {
+        r->status = lf_error_set(r->err, LF_E_CANCELLED, "", "the daemon is shutting down");
+        r->done = true;
+    }
+    engine->first = NULL;
+    pthread_cond_broadcast(&engine->answered);
+    pthread_mutex_unlock(&engine->lock);
+    lf_wakeup_signal(engine->event_fd);
+}
+
+/* Rendering takes all processors there are, for as long as there is something to render: whatever
+ * else the daemon does goes before it (commands, pushes, a panel that comes back). Threads inherit
+ * how nice they are, so the crew is made here. */
+static lf_status begin(lf_engine *engine)
+{
+    /* Without it all would work, only slower. */
+    (void)setpriority(PRIO_PROCESS, (id_t)gettid(), getpriority(PRIO_PROCESS, 0) + NICER);
+    lf_status status = lf_pool_create(engine->now.controls.threads, &engine->pool);
+    pthread_mutex_lock(&engine->lock);
+    engine->life.begun = true;
+    engine->life.status = status;
+    engine->life.ended = status != LF_OK;
+    pthread_cond_broadcast(&engine->answered);
+    pthread_mutex_unlock(&engine->lock);
+    return status;
+}
+
+static void *engine_main(void *context)
+{
+    lf_engine *engine = context;
+    if (begin(engine) != LF_OK)
+        return NULL;
+    for (;;) {
+        engine_request *request = NULL;
+        lf_engine_controls controls;
+        engine_panel panel;
+        switch (wait_for_work(engine, &request, &controls, &panel)) {
+        case NEXT_STOP:
+            end(engine);
+            return NULL;
+        case NEXT_REQUEST: {
+            lf_status status = request->run(engine, request);
+            engine_publish(engine); /* before the answer: who gets it may ask for the status next */
+            answer(engine, request, status);
+            break;
+        }
+        case NEXT_CHANGES:
+            engine_take_controls(engine, &controls);
+            engine_take_panel(engine, &panel);
+            break;
+        case NEXT_RENDER:
+            engine_batch(engine);
+            break;
+        case NEXT_SETTLE:
+            engine_settle(engine);
+            break;
+        }
+        engine_publish(engine);
+    }
+}
+
+void engine_publish(lf_engine *engine)
+{
+    lf_engine_status now = {
+        .generation = engine->generation,
+        .level = engine->level,
+        .passes = engine->spent.passes,
+        .seconds = engine->spent.seconds,
+        .cpu_seconds = engine->spent.cpu_seconds,
+        .spp = engine->renderer ? engine->spent.passes / engine->content->layout.n_views : -1,
+        .error_estimate = engine->look.stats.rel_mse_estimate,
+        .error_bound = engine->look.error_bound,
+        .missing = engine->renderer ? lf_picture_missing(&engine->picture) : 0,
+        .threads = lf_pool_threads(engine->pool),
+        .frames = engine->frames.n,
+    };
+    if (!engine->renderer)
+        now.state = LF_STATE_IDLE;
+    else if (engine->converged)
+        now.state = LF_STATE_CONVERGED;
+    else
+        now.state = engine->now.controls.paused ? LF_STATE_PAUSED : LF_STATE_RENDERING;
+    pthread_mutex_lock(&engine->lock);
+    bool changed = now.state != engine->status.state ||
+                   now.generation != engine->status.generation ||
+                   now.level != engine->status.level || now.frames != engine->status.frames;
+    engine->status = now;
+    pthread_mutex_unlock(&engine->lock);
+    if (changed)
+        lf_wakeup_signal(engine->event_fd);
+}
+
+/* ---------------------------------------------------------------------------- for the others -- */
+
+static lf_status start_thread(lf_engine *engine)
+{
+    lf_status status = lf_thread_start("lf-engine", engine_main, engine, &engine->life.thread);
+    engine->life.started = status == LF_OK;
+    pthread_mutex_lock(&engine->lock);
+    while (engine->life.started && !engine->life.begun)
+        pthread_cond_wait(&engine->answered, &engine->lock);
+    status = engine->life.started ? engine->life.status : status;
+    pthread_mutex_unlock(&engine->lock);
+    return status;
+}
+
+lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_engine **out_engine,
+                           lf_error *err)
+{
+    lf_engine *engine = lf_calloc(1, sizeof *engine);
+    if (!engine)
+        return lf_error_set(err, LF_E_NOMEM, "engine", "out of memory");
+    engine->event_fd = event_fd;
+    engine->wanted.controls = engine->now.controls = *controls;
+    engine->look.stats = (lf_render_stats){.rel_mse_estimate = -1};
+    engine->look.error_bound = -1;
+    pthread_mutex_init(&engine->lock, NULL);
+    pthread_cond_init(&engine->wake, NULL);
+    pthread_cond_init(&engine->answered, NULL);
+    lf_status status = lf_mailbox_init(&engine->mailbox, event_fd);
+    if (status == LF_OK)
+        status = start_thread(engine);
+    if (status != LF_OK) {
+        lf_engine_destroy(engine);
+        return lf_error_set(err, status, "engine", "cannot start its threads");
+    }
+    *out_engine = engine;
+    return LF_OK;
+}
+
+void lf_engine_stop(lf_engine *engine, bool cancel)
+{
+    pthread_mutex_lock(&engine->lock);
+    engine->life.stop = true;
+    if (cancel)
+        atomic_store_explicit(&engine->cancel, 1, memory_order_relaxed);
+    pthread_cond_broadcast(&engine->wake);
+    pthread_mutex_unlock(&engine->lock);
+}
+
+bool lf_engine_stopped(lf_engine *engine)
+{
+    pthread_mutex_lock(&engine->lock);
+    bool ended = engine->life.ended;
+    pthread_mutex_unlock(&engine->lock);
+    return ended;
+}
+
+void lf_engine_destroy(lf_engine *engine)
+{
+    if (!engine)
+        return;
+    if (engine->life.started) {
+        lf_engine_stop(engine, true);
+        pthread_join(engine->life.thread, NULL);
+    }
+    lf_interlacer_destroy(engine->interlacer);
+    lf_renderer_destroy(engine->renderer);
+    lf_picture_finish(&engine->picture);
+    lf_content_unref(engine->content);
+    lf_pool_destroy(engine->pool);
+    lf_mailbox_finish(&engine->mailbox);
+    pthread_cond_destroy(&engine->answered);
+    pthread_cond_destroy(&engine->wake);
+    pthread_mutex_destroy(&engine->lock);
+    lf_free(engine);
+}
+
+/* Waits until the thread has run it. A commit goes before everything else: it makes what they wait
+ * for obsolete, and the pass that it cancels is of no use to them. */
+static lf_status call(lf_engine *engine, engine_request *request, bool urgent)
+{
+    pthread_mutex_lock(&engine->lock);
+    if (engine->life.stop) {
+        pthread_mutex_unlock(&engine->lock);
+        return lf_error_set(request->err, LF_E_CANCELLED, "", "the daemon is shutting down");
+    }
+    engine_request **at = &engine->first;
+    while (*at && !urgent)
+        at = &(*at)->next;
+    request->next = *at;
+    *at = request;
+    if (urgent)
+        atomic_store_explicit(&engine->cancel, 1, memory_order_relaxed);
+    pthread_cond_broadcast(&engine->wake);
+    while (!request->done)
+        pthread_cond_wait(&engine->answered, &engine->lock);
+    pthread_mutex_unlock(&engine->lock);
+    return request->status;
+}
+
+lf_status lf_engine_commit(lf_engine *engine, lf_content *content, int restore_fd,
+                           int64_t *out_generation, bool *out_restored, lf_error *err)
+{
+    engine_request request = {
+        .run = engine_run_commit, .err = err, .content = content, .restore_fd = restore_fd};
+    lf_status status = call(engine, &request, true);
+    if (status == LF_OK) {
+        *out_generation = request.generation;
+        if (out_restored)
+            *out_restored = request.restored;
+    }
+    return status;
+}
+
+lf_status lf_engine_snapshot(lf_engine *engine, lf_snapshot *out, lf_error *err)
+{
+    engine_request request = {.run = engine_run_snapshot, .err = err, .snapshot = out};
+    *out = (lf_snapshot){0};
+    return call(engine, &request, false);
+}
+
+lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, bool yields, lf_error *err)
+{
+    engine_request request = {.run = engine_run_save, .err = err, .file = file};
+    if (lf_engine_stopped(engine))
+        return engine_run_save(engine, &request);
+    request.yields = yields;
+    return call(engine, &request, false);
+}
+
+void lf_snapshot_finish(lf_snapshot *snapshot)
+{
+    lf_content_unref(snapshot->content);
+    lf_free(snapshot->film);
+    *snapshot = (lf_snapshot){0};
+}
+
+void lf_engine_set_controls(lf_engine *engine, const lf_engine_controls *controls)
+{
+    pthread_mutex_lock(&engine->lock);
+    engine->wanted.controls = *controls;
+    engine->controls_changed = true;
+    pthread_cond_broadcast(&engine->wake);
+    pthread_mutex_unlock(&engine->lock);
+}
+
+lf_engine_controls lf_engine_get_controls(lf_engine *engine)
+{
+    pthread_mutex_lock(&engine->lock);
+    lf_engine_controls controls = engine->wanted.controls;
+    pthread_mutex_unlock(&engine->lock);
+    return controls;
+}
+
+void lf_engine_set_panel(lf_engine *engine, const lf_calibration *calibration, uint64_t panel,
+                         bool views)
+{
+    pthread_mutex_lock(&engine->lock);
+    engine->wanted.panel = (engine_panel){.present = calibration, .views = views, .number = panel};
+    if (calibration)
+        engine->wanted.panel.calibration = *calibration;
+    engine->panel_changed = true;
+    pthread_cond_broadcast(&engine->wake);
+    pthread_mutex_unlock(&engine->lock);
+}
+
+void lf_engine_get_status(lf_engine *engine, lf_engine_status *out)
+{
+    pthread_mutex_lock(&engine->lock);
+    *out = engine->status;
+    pthread_mutex_unlock(&engine->lock);
+}
+
+lf_mailbox *lf_engine_mailbox(lf_engine *engine)
+{
+    return &engine->mailbox;
+}

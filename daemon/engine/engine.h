@@ -1,0 +1,92 @@
+/* engine: one thread that owns the renderer, its workers and the picture, renders what is shown
+ * in batches of about a tenth of a second and posts panel frames to the mailbox. It sleeps without
+ * waking while there is nothing to do.
+ *
+ * Threads: functions marked (blocks) wait for the engine's thread and are for the loader's and the
+ * export jobs' threads; all others return at once and may be called from anywhere. */
+#ifndef LF_DAEMON_ENGINE_H
+#define LF_DAEMON_ENGINE_H
+
+#include "daemon/engine/mailbox.h"
+#include "daemon/output/content.h"
+#include "daemon/output/output.h"
+
+typedef struct lf_engine lf_engine;
+
+/* How to render; changes take effect at the next batch, threads with the next commit. */
+typedef struct lf_engine_controls {
+    lf_estimator estimator;
+    double target_error; /* converged below this relMSE */
+    int threads;         /* 0 = all CPUs */
+    bool paused;
+} lf_engine_controls;
+
+typedef enum lf_engine_state {
+    LF_STATE_IDLE,
+    LF_STATE_RENDERING,
+    LF_STATE_CONVERGED,
+    LF_STATE_PAUSED
+} lf_engine_state;
+
+typedef struct lf_engine_status {
+    lf_engine_state state;
+    int64_t generation;
+    lf_level level; /* of the picture now */
+    double passes, seconds, cpu_seconds;
+    double spp, error_estimate; /* mean native samples a view pixel; < 0 = not known */
+    /* of the relMSE, at the last look (95 %); < 0 = the estimate was never below the target */
+    double error_bound;
+    int64_t missing; /* view pixels not found yet */
+    int threads;
+    uint64_t frames; /* composed so far */
+} lf_engine_status;
+
+/* Starts the thread. event_fd (borrowed) becomes readable after frames and changes of state. */
+LF_NODISCARD lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd,
+                                        lf_engine **out_engine, lf_error *err);
+/* Asks it to end: cancel false lets the batch in progress end and its frame be posted. */
+void lf_engine_stop(lf_engine *engine, bool cancel);
+/* True when the thread has nothing more to do after lf_engine_stop (it can be joined without
+ * waiting). */
+bool lf_engine_stopped(lf_engine *engine);
+/* Stops, joins, frees. Accepts NULL. */
+void lf_engine_destroy(lf_engine *engine);
+
+/* (blocks) Shows another content: the pass in progress is cancelled, the picture starts over. A
+ * reference is taken. On failure the old picture stays (from its start when a pass was under way).
+ * restore_fd >= 0 (borrowed): an accumulation to go on with; one that does not match is left aside
+ * and *out_restored (may be NULL) false. */
+LF_NODISCARD lf_status lf_engine_commit(lf_engine *engine, lf_content *content, int restore_fd,
+                                        int64_t *out_generation, bool *out_restored, lf_error *err);
+
+void lf_engine_set_controls(lf_engine *engine, const lf_engine_controls *controls);
+lf_engine_controls lf_engine_get_controls(lf_engine *engine);
+/* The panel to interlace for (NULL = none); panel is the number its frames carry. views: the device
+ * wants the views too. */
+void lf_engine_set_panel(lf_engine *engine, const lf_calibration *calibration, uint64_t panel,
+                         bool views);
+
+void lf_engine_get_status(lf_engine *engine, lf_engine_status *out);
+lf_mailbox *lf_engine_mailbox(lf_engine *engine);
+
+/* A light field as it was at the end of a batch, to export. */
+typedef struct lf_snapshot {
+    lf_content *content; /* a reference */
+    float *film;         /* [row][view][column][3]; NULL for a quilt picture */
+    lf_output_source source;
+    lf_estimator estimator;
+    lf_render_stats stats;
+    int64_t generation;
+} lf_snapshot;
+
+/* (blocks) LF_E_STATE: nothing is shown. Release with lf_snapshot_finish. */
+LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_snapshot *out, lf_error *err);
+void lf_snapshot_finish(lf_snapshot *snapshot);
+/* (blocks) Writes the accumulation between two batches; the caller commits file. LF_E_STATE: no
+ * scene is shown. yields: a commit, which makes the accumulation obsolete, does not wait for it
+ * (LF_E_CANCELLED). Works after lf_engine_stop(engine, false) too, from any thread, once
+ * lf_engine_stopped, and is then not given up. */
+LF_NODISCARD lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, bool yields,
+                                      lf_error *err);
+
+#endif

@@ -1,0 +1,116 @@
+/* The inside of the engine, shared by engine.c (thread, requests, what others see) and
+ * engine_render.c (what the thread does between two looks at its requests). */
+#ifndef LF_DAEMON_ENGINE_INTERNAL_H
+#define LF_DAEMON_ENGINE_INTERNAL_H
+
+#include <pthread.h>
+
+#include "daemon/engine/engine.h"
+#include "daemon/engine/picture.h"
+#include "daemon/engine/schedule.h"
+
+/* A call that waits for the engine's thread; lives on the caller's stack. */
+typedef struct engine_request {
+    lf_status (*run)(lf_engine *engine, struct engine_request *request);
+    struct engine_request *next;
+    bool done;
+    lf_status status;
+    lf_error *err;
+    /* of a commit */
+    lf_content *content;
+    int restore_fd;
+    int64_t generation;
+    bool restored;
+    /* of the others */
+    lf_snapshot *snapshot;
+    lf_outfile *file;
+    bool yields; /* saving: gives up for a commit */
+} engine_request;
+
+typedef struct engine_panel {
+    bool present, views;
+    uint64_t number;
+    lf_calibration calibration;
+} engine_panel;
+
+/* What others ask for, and what of it is in force. */
+typedef struct engine_orders {
+    lf_engine_controls controls;
+    engine_panel panel;
+} engine_orders;
+
+/* The frames posted, and the last one: when it was begun, and how long it took. */
+typedef struct engine_frames {
+    uint64_t n, n_before; /* n_before: before this content */
+    double at, cost;
+} engine_frames;
+
+/* What rendering took so far; passes: mean over rows. */
+typedef struct engine_spent {
+    double passes, seconds, cpu_seconds;
+} engine_spent;
+
+/* Counters and the error bound (< 0 = none), when they were last looked at, what that took. */
+typedef struct engine_look {
+    lf_render_stats stats;
+    double at, cost, views_at;
+    double error_bound, bound_passes; /* after how many passes */
+} engine_look;
+
+/* The thread's life; all but thread and started under lock. status: how it began. */
+typedef struct engine_life {
+    pthread_t thread;
+    bool started, begun, stop, ended;
+    lf_status status;
+} engine_life;
+
+struct lf_engine {
+    engine_life life;
+    int event_fd;
+    lf_cancel cancel;
+    lf_mailbox mailbox;
+
+    pthread_mutex_t lock;
+    pthread_cond_t wake, answered;
+    /* under lock */
+    engine_request *first;
+    bool controls_changed, panel_changed;
+    engine_orders wanted;
+    lf_engine_status status;
+
+    /* the thread's own (and everybody's once it has ended) */
+    engine_orders now;
+    lf_pool *pool;
+    lf_renderer *renderer;
+    lf_content *content;
+    lf_picture picture;
+    lf_schedule schedule;
+    lf_interlacer *interlacer;
+    lf_layout interlaced; /* what it is for */
+    int64_t generation;
+    lf_level level;
+    bool spoiled; /* a cancelled pass left rows unfinished */
+    bool converged;
+    bool owed; /* the picture changed since the last frame */
+    engine_spent spent;
+    engine_frames frames;
+    engine_look look;
+};
+
+/* True when there is something to render. */
+bool engine_has_work(const lf_engine *engine);
+/* One batch and its frame. */
+void engine_batch(lf_engine *engine);
+/* Posts the frame that is owed, when there is one, and brings the counters up to date. */
+void engine_settle(lf_engine *engine);
+/* Takes over controls or a panel that changed. */
+void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls);
+void engine_take_panel(lf_engine *engine, const engine_panel *panel);
+/* What the requests run. */
+lf_status engine_run_commit(lf_engine *engine, engine_request *request);
+lf_status engine_run_snapshot(lf_engine *engine, engine_request *request);
+lf_status engine_run_save(lf_engine *engine, engine_request *request);
+/* Makes the thread's state visible to lf_engine_get_status. */
+void engine_publish(lf_engine *engine);
+
+#endif

@@ -1,0 +1,419 @@
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "daemon/engine/engine_internal.h"
+
+/* How long a batch may take: short until the picture is complete, then longer, since every frame
+ * costs as much, but not so long that a picture that changes would be seen to stand still. */
+#define BATCH_SECONDS 0.12
+#define BATCH_SECONDS_COMPLETE 0.2
+/* Frames are at least so far apart, while the picture is incomplete and later: small pictures have
+ * short batches. */
+#define FRAME_SECONDS 0.03
+#define FRAME_SECONDS_COMPLETE 0.1
+/* Composing frames gets at most this share of the time, but for the first coarse and the first
+ * complete one. */
+#define FRAME_SHARE 0.2
+/* Views are copied for devices that show them at most this often. */
+#define VIEWS_SECONDS 0.45
+/* The error estimate reads the whole film: it gets at most a twentieth of the time. */
+#define STATS_SHARE 0.05
+#define MAX_SPP 65536
+
+bool engine_has_work(const lf_engine *engine)
+{
+    return engine->renderer && !engine->now.controls.paused && !engine->converged;
+}
+
+static double batch_seconds(const lf_engine *engine)
+{
+    return engine->level < LF_LEVEL_COMPLETE ? BATCH_SECONDS : BATCH_SECONDS_COMPLETE;
+}
+
+static void update_stats(lf_engine *engine, bool now)
+{
+    double start = lf_time_now();
+    if (!engine->renderer || (!now && (start - engine->look.at) * STATS_SHARE < engine->look.cost))
+        return;
+    lf_renderer_stats(engine->renderer, &engine->look.stats);
+    engine->look.at = lf_time_now();
+    engine->look.cost = engine->look.at - start;
+}
+
+/* The estimate says when it is worth to look at the bound, which takes as long as two resolves;
+ * looks are a tenth of the passes apart. */
+static bool reached_target(lf_engine *engine)
+{
+    double target = engine->now.controls.target_error;
+    if (!(engine->look.stats.rel_mse_estimate >= 0 && engine->look.stats.rel_mse_estimate < target))
+        return false;
+    if (engine->spent.passes >= 1.1 * engine->look.bound_passes) {
+        engine->look.error_bound = lf_renderer_error_bound(
+            engine->renderer, engine->picture.estimator, LF_ERROR_ALPHA, NULL);
+        engine->look.bound_passes = engine->spent.passes;
+    }
+    return engine->look.error_bound >= 0 && engine->look.error_bound < target;
+}
+
+static void check_converged(lf_engine *engine)
+{
+    bool enough = engine->spent.passes >= (double)MAX_SPP * engine->schedule.n_views;
+    if (lf_schedule_has_halves(&engine->schedule) && engine->level >= LF_LEVEL_COARSE &&
+        (enough || reached_target(engine))) {
+        engine->converged = true;
+        engine->owed = true;
+    }
+}
+
+/* ------------------------------------------------------------------------------------ frames -- */
+
+/* What to show, and how good it is. *out_blank: view pixels that there is nothing for anywhere
+ * near. */
+static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
+{
+    *out_blank = 0;
+    if (!engine->content->scene && !engine->content->quilt.is_float) {
+        engine->level = LF_LEVEL_CONVERGED;
+        return engine->content->quilt.views8;
+    }
+    int64_t unfilled;
+    lf_views8 views = lf_picture_views(&engine->picture, engine->pool, &unfilled, out_blank);
+    bool final = engine->converged || !engine->content->scene;
+    if (unfilled > 0) {
+        lf_log(LF_LOG_DEBUG, "%.2f passes: %lld view pixels missing, %lld out of reach",
+               engine->spent.passes, (long long)lf_picture_missing(&engine->picture),
+               (long long)unfilled);
+        engine->level = LF_LEVEL_NONE;
+    } else if (final) {
+        engine->level = LF_LEVEL_CONVERGED;
+    } else {
+        engine->level = views.data == engine->picture.filled ? LF_LEVEL_COARSE : LF_LEVEL_COMPLETE;
+    }
+    return views;
+}
+
+static void drop_interlacer(lf_engine *engine)
+{
+    lf_interlacer_destroy(engine->interlacer);
+    engine->interlacer = NULL;
+}
+
+static bool same_views(const lf_layout *a, const lf_layout *b)
+{
+    return a->n_views == b->n_views && a->view_width == b->view_width &&
+           a->view_height == b->view_height && a->aspect == b->aspect;
+}
+
+/* The interlacer for the content and the panel there are now; NULL when there is nothing to
+ * interlace for. A move of the camera keeps it. */
+static const lf_interlacer *interlacer_now(lf_engine *engine)
+{
+    const lf_layout *layout = &engine->content->layout;
+    if (engine->interlacer && !same_views(layout, &engine->interlaced))
+        drop_interlacer(engine);
+    if (!engine->interlacer && engine->now.panel.present) {
+        lf_error err;
+        engine->interlaced = *layout;
+        lf_status status =
+            lf_interlacer_create(&engine->now.panel.calibration, layout->n_views,
+                                 layout->view_width, layout->view_height, layout->aspect,
+                                 LF_FILTER_NEAREST, LF_INVERT_AUTO, &engine->interlacer, &err);
+        if (status != LF_OK) {
+            lf_log_error(&err);
+            engine->now.panel.present = false;
+        }
+    }
+    return engine->interlacer;
+}
+
+static void post_frame(lf_engine *engine, bool final)
+{
+    engine->owed = false;
+    engine->frames.at = lf_time_now();
+    int64_t blank;
+    lf_views8 views = views_now(engine, &blank);
+    if (blank > 0)
+        return;
+    const lf_interlacer *interlacer = interlacer_now(engine);
+    const lf_calibration *panel = &engine->now.panel.calibration;
+    lf_frame *frame = lf_mailbox_begin(&engine->mailbox, interlacer ? panel->screen_width_px : 0,
+                                       interlacer ? panel->screen_height_px : 0);
+    if (!frame) {
+        lf_log(LF_LOG_ERROR, "out of memory for a panel frame");
+        return;
+    }
+    frame->generation = engine->generation;
+    frame->level = engine->level;
+    frame->passes = engine->spent.passes;
+    frame->columns = engine->content->layout.columns;
+    frame->rows = engine->content->layout.rows;
+    frame->panel = engine->now.panel.number;
+    if (interlacer) {
+        lf_interlace(interlacer, &views, &frame->image, engine->pool);
+        lf_mailbox_compare(&engine->mailbox, frame);
+    }
+    double now = lf_time_now();
+    if (engine->now.panel.views && (final || now - engine->look.views_at > VIEWS_SECONDS)) {
+        lf_mailbox_attach(&engine->mailbox, frame, &views);
+        engine->look.views_at = now;
+    }
+    engine->frames.n++;
+    engine->frames.cost = lf_time_now() - engine->frames.at;
+    engine_publish(engine); /* before the frame: whoever sees it may ask for the status next */
+    lf_mailbox_post(&engine->mailbox, frame);
+}
+
+/* One was posted just now; or nobody has taken the last one yet, and it says no less than the one
+ * there would be now: another one is not worth its interlacing. It stays owed. */
+static bool frame_can_wait(lf_engine *engine)
+{
+    lf_mailbox *mailbox = &engine->mailbox;
+    bool complete = lf_picture_missing(&engine->picture) == 0;
+    bool news = (engine->level < LF_LEVEL_COMPLETE && complete) ||
+                engine->frames.n == engine->frames.n_before;
+    double apart = engine->level < LF_LEVEL_COMPLETE ? FRAME_SECONDS : FRAME_SECONDS_COMPLETE;
+    if (engine->level > LF_LEVEL_NONE && apart < engine->frames.cost / FRAME_SHARE)
+        apart = engine->frames.cost / FRAME_SHARE;
+    if (!news && lf_time_now() - engine->frames.at < apart)
+        return true;
+    pthread_mutex_lock(&mailbox->lock);
+    const lf_frame *ready = mailbox->ready >= 0 ? &mailbox->slot[mailbox->ready] : NULL;
+    bool wait = ready && ready->generation == engine->generation &&
+                ready->panel == engine->now.panel.number && ready->level == engine->level &&
+                (ready->level >= LF_LEVEL_COMPLETE || !complete) && ready->level != LF_LEVEL_NONE;
+    pthread_mutex_unlock(&mailbox->lock);
+    return wait;
+}
+
+/* Native samples for pixels that no shared path has reached: first so many that a coarse frame is
+ * whole, then for all of them, until the picture is complete. */
+static int hole_reach(const lf_engine *engine, const lf_batch *batch)
+{
+    if (engine->level >= LF_LEVEL_COMPLETE)
+        return -1;
+    return batch->coarse ? LF_COARSE_REACH : 0;
+}
+
+void engine_batch(lf_engine *engine)
+{
+    lf_batch batch = lf_schedule_next(&engine->schedule, batch_seconds(engine));
+    double start = lf_time_now();
+    double cpu = lf_time_cpu();
+    lf_status status = LF_OK;
+    engine->picture.sampled = engine->spent.passes >= engine->schedule.n_views;
+    if (batch.n_rows > 0)
+        status = lf_renderer_pass_filling(
+            engine->renderer, &(lf_part){.first_row = batch.first, .row_step = batch.step},
+            batch.subsets, hole_reach(engine, &batch), lf_picture_row, &engine->picture,
+            &engine->cancel);
+    if (status != LF_OK) {
+        engine->spoiled = true;
+        return;
+    }
+    double seconds = lf_time_now() - start;
+    engine->spent.seconds += seconds;
+    engine->spent.cpu_seconds += lf_time_cpu() - cpu;
+    engine->spent.passes += (double)batch.n_rows * batch.subsets / engine->schedule.height;
+    engine->owed = true;
+    bool swept = lf_schedule_done(&engine->schedule, &batch, seconds);
+    update_stats(engine, swept && engine->schedule.sweep <= 4);
+    check_converged(engine);
+    if (engine->converged || (lf_schedule_covers(&engine->schedule) && !frame_can_wait(engine)))
+        post_frame(engine, engine->converged);
+}
+
+void engine_settle(lf_engine *engine)
+{
+    if (!engine->content)
+        engine->owed = false;
+    if (engine->owed) {
+        update_stats(engine, true);
+        post_frame(engine, true);
+    }
+}
+
+/* ----------------------------------------------------------------------------------- changes -- */
+
+void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls)
+{
+    bool resolve = controls->estimator != engine->now.controls.estimator;
+    if (controls->target_error < engine->now.controls.target_error || resolve)
+        engine->converged = false;
+    engine->owed = engine->owed || resolve || controls->paused != engine->now.controls.paused;
+    engine->now.controls = *controls;
+    engine->picture.estimator = controls->estimator;
+    if (resolve && engine->renderer)
+        lf_picture_resolve(&engine->picture, engine->pool);
+    if (engine->renderer && !engine->converged)
+        check_converged(engine);
+}
+
+void engine_take_panel(lf_engine *engine, const engine_panel *panel)
+{
+    if (panel->number != engine->now.panel.number) {
+        engine->now.panel = *panel;
+        engine->owed = true;
+        drop_interlacer(engine);
+    }
+}
+
+static lf_status restore(lf_engine *engine, engine_request *request)
+{
+    lf_error err;
+    lf_status status = lf_renderer_restore(engine->renderer, request->restore_fd, &err);
+    if (status != LF_OK) {
+        lf_log(LF_LOG_INFO, "the saved state is left aside: %s", err.what);
+        return status;
+    }
+    request->restored = true;
+    update_stats(engine, true);
+    engine->spent.passes = engine->look.stats.passes;
+    engine->picture.sampled = engine->spent.passes >= request->content->layout.n_views;
+    lf_picture_resolve(&engine->picture, engine->pool);
+    engine->owed = true;
+    return LF_OK;
+}
+
+static lf_status change_threads(lf_engine *engine, lf_error *err)
+{
+    int wanted = engine->now.controls.threads != 0 ? engine->now.controls.threads : lf_cpu_count();
+    if (wanted == lf_pool_threads(engine->pool))
+        return LF_OK;
+    lf_pool *pool;
+    lf_status status = lf_pool_create(wanted, &pool);
+    if (status != LF_OK)
+        return lf_error_set(err, status, "threads", "cannot start %d threads", wanted);
+    lf_renderer_destroy(engine->renderer);
+    engine->renderer = NULL;
+    lf_pool_destroy(engine->pool);
+    engine->pool = pool;
+    return LF_OK;
+}
+
+/* Film and picture for a content. */
+static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
+{
+    lf_status status;
+    if (!content->scene) {
+        lf_renderer_destroy(engine->renderer);
+        engine->renderer = NULL;
+    } else if (engine->renderer) {
+        status = lf_renderer_restart(engine->renderer, content->scene, &content->settings, err);
+        if (status != LF_OK)
+            return status;
+    } else {
+        status = lf_renderer_create(content->scene, &content->settings, engine->pool,
+                                    &engine->renderer, err);
+        if (status != LF_OK)
+            return status;
+    }
+    if (!content->scene && !content->quilt.is_float)
+        return LF_OK;
+    const lf_layout *layout = &content->layout;
+    status =
+        lf_picture_shape(&engine->picture, layout->n_views, layout->view_width, layout->view_height,
+                         lf_pool_threads(engine->pool), &content->film, err);
+    if (status != LF_OK)
+        return status;
+    engine->picture.renderer = engine->renderer;
+    engine->picture.estimator = engine->now.controls.estimator;
+    if (!content->scene)
+        lf_picture_take(&engine->picture, &content->quilt.views32);
+    return LF_OK;
+}
+
+static void start_over(lf_engine *engine)
+{
+    engine->spoiled = engine->converged = false;
+    engine->owed = engine->content && !engine->content->scene;
+    engine->level = LF_LEVEL_NONE;
+    engine->spent.passes = engine->spent.seconds = engine->spent.cpu_seconds = 0;
+    engine->look.stats = (lf_render_stats){.rel_mse_estimate = -1};
+    engine->look.error_bound = -1;
+    engine->look.bound_passes = 0;
+    engine->look.at = 0;
+    engine->frames.n_before = engine->frames.n;
+}
+
+/* The old content again, after a new one could not be set up. */
+static void recover(lf_engine *engine)
+{
+    if (!engine->content || set_up(engine, engine->content, NULL) != LF_OK) {
+        lf_renderer_destroy(engine->renderer);
+        engine->renderer = NULL;
+        lf_content_unref(engine->content);
+        engine->content = NULL;
+    }
+    start_over(engine);
+    if (engine->content)
+        lf_schedule_start(&engine->schedule, engine->content->layout.view_height,
+                          engine->content->layout.n_views, 0);
+}
+
+lf_status engine_run_commit(lf_engine *engine, engine_request *request)
+{
+    pthread_mutex_lock(&engine->lock);
+    engine->now.controls = engine->wanted.controls;
+    pthread_mutex_unlock(&engine->lock);
+    lf_content *content = request->content;
+    lf_status status = change_threads(engine, request->err);
+    if (status == LF_OK)
+        status = set_up(engine, content, request->err);
+    if (status != LF_OK) {
+        recover(engine);
+        return status;
+    }
+    lf_content *before = engine->content;
+    engine->content = lf_content_ref(content);
+    start_over(engine);
+    lf_content_unref(before);
+    request->generation = ++engine->generation;
+    if (content->scene && request->restore_fd >= 0)
+        (void)restore(engine, request);
+    lf_schedule_start(&engine->schedule, content->layout.view_height, content->layout.n_views,
+                      engine->spent.passes);
+    return LF_OK;
+}
+
+/* ----------------------------------------------------------------------------------- exports -- */
+
+lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
+{
+    lf_content *content = engine->content;
+    lf_snapshot *out = request->snapshot;
+    if (!content || engine->spoiled)
+        return lf_error_set(request->err, LF_E_STATE, "", "there is no picture to export");
+    if (content->scene) {
+        const lf_layout *layout = &content->layout;
+        size_t pixels =
+            (size_t)layout->n_views * (size_t)layout->view_width * (size_t)layout->view_height;
+        out->film = lf_calloc(pixels, 3 * sizeof *out->film);
+        if (!out->film)
+            return lf_error_set(request->err, LF_E_NOMEM, "", "out of memory for the views");
+        lf_status status =
+            lf_renderer_resolve(engine->renderer, engine->now.controls.estimator, out->film, NULL);
+        if (status != LF_OK) {
+            lf_snapshot_finish(out);
+            return lf_error_set(request->err, status, "", "nothing has been rendered yet");
+        }
+        lf_picture_fill(&engine->picture, engine->pool, out->film);
+        out->source = lf_output_from_film(&content->settings, out->film);
+        update_stats(engine, true);
+    } else {
+        out->source = lf_output_from_quilt(&content->quilt);
+    }
+    out->content = lf_content_ref(content);
+    out->estimator = engine->now.controls.estimator;
+    out->stats = engine->look.stats;
+    out->generation = engine->generation;
+    return LF_OK;
+}
+
+lf_status engine_run_save(lf_engine *engine, engine_request *request)
+{
+    if (!engine->renderer || engine->spoiled)
+        return lf_error_set(request->err, LF_E_STATE, "", "there is no accumulation to save");
+    return lf_renderer_save(engine->renderer, request->file,
+                            request->yields ? &engine->cancel : NULL, request->err);
+}

@@ -1,0 +1,274 @@
+#include "daemon/engine/loader.h"
+
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "daemon/engine/folder.h"
+#include "daemon/threads/worker.h"
+
+struct lf_loader {
+    lf_engine *engine;
+    const lf_roots *roots;
+    lf_worker *worker;
+    lf_content *content; /* the worker's own: what was committed last */
+};
+
+lf_load *lf_load_create(lf_load_kind kind)
+{
+    lf_load *load = lf_calloc(1, sizeof *load);
+    if (load) {
+        load->kind = kind;
+        load->zoom = 1;
+        load->restore_fd = -1;
+    }
+    return load;
+}
+
+void lf_load_destroy(lf_load *load)
+{
+    lf_free(load->file);
+    json_decref(load->patch);
+    lf_content_unref(load->content);
+    if (load->restore_fd >= 0)
+        close(load->restore_fd);
+    lf_free(load);
+}
+
+/* ------------------------------------------------------------------------------------- orbit -- */
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static bool normalize(double v[3])
+{
+    double length = sqrt(dot(v, v));
+    for (int i = 0; i < 3 && length > 0; i++)
+        v[i] /= length;
+    return length > 0;
+}
+
+void lf_orbit_camera(const lf_camera *camera, double yaw, double pitch, double zoom,
+                     double out_position[3])
+{
+    const double degree = acos(-1.0) / 180.0;
+    const double limit = 89.0 * degree;
+    double up[3] = {camera->up[0], camera->up[1], camera->up[2]};
+    double arm[3], flat[3], side[3];
+    for (int i = 0; i < 3; i++) {
+        arm[i] = camera->position[i] - camera->target[i];
+        out_position[i] = camera->position[i];
+    }
+    double distance = sqrt(dot(arm, arm));
+    if (!normalize(up) || !normalize(arm))
+        return;
+    double height = dot(arm, up);
+    for (int i = 0; i < 3; i++)
+        flat[i] = arm[i] - height * up[i];
+    if (!normalize(flat))
+        return;
+    side[0] = up[1] * flat[2] - up[2] * flat[1];
+    side[1] = up[2] * flat[0] - up[0] * flat[2];
+    side[2] = up[0] * flat[1] - up[1] * flat[0];
+    double elevation = asin(fmin(1, fmax(-1, height)));
+    /* A camera that the scene itself put nearer to a pole than the limit is only kept from going
+     * further. */
+    double most = fmax(limit, fabs(elevation));
+    elevation = fmin(most, fmax(-most, elevation + pitch * degree));
+    for (int i = 0; i < 3; i++) {
+        double direction =
+            cos(elevation) * (cos(yaw * degree) * flat[i] + sin(yaw * degree) * side[i]) +
+            sin(elevation) * up[i];
+        out_position[i] = camera->target[i] + distance / zoom * direction;
+    }
+}
+
+static json_t *orbit_patch(const lf_scene *scene, const lf_load *load)
+{
+    const lf_camera *camera = lf_scene_camera(scene);
+    double p[3];
+    lf_orbit_camera(camera, load->yaw, load->pitch, load->zoom, p);
+    json_t *patch = json_pack("{s:{s:[f,f,f]}}", "camera", "position", p[0], p[1], p[2]);
+    /* What is in focus stays in focus. */
+    if (json_object_get(json_object_get(lf_scene_json(scene), "camera"), "focus_distance"))
+        json_object_set_new(json_object_get(patch, "camera"), "focus_distance",
+                            json_real(camera->focus_distance / load->zoom));
+    return patch;
+}
+
+/* ------------------------------------------------------------------------------------ contents --
+ */
+
+static lf_status stage_of_scene(const lf_load *load, lf_scene *scene, const char *file,
+                                lf_content **out, lf_error *err)
+{
+    lf_status status = lf_content_from_scene(
+        scene, file, &load->options, load->has_calibration ? &load->calibration : NULL, out, err);
+    lf_scene_unref(scene);
+    return status;
+}
+
+static lf_status turn_pages(lf_load *load)
+{
+    char *path = NULL;
+    lf_status status =
+        load->step != 0 ? lf_folder_neighbour(load->file, load->step, &path, &load->err) : LF_OK;
+    if (path) {
+        lf_free(load->file);
+        load->file = path;
+    }
+    return status;
+}
+
+static lf_status load_file(const lf_loader *loader, lf_load *load, lf_content **out)
+{
+    lf_status status = turn_pages(load);
+    if (status != LF_OK)
+        return status;
+    int columns, rows;
+    double aspect;
+    const char *dot = strrchr(load->file, '.');
+    bool named = lf_layout_from_name(load->file, &columns, &rows, &aspect);
+    /* What is named as a quilt's picture but is none is told so, and not that it is no JSON. */
+    bool meant = named && dot && strcmp(dot, ".json") != 0;
+    if (meant || lf_is_quilt(load->file, loader->roots)) {
+        lf_options options = load->options;
+        if (named && (!load->meant || strcmp(load->file, load->meant) != 0))
+            options.columns = options.rows = 0;
+        return lf_content_from_quilt(load->file, loader->roots, &options, out, &load->err);
+    }
+    lf_scene *scene = NULL;
+    const lf_scene *previous = loader->content ? loader->content->scene : NULL;
+    status = lf_scene_load(load->file, loader->roots, previous, &scene, &load->err);
+    if (status == LF_OK)
+        lf_log_warnings(scene, NULL);
+    return status == LF_OK ? stage_of_scene(load, scene, load->file, out, &load->err) : status;
+}
+
+static lf_status load_patch(const lf_loader *loader, lf_load *load, const json_t *patch,
+                            lf_content **out)
+{
+    const lf_content *now = loader->content;
+    json_t *doc = patch ? lf_json_merge_patch(lf_scene_json(now->scene), patch) : NULL;
+    if (!doc)
+        return lf_error_set(&load->err, LF_E_NOMEM, now->file, "out of memory");
+    lf_scene *scene = NULL;
+    lf_status status = lf_scene_from_json(doc, lf_scene_folder(now->scene), now->file,
+                                          loader->roots, now->scene, &scene, &load->err);
+    json_decref(doc);
+    if (status == LF_OK)
+        lf_log_warnings(scene, now->scene);
+    return status == LF_OK ? stage_of_scene(load, scene, now->file, out, &load->err) : status;
+}
+
+static bool same_settings(const lf_content *a, const lf_content *b)
+{
+    const lf_render_settings *s = &a->settings, *t = &b->settings;
+    const char *left = s->integrator ? s->integrator : "",
+               *right = t->integrator ? t->integrator : "";
+    return a->layout.columns == b->layout.columns && a->layout.rows == b->layout.rows &&
+           a->layout.aspect == b->layout.aspect && s->camera.cone == t->camera.cone &&
+           s->camera.aspect == t->camera.aspect && s->camera.n_views == t->camera.n_views &&
+           s->width == t->width && s->height == t->height && s->sampler == t->sampler &&
+           s->seed == t->seed && s->max_depth == t->max_depth && strcmp(left, right) == 0;
+}
+
+static lf_status make_content(const lf_loader *loader, lf_load *load, lf_content **out)
+{
+    if (load->kind == LF_LOAD_FILE)
+        return load_file(loader, load, out);
+    const lf_content *now = loader->content;
+    if (load->kind == LF_LOAD_APPLY) {
+        if (!now || !now->scene)
+            return LF_OK;
+        lf_status status =
+            stage_of_scene(load, lf_scene_ref(now->scene), now->file, out, &load->err);
+        if (status == LF_OK && !load->force && same_settings(now, *out)) {
+            lf_content_unref(*out);
+            *out = NULL;
+        }
+        return status;
+    }
+    if (!now || !now->scene)
+        return lf_error_set(&load->err, LF_E_STATE, now ? now->file : "",
+                            "no scene is shown that could be changed");
+    if (load->kind == LF_LOAD_PATCH)
+        return load_patch(loader, load, load->patch, out);
+    json_t *patch = orbit_patch(now->scene, load);
+    lf_status status = load_patch(loader, load, patch, out);
+    json_decref(patch);
+    return status;
+}
+
+static void run_load(lf_loader *loader, lf_load *load)
+{
+    lf_content *content = NULL;
+    load->status = make_content(loader, load, &content);
+    if (load->status != LF_OK || !content)
+        return;
+    load->status = lf_engine_commit(loader->engine, content, load->restore_fd, &load->generation,
+                                    &load->restored, &load->err);
+    load->committed = load->status == LF_OK;
+    if (!load->committed) {
+        lf_content_unref(content);
+        return;
+    }
+    lf_content_unref(loader->content);
+    loader->content = content;
+    load->content = lf_content_ref(content);
+}
+
+/* ------------------------------------------------------------------------------------ thread -- */
+
+static void run_task(void *context, lf_task *task)
+{
+    run_load(context, (lf_load *)(void *)task);
+}
+
+static void drop_task(void *context, lf_task *task)
+{
+    lf_load *load = (lf_load *)(void *)task;
+    (void)context;
+    load->status = lf_error_set(&load->err, LF_E_CANCELLED, "", "the daemon is shutting down");
+}
+
+lf_status lf_loader_create(lf_engine *engine, const lf_roots *roots, lf_inbox *inbox,
+                           lf_loader **out_loader)
+{
+    lf_loader *loader = lf_calloc(1, sizeof *loader);
+    if (!loader)
+        return LF_E_NOMEM;
+    loader->engine = engine;
+    loader->roots = roots;
+    lf_status status =
+        lf_worker_create("lf-loader", run_task, drop_task, loader, inbox, &loader->worker);
+    if (status != LF_OK) {
+        lf_free(loader);
+        return status;
+    }
+    *out_loader = loader;
+    return LF_OK;
+}
+
+void lf_loader_destroy(lf_loader *loader)
+{
+    if (!loader)
+        return;
+    lf_worker_destroy(loader->worker);
+    lf_content_unref(loader->content);
+    lf_free(loader);
+}
+
+void lf_loader_queue(lf_loader *loader, lf_load *load)
+{
+    lf_worker_queue(loader->worker, &load->task);
+}
+
+int lf_loader_pending(lf_loader *loader)
+{
+    return lf_worker_pending(loader->worker);
+}

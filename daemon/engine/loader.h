@@ -1,0 +1,66 @@
+/* loader: a thread that makes contents out of files, patches and camera moves, one after the other,
+ * and commits them to the engine. The picture shown goes on being rendered meanwhile; the event
+ * thread hears of the outcome through its inbox. */
+#ifndef LF_DAEMON_LOADER_H
+#define LF_DAEMON_LOADER_H
+
+#include "daemon/engine/engine.h"
+#include "daemon/threads/inbox.h"
+
+typedef enum lf_load_kind {
+    LF_LOAD_FILE,  /* a scene file or a quilt picture */
+    LF_LOAD_PATCH, /* a merge patch on the scene shown */
+    LF_LOAD_ORBIT, /* a move of its camera around its target */
+    LF_LOAD_APPLY, /* the same scene, with other options or another panel */
+} lf_load_kind;
+
+typedef struct lf_load {
+    lf_task task; /* posted when it is done; the poster sets done */
+    lf_load_kind kind;
+    /* FILE: so many files on from `file` in its folder (lf_folder_neighbour); 0 = itself */
+    int step;
+    char *file; /* FILE: absolute; what it came to, after step */
+    /* FILE: what the options are for, borrowed; in another quilt's name the layout wins over theirs
+     */
+    const char *meant;
+    json_t *patch;           /* PATCH */
+    double yaw, pitch, zoom; /* ORBIT: degrees to the right and up, and how many times nearer */
+    lf_options options;
+    lf_calibration calibration;
+    int restore_fd; /* FILE: -1, or an accumulation to go on with (taken over) */
+    bool has_calibration;
+    bool force;     /* APPLY: commit even when the settings come out the same */
+    bool browsed;   /* the poster's: a button asked for it, … */
+    bool reset;     /* … or for this */
+    void *deferred; /* the poster's */
+    /* the outcome */
+    lf_status status;
+    lf_error err; /* when status is not LF_OK */
+    bool committed, restored;
+    int64_t generation;
+    lf_content *content; /* when committed: a reference for the poster */
+} lf_load;
+
+typedef struct lf_loader lf_loader;
+
+/* roots, inbox and engine are borrowed; roots must not change from now on. */
+LF_NODISCARD lf_status lf_loader_create(lf_engine *engine, const lf_roots *roots, lf_inbox *inbox,
+                                        lf_loader **out_loader);
+/* Ends after the load in progress; those not begun are posted as LF_E_CANCELLED. Accepts NULL. */
+void lf_loader_destroy(lf_loader *loader);
+
+/* A zeroed load; NULL = out of memory. */
+lf_load *lf_load_create(lf_load_kind kind);
+void lf_load_destroy(lf_load *load);
+/* Takes the load over until it is posted back. */
+void lf_loader_queue(lf_loader *loader, lf_load *load);
+/* Loads queued or in progress. */
+int lf_loader_pending(lf_loader *loader);
+
+/* The position that an orbit moves a camera to (and the focus distance that belongs to it): turned
+ * by yaw degrees about the up vector (to the right for positive), raised by pitch degrees (stopping
+ * 1 degree before the poles), distance divided by zoom. */
+void lf_orbit_camera(const lf_camera *camera, double yaw, double pitch, double zoom,
+                     double out_position[3]);
+
+#endif

@@ -1,0 +1,152 @@
+#include "daemon/engine/mailbox.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/wakeup.h"
+#include "quilt/quilt.h"
+
+lf_status lf_mailbox_init(lf_mailbox *mailbox, int event_fd)
+{
+    *mailbox = (lf_mailbox){.event_fd = event_fd, .ready = -1, .held = -1, .shown = -1, .back = -1};
+    return pthread_mutex_init(&mailbox->lock, NULL) == 0 ? LF_OK : LF_E_NOMEM;
+}
+
+void lf_mailbox_finish(lf_mailbox *mailbox)
+{
+    for (int i = 0; i < 4; i++)
+        lf_image8_finish(&mailbox->slot[i].image);
+    lf_free(mailbox->views_data);
+    pthread_mutex_destroy(&mailbox->lock);
+}
+
+static int free_slot(lf_mailbox *mailbox)
+{
+    int slot = 0;
+    pthread_mutex_lock(&mailbox->lock);
+    while (slot == mailbox->ready || slot == mailbox->held || slot == mailbox->shown)
+        slot++;
+    pthread_mutex_unlock(&mailbox->lock);
+    return slot;
+}
+
+lf_frame *lf_mailbox_begin(lf_mailbox *mailbox, int width, int height)
+{
+    mailbox->back = free_slot(mailbox);
+    lf_frame *frame = &mailbox->slot[mailbox->back];
+    if (frame->image.width != width || frame->image.height != height) {
+        lf_image8_finish(&frame->image);
+        if (width > 0 && lf_image8_init(&frame->image, width, height, 3) != LF_OK)
+            return NULL;
+    }
+    frame->n_rects = 0;
+    frame->against = 0;
+    frame->has_views = false;
+    return frame;
+}
+
+void lf_mailbox_compare(lf_mailbox *mailbox, lf_frame *frame)
+{
+    pthread_mutex_lock(&mailbox->lock);
+    const lf_frame *shown = mailbox->shown >= 0 ? &mailbox->slot[mailbox->shown] : NULL;
+    pthread_mutex_unlock(&mailbox->lock);
+    /* Slots are written by this thread alone, so the frame stays readable even when it stops being
+     * shown meanwhile. */
+    if (!shown || !frame->image.data || shown->panel != frame->panel ||
+        shown->image.width != frame->image.width || shown->image.height != frame->image.height)
+        return;
+    frame->n_rects =
+        lf_changed_rects(&shown->image, &frame->image, frame->rects, LF_FRAME_MAX_RECTS);
+    frame->against = shown->number;
+}
+
+static bool room_for_views(lf_mailbox *mailbox, size_t size)
+{
+    if (mailbox->views_size < size) {
+        lf_free(mailbox->views_data);
+        mailbox->views_data = lf_calloc(size, 1);
+        mailbox->views_size = mailbox->views_data ? size : 0;
+    }
+    return mailbox->views_size >= size;
+}
+
+void lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *views)
+{
+    pthread_mutex_lock(&mailbox->lock);
+    bool taken = mailbox->views_taken;
+    for (int i = 0; i < 4 && !taken; i++)
+        mailbox->slot[i].has_views = false;
+    pthread_mutex_unlock(&mailbox->lock);
+    size_t row = (size_t)views->width * 3;
+    size_t n_views = (size_t)views->n_views;
+    if (taken || !room_for_views(mailbox, row * n_views * (size_t)views->height))
+        return;
+    for (int y = 0; y < views->height; y++) {
+        for (int v = 0; v < views->n_views; v++) {
+            memcpy(mailbox->views_data + ((size_t)y * n_views + (size_t)v) * row,
+                   lf_views8_row(views, v, y), row);
+        }
+    }
+    mailbox->views = *views;
+    mailbox->views.view_stride = row;
+    mailbox->views.row_stride = row * n_views;
+    mailbox->views.data = mailbox->views_data;
+    frame->has_views = true;
+}
+
+void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame)
+{
+    pthread_mutex_lock(&mailbox->lock);
+    frame->number = ++mailbox->n_posted;
+    mailbox->ready = mailbox->back;
+    mailbox->back = -1;
+    pthread_mutex_unlock(&mailbox->lock);
+    lf_wakeup_signal(mailbox->event_fd);
+}
+
+const lf_frame *lf_mailbox_take(lf_mailbox *mailbox)
+{
+    pthread_mutex_lock(&mailbox->lock);
+    const lf_frame *frame = NULL;
+    if (mailbox->ready >= 0) {
+        mailbox->held = mailbox->ready;
+        mailbox->ready = -1;
+        frame = &mailbox->slot[mailbox->held];
+    }
+    pthread_mutex_unlock(&mailbox->lock);
+    return frame;
+}
+
+void lf_mailbox_shown(lf_mailbox *mailbox)
+{
+    pthread_mutex_lock(&mailbox->lock);
+    if (mailbox->held >= 0) {
+        mailbox->shown = mailbox->held;
+        mailbox->held = -1;
+    }
+    pthread_mutex_unlock(&mailbox->lock);
+}
+
+const lf_frame *lf_mailbox_current(lf_mailbox *mailbox)
+{
+    pthread_mutex_lock(&mailbox->lock);
+    const lf_frame *frame = mailbox->shown >= 0 ? &mailbox->slot[mailbox->shown] : NULL;
+    pthread_mutex_unlock(&mailbox->lock);
+    return frame;
+}
+
+const lf_views8 *lf_mailbox_views(lf_mailbox *mailbox, const lf_frame *frame)
+{
+    pthread_mutex_lock(&mailbox->lock);
+    bool has = frame->has_views;
+    mailbox->views_taken = has;
+    pthread_mutex_unlock(&mailbox->lock);
+    return has ? &mailbox->views : NULL;
+}
+
+void lf_mailbox_views_done(lf_mailbox *mailbox)
+{
+    pthread_mutex_lock(&mailbox->lock);
+    mailbox->views_taken = false;
+    pthread_mutex_unlock(&mailbox->lock);
+}

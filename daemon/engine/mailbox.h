@@ -1,0 +1,79 @@
+/* mailbox: panel frames on their way from the engine's thread to the event thread, newest wins.
+ * Four slots that change hands without copying: the one being composed, the newest that is ready,
+ * the one the event thread holds, and the one the device shows (kept, because the next frame's
+ * changed rectangles are computed against it). Thread: begin, post by the producer only; take,
+ * shown, current by the consumer only. */
+#ifndef LF_DAEMON_MAILBOX_H
+#define LF_DAEMON_MAILBOX_H
+
+#include <pthread.h>
+
+#include "base/image.h"
+
+#define LF_FRAME_MAX_RECTS 64
+
+/* How good a frame is (outside.md: coarse and complete). */
+typedef enum lf_level {
+    LF_LEVEL_NONE,
+    LF_LEVEL_COARSE,
+    LF_LEVEL_COMPLETE,
+    LF_LEVEL_CONVERGED
+} lf_level;
+
+typedef struct lf_frame {
+    uint64_t number; /* rises by one a frame posted; 0 = never used */
+    int64_t generation;
+    lf_level level;
+    double passes;
+    int columns, rows; /* tiles of its quilt */
+    uint64_t panel;    /* number of the panel it was interlaced for */
+    lf_image8 image;   /* data NULL: there was no panel to interlace for */
+    uint64_t against;  /* number of the frame that rects were computed against; 0 = none */
+    int n_rects;
+    lf_rect rects[LF_FRAME_MAX_RECTS];
+    bool has_views; /* the views behind it lie in the mailbox's views buffer */
+} lf_frame;
+
+typedef struct lf_mailbox {
+    pthread_mutex_t lock;
+    int event_fd; /* readable when something was posted */
+    /* under lock */
+    int ready, held, shown; /* slots; -1 = none */
+    uint64_t n_posted;
+    bool views_taken; /* the consumer is reading the views buffer */
+    /* producer only */
+    int back;
+    /* a slot belongs to whoever its number names; free ones to the producer */
+    lf_frame slot[4];
+    /* producer's while !views_taken */
+    lf_views8 views;
+    uint8_t *views_data;
+    size_t views_size;
+} lf_mailbox;
+
+/* event_fd is borrowed. */
+LF_NODISCARD lf_status lf_mailbox_init(lf_mailbox *mailbox, int event_fd);
+void lf_mailbox_finish(lf_mailbox *mailbox);
+
+/* A free slot to compose in, with an image of the panel's size (0 x 0 = none). NULL = out of
+ * memory. */
+lf_frame *lf_mailbox_begin(lf_mailbox *mailbox, int width, int height);
+/* Rectangles that changed since the frame shown now, into frame. */
+void lf_mailbox_compare(lf_mailbox *mailbox, lf_frame *frame);
+/* Puts a copy of the views beside the frame, unless the consumer is still reading the last ones or
+ * memory is out. */
+void lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *views);
+/* Hands over what begin gave. */
+void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame);
+
+/* The newest frame that was not taken before, or NULL. Held until shown or the next take. */
+const lf_frame *lf_mailbox_take(lf_mailbox *mailbox);
+/* The device took the held frame: it is the one to compare with from now on. */
+void lf_mailbox_shown(lf_mailbox *mailbox);
+/* The frame shown last, or NULL. */
+const lf_frame *lf_mailbox_current(lf_mailbox *mailbox);
+/* The consumer reads the views attached to the frame it holds between these two. */
+const lf_views8 *lf_mailbox_views(lf_mailbox *mailbox, const lf_frame *frame);
+void lf_mailbox_views_done(lf_mailbox *mailbox);
+
+#endif

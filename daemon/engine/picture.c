@@ -1,0 +1,160 @@
+#include "daemon/engine/picture.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+
+static size_t row_pixels(const lf_picture *picture)
+{
+    return (size_t)picture->n_views * (size_t)picture->width;
+}
+
+static void forget(lf_picture *picture)
+{
+    size_t n = row_pixels(picture);
+    if (n == 0)
+        return;
+    memset(picture->missing, LF_PIXEL_UNSEEN, n * (size_t)picture->height);
+    for (int row = 0; row < picture->height; row++)
+        picture->row_missing[row] = (int64_t)n;
+}
+
+static void release(lf_picture *picture)
+{
+    lf_free(picture->rgb);
+    lf_free(picture->filled);
+    lf_free(picture->missing);
+    lf_free(picture->row_missing);
+    lf_free(picture->scratch);
+    lf_free(picture->flags);
+}
+
+void lf_picture_finish(lf_picture *picture)
+{
+    release(picture);
+    lf_tone_destroy(picture->tone);
+    *picture = (lf_picture){0};
+}
+
+/* New buffers, before the old ones are given up: a failure leaves the picture as it was. */
+static lf_status reshape(lf_picture *picture, int n_views, int width, int height, int n_threads,
+                         lf_error *err)
+{
+    lf_picture fresh = {
+        .n_views = n_views, .width = width, .height = height, .n_threads = n_threads};
+    size_t row = row_pixels(&fresh);
+    fresh.rgb = lf_calloc(row * (size_t)height, 3);
+    fresh.filled = lf_calloc(row * (size_t)height, 3);
+    fresh.missing = lf_calloc(row * (size_t)height, 1);
+    fresh.row_missing = lf_calloc((size_t)height, sizeof *fresh.row_missing);
+    fresh.scratch = lf_calloc(row * (size_t)n_threads, 3 * sizeof *fresh.scratch);
+    fresh.flags = lf_calloc(row * (size_t)n_threads, 1);
+    if (!fresh.rgb || !fresh.filled || !fresh.missing || !fresh.row_missing || !fresh.scratch ||
+        !fresh.flags) {
+        release(&fresh);
+        return lf_error_set(err, LF_E_NOMEM, "", "out of memory for %d views of %dx%d", n_views,
+                            width, height);
+    }
+    release(picture);
+    fresh.tone = picture->tone;
+    fresh.renderer = picture->renderer;
+    fresh.estimator = picture->estimator;
+    *picture = fresh;
+    return LF_OK;
+}
+
+lf_status lf_picture_shape(lf_picture *picture, int n_views, int width, int height, int n_threads,
+                           const lf_film_settings *film, lf_error *err)
+{
+    lf_tone *tone = NULL;
+    lf_status status = lf_tone_create(film->exposure, film->tonemap, &tone, err);
+    if (status != LF_OK)
+        return status;
+    if (picture->n_views != n_views || picture->width != width || picture->height != height ||
+        picture->n_threads != n_threads) {
+        status = reshape(picture, n_views, width, height, n_threads, err);
+        if (status != LF_OK) {
+            lf_tone_destroy(tone);
+            return status;
+        }
+    }
+    lf_tone_destroy(picture->tone);
+    picture->tone = tone;
+    picture->sampled = false;
+    forget(picture);
+    return LF_OK;
+}
+
+void lf_picture_row(void *context, int row, int worker)
+{
+    lf_picture *picture = context;
+    size_t n = row_pixels(picture);
+    float *linear = picture->scratch + (size_t)worker * n * 3;
+    uint8_t *flags = picture->flags + (size_t)worker * n;
+    if (lf_renderer_resolve_row(picture->renderer, picture->estimator, row, linear, flags) != LF_OK)
+        return; /* never visited: missing, as it was */
+    lf_tone_map(picture->tone, n, linear, picture->rgb + (size_t)row * n * 3);
+    uint8_t *missing = picture->missing + (size_t)row * n;
+    uint8_t not_there = picture->sampled ? LF_PIXEL_UNSEEN : LF_PIXEL_HOLE | LF_PIXEL_UNSEEN;
+    int64_t count = 0;
+    for (size_t i = 0; i < n; i++) {
+        /* A pixel that was there stays: what is possible in it may be seen only later. */
+        missing[i] &= flags[i] & not_there ? LF_PIXEL_UNSEEN : 0;
+        count += missing[i] != 0;
+    }
+    picture->row_missing[row] = count;
+}
+
+void lf_picture_resolve(lf_picture *picture, lf_pool *pool)
+{
+    (void)!lf_pool_run(pool, picture->height, lf_picture_row, picture, NULL);
+}
+
+void lf_picture_take(lf_picture *picture, const lf_views32 *views)
+{
+    size_t width = (size_t)picture->width;
+    for (int row = 0; row < picture->height; row++) {
+        for (int view = 0; view < picture->n_views; view++) {
+            size_t at = ((size_t)row * (size_t)picture->n_views + (size_t)view) * width;
+            lf_tone_map(picture->tone, width, lf_views32_row(views, view, row),
+                        picture->rgb + at * 3);
+        }
+        picture->row_missing[row] = 0;
+    }
+    memset(picture->missing, 0, row_pixels(picture) * (size_t)picture->height);
+}
+
+int64_t lf_picture_missing(const lf_picture *picture)
+{
+    int64_t sum = 0;
+    for (int row = 0; row < picture->height; row++)
+        sum += picture->row_missing[row];
+    return sum;
+}
+
+lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfilled,
+                           int64_t *out_blank)
+{
+    lf_views8 views = {
+        .n_views = picture->n_views, .width = picture->width, .height = picture->height};
+    views.view_stride = (size_t)picture->width * 3;
+    views.row_stride = row_pixels(picture) * 3;
+    views.data = picture->rgb;
+    *out_unfilled = *out_blank = 0;
+    if (lf_picture_missing(picture) > 0) {
+        lf_fill_counts counts =
+            lf_fill(picture->n_views, picture->width, picture->height, picture->rgb,
+                    picture->missing, LF_COARSE_REACH, LF_FILL_REACH, picture->filled, pool);
+        *out_unfilled = counts.far;
+        *out_blank = counts.unfilled;
+        views.data = picture->filled;
+    }
+    return views;
+}
+
+void lf_picture_fill(const lf_picture *picture, lf_pool *pool, float *film)
+{
+    if (lf_picture_missing(picture) > 0)
+        lf_fill_film(picture->n_views, picture->width, picture->height, film, picture->missing,
+                     LF_FILL_REACH, pool);
+}

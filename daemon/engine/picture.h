@@ -1,0 +1,57 @@
+/* picture: the views of the light field as they are now, 8-bit, resolved and tone-mapped row by row
+ * while the film is rendered, and filled for the screen while they are incomplete. Memory: 8 bytes
+ * a view pixel. Thread: the engine's, but for lf_picture_row, which workers call for different rows
+ * at once. */
+#ifndef LF_DAEMON_PICTURE_H
+#define LF_DAEMON_PICTURE_H
+
+#include "quilt/quilt.h"
+#include "render/render.h"
+
+/* How far a coarse frame may reach for a pixel, and how far is reached so that a picture that moves
+ * is seen before it is coarse everywhere (a few pixels at the edges of the outer views are seen by
+ * few other views and found late). */
+#define LF_COARSE_REACH 4
+#define LF_FILL_REACH 16
+
+typedef struct lf_picture {
+    int n_views, width, height, n_threads;
+    uint8_t *rgb, *filled; /* [row][view][column][3] */
+    uint8_t *missing;      /* [row][view][column]: nonzero = hole or never visited */
+    int64_t *row_missing;  /* [row]: how many of them */
+    float *scratch;        /* [thread][view][column][3] */
+    uint8_t *flags;        /* [thread][view][column] */
+    lf_tone *tone;
+    const lf_renderer *renderer; /* borrowed: what rows are resolved from */
+    lf_estimator estimator;
+    /* every view pixel has been looked through itself, on average: finding nothing there is an
+     * answer, not a hole */
+    bool sampled;
+} lf_picture;
+
+/* Makes room for this shape (kept when it is the one already there) and takes the film block's
+ * tone. Everything is missing afterwards. LF_E_NOMEM, LF_E_ARG: the picture is as before. Zeroed is
+ * a valid start. */
+LF_NODISCARD lf_status lf_picture_shape(lf_picture *picture, int n_views, int width, int height,
+                                        int n_threads, const lf_film_settings *film, lf_error *err);
+void lf_picture_finish(lf_picture *picture);
+
+/* An lf_row_fn with the picture as its context: resolves a row that was just visited. */
+void lf_picture_row(void *context, int row, int worker);
+/* All rows again (another estimator, a restored film). */
+void lf_picture_resolve(lf_picture *picture, lf_pool *pool);
+/* Tone-maps float views that come from a file; nothing is missing then. */
+void lf_picture_take(lf_picture *picture, const lf_views32 *views);
+
+/* How many view pixels are missing. */
+int64_t lf_picture_missing(const lf_picture *picture);
+/* The views to show; borrowed until the next call. *out_unfilled: pixels that have none to be
+ * filled from in a coarse frame's reach (0 = at least coarse); *out_blank: those that have none in
+ * LF_FILL_REACH either, and are not shown as anything. */
+lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfilled,
+                           int64_t *out_blank);
+/* Fills the same pixels in the resolved film [row][view][column][3] that the picture is made of,
+ * for exports of what is shown. */
+void lf_picture_fill(const lf_picture *picture, lf_pool *pool, float *film);
+
+#endif

@@ -1,0 +1,116 @@
+#include "daemon/engine/schedule.h"
+
+/* Rows a batch has at the least, so that no worker idles: fewer once the picture is complete, since
+ * it takes a slow machine, which has few workers, to make batches of a few rows as long as they may
+ * be. */
+#define MIN_ROWS 8
+#define MIN_ROWS_COMPLETE 4
+#define FIRST_COMPLETE_SWEEP 2
+#define MAX_BATCHES 128
+/* The first sweep is wanted whole: it is not cut finer than this. */
+#define MAX_COARSE_BATCHES 4
+/* Rows go by their place in groups of four: a row of the first sweep is at most two away from every
+ * other of its group. */
+#define GROUP 4
+#define COARSE_ROW 2
+/* Passes of the second sweep: while more than about a twentieth of the view pixels that scatter are
+ * holes, another shared path fills them at less cost than native samples do. */
+#define COMPLETE_PASSES 4
+
+static int subsets_of(const lf_schedule *schedule)
+{
+    if (schedule->sweep == 0)
+        return 1;
+    int doubling = (schedule->sweep - 1) / 2;
+    int subsets = doubling < 16 ? COMPLETE_PASSES << doubling : COMPLETE_PASSES << 16;
+    return subsets < schedule->n_views ? subsets : schedule->n_views;
+}
+
+static int sweep_rows(const lf_schedule *schedule)
+{
+    int rows = schedule->height;
+    return schedule->sweep == 0 ? (rows - COARSE_ROW + GROUP - 1) / GROUP : rows;
+}
+
+void lf_schedule_start(lf_schedule *schedule, int height, int n_views, double passes_done)
+{
+    double row_seconds = schedule->row_seconds;
+    *schedule = (lf_schedule){.height = height, .n_views = n_views, .row_seconds = row_seconds};
+    for (double sum = 0; sum < passes_done && schedule->sweep < 64; schedule->sweep++)
+        sum += (double)subsets_of(schedule) * sweep_rows(schedule) / height;
+}
+
+/* As many as make one about target_seconds long. */
+static int batches_for(const lf_schedule *schedule, double target_seconds)
+{
+    int most = schedule->sweep == 0 ? MAX_COARSE_BATCHES : MAX_BATCHES;
+    int least = schedule->sweep < FIRST_COMPLETE_SWEEP ? MIN_ROWS : MIN_ROWS_COMPLETE;
+    double sweep_seconds = schedule->row_seconds * sweep_rows(schedule) * subsets_of(schedule);
+    int n = 1;
+    while (n < most && sweep_seconds > target_seconds * n &&
+           sweep_rows(schedule) / (n * 2) >= least)
+        n *= 2;
+    return n;
+}
+
+static int reversed_bits(int value, int size)
+{
+    int reversed = 0;
+    for (int bit = 1; bit < size; bit *= 2)
+        reversed = reversed * 2 + (value & bit ? 1 : 0);
+    return reversed;
+}
+
+/* Among n batches of all rows, those farthest from the rows of the first sweep come first, and
+ * those rows themselves last. */
+static int first_row(int batch, int n)
+{
+    static const int place[GROUP] = {0, 1, 3, COARSE_ROW};
+    if (n < GROUP)
+        return reversed_bits(batch, n);
+    int batches = n / GROUP;
+    return place[batch / batches] + GROUP * reversed_bits(batch % batches, batches);
+}
+
+lf_batch lf_schedule_next(lf_schedule *schedule, double target_seconds)
+{
+    if (schedule->batch == 0)
+        schedule->n_batches = batches_for(schedule, target_seconds);
+    int n = schedule->n_batches;
+    lf_batch batch = {.step = n, .subsets = subsets_of(schedule), .coarse = schedule->sweep == 0};
+    if (batch.coarse) {
+        batch.step = n * GROUP;
+        batch.first = COARSE_ROW + GROUP * reversed_bits(schedule->batch, n);
+    } else {
+        batch.first = first_row(schedule->batch, n);
+    }
+    batch.n_rows = batch.first < schedule->height
+                       ? (schedule->height - batch.first + batch.step - 1) / batch.step
+                       : 0;
+    return batch;
+}
+
+bool lf_schedule_done(lf_schedule *schedule, const lf_batch *batch, double seconds)
+{
+    if (batch->n_rows > 0) {
+        double measured = seconds / ((double)batch->n_rows * batch->subsets);
+        schedule->row_seconds =
+            schedule->row_seconds > 0 ? 0.5 * (schedule->row_seconds + measured) : measured;
+    }
+    schedule->batch++;
+    if (schedule->batch < schedule->n_batches)
+        return false;
+    schedule->batch = 0;
+    schedule->sweep++;
+    return true;
+}
+
+bool lf_schedule_covers(const lf_schedule *schedule)
+{
+    return schedule->sweep > 0;
+}
+
+bool lf_schedule_has_halves(const lf_schedule *schedule)
+{
+    return schedule->sweep >= 3;
+}

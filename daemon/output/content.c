@@ -1,0 +1,90 @@
+#include "daemon/output/content.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+
+static lf_content *content_create(const char *file)
+{
+    lf_content *content = lf_calloc(1, sizeof *content);
+    char *copy = lf_strdup(file);
+    if (!content || !copy) {
+        lf_free(content);
+        lf_free(copy);
+        return NULL;
+    }
+    atomic_init(&content->references, 1);
+    content->file = copy;
+    strcpy(content->film.tonemap, "srgb");
+    return content;
+}
+
+lf_status lf_content_from_scene(lf_scene *scene, const char *file, const lf_options *options,
+                                const lf_calibration *calibration, lf_content **out_content,
+                                lf_error *err)
+{
+    lf_content *content = content_create(file);
+    if (!content)
+        return lf_error_set(err, LF_E_NOMEM, file, "out of memory");
+    content->scene = lf_scene_ref(scene);
+    content->film = *lf_scene_film_settings(scene);
+    lf_status status = lf_resolve_view(options, lf_scene_camera(scene), calibration,
+                                       &content->settings, &content->layout, err);
+    if (status != LF_OK) {
+        lf_content_unref(content);
+        return status;
+    }
+    *out_content = content;
+    return LF_OK;
+}
+
+lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const lf_options *options,
+                                lf_content **out_content, lf_error *err)
+{
+    lf_content *content = content_create(file);
+    if (!content)
+        return lf_error_set(err, LF_E_NOMEM, file, "out of memory");
+    lf_status status =
+        lf_quilt_read(file, roots, options->columns, options->rows, &content->quilt, err);
+    if (status != LF_OK) {
+        lf_content_unref(content);
+        return status;
+    }
+    content->layout = content->quilt.layout;
+    *out_content = content;
+    return LF_OK;
+}
+
+static bool has_warned(const lf_scene *scene, const char *line)
+{
+    for (int i = 0; scene && lf_scene_warning(scene, i); i++)
+        if (strcmp(lf_scene_warning(scene, i), line) == 0)
+            return true;
+    return false;
+}
+
+void lf_log_warnings(const lf_scene *scene, const lf_scene *before)
+{
+    for (int i = 0; lf_scene_warning(scene, i); i++)
+        if (!has_warned(before, lf_scene_warning(scene, i)))
+            lf_log(LF_LOG_WARNING, "%s", lf_scene_warning(scene, i));
+}
+
+lf_content *lf_content_ref(lf_content *content)
+{
+    atomic_fetch_add_explicit(&content->references, 1, memory_order_relaxed);
+    return content;
+}
+
+void lf_content_unref(lf_content *content)
+{
+    if (!content || atomic_fetch_sub_explicit(&content->references, 1, memory_order_acq_rel) != 1)
+        return;
+    if (content->scene)
+        lf_scene_unref(content->scene);
+    else
+        lf_quilt_finish(&content->quilt);
+    lf_free(content->file);
+    lf_free(content);
+}

@@ -1,0 +1,35 @@
+/* content: what is to be shown, settled: a scene with the rig and layout that follow from command
+ * line, panel and scene, or a quilt picture as it is. Immutable once committed to the engine, and
+ * reference counted, so that exports can go on while the next one is shown. Thread: any. */
+#ifndef LF_DAEMON_CONTENT_H
+#define LF_DAEMON_CONTENT_H
+
+#include "daemon/output/options.h"
+
+typedef struct lf_content {
+    atomic_int references;
+    lf_scene *scene;             /* NULL: a quilt picture */
+    lf_quilt_file quilt;         /* when scene is NULL */
+    char *file;                  /* absolute path it came from; patches do not change it */
+    lf_render_settings settings; /* scene only; integrator points to a static name */
+    lf_layout layout;
+    lf_film_settings film;
+} lf_content;
+
+/* From a scene (a reference is taken) or from a quilt picture (read here). calibration may be NULL.
+ * On LF_OK the caller owns a reference. */
+LF_NODISCARD lf_status lf_content_from_scene(lf_scene *scene, const char *file,
+                                             const lf_options *options,
+                                             const lf_calibration *calibration,
+                                             lf_content **out_content, lf_error *err);
+LF_NODISCARD lf_status lf_content_from_quilt(const char *file, const lf_roots *roots,
+                                             const lf_options *options, lf_content **out_content,
+                                             lf_error *err);
+/* Logs what the scene warns of, but for what `before` (may be NULL) has warned of already. */
+void lf_log_warnings(const lf_scene *scene, const lf_scene *before);
+
+lf_content *lf_content_ref(lf_content *content);
+/* Accepts NULL. */
+void lf_content_unref(lf_content *content);
+
+#endif

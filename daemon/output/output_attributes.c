@@ -1,0 +1,70 @@
+/* The settings that made a picture, as JSON and as text attributes. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "daemon/output/output_internal.h"
+
+void output_attributes_fill(output_attributes *attributes, const json_t *settings)
+{
+    const char *key = NULL;
+    json_t *value = NULL;
+    /* jansson's iteration wants it mutable; it is only read */
+    json_t *object = (json_t *)(uintptr_t)settings;
+    attributes->n = 0;
+    json_object_foreach(object, key, value)
+    {
+        int i = attributes->n;
+        if (i == OUTPUT_MAX_ATTRIBUTES || json_is_null(value))
+            continue;
+        if (json_is_string(value)) {
+            snprintf(attributes->value[i], sizeof attributes->value[i], "%s",
+                     json_string_value(value));
+        } else if (json_is_real(value)) {
+            snprintf(attributes->value[i], sizeof attributes->value[i], "%.9g",
+                     json_real_value(value));
+        } else {
+            size_t n = json_dumpb(value, attributes->value[i], sizeof attributes->value[i] - 1,
+                                  JSON_ENCODE_ANY | JSON_COMPACT);
+            attributes->value[i][n < sizeof attributes->value[i] ? n : 0] = '\0';
+        }
+        snprintf(attributes->name[i], sizeof attributes->name[i], "quiltd.%s", key);
+        attributes->list[i] = (lf_attribute){attributes->name[i], attributes->value[i]};
+        attributes->n++;
+    }
+}
+
+static json_t *real_or_null(double value)
+{
+    return value >= 0 && isfinite(value) ? json_real(value) : json_null();
+}
+
+static double degrees(double radians)
+{
+    return radians * (180.0 / M_PI);
+}
+
+json_t *lf_output_settings(const char *scene, const lf_render_settings *settings,
+                           const lf_layout *layout, lf_estimator estimator, double passes,
+                           const lf_film_settings *film)
+{
+    const lf_camera *camera = &settings->camera;
+    char seed[32];
+    /* as text: JSON readers round integers beyond 2^53 */
+    snprintf(seed, sizeof seed, "%llu", (unsigned long long)settings->seed);
+    return json_pack(
+        "{s:s, s:s, s:s, s:s, s:s, s:o, s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:s, s:[f,f,f], "
+        "s:[f,f,f], s:[f,f,f], "
+        "s:f, s:f, s:f, s:s}",
+        "scene", scene, "integrator", settings->integrator ? settings->integrator : "mvpt",
+        "estimator", lf_estimator_name(estimator), "sampler", lf_sampler_name(settings->sampler),
+        "seed", seed, "passes", real_or_null(passes), "views", camera->n_views, "width",
+        settings->width, "height", settings->height, "columns", layout ? layout->columns : 0,
+        "rows", layout ? layout->rows : 0, "aspect", camera->aspect, "fov_y",
+        degrees(camera->fov_y), "cone", degrees(camera->cone), "placement",
+        camera->inclusive ? "inclusive" : "centred", "target", camera->target[0], camera->target[1],
+        camera->target[2], "position", camera->position[0], camera->position[1],
+        camera->position[2], "up", camera->up[0], camera->up[1], camera->up[2], "lens_radius",
+        camera->lens_radius, "focus_distance", camera->focus_distance, "exposure",
+        film ? film->exposure : 0.0, "tonemap", film ? film->tonemap : "srgb");
+}

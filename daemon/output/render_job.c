@@ -1,0 +1,241 @@
+#include "daemon/output/render_job.h"
+
+#include <assert.h>
+#include <math.h>
+#include <sys/resource.h>
+
+typedef struct run {
+    lf_renderer *renderer;
+    const lf_budget *budget;
+    lf_estimator estimator;
+    float *film;
+    int n_views, height;
+    int64_t passes;          /* whole ones so far */
+    atomic_llong row_passes; /* summed over rows, those under way included */
+    double start, cpu_start;
+    double target_fraction;
+    lf_render_progress_fn progress;
+    void *context;
+    const lf_cancel *cancel;
+} run;
+
+static double fraction_of(const run *r, double passes)
+{
+    const lf_budget *budget = r->budget;
+    if (budget->passes > 0)
+        return passes / (double)budget->passes;
+    if (budget->seconds > 0)
+        return (lf_time_now() - r->start) / budget->seconds;
+    if (budget->cpu_seconds > 0)
+        return (lf_time_cpu() - r->cpu_start) / budget->cpu_seconds;
+    return r->target_fraction;
+}
+
+static void report(const run *r)
+{
+    double passes = (double)atomic_load_explicit(&r->row_passes, memory_order_relaxed) / r->height;
+    lf_render_progress progress = {
+        .fraction = fmin(1, fmax(0, fraction_of(r, passes))),
+        .seconds = lf_time_now() - r->start,
+        .passes = passes,
+        .n_views = r->n_views,
+    };
+    if (r->progress)
+        r->progress(r->context, &progress);
+}
+
+static void row_done(void *context, int passes, int worker)
+{
+    run *r = context;
+    atomic_fetch_add_explicit(&r->row_passes, passes, memory_order_relaxed);
+    if (worker == 0) /* the thread that called lf_render_run */
+        report(r);
+}
+
+/* Pairs of whole cycles are what lf_renderer_passes makes of any number of passes, but for the
+ * rest, so that the film is the same as after a single call of it. */
+static lf_status add(run *r, int64_t n_passes, bool split)
+{
+    int64_t cycles = 2 * (int64_t)r->n_views;
+    lf_status status = LF_OK;
+    while (n_passes > 0 && status == LF_OK) {
+        int64_t now = n_passes < cycles ? n_passes : cycles;
+        status = lf_renderer_passes(r->renderer, NULL, now, split, row_done, r, r->cancel);
+        if (status == LF_OK)
+            r->passes += now;
+        n_passes -= now;
+        report(r);
+    }
+    return status;
+}
+
+/* Short visits cost more a pass than whole cycles (B and q are refreshed in each), so the rest is
+ * not halved into crumbs. */
+static lf_status run_time(run *r, double seconds, double start, double (*clock_now)(void))
+{
+    double spent = 0;
+    double fits = 2;
+    lf_status status = LF_OK;
+    do {
+        int64_t next = (int64_t)fmin(0.95 * fits + 1, 2.0 * r->n_views) & ~INT64_C(1);
+        status = add(r, next > 2 ? next : 2, false);
+        spent = clock_now() - start;
+        fits = (seconds - spent) * (double)r->passes / fmax(spent, 1e-9);
+    } while (status == LF_OK && fits >= 2 && spent < 0.97 * seconds);
+    return status;
+}
+
+/* Looks at the error are taken at passes fixed beforehand, each half as many again as the one
+ * before. The chance that any of LOOKS looks stops too early is LF_ERROR_ALPHA: every look has its
+ * share. */
+enum { LOOKS = 40 };
+
+static lf_status run_target(run *r, double target)
+{
+    lf_render_stats stats = {.rel_mse_estimate = -1};
+    int64_t cycles = 2 * (int64_t)r->n_views;
+    lf_status status = LF_OK;
+    bool reached = false;
+    while (!reached) {
+        status = add(r, (r->passes / (2 * cycles) + 1) * cycles, false);
+        /* the estimate is a by-product of the answer */
+        if (status == LF_OK)
+            status = lf_renderer_resolve(r->renderer, r->estimator, r->film, NULL);
+        if (status != LF_OK)
+            break;
+        lf_renderer_stats(r->renderer, &stats);
+        if (stats.rel_mse_estimate >= 0 && stats.rel_mse_estimate <= target) {
+            double bound =
+                lf_renderer_error_bound(r->renderer, r->estimator, LF_ERROR_ALPHA / LOOKS, NULL);
+            reached = bound >= 0 && bound <= target;
+        }
+        /* the error falls as one over the passes, so that this is the share of the passes that will
+         * be needed */
+        r->target_fraction = stats.rel_mse_estimate > 0 ? target / stats.rel_mse_estimate : 0;
+        report(r);
+    }
+    return status;
+}
+
+lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
+                        float *film, lf_render_progress_fn progress, void *context,
+                        const lf_cancel *cancel, lf_render_times *out_times)
+{
+    const lf_render_settings *settings = lf_renderer_settings(renderer);
+    run r = {
+        .renderer = renderer,
+        .budget = budget,
+        .estimator = estimator,
+        .film = film,
+        .n_views = settings->camera.n_views,
+        .height = settings->height,
+        .start = lf_time_now(),
+        .cpu_start = lf_time_cpu(),
+        .progress = progress,
+        .context = context,
+        .cancel = cancel,
+    };
+    lf_status status = LF_OK;
+    report(&r);
+    if (budget->passes > 0) {
+        status = add(&r, budget->passes, budget->passes == 1 && estimator == LF_ESTIMATOR_CV);
+    } else if (budget->seconds > 0) {
+        status = run_time(&r, budget->seconds, r.start, lf_time_now);
+    } else if (budget->cpu_seconds > 0) {
+        status = run_time(&r, budget->cpu_seconds, r.cpu_start, lf_time_cpu);
+    } else {
+        assert(budget->target_error > 0);
+        status = run_target(&r, budget->target_error);
+    }
+    if (status == LF_OK && estimator == LF_ESTIMATOR_MWIS)
+        status = lf_renderer_fill_holes(renderer, NULL, cancel);
+    if (status == LF_OK)
+        status = lf_renderer_resolve(renderer, estimator, film, NULL);
+    *out_times = (lf_render_times){r.passes, lf_time_now() - r.start, lf_time_cpu() - r.cpu_start};
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------- stats -- */
+
+static json_t *count_or_null(int64_t value)
+{
+    return value >= 0 ? json_integer(value) : json_null();
+}
+
+static json_t *real_or_null(double value)
+{
+    return value >= 0 && isfinite(value) ? json_real(value) : json_null();
+}
+
+static void set_rendered(json_t *object, const lf_render_report *report)
+{
+    const lf_render_settings *settings = lf_renderer_settings(report->renderer);
+    lf_render_stats stats;
+    lf_renderer_stats(report->renderer, &stats);
+    json_object_set_new(object, "integrator",
+                        json_string(settings->integrator ? settings->integrator : "mvpt"));
+    json_object_set_new(object, "estimator", json_string(lf_estimator_name(report->estimator)));
+    json_object_set_new(object, "seed",
+                        settings->seed <= INT64_MAX ? json_integer((json_int_t)settings->seed)
+                                                    : json_real((double)settings->seed));
+    json_object_set_new(object, "passes", json_integer(report->times.passes));
+    json_object_set_new(object, "seconds", json_real(report->times.seconds));
+    json_object_set_new(object, "cpu_seconds", json_real(report->times.cpu_seconds));
+    json_object_set_new(object, "base_paths", count_or_null(stats.base_paths));
+    json_object_set_new(object, "native_spp_mean", real_or_null(stats.native_spp_mean));
+    json_object_set_new(object, "effective_spp_mean", real_or_null(stats.effective_spp_mean));
+    json_object_set_new(object, "rel_mse_estimate", real_or_null(stats.rel_mse_estimate));
+    json_object_set_new(object, "rel_mse_bound",
+                        real_or_null(lf_renderer_error_bound(report->renderer, report->estimator,
+                                                             LF_ERROR_ALPHA, NULL)));
+    json_object_set_new(object, "rays_traced", count_or_null(stats.rays_traced));
+    json_object_set_new(object, "volume_lookups", count_or_null(stats.volume_lookups));
+    json_object_set_new(object, "contributions", count_or_null(stats.contributions));
+    json_object_set_new(object, "nonfinite_dropped", count_or_null(stats.nonfinite_dropped));
+    json_object_set_new(object, "skipped", lf_renderer_skipped(report->renderer));
+}
+
+json_t *lf_render_report_json(const lf_render_report *report)
+{
+    static const char *const keys[] = {"scene",
+                                       "integrator",
+                                       "estimator",
+                                       "views",
+                                       "width",
+                                       "height",
+                                       "threads",
+                                       "seed",
+                                       "passes",
+                                       "seconds",
+                                       "cpu_seconds",
+                                       "base_paths",
+                                       "native_spp_mean",
+                                       "effective_spp_mean",
+                                       "rel_mse_estimate",
+                                       "rel_mse_bound",
+                                       "rays_traced",
+                                       "volume_lookups",
+                                       "contributions",
+                                       "nonfinite_dropped",
+                                       "peak_rss_bytes",
+                                       "skipped"};
+    json_t *object = json_object();
+    struct rusage usage;
+    if (!object)
+        return NULL;
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
+        json_object_set_new(object, keys[i], json_null());
+    getrusage(RUSAGE_SELF, &usage);
+    json_object_set_new(object, "scene", json_string(report->scene));
+    json_object_set_new(object, "views", json_integer(report->n_views));
+    json_object_set_new(object, "width", json_integer(report->width));
+    json_object_set_new(object, "height", json_integer(report->height));
+    json_object_set_new(object, "threads", json_integer(report->threads));
+    json_object_set_new(object, "peak_rss_bytes", json_integer((json_int_t)usage.ru_maxrss * 1024));
+    if (report->renderer)
+        set_rendered(object, report);
+    else
+        json_object_set_new(object, "skipped",
+                            json_pack("{s:s}", "rendering", "the input is a finished light field"));
+    return object;
+}

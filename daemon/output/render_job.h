@@ -1,0 +1,56 @@
+/* One rendering from start to end: how long, with progress, and what it came to. For quiltrender
+ * and quiltbench. Thread: the calling thread drives; the renderer's pool works. */
+#ifndef LF_DAEMON_RENDER_JOB_H
+#define LF_DAEMON_RENDER_JOB_H
+
+#include <jansson.h>
+
+#include "render/render.h"
+
+/* When to stop: exactly one of these is positive. */
+typedef struct lf_budget {
+    int64_t passes;     /* one pass = width x height base paths; --spp S is S * n_views of them */
+    double seconds;     /* wall time */
+    double cpu_seconds; /* CPU time of the whole process */
+    /* relMSE that the picture is under, with confidence 1 - LF_ERROR_ALPHA over all looks */
+    double target_error;
+} lf_budget;
+
+typedef struct lf_render_progress {
+    double fraction; /* 0..1 of the budget */
+    double seconds;  /* wall time so far */
+    double passes;   /* so far */
+    int n_views;
+} lf_render_progress;
+
+typedef void (*lf_render_progress_fn)(void *context, const lf_render_progress *progress);
+
+/* What a rendering took. */
+typedef struct lf_render_times {
+    int64_t passes;
+    double seconds, cpu_seconds;
+} lf_render_times;
+
+/* Adds passes to the renderer until the budget is spent, and resolves the film. With passes, the
+ * same seed and settings give the same picture for any number of threads. A time budget runs at
+ * least two passes and ends within about one pass of its time. film [row][view][column][3] gets the
+ * answer of the estimator. progress may be NULL. LF_E_CANCELLED: film is not written, or not whole.
+ */
+LF_NODISCARD lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget,
+                                     lf_estimator estimator, float *film,
+                                     lf_render_progress_fn progress, void *context,
+                                     const lf_cancel *cancel, lf_render_times *out_times);
+
+/* The object of --stats: all keys of quiltrender(1), null where they do not apply. renderer NULL:
+ * nothing was rendered, views, width and height then come from the arguments. A new reference; NULL
+ * = out of memory. */
+typedef struct lf_render_report {
+    const char *scene;
+    const lf_renderer *renderer;
+    lf_estimator estimator;
+    int n_views, width, height, threads;
+    lf_render_times times;
+} lf_render_report;
+json_t *lf_render_report_json(const lf_render_report *report);
+
+#endif

@@ -1,0 +1,176 @@
+#include "daemon/server/methods.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+
+struct lf_deferred {
+    uint64_t client;
+    json_t *id;  /* a copy */
+    bool silent; /* a notification: nobody waits for an answer */
+};
+
+/* ----------------------------------------------------------------------------------- answers -- */
+
+void lf_reply(lf_call *call, json_t *result)
+{
+    call->answered = true;
+    if (!call->id) {
+        json_decref(result);
+    } else if (!result) {
+        lf_client_send(call->client,
+                       lf_rpc_error(call->id, LF_RPC_INTERNAL, "out of memory", NULL));
+    } else {
+        lf_client_send(call->client, lf_rpc_result(call->id, result));
+    }
+}
+
+void lf_fail(lf_call *call, const lf_error *err, bool scene)
+{
+    call->answered = true;
+    if (call->id)
+        lf_client_send(call->client, lf_rpc_error_of(call->id, err, scene));
+}
+
+lf_deferred *lf_defer(lf_call *call)
+{
+    lf_deferred *deferred = lf_client_hold(call->client) ? lf_calloc(1, sizeof *deferred) : NULL;
+    if (!deferred) {
+        lf_error err;
+        (void)lf_error_set(&err, LF_E_BUSY, call->method,
+                           "too many calls of this client are waiting for an answer");
+        lf_fail(call, &err, false);
+        return NULL;
+    }
+    *deferred = (lf_deferred){.client = lf_client_serial(call->client),
+                              .id = json_deep_copy(call->id),
+                              .silent = !call->id};
+    call->answered = true;
+    return deferred;
+}
+
+uint64_t lf_deferred_client(const lf_deferred *deferred)
+{
+    return deferred->client;
+}
+
+/* Sends message to whoever waits for it, and frees the deferred call. */
+static void send_answer(lf_server *server, lf_deferred *deferred, json_t *message)
+{
+    lf_client *client = server->clients ? lf_clients_find(server->clients, deferred->client) : NULL;
+    if (client) {
+        if (!deferred->silent)
+            lf_client_send(client, json_incref(message));
+        lf_client_release(client);
+    }
+    json_decref(message);
+    json_decref(deferred->id);
+    lf_free(deferred);
+}
+
+void lf_deferred_reply(lf_server *server, lf_deferred *deferred, json_t *result)
+{
+    if (!deferred)
+        json_decref(result);
+    else if (!result)
+        send_answer(server, deferred,
+                    lf_rpc_error(deferred->id, LF_RPC_INTERNAL, "out of memory", NULL));
+    else
+        send_answer(server, deferred, lf_rpc_result(deferred->id, result));
+}
+
+void lf_deferred_fail(lf_server *server, lf_deferred *deferred, const lf_error *err, bool scene)
+{
+    if (deferred)
+        send_answer(server, deferred, lf_rpc_error_of(deferred->id, err, scene));
+}
+
+/* ------------------------------------------------------------------------------------- lines -- */
+
+static int find_method(const char *name)
+{
+    int index = 0;
+    while (lf_method_at(index) && strcmp(lf_method_at(index)->name, name) != 0)
+        index++;
+    return lf_method_at(index) ? index : -1;
+}
+
+static void run_request(lf_server *server, lf_client *client, lf_rpc_request *request)
+{
+    lf_call call = {.server = server,
+                    .client = client,
+                    .id = request->id,
+                    .params = request->params,
+                    .method = request->method};
+    int index = find_method(request->method);
+    if (index < 0) {
+        lf_error err;
+        (void)lf_error_set(&err, LF_E_ARG, "", "there is no method \"%.64s\"; hello lists them",
+                           request->method);
+        if (call.id)
+            lf_client_send(client, lf_rpc_error(call.id, LF_RPC_METHOD_NOT_FOUND, err.what, NULL));
+        return;
+    }
+    const lf_method *method = lf_method_at(index);
+    lf_error err;
+    if (lf_schema_check(lf_method_schema(index), request->params, method->name, &err) != LF_OK) {
+        lf_fail(&call, &err, false);
+    } else if (lf_server_is_stopping(server)) {
+        (void)lf_error_set(&err, LF_E_BUSY, method->name, "the daemon is shutting down");
+        lf_fail(&call, &err, false);
+    } else {
+        method->run(&call);
+    }
+}
+
+void lf_server_line(void *context, lf_client *client, const char *line, size_t n)
+{
+    lf_server *server = context;
+    lf_rpc_request request;
+    json_t *answer;
+    if (!lf_rpc_parse(line, n, &request, &answer)) {
+        lf_client_send(client, answer);
+        return;
+    }
+    run_request(server, client, &request);
+    lf_rpc_request_finish(&request);
+}
+
+/* ------------------------------------------------------------------------------------- paths -- */
+
+/* Paths of clients are absolute (quiltctl makes them so); others are taken from the scene's folder.
+ */
+static char *absolute(const lf_server *server, const char *path)
+{
+    char *folder = server->config.scene ? lf_path_folder(server->config.scene) : NULL;
+    char *joined = lf_path_join(folder ? folder : "/", path);
+    lf_free(folder);
+    return joined;
+}
+
+lf_status lf_server_read_path(const lf_server *server, const char *path, char **out_path,
+                              lf_error *err)
+{
+    char *name = absolute(server, path);
+    if (!name)
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    lf_error why;
+    lf_status status = lf_roots_resolve(&server->roots, name, out_path, &why);
+    lf_free(name);
+    if (status == LF_OK)
+        return LF_OK;
+    return lf_error_set(err, status, path, "%s",
+                        status == LF_E_PATH ? "lies neither beneath the scene's folder nor beneath "
+                                              "an --allow-path"
+                                            : why.what);
+}
+
+lf_status lf_server_write_path(const lf_server *server, const char *path, lf_held_name *out,
+                               lf_error *err)
+{
+    if (!server->export_root)
+        return lf_error_set(
+            err, LF_E_PATH, path,
+            "the daemon was started without --export-dir: it writes no files by name");
+    return lf_held_name_open(server->export_root, "--export-dir", path, out, err);
+}

@@ -1,0 +1,40 @@
+/* methods: what clients can call. One table: name, schema of the parameters, function. */
+#ifndef LF_DAEMON_METHODS_H
+#define LF_DAEMON_METHODS_H
+
+#include "daemon/server/server.h"
+
+typedef struct lf_method {
+    const char *name;
+    const char *summary; /* one line for hello */
+    const char *schema;  /* JSON Schema of the parameters, as text; those of structs are added */
+    void (*run)(lf_call *call);
+} lf_method;
+
+/* NULL behind the last. */
+const lf_method *lf_method_at(int index);
+/* The schema, parsed once; borrowed. NULL behind the last. */
+json_t *lf_method_schema(int index);
+
+/* methods_status.c */
+void lf_method_hello(lf_call *call);
+void lf_method_status(lf_call *call);
+void lf_method_wait(lf_call *call);
+void lf_method_subscribe(lf_call *call);
+void lf_method_shutdown(lf_call *call);
+/* methods_scene.c */
+void lf_method_scene_load(lf_call *call);
+void lf_method_scene_get(lf_call *call);
+void lf_method_scene_patch(lf_call *call);
+void lf_method_camera_set(lf_call *call);
+void lf_method_camera_orbit(lf_call *call);
+void lf_method_render_set(lf_call *call);
+/* methods_device.c */
+void lf_method_device_list(lf_call *call);
+void lf_method_device_set(lf_call *call);
+void lf_method_device_calibration(lf_call *call);
+void lf_method_button(lf_call *call);
+/* methods_export.c */
+void lf_method_job_cancel(lf_call *call);
+
+#endif

@@ -1,0 +1,102 @@
+#include <stdio.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "daemon/server/methods.h"
+
+void lf_method_device_list(lf_call *call)
+{
+    lf_deferred *deferred = lf_defer(call);
+    if (deferred && lf_show_list(call->server->show, deferred) != LF_OK)
+        lf_deferred_reply(call->server, deferred, NULL);
+}
+
+/* Whether it writes into the folder that the device of the command line writes into, whatever the
+ * options of both. */
+static bool is_own(const lf_server *server, const char *folder, size_t n)
+{
+    size_t n_own;
+    const char *own = lf_device_folder(server->config.device, &n_own);
+    return own && n_own == n && memcmp(own, folder, n) == 0;
+}
+
+/* The spec with another folder in the place of the n bytes at `named`. */
+static lf_status replace_folder(const char *spec, const char *named, size_t n, const char *folder,
+                                char **out_spec, lf_error *err)
+{
+    size_t size = strlen(spec) - n + strlen(folder) + 1;
+    char *replaced = lf_calloc(size, 1);
+    if (!replaced)
+        return lf_error_set(err, LF_E_NOMEM, "device", "out of memory");
+    snprintf(replaced, size, "%.*s%s%s", (int)(named - spec), spec, folder, named + n);
+    *out_spec = replaced;
+    return LF_OK;
+}
+
+/* Where a device writes into a folder, a client may name the one of the command line, or one
+ * beneath --export-dir, which is opened by its canonical path. *out_spec (lf_free) is what may be
+ * opened. */
+static lf_status check_spec(const lf_server *server, const char *spec, char **out_spec,
+                            lf_error *err)
+{
+    size_t n;
+    const char *named = lf_device_folder(spec, &n);
+    if (!named || is_own(server, named, n)) {
+        *out_spec = lf_strdup(spec);
+        return *out_spec ? LF_OK : lf_error_set(err, LF_E_NOMEM, "device", "out of memory");
+    }
+    if (named[0] != '/')
+        return lf_error_set(err, LF_E_PATH, spec,
+                            "the folder must be an absolute path beneath the --export-dir");
+    char *folder = lf_strdup(named);
+    if (!folder)
+        return lf_error_set(err, LF_E_NOMEM, "device", "out of memory");
+    folder[n] = '\0';
+    lf_held_name held = {.folder_fd = -1};
+    lf_status status = lf_server_write_path(server, folder, &held, err);
+    /* what follows would be taken for options, and another folder opened */
+    if (status == LF_OK && strchr(held.path, ','))
+        status = lf_error_set(err, LF_E_PATH, held.path,
+                              "a simulated panel's folder may not have a comma in its path");
+    else if (status == LF_OK)
+        status = replace_folder(spec, named, n, held.path, out_spec, err);
+    lf_held_name_finish(&held);
+    lf_free(folder);
+    return status;
+}
+
+void lf_method_device_set(lf_call *call)
+{
+    char *spec = NULL;
+    lf_error err;
+    if (check_spec(call->server, json_string_value(json_object_get(call->params, "spec")), &spec,
+                   &err) != LF_OK) {
+        lf_fail(call, &err, false);
+        return;
+    }
+    lf_deferred *deferred = lf_defer(call);
+    if (deferred && lf_show_open(call->server->show, spec, deferred, &err) != LF_OK)
+        lf_deferred_fail(call->server, deferred, &err, false);
+    lf_free(spec);
+}
+
+void lf_method_device_calibration(lf_call *call)
+{
+    const lf_calibration *calibration = lf_show_calibration(call->server->show);
+    if (!calibration) {
+        lf_error err;
+        (void)lf_error_set(&err, LF_E_NODEV, lf_show_spec(call->server->show),
+                           "there is no panel whose calibration is known");
+        lf_fail(call, &err, false);
+        return;
+    }
+    lf_reply(call, lf_calibration_json(calibration));
+}
+
+void lf_method_button(lf_call *call)
+{
+    lf_button button = lf_button_of_name(json_string_value(json_object_get(call->params, "name")));
+    lf_server_press(call->server, button);
+    lf_reply(call,
+             json_pack("{s:s}", "action", lf_action_name(call->server->config.buttons.of[button])));
+}

@@ -1,0 +1,12 @@
+#include "daemon/server/methods.h"
+
+void lf_method_job_cancel(lf_call *call)
+{
+    lf_error err;
+    int64_t id = (int64_t)json_number_value(json_object_get(call->params, "job"));
+    if (lf_server_cancel_job(call->server, id, &err) != LF_OK) {
+        lf_fail(call, &err, false);
+        return;
+    }
+    lf_reply(call, json_object());
+}

@@ -1,0 +1,156 @@
+#include <string.h>
+
+#include "base/alloc.h"
+#include "daemon/server/methods.h"
+
+/* Queues a load that the call waits for; load NULL = out of memory. */
+static void queue(lf_call *call, lf_load *load)
+{
+    if (!load) {
+        lf_reply(call, NULL);
+        return;
+    }
+    lf_deferred *deferred = lf_defer(call);
+    if (!deferred) {
+        lf_load_destroy(load);
+        return;
+    }
+    lf_server_load(call->server, load, deferred);
+}
+
+void lf_method_scene_load(lf_call *call)
+{
+    lf_error err;
+    char *file = NULL;
+    lf_status status = lf_server_read_path(
+        call->server, json_string_value(json_object_get(call->params, "file")), &file, &err);
+    if (status != LF_OK) {
+        lf_fail(call, &err, true);
+        return;
+    }
+    lf_load *load = lf_load_create(LF_LOAD_FILE);
+    if (load)
+        load->file = file;
+    else
+        lf_free(file);
+    queue(call, load);
+}
+
+void lf_method_scene_get(lf_call *call)
+{
+    const lf_content *content = call->server->content;
+    if (!content) {
+        lf_error err;
+        (void)lf_error_set(&err, LF_E_STATE, call->method, "nothing is shown");
+        lf_fail(call, &err, false);
+        return;
+    }
+    json_t *scene = content->scene ? json_deep_copy(lf_scene_json(content->scene)) : json_null();
+    lf_reply(call, json_pack("{s:o, s:I, s:o}", "file", lf_rpc_text(content->file), "generation",
+                             (json_int_t)call->server->generation, "scene", scene));
+}
+
+static void queue_patch(lf_call *call, json_t *patch)
+{
+    lf_load *load = patch ? lf_load_create(LF_LOAD_PATCH) : NULL;
+    if (load)
+        load->patch = patch;
+    else
+        json_decref(patch);
+    queue(call, load);
+}
+
+void lf_method_scene_patch(lf_call *call)
+{
+    queue_patch(call, json_deep_copy(json_object_get(call->params, "patch")));
+}
+
+void lf_method_camera_set(lf_call *call)
+{
+    queue_patch(call, json_pack("{s:o}", "camera", json_deep_copy(call->params)));
+}
+
+static double number_of(const json_t *params, const char *key, double absent)
+{
+    const json_t *value = json_object_get(params, key);
+    return value ? json_number_value(value) : absent;
+}
+
+void lf_method_camera_orbit(lf_call *call)
+{
+    lf_load *load = lf_load_create(LF_LOAD_ORBIT);
+    if (load) {
+        load->yaw = number_of(call->params, "yaw", 0);
+        load->pitch = number_of(call->params, "pitch", 0);
+        load->zoom = number_of(call->params, "zoom", 1);
+    }
+    queue(call, load);
+}
+
+/* -------------------------------------------------------------------------------- render.set -- */
+
+static const char *find_integrator(const char *name, lf_error *err)
+{
+    for (int i = 0; lf_integrator_at(i); i++)
+        if (strcmp(lf_integrator_at(i)->name, name) == 0)
+            return lf_integrator_at(i)->name;
+    (void)lf_error_set_at(err, LF_E_ARG, "render.set", 0, "/integrator",
+                          "there is no integrator \"%.32s\"; the default is %s", name,
+                          lf_integrator_at(0)->name);
+    return NULL;
+}
+
+/* What the words say, checked whole before anything is changed. */
+static lf_status take_words(const json_t *params, lf_engine_controls *controls, lf_options *options,
+                            lf_error *err)
+{
+    const char *integrator = json_string_value(json_object_get(params, "integrator"));
+    const char *estimator = json_string_value(json_object_get(params, "estimator"));
+    if (integrator) {
+        options->integrator = find_integrator(integrator, err);
+        if (!options->integrator)
+            return LF_E_ARG;
+    }
+    if (estimator) {
+        lf_status status = lf_estimator_from_name(estimator, &controls->estimator, err);
+        if (status != LF_OK)
+            return status;
+    }
+    controls->threads = (int)number_of(params, "threads", controls->threads);
+    controls->target_error = number_of(params, "target_error", controls->target_error);
+    const json_t *paused = json_object_get(params, "paused");
+    controls->paused = paused ? json_is_true(paused) : controls->paused;
+    options->threads = controls->threads;
+    options->target_error = controls->target_error;
+    return LF_OK;
+}
+
+static bool same_name(const char *a, const char *b)
+{
+    const char *x = a ? a : lf_integrator_at(0)->name, *y = b ? b : lf_integrator_at(0)->name;
+    return strcmp(x, y) == 0;
+}
+
+void lf_method_render_set(lf_call *call)
+{
+    lf_server *server = call->server;
+    lf_engine_controls before = lf_engine_get_controls(server->engine), controls = before;
+    lf_options options = server->options;
+    lf_error err;
+    if (take_words(call->params, &controls, &options, &err) != LF_OK) {
+        lf_fail(call, &err, false);
+        return;
+    }
+    bool over = controls.threads != before.threads ||
+                !same_name(options.integrator, server->options.integrator);
+    server->options = options;
+    lf_engine_set_controls(server->engine, &controls);
+    if (!over) {
+        lf_reply(call, json_pack("{s:I}", "generation", (json_int_t)server->generation));
+        return;
+    }
+    lf_load *load = lf_load_create(LF_LOAD_APPLY);
+    if (load)
+        load->force = true;
+    queue(call, load);
+}

@@ -1,0 +1,146 @@
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "daemon/server/methods.h"
+
+void lf_method_hello(lf_call *call)
+{
+    json_t *methods = json_object();
+    for (int i = 0; lf_method_at(i); i++) {
+        json_t *entry = json_pack("{s:s, s:O}", "summary", lf_method_at(i)->summary, "params",
+                                  lf_method_schema(i));
+        json_object_set_new(methods, lf_method_at(i)->name, entry);
+    }
+    lf_reply(call, json_pack("{s:s, s:s, s:i, s:o}", "name", "quiltd", "version", LF_VERSION,
+                             "protocol", LF_RPC_PROTOCOL, "methods", methods));
+}
+
+/* Whole, whatever JSON's integers hold here. */
+static json_t *seed_json(uint64_t seed)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%" PRIu64, seed);
+    return seed <= INT64_MAX ? json_integer((json_int_t)seed) : json_string(text);
+}
+
+static json_t *known_or_null(double value)
+{
+    return value >= 0 ? json_real(value) : json_null();
+}
+
+static void add_content(const lf_server *server, json_t *status)
+{
+    const lf_content *content = server->content;
+    if (!content) {
+        json_object_set_new(status, "scene", json_null());
+        return;
+    }
+    const lf_layout *layout = &content->layout;
+    json_t *more =
+        json_pack("{s:o, s:b, s:i, s:i, s:i, s:i, s:i, s:f}", "scene", lf_rpc_text(content->file),
+                  "is_quilt", !content->scene, "views", layout->n_views, "columns", layout->columns,
+                  "rows", layout->rows, "view_width", layout->view_width, "view_height",
+                  layout->view_height, "aspect", layout->aspect);
+    json_object_update(status, more);
+    json_decref(more);
+    if (content->scene) {
+        const char *integrator = content->settings.integrator;
+        json_object_set_new(
+            status, "cone",
+            json_real(content->settings.camera.cone * (180 / 3.14159265358979323846)));
+        json_object_set_new(status, "seed", seed_json(content->settings.seed));
+        json_object_set_new(status, "integrator",
+                            json_string(integrator ? integrator : lf_integrator_at(0)->name));
+    }
+}
+
+static void add_engine(lf_server *server, json_t *status)
+{
+    lf_engine_status now;
+    lf_engine_get_status(server->engine, &now);
+    lf_engine_controls controls = lf_engine_get_controls(server->engine);
+    json_t *more =
+        json_pack("{s:I, s:s, s:f, s:f, s:f, s:o, s:o, s:o, s:I, s:i, s:s, s:f, s:b}", "generation",
+                  (json_int_t)now.generation, "level", lf_level_name(now.level), "passes",
+                  now.passes, "seconds", now.seconds, "cpu_seconds", now.cpu_seconds, "spp",
+                  known_or_null(now.spp), "error_estimate", known_or_null(now.error_estimate),
+                  "error_bound", known_or_null(now.error_bound), "missing", (json_int_t)now.missing,
+                  "threads", now.threads, "estimator", lf_estimator_name(controls.estimator),
+                  "target_error", controls.target_error, "paused", controls.paused);
+    json_object_update(status, more);
+    json_decref(more);
+}
+
+void lf_method_status(lf_call *call)
+{
+    lf_server *server = call->server;
+    lf_device_counters counters = lf_show_counters(server->show);
+    json_t *status = json_pack("{s:s}", "state", lf_server_state_name(server));
+    add_content(server, status);
+    add_engine(server, status);
+    json_t *more = json_pack(
+        "{s:{s:I, s:s}, s:o, s:I, s:I, s:I, s:i, s:i, s:o, s:f}", "shown", "generation",
+        (json_int_t)server->shown_generation, "level", lf_level_name(server->shown_level), "device",
+        lf_server_device_json(server), "updates", (json_int_t)counters.updates, "bytes",
+        (json_int_t)counters.bytes, "device_errors", (json_int_t)counters.errors, "loading",
+        lf_loader_pending(server->loader), "clients", lf_clients_count(server->clients), "jobs",
+        lf_server_jobs_json(server), "uptime", lf_time_now() - server->life.started);
+    json_object_update(status, more);
+    json_decref(more);
+    if (server->error.status != LF_OK) {
+        json_t *answer = lf_rpc_error_of(NULL, &server->error, true);
+        json_object_set(status, "error", json_object_get(answer, "error"));
+        json_decref(answer);
+    }
+    lf_reply(call, status);
+}
+
+static lf_level level_of(const char *name)
+{
+    for (lf_level level = LF_LEVEL_COARSE; name && level < LF_LEVEL_CONVERGED; level++)
+        if (strcmp(name, lf_level_name(level)) == 0)
+            return level;
+    return name ? LF_LEVEL_CONVERGED : LF_LEVEL_COARSE;
+}
+
+void lf_method_wait(lf_call *call)
+{
+    lf_server *server = call->server;
+    const json_t *wanted = json_object_get(call->params, "generation");
+    int64_t generation = wanted ? (int64_t)json_number_value(wanted) : server->generation;
+    lf_error err;
+    if (generation > server->generation) {
+        (void)lf_error_set_at(&err, LF_E_ARG, call->method, 0, "/generation",
+                              "there is no generation %lld yet, the newest is %lld",
+                              (long long)generation, (long long)server->generation);
+        lf_fail(call, &err, false);
+        return;
+    }
+    lf_deferred *deferred = lf_defer(call);
+    if (deferred)
+        lf_server_wait(server, deferred, generation,
+                       level_of(json_string_value(json_object_get(call->params, "for"))));
+}
+
+void lf_method_subscribe(lf_call *call)
+{
+    static const char *const names[] = {"frame", "converged", "device",
+                                        "scene", "export",    "button"};
+    unsigned flags = 0;
+    size_t i;
+    json_t *event;
+    json_array_foreach(json_object_get(call->params, "events"), i, event)
+    {
+        for (unsigned bit = 0; bit < sizeof names / sizeof *names; bit++)
+            flags |= strcmp(names[bit], json_string_value(event)) == 0 ? 1u << bit : 0;
+    }
+    *lf_client_flags(call->client) = flags;
+    lf_reply(call, json_pack("{s:O}", "events", json_object_get(call->params, "events")));
+}
+
+void lf_method_shutdown(lf_call *call)
+{
+    lf_reply(call, json_object());
+    lf_server_shutdown(call->server);
+}

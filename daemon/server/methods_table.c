@@ -1,0 +1,107 @@
+#include "daemon/server/methods.h"
+
+#include <pthread.h>
+#include <string.h>
+
+/* JSON Schemas as text: laid out by hand */
+/* clang-format off */
+#define OBJECT(properties)                                                                         \
+    "{\"type\":\"object\",\"additionalProperties\":false,\"properties\":{" properties "}}"
+#define OBJECT_WITH(required, properties)                                                          \
+    "{\"type\":\"object\",\"additionalProperties\":false,\"required\":[" required                  \
+    "],\"properties\":{" properties "}}"
+#define STRING "{\"type\":\"string\"}"
+#define NUMBER "{\"type\":\"number\"}"
+#define POSITIVE "{\"type\":\"number\",\"minimum\":1e-9}"
+#define BOOLEAN "{\"type\":\"boolean\"}"
+#define ENUM(words) "{\"type\":\"string\",\"enum\":[" words "]}"
+
+#define EXPORT_KEYS                                                                                \
+    "\"kind\":" ENUM("\"quilt\",\"views\",\"panel\",\"print\",\"chart\",\"state\"")                \
+    ",\"file\":" STRING ",\"wait\":" ENUM("\"coarse\",\"complete\",\"converged\"")                 \
+    ",\"overwrite\":" BOOLEAN ",\"fds\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":253}"      \
+    ",\"filter\":" ENUM("\"nearest\",\"linear\"") ",\"invert\":" ENUM("\"auto\",\"yes\",\"no\"")
+
+/* clang-format on */
+
+static const lf_method methods[] = {
+    {"hello", "version, protocol and methods", OBJECT(""), lf_method_hello},
+    {"status", "what the daemon is doing", OBJECT(""), lf_method_status},
+    {"scene.load", "show a scene file or a quilt picture",
+     OBJECT_WITH("\"file\"", "\"file\":" STRING), lf_method_scene_load},
+    {"scene.get", "the scene that is shown", OBJECT(""), lf_method_scene_get},
+    {"scene.patch", "JSON Merge Patch (RFC 7396) on the scene that is shown",
+     OBJECT_WITH("\"patch\"", "\"patch\":{\"type\":\"object\",\"additionalProperties\":true}"),
+     lf_method_scene_patch},
+    {"camera.set", "keys of the scene's camera", OBJECT(""), lf_method_camera_set},
+    {"camera.orbit", "move the camera around its target: degrees, and how many times nearer",
+     OBJECT("\"yaw\":" NUMBER ",\"pitch\":" NUMBER
+            ",\"zoom\":{\"type\":\"number\",\"minimum\":1e-3,\"maximum\":1e3}"),
+     lf_method_camera_orbit},
+    {"wait", "answers when the panel shows it",
+     OBJECT("\"generation\":{\"type\":\"integer\",\"minimum\":0},\"for\":" ENUM(
+         "\"coarse\",\"complete\",\"converged\"")),
+     lf_method_wait},
+    {"render.set", "how to render",
+     OBJECT("\"integrator\":" STRING ",\"estimator\":" STRING
+            ",\"threads\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":256},\"target_"
+            "error\":" POSITIVE ",\"paused\":" BOOLEAN),
+     lf_method_render_set},
+    {"export", "write a quilt, views, panel picture, print, pitch test chart or state",
+     OBJECT_WITH("\"kind\",\"file\"", EXPORT_KEYS), lf_server_export},
+    {"job.cancel", "end an export", OBJECT_WITH("\"job\"", "\"job\":{\"type\":\"integer\"}"),
+     lf_method_job_cancel},
+    {"device.list", "devices that could be opened", OBJECT(""), lf_method_device_list},
+    {"device.set", "show on another device", OBJECT_WITH("\"spec\"", "\"spec\":" STRING),
+     lf_method_device_set},
+    {"device.calibration", "the lens calibration of the panel", OBJECT(""),
+     lf_method_device_calibration},
+    {"button", "do what a button of the panel does",
+     OBJECT_WITH("\"name\"", "\"name\":" ENUM("\"square\",\"left\",\"right\",\"circle\"")),
+     lf_method_button},
+    {"subscribe", "which notifications to send to this client",
+     OBJECT_WITH("\"events\"", "\"events\":{\"type\":\"array\",\"items\":" ENUM(
+                                   "\"frame\",\"converged\",\"device\",\"scene\",\"export\","
+                                   "\"button\"") ",\"maxItems\":16}"),
+     lf_method_subscribe},
+    {"shutdown", "end the daemon", OBJECT(""), lf_method_shutdown},
+};
+
+enum { N_METHODS = sizeof methods / sizeof *methods };
+
+/* Parsed once, never freed: as much a constant as the texts. */
+static json_t *schemas[N_METHODS];
+static pthread_once_t parsed = PTHREAD_ONCE_INIT;
+
+/* Methods that take the fields of a struct, and the struct's table. */
+static const struct {
+    const char *method;
+    const lf_param *params;
+} tables[] = {{"export", lf_print_params}, {"camera.set", lf_camera_params}};
+
+static void add_properties(const char *method, json_t *schema)
+{
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
+        if (strcmp(tables[i].method, method) == 0)
+            json_object_update_new(json_object_get(schema, "properties"),
+                                   lf_param_schema(tables[i].params));
+}
+
+static void parse(void)
+{
+    for (int i = 0; i < N_METHODS; i++) {
+        schemas[i] = json_loads(methods[i].schema, JSON_REJECT_DUPLICATES, NULL);
+        add_properties(methods[i].name, schemas[i]);
+    }
+}
+
+const lf_method *lf_method_at(int index)
+{
+    return index < N_METHODS ? &methods[index] : NULL;
+}
+
+json_t *lf_method_schema(int index)
+{
+    pthread_once(&parsed, parse);
+    return index < N_METHODS ? schemas[index] : NULL;
+}

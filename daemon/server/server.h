@@ -1,0 +1,264 @@
+/* server: the daemon behind its socket. One struct, one event thread; files by concern:
+ *
+ *   server.c          putting it together, the loop, the way down
+ *   server_socket.c   which socket: systemd's, or a path with its lock
+ *   server_device.c   the panel (daemon/show) as clients see it
+ *   server_buttons.c  what its buttons do
+ *   server_engine.c   what comes back from the engine and the loader; waits
+ *   server_signals.c  signals, timers, systemd's ears
+ *   server_watch.c    the scene file that changes on disk
+ *   server_export.c   exports: what a call's words say
+ *   server_job.c      exports: threads, progress, cancelling
+ *   server_state.c    --state: saving and opening it
+ *   methods*.c        the table of methods
+ *
+ * Everything here is called on the event thread. */
+#ifndef LF_DAEMON_SERVER_H
+#define LF_DAEMON_SERVER_H
+
+#include "daemon/engine/engine.h"
+#include "daemon/engine/loader.h"
+#include "daemon/server/button_actions.h"
+#include "daemon/show/show.h"
+#include "daemon/wire/client.h"
+
+/* Bits of lf_client_flags: what a client subscribed to. */
+enum {
+    LF_EVENT_FRAME = 1,
+    LF_EVENT_CONVERGED = 2,
+    LF_EVENT_DEVICE = 4,
+    LF_EVENT_SCENE = 8,
+    LF_EVENT_EXPORT = 16,
+    LF_EVENT_BUTTON = 32,
+};
+
+typedef struct lf_server_config {
+    const char *scene;       /* as given; NULL = none */
+    const char *socket;      /* --socket; NULL = the default */
+    const char *device;      /* spec */
+    const char *calibration; /* file; NULL = the device's own */
+    const char *state_dir;   /* NULL = none */
+    const char *export_dir;  /* NULL = none */
+    const char *allow[LF_MAX_ROOTS];
+    int n_allow;
+    bool watch;
+    double run_for; /* seconds; 0 = until told */
+    lf_button_actions buttons;
+    lf_options options;
+} lf_server_config;
+
+typedef struct lf_server lf_server;
+
+/* A call that is being answered by its method. */
+typedef struct lf_call {
+    lf_server *server;
+    lf_client *client;
+    const json_t *id; /* NULL: a notification */
+    json_t *params;
+    const char *method;
+    bool answered; /* or deferred */
+} lf_call;
+
+/* A call that will be answered later. */
+typedef struct lf_deferred lf_deferred;
+
+typedef struct lf_wait {
+    struct lf_wait *next;
+    lf_deferred *deferred;
+    int64_t generation;
+    lf_level level;
+} lf_wait;
+
+typedef struct lf_job lf_job;
+
+typedef struct lf_button_work lf_button_work; /* server_buttons.c's */
+typedef struct lf_watch lf_watch;             /* server_watch.c's */
+
+typedef enum lf_life_phase {
+    LF_PHASE_OPENING, /* the scene waits for the first device */
+    LF_PHASE_RUNNING,
+    LF_PHASE_STOPPING, /* what is under way comes to its end */
+    LF_PHASE_LEAVING,
+} lf_life_phase;
+
+/* The daemon from its start to its end: server.c. */
+typedef struct lf_life {
+    lf_life_phase phase;
+    double started, stopped_at; /* lf_time_now; when the way down began */
+    int exit_code;
+    sd_event_source *begin_timer, *stop_timer;
+} lf_life;
+
+/* What the saved state holds: server_state.c. */
+typedef struct lf_saved {
+    bool saving;
+    int64_t generation;
+    double passes;
+} lf_saved;
+
+struct lf_server {
+    lf_server_config config;
+    lf_life life;
+    sd_event *event;
+    lf_inbox inbox;
+    int engine_fd;
+    lf_roots roots;     /* fixed once the loader runs */
+    char *export_root;  /* canonical; NULL = none */
+    lf_options options; /* as changed by render.set */
+    lf_engine *engine;
+    lf_loader *loader;
+    lf_task *held; /* loads that came before the scene of the command line */
+    lf_clients *clients;
+    char *socket_path; /* to unlink at the end; NULL = systemd's */
+    int lock_fd;
+    lf_show *show;
+    lf_button_work *button_work;
+    lf_watch *watch; /* NULL without --watch */
+    lf_saved saved;
+    lf_content *content; /* what is shown, as far as this thread knows; NULL = nothing */
+    int64_t generation;
+    lf_error error;        /* of the last attempt to load the scene; status LF_OK = none */
+    lf_engine_status last; /* as last seen */
+    int64_t shown_generation;
+    lf_level shown_level;
+    lf_wait *waits;
+    lf_job *jobs;
+    int64_t n_jobs;
+    bool ready_sent; /* systemd was told */
+    int reloads;     /* reloads for systemd that have not ended */
+};
+
+/* ---------------------------------------------------------------------------------- server.c -- */
+
+/* Runs the daemon; returns the exit code. */
+int lf_server_run(const lf_server_config *config);
+/* The scene's first attempt begins, once: when the device's has ended, or takes long. */
+void lf_server_begin(lf_server *server);
+/* Begins the way down. */
+void lf_server_shutdown(lf_server *server);
+/* Whether it has begun. */
+bool lf_server_is_stopping(const lf_server *server);
+
+/* --------------------------------------------------------------------------- server_socket.c -- */
+
+/* The listening socket and *server's socket_path and lock_fd. LF_E_BUSY: a living daemon has it. */
+LF_NODISCARD lf_status lf_server_listen(lf_server *server, int *out_fd, lf_error *err);
+/* Removes the socket's name. */
+void lf_server_unlisten(lf_server *server);
+/* $QUILTD_SOCKET, else $XDG_RUNTIME_DIR/quiltd.sock, else /run/quiltd/control.sock, for index 0, 1,
+ * 2 (those that are not set are left out); false behind the last. */
+bool lf_default_socket(int index, char *out, size_t size);
+
+/* --------------------------------------------------------------------------- server_device.c -- */
+
+/* The show and what follows from its events. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_show(lf_server *server);
+/* The device as status, device.set and the event `device` show it. */
+json_t *lf_server_device_json(const lf_server *server);
+
+/* -------------------------------------------------------------------------- server_buttons.c -- */
+
+LF_NODISCARD lf_status lf_server_make_button_work(lf_server *server);
+void lf_server_drop_button_work(lf_server *server);
+/* A button was pressed: tells subscribers, and does what --buttons says. */
+void lf_server_press(lf_server *server, lf_button button);
+/* The file that a button asked for was loaded, or could not be: goes on when the buttons have gone
+ * on meanwhile. */
+void lf_server_browsed(lf_server *server, const char *file);
+/* A file is shown, as it is: what patches change later can be taken back. browsed: a button
+ * asked for it. */
+void lf_server_file_shown(lf_server *server, bool browsed);
+/* The camera was reset, or could not be: once more when that was asked for meanwhile. */
+void lf_server_was_reset(lf_server *server);
+
+/* --------------------------------------------------------------------------- server_engine.c -- */
+
+/* The engine has posted a frame or changed its state. */
+int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *context);
+/* A frame is shown: answers waits, tells subscribers. */
+void lf_server_shown(lf_server *server, int64_t generation, lf_level level, double passes);
+/* Queues a load with the options and the panel there are now, behind the scene of the command line;
+ * deferred may be NULL. */
+void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred);
+/* Queues those that came before that scene was queued; on the way down they fail. */
+void lf_server_release_loads(lf_server *server);
+/* The scene file again. */
+void lf_server_reload(lf_server *server);
+/* Answers when generation is shown at that level; takes the call over. */
+void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation, lf_level level);
+/* "rendering", "converged", "paused", "idle", "error". */
+const char *lf_server_state_name(const lf_server *server);
+const char *lf_level_name(lf_level level);
+/* Sends a notification to those who subscribed to `event`; params are taken over. */
+void lf_server_notify(lf_server *server, unsigned event, const char *method, json_t *params);
+
+/* -------------------------------------------------------------------------- server_signals.c -- */
+
+/* Installs signals, watchdog, timers. */
+LF_NODISCARD lf_status lf_server_install(lf_server *server, lf_error *err);
+/* Tells systemd READY=1 (once) and what the daemon is doing. */
+void lf_server_ready(lf_server *server);
+void lf_server_tell_status(lf_server *server);
+/* A reload that systemd was told of has ended. */
+void lf_server_reloaded(lf_server *server);
+
+/* ---------------------------------------------------------------------------- server_watch.c -- */
+
+/* Begins to watch; returns as sd_event_add_io does. */
+int lf_server_begin_watch(lf_server *server);
+/* Another file is shown: watches that; nothing without --watch. */
+void lf_server_watch(lf_server *server);
+void lf_server_end_watch(lf_server *server);
+
+/* --------------------------------------------------------------------------- server_export.c -- */
+
+/* Begins an export; answers the call. */
+void lf_server_export(lf_call *call);
+
+/* ------------------------------------------------------------------------------ server_job.c -- */
+
+/* LF_E_ARG: there is no such job. */
+LF_NODISCARD lf_status lf_server_cancel_job(lf_server *server, int64_t id, lf_error *err);
+/* Starts the jobs whose wait is over. */
+void lf_server_start_jobs(lf_server *server);
+/* Cancels all; true when none is left. */
+bool lf_server_end_jobs(lf_server *server);
+json_t *lf_server_jobs_json(const lf_server *server);
+
+/* ---------------------------------------------------------------------------- server_state.c -- */
+
+/* Saves the accumulation into --state on a thread; not when one is under way. */
+void lf_server_save_state(lf_server *server);
+/* The same at the end, on this thread. */
+void lf_server_save_state_now(lf_server *server);
+/* A save that lf_server_save_state began has ended. */
+void lf_server_state_saved(lf_server *server, lf_status status);
+/* Opens the saved state; -1 = none. */
+int lf_server_open_state(const lf_server *server);
+
+/* --------------------------------------------------------------------------------- methods.c -- */
+
+/* An lf_line_fn with the server as context. */
+void lf_server_line(void *context, lf_client *client, const char *line, size_t n);
+/* Answers. result is taken over (NULL = out of memory). */
+void lf_reply(lf_call *call, json_t *result);
+void lf_fail(lf_call *call, const lf_error *err, bool scene);
+/* Puts the answer off; NULL (and answered) when the client has too many calls open. */
+lf_deferred *lf_defer(lf_call *call);
+/* The serial number of the client whose call it is. */
+uint64_t lf_deferred_client(const lf_deferred *deferred);
+/* Answers now; frees the call; nothing when it is NULL or the client has gone. */
+void lf_deferred_reply(lf_server *server, lf_deferred *deferred, json_t *result);
+void lf_deferred_fail(lf_server *server, lf_deferred *deferred, const lf_error *err, bool scene);
+
+/* A path parameter of a client: must lie beneath the roots (LF_E_PATH, whether it exists or not),
+ * and exist there (LF_E_IO); relative ones are relative to the folder of the scene the daemon was
+ * started with. *out_path (lf_free) is canonical. LF_E_PATH, LF_E_IO, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_read_path(const lf_server *server, const char *path,
+                                           char **out_path, lf_error *err);
+/* A file to write: its folder must exist beneath --export-dir, and is held. As lf_held_name_open.
+ */
+LF_NODISCARD lf_status lf_server_write_path(const lf_server *server, const char *path,
+                                            lf_held_name *out, lf_error *err);
+
+#endif

@@ -1,0 +1,108 @@
+/* The panel as clients see it: what the show tells, and what is said of it on the socket. */
+#include "base/alloc.h"
+#include "base/log.h"
+#include "daemon/server/server.h"
+
+/* -------------------------------------------------------------------------------------- told -- */
+
+static json_t *info_json(const lf_device_info *info)
+{
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s}", "spec", info->spec, "kind", info->kind,
+                     "model", info->model, "serial", info->serial, "calibration_from",
+                     info->calibration_from, "output", info->output, "problem", info->problem);
+}
+
+json_t *lf_server_device_json(const lf_server *server)
+{
+    lf_device_info info;
+    bool present = lf_show_info(server->show, &info);
+    json_t *told = info_json(&info);
+    json_object_set_new(told, "present", json_boolean(present));
+    return told;
+}
+
+/* ------------------------------------------------------------------------------------ events -- */
+
+/* The daemon's own attempt, at its start. */
+static void first_opened(lf_server *server, const lf_error *err)
+{
+    if (err && err->status != LF_E_CANCELLED)
+        lf_log_error(err);
+    if (err && err->status == LF_E_ARG) {
+        server->life.exit_code = LF_EXIT_USAGE;
+        lf_server_shutdown(server);
+        return;
+    }
+    lf_server_begin(server);
+}
+
+/* What the command line asks for has nobody to answer. */
+static void on_opened(void *context, void *answer, const lf_error *err)
+{
+    lf_server *server = context;
+    if (!answer)
+        first_opened(server, err);
+    else if (err)
+        lf_deferred_fail(server, answer, err, false);
+    else
+        lf_deferred_reply(server, answer, lf_server_device_json(server));
+}
+
+static void on_listed(void *context, void *answer, const lf_device_info *devices, int n,
+                      const lf_error *err)
+{
+    lf_server *server = context;
+    if (err) {
+        lf_deferred_fail(server, answer, err, false);
+        return;
+    }
+    json_t *list = json_array();
+    for (int i = 0; i < n; i++)
+        json_array_append_new(list, info_json(&devices[i]));
+    lf_deferred_reply(
+        server, answer,
+        json_pack("{s:o, s:o}", "devices", list, "present", lf_server_device_json(server)));
+}
+
+static void on_changed(void *context)
+{
+    lf_server *server = context;
+    lf_server_notify(server, LF_EVENT_DEVICE, "device", lf_server_device_json(server));
+    lf_server_tell_status(server);
+}
+
+static void on_lens(void *context, const lf_calibration *calibration, uint64_t panel, bool views,
+                    bool is_new)
+{
+    lf_server *server = context;
+    lf_engine_set_panel(server->engine, calibration, panel, views);
+    /* Also with nothing shown: the first scene may be under way. */
+    lf_load *load = is_new ? lf_load_create(LF_LOAD_APPLY) : NULL;
+    if (load)
+        lf_server_load(server, load, NULL);
+}
+
+static void on_shown(void *context, int64_t generation, lf_level level, double passes)
+{
+    lf_server_shown(context, generation, level, passes);
+}
+
+static void on_pressed(void *context, lf_button button)
+{
+    lf_server_press(context, button);
+}
+
+lf_status lf_server_make_show(lf_server *server)
+{
+    static const lf_show_events events = {.opened = on_opened,
+                                          .listed = on_listed,
+                                          .changed = on_changed,
+                                          .lens = on_lens,
+                                          .shown = on_shown,
+                                          .pressed = on_pressed};
+    const lf_show_home home = {.event = server->event,
+                               .inbox = &server->inbox,
+                               .mailbox = lf_engine_mailbox(server->engine),
+                               .calibration = server->config.calibration};
+    return lf_show_create(&home, &events, server, &server->show);
+}

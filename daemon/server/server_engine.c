@@ -1,0 +1,305 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "base/wakeup.h"
+#include "daemon/server/server.h"
+
+/* Of one client, at a time. */
+#define MAX_WAITS 64
+
+const char *lf_level_name(lf_level level)
+{
+    static const char *const names[] = {"none", "coarse", "complete", "converged"};
+    return names[level];
+}
+
+const char *lf_server_state_name(const lf_server *server)
+{
+    if (!server->content)
+        return server->error.status != LF_OK ? "error" : "idle";
+    if (!server->content->scene)
+        return "idle";
+    lf_engine_status status;
+    lf_engine_get_status(server->engine, &status);
+    switch (status.state) {
+    case LF_STATE_RENDERING:
+        return "rendering";
+    case LF_STATE_CONVERGED:
+        return "converged";
+    case LF_STATE_PAUSED:
+        return "paused";
+    case LF_STATE_IDLE:
+        break;
+    }
+    return "idle";
+}
+
+/* ----------------------------------------------------------------------------- notifications -- */
+
+typedef struct broadcast {
+    unsigned event;
+    const char *text;
+    size_t n;
+} broadcast;
+
+static void send_frame(void *context, lf_client *client)
+{
+    const broadcast *b = context;
+    if ((*lf_client_flags(client) & b->event) != 0)
+        lf_client_send_frame(client, b->text, b->n);
+}
+
+typedef struct notification {
+    unsigned event;
+    json_t *message;
+} notification;
+
+static void send_message(void *context, lf_client *client)
+{
+    const notification *n = context;
+    if ((*lf_client_flags(client) & n->event) != 0)
+        lf_client_send(client, json_incref(n->message));
+}
+
+void lf_server_notify(lf_server *server, unsigned event, const char *method, json_t *params)
+{
+    json_t *message = lf_rpc_notification(method, params);
+    if (!message || !server->clients) {
+        json_decref(message);
+        return;
+    }
+    if (event == LF_EVENT_FRAME) {
+        char *text = json_dumps(message, JSON_COMPACT);
+        broadcast b = {.event = event, .text = text, .n = text ? strlen(text) : 0};
+        if (text)
+            lf_clients_each(server->clients, send_frame, &b);
+        free(text);
+    } else {
+        lf_clients_each(server->clients, send_message,
+                        &(notification){.event = event, .message = message});
+    }
+    json_decref(message);
+}
+
+/* ------------------------------------------------------------------------------------- waits -- */
+
+static json_t *shown_json(const lf_server *server)
+{
+    return json_pack("{s:I, s:s}", "generation", (json_int_t)server->shown_generation, "level",
+                     lf_level_name(server->shown_level));
+}
+
+/* A frame may be shown before the loader's word has come that its scene is shown, and whoever
+ * waits asks for that next. */
+static bool is_over(const lf_server *server, const lf_wait *wait)
+{
+    return server->generation >= server->shown_generation &&
+           server->shown_generation >= wait->generation && server->shown_level >= wait->level;
+}
+
+/* Those of clients that have left end too. */
+static void answer_waits(lf_server *server)
+{
+    for (lf_wait **at = &server->waits; *at;) {
+        lf_wait *wait = *at;
+        bool left = !server->clients ||
+                    !lf_clients_find(server->clients, lf_deferred_client(wait->deferred));
+        if (!left && !is_over(server, wait)) {
+            at = &wait->next;
+            continue;
+        }
+        *at = wait->next;
+        lf_deferred_reply(server, wait->deferred, shown_json(server));
+        lf_free(wait);
+    }
+}
+
+void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation, lf_level level)
+{
+    lf_error err;
+    int n = 0;
+    for (const lf_wait *other = server->waits; other; other = other->next)
+        n += lf_deferred_client(other->deferred) == lf_deferred_client(deferred) ? 1 : 0;
+    if (n >= MAX_WAITS) {
+        (void)lf_error_set(&err, LF_E_BUSY, "wait", "this client waits %d times already", n);
+        lf_deferred_fail(server, deferred, &err, false);
+        return;
+    }
+    lf_wait *wait = lf_calloc(1, sizeof *wait);
+    if (!wait) {
+        lf_deferred_reply(server, deferred, NULL);
+        return;
+    }
+    *wait = (lf_wait){
+        .next = server->waits, .deferred = deferred, .generation = generation, .level = level};
+    server->waits = wait;
+    answer_waits(server);
+}
+
+void lf_server_shown(lf_server *server, int64_t generation, lf_level level, double passes)
+{
+    bool news = generation != server->shown_generation || level != server->shown_level;
+    server->shown_generation = generation;
+    server->shown_level = level;
+    lf_server_notify(server, LF_EVENT_FRAME, "frame",
+                     json_pack("{s:I, s:s, s:f}", "generation", (json_int_t)generation, "level",
+                               lf_level_name(level), "passes", passes));
+    if (!news)
+        return;
+    lf_log(LF_LOG_DEBUG, "generation %lld: %s after %.1f passes", (long long)generation,
+           lf_level_name(level), passes);
+    if (level == LF_LEVEL_CONVERGED) {
+        lf_server_notify(
+            server, LF_EVENT_CONVERGED, "converged",
+            json_pack("{s:I, s:f}", "generation", (json_int_t)generation, "passes", passes));
+    }
+    answer_waits(server);
+}
+
+/* ------------------------------------------------------------------------------------ engine -- */
+
+int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *context)
+{
+    lf_server *server = context;
+    (void)source;
+    (void)events;
+    lf_wakeup_clear(fd);
+    lf_engine_state before = server->last.state;
+    lf_engine_get_status(server->engine, &server->last);
+    lf_show_pump(server->show);
+    lf_server_start_jobs(server);
+    if (server->last.state != before)
+        lf_server_tell_status(server);
+    if (lf_server_is_stopping(server) && lf_engine_stopped(server->engine))
+        lf_server_shutdown(server);
+    return 0;
+}
+
+/* ------------------------------------------------------------------------------------ loader -- */
+
+/* The answer to a load, and with it what is to be said of the scene's files. */
+static json_t *load_answer(const lf_server *server, const lf_load *load)
+{
+    json_t *answer = json_pack("{s:I}", "generation", (json_int_t)server->generation), *lines;
+    if (!answer || load->kind == LF_LOAD_ORBIT || load->kind == LF_LOAD_APPLY)
+        return answer;
+    const lf_scene *scene = server->content->scene;
+    lines = json_array();
+    for (int i = 0; scene && lf_scene_warning(scene, i); i++)
+        (void)json_array_append_new(lines, lf_rpc_text(lf_scene_warning(scene, i)));
+    (void)json_object_set_new(answer, "warnings", lines);
+    return answer;
+}
+
+static void load_succeeded(lf_server *server, lf_load *load)
+{
+    if (load->committed) {
+        lf_content_unref(server->content);
+        server->content = load->content;
+        load->content = NULL;
+        server->generation = load->generation;
+        lf_server_notify(server, LF_EVENT_SCENE, "scene",
+                         json_pack("{s:I, s:o}", "generation", (json_int_t)load->generation, "file",
+                                   lf_rpc_text(server->content->file)));
+        if (load->kind == LF_LOAD_FILE) {
+            lf_server_file_shown(server, load->browsed);
+            server->error.status = LF_OK;
+            lf_server_watch(server);
+            lf_log(LF_LOG_INFO, "%s: generation %lld%s", server->content->file,
+                   (long long)load->generation,
+                   load->restored ? ", going on with the saved state" : "");
+        }
+        answer_waits(server);
+    }
+    lf_deferred_reply(server, load->deferred, load_answer(server, load));
+}
+
+static void load_failed(lf_server *server, const lf_load *load)
+{
+    if (!load->deferred && load->status != LF_E_CANCELLED) {
+        lf_log_error(&load->err);
+        server->error = load->err;
+    }
+    lf_deferred_fail(server, load->deferred, &load->err,
+                     load->status != LF_E_STATE && load->status != LF_E_CANCELLED);
+}
+
+static void on_load_done(void *reader, lf_task *task)
+{
+    lf_server *server = reader;
+    lf_load *load = (lf_load *)(void *)task;
+    if (load->status == LF_OK)
+        load_succeeded(server, load);
+    else
+        load_failed(server, load);
+    bool browsed = load->browsed;
+    bool plain = load->kind == LF_LOAD_FILE && !load->deferred && !browsed;
+    if (browsed && !lf_server_is_stopping(server))
+        lf_server_browsed(server, load->file);
+    if (load->reset && !lf_server_is_stopping(server))
+        lf_server_was_reset(server);
+    lf_load_destroy(load);
+    if (lf_server_is_stopping(server)) {
+        lf_server_shutdown(server);
+    } else if (plain) {
+        lf_server_reloaded(server);
+        lf_server_ready(server);
+    }
+}
+
+static void queue_load(lf_server *server, lf_load *load)
+{
+    load->options = server->options;
+    const lf_calibration *calibration = lf_show_calibration(server->show);
+    load->has_calibration = calibration;
+    if (calibration)
+        load->calibration = *calibration;
+    lf_loader_queue(server->loader, load);
+}
+
+void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)
+{
+    load->task.done = on_load_done;
+    load->meant = server->config.scene;
+    load->deferred = deferred;
+    if (server->life.phase != LF_PHASE_OPENING) {
+        queue_load(server, load);
+        return;
+    }
+    lf_task **at = &server->held;
+    while (*at)
+        at = &(*at)->next;
+    load->task.next = NULL;
+    *at = &load->task;
+}
+
+void lf_server_release_loads(lf_server *server)
+{
+    while (server->held) {
+        lf_load *load = (lf_load *)(void *)server->held;
+        server->held = server->held->next;
+        if (!lf_server_is_stopping(server)) {
+            queue_load(server, load);
+            continue;
+        }
+        load->status = lf_error_set(&load->err, LF_E_CANCELLED, "", "the daemon is shutting down");
+        on_load_done(server, &load->task);
+    }
+}
+
+void lf_server_reload(lf_server *server)
+{
+    const char *file = server->content ? server->content->file : server->config.scene;
+    lf_load *load = file ? lf_load_create(LF_LOAD_FILE) : NULL;
+    if (load)
+        load->file = lf_strdup(file);
+    if (!load || !load->file) {
+        if (load)
+            lf_load_destroy(load);
+        lf_server_reloaded(server);
+        return;
+    }
+    lf_server_load(server, load, NULL);
+}

@@ -1,0 +1,196 @@
+/* What a call's words say about an export: a job, checked as far as it can be before anything is
+ * written. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "daemon/server/server_job.h"
+
+#define MAX_JOBS 8
+#define STATE_ENDING ".lfstate"
+
+static const char *string_of(const json_t *params, const char *key)
+{
+    return json_string_value(json_object_get(params, key));
+}
+
+static double number_of(const json_t *params, const char *key, double absent)
+{
+    const json_t *value = json_object_get(params, key);
+    return value ? json_number_value(value) : absent;
+}
+
+static lf_status take_panel_words(lf_job *job, const json_t *params, lf_error *err)
+{
+    const lf_calibration *calibration = lf_show_calibration(job->server->show);
+    const char *filter = string_of(params, "filter"), *invert = string_of(params, "invert");
+    lf_status status = filter ? lf_filter_from_name(filter, &job->filter, err) : LF_OK;
+    if (status == LF_OK && invert)
+        status = lf_invert_from_name(invert, &job->invert, err);
+    if (status == LF_OK && !calibration)
+        return lf_error_set(err, LF_E_NODEV, lf_show_spec(job->server->show),
+                            "there is no panel whose calibration is known");
+    if (status == LF_OK) {
+        job->has_calibration = true;
+        job->calibration = *calibration;
+    }
+    return status;
+}
+
+/* As many views as a lens holds and the picture has, where nobody says. */
+static lf_status choose_views(lf_job *job, lf_error *err)
+{
+    lf_print *print = &job->print;
+    const int most = job->server->content->layout.n_views;
+    if (print->n_views == 0)
+        print->n_views = (int)fmax(1, fmin(floor(print->dpi / print->lpi + 1e-9), most));
+    if (print->n_views > most)
+        return lf_error_set_at(err, LF_E_ARG, "export", 0, "/views", "there are only %d views",
+                               most);
+    return LF_OK;
+}
+
+static lf_status take_print_words(lf_job *job, const json_t *params, lf_error *err)
+{
+    lf_print *print = &job->print;
+    const char *missing = lf_param_missing(lf_print_params, params);
+    if (missing)
+        return lf_error_set(
+            err, LF_E_ARG, "export", "a %s needs lpi, %swidth and height (mm); \"%s\" is missing",
+            lf_output_kind_name(job->kind), job_is_chart(job) ? "range, step, " : "", missing);
+    lf_param_defaults(lf_print_params, print);
+    lf_status status = lf_param_from_json(lf_print_params, params, print, "export", err);
+    if (status == LF_OK && !job_is_chart(job))
+        status = choose_views(job, err);
+    if (status == LF_OK && print->icc_path)
+        status = lf_server_read_path(job->server, print->icc_path, &job->icc, err);
+    print->icc_path = job->icc;
+    print->icc_roots = &job->server->roots;
+    if (status == LF_OK)
+        status = job_is_chart(job) ? lf_chart_check(print, err) : lf_print_check(print, NULL, err);
+    return status;
+}
+
+static lf_status take_fds(lf_job *job, lf_client *client, int n, lf_error *err)
+{
+    if (n == 0)
+        return LF_OK;
+    job->fds = lf_calloc((size_t)n, sizeof *job->fds);
+    if (!job->fds)
+        return lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
+    if (!lf_client_take_fds(client, job->fds, n))
+        return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds",
+                               "fewer than %d descriptors came with the call", n);
+    job->n_fds = n;
+    return LF_OK;
+}
+
+static bool ends_with(const char *text, const char *ending)
+{
+    size_t n = strlen(text), m = strlen(ending);
+    return n > m && strcmp(text + n - m, ending) == 0;
+}
+
+/* The name: beneath --export-dir, or with descriptors just a name, whose ending tells the format.
+ */
+static lf_status take_file(lf_job *job, const char *file, lf_error *err)
+{
+    if (job->is_state && !ends_with(file, STATE_ENDING))
+        return lf_error_set_at(err, LF_E_ARG, "export", 0, "/file",
+                               "a state's name must end in " STATE_ENDING);
+    if (job->n_fds == 0) {
+        lf_held_name held;
+        lf_status status = lf_server_write_path(job->server, file, &held, err);
+        if (status != LF_OK)
+            return status;
+        job->file = held.path;
+        job->folder_fd = held.folder_fd;
+    } else {
+        job->file = lf_strdup(file);
+    }
+    if (!job->file)
+        return lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
+    if (job->is_state)
+        return LF_OK;
+    char *path = NULL;
+    const lf_content *content = job->server->content;
+    lf_status status =
+        lf_output_path(job->kind, job->file, content ? &content->layout : NULL, &path, err);
+    lf_free(path);
+    return status;
+}
+
+/* An accumulation is one from its first pass on; a picture, once it is coarse. */
+static lf_level wait_of(const json_t *params, bool is_state)
+{
+    const char *name = string_of(params, "wait");
+    for (lf_level level = LF_LEVEL_COARSE; name && level <= LF_LEVEL_CONVERGED; level++)
+        if (strcmp(name, lf_level_name(level)) == 0)
+            return level;
+    return is_state ? LF_LEVEL_NONE : LF_LEVEL_COARSE;
+}
+
+static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
+{
+    const lf_server *server = call->server;
+    const json_t *params = call->params;
+    const char *kind = string_of(params, "kind");
+    job->is_state = strcmp(kind, "state") == 0;
+    job->overwrite = json_is_true(json_object_get(params, "overwrite"));
+    job->wait = wait_of(params, job->is_state);
+    job->generation = server->generation;
+    int n_fds = (int)number_of(params, "fds", 0);
+    if (job->is_state && n_fds > 1)
+        return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds",
+                               "a state is one file: one descriptor, not %d", n_fds);
+    lf_status status = take_fds(job, call->client, n_fds, err);
+    if (status == LF_OK && !job->is_state)
+        status = lf_output_kind_from_name(kind, &job->kind, err);
+    if (status == LF_OK && !job_is_chart(job) &&
+        (!server->content || (job->is_state && !server->content->scene)))
+        return lf_error_set(err, LF_E_STATE, "export", "there is no picture to export");
+    if (status == LF_OK)
+        status = take_file(job, string_of(params, "file"), err);
+    if (status == LF_OK && !job->is_state && job->kind == LF_OUTPUT_PANEL)
+        status = take_panel_words(job, params, err);
+    if (status == LF_OK && !job->is_state &&
+        (job->kind == LF_OUTPUT_PRINT || job->kind == LF_OUTPUT_CHART))
+        status = take_print_words(job, params, err);
+    return status;
+}
+
+static int count_jobs(const lf_server *server)
+{
+    int n = 0;
+    for (const lf_job *job = server->jobs; job; job = job->next)
+        n++;
+    return n;
+}
+
+void lf_server_export(lf_call *call)
+{
+    lf_server *server = call->server;
+    lf_error err;
+    lf_job *job = count_jobs(server) < MAX_JOBS ? job_create(server) : NULL;
+    if (!job) {
+        (void)lf_error_set(&err, LF_E_BUSY, "export", "%d jobs are waiting or running", MAX_JOBS);
+        lf_client_drop_fds(call->client);
+        lf_fail(call, &err, false);
+        return;
+    }
+    job->client = lf_client_serial(call->client);
+    lf_status status = take_words(job, call, &err);
+    if (status != LF_OK) {
+        job_free(job);
+        lf_client_drop_fds(call->client);
+        lf_fail(call, &err, false);
+        return;
+    }
+    lf_client_drop_fds(call->client); /* more came than were announced */
+    job->id = ++server->n_jobs;
+    job_list(job);
+    lf_reply(call,
+             json_pack("{s:I, s:o}", "job", (json_int_t)job->id, "file", lf_rpc_text(job->file)));
+    lf_server_start_jobs(server);
+}

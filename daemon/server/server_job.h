@@ -1,0 +1,58 @@
+/* The inside of exports and of saving the state, shared by server_export.c (a call's words),
+ * server_job.c (threads and ends) and server_state.c (--state). Everything is the event thread's,
+ * but for what the job's own thread does between start and end. */
+#ifndef LF_DAEMON_SERVER_JOB_H
+#define LF_DAEMON_SERVER_JOB_H
+
+#include <pthread.h>
+
+#include "daemon/server/server.h"
+
+struct lf_job {
+    lf_task task;
+    lf_job *next;
+    lf_server *server;
+    int64_t id;
+    uint64_t client; /* who asked; hears of it without subscribing. 0 = the daemon itself */
+    bool is_state;   /* kind "state" */
+    lf_output_kind kind;
+    char *file;    /* as asked for, canonical */
+    char *final;   /* name written; the thread's until it has ended */
+    int folder_fd; /* of file: what was checked is what is written to; -1 = none */
+    bool overwrite;
+    int64_t generation; /* what to wait for … */
+    lf_level wait;
+    bool started;
+    lf_cancel cancel;
+    pthread_t thread;
+    lf_filter filter;
+    lf_invert invert;
+    bool has_calibration;
+    lf_calibration calibration;
+    lf_print print;
+    char *icc;
+    int *fds;
+    int n_fds;
+    atomic_int permille;
+    int told; /* progress told last, in permille */
+    lf_status status;
+    lf_error err;
+    sd_event_source *timer;
+};
+
+/* Drawn without a picture, and so waits for none. */
+static inline bool job_is_chart(const lf_job *job)
+{
+    return !job->is_state && job->kind == LF_OUTPUT_CHART;
+}
+
+/* An empty job of this server, not in its list yet; NULL = out of memory. */
+lf_job *job_create(lf_server *server);
+/* A job that is in no list. */
+void job_free(lf_job *job);
+/* Puts it into the server's list, which owns it from then on. */
+void job_list(lf_job *job);
+/* Starts its thread; the job ends by itself. */
+void job_start(lf_job *job);
+
+#endif

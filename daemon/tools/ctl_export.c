@@ -1,0 +1,198 @@
+/* quiltctl's exports: the files are opened here, with the caller's rights, and appear when the
+ * daemon says that the job is done. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/errno_text.h"
+#include "daemon/output/output.h"
+#include "daemon/tools/ctl.h"
+
+#define MAX_FILES 253
+
+typedef struct export_files {
+    lf_outfile file[MAX_FILES];
+    int n;
+} export_files;
+
+static void abandon(export_files *files)
+{
+    for (int i = 0; i < files->n; i++)
+        lf_outfile_abandon(&files->file[i]);
+    files->n = 0;
+}
+
+static lf_status add_file(export_files *files, const char *path, bool overwrite, lf_error *err)
+{
+    lf_status status = lf_outfile_open(&files->file[files->n], path, overwrite, err);
+    files->n += status == LF_OK ? 1 : 0;
+    return status;
+}
+
+/* The picture's layout, from the daemon. */
+static lf_status ask_layout(lf_ctl *ctl, lf_layout *out, lf_error *err)
+{
+    json_t *status = NULL;
+    lf_status answer = lf_ctl_call(ctl, "status", json_object(), NULL, 0, &status, NULL, err);
+    if (answer != LF_OK)
+        return answer;
+    int views = 0;
+    double aspect = 0;
+    *out = (lf_layout){0};
+    int r = json_unpack(status, "{s:i, s:i, s:i, s:i, s:i, s:F}", "views", &views, "columns",
+                        &out->columns, "rows", &out->rows, "view_width", &out->view_width,
+                        "view_height", &out->view_height, "aspect", &aspect);
+    json_decref(status);
+    out->n_views = views;
+    out->aspect = aspect;
+    return r == 0 ? LF_OK : lf_error_set(err, LF_E_STATE, "export", "nothing is shown");
+}
+
+static lf_status open_views(export_files *files, const char *folder, int n_views, bool overwrite,
+                            lf_error *err)
+{
+    if (n_views > MAX_FILES)
+        return lf_error_set(err, LF_E_ARG, folder,
+                            "more than %d views cannot be passed to the daemon at once", MAX_FILES);
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+        return lf_error_set(err, LF_E_IO, folder, "cannot make the folder: %s",
+                            lf_errno_text(errno));
+    lf_status status = LF_OK;
+    for (int i = 0; i < n_views && status == LF_OK; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "view_%03d.exr", i);
+        char *path = lf_path_join(folder, name);
+        status = path ? add_file(files, path, overwrite, err) : LF_E_NOMEM;
+        lf_free(path);
+    }
+    return status;
+}
+
+static lf_status open_print(export_files *files, const char *path, bool overwrite, lf_error *err)
+{
+    char *manifest = lf_output_manifest_path(path);
+    lf_status status = manifest ? add_file(files, path, overwrite, err)
+                                : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    if (status == LF_OK)
+        status = add_file(files, manifest, overwrite, err);
+    lf_free(manifest);
+    return status;
+}
+
+/* Opens what the kind needs; *out_path is the name with the layout in it. */
+static lf_status open_files(lf_ctl *ctl, const char *kind_name, const char *file, bool overwrite,
+                            export_files *files, char **out_path, lf_error *err)
+{
+    if (strcmp(kind_name, "state") == 0) {
+        *out_path = lf_strdup(file);
+        return *out_path ? add_file(files, file, overwrite, err) : LF_E_NOMEM;
+    }
+    lf_output_kind kind;
+    lf_layout layout = {0};
+    lf_status status = lf_output_kind_from_name(kind_name, &kind, err);
+    if (status == LF_OK && kind != LF_OUTPUT_CHART)
+        status = ask_layout(ctl, &layout, err);
+    if (status == LF_OK)
+        status = lf_output_path(kind, file, &layout, out_path, err);
+    if (status != LF_OK)
+        return status;
+    if (kind == LF_OUTPUT_VIEWS)
+        return open_views(files, *out_path, layout.n_views, overwrite, err);
+    return kind == LF_OUTPUT_PRINT || kind == LF_OUTPUT_CHART
+               ? open_print(files, *out_path, overwrite, err)
+               : add_file(files, *out_path, overwrite, err);
+}
+
+static void show_progress(const json_t *params)
+{
+    if (isatty(STDERR_FILENO))
+        fprintf(stderr, "\r\033[K%s %3.0f %%", json_string_value(json_object_get(params, "state")),
+                100 * json_number_value(json_object_get(params, "progress")));
+}
+
+/* Waits for the end of the job. */
+static lf_status follow(lf_ctl *ctl, json_int_t job, lf_error *err)
+{
+    for (;;) {
+        json_t *message = NULL;
+        lf_status status = lf_ctl_next(ctl, &message, err);
+        if (status != LF_OK)
+            return status;
+        const json_t *params = json_object_get(message, "params");
+        const char *state = json_string_value(json_object_get(params, "state"));
+        if (!state || json_integer_value(json_object_get(params, "job")) != job) {
+            json_decref(message);
+            continue;
+        }
+        show_progress(params);
+        bool running = strcmp(state, "running") == 0;
+        if (strcmp(state, "failed") == 0) {
+            const char *text =
+                json_string_value(json_object_get(json_object_get(params, "error"), "message"));
+            status = lf_error_set(err, LF_E_IO, "", "%s", text ? text : "the export failed");
+        } else if (strcmp(state, "cancelled") == 0) {
+            status = lf_error_set(err, LF_E_CANCELLED, "export", "was cancelled");
+        }
+        json_decref(message);
+        if (!running) {
+            if (isatty(STDERR_FILENO))
+                fputs("\r\033[K", stderr);
+            return status;
+        }
+    }
+}
+
+static lf_status publish(export_files *files, bool overwrite, lf_error *err)
+{
+    lf_status status = LF_OK;
+    for (int i = 0; i < files->n; i++)
+        if (status == LF_OK)
+            status = lf_outfile_commit(&files->file[i], overwrite, err);
+        else
+            lf_outfile_abandon(&files->file[i]);
+    files->n = 0;
+    return status;
+}
+
+lf_status lf_ctl_export(lf_ctl *ctl, json_t *params, json_t **out_result, lf_error *err)
+{
+    const char *kind = json_string_value(json_object_get(params, "kind"));
+    const char *file = json_string_value(json_object_get(params, "file"));
+    bool overwrite = json_is_true(json_object_get(params, "overwrite"));
+    export_files *files = lf_calloc(1, sizeof *files);
+    char *path = NULL;
+    json_t *result = NULL;
+    int fds[MAX_FILES];
+    lf_status status = LF_E_ARG;
+    if (!files || !kind || !file) {
+        status =
+            lf_error_set(err, !files ? LF_E_NOMEM : LF_E_ARG, "export", "needs a kind and a file");
+        goto end;
+    }
+    status = open_files(ctl, kind, file, overwrite, files, &path, err);
+    if (status != LF_OK)
+        goto end;
+    for (int i = 0; i < files->n; i++)
+        fds[i] = files->file[i].fd;
+    json_object_set_new(params, "file", json_string(path));
+    json_object_set_new(params, "fds", json_integer(files->n));
+    status = lf_ctl_call(ctl, "export", json_incref(params), fds, files->n, &result, NULL, err);
+    if (status == LF_OK)
+        status = follow(ctl, json_integer_value(json_object_get(result, "job")), err);
+    if (status == LF_OK)
+        status = publish(files, overwrite, err);
+    if (status == LF_OK)
+        *out_result = json_pack("{s:s, s:s}", "kind", kind, "file", path);
+end:
+    if (files)
+        abandon(files);
+    lf_free(files);
+    lf_free(path);
+    json_decref(result);
+    json_decref(params);
+    return status;
+}

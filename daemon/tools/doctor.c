@@ -1,0 +1,166 @@
+#include "daemon/tools/doctor.h"
+
+#include <glob.h>
+#include <limits.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct report {
+    const lf_doctor_facts *facts;
+    FILE *out;
+    bool failed;
+} report;
+
+static void say_ok(const report *r, const char *what, const char *detail)
+{
+    fprintf(r->out, "ok    %s: %s\n", what, detail);
+}
+
+static void say_bad(report *r, const char *what, const char *remedy)
+{
+    r->failed = true;
+    fprintf(r->out, "FAIL  %s: %s\n", what, remedy);
+}
+
+static void say_note(const report *r, const char *what, const char *detail)
+{
+    fprintf(r->out, "note  %s: %s\n", what, detail);
+}
+
+/* -------------------------------------------------------------------------------- the daemon -- */
+
+/* "" where the daemon, which may be of another version, says no such thing. */
+static const char *text_of(const json_t *object, const char *key)
+{
+    const char *text = json_string_value(json_object_get(object, key));
+    return text ? text : "";
+}
+
+static void judge_daemon(const report *r)
+{
+    const json_t *status = r->facts->status, *device = json_object_get(status, "device");
+    if (!status) {
+        char text[sizeof *r->facts->no_answer];
+        say_note(r, "daemon", lf_error_format(r->facts->no_answer, text, sizeof text));
+        return;
+    }
+    const char *problem = text_of(device, "problem");
+    char text[1024];
+    snprintf(text, sizeof text, "%s, shows on %s%s%s", text_of(status, "state"),
+             text_of(device, "spec"), problem[0] != '\0' ? ": " : "", problem);
+    say_ok(r, "daemon", text);
+}
+
+/* The spec of the panel that the daemon shows on; "" = there is none. */
+static const char *shown_on(const lf_doctor_facts *facts)
+{
+    const json_t *device = json_object_get(facts->status, "device");
+    return json_is_true(json_object_get(device, "present")) ? text_of(device, "spec") : "";
+}
+
+/* -------------------------------------------------------------------------------- the system -- */
+
+/* Whether there is a file of this name, with jokers. */
+static bool has(const report *r, const char *pattern)
+{
+    char path[PATH_MAX];
+    glob_t found;
+    snprintf(path, sizeof path, "%s%s", r->facts->root, pattern);
+    bool there = glob(path, GLOB_NOSORT, NULL, &found) == 0;
+    globfree(&found);
+    return there;
+}
+
+static void judge_rule(const report *r)
+{
+    static const char *const rules[] = {"/etc/udev/rules.d/70-quiltd.rules",
+                                        "/usr/lib/udev/rules.d/70-quiltd.rules",
+                                        "/usr/local/lib/udev/rules.d/70-quiltd.rules"};
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; i++) {
+        if (has(r, rules[i])) {
+            say_ok(r, "udev rule", rules[i]);
+            return;
+        }
+    }
+    say_note(r, "udev rule",
+             "70-quiltd.rules is not installed: panels may belong to root alone; `make install`, "
+             "then `udevadm control --reload`");
+}
+
+static void judge_system(const report *r)
+{
+    judge_rule(r);
+    if (!has(r, "/run/udev/control"))
+        say_note(
+            r, "udev",
+            "is not running: plugging in is not noticed, and devices get no rights from the rule");
+    if (!has(r, "/sys/bus/usb")) {
+        say_note(r, "USB", "this kernel shows no USB bus: panels are not found over USB");
+    } else if (!has(r, "/sys/bus/hid/drivers/hid-generic")) {
+        say_note(r, "module hid-generic",
+                 "is not loaded: `modprobe hid-generic`, when a panel of the first generation is "
+                 "not found");
+    }
+    if (!has(r, "/dev/dri/card*"))
+        say_note(
+            r, "displays",
+            "there is no /dev/dri/card*: this machine has no display output that quiltd could use");
+}
+
+/* -------------------------------------------------------------------------------- the panels -- */
+
+static void judge_panels(report *r)
+{
+    int n_panels = 0;
+    for (int i = 0; i < r->facts->n_devices; i++) {
+        const lf_device_info *info = &r->facts->devices[i];
+        if (!lf_device_is_panel(info->spec))
+            continue;
+        char what[sizeof info->spec + 8];
+        snprintf(what, sizeof what, "panel %s", info->spec);
+        n_panels++;
+        if (strcmp(info->spec, shown_on(r->facts)) == 0)
+            say_ok(r, what, "quiltd shows on it");
+        else if (info->problem[0] != '\0')
+            say_bad(r, what, info->problem);
+        else
+            say_ok(r, what, info->model);
+    }
+    if (n_panels == 0)
+        say_note(r, "panels",
+                 "no display of a Looking Glass is connected (its EDID name begins with LKG), nor "
+                 "a GUD display over USB");
+}
+
+static void judge_calibrations(report *r)
+{
+    int n_sound = 0;
+    for (int i = 0; i < r->facts->n_found; i++) {
+        const lf_found *found = &r->facts->found[i];
+        char what[sizeof found->path + 16];
+        snprintf(what, sizeof what, "calibration %s", found->path);
+        if (found->problem[0] != '\0') {
+            say_bad(r, what, found->problem);
+            continue;
+        }
+        const lf_calibration *c = &found->calibration;
+        char text[160];
+        snprintf(text, sizeof text, "%s, %d x %d", c->serial, c->screen_width_px,
+                 c->screen_height_px);
+        say_ok(r, what, text);
+        n_sound++;
+    }
+    if (n_sound == 0)
+        say_note(r, "calibrations",
+                 "none was found: connect the panel's USB cable too, or give --calibration FILE");
+}
+
+bool lf_doctor_judge(const lf_doctor_facts *facts, FILE *out)
+{
+    report r = {.facts = facts, .out = out};
+    judge_daemon(&r);
+    judge_system(&r);
+    judge_panels(&r);
+    judge_calibrations(&r);
+    return !r.failed;
+}

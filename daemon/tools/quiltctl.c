@@ -1,0 +1,236 @@
+/* quiltctl: one call to quiltd. See docs/man/quiltctl.1. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "daemon/output/options.h"
+#include "daemon/tools/ctl.h"
+#include "device/device.h"
+
+#define PROGRAM "quiltctl"
+
+enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_JSON };
+
+static const struct option table[] = {
+    {"socket", required_argument, NULL, OPTION_SOCKET},
+    {"json", no_argument, NULL, OPTION_JSON},
+    {"help", no_argument, NULL, LF_OPTION_HELP},
+    {"version", no_argument, NULL, LF_OPTION_VERSION},
+    {NULL, 0, NULL, 0},
+};
+
+typedef struct arguments {
+    const char *socket;
+    bool json;
+    const char *method;
+    char *const *words; /* what follows the method */
+    int n_words;
+} arguments;
+
+static void print_help(void)
+{
+    printf("Usage: quiltctl [--socket PATH] [--json] METHOD [key=value ...]\n"
+           "       quiltctl [--socket PATH] watch\n"
+           "       quiltctl [--socket PATH] doctor\n"
+           "       quiltctl [--socket PATH] export quilt|views|panel|print|chart|state FILE "
+           "[key=value "
+           "...]\n"
+           "Calls a running quiltd and prints what it answers. Values are typed by the method's "
+           "schema; key:=JSON is raw.\n"
+           "`quiltctl hello` lists the methods; some of them: status, scene.load file=PATH, "
+           "scene.patch patch:=JSON,\n"
+           "camera.orbit yaw=5, wait for=complete, render.set paused=true, device.list, shutdown.\n"
+           "doctor says what stands between this machine and a picture on a panel; it needs no "
+           "daemon.\n"
+           "An export is written with your rights: FILE may lie anywhere you may write.\n"
+           "\n"
+           "  --socket PATH          the daemon's socket ($QUILTD_SOCKET, "
+           "$XDG_RUNTIME_DIR/quiltd.sock,\n"
+           "                         /run/quiltd/control.sock)\n"
+           "  --json                 prints the result as JSON\n" LF_OPTIONS_HELP_LAST
+           "Exit status: 0, 1 when the daemon refused, 2 for wrong usage, 3 when no daemon "
+           "answers.\n");
+}
+
+static lf_status take(void *context, int code, const char *text, lf_error *err)
+{
+    arguments *a = context;
+    (void)err;
+    if (code == OPTION_SOCKET)
+        a->socket = text;
+    else
+        a->json = true;
+    return LF_OK;
+}
+
+static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool *out_done,
+                                lf_error *err)
+{
+    const lf_options_rules rules = {PROGRAM, ":", table, print_help, NULL, take, a};
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
+    if (status != LF_OK || *out_done)
+        return status;
+    if (optind >= argc)
+        return lf_error_set(err, LF_E_ARG, "METHOD", "is missing; quiltctl --help");
+    a->method = argv[optind];
+    a->words = argv + optind + 1;
+    a->n_words = argc - optind - 1;
+    return LF_OK;
+}
+
+/* The daemon runs elsewhere: paths are made absolute. */
+static void make_absolute(json_t *params, const char *key)
+{
+    const char *path = json_string_value(json_object_get(params, key));
+    char *here = path && path[0] != '/' ? getcwd(NULL, 0) : NULL;
+    char *joined = here ? lf_path_join(here, path) : NULL;
+    if (joined)
+        json_object_set_new(params, key, json_string(joined));
+    lf_free(joined);
+    free(here);
+}
+
+/* The folder that a device writes into likewise. */
+static void make_spec_absolute(json_t *params)
+{
+    const char *spec = json_string_value(json_object_get(params, "spec"));
+    size_t n;
+    const char *folder = spec ? lf_device_folder(spec, &n) : NULL;
+    char *here = folder && folder[0] != '/' ? getcwd(NULL, 0) : NULL;
+    if (here)
+        json_object_set_new(params, "spec",
+                            json_sprintf("%.*s%s/%s", (int)(folder - spec), spec, here, folder));
+    free(here);
+}
+
+/* Reads the words by the method's schema. first: how many are positional (export's kind and file).
+ */
+static lf_status read_words(const arguments *a, const json_t *schema, json_t *params, lf_error *err)
+{
+    static const char *const positional[] = {"kind", "file"};
+    bool export = strcmp(a->method, "export") == 0;
+    int n_positional = 0;
+    for (int i = 0; i < a->n_words; i++) {
+        if (export && n_positional < 2 && !strchr(a->words[i], '=')) {
+            json_object_set_new(params, positional[n_positional++], json_string(a->words[i]));
+            continue;
+        }
+        lf_status status = lf_schema_argument(schema, a->words[i], params, err);
+        if (status != LF_OK)
+            return status;
+    }
+    make_absolute(params, "file");
+    make_absolute(params, "icc");
+    make_spec_absolute(params);
+    return lf_schema_check(schema, params, a->method, err);
+}
+
+/* Asks the daemon for its methods; *out_schema is a new reference. LF_E_ARG: there is no such
+ * method. */
+static lf_status ask_schema(lf_ctl *ctl, const char *method, json_t **out_schema, lf_error *err)
+{
+    json_t *hello = NULL;
+    lf_status status = lf_ctl_call(ctl, "hello", json_object(), NULL, 0, &hello, NULL, err);
+    if (status != LF_OK)
+        return status;
+    json_t *entry = json_object_get(json_object_get(hello, "methods"), method);
+    *out_schema = json_incref(json_object_get(entry, "params"));
+    json_decref(hello);
+    return *out_schema ? LF_OK
+                       : lf_error_set(err, LF_E_ARG, method,
+                                      "is no method of this daemon; quiltctl hello lists them");
+}
+
+static lf_status run(lf_ctl *ctl, const arguments *a, json_t **out_result, lf_error *err)
+{
+    if (strcmp(a->method, "watch") == 0)
+        return lf_ctl_watch(ctl, err);
+    json_t *schema = NULL;
+    lf_status status = ask_schema(ctl, a->method, &schema, err);
+    if (status != LF_OK)
+        return status;
+    json_t *params = json_object();
+    status = read_words(a, schema, params, err);
+    json_decref(schema);
+    if (status != LF_OK) {
+        json_decref(params);
+        return status;
+    }
+    if (strcmp(a->method, "export") == 0)
+        return lf_ctl_export(ctl, params, out_result, err);
+    return lf_ctl_call(ctl, a->method, params, NULL, 0, out_result, NULL, err);
+}
+
+/* hello's schemas are for programs: people get the names and what they do. */
+static void print_methods(const json_t *hello)
+{
+    const char *name;
+    json_t *entry;
+    printf("quiltd %s, protocol %lld\n", json_string_value(json_object_get(hello, "version")),
+           (long long)json_integer_value(json_object_get(hello, "protocol")));
+    json_object_foreach(json_object_get(hello, "methods"), name, entry)
+    {
+        printf("%-20s %s\n", name, json_string_value(json_object_get(entry, "summary")));
+        const char *key;
+        json_t *property;
+        json_object_foreach(json_object_get(json_object_get(entry, "params"), "properties"), key,
+                            property)
+        {
+            const json_t *type = json_object_get(property, "type");
+            printf("    %s=%s\n", key, json_string_value(type) ? json_string_value(type) : "...");
+        }
+    }
+}
+
+static void print_result(const arguments *a, const json_t *result)
+{
+    if (a->json) {
+        json_dumpf(result, stdout, JSON_ENCODE_ANY | JSON_INDENT(2));
+        putchar('\n');
+    } else if (strcmp(a->method, "hello") == 0) {
+        print_methods(result);
+    } else if (strcmp(a->method, "scene.get") == 0) {
+        json_dumpf(json_object_get(result, "scene"), stdout, JSON_ENCODE_ANY | JSON_INDENT(2));
+        putchar('\n');
+    } else {
+        lf_ctl_print(result);
+    }
+}
+
+static int exit_code(lf_status status)
+{
+    if (status == LF_OK)
+        return LF_EXIT_OK;
+    return status == LF_E_NODEV ? LF_EXIT_NO_DAEMON
+           : status == LF_E_ARG ? LF_EXIT_USAGE
+                                : LF_EXIT_FAILED;
+}
+
+int main(int argc, char *argv[])
+{
+    arguments a = {0};
+    lf_error err;
+    bool done = false;
+    lf_log_init(PROGRAM, LF_LOG_INFO);
+    if (read_arguments(argc, argv, &a, &done, &err) != LF_OK)
+        return lf_usage_error(PROGRAM, &err);
+    if (done)
+        return LF_EXIT_OK;
+    if (strcmp(a.method, "doctor") == 0 && a.n_words == 0)
+        return lf_ctl_doctor(a.socket) ? LF_EXIT_OK : LF_EXIT_FAILED;
+    lf_ctl *ctl = NULL;
+    json_t *result = NULL;
+    lf_status status = lf_ctl_connect(a.socket, &ctl, &err);
+    if (status == LF_OK)
+        status = run(ctl, &a, &result, &err);
+    if (status != LF_OK)
+        lf_log_error(&err);
+    else if (result)
+        print_result(&a, result);
+    json_decref(result);
+    lf_ctl_close(ctl);
+    return exit_code(status);
+}

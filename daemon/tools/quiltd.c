@@ -1,0 +1,149 @@
+/* quiltd: the daemon. See docs/man/quiltd.1. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "daemon/server/server.h"
+
+#define PROGRAM "quiltd"
+
+enum {
+    OPTION_SOCKET = LF_OPTION_OWN,
+    OPTION_DEVICE,
+    OPTION_STATE,
+    OPTION_ALLOW_PATH,
+    OPTION_EXPORT_DIR,
+    OPTION_WATCH,
+    OPTION_RUN_FOR,
+    OPTION_BUTTONS,
+};
+
+static const struct option table[] = {
+    LF_OPTIONS_LONG("calibration"),
+    {"socket", required_argument, NULL, OPTION_SOCKET},
+    {"device", required_argument, NULL, OPTION_DEVICE},
+    {"state", required_argument, NULL, OPTION_STATE},
+    {"allow-path", required_argument, NULL, OPTION_ALLOW_PATH},
+    {"export-dir", required_argument, NULL, OPTION_EXPORT_DIR},
+    {"watch", no_argument, NULL, OPTION_WATCH},
+    {"run-for", required_argument, NULL, OPTION_RUN_FOR},
+    {"buttons", required_argument, NULL, OPTION_BUTTONS},
+    {NULL, 0, NULL, 0},
+};
+
+static void print_help(void)
+{
+    printf(
+        "Usage: quiltd [SCENE] [options]\n"
+        "Renders a scene (JSON) as a light field, or takes a quilt picture, and shows it on a "
+        "Looking Glass panel.\n"
+        "\n"
+        "  --socket PATH          where clients talk to it ($QUILTD_SOCKET, "
+        "$XDG_RUNTIME_DIR/quiltd.sock,\n"
+        "                         /run/quiltd/control.sock)\n"
+        "  --device SPEC          auto (default), drm[:OUTPUT], window[:MONITOR],\n"
+        "                         usb[:BUS-PORT], sim:DIR[,option=value...] or none\n"
+        "  --calibration FILE     the panel's lens calibration, instead of its "
+        "own\n" LF_OPTIONS_HELP_VIEWS LF_OPTIONS_HELP_RENDER
+        "  --target-error RELMSE  rendering rests when the estimated relative error is below "
+        "(1e-4)\n"
+        "  --state DIR            keeps the accumulation there over restarts\n"
+        "  --allow-path DIR       clients may name files to read beneath it; may be given often\n"
+        "  --export-dir DIR       clients may name files to write beneath it\n"
+        "  --buttons LIST         what the panel's buttons do: "
+        "square=pause,left=previous,right=next,circle=reset\n"
+        "                         (none, next, previous, pause, reset)\n"
+        "  --watch                reads the scene file again when it changes\n"
+        "  --run-for SECONDS      ends by itself\n" LF_OPTIONS_HELP_LAST);
+}
+
+static lf_status take(void *context, int code, const char *text, lf_error *err)
+{
+    lf_server_config *config = context;
+    switch (code) {
+    case OPTION_SOCKET:
+        config->socket = text;
+        return LF_OK;
+    case OPTION_DEVICE:
+        config->device = text;
+        return LF_OK;
+    case OPTION_STATE:
+        config->state_dir = text;
+        return LF_OK;
+    case OPTION_EXPORT_DIR:
+        config->export_dir = text;
+        return LF_OK;
+    case OPTION_WATCH:
+        config->watch = true;
+        return LF_OK;
+    case OPTION_BUTTONS:
+        return lf_button_actions_parse(text, &config->buttons, err);
+    case OPTION_RUN_FOR:
+        return lf_parse_double("--run-for", text, 0.001, 1e9, &config->run_for, err);
+    case OPTION_ALLOW_PATH:
+        if (config->n_allow >= LF_MAX_ROOTS - 2)
+            return lf_error_set(err, LF_E_ARG, "--allow-path", "given more than %d times",
+                                LF_MAX_ROOTS - 2);
+        config->allow[config->n_allow++] = text;
+        return LF_OK;
+    default:
+        return lf_error_set(err, LF_E_ARG, "", "option %d is not handled", code);
+    }
+}
+
+/* The scene's absolute path: clients and relative files go by its folder. Owned by the caller. */
+static char *absolute_scene(const char *scene)
+{
+    char *here = getcwd(NULL, 0);
+    char *path = here ? lf_path_join(here, scene) : NULL;
+    free(here);
+    return path;
+}
+
+/* What no scene can make right. */
+static lf_status check_tiles(const lf_options *options, lf_error *err)
+{
+    int views =
+        options->views == 0 && options->preset ? options->preset->layout.n_views : options->views;
+    int tiles = options->columns * options->rows;
+    if (tiles > 0 && tiles < views)
+        return lf_error_set(err, LF_E_ARG, "--quilt",
+                            "%dx%d holds %d tiles, but there are %d views", options->columns,
+                            options->rows, tiles, views);
+    return LF_OK;
+}
+
+int main(int argc, char *argv[])
+{
+    lf_server_config config = {.device = "auto"};
+    const lf_options_rules rules = {PROGRAM,         ":",  table,  print_help,
+                                    &config.options, take, &config};
+    lf_error err;
+    bool done = false;
+    lf_button_actions_default(&config.buttons);
+    lf_log_init(PROGRAM, LF_LOG_INFO);
+    if (lf_options_read(argc, argv, &rules, &done, &err) != LF_OK)
+        return lf_usage_error(PROGRAM, &err);
+    if (done)
+        return LF_EXIT_OK;
+    if (check_tiles(&config.options, &err) != LF_OK)
+        return lf_usage_error(PROGRAM, &err);
+    if (argc - optind > 1) {
+        (void)lf_error_set(&err, LF_E_ARG, argv[optind + 1], "only one scene can be shown");
+        return lf_usage_error(PROGRAM, &err);
+    }
+    /* An empty one is none: what a service's variable that is not set leaves. */
+    bool has_scene = optind < argc && argv[optind][0] != '\0';
+    char *scene = has_scene ? absolute_scene(argv[optind]) : NULL;
+    if (has_scene && !scene) {
+        lf_log(LF_LOG_ERROR, "%s: its folder cannot be found", argv[optind]);
+        return LF_EXIT_FAILED;
+    }
+    config.scene = scene;
+    config.calibration = config.options.calibration;
+    int code = lf_server_run(&config);
+    lf_free(scene);
+    return code;
+}

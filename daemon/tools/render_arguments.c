@@ -1,0 +1,259 @@
+#include "daemon/tools/render_arguments.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/alloc.h"
+
+#define DEFAULT_SPP 16
+#define MAX_PASSES (INT64_C(1) << 40)
+
+enum {
+    OPTION_OUT = 'o',
+    OPTION_PASSES = LF_OPTION_OWN,
+    OPTION_SPP,
+    OPTION_TIME,
+    OPTION_STATS,
+    OPTION_FILTER,
+    OPTION_INVERT,
+    OPTION_PRINT, /* from here on: the rows of lf_print_params */
+};
+
+static const struct option own_table[] = {
+    LF_OPTIONS_LONG("panel"),
+    {"output", required_argument, NULL, OPTION_OUT},
+    {"passes", required_argument, NULL, OPTION_PASSES},
+    {"spp", required_argument, NULL, OPTION_SPP},
+    {"time", required_argument, NULL, OPTION_TIME},
+    {"stats", required_argument, NULL, OPTION_STATS},
+    {"filter", required_argument, NULL, OPTION_FILTER},
+    {"invert", required_argument, NULL, OPTION_INVERT},
+};
+
+#define N_OWN ((int)(sizeof own_table / sizeof own_table[0]))
+#define MAX_OPTIONS 64
+
+/* All of them, with those of prints; made by lf_render_arguments_parse. */
+static struct option table[MAX_OPTIONS + 1];
+
+static void print_help(void)
+{
+    printf(
+        "Usage: quiltrender SCENE -o OUT [options]\n"
+        "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
+        "Renders a scene (JSON) into a quilt, an interlaced panel picture, a lenticular print or a "
+        "folder of views.\n"
+        "A quilt picture or a folder of views may stand in for SCENE: it is used as it is.\n"
+        "\n"
+        "OUT by its ending: .png or .exr is a quilt (named ..._qsCxRaASPECT), .tif a print, a path "
+        "ending in / a folder of views.\n"
+        "\n"
+        "What:\n" LF_OPTIONS_HELP_VIEWS
+        "  --panel FILE           interlaced for the panel with this calibration, into OUT.png\n"
+        "  --filter NAME          nearest (default) or linear: how the panel's pixels are taken "
+        "from the views\n"
+        "  --invert MODE          auto (default), yes or no: order of the views under a lens of "
+        "the panel\n");
+    lf_param_print_help(lf_print_params);
+    printf(
+        "\n"
+        "How long (one of them; --spp %d when none is given):\n"
+        "  --passes N             base paths: N for every pixel of one view's size\n"
+        "  --spp N                base paths for every view pixel\n"
+        "  --time SECONDS\n"
+        "  --target-error RELMSE  until the estimated relative mean squared error is below this\n"
+        "\n"
+        "How:\n" LF_OPTIONS_HELP_RENDER
+        "  --stats FILE.json      writes what was done and what it took\n" LF_OPTIONS_HELP_LAST,
+        DEFAULT_SPP);
+}
+
+static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
+{
+    a->n_budgets++;
+    switch (code) {
+    case OPTION_PASSES:
+        return lf_parse_int("--passes", text, 1, MAX_PASSES, &a->budget.passes, err);
+    case OPTION_SPP:
+        return lf_parse_int("--spp", text, 1, MAX_PASSES / LF_MAX_VIEWS, &a->spp, err);
+    default:
+        return lf_parse_double("--time", text, 1e-3, 1e9, &a->budget.seconds, err);
+    }
+}
+
+/* Says how paths are traced, so nothing where nothing is rendered. */
+static bool is_render_option(int code)
+{
+    return (code >= LF_OPTION_INTEGRATOR && code <= LF_OPTION_TARGET_ERROR &&
+            code != LF_OPTION_THREADS) ||
+           (code >= OPTION_PASSES && code <= OPTION_TIME);
+}
+
+static const char *name_of_option(int code)
+{
+    for (const struct option *o = table; o->name; o++)
+        if (o->val == code)
+            return o->name;
+    return "";
+}
+
+static lf_status take_own(lf_render_arguments *a, int code, const char *text, lf_error *err)
+{
+    lf_status status = LF_OK;
+    char where[64];
+    switch (code) {
+    case OPTION_OUT:
+        a->out = text;
+        return LF_OK;
+    case OPTION_STATS:
+        a->stats = text;
+        return LF_OK;
+    case OPTION_PASSES:
+    case OPTION_SPP:
+    case OPTION_TIME:
+        return take_budget(a, code, text, err);
+    case OPTION_FILTER:
+        a->has_filter = true;
+        status = lf_filter_from_name(text, &a->filter, err);
+        break;
+    case OPTION_INVERT:
+        a->has_invert = true;
+        status = lf_invert_from_name(text, &a->invert, err);
+        break;
+    default:
+        a->has_print |= code == OPTION_PRINT;
+        if (code != OPTION_PRINT && !a->print_option)
+            a->print_option = name_of_option(code);
+        return lf_param_from_text(&lf_print_params[code - OPTION_PRINT], text, &a->print, err);
+    }
+    if (status != LF_OK) {
+        snprintf(where, sizeof where, "--%s", name_of_option(code));
+        snprintf(err->where, sizeof err->where, "%s", where);
+    }
+    return status;
+}
+
+static bool ends_with(const char *text, const char *ending)
+{
+    size_t n = strlen(text);
+    size_t m = strlen(ending);
+    return n >= m && strcasecmp(text + n - m, ending) == 0;
+}
+
+/* A chart is drawn: nothing that says what to render or how goes with it. */
+static lf_status choose_chart(lf_render_arguments *a, lf_error *err)
+{
+    const lf_options *o = &a->options;
+    const char *other = a->has_print        ? "--print"
+                        : o->calibration    ? "--panel"
+                        : a->scene          ? a->scene
+                        : a->stats          ? "--stats"
+                        : o->preset         ? "--preset"
+                        : o->columns > 0    ? "--quilt"
+                        : o->view_width > 0 ? "--view-size"
+                        : a->has_filter     ? "--filter"
+                        : a->has_invert     ? "--invert"
+                                            : NULL;
+    char where[64], *path = NULL;
+    if (!other && a->render_option) {
+        snprintf(where, sizeof where, "--%s", a->render_option);
+        other = where;
+    }
+    if (other)
+        return lf_error_set(err, LF_E_ARG, other, "does not go with --chart: nothing is rendered");
+    if (!(a->print.width_mm > 0))
+        return lf_error_set(err, LF_E_ARG, "--chart", "needs --print-size WxH (in mm)");
+    a->kind = LF_OUTPUT_CHART;
+    a->print.n_views = o->views;
+    lf_status status = lf_chart_check(&a->print, err);
+    if (status == LF_OK)
+        status = lf_output_path(a->kind, a->out, NULL, &path, err);
+    lf_free(path);
+    return status;
+}
+
+/* What OUT is, from the options and its ending. */
+static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
+{
+    const bool has_chart = a->print.chart_step > 0;
+    char *path = NULL;
+    if (has_chart)
+        return choose_chart(a, err);
+    if (a->has_print && a->options.calibration)
+        return lf_error_set(err, LF_E_ARG, "--print",
+                            "does not go with --panel: one job writes one of them");
+    if (!a->has_print && a->print_option) {
+        char where[64];
+        snprintf(where, sizeof where, "--%s", a->print_option);
+        return lf_error_set(err, LF_E_ARG, where, "only goes with --print LPI@DPI or --chart");
+    }
+    if (a->has_print && !(a->print.width_mm > 0))
+        return lf_error_set(err, LF_E_ARG, "--print", "needs --print-size WxH (in mm)");
+    if (!a->options.calibration && (a->has_filter || a->has_invert))
+        return lf_error_set(err, LF_E_ARG, a->has_filter ? "--filter" : "--invert",
+                            "only goes with --panel CALIBRATION.json");
+    if (a->has_print)
+        a->kind = LF_OUTPUT_PRINT;
+    else if (a->options.calibration)
+        a->kind = LF_OUTPUT_PANEL;
+    else if (a->out[strlen(a->out) - 1] == '/')
+        a->kind = LF_OUTPUT_VIEWS;
+    else
+        a->kind = LF_OUTPUT_QUILT;
+    if (a->kind == LF_OUTPUT_QUILT && (ends_with(a->out, ".tif") || ends_with(a->out, ".tiff")))
+        return lf_error_set(err, LF_E_ARG, a->out, "a .tif goes with --print LPI@DPI");
+    if (a->kind == LF_OUTPUT_QUILT && !ends_with(a->out, ".png") && !ends_with(a->out, ".exr"))
+        return lf_error_set(
+            err, LF_E_ARG, a->out,
+            "must end in .png or .exr (a quilt), .tif (a print) or / (a folder of views)");
+    if (a->kind == LF_OUTPUT_QUILT)
+        return LF_OK; /* the tiles of the name are checked when the layout is known */
+    lf_status status = lf_output_path(a->kind, a->out, NULL, &path, err);
+    lf_free(path);
+    return status;
+}
+
+static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],
+                                 lf_error *err)
+{
+    if (optind >= argc && !(a->print.chart_step > 0))
+        return lf_error_set(err, LF_E_ARG, "SCENE", "missing (see --help)");
+    if (optind + 1 < argc)
+        return lf_error_set(err, LF_E_ARG, argv[optind + 1], "one SCENE at a time");
+    a->scene = optind < argc ? argv[optind] : NULL;
+    if (!a->out || a->out[0] == '\0')
+        return lf_error_set(err, LF_E_ARG, "-o", "missing: where to write");
+    a->budget.target_error = a->options.target_error;
+    a->n_budgets += a->options.target_error > 0;
+    if (a->n_budgets > 1)
+        return lf_error_set(err, LF_E_ARG, "--passes, --spp, --time, --target-error",
+                            "only one of them");
+    if (a->n_budgets == 0)
+        a->spp = DEFAULT_SPP;
+    return choose_kind(a, err);
+}
+
+static lf_status take(void *context, int code, const char *text, lf_error *err)
+{
+    lf_render_arguments *a = context;
+    bool taken = false;
+    lf_status status = lf_options_take(&a->options, code, text, &taken, err);
+    if (status == LF_OK && !taken)
+        status = take_own(a, code, text, err);
+    if (status == LF_OK && !a->render_option && is_render_option(code))
+        a->render_option = name_of_option(code);
+    return status;
+}
+
+lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_arguments *a,
+                                    bool *out_done, lf_error *err)
+{
+    *a = (lf_render_arguments){0};
+    lf_param_defaults(lf_print_params, &a->print);
+    memcpy(table, own_table, sizeof own_table);
+    lf_options_append(table, N_OWN, MAX_OPTIONS, lf_print_params, OPTION_PRINT);
+    const lf_options_rules rules = {LF_RENDER_PROGRAM, ":o:", table, print_help, NULL, take, a};
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
+
+    return status != LF_OK || *out_done ? status : check_arguments(a, argc, argv, err);
+}

@@ -1,0 +1,35 @@
+/* The command line of quiltrender. Thread: the main thread, before others start. */
+#ifndef LF_DAEMON_RENDER_ARGUMENTS_H
+#define LF_DAEMON_RENDER_ARGUMENTS_H
+
+#include "daemon/output/options.h"
+#include "daemon/output/output.h"
+#include "daemon/output/render_job.h"
+
+#define LF_RENDER_PROGRAM "quiltrender"
+
+/* Everything the command line says. */
+typedef struct lf_render_arguments {
+    lf_options options;
+    const char *scene; /* NULL for a chart */
+    const char *out, *stats;
+    lf_output_kind kind;
+    lf_budget budget; /* passes stay 0 for --spp until the number of views is known */
+    int64_t spp;
+    int n_budgets; /* of --passes, --spp, --time, --target-error */
+    bool has_filter, has_invert;
+    lf_filter filter;
+    lf_invert invert;
+    const char *render_option; /* the first option that only makes sense where paths are traced */
+    const char *print_option;  /* the first option that only makes sense with --print or --chart */
+    bool has_print;            /* --print was given */
+    lf_print print;            /* chart_step > 0: --chart was given */
+} lf_render_arguments;
+
+/* Reads argv into *out (strings point into it; untouched parts are zero). *out_done: --help or
+ * --version was asked for and has been printed. LF_E_ARG with the option as `where`. */
+LF_NODISCARD lf_status lf_render_arguments_parse(int argc, char *const argv[],
+                                                 lf_render_arguments *out, bool *out_done,
+                                                 lf_error *err);
+
+#endif

@@ -1,0 +1,488 @@
+#include "daemon/wire/client.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+
+#define READ_CHUNK 65536
+#define MAX_QUEUE ((size_t)1 << 20)
+/* How long accepting pauses when descriptors ran out. */
+#define ACCEPT_PAUSE_USEC 200000
+
+typedef struct buffer {
+    char *data;
+    size_t used, size;
+} buffer;
+
+struct lf_client {
+    lf_clients *owner;
+    lf_client *next;
+    uint64_t serial;
+    int fd;
+    sd_event_source *io;
+    buffer in, out;
+    size_t scanned; /* bytes of `in` known to hold no newline */
+    size_t sent;    /* bytes of `out` already sent */
+    buffer frame;   /* the newest frame notification, when it has to wait */
+    bool skipping;  /* in a line that is too long */
+    bool at_end;    /* the other side has nothing more to say */
+    bool dropped;   /* to be freed when its turn is over */
+    bool busy;      /* its lines are being worked on */
+    int calls;
+    unsigned flags;
+    int fds[LF_MAX_CLIENT_FDS];
+    int n_fds;
+};
+
+struct lf_clients {
+    sd_event *event;
+    int listen_fd;
+    sd_event_source *listen_io, *pause;
+    lf_line_fn on_line;
+    void *context;
+    lf_client *first;
+    int count;
+    uint64_t serials;
+};
+
+/* ----------------------------------------------------------------------------------- buffers -- */
+
+static bool buffer_add(buffer *b, const char *data, size_t n)
+{
+    if (b->used + n > b->size) {
+        size_t size = b->size > 0 ? b->size : 4096;
+        while (size < b->used + n)
+            size *= 2;
+        char *grown = realloc(b->data, size);
+        if (!grown)
+            return false;
+        b->data = grown;
+        b->size = size;
+    }
+    memcpy(b->data + b->used, data, n);
+    b->used += n;
+    return true;
+}
+
+static void buffer_finish(buffer *b)
+{
+    free(b->data);
+    *b = (buffer){0};
+}
+
+/* Empties it; big ones give their memory back. */
+static void buffer_reset(buffer *b)
+{
+    b->used = 0;
+    if (b->size > READ_CHUNK)
+        buffer_finish(b);
+}
+
+/* ----------------------------------------------------------------------------------- sending -- */
+
+static void drop(lf_client *client)
+{
+    client->dropped = true;
+}
+
+static void free_client(lf_client *client)
+{
+    lf_client **at = &client->owner->first;
+    while (*at != client)
+        at = &(*at)->next;
+    *at = client->next;
+    client->owner->count--;
+    sd_event_source_disable_unref(client->io);
+    close(client->fd);
+    lf_client_drop_fds(client);
+    buffer_finish(&client->in);
+    buffer_finish(&client->out);
+    buffer_finish(&client->frame);
+    lf_free(client);
+}
+
+/* Frees a client whose time has come, unless its lines are being worked on further up the stack. */
+static void settle(lf_client *client)
+{
+    if (client->busy)
+        return;
+    bool done = client->at_end && client->calls == 0 && client->out.used == client->sent &&
+                client->frame.used == 0;
+    if (client->dropped || done) {
+        free_client(client);
+        return;
+    }
+    bool waiting = client->out.used > client->sent;
+    uint32_t events = (client->at_end ? 0 : (uint32_t)EPOLLIN) | (waiting ? (uint32_t)EPOLLOUT : 0);
+    sd_event_source_set_io_events(client->io, events);
+}
+
+static void flush(lf_client *client)
+{
+    while (client->sent < client->out.used || client->frame.used > 0) {
+        if (client->sent == client->out.used) {
+            buffer_reset(&client->out);
+            client->sent = 0;
+            if (!buffer_add(&client->out, client->frame.data, client->frame.used)) {
+                drop(client);
+                return;
+            }
+            buffer_reset(&client->frame);
+        }
+        ssize_t n = send(client->fd, client->out.data + client->sent,
+                         client->out.used - client->sent, MSG_DONTWAIT | MSG_NOSIGNAL);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0) {
+            if (errno != EAGAIN)
+                drop(client);
+            return;
+        }
+        client->sent += (size_t)n;
+    }
+    buffer_reset(&client->out);
+    client->sent = 0;
+}
+
+static void send_bytes(lf_client *client, const char *line, size_t n)
+{
+    if (client->dropped)
+        return;
+    size_t waiting = client->out.used - client->sent;
+    if (waiting + n + 1 > MAX_QUEUE) {
+        lf_log(LF_LOG_INFO, "a client was dropped: it does not read what it is sent");
+        drop(client);
+        return;
+    }
+    if (client->sent > 0) {
+        memmove(client->out.data, client->out.data + client->sent, waiting);
+        client->out.used = waiting;
+        client->sent = 0;
+    }
+    if (!buffer_add(&client->out, line, n) || !buffer_add(&client->out, "\n", 1)) {
+        drop(client);
+        return;
+    }
+    flush(client);
+}
+
+/* Dropping is only noted here, since callers go on with the client; it is freed in its own turn of
+ * the event loop. */
+static void leave(lf_client *client)
+{
+    if (client->dropped && !client->busy)
+        shutdown(client->fd, SHUT_RDWR);
+    uint32_t events = (client->at_end && !client->dropped ? 0 : (uint32_t)EPOLLIN) |
+                      (client->out.used > client->sent || client->at_end ? (uint32_t)EPOLLOUT : 0);
+    sd_event_source_set_io_events(client->io, events);
+}
+
+void lf_client_send(lf_client *client, json_t *message)
+{
+    char *text = message ? json_dumps(message, JSON_COMPACT) : NULL;
+    size_t n = text ? strlen(text) : 0;
+    if (!text) {
+        drop(client);
+    } else if (n >= MAX_QUEUE) {
+        json_t *refusal = lf_rpc_error(json_object_get(message, "id"), LF_RPC_INTERNAL,
+                                       "the answer is longer than 1 MiB", NULL);
+        lf_client_send(client, refusal);
+    } else {
+        send_bytes(client, text, n);
+    }
+    free(text);
+    json_decref(message);
+    leave(client);
+}
+
+void lf_client_send_frame(lf_client *client, const char *line, size_t n)
+{
+    if (client->out.used == client->sent) {
+        send_bytes(client, line, n);
+    } else if (!client->dropped) {
+        client->frame.used = 0;
+        if (!buffer_add(&client->frame, line, n) || !buffer_add(&client->frame, "\n", 1))
+            drop(client);
+    }
+    leave(client);
+}
+
+/* --------------------------------------------------------------------------------- receiving -- */
+
+static void refuse_long_line(lf_client *client)
+{
+    lf_client_send(client,
+                   lf_rpc_error(NULL, LF_RPC_INVALID_REQUEST, "a line is longer than 1 MiB", NULL));
+    client->skipping = true;
+    buffer_reset(&client->in);
+    client->scanned = 0;
+}
+
+/* Hands over every whole line of the input. */
+static void take_lines(lf_client *client)
+{
+    size_t begin = 0;
+    while (!client->dropped) {
+        size_t from = client->scanned > begin ? client->scanned : begin;
+        char *end = from < client->in.used
+                        ? memchr(client->in.data + from, '\n', client->in.used - from)
+                        : NULL;
+        if (!end)
+            break;
+        size_t n = (size_t)(end - (client->in.data + begin));
+        client->scanned = 0;
+        if (client->skipping) {
+            client->skipping = false;
+        } else if (n > LF_RPC_MAX_LINE) {
+            lf_client_send(client, lf_rpc_error(NULL, LF_RPC_INVALID_REQUEST,
+                                                "a line is longer than 1 MiB", NULL));
+        } else if (n > 0) {
+            client->owner->on_line(client->owner->context, client, client->in.data + begin, n);
+        }
+        begin += n + 1;
+    }
+    client->in.used -= begin;
+    if (client->in.used > 0)
+        memmove(client->in.data, client->in.data + begin, client->in.used);
+    else
+        buffer_reset(&client->in);
+    client->scanned = client->in.used;
+    if (client->in.used == 0)
+        lf_client_drop_fds(client); /* they came with lines that did not want them */
+    if (client->skipping) {
+        buffer_reset(&client->in);
+        client->scanned = 0;
+    } else if (client->in.used > LF_RPC_MAX_LINE) {
+        refuse_long_line(client);
+    }
+}
+
+static void keep_fds(lf_client *client, struct msghdr *message)
+{
+    for (struct cmsghdr *c = CMSG_FIRSTHDR(message); c; c = CMSG_NXTHDR(message, c)) {
+        if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_RIGHTS)
+            continue;
+        size_t n = (c->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+        for (size_t i = 0; i < n; i++) {
+            int fd;
+            memcpy(&fd, CMSG_DATA(c) + i * sizeof fd, sizeof fd);
+            if (client->n_fds < LF_MAX_CLIENT_FDS)
+                client->fds[client->n_fds++] = fd;
+            else
+                close(fd);
+        }
+    }
+}
+
+/* NOLINTNEXTLINE(readability-non-const-parameter): data is written through the message */
+static ssize_t receive(lf_client *client, char *data, size_t size)
+{
+    union {
+        struct cmsghdr align;
+        char bytes[CMSG_SPACE(LF_MAX_CLIENT_FDS * sizeof(int))];
+    } control;
+    struct iovec vector = {.iov_base = data, .iov_len = size};
+    struct msghdr message = {.msg_iov = &vector,
+                             .msg_iovlen = 1,
+                             .msg_control = &control,
+                             .msg_controllen = sizeof control};
+    ssize_t n = recvmsg(client->fd, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+    if (n >= 0)
+        keep_fds(client, &message);
+    return n;
+}
+
+static void read_some(lf_client *client)
+{
+    char chunk[READ_CHUNK];
+    ssize_t n = receive(client, chunk, sizeof chunk);
+    if (n < 0) {
+        if (errno != EAGAIN && errno != EINTR)
+            drop(client);
+        return;
+    }
+    if (n == 0) {
+        client->at_end = true;
+        return;
+    }
+    if (!buffer_add(&client->in, chunk, (size_t)n)) {
+        drop(client);
+        return;
+    }
+    take_lines(client);
+}
+
+static int on_client(sd_event_source *source, int fd, uint32_t events, void *context)
+{
+    lf_client *client = context;
+    (void)source;
+    (void)fd;
+    client->busy = true;
+    if ((events & EPOLLOUT) != 0)
+        flush(client);
+    if ((events & EPOLLIN) != 0 && !client->dropped && !client->at_end)
+        read_some(client);
+    if ((events & (EPOLLHUP | EPOLLERR)) != 0 && ((events & EPOLLIN) == 0 || client->at_end))
+        drop(client);
+    client->busy = false;
+    settle(client);
+    return 0;
+}
+
+/* --------------------------------------------------------------------------------- listening -- */
+
+static void add_client(lf_clients *clients, int fd)
+{
+    lf_client *client = clients->count < LF_MAX_CLIENTS ? lf_calloc(1, sizeof *client) : NULL;
+    if (!client ||
+        sd_event_add_io(clients->event, &client->io, fd, EPOLLIN, on_client, client) < 0) {
+        static const char refusal[] = "{\"jsonrpc\":\"2.0\",\"id\":null,\"error\":{\"code\":-32000,"
+                                      "\"message\":\"too many clients\"}}\n";
+        (void)!send(fd, refusal, sizeof refusal - 1, MSG_DONTWAIT | MSG_NOSIGNAL);
+        close(fd);
+        lf_free(client);
+        return;
+    }
+    client->owner = clients;
+    client->fd = fd;
+    client->serial = ++clients->serials;
+    client->next = clients->first;
+    clients->first = client;
+    clients->count++;
+}
+
+static int on_pause_over(sd_event_source *source, uint64_t usec, void *context)
+{
+    lf_clients *clients = context;
+    (void)source;
+    (void)usec;
+    if (clients->listen_io)
+        sd_event_source_set_enabled(clients->listen_io, SD_EVENT_ON);
+    return 0;
+}
+
+static int on_listen(sd_event_source *source, int fd, uint32_t events, void *context)
+{
+    lf_clients *clients = context;
+    (void)events;
+    int connection = accept4(fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    if (connection >= 0) {
+        add_client(clients, connection);
+    } else if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS) {
+        /* The connection stays pending and would wake us at once again. */
+        sd_event_source_set_enabled(source, SD_EVENT_OFF);
+        sd_event_source_disable_unref(clients->pause);
+        clients->pause = NULL;
+        (void)sd_event_add_time_relative(clients->event, &clients->pause, CLOCK_MONOTONIC,
+                                         ACCEPT_PAUSE_USEC, 0, on_pause_over, clients);
+    }
+    return 0;
+}
+
+lf_status lf_clients_create(sd_event *event, int listen_fd, lf_line_fn on_line, void *context,
+                            lf_clients **out)
+{
+    lf_clients *clients = lf_calloc(1, sizeof *clients);
+    if (!clients ||
+        sd_event_add_io(event, &clients->listen_io, listen_fd, EPOLLIN, on_listen, clients) < 0) {
+        close(listen_fd);
+        lf_free(clients);
+        return LF_E_NOMEM;
+    }
+    clients->event = event;
+    clients->listen_fd = listen_fd;
+    clients->on_line = on_line;
+    clients->context = context;
+    *out = clients;
+    return LF_OK;
+}
+
+void lf_clients_close_listener(lf_clients *clients)
+{
+    if (clients->listen_fd >= 0) {
+        sd_event_source_disable_unref(clients->listen_io);
+        clients->listen_io = NULL;
+        close(clients->listen_fd);
+        clients->listen_fd = -1;
+    }
+}
+
+void lf_clients_destroy(lf_clients *clients)
+{
+    if (!clients)
+        return;
+    lf_clients_close_listener(clients);
+    sd_event_source_disable_unref(clients->pause);
+    while (clients->first) {
+        flush(clients->first);
+        free_client(clients->first);
+    }
+    lf_free(clients);
+}
+
+int lf_clients_count(const lf_clients *clients)
+{
+    return clients->count;
+}
+
+lf_client *lf_clients_find(lf_clients *clients, uint64_t serial)
+{
+    lf_client *client = clients->first;
+    while (client && client->serial != serial)
+        client = client->next;
+    return client;
+}
+
+uint64_t lf_client_serial(const lf_client *client)
+{
+    return client->serial;
+}
+
+bool lf_client_hold(lf_client *client)
+{
+    if (client->calls >= LF_MAX_CLIENT_CALLS)
+        return false;
+    client->calls++;
+    return true;
+}
+
+void lf_client_release(lf_client *client)
+{
+    client->calls--;
+    leave(client);
+}
+
+bool lf_client_take_fds(lf_client *client, int *out_fds, int n)
+{
+    if (n > client->n_fds)
+        return false;
+    memcpy(out_fds, client->fds, (size_t)n * sizeof *out_fds);
+    client->n_fds -= n;
+    memmove(client->fds, client->fds + n, (size_t)client->n_fds * sizeof *client->fds);
+    return true;
+}
+
+void lf_client_drop_fds(lf_client *client)
+{
+    for (int i = 0; i < client->n_fds; i++)
+        close(client->fds[i]);
+    client->n_fds = 0;
+}
+
+unsigned *lf_client_flags(lf_client *client)
+{
+    return &client->flags;
+}
+
+void lf_clients_each(lf_clients *clients, void (*fn)(void *context, lf_client *client),
+                     void *context)
+{
+    for (lf_client *client = clients->first; client; client = client->next)
+        fn(context, client);
+}

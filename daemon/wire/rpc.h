@@ -1,0 +1,69 @@
+/* rpc: JSON-RPC 2.0 messages, one JSON object a line, UTF-8 (quiltd(1), PROTOCOL). Parsing,
+ * checking parameters against a method's schema, and building answers; no sockets here. Thread
+ * safe: nothing is shared. */
+#ifndef LF_DAEMON_RPC_H
+#define LF_DAEMON_RPC_H
+
+#include <jansson.h>
+
+#include "base/status.h"
+
+/* Longest line either side may send, newline not counted. */
+#define LF_RPC_MAX_LINE ((size_t)1 << 20)
+#define LF_RPC_PROTOCOL 1
+
+/* The standard's codes and ours. */
+enum {
+    LF_RPC_PARSE_ERROR = -32700,
+    LF_RPC_INVALID_REQUEST = -32600,
+    LF_RPC_METHOD_NOT_FOUND = -32601,
+    LF_RPC_INVALID_PARAMS = -32602,
+    LF_RPC_INTERNAL = -32603,
+    LF_RPC_BUSY = -32000,
+    LF_RPC_PATH_REFUSED = -32001,
+    LF_RPC_BAD_SCENE = -32002,
+    LF_RPC_NO_DEVICE = -32003,
+};
+
+/* A well-formed request. method and params are borrowed from message. */
+typedef struct lf_rpc_request {
+    json_t *message;  /* owned */
+    const json_t *id; /* string, integer, real or null; NULL = a notification: no answer is sent */
+    const char *method;
+    json_t *params; /* an object; empty when the message had none. Owned (a reference) */
+} lf_rpc_request;
+
+/* Parses line[n] (no newline). True: *out is filled, release it with lf_rpc_request_finish. False:
+ * *out_answer is the error object to send (a new reference; NULL only when out of memory). Batches
+ * are refused as one invalid request. */
+bool lf_rpc_parse(const char *line, size_t n, lf_rpc_request *out, json_t **out_answer);
+/* Accepts zeroed structs. */
+void lf_rpc_request_finish(lf_rpc_request *request);
+
+/* Messages to send: new references, NULL = out of memory. id is borrowed (NULL = null); result,
+ * data and params are taken over (data may be NULL: left out). */
+json_t *lf_rpc_result(const json_t *id, json_t *result);
+json_t *lf_rpc_error(const json_t *id, int code, const char *message, json_t *data);
+/* A text from outside, such as a file's name: escaped where it is not UTF-8. */
+json_t *lf_rpc_text(const char *text);
+json_t *lf_rpc_notification(const char *method, json_t *params);
+
+/* The error object for a failure: PATH -32001, FORMAT and IO -32002 when `scene`, NODEV -32003,
+ * BUSY and STATE -32000, ARG -32602, the rest -32603; data holds file, line and pointer where err
+ * has them. */
+json_t *lf_rpc_error_of(const json_t *id, const lf_error *err, bool scene);
+
+/* Checks params (an object) against a schema: the part of JSON Schema that the methods use (type,
+ * also as a list; properties, required, enum, minimum, maximum, items, minItems, maxItems; unknown
+ * keys are errors unless additionalProperties is true). LF_E_ARG with err->pointer naming the
+ * place. */
+LF_NODISCARD lf_status lf_schema_check(const json_t *schema, json_t *value, const char *where,
+                                       lf_error *err);
+
+/* One "key=value" of a command line as a member of params, typed by the schema's property of that
+ * name: numbers, integers and booleans are parsed, arrays are comma separated, strings are taken as
+ * they are; "key:=JSON" is raw. LF_E_ARG. */
+LF_NODISCARD lf_status lf_schema_argument(const json_t *schema, const char *text, json_t *params,
+                                          lf_error *err);
+
+#endif

@@ -1,0 +1,81 @@
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/errno_text.h"
+#include "device/sim/sim.h"
+
+enum { MAX_STATE = 128 };
+
+static void state_path(const char *dir, char *out, size_t size)
+{
+    snprintf(out, size, "%s/.unplugged", dir);
+}
+
+static bool read_small(const char *path, char *out, size_t size)
+{
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (fd < 0)
+        return false;
+    ssize_t n = read(fd, out, size - 1);
+    close(fd);
+    out[n > 0 ? n : 0] = 0;
+    return n > 0;
+}
+
+/* When this process was started, in clock ticks: with the process id it names the process, also
+ * across boots of a container in which the daemon always has the same id. */
+static uint64_t start_time(void)
+{
+    char stat[1024];
+    if (!read_small("/proc/self/stat", stat, sizeof stat))
+        return 0;
+    /* the 2nd field, the program's name, may hold anything */
+    const char *field = strrchr(stat, ')');
+    for (int i = 2; field && i < 22; i++)
+        field = strchr(field + 1, ' ');
+    uint64_t ticks = 0;
+    if (field && sscanf(field, " %" SCNu64, &ticks) != 1)
+        return 0;
+    return ticks;
+}
+
+lf_sim_plug lf_sim_plug_state(const char *dir, uint64_t now_ns)
+{
+    char path[600], text[MAX_STATE];
+    state_path(dir, path, sizeof path);
+    if (!read_small(path, text, sizeof text))
+        return LF_SIM_PLUGGED;
+    int pid = 0;
+    uint64_t started = 0, back_ns = 0;
+    if (sscanf(text, "%d %" SCNu64 " %" SCNu64, &pid, &started, &back_ns) != 3 ||
+        pid != (int)getpid() || started != start_time())
+        return LF_SIM_PLUGGED;
+    return back_ns == LF_SIM_NEVER || now_ns < back_ns ? LF_SIM_UNPLUGGED : LF_SIM_REPLUGGED;
+}
+
+lf_status lf_sim_plug_out(const char *dir, uint64_t back_ns, lf_error *err)
+{
+    char path[600], text[MAX_STATE];
+    state_path(dir, path, sizeof path);
+    int n = snprintf(text, sizeof text, "%d %" PRIu64 " %" PRIu64 "\n", (int)getpid(), start_time(),
+                     back_ns);
+    int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    if (fd < 0)
+        return lf_error_set(err, LF_E_IO, path, "cannot open: %s", lf_errno_text(errno));
+    ssize_t written = write(fd, text, (size_t)n);
+    int why = written < 0 ? errno : ENOSPC;
+    close(fd);
+    return written == n ? LF_OK
+                        : lf_error_set(err, LF_E_IO, path, "cannot write: %s", lf_errno_text(why));
+}
+
+void lf_sim_plug_clear(const char *dir)
+{
+    char path[600];
+    state_path(dir, path, sizeof path);
+    unlink(path);
+}

@@ -1,0 +1,58 @@
+/* The loops of quilt/ that touch every sample of a frame, behind a table of functions: one file an
+ * instruction set, kernel_c.c the oracle that the others must equal bit for bit. Chosen once,
+ * before threads start: the best that the CPU has, or what LF_CPU names ("c", "avx2"). Private to
+ * quilt/. */
+#ifndef LF_QUILT_KERNEL_H
+#define LF_QUILT_KERNEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* What is read behind the last sample that lf_quilt_kernels.weave may be sent to. */
+#define LF_WEAVE_SLACK 3
+
+/* Views of the subpixels of a row: phase = (across + along) * pitch - center in lens periods, z =
+ * fract(phase) or 1 - fract(phase) (from_right), clamped into the open interval, times n_views.
+ * across[i] belongs to subpixel i, along[i % 6] to its parity and channel. */
+typedef struct lf_places {
+    const double *across;
+    double along[6];
+    double pitch, center;
+    bool from_right;
+    int n_views;
+} lf_places;
+
+/* Codes of floats by table (tone.c): the bits of a float, clamped to low .. high, less low; its
+ * leading bits give the bucket, and the bucket's entry is the code below | offset of the next
+ * code's first float << 8. */
+typedef struct lf_tone_table {
+    const uint32_t *entries;
+    int32_t low, high;
+    int shift;
+} lf_tone_table;
+
+typedef struct lf_quilt_kernels {
+    const char *name;
+    /* out[i] = from[view[i] * stride + place[i]], i < n. */
+    void (*weave)(size_t n, const uint8_t *view, const uint16_t *place, uint32_t stride,
+                  const uint8_t *from, uint8_t *out);
+    /* The views of n subpixels, narrow (n_views <= 256) or wide. */
+    void (*views8)(const lf_places *places, size_t n, uint8_t *out);
+    void (*views16)(const lf_places *places, size_t n, uint16_t *out);
+    /* n samples. */
+    void (*tone)(const lf_tone_table *table, size_t n, const float *in, uint8_t *out);
+} lf_quilt_kernels;
+
+extern const lf_quilt_kernels lf_quilt_kernels_c;
+#if defined(__x86_64__)
+extern const lf_quilt_kernels lf_quilt_kernels_avx2;
+#endif
+
+/* The table in use; the first call chooses. Thread safe. */
+const lf_quilt_kernels *lf_quilt_kernels_get(void);
+
+/* Tables this CPU can run, the oracle first; NULL behind the last. */
+const lf_quilt_kernels *lf_quilt_kernels_at(int index);
+
+#endif

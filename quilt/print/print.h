@@ -1,0 +1,140 @@
+/* Private to the print_*.c files: the parts of the lenticular print (quilt.h has the conventions).
+ *
+ * views -> lines of display light at lens resolution (print_views.c) -> stripes (print_stripes.c)
+ * -> device colour (print_colour.c) -> TIFF (print_tiff.c) and manifest (print_manifest.c); print.c
+ * runs them; chart.c draws the pitch test chart on a page of its own. Objects are used by one
+ * thread. */
+#ifndef LF_QUILT_PRINT_H
+#define LF_QUILT_PRINT_H
+
+#include <jansson.h>
+
+#include "quilt/quilt.h"
+
+/* ----------------------------------------------------------------------------------- stripes -- */
+
+/* What one printer pixel shows: at most three stripes, weights sum to 1; unused entries repeat the
+ * first with weight 0. */
+typedef struct lf_stripe_mix {
+    int32_t lens[3]; /* 0..n_lenses-1 */
+    int32_t view[3]; /* 0..n_views-1 */
+    float weight[3];
+} lf_stripe_mix;
+
+/* pixel counts across the lenses (x for vertical ones, y for horizontal), before mirroring. */
+void lf_stripe_mix_at(const lf_print *print, const lf_print_shape *shape, int pixel,
+                      lf_stripe_mix *out);
+
+/* ------------------------------------------------------------------------------------- views -- */
+
+/* Weighted source samples of each output sample along one axis. */
+typedef struct lf_axis_filter {
+    int n_out, max_taps;
+    int *first;    /* [n_out] source index of the first tap */
+    int *n_taps;   /* [n_out] 1..max_taps */
+    float *weight; /* [n_out][max_taps], sum 1 */
+} lf_axis_filter;
+
+/* Output sample i covers `footprint` source samples about middle start + i * step (source
+ * coordinates: sample s covers [s, s + 1]): area average where footprint > 1, else linear
+ * interpolation at the middle; clamped to the source's n_in samples. */
+LF_NODISCARD lf_status lf_axis_filter_init(lf_axis_filter *filter, int n_in, int n_out,
+                                           double start, double step, double footprint);
+void lf_axis_filter_finish(lf_axis_filter *filter);
+
+/* Where the interlacer gets display light from. */
+typedef struct lf_print_source {
+    const lf_views32 *views;
+    const lf_tone *tone;
+    int n_stripe_views; /* the print's number of views */
+    bool resampled;     /* views are not of the print's shape */
+    /* floats from sample to sample of a view, across the lenses and along them */
+    size_t across_step, along_step;
+    int n_across_in, n_along_in; /* samples of a view in these directions */
+    lf_axis_filter across, along;
+    float *line; /* scratch: one line of a view */
+} lf_print_source;
+
+/* Borrows views and tone. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_print_source_init(lf_print_source *source, const lf_print *print,
+                                            const lf_print_shape *shape, const lf_views32 *views,
+                                            const lf_tone *tone);
+void lf_print_source_finish(lf_print_source *source);
+/* The view of the source that stripe view i shows. */
+int lf_print_source_view(const lf_print_source *source, int i);
+/* Linear display light of stripe view i: at printer row (column) `along`, all lenses [n_lenses][3];
+ * of one lens, all rows (columns) [n_along][3]. */
+void lf_print_source_across(const lf_print_source *source, int i, int along, float *out);
+void lf_print_source_along(const lf_print_source *source, int i, int lens, float *out);
+
+/* ------------------------------------------------------------------------------------ colour -- */
+
+typedef struct lf_print_colour lf_print_colour;
+
+/* Loads the profile or makes sRGB's. LF_E_FORMAT, LF_E_PATH, LF_E_IO, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_print_colour_create(const lf_print *print, lf_print_colour **out,
+                                              lf_error *err);
+void lf_print_colour_destroy(lf_print_colour *colour);
+int lf_print_colour_channels(const lf_print_colour *colour); /* 3 RGB, 4 CMYK */
+const char *lf_print_colour_name(const lf_print_colour *colour);
+const void *lf_print_colour_profile(const lf_print_colour *colour, size_t *out_size);
+/* n pixels of linear display light (Rec. 709, 0..1) -> device values of print->bits bits, native
+ * byte order. */
+void lf_print_colour_encode(const lf_print_colour *colour, size_t n, const float *in, void *out);
+
+/* -------------------------------------------------------------------------------------- tiff -- */
+
+typedef struct lf_print_tiff lf_print_tiff;
+
+/* What a TIFF shows. */
+typedef struct lf_print_page {
+    const lf_print *print; /* dpi, bits, compression, mirror */
+    int width, height;     /* pixels */
+    const char *description;
+    /* linear light of row y, [width][3], before mirroring; rows come in order */
+    void (*draw)(void *context, int y, float *row);
+    void *context;
+} lf_print_page;
+
+/* Sets every tag. rows_per_strip 0 = chosen from the row's size. LF_E_IO, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_print_tiff_open(lf_outfile *file, const lf_print_page *page,
+                                          const lf_print_colour *colour, int rows_per_strip,
+                                          lf_print_tiff **out, lf_error *err);
+int lf_print_tiff_strip_rows(const lf_print_tiff *tiff);
+/* Strips in rising order; rows as many as the strip has. */
+LF_NODISCARD lf_status lf_print_tiff_strip(lf_print_tiff *tiff, int strip, void *data, size_t size,
+                                           lf_error *err);
+/* Writes the directory and releases *tiff whatever comes of it. */
+LF_NODISCARD lf_status lf_print_tiff_close(lf_print_tiff *tiff, lf_error *err);
+/* Releases without a word; accepts NULL. */
+void lf_print_tiff_abandon(lf_print_tiff *tiff);
+
+/* Writes all of it. LF_E_IO, LF_E_NOMEM, LF_E_CANCELLED. */
+LF_NODISCARD lf_status lf_print_page_write(const lf_print_page *page, const lf_print_colour *colour,
+                                           const lf_print_run *run, int rows_per_strip,
+                                           lf_outfile *file, lf_error *err);
+
+/* ---------------------------------------------------------------------------------- manifest -- */
+
+typedef struct lf_print_facts {
+    const lf_print *print;
+    const lf_print_shape *shape;
+    const lf_print_source *source; /* of a picture; NULL for a chart */
+    const lf_print_colour *colour;
+    const lf_print_run *run;
+    const char *warning; /* may be NULL */
+    json_t *chart;       /* what a chart shows, taken over; NULL for a picture */
+} lf_print_facts;
+
+/* LF_E_IO, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile *tiff,
+                                               lf_outfile *manifest, lf_error *err);
+
+/* --------------------------------------------------------------------------------------- all -- */
+
+/* lf_print_write with a chosen strip height (0 = default): the picture must not depend on it. */
+LF_NODISCARD lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
+                                             const lf_print_run *run, int rows_per_strip,
+                                             lf_outfile *tiff, lf_outfile *manifest, lf_error *err);
+
+#endif

@@ -1,0 +1,221 @@
+#include <errno.h>
+#include <fcntl.h>
+#include <nettle/sha2.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/version.h"
+#include "quilt/print/print.h"
+
+#define HEX_SIZE (2 * SHA256_DIGEST_SIZE + 1)
+#define READ_BYTES (64 << 10)
+
+/* ------------------------------------------------------------------------------------ hashes -- */
+
+static void hex_digest(struct sha256_ctx *hash, char out[static HEX_SIZE])
+{
+    uint8_t digest[SHA256_DIGEST_SIZE];
+    sha256_digest(hash, sizeof digest, digest);
+    for (size_t i = 0; i < sizeof digest; i++)
+        snprintf(out + 2 * i, 3, "%02x", digest[i]);
+}
+
+static void hash_bytes(const void *data, size_t size, char out[static HEX_SIZE])
+{
+    struct sha256_ctx hash;
+    sha256_init(&hash);
+    sha256_update(&hash, size, data);
+    hex_digest(&hash, out);
+}
+
+/* The file as it can be read; a descriptor given for writing only is opened once more. -1 when it
+ * cannot be. */
+static int open_to_read(const lf_outfile *file)
+{
+    const int flags = fcntl(file->fd, F_GETFL);
+    char path[32];
+    if (flags >= 0 && (flags & O_ACCMODE) == O_RDWR)
+        return fcntl(file->fd, F_DUPFD_CLOEXEC, 0);
+    snprintf(path, sizeof path, "/proc/self/fd/%d", file->fd);
+    return open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+}
+
+static bool hash_descriptor(int fd, struct sha256_ctx *hash, uint8_t *buffer, int64_t *out_size)
+{
+    *out_size = 0;
+    for (;;) {
+        const ssize_t n = pread(fd, buffer, READ_BYTES, (off_t)*out_size);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return n == 0;
+        sha256_update(hash, (size_t)n, buffer);
+        *out_size += n;
+    }
+}
+
+/* false when the file cannot be read back. */
+static bool hash_file(const lf_outfile *file, char out[static HEX_SIZE], int64_t *out_size)
+{
+    uint8_t *buffer = lf_calloc(1, READ_BYTES);
+    const int fd = open_to_read(file);
+    struct sha256_ctx hash;
+    sha256_init(&hash);
+    const bool read_all = buffer && fd >= 0 && hash_descriptor(fd, &hash, buffer, out_size);
+    if (read_all)
+        hex_digest(&hash, out);
+    if (fd >= 0)
+        close(fd);
+    lf_free(buffer);
+    return read_all;
+}
+
+/* ------------------------------------------------------------------------------------- parts -- */
+
+static json_t *file_part(const lf_outfile *tiff)
+{
+    const char *slash = tiff->path ? strrchr(tiff->path, '/') : NULL;
+    const char *name = slash ? slash + 1 : tiff->path;
+    char hash[HEX_SIZE];
+    int64_t size = 0;
+    if (!hash_file(tiff, hash, &size))
+        return json_pack("{s:s?, s:n, s:n}", "name", name, "bytes", "sha256");
+    return json_pack("{s:s?, s:I, s:s}", "name", name, "bytes", (json_int_t)size, "sha256", hash);
+}
+
+/* Boxes are in the file as it is, marks included. */
+static json_t *size_part(const lf_print *print, const lf_print_shape *shape)
+{
+    const double pixel_mm = 25.4 / print->dpi;
+    const int width = shape->raster_width + 2 * shape->margin_px,
+              height = shape->raster_height + 2 * shape->margin_px;
+    const double left = 0.5 * (width - print->width_mm / pixel_mm);
+    const double top = 0.5 * (height - print->height_mm / pixel_mm);
+    return json_pack("{s:[f,f], s:f, s:f, s:i, s:[i,i], s:[f,f], s:[f,f,f,f], s:[f,f,f,f]}",
+                     "trim_mm", print->width_mm, print->height_mm, "bleed_mm", print->bleed_mm,
+                     "marks_mm", shape->margin_px * pixel_mm, "dpi", print->dpi, "raster_px", width,
+                     height, "raster_mm", width * pixel_mm, height * pixel_mm, "trim_box_px", left,
+                     top, width - left, height - top, "trim_box_mm", left * pixel_mm,
+                     top * pixel_mm, left * pixel_mm + print->width_mm,
+                     top * pixel_mm + print->height_mm);
+}
+
+/* Views in the order of the stripes of a cell in the file as it is, from left to right (top to
+ * bottom). */
+static json_t *order_part(const lf_print *print)
+{
+    json_t *order = json_array();
+    const bool rising = print->reverse != (print->mirror && !print->horizontal);
+    for (int m = 0; order && m < print->n_views; m++)
+        json_array_append_new(order, json_integer(rising ? m : print->n_views - 1 - m));
+    return order;
+}
+
+static json_t *lens_part(const lf_print *print, const lf_print_shape *shape, const json_t *options)
+{
+    const double pitch_mm = 25.4 / print->lpi;
+    return json_pack("{s:f, s:f, s:s, s:f, s:f, s:O, s:i, s:i, s:f}", "lpi", print->lpi, "pitch_mm",
+                     pitch_mm, "pitch_kind", "visual, as measured", "pixels_per_lens",
+                     print->dpi / print->lpi, "phase_mm", print->phase_mm, "orientation",
+                     json_object_get(options, "orientation"), "n_lenses", shape->n_lenses,
+                     "first_lens", shape->first_lens, "first_lens_mm",
+                     print->phase_mm + shape->first_lens * pitch_mm);
+}
+
+static json_t *stripe_part(const lf_print *print, const json_t *options)
+{
+    return json_pack("{s:i, s:O, s:b, s:b, s:o, s:s, s:s}", "views", print->n_views, "kind",
+                     json_object_get(options, "stripes"), "reverse", print->reverse, "mirror",
+                     print->mirror, "order", order_part(print), "order_runs",
+                     print->horizontal ? "top to bottom within a cell of the file"
+                                       : "left to right within a cell of the file",
+                     "view_0", print->horizontal ? "topmost camera" : "leftmost camera");
+}
+
+static json_t *source_part(const lf_print_facts *facts)
+{
+    const lf_views32 *views = facts->source->views;
+    json_t *shown = json_array();
+    for (int i = 0; shown && i < facts->print->n_views; i++)
+        json_array_append_new(shown, json_integer(lf_print_source_view(facts->source, i)));
+    return json_pack("{s:i, s:[i,i], s:b, s:s, s:o, s:f, s:s}", "views", views->n_views, "view_px",
+                     views->width, views->height, "resampled", facts->source->resampled, "sampling",
+                     facts->source->resampled ? "area average where smaller, linear where larger"
+                                              : "one sample a lens, the printer's rows",
+                     "shown", shown, "exposure", facts->run->exposure, "tonemap",
+                     facts->run->tonemap ? facts->run->tonemap : "srgb");
+}
+
+static json_t *colour_part(const lf_print_facts *facts, const json_t *options)
+{
+    size_t size;
+    const void *profile = lf_print_colour_profile(facts->colour, &size);
+    char hash[HEX_SIZE];
+    hash_bytes(profile, size, hash);
+    return json_pack("{s:s, s:O, s:O, s:{s:s, s:s, s:I}}", "space",
+                     lf_print_colour_channels(facts->colour) == 4 ? "CMYK" : "RGB", "bits",
+                     json_object_get(options, "bits"), "compression",
+                     json_object_get(options, "compress"), "profile", "name",
+                     lf_print_colour_name(facts->colour), "sha256", hash, "bytes",
+                     (json_int_t)size);
+}
+
+static json_t *warning_part(const lf_print_facts *facts)
+{
+    json_t *warnings = json_array();
+    char text[160];
+    if (warnings && facts->warning)
+        json_array_append_new(warnings, json_string(facts->warning));
+    if (warnings && facts->print->parallax_lenses > 1.0) {
+        snprintf(
+            text, sizeof text,
+            "points shift by up to %.2f lenses from view to view: depth beyond 1 lens breaks up",
+            facts->print->parallax_lenses);
+        json_array_append_new(warnings, json_string(text));
+    }
+    return warnings;
+}
+
+/* What a print has and a chart has not. */
+static json_t *picture_parts(const lf_print_facts *facts, const json_t *options)
+{
+    return json_pack("{s:o, s:o, s:o}", "lens", lens_part(facts->print, facts->shape, options),
+                     "stripes", stripe_part(facts->print, options), "source", source_part(facts));
+}
+
+lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile *tiff,
+                                  lf_outfile *manifest, lf_error *err)
+{
+    static const char advice[] = "Print at 100 %: no scaling, no fit to page, no borderless "
+                                 "enlargement, no sharpening and no colour "
+                                 "adjustment by the driver; the raster is the printer's own.";
+    const char *where = manifest->path ? manifest->path : "print manifest";
+    json_t *options = lf_param_json(lf_print_params, facts->print);
+    json_t *settings = facts->run->settings ? json_deep_copy(facts->run->settings) : NULL;
+    json_t *root = json_pack(
+        "{s:i, s:s, s:s, s:o, s:O?, s:o, s:o, s:o, s:o?}", "quiltd_print", 1, "software",
+        "quiltd " LF_VERSION, "print_at", advice, "file", file_part(tiff), "options", options,
+        "size", size_part(facts->print, facts->shape), "colour", colour_part(facts, options),
+        "warnings", warning_part(facts), "settings", settings);
+    if (facts->chart)
+        json_object_set_new(root, "chart", facts->chart);
+    else if (json_object_update_new(root, picture_parts(facts, options)) != 0) {
+        json_decref(root);
+        root = NULL;
+    }
+    char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(15)) : NULL;
+    lf_status status = LF_OK;
+
+    json_decref(root);
+    json_decref(options);
+    if (!text)
+        return lf_error_set(err, LF_E_NOMEM, where, "out of memory, or a name that is not UTF-8");
+    status = lf_outfile_write(manifest, text, strlen(text), err);
+    if (status == LF_OK)
+        status = lf_outfile_write(manifest, "\n", 1, err);
+    free(text);
+    return status;
+}

@@ -1,0 +1,59 @@
+/* What people set of a print, and the names of it. */
+#include "quilt/print/print.h"
+
+#define PLACE(field) .place = offsetof(lf_print, field)
+
+static const char *const stripes[] = {
+    [LF_STRIPES_FRACTIONAL] = "fractional", [LF_STRIPES_NEAREST] = "nearest", NULL};
+static const char *const compress[] = {[LF_COMPRESS_NONE] = "none",
+                                       [LF_COMPRESS_LZW] = "lzw",
+                                       [LF_COMPRESS_DEFLATE] = "deflate",
+                                       NULL};
+static const char *const orientations[] = {"vertical", "horizontal", NULL};
+static const char *const bits[] = {"8", "16", NULL};
+
+/* clang-format off */
+const lf_param lf_print_params[] = {
+    {.name = "lpi", .option = "print", .joined = "@", .argument = "LPI", PLACE(lpi),
+     .unit = "lpi", .low = 5, .high = 600, .required = true,
+     .help = "lenticular print into OUT.tif; LPI is the measured visual pitch, e.g. 60.13@600"},
+    {.name = "dpi", .option = "print", .argument = "DPI", PLACE(dpi),
+     .type = LF_PARAM_WHOLE, .unit = "dpi", .low = 50, .high = 9600, .initial = 600},
+    {.option = "chart", .joined = "+-", .argument = "LPI", PLACE(lpi), .unit = "lpi",
+     .low = 5, .high = 600,
+     .help = "instead of a picture, a chart: bands of lines at pitches to find the sheet's by"},
+    {.name = "range", .option = "chart", .joined = "/", .argument = "RANGE", PLACE(chart_range),
+     .unit = "lpi", .low = 1e-4, .high = 100},
+    {.name = "step", .option = "chart", .joined = "@", .argument = "STEP", PLACE(chart_step),
+     .unit = "lpi", .low = 1e-4, .high = 100},
+    {.option = "chart", .argument = "DPI", PLACE(dpi),
+     .type = LF_PARAM_WHOLE, .unit = "dpi", .low = 50, .high = 9600},
+    {.name = "width", .option = "print-size", .joined = "x", .argument = "W", PLACE(width_mm),
+     .unit = "mm", .low = 1, .high = 5000, .required = true, .help = "trim size of the print"},
+    {.name = "height", .option = "print-size", .argument = "H", PLACE(height_mm),
+     .unit = "mm", .low = 1, .high = 5000, .required = true},
+    {.name = "views", PLACE(n_views), .type = LF_PARAM_WHOLE, .low = 1, .high = 1920},
+    {.name = "stripes", .option = "stripes", .argument = "NAME", PLACE(stripes),
+     .type = LF_PARAM_WORD, .words = stripes},
+    {.name = "phase", .option = "phase", .argument = "MM", PLACE(phase_mm),
+     .unit = "mm", .low = -100, .high = 100,
+     .help = "moves the lens in the middle of the print to the right"},
+    {.name = "orientation", .option = "orientation", .argument = "NAME", PLACE(horizontal),
+     .type = LF_PARAM_SWITCH, .words = orientations, .help = "of the lenses"},
+    {.name = "bleed", .option = "bleed", .argument = "MM", PLACE(bleed_mm),
+     .unit = "mm", .low = 0, .high = 100, .help = "on every side, rendered"},
+    {.name = "icc", .option = "icc", .argument = "FILE", PLACE(icc_path),
+     .type = LF_PARAM_TEXT, .help = "colour profile of the print (sRGB)"},
+    {.name = "bits", .option = "bits", .argument = "8|16", PLACE(bits),
+     .type = LF_PARAM_WHOLE, .words = bits, .initial = 8, .help = "of a channel"},
+    {.name = "compress", .option = "compress", .argument = "NAME", PLACE(compress),
+     .type = LF_PARAM_WORD, .words = compress},
+    {.name = "reverse", .option = "reverse", PLACE(reverse),
+     .type = LF_PARAM_SWITCH, .help = "views from first to last under a lens"},
+    {.name = "mirror", .option = "mirror", PLACE(mirror),
+     .type = LF_PARAM_SWITCH, .help = "the whole print mirrored, for the back of the sheet"},
+    {.name = "marks", .option = "marks", PLACE(marks),
+     .type = LF_PARAM_SWITCH, .help = "register and alignment marks, 8 mm more on every side"},
+    {0},
+};
+/* clang-format on */

@@ -1,0 +1,234 @@
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/errno_text.h"
+#include "base/version.h"
+#include "quilt/print/print.h"
+
+#define STRIP_BYTES (256 << 10)
+
+struct lf_print_tiff {
+    TIFF *tiff;
+    lf_outfile *file;
+    int rows_per_strip;
+    lf_error error; /* the first thing that went wrong; status LF_OK = none */
+};
+
+/* ----------------------------------------------------------------- libtiff's way to the file -- */
+
+static const char *file_name(const lf_outfile *file)
+{
+    return file->path ? file->path : "print";
+}
+
+static void keep_failure(lf_print_tiff *tiff, const char *what)
+{
+    if (tiff->error.status == LF_OK)
+        lf_error_set(&tiff->error, LF_E_IO, file_name(tiff->file), "%s: %s", what,
+                     lf_errno_text(errno));
+}
+
+static tmsize_t read_bytes(thandle_t handle, void *data, tmsize_t n)
+{
+    const lf_print_tiff *tiff = handle;
+    return read(tiff->file->fd, data, (size_t)n);
+}
+
+static tmsize_t write_bytes(thandle_t handle, void *data, tmsize_t n)
+{
+    lf_print_tiff *tiff = handle;
+    if (tiff->error.status != LF_OK)
+        return -1;
+    return lf_outfile_write(tiff->file, data, (size_t)n, &tiff->error) == LF_OK ? n : -1;
+}
+
+static toff_t seek_to(thandle_t handle, toff_t offset, int whence)
+{
+    lf_print_tiff *tiff = handle;
+    const off_t at = lseek(tiff->file->fd, (off_t)offset, whence);
+    if (at < 0)
+        keep_failure(tiff, "cannot seek");
+    return (toff_t)at;
+}
+
+/* The descriptor stays with the lf_outfile. */
+static int close_nothing(thandle_t handle)
+{
+    (void)handle;
+    return 0;
+}
+
+static toff_t size_of_file(thandle_t handle)
+{
+    const lf_print_tiff *tiff = handle;
+    struct stat facts;
+    return fstat(tiff->file->fd, &facts) == 0 ? (toff_t)facts.st_size : 0;
+}
+
+static int keep_error(TIFF *handle, void *context, const char *module, const char *format,
+                      va_list arguments) LF_PRINTF(4, 0);
+static int keep_error(TIFF *handle, void *context, const char *module, const char *format,
+                      va_list arguments)
+{
+    lf_print_tiff *tiff = context;
+    char text[256];
+    (void)handle;
+    (void)module;
+    vsnprintf(text, sizeof text, format, arguments);
+    if (tiff->error.status == LF_OK)
+        lf_error_set(&tiff->error, LF_E_IO, file_name(tiff->file), "cannot write the TIFF: %s",
+                     text);
+    return 1; /* not for libtiff's global handler, which prints */
+}
+
+static int ignore_warning(TIFF *handle, void *context, const char *module, const char *format,
+                          va_list arguments) LF_PRINTF(4, 0);
+static int ignore_warning(TIFF *handle, void *context, const char *module, const char *format,
+                          va_list arguments)
+{
+    (void)handle;
+    (void)context;
+    (void)module;
+    (void)format;
+    (void)arguments;
+    return 1;
+}
+
+/* Copies what went wrong; something always did. */
+static lf_status report(const lf_print_tiff *tiff, lf_error *err)
+{
+    if (tiff->error.status == LF_OK)
+        return lf_error_set(err, LF_E_IO, file_name(tiff->file), "cannot write the TIFF");
+    if (err)
+        *err = tiff->error;
+    return tiff->error.status;
+}
+
+/* -------------------------------------------------------------------------------------- tags -- */
+
+static bool set_compression(TIFF *tiff, lf_compress compress)
+{
+    static const uint16_t scheme[] = {
+        [LF_COMPRESS_NONE] = COMPRESSION_NONE,
+        [LF_COMPRESS_LZW] = COMPRESSION_LZW,
+        [LF_COMPRESS_DEFLATE] = COMPRESSION_ADOBE_DEFLATE,
+    };
+    return TIFFSetField(tiff, TIFFTAG_COMPRESSION, scheme[compress]) &&
+           (compress == LF_COMPRESS_NONE ||
+            TIFFSetField(tiff, TIFFTAG_PREDICTOR, PREDICTOR_HORIZONTAL));
+}
+
+static bool set_tags(const lf_print_tiff *out, const lf_print_page *page,
+                     const lf_print_colour *colour)
+{
+    const lf_print *print = page->print;
+    const int channels = lf_print_colour_channels(colour);
+    TIFF *tiff = out->tiff;
+    size_t profile_size;
+    const void *profile = lf_print_colour_profile(colour, &profile_size);
+    return TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, (uint32_t)page->width) &&
+           TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, (uint32_t)page->height) &&
+           TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, print->bits) &&
+           TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, channels) &&
+           TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
+                        channels == 4 ? PHOTOMETRIC_SEPARATED : PHOTOMETRIC_RGB) &&
+           (channels == 3 || TIFFSetField(tiff, TIFFTAG_INKSET, INKSET_CMYK)) &&
+           TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) &&
+           TIFFSetField(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) &&
+           set_compression(tiff, print->compress) &&
+           TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, (uint32_t)out->rows_per_strip) &&
+           TIFFSetField(tiff, TIFFTAG_XRESOLUTION, (double)print->dpi) &&
+           TIFFSetField(tiff, TIFFTAG_YRESOLUTION, (double)print->dpi) &&
+           TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH) &&
+           TIFFSetField(tiff, TIFFTAG_ICCPROFILE, (uint32_t)profile_size, profile) &&
+           TIFFSetField(tiff, TIFFTAG_SOFTWARE, "quiltd " LF_VERSION) &&
+           TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, page->description);
+}
+
+/* Bytes that the file may grow to: LZW turns a byte into at most 12 bits, deflate adds less than a
+ * hundredth. */
+static double largest_size(const lf_print *print, double raster_bytes, size_t profile_size)
+{
+    static const double growth[] = {
+        [LF_COMPRESS_NONE] = 1.0, [LF_COMPRESS_LZW] = 1.6, [LF_COMPRESS_DEFLATE] = 1.01};
+    return raster_bytes * (growth[print->compress] + 1e-3) + (double)profile_size + 65536.0;
+}
+
+/* ------------------------------------------------------------------------------------ public -- */
+
+static TIFF *open_client(lf_print_tiff *tiff, bool big)
+{
+    TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
+    TIFF *client = NULL;
+    if (!options)
+        return NULL;
+    TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, tiff);
+    TIFFOpenOptionsSetWarningHandlerExtR(options, ignore_warning, NULL);
+    client =
+        TIFFClientOpenExt(file_name(tiff->file), big ? "wl8" : "wl", tiff, read_bytes, write_bytes,
+                          seek_to, close_nothing, size_of_file, NULL, NULL, options);
+    TIFFOpenOptionsFree(options);
+    return client;
+}
+
+lf_status lf_print_tiff_open(lf_outfile *file, const lf_print_page *page,
+                             const lf_print_colour *colour, int rows_per_strip, lf_print_tiff **out,
+                             lf_error *err)
+{
+    const size_t row_bytes = (size_t)page->width * (size_t)lf_print_colour_channels(colour) *
+                             (size_t)page->print->bits / 8;
+    lf_print_tiff *tiff = lf_calloc(1, sizeof *tiff);
+    size_t profile_size;
+    if (!tiff)
+        return lf_error_set(err, LF_E_NOMEM, file_name(file), "out of memory");
+    lf_print_colour_profile(colour, &profile_size);
+    tiff->file = file;
+    if (rows_per_strip == 0)
+        rows_per_strip = row_bytes < STRIP_BYTES ? (int)(STRIP_BYTES / row_bytes) : 1;
+    tiff->rows_per_strip = rows_per_strip < page->height ? rows_per_strip : page->height;
+    const double size = largest_size(page->print, (double)row_bytes * page->height, profile_size);
+    tiff->tiff = open_client(tiff, size >= 4294967296.0);
+    if (!tiff->tiff || !set_tags(tiff, page, colour)) {
+        const lf_status status = report(tiff, err);
+        lf_print_tiff_abandon(tiff);
+        return status;
+    }
+    *out = tiff;
+    return LF_OK;
+}
+
+int lf_print_tiff_strip_rows(const lf_print_tiff *tiff)
+{
+    return tiff->rows_per_strip;
+}
+
+lf_status lf_print_tiff_strip(lf_print_tiff *tiff, int strip, void *data, size_t size,
+                              lf_error *err)
+{
+    if (TIFFWriteEncodedStrip(tiff->tiff, (uint32_t)strip, data, (tmsize_t)size) < 0)
+        return report(tiff, err);
+    return LF_OK;
+}
+
+lf_status lf_print_tiff_close(lf_print_tiff *tiff, lf_error *err)
+{
+    lf_status status = LF_OK;
+    if (!TIFFWriteDirectory(tiff->tiff) || tiff->error.status != LF_OK)
+        status = report(tiff, err);
+    lf_print_tiff_abandon(tiff);
+    return status;
+}
+
+void lf_print_tiff_abandon(lf_print_tiff *tiff)
+{
+    if (!tiff)
+        return;
+    if (tiff->tiff)
+        TIFFCleanup(tiff->tiff);
+    lf_free(tiff);
+}

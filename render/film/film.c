@@ -1,0 +1,280 @@
+#include "render/film/film.h"
+
+#include <string.h>
+#include <sys/mman.h>
+
+#include "base/alloc.h"
+#include "render/film/film_difference.h"
+#include "render/film/film_round.h"
+#include "render/transport/sampler.h"
+
+static size_t pixels_of(const lf_film_layout *layout)
+{
+    return (size_t)layout->n_views * (size_t)layout->width;
+}
+
+static size_t half_bytes(const lf_film_layout *layout)
+{
+    return pixels_of(layout) *
+           (sizeof(lf_film_scattered) + sizeof(float) + (layout->has_w2 ? sizeof(float) : 0));
+}
+
+size_t lf_film_used_bytes(const lf_film_layout *layout)
+{
+    return 2 * half_bytes(layout) +
+           (layout->has_known ? pixels_of(layout) * sizeof(lf_film_known) : 0);
+}
+
+/* Room for one stream more. */
+static lf_status grow(lf_film *film)
+{
+    size_t n = (size_t)film->n_allocated;
+    lf_film_stream *streams = lf_calloc(n + 1, sizeof *streams);
+    lf_film_counts *rows = lf_calloc((size_t)film->height, sizeof *rows);
+    if (!streams || !rows) {
+        lf_free(streams);
+        lf_free(rows);
+        return LF_E_NOMEM;
+    }
+    if (n > 0)
+        memcpy(streams, film->streams, n * sizeof *streams);
+    lf_free(film->streams);
+    film->streams = streams;
+    streams[n].rows = rows;
+    film->n_allocated++;
+    return LF_OK;
+}
+
+uint64_t lf_film_stream_random(const lf_film_stream *s)
+{
+    return s->number == 0 ? s->seed : lf_hash64(lf_hash64(s->seed, 0), s->number);
+}
+
+lf_status lf_film_stream_at(lf_film *film, uint64_t seed, uint32_t number, int *out_index)
+{
+    int at = 0;
+    while (at < film->n_streams &&
+           (film->streams[at].seed < seed ||
+            (film->streams[at].seed == seed && film->streams[at].number < number)))
+        at++;
+    *out_index = at;
+    if (at < film->n_streams && film->streams[at].seed == seed &&
+        film->streams[at].number == number)
+        return LF_OK;
+    if (film->n_streams == film->n_allocated && grow(film) != LF_OK)
+        return LF_E_NOMEM;
+    lf_film_stream fresh = {seed, number, film->streams[film->n_streams].rows};
+    memset(fresh.rows, 0, (size_t)film->height * sizeof *fresh.rows);
+    memmove(film->streams + at + 1, film->streams + at,
+            (size_t)(film->n_streams - at) * sizeof fresh);
+    film->streams[at] = fresh;
+    film->n_streams++;
+    return LF_OK;
+}
+
+lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
+{
+    *film = (lf_film){.layout = *layout,
+                      .n_views = layout->n_views,
+                      .width = layout->width,
+                      .height = layout->height};
+    film->row_bytes = (lf_film_used_bytes(layout) + 63) / 64 * 64;
+    film->data_bytes = film->row_bytes * (size_t)film->height;
+    film->rows = lf_calloc((size_t)film->height, sizeof *film->rows);
+    /* Mapped, so that rows cost memory only from their first visit on. */
+    void *data = mmap(NULL, film->data_bytes, PROT_READ | PROT_WRITE,
+                      MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    film->data = data == MAP_FAILED ? NULL : data;
+    if (!film->data || !film->rows || grow(film) != LF_OK) {
+        lf_film_finish(film);
+        return LF_E_NOMEM;
+    }
+    lf_film_clear(film);
+    return LF_OK;
+}
+
+void lf_film_finish(lf_film *film)
+{
+    if (film->data)
+        munmap(film->data, film->data_bytes);
+    for (int i = 0; i < film->n_allocated; i++)
+        lf_free(film->streams[i].rows);
+    lf_free(film->streams);
+    lf_free(film->rows);
+    memset(film, 0, sizeof *film);
+}
+
+bool lf_film_has_layout(const lf_film *film, const lf_film_layout *b)
+{
+    const lf_film_layout *a = &film->layout;
+    return film->data && a->n_views == b->n_views && a->width == b->width &&
+           a->height == b->height && a->has_w2 == b->has_w2 && a->has_native == b->has_native &&
+           a->has_known == b->has_known && a->has_delta == b->has_delta &&
+           a->has_signed == b->has_signed;
+}
+
+void lf_film_clear(lf_film *film)
+{
+    for (int row = 0; row < film->height; row++)
+        film->rows[row] = (lf_film_row){.relative_error = -1.0};
+    film->n_streams = 0;
+}
+
+/* The arrays of a half, one behind the other from p on. */
+static lf_film_half half_at(const lf_film_layout *layout, unsigned char *p)
+{
+    size_t pixels = pixels_of(layout);
+    lf_film_half half = {.scattered = (lf_film_scattered *)(void *)p};
+    p += pixels * sizeof *half.scattered;
+    half.w2 = layout->has_w2 ? (float *)(void *)p : NULL;
+    p += layout->has_w2 ? pixels * sizeof *half.w2 : 0;
+    half.q = (float *)(void *)p;
+    return half;
+}
+
+lf_film_half lf_film_at(const lf_film *film, int row, int half)
+{
+    return half_at(&film->layout, film->data + (size_t)row * film->row_bytes +
+                                      (size_t)half * half_bytes(&film->layout));
+}
+
+lf_film_known *lf_film_known_at(const lf_film *film, int row)
+{
+    unsigned char *p = film->data + (size_t)row * film->row_bytes + 2 * half_bytes(&film->layout);
+    return film->layout.has_known ? (lf_film_known *)(void *)p : NULL;
+}
+
+/* ------------------------------------------------------------------------------------ visits -- */
+
+lf_status lf_film_sums_init(lf_film_sums *sums, const lf_film_layout *layout)
+{
+    size_t pixels = pixels_of(layout), colours = 3 * pixels * sizeof(float);
+    size_t native = layout->has_native ? colours : 0, known = layout->has_known ? colours : 0;
+    *sums = (lf_film_sums){.data = lf_calloc(1, native + half_bytes(layout) + known)};
+    if (!sums->data)
+        return LF_E_NOMEM;
+    /* What is summed comes first and q behind it, so that one stretch of memory is zeroed. */
+    unsigned char *half = sums->data + native;
+    sums->native = native ? (float(*)[3])(void *)sums->data : NULL;
+    sums->half = half_at(layout, half);
+    sums->known = known ? (float(*)[3])(void *)(half + half_bytes(layout)) : NULL;
+    sums->zeroed_bytes = native + half_bytes(layout) - pixels * sizeof(float);
+    return LF_OK;
+}
+
+void lf_film_sums_finish(lf_film_sums *sums)
+{
+    lf_free(sums->data);
+    memset(sums, 0, sizeof *sums);
+}
+
+void lf_film_sums_begin(lf_film_sums *sums)
+{
+    memset(sums->data, 0, sums->zeroed_bytes);
+}
+
+lf_film_sums lf_film_sums_of(const lf_film *film, int row, int half)
+{
+    return (lf_film_sums){.half = lf_film_at(film, row, half)};
+}
+
+static inline float add(float a, float b, uint32_t random)
+{
+    return lf_film_round((double)a + (double)b, random);
+}
+
+/* A running mean: what is constant stays exact, however many visits there are. */
+static inline float mean(float a, double share, double x, uint32_t random)
+{
+    return lf_film_round((double)a + share * (x - (double)a), random);
+}
+
+/* What merging a visit does to means: the visit's share of its half and of both halves, the other
+ * half's share before it. */
+typedef struct lf_merge_shares {
+    double half, both, other;
+    double sign; /* of the half in the difference */
+    float inverse_weight;
+} lf_merge_shares;
+
+static void merge_known(lf_film_known *known, const lf_film_sums *sums, size_t pixel,
+                        const lf_merge_shares *s, uint32_t random)
+{
+    float difference[3];
+    lf_difference_unpack(known->difference, difference);
+    for (int c = 0; c < 3; c++) {
+        double x = (double)sums->known[pixel][c];
+        if (sums->native)
+            x += (double)(sums->native[pixel][c] * s->inverse_weight);
+        double step = x - (double)known->b[c] - s->sign * s->other * (double)difference[c];
+        difference[c] = s->other > 0.0 ? difference[c] + (float)(s->sign * s->half * step) : 0.0f;
+        known->b[c] = mean(known->b[c], s->both, x, random);
+    }
+    known->difference = lf_difference_pack(difference, (float)(random >> 8) * 0x1p-24f);
+}
+
+static lf_merge_shares shares_of(const lf_film_row *row, int half, double weight)
+{
+    double n = row->n[0] + row->n[1];
+    return (lf_merge_shares){.half = weight / (row->n[half] + weight),
+                             .both = weight / (n + weight),
+                             .other = n > 0.0 ? row->n[1 - half] / n : 0.0,
+                             .sign = half == 0 ? 1.0 : -1.0,
+                             .inverse_weight = (float)(1.0 / weight)};
+}
+
+bool lf_film_meet(lf_film *film, int row, bool any)
+{
+    film->rows[row].met |= any;
+    return film->rows[row].met || film->layout.has_known;
+}
+
+/* Before the first visit of a row. */
+static void clear_row(lf_film *film, int row)
+{
+    if (!lf_film_visited(film->rows[row].visits))
+        memset(film->data + (size_t)row * film->row_bytes, 0, film->row_bytes);
+}
+
+static void count(lf_film *film, int stream, int row, int half, double passes)
+{
+    lf_film_row *state = &film->rows[row];
+    lf_film_counts *own = &film->streams[stream].rows[row];
+    state->visits[half]++;
+    state->n[half] += passes / film->n_views;
+    state->passes += passes;
+    own->visits[half]++;
+    own->n[half] += passes / film->n_views;
+}
+
+void lf_film_count(lf_film *film, int stream, int row, int half, double passes)
+{
+    clear_row(film, row);
+    count(film, stream, row, half, passes);
+}
+
+void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_sums *sums,
+                   double passes, uint64_t key)
+{
+    const double weight = passes / film->n_views;
+    clear_row(film, row);
+    const lf_merge_shares shares = shares_of(&film->rows[row], half, weight);
+    const lf_film_half to = lf_film_at(film, row, half), *from = &sums->half;
+    lf_film_known *known = lf_film_known_at(film, row);
+    size_t pixels = weight > 0.0 ? pixels_of(&film->layout) : 0, width = (size_t)film->width;
+    /* One random number a column: what is the same, N and W or two views, stays the same. */
+    for (size_t i = 0; i < pixels; i++) {
+        uint32_t random = (uint32_t)(lf_hash64(key, i % width) >> 32);
+        lf_film_scattered *a = &to.scattered[i];
+        const lf_film_scattered *b = &from->scattered[i];
+        for (int c = 0; c < 3; c++)
+            a->n[c] = add(a->n[c], b->n[c], random);
+        a->w = add(a->w, b->w, random);
+        if (to.w2)
+            to.w2[i] = add(to.w2[i], from->w2[i], random);
+        to.q[i] = mean(to.q[i], shares.half, (double)from->q[i], random);
+        if (known)
+            merge_known(&known[i], sums, i, &shares, random);
+    }
+    count(film, stream, row, half, passes);
+}

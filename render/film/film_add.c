@@ -1,0 +1,166 @@
+/* Two films of one picture become one. */
+#include <string.h>
+
+#include "render/film/film.h"
+#include "render/film/film_difference.h"
+#include "render/film/film_round.h"
+#include "render/transport/sampler.h"
+
+/* A mean over both; what is constant stays exact. */
+static double pooled(double a, double n_a, double b, double n_b)
+{
+    if (n_a == 0.0 || a == b)
+        return b;
+    return n_b == 0.0 ? a : (n_a * a + n_b * b) / (n_a + n_b);
+}
+
+static void add_half(lf_film_half *to, double n_to, const lf_film_half *from, double n_from,
+                     size_t i, uint32_t random)
+{
+    lf_film_scattered *a = &to->scattered[i];
+    const lf_film_scattered *b = &from->scattered[i];
+    for (int c = 0; c < 3; c++)
+        a->n[c] = lf_film_round((double)a->n[c] + (double)b->n[c], random);
+    a->w = lf_film_round((double)a->w + (double)b->w, random);
+    if (to->w2)
+        to->w2[i] = lf_film_round((double)to->w2[i] + (double)from->w2[i], random);
+    to->q[i] = lf_film_round(pooled((double)to->q[i], n_to, (double)from->q[i], n_from), random);
+}
+
+/* The mean of one half, from that of both and their difference. */
+static double of_half(const lf_film_row *row, int half, double both, double difference)
+{
+    double n = row->n[0] + row->n[1];
+    return both + (half == 0 ? row->n[1] : -row->n[0]) / n * difference;
+}
+
+static void add_known(lf_film_known *to, const lf_film_row *a, const lf_film_known *from,
+                      const lf_film_row *b, uint32_t random)
+{
+    float d_to[3], d_from[3], difference[3] = {0};
+    double n_a = a->n[0] + a->n[1], n_b = b->n[0] + b->n[1];
+    lf_difference_unpack(to->difference, d_to);
+    lf_difference_unpack(from->difference, d_from);
+    for (int c = 0; c < 3; c++) {
+        double x = (double)to->b[c], y = (double)from->b[c], half[2];
+        for (int h = 0; h < 2; h++)
+            half[h] = pooled(of_half(a, h, x, (double)d_to[c]), a->n[h],
+                             of_half(b, h, y, (double)d_from[c]), b->n[h]);
+        if (a->n[0] + b->n[0] > 0.0 && a->n[1] + b->n[1] > 0.0)
+            difference[c] = (float)(half[0] - half[1]);
+        to->b[c] = lf_film_round(pooled(x, n_a, y, n_b), random);
+    }
+    to->difference = lf_difference_pack(difference, (float)(random >> 8) * 0x1p-24f);
+}
+
+/* Random bits of what a row's visits were: the same for both films' in either order. */
+static uint64_t key_of(const lf_film *film, int row)
+{
+    uint64_t key = 0;
+    for (int i = 0; i < film->n_streams; i++) {
+        const lf_film_stream *s = &film->streams[i];
+        const uint32_t *visits = s->rows[row].visits;
+        if (lf_film_visited(visits))
+            key += lf_hash64(lf_hash64(s->seed, s->number),
+                             (uint64_t)visits[0] << 32 | (uint64_t)visits[1]);
+    }
+    return key;
+}
+
+static void add_row(lf_film *film, const lf_film *from, int row)
+{
+    const lf_film_row *a = &film->rows[row], *b = &from->rows[row];
+    uint64_t key = lf_hash64(key_of(film, row) + key_of(from, row), (uint64_t)row);
+    size_t width = (size_t)film->width, pixels = (size_t)film->n_views * width;
+    lf_film_half to[2] = {lf_film_at(film, row, 0), lf_film_at(film, row, 1)};
+    const lf_film_half other[2] = {lf_film_at(from, row, 0), lf_film_at(from, row, 1)};
+    lf_film_known *known = lf_film_known_at(film, row);
+    const lf_film_known *more = lf_film_known_at(from, row);
+    /* As in a visit: what is the same, N and W or two views, stays the same. */
+    for (size_t i = 0; i < pixels; i++) {
+        uint32_t random = (uint32_t)(lf_hash64(key, i % width) >> 32);
+        for (int h = 0; h < 2; h++)
+            add_half(&to[h], a->n[h], &other[h], b->n[h], i, random);
+        if (known)
+            add_known(&known[i], a, &more[i], b, random);
+    }
+}
+
+static void add_counts(lf_film_row *to, const lf_film_row *from)
+{
+    for (int h = 0; h < 2; h++) {
+        to->n[h] += from->n[h];
+        to->visits[h] += from->visits[h];
+    }
+    to->passes += from->passes;
+    to->met |= from->met;
+    to->relative_error = -1.0;
+    to->holes = 0;
+}
+
+/* The first row of which a half has visits of this stream in both films; height = none. */
+static int overlap(const lf_film_stream *a, const lf_film_stream *b, int height)
+{
+    int row = a->seed == b->seed && a->number == b->number ? 0 : height;
+    while (row < height && !(a->rows[row].visits[0] && b->rows[row].visits[0]) &&
+           !(a->rows[row].visits[1] && b->rows[row].visits[1]))
+        row++;
+    return row;
+}
+
+static lf_status check(const lf_film *film, const lf_film *from, lf_error *err)
+{
+    if (memcmp(film->picture, from->picture, sizeof film->picture) != 0 ||
+        !lf_film_has_layout(film, &from->layout))
+        return lf_error_set(err, LF_E_STATE, "film",
+                            "cannot be added: of another scene, camera or settings");
+    for (int i = 0; i < film->n_streams; i++) {
+        for (int j = 0; j < from->n_streams; j++) {
+            int row = overlap(&film->streams[i], &from->streams[j], film->height);
+            if (row < film->height)
+                return lf_error_set(
+                    err, LF_E_STATE, "film",
+                    "cannot be added: both have samples of seed %llu, stream %u in row %d",
+                    (unsigned long long)film->streams[i].seed, film->streams[i].number, row);
+        }
+    }
+    return LF_OK;
+}
+
+static void add_stream(lf_film_stream *to, const lf_film_stream *from, int height)
+{
+    for (int row = 0; row < height; row++) {
+        for (int h = 0; h < 2; h++) {
+            to->rows[row].n[h] += from->rows[row].n[h];
+            to->rows[row].visits[h] += from->rows[row].visits[h];
+        }
+    }
+}
+
+lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error *err)
+{
+    int index;
+    lf_status status = check(film, from, err);
+    for (int i = 0; i < from->n_streams && status == LF_OK; i++)
+        if (lf_film_stream_at(film, from->streams[i].seed, from->streams[i].number, &index) !=
+            LF_OK)
+            status = lf_error_set(err, LF_E_NOMEM, "film", "out of memory");
+    if (status != LF_OK)
+        return status;
+    for (int row = 0; row < film->height; row++) {
+        lf_film_row *state = &film->rows[row];
+        if (!lf_film_visited(from->rows[row].visits))
+            continue;
+        if (lf_film_visited(state->visits))
+            add_row(film, from, row);
+        else
+            memcpy(film->data + (size_t)row * film->row_bytes,
+                   from->data + (size_t)row * from->row_bytes, film->row_bytes);
+        add_counts(state, &from->rows[row]);
+    }
+    for (int i = 0; i < from->n_streams; i++)
+        if (lf_film_stream_at(film, from->streams[i].seed, from->streams[i].number, &index) ==
+            LF_OK)
+            add_stream(&film->streams[index], &from->streams[i], film->height);
+    return LF_OK;
+}

@@ -1,0 +1,530 @@
+/* Three answers from one film (docs/estimators.md, "Three answers"). Everything is per row: a tile
+ * is a block of neighbouring columns and views of one row, so that resolving needs nothing but the
+ * row itself. */
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "render/film/film.h"
+#include "render/film/film_difference.h"
+
+enum { TILE_COLUMNS = 16, TILE_VIEWS = 4, BESIDE = 2, AROUND = TILE_COLUMNS + 2 * BESIDE };
+
+#define LF_ERROR_EPSILON 1e-2
+/* Of the squared difference of known light between the halves to its square: what changes the error
+ * by less than a hundredth. */
+#define NEGLIGIBLE 1e-4
+
+/* What a pixel holds: means over n; known is B + M/n. */
+typedef struct lf_sums {
+    float scattered[3], w, w2, known[3], q;
+} lf_sums;
+
+typedef struct lf_tile_pixel {
+    lf_sums half[2];
+    lf_sums pooled;
+} lf_tile_pixel;
+
+/* One tile of one row, read once; everything else works on this copy. */
+typedef struct lf_tile {
+    const lf_film *film;
+    lf_film_half half[2];
+    const lf_film_known *known; /* NULL where B is sky (1 - q) */
+    float n[2];                 /* expected samples of each half; 0 = it has none */
+    float share[2];             /* of all samples */
+    int n_halves;
+    int view0, view1, column0, column1;
+    int count;
+    double ratio[3][3]; /* N/W of the tile: of the halves, and of both; where weights may cancel */
+    lf_tile_pixel pixel[TILE_VIEWS * TILE_COLUMNS];
+} lf_tile;
+
+static size_t pixel_index(const lf_tile *t, int i)
+{
+    int columns = t->column1 - t->column0;
+    return (size_t)(t->view0 + i / columns) * (size_t)t->film->width +
+           (size_t)(t->column0 + i % columns);
+}
+
+static void read_half(const lf_film_half *half, size_t pixel, float inverse, lf_sums *s)
+{
+    assert(half->scattered && half->q);
+    for (int c = 0; c < 3; c++)
+        s->scattered[c] = half->scattered[pixel].n[c] * inverse;
+    s->w = half->scattered[pixel].w * inverse;
+    s->w2 = half->w2 ? half->w2[pixel] * inverse : s->w;
+    s->q = half->q[pixel];
+}
+
+static void pool(lf_tile_pixel *p, const float share[2])
+{
+    const lf_sums *a = &p->half[0], *b = &p->half[1];
+    for (int c = 0; c < 3; c++)
+        p->pooled.scattered[c] = share[0] * a->scattered[c] + share[1] * b->scattered[c];
+    p->pooled.w = share[0] * a->w + share[1] * b->w;
+    p->pooled.w2 = share[0] * a->w2 + share[1] * b->w2;
+    p->pooled.q = share[0] * a->q + share[1] * b->q;
+}
+
+/* B + M/n of the halves and of both. */
+static void read_known(const lf_tile *t, size_t pixel, lf_tile_pixel *p)
+{
+    float difference[3] = {0};
+    const float *sky = t->film->sky;
+    if (t->known)
+        lf_difference_unpack(t->known[pixel].difference, difference);
+    for (int c = 0; c < 3; c++) {
+        if (t->known) {
+            p->pooled.known[c] = t->known[pixel].b[c];
+            p->half[0].known[c] = p->pooled.known[c] + t->share[1] * difference[c];
+            p->half[1].known[c] = p->pooled.known[c] - t->share[0] * difference[c];
+        } else {
+            p->pooled.known[c] = sky[c] * (1.0f - p->pooled.q);
+            for (int h = 0; h < 2; h++)
+                p->half[h].known[c] = sky[c] * (1.0f - p->half[h].q);
+        }
+    }
+}
+
+enum { POOLED = 2 };
+
+static const lf_sums *sums_of(const lf_tile_pixel *p, int which)
+{
+    return which == POOLED ? &p->pooled : &p->half[which];
+}
+
+/* N/W of a whole tile: of a half, or of both. */
+static void tile_ratio(const lf_tile *t, int which, double ratio[3])
+{
+    double n[3] = {0}, w = 0.0;
+    for (int i = 0; i < t->count; i++) {
+        const lf_sums *s = sums_of(&t->pixel[i], which);
+        w += (double)s->w;
+        for (int c = 0; c < 3; c++)
+            n[c] += (double)s->scattered[c];
+    }
+    for (int c = 0; c < 3; c++)
+        ratio[c] = w > 0.0 ? n[c] / w : 0.0;
+}
+
+static void read_tile(lf_tile *t)
+{
+    t->count = (t->view1 - t->view0) * (t->column1 - t->column0);
+    for (int i = 0; i < t->count; i++) {
+        lf_tile_pixel *p = &t->pixel[i];
+        for (int h = 0; h < 2; h++) {
+            p->half[h] = (lf_sums){0};
+            if (t->n[h] > 0.0f)
+                read_half(&t->half[h], pixel_index(t, i), 1.0f / t->n[h], &p->half[h]);
+        }
+        pool(p, t->share);
+        read_known(t, pixel_index(t, i), p);
+    }
+    for (int which = 0; which <= POOLED && t->film->layout.has_signed; which++)
+        tile_ratio(t, which, t->ratio[which]);
+}
+
+static void answer_mis(const lf_sums *s, float out[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = s->known[c] + s->scattered[c];
+}
+
+/* W, or W'. N/W is a weighted mean of what was found, N/W' is not: W' does not count light samples,
+ * and where no direction of a narrow lobe has arrived yet it is next to nothing and N is not. W
+ * stands in there. */
+static float weight_of(const lf_sums *s, bool second)
+{
+    return second && s->w2 > 0.25f * s->w ? s->w2 : s->w;
+}
+
+/* B + q N/W, and B where nothing was found. B and q are of the same film points: where none of them
+ * has met what scatters, q is 0 and B all the background, and what other paths have found there is
+ * counted at the pixels where q is too high. Where weights have both signs a sum W that is small
+ * beside q may be what they have left of each other, and N/W anything: the tile's stands in for it.
+ */
+static void answer_ratio(const lf_tile *t, int i, int which, bool second, float out[3])
+{
+    const lf_sums *s = sums_of(&t->pixel[i], which);
+    float w = weight_of(s, second), share = w > 0.0f ? s->q / w : 0.0f;
+    bool cancelled = t->film->layout.has_signed && w != 0.0f && w < 0.25f * s->q;
+    for (int c = 0; c < 3; c++)
+        out[c] =
+            s->known[c] + (cancelled ? s->q * (float)t->ratio[which][c] : share * s->scattered[c]);
+}
+
+/* Compares the spread between the halves of N/W and N/W' over a tile. */
+static bool second_is_better(const lf_tile *t)
+{
+    double error[2] = {0.0, 0.0};
+    if (!t->film->layout.has_w2 || t->n_halves < 2)
+        return false;
+    for (int i = 0; i < t->count; i++) {
+        for (int j = 0; j < 2; j++) {
+            float x[3], y[3];
+            answer_ratio(t, i, 0, j == 1, x);
+            answer_ratio(t, i, 1, j == 1, y);
+            for (int c = 0; c < 3; c++)
+                error[j] += (double)((x[c] - y[c]) * (x[c] - y[c]));
+        }
+    }
+    return error[1] < error[0];
+}
+
+/* Regression coefficients of one half over one tile: N - n q R on R (W - n q) and R (W' - n q), R
+ * the tile's N/W. */
+typedef struct lf_beta {
+    double ratio[3]; /* R */
+    double lambda[2];
+} lf_beta;
+
+static void regress(const lf_tile *t, int h, lf_beta *beta)
+{
+    double a11 = 0.0, a12 = 0.0, a22 = 0.0, y1 = 0.0, y2 = 0.0;
+    memset(beta, 0, sizeof *beta);
+    tile_ratio(t, h, beta->ratio);
+    for (int i = 0; i < t->count; i++) {
+        const lf_sums *s = &t->pixel[i].half[h];
+        for (int c = 0; c < 3; c++) {
+            double r = beta->ratio[c], x1 = r * (double)(s->w - s->q),
+                   x2 = r * (double)(s->w2 - s->q);
+            double y = (double)s->scattered[c] - r * (double)s->q;
+            a11 += x1 * x1;
+            a12 += x1 * x2;
+            a22 += x2 * x2;
+            y1 += x1 * y;
+            y2 += x2 * y;
+        }
+    }
+    double det = a11 * a22 - a12 * a12;
+    if (t->film->layout.has_w2 && det > 1e-6 * a11 * a22) {
+        beta->lambda[0] = (a22 * y1 - a12 * y2) / det;
+        beta->lambda[1] = (a11 * y2 - a12 * y1) / det;
+    } else if (a11 > 0.0) {
+        beta->lambda[0] = y1 / a11;
+    }
+    /* Any coefficients of the other half keep the estimate unbiased; wild ones only make it noisy.
+     */
+    for (int i = 0; i < 2; i++)
+        beta->lambda[i] = fmin(fmax(beta->lambda[i], -1.0), 2.0);
+}
+
+/* A half's CV+, by the other half's coefficients. */
+static void answer_half_cv(const lf_sums *s, const lf_beta *other, double out[3])
+{
+    double control =
+        other->lambda[0] * (double)(s->w - s->q) + other->lambda[1] * (double)(s->w2 - s->q);
+    for (int c = 0; c < 3; c++)
+        out[c] = (double)s->scattered[c] - other->ratio[c] * control;
+}
+
+/* Known light and the halves' CV+ by their shares; with one half alone there is no other, and beta
+ * is 0. */
+static void answer_cv(const lf_tile *t, const lf_tile_pixel *p, const lf_beta beta[2], float out[3])
+{
+    double half[2][3];
+    for (int h = 0; h < 2; h++)
+        answer_half_cv(&p->half[h], &beta[1 - h], half[h]);
+    for (int c = 0; c < 3; c++)
+        out[c] = (float)((double)p->pooled.known[c] + (double)t->share[0] * half[0][c] +
+                         (double)t->share[1] * half[1][c]);
+}
+
+/* A hole is where scattering is possible and no weight has arrived. */
+static uint8_t flags_of(const lf_sums *s)
+{
+    if (s->w != 0.0f)
+        return 0;
+    return s->q > 0.0f ? LF_PIXEL_HOLE : LF_PIXEL_SETTLED;
+}
+
+/* ------------------------------------------------------------------------------------ errors -- */
+
+/* What a tile's pixels are answered with. */
+typedef struct lf_tile_answers {
+    lf_estimator estimator;
+    bool second; /* W' is the better weight */
+    lf_beta beta[2];
+    float pixel[TILE_VIEWS * TILE_COLUMNS][3];
+    float radiance[3][TILE_VIEWS * AROUND]; /* of the tile and BESIDE columns around it */
+} lf_tile_answers;
+
+static void answer_half(const lf_tile *t, const lf_tile_answers *a, int i, int h, double out[3])
+{
+    const lf_tile_pixel *p = &t->pixel[i];
+    float y[3] = {0};
+    if (a->estimator == LF_ESTIMATOR_CV)
+        answer_half_cv(&p->half[h], &a->beta[1 - h], out);
+    else if (a->estimator == LF_ESTIMATOR_MIS)
+        answer_mis(&p->half[h], y);
+    else
+        answer_ratio(t, i, h, a->second, y);
+    for (int c = 0; c < 3; c++)
+        out[c] =
+            a->estimator == LF_ESTIMATOR_CV ? out[c] + (double)p->half[h].known[c] : (double)y[c];
+}
+
+static inline float least(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static inline float most(float a, float b)
+{
+    return a < b ? b : a;
+}
+
+/* The lower median of those of five numbers that are not negative; -1: none is. */
+static float lower_median(const float x[5])
+{
+    float sorted[5];
+    int n = 0;
+    float f = most(least(x[0], x[1]), least(x[2], x[3])),
+          g = least(most(x[0], x[1]), most(x[2], x[3]));
+    float lowest = least(least(least(x[0], x[1]), least(x[2], x[3])), x[4]);
+    if (lowest >= 0.0f)
+        return most(least(most(f, g), x[4]), least(f, g));
+    for (int i = 0; i < 5; i++) {
+        int k = n;
+        if (x[i] < 0.0f)
+            continue;
+        for (n++; k > 0 && sorted[k - 1] > x[i]; k--)
+            sorted[k] = sorted[k - 1];
+        sorted[k] = x[i];
+    }
+    return n > 0 ? sorted[(n - 1) / 2] : -1.0f;
+}
+
+/* What scatters in the pixels of a tile, and of two columns to either side of it, sends R = N/W;
+ * -1: nothing was found, or beyond the picture. */
+static void read_radiance(const lf_tile *t, lf_tile_answers *a)
+{
+    for (int view = t->view0; view < t->view1; view++) {
+        for (int column = t->column0 - BESIDE; column < t->column1 + BESIDE; column++) {
+            int at = (view - t->view0) * AROUND + column - t->column0 + BESIDE;
+            size_t pixel = (size_t)view * (size_t)t->film->width + (size_t)(ptrdiff_t)column;
+            lf_sums half[2] = {{.w = 0.0f}, {.w = 0.0f}};
+            for (int h = 0; h < 2 && column >= 0 && column < t->film->width; h++)
+                if (t->n[h] > 0.0f)
+                    read_half(&t->half[h], pixel, 1.0f, &half[h]);
+            const lf_sums sum = {.w = half[0].w + half[1].w, .w2 = half[0].w2 + half[1].w2};
+            float w = weight_of(&sum, a->second), inverse = w > 0.0f ? 1.0f / w : 0.0f;
+            for (int c = 0; c < 3; c++)
+                a->radiance[c][at] =
+                    w > 0.0f ? (half[0].scattered[c] + half[1].scattered[c]) * inverse : -1.0f;
+        }
+    }
+}
+
+static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_tile_answers *a)
+{
+    a->estimator = estimator;
+    a->second = second_is_better(t);
+    memset(a->beta, 0, sizeof a->beta);
+    if (estimator == LF_ESTIMATOR_CV && t->n_halves == 2) {
+        regress(t, 0, &a->beta[0]);
+        regress(t, 1, &a->beta[1]);
+    }
+    for (int i = 0; i < t->count; i++) {
+        const lf_tile_pixel *p = &t->pixel[i];
+        if (estimator == LF_ESTIMATOR_CV)
+            answer_cv(t, p, a->beta, a->pixel[i]);
+        else if (estimator == LF_ESTIMATOR_MIS)
+            answer_mis(&p->pooled, a->pixel[i]);
+        else
+            answer_ratio(t, i, POOLED, a->second, a->pixel[i]);
+    }
+    if (t->n_halves == 2)
+        read_radiance(t, a);
+}
+
+/* R of a pixel, as the error's denominator takes it: the median of five, brought between what the
+ * two halves say of the pixel itself where they agree at all. A rare bright path must not hide its
+ * own error by standing there, but only one half has met it. */
+static float steady_radiance(const lf_tile *t, const lf_tile_answers *a, int i, int c)
+{
+    int columns = t->column1 - t->column0;
+    const lf_sums *x = &t->pixel[i].half[0], *y = &t->pixel[i].half[1];
+    float median = most(0.0f, lower_median(&a->radiance[c][i / columns * AROUND + i % columns]));
+    float w[2] = {weight_of(x, a->second), weight_of(y, a->second)};
+    if (!(w[0] > 0.0f && w[1] > 0.0f))
+        return median;
+    float u = x->scattered[c] / w[0], v = y->scattered[c] / w[1], low = least(u, v),
+          high = most(u, v);
+    return high > 4.0f * low ? median : most(low, least(high, median));
+}
+
+/* The darkest known light of a pixel and two to either side. */
+static float darkest(const lf_tile *t, int i, int c)
+{
+    int column = t->column0 + i % (t->column1 - t->column0);
+    float dark = t->pixel[i].pooled.known[c];
+    for (int k = column > BESIDE ? -BESIDE : -column;
+         k <= BESIDE && column + k < t->film->width && t->known; k++)
+        dark = least(dark, t->known[pixel_index(t, i) + (size_t)(ptrdiff_t)k].b[c]);
+    return dark;
+}
+
+/* Known light as far as it can be told from a rare bright path in a mirror, which only one half has
+ * found and nobody beside it, here or in the next views. */
+static float believed(const lf_tile *t, int i, int c)
+{
+    int columns = t->column1 - t->column0, column = t->column0 + i % columns;
+    const lf_tile_pixel *p = &t->pixel[i];
+    float known = p->pooled.known[c],
+          enough = 2.0f * least(p->half[0].known[c], p->half[1].known[c]);
+    for (int view = t->view0; view < t->view1; view++) {
+        for (int k = column > 0 ? column - 1 : 0;
+             k <= column + 1 && k < t->film->width && enough < known; k++) {
+            size_t pixel = (size_t)view * (size_t)t->film->width + (size_t)k;
+            enough = pixel == pixel_index(t, i) ? enough : most(enough, t->known[pixel].b[c]);
+        }
+    }
+    return least(known, enough);
+}
+
+/* I^2 + epsilon of a channel, over what its inverse is expected to be more than that
+ * (docs/estimators.md, "The error and its bound"). */
+static double scale_of(const lf_tile *t, const lf_tile_answers *a, int i, int c)
+{
+    const lf_tile_pixel *p = &t->pixel[i];
+    float scattered = p->pooled.q * steady_radiance(t, a, i, c),
+          difference = p->half[0].known[c] - p->half[1].known[c];
+    float known = t->film->layout.has_native ? believed(t, i, c) : p->pooled.known[c];
+    double x = (double)known + (double)scattered, scale = x * x + LF_ERROR_EPSILON;
+    double d = (double)(t->share[0] * t->share[1]) * (double)difference * (double)difference,
+           k = (double)known * (double)known;
+    if (!(d > NEGLIGIBLE * k))
+        return scale;
+    double dark = (double)darkest(t, i, c) + (double)scattered, lone = d < k ? d / k : 1.0;
+    return scale / (1.0 + 0.9 * lone * sqrt(sqrt(k / (dark * dark + LF_ERROR_EPSILON))));
+}
+
+/* How far the halves are apart, so scaled that its square is what their mean errs by: sqrt(s_A s_B
+ * / (I^2 + epsilon)) (x_A - x_B); out_known the same of their known light. */
+static void difference(const lf_tile *t, const lf_tile_answers *a, int i, float out[3],
+                       float out_known[3])
+{
+    double x[2][3], share = (double)t->share[0] * (double)t->share[1];
+    const lf_tile_pixel *p = &t->pixel[i];
+    answer_half(t, a, i, 0, x[0]);
+    answer_half(t, a, i, 1, x[1]);
+    for (int c = 0; c < 3; c++) {
+        double factor = sqrt(share / scale_of(t, a, i, c));
+        out[c] = (float)((x[0][c] - x[1][c]) * factor);
+        out_known[c] = (float)((double)(p->half[0].known[c] - p->half[1].known[c]) * factor);
+    }
+}
+
+static double relative_error(const lf_tile *t, const lf_tile_answers *a, int i)
+{
+    float d[3], known[3];
+    difference(t, a, i, d, known);
+    return (double)(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / 3.0;
+}
+
+/* -------------------------------------------------------------------------------------- rows -- */
+
+static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t *flags,
+                         lf_film_row *state)
+{
+    lf_tile_answers a = {0};
+    read_tile(t);
+    answer_tile(t, estimator, &a);
+    for (int i = 0; i < t->count; i++) {
+        size_t pixel = pixel_index(t, i);
+        memcpy(out + 3 * pixel, a.pixel[i], sizeof a.pixel[i]);
+        uint8_t f = flags_of(&t->pixel[i].pooled);
+        state->holes += f == LF_PIXEL_HOLE;
+        if (flags)
+            flags[pixel] = f;
+        if (t->n_halves == 2)
+            state->relative_error += relative_error(t, &a, i);
+    }
+}
+
+/* What a row of the film holds, for tiles to be read from; false when it was never visited. */
+static bool open_row(lf_tile *t, const lf_film *film, int row)
+{
+    const lf_film_row *state = &film->rows[row];
+    double n = state->n[0] + state->n[1];
+    *t = (lf_tile){.film = film, .known = lf_film_known_at(film, row)};
+    if (!(n > 0.0))
+        return false;
+    for (int h = 0; h < 2; h++) {
+        t->half[h] = lf_film_at(film, row, h);
+        t->n[h] = (float)state->n[h];
+        t->share[h] = (float)(state->n[h] / n);
+        t->n_halves += state->n[h] > 0.0;
+    }
+    return true;
+}
+
+/* The tile's bounds; i-th of all. false behind the last. */
+static bool at_tile(lf_tile *t, int i)
+{
+    int across = (t->film->width + TILE_COLUMNS - 1) / TILE_COLUMNS;
+    t->view0 = i / across * TILE_VIEWS;
+    t->column0 = i % across * TILE_COLUMNS;
+    t->view1 = t->view0 + TILE_VIEWS < t->film->n_views ? t->view0 + TILE_VIEWS : t->film->n_views;
+    t->column1 =
+        t->column0 + TILE_COLUMNS < t->film->width ? t->column0 + TILE_COLUMNS : t->film->width;
+    return t->view0 < t->film->n_views;
+}
+
+lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int row, float *out,
+                              uint8_t *flags)
+{
+    lf_film_row *state = &film->rows[row];
+    size_t pixels = (size_t)film->n_views * (size_t)film->width;
+    lf_tile t;
+    if (!open_row(&t, film, row)) {
+        memset(out, 0, 3 * pixels * sizeof *out);
+        if (flags)
+            memset(flags, LF_PIXEL_UNSEEN, pixels);
+        return LF_E_STATE;
+    }
+    state->holes = 0;
+    state->relative_error = t.n_halves == 2 ? 0.0 : -1.0;
+    for (int i = 0; at_tile(&t, i); i++)
+        resolve_tile(&t, estimator, out, flags, state);
+    return LF_OK;
+}
+
+void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *out_q)
+{
+    lf_tile t;
+    if (!open_row(&t, film, row))
+        return;
+    for (int k = 0; at_tile(&t, k); k++) {
+        lf_tile_answers a = {0};
+        read_tile(&t);
+        answer_tile(&t, LF_ESTIMATOR_MWIS, &a);
+        for (int i = 0; i < t.count; i++) {
+            out_error[pixel_index(&t, i)] = (float)relative_error(&t, &a, i);
+            out_q[pixel_index(&t, i)] = t.pixel[i].pooled.q;
+        }
+    }
+}
+
+bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out,
+                             double *out_known)
+{
+    lf_tile t;
+    double sum = 0.0;
+    if (!open_row(&t, film, row) || t.n_halves < 2)
+        return false;
+    for (int k = 0; at_tile(&t, k); k++) {
+        lf_tile_answers a = {0};
+        read_tile(&t);
+        answer_tile(&t, estimator, &a);
+        for (int i = 0; i < t.count; i++) {
+            float known[3], *d = out + 3 * pixel_index(&t, i);
+            difference(&t, &a, i, d, known);
+            for (int c = 0; c < 3; c++)
+                sum += (double)least(d[c] * d[c], known[c] * known[c]);
+        }
+    }
+    *out_known = sum / (3.0 * film->n_views * film->width);
+    return true;
+}

@@ -1,0 +1,21 @@
+/* Latitude-longitude pictures of the sky, from file to committed tables; private to render/. */
+#ifndef LF_RENDER_ENVIRONMENT_LOAD_H
+#define LF_RENDER_ENVIRONMENT_LOAD_H
+
+#include "base/file.h"
+#include "render/scene/scene.h"
+
+#define LF_MAX_ENVIRONMENT_SIDE 16384
+
+/* Reads an EXR or HDR picture under roots. Shares the environment of previous (may be NULL) when
+ * path, time, size and inode are the same. Values below 0 become 0 (a debug line counts them). On
+ * LF_OK the caller owns a reference. Errors: LF_E_IO, LF_E_PATH, LF_E_FORMAT, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_environment_load(const char *path, const lf_roots *roots,
+                                           const lf_scene *previous,
+                                           lf_environment **out_environment, lf_error *err);
+
+/* What sharing compares: "PATH:INODE:SIZE:SECONDS.NANOSECONDS:SUFFIX" of an open file. Caller
+ * releases with lf_free; NULL = out of memory or the descriptor is bad. */
+char *lf_file_key(int fd, const char *path, const char *suffix);
+
+#endif

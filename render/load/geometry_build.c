@@ -1,0 +1,231 @@
+#include "render/load/geometry_build.h"
+
+#include <string.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "render/transport/surface.h"
+
+/* ThreadSanitizer cannot see how TBB hands work from thread to thread: under it Embree builds on
+ * the calling thread. */
+#ifdef __SANITIZE_THREAD__
+#define DEVICE_CONFIG "threads=1"
+#else
+#define DEVICE_CONFIG NULL
+#endif
+
+/* ----------------------------------------------------------------------------------- sharing -- */
+
+json_t *lf_geometry_key(const json_t *doc, const char *folder)
+{
+    json_t *meshes = json_deep_copy(json_object_get(doc, "meshes"));
+    const char *name;
+    json_t *mesh;
+    json_object_foreach(meshes, name, mesh)
+    {
+        if (json_object_get(mesh, "material") &&
+            json_object_set_new(mesh, "material", json_true()) != 0) {
+            json_decref(meshes);
+            return NULL;
+        }
+    }
+    return json_pack("{s:s, s:o*}", "folder", folder, "meshes", meshes);
+}
+
+static bool file_is_unchanged(const lf_mesh_file *file, const lf_roots *roots)
+{
+    int fd;
+    if (lf_file_open(file->path, roots, LF_MESH_MAX_BYTES, &fd, NULL, NULL) != LF_OK)
+        return false;
+    struct stat info;
+    bool same = fstat(fd, &info) == 0 && info.st_size == file->size && info.st_ino == file->inode &&
+                info.st_mtim.tv_sec == file->modified.tv_sec &&
+                info.st_mtim.tv_nsec == file->modified.tv_nsec;
+    close(fd);
+    return same;
+}
+
+bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const lf_roots *roots)
+{
+    if (!json_equal(geometry->key, key))
+        return false;
+    for (int i = 0; i < geometry->n_files; i++)
+        if (!file_is_unchanged(&geometry->files[i], roots))
+            return false;
+    return true;
+}
+
+/* ---------------------------------------------------------------------------------- building -- */
+
+/* Takes over the arrays of data; materials are numbered from first_material. */
+static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned id,
+                           int first_material)
+{
+    lf_mesh *mesh = &geometry->meshes[id];
+    /* One float of padding: Embree reads 16 bytes at the last vertex. */
+    float *vertices = lf_calloc(3 * (size_t)data->n_vertices + 1, sizeof *vertices);
+    if (!vertices)
+        return LF_E_NOMEM;
+    for (size_t i = 0; i < 3 * (size_t)data->n_vertices; i++)
+        vertices[i] = (float)(data->positions[i] - geometry->origin[i % 3]);
+    for (int t = 0; data->triangle_material && t < data->n_triangles; t++)
+        data->triangle_material[t] = (uint16_t)(data->triangle_material[t] + first_material);
+    *mesh = (lf_mesh){id,
+                      data->n_vertices,
+                      data->n_triangles,
+                      vertices,
+                      data->triangles,
+                      data->normals,
+                      data->triangle_material,
+                      0};
+    data->triangles = NULL;
+    data->normals = NULL;
+    data->triangle_material = NULL;
+    return LF_OK;
+}
+
+static void grow_bounds(double bounds[2][3], const lf_mesh_data *data)
+{
+    for (size_t c = 0; c < 3 * (size_t)data->n_triangles; c++) {
+        const double *p = data->positions + 3 * (size_t)data->triangles[c];
+        for (int i = 0; i < 3; i++) {
+            bounds[0][i] = fmin(bounds[0][i], p[i]);
+            bounds[1][i] = fmax(bounds[1][i], p[i]);
+        }
+    }
+}
+
+/* Moves materials, file notes and warnings of all meshes into the geometry. */
+static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
+{
+    int n_materials = 0, n_files = 0;
+    for (int i = 0; i < n; i++) {
+        n_materials += data[i].n_materials;
+        n_files += data[i].n_files;
+    }
+    geometry->materials = lf_calloc((size_t)n_materials, sizeof *geometry->materials);
+    geometry->files = lf_calloc((size_t)n_files, sizeof *geometry->files);
+    if (!geometry->materials || !geometry->files)
+        return LF_E_NOMEM;
+    for (int i = 0; i < n; i++) {
+        lf_warnings_add_all(&geometry->warnings, &data[i].warnings);
+        if (data[i].n_materials)
+            memcpy(geometry->materials + geometry->n_materials, data[i].materials,
+                   (size_t)data[i].n_materials * sizeof *data[i].materials);
+        memcpy(geometry->files + geometry->n_files, data[i].files,
+               (size_t)data[i].n_files * sizeof data[i].files[0]);
+        for (int j = 0; j < data[i].n_materials; j++)
+            lf_material_prepare(&geometry->materials[geometry->n_materials + j]);
+        geometry->n_materials += data[i].n_materials;
+        geometry->n_files += data[i].n_files;
+        data[i].n_files = 0;
+    }
+    return LF_OK;
+}
+
+/* The mesh's triangles for Embree: without the large ones, a copy of its own in which those are
+ * points; true: it is there. */
+static bool share_triangles(const lf_mesh *mesh, const lf_large *large, RTCGeometry shape)
+{
+    const size_t size = 3 * sizeof(uint32_t), n = (size_t)mesh->n_triangles;
+    uint32_t at = 0, *copy = NULL;
+    while (at < large->n && large->triangles[at].mesh < mesh->geom_id)
+        at++;
+    if (at == large->n || large->triangles[at].mesh != mesh->geom_id) {
+        rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                   mesh->triangles, 0, size, n);
+        return true;
+    }
+    copy = rtcSetNewGeometryBuffer(shape, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, size, n);
+    if (!copy)
+        return false;
+    memcpy(copy, mesh->triangles, size * n);
+    for (; at < large->n && large->triangles[at].mesh == mesh->geom_id; at++) {
+        uint32_t *corner = copy + 3 * (size_t)large->triangles[at].triangle;
+        corner[1] = corner[2] = corner[0];
+    }
+    return true;
+}
+
+static bool attach_mesh(lf_geometry *geometry, const lf_mesh *mesh)
+{
+    RTCGeometry shape = rtcNewGeometry(geometry->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (!shape)
+        return false;
+    rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->vertices,
+                               0, 3 * sizeof(float), (size_t)mesh->n_vertices);
+    if (!share_triangles(mesh, &geometry->large, shape)) {
+        rtcReleaseGeometry(shape);
+        return false;
+    }
+    rtcSetGeometryBuildQuality(shape, RTC_BUILD_QUALITY_HIGH);
+    rtcCommitGeometry(shape);
+    rtcAttachGeometryByID(geometry->embree, shape, mesh->geom_id);
+    rtcReleaseGeometry(shape);
+    return rtcGetDeviceError(geometry->device) == RTC_ERROR_NONE;
+}
+
+static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
+{
+    geometry->device = rtcNewDevice(DEVICE_CONFIG);
+    geometry->embree = geometry->device ? rtcNewScene(geometry->device) : NULL;
+    if (!geometry->embree)
+        return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot start (error %d)",
+                            (int)rtcGetDeviceError(geometry->device));
+    if (lf_large_pick(geometry->meshes, geometry->n_meshes, &geometry->large, &geometry->offset) !=
+        LF_OK)
+        return lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
+    rtcSetSceneFlags(geometry->embree, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(geometry->embree, RTC_BUILD_QUALITY_HIGH);
+    for (int i = 0; i < geometry->n_meshes; i++)
+        if (!attach_mesh(geometry, &geometry->meshes[i]))
+            return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot take mesh %d", i);
+    if (geometry->large.n > 0 && !lf_large_attach(&geometry->large, geometry->device,
+                                                  geometry->embree, (unsigned)geometry->n_meshes))
+        return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot take the large triangles");
+    rtcCommitScene(geometry->embree);
+    enum RTCError problem = rtcGetDeviceError(geometry->device);
+    if (problem != RTC_ERROR_NONE)
+        return lf_error_set(err, LF_E_NOMEM, "meshes",
+                            "Embree cannot build the hierarchy (error %d)", (int)problem);
+    return LF_OK;
+}
+
+lf_status lf_geometry_build(lf_mesh_data *data, int n, const double origin[3], json_t *key,
+                            lf_geometry **out_geometry, lf_error *err)
+{
+    lf_status status = LF_E_NOMEM;
+    lf_geometry *geometry = lf_calloc(1, sizeof *geometry);
+    if (!geometry)
+        return lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
+    atomic_init(&geometry->refs, 1);
+    geometry->key = json_incref(key);
+    memcpy(geometry->origin, origin, sizeof geometry->origin);
+    for (int i = 0; i < 3; i++) {
+        geometry->bounds[0][i] = INFINITY;
+        geometry->bounds[1][i] = -INFINITY;
+    }
+    geometry->meshes = lf_calloc((size_t)n, sizeof *geometry->meshes);
+    if (!geometry->meshes)
+        goto fail;
+    int first_material = 0;
+    for (int i = 0; i < n; i++) {
+        grow_bounds(geometry->bounds, &data[i]);
+        if (take_mesh(geometry, &data[i], (unsigned)i, first_material) != LF_OK)
+            goto fail;
+        geometry->n_meshes++;
+        first_material += data[i].n_materials;
+    }
+    if (take_lists(geometry, data, n) != LF_OK)
+        goto fail;
+    status = build_bvh(geometry, err);
+    if (status != LF_OK)
+        goto fail;
+    *out_geometry = geometry;
+    return LF_OK;
+fail:
+    if (status == LF_E_NOMEM && !geometry->device)
+        lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
+    lf_geometry_unref(geometry);
+    return status;
+}

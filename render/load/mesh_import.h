@@ -1,0 +1,52 @@
+/* Meshes from files and simple shapes, in world coordinates; private to render/. */
+#ifndef LF_RENDER_MESH_IMPORT_H
+#define LF_RENDER_MESH_IMPORT_H
+
+#include "base/file.h"
+#include "render/load/scene_parse.h"
+#include "render/scene/geometry.h"
+
+#define LF_MAX_TRIANGLES 50000000
+#define LF_MESH_MAX_BYTES ((uint64_t)2 << 30)
+#define LF_MESH_MAX_FILES 64 /* files behind one mesh: material libraries, buffers */
+
+typedef struct lf_mesh_data {
+    const char *name; /* the scene's, borrowed */
+    int n_vertices, n_triangles;
+    /* triangles left out for a vertex that is not finite, or too far away */
+    int n_broken;
+    double *positions;   /* [n_vertices][3] world coordinates, finite */
+    float *normals;      /* [n_vertices][3] unit, world; NULL = flat shading */
+    uint32_t *triangles; /* [n_triangles][3] */
+    /* [n_triangles] index into materials; NULL when n_materials is 0 */
+    uint16_t *triangle_material;
+    int n_materials; /* the file's own; 0 for shapes and when desc names a material */
+    lf_material *materials;
+    int n_files;
+    lf_mesh_file files[LF_MESH_MAX_FILES];
+    lf_warnings warnings; /* what the file holds and the mesh lacks */
+} lf_mesh_data;
+
+/* Reads desc->file through Assimp (OBJ, PLY, STL, glTF, 3DS), every file it opens under roots (NULL
+ * = anywhere), applies the file's own node transforms and desc->transform. Triangles with vertices
+ * that are not finite or lie beyond LF_MAX_COORDINATE, and those without area, are dropped (of the
+ * former a warning); a mesh without triangles is an error. What the file holds and the mesh lacks
+ * is in out->warnings. folder is what relative names are relative to. Zeroed *out is filled;
+ * release with lf_mesh_data_finish in any case. Errors: LF_E_IO, LF_E_PATH, LF_E_FORMAT,
+ * LF_E_NOMEM. Thread: any; takes turns inside (Assimp keeps its last error in a global). */
+LF_NODISCARD lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder,
+                                      const lf_roots *roots, lf_mesh_data *out, lf_error *err);
+
+/* Refuses a PLY file whose header promises more elements than the file has room for. LF_E_FORMAT,
+ * and what lf_file_open gives. */
+LF_NODISCARD lf_status lf_ply_check(const char *path, const lf_roots *roots, lf_error *err);
+
+/* The shapes: quad = [-1,1]^2 in the xz plane facing +y, cube = [-1,1]^3, sphere = the unit ball in
+ * 128 x 64 facets with smooth normals. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out,
+                                          lf_error *err);
+
+/* Accepts zeroed structs; leaves them zeroed. */
+void lf_mesh_data_finish(lf_mesh_data *data);
+
+#endif

@@ -1,0 +1,557 @@
+#include "render/load/scene_commit.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "render/load/environment_load.h"
+#include "render/load/geometry_build.h"
+#include "render/load/mesh_doubles.h"
+#include "render/load/vdb_import.h"
+#include "render/scene/grid.h"
+#include "render/scene/vec_double.h"
+#include "render/transport/light_kind.h"
+#include "render/transport/surface.h"
+
+typedef struct commit {
+    lf_reader *reader;
+    const lf_node *root;
+    const lf_scene_desc *desc;
+    const lf_roots *roots;
+    const lf_scene *previous; /* may be NULL */
+    lf_scene *scene;
+} commit;
+
+/* Reports err at /section/name/member ("" = the thing itself). */
+static void fail_at(const commit *c, const char *section, const char *name, const char *member,
+                    const lf_error *err)
+{
+    lf_node parent = lf_node_child(c->root, section), node = lf_node_child(&parent, name),
+            leaf = lf_node_child(&node, member);
+    lf_read_fail_with(c->reader, member[0] ? &leaf : &node, err);
+}
+
+static void out_of_memory(const commit *c)
+{
+    if (c->reader->status == LF_OK)
+        c->reader->status =
+            lf_error_set(c->reader->err, LF_E_NOMEM, c->reader->where, "out of memory");
+}
+
+/* ----------------------------------------------------------------------------------- volumes -- */
+
+static lf_grid *find_grid(const lf_scene *scene, const char *key)
+{
+    for (int i = 0; scene && i < scene->n_volumes; i++) {
+        lf_grid *grid = scene->volumes[i].grid;
+        if (grid && strcmp(grid->key, key) == 0)
+            return lf_grid_ref(grid);
+    }
+    return NULL;
+}
+
+/* The grid behind an open file: from this scene or the one before when the key is the same, else
+ * read. */
+static lf_status share_or_import(const commit *c, int fd, const char *path, const char *name,
+                                 lf_grid **out_grid, lf_error *err)
+{
+    lf_status status = LF_OK;
+    char *key = lf_file_key(fd, path, name);
+    if (!key)
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    *out_grid = find_grid(c->scene, key);
+    if (!*out_grid)
+        *out_grid = find_grid(c->previous, key);
+    if (!*out_grid) {
+        status = lf_vdb_import(fd, path, name, out_grid, err);
+        if (status == LF_OK && lf_grid_set_key(*out_grid, key) != LF_OK) {
+            lf_grid_unref(*out_grid);
+            *out_grid = NULL;
+            status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+        }
+    }
+    lf_free(key);
+    return status;
+}
+
+static void load_grid(const commit *c, const lf_volume_desc *desc, lf_volume *volume)
+{
+    lf_error err = {0};
+    int fd = -1;
+    char *path = lf_path_join(c->scene->folder, desc->file);
+    if (!path) {
+        out_of_memory(c);
+        return;
+    }
+    lf_status status = lf_file_open(path, c->roots, LF_VDB_MAX_BYTES, &fd, NULL, &err);
+    if (status == LF_OK)
+        status = share_or_import(c, fd, path, desc->grid, &volume->grid, &err);
+    if (status != LF_OK)
+        fail_at(c, "volumes", desc->name, "file", &err);
+    else if (volume->grid->n_bricks == 0)
+        lf_warnings_add(&c->scene->warnings, path,
+                        "grid %s is empty: the volume \"%s\" is not there", desc->grid, desc->name);
+    if (fd >= 0)
+        close(fd);
+    lf_free(path);
+}
+
+/* Loads all grids; volumes get what does not depend on the scene's origin. */
+static void load_volumes(commit *c)
+{
+    lf_scene *scene = c->scene;
+    scene->volumes = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->volumes);
+    if (!scene->volumes)
+        out_of_memory(c);
+    for (int i = 0; i < c->desc->n_volumes && c->reader->status == LF_OK; i++) {
+        const lf_volume_desc *desc = &c->desc->volumes[i];
+        lf_volume *volume = &scene->volumes[scene->n_volumes++];
+        *volume = (lf_volume){.kind = desc->kind, .nearest = desc->nearest, .g = (float)desc->g};
+        volume->sigma_scale = (float)desc->scale;
+        volume->sigma_max = (float)desc->scale;
+        volume->albedo = lf_to_vec3(desc->albedo);
+        if (desc->kind != LF_VOLUME_GRID)
+            continue;
+        load_grid(c, desc, volume);
+        if (volume->grid)
+            volume->sigma_max = volume->sigma_scale * volume->grid->max_value;
+    }
+}
+
+/* Volume space -> world. */
+static lf_affine volume_to_world(const lf_volume *volume, const lf_volume_desc *desc)
+{
+    if (volume->kind != LF_VOLUME_GRID)
+        return desc->transform;
+    lf_affine local;
+    memcpy(local.m, volume->grid->local_to_file, sizeof local.m);
+    return lf_affine_compose(&desc->transform, &local);
+}
+
+/* The box in volume space outside of which there is nothing, the filter's footprint included. */
+static void volume_support(const lf_volume *volume, double lo[3], double hi[3])
+{
+    for (int i = 0; i < 3; i++) {
+        double margin = volume->nearest ? 0.5 : 1.0;
+        lo[i] = volume->grid ? -margin : -1.0;
+        hi[i] = volume->grid ? volume->grid->size[i] - 1 + margin : 1.0;
+    }
+}
+
+static bool is_there(const lf_volume *volume)
+{
+    return volume->sigma_max > 0.0f;
+}
+
+/* Extends bounds by a volume's support under a map: exactly for ellipsoids and boxes. */
+static void extend_by_volume(const lf_volume *volume, const lf_affine *map, double bounds[2][3])
+{
+    double lo[3], hi[3], middle[3], centre[3];
+    volume_support(volume, lo, hi);
+    for (int i = 0; i < 3; i++)
+        middle[i] = 0.5 * (lo[i] + hi[i]);
+    lf_affine_point(map, middle, centre);
+    for (int i = 0; i < 3; i++) {
+        double reach = 0;
+        for (int j = 0; j < 3; j++) {
+            double r = map->m[i][j] * 0.5 * (hi[j] - lo[j]);
+            reach += volume->kind == LF_VOLUME_SPHERE ? r * r : fabs(r);
+        }
+        reach = volume->kind == LF_VOLUME_SPHERE ? sqrt(reach) : reach;
+        bounds[0][i] = fmin(bounds[0][i], centre[i] - reach);
+        bounds[1][i] = fmax(bounds[1][i], centre[i] + reach);
+    }
+}
+
+static double shortest_edge(const lf_affine *map)
+{
+    double edge = INFINITY;
+    for (int j = 0; j < 3; j++)
+        edge = fmin(edge, sqrt(map->m[0][j] * map->m[0][j] + map->m[1][j] * map->m[1][j] +
+                               map->m[2][j] * map->m[2][j]));
+    return edge;
+}
+
+/* What slices resolve of a grid: the shortest edge of a voxel, down to a quarter of it where that
+ * is optically thick. (Between planes the density is linear along the ray, so that a voxel's own
+ * gradient is kept; what is rounded off are its kinks.) */
+static float slice_cell(const lf_volume *volume)
+{
+    double edge = (double)volume->voxel;
+    return (float)fmax(edge / 4.0, fmin(edge, 2.0 / fmax((double)volume->sigma_max, 1e-30)));
+}
+
+static void place_volume(const commit *c, lf_volume *volume, const lf_volume_desc *desc)
+{
+    lf_affine map = volume_to_world(volume, desc), inverse;
+    for (int i = 0; i < 3; i++)
+        map.m[i][3] -= c->scene->origin[i];
+    if (!lf_affine_invert(&map, &inverse)) {
+        lf_error err;
+        lf_error_set(&err, LF_E_FORMAT, desc->file ? desc->file : desc->name,
+                     "the grid's own map flattens space");
+        fail_at(c, "volumes", desc->name, "", &err);
+        return;
+    }
+    double bounds[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    extend_by_volume(volume, &map, bounds);
+    double largest = 0;
+    for (int i = 0; i < 3; i++) {
+        largest = fmax(largest, fmax(fabs(bounds[0][i]), fabs(bounds[1][i])));
+        for (int j = 0; j < 4; j++) {
+            volume->to_scene[i][j] = (float)map.m[i][j];
+            volume->to_volume[i][j] = (float)inverse.m[i][j];
+        }
+    }
+    /* Rounding of a point on its way into volume space must not leave the box. */
+    for (int i = 0; i < 3; i++) {
+        bounds[0][i] -= 1e-6 * largest;
+        bounds[1][i] += 1e-6 * largest;
+    }
+    volume->bounds_min = lf_to_vec3(bounds[0]);
+    volume->bounds_max = lf_to_vec3(bounds[1]);
+    if (volume->kind == LF_VOLUME_GRID) {
+        volume->voxel = (float)shortest_edge(&map);
+        volume->slice_cell = slice_cell(volume);
+    }
+}
+
+/* ------------------------------------------------------------------------------------ meshes -- */
+
+static void import_meshes(const commit *c, lf_mesh_data *data)
+{
+    for (int i = 0; i < c->desc->n_meshes && c->reader->status == LF_OK; i++) {
+        const lf_mesh_desc *desc = &c->desc->meshes[i];
+        lf_error err = {0};
+        data[i].name = desc->name;
+        lf_status status = desc->shape == LF_SHAPE_FILE
+                               ? lf_mesh_import(desc, c->scene->folder, c->roots, &data[i], &err)
+                               : lf_mesh_shape_make(desc, &data[i], &err);
+        if (status != LF_OK)
+            fail_at(c, "meshes", desc->name, desc->shape == LF_SHAPE_FILE ? "file" : "", &err);
+    }
+}
+
+static void extend_by_data(double bounds[2][3], const lf_mesh_data *data)
+{
+    for (size_t corner = 0; corner < 3 * (size_t)data->n_triangles; corner++) {
+        const double *p = data->positions + 3 * (size_t)data->triangles[corner];
+        for (int i = 0; i < 3; i++) {
+            bounds[0][i] = fmin(bounds[0][i], p[i]);
+            bounds[1][i] = fmax(bounds[1][i], p[i]);
+        }
+    }
+}
+
+/* See the top of render/scene/scene.h. */
+static void choose_origin(const double bounds[2][3], double origin[3])
+{
+    double side = 0;
+    for (int i = 0; i < 3; i++)
+        side = fmax(side, bounds[1][i] - bounds[0][i]);
+    double step = side > 0 ? exp2(ceil(log2(side))) : 0;
+    for (int i = 0; i < 3; i++) {
+        double middle = 0.5 * (bounds[0][i] + bounds[1][i]);
+        if (!(bounds[0][i] <= bounds[1][i]))
+            origin[i] = 0;
+        else
+            origin[i] = (step > 0 ? step * nearbyint(middle / step) : middle) + 0.0; /* no -0 */
+    }
+}
+
+/* The bounding box of what is in the scene; geometry (may be NULL) stands for the meshes, else
+ * data. */
+static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_mesh_data *data,
+                         double bounds[2][3])
+{
+    for (int i = 0; i < 3; i++) {
+        bounds[0][i] = INFINITY;
+        bounds[1][i] = -INFINITY;
+    }
+    for (int i = 0; i < c->scene->n_volumes; i++) {
+        lf_affine map = volume_to_world(&c->scene->volumes[i], &c->desc->volumes[i]);
+        if (is_there(&c->scene->volumes[i]))
+            extend_by_volume(&c->scene->volumes[i], &map, bounds);
+    }
+    for (int i = 0; i < c->desc->n_meshes && !geometry; i++)
+        extend_by_data(bounds, &data[i]);
+    for (int i = 0; i < 3 && geometry; i++) {
+        bounds[0][i] = fmin(bounds[0][i], geometry->bounds[0][i]);
+        bounds[1][i] = fmax(bounds[1][i], geometry->bounds[1][i]);
+    }
+}
+
+/* Makes scene->geometry for scene->origin from imported data. */
+static void build_geometry(const commit *c, lf_mesh_data *data, json_t *key)
+{
+    lf_error err = {0};
+    if (lf_mesh_drop_doubles(data, c->desc->n_meshes, c->scene->origin, c->scene->where) != LF_OK) {
+        out_of_memory(c);
+        return;
+    }
+    if (lf_geometry_build(data, c->desc->n_meshes, c->scene->origin, key, &c->scene->geometry,
+                          &err) != LF_OK) {
+        lf_node node = lf_node_child(c->root, "meshes");
+        lf_read_fail_with(c->reader, &node, &err);
+    }
+}
+
+/* Sets scene->origin and scene->geometry, sharing the geometry of the scene before when nothing of
+ * it changed. */
+static void load_meshes(commit *c)
+{
+    lf_scene *scene = c->scene;
+    lf_geometry *shared = NULL;
+    double bounds[2][3];
+    json_t *key = lf_geometry_key(scene->json, scene->folder);
+    lf_mesh_data *data = lf_calloc((size_t)c->desc->n_meshes, sizeof *data);
+    if (!key || !data) {
+        out_of_memory(c);
+        goto done;
+    }
+    if (c->previous && c->previous->geometry &&
+        lf_geometry_matches(c->previous->geometry, key, c->roots))
+        shared = c->previous->geometry;
+    if (!shared)
+        import_meshes(c, data);
+    if (c->reader->status != LF_OK)
+        goto done;
+    world_bounds(c, shared, data, bounds);
+    choose_origin((const double(*)[3])bounds, scene->origin);
+    if (shared && memcmp(shared->origin, scene->origin, sizeof scene->origin) == 0) {
+        scene->geometry = lf_geometry_ref(shared);
+        goto done;
+    }
+    if (shared)
+        import_meshes(c, data);
+    if (c->reader->status == LF_OK && c->desc->n_meshes > 0)
+        build_geometry(c, data, key);
+done:
+    for (int i = 0; data && i < c->desc->n_meshes; i++)
+        lf_mesh_data_finish(&data[i]);
+    lf_free(data);
+    json_decref(key);
+}
+
+/* Materials are the files' own, then the scene's: what the shared geometry numbers stays, whatever
+ * the scene adds. */
+static void place_meshes(commit *c)
+{
+    lf_scene *scene = c->scene;
+    const lf_geometry *geometry = scene->geometry;
+    int n_own = geometry ? geometry->n_materials : 0, n = n_own + c->desc->n_materials;
+    if (n > LF_MAX_MATERIALS) {
+        lf_node node = lf_node_child(c->root, "meshes");
+        lf_read_fail(c->reader, &node, "%d materials in all files; at most %d are possible", n,
+                     LF_MAX_MATERIALS);
+        return;
+    }
+    scene->materials = lf_calloc((size_t)n, sizeof *scene->materials);
+    scene->meshes = lf_calloc((size_t)c->desc->n_meshes, sizeof *scene->meshes);
+    if (!scene->materials || !scene->meshes) {
+        out_of_memory(c);
+        return;
+    }
+    scene->n_materials = n;
+    if (n_own)
+        memcpy(scene->materials, geometry->materials, (size_t)n_own * sizeof *scene->materials);
+    if (c->desc->n_materials)
+        memcpy(scene->materials + n_own, c->desc->materials,
+               (size_t)c->desc->n_materials * sizeof *scene->materials);
+    for (int i = n_own; i < n; i++)
+        lf_material_prepare(&scene->materials[i]);
+    for (int i = 0; geometry && i < geometry->n_meshes; i++) {
+        scene->meshes[i] = geometry->meshes[i];
+        scene->meshes[i].material =
+            (uint16_t)(c->desc->meshes[i].material < 0 ? 0 : n_own + c->desc->meshes[i].material);
+        scene->n_meshes++;
+    }
+    scene->embree = geometry ? geometry->embree : NULL;
+    scene->offset = geometry ? geometry->offset : 0.0f;
+}
+
+/* ------------------------------------------------------------------------------------ lights -- */
+
+/* The picture of the sky that a light's file key names, if there is one. */
+static void load_environment(const commit *c, const lf_light_desc *desc, lf_light *light)
+{
+    for (int i = 0; desc->kind->keys[i].name; i++) {
+        const char *file = desc->values[i].text;
+        lf_error err = {0};
+        if (desc->kind->keys[i].type != LF_KEY_FILE || !file)
+            continue;
+        char *path = lf_path_join(c->scene->folder, file);
+        if (!path)
+            out_of_memory(c);
+        else if (lf_environment_load(path, c->roots, c->previous, &light->environment, &err) !=
+                 LF_OK)
+            fail_at(c, "lights", desc->name, desc->kind->keys[i].name, &err);
+        lf_free(path);
+    }
+}
+
+static void load_lights(commit *c)
+{
+    lf_scene *scene = c->scene;
+    scene->lights = lf_calloc((size_t)c->desc->n_lights, sizeof *scene->lights);
+    if (!scene->lights)
+        out_of_memory(c);
+    for (int i = 0; i < c->desc->n_lights && c->reader->status == LF_OK; i++) {
+        const lf_light_desc *desc = &c->desc->lights[i];
+        lf_light *light = &scene->lights[scene->n_lights++];
+        light->kind = desc->kind;
+        load_environment(c, desc, light);
+        desc->kind->read(desc->values, scene->origin, light);
+    }
+}
+
+/* ------------------------------------------------------------------------------------- scene -- */
+
+static void set_bounds(const commit *c)
+{
+    double bounds[2][3];
+    lf_scene *scene = c->scene;
+    world_bounds(c, scene->geometry, NULL, bounds);
+    for (int i = 0; i < 3; i++) {
+        bounds[0][i] -= scene->origin[i];
+        bounds[1][i] -= scene->origin[i];
+    }
+    scene->bounds.min = lf_to_vec3(bounds[0]);
+    scene->bounds.max = lf_to_vec3(bounds[1]);
+}
+
+static void mark_used(const lf_mesh *mesh, bool *used)
+{
+    if (!mesh->triangle_material) {
+        used[mesh->material] |= mesh->n_triangles > 0;
+        return;
+    }
+    for (int t = 0; t < mesh->n_triangles; t++)
+        used[mesh->triangle_material[t]] = true;
+}
+
+/* Materials that nothing is made of do not count. */
+static void set_flags(lf_scene *scene)
+{
+    bool used[LF_MAX_MATERIALS] = {false};
+    for (int i = 0; i < scene->n_meshes; i++)
+        mark_used(&scene->meshes[i], used);
+    for (int m = 0; m < scene->n_materials; m++) {
+        const lf_material *material = &scene->materials[m];
+        scene->has_delta |= used[m] && material->has_delta;
+        scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
+        scene->has_view_lobes |= used[m] && material->kind->view_dependent;
+    }
+    for (int i = 0; i < scene->n_volumes; i++)
+        scene->has_view_lobes |= scene->volumes[i].g != 0.0f;
+}
+
+/* Meshes that glow are lights too, since lf_lights_commit. */
+static bool is_unlit(const lf_scene *scene)
+{
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *light = &scene->lights[i];
+        if (lf_max3(light->radiance) > 0.0f || light->kind->power(light, 1.0) > 0.0)
+            return false;
+    }
+    return true;
+}
+
+/* name: `length` bytes. A plain name means the first grid of that name. */
+static bool is_grid_used(const lf_scene_desc *desc, const char *file, const char *name,
+                         size_t length)
+{
+    for (int i = 0; i < desc->n_volumes; i++) {
+        const lf_volume_desc *v = &desc->volumes[i];
+        size_t n = v->file && strcmp(v->file, file) == 0 ? strlen(v->grid) : SIZE_MAX;
+        bool first = n + 3 == length && strncmp(name + n, "[0]", 3) == 0;
+        if ((n == length || first) && strncmp(v->grid, name, n) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* The grids of a volume's file that no volume is made of. */
+static void warn_of_grids(const commit *c, const lf_grid *grid, const char *file)
+{
+    char unused[256] = "";
+    for (const char *name = grid->others; name && *name; name = strchr(name, '\n') + 1) {
+        size_t length = strcspn(name, "\n"), at = strlen(unused);
+        if (!is_grid_used(c->desc, file, name, length))
+            snprintf(unused + at, sizeof unused - at, "%s%.*s", at ? ", " : "", (int)length, name);
+    }
+    if (unused[0])
+        lf_warnings_add(&c->scene->warnings, file, "grids that no volume is made of: %s", unused);
+}
+
+static bool is_lamp(const lf_scene *scene, int mesh)
+{
+    bool found = false;
+    for (int i = 0; i < scene->n_lights; i++)
+        found = found || (scene->lights[i].kind == &lf_light_mesh && scene->lights[i].mesh == mesh);
+    return found;
+}
+
+static void find_overlaps(const commit *c)
+{
+    lf_scene *scene = c->scene;
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *light = &scene->lights[i];
+        int mesh = light->mesh,
+            other = light->kind == &lf_light_mesh ? lf_mesh_light_overlaps(scene, light) : -1;
+        if (other < 0)
+            continue;
+        scene->has_overlaps = true;
+        /* Two lamps find each other: one line, whose words are the same for both. */
+        bool second = other < mesh && is_lamp(scene, other);
+        lf_warnings_add(&scene->warnings, scene->where,
+                        "mesh \"%s\": its lamp stands in one place with faces of \"%s\": which of "
+                        "them is seen there is a matter of rounding",
+                        c->desc->meshes[second ? other : mesh].name,
+                        c->desc->meshes[second ? mesh : other].name);
+    }
+}
+
+/* What parts that may be shared with other scenes know, and what only the whole does. */
+static void collect_warnings(const commit *c)
+{
+    lf_scene *scene = c->scene;
+    lf_warnings_add_all(&scene->warnings, &c->desc->warnings);
+    for (int i = 0; i < scene->n_volumes; i++)
+        if (scene->volumes[i].grid && c->desc->volumes[i].file)
+            warn_of_grids(c, scene->volumes[i].grid, c->desc->volumes[i].file);
+    if (scene->geometry)
+        lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
+    if (is_unlit(scene))
+        lf_warnings_add(
+            &scene->warnings, scene->where,
+            "no light shines here: the picture will be black (see lights in docs/scene.md)");
+}
+
+void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc *desc,
+                     const lf_roots *roots, const lf_scene *previous, lf_scene *scene)
+{
+    commit c = {reader, root, desc, roots, previous, scene};
+    scene->camera = desc->camera;
+    scene->film = desc->film;
+    scene->max_depth = desc->max_depth;
+    load_volumes(&c);
+    if (reader->status == LF_OK)
+        load_meshes(&c);
+    if (reader->status != LF_OK)
+        return;
+    for (int i = 0; i < scene->n_volumes; i++)
+        place_volume(&c, &scene->volumes[i], &desc->volumes[i]);
+    place_meshes(&c);
+    set_bounds(&c);
+    load_lights(&c);
+    if (reader->status != LF_OK)
+        return;
+    set_flags(scene);
+    reader->status = lf_lights_commit(scene, reader->err);
+    if (reader->status != LF_OK)
+        return;
+    find_overlaps(&c);
+    collect_warnings(&c);
+}

@@ -1,0 +1,438 @@
+#include "render/load/scene_parse.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "render/load/member_read.h"
+#include "render/load/param_read.h"
+#include "render/scene/vec_double.h"
+#include "render/transport/surface.h"
+
+/* --------------------------------------------------------------------------------- transform -- */
+
+/* Sine and cosine of an angle in degrees, exact at quarter turns. */
+static void sincos_degrees(double degrees, double *s, double *c)
+{
+    double turned = remainder(degrees, 360.0);
+    double quarter = nearbyint(turned / 90.0);
+    double rest = LF_RADIANS(turned - 90.0 * quarter);
+    double sine = sin(rest), cosine = cos(rest);
+    switch ((int)quarter & 3) {
+    case 0:
+        *s = sine, *c = cosine;
+        break;
+    case 1:
+        *s = cosine, *c = -sine;
+        break;
+    case 2:
+        *s = -sine, *c = -cosine;
+        break;
+    default:
+        *s = -cosine, *c = sine;
+        break;
+    }
+}
+
+static lf_affine rotation(int axis, double degrees)
+{
+    double s, c;
+    sincos_degrees(degrees, &s, &c);
+    int i = (axis + 1) % 3, j = (axis + 2) % 3;
+    lf_affine a = lf_affine_identity();
+    a.m[i][i] = c;
+    a.m[i][j] = -s;
+    a.m[j][i] = s;
+    a.m[j][j] = c;
+    return a;
+}
+
+static lf_affine parse_steps(lf_reader *reader, const lf_node *node)
+{
+    double scale[3] = {1, 1, 1}, rotate[3] = {0, 0, 0}, translate[3] = {0, 0, 0};
+    lf_read_colour(reader, node, "scale", scale, -LF_MAX_COORDINATE, LF_MAX_COORDINATE);
+    lf_read_numbers(reader, node, "rotate", 3, rotate, -3600, 3600);
+    lf_read_numbers(reader, node, "translate", 3, translate, -LF_MAX_COORDINATE, LF_MAX_COORDINATE);
+    lf_affine a = lf_affine_identity();
+    for (int i = 0; i < 3; i++)
+        a.m[i][i] = scale[i];
+    for (int axis = 0; axis < 3; axis++) {
+        lf_affine r = rotation(axis, rotate[axis]);
+        a = lf_affine_compose(&r, &a);
+    }
+    for (int i = 0; i < 3; i++)
+        a.m[i][3] = translate[i];
+    return a;
+}
+
+static lf_affine parse_matrix(lf_reader *reader, const lf_node *node)
+{
+    lf_affine a = lf_affine_identity();
+    lf_node matrix = lf_node_child(node, "matrix");
+    if (json_object_size(node->value) != 1) {
+        lf_read_fail(reader, &matrix,
+                     "a matrix stands alone: no scale, rotate or translate beside it");
+        return a;
+    }
+    if (!json_is_array(matrix.value) || json_array_size(matrix.value) != 16) {
+        lf_read_fail(reader, &matrix, "expected 16 numbers: a 4x4 matrix, row by row");
+        return a;
+    }
+    double m[16];
+    if (!lf_read_numbers(reader, node, "matrix", 16, m, -LF_MAX_COORDINATE, LF_MAX_COORDINATE))
+        return a;
+    if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
+        lf_read_fail(reader, &matrix,
+                     "the last row must be 0 0 0 1: projections are not supported");
+    memcpy(a.m, m, sizeof a.m);
+    return a;
+}
+
+static lf_affine parse_transform(lf_reader *reader, const lf_node *parent)
+{
+    static const char *const keys[] = {"scale", "rotate", "translate", "matrix", NULL};
+    lf_node node = lf_node_child(parent, "transform");
+    if (!lf_read_object(reader, &node, keys))
+        return lf_affine_identity();
+    lf_affine a = json_object_get(node.value, "matrix") ? parse_matrix(reader, &node)
+                                                        : parse_steps(reader, &node);
+    lf_affine inverse;
+    if (reader->status == LF_OK && !lf_affine_invert(&a, &inverse))
+        lf_read_fail(reader, &node, "the transform flattens space: it cannot be inverted");
+    return a;
+}
+
+/* ------------------------------------------------------------------------------------ camera -- */
+
+/* The rig needs a view axis and an up vector that is not along it. */
+static void check_camera(lf_reader *reader, const lf_node *node, lf_camera *camera)
+{
+    double view[3], cross[3];
+    const double *up = camera->up;
+    lf_sub_double(camera->target, camera->position, view);
+    double distance = lf_length_double(view);
+    lf_node position = lf_node_child(node, "position"), up_node = lf_node_child(node, "up");
+    if (!(distance > 0)) {
+        lf_read_fail(reader, &position, "the camera stands on its target");
+        return;
+    }
+    lf_cross_double(view, up, cross);
+    if (!(lf_length_double(cross) > 1e-6 * distance * lf_length_double(up)))
+        lf_read_fail(reader, &up_node, "up is zero or along the line of sight");
+    if (!lf_node_child(node, "focus_distance").value)
+        camera->focus_distance = distance;
+}
+
+static void parse_camera(lf_reader *reader, const lf_node *root, lf_camera *camera)
+{
+    const lf_node node = lf_node_child(root, "camera");
+    *camera = (lf_camera){0};
+    lf_read_params(reader, &node, lf_camera_params, camera);
+    camera->has_aspect = lf_node_child(&node, "aspect").value;
+    camera->has_views = lf_node_child(&node, "views").value;
+    camera->has_cone = lf_node_child(&node, "cone").value;
+    if (reader->status == LF_OK)
+        check_camera(reader, &node, camera);
+}
+
+static void parse_film(lf_reader *reader, const lf_node *root, lf_film_settings *film)
+{
+    static const char *const keys[] = {"exposure", "tonemap", NULL};
+    static const char *const tonemaps[] = {"srgb", "filmic", NULL};
+    lf_node node = lf_node_child(root, "film");
+    lf_read_object(reader, &node, keys);
+    film->exposure = lf_read_number(reader, &node, "exposure", 0, -32, 32);
+    snprintf(film->tonemap, sizeof film->tonemap, "%s",
+             tonemaps[lf_read_choice(reader, &node, "tonemap", tonemaps, 0)]);
+}
+
+static int parse_render(lf_reader *reader, const lf_node *root)
+{
+    static const char *const keys[] = {"max_depth", NULL};
+    lf_node node = lf_node_child(root, "render");
+    lf_read_object(reader, &node, keys);
+    return lf_read_int(reader, &node, "max_depth", 0, 1, 65536);
+}
+
+/* ----------------------------------------------------------------------- things kept by name -- */
+
+/* Reads one member of a section into the slot with this number. */
+typedef void (*parse_member_fn)(lf_reader *reader, const lf_node *node, lf_scene_desc *desc,
+                                int index);
+
+/* Checks a section and its names; the number of members, 0 when absent or wrong. */
+static int count_members(lf_reader *reader, const lf_node *section, int max)
+{
+    if (reader->status != LF_OK || !section->value)
+        return 0;
+    if (!json_is_object(section->value)) {
+        lf_read_fail(reader, section, "expected an object of things by name");
+        return 0;
+    }
+    if (json_object_size(section->value) > (size_t)max) {
+        lf_read_fail(reader, section, "%zu members; at most %d are allowed",
+                     json_object_size(section->value), max);
+        return 0;
+    }
+    return (int)json_object_size(section->value);
+}
+
+/* Zeroed room for the members of a section; NULL and reader->status when there is no memory. */
+static void *allocate_section(lf_reader *reader, const lf_node *root, const char *name, int max,
+                              size_t item_size, int *out_n)
+{
+    lf_node section = lf_node_child(root, name);
+    *out_n = count_members(reader, &section, max);
+    void *items = lf_calloc((size_t)*out_n, item_size);
+    if (!items && reader->status == LF_OK)
+        reader->status = lf_error_set(reader->err, LF_E_NOMEM, reader->where, "out of memory");
+    return items;
+}
+
+/* Runs parse over the members of a section, in the order of the file. */
+static void parse_members(lf_reader *reader, const lf_node *root, const char *name,
+                          parse_member_fn parse, lf_scene_desc *desc)
+{
+    lf_node section = lf_node_child(root, name);
+    const char *key;
+    json_t *value;
+    int index = 0;
+    json_object_foreach(section.value, key, value)
+    {
+        lf_node member = lf_node_child(&section, key);
+        if (reader->status != LF_OK)
+            return;
+        if (strlen(key) > LF_MAX_NAME || key[0] == '\0')
+            lf_read_fail(reader, &member, "a name has 1 to %d bytes", LF_MAX_NAME);
+        else
+            parse(reader, &member, desc, index++);
+    }
+}
+
+/* ----------------------------------------------------------------------------------- volumes -- */
+
+static void parse_grid(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
+{
+    static const char *const keys[] = {"file", "grid",          "scale",     "albedo",
+                                       "g",    "interpolation", "transform", NULL};
+    static const char *const endings[] = {"vdb", NULL};
+    static const char *const filters[] = {"linear", "nearest", NULL};
+    lf_read_object(reader, node, keys);
+    volume->kind = LF_VOLUME_GRID;
+    volume->file = lf_read_file(reader, node, "file", endings);
+    volume->grid = lf_read_string(reader, node, "grid", "density", 256);
+    volume->nearest = lf_read_choice(reader, node, "interpolation", filters, 0) == 1;
+    volume->scale = lf_read_number(reader, node, "scale", 1, 0, 1e9);
+}
+
+static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
+{
+    static const char *const keys[] = {"shape", "density", "albedo", "g", "transform", NULL};
+    static const char *const shapes[] = {"sphere", "box", NULL};
+    lf_read_object(reader, node, keys);
+    volume->kind =
+        lf_read_choice(reader, node, "shape", shapes, 0) == 1 ? LF_VOLUME_BOX : LF_VOLUME_SPHERE;
+    volume->scale = lf_read_number(reader, node, "density", 1, 0, 1e9);
+}
+
+static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
+{
+    static const char *const keys[] = {"file",          "grid",  "scale",     "albedo",  "g",
+                                       "interpolation", "shape", "transform", "density", NULL};
+    lf_volume_desc *volume = &desc->volumes[index];
+    *volume = (lf_volume_desc){.name = node->key, .albedo = {1, 1, 1}};
+    if (!lf_read_object(reader, node, keys))
+        return;
+    if (lf_read_either(reader, node, "file", "shape"))
+        parse_grid(reader, node, volume);
+    else
+        parse_shape(reader, node, volume);
+    lf_read_colour(reader, node, "albedo", volume->albedo, 0, 1);
+    volume->g = lf_read_number(reader, node, "g", 0, -0.999, 0.999);
+    volume->transform = parse_transform(reader, node);
+}
+
+/* ---------------------------------------------------------------------- materials and meshes -- */
+
+/* What all kinds of surfaces may say. */
+static const lf_key emission_key = {"emission", LF_KEY_COLOUR, .hi = LF_MAX_RADIANCE};
+
+static bool has_key(const lf_surface_kind *kind, const char *name)
+{
+    int i = 0;
+    while (kind->keys[i].name && strcmp(kind->keys[i].name, name) != 0)
+        i++;
+    return kind->keys[i].name;
+}
+
+/* Whether a kind before the i-th has the key too. */
+static bool is_repeated(const lf_key *key, int i)
+{
+    bool found = false;
+    while (i-- > 0)
+        found = found || has_key(lf_surface_kinds[i], key->name);
+    return found;
+}
+
+/* Refuses keys that no kind of surface has. */
+static void check_material_keys(lf_reader *reader, const lf_node *node)
+{
+    const char *names[LF_MAX_KINDS * LF_MAX_KEYS + 3] = {"type"};
+    int n = 1;
+    for (int i = 0; lf_surface_kinds[i]; i++)
+        for (const lf_key *key = lf_surface_kinds[i]->keys; key->name; key++)
+            if (!is_repeated(key, i))
+                names[n++] = key->name;
+    names[n++] = emission_key.name;
+    names[n] = NULL;
+    lf_read_object(reader, node, names);
+}
+
+/* Keys of other kinds of surfaces. A patch of the type alone leaves such words behind: most are no
+ * errors. */
+static void check_others(lf_reader *reader, const lf_node *node, const lf_surface_kind *kind,
+                         lf_warnings *warnings)
+{
+    for (int i = 0; lf_surface_kinds[i]; i++)
+        for (const lf_key *key = lf_surface_kinds[i]->keys; key->name; key++) {
+            lf_node at = lf_node_child(node, key->name);
+            lf_value value;
+            if (!at.value || has_key(kind, key->name) || is_repeated(key, i))
+                continue;
+            if (key->exclusive)
+                lf_read_fail(reader, &at, "only %ss have %s", lf_surface_kinds[i]->name, key->name);
+            lf_read_value(reader, node, key, &value);
+            lf_warnings_add(warnings, reader->where, "material \"%s\": %s has no effect, %s",
+                            node->key, key->name, kind->lacks);
+        }
+}
+
+static void parse_material(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
+{
+    lf_material *material = &desc->materials[index];
+    const char *types[LF_MAX_KINDS + 1] = {NULL};
+    lf_value values[LF_MAX_KEYS], emission;
+    for (int i = 0; lf_surface_kinds[i]; i++)
+        types[i] = lf_surface_kinds[i]->name;
+    check_material_keys(reader, node);
+    const lf_surface_kind *kind = lf_surface_kinds[lf_read_type(reader, node, types, 0)];
+    for (int i = 0; kind->keys[i].name; i++)
+        lf_read_value(reader, node, &kind->keys[i], &values[i]);
+    lf_read_value(reader, node, &emission_key, &emission);
+    check_others(reader, node, kind, &desc->warnings);
+    int wrong = 0;
+    const char *complaint = kind->check ? kind->check(values, &wrong) : NULL;
+    lf_node at = lf_node_child(node, kind->keys[wrong].name);
+    if (complaint)
+        lf_read_fail(reader, &at, "%s", complaint);
+    material->kind = kind;
+    material->emission = lf_to_vec3(emission.number);
+    kind->read(values, material);
+}
+
+/* The number of the material that a mesh names. */
+static int find_material(lf_reader *reader, const lf_node *node, const char *name)
+{
+    const lf_node *root = node->parent->parent;
+    const char *names[LF_MAX_MATERIALS + 1], *key;
+    json_t *value;
+    int n = 0, found = -1;
+    json_object_foreach(json_object_get(root->value, "materials"), key, value)
+    {
+        if (strcmp(key, name) == 0)
+            found = n;
+        names[n++] = key;
+    }
+    names[n] = NULL;
+    lf_node at = lf_node_child(node, "material");
+    const char *meant = lf_nearest_name(name, names);
+    if (found < 0 && meant)
+        lf_read_fail(reader, &at, "no material \"%s\"; did you mean \"%s\"?", name, meant);
+    else if (found < 0)
+        lf_read_fail(reader, &at, "no material \"%s\" in materials", name);
+    return found;
+}
+
+static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
+{
+    static const char *const keys[] = {"file", "shape", "material", "normals", "transform", NULL};
+    static const char *const endings[] = {"obj", "ply", "stl", "gltf", "glb", "3ds", NULL};
+    static const char *const shapes[] = {"quad", "cube", "sphere", NULL};
+    static const char *const normals[] = {"file", "smooth", "flat", NULL};
+    lf_mesh_desc *mesh = &desc->meshes[index];
+    *mesh = (lf_mesh_desc){.name = node->key, .material = -1};
+    if (!lf_read_object(reader, node, keys))
+        return;
+    if (lf_read_either(reader, node, "file", "shape"))
+        mesh->file = lf_read_file(reader, node, "file", endings);
+    else
+        mesh->shape =
+            LF_SHAPE_QUAD + (lf_mesh_shape)lf_read_choice(reader, node, "shape", shapes, 0);
+    mesh->normals = (lf_normals)lf_read_choice(reader, node, "normals", normals, LF_NORMALS_FILE);
+    mesh->transform = parse_transform(reader, node);
+    const char *material = lf_read_string(reader, node, "material", NULL, LF_MAX_NAME);
+    if (material)
+        mesh->material = find_material(reader, node, material);
+}
+
+/* ------------------------------------------------------------------------------------ lights -- */
+
+static void parse_light(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
+{
+    lf_light_desc *light = &desc->lights[index];
+    const char *types[LF_MAX_KINDS + 1];
+    const lf_light_kind *kinds[LF_MAX_KINDS];
+    int n = 0;
+    for (int i = 0; lf_light_kinds[i]; i++) {
+        if (!lf_light_kinds[i]->keys)
+            continue;
+        kinds[n] = lf_light_kinds[i];
+        types[n++] = lf_light_kinds[i]->name;
+    }
+    types[n] = NULL;
+    light->name = node->key;
+    light->kind = kinds[lf_read_type(reader, node, types, -1)];
+    lf_read_values(reader, node, light->kind->keys, light->values);
+}
+
+/* ------------------------------------------------------------------------------------- scene -- */
+
+void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
+{
+    static const char *const keys[] = {"quiltd",    "camera",  "volumes", "meshes",
+                                       "materials", "lights",  "film",    "render",
+                                       "comment",   "$schema", NULL};
+    *out = (lf_scene_desc){0};
+    if (!lf_read_object(reader, root, keys)) {
+        lf_read_fail(reader, root, "a scene is a JSON object");
+        return;
+    }
+    lf_read_int(reader, root, "quiltd", 1, 1, 1);
+    lf_read_string(reader, root, "comment", NULL, 65536);
+    lf_read_string(reader, root, "$schema", NULL, 4096);
+    parse_camera(reader, root, &out->camera);
+    parse_film(reader, root, &out->film);
+    out->max_depth = parse_render(reader, root);
+    out->volumes = allocate_section(reader, root, "volumes", LF_MAX_VOLUMES, sizeof *out->volumes,
+                                    &out->n_volumes);
+    out->materials = allocate_section(reader, root, "materials", LF_MAX_MATERIALS,
+                                      sizeof *out->materials, &out->n_materials);
+    out->meshes = allocate_section(reader, root, "meshes", LF_MAX_MESHES, sizeof *out->meshes,
+                                   &out->n_meshes);
+    out->lights = allocate_section(reader, root, "lights", LF_MAX_LIGHTS, sizeof *out->lights,
+                                   &out->n_lights);
+    parse_members(reader, root, "volumes", parse_volume, out);
+    parse_members(reader, root, "materials", parse_material, out);
+    parse_members(reader, root, "meshes", parse_mesh, out);
+    parse_members(reader, root, "lights", parse_light, out);
+}
+
+void lf_scene_desc_finish(lf_scene_desc *desc)
+{
+    lf_free(desc->volumes);
+    lf_free(desc->materials);
+    lf_free(desc->meshes);
+    lf_free(desc->lights);
+    lf_warnings_finish(&desc->warnings);
+    *desc = (lf_scene_desc){0};
+}

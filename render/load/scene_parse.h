@@ -1,0 +1,68 @@
+/* What a scene file says, before anything is loaded; private to render/. Angles are radians,
+ * lengths and directions as in the file (world coordinates). Strings are borrowed from the JSON
+ * document. docs/scene.md is the manual. */
+#ifndef LF_RENDER_SCENE_PARSE_H
+#define LF_RENDER_SCENE_PARSE_H
+
+#include "render/load/json_reader.h"
+#include "render/scene/affine.h"
+#include "render/scene/scene.h"
+#include "render/scene/warnings.h"
+#include "render/transport/light_kind.h"
+
+#define LF_MAX_MESHES 1024
+#define LF_MAX_MATERIALS 4096
+#define LF_MAX_LIGHTS 256
+#define LF_MAX_NAME 128
+
+typedef struct lf_volume_desc {
+    const char *name;
+    lf_volume_kind kind;
+    const char *file, *grid; /* LF_VOLUME_GRID only */
+    bool nearest;
+    double scale; /* sigma_t per scene unit and unit of value */
+    double albedo[3], g;
+    lf_affine transform;
+} lf_volume_desc;
+
+typedef enum lf_mesh_shape {
+    LF_SHAPE_FILE,
+    LF_SHAPE_QUAD,
+    LF_SHAPE_CUBE,
+    LF_SHAPE_SPHERE
+} lf_mesh_shape;
+typedef enum lf_normals { LF_NORMALS_FILE, LF_NORMALS_SMOOTH, LF_NORMALS_FLAT } lf_normals;
+
+typedef struct lf_mesh_desc {
+    const char *name;
+    lf_mesh_shape shape;
+    const char *file; /* LF_SHAPE_FILE only */
+    int material;     /* index into materials; -1 = the file's own */
+    lf_normals normals;
+    lf_affine transform;
+} lf_mesh_desc;
+
+typedef struct lf_light_desc {
+    const char *name;
+    const lf_light_kind *kind; /* one with keys */
+    lf_value values[LF_MAX_KEYS];
+} lf_light_desc;
+
+typedef struct lf_scene_desc {
+    lf_camera camera;
+    lf_film_settings film;
+    int max_depth; /* 0 = not stated */
+    int n_volumes, n_meshes, n_materials, n_lights;
+    lf_volume_desc *volumes;
+    lf_mesh_desc *meshes;
+    lf_material *materials;
+    lf_light_desc *lights;
+    lf_warnings warnings; /* of what it says without effect */
+} lf_scene_desc;
+
+/* Fills *out from the root of a document; reader->status says how it went. Release with
+ * lf_scene_desc_finish in any case. */
+void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out);
+void lf_scene_desc_finish(lf_scene_desc *desc);
+
+#endif

@@ -1,0 +1,259 @@
+#include "render/load/vdb_import.h"
+
+/* OpenVDB's templates keep state in static members that this program and the library must share;
+ * hidden, they would be two, and openvdb::initialize would dereference the one that nobody filled.
+ */
+#pragma GCC visibility push(default)
+#include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/LevelSetUtil.h>
+#pragma GCC visibility pop
+
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+extern "C" {
+#include "base/log.h"
+}
+
+namespace
+{
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+
+/* What all steps need to know, and where they report. */
+struct Import {
+    const char *path, *name;
+    lf_error *err;
+    lf_grid *grid = nullptr;
+
+    ~Import()
+    {
+        lf_grid_unref(grid);
+    }
+
+    lf_status fail(lf_status status, const std::string &what) const
+    {
+        return lf_error_set(err, status, path, "%s", what.c_str());
+    }
+
+    /* What building the bricks said, about this file. */
+    lf_status fail(const lf_error &inner) const
+    {
+        return fail(inner.status, std::string("grid ") + name + ": " + inner.what);
+    }
+};
+
+struct Box {
+    int first[3], last[3];
+};
+
+Box to_box(const CoordBBox &bbox, const Coord &origin)
+{
+    Box box;
+    for (int i = 0; i < 3; i++) {
+        box.first[i] = bbox.min()[i] - origin[i];
+        box.last[i] = bbox.max()[i] - origin[i];
+    }
+    return box;
+}
+
+/* "density (float), velocity (vec3s)" */
+std::string list_grids(openvdb::io::File &file)
+{
+    std::string list;
+    for (auto name = file.beginName(); name != file.endName(); ++name) {
+        auto grid = file.readGridMetadata(name.gridName());
+        if (list.size() > 300)
+            return list + ", …";
+        list += (list.empty() ? "" : ", ") + openvdb::Name(name.gridName()) + " (" +
+                grid->valueType() + ")";
+    }
+    return list.empty() ? "no grids at all" : list;
+}
+
+/* The unique name in the file of the grid that is meant, or "". A plain name means the first of
+ * that name. */
+std::string find_grid(openvdb::io::File &file, const std::string &wanted)
+{
+    std::string first = wanted + "[0]";
+    for (auto name = file.beginName(); name != file.endName(); ++name)
+        if (name.gridName() == wanted || name.gridName() == first)
+            return name.gridName();
+    return "";
+}
+
+/* All but one, each with a newline behind it; not without end. */
+std::string other_grids(openvdb::io::File &file, const std::string &unique)
+{
+    std::string list;
+    for (auto name = file.beginName(); name != file.endName() && list.size() < 2048; ++name)
+        if (name.gridName() != unique)
+            list += openvdb::Name(name.gridName()) + "\n";
+    return list;
+}
+
+template <typename Tree>
+bool check_values(const Import &import, const Tree &tree, lf_status *out_status)
+{
+    for (auto value = tree.cbeginValueOn(); value; ++value) {
+        double v = double(*value);
+        if (v >= 0 && std::isfinite(float(v)))
+            continue;
+        Coord at = value.getCoord();
+        char what[256];
+        std::snprintf(what, sizeof what,
+                      "grid %s holds %g at voxel %d %d %d; densities are finite and not negative",
+                      import.name, v, at.x(), at.y(), at.z());
+        *out_status = import.fail(LF_E_FORMAT, what);
+        return false;
+    }
+    return true;
+}
+
+/* Box of everything above 0, tiles included. */
+template <typename Tree> CoordBBox support(const Tree &tree)
+{
+    CoordBBox all;
+    for (auto value = tree.cbeginValueOn(); value; ++value) {
+        if (!(*value > 0))
+            continue;
+        CoordBBox box;
+        value.getBoundingBox(box);
+        all.expand(box);
+    }
+    return all;
+}
+
+/* Row-major 3x4 of the grid's own map behind a shift by the voxel at our index 0. */
+bool affine_map(const openvdb::GridBase &grid, const Coord &origin, double out[12])
+{
+    if (!grid.transform().isLinear())
+        return false;
+    /* row vectors: x' = x m */
+    openvdb::Mat4R m = grid.transform().baseMap()->getAffineMap()->getMat4();
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++)
+            out[4 * i + j] = m(j, i);
+        out[4 * i + 3] =
+            m(3, i) + m(0, i) * origin.x() + m(1, i) * origin.y() + m(2, i) * origin.z();
+    }
+    return true;
+}
+
+template <typename Tree> lf_status fill(Import &import, const Tree &tree, const Coord &origin)
+{
+    for (auto value = tree.cbeginValueOn(); value; ++value) {
+        CoordBBox bbox;
+        value.getBoundingBox(bbox);
+        Box box = to_box(bbox, origin);
+        if (*value > 0)
+            lf_grid_mark(import.grid, box.first, box.last);
+    }
+    lf_error problem;
+    if (lf_grid_allocate(import.grid, &problem) != LF_OK)
+        return import.fail(problem);
+    for (auto value = tree.cbeginValueOn(); value; ++value) {
+        CoordBBox bbox;
+        value.getBoundingBox(bbox);
+        Box box = to_box(bbox, origin);
+        if (*value > 0)
+            lf_grid_fill(import.grid, box.first, box.last, float(*value));
+    }
+    lf_grid_finish(import.grid);
+    return LF_OK;
+}
+
+template <typename Grid> lf_status convert(Import &import, const Grid &grid)
+{
+    lf_status status = LF_OK;
+    if (!check_values(import, grid.tree(), &status))
+        return status;
+    CoordBBox box = support(grid.tree());
+    /* Big active tiles cost nothing in the file; find out before anything is made of them. */
+    if (grid.activeVoxelCount() > LF_GRID_MAX_BYTES / sizeof(float))
+        return import.fail(LF_E_NOMEM, std::string("grid ") + import.name + " has " +
+                                           std::to_string(grid.activeVoxelCount()) +
+                                           " active voxels: more than fit in " +
+                                           std::to_string(LF_GRID_MAX_BYTES >> 30) + " GiB");
+    if (box.empty())
+        box = CoordBBox(Coord(0), Coord(0));
+    double local_to_file[12];
+    if (!affine_map(grid, box.min(), local_to_file))
+        return import.fail(LF_E_FORMAT, std::string("grid ") + import.name +
+                                            " has a frustum or another map that is not affine");
+    int64_t size[3];
+    for (int i = 0; i < 3; i++)
+        size[i] = int64_t(box.max()[i]) - box.min()[i] + 1;
+    lf_error problem;
+    if (lf_grid_create(size, local_to_file, &import.grid, &problem) != LF_OK)
+        return import.fail(problem);
+    return fill(import, grid.tree(), box.min());
+}
+
+/* Level sets become fog first. */
+template <typename Grid> lf_status convert_any_class(Import &import, const typename Grid::Ptr &grid)
+{
+    if (grid->getGridClass() != openvdb::GRID_LEVEL_SET)
+        return convert(import, *grid);
+    lf_log(LF_LOG_DEBUG,
+           "%s: grid %s is a level set: made into fog, 1 inside, falling to 0 at the surface",
+           import.path, import.name);
+    openvdb::tools::sdfToFogVolume(*grid);
+    return convert(import, *grid);
+}
+
+lf_status import_from(Import &import, const std::string &file_name)
+{
+    openvdb::io::File file(file_name);
+    file.open(false); /* no delayed loading: the descriptor is not ours to keep */
+    std::string unique = find_grid(file, import.name);
+    if (unique.empty())
+        return import.fail(LF_E_FORMAT, std::string("no grid \"") + import.name +
+                                            "\"; the file holds " + list_grids(file));
+    auto metadata = file.readGridMetadata(unique);
+    std::string type = metadata->valueType();
+    if (!metadata->isType<openvdb::FloatGrid>() && !metadata->isType<openvdb::DoubleGrid>())
+        return import.fail(
+            LF_E_FORMAT,
+            std::string("grid \"") + import.name + "\" is of type " + metadata->type() +
+                "; a density is float, half or double; the file holds " + list_grids(file));
+    openvdb::GridBase::Ptr grid = file.readGrid(unique);
+    std::string others = other_grids(file, unique);
+    file.close();
+    auto single = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
+    lf_status status = single ? convert_any_class<openvdb::FloatGrid>(import, single)
+                              : convert_any_class<openvdb::DoubleGrid>(
+                                    import, openvdb::gridPtrCast<openvdb::DoubleGrid>(grid));
+    if (status == LF_OK && lf_grid_set_others(import.grid, others.c_str()) != LF_OK)
+        status = import.fail(LF_E_NOMEM, "out of memory");
+    return status;
+}
+
+} // namespace
+
+lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **out_grid,
+                        lf_error *err)
+{
+    try {
+        openvdb::initialize();
+        Import import{path, name, err};
+        /* OpenVDB opens by name; this name leads to the very file that was checked. */
+        lf_status status = import_from(import, "/proc/self/fd/" + std::to_string(fd));
+        if (status == LF_OK) {
+            *out_grid = import.grid;
+            import.grid = nullptr;
+        }
+        return status;
+    } catch (const std::bad_alloc &) {
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    } catch (const std::exception &e) {
+        return lf_error_set(err, LF_E_FORMAT, path, "cannot be read as OpenVDB: %s", e.what());
+    } catch (...) {
+        return lf_error_set(err, LF_E_FORMAT, path, "cannot be read as OpenVDB");
+    }
+}

@@ -1,0 +1,28 @@
+/* Reading one grid of an OpenVDB file into our own bricks; private to render/. C face of the one
+ * C++ file of the room: no exception and no OpenVDB type comes out of it. */
+#ifndef LF_RENDER_VDB_IMPORT_H
+#define LF_RENDER_VDB_IMPORT_H
+
+#include "render/scene/grid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define LF_VDB_MAX_BYTES ((uint64_t)16 << 30)
+
+/* Reads grid `name` of the file open at fd (path only names it in messages): floats, halves and
+ * doubles; active voxels and active tiles; whatever is not active is 0. Level sets become fog: 1
+ * deeper inside than the narrow band, falling linearly to 0 at the surface. When several grids
+ * carry the name, the first is taken; "NAME[1]" is the second, and so on. An empty or all-zero grid
+ * gives LF_OK and a grid without bricks. fd stays the caller's. On LF_OK the caller owns a
+ * reference to *out_grid. Errors, LF_E_FORMAT: not a VDB file, no such grid (the message lists
+ * those there are), a grid of another kind, a map that is not affine, NaN, infinite or negative
+ * values; LF_E_NOMEM: more than LF_GRID_MAX_BYTES. Thread: any. */
+LF_NODISCARD lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **out_grid,
+                                     lf_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,90 @@
+/* The accumulation as a file (film_file.h): saved, gone on with, added to another's. */
+#include <nettle/sha2.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/film/film_file.h"
+#include "render/renderer.h"
+#include "render/scene/geometry.h"
+
+static json_t *numbers(const double *x, int n)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < n; i++)
+        json_array_append_new(list, json_real(x[i]));
+    return list;
+}
+
+static json_t *mesh_file(const lf_mesh_file *file)
+{
+    return json_pack("[s, I, I, I, I]", file->path, (json_int_t)file->inode, (json_int_t)file->size,
+                     (json_int_t)file->modified.tv_sec, (json_int_t)file->modified.tv_nsec);
+}
+
+/* All that the picture depends on but its random numbers. Files are named, not read: that is done
+ * at every move of the camera. */
+static json_t *describe(const lf_scene *scene, const lf_render_settings *s, const char *integrator)
+{
+    const lf_camera *c = &s->camera;
+    const double rig[] = {c->target[0],   c->target[1],     c->target[2], c->position[0],
+                          c->position[1], c->position[2],   c->up[0],     c->up[1],
+                          c->up[2],       c->fov_y,         c->aspect,    c->cone,
+                          c->lens_radius, c->focus_distance};
+    json_t *files = json_array();
+    for (int i = 0; i < scene->n_volumes; i++)
+        if (scene->volumes[i].grid)
+            json_array_append_new(files, json_string(scene->volumes[i].grid->key));
+    for (int i = 0; i < scene->n_lights; i++)
+        if (scene->lights[i].environment)
+            json_array_append_new(files, json_string(scene->lights[i].environment->key));
+    for (int i = 0; scene->geometry && i < scene->geometry->n_files; i++)
+        json_array_append_new(files, mesh_file(&scene->geometry->files[i]));
+    return json_pack(
+        "{s:O, s:o, s:s, s:i, s:i, s:o, s:b, s:o, s:i, s:i, s:i}", "scene", scene->json, "files",
+        files, "integrator", integrator, "sampler", (int)s->sampler, "max_depth", s->max_depth,
+        "rig", numbers(rig, sizeof rig / sizeof rig[0]), "inclusive", c->inclusive, "window",
+        numbers(s->window, 4), "n_views", c->n_views, "width", s->width, "height", s->height);
+}
+
+lf_status lf_renderer_identify(const lf_scene *scene, const lf_render_settings *settings,
+                               const char *integrator, uint8_t out[LF_PICTURE_BYTES])
+{
+    struct sha256_ctx hash;
+    json_t *words = describe(scene, settings, integrator);
+    char *text = json_dumps(words, JSON_COMPACT | JSON_SORT_KEYS);
+    json_decref(words);
+    if (!text)
+        return LF_E_NOMEM;
+    sha256_init(&hash);
+    sha256_update(&hash, strlen(text), (const uint8_t *)text);
+    sha256_digest(&hash, LF_PICTURE_BYTES, out);
+    free(text);
+    return LF_OK;
+}
+
+lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file, const lf_cancel *cancel,
+                           lf_error *err)
+{
+    return lf_film_write(&renderer->film, file, cancel, err);
+}
+
+lf_status lf_renderer_restore(lf_renderer *renderer, int fd, lf_error *err)
+{
+    lf_film restored = {0};
+    lf_status status = lf_film_read(fd, &renderer->film, &restored, err);
+    if (status != LF_OK)
+        return status;
+    lf_film_finish(&renderer->film);
+    renderer->film = restored;
+    return LF_OK;
+}
+
+lf_status lf_renderer_add(lf_renderer *renderer, int fd, lf_error *err)
+{
+    lf_film other = {0};
+    lf_status status = lf_film_read(fd, &renderer->film, &other, err);
+    if (status == LF_OK)
+        status = lf_film_add(&renderer->film, &other, err);
+    lf_film_finish(&other);
+    return status;
+}

@@ -1,0 +1,84 @@
+/* A homogeneous shape on one row's plane: nothing is resampled, every ray of the row knows its
+ * interval in closed form; private to render/. (docs/estimators.md, "Media of a row") */
+#ifndef LF_RENDER_BODY_H
+#define LF_RENDER_BODY_H
+
+#include "render/rows/rig.h"
+
+typedef struct lf_body {
+    bool sphere;   /* the unit ball of volume space, else [-1,1]^3 */
+    float sigma_t; /* per scene unit */
+    /* A ray X(Z) = x0 + slope Z of the row's plane is (origin + x0 across) + (depth + slope across)
+     * Z in volume space. */
+    float origin[3], across[3], depth[3];
+} lf_body;
+
+/* The rays of a row's plane in a volume's space, as lf_body has them. Returns false when the plane
+ * misses the volume. */
+bool lf_body_rays(const lf_volume *volume, const lf_rig *rig, const lf_row_plane *plane,
+                  float origin[3], float across[3], float depth[3]);
+
+/* Cuts the shape with the row's plane. Returns false when the plane misses it. */
+bool lf_body_cut(lf_body *body, const lf_volume *volume, const lf_rig *rig,
+                 const lf_row_plane *plane);
+
+/* The part [*from, *to] of Z > 0 that the ray spends inside; *from >= *to: it passes by. One piece
+ * of code for one ray and for the kernels' lanes, so that collisions and weights agree to the last
+ * bit. */
+static inline void lf_body_interval(const lf_body *b, float x0, float slope, float *from, float *to)
+{
+    float o[3], d[3];
+    for (int i = 0; i < 3; i++) {
+        o[i] = b->origin[i] + x0 * b->across[i];
+        d[i] = b->depth[i] + slope * b->across[i];
+    }
+    float lo, hi;
+    if (b->sphere) {
+        float a = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        float middle = -(o[0] * d[0] + o[1] * d[1] + o[2] * d[2]) / a;
+        float x = o[0] + middle * d[0], y = o[1] + middle * d[1], z = o[2] + middle * d[2];
+        float h = sqrtf(lf_max((1.0f - (x * x + y * y + z * z)) / a, 0.0f));
+        lo = middle - h;
+        hi = middle + h;
+    } else {
+        lo = -INFINITY;
+        hi = INFINITY;
+        for (int i = 0; i < 3; i++) {
+            /* A ray along the faces: far outside or far inside, never 0/0. */
+            float inverse = 1.0f / (fabsf(d[i]) > 1e-30f ? d[i] : 1e-30f);
+            float p = (-1.0f - o[i]) * inverse, q = (1.0f - o[i]) * inverse;
+            lo = lf_max(lo, lf_min(p, q));
+            hi = lf_min(hi, lf_max(p, q));
+        }
+    }
+    *from = lf_max(lo, 0.0f);
+    *to = hi;
+}
+
+/* Optical depth per unit of Z up to z_end. */
+static inline float lf_body_depth(const lf_body *body, float x0, float slope, float z_end)
+{
+    float from, to;
+    lf_body_interval(body, x0, slope, &from, &to);
+    return body->sigma_t * lf_max(lf_min(to, z_end) - from, 0.0f);
+}
+
+/* Adds the depths of n rays to tau: the kernels' loop, here once and compiled for each instruction
+ * set. */
+static inline void lf_body_depths(const lf_body *body, int n, const float *restrict x0,
+                                  const float *restrict slope, const float *restrict z_end,
+                                  float *restrict tau)
+{
+    /* copies of a known kind, so that the loops become vector code */
+    lf_body ball = *body, box = *body;
+    ball.sphere = true;
+    box.sphere = false;
+    if (body->sphere)
+        for (int k = 0; k < n; k++)
+            tau[k] += lf_body_depth(&ball, x0[k], slope[k], z_end[k]);
+    else
+        for (int k = 0; k < n; k++)
+            tau[k] += lf_body_depth(&box, x0[k], slope[k], z_end[k]);
+}
+
+#endif

@@ -1,0 +1,168 @@
+/* B and q: what is known without sampling paths. A fan of one ray per view runs through one film
+ * point of each pixel column: its rays share y and z steps, so one march gives the exit
+ * transmittances of all views' pixels in that column at once (docs/estimators.md, "B and q"). */
+#include "render/rows/visit.h"
+#include "render/transport/light_kind.h"
+
+/* One ray's known light and pivot probability; material: of the surface it meets, NULL: none;
+ * depth: optical, along the whole ray or to the surface; exp(-depth) times correction is what comes
+ * through. */
+static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_material *material,
+                        float depth, float correction, const lf_vec3 *sky)
+{
+    const lf_scratch *worker = visit->worker;
+    float q_medium = depth > 0.0f ? -expm1f(-depth) : 0.0f, q, pdf;
+    /* A sun or lamp behind 20 mean free paths and more: 1 - q would have no digits left. */
+    float transmittance = depth < 0.5f ? 1.0f - q_medium : expf(-depth);
+    q_medium += transmittance * (1.0f - correction);
+    transmittance *= correction;
+    lf_vec3 light;
+    q = material && material->has_lobe ? 1.0f : q_medium;
+    lf_film_pivots(&visit->sums, pixel, q);
+    if (worker->mirrors)
+        worker->mirrors[pixel] = material && material->has_delta;
+    if (!visit->sums.known)
+        return;
+    if (material) {
+        light = material->emission;
+    } else if (sky) {
+        light = *sky;
+    } else {
+        lf_vec3 w = lf_rig_direction(visit->rig, worker->slope[k], visit->plane.my, 1.0f);
+        light = lf_light_escape(visit->scene, lf_normalize(w), &pdf);
+    }
+    lf_film_known_light(&visit->sums, pixel, transmittance * light.x, transmittance * light.y,
+                        transmittance * light.z);
+}
+
+bool lf_exits_constant(const lf_scene *scene, float out_sky[3])
+{
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *light = &scene->lights[i];
+        if (light->kind->varies && light->kind->varies(light))
+            return false;
+    }
+    float pdf;
+    lf_vec3 sky = lf_light_escape(scene, lf_v3(0.0f, 1.0f, 0.0f), &pdf);
+    out_sky[0] = sky.x;
+    out_sky[1] = sky.y;
+    out_sky[2] = sky.z;
+    return true;
+}
+
+bool lf_exits_uniform(const lf_scene *scene, float out_sky[3])
+{
+    for (int i = 0; i < scene->n_materials && scene->embree; i++) {
+        const lf_material *m = &scene->materials[i];
+        if (lf_max3(m->emission) > 0.0f || !m->has_lobe)
+            return false;
+    }
+    return lf_exits_constant(scene, out_sky);
+}
+
+float lf_exits_film_point(uint64_t key, int column, uint32_t index)
+{
+    return lf_sampler_partner(lf_hash64(key, 0), lf_hash64(lf_hash64(key, 5), (uint64_t)column),
+                              index);
+}
+
+/* The groups of lanes [*from, *to) that hold all views which can meet something in this column. */
+static void lanes_of(const lf_reach *reach, int n_views, int column, int *from, int *to)
+{
+    int first = n_views, last = -1;
+    for (int k = 0; k < n_views; k++) {
+        bool in = column >= reach->first[k] && column < reach->end[k];
+        first = in && k < first ? k : first;
+        last = in ? k : last;
+    }
+    *from = first / LF_LANES * LF_LANES;
+    *to = last < 0 ? *from : (last / LF_LANES + 1) * LF_LANES;
+}
+
+/* The fan through one film point of a column, lens offset lx. */
+static void aim(const lf_visit *visit, float xw, float lx)
+{
+    const lf_rig *rig = visit->rig;
+    lf_scratch *worker = visit->worker;
+    int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    for (int k = 0; k < lanes; k++) {
+        worker->x0[k] = rig->b[k] + lx;
+        worker->slope[k] = (xw - rig->b[k]) / rig->distance - lx / rig->focus;
+        worker->z_end[k] = INFINITY;
+        worker->tau[k] = 0.0f;
+    }
+}
+
+/* Marks the neighbours too: rays of a row lie in one plane, so where a delta lobe begins or ends
+ * one of its pixels has found it. */
+static void widen(bool *mirrors, int n_views, int width)
+{
+    for (int view = 0; view < n_views; view++, mirrors += width) {
+        bool before = false;
+        for (int column = 0; column < width; column++) {
+            bool here = mirrors[column];
+            mirrors[column] = before || here || (column + 1 < width && mirrors[column + 1]);
+            before = here;
+        }
+    }
+}
+
+/* Correction weights of the fan's rays [from, to). Where media are thin 1 - T is what is wanted: a
+ * point for every other fan, at least. */
+static void correct(const lf_visit *visit, int from, int to)
+{
+    lf_scratch *w = visit->worker;
+    lf_rays rays = {visit->scene, visit->rig,   &visit->plane,   visit->kernels,
+                    to - from,    w->x0 + from, w->slope + from, w->z_end + from};
+    for (int k = from; k < to; k++)
+        w->factor[k] = 1.0f;
+    lf_correction_transmittance(&w->media, &rays, LF_CORRECTION_EXIT, 0.5f, &w->tracer,
+                                w->factor + from);
+}
+
+void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
+{
+    const lf_rig *rig = visit->rig;
+    lf_scratch *w = visit->worker;
+    int material[LF_MAX_LANES];
+    float light[3];
+    bool constant = plan->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_constant(plan->scene, light);
+    lf_vec3 sky = constant ? lf_v3(light[0], light[1], light[2]) : lf_v3(0.0f, 0.0f, 0.0f);
+    bool corrected =
+        lf_correction_needed(&w->media) && !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
+    w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
+    for (int k = 0; k < LF_MAX_LANES; k++)
+        material[k] = -1; /* and so it stays without meshes */
+    for (int column = 0; column < rig->width; column++) {
+        float xw = rig->x0 + ((float)column + lf_exits_film_point(key, column, index)) * rig->dx,
+              lx = 0.0f;
+        int from, to;
+        if (visit->plane.lens_chord > 0.0f)
+            lx =
+                (2.0f * lf_sampler_radical(lf_hash64(lf_hash64(key, 10), (uint64_t)column), index) -
+                 1.0f) *
+                visit->plane.lens_chord;
+        aim(visit, xw, lx);
+        lanes_of(&w->reach, rig->n_views, column, &from, &to);
+        if (visit->triangles && from < to)
+            lf_section_nearest(&w->section, rig,
+                               xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus),
+                               to - from, w->x0 + from, w->z_end + from, material + from);
+        if (w->media.n_here > 0 && from < to)
+            lf_media_depths(&w->media, plan->kernels, to - from, w->x0 + from, w->slope + from,
+                            w->z_end + from, w->tau + from, -1, NULL);
+        if (corrected && from < to)
+            correct(visit, from, to);
+        for (int k = 0; k < rig->n_views; k++) {
+            float length =
+                sqrtf(1.0f + w->slope[k] * w->slope[k] + visit->plane.my * visit->plane.my);
+            bool met = k >= from && k < to && material[k] >= 0;
+            write_known(visit, (size_t)k * (size_t)rig->width + (size_t)column, k,
+                        met ? &plan->scene->materials[material[k]] : NULL, w->tau[k] * length,
+                        corrected && k >= from && k < to ? w->factor[k] : 1.0f,
+                        constant ? &sky : NULL);
+        }
+    }
+    if (w->mirrors)
+        widen(w->mirrors, rig->n_views, rig->width);
+}

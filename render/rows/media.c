@@ -1,0 +1,157 @@
+#include "render/rows/media.h"
+
+#include <string.h>
+
+void lf_media_frame_init(lf_media_frame *frame, const lf_scene *scene, const lf_rig *rig)
+{
+    frame->n = 0;
+    for (int i = 0; i < scene->n_volumes; i++) {
+        const lf_volume *volume = &scene->volumes[i];
+        bool grid = volume->kind == LF_VOLUME_GRID;
+        if (!(volume->sigma_max > 0.0f) ||
+            (grid && !lf_slice_frame_init(&frame->item[frame->n].slice, volume, rig)))
+            continue;
+        frame->item[frame->n].volume = i;
+        frame->item[frame->n].kind = !grid             ? LF_MEDIUM_BODY
+                                     : volume->nearest ? LF_MEDIUM_VOXELS
+                                                       : LF_MEDIUM_SLICE;
+        frame->n++;
+    }
+}
+
+lf_status lf_media_init(lf_media *media, const lf_media_frame *frame)
+{
+    lf_status status = LF_OK;
+    media->n = frame->n;
+    for (int i = 0; i < frame->n && status == LF_OK; i++) {
+        media->item[i].volume = frame->item[i].volume;
+        media->item[i].kind = frame->item[i].kind;
+        if (frame->item[i].kind == LF_MEDIUM_SLICE)
+            status = lf_slice_init(&media->item[i].slice, &frame->item[i].slice);
+    }
+    return status;
+}
+
+void lf_media_finish(lf_media *media)
+{
+    for (int i = 0; i < media->n; i++)
+        lf_slice_finish(&media->item[i].slice);
+    memset(media, 0, sizeof *media);
+}
+
+void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_scene *scene,
+                  const lf_rig *rig, const lf_row_plane *plane, const float phase[2],
+                  const lf_kernels *kernels, int64_t *lookups)
+{
+    media->n_here = 0;
+    for (int i = 0; i < media->n; i++) {
+        lf_medium *m = &media->item[i];
+        const lf_volume *volume = &scene->volumes[m->volume];
+        bool here;
+        if (m->kind == LF_MEDIUM_SLICE) {
+            *lookups +=
+                lf_slice_fill(&m->slice, &frame->item[i].slice, volume, rig, plane, phase, kernels);
+            here = m->slice.first <= m->slice.last;
+        } else {
+            here = m->kind == LF_MEDIUM_VOXELS ? lf_voxels_cut(&m->voxels, volume, rig, plane)
+                                               : lf_body_cut(&m->body, volume, rig, plane);
+        }
+        if (here)
+            media->here[media->n_here++] = i;
+    }
+}
+
+/* Optical depth of one medium along the ray up to z_end; stops at `stop` (per unit of Z) and says
+ * where. */
+static float march(const lf_medium *medium, const lf_media_ray *ray, float z_end, float stop,
+                   float *out_z)
+{
+    if (medium->kind == LF_MEDIUM_SLICE)
+        return lf_slice_march(&medium->slice, ray->x0, ray->slope, z_end, stop, out_z);
+    if (medium->kind == LF_MEDIUM_VOXELS)
+        return lf_voxels_march(&medium->voxels, ray->x0, ray->slope, z_end, stop, out_z);
+    float from, to;
+    lf_body_interval(&medium->body, ray->x0, ray->slope, &from, &to);
+    to = lf_min(to, z_end);
+    float depth = medium->body.sigma_t * lf_max(to - from, 0.0f);
+    *out_z = depth > stop ? lf_min(from + stop / medium->body.sigma_t, to) : z_end;
+    return lf_min(depth, stop);
+}
+
+/* q of each medium on its own, and the probability of any collision in this medium or one behind it
+ * in the list. */
+static void exit_probabilities(const lf_media *media, const lf_media_ray *ray, float *q, float *any)
+{
+    float depth = 0.0f, z;
+    for (int i = media->n_here - 1; i >= 0; i--) {
+        float tau =
+            ray->length * march(&media->item[media->here[i]], ray, ray->z_end, INFINITY, &z);
+        depth += tau;
+        q[i] = -expm1f(-tau);
+        any[i] = -expm1f(-depth);
+    }
+}
+
+lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, float u, bool forced,
+                              lf_tracer *tracer)
+{
+    lf_collision first = {.z = INFINITY, .boost = 1.0f};
+    float q[LF_MAX_VOLUMES], any[LF_MAX_VOLUMES], z_end = ray->z_end;
+    /* The sampler's numbers are multiples of 2^-24: what is below counts in thin media. */
+    u = lf_min(u + lf_rng(tracer) * 0x1p-24f, 1.0f - 0x1p-24f);
+    if (forced && media->n_here > 0) {
+        exit_probabilities(media, ray, q, any);
+        if (!(any[0] > 0.0f))
+            return first;
+        first.boost = any[0];
+    }
+    for (int i = 0; i < media->n_here; i++) {
+        const lf_medium *medium = &media->item[media->here[i]];
+        float x = i == 0 ? u : lf_rng_fine(tracer), z;
+        /* None so far and one must: this one collides with probability q / any, below the same x *
+         * any < q. */
+        bool must = forced && first.z == INFINITY;
+        if (must)
+            x = lf_min(x * any[i], q[i] == any[i] ? q[i] * (1.0f - 1e-6f) : 1.0f);
+        if (must && x >= q[i])
+            continue;
+        float stop = lf_exponential(x) / ray->length;
+        float reached = march(medium, ray, z_end, stop, &z);
+        if (reached >= stop && z < z_end) {
+            z_end = z;
+            first.z = lf_max(z, 1e-30f);
+            first.medium = media->here[i];
+        }
+    }
+    return first;
+}
+
+/* The rays of a pivot meet in one voxel. */
+static void through_voxels(const lf_voxels *voxels, int n, const float *x0, const float *slope,
+                           const float *z_end, float *tau, float *density)
+{
+    lf_voxels_depths(voxels, n, x0, slope, z_end, tau);
+    float sigma = density ? lf_voxels_density(voxels, x0[0] + slope[0] * z_end[0], z_end[0]) : 0.0f;
+    for (int k = 0; k < n && density; k++)
+        density[k] = sigma;
+}
+
+void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
+                     const float *slope, const float *z_end, float *tau, int collided,
+                     float *density)
+{
+    memset(tau, 0, sizeof *tau * (size_t)n);
+    for (int k = 0; k < n && collided >= 0; k++)
+        density[k] = 1.0f;
+    for (int i = 0; i < media->n_here; i++) {
+        const lf_medium *medium = &media->item[media->here[i]];
+        if (medium->kind == LF_MEDIUM_SLICE)
+            kernels->march(&medium->slice, n, x0, slope, z_end, tau,
+                           media->here[i] == collided ? density : NULL);
+        else if (medium->kind == LF_MEDIUM_VOXELS)
+            through_voxels(&medium->voxels, n, x0, slope, z_end, tau,
+                           media->here[i] == collided ? density : NULL);
+        else
+            kernels->through(&medium->body, n, x0, slope, z_end, tau);
+    }
+}

@@ -1,0 +1,75 @@
+/* The participating media on one row's plane: interpolated grids as slices, voxels with edges and
+ * homogeneous shapes exactly. Several media are independent processes: optical depths add up, and a
+ * collision belongs to the medium in which it happened; private to render/. docs/estimators.md,
+ * "Media of a row". */
+#ifndef LF_RENDER_MEDIA_H
+#define LF_RENDER_MEDIA_H
+
+#include "render/rows/kernel.h"
+#include "render/rows/voxels.h"
+#include "render/transport/track.h"
+
+typedef enum lf_medium_kind { LF_MEDIUM_BODY, LF_MEDIUM_SLICE, LF_MEDIUM_VOXELS } lf_medium_kind;
+
+/* The volumes that the rig's rays can meet: fixed for a scene and rig. */
+typedef struct lf_media_frame {
+    int n;
+    struct {
+        int volume; /* index into scene->volumes */
+        lf_medium_kind kind;
+        lf_slice_frame slice; /* LF_MEDIUM_SLICE */
+    } item[LF_MAX_VOLUMES];
+} lf_media_frame;
+
+typedef struct lf_medium {
+    int volume;
+    lf_medium_kind kind;
+    lf_slice slice;   /* LF_MEDIUM_SLICE: interpolated grids */
+    lf_voxels voxels; /* LF_MEDIUM_VOXELS: grids that are not */
+    lf_body body;     /* LF_MEDIUM_BODY: shapes */
+} lf_medium;
+
+/* One worker's media of the row in work. */
+typedef struct lf_media {
+    int n;                    /* media with memory */
+    int n_here;               /* of them on this row's plane … */
+    int here[LF_MAX_VOLUMES]; /* … these, in the scene's order */
+    lf_medium item[LF_MAX_VOLUMES];
+} lf_media;
+
+/* A base ray in the row's plane. */
+typedef struct lf_media_ray {
+    float x0, slope, length; /* X(Z) = x0 + slope Z; scene units per unit of Z */
+    float z_end;             /* INFINITY when no surface ends it */
+} lf_media_ray;
+
+typedef struct lf_collision {
+    float z;     /* INFINITY: the ray goes through */
+    int medium;  /* index into lf_media.item */
+    float boost; /* 1, or the probability q of any collision when it was forced */
+} lf_collision;
+
+void lf_media_frame_init(lf_media_frame *frame, const lf_scene *scene, const lf_rig *rig);
+
+/* media must be zeroed. LF_E_NOMEM; release with lf_media_finish, also after a failure. */
+LF_NODISCARD lf_status lf_media_init(lf_media *media, const lf_media_frame *frame);
+void lf_media_finish(lf_media *media);
+
+/* Cuts the volumes with the row's plane; phase[2] in [0,1) moves the slices' samples and planes.
+ * Adds the look-ups made to *lookups. */
+void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_scene *scene,
+                  const lf_rig *rig, const lf_row_plane *plane, const float phase[2],
+                  const lf_kernels *kernels, int64_t *lookups);
+
+/* The first collision of a base ray, u in [0,1) (further numbers from the tracer). forced: with
+ * certainty where there is anything to collide with. */
+lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, float u, bool forced,
+                              lf_tracer *tracer);
+
+/* Optical depths per unit of Z of n rays (see lf_kernels.march) through all media; with collided >=
+ * 0 also density[n], up to a common factor the collision density of that medium at z_end. */
+void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
+                     const float *slope, const float *z_end, float *tau, int collided,
+                     float *density);
+
+#endif

@@ -1,0 +1,465 @@
+/* mvpt: every pivot serves all views that see it. Prefix densities D_k and the full balance over
+ * (pivot, direction) of docs/estimators.md, sections "Prefix weights" and "Direction". */
+#include <string.h>
+
+#include "render/rows/visit.h"
+
+/* Directions drawn at a pivot whose surface reflects each view's light elsewhere: a lobe that is
+ * narrower than the cone of views serves few of them. */
+#define LF_GLOSSY_DIRECTIONS 4
+
+static int lanes_of(const lf_rig *rig)
+{
+    return (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+}
+
+/* h_k for the views whose frame holds the pivot and who see its side (else 0), their film columns,
+ * and the rays from them. Here and below base is the view that drew the pivot; < 0: none did, it
+ * was drawn about a light. */
+static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
+{
+    const lf_rig *rig = visit->rig;
+    lf_scratch *w = visit->worker;
+    bool surface = pivot->event.kind == LF_EVENT_SURFACE;
+    lf_vec3 n = surface ? pivot->event.hit.ng : lf_v3(0.0f, 0.0f, 0.0f);
+    float nx = lf_dot(n, rig->right),
+          nyz = (lf_dot(n, rig->up) * visit->plane.my + lf_dot(n, rig->forward)) * pivot->z;
+    float yz2 = (1.0f + visit->plane.my * visit->plane.my) * pivot->z * pivot->z;
+    float inverse_z = 1.0f / pivot->z, lens = pivot->lx * rig->distance / rig->focus;
+    float per_pixel = 1.0f / rig->dx;
+    for (int k = 0; k < lanes_of(rig); k++) {
+        float c = rig->b[k] + pivot->lx, dx = pivot->x - c;
+        float slope = dx * inverse_z;
+        float u = (rig->b[k] + lens + rig->distance * slope - rig->x0) * per_pixel;
+        float h = surface ? -(nx * dx + nyz) : sqrtf(dx * dx + yz2);
+        bool in_frame = u >= 0.0f && u < (float)rig->width && k < rig->n_views;
+        w->x0[k] = c;
+        w->slope[k] = slope;
+        w->z_end[k] = pivot->z;
+        w->column[k] = in_frame ? (int)u : 0;
+        w->scale[k] = in_frame && h > 0.0f ? (lf_has_fault(visit, LF_FAULT_NO_H) ? 1.0f : h) : 0.0f;
+    }
+    /* The base sees its own pivot whatever rounding says about the frame's edge or a grazing
+     * surface. */
+    if (base >= 0 && !(w->scale[base] > 0.0f)) {
+        float u = (rig->b[base] + lens + rig->distance * w->slope[base] - rig->x0) * per_pixel;
+        w->column[base] = (int)lf_min(lf_max(u, 0.0f), (float)(rig->width - 1));
+        w->scale[base] = 1e-6f * fabsf(pivot->z);
+    }
+}
+
+/* Takes views from which a surface hides the pivot out of scale; the base counts as seeing it
+ * (disagreements are counted). */
+static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
+{
+    lf_scratch *w = visit->worker;
+    const float seen[2] = {base >= 0 ? w->scale[base] : 0.0f, w->scale[0]};
+    const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
+    lf_section_hide(&w->section, visit->triangles, visit->rig, pivot->event.p, on,
+                    lanes_of(visit->rig), w->x0, w->scale);
+    if (base >= 0) {
+        w->base_hidden += !(w->scale[base] > 0.0f);
+        w->scale[base] = seen[0];
+    }
+    if (lf_has_fault(visit, LF_FAULT_NO_VISIBILITY))
+        w->scale[0] = seen[1];
+}
+
+/* Optical depths to the views, and the collision density in the slab that holds a medium pivot. */
+static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
+{
+    lf_scratch *w = visit->worker;
+    bool surface = pivot->event.kind == LF_EVENT_SURFACE;
+    int lanes = lanes_of(visit->rig);
+    if (w->media.n_here == 0) {
+        for (int k = 0; k < lanes; k++)
+            w->tau[k] = 0.0f;
+        return;
+    }
+    lf_media_depths(&w->media, visit->kernels, lanes, w->x0, w->slope, w->z_end, w->tau,
+                    surface ? -1 : pivot->medium, w->sigma);
+    /* At the very edge of what is occupied rounding may find nothing; the base has collided where
+     * there is something. */
+    if (!surface && base >= 0 && !(w->sigma[base] > 0.0f))
+        w->sigma[base] = lf_max(
+            lf_volume_sigma_t(&visit->scene->volumes[pivot->event.volume], pivot->event.p), 1e-6f);
+    float my2 = 1.0f + visit->plane.my * visit->plane.my;
+    for (int k = 0; k < lanes; k++) {
+        w->tau[k] *= sqrtf(my2 + w->slope[k] * w->slope[k]);
+        w->scale[k] *= surface ? 1.0f : w->sigma[k];
+    }
+}
+
+/* Expected counts of the pixels that the pivot projects to; views whose pixel nobody reads are left
+ * out. */
+static void counts(const lf_visit *visit, int base, int column)
+{
+    lf_scratch *w = visit->worker;
+    size_t width = (size_t)visit->rig->width;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        w->count[k] = visit->expected[(size_t)k * width + (size_t)w->column[k]];
+        w->scale[k] = w->count[k] > 0.0f ? w->scale[k] : 0.0f;
+    }
+    /* Rounding may have moved the base's own pivot over the edge of a pixel that is read. */
+    if (base >= 0 && !(w->count[base] > 0.0f)) {
+        w->column[base] = column;
+        w->count[base] = visit->expected[(size_t)base * width + (size_t)column];
+        w->scale[base] = 1e-6f * fabsf(w->z_end[base]);
+    }
+}
+
+/* The densities of all strategies, c_k D_k, whose sum is `sum` where all c_k are 1; returns it. */
+static float strategies(const lf_visit *visit, float sum)
+{
+    lf_scratch *w = visit->worker;
+    memcpy(w->strategy, w->density, sizeof w->strategy);
+    if (!visit->expected)
+        return sum;
+    sum = 0.0f;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        w->strategy[k] =
+            lf_has_fault(visit, LF_FAULT_NO_COUNTS) ? w->density[k] : w->count[k] * w->density[k];
+        sum += w->strategy[k];
+    }
+    return sum;
+}
+
+/* What is drawn from slices counts for the grids: D_k becomes D_k R_k in what the views receive,
+ * and stays as it is in the sum over strategies. false = nothing is there. */
+static bool correct(const lf_visit *visit, const lf_pivot *pivot)
+{
+    lf_scratch *w = visit->worker;
+    int n = lanes_of(visit->rig);
+    if (!lf_correction_needed(&w->media) || lf_has_fault(visit, LF_FAULT_NO_CORRECTION))
+        return true;
+    bool medium = pivot->event.kind == LF_EVENT_MEDIUM &&
+                  w->media.item[pivot->medium].kind == LF_MEDIUM_SLICE;
+    float truth = 1.0f;
+    if (medium)
+        truth = lf_correction_density(&w->media, pivot->medium, visit->scene, pivot->event.p, 1.0f,
+                                      &w->tracer);
+    if (!(truth > 0.0f))
+        return false;
+    for (int k = 0; k < n; k++)
+        w->factor[k] = medium && w->density[k] > 0.0f ? truth / w->sigma[k] : 1.0f;
+    lf_rays rays = {visit->scene, visit->rig, &visit->plane, visit->kernels, n,
+                    w->x0,        w->slope,   w->z_end};
+    lf_correction_transmittance(&w->media, &rays, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, w->factor);
+    for (int k = 0; k < n; k++)
+        w->density[k] *= w->factor[k];
+    return true;
+}
+
+/* LF_FAULT_REALISED: the sum over the views that happen to have a base sample here, instead of over
+ * expected counts. */
+static float realised_sum(const lf_visit *visit, int base)
+{
+    const lf_scratch *w = visit->worker;
+    float sum = 0.0f;
+    for (int k = 0; k < visit->rig->n_views; k++)
+        if (k == base || lf_lattice_has(visit, k, w->column[k]))
+            sum += w->density[k];
+    return sum * (float)visit->rig->n_views / (float)visit->subsets;
+}
+
+static size_t target(const lf_visit *visit, int k)
+{
+    int view = lf_has_fault(visit, LF_FAULT_SWAPPED_VIEWS) ? visit->rig->n_views - 1 - k : k;
+    return (size_t)view * (size_t)visit->rig->width + (size_t)visit->worker->column[k];
+}
+
+/* The lobe does not depend on the view: one radiance for all. */
+static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
+                           lf_vec3 wo, float sum)
+{
+    lf_scratch *w = visit->worker;
+    lf_vec3 y = lf_suffix_radiance(visit, pivot, suffix, wo);
+    if (!isfinite(y.x + y.y + y.z)) {
+        w->tracer.nonfinite++;
+        y = lf_v3(0.0f, 0.0f, 0.0f);
+    }
+    float scale = pivot->boost / sum;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        float weight = w->density[k] * scale;
+        if (weight == 0.0f)
+            continue;
+        size_t pixel = target(visit, k);
+        lf_film_scatter(&visit->sums, pixel, weight * y.x, weight * y.y, weight * y.z);
+        lf_film_weigh(&visit->sums, pixel, weight);
+        if (visit->sums.half.w2)
+            lf_film_weigh_direction(&visit->sums, pixel, weight);
+        w->contributions++;
+    }
+}
+
+/* Henyey-Greenstein of every view towards wi, in one loop without branches (phase.h:
+ * lf_phase_between). */
+static void phases(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
+{
+    lf_scratch *w = visit->worker;
+    const lf_rig *rig = visit->rig;
+    float g = visit->scene->volumes[pivot->event.volume].g, a = fabsf(g), my = visit->plane.my;
+    float sign = copysignf(1.0f, g), my2 = 1.0f + my * my,
+          numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a);
+    lf_vec3 to = lf_v3(sign * lf_dot(wi, rig->right), sign * lf_dot(wi, rig->up),
+                       sign * lf_dot(wi, rig->forward));
+    for (int k = 0; k < lanes_of(rig); k++) {
+        float inverse = 1.0f / sqrtf(my2 + w->slope[k] * w->slope[k]);
+        float x = w->slope[k] * inverse - to.x, y = my * inverse - to.y, z = inverse - to.z;
+        float d = lf_max((1.0f - a) * (1.0f - a) + a * (x * x + y * y + z * z), 1e-12f);
+        w->lobe[k] = numerator / (d * sqrtf(d));
+    }
+}
+
+/* The directions to the views in a surface's frame: linear in the slope but for their length. */
+static void look_back(lf_visit *visit, const lf_hit *hit)
+{
+    lf_scratch *w = visit->worker;
+    const lf_rig *rig = visit->rig;
+    lf_vec3 axis[3] = {hit->ns, hit->ns, hit->ns};
+    float my = visit->plane.my, my2 = 1.0f + my * my;
+    lf_tangents(hit->ns, &axis[0], &axis[1]);
+    for (int a = 0; a < 3; a++) {
+        float across = lf_dot(axis[a], rig->right),
+              along = my * lf_dot(axis[a], rig->up) + lf_dot(axis[a], rig->forward);
+        for (int k = 0; k < lanes_of(rig); k++)
+            w->local[a][k] =
+                -(w->slope[k] * across + along) / sqrtf(my2 + w->slope[k] * w->slope[k]);
+    }
+}
+
+/* The lobes of all views towards wi: their pdfs and f_k; returns sum_k c_k D_k pdf_k. */
+static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lobes *out)
+{
+    lf_scratch *w = visit->worker;
+    float sum = 0.0f;
+    *out = (lf_fan_lobes){.pdf = w->lobe, .weight = {w->term[0], w->term[1], w->term[2]}};
+    if (pivot->event.kind == LF_EVENT_MEDIUM) {
+        phases(visit, pivot, wi);
+        out->n_terms = 1;
+        out->weight[0] = w->lobe;
+        out->colour[0] = visit->scene->volumes[pivot->event.volume].albedo;
+    } else {
+        const lf_hit *hit = &pivot->event.hit;
+        lf_vec3 t, b;
+        lf_tangents(hit->ns, &t, &b);
+        hit->material->kind->eval_fan(hit->material, lf_to_frame(t, b, hit->ns, wi),
+                                      lanes_of(visit->rig), w->local[0], w->local[1], w->local[2],
+                                      out);
+    }
+    for (int k = 0; k < visit->rig->n_views; k++)
+        sum += w->strategy[k] * w->lobe[k];
+    return sum;
+}
+
+/* Adds density_k f_k times one radiance to every view. */
+static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
+{
+    lf_scratch *w = visit->worker;
+    lf_vec3 tinted[LF_FAN_TERMS];
+    if (!isfinite(radiance.x + radiance.y + radiance.z)) {
+        w->tracer.nonfinite++;
+        return;
+    }
+    if (!(lf_max3(radiance) > 0.0f))
+        return;
+    for (int t = 0; t < f->n_terms; t++)
+        tinted[t] = lf_mul(radiance, f->colour[t]);
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        float d = w->density[k];
+        lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f);
+        if (d == 0.0f)
+            continue;
+        for (int t = 0; t < f->n_terms; t++)
+            y = lf_madd(y, d * f->weight[t][k], tinted[t]);
+        lf_film_scatter(&visit->sums, target(visit, k), y.x, y.y, y.z);
+    }
+}
+
+/* W of every view. */
+static void add_weights(lf_visit *visit, float scale)
+{
+    lf_scratch *w = visit->worker;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        float weight = w->density[k] * scale;
+        if (weight == 0.0f)
+            continue;
+        lf_film_weigh(&visit->sums, target(visit, k), weight);
+        w->contributions++;
+    }
+}
+
+/* W' of every view: what the direction would weigh, whatever is reflected along it; over = 0: there
+ * is none. Views from below the shading horizon draw no directions and see nothing: their share of
+ * W. */
+static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, float sum)
+{
+    lf_scratch *w = visit->worker;
+    bool surface = pivot->event.kind == LF_EVENT_SURFACE;
+    float drawn = over > 0.0f ? pivot->boost / over : 0.0f, blind = pivot->boost / sum;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        if (w->density[k] == 0.0f)
+            continue;
+        bool below = surface && !(w->local[2][k] > LF_MIN_COS);
+        lf_film_weigh_direction(&visit->sums, target(visit, k),
+                                w->density[k] * (below ? blind : drawn * w->lobe[k]));
+    }
+}
+
+/* The light sample, in balance with n directions. */
+static void spread_light(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, float sum,
+                         int n)
+{
+    const lf_light_sample *light = &suffix->light;
+    lf_fan_lobes f;
+    float over = (float)n * lobes(visit, pivot, light->wi, &f);
+    bool alone = light->delta || lf_has_fault(visit, LF_FAULT_NO_LIGHT_PDF);
+    float denominator = light->pdf * sum + (alone ? 0.0f : over);
+    add_lobes(visit, &f,
+              lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
+}
+
+/* One of n directions, in balance with the light sample. */
+static void spread_direction(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
+                             float sum, int n)
+{
+    lf_fan_lobes f = {.n_terms = 0};
+    bool below =
+        pivot->event.kind == LF_EVENT_SURFACE && !(lf_dot(pivot->event.hit.ns, suffix->wi) > 0.0f);
+    bool drawn = suffix->has_direction && !(below && lf_has_fault(visit, LF_FAULT_HORIZON));
+    float over = drawn ? (float)n * lobes(visit, pivot, suffix->wi, &f) : 0.0f;
+    if (over > 0.0f) {
+        float with_light =
+            over + (lf_has_fault(visit, LF_FAULT_NO_LIGHT_PDF) ? 0.0f : suffix->found_pdf * sum);
+        lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->boost / over),
+                                   pivot->boost / with_light, suffix->found);
+        add_lobes(visit, &f, radiance);
+    }
+    if (visit->sums.half.w2)
+        add_directional(visit, pivot, over, (float)n * sum);
+}
+
+/* The way back to view k with probability c_k D_k / sum, u in [0, 1). */
+static lf_vec3 some_way_back(const lf_visit *visit, const lf_pivot *pivot, float u, float sum)
+{
+    const lf_scratch *w = visit->worker;
+    float rest = u * sum;
+    int view = 0;
+    for (int k = 0; k < visit->rig->n_views && rest >= 0.0f; k++) {
+        view = w->strategy[k] > 0.0f ? k : view;
+        rest -= w->strategy[k];
+    }
+    return lf_normalize(
+        lf_sub(lf_rig_point(visit->rig, w->x0[view], visit->plane.ly, 0.0f), pivot->event.p));
+}
+
+/* The lobe depends on the view: balance over all views' lobes and light sampling. Further
+ * directions come from the lobes of other views, evenly over the sum of densities: on the average
+ * over them, as from the base's own, the density is sum_k c_k D_k pdf_k. */
+static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suffix, float sum)
+{
+    bool surface = pivot->event.kind == LF_EVENT_SURFACE;
+    int n = surface && !pivot->event.hit.material->has_delta ? LF_GLOSSY_DIRECTIONS : 1;
+    if (surface)
+        look_back(visit, &pivot->event.hit);
+    add_weights(visit, pivot->boost / sum);
+    if (suffix->has_light)
+        spread_light(visit, pivot, suffix, sum, n);
+    spread_direction(visit, pivot, suffix, sum, n);
+    for (int i = 1; i < n; i++) {
+        float u = ((float)(i - 1) + lf_rng(&visit->worker->tracer)) / (float)(n - 1);
+        lf_suffix_redraw(visit, pivot, some_way_back(visit, pivot, u, sum), suffix);
+        spread_direction(visit, pivot, suffix, sum, n);
+    }
+}
+
+static bool view_dependent(const lf_visit *visit, const lf_event *event)
+{
+    return event->kind == LF_EVENT_SURFACE ? event->hit.material->kind->view_dependent
+                                           : visit->scene->volumes[event->volume].g != 0.0f;
+}
+
+/* The densities of the pivot under all views; returns the sum of those that samples are drawn with.
+ */
+static float fan(const lf_visit *visit, int base, int column, const lf_pivot *pivot)
+{
+    lf_scratch *w = visit->worker;
+    geometry(visit, pivot, base);
+    if (visit->expected)
+        counts(visit, base, column);
+    prefixes(visit, pivot, base);
+    if (visit->triangles)
+        visibility(visit, pivot, base);
+    float sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
+    sum = strategies(visit, sum);
+    return lf_has_fault(visit, LF_FAULT_REALISED) && base >= 0 ? realised_sum(visit, base) : sum;
+}
+
+/* What the densities of the fan leave out: the smallest depth (lf_kernels.densities). */
+static float least_depth(const lf_visit *visit)
+{
+    const lf_scratch *w = visit->worker;
+    float least = INFINITY;
+    for (int k = 0; k < visit->rig->n_views; k++)
+        least = lf_min(least, w->scale[k] > 0.0f ? w->tau[k] : INFINITY);
+    return least;
+}
+
+static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
+{
+    float sum = fan(visit, view, column, pivot);
+    if (!correct(visit, pivot))
+        return;
+    lf_suffix suffix;
+    lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
+    lf_suffix_draw(visit, pivot, wo, &suffix);
+    if (visit->worker->glows.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
+        lf_glow_balance(visit, pivot, -1, sum, least_depth(visit), &suffix);
+    if (view_dependent(visit, &pivot->event))
+        spread_lobes(visit, pivot, &suffix, sum);
+    else
+        spread_uniform(visit, pivot, &suffix, wo, sum);
+}
+
+/* A point about a light serves all views that see it, beside their own base samples. */
+static void glow_mvpt(lf_visit *visit, int view, const lf_pivot *pivot,
+                      const lf_light_sample *light)
+{
+    (void)view;
+    float sum = fan(visit, -1, 0, pivot);
+    if (!(sum > 0.0f) || !correct(visit, pivot))
+        return;
+    float visible = lf_path_visible(&visit->worker->tracer, &pivot->event, light);
+    if (!(visible > 0.0f))
+        return;
+    lf_fan_lobes f;
+    float over = lobes(visit, pivot, light->wi, &f),
+          ratio = lf_glow_ratio(visit, pivot, light->light, -1, sum, least_depth(visit));
+    float denominator = light->pdf * (1.0f + ratio) * sum + (light->delta ? 0.0f : over);
+    lf_vec3 radiance = lf_scale(lf_mul(light->radiance, f.colour[0]), visible / denominator);
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        if (visit->worker->density[k] == 0.0f)
+            continue;
+        lf_visit_add_native(visit, target(visit, k),
+                            lf_scale(radiance, visit->worker->density[k] * visit->worker->lobe[k]));
+    }
+}
+
+static void balance_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot,
+                         lf_suffix *suffix)
+{
+    float sum = fan(visit, view, column, pivot);
+    lf_glow_balance(visit, pivot, -1, sum, least_depth(visit), suffix);
+}
+
+const lf_sharing lf_sharing_mvpt = {
+    .entry = {.name = "mvpt", .what = "every path serves all views that see it", .shares = true},
+    .pivot = pivot_mvpt,
+    .glow = glow_mvpt,
+    .balance = balance_mvpt};
+const lf_sharing lf_sharing_amvpt = {
+    .entry = {.name = "amvpt", .what = "mvpt with more paths where the error is", .shares = true},
+    .adaptive = true,
+    .pivot = pivot_mvpt,
+    .glow = glow_mvpt,
+    .balance = balance_mvpt};

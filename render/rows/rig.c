@@ -1,0 +1,117 @@
+#include "render/rows/rig.h"
+
+#include <string.h>
+
+#include "render/scene/vec_double.h"
+
+static lf_status check(const lf_render_settings *s, lf_error *err)
+{
+    const lf_camera *c = &s->camera;
+    if (c->n_views < 1 || c->n_views > LF_MAX_VIEWS)
+        return lf_error_set(err, LF_E_ARG, "views", "%d is not between 1 and %d", c->n_views,
+                            LF_MAX_VIEWS);
+    if (s->width < 1 || s->width > LF_MAX_VIEW_SIDE || s->height < 1 ||
+        s->height > LF_MAX_VIEW_SIDE)
+        return lf_error_set(err, LF_E_ARG, "view size",
+                            "%dx%d: each side must be between 1 and %d pixels", s->width, s->height,
+                            LF_MAX_VIEW_SIDE);
+    if (!(c->fov_y > 0.0 && c->fov_y < 3.1))
+        return lf_error_set(err, LF_E_ARG, "camera.fov_y", "must be above 0 and below 178 degrees");
+    if (!(c->cone >= 0.0 && c->cone < 3.1))
+        return lf_error_set(err, LF_E_ARG, "camera.cone",
+                            "must be at least 0 and below 178 degrees");
+    if (!(c->aspect > 0.0 && c->aspect < 1e3))
+        return lf_error_set(err, LF_E_ARG, "camera.aspect", "must be above 0");
+    if (!(c->lens_radius >= 0.0))
+        return lf_error_set(err, LF_E_ARG, "camera.lens_radius", "must not be negative");
+    return LF_OK;
+}
+
+static lf_vec3 scaled(const double a[3], double s)
+{
+    return lf_v3((float)(a[0] * s), (float)(a[1] * s), (float)(a[2] * s));
+}
+
+static lf_status axes(lf_rig *rig, const lf_camera *c, double *out_distance, lf_error *err)
+{
+    double forward[3], right[3], up[3];
+    lf_sub_double(c->target, c->position, forward);
+    double distance = lf_length_double(forward);
+    if (!(distance > 0.0) || !isfinite(distance))
+        return lf_error_set(err, LF_E_ARG, "camera",
+                            "position and target must not be the same point");
+    lf_cross_double(forward, c->up, right);
+    double r = lf_length_double(right);
+    if (!(r > 1e-12 * distance * lf_length_double(c->up)))
+        return lf_error_set(err, LF_E_ARG, "camera.up",
+                            "must not be parallel to the view direction");
+    lf_cross_double(right, forward, up);
+    rig->forward = scaled(forward, 1.0 / distance);
+    rig->right = scaled(right, 1.0 / r);
+    rig->up = scaled(up, 1.0 / lf_length_double(up));
+    *out_distance = distance;
+    return LF_OK;
+}
+
+/* Offset of view i is D tan(a_i) (docs/estimators.md, "The rig"). */
+static void place_views(lf_rig *rig, const lf_camera *c, double distance)
+{
+    int n = c->n_views;
+    for (int i = 0; i < LF_MAX_LANES; i++) {
+        int k = i < n ? i : n - 1;
+        double t = c->inclusive ? (n > 1 ? (double)k / (n - 1) - 0.5 : 0.0) : (k + 0.5) / n - 0.5;
+        rig->b[i] = (float)(distance * tan(t * c->cone));
+    }
+}
+
+lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settings, const double origin[3],
+                      lf_error *err)
+{
+    const lf_camera *c = &settings->camera;
+    lf_status status = check(settings, err);
+    double distance = 0.0;
+    lf_rig r;
+    memset(&r, 0, sizeof r);
+    if (status == LF_OK)
+        status = axes(&r, c, &distance, err);
+    if (status != LF_OK)
+        return status;
+    r.n_views = c->n_views;
+    r.width = settings->width;
+    r.height = settings->height;
+    r.eye = lf_v3((float)(c->position[0] - origin[0]), (float)(c->position[1] - origin[1]),
+                  (float)(c->position[2] - origin[2]));
+    r.distance = (float)distance;
+    r.lens_radius = (float)c->lens_radius;
+    r.focus = c->lens_radius > 0.0 && c->focus_distance > 0.0 ? (float)c->focus_distance
+                                                              : (float)distance;
+    double window_height = 2.0 * distance * tan(0.5 * c->fov_y);
+    double window_width = window_height * c->aspect;
+    const double *w = settings->window;
+    bool whole = w[0] == 0.0 && w[1] == 0.0 && w[2] == 0.0 && w[3] == 0.0;
+    double left = whole ? 0.0 : w[0], top = whole ? 0.0 : w[1], right = whole ? 1.0 : w[2],
+           bottom = whole ? 1.0 : w[3];
+    if (!(right > left && bottom > top))
+        return lf_error_set(err, LF_E_ARG, "window", "must have a positive size");
+    r.x0 = (float)((left - 0.5) * window_width);
+    r.dx = (float)((right - left) * window_width / settings->width);
+    r.y0 = (float)((0.5 - top) * window_height);
+    r.dy = (float)(-(bottom - top) * window_height / settings->height);
+    place_views(&r, c, distance);
+    *rig = r;
+    return LF_OK;
+}
+
+void lf_rig_row_plane(const lf_rig *rig, float v, const float u_lens[2], lf_row_plane *out)
+{
+    float yw = rig->y0 + v * rig->dy;
+    out->ly = 0.0f;
+    out->lens_chord = 0.0f;
+    if (rig->lens_radius > 0.0f) {
+        /* The height of a uniform point of the disk; lx given ly is then uniform on the chord. */
+        float y = sqrtf(u_lens[0]) * sinf(2.0f * LF_PI * u_lens[1]);
+        out->ly = rig->lens_radius * y;
+        out->lens_chord = rig->lens_radius * sqrtf(lf_max(0.0f, 1.0f - y * y));
+    }
+    out->my = yw / rig->distance - out->ly / rig->focus;
+}

@@ -1,0 +1,60 @@
+/* The rectified rig in camera space; private to render/.
+ *
+ * Camera space: X right, Y up, Z forward (positive), origin at the middle of the rig. Camera k sits
+ * at (b_k, 0, 0); all cameras share the window Z = D. A film point is (u, v) in pixels of a view;
+ * window coordinate X_w = x0 + u dx, Y_w = y0 + v dy.
+ *
+ * Thin lens (all views the same radius): a ray leaves (b_k + lx, ly, 0) towards the point of the
+ * focus plane Z = F that the pinhole ray of its film point hits. With one v and one ly for a whole
+ * row every ray of the row, of every view, lies in one plane Y = ly + my Z (docs/estimators.md,
+ * "The rig"):
+ *
+ *     X(Z) = c_k + mx Z,   c_k = b_k + lx,   mx = (X_w - b_k)/D - lx/F,   my = Y_w/D - ly/F
+ *     X_w  = b_k + D ((X - c_k)/Z + lx/F)
+ *
+ * A length along such a ray is sqrt(1 + mx^2 + my^2) times its length in Z. */
+#ifndef LF_RENDER_RIG_H
+#define LF_RENDER_RIG_H
+
+#include "render/scene/scene.h"
+
+/* Views come in groups of 8 lanes for the kernels. */
+#define LF_LANES 8
+#define LF_MAX_LANES ((LF_MAX_VIEWS + LF_LANES - 1) / LF_LANES * LF_LANES)
+
+typedef struct lf_rig {
+    int n_views, width, height;
+    lf_vec3 eye, right, up, forward; /* scene-local */
+    float distance;                  /* D */
+    float focus, lens_radius;        /* F (= D for pinholes), 0 = pinhole */
+    /* window coordinates of film point (0, 0) and of one pixel; dy < 0 */
+    float x0, dx, y0, dy;
+    /* camera positions along X, rising; lanes behind n_views repeat the last */
+    float b[LF_MAX_LANES];
+} lf_rig;
+
+/* The plane of one row in one visit. */
+typedef struct lf_row_plane {
+    float ly, my;     /* Y = ly + my Z */
+    float lens_chord; /* lx is uniform in [-lens_chord, lens_chord] */
+} lf_row_plane;
+
+/* LF_E_ARG for settings out of range. origin is the scene's (world = local + origin). */
+LF_NODISCARD lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settings,
+                                   const double origin[3], lf_error *err);
+
+/* v in [0, height): the row's film coordinate. u_lens[2] in [0,1): point of the lens (only its
+ * height is used). */
+void lf_rig_row_plane(const lf_rig *rig, float v, const float u_lens[2], lf_row_plane *out);
+
+static inline lf_vec3 lf_rig_point(const lf_rig *rig, float x, float y, float z)
+{
+    return lf_madd(lf_madd(lf_madd(rig->eye, x, rig->right), y, rig->up), z, rig->forward);
+}
+
+static inline lf_vec3 lf_rig_direction(const lf_rig *rig, float x, float y, float z)
+{
+    return lf_madd(lf_madd(lf_scale(rig->right, x), y, rig->up), z, rig->forward);
+}
+
+#endif

@@ -1,0 +1,238 @@
+/* What rows of one scene and rig share: made once, and driven by the renderer. */
+#include "render/rows/rows.h"
+
+#include <stdlib.h>
+
+#include "base/alloc.h"
+#include "render/scene/geometry.h"
+
+static const lf_sharing *const table[] = {&lf_sharing_mvpt, &lf_sharing_vpt, &lf_sharing_amvpt};
+#define N_SHARINGS (int)(sizeof table / sizeof table[0])
+
+static const lf_integrator_entry *entry(int index)
+{
+    return index >= 0 && index < N_SHARINGS ? &table[index]->entry : NULL;
+}
+
+/* What keeps every pivot to itself, for samples that one pixel asks for. */
+static const lf_sharing *find_native(void)
+{
+    int i = 0;
+    while (i + 1 < N_SHARINGS && table[i]->entry.shares)
+        i++;
+    return table[i];
+}
+
+/* --------------------------------------------------------------------------------- make, free --
+ */
+
+static void free_workers(lf_scratch **workers, int n)
+{
+    for (int i = 0; i < n && workers; i++) {
+        if (workers[i]) {
+            lf_media_finish(&workers[i]->media);
+            lf_film_sums_finish(&workers[i]->sums);
+            lf_section_finish(&workers[i]->section);
+            lf_free(workers[i]->expected);
+            lf_free(workers[i]->mirrors);
+        }
+        lf_free(workers[i]);
+    }
+    lf_free(workers);
+}
+
+static lf_scratch **make_workers(int n, const lf_media_frame *frame, const lf_film_layout *layout,
+                                 const lf_row_triangles *triangles, bool mirrors)
+{
+    lf_scratch **workers = lf_calloc((size_t)n, sizeof *workers);
+    for (int i = 0; workers && i < n; i++) {
+        workers[i] = lf_calloc(1, sizeof **workers);
+        if (workers[i])
+            workers[i]->expected = lf_calloc((size_t)layout->n_views * (size_t)layout->width,
+                                             sizeof *workers[i]->expected);
+        if (workers[i] && mirrors)
+            workers[i]->mirrors = lf_calloc((size_t)layout->n_views * (size_t)layout->width,
+                                            sizeof *workers[i]->mirrors);
+        if (!workers[i] || !workers[i]->expected || (mirrors && !workers[i]->mirrors) ||
+            lf_media_init(&workers[i]->media, frame) != LF_OK ||
+            lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
+            lf_section_init(&workers[i]->section, triangles->longest) != LF_OK) {
+            free_workers(workers, n);
+            return NULL;
+        }
+    }
+    return workers;
+}
+
+/* What the scene needs of the film; sky where B is not stored. */
+static lf_film_layout film_layout(const lf_scene *scene, unsigned skip, const lf_rig *rig,
+                                  float sky[3])
+{
+    bool native = scene->has_delta || scene->n_glows > 0;
+    bool uniform = !native && skip & LF_SKIP_KNOWN_LIGHT && lf_exits_uniform(scene, sky),
+         grids = false;
+    for (int i = 0; i < scene->n_volumes; i++)
+        grids = grids || (scene->volumes[i].kind == LF_VOLUME_GRID && !scene->volumes[i].nearest);
+    return (lf_film_layout){.n_views = rig->n_views,
+                            .width = rig->width,
+                            .height = rig->height,
+                            .has_w2 = scene->has_view_lobes,
+                            .has_native = native,
+                            .has_known = !uniform,
+                            .has_delta = scene->has_delta,
+                            .has_signed = grids};
+}
+
+/* Where surfaces have edges a picture needs many row offsets and film points of B and q, which all
+ * views of a visit share: a third of a cycle, by a divisor of n. Media alone are smooth, and their
+ * slices want whole cycles; so does what shares nothing. */
+static int passes_of_a_visit(const lf_scene *scene, const lf_sharing *sharing, int n)
+{
+    const int parts = 3;
+    int best = n;
+    if (!scene->embree || !sharing->entry.shares)
+        return n;
+    for (int g = (n + 6) / 7; 2 * g <= n; g++)
+        if (n % g == 0 && abs(parts * g - n) < abs(parts * best - n))
+            best = g;
+    return best;
+}
+
+static void destroy(void *state)
+{
+    lf_rows *rows = state;
+    if (!rows)
+        return;
+    free_workers(rows->workers, rows->n_workers);
+    lf_counts_finish(&rows->counts);
+    lf_row_triangles_finish(&rows->triangles);
+    lf_free(rows);
+}
+
+/* The memory: everything that can fail for want of it. */
+static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_film_layout *layout)
+{
+    lf_status status = LF_OK;
+    if (rows->seen.n_meshes > 0)
+        status = lf_row_triangles_init(&rows->triangles, &rows->seen, &rows->rig, rows->pool);
+    if (status == LF_OK && sharing->adaptive)
+        status = lf_counts_init(&rows->counts, layout->n_views, layout->width, layout->height);
+    if (status != LF_OK)
+        return status;
+    rows->n_workers = lf_pool_threads(rows->pool);
+    rows->workers =
+        make_workers(rows->n_workers, &rows->frame, layout, &rows->triangles, rows->seen.has_delta);
+    return rows->workers ? LF_OK : LF_E_NOMEM;
+}
+
+static void make_plan(lf_rows *rows, const lf_integrator_input *input, const lf_sharing *sharing)
+{
+    const lf_render_settings *settings = input->settings;
+    rows->plan =
+        (lf_visit_plan){.scene = &rows->seen,
+                        .rig = &rows->rig,
+                        .frame = &rows->frame,
+                        .kernels = lf_kernels_get(),
+                        .sharing = sharing,
+                        .native = find_native(),
+                        .triangles = rows->triangles.first ? &rows->triangles : NULL,
+                        .film = input->film,
+                        .sampler = settings->sampler,
+                        .max_depth = settings->max_depth > 0       ? settings->max_depth
+                                     : input->scene->max_depth > 0 ? input->scene->max_depth
+                                                                   : LF_DEFAULT_MAX_DEPTH,
+                        .skip = settings->skip,
+                        .pilot = sharing->adaptive ? &rows->counts : NULL};
+}
+
+static lf_status create(const lf_integrator_input *input, int index, void **out_state,
+                        lf_integrator_needs *out_needs, lf_error *err)
+{
+    const lf_sharing *sharing = table[index];
+    lf_rows *rows = lf_calloc(1, sizeof *rows);
+    if (!rows)
+        return LF_E_NOMEM;
+    lf_integrator_needs needs = {.sky = {0}};
+    rows->seen = *input->seen;
+    rows->pool = input->pool;
+    lf_status status = lf_rig_init(&rows->rig, input->settings, input->scene->origin, err);
+    if (status == LF_OK) {
+        lf_media_frame_init(&rows->frame, input->scene, &rows->rig);
+        needs.layout = film_layout(&rows->seen, input->settings->skip, &rows->rig, needs.sky);
+        needs.visit_passes = passes_of_a_visit(input->scene, sharing, rows->rig.n_views);
+        status = make_memory(rows, sharing, &needs.layout);
+    }
+    if (status != LF_OK) {
+        destroy(rows);
+        return status;
+    }
+    make_plan(rows, input, sharing);
+    *out_state = rows;
+    *out_needs = needs;
+    return LF_OK;
+}
+
+/* ------------------------------------------------------------------------------------ visits -- */
+
+/* Behind the pilot of an adaptive integrator: its map, once. Failing to make it costs nothing but
+ * its gain. */
+static void begin(void *state)
+{
+    lf_rows *rows = state;
+    if (rows->mapped || !rows->plan.sharing->adaptive || !lf_adaptive_ready(rows->plan.film))
+        return;
+    rows->mapped = true;
+    if (lf_adaptive_map(rows->plan.film, rows->pool, &rows->counts) == LF_OK)
+        rows->plan.counts = &rows->counts;
+    rows->plan.pilot = NULL;
+}
+
+static bool visit(void *state, const lf_visit_order *order, int row, int half, int worker,
+                  const lf_cancel *cancel)
+{
+    const lf_rows *rows = state;
+    lf_visit_plan plan = rows->plan;
+    plan.order = *order;
+    plan.counts = order->column_step == 1 ? plan.counts : NULL;
+    return lf_visit_row(&plan, row, half, rows->workers[worker], cancel);
+}
+
+/* ----------------------------------------------------------------------------------- reports -- */
+
+static void count(const void *state, lf_render_stats *out)
+{
+    const lf_rows *rows = state;
+    for (int i = 0; i < rows->n_workers; i++) {
+        const lf_scratch *w = rows->workers[i];
+        out->base_paths += w->base_paths;
+        out->contributions += w->contributions;
+        out->rays_traced += w->tracer.rays;
+        out->volume_lookups += w->tracer.lookups;
+        out->nonfinite_dropped += w->tracer.nonfinite;
+        out->base_hidden += w->base_hidden;
+    }
+    if (!rows->seen.embree)
+        out->rays_traced = out->base_hidden = -1;
+    if (rows->seen.n_volumes == 0)
+        out->volume_lookups = -1;
+}
+
+static void skipped(const void *state, json_t *out)
+{
+    const lf_rows *rows = state;
+    if (rows->seen.n_volumes == 0)
+        json_object_set_new(out, "volumes",
+                            json_string("none in the scene: no slices, no tracking, no OpenVDB"));
+    else if (rows->frame.n == 0)
+        json_object_set_new(out, "volumes", json_string("none in front of the cameras: no slices"));
+    if (rows->rig.lens_radius == 0.0f)
+        json_object_set_new(out, "lens", json_string("pinhole cameras: no points on it are drawn"));
+}
+
+const lf_integrator lf_integrator_rows = {.entry = entry,
+                                          .create = create,
+                                          .begin = begin,
+                                          .visit = visit,
+                                          .count = count,
+                                          .skipped = skipped,
+                                          .destroy = destroy};

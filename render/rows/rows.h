@@ -1,0 +1,27 @@
+/* Rectified rows: the integrators that visit one epipolar row at a time (vpt, mvpt, amvpt), as the
+ * renderer makes and drives them (integrator.h); private to render/, but for bench/ and the tests,
+ * which look inside. */
+#ifndef LF_RENDER_ROWS_H
+#define LF_RENDER_ROWS_H
+
+#include "render/integrator.h"
+#include "render/rows/visit.h"
+
+extern const lf_integrator lf_integrator_rows;
+
+/* Its state. */
+typedef struct lf_rows {
+    lf_scene seen; /* what is seen of the scene; borrows from it */
+    lf_pool *pool;
+    lf_rig rig;
+    lf_media_frame frame;
+    lf_row_triangles triangles; /* all zero without meshes */
+    lf_counts counts;           /* tiles only where sharing->adaptive */
+    bool mapped;                /* the map has been made: plan.counts */
+    lf_visit_plan plan;         /* of every visit, before an order is known */
+    /* [lf_pool_threads] each its own allocation: no shared cache lines */
+    lf_scratch **workers;
+    int n_workers;
+} lf_rows;
+
+#endif

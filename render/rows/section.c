@@ -1,0 +1,569 @@
+#include "render/rows/section.h"
+
+#include <stdlib.h>
+
+#include "base/alloc.h"
+
+enum { WIDE = LF_SECTION_WIDE };
+
+/* Nearer than this many D nothing hides: a camera would have to touch it. */
+#define NEAR 1e-7
+
+/* ------------------------------------------------------------------------------- coordinates -- */
+
+/* In double, because heights above the plane are small differences; the same arithmetic for corners
+ * and pivots. */
+static void to_camera(const lf_rig *rig, lf_vec3 p, double out[3])
+{
+    const lf_vec3 axes[3] = {rig->right, rig->up, rig->forward};
+    double x = (double)p.x - (double)rig->eye.x, y = (double)p.y - (double)rig->eye.y,
+           z = (double)p.z - (double)rig->eye.z;
+    for (int i = 0; i < 3; i++)
+        out[i] = x * (double)axes[i].x + y * (double)axes[i].y + z * (double)axes[i].z;
+}
+
+static float to_d(const lf_rig *rig, double z)
+{
+    double distance = (double)rig->distance;
+    return (float)((distance - z) / (z * distance));
+}
+
+static lf_vec3 corner_of(const lf_mesh *mesh, uint32_t triangle, int i)
+{
+    return lf_mesh_vertex(mesh, mesh->triangles[3 * (size_t)triangle + (size_t)i]);
+}
+
+/* ------------------------------------------------------------------------ what rows can meet -- */
+
+/* Rows that a triangle can be met in, and its middle; first > last: none. */
+typedef struct span {
+    int first, last;
+    float d, s;
+} span;
+
+typedef struct spans {
+    const lf_scene *scene;
+    const lf_rig *rig;
+    const uint32_t *mesh_start; /* [meshes + 1] */
+    span *spans;
+} spans;
+
+/* Film rows of a point, all of the lens considered (rig.h): Y_w = D Y/Z + ly D (1/F - 1/Z). */
+static void grow_rows(const lf_rig *rig, const double p[3], double *lo, double *hi)
+{
+    double distance = (double)rig->distance,
+           v = (distance * p[1] / p[2] - (double)rig->y0) / (double)rig->dy;
+    double blur = fabs((double)rig->lens_radius * distance *
+                       (1.0 / (double)rig->focus - 1.0 / p[2]) / (double)rig->dy);
+    *lo = v - blur < *lo ? v - blur : *lo;
+    *hi = v + blur > *hi ? v + blur : *hi;
+}
+
+static span span_of(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle)
+{
+    const double margin = 0.01; /* of a row: planes are kept in single precision */
+    double lo = INFINITY, hi = -INFINITY, middle[3] = {0}, near = NEAR * (double)rig->distance;
+    int in_front = 0;
+    for (int i = 0; i < 3; i++) {
+        double p[3];
+        to_camera(rig, corner_of(mesh, triangle, i), p);
+        for (int axis = 0; axis < 3; axis++)
+            middle[axis] += p[axis] / 3.0;
+        in_front += p[2] > near;
+        if (p[2] > near)
+            grow_rows(rig, p, &lo, &hi);
+    }
+    if (in_front == 0)
+        return (span){.first = 0, .last = -1};
+    double z = middle[2] > near ? middle[2] : near, height = (double)rig->height;
+    span out = {
+        .first = 0, .last = rig->height - 1, .d = to_d(rig, z), .s = (float)(middle[0] / z)};
+    if (in_front == 3) {
+        /* bounds first: a point beside the camera may be outside of what an int holds */
+        out.first = (int)floor(fmin(fmax(lo - margin, 0.0), height));
+        out.last = (int)floor(fmin(fmax(hi + margin, -1.0), height - 1.0));
+    }
+    return out;
+}
+
+enum { CHUNK = 4096 };
+
+static void span_chunk(void *context, int item, int worker)
+{
+    const spans *job = context;
+    uint32_t n = job->mesh_start[job->scene->n_meshes], from = (uint32_t)item * CHUNK,
+             to = n - from > CHUNK ? from + CHUNK : n;
+    int mesh = 0;
+    (void)worker;
+    for (uint32_t i = from; i < to; i++) {
+        while (i >= job->mesh_start[mesh + 1])
+            mesh++;
+        job->spans[i] = span_of(job->rig, &job->scene->meshes[mesh], i - job->mesh_start[mesh]);
+    }
+}
+
+/* The bits of x in the even places. */
+static uint32_t spread_bits(uint32_t x)
+{
+    x = (x | x << 8) & 0x00ff00ffu;
+    x = (x | x << 4) & 0x0f0f0f0fu;
+    x = (x | x << 2) & 0x33333333u;
+    return (x | x << 1) & 0x55555555u;
+}
+
+static uint32_t cell_of(float x, float min, float max)
+{
+    return max > min ? (uint32_t)(65535.0f * lf_min(lf_max((x - min) / (max - min), 0.0f), 1.0f))
+                     : 0;
+}
+
+/* Counting sort of the spans into rows. */
+static void fill_rows(lf_row_triangles *out, const lf_scene *scene, const lf_rig *rig,
+                      const span *all)
+{
+    float d0 = INFINITY, d1 = -INFINITY, s0 = INFINITY, s1 = -INFINITY;
+    size_t n = 0;
+    for (int m = 0; m < scene->n_meshes; m++) {
+        for (int i = 0; i < scene->meshes[m].n_triangles; i++, n++) {
+            if (all[n].first > all[n].last)
+                continue;
+            d0 = lf_min(d0, all[n].d);
+            d1 = lf_max(d1, all[n].d);
+            s0 = lf_min(s0, all[n].s);
+            s1 = lf_max(s1, all[n].s);
+        }
+    }
+    n = 0;
+    for (int m = 0; m < scene->n_meshes; m++) {
+        for (int i = 0; i < scene->meshes[m].n_triangles; i++, n++) {
+            uint32_t order = spread_bits(cell_of(all[n].d, d0, d1)) |
+                             spread_bits(cell_of(all[n].s, s0, s1)) << 1;
+            for (int row = all[n].first; row <= all[n].last; row++)
+                out->list[out->first[row]++] = (lf_row_triangle){(uint32_t)m, (uint32_t)i, order};
+        }
+    }
+    /* every start has moved to the next row's */
+    for (int row = rig->height; row > 0; row--)
+        out->first[row] = out->first[row - 1];
+    out->first[0] = 0;
+}
+
+static int by_order(const void *a, const void *b)
+{
+    const lf_row_triangle *x = a, *y = b;
+    return (x->order > y->order) - (x->order < y->order);
+}
+
+static void sort_row(void *context, int row, int worker)
+{
+    const lf_row_triangles *rows = context;
+    (void)worker;
+    qsort(rows->list + rows->first[row], rows->first[row + 1] - rows->first[row],
+          sizeof *rows->list, by_order);
+}
+
+/* Where every row's list begins. */
+static void count_rows(lf_row_triangles *out, const lf_rig *rig, const span *all, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        for (int row = all[i].first; row <= all[i].last; row++)
+            out->first[row + 1]++;
+    for (int row = 0; row < rig->height; row++) {
+        out->longest = out->first[row + 1] > out->longest ? out->first[row + 1] : out->longest;
+        out->first[row + 1] += out->first[row];
+    }
+}
+
+lf_status lf_row_triangles_init(lf_row_triangles *out, const lf_scene *scene, const lf_rig *rig,
+                                lf_pool *pool)
+{
+    *out = (lf_row_triangles){0};
+    out->first = lf_calloc((size_t)rig->height + 1, sizeof *out->first);
+    out->mesh_start = lf_calloc((size_t)scene->n_meshes + 1, sizeof *out->mesh_start);
+    if (!out->first || !out->mesh_start)
+        return LF_E_NOMEM;
+    for (int i = 0; i < scene->n_meshes; i++)
+        out->mesh_start[i + 1] = out->mesh_start[i] + (uint32_t)scene->meshes[i].n_triangles;
+    size_t n = out->mesh_start[scene->n_meshes];
+    spans job = {.scene = scene,
+                 .rig = rig,
+                 .mesh_start = out->mesh_start,
+                 .spans = lf_calloc(n, sizeof *job.spans)};
+    lf_status status =
+        job.spans ? lf_pool_run(pool, (int)((n + CHUNK - 1) / CHUNK), span_chunk, &job, NULL)
+                  : LF_E_NOMEM;
+    if (status == LF_OK) {
+        count_rows(out, rig, job.spans, n);
+        out->list = lf_calloc(out->first[rig->height], sizeof *out->list);
+        status = out->list ? LF_OK : LF_E_NOMEM;
+    }
+    if (status == LF_OK) {
+        fill_rows(out, scene, rig, job.spans);
+        status = lf_pool_run(pool, rig->height, sort_row, out, NULL);
+    }
+    lf_free(job.spans);
+    return status;
+}
+
+void lf_row_triangles_finish(lf_row_triangles *rows)
+{
+    lf_free(rows->first);
+    lf_free(rows->list);
+    lf_free(rows->mesh_start);
+    *rows = (lf_row_triangles){0};
+}
+
+/* --------------------------------------------------------------------------- one row's plane -- */
+
+static int groups(int n)
+{
+    return (n + WIDE - 1) / WIDE;
+}
+
+lf_status lf_section_init(lf_section *section, size_t longest)
+{
+    int leaves = groups((int)longest), nodes = groups(leaves), roots = groups(nodes);
+    *section = (lf_section){0};
+    section->leaves = lf_calloc((size_t)leaves, sizeof *section->leaves);
+    section->nodes = lf_calloc((size_t)nodes, sizeof *section->nodes);
+    section->roots = lf_calloc((size_t)roots, sizeof *section->roots);
+    return section->leaves && section->nodes && section->roots ? LF_OK : LF_E_NOMEM;
+}
+
+void lf_section_finish(lf_section *section)
+{
+    lf_free(section->leaves);
+    lf_free(section->nodes);
+    lf_free(section->roots);
+    *section = (lf_section){0};
+}
+
+/* A corner of a triangle: its place, and its height above the plane. */
+typedef struct corner {
+    double x, z, height;
+} corner;
+
+/* Where an edge crosses the plane, always from above to below: triangles that share it find the
+ * same bits. */
+static corner crossing(corner a, corner b)
+{
+    corner above = a.height >= 0.0 ? a : b, below = a.height >= 0.0 ? b : a;
+    double t = above.height / (above.height - below.height);
+    return (corner){above.x + t * (below.x - above.x), above.z + t * (below.z - above.z), 0.0};
+}
+
+/* The ends of the segment that plane and triangle share, in front of the cameras; false: they do
+ * not meet there. */
+static bool cut_triangle(const lf_rig *rig, const lf_row_plane *plane, const lf_mesh *mesh,
+                         uint32_t triangle, corner out[2])
+{
+    corner c[3];
+    int above = 0;
+    for (int i = 0; i < 3; i++) {
+        double p[3];
+        to_camera(rig, corner_of(mesh, triangle, i), p);
+        c[i] = (corner){p[0], p[2], p[1] - ((double)plane->ly + (double)plane->my * p[2])};
+        above += c[i].height >= 0.0;
+    }
+    if (above == 0 || above == 3)
+        return false;
+    int alone = 0; /* the corner on a side of its own */
+    while ((c[alone].height >= 0.0) != (above == 1))
+        alone++;
+    out[0] = crossing(c[alone], c[(alone + 1) % 3]);
+    out[1] = crossing(c[alone], c[(alone + 2) % 3]);
+    double near = NEAR * (double)rig->distance;
+    if (out[0].z < out[1].z) {
+        corner swap = out[0];
+        out[0] = out[1];
+        out[1] = swap;
+    }
+    if (!(out[0].z > near))
+        return false;
+    if (out[1].z < near) {
+        double t = (out[0].z - near) / (out[0].z - out[1].z);
+        out[1] = (corner){out[0].x + t * (out[1].x - out[0].x), near, 0.0};
+    }
+    return true;
+}
+
+static int material_of(const lf_mesh *mesh, uint32_t triangle)
+{
+    return mesh->triangle_material ? mesh->triangle_material[triangle] : mesh->material;
+}
+
+static void put_segment(lf_section_leaf *leaf, int i, const lf_rig *rig, const corner end[2])
+{
+    leaf->d0[i] = to_d(rig, end[0].z);
+    leaf->s0[i] = (float)(end[0].x / end[0].z);
+    leaf->d1[i] = to_d(rig, end[1].z);
+    leaf->s1[i] = (float)(end[1].x / end[1].z);
+}
+
+static void clear_boxes(lf_section_node *node)
+{
+    for (int i = 0; i < WIDE; i++) {
+        node->d0[i] = node->s0[i] = LF_SECTION_FAR;
+        node->d1[i] = node->s1[i] = -LF_SECTION_FAR;
+    }
+}
+
+/* Makes box i of node hold n segments, or boxes; the unused among them are inside out. */
+static void grow_box(lf_section_node *node, int i, const float *d0, const float *d1,
+                     const float *s0, const float *s1)
+{
+    for (int j = 0; j < WIDE; j++) {
+        if (!(d1[j] > -LF_SECTION_FAR))
+            continue;
+        node->d0[i] = lf_min(node->d0[i], d0[j]);
+        node->d1[i] = lf_max(node->d1[i], d1[j]);
+        node->s0[i] = lf_min(node->s0[i], lf_min(s0[j], s1[j]));
+        node->s1[i] = lf_max(node->s1[i], lf_max(s0[j], s1[j]));
+    }
+}
+
+static void build_boxes(lf_section *section)
+{
+    int n_nodes = groups(section->n_leaves);
+    section->n_roots = groups(n_nodes);
+    for (int i = 0; i < n_nodes; i++)
+        clear_boxes(&section->nodes[i]);
+    for (int i = 0; i < section->n_roots; i++)
+        clear_boxes(&section->roots[i]);
+    for (int i = 0; i < section->n_leaves; i++) {
+        const lf_section_leaf *leaf = &section->leaves[i];
+        grow_box(&section->nodes[i / WIDE], i % WIDE, leaf->d0, leaf->d1, leaf->s0, leaf->s1);
+    }
+    for (int i = 0; i < n_nodes; i++) {
+        const lf_section_node *node = &section->nodes[i];
+        grow_box(&section->roots[i / WIDE], i % WIDE, node->d0, node->d1, node->s0, node->s1);
+    }
+}
+
+void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
+                    const lf_rig *rig, int row, const lf_row_plane *plane)
+{
+    int n = 0;
+    for (size_t at = rows->first[row]; at < rows->first[row + 1]; at++) {
+        const lf_row_triangle *t = &rows->list[at];
+        corner end[2];
+        if (cut_triangle(rig, plane, &scene->meshes[t->mesh], t->triangle, end)) {
+            lf_section_leaf *leaf = &section->leaves[n / WIDE];
+            put_segment(leaf, n % WIDE, rig, end);
+            leaf->triangle[n % WIDE] = rows->mesh_start[t->mesh] + t->triangle;
+            leaf->material[n % WIDE] = material_of(&scene->meshes[t->mesh], t->triangle);
+            n++;
+        }
+    }
+    section->n_leaves = groups(n);
+    for (; n % WIDE != 0; n++) {
+        lf_section_leaf *leaf = &section->leaves[n / WIDE];
+        leaf->d0[n % WIDE] = leaf->d1[n % WIDE] = -LF_SECTION_FAR;
+        leaf->s0[n % WIDE] = leaf->s1[n % WIDE] = 0.0f;
+    }
+    build_boxes(section);
+}
+
+/* -------------------------------------------------------------------------------------- hide -- */
+
+/* What is asked: the point, how far in front of it hiding begins, and the positions that are left.
+ */
+typedef struct question {
+    float d, s, behind;
+    uint32_t on; /* the triangle it lies on */
+    const float *c;
+    float *scale;
+    int first, last; /* positions outside of these are hidden */
+} question;
+
+/* Takes positions that are hidden off the ends; false: none is left. */
+static bool narrow(question *q)
+{
+    while (q->first <= q->last && !(q->scale[q->first] > 0.0f))
+        q->first++;
+    while (q->first <= q->last && !(q->scale[q->last] > 0.0f))
+        q->last--;
+    return q->first <= q->last;
+}
+
+/* Boxes that hide the point from positions between the outermost. The same roundings as below,
+ * which rise and fall with what they round: a box spans no less than its segments do, so that no
+ * ray slips through between two that share an end. */
+static void meets(const lf_section_node *node, const question *q, int out[WIDE])
+{
+    float first = q->c[q->first], last = q->c[q->last], behind = q->behind, d = q->d, s = q->s;
+    for (int i = 0; i < WIDE; i++) {
+        float near = lf_max(node->d0[i] - d, behind), far = node->d1[i] - d, s0 = node->s0[i] - s,
+              s1 = node->s1[i] - s;
+        float lo = s0 / (s0 < 0.0f ? near : far), hi = s1 / (s1 < 0.0f ? far : near);
+        out[i] = (far > behind) & (lo <= last) & (hi >= first);
+    }
+}
+
+/* The positions [lo, hi] that each segment hides the point from; lo > hi: none. No branches, for
+ * the compiler's vectors. */
+static void intervals(const lf_section_leaf *leaf, const question *q, float lo[WIDE],
+                      float hi[WIDE])
+{
+    float behind = q->behind, d = q->d, s = q->s;
+    for (int i = 0; i < WIDE; i++) {
+        float d0 = leaf->d0[i] - d, d1 = leaf->d1[i] - d, s0 = leaf->s0[i] - s,
+              s1 = leaf->s1[i] - s;
+        /* where it comes out from behind the point */
+        float cut = s0 + (s1 - s0) * ((behind - d0) / (d1 - d0));
+        float c0 = (d0 < behind ? cut : s0) / lf_max(d0, behind), c1 = s1 / d1;
+        lo[i] = d1 > behind ? lf_min(c0, c1) : INFINITY;
+        hi[i] = d1 > behind ? lf_max(c0, c1) : -INFINITY;
+    }
+    for (int i = 0; i < WIDE; i++)
+        lo[i] = leaf->triangle[i] == q->on ? INFINITY : lo[i];
+}
+
+static void hide_between(question *q, float lo, float hi)
+{
+    for (int group = q->first / WIDE * WIDE; group <= q->last; group += WIDE) {
+        const float *c = q->c + group;
+        float *scale = q->scale + group;
+        for (int i = 0; i < WIDE; i++)
+            scale[i] = (c[i] >= lo) & (c[i] <= hi) ? 0.0f : scale[i];
+    }
+}
+
+/* false: nothing is left to hide. */
+static bool hide_leaf(const lf_section_leaf *leaf, question *q)
+{
+    float lo[WIDE], hi[WIDE], from = INFINITY, to = -INFINITY, first = q->c[q->first],
+                              last = q->c[q->last];
+    intervals(leaf, q, lo, hi);
+    /* Segments of one surface share their ends, so that mostly one interval is left. */
+    for (int i = 0; i < WIDE; i++) {
+        if (!(lo[i] <= last && hi[i] >= first))
+            continue;
+        bool apart = lo[i] > to || hi[i] < from;
+        if (apart && from <= to)
+            hide_between(q, from, to);
+        from = apart ? lo[i] : lf_min(from, lo[i]);
+        to = apart ? hi[i] : lf_max(to, hi[i]);
+    }
+    if (from <= to)
+        hide_between(q, from, to);
+    return narrow(q);
+}
+
+static bool hide_node(const lf_section *section, int node, question *q)
+{
+    int hit[WIDE];
+    meets(&section->nodes[node], q, hit);
+    for (int i = 0; i < WIDE; i++)
+        if (hit[i] && !hide_leaf(&section->leaves[WIDE * node + i], q))
+            return false;
+    return true;
+}
+
+void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
+                     lf_vec3 p, const lf_hit *on, int n, const float *c, float *scale)
+{
+    double at[3];
+    to_camera(rig, p, at);
+    float inverse = 1.0f / (float)at[2];
+    question q = {.d = to_d(rig, at[2]),
+                  .s = (float)(at[0] / at[2]),
+                  .on = UINT32_MAX,
+                  .c = c,
+                  .last = n - 1};
+    q.scale = scale;
+    q.behind = 1e-6f * fabsf(q.d) + 1e-12f * inverse;
+    if (on) {
+        /* the rounding of p, and of the ray that found it */
+        q.behind += 5e-7f * (lf_max(fabsf(p.x), lf_max(fabsf(p.y), fabsf(p.z))) + (float)at[2]) *
+                    inverse * inverse;
+        q.on = rows->mesh_start[on->mesh->geom_id] + on->triangle;
+    }
+    if (!narrow(&q))
+        return;
+    for (int root = 0; root < section->n_roots; root++) {
+        int hit[WIDE];
+        meets(&section->roots[root], &q, hit);
+        for (int i = 0; i < WIDE; i++)
+            if (hit[i] && !hide_node(section, WIDE * root + i, &q))
+                return;
+    }
+}
+
+/* ----------------------------------------------------------------------------------- nearest -- */
+
+/* The fan, and what it has met so far. */
+typedef struct fan {
+    float s; /* where its lines meet, at d = 0 */
+    int n;
+    const float *c;
+    float d[LF_MAX_LANES];
+    int *material;
+} fan;
+
+/* Boxes that lie between the outermost rays, on either side of d = 0. */
+static void fan_meets(const lf_section_node *node, const fan *f, int out[WIDE])
+{
+    float first = f->c[0], last = f->c[f->n - 1];
+    for (int i = 0; i < WIDE; i++) {
+        float d0 = node->d0[i], d1 = node->d1[i], a = first * d0, b = first * d1, e = last * d0,
+              g = last * d1;
+        float below = lf_min(lf_min(a, b), lf_min(e, g)),
+              above = lf_max(lf_max(a, b), lf_max(e, g));
+        out[i] =
+            (node->s0[i] - f->s <= above) & (node->s1[i] - f->s >= below) & (d1 > -LF_SECTION_FAR);
+    }
+}
+
+/* A segment is met by the rays that have its ends on different sides: those that share an end agree
+ * on its side. */
+static void meet_segment(fan *f, int group, float d0, float s0, float d1, float s1, int material)
+{
+    for (int k = group; k < group + WIDE; k++) {
+        float a = s0 - f->c[k] * d0, b = s1 - f->c[k] * d1;
+        float d = d0 + (d1 - d0) * (a / (a - b));
+        bool nearer = ((a >= 0.0f) != (b >= 0.0f)) & (d > f->d[k]);
+        f->d[k] = nearer ? d : f->d[k];
+        f->material[k] = nearer ? material : f->material[k];
+    }
+}
+
+static void fan_leaf(const lf_section_leaf *leaf, fan *f)
+{
+    for (int i = 0; i < WIDE; i++) {
+        float d0 = leaf->d0[i], d1 = leaf->d1[i], s0 = leaf->s0[i] - f->s, s1 = leaf->s1[i] - f->s;
+        for (int group = 0; group < f->n && d1 > -LF_SECTION_FAR; group += WIDE) {
+            /* linear in c: no ray between two that have both ends on one side meets it */
+            float c0 = f->c[group], c1 = f->c[group + WIDE - 1];
+            bool above = s0 >= c0 * d0 && s1 >= c0 * d1 && s0 >= c1 * d0 && s1 >= c1 * d1;
+            bool below = s0 < c0 * d0 && s1 < c0 * d1 && s0 < c1 * d0 && s1 < c1 * d1;
+            if (!above && !below)
+                meet_segment(f, group, d0, s0, d1, s1, leaf->material[i]);
+        }
+    }
+}
+
+void lf_section_nearest(const lf_section *section, const lf_rig *rig, float s0, int n,
+                        const float *c, float *z, int *material)
+{
+    fan f = {.s = s0, .n = n, .c = c};
+    f.material = material;
+    for (int k = 0; k < n; k++) {
+        f.d[k] = -LF_SECTION_FAR;
+        material[k] = -1;
+    }
+    for (int root = 0; root < section->n_roots; root++) {
+        int hit[WIDE], inner[WIDE];
+        fan_meets(&section->roots[root], &f, hit);
+        for (int i = 0; i < WIDE; i++) {
+            if (!hit[i])
+                continue;
+            fan_meets(&section->nodes[WIDE * root + i], &f, inner);
+            for (int j = 0; j < WIDE; j++)
+                if (inner[j])
+                    fan_leaf(&section->leaves[WIDE * (WIDE * root + i) + j], &f);
+        }
+    }
+    for (int k = 0; k < n; k++)
+        z[k] = material[k] < 0 ? INFINITY : rig->distance / (f.d[k] * rig->distance + 1.0f);
+}

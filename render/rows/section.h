@@ -1,0 +1,90 @@
+/* The meshes cut by the plane of a row: from which views a surface hides a point of it, and what
+ * the rays of a fan meet first; private to render/.
+ *
+ * All rays of a visit lie in one plane (rig.h), and meshes meet it in segments. With d = 1/Z - 1/D
+ * and s = X/Z straight lines stay straight, and the ray from the camera position c to the point
+ * (d0, s0) is the line s = s0 + c (d - d0): cameras are slopes. A point (d, s) with d > d0
+ * therefore hides (d0, s0) from the one camera position (s - s0) / (d - d0), and a segment from all
+ * positions between those of its ends. Two divisions a segment that lies in front of the point
+ * answer for all views; occlusion rays would take one each. What is hidden is the same but for
+ * rounding: tests/render/test_section.c. */
+#ifndef LF_RENDER_SECTION_H
+#define LF_RENDER_SECTION_H
+
+#include "base/thread.h"
+#include "render/rows/rig.h"
+#include "render/transport/track.h"
+
+/* ------------------------------------------------------------------------ what rows can meet -- */
+
+typedef struct lf_row_triangle {
+    uint32_t mesh, triangle;
+    /* along a Z curve in (d, s): neighbours in a row's list are neighbours in the plane */
+    uint32_t order;
+} lf_row_triangle;
+
+/* The triangles of every row: all that a plane of it, through any point of row and lens, can meet
+ * in front of the cameras. */
+typedef struct lf_row_triangles {
+    size_t *first;         /* [height + 1] */
+    lf_row_triangle *list; /* of row r: [first[r], first[r + 1]) */
+    /* [meshes + 1] number of a mesh's first triangle, counted through all meshes */
+    uint32_t *mesh_start;
+    size_t longest; /* triangles of the row that has most */
+} lf_row_triangles;
+
+/* Sorts the scene's triangles into the rig's rows, on the pool. LF_E_NOMEM; *out may then be
+ * finished. Release with lf_row_triangles_finish. */
+LF_NODISCARD lf_status lf_row_triangles_init(lf_row_triangles *out, const lf_scene *scene,
+                                             const lf_rig *rig, lf_pool *pool);
+/* Accepts one that is all zero. */
+void lf_row_triangles_finish(lf_row_triangles *rows);
+
+/* --------------------------------------------------------------------------- one row's plane -- */
+
+#define LF_SECTION_WIDE 8
+
+/* Segments, d0 <= d1; unused ones lie at d = -LF_SECTION_FAR. */
+typedef struct lf_section_leaf {
+    float d0[LF_SECTION_WIDE], s0[LF_SECTION_WIDE], d1[LF_SECTION_WIDE], s1[LF_SECTION_WIDE];
+    uint32_t triangle[LF_SECTION_WIDE]; /* counted through all meshes */
+    int material[LF_SECTION_WIDE];
+} lf_section_leaf;
+
+/* Boxes of the leaves, or nodes, from 8 i on. */
+typedef struct lf_section_node {
+    float d0[LF_SECTION_WIDE], s0[LF_SECTION_WIDE], d1[LF_SECTION_WIDE], s1[LF_SECTION_WIDE];
+} lf_section_node;
+#define LF_SECTION_FAR 1e30f
+
+typedef struct lf_section {
+    lf_section_leaf *leaves;
+    lf_section_node *nodes, *roots;
+    int n_leaves, n_roots;
+} lf_section;
+
+/* Memory for sections of up to `longest` triangles; LF_E_NOMEM. Release with lf_section_finish,
+ * also then. */
+LF_NODISCARD lf_status lf_section_init(lf_section *section, size_t longest);
+/* Accepts one that is all zero. */
+void lf_section_finish(lf_section *section);
+
+/* Cuts the row's triangles with a plane of the row. Does not allocate. */
+void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
+                    const lf_rig *rig, int row, const lf_row_plane *plane);
+
+/* Sets scale[k] to 0 for every camera position c[k] from which a surface hides the point p of the
+ * plane, k < n, n a multiple of LF_LANES; c rises in k but for lanes behind the views, whose scale
+ * is 0. Views whose scale is 0 are not looked at. on: the surface that p lies on, which hides it
+ * from nobody; NULL for a point of a medium. */
+void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
+                     lf_vec3 p, const lf_hit *on, int n, const float *c, float *scale);
+
+/* The nearest surface along each of n rays that leave the camera positions c[k], rising in k,
+ * through one point of the plane Z = D, or for a lens through one point of what it makes of that
+ * plane: the lines s = s0 + c d. n is a multiple of LF_LANES. z[k] is where it lies, INFINITY:
+ * nowhere; material[k] is its material in the scene, -1: none. */
+void lf_section_nearest(const lf_section *section, const lf_rig *rig, float s0, int n,
+                        const float *c, float *z, int *material);
+
+#endif

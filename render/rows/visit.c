@@ -1,0 +1,555 @@
+/* A visit of a row: plane, slice, exits, base samples. What is the same for every integrator. */
+#include "render/rows/visit.h"
+
+/* ----------------------------------------------------------------------------------- lattice -- */
+
+static int gcd(int a, int b)
+{
+    return b ? gcd(b, a % b) : a;
+}
+
+/* A step coprime to n near n times 1 - 1/golden ratio: neighbouring columns take distant views. */
+static int lattice_step(int n)
+{
+    int step = (int)(0.381966 * n);
+    while (gcd(step, n) != 1)
+        step++;
+    return step;
+}
+
+/* The views of a column in the order in which visits take them: rank r of column u is view step (u
+ * + r) mod n. A visit takes the next `subsets` ranks of every column, from a start that is uniform
+ * in a half's first visit: a pixel is sampled with probability subsets / n in each visit, and once
+ * in any n passes, however they were cut into visits. */
+static int lattice_view(const lf_visit *visit, int column, int j)
+{
+    return (int)((int64_t)visit->step * (column + visit->start + j) % visit->rig->n_views);
+}
+
+/* 1 / step modulo n. */
+static int lattice_inverse(int step, int n)
+{
+    int inverse = 1;
+    while ((int64_t)step * inverse % n != 1 % n)
+        inverse++;
+    return inverse;
+}
+
+bool lf_lattice_has(const lf_visit *visit, int view, int column)
+{
+    for (int j = 0; j < visit->subsets; j++)
+        if (lattice_view(visit, column, j) == view)
+            return true;
+    return false;
+}
+
+/* ------------------------------------------------------------------------------------ suffix -- */
+
+void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *suffix)
+{
+    lf_tracer *tracer = &visit->worker->tracer;
+    lf_vec3 f;
+    float u[3];
+    lf_sampler_2d(pivot->sampler, u);
+    u[2] = lf_sampler_1d(pivot->sampler);
+    suffix->found = suffix->scattered = lf_v3(0.0f, 0.0f, 0.0f);
+    suffix->found_pdf = 0.0f;
+    suffix->found_light = NULL;
+    float pdf = lf_scatter_sample(visit->scene, &pivot->event, wo, u, &suffix->wi, &f);
+    /* A direction counts in W' whether or not anything is reflected along it. */
+    suffix->has_direction = pdf > 0.0f;
+    if (!suffix->has_direction || !(lf_max3(f) > 0.0f))
+        return;
+    lf_event next;
+    lf_path_next(tracer, &pivot->event, suffix->wi, &next);
+    suffix->found = lf_path_light_found(visit->scene, &pivot->event, &next, &suffix->found_pdf);
+    if (visit->worker->glows.n > 0 && suffix->found_pdf > 0.0f && next.kind == LF_EVENT_SURFACE)
+        suffix->found_light = lf_light_of_hit(visit->scene, &next.hit);
+    suffix->scattered = lf_path_arriving(tracer, &next, 2, visit->max_depth);
+}
+
+void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out)
+{
+    float u[3];
+    *out = (lf_suffix){0};
+    u[0] = lf_sampler_1d(pivot->sampler);
+    lf_sampler_2d(pivot->sampler, u + 1);
+    out->has_light = lf_light_draw(visit->scene, pivot->event.p, u, &out->light);
+    if (out->has_light)
+        out->light_visible = lf_path_visible(&visit->worker->tracer, &pivot->event, &out->light);
+    lf_suffix_redraw(visit, pivot, wo, out);
+}
+
+lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
+                           lf_vec3 wo)
+{
+    lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f), f;
+    if (suffix->has_light) {
+        float pdf = lf_scatter_eval(visit->scene, &pivot->event, wo, suffix->light.wi, &f);
+        float weight = suffix->light_visible /
+                       (suffix->light.delta ? suffix->light.pdf : suffix->light.pdf + pdf);
+        radiance = lf_scale(lf_mul(f, suffix->light.radiance), weight);
+    }
+    if (suffix->has_direction) {
+        float pdf = lf_scatter_eval(visit->scene, &pivot->event, wo, suffix->wi, &f);
+        lf_vec3 arriving =
+            lf_madd(suffix->scattered, pdf / (pdf + suffix->found_pdf), suffix->found);
+        if (pdf > 0.0f)
+            radiance = lf_madd(radiance, 1.0f / pdf, lf_mul(f, arriving));
+    }
+    return radiance;
+}
+
+float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot)
+{
+    lf_scratch *w = visit->worker;
+    if (!lf_correction_needed(&w->media) || lf_has_fault(visit, LF_FAULT_NO_CORRECTION))
+        return 1.0f;
+    float x0 = visit->rig->b[view] + pivot->lx, slope = (pivot->x - x0) / pivot->z, factor = 1.0f;
+    float lanes[4][LF_LANES];
+    if (pivot->event.kind == LF_EVENT_MEDIUM &&
+        w->media.item[pivot->medium].kind == LF_MEDIUM_SLICE) {
+        float sampled = lf_slice_density(&w->media.item[pivot->medium].slice, x0, slope, pivot->z);
+        float density = lf_correction_density(&w->media, pivot->medium, visit->scene,
+                                              pivot->event.p, sampled, &w->tracer);
+        factor = sampled > 0.0f ? density / sampled : 1.0f;
+    }
+    if (!(factor > 0.0f))
+        return 0.0f;
+    for (int k = 0; k < LF_LANES; k++) {
+        lanes[0][k] = x0;
+        lanes[1][k] = slope;
+        lanes[2][k] = pivot->z;
+        lanes[3][k] = factor;
+    }
+    lf_rays ray = {visit->scene, visit->rig, &visit->plane, visit->kernels,
+                   LF_LANES,     lanes[0],   lanes[1],      lanes[2]};
+    lf_correction_transmittance(&w->media, &ray, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, lanes[3]);
+    return lanes[3][0];
+}
+
+/* ------------------------------------------------------------------------------ base samples -- */
+
+/* 1 over the native samples that a pixel expects, base samples and its own (sample_mirrors), in
+ * units of g / n. */
+static float native_weight(const lf_visit *visit, size_t pixel)
+{
+    if (!visit->worker->mirrors[pixel])
+        return visit->alone;
+    return 1.0f / ((visit->expected ? visit->expected[pixel] : 1.0f) + visit->more);
+}
+
+void lf_visit_add_native(lf_visit *visit, size_t pixel, lf_vec3 radiance)
+{
+    if (!isfinite(radiance.x + radiance.y + radiance.z)) {
+        visit->worker->tracer.nonfinite++;
+        return;
+    }
+    lf_film_add_native(&visit->sums, pixel, radiance.x, radiance.y, radiance.z);
+}
+
+/* What one delta lobe of the first surface brings: native, into M. */
+static void follow_delta(lf_visit *visit, int view, int column, const lf_pivot *pivot,
+                         const lf_delta *lobe)
+{
+    const lf_event *event = &pivot->event;
+    lf_tracer *tracer = &visit->worker->tracer;
+    float probability = lf_min(1.0f, 4.0f * lf_max3(lobe->f));
+    if (lf_rng(tracer) >= probability)
+        return;
+    lf_event next;
+    lf_path_next(tracer, event, lobe->wi, &next);
+    float light_pdf;
+    lf_vec3 radiance = lf_path_light_found(visit->scene, event, &next, &light_pdf);
+    radiance = lf_add(radiance, lf_path_arriving(tracer, &next, 2, visit->max_depth));
+    size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
+    float weight =
+        visit->weight * native_weight(visit, pixel) * lf_visit_correction(visit, view, pivot);
+    radiance = lf_scale(lf_mul(radiance, lobe->f), weight / probability);
+    lf_visit_add_native(visit, pixel, radiance);
+}
+
+static void add_native(lf_visit *visit, int view, int column, const lf_pivot *pivot)
+{
+    lf_shading shading;
+    if (!visit->sums.native)
+        return;
+    lf_shade(&pivot->event.hit, lf_scale(pivot->event.w, -1.0f), &shading);
+    if (visit->pilot && shading.n_deltas > 0)
+        lf_counts_mark_delta(visit->pilot, visit->row, view, column);
+    for (int i = 0; i < shading.n_deltas; i++)
+        follow_delta(visit, view, column, pivot, &shading.delta[i]);
+}
+
+/* A base ray in its row's plane; returns its direction. */
+static lf_vec3 make_ray(const lf_visit *visit, int view, float u, float lx, lf_media_ray *ray)
+{
+    const lf_rig *rig = visit->rig;
+    ray->x0 = rig->b[view] + lx;
+    ray->slope = (rig->x0 + u * rig->dx - rig->b[view]) / rig->distance - lx / rig->focus;
+    ray->length = sqrtf(1.0f + ray->slope * ray->slope + visit->plane.my * visit->plane.my);
+    ray->z_end = INFINITY;
+    return lf_scale(lf_rig_direction(rig, ray->slope, visit->plane.my, 1.0f), 1.0f / ray->length);
+}
+
+/* film: where in the pixel, 0..1; < 0 = drawn. What is found is shared, or only its delta lobe
+ * followed (native_only). */
+static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, int column,
+                        float film, bool native_only, uint64_t key, uint32_t index)
+{
+    lf_scratch *worker = visit->worker;
+    const lf_rig *rig = visit->rig;
+    lf_sampler sampler;
+    uint64_t pixel = lf_hash64(key, (uint64_t)view * (uint64_t)rig->width + (uint64_t)column + 16);
+    worker->base_paths++;
+    if (column < worker->reach.first[view] || column >= worker->reach.end[view])
+        return; /* it escapes */
+    lf_sampler_init(&sampler, plan->sampler, pixel, index);
+    worker->tracer.rng = lf_hash64(pixel ^ visit->random, ~(uint64_t)index);
+
+    float jitter[2], lens = 0.0f;
+    lf_sampler_2d(&sampler, jitter);
+    if (visit->plane.lens_chord > 0.0f)
+        lens = (2.0f * lf_sampler_1d(&sampler) - 1.0f) * visit->plane.lens_chord;
+    lf_media_ray ray;
+    lf_vec3 w = make_ray(visit, view, (float)column + (film < 0.0f ? jitter[0] : film), lens, &ray);
+
+    lf_pivot pivot = {.lx = lens, .sampler = &sampler};
+    lf_event *event = &pivot.event;
+    event->w = w;
+    lf_vec3 eye = lf_rig_point(rig, ray.x0, visit->plane.ly, 0.0f);
+    bool surface = lf_trace_surface(&worker->tracer, eye, w, INFINITY, &event->hit);
+    bool shared = surface && event->hit.material->has_lobe;
+    bool native = surface && (shared || event->hit.material->has_delta);
+    if (surface)
+        ray.z_end = event->hit.t / ray.length;
+    /* Rays that end on a scattering surface are tracked natively also where collisions are forced.
+     */
+    lf_collision collision = lf_media_collide(&worker->media, &ray, jitter[1],
+                                              plan->order.cover && !native, &worker->tracer);
+    if (collision.z < INFINITY && !native_only) {
+        event->kind = LF_EVENT_MEDIUM;
+        pivot.z = collision.z;
+        pivot.x = ray.x0 + ray.slope * pivot.z;
+        pivot.medium = collision.medium;
+        pivot.boost = collision.boost * visit->weight;
+        event->p = lf_rig_point(rig, pivot.x, visit->plane.ly + visit->plane.my * pivot.z, pivot.z);
+        event->volume = worker->media.item[collision.medium].volume;
+        visit->acting->pivot(visit, view, column, &pivot);
+    } else if (surface && !(collision.z < INFINITY)) {
+        lf_vec3 d = lf_sub(event->hit.p, rig->eye);
+        event->kind = LF_EVENT_SURFACE;
+        event->p = event->hit.p;
+        pivot.boost = visit->weight;
+        pivot.x = lf_dot(d, rig->right);
+        pivot.z = lf_dot(d, rig->forward);
+        add_native(visit, view, column, &pivot);
+        if (shared && !native_only)
+            visit->acting->pivot(visit, view, column, &pivot);
+    }
+}
+
+/* ------------------------------------------------------------------------------------- visit -- */
+
+enum { MIRROR_ROUNDS = 2 };
+
+/* Native samples of a pixel with a delta lobe, in passes. */
+static int mirror_subsets(const lf_visit_plan *plan)
+{
+    enum { TIMES = 6 };
+    int n = plan->rig->n_views;
+    if (!plan->scene->has_delta || plan->order.column_step > 1)
+        return 0;
+    return TIMES * plan->order.subsets < MIRROR_ROUNDS * n ? TIMES * plan->order.subsets
+                                                           : MIRROR_ROUNDS * n;
+}
+
+/* The lights in the media of the row, as seen in its plane. */
+static void cut_glows(lf_visit *visit)
+{
+    lf_scratch *w = visit->worker;
+    int base = 0;
+    for (int k = 0; k < visit->rig->n_views && w->media.n_here > 0; k++)
+        base += w->reach.end[k] - w->reach.first[k];
+    lf_glow_row_init(&w->glows, visit->scene, visit->rig, &visit->plane, &w->media, (float)base,
+                     visit->sharing->entry.shares ? 1.0f : (float)visit->rig->n_views);
+}
+
+/* Draws the plane of a visit and cuts the volumes with it. offsets names the sequence of row
+ * offsets. */
+static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
+                uint32_t index)
+{
+    const float lens[2] = {lf_sampler_radical(lf_hash64(key, 1), index),
+                           lf_sampler_radical(lf_hash64(key, 2), index)};
+    const float phase[2] = {lf_sampler_radical(lf_hash64(key, 15), index),
+                            lf_sampler_radical(lf_hash64(key, 4), index)};
+    lf_rig_row_plane(plan->rig, (float)visit->row + lf_sampler_radical(offsets, index), lens,
+                     &visit->plane);
+    lf_media_cut(&visit->worker->media, plan->frame, plan->scene, plan->rig, &visit->plane, phase,
+                 plan->kernels, &visit->worker->tracer.lookups);
+    if (plan->triangles)
+        lf_section_cut(&visit->worker->section, plan->triangles, plan->scene, plan->rig, visit->row,
+                       &visit->plane);
+    if (plan->skip & LF_SKIP_BACKGROUND)
+        lf_reach_of(&visit->worker->reach, plan->scene, plan->rig, &visit->plane,
+                    &visit->worker->media);
+    else
+        lf_reach_whole(&visit->worker->reach, plan->rig);
+    cut_glows(visit);
+}
+
+static void begin(const lf_visit_plan *plan, lf_visit *visit)
+{
+    visit->scene = plan->scene;
+    visit->rig = plan->rig;
+    visit->kernels = plan->kernels;
+    visit->acting = visit->sharing = plan->sharing;
+    visit->triangles = plan->triangles;
+    visit->max_depth = plan->max_depth;
+    visit->subsets = plan->order.subsets;
+    visit->step = lattice_step(plan->rig->n_views);
+    visit->weight = 1.0f;
+    visit->alone = 1.0f;
+    visit->more =
+        plan->order.subsets > 0 ? (float)mirror_subsets(plan) / (float)plan->order.subsets : 0.0f;
+    visit->pilot = plan->pilot;
+    visit->faults = plan->order.faults;
+    visit->worker->tracer.scene = plan->scene;
+}
+
+static uint64_t key_of(uint64_t random, int row, int half)
+{
+    return lf_hash64(lf_hash64(random, (uint64_t)row), (uint64_t)half);
+}
+
+static uint64_t stream(const lf_visit_plan *plan, int row, int half)
+{
+    return key_of(plan->order.random, row, half);
+}
+
+/* What the stream has given the row so far. */
+static const lf_film_counts *given_by(const lf_visit_plan *plan, int row)
+{
+    return &plan->film->streams[plan->order.stream].rows[row];
+}
+
+static bool cancelled(const lf_cancel *cancel)
+{
+    return cancel && atomic_load_explicit(cancel, memory_order_relaxed);
+}
+
+/* Every pixel of the lattice once; false = cancelled. */
+static bool sample_lattice(const lf_visit_plan *plan, lf_visit *visit, int first, int64_t passes,
+                           uint64_t key, const lf_cancel *cancel)
+{
+    for (int column = first; column < plan->rig->width; column += plan->order.column_step) {
+        for (int j = 0; j < plan->order.subsets; j++) {
+            if (cancelled(cancel))
+                return false;
+            /* So many samples the pixel has had. */
+            uint32_t point = (uint32_t)((passes + j) / plan->rig->n_views);
+            base_sample(plan, visit, lattice_view(visit, column, j), column, -1.0f, false, key,
+                        point);
+        }
+    }
+    return true;
+}
+
+/* As many samples as the map expects: a pixel's count runs on from visit to visit, rounded down
+ * behind a start that the lattice spreads over the pixels, so that each gets its own number on
+ * average and is never a sample away from it. false = cancelled. */
+static bool sample_counts(const lf_visit_plan *plan, lf_visit *visit, double n, double first,
+                          uint64_t key, const lf_cancel *cancel)
+{
+    int width = plan->rig->width, views = plan->rig->n_views,
+        inverse = lattice_inverse(visit->step, views);
+    double share = (double)plan->order.subsets / views;
+    for (int column = 0; column < width; column++) {
+        for (int view = 0; view < views; view++) {
+            double expected =
+                (double)visit->expected[(size_t)view * (size_t)width + (size_t)column];
+            double rank = (double)(((int64_t)inverse * view - column) % views) - first;
+            double phase = rank / views - floor(rank / views);
+            uint32_t begin = (uint32_t)floor(phase + expected * n),
+                     end = (uint32_t)floor(phase + expected * (n + share));
+            /* Behind a sure sample the realised number is as good as the expected one, and has no
+             * noise of its own. */
+            double count = expected * share < 1.0 ? expected * share : (double)(end - begin);
+            visit->alone = end > begin ? (float)(share / count) : 1.0f;
+            for (uint32_t i = begin; i < end; i++) {
+                if (cancelled(cancel))
+                    return false;
+                base_sample(plan, visit, view, column, -1.0f, false, key, i);
+            }
+        }
+    }
+    visit->alone = 1.0f;
+    return true;
+}
+
+/* Native samples for holes, in the plane of one visit, until none is left farther than hole_reach
+ * columns from a pixel that has something; the first of a pixel at the very film point of B and q
+ * in that visit. tries = 0: what is left counts as dark from now on. *out_left: how many there are.
+ * false = cancelled. */
+static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int tries,
+                       uint64_t exits, uint32_t index, int *out_left, const lf_cancel *cancel)
+{
+    const lf_film_row *state = &plan->film->rows[visit->row];
+    const lf_film_half halves[2] = {lf_film_at(plan->film, visit->row, 0),
+                                    lf_film_at(plan->film, visit->row, 1)};
+    int width = plan->rig->width;
+    uint64_t own = lf_hash64(exits, 6 + 16 * (uint64_t)tries);
+    *out_left = 0;
+    for (int view = 0; view < plan->rig->n_views; view++) {
+        for (int column = 0, filled = -1; column < width; column++) {
+            size_t pixel = (size_t)view * (size_t)width + (size_t)column;
+            /* Nobody reads it. */
+            if (visit->expected && !(visit->expected[pixel] > 0.0f))
+                continue;
+            bool far = column - filled >= plan->order.hole_reach;
+            for (int i = 0; i < tries && far && lf_film_is_hole(halves, state->n, pixel); i++) {
+                float film = i == 0 ? lf_exits_film_point(exits, column, index) : -1.0f;
+                if (cancelled(cancel))
+                    return false;
+                base_sample(plan, visit, view, column, film, false, own,
+                            index * (uint32_t)tries + (uint32_t)i);
+            }
+            bool hole = lf_film_is_hole(halves, state->n, pixel);
+            if (hole && far && tries == 0)
+                lf_film_settle(&halves[half], pixel);
+            *out_left += hole && far;
+            filled = hole && !(far && tries == 0) ? filled : column;
+        }
+    }
+    return true;
+}
+
+/* Fills holes in the planes of earlier visits of a stream, of which `now` is left out (< 0: none).
+ * false = cancelled. */
+static bool replay(const lf_visit_plan *plan, lf_visit *visit, int half, int64_t now,
+                   const lf_film_stream *from, int *left, const lf_cancel *cancel)
+{
+    enum { REPLAYS = 8 };
+    for (int i = 0; i<2 * REPLAYS && * left> 0; i++) {
+        int other = i % 2 ? 1 - half : half;
+        int64_t index = (int64_t)from->rows[visit->row].visits[other] - 1 - i / 2;
+        uint64_t key = key_of(lf_film_stream_random(from), visit->row, other);
+        if (index < 0 || (other == half && index == now))
+            continue;
+        cut(plan, visit, key, lf_hash64(key, 0), (uint32_t)index);
+        if (!fill_holes(plan, visit, half, 1, key, (uint32_t)index, left, cancel))
+            return false;
+    }
+    return true;
+}
+
+/* Fills the holes of a row: in the plane of the visit that has just been (now; < 0: none has),
+ * where most are found at once, then in those of earlier visits, one of which has found that
+ * something scatters there: of the pass's stream, then of the others. Each sample weighs as much as
+ * the half's count so far (docs/estimators.md, "Holes"). What only older visits have met counts as
+ * dark until a path arrives, whose weight is beyond comparison. false = cancelled. */
+static bool fill_row(const lf_visit_plan *plan, lf_visit *visit, int half, int64_t now,
+                     const lf_cancel *cancel)
+{
+    enum { TRIES = 4 };
+    const lf_film *film = plan->film;
+    const lf_film_row *state = &plan->film->rows[visit->row];
+    int left = 1;
+    visit->acting = plan->native;
+    visit->sums = lf_film_sums_of(plan->film, visit->row, half);
+    visit->weight = (float)state->n[half];
+    if (now >= 0 && !fill_holes(plan, visit, half, TRIES, stream(plan, visit->row, half),
+                                (uint32_t)now, &left, cancel))
+        return false;
+    if (!replay(plan, visit, half, now, &film->streams[plan->order.stream], &left, cancel))
+        return false;
+    for (int i = 0; i < film->n_streams && left > 0; i++)
+        if (i != plan->order.stream &&
+            !replay(plan, visit, half, -1, &film->streams[i], &left, cancel))
+            return false;
+    return left == 0 || fill_holes(plan, visit, half, 0, 0, 0, &left, cancel);
+}
+
+/* Delta lobes are nobody else's to find. Pixels whose film point of B and q met one get native
+ * samples of their own, six for each that sharing takes and at most MIRROR_ROUNDS a pixel, on a
+ * lattice as the base's; the film points are a net with the row offsets. The choice of the pixels
+ * knows nothing of the samples: their number is what the weights expect (add_native). false =
+ * cancelled. */
+static bool sample_mirrors(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint32_t index,
+                           const lf_cancel *cancel)
+{
+    int width = plan->rig->width, subsets = mirror_subsets(plan);
+    uint64_t own = lf_hash64(key, 12);
+    for (int column = 0; column < width; column++) {
+        for (int j = 0; j < subsets; j++) {
+            int view = lattice_view(visit, column, j);
+            size_t pixel = (size_t)view * (size_t)width + (size_t)column;
+            bool wanted = !visit->expected || visit->expected[pixel] > 0.0f;
+            if (!visit->worker->mirrors[pixel] || !wanted)
+                continue;
+            if (cancelled(cancel))
+                return false;
+            uint32_t round = (uint32_t)(j / plan->rig->n_views);
+            float film = lf_sampler_partner(lf_hash64(key, 0),
+                                            lf_hash64(lf_hash64(own, pixel), round), index);
+            base_sample(plan, visit, view, column, film, true, own, index * MIRROR_ROUNDS + round);
+        }
+    }
+    return true;
+}
+
+bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *worker,
+                  const lf_cancel *cancel)
+{
+    const lf_film_row *state = &plan->film->rows[row];
+    int width = plan->rig->width, views = plan->rig->n_views;
+    if (plan->order.subsets == 0 && !(state->n[half] > 0.0))
+        half = 1 - half; /* holes are filled where there is a count to weigh as much as */
+    const lf_film_counts *before = given_by(plan, row);
+    uint32_t index = before->visits[half];
+    uint64_t key = stream(plan, row, half);
+    lf_visit visit = {.worker = worker, .sums = worker->sums, .row = row};
+    begin(plan, &visit);
+    visit.random = lf_hash64(lf_hash64(key, 3), index);
+    if (plan->counts) {
+        lf_counts_row(plan->counts, row, worker->expected);
+        visit.expected = worker->expected;
+    }
+    if (plan->order.subsets == 0)
+        return fill_row(plan, &visit, half, -1, cancel);
+    cut(plan, &visit, key, lf_hash64(key, 0), index);
+    double first_rank = (double)(lf_sampler_radical(lf_hash64(key, 11), 0) * (float)views);
+    int64_t passes = llround(before->n[half] * views);
+    visit.start =
+        (int)(lf_sampler_radical(lf_hash64(key, 7), 0) * (float)views) + (int)(passes % views);
+
+    double given = (double)plan->order.subsets / plan->order.column_step;
+    int first = plan->order.column_step > 1
+                    ? (int)((visit.random >> 32) % (uint64_t)plan->order.column_step)
+                    : 0;
+    if (!lf_film_meet(plan->film, row, worker->reach.any)) {
+        worker->base_paths +=
+            (int64_t)plan->order.subsets *
+            ((width - first + plan->order.column_step - 1) / plan->order.column_step);
+        lf_film_count(plan->film, plan->order.stream, row, half, given);
+        return true;
+    }
+    lf_film_sums_begin(&worker->sums);
+    if (lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW))
+        cut(plan, &visit, key, lf_hash64(key, 8), index);
+    lf_exits_row(plan, &visit, key, index);
+    if (lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW))
+        cut(plan, &visit, key, lf_hash64(key, 0), index);
+    if (visit.expected
+            ? !sample_counts(plan, &visit, before->n[half], first_rank, lf_hash64(key, 13), cancel)
+            : !sample_lattice(plan, &visit, first, passes, key, cancel))
+        return false;
+    if (!lf_glow_visit(plan, &visit, (float)(given / views), cancel))
+        return false;
+    if (visit.more > 0.0f && !sample_mirrors(plan, &visit, key, index, cancel))
+        return false;
+    lf_film_merge(plan->film, plan->order.stream, row, half, &worker->sums, given,
+                  lf_hash64(lf_hash64(key, 9), index));
+    return plan->order.hole_reach < 0 || fill_row(plan, &visit, half, index, cancel);
+}

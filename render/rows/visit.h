@@ -1,0 +1,222 @@
+/* How a visit of a row turns base samples into sums on the film; private to render/. How a pivot is
+ * spread over the views is a file each (vpt.c, mvpt.c); everything around it is shared (visit.c).
+ */
+#ifndef LF_RENDER_VISIT_H
+#define LF_RENDER_VISIT_H
+
+#include "render/film/film.h"
+#include "render/integrator.h"
+#include "render/rows/adaptive.h"
+#include "render/rows/correction.h"
+#include "render/rows/glow_row.h"
+#include "render/rows/media.h"
+#include "render/rows/reach.h"
+#include "render/rows/section.h"
+#include "render/transport/path.h"
+#include "render/transport/sampler.h"
+
+struct lf_visit;
+struct lf_pivot;
+struct lf_suffix;
+
+/* How what a base sample finds is spread over the views. A member of the table (rows.c) is one
+ * file. */
+typedef struct lf_sharing {
+    lf_integrator_entry entry; /* shares: other views receive contributions */
+    bool adaptive;             /* behind a pilot base samples go where the error is (adaptive.h) */
+    /* Spreads one pivot over the views that see it. */
+    void (*pivot)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot);
+    /* Lights in media (glow_row.h): spreads a sample of one of them at a point that was drawn about
+     * it: to `view`, or to all that see it … */
+    void (*glow)(struct lf_visit *visit, int view, const struct lf_pivot *pivot,
+                 const lf_light_sample *light);
+    /* … and makes room for such points in the suffix of a pivot in a medium that the base drew. */
+    void (*balance)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot,
+                    struct lf_suffix *suffix);
+} lf_sharing;
+
+extern const lf_sharing lf_sharing_vpt, lf_sharing_mvpt, lf_sharing_amvpt;
+
+/* One worker's memory. */
+typedef struct lf_scratch {
+    lf_tracer tracer;
+    lf_media media;
+    lf_film_sums sums;  /* of the visit under way */
+    lf_reach reach;     /* of its row's plane */
+    lf_section section; /* the meshes in it */
+    lf_glow_row glows;  /* the lights in its media */
+    int64_t base_paths, contributions, base_hidden;
+    /* Lanes of the fan in work. */
+    float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES],
+        sigma[LF_MAX_LANES];
+    float scale[LF_MAX_LANES], density[LF_MAX_LANES], lobe[LF_MAX_LANES];
+    /* expected counts of the lanes' pixels, as in lf_visit.expected */
+    float count[LF_MAX_LANES];
+    float strategy[LF_MAX_LANES]; /* count times density: what the pivot is drawn with */
+    float factor[LF_MAX_LANES];   /* correction weights (correction.h) */
+    int column[LF_MAX_LANES];
+    /* directions to the views in the frame of a surface's shading normal (z) */
+    float local[3][LF_MAX_LANES];
+    float term[LF_FAN_TERMS][LF_MAX_LANES]; /* of a surface's lobes: lf_fan_lobes.weight */
+    /* [view][column]: where a visit keeps its row of the map */
+    float *expected;
+    /* [view][column]: B and q have found a delta lobe here or beside it; NULL without M */
+    bool *mirrors;
+} lf_scratch;
+
+/* A shared pivot: where a base ray found something that scatters. */
+typedef struct lf_pivot {
+    lf_event event;
+    int medium;          /* of a collision: index into the worker's media */
+    float x, z;          /* camera space; y follows from the row's plane */
+    float lx;            /* the base ray's lens offset, copied to every view */
+    float boost;         /* 1, or q/s when the collision was forced (docs/estimators.md, "Forced
+                            collisions") */
+    lf_sampler *sampler; /* goes on with the pivot's own dimensions */
+} lf_pivot;
+
+/* One visit of one row: what the integrators need of it. */
+typedef struct lf_visit {
+    const lf_scene *scene;
+    const lf_rig *rig;
+    const lf_kernels *kernels;
+    /* of the visit's samples and points; and of what is drawn now: another where holes are filled
+     */
+    const lf_sharing *sharing, *acting;
+    const lf_row_triangles *triangles; /* NULL: no meshes */
+    lf_scratch *worker;
+    lf_film_sums sums; /* the worker's, or where holes are filled the film's own half */
+    lf_row_plane plane;
+    int row;
+    int max_depth;
+    int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
+    uint64_t random;          /* this visit's own */
+    float weight;             /* of every base sample: 1, but for holes */
+    /* [view][column] expected base samples of a pixel, in units of subsets / n_views; NULL: 1
+     * everywhere. 0 in pixels that nobody reads: they are sampled by nobody, missing in everybody's
+     * sum, and receive nothing. */
+    const float *expected;
+    const lf_counts *pilot; /* as in lf_visit_plan */
+    /* expected native samples that a pixel of worker->mirrors gets beyond its base samples, in
+     * units of them */
+    float more;
+    /* 1 / expected at the base's own pixel: what a sample weighs that only its own pixel receives
+     */
+    float alone;
+    unsigned faults; /* lf_fault: deliberate mistakes, for the negative controls of the tests */
+} lf_visit;
+
+/* The rest of the path behind a pivot, used by all views: a light sample, and a direction from the
+ * lobe of one view with what was found along it. */
+typedef struct lf_suffix {
+    bool has_light, has_direction;
+    lf_light_sample light;
+    float light_visible; /* what is left of it, 0..1 */
+    lf_vec3 wi;          /* the direction */
+    lf_vec3 found;       /* light met at its first event … */
+    float found_pdf;     /* … and p_L, the pdf of light sampling for it */
+    /* whose it is, where the scene has lights in media and it is a lamp's; else NULL */
+    const lf_light *found_light;
+    lf_vec3 scattered; /* radiance scattered there */
+} lf_suffix;
+
+/* Adds to M of a view pixel, which is [view][column]; what is not finite is dropped and counted. */
+void lf_visit_add_native(lf_visit *visit, size_t pixel, lf_vec3 radiance);
+
+/* The points that a visit draws about its lights in media; weight: its native samples a pixel.
+ * false = cancelled. */
+struct lf_visit_plan;
+bool lf_glow_visit(const struct lf_visit_plan *plan, lf_visit *visit, float weight,
+                   const lf_cancel *cancel);
+/* lf_glow_row_ratio at a pivot where base samples have the density sum exp(-depth), as in
+ * lf_kernels.densities. */
+float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light *light, int view,
+                    float sum, float depth);
+/* Raises the pdfs of the suffix's light and of what its direction found by the points that are
+ * drawn about these lights. */
+void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, float sum, float depth,
+                     lf_suffix *suffix);
+
+/* Draws the suffix: wo is where its direction's lobe looks back to, the base view's place or that
+ * of any view that sees the pivot. */
+void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out);
+/* Draws another direction in place of the suffix's own; its light sample stays. */
+void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *suffix);
+
+/* Radiance that the suffix gives to a view that looks from wo, when that view alone samples it
+ * (balance heuristic between its lobe and light sampling). What vpt uses, and mvpt where the lobe
+ * does not depend on the view. */
+lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
+                           lf_vec3 wo);
+
+/* R of the base's own ray up to the pivot (correction.h): what a sample weighs that only its own
+ * pixel receives. */
+float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot);
+
+/* True when the pixel (view, column) has a base sample in this visit: each with probability subsets
+ * / n_views, each column as often as any other, all of them after a whole cycle. */
+bool lf_lattice_has(const lf_visit *visit, int view, int column);
+
+/* Deliberate mistakes that tests switch on to show that they are caught: render's tests link a
+ * second build of the sources that have them, with LF_FAULTS (tests/module.mk); in programs they
+ * are not there. */
+typedef enum lf_fault {
+    LF_FAULT_NO_H = 1,          /* h_k left out of D_k: a missing r_j/r_i */
+    LF_FAULT_NO_VISIBILITY = 2, /* one view's visibility forgotten */
+    LF_FAULT_REALISED = 4,      /* realised instead of expected counts in the weights */
+    LF_FAULT_SWAPPED_VIEWS = 8, /* contributions land in mirrored views */
+    LF_FAULT_NO_LIGHT_PDF = 16, /* the p_L term left out of the direction's weights */
+    /* B and q taken with another row offset than the base samples */
+    LF_FAULT_OTHER_ROW = 32,
+    LF_FAULT_NO_COUNTS = 64, /* c_k of an adaptive pass left out of the sums */
+    /* directions drawn below a surface's horizon do not count in W' */
+    LF_FAULT_HORIZON = 128,
+    LF_FAULT_NO_GLOW_BALANCE = 256, /* no room made for points drawn about lights in media */
+    LF_FAULT_NO_CORRECTION = 512,   /* what is drawn from slices counts as if they were the grid */
+} lf_fault;
+
+#ifdef LF_FAULTS
+#define lf_has_fault(holder, fault) (((holder)->faults & (unsigned)(fault)) != 0)
+#else
+#define lf_has_fault(holder, fault) ((void)(holder), false)
+#endif
+
+/* Everything that one visit of a row does. */
+typedef struct lf_visit_plan {
+    const lf_scene *scene;
+    const lf_rig *rig;
+    const lf_media_frame *frame;
+    const lf_kernels *kernels;
+    const lf_sharing *sharing;
+    const lf_sharing *native;          /* what fills holes: shares nothing */
+    const lf_row_triangles *triangles; /* as in lf_visit */
+    lf_film *film;
+    lf_sampler_kind sampler;
+    int max_depth;
+    unsigned skip;          /* lf_skip: what is left out where nothing needs it */
+    lf_visit_order order;   /* `cover` forces collisions */
+    const lf_counts *pilot; /* what a pilot leaves its marks in; NULL: this is none */
+    /* where base samples go; NULL: the same number everywhere. Needs order.column_step 1 */
+    const lf_counts *counts;
+} lf_visit_plan;
+
+/* Runs it on one worker; false = cancelled in the middle (the row's sums are then worthless). */
+bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *worker,
+                  const lf_cancel *cancel);
+
+/* The film point of a pixel column in this visit, in [0, 1) of its width; key is the half's stream.
+ * With the row offset of the visit, the first of lf_hash64(key, 0), it covers the pixel as a net.
+ */
+float lf_exits_film_point(uint64_t key, int column, uint32_t index);
+
+/* B and q of one row for this visit (exits.c), into the visit's sums; index is its number in its
+ * half. */
+void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index);
+
+/* True when every escaping ray finds the same light. */
+bool lf_exits_constant(const lf_scene *scene, float out_sky[3]);
+/* True when moreover everything that can be hit scatters to all views and emits nothing: B is then
+ * sky (1 - q) in every pixel. */
+bool lf_exits_uniform(const lf_scene *scene, float out_sky[3]);
+
+#endif

@@ -1,0 +1,86 @@
+/* vpt: each view alone, the baseline. The same base samples, suffixes, samplers and known light as
+ * mvpt; nothing is shared, so no weights are needed but one over the expected count of the base's
+ * own pixel. */
+#include "render/rows/visit.h"
+
+static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
+{
+    float correction = lf_visit_correction(visit, view, pivot);
+    if (correction == 0.0f)
+        return; /* nothing is there */
+    lf_suffix suffix;
+    lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
+    lf_suffix_draw(visit, pivot, wo, &suffix);
+    if (visit->worker->glows.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
+        visit->sharing->balance(visit, view, column, pivot, &suffix);
+    lf_vec3 radiance = lf_suffix_radiance(visit, pivot, &suffix, wo);
+    size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
+    visit->worker->contributions++;
+    if (!isfinite(radiance.x + radiance.y + radiance.z)) {
+        visit->worker->tracer.nonfinite++;
+        radiance = lf_v3(0.0f, 0.0f, 0.0f);
+    }
+    float weight = pivot->boost * visit->alone * correction;
+    lf_film_scatter(&visit->sums, pixel, weight * radiance.x, weight * radiance.y,
+                    weight * radiance.z);
+    lf_film_weigh(&visit->sums, pixel, weight);
+    if (visit->sums.half.w2)
+        lf_film_weigh_direction(&visit->sums, pixel, weight);
+}
+
+/* h sigma and the optical depth of a pivot in a medium, as this view alone samples it. */
+static float density(const lf_visit *visit, int view, const lf_pivot *pivot, float *out_depth)
+{
+    float x0[LF_LANES], slope[LF_LANES], z_end[LF_LANES], tau[LF_LANES], sigma[LF_LANES],
+        c = visit->rig->b[view] + pivot->lx;
+    for (int i = 0; i < LF_LANES; i++) {
+        x0[i] = c;
+        slope[i] = (pivot->x - c) / pivot->z;
+        z_end[i] = pivot->z;
+    }
+    lf_media_depths(&visit->worker->media, visit->kernels, LF_LANES, x0, slope, z_end, tau,
+                    pivot->medium, sigma);
+    float length = sqrtf(1.0f + visit->plane.my * visit->plane.my + slope[0] * slope[0]);
+    *out_depth = tau[0] * length;
+    return sigma[0] * pivot->z * length;
+}
+
+static void balance_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot,
+                        lf_suffix *suffix)
+{
+    (void)column;
+    float depth, sum = density(visit, view, pivot, &depth);
+    lf_glow_balance(visit, pivot, view, sum, depth, suffix);
+}
+
+/* A point about a light serves one view, as every sample here does. */
+static void glow_vpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_light_sample *light)
+{
+    const lf_rig *rig = visit->rig;
+    lf_scratch *w = visit->worker;
+    float x0 = rig->b[view] + pivot->lx, slope = (pivot->x - x0) / pivot->z, depth;
+    float u =
+        (rig->b[view] + pivot->lx * rig->distance / rig->focus + rig->distance * slope - rig->x0) /
+        rig->dx;
+    if (!(u >= 0.0f && u < (float)rig->width))
+        return;
+    float sum = density(visit, view, pivot, &depth);
+    lf_vec3 eye = lf_rig_point(rig, x0, visit->plane.ly, 0.0f), d = lf_sub(pivot->event.p, eye);
+    if (!(sum > 0.0f) || lf_trace_occluded(&w->tracer, eye, d, 1.0f))
+        return;
+    lf_vec3 f;
+    float phase = lf_scatter_eval(visit->scene, &pivot->event, lf_normalize(lf_scale(d, -1.0f)),
+                                  light->wi, &f);
+    float pdf = light->pdf * (1.0f + lf_glow_ratio(visit, pivot, light->light, view, sum, depth)) +
+                (light->delta ? 0.0f : phase);
+    float visible =
+        lf_path_visible(&w->tracer, &pivot->event, light) * lf_visit_correction(visit, view, pivot);
+    lf_visit_add_native(visit, (size_t)view * (size_t)rig->width + (size_t)(int)u,
+                        lf_scale(lf_mul(f, light->radiance), visible / pdf));
+}
+
+const lf_sharing lf_sharing_vpt = {
+    .entry = {.name = "vpt", .what = "each view alone", .shares = false},
+    .pivot = pivot_vpt,
+    .glow = glow_vpt,
+    .balance = balance_vpt};

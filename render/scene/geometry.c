@@ -1,0 +1,35 @@
+#include "render/scene/geometry.h"
+
+#include "base/alloc.h"
+
+lf_geometry *lf_geometry_ref(lf_geometry *geometry)
+{
+    atomic_fetch_add_explicit(&geometry->refs, 1, memory_order_relaxed);
+    return geometry;
+}
+
+void lf_geometry_unref(lf_geometry *geometry)
+{
+    /* Acquire-release: whoever frees sees what the other owners did before they let go. */
+    if (!geometry || atomic_fetch_sub_explicit(&geometry->refs, 1, memory_order_acq_rel) != 1)
+        return;
+    if (geometry->embree)
+        rtcReleaseScene(geometry->embree);
+    if (geometry->device)
+        rtcReleaseDevice(geometry->device);
+    for (int i = 0; i < geometry->n_meshes; i++) {
+        lf_free((void *)(uintptr_t)geometry->meshes[i].vertices);
+        lf_free((void *)(uintptr_t)geometry->meshes[i].triangles);
+        lf_free((void *)(uintptr_t)geometry->meshes[i].normals);
+        lf_free((void *)(uintptr_t)geometry->meshes[i].triangle_material);
+    }
+    for (int i = 0; i < geometry->n_files; i++)
+        lf_free(geometry->files[i].path);
+    lf_free(geometry->files);
+    lf_free(geometry->large.triangles);
+    lf_free(geometry->meshes);
+    lf_free(geometry->materials);
+    lf_warnings_finish(&geometry->warnings);
+    json_decref(geometry->key);
+    lf_free(geometry);
+}

@@ -1,0 +1,41 @@
+/* All meshes of a scene and Embree's BVH over them, shared between scenes as long as nothing of it
+ * changes; private to render/. Immutable once built. */
+#ifndef LF_RENDER_GEOMETRY_H
+#define LF_RENDER_GEOMETRY_H
+
+#include <sys/stat.h>
+
+#include "render/scene/large.h"
+#include "render/scene/scene.h"
+
+/* One file that was opened for a mesh, to see later whether it changed. */
+typedef struct lf_mesh_file {
+    char *path;
+    struct timespec modified;
+    off_t size;
+    ino_t inode;
+} lf_mesh_file;
+
+typedef struct lf_geometry {
+    atomic_int refs;
+    RTCDevice device;
+    RTCScene embree;
+    float offset;   /* within this distance of a surface a ray may find it on either side */
+    lf_large large; /* met in double precision: Embree's geometry number n_meshes */
+    int n_meshes, n_materials;
+    /* owner of their arrays; .material is left 0: the scene fills it in its own copy */
+    lf_mesh *meshes;
+    lf_material *materials; /* the files' own, which triangle_material numbers */
+    double origin[3];       /* what was taken off the vertices */
+    double bounds[2][3];    /* world: least, greatest */
+    json_t *key;            /* the JSON that shaped it */
+    int n_files;
+    lf_mesh_file *files;  /* everything that was read */
+    lf_warnings warnings; /* of the meshes */
+} lf_geometry;
+
+lf_geometry *lf_geometry_ref(lf_geometry *geometry);
+/* Accepts NULL. */
+void lf_geometry_unref(lf_geometry *geometry);
+
+#endif

@@ -1,0 +1,45 @@
+/* Building an lf_grid (render/scene/scene.h) from voxels, in two rounds: mark every voxel that is
+ * not zero, allocate, set them. Private to render/; also read by C++ (no C11 atomics here). */
+#ifndef LF_RENDER_GRID_H
+#define LF_RENDER_GRID_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#include "base/status.h"
+
+#define LF_GRID_MAX_SIDE (1 << 20)            /* voxels */
+#define LF_GRID_MAX_BYTES ((uint64_t)4 << 30) /* of one grid */
+
+typedef struct lf_grid lf_grid;
+
+/* An empty grid of size voxels (x, y, z), reference count 1. local_to_file: row-major 3x4, from
+ * voxel indices of this grid to the file's world. LF_E_NOMEM (limits too), LF_E_FORMAT (size out of
+ * range). */
+LF_NODISCARD lf_status lf_grid_create(const int64_t size[3], const double local_to_file[12],
+                                      lf_grid **out_grid, lf_error *err);
+
+/* Announces that the voxels of the box first..last (both included) will be set. */
+void lf_grid_mark(lf_grid *grid, const int first[3], const int last[3]);
+/* Room for the marked bricks, zeroed. LF_E_NOMEM, err saying how much was wanted. */
+LF_NODISCARD lf_status lf_grid_allocate(lf_grid *grid, lf_error *err);
+/* Sets the voxels of a marked box. value finite and >= 0. */
+void lf_grid_fill(lf_grid *grid, const int first[3], const int last[3], float value);
+/* Computes the majorants; no fill after it. */
+void lf_grid_finish(lf_grid *grid);
+
+/* Takes a copy of key. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_grid_set_key(lf_grid *grid, const char *key);
+/* The same for the names of the file's other grids (scene.h). */
+LF_NODISCARD lf_status lf_grid_set_others(lf_grid *grid, const char *others);
+lf_grid *lf_grid_ref(lf_grid *grid);
+/* Accepts NULL. */
+void lf_grid_unref(lf_grid *grid);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,90 @@
+/* Look-ups of a grid's values, inline for the kernels; private to render/. */
+#ifndef LF_RENDER_LOOK_UP_H
+#define LF_RENDER_LOOK_UP_H
+
+#include "render/scene/scene.h"
+
+/* Where index and majorants of a brick stand. */
+static inline size_t lf_grid_brick(const lf_grid *grid, int bx, int by, int bz)
+{
+    return ((size_t)bz * (size_t)grid->bricks[1] + (size_t)by) * (size_t)grid->bricks[0] +
+           (size_t)bx;
+}
+
+/* The values of cell c (counted from -1 along each axis) from its lowest corner on. */
+static inline const float *lf_grid_cell(const lf_grid *grid, const int c[3])
+{
+    const unsigned x = (unsigned)(c[0] + 1), y = (unsigned)(c[1] + 1), z = (unsigned)(c[2] + 1);
+    size_t brick = grid->index[lf_grid_brick(grid, (int)(x / LF_BRICK), (int)(y / LF_BRICK),
+                                             (int)(z / LF_BRICK))];
+    return grid->values + brick * LF_BRICK_STRIDE +
+           ((z % LF_BRICK) * LF_BRICK_VALUES + y % LF_BRICK) * LF_BRICK_VALUES + x % LF_BRICK;
+}
+
+/* lf_grid_linear. */
+static inline float lf_grid_value(const lf_grid *grid, float x, float y, float z)
+{
+    const float p[3] = {x, y, z};
+    float t[3];
+    int c[3];
+    for (int i = 0; i < 3; i++) {
+        if (!(p[i] > -1.0f && p[i] < (float)grid->size[i]))
+            return 0.0f;
+        c[i] = (int)p[i] - (p[i] < 0.0f); /* down, without a call */
+        t[i] = p[i] - (float)c[i];
+    }
+    const int row = LF_BRICK_VALUES, slab = LF_BRICK_VALUES * LF_BRICK_VALUES;
+    const float *v = lf_grid_cell(grid, c);
+    float v00 = lf_lerp(v[0], v[1], t[0]), v01 = lf_lerp(v[row], v[row + 1], t[0]);
+    float v10 = lf_lerp(v[slab], v[slab + 1], t[0]),
+          v11 = lf_lerp(v[slab + row], v[slab + row + 1], t[0]);
+    return lf_lerp(lf_lerp(v00, v01, t[1]), lf_lerp(v10, v11, t[1]), t[2]);
+}
+
+/* lf_grid_nearest. */
+static inline float lf_grid_voxel(const lf_grid *grid, float x, float y, float z)
+{
+    const float p[3] = {x, y, z};
+    int c[3];
+    for (int i = 0; i < 3; i++) {
+        if (!(p[i] >= -0.5f && p[i] < (float)grid->size[i] - 0.5f))
+            return 0.0f;
+        c[i] = (int)(p[i] + 0.5f);
+        if (c[i] >= grid->size[i]) /* p + 0.5 may round up */
+            return 0.0f;
+    }
+    return lf_grid_cell(grid, c)[0];
+}
+
+/* brick_near where a point is, or of the brick beside it; coordinates above -LF_BRICK. */
+static inline float lf_grid_near(const lf_grid *grid, float x, float y, float z)
+{
+    const float p[3] = {x, y, z};
+    int b[3];
+    for (int i = 0; i < 3; i++) {
+        int cell = (int)(p[i] + LF_BRICK) - (LF_BRICK - 1);
+        b[i] = cell < 0 ? 0 : cell / LF_BRICK;
+        b[i] = b[i] < grid->bricks[i] ? b[i] : grid->bricks[i] - 1;
+    }
+    return grid->brick_near[lf_grid_brick(grid, b[0], b[1], b[2])];
+}
+
+/* A line of a row's plane in volume space: the point at x is origin + x across. */
+typedef struct lf_line {
+    float origin[3], across[3];
+} lf_line;
+
+/* sigma_t of a grid at n points of a line, interpolated; the loop of kernels without vectors for
+ * it. */
+static inline void lf_line_sample(const lf_volume *volume, const lf_line *line, int n,
+                                  const float *x, float *sigma)
+{
+    for (int k = 0; k < n; k++) {
+        float p[3];
+        for (int i = 0; i < 3; i++)
+            p[i] = line->origin[i] + x[k] * line->across[i];
+        sigma[k] = volume->sigma_scale * lf_grid_value(volume->grid, p[0], p[1], p[2]);
+    }
+}
+
+#endif

@@ -1,0 +1,77 @@
+#include "render/scene/scene.h"
+
+#include "base/alloc.h"
+#include "render/scene/geometry.h"
+#include "render/scene/grid.h"
+
+lf_scene *lf_scene_ref(lf_scene *scene)
+{
+    atomic_fetch_add_explicit(&scene->refs, 1, memory_order_relaxed);
+    return scene;
+}
+
+void lf_environment_unref(lf_environment *e)
+{
+    if (!e || atomic_fetch_sub_explicit(&e->refs, 1, memory_order_acq_rel) != 1)
+        return;
+    lf_free(e->rgb);
+    lf_free(e->marginal);
+    lf_free(e->conditional);
+    lf_free(e->pdf);
+    lf_free(e->key);
+    lf_free(e);
+}
+
+void lf_light_finish(lf_light *light)
+{
+    lf_environment_unref(light->environment);
+    lf_free(light->triangle);
+    lf_free(light->area_cdf);
+    *light = (lf_light){0};
+}
+
+void lf_scene_unref(lf_scene *scene)
+{
+    /* Acquire-release: whoever frees sees what the other owners did before they let go. */
+    if (!scene || atomic_fetch_sub_explicit(&scene->refs, 1, memory_order_acq_rel) != 1)
+        return;
+    for (int i = 0; i < scene->n_volumes; i++)
+        lf_grid_unref(scene->volumes[i].grid);
+    for (int i = 0; i < scene->n_lights; i++)
+        lf_light_finish(&scene->lights[i]);
+    lf_geometry_unref(scene->geometry);
+    lf_free(scene->volumes);
+    lf_free(scene->lights);
+    lf_free(scene->meshes);
+    lf_free(scene->materials);
+    lf_warnings_finish(&scene->warnings);
+    json_decref(scene->json);
+    lf_free(scene->folder);
+    lf_free(scene->where);
+    lf_free(scene);
+}
+
+const json_t *lf_scene_json(const lf_scene *scene)
+{
+    return scene->json;
+}
+
+const char *lf_scene_folder(const lf_scene *scene)
+{
+    return scene->folder;
+}
+
+const lf_camera *lf_scene_camera(const lf_scene *scene)
+{
+    return &scene->camera;
+}
+
+const lf_film_settings *lf_scene_film_settings(const lf_scene *scene)
+{
+    return &scene->film;
+}
+
+const char *lf_scene_warning(const lf_scene *scene, int index)
+{
+    return lf_warnings_at(&scene->warnings, index);
+}

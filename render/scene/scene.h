@@ -1,0 +1,234 @@
+/* The committed scene as the integrators see it; private to render/. Everything is in scene-local
+ * coordinates: world minus `origin` (double), so that a scene a million units away loses nothing.
+ * The origin is the middle of the bounding box of volumes and meshes, rounded to multiples of the
+ * power of two at or above the box's longest side: 0 for scenes about the world's origin, and
+ * mostly unmoved when something in the scene moves. Immutable after commit; parts are reference
+ * counted so that scenes share them. */
+#ifndef LF_RENDER_SCENE_H
+#define LF_RENDER_SCENE_H
+
+#include <embree3/rtcore.h>
+#include <stdatomic.h>
+
+#include "render/render.h"
+#include "render/scene/vec.h"
+#include "render/scene/warnings.h"
+
+/* ----------------------------------------------------------------------------------- volumes -- */
+
+#define LF_BRICK 8 /* cells along a side of a brick */
+/* values along a side: the cells' corners, so that one brick answers a trilinear look-up */
+#define LF_BRICK_VALUES 9
+#define LF_BRICK_REACH 2 /* voxels */
+#define LF_BRICK_STRIDE (LF_BRICK_VALUES * LF_BRICK_VALUES * LF_BRICK_VALUES)
+
+/* Values of one grid, shared between scenes. Voxel centre (i, j, k), i in [0, size), carries a
+ * value; a cell (i, j, k) spans the voxel centres i and i + 1. Cells start at -1 (the value outside
+ * is 0), so brick b covers cells [8 b - 1, 8 b + 7) of the local grid and its value v stands for
+ * voxel 8 b - 1 + v. */
+typedef struct lf_grid {
+    atomic_int refs;
+    int size[3];       /* x, y, z voxels of the active bounding box */
+    int bricks[3];     /* bricks along x, y, z: ceil((size + 1) / 8) */
+    uint32_t n_bricks; /* bricks stored, without the empty brick 0 */
+    uint32_t *index;   /* [bz][by][bx] number of the brick; 0 = empty */
+    /* [n_bricks + 1][9 z][9 y][9 x]; brick 0 is all zero; values are finite and >= 0 */
+    float *values;
+    /* [bz][by][bx] largest value a look-up inside the brick can return, the filter's footprint
+     * included */
+    float *brick_max;
+    /* [bz][by][bx] largest voxel within LF_BRICK_REACH of the brick; 0: nothing is near */
+    float *brick_near;
+    float max_value;
+    /* voxel index of this box -> the file's own world space (before the scene's transform) */
+    double local_to_file[3][4];
+    char *key; /* file, grid, modification time: what sharing compares */
+    /* names of the file's other grids, each with a newline behind it; NULL = none */
+    char *others;
+} lf_grid;
+
+typedef enum lf_volume_kind {
+    LF_VOLUME_GRID,
+    LF_VOLUME_SPHERE, /* homogeneous, the unit ball of local space */
+    LF_VOLUME_BOX,    /* homogeneous, [-1,1]^3 of local space */
+} lf_volume_kind;
+
+typedef struct lf_volume {
+    lf_volume_kind kind;
+    lf_grid *grid; /* counted reference; NULL unless LF_VOLUME_GRID */
+    bool nearest;  /* interpolation "nearest" */
+    /* sigma_t per scene unit = sigma_scale * value (value is 1 inside a homogeneous shape) */
+    float sigma_scale;
+    float sigma_max; /* majorant of the whole volume */
+    lf_vec3 albedo;  /* single-scattering, 0..1 a channel */
+    float g;         /* Henyey-Greenstein, (-1, 1) */
+    /* Scene-local point -> volume space (voxel index for grids: voxel centres at integers) and
+     * back; rows of a 3x4 affine. */
+    float to_volume[3][4], to_scene[3][4];
+    /* scene-local box outside of which sigma_t = 0 (filter footprint included) */
+    lf_vec3 bounds_min, bounds_max;
+    float voxel;      /* grids: the shortest edge of a voxel, scene units … */
+    float slice_cell; /* … and what slices resolve of it (scene_commit.c) */
+} lf_volume;
+
+/* sigma_t at a scene-local point, filter applied, 0 outside. */
+float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p);
+/* The value of a grid at volume-space coordinates: trilinear (voxel centres at integers), 0
+ * outside. */
+float lf_grid_linear(const lf_grid *grid, float x, float y, float z);
+float lf_grid_nearest(const lf_grid *grid, float x, float y, float z);
+
+/* -------------------------------------------------------------------------- surfaces, meshes -- */
+
+#define LF_LOSS_TERMS 9
+
+typedef struct lf_material {
+    const struct lf_surface_kind *kind; /* surface.h; says what it makes of the words below */
+    lf_vec3 albedo;
+    /* perceptual, 0..1; alpha = roughness^2; alpha below LF_ALPHA_MIN is a delta lobe (mirror) */
+    float roughness;
+    float ior;        /* of a coat, 1..3 */
+    lf_vec3 emission; /* radiance leaving both sides; 0 = not a light */
+    /* complex index eta + i k of each channel; eta.x = 0: none, albedo says it all */
+    lf_vec3 eta, k;
+    /* Made of the above by lf_material_prepare (surface.h). */
+    bool has_lobe;             /* any that is not delta */
+    bool has_delta;            /* one of nonzero reflectance */
+    float loss[LF_LOSS_TERMS]; /* of a rough lobe: lf_loss */
+    lf_vec3 rest;              /* what becomes of it: surface_energy.c */
+} lf_material;
+#define LF_ALPHA_MIN 1e-3f
+
+typedef struct lf_mesh {
+    unsigned geom_id; /* Embree geometry */
+    int n_vertices, n_triangles;
+    /* [n_vertices][3] scene-local (padded by one float for Embree) */
+    const float *vertices;
+    const uint32_t *triangles; /* [n_triangles][3] */
+    const float *normals;      /* [n_vertices][3] unit, or NULL: flat shading */
+    /* [n_triangles] index into scene->materials, or NULL: `material` for all */
+    const uint16_t *triangle_material;
+    uint16_t material;
+} lf_mesh;
+
+static inline lf_vec3 lf_mesh_vertex(const lf_mesh *mesh, uint32_t vertex)
+{
+    const float *v = mesh->vertices + 3 * (size_t)vertex;
+    return lf_v3(v[0], v[1], v[2]);
+}
+
+/* The point a + u (b - a) + v (c - a) of a triangle, off its plane by no more than the rounding of
+ * the point's own coordinates. */
+static inline lf_vec3 lf_mesh_point(const lf_mesh *mesh, uint32_t triangle, float u, float v)
+{
+    const uint32_t *corner = mesh->triangles + 3 * (size_t)triangle;
+    const float *a = mesh->vertices + 3 * (size_t)corner[0],
+                *b = mesh->vertices + 3 * (size_t)corner[1],
+                *c = mesh->vertices + 3 * (size_t)corner[2];
+    double p[3];
+    for (int i = 0; i < 3; i++)
+        p[i] = (double)a[i] + (double)u * ((double)b[i] - (double)a[i]) +
+               (double)v * ((double)c[i] - (double)a[i]);
+    return lf_v3((float)p[0], (float)p[1], (float)p[2]);
+}
+
+/* ------------------------------------------------------------------------------------ lights -- */
+
+/* A latitude-longitude picture of radiance with its sampling tables; shared between scenes. Row 0
+ * looks up (+y); column 0 .. width-1 runs phi from 0 to 2 pi, direction (sin(theta) cos(phi),
+ * cos(theta), sin(theta) sin(phi)). */
+typedef struct lf_environment {
+    atomic_int refs;
+    int width, height;
+    float *rgb;         /* [height][width][3] */
+    float *marginal;    /* [height + 1] cumulative over rows, 0..1 */
+    float *conditional; /* [height][width + 1] cumulative along each row, 0..1 */
+    float *pdf;         /* [height][width] per unit solid angle */
+    float mean;         /* radiance, mean over the sphere and the channels */
+    char *key;
+} lf_environment;
+/* Accepts NULL. */
+void lf_environment_unref(lf_environment *environment);
+
+typedef struct lf_light {
+    const struct lf_light_kind *kind; /* light_kind.h; says which of the fields below it uses */
+    /* probability that light sampling picks this light; 0 = never sampled (constant skies) */
+    float select;
+    /* sum of select up to and with this light; 1 from the last that can be picked on */
+    float cumulative;
+    lf_vec3 radiance;            /* what rays that meet it find; times the environment's picture */
+    lf_environment *environment; /* counted reference; NULL = constant */
+    float to_environment[3][3];  /* scene direction -> the picture's frame */
+    lf_vec3 direction;           /* unit, in which light travels */
+    lf_vec3 irradiance;          /* on a plane across direction */
+    float versine;               /* 1 - cos of half the angle about direction */
+    lf_vec3 position, intensity; /* scene-local, W sr^-1 */
+    float own[2];                /* whatever else a kind's own file wants to keep */
+    int mesh;                    /* index into scene->meshes */
+    uint16_t mesh_material;      /* the emitting material (triangles of it only) */
+    int n_triangles;             /* emitting triangles … */
+    uint32_t *triangle;          /* … their numbers */
+    /* [n_triangles + 1] cumulative area, 0..1: a float's steps would show in small triangles */
+    double *area_cdf;
+    float area; /* total */
+    int glow;   /* lights at a distance: 1 + its place in scene->glows; 0 = none */
+} lf_light;
+
+/* Releases what the light owns; leaves it zeroed. Accepts one that is all zero. */
+void lf_light_finish(lf_light *light);
+
+/* A light in media (glow.h). */
+typedef struct lf_glow {
+    int light;
+    lf_vec3 middle;
+    float radius; /* how far the light reaches from its middle; 0 for points */
+    float reach;  /* and how far the farthest point of the volumes is */
+    float share;  /* of the light's probability to be picked in that of all glows */
+} lf_glow;
+#define LF_MAX_GLOWS 64
+
+/* ------------------------------------------------------------------------------------- scene -- */
+
+/* Scene-local; min > max when there is nothing. */
+typedef struct lf_box {
+    lf_vec3 min, max;
+} lf_box;
+
+struct lf_scene {
+    atomic_int refs;
+    json_t *json;
+    char *folder, *where;
+    double origin[3]; /* world = local + origin */
+    lf_camera camera; /* world coordinates */
+    lf_film_settings film;
+    int max_depth; /* path vertices; 0 = LF_DEFAULT_MAX_DEPTH */
+
+    int n_volumes, n_meshes, n_materials, n_lights;
+    lf_volume *volumes;
+    lf_mesh *meshes; /* indexed by Embree's geomID */
+    lf_material *materials;
+    /* in the order of their kinds after lf_lights_commit: those at infinity first */
+    lf_light *lights;
+    int n_lights_infinite; /* set by lf_lights_commit */
+    int n_glows;           /* lights in media */
+    lf_glow glows[LF_MAX_GLOWS];
+    lf_box media;    /* of all volumes */
+    RTCScene embree; /* NULL without meshes (then no Embree device exists either) */
+    float offset;    /* lf_geometry.offset; 0 without meshes */
+    /* owner of the meshes' arrays and of embree, shared between scenes; NULL without meshes */
+    struct lf_geometry *geometry;
+    lf_box bounds; /* of volumes and meshes */
+
+    lf_warnings warnings; /* of its parts and of the whole */
+
+    /* What integrators are specialised by. */
+    bool has_delta;    /* some material has a delta lobe */
+    bool has_emission; /* some material emits */
+    /* faces of lamps share their place with others: next event counts the one that a ray meets */
+    bool has_overlaps;
+    bool has_view_lobes; /* some lobe depends on the view: g != 0, conductor, plastic */
+};
+#define LF_DEFAULT_MAX_DEPTH 1024
+#define LF_MAX_VOLUMES 16
+
+#endif

@@ -1,0 +1,248 @@
+#include "render/scene/scene.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+#include "render/scene/grid.h"
+#include "render/scene/look_up.h"
+
+/* ---------------------------------------------------------------------------------- building -- */
+
+lf_status lf_grid_create(const int64_t size[3], const double local_to_file[12], lf_grid **out_grid,
+                         lf_error *err)
+{
+    uint64_t n = 1;
+    for (int i = 0; i < 3; i++) {
+        if (size[i] < 1 || size[i] > LF_GRID_MAX_SIDE)
+            return lf_error_set(err, LF_E_FORMAT, "grid",
+                                "%lld voxels along %c; 1 to %d are possible", (long long)size[i],
+                                "xyz"[i], LF_GRID_MAX_SIDE);
+        n *= (uint64_t)((size[i] + 1 + LF_BRICK - 1) / LF_BRICK);
+    }
+    if (n * (sizeof(uint32_t) + sizeof(float)) > LF_GRID_MAX_BYTES)
+        return lf_error_set(err, LF_E_NOMEM, "grid",
+                            "%lld x %lld x %lld voxels are more than fit in %d GiB",
+                            (long long)size[0], (long long)size[1], (long long)size[2],
+                            (int)(LF_GRID_MAX_BYTES >> 30));
+    lf_grid *grid = lf_calloc(1, sizeof *grid);
+    if (!grid)
+        goto fail;
+    atomic_init(&grid->refs, 1);
+    for (int i = 0; i < 3; i++) {
+        grid->size[i] = (int)size[i];
+        grid->bricks[i] = (grid->size[i] + 1 + LF_BRICK - 1) / LF_BRICK;
+    }
+    memcpy(grid->local_to_file, local_to_file, sizeof grid->local_to_file);
+    grid->index = lf_calloc(n, sizeof *grid->index);
+    grid->brick_max = lf_calloc(n, sizeof *grid->brick_max);
+    grid->brick_near = lf_calloc(n, sizeof *grid->brick_near);
+    if (!grid->index || !grid->brick_max || !grid->brick_near)
+        goto fail;
+    *out_grid = grid;
+    return LF_OK;
+fail:
+    lf_grid_unref(grid);
+    return lf_error_set(err, LF_E_NOMEM, "grid", "out of memory");
+}
+
+/* Bricks along one axis that store a voxel: its own and, when it lies on the border, the one
+ * before. */
+static void bricks_of(int first, int last, int *out_first, int *out_last)
+{
+    *out_first = first / LF_BRICK;
+    *out_last = (last + 1) / LF_BRICK;
+}
+
+void lf_grid_mark(lf_grid *grid, const int first[3], const int last[3])
+{
+    int b0[3], b1[3];
+    for (int i = 0; i < 3; i++)
+        bricks_of(first[i], last[i], &b0[i], &b1[i]);
+    for (int z = b0[2]; z <= b1[2]; z++)
+        for (int y = b0[1]; y <= b1[1]; y++)
+            for (int x = b0[0]; x <= b1[0]; x++)
+                grid->index[lf_grid_brick(grid, x, y, z)] = 1;
+}
+
+static size_t index_length(const lf_grid *grid)
+{
+    return (size_t)grid->bricks[0] * (size_t)grid->bricks[1] * (size_t)grid->bricks[2];
+}
+
+lf_status lf_grid_allocate(lf_grid *grid, lf_error *err)
+{
+    uint32_t n_bricks = 0;
+    for (size_t i = 0; i < index_length(grid); i++)
+        if (grid->index[i])
+            grid->index[i] = ++n_bricks;
+    uint64_t bytes = ((uint64_t)n_bricks + 1) * LF_BRICK_STRIDE * sizeof(float);
+    if (bytes <= LF_GRID_MAX_BYTES)
+        grid->values = lf_calloc((size_t)n_bricks + 1, LF_BRICK_STRIDE * sizeof(float));
+    if (!grid->values)
+        return lf_error_set(err, LF_E_NOMEM, "grid",
+                            "%.1f GiB of voxels are wanted; the limit is %d GiB",
+                            (double)bytes / (1 << 30), (int)(LF_GRID_MAX_BYTES >> 30));
+    grid->n_bricks = n_bricks;
+    return LF_OK;
+}
+
+static int clamp(int v, int lo, int hi)
+{
+    return v < lo ? lo : v > hi ? hi : v;
+}
+
+/* Writes the part of a box of voxels that brick (b[0], b[1], b[2]) stores. */
+static void fill_brick(lf_grid *grid, const int b[3], const int first[3], const int last[3],
+                       float value)
+{
+    float *values =
+        grid->values + (size_t)grid->index[lf_grid_brick(grid, b[0], b[1], b[2])] * LF_BRICK_STRIDE;
+    int v0[3], v1[3];
+    for (int i = 0; i < 3; i++) {
+        v0[i] = clamp(first[i] + 1 - LF_BRICK * b[i], 0, LF_BRICK);
+        v1[i] = clamp(last[i] + 1 - LF_BRICK * b[i], 0, LF_BRICK);
+    }
+    for (int z = v0[2]; z <= v1[2]; z++)
+        for (int y = v0[1]; y <= v1[1]; y++)
+            for (int x = v0[0]; x <= v1[0]; x++)
+                values[(z * LF_BRICK_VALUES + y) * LF_BRICK_VALUES + x] = value;
+}
+
+void lf_grid_fill(lf_grid *grid, const int first[3], const int last[3], float value)
+{
+    int b0[3], b1[3], b[3];
+    for (int i = 0; i < 3; i++)
+        bricks_of(first[i], last[i], &b0[i], &b1[i]);
+    for (b[2] = b0[2]; b[2] <= b1[2]; b[2]++)
+        for (b[1] = b0[1]; b[1] <= b1[1]; b[1]++)
+            for (b[0] = b0[0]; b[0] <= b1[0]; b[0]++)
+                fill_brick(grid, b, first, last, value);
+}
+
+/* The largest value that lies within LF_BRICK_REACH of a brick, in the one that stands `offset`
+ * bricks (each -1 .. 1) behind it. */
+static float largest_near(const lf_grid *grid, size_t brick, const int offset[3])
+{
+    const float *values = grid->values + (size_t)grid->index[brick] * LF_BRICK_STRIDE;
+    int lo[3], hi[3];
+    float max = 0.0f;
+    for (int i = 0; i < 3; i++) {
+        lo[i] = offset[i] < 0 ? LF_BRICK - LF_BRICK_REACH : 0;
+        hi[i] = offset[i] > 0 ? LF_BRICK_REACH : LF_BRICK;
+    }
+    for (int z = lo[2]; z <= hi[2]; z++)
+        for (int y = lo[1]; y <= hi[1]; y++)
+            for (int x = lo[0]; x <= hi[0]; x++)
+                max = lf_max(max, values[(z * LF_BRICK_VALUES + y) * LF_BRICK_VALUES + x]);
+    return max;
+}
+
+/* What a brick has near itself: its own values and those of the 26 around it that reach so far. */
+static void note_near(lf_grid *grid, int bx, int by, int bz)
+{
+    float *near = &grid->brick_near[lf_grid_brick(grid, bx, by, bz)];
+    for (int n = 0; n < 27; n++) {
+        const int offset[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+        const int b[3] = {bx + offset[0], by + offset[1], bz + offset[2]};
+        bool inside = true;
+        for (int i = 0; i < 3; i++)
+            inside = inside && b[i] >= 0 && b[i] < grid->bricks[i];
+        size_t other = inside ? lf_grid_brick(grid, b[0], b[1], b[2]) : 0;
+        if (inside && grid->index[other])
+            *near = lf_max(*near, largest_near(grid, other, offset));
+    }
+}
+
+void lf_grid_finish(lf_grid *grid)
+{
+    /* Three nested linear interpolations may round a few units above the largest of their eight
+     * values. */
+    const float margin = 1.0f + 8.0f * 0x1p-23f;
+    grid->max_value = 0.0f;
+    for (size_t i = 0; i < index_length(grid); i++) {
+        const float *values = grid->values + (size_t)grid->index[i] * LF_BRICK_STRIDE;
+        float max = 0.0f;
+        for (int v = 0; v < LF_BRICK_STRIDE; v++)
+            max = fmaxf(max, values[v]);
+        grid->brick_max[i] = max * margin;
+        grid->max_value = fmaxf(grid->max_value, max * margin);
+    }
+    for (int z = 0; z < grid->bricks[2]; z++)
+        for (int y = 0; y < grid->bricks[1]; y++)
+            for (int x = 0; x < grid->bricks[0]; x++)
+                note_near(grid, x, y, z);
+}
+
+static lf_status replace_text(char **at, const char *text)
+{
+    char *copy = lf_strdup(text);
+    if (!copy)
+        return LF_E_NOMEM;
+    lf_free(*at);
+    *at = copy;
+    return LF_OK;
+}
+
+lf_status lf_grid_set_key(lf_grid *grid, const char *key)
+{
+    return replace_text(&grid->key, key);
+}
+
+lf_status lf_grid_set_others(lf_grid *grid, const char *others)
+{
+    return replace_text(&grid->others, others);
+}
+
+lf_grid *lf_grid_ref(lf_grid *grid)
+{
+    atomic_fetch_add_explicit(&grid->refs, 1, memory_order_relaxed);
+    return grid;
+}
+
+void lf_grid_unref(lf_grid *grid)
+{
+    /* Acquire-release: whoever frees sees what the other owners did before they let go. */
+    if (!grid || atomic_fetch_sub_explicit(&grid->refs, 1, memory_order_acq_rel) != 1)
+        return;
+    lf_free(grid->index);
+    lf_free(grid->values);
+    lf_free(grid->brick_max);
+    lf_free(grid->brick_near);
+    lf_free(grid->key);
+    lf_free(grid->others);
+    lf_free(grid);
+}
+
+/* ---------------------------------------------------------------------------------- look-ups -- */
+
+float lf_grid_linear(const lf_grid *grid, float x, float y, float z)
+{
+    return lf_grid_value(grid, x, y, z);
+}
+
+float lf_grid_nearest(const lf_grid *grid, float x, float y, float z)
+{
+    return lf_grid_voxel(grid, x, y, z);
+}
+
+float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p)
+{
+    float q[3];
+    for (int i = 0; i < 3; i++) {
+        const float *m = volume->to_volume[i];
+        q[i] = m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+    }
+    switch (volume->kind) {
+    case LF_VOLUME_GRID:
+        return volume->sigma_scale * (volume->nearest
+                                          ? lf_grid_nearest(volume->grid, q[0], q[1], q[2])
+                                          : lf_grid_linear(volume->grid, q[0], q[1], q[2]));
+    case LF_VOLUME_SPHERE:
+        return q[0] * q[0] + q[1] * q[1] + q[2] * q[2] <= 1.0f ? volume->sigma_scale : 0.0f;
+    case LF_VOLUME_BOX:
+        return fabsf(q[0]) <= 1.0f && fabsf(q[1]) <= 1.0f && fabsf(q[2]) <= 1.0f
+                   ? volume->sigma_scale
+                   : 0.0f;
+    }
+    return 0.0f;
+}

@@ -1,0 +1,64 @@
+/* Kinds of lights; private to render/. A kind is one file (light_point.c, …) that ends in one
+ * struct of functions, and one line of LF_LIGHT_KINDS: nothing else knows its name. pdfs here
+ * are per unit solid angle, without the probability of picking the light. */
+#ifndef LF_RENDER_LIGHT_KIND_H
+#define LF_RENDER_LIGHT_KIND_H
+
+#include "render/scene/key.h"
+#include "render/transport/light.h"
+
+typedef struct lf_light_kind {
+    const char *name; /* what "type" says in a scene file */
+    /* At most LF_MAX_KEYS beside "type". A key of type LF_KEY_FILE names a picture of the sky,
+     * which is light->environment before read is called. NULL: made of the scene, not said in its
+     * file. */
+    const lf_key *keys;
+    /* Fills a zeroed light from the values of keys, in their order. Points are moved by -origin,
+     * which is near the middle of the scene. What no field of lf_light has room for goes into
+     * light->own (light_spot.c). */
+    void (*read)(const lf_value values[], const double origin[3], lf_light *light);
+    /* Works out what draw needs beyond what read set, called once; NULL = nothing. */
+    void (*commit)(lf_light *light);
+    /* Draws a direction from p with place and u[2] in [0,1). place is what is left of the number
+     * that picked the light: finer than a float. Lights at infinity that are not delta fill wi
+     * only, delta ones all that lf_light_sample asks for, with pdf 1. false = nothing to be had
+     * there. */
+    bool (*draw)(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place,
+                 const float u[2], lf_light_sample *out);
+    /* Estimate of the power that reaches a ball of this radius about the scene's middle, any common
+     * unit; 0 = never to be sampled. */
+    double (*power)(const lf_light *light, double radius);
+
+    /* Lights at infinity; the others have NULL, which is how they are told apart. */
+
+    /* Radiance from infinity along w and the pdf of drawing it; both 0 for delta lights. */
+    lf_vec3 (*escape)(const lf_light *light, lf_vec3 w, float *out_pdf);
+    /* Whether escape's radiance changes with w; NULL = it does not. */
+    bool (*varies)(const lf_light *light);
+
+    /* Lights at a distance; the others have NULL. */
+
+    /* The middle of the light and how far it reaches from there. */
+    void (*extent)(const lf_scene *scene, const lf_light *light, lf_vec3 *out_middle,
+                   float *out_radius);
+    /* pdf at `from` of drawing the direction to a hit on the light; NULL = no ray can hit it. */
+    float (*hit_pdf)(const lf_light *light, lf_vec3 from, const lf_hit *hit);
+} lf_light_kind;
+
+/* All kinds, a line each, in the order in which committed scenes have their lights: those at
+ * infinity first, those made of meshes last. */
+#define LF_LIGHT_KINDS(KIND)                                                                       \
+    KIND(environment)                                                                              \
+    KIND(distant)                                                                                  \
+    KIND(point)                                                                                    \
+    KIND(spot)                                                                                     \
+    KIND(mesh)
+
+#define LF_DECLARE_LIGHT(name) extern const lf_light_kind lf_light_##name;
+LF_LIGHT_KINDS(LF_DECLARE_LIGHT)
+#undef LF_DECLARE_LIGHT
+
+/* The same as a list, ended by NULL. */
+extern const lf_light_kind *const lf_light_kinds[];
+
+#endif

@@ -1,0 +1,39 @@
+#include "render/transport/light_types.h"
+
+static bool draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place,
+                 const float u[2], lf_light_sample *out)
+{
+    (void)scene, (void)place, (void)u;
+    return lf_light_draw_point(light, p, out);
+}
+
+static double power(const lf_light *light, double radius)
+{
+    (void)radius;
+    return 4.0 * (double)LF_PI * (double)lf_mean3(light->intensity);
+}
+
+void lf_light_point_extent(const lf_scene *scene, const lf_light *light, lf_vec3 *out_middle,
+                           float *out_radius)
+{
+    (void)scene;
+    *out_middle = light->position;
+    *out_radius = 0.0f;
+}
+
+enum { POSITION, INTENSITY };
+
+static const lf_key keys[] = {
+    [POSITION] = {"position", LF_KEY_POINT},
+    [INTENSITY] = {"intensity", LF_KEY_COLOUR, .hi = LF_MAX_RADIANCE, .fallback = {1, 1, 1}},
+    {0},
+};
+
+static void read(const lf_value values[], const double origin[3], lf_light *light)
+{
+    light->position = lf_light_place(values[POSITION].number, origin);
+    light->intensity = lf_to_vec3(values[INTENSITY].number);
+}
+
+const lf_light_kind lf_light_point = {
+    "point", keys, read, NULL, draw, power, NULL, NULL, lf_light_point_extent, NULL};

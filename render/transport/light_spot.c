@@ -1,0 +1,68 @@
+/* A point that shines into a cone: full intensity about the axis, and a smooth fall to 0 at the
+ * rim, by 3 t^2 - 2 t^3 of the versine (light_distant.c) from where it begins to the cone's. Half
+ * of the rim's solid angle is then full intensity: the power is pi intensity (inner + outer
+ * versine).
+ */
+#include "render/transport/light_types.h"
+
+enum { INNER }; /* of own: the versine at which the fall begins */
+
+/* Share of the intensity that goes along the unit vector w. */
+static float falloff(const lf_light *light, lf_vec3 w)
+{
+    lf_vec3 off_axis = lf_sub(w, light->direction);
+    float versine = 0.5f * lf_dot(off_axis, off_axis), inner = light->own[INNER];
+    if (versine <= inner)
+        return 1.0f;
+    if (versine >= light->versine)
+        return 0.0f;
+    float t = (light->versine - versine) / (light->versine - inner);
+    return t * t * (3.0f - 2.0f * t);
+}
+
+static bool draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place,
+                 const float u[2], lf_light_sample *out)
+{
+    (void)scene, (void)place, (void)u;
+    if (!lf_light_draw_point(light, p, out))
+        return false;
+    float share = falloff(light, lf_scale(out->wi, -1.0f));
+    out->radiance = lf_scale(out->radiance, share);
+    return share > 0.0f;
+}
+
+static double power(const lf_light *light, double radius)
+{
+    (void)radius;
+    return (double)LF_PI * ((double)light->own[INNER] + (double)light->versine) *
+           (double)lf_mean3(light->intensity);
+}
+
+enum { POSITION, DIRECTION, INTENSITY, ANGLE, BLEND };
+
+static const lf_key keys[] = {
+    [POSITION] = {"position", LF_KEY_POINT},
+    [DIRECTION] = {"direction", LF_KEY_DIRECTION, .fallback = {0, -1, 0}},
+    [INTENSITY] = {"intensity", LF_KEY_COLOUR, .hi = LF_MAX_RADIANCE, .fallback = {1, 1, 1}},
+    [ANGLE] = {"angle", LF_KEY_ANGLE, .lo = 0.1, .hi = 180, .fallback = {45}},
+    [BLEND] = {"blend", LF_KEY_NUMBER, .hi = 1, .fallback = {0.15}},
+    {0},
+};
+
+static double versine_of(double angle)
+{
+    return 2.0 * pow(sin(0.5 * angle), 2.0);
+}
+
+static void read(const lf_value values[], const double origin[3], lf_light *light)
+{
+    double half = 0.5 * values[ANGLE].number[0];
+    light->position = lf_light_place(values[POSITION].number, origin);
+    light->direction = lf_to_vec3(values[DIRECTION].number);
+    light->intensity = lf_to_vec3(values[INTENSITY].number);
+    light->versine = (float)versine_of(half);
+    light->own[INNER] = (float)versine_of(half * (1.0 - values[BLEND].number[0]));
+}
+
+const lf_light_kind lf_light_spot = {
+    "spot", keys, read, NULL, draw, power, NULL, NULL, lf_light_point_extent, NULL};

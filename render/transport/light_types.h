@@ -1,0 +1,70 @@
+/* What kinds of lights share; private to render/transport/light*.c. */
+#ifndef LF_RENDER_LIGHT_TYPES_H
+#define LF_RENDER_LIGHT_TYPES_H
+
+#include "render/scene/vec_double.h"
+#include "render/transport/light_kind.h"
+
+/* Lights that are a point. */
+
+/* A point of the scene's file in its local coordinates. */
+static inline lf_vec3 lf_light_place(const double world[3], const double origin[3])
+{
+    double local[3];
+    lf_sub_double(world, origin, local);
+    return lf_to_vec3(local);
+}
+
+/* Draws the point itself, with the light's full intensity. */
+static inline bool lf_light_draw_point(const lf_light *light, lf_vec3 p, lf_light_sample *out)
+{
+    lf_vec3 d = lf_sub(light->position, p);
+    float distance2 = lf_dot(d, d), distance = sqrtf(distance2);
+    if (!(distance2 > 1e-30f))
+        return false;
+    *out = (lf_light_sample){.wi = lf_scale(d, 1.0f / distance),
+                             .distance = distance,
+                             .point = light->position,
+                             .radiance = lf_scale(light->intensity, 1.0f / distance2),
+                             .pdf = 1.0f,
+                             .delta = true};
+    return true;
+}
+
+/* The point, and 0. */
+void lf_light_point_extent(const lf_scene *scene, const lf_light *light, lf_vec3 *out_middle,
+                           float *out_radius);
+
+/* Lights of meshes. */
+
+/* Chooses one of a mesh light's triangles by area, place in [0, 1); *out_probability: how likely
+ * that was. */
+uint32_t lf_mesh_light_choose(const lf_light *light, double place, float *out_probability);
+/* Appends a light for every pair of a mesh and an emissive material on it. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_mesh_lights_append(lf_scene *scene);
+
+/* Tables of probabilities. */
+
+/* A cumulative value rounded to the grid of the random numbers, so that an entry is picked exactly
+ * as often as its difference says. */
+static inline float lf_cumulative_round(double x)
+{
+    return (float)(nearbyint(x * 0x1p24) * 0x1p-24);
+}
+
+/* The entry i of n with cdf[i] <= u < cdf[i + 1], for u in [0, 1) and cdf[n] = 1; *remainder (may
+ * be u's own place) becomes the place of u in it, in [0, 1). */
+static inline int lf_cdf_find(const float *cdf, int n, float u, float *remainder)
+{
+    int first = 0, count = n;
+    while (count > 1) {
+        int half = count / 2;
+        bool above = cdf[first + half] <= u;
+        first = above ? first + half : first;
+        count = above ? count - half : half;
+    }
+    *remainder = lf_min((u - cdf[first]) / (cdf[first + 1] - cdf[first]), 0x1.fffffep-1f);
+    return first;
+}
+
+#endif

@@ -1,0 +1,59 @@
+/* What happens along a path behind the camera's segment: events, scattering, direct light and the
+ * whole suffix; private to render/. vpt and mvpt share all of it. */
+#ifndef LF_RENDER_PATH_H
+#define LF_RENDER_PATH_H
+
+#include "render/transport/phase.h"
+#include "render/transport/track.h"
+
+typedef enum lf_event_kind { LF_EVENT_ESCAPE, LF_EVENT_MEDIUM, LF_EVENT_SURFACE } lf_event_kind;
+
+/* A vertex of a path. */
+typedef struct lf_event {
+    lf_event_kind kind;
+    lf_vec3 p;
+    lf_vec3 w;  /* unit direction of travel with which the path arrived */
+    int volume; /* LF_EVENT_MEDIUM: whose collision */
+    lf_hit hit; /* LF_EVENT_SURFACE */
+    /* Set by lf_path_next: the segment that ends here. */
+    lf_vec3 from;  /* where it began … */
+    float t;       /* … and how far from here that is */
+    float surface; /* distance of the first surface along it, INFINITY: none */
+} lf_event;
+
+/* The next event of a path that leaves `from` (a vertex) along the unit vector w. */
+void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out);
+
+/* Non-delta scattering at a vertex towards wi: returns the pdf of sampling it, *f gets albedo x
+ * phase or f |cos|; 0 where wi leads through the surface, which a lobe about a shading normal may.
+ * wo is the unit direction back to where the path came from. */
+float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, lf_vec3 wi,
+                      lf_vec3 *f);
+/* Draws wi; pdf 0 = absorbed. */
+float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo, const float u[3],
+                        lf_vec3 *wi, lf_vec3 *f);
+
+/* What is left of a light sample on its way to the vertex: visibility times an unbiased estimate of
+ * the transmittance. 0 where the light lies behind the surface. */
+float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_sample *light);
+
+/* Radiance found at the first event of a path that leaves with direction w (light reached without a
+ * collision), and the pdf with which light sampling at `from` would have drawn w. */
+lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const lf_event *event,
+                            float *out_light_pdf);
+
+/* Radiance scattered back along the segment that ends at `next`, at points drawn about one of the
+ * lights in media (glow.h); what collisions find of these lights in lf_path_scattered makes room
+ * for it. 0 where the scene has none. */
+lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next);
+
+/* All that is scattered along the segment that ends at `next`, at it and behind it; arguments as in
+ * lf_path_scattered. */
+lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth);
+
+/* Radiance scattered at `event` back along the path, by next-event estimation and a random walk;
+ * the vertex is number `depth` behind the camera (the pivot is 1) and paths end behind vertex
+ * max_depth. Light emitted AT the vertex is not counted. The event comes from lf_path_next. */
+lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, int max_depth);
+
+#endif

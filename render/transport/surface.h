@@ -1,0 +1,110 @@
+/* Surface scattering; private to render/. A kind of surface is one file (surface_diffuse.c, …) that
+ * ends in one struct of functions, and one line of LF_SURFACE_KINDS. All directions are unit and
+ * point away from the surface; pdfs are per unit solid angle; f includes the cosine |ns.wi|.
+ * Two-sided: both normals are flipped by the caller towards wo's side (lf_hit). Non-delta lobes
+ * only, unless the name says delta. */
+#ifndef LF_RENDER_SURFACE_H
+#define LF_RENDER_SURFACE_H
+
+#include "render/scene/key.h"
+#include "render/scene/scene.h"
+
+/* Where a ray met a surface. */
+typedef struct lf_hit {
+    lf_vec3 p;  /* scene-local, on the triangle but for the rounding of its own coordinates */
+    lf_vec3 ng; /* geometric unit normal, on the side the ray came from */
+    lf_vec3 ns; /* shading normal, same side; equals ng with flat shading */
+    float t;
+    const lf_material *material;
+    const lf_mesh *mesh;
+    uint32_t triangle;
+    float u, v; /* barycentric: the weights of the triangle's second and third corner */
+    bool front; /* the ray came from where the triangle's corners run counter-clockwise */
+} lf_hit;
+
+/* A delta lobe as one direction sees it: all of it goes on along wi. */
+#define LF_MAX_DELTAS 2
+typedef struct lf_delta {
+    lf_vec3 wi; /* on either side of the surface */
+    lf_vec3 f;  /* share of the light, above 0 in some channel */
+} lf_delta;
+
+/* Directions closer to the horizon than this count as below it: keeps quotients of cosines finite
+ * with denormals flushed. */
+#define LF_MIN_COS 1e-7f
+
+/* What eval gives to a fan of directions: f is the sum of colour[t] weight[t][k] over the terms. */
+#define LF_FAN_TERMS 3
+typedef struct lf_fan_lobes {
+    float *pdf;                   /* [n] */
+    float *weight[LF_FAN_TERMS];  /* [n] each; memory is there for all */
+    lf_vec3 colour[LF_FAN_TERMS]; /* of the n_terms first ones */
+    int n_terms;
+} lf_fan_lobes;
+
+typedef struct lf_surface_kind {
+    const char *name; /* what "type" says in a scene file */
+    /* At most LF_MAX_KEYS beside "type" and "emission". Other kinds' keys have no effect and get a
+     * warning, or, exclusive ones, are errors. */
+    const lf_key *keys;
+    const char *lacks; /* the warning's last words: why others' keys have none */
+    /* What is wrong with the values of keys taken together, and of which key to say so; NULL = all
+     * is well. The function may be NULL: it always is. */
+    const char *(*check)(const lf_value values[], int *out_key);
+    /* Fills the material's own words from the values of keys, in their order. */
+    void (*read)(const lf_value values[], lf_material *m);
+    /* Works out what lf_material says is made of its words. */
+    void (*prepare)(lf_material *m);
+    /* f(wo, wi) |ns.wi| into *f (0 where wi is below ns, and where wo is when the lobe depends on
+     * the view: the geometric side of wo is the caller's to check); returns the pdf with which
+     * sample draws wi. Directions below ns count as drawn by microfacets, so that the pdf
+     * integrates to 1 over the sphere wherever anything is drawn. */
+    float (*eval)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
+    /* eval towards one wi for n directions wo = (x[k], y[k], z[k]) at once, all in the frame whose
+     * z axis is ns; n is a multiple of 8. No branches a direction. NULL where nothing depends on
+     * the view. */
+    void (*eval_fan)(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y,
+                     const float *z, lf_fan_lobes *out);
+    /* Draws wi from u[3] in [0,1); *f and return as eval at that wi; 0 = no direction, only where
+     * wo is below ns or there is no lobe. */
+    float (*sample)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi,
+                    lf_vec3 *f);
+    /* The delta lobes for wo, their directions included; how many. NULL = the kind never has any.
+     */
+    int (*deltas)(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo,
+                  lf_delta out[LF_MAX_DELTAS]);
+    bool view_dependent; /* eval's pdf and f change with wo (beyond its sign) */
+} lf_surface_kind;
+
+/* All kinds, a line each. */
+#define LF_SURFACE_KINDS(KIND)                                                                     \
+    KIND(diffuse)                                                                                  \
+    KIND(conductor)                                                                                \
+    KIND(plastic)
+
+#define LF_DECLARE_SURFACE(name) extern const lf_surface_kind lf_surface_##name;
+LF_SURFACE_KINDS(LF_DECLARE_SURFACE)
+#undef LF_DECLARE_SURFACE
+
+/* The same as a list, ended by NULL. */
+extern const lf_surface_kind *const lf_surface_kinds[];
+
+/* What a surface does where it was hit to light that leaves along wo. */
+typedef struct lf_shading {
+    bool has_lobe; /* any that is not delta: kind->eval and kind->sample */
+    int n_deltas;
+    lf_delta delta[LF_MAX_DELTAS];
+} lf_shading;
+
+static inline void lf_shade(const lf_hit *hit, lf_vec3 wo, lf_shading *out)
+{
+    const lf_material *m = hit->material;
+    out->has_lobe = m->has_lobe;
+    out->n_deltas = m->kind->deltas ? m->kind->deltas(m, hit->ng, hit->ns, wo, out->delta) : 0;
+}
+
+/* Works out what the lobes need beyond the material's own words; to be called once they are all
+ * set. Half a millisecond for a rough metal or plastic. */
+void lf_material_prepare(lf_material *m);
+
+#endif

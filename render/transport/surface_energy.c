@@ -1,0 +1,133 @@
+/* What GGX microfacets do not reflect at once. A rough lobe (lf_ggx_eval) counts light that leaves
+ * after one reflection; the rest, loss(cos) = 1 - E(cos) with E the lobe's directional albedo,
+ * meets further microfacets or enters the base:
+ *
+ *   metal     f = once (1 + rest loss(cos_o) / E(cos_o))
+ *   plastic   f = once + rest loss(cos_o) loss(cos_i) |cos_i|
+ *
+ * with `rest` such that white materials give back all they get at any angle. Metals are Turquin's
+ * (2019, Practical multiple scattering compensation for microfacet models): the lobe keeps its
+ * shape, which its own directions sample well (the even lobe of Kulla and Conty 2017, of smooth
+ * metals next to nothing and far from their peak, does not), but is not reciprocal; the colour is
+ * Hill's sum over the reflections (2018). Plastics: surface_plastic.c. E is integrated once a
+ * material, and fitted by a polynomial. */
+#include "render/transport/surface_lobes.h"
+
+/* A lobe seen along one direction; double throughout. */
+typedef struct view {
+    double alpha, eta; /* eta of a coat, 0: everything is reflected */
+    double cos_o, sin_o;
+    double vx, vz; /* the direction in the space where microfacets are a hemisphere */
+    double root_o;
+} view;
+
+static double root_of(double alpha, double cosine)
+{
+    return sqrt(alpha * alpha * (1.0 - cosine * cosine) + cosine * cosine);
+}
+
+static view view_along(double alpha, double eta, double cos_o)
+{
+    double root = root_of(alpha, cos_o), sin_o = sqrt(1.0 - cos_o * cos_o);
+    return (view){alpha, eta, cos_o, sin_o, alpha * sin_o / root, cos_o / root, root};
+}
+
+/* Cosine of the direction that the visible normal at (z, phi) of the spherical cap reflects to
+ * (lf_ggx_sample), and wo.h. */
+static double reflect(const view *v, double z, double phi, double *out_cos_oh)
+{
+    double r = sqrt(fmax((1.0 - z) * (1.0 + z), 0.0));
+    double x = v->alpha * (r * cos(phi) + v->vx), y = v->alpha * r * sin(phi), up = z + v->vz;
+    double inverse = 1.0 / sqrt(x * x + y * y + up * up);
+    *out_cos_oh = (v->sin_o * x + v->cos_o * up) * inverse;
+    return 2.0 * *out_cos_oh * up * inverse - v->cos_o;
+}
+
+/* Where along the cap's meridian phi directions begin to lie above the horizon. */
+static double horizon(const view *v, double phi)
+{
+    double low = -v->vz, high = 1.0, cos_oh;
+    for (int i = 0; i < 30; i++) {
+        double middle = 0.5 * (low + high);
+        if (reflect(v, middle, phi, &cos_oh) > 0.0)
+            high = middle;
+        else
+            low = middle;
+    }
+    return high;
+}
+
+/* E(cos_o): the mean of F G2/G1 over visible normals. Even steps in phi; from the horizon up steps
+ * that begin and end gently, so that the midpoint rule converges as fast as in the middle of smooth
+ * functions. */
+static double albedo_along(double alpha, double eta, double cos_o)
+{
+    enum { ROUND = 24, UP = 16 };
+    view v = view_along(alpha, eta, cos_o);
+    double sum = 0.0;
+    for (int i = 0; i < ROUND; i++) {
+        double phi = (double)LF_PI * (i + 0.5) / ROUND, from = horizon(&v, phi), cos_oh;
+        for (int j = 0; j < UP; j++) {
+            double s = (j + 0.5) / UP, step = 30.0 * s * s * (1.0 - s) * (1.0 - s);
+            double cos_i =
+                reflect(&v, from + (1.0 - from) * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), phi,
+                        &cos_oh);
+            double fresnel =
+                eta > 0.0
+                    ? (double)lf_fresnel_dielectric((float)fmin(fmax(cos_oh, 0.0), 1.0), (float)eta)
+                    : 1.0;
+            double kept =
+                cos_i * (cos_o + v.root_o) / (cos_i * v.root_o + cos_o * root_of(alpha, cos_i));
+            sum += cos_i > 0.0 ? (1.0 - from) * step * fresnel * kept : 0.0;
+        }
+    }
+    return sum / (ROUND * UP * (1.0 + v.vz));
+}
+
+/* The polynomial in x of order LF_LOSS_TERMS - 1 through y at Chebyshev's nodes. */
+static void fit(const double y[LF_LOSS_TERMS], float out[LF_LOSS_TERMS])
+{
+    enum { N = LF_LOSS_TERMS };
+    /* Chebyshev's polynomials; their sum, in powers of x */
+    double power[N][N] = {{1.0}, {0.0, 1.0}}, sum[N] = {0};
+    for (int j = 0; j < N; j++) {
+        double c = 0.0;
+        for (int k = 0; k < N; k++) {
+            c += y[k] * cos((double)LF_PI * j * (k + 0.5) / N) * (j == 0 ? 1.0 : 2.0) / N;
+            if (j > 1)
+                power[j][k] = (k > 0 ? 2.0 * power[j - 1][k - 1] : 0.0) - power[j - 2][k];
+        }
+        for (int k = 0; k < N; k++)
+            sum[k] += c * power[j][k];
+    }
+    for (int k = 0; k < N; k++)
+        out[k] = (float)sum[k];
+}
+
+static double smooth(float ior, double cosine)
+{
+    return ior > 0.0f ? (double)lf_coat_transmittance(ior, (float)cosine) : 0.0;
+}
+
+void lf_loss_fit(lf_material *m, float ior)
+{
+    double alpha = (double)lf_material_alpha(m), a = (double)LF_LOSS_SCALE * alpha,
+           y[LF_LOSS_TERMS];
+    for (int k = 0; k < LF_LOSS_TERMS; k++) {
+        double t = 0.5 + 0.5 * cos((double)LF_PI * (k + 0.5) / LF_LOSS_TERMS),
+               cosine = a * t * t / (1.0 + a - t * t);
+        y[k] = 1.0 - albedo_along(alpha, (double)ior, cosine) - smooth(ior, cosine);
+        y[k] *= (cosine + a) / a;
+    }
+    fit(y, m->loss);
+}
+
+double lf_loss_mean(const lf_material *m, float ior)
+{
+    double sum = 0.0;
+    for (int i = 0; i < LF_MEAN_STEPS; i++) {
+        double weight, cosine = lf_mean_cosine(i, &weight);
+        sum += weight * (double)lf_loss(m, (float)smooth(ior, cosine), (float)cosine);
+    }
+    return sum;
+}

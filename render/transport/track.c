@@ -1,0 +1,367 @@
+#include "render/transport/track.h"
+
+#include <string.h>
+
+#include "render/scene/geometry.h"
+
+/* ---------------------------------------------------------------------------------- surfaces -- */
+
+static lf_vec3 shading_normal(const lf_mesh *mesh, const uint32_t *tri, float u, float v,
+                              lf_vec3 ng)
+{
+    if (!mesh->normals)
+        return ng;
+    lf_vec3 n[3];
+    for (int i = 0; i < 3; i++) {
+        const float *p = mesh->normals + 3 * (size_t)tri[i];
+        n[i] = lf_v3(p[0], p[1], p[2]);
+    }
+    lf_vec3 ns = lf_madd(lf_madd(lf_scale(n[0], 1.0f - u - v), u, n[1]), v, n[2]);
+    float length = lf_length(ns);
+    if (!(length > 1e-6f))
+        return ng;
+    ns = lf_scale(ns, 1.0f / length);
+    return lf_dot(ns, ng) < 0.0f ? lf_scale(ns, -1.0f) : ns;
+}
+
+/* Everything about a hit but where it is. */
+static void describe(const lf_scene *scene, unsigned mesh_number, unsigned triangle, float u,
+                     float v, lf_vec3 w, lf_hit *hit)
+{
+    const lf_mesh *mesh = &scene->meshes[mesh_number];
+    const uint32_t *tri = mesh->triangles + 3 * (size_t)triangle;
+    lf_vec3 a = lf_mesh_vertex(mesh, tri[0]), ab = lf_sub(lf_mesh_vertex(mesh, tri[1]), a),
+            ac = lf_sub(lf_mesh_vertex(mesh, tri[2]), a);
+    lf_vec3 n = lf_cross(ab, ac);
+    float length = lf_length(n);
+    hit->ng = length > 0.0f ? lf_scale(n, 1.0f / length) : lf_scale(w, -1.0f / lf_length(w));
+    hit->front = !(lf_dot(hit->ng, w) > 0.0f);
+    if (!hit->front)
+        hit->ng = lf_scale(hit->ng, -1.0f);
+    hit->ns = shading_normal(mesh, tri, u, v, hit->ng);
+    hit->mesh = mesh;
+    hit->triangle = triangle;
+    hit->u = u;
+    hit->v = v;
+    hit->material = &scene->materials[mesh->triangle_material ? mesh->triangle_material[triangle]
+                                                              : mesh->material];
+}
+
+/* Barycentric coordinates are good to 1e-7 of a triangle's size; on the large ones that is too
+ * much, and the point is the ray's. */
+static lf_vec3 point_of(const lf_large_triangle *large, lf_vec3 o, lf_vec3 w)
+{
+    const double from[3] = {(double)o.x, (double)o.y, (double)o.z},
+                 along[3] = {(double)w.x, (double)w.y, (double)w.z};
+    double t = 0.0, uv[2];
+    lf_large_meet(large, from, along, &t, uv);
+    return lf_v3((float)(from[0] + t * along[0]), (float)(from[1] + t * along[1]),
+                 (float)(from[2] + t * along[2]));
+}
+
+/* Fills *hit from what Embree reported. */
+static void take_hit(const lf_scene *scene, const struct RTCRayHit *rh, lf_vec3 o, lf_vec3 w,
+                     lf_hit *hit)
+{
+    hit->t = rh->ray.tfar;
+    if (rh->hit.geomID < (unsigned)scene->n_meshes) {
+        describe(scene, rh->hit.geomID, rh->hit.primID, rh->hit.u, rh->hit.v, w, hit);
+        hit->p = lf_mesh_point(hit->mesh, hit->triangle, rh->hit.u, rh->hit.v);
+        return;
+    }
+    const lf_large_triangle *large = &scene->geometry->large.triangles[rh->hit.primID];
+    describe(scene, large->mesh, large->triangle, rh->hit.u, rh->hit.v, w, hit);
+    hit->p = point_of(large, o, w);
+}
+
+bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit)
+{
+    const lf_scene *scene = tracer->scene;
+    if (!scene->embree)
+        return false;
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    struct RTCRayHit rh;
+    rh.ray = (struct RTCRay){.org_x = o.x,
+                             .org_y = o.y,
+                             .org_z = o.z,
+                             .tnear = 0.0f,
+                             .dir_x = w.x,
+                             .dir_y = w.y,
+                             .dir_z = w.z,
+                             .tfar = t_max,
+                             .mask = ~0u};
+    rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rh.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    tracer->rays++;
+    rtcIntersect1(scene->embree, &context, &rh);
+    if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return false;
+    take_hit(scene, &rh, o, w, hit);
+    return true;
+}
+
+bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
+{
+    if (!tracer->scene->embree)
+        return false;
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    struct RTCRay ray = {.org_x = o.x,
+                         .org_y = o.y,
+                         .org_z = o.z,
+                         .tnear = 0.0f,
+                         .dir_x = w.x,
+                         .dir_y = w.y,
+                         .dir_z = w.z,
+                         .tfar = t_max,
+                         .mask = ~0u};
+    tracer->rays++;
+    rtcOccluded1(tracer->scene->embree, &context, &ray);
+    return ray.tfar < 0.0f;
+}
+
+lf_vec3 lf_offset(const lf_scene *scene, lf_vec3 p, lf_vec3 n, lf_vec3 w, float length)
+{
+    /* Twice half a unit in the last place of every coordinate, and a quarter more. */
+    float eps =
+        scene->offset + 1.5e-7f * (fabsf(n.x * p.x) + fabsf(n.y * p.y) + fabsf(n.z * p.z) + length);
+    return lf_madd(p, lf_dot(n, w) >= 0.0f ? eps : -eps, n);
+}
+
+/* ----------------------------------------------------------------------------------- volumes -- */
+
+/* A ray in a volume's own space, clipped to its box; t keeps its meaning. */
+typedef struct lf_local_ray {
+    /* inverse = 1 / d; not finite along axes that the ray does not move on */
+    float o[3], d[3], inverse[3];
+    float t0, t1;
+} lf_local_ray;
+
+static bool clip_axis(lf_local_ray *r, int axis, float min, float max)
+{
+    if (r->d[axis] == 0.0f)
+        return r->o[axis] > min && r->o[axis] < max;
+    float a = (min - r->o[axis]) * r->inverse[axis], b = (max - r->o[axis]) * r->inverse[axis];
+    r->t0 = lf_max(r->t0, lf_min(a, b));
+    r->t1 = lf_min(r->t1, lf_max(a, b));
+    return r->t1 > r->t0;
+}
+
+static void to_local(const lf_volume *volume, lf_vec3 o, lf_vec3 w, float t_max, lf_local_ray *r)
+{
+    for (int i = 0; i < 3; i++) {
+        const float *m = volume->to_volume[i];
+        r->o[i] = m[0] * o.x + m[1] * o.y + m[2] * o.z + m[3];
+        r->d[i] = m[0] * w.x + m[1] * w.y + m[2] * w.z;
+        r->inverse[i] = 1.0f / r->d[i];
+    }
+    r->t0 = 0.0f;
+    r->t1 = t_max;
+}
+
+static bool clip_ball(lf_local_ray *r)
+{
+    lf_vec3 o = lf_v3(r->o[0], r->o[1], r->o[2]), d = lf_v3(r->d[0], r->d[1], r->d[2]);
+    float a = lf_dot(d, d), middle = -lf_dot(o, d) / a;
+    lf_vec3 nearest = lf_madd(o, middle, d);
+    float h2 = (1.0f - lf_dot(nearest, nearest)) / a;
+    if (!(h2 > 0.0f))
+        return false;
+    float h = sqrtf(h2);
+    r->t0 = lf_max(r->t0, middle - h);
+    r->t1 = lf_min(r->t1, middle + h);
+    return r->t1 > r->t0;
+}
+
+static bool clip_volume(const lf_volume *volume, lf_local_ray *r)
+{
+    if (volume->kind == LF_VOLUME_SPHERE)
+        return clip_ball(r);
+    for (int i = 0; i < 3; i++) {
+        float max = volume->kind == LF_VOLUME_GRID ? (float)volume->grid->size[i] : 1.0f;
+        if (!clip_axis(r, i, -1.0f, max))
+            return false;
+    }
+    return true;
+}
+
+/* Steps from brick to brick along a ray. */
+typedef struct lf_walk {
+    const lf_grid *grid;
+    int b[3], step[3];
+    size_t brick, stride[3]; /* of the present brick's number, where a step goes (modulo 2^64) */
+    float next[3], delta[3];
+    float t0, t1; /* the present brick's part of the ray */
+    float end;
+    float corner[3];     /* the ray's start as seen from the present brick's corner */
+    const float *values; /* of the present brick */
+    float max;           /* its largest value */
+} lf_walk;
+
+static void enter(lf_walk *k)
+{
+    const lf_grid *g = k->grid;
+    k->values = g->values + (size_t)g->index[k->brick] * LF_BRICK_STRIDE;
+    k->max = g->brick_max[k->brick];
+    k->t1 = lf_max(k->t0, lf_min(k->end, lf_min(k->next[0], lf_min(k->next[1], k->next[2]))));
+}
+
+static void walk_begin(lf_walk *k, const lf_grid *grid, const lf_local_ray *r)
+{
+    k->grid = grid;
+    k->t0 = r->t0;
+    k->end = r->t1;
+    k->brick = 0;
+    size_t stride = 1;
+    for (int i = 0; i < 3; i++) {
+        /* below 0 by rounding alone */
+        int b = (int)((r->o[i] + r->t0 * r->d[i] + 1.0f) * (1.0f / LF_BRICK));
+        b = b < 0 ? 0 : b < grid->bricks[i] ? b : grid->bricks[i] - 1;
+        bool up = r->d[i] > 0.0f;
+        float face = (float)((b + up) * LF_BRICK - 1);
+        k->b[i] = b;
+        k->step[i] = up ? 1 : -1;
+        k->stride[i] = up ? stride : -stride;
+        k->next[i] = r->d[i] != 0.0f ? (face - r->o[i]) * r->inverse[i] : INFINITY;
+        k->delta[i] = LF_BRICK * fabsf(r->inverse[i]);
+        k->corner[i] = r->o[i] + 1.0f - (float)(b * LF_BRICK);
+        k->brick += (size_t)b * stride;
+        stride *= (size_t)grid->bricks[i];
+    }
+    enter(k);
+}
+
+static bool walk_next(lf_walk *k)
+{
+    if (k->t1 >= k->end)
+        return false;
+    int axis = k->next[0] <= k->next[1] ? (k->next[0] <= k->next[2] ? 0 : 2)
+                                        : (k->next[1] <= k->next[2] ? 1 : 2);
+    k->b[axis] += k->step[axis];
+    if (k->b[axis] < 0 || k->b[axis] >= k->grid->bricks[axis])
+        return false;
+    k->t0 = k->t1;
+    k->next[axis] += k->delta[axis];
+    k->brick += k->stride[axis];
+    k->corner[axis] -= (float)(k->step[axis] * LF_BRICK);
+    enter(k);
+    return true;
+}
+
+/* Clamped coordinate inside the present brick, 0..8. */
+static inline float inside(const lf_walk *k, const lf_local_ray *r, float t, int axis)
+{
+    float x = k->corner[axis] + t * r->d[axis];
+    return lf_min(lf_max(x, 0.0f), (float)LF_BRICK);
+}
+
+static float look_up(const lf_walk *k, const lf_local_ray *r, float t, bool nearest)
+{
+    float x = inside(k, r, t, 0), y = inside(k, r, t, 1), z = inside(k, r, t, 2);
+    const int dy = LF_BRICK_VALUES, dz = LF_BRICK_VALUES * LF_BRICK_VALUES;
+    if (nearest)
+        return k->values[(int)(z + 0.5f) * dz + (int)(y + 0.5f) * dy + (int)(x + 0.5f)];
+    int i = (int)lf_min(x, LF_BRICK - 1), j = (int)lf_min(y, LF_BRICK - 1),
+        l = (int)lf_min(z, LF_BRICK - 1);
+    float fx = x - (float)i, fy = y - (float)j, fz = z - (float)l;
+    const float *v = k->values + l * dz + j * dy + i;
+    float a = lf_lerp(lf_lerp(v[0], v[1], fx), lf_lerp(v[dy], v[dy + 1], fx), fy);
+    float b = lf_lerp(lf_lerp(v[dz], v[dz + 1], fx), lf_lerp(v[dz + dy], v[dz + dy + 1], fx), fy);
+    return lf_lerp(a, b, fz);
+}
+
+/* Steps to the next tentative collision at the bricks' majorants: depth is what is left of the
+ * optical distance to it, carried from brick to brick (the exponential has no memory). On success
+ * *t is where and the walk stands in its brick. */
+static inline bool tentative(lf_walk *k, float sigma_scale, float *depth, float *t)
+{
+    for (;;) {
+        float majorant = sigma_scale * k->max, room = majorant * (k->t1 - *t);
+        if (*depth < room) {
+            *t += *depth / majorant;
+            return true;
+        }
+        *depth -= room;
+        if (!walk_next(k))
+            return false;
+        *t = k->t0;
+    }
+}
+
+static float collide_grid(lf_tracer *tracer, const lf_volume *volume, const lf_local_ray *r)
+{
+    lf_walk k;
+    walk_begin(&k, volume->grid, r);
+    float t = k.t0, depth = lf_rng_exponential(tracer);
+    while (tentative(&k, volume->sigma_scale, &depth, &t)) {
+        tracer->lookups++;
+        if (lf_rng(tracer) * k.max < look_up(&k, r, t, volume->nearest))
+            return t;
+        depth = lf_rng_exponential(tracer);
+    }
+    return INFINITY;
+}
+
+float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, int *out_volume)
+{
+    const lf_scene *scene = tracer->scene;
+    float nearest = INFINITY;
+    for (int i = 0; i < scene->n_volumes; i++) {
+        const lf_volume *volume = &scene->volumes[i];
+        lf_local_ray r;
+        to_local(volume, o, w, lf_min(t_max, nearest), &r);
+        if (!(volume->sigma_max > 0.0f) || !clip_volume(volume, &r))
+            continue;
+        float t;
+        if (volume->kind == LF_VOLUME_GRID) {
+            t = collide_grid(tracer, volume, &r);
+        } else {
+            t = r.t0 + lf_rng_exponential(tracer) / volume->sigma_scale;
+            t = t < r.t1 ? t : INFINITY;
+        }
+        if (t < nearest) {
+            nearest = t;
+            *out_volume = i;
+        }
+    }
+    return nearest;
+}
+
+/* Ratio tracking with roulette below 1/10. */
+static float transmit_grid(lf_tracer *tracer, const lf_volume *volume, const lf_local_ray *r,
+                           float transmittance)
+{
+    lf_walk k;
+    walk_begin(&k, volume->grid, r);
+    float t = k.t0, depth = lf_rng_exponential(tracer);
+    while (tentative(&k, volume->sigma_scale, &depth, &t)) {
+        tracer->lookups++;
+        transmittance *= lf_max(0.0f, 1.0f - look_up(&k, r, t, volume->nearest) / k.max);
+        if (transmittance < 0.1f) {
+            if (lf_rng(tracer) >= 0.5f)
+                return 0.0f;
+            transmittance *= 2.0f;
+        }
+        depth = lf_rng_exponential(tracer);
+    }
+    return transmittance;
+}
+
+float lf_track_transmittance(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
+{
+    const lf_scene *scene = tracer->scene;
+    float transmittance = 1.0f;
+    for (int i = 0; i < scene->n_volumes && transmittance > 0.0f; i++) {
+        const lf_volume *volume = &scene->volumes[i];
+        lf_local_ray r;
+        to_local(volume, o, w, t_max, &r);
+        if (!(volume->sigma_max > 0.0f) || !clip_volume(volume, &r))
+            continue;
+        if (volume->kind == LF_VOLUME_GRID)
+            transmittance = transmit_grid(tracer, volume, &r, transmittance);
+        else
+            transmittance *= expf(-volume->sigma_scale * (r.t1 - r.t0));
+    }
+    return transmittance;
+}

@@ -1,0 +1,69 @@
+/* Rays through the scene: surfaces by Embree, volumes by delta and ratio tracking over the grids'
+ * bricks (local majorants, one value a brick; Woodcock 1965, Novak et al. 2014). Several volumes
+ * overlap freely: their collisions are independent processes, so the nearest of one sample each is
+ * a collision of the sum. Private to render/; a tracer belongs to one worker; nothing here
+ * allocates or locks. Everything is unbiased for the true (interpolated) fields. */
+#ifndef LF_RENDER_TRACK_H
+#define LF_RENDER_TRACK_H
+
+#include "render/transport/light.h"
+
+typedef struct lf_tracer {
+    const lf_scene *scene;
+    uint64_t rng; /* stream of the path in progress: set before each base sample */
+    int64_t rays; /* counters, never reset here */
+    int64_t lookups;
+    int64_t nonfinite;
+} lf_tracer;
+
+/* PCG-XSH-RR (O'Neill 2014): 32 bits. */
+static inline uint32_t lf_rng_bits(lf_tracer *t)
+{
+    uint64_t old = t->rng;
+    t->rng = old * 6364136223846793005u + 1442695040888963407u;
+    uint32_t x = (uint32_t)(((old >> 18) ^ old) >> 27), r = (uint32_t)(old >> 59);
+    return (x >> r) | (x << ((32u - r) & 31u));
+}
+
+/* In [0, 1), multiples of 2^-24. */
+static inline float lf_rng(lf_tracer *t)
+{
+    return (float)(lf_rng_bits(t) >> 8) * 0x1p-24f;
+}
+
+/* In (0, 1), small numbers as fine as 2^-33: events of probability 1e-6 and less come as often as
+ * they should. */
+static inline float lf_rng_fine(lf_tracer *t)
+{
+    return lf_min(((float)lf_rng_bits(t) + 0.5f) * 0x1p-32f, 1.0f - 0x1p-24f);
+}
+
+/* Optical distance to the next event, -log(1 - u): to full precision also near 0, where thin media
+ * collide. */
+static inline float lf_exponential(float u)
+{
+    return u < 0x1p-8f ? u * (1.0f + u * (0.5f + u * (1.0f / 3.0f))) : -logf(1.0f - u);
+}
+
+static inline float lf_rng_exponential(lf_tracer *t)
+{
+    return lf_exponential(lf_rng_fine(t));
+}
+
+/* Nearest surface along o + t w, 0 < t < t_max; w need not be unit. true and *hit filled, or false.
+ */
+bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
+/* True when a surface lies between. */
+bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
+/* The start of a ray that leaves the surface point p towards w, or the end of one that comes from
+ * there: moved off the surface along its unit normal n by what p and the start itself are rounded
+ * by, by the rounding of a ray of this length that ends here, and by lf_geometry.offset. n = 0: p.
+ */
+lf_vec3 lf_offset(const lf_scene *scene, lf_vec3 p, lf_vec3 n, lf_vec3 w, float length);
+
+/* First collision with t < t_max, or INFINITY; *out_volume says whose. w unit. */
+float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, int *out_volume);
+/* Unbiased estimate of the transmittance of the volumes along [0, t_max]. */
+float lf_track_transmittance(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
+
+#endif

@@ -1,0 +1,136 @@
+/* Pictures as PNG files. */
+#include "tests/base/pictures.h"
+
+#include <png.h>
+
+#include "base/alloc.h"
+
+static bool holds(const char *path, const char *word)
+{
+    size_t n;
+    char *data = lf_picture_bytes(path, &n);
+    bool found = memmem(data, n, word, strlen(word));
+    lf_free(data);
+    return found;
+}
+
+static void a_png_comes_back_as_it_was_at_every_level(void **state)
+{
+    const char *path = lf_test_path(*state, "a.png");
+    lf_image8 image = lf_picture_noise(61, 37);
+    for (int level = 1; level <= 9; level++) {
+        lf_picture_save_png(path, &image, level, NULL, 0);
+        lf_image8 back = lf_picture_load8(path);
+        assert_int_equal(back.width, 61);
+        assert_int_equal(back.height, 37);
+        assert_memory_equal(back.data, image.data, image.stride * 37);
+        lf_image8_finish(&back);
+    }
+    lf_image8_finish(&image);
+}
+
+static void a_png_says_srgb_and_carries_its_texts(void **state)
+{
+    const char *path = lf_test_path(*state, "a.png");
+    lf_image8 image = lf_picture_noise(3, 2);
+    const lf_attribute attributes[] = {{"Software", "quiltd 1"}, {"Title", "W\xc3\xb6lkchen"}};
+    lf_picture_save_png(path, &image, 1, attributes, 2);
+    assert_true(holds(path, "sRGB"));
+    assert_true(holds(path, "tEXtSoftware"));
+    assert_true(holds(path, "quiltd 1"));
+    assert_true(holds(path, "iTXtTitle"));
+    assert_true(holds(path, "W\xc3\xb6lkchen"));
+    assert_false(holds(path, "gAMA"));
+    lf_image8_finish(&image);
+}
+
+/* Writes rows of any kind of PNG by libpng itself. */
+static void make_png(const char *path, int width, int height, int depth, int color, bool interlaced,
+                     uint8_t *rows, size_t stride)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    png_init_io(png, file);
+    png_set_IHDR(png, info, (png_uint_32)width, (png_uint_32)height, depth, color,
+                 interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_color palette[4] = {{1, 2, 3}, {50, 60, 70}, {255, 0, 128}, {9, 9, 9}};
+    png_byte alpha[4] = {255, 0, 7, 255};
+    if (color == PNG_COLOR_TYPE_PALETTE) {
+        png_set_PLTE(png, info, palette, 4);
+        png_set_tRNS(png, info, alpha, 4, NULL);
+    }
+    png_write_info(png, info);
+    png_bytep pointers[16];
+    for (int y = 0; y < height; y++)
+        pointers[y] = rows + (size_t)y * stride;
+    png_write_image(png, pointers);
+    png_write_end(png, NULL);
+    png_destroy_write_struct(&png, &info);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void every_kind_of_png_becomes_rgb(void **state)
+{
+    const char *path = lf_test_path(*state, "kind.png");
+    const uint8_t palette[4][3] = {{1, 2, 3}, {50, 60, 70}, {255, 0, 128}, {9, 9, 9}};
+    uint8_t rows[8][64];
+    for (int interlaced = 0; interlaced < 2; interlaced++) {
+        memset(rows, 0x1b, sizeof rows); /* indices 0 1 2 3 of two bits */
+        make_png(path, 8, 8, 2, PNG_COLOR_TYPE_PALETTE, interlaced, &rows[0][0], 64);
+        lf_image8 image = lf_picture_load8(path);
+        for (int x = 0; x < 8; x++)
+            assert_memory_equal(image.data + 3 * image.stride + 3 * (size_t)x, palette[x % 4], 3);
+        lf_image8_finish(&image);
+        make_png(path, 8, 8, 2, PNG_COLOR_TYPE_GRAY, interlaced, &rows[0][0], 64);
+        image = lf_picture_load8(path);
+        for (int x = 0; x < 8; x++)
+            for (int c = 0; c < 3; c++)
+                assert_int_equal(image.data[7 * image.stride + 3 * (size_t)x + (size_t)c],
+                                 85 * (x % 4));
+        lf_image8_finish(&image);
+        /* 16 bits are rounded, alpha is dropped */
+        const uint16_t samples[4] = {0x0180, 0x7fff, 0xff7f, 0x1234};
+        for (int x = 0; x < 8; x++)
+            for (int c = 0; c < 4; c++) {
+                rows[0][x * 8 + c * 2] = (uint8_t)(samples[c] >> 8);
+                rows[0][x * 8 + c * 2 + 1] = (uint8_t)samples[c];
+            }
+        make_png(path, 8, 1, 16, PNG_COLOR_TYPE_RGBA, interlaced, &rows[0][0], 64);
+        image = lf_picture_load8(path);
+        for (int c = 0; c < 3; c++)
+            assert_int_equal(image.data[15 + c], (int)floor(samples[c] / 257.0 + 0.5));
+        lf_image8_finish(&image);
+    }
+}
+
+static void eight_bit_pictures_are_decoded_from_srgb(void **state)
+{
+    const char *path = lf_test_path(*state, "ramp.png");
+    lf_image8 image = {0};
+    assert_int_equal(lf_image8_init(&image, 256, 1, 3), LF_OK);
+    for (int i = 0; i < 768; i++)
+        image.data[i] = (uint8_t)(i / 3);
+    lf_picture_save_png(path, &image, 6, NULL, 0);
+    lf_image32 linear = lf_picture_load32(path);
+    for (int i = 0; i < 256; i++) {
+        double s = i / 255.0;
+        lf_assert_close((double)linear.data[3 * i],
+                        s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4), 1e-6, 0);
+    }
+    lf_image32_finish(&linear);
+    lf_image8_finish(&image);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_png_comes_back_as_it_was_at_every_level),
+        cmocka_unit_test(a_png_says_srgb_and_carries_its_texts),
+        cmocka_unit_test(every_kind_of_png_becomes_rgb),
+        cmocka_unit_test(eight_bit_pictures_are_decoded_from_srgb),
+    };
+    return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);
+}

@@ -1,0 +1,211 @@
+/* Films of one picture that become one. */
+#include "tests/testing.h"
+
+#include <math.h>
+
+#include "render/film/film.h"
+#include "render/film/film_difference.h"
+#include "render/transport/sampler.h"
+
+enum { WIDTH = 512, HEIGHT = 3, VISITS = 12 };
+
+static const lf_film_layout whole = {.n_views = 1,
+                                     .width = WIDTH,
+                                     .height = HEIGHT,
+                                     .has_w2 = true,
+                                     .has_native = true,
+                                     .has_known = true};
+
+/* What visit v of a stream finds at a pixel, in eighths when exact, else anything. */
+static float value(uint32_t stream, int v, int pixel, bool exact)
+{
+    uint64_t bits = lf_hash64(lf_hash64(stream, (uint64_t)v), (uint64_t)pixel);
+    return exact ? (float)(bits % 64) / 8 : (float)(bits >> 40) * 0x1p-24f;
+}
+
+static int half_of(int v)
+{
+    return v % 3 == 1;
+}
+
+/* The visits of one stream to one row. */
+static void accumulate(lf_film *film, uint32_t stream, int row, bool exact)
+{
+    lf_film_sums sums;
+    int index;
+    lf_assert_ok(lf_film_sums_init(&sums, &film->layout), NULL);
+    lf_assert_ok(lf_film_stream_at(film, 17, stream, &index), NULL);
+    for (int v = 0; v < VISITS; v++) {
+        lf_film_sums_begin(&sums);
+        for (int i = 0; i < WIDTH; i++) {
+            size_t pixel = (size_t)i;
+            float x = value(stream, v, i, exact), q = exact ? 0.25f : x;
+            lf_film_scatter(&sums, pixel, x, 2 * x, 3 * x);
+            lf_film_weigh(&sums, pixel, x);
+            lf_film_weigh_direction(&sums, pixel, x);
+            lf_film_pivots(&sums, pixel, q);
+            lf_film_known_light(&sums, pixel, q, q, q);
+        }
+        lf_film_merge(film, index, row, half_of(v), &sums, v % 2 ? 1.0 : 0.5,
+                      lf_hash64(lf_hash64(stream, 99), (uint64_t)v));
+    }
+    lf_film_sums_finish(&sums);
+}
+
+static lf_film film_of(uint32_t stream, bool exact)
+{
+    lf_film film = {0};
+    lf_assert_ok(lf_film_init(&film, &whole), NULL);
+    for (int row = 0; row < HEIGHT; row++)
+        accumulate(&film, stream, row, exact);
+    return film;
+}
+
+static void assert_same_films(const lf_film *a, const lf_film *b)
+{
+    assert_int_equal(a->n_streams, b->n_streams);
+    for (int i = 0; i < a->n_streams; i++) {
+        assert_int_equal(a->streams[i].number, b->streams[i].number);
+        assert_memory_equal(a->streams[i].rows, b->streams[i].rows,
+                            HEIGHT * sizeof *a->streams[i].rows);
+    }
+    for (int row = 0; row < HEIGHT; row++) {
+        assert_memory_equal(a->rows[row].n, b->rows[row].n, sizeof a->rows[row].n);
+        assert_memory_equal(a->rows[row].visits, b->rows[row].visits, sizeof a->rows[row].visits);
+        assert_true(a->rows[row].passes == b->rows[row].passes);
+        assert_memory_equal(a->data + (size_t)row * a->row_bytes,
+                            b->data + (size_t)row * b->row_bytes, lf_film_used_bytes(&whole));
+    }
+}
+
+static void sums_that_floats_can_hold_are_those_of_one_film(void **state)
+{
+    (void)state;
+    lf_film together = {0}, sum = film_of(0, true), other = film_of(1, true);
+    lf_assert_ok(lf_film_init(&together, &whole), NULL);
+    for (int row = 0; row < HEIGHT; row++)
+        for (uint32_t stream = 0; stream < 2; stream++)
+            accumulate(&together, stream, row, true);
+    lf_assert_ok(lf_film_add(&sum, &other, NULL), NULL);
+    assert_same_films(&sum, &together);
+    lf_film_finish(&together);
+    lf_film_finish(&other);
+    lf_film_finish(&sum);
+}
+
+static void either_order_gives_the_same_bytes(void **state)
+{
+    (void)state;
+    lf_film a = film_of(0, false), b = film_of(2, false), x = film_of(2, false);
+    lf_assert_ok(lf_film_add(&b, &a, NULL), NULL);
+    lf_assert_ok(lf_film_add(&a, &x, NULL), NULL);
+    assert_same_films(&a, &b);
+    lf_film_finish(&a);
+    lf_film_finish(&b);
+    lf_film_finish(&x);
+}
+
+/* Against the plain means of all visits: N, W, q and known light with its difference. */
+static void means_and_differences_are_those_of_all_visits(void **state)
+{
+    (void)state;
+    lf_film a = film_of(0, false), b = film_of(1, false);
+    double wrong = 0, squares = 0;
+    lf_assert_ok(lf_film_add(&a, &b, NULL), NULL);
+    for (int i = 0; i < WIDTH; i++) {
+        double n[2] = {0}, sum[2] = {0}, mean[2] = {0};
+        for (int k = 0; k < 2 * VISITS; k++) {
+            int v = k % VISITS;
+            double x = (double)value((uint32_t)(k / VISITS), v, i, false), w = v % 2 ? 1.0 : 0.5;
+            n[half_of(v)] += w;
+            sum[half_of(v)] += x;
+            mean[half_of(v)] += w * x;
+        }
+        const lf_film_known *known = &lf_film_known_at(&a, 1)[i];
+        float difference[3];
+        lf_difference_unpack(known->difference, difference);
+        for (int h = 0; h < 2; h++) {
+            lf_film_half half = lf_film_at(&a, 1, h);
+            lf_assert_close((double)half.scattered[i].w, sum[h], 1e-6, 0);
+            lf_assert_close((double)half.scattered[i].n[2], 3 * sum[h], 1e-6, 0);
+            lf_assert_close((double)half.w2[i], sum[h], 1e-6, 0);
+            lf_assert_close((double)half.q[i], mean[h] / n[h], 1e-6, 0);
+        }
+        double truth = mean[0] / n[0] - mean[1] / n[1];
+        lf_assert_close((double)known->b[1], (mean[0] + mean[1]) / (n[0] + n[1]), 1e-6, 0);
+        wrong += ((double)difference[1] - truth) * ((double)difference[1] - truth);
+        squares += truth * truth;
+    }
+    print_message("difference: %.2g of its mean square is rounding\n", wrong / squares);
+    assert_true(wrong / squares < 1e-5 * 2 * VISITS);
+    lf_film_finish(&a);
+    lf_film_finish(&b);
+}
+
+/* One film holds 1, the other an eighth of the step between floats there. */
+static void rounding_has_no_bias(void **state)
+{
+    (void)state;
+    lf_film a = film_of(0, false), b = film_of(1, false);
+    int up = 0;
+    for (int i = 0; i < WIDTH; i++) {
+        lf_film_at(&a, 0, 0).scattered[i].w = 1.0f;
+        lf_film_at(&b, 0, 0).scattered[i].w = 0x1p-26f;
+    }
+    lf_assert_ok(lf_film_add(&a, &b, NULL), NULL);
+    for (int i = 0; i < WIDTH; i++) {
+        float w = lf_film_at(&a, 0, 0).scattered[i].w;
+        assert_true(w == 1.0f || w == 1.0f + 0x1p-23f);
+        up += w > 1.0f;
+    }
+    double expected = WIDTH / 8.0, deviation = sqrt(WIDTH * 7.0 / 64);
+    print_message("%d of %d rounded up, %.0f expected\n", up, WIDTH, expected);
+    assert_true(fabs(up - expected) < 4 * deviation);
+    lf_film_finish(&a);
+    lf_film_finish(&b);
+}
+
+static void the_same_samples_and_other_pictures_are_refused(void **state)
+{
+    (void)state;
+    lf_film a = film_of(0, true), before = film_of(0, true), b = film_of(1, true);
+    lf_error err;
+    lf_assert_status(lf_film_add(&a, &before, &err), LF_E_STATE, &err);
+    assert_non_null(strstr(err.what, "seed 17, stream 0 in row 0"));
+    assert_same_films(&a, &before);
+    b.picture[31] = 1;
+    lf_assert_status(lf_film_add(&a, &b, &err), LF_E_STATE, &err);
+    assert_same_films(&a, &before);
+    lf_film_finish(&a);
+    lf_film_finish(&before);
+    lf_film_finish(&b);
+}
+
+static void rows_of_one_film_alone_are_taken_as_they_are(void **state)
+{
+    (void)state;
+    lf_film all = film_of(2, false), a = {0}, b = {0};
+    lf_assert_ok(lf_film_init(&a, &whole), NULL);
+    lf_assert_ok(lf_film_init(&b, &whole), NULL);
+    accumulate(&a, 2, 1, false);
+    accumulate(&b, 2, 0, false);
+    accumulate(&b, 2, 2, false);
+    lf_assert_ok(lf_film_add(&a, &b, NULL), NULL);
+    assert_same_films(&a, &all);
+    lf_film_finish(&a);
+    lf_film_finish(&b);
+    lf_film_finish(&all);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sums_that_floats_can_hold_are_those_of_one_film),
+        cmocka_unit_test(either_order_gives_the_same_bytes),
+        cmocka_unit_test(means_and_differences_are_those_of_all_visits),
+        cmocka_unit_test(rounding_has_no_bias),
+        cmocka_unit_test(the_same_samples_and_other_pictures_are_refused),
+        cmocka_unit_test(rows_of_one_film_alone_are_taken_as_they_are),
+    };
+    return cmocka_run_group_tests_name("film_add", tests, NULL, NULL);
+}

@@ -1,0 +1,304 @@
+/* What docs/scene.schema.json says of kinds of things is what their own lists of keys say: names,
+ * types, ranges, defaults. */
+#include "tests/testing.h"
+
+#include <ctype.h>
+
+#include "render/load/member_read.h"
+#include "render/transport/light_kind.h"
+
+static json_t *schema;
+
+static const json_t *resolve(const json_t *node)
+{
+    const json_t *ref = json_object_get(node, "$ref");
+    if (!ref)
+        return node;
+    return json_object_get(json_object_get(schema, "$defs"),
+                           json_string_value(ref) + strlen("#/$defs/"));
+}
+
+/* Of what a property says itself or what it refers to. */
+static const json_t *member(const json_t *property, const char *name)
+{
+    const json_t *own = json_object_get(property, name);
+    return own ? own : json_object_get(resolve(property), name);
+}
+
+static bool has_range(const json_t *node, double lo, double hi)
+{
+    const json_t *own = resolve(node);
+    return json_number_value(json_object_get(own, "minimum")) == lo &&
+           json_number_value(json_object_get(own, "maximum")) == hi &&
+           json_object_get(own, "minimum") && json_object_get(own, "maximum");
+}
+
+static bool has_words(const json_t *list, const char *const words[])
+{
+    size_t n = 0;
+    while (words[n] && n < json_array_size(list) &&
+           strcmp(words[n], json_string_value(json_array_get(list, n))) == 0)
+        n++;
+    return !words[n] && n == json_array_size(list);
+}
+
+/* One number, or three. */
+static bool is_colour(const json_t *property, const lf_key *key)
+{
+    const json_t *any = member(property, "anyOf"), *three = json_array_get(any, 1);
+    return json_array_size(any) == 2 && has_range(json_array_get(any, 0), key->lo, key->hi) &&
+           has_range(json_object_get(three, "items"), key->lo, key->hi) &&
+           json_integer_value(json_object_get(three, "minItems")) == 3 &&
+           json_integer_value(json_object_get(three, "maxItems")) == 3;
+}
+
+static bool agrees_in_type(const json_t *property, const lf_key *key)
+{
+    switch (key->type) {
+    case LF_KEY_NUMBER:
+    case LF_KEY_ANGLE:
+        return strcmp(json_string_value(member(property, "type")), "number") == 0 &&
+               has_range(property, key->lo, key->hi);
+    case LF_KEY_COLOUR:
+        return is_colour(property, key);
+    case LF_KEY_POINT:
+    case LF_KEY_DIRECTION:
+        return has_range(member(property, "items"), -LF_MAX_COORDINATE, LF_MAX_COORDINATE) &&
+               json_integer_value(member(property, "minItems")) == 3 &&
+               json_integer_value(member(property, "maxItems")) == 3;
+    case LF_KEY_CHOICE:
+        return has_words(member(property, "enum"), key->words);
+    case LF_KEY_FILE:
+        for (int i = 0; key->words[i]; i++) {
+            char letters[64] = "";
+            for (const char *c = key->words[i]; *c; c++)
+                snprintf(letters + strlen(letters), sizeof letters - strlen(letters), "[%c%c]", *c,
+                         toupper(*c));
+            if (!strstr(json_string_value(member(property, "pattern")), letters))
+                return false;
+        }
+        return true;
+    }
+    return false;
+}
+
+static bool agrees_in_default(const json_t *property, const lf_key *key)
+{
+    const json_t *value = member(property, "default");
+    bool one = key->type == LF_KEY_NUMBER || key->type == LF_KEY_ANGLE ||
+               (key->type == LF_KEY_COLOUR && json_is_number(value));
+    if (one)
+        return json_is_number(value) && json_number_value(value) == key->fallback[0];
+    for (int i = 0; i < 3; i++)
+        if (json_number_value(json_array_get(value, (size_t)i)) != key->fallback[i])
+            return false;
+    return json_array_size(value) == 3;
+}
+
+static bool is_required(const json_t *variant, const char *name)
+{
+    size_t i;
+    json_t *word;
+    json_array_foreach(json_object_get(variant, "required"), i, word)
+    {
+        if (strcmp(json_string_value(word), name) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* One form of a kind, and what the schema says of it. */
+static void compare(const char *kind, const lf_key keys[], int form, const json_t *variant)
+{
+    const json_t *properties = json_object_get(variant, "properties");
+    size_t n = 1; /* "type" */
+    bool first = form > 0;
+    for (int i = 0; keys[i].name; i++) {
+        const json_t *property = json_object_get(properties, keys[i].name);
+        if (keys[i].form > 0 && keys[i].form != form)
+            continue;
+        n++;
+        if (!property)
+            fail_msg("%s: the schema has no \"%s\"", kind, keys[i].name);
+        if (!agrees_in_type(property, &keys[i]))
+            fail_msg("%s: the schema says another type or range of \"%s\"", kind, keys[i].name);
+        bool needed = first && keys[i].form == form;
+        first = first && !needed;
+        if (is_required(variant, keys[i].name) != needed)
+            fail_msg("%s: the schema says wrongly whether \"%s\" must be there", kind,
+                     keys[i].name);
+        if (!needed && !agrees_in_default(property, &keys[i]))
+            fail_msg("%s: the schema says another default of \"%s\"", kind, keys[i].name);
+    }
+    if (json_object_size(properties) != n)
+        fail_msg("%s: the schema has %zu keys, the kind %zu", kind, json_object_size(properties),
+                 n);
+}
+
+/* The schema's n-th variant of a type; NULL: it has fewer. */
+static const json_t *variant_of(const char *thing, const char *kind, int n)
+{
+    const json_t *all =
+        json_object_get(json_object_get(json_object_get(schema, "$defs"), thing), "anyOf");
+    size_t i;
+    json_t *variant;
+    json_array_foreach(all, i, variant)
+    {
+        const json_t *type = json_object_get(json_object_get(variant, "properties"), "type");
+        if (strcmp(json_string_value(json_object_get(type, "const")), kind) == 0 && n-- == 0)
+            return variant;
+    }
+    return NULL;
+}
+
+static bool has_forms(const lf_key keys[])
+{
+    bool found = false;
+    for (int i = 0; keys[i].name; i++)
+        found = found || keys[i].form > 0;
+    return found;
+}
+
+static void the_schema_says_of_lights_what_their_kinds_say(void **state)
+{
+    (void)state;
+    int n_variants = 0;
+    for (int i = 0; lf_light_kinds[i]; i++) {
+        const lf_light_kind *kind = lf_light_kinds[i];
+        if (!kind->keys)
+            continue;
+        int n = has_forms(kind->keys) ? 2 : 1;
+        for (int form = 0; form < n; form++) {
+            const json_t *variant = variant_of("light", kind->name, form);
+            if (!variant)
+                fail_msg("the schema knows no light of type %s", kind->name);
+            compare(kind->name, kind->keys, n == 2 ? form + 1 : 0, variant);
+        }
+        n_variants += n;
+    }
+    assert_int_equal(n_variants,
+                     json_array_size(json_object_get(
+                         json_object_get(json_object_get(schema, "$defs"), "light"), "anyOf")));
+}
+
+static const json_t *materials(void)
+{
+    return json_object_get(json_object_get(json_object_get(schema, "$defs"), "material"), "anyOf");
+}
+
+static size_t n_materials(void)
+{
+    return json_array_size(materials());
+}
+
+/* Whether a variant of the schema's materials is for this kind. */
+static bool is_for(const json_t *variant, const char *kind)
+{
+    const json_t *type = json_object_get(json_object_get(variant, "properties"), "type");
+    const json_t *only = json_object_get(type, "const");
+    size_t i;
+    json_t *word;
+    json_array_foreach(json_object_get(type, "enum"), i, word)
+    {
+        if (strcmp(json_string_value(word), kind) == 0)
+            return true;
+    }
+    return only && strcmp(json_string_value(only), kind) == 0;
+}
+
+/* The schema has a key of other kinds too where its absence would be an error after a patch of the
+ * type alone. */
+static void the_schema_says_of_surfaces_what_their_kinds_say(void **state)
+{
+    (void)state;
+    for (int i = 0; lf_surface_kinds[i]; i++)
+        for (const lf_key *key = lf_surface_kinds[i]->keys; key->name; key++) {
+            const char *kind = lf_surface_kinds[i]->name;
+            int n = 0;
+            for (size_t j = 0; j < n_materials(); j++) {
+                const json_t *variant = json_array_get(materials(), j),
+                             *property =
+                                 json_object_get(json_object_get(variant, "properties"), key->name);
+                if (!property || !is_for(variant, kind))
+                    continue;
+                n++;
+                if (!agrees_in_type(property, key))
+                    fail_msg("%s: the schema says another type or range of \"%s\"", kind,
+                             key->name);
+                if (!key->exclusive && !agrees_in_default(property, key))
+                    fail_msg("%s: the schema says another default of \"%s\"", kind, key->name);
+            }
+            if (n == 0)
+                fail_msg("%s: the schema has no \"%s\"", kind, key->name);
+        }
+}
+
+static bool some_kind_has(const char *name)
+{
+    bool found = strcmp(name, "type") == 0 || strcmp(name, "emission") == 0;
+    for (int i = 0; lf_surface_kinds[i]; i++)
+        for (const lf_key *key = lf_surface_kinds[i]->keys; key->name; key++)
+            found = found || strcmp(key->name, name) == 0;
+    return found;
+}
+
+static void the_schema_has_no_key_of_surfaces_that_no_kind_has(void **state)
+{
+    (void)state;
+    const char *name;
+    json_t *property;
+    for (size_t i = 0; i < n_materials(); i++)
+        json_object_foreach(json_object_get(json_array_get(materials(), i), "properties"), name,
+                            property)
+        {
+            if (!some_kind_has(name))
+                fail_msg("the schema has \"%s\" of materials, which nothing reads", name);
+        }
+}
+
+/* Committed scenes count on the order. */
+static void lights_at_infinity_stand_first_in_the_table_and_meshes_last(void **state)
+{
+    (void)state;
+    int n = 0, n_infinite = 0;
+    while (lf_light_kinds[n])
+        n++;
+    assert_true(n > 0 && n <= LF_MAX_KINDS);
+    assert_ptr_equal(lf_light_kinds[n - 1], &lf_light_mesh);
+    while (n_infinite < n && lf_light_kinds[n_infinite]->escape)
+        n_infinite++;
+    for (int i = 0; i < n; i++) {
+        const lf_light_kind *kind = lf_light_kinds[i];
+        assert_true(kind->draw && kind->power && !kind->escape == (i >= n_infinite) &&
+                    !kind->extent == (i < n_infinite));
+        int n_keys = 0;
+        while (kind->keys && kind->keys[n_keys].name)
+            n_keys++;
+        assert_true(n_keys <= LF_MAX_KEYS && !kind->keys == !kind->read);
+    }
+}
+
+static int load_schema(void **state)
+{
+    (void)state;
+    schema = lf_scene_schema();
+    return schema ? 0 : -1;
+}
+
+static int release_schema(void **state)
+{
+    (void)state;
+    json_decref(schema);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_schema_says_of_lights_what_their_kinds_say),
+        cmocka_unit_test(the_schema_says_of_surfaces_what_their_kinds_say),
+        cmocka_unit_test(the_schema_has_no_key_of_surfaces_that_no_kind_has),
+        cmocka_unit_test(lights_at_infinity_stand_first_in_the_table_and_meshes_last),
+    };
+    return cmocka_run_group_tests(tests, load_schema, release_schema);
+}
