@@ -205,12 +205,14 @@ static inline void live_start(live *l, const char *scene, ...)
     live_close(&c);
 }
 
-/* Ends it with TERM; its exit code. */
+/* Ends it with TERM; its exit code. What it said is shown when that is not 0. */
 static inline int live_stop(live *l)
 {
     kill(l->pid, SIGTERM);
     int code = live_reap(l->pid);
     l->pid = 0;
+    if (code != 0)
+        live_show_log(l);
     return code;
 }
 
