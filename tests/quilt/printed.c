@@ -128,3 +128,41 @@ lf_print lf_print_sound(void)
     return (lf_print){
         .lpi = 60.0, .dpi = 600, .width_mm = 50.8, .height_mm = 2.54, .n_views = 8, .bits = 8};
 }
+
+float lf_card_speckle(const void *context, int view, int row, int column, int c)
+{
+    const uint32_t h = (uint32_t)(view * 73 + row * 9176 + column * 51749 + c * 331) * 2654435761u;
+    (void)context;
+    return (float)(h >> 8) * 0x1p-24f;
+}
+
+void lf_printed_assert_same(const lf_printed *a, const lf_printed *b)
+{
+    assert_int_equal(a->width, b->width);
+    assert_int_equal(a->height, b->height);
+    assert_int_equal(a->channels, b->channels);
+    assert_memory_equal(a->value, b->value,
+                        (size_t)a->width * (size_t)a->height * (size_t)a->channels *
+                            sizeof *a->value);
+}
+
+uint16_t lf_printed_at(const lf_printed *printed, int x, int y, int c)
+{
+    return printed
+        ->value[((size_t)y * (size_t)printed->width + (size_t)x) * (size_t)printed->channels +
+                (size_t)c];
+}
+
+lf_print lf_print_odd(void)
+{
+    lf_print print = lf_print_sound();
+    print.lpi = 61.37;
+    print.dpi = 720;
+    print.width_mm = 31.7;
+    print.height_mm = 1.9;
+    print.bleed_mm = 1.3;
+    print.phase_mm = 0.17;
+    print.n_views = 7;
+    print.bits = 16;
+    return print;
+}

@@ -22,6 +22,10 @@ void lf_printed_make(const lf_print *print, const lf_views32 *views, int rows_pe
 void lf_printed_chart(const lf_print *print, lf_printed *out);
 void lf_printed_finish(lf_printed *printed);
 
+/* A value as it is stored. */
+uint16_t lf_printed_at(const lf_printed *printed, int x, int y, int c);
+/* Both hold the same picture. */
+void lf_printed_assert_same(const lf_printed *a, const lf_printed *b);
 /* Linear light 0..1 of an sRGB print's value. */
 double lf_printed_linear(const lf_printed *printed, int x, int y, int c);
 /* The sRGB curve's inverse. */
@@ -34,8 +38,13 @@ void lf_card_make(const lf_print *print,
                   const void *context, lf_views32 *out);
 void lf_card_finish(lf_views32 *views);
 
+/* A value for lf_card_make that tells view, row, column and channel, within 0..1. */
+float lf_card_speckle(const void *context, int view, int row, int column, int c);
+
 /* A sound print to start from: 8 views, 60 lpi on 600 dpi, 50.8 x 2.54 mm, 8 bits, no compression.
  */
 lf_print lf_print_sound(void);
+/* One whose numbers divide nothing evenly, with a bleed and a phase; 7 views, 16 bits. */
+lf_print lf_print_odd(void);
 
 #endif
