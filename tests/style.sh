@@ -112,6 +112,10 @@ long_functions() {
         awk -v f="$f" '/^\{$/ { start = NR } /^\}$/ && start { if (NR - start + 1 > 80) print f ":" start ": " NR - start + 1 " lines"; start = 0 }' "$1/$f"
     done
 }
+# A file has at most 700 lines.
+long_files() {
+    code "$1" | (cd "$1" && xargs wc -l) | awk '$1 > 700 && $2 != "total" { print $2 ": " $1 " lines" }'
+}
 # A name of the house (functions, types, constants) belongs to one file, or to a header and its .c file.
 one_name_one_thing() {
     sources "$1" -name '*.[ch]' -not -path 'tests/*' | (cd "$1" && ctags -x --kinds-C=defgsu --languages=C --langmap=C:.c.h -L - 2> /dev/null) |
@@ -149,6 +153,7 @@ make_breaches() {
         for _ in $(seq 90); do echo '    g();'; done
         printf '}\n'
     } > "$1/render/bad.c"
+    printf '%0701d' 0 | tr 0 '\n' > "$1/render/long.c"
     printf 'struct lf_wide {\n    int a%s;\n};\n' "$(seq -s ', a' 31)" > "$1/render/wide.h"
     printf 'struct lf_twice {\n    int x;\n};\n' | tee "$1/render/once.h" > "$1/quilt/twice.h"
     mkdir -p "$1/daemon/engine"
@@ -166,7 +171,7 @@ breaches=$(mktemp -d)
 trap 'rm -rf "$breaches"' EXIT
 make_breaches "$breaches"
 for rule in tabs_and_trailing_blanks long_lines pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart upward_includes \
-    cxx_only_for_openvdb top_level long_functions one_name_one_thing wide_structs stale_mutants empty_assertions listed_tests_are_there; do
+    cxx_only_for_openvdb top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions listed_tests_are_there; do
     if [ -z "$($rule "$breaches")" ]; then
         report "$rule" "the rule does not notice a breach of it"
     else
