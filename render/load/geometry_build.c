@@ -18,18 +18,19 @@
 
 json_t *lf_geometry_key(const json_t *doc, const char *folder)
 {
-    json_t *meshes = json_deep_copy(json_object_get(doc, "meshes"));
+    json_t *list = json_array(), *mesh;
     const char *name;
-    json_t *mesh;
-    json_object_foreach(meshes, name, mesh)
+    json_object_foreach(json_object_get(doc, "meshes"), name, mesh)
     {
-        if (json_object_get(mesh, "material") &&
-            json_object_set_new(mesh, "material", json_true()) != 0) {
-            json_decref(meshes);
+        json_t *copy = json_deep_copy(mesh);
+        if (json_object_get(mesh, "material"))
+            json_object_set_new(copy, "material", json_true());
+        if (json_array_append_new(list, json_pack("[s, o]", name, copy)) != 0) {
+            json_decref(list);
             return NULL;
         }
     }
-    return json_pack("{s:s, s:o*}", "folder", folder, "meshes", meshes);
+    return json_pack("{s:s, s:o}", "folder", folder, "meshes", list);
 }
 
 static bool file_is_unchanged(const lf_mesh_file *file, const lf_roots *roots)

@@ -576,6 +576,25 @@ static void a_new_material_shows_although_the_geometry_is_shared(void **state)
     lf_scene_unref(next);
 }
 
+/* Objects of JSON that differ in order alone are equal; meshes are numbered in it. */
+static void meshes_keep_their_materials_in_another_order(void **state)
+{
+    (void)state;
+    static const char *const orders[] = {
+        "{\"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"a\"}, \"c\": {\"shape\": "
+        "\"cube\", \"material\": \"b\"}}, \"materials\": {\"a\": {}, \"b\": {\"albedo\": 0.25}}}",
+        "{\"meshes\": {\"c\": {\"shape\": \"cube\", \"material\": \"b\"}, \"q\": {\"shape\": "
+        "\"quad\", \"material\": \"a\"}}, \"materials\": {\"a\": {}, \"b\": {\"albedo\": 0.25}}}"};
+    lf_scene *scene = make_scene(orders[0], ".", NULL), *next = make_scene(orders[1], ".", scene);
+    for (int i = 0; i < 2; i++) {
+        const lf_mesh *mesh = &next->meshes[i];
+        bool is_cube = mesh->n_triangles == 12;
+        assert_true((next->materials[mesh->material].albedo.x == 0.25f) == is_cube);
+    }
+    lf_scene_unref(scene);
+    lf_scene_unref(next);
+}
+
 static void files_that_changed_are_read_again(void **state)
 {
     make_shared_files(*state);
@@ -671,6 +690,7 @@ int main(void)
         lf_test_in_folder(volumes_and_skies_obey_the_rule_too),
         lf_test_in_folder(what_a_patch_does_not_touch_is_shared),
         lf_test_in_folder(a_new_material_shows_although_the_geometry_is_shared),
+        cmocka_unit_test(meshes_keep_their_materials_in_another_order),
         lf_test_in_folder(files_that_changed_are_read_again),
         cmocka_unit_test(a_reference_keeps_a_scene_alive),
         cmocka_unit_test(scenes_may_lack_meshes_or_volumes_or_both),
