@@ -5,7 +5,7 @@
 
 #include "render/film/film_file.h"
 #include "render/renderer.h"
-#include "render/scene/geometry.h"
+#include "render/scene/scene.h"
 
 static json_t *numbers(const double *x, int n)
 {
@@ -15,14 +15,7 @@ static json_t *numbers(const double *x, int n)
     return list;
 }
 
-static json_t *mesh_file(const lf_mesh_file *file)
-{
-    return json_pack("[s, I, I, I, I]", file->path, (json_int_t)file->inode, (json_int_t)file->size,
-                     (json_int_t)file->modified.tv_sec, (json_int_t)file->modified.tv_nsec);
-}
-
-/* All that the picture depends on but its random numbers. Files are named, not read: that is done
- * at every move of the camera. */
+/* All that the picture depends on but its random numbers. */
 static json_t *describe(const lf_scene *scene, const lf_render_settings *s, const char *integrator)
 {
     const lf_camera *c = &s->camera;
@@ -30,18 +23,9 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
                           c->position[1], c->position[2],   c->up[0],     c->up[1],
                           c->up[2],       c->fov_y,         c->aspect,    c->cone,
                           c->lens_radius, c->focus_distance};
-    json_t *files = json_array();
-    for (int i = 0; i < scene->n_volumes; i++)
-        if (scene->volumes[i].grid)
-            json_array_append_new(files, json_string(scene->volumes[i].grid->key));
-    for (int i = 0; i < scene->n_lights; i++)
-        if (scene->lights[i].environment)
-            json_array_append_new(files, json_string(scene->lights[i].environment->key));
-    for (int i = 0; scene->geometry && i < scene->geometry->n_files; i++)
-        json_array_append_new(files, mesh_file(&scene->geometry->files[i]));
     return json_pack(
-        "{s:O, s:o, s:s, s:i, s:i, s:o, s:b, s:o, s:i, s:i, s:i}", "scene", scene->json, "files",
-        files, "integrator", integrator, "sampler", (int)s->sampler, "max_depth", s->max_depth,
+        "{s:O, s:s, s:i, s:i, s:o, s:b, s:o, s:i, s:i, s:i}", "scene", scene->subject, "integrator",
+        integrator, "sampler", (int)s->sampler, "max_depth", lf_max_depth(scene, s->max_depth),
         "rig", numbers(rig, sizeof rig / sizeof rig[0]), "inclusive", c->inclusive, "window",
         numbers(s->window, 4), "n_views", c->n_views, "width", s->width, "height", s->height);
 }

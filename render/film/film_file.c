@@ -13,7 +13,7 @@
 #endif
 
 enum {
-    VERSION = 4,
+    VERSION = 5,
     HEAD_BYTES = 16,
     LAYOUT_BYTES = 4 * 4 + 3 * 4,
     STREAM_BYTES = 12,

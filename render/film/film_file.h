@@ -11,8 +11,8 @@
  *
  * All little-endian. Each part is its name, u32 CRC-32 (zlib's) of name, size and content, u64 size
  * of the content, the content; streams ascend by seed and number, rows by number, and a film has
- * one file, whatever it was gathered from. What a picture is of names the files of its scene by
- * place and time of change (renderer_state.c), so that films are added where they were made. */
+ * one file, whatever it was gathered from. What a picture is of goes by what the scene's files
+ * hold, not by where they lie (renderer_state.c), so that films of many machines can be added. */
 #ifndef LF_RENDER_FILM_FILE_H
 #define LF_RENDER_FILM_FILE_H
 

@@ -1,29 +1,13 @@
 #include "render/load/environment_load.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/image_io.h"
 #include "base/log.h"
+#include "render/load/file_identity.h"
 #include "render/transport/light.h"
-
-char *lf_file_key(int fd, const char *path, const char *suffix)
-{
-    struct stat info;
-    char *text = NULL;
-    if (fstat(fd, &info) != 0 ||
-        asprintf(&text, "%s:%llu:%lld:%lld.%09ld:%s", path, (unsigned long long)info.st_ino,
-                 (long long)info.st_size, (long long)info.st_mtim.tv_sec, info.st_mtim.tv_nsec,
-                 suffix) < 0)
-        return NULL;
-    char *key = lf_strdup(text);
-    free(text);
-    return key;
-}
 
 static lf_environment *find_shared(const lf_scene *previous, const char *key)
 {
@@ -48,9 +32,9 @@ static void clip_negative(lf_image32 *image, const char *path)
         lf_log(LF_LOG_DEBUG, "%s: %zu values below 0 taken as 0", path, clipped);
 }
 
-/* Reads and commits; takes key over on success. */
-static lf_status read_environment(const char *path, const lf_roots *roots, char *key,
-                                  lf_environment **out, lf_error *err)
+/* Reads and commits. */
+static lf_status read_environment(const char *path, const lf_roots *roots, lf_environment **out,
+                                  lf_error *err)
 {
     lf_image32 image = {0};
     lf_status status = lf_image32_read(path, roots, &image, err);
@@ -77,8 +61,29 @@ static lf_status read_environment(const char *path, const lf_roots *roots, char 
         lf_environment_unref(environment);
         return lf_error_set(err, status, path, "out of memory for the sampling tables");
     }
-    environment->key = key;
     *out = environment;
+    return LF_OK;
+}
+
+/* fd: the same file, open. */
+static lf_status share_or_read(int fd, const char *path, const lf_roots *roots,
+                               const lf_scene *previous, lf_environment **out, lf_error *err)
+{
+    lf_digest digest;
+    char *key = lf_file_key(fd, path, "");
+    if (!key)
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    lf_environment *shared = find_shared(previous, key);
+    lf_status status = shared ? LF_OK : lf_file_digest(fd, path, &digest, err);
+    if (!shared && status == LF_OK)
+        status = read_environment(path, roots, out, err);
+    if (shared || status != LF_OK) {
+        lf_free(key);
+        *out = shared ? shared : *out;
+        return status;
+    }
+    (*out)->key = key;
+    (*out)->digest = digest;
     return LF_OK;
 }
 
@@ -89,16 +94,7 @@ lf_status lf_environment_load(const char *path, const lf_roots *roots, const lf_
     lf_status status = lf_file_open(path, roots, (uint64_t)4 << 30, &fd, NULL, err);
     if (status != LF_OK)
         return status;
-    char *key = lf_file_key(fd, path, "");
+    status = share_or_read(fd, path, roots, previous, out_environment, err);
     close(fd);
-    if (!key)
-        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    lf_environment *shared = find_shared(previous, key);
-    if (shared)
-        *out_environment = shared;
-    else
-        status = read_environment(path, roots, key, out_environment, err);
-    if (shared || status != LF_OK)
-        lf_free(key);
     return status;
 }

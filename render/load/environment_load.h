@@ -14,8 +14,4 @@ LF_NODISCARD lf_status lf_environment_load(const char *path, const lf_roots *roo
                                            const lf_scene *previous,
                                            lf_environment **out_environment, lf_error *err);
 
-/* What sharing compares: "PATH:INODE:SIZE:SECONDS.NANOSECONDS:SUFFIX" of an open file. Caller
- * releases with lf_free; NULL = out of memory or the descriptor is bad. */
-char *lf_file_key(int fd, const char *path, const char *suffix);
-
 #endif

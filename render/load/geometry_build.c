@@ -115,6 +115,8 @@ static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
                    (size_t)data[i].n_materials * sizeof *data[i].materials);
         memcpy(geometry->files + geometry->n_files, data[i].files,
                (size_t)data[i].n_files * sizeof data[i].files[0]);
+        for (int j = 0; j < data[i].n_files; j++)
+            geometry->files[geometry->n_files + j].mesh = i;
         for (int j = 0; j < data[i].n_materials; j++)
             lf_material_prepare(&geometry->materials[geometry->n_materials + j]);
         geometry->n_materials += data[i].n_materials;

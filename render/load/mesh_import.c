@@ -5,6 +5,7 @@
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <errno.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
@@ -12,6 +13,7 @@
 
 #include "base/alloc.h"
 #include "base/log.h"
+#include "render/load/file_identity.h"
 #include "render/load/mesh_material.h"
 #include "render/scene/vec_double.h"
 
@@ -23,7 +25,7 @@
 typedef struct reading {
     const lf_roots *roots;
     lf_mesh_data *data; /* where opened files are noted */
-    /* the first path outside of roots, or too many files; status LF_OK = none */
+    /* the first path outside of roots, or what else ends the reading; status LF_OK = none */
     lf_error refused;
     lf_error failed; /* the first file that could not be opened */
 } reading;
@@ -66,20 +68,28 @@ static void file_flush(struct aiFile *file)
     (void)file;
 }
 
-/* Notes an opened file, once a path. false = too many, or out of memory. */
-static bool note_file(lf_mesh_data *data, const char *path, int fd)
+/* Notes an opened file, once a path. */
+static lf_status note_file(lf_mesh_data *data, const char *path, int fd, lf_error *err)
 {
     struct stat info;
+    lf_mesh_file *file = &data->files[data->n_files];
     for (int i = 0; i < data->n_files; i++)
         if (strcmp(data->files[i].path, path) == 0)
-            return true;
-    if (data->n_files == LF_MESH_MAX_FILES || fstat(fd, &info) != 0)
-        return false;
-    char *copy = lf_strdup(path);
-    if (!copy)
-        return false;
-    data->files[data->n_files++] = (lf_mesh_file){copy, info.st_mtim, info.st_size, info.st_ino};
-    return true;
+            return LF_OK;
+    if (data->n_files == LF_MESH_MAX_FILES)
+        return lf_error_set(err, LF_E_NOMEM, path, "too many files behind one mesh (at most %d)",
+                            LF_MESH_MAX_FILES);
+    if (fstat(fd, &info) != 0)
+        return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
+    *file = (lf_mesh_file){.modified = info.st_mtim, .size = info.st_size, .inode = info.st_ino};
+    lf_status status = lf_file_digest(fd, path, &file->digest, err);
+    if (status != LF_OK)
+        return status;
+    file->path = lf_strdup(path);
+    if (!file->path)
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    data->n_files++;
+    return LF_OK;
 }
 
 static struct aiFile *io_open(struct aiFileIO *io, const char *path, const char *mode)
@@ -98,11 +108,8 @@ static struct aiFile *io_open(struct aiFileIO *io, const char *path, const char 
             *first = err;
         return NULL;
     }
-    if (!note_file(state->data, path, fd)) {
-        lf_error_set(&state->refused, LF_E_NOMEM, path,
-                     "too many files behind one mesh (at most %d)", LF_MESH_MAX_FILES);
+    if (note_file(state->data, path, fd, &state->refused) != LF_OK)
         goto fail;
-    }
     stream = fdopen(fd, "rb");
     file = stream ? lf_calloc(1, sizeof *file) : NULL;
     if (!file)

@@ -6,8 +6,10 @@
 
 #include "base/alloc.h"
 #include "render/load/environment_load.h"
+#include "render/load/file_identity.h"
 #include "render/load/geometry_build.h"
 #include "render/load/mesh_doubles.h"
+#include "render/load/scene_subject.h"
 #include "render/load/vdb_import.h"
 #include "render/scene/grid.h"
 #include "render/scene/vec_double.h"
@@ -51,6 +53,25 @@ static lf_grid *find_grid(const lf_scene *scene, const char *key)
     return NULL;
 }
 
+static lf_status import_grid(int fd, const char *path, const char *name, const char *key,
+                             lf_grid **out, lf_error *err)
+{
+    lf_digest digest;
+    lf_grid *grid = NULL;
+    lf_status status = lf_file_digest(fd, path, &digest, err);
+    if (status == LF_OK)
+        status = lf_vdb_import(fd, path, name, &grid, err);
+    if (status != LF_OK)
+        return status;
+    if (lf_grid_set_key(grid, key) != LF_OK) {
+        lf_grid_unref(grid);
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    }
+    grid->digest = digest;
+    *out = grid;
+    return LF_OK;
+}
+
 /* The grid behind an open file: from this scene or the one before when the key is the same, else
  * read. */
 static lf_status share_or_import(const commit *c, int fd, const char *path, const char *name,
@@ -63,14 +84,8 @@ static lf_status share_or_import(const commit *c, int fd, const char *path, cons
     *out_grid = find_grid(c->scene, key);
     if (!*out_grid)
         *out_grid = find_grid(c->previous, key);
-    if (!*out_grid) {
-        status = lf_vdb_import(fd, path, name, out_grid, err);
-        if (status == LF_OK && lf_grid_set_key(*out_grid, key) != LF_OK) {
-            lf_grid_unref(*out_grid);
-            *out_grid = NULL;
-            status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-        }
-    }
+    if (!*out_grid)
+        status = import_grid(fd, path, name, key, out_grid, err);
     lf_free(key);
     return status;
 }
@@ -548,6 +563,11 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
     load_lights(&c);
     if (reader->status != LF_OK)
         return;
+    scene->subject = lf_scene_subject(scene, desc);
+    if (!scene->subject) {
+        out_of_memory(&c);
+        return;
+    }
     set_flags(scene);
     reader->status = lf_lights_commit(scene, reader->err);
     if (reader->status != LF_OK)

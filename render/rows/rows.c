@@ -128,21 +128,18 @@ static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_
 static void make_plan(lf_rows *rows, const lf_integrator_input *input, const lf_sharing *sharing)
 {
     const lf_render_settings *settings = input->settings;
-    rows->plan =
-        (lf_visit_plan){.scene = &rows->seen,
-                        .rig = &rows->rig,
-                        .frame = &rows->frame,
-                        .kernels = lf_kernels_get(),
-                        .sharing = sharing,
-                        .native = find_native(),
-                        .triangles = rows->triangles.first ? &rows->triangles : NULL,
-                        .film = input->film,
-                        .sampler = settings->sampler,
-                        .max_depth = settings->max_depth > 0       ? settings->max_depth
-                                     : input->scene->max_depth > 0 ? input->scene->max_depth
-                                                                   : LF_DEFAULT_MAX_DEPTH,
-                        .skip = settings->skip,
-                        .pilot = sharing->adaptive ? &rows->counts : NULL};
+    rows->plan = (lf_visit_plan){.scene = &rows->seen,
+                                 .rig = &rows->rig,
+                                 .frame = &rows->frame,
+                                 .kernels = lf_kernels_get(),
+                                 .sharing = sharing,
+                                 .native = find_native(),
+                                 .triangles = rows->triangles.first ? &rows->triangles : NULL,
+                                 .film = input->film,
+                                 .sampler = settings->sampler,
+                                 .max_depth = lf_max_depth(input->scene, settings->max_depth),
+                                 .skip = settings->skip,
+                                 .pilot = sharing->adaptive ? &rows->counts : NULL};
 }
 
 static lf_status create(const lf_integrator_input *input, int index, void **out_state,

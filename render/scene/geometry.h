@@ -8,12 +8,15 @@
 #include "render/scene/large.h"
 #include "render/scene/scene.h"
 
-/* One file that was opened for a mesh, to see later whether it changed. */
+/* One file that was opened for a mesh, to see later whether it changed, and to say
+ * what the mesh is. */
 typedef struct lf_mesh_file {
     char *path;
     struct timespec modified;
     off_t size;
     ino_t inode;
+    lf_digest digest;
+    int mesh; /* index into meshes */
 } lf_mesh_file;
 
 typedef struct lf_geometry {

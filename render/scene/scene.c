@@ -46,6 +46,7 @@ void lf_scene_unref(lf_scene *scene)
     lf_free(scene->materials);
     lf_warnings_finish(&scene->warnings);
     json_decref(scene->json);
+    json_decref(scene->subject);
     lf_free(scene->folder);
     lf_free(scene->where);
     lf_free(scene);

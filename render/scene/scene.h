@@ -14,6 +14,12 @@
 #include "render/scene/vec.h"
 #include "render/scene/warnings.h"
 
+/* Of what a file holds: XXH3, 128 bits as hexadecimal digits. Taken once, when something is made of
+ * the file. */
+typedef struct lf_digest {
+    char text[33];
+} lf_digest;
+
 /* ----------------------------------------------------------------------------------- volumes -- */
 
 #define LF_BRICK 8 /* cells along a side of a brick */
@@ -42,7 +48,8 @@ typedef struct lf_grid {
     float max_value;
     /* voxel index of this box -> the file's own world space (before the scene's transform) */
     double local_to_file[3][4];
-    char *key; /* file, grid, modification time: what sharing compares */
+    char *key;        /* file, grid, modification time: what sharing compares */
+    lf_digest digest; /* of the file */
     /* names of the file's other grids, each with a newline behind it; NULL = none */
     char *others;
 } lf_grid;
@@ -146,6 +153,7 @@ typedef struct lf_environment {
     float *pdf;         /* [height][width] per unit solid angle */
     float mean;         /* radiance, mean over the sphere and the channels */
     char *key;
+    lf_digest digest; /* of the file */
 } lf_environment;
 /* Accepts NULL. */
 void lf_environment_unref(lf_environment *environment);
@@ -197,6 +205,7 @@ typedef struct lf_box {
 struct lf_scene {
     atomic_int refs;
     json_t *json;
+    json_t *subject; /* the document as far as films are concerned (scene_subject.h) */
     char *folder, *where;
     double origin[3]; /* world = local + origin */
     lf_camera camera; /* world coordinates */
@@ -229,6 +238,14 @@ struct lf_scene {
     bool has_view_lobes; /* some lobe depends on the view: g != 0, conductor, plastic */
 };
 #define LF_DEFAULT_MAX_DEPTH 1024
+
+/* Path vertices: what is wanted, else (0) what the scene says, else the default. */
+static inline int lf_max_depth(const lf_scene *scene, int wanted)
+{
+    int own = scene->max_depth > 0 ? scene->max_depth : LF_DEFAULT_MAX_DEPTH;
+    return wanted > 0 ? wanted : own;
+}
+
 #define LF_MAX_VOLUMES 16
 
 #endif

@@ -1,0 +1,58 @@
+#include "render/load/scene_subject.h"
+
+#include "render/scene/geometry.h"
+#include "render/transport/light_kind.h"
+
+static json_t *member(json_t *doc, const char *section, const char *name)
+{
+    return json_object_get(json_object_get(doc, section), name);
+}
+
+static bool put_volume(json_t *doc, const lf_volume *volume, const lf_volume_desc *desc)
+{
+    return !volume->grid || json_object_set_new(member(doc, "volumes", desc->name), "file",
+                                                json_string(volume->grid->digest.text)) == 0;
+}
+
+static bool put_mesh(json_t *doc, const lf_geometry *geometry, int mesh, const lf_mesh_desc *desc)
+{
+    json_t *digests = json_array();
+    bool done = true;
+    for (int i = 0; i < geometry->n_files && done; i++)
+        if (geometry->files[i].mesh == mesh)
+            done = json_array_append_new(digests, json_string(geometry->files[i].digest.text)) == 0;
+    done = done && json_object_set(member(doc, "meshes", desc->name), "file", digests) == 0;
+    json_decref(digests);
+    return done;
+}
+
+static bool put_light(json_t *doc, const lf_light *light, const lf_light_desc *desc)
+{
+    bool done = true;
+    for (const lf_key *key = desc->kind->keys; light->environment && key->name && done; key++)
+        if (key->type == LF_KEY_FILE)
+            done = json_object_set_new(member(doc, "lights", desc->name), key->name,
+                                       json_string(light->environment->digest.text)) == 0;
+    return done;
+}
+
+json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc)
+{
+    json_t *doc = json_deep_copy(scene->json);
+    bool done = doc;
+    for (int i = 0; i < desc->n_volumes && done; i++)
+        done = put_volume(doc, &scene->volumes[i], &desc->volumes[i]);
+    for (int i = 0; i < desc->n_meshes && done; i++)
+        done = desc->meshes[i].shape != LF_SHAPE_FILE ||
+               put_mesh(doc, scene->geometry, i, &desc->meshes[i]);
+    for (int i = 0; i < desc->n_lights && done; i++)
+        done = put_light(doc, &scene->lights[i], &desc->lights[i]);
+    if (!done) {
+        json_decref(doc);
+        return NULL;
+    }
+    json_object_del(doc, "camera");
+    json_object_del(doc, "render");
+    json_object_del(doc, "film");
+    return doc;
+}
