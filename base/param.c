@@ -12,6 +12,7 @@
 #define HELP_COLUMN 25
 #define HELP_WIDTH 110
 #define MAX_JOINED 8
+#define WORDS_SIZE 256
 
 static bool is_end(const lf_param *row)
 {
@@ -25,7 +26,54 @@ const lf_param *lf_param_next(const lf_param *row)
     return row + 1;
 }
 
+const lf_param *lf_param_find(const lf_param *params, const char *option)
+{
+    for (const lf_param *row = params; !is_end(row); row = lf_param_next(row))
+        if (row->option && strcmp(row->option, option) == 0)
+            return row;
+    return NULL;
+}
+
+bool lf_param_among(const lf_param *row, const char *names)
+{
+    if (!row->option || !names)
+        return row->option;
+    const size_t length = strlen(row->option);
+    for (size_t n; *names != '\0'; names += n + strspn(names + n, " ")) {
+        n = strcspn(names, " ");
+        if (n == length && strncmp(names, row->option, n) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* The name of a value; NULL behind the last, and where values have none. */
+static const char *word_of(const lf_param *row, int value)
+{
+    if (row->word_at)
+        return row->word_at(value);
+    return row->words ? row->words[value] : NULL;
+}
+
+static bool has_words(const lf_param *row)
+{
+    return word_of(row, 0);
+}
+
+static int count_words(const lf_param *row)
+{
+    int n = 0;
+    while (word_of(row, n))
+        n++;
+    return n;
+}
+
 /* ------------------------------------------------------------------------------------ fields -- */
+
+static bool is_text(const lf_param *row)
+{
+    return row->type == LF_PARAM_TEXT || row->type == LF_PARAM_NAME;
+}
 
 static double *point_place(const lf_param *row, const void *object)
 {
@@ -55,6 +103,11 @@ static double number_at(const lf_param *row, const void *object)
     }
 }
 
+static const char **text_place(const lf_param *row, const void *object)
+{
+    return (const char **)((uintptr_t)object + row->place);
+}
+
 static void put_number(const lf_param *row, double value, void *object)
 {
     char *field = (char *)object + row->place;
@@ -68,20 +121,21 @@ static void put_number(const lf_param *row, double value, void *object)
     case LF_PARAM_SWITCH:
         *(bool *)(void *)field = value != 0.0;
         break;
+    case LF_PARAM_NAME:
+        *text_place(row, object) = word_of(row, (int)value);
+        break;
+    case LF_PARAM_LIST:
+        *(unsigned *)(void *)field = (unsigned)value;
+        break;
     default:
         *(int *)(void *)field = (int)value;
     }
 }
 
-static const char **text_place(const lf_param *row, const void *object)
-{
-    return (const char **)((uintptr_t)object + row->place);
-}
-
 void lf_param_defaults(const lf_param *params, void *object)
 {
     for (const lf_param *row = params; !is_end(row); row++)
-        if (row->type == LF_PARAM_TEXT)
+        if (is_text(row))
             *text_place(row, object) = NULL;
         else if (row->type == LF_PARAM_POINT)
             memcpy(point_place(row, object), row->point, sizeof row->point);
@@ -93,18 +147,48 @@ void lf_param_defaults(const lf_param *params, void *object)
 
 static int word_index(const lf_param *row, const char *text)
 {
-    for (int i = 0; row->words[i]; i++)
-        if (strcmp(row->words[i], text) == 0)
+    for (int i = 0; word_of(row, i); i++)
+        if (strcmp(word_of(row, i), text) == 0)
             return i;
     return -1;
+}
+
+/* The bits of "all", "none" or "word,word". */
+static bool read_list(const lf_param *row, const char *text, double *out)
+{
+    const bool all = strcmp(text, "all") == 0;
+    char word[64];
+    unsigned bits = 0;
+    if (all || strcmp(text, "none") == 0) {
+        *out = all ? (double)((1u << count_words(row)) - 1) : 0.0;
+        return true;
+    }
+    for (;; text++) {
+        const size_t length = strcspn(text, ",");
+        if (length >= sizeof word)
+            return false;
+        memcpy(word, text, length);
+        word[length] = '\0';
+        const int index = word_index(row, word);
+        if (index < 0)
+            return false;
+        bits |= 1u << index;
+        text += length;
+        if (*text == '\0')
+            break;
+    }
+    *out = bits;
+    return true;
 }
 
 /* The value that a text stands for. */
 static bool read_value(const lf_param *row, const char *text, double *out)
 {
-    const int index = row->words && text ? word_index(row, text) : -1;
+    const int index = has_words(row) && text ? word_index(row, text) : -1;
     int64_t whole = 0;
-    if (row->words) {
+    if (row->type == LF_PARAM_LIST)
+        return read_list(row, text, out);
+    if (has_words(row)) {
         *out = row->type == LF_PARAM_WHOLE && index >= 0 ? strtod(text, NULL) : index;
         return index >= 0;
     }
@@ -123,33 +207,40 @@ static bool read_value(const lf_param *row, const char *text, double *out)
 static bool is_allowed(const lf_param *row, double value)
 {
     char text[32];
-    int n = 0;
-    if (row->words && row->type == LF_PARAM_WHOLE) {
+    if (has_words(row) && row->type == LF_PARAM_WHOLE) {
         snprintf(text, sizeof text, "%.0f", value);
         return word_index(row, text) >= 0;
     }
-    while (row->words && row->words[n])
-        n++;
-    if (row->words || row->type == LF_PARAM_SWITCH)
-        return value >= 0.0 && value < (row->words ? n : 2);
+    if (has_words(row) || row->type == LF_PARAM_SWITCH)
+        return value >= 0.0 && value < (has_words(row) ? count_words(row) : 2);
     return value >= row->low && value <= row->high; /* never, for NaN */
+}
+
+/* Appends words with commas between them and, where it is not NULL, another end before the last. */
+static void join_words(const lf_param *row, const char *last, char *buf, size_t size)
+{
+    for (int i = 0; word_of(row, i); i++) {
+        const size_t used = strlen(buf);
+        snprintf(buf + used, size - used, "%s%s",
+                 i == 0                         ? ""
+                 : last && !word_of(row, i + 1) ? last
+                                                : ", ",
+                 word_of(row, i));
+    }
 }
 
 /* What the value may be: "a number from 5 to 600", "none, lzw or deflate". */
 static char *describe(const lf_param *row, char *buf, size_t size)
 {
-    size_t used = 0;
+    const bool list = row->type == LF_PARAM_LIST;
     buf[0] = '\0';
-    if (!row->words)
+    if (!has_words(row))
         snprintf(buf, size, "a%s number from %.10g to %.10g%s%s",
                  row->type == LF_PARAM_WHOLE ? " whole" : "", row->low, row->high,
                  row->unit ? " " : "", row->unit ? row->unit : "");
-    for (int i = 0; row->words && row->words[i] && used < size; i++)
-        used += (size_t)snprintf(buf + used, size - used, "%s%s",
-                                 i == 0              ? ""
-                                 : row->words[i + 1] ? ", "
-                                                     : " or ",
-                                 row->words[i]);
+    else if (list)
+        snprintf(buf, size, "all, none or some of ");
+    join_words(row, list ? NULL : " or ", buf, size);
     return buf;
 }
 
@@ -168,7 +259,7 @@ char *lf_param_argument(const lf_param *row, char *buf, size_t size)
 
 static lf_status refuse(const lf_param *row, const char *text, lf_error *err)
 {
-    char where[64], argument[64], expected[320], one[128];
+    char where[64], argument[64], expected[640], one[WORDS_SIZE];
     size_t used = 0;
     snprintf(where, sizeof where, "--%s", row->option);
     lf_param_argument(row, argument, sizeof argument);
@@ -199,19 +290,35 @@ static bool read_parts(const lf_param *row, const char *text, double *value)
     return read_value(row, text, value);
 }
 
-lf_status lf_param_from_text(const lf_param *row, const char *text, void *object, lf_error *err)
+static lf_status take_seed(const lf_param *row, const char *text, void *object, lf_error *err)
+{
+    char where[64];
+    snprintf(where, sizeof where, "--%s", row->option);
+    return lf_parse_seed(where, text, (uint64_t *)((uintptr_t)object + row->place), err);
+}
+
+static lf_status take_parts(const lf_param *row, const char *text, void *object, lf_error *err)
 {
     double value[MAX_JOINED];
     assert(lf_param_next(row) - row <= MAX_JOINED);
-    if (row->type == LF_PARAM_TEXT) {
-        *text_place(row, object) = text;
-        return LF_OK;
-    }
     if (!read_parts(row, text, value))
         return refuse(row, text, err);
     for (const lf_param *r = row; r < lf_param_next(row); r++)
         put_number(r, value[r - row], object);
     return LF_OK;
+}
+
+lf_status lf_param_from_text(const lf_param *row, const char *text, void *object, lf_error *err)
+{
+    lf_status status = LF_OK;
+    if (row->type == LF_PARAM_TEXT)
+        *text_place(row, object) = text;
+    else
+        status = row->type == LF_PARAM_SEED ? take_seed(row, text, object, err)
+                                            : take_parts(row, text, object, err);
+    if (status == LF_OK && row->has)
+        *((bool *)object + row->has) = true;
+    return status;
 }
 
 /* The unit of an option whose rows have one and the same; NULL: none. */
@@ -224,7 +331,23 @@ static const char *common_unit(const lf_param *row)
     return unit;
 }
 
-/* Help, the words with the initial one marked, the initial number, or the unit of all parts. */
+/* The words with the initial one marked, or with what each of them is. */
+static void describe_words(const lf_param *row, char *buf, size_t size)
+{
+    for (int i = 0; word_of(row, i); i++) {
+        const bool last = !word_of(row, i + 1);
+        const size_t used = strlen(buf);
+        snprintf(buf + used, size - used, "%s%s%s%s%s",
+                 i == 0         ? ""
+                 : row->what_at ? "; "
+                 : last         ? " or "
+                                : ", ",
+                 word_of(row, i), i == (int)row->initial ? " (default)" : "",
+                 row->what_at ? ": " : "", row->what_at ? row->what_at(i) : "");
+    }
+}
+
+/* Help, the words, the initial number, or the unit of all parts. */
 static void describe_option(const lf_param *row, char *buf, size_t size)
 {
     size_t used = (size_t)snprintf(buf, size, "%s", row->help ? row->help : "");
@@ -232,19 +355,18 @@ static void describe_option(const lf_param *row, char *buf, size_t size)
         return;
     if (common_unit(row))
         snprintf(buf + used, size - used, ", in %s", common_unit(row));
-    if (!row->words && (row->joined || row->type == LF_PARAM_SWITCH || row->initial == 0.0))
+    if (!has_words(row) && (row->joined || row->type == LF_PARAM_SWITCH || row->initial == 0.0))
         return;
-    if (!row->words || row->type == LF_PARAM_WHOLE) {
+    if (!has_words(row) || row->type == LF_PARAM_WHOLE) {
         snprintf(buf + used, size - used, " (%g)", row->initial);
         return;
     }
-    for (int i = 0; row->words[i] && used < size; i++)
-        used += (size_t)snprintf(buf + used, size - used, "%s%s%s",
-                                 i > 0 && !row->words[i + 1] ? " or "
-                                 : i > 0                     ? ", "
-                                 : row->help                 ? ": "
-                                                             : "",
-                                 row->words[i], i == (int)row->initial ? " (default)" : "");
+    if (row->help)
+        snprintf(buf + used, size - used, ": ");
+    if (row->type == LF_PARAM_LIST)
+        join_words(row, NULL, buf, size);
+    else
+        describe_words(row, buf, size);
 }
 
 /* Prints words from HELP_COLUMN on, as many a line as fit. */
@@ -265,11 +387,11 @@ static void print_wrapped(const char *text)
     printf("\n");
 }
 
-void lf_param_print_help(const lf_param *params)
+void lf_param_print_help(const lf_param *params, const char *names)
 {
     char argument[64], help[400];
     for (const lf_param *row = params; !is_end(row); row = lf_param_next(row)) {
-        if (!row->option)
+        if (!lf_param_among(row, names))
             continue;
         const int n =
             printf("  --%s %s", row->option, lf_param_argument(row, argument, sizeof argument));
@@ -307,7 +429,7 @@ static bool take_json(const lf_param *row, const json_t *value, void *object)
             *text_place(row, object) = json_string_value(value);
         return json_is_string(value);
     }
-    if (row->words && row->type != LF_PARAM_WHOLE) {
+    if (has_words(row) && row->type != LF_PARAM_WHOLE) {
         if (!json_is_string(value) || !read_value(row, json_string_value(value), &number))
             return false;
     } else if (row->type == LF_PARAM_SWITCH) {
@@ -327,7 +449,7 @@ static bool take_json(const lf_param *row, const json_t *value, void *object)
 lf_status lf_param_from_json(const lf_param *params, const json_t *values, void *object,
                              const char *where, lf_error *err)
 {
-    char pointer[64], expected[128];
+    char pointer[64], expected[WORDS_SIZE];
     for (const lf_param *row = params; !is_end(row); row++) {
         const json_t *value = row->name ? json_object_get(values, row->name) : NULL;
         if (!value || take_json(row, value, object))
@@ -336,7 +458,7 @@ lf_status lf_param_from_json(const lf_param *params, const json_t *values, void 
         return lf_error_set_at(err, LF_E_ARG, where, 0, pointer, "expected %s",
                                row->type == LF_PARAM_TEXT    ? "a string"
                                : row->type == LF_PARAM_POINT ? "three numbers"
-                               : row->type == LF_PARAM_SWITCH && !row->words
+                               : row->type == LF_PARAM_SWITCH && !has_words(row)
                                    ? "true or false"
                                    : describe(row, expected, sizeof expected));
     }
@@ -354,9 +476,9 @@ const char *lf_param_missing(const lf_param *params, const json_t *values)
 lf_status lf_param_check(const lf_param *params, const void *object, const char *where,
                          lf_error *err)
 {
-    char expected[128];
+    char expected[WORDS_SIZE];
     for (const lf_param *row = params; !is_end(row); row++) {
-        if (!row->name || row->type == LF_PARAM_TEXT || row->type == LF_PARAM_POINT)
+        if (!row->name || is_text(row) || row->type == LF_PARAM_POINT)
             continue;
         const double value = number_at(row, object);
         if (!is_allowed(row, value) && (row->required || value != row->initial))
@@ -368,7 +490,7 @@ lf_status lf_param_check(const lf_param *params, const void *object, const char 
 
 static json_t *value_json(const lf_param *row, const void *object)
 {
-    if (row->type == LF_PARAM_TEXT) {
+    if (is_text(row)) {
         const char *text = *text_place(row, object);
         json_t *string = text ? json_string(text) : NULL;
         return string ? string : json_null(); /* a path that is not UTF-8 */
@@ -378,8 +500,8 @@ static json_t *value_json(const lf_param *row, const void *object)
         return json_pack("[f, f, f]", point[0], point[1], point[2]);
     }
     const double value = number_at(row, object);
-    if (row->words && row->type != LF_PARAM_WHOLE)
-        return json_string(row->words[(int)value]);
+    if (has_words(row) && row->type != LF_PARAM_WHOLE)
+        return json_string(word_of(row, (int)value));
     if (row->type == LF_PARAM_SWITCH)
         return json_boolean(value != 0.0);
     return row->type == LF_PARAM_WHOLE ? json_integer((json_int_t)value) : json_real(value);
@@ -402,10 +524,10 @@ json_t *lf_param_json(const lf_param *params, const void *object)
 static json_t *words_json(const lf_param *row)
 {
     json_t *words = json_array();
-    for (int i = 0; words && row->words[i]; i++)
+    for (int i = 0; words && word_of(row, i); i++)
         json_array_append_new(words, row->type == LF_PARAM_WHOLE
-                                         ? json_integer(strtol(row->words[i], NULL, 10))
-                                         : json_string(row->words[i]));
+                                         ? json_integer(strtol(word_of(row, i), NULL, 10))
+                                         : json_string(word_of(row, i)));
     return words;
 }
 
@@ -415,7 +537,7 @@ static json_t *row_schema(const lf_param *row)
                        : row->type == LF_PARAM_SWITCH ? "boolean"
                        : row->type == LF_PARAM_TEXT   ? "string"
                                                       : "number";
-    if (row->words)
+    if (has_words(row))
         return json_pack("{s:s, s:o}", "type", row->type == LF_PARAM_WHOLE ? "integer" : "string",
                          "enum", words_json(row));
     if (row->type == LF_PARAM_SWITCH || row->type == LF_PARAM_TEXT)

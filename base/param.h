@@ -20,6 +20,11 @@ typedef enum lf_param_type {
     LF_PARAM_SWITCH, /* bool; no argument on the command line where it has no words */
     LF_PARAM_WORD,   /* an enum whose values count from 0 */
     LF_PARAM_TEXT,   /* const char *, borrowed from argv or from the JSON */
+    LF_PARAM_NAME,   /* const char *, one of the words; NULL: not given */
+    LF_PARAM_SEED,   /* uint64_t, any; on the command line alone */
+    /* unsigned, bit k for word k: "all", "none" or words parted by commas; on the command line
+     * alone */
+    LF_PARAM_LIST,
 } lf_param_type;
 
 typedef struct lf_param {
@@ -33,11 +38,14 @@ typedef struct lf_param {
     const char *help;     /* the first row of an option has that of all; may be NULL with words */
     /* Names of the values 0, 1 …, NULL behind the last; of a WHOLE: the numbers that it may be. */
     const char *const *words;
+    const char *(*word_at)(int index); /* or the same out of a table elsewhere; else NULL */
+    const char *(*what_at)(int index); /* what --help says of each of the words; may be NULL */
     lf_param_type type;
-    bool required;    /* by lf_param_missing and lf_param_check */
-    size_t place;     /* offset in the struct */
+    bool required; /* by lf_param_missing and lf_param_check */
+    size_t place;  /* offset in the struct */
+    size_t has; /* of an option's first row: offset of a bool, true once given; 0: there is none */
     double low, high; /* range, of numbers */
-    double initial;   /* 0 with a range above it: not given */
+    double initial;   /* 0 with a range above it: not given; -1: --help marks no word */
     double point[3];  /* the same of a POINT */
 } lf_param;
 
@@ -70,9 +78,13 @@ struct json_t *lf_param_schema(const lf_param *params);
 
 /* The row behind those of this row's option. */
 const lf_param *lf_param_next(const lf_param *row);
+/* The first row of an option; NULL = none. */
+const lf_param *lf_param_find(const lf_param *params, const char *option);
+/* Whether a row's option is one of names, parted by blanks; NULL = all options. */
+bool lf_param_among(const lf_param *row, const char *names);
 /* "LPI@DPI": the argument of an option as --help names it, from its first row; returns buf. */
 char *lf_param_argument(const lf_param *row, char *buf, size_t size);
-/* A line of --help for every option. */
-void lf_param_print_help(const lf_param *params);
+/* A line of --help for every option that is among names (lf_param_among). */
+void lf_param_print_help(const lf_param *params, const char *names);
 
 #endif

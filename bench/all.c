@@ -59,7 +59,8 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
 
 static lf_status parse(int argc, char **argv, folders *out, lf_error *err)
 {
-    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, NULL, NULL, take, out};
+    const lf_options_rules rules = {
+        .program = LF_BENCH_PROGRAM, .letters = ":", .table = table, .take = take, .context = out};
     bool done = false;
     lf_status status = lf_options_read(argc, argv, &rules, &done, err);
     if (status != LF_OK)

@@ -1,33 +1,16 @@
 #include "bench/command.h"
 
-#include <string.h>
-
 #include "bench/bench.h"
-
-#define MAX_OPTIONS 32
-
-typedef struct taker {
-    const lf_param *own;
-    void *arguments;
-} taker;
-
-static lf_status take(void *context, int code, const char *text, lf_error *err)
-{
-    const taker *to = context;
-    return lf_param_from_text(&to->own[code - LF_OPTION_OWN], text, to->arguments, err);
-}
 
 static lf_status read_line(const lf_bench_command *command, int argc, char **argv,
                            lf_options *shared, void *arguments, bool *out_done, lf_error *err)
 {
-    struct option table[MAX_OPTIONS + 1];
-    taker to = {command->own, arguments};
-    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":",  table, command->print_help,
-                                    shared,           take, &to};
-    int n = 0;
-    for (; command->shared[n].name; n++)
-        table[n] = command->shared[n];
-    lf_options_append(table, n, MAX_OPTIONS, command->own, LF_OPTION_OWN);
+    const lf_options_part parts[] = {
+        {lf_option_params, command->shared, shared}, {command->own, NULL, arguments}, {0}};
+    const lf_options_rules rules = {.program = LF_BENCH_PROGRAM,
+                                    .letters = ":",
+                                    .parts = parts,
+                                    .print_help = command->print_help};
     lf_param_defaults(command->own, arguments);
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
     if (status != LF_OK || *out_done)

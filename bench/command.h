@@ -9,8 +9,8 @@
 
 typedef struct lf_bench_command {
     const char *name;
-    const struct option *shared; /* rows of daemon/output/options.h, --help among them */
-    const lf_param *own;         /* of the struct that is filled, every row with a name */
+    const char *shared;  /* which of lf_option_params */
+    const lf_param *own; /* of the struct that is filled, every row with a name */
     void (*print_help)(void);
     int least, most;      /* operands */
     const char *operands; /* what it expects of them: "one SCENE" */

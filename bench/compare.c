@@ -35,7 +35,8 @@ static void print_help(void)
            "  --ours NAME:ESTIMATOR     (mvpt:mwis)\n"
            "  --baseline NAME:ESTIMATOR (vpt:mis)\n"
            "  --min-ratio R             exit 1 when the median ratio is below "
-           "this\n" LF_TRIAL_OPTIONS_HELP);
+           "this\n");
+    lf_trial_print_help();
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)

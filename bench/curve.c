@@ -63,7 +63,8 @@ static void print_help(void)
            "  --budgets N               how many, each twice the one before (5)\n"
            "  --seeds N                 runs of each contender (8)\n"
            "  --plot PREFIX             PREFIX.svg and PREFIX.png, by gnuplot from PREFIX.gp and "
-           "PREFIX.dat\n" LF_TRIAL_OPTIONS_HELP);
+           "PREFIX.dat\n");
+    lf_trial_print_help();
 }
 
 static lf_status take_contenders(curve *c, const char *text, lf_error *err)

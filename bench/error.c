@@ -45,7 +45,6 @@ static const struct option table[] = {
     {"max-block", required_argument, NULL, OPTION_MAX_BLOCK},
     {"max-relmse", required_argument, NULL, OPTION_MAX_REL_MSE},
     {"json", required_argument, NULL, OPTION_JSON},
-    {"help", no_argument, NULL, LF_OPTION_HELP},
     {NULL, 0, NULL, 0},
 };
 
@@ -91,7 +90,12 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
 
 static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_error *err)
 {
-    const lf_options_rules rules = {LF_BENCH_PROGRAM, ":", table, print_help, NULL, take, a};
+    const lf_options_rules rules = {.program = LF_BENCH_PROGRAM,
+                                    .letters = ":",
+                                    .table = table,
+                                    .print_help = print_help,
+                                    .take = take,
+                                    .context = a};
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
     if (status != LF_OK || *out_done)
         return status;

@@ -72,10 +72,7 @@ typedef struct bench {
 
 /* --------------------------------------------------------------------------------- arguments -- */
 
-static const struct option shared[] = {
-    LF_OPTIONS_LONG("calibration"),
-    {NULL, 0, NULL, 0},
-};
+static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER;
 
 static const lf_param own[] = {
     LF_BENCH_REPEAT(offsetof(arguments, repeat), 5, "commands"),
@@ -100,11 +97,10 @@ static void print_help(void)
            "After camera.orbit: relMSE of the panel picture that is shown 0.1, 0.3, 1, 3 and 10 s "
            "later, time to a coarse and to\n"
            "a complete frame, updates and bytes on the wire, CPU use, and the speed-up of "
-           "rendering on all threads.\n\n");
-    lf_param_print_help(own);
-    printf(LF_OPTIONS_HELP_VIEWS
-           "  --calibration FILE     the panel (a nominal Portrait)\n" LF_OPTIONS_HELP_RENDER
-           "  --help                 this text\n");
+           "rendering on all threads. The panel is a nominal Portrait without --calibration.\n\n");
+    lf_param_print_help(own, NULL);
+    lf_param_print_help(lf_option_params, shared);
+    printf(LF_OPTIONS_HELP_LAST);
 }
 
 static const lf_bench_command command = {"live", shared, own, print_help, 1, 1, "one SCENE"};

@@ -53,10 +53,7 @@ typedef struct bench {
     json_t *lines;
 } bench;
 
-static const struct option shared[] = {
-    LF_OPTIONS_LONG("calibration"),
-    {NULL, 0, NULL, 0},
-};
+static const char shared[] = LF_OPTIONS_VIEWS " seed";
 
 static const lf_param own[] = {
     LF_BENCH_REPEAT(offsetof(arguments, repeat), 15, "repetitions; their median counts"),
@@ -75,9 +72,9 @@ static void print_help(void)
            "CPU time of the inner loops on the fans of rays of this scene's middle row, in ns a "
            "view or an item. Exits 1 when\n"
            "the kernels of an instruction set answer anything else than the plain C ones.\n\n");
-    lf_param_print_help(own);
-    printf(LF_OPTIONS_HELP_VIEWS "  --seed S               of the rays (0)\n"
-                                 "  --help                 this text\n");
+    lf_param_print_help(own, NULL);
+    lf_param_print_help(lf_option_params, shared);
+    printf(LF_OPTIONS_HELP_LAST);
 }
 
 static const lf_bench_command command = {"micro", shared, own, print_help, 1, 1, "one SCENE"};

@@ -45,13 +45,7 @@ typedef struct bench {
     size_t copy_room;
 } bench;
 
-static const struct option shared[] = {
-    {"views", required_argument, NULL, LF_OPTION_VIEWS},
-    {"view-size", required_argument, NULL, LF_OPTION_VIEW_SIZE},
-    {"threads", required_argument, NULL, LF_OPTION_THREADS},
-    {"help", no_argument, NULL, LF_OPTION_HELP},
-    {NULL, 0, NULL, 0},
-};
+static const char shared[] = "views view-size threads";
 
 static const lf_param own[] = {
     LF_BENCH_REPEAT(offsetof(arguments, repeat), 9, "repetitions; their median counts"),
@@ -61,16 +55,18 @@ static const lf_param own[] = {
 
 static void print_help(void)
 {
-    printf("Usage: quiltbench quilt [CALIBRATION.json …] [options]\n"
-           "Interlacing for these panels (a nominal Portrait and one of 7680x4320 when none is "
-           "named), tone mapping, filling,\n"
-           "comparing and print: milliseconds, GB/s of bytes in and out, and the ratio of CPU time "
-           "to that of copying as many bytes\n"
-           "on as many threads in the same run.\n\n");
-    lf_param_print_help(own);
-    printf("  --views N              (45)\n"
-           "  --view-size WxH        (420x560; 1638x910 for panels over 4 million pixels)\n"
-           "  --threads N            also on so many threads (all CPUs)\n");
+    printf(
+        "Usage: quiltbench quilt [CALIBRATION.json …] [options]\n"
+        "Interlacing for these panels (a nominal Portrait and one of 7680x4320 when none is "
+        "named), tone mapping, filling,\n"
+        "comparing and print: milliseconds, GB/s of bytes in and out, and the ratio of CPU time "
+        "to that of copying as many bytes\n"
+        "on as many threads in the same run. Views are 45 of 420x560 pixels where nothing else is "
+        "said, of 1638x910 for\n"
+        "panels over 4 million pixels; all is also done on --threads threads.\n\n");
+    lf_param_print_help(own, NULL);
+    lf_param_print_help(lf_option_params, shared);
+    printf(LF_OPTIONS_HELP_LAST);
 }
 
 static const lf_bench_command command = {

@@ -49,14 +49,7 @@ typedef struct bench {
     json_t *lines;
 } bench;
 
-static const struct option shared[] = {
-    {"views", required_argument, NULL, LF_OPTION_VIEWS},
-    {"view-size", required_argument, NULL, LF_OPTION_VIEW_SIZE},
-    {"threads", required_argument, NULL, LF_OPTION_THREADS},
-    {"seed", required_argument, NULL, LF_OPTION_SEED},
-    {"help", no_argument, NULL, LF_OPTION_HELP},
-    {NULL, 0, NULL, 0},
-};
+static const char shared[] = "views view-size threads seed";
 
 static const lf_param own[] = {
     LF_BENCH_FIELD(LF_PARAM_WHOLE, "passes", offsetof(arguments, passes), "N", 1, 1000000, 90,
@@ -73,12 +66,11 @@ static void print_help(void)
            "What is left out where a scene does not need it (quiltrender --skip): CPU time with "
            "and without, taken in turns, on a\n"
            "small cloud and on small meshes under one colour of sky, and whether the pictures "
-           "agree.\n\n");
-    lf_param_print_help(own);
-    printf("  --views N              (45)\n"
-           "  --view-size WxH        (60x80)\n"
-           "  --threads N            (all CPUs)\n"
-           "  --seed S               (0)\n");
+           "agree. Views are 45 of 60x80 pixels where\n"
+           "nothing else is said.\n\n");
+    lf_param_print_help(own, NULL);
+    lf_param_print_help(lf_option_params, shared);
+    printf(LF_OPTIONS_HELP_LAST);
 }
 
 static const lf_bench_command command = {"skip", shared, own, print_help, 0, 0, "options only"};

@@ -105,7 +105,8 @@ static void print_help(void)
         "  --baseline NAME:ESTIMATOR (vpt:mwis)\n"
         "  --markdown FILE           the table in a file too\n"
         "With --views only that many views. The reference takes 12 runs' time unless told "
-        "otherwise.\n\n" LF_TRIAL_OPTIONS_HELP);
+        "otherwise.\n\n");
+    lf_trial_print_help();
 }
 
 static lf_status check_scenes(const char *list, lf_error *err)

@@ -222,7 +222,7 @@ lf_status lf_trial_all(lf_trial *trial, const lf_contender *contenders, int n_co
                        lf_measure *out_measures, lf_error *err)
 {
     bool terminal = isatty(STDERR_FILENO) == 1;
-    uint64_t seed = options->common.has_seed ? options->common.seed : 1;
+    uint64_t seed = options->common.seed;
     int n = options->n_seeds;
     lf_status status = LF_OK;
     for (int i = 0; i < n * n_budgets * n_contenders && status == LF_OK; i++) {

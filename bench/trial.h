@@ -59,30 +59,18 @@ enum {
 };
 
 /* clang-format off */
-#define LF_TRIAL_OPTIONS_LONG                                                             \
-    LF_OPTIONS_LONG("calibration"),                                                       \
-        {"time", required_argument, NULL, LF_TRIAL_OPTION_TIME},                          \
-        {"seeds", required_argument, NULL, LF_TRIAL_OPTION_SEEDS},                        \
-        {"reference", required_argument, NULL, LF_TRIAL_OPTION_REFERENCE},                \
-        {"reference-spp", required_argument, NULL, LF_TRIAL_OPTION_REFERENCE_SPP},        \
-        {"reference-time", required_argument, NULL, LF_TRIAL_OPTION_REFERENCE_TIME},      \
-        {"epsilon", required_argument, NULL, LF_TRIAL_OPTION_EPSILON},                    \
+#define LF_TRIAL_OPTIONS_LONG                                                       \
+    {"time", required_argument, NULL, LF_TRIAL_OPTION_TIME},                        \
+        {"seeds", required_argument, NULL, LF_TRIAL_OPTION_SEEDS},                  \
+        {"reference", required_argument, NULL, LF_TRIAL_OPTION_REFERENCE},          \
+        {"reference-spp", required_argument, NULL, LF_TRIAL_OPTION_REFERENCE_SPP},  \
+        {"reference-time", required_argument, NULL, LF_TRIAL_OPTION_REFERENCE_TIME},\
+        {"epsilon", required_argument, NULL, LF_TRIAL_OPTION_EPSILON},              \
         {"json", required_argument, NULL, LF_TRIAL_OPTION_JSON}
 /* clang-format on */
 
-#define LF_TRIAL_OPTIONS_HELP                                                                      \
-    "  --reference NAME:ESTIMATOR  renders the reference, twice, so that its own error is known "  \
-    "(mvpt:cv)\n"                                                                                  \
-    "  --reference-spp N         of each of the two\n"                                             \
-    "  --reference-time SECONDS  CPU time of each of the two, instead of --reference-spp\n"        \
-    "  --epsilon E               of relMSE (0.01)\n"                                               \
-    "  --json FILE               everything as JSON (- for stdout)\n" LF_OPTIONS_HELP_VIEWS        \
-    "  --calibration FILE     aspect and cone of a panel\n"                                        \
-    "  --sampler NAME         owen (default) or independent\n"                                     \
-    "  --max-depth N          longest path, in vertices after the camera (the scene's)\n"          \
-    "  --threads N            worker threads (all CPUs)\n"                                         \
-    "  --seed S               of the first run (1)\n"                                              \
-    "  --help                 this text\n"
+/* Their lines of --help, which end it. */
+void lf_trial_print_help(void);
 
 /* A command's own part of the parsing. */
 typedef struct lf_trial_command {

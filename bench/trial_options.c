@@ -1,26 +1,34 @@
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "bench/bench.h"
 #include "bench/trial.h"
 
 lf_status lf_contender_parse(const char *option, const char *text, lf_contender *out, lf_error *err)
 {
-    char name[64];
-    lf_options parsed = {0};
-    bool taken = false;
-    const char *colon = strchr(text, ':');
-    if (!colon || (size_t)(colon - text) >= sizeof name)
-        return lf_error_set(err, LF_E_ARG, option, "expects INTEGRATOR:ESTIMATOR, not \"%s\"",
-                            text);
-    snprintf(name, sizeof name, "%.*s", (int)(colon - text), text);
-    lf_status status = lf_options_take(&parsed, LF_OPTION_INTEGRATOR, name, &taken, err);
-    if (status == LF_OK)
-        status = lf_options_take(&parsed, LF_OPTION_ESTIMATOR, colon + 1, &taken, err);
-    if (status == LF_OK)
-        *out = (lf_contender){parsed.integrator, parsed.estimator};
-    return status;
+    lf_param rows[] = {*lf_param_find(lf_option_params, "integrator"),
+                       *lf_param_find(lf_option_params, "estimator")};
+    rows[0].option = option + 2; /* behind the dashes */
+    rows[0].joined = ":";
+    rows[0].argument = "INTEGRATOR";
+    rows[0].place = offsetof(lf_contender, integrator);
+    rows[1].argument = "ESTIMATOR";
+    rows[1].has = 0;
+    rows[1].place = offsetof(lf_contender, estimator);
+    return lf_param_from_text(rows, text, out, err);
+}
+
+void lf_trial_print_help(void)
+{
+    printf("  --reference NAME:ESTIMATOR  renders the reference, twice, so that its own error is "
+           "known (mvpt:cv)\n"
+           "  --reference-spp N         of each of the two\n"
+           "  --reference-time SECONDS  CPU time of each of the two, instead of --reference-spp\n"
+           "  --epsilon E               of relMSE (0.01)\n"
+           "  --json FILE               everything as JSON (- for stdout)\n");
+    lf_param_print_help(lf_option_params,
+                        LF_OPTIONS_VIEWS " calibration sampler max-depth skip threads");
+    printf("  --seed S               of the first run (1)\n" LF_OPTIONS_HELP_LAST);
 }
 
 /* Where an option may belong: to all trials, else to the command. */
@@ -60,8 +68,18 @@ lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
                          lf_trial_options *options, bool *out_done, lf_error *err)
 {
     takers to = {options, command};
-    const lf_options_rules rules = {
-        LF_BENCH_PROGRAM, ":", command->table, command->print_help, &options->common, take, &to};
+    const lf_options_part parts[] = {
+        {lf_option_params, LF_OPTIONS_VIEWS " calibration target-error " LF_OPTIONS_RENDER,
+         &options->common},
+        {0}};
+    const lf_options_rules rules = {.program = LF_BENCH_PROGRAM,
+                                    .letters = ":",
+                                    .parts = parts,
+                                    .table = command->table,
+                                    .print_help = command->print_help,
+                                    .take = take,
+                                    .context = &to};
+    options->common.seed = 1;
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
     if (status != LF_OK || *out_done)
         return status;

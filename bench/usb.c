@@ -59,10 +59,7 @@ typedef struct bench {
     lf_image8 scene; /* of a Portrait; empty = none */
 } bench;
 
-static const struct option shared[] = {
-    LF_OPTIONS_LONG("calibration"),
-    {NULL, 0, NULL, 0},
-};
+static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER;
 
 static const lf_param own[] = {
     LF_BENCH_FIELD(LF_PARAM_NUMBER, "seconds", offsetof(arguments, seconds), "S", 0.1, 3600, 20,
@@ -79,11 +76,10 @@ static void print_help(void)
            "milliseconds, MB/s of changed pixels\n"
            "(three bytes each), bytes on the wire, and the ratio to copying the changed pixels. "
            "With a scene: what its rendering\n"
-           "sends while it converges.\n\n");
-    lf_param_print_help(own);
-    printf(LF_OPTIONS_HELP_VIEWS
-           "  --calibration FILE     the panel that the scene is shown on (a nominal "
-           "Portrait)\n" LF_OPTIONS_HELP_RENDER "  --help                 this text\n");
+           "sends while it converges, on a nominal Portrait without --calibration.\n\n");
+    lf_param_print_help(own, NULL);
+    lf_param_print_help(lf_option_params, shared);
+    printf(LF_OPTIONS_HELP_LAST);
 }
 
 static const lf_bench_command command = {"usb", shared, own, print_help, 0, 1, "at most one SCENE"};

@@ -49,7 +49,8 @@ static void print_help(void)
            "  --contender NAME:ESTIMATOR  (mvpt:mwis)\n"
            "  --seeds N                 (8)\n"
            "  --plot PREFIX             PREFIX.svg and PREFIX.png, by gnuplot from PREFIX.gp and "
-           "PREFIX.dat\n" LF_TRIAL_OPTIONS_HELP);
+           "PREFIX.dat\n");
+    lf_trial_print_help();
 }
 
 static lf_status take_counts(study *s, const char *text, lf_error *err)

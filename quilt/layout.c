@@ -6,8 +6,6 @@
 #include "base/alloc.h"
 #include "quilt/quilt.h"
 
-#define MAX_TILES 64
-
 /* Default quilts of the panels, looking-glass.md section 4.1. The sources disagree on the Kiosk,
  * whose panel is a Portrait's: it has the Portrait's quilt. */
 #define PRESET(name, model, columns, rows, width, height, aspect)                                  \
@@ -56,14 +54,14 @@ lf_status lf_preset_find(const char *name, const lf_preset **out, lf_error *err)
 
 /* ------------------------------------------------------------------------------------- names -- */
 
-/* A count of 1..MAX_TILES at *at, which moves behind it; 0 when there is none. */
+/* A count of 1..LF_MAX_TILES at *at, which moves behind it; 0 when there is none. */
 static int take_count(const char **at)
 {
     int value = 0;
     const char *c = *at;
-    while (*c >= '0' && *c <= '9' && value <= MAX_TILES)
+    while (*c >= '0' && *c <= '9' && value <= LF_MAX_TILES)
         value = value * 10 + (*c++ - '0');
-    if (c == *at || value > MAX_TILES)
+    if (c == *at || value > LF_MAX_TILES)
         return 0;
     *at = c;
     return value;
@@ -114,7 +112,7 @@ lf_status lf_parse_tiles(const char *text, int *out_columns, int *out_rows, lf_e
     if (!take_tiles(&at, &columns, &rows) || *at)
         return lf_error_set(err, LF_E_ARG, "quilt",
                             "\"%s\" (expected COLUMNSxROWS, 1 to %d each, e.g. 8x6)", text,
-                            MAX_TILES);
+                            LF_MAX_TILES);
     *out_columns = columns;
     *out_rows = rows;
     return LF_OK;
@@ -196,12 +194,12 @@ void lf_layout_tiles(int n_views, int view_width, int view_height, int *out_colu
         *out_rows = 9;
         return;
     }
-    for (int columns = 1; columns <= MAX_TILES && columns <= n_views; columns++) {
+    for (int columns = 1; columns <= LF_MAX_TILES && columns <= n_views; columns++) {
         const int rows = (n_views + columns - 1) / columns;
         const double shape =
             fabs(log2((double)columns * view_width / ((double)rows * view_height)));
         const double score = shape + 4.0 * (columns * rows - n_views) / n_views;
-        if (rows <= MAX_TILES && score < best) {
+        if (rows <= LF_MAX_TILES && score < best) {
             best = score;
             *out_columns = columns;
             *out_rows = rows;

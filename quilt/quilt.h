@@ -17,6 +17,8 @@
 
 /* ------------------------------------------------------------------------------------ layout -- */
 
+#define LF_MAX_TILES 64 /* a row or column of a quilt */
+
 typedef struct lf_layout {
     int columns, rows; /* tiles of the quilt; columns * rows >= n_views, the rest black */
     int n_views;
@@ -32,7 +34,7 @@ typedef struct lf_preset {
 const lf_preset *lf_preset_at(int index);
 LF_NODISCARD lf_status lf_preset_find(const char *name, const lf_preset **out, lf_error *err);
 
-/* "8x6" -> columns, rows (1..64 each). */
+/* "8x6" -> columns, rows (1..LF_MAX_TILES each). */
 LF_NODISCARD lf_status lf_parse_tiles(const char *text, int *out_columns, int *out_rows,
                                       lf_error *err);
 /* Tiles for 1..4096 views of this size that nobody said how to lay out: 5x9 for 45, else those of

@@ -128,11 +128,9 @@ typedef enum lf_estimator {
 
 typedef enum lf_sampler_kind { LF_SAMPLER_OWEN, LF_SAMPLER_INDEPENDENT } lf_sampler_kind;
 
-/* Names as on the command line; LF_E_ARG for an unknown one, with err naming those that exist. */
-LF_NODISCARD lf_status lf_estimator_from_name(const char *name, lf_estimator *out, lf_error *err);
-const char *lf_estimator_name(lf_estimator estimator);
-LF_NODISCARD lf_status lf_sampler_from_name(const char *name, lf_sampler_kind *out, lf_error *err);
-const char *lf_sampler_name(lf_sampler_kind kind);
+/* Names of an lf_estimator and an lf_sampler_kind, as on the command line; NULL behind the last. */
+const char *lf_estimator_name(int estimator);
+const char *lf_sampler_name(int kind);
 
 /* How paths are made and shared. */
 typedef struct lf_integrator_entry {
@@ -158,15 +156,12 @@ typedef enum lf_skip {
 typedef struct lf_skip_entry {
     const char *name; /* as in --skip */
     const char *what; /* when, and what is left out */
-    unsigned bit;
-    bool bitwise; /* the picture is the same to the last bit without it; else to rounding */
+    unsigned bit;     /* 1 << its index */
+    bool bitwise;     /* the picture is the same to the last bit without it; else to rounding */
 } lf_skip_entry;
 
 /* NULL behind the last. */
 const lf_skip_entry *lf_skip_at(int index);
-/* "all", "none" or names separated by commas. LF_E_ARG for a name that does not exist, with what
- * was meant. */
-LF_NODISCARD lf_status lf_skip_parse(const char *text, unsigned *out_skip, lf_error *err);
 
 typedef struct lf_render_settings {
     lf_camera camera;  /* the rig, after --preset, --panel and --views had their say */

@@ -10,37 +10,16 @@
 
 /* ------------------------------------------------------------------------------------- names -- */
 
-lf_status lf_estimator_from_name(const char *name, lf_estimator *out, lf_error *err)
-{
-    for (int i = LF_ESTIMATOR_MWIS; i <= LF_ESTIMATOR_CV; i++) {
-        if (strcmp(name, lf_estimator_name((lf_estimator)i)) == 0) {
-            *out = (lf_estimator)i;
-            return LF_OK;
-        }
-    }
-    return lf_error_set(err, LF_E_ARG, "estimator", "\"%s\" is none of mwis, mis, cv", name);
-}
-
-const char *lf_estimator_name(lf_estimator estimator)
+const char *lf_estimator_name(int estimator)
 {
     static const char *const names[] = {"mwis", "mis", "cv"};
-    return names[estimator];
+    return estimator <= LF_ESTIMATOR_CV ? names[estimator] : NULL;
 }
 
-lf_status lf_sampler_from_name(const char *name, lf_sampler_kind *out, lf_error *err)
+const char *lf_sampler_name(int kind)
 {
-    for (int i = LF_SAMPLER_OWEN; i <= LF_SAMPLER_INDEPENDENT; i++) {
-        if (strcmp(name, lf_sampler_name((lf_sampler_kind)i)) == 0) {
-            *out = (lf_sampler_kind)i;
-            return LF_OK;
-        }
-    }
-    return lf_error_set(err, LF_E_ARG, "sampler", "\"%s\" is none of owen, independent", name);
-}
-
-const char *lf_sampler_name(lf_sampler_kind kind)
-{
-    return kind == LF_SAMPLER_OWEN ? "owen" : "independent";
+    static const char *const names[] = {"owen", "independent"};
+    return kind <= LF_SAMPLER_INDEPENDENT ? names[kind] : NULL;
 }
 
 /* --------------------------------------------------------------------------- set-up, restart -- */

@@ -1,11 +1,10 @@
 #include "render/skip.h"
 
+#include <jansson.h>
 #include <stddef.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "render/load/geometry_build.h"
-#include "render/load/json_reader.h"
 #include "render/rows/visit.h"
 
 static const lf_skip_entry table[] = {
@@ -25,51 +24,6 @@ static const lf_skip_entry table[] = {
 const lf_skip_entry *lf_skip_at(int index)
 {
     return index >= 0 && index < (int)N_SKIPS ? &table[index] : NULL;
-}
-
-static lf_status unknown(const char *word, lf_error *err)
-{
-    const char *names[N_SKIPS + 3] = {"all", "none"};
-    char list[256] = "all, none";
-    for (size_t i = 0, at = strlen(list); i < N_SKIPS; i++) {
-        names[i + 2] = table[i].name;
-        snprintf(list + at, sizeof list - at, ", %s", table[i].name);
-        at += strlen(list + at);
-    }
-    if (strcmp(word, "all") == 0 || strcmp(word, "none") == 0)
-        return lf_error_set(err, LF_E_ARG, "skip", "\"%s\" stands alone, not in a list", word);
-    const char *meant = lf_nearest_name(word, names);
-    if (meant)
-        return lf_error_set(err, LF_E_ARG, "skip", "nothing is called \"%s\"; did you mean \"%s\"?",
-                            word, meant);
-    return lf_error_set(err, LF_E_ARG, "skip", "nothing is called \"%s\" (there are: %s)", word,
-                        list);
-}
-
-lf_status lf_skip_parse(const char *text, unsigned *out_skip, lf_error *err)
-{
-    unsigned skip = 0;
-    if (strcmp(text, "all") == 0 || strcmp(text, "none") == 0) {
-        *out_skip = text[0] == 'a' ? LF_SKIP_ALL : 0;
-        return LF_OK;
-    }
-    for (;;) {
-        char word[64];
-        size_t length = strcspn(text, ",");
-        const lf_skip_entry *entry = NULL;
-        snprintf(word, sizeof word, "%.*s", (int)(length < sizeof word ? length : sizeof word - 1),
-                 text);
-        for (size_t i = 0; i < N_SKIPS && !entry; i++)
-            entry = strcmp(table[i].name, word) == 0 ? &table[i] : NULL;
-        if (!entry)
-            return unknown(word, err);
-        skip |= entry->bit;
-        if (text[length] == '\0')
-            break;
-        text += length + 1;
-    }
-    *out_skip = skip;
-    return LF_OK;
 }
 
 unsigned lf_skip_found(const lf_scene *scene)

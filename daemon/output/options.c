@@ -1,123 +1,91 @@
 #include "daemon/output/options.h"
 
-#include <assert.h>
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 #define DEFAULT_VIEWS 45
 #define DEFAULT_VIEW_HEIGHT 560
-#define MAX_THREADS 256
-#define MAX_DEPTH 65536
 
-static lf_status parse_view_size(lf_options *options, const char *text, lf_error *err)
+static const char *preset_at(int index)
 {
-    double size[2];
-    lf_status status = lf_parse_pair("--view-size", text, 'x', 1, LF_MAX_VIEW_SIDE, size, err);
-    if (status != LF_OK)
-        return status;
-    if (size[0] != floor(size[0]) || size[1] != floor(size[1]))
-        return lf_error_set(err, LF_E_ARG, "--view-size", "expects whole pixels, not \"%s\"", text);
-    options->view_width = (int)size[0];
-    options->view_height = (int)size[1];
-    return LF_OK;
+    return lf_preset_at(index) ? lf_preset_at(index)->name : NULL;
 }
 
-/* ------------------------------------------------------------------------------------- names -- */
-
-static lf_status find_integrator(const char *name, const char **out, lf_error *err)
+static const char *integrator_at(int index)
 {
-    char known[128] = "";
-    for (int i = 0; lf_integrator_at(i); i++) {
-        if (strcmp(name, lf_integrator_at(i)->name) == 0) {
-            *out = lf_integrator_at(i)->name;
-            return LF_OK;
-        }
-        size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "",
-                 lf_integrator_at(i)->name);
-    }
-    return lf_error_set(err, LF_E_ARG, "--integrator", "unknown integrator \"%s\" (there are: %s)",
-                        name, known);
+    return lf_integrator_at(index) ? lf_integrator_at(index)->name : NULL;
 }
 
-/* Errors of the rooms name what they like as `where`; on the command line it is the option. */
-static lf_status blame(lf_status status, const char *option, lf_error *err)
+static const char *sharing_at(int index)
 {
-    if (status != LF_OK && err)
-        snprintf(err->where, sizeof err->where, "%s", option);
-    return status;
+    return lf_integrator_at(index)->what;
 }
 
-static lf_status take_view_option(lf_options *options, int code, const char *argument,
-                                  lf_error *err)
+static const char *skip_at(int index)
 {
-    switch (code) {
-    case LF_OPTION_PRESET:
-        return blame(lf_preset_find(argument, &options->preset, err), "--preset", err);
-    case LF_OPTION_VIEWS:
-        return lf_parse_small("--views", argument, 1, LF_MAX_VIEWS, &options->views, err);
-    case LF_OPTION_QUILT:
-        return blame(lf_parse_tiles(argument, &options->columns, &options->rows, err), "--quilt",
-                     err);
-    case LF_OPTION_VIEW_SIZE:
-        return parse_view_size(options, argument, err);
-    default:
-        assert(code == LF_OPTION_CALIBRATION);
-        options->calibration = argument;
-        return LF_OK;
-    }
+    return lf_skip_at(index) ? lf_skip_at(index)->name : NULL;
 }
 
-static lf_status take_render_option(lf_options *options, int code, const char *argument,
-                                    lf_error *err)
-{
-    lf_status status = LF_OK;
-    switch (code) {
-    case LF_OPTION_INTEGRATOR:
-        return find_integrator(argument, &options->integrator, err);
-    case LF_OPTION_ESTIMATOR:
-        status =
-            blame(lf_estimator_from_name(argument, &options->estimator, err), "--estimator", err);
-        options->has_estimator |= status == LF_OK;
-        return status;
-    case LF_OPTION_SAMPLER:
-        status = blame(lf_sampler_from_name(argument, &options->sampler, err), "--sampler", err);
-        options->has_sampler |= status == LF_OK;
-        return status;
-    case LF_OPTION_THREADS:
-        return lf_parse_small("--threads", argument, 1, MAX_THREADS, &options->threads, err);
-    case LF_OPTION_SEED:
-        status = lf_parse_seed("--seed", argument, &options->seed, err);
-        options->has_seed |= status == LF_OK;
-        return status;
-    case LF_OPTION_SKIP:
-        options->has_skip = true;
-        return blame(lf_skip_parse(argument, &options->skip, err), "--skip", err);
-    case LF_OPTION_MAX_DEPTH:
-        return lf_parse_small("--max-depth", argument, 1, MAX_DEPTH, &options->max_depth, err);
-    default:
-        assert(code == LF_OPTION_TARGET_ERROR);
-        return lf_parse_double("--target-error", argument, 1e-12, 1e6, &options->target_error, err);
-    }
-}
+#define PLACE(field) .place = offsetof(lf_options, field)
 
-lf_status lf_options_take(lf_options *options, int code, const char *argument, bool *out_taken,
-                          lf_error *err)
-{
-    *out_taken = code >= LF_OPTION_PRESET && code <= LF_OPTION_CALIBRATION;
-    if (!*out_taken)
-        return LF_OK;
-    if (code <= LF_OPTION_VIEW_SIZE || code == LF_OPTION_CALIBRATION)
-        return take_view_option(options, code, argument, err);
-    return take_render_option(options, code, argument, err);
-}
+/* clang-format off */
+const lf_param lf_option_params[] = {
+    {.option = "preset", .argument = "NAME", PLACE(preset),
+     .type = LF_PARAM_NAME, .word_at = preset_at, .initial = -1,
+     .help = "layout, view size and aspect of a Looking Glass model"},
+    {.option = "views", .argument = "N", PLACE(views),
+     .type = LF_PARAM_WHOLE, .low = 1, .high = LF_MAX_VIEWS,
+     .help = "number of views (the scene's, else 45)"},
+    {.option = "quilt", .joined = "x", .argument = "C", PLACE(columns),
+     .type = LF_PARAM_WHOLE, .low = 1, .high = LF_MAX_TILES,
+     .help = "tiles of the quilt, columns x rows"},
+    {.option = "quilt", .argument = "R", PLACE(rows),
+     .type = LF_PARAM_WHOLE, .low = 1, .high = LF_MAX_TILES},
+    {.option = "view-size", .joined = "x", .argument = "W", PLACE(view_width),
+     .type = LF_PARAM_WHOLE, .low = 1, .high = LF_MAX_VIEW_SIDE, .help = "pixels of one view"},
+    {.option = "view-size", .argument = "H", PLACE(view_height),
+     .type = LF_PARAM_WHOLE, .low = 1, .high = LF_MAX_VIEW_SIDE},
+    {.option = "panel", .argument = "FILE", PLACE(calibration), .type = LF_PARAM_TEXT,
+     .help = "interlaced for the panel with this calibration, into OUT.png"},
+    {.option = "calibration", .argument = "FILE", PLACE(calibration), .type = LF_PARAM_TEXT,
+     .help = "the panel's lens calibration"},
+    {.name = "integrator", .option = "integrator", .argument = "NAME", PLACE(integrator),
+     .type = LF_PARAM_NAME, .word_at = integrator_at, .what_at = sharing_at},
+    {.name = "estimator", .option = "estimator", .argument = "NAME", PLACE(estimator),
+     .has = offsetof(lf_options, has_estimator),
+     .type = LF_PARAM_WORD, .word_at = lf_estimator_name},
+    {.option = "sampler", .argument = "NAME", PLACE(sampler),
+     .type = LF_PARAM_WORD, .word_at = lf_sampler_name},
+    {.option = "max-depth", .argument = "N", PLACE(max_depth),
+     .type = LF_PARAM_WHOLE, .low = 1, .high = 65536,
+     .help = "longest path, in vertices after the camera (the scene's)"},
+    {.option = "skip", .argument = "all|none|LIST", PLACE(skip),
+     .has = offsetof(lf_options, has_skip), .type = LF_PARAM_LIST, .word_at = skip_at,
+     .help = "what is left out where the scene does not need it (all)"},
+    {.name = "threads", .option = "threads", .argument = "N", PLACE(threads),
+     .type = LF_PARAM_WHOLE, .low = 0, .high = 256, .help = "worker threads (0: all CPUs)"},
+    {.option = "seed", .argument = "S", PLACE(seed), .type = LF_PARAM_SEED,
+     .help = "whole number that the random choices follow from (0)"},
+    {.name = "target_error", .option = "target-error", .argument = "RELMSE", PLACE(target_error),
+     .low = 1e-12, .high = 1e6,
+     .help = "until the estimated relative mean squared error is below this"},
+    {0},
+};
+/* clang-format on */
 
 /* -------------------------------------------------------------------------------- resolution -- */
+
+const lf_preset *lf_options_preset(const lf_options *options)
+{
+    const lf_preset *preset = NULL;
+    if (!options->preset || lf_preset_find(options->preset, &preset, NULL) != LF_OK)
+        return NULL;
+    return preset;
+}
 
 static void resolve_camera(const lf_options *options, const lf_camera *camera,
                            const lf_calibration *calibration, lf_camera *out)
 {
+    const lf_preset *preset = lf_options_preset(options);
     *out = *camera;
     if (options->view_width > 0 && !camera->has_aspect)
         out->aspect = (double)options->view_width / options->view_height;
@@ -128,9 +96,9 @@ static void resolve_camera(const lf_options *options, const lf_camera *camera,
         if (calibration->view_cone_deg > 0)
             out->cone = calibration->view_cone_deg * (M_PI / 180.0);
     }
-    if (options->preset) {
-        out->aspect = options->preset->layout.aspect;
-        out->n_views = options->preset->layout.n_views;
+    if (preset) {
+        out->aspect = preset->layout.aspect;
+        out->n_views = preset->layout.n_views;
     }
     if (options->views > 0)
         out->n_views = options->views;
@@ -138,12 +106,13 @@ static void resolve_camera(const lf_options *options, const lf_camera *camera,
 
 static void resolve_view_size(const lf_options *options, double aspect, lf_layout *layout)
 {
+    const lf_preset *preset = lf_options_preset(options);
     double width = round(aspect * DEFAULT_VIEW_HEIGHT);
     layout->view_width = (int)fmax(1.0, fmin(width, LF_MAX_VIEW_SIDE));
     layout->view_height = DEFAULT_VIEW_HEIGHT;
-    if (options->preset) {
-        layout->view_width = options->preset->layout.view_width;
-        layout->view_height = options->preset->layout.view_height;
+    if (preset) {
+        layout->view_width = preset->layout.view_width;
+        layout->view_height = preset->layout.view_height;
     }
     if (options->view_width > 0) {
         layout->view_width = options->view_width;
@@ -153,6 +122,7 @@ static void resolve_view_size(const lf_options *options, double aspect, lf_layou
 
 static lf_status resolve_tiles(const lf_options *options, lf_layout *layout, lf_error *err)
 {
+    const lf_preset *preset = lf_options_preset(options);
     if (options->columns > 0) {
         if (options->columns * options->rows < layout->n_views)
             return lf_error_set(
@@ -161,9 +131,9 @@ static lf_status resolve_tiles(const lf_options *options, lf_layout *layout, lf_
                 options->columns, options->rows, options->columns * options->rows, layout->n_views);
         layout->columns = options->columns;
         layout->rows = options->rows;
-    } else if (options->preset && options->preset->layout.n_views == layout->n_views) {
-        layout->columns = options->preset->layout.columns;
-        layout->rows = options->preset->layout.rows;
+    } else if (preset && preset->layout.n_views == layout->n_views) {
+        layout->columns = preset->layout.columns;
+        layout->rows = preset->layout.rows;
     } else {
         lf_layout_tiles(layout->n_views, layout->view_width, layout->view_height, &layout->columns,
                         &layout->rows);

@@ -4,6 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
+#define MAX_OPTIONS 64
+
+/* Codes behind those of a program's own: help, the version, then PART_SIZE rows a part. */
+enum { CODE_HELP = 2 * LF_OPTION_OWN, CODE_VERSION, CODE_PART, PART_SIZE = 256 };
+
 /* How many long options the text before any '=' could mean. */
 static int count_matches(const struct option *table, const char *text)
 {
@@ -22,23 +27,41 @@ static const char *name_of_code(const struct option *table, int code)
     return "";
 }
 
-int lf_options_append(struct option *table, int n, int n_most, const lf_param *params,
-                      int first_code)
+/* ------------------------------------------------------------------------- getopt's own table --
+ */
+
+static int append(struct option *table, int n, const char *name, int has_argument, int code)
 {
-    for (const lf_param *row = params; row->name || row->option; row = lf_param_next(row)) {
-        if (!row->option)
-            continue;
-        assert(n < n_most);
-        const bool bare = row->type == LF_PARAM_SWITCH && !row->words;
-        table[n++] = (struct option){row->option, bare ? no_argument : required_argument, NULL,
-                                     first_code + (int)(row - params)};
-    }
+    assert(n < MAX_OPTIONS);
+    table[n++] = (struct option){name, has_argument, NULL, code};
     table[n] = (struct option){0};
     return n;
 }
 
-lf_status lf_options_next(int argc, char *const argv[], const char *letters,
-                          const struct option *table, int *out_code, lf_error *err)
+static void make_table(const lf_options_rules *rules, struct option *table)
+{
+    int n = 0;
+    for (int i = 0; rules->parts && rules->parts[i].params; i++) {
+        const lf_options_part *part = &rules->parts[i];
+        for (const lf_param *row = part->params; row->name || row->option;
+             row = lf_param_next(row)) {
+            const bool bare = row->type == LF_PARAM_SWITCH && !row->words;
+            if (lf_param_among(row, part->names))
+                n = append(table, n, row->option, bare ? no_argument : required_argument,
+                           CODE_PART + i * PART_SIZE + (int)(row - part->params));
+        }
+    }
+    for (const struct option *own = rules->table; own && own->name; own++)
+        n = append(table, n, own->name, own->has_arg, own->val);
+    if (!rules->print_help)
+        return;
+    n = append(table, n, "help", no_argument, CODE_HELP);
+    append(table, n, "version", no_argument, CODE_VERSION);
+}
+
+/* getopt_long without its own messages; *out_code is -1 behind the last option. */
+static lf_status read_next(int argc, char *const argv[], const char *letters,
+                           const struct option *table, int *out_code, lf_error *err)
 {
     char where[128];
     opterr = 0;
@@ -48,7 +71,7 @@ lf_status lf_options_next(int argc, char *const argv[], const char *letters,
         return LF_OK;
     }
     const char *text = optind > 0 && optind <= argc ? argv[optind - 1] : "";
-    if (optopt >= LF_OPTION_PRESET) {
+    if (optopt >= LF_OPTION_OWN) {
         snprintf(where, sizeof where, "--%s", name_of_code(table, optopt));
         return lf_error_set(err, LF_E_ARG, where,
                             code == ':' ? "expects an argument" : "takes no argument");
@@ -64,25 +87,34 @@ lf_status lf_options_next(int argc, char *const argv[], const char *letters,
     return lf_error_set(err, LF_E_ARG, where, "unknown option (see --help)");
 }
 
+static lf_status take_row(const lf_options_rules *rules, int code, lf_error *err)
+{
+    const lf_options_part *part = &rules->parts[code / PART_SIZE];
+    const lf_param *row = &part->params[code % PART_SIZE];
+    lf_status status = lf_param_from_text(row, optarg, part->object, err);
+    if (status == LF_OK && rules->taken)
+        rules->taken(rules->context, part->params, row);
+    return status;
+}
+
 lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *rules,
                           bool *out_done, lf_error *err)
 {
+    struct option table[MAX_OPTIONS + 1] = {0};
+    make_table(rules, table);
     *out_done = false;
     for (;;) {
         int code = 0;
-        bool taken = false;
-        lf_status status = lf_options_next(argc, argv, rules->letters, rules->table, &code, err);
+        lf_status status = read_next(argc, argv, rules->letters, table, &code, err);
         if (status != LF_OK || code == -1)
             return status;
-        if (code == LF_OPTION_HELP || code == LF_OPTION_VERSION) {
-            code == LF_OPTION_HELP ? rules->print_help() : lf_print_version(rules->program);
+        if (code == CODE_HELP || code == CODE_VERSION) {
+            code == CODE_HELP ? rules->print_help() : lf_print_version(rules->program);
             *out_done = true;
             return LF_OK;
         }
-        if (rules->shared)
-            status = lf_options_take(rules->shared, code, optarg, &taken, err);
-        if (status == LF_OK && !taken)
-            status = rules->take(rules->context, code, optarg, err);
+        status = code >= CODE_PART ? take_row(rules, code - CODE_PART, err)
+                                   : rules->take(rules->context, code, optarg, err);
         if (status != LF_OK)
             return status;
     }

@@ -89,39 +89,20 @@ void lf_method_camera_orbit(lf_call *call)
 
 /* -------------------------------------------------------------------------------- render.set -- */
 
-static const char *find_integrator(const char *name, lf_error *err)
+/* What the keys say, checked whole before anything is changed. */
+static lf_status take_keys(const json_t *params, lf_engine_controls *controls, lf_options *options,
+                           lf_error *err)
 {
-    for (int i = 0; lf_integrator_at(i); i++)
-        if (strcmp(lf_integrator_at(i)->name, name) == 0)
-            return lf_integrator_at(i)->name;
-    (void)lf_error_set_at(err, LF_E_ARG, "render.set", 0, "/integrator",
-                          "there is no integrator \"%.32s\"; the default is %s", name,
-                          lf_integrator_at(0)->name);
-    return NULL;
-}
-
-/* What the words say, checked whole before anything is changed. */
-static lf_status take_words(const json_t *params, lf_engine_controls *controls, lf_options *options,
-                            lf_error *err)
-{
-    const char *integrator = json_string_value(json_object_get(params, "integrator"));
-    const char *estimator = json_string_value(json_object_get(params, "estimator"));
-    if (integrator) {
-        options->integrator = find_integrator(integrator, err);
-        if (!options->integrator)
-            return LF_E_ARG;
-    }
-    if (estimator) {
-        lf_status status = lf_estimator_from_name(estimator, &controls->estimator, err);
-        if (status != LF_OK)
-            return status;
-    }
-    controls->threads = (int)number_of(params, "threads", controls->threads);
-    controls->target_error = number_of(params, "target_error", controls->target_error);
     const json_t *paused = json_object_get(params, "paused");
-    controls->paused = paused ? json_is_true(paused) : controls->paused;
-    options->threads = controls->threads;
+    options->estimator = controls->estimator;
     options->target_error = controls->target_error;
+    lf_status status = lf_param_from_json(lf_option_params, params, options, "render.set", err);
+    if (status != LF_OK)
+        return status;
+    controls->estimator = options->estimator;
+    controls->threads = options->threads;
+    controls->target_error = options->target_error;
+    controls->paused = paused ? json_is_true(paused) : controls->paused;
     return LF_OK;
 }
 
@@ -137,7 +118,7 @@ void lf_method_render_set(lf_call *call)
     lf_engine_controls before = lf_engine_get_controls(server->engine), controls = before;
     lf_options options = server->options;
     lf_error err;
-    if (take_words(call->params, &controls, &options, &err) != LF_OK) {
+    if (take_keys(call->params, &controls, &options, &err) != LF_OK) {
         lf_fail(call, &err, false);
         return;
     }

@@ -12,7 +12,6 @@
     "],\"properties\":{" properties "}}"
 #define STRING "{\"type\":\"string\"}"
 #define NUMBER "{\"type\":\"number\"}"
-#define POSITIVE "{\"type\":\"number\",\"minimum\":1e-9}"
 #define BOOLEAN "{\"type\":\"boolean\"}"
 #define ENUM(words) "{\"type\":\"string\",\"enum\":[" words "]}"
 
@@ -42,11 +41,7 @@ static const lf_method methods[] = {
      OBJECT("\"generation\":{\"type\":\"integer\",\"minimum\":0},\"for\":" ENUM(
          "\"coarse\",\"complete\",\"converged\"")),
      lf_method_wait},
-    {"render.set", "how to render",
-     OBJECT("\"integrator\":" STRING ",\"estimator\":" STRING
-            ",\"threads\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":256},\"target_"
-            "error\":" POSITIVE ",\"paused\":" BOOLEAN),
-     lf_method_render_set},
+    {"render.set", "how to render", OBJECT("\"paused\":" BOOLEAN), lf_method_render_set},
     {"export", "write a quilt, views, panel picture, print, pitch test chart or state",
      OBJECT_WITH("\"kind\",\"file\"", EXPORT_KEYS), lf_server_export},
     {"job.cancel", "end an export", OBJECT_WITH("\"job\"", "\"job\":{\"type\":\"integer\"}"),
@@ -77,7 +72,9 @@ static pthread_once_t parsed = PTHREAD_ONCE_INIT;
 static const struct {
     const char *method;
     const lf_param *params;
-} tables[] = {{"export", lf_print_params}, {"camera.set", lf_camera_params}};
+} tables[] = {{"export", lf_print_params},
+              {"camera.set", lf_camera_params},
+              {"render.set", lf_option_params}};
 
 static void add_properties(const char *method, json_t *schema)
 {

@@ -17,8 +17,6 @@ enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_JSON };
 static const struct option table[] = {
     {"socket", required_argument, NULL, OPTION_SOCKET},
     {"json", no_argument, NULL, OPTION_JSON},
-    {"help", no_argument, NULL, LF_OPTION_HELP},
-    {"version", no_argument, NULL, LF_OPTION_VERSION},
     {NULL, 0, NULL, 0},
 };
 
@@ -69,7 +67,12 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
 static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool *out_done,
                                 lf_error *err)
 {
-    const lf_options_rules rules = {PROGRAM, ":", table, print_help, NULL, take, a};
+    const lf_options_rules rules = {.program = PROGRAM,
+                                    .letters = ":",
+                                    .table = table,
+                                    .print_help = print_help,
+                                    .take = take,
+                                    .context = a};
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
     if (status != LF_OK || *out_done)
         return status;

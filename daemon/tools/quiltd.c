@@ -21,7 +21,6 @@ enum {
 };
 
 static const struct option table[] = {
-    LF_OPTIONS_LONG("calibration"),
     {"socket", required_argument, NULL, OPTION_SOCKET},
     {"device", required_argument, NULL, OPTION_DEVICE},
     {"state", required_argument, NULL, OPTION_STATE},
@@ -33,22 +32,23 @@ static const struct option table[] = {
     {NULL, 0, NULL, 0},
 };
 
+static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " target-error";
+
 static void print_help(void)
 {
+    printf("Usage: quiltd [SCENE] [options]\n"
+           "Renders a scene (JSON) as a light field, or takes a quilt picture, and shows it on a "
+           "Looking Glass panel.\n"
+           "Where no option says otherwise, the panel's own lens calibration counts, and rendering "
+           "rests at a relative error of 1e-4.\n"
+           "\n"
+           "  --socket PATH          where clients talk to it ($QUILTD_SOCKET, "
+           "$XDG_RUNTIME_DIR/quiltd.sock,\n"
+           "                         /run/quiltd/control.sock)\n"
+           "  --device SPEC          auto (default), drm[:OUTPUT], window[:MONITOR],\n"
+           "                         usb[:BUS-PORT], sim:DIR[,option=value...] or none\n");
+    lf_param_print_help(lf_option_params, shared);
     printf(
-        "Usage: quiltd [SCENE] [options]\n"
-        "Renders a scene (JSON) as a light field, or takes a quilt picture, and shows it on a "
-        "Looking Glass panel.\n"
-        "\n"
-        "  --socket PATH          where clients talk to it ($QUILTD_SOCKET, "
-        "$XDG_RUNTIME_DIR/quiltd.sock,\n"
-        "                         /run/quiltd/control.sock)\n"
-        "  --device SPEC          auto (default), drm[:OUTPUT], window[:MONITOR],\n"
-        "                         usb[:BUS-PORT], sim:DIR[,option=value...] or none\n"
-        "  --calibration FILE     the panel's lens calibration, instead of its "
-        "own\n" LF_OPTIONS_HELP_VIEWS LF_OPTIONS_HELP_RENDER
-        "  --target-error RELMSE  rendering rests when the estimated relative error is below "
-        "(1e-4)\n"
         "  --state DIR            keeps the accumulation there over restarts\n"
         "  --allow-path DIR       clients may name files to read beneath it; may be given often\n"
         "  --export-dir DIR       clients may name files to write beneath it\n"
@@ -105,8 +105,8 @@ static char *absolute_scene(const char *scene)
 /* What no scene can make right. */
 static lf_status check_tiles(const lf_options *options, lf_error *err)
 {
-    int views =
-        options->views == 0 && options->preset ? options->preset->layout.n_views : options->views;
+    const lf_preset *preset = lf_options_preset(options);
+    int views = options->views == 0 && preset ? preset->layout.n_views : options->views;
     int tiles = options->columns * options->rows;
     if (tiles > 0 && tiles < views)
         return lf_error_set(err, LF_E_ARG, "--quilt",
@@ -118,8 +118,14 @@ static lf_status check_tiles(const lf_options *options, lf_error *err)
 int main(int argc, char *argv[])
 {
     lf_server_config config = {.device = "auto"};
-    const lf_options_rules rules = {PROGRAM,         ":",  table,  print_help,
-                                    &config.options, take, &config};
+    const lf_options_part parts[] = {{lf_option_params, shared, &config.options}, {0}};
+    const lf_options_rules rules = {.program = PROGRAM,
+                                    .letters = ":",
+                                    .parts = parts,
+                                    .table = table,
+                                    .print_help = print_help,
+                                    .take = take,
+                                    .context = &config};
     lf_error err;
     bool done = false;
     lf_button_actions_default(&config.buttons);

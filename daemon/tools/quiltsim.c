@@ -223,15 +223,17 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
 static lf_status read_arguments(int argc, char *const argv[], lf_simulator_config *config,
                                 bool *out_done, lf_error *err)
 {
-    struct option table[N_RULES + 3] = {
-        {"help", no_argument, NULL, LF_OPTION_HELP},
-        {"version", no_argument, NULL, LF_OPTION_VERSION},
-    };
+    struct option table[N_RULES + 1] = {0};
     for (int i = 0; i < N_RULES; i++)
-        table[2 + i] =
+        table[i] =
             (struct option){rules[i].name, rules[i].kind == FLAG ? no_argument : required_argument,
                             NULL, LF_OPTION_OWN + i};
-    const lf_options_rules reading = {PROGRAM, ":", table, print_help, NULL, take, config};
+    const lf_options_rules reading = {.program = PROGRAM,
+                                      .letters = ":",
+                                      .table = table,
+                                      .print_help = print_help,
+                                      .take = take,
+                                      .context = config};
     lf_status status = lf_options_read(argc, argv, &reading, out_done, err);
     if (status != LF_OK || *out_done)
         return status;

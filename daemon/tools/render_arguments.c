@@ -16,11 +16,9 @@ enum {
     OPTION_STATS,
     OPTION_FILTER,
     OPTION_INVERT,
-    OPTION_PRINT, /* from here on: the rows of lf_print_params */
 };
 
-static const struct option own_table[] = {
-    LF_OPTIONS_LONG("panel"),
+static const struct option table[] = {
     {"output", required_argument, NULL, OPTION_OUT},
     {"passes", required_argument, NULL, OPTION_PASSES},
     {"spp", required_argument, NULL, OPTION_SPP},
@@ -28,13 +26,12 @@ static const struct option own_table[] = {
     {"stats", required_argument, NULL, OPTION_STATS},
     {"filter", required_argument, NULL, OPTION_FILTER},
     {"invert", required_argument, NULL, OPTION_INVERT},
+    {NULL, 0, NULL, 0},
 };
 
-#define N_OWN ((int)(sizeof own_table / sizeof own_table[0]))
-#define MAX_OPTIONS 64
-
-/* All of them, with those of prints; made by lf_render_arguments_parse. */
-static struct option table[MAX_OPTIONS + 1];
+static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " panel target-error";
+/* They say how paths are traced, so nothing where nothing is rendered. */
+static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error";
 
 static void print_help(void)
 {
@@ -48,29 +45,30 @@ static void print_help(void)
         "OUT by its ending: .png or .exr is a quilt (named ..._qsCxRaASPECT), .tif a print, a path "
         "ending in / a folder of views.\n"
         "\n"
-        "What:\n" LF_OPTIONS_HELP_VIEWS
-        "  --panel FILE           interlaced for the panel with this calibration, into OUT.png\n"
-        "  --filter NAME          nearest (default) or linear: how the panel's pixels are taken "
-        "from the views\n"
-        "  --invert MODE          auto (default), yes or no: order of the views under a lens of "
-        "the panel\n");
-    lf_param_print_help(lf_print_params);
-    printf(
-        "\n"
-        "How long (one of them; --spp %d when none is given):\n"
-        "  --passes N             base paths: N for every pixel of one view's size\n"
-        "  --spp N                base paths for every view pixel\n"
-        "  --time SECONDS\n"
-        "  --target-error RELMSE  until the estimated relative mean squared error is below this\n"
-        "\n"
-        "How:\n" LF_OPTIONS_HELP_RENDER
-        "  --stats FILE.json      writes what was done and what it took\n" LF_OPTIONS_HELP_LAST,
-        DEFAULT_SPP);
+        "What:\n");
+    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " panel");
+    printf("  --filter NAME          nearest (default) or linear: how the panel's pixels are taken "
+           "from the views\n"
+           "  --invert MODE          auto (default), yes or no: order of the views under a lens of "
+           "the panel\n");
+    lf_param_print_help(lf_print_params, NULL);
+    printf("\n"
+           "How long (one of them; --spp %d when none is given):\n"
+           "  --passes N             base paths: N for every pixel of one view's size\n"
+           "  --spp N                base paths for every view pixel\n"
+           "  --time SECONDS\n",
+           DEFAULT_SPP);
+    lf_param_print_help(lf_option_params, "target-error");
+    printf("\nHow:\n");
+    lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER);
+    printf("  --stats FILE.json      writes what was done and what it took\n" LF_OPTIONS_HELP_LAST);
 }
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
 {
     a->n_budgets++;
+    if (!a->render_option)
+        a->render_option = code == OPTION_PASSES ? "passes" : code == OPTION_SPP ? "spp" : "time";
     switch (code) {
     case OPTION_PASSES:
         return lf_parse_int("--passes", text, 1, MAX_PASSES, &a->budget.passes, err);
@@ -81,26 +79,17 @@ static lf_status take_budget(lf_render_arguments *a, int code, const char *text,
     }
 }
 
-/* Says how paths are traced, so nothing where nothing is rendered. */
-static bool is_render_option(int code)
+/* An option that names what goes wrong as the others do. */
+static lf_status blame(lf_status status, const char *option, lf_error *err)
 {
-    return (code >= LF_OPTION_INTEGRATOR && code <= LF_OPTION_TARGET_ERROR &&
-            code != LF_OPTION_THREADS) ||
-           (code >= OPTION_PASSES && code <= OPTION_TIME);
+    if (status != LF_OK)
+        snprintf(err->where, sizeof err->where, "%s", option);
+    return status;
 }
 
-static const char *name_of_option(int code)
+static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
-    for (const struct option *o = table; o->name; o++)
-        if (o->val == code)
-            return o->name;
-    return "";
-}
-
-static lf_status take_own(lf_render_arguments *a, int code, const char *text, lf_error *err)
-{
-    lf_status status = LF_OK;
-    char where[64];
+    lf_render_arguments *a = context;
     switch (code) {
     case OPTION_OUT:
         a->out = text;
@@ -108,29 +97,27 @@ static lf_status take_own(lf_render_arguments *a, int code, const char *text, lf
     case OPTION_STATS:
         a->stats = text;
         return LF_OK;
-    case OPTION_PASSES:
-    case OPTION_SPP:
-    case OPTION_TIME:
-        return take_budget(a, code, text, err);
     case OPTION_FILTER:
         a->has_filter = true;
-        status = lf_filter_from_name(text, &a->filter, err);
-        break;
+        return blame(lf_filter_from_name(text, &a->filter, err), "--filter", err);
     case OPTION_INVERT:
         a->has_invert = true;
-        status = lf_invert_from_name(text, &a->invert, err);
-        break;
+        return blame(lf_invert_from_name(text, &a->invert, err), "--invert", err);
     default:
-        a->has_print |= code == OPTION_PRINT;
-        if (code != OPTION_PRINT && !a->print_option)
-            a->print_option = name_of_option(code);
-        return lf_param_from_text(&lf_print_params[code - OPTION_PRINT], text, &a->print, err);
+        return take_budget(a, code, text, err);
     }
-    if (status != LF_OK) {
-        snprintf(where, sizeof where, "--%s", name_of_option(code));
-        snprintf(err->where, sizeof err->where, "%s", where);
-    }
-    return status;
+}
+
+/* Remembers the first option of a kind. */
+static void taken(void *context, const lf_param *params, const lf_param *row)
+{
+    lf_render_arguments *a = context;
+    const bool is_print = params == lf_print_params && strcmp(row->option, "print") == 0;
+    a->has_print |= is_print;
+    if (params == lf_print_params && !is_print && !a->print_option)
+        a->print_option = row->option;
+    if (params == lf_option_params && !a->render_option && lf_param_among(row, tracing))
+        a->render_option = row->option;
 }
 
 static bool ends_with(const char *text, const char *ending)
@@ -233,27 +220,21 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     return choose_kind(a, err);
 }
 
-static lf_status take(void *context, int code, const char *text, lf_error *err)
-{
-    lf_render_arguments *a = context;
-    bool taken = false;
-    lf_status status = lf_options_take(&a->options, code, text, &taken, err);
-    if (status == LF_OK && !taken)
-        status = take_own(a, code, text, err);
-    if (status == LF_OK && !a->render_option && is_render_option(code))
-        a->render_option = name_of_option(code);
-    return status;
-}
-
 lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_arguments *a,
                                     bool *out_done, lf_error *err)
 {
+    const lf_options_part parts[] = {
+        {lf_option_params, shared, &a->options}, {lf_print_params, NULL, &a->print}, {0}};
+    const lf_options_rules rules = {.program = LF_RENDER_PROGRAM,
+                                    .letters = ":o:",
+                                    .parts = parts,
+                                    .table = table,
+                                    .print_help = print_help,
+                                    .take = take,
+                                    .taken = taken,
+                                    .context = a};
     *a = (lf_render_arguments){0};
     lf_param_defaults(lf_print_params, &a->print);
-    memcpy(table, own_table, sizeof own_table);
-    lf_options_append(table, N_OWN, MAX_OPTIONS, lf_print_params, OPTION_PRINT);
-    const lf_options_rules rules = {LF_RENDER_PROGRAM, ":o:", table, print_help, NULL, take, a};
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
-
     return status != LF_OK || *out_done ? status : check_arguments(a, argc, argv, err);
 }

@@ -10,13 +10,26 @@ typedef struct lamp {
     int legs, bits;
     bool lit, upright;
     enum { ROUND, FLAT, LONG } shape;
-    const char *maker;
+    const char *maker, *kind;
+    uint64_t serial;
+    unsigned colours;
+    bool has_colours;
 } lamp;
 
 #define PLACE(field) .place = offsetof(lamp, field)
 static const char *const shapes[] = {"round", "flat", "long", NULL};
 static const char *const bits[] = {"8", "16", NULL};
 static const char *const stands[] = {"lying", "upright", NULL};
+
+static const char *kind_at(int index)
+{
+    return index == 0 ? "table" : index == 1 ? "street" : NULL;
+}
+
+static const char *colour_at(int index)
+{
+    return index == 0 ? "red" : index == 1 ? "green" : index == 2 ? "blue" : NULL;
+}
 
 /* clang-format off */
 static const lf_param rows[] = {
@@ -34,17 +47,19 @@ static const lf_param rows[] = {
     {.name = "turn", .option = "turn", PLACE(turn), .type = LF_PARAM_ANGLE, .low = 0, .high = 180},
     {.name = "spot", PLACE(spot), .type = LF_PARAM_POINT, .low = -1, .high = 1, .point = {0, 1, 0}},
     {.name = "maker", .option = "maker", PLACE(maker), .type = LF_PARAM_TEXT},
+    {.name = "kind", .option = "kind", PLACE(kind), .type = LF_PARAM_NAME, .word_at = kind_at},
+    {.option = "serial", PLACE(serial), .type = LF_PARAM_SEED},
+    {.option = "colours", PLACE(colours), .type = LF_PARAM_LIST, .word_at = colour_at,
+     .has = offsetof(lamp, has_colours)},
     {0},
 };
 /* clang-format on */
 
 static const lf_param *row_of(const char *option)
 {
-    for (const lf_param *row = rows; row->name; row++)
-        if (row->option && strcmp(row->option, option) == 0)
-            return row;
-    fail_msg("no option %s", option);
-    return NULL;
+    const lf_param *row = lf_param_find(rows, option);
+    assert_non_null(row);
+    return row;
 }
 
 static lamp default_lamp(void)
@@ -91,6 +106,43 @@ static void text_reaches_the_field_of_its_row_and_no_other(void **state)
     assert_string_equal(l.maker, "us");
     take(&l, "stand", "lying");
     assert_false(l.upright);
+    take(&l, "kind", "street");
+    assert_ptr_equal(l.kind, kind_at(1));
+    take(&l, "serial", "18446744073709551615");
+    assert_true(l.serial == UINT64_MAX);
+}
+
+static void lists_are_bits_of_their_words(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        unsigned bits;
+    } cases[] = {{"all", 7}, {"none", 0}, {"blue", 4}, {"blue,red", 5}, {"red,red", 1}};
+    static const char *const wrong[] = {"", "red,", ",red", "red, blue", "re", "Red", "red,none"};
+    lamp l = default_lamp();
+    l.has_colours = false;
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+        refuses("colours", wrong[i], "all, none or some of red, green, blue");
+    assert_false(l.has_colours);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        take(&l, "colours", cases[i].text);
+        assert_int_equal(l.colours, cases[i].bits);
+    }
+    assert_true(l.has_colours);
+}
+
+static void options_are_found_by_their_whole_names(void **state)
+{
+    (void)state;
+    assert_string_equal(lf_param_find(rows, "at")->name, "x");
+    assert_null(lf_param_find(rows, "spot")); /* a key alone */
+    assert_null(lf_param_find(rows, "a"));
+    assert_true(lf_param_among(row_of("at"), "watts at legs"));
+    assert_true(lf_param_among(row_of("legs"), "watts at  legs"));
+    assert_true(lf_param_among(row_of("at"), NULL));
+    assert_false(lf_param_among(row_of("at"), "watts att a t"));
+    assert_false(lf_param_among(row_of("at"), ""));
 }
 
 static void defaults_are_those_of_the_rows(void **state)
@@ -101,6 +153,7 @@ static void defaults_are_those_of_the_rows(void **state)
     assert_int_equal(l.shape, LONG);
     assert_true(l.spot[0] == 0 && l.spot[1] == 1 && l.spot[2] == 0);
     assert_null(l.maker);
+    assert_null(l.kind);
 }
 
 static void refused_text_is_told_what_was_expected(void **state)
@@ -115,6 +168,8 @@ static void refused_text_is_told_what_was_expected(void **state)
     refuses("bits", "12", "8 or 16");
     refuses("stand", "leaning", "lying or upright");
     refuses("shape", "", "round, flat or long, not \"\"");
+    refuses("kind", "garden", "table or street, not \"garden\"");
+    refuses("serial", "-1", "a whole number from 0");
 }
 
 static json_t *object(const char *text)
@@ -136,12 +191,14 @@ static void what_is_written_as_json_reads_back_the_same(void **state)
     take(&l, "stand", "upright");
     take(&l, "shape", "flat");
     take(&l, "maker", "us");
+    take(&l, "kind", "table");
     l.spot[0] = 0.25;
     l.spot[2] = -1;
     json_t *json = lf_param_json(rows, &l);
     json_t *expected = object("{\"watts\":12.5,\"legs\":4,\"x\":3.0,\"y\":-2.5,\"bits\":16,"
                               "\"lit\":true,\"stand\":\"upright\",\"shape\":\"flat\","
-                              "\"turn\":0.0,\"spot\":[0.25,1.0,-1.0],\"maker\":\"us\"}");
+                              "\"turn\":0.0,\"spot\":[0.25,1.0,-1.0],\"maker\":\"us\","
+                              "\"kind\":\"table\"}");
     assert_true(json_equal(json, expected));
     lf_assert_ok(lf_param_from_json(rows, json, &back, "here", &err), &err);
     assert_string_equal(back.maker, "us");
@@ -166,6 +223,7 @@ static void wrong_json_is_refused_with_its_key(void **state)
         {"{\"spot\": [0, 1]}", "/spot", "three numbers"},
         {"{\"spot\": [0, 1, 2]}", "/spot", "three numbers"},
         {"{\"maker\": 7}", "/maker", "a string"},
+        {"{\"kind\": \"garden\"}", "/kind", "table or street"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         lf_error err = {0};
@@ -247,7 +305,8 @@ static void the_schema_says_what_the_rows_say(void **state)
                "\"turn\":{\"type\":\"number\",\"minimum\":0.0,\"maximum\":180.0},"
                "\"spot\":{\"type\":\"array\",\"items\":{\"type\":\"number\",\"minimum\":-1.0,"
                "\"maximum\":1.0},\"minItems\":3,\"maxItems\":3},"
-               "\"maker\":{\"type\":\"string\"}}");
+               "\"maker\":{\"type\":\"string\"},"
+               "\"kind\":{\"type\":\"string\",\"enum\":[\"table\",\"street\"]}}");
     assert_true(json_equal(schema, expected));
     json_decref(schema);
     json_decref(expected);
@@ -257,6 +316,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(text_reaches_the_field_of_its_row_and_no_other),
+        cmocka_unit_test(lists_are_bits_of_their_words),
+        cmocka_unit_test(options_are_found_by_their_whole_names),
         cmocka_unit_test(defaults_are_those_of_the_rows),
         cmocka_unit_test(refused_text_is_told_what_was_expected),
         cmocka_unit_test(what_is_written_as_json_reads_back_the_same),

@@ -4,15 +4,15 @@
 
 #include "daemon/output/options.h"
 
+static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " target-error panel";
 static const struct option table[] = {
-    LF_OPTIONS_LONG("panel"),
     {"own", required_argument, NULL, LF_OPTION_OWN},
     {NULL, 0, NULL, 0},
 };
 
 /* What was handed to the program itself. */
 typedef struct own {
-    int n, last_code;
+    int n, last_code, n_taken;
     const char *last;
     bool done;
     int helps;
@@ -36,12 +36,28 @@ static lf_status take_own(void *context, int code, const char *text, lf_error *e
     return LF_OK;
 }
 
+static void count_taken(void *context, const lf_param *params, const lf_param *row)
+{
+    own *o = context;
+    o->n_taken++;
+    assert_ptr_equal(params, lf_option_params);
+    assert_true(lf_param_among(row, shared));
+}
+
 /* Reads a whole command line (words parted by blanks); the first status that is not LF_OK. */
 static lf_status read_line(const char *text, lf_options *options, lf_error *err)
 {
     static char copy[1024];
     char *argv[32] = {(char[]){"program"}};
-    const lf_options_rules rules = {"program", ":o:", table, count_help, options, take_own, &got};
+    const lf_options_part parts[] = {{lf_option_params, shared, options}, {0}};
+    const lf_options_rules rules = {.program = "program",
+                                    .letters = ":o:",
+                                    .parts = parts,
+                                    .table = table,
+                                    .print_help = count_help,
+                                    .take = take_own,
+                                    .taken = count_taken,
+                                    .context = &got};
     int argc = 1;
     *options = (lf_options){0};
     *err = (lf_error){0};
@@ -62,6 +78,7 @@ static void options_of_the_program_itself_are_handed_to_it_until_one_is_bad(void
     assert_int_equal(got.n, 2);
     assert_int_equal(got.last_code, 'o');
     assert_string_equal(got.last, "two");
+    assert_int_equal(got.n_taken, 1);
     assert_int_equal(o.views, 7);
     assert_false(got.done);
     assert_int_equal(optind, 7); /* the operand */
@@ -98,7 +115,8 @@ static void every_shared_option_is_taken(void **state)
                            "--target-error 1e-3 --panel p.json operand",
                            &o, &err),
                  &err);
-    assert_string_equal(o.preset->name, "portrait");
+    assert_string_equal(o.preset, "portrait");
+    assert_string_equal(lf_options_preset(&o)->name, "portrait");
     assert_int_equal(o.views, 7);
     assert_int_equal(o.columns, 8);
     assert_int_equal(o.rows, 6);
@@ -106,16 +124,16 @@ static void every_shared_option_is_taken(void **state)
     assert_int_equal(o.view_height, 480);
     assert_string_equal(o.integrator, "vpt");
     assert_true(o.has_estimator && o.estimator == LF_ESTIMATOR_CV);
-    assert_true(o.has_sampler && o.sampler == LF_SAMPLER_INDEPENDENT);
+    assert_true(o.sampler == LF_SAMPLER_INDEPENDENT);
     assert_int_equal(o.threads, 3);
-    assert_true(o.has_seed && o.seed == UINT64_MAX);
+    assert_true(o.seed == UINT64_MAX);
     assert_int_equal(o.max_depth, 12);
     assert_true(o.has_skip && o.skip == 0);
     lf_assert_close(o.target_error, 1e-3, 0, 0);
     assert_string_equal(o.calibration, "p.json");
     lf_assert_ok(read_line("", &o, &err), &err);
-    assert_true(!o.preset && !o.views && !o.integrator && !o.has_seed &&
-                o.estimator == LF_ESTIMATOR_MWIS);
+    assert_true(!o.preset && !o.views && !o.integrator && !o.has_skip && !o.has_estimator);
+    assert_null(lf_options_preset(&o));
 }
 
 static void wrong_words_are_refused_with_the_option_and_what_it_expects(void **state)
@@ -128,20 +146,20 @@ static void wrong_words_are_refused_with_the_option_and_what_it_expects(void **s
         {"--views 4x", "--views", "whole number"},
         {"--views 1e1", "--views", "whole number"},
         {"--views", "--views", "expects an argument"},
-        {"--quilt 5", "--quilt", ""},
-        {"--quilt 0x5", "--quilt", ""},
-        {"--quilt 65x1", "--quilt", ""},
-        {"--view-size 10", "--view-size", "two numbers"},
-        {"--view-size 10.5x10", "--view-size", "whole pixels"},
+        {"--quilt 5", "--quilt", "CxR"},
+        {"--quilt 0x5", "--quilt", "from 1 to 64"},
+        {"--quilt 65x1", "--quilt", "65x1"},
+        {"--view-size 10", "--view-size", "WxH"},
+        {"--view-size 10.5x10", "--view-size", "whole number"},
         {"--view-size 0x10", "--view-size", "from 1"},
         {"--view-size 10x20000", "--view-size", "16384"},
-        {"--view-size nanx10", "--view-size", "two numbers"},
-        {"--preset moon", "--preset", "moon"},
+        {"--view-size nanx10", "--view-size", "whole number"},
+        {"--preset moon", "--preset", "65 or kiosk, not \"moon\""},
         {"--integrator bdpt", "--integrator", "mvpt"},
-        {"--estimator best", "--estimator", "best"},
-        {"--sampler halton", "--sampler", "halton"},
-        {"--threads -1", "--threads", "from 1 to 256"},
-        {"--threads 1000", "--threads", "from 1 to 256"},
+        {"--estimator best", "--estimator", "mwis, mis or cv"},
+        {"--sampler halton", "--sampler", "owen or independent"},
+        {"--threads -1", "--threads", "from 0 to 256"},
+        {"--threads 1000", "--threads", "from 0 to 256"},
         {"--seed -1", "--seed", "from 0"},
         {"--seed 18446744073709551616", "--seed", "whole number"},
         {"--target-error 0", "--target-error", "number"},
@@ -149,7 +167,8 @@ static void wrong_words_are_refused_with_the_option_and_what_it_expects(void **s
         {"--target-error inf", "--target-error", "number"},
         {"--target-error 0x1p-3", "--target-error", "number"},
         {"--max-depth 0", "--max-depth", "from 1"},
-        {"--skip backgrund", "--skip", "did you mean \"background\""},
+        {"--skip backgrund", "--skip", "all, none or some of surfaces, background"},
+        {"--calibration c.json", "--calibration", "unknown option"}, /* not among shared */
         {"--colour red", "--colour", "unknown option"},
         {"--view", "--view", "several"},
         {"--help=now", "--help", "takes no argument"},

@@ -177,7 +177,7 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"error a b --max-mean much", "--max-mean"},
         {"compare", "expects one SCENE"},
         {"compare s.json --ours mvpt", "INTEGRATOR:ESTIMATOR"},
-        {"compare s.json --ours magic:mis", "unknown integrator"},
+        {"compare s.json --ours magic:mis", "INTEGRATOR mvpt"},
         {"compare s.json --seeds 0", "--seeds"},
         {"compare s.json --integrator vpt", "INTEGRATOR:ESTIMATOR"},
         {"curve", "expects one SCENE"},

@@ -50,7 +50,7 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"%S -o %D/x.png --stats %S", "what is being rendered"},
         {"%S -o %D/panel.tif --print 60@600 --print-size 2x2 --views 2 --spp 1",
          "no manifest of a print"},
-        {"%S -o %D/x.png --skip all,none", "stands alone"},
+        {"%S -o %D/x.png --skip all,none", "all, none or some of"},
         {"%Q -o %D/x.png --view-size 4x4", "--view-size: does not go with a finished quilt"},
         {"%Q -o %D/x.png --spp 64", "--spp: does not go with a finished quilt"},
         {"%Q -o %D/x.png --threads 1 --estimator cv",
