@@ -1,15 +1,13 @@
 #include "daemon/output/output.h"
 
-#include <math.h>
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
 #include "daemon/output/output_internal.h"
-
-#define MAX_PICTURE_SIDE 65536
-#define MAX_PICTURE_SAMPLES (INT64_C(1) << 31)
 
 /* ------------------------------------------------------------------------------------- names -- */
 
@@ -28,31 +26,12 @@ static lf_status find_name(const char *what, const char *const *names, int n, co
     return lf_error_set(err, LF_E_ARG, what, "unknown name \"%s\" (there are: %s)", name, known);
 }
 
-static const char *const kind_names[] = {[LF_OUTPUT_QUILT] = "quilt",
-                                         [LF_OUTPUT_VIEWS] = "views",
-                                         [LF_OUTPUT_PANEL] = "panel",
-                                         [LF_OUTPUT_PRINT] = "print",
-                                         [LF_OUTPUT_CHART] = "chart"};
 static const char *const filter_names[] = {
     [LF_FILTER_NEAREST] = "nearest", [LF_FILTER_LINEAR] = "linear"};
 static const char *const invert_names[] = {
     [LF_INVERT_AUTO] = "auto", [LF_INVERT_YES] = "yes", [LF_INVERT_NO] = "no"};
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))
-
-lf_status lf_output_kind_from_name(const char *name, lf_output_kind *out, lf_error *err)
-{
-    int index = 0;
-    lf_status status = find_name("kind", kind_names, COUNT(kind_names), name, &index, err);
-    if (status == LF_OK)
-        *out = (lf_output_kind)index;
-    return status;
-}
-
-const char *lf_output_kind_name(lf_output_kind kind)
-{
-    return kind_names[kind];
-}
 
 lf_status lf_filter_from_name(const char *name, lf_filter *out, lf_error *err)
 {
@@ -72,7 +51,22 @@ lf_status lf_invert_from_name(const char *name, lf_invert *out, lf_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------------------------- paths -- */
+/* ------------------------------------------------------------------------------------- kinds -- */
+
+#define LIST(name) &lf_output_##name,
+const lf_output_kind *const lf_output_kinds[] = {LF_OUTPUT_KINDS(LIST) NULL};
+
+lf_status lf_output_kind_from_name(const char *name, const lf_output_kind **out, lf_error *err)
+{
+    const char *names[COUNT(lf_output_kinds)] = {NULL};
+    int n = 0, index = 0;
+    for (; lf_output_kinds[n]; n++)
+        names[n] = lf_output_kinds[n]->name;
+    lf_status status = find_name("kind", names, n, name, &index, err);
+    if (status == LF_OK)
+        *out = lf_output_kinds[index];
+    return status;
+}
 
 bool output_has_ending(const char *text, const char *ending)
 {
@@ -81,88 +75,64 @@ bool output_has_ending(const char *text, const char *ending)
     return n >= m && strcasecmp(text + n - m, ending) == 0;
 }
 
-static lf_status check_quilt_size(const char *path, const lf_layout *layout, lf_error *err)
+bool lf_output_fits(const lf_output_kind *kind, const char *path)
 {
-    int64_t width = (int64_t)layout->columns * layout->view_width;
-    int64_t height = (int64_t)layout->rows * layout->view_height;
-    if (width > MAX_PICTURE_SIDE || height > MAX_PICTURE_SIDE ||
-        width * height * 3 > MAX_PICTURE_SAMPLES)
-        return lf_error_set(err, LF_E_ARG, path,
-                            "a quilt of %dx%d views of %dx%d pixels is too large for one picture "
-                            "(write a folder of views: OUT/)",
-                            layout->columns, layout->rows, layout->view_width, layout->view_height);
-    return LF_OK;
+    bool fits = false;
+    for (int i = 0; kind->endings[i]; i++)
+        fits = fits || output_has_ending(path, kind->endings[i]);
+    return fits;
 }
 
-static lf_status quilt_path(const char *path, const lf_layout *layout, char **out_path,
-                            lf_error *err)
+char *lf_output_endings(const lf_output_kind *kind, char *buf, size_t size)
 {
-    int columns = 0;
-    int rows = 0;
-    double aspect = 0;
-    lf_status status = check_quilt_size(path, layout, err);
-    if (status != LF_OK)
-        return status;
-    if (lf_layout_from_name(path, &columns, &rows, &aspect)) {
-        if (columns != layout->columns || rows != layout->rows)
-            return lf_error_set(
-                err, LF_E_ARG, path,
-                "the name says %dx%d tiles, but the quilt has %dx%d (--quilt changes them)",
-                columns, rows, layout->columns, layout->rows);
-        if (aspect > 0 && fabs(aspect - layout->aspect) > 0.01 * layout->aspect)
-            return lf_error_set(err, LF_E_ARG, path,
-                                "the name says an aspect of %g, but the views have %g", aspect,
-                                layout->aspect);
-        *out_path = lf_strdup(path);
-    } else {
-        *out_path = lf_layout_name(path, layout);
+    buf[0] = '\0';
+    for (int i = 0; kind->endings[i]; i++) {
+        size_t used = strlen(buf);
+        snprintf(buf + used, size - used, "%s%s", i > 0 ? " or " : "", kind->endings[i]);
     }
-    return *out_path ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    return buf;
 }
 
-lf_status lf_output_path(lf_output_kind kind, const char *path, const lf_layout *layout,
+lf_status lf_output_path(const lf_output_kind *kind, const char *path, const lf_layout *layout,
                          char **out_path, lf_error *err)
 {
-    static const char *const endings[][2] = {[LF_OUTPUT_QUILT] = {".png", ".exr"},
-                                             [LF_OUTPUT_VIEWS] = {"/", "/"},
-                                             [LF_OUTPUT_PANEL] = {".png", ".png"},
-                                             [LF_OUTPUT_PRINT] = {".tif", ".tiff"},
-                                             [LF_OUTPUT_CHART] = {".tif", ".tiff"}};
-    static const char *const wanted[] = {[LF_OUTPUT_QUILT] = "a quilt ends in .png or .exr",
-                                         [LF_OUTPUT_VIEWS] = "a folder of views ends in /",
-                                         [LF_OUTPUT_PANEL] = "a panel picture ends in .png",
-                                         [LF_OUTPUT_PRINT] = "a print ends in .tif",
-                                         [LF_OUTPUT_CHART] = "a chart ends in .tif"};
-    if (!output_has_ending(path, endings[kind][0]) && !output_has_ending(path, endings[kind][1]))
-        return lf_error_set(err, LF_E_ARG, path, "%s", wanted[kind]);
-    if (kind == LF_OUTPUT_QUILT)
-        return quilt_path(path, layout, out_path, err);
+    char endings[64];
+    if (!lf_output_fits(kind, path))
+        return lf_error_set(err, LF_E_ARG, path, "%s ends in %s", kind->what,
+                            lf_output_endings(kind, endings, sizeof endings));
+    if (kind->complete)
+        return kind->complete(path, layout, out_path, err);
     *out_path = lf_strdup(path);
     return *out_path ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
 }
 
-char *lf_output_manifest_path(const char *path)
+char *lf_output_file_name(const lf_output_kind *kind, const char *path, int i)
 {
-    const char *slash = strrchr(path, '/');
-    const char *dot = strrchr(path, '.');
-    size_t stem = dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path);
-    char *manifest = lf_calloc(stem + sizeof ".json", 1);
-    if (manifest) {
-        memcpy(manifest, path, stem);
-        memcpy(manifest + stem, ".json", sizeof ".json");
-    }
-    return manifest;
+    return kind->file_name ? kind->file_name(path, i) : lf_strdup(path);
+}
+
+int lf_output_n_files(const lf_output_kind *kind, int n_views)
+{
+    return kind->n_files > 0 ? kind->n_files : n_views;
 }
 
 /* ------------------------------------------------------------------------------------- files -- */
 
-void output_close_fds(const lf_output_request *request)
+/* The files of one job: opened together, published together. Zeroed is a valid empty set. */
+typedef struct output_files {
+    int n;
+    lf_outfile *file; /* [n] */
+} output_files;
+
+/* For a job that ends before its files were opened. */
+static void close_fds(const lf_output_request *request)
 {
     for (int i = 0; i < request->n_fds; i++)
         close(request->fds[i]);
 }
 
-void output_files_abandon(output_files *files)
+/* Accepts zeroed and committed sets. */
+static void abandon(output_files *files)
 {
     for (int i = 0; i < files->n; i++)
         lf_outfile_abandon(&files->file[i]);
@@ -170,51 +140,70 @@ void output_files_abandon(output_files *files)
     *files = (output_files){0};
 }
 
-static lf_status open_one(lf_outfile *file, const lf_output_request *request, int i,
-                          const char *const *paths, lf_error *err)
+static lf_status open_one(lf_outfile *file, const lf_output_request *request, int i, lf_error *err)
 {
-    if (request->n_fds == 0)
-        return lf_outfile_open(file, paths[i], request->overwrite, err);
+    if (request->n_fds == 0) {
+        char *path = lf_output_file_name(request->kind, request->path, i);
+        lf_status status = path ? lf_outfile_open(file, path, request->overwrite, err)
+                                : lf_error_set(err, LF_E_NOMEM, request->path, "out of memory");
+        lf_free(path);
+        return status;
+    }
     lf_status status = lf_outfile_adopt(file, request->fds[i], err);
     if (status != LF_OK)
         close(request->fds[i]);
     return status;
 }
 
-lf_status output_files_open(output_files *files, const lf_output_request *request, int n,
-                            const char *const *paths, lf_error *err)
+/* Opens n files, or takes over request->fds, which must then be n. On failure nothing is open (and
+ * the fds are closed). */
+static lf_status open_all(output_files *files, const lf_output_request *request, int n,
+                          lf_error *err)
 {
     lf_status status = LF_OK;
     *files = (output_files){.file = lf_calloc((size_t)n, sizeof *files->file)};
     if (!files->file) {
-        output_close_fds(request);
+        close_fds(request);
         return lf_error_set(err, LF_E_NOMEM, request->path, "out of memory");
     }
     if (request->n_fds != 0 && request->n_fds != n) {
-        output_close_fds(request);
-        output_files_abandon(files);
+        close_fds(request);
+        abandon(files);
         return lf_error_set(err, LF_E_ARG, request->path, "expects %d descriptors, not %d", n,
                             request->n_fds);
     }
     for (int i = 0; i < n && status == LF_OK; i++) {
-        status = open_one(&files->file[i], request, i, paths, err);
+        status = open_one(&files->file[i], request, i, err);
         files->n += status == LF_OK;
     }
     if (status != LF_OK) {
         for (int i = files->n + 1; i < request->n_fds; i++)
             close(request->fds[i]);
-        output_files_abandon(files);
+        abandon(files);
     }
     return status;
 }
 
-lf_status output_files_commit(output_files *files, const lf_output_request *request, lf_error *err)
+static lf_status publish(output_files *files, const lf_output_request *request, lf_error *err)
 {
     lf_status status = output_check_cancel(request, err);
     for (int i = 0; i < files->n && status == LF_OK; i++)
         status = lf_outfile_commit(&files->file[i], request->overwrite, err);
-    output_files_abandon(files);
     return status;
+}
+
+static lf_status make_folder(const lf_output_request *request, int n, bool *out_made, lf_error *err)
+{
+    *out_made = mkdir(request->path, 0777) == 0;
+    if (*out_made)
+        return LF_OK;
+    if (errno != EEXIST)
+        return lf_error_set(err, LF_E_IO, request->path, "cannot make the folder: %s",
+                            strerror(errno));
+    if (!request->overwrite && request->kind->surplus(request->path, n, false) > 0)
+        return lf_error_set(err, LF_E_EXISTS, request->path,
+                            "the folder holds more than %d views already", n);
+    return LF_OK;
 }
 
 lf_status output_check_cancel(const lf_output_request *request, lf_error *err)
@@ -253,24 +242,38 @@ lf_output_source lf_output_from_film(const lf_render_settings *settings, const f
                               .aspect = settings->camera.aspect};
 }
 
+static int views_of(const lf_output_source *source)
+{
+    return source->is_float ? source->views32.n_views : source->views8.n_views;
+}
+
 lf_status lf_output_write(const lf_output_request *request, const lf_output_source *source,
                           lf_error *err)
 {
+    const lf_output_kind *kind = request->kind;
+    const bool in_folder = kind->surplus && request->n_fds == 0;
+    const int n = lf_output_n_files(kind, source ? views_of(source) : 0);
+    output_files files = {0};
+    bool made = false;
     lf_status status = output_check_cancel(request, err);
     if (status != LF_OK) {
-        output_close_fds(request);
+        close_fds(request);
         return status;
     }
-    switch (request->kind) {
-    case LF_OUTPUT_VIEWS:
-        return output_write_views(request, source, err);
-    case LF_OUTPUT_PANEL:
-        return output_write_panel(request, source, err);
-    case LF_OUTPUT_PRINT:
-    case LF_OUTPUT_CHART:
-        return output_write_print(request, source, err);
-    case LF_OUTPUT_QUILT:
-        break;
-    }
-    return output_write_quilt(request, source, err);
+    if (in_folder)
+        status = make_folder(request, n, &made, err);
+    if (status == LF_OK)
+        status = open_all(&files, request, n, err);
+    if (status == LF_OK)
+        status = kind->write(request, source, files.file, err);
+    if (status == LF_OK)
+        status = publish(&files, request, err);
+    abandon(&files);
+    if (status == LF_OK && in_folder)
+        kind->surplus(request->path, n, true);
+    if (status != LF_OK && made)
+        rmdir(request->path);
+    if (status == LF_OK)
+        output_progress(request, 1);
+    return status;
 }

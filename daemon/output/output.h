@@ -14,18 +14,7 @@
 #include "quilt/quilt.h"
 #include "render/render.h"
 
-typedef enum lf_output_kind {
-    LF_OUTPUT_QUILT,
-    LF_OUTPUT_VIEWS,
-    LF_OUTPUT_PANEL,
-    LF_OUTPUT_PRINT,
-    LF_OUTPUT_CHART /* a print without a source */
-} lf_output_kind;
-
-/* "quilt", "views", "panel", "print", "chart". LF_E_ARG names those that exist. */
-LF_NODISCARD lf_status lf_output_kind_from_name(const char *name, lf_output_kind *out,
-                                                lf_error *err);
-const char *lf_output_kind_name(lf_output_kind kind);
+typedef struct lf_output_kind lf_output_kind; /* below */
 
 /* Names as on the command line and in export's parameters; LF_E_ARG for others, *out untouched. */
 /* nearest, linear */
@@ -47,23 +36,22 @@ lf_output_source lf_output_from_quilt(const lf_quilt_file *quilt);
 lf_output_source lf_output_from_film(const lf_render_settings *settings, const float *film);
 
 typedef struct lf_output_request {
-    lf_output_kind kind;
+    const lf_output_kind *kind;
     /* Where. path is the final name (see lf_output_path); with fds it only tells the format by its
      * ending. */
     const char *path;
     bool overwrite; /* else LF_E_EXISTS for a file that is there */
     /* n_fds 0: open path. Else descriptors opened for writing by somebody else, TAKEN OVER whatever
-     * comes of it (closed): one for quilt and panel, the TIFF's and the manifest's for a print
-     * or chart, one a view for views. */
+     * comes of it (closed): one for each of the kind's files, in their order. */
     const int *fds;
     int n_fds;
-    lf_layout layout;                  /* quilt: the tiles; others: not read */
-    const lf_calibration *calibration; /* panel */
-    lf_filter filter;                  /* panel */
-    lf_invert invert;                  /* panel */
-    const lf_print *print;             /* print, chart */
-    double exposure;                   /* stops, for float views on the way to 8 bits */
-    const char *tonemap;               /* NULL = "srgb" */
+    lf_layout layout;                  /* kinds with has_tiles */
+    const lf_calibration *calibration; /* kinds with needs_panel, as the next two */
+    lf_filter filter;
+    lf_invert invert;
+    const lf_print *print; /* kinds with check_print */
+    double exposure;       /* stops, for float views on the way to 8 bits */
+    const char *tonemap;   /* NULL = "srgb" */
     /* NULL, or an object (lf_output_settings): text attributes of EXR and PNG, and in the manifest
      */
     const json_t *settings;
@@ -74,19 +62,76 @@ typedef struct lf_output_request {
     void *context;
 } lf_output_request;
 
-/* The final name for a request: a quilt's gets its _qsCxRaASPECT when that is missing; a folder
- * ends in "/". LF_E_ARG when the ending does not go with the kind (quilt .png .exr; views "/";
- * panel .png; print and chart .tif .tiff) or the name's tiles contradict the layout (read for
- * quilts only). Caller frees with lf_free. */
-LF_NODISCARD lf_status lf_output_path(lf_output_kind kind, const char *path,
+/* A kind of output. One file (output_panel.c, …) that ends in one struct of functions, and one line
+ * of LF_OUTPUT_KINDS: the command line, the socket and quiltctl ask it, and know no names. */
+struct lf_output_kind {
+    const char *name; /* export's "kind" */
+    const char *what; /* "a quilt": how errors call it */
+    /* What names end in, whatever the case, ended by NULL; a folder's in "/". */
+    const char *const *endings;
+    /* quiltrender's option that asks for it, without dashes; NULL: the ending of -o does. */
+    const char *option;
+    bool is_drawn;    /* of the request alone: source is not read, nothing is rendered */
+    bool has_tiles;   /* reads layout */
+    bool needs_panel; /* reads calibration, filter and invert */
+    const char *asks; /* with check_print: the keys of print that it cannot do without */
+    int n_files;      /* 0: one for every view */
+    /* Whether print says what it must; *out_warning (static text) or NULL. LF_E_ARG. NULL: it reads
+     * no print. */
+    lf_status (*check_print)(const lf_print *print, const char **out_warning, lf_error *err);
+    /* The final name for a path whose ending is right (lf_output_path). NULL: the path. */
+    lf_status (*complete)(const char *path, const lf_layout *layout, char **out_path,
+                          lf_error *err);
+    /* The name of the i-th file, from the final name; caller frees with lf_free, NULL = out of
+     * memory. NULL: the final name, of the only one. */
+    char *(*file_name)(const char *path, int i);
+    /* Writes the contents of all its files; opening, publishing and the last progress are
+     * lf_output_write's. */
+    lf_status (*write)(const lf_output_request *request, const lf_output_source *source,
+                       lf_outfile *files, lf_error *err);
+    /* Folders: counts, or removes, files of such an output that lie in the folder and are not among
+     * its first n. NULL for the others. */
+    int (*surplus)(const char *folder, int n, bool remove);
+};
+
+/* All kinds, a line each. */
+#define LF_OUTPUT_KINDS(KIND)                                                                      \
+    KIND(quilt)                                                                                    \
+    KIND(views)                                                                                    \
+    KIND(panel)                                                                                    \
+    KIND(print)                                                                                    \
+    KIND(chart)
+
+#define LF_DECLARE_OUTPUT(name) extern const lf_output_kind lf_output_##name;
+LF_OUTPUT_KINDS(LF_DECLARE_OUTPUT)
+#undef LF_DECLARE_OUTPUT
+
+/* The same as a list, ended by NULL. */
+extern const lf_output_kind *const lf_output_kinds[];
+
+/* The kind of that name. LF_E_ARG names those that exist. */
+LF_NODISCARD lf_status lf_output_kind_from_name(const char *name, const lf_output_kind **out,
+                                                lf_error *err);
+/* Whether a path ends as this kind's do. */
+bool lf_output_fits(const lf_output_kind *kind, const char *path);
+/* The kind's endings as errors say them, ".png or .exr"; returns buf. */
+char *lf_output_endings(const lf_output_kind *kind, char *buf, size_t size);
+
+/* The final name for a request: a quilt's gets its _qsCxRaASPECT when that is missing. LF_E_ARG
+ * when the ending does not go with the kind or the name's tiles contradict the layout (read for
+ * kinds with has_tiles only). Caller frees with lf_free. */
+LF_NODISCARD lf_status lf_output_path(const lf_output_kind *kind, const char *path,
                                       const lf_layout *layout, char **out_path, lf_error *err);
 
-/* "OUT.json" for "OUT.tif"; caller frees with lf_free; NULL = out of memory. */
-char *lf_output_manifest_path(const char *path);
+/* The name of the i-th file of an output with this final name; caller frees with lf_free; NULL =
+ * out of memory. */
+char *lf_output_file_name(const lf_output_kind *kind, const char *path, int i);
+/* How many files it is. */
+int lf_output_n_files(const lf_output_kind *kind, int n_views);
 
-/* Writes it. request->path must be as lf_output_path gives it; source is not read for a chart.
- * LF_E_ARG (contradictions, number of fds), LF_E_EXISTS, LF_E_IO, LF_E_NOMEM, LF_E_FORMAT
- * (profile), LF_E_CANCELLED. */
+/* Writes it. request->path must be as lf_output_path gives it; source is not read for kinds that
+ * are drawn. LF_E_ARG (contradictions, number of fds), LF_E_EXISTS, LF_E_IO, LF_E_NOMEM,
+ * LF_E_FORMAT (profile), LF_E_CANCELLED. */
 LF_NODISCARD lf_status lf_output_write(const lf_output_request *request,
                                        const lf_output_source *source, lf_error *err);
 

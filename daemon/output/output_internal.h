@@ -1,25 +1,9 @@
-/* What the parts of daemon/output/ share: the files of one job, and conversions between 8-bit and
- * float views. */
+/* What the kinds of output share: conversions between 8-bit and float views, attributes, and what
+ * prints and charts have in common. */
 #ifndef LF_DAEMON_OUTPUT_INTERNAL_H
 #define LF_DAEMON_OUTPUT_INTERNAL_H
 
 #include "daemon/output/output.h"
-
-/* The files of one job: opened together, published together. Zeroed is a valid empty set. */
-typedef struct output_files {
-    int n;
-    lf_outfile *file; /* [n] */
-} output_files;
-
-/* Opens paths[n], or takes over request->fds, which must then be n. On failure nothing is open (and
- * the fds are closed). */
-lf_status output_files_open(output_files *files, const lf_output_request *request, int n,
-                            const char *const *paths, lf_error *err);
-lf_status output_files_commit(output_files *files, const lf_output_request *request, lf_error *err);
-/* Accepts zeroed and committed sets. */
-void output_files_abandon(output_files *files);
-/* Closes request->fds, for a job that ends before its files were opened. */
-void output_close_fds(const lf_output_request *request);
 
 /* LF_E_CANCELLED when the job is to stop, with err filled. */
 lf_status output_check_cancel(const lf_output_request *request, lf_error *err);
@@ -45,15 +29,12 @@ lf_status output_views8(const lf_output_request *request, const lf_output_source
 lf_status output_views32(const lf_output_request *request, const lf_output_source *source,
                          lf_views32 *out, float **out_buffer, lf_error *err);
 
-/* The kinds. They take request->fds over. */
-lf_status output_write_quilt(const lf_output_request *request, const lf_output_source *source,
-                             lf_error *err);
-lf_status output_write_panel(const lf_output_request *request, const lf_output_source *source,
-                             lf_error *err);
-lf_status output_write_views(const lf_output_request *request, const lf_output_source *source,
-                             lf_error *err);
-lf_status output_write_print(const lf_output_request *request, const lf_output_source *source,
-                             lf_error *err);
+/* Of a TIFF and its manifest "OUT.json", which prints and charts are: their endings, and their
+ * files' names. */
+extern const char *const output_print_endings[];
+char *output_print_file(const char *path, int i);
+/* What a print's writer needs to know of the request. */
+lf_print_run output_print_run(const lf_output_request *request);
 
 /* True when text ends with ending, whatever the case. */
 bool output_has_ending(const char *text, const char *ending);

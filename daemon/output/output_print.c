@@ -1,5 +1,6 @@
 /* Lenticular prints: the views that they need, and the TIFF with its manifest. */
 #include <math.h>
+#include <string.h>
 
 #include "base/alloc.h"
 #include "daemon/output/output_internal.h"
@@ -46,57 +47,60 @@ void lf_output_print_view(const lf_print *print, lf_render_settings *settings)
     settings->window[3] = 0.5 + (top + shape.window_height_mm) / height;
 }
 
-static lf_status write_picture(const lf_output_request *request, const lf_output_source *source,
-                               const lf_print_run *run, const output_files *files, lf_error *err)
+static char *manifest_path(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const char *dot = strrchr(path, '.');
+    size_t stem = dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path);
+    char *manifest = lf_calloc(stem + sizeof ".json", 1);
+    if (manifest) {
+        memcpy(manifest, path, stem);
+        memcpy(manifest + stem, ".json", sizeof ".json");
+    }
+    return manifest;
+}
+
+char *output_print_file(const char *path, int i)
+{
+    return i == 0 ? lf_strdup(path) : manifest_path(path);
+}
+
+lf_print_run output_print_run(const lf_output_request *request)
+{
+    return (lf_print_run){.settings = request->settings,
+                          .cancel = request->cancel,
+                          .progress = request->progress,
+                          .context = request->context};
+}
+
+static lf_status write_files(const lf_output_request *request, const lf_output_source *source,
+                             lf_outfile *files, lf_error *err)
 {
     lf_print print = *request->print;
+    lf_print_run run = output_print_run(request);
     lf_views32 views;
     float *decoded = NULL;
+    if (source->is_float) {
+        run.exposure = request->exposure;
+        run.tonemap = request->tonemap;
+    }
     lf_status status = output_views32(request, source, &views, &decoded, err);
     if (!(print.view_aspect > 0))
         print.view_aspect = source->aspect;
     if (status == LF_OK)
-        status = lf_print_write(&print, &views, run, &files->file[0], &files->file[1], err);
+        status = lf_print_write(&print, &views, &run, &files[0], &files[1], err);
     lf_free(decoded);
     return status;
 }
 
-static lf_status write_files(const lf_output_request *request, const lf_output_source *source,
-                             output_files *files, lf_error *err)
-{
-    const bool is_chart = request->kind == LF_OUTPUT_CHART;
-    const bool is_float = !is_chart && source->is_float;
-    const lf_print_run run = {.exposure = is_float ? request->exposure : 0,
-                              .tonemap = is_float ? request->tonemap : NULL,
-                              .settings = request->settings,
-                              .cancel = request->cancel,
-                              .progress = request->progress,
-                              .context = request->context};
-    lf_status status =
-        is_chart ? lf_chart_write(request->print, &run, &files->file[0], &files->file[1], err)
-                 : write_picture(request, source, &run, files, err);
-    if (status == LF_OK)
-        status = output_files_commit(files, request, err);
-    output_files_abandon(files);
-    return status;
-}
+const char *const output_print_endings[] = {".tif", ".tiff", NULL};
 
-lf_status output_write_print(const lf_output_request *request, const lf_output_source *source,
-                             lf_error *err)
-{
-    output_files files = {0};
-    char *manifest = lf_output_manifest_path(request->path);
-    const char *paths[2] = {request->path, manifest};
-    lf_status status = LF_OK;
-    if (!manifest) {
-        output_close_fds(request);
-        return lf_error_set(err, LF_E_NOMEM, request->path, "out of memory");
-    }
-    status = output_files_open(&files, request, 2, paths, err);
-    if (status == LF_OK)
-        status = write_files(request, source, &files, err);
-    lf_free(manifest);
-    if (status == LF_OK)
-        output_progress(request, 1);
-    return status;
-}
+const lf_output_kind lf_output_print = {.name = "print",
+                                        .what = "a print",
+                                        .endings = output_print_endings,
+                                        .option = "print",
+                                        .asks = "lpi, width and height (mm)",
+                                        .n_files = 2,
+                                        .check_print = lf_print_check,
+                                        .file_name = output_print_file,
+                                        .write = write_files};

@@ -16,9 +16,9 @@
 #define ENUM(words) "{\"type\":\"string\",\"enum\":[" words "]}"
 
 #define EXPORT_KEYS                                                                                \
-    "\"kind\":" ENUM("\"quilt\",\"views\",\"panel\",\"print\",\"chart\",\"state\"")                \
-    ",\"file\":" STRING ",\"wait\":" ENUM("\"coarse\",\"complete\",\"converged\"")                 \
-    ",\"overwrite\":" BOOLEAN ",\"fds\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":253}"      \
+    "\"kind\":" STRING ",\"file\":" STRING                                                         \
+    ",\"wait\":" ENUM("\"coarse\",\"complete\",\"converged\"") ",\"overwrite\":" BOOLEAN           \
+    ",\"fds\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":253}"                                \
     ",\"filter\":" ENUM("\"nearest\",\"linear\"") ",\"invert\":" ENUM("\"auto\",\"yes\",\"no\"")
 
 /* clang-format on */
@@ -84,11 +84,24 @@ static void add_properties(const char *method, json_t *schema)
                                    lf_param_schema(tables[i].params));
 }
 
+/* export's kinds: those of pictures, and the daemon's own. */
+static void add_kinds(json_t *schema)
+{
+    json_t *names = json_array();
+    for (int i = 0; lf_output_kinds[i]; i++)
+        json_array_append_new(names, json_string(lf_output_kinds[i]->name));
+    json_array_append_new(names, json_string("state"));
+    json_object_set_new(json_object_get(json_object_get(schema, "properties"), "kind"), "enum",
+                        names);
+}
+
 static void parse(void)
 {
     for (int i = 0; i < N_METHODS; i++) {
         schemas[i] = json_loads(methods[i].schema, JSON_REJECT_DUPLICATES, NULL);
         add_properties(methods[i].name, schemas[i]);
+        if (methods[i].run == lf_server_export)
+            add_kinds(schemas[i]);
     }
 }
 

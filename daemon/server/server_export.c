@@ -56,19 +56,18 @@ static lf_status take_print_words(lf_job *job, const json_t *params, lf_error *e
     lf_print *print = &job->print;
     const char *missing = lf_param_missing(lf_print_params, params);
     if (missing)
-        return lf_error_set(
-            err, LF_E_ARG, "export", "a %s needs lpi, %swidth and height (mm); \"%s\" is missing",
-            lf_output_kind_name(job->kind), job_is_chart(job) ? "range, step, " : "", missing);
+        return lf_error_set(err, LF_E_ARG, "export", "%s needs %s; \"%s\" is missing",
+                            job->kind->what, job->kind->asks, missing);
     lf_param_defaults(lf_print_params, print);
     lf_status status = lf_param_from_json(lf_print_params, params, print, "export", err);
-    if (status == LF_OK && !job_is_chart(job))
+    if (status == LF_OK && !job->kind->is_drawn)
         status = choose_views(job, err);
     if (status == LF_OK && print->icc_path)
         status = lf_server_read_path(job->server, print->icc_path, &job->icc, err);
     print->icc_path = job->icc;
     print->icc_roots = &job->server->roots;
     if (status == LF_OK)
-        status = job_is_chart(job) ? lf_chart_check(print, err) : lf_print_check(print, NULL, err);
+        status = job->kind->check_print(print, NULL, err);
     return status;
 }
 
@@ -96,7 +95,7 @@ static bool ends_with(const char *text, const char *ending)
  */
 static lf_status take_file(lf_job *job, const char *file, lf_error *err)
 {
-    if (job->is_state && !ends_with(file, STATE_ENDING))
+    if (!job->kind && !ends_with(file, STATE_ENDING))
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/file",
                                "a state's name must end in " STATE_ENDING);
     if (job->n_fds == 0) {
@@ -111,7 +110,7 @@ static lf_status take_file(lf_job *job, const char *file, lf_error *err)
     }
     if (!job->file)
         return lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
-    if (job->is_state)
+    if (!job->kind)
         return LF_OK;
     char *path = NULL;
     const lf_content *content = job->server->content;
@@ -136,26 +135,25 @@ static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
     const lf_server *server = call->server;
     const json_t *params = call->params;
     const char *kind = string_of(params, "kind");
-    job->is_state = strcmp(kind, "state") == 0;
+    const bool is_state = strcmp(kind, "state") == 0;
     job->overwrite = json_is_true(json_object_get(params, "overwrite"));
-    job->wait = wait_of(params, job->is_state);
+    job->wait = wait_of(params, is_state);
     job->generation = server->generation;
     int n_fds = (int)number_of(params, "fds", 0);
-    if (job->is_state && n_fds > 1)
+    if (is_state && n_fds > 1)
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds",
                                "a state is one file: one descriptor, not %d", n_fds);
     lf_status status = take_fds(job, call->client, n_fds, err);
-    if (status == LF_OK && !job->is_state)
+    if (status == LF_OK && !is_state)
         status = lf_output_kind_from_name(kind, &job->kind, err);
-    if (status == LF_OK && !job_is_chart(job) &&
-        (!server->content || (job->is_state && !server->content->scene)))
+    if (status == LF_OK && !job_is_drawn(job) &&
+        (!server->content || (is_state && !server->content->scene)))
         return lf_error_set(err, LF_E_STATE, "export", "there is no picture to export");
     if (status == LF_OK)
         status = take_file(job, string_of(params, "file"), err);
-    if (status == LF_OK && !job->is_state && job->kind == LF_OUTPUT_PANEL)
+    if (status == LF_OK && job->kind && job->kind->needs_panel)
         status = take_panel_words(job, params, err);
-    if (status == LF_OK && !job->is_state &&
-        (job->kind == LF_OUTPUT_PRINT || job->kind == LF_OUTPUT_CHART))
+    if (status == LF_OK && job->kind && job->kind->check_print)
         status = take_print_words(job, params, err);
     return status;
 }

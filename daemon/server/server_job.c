@@ -108,7 +108,7 @@ static lf_status destination_init(lf_job *job, const char *path, destination *ou
     return status;
 }
 
-/* snapshot NULL: a chart. */
+/* snapshot NULL: of a kind that is drawn. */
 static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
 {
     static const lf_content nothing;
@@ -178,9 +178,9 @@ static lf_status write_state(lf_job *job)
 static void *job_main(void *context)
 {
     lf_job *job = context;
-    if (job->is_state) {
+    if (!job->kind) {
         job->status = write_state(job);
-    } else if (job_is_chart(job)) {
+    } else if (job_is_drawn(job)) {
         job->status = write_snapshot(job, NULL);
     } else {
         lf_snapshot snapshot;
@@ -197,7 +197,7 @@ static void *job_main(void *context)
 
 static const char *kind_name(const lf_job *job)
 {
-    return job->is_state ? "state" : lf_output_kind_name(job->kind);
+    return job->kind ? job->kind->name : "state";
 }
 
 static json_t *job_json(const lf_job *job, const char *state)
@@ -294,7 +294,7 @@ void job_start(lf_job *job)
 static bool may_start(const lf_server *server, const lf_job *job)
 {
     lf_engine_status now;
-    if (job_is_chart(job))
+    if (job_is_drawn(job))
         return true;
     lf_engine_get_status(server->engine, &now);
     /* A scene that moves meanwhile is waited for again. */

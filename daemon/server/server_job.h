@@ -14,11 +14,10 @@ struct lf_job {
     lf_server *server;
     int64_t id;
     uint64_t client; /* who asked; hears of it without subscribing. 0 = the daemon itself */
-    bool is_state;   /* kind "state" */
-    lf_output_kind kind;
-    char *file;    /* as asked for, canonical */
-    char *final;   /* name written; the thread's until it has ended */
-    int folder_fd; /* of file: what was checked is what is written to; -1 = none */
+    const lf_output_kind *kind; /* NULL: "state" */
+    char *file;                 /* as asked for, canonical */
+    char *final;                /* name written; the thread's until it has ended */
+    int folder_fd;              /* of file: what was checked is what is written to; -1 = none */
     bool overwrite;
     int64_t generation; /* what to wait for … */
     lf_level wait;
@@ -40,10 +39,10 @@ struct lf_job {
     sd_event_source *timer;
 };
 
-/* Drawn without a picture, and so waits for none. */
-static inline bool job_is_chart(const lf_job *job)
+/* Made without a picture, and so waits for none. */
+static inline bool job_is_drawn(const lf_job *job)
 {
-    return !job->is_state && job->kind == LF_OUTPUT_CHART;
+    return job->kind && job->kind->is_drawn;
 }
 
 /* An empty job of this server, not in its list yet; NULL = out of memory. */

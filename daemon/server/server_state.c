@@ -41,7 +41,7 @@ void lf_server_save_state(lf_server *server)
     lf_job *job = job_create(server);
     if (!job)
         return;
-    job->is_state = job->overwrite = true;
+    job->overwrite = true;
     job->file = state_path(server);
     if (!job->file) {
         job_free(job);

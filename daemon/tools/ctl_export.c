@@ -52,34 +52,22 @@ static lf_status ask_layout(lf_ctl *ctl, lf_layout *out, lf_error *err)
     return r == 0 ? LF_OK : lf_error_set(err, LF_E_STATE, "export", "nothing is shown");
 }
 
-static lf_status open_views(export_files *files, const char *folder, int n_views, bool overwrite,
-                            lf_error *err)
+/* Opens the n files of an output with this final name. */
+static lf_status open_output(export_files *files, const lf_output_kind *kind, const char *path,
+                             int n, bool overwrite, lf_error *err)
 {
-    if (n_views > MAX_FILES)
-        return lf_error_set(err, LF_E_ARG, folder,
+    if (n > MAX_FILES)
+        return lf_error_set(err, LF_E_ARG, path,
                             "more than %d views cannot be passed to the daemon at once", MAX_FILES);
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return lf_error_set(err, LF_E_IO, folder, "cannot make the folder: %s",
-                            lf_errno_text(errno));
+    if (kind->surplus && mkdir(path, 0777) != 0 && errno != EEXIST)
+        return lf_error_set(err, LF_E_IO, path, "cannot make the folder: %s", lf_errno_text(errno));
     lf_status status = LF_OK;
-    for (int i = 0; i < n_views && status == LF_OK; i++) {
-        char name[32];
-        snprintf(name, sizeof name, "view_%03d.exr", i);
-        char *path = lf_path_join(folder, name);
-        status = path ? add_file(files, path, overwrite, err) : LF_E_NOMEM;
-        lf_free(path);
+    for (int i = 0; i < n && status == LF_OK; i++) {
+        char *name = lf_output_file_name(kind, path, i);
+        status = name ? add_file(files, name, overwrite, err)
+                      : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+        lf_free(name);
     }
-    return status;
-}
-
-static lf_status open_print(export_files *files, const char *path, bool overwrite, lf_error *err)
-{
-    char *manifest = lf_output_manifest_path(path);
-    lf_status status = manifest ? add_file(files, path, overwrite, err)
-                                : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    if (status == LF_OK)
-        status = add_file(files, manifest, overwrite, err);
-    lf_free(manifest);
     return status;
 }
 
@@ -91,20 +79,17 @@ static lf_status open_files(lf_ctl *ctl, const char *kind_name, const char *file
         *out_path = lf_strdup(file);
         return *out_path ? add_file(files, file, overwrite, err) : LF_E_NOMEM;
     }
-    lf_output_kind kind;
+    const lf_output_kind *kind = NULL;
     lf_layout layout = {0};
     lf_status status = lf_output_kind_from_name(kind_name, &kind, err);
-    if (status == LF_OK && kind != LF_OUTPUT_CHART)
+    if (status == LF_OK && !kind->is_drawn)
         status = ask_layout(ctl, &layout, err);
     if (status == LF_OK)
         status = lf_output_path(kind, file, &layout, out_path, err);
     if (status != LF_OK)
         return status;
-    if (kind == LF_OUTPUT_VIEWS)
-        return open_views(files, *out_path, layout.n_views, overwrite, err);
-    return kind == LF_OUTPUT_PRINT || kind == LF_OUTPUT_CHART
-               ? open_print(files, *out_path, overwrite, err)
-               : add_file(files, *out_path, overwrite, err);
+    return open_output(files, kind, *out_path, lf_output_n_files(kind, layout.n_views), overwrite,
+                       err);
 }
 
 static void show_progress(const json_t *params)

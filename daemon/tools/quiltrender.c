@@ -119,7 +119,7 @@ static lf_status prepare_print(job *j, int n_views_most, lf_error *err)
     if (j->print.n_views > n_views_most)
         return lf_error_set(err, LF_E_ARG, "--views", "%d views asked for, but there are only %d",
                             j->print.n_views, n_views_most);
-    lf_status status = lf_print_check(&j->print, &warning, err);
+    lf_status status = j->arguments->kind->check_print(&j->print, &warning, err);
     if (status == LF_OK && warning)
         lf_log(LF_LOG_WARNING, "--views: %s", warning);
     return status;
@@ -162,7 +162,7 @@ static lf_status open_quilt(job *j, lf_error *err)
     if (status != LF_OK)
         return status;
     j->is_quilt = true;
-    if (a->kind == LF_OUTPUT_PRINT)
+    if (a->kind->check_print)
         status = prepare_print(j, j->quilt.layout.n_views, err);
     else if (o->views > j->quilt.layout.n_views)
         status = lf_error_set(err, LF_E_ARG, "--views", "%d views asked for, but the quilt has %d",
@@ -177,8 +177,8 @@ static lf_status open_quilt(job *j, lf_error *err)
 static lf_status open_scene(job *j, lf_error *err)
 {
     const lf_render_arguments *a = j->arguments;
-    const lf_calibration *calibration = a->kind == LF_OUTPUT_PANEL ? &j->calibration : NULL;
-    if (a->kind == LF_OUTPUT_PRINT &&
+    const lf_calibration *calibration = a->kind->needs_panel ? &j->calibration : NULL;
+    if (a->kind->check_print &&
         (a->options.preset || a->options.columns > 0 || a->options.view_width > 0))
         return lf_error_set(err, LF_E_ARG, "--print",
                             "says what to render: no --preset, --quilt or --view-size");
@@ -188,7 +188,7 @@ static lf_status open_scene(job *j, lf_error *err)
     if (status == LF_OK)
         status = lf_resolve_view(&a->options, lf_scene_camera(j->scene), calibration, &j->settings,
                                  &j->layout, err);
-    if (status == LF_OK && a->kind == LF_OUTPUT_PRINT) {
+    if (status == LF_OK && a->kind->check_print) {
         status = prepare_print(j, LF_MAX_VIEWS, err);
         if (status == LF_OK)
             lf_output_print_view(&j->print, &j->settings);
@@ -209,9 +209,10 @@ static lf_status check_not_input(const char *path, const char *input, lf_error *
 }
 
 /* The manifest of a print takes the place of another manifest, and of nothing else. */
-static lf_status check_manifest(const char *print, const char *input, lf_error *err)
+static lf_status check_manifest(const lf_output_kind *kind, const char *print, const char *input,
+                                lf_error *err)
 {
-    char *path = lf_output_manifest_path(print);
+    char *path = lf_output_file_name(kind, print, 1);
     if (!path)
         return lf_error_set(err, LF_E_NOMEM, print, "out of memory");
     lf_status status = check_not_input(path, input, err);
@@ -233,8 +234,8 @@ static lf_status check_outputs(const job *j, lf_error *err)
     lf_status status = check_not_input(j->path, a->scene, err);
     if (status == LF_OK && a->stats)
         status = check_not_input(a->stats, a->scene, err);
-    if (status == LF_OK && (a->kind == LF_OUTPUT_PRINT || a->kind == LF_OUTPUT_CHART))
-        status = check_manifest(j->path, a->scene, err);
+    if (status == LF_OK && a->kind->check_print)
+        status = check_manifest(a->kind, j->path, a->scene, err);
     return status;
 }
 
@@ -244,9 +245,9 @@ static lf_status open_input(job *j, lf_error *err)
     lf_status status = check_folder_of(a->out, err);
     if (status == LF_OK && a->stats)
         status = check_folder_of(a->stats, err);
-    if (status == LF_OK && a->kind == LF_OUTPUT_PANEL)
+    if (status == LF_OK && a->kind->needs_panel)
         status = lf_calibration_load(a->options.calibration, &j->calibration, err);
-    if (a->kind == LF_OUTPUT_CHART)
+    if (a->kind->is_drawn)
         j->print = a->print;
     else if (status == LF_OK)
         status = lf_is_quilt(a->scene, NULL) ? open_quilt(j, err) : open_scene(j, err);
@@ -289,9 +290,9 @@ static json_t *make_record(const job *j)
     if (j->is_quilt)
         return json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", j->layout.n_views, "aspect",
                          j->layout.aspect);
-    return lf_output_settings(a->scene, &j->settings,
-                              a->kind == LF_OUTPUT_QUILT ? &j->layout : NULL, a->options.estimator,
-                              (double)j->times.passes, lf_scene_film_settings(j->scene));
+    return lf_output_settings(a->scene, &j->settings, a->kind->has_tiles ? &j->layout : NULL,
+                              a->options.estimator, (double)j->times.passes,
+                              lf_scene_film_settings(j->scene));
 }
 
 static lf_status write_output(job *j, lf_error *err)

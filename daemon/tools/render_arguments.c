@@ -108,32 +108,35 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     }
 }
 
-/* Remembers the first option of a kind. */
+/* The kind of output that an option asks for; NULL: none. */
+static const lf_output_kind *kind_of_option(const char *option)
+{
+    for (int i = 0; lf_output_kinds[i]; i++)
+        if (lf_output_kinds[i]->option && strcmp(lf_output_kinds[i]->option, option) == 0)
+            return lf_output_kinds[i];
+    return NULL;
+}
+
+/* Remembers the kinds that were asked for, and the first option of those that say more. */
 static void taken(void *context, const lf_param *params, const lf_param *row)
 {
     lf_render_arguments *a = context;
-    const bool is_print = params == lf_print_params && strcmp(row->option, "print") == 0;
-    a->has_print |= is_print;
-    if (params == lf_print_params && !is_print && !a->print_option)
+    const lf_output_kind *kind = kind_of_option(row->option);
+    if (kind && a->asked && kind != a->asked)
+        a->asked_too = kind;
+    else if (kind)
+        a->asked = kind;
+    if (params == lf_print_params && !kind && !a->print_option)
         a->print_option = row->option;
     if (params == lf_option_params && !a->render_option && lf_param_among(row, tracing))
         a->render_option = row->option;
 }
 
-static bool ends_with(const char *text, const char *ending)
-{
-    size_t n = strlen(text);
-    size_t m = strlen(ending);
-    return n >= m && strcasecmp(text + n - m, ending) == 0;
-}
-
-/* A chart is drawn: nothing that says what to render or how goes with it. */
-static lf_status choose_chart(lf_render_arguments *a, lf_error *err)
+/* What is drawn is not rendered: nothing that says what to render or how goes with it. */
+static lf_status refuse_rendering(const lf_render_arguments *a, lf_error *err)
 {
     const lf_options *o = &a->options;
-    const char *other = a->has_print        ? "--print"
-                        : o->calibration    ? "--panel"
-                        : a->scene          ? a->scene
+    const char *other = a->scene            ? a->scene
                         : a->stats          ? "--stats"
                         : o->preset         ? "--preset"
                         : o->columns > 0    ? "--quilt"
@@ -141,61 +144,87 @@ static lf_status choose_chart(lf_render_arguments *a, lf_error *err)
                         : a->has_filter     ? "--filter"
                         : a->has_invert     ? "--invert"
                                             : NULL;
-    char where[64], *path = NULL;
+    char where[64];
     if (!other && a->render_option) {
         snprintf(where, sizeof where, "--%s", a->render_option);
         other = where;
     }
-    if (other)
-        return lf_error_set(err, LF_E_ARG, other, "does not go with --chart: nothing is rendered");
-    if (!(a->print.width_mm > 0))
-        return lf_error_set(err, LF_E_ARG, "--chart", "needs --print-size WxH (in mm)");
-    a->kind = LF_OUTPUT_CHART;
-    a->print.n_views = o->views;
-    lf_status status = lf_chart_check(&a->print, err);
-    if (status == LF_OK)
-        status = lf_output_path(a->kind, a->out, NULL, &path, err);
-    lf_free(path);
-    return status;
+    if (!other)
+        return LF_OK;
+    return lf_error_set(err, LF_E_ARG, other, "does not go with --%s: nothing is rendered",
+                        a->kind->option);
+}
+
+/* An option that says more of kinds that were not asked for: those that read a print, or a panel.
+ */
+static lf_status refuse_option(const char *option, bool of_print, lf_error *err)
+{
+    char where[64], known[128] = "";
+    for (int i = 0; lf_output_kinds[i]; i++) {
+        const lf_output_kind *kind = lf_output_kinds[i];
+        size_t used = strlen(known);
+        if (of_print ? !!kind->check_print : kind->needs_panel)
+            snprintf(known + used, sizeof known - used, "%s--%s", used ? " or " : "", kind->option);
+    }
+    snprintf(where, sizeof where, "--%s", option);
+    return lf_error_set(err, LF_E_ARG, where, "only goes with %s", known);
+}
+
+/* The kind, and the options that say more of it. */
+static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
+{
+    char where[64];
+    snprintf(where, sizeof where, "--%s", a->asked ? a->asked->option : "");
+    if (a->asked_too)
+        return lf_error_set(err, LF_E_ARG, where,
+                            "does not go with --%s: one job writes one of them",
+                            a->asked_too->option);
+    if (!a->kind->check_print && a->print_option)
+        return refuse_option(a->print_option, true, err);
+    if (a->kind->check_print && !(a->print.width_mm > 0))
+        return lf_error_set(err, LF_E_ARG, where, "needs --print-size WxH (in mm)");
+    if (!a->kind->needs_panel && (a->has_filter || a->has_invert))
+        return refuse_option(a->has_filter ? "filter" : "invert", false, err);
+    return LF_OK;
+}
+
+/* The kind whose names end as OUT does, of those that no option asks for. */
+static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind, lf_error *err)
+{
+    char known[512] = "", endings[64];
+    for (int i = 0; lf_output_kinds[i]; i++) {
+        const lf_output_kind *kind = lf_output_kinds[i];
+        size_t used = strlen(known);
+        if (!kind->option && lf_output_fits(kind, out)) {
+            *out_kind = kind;
+            return LF_OK;
+        }
+        snprintf(known + used, sizeof known - used, "%s%s (%s%s%s)", used ? ", " : "",
+                 lf_output_endings(kind, endings, sizeof endings), kind->what,
+                 kind->option ? " with --" : "", kind->option ? kind->option : "");
+    }
+    return lf_error_set(err, LF_E_ARG, out, "must end in %s", known);
 }
 
 /* What OUT is, from the options and its ending. */
 static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
 {
-    const bool has_chart = a->print.chart_step > 0;
     char *path = NULL;
-    if (has_chart)
-        return choose_chart(a, err);
-    if (a->has_print && a->options.calibration)
-        return lf_error_set(err, LF_E_ARG, "--print",
-                            "does not go with --panel: one job writes one of them");
-    if (!a->has_print && a->print_option) {
-        char where[64];
-        snprintf(where, sizeof where, "--%s", a->print_option);
-        return lf_error_set(err, LF_E_ARG, where, "only goes with --print LPI@DPI or --chart");
-    }
-    if (a->has_print && !(a->print.width_mm > 0))
-        return lf_error_set(err, LF_E_ARG, "--print", "needs --print-size WxH (in mm)");
-    if (!a->options.calibration && (a->has_filter || a->has_invert))
-        return lf_error_set(err, LF_E_ARG, a->has_filter ? "--filter" : "--invert",
-                            "only goes with --panel CALIBRATION.json");
-    if (a->has_print)
-        a->kind = LF_OUTPUT_PRINT;
-    else if (a->options.calibration)
-        a->kind = LF_OUTPUT_PANEL;
-    else if (a->out[strlen(a->out) - 1] == '/')
-        a->kind = LF_OUTPUT_VIEWS;
+    lf_status status = LF_OK;
+    if (a->asked)
+        a->kind = a->asked;
     else
-        a->kind = LF_OUTPUT_QUILT;
-    if (a->kind == LF_OUTPUT_QUILT && (ends_with(a->out, ".tif") || ends_with(a->out, ".tiff")))
-        return lf_error_set(err, LF_E_ARG, a->out, "a .tif goes with --print LPI@DPI");
-    if (a->kind == LF_OUTPUT_QUILT && !ends_with(a->out, ".png") && !ends_with(a->out, ".exr"))
-        return lf_error_set(
-            err, LF_E_ARG, a->out,
-            "must end in .png or .exr (a quilt), .tif (a print) or / (a folder of views)");
-    if (a->kind == LF_OUTPUT_QUILT)
-        return LF_OK; /* the tiles of the name are checked when the layout is known */
-    lf_status status = lf_output_path(a->kind, a->out, NULL, &path, err);
+        status = kind_of_ending(a->out, &a->kind, err);
+    if (status == LF_OK && a->kind->is_drawn && !a->asked_too)
+        status = refuse_rendering(a, err);
+    if (status == LF_OK)
+        status = check_kind(a, err);
+    a->print.n_views = a->options.views;
+    if (status == LF_OK && a->kind->is_drawn)
+        status = a->kind->check_print(&a->print, NULL, err);
+    /* the tiles of a name are checked when the layout is known */
+    if (status == LF_OK && !a->kind->has_tiles)
+        status = lf_output_path(a->kind, a->out, NULL, &path, err);
     lf_free(path);
     return status;
 }
@@ -203,7 +232,7 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
 static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],
                                  lf_error *err)
 {
-    if (optind >= argc && !(a->print.chart_step > 0))
+    if (optind >= argc && !(a->asked && a->asked->is_drawn))
         return lf_error_set(err, LF_E_ARG, "SCENE", "missing (see --help)");
     if (optind + 1 < argc)
         return lf_error_set(err, LF_E_ARG, argv[optind + 1], "one SCENE at a time");

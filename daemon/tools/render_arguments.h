@@ -13,7 +13,8 @@ typedef struct lf_render_arguments {
     lf_options options;
     const char *scene; /* NULL for a chart */
     const char *out, *stats;
-    lf_output_kind kind;
+    const lf_output_kind *kind;
+    const lf_output_kind *asked, *asked_too; /* kinds whose options were given: two of them */
     lf_budget budget; /* passes stay 0 for --spp until the number of views is known */
     int64_t spp;
     int n_budgets; /* of --passes, --spp, --time, --target-error */
@@ -22,8 +23,7 @@ typedef struct lf_render_arguments {
     lf_invert invert;
     const char *render_option; /* the first option that only makes sense where paths are traced */
     const char *print_option;  /* the first option that only makes sense with --print or --chart */
-    bool has_print;            /* --print was given */
-    lf_print print;            /* chart_step > 0: --chart was given */
+    lf_print print;
 } lf_render_arguments;
 
 /* Reads argv into *out (strings point into it; untouched parts are zero). *out_done: --help or

@@ -4,6 +4,8 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "daemon/output/options.h"
+#include "daemon/output/output.h"
+#include "daemon/server/methods.h"
 
 /* A manual page without roff's backslashes, quotes and font letters, as it would be read. */
 static char *read_page(const char *name)
@@ -138,6 +140,49 @@ static void every_key_of_a_print_stands_in_the_manual_of_quiltd(void **state)
     lf_free(page);
 }
 
+/* The line of a page that lists the kinds names this one. */
+static bool is_listed(const char *page, const char *head, const char *name)
+{
+    const char *at = strstr(page, head);
+    char line[256], word[64];
+    assert_non_null(at);
+    snprintf(line, sizeof line, "|%.*s|", (int)strcspn(at + strlen(head), "\n,"),
+             at + strlen(head));
+    for (char *c = line; *c != '\0'; c++)
+        *c = *c == ' ' || *c == '\n' ? '|' : *c;
+    snprintf(word, sizeof word, "|%s|", name);
+    return strstr(line, word);
+}
+
+static json_t *schema_of(const char *method)
+{
+    int i = 0;
+    while (strcmp(lf_method_at(i)->name, method) != 0)
+        i++;
+    return lf_method_schema(i);
+}
+
+static void every_kind_of_output_stands_in_the_manuals_and_the_schema(void **state)
+{
+    (void)state;
+    char *daemon = read_page("docs/man/quiltd.1"), *ctl = read_page("docs/man/quiltctl.1");
+    const json_t *names = json_object_get(
+        json_object_get(json_object_get(schema_of("export"), "properties"), "kind"), "enum");
+    int n = 0;
+    for (; lf_output_kinds[n]; n++) {
+        const char *name = lf_output_kinds[n]->name;
+        if (!is_listed(daemon, "{kind: ", name) || !is_listed(ctl, ".B export\n.BR ", name))
+            fail_msg("%s is missing", name);
+        assert_string_equal(json_string_value(json_array_get(names, (size_t)n)), name);
+    }
+    assert_string_equal(json_string_value(json_array_get(names, (size_t)n)), "state");
+    assert_int_equal(json_array_size(names), n + 1);
+    assert_false(is_listed(daemon, "{kind: ", "film"));
+    assert_false(is_listed(ctl, ".B export\n.BR ", "film"));
+    lf_free(daemon);
+    lf_free(ctl);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -145,6 +190,7 @@ int main(void)
         cmocka_unit_test(every_shared_option_stands_in_the_manuals),
         cmocka_unit_test(the_manual_of_quiltrender_tells_of_no_option_that_is_not_there),
         cmocka_unit_test(every_key_of_a_print_stands_in_the_manual_of_quiltd),
+        cmocka_unit_test(every_kind_of_output_stands_in_the_manuals_and_the_schema),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -105,7 +105,7 @@ static void png_quilts_of_both_sources_come_back_unchanged(void **state)
     for (int is_float = 0; is_float < 2; is_float++) {
         const char *path =
             lf_test_path(f->folder, is_float ? "a_qs3x2a1.25.png" : "b_qs3x2a1.25.png");
-        lf_output_request request = {.kind = LF_OUTPUT_QUILT, .path = path, .layout = f->layout};
+        lf_output_request request = {.kind = &lf_output_quilt, .path = path, .layout = f->layout};
         lf_quilt_file quilt = {0};
         lf_assert_ok(lf_output_write(&request, is_float ? &f->source32 : &f->source8, &err), &err);
         read_quilt(path, &quilt);
@@ -123,7 +123,7 @@ static void exr_quilts_hold_the_floats_and_the_settings(void **state)
     json_t *settings = json_pack("{s:s, s:i, s:f, s:n}", "scene", "a scene.json", "views", 6,
                                  "fov_y", 14.5, "unknown");
     lf_output_request request = {
-        .kind = LF_OUTPUT_QUILT, .path = path, .layout = f->layout, .settings = settings};
+        .kind = &lf_output_quilt, .path = path, .layout = f->layout, .settings = settings};
     lf_quilt_file quilt = {0};
     char text[4096];
     lf_assert_ok(lf_output_write(&request, &f->source32, &err), &err);
@@ -147,7 +147,7 @@ static void a_folder_of_views_is_the_light_field_and_nothing_else(void **state)
     const fixture *f = *state;
     lf_error err = {0};
     char folder[PATH_MAX];
-    lf_output_request request = {.kind = LF_OUTPUT_VIEWS, .path = folder};
+    lf_output_request request = {.kind = &lf_output_views, .path = folder};
     lf_quilt_file quilt = {0};
     snprintf(folder, sizeof folder, "%s/views/", f->folder);
     lf_assert_ok(lf_output_write(&request, &f->source32, &err), &err);
@@ -181,7 +181,7 @@ static void a_panel_picture_is_the_interlaced_views(void **state)
     calibration.screen_width_px = 64;
     calibration.screen_height_px = 48;
     lf_output_request request = {
-        .kind = LF_OUTPUT_PANEL, .path = path, .calibration = &calibration};
+        .kind = &lf_output_panel, .path = path, .calibration = &calibration};
     lf_assert_ok(lf_output_write(&request, &f->source32, &err), &err);
     lf_assert_ok(lf_interlacer_create(&calibration, VIEWS, WIDTH, HEIGHT, 1.25, LF_FILTER_NEAREST,
                                       LF_INVERT_AUTO, &interlacer, &err),
@@ -211,7 +211,7 @@ static void a_print_lies_beside_its_manifest(void **state)
     lf_error err = {0};
     const lf_print print = small_print();
     const char *path = lf_test_path(f->folder, "p.tif");
-    lf_output_request request = {.kind = LF_OUTPUT_PRINT, .path = path, .print = &print};
+    lf_output_request request = {.kind = &lf_output_print, .path = path, .print = &print};
     struct stat info;
     lf_assert_ok(lf_output_write(&request, &f->source8, &err), &err);
     assert_int_equal(stat(path, &info), 0);
@@ -276,25 +276,25 @@ static void horizontal_lenses_roll_the_rig(void **state)
 static void names_are_completed_and_contradictions_refused(void **state)
 {
     static const struct {
-        lf_output_kind kind;
+        const lf_output_kind *kind;
         const char *path, *expected; /* NULL = refused */
     } cases[] = {
-        {LF_OUTPUT_QUILT, "out.png", "out_qs3x2a1.25.png"},
-        {LF_OUTPUT_QUILT, "a.b/out.exr", "a.b/out_qs3x2a1.25.exr"},
-        {LF_OUTPUT_QUILT, "out_qs3x2a1.25.png", "out_qs3x2a1.25.png"},
-        {LF_OUTPUT_QUILT, "out_qs3x2.png", "out_qs3x2.png"},
-        {LF_OUTPUT_QUILT, "out_qs2x3a1.25.png", NULL},
-        {LF_OUTPUT_QUILT, "out_qs3x2a0.75.png", NULL},
-        {LF_OUTPUT_QUILT, "out.jpg", NULL},
-        {LF_OUTPUT_QUILT, "out/", NULL},
-        {LF_OUTPUT_QUILT, "out", NULL},
-        {LF_OUTPUT_VIEWS, "out/", "out/"},
-        {LF_OUTPUT_VIEWS, "out.exr", NULL},
-        {LF_OUTPUT_PANEL, "woven.png", "woven.png"},
-        {LF_OUTPUT_PANEL, "woven.exr", NULL},
-        {LF_OUTPUT_PRINT, "p.tif", "p.tif"},
-        {LF_OUTPUT_PRINT, "p.TIFF", "p.TIFF"},
-        {LF_OUTPUT_PRINT, "p.png", NULL},
+        {&lf_output_quilt, "out.png", "out_qs3x2a1.25.png"},
+        {&lf_output_quilt, "a.b/out.exr", "a.b/out_qs3x2a1.25.exr"},
+        {&lf_output_quilt, "out_qs3x2a1.25.png", "out_qs3x2a1.25.png"},
+        {&lf_output_quilt, "out_qs3x2.png", "out_qs3x2.png"},
+        {&lf_output_quilt, "out_qs2x3a1.25.png", NULL},
+        {&lf_output_quilt, "out_qs3x2a0.75.png", NULL},
+        {&lf_output_quilt, "out.jpg", NULL},
+        {&lf_output_quilt, "out/", NULL},
+        {&lf_output_quilt, "out", NULL},
+        {&lf_output_views, "out/", "out/"},
+        {&lf_output_views, "out.exr", NULL},
+        {&lf_output_panel, "woven.png", "woven.png"},
+        {&lf_output_panel, "woven.exr", NULL},
+        {&lf_output_print, "p.tif", "p.tif"},
+        {&lf_output_print, "p.TIFF", "p.TIFF"},
+        {&lf_output_print, "p.png", NULL},
     };
     const fixture *f = *state;
 
@@ -308,12 +308,12 @@ static void names_are_completed_and_contradictions_refused(void **state)
             assert_string_equal(path, cases[i].expected);
         lf_free(path);
     }
-    char *manifest = lf_output_manifest_path("a.b/print.tiff");
+    char *manifest = lf_output_file_name(&lf_output_print, "a.b/print.tiff", 1);
     assert_string_equal(manifest, "a.b/print.json");
     lf_free(manifest);
     const lf_layout huge = {60, 60, 3600, 2000, 2000, 1};
     char *path = NULL;
-    assert_int_equal(lf_output_path(LF_OUTPUT_QUILT, "out.png", &huge, &path, NULL), LF_E_ARG);
+    assert_int_equal(lf_output_path(&lf_output_quilt, "out.png", &huge, &path, NULL), LF_E_ARG);
 }
 
 static void cancelled_and_refused_jobs_publish_nothing(void **state)
@@ -323,12 +323,12 @@ static void cancelled_and_refused_jobs_publish_nothing(void **state)
     lf_print print = small_print();
     lf_calibration calibration;
     const struct {
-        lf_output_kind kind;
+        const lf_output_kind *kind;
         const char *name;
-    } cases[] = {{LF_OUTPUT_QUILT, "x_qs3x2a1.25.png"},
-                 {LF_OUTPUT_VIEWS, "x/"},
-                 {LF_OUTPUT_PANEL, "x.png"},
-                 {LF_OUTPUT_PRINT, "x.tif"}};
+    } cases[] = {{&lf_output_quilt, "x_qs3x2a1.25.png"},
+                 {&lf_output_views, "x/"},
+                 {&lf_output_panel, "x.png"},
+                 {&lf_output_print, "x.tif"}};
     int before = count_files(f->folder);
 
     lf_calibration_portrait(&calibration);
@@ -346,9 +346,9 @@ static void cancelled_and_refused_jobs_publish_nothing(void **state)
     lf_error err = {0};
     print.icc_path = "/nonexistent/profile.icc";
     lf_output_request request = {
-        .kind = LF_OUTPUT_PRINT, .path = lf_test_path(f->folder, "x.tif"), .print = &print};
+        .kind = &lf_output_print, .path = lf_test_path(f->folder, "x.tif"), .print = &print};
     assert_int_not_equal(lf_output_write(&request, &f->source32, &err), LF_OK);
-    request = (lf_output_request){.kind = LF_OUTPUT_QUILT,
+    request = (lf_output_request){.kind = &lf_output_quilt,
                                   .path = lf_test_path(f->folder, "nowhere/x_qs3x2a1.25.png"),
                                   .layout = f->layout};
     assert_int_equal(lf_output_write(&request, &f->source32, &err), LF_E_IO);
@@ -371,7 +371,7 @@ static void descriptors_are_written_and_closed(void **state)
     int fd = open(path, O_RDWR | O_CREAT | O_TRUNC, 0600);
     lf_image8 image = {0};
     assert_true(fd >= 0);
-    lf_output_request request = {.kind = LF_OUTPUT_QUILT,
+    lf_output_request request = {.kind = &lf_output_quilt,
                                  .path = "/not/ours/handed.png",
                                  .fds = &fd,
                                  .n_fds = 1,
@@ -386,14 +386,14 @@ static void descriptors_are_written_and_closed(void **state)
     lf_print print = small_print();
     fd = open(path, O_RDWR);
     request = (lf_output_request){
-        .kind = LF_OUTPUT_PRINT, .path = "p.tif", .fds = &fd, .n_fds = 1, .print = &print};
+        .kind = &lf_output_print, .path = "p.tif", .fds = &fd, .n_fds = 1, .print = &print};
     assert_int_equal(lf_output_write(&request, &f->source8, &err), LF_E_ARG);
     assert_false(is_open(fd));
 
     /* one that cannot be written */
     fd = open(path, O_RDONLY);
     request = (lf_output_request){
-        .kind = LF_OUTPUT_QUILT, .path = "q.png", .fds = &fd, .n_fds = 1, .layout = f->layout};
+        .kind = &lf_output_quilt, .path = "q.png", .fds = &fd, .n_fds = 1, .layout = f->layout};
     assert_int_not_equal(lf_output_write(&request, &f->source8, &err), LF_OK);
     assert_false(is_open(fd));
 
@@ -405,7 +405,7 @@ static void descriptors_are_written_and_closed(void **state)
         assert_true(fds[i] >= 0);
     }
     request =
-        (lf_output_request){.kind = LF_OUTPUT_VIEWS, .path = "views/", .fds = fds, .n_fds = VIEWS};
+        (lf_output_request){.kind = &lf_output_views, .path = "views/", .fds = fds, .n_fds = VIEWS};
     lf_assert_ok(lf_output_write(&request, &f->source8, &err), &err);
     for (int i = 0; i < VIEWS; i++)
         assert_false(is_open(fds[i]));
@@ -429,10 +429,11 @@ static void progress_rises_to_one(void **state)
     lf_error err = {0};
     const lf_print print = small_print();
     const struct {
-        lf_output_kind kind;
+        const lf_output_kind *kind;
         const char *name;
-    } cases[] = {
-        {LF_OUTPUT_QUILT, "r_qs3x2a1.25.png"}, {LF_OUTPUT_VIEWS, "r/"}, {LF_OUTPUT_PRINT, "r.tif"}};
+    } cases[] = {{&lf_output_quilt, "r_qs3x2a1.25.png"},
+                 {&lf_output_views, "r/"},
+                 {&lf_output_print, "r.tif"}};
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         double last = 0;
@@ -449,7 +450,7 @@ static void progress_rises_to_one(void **state)
 
 static void names_of_choices_are_known(void **state)
 {
-    lf_output_kind kind = LF_OUTPUT_QUILT;
+    const lf_output_kind *kind = &lf_output_quilt;
     lf_filter filter = LF_FILTER_NEAREST;
     lf_invert invert = LF_INVERT_AUTO;
     lf_error err = {0};
@@ -457,13 +458,50 @@ static void names_of_choices_are_known(void **state)
     lf_assert_ok(lf_output_kind_from_name("print", &kind, &err), &err);
     lf_assert_ok(lf_filter_from_name("linear", &filter, &err), &err);
     lf_assert_ok(lf_invert_from_name("no", &invert, &err), &err);
-    assert_int_equal(kind, LF_OUTPUT_PRINT);
+    assert_ptr_equal(kind, &lf_output_print);
     assert_int_equal(filter, LF_FILTER_LINEAR);
     assert_int_equal(invert, LF_INVERT_NO);
-    assert_string_equal(lf_output_kind_name(LF_OUTPUT_VIEWS), "views");
     assert_int_equal(lf_filter_from_name("cubic", &filter, &err), LF_E_ARG);
     assert_non_null(strstr(err.what, "nearest, linear"));
     assert_int_equal(filter, LF_FILTER_LINEAR);
+}
+
+/* What the command line, the socket and quiltctl count on. */
+static void every_kind_says_all_that_is_asked_of_it(void **state)
+{
+    (void)state;
+    int n = 0;
+    for (; lf_output_kinds[n]; n++) {
+        const lf_output_kind *kind = lf_output_kinds[n], *found = NULL;
+        lf_error err = {0};
+        char *path = NULL;
+        assert_non_null(kind->write);
+        assert_true(kind->endings[0] && lf_output_fits(kind, kind->endings[0]));
+        assert_false(lf_output_fits(kind, "x.lfstate"));
+        lf_assert_ok(lf_output_kind_from_name(kind->name, &found, &err), &err);
+        assert_ptr_equal(found, kind);
+        assert_int_equal(lf_output_path(kind, "x.lfstate", NULL, &path, &err), LF_E_ARG);
+        assert_non_null(strstr(err.what, kind->what));
+        assert_non_null(strstr(err.what, kind->endings[0]));
+        /* more files than one have names of their own, and their folder is looked after */
+        assert_true(kind->n_files == 1 || kind->file_name);
+        assert_int_equal(!kind->surplus, kind->endings[0][0] != '/');
+        assert_int_equal(!kind->check_print, !kind->asks);
+        assert_true(kind->option || !(kind->check_print || kind->needs_panel || kind->is_drawn));
+        for (int i = 0; i < n; i++) {
+            const lf_output_kind *other = lf_output_kinds[i];
+            assert_string_not_equal(other->name, kind->name);
+            /* what only its ending asks for is asked for by one */
+            for (int j = 0; !kind->option && kind->endings[j]; j++)
+                assert_false(!other->option && lf_output_fits(other, kind->endings[j]));
+        }
+    }
+    const lf_output_kind *none = NULL;
+    lf_error err = {0};
+    assert_int_equal(lf_output_kind_from_name("film", &none, &err), LF_E_ARG);
+    for (int i = 0; i < n; i++)
+        assert_non_null(strstr(err.what, lf_output_kinds[i]->name));
+    assert_null(none);
 }
 
 static void settings_record_what_made_the_picture_and_not_the_run(void **state)
@@ -503,6 +541,7 @@ int main(void)
         cmocka_unit_test(descriptors_are_written_and_closed),
         cmocka_unit_test(progress_rises_to_one),
         cmocka_unit_test(names_of_choices_are_known),
+        cmocka_unit_test(every_kind_says_all_that_is_asked_of_it),
         cmocka_unit_test(settings_record_what_made_the_picture_and_not_the_run),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -14,7 +14,7 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"%S", "-o: missing"},
         {"%S other.json -o %D/x.png", "other.json: one SCENE"},
         {"%S -o %D/x.jpg", ".png or .exr"},
-        {"%S -o %D/x.tif", "--print LPI@DPI"},
+        {"%S -o %D/x.tif", "a print with --print"},
         {"%S -o %D/x.png --shiny", "--shiny: unknown option"},
         {"%S -o %D/x.png --views many", "--views: expects a whole number"},
         {"%S -o %D/x.png --preset phone", "--preset: "},

@@ -1,0 +1,28 @@
+/* Pitch test charts: prints that are drawn. */
+#include "daemon/output/output_internal.h"
+
+static lf_status check(const lf_print *print, const char **out_warning, lf_error *err)
+{
+    if (out_warning)
+        *out_warning = NULL;
+    return lf_chart_check(print, err);
+}
+
+static lf_status write_files(const lf_output_request *request, const lf_output_source *source,
+                             lf_outfile *files, lf_error *err)
+{
+    const lf_print_run run = output_print_run(request);
+    (void)source;
+    return lf_chart_write(request->print, &run, &files[0], &files[1], err);
+}
+
+const lf_output_kind lf_output_chart = {.name = "chart",
+                                        .what = "a chart",
+                                        .endings = output_print_endings,
+                                        .option = "chart",
+                                        .is_drawn = true,
+                                        .asks = "lpi, range, step, width and height (mm)",
+                                        .n_files = 2,
+                                        .check_print = check,
+                                        .file_name = output_print_file,
+                                        .write = write_files};

@@ -1,0 +1,113 @@
+/* The way from linear floats to 8 bits and back. */
+#include <math.h>
+
+#include "base/alloc.h"
+#include "daemon/output/output_internal.h"
+
+typedef struct tone_job {
+    const lf_tone *tone;
+    const lf_views32 *in;
+    uint8_t *out; /* [row][view][column][3] */
+} tone_job;
+
+static void tone_row(void *context, int row, int worker)
+{
+    const tone_job *job = context;
+    size_t width = (size_t)job->in->width;
+    uint8_t *out = job->out + (size_t)row * (size_t)job->in->n_views * width * 3;
+    (void)worker;
+    for (int view = 0; view < job->in->n_views; view++)
+        lf_tone_map(job->tone, width, lf_views32_row(job->in, view, row),
+                    out + (size_t)view * width * 3);
+}
+
+/* Runs fn for every row, on the job's pool when it has one. */
+static lf_status run_rows(const lf_output_request *request, int n_rows, lf_pool_fn fn,
+                          void *context, lf_error *err)
+{
+    if (request->pool) {
+        if (lf_pool_run(request->pool, n_rows, fn, context, request->cancel) == LF_OK)
+            return LF_OK;
+        return lf_error_set(err, LF_E_CANCELLED, request->path, "cancelled");
+    }
+    for (int row = 0; row < n_rows; row++)
+        fn(context, row, 0);
+    return output_check_cancel(request, err);
+}
+
+lf_status output_views8(const lf_output_request *request, const lf_output_source *source,
+                        lf_views8 *out, uint8_t **out_buffer, lf_error *err)
+{
+    const lf_views32 *in = &source->views32;
+    lf_tone *tone = NULL;
+    *out_buffer = NULL;
+    *out = source->views8;
+    if (!source->is_float)
+        return LF_OK;
+    lf_status status =
+        lf_tone_create(request->exposure, request->tonemap ? request->tonemap : "srgb", &tone, err);
+    if (status != LF_OK)
+        return status;
+    size_t row_size = (size_t)in->n_views * (size_t)in->width * 3;
+    uint8_t *buffer = lf_calloc((size_t)in->height, row_size);
+    status = buffer ? LF_OK : lf_error_set(err, LF_E_NOMEM, request->path, "out of memory");
+    if (status == LF_OK) {
+        tone_job job = {tone, in, buffer};
+        status = run_rows(request, in->height, tone_row, &job, err);
+    }
+    lf_tone_destroy(tone);
+    if (status != LF_OK) {
+        lf_free(buffer);
+        return status;
+    }
+    *out_buffer = buffer;
+    *out = (lf_views8){in->n_views, in->width, in->height, (size_t)in->width * 3, row_size, buffer};
+    return LF_OK;
+}
+
+typedef struct decode_job {
+    float table[256]; /* sRGB (IEC 61966-2-1) to linear */
+    const lf_views8 *in;
+    float *out; /* [row][view][column][3] */
+} decode_job;
+
+static void decode_row(void *context, int row, int worker)
+{
+    const decode_job *job = context;
+    size_t n = (size_t)job->in->width * 3;
+    float *out = job->out + (size_t)row * (size_t)job->in->n_views * n;
+    (void)worker;
+    for (int view = 0; view < job->in->n_views; view++, out += n) {
+        const uint8_t *in = lf_views8_row(job->in, view, row);
+        for (size_t i = 0; i < n; i++)
+            out[i] = job->table[in[i]];
+    }
+}
+
+lf_status output_views32(const lf_output_request *request, const lf_output_source *source,
+                         lf_views32 *out, float **out_buffer, lf_error *err)
+{
+    const lf_views8 *in = &source->views8;
+    decode_job job = {.in = in};
+    *out_buffer = NULL;
+    *out = source->views32;
+    if (source->is_float)
+        return LF_OK;
+    size_t row_size = (size_t)in->n_views * (size_t)in->width * 3;
+    job.out = lf_calloc((size_t)in->height, row_size * sizeof(float));
+    if (!job.out)
+        return lf_error_set(err, LF_E_NOMEM, request->path, "out of memory");
+    for (int i = 0; i < 256; i++) {
+        double v = i / 255.0;
+        job.table[i] = (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
+    }
+    lf_status status = run_rows(request, in->height, decode_row, &job, err);
+    if (status != LF_OK) {
+        lf_free(job.out);
+        return status;
+    }
+    *out_buffer = job.out;
+    *out =
+        (lf_views32){in->n_views, in->width, in->height, (size_t)in->width * 3, row_size, job.out};
+    return LF_OK;
+}

@@ -1,0 +1,56 @@
+/* The picture for one panel's pixels, interlaced by its calibration. */
+#include "base/alloc.h"
+#include "daemon/output/output_internal.h"
+
+/* zlib: beyond it files of rendered views shrink by a few percent for several times the work */
+#define PNG_LEVEL 4
+
+static lf_status weave(const lf_output_request *request, const lf_views8 *views, double aspect,
+                       lf_image8 *panel, lf_error *err)
+{
+    const lf_calibration *calibration = request->calibration;
+    lf_interlacer *interlacer = NULL;
+    lf_status status =
+        lf_interlacer_create(calibration, views->n_views, views->width, views->height, aspect,
+                             request->filter, request->invert, &interlacer, err);
+    if (status != LF_OK)
+        return status;
+    status = lf_image8_init(panel, calibration->screen_width_px, calibration->screen_height_px, 3);
+    if (status == LF_OK)
+        lf_interlace(interlacer, views, panel, request->pool);
+    else
+        status = lf_error_set(err, status, request->path, "no memory for a panel of %dx%d pixels",
+                              calibration->screen_width_px, calibration->screen_height_px);
+    lf_interlacer_destroy(interlacer);
+    return status;
+}
+
+static lf_status write_files(const lf_output_request *request, const lf_output_source *source,
+                             lf_outfile *files, lf_error *err)
+{
+    output_attributes attributes;
+    lf_views8 views;
+    lf_image8 panel = {0};
+    uint8_t *buffer = NULL;
+    output_attributes_fill(&attributes, request->settings);
+    lf_status status = output_views8(request, source, &views, &buffer, err);
+    if (status == LF_OK)
+        status = weave(request, &views, source->aspect, &panel, err);
+    if (status == LF_OK) {
+        output_progress(request, 0.5);
+        status = lf_png_write(files, &panel, PNG_LEVEL, attributes.list, attributes.n, err);
+    }
+    lf_image8_finish(&panel);
+    lf_free(buffer);
+    return status;
+}
+
+static const char *const endings[] = {".png", NULL};
+
+const lf_output_kind lf_output_panel = {.name = "panel",
+                                        .what = "a panel picture",
+                                        .endings = endings,
+                                        .option = "panel",
+                                        .needs_panel = true,
+                                        .n_files = 1,
+                                        .write = write_files};

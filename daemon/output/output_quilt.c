@@ -1,0 +1,96 @@
+/* All views as tiles of one picture. */
+#include <math.h>
+
+#include "base/alloc.h"
+#include "daemon/output/output_internal.h"
+
+#define MAX_PICTURE_SIDE 65536
+#define MAX_PICTURE_SAMPLES (INT64_C(1) << 31)
+
+static lf_status check_quilt_size(const char *path, const lf_layout *layout, lf_error *err)
+{
+    int64_t width = (int64_t)layout->columns * layout->view_width;
+    int64_t height = (int64_t)layout->rows * layout->view_height;
+    if (width > MAX_PICTURE_SIDE || height > MAX_PICTURE_SIDE ||
+        width * height * 3 > MAX_PICTURE_SAMPLES)
+        return lf_error_set(err, LF_E_ARG, path,
+                            "a quilt of %dx%d views of %dx%d pixels is too large for one picture "
+                            "(write a folder of views: OUT/)",
+                            layout->columns, layout->rows, layout->view_width, layout->view_height);
+    return LF_OK;
+}
+
+static lf_status complete(const char *path, const lf_layout *layout, char **out_path, lf_error *err)
+{
+    int columns = 0;
+    int rows = 0;
+    double aspect = 0;
+    lf_status status = check_quilt_size(path, layout, err);
+    if (status != LF_OK)
+        return status;
+    if (lf_layout_from_name(path, &columns, &rows, &aspect)) {
+        if (columns != layout->columns || rows != layout->rows)
+            return lf_error_set(
+                err, LF_E_ARG, path,
+                "the name says %dx%d tiles, but the quilt has %dx%d (--quilt changes them)",
+                columns, rows, layout->columns, layout->rows);
+        if (aspect > 0 && fabs(aspect - layout->aspect) > 0.01 * layout->aspect)
+            return lf_error_set(err, LF_E_ARG, path,
+                                "the name says an aspect of %g, but the views have %g", aspect,
+                                layout->aspect);
+        *out_path = lf_strdup(path);
+    } else {
+        *out_path = lf_layout_name(path, layout);
+    }
+    return *out_path ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+}
+
+static lf_status write_png(const lf_output_request *request, const lf_output_source *source,
+                           lf_outfile *file, const output_attributes *attributes, lf_error *err)
+{
+    lf_views8 views;
+    uint8_t *buffer = NULL;
+    lf_status status = output_views8(request, source, &views, &buffer, err);
+    if (status == LF_OK) {
+        output_progress(request, 0.2);
+        status = lf_quilt_write_png(file, &views, &request->layout, attributes->list, attributes->n,
+                                    err);
+    }
+    lf_free(buffer);
+    return status;
+}
+
+static lf_status write_exr(const lf_output_request *request, const lf_output_source *source,
+                           lf_outfile *file, const output_attributes *attributes, lf_error *err)
+{
+    lf_views32 views;
+    float *buffer = NULL;
+    lf_status status = output_views32(request, source, &views, &buffer, err);
+    if (status == LF_OK) {
+        output_progress(request, 0.2);
+        status = lf_quilt_write_exr(file, &views, &request->layout, attributes->list, attributes->n,
+                                    err);
+    }
+    lf_free(buffer);
+    return status;
+}
+
+static lf_status write_files(const lf_output_request *request, const lf_output_source *source,
+                             lf_outfile *files, lf_error *err)
+{
+    output_attributes attributes;
+    output_attributes_fill(&attributes, request->settings);
+    return output_has_ending(request->path, ".exr")
+               ? write_exr(request, source, files, &attributes, err)
+               : write_png(request, source, files, &attributes, err);
+}
+
+static const char *const endings[] = {".png", ".exr", NULL};
+
+const lf_output_kind lf_output_quilt = {.name = "quilt",
+                                        .what = "a quilt",
+                                        .endings = endings,
+                                        .has_tiles = true,
+                                        .n_files = 1,
+                                        .complete = complete,
+                                        .write = write_files};
