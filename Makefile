@@ -7,7 +7,7 @@
 #   make deps | clean       install what building needs | remove what was built
 #   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
 #   make lint               static checks
-#   make fuzz               hostile bytes for everything read from devices: FUZZ_SECONDS each (60), T=hid only that one
+#   make fuzz               hostile bytes for what comes from outside: FUZZ_SECONDS each (60), T=hid only that one
 #   make soak               the daemon on a panel with random faults: SOAK_SECONDS (600), SOAK_SEED
 #   make mutants            one wrong line at a time: which of them does no test notice? T=render only those with this word
 #   make check-arm64        the portable parts, built for arm64 and run by an emulator
@@ -149,6 +149,8 @@ fuzz_srcs := $(call wild,tests/fuzz/fuzz_*.c)
 fuzz_targets := $(patsubst %.c,$(O)/%,$(fuzz_srcs))
 $(fuzz_targets): $(O)/%: $(O)/%.c.o $(call libs,model device base)
 	$(call link,-fsanitize=fuzzer)
+# films know nothing of the rest of their room
+$(O)/tests/fuzz/fuzz_film: $(call objs,$(call room_files,render/film,*.c))
 
 # every header compiles alone
 $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp

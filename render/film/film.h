@@ -227,7 +227,7 @@ void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *o
 bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out,
                              double *out_known);
 
-/* What one row tells about the error of the picture (renderer_error.c): means over its view pixels
+/* What one row tells about the error of the picture: means over its view pixels
  * and channels. */
 typedef struct lf_row_error {
     double square;    /* of the differences: the row's relMSE, estimated */

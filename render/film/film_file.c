@@ -269,7 +269,8 @@ static bool get_layout(cursor c, lf_film_layout *out, float sky[3])
                             .has_signed = flags & 16};
     memcpy(sky, c.p, 3 * sizeof *sky);
     return size[0] - 1 < LF_MAX_VIEWS && size[1] - 1 < LF_MAX_VIEW_SIDE &&
-           size[2] - 1 < LF_MAX_VIEW_SIDE && flags < 32;
+           size[2] - 1 < LF_MAX_VIEW_SIDE && flags < 32 && (out->has_known || !out->has_native) &&
+           (out->has_native || !out->has_delta);
 }
 
 /* Picture and layout: an empty film. */

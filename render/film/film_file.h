@@ -3,7 +3,8 @@
  *     "quiltdST", u32 version
  *     "PICT"  u8[32] what it is a picture of (lf_film.picture)
  *     "LAYO"  u32 n_views, width, height, flags, f32[3] sky
- *             flags, from bit 0 on: has_w2, native, known, delta, signed
+ *             flags, from bit 0 on: has_w2, native, known, delta, signed; no native without
+ *             known, no delta without native
  *     "STRM"  a random stream: u64 seed, u32 number, then per row f64 n[2], u32 visits[2]
  *     "ROW "  a row that was visited: u32 row, u32 met, f64 passes, f64 n[2], u32 visits[2],
  *             then its numbers of 32 bits as film.h has them: half 0, half 1, known light

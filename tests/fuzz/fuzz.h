@@ -1,6 +1,6 @@
 /* What fuzz targets share. A target is a file fuzz_NAME.c here with this one function, and a few
- * seeds in corpus/NAME: `make fuzz` finds it by its name. It links base/ and device/. What must
- * hold is said by lf_fuzz_require, which ends the program. */
+ * seeds in corpus/NAME: `make fuzz` finds it by its name. It links base/ and device/; what else one
+ * needs the Makefile says. What must hold is said by lf_fuzz_require, which ends the program. */
 #ifndef LF_TESTS_FUZZ_FUZZ_H
 #define LF_TESTS_FUZZ_FUZZ_H
 

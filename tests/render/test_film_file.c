@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "base/alloc.h"
+#include "render/film/film_file.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 
@@ -279,6 +280,49 @@ static void a_file_of_another_version_is_told_by_its_number(void **state)
     end(&f);
 }
 
+/* A file of an empty film, read without a word of what is wanted. */
+static lf_status read_layout(const fixture *f, const lf_film_layout *layout, lf_error *err)
+{
+    lf_film film = {0}, out = {0};
+    lf_outfile file;
+    const char *path = lf_test_path(f->folder, "layout");
+    lf_assert_ok(lf_film_init(&film, layout), NULL);
+    lf_assert_ok(lf_outfile_open(&file, path, true, NULL), NULL);
+    lf_assert_ok(lf_film_write(&film, &file, NULL, NULL), NULL);
+    lf_assert_ok(lf_outfile_commit(&file, true, NULL), NULL);
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    assert_true(fd >= 0);
+    lf_status status = lf_film_read(fd, NULL, &out, err);
+    close(fd);
+    lf_film_finish(&film);
+    lf_film_finish(&out);
+    return status;
+}
+
+static void layouts_that_no_scene_needs_are_refused(void **state)
+{
+    (void)state;
+    fixture f = begin();
+    int accepted = 0;
+    for (int i = 0; i < 32; i++) {
+        const lf_film_layout layout = {.n_views = 2,
+                                       .width = 3,
+                                       .height = 4,
+                                       .has_w2 = i & 1,
+                                       .has_native = i & 2,
+                                       .has_known = i & 4,
+                                       .has_delta = i & 8,
+                                       .has_signed = i & 16};
+        bool possible =
+            (layout.has_known || !layout.has_native) && (layout.has_native || !layout.has_delta);
+        lf_error err;
+        lf_assert_status(read_layout(&f, &layout, &err), possible ? LF_OK : LF_E_FORMAT, &err);
+        accepted += possible;
+    }
+    assert_int_equal(accepted, 4 * 4);
+    end(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -289,6 +333,7 @@ int main(void)
         cmocka_unit_test(four_films_have_a_quarter_of_the_error_of_one),
         cmocka_unit_test(cut_and_changed_files_are_refused_whole),
         cmocka_unit_test(a_file_of_another_version_is_told_by_its_number),
+        cmocka_unit_test(layouts_that_no_scene_needs_are_refused),
     };
     return cmocka_run_group_tests_name("film_file", tests, NULL, lf_test_finish);
 }
