@@ -25,6 +25,10 @@ typedef enum lf_param_type {
     /* unsigned, bit k for word k: "all", "none" or words parted by commas; on the command line
      * alone */
     LF_PARAM_LIST,
+    /* in scene files alone: */
+    LF_PARAM_COLOUR,    /* double[3], one number or three */
+    LF_PARAM_DIRECTION, /* double[3], unit; of any length but 0 in the file */
+    LF_PARAM_FILE,      /* const char *, whose name ends in a dot and one of words */
 } lf_param_type;
 
 typedef struct lf_param {
@@ -46,7 +50,11 @@ typedef struct lf_param {
     size_t has; /* of an option's first row: offset of a bool, true once given; 0: there is none */
     double low, high; /* range, of numbers */
     double initial;   /* 0 with a range above it: not given; -1: --help marks no word */
-    double point[3];  /* the same of a POINT */
+    double point[3];  /* the same of three numbers */
+    /* Keys of what is said in one of two ways: 0, the key belongs to both; 1 or 2, to that one. The
+     * first key of each must be there when the other's is not, and never beside it. */
+    int form;
+    bool exclusive; /* an error where a thing of another kind says it (surfaces) */
 } lf_param;
 
 /* Sets every field that has a row to its initial value. */

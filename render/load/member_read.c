@@ -1,6 +1,6 @@
 #include "render/load/member_read.h"
 
-#include <math.h>
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -8,6 +8,7 @@
 #include "render/scene/vec_double.h"
 
 #define LF_MAX_PATH 4095
+#define MAX_NAMES 32 /* of keys */
 
 /* ----------------------------------------------------------------------------------- values -- */
 
@@ -23,14 +24,11 @@ int lf_read_type(lf_reader *reader, const lf_node *node, const char *const types
     return lf_read_choice(reader, node, "type", types, fallback < 0 ? 0 : fallback);
 }
 
-static void read_direction(lf_reader *reader, const lf_node *node, const lf_key *key,
-                           double direction[3])
+static void make_unit(lf_reader *reader, const lf_node *at, double direction[3])
 {
-    lf_node at = lf_node_child(node, key->name);
-    lf_read_numbers(reader, node, key->name, 3, direction, -LF_MAX_COORDINATE, LF_MAX_COORDINATE);
-    double length = lf_length_double(direction);
+    const double length = lf_length_double(direction);
     if (!(length > 0))
-        lf_read_fail(reader, &at, "the direction has no length");
+        lf_read_fail(reader, at, "the direction has no length");
     for (int i = 0; i < 3 && length > 0; i++)
         direction[i] /= length;
 }
@@ -72,35 +70,62 @@ const char *lf_read_file(lf_reader *reader, const lf_node *node, const char *key
     return NULL;
 }
 
-void lf_read_value(lf_reader *reader, const lf_node *node, const lf_key *key, lf_value *out)
+static void read_numbers(lf_reader *reader, const lf_node *node, const lf_param *row,
+                         double number[3])
+{
+    const lf_node at = lf_node_child(node, row->name);
+    memcpy(number, row->point, sizeof row->point);
+    if (row->type == LF_PARAM_COLOUR)
+        lf_read_colour(reader, node, row->name, number, row->low, row->high);
+    else
+        lf_read_numbers(reader, node, row->name, 3, number, row->low, row->high);
+    if (row->type == LF_PARAM_DIRECTION)
+        make_unit(reader, &at, number);
+}
+
+/* Reads a key into a field of its row's type. */
+static void read_field(lf_reader *reader, const lf_node *node, const lf_param *row, void *field)
+{
+    double *number = field;
+    switch (row->type) {
+    case LF_PARAM_NUMBER:
+    case LF_PARAM_ANGLE:
+        *number = lf_read_number(reader, node, row->name, row->initial, row->low, row->high);
+        if (row->type == LF_PARAM_ANGLE)
+            *number = LF_RADIANS(*number);
+        break;
+    case LF_PARAM_POINT:
+    case LF_PARAM_COLOUR:
+    case LF_PARAM_DIRECTION:
+        read_numbers(reader, node, row, number);
+        break;
+    case LF_PARAM_WHOLE:
+        *(int *)field =
+            lf_read_int(reader, node, row->name, (int)row->initial, (int)row->low, (int)row->high);
+        break;
+    case LF_PARAM_SWITCH:
+        *(bool *)field = lf_read_choice(reader, node, row->name, row->words, (int)row->initial);
+        break;
+    case LF_PARAM_WORD:
+        *(int *)field = lf_read_choice(reader, node, row->name, row->words, (int)row->initial);
+        break;
+    case LF_PARAM_FILE:
+        *(const char **)field = lf_read_file(reader, node, row->name, row->words);
+        break;
+    default:
+        assert(!"no row of a scene file");
+    }
+}
+
+void lf_read_value(lf_reader *reader, const lf_node *node, const lf_param *key, lf_value *out)
 {
     *out = (lf_value){.given = lf_node_child(node, key->name).value};
-    memcpy(out->number, key->fallback, sizeof out->number);
-    switch (key->type) {
-    case LF_KEY_NUMBER:
-    case LF_KEY_ANGLE:
-        out->number[0] =
-            lf_read_number(reader, node, key->name, key->fallback[0], key->lo, key->hi);
-        if (key->type == LF_KEY_ANGLE)
-            out->number[0] = LF_RADIANS(out->number[0]);
-        break;
-    case LF_KEY_COLOUR:
-        lf_read_colour(reader, node, key->name, out->number, key->lo, key->hi);
-        break;
-    case LF_KEY_POINT:
-        lf_read_numbers(reader, node, key->name, 3, out->number, -LF_MAX_COORDINATE,
-                        LF_MAX_COORDINATE);
-        break;
-    case LF_KEY_DIRECTION:
-        read_direction(reader, node, key, out->number);
-        break;
-    case LF_KEY_CHOICE:
-        out->number[0] = lf_read_choice(reader, node, key->name, key->words, 0);
-        break;
-    case LF_KEY_FILE:
-        out->text = lf_read_file(reader, node, key->name, key->words);
-        break;
-    }
+    void *field = out->number;
+    if (key->type == LF_PARAM_WORD)
+        field = &out->word;
+    else if (key->type == LF_PARAM_FILE)
+        field = &out->text;
+    read_field(reader, node, key, field);
 }
 
 /* ------------------------------------------------------------------------------------ forms -- */
@@ -115,7 +140,7 @@ bool lf_read_either(lf_reader *reader, const lf_node *node, const char *a, const
 }
 
 /* The first key of a form; NULL: keys have none. */
-static const char *first_of(const lf_key keys[], int form)
+static const char *first_of(const lf_param keys[], int form)
 {
     for (int i = 0; keys[i].name; i++)
         if (keys[i].form == form)
@@ -123,25 +148,36 @@ static const char *first_of(const lf_key keys[], int form)
     return NULL;
 }
 
-/* Refuses keys that are not of this form; 0: of neither. */
-static void check_keys(lf_reader *reader, const lf_node *node, const lf_key keys[], int form)
+/* Refuses keys that are not of this form; 0: of neither. also: one more that there may be, or NULL.
+ */
+static void check_keys(lf_reader *reader, const lf_node *node, const char *also,
+                       const lf_param keys[], int form)
 {
-    const char *names[LF_MAX_KEYS + 2] = {"type"};
-    int n = 1;
-    for (int i = 0; keys[i].name; i++)
+    const char *names[MAX_NAMES + 1] = {also};
+    int n = also ? 1 : 0;
+    for (int i = 0; keys[i].name; i++) {
+        assert(n < MAX_NAMES);
         if (form == 0 || keys[i].form == 0 || keys[i].form == form)
             names[n++] = keys[i].name;
+    }
     names[n] = NULL;
     lf_read_object(reader, node, names);
 }
 
-void lf_read_values(lf_reader *reader, const lf_node *node, const lf_key keys[], lf_value out[])
+void lf_read_values(lf_reader *reader, const lf_node *node, const lf_param keys[], lf_value out[])
 {
     const char *first = first_of(keys, 1);
-    check_keys(reader, node, keys, 0);
+    check_keys(reader, node, "type", keys, 0);
     if (first)
-        check_keys(reader, node, keys,
+        check_keys(reader, node, "type", keys,
                    lf_read_either(reader, node, first, first_of(keys, 2)) ? 1 : 2);
     for (int i = 0; keys[i].name; i++)
         lf_read_value(reader, node, &keys[i], &out[i]);
+}
+
+void lf_read_params(lf_reader *reader, const lf_node *node, const lf_param params[], void *object)
+{
+    check_keys(reader, node, NULL, params, 0);
+    for (const lf_param *row = params; row->name; row++)
+        read_field(reader, node, row, (char *)object + row->place);
 }

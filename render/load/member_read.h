@@ -1,5 +1,6 @@
-/* Reading what a scene file says of one thing by the keys of its kind (render/scene/key.h); private
- * to render/. Errors stick to the reader, as in json_reader.h. */
+/* Reading what a scene file says of one thing by a table (base/param.h), into the fields of a
+ * struct or, of a kind of lights or surfaces, key by key (render/scene/key.h); private to render/.
+ * Errors stick to the reader, as in json_reader.h. */
 #ifndef LF_RENDER_MEMBER_READ_H
 #define LF_RENDER_MEMBER_READ_H
 
@@ -12,12 +13,16 @@
  * below 0: it must. In range whatever went wrong. */
 int lf_read_type(lf_reader *reader, const lf_node *node, const char *const types[], int fallback);
 
+/* Sets every field that has a row, to its initial value where node says nothing; any other key is
+ * an error. At most 32 rows. */
+void lf_read_params(lf_reader *reader, const lf_node *node, const lf_param params[], void *object);
+
 /* Reads every key of a kind; any other key than these and "type" is an error. out has a value for
  * each of keys, in their order; texts are borrowed from the document. */
-void lf_read_values(lf_reader *reader, const lf_node *node, const lf_key keys[], lf_value out[]);
+void lf_read_values(lf_reader *reader, const lf_node *node, const lf_param keys[], lf_value out[]);
 
 /* Reads one key into *out. */
-void lf_read_value(lf_reader *reader, const lf_node *node, const lf_key *key, lf_value *out);
+void lf_read_value(lf_reader *reader, const lf_node *node, const lf_param *key, lf_value *out);
 
 /* Things need a or b, and not both: whether it is a. */
 bool lf_read_either(lf_reader *reader, const lf_node *node, const char *a, const char *b);

@@ -394,7 +394,7 @@ static void load_environment(const commit *c, const lf_light_desc *desc, lf_ligh
     for (int i = 0; desc->kind->keys[i].name; i++) {
         const char *file = desc->values[i].text;
         lf_error err = {0};
-        if (desc->kind->keys[i].type != LF_KEY_FILE || !file)
+        if (desc->kind->keys[i].type != LF_PARAM_FILE || !file)
             continue;
         char *path = lf_path_join(c->scene->folder, file);
         if (!path)

@@ -5,7 +5,6 @@
 
 #include "base/alloc.h"
 #include "render/load/member_read.h"
-#include "render/load/param_read.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/surface.h"
 
@@ -255,7 +254,8 @@ static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *
 /* ---------------------------------------------------------------------- materials and meshes -- */
 
 /* What all kinds of surfaces may say. */
-static const lf_key emission_key = {"emission", LF_KEY_COLOUR, .hi = LF_MAX_RADIANCE};
+static const lf_param emission_key = {
+    .name = "emission", .type = LF_PARAM_COLOUR, .high = LF_MAX_RADIANCE};
 
 static bool has_key(const lf_surface_kind *kind, const char *name)
 {
@@ -266,7 +266,7 @@ static bool has_key(const lf_surface_kind *kind, const char *name)
 }
 
 /* Whether a kind before the i-th has the key too. */
-static bool is_repeated(const lf_key *key, int i)
+static bool is_repeated(const lf_param *key, int i)
 {
     bool found = false;
     while (i-- > 0)
@@ -280,7 +280,7 @@ static void check_material_keys(lf_reader *reader, const lf_node *node)
     const char *names[LF_MAX_KINDS * LF_MAX_KEYS + 3] = {"type"};
     int n = 1;
     for (int i = 0; lf_surface_kinds[i]; i++)
-        for (const lf_key *key = lf_surface_kinds[i]->keys; key->name; key++)
+        for (const lf_param *key = lf_surface_kinds[i]->keys; key->name; key++)
             if (!is_repeated(key, i))
                 names[n++] = key->name;
     names[n++] = emission_key.name;
@@ -294,7 +294,7 @@ static void check_others(lf_reader *reader, const lf_node *node, const lf_surfac
                          lf_warnings *warnings)
 {
     for (int i = 0; lf_surface_kinds[i]; i++)
-        for (const lf_key *key = lf_surface_kinds[i]->keys; key->name; key++) {
+        for (const lf_param *key = lf_surface_kinds[i]->keys; key->name; key++) {
             lf_node at = lf_node_child(node, key->name);
             lf_value value;
             if (!at.value || has_key(kind, key->name) || is_repeated(key, i))

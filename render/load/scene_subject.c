@@ -29,8 +29,8 @@ static bool put_mesh(json_t *doc, const lf_geometry *geometry, int mesh, const l
 static bool put_light(json_t *doc, const lf_light *light, const lf_light_desc *desc)
 {
     bool done = true;
-    for (const lf_key *key = desc->kind->keys; light->environment && key->name && done; key++)
-        if (key->type == LF_KEY_FILE)
+    for (const lf_param *key = desc->kind->keys; light->environment && key->name && done; key++)
+        if (key->type == LF_PARAM_FILE)
             done = json_object_set_new(member(doc, "lights", desc->name), key->name,
                                        json_string(light->environment->digest.text)) == 0;
     return done;

@@ -3,15 +3,15 @@
 #include "render/scene/key.h"
 
 #define PLACE(field) .place = offsetof(lf_camera, field)
-#define COORDINATE .low = -LF_MAX_COORDINATE, .high = LF_MAX_COORDINATE
 
 static const char *const placements[] = {"centred", "inclusive", NULL};
 
 /* clang-format off */
 const lf_param lf_camera_params[] = {
-    {.name = "target", PLACE(target), .type = LF_PARAM_POINT, COORDINATE},
-    {.name = "position", PLACE(position), .type = LF_PARAM_POINT, COORDINATE, .point = {0, 0, 5}},
-    {.name = "up", PLACE(up), .type = LF_PARAM_POINT, COORDINATE, .point = {0, 1, 0}},
+    {.name = "target", PLACE(target), .type = LF_PARAM_POINT, LF_COORDINATES},
+    {.name = "position", PLACE(position), .type = LF_PARAM_POINT, LF_COORDINATES,
+     .point = {0, 0, 5}},
+    {.name = "up", PLACE(up), .type = LF_PARAM_POINT, LF_COORDINATES, .point = {0, 1, 0}},
     {.name = "fov_y", PLACE(fov_y), .type = LF_PARAM_ANGLE, .unit = "degrees",
      .low = 0.1, .high = 160, .initial = 14},
     {.name = "aspect", PLACE(aspect), .low = 0.05, .high = 20, .initial = 0.75},

@@ -82,10 +82,16 @@ static bool varies(const lf_light *light)
 
 enum { DIRECTION, IRRADIANCE, ANGLE };
 
-static const lf_key keys[] = {
-    [DIRECTION] = {"direction", LF_KEY_DIRECTION, .fallback = {0, -1, 0}},
-    [IRRADIANCE] = {"irradiance", LF_KEY_COLOUR, .hi = LF_MAX_RADIANCE, .fallback = {1, 1, 1}},
-    [ANGLE] = {"angle", LF_KEY_ANGLE, .hi = 90},
+static const lf_param keys[] = {
+    [DIRECTION] = {.name = "direction",
+                   .type = LF_PARAM_DIRECTION,
+                   LF_COORDINATES,
+                   .point = {0, -1, 0}},
+    [IRRADIANCE] = {.name = "irradiance",
+                    .type = LF_PARAM_COLOUR,
+                    .high = LF_MAX_RADIANCE,
+                    .point = {1, 1, 1}},
+    [ANGLE] = {.name = "angle", .type = LF_PARAM_ANGLE, .high = 90},
     {0},
 };
 

@@ -204,11 +204,15 @@ enum { FILE_NAME, SCALE, ROTATE, RADIANCE };
 
 static const char *const endings[] = {"exr", "hdr", NULL};
 
-static const lf_key keys[] = {
-    [FILE_NAME] = {"file", LF_KEY_FILE, .form = 1, .words = endings},
-    [SCALE] = {"scale", LF_KEY_COLOUR, .form = 1, .hi = LF_MAX_RADIANCE, .fallback = {1, 1, 1}},
-    [ROTATE] = {"rotate", LF_KEY_ANGLE, .form = 1, .lo = -3600, .hi = 3600},
-    [RADIANCE] = {"radiance", LF_KEY_COLOUR, .form = 2, .hi = LF_MAX_RADIANCE},
+static const lf_param keys[] = {
+    [FILE_NAME] = {.name = "file", .type = LF_PARAM_FILE, .form = 1, .words = endings},
+    [SCALE] = {.name = "scale",
+               .type = LF_PARAM_COLOUR,
+               .form = 1,
+               .high = LF_MAX_RADIANCE,
+               .point = {1, 1, 1}},
+    [ROTATE] = {.name = "rotate", .type = LF_PARAM_ANGLE, .form = 1, .low = -3600, .high = 3600},
+    [RADIANCE] = {.name = "radiance", .type = LF_PARAM_COLOUR, .form = 2, .high = LF_MAX_RADIANCE},
     {0},
 };
 

@@ -9,10 +9,10 @@
 
 typedef struct lf_light_kind {
     const char *name; /* what "type" says in a scene file */
-    /* At most LF_MAX_KEYS beside "type". A key of type LF_KEY_FILE names a picture of the sky,
+    /* At most LF_MAX_KEYS beside "type". A key of type LF_PARAM_FILE names a picture of the sky,
      * which is light->environment before read is called. NULL: made of the scene, not said in its
      * file. */
-    const lf_key *keys;
+    const lf_param *keys;
     /* Fills a zeroed light from the values of keys, in their order. Points are moved by -origin,
      * which is near the middle of the scene. What no field of lf_light has room for goes into
      * light->own (light_spot.c). */

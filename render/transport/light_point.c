@@ -23,9 +23,12 @@ void lf_light_point_extent(const lf_scene *scene, const lf_light *light, lf_vec3
 
 enum { POSITION, INTENSITY };
 
-static const lf_key keys[] = {
-    [POSITION] = {"position", LF_KEY_POINT},
-    [INTENSITY] = {"intensity", LF_KEY_COLOUR, .hi = LF_MAX_RADIANCE, .fallback = {1, 1, 1}},
+static const lf_param keys[] = {
+    [POSITION] = {.name = "position", .type = LF_PARAM_POINT, LF_COORDINATES},
+    [INTENSITY] = {.name = "intensity",
+                   .type = LF_PARAM_COLOUR,
+                   .high = LF_MAX_RADIANCE,
+                   .point = {1, 1, 1}},
     {0},
 };
 

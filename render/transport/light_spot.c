@@ -40,12 +40,18 @@ static double power(const lf_light *light, double radius)
 
 enum { POSITION, DIRECTION, INTENSITY, ANGLE, BLEND };
 
-static const lf_key keys[] = {
-    [POSITION] = {"position", LF_KEY_POINT},
-    [DIRECTION] = {"direction", LF_KEY_DIRECTION, .fallback = {0, -1, 0}},
-    [INTENSITY] = {"intensity", LF_KEY_COLOUR, .hi = LF_MAX_RADIANCE, .fallback = {1, 1, 1}},
-    [ANGLE] = {"angle", LF_KEY_ANGLE, .lo = 0.1, .hi = 180, .fallback = {45}},
-    [BLEND] = {"blend", LF_KEY_NUMBER, .hi = 1, .fallback = {0.15}},
+static const lf_param keys[] = {
+    [POSITION] = {.name = "position", .type = LF_PARAM_POINT, LF_COORDINATES},
+    [DIRECTION] = {.name = "direction",
+                   .type = LF_PARAM_DIRECTION,
+                   LF_COORDINATES,
+                   .point = {0, -1, 0}},
+    [INTENSITY] = {.name = "intensity",
+                   .type = LF_PARAM_COLOUR,
+                   .high = LF_MAX_RADIANCE,
+                   .point = {1, 1, 1}},
+    [ANGLE] = {.name = "angle", .type = LF_PARAM_ANGLE, .low = 0.1, .high = 180, .initial = 45},
+    [BLEND] = {.name = "blend", .type = LF_PARAM_NUMBER, .high = 1, .initial = 0.15},
     {0},
 };
 

@@ -46,7 +46,7 @@ typedef struct lf_surface_kind {
     const char *name; /* what "type" says in a scene file */
     /* At most LF_MAX_KEYS beside "type" and "emission". Other kinds' keys have no effect and get a
      * warning, or, exclusive ones, are errors. */
-    const lf_key *keys;
+    const lf_param *keys;
     const char *lacks; /* the warning's last words: why others' keys have none */
     /* What is wrong with the values of keys taken together, and of which key to say so; NULL = all
      * is well. The function may be NULL: it always is. */

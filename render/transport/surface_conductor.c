@@ -133,12 +133,12 @@ static void prepare(lf_material *m)
 
 enum { ALBEDO, METAL, ETA, K, ROUGHNESS };
 
-static const lf_key keys[] = {
-    [ALBEDO] = {"albedo", LF_KEY_COLOUR, .hi = 1, .fallback = {0.5, 0.5, 0.5}},
-    [METAL] = {"metal", LF_KEY_CHOICE, .exclusive = true, .words = lf_metal_names},
-    [ETA] = {"eta", LF_KEY_COLOUR, .exclusive = true, .lo = 0.01, .hi = 20},
-    [K] = {"k", LF_KEY_COLOUR, .exclusive = true, .hi = 20},
-    [ROUGHNESS] = {"roughness", LF_KEY_NUMBER, .hi = 1, .fallback = {0.3}},
+static const lf_param keys[] = {
+    [ALBEDO] = {.name = "albedo", .type = LF_PARAM_COLOUR, .high = 1, .point = {0.5, 0.5, 0.5}},
+    [METAL] = {.name = "metal", .type = LF_PARAM_WORD, .exclusive = true, .words = lf_metal_names},
+    [ETA] = {.name = "eta", .type = LF_PARAM_COLOUR, .exclusive = true, .low = 0.01, .high = 20},
+    [K] = {.name = "k", .type = LF_PARAM_COLOUR, .exclusive = true, .high = 20},
+    [ROUGHNESS] = {.name = "roughness", .type = LF_PARAM_NUMBER, .high = 1, .initial = 0.3},
     {0},
 };
 
@@ -163,7 +163,7 @@ static void read(const lf_value values[], lf_material *m)
     m->albedo = lf_to_vec3(values[ALBEDO].number);
     m->roughness = (float)values[ROUGHNESS].number[0];
     if (values[METAL].given) {
-        const lf_metal *metal = &lf_metals[(int)values[METAL].number[0]];
+        const lf_metal *metal = &lf_metals[values[METAL].word];
         m->eta = metal->eta;
         m->k = metal->k;
     } else if (values[ETA].given) {

@@ -29,8 +29,8 @@ static void prepare(lf_material *m)
 
 enum { ALBEDO };
 
-static const lf_key keys[] = {
-    [ALBEDO] = {"albedo", LF_KEY_COLOUR, .hi = 1, .fallback = {0.5, 0.5, 0.5}},
+static const lf_param keys[] = {
+    [ALBEDO] = {.name = "albedo", .type = LF_PARAM_COLOUR, .high = 1, .point = {0.5, 0.5, 0.5}},
     {0},
 };
 

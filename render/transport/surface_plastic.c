@@ -167,10 +167,10 @@ static void prepare(lf_material *m)
 
 enum { ALBEDO, ROUGHNESS, IOR };
 
-static const lf_key keys[] = {
-    [ALBEDO] = {"albedo", LF_KEY_COLOUR, .hi = 1, .fallback = {0.5, 0.5, 0.5}},
-    [ROUGHNESS] = {"roughness", LF_KEY_NUMBER, .hi = 1, .fallback = {0.3}},
-    [IOR] = {"ior", LF_KEY_NUMBER, .lo = 1, .hi = 3, .fallback = {1.5}},
+static const lf_param keys[] = {
+    [ALBEDO] = {.name = "albedo", .type = LF_PARAM_COLOUR, .high = 1, .point = {0.5, 0.5, 0.5}},
+    [ROUGHNESS] = {.name = "roughness", .type = LF_PARAM_NUMBER, .high = 1, .initial = 0.3},
+    [IOR] = {.name = "ior", .type = LF_PARAM_NUMBER, .low = 1, .high = 3, .initial = 1.5},
     {0},
 };
 

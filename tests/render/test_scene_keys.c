@@ -43,32 +43,32 @@ static bool has_words(const json_t *list, const char *const words[])
 }
 
 /* One number, or three. */
-static bool is_colour(const json_t *property, const lf_key *key)
+static bool is_colour(const json_t *property, const lf_param *key)
 {
     const json_t *any = member(property, "anyOf"), *three = json_array_get(any, 1);
-    return json_array_size(any) == 2 && has_range(json_array_get(any, 0), key->lo, key->hi) &&
-           has_range(json_object_get(three, "items"), key->lo, key->hi) &&
+    return json_array_size(any) == 2 && has_range(json_array_get(any, 0), key->low, key->high) &&
+           has_range(json_object_get(three, "items"), key->low, key->high) &&
            json_integer_value(json_object_get(three, "minItems")) == 3 &&
            json_integer_value(json_object_get(three, "maxItems")) == 3;
 }
 
-static bool agrees_in_type(const json_t *property, const lf_key *key)
+static bool agrees_in_type(const json_t *property, const lf_param *key)
 {
     switch (key->type) {
-    case LF_KEY_NUMBER:
-    case LF_KEY_ANGLE:
+    case LF_PARAM_NUMBER:
+    case LF_PARAM_ANGLE:
         return strcmp(json_string_value(member(property, "type")), "number") == 0 &&
-               has_range(property, key->lo, key->hi);
-    case LF_KEY_COLOUR:
+               has_range(property, key->low, key->high);
+    case LF_PARAM_COLOUR:
         return is_colour(property, key);
-    case LF_KEY_POINT:
-    case LF_KEY_DIRECTION:
-        return has_range(member(property, "items"), -LF_MAX_COORDINATE, LF_MAX_COORDINATE) &&
+    case LF_PARAM_POINT:
+    case LF_PARAM_DIRECTION:
+        return has_range(member(property, "items"), key->low, key->high) &&
                json_integer_value(member(property, "minItems")) == 3 &&
                json_integer_value(member(property, "maxItems")) == 3;
-    case LF_KEY_CHOICE:
+    case LF_PARAM_WORD:
         return has_words(member(property, "enum"), key->words);
-    case LF_KEY_FILE:
+    case LF_PARAM_FILE:
         for (int i = 0; key->words[i]; i++) {
             char letters[64] = "";
             for (const char *c = key->words[i]; *c; c++)
@@ -78,19 +78,20 @@ static bool agrees_in_type(const json_t *property, const lf_key *key)
                 return false;
         }
         return true;
+    default:
+        return false;
     }
-    return false;
 }
 
-static bool agrees_in_default(const json_t *property, const lf_key *key)
+static bool agrees_in_default(const json_t *property, const lf_param *key)
 {
     const json_t *value = member(property, "default");
-    bool one = key->type == LF_KEY_NUMBER || key->type == LF_KEY_ANGLE ||
-               (key->type == LF_KEY_COLOUR && json_is_number(value));
-    if (one)
-        return json_is_number(value) && json_number_value(value) == key->fallback[0];
+    if (key->type == LF_PARAM_NUMBER || key->type == LF_PARAM_ANGLE)
+        return json_is_number(value) && json_number_value(value) == key->initial;
+    if (key->type == LF_PARAM_COLOUR && json_is_number(value))
+        return json_number_value(value) == key->point[0];
     for (int i = 0; i < 3; i++)
-        if (json_number_value(json_array_get(value, (size_t)i)) != key->fallback[i])
+        if (json_number_value(json_array_get(value, (size_t)i)) != key->point[i])
             return false;
     return json_array_size(value) == 3;
 }
@@ -108,7 +109,7 @@ static bool is_required(const json_t *variant, const char *name)
 }
 
 /* One form of a kind, and what the schema says of it. */
-static void compare(const char *kind, const lf_key keys[], int form, const json_t *variant)
+static void compare(const char *kind, const lf_param keys[], int form, const json_t *variant)
 {
     const json_t *properties = json_object_get(variant, "properties");
     size_t n = 1; /* "type" */
@@ -151,7 +152,7 @@ static const json_t *variant_of(const char *thing, const char *kind, int n)
     return NULL;
 }
 
-static bool has_forms(const lf_key keys[])
+static bool has_forms(const lf_param keys[])
 {
     bool found = false;
     for (int i = 0; keys[i].name; i++)
@@ -212,7 +213,7 @@ static void the_schema_says_of_surfaces_what_their_kinds_say(void **state)
 {
     (void)state;
     for (int i = 0; lf_surface_kinds[i]; i++)
-        for (const lf_key *key = lf_surface_kinds[i]->keys; key->name; key++) {
+        for (const lf_param *key = lf_surface_kinds[i]->keys; key->name; key++) {
             const char *kind = lf_surface_kinds[i]->name;
             int n = 0;
             for (size_t j = 0; j < n_materials(); j++) {
@@ -237,7 +238,7 @@ static bool some_kind_has(const char *name)
 {
     bool found = strcmp(name, "type") == 0 || strcmp(name, "emission") == 0;
     for (int i = 0; lf_surface_kinds[i]; i++)
-        for (const lf_key *key = lf_surface_kinds[i]->keys; key->name; key++)
+        for (const lf_param *key = lf_surface_kinds[i]->keys; key->name; key++)
             found = found || strcmp(key->name, name) == 0;
     return found;
 }
