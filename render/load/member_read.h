@@ -7,7 +7,7 @@
 #include "render/load/json_reader.h"
 #include "render/scene/key.h"
 
-#define LF_MAX_KINDS 16 /* of lights, of surfaces */
+#define LF_MAX_KINDS 16 /* of lights, of surfaces, of shapes */
 
 /* The place in types (ended by NULL) of what node's "type" says; fallback where it says nothing,
  * below 0: it must. In range whatever went wrong. */

@@ -41,8 +41,7 @@ LF_NODISCARD lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *fold
  * and what lf_file_open gives. */
 LF_NODISCARD lf_status lf_ply_check(const char *path, const lf_roots *roots, lf_error *err);
 
-/* The shapes: quad = [-1,1]^2 in the xz plane facing +y, cube = [-1,1]^3, sphere = the unit ball in
- * 128 x 64 facets with smooth normals. LF_E_NOMEM. */
+/* The mesh of desc->shape, as lf_mesh_import fills it. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out,
                                           lf_error *err);
 

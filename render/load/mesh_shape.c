@@ -1,50 +1,21 @@
-/* Quads, cubes and spheres as meshes: one rectangular patch of facets each, or six of them. */
+/* Meshes of patches of facets. */
+#include "render/load/mesh_shape.h"
+
 #include <string.h>
 
 #include "base/alloc.h"
 #include "render/load/mesh_import.h"
 
-#define SPHERE_ACROSS 128
-#define SPHERE_DOWN 64
+#define LIST(name) &lf_mesh_##name,
+const lf_mesh_shape *const lf_mesh_shapes[] = {LF_MESH_SHAPES(LIST) NULL};
 
-/* Position of a corner (i, j) of a patch of facets. */
-typedef void (*patch_fn)(int patch, int i, int j, double out[3]);
-
-static void quad_corner(int patch, int i, int j, double out[3])
+static lf_status allocate_patches(lf_mesh_data *out, const lf_mesh_shape *shape, lf_error *err)
 {
-    (void)patch;
-    out[0] = 2 * i - 1;
-    out[1] = 0;
-    out[2] = 1 - 2 * j;
-}
-
-/* Faces -x, +x, -y, … seen from outside. */
-static void cube_corner(int patch, int i, int j, double out[3])
-{
-    int axis = patch / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
-    double sign = patch % 2 ? 1 : -1;
-    out[axis] = sign;
-    out[u] = sign * (2 * i - 1);
-    out[v] = 2 * j - 1;
-}
-
-static void sphere_corner(int patch, int i, int j, double out[3])
-{
-    (void)patch;
-    double phi = -2 * M_PI * (i % SPHERE_ACROSS) / SPHERE_ACROSS,
-           theta = M_PI * (SPHERE_DOWN - j) / SPHERE_DOWN;
-    double ring = j == 0 || j == SPHERE_DOWN ? 0 : sin(theta);
-    out[0] = ring * cos(phi);
-    out[1] = cos(theta);
-    out[2] = ring * sin(phi);
-}
-
-static lf_status allocate_patches(lf_mesh_data *out, int n_patches, int across, int down,
-                                  lf_error *err)
-{
-    size_t corners = (size_t)n_patches * (size_t)(across + 1) * (size_t)(down + 1);
+    size_t corners =
+               (size_t)shape->n_patches * (size_t)(shape->across + 1) * (size_t)(shape->down + 1),
+           facets = (size_t)shape->n_patches * (size_t)shape->across * (size_t)shape->down;
     out->positions = lf_calloc(corners, 3 * sizeof *out->positions);
-    out->triangles = lf_calloc((size_t)(2 * n_patches * across * down), 3 * sizeof *out->triangles);
+    out->triangles = lf_calloc(2 * facets, 3 * sizeof *out->triangles);
     if (!out->positions || !out->triangles)
         return lf_error_set(err, LF_E_NOMEM, "mesh", "out of memory");
     return LF_OK;
@@ -60,18 +31,19 @@ static void append_triangle(lf_mesh_data *out, int a, int b, int c)
     const double *p = out->positions + 3 * (size_t)a, *q = out->positions + 3 * (size_t)b,
                  *r = out->positions + 3 * (size_t)c;
     if (same_point(p, q) || same_point(q, r) || same_point(r, p))
-        return; /* at the poles of the sphere */
+        return; /* where a side of a patch is one point */
     uint32_t t[3] = {(uint32_t)a, (uint32_t)b, (uint32_t)c};
     memcpy(out->triangles + 3 * (size_t)out->n_triangles++, t, sizeof t);
 }
 
-static void make_patches(lf_mesh_data *out, int n_patches, int across, int down, patch_fn corner)
+static void make_patches(lf_mesh_data *out, const lf_mesh_shape *shape)
 {
-    for (int patch = 0; patch < n_patches; patch++) {
+    const int across = shape->across, down = shape->down;
+    for (int patch = 0; patch < shape->n_patches; patch++) {
         int base = out->n_vertices;
         for (int j = 0; j <= down; j++)
             for (int i = 0; i <= across; i++)
-                corner(patch, i, j, out->positions + 3 * (size_t)out->n_vertices++);
+                shape->corner(patch, i, j, out->positions + 3 * (size_t)out->n_vertices++);
         for (int j = 0; j < down; j++) {
             for (int i = 0; i < across; i++) {
                 int at = base + j * (across + 1) + i, above = at + across + 1;
@@ -82,15 +54,13 @@ static void make_patches(lf_mesh_data *out, int n_patches, int across, int down,
     }
 }
 
-/* Normals of the unit sphere are its points. */
-static lf_status sphere_normals(lf_mesh_data *out, lf_error *err)
+static lf_status set_normals(lf_mesh_data *out, const lf_mesh_shape *shape, lf_error *err)
 {
-    size_t n = 3 * (size_t)out->n_vertices;
-    out->normals = lf_calloc(n, sizeof *out->normals);
+    out->normals = lf_calloc((size_t)out->n_vertices, 3 * sizeof *out->normals);
     if (!out->normals)
         return lf_error_set(err, LF_E_NOMEM, "mesh", "out of memory");
-    for (size_t i = 0; i < n; i++)
-        out->normals[i] = (float)out->positions[i];
+    for (size_t v = 0; v < (size_t)out->n_vertices; v++)
+        shape->normal(out->positions + 3 * v, out->normals + 3 * v);
     return LF_OK;
 }
 
@@ -137,20 +107,12 @@ static lf_status grey_material(lf_mesh_data *out, lf_error *err)
 
 lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out, lf_error *err)
 {
-    static const struct {
-        int n_patches, across, down;
-        patch_fn corner;
-    } shapes[] = {[LF_SHAPE_QUAD] = {1, 1, 1, quad_corner},
-                  [LF_SHAPE_CUBE] = {6, 1, 1, cube_corner},
-                  [LF_SHAPE_SPHERE] = {1, SPHERE_ACROSS, SPHERE_DOWN, sphere_corner}};
-    const int n = shapes[desc->shape].n_patches, across = shapes[desc->shape].across,
-              down = shapes[desc->shape].down;
-    lf_status status = allocate_patches(out, n, across, down, err);
+    lf_status status = allocate_patches(out, desc->shape, err);
     if (status != LF_OK)
         return status;
-    make_patches(out, n, across, down, shapes[desc->shape].corner);
-    if (desc->shape == LF_SHAPE_SPHERE && desc->normals != LF_NORMALS_FLAT)
-        status = sphere_normals(out, err);
+    make_patches(out, desc->shape);
+    if (desc->shape->normal && desc->normals != LF_NORMALS_FLAT)
+        status = set_normals(out, desc->shape, err);
     if (status == LF_OK && desc->material < 0)
         status = grey_material(out, err);
     if (status == LF_OK)

@@ -240,11 +240,11 @@ static void import_meshes(const commit *c, lf_mesh_data *data)
         const lf_mesh_desc *desc = &c->desc->meshes[i];
         lf_error err = {0};
         data[i].name = desc->name;
-        lf_status status = desc->shape == LF_SHAPE_FILE
-                               ? lf_mesh_import(desc, c->scene->folder, c->roots, &data[i], &err)
-                               : lf_mesh_shape_make(desc, &data[i], &err);
+        lf_status status = desc->shape
+                               ? lf_mesh_shape_make(desc, &data[i], &err)
+                               : lf_mesh_import(desc, c->scene->folder, c->roots, &data[i], &err);
         if (status != LF_OK)
-            fail_at(c, "meshes", desc->name, desc->shape == LF_SHAPE_FILE ? "file" : "", &err);
+            fail_at(c, "meshes", desc->name, desc->shape ? "" : "file", &err);
     }
 }
 

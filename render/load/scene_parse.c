@@ -357,17 +357,18 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
 {
     static const char *const keys[] = {"file", "shape", "material", "normals", "transform", NULL};
     static const char *const endings[] = {"obj", "ply", "stl", "gltf", "glb", "3ds", NULL};
-    static const char *const shapes[] = {"quad", "cube", "sphere", NULL};
     static const char *const normals[] = {"file", "smooth", "flat", NULL};
     lf_mesh_desc *mesh = &desc->meshes[index];
+    const char *shapes[LF_MAX_KINDS + 1] = {NULL};
+    for (int i = 0; lf_mesh_shapes[i]; i++)
+        shapes[i] = lf_mesh_shapes[i]->name;
     *mesh = (lf_mesh_desc){.name = node->key, .material = -1};
     if (!lf_read_object(reader, node, keys))
         return;
     if (lf_read_either(reader, node, "file", "shape"))
         mesh->file = lf_read_file(reader, node, "file", endings);
     else
-        mesh->shape =
-            LF_SHAPE_QUAD + (lf_mesh_shape)lf_read_choice(reader, node, "shape", shapes, 0);
+        mesh->shape = lf_mesh_shapes[lf_read_choice(reader, node, "shape", shapes, 0)];
     mesh->normals = (lf_normals)lf_read_choice(reader, node, "normals", normals, LF_NORMALS_FILE);
     mesh->transform = parse_transform(reader, node);
     const char *material = lf_read_string(reader, node, "material", NULL, LF_MAX_NAME);

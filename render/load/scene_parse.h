@@ -5,6 +5,7 @@
 #define LF_RENDER_SCENE_PARSE_H
 
 #include "render/load/json_reader.h"
+#include "render/load/mesh_shape.h"
 #include "render/scene/affine.h"
 #include "render/scene/scene.h"
 #include "render/scene/warnings.h"
@@ -25,19 +26,13 @@ typedef struct lf_volume_desc {
     lf_affine transform;
 } lf_volume_desc;
 
-typedef enum lf_mesh_shape {
-    LF_SHAPE_FILE,
-    LF_SHAPE_QUAD,
-    LF_SHAPE_CUBE,
-    LF_SHAPE_SPHERE
-} lf_mesh_shape;
 typedef enum lf_normals { LF_NORMALS_FILE, LF_NORMALS_SMOOTH, LF_NORMALS_FLAT } lf_normals;
 
 typedef struct lf_mesh_desc {
     const char *name;
-    lf_mesh_shape shape;
-    const char *file; /* LF_SHAPE_FILE only */
-    int material;     /* index into materials; -1 = the file's own */
+    const lf_mesh_shape *shape; /* NULL: file */
+    const char *file;           /* NULL: shape */
+    int material;               /* index into materials; -1 = the file's own */
     lf_normals normals;
     lf_affine transform;
 } lf_mesh_desc;

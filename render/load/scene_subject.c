@@ -43,8 +43,7 @@ json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc)
     for (int i = 0; i < desc->n_volumes && done; i++)
         done = put_volume(doc, &scene->volumes[i], &desc->volumes[i]);
     for (int i = 0; i < desc->n_meshes && done; i++)
-        done = desc->meshes[i].shape != LF_SHAPE_FILE ||
-               put_mesh(doc, scene->geometry, i, &desc->meshes[i]);
+        done = desc->meshes[i].shape || put_mesh(doc, scene->geometry, i, &desc->meshes[i]);
     for (int i = 0; i < desc->n_lights && done; i++)
         done = put_light(doc, &scene->lights[i], &desc->lights[i]);
     if (!done) {

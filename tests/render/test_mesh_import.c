@@ -165,7 +165,7 @@ static void normals_follow_a_stretching_transform(void **state)
 static void a_mirror_keeps_faces_and_normals_outside(void **state)
 {
     (void)state;
-    lf_mesh_desc desc = {.name = "m", .shape = LF_SHAPE_SPHERE, .transform = lf_affine_identity()};
+    lf_mesh_desc desc = {.name = "m", .shape = &lf_mesh_sphere, .transform = lf_affine_identity()};
     lf_error err;
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         lf_mesh_data data = {0};
@@ -425,12 +425,12 @@ static void shapes_are_what_the_manual_says(void **state)
 {
     (void)state;
     static const struct {
-        lf_mesh_shape shape;
+        const lf_mesh_shape *shape;
         int n_triangles;
         double area, volume;
-    } cases[] = {{LF_SHAPE_QUAD, 2, 4, 0},
-                 {LF_SHAPE_CUBE, 12, 24, 8},
-                 {LF_SHAPE_SPHERE, 16128, 4 * M_PI, 4 * M_PI / 3}};
+    } cases[] = {{&lf_mesh_quad, 2, 4, 0},
+                 {&lf_mesh_cube, 12, 24, 8},
+                 {&lf_mesh_sphere, 16128, 4 * M_PI, 4 * M_PI / 3}};
     for (int i = 0; i < 3; i++) {
         lf_mesh_desc desc = {
             .shape = cases[i].shape, .material = -1, .transform = lf_affine_identity()};
@@ -441,13 +441,18 @@ static void shapes_are_what_the_manual_says(void **state)
         lf_assert_close(total_area(&data), cases[i].area, 2e-3, 0);
         lf_assert_close(signed_volume(&data), cases[i].volume, 2e-3, 1e-12);
         assert_int_equal(data.n_materials, 1);
-        assert_int_equal(!!data.normals, cases[i].shape == LF_SHAPE_SPHERE);
+        assert_int_equal(!!data.normals, cases[i].shape == &lf_mesh_sphere);
         double n[3];
         area_vector(&data, 0, n);
-        if (cases[i].shape == LF_SHAPE_QUAD)
+        if (cases[i].shape == &lf_mesh_quad)
             assert_true(n[0] == 0 && n[1] == 4 && n[2] == 0);
         lf_mesh_data_finish(&data);
+        desc.normals = LF_NORMALS_FLAT;
+        lf_assert_ok(lf_mesh_shape_make(&desc, &data, &err), &err);
+        assert_null(data.normals);
+        lf_mesh_data_finish(&data);
     }
+    assert_null(lf_mesh_shapes[3]); /* the next has a row above, too */
 }
 
 /* --------------------------------------------------------------------------------- committed -- */

@@ -5,6 +5,7 @@
 #include <ctype.h>
 
 #include "render/load/member_read.h"
+#include "render/load/mesh_shape.h"
 #include "render/transport/light_kind.h"
 
 static json_t *schema;
@@ -257,6 +258,22 @@ static void the_schema_has_no_key_of_surfaces_that_no_kind_has(void **state)
         }
 }
 
+static void the_schema_has_the_shapes_of_meshes_that_there_are(void **state)
+{
+    (void)state;
+    const char *names[LF_MAX_KINDS + 1] = {NULL};
+    int n = 0;
+    for (; lf_mesh_shapes[n]; n++) {
+        assert_true(n < LF_MAX_KINDS && lf_mesh_shapes[n]->corner);
+        names[n] = lf_mesh_shapes[n]->name;
+    }
+    const json_t *mesh = json_object_get(json_object_get(schema, "$defs"), "mesh"),
+                 *shape = json_object_get(json_object_get(mesh, "properties"), "shape");
+    assert_true(has_words(json_object_get(shape, "enum"), names));
+    names[n - 1] = NULL;
+    assert_false(has_words(json_object_get(shape, "enum"), names));
+}
+
 /* Committed scenes count on the order. */
 static void lights_at_infinity_stand_first_in_the_table_and_meshes_last(void **state)
 {
@@ -299,6 +316,7 @@ int main(void)
         cmocka_unit_test(the_schema_says_of_lights_what_their_kinds_say),
         cmocka_unit_test(the_schema_says_of_surfaces_what_their_kinds_say),
         cmocka_unit_test(the_schema_has_no_key_of_surfaces_that_no_kind_has),
+        cmocka_unit_test(the_schema_has_the_shapes_of_meshes_that_there_are),
         cmocka_unit_test(lights_at_infinity_stand_first_in_the_table_and_meshes_last),
     };
     return cmocka_run_group_tests(tests, load_schema, release_schema);
