@@ -504,7 +504,7 @@ static bool is_lamp(const lf_scene *scene, int mesh)
 {
     bool found = false;
     for (int i = 0; i < scene->n_lights; i++)
-        found = found || (scene->lights[i].kind == &lf_light_mesh && scene->lights[i].mesh == mesh);
+        found = found || (lf_light_has_faces(&scene->lights[i]) && scene->lights[i].mesh == mesh);
     return found;
 }
 
@@ -514,7 +514,7 @@ static void find_overlaps(const commit *c)
     for (int i = 0; i < scene->n_lights; i++) {
         const lf_light *light = &scene->lights[i];
         int mesh = light->mesh,
-            other = light->kind == &lf_light_mesh ? lf_mesh_light_overlaps(scene, light) : -1;
+            other = lf_light_has_faces(light) ? lf_mesh_light_overlaps(scene, light) : -1;
         if (other < 0)
             continue;
         scene->has_overlaps = true;

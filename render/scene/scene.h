@@ -171,11 +171,16 @@ typedef struct lf_light {
     lf_vec3 irradiance;          /* on a plane across direction */
     float versine;               /* 1 - cos of half the angle about direction */
     lf_vec3 position, intensity; /* scene-local, W sr^-1 */
-    float own[2];                /* whatever else a kind's own file wants to keep */
-    int mesh;                    /* index into scene->meshes */
-    uint16_t mesh_material;      /* the emitting material (triangles of it only) */
-    int n_triangles;             /* emitting triangles … */
-    uint32_t *triangle;          /* … their numbers */
+    /* What one kind alone keeps: a struct each. */
+    union {
+        struct {
+            float inner; /* the versine at which the fall to the rim begins */
+        } spot;
+    } own;
+    int mesh;               /* index into scene->meshes */
+    uint16_t mesh_material; /* the emitting material (triangles of it only) */
+    int n_triangles;        /* emitting triangles … */
+    uint32_t *triangle;     /* … their numbers */
     /* [n_triangles + 1] cumulative area, 0..1: a float's steps would show in small triangles */
     double *area_cdf;
     float area; /* total */

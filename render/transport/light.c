@@ -84,7 +84,7 @@ const lf_light *lf_light_of_hit(const lf_scene *scene, const lf_hit *hit)
     while (count > 0) {
         int half = count / 2;
         const lf_light *l = &scene->lights[first + half];
-        bool below = l->kind != &lf_light_mesh || l->mesh < mesh ||
+        bool below = !lf_light_has_faces(l) || l->mesh < mesh ||
                      (l->mesh == mesh && l->mesh_material < material);
         first = below ? first + half + 1 : first;
         count = below ? count - half - 1 : half;

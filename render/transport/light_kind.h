@@ -15,7 +15,7 @@ typedef struct lf_light_kind {
     const lf_param *keys;
     /* Fills a zeroed light from the values of keys, in their order. Points are moved by -origin,
      * which is near the middle of the scene. What no field of lf_light has room for goes into
-     * light->own (light_spot.c). */
+     * a struct of light->own (light_spot.c). */
     void (*read)(const lf_value values[], const double origin[3], lf_light *light);
     /* Works out what draw needs beyond what read set, called once; NULL = nothing. */
     void (*commit)(lf_light *light);
@@ -41,7 +41,8 @@ typedef struct lf_light_kind {
     /* The middle of the light and how far it reaches from there. */
     void (*extent)(const lf_scene *scene, const lf_light *light, lf_vec3 *out_middle,
                    float *out_radius);
-    /* pdf at `from` of drawing the direction to a hit on the light; NULL = no ray can hit it. */
+    /* pdf at `from` of drawing the direction to a hit on the light; NULL = no ray can hit it. What
+     * can be hit are triangles of light->mesh, those of light->mesh_material. */
     float (*hit_pdf)(const lf_light *light, lf_vec3 from, const lf_hit *hit);
 } lf_light_kind;
 
@@ -57,6 +58,12 @@ typedef struct lf_light_kind {
 #define LF_DECLARE_LIGHT(name) extern const lf_light_kind lf_light_##name;
 LF_LIGHT_KINDS(LF_DECLARE_LIGHT)
 #undef LF_DECLARE_LIGHT
+
+/* Whether rays can hit the light. */
+static inline bool lf_light_has_faces(const lf_light *light)
+{
+    return light->kind->hit_pdf;
+}
 
 /* The same as a list, ended by NULL. */
 extern const lf_light_kind *const lf_light_kinds[];

@@ -5,13 +5,11 @@
  */
 #include "render/transport/light_types.h"
 
-enum { INNER }; /* of own: the versine at which the fall begins */
-
 /* Share of the intensity that goes along the unit vector w. */
 static float falloff(const lf_light *light, lf_vec3 w)
 {
     lf_vec3 off_axis = lf_sub(w, light->direction);
-    float versine = 0.5f * lf_dot(off_axis, off_axis), inner = light->own[INNER];
+    float versine = 0.5f * lf_dot(off_axis, off_axis), inner = light->own.spot.inner;
     if (versine <= inner)
         return 1.0f;
     if (versine >= light->versine)
@@ -34,7 +32,7 @@ static bool draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double
 static double power(const lf_light *light, double radius)
 {
     (void)radius;
-    return (double)LF_PI * ((double)light->own[INNER] + (double)light->versine) *
+    return (double)LF_PI * ((double)light->own.spot.inner + (double)light->versine) *
            (double)lf_mean3(light->intensity);
 }
 
@@ -67,7 +65,7 @@ static void read(const lf_value values[], const double origin[3], lf_light *ligh
     light->direction = lf_to_vec3(values[DIRECTION].number);
     light->intensity = lf_to_vec3(values[INTENSITY].number);
     light->versine = (float)versine_of(half);
-    light->own[INNER] = (float)versine_of(half * (1.0 - values[BLEND].number[0]));
+    light->own.spot.inner = (float)versine_of(half * (1.0 - values[BLEND].number[0]));
 }
 
 const lf_light_kind lf_light_spot = {
