@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/alloc.h"
 #include "device/device_table.h"
 
 enum { MAX_FOUND = 32 };
@@ -71,6 +72,19 @@ const char *lf_device_folder(const char *spec, size_t *out_length)
         return NULL;
     *out_length = ops->folder(argument_of(spec));
     return argument_of(spec);
+}
+
+char *lf_device_allowed_spec(const char *spec, const char *folder)
+{
+    size_t n;
+    const char *named = lf_device_folder(spec, &n), *option = kind_of(spec)->no_links;
+    bool has = strstr(named + n, option);
+    size_t size = strlen(spec) - n + strlen(folder) + strlen(option) + 1;
+    char *allowed = lf_calloc(size, 1);
+    if (allowed)
+        snprintf(allowed, size, "%.*s%s%s%s", (int)(named - spec), spec, folder, named + n,
+                 has ? "" : option);
+    return allowed;
 }
 
 /* What has become of looking for a panel so far. */

@@ -68,6 +68,9 @@ typedef struct lf_device_ops {
     /* How much of the argument, from its start, names the folder that the device writes into: a
      * client that opens it writes there. NULL = it writes nowhere. */
     size_t (*folder)(const char *argument);
+    /* What is put behind an argument so that no link is followed on the way to that folder. NULL =
+     * it writes nowhere. */
+    const char *no_links;
 
     /* Finds the panels of this kind that are there now, without disturbing them or whoever uses
      * them: no exclusive opening, no mode setting. Fills at most max entries of out (spec is what
@@ -189,6 +192,10 @@ bool lf_device_same(const char *open, const char *spec);
 /* Where in spec the folder begins that such a device writes into, and its length; NULL = it writes
  * nowhere. */
 const char *lf_device_folder(const char *spec, size_t *out_length);
+/* The spec (lf_free) of the same device with `folder`, a canonical name that was found to be
+ * allowed, in the place of its own: no link is followed when it is opened, so that what is swapped
+ * for one meanwhile leads nowhere. spec names a folder. NULL = out of memory. */
+char *lf_device_allowed_spec(const char *spec, const char *folder);
 
 /* Devices that could be opened now, panels first, "none" last; returns how many were written (at
  * most max). */

@@ -1,4 +1,3 @@
-#include <stdio.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -20,27 +19,15 @@ static bool is_own(const lf_server *server, const char *folder, size_t n)
     return own && n_own == n && memcmp(own, folder, n) == 0;
 }
 
-/* The spec with another folder in the place of the n bytes at `named`. */
-static lf_status replace_folder(const char *spec, const char *named, size_t n, const char *folder,
-                                char **out_spec, lf_error *err)
-{
-    size_t size = strlen(spec) - n + strlen(folder) + 1;
-    char *replaced = lf_calloc(size, 1);
-    if (!replaced)
-        return lf_error_set(err, LF_E_NOMEM, "device", "out of memory");
-    snprintf(replaced, size, "%.*s%s%s", (int)(named - spec), spec, folder, named + n);
-    *out_spec = replaced;
-    return LF_OK;
-}
-
 /* Where a device writes into a folder, a client may name the one of the command line, or one
- * beneath --export-dir, which is opened by its canonical path. *out_spec (lf_free) is what may be
- * opened. */
+ * beneath --export-dir, which is opened by its canonical path and following no link: that may be
+ * later, and more than once. *out_spec (lf_free) is what may be opened. */
 static lf_status check_spec(const lf_server *server, const char *spec, char **out_spec,
                             lf_error *err)
 {
     size_t n;
     const char *named = lf_device_folder(spec, &n);
+    char *allowed = NULL;
     if (!named || is_own(server, named, n)) {
         *out_spec = lf_strdup(spec);
         return *out_spec ? LF_OK : lf_error_set(err, LF_E_NOMEM, "device", "out of memory");
@@ -51,6 +38,8 @@ static lf_status check_spec(const lf_server *server, const char *spec, char **ou
     char *folder = lf_strdup(named);
     if (!folder)
         return lf_error_set(err, LF_E_NOMEM, "device", "out of memory");
+    while (n > 1 && named[n - 1] == '/')
+        n--;
     folder[n] = '\0';
     lf_held_name held = {.folder_fd = -1};
     lf_status status = lf_server_write_path(server, folder, &held, err);
@@ -59,7 +48,11 @@ static lf_status check_spec(const lf_server *server, const char *spec, char **ou
         status = lf_error_set(err, LF_E_PATH, held.path,
                               "a simulated panel's folder may not have a comma in its path");
     else if (status == LF_OK)
-        status = replace_folder(spec, named, n, held.path, out_spec, err);
+        allowed = lf_device_allowed_spec(spec, held.path);
+    if (status == LF_OK && !allowed)
+        status = lf_error_set(err, LF_E_NOMEM, "device", "out of memory");
+    else if (status == LF_OK)
+        *out_spec = allowed;
     lf_held_name_finish(&held);
     lf_free(folder);
     return status;

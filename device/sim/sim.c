@@ -11,7 +11,8 @@
  *                                    Portrait
  *   .unplugged                       written when the unplug option strikes
  *
- * The folder itself is locked (flock), so that two daemons never share a panel. Options:
+ * The folder itself is held open and locked (flock), so that two daemons never share a panel, and
+ * so that everything is in the folder that was opened, whatever its name leads to by now. Options:
  * lf_sim_options in device/sim/sim.h. A folder that cannot be written to ends nothing: it is
  * counted and told by info.problem.
  *
@@ -30,6 +31,7 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/paths.h"
 #include "base/thread.h"
 #include "device/device_table.h"
 #include "device/sim/sim.h"
@@ -43,7 +45,7 @@ typedef struct sim_device {
     lf_calibration calibration;
     char calibration_from[256];
     char spec[512];
-    int dir_fd; /* holds the lock */
+    int dir_fd; /* holds the lock; everything is reached through it */
     int timer_fd;
     lf_sim_writer *writer;
     /* event thread */
@@ -93,18 +95,70 @@ static lf_status make_folder(const char *dir, lf_error *err)
     return LF_OK;
 }
 
-static lf_status lock_folder(sim_device *sim, lf_error *err)
+static lf_status cannot_open(const char *dir, lf_error *err)
 {
-    const char *dir = sim->options.dir;
-    sim->dir_fd = open(dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (sim->dir_fd < 0 && errno == ENOENT) {
+    return lf_error_set(err, LF_E_IO, dir, "cannot open the folder: %s", lf_errno_text(errno));
+}
+
+/* Made with those above it where they are missing. */
+static lf_status open_folder(const char *dir, int *out_fd, lf_error *err)
+{
+    int fd = open(dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0 && errno == ENOENT) {
         lf_status status = make_folder(dir, err);
         if (status != LF_OK)
             return status;
-        sim->dir_fd = open(dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        fd = open(dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     }
-    if (sim->dir_fd < 0)
-        return lf_error_set(err, LF_E_IO, dir, "cannot open the folder: %s", lf_errno_text(errno));
+    if (fd < 0)
+        return cannot_open(dir, err);
+    *out_fd = fd;
+    return LF_OK;
+}
+
+/* The folder above the canonical name, O_PATH; -1 and errno. */
+static int open_above(const char *dir, const char *last)
+{
+    char above[sizeof((lf_sim_options *)0)->dir];
+    const char *start = dir + (dir[0] == '/');
+    snprintf(above, sizeof above, "%.*s", last > start ? (int)(last - start - 1) : 0, start);
+    int top = open(dir[0] == '/' ? "/" : ".", O_PATH | O_DIRECTORY | O_CLOEXEC);
+    int fd = top >= 0 ? lf_beneath_open(top, above[0] ? above : ".", O_PATH | O_DIRECTORY) : -1;
+    int why = errno;
+    if (top >= 0)
+        close(top);
+    errno = why;
+    return fd;
+}
+
+/* By its canonical name, following no link; made where only it itself is missing. */
+static lf_status open_canonical(const char *dir, int *out_fd, lf_error *err)
+{
+    const char *slash = strrchr(dir, '/'), *last = slash ? slash + 1 : dir;
+    int held = -1, above = open_above(dir, last);
+    bool made;
+    if (above < 0)
+        return cannot_open(dir, err);
+    lf_status status = lf_held_folder(above, last, &held, &made, err);
+    close(above);
+    if (status != LF_OK)
+        return status;
+    int fd = openat(held, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0)
+        status = cannot_open(dir, err);
+    else
+        *out_fd = fd;
+    close(held);
+    return status;
+}
+
+static lf_status lock_folder(sim_device *sim, lf_error *err)
+{
+    const char *dir = sim->options.dir;
+    lf_status status = sim->options.no_links ? open_canonical(dir, &sim->dir_fd, err)
+                                             : open_folder(dir, &sim->dir_fd, err);
+    if (status != LF_OK)
+        return status;
     if (flock(sim->dir_fd, LOCK_EX | LOCK_NB) == 0)
         return LF_OK;
     if (errno == EWOULDBLOCK)
@@ -119,25 +173,35 @@ static lf_status find_calibration(sim_device *sim, const lf_calibration *overrid
         snprintf(sim->calibration_from, sizeof sim->calibration_from, "given by the caller");
         return LF_OK;
     }
-    char path[600];
-    snprintf(path, sizeof path, "%s/calibration.json", sim->options.dir);
-    if (faccessat(AT_FDCWD, path, F_OK, 0) != 0) {
+    static const char name[] = "calibration.json";
+    char path[512], link[64];
+    int fd = sim->options.no_links ? lf_beneath_open(sim->dir_fd, name, O_PATH)
+                                   : openat(sim->dir_fd, name, O_PATH | O_CLOEXEC);
+    if (fd < 0 && errno != ENOENT)
+        return lf_error_set(err, LF_E_IO, name, "cannot open: %s", lf_errno_text(errno));
+    if (fd < 0) {
         lf_calibration_portrait(&sim->calibration);
         snprintf(sim->calibration_from, sizeof sim->calibration_from, "nominal Portrait");
         return LF_OK;
     }
+    snprintf(path, sizeof path, "%.480s/%s", sim->options.dir, name);
+    snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
     lf_device_text(sim->calibration_from, sizeof sim->calibration_from, path);
-    return lf_calibration_load(path, &sim->calibration, err);
+    lf_status status = lf_calibration_load(link, &sim->calibration, err);
+    if (status != LF_OK && err)
+        snprintf(err->where, sizeof err->where, "%s", path);
+    close(fd);
+    return status;
 }
 
 static lf_status check_plug(sim_device *sim, lf_error *err)
 {
     const lf_sim_options *o = &sim->options;
     if (o->unplug_updates == 0) {
-        lf_sim_plug_clear(o->dir);
+        lf_sim_plug_clear(sim->dir_fd);
         return LF_OK;
     }
-    lf_sim_plug plug = lf_sim_plug_state(o->dir, lf_time_now_ns());
+    lf_sim_plug plug = lf_sim_plug_state(sim->dir_fd, lf_time_now_ns());
     if (plug == LF_SIM_UNPLUGGED)
         return lf_error_set(err, LF_E_NODEV, o->dir, "the simulated panel is unplugged");
     sim->may_unplug = plug == LF_SIM_PLUGGED;
@@ -172,7 +236,7 @@ static lf_status sim_open(const char *argument, const lf_calibration *calibratio
         status = lf_error_set(err, LF_E_NOMEM, "sim", "out of memory or descriptors");
         goto fail;
     }
-    status = lf_sim_writer_create(&sim->options, &sim->calibration, &sim->writer, err);
+    status = lf_sim_writer_create(&sim->options, sim->dir_fd, &sim->calibration, &sim->writer, err);
     if (status != LF_OK)
         goto fail;
     *out_device = &sim->base;
@@ -249,7 +313,7 @@ static void unplug(sim_device *sim)
     uint64_t away = sim->options.replug_ms;
     uint64_t back_ns = away == LF_SIM_NEVER ? LF_SIM_NEVER : lf_time_now_ns() + away * LF_NS_PER_MS;
     sim->gone = true;
-    if (lf_sim_plug_out(sim->options.dir, back_ns, &err) != LF_OK) {
+    if (lf_sim_plug_out(sim->dir_fd, back_ns, &err) != LF_OK) {
         char text[512];
         snprintf(text, sizeof text, "the unplugging could not be written down: %.200s", err.what);
         lf_device_text(sim->unplug_problem, sizeof sim->unplug_problem, text);
@@ -410,6 +474,7 @@ const lf_device_ops lf_sim_ops = {
     .is_panel = true,
     .same = sim_same,
     .folder = sim_folder,
+    .no_links = ",links=no",
     .open = sim_open,
     .destroy = sim_destroy,
     .info = sim_info,

@@ -13,6 +13,8 @@
 /* "DIR[,option=value…]"; pushes count from 1. 0 = the fault is off unless said otherwise. */
 typedef struct lf_sim_options {
     char dir[512]; /* as given; holds no comma */
+    /* links=no: no symbolic link is followed on the way to it, or from it to calibration.json */
+    bool no_links;
     /* eye=DEG: from where view.png is seen, positive = from the right; -90..90 */
     double eye_deg;
     uint64_t latency_ms;  /* latency=MS: every push takes this long */
@@ -46,12 +48,12 @@ typedef struct lf_sim_update {
 /* updates.jsonl, appended to; at rotate_bytes it becomes updates.jsonl.1 (the older .1 is lost) and
  * a new one begins. */
 typedef struct lf_sim_log {
-    char path[600], old_path[600];
+    int folder_fd; /* borrowed */
     uint64_t rotate_bytes;
     int fd; /* -1 = not open: the next append tries again */
 } lf_sim_log;
 
-void lf_sim_log_init(lf_sim_log *log, const char *dir, uint64_t rotate_bytes);
+void lf_sim_log_init(lf_sim_log *log, int folder_fd, uint64_t rotate_bytes);
 void lf_sim_log_finish(lf_sim_log *log);
 /* Appends whole lines. LF_E_IO: the lines from the one that failed on are lost, the file still ends
  * with a whole line. */
@@ -67,11 +69,11 @@ typedef enum lf_sim_plug {
     LF_SIM_UNPLUGGED, /* is away */
     LF_SIM_REPLUGGED, /* was away and is back: is not unplugged a second time */
 } lf_sim_plug;
-lf_sim_plug lf_sim_plug_state(const char *dir, uint64_t now_ns);
+lf_sim_plug lf_sim_plug_state(int folder_fd, uint64_t now_ns);
 /* Writes down that it is away until back_ns (LF_SIM_NEVER). LF_E_IO. */
-LF_NODISCARD lf_status lf_sim_plug_out(const char *dir, uint64_t back_ns, lf_error *err);
+LF_NODISCARD lf_status lf_sim_plug_out(int folder_fd, uint64_t back_ns, lf_error *err);
 /* Forgets. */
-void lf_sim_plug_clear(const char *dir);
+void lf_sim_plug_clear(int folder_fd);
 
 /* ------------------------------------------------------------------------------ sim_writer.c -- */
 
@@ -79,7 +81,8 @@ void lf_sim_plug_clear(const char *dir);
  * views, the lines owed. The calls below come from the device's thread; they copy and return. */
 typedef struct lf_sim_writer lf_sim_writer;
 
-LF_NODISCARD lf_status lf_sim_writer_create(const lf_sim_options *options,
+/* folder_fd is DIR, borrowed until the writer is destroyed. */
+LF_NODISCARD lf_status lf_sim_writer_create(const lf_sim_options *options, int folder_fd,
                                             const lf_calibration *calibration, lf_sim_writer **out,
                                             lf_error *err);
 /* Writes what is owed (no further picture but panel.png is begun when 1 s has passed), ends the

@@ -76,6 +76,8 @@ static lf_status parse_option(const char *option, size_t length, lf_sim_options 
     bool known = true, good = false;
     if (name_length == 3 && memcmp(option, "eye", 3) == 0) {
         good = parse_eye(equals + 1, end, &out->eye_deg);
+    } else if (length == 8 && memcmp(option, "links=no", 8) == 0) {
+        good = out->no_links = true;
     } else if (name_length == 5 && memcmp(option, "stall", 5) == 0) {
         good = parse_stall(equals + 1, end, out);
     } else {
@@ -91,7 +93,7 @@ static lf_status parse_option(const char *option, size_t length, lf_sim_options 
     if (!known)
         return lf_error_set(err, LF_E_ARG, "sim",
                             "no option \"%.*s\"; there are eye, latency, bandwidth, stall, error, "
-                            "error_every, unplug, replug, rotate",
+                            "error_every, unplug, replug, rotate, links=no",
                             (int)name_length, option);
     if (!good)
         return lf_error_set(err, LF_E_ARG, "sim", "option \"%.*s\" is not a number in its range",

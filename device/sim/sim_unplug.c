@@ -10,14 +10,11 @@
 
 enum { MAX_STATE = 128 };
 
-static void state_path(const char *dir, char *out, size_t size)
-{
-    snprintf(out, size, "%s/.unplugged", dir);
-}
+static const char state_name[] = ".unplugged";
 
-static bool read_small(const char *path, char *out, size_t size)
+static bool read_small(int folder_fd, const char *name, char *out, size_t size)
 {
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    int fd = openat(folder_fd, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (fd < 0)
         return false;
     ssize_t n = read(fd, out, size - 1);
@@ -31,7 +28,7 @@ static bool read_small(const char *path, char *out, size_t size)
 static uint64_t start_time(void)
 {
     char stat[1024];
-    if (!read_small("/proc/self/stat", stat, sizeof stat))
+    if (!read_small(AT_FDCWD, "/proc/self/stat", stat, sizeof stat))
         return 0;
     /* the 2nd field, the program's name, may hold anything */
     const char *field = strrchr(stat, ')');
@@ -43,11 +40,10 @@ static uint64_t start_time(void)
     return ticks;
 }
 
-lf_sim_plug lf_sim_plug_state(const char *dir, uint64_t now_ns)
+lf_sim_plug lf_sim_plug_state(int folder_fd, uint64_t now_ns)
 {
-    char path[600], text[MAX_STATE];
-    state_path(dir, path, sizeof path);
-    if (!read_small(path, text, sizeof text))
+    char text[MAX_STATE];
+    if (!read_small(folder_fd, state_name, text, sizeof text))
         return LF_SIM_PLUGGED;
     int pid = 0;
     uint64_t started = 0, back_ns = 0;
@@ -57,25 +53,24 @@ lf_sim_plug lf_sim_plug_state(const char *dir, uint64_t now_ns)
     return back_ns == LF_SIM_NEVER || now_ns < back_ns ? LF_SIM_UNPLUGGED : LF_SIM_REPLUGGED;
 }
 
-lf_status lf_sim_plug_out(const char *dir, uint64_t back_ns, lf_error *err)
+lf_status lf_sim_plug_out(int folder_fd, uint64_t back_ns, lf_error *err)
 {
-    char path[600], text[MAX_STATE];
-    state_path(dir, path, sizeof path);
+    char text[MAX_STATE];
     int n = snprintf(text, sizeof text, "%d %" PRIu64 " %" PRIu64 "\n", (int)getpid(), start_time(),
                      back_ns);
-    int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    int fd = openat(folder_fd, state_name,
+                    O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     if (fd < 0)
-        return lf_error_set(err, LF_E_IO, path, "cannot open: %s", lf_errno_text(errno));
+        return lf_error_set(err, LF_E_IO, state_name, "cannot open: %s", lf_errno_text(errno));
     ssize_t written = write(fd, text, (size_t)n);
     int why = written < 0 ? errno : ENOSPC;
     close(fd);
-    return written == n ? LF_OK
-                        : lf_error_set(err, LF_E_IO, path, "cannot write: %s", lf_errno_text(why));
+    return written == n
+               ? LF_OK
+               : lf_error_set(err, LF_E_IO, state_name, "cannot write: %s", lf_errno_text(why));
 }
 
-void lf_sim_plug_clear(const char *dir)
+void lf_sim_plug_clear(int folder_fd)
 {
-    char path[600];
-    state_path(dir, path, sizeof path);
-    unlink(path);
+    unlinkat(folder_fd, state_name, 0);
 }

@@ -11,12 +11,11 @@
 
 enum { MAX_LINE = 256, BLOCK = 16384 };
 
-void lf_sim_log_init(lf_sim_log *log, const char *dir, uint64_t rotate_bytes)
+static const char name[] = "updates.jsonl", old_name[] = "updates.jsonl.1";
+
+void lf_sim_log_init(lf_sim_log *log, int folder_fd, uint64_t rotate_bytes)
 {
-    snprintf(log->path, sizeof log->path, "%s/updates.jsonl", dir);
-    snprintf(log->old_path, sizeof log->old_path, "%s/updates.jsonl.1", dir);
-    log->rotate_bytes = rotate_bytes;
-    log->fd = -1;
+    *log = (lf_sim_log){.folder_fd = folder_fd, .rotate_bytes = rotate_bytes, .fd = -1};
 }
 
 void lf_sim_log_finish(lf_sim_log *log)
@@ -43,14 +42,14 @@ static void cut_half_line(int fd)
 
 static lf_status open_log(lf_sim_log *log, lf_error *err)
 {
-    log->fd =
-        open(log->path, O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    log->fd = openat(log->folder_fd, name,
+                     O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     if (log->fd < 0)
-        return lf_error_set(err, LF_E_IO, log->path, "cannot open: %s", lf_errno_text(errno));
+        return lf_error_set(err, LF_E_IO, name, "cannot open: %s", lf_errno_text(errno));
     struct stat st;
     if (fstat(log->fd, &st) != 0 || !S_ISREG(st.st_mode)) {
         lf_sim_log_finish(log);
-        return lf_error_set(err, LF_E_IO, log->path, "is not a regular file");
+        return lf_error_set(err, LF_E_IO, name, "is not a regular file");
     }
     cut_half_line(log->fd);
     return LF_OK;
@@ -59,8 +58,8 @@ static lf_status open_log(lf_sim_log *log, lf_error *err)
 static lf_status rotate(lf_sim_log *log, lf_error *err)
 {
     lf_sim_log_finish(log);
-    if (rename(log->path, log->old_path) != 0)
-        return lf_error_set(err, LF_E_IO, log->path, "cannot rotate: %s", lf_errno_text(errno));
+    if (renameat(log->folder_fd, name, log->folder_fd, old_name) != 0)
+        return lf_error_set(err, LF_E_IO, name, "cannot rotate: %s", lf_errno_text(errno));
     return open_log(log, err);
 }
 
@@ -69,7 +68,7 @@ static lf_status append_text(lf_sim_log *log, const char *text, size_t length, l
 {
     struct stat st;
     if (fstat(log->fd, &st) != 0)
-        return lf_error_set(err, LF_E_IO, log->path, "%s", lf_errno_text(errno));
+        return lf_error_set(err, LF_E_IO, name, "%s", lf_errno_text(errno));
     size_t done = 0;
     while (done < length) {
         ssize_t n = write(log->fd, text + done, length - done);
@@ -79,7 +78,7 @@ static lf_status append_text(lf_sim_log *log, const char *text, size_t length, l
             int why = n < 0 ? errno : ENOSPC;
             if (ftruncate(log->fd, st.st_size) != 0)
                 lf_sim_log_finish(log); /* opening it again cuts the half line */
-            return lf_error_set(err, LF_E_IO, log->path, "cannot write: %s", lf_errno_text(why));
+            return lf_error_set(err, LF_E_IO, name, "cannot write: %s", lf_errno_text(why));
         }
         done += (size_t)n;
     }

@@ -36,7 +36,8 @@ typedef struct owed_lines {
 
 struct lf_sim_writer {
     /* immutable after create */
-    char panel_path[600], view_path[600], quilt_path[600];
+    char dir[512]; /* to be told */
+    int folder_fd;
     bool has_lock, has_wake, has_idle, has_thread;
     pthread_t thread;
 
@@ -73,23 +74,29 @@ static uint64_t thread_cpu_ns(void)
     return (uint64_t)t.tv_sec * LF_NS_PER_S + (uint64_t)t.tv_nsec;
 }
 
-static void set_problem(char *out, size_t size, const lf_error *err)
+/* err is about a file in the folder, by whatever path. */
+static void set_problem(const lf_sim_writer *w, char *out, size_t size, const lf_error *err)
 {
     char text[256];
-    snprintf(text, sizeof text, "%.110s: %.110s; the files are behind", err->where, err->what);
+    const char *slash = strrchr(err->where, '/');
+    snprintf(text, sizeof text, "%.90s/%.20s: %.110s; the files are behind", w->dir,
+             slash ? slash + 1 : err->where, err->what);
     lf_device_text(out, size, text);
 }
 
 /* ------------------------------------------------------------------------ pictures and lines -- */
 
-static lf_status write_png(const char *path, const lf_image8 *image, uint64_t generation,
+static lf_status write_png(const lf_sim_writer *w, const char *name, const lf_image8 *image,
                            lf_error *err)
 {
     char number[32];
-    snprintf(number, sizeof number, "%" PRIu64, generation);
+    snprintf(number, sizeof number, "%" PRIu64, w->snapshot_generation);
     const lf_attribute attribute = {"generation", number};
     lf_outfile file = {.fd = -1};
-    lf_status status = lf_outfile_open(&file, path, true, err);
+    char *path = lf_held_path(w->folder_fd, name);
+    lf_status status = path ? lf_outfile_open(&file, path, true, err)
+                            : lf_error_set(err, LF_E_NOMEM, name, "out of memory");
+    lf_free(path);
     if (status != LF_OK)
         return status;
     status = lf_png_write(&file, image, PNG_LEVEL, &attribute, 1, err);
@@ -132,13 +139,13 @@ static void write_pictures(lf_sim_writer *w, bool *quilt_owed)
 
     uint64_t began = thread_cpu_ns();
     lf_error err = {0};
-    lf_status status = write_png(w->panel_path, &w->snapshot, w->snapshot_generation, &err);
+    lf_status status = write_png(w, "panel.png", &w->snapshot, &err);
     if (status == LF_OK && w->optics && !too_late(w)) {
         lf_optics_view(w->optics, &w->snapshot, &w->view);
-        status = write_png(w->view_path, &w->view, w->snapshot_generation, &err);
+        status = write_png(w, "view.png", &w->view, &err);
     }
     if (status == LF_OK && *quilt_owed && !too_late(w)) {
-        status = write_png(w->quilt_path, &w->quilt, w->snapshot_generation, &err);
+        status = write_png(w, "quilt.png", &w->quilt, &err);
         *quilt_owed = status != LF_OK;
     }
     uint64_t pause = (thread_cpu_ns() - began) * PAUSE_PER_WORK;
@@ -150,7 +157,7 @@ static void write_pictures(lf_sim_writer *w, bool *quilt_owed)
         w->picture_problem[0] = 0;
     } else {
         w->errors++;
-        set_problem(w->picture_problem, sizeof w->picture_problem, &err);
+        set_problem(w, w->picture_problem, sizeof w->picture_problem, &err);
     }
     w->due_ns = lf_time_now_ns() + (pause > LEAST_PAUSE_NS ? pause : LEAST_PAUSE_NS);
 }
@@ -170,7 +177,7 @@ static void write_lines(lf_sim_writer *w)
     if (status != LF_OK) {
         w->errors++;
         w->owed.failed = true;
-        set_problem(w->owed.problem, sizeof w->owed.problem, &err);
+        set_problem(w, w->owed.problem, sizeof w->owed.problem, &err);
     }
 }
 
@@ -350,17 +357,17 @@ static bool make_locks(lf_sim_writer *w)
     return w->has_lock && w->has_wake && w->has_idle;
 }
 
-lf_status lf_sim_writer_create(const lf_sim_options *options, const lf_calibration *calibration,
-                               lf_sim_writer **out, lf_error *err)
+lf_status lf_sim_writer_create(const lf_sim_options *options, int folder_fd,
+                               const lf_calibration *calibration, lf_sim_writer **out,
+                               lf_error *err)
 {
     lf_status status = LF_E_NOMEM;
     lf_sim_writer *w = lf_calloc(1, sizeof *w);
     if (!w)
         goto fail;
-    snprintf(w->panel_path, sizeof w->panel_path, "%s/panel.png", options->dir);
-    snprintf(w->view_path, sizeof w->view_path, "%s/view.png", options->dir);
-    snprintf(w->quilt_path, sizeof w->quilt_path, "%s/quilt.png", options->dir);
-    lf_sim_log_init(&w->log, options->dir, options->rotate_bytes);
+    snprintf(w->dir, sizeof w->dir, "%s", options->dir);
+    w->folder_fd = folder_fd;
+    lf_sim_log_init(&w->log, folder_fd, options->rotate_bytes);
     w->owed.ring = lf_calloc(RING, sizeof *w->owed.ring);
     if (!w->owed.ring || !make_locks(w))
         goto fail;

@@ -248,6 +248,45 @@ static void a_folder_that_is_swapped_leads_no_export_away(void **state)
     live_finish(&l);
 }
 
+static bool device_problem_holds(live_client *c, const char *text)
+{
+    json_t *answer = live_call(c, "status", NULL);
+    const char *problem = NULL;
+    assert_int_equal(json_unpack(answer, "{s:{s:{s:s}}}", "result", "device", "problem", &problem),
+                     0);
+    bool holds = strstr(problem, text);
+    json_decref(answer);
+    return holds;
+}
+
+/* The panel is unplugged with its first update, and opened again by its name. */
+static void a_panels_folder_that_is_swapped_is_not_opened_again(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", "none", NULL);
+    live_client c;
+    live_connect(&l, &c);
+    char folder[PATH_MAX], moved[PATH_MAX], away[PATH_MAX], spec[PATH_MAX];
+    snprintf(folder, sizeof folder, "%s/p", l.exports);
+    snprintf(moved, sizeof moved, "%s/moved", l.exports);
+    snprintf(away, sizeof away, "%s/away", l.folder);
+    snprintf(spec, sizeof spec, "sim:%s/p,unplug=1,replug=0,latency=200", l.exports);
+    assert_int_equal(mkdir(away, 0700), 0);
+    assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", spec)), 0);
+    assert_int_equal(rename(folder, moved), 0);
+    assert_int_equal(symlink(away, folder), 0);
+    for (int i = 0; !device_problem_holds(&c, "cannot open the folder"); i++) {
+        assert_true(i < 600);
+        live_nap(50);
+    }
+    assert_int_equal(access(lf_test_path(moved, ".unplugged"), F_OK), 0);
+    assert_int_equal(rmdir(away), 0); /* nothing is in it */
+    live_close(&c);
+    live_finish(&l);
+}
+
 static void quiltctl_exports_with_the_rights_of_its_caller(void **state)
 {
     (void)state;
@@ -422,6 +461,7 @@ int main(void)
         cmocka_unit_test(an_export_of_a_coarse_picture_is_filled_as_the_screen_is),
         cmocka_unit_test(an_export_that_waits_can_be_cancelled),
         cmocka_unit_test(a_folder_that_is_swapped_leads_no_export_away),
+        cmocka_unit_test(a_panels_folder_that_is_swapped_is_not_opened_again),
         cmocka_unit_test(quiltctl_exports_with_the_rights_of_its_caller),
         cmocka_unit_test(the_last_panel_is_the_exported_quilt_interlaced),
         cmocka_unit_test(a_quilt_picture_is_shown_as_it_is),

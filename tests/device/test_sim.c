@@ -460,28 +460,78 @@ static void calibration_is_the_callers_then_the_folders_then_a_portraits(void **
     assert_null(device);
 }
 
-/* Takes the folder away under the device, which no rights of root survive. */
+/* A folder in the place of a file: no rights of root survive that. */
 static void unwritable_folder_ends_nothing(void **state)
 {
-    char *base = *state;
-    char dir[PATH_MAX], moved[PATH_MAX];
-    snprintf(dir, sizeof dir, "%s/panel", base);
-    snprintf(moved, sizeof moved, "%s/moved", base);
+    char *dir = *state;
     lf_device *device = open_sim(dir, "");
     assert_string_equal(device_info_of(device).problem, "");
-    assert_int_equal(rename(dir, moved), 0);
+    assert_int_equal(mkdir(lf_test_path(dir, "panel.png"), 0700), 0);
     for (int i = 1; i < 4; i++)
         assert_int_equal(show(device, i), LF_DEVICE_READY);
     lf_assert_status(device->ops->flush(device, DEVICE_WAIT_MS), LF_E_IO, NULL);
-    assert_true(device_info_of(device).problem[0] != 0);
+    assert_non_null(strstr(device_info_of(device).problem, lf_test_path(dir, "panel.png")));
     assert_true(device_counters_of(device).errors > 0);
     assert_int_equal(device_counters_of(device).updates, 3);
-    assert_int_equal(rename(moved, dir), 0);
+    assert_int_equal(rmdir(lf_test_path(dir, "panel.png")), 0);
     assert_int_equal(show(device, 4), LF_DEVICE_READY);
     wait_for_files(device);
     assert_string_equal(device_info_of(device).problem, "");
     lf_device_destroy(device);
     assert_true(panel_shows(dir, 4));
+}
+
+/* A link stands where the folder was opened; what is written goes on beside it. */
+static void a_folder_that_is_swapped_leads_nothing_away(void **state)
+{
+    static const char *const files[] = {"panel.png", "view.png", "updates.jsonl", "updates.jsonl.1",
+                                        ".unplugged"};
+    char *base = *state;
+    char dir[PATH_MAX], moved[PATH_MAX], away[PATH_MAX];
+    snprintf(dir, sizeof dir, "%s/panel", base);
+    snprintf(moved, sizeof moved, "%s/moved", base);
+    snprintf(away, sizeof away, "%s/away", base);
+    lf_device *device = open_sim(dir, ",rotate=100,unplug=3");
+    assert_int_equal(rename(dir, moved), 0);
+    assert_int_equal(mkdir(away, 0700), 0);
+    assert_int_equal(symlink("away", dir), 0);
+    for (int i = 1; i < 4; i++)
+        show(device, i);
+    lf_assert_status(device->ops->flush(device, DEVICE_WAIT_MS), LF_E_NODEV, NULL);
+    lf_device_destroy(device);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        assert_true(exists(moved, files[i]));
+        assert_false(exists(away, files[i]));
+    }
+}
+
+/* What a client names was found to be no link, but that was earlier. */
+static void links_are_followed_unless_it_is_said(void **state)
+{
+    static const char *const names[] = {"link", "link/new", "real/link", "real", "real/new"};
+    char *dir = *state;
+    char spec[PATH_MAX];
+    lf_error err;
+    lf_test_write(dir, "calibration.json", "{}");
+    assert_int_equal(mkdir(lf_test_path(dir, "real"), 0700), 0);
+    assert_int_equal(symlink("real", lf_test_path(dir, "link")), 0);
+    assert_int_equal(symlink("..", lf_test_path(dir, "real/link")), 0);
+    for (int i = 0; i < 5; i++) {
+        lf_device *device = NULL;
+        snprintf(spec, sizeof spec, "sim:%s/%s,links=no", dir, names[i]);
+        lf_status status = lf_device_open(spec, NULL, &device, &err);
+        lf_assert_status(status, i < 3 ? LF_E_IO : LF_OK, &err);
+        lf_device_destroy(device);
+    }
+    assert_true(exists(dir, "real/new"));
+    snprintf(spec, sizeof spec, "sim:%s/link", dir);
+    lf_device *device = NULL;
+    lf_assert_ok(lf_device_open(spec, NULL, &device, &err), &err);
+    lf_device_destroy(device);
+    assert_int_equal(symlink("../calibration.json", lf_test_path(dir, "real/calibration.json")), 0);
+    lf_assert_status(lf_device_open(spec, NULL, &device, &err), LF_E_FORMAT, &err);
+    snprintf(spec, sizeof spec, "sim:%s/real,links=no", dir);
+    lf_assert_status(lf_device_open(spec, NULL, &device, &err), LF_E_IO, &err);
 }
 
 static void lens_that_cannot_be_looked_through_is_a_problem_only(void **state)
@@ -540,6 +590,8 @@ int main(void)
         lf_test_in_folder(destroy_writes_what_is_owed),
         lf_test_in_folder(calibration_is_the_callers_then_the_folders_then_a_portraits),
         lf_test_in_folder(unwritable_folder_ends_nothing),
+        lf_test_in_folder(a_folder_that_is_swapped_leads_nothing_away),
+        lf_test_in_folder(links_are_followed_unless_it_is_said),
         lf_test_in_folder(lens_that_cannot_be_looked_through_is_a_problem_only),
         lf_test_in_folder(nothing_is_left_open),
     };
