@@ -9,48 +9,6 @@
 #include "base/alloc.h"
 #include "daemon/output/output_internal.h"
 
-/* ------------------------------------------------------------------------------------- names -- */
-
-static lf_status find_name(const char *what, const char *const *names, int n, const char *name,
-                           int *out, lf_error *err)
-{
-    char known[128] = "";
-    for (int i = 0; i < n; i++) {
-        if (strcmp(name, names[i]) == 0) {
-            *out = i;
-            return LF_OK;
-        }
-        size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", names[i]);
-    }
-    return lf_error_set(err, LF_E_ARG, what, "unknown name \"%s\" (there are: %s)", name, known);
-}
-
-static const char *const filter_names[] = {
-    [LF_FILTER_NEAREST] = "nearest", [LF_FILTER_LINEAR] = "linear"};
-static const char *const invert_names[] = {
-    [LF_INVERT_AUTO] = "auto", [LF_INVERT_YES] = "yes", [LF_INVERT_NO] = "no"};
-
-#define COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))
-
-lf_status lf_filter_from_name(const char *name, lf_filter *out, lf_error *err)
-{
-    int index = 0;
-    lf_status status = find_name("filter", filter_names, COUNT(filter_names), name, &index, err);
-    if (status == LF_OK)
-        *out = (lf_filter)index;
-    return status;
-}
-
-lf_status lf_invert_from_name(const char *name, lf_invert *out, lf_error *err)
-{
-    int index = 0;
-    lf_status status = find_name("invert", invert_names, COUNT(invert_names), name, &index, err);
-    if (status == LF_OK)
-        *out = (lf_invert)index;
-    return status;
-}
-
 /* ------------------------------------------------------------------------------------- kinds -- */
 
 #define LIST(name) &lf_output_##name,
@@ -58,14 +16,17 @@ const lf_output_kind *const lf_output_kinds[] = {LF_OUTPUT_KINDS(LIST) NULL};
 
 lf_status lf_output_kind_from_name(const char *name, const lf_output_kind **out, lf_error *err)
 {
-    const char *names[COUNT(lf_output_kinds)] = {NULL};
-    int n = 0, index = 0;
-    for (; lf_output_kinds[n]; n++)
-        names[n] = lf_output_kinds[n]->name;
-    lf_status status = find_name("kind", names, n, name, &index, err);
-    if (status == LF_OK)
-        *out = lf_output_kinds[index];
-    return status;
+    char known[128] = "";
+    for (int i = 0; lf_output_kinds[i]; i++) {
+        const size_t used = strlen(known);
+        if (strcmp(name, lf_output_kinds[i]->name) == 0) {
+            *out = lf_output_kinds[i];
+            return LF_OK;
+        }
+        snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "",
+                 lf_output_kinds[i]->name);
+    }
+    return lf_error_set(err, LF_E_ARG, "kind", "unknown name \"%s\" (there are: %s)", name, known);
 }
 
 bool output_has_ending(const char *text, const char *ending)

@@ -16,11 +16,12 @@
 
 typedef struct lf_output_kind lf_output_kind; /* below */
 
-/* Names as on the command line and in export's parameters; LF_E_ARG for others, *out untouched. */
-/* nearest, linear */
-LF_NODISCARD lf_status lf_filter_from_name(const char *name, lf_filter *out, lf_error *err);
-/* auto, yes, no */
-LF_NODISCARD lf_status lf_invert_from_name(const char *name, lf_invert *out, lf_error *err);
+/* How a panel's picture is made of views; zeroed is the default. */
+typedef struct lf_panel_options {
+    lf_filter filter;
+    lf_invert invert;
+} lf_panel_options;
+extern const lf_param lf_panel_params[];
 
 /* A light field to write: 8-bit display-encoded or linear float views. Borrowed. */
 typedef struct lf_output_source {
@@ -46,9 +47,8 @@ typedef struct lf_output_request {
     const int *fds;
     int n_fds;
     lf_layout layout;                  /* kinds with has_tiles */
-    const lf_calibration *calibration; /* kinds with needs_panel, as the next two */
-    lf_filter filter;
-    lf_invert invert;
+    const lf_calibration *calibration; /* kinds with needs_panel, as the next */
+    lf_panel_options panel;
     const lf_print *print; /* kinds with check_print */
     double exposure;       /* stops, for float views on the way to 8 bits */
     const char *tonemap;   /* NULL = "srgb" */
@@ -73,7 +73,7 @@ struct lf_output_kind {
     const char *option;
     bool is_drawn;    /* of the request alone: source is not read, nothing is rendered */
     bool has_tiles;   /* reads layout */
-    bool needs_panel; /* reads calibration, filter and invert */
+    bool needs_panel; /* reads calibration and panel */
     const char *asks; /* with check_print: the keys of print that it cannot do without */
     int n_files;      /* 0: one for every view */
     /* Whether print says what it must; *out_warning (static text) or NULL. LF_E_ARG. NULL: it reads

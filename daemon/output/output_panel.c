@@ -5,6 +5,29 @@
 /* zlib: beyond it files of rendered views shrink by a few percent for several times the work */
 #define PNG_LEVEL 4
 
+static const char *const filters[] = {
+    [LF_FILTER_NEAREST] = "nearest", [LF_FILTER_LINEAR] = "linear", NULL};
+static const char *const orders[] = {
+    [LF_INVERT_AUTO] = "auto", [LF_INVERT_YES] = "yes", [LF_INVERT_NO] = "no", NULL};
+
+const lf_param lf_panel_params[] = {
+    {.name = "filter",
+     .option = "filter",
+     .argument = "NAME",
+     .place = offsetof(lf_panel_options, filter),
+     .type = LF_PARAM_WORD,
+     .words = filters,
+     .help = "how the panel's pixels are taken from the views"},
+    {.name = "invert",
+     .option = "invert",
+     .argument = "MODE",
+     .place = offsetof(lf_panel_options, invert),
+     .type = LF_PARAM_WORD,
+     .words = orders,
+     .help = "order of the views under a lens of the panel"},
+    {0},
+};
+
 static lf_status weave(const lf_output_request *request, const lf_views8 *views, double aspect,
                        lf_image8 *panel, lf_error *err)
 {
@@ -12,7 +35,7 @@ static lf_status weave(const lf_output_request *request, const lf_views8 *views,
     lf_interlacer *interlacer = NULL;
     lf_status status =
         lf_interlacer_create(calibration, views->n_views, views->width, views->height, aspect,
-                             request->filter, request->invert, &interlacer, err);
+                             request->panel.filter, request->panel.invert, &interlacer, err);
     if (status != LF_OK)
         return status;
     status = lf_image8_init(panel, calibration->screen_width_px, calibration->screen_height_px, 3);

@@ -18,8 +18,7 @@
 #define EXPORT_KEYS                                                                                \
     "\"kind\":" STRING ",\"file\":" STRING                                                         \
     ",\"wait\":" ENUM("\"coarse\",\"complete\",\"converged\"") ",\"overwrite\":" BOOLEAN           \
-    ",\"fds\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":253}"                                \
-    ",\"filter\":" ENUM("\"nearest\",\"linear\"") ",\"invert\":" ENUM("\"auto\",\"yes\",\"no\"")
+    ",\"fds\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":253}"
 
 /* clang-format on */
 
@@ -73,6 +72,7 @@ static const struct {
     const char *method;
     const lf_param *params;
 } tables[] = {{"export", lf_print_params},
+              {"export", lf_panel_params},
               {"camera.set", lf_camera_params},
               {"render.set", lf_option_params}};
 

@@ -24,10 +24,7 @@ static double number_of(const json_t *params, const char *key, double absent)
 static lf_status take_panel_words(lf_job *job, const json_t *params, lf_error *err)
 {
     const lf_calibration *calibration = lf_show_calibration(job->server->show);
-    const char *filter = string_of(params, "filter"), *invert = string_of(params, "invert");
-    lf_status status = filter ? lf_filter_from_name(filter, &job->filter, err) : LF_OK;
-    if (status == LF_OK && invert)
-        status = lf_invert_from_name(invert, &job->invert, err);
+    lf_status status = lf_param_from_json(lf_panel_params, params, &job->panel, "export", err);
     if (status == LF_OK && !calibration)
         return lf_error_set(err, LF_E_NODEV, lf_show_spec(job->server->show),
                             "there is no panel whose calibration is known");

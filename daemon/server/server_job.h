@@ -24,8 +24,7 @@ struct lf_job {
     bool started;
     lf_cancel cancel;
     pthread_t thread;
-    lf_filter filter;
-    lf_invert invert;
+    lf_panel_options panel;
     bool has_calibration;
     lf_calibration calibration;
     lf_print print;

@@ -14,8 +14,6 @@ enum {
     OPTION_SPP,
     OPTION_TIME,
     OPTION_STATS,
-    OPTION_FILTER,
-    OPTION_INVERT,
 };
 
 static const struct option table[] = {
@@ -24,8 +22,6 @@ static const struct option table[] = {
     {"spp", required_argument, NULL, OPTION_SPP},
     {"time", required_argument, NULL, OPTION_TIME},
     {"stats", required_argument, NULL, OPTION_STATS},
-    {"filter", required_argument, NULL, OPTION_FILTER},
-    {"invert", required_argument, NULL, OPTION_INVERT},
     {NULL, 0, NULL, 0},
 };
 
@@ -47,10 +43,7 @@ static void print_help(void)
         "\n"
         "What:\n");
     lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " panel");
-    printf("  --filter NAME          nearest (default) or linear: how the panel's pixels are taken "
-           "from the views\n"
-           "  --invert MODE          auto (default), yes or no: order of the views under a lens of "
-           "the panel\n");
+    lf_param_print_help(lf_panel_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
     printf("\n"
            "How long (one of them; --spp %d when none is given):\n"
@@ -79,14 +72,6 @@ static lf_status take_budget(lf_render_arguments *a, int code, const char *text,
     }
 }
 
-/* An option that names what goes wrong as the others do. */
-static lf_status blame(lf_status status, const char *option, lf_error *err)
-{
-    if (status != LF_OK)
-        snprintf(err->where, sizeof err->where, "%s", option);
-    return status;
-}
-
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     lf_render_arguments *a = context;
@@ -97,12 +82,6 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     case OPTION_STATS:
         a->stats = text;
         return LF_OK;
-    case OPTION_FILTER:
-        a->has_filter = true;
-        return blame(lf_filter_from_name(text, &a->filter, err), "--filter", err);
-    case OPTION_INVERT:
-        a->has_invert = true;
-        return blame(lf_invert_from_name(text, &a->invert, err), "--invert", err);
     default:
         return take_budget(a, code, text, err);
     }
@@ -128,6 +107,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->asked = kind;
     if (params == lf_print_params && !kind && !a->print_option)
         a->print_option = row->option;
+    if (params == lf_panel_params && !a->panel_option)
+        a->panel_option = row->option;
     if (params == lf_option_params && !a->render_option && lf_param_among(row, tracing))
         a->render_option = row->option;
 }
@@ -141,12 +122,11 @@ static lf_status refuse_rendering(const lf_render_arguments *a, lf_error *err)
                         : o->preset         ? "--preset"
                         : o->columns > 0    ? "--quilt"
                         : o->view_width > 0 ? "--view-size"
-                        : a->has_filter     ? "--filter"
-                        : a->has_invert     ? "--invert"
                                             : NULL;
+    const char *option = a->panel_option ? a->panel_option : a->render_option;
     char where[64];
-    if (!other && a->render_option) {
-        snprintf(where, sizeof where, "--%s", a->render_option);
+    if (!other && option) {
+        snprintf(where, sizeof where, "--%s", option);
         other = where;
     }
     if (!other)
@@ -183,8 +163,8 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         return refuse_option(a->print_option, true, err);
     if (a->kind->check_print && !(a->print.width_mm > 0))
         return lf_error_set(err, LF_E_ARG, where, "needs --print-size WxH (in mm)");
-    if (!a->kind->needs_panel && (a->has_filter || a->has_invert))
-        return refuse_option(a->has_filter ? "filter" : "invert", false, err);
+    if (!a->kind->needs_panel && a->panel_option)
+        return refuse_option(a->panel_option, false, err);
     return LF_OK;
 }
 
@@ -252,8 +232,10 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
 lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_arguments *a,
                                     bool *out_done, lf_error *err)
 {
-    const lf_options_part parts[] = {
-        {lf_option_params, shared, &a->options}, {lf_print_params, NULL, &a->print}, {0}};
+    const lf_options_part parts[] = {{lf_option_params, shared, &a->options},
+                                     {lf_panel_params, NULL, &a->panel},
+                                     {lf_print_params, NULL, &a->print},
+                                     {0}};
     const lf_options_rules rules = {.program = LF_RENDER_PROGRAM,
                                     .letters = ":o:",
                                     .parts = parts,

@@ -97,6 +97,13 @@ static void every_shared_option_stands_in_the_manuals(void **state)
         if (strcmp(row->option, "panel") != 0)
             check_option(daemon, row, false); /* whose page leaves words to the other's */
     }
+    for (const lf_param *row = lf_panel_params; row->option; row++) {
+        char word[32];
+        snprintf(word, sizeof word, " %s ", row->name);
+        check_option(page, row, true);
+        if (!strstr(strstr(daemon, "A panel takes"), word))
+            fail_msg("%s is missing", row->name);
+    }
     assert_null(find_option(page, "calibration"));
     assert_null(find_option(daemon, "panel"));
     lf_free(page);
@@ -116,7 +123,8 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
         snprintf(option, sizeof option, "%.*s", (int)strcspn(at, " ,\n"), at);
         const lf_param own = {.option = option};
         if (!lf_param_find(lf_print_params, option) && !lf_param_find(lf_option_params, option) &&
-            !lf_param_among(&own, "filter invert passes spp time stats help"))
+            !lf_param_find(lf_panel_params, option) &&
+            !lf_param_among(&own, "passes spp time stats help"))
             fail_msg("--%s is in no table", option);
         n++;
     }

@@ -451,19 +451,24 @@ static void progress_rises_to_one(void **state)
 static void names_of_choices_are_known(void **state)
 {
     const lf_output_kind *kind = &lf_output_quilt;
-    lf_filter filter = LF_FILTER_NEAREST;
-    lf_invert invert = LF_INVERT_AUTO;
+    const lf_param *filter = lf_param_find(lf_panel_params, "filter"),
+                   *invert = lf_param_find(lf_panel_params, "invert");
+    lf_panel_options panel = {0};
     lf_error err = {0};
     (void)state;
     lf_assert_ok(lf_output_kind_from_name("print", &kind, &err), &err);
-    lf_assert_ok(lf_filter_from_name("linear", &filter, &err), &err);
-    lf_assert_ok(lf_invert_from_name("no", &invert, &err), &err);
     assert_ptr_equal(kind, &lf_output_print);
-    assert_int_equal(filter, LF_FILTER_LINEAR);
-    assert_int_equal(invert, LF_INVERT_NO);
-    assert_int_equal(lf_filter_from_name("cubic", &filter, &err), LF_E_ARG);
-    assert_non_null(strstr(err.what, "nearest, linear"));
-    assert_int_equal(filter, LF_FILTER_LINEAR);
+    assert_int_equal(lf_output_kind_from_name("film", &kind, &err), LF_E_ARG);
+    assert_non_null(strstr(err.what, "quilt, views"));
+    assert_ptr_equal(kind, &lf_output_print);
+    lf_assert_ok(lf_param_from_text(filter, "linear", &panel, &err), &err);
+    lf_assert_ok(lf_param_from_text(invert, "no", &panel, &err), &err);
+    assert_int_equal(panel.filter, LF_FILTER_LINEAR);
+    assert_int_equal(panel.invert, LF_INVERT_NO);
+    lf_assert_ok(lf_param_from_text(invert, "yes", &panel, &err), &err);
+    assert_int_equal(panel.invert, LF_INVERT_YES);
+    assert_int_equal(lf_param_from_text(filter, "cubic", &panel, &err), LF_E_ARG);
+    assert_non_null(strstr(err.what, "nearest or linear"));
 }
 
 /* What the command line, the socket and quiltctl count on. */
