@@ -216,14 +216,19 @@ bool lf_engine_stopped(lf_engine *engine)
     return ended;
 }
 
+void lf_engine_join(lf_engine *engine)
+{
+    if (engine->life.started)
+        pthread_join(engine->life.thread, NULL);
+    engine->life.started = false;
+}
+
 void lf_engine_destroy(lf_engine *engine)
 {
     if (!engine)
         return;
-    if (engine->life.started) {
-        lf_engine_stop(engine, true);
-        pthread_join(engine->life.thread, NULL);
-    }
+    lf_engine_stop(engine, true);
+    lf_engine_join(engine);
     lf_interlacer_destroy(engine->interlacer);
     lf_renderer_destroy(engine->renderer);
     lf_picture_finish(&engine->picture);

@@ -130,8 +130,11 @@ static void finish(lf_server *server)
     if (server->config.state_dir)
         end = fmax(end, lf_time_now() + CLOSE_SECONDS);
     bool closed = lf_show_drain(server->show, end);
-    if (!closed || !engine_ended || server->jobs || lf_loader_pending(server->loader) > 0)
-        _exit(server->life.exit_code);
+    if (closed && engine_ended && !server->jobs && lf_loader_pending(server->loader) == 0)
+        return;
+    if (lf_engine_stopped(server->engine))
+        lf_engine_join(server->engine);
+    _exit(server->life.exit_code);
 }
 
 static void destroy(lf_server *server)

@@ -133,15 +133,6 @@ static int run_server(char *args[])
     return lf_server_run(&config);
 }
 
-/* The daemon leaves to the kernel what does not end, which ThreadSanitizer would blame it for. */
-static void allow_threads_to_stay(void)
-{
-    const char *before = getenv("TSAN_OPTIONS");
-    char options[1024];
-    snprintf(options, sizeof options, "%s:report_thread_leaks=0", before ? before : "");
-    setenv("TSAN_OPTIONS", options, 1);
-}
-
 static void start(live *l, manner ill)
 {
     char number[2] = {(char)('0' + ill), 0}, calibration[PATH_MAX];
@@ -231,7 +222,6 @@ int main(int argc, char *argv[])
 {
     if (argc > 1)
         return run_server(argv);
-    allow_threads_to_stay();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_display_that_hangs_in_a_push_does_not_hold_up_the_end),
         cmocka_unit_test(a_driver_that_cannot_be_interrupted_does_not_hold_up_the_end),
