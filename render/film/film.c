@@ -113,6 +113,22 @@ bool lf_film_has_layout(const lf_film *film, const lf_film_layout *b)
            a->has_signed == b->has_signed;
 }
 
+bool lf_film_counts_possible(const lf_film_counts *counts)
+{
+    for (int h = 0; h < 2; h++)
+        if (!(counts->n[h] >= 0.0 && counts->n[h] < 1e12) ||
+            counts->visits[h] > LF_FILM_MAX_VISITS ||
+            (counts->n[h] > 0.0) != (counts->visits[h] > 0))
+            return false;
+    return true;
+}
+
+bool lf_film_row_possible(const lf_film_row *row)
+{
+    const lf_film_counts counts = {{row->n[0], row->n[1]}, {row->visits[0], row->visits[1]}};
+    return lf_film_counts_possible(&counts) && row->passes >= 0.0 && row->passes < 1e15;
+}
+
 void lf_film_clear(lf_film *film)
 {
     for (int row = 0; row < film->height; row++)

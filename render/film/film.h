@@ -79,6 +79,13 @@ typedef struct lf_film_counts {
     uint32_t visits[2];
 } lf_film_counts;
 
+/* What no row or share of one goes beyond: more is neither added up nor read. Two such numbers have
+ * a sum. */
+#define LF_FILM_MAX_VISITS UINT32_C(0x7fffffff)
+/* Whether some visits could have led to these counts. */
+bool lf_film_counts_possible(const lf_film_counts *counts);
+bool lf_film_row_possible(const lf_film_row *row);
+
 /* Whether there was any of the halves' visits. */
 static inline bool lf_film_visited(const uint32_t visits[2])
 {
@@ -124,8 +131,9 @@ LF_NODISCARD lf_status lf_film_stream_at(lf_film *film, uint64_t seed, uint32_t 
 /* Adds what is on `from`: rows that one film alone has visited are copied, the others' sums are
  * added, halves to halves, and means taken by the counts. Exact, but for rounding up or down at
  * random, without bias and the same whichever film is added to which, where a sum or mean is no
- * float. LF_E_STATE, and nothing is changed: another picture or layout, or a half of a row where
- * both have visits of the same random stream. LF_E_NOMEM. */
+ * float. LF_E_STATE, and nothing is changed: another picture or layout, a half of a row where both
+ * have visits of the same random stream, or more visits or samples of a row than is possible.
+ * LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error *err);
 /* The memory of a row that holds something: half 0, half 1, known light, 32 bits a number. */
 size_t lf_film_used_bytes(const lf_film_layout *layout);

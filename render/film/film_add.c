@@ -108,12 +108,29 @@ static int overlap(const lf_film_stream *a, const lf_film_stream *b, int height)
     return row;
 }
 
+/* The first row whose counts have no possible sum; height = none. */
+static int overflow(const lf_film *film, const lf_film *from)
+{
+    int row = 0;
+    for (; row < film->height; row++) {
+        lf_film_row sum = film->rows[row];
+        add_counts(&sum, &from->rows[row]);
+        if (!lf_film_row_possible(&sum))
+            break;
+    }
+    return row;
+}
+
 static lf_status check(const lf_film *film, const lf_film *from, lf_error *err)
 {
     if (memcmp(film->picture, from->picture, sizeof film->picture) != 0 ||
         !lf_film_has_layout(film, &from->layout))
         return lf_error_set(err, LF_E_STATE, "film",
                             "cannot be added: of another scene, camera or settings");
+    int full = overflow(film, from);
+    if (full < film->height)
+        return lf_error_set(err, LF_E_STATE, "film",
+                            "cannot be added: together row %d has too many samples", full);
     for (int i = 0; i < film->n_streams; i++) {
         for (int j = 0; j < from->n_streams; j++) {
             int row = overlap(&film->streams[i], &from->streams[j], film->height);

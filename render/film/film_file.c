@@ -310,15 +310,6 @@ static lf_film_counts get_counts(cursor *c)
     return counts;
 }
 
-static bool plausible(const lf_film_counts *counts)
-{
-    for (int h = 0; h < 2; h++)
-        if (!(counts->n[h] >= 0.0 && counts->n[h] < 1e12) ||
-            (counts->n[h] > 0.0) != (counts->visits[h] > 0))
-            return false;
-    return true;
-}
-
 static lf_status read_stream(int fd, unsigned char head[HEAD_BYTES], lf_film *film, lf_error *err)
 {
     lf_film_part whole = {.name = "STRM",
@@ -336,7 +327,7 @@ static lf_status read_stream(int fd, unsigned char head[HEAD_BYTES], lf_film *fi
             status = lf_error_set(err, LF_E_FORMAT, "state", "its random streams are not in order");
         for (int row = 0; row < film->height && status == LF_OK; row++) {
             film->streams[index].rows[row] = get_counts(&c);
-            if (!plausible(&film->streams[index].rows[row]))
+            if (!lf_film_counts_possible(&film->streams[index].rows[row]))
                 status =
                     lf_error_set(err, LF_E_FORMAT, "state", "row %d has impossible counts", row);
         }
@@ -364,6 +355,11 @@ static lf_status read_row(int fd, unsigned char head[HEAD_BYTES], lf_film *film,
     uint32_t number = get_u32(&c), met = get_u32(&c);
     double passes = get_f64(&c);
     const lf_film_counts counts = get_counts(&c);
+    const lf_film_row state = {.n = {counts.n[0], counts.n[1]},
+                               .passes = passes,
+                               .visits = {counts.visits[0], counts.visits[1]},
+                               .met = met,
+                               .relative_error = -1.0};
     uint64_t given[2] = {0, 0};
     if (number <= (uint32_t)*row && *row >= 0)
         return lf_error_set(err, LF_E_FORMAT, "state", "its rows are not in order");
@@ -372,15 +368,10 @@ static lf_status read_row(int fd, unsigned char head[HEAD_BYTES], lf_film *film,
     for (int i = 0; i < film->n_streams; i++)
         for (int h = 0; h < 2; h++)
             given[h] += film->streams[i].rows[number].visits[h];
-    if (!plausible(&counts) || !(passes >= 0.0 && passes < 1e15) || given[0] != counts.visits[0] ||
-        given[1] != counts.visits[1])
+    if (!lf_film_row_possible(&state) || given[0] != state.visits[0] || given[1] != state.visits[1])
         return lf_error_set(err, LF_E_FORMAT, "state", "row %u has impossible counts", number);
     memmove(film->data + (size_t)number * film->row_bytes, whole.bulk, whole.n_bulk);
-    film->rows[number] = (lf_film_row){.n = {counts.n[0], counts.n[1]},
-                                       .passes = passes,
-                                       .visits = {counts.visits[0], counts.visits[1]},
-                                       .met = met,
-                                       .relative_error = -1.0};
+    film->rows[number] = state;
     *row = (int)number;
     return LF_OK;
 }

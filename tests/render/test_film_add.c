@@ -181,6 +181,47 @@ static void the_same_samples_and_other_pictures_are_refused(void **state)
     lf_film_finish(&b);
 }
 
+/* As if row 1 had been visited so often by the film's only stream. */
+static void pretend(lf_film *film, uint32_t visits, double n, double passes)
+{
+    film->rows[1].visits[0] = film->streams[0].rows[1].visits[0] = visits;
+    film->rows[1].n[0] = film->streams[0].rows[1].n[0] = n;
+    film->rows[1].passes = passes;
+}
+
+static void counts_that_have_no_sum_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t visits[2];
+        double n, passes; /* of each */
+        lf_status status;
+    } cases[] = {{{UINT32_C(1) << 31, UINT32_C(1) << 31}, 1, 2, LF_E_STATE},
+                 {{LF_FILM_MAX_VISITS, 1}, 1, 2, LF_E_STATE},
+                 {{LF_FILM_MAX_VISITS - 1, 1}, 1, 2, LF_OK},
+                 {{1, 1}, 5e11, 2, LF_E_STATE},
+                 {{1, 1}, 4.9e11, 2, LF_OK},
+                 {{1, 1}, 1, 5e14, LF_E_STATE},
+                 {{1, 1}, 1, 4.9e14, LF_OK}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        lf_film a = film_of(0, true), before = film_of(0, true), b = film_of(1, true);
+        lf_error err;
+        pretend(&a, cases[i].visits[0], cases[i].n, cases[i].passes);
+        pretend(&before, cases[i].visits[0], cases[i].n, cases[i].passes);
+        pretend(&b, cases[i].visits[1], cases[i].n, cases[i].passes);
+        lf_assert_status(lf_film_add(&a, &b, &err), cases[i].status, &err);
+        if (cases[i].status == LF_OK) {
+            assert_int_equal(a.rows[1].visits[0], cases[i].visits[0] + cases[i].visits[1]);
+        } else {
+            assert_non_null(strstr(err.what, "row 1"));
+            assert_same_films(&a, &before);
+        }
+        lf_film_finish(&a);
+        lf_film_finish(&before);
+        lf_film_finish(&b);
+    }
+}
+
 static void rows_of_one_film_alone_are_taken_as_they_are(void **state)
 {
     (void)state;
@@ -205,6 +246,7 @@ int main(void)
         cmocka_unit_test(means_and_differences_are_those_of_all_visits),
         cmocka_unit_test(rounding_has_no_bias),
         cmocka_unit_test(the_same_samples_and_other_pictures_are_refused),
+        cmocka_unit_test(counts_that_have_no_sum_are_refused),
         cmocka_unit_test(rows_of_one_film_alone_are_taken_as_they_are),
     };
     return cmocka_run_group_tests_name("film_add", tests, NULL, NULL);

@@ -280,21 +280,19 @@ static void a_file_of_another_version_is_told_by_its_number(void **state)
     end(&f);
 }
 
-/* A file of an empty film, read without a word of what is wanted. */
-static lf_status read_layout(const fixture *f, const lf_film_layout *layout, lf_error *err)
+/* What a reader with no word of what is wanted makes of the film's file. */
+static lf_status read_back(const fixture *f, const lf_film *film, lf_error *err)
 {
-    lf_film film = {0}, out = {0};
+    lf_film out = {0};
     lf_outfile file;
-    const char *path = lf_test_path(f->folder, "layout");
-    lf_assert_ok(lf_film_init(&film, layout), NULL);
+    const char *path = lf_test_path(f->folder, "film");
     lf_assert_ok(lf_outfile_open(&file, path, true, NULL), NULL);
-    lf_assert_ok(lf_film_write(&film, &file, NULL, NULL), NULL);
+    lf_assert_ok(lf_film_write(film, &file, NULL, NULL), NULL);
     lf_assert_ok(lf_outfile_commit(&file, true, NULL), NULL);
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     assert_true(fd >= 0);
     lf_status status = lf_film_read(fd, NULL, &out, err);
     close(fd);
-    lf_film_finish(&film);
     lf_film_finish(&out);
     return status;
 }
@@ -315,11 +313,53 @@ static void layouts_that_no_scene_needs_are_refused(void **state)
                                        .has_signed = i & 16};
         bool possible =
             (layout.has_known || !layout.has_native) && (layout.has_native || !layout.has_delta);
+        lf_film film = {0};
         lf_error err;
-        lf_assert_status(read_layout(&f, &layout, &err), possible ? LF_OK : LF_E_FORMAT, &err);
+        lf_assert_ok(lf_film_init(&film, &layout), NULL);
+        lf_assert_status(read_back(&f, &film, &err), possible ? LF_OK : LF_E_FORMAT, &err);
+        lf_film_finish(&film);
         accepted += possible;
     }
     assert_int_equal(accepted, 4 * 4);
+    end(&f);
+}
+
+static const lf_film_layout dot = {.n_views = 1, .width = 1, .height = 1};
+
+static void counts_that_films_cannot_have_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        lf_film_counts counts;
+        double passes;
+        lf_status status;
+    } cases[] = {{{{1, 2}, {LF_FILM_MAX_VISITS, 1}}, 3, LF_OK},
+                 {{{1, 2}, {1, LF_FILM_MAX_VISITS + 1}}, 3, LF_E_FORMAT},
+                 {{{1, 2}, {1, UINT32_MAX}}, 3, LF_E_FORMAT},
+                 {{{1, 0}, {1, 0}}, 3, LF_OK},
+                 {{{1, 0}, {1, 1}}, 3, LF_E_FORMAT},
+                 {{{1, 2}, {1, 0}}, 3, LF_E_FORMAT},
+                 {{{1, -1}, {1, 1}}, 3, LF_E_FORMAT},
+                 {{{1, 1e12}, {1, 1}}, 3, LF_E_FORMAT},
+                 {{{1, (double)NAN}, {1, 1}}, 3, LF_E_FORMAT},
+                 {{{1, 2}, {1, 1}}, 1e15, LF_E_FORMAT},
+                 {{{1, 2}, {1, 1}}, -1, LF_E_FORMAT}};
+    fixture f = begin();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        lf_film film = {0};
+        lf_error err;
+        int index;
+        lf_assert_ok(lf_film_init(&film, &dot), NULL);
+        lf_assert_ok(lf_film_stream_at(&film, 1, 2, &index), NULL);
+        const lf_film_counts *c = &cases[i].counts;
+        film.streams[index].rows[0] = *c;
+        film.rows[0] = (lf_film_row){.n = {c->n[0], c->n[1]},
+                                     .visits = {c->visits[0], c->visits[1]},
+                                     .passes = cases[i].passes};
+        lf_assert_status(read_back(&f, &film, &err), cases[i].status, &err);
+        assert_true(cases[i].status == LF_OK || strstr(err.what, "impossible counts"));
+        lf_film_finish(&film);
+    }
     end(&f);
 }
 
@@ -334,6 +374,7 @@ int main(void)
         cmocka_unit_test(cut_and_changed_files_are_refused_whole),
         cmocka_unit_test(a_file_of_another_version_is_told_by_its_number),
         cmocka_unit_test(layouts_that_no_scene_needs_are_refused),
+        cmocka_unit_test(counts_that_films_cannot_have_are_refused),
     };
     return cmocka_run_group_tests_name("film_file", tests, NULL, lf_test_finish);
 }
