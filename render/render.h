@@ -215,7 +215,8 @@ typedef struct lf_part {
  * alternate between the film's two halves. row_done may be NULL. LF_E_CANCELLED: rows not started
  * have been left out; a row in progress is left within 20 ms as it was before this visit. Same seed
  * and same sequence of calls give the same film for any number of threads. Allocates nothing but
- * for the first pass of a second stream (LF_E_NOMEM). LF_E_ARG: rows or subsets out of range. */
+ * for the first pass of a second stream (LF_E_NOMEM; LF_E_STATE: the film has 65536 of others).
+ * LF_E_ARG: rows or subsets out of range. */
 LF_NODISCARD lf_status lf_renderer_pass(lf_renderer *renderer, const lf_part *part, int subsets,
                                         lf_row_fn row_done, void *context, const lf_cancel *cancel);
 

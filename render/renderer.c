@@ -186,13 +186,14 @@ static lf_status run(lf_pass_job *job)
         return LF_E_ARG;
     if (part.first_row >= part.end_row)
         return LF_OK;
-    if (lf_film_stream_at(&r->film, seed, part.stream, &job->order.stream) != LF_OK)
-        return LF_E_NOMEM;
+    lf_status status = lf_film_stream_at(&r->film, seed, part.stream, &job->order.stream);
+    if (status != LF_OK)
+        return status;
     job->order.random = lf_film_stream_random(&r->film.streams[job->order.stream]);
     job->order.faults = r->faults;
     r->integrator->begin(r->state);
     int items = (part.end_row - part.first_row - 1) / part.row_step + 1;
-    lf_status status = lf_pool_run(r->pool, items, run_row, job, job->cancel);
+    status = lf_pool_run(r->pool, items, run_row, job, job->cancel);
     if (job->cancel && atomic_load_explicit(job->cancel, memory_order_relaxed))
         return LF_E_CANCELLED;
     return status;

@@ -25,24 +25,25 @@ size_t lf_film_used_bytes(const lf_film_layout *layout)
            (layout->has_known ? pixels_of(layout) * sizeof(lf_film_known) : 0);
 }
 
-/* Room for one stream more. */
-static lf_status grow(lf_film *film)
+/* Room for one stream more; rows of streams that are gone (lf_film_clear) are kept for others. */
+static lf_status make_room(lf_film *film)
 {
-    size_t n = (size_t)film->n_allocated;
-    lf_film_stream *streams = lf_calloc(n + 1, sizeof *streams);
-    lf_film_counts *rows = lf_calloc((size_t)film->height, sizeof *rows);
-    if (!streams || !rows) {
-        lf_free(streams);
-        lf_free(rows);
-        return LF_E_NOMEM;
+    size_t n = (size_t)film->n_streams;
+    if (film->n_streams == film->n_allocated) {
+        size_t n_wanted = n > 0 ? 2 * n : 1;
+        lf_film_stream *streams = lf_calloc(n_wanted, sizeof *streams);
+        if (!streams)
+            return LF_E_NOMEM;
+        if (n > 0)
+            memcpy(streams, film->streams, n * sizeof *streams);
+        lf_free(film->streams);
+        film->streams = streams;
+        film->n_allocated = (int)n_wanted;
     }
-    if (n > 0)
-        memcpy(streams, film->streams, n * sizeof *streams);
-    lf_free(film->streams);
-    film->streams = streams;
-    streams[n].rows = rows;
-    film->n_allocated++;
-    return LF_OK;
+    lf_film_stream *next = &film->streams[n];
+    if (!next->rows)
+        next->rows = lf_calloc((size_t)film->height, sizeof *next->rows);
+    return next->rows ? LF_OK : LF_E_NOMEM;
 }
 
 uint64_t lf_film_stream_random(const lf_film_stream *s)
@@ -50,18 +51,37 @@ uint64_t lf_film_stream_random(const lf_film_stream *s)
     return s->number == 0 ? s->seed : lf_hash64(lf_hash64(s->seed, 0), s->number);
 }
 
+/* How many streams come before this one. */
+static int count_before(const lf_film *film, uint64_t seed, uint32_t number)
+{
+    int from = 0, to = film->n_streams;
+    while (from < to) {
+        int middle = from + (to - from) / 2;
+        const lf_film_stream *s = &film->streams[middle];
+        if (s->seed < seed || (s->seed == seed && s->number < number))
+            from = middle + 1;
+        else
+            to = middle;
+    }
+    return from;
+}
+
+const lf_film_stream *lf_film_find_stream(const lf_film *film, uint64_t seed, uint32_t number)
+{
+    int at = count_before(film, seed, number);
+    const lf_film_stream *s = &film->streams[at];
+    return at < film->n_streams && s->seed == seed && s->number == number ? s : NULL;
+}
+
 lf_status lf_film_stream_at(lf_film *film, uint64_t seed, uint32_t number, int *out_index)
 {
-    int at = 0;
-    while (at < film->n_streams &&
-           (film->streams[at].seed < seed ||
-            (film->streams[at].seed == seed && film->streams[at].number < number)))
-        at++;
+    int at = count_before(film, seed, number);
     *out_index = at;
-    if (at < film->n_streams && film->streams[at].seed == seed &&
-        film->streams[at].number == number)
+    if (lf_film_find_stream(film, seed, number))
         return LF_OK;
-    if (film->n_streams == film->n_allocated && grow(film) != LF_OK)
+    if (film->n_streams == LF_FILM_MAX_STREAMS)
+        return LF_E_STATE;
+    if (make_room(film) != LF_OK)
         return LF_E_NOMEM;
     lf_film_stream fresh = {seed, number, film->streams[film->n_streams].rows};
     memset(fresh.rows, 0, (size_t)film->height * sizeof *fresh.rows);
@@ -85,7 +105,7 @@ lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
     void *data = mmap(NULL, film->data_bytes, PROT_READ | PROT_WRITE,
                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     film->data = data == MAP_FAILED ? NULL : data;
-    if (!film->data || !film->rows || grow(film) != LF_OK) {
+    if (!film->data || !film->rows || make_room(film) != LF_OK) {
         lf_film_finish(film);
         return LF_E_NOMEM;
     }

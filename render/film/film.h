@@ -92,6 +92,9 @@ static inline bool lf_film_visited(const uint32_t visits[2])
     return visits[0] || visits[1];
 }
 
+/* Of one film. */
+#define LF_FILM_MAX_STREAMS 65536
+
 /* A stream is a seed and a number (lf_part.stream). */
 typedef struct lf_film_stream {
     uint64_t seed;
@@ -125,15 +128,18 @@ bool lf_film_has_layout(const lf_film *film, const lf_film_layout *layout);
 /* Nothing has been visited. Touches only the row headers. */
 void lf_film_clear(lf_film *film);
 /* The place of a stream in film->streams, until the next call; one that is not there comes in with
- * nothing visited. Allocates for every stream but the first of a film. LF_E_NOMEM. */
+ * nothing visited. Allocates for every stream but the first of a film. LF_E_NOMEM; LF_E_STATE: it
+ * would be one more than LF_FILM_MAX_STREAMS. */
 LF_NODISCARD lf_status lf_film_stream_at(lf_film *film, uint64_t seed, uint32_t number,
                                          int *out_index);
+/* NULL: it is not there. */
+const lf_film_stream *lf_film_find_stream(const lf_film *film, uint64_t seed, uint32_t number);
 /* Adds what is on `from`: rows that one film alone has visited are copied, the others' sums are
  * added, halves to halves, and means taken by the counts. Exact, but for rounding up or down at
  * random, without bias and the same whichever film is added to which, where a sum or mean is no
  * float. LF_E_STATE, and nothing is changed: another picture or layout, a half of a row where both
- * have visits of the same random stream, or more visits or samples of a row than is possible.
- * LF_E_NOMEM. */
+ * have visits of the same random stream, more visits or samples of a row than is possible, more
+ * than LF_FILM_MAX_STREAMS. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error *err);
 /* The memory of a row that holds something: half 0, half 1, known light, 32 bits a number. */
 size_t lf_film_used_bytes(const lf_film_layout *layout);

@@ -98,14 +98,35 @@ static void add_counts(lf_film_row *to, const lf_film_row *from)
     to->holes = 0;
 }
 
-/* The first row of which a half has visits of this stream in both films; height = none. */
+/* The first row of which a half has visits of a stream in both films; height = none. */
 static int overlap(const lf_film_stream *a, const lf_film_stream *b, int height)
 {
-    int row = a->seed == b->seed && a->number == b->number ? 0 : height;
+    int row = 0;
     while (row < height && !(a->rows[row].visits[0] && b->rows[row].visits[0]) &&
            !(a->rows[row].visits[1] && b->rows[row].visits[1]))
         row++;
     return row;
+}
+
+static lf_status check_streams(const lf_film *film, const lf_film *from, lf_error *err)
+{
+    int n = film->n_streams;
+    for (int i = 0; i < from->n_streams; i++) {
+        const lf_film_stream *b = &from->streams[i],
+                             *a = lf_film_find_stream(film, b->seed, b->number);
+        int row = a ? overlap(a, b, film->height) : film->height;
+        if (row < film->height)
+            return lf_error_set(
+                err, LF_E_STATE, "film",
+                "cannot be added: both have samples of seed %llu, stream %u in row %d",
+                (unsigned long long)b->seed, b->number, row);
+        n += !a;
+    }
+    return n <= LF_FILM_MAX_STREAMS
+               ? LF_OK
+               : lf_error_set(err, LF_E_STATE, "film",
+                              "cannot be added: together more than %d random streams",
+                              LF_FILM_MAX_STREAMS);
 }
 
 /* The first row whose counts have no possible sum; height = none. */
@@ -131,17 +152,7 @@ static lf_status check(const lf_film *film, const lf_film *from, lf_error *err)
     if (full < film->height)
         return lf_error_set(err, LF_E_STATE, "film",
                             "cannot be added: together row %d has too many samples", full);
-    for (int i = 0; i < film->n_streams; i++) {
-        for (int j = 0; j < from->n_streams; j++) {
-            int row = overlap(&film->streams[i], &from->streams[j], film->height);
-            if (row < film->height)
-                return lf_error_set(
-                    err, LF_E_STATE, "film",
-                    "cannot be added: both have samples of seed %llu, stream %u in row %d",
-                    (unsigned long long)film->streams[i].seed, film->streams[i].number, row);
-        }
-    }
-    return LF_OK;
+    return check_streams(film, from, err);
 }
 
 static void add_stream(lf_film_stream *to, const lf_film_stream *from, int height)

@@ -315,6 +315,8 @@ static lf_status read_stream(int fd, unsigned char head[HEAD_BYTES], lf_film *fi
     lf_film_part whole = {.name = "STRM",
                           .n_made = STREAM_BYTES + (size_t)film->height * COUNT_BYTES};
     int index = 0, n = film->n_streams;
+    if (n == LF_FILM_MAX_STREAMS)
+        return lf_error_set(err, LF_E_FORMAT, "state", "it has more than %d random streams", n);
     whole.made = lf_calloc(1, whole.n_made);
     lf_status status = whole.made ? read_content(fd, head, &whole, err)
                                   : lf_error_set(err, LF_E_NOMEM, "state", "out of memory");

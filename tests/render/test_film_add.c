@@ -222,6 +222,74 @@ static void counts_that_have_no_sum_are_refused(void **state)
     }
 }
 
+static const lf_film_layout dot = {.n_views = 1, .width = 1, .height = 1};
+
+/* A film with a visit of each of these streams: first, first + step, … */
+static lf_film film_of_streams(uint32_t first, uint32_t step, int n)
+{
+    lf_film film = {0};
+    int index;
+    lf_assert_ok(lf_film_init(&film, &dot), NULL);
+    for (int i = 0; i < n; i++) {
+        lf_assert_ok(lf_film_stream_at(&film, 5, first + step * (uint32_t)i, &index), NULL);
+        lf_film_count(&film, index, 0, i % 2, 1);
+    }
+    return film;
+}
+
+static void streams_ascend_in_whatever_order_they_come(void **state)
+{
+    (void)state;
+    enum { N = 257 };
+    lf_film film = {0};
+    int index;
+    lf_assert_ok(lf_film_init(&film, &dot), NULL);
+    /* N is a prime: every number comes once. */
+    for (uint32_t i = 0; i < N; i++) {
+        uint32_t number = 100 * i % N;
+        assert_null(lf_film_find_stream(&film, number % 3, number));
+        lf_assert_ok(lf_film_stream_at(&film, number % 3, number, &index), NULL);
+        film.streams[index].rows[0].n[0] = number;
+    }
+    assert_int_equal(film.n_streams, N);
+    for (uint32_t number = 0; number < N; number++) {
+        const lf_film_stream *s = lf_film_find_stream(&film, number % 3, number);
+        assert_non_null(s);
+        assert_true(s->seed == number % 3 && s->number == number && s->rows[0].n[0] == number);
+        lf_assert_ok(lf_film_stream_at(&film, number % 3, number, &index), NULL);
+        assert_ptr_equal(&film.streams[index], s);
+        assert_null(lf_film_find_stream(&film, number % 3 + 1, number));
+    }
+    for (int i = 1; i < N; i++) {
+        const lf_film_stream *a = &film.streams[i - 1], *b = &film.streams[i];
+        assert_true(a->seed < b->seed || (a->seed == b->seed && a->number < b->number));
+    }
+    lf_film_finish(&film);
+}
+
+static void more_streams_than_a_film_has_are_refused(void **state)
+{
+    (void)state;
+    enum { MOST = LF_FILM_MAX_STREAMS };
+    lf_film even = film_of_streams(0, 2, MOST / 2), odd = film_of_streams(1, 2, MOST / 2 + 1),
+            same = film_of_streams(0, 2, MOST / 2), fits = film_of_streams(1, 2, MOST / 2);
+    lf_error err;
+    int index;
+    lf_assert_status(lf_film_add(&even, &odd, &err), LF_E_STATE, &err);
+    assert_non_null(strstr(err.what, "more than 65536 random streams"));
+    assert_int_equal(even.n_streams, MOST / 2);
+    assert_memory_equal(even.rows[0].visits, same.rows[0].visits, sizeof even.rows[0].visits);
+    lf_assert_ok(lf_film_add(&even, &fits, &err), &err);
+    assert_int_equal(even.n_streams, MOST);
+    assert_int_equal(lf_film_stream_at(&even, 5, MOST, &index), LF_E_STATE);
+    assert_int_equal(lf_film_stream_at(&even, 5, MOST - 1, &index), LF_OK);
+    assert_int_equal(index, MOST - 1);
+    lf_film_finish(&even);
+    lf_film_finish(&odd);
+    lf_film_finish(&same);
+    lf_film_finish(&fits);
+}
+
 static void rows_of_one_film_alone_are_taken_as_they_are(void **state)
 {
     (void)state;
@@ -247,6 +315,8 @@ int main(void)
         cmocka_unit_test(rounding_has_no_bias),
         cmocka_unit_test(the_same_samples_and_other_pictures_are_refused),
         cmocka_unit_test(counts_that_have_no_sum_are_refused),
+        cmocka_unit_test(streams_ascend_in_whatever_order_they_come),
+        cmocka_unit_test(more_streams_than_a_film_has_are_refused),
         cmocka_unit_test(rows_of_one_film_alone_are_taken_as_they_are),
     };
     return cmocka_run_group_tests_name("film_add", tests, NULL, NULL);

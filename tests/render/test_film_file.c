@@ -363,6 +363,32 @@ static void counts_that_films_cannot_have_are_refused(void **state)
     end(&f);
 }
 
+static void a_film_of_too_many_streams_is_refused(void **state)
+{
+    (void)state;
+    fixture f = begin();
+    lf_film film = {0}, wide;
+    lf_error err;
+    int index;
+    lf_assert_ok(lf_film_init(&film, &dot), NULL);
+    for (uint32_t i = 0; i < LF_FILM_MAX_STREAMS; i++) {
+        lf_assert_ok(lf_film_stream_at(&film, 7, i, &index), NULL);
+        lf_film_count(&film, index, 0, 0, 1);
+    }
+    lf_assert_ok(read_back(&f, &film, &err), &err);
+    wide = film;
+    wide.streams = calloc(LF_FILM_MAX_STREAMS + 1, sizeof *wide.streams);
+    assert_non_null(wide.streams);
+    memcpy(wide.streams, film.streams, LF_FILM_MAX_STREAMS * sizeof *wide.streams);
+    wide.streams[wide.n_streams++] = (lf_film_stream){8, 0, film.streams[0].rows};
+    wide.rows[0].visits[0]++;
+    lf_assert_status(read_back(&f, &wide, &err), LF_E_FORMAT, &err);
+    assert_non_null(strstr(err.what, "more than 65536 random streams"));
+    free(wide.streams);
+    lf_film_finish(&film);
+    end(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -375,6 +401,7 @@ int main(void)
         cmocka_unit_test(a_file_of_another_version_is_told_by_its_number),
         cmocka_unit_test(layouts_that_no_scene_needs_are_refused),
         cmocka_unit_test(counts_that_films_cannot_have_are_refused),
+        cmocka_unit_test(a_film_of_too_many_streams_is_refused),
     };
     return cmocka_run_group_tests_name("film_file", tests, NULL, lf_test_finish);
 }
