@@ -240,10 +240,12 @@ lf_status lf_roots_resolve(const lf_roots *roots, const char *path, char **out_p
 }
 
 /* O_PATH opens nothing: no device notices, no FIFO waits. */
-lf_status lf_roots_open(const lf_roots *roots, const char *path, int *out_fd, lf_error *err)
+static lf_status open_handle(const lf_roots *roots, const char *path, mode_t kind, int *out_handle,
+                             lf_error *err)
 {
-    char real[PATH_MAX], link[64];
+    char real[PATH_MAX];
     struct stat st;
+    assert(roots->n_roots > 0);
     lf_status status = resolve(roots, path, real, err);
     if (status != LF_OK)
         return status;
@@ -252,10 +254,22 @@ lf_status lf_roots_open(const lf_roots *roots, const char *path, int *out_fd, lf
         return outside(err, path);
     if (handle < 0)
         return fail_errno(err, path, "cannot open");
-    if (fstat(handle, &st) != 0 || !S_ISREG(st.st_mode)) {
+    if (fstat(handle, &st) != 0 || (st.st_mode & S_IFMT) != kind) {
         close(handle);
-        return lf_error_set(err, LF_E_FORMAT, path, "not a regular file");
+        return lf_error_set(err, LF_E_FORMAT, path,
+                            kind == S_IFDIR ? "not a folder" : "not a regular file");
     }
+    *out_handle = handle;
+    return LF_OK;
+}
+
+lf_status lf_roots_open(const lf_roots *roots, const char *path, int *out_fd, lf_error *err)
+{
+    char link[64];
+    int handle;
+    lf_status status = open_handle(roots, path, S_IFREG, &handle, err);
+    if (status != LF_OK)
+        return status;
     snprintf(link, sizeof link, "/proc/self/fd/%d", handle);
     int fd = open(link, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (fd < 0)
@@ -263,6 +277,23 @@ lf_status lf_roots_open(const lf_roots *roots, const char *path, int *out_fd, lf
     else
         *out_fd = fd;
     close(handle);
+    return status;
+}
+
+lf_status lf_roots_open_folder(const lf_roots *roots, const char *path, int *out_fd, lf_error *err)
+{
+    int handle = AT_FDCWD;
+    lf_status status =
+        roots && roots->n_roots > 0 ? open_handle(roots, path, S_IFDIR, &handle, err) : LF_OK;
+    if (status != LF_OK)
+        return status;
+    int fd = openat(handle, handle >= 0 ? "." : path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0)
+        status = fail_errno(err, path, "cannot open the folder");
+    else
+        *out_fd = fd;
+    if (handle >= 0)
+        close(handle);
     return status;
 }
 

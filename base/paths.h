@@ -33,6 +33,11 @@ LF_NODISCARD lf_status lf_roots_resolve(const lf_roots *roots, const char *path,
  * lf_roots_resolve; LF_E_FORMAT: no regular file. */
 LF_NODISCARD lf_status lf_roots_open(const lf_roots *roots, const char *path, int *out_fd,
                                      lf_error *err);
+/* Opens a folder beneath the roots, so that its names are read (fdopendir, scandirat) from the one
+ * that was checked; roots may be NULL or empty here: anywhere. On LF_OK the caller owns *out_fd
+ * (O_CLOEXEC). Errors as lf_roots_resolve; beneath roots LF_E_FORMAT: no folder. */
+LF_NODISCARD lf_status lf_roots_open_folder(const lf_roots *roots, const char *path, int *out_fd,
+                                            lf_error *err);
 
 /* A name that may be written: its folder is held open, so that what was checked is what is written
  * to. */

@@ -1,9 +1,8 @@
 #include <dirent.h>
-#include <errno.h>
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "quilt/quilt.h"
@@ -183,31 +182,27 @@ static bool has_picture_ending(const char *name)
     return false;
 }
 
-/* The pictures are checked as they are opened; this keeps a listing of another folder from saying
- * what is in it. */
-static bool may_list(const char *folder, const lf_roots *roots)
+/* What is listed is the folder that was checked, whatever its name leads to by now. */
+static lf_status open_folder(const char *folder, const lf_roots *roots, DIR **out, lf_error *err)
 {
-    if (!roots || roots->n_roots == 0)
-        return true;
-    char real[PATH_MAX];
-    bool allowed = false;
-    if (!realpath(folder, real))
-        return false;
-    for (int i = 0; i < roots->n_roots; i++) {
-        size_t n = strlen(roots->root[i]);
-        bool beneath = strncmp(real, roots->root[i], n) == 0 &&
-                       (real[n] == '/' || real[n] == 0 || (n == 1 && real[0] == '/'));
-        allowed = allowed || beneath;
-    }
-    return allowed;
+    int fd;
+    lf_status status = lf_roots_open_folder(roots, folder, &fd, err);
+    if (status != LF_OK)
+        return status;
+    *out = fdopendir(fd);
+    if (*out)
+        return LF_OK;
+    close(fd);
+    return lf_error_set(err, LF_E_NOMEM, folder, "no memory");
 }
 
-static lf_status list_pictures(const char *folder, name_list *list, lf_error *err)
+static lf_status list_pictures(const char *folder, const lf_roots *roots, name_list *list,
+                               lf_error *err)
 {
-    DIR *dir = opendir(folder);
-    if (!dir)
-        return lf_error_set(err, LF_E_IO, folder, "cannot open: %s", strerror(errno));
-    lf_status status = LF_OK;
+    DIR *dir;
+    lf_status status = open_folder(folder, roots, &dir, err);
+    if (status != LF_OK)
+        return status;
     list->names = lf_calloc(MAX_FOLDER_VIEWS, sizeof *list->names);
     if (!list->names)
         status = lf_error_set(err, LF_E_NOMEM, folder, "no memory");
@@ -269,9 +264,7 @@ static lf_status read_folder(const char *folder, const lf_roots *roots, lf_quilt
                              lf_error *err)
 {
     name_list list = {0};
-    if (!may_list(folder, roots))
-        return lf_error_set(err, LF_E_PATH, folder, "outside the folders that may be read");
-    lf_status status = list_pictures(folder, &list, err);
+    lf_status status = list_pictures(folder, roots, &list, err);
     for (int view = 0; view < list.n && status == LF_OK; view++)
         status = take_picture(folder, &list, view, roots, q, err);
     name_list_finish(&list);

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
@@ -46,7 +47,22 @@ static int neighbour(struct dirent *const *entries, int n, const char *name, int
     return (next % n + n) % n;
 }
 
-lf_status lf_folder_neighbour(const char *file, int step, char **out_path, lf_error *err)
+static lf_status list_folder(const char *folder, const lf_roots *roots,
+                             struct dirent ***out_entries, int *out_n, lf_error *err)
+{
+    int fd;
+    lf_status status = lf_roots_open_folder(roots, folder, &fd, err);
+    if (status != LF_OK)
+        return status;
+    *out_n = scandirat(fd, ".", out_entries, to_show, by_name);
+    if (*out_n < 0)
+        status = lf_error_set(err, LF_E_IO, folder, "cannot be read: %s", lf_errno_text(errno));
+    close(fd);
+    return status;
+}
+
+lf_status lf_folder_neighbour(const char *file, int step, const lf_roots *roots, char **out_path,
+                              lf_error *err)
 {
     const char *slash = strrchr(file, '/');
     const char *name = slash ? slash + 1 : file;
@@ -54,10 +70,9 @@ lf_status lf_folder_neighbour(const char *file, int step, char **out_path, lf_er
     if (!folder)
         return lf_error_set(err, LF_E_NOMEM, file, "out of memory");
     struct dirent **entries = NULL;
-    int n = scandir(folder, &entries, to_show, by_name);
-    if (n < 0) {
-        lf_status status =
-            lf_error_set(err, LF_E_IO, folder, "cannot be read: %s", lf_errno_text(errno));
+    int n = 0;
+    lf_status status = list_folder(folder, roots, &entries, &n, err);
+    if (status != LF_OK) {
         lf_free(folder);
         return status;
     }

@@ -112,11 +112,12 @@ static lf_status stage_of_scene(const lf_load *load, lf_scene *scene, const char
     return status;
 }
 
-static lf_status turn_pages(lf_load *load)
+static lf_status turn_pages(const lf_loader *loader, lf_load *load)
 {
     char *path = NULL;
-    lf_status status =
-        load->step != 0 ? lf_folder_neighbour(load->file, load->step, &path, &load->err) : LF_OK;
+    lf_status status = load->step != 0 ? lf_folder_neighbour(load->file, load->step, loader->roots,
+                                                             &path, &load->err)
+                                       : LF_OK;
     if (path) {
         lf_free(load->file);
         load->file = path;
@@ -126,7 +127,7 @@ static lf_status turn_pages(lf_load *load)
 
 static lf_status load_file(const lf_loader *loader, lf_load *load, lf_content **out)
 {
-    lf_status status = turn_pages(load);
+    lf_status status = turn_pages(loader, load);
     if (status != LF_OK)
         return status;
     int columns, rows;

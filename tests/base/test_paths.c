@@ -202,6 +202,42 @@ static void reading_stays_beneath_the_roots(void **state)
     with_every_mechanism(*state, reads_are_as_told);
 }
 
+static const char *folders_are_as_told(const char *folder)
+{
+    static const struct {
+        const char *name;
+        lf_status expected, anywhere;
+    } cases[] = {{"in", LF_OK, LF_OK},
+                 {"in/sub", LF_OK, LF_OK},
+                 {"in/inside/", LF_OK, LF_OK},
+                 {"in/file", LF_E_FORMAT, LF_E_IO},
+                 {"in/absent", LF_E_IO, LF_E_IO},
+                 {"in/link", LF_E_PATH, LF_OK},
+                 {"in/link/absent", LF_E_PATH, LF_E_IO},
+                 {"out", LF_E_PATH, LF_OK}};
+    lf_roots roots, none = {0};
+    if (!make_roots(folder, &roots))
+        return "no roots";
+    const lf_roots *const where[] = {&roots, &none, NULL};
+    for (size_t i = 0; i < 3 * sizeof cases / sizeof *cases; i++) {
+        const char *name = cases[i / 3].name;
+        int fd = -1;
+        if (lf_roots_open_folder(where[i % 3], lf_test_path(folder, name), &fd, NULL) !=
+            (i % 3 == 0 ? cases[i / 3].expected : cases[i / 3].anywhere))
+            return name;
+        if (fd >= 0)
+            close(fd);
+    }
+    lf_roots_finish(&roots);
+    return NULL;
+}
+
+static void folders_are_listed_beneath_the_roots(void **state)
+{
+    make_tree(*state);
+    with_every_mechanism(*state, folders_are_as_told);
+}
+
 static void a_name_is_resolved_where_it_may_be_read(void **state)
 {
     lf_roots roots;
@@ -337,23 +373,44 @@ static const char *attempt(bool (*once)(const char *root, const char *path), con
     return n[0] >= ENOUGH && n[1] >= ENOUGH ? NULL : "nothing was swapped";
 }
 
-static bool read_once(const char *root, const char *path)
+static void assert_inside(int fd)
 {
-    lf_roots roots = {0};
     char text[16] = "";
-    int fd = -1;
-    if (lf_roots_add(&roots, root, NULL) != LF_OK)
-        return false;
-    bool opened = lf_roots_open(&roots, path, &fd, NULL) == LF_OK;
-    lf_roots_finish(&roots);
-    if (!opened)
-        return false;
     ssize_t n = read(fd, text, sizeof text - 1);
     close(fd);
     if (n < 0 || strcmp(text, "inside") != 0) {
         fprintf(stderr, "a file outside was read\n");
         _exit(1);
     }
+}
+
+static bool open_once(lf_status (*open_it)(const lf_roots *, const char *, int *, lf_error *),
+                      const char *root, const char *path, int *out_fd)
+{
+    lf_roots roots = {0};
+    if (lf_roots_add(&roots, root, NULL) != LF_OK)
+        return false;
+    bool opened = open_it(&roots, path, out_fd, NULL) == LF_OK;
+    lf_roots_finish(&roots);
+    return opened;
+}
+
+static bool read_once(const char *root, const char *path)
+{
+    int fd;
+    if (!open_once(lf_roots_open, root, path, &fd))
+        return false;
+    assert_inside(fd);
+    return true;
+}
+
+static bool open_folder_once(const char *root, const char *path)
+{
+    int fd;
+    if (!open_once(lf_roots_open_folder, root, path, &fd))
+        return false;
+    assert_inside(openat(fd, "file", O_RDONLY));
+    close(fd);
     return true;
 }
 
@@ -393,6 +450,11 @@ static const char *read_while_swapped(const char *folder)
     return attempt(read_once, folder, "in/sub/file");
 }
 
+static const char *open_folder_while_swapped(const char *folder)
+{
+    return attempt(open_folder_once, folder, "in/sub");
+}
+
 static const char *write_while_swapped(const char *folder)
 {
     return attempt(write_once, folder, "in/sub/new");
@@ -422,6 +484,11 @@ static void a_name_swapped_while_it_is_read_leads_nowhere(void **state)
     race(*state, read_while_swapped);
 }
 
+static void a_folder_swapped_while_it_is_opened_leads_nowhere(void **state)
+{
+    race(*state, open_folder_while_swapped);
+}
+
 static void a_name_swapped_while_it_is_written_leads_nowhere(void **state)
 {
     race(*state, write_while_swapped);
@@ -439,6 +506,8 @@ int main(void)
                                         remove_folder),
         cmocka_unit_test_setup_teardown(reading_stays_beneath_the_roots, make_folder,
                                         remove_folder),
+        cmocka_unit_test_setup_teardown(folders_are_listed_beneath_the_roots, make_folder,
+                                        remove_folder),
         cmocka_unit_test_setup_teardown(a_name_is_resolved_where_it_may_be_read, make_folder,
                                         remove_folder),
         cmocka_unit_test_setup_teardown(writing_stays_beneath_its_folder, make_folder,
@@ -447,6 +516,8 @@ int main(void)
                                         remove_folder),
         cmocka_unit_test_setup_teardown(a_name_swapped_while_it_is_read_leads_nowhere, make_folder,
                                         remove_folder),
+        cmocka_unit_test_setup_teardown(a_folder_swapped_while_it_is_opened_leads_nowhere,
+                                        make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_name_swapped_while_it_is_written_leads_nowhere,
                                         make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_folder_swapped_while_it_is_written_into_leads_nowhere,

@@ -46,7 +46,7 @@ static void expect(const char *folder, const char *from, int step, const char *t
     char path[600];
     char *next = NULL;
     snprintf(path, sizeof path, "%s/%s", folder, from);
-    lf_assert_ok(lf_folder_neighbour(path, step, &next, NULL), NULL);
+    lf_assert_ok(lf_folder_neighbour(path, step, NULL, &next, NULL), NULL);
     assert_string_equal(strrchr(next, '/') + 1, to);
     lf_free(next);
 }
@@ -92,8 +92,27 @@ static void a_folder_that_is_gone_is_an_error(void **state)
     (void)state;
     char *next = NULL;
     lf_error err;
-    assert_int_equal(lf_folder_neighbour("/nowhere/at/all.json", 1, &next, &err), LF_E_IO);
+    assert_int_equal(lf_folder_neighbour("/nowhere/at/all.json", 1, NULL, &next, &err), LF_E_IO);
     assert_null(next);
+}
+
+static void a_folder_outside_the_roots_is_not_listed(void **state)
+{
+    (void)state;
+    char *folder = lf_test_folder(), *next = NULL;
+    lf_roots roots = {0};
+    lf_error err;
+    const char *file = lf_test_write(folder, "a.json", "");
+    lf_test_write(folder, "b.json", "");
+    lf_assert_ok(lf_roots_add(&roots, "/usr", &err), &err);
+    assert_int_equal(lf_folder_neighbour(file, 1, &roots, &next, &err), LF_E_PATH);
+    assert_null(next);
+    lf_assert_ok(lf_roots_add(&roots, folder, &err), &err);
+    lf_assert_ok(lf_folder_neighbour(file, 1, &roots, &next, &err), &err);
+    assert_string_equal(strrchr(next, '/'), "/b.json");
+    lf_free(next);
+    lf_roots_finish(&roots);
+    lf_test_folder_remove(folder);
 }
 
 int main(void)
@@ -104,6 +123,7 @@ int main(void)
         cmocka_unit_test(neighbours_go_round_by_name),
         cmocka_unit_test(a_scene_alone_is_its_own_neighbour),
         cmocka_unit_test(a_folder_that_is_gone_is_an_error),
+        cmocka_unit_test(a_folder_outside_the_roots_is_not_listed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
