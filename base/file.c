@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -122,4 +123,10 @@ char *lf_path_folder(const char *path)
     size_t n = slash == path ? 1 : (size_t)(slash - path);
     char *folder = lf_calloc(n + 1, 1);
     return folder ? memcpy(folder, path, n) : NULL;
+}
+
+bool lf_path_has_ending(const char *path, const char *ending)
+{
+    size_t n = strlen(path), m = strlen(ending);
+    return n >= m && strcasecmp(path + n - m, ending) == 0;
 }

@@ -23,6 +23,8 @@ LF_NODISCARD lf_status lf_file_read(const char *path, const lf_roots *roots, uin
 char *lf_path_join(const char *folder, const char *relative);
 /* The folder part of a path ("." when there is none); caller frees. */
 char *lf_path_folder(const char *path);
+/* Whether a path ends in `ending` (".png"), whatever the case. */
+bool lf_path_has_ending(const char *path, const char *ending);
 
 /* A file that becomes visible whole or not at all: written beside as ".NAME.quiltd-XXXXXX"
  * (O_TMPFILE where the file system has it, so that a kill leaves nothing), fsynced, then linked or

@@ -425,8 +425,13 @@ static lf_status read_exr(const lf_image_source *source, lf_image32 *out, lf_err
     return status;
 }
 
-const lf_image_format lf_format_exr = {
-    .name = "EXR", .kind = LF_IMAGE_FLOAT, .recognises = recognises_exr, .read32 = read_exr};
+static const char *const endings[] = {".exr", NULL};
+
+const lf_image_format lf_format_exr = {.name = "EXR",
+                                       .endings = endings,
+                                       .kind = LF_IMAGE_FLOAT,
+                                       .recognises = recognises_exr,
+                                       .read32 = read_exr};
 
 /* ------------------------------------------------------------------------------------- write -- */
 

@@ -280,7 +280,10 @@ static lf_status read_hdr(const lf_image_source *source, lf_image32 *out, lf_err
     return status;
 }
 
+static const char *const endings[] = {".hdr", NULL};
+
 const lf_image_format lf_format_hdr = {.name = "Radiance HDR",
+                                       .endings = endings,
                                        .kind = LF_IMAGE_FLOAT,
                                        .recognises = recognises_hdr,
                                        .read32 = read_hdr};

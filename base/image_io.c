@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -38,10 +39,49 @@ const char *lf_outfile_name(const lf_outfile *file)
     return file->path ? file->path : "output";
 }
 
+const char *lf_image_ending(const char *path)
+{
+    for (size_t i = 0; i < N_FORMATS; i++)
+        for (const char *const *ending = formats[i]->endings; *ending; ending++)
+            if (lf_path_has_ending(path, *ending))
+                return path + strlen(path) - strlen(*ending);
+    return NULL;
+}
+
+const char *lf_image_float_ending(int index)
+{
+    for (size_t i = 0; i < N_FORMATS; i++)
+        for (const char *const *ending = formats[i]->endings; *ending; ending++)
+            if (formats[i]->kind == LF_IMAGE_FLOAT && index-- == 0)
+                return *ending + 1;
+    return NULL;
+}
+
+/* "PNG or JPEG": the formats that there are, or those of a kind alone. */
+static char *format_names(bool all, lf_image_kind kind, char *buf, size_t size)
+{
+    const char *names[N_FORMATS];
+    size_t n = 0;
+    for (size_t i = 0; i < N_FORMATS; i++)
+        if (all || formats[i]->kind == kind)
+            names[n++] = formats[i]->name;
+    buf[0] = '\0';
+    for (size_t i = 0; i < n; i++) {
+        size_t used = strlen(buf);
+        snprintf(buf + used, size - used, "%s%s",
+                 i == 0       ? ""
+                 : i + 1 == n ? " or "
+                              : ", ",
+                 names[i]);
+    }
+    return buf;
+}
+
 static lf_status recognise(const lf_image_source *source, const lf_image_format **out,
                            lf_error *err)
 {
     uint8_t head[LF_IMAGE_HEAD_BYTES] = {0};
+    char names[128];
     ssize_t n = pread(source->fd, head, sizeof head, 0);
     if (n < 0)
         return lf_error_set(err, LF_E_IO, source->where, "cannot read: %s", strerror(errno));
@@ -51,8 +91,8 @@ static lf_status recognise(const lf_image_source *source, const lf_image_format 
             return LF_OK;
         }
     }
-    return lf_error_set(err, LF_E_FORMAT, source->where,
-                        "not a picture (expected PNG, JPEG, EXR or Radiance HDR)");
+    return lf_error_set(err, LF_E_FORMAT, source->where, "not a picture (expected %s)",
+                        format_names(true, LF_IMAGE_8BIT, names, sizeof names));
 }
 
 /* On LF_OK the caller closes source->fd. */
@@ -87,14 +127,16 @@ lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out
 {
     lf_image_source source;
     const lf_image_format *format;
+    char names[128];
     lf_status status = open_source(path, roots, &source, &format, err);
     if (status != LF_OK)
         return status;
     if (format->read8)
         status = format->read8(&source, out, err);
     else
-        status = lf_error_set(err, LF_E_FORMAT, path,
-                              "%s is a picture of floats (expected PNG or JPEG)", format->name);
+        status =
+            lf_error_set(err, LF_E_FORMAT, path, "%s is a picture of floats (expected %s)",
+                         format->name, format_names(false, LF_IMAGE_8BIT, names, sizeof names));
     close(source.fd);
     return status;
 }

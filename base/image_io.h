@@ -18,6 +18,11 @@ typedef enum lf_image_kind {
 LF_NODISCARD lf_status lf_image_probe(const char *path, const lf_roots *roots,
                                       lf_image_kind *out_kind, lf_error *err);
 
+/* Where the ending of a name (".PNG") begins, in path, when it is a picture format's; else NULL. */
+const char *lf_image_ending(const char *path);
+/* The endings of formats of floats one after the other, without the dot; NULL behind the last. */
+const char *lf_image_float_ending(int index);
+
 /* 8-bit RGB (3 channels; grey is spread, alpha dropped, 16-bit PNG rounded, palettes expanded).
  * Floats are not accepted. */
 LF_NODISCARD lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out,

@@ -99,5 +99,10 @@ static lf_status read_jpeg(const lf_image_source *source, lf_image8 *out, lf_err
     return status;
 }
 
-const lf_image_format lf_format_jpeg = {
-    .name = "JPEG", .kind = LF_IMAGE_8BIT, .recognises = recognises_jpeg, .read8 = read_jpeg};
+static const char *const endings[] = {".jpg", ".jpeg", NULL};
+
+const lf_image_format lf_format_jpeg = {.name = "JPEG",
+                                        .endings = endings,
+                                        .kind = LF_IMAGE_8BIT,
+                                        .recognises = recognises_jpeg,
+                                        .read8 = read_jpeg};

@@ -120,8 +120,13 @@ static lf_status read_png(const lf_image_source *source, lf_image8 *out, lf_erro
     return status;
 }
 
-const lf_image_format lf_format_png = {
-    .name = "PNG", .kind = LF_IMAGE_8BIT, .recognises = recognises_png, .read8 = read_png};
+static const char *const endings[] = {".png", NULL};
+
+const lf_image_format lf_format_png = {.name = "PNG",
+                                       .endings = endings,
+                                       .kind = LF_IMAGE_8BIT,
+                                       .recognises = recognises_png,
+                                       .read8 = read_png};
 
 /* ------------------------------------------------------------------------------------- write -- */
 

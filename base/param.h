@@ -28,7 +28,7 @@ typedef enum lf_param_type {
     /* in scene files alone: */
     LF_PARAM_COLOUR,    /* double[3], one number or three */
     LF_PARAM_DIRECTION, /* double[3], unit; of any length but 0 in the file */
-    LF_PARAM_FILE,      /* const char *, whose name ends in a dot and one of words */
+    LF_PARAM_FILE,      /* const char *, whose name ends in a dot and one of word_at */
 } lf_param_type;
 
 typedef struct lf_param {

@@ -172,16 +172,6 @@ static int by_name(const void *a, const void *b)
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-static bool has_picture_ending(const char *name)
-{
-    static const char *const endings[] = {".png", ".jpg", ".jpeg", ".exr", ".hdr"};
-    const char *dot = strrchr(name, '.');
-    for (size_t i = 0; dot && i < sizeof endings / sizeof endings[0]; i++)
-        if (strcasecmp(dot, endings[i]) == 0)
-            return name[0] != '.';
-    return false;
-}
-
 /* What is listed is the folder that was checked, whatever its name leads to by now. */
 static lf_status open_folder(const char *folder, const lf_roots *roots, DIR **out, lf_error *err)
 {
@@ -208,7 +198,7 @@ static lf_status list_pictures(const char *folder, const lf_roots *roots, name_l
         status = lf_error_set(err, LF_E_NOMEM, folder, "no memory");
     const struct dirent *entry;
     while (status == LF_OK && (entry = readdir(dir))) {
-        if (!has_picture_ending(entry->d_name))
+        if (entry->d_name[0] == '.' || !lf_image_ending(entry->d_name))
             continue;
         if (list->n == MAX_FOLDER_VIEWS)
             status =
@@ -221,7 +211,7 @@ static lf_status list_pictures(const char *folder, const lf_roots *roots, name_l
     closedir(dir);
     if (status == LF_OK && list->n == 0)
         return lf_error_set(err, LF_E_FORMAT, folder,
-                            "no pictures in this folder (expected one a view: PNG, JPEG or EXR)");
+                            "no pictures in this folder (expected one a view)");
     if (status == LF_OK)
         qsort(list->names, (size_t)list->n, sizeof *list->names, by_name);
     return status;

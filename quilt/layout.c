@@ -158,16 +158,6 @@ bool lf_layout_from_name(const char *path, int *out_columns, int *out_rows, doub
     return found;
 }
 
-static const char *ending_of(const char *path)
-{
-    static const char *const known[] = {".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff"};
-    const char *dot = strrchr(base_name(path), '.');
-    for (size_t i = 0; dot && i < sizeof known / sizeof known[0]; i++)
-        if (strcasecmp(dot, known[i]) == 0)
-            return dot;
-    return path + strlen(path);
-}
-
 char *lf_layout_name(const char *path, const lf_layout *layout)
 {
     int columns, rows;
@@ -175,7 +165,7 @@ char *lf_layout_name(const char *path, const lf_layout *layout)
     if (lf_layout_from_name(path, &columns, &rows, &aspect) && columns == layout->columns &&
         rows == layout->rows)
         return lf_strdup(path);
-    const char *ending = ending_of(path);
+    const char *picture = lf_image_ending(path), *ending = picture ? picture : path + strlen(path);
     size_t size = strlen(path) + 64;
     char *name = lf_calloc(size, 1);
     if (name)

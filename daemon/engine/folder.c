@@ -9,21 +9,16 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "base/file.h"
-#include "daemon/output/output_internal.h"
+#include "quilt/quilt.h"
 
 static bool is_shown_by_name(const char *name)
 {
-    static const char *const pictures[] = {".png", ".jpg", ".jpeg", ".exr"};
-    if (name[0] == '.')
-        return false;
-    if (output_has_ending(name, ".json"))
-        return true;
     int columns, rows;
     double aspect;
-    bool picture = false;
-    for (size_t i = 0; i < sizeof pictures / sizeof *pictures; i++)
-        picture = picture || output_has_ending(name, pictures[i]);
-    return picture && lf_layout_from_name(name, &columns, &rows, &aspect);
+    if (name[0] == '.')
+        return false;
+    return lf_path_has_ending(name, ".json") ||
+           (lf_image_ending(name) && lf_layout_from_name(name, &columns, &rows, &aspect));
 }
 
 static int to_show(const struct dirent *entry)

@@ -29,18 +29,11 @@ lf_status lf_output_kind_from_name(const char *name, const lf_output_kind **out,
     return lf_error_set(err, LF_E_ARG, "kind", "unknown name \"%s\" (there are: %s)", name, known);
 }
 
-bool output_has_ending(const char *text, const char *ending)
-{
-    size_t n = strlen(text);
-    size_t m = strlen(ending);
-    return n >= m && strcasecmp(text + n - m, ending) == 0;
-}
-
 bool lf_output_fits(const lf_output_kind *kind, const char *path)
 {
     bool fits = false;
     for (int i = 0; kind->endings[i]; i++)
-        fits = fits || output_has_ending(path, kind->endings[i]);
+        fits = fits || lf_path_has_ending(path, kind->endings[i]);
     return fits;
 }
 

@@ -36,7 +36,4 @@ char *output_print_file(const char *path, int i);
 /* What a print's writer needs to know of the request. */
 lf_print_run output_print_run(const lf_output_request *request);
 
-/* True when text ends with ending, whatever the case. */
-bool output_has_ending(const char *text, const char *ending);
-
 #endif

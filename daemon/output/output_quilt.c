@@ -80,7 +80,7 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
 {
     output_attributes attributes;
     output_attributes_fill(&attributes, request->settings);
-    return output_has_ending(request->path, ".exr")
+    return lf_path_has_ending(request->path, ".exr")
                ? write_exr(request, source, files, &attributes, err)
                : write_png(request, source, files, &attributes, err);
 }

@@ -8,7 +8,7 @@
 #include "render/scene/vec_double.h"
 
 #define LF_MAX_PATH 4095
-#define MAX_NAMES 32 /* of keys */
+#define MAX_NAMES 32 /* of keys, of endings */
 
 /* ----------------------------------------------------------------------------------- values -- */
 
@@ -83,6 +83,14 @@ static void read_numbers(lf_reader *reader, const lf_node *node, const lf_param 
         make_unit(reader, &at, number);
 }
 
+static const char *read_file_name(lf_reader *reader, const lf_node *node, const lf_param *row)
+{
+    const char *endings[MAX_NAMES + 1] = {NULL};
+    for (int i = 0; i < MAX_NAMES && (i == 0 || endings[i - 1]); i++)
+        endings[i] = row->word_at(i);
+    return lf_read_file(reader, node, row->name, endings);
+}
+
 /* Reads a key into a field of its row's type. */
 static void read_field(lf_reader *reader, const lf_node *node, const lf_param *row, void *field)
 {
@@ -110,7 +118,7 @@ static void read_field(lf_reader *reader, const lf_node *node, const lf_param *r
         *(int *)field = lf_read_choice(reader, node, row->name, row->words, (int)row->initial);
         break;
     case LF_PARAM_FILE:
-        *(const char **)field = lf_read_file(reader, node, row->name, row->words);
+        *(const char **)field = read_file_name(reader, node, row);
         break;
     default:
         assert(!"no row of a scene file");

@@ -2,6 +2,7 @@
  * A texel's weight is the mean of the bilinear picture over it (weights 1 6 1 each way), so that it
  * is 0 only where the picture is 0 throughout. */
 #include "base/alloc.h"
+#include "base/image_io.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/light_types.h"
 
@@ -202,10 +203,11 @@ static bool varies(const lf_light *light)
 
 enum { FILE_NAME, SCALE, ROTATE, RADIANCE };
 
-static const char *const endings[] = {"exr", "hdr", NULL};
-
 static const lf_param keys[] = {
-    [FILE_NAME] = {.name = "file", .type = LF_PARAM_FILE, .form = 1, .words = endings},
+    [FILE_NAME] = {.name = "file",
+                   .type = LF_PARAM_FILE,
+                   .form = 1,
+                   .word_at = lf_image_float_ending},
     [SCALE] = {.name = "scale",
                .type = LF_PARAM_COLOUR,
                .form = 1,

@@ -198,11 +198,28 @@ static void real_pictures_are_read(void **state)
     }
 }
 
+static void endings_are_those_of_the_formats(void **state)
+{
+    (void)state;
+    static const char *const pictures[] = {".png", ".jpg", ".JPEG", ".exr", ".Hdr"};
+    static const char *const others[] = {"a.tif", "png", "a.png.json", "exr.", "a.hdr/b", ""};
+    for (size_t i = 0; i < sizeof pictures / sizeof *pictures; i++) {
+        const char *path = lf_test_path("/a.b/c", pictures[i]), *ending = lf_image_ending(path);
+        assert_ptr_equal(ending, path + strlen("/a.b/c/"));
+    }
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        assert_null(lf_image_ending(others[i]));
+    assert_string_equal(lf_image_float_ending(0), "exr");
+    assert_string_equal(lf_image_float_ending(1), "hdr");
+    assert_null(lf_image_float_ending(2));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shapes_over_the_limits_are_refused),
         cmocka_unit_test(kinds_are_told_by_contents),
+        cmocka_unit_test(endings_are_those_of_the_formats),
         cmocka_unit_test(pictures_outside_the_roots_are_not_read),
         cmocka_unit_test(a_full_disk_is_an_error_of_io),
         cmocka_unit_test(headers_that_claim_too_much_are_refused),

@@ -77,6 +77,19 @@ static void neighbours_go_round_by_name(void **state)
     lf_test_folder_remove(folder);
 }
 
+static void pictures_of_every_format_are_among_them(void **state)
+{
+    (void)state;
+    char *folder = lf_test_folder();
+    static const char *const files[] = {"a_qs2x2.hdr", "b_qs2x2.jpeg", "c_qs2x2.exr",
+                                        "d_qs2x2.png", "c_qs2x2.tif",  ".b_qs2x2.hdr"};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+        lf_test_write(folder, files[i], "");
+    for (int i = 0; i < 4; i++)
+        expect(folder, files[i], 1, files[(i + 1) % 4]);
+    lf_test_folder_remove(folder);
+}
+
 static void a_scene_alone_is_its_own_neighbour(void **state)
 {
     (void)state;
@@ -121,6 +134,7 @@ int main(void)
         cmocka_unit_test(only_named_buttons_change),
         cmocka_unit_test(unknown_words_change_nothing),
         cmocka_unit_test(neighbours_go_round_by_name),
+        cmocka_unit_test(pictures_of_every_format_are_among_them),
         cmocka_unit_test(a_scene_alone_is_its_own_neighbour),
         cmocka_unit_test(a_folder_that_is_gone_is_an_error),
         cmocka_unit_test(a_folder_outside_the_roots_is_not_listed),

@@ -70,9 +70,9 @@ static bool agrees_in_type(const json_t *property, const lf_param *key)
     case LF_PARAM_WORD:
         return has_words(member(property, "enum"), key->words);
     case LF_PARAM_FILE:
-        for (int i = 0; key->words[i]; i++) {
+        for (int i = 0; key->word_at(i); i++) {
             char letters[64] = "";
-            for (const char *c = key->words[i]; *c; c++)
+            for (const char *c = key->word_at(i); *c; c++)
                 snprintf(letters + strlen(letters), sizeof letters - strlen(letters), "[%c%c]", *c,
                          toupper(*c));
             if (!strstr(json_string_value(member(property, "pattern")), letters))
