@@ -83,24 +83,43 @@ daemon/tools: daemon/output daemon/wire daemon/server
 base:
 bench:
 END
+    cat "$1/tests/floors" 2> /dev/null # a tree's own rows: that of breaches has some
 }
 # The headers that other rooms may include, and what looks behind the doors.
 doors='render/render\.h|quilt/quilt\.h|device/device\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|daemon/(output/(options|content|render_job)|engine/loader)\.h'
 behind_doors='bench/micro.c render/renderer.h'
-upward_includes() {
-    floors > "$1/floors.table"
+rooms='base|render|quilt|device|daemon|bench|scenes|tests'
+# The rules below read includes as they are written: from the root, in quotes, and not by another way.
+includes_not_from_the_root() {
+    grep_code "$1" '^ *# *include' |
+        grep -vE ":#include (<[^.]+(\.h)?>|\"($rooms)(/[A-Za-z0-9_]+)+\.h\"|\"gen/scene_schema\.h\")" # gen/: of the build
+}
+own_headers_in_angles() { grep_code "$1" "#include <($rooms)/"; }
+foreign_internal_headers() {
+    sources "$1" -name '*.[ch]' -o -name '*.cc' | (cd "$1" && xargs -r -d '\n' grep -nHoE '#include "[a-z_0-9/]+_internal\.h"') |
+        awk -F'[:"]' '{ from = $1; sub(/\/[^\/]*$/, "", from); to = $4; sub(/\/[^\/]*$/, "", to)
+            if (from != to) print $1 ":" $2 ": includes " $4 }'
+}
+floors_in_a_circle() {
+    floors "$1" | awk '{ folder = $1; sub(/:$/, "", folder); for (i = 2; i <= NF; i++) print folder, $i }' | { tsort > /dev/null; } 2>&1
+}
+# Prints "row", "floor" or "door", and the include that breaks it.
+include_complaints() {
     sources "$1" -name '*.[ch]' -not -path 'tests/*' -not -path 'scenes/*' -o -name '*.cc' -not -path 'scenes/*' |
         (cd "$1" && xargs -r -d '\n' grep -nHoE '#include "(base|render|quilt|device|daemon|bench)/[a-z_0-9/]+\.h"') |
         awk -F'[:"]' -v doors="^($doors)$" -v behind="$behind_doors" '
-            FILENAME ~ /floors.table$/ { split($0, row, /: */); n = split(row[2], to, " "); known[row[1]] = 1
+            FILENAME != "-" { split($0, row, /: */); n = split(row[2], to, " "); known[row[1]] = 1
                 for (i = 1; i <= n; i++) may[row[1], to[i]] = 1; next }
             { from = $1; sub(/\/[^\/]*$/, "", from); header = $4; to_folder = header; sub(/\/[^\/]*$/, "", to_folder)
               room = from; sub(/\/.*/, "", room); to_room = header; sub(/\/.*/, "", to_room)
-              if (!known[from]) print $1 ":" $2 ": " from " stands in no row of the table"
-              else if (from != to_folder && room == to_room && !may[from, to_folder] && !may[from, header] ||
-                  room != to_room && to_room != "base" && header !~ doors && $1 " " header != behind) print $1 ":" $2 ": includes " header }' "$1/floors.table" -
-    rm "$1/floors.table"
+              what = $1 ":" $2 ": includes " header
+              if (!known[from]) print "row " what ", and " from " stands in no row of the table"
+              else if (from != to_folder && room == to_room && !may[from, to_folder] && !may[from, header]) print "floor " what
+              else if (room != to_room && to_room != "base" && header !~ doors && $1 " " header != behind) print "door " what }' <(floors "$1") -
 }
+folders_in_no_row() { include_complaints "$1" | sed -n 's/^row //p'; }
+upward_includes() { include_complaints "$1" | sed -n 's/^floor //p'; }
+includes_behind_doors() { include_complaints "$1" | sed -n 's/^door //p'; }
 cxx_only_for_openvdb() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/load/vdb_import|scenes/make_[a-z_]*)\.cc$'; }
 top_level() {
     (cd "$1" && if [ -e .git ]; then git ls-files 2> /dev/null | cut -d/ -f1 | sort -u; else ls; fi) |
@@ -158,6 +177,13 @@ make_breaches() {
     printf 'struct lf_twice {\n    int x;\n};\n' | tee "$1/render/once.h" > "$1/quilt/twice.h"
     mkdir -p "$1/daemon/engine"
     printf '#include "daemon/server/server.h"\n' > "$1/daemon/engine/up.c"
+    printf '#include "../server/server.h"\n' > "$1/daemon/engine/relative.c"
+    printf '#include <render/rows/rows.h>\n' > "$1/daemon/engine/angles.c"
+    printf '#include "daemon/output/output_internal.h"\n' > "$1/daemon/engine/internal.c"
+    printf '#include "render/rows/visit.h"\n' > "$1/daemon/engine/behind.c"
+    mkdir -p "$1/daemon/cellar"
+    printf '#include "daemon/output/output.h"\n' > "$1/daemon/cellar/new.c"
+    printf 'daemon/output: daemon/engine\n' > "$1/tests/floors"
     printf '__attribute__((target_''clones("avx2"))) int y;' > "$1/quilt/cloned.cc"
     mkdir -p "$1/tests/mutants"
     printf 'render/bad.c  a line that is not there\n- h();\n+ i();\n! render/test_bad\n' > "$1/tests/mutants/render.txt"
@@ -170,7 +196,8 @@ make_breaches() {
 breaches=$(mktemp -d)
 trap 'rm -rf "$breaches"' EXIT
 make_breaches "$breaches"
-for rule in tabs_and_trailing_blanks long_lines pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart upward_includes \
+for rule in tabs_and_trailing_blanks long_lines pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
+    includes_not_from_the_root own_headers_in_angles foreign_internal_headers floors_in_a_circle folders_in_no_row upward_includes includes_behind_doors \
     cxx_only_for_openvdb top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions listed_tests_are_there; do
     if [ -z "$($rule "$breaches")" ]; then
         report "$rule" "the rule does not notice a breach of it"
