@@ -2,6 +2,10 @@
 #include "quilt/print/print.h"
 
 #define PLACE(field) .place = offsetof(lf_print, field)
+/* Said by two options. */
+#define LPI .argument = "LPI", PLACE(lpi), .unit = "lpi", .low = 5, .high = 600
+#define DPI                                                                                        \
+    .argument = "DPI", PLACE(dpi), .type = LF_PARAM_WHOLE, .unit = "dpi", .low = 50, .high = 9600
 
 static const char *const stripes[] = {
     [LF_STRIPES_FRACTIONAL] = "fractional", [LF_STRIPES_NEAREST] = "nearest", NULL};
@@ -14,20 +18,16 @@ static const char *const bits[] = {"8", "16", NULL};
 
 /* clang-format off */
 const lf_param lf_print_params[] = {
-    {.name = "lpi", .option = "print", .joined = "@", .argument = "LPI", PLACE(lpi),
-     .unit = "lpi", .low = 5, .high = 600, .required = true,
+    {.name = "lpi", .option = "print", .joined = "@", LPI, .required = true,
      .help = "lenticular print into OUT.tif; LPI is the measured visual pitch, e.g. 60.13@600"},
-    {.name = "dpi", .option = "print", .argument = "DPI", PLACE(dpi),
-     .type = LF_PARAM_WHOLE, .unit = "dpi", .low = 50, .high = 9600, .initial = 600},
-    {.option = "chart", .joined = "+-", .argument = "LPI", PLACE(lpi), .unit = "lpi",
-     .low = 5, .high = 600,
+    {.name = "dpi", .option = "print", DPI, .initial = 600},
+    {.option = "chart", .joined = "+-", LPI,
      .help = "instead of a picture, a chart: bands of lines at pitches to find the sheet's by"},
     {.name = "range", .option = "chart", .joined = "/", .argument = "RANGE", PLACE(chart_range),
      .unit = "lpi", .low = 1e-4, .high = 100},
     {.name = "step", .option = "chart", .joined = "@", .argument = "STEP", PLACE(chart_step),
      .unit = "lpi", .low = 1e-4, .high = 100},
-    {.option = "chart", .argument = "DPI", PLACE(dpi),
-     .type = LF_PARAM_WHOLE, .unit = "dpi", .low = 50, .high = 9600},
+    {.option = "chart", DPI},
     {.name = "width", .option = "print-size", .joined = "x", .argument = "W", PLACE(width_mm),
      .unit = "mm", .low = 1, .high = 5000, .required = true, .help = "trim size of the print"},
     {.name = "height", .option = "print-size", .argument = "H", PLACE(height_mm),
