@@ -132,15 +132,30 @@ static void put_number(const lf_param *row, double value, void *object)
     }
 }
 
+static void put_initial(const lf_param *row, void *object)
+{
+    switch (row->type) {
+    case LF_PARAM_TEXT:
+    case LF_PARAM_NAME:
+    case LF_PARAM_FILE:
+        *text_place(row, object) = NULL;
+        break;
+    case LF_PARAM_POINT:
+    case LF_PARAM_COLOUR:
+    case LF_PARAM_DIRECTION:
+        memcpy(point_place(row, object), row->point, sizeof row->point);
+        break;
+    default:
+        assert(row->type != LF_PARAM_SEED && row->type != LF_PARAM_LIST); /* have no names */
+        put_number(row, row->initial, object);
+    }
+}
+
 void lf_param_defaults(const lf_param *params, void *object)
 {
     for (const lf_param *row = params; !is_end(row); row++)
-        if (is_text(row))
-            *text_place(row, object) = NULL;
-        else if (row->type == LF_PARAM_POINT)
-            memcpy(point_place(row, object), row->point, sizeof row->point);
-        else if (row->name)
-            put_number(row, row->initial, object);
+        if (row->name)
+            put_initial(row, object);
 }
 
 /* ------------------------------------------------------------------------------------ values -- */

@@ -57,7 +57,9 @@ typedef struct lf_param {
     bool exclusive; /* an error where a thing of another kind says it (surfaces) */
 } lf_param;
 
-/* Sets every field that has a row to its initial value. */
+/* Sets every field that has a row with a name to its initial value: texts, names and files to NULL.
+ * Rows of an option alone leave their fields as they are: those share them with rows that have
+ * names, or belong to structs in which 0 is what nobody gave. */
 void lf_param_defaults(const lf_param *params, void *object);
 
 /* Takes the text of an option, for its first row and those joined to it; NULL for a switch.

@@ -312,9 +312,55 @@ static void the_schema_says_what_the_rows_say(void **state)
     json_decref(expected);
 }
 
+static void fields_of_every_type_with_a_name_get_their_initial_values(void **state)
+{
+    (void)state;
+    struct things {
+        double tint[3], towards[3];
+        const char *file, *note;
+        uint64_t seed;
+        unsigned list;
+        int n, other;
+    } t, before;
+    const lf_param table[] = {
+        {.name = "tint",
+         .type = LF_PARAM_COLOUR,
+         .place = offsetof(struct things, tint),
+         .point = {1, 2, 3}},
+        {.name = "towards",
+         .type = LF_PARAM_DIRECTION,
+         .place = offsetof(struct things, towards),
+         .point = {0, 1, 0}},
+        {.name = "file", .type = LF_PARAM_FILE, .place = offsetof(struct things, file)},
+        {.option = "note", .type = LF_PARAM_TEXT, .place = offsetof(struct things, note)},
+        {.option = "seed", .type = LF_PARAM_SEED, .place = offsetof(struct things, seed)},
+        {.option = "list",
+         .type = LF_PARAM_LIST,
+         .place = offsetof(struct things, list),
+         .word_at = colour_at},
+        {.name = "n",
+         .option = "n",
+         .type = LF_PARAM_WHOLE,
+         .place = offsetof(struct things, n),
+         .initial = 7},
+        {.option = "again", .type = LF_PARAM_WHOLE, .place = offsetof(struct things, n)},
+        {0},
+    };
+    memset(&t, 0x5a, sizeof t);
+    before = t;
+    lf_param_defaults(table, &t);
+    assert_true(t.tint[0] == 1 && t.tint[1] == 2 && t.tint[2] == 3);
+    assert_true(t.towards[0] == 0 && t.towards[1] == 1 && t.towards[2] == 0);
+    assert_null(t.file);
+    assert_int_equal(t.n, 7);
+    assert_ptr_equal(t.note, before.note);
+    assert_true(t.seed == before.seed && t.list == before.list && t.other == before.other);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fields_of_every_type_with_a_name_get_their_initial_values),
         cmocka_unit_test(text_reaches_the_field_of_its_row_and_no_other),
         cmocka_unit_test(lists_are_bits_of_their_words),
         cmocka_unit_test(options_are_found_by_their_whole_names),
