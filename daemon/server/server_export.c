@@ -1,6 +1,5 @@
 /* What a call's words say about an export: a job, checked as far as it can be before anything is
  * written. */
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -35,19 +34,6 @@ static lf_status take_panel_words(lf_job *job, const json_t *params, lf_error *e
     return status;
 }
 
-/* As many views as a lens holds and the picture has, where nobody says. */
-static lf_status choose_views(lf_job *job, lf_error *err)
-{
-    lf_print *print = &job->print;
-    const int most = job->server->content->layout.n_views;
-    if (print->n_views == 0)
-        print->n_views = (int)fmax(1, fmin(floor(print->dpi / print->lpi + 1e-9), most));
-    if (print->n_views > most)
-        return lf_error_set_at(err, LF_E_ARG, "export", 0, "/views", "there are only %d views",
-                               most);
-    return LF_OK;
-}
-
 static lf_status take_print_words(lf_job *job, const json_t *params, lf_error *err)
 {
     lf_print *print = &job->print;
@@ -58,7 +44,8 @@ static lf_status take_print_words(lf_job *job, const json_t *params, lf_error *e
     lf_param_defaults(lf_print_params, print);
     lf_status status = lf_param_from_json(lf_print_params, params, print, "export", err);
     if (status == LF_OK && !job->kind->is_drawn)
-        status = choose_views(job, err);
+        status = lf_print_choose_views(print, job->server->content->layout.n_views, "export",
+                                       "/views", err);
     if (status == LF_OK && print->icc_path)
         status = lf_server_read_path(job->server, print->icc_path, &job->icc, err);
     print->icc_path = job->icc;

@@ -1,7 +1,6 @@
 /* quiltrender: one scene or quilt to one picture, print or folder of views. See
  * docs/man/quiltrender.1. */
 #include <errno.h>
-#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -112,14 +111,10 @@ static lf_status prepare_print(job *j, int n_views_most, lf_error *err)
 {
     const char *warning = NULL;
     j->print = j->arguments->print;
-    double most = floor(j->print.dpi / j->print.lpi + 1e-9);
-    j->print.n_views = (int)fmax(1, fmin(most, n_views_most));
-    if (j->arguments->options.views > 0)
-        j->print.n_views = j->arguments->options.views;
-    if (j->print.n_views > n_views_most)
-        return lf_error_set(err, LF_E_ARG, "--views", "%d views asked for, but there are only %d",
-                            j->print.n_views, n_views_most);
-    lf_status status = j->arguments->kind->check_print(&j->print, &warning, err);
+    j->print.n_views = j->arguments->options.views;
+    lf_status status = lf_print_choose_views(&j->print, n_views_most, "--views", NULL, err);
+    if (status == LF_OK)
+        status = j->arguments->kind->check_print(&j->print, &warning, err);
     if (status == LF_OK && warning)
         lf_log(LF_LOG_WARNING, "--views: %s", warning);
     return status;

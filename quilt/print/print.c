@@ -41,6 +41,17 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
     return check_views(print, out_warning, err);
 }
 
+lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, const char *pointer,
+                                lf_error *err)
+{
+    if (print->n_views > n_most)
+        return lf_error_set_at(err, LF_E_ARG, where, 0, pointer,
+                               "%d views asked for, but there are only %d", print->n_views, n_most);
+    if (print->n_views == 0)
+        print->n_views = (int)fmax(1, fmin(floor(print->dpi / print->lpi + 1e-9), n_most));
+    return LF_OK;
+}
+
 /* ------------------------------------------------------------------------------------- shape -- */
 
 /* The lenses whose cells overlap the raster: lens k's is [phase + (k - 1/2) p, phase + (k + 1/2)

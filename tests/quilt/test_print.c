@@ -59,6 +59,28 @@ static void no_more_views_than_pixels_a_lens(void **state)
 
 /* ------------------------------------------------------------------------------------- shape -- */
 
+static void nobody_s_views_are_those_of_a_lens_and_of_the_picture(void **state)
+{
+    (void)state;
+    static const struct {
+        double lpi;
+        int asked, most, chosen; /* 0 = refused */
+    } cases[] = {{60, 0, 99, 10},   {60.13, 0, 99, 9}, {60, 0, 7, 7},   {600, 0, 5, 1},
+                 {599.9, 0, 99, 1}, {60, 12, 12, 12},  {60, 13, 12, 0}, {60, 3, 99, 3}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        lf_print p = lf_print_sound();
+        lf_error err = {0};
+        p.dpi = 600;
+        p.lpi = cases[i].lpi;
+        p.n_views = cases[i].asked;
+        lf_assert_status(lf_print_choose_views(&p, cases[i].most, "export", "/views", &err),
+                         cases[i].chosen > 0 ? LF_OK : LF_E_ARG, &err);
+        assert_int_equal(p.n_views, cases[i].chosen > 0 ? cases[i].chosen : cases[i].asked);
+        if (cases[i].chosen == 0)
+            assert_string_equal(err.pointer, "/views");
+    }
+}
+
 static void the_shape_holds_every_lens_that_touches_the_raster_and_no_other(void **state)
 {
     (void)state;
@@ -483,6 +505,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(options_out_of_range_are_refused_by_name),
         cmocka_unit_test(no_more_views_than_pixels_a_lens),
+        cmocka_unit_test(nobody_s_views_are_those_of_a_lens_and_of_the_picture),
         cmocka_unit_test(the_shape_holds_every_lens_that_touches_the_raster_and_no_other),
         cmocka_unit_test(every_pixel_is_the_mix_of_the_stripes_it_covers),
         cmocka_unit_test(a_nearest_pixel_is_the_stripe_at_its_middle_as_the_screen_shows_it),
