@@ -76,8 +76,9 @@ const char *lf_device_folder(const char *spec, size_t *out_length)
 
 char *lf_device_allowed_spec(const char *spec, const char *folder)
 {
-    size_t n;
+    size_t n = 0;
     const char *named = lf_device_folder(spec, &n), *option = kind_of(spec)->no_links;
+    assert(named && option);
     bool has = strstr(named + n, option);
     size_t size = strlen(spec) - n + strlen(folder) + strlen(option) + 1;
     char *allowed = lf_calloc(size, 1);
