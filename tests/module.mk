@@ -31,6 +31,9 @@ wrap_test_faults := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hi
 # a display that hangs in place of libusb's
 wrap_test_stuck_display := -Wl,--wrap=lf_usb_list,--wrap=lf_usb_open
 
+# a slow disk, saves that come soon
+wrap_test_save := -Wl,--wrap=fsync,--wrap=sd_event_add_time_relative
+
 # a display, an EEPROM and a udev of the test's own
 wrap_test_auto := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hid_list lf_hid_open lf_find_touches access \
  $(addprefix sd_device_,monitor_attach_event monitor_start get_action get_subsystem get_devnum get_property_value))

@@ -49,7 +49,8 @@ void lf_engine_stop(lf_engine *engine, bool cancel);
 /* True when the thread has nothing more to do after lf_engine_stop (it can be joined without
  * waiting). */
 bool lf_engine_stopped(lf_engine *engine);
-/* Waits for the thread's end; again: nothing. For a process that ends without lf_engine_destroy. */
+/* (blocks) Waits for the thread to end after lf_engine_stop; nothing but lf_engine_save and
+ * lf_engine_destroy may follow. */
 void lf_engine_join(lf_engine *engine);
 /* Stops, joins, frees. Accepts NULL. */
 void lf_engine_destroy(lf_engine *engine);

@@ -3,9 +3,9 @@
  * the daemon's export jobs.
  *
  * Nothing here prints or exits. Every file becomes visible whole or not at all (base/file.h); a job
- * that fails or is cancelled publishes nothing, but for a folder of views that fails while its
- * files are being renamed: each is whole. Thread: any; one job uses its own request and source, and
- * the pool while it runs. */
+ * that fails or is cancelled publishes nothing, but for one of several files (a folder of views, a
+ * print and its manifest) that fails while they are being renamed: each is whole. Thread: any; one
+ * job uses its own request and source, and the pool while it runs. */
 #ifndef LF_DAEMON_OUTPUT_H
 #define LF_DAEMON_OUTPUT_H
 

@@ -24,9 +24,9 @@
 /* From the signal to the end, and after a save: what a device has not done by then is left out. */
 #define LAST_SECONDS 1.7
 #define CLOSE_SECONDS 0.8
-/* With --state the batch in progress must end for its accumulation to be worth anything. systemd is
- * told once a second how much longer it may take; after MOST_SECONDS it is cancelled all the same.
- */
+/* With --state the batch in progress must end for its accumulation to be worth anything, and a save
+ * before it. systemd is told once a second how much longer it may take; after MOST_SECONDS it is
+ * cancelled all the same. */
 #define BATCH_USEC 1000000
 #define BATCH_MORE_USEC 10000000
 #define MOST_SECONDS 60
@@ -60,17 +60,23 @@ static void leave_soon(lf_server *server)
                                      LEAVE_USEC, 0, on_leave_timer, server);
 }
 
-/* The batch in progress is still not over: it gets more time, or none. */
+/* Rendering and saving have come to their ends. */
+static bool is_settled(lf_server *server)
+{
+    return lf_engine_stopped(server->engine) && !server->saved.saving;
+}
+
+/* The batch in progress, or a save, is still not over: it gets more time, or none. */
 static int on_batch_timer(sd_event_source *source, uint64_t usec, void *context)
 {
     lf_server *server = context;
-    if (lf_engine_stopped(server->engine)) {
+    if (is_settled(server)) {
         leave_soon(server);
         return 0;
     }
     if (lf_time_now() - server->life.stopped_at > MOST_SECONDS) {
-        lf_log(LF_LOG_WARNING, "the batch in progress has taken %d s: it is cancelled",
-               MOST_SECONDS);
+        lf_log(LF_LOG_WARNING, "%s has taken %d s: it is cancelled",
+               server->saved.saving ? "saving" : "the batch in progress", MOST_SECONDS);
         lf_engine_stop(server->engine, true);
         leave_soon(server);
         return 0;
@@ -117,22 +123,30 @@ void lf_server_shutdown(lf_server *server)
         leave(server);
 }
 
+/* Two saves at once could leave the older one behind. */
+static void save_last(lf_server *server)
+{
+    if (is_settled(server))
+        lf_server_save_state_now(server);
+    else if (server->config.state_dir)
+        lf_log(LF_LOG_WARNING, "the accumulation is not saved: %s did not come to an end",
+               server->saved.saving ? "an earlier save" : "rendering");
+}
+
 /* Ends what is left; threads that cannot be joined in time are left to the kernel. */
 static void finish(lf_server *server)
 {
     lf_show_close(server->show, FLUSH_MS);
+    lf_inbox_read(&server->inbox, server); /* jobs that ended since the loop did */
+    save_last(server);
     bool engine_ended = lf_engine_stopped(server->engine);
-    if (engine_ended)
-        lf_server_save_state_now(server);
-    else if (server->config.state_dir)
-        lf_log(LF_LOG_WARNING, "the accumulation is not saved: rendering did not come to an end");
     double end = server->life.stopped_at + LAST_SECONDS;
     if (server->config.state_dir)
         end = fmax(end, lf_time_now() + CLOSE_SECONDS);
     bool closed = lf_show_drain(server->show, end);
     if (closed && engine_ended && !server->jobs && lf_loader_pending(server->loader) == 0)
         return;
-    if (lf_engine_stopped(server->engine))
+    if (engine_ended)
         lf_engine_join(server->engine);
     _exit(server->life.exit_code);
 }

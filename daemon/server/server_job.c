@@ -75,10 +75,28 @@ typedef struct destination {
     bool made; /* the folder of views */
 } destination;
 
+static size_t folder_length(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? (size_t)(slash - path) + 1 : 0;
+}
+
+/* Errors name the folder that was asked for, not the one that is held. */
+static void tell_asked_for(lf_error *err, const char *held, const char *asked)
+{
+    size_t n = folder_length(held);
+    char where[sizeof err->where];
+    if (strncmp(err->where, held, n) != 0)
+        return;
+    if (snprintf(where, sizeof where, "%.*s%s", (int)folder_length(asked), asked, err->where + n) >
+        0)
+        memcpy(err->where, where, sizeof where);
+}
+
 static void destination_finish(lf_job *job, destination *d, lf_status status)
 {
-    if (d->path && status != LF_OK && strncmp(job->err.where, d->path, strlen(d->path)) == 0)
-        snprintf(job->err.where, sizeof job->err.where, "%s", d->told);
+    if (d->path && status != LF_OK)
+        tell_asked_for(&job->err, d->path, d->told);
     if (d->views_fd >= 0)
         close(d->views_fd);
     if (d->made && d->name && status != LF_OK)

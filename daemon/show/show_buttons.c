@@ -24,7 +24,7 @@ static int on_buttons(sd_event_source *source, int fd, uint32_t events, void *co
     (void)source;
     (void)fd;
     (void)events;
-    for (int i = 0; i < PRESSES_AT_ONCE; i++) {
+    for (int i = 0; i < PRESSES_AT_ONCE && show->buttons; i++) {
         switch (lf_buttons_next(show->buttons, &button)) {
         case LF_BUTTONS_PRESSED:
             show->events.pressed(show->context, button);
@@ -67,7 +67,7 @@ static void on_buttons_found(void *reader, lf_task *task)
     else if (request->status != LF_OK && request->status != LF_E_NODEV &&
              request->status != LF_E_CANCELLED)
         lf_log_error(&request->err);
-    if (!show->stopping) { /* closing may wait */
+    if (show->opener) { /* closing may wait */
         lf_show_discard(show, NULL, request->buttons);
         request->buttons = NULL;
     }

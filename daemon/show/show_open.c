@@ -152,8 +152,8 @@ static void opened(lf_show *show, lf_opener_request *request)
         memcpy(opening->wanted, request->spec, sizeof opening->wanted);
         opening->backoff_usec = REOPEN_USEC;
         show->events.changed(show->context);
-        lf_show_pump(show);
         answer(show, request, NULL);
+        lf_show_pump(show); /* may find it gone again */
     }
 }
 
@@ -212,6 +212,10 @@ static void drop_request(lf_show *show, lf_opener_request *request)
 {
     (void)lf_error_set(&request->err, LF_E_CANCELLED, "", "the daemon is shutting down");
     answer(show, request, &request->err);
+    if (show->opener) { /* closing may wait */
+        lf_show_discard(show, request->device, NULL);
+        request->device = NULL;
+    }
     lf_opener_request_destroy(request);
 }
 

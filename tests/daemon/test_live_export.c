@@ -5,9 +5,7 @@
 #include "base/image_io.h"
 #include "quilt/quilt.h"
 
-/* Starts an export by name; the error code, or 0 and how the job ended. */
-static int export_to(live_client *c, const char *kind, const char *file, bool overwrite,
-                     const char **out_end)
+static json_t *export_params(const char *kind, const char *file, bool overwrite)
 {
     json_t *params =
         json_pack("{s:s, s:s, s:b}", "kind", kind, "file", file, "overwrite", overwrite);
@@ -20,7 +18,14 @@ static int export_to(live_client *c, const char *kind, const char *file, bool ov
                                json_pack("{s:i, s:f, s:f, s:i, s:i, s:i}", "lpi", 30, "range", 0.2,
                                          "step", 0.1, "dpi", 300, "width", 60, "height", 40));
     }
-    json_t *answer = live_call(c, "export", params);
+    return params;
+}
+
+/* Starts an export by name; the error code, or 0 and how the job ended. */
+static int export_to(live_client *c, const char *kind, const char *file, bool overwrite,
+                     const char **out_end)
+{
+    json_t *answer = live_call(c, "export", export_params(kind, file, overwrite));
     int code = (int)json_integer_value(json_object_get(json_object_get(answer, "error"), "code"));
     json_int_t job = json_integer_value(json_object_get(json_object_get(answer, "result"), "job"));
     json_decref(answer);
@@ -31,8 +36,8 @@ static int export_to(live_client *c, const char *kind, const char *file, bool ov
 /* An export that fails once it runs tells the name that was asked for. */
 static void assert_fails_at(live_client *c, const char *kind, const char *file, const char *path)
 {
-    json_t *params = json_pack("{s:s, s:s}", "kind", kind, "file", file), *error = NULL;
-    json_int_t job = (json_int_t)live_number(c, "export", params, "job");
+    json_t *error = NULL;
+    json_int_t job = (json_int_t)live_number(c, "export", export_params(kind, file, false), "job");
     while (!error) {
         json_t *message = live_receive(c);
         assert_non_null(message);
@@ -55,13 +60,17 @@ static void an_export_that_fails_tells_the_name_asked_for(void **state)
     live_client c;
     live_connect(&l, &c);
     live_wait(&c, "coarse");
-    static const char *const kinds[][2] = {{"panel", "p.png"}, {"state", "s.lfstate"}};
+    static const char *const kinds[][2] = {
+        {"panel", "p.png"}, {"state", "s.lfstate"}, {"print", "t.tif"}, {"chart", "c.tif"}};
+    const char *end;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
-        const char *end;
         assert_int_equal(export_to(&c, kinds[i][0], kinds[i][1], false, &end), 0);
         assert_string_equal(end, "done");
         assert_fails_at(&c, kinds[i][0], kinds[i][1], lf_test_path(l.exports, kinds[i][1]));
     }
+    /* the manifest beside it */
+    assert_int_equal(unlink(lf_test_path(l.exports, "t.tif")), 0);
+    assert_fails_at(&c, "print", "t.tif", lf_test_path(l.exports, "t.json"));
     live_close(&c);
     live_finish(&l);
 }
