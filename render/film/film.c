@@ -133,6 +133,16 @@ bool lf_film_has_layout(const lf_film *film, const lf_film_layout *b)
            a->has_signed == b->has_signed;
 }
 
+const char *lf_film_refusal(const lf_film *film, const lf_film *b)
+{
+    if (memcmp(film->picture, b->picture, sizeof film->picture) != 0 ||
+        !lf_film_has_layout(film, &b->layout))
+        return "of another scene, camera or settings";
+    if (memcmp(film->sky, b->sky, sizeof film->sky) != 0)
+        return "of this scene under another sky";
+    return NULL;
+}
+
 bool lf_film_counts_possible(const lf_film_counts *counts)
 {
     for (int h = 0; h < 2; h++)

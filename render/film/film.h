@@ -125,6 +125,10 @@ typedef struct lf_film {
 LF_NODISCARD lf_status lf_film_init(lf_film *film, const lf_film_layout *layout);
 void lf_film_finish(lf_film *film);
 bool lf_film_has_layout(const lf_film *film, const lf_film_layout *layout);
+/* Why b's numbers cannot be film's, in words behind "it is": another picture or layout, or another
+ * sky to the bit (what was gathered under it is in the sums). NULL: they can. Of b only what these
+ * are is looked at. */
+const char *lf_film_refusal(const lf_film *film, const lf_film *b);
 /* Nothing has been visited. Touches only the row headers. */
 void lf_film_clear(lf_film *film);
 /* The place of a stream in film->streams, until the next call; one that is not there comes in with
@@ -137,7 +141,7 @@ const lf_film_stream *lf_film_find_stream(const lf_film *film, uint64_t seed, ui
 /* Adds what is on `from`: rows that one film alone has visited are copied, the others' sums are
  * added, halves to halves, and means taken by the counts. Exact, but for rounding up or down at
  * random, without bias and the same whichever film is added to which, where a sum or mean is no
- * float. LF_E_STATE, and nothing is changed: another picture or layout, a half of a row where both
+ * float. LF_E_STATE, and nothing is changed: lf_film_refusal, a half of a row where both
  * have visits of the same random stream, more visits or samples of a row than is possible, more
  * than LF_FILM_MAX_STREAMS. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error *err);

@@ -144,10 +144,9 @@ static int overflow(const lf_film *film, const lf_film *from)
 
 static lf_status check(const lf_film *film, const lf_film *from, lf_error *err)
 {
-    if (memcmp(film->picture, from->picture, sizeof film->picture) != 0 ||
-        !lf_film_has_layout(film, &from->layout))
-        return lf_error_set(err, LF_E_STATE, "film",
-                            "cannot be added: of another scene, camera or settings");
+    const char *refusal = lf_film_refusal(film, from);
+    if (refusal)
+        return lf_error_set(err, LF_E_STATE, "film", "cannot be added: %s", refusal);
     int full = overflow(film, from);
     if (full < film->height)
         return lf_error_set(err, LF_E_STATE, "film",

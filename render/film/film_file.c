@@ -276,27 +276,25 @@ static bool get_layout(cursor c, lf_film_layout *out, float sky[3])
 /* Picture and layout: an empty film. */
 static lf_status read_empty(int fd, const lf_film *like, lf_film *out, lf_error *err)
 {
-    unsigned char picture[LF_PICTURE_BYTES], layout_bytes[LAYOUT_BYTES];
-    lf_film_layout layout;
-    float sky[3];
+    unsigned char layout_bytes[LAYOUT_BYTES];
+    lf_film given = {0};
     const lf_film_part parts[] = {
-        {.name = "PICT", .made = picture, .n_made = sizeof picture},
+        {.name = "PICT", .made = given.picture, .n_made = sizeof given.picture},
         {.name = "LAYO", .made = layout_bytes, .n_made = sizeof layout_bytes}};
     lf_status status = read_start(fd, err);
     for (int i = 0; i < 2 && status == LF_OK; i++)
         status = read_part(fd, &parts[i], err);
     if (status != LF_OK)
         return status;
-    if (!get_layout((cursor){layout_bytes}, &layout, sky))
+    if (!get_layout((cursor){layout_bytes}, &given.layout, given.sky))
         return lf_error_set(err, LF_E_FORMAT, "state", "its layout is impossible");
-    if (like &&
-        (memcmp(picture, like->picture, sizeof picture) != 0 || !lf_film_has_layout(like, &layout)))
-        return lf_error_set(err, LF_E_STATE, "state",
-                            "the saved picture is of another scene, camera or settings");
-    if (lf_film_init(out, &layout) != LF_OK)
+    const char *refusal = like ? lf_film_refusal(like, &given) : NULL;
+    if (refusal)
+        return lf_error_set(err, LF_E_STATE, "state", "the saved picture is %s", refusal);
+    if (lf_film_init(out, &given.layout) != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "state", "not enough memory to read it");
-    memcpy(out->picture, picture, sizeof picture);
-    memcpy(out->sky, sky, sizeof sky);
+    memcpy(out->picture, given.picture, sizeof given.picture);
+    memcpy(out->sky, given.sky, sizeof given.sky);
     return LF_OK;
 }
 

@@ -23,9 +23,10 @@
 LF_NODISCARD lf_status lf_film_write(const lf_film *film, lf_outfile *file, const lf_cancel *cancel,
                                      lf_error *err);
 
-/* Makes *out of a file; finish it. like (may be NULL): nothing but this picture in this layout is
- * wanted. *out must be zeroed or finished, and is so after failure: LF_E_IO, LF_E_FORMAT (no such
- * file, ends too early, changed), LF_E_STATE (another version, or not like), LF_E_NOMEM. */
+/* Makes *out of a file; finish it. like (may be NULL): nothing but this picture in this layout, and
+ * under this sky, is wanted. *out must be zeroed or finished, and is so after failure: LF_E_IO,
+ * LF_E_FORMAT (no such file, ends too early, changed), LF_E_STATE (another version, or not like),
+ * LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_film_read(int fd, const lf_film *like, lf_film *out, lf_error *err);
 
 #endif

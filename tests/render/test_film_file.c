@@ -280,8 +280,9 @@ static void a_file_of_another_version_is_told_by_its_number(void **state)
     end(&f);
 }
 
-/* What a reader with no word of what is wanted makes of the film's file. */
-static lf_status read_back(const fixture *f, const lf_film *film, lf_error *err)
+/* What a reader makes of the film's file; like: what is wanted, or NULL. */
+static lf_status read_back(const fixture *f, const lf_film *film, const lf_film *like,
+                           lf_error *err)
 {
     lf_film out = {0};
     lf_outfile file;
@@ -291,7 +292,7 @@ static lf_status read_back(const fixture *f, const lf_film *film, lf_error *err)
     lf_assert_ok(lf_outfile_commit(&file, true, NULL), NULL);
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     assert_true(fd >= 0);
-    lf_status status = lf_film_read(fd, NULL, &out, err);
+    lf_status status = lf_film_read(fd, like, &out, err);
     close(fd);
     lf_film_finish(&out);
     return status;
@@ -316,7 +317,7 @@ static void layouts_that_no_scene_needs_are_refused(void **state)
         lf_film film = {0};
         lf_error err;
         lf_assert_ok(lf_film_init(&film, &layout), NULL);
-        lf_assert_status(read_back(&f, &film, &err), possible ? LF_OK : LF_E_FORMAT, &err);
+        lf_assert_status(read_back(&f, &film, NULL, &err), possible ? LF_OK : LF_E_FORMAT, &err);
         lf_film_finish(&film);
         accepted += possible;
     }
@@ -356,10 +357,33 @@ static void counts_that_films_cannot_have_are_refused(void **state)
         film.rows[0] = (lf_film_row){.n = {c->n[0], c->n[1]},
                                      .visits = {c->visits[0], c->visits[1]},
                                      .passes = cases[i].passes};
-        lf_assert_status(read_back(&f, &film, &err), cases[i].status, &err);
+        lf_assert_status(read_back(&f, &film, NULL, &err), cases[i].status, &err);
         assert_true(cases[i].status == LF_OK || strstr(err.what, "impossible counts"));
         lf_film_finish(&film);
     }
+    end(&f);
+}
+
+static void a_film_under_another_sky_is_refused(void **state)
+{
+    (void)state;
+    const float skies[][3] = {{0.25f, 0.5f, 1}, {0.25f, 0.5f, 1 + 0x1p-23f}, {NAN, 0.5f, 1}};
+    fixture f = begin();
+    lf_film film = {0}, like = {0};
+    lf_error err;
+    lf_assert_ok(lf_film_init(&film, &dot), NULL);
+    lf_assert_ok(lf_film_init(&like, &dot), NULL);
+    memcpy(like.sky, skies[0], sizeof like.sky);
+    for (int i = 0; i < 3; i++) {
+        memcpy(film.sky, skies[i], sizeof film.sky);
+        lf_assert_status(read_back(&f, &film, &like, &err), i == 0 ? LF_OK : LF_E_STATE, &err);
+        assert_true(i == 0 || strstr(err.what, "under another sky"));
+        lf_assert_status(lf_film_add(&like, &film, &err), i == 0 ? LF_OK : LF_E_STATE, &err);
+        assert_true(i == 0 || strstr(err.what, "under another sky"));
+        assert_memory_equal(like.sky, skies[0], sizeof like.sky);
+    }
+    lf_film_finish(&film);
+    lf_film_finish(&like);
     end(&f);
 }
 
@@ -375,14 +399,14 @@ static void a_film_of_too_many_streams_is_refused(void **state)
         lf_assert_ok(lf_film_stream_at(&film, 7, i, &index), NULL);
         lf_film_count(&film, index, 0, 0, 1);
     }
-    lf_assert_ok(read_back(&f, &film, &err), &err);
+    lf_assert_ok(read_back(&f, &film, NULL, &err), &err);
     wide = film;
     wide.streams = calloc(LF_FILM_MAX_STREAMS + 1, sizeof *wide.streams);
     assert_non_null(wide.streams);
     memcpy(wide.streams, film.streams, LF_FILM_MAX_STREAMS * sizeof *wide.streams);
     wide.streams[wide.n_streams++] = (lf_film_stream){8, 0, film.streams[0].rows};
     wide.rows[0].visits[0]++;
-    lf_assert_status(read_back(&f, &wide, &err), LF_E_FORMAT, &err);
+    lf_assert_status(read_back(&f, &wide, NULL, &err), LF_E_FORMAT, &err);
     assert_non_null(strstr(err.what, "more than 65536 random streams"));
     free(wide.streams);
     lf_film_finish(&film);
@@ -401,6 +425,7 @@ int main(void)
         cmocka_unit_test(a_file_of_another_version_is_told_by_its_number),
         cmocka_unit_test(layouts_that_no_scene_needs_are_refused),
         cmocka_unit_test(counts_that_films_cannot_have_are_refused),
+        cmocka_unit_test(a_film_under_another_sky_is_refused),
         cmocka_unit_test(a_film_of_too_many_streams_is_refused),
     };
     return cmocka_run_group_tests_name("film_file", tests, NULL, lf_test_finish);
