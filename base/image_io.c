@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/image_formats.h"
@@ -178,21 +179,23 @@ static lf_status check_finite(const lf_image32 *image, const char *where, lf_err
 static lf_status read32_from(const lf_image_source *source, const lf_image_format *format,
                              lf_image32 *out, lf_error *err)
 {
+    lf_image32 image = {0};
+    lf_image8 encoded = {0};
     lf_status status;
     if (format->read32) {
-        status = format->read32(source, out, err);
-        if (status != LF_OK)
-            return status;
-        status = check_finite(out, source->where, err);
-        if (status != LF_OK)
-            lf_image32_finish(out);
-        return status;
+        status = format->read32(source, &image, err);
+        if (status == LF_OK)
+            status = check_finite(&image, source->where, err);
+    } else {
+        status = format->read8(source, &encoded, err);
+        if (status == LF_OK)
+            status = decode_srgb(&encoded, source->where, &image, err);
     }
-    lf_image8 encoded = {0};
-    status = format->read8(source, &encoded, err);
-    if (status == LF_OK)
-        status = decode_srgb(&encoded, source->where, out, err);
     lf_image8_finish(&encoded);
+    if (status == LF_OK)
+        *out = image;
+    else
+        lf_image32_finish(&image);
     return status;
 }
 
@@ -203,10 +206,20 @@ lf_status lf_image32_read(const char *path, const lf_roots *roots, lf_image32 *o
     lf_status status = open_source(path, roots, &source, &format, err);
     if (status != LF_OK)
         return status;
-    lf_image32 image = {0};
-    status = read32_from(&source, format, &image, err);
+    status = read32_from(&source, format, out, err);
     close(source.fd);
-    if (status == LF_OK)
-        *out = image;
     return status;
+}
+
+lf_status lf_image32_read_open(int fd, const char *path, lf_image32 *out, lf_error *err)
+{
+    struct stat info;
+    const lf_image_format *format;
+    if (fstat(fd, &info) != 0)
+        return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
+    if (!S_ISREG(info.st_mode) || (uint64_t)info.st_size > MAX_FILE_BYTES)
+        return lf_error_set(err, LF_E_FORMAT, path, "no regular file of at most 4 GiB");
+    const lf_image_source source = {fd, (uint64_t)info.st_size, path};
+    lf_status status = recognise(&source, &format, err);
+    return status == LF_OK ? read32_from(&source, format, out, err) : status;
 }

@@ -35,6 +35,11 @@ LF_NODISCARD lf_status lf_image8_read(const char *path, const lf_roots *roots, l
 LF_NODISCARD lf_status lf_image32_read(const char *path, const lf_roots *roots, lf_image32 *out,
                                        lf_error *err);
 
+/* The same of a file that is open at its first byte, whatever its name leads to by now; fd stays
+ * the caller's, and stands anywhere afterwards. path names it in errors. */
+LF_NODISCARD lf_status lf_image32_read_open(int fd, const char *path, lf_image32 *out,
+                                            lf_error *err);
+
 /* A text attribute written into an EXR header or PNG tEXt chunk. */
 typedef struct lf_attribute {
     const char *name, *value;

@@ -42,6 +42,9 @@ wrap_test_auto := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hid_
 wrap_test_show := $(addprefix -Wl$(comma)--wrap=,lf_device_open lf_device_list lf_find_hid pthread_join \
  lf_buttons_open lf_buttons_destroy lf_buttons_poll_fd lf_buttons_next)
 
+# a file that is replaced once its digest is taken
+wrap_test_film_identity := -Wl,--wrap=lf_file_digest
+
 # files made as on file systems without O_TMPFILE
 wrap_test_file := -Wl,--wrap=open
 

@@ -33,11 +33,10 @@ static void clip_negative(lf_image32 *image, const char *path)
 }
 
 /* Reads and commits. */
-static lf_status read_environment(const char *path, const lf_roots *roots, lf_environment **out,
-                                  lf_error *err)
+static lf_status read_environment(int fd, const char *path, lf_environment **out, lf_error *err)
 {
     lf_image32 image = {0};
-    lf_status status = lf_image32_read(path, roots, &image, err);
+    lf_status status = lf_image32_read_open(fd, path, &image, err);
     if (status != LF_OK)
         return status;
     if (image.width > LF_MAX_ENVIRONMENT_SIDE || image.height > LF_MAX_ENVIRONMENT_SIDE) {
@@ -65,9 +64,9 @@ static lf_status read_environment(const char *path, const lf_roots *roots, lf_en
     return LF_OK;
 }
 
-/* fd: the same file, open. */
-static lf_status share_or_read(int fd, const char *path, const lf_roots *roots,
-                               const lf_scene *previous, lf_environment **out, lf_error *err)
+/* fd: the file, open; what path leads to by now may be another. */
+static lf_status share_or_read(int fd, const char *path, const lf_scene *previous,
+                               lf_environment **out, lf_error *err)
 {
     lf_digest digest;
     char *key = lf_file_key(fd, path, "");
@@ -76,7 +75,7 @@ static lf_status share_or_read(int fd, const char *path, const lf_roots *roots,
     lf_environment *shared = find_shared(previous, key);
     lf_status status = shared ? LF_OK : lf_file_digest(fd, path, &digest, err);
     if (!shared && status == LF_OK)
-        status = read_environment(path, roots, out, err);
+        status = read_environment(fd, path, out, err);
     if (shared || status != LF_OK) {
         lf_free(key);
         *out = shared ? shared : *out;
@@ -94,7 +93,7 @@ lf_status lf_environment_load(const char *path, const lf_roots *roots, const lf_
     lf_status status = lf_file_open(path, roots, (uint64_t)4 << 30, &fd, NULL, err);
     if (status != LF_OK)
         return status;
-    status = share_or_read(fd, path, roots, previous, out_environment, err);
+    status = share_or_read(fd, path, previous, out_environment, err);
     close(fd);
     return status;
 }

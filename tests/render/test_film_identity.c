@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "base/file.h"
+#include "render/load/file_identity.h"
 #include "tests/stat/fixture.h"
 
 enum { WIDTH = 4, HEIGHT = 3 };
@@ -175,6 +176,54 @@ static void what_is_shared_is_not_read_again(void **state)
     lf_scene_unref(fresh);
 }
 
+/* Once its digest has been taken, this file is replaced by another; NULL: none is. */
+static const char *replaced, *replacement;
+
+lf_status __real_lf_file_digest(int fd, const char *path, lf_digest *out, lf_error *err);
+lf_status __wrap_lf_file_digest(int fd, const char *path, lf_digest *out, lf_error *err);
+
+lf_status __wrap_lf_file_digest(int fd, const char *path, lf_digest *out, lf_error *err)
+{
+    lf_status status = __real_lf_file_digest(fd, path, out, err);
+    if (replaced && strcmp(path, replaced) == 0) {
+        assert_int_equal(rename(replacement, replaced), 0);
+        replaced = NULL;
+    }
+    return status;
+}
+
+static const lf_environment *sky_of(const lf_scene *scene)
+{
+    const lf_environment *environment = NULL;
+    for (int i = 0; i < scene->n_lights; i++)
+        environment = scene->lights[i].environment ? scene->lights[i].environment : environment;
+    assert_non_null(environment);
+    return environment;
+}
+
+static void a_file_replaced_while_it_is_read_is_the_one_that_was_opened(void **state)
+{
+    char path[PATH_MAX], other[PATH_MAX];
+    make_two_places(*state);
+    snprintf(path, sizeof path, "%s", path_to(*state, "there", "sky.hdr"));
+    snprintf(other, sizeof other, "%s", path_to(*state, "there", "other.hdr"));
+    copy_file(path, other);
+    flip_last_byte(other);
+    replaced = path;
+    replacement = other;
+    lf_scene *here = scene_at(*state, "here"), *opened = scene_at(*state, "there"),
+             *later = scene_at(*state, "there");
+    assert_null(replaced);
+    size_t bytes = sizeof(float) * 3 * (size_t)sky_of(here)->width * (size_t)sky_of(here)->height;
+    assert_memory_equal(sky_of(opened)->rgb, sky_of(here)->rgb, bytes);
+    assert_memory_not_equal(sky_of(later)->rgb, sky_of(here)->rgb, bytes);
+    lf_assert_ok(added(here, 0, opened, 0), NULL);
+    lf_assert_status(added(here, 0, later, 0), LF_E_STATE, NULL);
+    lf_scene_unref(here);
+    lf_scene_unref(opened);
+    lf_scene_unref(later);
+}
+
 /* Two skies, each under the name of the other. */
 static void the_same_files_in_other_places_are_refused(void **state)
 {
@@ -231,6 +280,7 @@ int main(void)
         lf_test_in_folder(files_may_have_other_names),
         lf_test_in_folder(one_changed_byte_of_any_file_is_refused),
         lf_test_in_folder(what_is_shared_is_not_read_again),
+        lf_test_in_folder(a_file_replaced_while_it_is_read_is_the_one_that_was_opened),
         lf_test_in_folder(the_same_files_in_other_places_are_refused),
         cmocka_unit_test(films_go_by_the_depth_that_is_used),
         cmocka_unit_test(films_go_by_the_rig_and_not_by_how_the_scene_says_it),
