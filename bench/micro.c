@@ -185,7 +185,7 @@ static lf_status prepare(bench *b, lf_error *err)
             err, LF_E_ARG, a->scene,
             "rays of the middle row hardly collide with a volume: nothing to measure");
     measure_depth(b);
-    b->body = (lf_body){.sphere = true, .sigma_t = 1.0f, .depth = {0, 0, 1}};
+    b->body = (lf_body){.shape = LF_VOLUME_SPHERE, .sigma_t = 1.0f, .depth = {0, 0, 1}};
     b->body.origin[2] = -rig->distance;
     b->body.across[0] = 1.0f;
     return LF_OK;

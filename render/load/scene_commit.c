@@ -159,7 +159,7 @@ static bool is_there(const lf_volume *volume)
     return volume->sigma_max > 0.0f;
 }
 
-/* Extends bounds by a volume's support under a map: exactly for ellipsoids and boxes. */
+/* Extends bounds by a volume's support under a map. */
 static void extend_by_volume(const lf_volume *volume, const lf_affine *map, double bounds[2][3])
 {
     double lo[3], hi[3], middle[3], centre[3];
@@ -168,12 +168,10 @@ static void extend_by_volume(const lf_volume *volume, const lf_affine *map, doub
         middle[i] = 0.5 * (lo[i] + hi[i]);
     lf_affine_point(map, middle, centre);
     for (int i = 0; i < 3; i++) {
-        double reach = 0;
-        for (int j = 0; j < 3; j++) {
-            double r = map->m[i][j] * 0.5 * (hi[j] - lo[j]);
-            reach += volume->kind == LF_VOLUME_SPHERE ? r * r : fabs(r);
-        }
-        reach = volume->kind == LF_VOLUME_SPHERE ? sqrt(reach) : reach;
+        double row[3];
+        for (int j = 0; j < 3; j++)
+            row[j] = map->m[i][j] * 0.5 * (hi[j] - lo[j]);
+        double reach = lf_shape_reach(volume->kind, row);
         bounds[0][i] = fmin(bounds[0][i], centre[i] - reach);
         bounds[1][i] = fmax(bounds[1][i], centre[i] + reach);
     }

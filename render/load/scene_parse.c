@@ -227,10 +227,9 @@ static void parse_grid(lf_reader *reader, const lf_node *node, lf_volume_desc *v
 static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
     static const char *const keys[] = {"shape", "density", "albedo", "g", "transform", NULL};
-    static const char *const shapes[] = {"sphere", "box", NULL};
     lf_read_object(reader, node, keys);
-    volume->kind =
-        lf_read_choice(reader, node, "shape", shapes, 0) == 1 ? LF_VOLUME_BOX : LF_VOLUME_SPHERE;
+    volume->kind = LF_VOLUME_GRID + 1 +
+                   (lf_volume_kind)lf_read_choice(reader, node, "shape", lf_volume_shapes, 0);
     volume->scale = lf_read_number(reader, node, "density", 1, 0, 1e9);
 }
 

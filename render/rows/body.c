@@ -36,7 +36,7 @@ bool lf_body_rays(const lf_volume *volume, const lf_rig *rig, const lf_row_plane
 bool lf_body_cut(lf_body *body, const lf_volume *volume, const lf_rig *rig,
                  const lf_row_plane *plane)
 {
-    body->sphere = volume->kind == LF_VOLUME_SPHERE;
+    body->shape = volume->kind;
     body->sigma_t = volume->sigma_scale;
     return lf_body_rays(volume, rig, plane, body->origin, body->across, body->depth);
 }

@@ -6,7 +6,7 @@
 #include "render/rows/rig.h"
 
 typedef struct lf_body {
-    bool sphere;   /* the unit ball of volume space, else [-1,1]^3 */
+    lf_volume_kind shape;
     float sigma_t; /* per scene unit */
     /* A ray X(Z) = x0 + slope Z of the row's plane is (origin + x0 across) + (depth + slope across)
      * Z in volume space. */
@@ -32,27 +32,8 @@ static inline void lf_body_interval(const lf_body *b, float x0, float slope, flo
         o[i] = b->origin[i] + x0 * b->across[i];
         d[i] = b->depth[i] + slope * b->across[i];
     }
-    float lo, hi;
-    if (b->sphere) {
-        float a = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-        float middle = -(o[0] * d[0] + o[1] * d[1] + o[2] * d[2]) / a;
-        float x = o[0] + middle * d[0], y = o[1] + middle * d[1], z = o[2] + middle * d[2];
-        float h = sqrtf(lf_max((1.0f - (x * x + y * y + z * z)) / a, 0.0f));
-        lo = middle - h;
-        hi = middle + h;
-    } else {
-        lo = -INFINITY;
-        hi = INFINITY;
-        for (int i = 0; i < 3; i++) {
-            /* A ray along the faces: far outside or far inside, never 0/0. */
-            float inverse = 1.0f / (fabsf(d[i]) > 1e-30f ? d[i] : 1e-30f);
-            float p = (-1.0f - o[i]) * inverse, q = (1.0f - o[i]) * inverse;
-            lo = lf_max(lo, lf_min(p, q));
-            hi = lf_min(hi, lf_max(p, q));
-        }
-    }
-    *from = lf_max(lo, 0.0f);
-    *to = hi;
+    lf_shape_interval(b->shape, o, d, from, to);
+    *from = lf_max(*from, 0.0f);
 }
 
 /* Optical depth per unit of Z up to z_end. */
@@ -69,16 +50,20 @@ static inline void lf_body_depths(const lf_body *body, int n, const float *restr
                                   const float *restrict slope, const float *restrict z_end,
                                   float *restrict tau)
 {
-    /* copies of a known kind, so that the loops become vector code */
-    lf_body ball = *body, box = *body;
-    ball.sphere = true;
-    box.sphere = false;
-    if (body->sphere)
-        for (int k = 0; k < n; k++)
-            tau[k] += lf_body_depth(&ball, x0[k], slope[k], z_end[k]);
-    else
-        for (int k = 0; k < n; k++)
-            tau[k] += lf_body_depth(&box, x0[k], slope[k], z_end[k]);
+    /* a loop for each shape, with a copy that is known to be one, so that it becomes vector code */
+    lf_body known = *body;
+    switch (body->shape) {
+#define LF_DEPTHS(NAME, name)                                                                      \
+    case LF_VOLUME_##NAME:                                                                         \
+        known.shape = LF_VOLUME_##NAME;                                                            \
+        for (int k = 0; k < n; k++)                                                                \
+            tau[k] += lf_body_depth(&known, x0[k], slope[k], z_end[k]);                            \
+        break;
+        LF_VOLUME_SHAPES(LF_DEPTHS)
+#undef LF_DEPTHS
+    case LF_VOLUME_GRID:
+        break;
+    }
 }
 
 #endif

@@ -11,6 +11,7 @@
 #include <stdatomic.h>
 
 #include "render/render.h"
+#include "render/scene/shape.h"
 #include "render/scene/vec.h"
 #include "render/scene/warnings.h"
 
@@ -53,12 +54,6 @@ typedef struct lf_grid {
     /* names of the file's other grids, each with a newline behind it; NULL = none */
     char *others;
 } lf_grid;
-
-typedef enum lf_volume_kind {
-    LF_VOLUME_GRID,
-    LF_VOLUME_SPHERE, /* homogeneous, the unit ball of local space */
-    LF_VOLUME_BOX,    /* homogeneous, [-1,1]^3 of local space */
-} lf_volume_kind;
 
 typedef struct lf_volume {
     lf_volume_kind kind;

@@ -215,6 +215,9 @@ void lf_grid_unref(lf_grid *grid)
 
 /* ---------------------------------------------------------------------------------- look-ups -- */
 
+#define LIST(NAME, name) #name,
+const char *const lf_volume_shapes[] = {LF_VOLUME_SHAPES(LIST) NULL};
+
 float lf_grid_linear(const lf_grid *grid, float x, float y, float z)
 {
     return lf_grid_value(grid, x, y, z);
@@ -232,17 +235,8 @@ float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p)
         const float *m = volume->to_volume[i];
         q[i] = m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
     }
-    switch (volume->kind) {
-    case LF_VOLUME_GRID:
-        return volume->sigma_scale * (volume->nearest
-                                          ? lf_grid_nearest(volume->grid, q[0], q[1], q[2])
-                                          : lf_grid_linear(volume->grid, q[0], q[1], q[2]));
-    case LF_VOLUME_SPHERE:
-        return q[0] * q[0] + q[1] * q[1] + q[2] * q[2] <= 1.0f ? volume->sigma_scale : 0.0f;
-    case LF_VOLUME_BOX:
-        return fabsf(q[0]) <= 1.0f && fabsf(q[1]) <= 1.0f && fabsf(q[2]) <= 1.0f
-                   ? volume->sigma_scale
-                   : 0.0f;
-    }
-    return 0.0f;
+    if (volume->kind != LF_VOLUME_GRID)
+        return lf_shape_contains(volume->kind, q) ? volume->sigma_scale : 0.0f;
+    return volume->sigma_scale * (volume->nearest ? lf_grid_nearest(volume->grid, q[0], q[1], q[2])
+                                                  : lf_grid_linear(volume->grid, q[0], q[1], q[2]));
 }

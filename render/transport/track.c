@@ -160,29 +160,18 @@ static void to_local(const lf_volume *volume, lf_vec3 o, lf_vec3 w, float t_max,
     r->t1 = t_max;
 }
 
-static bool clip_ball(lf_local_ray *r)
-{
-    lf_vec3 o = lf_v3(r->o[0], r->o[1], r->o[2]), d = lf_v3(r->d[0], r->d[1], r->d[2]);
-    float a = lf_dot(d, d), middle = -lf_dot(o, d) / a;
-    lf_vec3 nearest = lf_madd(o, middle, d);
-    float h2 = (1.0f - lf_dot(nearest, nearest)) / a;
-    if (!(h2 > 0.0f))
-        return false;
-    float h = sqrtf(h2);
-    r->t0 = lf_max(r->t0, middle - h);
-    r->t1 = lf_min(r->t1, middle + h);
-    return r->t1 > r->t0;
-}
-
 static bool clip_volume(const lf_volume *volume, lf_local_ray *r)
 {
-    if (volume->kind == LF_VOLUME_SPHERE)
-        return clip_ball(r);
-    for (int i = 0; i < 3; i++) {
-        float max = volume->kind == LF_VOLUME_GRID ? (float)volume->grid->size[i] : 1.0f;
-        if (!clip_axis(r, i, -1.0f, max))
-            return false;
+    if (volume->kind != LF_VOLUME_GRID) {
+        float from, to;
+        lf_shape_interval(volume->kind, r->o, r->d, &from, &to);
+        r->t0 = lf_max(r->t0, from);
+        r->t1 = lf_min(r->t1, to);
+        return r->t1 > r->t0;
     }
+    for (int i = 0; i < 3; i++)
+        if (!clip_axis(r, i, -1.0f, (float)volume->grid->size[i]))
+            return false;
     return true;
 }
 

@@ -66,11 +66,11 @@ static inline void make_fan(lf_fan *fan, bool same_end, uint64_t *seed)
     }
 }
 
-/* A ball or a box around Z = 4, somehow turned and stretched. */
+/* A shape around Z = 4, somehow turned and stretched. */
 static inline lf_body make_body(uint64_t *seed)
 {
     lf_body body = {.sigma_t = 30.0f * uniform(seed)};
-    body.sphere = uniform(seed) < 0.5f;
+    body.shape = uniform(seed) < 0.5f ? LF_VOLUME_SPHERE : LF_VOLUME_BOX;
     for (int i = 0; i < 3; i++) {
         body.across[i] = 2.0f * uniform(seed) - 1.0f;
         body.depth[i] = 2.0f * uniform(seed) - 1.0f;

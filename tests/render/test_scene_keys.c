@@ -258,6 +258,17 @@ static void the_schema_has_no_key_of_surfaces_that_no_kind_has(void **state)
         }
 }
 
+static void the_schema_has_the_shapes_of_volumes_that_there_are(void **state)
+{
+    (void)state;
+    const json_t *variants =
+        json_object_get(json_object_get(json_object_get(schema, "$defs"), "volume"), "anyOf");
+    const json_t *shape =
+        json_object_get(json_object_get(json_array_get(variants, 1), "properties"), "shape");
+    assert_true(has_words(json_object_get(shape, "enum"), lf_volume_shapes));
+    assert_false(has_words(json_object_get(shape, "enum"), lf_volume_shapes + 1));
+}
+
 static void the_schema_has_the_shapes_of_meshes_that_there_are(void **state)
 {
     (void)state;
@@ -316,6 +327,7 @@ int main(void)
         cmocka_unit_test(the_schema_says_of_lights_what_their_kinds_say),
         cmocka_unit_test(the_schema_says_of_surfaces_what_their_kinds_say),
         cmocka_unit_test(the_schema_has_no_key_of_surfaces_that_no_kind_has),
+        cmocka_unit_test(the_schema_has_the_shapes_of_volumes_that_there_are),
         cmocka_unit_test(the_schema_has_the_shapes_of_meshes_that_there_are),
         cmocka_unit_test(lights_at_infinity_stand_first_in_the_table_and_faces_last),
     };
