@@ -103,5 +103,13 @@ static void read(const lf_value values[], const double origin[3], lf_light *ligh
     light->versine = (float)(2.0 * pow(sin(0.25 * values[ANGLE].number[0]), 2.0));
 }
 
-const lf_light_kind lf_light_distant = {"distant", keys,   read,   commit, draw,
-                                        power,     escape, varies, NULL,   NULL};
+const lf_light_kind lf_light_distant = {
+    .name = "distant",
+    .keys = keys,
+    .read = read,
+    .commit = commit,
+    .draw = draw,
+    .power = power,
+    .escape = escape,
+    .varies = varies,
+};

@@ -235,5 +235,12 @@ static void read(const lf_value values[], const double origin[3], lf_light *ligh
     set_rotation(light, values[ROTATE].number[0]);
 }
 
-const lf_light_kind lf_light_environment = {"environment", keys,   read,   NULL, draw,
-                                            power,         escape, varies, NULL, NULL};
+const lf_light_kind lf_light_environment = {
+    .name = "environment",
+    .keys = keys,
+    .read = read,
+    .draw = draw,
+    .power = power,
+    .escape = escape,
+    .varies = varies,
+};

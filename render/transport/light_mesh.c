@@ -120,8 +120,13 @@ static void extent(const lf_scene *scene, const lf_light *light, lf_vec3 *out_mi
     *out_radius = 0.5f * lf_length(lf_sub(max, min));
 }
 
-const lf_light_kind lf_light_mesh = {"mesh", NULL, NULL, NULL,   draw,
-                                     power,  NULL, NULL, extent, hit_pdf};
+const lf_light_kind lf_light_mesh = {
+    .name = "mesh",
+    .draw = draw,
+    .power = power,
+    .extent = extent,
+    .hit_pdf = hit_pdf,
+};
 
 static uint16_t triangle_material(const lf_mesh *mesh, int triangle)
 {

@@ -39,4 +39,10 @@ static void read(const lf_value values[], const double origin[3], lf_light *ligh
 }
 
 const lf_light_kind lf_light_point = {
-    "point", keys, read, NULL, draw, power, NULL, NULL, lf_light_point_extent, NULL};
+    .name = "point",
+    .keys = keys,
+    .read = read,
+    .draw = draw,
+    .power = power,
+    .extent = lf_light_point_extent,
+};

@@ -69,4 +69,10 @@ static void read(const lf_value values[], const double origin[3], lf_light *ligh
 }
 
 const lf_light_kind lf_light_spot = {
-    "spot", keys, read, NULL, draw, power, NULL, NULL, lf_light_point_extent, NULL};
+    .name = "spot",
+    .keys = keys,
+    .read = read,
+    .draw = draw,
+    .power = power,
+    .extent = lf_light_point_extent,
+};

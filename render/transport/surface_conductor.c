@@ -173,5 +173,15 @@ static void read(const lf_value values[], lf_material *m)
 }
 
 const lf_surface_kind lf_surface_conductor = {
-    "conductor", keys, "of metals eta and k say it", check, read, prepare, eval, eval_fan, sample,
-    deltas,      true};
+    .name = "conductor",
+    .keys = keys,
+    .lacks = "of metals eta and k say it",
+    .check = check,
+    .read = read,
+    .prepare = prepare,
+    .eval = eval,
+    .eval_fan = eval_fan,
+    .sample = sample,
+    .deltas = deltas,
+    .view_dependent = true,
+};

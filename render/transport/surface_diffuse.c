@@ -40,5 +40,11 @@ static void read(const lf_value values[], lf_material *m)
 }
 
 const lf_surface_kind lf_surface_diffuse = {
-    "diffuse", keys, "diffuse surfaces have none", NULL, read, prepare, eval, NULL, sample,
-    NULL,      false};
+    .name = "diffuse",
+    .keys = keys,
+    .lacks = "diffuse surfaces have none",
+    .read = read,
+    .prepare = prepare,
+    .eval = eval,
+    .sample = sample,
+};

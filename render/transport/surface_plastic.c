@@ -182,5 +182,14 @@ static void read(const lf_value values[], lf_material *m)
 }
 
 const lf_surface_kind lf_surface_plastic = {
-    "plastic", keys, "plastic surfaces have none", NULL, read, prepare, eval, eval_fan, sample,
-    deltas,    true};
+    .name = "plastic",
+    .keys = keys,
+    .lacks = "plastic surfaces have none",
+    .read = read,
+    .prepare = prepare,
+    .eval = eval,
+    .eval_fan = eval_fan,
+    .sample = sample,
+    .deltas = deltas,
+    .view_dependent = true,
+};
