@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/file.h"
 #include "base/log.h"
 #include "render/load/file_identity.h"
 #include "render/load/mesh_material.h"
@@ -453,12 +454,6 @@ static void warn(const struct aiScene *scene, const lf_mesh_desc *desc, const re
                         state->failed.what);
 }
 
-static bool is_kind(const char *path, const char *ending)
-{
-    size_t n = strlen(path), length = strlen(ending);
-    return n > length && strcasecmp(path + n - length, ending) == 0;
-}
-
 lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_roots *roots,
                          lf_mesh_data *out, lf_error *err)
 {
@@ -470,7 +465,8 @@ lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_
     bool normals = false;
     if (!path)
         return lf_error_set(err, LF_E_NOMEM, desc->file, "out of memory");
-    lf_status status = is_kind(path, ".ply") ? lf_ply_check(path, roots, &problem) : LF_OK;
+    lf_status status =
+        lf_path_has_ending(path, ".ply") ? lf_ply_check(path, roots, &problem) : LF_OK;
     const struct aiScene *scene = NULL;
     if (status == LF_OK) {
         pthread_mutex_lock(&lock);
@@ -484,7 +480,7 @@ lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_
     }
     if (status == LF_OK && desc->material < 0)
         status = lf_mesh_materials(scene, path, out, &problem);
-    if (status == LF_OK && desc->material < 0 && is_kind(path, ".obj"))
+    if (status == LF_OK && desc->material < 0 && lf_path_has_ending(path, ".obj"))
         lf_mesh_warn_of_libraries(scene, roots, path, out);
     if (status == LF_OK)
         status = convert_geometry(scene, desc, out, normals, path, &problem);
