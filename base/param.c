@@ -202,7 +202,7 @@ static bool read_value(const lf_param *row, const char *text, double *out)
     const int index = has_words(row) && text ? word_index(row, text) : -1;
     int64_t whole = 0;
     if (row->type == LF_PARAM_LIST)
-        return read_list(row, text, out);
+        return text && read_list(row, text, out);
     if (has_words(row)) {
         *out = row->type == LF_PARAM_WHOLE && index >= 0 ? strtod(text, NULL) : index;
         return index >= 0;

@@ -15,10 +15,10 @@
 
 /* What the file says of one key, or its initial value. */
 typedef struct lf_value {
-    bool given;
     double number[3]; /* numbers and angles: the first */
-    int word;         /* its place in words */
     const char *text; /* of a file's name; NULL where none is given */
+    int word;         /* its place in words */
+    bool given;
 } lf_value;
 
 #endif
