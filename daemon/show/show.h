@@ -18,7 +18,8 @@
 
 typedef struct lf_show lf_show;
 
-/* None may be NULL; what is passed is borrowed until the function returns. */
+/* None may be NULL; what is passed is borrowed until the function returns. An event may ask the
+ * show and pump it, but not open, stop or end it. */
 typedef struct lf_show_events {
     /* lf_show_open with this `answer` has ended: err NULL = the device is there. */
     void (*opened)(void *context, void *answer, const lf_error *err);
