@@ -1,9 +1,7 @@
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "base/alloc.h"
 #include "quilt/quilt.h"
 
 /* Default quilts of the panels, looking-glass.md section 4.1. The sources disagree on the Kiosk,
@@ -50,128 +48,6 @@ lf_status lf_preset_find(const char *name, const lf_preset **out, lf_error *err)
                                  presets[i].name);
     }
     return lf_error_set(err, LF_E_ARG, "preset", "\"%s\" is not known (expected %s)", name, known);
-}
-
-/* ------------------------------------------------------------------------------------- names -- */
-
-/* A count of 1..LF_MAX_TILES at *at, which moves behind it; 0 when there is none. */
-static int take_count(const char **at)
-{
-    int value = 0;
-    const char *c = *at;
-    while (*c >= '0' && *c <= '9' && value <= LF_MAX_TILES)
-        value = value * 10 + (*c++ - '0');
-    if (c == *at || value > LF_MAX_TILES)
-        return 0;
-    *at = c;
-    return value;
-}
-
-/* A plain decimal ("0.75", never "1e3" and never the dot of an ending); 0 when there is none. Own
- * digits, as strtod's depend on the locale and would take the dot of "a2.png". */
-static double take_decimal(const char **at)
-{
-    double value = 0, unit = 1;
-    const char *c = *at;
-    while (*c >= '0' && *c <= '9')
-        value = value * 10 + (*c++ - '0');
-    if (c == *at)
-        return 0;
-    if (*c == '.' && c[1] >= '0' && c[1] <= '9') {
-        double digits = 0;
-        for (c++; *c >= '0' && *c <= '9'; c++) {
-            digits = digits * 10 + (*c - '0');
-            unit *= 10;
-        }
-        value += digits / unit;
-    }
-    *at = c;
-    return value;
-}
-
-static bool take_tiles(const char **at, int *out_columns, int *out_rows)
-{
-    const char *c = *at;
-    int columns = take_count(&c);
-    if (columns < 1 || *c != 'x')
-        return false;
-    c++;
-    int rows = take_count(&c);
-    if (rows < 1)
-        return false;
-    *out_columns = columns;
-    *out_rows = rows;
-    *at = c;
-    return true;
-}
-
-lf_status lf_parse_tiles(const char *text, int *out_columns, int *out_rows, lf_error *err)
-{
-    const char *at = text;
-    int columns, rows;
-    if (!take_tiles(&at, &columns, &rows) || *at)
-        return lf_error_set(err, LF_E_ARG, "quilt",
-                            "\"%s\" (expected COLUMNSxROWS, 1 to %d each, e.g. 8x6)", text,
-                            LF_MAX_TILES);
-    *out_columns = columns;
-    *out_rows = rows;
-    return LF_OK;
-}
-
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
-/* Reads "_qsCxR[aA]" at c, and nothing that only begins so ("_qs8x6apple", "_qs8x64x"). */
-static bool read_suffix(const char *c, int *columns, int *rows, double *aspect)
-{
-    if (strncmp(c, "_qs", 3) != 0)
-        return false;
-    c += 3;
-    if (!take_tiles(&c, columns, rows))
-        return false;
-    *aspect = 0;
-    if (*c == 'a') {
-        c++;
-        *aspect = take_decimal(&c);
-        if (!(*aspect > 0) || *aspect > 1000)
-            return false;
-    }
-    return !((*c >= '0' && *c <= '9') || (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z'));
-}
-
-bool lf_layout_from_name(const char *path, int *out_columns, int *out_rows, double *out_aspect)
-{
-    bool found = false;
-    for (const char *c = strstr(base_name(path), "_qs"); c; c = strstr(c + 1, "_qs")) {
-        int columns, rows;
-        double aspect;
-        if (!read_suffix(c, &columns, &rows, &aspect))
-            continue;
-        *out_columns = columns;
-        *out_rows = rows;
-        *out_aspect = aspect;
-        found = true; /* the last one counts */
-    }
-    return found;
-}
-
-char *lf_layout_name(const char *path, const lf_layout *layout)
-{
-    int columns, rows;
-    double aspect;
-    if (lf_layout_from_name(path, &columns, &rows, &aspect) && columns == layout->columns &&
-        rows == layout->rows)
-        return lf_strdup(path);
-    const char *picture = lf_image_ending(path), *ending = picture ? picture : path + strlen(path);
-    size_t size = strlen(path) + 64;
-    char *name = lf_calloc(size, 1);
-    if (name)
-        snprintf(name, size, "%.*s_qs%dx%da%.6g%s", (int)(ending - path), path, layout->columns,
-                 layout->rows, layout->aspect, ending);
-    return name;
 }
 
 /* ------------------------------------------------------------------------------------- tiles -- */
