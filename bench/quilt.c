@@ -368,7 +368,9 @@ static lf_status measure_views(bench *b, field *f, lf_error *err)
 {
     static const struct {
         const char *tonemap, *name;
-    } tones[] = {{"srgb", "tone mapping, srgb"}, {"filmic", "tone mapping, filmic"}};
+    } tones[] = {{"srgb", "tone mapping, srgb"},
+                 {"filmic", "tone mapping, filmic"},
+                 {"aces", "tone mapping, aces"}};
     static const struct {
         double share;
         const char *name;
@@ -376,7 +378,7 @@ static lf_status measure_views(bench *b, field *f, lf_error *err)
         {0.01, "fill, 1 % missing"}, {0.5, "fill, 50 % missing"}, {0.95, "fill, 95 % missing"}};
     lf_status status = LF_OK;
 
-    for (int i = 0; i < 2 && status == LF_OK; i++) {
+    for (int i = 0; i < 3 && status == LF_OK; i++) {
         work w = {tones[i].name, run_tone, f,    f->pixels * 3 * sizeof(float),
                   f->pixels * 3, false,    false};
         status = lf_tone_create(0.5, tones[i].tonemap, &f->tone, err);

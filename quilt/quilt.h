@@ -50,8 +50,9 @@ char *lf_layout_name(const char *path, const lf_layout *layout);
 /* ----------------------------------------------------------------------------- tone and fill -- */
 
 typedef struct lf_tone lf_tone;
-/* exposure in stops, -64..64; tonemap "srgb" (clamp) or "filmic" (Narkowicz's fit of ACES, 2015).
- * LF_E_ARG, LF_E_NOMEM. */
+/* exposure in stops, -64..64; tonemap "srgb" (clamp), "filmic" (Narkowicz's fit of the ACES curve,
+ * 2015, each channel for itself) or "aces" (Hill's fit of the ACES rendering and output transforms,
+ * 2016: bright colours go towards white). LF_E_ARG, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_tone_create(double exposure, const char *tonemap, lf_tone **out,
                                       lf_error *err);
 void lf_tone_destroy(lf_tone *tone);

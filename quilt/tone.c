@@ -1,7 +1,8 @@
 /* Display code of a float by table, bit for bit the rounded formula: codes only ever rise with the
  * value, so 255 thresholds say everything. They are found once by bisecting the formula over the
  * floats; a table over the leading bits of a float then gives the code below its bucket and where
- * in the bucket the next one begins. */
+ * in the bucket the next one begins. Where channels are mixed first, the table is that of the sRGB
+ * curve alone. */
 #include <math.h>
 #include <string.h>
 
@@ -12,9 +13,18 @@
 #define INFINITY_BITS 0x7f800000
 #define MAX_STOPS 64.0
 
+/* What becomes of one channel, from above 0 on. */
+typedef double (*curve_fn)(double x);
+
+typedef struct tone_curve {
+    const char *name;
+    curve_fn curve;
+    bool mixes; /* channels: lights_mixed */
+} tone_curve;
+
 struct lf_tone {
     double gain;
-    bool filmic;
+    const tone_curve *map;
     /* low: below every threshold, at a bucket's start; high: the last threshold */
     lf_tone_table table;
     uint32_t *entries;  /* owned, the table's */
@@ -22,20 +32,64 @@ struct lf_tone {
     const lf_quilt_kernels *kernels;
 };
 
-/* Display light of a scene value, 0..1. Filmic is K. Narkowicz's fit of the ACES curve (2015). */
+static double clamp(double x)
+{
+    return x;
+}
+
+/* K. Narkowicz's fit of the ACES curve (2015), a channel at a time. */
+static double filmic(double x)
+{
+    return x < 1e6 ? x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14) : 1;
+}
+
+/* S. Hill's fit of the ACES rendering and output transforms (2016), between its two matrices. */
+static double aces(double x)
+{
+    return (x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.4329510) + 0.238081);
+}
+
+static const tone_curve curves[] = {
+    {"srgb", clamp, false}, {"filmic", filmic, false}, {"aces", aces, true}};
+
+/* sRGB to the space of the fit, and back to sRGB. */
+static const double to_fit[3][3] = {
+    {0.59719, 0.35458, 0.04823}, {0.07600, 0.90834, 0.01566}, {0.02840, 0.13383, 0.83777}};
+static const double from_fit[3][3] = {
+    {1.60475, -0.53108, -0.07367}, {-0.10208, 1.10813, -0.00605}, {-0.00327, -0.07276, 1.07602}};
+
+static double unit(double x)
+{
+    return x < 1 ? x > 0 ? x : 0 : 1;
+}
+
+/* Display light of a scene value, 0..1. */
 static double display_light(const lf_tone *tone, double value)
 {
     double x = value * tone->gain;
-    if (!(x > 0))
-        return 0;
-    if (tone->filmic)
-        x = x < 1e6 ? x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14) : 1;
-    return x < 1 ? x : 1;
+    return x > 0 ? unit(tone->map->curve(x)) : 0;
+}
+
+/* The same of a pixel, where channels are mixed. Beyond BRIGHT the curve has ended. */
+static void lights_mixed(const lf_tone *tone, const float in[3], float out[3])
+{
+    enum { BRIGHT = 1000000 };
+    double scene[3], fitted[3];
+    for (int c = 0; c < 3; c++) {
+        double x = (double)in[c] * tone->gain;
+        scene[c] = x > 0 ? x < BRIGHT ? x : BRIGHT : 0;
+    }
+    for (int c = 0; c < 3; c++)
+        fitted[c] = tone->map->curve(to_fit[c][0] * scene[0] + to_fit[c][1] * scene[1] +
+                                     to_fit[c][2] * scene[2]);
+    for (int c = 0; c < 3; c++)
+        out[c] = (float)unit(from_fit[c][0] * fitted[0] + from_fit[c][1] * fitted[1] +
+                             from_fit[c][2] * fitted[2]);
 }
 
 static int display_code(const lf_tone *tone, double value)
 {
-    double light = display_light(tone, value);
+    double light = tone->map->mixes ? unit(value) : display_light(tone, value);
     double srgb = light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;
     return (int)floor(255 * srgb + 0.5);
 }
@@ -98,10 +152,12 @@ static lf_status build_table(lf_tone *tone)
 
 lf_status lf_tone_create(double exposure, const char *tonemap, lf_tone **out, lf_error *err)
 {
-    bool filmic = strcmp(tonemap, "filmic") == 0;
-    if (!filmic && strcmp(tonemap, "srgb") != 0)
+    const tone_curve *map = NULL;
+    for (size_t i = 0; i < sizeof curves / sizeof *curves && !map; i++)
+        map = strcmp(tonemap, curves[i].name) == 0 ? &curves[i] : NULL;
+    if (!map)
         return lf_error_set(err, LF_E_ARG, "tonemap",
-                            "\"%s\" is not known (expected srgb or filmic)", tonemap);
+                            "\"%s\" is not known (expected srgb, filmic or aces)", tonemap);
     if (!(fabs(exposure) <= MAX_STOPS))
         return lf_error_set(err, LF_E_ARG, "exposure", "%g stops (expected -%g to %g)", exposure,
                             MAX_STOPS, MAX_STOPS);
@@ -109,7 +165,7 @@ lf_status lf_tone_create(double exposure, const char *tonemap, lf_tone **out, lf
     if (!tone)
         return lf_error_set(err, LF_E_NOMEM, "tonemap", "no memory");
     tone->gain = exp2(exposure);
-    tone->filmic = filmic;
+    tone->map = map;
     tone->kernels = lf_quilt_kernels_get();
     find_thresholds(tone);
     if (build_table(tone) != LF_OK) {
@@ -130,11 +186,23 @@ void lf_tone_destroy(lf_tone *tone)
 
 void lf_tone_map(const lf_tone *tone, size_t n, const float *in, uint8_t *out)
 {
-    tone->kernels->tone(&tone->table, 3 * n, in, out);
+    enum { PIXELS = 128 };
+    if (!tone->map->mixes) {
+        tone->kernels->tone(&tone->table, 3 * n, in, out);
+        return;
+    }
+    for (size_t i = 0; i < n; i += PIXELS) {
+        float light[3 * PIXELS];
+        size_t some = n - i < PIXELS ? n - i : PIXELS;
+        lf_tone_linear(tone, some, in + 3 * i, light);
+        tone->kernels->tone(&tone->table, 3 * some, light, out + 3 * i);
+    }
 }
 
 void lf_tone_linear(const lf_tone *tone, size_t n, const float *in, float *out)
 {
-    for (size_t i = 0; i < 3 * n; i++)
+    for (size_t i = 0; i < n && tone->map->mixes; i++)
+        lights_mixed(tone, in + 3 * i, out + 3 * i);
+    for (size_t i = 0; i < 3 * n && !tone->map->mixes; i++)
         out[i] = (float)display_light(tone, (double)in[i]);
 }

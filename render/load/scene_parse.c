@@ -137,7 +137,7 @@ static void parse_camera(lf_reader *reader, const lf_node *root, lf_camera *came
 static void parse_film(lf_reader *reader, const lf_node *root, lf_film_settings *film)
 {
     static const char *const keys[] = {"exposure", "tonemap", NULL};
-    static const char *const tonemaps[] = {"srgb", "filmic", NULL};
+    static const char *const tonemaps[] = {"srgb", "filmic", "aces", NULL};
     lf_node node = lf_node_child(root, "film");
     lf_read_object(reader, &node, keys);
     film->exposure = lf_read_number(reader, &node, "exposure", 0, -32, 32);

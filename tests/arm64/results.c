@@ -93,8 +93,8 @@ static void depths(void)
 /* Every float there is, one in 4099, NaN and denormals among them. */
 static void tones(void)
 {
-    const char *const maps[] = {"srgb", "filmic"};
-    for (int m = 0; m < 2; m++) {
+    const char *const maps[] = {"srgb", "filmic", "aces"};
+    for (int m = 0; m < 3; m++) {
         lf_tone *tone = NULL;
         demand(lf_tone_create(0.37, maps[m], &tone, NULL) == LF_OK, "no tone map");
         uint64_t hash = start;

@@ -206,7 +206,7 @@ static const bad bad_scenes[] = {
      "stands on its target"},
     {"{\"camera\": {\"up\": [0, 0, -2]}}", 1, "/camera/up", "along the line of sight"},
     {"{\"camera\": {\"up\": [0, 0, 0]}}", 1, "/camera/up", "zero or along"},
-    {"{\"film\": {\"tonemap\": \"aces\"}}", 1, "/film/tonemap", "expected one of srgb, filmic"},
+    {"{\"film\": {\"tonemap\": \"agx\"}}", 1, "/film/tonemap", "one of srgb, filmic, aces"},
     {"{\"render\": {\"max_depth\": 0}}", 1, "/render/max_depth", "out of range"},
     {"{\"volumes\": []}", 1, "/volumes", "expected an object of things by name"},
     {"{\"volumes\": {\"a/b~\": {}}}", 1, "/volumes/a~1b~0",
