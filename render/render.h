@@ -175,6 +175,7 @@ typedef struct lf_render_settings {
     uint64_t seed;
     int max_depth; /* longest path in vertices after the camera; 0 = the scene's own limit */
     unsigned skip; /* of lf_skip: what is left out where it is not needed */
+    bool features; /* the film keeps what the reconstruction needs: 16 bytes a view pixel */
 } lf_render_settings;
 
 typedef struct lf_renderer lf_renderer;

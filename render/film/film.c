@@ -16,7 +16,8 @@ static size_t pixels_of(const lf_film_layout *layout)
 static size_t half_bytes(const lf_film_layout *layout)
 {
     return pixels_of(layout) *
-           (sizeof(lf_film_scattered) + sizeof(float) + (layout->has_w2 ? sizeof(float) : 0));
+           (sizeof(lf_film_scattered) + sizeof(float) + (layout->has_w2 ? sizeof(float) : 0) +
+            (layout->has_features ? sizeof(lf_packed_feature) : 0));
 }
 
 size_t lf_film_used_bytes(const lf_film_layout *layout)
@@ -130,7 +131,7 @@ bool lf_film_has_layout(const lf_film *film, const lf_film_layout *b)
     return film->data && a->n_views == b->n_views && a->width == b->width &&
            a->height == b->height && a->has_w2 == b->has_w2 && a->has_native == b->has_native &&
            a->has_known == b->has_known && a->has_delta == b->has_delta &&
-           a->has_signed == b->has_signed;
+           a->has_signed == b->has_signed && a->has_features == b->has_features;
 }
 
 const char *lf_film_refusal(const lf_film *film, const lf_film *b)
@@ -175,6 +176,8 @@ static lf_film_half half_at(const lf_film_layout *layout, unsigned char *p)
     half.w2 = layout->has_w2 ? (float *)(void *)p : NULL;
     p += layout->has_w2 ? pixels * sizeof *half.w2 : 0;
     half.q = (float *)(void *)p;
+    p += pixels * sizeof *half.q;
+    half.feature = layout->has_features ? (lf_packed_feature *)(void *)p : NULL;
     return half;
 }
 
@@ -195,16 +198,21 @@ lf_film_known *lf_film_known_at(const lf_film *film, int row)
 lf_status lf_film_sums_init(lf_film_sums *sums, const lf_film_layout *layout)
 {
     size_t pixels = pixels_of(layout), colours = 3 * pixels * sizeof(float);
-    size_t native = layout->has_native ? colours : 0, known = layout->has_known ? colours : 0;
-    *sums = (lf_film_sums){.data = lf_calloc(1, native + half_bytes(layout) + known)};
+    size_t native = layout->has_native ? colours : 0, known = layout->has_known ? colours : 0,
+           features = layout->has_features ? pixels * sizeof(lf_feature) : 0;
+    lf_film_layout summed = *layout;
+    summed.has_features = false; /* a visit's own are not packed */
+    size_t half_size = half_bytes(&summed);
+    *sums = (lf_film_sums){.data = lf_calloc(1, native + half_size + known + features)};
     if (!sums->data)
         return LF_E_NOMEM;
     /* What is summed comes first and q behind it, so that one stretch of memory is zeroed. */
-    unsigned char *half = sums->data + native;
+    unsigned char *half = sums->data + native, *behind = half + half_size;
     sums->native = native ? (float(*)[3])(void *)sums->data : NULL;
-    sums->half = half_at(layout, half);
-    sums->known = known ? (float(*)[3])(void *)(half + half_bytes(layout)) : NULL;
-    sums->zeroed_bytes = native + half_bytes(layout) - pixels * sizeof(float);
+    sums->half = half_at(&summed, half);
+    sums->known = known ? (float(*)[3])(void *)behind : NULL;
+    sums->feature = features ? (lf_feature *)(void *)(behind + known) : NULL;
+    sums->zeroed_bytes = native + half_size - pixels * sizeof(float);
     return LF_OK;
 }
 
@@ -299,6 +307,17 @@ void lf_film_count(lf_film *film, int stream, int row, int half, double passes)
     count(film, stream, row, half, passes);
 }
 
+/* before: q of all visits before this one, which has the share. */
+static void merge_feature(lf_packed_feature *to, double before, const lf_feature *from, double now,
+                          double share, uint32_t random)
+{
+    if (!(share * now > 0.0))
+        return;
+    const lf_feature old = lf_feature_unpack(*to),
+                     mixed = lf_feature_mix(&old, (1.0 - share) * before, from, share * now);
+    *to = lf_feature_pack(&mixed, random);
+}
+
 void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_sums *sums,
                    double passes, uint64_t key)
 {
@@ -318,6 +337,9 @@ void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_s
         a->w = add(a->w, b->w, random);
         if (to.w2)
             to.w2[i] = add(to.w2[i], from->w2[i], random);
+        if (to.feature)
+            merge_feature(&to.feature[i], (double)to.q[i], &sums->feature[i], (double)from->q[i],
+                          shares.half, random);
         to.q[i] = mean(to.q[i], shares.half, (double)from->q[i], random);
         if (known)
             merge_known(&known[i], sums, i, &shares, random);

@@ -14,7 +14,8 @@
  * (neither needs cross-fitting), with the halves' difference in few bits, which only the error
  * estimate reads; and per row and half the count n, in native samples a view pixel (a real number:
  * expected, not tallied). Where every escaping ray finds the same light and nothing else is known,
- * B is sky (1 - q) and not stored. Bytes a view pixel: 40, 48 with W'; 56 and 64 with B.
+ * B is sky (1 - q) and not stored. Bytes a view pixel: 40, 48 with W'; 56 and 64 with B; 16 more
+ * with features (film_feature.h), which the reconstruction reads.
  *
  * A visit sums a row in its worker's memory (lf_film_sums) and is merged when it is whole: what the
  * film holds is rounded once a visit, up or down at random in proportion (stochastic rounding), so
@@ -23,6 +24,7 @@
 #ifndef LF_RENDER_FILM_H
 #define LF_RENDER_FILM_H
 
+#include "render/film/film_feature.h"
 #include "render/render.h"
 
 /* What scattering left in one view pixel: 16 bytes that are written together. */
@@ -42,14 +44,16 @@ typedef struct lf_film_half {
     lf_film_scattered *scattered;
     float *w2; /* W'; NULL where no lobe depends on the view */
     float *q;
+    lf_packed_feature *feature; /* NULL where nobody wants them */
 } lf_film_half;
 
 /* What one visit of a row finds; arrays [view][column] in memory of the worker's own, but where
  * holes are filled: then `half` is the film's own. */
 typedef struct lf_film_sums {
-    lf_film_half half;  /* N, W, W' are sums, q the value of this visit */
-    float (*known)[3];  /* B, the value of this visit; NULL where it is not stored */
-    float (*native)[3]; /* M, a sum; NULL without delta lobes and lights in media */
+    lf_film_half half;   /* N, W, W' are sums, q the value of this visit */
+    float (*known)[3];   /* B, the value of this visit; NULL where it is not stored */
+    lf_feature *feature; /* of this visit; NULL where the film has none */
+    float (*native)[3];  /* M, a sum; NULL without delta lobes and lights in media */
     size_t zeroed_bytes;
     unsigned char *data;
 } lf_film_sums;
@@ -61,6 +65,7 @@ typedef struct lf_film_layout {
     bool has_known;  /* B is stored: always where M is */
     bool has_delta;  /* M is of delta lobes too */
     bool has_signed; /* N and W may cancel: correction weights of grids have both signs */
+    bool has_features;
 } lf_film_layout;
 
 typedef struct lf_film_row {
@@ -191,6 +196,11 @@ static inline void lf_film_add_native(const lf_film_sums *sums, size_t pixel, fl
 static inline void lf_film_pivots(const lf_film_sums *sums, size_t pixel, float q)
 {
     sums->half.q[pixel] = q;
+}
+/* … what its ray met, which must be there … */
+static inline void lf_film_note(const lf_film_sums *sums, size_t pixel, lf_feature feature)
+{
+    sums->feature[pixel] = feature;
 }
 /* … and B, which must be there. */
 static inline void lf_film_known_light(const lf_film_sums *sums, size_t pixel, float r, float g,

@@ -14,6 +14,16 @@ static double pooled(double a, double n_a, double b, double n_b)
     return n_b == 0.0 ? a : (n_a * a + n_b * b) / (n_a + n_b);
 }
 
+static void add_feature(lf_packed_feature *to, double weight_to, lf_packed_feature from,
+                        double weight_from, uint32_t random)
+{
+    if (!(weight_to + weight_from > 0.0))
+        return;
+    const lf_feature a = lf_feature_unpack(*to), b = lf_feature_unpack(from),
+                     mixed = lf_feature_mix(&a, weight_to, &b, weight_from);
+    *to = lf_feature_pack(&mixed, random);
+}
+
 static void add_half(lf_film_half *to, double n_to, const lf_film_half *from, double n_from,
                      size_t i, uint32_t random)
 {
@@ -24,6 +34,9 @@ static void add_half(lf_film_half *to, double n_to, const lf_film_half *from, do
     a->w = lf_film_round((double)a->w + (double)b->w, random);
     if (to->w2)
         to->w2[i] = lf_film_round((double)to->w2[i] + (double)from->w2[i], random);
+    if (to->feature)
+        add_feature(&to->feature[i], n_to * (double)to->q[i], from->feature[i],
+                    n_from * (double)from->q[i], random);
     to->q[i] = lf_film_round(pooled((double)to->q[i], n_to, (double)from->q[i], n_from), random);
 }
 

@@ -44,6 +44,13 @@ static inline float lf_body_depth(const lf_body *body, float x0, float slope, fl
     return body->sigma_t * lf_max(lf_min(to, z_end) - from, 0.0f);
 }
 
+/* Sets sums as lf_kernels.moments does, for rays of these lengths per unit of Z. Where along its
+ * part inside of the shape, of length L and optical depth tau, a ray collides, if it does: the
+ * truncated exponential has the mean L (1/tau - 1/(e^tau - 1)) and the variance L^2 (1/tau^2 -
+ * e^tau / (e^tau - 1)^2); 1/Z there to second order. */
+void lf_body_moments(const lf_body *body, int n, const float *x0, const float *slope,
+                     const float *z_end, const float *length, float distance, float *const sums[3]);
+
 /* Adds the depths of n rays to tau: the kernels' loop, here once and compiled for each instruction
  * set. */
 static inline void lf_body_depths(const lf_body *body, int n, const float *restrict x0,

@@ -35,6 +35,24 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
                         transmittance * light.z);
 }
 
+/* What one ray met that scatters, q of it known: a medium, or behind it a surface. */
+static void write_feature(const lf_visit *visit, size_t pixel, int k, bool lobe)
+{
+    const lf_scratch *worker = visit->worker;
+    const lf_media_moments *m = &worker->moments;
+    float q = visit->sums.half.q[pixel], medium = q;
+    lf_feature feature = {.nearness = m->nearness[k], .spread = m->spread[k]};
+    if (!(q > 0.0f))
+        return;
+    if (lobe) {
+        const lf_feature surface = {.nearness = lf_nearness(visit->rig->distance, worker->z_end[k]),
+                                    .surface = 1.0f};
+        medium = lf_min(m->met[k], 1.0f);
+        feature = lf_feature_mix(&feature, (double)medium, &surface, (double)(q - medium));
+    }
+    lf_film_note(&visit->sums, pixel, feature);
+}
+
 bool lf_exits_constant(const lf_scene *scene, float out_sky[3])
 {
     for (int i = 0; i < scene->n_lights; i++) {
@@ -90,6 +108,9 @@ static void aim(const lf_visit *visit, float xw, float lx)
         worker->slope[k] = (xw - rig->b[k]) / rig->distance - lx / rig->focus;
         worker->z_end[k] = INFINITY;
         worker->tau[k] = 0.0f;
+        worker->length[k] =
+            sqrtf(1.0f + worker->slope[k] * worker->slope[k] + visit->plane.my * visit->plane.my);
+        worker->moments.met[k] = 0.0f;
     }
 }
 
@@ -118,6 +139,18 @@ static void correct(const lf_visit *visit, int from, int to)
         w->factor[k] = 1.0f;
     lf_correction_transmittance(&w->media, &rays, LF_CORRECTION_EXIT, 0.5f, &w->tracer,
                                 w->factor + from);
+}
+
+/* The fan's rays [from, to) through the media. */
+static void march(const lf_visit_plan *plan, lf_scratch *w, int from, int to, bool features)
+{
+    const float *x0 = w->x0 + from, *slope = w->slope + from, *z_end = w->z_end + from;
+    if (features)
+        lf_media_moments_of(&w->media, plan->kernels, to - from, x0, slope, z_end, w->length + from,
+                            plan->rig->distance, w->tau + from, from, &w->moments);
+    else
+        lf_media_depths(&w->media, plan->kernels, to - from, x0, slope, z_end, w->tau + from, -1,
+                        NULL);
 }
 
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
@@ -149,18 +182,18 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
                                xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus),
                                to - from, w->x0 + from, w->z_end + from, material + from);
         if (w->media.n_here > 0 && from < to)
-            lf_media_depths(&w->media, plan->kernels, to - from, w->x0 + from, w->slope + from,
-                            w->z_end + from, w->tau + from, -1, NULL);
+            march(plan, w, from, to, visit->sums.feature);
         if (corrected && from < to)
             correct(visit, from, to);
         for (int k = 0; k < rig->n_views; k++) {
-            float length =
-                sqrtf(1.0f + w->slope[k] * w->slope[k] + visit->plane.my * visit->plane.my);
             bool met = k >= from && k < to && material[k] >= 0;
-            write_known(visit, (size_t)k * (size_t)rig->width + (size_t)column, k,
-                        met ? &plan->scene->materials[material[k]] : NULL, w->tau[k] * length,
+            const lf_material *m = met ? &plan->scene->materials[material[k]] : NULL;
+            size_t pixel = (size_t)k * (size_t)rig->width + (size_t)column;
+            write_known(visit, pixel, k, m, w->tau[k] * w->length[k],
                         corrected && k >= from && k < to ? w->factor[k] : 1.0f,
                         constant ? &sky : NULL);
+            if (visit->sums.feature)
+                write_feature(visit, pixel, k, m && m->has_lobe);
         }
     }
     if (w->mirrors)

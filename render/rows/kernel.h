@@ -29,6 +29,14 @@ typedef struct lf_kernels {
     void (*march)(const lf_slice *slice, int n, const float *x0, const float *slope,
                   const float *z_end, float *tau, float *sigma);
 
+    /* march without sigma, for rays of these lengths per unit of Z, with the moments of where the
+     * first collision lies: sets *sums[0..2] to the sums over planes of w, w y and w y^2, y =
+     * distance/Z (nearness, film_feature.h) at the plane and w the transmittance that is lost
+     * there. exp(-x) of a plane is taken as 1 / (1 + x + x^2/2). */
+    void (*moments)(const lf_slice *slice, int n, const float *x0, const float *slope,
+                    const float *z_end, const float *length, float distance, float *tau,
+                    float *const sums[3]);
+
     /* The same for a homogeneous shape. */
     void (*through)(const lf_body *body, int n, const float *x0, const float *slope,
                     const float *z_end, float *tau);

@@ -113,6 +113,64 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
         march8(slice, x0 + k, slope + k, z_end + k, tau + k, sigma ? sigma + k : NULL);
 }
 
+/* One group of 8 lanes. */
+static inline void moments8(const lf_slice *slice, const float *x0, const float *slope,
+                            const float *z_end, const float *length, float distance, float *tau,
+                            float *const sums[3], int k)
+{
+    const __m256 vx = _mm256_loadu_ps(x0 + k), vs = _mm256_loadu_ps(slope + k),
+                 end = _mm256_loadu_ps(z_end + k), one = _mm256_set1_ps(1.0f),
+                 half = _mm256_set1_ps(0.5f), zero = _mm256_setzero_ps(),
+                 dz = _mm256_set1_ps(slice->dz), inv_dz = _mm256_set1_ps(slice->inv_dz),
+                 per_z = _mm256_loadu_ps(length + k);
+    __m256 depth = _mm256_loadu_ps(tau + k), rest = one, lost = zero, near = zero, square = zero;
+    float z_min = z_end[k], z_max = z_end[k];
+    for (int i = k + 1; i < k + LF_LANES; i++) {
+        z_min = lf_min(z_min, z_end[i]);
+        z_max = lf_max(z_max, z_end[i]);
+    }
+    for (int s = slice->first; s <= slice->last; s++) {
+        float z = slice->z0 + (float)s * slice->dz;
+        if (z - slice->dz >= z_max)
+            break;
+        float xa = x0[k] + slope[k] * z, xb = x0[k + LF_LANES - 1] + slope[k + LF_LANES - 1] * z,
+              y = lf_nearness(distance, z);
+        if (lf_max(xa, xb) <= slice->spans[s].x_lo || lf_min(xa, xb) >= slice->spans[s].x_hi)
+            continue;
+        const float *row = slice->sigma + (size_t)s * (size_t)slice->stride;
+        __m256 v = at(slice, row, _mm256_add_ps(vx, _mm256_mul_ps(vs, _mm256_set1_ps(z)))), step;
+        if (z + slice->dz <= z_min) {
+            step = _mm256_set1_ps(slice->dz * lf_max(1.0f - slice->behind[s], 0.0f));
+        } else {
+            __m256 t = _mm256_mul_ps(_mm256_sub_ps(end, _mm256_set1_ps(z)), inv_dz);
+            t = _mm256_min_ps(_mm256_max_ps(t, _mm256_set1_ps(-1.0f)), one);
+            step = _mm256_sub_ps(share(t), _mm256_set1_ps(slice->behind[s]));
+            step = _mm256_mul_ps(dz, _mm256_max_ps(step, zero));
+        }
+        step = _mm256_mul_ps(v, step);
+        depth = _mm256_add_ps(depth, step);
+        __m256 x = _mm256_mul_ps(step, per_z);
+        x = _mm256_add_ps(one, _mm256_mul_ps(x, _mm256_add_ps(one, _mm256_mul_ps(half, x))));
+        __m256 behind = _mm256_div_ps(rest, x), w = _mm256_sub_ps(rest, behind);
+        rest = behind;
+        lost = _mm256_add_ps(lost, w);
+        near = _mm256_add_ps(near, _mm256_mul_ps(w, _mm256_set1_ps(y)));
+        square = _mm256_add_ps(square, _mm256_mul_ps(w, _mm256_set1_ps(y * y)));
+    }
+    _mm256_storeu_ps(tau + k, depth);
+    _mm256_storeu_ps(sums[0] + k, lost);
+    _mm256_storeu_ps(sums[1] + k, near);
+    _mm256_storeu_ps(sums[2] + k, square);
+}
+
+static void moments(const lf_slice *slice, int n, const float *x0, const float *slope,
+                    const float *z_end, const float *length, float distance, float *tau,
+                    float *const sums[3])
+{
+    for (int k = 0; k < n; k += LF_LANES)
+        moments8(slice, x0, slope, z_end, length, distance, tau, sums, k);
+}
+
 /* lf_grid_value times sigma_scale for 8 points of a line. */
 static inline __m256 sample8(const lf_volume *volume, const lf_line *line, __m256 x)
 {
@@ -256,6 +314,7 @@ static float densities(int n, const float *scale, const float *tau, float *d)
 
 const lf_kernels lf_kernels_avx2 = {.name = "avx2",
                                     .march = march,
+                                    .moments = moments,
                                     .through = through,
                                     .sample = sample,
                                     .compare = compare,

@@ -32,6 +32,38 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
     }
 }
 
+static void moments(const lf_slice *slice, int n, const float *x0, const float *slope,
+                    const float *z_end, const float *length, float distance, float *tau,
+                    float *const sums[3])
+{
+    float z_max = z_end[0], rest[LF_MAX_LANES];
+    for (int k = 0; k < n; k++) {
+        z_max = lf_max(z_max, z_end[k]);
+        rest[k] = 1.0f;
+        sums[0][k] = sums[1][k] = sums[2][k] = 0.0f;
+    }
+    for (int s = slice->first; s <= slice->last; s++) {
+        float z = slice->z0 + (float)s * slice->dz, y = lf_nearness(distance, z);
+        if (z - slice->dz >= z_max)
+            break;
+        float xa = x0[0] + slope[0] * z, xb = x0[n - 1] + slope[n - 1] * z;
+        if (lf_max(xa, xb) <= slice->spans[s].x_lo || lf_min(xa, xb) >= slice->spans[s].x_hi)
+            continue;
+        for (int k = 0; k < n; k++) {
+            float t = lf_min(lf_max((z_end[k] - z) * slice->inv_dz, -1.0f), 1.0f);
+            float depth = lf_slice_at(slice, s, x0[k] + slope[k] * z) *
+                          (slice->dz * lf_max(lf_slice_share(t) - slice->behind[s], 0.0f));
+            float x = depth * length[k], behind = rest[k] / (1.0f + x * (1.0f + 0.5f * x)),
+                  w = rest[k] - behind;
+            tau[k] += depth;
+            rest[k] = behind;
+            sums[0][k] += w;
+            sums[1][k] += w * y;
+            sums[2][k] += w * (y * y);
+        }
+    }
+}
+
 static void sample(const lf_volume *volume, const lf_line *line, int n, const float *x,
                    float *sigma)
 {
@@ -96,6 +128,7 @@ static float densities(int n, const float *scale, const float *tau, float *d)
 
 const lf_kernels lf_kernels_c = {.name = "c",
                                  .march = march,
+                                 .moments = moments,
                                  .through = through,
                                  .sample = sample,
                                  .compare = compare,

@@ -84,6 +84,53 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
         march4(slice, x0 + k, slope + k, z_end + k, tau + k, sigma ? sigma + k : NULL);
 }
 
+/* One group of 4 lanes. */
+static inline void moments4(const lf_slice *slice, const float *x0, const float *slope,
+                            const float *z_end, const float *length, float distance, float *tau,
+                            float *const sums[3], int k)
+{
+    const float32x4_t vx = vld1q_f32(x0 + k), vs = vld1q_f32(slope + k), end = vld1q_f32(z_end + k),
+                      zero = vdupq_n_f32(0.0f), one = vdupq_n_f32(1.0f),
+                      per_z = vld1q_f32(length + k);
+    float32x4_t depth = vld1q_f32(tau + k), rest = one, lost = zero, near = zero, square = zero;
+    float z_max = vmaxvq_f32(end);
+    for (int s = slice->first; s <= slice->last; s++) {
+        float z = slice->z0 + (float)s * slice->dz;
+        if (z - slice->dz >= z_max)
+            break;
+        float xa = x0[k] + slope[k] * z, xb = x0[k + GROUP - 1] + slope[k + GROUP - 1] * z,
+              y = lf_nearness(distance, z);
+        if (lf_max(xa, xb) <= slice->spans[s].x_lo || lf_min(xa, xb) >= slice->spans[s].x_hi)
+            continue;
+        const float *row = slice->sigma + (size_t)s * (size_t)slice->stride;
+        float32x4_t v = at(slice, row, vaddq_f32(vx, vmulq_n_f32(vs, z)));
+        float32x4_t t = vmulq_n_f32(vsubq_f32(end, vdupq_n_f32(z)), slice->inv_dz);
+        t = min4(max4(t, vdupq_n_f32(-1.0f)), one);
+        float32x4_t step = max4(vsubq_f32(share(t), vdupq_n_f32(slice->behind[s])), zero);
+        step = vmulq_f32(v, vmulq_n_f32(step, slice->dz));
+        depth = vaddq_f32(depth, step);
+        float32x4_t x = vmulq_f32(step, per_z);
+        x = vaddq_f32(one, vmulq_f32(x, vaddq_f32(one, vmulq_n_f32(x, 0.5f))));
+        float32x4_t behind = vdivq_f32(rest, x), w = vsubq_f32(rest, behind);
+        rest = behind;
+        lost = vaddq_f32(lost, w);
+        near = vaddq_f32(near, vmulq_n_f32(w, y));
+        square = vaddq_f32(square, vmulq_n_f32(w, y * y));
+    }
+    vst1q_f32(tau + k, depth);
+    vst1q_f32(sums[0] + k, lost);
+    vst1q_f32(sums[1] + k, near);
+    vst1q_f32(sums[2] + k, square);
+}
+
+static void moments(const lf_slice *slice, int n, const float *x0, const float *slope,
+                    const float *z_end, const float *length, float distance, float *tau,
+                    float *const sums[3])
+{
+    for (int k = 0; k < n; k += GROUP)
+        moments4(slice, x0, slope, z_end, length, distance, tau, sums, k);
+}
+
 /* Look-ups wait for memory: no vectors. */
 static void sample(const lf_volume *volume, const lf_line *line, int n, const float *x,
                    float *sigma)
@@ -187,6 +234,7 @@ static float densities(int n, const float *scale, const float *tau, float *d)
 
 const lf_kernels lf_kernels_neon = {.name = "neon",
                                     .march = march,
+                                    .moments = moments,
                                     .through = through,
                                     .sample = sample,
                                     .compare = compare,

@@ -155,3 +155,54 @@ void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, co
             kernels->through(&medium->body, n, x0, slope, z_end, tau);
     }
 }
+
+/* The moments of one medium's sums. */
+static void moments_of(int n, float *const sums[3], int first, lf_media_moments *out)
+{
+    for (int k = 0; k < n; k++) {
+        float inverse = sums[0][k] > 0.0f ? 1.0f / sums[0][k] : 0.0f, mean = sums[1][k] * inverse;
+        out->met[first + k] = sums[0][k];
+        out->nearness[first + k] = mean;
+        out->spread[first + k] = sqrtf(lf_max(sums[2][k] * inverse - mean * mean, 0.0f));
+    }
+}
+
+/* The first of two collisions, that of `to` in front with probability p. */
+static void join(lf_media_moments *to, const lf_media_moments *from, int k)
+{
+    float apart = to->nearness[k] - from->nearness[k], width = to->spread[k] + from->spread[k],
+          p = lf_min(lf_max(0.5f + 0.5f * apart / (1e-6f + sqrtf(3.0f) * width), 0.0f), 1.0f);
+    float a = to->met[k] * (1.0f - (1.0f - p) * from->met[k]),
+          b = from->met[k] * (1.0f - p * to->met[k]);
+    if (!(a + b > 0.0f))
+        return;
+    const lf_feature x = {.nearness = to->nearness[k], .spread = to->spread[k]},
+                     y = {.nearness = from->nearness[k], .spread = from->spread[k]},
+                     mixed = lf_feature_mix(&x, (double)a, &y, (double)b);
+    to->met[k] = a + b;
+    to->nearness[k] = mixed.nearness;
+    to->spread[k] = mixed.spread;
+}
+
+void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
+                         const float *slope, const float *z_end, const float *length,
+                         float distance, float *tau, int first, lf_media_moments *out)
+{
+    float sum[3][LF_MAX_LANES], *const sums[3] = {sum[0], sum[1], sum[2]};
+    lf_media_moments other;
+    memset(tau, 0, sizeof *tau * (size_t)n);
+    for (int i = 0; i < media->n_here; i++) {
+        const lf_medium *medium = &media->item[media->here[i]];
+        if (medium->kind == LF_MEDIUM_SLICE) {
+            kernels->moments(&medium->slice, n, x0, slope, z_end, length, distance, tau, sums);
+        } else if (medium->kind == LF_MEDIUM_VOXELS) {
+            lf_voxels_moments(&medium->voxels, n, x0, slope, z_end, length, distance, tau, sums);
+        } else {
+            kernels->through(&medium->body, n, x0, slope, z_end, tau);
+            lf_body_moments(&medium->body, n, x0, slope, z_end, length, distance, sums);
+        }
+        moments_of(n, sums, first, i == 0 ? out : &other);
+        for (int k = first; k < first + n && i > 0; k++)
+            join(out, &other, k);
+    }
+}

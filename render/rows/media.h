@@ -66,6 +66,21 @@ void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_scene *
 lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, float u, bool forced,
                               lf_tracer *tracer);
 
+/* Where rays collide first, if they do: mean and standard deviation of nearness (lf_nearness); the
+ * probability is that of the depths. */
+typedef struct lf_media_moments {
+    float met[LF_MAX_LANES]; /* about the probability */
+    float nearness[LF_MAX_LANES], spread[LF_MAX_LANES];
+} lf_media_moments;
+
+/* lf_media_depths without a collision, the same tau to the bit, and the moments of n rays of these
+ * lengths per unit of Z, into out from lane `first` on. Exact but for exp in steps, the shapes' own
+ * second order and media that reach into each other along a ray, which count as partly before and
+ * partly behind. */
+void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
+                         const float *slope, const float *z_end, const float *length,
+                         float distance, float *tau, int first, lf_media_moments *out);
+
 /* Optical depths per unit of Z of n rays (see lf_kernels.march) through all media; with collided >=
  * 0 also density[n], up to a common factor the collision density of that medium at z_end. */
 void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,

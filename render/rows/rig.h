@@ -16,6 +16,7 @@
 #ifndef LF_RENDER_RIG_H
 #define LF_RENDER_RIG_H
 
+#include "render/film/film_feature.h"
 #include "render/scene/scene.h"
 
 /* Views come in groups of 8 lanes for the kernels. */
@@ -46,6 +47,14 @@ LF_NODISCARD lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settin
 /* v in [0, height): the row's film coordinate. u_lens[2] in [0,1): point of the lens (only its
  * height is used). */
 void lf_rig_row_plane(const lf_rig *rig, float v, const float u_lens[2], lf_row_plane *out);
+
+/* D/Z, what is nearer than D/8 as if it were there: the depth that features have
+ * (film_feature.h). */
+static inline float lf_nearness(float distance, float z)
+{
+    float y = distance / lf_max(z, 1e-30f);
+    return y < LF_NEARNESS_MAX ? y : LF_NEARNESS_MAX;
+}
 
 static inline lf_vec3 lf_rig_point(const lf_rig *rig, float x, float y, float z)
 {

@@ -65,11 +65,11 @@ static lf_scratch **make_workers(int n, const lf_media_frame *frame, const lf_fi
 }
 
 /* What the scene needs of the film; sky where B is not stored. */
-static lf_film_layout film_layout(const lf_scene *scene, unsigned skip, const lf_rig *rig,
-                                  float sky[3])
+static lf_film_layout film_layout(const lf_scene *scene, const lf_render_settings *settings,
+                                  const lf_rig *rig, float sky[3])
 {
     bool native = scene->has_delta || scene->n_glows > 0;
-    bool uniform = !native && skip & LF_SKIP_KNOWN_LIGHT && lf_exits_uniform(scene, sky),
+    bool uniform = !native && settings->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_uniform(scene, sky),
          grids = false;
     for (int i = 0; i < scene->n_volumes; i++)
         grids = grids || (scene->volumes[i].kind == LF_VOLUME_GRID && !scene->volumes[i].nearest);
@@ -80,7 +80,8 @@ static lf_film_layout film_layout(const lf_scene *scene, unsigned skip, const lf
                             .has_native = native,
                             .has_known = !uniform,
                             .has_delta = scene->has_delta,
-                            .has_signed = grids};
+                            .has_signed = grids,
+                            .has_features = settings->features};
 }
 
 /* Where surfaces have edges a picture needs many row offsets and film points of B and q, which all
@@ -155,7 +156,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     lf_status status = lf_rig_init(&rows->rig, input->settings, input->scene->origin, err);
     if (status == LF_OK) {
         lf_media_frame_init(&rows->frame, input->scene, &rows->rig);
-        needs.layout = film_layout(&rows->seen, input->settings->skip, &rows->rig, needs.sky);
+        needs.layout = film_layout(&rows->seen, input->settings, &rows->rig, needs.sky);
         needs.visit_passes = passes_of_a_visit(input->scene, sharing, rows->rig.n_views);
         status = make_memory(rows, sharing, &needs.layout);
     }

@@ -66,8 +66,26 @@ static int first_of(const float next[3])
     return next[2] < next[axis] ? 2 : axis;
 }
 
-/* Goes on through the voxels of one brick, up to Z = to. true = it has stopped. */
-static bool cross_brick(const ray *r, const float *values, const int brick[3], float to, march *m)
+/* Sums of lf_kernels.moments on their way. */
+typedef struct moments {
+    float scale, distance; /* optical depth of a step through value 1; D */
+    float rest, sum[3];
+} moments;
+
+static inline void lose(moments *m, float step, float z)
+{
+    float x = step * m->scale, behind = m->rest / (1.0f + x * (1.0f + 0.5f * x)),
+          w = m->rest - behind, y = lf_nearness(m->distance, z);
+    m->rest = behind;
+    m->sum[0] += w;
+    m->sum[1] += w * y;
+    m->sum[2] += w * (y * y);
+}
+
+/* Goes on through the voxels of one brick, up to Z = to. true = it has stopped. lost: NULL, or
+ * where moments are summed up. */
+static inline bool cross_brick(const ray *r, const float *values, const int brick[3], float to,
+                               march *m, moments *lost)
 {
     static const int stride[3] = {1, LF_BRICK_VALUES, LF_BRICK_VALUES * LF_BRICK_VALUES};
     float next[3];
@@ -86,6 +104,8 @@ static bool cross_brick(const ray *r, const float *values, const int brick[3], f
             m->z = lf_min(m->z + (m->stop - m->depth) / value, end);
             return true;
         }
+        if (lost)
+            lose(lost, step, 0.5f * (m->z + end));
         m->depth += step;
         m->z = end;
         at[axis] += r->step[axis];
@@ -96,8 +116,8 @@ static bool cross_brick(const ray *r, const float *values, const int brick[3], f
     }
 }
 
-float lf_voxels_march(const lf_voxels *voxels, float x0, float slope, float z_end, float stop,
-                      float *out_z)
+static inline float cross(const lf_voxels *voxels, float x0, float slope, float z_end, float stop,
+                          float *out_z, moments *lost)
 {
     const lf_grid *grid = voxels->grid;
     ray r = aim(voxels, x0, slope, z_end);
@@ -116,7 +136,7 @@ float lf_voxels_march(const lf_voxels *voxels, float x0, float slope, float z_en
         float end = lf_max(lf_min(next[axis], r.to), m.z);
         size_t number = grid->index[lf_grid_brick(grid, brick[0], brick[1], brick[2])];
         if (number > 0 &&
-            cross_brick(&r, grid->values + number * LF_BRICK_STRIDE, brick, end, &m)) {
+            cross_brick(&r, grid->values + number * LF_BRICK_STRIDE, brick, end, &m, lost)) {
             *out_z = lf_min(m.z, z_end);
             return stop;
         }
@@ -125,6 +145,29 @@ float lf_voxels_march(const lf_voxels *voxels, float x0, float slope, float z_en
         if (next[axis] >= r.to || brick[axis] < 0 || brick[axis] >= grid->bricks[axis])
             return voxels->sigma_scale * m.depth;
         next[axis] = leaves(&r, axis, 0, LF_BRICK, brick[axis]);
+    }
+}
+
+float lf_voxels_march(const lf_voxels *voxels, float x0, float slope, float z_end, float stop,
+                      float *out_z)
+{
+    return cross(voxels, x0, slope, z_end, stop, out_z, NULL);
+}
+
+void lf_voxels_moments(const lf_voxels *voxels, int n, const float *x0, const float *slope,
+                       const float *z_end, const float *length, float distance, float *tau,
+                       float *const sums[3])
+{
+    moments lost = {.rest = 1.0f};
+    float depth = 0.0f, z;
+    for (int k = 0; k < n; k++) {
+        if (k == 0 || x0[k] != x0[k - 1] || slope[k] != slope[k - 1] || z_end[k] != z_end[k - 1]) {
+            lost = (moments){voxels->sigma_scale * length[k], distance, 1.0f, {0}};
+            depth = cross(voxels, x0[k], slope[k], z_end[k], INFINITY, &z, &lost);
+        }
+        tau[k] += depth;
+        for (int i = 0; i < 3; i++)
+            sums[i][k] = lost.sum[i];
     }
 }
 
