@@ -68,6 +68,10 @@ typedef struct lf_camera {
     bool inclusive;
     /* scene units; radius 0 = pinhole; focus along the view axis */
     double lens_radius, focus_distance;
+    /* A view is the mean of the views from so many times the distance of neighbouring cameras (its
+     * mean over the rig) about its own, 0..LF_MAX_VIEW_BLUR: 1 = no gaps, nothing seen twice. Not
+     * with a lens_radius */
+    double view_blur;
     /* Which of aspect, views and cone the scene itself states (the rest are defaults a preset or
      * panel may replace without being a contradiction). */
     bool has_aspect, has_views, has_cone;
@@ -79,6 +83,7 @@ extern const lf_param lf_camera_params[];
 
 #define LF_MAX_VIEWS 256
 #define LF_MAX_VIEW_SIDE 16384
+#define LF_MAX_VIEW_BLUR 8
 
 /* Loads a scene file (JSON, at most 16 MiB). Files it names are read relative to its folder and
  * under roots (NULL or empty = anywhere; the scene's own folder is always allowed). previous (may

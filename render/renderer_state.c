@@ -23,11 +23,14 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
                           c->position[1], c->position[2],   c->up[0],     c->up[1],
                           c->up[2],       c->fov_y,         c->aspect,    c->cone,
                           c->lens_radius, c->focus_distance};
-    return json_pack(
+    json_t *words = json_pack(
         "{s:O, s:s, s:i, s:i, s:o, s:b, s:o, s:i, s:i, s:i}", "scene", scene->subject, "integrator",
         integrator, "sampler", (int)s->sampler, "max_depth", lf_max_depth(scene, s->max_depth),
         "rig", numbers(rig, sizeof rig / sizeof rig[0]), "inclusive", c->inclusive, "window",
         numbers(s->window, 4), "n_views", c->n_views, "width", s->width, "height", s->height);
+    if (c->view_blur > 0.0)
+        json_object_set_new(words, "view_blur", json_real(c->view_blur));
+    return words;
 }
 
 lf_status lf_renderer_identify(const lf_scene *scene, const lf_render_settings *settings,

@@ -52,7 +52,7 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
     char seed[32];
     /* as text: JSON readers round integers beyond 2^53 */
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)settings->seed);
-    return json_pack(
+    json_t *made = json_pack(
         "{s:s, s:s, s:s, s:s, s:s, s:o, s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:s, s:[f,f,f], "
         "s:[f,f,f], s:[f,f,f], "
         "s:f, s:f, s:f, s:s}",
@@ -67,4 +67,7 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
         camera->position[2], "up", camera->up[0], camera->up[1], camera->up[2], "lens_radius",
         camera->lens_radius, "focus_distance", camera->focus_distance, "exposure",
         film ? film->exposure : 0.0, "tonemap", film ? film->tonemap : "srgb");
+    if (camera->view_blur > 0)
+        json_object_set_new(made, "view_blur", json_real(camera->view_blur));
+    return made;
 }

@@ -110,7 +110,8 @@ static void check_camera(lf_reader *reader, const lf_node *node, lf_camera *came
     const double *up = camera->up;
     lf_sub_double(camera->target, camera->position, view);
     double distance = lf_length_double(view);
-    lf_node position = lf_node_child(node, "position"), up_node = lf_node_child(node, "up");
+    lf_node position = lf_node_child(node, "position"), up_node = lf_node_child(node, "up"),
+            blur = lf_node_child(node, "view_blur");
     if (!(distance > 0)) {
         lf_read_fail(reader, &position, "the camera stands on its target");
         return;
@@ -118,6 +119,8 @@ static void check_camera(lf_reader *reader, const lf_node *node, lf_camera *came
     lf_cross_double(view, up, cross);
     if (!(lf_length_double(cross) > 1e-6 * distance * lf_length_double(up)))
         lf_read_fail(reader, &up_node, "up is zero or along the line of sight");
+    if (camera->view_blur > 0 && camera->lens_radius > 0)
+        lf_read_fail(reader, &blur, "does not go with a lens_radius: one lens at a time");
     if (!lf_node_child(node, "focus_distance").value)
         camera->focus_distance = distance;
 }

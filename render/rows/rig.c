@@ -24,6 +24,12 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
         return lf_error_set(err, LF_E_ARG, "camera.aspect", "must be above 0");
     if (!(c->lens_radius >= 0.0))
         return lf_error_set(err, LF_E_ARG, "camera.lens_radius", "must not be negative");
+    if (!(c->view_blur >= 0.0 && c->view_blur <= LF_MAX_VIEW_BLUR))
+        return lf_error_set(err, LF_E_ARG, "camera.view_blur", "must be between 0 and %d",
+                            LF_MAX_VIEW_BLUR);
+    if (c->view_blur > 0.0 && c->lens_radius > 0.0)
+        return lf_error_set(err, LF_E_ARG, "camera.view_blur",
+                            "does not go with a lens_radius: one lens at a time");
     return LF_OK;
 }
 
@@ -62,6 +68,9 @@ static void place_views(lf_rig *rig, const lf_camera *c, double distance)
         double t = c->inclusive ? (n > 1 ? (double)k / (n - 1) - 0.5 : 0.0) : (k + 0.5) / n - 0.5;
         rig->b[i] = (float)(distance * tan(t * c->cone));
     }
+    if (n > 1)
+        rig->blur =
+            (float)(0.5 * c->view_blur * ((double)rig->b[n - 1] - (double)rig->b[0]) / (n - 1));
 }
 
 lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settings, const double origin[3],
@@ -106,7 +115,7 @@ void lf_rig_row_plane(const lf_rig *rig, float v, const float u_lens[2], lf_row_
 {
     float yw = rig->y0 + v * rig->dy;
     out->ly = 0.0f;
-    out->lens_chord = 0.0f;
+    out->lens_chord = rig->blur;
     if (rig->lens_radius > 0.0f) {
         /* The height of a uniform point of the disk; lx given ly is then uniform on the chord. */
         float y = sqrtf(u_lens[0]) * sinf(2.0f * LF_PI * u_lens[1]);

@@ -12,6 +12,10 @@
  *     X(Z) = c_k + mx Z,   c_k = b_k + lx,   mx = (X_w - b_k)/D - lx/F,   my = Y_w/D - ly/F
  *     X_w  = b_k + D ((X - c_k)/Z + lx/F)
  *
+ * view_blur is such a lens that has a width along X and no height, in focus in the window (ly = 0,
+ * F = D, lx uniform within half of view_blur steps from camera to camera): a view is the mean of
+ * pinhole views from along that line.
+ *
  * A length along such a ray is sqrt(1 + mx^2 + my^2) times its length in Z. */
 #ifndef LF_RENDER_RIG_H
 #define LF_RENDER_RIG_H
@@ -28,6 +32,7 @@ typedef struct lf_rig {
     lf_vec3 eye, right, up, forward; /* scene-local */
     float distance;                  /* D */
     float focus, lens_radius;        /* F (= D for pinholes), 0 = pinhole */
+    float blur;                      /* half the width of a view's line of cameras; 0 = one */
     /* window coordinates of film point (0, 0) and of one pixel; dy < 0 */
     float x0, dx, y0, dy;
     /* camera positions along X, rising; lanes behind n_views repeat the last */

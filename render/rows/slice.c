@@ -36,7 +36,7 @@ static void cut_to_fan(plane_box *box, const lf_rig *rig)
     for (int i = 0; i < 8; i++) {
         float b = rig->b[i & 1 ? rig->n_views - 1 : 0], z = depth[i >> 2 & 1];
         float x = b + (window[i >> 1 & 1] - b) * z / rig->distance,
-              lens = rig->lens_radius * fabsf(1.0f - z / rig->focus);
+              lens = (rig->lens_radius + rig->blur) * fabsf(1.0f - z / rig->focus);
         lo = lf_min(lo, x - lens);
         hi = lf_max(hi, x + lens);
     }

@@ -22,6 +22,7 @@ const lf_param lf_camera_params[] = {
     {.name = "placement", PLACE(inclusive), .type = LF_PARAM_SWITCH, .words = placements},
     {.name = "lens_radius", PLACE(lens_radius), .low = 0, .high = LF_MAX_COORDINATE},
     {.name = "focus_distance", PLACE(focus_distance), .low = 1e-9, .high = LF_MAX_COORDINATE},
+    {.name = "view_blur", PLACE(view_blur), .unit = "views", .low = 0, .high = LF_MAX_VIEW_BLUR},
     {0},
 };
 /* clang-format on */

@@ -10,8 +10,8 @@
 
 enum { width = 64, height = 48, n_views = 3, tile = 16, tiles = n_views * 12 + 1, answers = 4 };
 
-/* Four scenes, four answers, 37 blocks. */
-#define LEVEL lf_sidak(LF_FALSE_ALARM, 4 * answers * tiles)
+/* Six scenes, four answers, 37 blocks. */
+#define LEVEL lf_sidak(LF_FALSE_ALARM, 6 * answers * tiles)
 
 static const char *const names[answers] = {"mis", "cv", "mwis", "mis of a live picture"};
 
@@ -131,6 +131,12 @@ static void invariant_4_mvpt_agrees_where_normals_are_bent(void **state)
     compare(LF_TEST_BENT("3", ""), 24, 24, 12);
 }
 
+static void invariant_4_mvpt_agrees_where_views_are_blurred(void **state)
+{
+    (void)state;
+    compare(LF_TEST_MIXED("3", ", 'view_blur': 1.5"), 24, 36, 24);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -138,6 +144,7 @@ int main(void)
         cmocka_unit_test(invariant_4_mvpt_agrees_on_overlapping_media),
         cmocka_unit_test(invariant_4_mvpt_agrees_beside_a_lamp_and_a_mirror),
         cmocka_unit_test(invariant_4_mvpt_agrees_behind_a_veil),
+        cmocka_unit_test(invariant_4_mvpt_agrees_where_views_are_blurred),
         cmocka_unit_test(invariant_4_mvpt_agrees_where_normals_are_bent),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);

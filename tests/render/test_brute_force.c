@@ -9,7 +9,7 @@
 #include "tests/stat/fixture.h"
 
 enum { width = 16, height = 12, n_views = 3, block = 8, blocks_of_all = n_views * 4 + 1 };
-enum { integrators = 2, scenes = 6, replicates = 24 };
+enum { integrators = 2, scenes = 7, replicates = 24 };
 
 static const char *const names[integrators] = {"vpt", "mvpt"};
 
@@ -89,6 +89,19 @@ static const lf_brute_scene mixture = {
               {.centre = {-0.3, 0, 0}, .half = {0.06, 0.06, 0.09}, .density = 5,
                .albedo = {0.95, 0.9, 0.8}, .g = -0.3, .grid = true}}};
 
+/* Things before and behind the window, a mist among them, each view the mean of what is seen from
+ * one and a half steps between the cameras. */
+static const lf_brute_scene blurred = {
+    CAMERA, .view_blur = 1.5, .n_quads = 4, .n_media = 1, .sky = {0.2, 0.4, 0.6},
+    .quads = {
+        {FLAT(-1, 3), .albedo = {0.7, 0.6, 0.5}},
+        {.centre = {-0.4, 0.2, 1.2}, .u = {0.25, 0, 0}, .v = {0, 0.5, 0.1},
+         .albedo = {0.2, 0.2, 0.2}, .emission = {1.6, 1.2, 0.8}},
+        {.centre = {0.5, 0, -1.2}, .u = {0.4, 0, 0.2}, .v = {0, 0.8, 0}, .albedo = {0.8, 0.3, 0.2}},
+        {.centre = {0, 0, 0}, .u = {0.2, 0, 0}, .v = {0, 0.6, 0}, .albedo = {0.2, 0.3, 0.8}}},
+    .media = {{.centre = {0.5, -0.2, 0.7}, .half = {0.5, 0.6, 0.4}, .turn = 20, .density = 0.9,
+               .albedo = {0.9, 0.8, 0.7}, .g = 0.5}}};
+
 /* clang-format on */
 
 static const char *vdb(void)
@@ -164,6 +177,17 @@ static void assert_other_is_rejected(const lf_brute_scene *scene, int strata, co
     lf_blocks_finish(&truth);
 }
 
+/* Negative control: cameras that are points. */
+static void assert_points_are_rejected(int strata, const lf_blocks *picture)
+{
+    lf_brute_scene sharp = blurred;
+    sharp.view_blur = 0;
+    lf_blocks truth;
+    oracle(&sharp, strata, &truth);
+    assert_true(lf_blocks_welch(picture, &truth, NULL) < BLOCK_LEVEL);
+    lf_blocks_finish(&truth);
+}
+
 /* strata and cycles: what the power takes. */
 static void compare(const lf_brute_scene *scene, int strata, int cycles)
 {
@@ -175,6 +199,8 @@ static void compare(const lf_brute_scene *scene, int strata, int cycles)
         assert_agreement(names[i], &picture, &truth);
         if (scene == &grid)
             assert_other_is_rejected(scene, strata * more, &picture.moments[picture.n - 1]);
+        if (scene == &blurred)
+            assert_points_are_rejected(strata * more, &picture);
         lf_blocks_finish(&picture);
     }
     lf_blocks_finish(&truth);
@@ -226,6 +252,12 @@ static void media_in_each_other_are_as_found_by_chance(void **state)
     compare(&mixture, 5, 16);
 }
 
+static void blurred_views_are_means_of_views_between_and_others_are_rejected(void **state)
+{
+    (void)state;
+    compare(&blurred, 5, 12);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -235,6 +267,7 @@ int main(void)
         cmocka_unit_test(voxels_under_a_sky_are_as_found_by_chance_and_darker_ones_are_rejected),
         cmocka_unit_test(cubes_before_a_wide_sun_are_as_found_by_chance),
         cmocka_unit_test(media_in_each_other_are_as_found_by_chance),
+        cmocka_unit_test(blurred_views_are_means_of_views_between_and_others_are_rejected),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }

@@ -177,6 +177,7 @@ static const char *const good[] = {
     "{\"quiltd\": 1.0, \"camera\": {\"views\": 45.0}}",
     "{\"camera\": {\"fov_y\": 0.1, \"aspect\": 20, \"cone\": 0, \"placement\": \"inclusive\", "
     "\"views\": 1, \"lens_radius\": 1}}",
+    "{\"camera\": {\"view_blur\": 1.5}}",
     "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"grid\": \"d\", \"scale\": 0, \"interpolation\": "
     "\"nearest\", \"g\": -0.999}}}",
     "{\"volumes\": {\"v\": {\"file\": \"a.VDB\"}}}",
@@ -268,6 +269,7 @@ static const char *const wrong[] = {
     "{\"lights\": {\"l\": {\"type\": \"point\", \"intensity\": [1, 2, 3, 4]}}}",
     "{\"film\": {\"tonemap\": \"linear\"}}",
     "{\"film\": {\"exposure\": 33}}",
+    "{\"camera\": {\"view_blur\": 8.5}}",
     "{\"render\": {\"max_depth\": 1.5}}",
     "{\"render\": {\"depth\": 1}}",
 };

@@ -269,6 +269,13 @@ static void aim(tracer *t)
     }
 }
 
+/* From one camera to the next, on average. */
+static double step(const tracer *t)
+{
+    double outer = (0.5 - 0.5 / t->scene->n_views) * t->scene->cone * PI / 180;
+    return 2 * t->distance * tan(outer) / (t->scene->n_views - 1);
+}
+
 /* Radiance that arrives at a point (0..1 from the left and the top) of a view's film, by one path.
  */
 static void look(tracer *t, int view, double u, double v, double radiance[3])
@@ -284,6 +291,8 @@ static void look(tracer *t, int view, double u, double v, double radiance[3])
         lens[0] = r * cos(phi);
         lens[1] = r * sin(phi);
     }
+    if (s->view_blur > 0)
+        lens[0] = s->view_blur * step(t) * (uniform(t) - 0.5);
     /* from the lens to where the ray through its middle meets the plane in focus */
     double dx = (x - b) * sharp / t->distance - lens[0], dy = y * sharp / t->distance - lens[1];
     vec o = combine(combine(of(s->position), b + lens[0], t->right), lens[1], t->up), d = {{0}};
@@ -340,6 +349,8 @@ static void say_camera(text *t, const lf_brute_scene *s)
         s->fov_y, s->aspect, s->cone, s->n_views, s->lens_radius);
     if (s->focus > 0)
         say(t, ", 'focus_distance': %.17g", s->focus);
+    if (s->view_blur > 0)
+        say(t, ", 'view_blur': %.17g", s->view_blur);
     say(t, " }, ");
 }
 

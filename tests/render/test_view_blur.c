@@ -1,0 +1,173 @@
+/* camera.view_blur: what a view is the mean of. An edge before a sky against its closed form, and
+ * three wide views against fifteen pinhole views in the place of each. (Paths in such views:
+ * test_brute_force, test_agreement.) */
+#include "tests/testing.h"
+
+#include "tests/stat/fixture.h"
+
+enum { width = 24, height = 8 };
+
+#define SKY "'lights': {'sky': {'type': 'environment', 'radiance': 1}}"
+
+/* Means over the rows, [view][column]. Nothing scatters: what is seen is known light. */
+static void columns_of(const char *text, int n_views, int cycles, double *out)
+{
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+    lf_test_cycles(r, cycles);
+    double *picture = lf_test_picture(r, LF_ESTIMATOR_MIS);
+    for (int i = 0; i < n_views * width; i++) {
+        out[i] = 0;
+        for (int row = 0; row < height; row++)
+            out[i] += picture[row * n_views * width + i] / height;
+    }
+    free(picture);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+/* ------------------------------------------------------------------------------------- an edge --
+ */
+
+#define DISTANCE 5.0
+#define FOV 20.0
+#define CONE 30.0
+
+/* Share of a pixel's film and of the line of cameras whose rays pass to the right of x = edge at
+ * depth z: X = c + (X_w - c) z / D. */
+static double beside(double z, double edge, int view, int column, double blur)
+{
+    enum { POINTS = 400 };
+    double half = DISTANCE * tan(FOV / 2 * M_PI / 180), pixel = 2 * half / width, sum = 0;
+    double step = DISTANCE * tan(CONE / 3 * M_PI / 180), b = (view - 1) * step;
+    for (int i = 0; i < POINTS; i++) {
+        double at = -half + (column + (i + 0.5) / POINTS) * pixel;
+        /* the camera from which the ray meets the edge */
+        double c = z == DISTANCE ? (at > edge ? -HUGE_VAL : HUGE_VAL)
+                                 : (edge - at * z / DISTANCE) / (1 - z / DISTANCE);
+        double right = blur > 0 ? (b + blur * step / 2 - c) / (blur * step) : c < b;
+        double share = fmin(fmax(right, 0), 1);
+        sum += z > DISTANCE ? 1 - share : share;
+    }
+    return sum / POINTS;
+}
+
+static double worst_difference(double z, double blur, double expected_blur)
+{
+    const double edge = 0.1;
+    double out[3 * width], worst = 0;
+    char text[512];
+    /* black, from far left to the edge */
+    snprintf(
+        text, sizeof text,
+        "{'camera': {'position': [0, 0, 5], 'fov_y': %g, 'aspect': 1, 'cone': %g, 'views': 3, "
+        "'view_blur': %g}, 'materials': {'black': {'albedo': 0}}, 'meshes': {'wall': {'shape': "
+        "'quad', 'material': 'black', 'transform': {'scale': 40, 'rotate': [90, 0, 0], "
+        "'translate': [%.17g, 0, %.17g]}}}, " SKY "}",
+        FOV, CONE, blur, edge - 40, DISTANCE - z);
+    columns_of(text, 3, 256, out);
+    for (int i = 0; i < 3 * width; i++) {
+        double is = beside(z, edge, i / width, i % width, expected_blur);
+        worst = fmax(worst, fabs(out[i] - is));
+    }
+    return worst;
+}
+
+/* A tenth more or less would be seen, and so would points in the place of lines. */
+static void an_edge_is_a_ramp_as_wide_as_the_step(void **state)
+{
+    (void)state;
+    const double depths[] = {3.5, 7};
+    for (int i = 0; i < 4; i++) {
+        double z = depths[i % 2], blur = i < 2 ? 1 : 2.5;
+        double right = worst_difference(z, blur, blur);
+        print_message("depth %g, blur %g: %.4f off\n", z, blur, right);
+        assert_true(right < 0.012);
+        assert_true(worst_difference(z, blur, 1.1 * blur) > 0.015);
+        assert_true(worst_difference(z, blur, 0.9 * blur) > 0.015);
+        assert_true(worst_difference(z, blur, 0) > 0.2);
+    }
+}
+
+static void the_window_stays_sharp(void **state)
+{
+    (void)state;
+    assert_true(worst_difference(DISTANCE, 1, 0) < 0.012);
+    assert_true(worst_difference(DISTANCE, 8, 0) < 0.012);
+}
+
+/* ----------------------------------------------------------------------------- pinholes between --
+ */
+
+/* Voxels far wider than the window behind it, and panes before them. Of three views the middle one,
+ * or all, against the mean of so many of 45 pinhole views of the same rig, about each. */
+static void assert_pinholes(double blur, int n_compared)
+{
+    enum { each = 15 };
+    static const char scene[] =
+        "{'camera': {'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1, 'cone': 24, 'views': %d, "
+        "'view_blur': %g}, 'volumes': {'v': {'file': '%s', 'grid': 'half', 'scale': 0.6, 'albedo': "
+        "0, 'transform': {'scale': [0.7, 0.1, 0.1], 'translate': [-5, -1.5, -4]}}}, 'materials': "
+        "{'black': {'albedo': 0}}, 'meshes': {'near': {'shape': 'quad', 'material': 'black', "
+        "'transform': {'scale': [0.1, 1, 3], 'rotate': [90, 0, 0], 'translate': [-0.2, 0, 1.5]}}, "
+        "'far': {'shape': 'quad', 'material': 'black', 'transform': {'scale': [0.2, 1, 3], "
+        "'rotate': [90, 0, 0], 'translate': [0.5, 0, -1.5]}}}, " SKY "}";
+    double lines[3 * width], points[3 * each * width], worst = 0, contrast = 0;
+    char vdb[PATH_MAX], text[PATH_MAX + 64 + sizeof scene];
+    const int n = (int)(each * blur);
+    assert_non_null(realpath(lf_test_built("testdata/patterns.vdb"), vdb));
+    snprintf(text, sizeof text, scene, 3, blur, vdb);
+    columns_of(text, 3, 240, lines);
+    snprintf(text, sizeof text, scene, 3 * each, 0.0, vdb);
+    columns_of(text, 3 * each, 16, points);
+    for (int i = 0; i < n_compared * width; i++) {
+        int view = n_compared == 1 ? 1 : i / width, first = view * each + each / 2 - n / 2;
+        double mean = 0, is = lines[view * width + i % width],
+               middle = points[(view * each + each / 2) * width + i % width];
+        for (int k = 0; k < n; k++)
+            mean += points[(first + k) * width + i % width] / n;
+        worst = fmax(worst, fabs(is - mean));
+        contrast = fmax(contrast, fabs(middle - mean));
+    }
+    print_message("blur %g: %.4f off; the middle pinhole alone %.4f\n", blur, worst, contrast);
+    assert_true(worst < 0.01);
+    assert_true(contrast > 0.1);
+}
+
+static void pinholes_in_the_place_of_lines_show_the_same(void **state)
+{
+    (void)state;
+    assert_pinholes(1, 3);
+    assert_pinholes(3, 1);
+}
+
+static void one_lens_at_a_time(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene("{'camera': {'view_blur': 1}}");
+    lf_render_settings settings = {
+        .camera = *lf_scene_camera(scene), .width = 8, .height = 8, .skip = LF_SKIP_ALL};
+    lf_renderer *r = NULL;
+    lf_pool *pool = NULL;
+    lf_error err;
+    assert_int_equal(lf_pool_create(1, &pool), LF_OK);
+    settings.camera.lens_radius = 0.1;
+    lf_assert_status(lf_renderer_create(scene, &settings, pool, &r, &err), LF_E_ARG, &err);
+    settings.camera.lens_radius = 0;
+    settings.camera.view_blur = 8.5;
+    lf_assert_status(lf_renderer_create(scene, &settings, pool, &r, &err), LF_E_ARG, &err);
+    assert_null(r);
+    lf_pool_destroy(pool);
+    lf_scene_unref(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_edge_is_a_ramp_as_wide_as_the_step),
+        cmocka_unit_test(the_window_stays_sharp),
+        cmocka_unit_test(pinholes_in_the_place_of_lines_show_the_same),
+        cmocka_unit_test(one_lens_at_a_time),
+    };
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+}
