@@ -1,0 +1,148 @@
+#include "render/transport/sunlight.h"
+
+#include <stdlib.h>
+
+#include "base/alloc.h"
+#include "render/transport/light_kind.h"
+#include "render/transport/sunlight_map.h"
+#include "render/transport/sunlight_media.h"
+
+enum { TEXELS = 2048, NODES = 160 };
+
+typedef struct star {
+    const lf_light *light;
+    lf_vec3 toward;
+    lf_sunlight_map near, whole; /* near: about what is small; looked at first */
+    lf_sunlight_media media;
+} star;
+
+struct lf_sunlight {
+    lf_scene *scene;
+    int n;
+    star stars[LF_SUNLIGHT_LIGHTS];
+};
+
+/* ------------------------------------------------------------------------------- make, release --
+ */
+
+static bool is_sun(const lf_light *light)
+{
+    return light->kind == &lf_light_distant && lf_max3(light->irradiance) > 0.0f;
+}
+
+bool lf_sunlight_needed(const lf_scene *scene)
+{
+    bool found = false;
+    for (int i = 0; i < scene->n_lights_infinite; i++)
+        found = found || is_sun(&scene->lights[i]);
+    return found && scene->n_meshes > 0;
+}
+
+/* The strongest, in the scene's order where they are equal. */
+static void choose(lf_sunlight *sunlight)
+{
+    const lf_scene *scene = sunlight->scene;
+    for (int i = 0; i < scene->n_lights_infinite; i++) {
+        const lf_light *light = &scene->lights[i];
+        if (!is_sun(light))
+            continue;
+        int at = sunlight->n;
+        while (at > 0 &&
+               lf_mean3(sunlight->stars[at - 1].light->irradiance) < lf_mean3(light->irradiance))
+            at--;
+        if (at == LF_SUNLIGHT_LIGHTS)
+            continue;
+        sunlight->n += sunlight->n < LF_SUNLIGHT_LIGHTS;
+        for (int k = sunlight->n - 1; k > at; k--)
+            sunlight->stars[k] = sunlight->stars[k - 1];
+        sunlight->stars[at] = (star){.light = light, .toward = lf_scale(light->direction, -1.0f)};
+    }
+}
+
+static lf_status make(star *sun, const lf_scene *scene, int texels, lf_pool *pool,
+                      const lf_cancel *cancel)
+{
+    float m = sun->light->versine;
+    const lf_sunlight_view view = {.toward = sun->toward,
+                                   .spread = sqrtf(m * (2.0f - m)) / lf_max(1.0f - m, 0.1f)};
+    lf_status status = lf_sunlight_map_init(&sun->whole, scene, &view, texels, false, pool, cancel);
+    if (status == LF_OK)
+        status = lf_sunlight_map_init(&sun->near, scene, &view, texels, true, pool, cancel);
+    if (status == LF_OK)
+        status = lf_sunlight_media_init(&sun->media, scene, sun->toward, NODES, pool, cancel);
+    return status;
+}
+
+lf_status lf_sunlight_create(lf_scene *scene, int texels, lf_pool *pool, const lf_cancel *cancel,
+                             lf_sunlight **out)
+{
+    lf_sunlight *sunlight = lf_calloc(1, sizeof *sunlight);
+    lf_status status = LF_OK;
+    if (!sunlight)
+        return LF_E_NOMEM;
+    sunlight->scene = lf_scene_ref(scene);
+    choose(sunlight);
+    for (int i = 0; i < sunlight->n && status == LF_OK; i++)
+        status = make(&sunlight->stars[i], scene, texels > 0 ? texels : TEXELS, pool, cancel);
+    if (status == LF_OK)
+        *out = sunlight;
+    else
+        lf_sunlight_destroy(sunlight);
+    return status;
+}
+
+void lf_sunlight_destroy(lf_sunlight *sunlight)
+{
+    if (!sunlight)
+        return;
+    for (int i = 0; i < sunlight->n; i++) {
+        lf_sunlight_map_finish(&sunlight->stars[i].near);
+        lf_sunlight_map_finish(&sunlight->stars[i].whole);
+        lf_sunlight_media_finish(&sunlight->stars[i].media);
+    }
+    lf_scene_unref(sunlight->scene);
+    lf_free(sunlight);
+}
+
+/* ----------------------------------------------------------------------------------- look-ups --
+ */
+
+static float share_of(const star *sun, lf_vec3 p, lf_vec3 n)
+{
+    if (!(lf_dot(n, sun->toward) > 0.0f))
+        return 0.0f;
+    float share = sun->near.texels ? lf_sunlight_map_share(&sun->near, p, n) : -1.0f;
+    if (share < 0.0f)
+        share = lf_sunlight_map_share(&sun->whole, p, n);
+    if (share < 0.0f)
+        share = 1.0f;
+    return share > 0.0f && sun->media.scene->n_volumes > 0
+               ? share * expf(-lf_sunlight_media_depth(&sun->media, p))
+               : share;
+}
+
+bool lf_sunlight_share(const lf_sunlight *sunlight, int i, lf_vec3 p, lf_vec3 n, float *out_share,
+                       const lf_light **out_light)
+{
+    if (i < 0 || i >= sunlight->n)
+        return false;
+    *out_share = share_of(&sunlight->stars[i], p, n);
+    *out_light = sunlight->stars[i].light;
+    return true;
+}
+
+float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_hit *hit, lf_vec3 wo)
+{
+    float sum = 0.0f;
+    for (int i = 0; i < sunlight->n; i++) {
+        const star *sun = &sunlight->stars[i];
+        lf_vec3 f;
+        if (!(lf_dot(hit->ng, sun->toward) > 0.0f))
+            continue;
+        (void)hit->material->kind->eval(hit->material, hit->ns, wo, sun->toward, &f);
+        float reflected = lf_mean3(lf_mul(f, sun->light->irradiance));
+        if (reflected > 0.0f)
+            sum += reflected * share_of(sun, hit->p, hit->ng);
+    }
+    return sum;
+}
