@@ -275,6 +275,18 @@ lf_status lf_renderer_resolve_row(const lf_renderer *renderer, lf_estimator esti
 LF_NODISCARD lf_status lf_renderer_resolve(const lf_renderer *renderer, lf_estimator estimator,
                                            float *out, uint8_t *flags);
 
+/* The reconstructed picture (docs/reconstruct.md): of a film with settings.features. A fit takes
+ * what the film holds now, for rows that are resolved from then on, also while further passes add
+ * to them: to be made again when n has grown by a third or so. On the pool, the thread of passes;
+ * not while a pass is under way. LF_E_STATE: no features. LF_E_NOMEM; LF_E_CANCELLED: within 20 ms;
+ * there is no fit then. */
+LF_NODISCARD lf_status lf_renderer_fit(lf_renderer *renderer, const lf_cancel *cancel);
+/* A row of it, as lf_renderer_resolve_row; LF_E_STATE also where there is no fit: out is untouched.
+ */
+lf_status lf_renderer_show_row(const lf_renderer *renderer, int row, float *out);
+/* All rows, by a fit made now. */
+LF_NODISCARD lf_status lf_renderer_show(lf_renderer *renderer, float *out, const lf_cancel *cancel);
+
 /* Counters since the last restart; what does not apply is negative (JSON null). */
 typedef struct lf_render_stats {
     int64_t base_paths;    /* native samples drawn */

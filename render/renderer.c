@@ -1,6 +1,7 @@
 /* The renderer: passes over rows on a pool, the offline schedule, counters. */
 #include "render/renderer.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -97,6 +98,8 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
     if (status == LF_OK) {
         const char *name = fresh.name;
         take_parts(r, &fresh);
+        lf_reconstruct_destroy(r->shown);
+        r->shown = NULL;
         lf_scene *old = r->scene;
         r->scene = lf_scene_ref(scene);
         r->settings = *settings;
@@ -132,6 +135,7 @@ void lf_renderer_destroy(lf_renderer *renderer)
     if (renderer->integrator)
         renderer->integrator->destroy(renderer->state);
     lf_film_finish(&renderer->film);
+    lf_reconstruct_destroy(renderer->shown);
     lf_geometry_unref(renderer->empty);
     lf_scene_unref(renderer->scene);
     lf_free(renderer);
@@ -266,6 +270,21 @@ static lf_status visit_all(lf_renderer *renderer, const lf_part *part, int half,
     return run(&job);
 }
 
+/* A reconstruction wants many film points early on: short visits, each at most an eighth of what
+ * the half has had. */
+static int passes_of_visit(const lf_renderer *r, const lf_part *part, int half)
+{
+    const lf_part whole = whole_part(r, part);
+    const lf_film_stream *stream = lf_film_find_stream(&r->film, r->settings.seed, whole.stream);
+    if (!r->film.layout.has_features)
+        return r->visit_passes;
+    double given = stream && whole.first_row >= 0 && whole.first_row < r->film.height
+                       ? stream->rows[whole.first_row].n[half] * r->film.n_views
+                       : 0.0;
+    int most = (int)fmin(given / 8.0, (double)r->visit_passes);
+    return most > 1 ? most : 1;
+}
+
 lf_status lf_renderer_passes(lf_renderer *renderer, const lf_part *part, int64_t n_passes,
                              bool split, lf_passes_fn row_done, void *context,
                              const lf_cancel *cancel)
@@ -282,8 +301,8 @@ lf_status lf_renderer_passes(lf_renderer *renderer, const lf_part *part, int64_t
     }
     while (status == LF_OK && left[0] + left[1] > 0) {
         int half = left[1] > left[0];
-        int subsets =
-            left[half] < renderer->visit_passes ? (int)left[half] : renderer->visit_passes;
+        int most = passes_of_visit(renderer, part, half);
+        int subsets = left[half] < most ? (int)left[half] : most;
         status = visit_all(renderer, part, half, subsets, 1, &report, cancel);
         left[half] -= subsets;
     }

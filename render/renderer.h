@@ -3,6 +3,7 @@
 #define LF_RENDER_RENDERER_H
 
 #include "render/integrator.h"
+#include "render/reconstruct/reconstruct.h"
 
 struct lf_renderer {
     lf_scene *scene;
@@ -10,6 +11,7 @@ struct lf_renderer {
     lf_render_settings settings;
     lf_pool *pool;
     lf_film film;
+    lf_reconstruction *shown; /* NULL until it is asked for; of this film's shape and rig */
     const lf_integrator *integrator;
     void *state;      /* its own */
     int visit_passes; /* passes in a visit of the offline schedule */

@@ -60,7 +60,8 @@ render/transport: render/render.h render/scene
 render/load: render/render.h render/scene render/transport
 render/film: render/render.h render/transport
 render/rows: render/render.h render/integrator.h render/scene render/transport render/film
-render: render/scene render/transport render/load render/film render/rows
+render/reconstruct: render/render.h render/film
+render: render/scene render/transport render/load render/film render/rows render/reconstruct
 quilt/kernel:
 quilt: quilt/kernel
 quilt/panel: quilt/quilt.h quilt/kernel

@@ -25,6 +25,12 @@ static const char *skip_at(int index)
     return lf_skip_at(index) ? lf_skip_at(index)->name : NULL;
 }
 
+static const char *reconstruct_at(int index)
+{
+    static const char *const words[] = {"auto", "off", "on"};
+    return index <= LF_RECONSTRUCT_ON ? words[index] : NULL;
+}
+
 #define PLACE(field) .place = offsetof(lf_options, field)
 
 /* clang-format off */
@@ -68,6 +74,9 @@ const lf_param lf_option_params[] = {
     {.name = "target_error", .option = "target-error", .argument = "RELMSE", PLACE(target_error),
      .low = 1e-12, .high = 1e6,
      .help = "until the estimated relative mean squared error is below this"},
+    {.name = "reconstruct", .option = "reconstruct", .argument = "auto|off|on",
+     PLACE(reconstruct), .type = LF_PARAM_WORD, .word_at = reconstruct_at,
+     .help = "the reconstructed picture (auto: on displays, not in files)"},
     {0},
 };
 /* clang-format on */
@@ -151,6 +160,7 @@ lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,
         .seed = options->seed,
         .max_depth = options->max_depth,
         .skip = options->has_skip ? options->skip : LF_SKIP_ALL,
+        .features = options->reconstruct == LF_RECONSTRUCT_ON,
     };
     lf_layout layout = {0};
     resolve_camera(options, camera, calibration, &settings.camera);

@@ -21,6 +21,13 @@
 /* Exit codes of every program. */
 enum { LF_EXIT_OK = 0, LF_EXIT_FAILED = 1, LF_EXIT_USAGE = 2, LF_EXIT_NO_DAEMON = 3 };
 
+/* Whether the reconstructed picture is shown. auto: yes on a display, no in files. */
+typedef enum lf_reconstruct {
+    LF_RECONSTRUCT_AUTO,
+    LF_RECONSTRUCT_OFF,
+    LF_RECONSTRUCT_ON
+} lf_reconstruct;
+
 /* What the shared options say; zero and NULL mean "not given" unless stated. Zeroed is a valid
  * start. */
 typedef struct lf_options {
@@ -34,10 +41,11 @@ typedef struct lf_options {
     lf_sampler_kind sampler;     /* zero is LF_SAMPLER_OWEN, the default */
     int threads;                 /* 0 = all CPUs */
     uint64_t seed;
-    int max_depth;           /* 0 = the scene's */
-    bool has_skip;           /* it was given */
-    unsigned skip;           /* bits of lf_skip */
-    double target_error;     /* > 0 */
+    int max_depth;       /* 0 = the scene's */
+    bool has_skip;       /* it was given */
+    unsigned skip;       /* bits of lf_skip */
+    double target_error; /* > 0 */
+    lf_reconstruct reconstruct;
     const char *calibration; /* a file */
 } lf_options;
 
@@ -46,7 +54,7 @@ typedef struct lf_options {
 extern const lf_param lf_option_params[];
 /* What to look at, and how to render: most programs take all of these. */
 #define LF_OPTIONS_VIEWS "preset views quilt view-size"
-#define LF_OPTIONS_RENDER "integrator estimator sampler max-depth skip threads seed"
+#define LF_OPTIONS_RENDER "integrator estimator sampler max-depth skip threads seed reconstruct"
 
 /* The preset that was given; NULL = none. */
 const lf_preset *lf_options_preset(const lf_options *options);

@@ -1,0 +1,217 @@
+#include "render/reconstruct/moments.h"
+
+#include <limits.h>
+#include <string.h>
+
+/* What a row's halves hold of one pixel. A row that one half alone has visited counts as a half by
+ * its parity: its features stand for both. */
+typedef struct lf_row_halves {
+    const lf_film_scattered *scattered[2]; /* NULL: nothing */
+    const float *q[2];
+    float n[2];
+} lf_row_halves;
+
+static lf_row_halves halves_of(const lf_film *film, int row)
+{
+    const lf_film_row *state = &film->rows[row];
+    lf_row_halves out = {.n = {0}};
+    bool alone = !(state->n[0] > 0.0 && state->n[1] > 0.0);
+    for (int h = 0; h < 2; h++) {
+        int as = alone ? row % 2 : h;
+        if (!(state->n[h] > 0.0))
+            continue;
+        const lf_film_half half = lf_film_at(film, row, h);
+        out.scattered[as] = half.scattered;
+        out.q[as] = half.q;
+        out.n[as] = (float)state->n[h];
+    }
+    return out;
+}
+
+static void add_moments(lf_moments *m, const lf_film_scattered *s, const float f[LF_FEATURES])
+{
+    m->w += s->w;
+    for (int i = 0; i < LF_FEATURES; i++) {
+        float wf = s->w * f[i];
+        m->wf[i] += wf;
+        for (int j = 0; j < LF_FEATURES; j++)
+            m->wff[i][j] += wf * f[j];
+    }
+    for (int c = 0; c < 3; c++) {
+        m->n[c] += s->n[c];
+        for (int i = 0; i < LF_FEATURES; i++)
+            m->nf[c][i] += s->n[c] * f[i];
+    }
+}
+
+static void add_product(lf_plane *to, float x, const float f[LF_FEATURES])
+{
+    to->constant += x;
+    for (int i = 0; i < LF_FEATURES; i++)
+        to->slope[i] += x * f[i];
+}
+
+/* own: of this half is N/W taken; other may be NULL. */
+static void add_cross(lf_raw_sums *raw, int h, const lf_film_scattered *own,
+                      const lf_film_scattered *other, const float f[LF_FEATURES])
+{
+    for (int c = 0; c < 3; c++) {
+        float answer = own->n[c] / own->w;
+        raw->cross[h][c] += answer * other->n[c];
+        add_product(&raw->product[h][c], answer * other->w, f);
+    }
+}
+
+static void add_known(lf_raw_sums *raw, const lf_film *film, const lf_film_known *known, float q)
+{
+    for (int c = 0; c < 3; c++)
+        raw->known[c] += known ? known->b[c] : film->sky[c] * (1.0f - q);
+    raw->q += q;
+    raw->pixels += 1.0f;
+}
+
+static void add_pixel(lf_cell *cell, const lf_film *film, const lf_row_halves *halves, size_t i,
+                      float f[2][LF_FEATURES])
+{
+    static const lf_film_scattered none = {{0}, 0};
+    const lf_film_scattered *s[2];
+    bool usable[2];
+    lf_film_scattered both = {{0}, 0};
+    for (int h = 0; h < 2; h++) {
+        s[h] = halves->scattered[h] ? &halves->scattered[h][i] : &none;
+        usable[h] = halves->scattered[h] &&
+                    lf_weight_is_usable(film, s[h]->w, halves->n[h] * halves->q[h][i]);
+        both.w += s[h]->w;
+        for (int c = 0; c < 3; c++)
+            both.n[c] += s[h]->n[c];
+        if (s[h]->w != 0.0f)
+            for (int of = 0; of < 2; of++)
+                add_moments(&cell->half[of][h], s[h], f[of]);
+    }
+    for (int h = 0; h < 2; h++)
+        if (usable[h] && s[1 - h]->w != 0.0f)
+            add_cross(&cell->raw, h, s[h], s[1 - h], f[h]);
+    for (int c = 0; c < 3 && both.w > 0.0f; c++)
+        cell->raw.square[c] += both.n[c] * both.n[c] / both.w;
+}
+
+static void add_row(lf_band *band, const lf_film *film, const lf_pixels *pixels, int row,
+                    int number)
+{
+    const lf_row_halves halves = halves_of(film, row);
+    const lf_film_known *known = lf_film_known_at(film, row);
+    size_t n = (size_t)film->n_views * (size_t)film->width;
+    for (size_t i = 0; i < n; i++) {
+        if (!(pixels->q[i] > 0.0f))
+            continue;
+        lf_cell *cell = &band->cells[lf_band_find(band, pixels->u[i], pixels->z[i])];
+        const float middle[3] = {(float)cell->u + 0.5f, (float)number + 0.5f,
+                                 (float)cell->z + 0.5f};
+        float f[2][LF_FEATURES];
+        for (int h = 0; h < 2; h++) {
+            memcpy(f[h], pixels->feature[h][i].f, sizeof f[h]);
+            for (int j = 0; j < 3; j++)
+                f[h][j] -= middle[j];
+        }
+        add_pixel(cell, film, &halves, i, f);
+        add_known(&cell->raw, film, known ? &known[i] : NULL, pixels->q[i]);
+    }
+}
+
+typedef struct lf_range {
+    int low, high; /* low > high: nothing */
+} lf_range;
+
+static void widen(lf_range *range, int x)
+{
+    range->low = x < range->low ? x : range->low;
+    range->high = x > range->high ? x : range->high;
+}
+
+static lf_status begin_band(lf_band *band, lf_range u, lf_range z)
+{
+    if (u.low > u.high)
+        return lf_band_begin(band, 0, 0, 0, 0);
+    return lf_band_begin(band, u.low, u.high - u.low + 1, z.low, z.high - z.low + 1);
+}
+
+lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int number,
+                            lf_pixels *pixels)
+{
+    lf_band *band = &r->level[0].bands[number];
+    lf_range u = {INT_MAX, INT_MIN}, z = u;
+    size_t n = (size_t)film->n_views * (size_t)film->width;
+    int first = number * LF_CELL_SIDE, end = first + LF_CELL_SIDE;
+    end = end < film->height ? end : film->height;
+    for (int row = first; row < end; row++) {
+        if (!lf_pixels_read(pixels, r, film, row, false))
+            continue;
+        for (size_t i = 0; i < n; i++) {
+            if (pixels->q[i] > 0.0f) {
+                widen(&u, pixels->u[i]);
+                widen(&z, pixels->z[i]);
+            }
+        }
+    }
+    lf_status status = begin_band(band, u, z);
+    for (int row = first; row < end && status == LF_OK && band->nu > 0; row++)
+        if (lf_pixels_read(pixels, r, film, row, false))
+            for (size_t i = 0; i < n; i++)
+                if (pixels->q[i] > 0.0f)
+                    lf_band_mark(band, pixels->u[i], pixels->z[i]);
+    if (status == LF_OK)
+        status = lf_band_reserve(band);
+    for (int row = first; row < end && status == LF_OK && band->n > 0; row++)
+        if (lf_pixels_read(pixels, r, film, row, true))
+            add_row(band, film, pixels, row, number);
+    return status;
+}
+
+/* Rounded down, also below 0. */
+static int half_of(int x)
+{
+    return x >= 0 ? x / 2 : -((1 - x) / 2);
+}
+
+static void add_cell(lf_cell *to, const lf_cell *from, float side, int from_band, int to_band)
+{
+    const float t[3] = {((float)from->u + 0.5f) * side - ((float)to->u + 0.5f) * 2.0f * side,
+                        ((float)from_band + 0.5f) * side - ((float)to_band + 0.5f) * 2.0f * side,
+                        ((float)from->z + 0.5f) * side - ((float)to->z + 0.5f) * 2.0f * side};
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 2; j++)
+            lf_moments_add(&to->half[i][j], &from->half[i][j], 1.0f, t);
+    lf_raw_add(&to->raw, &from->raw, t);
+}
+
+lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int number)
+{
+    const lf_lattice *below = &r->level[level - 1];
+    lf_band *band = &r->level[level].bands[number];
+    lf_range u = {INT_MAX, INT_MIN}, z = u;
+    int first = 2 * number, end = 2 * number + 2 < below->n_bands ? 2 * number + 2 : below->n_bands;
+    for (int b = first; b < end; b++) {
+        const lf_band *child = &below->bands[b];
+        if (child->n == 0)
+            continue;
+        widen(&u, half_of(child->u0));
+        widen(&u, half_of(child->u0 + child->nu - 1));
+        widen(&z, half_of(child->z0));
+        widen(&z, half_of(child->z0 + child->nz - 1));
+    }
+    lf_status status = begin_band(band, u, z);
+    for (int b = first; b < end && status == LF_OK; b++)
+        for (int i = 0; i < below->bands[b].n; i++)
+            lf_band_mark(band, half_of(below->bands[b].cells[i].u),
+                         half_of(below->bands[b].cells[i].z));
+    if (status == LF_OK)
+        status = lf_band_reserve(band);
+    for (int b = first; b < end && status == LF_OK; b++) {
+        for (int i = 0; i < below->bands[b].n; i++) {
+            const lf_cell *child = &below->bands[b].cells[i];
+            lf_cell *cell = &band->cells[lf_band_find(band, half_of(child->u), half_of(child->z))];
+            add_cell(cell, child, (float)(1 << (level - 1)), b, number);
+        }
+    }
+    return status;
+}

@@ -1,0 +1,163 @@
+#include "render/reconstruct/reconstruct.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+#include "render/reconstruct/moments.h"
+#include "render/reconstruct/shrink.h"
+#include "render/reconstruct/solve.h"
+
+static int bands_of(int height, int level)
+{
+    int side = LF_CELL_SIDE << level;
+    return (height + side - 1) / side;
+}
+
+lf_status lf_reconstruct_create(const lf_reconstruct_view *view, lf_pool *pool,
+                                lf_reconstruction **out)
+{
+    lf_reconstruction *r = lf_calloc(1, sizeof *r);
+    if (!r)
+        return LF_E_NOMEM;
+    r->view = *view;
+    r->pool = pool;
+    r->n_workers = lf_pool_threads(pool);
+    r->shift = lf_calloc((size_t)view->n_views, sizeof *r->shift);
+    r->scratch = lf_calloc((size_t)r->n_workers, sizeof *r->scratch);
+    bool whole = r->shift && r->scratch;
+    for (int i = 0; i < r->n_workers && whole; i++)
+        whole =
+            lf_pixels_create((size_t)view->n_views * (size_t)view->width, &r->scratch[i]) == LF_OK;
+    for (int l = 0; l < LF_LEVELS && whole; l++) {
+        r->level[l].n_bands = bands_of(view->height, l);
+        r->level[l].bands = lf_calloc((size_t)r->level[l].n_bands, sizeof *r->level[l].bands);
+        whole = r->level[l].bands;
+    }
+    if (!whole) {
+        lf_reconstruct_destroy(r);
+        return LF_E_NOMEM;
+    }
+    memcpy(r->shift, view->shift, (size_t)view->n_views * sizeof *r->shift);
+    r->view.shift = r->shift;
+    *out = r;
+    return LF_OK;
+}
+
+void lf_reconstruct_destroy(lf_reconstruction *r)
+{
+    if (!r)
+        return;
+    for (int l = 0; l < LF_LEVELS; l++) {
+        for (int i = 0; r->level[l].bands && i < r->level[l].n_bands; i++)
+            lf_band_finish(&r->level[l].bands[i]);
+        lf_free(r->level[l].bands);
+    }
+    for (int i = 0; r->scratch && i < r->n_workers; i++)
+        lf_pixels_destroy(r->scratch[i]);
+    lf_free(r->scratch);
+    lf_free(r->shift);
+    lf_free(r);
+}
+
+bool lf_reconstruct_ready(const lf_reconstruction *r)
+{
+    return r->ready;
+}
+
+/* ------------------------------------------------------------------------------------- the fit --
+ */
+
+typedef enum lf_step {
+    GATHER,
+    COARSEN,
+    SOLVE,
+    WEIGH,
+    WEIGH_RAW,
+    COLLECT,
+    SETTLE,
+    TAKE,
+    TAKE_RAW
+} lf_step;
+
+typedef struct lf_fit_job {
+    lf_reconstruction *r;
+    const lf_film *film;
+    const lf_cancel *cancel;
+    lf_step step;
+    int level;
+    atomic_int failed;
+} lf_fit_job;
+
+static void run_band(void *context, int band, int worker)
+{
+    lf_fit_job *job = context;
+    lf_status status = LF_OK;
+    switch (job->step) {
+    case GATHER:
+        status = lf_moments_gather(job->r, job->film, band, job->r->scratch[worker]);
+        break;
+    case COARSEN:
+        status = lf_moments_coarsen(job->r, job->level, band);
+        break;
+    case SOLVE:
+        lf_solve_band(job->r, job->level, band);
+        break;
+    case WEIGH:
+        lf_shrink_weigh(job->r, job->level, band);
+        break;
+    case WEIGH_RAW:
+        lf_shrink_weigh_raw(job->r, band);
+        break;
+    case COLLECT:
+        lf_shrink_collect(job->r, band);
+        break;
+    case SETTLE:
+        lf_shrink_settle(job->r, job->level, band);
+        break;
+    case TAKE:
+        lf_shrink_take(job->r, job->level, band);
+        break;
+    case TAKE_RAW:
+        lf_shrink_take_raw(job->r, band);
+        break;
+    }
+    if (status != LF_OK)
+        atomic_store_explicit(&job->failed, 1, memory_order_relaxed);
+}
+
+static lf_status run(lf_fit_job *job, lf_step step, int level)
+{
+    job->step = step;
+    job->level = level;
+    lf_status status =
+        lf_pool_run(job->r->pool, job->r->level[level].n_bands, run_band, job, job->cancel);
+    return atomic_load_explicit(&job->failed, memory_order_relaxed) ? LF_E_NOMEM : status;
+}
+
+typedef struct lf_fit_step {
+    lf_step step;
+    int level;
+} lf_fit_step;
+
+lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *film, const lf_cancel *cancel)
+{
+    lf_fit_job job = {.r = r, .film = film, .cancel = cancel};
+    lf_status status;
+    r->ready = false;
+    status = run(&job, GATHER, 0);
+    for (int l = 1; l < LF_LEVELS && status == LF_OK; l++)
+        status = run(&job, COARSEN, l);
+    for (int l = 0; l < LF_LEVELS && status == LF_OK; l++)
+        status = run(&job, SOLVE, l);
+    for (int l = LF_LEVELS - 2; l > 0 && status == LF_OK; l--) {
+        const lf_step steps[] = {WEIGH, SETTLE, TAKE};
+        for (int i = 0; i < 3 && status == LF_OK; i++)
+            status = run(&job, steps[i], l);
+    }
+    const lf_fit_step last[] = {{WEIGH, 0},     {COLLECT, 1}, {SETTLE, 1}, {TAKE, 0},
+                                {WEIGH_RAW, 0}, {COLLECT, 1}, {SETTLE, 1}, {TAKE_RAW, 0}};
+    for (size_t i = 0; i < sizeof last / sizeof last[0] && status == LF_OK; i++)
+        status = run(&job, last[i].step, last[i].level);
+    r->ready = status == LF_OK;
+    return status;
+}

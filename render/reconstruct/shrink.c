@@ -1,0 +1,270 @@
+#include "render/reconstruct/shrink.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Shares of N/W below it are chance. */
+#define RAW_THRESHOLD 0.15f
+#define EPSILON 1e-2
+
+/* ----------------------------------------------------------------------------------- planes -- */
+
+static double dot(const lf_plane *a, const lf_plane *b)
+{
+    double s = (double)a->constant * (double)b->constant;
+    for (int i = 0; i < LF_FEATURES; i++)
+        s += (double)a->slope[i] * (double)b->slope[i];
+    return s;
+}
+
+/* Sum of W f p: the moments' matrix applied to a plane. */
+static lf_plane apply(const lf_moments *m, const lf_plane *p)
+{
+    lf_plane out = {.constant = m->w * p->constant};
+    for (int i = 0; i < LF_FEATURES; i++) {
+        out.constant += m->wf[i] * p->slope[i];
+        out.slope[i] = m->wf[i] * p->constant;
+        for (int j = 0; j < LF_FEATURES; j++)
+            out.slope[i] += m->wff[i][j] * p->slope[j];
+    }
+    return out;
+}
+
+/* Sum of N f. */
+static lf_plane found(const lf_moments *m, int c)
+{
+    lf_plane out = {.constant = m->n[c]};
+    memcpy(out.slope, m->nf[c], sizeof out.slope);
+    return out;
+}
+
+static lf_plane minus(const lf_plane *a, const lf_plane *b)
+{
+    lf_plane out = {.constant = a->constant - b->constant};
+    for (int i = 0; i < LF_FEATURES; i++)
+        out.slope[i] = a->slope[i] - b->slope[i];
+    return out;
+}
+
+static void add_scaled(lf_plane *to, const lf_plane *from, float scale)
+{
+    to->constant += scale * from->constant;
+    for (int i = 0; i < LF_FEATURES; i++)
+        to->slope[i] += scale * from->slope[i];
+}
+
+/* ---------------------------------------------------------------------------- the level above --
+ */
+
+/* The up to eight cells above that a cell lies between, and what each counts. */
+typedef struct lf_above {
+    int n;
+    const lf_cell *cell[8];
+    float weight[8];
+    float shift[8][3]; /* from the middle of the cell above to that of the cell */
+} lf_above;
+
+static int half_of(int x)
+{
+    return x >= 0 ? x / 2 : -((1 - x) / 2);
+}
+
+/* i = 0: the cell that holds x; 1: the nearer of its neighbours. */
+static int above_of(int x, int i)
+{
+    return half_of(x) + (i == 0 ? 0 : x - 2 * half_of(x) == 1 ? 1 : -1);
+}
+
+static float apart(int x, int above, float side)
+{
+    return ((float)x + 0.5f) * side - ((float)above + 0.5f) * 2.0f * side;
+}
+
+static void find_above(const lf_reconstruction *r, int level, int number, const lf_cell *cell,
+                       lf_above *out)
+{
+    const lf_lattice *up = &r->level[level + 1];
+    float side = (float)(1 << level), sum = 0.0f;
+    out->n = 0;
+    for (int i = 0; i < 8; i++) {
+        int v = above_of(number, i >> 2), u = above_of(cell->u, i & 1),
+            z = above_of(cell->z, i >> 1 & 1);
+        int at = v >= 0 && v < up->n_bands ? lf_band_find(&up->bands[v], u, z) : -1;
+        if (at < 0)
+            continue;
+        float *shift = out->shift[out->n];
+        shift[0] = apart(cell->u, u, side);
+        shift[1] = apart(number, v, side);
+        shift[2] = apart(cell->z, z, side);
+        out->cell[out->n] = &up->bands[v].cells[at];
+        out->weight[out->n] =
+            (i & 1 ? 0.25f : 0.75f) * (i >> 1 & 1 ? 0.25f : 0.75f) * (i >> 2 ? 0.25f : 0.75f);
+        sum += out->weight[out->n++];
+    }
+    for (int i = 0; i < out->n; i++)
+        out->weight[i] /= sum;
+}
+
+/* What the level above predicts about a cell, as seen from its middle. */
+static void predict(const lf_above *above, lf_plane out[LF_VARIANTS][3])
+{
+    memset(out, 0, sizeof(lf_plane) * LF_VARIANTS * 3);
+    for (int i = 0; i < above->n; i++) {
+        for (int v = 0; v < LF_VARIANTS; v++) {
+            for (int c = 0; c < 3; c++) {
+                lf_plane moved = above->cell[i]->node[v][c];
+                for (int j = 0; j < 3; j++)
+                    moved.constant += moved.slope[j] * above->shift[i][j];
+                add_scaled(&out[v][c], &moved, above->weight[i]);
+            }
+        }
+    }
+}
+
+/* ------------------------------------------------------------------------------------- shares --
+ */
+
+/* What a squared error of R counts in the relMSE of the picture; x: about what R is there. */
+static double importance(const lf_cell *cell, const lf_plane *x, int c)
+{
+    const lf_raw_sums *raw = &cell->raw;
+    double pixels = fmax((double)raw->pixels, 1.0), q = (double)raw->q / pixels, w = 0.0, sum = 0.0;
+    for (int h = 0; h < 2; h++) {
+        lf_plane mean = {.constant = cell->half[h][h].w};
+        memcpy(mean.slope, cell->half[h][h].wf, sizeof mean.slope);
+        sum += dot(&mean, x);
+        w += (double)cell->half[h][h].w;
+    }
+    double radiance = (w > 0.0 ? fmax(sum / w, 0.0) * q : 0.0) + (double)raw->known[c] / pixels;
+    return q / (radiance * radiance + EPSILON);
+}
+
+void lf_shrink_weigh(lf_reconstruction *r, int level, int number)
+{
+    lf_band *band = &r->level[level].bands[number];
+    for (int i = 0; i < band->n; i++) {
+        lf_cell *cell = &band->cells[i];
+        lf_above above;
+        lf_plane x[LF_VARIANTS][3];
+        double agreed = 0.0, total = 0.0;
+        find_above(r, level, number, cell, &above);
+        predict(&above, x);
+        for (int c = 0; c < 3; c++) {
+            double g = importance(cell, &x[LF_BOTH][c], c);
+            for (int h = 0; h < 2; h++) {
+                const lf_moments *m = &cell->half[h][1 - h];
+                lf_plane step = minus(&cell->node[h][c], &x[h][c]), n = found(m, c),
+                         wx = apply(m, &x[h][c]), off = minus(&n, &wx);
+                agreed += g * dot(&step, &off);
+            }
+            lf_plane step = minus(&cell->node[LF_BOTH][c], &x[LF_BOTH][c]);
+            for (int h = 0; h < 2; h++) {
+                lf_plane w = apply(&cell->half[h][h], &step);
+                total += g * dot(&step, &w);
+            }
+        }
+        cell->agreed = (float)agreed;
+        cell->total = (float)total;
+    }
+}
+
+void lf_shrink_weigh_raw(lf_reconstruction *r, int number)
+{
+    lf_band *band = &r->level[0].bands[number];
+    for (int i = 0; i < band->n; i++) {
+        lf_cell *cell = &band->cells[i];
+        double agreed = 0.0, total = 0.0;
+        for (int c = 0; c < 3; c++) {
+            const lf_plane *both = &cell->node[LF_BOTH][c];
+            double g = importance(cell, both, c), a = 0.0, t = (double)cell->raw.square[c];
+            for (int h = 0; h < 2; h++) {
+                const lf_plane *x = &cell->node[h][c];
+                const lf_moments *m = &cell->half[h][1 - h], *own = &cell->half[h][h];
+                lf_plane n = found(m, c), wx = apply(m, x), off = minus(&wx, &n),
+                         n_own = found(own, c), w_own = apply(own, both);
+                a +=
+                    (double)cell->raw.cross[h][c] - dot(&cell->raw.product[h][c], x) + dot(x, &off);
+                t += dot(both, &w_own) - 2.0 * dot(both, &n_own);
+            }
+            agreed += g * a;
+            total += g * t;
+        }
+        cell->agreed = (float)agreed;
+        cell->total = (float)total;
+    }
+}
+
+void lf_shrink_collect(lf_reconstruction *r, int number)
+{
+    const lf_lattice *below = &r->level[0];
+    lf_band *band = &r->level[1].bands[number];
+    for (int i = 0; i < band->n; i++)
+        band->cells[i].agreed = band->cells[i].total = 0.0f;
+    for (int b = 2 * number; b < 2 * number + 2 && b < below->n_bands; b++) {
+        for (int i = 0; i < below->bands[b].n; i++) {
+            const lf_cell *child = &below->bands[b].cells[i];
+            lf_cell *cell = &band->cells[lf_band_find(band, half_of(child->u), half_of(child->z))];
+            cell->agreed += child->agreed;
+            cell->total += child->total;
+        }
+    }
+}
+
+void lf_shrink_settle(lf_reconstruction *r, int level, int number)
+{
+    const lf_lattice *l = &r->level[level];
+    lf_band *band = &l->bands[number];
+    for (int i = 0; i < band->n; i++) {
+        lf_cell *cell = &band->cells[i];
+        float agreed = 0.0f, total = 0.0f;
+        for (int n = 0; n < 27; n++) {
+            int du = n % 3 - 1, dz = n / 3 % 3 - 1, dv = n / 9 - 1, v = number + dv;
+            int at = v >= 0 && v < l->n_bands
+                         ? lf_band_find(&l->bands[v], cell->u + du, cell->z + dz)
+                         : -1;
+            float weight = (dv ? 0.5f : 1.0f) * (dz ? 0.5f : 1.0f) * (du ? 0.5f : 1.0f);
+            agreed += at >= 0 ? weight * l->bands[v].cells[at].agreed : 0.0f;
+            total += at >= 0 ? weight * l->bands[v].cells[at].total : 0.0f;
+        }
+        cell->share = total > 0.0f ? fminf(1.0f, fmaxf(0.0f, agreed / total)) : 0.0f;
+    }
+}
+
+static float share_above(const lf_above *above)
+{
+    float share = 0.0f;
+    for (int i = 0; i < above->n; i++)
+        share += above->weight[i] * above->cell[i]->share;
+    return share;
+}
+
+void lf_shrink_take(lf_reconstruction *r, int level, int number)
+{
+    lf_band *band = &r->level[level].bands[number];
+    for (int i = 0; i < band->n; i++) {
+        lf_cell *cell = &band->cells[i];
+        lf_above above;
+        lf_plane x[LF_VARIANTS][3];
+        find_above(r, level, number, cell, &above);
+        predict(&above, x);
+        float share = level == 0 ? share_above(&above) : cell->share;
+        for (int v = 0; v < LF_VARIANTS; v++) {
+            for (int c = 0; c < 3; c++) {
+                lf_plane step = minus(&cell->node[v][c], &x[v][c]);
+                cell->node[v][c] = x[v][c];
+                add_scaled(&cell->node[v][c], &step, share);
+            }
+        }
+    }
+}
+
+void lf_shrink_take_raw(lf_reconstruction *r, int number)
+{
+    lf_band *band = &r->level[0].bands[number];
+    for (int i = 0; i < band->n; i++) {
+        lf_above above;
+        find_above(r, 0, number, &band->cells[i], &above);
+        float share = share_above(&above);
+        band->cells[i].share = fmaxf(0.0f, (share - RAW_THRESHOLD) / (1.0f - RAW_THRESHOLD));
+    }
+}

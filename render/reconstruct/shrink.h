@@ -1,0 +1,32 @@
+/* From coarse fits to fine ones and to N/W itself; private to render/reconstruct.
+ *
+ * x begins as the coarsest fit and goes on to each finer one by x += alpha (p - x), p its
+ * prediction, alpha in [0, 1] the share of the step that the halves agree on: with d_h = p_h - x_h,
+ * what half h would change, and g the other half,
+ *
+ *     alpha = sum_h sum d_h (N_g - W_g x_h) / sum (W_a + W_b) d^2,
+ *
+ * d in the denominator of both halves together, sums over the pixels around. Predictions are
+ * linear, so that all of it follows from the moments of cells. The last step is to N/W itself.
+ * docs/reconstruct.md, "From coarse to fine". */
+#ifndef LF_RENDER_RECONSTRUCT_SHRINK_H
+#define LF_RENDER_RECONSTRUCT_SHRINK_H
+
+#include "render/reconstruct/lattice.h"
+
+/* A step is three passes over the bands of a level, one worker a band; each pass ends before the
+ * next begins.
+ *
+ * 1. What the step of each cell from the level above to this one is worth. */
+void lf_shrink_weigh(lf_reconstruction *r, int level, int band);
+/* The same of the step from the finest level to N/W. */
+void lf_shrink_weigh_raw(lf_reconstruction *r, int band);
+/* For level 1: takes what its cells' children have found in place of its own. */
+void lf_shrink_collect(lf_reconstruction *r, int band);
+/* 2. The share of it that is taken, from the cells around. */
+void lf_shrink_settle(lf_reconstruction *r, int level, int band);
+/* 3. Takes it. The finest level and N/W go by the shares of level 1. */
+void lf_shrink_take(lf_reconstruction *r, int level, int band);
+void lf_shrink_take_raw(lf_reconstruction *r, int band);
+
+#endif
