@@ -117,6 +117,10 @@ const lf_film_settings *lf_scene_film_settings(const lf_scene *scene);
  * people, with the file's name, control characters escaped. NULL behind the last; they belong to
  * the scene. At most 65, of which the last says how many more there are. */
 const char *lf_scene_warning(const lf_scene *scene, int index);
+/* The box about the volumes and meshes of a scene (name NULL), or about those of this name, in
+ * world coordinates: least and greatest corner. Lights at a distance and skies have none. false:
+ * nothing is there. */
+bool lf_scene_bounds(const lf_scene *scene, const char *name, double out_bounds[2][3]);
 /* The JSON Schema of scene files (docs/scene.schema.json, compiled in); a new reference. */
 json_t *lf_scene_schema(void);
 
@@ -182,6 +186,35 @@ typedef struct lf_render_settings {
     unsigned skip; /* of lf_skip: what is left out where it is not needed */
     bool features; /* the film keeps what the reconstruction needs: 16 bytes a view pixel */
 } lf_render_settings;
+
+/* --------------------------------------------------------------------------------- framing -- */
+
+/* How deep the picture is, of the boxes of meshes and volumes as far as the middle of the rig sees
+ * them through the window. A step is how far a thing jumps from one view to the next beside the
+ * window, in pixels of a view: between cameras b apart a point at distance Z along the view axis
+ * moves by b (1 - D/Z), D the window's distance. Positive behind the window, negative before it;
+ * -INFINITY where things begin at the cameras. What is finer than its step is not seen once but
+ * several times. docs/scene.md, "Depth". */
+typedef struct lf_depth {
+    double nearest, farthest; /* Z, scene units */
+    double nearest_step, farthest_step;
+    /* Steps beyond it (4 % of the window, at least 4 pixels) show as edges beside edges, and are
+     * what programs warn of. exceeded: there are such, and no view_blur that makes them smooth. */
+    double limit;
+    bool exceeded;
+} lf_depth;
+
+/* false: there is one view, or nothing in it; or the settings are out of range. */
+bool lf_scene_depth(const lf_scene *scene, const lf_render_settings *settings, lf_depth *out);
+
+/* Where to put the camera of settings so that the box of lf_scene_bounds is in the middle of the
+ * window, looked at from the same side as now, and in all views fills at most the share `fill`
+ * (above 0, at most 1) of it across and up: as near as that allows. steps > 0: no nearer than where
+ * no part of the box has a step beyond that, which makes it smaller in the window. LF_E_ARG:
+ * nothing is there, or fill or steps are out of range; errors of the rig. */
+LF_NODISCARD lf_status lf_camera_fit(const lf_scene *scene, const lf_render_settings *settings,
+                                     const char *name, double fill, double steps,
+                                     double out_target[3], double out_position[3], lf_error *err);
 
 typedef struct lf_renderer lf_renderer;
 

@@ -30,6 +30,7 @@ lf_load *lf_load_create(lf_load_kind kind)
 void lf_load_destroy(lf_load *load)
 {
     lf_free(load->file);
+    lf_free(load->name);
     json_decref(load->patch);
     lf_content_unref(load->content);
     if (load->restore_fd >= 0)
@@ -98,6 +99,25 @@ static json_t *orbit_patch(const lf_scene *scene, const lf_load *load)
         json_object_set_new(json_object_get(patch, "camera"), "focus_distance",
                             json_real(camera->focus_distance / load->zoom));
     return patch;
+}
+
+/* From where all that is to be seen is, with the rig that is in force. */
+static lf_status fit_patch(const lf_content *now, lf_load *load, json_t **out)
+{
+    double target[3], position[3], distance = 0;
+    lf_status status = lf_camera_fit(now->scene, &now->settings, load->name, load->fill,
+                                     load->steps, target, position, &load->err);
+    if (status != LF_OK)
+        return status;
+    for (int i = 0; i < 3; i++)
+        distance += (target[i] - position[i]) * (target[i] - position[i]);
+    *out = json_pack("{s:{s:[f,f,f], s:[f,f,f]}}", "camera", "target", target[0], target[1],
+                     target[2], "position", position[0], position[1], position[2]);
+    /* A lens that is focused somewhere is focused on what was framed. */
+    if (json_object_get(json_object_get(lf_scene_json(now->scene), "camera"), "focus_distance"))
+        json_object_set_new(json_object_get(*out, "camera"), "focus_distance",
+                            json_real(sqrt(distance)));
+    return LF_OK;
 }
 
 /* ------------------------------------------------------------------------------------ contents --
@@ -199,10 +219,26 @@ static lf_status make_content(const lf_loader *loader, lf_load *load, lf_content
                             "no scene is shown that could be changed");
     if (load->kind == LF_LOAD_PATCH)
         return load_patch(loader, load, load->patch, out);
-    json_t *patch = orbit_patch(now->scene, load);
-    lf_status status = load_patch(loader, load, patch, out);
+    json_t *patch = NULL;
+    lf_status status = LF_OK;
+    if (load->kind == LF_LOAD_FIT)
+        status = fit_patch(now, load, &patch);
+    else
+        patch = orbit_patch(now->scene, load);
+    if (status == LF_OK)
+        status = load_patch(loader, load, patch, out);
     json_decref(patch);
     return status;
+}
+
+/* Once, until the camera has been where all is well, or another scene. */
+static void tell_depth(const lf_content *content, const lf_content *before)
+{
+    char words[LF_DEPTH_WORDS];
+    bool told = before && before->depth.exceeded && strcmp(before->file, content->file) == 0;
+    if (content->depth.exceeded && !told)
+        lf_log(LF_LOG_WARNING, "%s: %s", content->file,
+               lf_depth_words(&content->depth, content->settings.width, words, sizeof words));
 }
 
 static void run_load(lf_loader *loader, lf_load *load)
@@ -218,6 +254,7 @@ static void run_load(lf_loader *loader, lf_load *load)
         lf_content_unref(content);
         return;
     }
+    tell_depth(content, loader->content);
     lf_content_unref(loader->content);
     loader->content = content;
     load->content = lf_content_ref(content);

@@ -11,6 +11,7 @@ typedef enum lf_load_kind {
     LF_LOAD_FILE,  /* a scene file or a quilt picture */
     LF_LOAD_PATCH, /* a merge patch on the scene shown */
     LF_LOAD_ORBIT, /* a move of its camera around its target */
+    LF_LOAD_FIT,   /* a move of its camera to where its things fill the window */
     LF_LOAD_APPLY, /* the same scene, with other options or another panel */
 } lf_load_kind;
 
@@ -25,6 +26,8 @@ typedef struct lf_load {
     const char *meant;
     json_t *patch;           /* PATCH */
     double yaw, pitch, zoom; /* ORBIT: degrees to the right and up, and how many times nearer */
+    char *name;         /* FIT: of what is to fill it; NULL = all */
+    double fill, steps; /* FIT: as in lf_camera_fit */
     lf_options options;
     lf_calibration calibration;
     int restore_fd; /* FILE: -1, or an accumulation to go on with (taken over) */

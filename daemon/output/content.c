@@ -1,5 +1,7 @@
 #include "daemon/output/content.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -35,6 +37,7 @@ lf_status lf_content_from_scene(lf_scene *scene, const char *file, const lf_opti
         lf_content_unref(content);
         return status;
     }
+    content->has_depth = lf_scene_depth(scene, &content->settings, &content->depth);
     *out_content = content;
     return LF_OK;
 }
@@ -54,6 +57,21 @@ lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const l
     content->layout = content->quilt.layout;
     *out_content = content;
     return LF_OK;
+}
+
+char *lf_depth_words(const lf_depth *depth, int width, char *buf, size_t size)
+{
+    double before = -depth->nearest_step, behind = depth->farthest_step;
+    char steps[64] = "more than a view holds";
+    if (fmax(before, behind) < width)
+        snprintf(steps, sizeof steps, "%.0f pixels of %d", fmax(before, behind), width);
+    snprintf(
+        buf, size,
+        "deeper than a panel shows: what is %s the window jumps by up to %s from view to view, "
+        "and is seen several times beside itself (%.0f at most are shown well): frame what matters "
+        "(camera.fit), set camera.view_blur to 1, or take a smaller camera.cone",
+        before > behind ? "before" : "behind", steps, depth->limit);
+    return buf;
 }
 
 static bool has_warned(const lf_scene *scene, const char *line)

@@ -14,6 +14,8 @@ typedef struct lf_content {
     lf_render_settings settings; /* scene only; integrator points to a static name */
     lf_layout layout;
     lf_film_settings film;
+    bool has_depth; /* scene only: the next is known */
+    lf_depth depth;
 } lf_content;
 
 /* From a scene (a reference is taken) or from a quilt picture (read here). calibration may be NULL.
@@ -27,6 +29,10 @@ LF_NODISCARD lf_status lf_content_from_quilt(const char *file, const lf_roots *r
                                              lf_error *err);
 /* Logs what the scene warns of, but for what `before` (may be NULL) has warned of already. */
 void lf_log_warnings(const lf_scene *scene, const lf_scene *before);
+
+/* What is to be said of a depth that is exceeded; returns buf. width: of a view. */
+char *lf_depth_words(const lf_depth *depth, int width, char *buf, size_t size);
+enum { LF_DEPTH_WORDS = 400 };
 
 lf_content *lf_content_ref(lf_content *content);
 /* Accepts NULL. */

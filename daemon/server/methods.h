@@ -28,6 +28,7 @@ void lf_method_scene_get(lf_call *call);
 void lf_method_scene_patch(lf_call *call);
 void lf_method_camera_set(lf_call *call);
 void lf_method_camera_orbit(lf_call *call);
+void lf_method_camera_fit(lf_call *call);
 void lf_method_render_set(lf_call *call);
 /* methods_device.c */
 void lf_method_device_list(lf_call *call);

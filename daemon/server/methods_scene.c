@@ -36,6 +36,15 @@ void lf_method_scene_load(lf_call *call)
     queue(call, load);
 }
 
+static json_t *bounds_json(const lf_scene *scene)
+{
+    double b[2][3];
+    if (!scene || !lf_scene_bounds(scene, NULL, b))
+        return json_null();
+    return json_pack("{s:[f,f,f], s:[f,f,f]}", "min", b[0][0], b[0][1], b[0][2], "max", b[1][0],
+                     b[1][1], b[1][2]);
+}
+
 void lf_method_scene_get(lf_call *call)
 {
     const lf_content *content = call->server->content;
@@ -46,8 +55,9 @@ void lf_method_scene_get(lf_call *call)
         return;
     }
     json_t *scene = content->scene ? json_deep_copy(lf_scene_json(content->scene)) : json_null();
-    lf_reply(call, json_pack("{s:o, s:I, s:o}", "file", lf_rpc_text(content->file), "generation",
-                             (json_int_t)call->server->generation, "scene", scene));
+    lf_reply(call, json_pack("{s:o, s:I, s:o, s:o}", "file", lf_rpc_text(content->file),
+                             "generation", (json_int_t)call->server->generation, "scene", scene,
+                             "bounds", bounds_json(content->scene)));
 }
 
 static void queue_patch(lf_call *call, json_t *patch)
@@ -83,6 +93,24 @@ void lf_method_camera_orbit(lf_call *call)
         load->yaw = number_of(call->params, "yaw", 0);
         load->pitch = number_of(call->params, "pitch", 0);
         load->zoom = number_of(call->params, "zoom", 1);
+    }
+    queue(call, load);
+}
+
+#define FILL 0.9
+
+void lf_method_camera_fit(lf_call *call)
+{
+    lf_load *load = lf_load_create(LF_LOAD_FIT);
+    const char *name = json_string_value(json_object_get(call->params, "name"));
+    if (load) {
+        load->fill = number_of(call->params, "fill", FILL);
+        load->steps = number_of(call->params, "steps", 0);
+        load->name = name ? lf_strdup(name) : NULL;
+    }
+    if (load && name && !load->name) {
+        lf_load_destroy(load);
+        load = NULL;
     }
     queue(call, load);
 }

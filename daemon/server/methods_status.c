@@ -1,4 +1,5 @@
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -29,6 +30,18 @@ static json_t *known_or_null(double value)
     return value >= 0 ? json_real(value) : json_null();
 }
 
+/* Steps that there is no end to are null. */
+static json_t *depth_json(const lf_content *content)
+{
+    const lf_depth *d = &content->depth;
+    if (!content->has_depth)
+        return json_null();
+    return json_pack("{s:f, s:f, s:o, s:f, s:f, s:b}", "nearest", d->nearest, "farthest",
+                     d->farthest, "nearest_step",
+                     isfinite(d->nearest_step) ? json_real(d->nearest_step) : json_null(),
+                     "farthest_step", d->farthest_step, "limit", d->limit, "exceeded", d->exceeded);
+}
+
 static void add_content(const lf_server *server, json_t *status)
 {
     const lf_content *content = server->content;
@@ -49,6 +62,7 @@ static void add_content(const lf_server *server, json_t *status)
         json_object_set_new(
             status, "cone",
             json_real(content->settings.camera.cone * (180 / 3.14159265358979323846)));
+        json_object_set_new(status, "depth_budget", depth_json(content));
         json_object_set_new(status, "seed", seed_json(content->settings.seed));
         json_object_set_new(status, "integrator",
                             json_string(integrator ? integrator : lf_integrator_at(0)->name));

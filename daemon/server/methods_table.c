@@ -36,6 +36,10 @@ static const lf_method methods[] = {
      OBJECT("\"yaw\":" NUMBER ",\"pitch\":" NUMBER
             ",\"zoom\":{\"type\":\"number\",\"minimum\":1e-3,\"maximum\":1e3}"),
      lf_method_camera_orbit},
+    {"camera.fit", "move the camera to where the scene, or the thing of a name, fills the window",
+     OBJECT("\"name\":" STRING ",\"fill\":{\"type\":\"number\",\"minimum\":0.01,\"maximum\":1},"
+            "\"steps\":{\"type\":\"number\",\"minimum\":0.01,\"maximum\":10000}"),
+     lf_method_camera_fit},
     {"wait", "answers when the panel shows it",
      OBJECT("\"generation\":{\"type\":\"integer\",\"minimum\":0},\"for\":" ENUM(
          "\"coarse\",\"complete\",\"converged\"")),

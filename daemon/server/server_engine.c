@@ -183,12 +183,18 @@ int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *
 static json_t *load_answer(const lf_server *server, const lf_load *load)
 {
     json_t *answer = json_pack("{s:I}", "generation", (json_int_t)server->generation), *lines;
-    if (!answer || load->kind == LF_LOAD_ORBIT || load->kind == LF_LOAD_APPLY)
+    char words[LF_DEPTH_WORDS];
+    if (!answer || (load->kind != LF_LOAD_FILE && load->kind != LF_LOAD_PATCH))
         return answer;
     const lf_scene *scene = server->content->scene;
     lines = json_array();
     for (int i = 0; scene && lf_scene_warning(scene, i); i++)
         (void)json_array_append_new(lines, lf_rpc_text(lf_scene_warning(scene, i)));
+    if (server->content->depth.exceeded)
+        (void)json_array_append_new(
+            lines,
+            json_string(lf_depth_words(&server->content->depth, server->content->settings.width,
+                                       words, sizeof words)));
     (void)json_object_set_new(answer, "warnings", lines);
     return answer;
 }
@@ -222,8 +228,9 @@ static void load_failed(lf_server *server, const lf_load *load)
         lf_log_error(&load->err);
         server->error = load->err;
     }
-    lf_deferred_fail(server, load->deferred, &load->err,
-                     load->status != LF_E_STATE && load->status != LF_E_CANCELLED);
+    bool of_call = load->status == LF_E_STATE || load->status == LF_E_CANCELLED ||
+                   (load->kind == LF_LOAD_FIT && load->status == LF_E_ARG);
+    lf_deferred_fail(server, load->deferred, &load->err, !of_call);
 }
 
 static void on_load_done(void *reader, lf_task *task)

@@ -255,6 +255,16 @@ static lf_status open_input(job *j, lf_error *err)
     return status;
 }
 
+/* A depth that is too much for the rig, in plain words. */
+static void warn_of_depth(const job *j)
+{
+    lf_depth depth;
+    char words[LF_DEPTH_WORDS];
+    if (lf_scene_depth(j->scene, &j->settings, &depth) && depth.exceeded)
+        lf_log(LF_LOG_WARNING, "%s: %s", j->arguments->scene,
+               lf_depth_words(&depth, j->settings.width, words, sizeof words));
+}
+
 static lf_status render(job *j, lf_error *err)
 {
     const lf_render_arguments *a = j->arguments;
@@ -263,6 +273,7 @@ static lf_status render(job *j, lf_error *err)
     lf_status status = lf_renderer_create(j->scene, &j->settings, j->pool, &j->renderer, err);
     if (status != LF_OK)
         return status;
+    warn_of_depth(j);
     if (a->spp > 0)
         budget.passes = a->spp * j->settings.camera.n_views;
     j->film = lf_calloc((size_t)j->settings.height * views,

@@ -58,6 +58,17 @@ bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const l
 
 /* ---------------------------------------------------------------------------------- building -- */
 
+static lf_box box_of(const float *vertices, const lf_mesh_data *data)
+{
+    lf_box box = {lf_v3(INFINITY, INFINITY, INFINITY), lf_v3(-INFINITY, -INFINITY, -INFINITY)};
+    for (size_t c = 0; c < 3 * (size_t)data->n_triangles; c++) {
+        const float *p = vertices + 3 * (size_t)data->triangles[c];
+        box.min = lf_v3(lf_min(box.min.x, p[0]), lf_min(box.min.y, p[1]), lf_min(box.min.z, p[2]));
+        box.max = lf_v3(lf_max(box.max.x, p[0]), lf_max(box.max.y, p[1]), lf_max(box.max.z, p[2]));
+    }
+    return box;
+}
+
 /* Takes over the arrays of data; materials are numbered from first_material. */
 static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned id,
                            int first_material)
@@ -78,7 +89,8 @@ static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned i
                       data->triangles,
                       data->normals,
                       data->triangle_material,
-                      0};
+                      0,
+                      box_of(vertices, data)};
     data->triangles = NULL;
     data->normals = NULL;
     data->triangle_material = NULL;

@@ -101,6 +101,11 @@ typedef struct lf_material {
 } lf_material;
 #define LF_ALPHA_MIN 1e-3f
 
+/* Scene-local; min > max when there is nothing. */
+typedef struct lf_box {
+    lf_vec3 min, max;
+} lf_box;
+
 typedef struct lf_mesh {
     unsigned geom_id; /* Embree geometry */
     int n_vertices, n_triangles;
@@ -111,6 +116,7 @@ typedef struct lf_mesh {
     /* [n_triangles] index into scene->materials, or NULL: `material` for all */
     const uint16_t *triangle_material;
     uint16_t material;
+    lf_box box; /* of the triangles */
 } lf_mesh;
 
 static inline lf_vec3 lf_mesh_vertex(const lf_mesh *mesh, uint32_t vertex)
@@ -196,11 +202,6 @@ typedef struct lf_glow {
 #define LF_MAX_GLOWS 64
 
 /* ------------------------------------------------------------------------------------- scene -- */
-
-/* Scene-local; min > max when there is nothing. */
-typedef struct lf_box {
-    lf_vec3 min, max;
-} lf_box;
 
 struct lf_scene {
     atomic_int refs;
