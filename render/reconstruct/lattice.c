@@ -59,25 +59,6 @@ lf_status lf_band_reserve(lf_band *band)
     return LF_OK;
 }
 
-void lf_moments_add(lf_moments *to, const lf_moments *from, float weight, const float shift[3])
-{
-    const float t[LF_FEATURES] = {shift[0], shift[1], shift[2]};
-    float moved[LF_FEATURES];
-    to->w += weight * from->w;
-    for (int i = 0; i < LF_FEATURES; i++) {
-        moved[i] = from->wf[i] + t[i] * from->w;
-        to->wf[i] += weight * moved[i];
-    }
-    for (int i = 0; i < LF_FEATURES; i++)
-        for (int j = 0; j < LF_FEATURES; j++)
-            to->wff[i][j] += weight * (from->wff[i][j] + t[i] * moved[j] + from->wf[i] * t[j]);
-    for (int c = 0; c < 3; c++) {
-        to->n[c] += weight * from->n[c];
-        for (int i = 0; i < LF_FEATURES; i++)
-            to->nf[c][i] += weight * (from->nf[c][i] + t[i] * from->n[c]);
-    }
-}
-
 void lf_raw_add(lf_raw_sums *to, const lf_raw_sums *from, const float shift[3])
 {
     for (int c = 0; c < 3; c++) {

@@ -70,8 +70,9 @@ struct lf_reconstruction {
     float *shift;
     lf_pool *pool;
     lf_lattice level[LF_LEVELS];
-    struct lf_pixels **scratch; /* one a worker */
-    int n_workers;
+    const struct lf_reconstruct_kernels *kernels;
+    pthread_mutex_t lock;
+    struct lf_reconstruct_scratch *scratch; /* under the lock: what nobody uses */
     bool ready;
 };
 
@@ -94,9 +95,9 @@ static inline void lf_band_mark(lf_band *band, int u, int z)
     band->index[(size_t)(z - band->z0) * (size_t)band->nu + (size_t)(u - band->u0)] = 0;
 }
 
-/* Adds weight times the sums of `from` as seen from a place `shift` away: f + shift for the first
- * three features. */
-void lf_moments_add(lf_moments *to, const lf_moments *from, float weight, const float shift[3]);
+/* Adds the sums of `from` as seen from a place `shift` away: f + shift for the first three
+ * features.
+ */
 void lf_raw_add(lf_raw_sums *to, const lf_raw_sums *from, const float shift[3]);
 
 #endif

@@ -28,22 +28,6 @@ static lf_row_halves halves_of(const lf_film *film, int row)
     return out;
 }
 
-static void add_moments(lf_moments *m, const lf_film_scattered *s, const float f[LF_FEATURES])
-{
-    m->w += s->w;
-    for (int i = 0; i < LF_FEATURES; i++) {
-        float wf = s->w * f[i];
-        m->wf[i] += wf;
-        for (int j = 0; j < LF_FEATURES; j++)
-            m->wff[i][j] += wf * f[j];
-    }
-    for (int c = 0; c < 3; c++) {
-        m->n[c] += s->n[c];
-        for (int i = 0; i < LF_FEATURES; i++)
-            m->nf[c][i] += s->n[c] * f[i];
-    }
-}
-
 static void add_product(lf_plane *to, float x, const float f[LF_FEATURES])
 {
     to->constant += x;
@@ -70,8 +54,8 @@ static void add_known(lf_raw_sums *raw, const lf_film *film, const lf_film_known
     raw->pixels += 1.0f;
 }
 
-static void add_pixel(lf_cell *cell, const lf_film *film, const lf_row_halves *halves, size_t i,
-                      float f[2][LF_FEATURES])
+static void add_pixel(lf_cell *cell, const lf_reconstruction *r, const lf_film *film,
+                      const lf_row_halves *halves, size_t i, float f[2][LF_FEATURES])
 {
     static const lf_film_scattered none = {{0}, 0};
     const lf_film_scattered *s[2];
@@ -86,7 +70,7 @@ static void add_pixel(lf_cell *cell, const lf_film *film, const lf_row_halves *h
             both.n[c] += s[h]->n[c];
         if (s[h]->w != 0.0f)
             for (int of = 0; of < 2; of++)
-                add_moments(&cell->half[of][h], s[h], f[of]);
+                r->kernels->add(&cell->half[of][h], s[h]->w, s[h]->n, f[of]);
     }
     for (int h = 0; h < 2; h++)
         if (usable[h] && s[1 - h]->w != 0.0f)
@@ -95,8 +79,8 @@ static void add_pixel(lf_cell *cell, const lf_film *film, const lf_row_halves *h
         cell->raw.square[c] += both.n[c] * both.n[c] / both.w;
 }
 
-static void add_row(lf_band *band, const lf_film *film, const lf_pixels *pixels, int row,
-                    int number)
+static void add_row(lf_band *band, const lf_reconstruction *r, const lf_film *film,
+                    const lf_pixels *pixels, int row, int number)
 {
     const lf_row_halves halves = halves_of(film, row);
     const lf_film_known *known = lf_film_known_at(film, row);
@@ -108,12 +92,10 @@ static void add_row(lf_band *band, const lf_film *film, const lf_pixels *pixels,
         const float middle[3] = {(float)cell->u + 0.5f, (float)number + 0.5f,
                                  (float)cell->z + 0.5f};
         float f[2][LF_FEATURES];
-        for (int h = 0; h < 2; h++) {
-            memcpy(f[h], pixels->feature[h][i].f, sizeof f[h]);
-            for (int j = 0; j < 3; j++)
-                f[h][j] -= middle[j];
-        }
-        add_pixel(cell, film, &halves, i, f);
+        for (int h = 0; h < 2; h++)
+            for (int j = 0; j < LF_FEATURES; j++)
+                f[h][j] = pixels->f[h][j][i] - (j < 3 ? middle[j] : 0.0f);
+        add_pixel(cell, r, film, &halves, i, f);
         add_known(&cell->raw, film, known ? &known[i] : NULL, pixels->q[i]);
     }
 }
@@ -136,34 +118,32 @@ static lf_status begin_band(lf_band *band, lf_range u, lf_range z)
 }
 
 lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int number,
-                            lf_pixels *pixels)
+                            lf_pixels rows[LF_CELL_SIDE])
 {
     lf_band *band = &r->level[0].bands[number];
     lf_range u = {INT_MAX, INT_MIN}, z = u;
     size_t n = (size_t)film->n_views * (size_t)film->width;
-    int first = number * LF_CELL_SIDE, end = first + LF_CELL_SIDE;
-    end = end < film->height ? end : film->height;
-    for (int row = first; row < end; row++) {
-        if (!lf_pixels_read(pixels, r, film, row, false))
-            continue;
+    int first = number * LF_CELL_SIDE, n_rows = 0, row[LF_CELL_SIDE];
+    for (int i = first; i < first + LF_CELL_SIDE && i < film->height; i++)
+        if (lf_pixels_read(&rows[n_rows], r, film, i, true))
+            row[n_rows++] = i;
+    for (int j = 0; j < n_rows; j++) {
         for (size_t i = 0; i < n; i++) {
-            if (pixels->q[i] > 0.0f) {
-                widen(&u, pixels->u[i]);
-                widen(&z, pixels->z[i]);
+            if (rows[j].q[i] > 0.0f) {
+                widen(&u, rows[j].u[i]);
+                widen(&z, rows[j].z[i]);
             }
         }
     }
     lf_status status = begin_band(band, u, z);
-    for (int row = first; row < end && status == LF_OK && band->nu > 0; row++)
-        if (lf_pixels_read(pixels, r, film, row, false))
-            for (size_t i = 0; i < n; i++)
-                if (pixels->q[i] > 0.0f)
-                    lf_band_mark(band, pixels->u[i], pixels->z[i]);
+    for (int j = 0; j < n_rows && status == LF_OK; j++)
+        for (size_t i = 0; i < n; i++)
+            if (rows[j].q[i] > 0.0f)
+                lf_band_mark(band, rows[j].u[i], rows[j].z[i]);
     if (status == LF_OK)
         status = lf_band_reserve(band);
-    for (int row = first; row < end && status == LF_OK && band->n > 0; row++)
-        if (lf_pixels_read(pixels, r, film, row, true))
-            add_row(band, film, pixels, row, number);
+    for (int j = 0; j < n_rows && status == LF_OK && band->n > 0; j++)
+        add_row(band, r, film, &rows[j], row[j], number);
     return status;
 }
 
@@ -173,14 +153,15 @@ static int half_of(int x)
     return x >= 0 ? x / 2 : -((1 - x) / 2);
 }
 
-static void add_cell(lf_cell *to, const lf_cell *from, float side, int from_band, int to_band)
+static void add_cell(const lf_reconstruct_kernels *kernels, lf_cell *to, const lf_cell *from,
+                     float side, int from_band, int to_band)
 {
     const float t[3] = {((float)from->u + 0.5f) * side - ((float)to->u + 0.5f) * 2.0f * side,
                         ((float)from_band + 0.5f) * side - ((float)to_band + 0.5f) * 2.0f * side,
                         ((float)from->z + 0.5f) * side - ((float)to->z + 0.5f) * 2.0f * side};
     for (int i = 0; i < 2; i++)
         for (int j = 0; j < 2; j++)
-            lf_moments_add(&to->half[i][j], &from->half[i][j], 1.0f, t);
+            kernels->move(&to->half[i][j], &from->half[i][j], 1.0f, t);
     lf_raw_add(&to->raw, &from->raw, t);
 }
 
@@ -210,7 +191,7 @@ lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int number)
         for (int i = 0; i < below->bands[b].n; i++) {
             const lf_cell *child = &below->bands[b].cells[i];
             lf_cell *cell = &band->cells[lf_band_find(band, half_of(child->u), half_of(child->z))];
-            add_cell(cell, child, (float)(1 << (level - 1)), b, number);
+            add_cell(r->kernels, cell, child, (float)(1 << (level - 1)), b, number);
         }
     }
     return status;

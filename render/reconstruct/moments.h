@@ -6,7 +6,7 @@
 
 /* All cells and sums of a band of level 0. One worker a band. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int band,
-                                         lf_pixels *pixels);
+                                         lf_pixels rows[LF_CELL_SIDE]);
 /* Those of a band of a level above, from the level below. */
 LF_NODISCARD lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int band);
 

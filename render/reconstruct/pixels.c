@@ -1,99 +1,133 @@
 #include "render/reconstruct/pixels.h"
 
+#include <string.h>
+
 #include "base/alloc.h"
 
-/* Below it nothing that scatters adds up to a code of a display. */
-#define LEAST_Q 1e-4f
+/* Arrays of their own: all features of both halves; of a half but its row and view, which are the
+ * same. */
+enum { ARRAYS = LF_FEATURES + 2 * (LF_FEATURES - 2) + 1 };
 
-lf_status lf_pixels_create(size_t n, lf_pixels **out)
+lf_status lf_pixels_init(size_t n, lf_pixels *out)
 {
-    lf_pixels *p = lf_calloc(1, sizeof *p);
-    bool whole = p;
-    for (int i = 0; i < LF_VARIANTS && whole; i++) {
-        p->feature[i] = lf_calloc(n, sizeof *p->feature[i]);
-        whole = p->feature[i];
-    }
-    if (whole) {
-        p->u = lf_calloc(n, sizeof *p->u);
-        p->z = lf_calloc(n, sizeof *p->z);
-        p->q = lf_calloc(n, sizeof *p->q);
-        whole = p->u && p->z && p->q;
-    }
-    if (!whole) {
-        lf_pixels_destroy(p);
+    out->data = lf_calloc(ARRAYS * n, sizeof *out->data);
+    out->cells = lf_calloc(2 * n, sizeof *out->cells);
+    if (!out->data || !out->cells)
         return LF_E_NOMEM;
+    float *next = out->data;
+    for (int v = LF_BOTH; v >= 0; v--) {
+        for (int i = 0; i < LF_FEATURES; i++) {
+            bool shared = v != LF_BOTH && (i == LF_ROW || i == LF_VIEW);
+            out->f[v][i] = shared ? out->f[LF_BOTH][i] : next;
+            next += shared ? 0 : n;
+        }
     }
-    *out = p;
+    out->q = next;
+    out->u = out->cells;
+    out->z = out->cells + n;
     return LF_OK;
 }
 
-void lf_pixels_destroy(lf_pixels *pixels)
+void lf_pixels_finish(lf_pixels *pixels)
 {
-    if (!pixels)
-        return;
-    for (int i = 0; i < LF_VARIANTS; i++)
-        lf_free(pixels->feature[i]);
-    lf_free(pixels->u);
-    lf_free(pixels->z);
-    lf_free(pixels->q);
-    lf_free(pixels);
-}
-
-/* Means of two halves with the weights wa and wb. */
-static lf_feature pooled(const lf_feature *a, const lf_feature *b, float wa, float wb)
-{
-    float t = wb / (wa + wb), s = 1.0f - t, d = b->nearness - a->nearness;
-    return (lf_feature){
-        s * a->nearness + t * b->nearness,
-        sqrtf(s * a->spread * a->spread + t * b->spread * b->spread + s * t * d * d),
-        s * a->surface + t * b->surface, s * a->light + t * b->light};
-}
-
-static void place(lf_pixel_features *out, const lf_feature *feature, float q, float column,
-                  float row, float shift, float view, float depth)
-{
-    const float side = 1.0f / LF_CELL_SIDE, deep = depth * (1.0f / LF_CELL_DEPTH);
-    out->f[LF_PLACE] = (column + shift * (feature->nearness - 1.0f)) * side;
-    out->f[LF_ROW] = row;
-    out->f[LF_DEPTH] = feature->nearness * deep;
-    out->f[LF_MEDIA] = 1.0f - feature->surface;
-    out->f[LF_PIVOTS] = q;
-    out->f[LF_VIEW] = view;
-    out->f[LF_SPREAD] = feature->spread * deep;
-    out->f[LF_LIGHT] = feature->light;
+    lf_free(pixels->data);
+    lf_free(pixels->cells);
+    memset(pixels, 0, sizeof *pixels);
 }
 
 bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film *film, int row,
                     bool halves)
 {
     const lf_film_row *state = &film->rows[row];
-    const lf_film_half a = lf_film_at(film, row, 0), b = lf_film_at(film, row, 1);
     double n = state->n[0] + state->n[1];
+    lf_view_row in = {
+        .row = ((float)row + 0.5f) / LF_CELL_SIDE, .depth = r->view.depth, .n = film->width};
     if (!(n > 0.0))
         return false;
-    float share = (float)(state->n[1] / n), v = ((float)row + 0.5f) / LF_CELL_SIDE;
     for (int k = 0; k < film->n_views; k++) {
-        float shift = r->shift[k], view = (float)k / (float)film->n_views - 0.5f;
-        for (int column = 0; column < film->width; column++) {
-            size_t i = (size_t)k * (size_t)film->width + (size_t)column;
-            float wa = state->n[0] > 0.0 ? (1.0f - share) * a.q[i] : 0.0f,
-                  wb = state->n[1] > 0.0 ? share * b.q[i] : 0.0f, x = (float)column + 0.5f;
-            pixels->q[i] = wa + wb > LEAST_Q ? wa + wb : 0.0f;
-            if (!(pixels->q[i] > 0.0f))
-                continue;
-            lf_feature fa = lf_feature_unpack(wa > 0.0f ? a.feature[i] : b.feature[i]),
-                       fb = wb > 0.0f ? lf_feature_unpack(b.feature[i]) : fa,
-                       both = pooled(&fa, &fb, wa, wb);
-            lf_pixel_features *p = &pixels->feature[LF_BOTH][i];
-            place(p, &both, wa + wb, x, v, shift, view, r->view.depth);
-            pixels->u[i] = (int)floorf(p->f[LF_PLACE]);
-            pixels->z[i] = (int)floorf(p->f[LF_DEPTH]);
-            if (!halves)
-                continue;
-            float qa = wa > 0.0f ? a.q[i] : wa + wb, qb = wb > 0.0f ? b.q[i] : wa + wb;
-            place(&pixels->feature[LF_HALF_A][i], &fa, qa, x, v, shift, view, r->view.depth);
-            place(&pixels->feature[LF_HALF_B][i], &fb, qb, x, v, shift, view, r->view.depth);
+        in.first = k * film->width;
+        in.view = (float)k / (float)film->n_views - 0.5f;
+        in.shift = r->shift[k];
+        for (int h = 0; h < 2; h++) {
+            const lf_film_half half = lf_film_at(film, row, h);
+            in.q[h] = half.q + in.first;
+            in.feature[h] = half.feature + in.first;
+            in.share[h] = (float)(state->n[h] / n);
         }
+        r->kernels->read(&in, halves, pixels);
     }
     return true;
+}
+
+/* ------------------------------------------------------------------------------------- tables --
+ */
+
+void lf_table_finish(lf_row_table *table)
+{
+    lf_free(table->terms);
+    lf_free(table->share);
+    memset(table, 0, sizeof *table);
+}
+
+/* Over the ranges of two bands and one node around: where pixels of these lie between. */
+static lf_status begin(lf_row_table *table, const lf_band *a, const lf_band *b)
+{
+    const lf_band *one = a->nu > 0 ? a : b, *other = b->nu > 0 ? b : one;
+    int u0 = one->u0 < other->u0 ? one->u0 : other->u0,
+        z0 = one->z0 < other->z0 ? one->z0 : other->z0, u1 = one->u0 + one->nu,
+        z1 = one->z0 + one->nz;
+    u1 = u1 > other->u0 + other->nu ? u1 : other->u0 + other->nu;
+    z1 = z1 > other->z0 + other->nz ? z1 : other->z0 + other->nz;
+    table->u0 = u0 - 1;
+    table->nu = u1 - u0 + 2;
+    table->z0 = z0 - 1;
+    table->nz = z1 - z0 + 2;
+    size_t places = (size_t)table->nu * (size_t)table->nz;
+    if (places > table->size) {
+        lf_table_finish(&(lf_row_table){.terms = table->terms, .share = table->share});
+        table->terms = lf_calloc(places * LF_TABLE_TERMS * 4, sizeof *table->terms);
+        table->share = lf_calloc(places, sizeof *table->share);
+        table->size = table->terms && table->share ? places : 0;
+        return table->size > 0 ? LF_OK : LF_E_NOMEM;
+    }
+    memset(table->terms, 0, places * LF_TABLE_TERMS * 4 * sizeof *table->terms);
+    memset(table->share, 0, places * sizeof *table->share);
+    return LF_OK;
+}
+
+static void add_node(lf_row_table *table, const lf_cell *cell, int variant, float weight,
+                     float above)
+{
+    static const int order[LF_TABLE_TERMS] = {-1,        LF_PLACE, LF_DEPTH,  LF_MEDIA,
+                                              LF_PIVOTS, LF_VIEW,  LF_SPREAD, LF_LIGHT};
+    size_t u = (size_t)(cell->u - table->u0), z = (size_t)(cell->z - table->z0),
+           nu = (size_t)table->nu;
+    float *terms = table->terms + (z * LF_TABLE_TERMS * nu + u) * 4;
+    for (int c = 0; c < 3; c++) {
+        const lf_plane *p = &cell->node[variant][c];
+        float constant = p->constant + above * p->slope[LF_ROW] -
+                         ((float)cell->u + 0.5f) * p->slope[LF_PLACE] -
+                         ((float)cell->z + 0.5f) * p->slope[LF_DEPTH];
+        for (int i = 0; i < LF_TABLE_TERMS; i++)
+            terms[(size_t)i * nu * 4 + (size_t)c] +=
+                weight * (i == 0 ? constant : p->slope[order[i]]);
+    }
+    terms[3] += weight;
+    table->share[z * nu + u] += weight * cell->share;
+}
+
+lf_status lf_table_make(lf_row_table *table, const lf_reconstruction *r, int row, int variant)
+{
+    const lf_lattice *l = &r->level[0];
+    float v = ((float)row + 0.5f) / LF_CELL_SIDE - 0.5f, low = floorf(v);
+    int first = (int)low, second = first + 1 < l->n_bands ? first + 1 : first;
+    first = first >= 0 ? first : second;
+    const lf_band *bands[2] = {&l->bands[first], &l->bands[second]};
+    const float weight[2] = {first < second ? 1.0f - (v - low) : 1.0f, v - low};
+    lf_status status = begin(table, bands[0], bands[1]);
+    for (int b = 0; b < (first < second ? 2 : 1) && status == LF_OK; b++)
+        for (int i = 0; i < bands[b]->n; i++)
+            add_node(table, &bands[b]->cells[i], variant, weight[b],
+                     v - (float)(b == 0 ? first : second));
+    return status;
 }

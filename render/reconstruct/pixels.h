@@ -2,27 +2,20 @@
 #ifndef LF_RENDER_RECONSTRUCT_PIXELS_H
 #define LF_RENDER_RECONSTRUCT_PIXELS_H
 
-#include "render/reconstruct/lattice.h"
+#include "render/reconstruct/kernel.h"
 
-/* Features of one half, or of both, of one pixel: absolute coordinates. */
-typedef struct lf_pixel_features {
-    float f[LF_FEATURES];
-} lf_pixel_features;
-
-/* Arrays [view][column] of one row. */
-typedef struct lf_pixels {
-    lf_pixel_features *feature[LF_VARIANTS];
-    int *u, *z; /* of the cell of level 0 */
-    float *q;   /* of both halves; 0: nothing scatters, all else is then undefined */
-} lf_pixels;
-
-/* LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_pixels_create(size_t n, lf_pixels **out);
-/* Accepts NULL. */
-void lf_pixels_destroy(lf_pixels *pixels);
+/* Memory for rows of n pixels, all views. LF_E_NOMEM; *out may then be finished. */
+LF_NODISCARD lf_status lf_pixels_init(size_t n, lf_pixels *out);
+/* Accepts what is all zero. */
+void lf_pixels_finish(lf_pixels *pixels);
 
 /* halves: also the features of each alone. false: the row was never visited. */
 bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film *film, int row,
                     bool halves);
+
+/* The table for a row from the last fit. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_table_make(lf_row_table *table, const lf_reconstruction *r, int row,
+                                     int variant);
+void lf_table_finish(lf_row_table *table);
 
 #endif

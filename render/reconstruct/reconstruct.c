@@ -4,8 +4,19 @@
 
 #include "base/alloc.h"
 #include "render/reconstruct/moments.h"
+#include "render/reconstruct/scratch.h"
 #include "render/reconstruct/shrink.h"
 #include "render/reconstruct/solve.h"
+
+/* The same bits whichever: LF_CPU (rows/kernel.h) is not asked. */
+static const lf_reconstruct_kernels *choose_kernels(void)
+{
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2"))
+        return &lf_reconstruct_kernels_avx2;
+#endif
+    return &lf_reconstruct_kernels_c;
+}
 
 static int bands_of(int height, int level)
 {
@@ -21,13 +32,10 @@ lf_status lf_reconstruct_create(const lf_reconstruct_view *view, lf_pool *pool,
         return LF_E_NOMEM;
     r->view = *view;
     r->pool = pool;
-    r->n_workers = lf_pool_threads(pool);
+    r->kernels = choose_kernels();
+    pthread_mutex_init(&r->lock, NULL);
     r->shift = lf_calloc((size_t)view->n_views, sizeof *r->shift);
-    r->scratch = lf_calloc((size_t)r->n_workers, sizeof *r->scratch);
-    bool whole = r->shift && r->scratch;
-    for (int i = 0; i < r->n_workers && whole; i++)
-        whole =
-            lf_pixels_create((size_t)view->n_views * (size_t)view->width, &r->scratch[i]) == LF_OK;
+    bool whole = r->shift;
     for (int l = 0; l < LF_LEVELS && whole; l++) {
         r->level[l].n_bands = bands_of(view->height, l);
         r->level[l].bands = lf_calloc((size_t)r->level[l].n_bands, sizeof *r->level[l].bands);
@@ -52,9 +60,8 @@ void lf_reconstruct_destroy(lf_reconstruction *r)
             lf_band_finish(&r->level[l].bands[i]);
         lf_free(r->level[l].bands);
     }
-    for (int i = 0; r->scratch && i < r->n_workers; i++)
-        lf_pixels_destroy(r->scratch[i]);
-    lf_free(r->scratch);
+    lf_scratch_drop(r);
+    pthread_mutex_destroy(&r->lock);
     lf_free(r->shift);
     lf_free(r);
 }
@@ -88,13 +95,24 @@ typedef struct lf_fit_job {
     atomic_int failed;
 } lf_fit_job;
 
+static lf_status gather(const lf_fit_job *job, int band)
+{
+    lf_reconstruct_scratch *scratch = lf_scratch_take(job->r);
+    if (!scratch)
+        return LF_E_NOMEM;
+    lf_status status = lf_moments_gather(job->r, job->film, band, scratch->rows);
+    lf_scratch_give(job->r, scratch);
+    return status;
+}
+
 static void run_band(void *context, int band, int worker)
 {
+    (void)worker;
     lf_fit_job *job = context;
     lf_status status = LF_OK;
     switch (job->step) {
     case GATHER:
-        status = lf_moments_gather(job->r, job->film, band, job->r->scratch[worker]);
+        status = gather(job, band);
         break;
     case COARSEN:
         status = lf_moments_coarsen(job->r, job->level, band);

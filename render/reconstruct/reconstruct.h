@@ -47,7 +47,7 @@ bool lf_reconstruct_ready(const lf_reconstruction *r);
 
 /* The answer of one row of all views from the last fit and what the film holds of the row now. out
  * [view][column][3]. LF_E_STATE, and out untouched: there is no fit, or the row was never visited.
- * Thread: any, for different rows at once. */
-lf_status lf_reconstruct_row(const lf_reconstruction *r, const lf_film *film, int row, float *out);
+ * LF_E_NOMEM. Thread: any, for different rows at once. */
+lf_status lf_reconstruct_row(lf_reconstruction *r, const lf_film *film, int row, float *out);
 
 #endif

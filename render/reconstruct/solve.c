@@ -4,9 +4,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "render/reconstruct/kernel.h"
+
 /* Tent-weighted sums of the 27 cells around one, as seen from its middle. */
-static void gather(const lf_lattice *level, int number, const lf_cell *cell, float side,
-                   lf_moments sum[2])
+static void gather(const lf_reconstruct_kernels *kernels, const lf_lattice *level, int number,
+                   const lf_cell *cell, float side, lf_moments sum[2])
 {
     memset(sum, 0, 2 * sizeof *sum);
     for (int dv = -1; dv <= 1; dv++) {
@@ -19,7 +21,7 @@ static void gather(const lf_lattice *level, int number, const lf_cell *cell, flo
                 const float shift[3] = {(float)du * side, (float)dv * side, (float)dz * side},
                             weight = (dv ? 0.5f : 1.0f) * (dz ? 0.5f : 1.0f) * (du ? 0.5f : 1.0f);
                 for (int h = 0; h < 2 && i >= 0; h++)
-                    lf_moments_add(&sum[h], &band->cells[i].half[h][h], weight, shift);
+                    kernels->move(&sum[h], &band->cells[i].half[h][h], weight, shift);
             }
         }
     }
@@ -116,9 +118,9 @@ void lf_solve_band(lf_reconstruction *r, int level, int number)
         lf_cell *cell = &band->cells[i];
         static const float here[3] = {0.0f, 0.0f, 0.0f};
         lf_moments sum[2], both;
-        gather(&r->level[level], number, cell, (float)(1 << level), sum);
+        gather(r->kernels, &r->level[level], number, cell, (float)(1 << level), sum);
         both = sum[0];
-        lf_moments_add(&both, &sum[1], 1.0f, here);
+        r->kernels->move(&both, &sum[1], 1.0f, here);
         lf_solve(&both, cell->node[LF_BOTH]);
         for (int h = 0; h < 2; h++)
             lf_solve(sum[h].w > 0.0f ? &sum[h] : &both, cell->node[h]);

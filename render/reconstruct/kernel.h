@@ -1,0 +1,56 @@
+/* The hot loops of a reconstruction, behind a table of functions: the same loops (kernel_loops.h)
+ * compiled for each instruction set, element by element, so that all give the same bits; private to
+ * render/reconstruct. */
+#ifndef LF_RENDER_RECONSTRUCT_KERNEL_H
+#define LF_RENDER_RECONSTRUCT_KERNEL_H
+
+#include "render/reconstruct/lattice.h"
+
+/* Arrays [view][column] of one row, as a reconstruction reads it from a film. */
+typedef struct lf_pixels {
+    float *f[LF_VARIANTS][LF_FEATURES]; /* absolute coordinates; some variants share arrays */
+    int *u, *z;                         /* of the cell of level 0 */
+    float *q; /* of both halves; 0: nothing scatters, all else is then undefined */
+    float *data;
+    int *cells;
+} lf_pixels;
+
+/* The halves of one row of one view. */
+typedef struct lf_view_row {
+    const float *q[2];
+    const lf_packed_feature *feature[2];
+    float share[2]; /* of the samples; 0: q and features are not looked at */
+    float row, view, shift, depth;
+    int first, n; /* its pixels in lf_pixels */
+} lf_view_row;
+
+/* The planes of all nodes as one row sees them, in between the bands above and below it: constant
+ * and slopes for absolute coordinates; the row's own is in the constant. */
+#define LF_TABLE_TERMS 8 /* 1 and all features but the row */
+typedef struct lf_row_table {
+    int u0, nu, z0, nz;
+    float *terms; /* [nz][LF_TABLE_TERMS][nu][4] R, G, B; fourth of term 0: weight */
+    float *share; /* [nz][nu] times the weight */
+    size_t size;  /* places allocated */
+} lf_row_table;
+
+typedef struct lf_reconstruct_kernels {
+    /* Features of both halves; with `halves` also of each. Without, of lf_pixels alone u, z, q and
+     * f[LF_BOTH]. */
+    void (*read)(const lf_view_row *in, bool halves, lf_pixels *out);
+    /* Adds one pixel's weight and radiance to moments. */
+    void (*add)(lf_moments *m, float w, const float n[3], const float f[LF_FEATURES]);
+    /* As lf_moments_add. */
+    void (*move)(lf_moments *to, const lf_moments *from, float weight, const float shift[3]);
+    /* The prediction of R for n pixels from `first` on, out [n][4]: R, G, B and the share of N/W,
+     * -1 where there is no node. Pixels with q = 0 are left out. */
+    void (*predict)(const lf_row_table *table, const lf_pixels *pixels, int first, int n,
+                    float (*out)[4]);
+} lf_reconstruct_kernels;
+
+extern const lf_reconstruct_kernels lf_reconstruct_kernels_c;
+#if defined(__x86_64__)
+extern const lf_reconstruct_kernels lf_reconstruct_kernels_avx2;
+#endif
+
+#endif

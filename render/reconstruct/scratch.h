@@ -1,0 +1,20 @@
+/* What a thread that reads or answers rows needs; private to render/reconstruct. */
+#ifndef LF_RENDER_RECONSTRUCT_SCRATCH_H
+#define LF_RENDER_RECONSTRUCT_SCRATCH_H
+
+#include "render/reconstruct/pixels.h"
+
+typedef struct lf_reconstruct_scratch {
+    lf_pixels rows[LF_CELL_SIDE];
+    lf_row_table table;
+    float (*predicted)[4]; /* [view][column] */
+    struct lf_reconstruct_scratch *next;
+} lf_reconstruct_scratch;
+
+/* One that nobody uses, for a thread of any kind; made when there is none. NULL: no memory. */
+lf_reconstruct_scratch *lf_scratch_take(lf_reconstruction *r);
+void lf_scratch_give(lf_reconstruction *r, lf_reconstruct_scratch *scratch);
+/* Releases all, none of which may be in use. */
+void lf_scratch_drop(lf_reconstruction *r);
+
+#endif
