@@ -39,8 +39,8 @@ static inline lf_feature lf_feature_unpack(lf_packed_feature p)
 /* x in 0..1; u in [0, 1) rounds. */
 static inline uint16_t lf_feature_unit(float x, float u)
 {
-    float scaled = x > 0.0f ? x * 65535.0f : 0.0f;
-    return (uint16_t)((scaled < 65535.0f ? scaled : 65535.0f) + u);
+    float sum = (x > 0.0f ? x * 65535.0f : 0.0f) + u; /* which may round up */
+    return sum < 65535.0f ? (uint16_t)sum : 65535;
 }
 
 /* random: 32 bits. */

@@ -365,9 +365,22 @@ static void light_is_stored_where_it_is_not_implied(void **state)
     assert_true(stores(LF_TEST_VEIL("3", "")));
 }
 
+/* However they are rounded: a surface that fills a pixel does so for ever. */
+static void ends_of_features_stay(void **state)
+{
+    (void)state;
+    const lf_feature most = {LF_NEARNESS_MAX, 0.5f * LF_NEARNESS_MAX, 1.0f, 0.0f}, none = {0};
+    for (uint32_t random = 0; random < 65536; random++) {
+        lf_feature a = lf_feature_unpack(lf_feature_pack(&most, random << 16)),
+                   b = lf_feature_unpack(lf_feature_pack(&none, random << 16));
+        assert_true(memcmp(&a, &most, sizeof a) == 0 && memcmp(&b, &none, sizeof b) == 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ends_of_features_stay),
         cmocka_unit_test(a_view_pixel_takes_at_most_64_bytes),
         cmocka_unit_test(case_19_ten_million_ones_are_ten_million),
         cmocka_unit_test(sums_neither_drift_nor_stagnate),
