@@ -27,6 +27,8 @@ typedef struct lf_integrator_needs {
     int visit_passes; /* passes in a visit of the offline schedule */
 } lf_integrator_needs;
 
+struct lf_sunlight;
+
 /* What a pass asks of every row that it visits. */
 typedef struct lf_visit_order {
     int subsets;     /* passes at once; 0: nothing but holes is sampled */
@@ -35,6 +37,8 @@ typedef struct lf_visit_order {
     int hole_reach;  /* as in lf_renderer_pass_filling; < 0: holes are left */
     int stream;      /* where its counts are: of film->streams */
     uint64_t random; /* its random numbers */
+    /* of the scene, for the film's features (transport/sunlight.h); NULL: it has none */
+    const struct lf_sunlight *sunlight;
     unsigned faults; /* lf_fault (rows/visit.h), in builds that have them */
 } lf_visit_order;
 

@@ -8,6 +8,7 @@
 #include "render/scene/geometry.h"
 #include "render/skip.h"
 #include "render/transport/sampler.h"
+#include "render/transport/sunlight.h"
 
 /* ------------------------------------------------------------------------------------- names -- */
 
@@ -104,6 +105,10 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
         r->scene = lf_scene_ref(scene);
         r->settings = *settings;
         r->settings.integrator = name;
+        if (r->sunlight && !lf_sunlight_adopt(r->sunlight, scene)) {
+            lf_sunlight_destroy(r->sunlight);
+            r->sunlight = NULL;
+        }
         drop_parts(&fresh);
         lf_scene_unref(old);
     } else {
@@ -137,6 +142,7 @@ void lf_renderer_destroy(lf_renderer *renderer)
     lf_film_finish(&renderer->film);
     lf_reconstruct_destroy(renderer->shown);
     lf_geometry_unref(renderer->empty);
+    lf_sunlight_destroy(renderer->sunlight);
     lf_scene_unref(renderer->scene);
     lf_free(renderer);
 }
@@ -180,6 +186,14 @@ static lf_part whole_part(const lf_renderer *r, const lf_part *part)
     return whole;
 }
 
+/* What the film's features want of the scene's lights, once. */
+static lf_status light_up(lf_renderer *r, const lf_cancel *cancel)
+{
+    if (r->sunlight || !r->film.layout.has_features || !lf_sunlight_needed(r->scene))
+        return LF_OK;
+    return lf_sunlight_create(r->scene, 0, r->pool, cancel, &r->sunlight);
+}
+
 static lf_status run(lf_pass_job *job)
 {
     lf_renderer *r = job->renderer;
@@ -191,8 +205,11 @@ static lf_status run(lf_pass_job *job)
     if (part.first_row >= part.end_row)
         return LF_OK;
     lf_status status = lf_film_stream_at(&r->film, seed, part.stream, &job->order.stream);
+    if (status == LF_OK)
+        status = light_up(r, job->cancel);
     if (status != LF_OK)
         return status;
+    job->order.sunlight = r->sunlight;
     job->order.random = lf_film_stream_random(&r->film.streams[job->order.stream]);
     job->order.faults = r->faults;
     r->integrator->begin(r->state);

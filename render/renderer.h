@@ -10,6 +10,7 @@ struct lf_renderer {
     struct lf_geometry *empty; /* what the integrator sees in place of meshes (skip.h), or NULL */
     lf_render_settings settings;
     lf_pool *pool;
+    struct lf_sunlight *sunlight; /* made by the first pass whose film has features; NULL: none */
     lf_film film;
     lf_reconstruction *shown; /* NULL until it is asked for; of this film's shape and rig */
     const lf_integrator *integrator;

@@ -3,6 +3,7 @@
  * transmittances of all views' pixels in that column at once (docs/estimators.md, "B and q"). */
 #include "render/rows/visit.h"
 #include "render/transport/light_kind.h"
+#include "render/transport/sunlight.h"
 
 /* One ray's known light and pivot probability; material: of the surface it meets, NULL: none;
  * depth: optical, along the whole ray or to the surface; exp(-depth) times correction is what comes
@@ -35,9 +36,35 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
                         transmittance * light.z);
 }
 
-/* What one ray met that scatters, q of it known: a medium, or behind it a surface. */
-static void write_feature(const lf_visit *visit, size_t pixel, int k, bool lobe)
+/* Where ray k of the fan meets a surface. */
+static void hit_of(const lf_visit *visit, int k, lf_hit *out)
 {
+    const lf_scratch *w = visit->worker;
+    const lf_row_plane *plane = &visit->plane;
+    float z = w->z_end[k];
+    lf_vec3 p = lf_rig_point(visit->rig, w->x0[k] + w->slope[k] * z, plane->ly + plane->my * z, z),
+            along = lf_rig_direction(visit->rig, w->slope[k], plane->my, 1.0f);
+    lf_section_hit(&w->section, visit->triangles, visit->scene, w->segment[k], p,
+                   lf_scale(along, 1.0f / w->length[k]), out);
+}
+
+/* What the surface there sends on of sunlight. */
+static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k)
+{
+    const lf_scratch *w = visit->worker;
+    lf_hit hit;
+    if (!plan->order.sunlight)
+        return 0.0f;
+    hit_of(visit, k, &hit);
+    lf_vec3 back = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f);
+    return lf_sunlight_reflected(plan->order.sunlight, &hit, lf_scale(back, -1.0f / w->length[k]));
+}
+
+/* What one ray met that scatters, q of it known: a medium, or behind it a surface. */
+static void write_feature(const lf_visit_plan *plan, const lf_visit *visit, size_t pixel, int k,
+                          bool lobe)
+{
+    const float least = 1e-3f; /* less of a surface is not worth a look at its light */
     const lf_scratch *worker = visit->worker;
     const lf_media_moments *m = &worker->moments;
     float q = visit->sums.half.q[pixel], medium = q;
@@ -45,9 +72,11 @@ static void write_feature(const lf_visit *visit, size_t pixel, int k, bool lobe)
     if (!(q > 0.0f))
         return;
     if (lobe) {
-        const lf_feature surface = {.nearness = lf_nearness(visit->rig->distance, worker->z_end[k]),
-                                    .surface = 1.0f};
         medium = lf_min(m->met[k], 1.0f);
+        const lf_feature surface = {.nearness = lf_nearness(visit->rig->distance, worker->z_end[k]),
+                                    .surface = 1.0f,
+                                    .light =
+                                        q - medium > least ? sunlight_of(plan, visit, k) : 0.0f};
         feature = lf_feature_mix(&feature, (double)medium, &surface, (double)(q - medium));
     }
     lf_film_note(&visit->sums, pixel, feature);
@@ -157,7 +186,6 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    int material[LF_MAX_LANES];
     float light[3];
     bool constant = plan->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_constant(plan->scene, light);
     lf_vec3 sky = constant ? lf_v3(light[0], light[1], light[2]) : lf_v3(0.0f, 0.0f, 0.0f);
@@ -165,7 +193,7 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
         lf_correction_needed(&w->media) && !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
     w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
     for (int k = 0; k < LF_MAX_LANES; k++)
-        material[k] = -1; /* and so it stays without meshes */
+        w->segment[k] = -1; /* and so it stays without meshes */
     for (int column = 0; column < rig->width; column++) {
         float xw = rig->x0 + ((float)column + lf_exits_film_point(key, column, index)) * rig->dx,
               lx = 0.0f;
@@ -180,20 +208,22 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
         if (visit->triangles && from < to)
             lf_section_nearest(&w->section, rig,
                                xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus),
-                               to - from, w->x0 + from, w->z_end + from, material + from);
+                               to - from, w->x0 + from, w->z_end + from, w->segment + from);
         if (w->media.n_here > 0 && from < to)
             march(plan, w, from, to, visit->sums.feature);
         if (corrected && from < to)
             correct(visit, from, to);
         for (int k = 0; k < rig->n_views; k++) {
-            bool met = k >= from && k < to && material[k] >= 0;
-            const lf_material *m = met ? &plan->scene->materials[material[k]] : NULL;
+            bool met = k >= from && k < to && w->segment[k] >= 0;
+            const lf_material *m =
+                met ? &plan->scene->materials[lf_section_material(&w->section, w->segment[k])]
+                    : NULL;
             size_t pixel = (size_t)k * (size_t)rig->width + (size_t)column;
             write_known(visit, pixel, k, m, w->tau[k] * w->length[k],
                         corrected && k >= from && k < to ? w->factor[k] : 1.0f,
                         constant ? &sky : NULL);
             if (visit->sums.feature)
-                write_feature(visit, pixel, k, m && m->has_lobe);
+                write_feature(plan, visit, pixel, k, m && m->has_lobe);
         }
     }
     if (w->mirrors)

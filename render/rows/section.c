@@ -498,7 +498,7 @@ typedef struct fan {
     int n;
     const float *c;
     float d[LF_MAX_LANES];
-    int *material;
+    int *segment;
 } fan;
 
 /* Boxes that lie between the outermost rays, on either side of d = 0. */
@@ -517,19 +517,20 @@ static void fan_meets(const lf_section_node *node, const fan *f, int out[WIDE])
 
 /* A segment is met by the rays that have its ends on different sides: those that share an end agree
  * on its side. */
-static void meet_segment(fan *f, int group, float d0, float s0, float d1, float s1, int material)
+static void meet_segment(fan *f, int group, float d0, float s0, float d1, float s1, int segment)
 {
     for (int k = group; k < group + WIDE; k++) {
         float a = s0 - f->c[k] * d0, b = s1 - f->c[k] * d1;
         float d = d0 + (d1 - d0) * (a / (a - b));
         bool nearer = ((a >= 0.0f) != (b >= 0.0f)) & (d > f->d[k]);
         f->d[k] = nearer ? d : f->d[k];
-        f->material[k] = nearer ? material : f->material[k];
+        f->segment[k] = nearer ? segment : f->segment[k];
     }
 }
 
-static void fan_leaf(const lf_section_leaf *leaf, fan *f)
+static void fan_leaf(const lf_section *section, int number, fan *f)
 {
+    const lf_section_leaf *leaf = &section->leaves[number];
     for (int i = 0; i < WIDE; i++) {
         float d0 = leaf->d0[i], d1 = leaf->d1[i], s0 = leaf->s0[i] - f->s, s1 = leaf->s1[i] - f->s;
         for (int group = 0; group < f->n && d1 > -LF_SECTION_FAR; group += WIDE) {
@@ -538,19 +539,19 @@ static void fan_leaf(const lf_section_leaf *leaf, fan *f)
             bool above = s0 >= c0 * d0 && s1 >= c0 * d1 && s0 >= c1 * d0 && s1 >= c1 * d1;
             bool below = s0 < c0 * d0 && s1 < c0 * d1 && s0 < c1 * d0 && s1 < c1 * d1;
             if (!above && !below)
-                meet_segment(f, group, d0, s0, d1, s1, leaf->material[i]);
+                meet_segment(f, group, d0, s0, d1, s1, WIDE * number + i);
         }
     }
 }
 
 void lf_section_nearest(const lf_section *section, const lf_rig *rig, float s0, int n,
-                        const float *c, float *z, int *material)
+                        const float *c, float *z, int *segment)
 {
     fan f = {.s = s0, .n = n, .c = c};
-    f.material = material;
+    f.segment = segment;
     for (int k = 0; k < n; k++) {
         f.d[k] = -LF_SECTION_FAR;
-        material[k] = -1;
+        segment[k] = -1;
     }
     for (int root = 0; root < section->n_roots; root++) {
         int hit[WIDE], inner[WIDE];
@@ -561,9 +562,23 @@ void lf_section_nearest(const lf_section *section, const lf_rig *rig, float s0, 
             fan_meets(&section->nodes[WIDE * root + i], &f, inner);
             for (int j = 0; j < WIDE; j++)
                 if (inner[j])
-                    fan_leaf(&section->leaves[WIDE * (WIDE * root + i) + j], &f);
+                    fan_leaf(section, WIDE * (WIDE * root + i) + j, &f);
         }
     }
     for (int k = 0; k < n; k++)
-        z[k] = material[k] < 0 ? INFINITY : rig->distance / (f.d[k] * rig->distance + 1.0f);
+        z[k] = segment[k] < 0 ? INFINITY : rig->distance / (f.d[k] * rig->distance + 1.0f);
+}
+
+void lf_section_hit(const lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
+                    int segment, lf_vec3 p, lf_vec3 w, lf_hit *out)
+{
+    uint32_t triangle = section->leaves[segment / WIDE].triangle[segment % WIDE];
+    int mesh = 0, count = scene->n_meshes;
+    while (count > 1) {
+        int half = count / 2;
+        bool behind = rows->mesh_start[mesh + half] <= triangle;
+        mesh = behind ? mesh + half : mesh;
+        count = behind ? count - half : half;
+    }
+    lf_describe_hit(scene, mesh, triangle - rows->mesh_start[mesh], p, w, out);
 }

@@ -83,8 +83,18 @@ void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, co
 /* The nearest surface along each of n rays that leave the camera positions c[k], rising in k,
  * through one point of the plane Z = D, or for a lens through one point of what it makes of that
  * plane: the lines s = s0 + c d. n is a multiple of LF_LANES. z[k] is where it lies, INFINITY:
- * nowhere; material[k] is its material in the scene, -1: none. */
+ * nowhere; segment[k] is which of the section it is, -1: none. */
 void lf_section_nearest(const lf_section *section, const lf_rig *rig, float s0, int n,
-                        const float *c, float *z, int *material);
+                        const float *c, float *z, int *segment);
+
+/* A segment's material in the scene. */
+static inline int lf_section_material(const lf_section *section, int segment)
+{
+    return section->leaves[segment / LF_SECTION_WIDE].material[segment % LF_SECTION_WIDE];
+}
+
+/* What a ray along the unit vector w finds at p on a segment's triangle (lf_describe_hit). */
+void lf_section_hit(const lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
+                    int segment, lf_vec3 p, lf_vec3 w, lf_hit *out);
 
 #endif

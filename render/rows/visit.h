@@ -55,6 +55,7 @@ typedef struct lf_scratch {
     float strategy[LF_MAX_LANES]; /* count times density: what the pivot is drawn with */
     float factor[LF_MAX_LANES];   /* correction weights (correction.h) */
     float length[LF_MAX_LANES];   /* of the fan's rays, per unit of Z */
+    int segment[LF_MAX_LANES];    /* what they meet: of the section, -1: no surface */
     lf_media_moments moments;     /* of the fan's collisions, where features are wanted */
     int column[LF_MAX_LANES];
     /* directions to the views in the frame of a surface's shading normal (z) */

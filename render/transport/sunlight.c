@@ -1,6 +1,6 @@
 #include "render/transport/sunlight.h"
 
-#include <stdlib.h>
+#include <string.h>
 
 #include "base/alloc.h"
 #include "render/transport/light_kind.h"
@@ -65,9 +65,10 @@ static lf_status make(star *sun, const lf_scene *scene, int texels, lf_pool *poo
     float m = sun->light->versine;
     const lf_sunlight_view view = {.toward = sun->toward,
                                    .spread = sqrtf(m * (2.0f - m)) / lf_max(1.0f - m, 0.1f)};
-    lf_status status = lf_sunlight_map_init(&sun->whole, scene, &view, texels, false, pool, cancel);
+    lf_status status = lf_sunlight_map_init(&sun->near, scene, &view, texels, true, pool, cancel);
     if (status == LF_OK)
-        status = lf_sunlight_map_init(&sun->near, scene, &view, texels, true, pool, cancel);
+        status = lf_sunlight_map_init(&sun->whole, scene, &view,
+                                      sun->near.texels ? texels / 2 : texels, false, pool, cancel);
     if (status == LF_OK)
         status = lf_sunlight_media_init(&sun->media, scene, sun->toward, NODES, pool, cancel);
     return status;
@@ -89,6 +90,42 @@ lf_status lf_sunlight_create(lf_scene *scene, int texels, lf_pool *pool, const l
     else
         lf_sunlight_destroy(sunlight);
     return status;
+}
+
+static bool same_media(const lf_scene *a, const lf_scene *b)
+{
+    bool same = a->n_volumes == b->n_volumes;
+    for (int i = 0; i < a->n_volumes && same; i++) {
+        const lf_volume *v = &a->volumes[i], *w = &b->volumes[i];
+        same = v->kind == w->kind && v->grid == w->grid && v->nearest == w->nearest &&
+               v->sigma_scale == w->sigma_scale &&
+               memcmp(v->to_volume, w->to_volume, sizeof v->to_volume) == 0;
+    }
+    return same;
+}
+
+bool lf_sunlight_adopt(lf_sunlight *sunlight, lf_scene *scene)
+{
+    lf_scene *own = sunlight->scene;
+    lf_sunlight other = {.scene = scene};
+    choose(&other);
+    bool same = own->geometry == scene->geometry && sunlight->n == other.n &&
+                memcmp(own->origin, scene->origin, sizeof own->origin) == 0 &&
+                same_media(own, scene);
+    for (int i = 0; i < other.n && same; i++) {
+        const lf_light *a = sunlight->stars[i].light, *b = other.stars[i].light;
+        same = a->direction.x == b->direction.x && a->direction.y == b->direction.y &&
+               a->direction.z == b->direction.z && a->versine == b->versine;
+    }
+    if (!same)
+        return false;
+    for (int i = 0; i < sunlight->n; i++) {
+        sunlight->stars[i].light = other.stars[i].light;
+        sunlight->stars[i].media.scene = scene;
+    }
+    sunlight->scene = lf_scene_ref(scene);
+    lf_scene_unref(own);
+    return true;
 }
 
 void lf_sunlight_destroy(lf_sunlight *sunlight)

@@ -21,7 +21,7 @@ typedef struct lf_sunlight lf_sunlight;
 /* Whether there is anything to be made: surfaces, and a light at infinity with a direction. */
 bool lf_sunlight_needed(const lf_scene *scene);
 
-/* Makes the maps on the pool, at most `texels` along a side (0: 2048, 20 MiB a light, 40 where
+/* Makes the maps on the pool, at most `texels` along a side (0: 2048, 16 MiB a light, 20 where
  * small things stand on something wide). Takes as long as a few looks at every texel and triangle.
  * Keeps a reference to the scene. LF_E_NOMEM; LF_E_CANCELLED soon after cancel is set.
  * Thread: the pool's caller. The result does not depend on the number of its threads. */
@@ -29,6 +29,10 @@ LF_NODISCARD lf_status lf_sunlight_create(lf_scene *scene, int texels, lf_pool *
                                           const lf_cancel *cancel, lf_sunlight **out);
 /* Accepts NULL. */
 void lf_sunlight_destroy(lf_sunlight *sunlight);
+
+/* Goes over to another scene where the maps would be the same: lights, surfaces and media stand
+ * where they stood; colours may have changed. false: it stays with its own. */
+bool lf_sunlight_adopt(lf_sunlight *sunlight, lf_scene *scene);
 
 /* Of light number i of those that are kept, strongest first: the share of its irradiance that
  * arrives at p on a surface with the geometric unit normal n; 0 where n looks away from it.

@@ -47,6 +47,21 @@ static void describe(const lf_scene *scene, unsigned mesh_number, unsigned trian
                                                               : mesh->material];
 }
 
+void lf_describe_hit(const lf_scene *scene, int mesh, uint32_t triangle, lf_vec3 p, lf_vec3 w,
+                     lf_hit *hit)
+{
+    const lf_mesh *of = &scene->meshes[mesh];
+    const uint32_t *tri = of->triangles + 3 * (size_t)triangle;
+    lf_vec3 a = lf_mesh_vertex(of, tri[0]), ab = lf_sub(lf_mesh_vertex(of, tri[1]), a),
+            ac = lf_sub(lf_mesh_vertex(of, tri[2]), a), d = lf_sub(p, a);
+    float bb = lf_dot(ab, ab), bc = lf_dot(ab, ac), cc = lf_dot(ac, ac), db = lf_dot(d, ab),
+          dc = lf_dot(d, ac), area = bb * cc - bc * bc, inverse = area > 0.0f ? 1.0f / area : 0.0f;
+    float u = lf_min(lf_max((cc * db - bc * dc) * inverse, 0.0f), 1.0f),
+          v = lf_min(lf_max((bb * dc - bc * db) * inverse, 0.0f), 1.0f - u);
+    describe(scene, (unsigned)mesh, triangle, u, v, w, hit);
+    hit->p = p;
+}
+
 /* Barycentric coordinates are good to 1e-7 of a triangle's size; on the large ones that is too
  * much, and the point is the ray's. */
 static lf_vec3 point_of(const lf_large_triangle *large, lf_vec3 o, lf_vec3 w)

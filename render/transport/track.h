@@ -53,6 +53,10 @@ static inline float lf_rng_exponential(lf_tracer *t)
 /* Nearest surface along o + t w, 0 < t < t_max; w need not be unit. true and *hit filled, or false.
  */
 bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
+/* What a ray along the unit vector w that is known to meet a triangle at p finds there: all of a
+ * hit but t. */
+void lf_describe_hit(const lf_scene *scene, int mesh, uint32_t triangle, lf_vec3 p, lf_vec3 w,
+                     lf_hit *hit);
 /* True when a surface lies between. */
 bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
 /* The start of a ray that leaves the surface point p towards w, or the end of one that comes from

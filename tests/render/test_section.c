@@ -108,6 +108,19 @@ static double met(const lf_mesh *mesh, int triangle, const double o[3], const do
     return u * det >= 0.0 && s * det >= 0.0 && (u + s) * det <= det * det ? t / det : -1.0;
 }
 
+/* A segment's triangle there is what the ray found, normals included. */
+static bool is_described(const bench *b, int segment, const lf_hit *hit, lf_vec3 w)
+{
+    lf_hit own;
+    lf_section_hit(&b->section, &lf_test_rows(b->renderer)->triangles, b->scene, segment, hit->p,
+                   lf_normalize(w), &own);
+    return &b->scene->materials[lf_section_material(&b->section, segment)] == hit->material &&
+           own.material == hit->material && own.mesh == hit->mesh &&
+           own.triangle == hit->triangle && own.front == hit->front &&
+           fabsf(own.u - hit->u) + fabsf(own.v - hit->v) < 2e-3f &&
+           lf_length(lf_sub(own.ng, hit->ng)) + lf_length(lf_sub(own.ns, hit->ns)) < 2e-3f;
+}
+
 /* The same question to every triangle in double, where rays need no offset; nearer than `behind` of
  * the way nothing counts. */
 static bool sees_exactly(const bench *b, float c, lf_vec3 p, const lf_hit *on, double behind)
@@ -230,7 +243,7 @@ static void assert_fans(bench *b)
         lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     for (int i = 0; i < 40 * height; i++) {
         float c[LF_MAX_LANES], z[LF_MAX_LANES];
-        int material[LF_MAX_LANES];
+        int segment[LF_MAX_LANES];
         if (i % 40 == 0)
             cut(b, i / 40, 0.0f);
         float lx = (2.0f * uniform(b) - 1.0f) * b->plane.lens_chord,
@@ -239,16 +252,16 @@ static void assert_fans(bench *b)
             c[k] = rig->b[k] + lx;
         lf_section_nearest(&b->section, rig,
                            xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus),
-                           lanes, c, z, material);
+                           lanes, c, z, segment);
         for (int k = 0; k < rig->n_views; k++) {
             lf_vec3 eye = lf_rig_point(rig, c[k], b->plane.ly, 0.0f);
             lf_vec3 w = lf_rig_direction(rig, (xw - rig->b[k]) / rig->distance - lx / rig->focus,
                                          b->plane.my, 1.0f);
             lf_hit hit;
             bool met = lf_trace_surface(&b->tracer, eye, w, INFINITY, &hit);
-            bool same = met ? fabsf(z[k] - hit.t) <= 1e-4f * hit.t &&
-                                  &b->scene->materials[material[k]] == hit.material
-                            : z[k] == INFINITY && material[k] == -1;
+            bool same =
+                met ? fabsf(z[k] - hit.t) <= 1e-4f * hit.t && is_described(b, segment[k], &hit, w)
+                    : z[k] == INFINITY && segment[k] == -1;
             asked++;
             found += met;
             wrong += !same;

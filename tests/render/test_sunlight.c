@@ -280,6 +280,106 @@ static void threads_do_not_change_a_bit(void **state)
     tear_down(&three);
 }
 
+/* A pixel's mean, over film points where there is a surface, of what it reflects; by rays. */
+static double reflected_by_rays(lf_tracer *tracer, const lf_rig *rig, int view, int row, int column)
+{
+    enum { POINTS = 32 };
+    double sum = 0.0, met = 0.0;
+    for (int i = 0; i < POINTS; i++) {
+        const float lens[2] = {0.5f, 0.5f};
+        lf_row_plane plane;
+        lf_hit hit;
+        lf_vec3 f;
+        lf_rig_row_plane(rig, (float)row + lf_rng(tracer), lens, &plane);
+        float slope =
+            (rig->x0 + ((float)column + lf_rng(tracer)) * rig->dx - rig->b[view]) / rig->distance;
+        lf_vec3 w = lf_normalize(lf_rig_direction(rig, slope, plane.my, 1.0f));
+        if (!lf_trace_surface(tracer, lf_rig_point(rig, rig->b[view], 0.0f, 0.0f), w, INFINITY,
+                              &hit))
+            continue;
+        const lf_light *sun = &tracer->scene->lights[tracer->scene->n_lights_infinite - 1];
+        (void)hit.material->kind->eval(hit.material, hit.ns, lf_scale(w, -1.0f),
+                                       lf_scale(sun->direction, -1.0f), &f);
+        sum += (double)lf_mean3(lf_mul(f, sun->irradiance)) * traced(tracer, sun, &hit);
+        met++;
+    }
+    return sum / met;
+}
+
+/* Where nothing scatters before surfaces: there the feature is of them alone. */
+static void features_of_pictures_are_what_rays_find(void **state)
+{
+    (void)state;
+    enum { VIEWS = 8, WIDTH = 40, HEIGHT = 30, VISITS = 32 };
+    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("8", ""));
+    lf_render_settings settings = {.skip = LF_SKIP_ALL,
+                                   .camera = *lf_scene_camera(scene),
+                                   .width = WIDTH,
+                                   .height = HEIGHT,
+                                   .seed = lf_test_seed(),
+                                   .features = true};
+    lf_renderer *renderer;
+    lf_pool *pool;
+    lf_assert_status(lf_pool_create(2, &pool), LF_OK, NULL);
+    lf_assert_status(lf_renderer_create(scene, &settings, pool, &renderer, NULL), LF_OK, NULL);
+    for (int i = 0; i < 2 * VISITS; i++)
+        lf_assert_status(lf_renderer_pass(renderer, NULL, 1, NULL, NULL, NULL), LF_OK, NULL);
+    lf_tracer tracer = {.scene = scene, .rng = lf_test_seed()};
+    double square = 0.0, wrong = 0.0, mean = 0.0;
+    int n = 0;
+    for (int i = 0; i < VIEWS * WIDTH * HEIGHT; i += 3) {
+        int row = i / (VIEWS * WIDTH), pixel = i % (VIEWS * WIDTH);
+        lf_feature f = lf_feature_unpack(lf_film_at(&renderer->film, row, 0).feature[pixel]);
+        if (f.surface < 0.9999f || lf_film_at(&renderer->film, row, 0).q[pixel] < 0.5f)
+            continue;
+        double truth = reflected_by_rays(&tracer, &lf_test_rows(renderer)->rig, pixel / WIDTH, row,
+                                         pixel % WIDTH);
+        square += ((double)f.light - truth) * ((double)f.light - truth);
+        wrong += truth * truth;
+        mean += (double)f.light - truth;
+        n++;
+    }
+    print_message("of %d pixels: off by %.4f of the feature, mean %.4f\n", n, sqrt(square / wrong),
+                  mean / sqrt(wrong * n));
+    assert_true(n > 1000 && square < 0.1 * 0.1 * wrong && fabs(mean) < 0.01 * sqrt(wrong * n));
+    lf_renderer_destroy(renderer);
+    lf_pool_destroy(pool);
+    lf_scene_unref(scene);
+}
+
+/* Colours may change, places may not. */
+static void maps_go_over_to_scenes_that_cast_the_same_shadows(void **state)
+{
+    (void)state;
+    static const char brighter[] = HEAD "'meshes': {" GROUND ", " BOARD(
+        "'scale': 0.5, 'translate': [0, 1, 0]") "}, 'materials': {'m': {'albedo': 0.1}}, 'lights': "
+                                                "{'sun': {'type': 'distant', 'irradiance': 5, "
+                                                "'direction': [0.6, -0.8, 0]}}}";
+    static const char turned[] =
+        HEAD "'meshes': {" GROUND
+             ", " BOARD("'scale': 0.5, 'translate': [0, 1, 0]") "}, " SUN("[0.5, -0.8, 0]");
+    static const char hazy[] =
+        HEAD "'volumes': {'v': {'shape': 'box', 'density': 1}}, 'meshes': {" GROUND
+             ", " BOARD("'scale': 0.5, 'translate': [0, 1, 0]") "}, " SUN("[0.6, -0.8, 0]");
+    static const char moved[] =
+        HEAD "'meshes': {" GROUND
+             ", " BOARD("'scale': 0.5, 'translate': [0, 2, 0]") "}, " SUN("[0.6, -0.8, 0]");
+    static const char *const others[] = {brighter, turned, hazy, moved};
+    bench b;
+    set_up(&b, board, 256);
+    for (int i = 0; i < 4; i++) {
+        lf_scene *other = lf_test_scene_in(".", others[i], b.scene);
+        const lf_light *which;
+        float share;
+        assert_int_equal(lf_sunlight_adopt(b.sunlight, other), i == 0);
+        assert_true(
+            lf_sunlight_share(b.sunlight, 0, lf_v3(0.5f, 0, 0), lf_v3(0, 1, 0), &share, &which));
+        assert_true(which->irradiance.x == 5.0f);
+        lf_scene_unref(other);
+    }
+    tear_down(&b);
+}
+
 /* What a diffuse ground reflects of two suns. */
 static void lights_add_up(void **state)
 {
@@ -340,6 +440,8 @@ int main(void)
         cmocka_unit_test(grids_take_away_what_is_marched_through),
         cmocka_unit_test(look_ups_find_what_rays_find),
         cmocka_unit_test(threads_do_not_change_a_bit),
+        cmocka_unit_test(features_of_pictures_are_what_rays_find),
+        cmocka_unit_test(maps_go_over_to_scenes_that_cast_the_same_shadows),
         cmocka_unit_test(lights_add_up),
         cmocka_unit_test(scenes_without_sun_or_surfaces_need_none),
         cmocka_unit_test(cancelling_leaves_nothing),
