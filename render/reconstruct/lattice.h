@@ -76,6 +76,14 @@ struct lf_reconstruction {
     bool ready;
 };
 
+/* Whether a row's pixels of this view are summed up: with many views every third, another one in
+ * each row. Neighbouring views share their paths, so that the others know next to nothing more. */
+static inline bool lf_view_is_fitted(const lf_reconstruction *r, int row, int view)
+{
+    int step = r->view.n_views / 15 < 3 ? r->view.n_views / 15 : 3;
+    return step < 2 || (row + view) % step == 0;
+}
+
 /* The number of the cell at (u, z), -1: there is none. */
 static inline int lf_band_find(const lf_band *band, int u, int z)
 {

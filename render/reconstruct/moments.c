@@ -79,13 +79,12 @@ static void add_pixel(lf_cell *cell, const lf_reconstruction *r, const lf_film *
         cell->raw.square[c] += both.n[c] * both.n[c] / both.w;
 }
 
-static void add_row(lf_band *band, const lf_reconstruction *r, const lf_film *film,
-                    const lf_pixels *pixels, int row, int number)
+static void add_view(lf_band *band, const lf_reconstruction *r, const lf_film *film,
+                     const lf_pixels *pixels, const lf_row_halves *halves,
+                     const lf_film_known *known, int number, int view)
 {
-    const lf_row_halves halves = halves_of(film, row);
-    const lf_film_known *known = lf_film_known_at(film, row);
-    size_t n = (size_t)film->n_views * (size_t)film->width;
-    for (size_t i = 0; i < n; i++) {
+    size_t first = (size_t)view * (size_t)film->width;
+    for (size_t i = first; i < first + (size_t)film->width; i++) {
         if (!(pixels->q[i] > 0.0f))
             continue;
         lf_cell *cell = &band->cells[lf_band_find(band, pixels->u[i], pixels->z[i])];
@@ -95,9 +94,19 @@ static void add_row(lf_band *band, const lf_reconstruction *r, const lf_film *fi
         for (int h = 0; h < 2; h++)
             for (int j = 0; j < LF_FEATURES; j++)
                 f[h][j] = pixels->f[h][j][i] - (j < 3 ? middle[j] : 0.0f);
-        add_pixel(cell, r, film, &halves, i, f);
+        add_pixel(cell, r, film, halves, i, f);
         add_known(&cell->raw, film, known ? &known[i] : NULL, pixels->q[i]);
     }
+}
+
+static void add_row(lf_band *band, const lf_reconstruction *r, const lf_film *film,
+                    const lf_pixels *pixels, int row, int number)
+{
+    const lf_row_halves halves = halves_of(film, row);
+    const lf_film_known *known = lf_film_known_at(film, row);
+    for (int view = 0; view < film->n_views; view++)
+        if (lf_view_is_fitted(r, row, view))
+            add_view(band, r, film, pixels, &halves, known, number, view);
 }
 
 typedef struct lf_range {

@@ -54,7 +54,7 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
             in.feature[h] = half.feature + in.first;
             in.share[h] = (float)(state->n[h] / n);
         }
-        r->kernels->read(&in, halves, pixels);
+        r->kernels->read(&in, halves && lf_view_is_fitted(r, row, k), pixels);
     }
     return true;
 }
