@@ -55,9 +55,16 @@ static const char *word_of(const lf_param *row, int value)
     return row->words ? row->words[value] : NULL;
 }
 
+/* Words and nothing else. */
 static bool has_words(const lf_param *row)
 {
-    return word_of(row, 0);
+    return row->type != LF_PARAM_NUMBER && word_of(row, 0);
+}
+
+/* A number, or a word in its place. */
+static bool is_mixed(const lf_param *row)
+{
+    return row->type == LF_PARAM_NUMBER && word_of(row, 0);
 }
 
 static int count_words(const lf_param *row)
@@ -199,13 +206,17 @@ static bool read_list(const lf_param *row, const char *text, double *out)
 /* The value that a text stands for. */
 static bool read_value(const lf_param *row, const char *text, double *out)
 {
-    const int index = has_words(row) && text ? word_index(row, text) : -1;
+    const int index = word_of(row, 0) && text ? word_index(row, text) : -1;
     int64_t whole = 0;
     if (row->type == LF_PARAM_LIST)
         return text && read_list(row, text, out);
     if (has_words(row)) {
         *out = row->type == LF_PARAM_WHOLE && index >= 0 ? strtod(text, NULL) : index;
         return index >= 0;
+    }
+    if (index >= 0) {
+        *out = index == 0 ? (double)INFINITY : -(double)INFINITY;
+        return true;
     }
     if (row->type == LF_PARAM_SWITCH) {
         *out = 1.0;
@@ -228,6 +239,8 @@ static bool is_allowed(const lf_param *row, double value)
     }
     if (has_words(row) || row->type == LF_PARAM_SWITCH)
         return value >= 0.0 && value < (has_words(row) ? count_words(row) : 2);
+    if (is_mixed(row) && isinf(value))
+        return value > 0.0 || word_of(row, 1);
     return value >= row->low && value <= row->high; /* never, for NaN */
 }
 
@@ -255,6 +268,8 @@ static char *describe(const lf_param *row, char *buf, size_t size)
                  row->unit ? " " : "", row->unit ? row->unit : "");
     else if (list)
         snprintf(buf, size, "all, none or some of ");
+    if (is_mixed(row))
+        snprintf(buf + strlen(buf), size - strlen(buf), ", ");
     join_words(row, list ? NULL : " or ", buf, size);
     return buf;
 }
@@ -437,6 +452,7 @@ static bool take_point(const lf_param *row, const json_t *value, void *object)
 static bool take_json(const lf_param *row, const json_t *value, void *object)
 {
     double number = 0.0;
+    const bool worded = has_words(row) || (is_mixed(row) && json_is_string(value));
     if (row->type == LF_PARAM_POINT)
         return take_point(row, value, object);
     if (row->type == LF_PARAM_TEXT) {
@@ -444,7 +460,7 @@ static bool take_json(const lf_param *row, const json_t *value, void *object)
             *text_place(row, object) = json_string_value(value);
         return json_is_string(value);
     }
-    if (has_words(row) && row->type != LF_PARAM_WHOLE) {
+    if (worded && row->type != LF_PARAM_WHOLE) {
         if (!json_is_string(value) || !read_value(row, json_string_value(value), &number))
             return false;
     } else if (row->type == LF_PARAM_SWITCH) {
@@ -517,6 +533,8 @@ static json_t *value_json(const lf_param *row, const void *object)
     const double value = number_at(row, object);
     if (has_words(row) && row->type != LF_PARAM_WHOLE)
         return json_string(word_of(row, (int)value));
+    if (is_mixed(row) && isinf(value))
+        return json_string(word_of(row, value < 0.0));
     if (row->type == LF_PARAM_SWITCH)
         return json_boolean(value != 0.0);
     return row->type == LF_PARAM_WHOLE ? json_integer((json_int_t)value) : json_real(value);
@@ -557,6 +575,10 @@ static json_t *row_schema(const lf_param *row)
                          "enum", words_json(row));
     if (row->type == LF_PARAM_SWITCH || row->type == LF_PARAM_TEXT)
         return json_pack("{s:s}", "type", type);
+    /* strings first: what quiltctl reads as text is told apart behind it */
+    if (is_mixed(row))
+        return json_pack("{s:[s, s], s:f, s:f}", "type", "string", type, "minimum", row->low,
+                         "maximum", row->high);
     json_t *number =
         json_pack("{s:s, s:f, s:f}", "type", type, "minimum", row->low, "maximum", row->high);
     if (row->type != LF_PARAM_POINT)

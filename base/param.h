@@ -40,7 +40,9 @@ typedef struct lf_param {
     const char *argument; /* how --help calls the text; NULL for a switch without words */
     const char *unit;     /* of a number, "mm"; NULL: none */
     const char *help;     /* the first row of an option has that of all; may be NULL with words */
-    /* Names of the values 0, 1 …, NULL behind the last; of a WHOLE: the numbers that it may be. */
+    /* Names of the values 0, 1 …, NULL behind the last; of a WHOLE: the numbers that it may be; of
+     * a NUMBER: what may stand in the place of one, the first for INFINITY, a second for -INFINITY.
+     */
     const char *const *words;
     const char *(*word_at)(int index); /* or the same out of a table elsewhere; else NULL */
     const char *(*what_at)(int index); /* what --help says of each of the words; may be NULL */

@@ -62,6 +62,22 @@ void lf_tone_map(const lf_tone *tone, size_t n, const float *in, uint8_t *out);
  * sRGB curve; NaN becomes 0. in may be out. */
 void lf_tone_linear(const lf_tone *tone, size_t n, const float *in, float *out);
 
+/* How bright a picture is, of all its views together: how many pixels have which luminance (Rec.
+ * 709), in sixteenths of an octave. Zeroed is empty. */
+enum { LF_METER_BINS = 4096 };
+typedef struct lf_meter {
+    int64_t n[LF_METER_BINS];
+} lf_meter;
+/* n pixels linear float RGB. Black ones, and what is no number, do not count. */
+void lf_meter_add(lf_meter *meter, size_t n, const float *rgb);
+void lf_meter_add_views(lf_meter *meter, const lf_views32 *views);
+/* Adds what another has counted. */
+void lf_meter_merge(lf_meter *meter, const lf_meter *other);
+/* The exposure that this picture wants, in stops, rounded to an eighth, -32..32: 5 % of what counts
+ * is then brighter than 0.8 of the screen's white. 0 when nothing counts. Depends on nothing but
+ * the counts. */
+double lf_meter_exposure(const lf_meter *meter);
+
 typedef struct lf_fill_counts {
     int64_t unfilled; /* pixels that stayed as they were */
     int64_t far;      /* missing pixels that have none at most `near` pixels away */

@@ -52,8 +52,9 @@ typedef struct lf_scene lf_scene;
 
 /* Everything of the scene's film block. */
 typedef struct lf_film_settings {
-    double exposure;  /* stops: radiance is multiplied by 2^exposure for display */
-    char tonemap[16]; /* "srgb" (clamp), "filmic" or "aces" */
+    double exposure;    /* stops: radiance is multiplied by 2^exposure for display */
+    bool auto_exposure; /* the picture says: exposure is 0 until it has */
+    char tonemap[16];   /* "srgb" (clamp), "filmic" or "aces" */
 } lf_film_settings;
 
 /* The rig of a scene's camera block, resolved. */

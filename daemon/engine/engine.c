@@ -144,6 +144,8 @@ void engine_publish(lf_engine *engine)
         .threads = lf_pool_threads(engine->pool),
         .frames = engine->frames.n,
     };
+    if (engine->content && (engine->content->scene || engine->content->quilt.is_float))
+        now.film = engine->picture.film;
     if (!engine->renderer)
         now.state = LF_STATE_IDLE;
     else if (engine->converged)

@@ -18,6 +18,8 @@ typedef struct lf_engine_controls {
     lf_estimator estimator;
     double target_error; /* converged below this relMSE */
     int threads;         /* 0 = all CPUs */
+    bool has_exposure;   /* else the scene's */
+    double exposure;     /* as in lf_exposed_film */
     bool paused;
 } lf_engine_controls;
 
@@ -38,7 +40,8 @@ typedef struct lf_engine_status {
     double error_bound;
     int64_t missing; /* view pixels not found yet */
     int threads;
-    uint64_t frames; /* composed so far */
+    uint64_t frames;       /* composed so far */
+    lf_film_settings film; /* exposure: the one in use */
 } lf_engine_status;
 
 /* Starts the thread. event_fd (borrowed) becomes readable after frames and changes of state. */
@@ -80,6 +83,7 @@ typedef struct lf_snapshot {
     lf_estimator estimator;
     lf_render_stats stats;
     int64_t generation;
+    lf_film_settings shown_as; /* exposure: the one in use */
 } lf_snapshot;
 
 /* (blocks) LF_E_STATE: nothing is shown. Release with lf_snapshot_finish. */

@@ -1,3 +1,4 @@
+#include <math.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -135,6 +136,8 @@ static void post_frame(lf_engine *engine, bool final)
     lf_views8 views = views_now(engine, &blank);
     if (blank > 0)
         return;
+    if (lf_picture_expose(&engine->picture, engine->pool))
+        views = views_now(engine, &blank);
     const lf_interlacer *interlacer = interlacer_now(engine);
     const lf_calibration *panel = &engine->now.panel.calibration;
     lf_frame *frame = lf_mailbox_begin(&engine->mailbox, interlacer ? panel->screen_width_px : 0,
@@ -235,9 +238,41 @@ void engine_settle(lf_engine *engine)
 
 /* ----------------------------------------------------------------------------------- changes -- */
 
+static lf_film_settings film_now(const lf_engine *engine, const lf_content *content)
+{
+    const lf_engine_controls *controls = &engine->now.controls;
+    return lf_exposed_film(&content->film,
+                           controls->has_exposure ? controls->exposure : -(double)INFINITY);
+}
+
+static bool is_toned(const lf_content *content)
+{
+    return content && (content->scene || content->quilt.is_float);
+}
+
+/* Another exposure: the accumulation goes on. */
+static void retone(lf_engine *engine)
+{
+    lf_film_settings film = film_now(engine, engine->content);
+    lf_error err;
+    lf_status status =
+        engine->renderer
+            ? lf_picture_retone(&engine->picture, &film, engine->pool, &err)
+            : lf_picture_shape(&engine->picture, engine->picture.n_views, engine->picture.width,
+                               engine->picture.height, engine->picture.n_threads, &film, &err);
+    if (status != LF_OK)
+        lf_log_error(&err);
+    if (!engine->renderer)
+        lf_picture_take(&engine->picture, &engine->content->quilt.views32);
+    engine->owed = true;
+}
+
 void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls)
 {
     bool resolve = controls->estimator != engine->now.controls.estimator;
+    bool expose = controls->has_exposure != engine->now.controls.has_exposure ||
+                  controls->exposure > engine->now.controls.exposure ||
+                  controls->exposure < engine->now.controls.exposure;
     if (controls->target_error < engine->now.controls.target_error || resolve)
         engine->converged = false;
     engine->owed = engine->owed || resolve || controls->paused != engine->now.controls.paused;
@@ -245,6 +280,8 @@ void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls)
     engine->picture.estimator = controls->estimator;
     if (resolve && engine->renderer)
         lf_picture_resolve(&engine->picture, engine->pool);
+    if (expose && is_toned(engine->content))
+        retone(engine);
     if (engine->renderer && !engine->converged)
         check_converged(engine);
 }
@@ -308,12 +345,12 @@ static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
         if (status != LF_OK)
             return status;
     }
-    if (!content->scene && !content->quilt.is_float)
+    if (!is_toned(content))
         return LF_OK;
     const lf_layout *layout = &content->layout;
-    status =
-        lf_picture_shape(&engine->picture, layout->n_views, layout->view_width, layout->view_height,
-                         lf_pool_threads(engine->pool), &content->film, err);
+    const lf_film_settings film = film_now(engine, content);
+    status = lf_picture_shape(&engine->picture, layout->n_views, layout->view_width,
+                              layout->view_height, lf_pool_threads(engine->pool), &film, err);
     if (status != LF_OK)
         return status;
     engine->picture.renderer = engine->renderer;
@@ -403,6 +440,7 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
     } else {
         out->source = lf_output_from_quilt(&content->quilt);
     }
+    out->shown_as = is_toned(content) ? engine->picture.film : content->film;
     out->content = lf_content_ref(content);
     out->estimator = engine->now.controls.estimator;
     out->stats = engine->look.stats;

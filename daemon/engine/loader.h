@@ -26,8 +26,8 @@ typedef struct lf_load {
     const char *meant;
     json_t *patch;           /* PATCH */
     double yaw, pitch, zoom; /* ORBIT: degrees to the right and up, and how many times nearer */
-    char *name;         /* FIT: of what is to fill it; NULL = all */
-    double fill, steps; /* FIT: as in lf_camera_fit */
+    char *name;              /* FIT: of what is to fill it; NULL = all */
+    double fill, steps;      /* FIT: as in lf_camera_fit */
     lf_options options;
     lf_calibration calibration;
     int restore_fd; /* FILE: -1, or an accumulation to go on with (taken over) */

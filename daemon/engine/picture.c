@@ -1,5 +1,6 @@
 #include "daemon/engine/picture.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -57,29 +58,45 @@ static lf_status reshape(lf_picture *picture, int n_views, int width, int height
     }
     release(picture);
     fresh.tone = picture->tone;
+    fresh.film = picture->film;
+    fresh.metered = picture->metered;
     fresh.renderer = picture->renderer;
     fresh.estimator = picture->estimator;
     *picture = fresh;
     return LF_OK;
 }
 
+/* What the scene says, but for an exposure that was measured before. */
+static lf_status take_tone(lf_picture *picture, const lf_film_settings *film, lf_error *err)
+{
+    lf_film_settings wanted = *film;
+    lf_tone *tone = NULL;
+    if (film->auto_exposure && picture->metered)
+        wanted.exposure = picture->film.exposure;
+    lf_status status = lf_tone_create(wanted.exposure, wanted.tonemap, &tone, err);
+    if (status != LF_OK)
+        return status;
+    lf_tone_destroy(picture->tone);
+    picture->tone = tone;
+    picture->film = wanted;
+    picture->metered = film->auto_exposure && picture->metered;
+    picture->settled = false;
+    return LF_OK;
+}
+
 lf_status lf_picture_shape(lf_picture *picture, int n_views, int width, int height, int n_threads,
                            const lf_film_settings *film, lf_error *err)
 {
-    lf_tone *tone = NULL;
-    lf_status status = lf_tone_create(film->exposure, film->tonemap, &tone, err);
-    if (status != LF_OK)
-        return status;
+    lf_status status = LF_OK;
     if (picture->n_views != n_views || picture->width != width || picture->height != height ||
         picture->n_threads != n_threads) {
         status = reshape(picture, n_views, width, height, n_threads, err);
-        if (status != LF_OK) {
-            lf_tone_destroy(tone);
+        if (status != LF_OK)
             return status;
-        }
     }
-    lf_tone_destroy(picture->tone);
-    picture->tone = tone;
+    status = take_tone(picture, film, err);
+    if (status != LF_OK)
+        return status;
     picture->sampled = false;
     forget(picture);
     return LF_OK;
@@ -110,9 +127,82 @@ void lf_picture_resolve(lf_picture *picture, lf_pool *pool)
     (void)!lf_pool_run(pool, picture->height, lf_picture_row, picture, NULL);
 }
 
+lf_status lf_picture_retone(lf_picture *picture, const lf_film_settings *film, lf_pool *pool,
+                            lf_error *err)
+{
+    lf_status status = take_tone(picture, film, err);
+    if (status == LF_OK)
+        lf_picture_resolve(picture, pool);
+    return status;
+}
+
+/* -------------------------------------------------------------------------------- exposure -- */
+
+/* How far the exposure in use may be off before it changes, in stops. */
+#define KEPT_WITHIN 0.5
+
+typedef struct metering {
+    const lf_picture *picture;
+    lf_meter *meters; /* [thread] */
+} metering;
+
+/* What is a stand-in, or was never seen, does not count. */
+static void meter_row(void *context, int row, int worker)
+{
+    const metering *m = context;
+    const lf_picture *picture = m->picture;
+    size_t n = row_pixels(picture);
+    float *linear = picture->scratch + (size_t)worker * n * 3;
+    uint8_t *flags = picture->flags + (size_t)worker * n;
+    if (lf_renderer_resolve_row(picture->renderer, picture->estimator, row, linear, flags) != LF_OK)
+        return;
+    for (size_t i = 0; i < n; i++)
+        if (!(flags[i] & (LF_PIXEL_HOLE | LF_PIXEL_UNSEEN)))
+            lf_meter_add(&m->meters[worker], 1, linear + 3 * i);
+}
+
+static bool expose(lf_picture *picture, const lf_meter *meter)
+{
+    lf_film_settings film = picture->film;
+    film.exposure = lf_meter_exposure(meter);
+    bool keep = picture->metered && fabs(film.exposure - picture->film.exposure) <= KEPT_WITHIN;
+    lf_tone *tone = NULL;
+    picture->metered = true;
+    if (keep || lf_tone_create(film.exposure, film.tonemap, &tone, NULL) != LF_OK)
+        return false;
+    lf_tone_destroy(picture->tone);
+    picture->tone = tone;
+    picture->film = film;
+    return true;
+}
+
+bool lf_picture_expose(lf_picture *picture, lf_pool *pool)
+{
+    if (!picture->film.auto_exposure || picture->settled || !picture->renderer)
+        return false;
+    picture->settled = true;
+    metering m = {picture, lf_calloc((size_t)picture->n_threads, sizeof *m.meters)};
+    if (!m.meters)
+        return false;
+    (void)!lf_pool_run(pool, picture->height, meter_row, &m, NULL);
+    for (int i = 1; i < picture->n_threads; i++)
+        lf_meter_merge(&m.meters[0], &m.meters[i]);
+    bool changed = expose(picture, &m.meters[0]);
+    lf_free(m.meters);
+    if (changed)
+        lf_picture_resolve(picture, pool);
+    return changed;
+}
+
 void lf_picture_take(lf_picture *picture, const lf_views32 *views)
 {
     size_t width = (size_t)picture->width;
+    lf_meter *meter = picture->film.auto_exposure ? lf_calloc(1, sizeof *meter) : NULL;
+    if (meter) {
+        lf_meter_add_views(meter, views);
+        (void)expose(picture, meter);
+        lf_free(meter);
+    }
     for (int row = 0; row < picture->height; row++) {
         for (int view = 0; view < picture->n_views; view++) {
             size_t at = ((size_t)row * (size_t)picture->n_views + (size_t)view) * width;

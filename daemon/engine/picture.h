@@ -22,6 +22,9 @@ typedef struct lf_picture {
     float *scratch;        /* [thread][view][column][3] */
     uint8_t *flags;        /* [thread][view][column] */
     lf_tone *tone;
+    lf_film_settings film;       /* exposure: the one in use */
+    bool metered;                /* the one in use was measured: it stays unless it is far off */
+    bool settled;                /* it has been looked at since the picture was shaped */
     const lf_renderer *renderer; /* borrowed: what rows are resolved from */
     lf_estimator estimator;
     /* every view pixel has been looked through itself, on average: finding nothing there is an
@@ -35,6 +38,14 @@ typedef struct lf_picture {
 LF_NODISCARD lf_status lf_picture_shape(lf_picture *picture, int n_views, int width, int height,
                                         int n_threads, const lf_film_settings *film, lf_error *err);
 void lf_picture_finish(lf_picture *picture);
+
+/* Takes another exposure or curve, and shows all rows by it. LF_E_NOMEM, LF_E_ARG: as before. */
+LF_NODISCARD lf_status lf_picture_retone(lf_picture *picture, const lf_film_settings *film,
+                                         lf_pool *pool, lf_error *err);
+/* With an automatic exposure, once a picture: measures it, and where it is more than half a stop
+ * from the one in use, or the first, shows all rows by it: true. It then stays as it is until
+ * there is another picture, whatever comes. */
+bool lf_picture_expose(lf_picture *picture, lf_pool *pool);
 
 /* An lf_row_fn with the picture as its context: resolves a row that was just visited. */
 void lf_picture_row(void *context, int row, int worker);

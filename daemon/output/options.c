@@ -31,6 +31,8 @@ static const char *reconstruct_at(int index)
     return index <= LF_RECONSTRUCT_ON ? words[index] : NULL;
 }
 
+static const char *const exposures[] = {"auto", "scene", NULL};
+
 #define PLACE(field) .place = offsetof(lf_options, field)
 
 /* clang-format off */
@@ -71,6 +73,10 @@ const lf_param lf_option_params[] = {
      .type = LF_PARAM_WHOLE, .low = 0, .high = 256, .help = "worker threads (0: all CPUs)"},
     {.option = "seed", .argument = "S", PLACE(seed), .type = LF_PARAM_SEED,
      .help = "whole number that the random choices follow from (0)"},
+    {.name = "exposure", .option = "exposure", .argument = "auto|scene|STOPS", PLACE(exposure),
+     .has = offsetof(lf_options, has_exposure), .low = -32, .high = 32, .words = exposures,
+     .help = "how bright the picture is shown, in stops, instead of what the scene says; auto: as "
+             "bright as the screen allows"},
     {.name = "target_error", .option = "target-error", .argument = "RELMSE", PLACE(target_error),
      .low = 1e-12, .high = 1e6,
      .help = "until the estimated relative mean squared error is below this"},
@@ -82,6 +88,16 @@ const lf_param lf_option_params[] = {
 /* clang-format on */
 
 /* -------------------------------------------------------------------------------- resolution -- */
+
+lf_film_settings lf_exposed_film(const lf_film_settings *film, double exposure)
+{
+    lf_film_settings exposed = *film;
+    if (isinf(exposure) && exposure < 0)
+        return exposed;
+    exposed.auto_exposure = isinf(exposure);
+    exposed.exposure = exposed.auto_exposure ? 0 : exposure;
+    return exposed;
+}
 
 const lf_preset *lf_options_preset(const lf_options *options)
 {

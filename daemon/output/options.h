@@ -45,6 +45,8 @@ typedef struct lf_options {
     bool has_skip;       /* it was given */
     unsigned skip;       /* bits of lf_skip */
     double target_error; /* > 0 */
+    bool has_exposure;   /* it was given */
+    double exposure;     /* as in lf_exposed_film */
     lf_reconstruct reconstruct;
     const char *calibration; /* a file */
 } lf_options;
@@ -55,6 +57,10 @@ extern const lf_param lf_option_params[];
 /* What to look at, and how to render: most programs take all of these. */
 #define LF_OPTIONS_VIEWS "preset views quilt view-size"
 #define LF_OPTIONS_RENDER "integrator estimator sampler max-depth skip threads seed reconstruct"
+
+/* What the scene says of its film, but for an exposure that was asked for: stops, INFINITY = auto,
+ * -INFINITY = the scene's. */
+lf_film_settings lf_exposed_film(const lf_film_settings *film, double exposure);
 
 /* The preset that was given; NULL = none. */
 const lf_preset *lf_options_preset(const lf_options *options);

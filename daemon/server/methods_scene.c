@@ -1,3 +1,4 @@
+#include <math.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -124,12 +125,15 @@ static lf_status take_keys(const json_t *params, lf_engine_controls *controls, l
     const json_t *paused = json_object_get(params, "paused");
     options->estimator = controls->estimator;
     options->target_error = controls->target_error;
+    options->exposure = controls->has_exposure ? controls->exposure : -(double)INFINITY;
     lf_status status = lf_param_from_json(lf_option_params, params, options, "render.set", err);
     if (status != LF_OK)
         return status;
     controls->estimator = options->estimator;
     controls->threads = options->threads;
     controls->target_error = options->target_error;
+    controls->exposure = options->exposure;
+    controls->has_exposure = true;
     controls->paused = paused ? json_is_true(paused) : controls->paused;
     return LF_OK;
 }

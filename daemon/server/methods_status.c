@@ -84,6 +84,10 @@ static void add_engine(lf_server *server, json_t *status)
                   "target_error", controls.target_error, "paused", controls.paused);
     json_object_update(status, more);
     json_decref(more);
+    json_object_set_new(status, "exposure",
+                        json_pack("{s:f, s:b, s:s}", "stops", now.film.exposure, "auto",
+                                  now.film.auto_exposure, "tonemap",
+                                  now.film.tonemap[0] ? now.film.tonemap : "srgb"));
 }
 
 void lf_method_status(lf_call *call)

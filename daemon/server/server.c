@@ -267,6 +267,8 @@ static lf_status make_threads(lf_server *server, lf_error *err)
         .estimator = options->estimator,
         .target_error = options->target_error > 0 ? options->target_error : DEFAULT_TARGET_ERROR,
         .threads = options->threads,
+        .has_exposure = options->has_exposure,
+        .exposure = options->exposure,
     };
     server->engine_fd = lf_wakeup_make();
     if (sd_event_new(&server->event) < 0 || server->engine_fd < 0 ||

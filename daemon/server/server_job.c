@@ -142,8 +142,9 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
         return status;
     json_t *settings = NULL;
     if (snapshot && content->scene)
-        settings = lf_output_settings(content->file, &content->settings, &content->layout,
-                                      snapshot->estimator, snapshot->stats.passes, &content->film);
+        settings =
+            lf_output_settings(content->file, &content->settings, &content->layout,
+                               snapshot->estimator, snapshot->stats.passes, &snapshot->shown_as);
     lf_output_request request = {
         .kind = job->kind,
         .path = to.path,
@@ -154,8 +155,8 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
         .calibration = job->has_calibration ? &job->calibration : NULL,
         .panel = job->panel,
         .print = &job->print,
-        .exposure = content->film.exposure,
-        .tonemap = content->film.tonemap,
+        .exposure = snapshot ? snapshot->shown_as.exposure : 0,
+        .tonemap = snapshot ? snapshot->shown_as.tonemap : NULL,
         .settings = settings,
         .cancel = &job->cancel,
         .progress = on_progress,

@@ -32,7 +32,8 @@ static const struct option table[] = {
     {NULL, 0, NULL, 0},
 };
 
-static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " target-error";
+static const char shared[] =
+    "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " exposure target-error";
 
 static void print_help(void)
 {

@@ -71,6 +71,7 @@ typedef struct job {
     lf_quilt_file quilt;
     bool is_quilt;
     float *film; /* [row][view][column][3] */
+    lf_film_settings film_settings;
     lf_print print;
     char *path;     /* final name */
     json_t *record; /* settings for attributes and the manifest */
@@ -164,6 +165,9 @@ static lf_status open_quilt(job *j, lf_error *err)
                               o->views, j->quilt.layout.n_views);
     else if (o->views > 0)
         j->quilt.layout.n_views = j->quilt.views8.n_views = j->quilt.views32.n_views = o->views;
+    if (status == LF_OK && o->has_exposure && !j->quilt.is_float)
+        status = lf_error_set(err, LF_E_ARG, "--exposure",
+                              "does not go with a finished picture of 8 bits (EXR has light)");
     if (status == LF_OK)
         lay_out_quilt(j);
     return status;
@@ -297,18 +301,39 @@ static json_t *make_record(const job *j)
         return json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", j->layout.n_views, "aspect",
                          j->layout.aspect);
     return lf_output_settings(a->scene, &j->settings, a->kind->has_tiles ? &j->layout : NULL,
-                              a->options.estimator, (double)j->times.passes,
-                              lf_scene_film_settings(j->scene));
+                              a->options.estimator, (double)j->times.passes, &j->film_settings);
+}
+
+/* How bright the picture is shown; of what is drawn, not at all. */
+static lf_status expose(job *j, const lf_output_source *source, lf_error *err)
+{
+    static const lf_film_settings plain = {.tonemap = "srgb"};
+    const lf_options *o = &j->arguments->options;
+    j->film_settings = j->scene ? *lf_scene_film_settings(j->scene) : plain;
+    if (o->has_exposure)
+        j->film_settings = lf_exposed_film(&j->film_settings, o->exposure);
+    if (!j->film_settings.auto_exposure)
+        return LF_OK;
+    lf_meter *meter = lf_calloc(1, sizeof *meter);
+    if (!meter)
+        return lf_error_set(err, LF_E_NOMEM, j->path, "out of memory");
+    lf_meter_add_views(meter, &source->views32);
+    j->film_settings.exposure = lf_meter_exposure(meter);
+    lf_free(meter);
+    lf_log(LF_LOG_INFO, "exposure: %+.3f stops", j->film_settings.exposure);
+    return LF_OK;
 }
 
 static lf_status write_output(job *j, lf_error *err)
 {
     const lf_render_arguments *a = j->arguments;
-    const lf_film_settings *film = j->scene ? lf_scene_film_settings(j->scene) : NULL;
     lf_output_source source =
         j->is_quilt ? lf_output_from_quilt(&j->quilt) : lf_output_from_film(&j->settings, j->film);
     if (j->is_quilt)
         source.aspect = j->layout.aspect;
+    lf_status status = expose(j, &source, err);
+    if (status != LF_OK)
+        return status;
     j->record = make_record(j);
     if (!j->record)
         return lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
@@ -320,15 +345,15 @@ static lf_status write_output(job *j, lf_error *err)
         .calibration = &j->calibration,
         .panel = a->panel,
         .print = &j->print,
-        .exposure = film ? film->exposure : 0,
-        .tonemap = film ? film->tonemap : NULL,
+        .exposure = j->film_settings.exposure,
+        .tonemap = j->film_settings.tonemap,
         .settings = j->record,
         .pool = j->pool,
         .cancel = &cancel,
         .progress = show_writing,
         .context = &j->line,
     };
-    lf_status status = lf_output_write(&request, &source, err);
+    status = lf_output_write(&request, &source, err);
     if (status == LF_E_CANCELLED)
         return lf_error_set(err, status, a->out, "interrupted: nothing was written");
     return status;

@@ -25,7 +25,7 @@ static const struct option table[] = {
     {NULL, 0, NULL, 0},
 };
 
-static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " panel target-error";
+static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " exposure panel target-error";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error";
 
@@ -42,7 +42,7 @@ static void print_help(void)
         "ending in / a folder of views.\n"
         "\n"
         "What:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " panel");
+    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " exposure panel");
     lf_param_print_help(lf_panel_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
     printf("\n"
@@ -122,6 +122,7 @@ static lf_status refuse_rendering(const lf_render_arguments *a, lf_error *err)
                         : o->preset         ? "--preset"
                         : o->columns > 0    ? "--quilt"
                         : o->view_width > 0 ? "--view-size"
+                        : o->has_exposure   ? "--exposure"
                                             : NULL;
     const char *option = a->panel_option ? a->panel_option : a->render_option;
     char where[64];

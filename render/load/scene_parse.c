@@ -143,7 +143,11 @@ static void parse_film(lf_reader *reader, const lf_node *root, lf_film_settings 
     static const char *const tonemaps[] = {"srgb", "filmic", "aces", NULL};
     lf_node node = lf_node_child(root, "film");
     lf_read_object(reader, &node, keys);
-    film->exposure = lf_read_number(reader, &node, "exposure", 0, -32, 32);
+    lf_node exposure = lf_node_child(&node, "exposure");
+    const char *word = json_string_value(exposure.value);
+    film->auto_exposure = word && strcmp(word, "auto") == 0;
+    if (!film->auto_exposure)
+        film->exposure = lf_read_number(reader, &node, "exposure", 0, -32, 32);
     snprintf(film->tonemap, sizeof film->tonemap, "%s",
              tonemaps[lf_read_choice(reader, &node, "tonemap", tonemaps, 0)]);
 }

@@ -357,9 +357,47 @@ static void fields_of_every_type_with_a_name_get_their_initial_values(void **sta
     assert_true(t.seed == before.seed && t.list == before.list && t.other == before.other);
 }
 
+/* A number in whose place a word may stand: infinity on either side. */
+static void numbers_may_have_words_beside_them(void **state)
+{
+    (void)state;
+    static const char *const words[] = {"much", "little", NULL};
+    const lf_param mixed[] = {
+        {.name = "x", .option = "x", PLACE(x), .low = -9, .high = 9, .words = words}, {0}};
+    lamp l = {.x = 1};
+    lf_error err;
+    static const struct {
+        const char *text;
+        double value;
+    } good[] = {{"much", (double)INFINITY}, {"little", -(double)INFINITY}, {"-2.5", -2.5}};
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        lf_assert_ok(lf_param_from_text(mixed, good[i].text, &l, &err), &err);
+        assert_true(l.x == good[i].value);
+        lf_assert_ok(lf_param_check(mixed, &l, "l", &err), &err);
+        json_t *json = lf_param_json(mixed, &l);
+        lamp back = {0};
+        lf_assert_ok(lf_param_from_json(mixed, json, &back, "l", &err), &err);
+        assert_true(back.x == good[i].value);
+        json_decref(json);
+        json = json_pack("{s:s}", "x", good[i].text);
+        lf_assert_ok(lf_param_from_json(mixed, json, &back, "l", &err), &err);
+        assert_true(back.x == good[i].value);
+        json_decref(json);
+    }
+    lf_assert_status(lf_param_from_text(mixed, "more", &l, &err), LF_E_ARG, &err);
+    assert_non_null(strstr(err.what, "a number from -9 to 9, much or little"));
+    lf_assert_status(lf_param_from_text(mixed, "10", &l, &err), LF_E_ARG, &err);
+    lf_assert_status(lf_param_from_text(mixed, "inf", &l, &err), LF_E_ARG, &err);
+    json_t *schema = lf_param_schema(mixed),
+           *type = json_object_get(json_object_get(schema, "x"), "type");
+    assert_int_equal(json_array_size(type), 2);
+    json_decref(schema);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_may_have_words_beside_them),
         cmocka_unit_test(fields_of_every_type_with_a_name_get_their_initial_values),
         cmocka_unit_test(text_reaches_the_field_of_its_row_and_no_other),
         cmocka_unit_test(lists_are_bits_of_their_words),

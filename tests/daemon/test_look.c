@@ -1,4 +1,4 @@
-/* How a daemon's picture looks, from outside: framing and depth. */
+/* How a picture looks, from outside: framing, depth and exposure. */
 #include "tests/daemon/live.h"
 
 static json_t *result_of(live_client *c, const char *method, json_t *params)
@@ -105,10 +105,155 @@ static void the_depth_and_bounds_are_told_and_framed(void **state)
     live_finish(&l);
 }
 
+/* -------------------------------------------------------------------------------- exposure -- */
+
+static double stops_now(live_client *c, bool automatic)
+{
+    json_t *status = result_of(c, "status", NULL);
+    const json_t *exposure = json_object_get(status, "exposure");
+    double stops = member(exposure, "stops");
+    assert_true(json_is_true(json_object_get(exposure, "auto")) == automatic);
+    json_decref(status);
+    return stops;
+}
+
+static void shine(live_client *c, double radiance)
+{
+    json_t *patch = json_pack("{s:{s:{s:f}}}", "lights", "sky", "radiance", radiance);
+    json_decref(result_of(c, "scene.patch", json_pack("{s:o}", "patch", patch)));
+    live_wait(c, "coarse");
+}
+
+/* Of a ball of fog under a sky of 0.7, most of which is sky. */
+static void an_automatic_exposure_never_pumps(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, "--exposure", "auto", "--target-error", "0.02",
+               NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    double first = stops_now(&c, true);
+    lf_assert_close(0.7 * exp2(first), 0.8, 0.2, 0);
+    live_wait(&c, "converged");
+    assert_true(stops_now(&c, true) == first);
+    /* Less than half a stop, up and down and by moving about. */
+    shine(&c, 0.7 * 1.25);
+    assert_true(stops_now(&c, true) == first);
+    shine(&c, 0.7 / 1.25);
+    assert_true(stops_now(&c, true) == first);
+    assert_int_equal(live_code(&c, "camera.orbit", json_pack("{s:i}", "yaw", 30)), 0);
+    live_wait(&c, "coarse");
+    assert_true(stops_now(&c, true) == first);
+    /* Three stops are more: once, and it stays. */
+    shine(&c, 5.6);
+    double second = stops_now(&c, true);
+    lf_assert_close(second, first - 3, 0, 0.3);
+    live_wait(&c, "converged");
+    assert_true(stops_now(&c, true) == second);
+    live_close(&c);
+    live_finish(&l);
+}
+
+static bool is_exposed(live_client *c, bool automatic, double stops)
+{
+    json_t *status = result_of(c, "status", NULL);
+    const json_t *exposure = json_object_get(status, "exposure");
+    bool is = json_is_true(json_object_get(exposure, "auto")) == automatic &&
+              fabs(member(exposure, "stops") - stops) < 0.26 &&
+              strcmp(json_string_value(json_object_get(status, "state")), "converged") == 0;
+    json_decref(status);
+    return is;
+}
+
+static void an_exposure_that_is_set_starts_nothing_over(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, "--target-error", "0.02", NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "converged");
+    assert_true(stops_now(&c, false) == 0);
+    double passes = live_number(&c, "status", NULL, "passes");
+    static const struct {
+        const char *word;
+        double stops;
+        bool automatic;
+    } orders[] = {{NULL, -1.5, false}, {"auto", 0.25, true}, {"2", 2, false}, {"scene", 0, false}};
+    for (size_t i = 0; i < sizeof orders / sizeof *orders; i++) {
+        const char *word = orders[i].word;
+        json_t *params = word ? json_pack("{s:s}", "exposure", word)
+                              : json_pack("{s:f}", "exposure", orders[i].stops);
+        assert_true(live_number(&c, "render.set", params, "generation") == 1);
+        for (int k = 0; k < 500 && !is_exposed(&c, orders[i].automatic, orders[i].stops); k++)
+            live_nap(20);
+        assert_true(is_exposed(&c, orders[i].automatic, orders[i].stops));
+    }
+    assert_true(live_number(&c, "status", NULL, "passes") == passes);
+    assert_int_equal(live_code(&c, "render.set", json_pack("{s:s}", "exposure", "bright")), -32602);
+    assert_int_equal(live_code(&c, "render.set", json_pack("{s:i}", "exposure", 33)), -32602);
+    live_close(&c);
+    live_finish(&l);
+}
+
+static size_t read_file(const char *path, char *out, size_t size)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    size_t n = fread(out, 1, size, file);
+    fclose(file);
+    assert_true(n > 0 && n < size);
+    return n;
+}
+
+/* What a file is exposed by is told, and by that number it has the same bytes. */
+static void a_file_is_exposed_by_its_own_picture(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    char by_itself[PATH_MAX], by_number[PATH_MAX], plain[PATH_MAX], stops[32] = "";
+    snprintf(by_itself, sizeof by_itself, "%s/a_qs3x2a0.75.png", l.folder);
+    snprintf(by_number, sizeof by_number, "%s/b_qs3x2a0.75.png", l.folder);
+    snprintf(plain, sizeof plain, "%s/c_qs3x2a0.75.png", l.folder);
+    assert_int_equal(live_run(&l, "quiltrender", l.scene, "-o", by_itself, "--view-size", "24x32",
+                              "--exposure", "auto", NULL),
+                     0);
+    FILE *log = fopen(l.log, "r");
+    char line[256];
+    while (log && fgets(line, sizeof line, log))
+        if (sscanf(line, "quiltrender: exposure: %31s stops", stops) == 1)
+            break;
+    if (log)
+        fclose(log);
+    assert_true(strtod(stops, NULL) > 0.1);
+    assert_int_equal(live_run(&l, "quiltrender", l.scene, "-o", by_number, "--view-size", "24x32",
+                              "--exposure", stops, NULL),
+                     0);
+    assert_int_equal(
+        live_run(&l, "quiltrender", l.scene, "-o", plain, "--view-size", "24x32", NULL), 0);
+    static char bytes[3][1 << 17];
+    size_t n[3] = {read_file(by_itself, bytes[0], sizeof bytes[0]),
+                   read_file(by_number, bytes[1], sizeof bytes[1]),
+                   read_file(plain, bytes[2], sizeof bytes[2])};
+    assert_true(n[0] == n[1] && memcmp(bytes[0], bytes[1], n[0]) == 0);
+    assert_false(n[0] == n[2] && memcmp(bytes[0], bytes[2], n[0]) == 0);
+    assert_int_equal(live_run(&l, "quiltrender", plain, "-o", by_number, "--exposure", "1", NULL),
+                     2);
+    live_finish(&l);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_depth_and_bounds_are_told_and_framed),
+        cmocka_unit_test(an_automatic_exposure_never_pumps),
+        cmocka_unit_test(an_exposure_that_is_set_starts_nothing_over),
+        cmocka_unit_test(a_file_is_exposed_by_its_own_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
