@@ -36,28 +36,33 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
                         transmittance * light.z);
 }
 
-/* Where ray k of the fan meets a surface. */
-static void hit_of(const lf_visit *visit, int k, lf_hit *out)
+static const lf_fan_face *face_of(const lf_visit_plan *plan, const lf_visit *visit, int segment)
 {
-    const lf_scratch *w = visit->worker;
-    const lf_row_plane *plane = &visit->plane;
-    float z = w->z_end[k];
-    lf_vec3 p = lf_rig_point(visit->rig, w->x0[k] + w->slope[k] * z, plane->ly + plane->my * z, z),
-            along = lf_rig_direction(visit->rig, w->slope[k], plane->my, 1.0f);
-    lf_section_hit(&w->section, visit->triangles, visit->scene, w->segment[k], p,
-                   lf_scale(along, 1.0f / w->length[k]), out);
+    lf_scratch *w = visit->worker;
+    lf_fan_face *face = &w->face[segment % LF_FAN_FACES];
+    if (face->segment != segment) {
+        face->segment = segment;
+        lf_section_face(&w->section, visit->triangles, visit->scene, segment, &face->face);
+        lf_sunlight_face_init(&face->sunlight, plan->order.sunlight, face->face.n);
+    }
+    return face;
 }
 
-/* What the surface there sends on of sunlight. */
+/* What the surface that ray k meets sends on of sunlight. */
 static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k)
 {
     const lf_scratch *w = visit->worker;
-    lf_hit hit;
+    const lf_row_plane *plane = &visit->plane;
     if (!plan->order.sunlight)
         return 0.0f;
-    hit_of(visit, k, &hit);
-    lf_vec3 back = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f);
-    return lf_sunlight_reflected(plan->order.sunlight, &hit, lf_scale(back, -1.0f / w->length[k]));
+    const lf_fan_face *face = face_of(plan, visit, w->segment[k]);
+    float z = w->z_end[k];
+    lf_vec3 along = lf_rig_direction(visit->rig, w->slope[k], plane->my, 1.0f),
+            p = lf_madd(lf_rig_point(visit->rig, w->x0[k], plane->ly, 0.0f), z, along);
+    lf_hit hit;
+    lf_face_hit(&face->face, p, along, &hit);
+    return lf_sunlight_reflected(plan->order.sunlight, &face->sunlight, &hit,
+                                 lf_scale(along, -1.0f / w->length[k]));
 }
 
 /* What one ray met that scatters, q of it known: a medium, or behind it a surface. */
@@ -67,17 +72,19 @@ static void write_feature(const lf_visit_plan *plan, const lf_visit *visit, size
     const float least = 1e-3f; /* less of a surface is not worth a look at its light */
     const lf_scratch *worker = visit->worker;
     const lf_media_moments *m = &worker->moments;
-    float q = visit->sums.half.q[pixel], medium = q;
+    float q = visit->sums.half.q[pixel];
     lf_feature feature = {.nearness = m->nearness[k], .spread = m->spread[k]};
     if (!(q > 0.0f))
         return;
     if (lobe) {
-        medium = lf_min(m->met[k], 1.0f);
+        float medium = lf_min(m->met[k], 1.0f);
         const lf_feature surface = {.nearness = lf_nearness(visit->rig->distance, worker->z_end[k]),
                                     .surface = 1.0f,
                                     .light =
                                         q - medium > least ? sunlight_of(plan, visit, k) : 0.0f};
-        feature = lf_feature_mix(&feature, (double)medium, &surface, (double)(q - medium));
+        feature = medium > 0.0f
+                      ? lf_feature_mix(&feature, (double)medium, &surface, (double)(q - medium))
+                      : surface;
     }
     lf_film_note(&visit->sums, pixel, feature);
 }
@@ -194,6 +201,8 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
     w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
     for (int k = 0; k < LF_MAX_LANES; k++)
         w->segment[k] = -1; /* and so it stays without meshes */
+    for (int i = 0; i < LF_FAN_FACES && plan->order.sunlight; i++)
+        w->face[i].segment = -1;
     for (int column = 0; column < rig->width; column++) {
         float xw = rig->x0 + ((float)column + lf_exits_film_point(key, column, index)) * rig->dx,
               lx = 0.0f;

@@ -569,8 +569,8 @@ void lf_section_nearest(const lf_section *section, const lf_rig *rig, float s0, 
         z[k] = segment[k] < 0 ? INFINITY : rig->distance / (f.d[k] * rig->distance + 1.0f);
 }
 
-void lf_section_hit(const lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
-                    int segment, lf_vec3 p, lf_vec3 w, lf_hit *out)
+void lf_section_face(const lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
+                     int segment, lf_face *out)
 {
     uint32_t triangle = section->leaves[segment / WIDE].triangle[segment % WIDE];
     int mesh = 0, count = scene->n_meshes;
@@ -580,5 +580,5 @@ void lf_section_hit(const lf_section *section, const lf_row_triangles *rows, con
         mesh = behind ? mesh + half : mesh;
         count = behind ? count - half : half;
     }
-    lf_describe_hit(scene, mesh, triangle - rows->mesh_start[mesh], p, w, out);
+    lf_face_init(out, scene, mesh, triangle - rows->mesh_start[mesh]);
 }

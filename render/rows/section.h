@@ -93,8 +93,8 @@ static inline int lf_section_material(const lf_section *section, int segment)
     return section->leaves[segment / LF_SECTION_WIDE].material[segment % LF_SECTION_WIDE];
 }
 
-/* What a ray along the unit vector w finds at p on a segment's triangle (lf_describe_hit). */
-void lf_section_hit(const lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
-                    int segment, lf_vec3 p, lf_vec3 w, lf_hit *out);
+/* The triangle that it is cut from. */
+void lf_section_face(const lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
+                     int segment, lf_face *out);
 
 #endif

@@ -14,6 +14,7 @@
 #include "render/rows/section.h"
 #include "render/transport/path.h"
 #include "render/transport/sampler.h"
+#include "render/transport/sunlight.h"
 
 struct lf_visit;
 struct lf_pivot;
@@ -37,6 +38,14 @@ typedef struct lf_sharing {
 
 extern const lf_sharing lf_sharing_vpt, lf_sharing_mvpt, lf_sharing_amvpt;
 
+/* Triangles that the fans of a row have met lately, by the segment modulo their number. */
+enum { LF_FAN_FACES = 256 };
+typedef struct lf_fan_face {
+    int segment; /* -1: none */
+    lf_face face;
+    lf_sunlight_face sunlight;
+} lf_fan_face;
+
 /* One worker's memory. */
 typedef struct lf_scratch {
     lf_tracer tracer;
@@ -56,7 +65,8 @@ typedef struct lf_scratch {
     float factor[LF_MAX_LANES];   /* correction weights (correction.h) */
     float length[LF_MAX_LANES];   /* of the fan's rays, per unit of Z */
     int segment[LF_MAX_LANES];    /* what they meet: of the section, -1: no surface */
-    lf_media_moments moments;     /* of the fan's collisions, where features are wanted */
+    lf_fan_face face[LF_FAN_FACES];
+    lf_media_moments moments; /* of the fan's collisions, where features are wanted */
     int column[LF_MAX_LANES];
     /* directions to the views in the frame of a surface's shading normal (z) */
     float local[3][LF_MAX_LANES];

@@ -144,13 +144,20 @@ void lf_sunlight_destroy(lf_sunlight *sunlight)
 /* ----------------------------------------------------------------------------------- look-ups --
  */
 
-static float share_of(const star *sun, lf_vec3 p, lf_vec3 n)
+void lf_sunlight_face_init(lf_sunlight_face *face, const lf_sunlight *sunlight, lf_vec3 n)
 {
-    if (!(lf_dot(n, sun->toward) > 0.0f))
-        return 0.0f;
-    float share = sun->near.texels ? lf_sunlight_map_share(&sun->near, p, n) : -1.0f;
+    for (int i = 0; i < sunlight->n; i++) {
+        face->slope[i][0] = lf_sunlight_map_slope(&sunlight->stars[i].near, n);
+        face->slope[i][1] = lf_sunlight_map_slope(&sunlight->stars[i].whole, n);
+    }
+}
+
+/* On a surface that looks to the light. */
+static float share_of(const star *sun, const lf_sunlight_slope slope[2], lf_vec3 p)
+{
+    float share = sun->near.texels ? lf_sunlight_map_share(&sun->near, p, &slope[0]) : -1.0f;
     if (share < 0.0f)
-        share = lf_sunlight_map_share(&sun->whole, p, n);
+        share = lf_sunlight_map_share(&sun->whole, p, &slope[1]);
     if (share < 0.0f)
         share = 1.0f;
     return share > 0.0f && sun->media.scene->n_volumes > 0
@@ -163,12 +170,17 @@ bool lf_sunlight_share(const lf_sunlight *sunlight, int i, lf_vec3 p, lf_vec3 n,
 {
     if (i < 0 || i >= sunlight->n)
         return false;
-    *out_share = share_of(&sunlight->stars[i], p, n);
+    lf_sunlight_face face;
+    lf_sunlight_face_init(&face, sunlight, n);
+    *out_share = lf_dot(n, sunlight->stars[i].toward) > 0.0f
+                     ? share_of(&sunlight->stars[i], face.slope[i], p)
+                     : 0.0f;
     *out_light = sunlight->stars[i].light;
     return true;
 }
 
-float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_hit *hit, lf_vec3 wo)
+float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face *face,
+                            const lf_hit *hit, lf_vec3 wo)
 {
     float sum = 0.0f;
     for (int i = 0; i < sunlight->n; i++) {
@@ -179,7 +191,7 @@ float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_hit *hit, lf_v
         (void)hit->material->kind->eval(hit->material, hit->ns, wo, sun->toward, &f);
         float reflected = lf_mean3(lf_mul(f, sun->light->irradiance));
         if (reflected > 0.0f)
-            sum += reflected * share_of(sun, hit->p, hit->ng);
+            sum += reflected * share_of(sun, face->slope[i], hit->p);
     }
     return sum;
 }

@@ -40,8 +40,23 @@ bool lf_sunlight_adopt(lf_sunlight *sunlight, lf_scene *scene);
 bool lf_sunlight_share(const lf_sunlight *sunlight, int i, lf_vec3 p, lf_vec3 n, float *out_share,
                        const lf_light **out_light);
 
+/* How a plane lies on a map: height towards the light, with the texels along x and y, and how much
+ * higher than that nothing casts a shadow on it. */
+typedef struct lf_sunlight_slope {
+    float dx, dy, bias;
+} lf_sunlight_slope;
+
+/* What is the same all over a triangle. */
+typedef struct lf_sunlight_face {
+    lf_sunlight_slope slope[LF_SUNLIGHT_LIGHTS][2];
+} lf_sunlight_face;
+
+/* n: its unit normal, to either side. */
+void lf_sunlight_face_init(lf_sunlight_face *face, const lf_sunlight *sunlight, lf_vec3 n);
+
 /* Radiance that the lobes of the surface reflect of it along wo, mean of the channels; of the hit
  * p, ng, ns and material are read. Any thread. */
-float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_hit *hit, lf_vec3 wo);
+float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face *face,
+                            const lf_hit *hit, lf_vec3 wo);
 
 #endif

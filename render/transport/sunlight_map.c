@@ -359,10 +359,9 @@ void lf_sunlight_map_finish(lf_sunlight_map *map)
 /* ----------------------------------------------------------------------------------- look-ups --
  */
 
-/* A point on the map, and the plane of its surface about it. */
+/* A point on the map, its height raised by the bias. */
 typedef struct place_on_map {
-    float x, y, height; /* height: with the bias */
-    float dx, dy;       /* height a texel */
+    float x, y, height;
 } place_on_map;
 
 static float along(const float row[4], lf_vec3 v)
@@ -370,49 +369,35 @@ static float along(const float row[4], lf_vec3 v)
     return row[0] * v.x + row[1] * v.y + row[2] * v.z;
 }
 
-/* false: the map does not reach so far. */
-static bool find(const lf_sunlight_map *map, lf_vec3 p, place_on_map *out)
-{
-    out->x = along(map->to_map[0], p) + map->to_map[0][3];
-    out->y = along(map->to_map[1], p) + map->to_map[1][3];
-    return out->x >= 0.0f && out->y >= 0.0f && out->x < (float)map->size[0] &&
-           out->y < (float)map->size[1];
-}
-
 /* What stands lower than the bias over the plane casts no shadow: neighbours of the triangle lean
  * against it, the more texels high the flatter the light falls. */
-static void rise(const lf_sunlight_map *map, lf_vec3 p, lf_vec3 n, place_on_map *at)
+lf_sunlight_slope lf_sunlight_map_slope(const lf_sunlight_map *map, lf_vec3 n)
 {
     const float steepest = 1.0f / 64.0f; /* squared */
     float step = map->texel, nx = along(map->to_map[0], n) * step,
           ny = along(map->to_map[1], n) * step, nz = along(map->to_map[2], n);
-    float across = nx * nx + ny * ny;
-    float inverse = 1.0f / lf_max(nz * nz, across * steepest);
-    float scale = -nz * inverse * step;
-    at->dx = nx * scale;
-    at->dy = ny * scale;
-    at->height = along(map->to_map[2], p) + map->to_map[2][3] + map->least +
-                 step * (0.55f + 0.3f * across * inverse);
+    float across = nx * nx + ny * ny, inverse = 1.0f / lf_max(nz * nz, across * steepest),
+          scale = -nz * inverse * step;
+    return (lf_sunlight_slope){nx * scale, ny * scale,
+                               map->least + step * (0.55f + 0.3f * across * inverse)};
 }
 
-/* 1: the texel's surface lets light through to the plane below it. */
-static float passes(const lf_sunlight_map *map, const place_on_map *at, int x, int y)
-{
-    float plane =
-        at->height + at->dx * ((float)x + 0.5f - at->x) + at->dy * ((float)y + 0.5f - at->y);
-    return height_at(map, x, y) <= plane ? 1.0f : 0.0f;
-}
-
-/* As sharp as the map is: interpolated between the four texels around the point. */
-static float sharp(const lf_sunlight_map *map, const place_on_map *at)
+/* Interpolated between the four texels around the point: as sharp as the map is. */
+static float sharp(const lf_sunlight_map *map, const place_on_map *at,
+                   const lf_sunlight_slope *slope)
 {
     int x = (int)(at->x - 0.5f), y = (int)(at->y - 0.5f);
     x = x < map->size[0] - 2 ? x : map->size[0] - 2;
     y = y < map->size[1] - 2 ? y : map->size[1] - 2;
-    float fx = lf_min(lf_max(at->x - 0.5f - (float)x, 0.0f), 1.0f),
-          fy = lf_min(lf_max(at->y - 0.5f - (float)y, 0.0f), 1.0f);
-    return lf_lerp(lf_lerp(passes(map, at, x, y), passes(map, at, x + 1, y), fx),
-                   lf_lerp(passes(map, at, x, y + 1), passes(map, at, x + 1, y + 1), fx), fy);
+    float dx = at->x - 0.5f - (float)x, dy = at->y - 0.5f - (float)y,
+          plane = at->height - slope->dx * dx - slope->dy * dy, fx = lf_min(lf_max(dx, 0.0f), 1.0f),
+          fy = lf_min(lf_max(dy, 0.0f), 1.0f);
+    const lf_sunlight_texel *a = map->texels + (size_t)y * (size_t)map->size[0] + (size_t)x,
+                            *b = a + map->size[0];
+    float across = plane + slope->dx, down = plane + slope->dy, far = across + slope->dy;
+    float upper = (a[0].height <= plane ? 1.0f - fx : 0.0f) + (a[1].height <= across ? fx : 0.0f),
+          lower = (b[0].height <= down ? 1.0f - fx : 0.0f) + (b[1].height <= far ? fx : 0.0f);
+    return lf_lerp(upper, lower, fy);
 }
 
 /* Of a disk of texels: the weights of all and of those that hide the point, and how far above it
@@ -423,7 +408,8 @@ typedef struct disk {
 
 /* Every so many texels, at places that do not move with the point: what it gets changes smoothly
  * where it moves. */
-static disk sum_disk(const lf_sunlight_map *map, const place_on_map *at, float radius)
+static disk sum_disk(const lf_sunlight_map *map, const place_on_map *at,
+                     const lf_sunlight_slope *slope, float radius)
 {
     int step = 1 + (int)(2.0f * radius / (float)TAPS);
     float blur = 0.5f * (float)step, outer = (radius + blur) * (radius + blur),
@@ -441,7 +427,7 @@ static disk sum_disk(const lf_sunlight_map *map, const place_on_map *at, float r
                 continue;
             bool on = x >= 0 && y >= 0 && x < map->size[0] && y < map->size[1];
             float above =
-                on ? height_at(map, x, y) - (at->height + at->dx * dx + at->dy * dy) : 0.0f;
+                on ? height_at(map, x, y) - (at->height + slope->dx * dx + slope->dy * dy) : 0.0f;
             sum.all += weight;
             sum.hidden += above > 0.0f ? weight : 0.0f;
             sum.above += above > 0.0f ? weight * above : 0.0f;
@@ -450,31 +436,33 @@ static disk sum_disk(const lf_sunlight_map *map, const place_on_map *at, float r
 }
 
 /* edge: the highest surface that may be about. */
-static float soft(const lf_sunlight_map *map, const place_on_map *at, float edge)
+static float soft(const lf_sunlight_map *map, const place_on_map *at,
+                  const lf_sunlight_slope *slope, float edge)
 {
     float spread = map->spread / map->texel, widest = (float)(REACH * TILE);
     float radius = lf_min(spread * (edge - at->height), widest);
     if (!(radius > 0.5f))
-        return sharp(map, at);
-    disk sum = sum_disk(map, at, radius);
+        return sharp(map, at, slope);
+    disk sum = sum_disk(map, at, slope, radius);
     if (!(sum.hidden > 0.0f))
         return 1.0f;
     radius = lf_min(spread * sum.above / sum.hidden, widest);
     if (!(radius > 0.5f))
-        return sharp(map, at);
-    sum = sum_disk(map, at, radius);
+        return sharp(map, at, slope);
+    sum = sum_disk(map, at, slope, radius);
     return 1.0f - sum.hidden / sum.all;
 }
 
-float lf_sunlight_map_share(const lf_sunlight_map *map, lf_vec3 p, lf_vec3 n)
+float lf_sunlight_map_share(const lf_sunlight_map *map, lf_vec3 p, const lf_sunlight_slope *slope)
 {
-    place_on_map at;
-    if (!find(map, p, &at))
+    place_on_map at = {.x = along(map->to_map[0], p) + map->to_map[0][3],
+                       .y = along(map->to_map[1], p) + map->to_map[1][3]};
+    if (!(at.x >= 0.0f && at.y >= 0.0f && at.x < (float)map->size[0] && at.y < (float)map->size[1]))
         return -1.0f;
-    rise(map, p, n, &at);
+    at.height = along(map->to_map[2], p) + map->to_map[2][3] + slope->bias;
     if (!map->edge)
-        return sharp(map, &at);
+        return sharp(map, &at, slope);
     int across = map->size[0] / TILE;
     float edge = map->edge[(int)at.y / TILE * across + (int)at.x / TILE];
-    return edge > 0.0f ? soft(map, &at, edge) : sharp(map, &at);
+    return edge > 0.0f ? soft(map, &at, slope, edge) : sharp(map, &at, slope);
 }

@@ -4,7 +4,7 @@
 #define LF_RENDER_SUNLIGHT_MAP_H
 
 #include "base/thread.h"
-#include "render/scene/scene.h"
+#include "render/transport/sunlight.h"
 
 #define LF_SUNLIGHT_TILE 8 /* texels along a side */
 
@@ -43,8 +43,10 @@ LF_NODISCARD lf_status lf_sunlight_map_init(lf_sunlight_map *map, const lf_scene
 /* Accepts one that is all zero. */
 void lf_sunlight_map_finish(lf_sunlight_map *map);
 
-/* The share of the light that surfaces let through to p, of a surface with the geometric unit
- * normal n, which looks to the light; < 0: the map does not reach so far. */
-float lf_sunlight_map_share(const lf_sunlight_map *map, lf_vec3 p, lf_vec3 n);
+/* How a plane with the unit normal n or -n lies on the map. */
+lf_sunlight_slope lf_sunlight_map_slope(const lf_sunlight_map *map, lf_vec3 n);
+/* The share of the light that surfaces let through to p, on a plane that lies so and looks to the
+ * light; < 0: the map does not reach so far. */
+float lf_sunlight_map_share(const lf_sunlight_map *map, lf_vec3 p, const lf_sunlight_slope *slope);
 
 #endif

@@ -53,10 +53,19 @@ static inline float lf_rng_exponential(lf_tracer *t)
 /* Nearest surface along o + t w, 0 < t < t_max; w need not be unit. true and *hit filled, or false.
  */
 bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
-/* What a ray along the unit vector w that is known to meet a triangle at p finds there: all of a
- * hit but t. */
-void lf_describe_hit(const lf_scene *scene, int mesh, uint32_t triangle, lf_vec3 p, lf_vec3 w,
-                     lf_hit *hit);
+/* A triangle, for many hits. */
+typedef struct lf_face {
+    const lf_mesh *mesh;
+    const lf_material *material;
+    uint32_t triangle;
+    lf_vec3 a, n;      /* a corner; unit normal */
+    lf_vec3 to_uv[2];  /* p - a -> barycentric coordinates */
+    lf_vec3 smooth[3]; /* shading normal at a, and what it gains with each of them */
+} lf_face;
+void lf_face_init(lf_face *face, const lf_scene *scene, int mesh, uint32_t triangle);
+/* What a ray along the unit vector w that is known to meet it at p finds there: all of a hit but t.
+ */
+void lf_face_hit(const lf_face *face, lf_vec3 p, lf_vec3 w, lf_hit *hit);
 /* True when a surface lies between. */
 bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
 /* The start of a ray that leaves the surface point p towards w, or the end of one that comes from

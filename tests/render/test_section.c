@@ -112,8 +112,9 @@ static double met(const lf_mesh *mesh, int triangle, const double o[3], const do
 static bool is_described(const bench *b, int segment, const lf_hit *hit, lf_vec3 w)
 {
     lf_hit own;
-    lf_section_hit(&b->section, &lf_test_rows(b->renderer)->triangles, b->scene, segment, hit->p,
-                   lf_normalize(w), &own);
+    lf_face face;
+    lf_section_face(&b->section, &lf_test_rows(b->renderer)->triangles, b->scene, segment, &face);
+    lf_face_hit(&face, hit->p, lf_normalize(w), &own);
     return &b->scene->materials[lf_section_material(&b->section, segment)] == hit->material &&
            own.material == hit->material && own.mesh == hit->mesh &&
            own.triangle == hit->triangle && own.front == hit->front &&

@@ -394,8 +394,10 @@ static void lights_add_up(void **state)
     lf_hit hit = {.ng = lf_v3(0, 1, 0), .ns = lf_v3(0, 1, 0)};
     hit.material = &b.scene->materials[b.scene->meshes[0].material];
     double expected = (0.8 * (0.5 * 1 + 0.4 * 2 + 0.3 * 3) + 4 * (0.5 + 0.4 + 0.3)) / (3 * M_PI);
-    lf_assert_close((double)lf_sunlight_reflected(b.sunlight, &hit, lf_v3(0, 1, 0)), expected, 1e-5,
-                    0);
+    lf_sunlight_face face;
+    lf_sunlight_face_init(&face, b.sunlight, hit.ng);
+    lf_assert_close((double)lf_sunlight_reflected(b.sunlight, &face, &hit, lf_v3(0, 1, 0)),
+                    expected, 1e-5, 0);
     tear_down(&b);
 }
 
