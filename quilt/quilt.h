@@ -125,6 +125,27 @@ void lf_interlace_rows(const lf_interlacer *interlacer, const lf_views8 *views, 
 void lf_interlace(const lf_interlacer *interlacer, const lf_views8 *views, lf_image8 *out,
                   lf_pool *pool);
 
+/* ---------------------------------------------------------------------------------- response -- */
+
+/* What a panel makes of its codes, where it is not sRGB; zeroed is a panel that is. */
+typedef struct lf_response {
+    double gamma; /* light = code^gamma; 0 or INFINITY: the curve of sRGB */
+    /* the panel's own white, that of equal codes: as a colour temperature (daylight; 0 = none), or
+     * as chromaticities (0 = none); without either it is D65 */
+    double white, white_x, white_y;
+} lf_response;
+
+/* The code to send for every sRGB code, of red, green and blue: so that what is seen is what sRGB
+ * says, white D65. Gains are linear in light and at most 1, of the primaries of Rec. 709. */
+typedef struct lf_codes {
+    uint8_t code[3][256];
+    bool same; /* all of them are what they were */
+} lf_codes;
+/* LF_E_ARG: two whites, half of one, or one that Rec. 709's primaries do not add up to. */
+LF_NODISCARD lf_status lf_response_codes(const lf_response *response, lf_codes *out, lf_error *err);
+/* The last step, in place: 3 channels; pool may be NULL. */
+void lf_codes_apply(const lf_codes *codes, lf_image8 *image, lf_pool *pool);
+
 /* ------------------------------------------------------------------------ changed rectangles -- */
 
 /* Compares two frames of equal shape and writes at most max_rects (>= 1) disjoint rectangles that

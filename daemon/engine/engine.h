@@ -18,8 +18,10 @@ typedef struct lf_engine_controls {
     lf_estimator estimator;
     double target_error; /* converged below this relMSE */
     int threads;         /* 0 = all CPUs */
-    bool has_exposure;   /* else the scene's */
-    double exposure;     /* as in lf_exposed_film */
+    lf_codes codes;      /* what is sent to panels; has_codes: else what they were */
+    bool has_codes;
+    bool has_exposure; /* else the scene's */
+    double exposure;   /* as in lf_exposed_film */
     bool paused;
 } lf_engine_controls;
 

@@ -154,6 +154,8 @@ static void post_frame(lf_engine *engine, bool final)
     frame->panel = engine->now.panel.number;
     if (interlacer) {
         lf_interlace(interlacer, &views, &frame->image, engine->pool);
+        if (engine->now.controls.has_codes)
+            lf_codes_apply(&engine->now.controls.codes, &frame->image, engine->pool);
         lf_mailbox_compare(&engine->mailbox, frame);
     }
     double now = lf_time_now();
@@ -275,7 +277,11 @@ void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls)
                   controls->exposure < engine->now.controls.exposure;
     if (controls->target_error < engine->now.controls.target_error || resolve)
         engine->converged = false;
-    engine->owed = engine->owed || resolve || controls->paused != engine->now.controls.paused;
+    bool recode =
+        controls->has_codes != engine->now.controls.has_codes ||
+        memcmp(&controls->codes, &engine->now.controls.codes, sizeof controls->codes) != 0;
+    engine->owed =
+        engine->owed || resolve || recode || controls->paused != engine->now.controls.paused;
     engine->now.controls = *controls;
     engine->picture.estimator = controls->estimator;
     if (resolve && engine->renderer)

@@ -20,8 +20,11 @@ typedef struct lf_output_kind lf_output_kind; /* below */
 typedef struct lf_panel_options {
     lf_filter filter;
     lf_invert invert;
+    lf_response response;
 } lf_panel_options;
 extern const lf_param lf_panel_params[];
+/* Of its response, and of what a daemon sends to its panel. */
+extern const lf_param lf_response_params[];
 
 /* A light field to write: 8-bit display-encoded or linear float views. Borrowed. */
 typedef struct lf_output_source {

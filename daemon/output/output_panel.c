@@ -28,22 +28,45 @@ const lf_param lf_panel_params[] = {
     {0},
 };
 
+static const char *const curves[] = {"srgb", NULL};
+
+#define PLACE(field) .place = offsetof(lf_response, field)
+
+/* clang-format off */
+const lf_param lf_response_params[] = {
+    {.name = "gamma", .option = "gamma", .argument = "srgb|GAMMA", PLACE(gamma), .low = 1,
+     .high = 4, .words = curves, .help = "the panel's response to its codes, where it is not sRGB"},
+    {.name = "white", .option = "white", .argument = "KELVIN", PLACE(white), .low = 4000,
+     .high = 25000, .help = "the panel's own white, as a colour temperature; is shown as D65"},
+    {.name = "white_x", .option = "white-xy", .joined = ",", .argument = "X", PLACE(white_x),
+     .low = 0.1, .high = 0.7, .help = "the same by its chromaticity"},
+    {.name = "white_y", .option = "white-xy", .argument = "Y", PLACE(white_y), .low = 0.1,
+     .high = 0.7},
+    {0},
+};
+/* clang-format on */
+
 static lf_status weave(const lf_output_request *request, const lf_views8 *views, double aspect,
                        lf_image8 *panel, lf_error *err)
 {
     const lf_calibration *calibration = request->calibration;
     lf_interlacer *interlacer = NULL;
-    lf_status status =
-        lf_interlacer_create(calibration, views->n_views, views->width, views->height, aspect,
-                             request->panel.filter, request->panel.invert, &interlacer, err);
+    lf_codes codes;
+    lf_status status = lf_response_codes(&request->panel.response, &codes, err);
+    if (status != LF_OK)
+        return status;
+    status = lf_interlacer_create(calibration, views->n_views, views->width, views->height, aspect,
+                                  request->panel.filter, request->panel.invert, &interlacer, err);
     if (status != LF_OK)
         return status;
     status = lf_image8_init(panel, calibration->screen_width_px, calibration->screen_height_px, 3);
-    if (status == LF_OK)
+    if (status == LF_OK) {
         lf_interlace(interlacer, views, panel, request->pool);
-    else
+        lf_codes_apply(&codes, panel, request->pool);
+    } else {
         status = lf_error_set(err, status, request->path, "no memory for a panel of %dx%d pixels",
                               calibration->screen_width_px, calibration->screen_height_px);
+    }
     lf_interlacer_destroy(interlacer);
     return status;
 }

@@ -58,10 +58,34 @@ static lf_status check_spec(const lf_server *server, const char *spec, char **ou
     return status;
 }
 
+/* A white that is said in one way is not what was said in the other. */
+static lf_status take_response(lf_server *server, json_t *params, lf_error *err)
+{
+    lf_response response = server->response;
+    lf_engine_controls controls = lf_engine_get_controls(server->engine);
+    if (json_object_get(params, "white"))
+        response.white_x = response.white_y = 0;
+    else if (json_object_get(params, "white_x"))
+        response.white = 0;
+    lf_status status = lf_param_from_json(lf_response_params, params, &response, "device.set", err);
+    if (status == LF_OK)
+        status = lf_response_codes(&response, &controls.codes, err);
+    if (status != LF_OK)
+        return status;
+    server->response = response;
+    controls.has_codes = true;
+    lf_engine_set_controls(server->engine, &controls);
+    return LF_OK;
+}
+
 void lf_method_device_set(lf_call *call)
 {
     char *spec = NULL;
     lf_error err;
+    if (take_response(call->server, call->params, &err) != LF_OK) {
+        lf_fail(call, &err, false);
+        return;
+    }
     if (check_spec(call->server, json_string_value(json_object_get(call->params, "spec")), &spec,
                    &err) != LF_OK) {
         lf_fail(call, &err, false);

@@ -274,7 +274,10 @@ static lf_status make_threads(lf_server *server, lf_error *err)
     if (sd_event_new(&server->event) < 0 || server->engine_fd < 0 ||
         lf_inbox_init(&server->inbox) != LF_OK)
         return lf_error_set(err, LF_E_IO, "event loop", "cannot be made");
-    lf_status status = lf_engine_create(&controls, server->engine_fd, &server->engine, err);
+    lf_status status = lf_response_codes(&server->response, &controls.codes, err);
+    controls.has_codes = true;
+    if (status == LF_OK)
+        status = lf_engine_create(&controls, server->engine_fd, &server->engine, err);
     if (status != LF_OK)
         return status;
     status = lf_loader_create(server->engine, &server->roots, &server->inbox, &server->loader);
@@ -383,6 +386,7 @@ int lf_server_run(const lf_server_config *config)
         return LF_EXIT_FAILED;
     *server = (lf_server){.config = *config, .engine_fd = -1, .lock_fd = -1, .inbox.event_fd = -1};
     server->options = config->options;
+    server->response = config->response;
     server->life.started = lf_time_now();
     lf_error err;
     prepare_process();

@@ -45,6 +45,7 @@ typedef struct lf_server_config {
     double run_for; /* seconds; 0 = until told */
     lf_button_actions buttons;
     lf_options options;
+    lf_response response; /* of the panel */
 } lf_server_config;
 
 typedef struct lf_server lf_server;
@@ -102,9 +103,10 @@ struct lf_server {
     sd_event *event;
     lf_inbox inbox;
     int engine_fd;
-    lf_roots roots;     /* fixed once the loader runs */
-    char *export_root;  /* canonical; NULL = none */
-    lf_options options; /* as changed by render.set */
+    lf_roots roots;       /* fixed once the loader runs */
+    char *export_root;    /* canonical; NULL = none */
+    lf_options options;   /* as changed by render.set */
+    lf_response response; /* as changed by device.set */
     lf_engine *engine;
     lf_loader *loader;
     lf_task *held; /* loads that came before the scene of the command line */

@@ -18,6 +18,7 @@ json_t *lf_server_device_json(const lf_server *server)
     bool present = lf_show_info(server->show, &info);
     json_t *told = info_json(&info);
     json_object_set_new(told, "present", json_boolean(present));
+    json_object_set_new(told, "response", lf_param_json(lf_response_params, &server->response));
     return told;
 }
 

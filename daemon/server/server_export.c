@@ -23,7 +23,11 @@ static double number_of(const json_t *params, const char *key, double absent)
 static lf_status take_panel_words(lf_job *job, const json_t *params, lf_error *err)
 {
     const lf_calibration *calibration = lf_show_calibration(job->server->show);
+    job->panel.response = job->server->response; /* what the panel gets, but for what is said */
     lf_status status = lf_param_from_json(lf_panel_params, params, &job->panel, "export", err);
+    if (status == LF_OK)
+        status =
+            lf_param_from_json(lf_response_params, params, &job->panel.response, "export", err);
     if (status == LF_OK && !calibration)
         return lf_error_set(err, LF_E_NODEV, lf_show_spec(job->server->show),
                             "there is no panel whose calibration is known");

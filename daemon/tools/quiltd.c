@@ -49,6 +49,7 @@ static void print_help(void)
            "  --device SPEC          auto (default), drm[:OUTPUT], window[:MONITOR],\n"
            "                         usb[:BUS-PORT], sim:DIR[,option=value...] or none\n");
     lf_param_print_help(lf_option_params, shared);
+    lf_param_print_help(lf_response_params, NULL);
     printf(
         "  --state DIR            keeps the accumulation there over restarts\n"
         "  --allow-path DIR       clients may name files to read beneath it; may be given often\n"
@@ -119,7 +120,9 @@ static lf_status check_tiles(const lf_options *options, lf_error *err)
 int main(int argc, char *argv[])
 {
     lf_server_config config = {.device = "auto"};
-    const lf_options_part parts[] = {{lf_option_params, shared, &config.options}, {0}};
+    const lf_options_part parts[] = {{lf_option_params, shared, &config.options},
+                                     {lf_response_params, NULL, &config.response},
+                                     {0}};
     const lf_options_rules rules = {.program = PROGRAM,
                                     .letters = ":",
                                     .parts = parts,
@@ -136,6 +139,9 @@ int main(int argc, char *argv[])
     if (done)
         return LF_EXIT_OK;
     if (check_tiles(&config.options, &err) != LF_OK)
+        return lf_usage_error(PROGRAM, &err);
+    lf_codes codes;
+    if (lf_response_codes(&config.response, &codes, &err) != LF_OK)
         return lf_usage_error(PROGRAM, &err);
     if (argc - optind > 1) {
         (void)lf_error_set(&err, LF_E_ARG, argv[optind + 1], "only one scene can be shown");

@@ -44,6 +44,7 @@ static void print_help(void)
         "What:\n");
     lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " exposure panel");
     lf_param_print_help(lf_panel_params, NULL);
+    lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
     printf("\n"
            "How long (one of them; --spp %d when none is given):\n"
@@ -107,7 +108,7 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->asked = kind;
     if (params == lf_print_params && !kind && !a->print_option)
         a->print_option = row->option;
-    if (params == lf_panel_params && !a->panel_option)
+    if ((params == lf_panel_params || params == lf_response_params) && !a->panel_option)
         a->panel_option = row->option;
     if (params == lf_option_params && !a->render_option && lf_param_among(row, tracing))
         a->render_option = row->option;
@@ -200,6 +201,9 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
         status = refuse_rendering(a, err);
     if (status == LF_OK)
         status = check_kind(a, err);
+    lf_codes codes;
+    if (status == LF_OK)
+        status = lf_response_codes(&a->panel.response, &codes, err);
     a->print.n_views = a->options.views;
     if (status == LF_OK && a->kind->is_drawn)
         status = a->kind->check_print(&a->print, NULL, err);
@@ -235,6 +239,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
 {
     const lf_options_part parts[] = {{lf_option_params, shared, &a->options},
                                      {lf_panel_params, NULL, &a->panel},
+                                     {lf_response_params, NULL, &a->panel.response},
                                      {lf_print_params, NULL, &a->print},
                                      {0}};
     const lf_options_rules rules = {.program = LF_RENDER_PROGRAM,

@@ -1,5 +1,9 @@
-/* How a picture looks, from outside: framing, depth and exposure. */
+/* How a picture looks, from outside: framing, depth, exposure, and a panel's
+ * response. */
 #include "tests/daemon/live.h"
+
+#include "base/image_io.h"
+#include "quilt/quilt.h"
 
 static json_t *result_of(live_client *c, const char *method, json_t *params)
 {
@@ -247,6 +251,89 @@ static void a_file_is_exposed_by_its_own_picture(void **state)
     live_finish(&l);
 }
 
+/* -------------------------------------------------------------------------------- response -- */
+
+/* Whether the picture at path is the other one, by these codes. */
+static void assert_coded(const char *path, const lf_image8 *plain, const lf_codes *codes)
+{
+    lf_image8 image = {0};
+    lf_error err;
+    lf_assert_ok(lf_image8_read(path, NULL, &image, &err), &err);
+    assert_true(image.width == plain->width && image.height == plain->height);
+    for (int i = 0; i < image.width * image.height * 3; i++)
+        assert_int_equal(image.data[i], codes->code[i % 3][plain->data[i]]);
+    lf_image8_finish(&image);
+}
+
+/* A quilt's picture, which is the same every time. */
+static void show_quilt(const live *l, const char *quilt, const char *gamma, const char *white)
+{
+    live again = *l;
+    live_start(&again, quilt, "--device", l->sim, "--gamma", gamma, "--white", white, NULL);
+    live_client c;
+    live_connect(&again, &c);
+    live_wait(&c, "converged");
+    live_close(&c);
+    assert_int_equal(live_stop(&again), 0);
+}
+
+static void a_panel_gets_the_codes_of_its_response(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    char quilt[PATH_MAX], woven[PATH_MAX], calibration[PATH_MAX];
+    snprintf(quilt, sizeof quilt, "%s/a_qs3x2a0.75.png", l.folder);
+    snprintf(woven, sizeof woven, "%s/woven.png", l.folder);
+    snprintf(calibration, sizeof calibration, "%s/sim/calibration.json", l.folder);
+    assert_int_equal(
+        live_run(&l, "quiltrender", l.scene, "-o", quilt, "--view-size", "24x32", NULL), 0);
+    show_quilt(&l, quilt, "srgb", "6500");
+    lf_image8 plain = {0};
+    lf_error err;
+    lf_codes codes;
+    lf_assert_ok(lf_image8_read(l.panel, NULL, &plain, &err), &err);
+    lf_assert_ok(lf_response_codes(&(lf_response){.gamma = 2.2, .white = 7500}, &codes, &err),
+                 &err);
+    show_quilt(&l, quilt, "2.2", "7500");
+    assert_coded(l.panel, &plain, &codes);
+    assert_int_equal(live_run(&l, "quiltrender", quilt, "-o", woven, "--panel", calibration,
+                              "--gamma", "2.2", "--white", "7500", NULL),
+                     0);
+    assert_coded(woven, &plain, &codes);
+    assert_int_equal(live_run(&l, "quiltrender", quilt, "-o", woven, "--panel", calibration,
+                              "--white-xy", "0.7,0.3", NULL),
+                     2);
+    lf_image8_finish(&plain);
+    live_finish(&l);
+}
+
+static void a_response_can_be_set_while_it_is_shown(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    json_t *params = json_pack("{s:s, s:f, s:i}", "spec", l.sim, "gamma", 2.2, "white", 9000);
+    json_t *device = result_of(&c, "device.set", params);
+    lf_assert_close(member(json_object_get(device, "response"), "gamma"), 2.2, 0, 0);
+    json_decref(device);
+    params = json_pack("{s:s, s:s, s:f, s:f}", "spec", l.sim, "gamma", "srgb", "white_x", 0.3,
+                       "white_y", 0.31);
+    device = result_of(&c, "device.set", params);
+    const json_t *response = json_object_get(device, "response");
+    assert_string_equal(json_string_value(json_object_get(response, "gamma")), "srgb");
+    assert_true(member(response, "white") == 0 && member(response, "white_y") > 0);
+    json_decref(device);
+    params = json_pack("{s:s, s:f, s:f}", "spec", l.sim, "white_x", 0.7, "white_y", 0.3);
+    assert_int_equal(live_code(&c, "device.set", params), -32602);
+    live_close(&c);
+    live_finish(&l);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -254,6 +341,8 @@ int main(void)
         cmocka_unit_test(an_automatic_exposure_never_pumps),
         cmocka_unit_test(an_exposure_that_is_set_starts_nothing_over),
         cmocka_unit_test(a_file_is_exposed_by_its_own_picture),
+        cmocka_unit_test(a_panel_gets_the_codes_of_its_response),
+        cmocka_unit_test(a_response_can_be_set_while_it_is_shown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

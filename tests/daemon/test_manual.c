@@ -104,6 +104,10 @@ static void every_shared_option_stands_in_the_manuals(void **state)
         if (!strstr(strstr(daemon, "A panel takes"), word))
             fail_msg("%s is missing", row->name);
     }
+    for (const lf_param *row = lf_response_params; row->option; row = lf_param_next(row)) {
+        check_option(page, row, true);
+        check_option(daemon, row, true);
+    }
     assert_null(find_option(page, "calibration"));
     assert_null(find_option(daemon, "panel"));
     lf_free(page);
@@ -123,7 +127,7 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
         snprintf(option, sizeof option, "%.*s", (int)strcspn(at, " ,\n"), at);
         const lf_param own = {.option = option};
         if (!lf_param_find(lf_print_params, option) && !lf_param_find(lf_option_params, option) &&
-            !lf_param_find(lf_panel_params, option) &&
+            !lf_param_find(lf_panel_params, option) && !lf_param_find(lf_response_params, option) &&
             !lf_param_among(&own, "passes spp time stats help"))
             fail_msg("--%s is in no table", option);
         n++;
