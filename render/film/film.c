@@ -307,15 +307,57 @@ void lf_film_count(lf_film *film, int stream, int row, int half, double passes)
     count(film, stream, row, half, passes);
 }
 
-/* before: q of all visits before this one, which has the share. */
-static void merge_feature(lf_packed_feature *to, double before, const lf_feature *from, double now,
-                          double share, uint32_t random)
+/* Columns that are merged together: their random numbers are the same in all views. */
+#define SPAN 64
+
+/* before: q of all visits before this one, which has the share. What no ray has met stays. */
+static void merge_features(lf_packed_feature *restrict to, const float *restrict before,
+                           const lf_feature *restrict from, const float *restrict now, float share,
+                           const uint32_t *restrict random, size_t n)
 {
-    if (!(share * now > 0.0))
-        return;
-    const lf_feature old = lf_feature_unpack(*to),
-                     mixed = lf_feature_mix(&old, (1.0 - share) * before, from, share * now);
-    *to = lf_feature_pack(&mixed, random);
+    const uint32_t to_nearest = UINT32_C(1) << 31;
+    for (size_t i = 0; i < n; i++) {
+        const lf_feature a = lf_feature_unpack(to[i]), b = from[i];
+        const uint32_t any = random[i];
+        float weight = share * now[i], sum = (1.0f - share) * before[i] + weight;
+        float t = weight / (sum > 1e-30f ? sum : 1e-30f), s = 1.0f - t, d = b.nearness - a.nearness;
+        const lf_feature mixed = {
+            a.nearness + t * d,
+            sqrtf(s * (a.spread * a.spread) + t * (b.spread * b.spread + s * (d * d))),
+            a.surface + t * (b.surface - a.surface), a.light + t * (b.light - a.light)};
+        to[i] = lf_feature_pack(&mixed, weight > 0.0f ? any : to_nearest);
+    }
+}
+
+/* What merging a visit goes from and to. */
+typedef struct lf_merge {
+    lf_film_half to;
+    const lf_film_sums *sums;
+    lf_film_known *known;
+    lf_merge_shares shares;
+    bool features;
+} lf_merge;
+
+/* n pixels from the first on. */
+static void merge_span(const lf_merge *merge, size_t first, size_t n, const uint32_t random[SPAN])
+{
+    const lf_film_half *to = &merge->to, *from = &merge->sums->half;
+    if (merge->features)
+        merge_features(to->feature + first, to->q + first, merge->sums->feature + first,
+                       from->q + first, (float)merge->shares.half, random, n);
+    for (size_t k = 0; k < n; k++) {
+        size_t i = first + k;
+        lf_film_scattered *a = &to->scattered[i];
+        const lf_film_scattered *b = &from->scattered[i];
+        for (int c = 0; c < 3; c++)
+            a->n[c] = add(a->n[c], b->n[c], random[k]);
+        a->w = add(a->w, b->w, random[k]);
+        if (to->w2)
+            to->w2[i] = add(to->w2[i], from->w2[i], random[k]);
+        to->q[i] = mean(to->q[i], merge->shares.half, (double)from->q[i], random[k]);
+        if (merge->known)
+            merge_known(&merge->known[i], merge->sums, i, &merge->shares, random[k]);
+    }
 }
 
 void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_sums *sums,
@@ -323,26 +365,19 @@ void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_s
 {
     const double weight = passes / film->n_views;
     clear_row(film, row);
-    const lf_merge_shares shares = shares_of(&film->rows[row], half, weight);
-    const lf_film_half to = lf_film_at(film, row, half), *from = &sums->half;
-    lf_film_known *known = lf_film_known_at(film, row);
-    size_t pixels = weight > 0.0 ? pixels_of(&film->layout) : 0, width = (size_t)film->width;
-    /* One random number a column: what is the same, N and W or two views, stays the same. */
-    for (size_t i = 0; i < pixels; i++) {
-        uint32_t random = (uint32_t)(lf_hash64(key, i % width) >> 32);
-        lf_film_scattered *a = &to.scattered[i];
-        const lf_film_scattered *b = &from->scattered[i];
-        for (int c = 0; c < 3; c++)
-            a->n[c] = add(a->n[c], b->n[c], random);
-        a->w = add(a->w, b->w, random);
-        if (to.w2)
-            to.w2[i] = add(to.w2[i], from->w2[i], random);
-        if (to.feature)
-            merge_feature(&to.feature[i], (double)to.q[i], &sums->feature[i], (double)from->q[i],
-                          shares.half, random);
-        to.q[i] = mean(to.q[i], shares.half, (double)from->q[i], random);
-        if (known)
-            merge_known(&known[i], sums, i, &shares, random);
+    const lf_merge merge = {lf_film_at(film, row, half), sums, lf_film_known_at(film, row),
+                            shares_of(&film->rows[row], half, weight),
+                            film->layout.has_features &&
+                                film->rows[row].visits[half] < LF_FEATURE_VISITS};
+    size_t width = (size_t)film->width, views = weight > 0.0 ? (size_t)film->n_views : 0;
+    for (size_t column = 0; column < width; column += SPAN) {
+        size_t n = width - column < SPAN ? width - column : SPAN;
+        uint32_t random[SPAN];
+        /* One random number a column: what is the same, N and W or two views, stays the same. */
+        for (size_t k = 0; k < n; k++)
+            random[k] = (uint32_t)(lf_hash64(key, column + k) >> 32);
+        for (size_t view = 0; view < views; view++)
+            merge_span(&merge, view * width + column, n, random);
     }
     count(film, stream, row, half, passes);
 }

@@ -2,7 +2,8 @@
  * paths; private to render/. docs/reconstruct.md, "Features".
  *
  * Each is a mean over the film points of a half, weighted by the pivot probability q. 8 bytes a
- * view pixel and half; what does not fit is rounded up or down at random, without bias. */
+ * view pixel and half; what does not fit is rounded up or down at random, without bias. The errors
+ * of that add up, so that what later visits would still tell is left alone. */
 #ifndef LF_RENDER_FILM_FEATURE_H
 #define LF_RENDER_FILM_FEATURE_H
 
@@ -12,6 +13,9 @@
 
 /* Nearness D/Z, 1 in the plane Z = D; what is nearer than D/8 counts as there. */
 #define LF_NEARNESS_MAX 8.0f
+
+/* Visits of a half that features are taken from. */
+#define LF_FEATURE_VISITS 256
 
 typedef struct lf_feature {
     float nearness; /* mean of D/Z, 0..LF_NEARNESS_MAX */
@@ -28,32 +32,32 @@ typedef struct lf_packed_feature {
 static inline lf_feature lf_feature_unpack(lf_packed_feature p)
 {
     const float unit = 1.0f / 65535.0f;
-    uint32_t bits = (uint32_t)p.light << 16;
+    uint32_t bits = p.light < 0x7f80 ? (uint32_t)p.light << 16 : 0; /* 0 <= light < infinity */
     float light;
     memcpy(&light, &bits, sizeof light);
     return (lf_feature){(float)p.nearness * (LF_NEARNESS_MAX * unit),
                         (float)p.spread * (0.5f * LF_NEARNESS_MAX * unit), (float)p.surface * unit,
-                        light >= 0.0f && light < INFINITY ? light : 0.0f};
+                        light};
 }
 
-/* x in 0..1; u in [0, 1) rounds. */
-static inline uint16_t lf_feature_unit(float x, float u)
+/* x in 0..65535; u in [0, 1) rounds. Sums near the end round to what does not fit. */
+static inline uint16_t lf_feature_whole(float x, float u)
 {
-    float sum = (x > 0.0f ? x * 65535.0f : 0.0f) + u; /* which may round up */
-    return sum < 65535.0f ? (uint16_t)sum : 65535;
+    int32_t whole = (int32_t)((x > 0.0f ? x : 0.0f) + u);
+    return (uint16_t)(whole < 65535 ? whole : 65535);
 }
 
 /* random: 32 bits. */
 static inline lf_packed_feature lf_feature_pack(const lf_feature *f, uint32_t random)
 {
-    float u = (float)(random >> 16) * 0x1p-16f * 0.9999f,
+    float u = (float)(int32_t)(random >> 16) * 0x1p-16f,
           light = f->light < 1e38f ? f->light : 1e38f;
     uint32_t bits;
     memcpy(&bits, &light, sizeof bits);
-    return (lf_packed_feature){lf_feature_unit(f->nearness / LF_NEARNESS_MAX, u),
-                               lf_feature_unit(f->spread / (0.5f * LF_NEARNESS_MAX), u),
-                               lf_feature_unit(f->surface, u),
-                               (uint16_t)((bits + (random >> 16)) >> 16)};
+    return (lf_packed_feature){
+        lf_feature_whole(f->nearness * (65535.0f / LF_NEARNESS_MAX), u),
+        lf_feature_whole(f->spread * (65535.0f / (0.5f * LF_NEARNESS_MAX)), u),
+        lf_feature_whole(f->surface * 65535.0f, u), (uint16_t)((bits + (random >> 16)) >> 16)};
 }
 
 /* Means over both, each with its weight, not both 0; the same to the bit with a and b exchanged. */

@@ -40,37 +40,3 @@ bool lf_body_cut(lf_body *body, const lf_volume *volume, const lf_rig *rig,
     body->sigma_t = volume->sigma_scale;
     return lf_body_rays(volume, rig, plane, body->origin, body->across, body->depth);
 }
-
-/* Mean and variance of a truncated exponential on 0..1; series where the closed forms cancel. */
-static void truncated(float tau, float *mean, float *variance)
-{
-    float t2 = tau * tau;
-    if (tau < 1.0f) {
-        *mean = 0.5f - tau * (1.0f / 12.0f - t2 * (1.0f / 720.0f));
-        *variance = 1.0f / 12.0f - t2 * (1.0f / 240.0f - t2 * (1.0f / 6048.0f));
-        return;
-    }
-    float e = expf(-tau), lost = 1.0f - e;
-    *mean = 1.0f / tau - e / lost;
-    *variance = 1.0f / t2 - e / (lost * lost);
-}
-
-void lf_body_moments(const lf_body *body, int n, const float *x0, const float *slope,
-                     const float *z_end, const float *length, float distance, float *const sums[3])
-{
-    for (int k = 0; k < n; k++) {
-        float from, to, mean, variance;
-        lf_body_interval(body, x0[k], slope[k], &from, &to);
-        to = lf_min(to, z_end[k]);
-        float inside = lf_max(to - from, 0.0f), tau = body->sigma_t * inside * length[k];
-        sums[0][k] = sums[1][k] = sums[2][k] = 0.0f;
-        if (!(tau > 0.0f))
-            continue;
-        truncated(tau, &mean, &variance);
-        float z = from + inside * mean, y = lf_nearness(distance, z),
-              relative = variance * (inside / z) * (inside / z);
-        sums[0][k] = -expm1f(-tau);
-        sums[1][k] = sums[0][k] * lf_min(y * (1.0f + relative), LF_NEARNESS_MAX);
-        sums[2][k] = sums[1][k] * sums[1][k] / sums[0][k] + sums[0][k] * y * y * relative;
-    }
-}

@@ -72,19 +72,16 @@ static void write_feature(const lf_visit_plan *plan, const lf_visit *visit, size
     const float least = 1e-3f; /* less of a surface is not worth a look at its light */
     const lf_scratch *worker = visit->worker;
     const lf_media_moments *m = &worker->moments;
-    float q = visit->sums.half.q[pixel];
     lf_feature feature = {.nearness = m->nearness[k], .spread = m->spread[k]};
-    if (!(q > 0.0f))
-        return;
     if (lobe) {
-        float medium = lf_min(m->met[k], 1.0f);
-        const lf_feature surface = {.nearness = lf_nearness(visit->rig->distance, worker->z_end[k]),
-                                    .surface = 1.0f,
-                                    .light =
-                                        q - medium > least ? sunlight_of(plan, visit, k) : 0.0f};
-        feature = medium > 0.0f
-                      ? lf_feature_mix(&feature, (double)medium, &surface, (double)(q - medium))
-                      : surface;
+        float wall = lf_nearness(visit->rig->distance, worker->z_end[k]),
+              medium = lf_min(m->met[k], 1.0f), apart = feature.nearness - wall;
+        feature.surface = 1.0f - medium;
+        feature.spread =
+            sqrtf(medium * (feature.spread * feature.spread + feature.surface * (apart * apart)));
+        feature.nearness = wall + medium * apart;
+        if (feature.surface > least)
+            feature.light = feature.surface * sunlight_of(plan, visit, k);
     }
     lf_film_note(&visit->sums, pixel, feature);
 }

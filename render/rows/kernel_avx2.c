@@ -260,6 +260,13 @@ static void through(const lf_body *body, int n, const float *x0, const float *sl
     lf_body_depths(body, n, x0, slope, z_end, tau);
 }
 
+static void within(const lf_body *body, int n, const float *x0, const float *slope,
+                   const float *z_end, const float *length, float distance, float *tau, float *met,
+                   float *nearness, float *spread)
+{
+    lf_body_moments(body, n, x0, slope, z_end, length, distance, tau, met, nearness, spread);
+}
+
 static inline __m256 exp_kernel(__m256 x)
 {
     x = _mm256_max_ps(x, _mm256_set1_ps(LF_EXP_MIN));
@@ -316,6 +323,7 @@ const lf_kernels lf_kernels_avx2 = {.name = "avx2",
                                     .march = march,
                                     .moments = moments,
                                     .through = through,
+                                    .within = within,
                                     .sample = sample,
                                     .compare = compare,
                                     .densities = densities};

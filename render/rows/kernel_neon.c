@@ -176,6 +176,13 @@ static void through(const lf_body *body, int n, const float *x0, const float *sl
     lf_body_depths(body, n, x0, slope, z_end, tau);
 }
 
+static void within(const lf_body *body, int n, const float *x0, const float *slope,
+                   const float *z_end, const float *length, float distance, float *tau, float *met,
+                   float *nearness, float *spread)
+{
+    lf_body_moments(body, n, x0, slope, z_end, length, distance, tau, met, nearness, spread);
+}
+
 static inline float32x4_t exp_kernel(float32x4_t x)
 {
     x = max4(x, vdupq_n_f32(LF_EXP_MIN));
@@ -236,6 +243,7 @@ const lf_kernels lf_kernels_neon = {.name = "neon",
                                     .march = march,
                                     .moments = moments,
                                     .through = through,
+                                    .within = within,
                                     .sample = sample,
                                     .compare = compare,
                                     .densities = densities};

@@ -168,20 +168,28 @@ static void moments_of(int n, float *const sums[3], int first, lf_media_moments 
 }
 
 /* The first of two collisions, that of `to` in front with probability p. */
-static void join(lf_media_moments *to, const lf_media_moments *from, int k)
+static void join(lf_media_moments *to, const lf_media_moments *from, int first, int n)
 {
-    float apart = to->nearness[k] - from->nearness[k], width = to->spread[k] + from->spread[k],
-          p = lf_min(lf_max(0.5f + 0.5f * apart / (1e-6f + sqrtf(3.0f) * width), 0.0f), 1.0f);
-    float a = to->met[k] * (1.0f - (1.0f - p) * from->met[k]),
-          b = from->met[k] * (1.0f - p * to->met[k]);
-    if (!(a + b > 0.0f))
-        return;
-    const lf_feature x = {.nearness = to->nearness[k], .spread = to->spread[k]},
-                     y = {.nearness = from->nearness[k], .spread = from->spread[k]},
-                     mixed = lf_feature_mix(&x, (double)a, &y, (double)b);
-    to->met[k] = a + b;
-    to->nearness[k] = mixed.nearness;
-    to->spread[k] = mixed.spread;
+    for (int k = first; k < first + n; k++) {
+        float a = to->met[k], b = from->met[k], apart = to->nearness[k] - from->nearness[k],
+              width = to->spread[k] + from->spread[k],
+              p = lf_min(lf_max(0.5f + 0.2886751f * apart / (1e-6f + width), 0.0f), 1.0f),
+              share = a * (1.0f - (1.0f - p) * b), other = b * (1.0f - p * a), sum = share + other,
+              t = sum > 0.0f ? other / sum : 0.0f, s = 1.0f - t,
+              variance = s * to->spread[k] * to->spread[k] +
+                         t * (from->spread[k] * from->spread[k] + s * apart * apart);
+        to->met[k] = sum;
+        to->nearness[k] -= t * apart;
+        to->spread[k] = sqrtf(variance);
+    }
+}
+
+static bool any(const float *x, int n)
+{
+    int met = 0;
+    for (int k = 0; k < n; k++)
+        met |= x[k] > 0.0f;
+    return met;
 }
 
 void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
@@ -189,20 +197,23 @@ void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n
                          float distance, float *tau, int first, lf_media_moments *out)
 {
     float sum[3][LF_MAX_LANES], *const sums[3] = {sum[0], sum[1], sum[2]};
-    lf_media_moments other;
+    lf_media_moments other, *to = out;
     memset(tau, 0, sizeof *tau * (size_t)n);
     for (int i = 0; i < media->n_here; i++) {
         const lf_medium *medium = &media->item[media->here[i]];
-        if (medium->kind == LF_MEDIUM_SLICE) {
-            kernels->moments(&medium->slice, n, x0, slope, z_end, length, distance, tau, sums);
-        } else if (medium->kind == LF_MEDIUM_VOXELS) {
-            lf_voxels_moments(&medium->voxels, n, x0, slope, z_end, length, distance, tau, sums);
+        if (medium->kind == LF_MEDIUM_BODY) {
+            kernels->within(&medium->body, n, x0, slope, z_end, length, distance, tau,
+                            to->met + first, to->nearness + first, to->spread + first);
         } else {
-            kernels->through(&medium->body, n, x0, slope, z_end, tau);
-            lf_body_moments(&medium->body, n, x0, slope, z_end, length, distance, sums);
+            if (medium->kind == LF_MEDIUM_SLICE)
+                kernels->moments(&medium->slice, n, x0, slope, z_end, length, distance, tau, sums);
+            else
+                lf_voxels_moments(&medium->voxels, n, x0, slope, z_end, length, distance, tau,
+                                  sums);
+            moments_of(n, sums, first, to);
         }
-        moments_of(n, sums, first, i == 0 ? out : &other);
-        for (int k = first; k < first + n && i > 0; k++)
-            join(out, &other, k);
+        if (to == &other && any(other.met + first, n))
+            join(out, &other, first, n);
+        to = &other;
     }
 }

@@ -237,6 +237,99 @@ static void differences_are_packed_without_bias(void **state)
     }
 }
 
+/* All that 16 bits can be goes through unchanged, whatever the random number; what lies between two
+ * is one of them, and on average itself. */
+static void features_are_packed_without_bias(void **state)
+{
+    (void)state;
+    enum { N = 1 << 16 };
+    const float unit = 1.0f / 65535.0f;
+    const lf_feature ends = {100.0f, 100.0f, 1.0f + 1e-6f, INFINITY},
+                     x = {8.0f * 20000.25f * unit, 4.0f * 7.5f * unit, 65534.75f * unit, 0.7f};
+    double sum[4] = {0};
+    for (uint32_t i = 0; i < N; i++) {
+        uint16_t v = (uint16_t)i;
+        const lf_packed_feature all = {v, v, v, v < 0x7e00 ? v : 0};
+        const lf_feature there = lf_feature_unpack(all);
+        const uint32_t any = (uint32_t)lf_hash64(i, 3), last = UINT32_MAX;
+        lf_packed_feature back = lf_feature_pack(&there, UINT32_C(1) << 31);
+        assert_memory_equal(&back, &all, sizeof all);
+        back = lf_feature_pack(&ends, i % 2 ? any : last);
+        assert_true(back.nearness == 65535 && back.spread == 65535 && back.surface == 65535);
+        assert_true(lf_feature_unpack(back).light < INFINITY);
+        const lf_feature y = lf_feature_unpack(lf_feature_pack(&x, i << 16));
+        assert_true(fabsf(y.nearness - x.nearness) < 8.0f * unit && fabsf(y.light - 0.7f) < 4e-3f);
+        sum[0] += (double)y.nearness / N;
+        sum[1] += (double)y.spread / N;
+        sum[2] += (double)y.surface / N;
+        sum[3] += (double)y.light / N;
+    }
+    lf_assert_close(sum[0], (double)x.nearness, 1e-6, 0.0);
+    lf_assert_close(sum[1], (double)x.spread, 1e-5, 0.0);
+    lf_assert_close(sum[2], (double)x.surface, 1e-6, 0.0);
+    lf_assert_close(sum[3], (double)x.light, 1e-5, 0.0);
+}
+
+/* Over visits of any weight; what no ray has met says nothing. */
+static void features_are_means_weighted_by_q(void **state)
+{
+    (void)state;
+    enum { visits = 60, width = 200 };
+    bench b;
+    const lf_film_layout layout = {.n_views = 1, .width = width, .height = 1, .has_features = true};
+    double total[width] = {0}, sum[4][width] = {{0}}, wrong[4] = {0};
+    bench_init(&b, &layout);
+    for (int v = 0; v < visits; v++) {
+        double spp = v % 5 == 0 ? 1.0 : 1.0 / 9;
+        for (size_t i = 0; i < width; i++) {
+            float x = (float)(lf_hash64((uint64_t)v, (uint64_t)i) >> 40) * 0x1p-24f,
+                  q = v % 4 == 3 ? 0.0f : (float)(i + 1) * x / width;
+            const lf_feature f = {1.0f + x, 0.2f * x, x * x, 5.0f * x};
+            lf_film_pivots(&b.sums, i, q);
+            lf_film_note(&b.sums, i, f);
+            double w = spp * (double)q, y = (double)f.nearness, z = (double)f.spread;
+            total[i] += w;
+            sum[0][i] += w * y;
+            sum[1][i] += w * (y * y + z * z);
+            sum[2][i] += w * (double)f.surface;
+            sum[3][i] += w * (double)f.light;
+        }
+        lf_film_merge(&b.film, 0, 0, 1, &b.sums, spp, lf_hash64(lf_test_seed(), (uint64_t)v));
+    }
+    for (size_t i = 0; i < width; i++) {
+        const lf_feature f = lf_feature_unpack(lf_film_at(&b.film, 0, 1).feature[i]);
+        double y = sum[0][i] / total[i], z = sqrt(sum[1][i] / total[i] - y * y);
+        lf_assert_close((double)f.nearness, y, 0.0, 2e-3);
+        lf_assert_close((double)f.spread, z, 0.0, 2e-3);
+        lf_assert_close((double)f.surface, sum[2][i] / total[i], 0.0, 3e-4);
+        lf_assert_close((double)f.light, sum[3][i] / total[i], 0.1, 0.0);
+        wrong[0] += ((double)f.nearness - y) / width;
+        wrong[3] += ((double)f.light * total[i] / sum[3][i] - 1.0) / width;
+    }
+    print_message("features: %.2g of nearness and %.2g of light are rounding on average\n",
+                  wrong[0], wrong[3]);
+    assert_true(fabs(wrong[0]) < 1e-4 && fabs(wrong[3]) < 2.5e-3);
+    bench_finish(&b);
+}
+
+static void features_that_are_constant_stay_exact(void **state)
+{
+    (void)state;
+    bench b;
+    const lf_film_layout layout = {.n_views = 1, .width = 2, .height = 1, .has_features = true};
+    const lf_feature f = {8.0f * 0.2f, 4.0f * 0.6f, 1.0f, 0.25f};
+    bench_init(&b, &layout);
+    lf_film_pivots(&b.sums, 0, 0.3f);
+    lf_film_note(&b.sums, 0, f);
+    merge(&b, 0, 100000, 2.0 / 45);
+    const lf_packed_feature *packed = lf_film_at(&b.film, 0, 0).feature;
+    assert_int_equal(packed[0].surface, 65535);
+    assert_int_equal(packed[0].light, 0x3e80);
+    assert_true(abs(packed[0].nearness - 13107) <= 1 && abs(packed[0].spread - 39321) <= 1);
+    assert_memory_equal(&packed[1], &(lf_packed_feature){0}, sizeof packed[1]);
+    bench_finish(&b);
+}
+
 /* What scatters is as uneven as W, or as W', both of which are known to be q in the mean: nothing
  * is left of it. */
 static void both_controls_take_out_what_they_explain(void **state)
@@ -388,6 +481,9 @@ int main(void)
         cmocka_unit_test(what_is_constant_stays_exact),
         cmocka_unit_test(known_light_and_its_difference_follow_both_halves),
         cmocka_unit_test(differences_are_packed_without_bias),
+        cmocka_unit_test(features_are_packed_without_bias),
+        cmocka_unit_test(features_are_means_weighted_by_q),
+        cmocka_unit_test(features_that_are_constant_stay_exact),
         cmocka_unit_test(both_controls_take_out_what_they_explain),
         cmocka_unit_test(light_that_is_not_stored_is_the_same_light),
         cmocka_unit_test(the_error_goes_on_falling),

@@ -14,7 +14,8 @@ static const lf_film_layout whole = {.n_views = 1,
                                      .height = HEIGHT,
                                      .has_w2 = true,
                                      .has_native = true,
-                                     .has_known = true};
+                                     .has_known = true,
+                                     .has_features = true};
 
 /* What visit v of a stream finds at a pixel, in eighths when exact, else anything. */
 static float value(uint32_t stream, int v, int pixel, bool exact)
@@ -27,6 +28,9 @@ static int half_of(int v)
 {
     return v % 3 == 1;
 }
+
+/* What packing leaves as it is. */
+static const lf_feature level = {.nearness = 8.0f, .surface = 1.0f, .light = 0.75f};
 
 /* The visits of one stream to one row. */
 static void accumulate(lf_film *film, uint32_t stream, int row, bool exact)
@@ -45,6 +49,7 @@ static void accumulate(lf_film *film, uint32_t stream, int row, bool exact)
             lf_film_weigh_direction(&sums, pixel, x);
             lf_film_pivots(&sums, pixel, q);
             lf_film_known_light(&sums, pixel, q, q, q);
+            lf_film_note(&sums, pixel, exact ? level : (lf_feature){4 * x, x, x * x, 3 * x});
         }
         lf_film_merge(film, index, row, half_of(v), &sums, v % 2 ? 1.0 : 0.5,
                       lf_hash64(lf_hash64(stream, 99), (uint64_t)v));
@@ -113,13 +118,15 @@ static void means_and_differences_are_those_of_all_visits(void **state)
     double wrong = 0, squares = 0;
     lf_assert_ok(lf_film_add(&a, &b, NULL), NULL);
     for (int i = 0; i < WIDTH; i++) {
-        double n[2] = {0}, sum[2] = {0}, mean[2] = {0};
+        double n[2] = {0}, sum[2] = {0}, mean[2] = {0}, near[2] = {0}, square[2] = {0};
         for (int k = 0; k < 2 * VISITS; k++) {
             int v = k % VISITS;
             double x = (double)value((uint32_t)(k / VISITS), v, i, false), w = v % 2 ? 1.0 : 0.5;
             n[half_of(v)] += w;
             sum[half_of(v)] += x;
             mean[half_of(v)] += w * x;
+            near[half_of(v)] += w * x * 4 * x;
+            square[half_of(v)] += w * x * 17 * x * x;
         }
         const lf_film_known *known = &lf_film_known_at(&a, 1)[i];
         float difference[3];
@@ -130,6 +137,10 @@ static void means_and_differences_are_those_of_all_visits(void **state)
             lf_assert_close((double)half.scattered[i].n[2], 3 * sum[h], 1e-6, 0);
             lf_assert_close((double)half.w2[i], sum[h], 1e-6, 0);
             lf_assert_close((double)half.q[i], mean[h] / n[h], 1e-6, 0);
+            const lf_feature f = lf_feature_unpack(half.feature[i]);
+            double y = near[h] / mean[h];
+            lf_assert_close((double)f.nearness, y, 0, 1e-3);
+            lf_assert_close((double)f.spread, sqrt(square[h] / mean[h] - y * y), 0, 1e-3);
         }
         double truth = mean[0] / n[0] - mean[1] / n[1];
         lf_assert_close((double)known->b[1], (mean[0] + mean[1]) / (n[0] + n[1]), 1e-6, 0);

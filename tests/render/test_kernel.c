@@ -40,6 +40,44 @@ static void every_instruction_set_equals_plain_c_bit_for_bit(void **state)
     lf_slice_finish(&slice);
 }
 
+/* Moments beside depths, which stay those of march. */
+static void moments_are_the_same_in_every_instruction_set(void **state)
+{
+    (void)state;
+    uint64_t seed = 41;
+    int met = 0;
+    lf_slice slice;
+    assert_true(make_slice(&slice, 13));
+    for (int i = 0; i < NZ; i += 3)
+        slice.behind[i] = uniform(&seed);
+    for (int trial = 0; trial < 500; trial++) {
+        lf_fan fan;
+        lf_body body = make_body(&seed);
+        float length[LANES], plain[2][LANES] = {{0}}, tau[2][2][LANES], out[2][2][3][LANES];
+        memset(tau, 0, sizeof tau);
+        make_fan(&fan, trial % 2 == 0, &seed);
+        for (int k = 0; k < LANES; k++)
+            length[k] = sqrtf(1.2f + fan.slope[k] * fan.slope[k]);
+        lf_kernels_c.march(&slice, LANES, fan.x0, fan.slope, fan.z_end, plain[0], NULL);
+        lf_kernels_c.through(&body, LANES, fan.x0, fan.slope, fan.z_end, plain[1]);
+        for (int i = 0; lf_kernels_at(i); i++) {
+            int j = i > 0;
+            float *const sums[3] = {out[j][0][0], out[j][0][1], out[j][0][2]};
+            memset(tau[j], 0, sizeof tau[j]);
+            lf_kernels_at(i)->moments(&slice, LANES, fan.x0, fan.slope, fan.z_end, length, 4.0f,
+                                      tau[j][0], sums);
+            lf_kernels_at(i)->within(&body, LANES, fan.x0, fan.slope, fan.z_end, length, 4.0f,
+                                     tau[j][1], out[j][1][0], out[j][1][1], out[j][1][2]);
+            assert_memory_equal(tau[j], plain, sizeof plain);
+            assert_memory_equal(out[0], out[j], sizeof out[0]);
+        }
+        for (int k = 0; k < LANES; k++)
+            met += out[0][0][0][k] > 0.0f && out[0][1][0][k] > 0.0f;
+    }
+    assert_true(met > 1000);
+    lf_slice_finish(&slice);
+}
+
 /* A grid of 20^3 voxels, a fifth of them 0, some bricks empty. */
 static lf_grid *make_grid(uint64_t *seed)
 {
@@ -198,6 +236,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_instruction_set_equals_plain_c_bit_for_bit),
+        cmocka_unit_test(moments_are_the_same_in_every_instruction_set),
         cmocka_unit_test(grids_are_the_same_in_every_instruction_set),
         cmocka_unit_test(shapes_are_as_deep_in_every_instruction_set),
         cmocka_unit_test(a_fan_is_as_deep_as_its_rays_alone),
