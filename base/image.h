@@ -35,11 +35,20 @@ typedef struct lf_views8 {
     const uint8_t *data;
 } lf_views8;
 
+/* Channels beside the colours of float views, n of them a pixel. */
+typedef struct lf_layers32 {
+    int n;
+    const char *const *names;       /* [n] as EXR files call them */
+    size_t view_stride, row_stride; /* in floats */
+    const float *data;
+} lf_layers32;
+
 /* The same with linear float RGB (12 bytes a pixel); strides in floats. */
 typedef struct lf_views32 {
     int n_views, width, height;
     size_t view_stride, row_stride;
     const float *data;
+    const lf_layers32 *layers; /* NULL: none */
 } lf_views32;
 
 static inline const uint8_t *lf_views8_row(const lf_views8 *v, int view, int row)
@@ -50,6 +59,11 @@ static inline const uint8_t *lf_views8_row(const lf_views8 *v, int view, int row
 static inline const float *lf_views32_row(const lf_views32 *v, int view, int row)
 {
     return v->data + (size_t)view * v->view_stride + (size_t)row * v->row_stride;
+}
+
+static inline const float *lf_layers32_row(const lf_layers32 *l, int view, int row)
+{
+    return l->data + (size_t)view * l->view_stride + (size_t)row * l->row_stride;
 }
 
 /* Half-open rectangle in pixels: [x, x + width) x [y, y + height), y downwards. */

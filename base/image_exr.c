@@ -458,11 +458,24 @@ typedef struct exr_job {
     int width, height;
     lf_rows32_fn rows;
     void *context;
-    float *block; /* [lines of a chunk][width][3] */
+    const char *const *channels; /* [n_channels] */
+    int n_channels;
+    float *block; /* [lines of a chunk][width][n_channels] */
     const lf_attribute *attributes;
     int n_attributes;
     exr_result_t (*compress)(exr_encode_pipeline_t *encode); /* the library's choice */
 } exr_job;
+
+/* The channel whose name comes next behind this one (NULL: the first), as files have them. */
+static const char *channel_behind(const exr_job *job, const char *before)
+{
+    const char *next = NULL;
+    for (int c = 0; c < job->n_channels; c++)
+        if ((!before || strcmp(job->channels[c], before) > 0) &&
+            (!next || strcmp(job->channels[c], next) < 0))
+            next = job->channels[c];
+    return next;
+}
 
 static exr_result_t define_part(exr_context_t exr, const exr_job *job)
 {
@@ -471,9 +484,9 @@ static exr_result_t define_part(exr_context_t exr, const exr_job *job)
     if (rv == EXR_ERR_SUCCESS)
         rv = exr_initialize_required_attr_simple(exr, part, job->width, job->height,
                                                  EXR_COMPRESSION_ZIP);
-    const char *const names[] = {"B", "G", "R"};
-    for (int c = 0; c < 3 && rv == EXR_ERR_SUCCESS; c++)
-        rv = exr_add_channel(exr, part, names[c], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1);
+    for (const char *name = channel_behind(job, NULL); name && rv == EXR_ERR_SUCCESS;
+         name = channel_behind(job, name))
+        rv = exr_add_channel(exr, part, name, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1);
     for (int i = 0; i < job->n_attributes && rv == EXR_ERR_SUCCESS; i++) {
         if (strlen(job->attributes[i].name) > 31)
             rv = exr_set_longname_support(exr, 1);
@@ -485,16 +498,18 @@ static exr_result_t define_part(exr_context_t exr, const exr_job *job)
     return rv == EXR_ERR_SUCCESS ? exr_write_header(exr) : rv;
 }
 
-static void aim_encoder(exr_encode_pipeline_t *encode, const float *block, int width)
+static void aim_encoder(exr_encode_pipeline_t *encode, const exr_job *job)
 {
     for (int c = 0; c < encode->channel_count; c++) {
         exr_coding_channel_info_t *channel = &encode->channels[c];
-        int slot = channel->channel_name[0] == 'R' ? 0 : channel->channel_name[0] == 'G' ? 1 : 2;
-        channel->encode_from_ptr = (const uint8_t *)(block + slot);
+        int slot = 0;
+        while (strcmp(channel->channel_name, job->channels[slot]) != 0)
+            slot++;
+        channel->encode_from_ptr = (const uint8_t *)(job->block + slot);
         channel->user_bytes_per_element = 4;
         channel->user_data_type = EXR_PIXEL_FLOAT;
-        channel->user_pixel_stride = 12;
-        channel->user_line_stride = width * 12;
+        channel->user_pixel_stride = 4 * job->n_channels;
+        channel->user_line_stride = job->width * 4 * job->n_channels;
     }
 }
 
@@ -516,13 +531,14 @@ static exr_result_t write_chunks(exr_context_t exr, exr_job *job, exr_encode_pip
         exr_chunk_info_t chunk = {0};
         exr_result_t rv = exr_write_scanline_chunk_info(exr, 0, y, &chunk);
         for (int row = 0; rv == EXR_ERR_SUCCESS && row < chunk.height; row++)
-            job->rows(job->context, y + row, job->block + (size_t)row * (size_t)job->width * 3);
+            job->rows(job->context, y + row,
+                      job->block + (size_t)row * (size_t)job->width * (size_t)job->n_channels);
         if (rv == EXR_ERR_SUCCESS)
             rv = y == 0 ? exr_encoding_initialize(exr, 0, &chunk, encode)
                         : exr_encoding_update(exr, 0, &chunk, encode);
         if (rv != EXR_ERR_SUCCESS)
             return rv;
-        aim_encoder(encode, job->block, job->width);
+        aim_encoder(encode, job);
         if (y == 0) {
             rv = exr_encoding_choose_default_routines(exr, 0, encode);
             job->compress = encode->compress_fn;
@@ -545,7 +561,8 @@ static exr_result_t write_picture(exr_context_t exr, exr_job *job)
         rv = exr_get_scanlines_per_chunk(exr, 0, &lines);
     if (rv != EXR_ERR_SUCCESS)
         return rv;
-    job->block = lf_calloc((size_t)lines * (size_t)job->width * 3, sizeof *job->block);
+    job->block =
+        lf_calloc((size_t)lines * (size_t)job->width, (size_t)job->n_channels * sizeof *job->block);
     if (!job->block)
         return EXR_ERR_OUT_OF_MEMORY;
     exr_encode_pipeline_t encode = EXR_ENCODE_PIPELINE_INITIALIZER;
@@ -555,10 +572,12 @@ static exr_result_t write_picture(exr_context_t exr, exr_job *job)
     return rv;
 }
 
-lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_fn rows,
-                            void *context, const lf_attribute *attributes, int n, lf_error *err)
+lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
+                                const char *const *channels, int n_channels, lf_rows32_fn rows,
+                                void *context, const lf_attribute *attributes, int n, lf_error *err)
 {
-    if (width < 1 || width > 65536 || height < 1 || height > 65536)
+    if (width < 1 || width > 65536 || height < 1 || height > 65536 || n_channels < 1 ||
+        n_channels > LF_EXR_MAX_CHANNELS)
         return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%dx%d pixels cannot be an EXR",
                             width, height);
     exr_session session = {.file = file, .err = err};
@@ -566,6 +585,8 @@ lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_f
                    .height = height,
                    .rows = rows,
                    .context = context,
+                   .channels = channels,
+                   .n_channels = n_channels,
                    .attributes = attributes,
                    .n_attributes = n};
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
@@ -581,6 +602,13 @@ lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_f
     if (rv == EXR_ERR_SUCCESS)
         rv = end;
     return rv == EXR_ERR_SUCCESS && session.status == LF_OK ? LF_OK : bad(&session, rv);
+}
+
+lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_fn rows,
+                            void *context, const lf_attribute *attributes, int n, lf_error *err)
+{
+    static const char *const rgb[] = {"R", "G", "B"};
+    return lf_exr_write_channels(file, width, height, rgb, 3, rows, context, attributes, n, err);
 }
 
 static void copy_row(void *context, int y, float *row)

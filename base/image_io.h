@@ -58,6 +58,14 @@ LF_NODISCARD lf_status lf_png_write_rows(lf_outfile *file, int width, int height
                                          int n, lf_error *err);
 LF_NODISCARD lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level,
                                     const lf_attribute *attributes, int n, lf_error *err);
+/* EXR, 32-bit float, ZIP scan lines, with n_channels channels of these names (each once, at most
+ * LF_EXR_MAX_CHANNELS), which rows fills in their order, [width][n_channels]; else as
+ * lf_exr_write_rows. */
+#define LF_EXR_MAX_CHANNELS 32
+LF_NODISCARD lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
+                                             const char *const *channels, int n_channels,
+                                             lf_rows32_fn rows, void *context,
+                                             const lf_attribute *attributes, int n, lf_error *err);
 /* EXR, 32-bit float RGB, ZIP scan lines; attributes become string attributes (names up to 255
  * characters). The file must be seekable. The same pixels and attributes give the same bytes. */
 LF_NODISCARD lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_fn rows,

@@ -137,8 +137,8 @@ static lf_status decode(light_field *field, const char *path, lf_error *err)
                 out[i] = table8[from[i]];
         }
     }
-    field->views = (lf_views32){in->n_views, in->width,     in->height, width * (size_t)in->height,
-                                width,       field->decoded};
+    field->views = (lf_views32){in->n_views, in->width,      in->height, width * (size_t)in->height,
+                                width,       field->decoded, NULL};
     return LF_OK;
 }
 
@@ -161,9 +161,13 @@ static lf_status open_field(const arguments *a, const char *path, light_field *f
     lf_status status = lf_image32_read(path, NULL, &field->image, err);
     if (status == LF_OK) {
         size_t width = (size_t)field->image.width * 3;
-        field->views = (lf_views32){
-            1,     field->image.width, field->image.height, width * (size_t)field->image.height,
-            width, field->image.data};
+        field->views = (lf_views32){1,
+                                    field->image.width,
+                                    field->image.height,
+                                    width * (size_t)field->image.height,
+                                    width,
+                                    field->image.data,
+                                    NULL};
     }
     return status;
 }

@@ -44,7 +44,7 @@ static lf_status allocate_views(lf_quilt_file *q, const char *where, lf_error *e
     if (q->is_float) {
         q->image32 = (lf_image32){
             .width = l->view_width, .height = (int)n_rows, .channels = 3, .data = data};
-        q->views32 = (lf_views32){l->n_views, l->view_width, l->view_height, view, row, data};
+        q->views32 = (lf_views32){l->n_views, l->view_width, l->view_height, view, row, data, NULL};
     } else {
         q->image8 = (lf_image8){.width = l->view_width,
                                 .height = (int)n_rows,
@@ -308,16 +308,37 @@ static void row8(void *context, int y, uint8_t *out)
     }
 }
 
+/* A row of a view, its layers behind the colours of each pixel; returns what lies behind it. */
+static float *view_row(const lf_views32 *views, int view, int row, float *out)
+{
+    const lf_layers32 *layers = views->layers;
+    const float *colour = lf_views32_row(views, view, row);
+    size_t width = (size_t)views->width, n = layers ? (size_t)layers->n : 0;
+    if (!layers) {
+        memcpy(out, colour, 3 * width * sizeof *out);
+        return out + 3 * width;
+    }
+    const float *beside = lf_layers32_row(layers, view, row);
+    for (size_t x = 0; x < width; x++, out += 3 + n, colour += 3, beside += n) {
+        memcpy(out, colour, 3 * sizeof *out);
+        memcpy(out + 3, beside, n * sizeof *out);
+    }
+    return out;
+}
+
 static void row32(void *context, int y, float *out)
 {
     const quilt_rows32 *q = context;
-    size_t n = (size_t)q->layout->view_width * 3;
-    for (int column = 0; column < q->layout->columns; column++, out += n) {
+    const lf_layers32 *layers = q->views->layers;
+    size_t n = (size_t)q->layout->view_width * (3 + (layers ? (size_t)layers->n : 0));
+    for (int column = 0; column < q->layout->columns; column++) {
         int row, view = view_at(q->layout, y, column, &row);
-        if (view < 0)
+        if (view < 0) {
             memset(out, 0, n * sizeof *out);
-        else
-            memcpy(out, lf_views32_row(q->views, view, row), n * sizeof *out);
+            out += n;
+        } else {
+            out = view_row(q->views, view, row, out);
+        }
     }
 }
 
@@ -355,16 +376,26 @@ lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *views, const lf
     if (status != LF_OK)
         return status;
     quilt_rows32 rows = {views, layout};
-    return lf_exr_write_rows(file, layout->columns * views->width, layout->rows * views->height,
-                             row32, &rows, attributes, n_attributes, err);
+    const char *names[LF_EXR_MAX_CHANNELS] = {"R", "G", "B"};
+    int n = 3;
+    for (int i = 0; views->layers && i < views->layers->n && n < LF_EXR_MAX_CHANNELS; i++)
+        names[n++] = views->layers->names[i];
+    return lf_exr_write_channels(file, layout->columns * views->width, layout->rows * views->height,
+                                 names, n, row32, &rows, attributes, n_attributes, err);
 }
 
 lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *views, int view,
                             const lf_attribute *attributes, int n_attributes, lf_error *err)
 {
     lf_views32 one = *views;
+    lf_layers32 layers;
     one.data = lf_views32_row(views, view, 0);
     one.n_views = 1;
+    if (views->layers) {
+        layers = *views->layers;
+        layers.data = lf_layers32_row(views->layers, view, 0);
+        one.layers = &layers;
+    }
     lf_layout layout = {.columns = 1,
                         .rows = 1,
                         .n_views = 1,

@@ -178,7 +178,8 @@ LF_NODISCARD lf_status lf_quilt_read(const char *path, const lf_roots *roots, in
                                      lf_quilt_file *out, lf_error *err);
 void lf_quilt_finish(lf_quilt_file *quilt);
 
-/* The quilt picture of 8-bit or float views (view 0 bottom left, tiles without a view black).
+/* The quilt picture of 8-bit or float views (view 0 bottom left, tiles without a view black);
+ * layers of float views become channels of the file.
  * LF_E_ARG when views and layout do not agree, LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_quilt_write_png(lf_outfile *file, const lf_views8 *views,
                                           const lf_layout *layout, const lf_attribute *attributes,

@@ -321,6 +321,45 @@ lf_status lf_renderer_show_row(const lf_renderer *renderer, int row, float *out)
 /* All rows, by a fit made now. */
 LF_NODISCARD lf_status lf_renderer_show(lf_renderer *renderer, float *out, const lf_cancel *cancel);
 
+/* What is known of view pixels besides their colour: a row of lf_layer_at each. */
+typedef enum lf_layer {
+    /* D over the mean of D/Z where rays through the pixel scatter, which is its place for the eye:
+     * scene units along the view axis; 0 where nothing scatters. Of films with settings.features.
+     */
+    LF_LAYER_DEPTH = 1,
+    LF_LAYER_COVERAGE = 2, /* q, the share of rays that scatter at all, 0..1 */
+    /* Of the surfaces that 8 rays of a pinhole camera meet, whatever media stand before them:
+     * shading normals towards the camera, their mean made unit, in world coordinates, and the mean
+     * of what materials call albedo; 0 where none meets any. */
+    LF_LAYER_NORMAL = 4,
+    LF_LAYER_ALBEDO = 8,
+    /* Of the estimate in each channel, from the difference of the halves: right on average, and by
+     * itself as uncertain as one square is. 0 unless both have been visited. */
+    LF_LAYER_VARIANCE = 16,
+    LF_LAYER_SAMPLES = 32, /* W/q: what was found, in native samples; their number where q is 0 */
+} lf_layer;
+
+#define LF_MAX_LAYER_CHANNELS 12
+
+typedef struct lf_layer_entry {
+    const char *name; /* as in --aov */
+    const char *what;
+    unsigned bit; /* 1 << its index */
+    int n_channels;
+    const char *channels[3]; /* their names in an EXR */
+} lf_layer_entry;
+
+/* NULL behind the last. */
+const lf_layer_entry *lf_layer_at(int index);
+/* How many channels layers (bits of lf_layer) have; their names, in the order of the table, into
+ * out_names (may be NULL). */
+int lf_layer_channels(unsigned layers, const char *out_names[LF_MAX_LAYER_CHANNELS]);
+/* out [row][view][column][channels] of these layers, on the pool; rows that were never visited are
+ * 0. LF_E_STATE: depth of a film without features. LF_E_CANCELLED. Thread and time as
+ * lf_renderer_resolve. */
+LF_NODISCARD lf_status lf_renderer_layers(const lf_renderer *renderer, lf_estimator estimator,
+                                          unsigned layers, float *out, const lf_cancel *cancel);
+
 /* Counters since the last restart; what does not apply is negative (JSON null). */
 typedef struct lf_render_stats {
     int64_t base_paths;    /* native samples drawn */

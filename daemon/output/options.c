@@ -25,6 +25,11 @@ static const char *skip_at(int index)
     return lf_skip_at(index) ? lf_skip_at(index)->name : NULL;
 }
 
+static const char *layer_at(int index)
+{
+    return lf_layer_at(index) ? lf_layer_at(index)->name : NULL;
+}
+
 static const char *reconstruct_at(int index)
 {
     static const char *const words[] = {"auto", "off", "on"};
@@ -69,6 +74,8 @@ const lf_param lf_option_params[] = {
     {.option = "skip", .argument = "all|none|LIST", PLACE(skip),
      .has = offsetof(lf_options, has_skip), .type = LF_PARAM_LIST, .word_at = skip_at,
      .help = "what is left out where the scene does not need it (all)"},
+    {.option = "aov", .argument = "all|none|LIST", PLACE(layers), .type = LF_PARAM_LIST,
+     .word_at = layer_at, .help = "layers beside the colours of EXR files (none)"},
     {.name = "threads", .option = "threads", .argument = "N", PLACE(threads),
      .type = LF_PARAM_WHOLE, .low = 0, .high = 256, .help = "worker threads (0: all CPUs)"},
     {.option = "seed", .argument = "S", PLACE(seed), .type = LF_PARAM_SEED,
@@ -176,7 +183,7 @@ lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,
         .seed = options->seed,
         .max_depth = options->max_depth,
         .skip = options->has_skip ? options->skip : LF_SKIP_ALL,
-        .features = options->reconstruct == LF_RECONSTRUCT_ON,
+        .features = options->reconstruct == LF_RECONSTRUCT_ON || options->layers & LF_LAYER_DEPTH,
     };
     lf_layout layout = {0};
     resolve_camera(options, camera, calibration, &settings.camera);

@@ -48,6 +48,7 @@ typedef struct lf_options {
     bool has_exposure;   /* it was given */
     double exposure;     /* as in lf_exposed_film */
     lf_reconstruct reconstruct;
+    unsigned layers;         /* bits of lf_layer, beside the colours of EXR files */
     const char *calibration; /* a file */
 } lf_options;
 

@@ -107,7 +107,11 @@ lf_status output_views32(const lf_output_request *request, const lf_output_sourc
         return status;
     }
     *out_buffer = job.out;
-    *out =
-        (lf_views32){in->n_views, in->width, in->height, (size_t)in->width * 3, row_size, job.out};
+    *out = (lf_views32){.n_views = in->n_views,
+                        .width = in->width,
+                        .height = in->height,
+                        .view_stride = (size_t)in->width * 3,
+                        .row_stride = row_size,
+                        .data = job.out};
     return LF_OK;
 }

@@ -45,34 +45,19 @@ static int surplus(const char *folder, int n, bool remove)
     return count;
 }
 
-static lf_status write_view(const lf_output_request *request, const lf_views32 *views, int view,
-                            lf_image32 *image, const output_attributes *attributes,
-                            lf_outfile *file, lf_error *err)
-{
-    size_t n = (size_t)views->width * 3;
-    lf_status status = output_check_cancel(request, err);
-    if (status != LF_OK)
-        return status;
-    for (int row = 0; row < views->height; row++)
-        memcpy(image->data + (size_t)row * n, lf_views32_row(views, view, row), n * sizeof(float));
-    return lf_exr_write(file, image, attributes->list, attributes->n, err);
-}
-
 static lf_status write_all(const lf_output_request *request, const lf_views32 *views,
                            lf_outfile *files, lf_error *err)
 {
     output_attributes attributes;
-    lf_image32 image = {0};
-    lf_status status = lf_image32_init(&image, views->width, views->height, 3);
-    if (status != LF_OK)
-        return lf_error_set(err, status, request->path, "no memory for a view of %dx%d pixels",
-                            views->width, views->height);
+    lf_status status = LF_OK;
     output_attributes_fill(&attributes, request->settings);
     for (int view = 0; view < views->n_views && status == LF_OK; view++) {
-        status = write_view(request, views, view, &image, &attributes, &files[view], err);
+        status = output_check_cancel(request, err);
+        if (status == LF_OK)
+            status =
+                lf_view_write_exr(&files[view], views, view, attributes.list, attributes.n, err);
         output_progress(request, (view + 1.0) / (views->n_views + 1.0));
     }
-    lf_image32_finish(&image);
     return status;
 }
 

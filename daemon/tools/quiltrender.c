@@ -70,7 +70,8 @@ typedef struct job {
     lf_layout layout;
     lf_quilt_file quilt;
     bool is_quilt;
-    float *film; /* [row][view][column][3] */
+    float *film;   /* [row][view][column][3] */
+    float *layers; /* [row][view][column][channels], NULL: none are wanted */
     lf_film_settings film_settings;
     lf_print print;
     char *path;     /* final name */
@@ -292,6 +293,24 @@ static lf_status render(job *j, lf_error *err)
     return status == LF_OK ? LF_OK : lf_error_set(err, status, a->out, "rendering failed");
 }
 
+/* What goes beside the colours, out of the renderer. */
+static lf_status make_layers(job *j, unsigned layers, lf_layers32 *out,
+                             const char *names[LF_MAX_LAYER_CHANNELS], lf_error *err)
+{
+    const lf_render_arguments *a = j->arguments;
+    size_t n = (size_t)lf_layer_channels(layers, names), width = (size_t)j->settings.width * n,
+           row = width * (size_t)j->settings.camera.n_views;
+    j->layers = lf_calloc((size_t)j->settings.height, row * sizeof *j->layers);
+    if (!j->layers)
+        return lf_error_set(err, LF_E_NOMEM, a->out, "no memory for %zu layers", n);
+    *out = (lf_layers32){(int)n, names, width, row, j->layers};
+    lf_status status =
+        lf_renderer_layers(j->renderer, a->options.estimator, layers, j->layers, &cancel);
+    if (status == LF_E_CANCELLED)
+        return lf_error_set(err, status, a->out, "interrupted: nothing was written");
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, a->out, "no layers were made");
+}
+
 static json_t *make_record(const job *j)
 {
     const lf_render_arguments *a = j->arguments;
@@ -329,9 +348,15 @@ static lf_status write_output(job *j, lf_error *err)
     const lf_render_arguments *a = j->arguments;
     lf_output_source source =
         j->is_quilt ? lf_output_from_quilt(&j->quilt) : lf_output_from_film(&j->settings, j->film);
+    const char *names[LF_MAX_LAYER_CHANNELS];
+    lf_layers32 layers;
     if (j->is_quilt)
         source.aspect = j->layout.aspect;
     lf_status status = expose(j, &source, err);
+    if (status == LF_OK && a->options.layers) {
+        status = make_layers(j, a->options.layers, &layers, names, err);
+        source.views32.layers = &layers;
+    }
     if (status != LF_OK)
         return status;
     j->record = make_record(j);
@@ -405,6 +430,7 @@ static void job_finish(job *j)
     lf_quilt_finish(&j->quilt);
     json_decref(j->record);
     lf_free(j->film);
+    lf_free(j->layers);
     lf_free(j->path);
 }
 

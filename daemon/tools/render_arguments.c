@@ -25,9 +25,10 @@ static const struct option table[] = {
     {NULL, 0, NULL, 0},
 };
 
-static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " exposure panel target-error";
+static const char shared[] =
+    LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " exposure panel target-error aov";
 /* They say how paths are traced, so nothing where nothing is rendered. */
-static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error";
+static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error aov";
 
 static void print_help(void)
 {
@@ -42,7 +43,7 @@ static void print_help(void)
         "ending in / a folder of views.\n"
         "\n"
         "What:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " exposure panel");
+    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " exposure panel aov");
     lf_param_print_help(lf_panel_params, NULL);
     lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
@@ -167,6 +168,8 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         return lf_error_set(err, LF_E_ARG, where, "needs --print-size WxH (in mm)");
     if (!a->kind->needs_panel && a->panel_option)
         return refuse_option(a->panel_option, false, err);
+    if (a->options.layers && !(lf_path_has_ending(a->out, ".exr") || a->kind->surplus))
+        return lf_error_set(err, LF_E_ARG, "--aov", "only goes with OUT.exr and folders of views");
     return LF_OK;
 }
 

@@ -310,7 +310,8 @@ void lf_film_count(lf_film *film, int stream, int row, int half, double passes)
 /* Columns that are merged together: their random numbers are the same in all views. */
 #define SPAN 64
 
-/* before: q of all visits before this one, which has the share. What no ray has met stays. */
+/* before: q of all visits before this one, which has the share. What no ray has met stays; so it
+ * does where correction weights make q negative. */
 static void merge_features(lf_packed_feature *restrict to, const float *restrict before,
                            const lf_feature *restrict from, const float *restrict now, float share,
                            const uint32_t *restrict random, size_t n)
@@ -319,7 +320,9 @@ static void merge_features(lf_packed_feature *restrict to, const float *restrict
     for (size_t i = 0; i < n; i++) {
         const lf_feature a = lf_feature_unpack(to[i]), b = from[i];
         const uint32_t any = random[i];
-        float weight = share * now[i], sum = (1.0f - share) * before[i] + weight;
+        float earlier = (1.0f - share) * before[i], later = share * now[i],
+              weight = later > 0.0f ? later : 0.0f,
+              sum = (earlier > 0.0f ? earlier : 0.0f) + weight;
         float t = weight / (sum > 1e-30f ? sum : 1e-30f), s = 1.0f - t, d = b.nearness - a.nearness;
         const lf_feature mixed = {
             a.nearness + t * d,

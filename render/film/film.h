@@ -255,6 +255,11 @@ void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *o
 bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out,
                              double *out_known);
 
+/* The estimated variance of every pixel and channel of a row's answer, s_A s_B (x_A - x_B)^2, into
+ * out[pixel * stride + channel]; untouched unless both halves have been visited. */
+void lf_film_row_variances(const lf_film *film, lf_estimator estimator, int row, float *out,
+                           size_t stride);
+
 /* What one row tells about the error of the picture: means over its view pixels
  * and channels. */
 typedef struct lf_row_error {

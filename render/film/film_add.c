@@ -17,6 +17,8 @@ static double pooled(double a, double n_a, double b, double n_b)
 static void add_feature(lf_packed_feature *to, double weight_to, lf_packed_feature from,
                         double weight_from, uint32_t random)
 {
+    weight_to = weight_to > 0.0 ? weight_to : 0.0;
+    weight_from = weight_from > 0.0 ? weight_from : 0.0;
     if (!(weight_to + weight_from > 0.0))
         return;
     const lf_feature a = lf_feature_unpack(*to), b = lf_feature_unpack(from),

@@ -528,3 +528,24 @@ bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int ro
     *out_known = sum / (3.0 * film->n_views * film->width);
     return true;
 }
+
+void lf_film_row_variances(const lf_film *film, lf_estimator estimator, int row, float *out,
+                           size_t stride)
+{
+    lf_tile t;
+    if (!open_row(&t, film, row) || t.n_halves < 2)
+        return;
+    double share = (double)t.share[0] * (double)t.share[1], x[2][3];
+    for (int k = 0; at_tile(&t, k); k++) {
+        lf_tile_answers a = {0};
+        read_tile(&t);
+        answer_tile(&t, estimator, &a);
+        for (int i = 0; i < t.count; i++) {
+            answer_half(&t, &a, i, 0, x[0]);
+            answer_half(&t, &a, i, 1, x[1]);
+            for (int c = 0; c < 3; c++)
+                out[pixel_index(&t, i) * stride + (size_t)c] =
+                    (float)(share * (x[0][c] - x[1][c]) * (x[0][c] - x[1][c]));
+        }
+    }
+}

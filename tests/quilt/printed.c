@@ -108,8 +108,13 @@ void lf_card_make(const lf_print *print,
     const size_t width = (size_t)shape.view_width, height = (size_t)shape.view_height;
     float *data = lf_calloc((size_t)print->n_views * height, 3 * width * sizeof *data);
     assert_non_null(data);
-    *out = (lf_views32){print->n_views,     shape.view_width, shape.view_height,
-                        3 * width * height, 3 * width,        data};
+    *out = (lf_views32){print->n_views,
+                        shape.view_width,
+                        shape.view_height,
+                        3 * width * height,
+                        3 * width,
+                        data,
+                        NULL};
     for (int view = 0; view < print->n_views; view++)
         for (int row = 0; row < shape.view_height; row++)
             for (int i = 0; i < 3 * shape.view_width; i++)

@@ -312,6 +312,25 @@ static void features_are_means_weighted_by_q(void **state)
     bench_finish(&b);
 }
 
+/* Correction weights make q negative now and then: nothing is learnt there. */
+static void features_are_never_drawn_away_from_what_was_met(void **state)
+{
+    (void)state;
+    bench b;
+    const lf_film_layout layout = {.n_views = 1, .width = 1, .height = 1, .has_features = true};
+    const lf_feature f = {1.0f, 0.0f, 1.0f, 0.25f}, other = {4.0f, 0.0f, 0.0f, 8.0f};
+    bench_init(&b, &layout);
+    for (int i = 0; i < 3; i++) {
+        lf_film_pivots(&b.sums, 0, i == 1 ? -0.4f : 0.5f);
+        lf_film_note(&b.sums, 0, i == 1 ? other : f);
+        merge(&b, 0, 1, 1.0);
+    }
+    const lf_feature x = lf_feature_unpack(lf_film_at(&b.film, 0, 0).feature[0]);
+    lf_assert_close((double)x.nearness, 1.0, 2e-4, 0.0);
+    assert_true(x.surface == 1.0f && x.light == 0.25f);
+    bench_finish(&b);
+}
+
 static void features_that_are_constant_stay_exact(void **state)
 {
     (void)state;
@@ -483,6 +502,7 @@ int main(void)
         cmocka_unit_test(differences_are_packed_without_bias),
         cmocka_unit_test(features_are_packed_without_bias),
         cmocka_unit_test(features_are_means_weighted_by_q),
+        cmocka_unit_test(features_are_never_drawn_away_from_what_was_met),
         cmocka_unit_test(features_that_are_constant_stay_exact),
         cmocka_unit_test(both_controls_take_out_what_they_explain),
         cmocka_unit_test(light_that_is_not_stored_is_the_same_light),

@@ -1,0 +1,220 @@
+/* Layers: what a picture's pixels are of, and how sure of themselves. */
+#include <string.h>
+
+#include "render/renderer.h"
+#include "render/rows/rig.h"
+#include "render/transport/sampler.h"
+#include "render/transport/track.h"
+
+/* Film points of a pixel that surfaces are looked for at. */
+#define POINTS 8
+
+/* A row of the film, its halves by their shares of the samples. */
+typedef struct row_of_film {
+    lf_film_half half[2];
+    double n[2];
+    double total; /* 0: never visited */
+} row_of_film;
+
+static row_of_film open_row(const lf_film *film, int row)
+{
+    row_of_film r = {.n = {film->rows[row].n[0], film->rows[row].n[1]}};
+    r.total = r.n[0] + r.n[1];
+    for (int h = 0; h < 2; h++)
+        r.half[h] = lf_film_at(film, row, h);
+    return r;
+}
+
+/* n q of a half; correction weights can make q negative. */
+static double pivots_of(const row_of_film *r, int half, size_t pixel)
+{
+    return r->n[half] > 0.0 ? r->n[half] * (double)r->half[half].q[pixel] : 0.0;
+}
+
+/* q of both halves. */
+static double share_of(const row_of_film *r, size_t pixel)
+{
+    return (pivots_of(r, 0, pixel) + pivots_of(r, 1, pixel)) / r->total;
+}
+
+typedef struct layer_job {
+    const lf_renderer *renderer;
+    lf_rig rig;
+    lf_estimator estimator;
+    unsigned layers;
+    int n_channels;
+    float *out;
+} layer_job;
+
+/* One layer of one row: fills out[pixel * stride + 0 .. channels - 1] of all views' pixels, which
+ * are 0. */
+typedef void (*layer_fn)(const layer_job *job, int row, const row_of_film *film, size_t pixels,
+                         float *out, size_t stride);
+
+static void depth(const layer_job *job, int row, const row_of_film *film, size_t pixels, float *out,
+                  size_t stride)
+{
+    /* What is farther than packed features tell apart from infinity is as far as they do. */
+    const double least = 0.5 * (double)LF_NEARNESS_MAX / 65535.0;
+    (void)row;
+    for (size_t i = 0; i < pixels; i++) {
+        double sum = 0.0, total = 0.0;
+        for (int h = 0; h < 2; h++) {
+            double weight = fmax(pivots_of(film, h, i), 0.0);
+            sum += weight * (double)lf_feature_unpack(film->half[h].feature[i]).nearness;
+            total += weight;
+        }
+        if (total > 0.0)
+            out[i * stride] = (float)((double)job->rig.distance / fmax(sum / total, least));
+    }
+}
+
+static void coverage(const layer_job *job, int row, const row_of_film *film, size_t pixels,
+                     float *out, size_t stride)
+{
+    (void)job, (void)row;
+    for (size_t i = 0; i < pixels; i++)
+        out[i * stride] = (float)fmin(fmax(share_of(film, i), 0.0), 1.0);
+}
+
+static void samples(const layer_job *job, int row, const row_of_film *film, size_t pixels,
+                    float *out, size_t stride)
+{
+    (void)job, (void)row;
+    for (size_t i = 0; i < pixels; i++) {
+        double w = 0.0, q = share_of(film, i);
+        for (int h = 0; h < 2; h++)
+            w += film->n[h] > 0.0 ? (double)film->half[h].scattered[i].w : 0.0;
+        out[i * stride] = (float)(q > 0.0 ? fmax(w / q, 0.0) : film->total);
+    }
+}
+
+static void variance(const layer_job *job, int row, const row_of_film *film, size_t pixels,
+                     float *out, size_t stride)
+{
+    (void)film;
+    (void)pixels;
+    lf_film_row_variances(&job->renderer->film, job->estimator, row, out, stride);
+}
+
+/* The ray of a view through point i of POINTS of a pixel: the same ones in every pixel. */
+static lf_vec3 ray_of(const lf_rig *rig, int view, int row, int column, int i)
+{
+    float u = ((float)i + 0.5f) / POINTS, v = lf_sampler_radical(0, (uint32_t)i),
+          x = rig->x0 + ((float)column + u) * rig->dx - rig->b[view],
+          y = rig->y0 + ((float)row + v) * rig->dy;
+    return lf_rig_direction(rig, x / rig->distance, y / rig->distance, 1.0f);
+}
+
+/* Sums over the points that meet a surface, of what `add` takes of the hit; then their mean. */
+static void surfaces(const layer_job *job, int row, float *out, size_t stride, bool normals)
+{
+    const lf_rig *rig = &job->rig;
+    lf_tracer tracer = {.scene = job->renderer->scene};
+    for (int view = 0; view < rig->n_views && tracer.scene->embree; view++)
+        for (int column = 0; column < rig->width; column++, out += stride) {
+            lf_vec3 eye = lf_rig_point(rig, rig->b[view], 0.0f, 0.0f), sum = {0};
+            int met = 0;
+            for (int i = 0; i < POINTS; i++) {
+                lf_hit hit;
+                if (!lf_trace_surface(&tracer, eye, ray_of(rig, view, row, column, i), INFINITY,
+                                      &hit))
+                    continue;
+                sum = lf_add(sum, normals ? hit.ns : hit.material->albedo);
+                met++;
+            }
+            float scale = normals ? lf_length(sum) : (float)met;
+            if (!(scale > 0.0f))
+                continue;
+            out[0] = sum.x / scale;
+            out[1] = sum.y / scale;
+            out[2] = sum.z / scale;
+        }
+}
+
+static void normal(const layer_job *job, int row, const row_of_film *film, size_t pixels,
+                   float *out, size_t stride)
+{
+    (void)film, (void)pixels;
+    surfaces(job, row, out, stride, true);
+}
+
+static void albedo(const layer_job *job, int row, const row_of_film *film, size_t pixels,
+                   float *out, size_t stride)
+{
+    (void)film, (void)pixels;
+    surfaces(job, row, out, stride, false);
+}
+
+static const struct {
+    lf_layer_entry entry;
+    layer_fn fill;
+} table[] = {
+    {{"depth", "distance along the view axis", LF_LAYER_DEPTH, 1, {"Z"}}, depth},
+    {{"coverage", "share of rays that meet something", LF_LAYER_COVERAGE, 1, {"coverage.A"}},
+     coverage},
+    {{"normal",
+      "of surfaces, in the world",
+      LF_LAYER_NORMAL,
+      3,
+      {"normal.X", "normal.Y", "normal.Z"}},
+     normal},
+    {{"albedo", "of surfaces", LF_LAYER_ALBEDO, 3, {"albedo.R", "albedo.G", "albedo.B"}}, albedo},
+    {{"variance",
+      "of the picture",
+      LF_LAYER_VARIANCE,
+      3,
+      {"variance.R", "variance.G", "variance.B"}},
+     variance},
+    {{"samples", "native samples that weights amount to", LF_LAYER_SAMPLES, 1, {"samples.V"}},
+     samples},
+};
+
+#define N_LAYERS (int)(sizeof table / sizeof table[0])
+
+const lf_layer_entry *lf_layer_at(int index)
+{
+    return index < N_LAYERS ? &table[index].entry : NULL;
+}
+
+int lf_layer_channels(unsigned layers, const char *out_names[LF_MAX_LAYER_CHANNELS])
+{
+    int n = 0;
+    for (int i = 0; i < N_LAYERS; i++)
+        for (int c = 0; layers & table[i].entry.bit && c < table[i].entry.n_channels; c++) {
+            if (out_names)
+                out_names[n] = table[i].entry.channels[c];
+            n++;
+        }
+    return n;
+}
+
+static void fill_row(void *context, int row, int worker)
+{
+    const layer_job *job = context;
+    const row_of_film film = open_row(&job->renderer->film, row);
+    size_t pixels = (size_t)job->rig.n_views * (size_t)job->rig.width,
+           stride = (size_t)job->n_channels;
+    float *out = job->out + (size_t)row * pixels * stride;
+    (void)worker;
+    memset(out, 0, pixels * stride * sizeof *out);
+    for (int i = 0; i < N_LAYERS && film.total > 0.0; i++) {
+        if (!(job->layers & table[i].entry.bit))
+            continue;
+        table[i].fill(job, row, &film, pixels, out, stride);
+        out += table[i].entry.n_channels;
+    }
+}
+
+lf_status lf_renderer_layers(const lf_renderer *renderer, lf_estimator estimator, unsigned layers,
+                             float *out, const lf_cancel *cancel)
+{
+    layer_job job = {.renderer = renderer, .estimator = estimator, .layers = layers, .out = out};
+    if (layers & LF_LAYER_DEPTH && !renderer->film.layout.has_features)
+        return LF_E_STATE;
+    job.n_channels = lf_layer_channels(layers, NULL);
+    lf_status status = lf_rig_init(&job.rig, &renderer->settings, renderer->scene->origin, NULL);
+    return status == LF_OK
+               ? lf_pool_run(renderer->pool, renderer->film.height, fill_row, &job, cancel)
+               : status;
+}

@@ -1,0 +1,165 @@
+/* Layers beside the colours of view pixels. */
+#include "tests/testing.h"
+
+#include "tests/stat/fixture.h"
+#include "tests/stat/scenes.h"
+
+/* A wall across the view axis at a distance of 6.25 in the left half, a thin slab from 3.5 to 4.5
+ * before all of it. */
+#define SCENE                                                                                      \
+    "{ 'quiltd': 1, 'camera': { 'target': [0,0,0], 'position': [0,0,5], 'up': [0,1,0],"            \
+    " 'fov_y': 14, 'aspect': 1, 'views': 3, 'cone': 4 },"                                          \
+    " 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } },"                              \
+    " 'materials': { 'm': { 'type': 'diffuse', 'albedo': [0.5, 0.25, 0.75] } },"                   \
+    " 'meshes': { 'w': { 'shape': 'quad', 'material': 'm', 'transform': { 'rotate': [90,0,0],"     \
+    " 'scale': 20, 'translate': [-20,0,-1.25] } } }"
+#define SLAB                                                                                       \
+    ", 'volumes': { 'b': { 'shape': 'box', 'density': 1e-3, 'albedo': 1, 'transform': { 'scale': " \
+    "[4,4,0.5], 'translate': [0,0,1] } } }"
+
+enum { SIDE = 16, VIEWS = 3, PIXELS = SIDE * SIDE * VIEWS };
+
+static lf_renderer *render(lf_scene *scene, bool features, lf_pool *pool, uint64_t seed)
+{
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, pool);
+    lf_render_settings settings = *lf_renderer_settings(r);
+    settings.features = features;
+    settings.seed = seed;
+    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
+    lf_test_passes(r, 16 * VIEWS);
+    return r;
+}
+
+/* Caller frees. */
+static float *layers_of(const lf_renderer *r, unsigned layers)
+{
+    size_t n = (size_t)lf_layer_channels(layers, NULL);
+    float *out = malloc(PIXELS * n * sizeof *out);
+    lf_assert_ok(lf_renderer_layers(r, LF_ESTIMATOR_MWIS, layers, out, NULL), NULL);
+    return out;
+}
+
+static void pixels_know_how_far_and_what_they_see(void **state)
+{
+    (void)state;
+    const unsigned wanted =
+        LF_LAYER_DEPTH | LF_LAYER_COVERAGE | LF_LAYER_NORMAL | LF_LAYER_ALBEDO | LF_LAYER_SAMPLES;
+    static const float wall[] = {6.25f, 1.0f, 0.0f, 0.0f, 1.0f, 0.5f, 0.25f, 0.75f};
+    lf_scene *scene = lf_test_scene(SCENE SLAB "}");
+    lf_renderer *r = render(scene, true, NULL, 1);
+    float *out = layers_of(r, wanted);
+    for (int row = 0; row < SIDE; row++)
+        for (int view = 0; view < VIEWS; view++)
+            for (int column = 0; column < SIDE; column++) {
+                const float *p = out + 9 * ((row * VIEWS + view) * SIDE + column);
+                if (column < SIDE / 2 - 2)
+                    for (int c = 0; c < 8; c++)
+                        lf_assert_close((double)p[c], (double)wall[c], 2e-3, 2e-3);
+                if (column < SIDE / 2 + 2)
+                    continue;
+                lf_assert_close((double)p[0], 4.0, 1e-2, 0.0);
+                lf_assert_close((double)p[1], 1e-3, 2e-2, 0.0);
+                for (int c = 2; c < 8; c++)
+                    assert_true(p[c] == 0.0f);
+            }
+    double samples = 0.0;
+    for (int i = 0; i < PIXELS; i++)
+        samples += (double)out[9 * i + 8] / PIXELS;
+    lf_assert_close(samples, 16.0, 0.15, 0.0);
+    free(out);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+static void where_nothing_is_met_everything_is_0(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(SCENE "}");
+    lf_renderer *r = render(scene, true, NULL, 1);
+    float *out = layers_of(r, 63);
+    int n = lf_layer_channels(63, NULL);
+    for (int i = SIDE / 2 + 2; i < SIDE; i++)
+        for (int c = 0; c < n - 1; c++)
+            assert_true(out[n * i + c] == 0.0f);
+    free(out);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+/* Against the squared distance of two pictures of independent seeds, which is twice the variance.
+ */
+static void variance_is_what_pictures_are_apart(void **state)
+{
+    (void)state;
+    double said = 0.0, apart = 0.0;
+    lf_scene *scene = lf_test_scene(LF_TEST_FOGS("3", ""));
+    for (uint64_t seed = 0; seed < 24; seed++) {
+        static float colours[2][3 * PIXELS];
+        lf_renderer *r[2];
+        for (uint64_t i = 0; i < 2; i++) {
+            r[i] = render(scene, false, NULL, 2 * seed + i);
+            lf_assert_ok(lf_renderer_resolve(r[i], LF_ESTIMATOR_MWIS, colours[i], NULL), NULL);
+            float *out = layers_of(r[i], LF_LAYER_VARIANCE);
+            for (int k = 0; k < 3 * PIXELS; k++)
+                said += (double)out[k];
+            free(out);
+            lf_renderer_destroy(r[i]);
+        }
+        for (int k = 0; k < 3 * PIXELS; k++)
+            apart += pow((double)colours[0][k] - (double)colours[1][k], 2.0);
+    }
+    print_message("variance: %.4g said, %.4g there\n", said, apart);
+    lf_assert_close(said, apart, 0.15, 0.0);
+    lf_scene_unref(scene);
+}
+
+static void layers_do_not_depend_on_threads_and_need_what_they_are_made_of(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("3", ""));
+    float *out[2], none[1];
+    for (int i = 0; i < 2; i++) {
+        lf_pool *pool = NULL;
+        lf_assert_ok(lf_pool_create(1 + 2 * i, &pool), NULL);
+        lf_renderer *r = render(scene, true, pool, 5);
+        out[i] = layers_of(r, 63);
+        lf_renderer_destroy(r);
+        lf_pool_destroy(pool);
+    }
+    assert_memory_equal(out[0], out[1],
+                        PIXELS * (size_t)lf_layer_channels(63, NULL) * sizeof(float));
+    lf_renderer *r = render(scene, false, NULL, 5);
+    assert_int_equal(lf_renderer_layers(r, LF_ESTIMATOR_MWIS, LF_LAYER_DEPTH, none, NULL),
+                     LF_E_STATE);
+    for (int i = 0; i < 2; i++)
+        free(out[i]);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+static void layers_have_a_name_a_bit_and_room(void **state)
+{
+    (void)state;
+    const char *names[LF_MAX_LAYER_CHANNELS];
+    int n = 0;
+    for (; lf_layer_at(n); n++)
+        assert_int_equal(lf_layer_at(n)->bit, 1u << n);
+    assert_int_equal(n, 6);
+    n = lf_layer_channels(63, names);
+    assert_true(n <= LF_MAX_LAYER_CHANNELS);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < i; k++)
+            assert_string_not_equal(names[i], names[k]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pixels_know_how_far_and_what_they_see),
+        cmocka_unit_test(where_nothing_is_met_everything_is_0),
+        cmocka_unit_test(variance_is_what_pictures_are_apart),
+        cmocka_unit_test(layers_do_not_depend_on_threads_and_need_what_they_are_made_of),
+        cmocka_unit_test(layers_have_a_name_a_bit_and_room),
+    };
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+}
