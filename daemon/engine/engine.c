@@ -143,6 +143,7 @@ void engine_publish(lf_engine *engine)
         .missing = engine->renderer ? lf_picture_missing(&engine->picture) : 0,
         .threads = lf_pool_threads(engine->pool),
         .frames = engine->frames.n,
+        .reconstructed = engine->renderer && engine->fit.passes > 0,
     };
     if (engine->content && (engine->content->scene || engine->content->quilt.is_float))
         now.film = engine->picture.film;
@@ -280,9 +281,11 @@ lf_status lf_engine_commit(lf_engine *engine, lf_content *content, int restore_f
     return status;
 }
 
-lf_status lf_engine_snapshot(lf_engine *engine, lf_snapshot *out, lf_error *err)
+lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reconstruct, lf_snapshot *out,
+                             lf_error *err)
 {
-    engine_request request = {.run = engine_run_snapshot, .err = err, .snapshot = out};
+    engine_request request = {
+        .run = engine_run_snapshot, .err = err, .reconstruct = reconstruct, .snapshot = out};
     *out = (lf_snapshot){0};
     return call(engine, &request, false);
 }

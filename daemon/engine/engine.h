@@ -23,6 +23,9 @@ typedef struct lf_engine_controls {
     bool has_exposure; /* else the scene's */
     double exposure;   /* as in lf_exposed_film */
     bool paused;
+    /* auto: the reconstructed picture where the estimator is mwis, which it converges to. Nothing
+     * is reconstructed of a content without features (lf_content_from_scene) */
+    lf_reconstruct reconstruct;
 } lf_engine_controls;
 
 typedef enum lf_engine_state {
@@ -43,6 +46,7 @@ typedef struct lf_engine_status {
     int64_t missing; /* view pixels not found yet */
     int threads;
     uint64_t frames;       /* composed so far */
+    bool reconstructed;    /* what they are made of; else the unfiltered answer */
     lf_film_settings film; /* exposure: the one in use */
 } lf_engine_status;
 
@@ -86,10 +90,13 @@ typedef struct lf_snapshot {
     lf_render_stats stats;
     int64_t generation;
     lf_film_settings shown_as; /* exposure: the one in use */
+    bool reconstructed;
 } lf_snapshot;
 
-/* (blocks) LF_E_STATE: nothing is shown. Release with lf_snapshot_finish. */
-LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_snapshot *out, lf_error *err);
+/* (blocks) reconstruct: auto is on where the controls say on, not only auto. LF_E_STATE: nothing is
+ * shown, or it is to be reconstructed and has no features. Release with lf_snapshot_finish. */
+LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reconstruct,
+                                          lf_snapshot *out, lf_error *err);
 void lf_snapshot_finish(lf_snapshot *snapshot);
 /* (blocks) Writes the accumulation between two batches; the caller commits file. LF_E_STATE: no
  * scene is shown. yields: a commit, which makes the accumulation obsolete, does not wait for it

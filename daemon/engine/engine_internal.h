@@ -22,6 +22,7 @@ typedef struct engine_request {
     int64_t generation;
     bool restored;
     /* of the others */
+    lf_reconstruct reconstruct;
     lf_snapshot *snapshot;
     lf_outfile *file;
     bool yields; /* saving: gives up for a commit */
@@ -56,6 +57,13 @@ typedef struct engine_look {
     double at, cost, views_at;
     double error_bound, bound_passes; /* after how many passes */
 } engine_look;
+
+/* The last fit that rows are shown by: after how many passes (0 = there is none), when it was shown
+ * in all of them, and what that took. */
+typedef struct engine_fit {
+    double passes, at, cost;
+    bool may_begin; /* the first frame of the content has been made */
+} engine_fit;
 
 /* The thread's life; all but thread and started under lock. status: how it began. */
 typedef struct engine_life {
@@ -95,6 +103,7 @@ struct lf_engine {
     engine_spent spent;
     engine_frames frames;
     engine_look look;
+    engine_fit fit;
 };
 
 /* True when there is something to render. */

@@ -21,6 +21,10 @@
 /* The error estimate reads the whole film: it gets at most a twentieth of the time. */
 #define STATS_SHARE 0.05
 #define MAX_SPP 65536
+/* The reconstruction is fitted again when there are so many times more passes than at the last fit,
+ * and all rows shown by the new one. Together they get at most this share of the time. */
+#define FIT_GROWTH 1.3
+#define FIT_SHARE 0.3
 
 bool engine_has_work(const lf_engine *engine)
 {
@@ -37,6 +41,8 @@ static void update_stats(lf_engine *engine, bool now)
     double start = lf_time_now();
     if (!engine->renderer || (!now && (start - engine->look.at) * STATS_SHARE < engine->look.cost))
         return;
+    if (engine->picture.reconstructs)
+        lf_picture_estimate(&engine->picture, engine->pool);
     lf_renderer_stats(engine->renderer, &engine->look.stats);
     engine->look.at = lf_time_now();
     engine->look.cost = engine->look.at - start;
@@ -128,9 +134,46 @@ static const lf_interlacer *interlacer_now(lf_engine *engine)
     return engine->interlacer;
 }
 
+/* Whether there is to be another fit before the next frame. The first frame waits for none: it is
+ * unfiltered, and the next follows at once. */
+static bool fit_is_due(const lf_engine *engine, bool final)
+{
+    const engine_fit *fit = &engine->fit;
+    if (!engine->renderer || !engine->picture.reconstructs || fit->passes == engine->spent.passes)
+        return false;
+    return final || (fit->passes <= 0 && fit->may_begin) ||
+           (fit->passes > 0 && engine->spent.passes >= FIT_GROWTH * fit->passes &&
+            (lf_time_now() - fit->at) * FIT_SHARE >= fit->cost);
+}
+
+/* A fit to what there is now, and all rows by it. */
+static lf_status fit(lf_engine *engine)
+{
+    double start = lf_time_now(), cpu = lf_time_cpu();
+    lf_status status = lf_renderer_fit(engine->renderer, &engine->cancel);
+    double fitted = lf_time_cpu();
+    engine->fit.passes = status == LF_OK ? engine->spent.passes : 0;
+    if (status != LF_OK && status != LF_E_CANCELLED) {
+        lf_log(LF_LOG_ERROR, "out of memory for the reconstruction: the picture is unfiltered");
+        engine->picture.reconstructs = false;
+        lf_picture_forget(&engine->picture);
+        status = LF_OK;
+    }
+    if (status == LF_OK)
+        status = lf_picture_resolve(&engine->picture, engine->pool, &engine->cancel);
+    engine->fit.at = lf_time_now();
+    engine->fit.cost = engine->fit.at - start;
+    lf_log(LF_LOG_DEBUG, "%.2f passes: fitted and shown in %.3f + %.3f CPU seconds, %.3f s",
+           engine->spent.passes, fitted - cpu, lf_time_cpu() - fitted, engine->fit.cost);
+    return status;
+}
+
 static void post_frame(lf_engine *engine, bool final)
 {
     engine->owed = false;
+    if (fit_is_due(engine, final) && fit(engine) != LF_OK)
+        return;
+    engine->fit.may_begin = true;
     engine->frames.at = lf_time_now();
     int64_t blank;
     lf_views8 views = views_now(engine, &blank);
@@ -192,12 +235,14 @@ static bool frame_can_wait(lf_engine *engine)
 }
 
 /* Native samples for pixels that no shared path has reached: first so many that a coarse frame is
- * whole, then for all of them, until the picture is complete. */
+ * whole, then for all of them, until the picture is complete; a fit needs none of those. */
 static int hole_reach(const lf_engine *engine, const lf_batch *batch)
 {
     if (engine->level >= LF_LEVEL_COMPLETE)
         return -1;
-    return batch->coarse ? LF_COARSE_REACH : 0;
+    if (batch->coarse)
+        return LF_COARSE_REACH;
+    return engine->picture.reconstructs ? -1 : 0;
 }
 
 void engine_batch(lf_engine *engine)
@@ -226,6 +271,8 @@ void engine_batch(lf_engine *engine)
     check_converged(engine);
     if (engine->converged || (lf_schedule_covers(&engine->schedule) && !frame_can_wait(engine)))
         post_frame(engine, engine->converged);
+    if (engine->fit.may_begin && engine->fit.passes <= 0 && fit_is_due(engine, false))
+        post_frame(engine, false);
 }
 
 void engine_settle(lf_engine *engine)
@@ -269,9 +316,31 @@ static void retone(lf_engine *engine)
     engine->owed = true;
 }
 
+static bool reconstructs(const lf_engine_controls *controls, const lf_content *content)
+{
+    bool wanted =
+        controls->reconstruct == LF_RECONSTRUCT_ON ||
+        (controls->reconstruct == LF_RECONSTRUCT_AUTO && controls->estimator == LF_ESTIMATOR_MWIS);
+    return wanted && content && content->scene && content->settings.features;
+}
+
+/* Rows by the estimator, or fit, that is in force. What an unfiltered picture lacks is looked for
+ * anew: while it was reconstructed, nothing was filled. */
+static void show_anew(lf_engine *engine)
+{
+    engine->fit.passes = 0;
+    if (engine->picture.reconstructs)
+        return;
+    lf_picture_forget(&engine->picture);
+    (void)!lf_picture_resolve(&engine->picture, engine->pool, NULL);
+    engine->level = engine->level < LF_LEVEL_COMPLETE ? engine->level : LF_LEVEL_COARSE;
+}
+
 void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls)
 {
-    bool resolve = controls->estimator != engine->now.controls.estimator;
+    const bool shows = engine->content && reconstructs(controls, engine->content),
+               turns = shows != engine->picture.reconstructs;
+    bool resolve = turns || controls->estimator != engine->now.controls.estimator;
     bool expose = controls->has_exposure != engine->now.controls.has_exposure ||
                   controls->exposure > engine->now.controls.exposure ||
                   controls->exposure < engine->now.controls.exposure;
@@ -284,8 +353,11 @@ void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls)
         engine->owed || resolve || recode || controls->paused != engine->now.controls.paused;
     engine->now.controls = *controls;
     engine->picture.estimator = controls->estimator;
-    if (resolve && engine->renderer)
-        lf_picture_resolve(&engine->picture, engine->pool);
+    engine->picture.reconstructs = shows;
+    if (engine->renderer && turns)
+        show_anew(engine);
+    else if (engine->renderer && resolve)
+        (void)!lf_picture_resolve(&engine->picture, engine->pool, NULL);
     if (expose && is_toned(engine->content))
         retone(engine);
     if (engine->renderer && !engine->converged)
@@ -313,7 +385,7 @@ static lf_status restore(lf_engine *engine, engine_request *request)
     update_stats(engine, true);
     engine->spent.passes = engine->look.stats.passes;
     engine->picture.sampled = engine->spent.passes >= request->content->layout.n_views;
-    lf_picture_resolve(&engine->picture, engine->pool);
+    (void)!lf_picture_resolve(&engine->picture, engine->pool, NULL);
     engine->owed = true;
     return LF_OK;
 }
@@ -361,6 +433,7 @@ static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
         return status;
     engine->picture.renderer = engine->renderer;
     engine->picture.estimator = engine->now.controls.estimator;
+    engine->picture.reconstructs = reconstructs(&engine->now.controls, content);
     if (!content->scene)
         lf_picture_take(&engine->picture, &content->quilt.views32);
     return LF_OK;
@@ -376,6 +449,7 @@ static void start_over(lf_engine *engine)
     engine->look.error_bound = -1;
     engine->look.bound_passes = 0;
     engine->look.at = 0;
+    engine->fit = (engine_fit){0};
     engine->frames.n_before = engine->frames.n;
 }
 
@@ -421,6 +495,25 @@ lf_status engine_run_commit(lf_engine *engine, engine_request *request)
 
 /* ----------------------------------------------------------------------------------- exports -- */
 
+static bool is_reconstructed(const lf_engine *engine, lf_reconstruct asked)
+{
+    if (asked == LF_RECONSTRUCT_AUTO)
+        asked = engine->now.controls.reconstruct;
+    return asked == LF_RECONSTRUCT_ON;
+}
+
+static lf_status take_film(lf_engine *engine, lf_snapshot *out, lf_error *err)
+{
+    if (out->reconstructed && !engine->content->settings.features)
+        return lf_error_set(err, LF_E_STATE, "reconstruct",
+                            "the picture that is shown was begun with reconstruct off");
+    lf_status status =
+        lf_picture_film(&engine->picture, out->reconstructed, engine->pool, out->film);
+    if (status == LF_E_STATE)
+        return lf_error_set(err, status, "", "nothing has been rendered yet");
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, "", "out of memory for the views");
+}
+
 lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
 {
     lf_content *content = engine->content;
@@ -434,13 +527,12 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
         out->film = lf_calloc(pixels, 3 * sizeof *out->film);
         if (!out->film)
             return lf_error_set(request->err, LF_E_NOMEM, "", "out of memory for the views");
-        lf_status status =
-            lf_renderer_resolve(engine->renderer, engine->now.controls.estimator, out->film, NULL);
+        out->reconstructed = is_reconstructed(engine, request->reconstruct);
+        lf_status status = take_film(engine, out, request->err);
         if (status != LF_OK) {
             lf_snapshot_finish(out);
-            return lf_error_set(request->err, status, "", "nothing has been rendered yet");
+            return status;
         }
-        lf_picture_fill(&engine->picture, engine->pool, out->film);
         out->source = lf_output_from_film(&content->settings, out->film);
         update_stats(engine, true);
     } else {

@@ -186,6 +186,7 @@ static lf_status load_patch(const lf_loader *loader, lf_load *load, const json_t
     return status == LF_OK ? stage_of_scene(load, scene, now->file, out, &load->err) : status;
 }
 
+/* Features that are no longer asked for do no harm. */
 static bool same_settings(const lf_content *a, const lf_content *b)
 {
     const lf_render_settings *s = &a->settings, *t = &b->settings;
@@ -195,7 +196,8 @@ static bool same_settings(const lf_content *a, const lf_content *b)
            a->layout.aspect == b->layout.aspect && s->camera.cone == t->camera.cone &&
            s->camera.aspect == t->camera.aspect && s->camera.n_views == t->camera.n_views &&
            s->width == t->width && s->height == t->height && s->sampler == t->sampler &&
-           s->seed == t->seed && s->max_depth == t->max_depth && strcmp(left, right) == 0;
+           s->seed == t->seed && s->max_depth == t->max_depth && strcmp(left, right) == 0 &&
+           (s->features || !t->features);
 }
 
 static lf_status make_content(const lf_loader *loader, lf_load *load, lf_content **out)

@@ -10,7 +10,7 @@ static size_t row_pixels(const lf_picture *picture)
     return (size_t)picture->n_views * (size_t)picture->width;
 }
 
-static void forget(lf_picture *picture)
+void lf_picture_forget(lf_picture *picture)
 {
     size_t n = row_pixels(picture);
     if (n == 0)
@@ -62,6 +62,7 @@ static lf_status reshape(lf_picture *picture, int n_views, int width, int height
     fresh.metered = picture->metered;
     fresh.renderer = picture->renderer;
     fresh.estimator = picture->estimator;
+    fresh.reconstructs = picture->reconstructs;
     *picture = fresh;
     return LF_OK;
 }
@@ -98,13 +99,30 @@ lf_status lf_picture_shape(lf_picture *picture, int n_views, int width, int heig
     if (status != LF_OK)
         return status;
     picture->sampled = false;
-    forget(picture);
+    lf_picture_forget(picture);
     return LF_OK;
 }
 
-void lf_picture_row(void *context, int row, int worker)
+static uint8_t not_there(const lf_picture *picture)
 {
-    lf_picture *picture = context;
+    return picture->sampled ? LF_PIXEL_UNSEEN : LF_PIXEL_HOLE | LF_PIXEL_UNSEEN;
+}
+
+/* A fit has an answer for every pixel of a row that was visited. */
+static bool show_row(lf_picture *picture, int row, int worker)
+{
+    size_t n = row_pixels(picture);
+    float *linear = picture->scratch + (size_t)worker * n * 3;
+    if (lf_renderer_show_row(picture->renderer, row, linear) != LF_OK)
+        return false;
+    lf_tone_map(picture->tone, n, linear, picture->rgb + (size_t)row * n * 3);
+    memset(picture->missing + (size_t)row * n, 0, n);
+    picture->row_missing[row] = 0;
+    return true;
+}
+
+static void resolve_row(lf_picture *picture, int row, int worker)
+{
     size_t n = row_pixels(picture);
     float *linear = picture->scratch + (size_t)worker * n * 3;
     uint8_t *flags = picture->flags + (size_t)worker * n;
@@ -112,19 +130,38 @@ void lf_picture_row(void *context, int row, int worker)
         return; /* never visited: missing, as it was */
     lf_tone_map(picture->tone, n, linear, picture->rgb + (size_t)row * n * 3);
     uint8_t *missing = picture->missing + (size_t)row * n;
-    uint8_t not_there = picture->sampled ? LF_PIXEL_UNSEEN : LF_PIXEL_HOLE | LF_PIXEL_UNSEEN;
+    const uint8_t absent = not_there(picture);
     int64_t count = 0;
     for (size_t i = 0; i < n; i++) {
         /* A pixel that was there stays: what is possible in it may be seen only later. */
-        missing[i] &= flags[i] & not_there ? LF_PIXEL_UNSEEN : 0;
+        missing[i] &= flags[i] & absent ? LF_PIXEL_UNSEEN : 0;
         count += missing[i] != 0;
     }
     picture->row_missing[row] = count;
 }
 
-void lf_picture_resolve(lf_picture *picture, lf_pool *pool)
+void lf_picture_row(void *context, int row, int worker)
 {
-    (void)!lf_pool_run(pool, picture->height, lf_picture_row, picture, NULL);
+    lf_picture *picture = context;
+    if (!picture->reconstructs || !show_row(picture, row, worker))
+        resolve_row(picture, row, worker);
+}
+
+lf_status lf_picture_resolve(lf_picture *picture, lf_pool *pool, const lf_cancel *cancel)
+{
+    return lf_pool_run(pool, picture->height, lf_picture_row, picture, cancel);
+}
+
+static void estimate_row(void *context, int row, int worker)
+{
+    const lf_picture *picture = context;
+    float *linear = picture->scratch + (size_t)worker * row_pixels(picture) * 3;
+    (void)lf_renderer_resolve_row(picture->renderer, picture->estimator, row, linear, NULL);
+}
+
+void lf_picture_estimate(lf_picture *picture, lf_pool *pool)
+{
+    (void)!lf_pool_run(pool, picture->height, estimate_row, picture, NULL);
 }
 
 lf_status lf_picture_retone(lf_picture *picture, const lf_film_settings *film, lf_pool *pool,
@@ -132,7 +169,7 @@ lf_status lf_picture_retone(lf_picture *picture, const lf_film_settings *film, l
 {
     lf_status status = take_tone(picture, film, err);
     if (status == LF_OK)
-        lf_picture_resolve(picture, pool);
+        (void)!lf_picture_resolve(picture, pool, NULL);
     return status;
 }
 
@@ -190,7 +227,7 @@ bool lf_picture_expose(lf_picture *picture, lf_pool *pool)
     bool changed = expose(picture, &m.meters[0]);
     lf_free(m.meters);
     if (changed)
-        lf_picture_resolve(picture, pool);
+        (void)!lf_picture_resolve(picture, pool, NULL);
     return changed;
 }
 
@@ -242,9 +279,31 @@ lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfi
     return views;
 }
 
-void lf_picture_fill(const lf_picture *picture, lf_pool *pool, float *film)
+/* Where the picture has what the film lacks, it was there before, and is no hole. */
+static void mark_missing(const lf_picture *picture, bool reconstructed, uint8_t *flags)
 {
-    if (lf_picture_missing(picture) > 0)
-        lf_fill_film(picture->n_views, picture->width, picture->height, film, picture->missing,
-                     LF_FILL_REACH, pool);
+    const size_t n = row_pixels(picture) * (size_t)picture->height;
+    const uint8_t absent = reconstructed ? LF_PIXEL_UNSEEN : not_there(picture);
+    if (!reconstructed && !picture->reconstructs)
+        memcpy(flags, picture->missing, n);
+    else
+        for (size_t i = 0; i < n; i++)
+            flags[i] &= absent;
+}
+
+lf_status lf_picture_film(const lf_picture *picture, bool reconstructed, lf_pool *pool, float *film)
+{
+    uint8_t *flags = lf_calloc(row_pixels(picture) * (size_t)picture->height, 1);
+    if (!flags)
+        return LF_E_NOMEM;
+    lf_status status = lf_renderer_resolve(picture->renderer, picture->estimator, film, flags);
+    if (status == LF_OK && reconstructed)
+        status = lf_renderer_show(picture->renderer, film, NULL);
+    if (status == LF_OK) {
+        mark_missing(picture, reconstructed, flags);
+        lf_fill_film(picture->n_views, picture->width, picture->height, film, flags, LF_FILL_REACH,
+                     pool);
+    }
+    lf_free(flags);
+    return status;
 }

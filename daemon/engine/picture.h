@@ -22,11 +22,12 @@ typedef struct lf_picture {
     float *scratch;        /* [thread][view][column][3] */
     uint8_t *flags;        /* [thread][view][column] */
     lf_tone *tone;
-    lf_film_settings film;       /* exposure: the one in use */
-    bool metered;                /* the one in use was measured: it stays unless it is far off */
-    bool settled;                /* it has been looked at since the picture was shaped */
-    const lf_renderer *renderer; /* borrowed: what rows are resolved from */
+    lf_film_settings film; /* exposure: the one in use */
+    bool metered;          /* the one in use was measured: it stays unless it is far off */
+    bool settled;          /* it has been looked at since the picture was shaped */
+    lf_renderer *renderer; /* borrowed: what rows are resolved from */
     lf_estimator estimator;
+    bool reconstructs; /* rows are shown by the renderer's fit, where there is one */
     /* every view pixel has been looked through itself, on average: finding nothing there is an
      * answer, not a hole */
     bool sampled;
@@ -47,10 +48,17 @@ LF_NODISCARD lf_status lf_picture_retone(lf_picture *picture, const lf_film_sett
  * there is another picture, whatever comes. */
 bool lf_picture_expose(lf_picture *picture, lf_pool *pool);
 
-/* An lf_row_fn with the picture as its context: resolves a row that was just visited. */
+/* An lf_row_fn with the picture as its context: shows a row that was just visited; where it is to
+ * be reconstructed, by the last fit as soon as there is one. */
 void lf_picture_row(void *context, int row, int worker);
-/* All rows again (another estimator, a restored film). */
-void lf_picture_resolve(lf_picture *picture, lf_pool *pool);
+/* All rows again (another estimator, a new fit, a restored film). LF_E_CANCELLED: some are as they
+ * were. */
+LF_NODISCARD lf_status lf_picture_resolve(lf_picture *picture, lf_pool *pool,
+                                          const lf_cancel *cancel);
+/* Everything is missing, as in the beginning. */
+void lf_picture_forget(lf_picture *picture);
+/* Resolves all rows for what that leaves behind for lf_renderer_stats; shows nothing. */
+void lf_picture_estimate(lf_picture *picture, lf_pool *pool);
 /* Tone-maps float views that come from a file; nothing is missing then. */
 void lf_picture_take(lf_picture *picture, const lf_views32 *views);
 
@@ -61,8 +69,10 @@ int64_t lf_picture_missing(const lf_picture *picture);
  * LF_FILL_REACH either, and are not shown as anything. */
 lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfilled,
                            int64_t *out_blank);
-/* Fills the same pixels in the resolved film [row][view][column][3] that the picture is made of,
- * for exports of what is shown. */
-void lf_picture_fill(const lf_picture *picture, lf_pool *pool, float *film);
+/* What is shown, or the other of the two, as a linear film [row][view][column][3], filled likewise;
+ * reconstructed: by a fit made now. LF_E_NOMEM; LF_E_STATE: nothing has been rendered yet, or the
+ * film has no features. */
+LF_NODISCARD lf_status lf_picture_film(const lf_picture *picture, bool reconstructed, lf_pool *pool,
+                                       float *film);
 
 #endif

@@ -19,7 +19,8 @@ typedef struct lf_content {
 } lf_content;
 
 /* From a scene (a reference is taken) or from a quilt picture (read here). calibration may be NULL.
- * On LF_OK the caller owns a reference. */
+ * On LF_OK the caller owns a reference. A scene's film has features unless reconstruct is off: auto
+ * is on, here. */
 LF_NODISCARD lf_status lf_content_from_scene(lf_scene *scene, const char *file,
                                              const lf_options *options,
                                              const lf_calibration *calibration,

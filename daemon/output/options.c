@@ -30,7 +30,7 @@ static const char *layer_at(int index)
     return lf_layer_at(index) ? lf_layer_at(index)->name : NULL;
 }
 
-static const char *reconstruct_at(int index)
+const char *lf_reconstruct_name(int index)
 {
     static const char *const words[] = {"auto", "off", "on"};
     return index <= LF_RECONSTRUCT_ON ? words[index] : NULL;
@@ -88,7 +88,7 @@ const lf_param lf_option_params[] = {
      .low = 1e-12, .high = 1e6,
      .help = "until the estimated relative mean squared error is below this"},
     {.name = "reconstruct", .option = "reconstruct", .argument = "auto|off|on",
-     PLACE(reconstruct), .type = LF_PARAM_WORD, .word_at = reconstruct_at,
+     PLACE(reconstruct), .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
      .help = "the reconstructed picture (auto: on displays, not in files)"},
     {0},
 };

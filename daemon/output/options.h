@@ -27,6 +27,8 @@ typedef enum lf_reconstruct {
     LF_RECONSTRUCT_OFF,
     LF_RECONSTRUCT_ON
 } lf_reconstruct;
+/* Its names, as on the command line; NULL behind the last. */
+const char *lf_reconstruct_name(int index);
 
 /* What the shared options say; zero and NULL mean "not given" unless stated. Zeroed is a valid
  * start. */

@@ -142,8 +142,8 @@ LF_NODISCARD lf_status lf_output_write(const lf_output_request *request,
  * times, no threads). scene is the name to record. passes < 0 = not known. A new reference; NULL =
  * out of memory. */
 json_t *lf_output_settings(const char *scene, const lf_render_settings *settings,
-                           const lf_layout *layout, lf_estimator estimator, double passes,
-                           const lf_film_settings *film);
+                           const lf_layout *layout, lf_estimator estimator, bool reconstructed,
+                           double passes, const lf_film_settings *film);
 
 /* Makes settings (from lf_resolve_view) render the views of a print: the print's number of views,
  * sample counts and aspect, and a window such that the print's trim height is the camera's fov_y at

@@ -126,6 +126,7 @@ static lf_status take_keys(const json_t *params, lf_engine_controls *controls, l
     options->estimator = controls->estimator;
     options->target_error = controls->target_error;
     options->exposure = controls->has_exposure ? controls->exposure : -(double)INFINITY;
+    options->reconstruct = controls->reconstruct;
     lf_status status = lf_param_from_json(lf_option_params, params, options, "render.set", err);
     if (status != LF_OK)
         return status;
@@ -134,6 +135,7 @@ static lf_status take_keys(const json_t *params, lf_engine_controls *controls, l
     controls->target_error = options->target_error;
     controls->exposure = options->exposure;
     controls->has_exposure = true;
+    controls->reconstruct = options->reconstruct;
     controls->paused = paused ? json_is_true(paused) : controls->paused;
     return LF_OK;
 }
@@ -158,12 +160,14 @@ void lf_method_render_set(lf_call *call)
                 !same_name(options.integrator, server->options.integrator);
     server->options = options;
     lf_engine_set_controls(server->engine, &controls);
-    if (!over) {
+    bool more =
+        before.reconstruct == LF_RECONSTRUCT_OFF && controls.reconstruct != before.reconstruct;
+    if (!over && !more) {
         lf_reply(call, json_pack("{s:I}", "generation", (json_int_t)server->generation));
         return;
     }
     lf_load *load = lf_load_create(LF_LOAD_APPLY);
     if (load)
-        load->force = true;
+        load->force = over;
     queue(call, load);
 }

@@ -74,14 +74,14 @@ static void add_engine(lf_server *server, json_t *status)
     lf_engine_status now;
     lf_engine_get_status(server->engine, &now);
     lf_engine_controls controls = lf_engine_get_controls(server->engine);
-    json_t *more =
-        json_pack("{s:I, s:s, s:f, s:f, s:f, s:o, s:o, s:o, s:I, s:i, s:s, s:f, s:b}", "generation",
-                  (json_int_t)now.generation, "level", lf_level_name(now.level), "passes",
-                  now.passes, "seconds", now.seconds, "cpu_seconds", now.cpu_seconds, "spp",
-                  known_or_null(now.spp), "error_estimate", known_or_null(now.error_estimate),
-                  "error_bound", known_or_null(now.error_bound), "missing", (json_int_t)now.missing,
-                  "threads", now.threads, "estimator", lf_estimator_name(controls.estimator),
-                  "target_error", controls.target_error, "paused", controls.paused);
+    json_t *more = json_pack(
+        "{s:I, s:s, s:f, s:f, s:f, s:o, s:o, s:o, s:I, s:i, s:s, s:f, s:b, s:s}", "generation",
+        (json_int_t)now.generation, "level", lf_level_name(now.level), "passes", now.passes,
+        "seconds", now.seconds, "cpu_seconds", now.cpu_seconds, "spp", known_or_null(now.spp),
+        "error_estimate", known_or_null(now.error_estimate), "error_bound",
+        known_or_null(now.error_bound), "missing", (json_int_t)now.missing, "threads", now.threads,
+        "estimator", lf_estimator_name(controls.estimator), "target_error", controls.target_error,
+        "paused", controls.paused, "reconstruct", now.reconstructed ? "on" : "off");
     json_object_update(status, more);
     json_decref(more);
     json_object_set_new(status, "exposure",
@@ -98,8 +98,9 @@ void lf_method_status(lf_call *call)
     add_content(server, status);
     add_engine(server, status);
     json_t *more = json_pack(
-        "{s:{s:I, s:s}, s:o, s:I, s:I, s:I, s:i, s:i, s:o, s:f}", "shown", "generation",
-        (json_int_t)server->shown_generation, "level", lf_level_name(server->shown_level), "device",
+        "{s:{s:I, s:s, s:s}, s:o, s:I, s:I, s:I, s:i, s:i, s:o, s:f}", "shown", "generation",
+        (json_int_t)server->shown_generation, "level", lf_level_name(server->shown_level),
+        "picture", server->last.reconstructed ? "reconstructed" : "unfiltered", "device",
         lf_server_device_json(server), "updates", (json_int_t)counters.updates, "bytes",
         (json_int_t)counters.bytes, "device_errors", (json_int_t)counters.errors, "loading",
         lf_loader_pending(server->loader), "clients", lf_clients_count(server->clients), "jobs",

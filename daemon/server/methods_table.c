@@ -18,6 +18,7 @@
 #define EXPORT_KEYS                                                                                \
     "\"kind\":" STRING ",\"file\":" STRING                                                         \
     ",\"wait\":" ENUM("\"coarse\",\"complete\",\"converged\"") ",\"overwrite\":" BOOLEAN           \
+    ",\"reconstruct\":" ENUM("\"auto\",\"off\",\"on\"")                                            \
     ",\"fds\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":253}"
 
 /* clang-format on */

@@ -269,6 +269,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
         .threads = options->threads,
         .has_exposure = options->has_exposure,
         .exposure = options->exposure,
+        .reconstruct = options->reconstruct,
     };
     server->engine_fd = lf_wakeup_make();
     if (sd_event_new(&server->event) < 0 || server->engine_fd < 0 ||

@@ -118,6 +118,15 @@ static lf_level wait_of(const json_t *params, bool is_state)
     return is_state ? LF_LEVEL_NONE : LF_LEVEL_COARSE;
 }
 
+static lf_reconstruct reconstruct_of(const json_t *params)
+{
+    const char *name = string_of(params, "reconstruct");
+    lf_reconstruct word = LF_RECONSTRUCT_ON;
+    while (name && word > LF_RECONSTRUCT_AUTO && strcmp(name, lf_reconstruct_name((int)word)) != 0)
+        word--;
+    return name ? word : LF_RECONSTRUCT_AUTO;
+}
+
 static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
 {
     const lf_server *server = call->server;
@@ -127,6 +136,7 @@ static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
     job->overwrite = json_is_true(json_object_get(params, "overwrite"));
     job->wait = wait_of(params, is_state);
     job->generation = server->generation;
+    job->reconstruct = reconstruct_of(params);
     int n_fds = (int)number_of(params, "fds", 0);
     if (is_state && n_fds > 1)
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds",

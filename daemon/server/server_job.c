@@ -142,9 +142,9 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
         return status;
     json_t *settings = NULL;
     if (snapshot && content->scene)
-        settings =
-            lf_output_settings(content->file, &content->settings, &content->layout,
-                               snapshot->estimator, snapshot->stats.passes, &snapshot->shown_as);
+        settings = lf_output_settings(content->file, &content->settings, &content->layout,
+                                      snapshot->estimator, snapshot->reconstructed,
+                                      snapshot->stats.passes, &snapshot->shown_as);
     lf_output_request request = {
         .kind = job->kind,
         .path = to.path,
@@ -202,7 +202,8 @@ static void *job_main(void *context)
         job->status = write_snapshot(job, NULL);
     } else {
         lf_snapshot snapshot;
-        job->status = lf_engine_snapshot(job->server->engine, &snapshot, &job->err);
+        job->status =
+            lf_engine_snapshot(job->server->engine, job->reconstruct, &snapshot, &job->err);
         if (job->status == LF_OK)
             job->status = write_snapshot(job, &snapshot);
         lf_snapshot_finish(&snapshot);

@@ -24,6 +24,7 @@ struct lf_job {
     bool started;
     lf_cancel cancel;
     pthread_t thread;
+    lf_reconstruct reconstruct;
     lf_panel_options panel;
     bool has_calibration;
     lf_calibration calibration;

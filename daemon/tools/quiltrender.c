@@ -320,7 +320,8 @@ static json_t *make_record(const job *j)
         return json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", j->layout.n_views, "aspect",
                          j->layout.aspect);
     return lf_output_settings(a->scene, &j->settings, a->kind->has_tiles ? &j->layout : NULL,
-                              a->options.estimator, (double)j->times.passes, &j->film_settings);
+                              a->options.estimator, j->settings.features, (double)j->times.passes,
+                              &j->film_settings);
 }
 
 /* How bright the picture is shown; of what is drawn, not at all. */

@@ -388,7 +388,7 @@ static void the_last_panel_is_the_exported_quilt_interlaced(void **state)
     (void)state;
     live l;
     live_prepare(&l);
-    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_start(&l, l.scene, "--device", l.sim, "--reconstruct", "off", NULL);
     live_client c;
     live_connect(&l, &c);
     live_wait(&c, "complete");
@@ -445,7 +445,7 @@ static void a_panel_with_faults_shows_the_picture_in_the_end(void **state)
         live_prepare(&l);
         char spec[PATH_MAX];
         snprintf(spec, sizeof spec, "%s,%s", l.sim, faults[i]);
-        live_start(&l, l.scene, "--device", spec, NULL);
+        live_start(&l, l.scene, "--device", spec, "--reconstruct", "on", NULL);
         live_client c;
         live_connect(&l, &c);
         live_wait(&c, "complete");

@@ -517,7 +517,7 @@ static void settings_record_what_made_the_picture_and_not_the_run(void **state)
         .seed = UINT64_MAX};
     lf_film_settings film = {.exposure = 1.5, .tonemap = "filmic"};
     json_t *record =
-        lf_output_settings("s.json", &settings, &f->layout, LF_ESTIMATOR_CV, 90, &film);
+        lf_output_settings("s.json", &settings, &f->layout, LF_ESTIMATOR_CV, false, 90, &film);
     assert_non_null(record);
     assert_string_equal(json_string_value(json_object_get(record, "seed")), "18446744073709551615");
     assert_string_equal(json_string_value(json_object_get(record, "integrator")), "mvpt");

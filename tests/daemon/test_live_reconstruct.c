@@ -1,0 +1,215 @@
+/* What a panel shows while the picture is reconstructed, against the same film from outside: an
+ * export of it, by a fit of its own. */
+#include "tests/daemon/live.h"
+
+#include "base/calibration.h"
+#include "base/image_io.h"
+#include "quilt/quilt.h"
+
+#define ON "on_qs3x2a0.75.png"
+#define OFF "off_qs3x2a0.75.png"
+#define USUAL "usual_qs3x2a0.75.png"
+
+static void export_quilt(live_client *c, const char *file, const char *word)
+{
+    json_t *params = json_pack("{s:s, s:s, s:b, s:s*}", "kind", "quilt", "file", file, "overwrite",
+                               1, "reconstruct", word);
+    assert_string_equal(live_job_end(c, (json_int_t)live_number(c, "export", params, "job")),
+                        "done");
+}
+
+static void export_three(live_client *c)
+{
+    export_quilt(c, ON, "on");
+    export_quilt(c, OFF, "off");
+    export_quilt(c, USUAL, NULL);
+}
+
+/* How many bytes of the panel's last picture are not what interlacing the quilt gives. */
+static long count_differences(const live *l, const char *file)
+{
+    lf_calibration calibration;
+    lf_quilt_file quilt;
+    lf_interlacer *interlacer;
+    lf_image8 panel = {0}, expected = {0};
+    lf_error err;
+    lf_assert_ok(
+        lf_calibration_load(lf_test_path(l->folder, "sim/calibration.json"), &calibration, &err),
+        &err);
+    lf_assert_ok(lf_quilt_read(lf_test_path(l->exports, file), NULL, 0, 0, &quilt, &err), &err);
+    lf_assert_ok(lf_interlacer_create(&calibration, quilt.layout.n_views, quilt.layout.view_width,
+                                      quilt.layout.view_height, quilt.layout.aspect,
+                                      LF_FILTER_NEAREST, LF_INVERT_AUTO, &interlacer, &err),
+                 &err);
+    lf_assert_ok(lf_image8_init(&expected, 96, 128, 3), NULL);
+    lf_interlace(interlacer, &quilt.views8, &expected, NULL);
+    lf_assert_ok(lf_image8_read(l->panel, NULL, &panel, &err), &err);
+    long differences = 0;
+    for (int y = 0; y < 128; y++)
+        for (size_t i = 0; i < 96 * 3; i++)
+            differences += panel.data[(size_t)y * panel.stride + i] !=
+                           expected.data[(size_t)y * expected.stride + i];
+    lf_image8_finish(&panel);
+    lf_image8_finish(&expected);
+    lf_interlacer_destroy(interlacer);
+    lf_quilt_finish(&quilt);
+    return differences;
+}
+
+static void assert_shows(live_client *c, const char *picture)
+{
+    json_t *answer = live_call(c, "status", NULL);
+    const char *shown = NULL, *word = NULL;
+    assert_int_equal(json_unpack(answer, "{s:{s:s, s:{s:s}}}", "result", "reconstruct", &word,
+                                 "shown", "picture", &shown),
+                     0);
+    assert_string_equal(shown, picture);
+    assert_string_equal(word, strcmp(picture, "unfiltered") == 0 ? "off" : "on");
+    json_decref(answer);
+}
+
+static void turn(live_client *c, const char *word)
+{
+    assert_int_equal(live_code(c, "render.set", json_pack("{s:s}", "reconstruct", word)), 0);
+}
+
+/* A complete picture that stands still: what is exported is what is shown. */
+static void begin(live *l, live_client *c, const char *word)
+{
+    live_prepare(l);
+    live_start(l, l->scene, "--device", l->sim, "--reconstruct", word, NULL);
+    live_connect(l, c);
+    live_wait(c, "complete");
+}
+
+/* The last frame is made before a second export is taken. */
+static void pause_it(live_client *c)
+{
+    assert_int_equal(live_code(c, "render.set", json_pack("{s:b}", "paused", 1)), 0);
+    while (strcmp(live_status_text(c, "state"), "paused") != 0)
+        live_nap(10);
+    for (int i = 0; i < 2; i++)
+        export_quilt(c, USUAL, NULL);
+}
+
+/* Also after a move of the camera: nothing of the fit before is left. */
+static void the_panel_shows_the_reconstruction_of_the_film(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    begin(&l, &c, "auto");
+    assert_int_equal(live_code(&c, "camera.orbit", json_pack("{s:i}", "yaw", 20)), 0);
+    live_wait(&c, "complete");
+    pause_it(&c);
+    export_three(&c);
+    assert_shows(&c, "reconstructed");
+    live_close(&c);
+    assert_int_equal(live_stop(&l), 0);
+    assert_int_equal(count_differences(&l, ON), 0);
+    assert_true(count_differences(&l, OFF) > 1000);
+    assert_int_equal(count_differences(&l, USUAL), count_differences(&l, OFF));
+    live_finish(&l);
+}
+
+static void it_is_switched_off_and_on_at_once(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        live l;
+        live_client c;
+        begin(&l, &c, "auto");
+        turn(&c, "off");
+        if (i > 0)
+            turn(&c, "on");
+        assert_int_equal(live_number(&c, "status", NULL, "generation"), 1);
+        /* what an unfiltered picture lacks is found first */
+        live_wait(&c, "complete");
+        pause_it(&c);
+        export_three(&c);
+        assert_shows(&c, i > 0 ? "reconstructed" : "unfiltered");
+        live_close(&c);
+        assert_int_equal(live_stop(&l), 0);
+        assert_int_equal(count_differences(&l, i > 0 ? ON : OFF), 0);
+        assert_true(count_differences(&l, i > 0 ? OFF : ON) > 1000);
+        /* who says on gets files of it too */
+        assert_int_equal(count_differences(&l, USUAL), 0);
+        live_finish(&l);
+    }
+}
+
+static void begun_without_it_starts_over(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    begin(&l, &c, "off");
+    assert_shows(&c, "unfiltered");
+    json_t *params =
+        json_pack("{s:s, s:s, s:s}", "kind", "quilt", "file", "q.png", "reconstruct", "on");
+    json_int_t job = (json_int_t)live_number(&c, "export", params, "job");
+    assert_string_equal(live_job_end(&c, job), "failed");
+    turn(&c, "auto");
+    assert_int_equal(live_number(&c, "status", NULL, "generation"), 2);
+    live_wait(&c, "complete");
+    pause_it(&c);
+    export_quilt(&c, ON, "on");
+    assert_shows(&c, "reconstructed");
+    live_close(&c);
+    assert_int_equal(live_stop(&l), 0);
+    assert_int_equal(count_differences(&l, ON), 0);
+    live_finish(&l);
+}
+
+/* mis and cv were asked for because they are unbiased. */
+static void another_estimator_is_shown_as_it_is(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    begin(&l, &c, "auto");
+    assert_int_equal(live_code(&c, "render.set", json_pack("{s:s}", "estimator", "cv")), 0);
+    pause_it(&c);
+    export_quilt(&c, USUAL, NULL); /* the controls are in force */
+    assert_shows(&c, "unfiltered");
+    turn(&c, "on");
+    export_quilt(&c, ON, NULL);
+    for (int i = 0; strcmp(live_status_text(&c, "reconstruct"), "on") != 0; i++) {
+        assert_true(i < 6000);
+        live_nap(100);
+    }
+    live_close(&c);
+    live_finish(&l);
+}
+
+static void a_state_without_features_is_left_aside(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    live_prepare(&l);
+    static const char *const words[] = {"off", "auto", "auto"};
+    for (int i = 0; i < 3; i++) {
+        live_start(&l, l.scene, "--device", l.sim, "--state", l.state, "--reconstruct", words[i],
+                   NULL);
+        live_connect(&l, &c);
+        live_wait(&c, "complete");
+        assert_int_equal(live_logged(&l, "the saved state is left aside"), i > 0);
+        assert_int_equal(live_logged(&l, "going on with the saved state"), i > 1);
+        live_close(&c);
+        assert_int_equal(live_stop(&l), 0);
+    }
+    live_finish(&l);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_panel_shows_the_reconstruction_of_the_film),
+        cmocka_unit_test(it_is_switched_off_and_on_at_once),
+        cmocka_unit_test(begun_without_it_starts_over),
+        cmocka_unit_test(another_estimator_is_shown_as_it_is),
+        cmocka_unit_test(a_state_without_features_is_left_aside),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
