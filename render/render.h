@@ -393,6 +393,10 @@ typedef struct lf_render_stats {
 #define LF_ERROR_ALPHA 0.05
 double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimator, double alpha,
                                double *out_estimate);
+/* The same of the reconstructed picture by the last fit: x what lf_renderer_show_row answers, with
+ * the bias that it shares with its neighbours. Both are negative while there is no fit, or a row
+ * has not been seen by both halves. docs/reconstruct.md, "How far off it is". */
+double lf_renderer_shown_error(const lf_renderer *renderer, double alpha, double *out_estimate);
 
 /* Not while a pass or a resolve is under way: it reads what workers count and what resolving a row
  * leaves behind. */

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "base/alloc.h"
+#include "render/reconstruct/shown_error.h"
 #include "render/renderer.h"
 
 /* Visits of a row, in both halves, before finding no error at all is believed: what a row's plane
@@ -68,4 +69,13 @@ double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimat
     lf_free(job.scratch);
     lf_free(job.rows);
     return bound;
+}
+
+double lf_renderer_shown_error(const lf_renderer *renderer, double alpha, double *out_estimate)
+{
+    if (out_estimate)
+        *out_estimate = -1.0;
+    return renderer->shown
+               ? lf_reconstruct_error(renderer->shown, &renderer->film, 0.5 * alpha, out_estimate)
+               : -1.0;
 }

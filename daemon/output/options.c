@@ -87,6 +87,8 @@ const lf_param lf_option_params[] = {
     {.name = "target_error", .option = "target-error", .argument = "RELMSE", PLACE(target_error),
      .low = 1e-12, .high = 1e6,
      .help = "until the estimated relative mean squared error is below this"},
+    {.option = "target-shown-error", .argument = "RELMSE", PLACE(target_shown_error),
+     .low = 1e-12, .high = 1e6, .help = "the same of the reconstructed picture"},
     {.name = "reconstruct", .option = "reconstruct", .argument = "auto|off|on",
      PLACE(reconstruct), .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
      .help = "the reconstructed picture (auto: on displays, not in files)"},

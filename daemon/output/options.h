@@ -43,12 +43,12 @@ typedef struct lf_options {
     lf_sampler_kind sampler;     /* zero is LF_SAMPLER_OWEN, the default */
     int threads;                 /* 0 = all CPUs */
     uint64_t seed;
-    int max_depth;       /* 0 = the scene's */
-    bool has_skip;       /* it was given */
-    unsigned skip;       /* bits of lf_skip */
-    double target_error; /* > 0 */
-    bool has_exposure;   /* it was given */
-    double exposure;     /* as in lf_exposed_film */
+    int max_depth;                           /* 0 = the scene's */
+    bool has_skip;                           /* it was given */
+    unsigned skip;                           /* bits of lf_skip */
+    double target_error, target_shown_error; /* > 0 */
+    bool has_exposure;                       /* it was given */
+    double exposure;                         /* as in lf_exposed_film */
     lf_reconstruct reconstruct;
     unsigned layers;         /* bits of lf_layer, beside the colours of EXR files */
     const char *calibration; /* a file */

@@ -90,28 +90,43 @@ static lf_status run_time(run *r, double seconds, double start, double (*clock_n
  * share. */
 enum { LOOKS = 40 };
 
+/* The estimate of what the target is of, and its bound; negative: not known. */
+static lf_status look(run *r, double *out_estimate, double *out_bound)
+{
+    const double alpha = LF_ERROR_ALPHA / LOOKS;
+    double target = r->budget->target_error;
+    lf_render_stats stats;
+    *out_bound = -1;
+    if (!(target > 0)) {
+        lf_status status = lf_renderer_fit(r->renderer, r->cancel);
+        *out_bound = lf_renderer_shown_error(r->renderer, alpha, out_estimate);
+        return status;
+    }
+    /* the estimate is a by-product of the answer */
+    lf_status status = lf_renderer_resolve(r->renderer, r->estimator, r->film, NULL);
+    lf_renderer_stats(r->renderer, &stats);
+    *out_estimate = stats.rel_mse_estimate;
+    if (status == LF_OK && *out_estimate >= 0 && *out_estimate <= target)
+        *out_bound = lf_renderer_error_bound(r->renderer, r->estimator, alpha, NULL);
+    return status;
+}
+
 static lf_status run_target(run *r, double target)
 {
-    lf_render_stats stats = {.rel_mse_estimate = -1};
     int64_t cycles = 2 * (int64_t)r->n_views;
     lf_status status = LF_OK;
     bool reached = false;
     while (!reached) {
+        double estimate = -1, bound = -1;
         status = add(r, (r->passes / (2 * cycles) + 1) * cycles, false);
-        /* the estimate is a by-product of the answer */
         if (status == LF_OK)
-            status = lf_renderer_resolve(r->renderer, r->estimator, r->film, NULL);
+            status = look(r, &estimate, &bound);
         if (status != LF_OK)
             break;
-        lf_renderer_stats(r->renderer, &stats);
-        if (stats.rel_mse_estimate >= 0 && stats.rel_mse_estimate <= target) {
-            double bound =
-                lf_renderer_error_bound(r->renderer, r->estimator, LF_ERROR_ALPHA / LOOKS, NULL);
-            reached = bound >= 0 && bound <= target;
-        }
+        reached = bound >= 0 && bound <= target;
         /* the error falls as one over the passes, so that this is the share of the passes that will
          * be needed */
-        r->target_fraction = stats.rel_mse_estimate > 0 ? target / stats.rel_mse_estimate : 0;
+        r->target_fraction = estimate > 0 ? target / estimate : 0;
         report(r);
     }
     return status;
@@ -144,8 +159,8 @@ lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estim
     } else if (budget->cpu_seconds > 0) {
         status = run_time(&r, budget->cpu_seconds, r.cpu_start, lf_time_cpu);
     } else {
-        assert(budget->target_error > 0);
-        status = run_target(&r, budget->target_error);
+        assert(budget->target_error > 0 || budget->target_shown_error > 0);
+        status = run_target(&r, fmax(budget->target_error, budget->target_shown_error));
     }
     if (status == LF_OK && estimator == LF_ESTIMATOR_MWIS && !settings->features)
         status = lf_renderer_fill_holes(renderer, NULL, cancel);
@@ -168,11 +183,27 @@ static json_t *real_or_null(double value)
     return value >= 0 && isfinite(value) ? json_real(value) : json_null();
 }
 
+/* Of the estimator's answer, and of the reconstructed picture where there is one. */
+static void set_errors(json_t *object, const lf_render_report *report, double resolved)
+{
+    double error, shown,
+        shown_bound = lf_renderer_shown_error(report->renderer, LF_ERROR_ALPHA, &shown),
+        bound =
+            lf_renderer_error_bound(report->renderer, report->estimator, LF_ERROR_ALPHA, &error);
+    json_object_set_new(object, "rel_mse_estimate", real_or_null(resolved));
+    json_object_set_new(object, "rel_mse_bound", real_or_null(bound));
+    json_object_set_new(object, "error", bound >= 0 ? real_or_null(error) : json_null());
+    json_object_set_new(object, "error_bound", real_or_null(bound));
+    json_object_set_new(object, "shown_error", real_or_null(shown));
+    json_object_set_new(object, "shown_error_bound", real_or_null(shown_bound));
+}
+
 static void set_rendered(json_t *object, const lf_render_report *report)
 {
     const lf_render_settings *settings = lf_renderer_settings(report->renderer);
     lf_render_stats stats;
     lf_renderer_stats(report->renderer, &stats);
+    set_errors(object, report, stats.rel_mse_estimate);
     json_object_set_new(object, "integrator",
                         json_string(settings->integrator ? settings->integrator : "mvpt"));
     json_object_set_new(object, "estimator", json_string(lf_estimator_name(report->estimator)));
@@ -185,10 +216,6 @@ static void set_rendered(json_t *object, const lf_render_report *report)
     json_object_set_new(object, "base_paths", count_or_null(stats.base_paths));
     json_object_set_new(object, "native_spp_mean", real_or_null(stats.native_spp_mean));
     json_object_set_new(object, "effective_spp_mean", real_or_null(stats.effective_spp_mean));
-    json_object_set_new(object, "rel_mse_estimate", real_or_null(stats.rel_mse_estimate));
-    json_object_set_new(object, "rel_mse_bound",
-                        real_or_null(lf_renderer_error_bound(report->renderer, report->estimator,
-                                                             LF_ERROR_ALPHA, NULL)));
     json_object_set_new(object, "rays_traced", count_or_null(stats.rays_traced));
     json_object_set_new(object, "volume_lookups", count_or_null(stats.volume_lookups));
     json_object_set_new(object, "contributions", count_or_null(stats.contributions));
@@ -214,6 +241,10 @@ json_t *lf_render_report_json(const lf_render_report *report)
                                        "effective_spp_mean",
                                        "rel_mse_estimate",
                                        "rel_mse_bound",
+                                       "error",
+                                       "error_bound",
+                                       "shown_error",
+                                       "shown_error_bound",
                                        "rays_traced",
                                        "volume_lookups",
                                        "contributions",

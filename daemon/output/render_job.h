@@ -14,6 +14,8 @@ typedef struct lf_budget {
     double cpu_seconds; /* CPU time of the whole process */
     /* relMSE that the picture is under, with confidence 1 - LF_ERROR_ALPHA over all looks */
     double target_error;
+    /* the same of the reconstructed picture, which the renderer must have features for */
+    double target_shown_error;
 } lf_budget;
 
 typedef struct lf_render_progress {

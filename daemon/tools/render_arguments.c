@@ -26,9 +26,10 @@ static const struct option table[] = {
 };
 
 static const char shared[] =
-    LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " exposure panel target-error aov";
+    LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " exposure panel target-error target-shown-error aov";
 /* They say how paths are traced, so nothing where nothing is rendered. */
-static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error aov";
+static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
+                              "target-shown-error aov";
 
 static void print_help(void)
 {
@@ -53,7 +54,7 @@ static void print_help(void)
            "  --spp N                base paths for every view pixel\n"
            "  --time SECONDS\n",
            DEFAULT_SPP);
-    lf_param_print_help(lf_option_params, "target-error");
+    lf_param_print_help(lf_option_params, "target-error target-shown-error");
     printf("\nHow:\n");
     lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER);
     printf("  --stats FILE.json      writes what was done and what it took\n" LF_OPTIONS_HELP_LAST);
@@ -228,10 +229,15 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     if (!a->out || a->out[0] == '\0')
         return lf_error_set(err, LF_E_ARG, "-o", "missing: where to write");
     a->budget.target_error = a->options.target_error;
-    a->n_budgets += a->options.target_error > 0;
+    a->budget.target_shown_error = a->options.target_shown_error;
+    a->n_budgets += (a->options.target_error > 0) + (a->options.target_shown_error > 0);
     if (a->n_budgets > 1)
-        return lf_error_set(err, LF_E_ARG, "--passes, --spp, --time, --target-error",
+        return lf_error_set(err, LF_E_ARG,
+                            "--passes, --spp, --time, --target-error, --target-shown-error",
                             "only one of them");
+    if (a->options.target_shown_error > 0 && a->options.reconstruct != LF_RECONSTRUCT_ON)
+        return lf_error_set(err, LF_E_ARG, "--target-shown-error",
+                            "only goes with --reconstruct on");
     if (a->n_budgets == 0)
         a->spp = DEFAULT_SPP;
     return choose_kind(a, err);

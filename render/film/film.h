@@ -272,5 +272,7 @@ typedef struct lf_row_error {
 /* rows [n]: an upper bound of the realised relMSE of the picture at confidence 1 - alpha;
  * *out_estimate (may be NULL) its estimate. */
 double lf_error_bound(const lf_row_error *rows, int n, double alpha, double *out_estimate);
+/* Of Student's t with 2 degrees of freedom or more: what it is above with probability alpha. */
+double lf_upper_quantile(double alpha, double freedom);
 
 #endif

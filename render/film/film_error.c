@@ -15,14 +15,14 @@ static double normal_quantile(double alpha)
     return z;
 }
 
-/* Upper quantile of Student's t, for 2 degrees of freedom or more: Fisher and Cornish's expansion
- * about the normal one, below 5 on a line in 1/freedom from there to the closed form at 2. */
-static double t_quantile(double alpha, double freedom)
+/* Fisher and Cornish's expansion about the normal one, below 5 on a line in 1/freedom from there to
+ * the closed form at 2. */
+double lf_upper_quantile(double alpha, double freedom)
 {
     if (freedom < 5.0) {
         double two = (1.0 - 2.0 * alpha) * sqrt(0.5 / (alpha * (1.0 - alpha))),
                share = (1.0 / freedom - 0.2) / 0.3;
-        return share * two + (1.0 - share) * t_quantile(alpha, 5.0);
+        return share * two + (1.0 - share) * lf_upper_quantile(alpha, 5.0);
     }
     double z = normal_quantile(alpha), z2 = z * z, f = 1.0 / freedom;
     double g1 = (z2 + 1.0) * z / 4.0;
@@ -78,5 +78,5 @@ double lf_error_bound(const lf_row_error *rows, int n, double alpha, double *out
     double freedom = fmax(2.0, fourth > 0.0 ? shared * shared / fourth : 2.0);
     double deviation =
         sqrt(2.0 * trigamma(fmax(2.0 * estimate * estimate / fmax(variance, 1e-300), 1e-3)));
-    return estimate * exp(t_quantile(alpha, freedom) * deviation);
+    return estimate * exp(lf_upper_quantile(alpha, freedom) * deviation);
 }

@@ -49,6 +49,7 @@ typedef struct lf_cell {
     lf_plane node[LF_VARIANTS][3];
     float agreed, total; /* of the shrinkage towards this level (shrink.c) */
     float share;         /* of this level, as it is settled */
+    float chosen;        /* what shares have gained by chance here (shown_error.c) */
 } lf_cell;
 
 /* The cells of one row of a lattice. */

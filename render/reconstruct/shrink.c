@@ -227,6 +227,10 @@ void lf_shrink_settle(lf_reconstruction *r, int level, int number)
             total += at >= 0 ? weight * l->bands[v].cells[at].total : 0.0f;
         }
         cell->share = total > 0.0f ? fminf(1.0f, fmaxf(0.0f, agreed / total)) : 0.0f;
+        /* what its own noise has added to the gain (shown_error.c) */
+        float own = cell->agreed - cell->share * cell->total;
+        if (cell->share > 0.0f && cell->share < 1.0f)
+            cell->chosen += own * own / total;
     }
 }
 

@@ -1,0 +1,25 @@
+/* How far the shown picture is from the truth; private to render/. docs/reconstruct.md, "How far
+ * off it is", has the formulas. */
+#ifndef LF_RENDER_SHOWN_ERROR_H
+#define LF_RENDER_SHOWN_ERROR_H
+
+#include "render/reconstruct/reconstruct.h"
+
+/* What one row tells, with p_h the shown picture by half h alone and y_h the half's B + q N/W:
+ * means over the view pixels that are fitted, and channels, over what stands for I^2 + 1e-2. */
+typedef struct lf_shown_row {
+    double variance; /* of s_a s_b (p_a - p_b)^2, s the halves' shares of the samples */
+    double bias;     /* of (y_a - p_a) (y_b - p_b), over pixels that both halves have seen */
+} lf_shown_row;
+
+/* rows [n]: an upper bound of the relMSE of the shown picture at confidence 1 - alpha;
+ * *out_estimate gets its estimate. chosen: what the bias lacks because shares follow the noise. */
+double lf_shown_error_bound(const lf_shown_row *rows, int n, double chosen, double alpha,
+                            double *out_estimate);
+
+/* The same of the rows of a film by the last fit, on the pool. Negative, and *out_estimate too:
+ * there is no fit, a half has not visited a row, or no memory. Not while rows are visited. */
+double lf_reconstruct_error(lf_reconstruction *r, const lf_film *film, double alpha,
+                            double *out_estimate);
+
+#endif

@@ -1,0 +1,376 @@
+/* The reconstructed picture: what it does not change, what it gains, that it tends to the
+ * unfiltered one, and that it knows how far off it is. */
+#include "tests/testing.h"
+
+/* stat.h has another of this name. */
+#define lf_moments lf_stat_moments
+#include "tests/stat/fixture.h"
+#undef lf_moments
+#include "tests/stat/scenes.h"
+
+#include "render/reconstruct/kernel.h"
+#include "render/reconstruct/solve.h"
+
+enum { width = 32, height = 24, views = 9, values = 3 * width * height * views };
+
+/* Fog and a ball on the ground under a sun and a sky, seen by nine views. */
+#define SCENE LF_TEST_MIXED("9", "")
+
+static lf_renderer *renderer_of(const char *text, int across, int down, lf_pool *pool)
+{
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", across, down, pool);
+    lf_render_settings settings = *lf_renderer_settings(r);
+    settings.features = true;
+    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
+    lf_scene_unref(scene);
+    return r;
+}
+
+/* As on a display: visits of one pass. */
+static void visits(lf_renderer *r, int n)
+{
+    for (int i = 0; i < n; i++)
+        lf_assert_ok(lf_renderer_pass(r, NULL, 1, NULL, NULL, NULL), NULL);
+}
+
+static double rel_mse(const float *x, const float *truth)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < values; i++) {
+        double d = (double)x[i] - (double)truth[i];
+        sum += d * d / ((double)truth[i] * (double)truth[i] + 1e-2);
+    }
+    return sum / values;
+}
+
+static float *picture(void)
+{
+    float *x = malloc(values * sizeof *x);
+    assert_non_null(x);
+    return x;
+}
+
+/* 50 samples a view pixel, by cv. */
+static float *reference(lf_renderer *r)
+{
+    float *x = picture();
+    lf_test_reseed(r, lf_test_seed() + 1000000);
+    lf_test_cycles(r, 50);
+    lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_CV, x, NULL), NULL);
+    return x;
+}
+
+/* -------------------------------------------------------------------------------- invariants -- */
+
+static void a_row_without_a_fit_or_a_visit_is_a_state_error(void **state)
+{
+    (void)state;
+    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
+    const lf_part lower = {.first_row = height / 2};
+    float *row = calloc(3 * width * views, sizeof *row);
+    double estimate = 0.0;
+    assert_int_equal(lf_renderer_show_row(r, 0, row), LF_E_STATE);
+    assert_true(lf_renderer_shown_error(r, 0.05, &estimate) < 0.0 && estimate < 0.0);
+    lf_assert_ok(lf_renderer_pass(r, &lower, 1, NULL, NULL, NULL), NULL);
+    lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+    row[0] = 7.0f;
+    assert_int_equal(lf_renderer_show_row(r, 0, row), LF_E_STATE);
+    assert_true(row[0] == 7.0f);
+    lf_assert_ok(lf_renderer_show_row(r, height - 1, row), NULL);
+    /* one half has seen nothing */
+    assert_true(lf_renderer_shown_error(r, 0.05, NULL) < 0.0);
+    free(row);
+    lf_renderer_destroy(r);
+}
+
+static void a_cancelled_fit_is_none(void **state)
+{
+    (void)state;
+    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
+    float *x = picture();
+    lf_cancel cancel = 1;
+    visits(r, 2);
+    lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
+    assert_int_equal(lf_renderer_fit(r, &cancel), LF_E_CANCELLED);
+    assert_int_equal(lf_renderer_show_row(r, 0, x), LF_E_STATE);
+    assert_true(lf_renderer_shown_error(r, 0.05, NULL) < 0.0);
+    lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
+    free(x);
+    lf_renderer_destroy(r);
+}
+
+/* Radiance is the same wherever something scatters: N = c W, features as they come. Sums are of
+ * single precision: 5e-5. */
+static void what_is_constant_stays(void **state)
+{
+    (void)state;
+    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
+    float *x = picture();
+    visits(r, 4);
+    for (int row = 0; row < height; row++) {
+        lf_film_known *known = lf_film_known_at(&r->film, row);
+        for (int h = 0; h < 2; h++) {
+            lf_film_scattered *s = lf_film_at(&r->film, row, h).scattered;
+            for (int i = 0; i < views * width; i++)
+                for (int c = 0; c < 3; c++)
+                    s[i].n[c] = (float)(c + 1) * s[i].w;
+        }
+        for (int i = 0; known && i < views * width; i++)
+            memset(known[i].b, 0, sizeof known[i].b);
+    }
+    assert_non_null(lf_film_known_at(&r->film, 0));
+    lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
+    for (int row = 0; row < height; row++) {
+        const lf_film_half half[2] = {lf_film_at(&r->film, row, 0), lf_film_at(&r->film, row, 1)};
+        const float *out = x + (size_t)row * 3 * width * views;
+        for (int i = 0; i < views * width; i++) {
+            double q = 0.5 * ((double)half[0].q[i] + (double)half[1].q[i]);
+            for (int c = 0; q > 1e-3 && c < 3; c++)
+                lf_assert_close((double)out[3 * i + c], q * (c + 1), 1e-4, 1e-7);
+        }
+    }
+    free(x);
+    lf_renderer_destroy(r);
+}
+
+/* Everything sends 1: fog and a ball that absorb nothing under a sky of 1. */
+static void a_white_furnace_stays_white(void **state)
+{
+    (void)state;
+    lf_renderer *r =
+        renderer_of("{ " LF_TEST_CAMERA(
+                        "9", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1, 'albedo': "
+                                 "1, 'transform': { "
+                                 "'scale': 0.7, 'translate': [0.5, 0, 0.5] } } }, "
+                                 "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }",
+                    width, height, NULL);
+    float *x = picture();
+    for (int n = 1; n <= 4; n++) {
+        visits(r, n);
+        lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
+        double most = 0.0;
+        for (size_t i = 0; i < values; i++)
+            most = fmax(most, fabs((double)x[i] - 1.0));
+        assert_true(most <= 1e-6);
+    }
+    free(x);
+    lf_renderer_destroy(r);
+}
+
+/* ------------------------------------------------------------------------------------- bytes -- */
+
+static float *shown_by(int threads, const lf_reconstruct_kernels *kernels, double *out_error)
+{
+    lf_pool *pool = NULL;
+    float *x = picture();
+    lf_assert_ok(lf_pool_create(threads, &pool), NULL);
+    lf_renderer *r = renderer_of(SCENE, width, height, pool);
+    visits(r, 5);
+    lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+    r->shown->kernels = kernels ? kernels : r->shown->kernels;
+    lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
+    out_error[1] = lf_renderer_shown_error(r, 0.05, out_error);
+    lf_renderer_destroy(r);
+    lf_pool_destroy(pool);
+    return x;
+}
+
+static void same_bytes_for_any_number_of_threads_and_any_kernel(void **state)
+{
+    (void)state;
+    double error[2], other[2];
+    float *one = shown_by(1, NULL, error);
+    for (int i = 0; i < 3; i++) {
+        float *x = shown_by(i == 0 ? 2 : 5, i == 2 ? &lf_reconstruct_kernels_c : NULL, other);
+        assert_memory_equal(one, x, values * sizeof *x);
+        assert_memory_equal(error, other, sizeof error);
+        free(x);
+    }
+    free(one);
+}
+
+/* ---------------------------------------------------------------------------- gain and error -- */
+
+enum { SEEDS = 4 };
+
+/* Means over seeds: of the unfiltered picture, of what is shown, and what is stated of that. */
+typedef struct lf_told {
+    double unfiltered, shown, stated;
+    int held;
+} lf_told;
+
+static lf_told tell(lf_renderer *r, const float *truth, int n)
+{
+    float *x = picture();
+    lf_told out = {.held = 0};
+    for (int k = 0; k < SEEDS; k++) {
+        double stated, shown;
+        lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
+        visits(r, n);
+        lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
+        shown = rel_mse(x, truth);
+        out.held += lf_renderer_shown_error(r, 0.05, &stated) >= shown;
+        out.shown += shown / SEEDS;
+        out.stated += stated / SEEDS;
+        lf_assert_ok(lf_renderer_fill_holes(r, NULL, NULL), NULL);
+        lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, x, NULL), NULL);
+        out.unfiltered += rel_mse(x, truth) / SEEDS;
+    }
+    print_message("%d visits: unfiltered %.2e, shown %.2e, stated %.2e, the bound holds in %d of "
+                  "%d\n",
+                  n, out.unfiltered, out.shown, out.stated, out.held, SEEDS);
+    free(x);
+    return out;
+}
+
+/* Measured: 4 to 8 times nearer, and 0.6 to 1.1 of the truth stated behind 16 visits. */
+static void what_is_shown_is_nearer_to_the_truth_and_says_how_near(void **state)
+{
+    (void)state;
+    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
+    float *truth = reference(r);
+    int held = 0;
+    for (int n = 4; n <= 16; n *= 2) {
+        lf_told t = tell(r, truth, n);
+        assert_true(t.shown < t.unfiltered / 2.0);
+        if (n == 16)
+            assert_true(t.stated > 0.4 * t.shown && t.stated < 2.5 * t.shown);
+        held += t.held;
+    }
+    assert_true(held >= 3 * SEEDS - 3);
+    free(truth);
+    lf_renderer_destroy(r);
+}
+
+/* ------------------------------------------------------------------------------- consistency -- */
+
+enum { FEW = 4, MANY = 64 };
+
+/* Shown minus unfiltered behind n cycles; raw: whether N/W itself is among what is chosen from. */
+static void difference(lf_renderer *r, bool raw, float *out)
+{
+    float *x = picture();
+    lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+    for (int b = 0; b < r->shown->level[0].n_bands && !raw; b++)
+        for (int i = 0; i < r->shown->level[0].bands[b].n; i++)
+            r->shown->level[0].bands[b].cells[i].share = 0.0f;
+    for (int row = 0; row < height; row++)
+        lf_assert_ok(lf_renderer_show_row(r, row, out + (size_t)row * 3 * width * views), NULL);
+    lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, x, NULL), NULL);
+    for (int i = 0; i < values; i++)
+        out[i] -= x[i];
+    free(x);
+}
+
+/* What two seeds' differences have in common is bias. */
+static double common(const float *a, const float *b)
+{
+    double sum = 0.0;
+    for (int i = 0; i < values; i++)
+        sum += (double)a[i] * (double)b[i];
+    return sum / values;
+}
+
+static void what_is_shown_tends_to_the_unfiltered_picture(void **state)
+{
+    (void)state;
+    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
+    float *d[2][2][2]; /* [few, many][with N/W, without][seed] */
+    for (int seed = 0; seed < 2; seed++) {
+        lf_test_reseed(r, lf_test_seed() + (uint64_t)seed);
+        for (int many = 0; many < 2; many++) {
+            lf_test_cycles(r, many ? MANY - FEW : FEW);
+            for (int without = 0; without < 2; without++) {
+                d[many][without][seed] = picture();
+                difference(r, !without, d[many][without][seed]);
+            }
+        }
+    }
+    double bias[2][2];
+    for (int many = 0; many < 2; many++)
+        for (int without = 0; without < 2; without++)
+            bias[many][without] = common(d[many][without][0], d[many][without][1]);
+    print_message("squared bias behind %d and %d cycles: %.2e, %.2e; without N/W %.2e, %.2e\n", FEW,
+                  MANY, bias[0][0], bias[1][0], bias[0][1], bias[1][1]);
+    for (int i = 0; i < 8; i++)
+        free(d[i / 4][i / 2 % 2][i % 2]);
+    assert_true(bias[1][0] < 0.2 * bias[1][1]);
+    lf_renderer_destroy(r);
+}
+
+/* -------------------------------------------------------------------------------------- fits -- */
+
+static float pseudo(uint64_t i)
+{
+    return (float)(lf_hash64(lf_test_seed(), i) >> 40) * 0x1p-24f;
+}
+
+/* Sums over 200 places of a linear function, as seen from `from`. */
+static lf_moments sums_of(const float from[3], const float slope[LF_FEATURES])
+{
+    lf_moments m = {.w = 0.0f};
+    for (uint64_t i = 0; i < 200; i++) {
+        float f[LF_FEATURES], x = 2.0f, w = 0.5f + pseudo(100 * i + 99);
+        for (uint64_t j = 0; j < LF_FEATURES; j++) {
+            f[j] = pseudo(100 * i + j) * (j == LF_VIEW ? 1.0f : 4.0f);
+            x += slope[j] * f[j];
+        }
+        for (int j = 0; j < 3; j++)
+            f[j] -= from[j];
+        const float n[3] = {w * x, 2.0f * w * x, 3.0f * w};
+        lf_reconstruct_kernels_c.add(&m, w, n, f);
+    }
+    return m;
+}
+
+static const float slopes[LF_FEATURES] = {0.3f, -0.2f, 0.5f, 0.1f, -0.4f, 0.6f, 0.2f, -0.1f};
+
+static void sums_that_are_moved_are_those_from_there(void **state)
+{
+    (void)state;
+    static const float here[3], there[3] = {1.5f, -2.0f, 0.75f};
+    lf_moments from_here = sums_of(here, slopes), expected = sums_of(there, slopes), moved = {0};
+    const float shift[3] = {-there[0], -there[1], -there[2]};
+    lf_reconstruct_kernels_c.move(&moved, &from_here, 2.0f, shift);
+    lf_assert_close((double)moved.w, 2.0 * (double)expected.w, 1e-5, 0.0);
+    for (int i = 0; i < LF_FEATURES; i++) {
+        lf_assert_close((double)moved.wf[i], 2.0 * (double)expected.wf[i], 1e-4, 1e-2);
+        for (int j = 0; j < LF_FEATURES; j++)
+            lf_assert_close((double)moved.wff[i][j], 2.0 * (double)expected.wff[i][j], 1e-4, 1e-1);
+        for (int c = 0; c < 3; c++)
+            lf_assert_close((double)moved.nf[c][i], 2.0 * (double)expected.nf[c][i], 1e-4, 1e-1);
+    }
+}
+
+static void a_linear_function_is_found(void **state)
+{
+    (void)state;
+    static const float here[3];
+    lf_moments m = sums_of(here, slopes);
+    lf_plane out[3];
+    lf_solve(&m, out);
+    for (int i = 0; i < LF_FEATURES; i++) {
+        /* the ridge and floors of variances draw slopes towards 0 by a few per cent */
+        lf_assert_close((double)out[0].slope[i], (double)slopes[i], 0.1, 1e-3);
+        lf_assert_close((double)out[1].slope[i], 2.0 * (double)out[0].slope[i], 1e-3, 1e-5);
+        lf_assert_close((double)out[2].slope[i], 0.0, 0.0, 1e-4);
+    }
+    lf_assert_close((double)out[2].constant, 3.0, 1e-4, 0.0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sums_that_are_moved_are_those_from_there),
+        cmocka_unit_test(a_linear_function_is_found),
+        cmocka_unit_test(a_row_without_a_fit_or_a_visit_is_a_state_error),
+        cmocka_unit_test(a_cancelled_fit_is_none),
+        cmocka_unit_test(what_is_constant_stays),
+        cmocka_unit_test(a_white_furnace_stays_white),
+        cmocka_unit_test(same_bytes_for_any_number_of_threads_and_any_kernel),
+        cmocka_unit_test(what_is_shown_is_nearer_to_the_truth_and_says_how_near),
+        cmocka_unit_test(what_is_shown_tends_to_the_unfiltered_picture),
+    };
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+}
