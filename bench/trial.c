@@ -163,6 +163,7 @@ static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
     double start = lf_time_cpu();
     settings.integrator = who->integrator;
     settings.seed = seed;
+    settings.features = budget->reconstructed;
     lf_status status = lf_renderer_create(trial->scene, &settings, trial->pool, &renderer, err);
     if (status != LF_OK)
         return status;
@@ -180,7 +181,9 @@ static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
 lf_status lf_trial_run(lf_trial *trial, const lf_contender *who, uint64_t seed,
                        const lf_budget *budget, lf_measure *out, lf_error *err)
 {
-    lf_status status = render(trial, who, seed, budget, out, err);
+    lf_budget asked = *budget;
+    asked.reconstructed = trial->settings.features;
+    lf_status status = render(trial, who, seed, &asked, out, err);
     if (status == LF_OK)
         measure(trial, out);
     return status;

@@ -7,7 +7,7 @@
 
 #include "render/render.h"
 
-/* When to stop: exactly one of these is positive. */
+/* When to stop: exactly one of these is positive; and what to answer. */
 typedef struct lf_budget {
     int64_t passes;     /* one pass = width x height base paths; --spp S is S * n_views of them */
     double seconds;     /* wall time */
@@ -16,6 +16,8 @@ typedef struct lf_budget {
     double target_error;
     /* the same of the reconstructed picture, which the renderer must have features for */
     double target_shown_error;
+    /* The answer is the reconstructed picture, not the estimator's: needs features. */
+    bool reconstructed;
 } lf_budget;
 
 typedef struct lf_render_progress {

@@ -274,6 +274,7 @@ static lf_status render(job *j, lf_error *err)
 {
     const lf_render_arguments *a = j->arguments;
     lf_budget budget = a->budget;
+    budget.reconstructed = a->options.reconstruct == LF_RECONSTRUCT_ON;
     size_t views = (size_t)j->settings.camera.n_views;
     lf_status status = lf_renderer_create(j->scene, &j->settings, j->pool, &j->renderer, err);
     if (status != LF_OK)
@@ -320,8 +321,8 @@ static json_t *make_record(const job *j)
         return json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", j->layout.n_views, "aspect",
                          j->layout.aspect);
     return lf_output_settings(a->scene, &j->settings, a->kind->has_tiles ? &j->layout : NULL,
-                              a->options.estimator, j->settings.features, (double)j->times.passes,
-                              &j->film_settings);
+                              a->options.estimator, a->options.reconstruct == LF_RECONSTRUCT_ON,
+                              (double)j->times.passes, &j->film_settings);
 }
 
 /* How bright the picture is shown; of what is drawn, not at all. */

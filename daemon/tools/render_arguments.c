@@ -238,6 +238,8 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     if (a->options.target_shown_error > 0 && a->options.reconstruct != LF_RECONSTRUCT_ON)
         return lf_error_set(err, LF_E_ARG, "--target-shown-error",
                             "only goes with --reconstruct on");
+    if (a->options.reconstruct == LF_RECONSTRUCT_ON && a->options.estimator != LF_ESTIMATOR_MWIS)
+        return lf_error_set(err, LF_E_ARG, "--reconstruct", "on only goes with --estimator mwis");
     if (a->n_budgets == 0)
         a->spp = DEFAULT_SPP;
     return choose_kind(a, err);

@@ -87,6 +87,29 @@ static void a_job_gives_the_film_of_so_many_passes(void **state)
     }
 }
 
+/* A film that keeps features answers as it is asked to. */
+static void the_reconstructed_picture_is_given_to_who_asks_for_it(void **state)
+{
+    fixture *f = *state;
+    float expected[2][FLOATS];
+    f->settings.features = true;
+    restart(f);
+    lf_assert_ok(lf_renderer_passes(f->renderer, NULL, 4, false, NULL, NULL, NULL), NULL);
+    lf_assert_ok(lf_renderer_show(f->renderer, expected[1], NULL), NULL);
+    lf_assert_ok(lf_renderer_fill_holes(f->renderer, NULL, NULL), NULL);
+    lf_assert_ok(lf_renderer_resolve(f->renderer, LF_ESTIMATOR_MWIS, expected[0], NULL), NULL);
+    assert_memory_not_equal(expected[0], expected[1], sizeof expected[0]);
+    for (int on = 0; on < 2; on++) {
+        const lf_budget budget = {.passes = 4, .reconstructed = on};
+        lf_render_times times;
+        restart(f);
+        lf_assert_ok(lf_render_run(f->renderer, &budget, LF_ESTIMATOR_MWIS, f->film, NULL, NULL,
+                                   NULL, &times),
+                     NULL);
+        assert_memory_equal(f->film, expected[on], sizeof expected[on]);
+    }
+}
+
 static void note(void *context, const lf_render_progress *progress)
 {
     lf_render_progress *last = context;
@@ -149,6 +172,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_job_gives_the_film_of_so_many_passes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_reconstructed_picture_is_given_to_who_asks_for_it,
+                                        set_up, tear_down),
         cmocka_unit_test_setup_teardown(progress_rises_to_the_end, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_target_is_met_by_the_estimate, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_cancelled_job_says_so, set_up, tear_down),
