@@ -281,11 +281,14 @@ lf_status lf_engine_commit(lf_engine *engine, lf_content *content, int restore_f
     return status;
 }
 
-lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reconstruct, lf_snapshot *out,
-                             lf_error *err)
+lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reconstruct, unsigned layers,
+                             lf_snapshot *out, lf_error *err)
 {
-    engine_request request = {
-        .run = engine_run_snapshot, .err = err, .reconstruct = reconstruct, .snapshot = out};
+    engine_request request = {.run = engine_run_snapshot,
+                              .err = err,
+                              .reconstruct = reconstruct,
+                              .layers = layers,
+                              .snapshot = out};
     *out = (lf_snapshot){0};
     return call(engine, &request, false);
 }
@@ -303,6 +306,7 @@ void lf_snapshot_finish(lf_snapshot *snapshot)
 {
     lf_content_unref(snapshot->content);
     lf_free(snapshot->film);
+    lf_free(snapshot->beside);
     *snapshot = (lf_snapshot){0};
 }
 

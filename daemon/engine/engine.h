@@ -85,7 +85,10 @@ lf_mailbox *lf_engine_mailbox(lf_engine *engine);
 typedef struct lf_snapshot {
     lf_content *content; /* a reference */
     float *film;         /* [row][view][column][3]; NULL for a quilt picture */
-    lf_output_source source;
+    float *beside;       /* [row][view][column][layers.n] of layers; NULL: none */
+    lf_layers32 layers;
+    const char *names[LF_MAX_LAYER_CHANNELS];
+    lf_output_source source; /* points into this struct where there are layers: do not copy */
     lf_estimator estimator;
     lf_render_stats stats;
     int64_t generation;
@@ -94,9 +97,11 @@ typedef struct lf_snapshot {
 } lf_snapshot;
 
 /* (blocks) reconstruct: auto is on where the controls say on, not only auto. LF_E_STATE: nothing is
- * shown, or it is to be reconstructed and has no features. Release with lf_snapshot_finish. */
+ * shown, or it is to be reconstructed, or to have depth, and has no features. layers: bits of
+ * lf_layer that the source gets; of a finished picture, LF_E_STATE. Release with
+ * lf_snapshot_finish. */
 LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reconstruct,
-                                          lf_snapshot *out, lf_error *err);
+                                          unsigned layers, lf_snapshot *out, lf_error *err);
 void lf_snapshot_finish(lf_snapshot *snapshot);
 /* (blocks) Writes the accumulation between two batches; the caller commits file. LF_E_STATE: no
  * scene is shown. yields: a commit, which makes the accumulation obsolete, does not wait for it

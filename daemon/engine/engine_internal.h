@@ -23,6 +23,7 @@ typedef struct engine_request {
     bool restored;
     /* of the others */
     lf_reconstruct reconstruct;
+    unsigned layers;
     lf_snapshot *snapshot;
     lf_outfile *file;
     bool yields; /* saving: gives up for a commit */

@@ -514,12 +514,35 @@ static lf_status take_film(lf_engine *engine, lf_snapshot *out, lf_error *err)
     return status == LF_OK ? LF_OK : lf_error_set(err, status, "", "out of memory for the views");
 }
 
+/* What goes beside the colours of the source. */
+static lf_status take_layers(lf_engine *engine, unsigned layers, lf_snapshot *out, lf_error *err)
+{
+    const lf_content *content = engine->content;
+    const size_t n = (size_t)lf_layer_channels(layers, out->names),
+                 width = (size_t)content->layout.view_width * n,
+                 row = width * (size_t)content->layout.n_views;
+    if (!content->settings.features)
+        return lf_error_set(err, LF_E_STATE, "export",
+                            "no depth: the picture that is shown was begun with reconstruct off");
+    out->beside = lf_calloc((size_t)content->layout.view_height, row * sizeof *out->beside);
+    if (!out->beside)
+        return lf_error_set(err, LF_E_NOMEM, "", "out of memory for the layers");
+    out->layers = (lf_layers32){(int)n, out->names, width, row, out->beside};
+    out->source.views32.layers = &out->layers;
+    lf_status status = lf_renderer_layers(engine->renderer, engine->now.controls.estimator, layers,
+                                          out->beside, NULL);
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, "", "no layers were made");
+}
+
 lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
 {
     lf_content *content = engine->content;
     lf_snapshot *out = request->snapshot;
     if (!content || engine->spoiled)
         return lf_error_set(request->err, LF_E_STATE, "", "there is no picture to export");
+    if (request->layers && !content->scene)
+        return lf_error_set(request->err, LF_E_STATE, "export",
+                            "no depth: a finished picture is shown, not a scene");
     if (content->scene) {
         const lf_layout *layout = &content->layout;
         size_t pixels =
@@ -529,11 +552,13 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
             return lf_error_set(request->err, LF_E_NOMEM, "", "out of memory for the views");
         out->reconstructed = is_reconstructed(engine, request->reconstruct);
         lf_status status = take_film(engine, out, request->err);
+        out->source = lf_output_from_film(&content->settings, out->film);
+        if (status == LF_OK && request->layers)
+            status = take_layers(engine, request->layers, out, request->err);
         if (status != LF_OK) {
             lf_snapshot_finish(out);
             return status;
         }
-        out->source = lf_output_from_film(&content->settings, out->film);
         update_stats(engine, true);
     } else {
         out->source = lf_output_from_quilt(&content->quilt);

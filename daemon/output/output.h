@@ -1,6 +1,6 @@
-/* Writing what users asked for: quilt pictures, folders of views, interlaced panel pictures and
- * lenticular prints, from rendered views or from a quilt that was read. Used by quiltrender and by
- * the daemon's export jobs.
+/* Writing what users asked for: quilt pictures, folders of views, interlaced panel pictures,
+ * lenticular prints and pictures with depth, from rendered views or from a quilt that was read.
+ * Used by quiltrender and by the daemon's export jobs.
  *
  * Nothing here prints or exits. Every file becomes visible whole or not at all (base/file.h); a job
  * that fails or is cancelled publishes nothing, but for one of several files (a folder of views, a
@@ -25,6 +25,22 @@ typedef struct lf_panel_options {
 extern const lf_param lf_panel_params[];
 /* Of its response, and of what a daemon sends to its panel. */
 extern const lf_param lf_response_params[];
+
+/* Where the depth stands beside the view that it is of. */
+typedef enum lf_rgbd_side { LF_RGBD_RIGHT, LF_RGBD_LEFT, LF_RGBD_TOP, LF_RGBD_BOTTOM } lf_rgbd_side;
+
+/* How depth becomes codes of 8 bits: linear in 1/Z, which is what shifts from view to view, from
+ * far to near. Zeroed is the default: far is black, near white; both are what 98 % of the pixels
+ * that are covered by more than half lie between. Rays that meet nothing count as infinitely far.
+ */
+typedef struct lf_rgbd_options {
+    lf_rgbd_side side;
+    int near_is_black; /* 0 or 1 */
+    double near, far;  /* along the view axis, in scene units; 0: as the picture says */
+} lf_rgbd_options;
+extern const lf_param lf_rgbd_params[];
+/* That near is before far. LF_E_ARG. */
+LF_NODISCARD lf_status lf_rgbd_check(const lf_rgbd_options *rgbd, const char *where, lf_error *err);
 
 /* A light field to write: 8-bit display-encoded or linear float views. Borrowed. */
 typedef struct lf_output_source {
@@ -52,6 +68,7 @@ typedef struct lf_output_request {
     lf_layout layout;                  /* kinds with has_tiles */
     const lf_calibration *calibration; /* kinds with needs_panel, as the next */
     lf_panel_options panel;
+    lf_rgbd_options rgbd;  /* kinds that read layers */
     const lf_print *print; /* kinds with check_print */
     double exposure;       /* stops, for float views on the way to 8 bits */
     const char *tonemap;   /* NULL = "srgb" */
@@ -77,6 +94,7 @@ struct lf_output_kind {
     bool is_drawn;    /* of the request alone: source is not read, nothing is rendered */
     bool has_tiles;   /* reads layout */
     bool needs_panel; /* reads calibration and panel */
+    unsigned layers;  /* bits of lf_layer that views32 must have; with them it reads rgbd */
     const char *asks; /* with check_print: the keys of print that it cannot do without */
     int n_files;      /* 0: one for every view */
     /* Whether print says what it must; *out_warning (static text) or NULL. LF_E_ARG. NULL: it reads
@@ -103,7 +121,8 @@ struct lf_output_kind {
     KIND(views)                                                                                    \
     KIND(panel)                                                                                    \
     KIND(print)                                                                                    \
-    KIND(chart)
+    KIND(chart)                                                                                    \
+    KIND(rgbd)
 
 #define LF_DECLARE_OUTPUT(name) extern const lf_output_kind lf_output_##name;
 LF_OUTPUT_KINDS(LF_DECLARE_OUTPUT)

@@ -59,6 +59,12 @@ static lf_status take_print_words(lf_job *job, const json_t *params, lf_error *e
     return status;
 }
 
+static lf_status take_rgbd_words(lf_job *job, const json_t *params, lf_error *err)
+{
+    lf_status status = lf_param_from_json(lf_rgbd_params, params, &job->rgbd, "export", err);
+    return status == LF_OK ? lf_rgbd_check(&job->rgbd, "export", err) : status;
+}
+
 static lf_status take_fds(lf_job *job, lf_client *client, int n, lf_error *err)
 {
     if (n == 0)
@@ -153,6 +159,8 @@ static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
         status = take_panel_words(job, params, err);
     if (status == LF_OK && job->kind && job->kind->check_print)
         status = take_print_words(job, params, err);
+    if (status == LF_OK && job->kind && job->kind->layers)
+        status = take_rgbd_words(job, params, err);
     return status;
 }
 

@@ -155,6 +155,7 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
         .calibration = job->has_calibration ? &job->calibration : NULL,
         .panel = job->panel,
         .print = &job->print,
+        .rgbd = job->rgbd,
         .exposure = snapshot ? snapshot->shown_as.exposure : 0,
         .tonemap = snapshot ? snapshot->shown_as.tonemap : NULL,
         .settings = settings,
@@ -202,8 +203,8 @@ static void *job_main(void *context)
         job->status = write_snapshot(job, NULL);
     } else {
         lf_snapshot snapshot;
-        job->status =
-            lf_engine_snapshot(job->server->engine, job->reconstruct, &snapshot, &job->err);
+        job->status = lf_engine_snapshot(job->server->engine, job->reconstruct, job->kind->layers,
+                                         &snapshot, &job->err);
         if (job->status == LF_OK)
             job->status = write_snapshot(job, &snapshot);
         lf_snapshot_finish(&snapshot);

@@ -29,6 +29,7 @@ struct lf_job {
     bool has_calibration;
     lf_calibration calibration;
     lf_print print;
+    lf_rgbd_options rgbd;
     char *icc;
     int *fds;
     int n_fds;

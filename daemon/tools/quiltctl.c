@@ -33,7 +33,7 @@ static void print_help(void)
     printf("Usage: quiltctl [--socket PATH] [--json] METHOD [key=value ...]\n"
            "       quiltctl [--socket PATH] watch\n"
            "       quiltctl [--socket PATH] doctor\n"
-           "       quiltctl [--socket PATH] export quilt|views|panel|print|chart|state FILE "
+           "       quiltctl [--socket PATH] export quilt|views|panel|print|chart|rgbd|state FILE "
            "[key=value "
            "...]\n"
            "Calls a running quiltd and prints what it answers. Values are typed by the method's "

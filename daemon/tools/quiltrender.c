@@ -149,6 +149,8 @@ static lf_status open_quilt(job *j, lf_error *err)
         return lf_error_set(
             err, LF_E_ARG, o->preset ? "--preset" : "--view-size",
             "does not go with a finished quilt (its name or --quilt says the layout)");
+    if (a->kind->layers)
+        return lf_error_set(err, LF_E_ARG, a->scene, "has no depth: --rgbd renders a scene");
     if (a->render_option) {
         char where[64];
         snprintf(where, sizeof where, "--%s", a->render_option);
@@ -372,6 +374,7 @@ static lf_status write_output(job *j, lf_error *err)
         .calibration = &j->calibration,
         .panel = a->panel,
         .print = &j->print,
+        .rgbd = a->rgbd,
         .exposure = j->film_settings.exposure,
         .tonemap = j->film_settings.tonemap,
         .settings = j->record,

@@ -48,6 +48,7 @@ static void print_help(void)
     lf_param_print_help(lf_panel_params, NULL);
     lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
+    lf_param_print_help(lf_rgbd_params, NULL);
     printf("\n"
            "How long (one of them; --spp %d when none is given):\n"
            "  --passes N             base paths: N for every pixel of one view's size\n"
@@ -112,6 +113,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->print_option = row->option;
     if ((params == lf_panel_params || params == lf_response_params) && !a->panel_option)
         a->panel_option = row->option;
+    if (params == lf_rgbd_params && !kind && !a->rgbd_option)
+        a->rgbd_option = row->option;
     if (params == lf_option_params && !a->render_option && lf_param_among(row, tracing))
         a->render_option = row->option;
 }
@@ -139,15 +142,30 @@ static lf_status refuse_rendering(const lf_render_arguments *a, lf_error *err)
                         a->kind->option);
 }
 
-/* An option that says more of kinds that were not asked for: those that read a print, or a panel.
- */
-static lf_status refuse_option(const char *option, bool of_print, lf_error *err)
+static bool reads_print(const lf_output_kind *kind)
+{
+    return kind->check_print;
+}
+
+static bool reads_panel(const lf_output_kind *kind)
+{
+    return kind->needs_panel;
+}
+
+static bool reads_rgbd(const lf_output_kind *kind)
+{
+    return kind->layers;
+}
+
+/* An option that says more of kinds that were not asked for. */
+static lf_status refuse_option(const char *option, bool (*reads)(const lf_output_kind *),
+                               lf_error *err)
 {
     char where[64], known[128] = "";
     for (int i = 0; lf_output_kinds[i]; i++) {
         const lf_output_kind *kind = lf_output_kinds[i];
         size_t used = strlen(known);
-        if (of_print ? !!kind->check_print : kind->needs_panel)
+        if (reads(kind))
             snprintf(known + used, sizeof known - used, "%s--%s", used ? " or " : "", kind->option);
     }
     snprintf(where, sizeof where, "--%s", option);
@@ -164,11 +182,13 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
                             "does not go with --%s: one job writes one of them",
                             a->asked_too->option);
     if (!a->kind->check_print && a->print_option)
-        return refuse_option(a->print_option, true, err);
+        return refuse_option(a->print_option, reads_print, err);
     if (a->kind->check_print && !(a->print.width_mm > 0))
         return lf_error_set(err, LF_E_ARG, where, "needs --print-size WxH (in mm)");
     if (!a->kind->needs_panel && a->panel_option)
-        return refuse_option(a->panel_option, false, err);
+        return refuse_option(a->panel_option, reads_panel, err);
+    if (!a->kind->layers && a->rgbd_option)
+        return refuse_option(a->rgbd_option, reads_rgbd, err);
     if (a->options.layers && !(lf_path_has_ending(a->out, ".exr") || a->kind->surplus))
         return lf_error_set(err, LF_E_ARG, "--aov", "only goes with OUT.exr and folders of views");
     return LF_OK;
@@ -208,6 +228,9 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
     lf_codes codes;
     if (status == LF_OK)
         status = lf_response_codes(&a->panel.response, &codes, err);
+    if (status == LF_OK)
+        status = lf_rgbd_check(&a->rgbd, "--near", err);
+    a->options.layers |= status == LF_OK ? a->kind->layers : 0;
     a->print.n_views = a->options.views;
     if (status == LF_OK && a->kind->is_drawn)
         status = a->kind->check_print(&a->print, NULL, err);
@@ -252,6 +275,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_panel_params, NULL, &a->panel},
                                      {lf_response_params, NULL, &a->panel.response},
                                      {lf_print_params, NULL, &a->print},
+                                     {lf_rgbd_params, NULL, &a->rgbd},
                                      {0}};
     const lf_options_rules rules = {.program = LF_RENDER_PROGRAM,
                                     .letters = ":o:",

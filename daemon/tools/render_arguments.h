@@ -23,6 +23,8 @@ typedef struct lf_render_arguments {
     const char *panel_option;  /* the first option that only makes sense with --panel */
     lf_print print;
     lf_panel_options panel;
+    const char *rgbd_option; /* the first option that only makes sense with --rgbd */
+    lf_rgbd_options rgbd;
 } lf_render_arguments;
 
 /* Reads argv into *out (strings point into it; untouched parts are zero). *out_done: --help or

@@ -117,13 +117,11 @@ static void exports_are_written_beneath_the_export_dir_only(void **state)
     live_wait(&c, "coarse");
     const char *end;
     char path[PATH_MAX];
-    static const char *const kinds[][3] = {{"quilt", "q.png", "q_qs"},
-                                           {"quilt", "f.exr", "f_qs"},
-                                           {"views", "v/", "v"},
-                                           {"panel", "p.png", "p.png"},
-                                           {"print", "t.tif", "t.tif"},
-                                           {"chart", "c.tif", "c.tif"},
-                                           {"state", "s.lfstate", "s.lfstate"}};
+    static const char *const kinds[][3] = {
+        {"quilt", "q.png", "q_qs"},  {"quilt", "f.exr", "f_qs"},
+        {"views", "v/", "v"},        {"panel", "p.png", "p.png"},
+        {"print", "t.tif", "t.tif"}, {"chart", "c.tif", "c.tif"},
+        {"rgbd", "d.png", "d.png"},  {"state", "s.lfstate", "s.lfstate"}};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         assert_int_equal(export_to(&c, kinds[i][0], kinds[i][1], false, &end), 0);
         assert_string_equal(end, "done");

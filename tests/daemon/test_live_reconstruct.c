@@ -149,6 +149,10 @@ static void begun_without_it_starts_over(void **state)
         json_pack("{s:s, s:s, s:s}", "kind", "quilt", "file", "q.png", "reconstruct", "on");
     json_int_t job = (json_int_t)live_number(&c, "export", params, "job");
     assert_string_equal(live_job_end(&c, job), "failed");
+    /* nor has it depth */
+    params = json_pack("{s:s, s:s}", "kind", "rgbd", "file", "d.png");
+    job = (json_int_t)live_number(&c, "export", params, "job");
+    assert_string_equal(live_job_end(&c, job), "failed");
     turn(&c, "auto");
     assert_int_equal(live_number(&c, "status", NULL, "generation"), 2);
     live_wait(&c, "complete");

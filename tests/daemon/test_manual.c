@@ -129,6 +129,7 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
         const lf_param own = {.option = option};
         if (!lf_param_find(lf_print_params, option) && !lf_param_find(lf_option_params, option) &&
             !lf_param_find(lf_panel_params, option) && !lf_param_find(lf_response_params, option) &&
+            !lf_param_find(lf_rgbd_params, option) &&
             !lf_param_among(&own, "passes spp time stats help"))
             fail_msg("--%s is in no table", option);
         n++;
@@ -151,6 +152,24 @@ static void every_key_of_a_print_stands_in_the_manual_of_quiltd(void **state)
             fail_msg("%s is missing", row->name);
     }
     lf_free(page);
+}
+
+static void every_option_and_key_of_depth_stands_in_the_manuals(void **state)
+{
+    (void)state;
+    char *page = read_page("docs/man/quiltrender.1"), *daemon = read_page("docs/man/quiltd.1");
+    const char *at = strstr(daemon, "rgbd, the middle view");
+    char word[64];
+    assert_non_null(at);
+    for (const lf_param *row = lf_rgbd_params; row->name; row++) {
+        snprintf(word, sizeof word, " %s ", row->name);
+        const char *found = strstr(at, word);
+        check_option(page, row, true);
+        if (!found || found > at + 250)
+            fail_msg("%s is missing", row->name);
+    }
+    lf_free(page);
+    lf_free(daemon);
 }
 
 /* The line of a page that lists the kinds names this one. */
@@ -203,6 +222,7 @@ int main(void)
         cmocka_unit_test(every_shared_option_stands_in_the_manuals),
         cmocka_unit_test(the_manual_of_quiltrender_tells_of_no_option_that_is_not_there),
         cmocka_unit_test(every_key_of_a_print_stands_in_the_manual_of_quiltd),
+        cmocka_unit_test(every_option_and_key_of_depth_stands_in_the_manuals),
         cmocka_unit_test(every_kind_of_output_stands_in_the_manuals_and_the_schema),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -5,71 +5,73 @@
 
 /* ------------------------------------------------------------------------------- wrong usage -- */
 
+static const struct {
+    const char *line, *words; /* %S = the scene, %Q = the quilt, %D = the folder */
+} wrong_usage[] = {
+    {"", "SCENE: missing"},
+    {"%S", "-o: missing"},
+    {"%S other.json -o %D/x.png", "other.json: one SCENE"},
+    {"%S -o %D/x.jpg", ".png or .exr"},
+    {"%S -o %D/x.tif", "a print with --print"},
+    {"%S -o %D/x.png --shiny", "--shiny: unknown option"},
+    {"%S -o %D/x.png --views many", "--views: expects a whole number"},
+    {"%S -o %D/x.png --preset phone", "--preset: "},
+    {"%S -o %D/x.png --quilt 2x2", "--quilt: 2x2 holds 4 tiles"},
+    {"%S -o %D/x_qs5x9a0.75.png", "the name says 5x9"},
+    {"%S -o %D/x.png --passes 4 --spp 4", "only one of them"},
+    {"%S -o %D/x.png --time 1 --target-error 0.1", "only one of them"},
+    {"%S -o %D/x.png --target-shown-error 0.1 --target-error 0.1", "only one of them"},
+    {"%S -o %D/x.png --target-shown-error 0.1", "only goes with --reconstruct on"},
+    {"%S -o %D/x.png --time 0", "--time: expects"},
+    {"%S -o %D/x.png --filter linear", "--filter: only goes with --panel"},
+    {"%S -o %D/x.png --bleed 3", "--bleed: only goes with --print"},
+    {"%S -o %D/x.tif --print 60@600", "needs --print-size"},
+    {"%S -o %D/x.tif --print 60 --print-size 20x20", "--print: expects"},
+    {"%S -o %D/x.tif --print 60@600.5 --print-size 20x20", "DPI a whole number"},
+    {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --bits 12", "--bits: expects 8 or 16"},
+    {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --compress zip",
+     "--compress: expects none, lzw or deflate"},
+    {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --orientation up", "--orientation: "},
+    {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --views 12", "12"},
+    {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --preset go", "no --preset"},
+    {"%S -o %D/x.png --print 60@600 --print-size 20x20", "ends in .tif"},
+    {"%S -o %D/x.png --panel p.json --print 60@600 --print-size 20x20", "one job"},
+    {"%S -o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x60", "nothing is rendered"},
+    {"-o %D/x.tif --chart 60+-0.5@600 --print-size 60x60", "--chart: expects LPI+-RANGE/STEP@DPI"},
+    {"-o %D/x.tif --chart 60+-0.5/0.1@600", "needs --print-size"},
+    {"-o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x60 --marks", "marks"},
+    {"-o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x60 --spp 4",
+     "--spp: does not go with --chart"},
+    {"-o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x20", "11 bands"},
+    {"-o %D/x.png --chart 60+-0.5/0.1@600 --print-size 60x60", "ends in .tif"},
+    {"%S -o %D/fog.tif --print 60@600 --print-size 2x2 --views 2 --spp 1",
+     "what is being rendered"},
+    {"%S -o %D/x.png --stats %S", "what is being rendered"},
+    {"%S -o %D/panel.tif --print 60@600 --print-size 2x2 --views 2 --spp 1",
+     "no manifest of a print"},
+    {"%S -o %D/x.png --aov depth", "--aov: only goes with OUT.exr"},
+    {"%S -o %D/x.exr --aov width", "all, none or some of"},
+    {"%Q -o %D/x.exr --aov depth", "--aov: does not go with a finished quilt"},
+    {"%S -o %D/x.png --near 2", "--near: only goes with --rgbd"},
+    {"%S -o %D/x.exr --rgbd right", "a picture with depth ends in .png"},
+    {"%S -o %D/x.png --rgbd right --near 3 --far 2", "--near: near (3) must be less"},
+    {"%Q -o %D/x.png --rgbd right", "has no depth"},
+    {"%S -o %D/x.png --skip all,none", "all, none or some of"},
+    {"%Q -o %D/x.png --view-size 4x4", "--view-size: does not go with a finished quilt"},
+    {"%Q -o %D/x.png --spp 64", "--spp: does not go with a finished quilt"},
+    {"%Q -o %D/x.png --threads 1 --estimator cv", "--estimator: does not go with a finished quilt"},
+    {"%Q -o %D/x.png --views 7", "--views: 7 views asked for, but the quilt has 6"},
+    {"%S -o %D/x.png --estimator best", "--estimator: "},
+};
+
 static void wrong_usage_is_one_line_and_exit_2(void **state)
 {
-    static const struct {
-        const char *line, *words; /* %S = the scene, %Q = the quilt, %D = the folder */
-    } cases[] = {
-        {"", "SCENE: missing"},
-        {"%S", "-o: missing"},
-        {"%S other.json -o %D/x.png", "other.json: one SCENE"},
-        {"%S -o %D/x.jpg", ".png or .exr"},
-        {"%S -o %D/x.tif", "a print with --print"},
-        {"%S -o %D/x.png --shiny", "--shiny: unknown option"},
-        {"%S -o %D/x.png --views many", "--views: expects a whole number"},
-        {"%S -o %D/x.png --preset phone", "--preset: "},
-        {"%S -o %D/x.png --quilt 2x2", "--quilt: 2x2 holds 4 tiles"},
-        {"%S -o %D/x_qs5x9a0.75.png", "the name says 5x9"},
-        {"%S -o %D/x.png --passes 4 --spp 4", "only one of them"},
-        {"%S -o %D/x.png --time 1 --target-error 0.1", "only one of them"},
-        {"%S -o %D/x.png --target-shown-error 0.1 --target-error 0.1", "only one of them"},
-        {"%S -o %D/x.png --target-shown-error 0.1", "only goes with --reconstruct on"},
-        {"%S -o %D/x.png --time 0", "--time: expects"},
-        {"%S -o %D/x.png --filter linear", "--filter: only goes with --panel"},
-        {"%S -o %D/x.png --bleed 3", "--bleed: only goes with --print"},
-        {"%S -o %D/x.tif --print 60@600", "needs --print-size"},
-        {"%S -o %D/x.tif --print 60 --print-size 20x20", "--print: expects"},
-        {"%S -o %D/x.tif --print 60@600.5 --print-size 20x20", "DPI a whole number"},
-        {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --bits 12", "--bits: expects 8 or 16"},
-        {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --compress zip",
-         "--compress: expects none, lzw or deflate"},
-        {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --orientation up", "--orientation: "},
-        {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --views 12", "12"},
-        {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --preset go", "no --preset"},
-        {"%S -o %D/x.png --print 60@600 --print-size 20x20", "ends in .tif"},
-        {"%S -o %D/x.png --panel p.json --print 60@600 --print-size 20x20", "one job"},
-        {"%S -o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x60", "nothing is rendered"},
-        {"-o %D/x.tif --chart 60+-0.5@600 --print-size 60x60",
-         "--chart: expects LPI+-RANGE/STEP@DPI"},
-        {"-o %D/x.tif --chart 60+-0.5/0.1@600", "needs --print-size"},
-        {"-o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x60 --marks", "marks"},
-        {"-o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x60 --spp 4",
-         "--spp: does not go with --chart"},
-        {"-o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x20", "11 bands"},
-        {"-o %D/x.png --chart 60+-0.5/0.1@600 --print-size 60x60", "ends in .tif"},
-        {"%S -o %D/fog.tif --print 60@600 --print-size 2x2 --views 2 --spp 1",
-         "what is being rendered"},
-        {"%S -o %D/x.png --stats %S", "what is being rendered"},
-        {"%S -o %D/panel.tif --print 60@600 --print-size 2x2 --views 2 --spp 1",
-         "no manifest of a print"},
-        {"%S -o %D/x.png --aov depth", "--aov: only goes with OUT.exr"},
-        {"%S -o %D/x.exr --aov width", "all, none or some of"},
-        {"%Q -o %D/x.exr --aov depth", "--aov: does not go with a finished quilt"},
-        {"%S -o %D/x.png --skip all,none", "all, none or some of"},
-        {"%Q -o %D/x.png --view-size 4x4", "--view-size: does not go with a finished quilt"},
-        {"%Q -o %D/x.png --spp 64", "--spp: does not go with a finished quilt"},
-        {"%Q -o %D/x.png --threads 1 --estimator cv",
-         "--estimator: does not go with a finished quilt"},
-        {"%Q -o %D/x.png --views 7", "--views: 7 views asked for, but the quilt has 6"},
-        {"%S -o %D/x.png --estimator best", "--estimator: "},
-    };
     const qr_files *f = *state;
     int before = qr_count_files(f->folder);
-
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t i = 0; i < sizeof wrong_usage / sizeof wrong_usage[0]; i++) {
         char line[4 * PATH_MAX] = "";
         qr_outcome o;
-        for (const char *c = cases[i].line; *c; c++) {
+        for (const char *c = wrong_usage[i].line; *c; c++) {
             const char *insert = c[0] != '%'   ? NULL
                                  : c[1] == 'S' ? f->scene
                                  : c[1] == 'Q' ? f->quilt
@@ -78,9 +80,9 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
             snprintf(line + used, sizeof line - used, insert ? "%s" : "%.1s", insert ? insert : c);
             c += !!insert;
         }
-        print_message("%s\n", cases[i].line);
+        print_message("%s\n", wrong_usage[i].line);
         qr_run(&o, "%s", line);
-        qr_assert_fails(&o, 2, cases[i].words);
+        qr_assert_fails(&o, 2, wrong_usage[i].words);
     }
     assert_int_equal(qr_count_files(f->folder), before);
 }

@@ -1,0 +1,235 @@
+/* The middle view and its depth, side by side in one picture, for players that make views of it. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "daemon/output/output_internal.h"
+
+#define PNG_LEVEL 6
+#define LAYERS (LF_LAYER_DEPTH | LF_LAYER_COVERAGE)
+
+static const char *const sides[] = {[LF_RGBD_RIGHT] = "right",
+                                    [LF_RGBD_LEFT] = "left",
+                                    [LF_RGBD_TOP] = "top",
+                                    [LF_RGBD_BOTTOM] = "bottom",
+                                    NULL};
+static const char *const near_ends[] = {"white", "black", NULL};
+
+#define PLACE(field) .place = offsetof(lf_rgbd_options, field)
+
+/* clang-format off */
+const lf_param lf_rgbd_params[] = {
+    {.name = "side", .option = "rgbd", .argument = "SIDE", PLACE(side), .type = LF_PARAM_WORD,
+     .words = sides, .help = "the middle view, its depth on this side of it, into OUT.png"},
+    {.name = "near_is", .option = "near-is", .argument = "COLOUR", PLACE(near_is_black),
+     .type = LF_PARAM_WORD, .words = near_ends, .help = "what near is in the depth of --rgbd"},
+    {.name = "near", .option = "near", .argument = "Z", PLACE(near), .low = 1e-9, .high = 1e9,
+     .help = "distance along the view axis that is as near as --rgbd tells"},
+    {.name = "far", .option = "far", .argument = "Z", PLACE(far), .low = 1e-9, .high = 1e9,
+     .help = "the same of what is far"},
+    {0},
+};
+/* clang-format on */
+
+lf_status lf_rgbd_check(const lf_rgbd_options *rgbd, const char *where, lf_error *err)
+{
+    if (rgbd->near > 0 && rgbd->far > 0 && rgbd->near >= rgbd->far)
+        return lf_error_set(err, LF_E_ARG, where, "near (%g) must be less than far (%g)",
+                            rgbd->near, rgbd->far);
+    return LF_OK;
+}
+
+/* One view with what is known of its pixels. */
+typedef struct depth_view {
+    const lf_views32 *views;
+    int view, depth, coverage; /* channels of the layers */
+} depth_view;
+
+static int find_channel(const lf_layers32 *layers, const char *name)
+{
+    int i = 0;
+    while (i < layers->n && strcmp(layers->names[i], name) != 0)
+        i++;
+    return i < layers->n ? i : -1;
+}
+
+static lf_status open_view(const lf_output_request *request, const lf_output_source *source,
+                           depth_view *out, lf_error *err)
+{
+    const char *names[LF_MAX_LAYER_CHANNELS];
+    const lf_layers32 *layers = source->is_float ? source->views32.layers : NULL;
+    (void)lf_layer_channels(LAYERS, names);
+    *out = (depth_view){&source->views32, source->views32.n_views / 2, -1, -1};
+    if (layers) {
+        out->depth = find_channel(layers, names[0]);
+        out->coverage = find_channel(layers, names[1]);
+    }
+    if (out->depth < 0 || out->coverage < 0)
+        return lf_error_set(err, LF_E_ARG, request->path, "the picture has no depth");
+    return LF_OK;
+}
+
+/* ------------------------------------------------------------------------------------- range -- */
+
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The mean of 1/Z over a pixel's rays, 0 for those that meet nothing: chance hits at the rim of a
+ * cloud do not stand out. */
+static double nearness_of(const depth_view *v, const float *at)
+{
+    const float depth = at[v->depth];
+    return depth > 0.0f ? (double)at[v->coverage] / (double)depth : 0;
+}
+
+/* Of pixels that are covered by more than this; how many. */
+static size_t collect(const depth_view *v, float least, double *out)
+{
+    const lf_layers32 *layers = v->views->layers;
+    size_t n = 0;
+    for (int y = 0; y < v->views->height; y++) {
+        const float *at = lf_layers32_row(layers, v->view, y);
+        for (int x = 0; x < v->views->width; x++, at += layers->n)
+            if (at[v->coverage] > least)
+                out[n++] = nearness_of(v, at);
+    }
+    return n;
+}
+
+typedef struct nearness_range {
+    double near, far; /* near >= far */
+} nearness_range;
+
+/* Of n in their order, the one that a share of them is below; 0 of none. */
+static double quantile(const double *sorted, size_t n, double share)
+{
+    return n > 0 ? sorted[lround(share * (double)(n - 1))] : 0;
+}
+
+/* What the options say, else without the extremes of what is there: one pixel's noise must not
+ * take the codes of all others. */
+static lf_status find_range(const lf_output_request *request, const depth_view *v,
+                            nearness_range *out, lf_error *err)
+{
+    const lf_rgbd_options *o = &request->rgbd;
+    double *all = lf_calloc((size_t)v->views->width * (size_t)v->views->height, sizeof *all);
+    if (!all)
+        return lf_error_set(err, LF_E_NOMEM, request->path, "out of memory");
+    size_t n = collect(v, 0.5f, all);
+    if (n == 0)
+        n = collect(v, 0.0f, all);
+    qsort(all, n, sizeof *all, compare);
+    const double near = o->near > 0 ? 1 / o->near : quantile(all, n, 0.99),
+                 far = o->far > 0 ? 1 / o->far : quantile(all, n, 0.01);
+    *out = (nearness_range){.near = near, .far = fmin(far, near)};
+    lf_free(all);
+    return LF_OK;
+}
+
+/* 0 far to 255 near. */
+static uint8_t code_of(const nearness_range *range, double nearness)
+{
+    if (nearness <= 0 || nearness < range->far)
+        return 0;
+    if (nearness >= range->near)
+        return 255;
+    return (uint8_t)lround(255 * (nearness - range->far) / (range->near - range->far));
+}
+
+/* ----------------------------------------------------------------------------------- picture -- */
+
+/* The depth's half of the picture. */
+static void draw_depth(const depth_view *v, const nearness_range *range, bool near_is_black,
+                       uint8_t *out, size_t stride)
+{
+    const lf_layers32 *layers = v->views->layers;
+    for (int y = 0; y < v->views->height; y++, out += stride) {
+        const float *at = lf_layers32_row(layers, v->view, y);
+        for (int x = 0; x < v->views->width; x++, at += layers->n) {
+            uint8_t code = code_of(range, nearness_of(v, at));
+            memset(out + (size_t)x * 3, near_is_black ? 255 - code : code, 3);
+        }
+    }
+}
+
+static lf_status draw_colours(const lf_output_request *request, const lf_output_source *source,
+                              int view, uint8_t *out, size_t stride, lf_error *err)
+{
+    lf_output_source one = *source;
+    lf_views8 views;
+    uint8_t *buffer = NULL;
+    one.views32.data = lf_views32_row(&source->views32, view, 0);
+    one.views32.n_views = 1;
+    lf_status status = output_views8(request, &one, &views, &buffer, err);
+    for (int y = 0; y < views.height && status == LF_OK; y++)
+        memcpy(out + (size_t)y * stride, lf_views8_row(&views, 0, y), (size_t)views.width * 3);
+    lf_free(buffer);
+    return status;
+}
+
+static lf_status draw(const lf_output_request *request, const lf_output_source *source,
+                      const depth_view *v, const nearness_range *range, lf_image8 *image,
+                      lf_error *err)
+{
+    const lf_rgbd_options *o = &request->rgbd;
+    const bool above = o->side == LF_RGBD_TOP || o->side == LF_RGBD_BOTTOM;
+    const bool depth_first = o->side == LF_RGBD_TOP || o->side == LF_RGBD_LEFT;
+    const int width = v->views->width, height = v->views->height;
+    if (lf_image8_init(image, above ? width : 2 * width, above ? 2 * height : height, 3) != LF_OK)
+        return lf_error_set(err, LF_E_NOMEM, request->path,
+                            "no memory for two pictures of %dx%d pixels", width, height);
+    uint8_t *first = image->data,
+            *second = first + (above ? (size_t)height * image->stride : (size_t)width * 3);
+    draw_depth(v, range, o->near_is_black, depth_first ? first : second, image->stride);
+    return draw_colours(request, source, v->view, depth_first ? second : first, image->stride, err);
+}
+
+/* So that codes can be read as distances. */
+static void add_distance(output_attributes *attributes, const char *key, double nearness)
+{
+    int i = attributes->n;
+    if (i == OUTPUT_MAX_ATTRIBUTES)
+        return;
+    snprintf(attributes->name[i], sizeof attributes->name[i], "quiltd.%s", key);
+    snprintf(attributes->value[i], sizeof attributes->value[i], "%.9g", 1 / nearness);
+    attributes->list[i] = (lf_attribute){attributes->name[i], attributes->value[i]};
+    attributes->n++;
+}
+
+static lf_status write_files(const lf_output_request *request, const lf_output_source *source,
+                             lf_outfile *files, lf_error *err)
+{
+    output_attributes attributes;
+    depth_view view;
+    nearness_range range = {0};
+    lf_image8 image = {0};
+    lf_status status = open_view(request, source, &view, err);
+    if (status == LF_OK)
+        status = find_range(request, &view, &range, err);
+    if (status == LF_OK)
+        status = draw(request, source, &view, &range, &image, err);
+    if (status == LF_OK) {
+        output_progress(request, 0.5);
+        output_attributes_fill(&attributes, request->settings);
+        add_distance(&attributes, "near", range.near);
+        add_distance(&attributes, "far", range.far);
+        status = lf_png_write(files, &image, PNG_LEVEL, attributes.list, attributes.n, err);
+    }
+    lf_image8_finish(&image);
+    return status;
+}
+
+static const char *const endings[] = {".png", NULL};
+
+const lf_output_kind lf_output_rgbd = {.name = "rgbd",
+                                       .what = "a picture with depth",
+                                       .endings = endings,
+                                       .option = "rgbd",
+                                       .layers = LAYERS,
+                                       .n_files = 1,
+                                       .write = write_files};
