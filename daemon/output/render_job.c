@@ -53,7 +53,8 @@ static void row_done(void *context, int passes, int worker)
 }
 
 /* Pairs of whole cycles are what lf_renderer_passes makes of any number of passes, but for the
- * rest, so that the film is the same as after a single call of it. */
+ * rest, so that the film is the same as after a single call of it; with features, whose visits grow
+ * with what was given, it is what these calls make. */
 static lf_status add(run *r, int64_t n_passes, bool split)
 {
     int64_t cycles = 2 * (int64_t)r->n_views;

@@ -45,13 +45,11 @@ static void answer_row(const lf_film *film, int row, const lf_reconstruct_scratc
         float b[3];
         for (int c = 0; c < 3; c++)
             b[c] = known ? known[i].b[c] : film->sky[c] * (1.0f - q[i]);
-        if (q[i] > 0.0f) {
-            const lf_film_scattered s = scattered(state, half, i);
-            answer_pixel(film, &s, state->n[0] + state->n[1], q[i], b, scratch->predicted[i],
-                         out + 3 * i);
-        } else {
-            memcpy(out + 3 * i, b, sizeof b);
-        }
+        const lf_film_scattered s = scattered(state, half, i);
+        const float none[4] = {0.0f, 0.0f, 0.0f, -1.0f};
+        bool fitted = lf_pixel_is_fitted(&scratch->rows[0], i);
+        answer_pixel(film, &s, state->n[0] + state->n[1], q[i], b,
+                     fitted ? scratch->predicted[i] : none, out + 3 * i);
     }
 }
 

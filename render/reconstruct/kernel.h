@@ -6,21 +6,30 @@
 
 #include "render/reconstruct/lattice.h"
 
+/* What has less is not fitted, nor fitted to: N/W of the pixel itself is its answer. */
+#define LF_LEAST_Q 1e-4f
+
 /* Arrays [view][column] of one row, as a reconstruction reads it from a film. */
 typedef struct lf_pixels {
     float *f[LF_VARIANTS][LF_FEATURES]; /* absolute coordinates; some variants share arrays */
     int *u, *z;                         /* of the cell of level 0 */
-    float *q; /* of both halves; 0: nothing scatters, all else is then undefined */
+    float *q; /* of both halves; where it is not above LF_LEAST_Q all else is undefined */
     float *data;
     int *cells;
 } lf_pixels;
+
+static inline bool lf_pixel_is_fitted(const lf_pixels *pixels, size_t i)
+{
+    return pixels->q[i] > LF_LEAST_Q && pixels->q[i] < 2.0f;
+}
 
 /* The halves of one row of one view. */
 typedef struct lf_view_row {
     const float *q[2];
     const lf_packed_feature *feature[2];
     float share[2]; /* of the samples; 0: q and features are not looked at */
-    float row, view, shift, depth;
+    float row, view, shift;
+    float deep;   /* finest cells in the depth of the plane Z = D */
     int first, n; /* its pixels in lf_pixels */
 } lf_view_row;
 
@@ -28,10 +37,14 @@ typedef struct lf_view_row {
  * and slopes for absolute coordinates; the row's own is in the constant. */
 #define LF_TABLE_TERMS 8 /* 1 and all features but the row */
 typedef struct lf_row_table {
-    int u0, nu, z0, nz;
-    float *terms; /* [nz][LF_TABLE_TERMS][nu][4] R, G, B; fourth of term 0: weight */
-    float *share; /* [nz][nu] times the weight */
-    size_t size;  /* places allocated */
+    int z0, nz;
+    /* [nz]: nodes [u0, u0 + nu), one more to either side of those that are there; first: of its
+     * arrays. Without nodes: two that have no weight. */
+    lf_deck *layers;
+    float *terms; /* of a layer: [LF_TABLE_TERMS][nu][4] R, G, B; fourth of term 0: weight */
+    float *share; /* of a layer: [nu], times the weight */
+    int n_layers; /* allocated */
+    size_t size;
 } lf_row_table;
 
 typedef struct lf_reconstruct_kernels {
@@ -43,7 +56,7 @@ typedef struct lf_reconstruct_kernels {
     /* As lf_moments_add. */
     void (*move)(lf_moments *to, const lf_moments *from, float weight, const float shift[3]);
     /* The prediction of R for n pixels from `first` on, out [n][4]: R, G, B and the share of N/W,
-     * -1 where there is no node. Pixels with q = 0 are left out. */
+     * -1 where there is no node. Pixels without features are left out. */
     void (*predict)(const lf_row_table *table, const lf_pixels *pixels, int first, int n,
                     float (*out)[4]);
 } lf_reconstruct_kernels;

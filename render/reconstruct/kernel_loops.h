@@ -4,9 +4,6 @@
 
 #include "render/reconstruct/kernel.h"
 
-/* Below it nothing that scatters adds up to a code of a display. */
-#define LEAST_Q 1e-4f
-
 /* One half's features as they are, with the other's where it has none. */
 typedef struct half_features {
     float nearness, spread, surface, light;
@@ -21,7 +18,7 @@ static inline half_features unpack(const lf_packed_feature *p)
 static inline void place(const lf_view_row *in, lf_pixels *out, int variant, int i, float column,
                          const half_features *f, float q)
 {
-    float deep = in->depth * (1.0f / LF_CELL_DEPTH);
+    float deep = in->deep;
     out->f[variant][LF_PLACE][i] =
         (column + in->shift * (f->nearness - 1.0f)) * (1.0f / LF_CELL_SIDE);
     out->f[variant][LF_DEPTH][i] = f->nearness * deep;
@@ -33,29 +30,29 @@ static inline void place(const lf_view_row *in, lf_pixels *out, int variant, int
 
 static inline int floor_int(float x)
 {
+    const float most = 0x1p24f;
+    x = x > -most ? (x < most ? x : most) : -most;
     int i = (int)x;
     return i - ((float)i > x);
 }
 
-/* Pixels may have moved away from where they were fitted: the nearest nodes are theirs then. */
-static inline int within(int i, int first, int n)
+/* A node of a layer, or the layer's first with no weight. */
+static inline int node_of(const lf_deck *layer, int u, float *weight)
 {
-    i = i < first ? first : i;
-    return i < first + n ? i : first + n - 1;
-}
-
-static inline float clamp01(float x)
-{
-    return x > 0.0f ? (x < 1.0f ? x : 1.0f) : 0.0f;
+    int i = u - layer->u0;
+    bool there = i >= 0 && i + 1 < layer->nu;
+    *weight = there ? *weight : 0.0f;
+    return there ? i : 0;
 }
 
 static void read(const lf_view_row *in, bool halves, lf_pixels *out)
 {
     for (int k = 0; k < in->n; k++) {
         int i = in->first + k;
-        float wa = in->share[0] * in->q[0][k], wb = in->share[1] * in->q[1][k], q = wa + wb;
-        out->q[i] = q > LEAST_Q ? q : 0.0f;
-        if (!(q > LEAST_Q))
+        float wa = in->share[0] > 0.0f ? in->share[0] * in->q[0][k] : 0.0f,
+              wb = in->share[1] > 0.0f ? in->share[1] * in->q[1][k] : 0.0f, q = wa + wb;
+        out->q[i] = q;
+        if (!(q > LF_LEAST_Q && q < 2.0f))
             continue;
         half_features a = unpack(&in->feature[wa > 0.0f ? 0 : 1][k]),
                       b = unpack(&in->feature[wb > 0.0f ? 1 : 0][k]);
@@ -119,37 +116,40 @@ static void predict(const lf_row_table *table, const lf_pixels *pixels, int firs
                     float (*out)[4])
 {
     float *const *f = pixels->f[LF_BOTH];
-    size_t layer = (size_t)table->nu * LF_TABLE_TERMS * 4, stride = (size_t)table->nu * 4;
     for (int k = 0; k < n; k++) {
         int i = first + k;
-        if (!(pixels->q[i] > 0.0f))
+        if (!lf_pixel_is_fitted(pixels, (size_t)i))
             continue;
         float u = f[LF_PLACE][i] - 0.5f, z = f[LF_DEPTH][i] - 0.5f;
-        int iu = within(floor_int(u), table->u0, table->nu - 1),
-            iz = within(floor_int(z), table->z0, table->nz - 1);
-        float tu = clamp01(u - (float)iu), tz = clamp01(z - (float)iz);
+        int iu = floor_int(u), iz = floor_int(z) - table->z0;
+        float tu = u - (float)iu, tz = z - (float)(iz + table->z0), weight[2] = {1.0f - tz, tz};
+        if (iz < 0 || iz + 1 >= table->nz) {
+            out[k][3] = -1.0f;
+            continue;
+        }
+        const lf_deck *layer = &table->layers[iz];
+        int node[2] = {node_of(&layer[0], iu, &weight[0]), node_of(&layer[1], iu, &weight[1])};
         const float x[LF_TABLE_TERMS] = {
             1.0f,          f[LF_PLACE][i],  f[LF_DEPTH][i], f[LF_MEDIA][i], f[LF_PIVOTS][i],
             f[LF_VIEW][i], f[LF_SPREAD][i], f[LF_LIGHT][i]};
-        float w[2][8], sum[8] = {0};
+        float w[2][8], sum[8] = {0}, own = 0.0f;
         for (int j = 0; j < 8; j++) {
             float across = j < 4 ? 1.0f - tu : tu;
-            w[0][j] = (1.0f - tz) * across;
-            w[1][j] = tz * across;
+            w[0][j] = weight[0] * across;
+            w[1][j] = weight[1] * across;
         }
-        size_t at = (size_t)(iu - table->u0) * 4 + (size_t)(iz - table->z0) * layer;
-        const float *a = table->terms + at, *b = a + layer;
-        for (int term = 0; term < LF_TABLE_TERMS; term++)
-            for (int j = 0; j < 8; j++)
-                sum[j] += x[term] * (w[0][j] * a[(size_t)term * stride + (size_t)j] +
-                                     w[1][j] * b[(size_t)term * stride + (size_t)j]);
-        const float *share =
-            table->share + (size_t)(iz - table->z0) * (size_t)table->nu + (iu - table->u0);
-        float own = w[0][0] * share[0] + w[0][4] * share[1] + w[1][0] * share[table->nu] +
-                    w[1][4] * share[table->nu + 1],
-              weight = sum[3] + sum[7], inverse = weight > 0.0f ? 1.0f / weight : 0.0f;
+        for (int l = 0; l < 2; l++) {
+            size_t stride = (size_t)layer[l].nu * 4, at = layer[l].first;
+            const float *terms = table->terms + at * LF_TABLE_TERMS * 4 + (size_t)node[l] * 4,
+                        *share = table->share + at + node[l];
+            for (int term = 0; term < LF_TABLE_TERMS; term++)
+                for (int j = 0; j < 8; j++)
+                    sum[j] += x[term] * (w[l][j] * terms[(size_t)term * stride + (size_t)j]);
+            own += w[l][0] * share[0] + w[l][4] * share[1];
+        }
+        float there = sum[3] + sum[7], inverse = there > 0.0f ? 1.0f / there : 0.0f;
         for (int c = 0; c < 3; c++)
             out[k][c] = (sum[c] + sum[c + 4]) * inverse;
-        out[k][3] = weight > 0.0f ? own * inverse : -1.0f;
+        out[k][3] = there > 0.0f ? own * inverse : -1.0f;
     }
 }

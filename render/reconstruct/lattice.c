@@ -6,36 +6,67 @@
 
 void lf_band_finish(lf_band *band)
 {
+    lf_free(band->layers);
     lf_free(band->index);
     lf_free(band->cells);
     memset(band, 0, sizeof *band);
 }
 
-lf_status lf_band_begin(lf_band *band, int u0, int nu, int z0, int nz)
+lf_status lf_band_begin(lf_band *band, int z0, int nz)
 {
-    size_t places = (size_t)nu * (size_t)nz;
-    if (places > band->index_size) {
+    band->n = band->nz = 0;
+    if (nz > band->n_layers) {
+        lf_free(band->layers);
+        band->layers = lf_calloc((size_t)nz, sizeof *band->layers);
+        band->n_layers = band->layers ? nz : 0;
+        if (!band->layers)
+            return LF_E_NOMEM;
+    }
+    band->z0 = z0;
+    band->nz = nz;
+    for (int i = 0; i < nz; i++)
+        band->layers[i] = (lf_deck){0};
+    return LF_OK;
+}
+
+lf_status lf_band_open(lf_band *band)
+{
+    band->n_places = 0;
+    for (int i = 0; i < band->nz; i++) {
+        band->layers[i].first = band->n_places;
+        band->n_places += (size_t)band->layers[i].nu;
+    }
+    if (band->n_places > band->index_size) {
         lf_free(band->index);
-        band->index = lf_calloc(places, sizeof *band->index);
-        band->index_size = band->index ? places : 0;
+        band->index = lf_calloc(band->n_places, sizeof *band->index);
+        band->index_size = band->index ? band->n_places : 0;
         if (!band->index)
             return LF_E_NOMEM;
     }
-    band->u0 = u0;
-    band->nu = nu;
-    band->z0 = z0;
-    band->nz = nz;
-    band->n = 0;
-    for (size_t i = 0; i < places; i++)
+    for (size_t i = 0; i < band->n_places; i++)
         band->index[i] = -1;
     return LF_OK;
 }
 
+/* Cells know their places. */
+static void place_cells(lf_band *band)
+{
+    for (int j = 0; j < band->nz; j++) {
+        const lf_deck *layer = &band->layers[j];
+        for (int i = 0; i < layer->nu; i++) {
+            int number = band->index[layer->first + (size_t)i];
+            if (number >= 0) {
+                band->cells[number].u = layer->u0 + i;
+                band->cells[number].z = band->z0 + j;
+            }
+        }
+    }
+}
+
 lf_status lf_band_reserve(lf_band *band)
 {
-    size_t places = (size_t)band->nu * (size_t)band->nz;
     int n = 0;
-    for (size_t i = 0; i < places; i++)
+    for (size_t i = 0; i < band->n_places; i++)
         if (band->index[i] >= 0)
             band->index[i] = n++;
     if (n > band->size) {
@@ -47,15 +78,7 @@ lf_status lf_band_reserve(lf_band *band)
     }
     band->n = n;
     memset(band->cells, 0, (size_t)n * sizeof *band->cells);
-    for (int j = 0; j < band->nz; j++) {
-        for (int i = 0; i < band->nu; i++) {
-            int number = band->index[(size_t)j * (size_t)band->nu + (size_t)i];
-            if (number >= 0) {
-                band->cells[number].u = band->u0 + i;
-                band->cells[number].z = band->z0 + j;
-            }
-        }
-    }
+    place_cells(band);
     return LF_OK;
 }
 
@@ -73,6 +96,8 @@ void lf_raw_add(lf_raw_sums *to, const lf_raw_sums *from, const float shift[3])
                 b->slope[i] += a->slope[i] + (i < 3 ? shift[i] * a->constant : 0.0f);
         }
     }
+    for (int h = 0; h < 2; h++)
+        to->weight[h] += from->weight[h];
     to->q += from->q;
     to->pixels += from->pixels;
 }

@@ -3,14 +3,18 @@
  *
  * Level 0 has cells of LF_CELL_SIDE pixels; every level above has cells twice as wide, high and
  * deep. Cells exist where pixels do. Coordinates are in units of a finest cell, whose depth is
- * LF_CELL_DEPTH pixels at the plane Z = D. */
+ * LF_CELL_DEPTH pixels at the plane Z = D (or more: LF_MAX_DEPTHS). */
 #ifndef LF_RENDER_RECONSTRUCT_LATTICE_H
 #define LF_RENDER_RECONSTRUCT_LATTICE_H
+
+#include <stddef.h>
 
 #include "render/reconstruct/reconstruct.h"
 
 #define LF_CELL_SIDE 4
 #define LF_CELL_DEPTH 16
+/* Deeper cells where there would be more of them behind each other. */
+#define LF_MAX_DEPTHS 4096
 #define LF_LEVELS 4
 
 /* Features beside the constant. The first three are coordinates, from the middle of a cell or node.
@@ -37,6 +41,7 @@ enum { LF_HALF_A, LF_HALF_B, LF_BOTH, LF_VARIANTS };
 typedef struct lf_raw_sums {
     float cross[2][3];      /* [h] of N_h/W_h N_g, g the other half */
     lf_plane product[2][3]; /* [h] of N_h/W_h W_g f, f of half h */
+    float weight[2];        /* [h] of W_g where N_h/W_h is an answer */
     float square[3];        /* of N^2/W, both halves pooled */
     float known[3], q, pixels;
 } lf_raw_sums;
@@ -47,16 +52,25 @@ typedef struct lf_cell {
     lf_raw_sums raw;
     /* of the fit; then of the blend with all coarser levels */
     lf_plane node[LF_VARIANTS][3];
-    float agreed, total; /* of the shrinkage towards this level (shrink.c) */
-    float share;         /* of this level, as it is settled */
-    float chosen;        /* what shares have gained by chance here (shown_error.c) */
+    float agreed, total;      /* of the shrinkage towards this level (shrink.c) */
+    float share;              /* of this level, as it is settled */
+    bool filled[LF_VARIANTS]; /* the node knows something */
+    float chosen;             /* what shares have gained by chance here (shown_error.c) */
 } lf_cell;
+
+/* Of one depth in a band: places [u0, u0 + nu), in the index from `first` on; nu = 0: none. */
+typedef struct lf_deck {
+    int u0, nu;
+    size_t first;
+} lf_deck;
 
 /* The cells of one row of a lattice. */
 typedef struct lf_band {
-    int u0, nu, z0, nz; /* [z0, z0 + nz) x [u0, u0 + nu) holds them; nu = 0: there are none */
-    int *index;         /* [nz][nu] number of a cell, -1: none */
-    size_t index_size;  /* allocated */
+    int z0, nz;
+    lf_deck *layers; /* [nz] */
+    int n_layers;    /* allocated */
+    int *index;      /* number of a cell, -1: none */
+    size_t n_places, index_size;
     lf_cell *cells;
     int n, size; /* cells; allocated */
 } lf_band;
@@ -71,6 +85,7 @@ struct lf_reconstruction {
     float *shift;
     lf_pool *pool;
     lf_lattice level[LF_LEVELS];
+    float cell_depth; /* of a finest cell, in pixels at the plane Z = D */
     const struct lf_reconstruct_kernels *kernels;
     pthread_mutex_t lock;
     struct lf_reconstruct_scratch *scratch; /* under the lock: what nobody uses */
@@ -85,23 +100,47 @@ static inline bool lf_view_is_fitted(const lf_reconstruction *r, int row, int vi
     return step < 2 || (row + view) % step == 0;
 }
 
+/* Where (u, z) is in the index; -1: nowhere. */
+static inline ptrdiff_t lf_band_place(const lf_band *band, int u, int z)
+{
+    if (z < band->z0 || z - band->z0 >= band->nz)
+        return -1;
+    const lf_deck *layer = &band->layers[z - band->z0];
+    if (u < layer->u0 || u - layer->u0 >= layer->nu)
+        return -1;
+    return (ptrdiff_t)layer->first + (u - layer->u0);
+}
+
 /* The number of the cell at (u, z), -1: there is none. */
 static inline int lf_band_find(const lf_band *band, int u, int z)
 {
-    int i = u - band->u0, j = z - band->z0;
-    if (i < 0 || i >= band->nu || j < 0 || j >= band->nz)
-        return -1;
-    return band->index[(size_t)j * (size_t)band->nu + (size_t)i];
+    ptrdiff_t place = lf_band_place(band, u, z);
+    return place < 0 ? -1 : band->index[place];
 }
 
-/* An empty band over these ranges, and room for n cells, all zero. LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_band_begin(lf_band *band, int u0, int nu, int z0, int nz);
-LF_NODISCARD lf_status lf_band_reserve(lf_band *band);
-void lf_band_finish(lf_band *band);
-/* Marks a place, to be counted by lf_band_reserve. */
+/* How a band is made: begun with the depths [z0, z0 + nz), widened by every place, opened, every
+ * place marked; then there is a cell, all zero, wherever there was a mark. All but the inline ones
+ * may fail with LF_E_NOMEM; lf_band_finish then, too. */
+LF_NODISCARD lf_status lf_band_begin(lf_band *band, int z0, int nz);
+static inline void lf_band_widen(lf_band *band, int u, int z)
+{
+    lf_deck *layer = &band->layers[z - band->z0];
+    int end = layer->nu > 0 ? layer->u0 + layer->nu : u + 1;
+    layer->u0 = layer->nu > 0 && layer->u0 < u ? layer->u0 : u;
+    layer->nu = (end > u + 1 ? end : u + 1) - layer->u0;
+}
+LF_NODISCARD lf_status lf_band_open(lf_band *band);
 static inline void lf_band_mark(lf_band *band, int u, int z)
 {
-    band->index[(size_t)(z - band->z0) * (size_t)band->nu + (size_t)(u - band->u0)] = 0;
+    band->index[lf_band_place(band, u, z)] = 0;
+}
+LF_NODISCARD lf_status lf_band_reserve(lf_band *band);
+void lf_band_finish(lf_band *band);
+
+/* Rounded down, also below 0. */
+static inline int lf_half_of(int x)
+{
+    return x >= 0 ? x / 2 : -((1 - x) / 2);
 }
 
 /* Adds the sums of `from` as seen from a place `shift` away: f + shift for the first three

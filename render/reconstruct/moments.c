@@ -39,6 +39,7 @@ static void add_product(lf_plane *to, float x, const float f[LF_FEATURES])
 static void add_cross(lf_raw_sums *raw, int h, const lf_film_scattered *own,
                       const lf_film_scattered *other, const float f[LF_FEATURES])
 {
+    raw->weight[h] += other->w;
     for (int c = 0; c < 3; c++) {
         float answer = own->n[c] / own->w;
         raw->cross[h][c] += answer * other->n[c];
@@ -61,7 +62,9 @@ static void add_pixel(lf_cell *cell, const lf_reconstruction *r, const lf_film *
     const lf_film_scattered *s[2];
     bool usable[2];
     lf_film_scattered both = {{0}, 0};
+    float nq = 0.0f;
     for (int h = 0; h < 2; h++) {
+        nq += halves->scattered[h] ? halves->n[h] * halves->q[h][i] : 0.0f;
         s[h] = halves->scattered[h] ? &halves->scattered[h][i] : &none;
         usable[h] = halves->scattered[h] &&
                     lf_weight_is_usable(film, s[h]->w, halves->n[h] * halves->q[h][i]);
@@ -75,7 +78,8 @@ static void add_pixel(lf_cell *cell, const lf_reconstruction *r, const lf_film *
     for (int h = 0; h < 2; h++)
         if (usable[h] && s[1 - h]->w != 0.0f)
             add_cross(&cell->raw, h, s[h], s[1 - h], f[h]);
-    for (int c = 0; c < 3 && both.w > 0.0f; c++)
+    bool answers = lf_weight_is_usable(film, both.w, nq);
+    for (int c = 0; c < 3 && answers; c++)
         cell->raw.square[c] += both.n[c] * both.n[c] / both.w;
 }
 
@@ -85,7 +89,7 @@ static void add_view(lf_band *band, const lf_reconstruction *r, const lf_film *f
 {
     size_t first = (size_t)view * (size_t)film->width;
     for (size_t i = first; i < first + (size_t)film->width; i++) {
-        if (!(pixels->q[i] > 0.0f))
+        if (!lf_pixel_is_fitted(pixels, i))
             continue;
         lf_cell *cell = &band->cells[lf_band_find(band, pixels->u[i], pixels->z[i])];
         const float middle[3] = {(float)cell->u + 0.5f, (float)number + 0.5f,
@@ -119,47 +123,42 @@ static void widen(lf_range *range, int x)
     range->high = x > range->high ? x : range->high;
 }
 
-static lf_status begin_band(lf_band *band, lf_range u, lf_range z)
+static lf_status begin_band(lf_band *band, lf_range z)
 {
-    if (u.low > u.high)
-        return lf_band_begin(band, 0, 0, 0, 0);
-    return lf_band_begin(band, u.low, u.high - u.low + 1, z.low, z.high - z.low + 1);
+    return z.low > z.high ? lf_band_begin(band, 0, 0)
+                          : lf_band_begin(band, z.low, z.high - z.low + 1);
 }
 
 lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int number,
                             lf_pixels rows[LF_CELL_SIDE])
 {
     lf_band *band = &r->level[0].bands[number];
-    lf_range u = {INT_MAX, INT_MIN}, z = u;
+    lf_range z = {INT_MAX, INT_MIN};
     size_t n = (size_t)film->n_views * (size_t)film->width;
     int first = number * LF_CELL_SIDE, n_rows = 0, row[LF_CELL_SIDE];
     for (int i = first; i < first + LF_CELL_SIDE && i < film->height; i++)
         if (lf_pixels_read(&rows[n_rows], r, film, i, true))
             row[n_rows++] = i;
-    for (int j = 0; j < n_rows; j++) {
-        for (size_t i = 0; i < n; i++) {
-            if (rows[j].q[i] > 0.0f) {
-                widen(&u, rows[j].u[i]);
+    for (int j = 0; j < n_rows; j++)
+        for (size_t i = 0; i < n; i++)
+            if (lf_pixel_is_fitted(&rows[j], i))
                 widen(&z, rows[j].z[i]);
-            }
-        }
-    }
-    lf_status status = begin_band(band, u, z);
+    lf_status status = begin_band(band, z);
     for (int j = 0; j < n_rows && status == LF_OK; j++)
         for (size_t i = 0; i < n; i++)
-            if (rows[j].q[i] > 0.0f)
+            if (lf_pixel_is_fitted(&rows[j], i))
+                lf_band_widen(band, rows[j].u[i], rows[j].z[i]);
+    if (status == LF_OK)
+        status = lf_band_open(band);
+    for (int j = 0; j < n_rows && status == LF_OK; j++)
+        for (size_t i = 0; i < n; i++)
+            if (lf_pixel_is_fitted(&rows[j], i))
                 lf_band_mark(band, rows[j].u[i], rows[j].z[i]);
     if (status == LF_OK)
         status = lf_band_reserve(band);
     for (int j = 0; j < n_rows && status == LF_OK && band->n > 0; j++)
         add_row(band, r, film, &rows[j], row[j], number);
     return status;
-}
-
-/* Rounded down, also below 0. */
-static int half_of(int x)
-{
-    return x >= 0 ? x / 2 : -((1 - x) / 2);
 }
 
 static void add_cell(const lf_reconstruct_kernels *kernels, lf_cell *to, const lf_cell *from,
@@ -178,28 +177,33 @@ lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int number)
 {
     const lf_lattice *below = &r->level[level - 1];
     lf_band *band = &r->level[level].bands[number];
-    lf_range u = {INT_MAX, INT_MIN}, z = u;
+    lf_range z = {INT_MAX, INT_MIN};
     int first = 2 * number, end = 2 * number + 2 < below->n_bands ? 2 * number + 2 : below->n_bands;
     for (int b = first; b < end; b++) {
         const lf_band *child = &below->bands[b];
         if (child->n == 0)
             continue;
-        widen(&u, half_of(child->u0));
-        widen(&u, half_of(child->u0 + child->nu - 1));
-        widen(&z, half_of(child->z0));
-        widen(&z, half_of(child->z0 + child->nz - 1));
+        widen(&z, lf_half_of(child->z0));
+        widen(&z, lf_half_of(child->z0 + child->nz - 1));
     }
-    lf_status status = begin_band(band, u, z);
+    lf_status status = begin_band(band, z);
     for (int b = first; b < end && status == LF_OK; b++)
         for (int i = 0; i < below->bands[b].n; i++)
-            lf_band_mark(band, half_of(below->bands[b].cells[i].u),
-                         half_of(below->bands[b].cells[i].z));
+            lf_band_widen(band, lf_half_of(below->bands[b].cells[i].u),
+                          lf_half_of(below->bands[b].cells[i].z));
+    if (status == LF_OK)
+        status = lf_band_open(band);
+    for (int b = first; b < end && status == LF_OK; b++)
+        for (int i = 0; i < below->bands[b].n; i++)
+            lf_band_mark(band, lf_half_of(below->bands[b].cells[i].u),
+                         lf_half_of(below->bands[b].cells[i].z));
     if (status == LF_OK)
         status = lf_band_reserve(band);
     for (int b = first; b < end && status == LF_OK; b++) {
         for (int i = 0; i < below->bands[b].n; i++) {
             const lf_cell *child = &below->bands[b].cells[i];
-            lf_cell *cell = &band->cells[lf_band_find(band, half_of(child->u), half_of(child->z))];
+            lf_cell *cell =
+                &band->cells[lf_band_find(band, lf_half_of(child->u), lf_half_of(child->z))];
             add_cell(r->kernels, cell, child, (float)(1 << (level - 1)), b, number);
         }
     }

@@ -40,8 +40,9 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
 {
     const lf_film_row *state = &film->rows[row];
     double n = state->n[0] + state->n[1];
-    lf_view_row in = {
-        .row = ((float)row + 0.5f) / LF_CELL_SIDE, .depth = r->view.depth, .n = film->width};
+    lf_view_row in = {.row = ((float)row + 0.5f) / LF_CELL_SIDE,
+                      .deep = r->view.depth / r->cell_depth,
+                      .n = film->width};
     if (!(n > 0.0))
         return false;
     for (int k = 0; k < film->n_views; k++) {
@@ -64,32 +65,66 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
 
 void lf_table_finish(lf_row_table *table)
 {
+    lf_free(table->layers);
     lf_free(table->terms);
     lf_free(table->share);
     memset(table, 0, sizeof *table);
 }
 
-/* Over the ranges of two bands and one node around: where pixels of these lie between. */
+/* The nodes of a band at one depth. */
+static lf_deck layer_of(const lf_band *band, int z)
+{
+    bool there = z >= band->z0 && z - band->z0 < band->nz;
+    return there ? band->layers[z - band->z0] : (lf_deck){0};
+}
+
+/* Both bands' nodes at one depth and one more to either side: where pixels of these lie between. */
+static lf_deck joined(const lf_band *a, const lf_band *b, int z)
+{
+    lf_deck one = layer_of(a, z), other = layer_of(b, z);
+    if (one.nu == 0)
+        one = other;
+    if (other.nu == 0)
+        other = one;
+    int low = one.u0 < other.u0 ? one.u0 : other.u0, end = one.u0 + one.nu;
+    end = end > other.u0 + other.nu ? end : other.u0 + other.nu;
+    return one.nu > 0 ? (lf_deck){.u0 = low - 1, .nu = end - low + 2} : (lf_deck){.nu = 2};
+}
+
+static lf_status begin_layers(lf_row_table *table, const lf_band *a, const lf_band *b)
+{
+    const lf_band *one = a->nz > 0 ? a : b, *other = b->nz > 0 ? b : one;
+    int low = one->z0 < other->z0 ? one->z0 : other->z0, end = one->z0 + one->nz;
+    end = end > other->z0 + other->nz ? end : other->z0 + other->nz;
+    table->z0 = low - 1;
+    table->nz = end - low + 2;
+    if (table->nz <= table->n_layers)
+        return LF_OK;
+    lf_free(table->layers);
+    table->layers = lf_calloc((size_t)table->nz, sizeof *table->layers);
+    table->n_layers = table->layers ? table->nz : 0;
+    return table->layers ? LF_OK : LF_E_NOMEM;
+}
+
 static lf_status begin(lf_row_table *table, const lf_band *a, const lf_band *b)
 {
-    const lf_band *one = a->nu > 0 ? a : b, *other = b->nu > 0 ? b : one;
-    int u0 = one->u0 < other->u0 ? one->u0 : other->u0,
-        z0 = one->z0 < other->z0 ? one->z0 : other->z0, u1 = one->u0 + one->nu,
-        z1 = one->z0 + one->nz;
-    u1 = u1 > other->u0 + other->nu ? u1 : other->u0 + other->nu;
-    z1 = z1 > other->z0 + other->nz ? z1 : other->z0 + other->nz;
-    table->u0 = u0 - 1;
-    table->nu = u1 - u0 + 2;
-    table->z0 = z0 - 1;
-    table->nz = z1 - z0 + 2;
-    size_t places = (size_t)table->nu * (size_t)table->nz;
-    if (places > table->size) {
-        lf_table_finish(&(lf_row_table){.terms = table->terms, .share = table->share});
+    size_t places = 0;
+    lf_status status = begin_layers(table, a, b);
+    for (int i = 0; i < table->nz && status == LF_OK; i++) {
+        table->layers[i] = joined(a, b, table->z0 + i);
+        table->layers[i].first = places;
+        places += (size_t)table->layers[i].nu;
+    }
+    if (status == LF_OK && places > table->size) {
+        lf_free(table->terms);
+        lf_free(table->share);
         table->terms = lf_calloc(places * LF_TABLE_TERMS * 4, sizeof *table->terms);
         table->share = lf_calloc(places, sizeof *table->share);
         table->size = table->terms && table->share ? places : 0;
         return table->size > 0 ? LF_OK : LF_E_NOMEM;
     }
+    if (status != LF_OK)
+        return status;
     memset(table->terms, 0, places * LF_TABLE_TERMS * 4 * sizeof *table->terms);
     memset(table->share, 0, places * sizeof *table->share);
     return LF_OK;
@@ -100,9 +135,11 @@ static void add_node(lf_row_table *table, const lf_cell *cell, int variant, floa
 {
     static const int order[LF_TABLE_TERMS] = {-1,        LF_PLACE, LF_DEPTH,  LF_MEDIA,
                                               LF_PIVOTS, LF_VIEW,  LF_SPREAD, LF_LIGHT};
-    size_t u = (size_t)(cell->u - table->u0), z = (size_t)(cell->z - table->z0),
-           nu = (size_t)table->nu;
-    float *terms = table->terms + (z * LF_TABLE_TERMS * nu + u) * 4;
+    const lf_deck *layer = &table->layers[cell->z - table->z0];
+    size_t u = (size_t)(cell->u - layer->u0), nu = (size_t)layer->nu;
+    float *terms = table->terms + (layer->first * LF_TABLE_TERMS + u) * 4;
+    if (!cell->filled[variant])
+        return;
     for (int c = 0; c < 3; c++) {
         const lf_plane *p = &cell->node[variant][c];
         float constant = p->constant + above * p->slope[LF_ROW] -
@@ -113,7 +150,7 @@ static void add_node(lf_row_table *table, const lf_cell *cell, int variant, floa
                 weight * (i == 0 ? constant : p->slope[order[i]]);
     }
     terms[3] += weight;
-    table->share[z * nu + u] += weight * cell->share;
+    table->share[layer->first + u] += weight * cell->share;
 }
 
 lf_status lf_table_make(lf_row_table *table, const lf_reconstruction *r, int row, int variant)

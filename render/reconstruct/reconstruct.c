@@ -33,6 +33,7 @@ lf_status lf_reconstruct_create(const lf_reconstruct_view *view, lf_pool *pool,
     r->view = *view;
     r->pool = pool;
     r->kernels = choose_kernels();
+    r->cell_depth = fmaxf(LF_CELL_DEPTH, LF_NEARNESS_MAX * view->depth / LF_MAX_DEPTHS);
     pthread_mutex_init(&r->lock, NULL);
     r->shift = lf_calloc((size_t)view->n_views, sizeof *r->shift);
     bool whole = r->shift;

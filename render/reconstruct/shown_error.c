@@ -46,12 +46,12 @@ static void read_known(const lf_open_row *o, size_t i, int h, float out[3])
                           : o->film->sky[c] * (1.0f - o->half[h].q[i]);
 }
 
-static void read_half(const lf_open_row *o, size_t i, int h, lf_half_pixel *out)
+static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, lf_half_pixel *out)
 {
     const float *p = o->predicted[h]->predicted[i];
     const lf_film_scattered *s = &o->half[h].scattered[i];
     float q = o->half[h].q[i];
-    bool near = p[3] >= 0.0f;
+    bool near = fitted && p[3] >= 0.0f;
     float known[3];
     read_known(o, i, h, known);
     out->seen = q > 0.0f && lf_weight_is_usable(o->film, s->w, o->n[h] * q);
@@ -65,20 +65,12 @@ static void read_half(const lf_open_row *o, size_t i, int h, lf_half_pixel *out)
     }
 }
 
-/* Where nothing scatters in either half. */
-static void read_empty(const lf_open_row *o, size_t i, int h, lf_half_pixel *out)
-{
-    *out = (lf_half_pixel){.seen = false};
-    read_known(o, i, h, out->shown);
-    memcpy(out->fit, out->shown, sizeof out->fit);
-}
-
 static void add_pixel(const lf_open_row *o, size_t i, lf_shown_sums *sums)
 {
-    bool scatters = o->pixels->q[i] > 0.0f;
+    bool scatters = o->pixels->q[i] > 0.0f, fitted = lf_pixel_is_fitted(o->pixels, i);
     lf_half_pixel half[2];
     for (int h = 0; h < 2; h++)
-        (scatters ? read_half : read_empty)(o, i, h, &half[h]);
+        read_half(o, i, h, fitted, &half[h]);
     bool seen = half[0].seen && half[1].seen;
     for (int c = 0; c < 3; c++) {
         double radiance = (double)(o->share[0] * half[0].fit[c] + o->share[1] * half[1].fit[c]),

@@ -64,15 +64,10 @@ typedef struct lf_above {
     float shift[8][3]; /* from the middle of the cell above to that of the cell */
 } lf_above;
 
-static int half_of(int x)
-{
-    return x >= 0 ? x / 2 : -((1 - x) / 2);
-}
-
 /* i = 0: the cell that holds x; 1: the nearer of its neighbours. */
 static int above_of(int x, int i)
 {
-    return half_of(x) + (i == 0 ? 0 : x - 2 * half_of(x) == 1 ? 1 : -1);
+    return lf_half_of(x) + (i == 0 ? 0 : x - 2 * lf_half_of(x) == 1 ? 1 : -1);
 }
 
 static float apart(int x, int above, float side)
@@ -105,20 +100,45 @@ static void find_above(const lf_reconstruction *r, int level, int number, const 
         out->weight[i] /= sum;
 }
 
-/* What the level above predicts about a cell, as seen from its middle. */
-static void predict(const lf_above *above, lf_plane out[LF_VARIANTS][3])
+typedef struct lf_guess {
+    lf_plane x[LF_VARIANTS][3];
+    bool known[LF_VARIANTS];
+} lf_guess;
+
+static void add_above(const lf_above *above, int i, int variant, float weight, lf_plane out[3])
 {
-    memset(out, 0, sizeof(lf_plane) * LF_VARIANTS * 3);
-    for (int i = 0; i < above->n; i++) {
-        for (int v = 0; v < LF_VARIANTS; v++) {
-            for (int c = 0; c < 3; c++) {
-                lf_plane moved = above->cell[i]->node[v][c];
-                for (int j = 0; j < 3; j++)
-                    moved.constant += moved.slope[j] * above->shift[i][j];
-                add_scaled(&out[v][c], &moved, above->weight[i]);
-            }
-        }
+    for (int c = 0; c < 3; c++) {
+        lf_plane moved = above->cell[i]->node[variant][c];
+        for (int j = 0; j < 3; j++)
+            moved.constant += moved.slope[j] * above->shift[i][j];
+        add_scaled(&out[c], &moved, weight);
     }
+}
+
+/* What the level above predicts about a cell, as seen from its middle; a half of which nothing is
+ * known goes by both. */
+static void predict(const lf_above *above, lf_guess *out)
+{
+    memset(out, 0, sizeof *out);
+    for (int v = LF_VARIANTS - 1; v >= 0; v--) {
+        float sum = 0.0f;
+        for (int i = 0; i < above->n; i++)
+            sum += above->cell[i]->filled[v] ? above->weight[i] : 0.0f;
+        out->known[v] = sum > 0.0f;
+        for (int i = 0; i < above->n && sum > 0.0f; i++)
+            if (above->cell[i]->filled[v])
+                add_above(above, i, v, above->weight[i] / sum, out->x[v]);
+        if (sum == 0.0f && out->known[LF_BOTH])
+            memcpy(out->x[v], out->x[LF_BOTH], sizeof out->x[v]);
+        out->known[v] = out->known[v] || out->known[LF_BOTH];
+    }
+}
+
+/* What a node changes of the guess: nothing where it knows nothing. */
+static lf_plane step_of(const lf_cell *cell, const lf_guess *guess, int variant, int c)
+{
+    static const lf_plane none = {0};
+    return cell->filled[variant] ? minus(&cell->node[variant][c], &guess->x[variant][c]) : none;
 }
 
 /* ------------------------------------------------------------------------------------- shares --
@@ -145,19 +165,19 @@ void lf_shrink_weigh(lf_reconstruction *r, int level, int number)
     for (int i = 0; i < band->n; i++) {
         lf_cell *cell = &band->cells[i];
         lf_above above;
-        lf_plane x[LF_VARIANTS][3];
+        lf_guess guess;
         double agreed = 0.0, total = 0.0;
         find_above(r, level, number, cell, &above);
-        predict(&above, x);
+        predict(&above, &guess);
         for (int c = 0; c < 3; c++) {
-            double g = importance(cell, &x[LF_BOTH][c], c);
+            double g = importance(cell, &guess.x[LF_BOTH][c], c);
             for (int h = 0; h < 2; h++) {
                 const lf_moments *m = &cell->half[h][1 - h];
-                lf_plane step = minus(&cell->node[h][c], &x[h][c]), n = found(m, c),
-                         wx = apply(m, &x[h][c]), off = minus(&n, &wx);
+                lf_plane step = step_of(cell, &guess, h, c), n = found(m, c),
+                         wx = apply(m, &guess.x[h][c]), off = minus(&n, &wx);
                 agreed += g * dot(&step, &off);
             }
-            lf_plane step = minus(&cell->node[LF_BOTH][c], &x[LF_BOTH][c]);
+            lf_plane step = step_of(cell, &guess, LF_BOTH, c);
             for (int h = 0; h < 2; h++) {
                 lf_plane w = apply(&cell->half[h][h], &step);
                 total += g * dot(&step, &w);
@@ -203,7 +223,8 @@ void lf_shrink_collect(lf_reconstruction *r, int number)
     for (int b = 2 * number; b < 2 * number + 2 && b < below->n_bands; b++) {
         for (int i = 0; i < below->bands[b].n; i++) {
             const lf_cell *child = &below->bands[b].cells[i];
-            lf_cell *cell = &band->cells[lf_band_find(band, half_of(child->u), half_of(child->z))];
+            lf_cell *cell =
+                &band->cells[lf_band_find(band, lf_half_of(child->u), lf_half_of(child->z))];
             cell->agreed += child->agreed;
             cell->total += child->total;
         }
@@ -248,16 +269,18 @@ void lf_shrink_take(lf_reconstruction *r, int level, int number)
     for (int i = 0; i < band->n; i++) {
         lf_cell *cell = &band->cells[i];
         lf_above above;
-        lf_plane x[LF_VARIANTS][3];
+        lf_guess guess;
         find_above(r, level, number, cell, &above);
-        predict(&above, x);
+        predict(&above, &guess);
         float share = level == 0 ? share_above(&above) : cell->share;
         for (int v = 0; v < LF_VARIANTS; v++) {
-            for (int c = 0; c < 3; c++) {
-                lf_plane step = minus(&cell->node[v][c], &x[v][c]);
-                cell->node[v][c] = x[v][c];
+            /* with nothing to shrink towards a node is taken as it is */
+            for (int c = 0; c < 3 && guess.known[v]; c++) {
+                lf_plane step = step_of(cell, &guess, v, c);
+                cell->node[v][c] = guess.x[v][c];
                 add_scaled(&cell->node[v][c], &step, share);
             }
+            cell->filled[v] = cell->filled[v] || guess.known[v];
         }
     }
 }

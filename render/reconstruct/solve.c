@@ -28,7 +28,7 @@ static void gather(const lf_reconstruct_kernels *kernels, const lf_lattice *leve
 }
 
 /* Variances that features are known to, or matter by: below them a slope is not asked for. */
-static double floor_of(int feature, double radiance)
+static double floor_of(int feature, double depth, double radiance)
 {
     switch (feature) {
     case LF_PLACE:
@@ -36,7 +36,7 @@ static double floor_of(int feature, double radiance)
         return 0.25 / (LF_CELL_SIDE * LF_CELL_SIDE);
     case LF_DEPTH:
     case LF_SPREAD:
-        return 1.0 / (LF_CELL_DEPTH * LF_CELL_DEPTH);
+        return 1.0 / (depth * depth);
     case LF_VIEW:
         return 2.5e-3;
     case LF_PIVOTS:
@@ -78,7 +78,7 @@ static void back_substitute(double a[LF_FEATURES][LF_FEATURES], double x[LF_FEAT
     }
 }
 
-void lf_solve(const lf_moments *m, lf_plane out[3])
+void lf_solve(const lf_moments *m, double depth, lf_plane out[3])
 {
     double mean[LF_FEATURES], scale[LF_FEATURES], a[LF_FEATURES][LF_FEATURES], radiance = 0.0;
     memset(out, 0, 3 * sizeof *out);
@@ -90,7 +90,7 @@ void lf_solve(const lf_moments *m, lf_plane out[3])
     for (int i = 0; i < LF_FEATURES; i++) {
         mean[i] = (double)m->wf[i] * w;
         double variance = (double)m->wff[i][i] * w - mean[i] * mean[i];
-        scale[i] = 1.0 / sqrt(fmax(variance, 0.0) + floor_of(i, radiance));
+        scale[i] = 1.0 / sqrt(fmax(variance, 0.0) + floor_of(i, depth, radiance));
         for (int j = 0; j <= i; j++)
             a[i][j] = ((double)m->wff[i][j] * w - mean[i] * mean[j]) * scale[i] * scale[j];
         a[i][i] += ridge;
@@ -121,8 +121,10 @@ void lf_solve_band(lf_reconstruction *r, int level, int number)
         gather(r->kernels, &r->level[level], number, cell, (float)(1 << level), sum);
         both = sum[0];
         r->kernels->move(&both, &sum[1], 1.0f, here);
-        lf_solve(&both, cell->node[LF_BOTH]);
-        for (int h = 0; h < 2; h++)
-            lf_solve(sum[h].w > 0.0f ? &sum[h] : &both, cell->node[h]);
+        const lf_moments *m[LF_VARIANTS] = {&sum[0], &sum[1], &both};
+        for (int v = 0; v < LF_VARIANTS; v++) {
+            cell->filled[v] = m[v]->w > 0.0f;
+            lf_solve(m[v], (double)r->cell_depth, cell->node[v]);
+        }
     }
 }

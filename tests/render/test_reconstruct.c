@@ -100,6 +100,72 @@ static void a_cancelled_fit_is_none(void **state)
     lf_renderer_destroy(r);
 }
 
+/* A box that lets nearly all through, under a sun alone: what scatters there sends irradiance/(4
+ * pi) to all sides, q of it is seen. */
+#define HAZE(density, irradiance)                                                                  \
+    "{\"quiltd\": 1, \"camera\": {\"position\": [0,0,10], \"fov_y\": 14, \"aspect\": 0.75, "       \
+    "\"views\": 9, \"cone\": 10}, \"volumes\": {\"haze\": {\"shape\": \"box\", "                   \
+    "\"density\": " density                                                                        \
+    ", \"albedo\": 1}}, \"lights\": {\"sun\": {\"type\": \"distant\", \"direction\": [0,-1,0], "   \
+    "\"irradiance\": " irradiance "}}}"
+
+static double light_of(const char *text, int n_visits, lf_estimator estimator, bool shown)
+{
+    lf_renderer *r = renderer_of(text, width, height, NULL);
+    float *x = picture();
+    double sum = 0.0;
+    visits(r, n_visits);
+    lf_assert_ok(shown ? lf_renderer_show(r, x, NULL) : lf_renderer_resolve(r, estimator, x, NULL),
+                 NULL);
+    for (size_t i = 0; i < values; i++)
+        sum += (double)x[i] / values;
+    free(x);
+    lf_renderer_destroy(r);
+    return sum;
+}
+
+/* Most nodes of the first passes have met nothing, or nothing by one half: they say nothing, and
+ * not "black". Radiance is constant, so that two visits know it but for the edges of q; 5 %. */
+static void thin_media_are_as_bright_as_they_are(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {HAZE("2.5e-3", "300"), HAZE("4e-5", "30000")};
+    for (int i = 0; i < 2; i++) {
+        double truth = light_of(scenes[i], 9 * 20, LF_ESTIMATOR_CV, false),
+               early = light_of(scenes[i], 2, LF_ESTIMATOR_MWIS, true),
+               late = light_of(scenes[i], 9 * 4, LF_ESTIMATOR_MWIS, true);
+        assert_true(truth > 1e-3);
+        printf("haze %d: %.3g, shown early %+.1f %%, late %+.1f %%\n", i, truth,
+               100.0 * (early / truth - 1.0), 100.0 * (late / truth - 1.0));
+        /* where q is next to nothing each pixel goes by itself: early ones are dark */
+        assert_true(i == 1 || fabs(early / truth - 1.0) < 0.05);
+        assert_true(fabs(late / truth - 1.0) < 0.05);
+    }
+}
+
+/* Two specks near the cameras before a wall far away, seen from far apart: what there is costs
+ * memory, not what lies between. */
+static void depth_that_holds_nothing_costs_nothing(void **state)
+{
+    (void)state;
+    lf_renderer *r = renderer_of(
+        "{\"quiltd\": 1, \"camera\": {\"position\": [0,0,10], \"fov_y\": 1, \"aspect\": 1.3, "
+        "\"views\": 9, \"cone\": 60}, \"lights\": {\"sky\": {\"type\": \"environment\", "
+        "\"radiance\": 1}}, \"meshes\": {\"wall\": {\"shape\": \"cube\", \"transform\": "
+        "{\"scale\": "
+        "[1000,1000,1], \"translate\": [0,0,-500]}}, \"near\": {\"shape\": \"cube\", "
+        "\"transform\": "
+        "{\"scale\": 0.002, \"translate\": [0,0,8.5]}}}}",
+        width, height, NULL);
+    size_t places = 0;
+    visits(r, 2);
+    lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+    for (int i = 0; i < r->shown->level[0].n_bands; i++)
+        places += r->shown->level[0].bands[i].n_places;
+    assert_in_range(places, 1, 4 * width * height * views);
+    lf_renderer_destroy(r);
+}
+
 /* Radiance is the same wherever something scatters: N = c W, features as they come. Sums are of
  * single precision: 5e-5. */
 static void what_is_constant_stays(void **state)
@@ -349,7 +415,7 @@ static void a_linear_function_is_found(void **state)
     static const float here[3];
     lf_moments m = sums_of(here, slopes);
     lf_plane out[3];
-    lf_solve(&m, out);
+    lf_solve(&m, 16.0, out);
     for (int i = 0; i < LF_FEATURES; i++) {
         /* the ridge and floors of variances draw slopes towards 0 by a few per cent */
         lf_assert_close((double)out[0].slope[i], (double)slopes[i], 0.1, 1e-3);
@@ -366,6 +432,8 @@ int main(void)
         cmocka_unit_test(a_linear_function_is_found),
         cmocka_unit_test(a_row_without_a_fit_or_a_visit_is_a_state_error),
         cmocka_unit_test(a_cancelled_fit_is_none),
+        cmocka_unit_test(thin_media_are_as_bright_as_they_are),
+        cmocka_unit_test(depth_that_holds_nothing_costs_nothing),
         cmocka_unit_test(what_is_constant_stays),
         cmocka_unit_test(a_white_furnace_stays_white),
         cmocka_unit_test(same_bytes_for_any_number_of_threads_and_any_kernel),
