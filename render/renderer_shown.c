@@ -33,21 +33,24 @@ lf_status lf_renderer_show_row(const lf_renderer *renderer, int row, float *out)
 typedef struct lf_show_job {
     const lf_renderer *renderer;
     float *out;
+    atomic_int failed;
 } lf_show_job;
 
+/* Rows that nothing has visited are none to show. */
 static void show_item(void *context, int row, int worker)
 {
-    const lf_show_job *job = context;
+    lf_show_job *job = context;
     size_t pixels = (size_t)job->renderer->film.n_views * (size_t)job->renderer->film.width;
     (void)worker;
-    (void)lf_renderer_show_row(job->renderer, row, job->out + 3 * pixels * (size_t)row);
+    if (lf_renderer_show_row(job->renderer, row, job->out + 3 * pixels * (size_t)row) == LF_E_NOMEM)
+        atomic_store_explicit(&job->failed, 1, memory_order_relaxed);
 }
 
 lf_status lf_renderer_show(lf_renderer *renderer, float *out, const lf_cancel *cancel)
 {
-    lf_show_job job = {renderer, out};
+    lf_show_job job = {.renderer = renderer, .out = out};
     lf_status status = lf_renderer_fit(renderer, cancel);
-    return status == LF_OK
-               ? lf_pool_run(renderer->pool, renderer->film.height, show_item, &job, cancel)
-               : status;
+    if (status == LF_OK)
+        status = lf_pool_run(renderer->pool, renderer->film.height, show_item, &job, cancel);
+    return atomic_load_explicit(&job.failed, memory_order_relaxed) ? LF_E_NOMEM : status;
 }

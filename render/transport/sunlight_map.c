@@ -118,14 +118,20 @@ static void raise_texel(lf_sunlight_texel *texel, float height)
     }
 }
 
+/* The first of so many texels whose centre is not below x: any x, also beyond what an int holds. */
+static int first_from(double x, int size)
+{
+    return (int)ceil(fmin(fmax(x, 0.0), (double)size) - 0.5);
+}
+
 /* Texels of row y whose centres lie between two x. */
 static void put_span(const lf_sunlight_map *map, int y, double from, double to, double height,
                      double slope)
 {
-    double first = ceil(fmax(from, 0.0) - 0.5), end = ceil(fmin(to, (double)map->size[0]) - 0.5);
+    int first = first_from(from, map->size[0]), end = first_from(to, map->size[0]);
     lf_sunlight_texel *row = map->texels + (size_t)y * (size_t)map->size[0];
     double base = height + 0.5 * slope;
-    for (int x = (int)first; x < (int)end; x++)
+    for (int x = first; x < end; x++)
         raise_texel(&row[x], lf_max((float)(base + slope * x), 0.0f));
 }
 
@@ -161,8 +167,7 @@ static void put_triangle(job *j, int chunk, double v[3][3])
     double dx = (ab[2] * ac[1] - ac[2] * ab[1]) / area, dy = (ac[2] * ab[0] - ab[2] * ac[0]) / area;
     double low = fmin(v[0][1], fmin(v[1][1], v[2][1])),
            high = fmax(v[0][1], fmax(v[1][1], v[2][1]));
-    int first = (int)ceil(fmax(low, 0.0) - 0.5),
-        end = (int)ceil(fmin(high, (double)map->size[1]) - 0.5);
+    int first = first_from(low, map->size[1]), end = first_from(high, map->size[1]);
     for (int y = first; y < end && !cancelled(j); y++) {
         double from = INFINITY, to = -INFINITY, at, middle = y + 0.5;
         for (int c = 0; c < 3; c++)
@@ -282,7 +287,8 @@ static void place(job *j, const bounds *whole, const bounds *seen, int texels)
     map->least = (float)(1e-6 * height);
     for (int i = 0; i < 2; i++) {
         j->low[i] = seen->min[i] - texel;
-        map->size[i] = ((int)ceil(side[i] / texel) + 2 + TILE - 1) / TILE * TILE;
+        double across = fmin(fmax(ceil(side[i] / texel), 0.0), (double)texels);
+        map->size[i] = ((int)across + 2 + TILE - 1) / TILE * TILE;
     }
     for (int i = 0; i < 3; i++) {
         double unit = i < 2 ? texel : 1.0;

@@ -77,11 +77,13 @@ lf_status lf_sunlight_media_init(lf_sunlight_media *media, const lf_scene *scene
     if (!grid_bounds(scene, axes, min, max))
         return LF_OK;
     float longest = lf_max(max[0] - min[0], lf_max(max[1] - min[1], max[2] - min[2])),
-          step = longest / (float)(nodes - 3);
+          step = longest / (float)(nodes - 3), most = 2.0f * (float)nodes;
+    if (!(step > 0.0f && step < INFINITY))
+        return LF_OK;
     for (int i = 0; i < 3; i++) {
         const float row[3] = {axes[i].x, axes[i].y, axes[i].z};
         float first = min[i] - step;
-        media->size[i] = (int)ceilf((max[i] - first) / step) + 2;
+        media->size[i] = (int)lf_min(lf_max(ceilf((max[i] - first) / step), 0.0f), most) + 2;
         for (int k = 0; k < 3; k++)
             media->to_nodes[i][k] = row[k] / step;
         media->to_nodes[i][3] = -first / step;

@@ -347,6 +347,34 @@ static void features_of_pictures_are_what_rays_find(void **state)
     lf_scene_unref(scene);
 }
 
+/* The ground's corners are up to 1e11 texels of the cube's own map away, farther than an int
+ * reaches, to all sides. */
+static void ground_may_reach_far_beyond_the_texels_of_what_is_small(void **state)
+{
+    (void)state;
+    static const char scene[] =
+        HEAD "'meshes': {'cube': {'shape': 'cube', 'material': 'm', 'transform': {'scale': 1e-3}}, "
+             "'ground': {'shape': 'quad', 'material': 'm', 'transform': {'scale': 1e5, "
+             "'translate': [%d, 0, %d]}}}, " SUN("%s, 'angle': 0.5");
+    static const int places[][2] = {{0, 0},          {35000, 0},      {-35000, 0}, {0, 35000},
+                                    {0, -35000},     {-30000, 10000}, {70000, 0},  {60000, -60000},
+                                    {-60000, 60000}, {99000, 99000}};
+    static const char *const suns[] = {"[0, -1, 0]", "[0.1, -0.9, 0.6]", "[-0.7, -0.3, 0.2]"};
+    for (int i = 0; i < 30; i++) {
+        const int *place = places[i / 3];
+        char text[1000];
+        bench b;
+        snprintf(text, sizeof text, scene, place[0], place[1], suns[i % 3]);
+        set_up(&b, text, 1024);
+        for (int k = 0; k < 1000; k++) {
+            double far = pow(10, 0.01 * k - 4);
+            double share = share_at(&b, k % 2 ? far : -far, 0.01, k % 3 ? far : -0.5 * far);
+            assert_true(share >= 0 && share <= 1);
+        }
+        tear_down(&b);
+    }
+}
+
 /* Colours may change, places may not. */
 static void maps_go_over_to_scenes_that_cast_the_same_shadows(void **state)
 {
@@ -443,6 +471,7 @@ int main(void)
         cmocka_unit_test(look_ups_find_what_rays_find),
         cmocka_unit_test(threads_do_not_change_a_bit),
         cmocka_unit_test(features_of_pictures_are_what_rays_find),
+        cmocka_unit_test(ground_may_reach_far_beyond_the_texels_of_what_is_small),
         cmocka_unit_test(maps_go_over_to_scenes_that_cast_the_same_shadows),
         cmocka_unit_test(lights_add_up),
         cmocka_unit_test(scenes_without_sun_or_surfaces_need_none),
