@@ -573,20 +573,20 @@ static exr_result_t write_picture(exr_context_t exr, exr_job *job)
 }
 
 lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
-                                const char *const *channels, int n_channels, lf_rows32_fn rows,
-                                void *context, const lf_attribute *attributes, int n, lf_error *err)
+                                const lf_channels32 *channels, const lf_attribute *attributes,
+                                int n, lf_error *err)
 {
-    if (width < 1 || width > 65536 || height < 1 || height > 65536 || n_channels < 1 ||
-        n_channels > LF_EXR_MAX_CHANNELS)
+    if (width < 1 || width > 65536 || height < 1 || height > 65536 || channels->n < 1 ||
+        channels->n > LF_EXR_MAX_CHANNELS)
         return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%dx%d pixels cannot be an EXR",
                             width, height);
     exr_session session = {.file = file, .err = err};
     exr_job job = {.width = width,
                    .height = height,
-                   .rows = rows,
-                   .context = context,
-                   .channels = channels,
-                   .n_channels = n_channels,
+                   .rows = channels->rows,
+                   .context = channels->context,
+                   .channels = channels->names,
+                   .n_channels = channels->n,
                    .attributes = attributes,
                    .n_attributes = n};
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
@@ -608,7 +608,8 @@ lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_f
                             void *context, const lf_attribute *attributes, int n, lf_error *err)
 {
     static const char *const rgb[] = {"R", "G", "B"};
-    return lf_exr_write_channels(file, width, height, rgb, 3, rows, context, attributes, n, err);
+    const lf_channels32 channels = {rgb, 3, rows, context};
+    return lf_exr_write_channels(file, width, height, &channels, attributes, n, err);
 }
 
 static void copy_row(void *context, int y, float *row)

@@ -58,13 +58,18 @@ LF_NODISCARD lf_status lf_png_write_rows(lf_outfile *file, int width, int height
                                          int n, lf_error *err);
 LF_NODISCARD lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level,
                                     const lf_attribute *attributes, int n, lf_error *err);
-/* EXR, 32-bit float, ZIP scan lines, with n_channels channels of these names (each once, at most
- * LF_EXR_MAX_CHANNELS), which rows fills in their order, [width][n_channels]; else as
- * lf_exr_write_rows. */
+/* Channels by name, each once; rows fills [width][n] in their order. */
 #define LF_EXR_MAX_CHANNELS 32
+typedef struct lf_channels32 {
+    const char *const *names;
+    int n; /* at most LF_EXR_MAX_CHANNELS */
+    lf_rows32_fn rows;
+    void *context;
+} lf_channels32;
+
+/* EXR, 32-bit float, ZIP scan lines, of these channels; else as lf_exr_write_rows. */
 LF_NODISCARD lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
-                                             const char *const *channels, int n_channels,
-                                             lf_rows32_fn rows, void *context,
+                                             const lf_channels32 *channels,
                                              const lf_attribute *attributes, int n, lf_error *err);
 /* EXR, 32-bit float RGB, ZIP scan lines; attributes become string attributes (names up to 255
  * characters). The file must be seekable. The same pixels and attributes give the same bytes. */

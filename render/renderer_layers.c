@@ -209,7 +209,8 @@ static void fill_row(void *context, int row, int worker)
 lf_status lf_renderer_layers(const lf_renderer *renderer, lf_estimator estimator, unsigned layers,
                              float *out, const lf_cancel *cancel)
 {
-    layer_job job = {.renderer = renderer, .estimator = estimator, .layers = layers, .out = out};
+    layer_job job = {.renderer = renderer, .estimator = estimator, .layers = layers};
+    job.out = out;
     if (layers & LF_LAYER_DEPTH && !renderer->film.layout.has_features)
         return LF_E_STATE;
     job.n_channels = lf_layer_channels(layers, NULL);

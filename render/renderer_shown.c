@@ -48,7 +48,8 @@ static void show_item(void *context, int row, int worker)
 
 lf_status lf_renderer_show(lf_renderer *renderer, float *out, const lf_cancel *cancel)
 {
-    lf_show_job job = {.renderer = renderer, .out = out};
+    lf_show_job job = {.renderer = renderer};
+    job.out = out;
     lf_status status = lf_renderer_fit(renderer, cancel);
     if (status == LF_OK)
         status = lf_pool_run(renderer->pool, renderer->film.height, show_item, &job, cancel);

@@ -137,7 +137,9 @@ void engine_publish(lf_engine *engine)
         .passes = engine->spent.passes,
         .seconds = engine->spent.seconds,
         .cpu_seconds = engine->spent.cpu_seconds,
-        .spp = engine->renderer ? engine->spent.passes / engine->content->layout.n_views : -1,
+        .spp = engine->content && engine->renderer
+                   ? engine->spent.passes / engine->content->layout.n_views
+                   : -1,
         .error_estimate = engine->look.stats.rel_mse_estimate,
         .error_bound = engine->look.error_bound,
         .missing = engine->renderer ? lf_picture_missing(&engine->picture) : 0,

@@ -5,10 +5,10 @@
 #include "render/reconstruct/pixels.h"
 
 /* All cells and sums of a band of level 0. One worker a band. LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int band,
+LF_NODISCARD lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int number,
                                          lf_pixels rows[LF_CELL_SIDE]);
 /* Those of a band of a level above, from the level below. */
-LF_NODISCARD lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int band);
+LF_NODISCARD lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int number);
 
 /* Where N/W of a half, or of both, is an answer: W has come up to a share of what is expected where
  * weights may cancel. nq: the expected weight. */

@@ -11,6 +11,6 @@
 void lf_solve(const lf_moments *moments, double depth, lf_plane out[3]);
 
 /* The nodes of a band: each half and both, from the cells around. */
-void lf_solve_band(lf_reconstruction *r, int level, int band);
+void lf_solve_band(lf_reconstruction *r, int level, int number);
 
 #endif

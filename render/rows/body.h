@@ -107,9 +107,9 @@ static inline void lf_body_depths(const lf_body *body, int n, const float *restr
 static inline void lf_body_moments(const lf_body *body, int n, const float *restrict x0,
                                    const float *restrict slope, const float *restrict z_end,
                                    const float *restrict length, float distance,
-                                   float *restrict tau, float *restrict met,
-                                   float *restrict nearness, float *restrict spread)
+                                   float *restrict tau, float *const out[3])
 {
+    float *restrict met = out[0], *restrict nearness = out[1], *restrict spread = out[2];
     lf_body known = *body;
     switch (body->shape) {
 #define LF_MOMENTS(NAME, name)                                                                     \

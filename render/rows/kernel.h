@@ -37,14 +37,14 @@ typedef struct lf_kernels {
                     const float *z_end, const float *length, float distance, float *tau,
                     float *const sums[3]);
 
-    /* march for a homogeneous shape, and with where the first collision lies: sets met[n] to about
-     * its probability, nearness[n] and spread[n] to mean and standard deviation of distance/Z
+    /* march for a homogeneous shape, and with where the first collision lies: sets out[0][n] to
+     * about its probability, out[1][n] and out[2][n] to mean and standard deviation of distance/Z
      * there, 1/Z to second order along the ray's part inside. */
     void (*through)(const lf_body *body, int n, const float *x0, const float *slope,
                     const float *z_end, float *tau);
     void (*within)(const lf_body *body, int n, const float *x0, const float *slope,
-                   const float *z_end, const float *length, float distance, float *tau, float *met,
-                   float *nearness, float *spread);
+                   const float *z_end, const float *length, float distance, float *tau,
+                   float *const out[3]);
 
     /* sigma_t of an interpolated grid at n points of a line, n a multiple of LF_LANES. */
     void (*sample)(const lf_volume *volume, const lf_line *line, int n, const float *x,

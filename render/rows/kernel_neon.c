@@ -177,10 +177,10 @@ static void through(const lf_body *body, int n, const float *x0, const float *sl
 }
 
 static void within(const lf_body *body, int n, const float *x0, const float *slope,
-                   const float *z_end, const float *length, float distance, float *tau, float *met,
-                   float *nearness, float *spread)
+                   const float *z_end, const float *length, float distance, float *tau,
+                   float *const out[3])
 {
-    lf_body_moments(body, n, x0, slope, z_end, length, distance, tau, met, nearness, spread);
+    lf_body_moments(body, n, x0, slope, z_end, length, distance, tau, out);
 }
 
 static inline float32x4_t exp_kernel(float32x4_t x)

@@ -193,8 +193,8 @@ static bool any(const float *x, int n)
 }
 
 void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
-                         const float *slope, const float *z_end, const float *length,
-                         float distance, float *tau, int first, lf_media_moments *out)
+                         const float *slope, const float *z_end, const float *length, float *tau,
+                         int first, lf_media_moments *out)
 {
     float sum[3][LF_MAX_LANES], *const sums[3] = {sum[0], sum[1], sum[2]};
     lf_media_moments other, *to = out;
@@ -202,13 +202,14 @@ void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n
     for (int i = 0; i < media->n_here; i++) {
         const lf_medium *medium = &media->item[media->here[i]];
         if (medium->kind == LF_MEDIUM_BODY) {
-            kernels->within(&medium->body, n, x0, slope, z_end, length, distance, tau,
-                            to->met + first, to->nearness + first, to->spread + first);
+            float *const lanes[3] = {to->met + first, to->nearness + first, to->spread + first};
+            kernels->within(&medium->body, n, x0, slope, z_end, length, out->distance, tau, lanes);
         } else {
             if (medium->kind == LF_MEDIUM_SLICE)
-                kernels->moments(&medium->slice, n, x0, slope, z_end, length, distance, tau, sums);
+                kernels->moments(&medium->slice, n, x0, slope, z_end, length, out->distance, tau,
+                                 sums);
             else
-                lf_voxels_moments(&medium->voxels, n, x0, slope, z_end, length, distance, tau,
+                lf_voxels_moments(&medium->voxels, n, x0, slope, z_end, length, out->distance, tau,
                                   sums);
             moments_of(n, sums, first, to);
         }

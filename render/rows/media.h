@@ -69,6 +69,8 @@ lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, fl
 /* Where rays collide first, if they do: mean and standard deviation of nearness (lf_nearness); the
  * probability is that of the depths. */
 typedef struct lf_media_moments {
+    float distance; /* D, and the lane of the first ray: to be set by who asks */
+    int first;
     float met[LF_MAX_LANES]; /* about the probability */
     float nearness[LF_MAX_LANES], spread[LF_MAX_LANES];
 } lf_media_moments;
@@ -78,8 +80,8 @@ typedef struct lf_media_moments {
  * second order and media that reach into each other along a ray, which count as partly before and
  * partly behind. */
 void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
-                         const float *slope, const float *z_end, const float *length,
-                         float distance, float *tau, int first, lf_media_moments *out);
+                         const float *slope, const float *z_end, const float *length, float *tau,
+                         int first, lf_media_moments *out);
 
 /* Optical depths per unit of Z of n rays (see lf_kernels.march) through all media; with collided >=
  * 0 also density[n], up to a common factor the collision density of that medium at z_end. */

@@ -110,7 +110,7 @@ static void shapes_are_met_where_the_truncated_exponential_says(void **state)
             fan.z_end[k] = k % 2 ? (float)z : INFINITY;
         lengths_of(&fan, length);
         lf_kernels_get()->within(&body, LANES, fan.x0, fan.slope, fan.z_end, length,
-                                 (float)distance, tau, out[0], out[1], out[2]);
+                                 (float)distance, tau, (float *const[]){out[0], out[1], out[2]});
         for (int k = 0; k < LANES; k += 3) {
             const shapes s = {&body, 1, (double)fan.x0[k], (double)fan.slope[k]};
             answer truth = integral(sigma_of_shapes, &s, z - 3.0 * half, k % 2 ? z : z + 3.0 * half,
@@ -149,8 +149,9 @@ static void several_media_are_met_in_turn(void **state)
             fan.z_end[k] = INFINITY;
         }
         lengths_of(&fan, length);
+        moments.distance = 5.0f;
         lf_media_moments_of(media, lf_kernels_get(), LANES, fan.x0, fan.slope, fan.z_end, length,
-                            5.0f, tau, 0, &moments);
+                            tau, 0, &moments);
         for (int k = 0; k < LANES; k += 5) {
             const shapes s = {body, 2, (double)fan.x0[k], (double)fan.slope[k]};
             answer truth = integral(sigma_of_shapes, &s, 3.0, 7.0, (double)length[k], 5.0);

@@ -67,7 +67,8 @@ static void moments_are_the_same_in_every_instruction_set(void **state)
             lf_kernels_at(i)->moments(&slice, LANES, fan.x0, fan.slope, fan.z_end, length, 4.0f,
                                       tau[j][0], sums);
             lf_kernels_at(i)->within(&body, LANES, fan.x0, fan.slope, fan.z_end, length, 4.0f,
-                                     tau[j][1], out[j][1][0], out[j][1][1], out[j][1][2]);
+                                     tau[j][1],
+                                     (float *const[]){out[j][1][0], out[j][1][1], out[j][1][2]});
             assert_memory_equal(tau[j], plain, sizeof plain);
             assert_memory_equal(out[0], out[j], sizeof out[0]);
         }
