@@ -179,9 +179,10 @@ static void march(const lf_visit_plan *plan, lf_scratch *w, int from, int to, bo
 {
     const float *x0 = w->x0 + from, *slope = w->slope + from, *z_end = w->z_end + from;
     w->moments.distance = plan->rig->distance;
+    w->moments.first = from;
     if (features)
         lf_media_moments_of(&w->media, plan->kernels, to - from, x0, slope, z_end, w->length + from,
-                            w->tau + from, from, &w->moments);
+                            w->tau + from, &w->moments);
     else
         lf_media_depths(&w->media, plan->kernels, to - from, x0, slope, z_end, w->tau + from, -1,
                         NULL);

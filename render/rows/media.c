@@ -194,8 +194,9 @@ static bool any(const float *x, int n)
 
 void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
                          const float *slope, const float *z_end, const float *length, float *tau,
-                         int first, lf_media_moments *out)
+                         lf_media_moments *out)
 {
+    const int first = out->first;
     float sum[3][LF_MAX_LANES], *const sums[3] = {sum[0], sum[1], sum[2]};
     lf_media_moments other, *to = out;
     memset(tau, 0, sizeof *tau * (size_t)n);

@@ -76,12 +76,12 @@ typedef struct lf_media_moments {
 } lf_media_moments;
 
 /* lf_media_depths without a collision, the same tau to the bit, and the moments of n rays of these
- * lengths per unit of Z, into out from lane `first` on. Exact but for exp in steps, the shapes' own
- * second order and media that reach into each other along a ray, which count as partly before and
- * partly behind. */
+ * lengths per unit of Z, into out from lane out->first on. Exact but for exp in steps, the shapes'
+ * own second order and media that reach into each other along a ray, which count as partly before
+ * and partly behind. */
 void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
                          const float *slope, const float *z_end, const float *length, float *tau,
-                         int first, lf_media_moments *out);
+                         lf_media_moments *out);
 
 /* Optical depths per unit of Z of n rays (see lf_kernels.march) through all media; with collided >=
  * 0 also density[n], up to a common factor the collision density of that medium at z_end. */

@@ -150,8 +150,9 @@ static void several_media_are_met_in_turn(void **state)
         }
         lengths_of(&fan, length);
         moments.distance = 5.0f;
+        moments.first = 0;
         lf_media_moments_of(media, lf_kernels_get(), LANES, fan.x0, fan.slope, fan.z_end, length,
-                            tau, 0, &moments);
+                            tau, &moments);
         for (int k = 0; k < LANES; k += 5) {
             const shapes s = {body, 2, (double)fan.x0[k], (double)fan.slope[k]};
             answer truth = integral(sigma_of_shapes, &s, 3.0, 7.0, (double)length[k], 5.0);
