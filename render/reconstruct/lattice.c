@@ -77,7 +77,8 @@ lf_status lf_band_reserve(lf_band *band)
             return LF_E_NOMEM;
     }
     band->n = n;
-    memset(band->cells, 0, (size_t)n * sizeof *band->cells);
+    if (n > 0)
+        memset(band->cells, 0, (size_t)n * sizeof *band->cells);
     place_cells(band);
     return LF_OK;
 }
