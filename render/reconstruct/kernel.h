@@ -53,7 +53,8 @@ typedef struct lf_reconstruct_kernels {
     void (*read)(const lf_view_row *in, bool halves, lf_pixels *out);
     /* Adds one pixel's weight and radiance to moments. */
     void (*add)(lf_moments *m, float w, const float n[3], const float f[LF_FEATURES]);
-    /* As lf_moments_add. */
+    /* Adds weight times the sums of `from` as seen from a place `shift` away: f + shift for the
+     * first three features. */
     void (*move)(lf_moments *to, const lf_moments *from, float weight, const float shift[3]);
     /* The prediction of R for n pixels from `first` on, out [n][4]: R, G, B and the share of N/W,
      * -1 where there is no node. Pixels without features are left out. */
