@@ -221,11 +221,9 @@ bool lf_engine_stopped(lf_engine *engine)
     return ended;
 }
 
-void lf_engine_join(lf_engine *engine)
+void lf_engine_abandon(lf_engine *engine)
 {
-    if (engine->life.started)
-        pthread_join(engine->life.thread, NULL);
-    engine->life.started = false;
+    pthread_detach(engine->life.thread);
 }
 
 void lf_engine_destroy(lf_engine *engine)
@@ -233,7 +231,8 @@ void lf_engine_destroy(lf_engine *engine)
     if (!engine)
         return;
     lf_engine_stop(engine, true);
-    lf_engine_join(engine);
+    if (engine->life.started)
+        pthread_join(engine->life.thread, NULL);
     lf_interlacer_destroy(engine->interlacer);
     lf_renderer_destroy(engine->renderer);
     lf_picture_finish(&engine->picture);

@@ -58,9 +58,9 @@ void lf_engine_stop(lf_engine *engine, bool cancel);
 /* True when the thread has nothing more to do after lf_engine_stop (it can be joined without
  * waiting). */
 bool lf_engine_stopped(lf_engine *engine);
-/* (blocks) Waits for the thread to end after lf_engine_stop; nothing but lf_engine_save and
- * lf_engine_destroy may follow. */
-void lf_engine_join(lf_engine *engine);
+/* Before _exit, after lf_engine_stop: nobody will wait for the thread, ended or not. Nothing may
+ * follow. */
+void lf_engine_abandon(lf_engine *engine);
 /* Stops, joins, frees. Accepts NULL. */
 void lf_engine_destroy(lf_engine *engine);
 

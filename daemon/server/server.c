@@ -139,15 +139,14 @@ static void finish(lf_server *server)
     lf_show_close(server->show, FLUSH_MS);
     lf_inbox_read(&server->inbox, server); /* jobs that ended since the loop did */
     save_last(server);
-    bool engine_ended = lf_engine_stopped(server->engine);
     double end = server->life.stopped_at + LAST_SECONDS;
     if (server->config.state_dir)
         end = fmax(end, lf_time_now() + CLOSE_SECONDS);
     bool closed = lf_show_drain(server->show, end);
-    if (closed && engine_ended && !server->jobs && lf_loader_pending(server->loader) == 0)
+    if (closed && lf_engine_stopped(server->engine) && !server->jobs &&
+        lf_loader_pending(server->loader) == 0)
         return;
-    if (engine_ended)
-        lf_engine_join(server->engine);
+    lf_engine_abandon(server->engine);
     _exit(server->life.exit_code);
 }
 
