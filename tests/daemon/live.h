@@ -131,6 +131,14 @@ static inline void live_show_log(const live *l)
         fclose(file);
 }
 
+static inline void live_wait_for_file(const char *path)
+{
+    for (int i = 0; i < LIVE_PATIENCE_S * 50; i++, live_nap(20))
+        if (access(path, F_OK) == 0)
+            return;
+    fail_msg("%s does not appear", path);
+}
+
 /* True when the daemon's log holds this text. */
 static inline bool live_logged(const live *l, const char *text)
 {

@@ -19,6 +19,8 @@ static void a_scene_becomes_complete_on_the_panel(void **state)
     assert_true(live_number(&c, "status", NULL, "bytes") >= 96 * 128 * 3);
     assert_true(live_number(&c, "status", NULL, "missing") == 0);
     assert_true(live_number(&c, "status", NULL, "views") == 6);
+    /* not at the end, when a slow disk has what can be left out left out */
+    live_wait_for_file(lf_test_path(l.folder, "sim/quilt.png"));
     live_close(&c);
     assert_int_equal(live_stop(&l), 0);
     lf_image8 panel = {0};
@@ -26,7 +28,6 @@ static void a_scene_becomes_complete_on_the_panel(void **state)
     lf_assert_ok(lf_image8_read(l.panel, NULL, &panel, &err), &err);
     assert_int_equal(panel.width, 96);
     lf_image8_finish(&panel);
-    assert_int_equal(access(lf_test_path(l.folder, "sim/quilt.png"), F_OK), 0);
     live_finish(&l);
 }
 
