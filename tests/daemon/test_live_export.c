@@ -1,9 +1,5 @@
 /* Files that the daemon writes on request, and the panel compared with them. */
-#include "tests/daemon/live.h"
-
-#include "base/calibration.h"
-#include "base/image_io.h"
-#include "quilt/quilt.h"
+#include "tests/daemon/live_panel.h"
 
 static json_t *export_params(const char *kind, const char *file, bool overwrite)
 {
@@ -172,6 +168,11 @@ static double black(const char *path)
     return (double)dark / (double)n;
 }
 
+static void pause_it(live_client *c, int paused)
+{
+    assert_int_equal(live_code(c, "render.set", json_pack("{s:b}", "paused", paused)), 0);
+}
+
 /* There is light everywhere in this scene, but rows that were not visited yet have none of their
  * own. */
 static void an_export_of_a_coarse_picture_is_filled_as_the_screen_is(void **state)
@@ -186,8 +187,11 @@ static void an_export_of_a_coarse_picture_is_filled_as_the_screen_is(void **stat
     const char *end = "";
     bool coarse = false;
     for (int i = 0; i < 50 && !coarse; i++) {
+        pause_it(&c, 0);
         assert_int_equal(live_code(&c, "camera.orbit", json_pack("{s:i}", "yaw", 5)), 0);
         live_wait(&c, "coarse");
+        /* not on, to a complete one, while a slow disk takes its time */
+        pause_it(&c, 1);
         assert_int_equal(export_to(&c, "quilt", "q_qs5x9a0.75.png", true, &end), 0);
         assert_string_equal(end, "done");
         /* a picture that is coarse behind the export was so before */
@@ -348,39 +352,6 @@ static const char *find_quilt(const char *folder, const char *stem)
     return NULL;
 }
 
-/* How many bytes of the panel's last picture are not what interlacing the exported quilt gives. */
-static long count_differences(const live *l, const char *quilt_path)
-{
-    lf_calibration calibration;
-    lf_quilt_file quilt;
-    lf_interlacer *interlacer;
-    lf_image8 panel = {0}, expected = {0};
-    lf_error err;
-    lf_assert_ok(
-        lf_calibration_load(lf_test_path(l->folder, "sim/calibration.json"), &calibration, &err),
-        &err);
-    lf_assert_ok(lf_quilt_read(quilt_path, NULL, 0, 0, &quilt, &err), &err);
-    lf_assert_ok(lf_interlacer_create(&calibration, quilt.layout.n_views, quilt.layout.view_width,
-                                      quilt.layout.view_height, quilt.layout.aspect,
-                                      LF_FILTER_NEAREST, LF_INVERT_AUTO, &interlacer, &err),
-                 &err);
-    lf_assert_ok(lf_image8_init(&expected, 96, 128, 3), NULL);
-    lf_interlace(interlacer, &quilt.views8, &expected, NULL);
-    lf_assert_ok(lf_image8_read(l->panel, NULL, &panel, &err), &err);
-    long differences = 0;
-    for (int y = 0; y < 128; y++) {
-        for (size_t i = 0; i < 96 * 3; i++) {
-            differences += panel.data[(size_t)y * panel.stride + i] !=
-                           expected.data[(size_t)y * expected.stride + i];
-        }
-    }
-    lf_image8_finish(&panel);
-    lf_image8_finish(&expected);
-    lf_interlacer_destroy(interlacer);
-    lf_quilt_finish(&quilt);
-    return differences;
-}
-
 static void the_last_panel_is_the_exported_quilt_interlaced(void **state)
 {
     (void)state;
@@ -397,11 +368,12 @@ static void the_last_panel_is_the_exported_quilt_interlaced(void **state)
     assert_int_equal(live_code(&c, "render.set", json_pack("{s:b}", "paused", 1)), 0);
     assert_int_equal(export_to(&c, "quilt", "late.png", false, &end), 0);
     assert_string_equal(end, "done");
+    live_wait_for_panel(&l, find_quilt(l.exports, "late"));
     live_close(&c);
     assert_int_equal(live_stop(&l), 0);
-    assert_int_equal(count_differences(&l, find_quilt(l.exports, "late")), 0);
+    assert_int_equal(live_panel_differences(&l, find_quilt(l.exports, "late")), 0);
     /* the comparison can fail */
-    assert_true(count_differences(&l, find_quilt(l.exports, "early")) > 0);
+    assert_true(live_panel_differences(&l, find_quilt(l.exports, "early")) > 0);
     live_finish(&l);
 }
 
@@ -427,9 +399,10 @@ static void a_quilt_picture_is_shown_as_it_is(void **state)
     assert_int_equal(live_code(&c, "camera.orbit", json_pack("{s:i}", "yaw", 5)), -32000);
     assert_int_equal(export_to(&c, "panel", "woven.png", false, &end), 0);
     assert_string_equal(end, "done");
+    live_wait_for_panel(&l, quilt);
     live_close(&c);
     assert_int_equal(live_stop(&l), 0);
-    assert_int_equal(count_differences(&l, quilt), 0);
+    assert_int_equal(live_panel_differences(&l, quilt), 0);
     live_finish(&l);
 }
 
@@ -451,10 +424,10 @@ static void a_panel_with_faults_shows_the_picture_in_the_end(void **state)
         const char *end;
         assert_int_equal(export_to(&c, "quilt", "q.png", false, &end), 0);
         /* With every second push failing, the last one may still be on its way. */
-        live_nap(500);
+        live_wait_for_panel(&l, find_quilt(l.exports, "q"));
         live_close(&c);
         assert_int_equal(live_stop(&l), 0);
-        assert_int_equal(count_differences(&l, find_quilt(l.exports, "q")), 0);
+        assert_int_equal(live_panel_differences(&l, find_quilt(l.exports, "q")), 0);
         live_finish(&l);
     }
 }

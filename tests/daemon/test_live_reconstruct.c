@@ -1,10 +1,6 @@
 /* What a panel shows while the picture is reconstructed, against the same film from outside: an
  * export of it, by a fit of its own. */
-#include "tests/daemon/live.h"
-
-#include "base/calibration.h"
-#include "base/image_io.h"
-#include "quilt/quilt.h"
+#include "tests/daemon/live_panel.h"
 
 #define ON "on_qs3x2a0.75.png"
 #define OFF "off_qs3x2a0.75.png"
@@ -25,35 +21,9 @@ static void export_three(live_client *c)
     export_quilt(c, USUAL, NULL);
 }
 
-/* How many bytes of the panel's last picture are not what interlacing the quilt gives. */
-static long count_differences(const live *l, const char *file)
+static const char *exported(const live *l, const char *file)
 {
-    lf_calibration calibration;
-    lf_quilt_file quilt;
-    lf_interlacer *interlacer;
-    lf_image8 panel = {0}, expected = {0};
-    lf_error err;
-    lf_assert_ok(
-        lf_calibration_load(lf_test_path(l->folder, "sim/calibration.json"), &calibration, &err),
-        &err);
-    lf_assert_ok(lf_quilt_read(lf_test_path(l->exports, file), NULL, 0, 0, &quilt, &err), &err);
-    lf_assert_ok(lf_interlacer_create(&calibration, quilt.layout.n_views, quilt.layout.view_width,
-                                      quilt.layout.view_height, quilt.layout.aspect,
-                                      LF_FILTER_NEAREST, LF_INVERT_AUTO, &interlacer, &err),
-                 &err);
-    lf_assert_ok(lf_image8_init(&expected, 96, 128, 3), NULL);
-    lf_interlace(interlacer, &quilt.views8, &expected, NULL);
-    lf_assert_ok(lf_image8_read(l->panel, NULL, &panel, &err), &err);
-    long differences = 0;
-    for (int y = 0; y < 128; y++)
-        for (size_t i = 0; i < 96 * 3; i++)
-            differences += panel.data[(size_t)y * panel.stride + i] !=
-                           expected.data[(size_t)y * expected.stride + i];
-    lf_image8_finish(&panel);
-    lf_image8_finish(&expected);
-    lf_interlacer_destroy(interlacer);
-    lf_quilt_finish(&quilt);
-    return differences;
+    return lf_test_path(l->exports, file);
 }
 
 static void assert_shows(live_client *c, const char *picture)
@@ -104,11 +74,13 @@ static void the_panel_shows_the_reconstruction_of_the_film(void **state)
     pause_it(&c);
     export_three(&c);
     assert_shows(&c, "reconstructed");
+    live_wait_for_panel(&l, exported(&l, ON));
     live_close(&c);
     assert_int_equal(live_stop(&l), 0);
-    assert_int_equal(count_differences(&l, ON), 0);
-    assert_true(count_differences(&l, OFF) > 1000);
-    assert_int_equal(count_differences(&l, USUAL), count_differences(&l, OFF));
+    assert_int_equal(live_panel_differences(&l, exported(&l, ON)), 0);
+    assert_true(live_panel_differences(&l, exported(&l, OFF)) > 1000);
+    assert_int_equal(live_panel_differences(&l, exported(&l, USUAL)),
+                     live_panel_differences(&l, exported(&l, OFF)));
     live_finish(&l);
 }
 
@@ -128,12 +100,13 @@ static void it_is_switched_off_and_on_at_once(void **state)
         pause_it(&c);
         export_three(&c);
         assert_shows(&c, i > 0 ? "reconstructed" : "unfiltered");
+        live_wait_for_panel(&l, exported(&l, i > 0 ? ON : OFF));
         live_close(&c);
         assert_int_equal(live_stop(&l), 0);
-        assert_int_equal(count_differences(&l, i > 0 ? ON : OFF), 0);
-        assert_true(count_differences(&l, i > 0 ? OFF : ON) > 1000);
+        assert_int_equal(live_panel_differences(&l, exported(&l, i > 0 ? ON : OFF)), 0);
+        assert_true(live_panel_differences(&l, exported(&l, i > 0 ? OFF : ON)) > 1000);
         /* who says on gets files of it too */
-        assert_int_equal(count_differences(&l, USUAL), 0);
+        assert_int_equal(live_panel_differences(&l, exported(&l, USUAL)), 0);
         live_finish(&l);
     }
 }
@@ -159,9 +132,10 @@ static void begun_without_it_starts_over(void **state)
     pause_it(&c);
     export_quilt(&c, ON, "on");
     assert_shows(&c, "reconstructed");
+    live_wait_for_panel(&l, exported(&l, ON));
     live_close(&c);
     assert_int_equal(live_stop(&l), 0);
-    assert_int_equal(count_differences(&l, ON), 0);
+    assert_int_equal(live_panel_differences(&l, exported(&l, ON)), 0);
     live_finish(&l);
 }
 
