@@ -315,6 +315,10 @@ LF_NODISCARD lf_status lf_renderer_resolve(const lf_renderer *renderer, lf_estim
  * not while a pass is under way. LF_E_STATE: no features. LF_E_NOMEM; LF_E_CANCELLED: within 20 ms;
  * there is no fit then. */
 LF_NODISCARD lf_status lf_renderer_fit(lf_renderer *renderer, const lf_cancel *cancel);
+/* Whether the next fit begins with what the last one knew before the renderer was restarted with
+ * the same scene (the camera has moved): until one of a film with all rows visited was made, in
+ * which nothing is left of it. */
+bool lf_renderer_follows(const lf_renderer *renderer);
 /* A row of it, as lf_renderer_resolve_row; LF_E_STATE also where there is no fit: out is untouched.
  */
 lf_status lf_renderer_show_row(const lf_renderer *renderer, int row, float *out);

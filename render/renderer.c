@@ -99,8 +99,7 @@ static lf_status set_up(lf_renderer *r, lf_scene *scene, const lf_render_setting
     if (status == LF_OK) {
         const char *name = fresh.name;
         take_parts(r, &fresh);
-        lf_reconstruct_destroy(r->shown);
-        r->shown = NULL;
+        lf_renderer_retire_fit(r, scene, settings);
         lf_scene *old = r->scene;
         r->scene = lf_scene_ref(scene);
         r->settings = *settings;
@@ -140,7 +139,7 @@ void lf_renderer_destroy(lf_renderer *renderer)
     if (renderer->integrator)
         renderer->integrator->destroy(renderer->state);
     lf_film_finish(&renderer->film);
-    lf_reconstruct_destroy(renderer->shown);
+    lf_renderer_drop_fits(renderer);
     lf_geometry_unref(renderer->empty);
     lf_sunlight_destroy(renderer->sunlight);
     lf_scene_unref(renderer->scene);

@@ -1,6 +1,72 @@
 /* The reconstructed picture of a renderer's film. */
 #include "render/renderer.h"
-#include "render/rows/rig.h"
+
+#include <string.h>
+
+/* ------------------------------------------------------------------------------------- pasts -- */
+
+static void forget(lf_known_past *known)
+{
+    lf_past_destroy(known->past);
+    known->past = NULL;
+}
+
+static void take(lf_known_past *to, lf_known_past *from)
+{
+    forget(to);
+    *to = *from;
+    from->past = NULL;
+}
+
+void lf_renderer_drop_fits(lf_renderer *renderer)
+{
+    lf_reconstruct_destroy(renderer->shown);
+    renderer->shown = NULL;
+    forget(&renderer->before);
+    forget(&renderer->spare);
+}
+
+static bool shows_the_same(const lf_renderer *r, const lf_scene *scene,
+                           const lf_render_settings *settings)
+{
+    return r->scene && settings->features &&
+           lf_max_depth(scene, settings->max_depth) ==
+               lf_max_depth(r->scene, r->settings.max_depth) &&
+           memcmp(scene->origin, r->scene->origin, sizeof scene->origin) == 0 &&
+           json_equal(scene->subject, r->scene->subject);
+}
+
+/* What there is to know of the film, if there is more than of the one before it. */
+static void remember(lf_renderer *r)
+{
+    lf_known_past known = {.past = r->shown ? lf_past_of(r->shown) : NULL};
+    if (known.past && lf_rig_init(&known.rig, &r->settings, r->scene->origin, NULL) == LF_OK)
+        take(&r->spare, &known);
+    forget(&known);
+}
+
+void lf_renderer_retire_fit(lf_renderer *renderer, const lf_scene *scene,
+                            const lf_render_settings *settings)
+{
+    if (!shows_the_same(renderer, scene, settings)) {
+        lf_renderer_drop_fits(renderer);
+        return;
+    }
+    remember(renderer);
+    if (renderer->spare.past)
+        take(&renderer->before, &renderer->spare);
+    lf_reconstruct_destroy(renderer->shown);
+    renderer->shown = NULL;
+}
+
+/* ------------------------------------------------------------------------------------- fits -- */
+
+static void follow(const lf_renderer *r, const lf_rig *rig)
+{
+    lf_past_move move = {.view = lf_rig_view_between(rig, &r->before.rig)};
+    lf_rig_map_between(rig, &r->before.rig, move.map);
+    lf_reconstruct_follow(r->shown, r->before.past, &move);
+}
 
 static lf_status create(lf_renderer *renderer)
 {
@@ -13,7 +79,23 @@ static lf_status create(lf_renderer *renderer)
         shift[k] = rig.b[k] / rig.dx;
     const lf_reconstruct_view view = {rig.n_views, rig.width, rig.height, shift,
                                       rig.distance / rig.dx};
-    return lf_reconstruct_create(&view, renderer->pool, &renderer->shown);
+    status = lf_reconstruct_create(&view, renderer->pool, &renderer->shown);
+    if (status == LF_OK && renderer->before.past)
+        follow(renderer, &rig);
+    return status;
+}
+
+static bool is_whole(const lf_film *film)
+{
+    for (int row = 0; row < film->height; row++)
+        if (!lf_film_visited(film->rows[row].visits))
+            return false;
+    return true;
+}
+
+bool lf_renderer_follows(const lf_renderer *renderer)
+{
+    return renderer->before.past;
 }
 
 lf_status lf_renderer_fit(lf_renderer *renderer, const lf_cancel *cancel)
@@ -21,7 +103,19 @@ lf_status lf_renderer_fit(lf_renderer *renderer, const lf_cancel *cancel)
     if (!renderer->film.layout.has_features)
         return LF_E_STATE;
     lf_status status = renderer->shown ? LF_OK : create(renderer);
-    return status == LF_OK ? lf_reconstruct_fit(renderer->shown, &renderer->film, cancel) : status;
+    if (status != LF_OK)
+        return status;
+    const bool whole = is_whole(&renderer->film);
+    if (whole)
+        lf_reconstruct_follow(renderer->shown, NULL, NULL);
+    remember(renderer);
+    status = lf_reconstruct_fit(renderer->shown, &renderer->film, cancel);
+    if (status == LF_OK) {
+        forget(&renderer->spare);
+        if (whole)
+            forget(&renderer->before);
+    }
+    return status;
 }
 
 lf_status lf_renderer_show_row(const lf_renderer *renderer, int row, float *out)

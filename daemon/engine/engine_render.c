@@ -134,14 +134,23 @@ static const lf_interlacer *interlacer_now(lf_engine *engine)
     return engine->interlacer;
 }
 
-/* Whether there is to be another fit before the next frame. The first frame waits for none: it is
- * unfiltered, and the next follows at once. */
+/* Whether fits have the last one for a first guess: the camera has moved. */
+static bool fit_follows(const lf_engine *engine)
+{
+    return engine->picture.reconstructs && lf_renderer_follows(engine->renderer);
+}
+
+/* Whether there is to be another fit before the next frame. The first frame of a scene waits for
+ * none: it is unfiltered, and the next follows at once. A first guess is for an incomplete picture.
+ */
 static bool fit_is_due(const lf_engine *engine, bool final)
 {
     const engine_fit *fit = &engine->fit;
     if (!engine->renderer || !engine->picture.reconstructs || fit->passes == engine->spent.passes)
         return false;
-    return final || (fit->passes <= 0 && fit->may_begin) ||
+    bool follows = fit_follows(engine), first = fit->passes <= 0 && (fit->may_begin || follows),
+         last = follows && lf_picture_missing(&engine->picture) == 0;
+    return final || first || last ||
            (fit->passes > 0 && engine->spent.passes >= FIT_GROWTH * fit->passes &&
             (lf_time_now() - fit->at) * FIT_SHARE >= fit->cost);
 }
@@ -235,13 +244,13 @@ static bool frame_can_wait(lf_engine *engine)
 }
 
 /* Native samples for pixels that no shared path has reached: first so many that a coarse frame is
- * whole, then for all of them, until the picture is complete; a fit needs none of those. */
+ * whole, then for all of them, until the picture is complete; a fit needs none. */
 static int hole_reach(const lf_engine *engine, const lf_batch *batch)
 {
     if (engine->level >= LF_LEVEL_COMPLETE)
         return -1;
     if (batch->coarse)
-        return LF_COARSE_REACH;
+        return fit_follows(engine) ? -1 : LF_COARSE_REACH;
     return engine->picture.reconstructs ? -1 : 0;
 }
 

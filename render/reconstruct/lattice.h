@@ -86,6 +86,8 @@ struct lf_reconstruction {
     lf_pool *pool;
     lf_lattice level[LF_LEVELS];
     float cell_depth; /* of a finest cell, in pixels at the plane Z = D */
+    const lf_past *past;
+    lf_past_move move; /* to it; map: from cells to its cells */
     const struct lf_reconstruct_kernels *kernels;
     pthread_mutex_t lock;
     struct lf_reconstruct_scratch *scratch; /* under the lock: what nobody uses */

@@ -80,10 +80,12 @@ typedef enum lf_step {
     COARSEN,
     SOLVE,
     WEIGH,
+    WEIGH_PAST,
     WEIGH_RAW,
     COLLECT,
     SETTLE,
     TAKE,
+    TAKE_PAST,
     TAKE_RAW
 } lf_step;
 
@@ -124,6 +126,9 @@ static void run_band(void *context, int band, int worker)
     case WEIGH:
         lf_shrink_weigh(job->r, job->level, band);
         break;
+    case WEIGH_PAST:
+        lf_shrink_weigh_past(job->r, band);
+        break;
     case WEIGH_RAW:
         lf_shrink_weigh_raw(job->r, band);
         break;
@@ -135,6 +140,9 @@ static void run_band(void *context, int band, int worker)
         break;
     case TAKE:
         lf_shrink_take(job->r, job->level, band);
+        break;
+    case TAKE_PAST:
+        lf_shrink_take_past(job->r, band);
         break;
     case TAKE_RAW:
         lf_shrink_take_raw(job->r, band);
@@ -153,10 +161,16 @@ static lf_status run(lf_fit_job *job, lf_step step, int level)
     return atomic_load_explicit(&job->failed, memory_order_relaxed) ? LF_E_NOMEM : status;
 }
 
-typedef struct lf_fit_step {
-    lf_step step;
-    int level;
-} lf_fit_step;
+/* A step of the finest level, by the shares of the one above it. */
+static lf_status shrink_finest(lf_fit_job *job, lf_step weigh, lf_step take)
+{
+    lf_status status = run(job, weigh, 0);
+    if (status == LF_OK)
+        status = run(job, COLLECT, 1);
+    if (status == LF_OK)
+        status = run(job, SETTLE, 1);
+    return status == LF_OK ? run(job, take, 0) : status;
+}
 
 lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *film, const lf_cancel *cancel)
 {
@@ -173,10 +187,12 @@ lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *film, const lf
         for (int i = 0; i < 3 && status == LF_OK; i++)
             status = run(&job, steps[i], l);
     }
-    const lf_fit_step last[] = {{WEIGH, 0},     {COLLECT, 1}, {SETTLE, 1}, {TAKE, 0},
-                                {WEIGH_RAW, 0}, {COLLECT, 1}, {SETTLE, 1}, {TAKE_RAW, 0}};
-    for (size_t i = 0; i < sizeof last / sizeof last[0] && status == LF_OK; i++)
-        status = run(&job, last[i].step, last[i].level);
+    if (status == LF_OK)
+        status = shrink_finest(&job, WEIGH, TAKE);
+    if (status == LF_OK && r->past)
+        status = shrink_finest(&job, WEIGH_PAST, TAKE_PAST);
+    if (status == LF_OK)
+        status = shrink_finest(&job, WEIGH_RAW, TAKE_RAW);
     r->ready = status == LF_OK;
     return status;
 }

@@ -23,6 +23,7 @@
 #include "render/film/film.h"
 
 typedef struct lf_reconstruction lf_reconstruction;
+typedef struct lf_past lf_past;
 
 /* Where the views' pixels lie in the world that they share: the place of pixel column u of view k
  * along the epipolar line is u + shift[k] (nearness - 1). */
@@ -44,6 +45,24 @@ LF_NODISCARD lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *f
                                           const lf_cancel *cancel);
 /* Whether the last fit came to its end. */
 bool lf_reconstruct_ready(const lf_reconstruction *r);
+
+/* What the last fit knows of the world, without its moments: a copy, for a reconstruction of the
+ * same scene by another rig. NULL: there is no fit, or no memory. */
+lf_past *lf_past_of(const lf_reconstruction *r);
+/* Accepts NULL. */
+void lf_past_destroy(lf_past *past);
+
+/* How the rig of a past saw what is seen now. */
+typedef struct lf_past_move {
+    /* (column, row, nearness, 1) of what lies before the middle camera -> the same for the past's,
+     * times what is in the last place; rows first */
+    double map[4][4];
+    float view; /* whoever is at x of the width of the view cone was at x + view of the past's */
+} lf_past_move;
+
+/* Fits from now on have a past for a first guess, as far as both halves agree with it. NULL, NULL:
+ * they have none. past is borrowed for as long; move is copied. */
+void lf_reconstruct_follow(lf_reconstruction *r, const lf_past *past, const lf_past_move *move);
 
 /* The answer of one row of all views from the last fit and what the film holds of the row now. out
  * [view][column][3]. LF_E_STATE, and out untouched: there is no fit, or the row was never visited.

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "render/reconstruct/past.h"
+
 /* Shares of N/W below it are chance. */
 #define RAW_THRESHOLD 0.15f
 #define EPSILON 1e-2
@@ -159,6 +161,24 @@ static double importance(const lf_cell *cell, const lf_plane *x, int c)
     return q / (radiance * radiance + EPSILON);
 }
 
+/* What steps away from x are worth in a cell. */
+static void weigh(lf_cell *cell, lf_plane x[LF_VARIANTS][3], lf_plane step[LF_VARIANTS][3])
+{
+    double agreed = 0.0, total = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double g = importance(cell, &x[LF_BOTH][c], c);
+        for (int h = 0; h < 2; h++) {
+            const lf_moments *m = &cell->half[h][1 - h];
+            lf_plane n = found(m, c), wx = apply(m, &x[h][c]), off = minus(&n, &wx),
+                     w = apply(&cell->half[h][h], &step[LF_BOTH][c]);
+            agreed += g * dot(&step[h][c], &off);
+            total += g * dot(&step[LF_BOTH][c], &w);
+        }
+    }
+    cell->agreed = (float)agreed;
+    cell->total = (float)total;
+}
+
 void lf_shrink_weigh(lf_reconstruction *r, int level, int number)
 {
     lf_band *band = &r->level[level].bands[number];
@@ -166,25 +186,35 @@ void lf_shrink_weigh(lf_reconstruction *r, int level, int number)
         lf_cell *cell = &band->cells[i];
         lf_above above;
         lf_guess guess;
-        double agreed = 0.0, total = 0.0;
+        lf_plane step[LF_VARIANTS][3];
         find_above(r, level, number, cell, &above);
         predict(&above, &guess);
-        for (int c = 0; c < 3; c++) {
-            double g = importance(cell, &guess.x[LF_BOTH][c], c);
-            for (int h = 0; h < 2; h++) {
-                const lf_moments *m = &cell->half[h][1 - h];
-                lf_plane step = step_of(cell, &guess, h, c), n = found(m, c),
-                         wx = apply(m, &guess.x[h][c]), off = minus(&n, &wx);
-                agreed += g * dot(&step, &off);
-            }
-            lf_plane step = step_of(cell, &guess, LF_BOTH, c);
-            for (int h = 0; h < 2; h++) {
-                lf_plane w = apply(&cell->half[h][h], &step);
-                total += g * dot(&step, &w);
-            }
-        }
-        cell->agreed = (float)agreed;
-        cell->total = (float)total;
+        for (int v = 0; v < LF_VARIANTS; v++)
+            for (int c = 0; c < 3; c++)
+                step[v][c] = step_of(cell, &guess, v, c);
+        weigh(cell, guess.x, step);
+    }
+}
+
+/* The step from a cell's nodes to the past; none where either knows nothing. */
+static void find_step_to_past(const lf_reconstruction *r, int number, const lf_cell *cell,
+                              lf_plane step[LF_VARIANTS][3])
+{
+    lf_plane past[3];
+    bool known = lf_past_recall(r, number, cell, past);
+    memset(step, 0, LF_VARIANTS * sizeof *step);
+    for (int v = 0; v < LF_VARIANTS; v++)
+        for (int c = 0; c < 3 && known && cell->filled[v]; c++)
+            step[v][c] = minus(&past[c], &cell->node[v][c]);
+}
+
+void lf_shrink_weigh_past(lf_reconstruction *r, int number)
+{
+    lf_band *band = &r->level[0].bands[number];
+    for (int i = 0; i < band->n; i++) {
+        lf_plane step[LF_VARIANTS][3];
+        find_step_to_past(r, number, &band->cells[i], step);
+        weigh(&band->cells[i], band->cells[i].node, step);
     }
 }
 
@@ -282,6 +312,22 @@ void lf_shrink_take(lf_reconstruction *r, int level, int number)
             }
             cell->filled[v] = cell->filled[v] || guess.known[v];
         }
+    }
+}
+
+void lf_shrink_take_past(lf_reconstruction *r, int number)
+{
+    lf_band *band = &r->level[0].bands[number];
+    for (int i = 0; i < band->n; i++) {
+        lf_cell *cell = &band->cells[i];
+        lf_above above;
+        lf_plane step[LF_VARIANTS][3];
+        find_above(r, 0, number, cell, &above);
+        find_step_to_past(r, number, cell, step);
+        float share = share_above(&above);
+        for (int v = 0; v < LF_VARIANTS; v++)
+            for (int c = 0; c < 3; c++)
+                add_scaled(&cell->node[v][c], &step[v][c], share);
     }
 }
 

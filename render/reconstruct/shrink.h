@@ -19,14 +19,18 @@
  *
  * 1. What the step of each cell from the level above to this one is worth. */
 void lf_shrink_weigh(lf_reconstruction *r, int level, int number);
+/* The same of the step from the finest level to what the past says, which is the same for both
+ * halves and knows the noise of neither. */
+void lf_shrink_weigh_past(lf_reconstruction *r, int number);
 /* The same of the step from the finest level to N/W. */
 void lf_shrink_weigh_raw(lf_reconstruction *r, int number);
 /* For level 1: takes what its cells' children have found in place of its own. */
 void lf_shrink_collect(lf_reconstruction *r, int number);
 /* 2. The share of it that is taken, from the cells around. */
 void lf_shrink_settle(lf_reconstruction *r, int level, int number);
-/* 3. Takes it. The finest level and N/W go by the shares of level 1. */
+/* 3. Takes it. The finest level, the past and N/W go by the shares of level 1. */
 void lf_shrink_take(lf_reconstruction *r, int level, int number);
+void lf_shrink_take_past(lf_reconstruction *r, int number);
 void lf_shrink_take_raw(lf_reconstruction *r, int number);
 
 #endif

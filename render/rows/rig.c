@@ -124,3 +124,52 @@ void lf_rig_row_plane(const lf_rig *rig, float v, const float u_lens[2], lf_row_
     }
     out->my = yw / rig->distance - out->ly / rig->focus;
 }
+
+/* (X, Y, Z, 1) in the camera space of `from` -> in that of `to`. */
+static void find_pose(const lf_rig *from, const lf_rig *to, double out[3][4])
+{
+    const lf_vec3 old[3] = {from->right, from->up, from->forward},
+                  axis[3] = {to->right, to->up, to->forward}, away = lf_sub(from->eye, to->eye);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++)
+            out[i][j] = (double)lf_dot(axis[i], old[j]);
+        out[i][3] = (double)lf_dot(axis[i], away);
+    }
+}
+
+void lf_rig_map_between(const lf_rig *from, const lf_rig *to, double out[4][4])
+{
+    /* (X_w, Y_w, D, D/Z) is a point's (X, Y, Z, 1) times D/Z. */
+    const double there[4][4] = {{(double)from->dx, 0.0, 0.0, (double)from->x0},
+                                {0.0, (double)from->dy, 0.0, (double)from->y0},
+                                {0.0, 0.0, 0.0, (double)from->distance},
+                                {0.0, 0.0, 1.0, 0.0}};
+    double pose[3][4], here[4];
+    find_pose(from, to, pose);
+    for (int j = 0; j < 4; j++) {
+        for (int i = 0; i < 3; i++) {
+            here[i] = 0.0;
+            for (int k = 0; k < 4; k++)
+                here[i] += pose[i][k] * there[k][j];
+        }
+        here[3] = there[3][j];
+        double d = (double)to->distance;
+        out[0][j] = (d * here[0] - (double)to->x0 * here[2]) / (double)to->dx;
+        out[1][j] = (d * here[1] - (double)to->y0 * here[2]) / (double)to->dy;
+        out[2][j] = d * here[3];
+        out[3][j] = here[2];
+    }
+}
+
+float lf_rig_view_between(const lf_rig *from, const lf_rig *to)
+{
+    double pose[3][4], d = (double)from->distance, n = to->n_views,
+                       width = (double)to->b[to->n_views - 1] - (double)to->b[0];
+    find_pose(from, to, pose);
+    /* the middle of the window is d of the view axis away from the eye */
+    double x = d * pose[0][2], z = d * pose[2][2];
+    if (!(width > 0.0) || !(z > 0.0))
+        return 0.0f;
+    double b = pose[0][3] - pose[2][3] * x / z;
+    return (float)(b * (n - 1.0) / (width * n));
+}

@@ -61,6 +61,14 @@ static inline float lf_nearness(float distance, float z)
     return y < LF_NEARNESS_MAX ? y : LF_NEARNESS_MAX;
 }
 
+/* out: (column, row, nearness D/Z, 1) of what lies before the middle of `from`, columns and rows in
+ * film coordinates -> the same as seen from the middle of `to`, times Z there; rows first. */
+void lf_rig_map_between(const lf_rig *from, const lf_rig *to, double out[4][4]);
+
+/* Where the line from the middle of from's window through its eye meets the cameras of `to`: from
+ * their middle, over what n_views of them take up; 0 where it does not. */
+float lf_rig_view_between(const lf_rig *from, const lf_rig *to);
+
 static inline lf_vec3 lf_rig_point(const lf_rig *rig, float x, float y, float z)
 {
     return lf_madd(lf_madd(lf_madd(rig->eye, x, rig->right), y, rig->up), z, rig->forward);
