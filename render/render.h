@@ -399,8 +399,10 @@ double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimat
                                double *out_estimate);
 /* The same of the reconstructed picture by the last fit: x what lf_renderer_show_row answers, with
  * the bias that it shares with its neighbours. Both are negative while there is no fit, or a row
- * has not been seen by both halves. docs/reconstruct.md, "How far off it is". */
-double lf_renderer_shown_error(const lf_renderer *renderer, double alpha, double *out_estimate);
+ * has not been seen by both halves, or when it was cancelled (NULL: never).
+ * docs/reconstruct.md, "How far off it is". */
+double lf_renderer_shown_error(const lf_renderer *renderer, double alpha, double *out_estimate,
+                               const lf_cancel *cancel);
 
 /* Not while a pass or a resolve is under way: it reads what workers count and what resolving a row
  * leaves behind. */

@@ -20,8 +20,8 @@ struct lf_renderer {
     struct lf_sunlight *sunlight; /* made by the first pass whose film has features; NULL: none */
     lf_film film;
     lf_reconstruction *shown; /* NULL until it is asked for; of this film's shape and rig */
-    lf_known_past before; /* of an earlier film; until every row of this one has been fitted */
-    lf_known_past spare;  /* of this one, while it is fitted again: that may be cancelled */
+    lf_known_past before;     /* of an earlier film; until every row of this one has been fitted */
+    lf_known_past spare;      /* of this one, while it is fitted again: that may be cancelled */
     const lf_integrator *integrator;
     void *state;      /* its own */
     int visit_passes; /* passes in a visit of the offline schedule */

@@ -71,11 +71,12 @@ double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimat
     return bound;
 }
 
-double lf_renderer_shown_error(const lf_renderer *renderer, double alpha, double *out_estimate)
+double lf_renderer_shown_error(const lf_renderer *renderer, double alpha, double *out_estimate,
+                               const lf_cancel *cancel)
 {
     if (out_estimate)
         *out_estimate = -1.0;
-    return renderer->shown
-               ? lf_reconstruct_error(renderer->shown, &renderer->film, 0.5 * alpha, out_estimate)
-               : -1.0;
+    return renderer->shown ? lf_reconstruct_error(renderer->shown, &renderer->film, 0.5 * alpha,
+                                                  out_estimate, cancel)
+                           : -1.0;
 }

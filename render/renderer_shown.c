@@ -108,7 +108,8 @@ lf_status lf_renderer_fit(lf_renderer *renderer, const lf_cancel *cancel)
     const bool whole = is_whole(&renderer->film);
     if (whole)
         lf_reconstruct_follow(renderer->shown, NULL, NULL);
-    remember(renderer);
+    if (cancel)
+        remember(renderer);
     status = lf_reconstruct_fit(renderer->shown, &renderer->film, cancel);
     if (status == LF_OK) {
         forget(&renderer->spare);

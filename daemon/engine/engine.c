@@ -142,6 +142,8 @@ void engine_publish(lf_engine *engine)
                    : -1,
         .error_estimate = engine->look.stats.rel_mse_estimate,
         .error_bound = engine->look.error_bound,
+        .shown_error = engine->look.shown_error,
+        .shown_error_bound = engine->look.shown_bound,
         .missing = engine->renderer ? lf_picture_missing(&engine->picture) : 0,
         .threads = lf_pool_threads(engine->pool),
         .frames = engine->frames.n,

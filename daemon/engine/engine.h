@@ -43,7 +43,8 @@ typedef struct lf_engine_status {
     double spp, error_estimate; /* mean native samples a view pixel; < 0 = not known */
     /* of the relMSE, at the last look (95 %); < 0 = the estimate was never below the target */
     double error_bound;
-    int64_t missing; /* view pixels not found yet */
+    double shown_error, shown_error_bound; /* the same of what is shown, when it is reconstructed */
+    int64_t missing;                       /* view pixels not found yet */
     int threads;
     uint64_t frames;       /* composed so far */
     bool reconstructed;    /* what they are made of; else the unfiltered answer */

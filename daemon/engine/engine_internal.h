@@ -52,11 +52,12 @@ typedef struct engine_spent {
     double passes, seconds, cpu_seconds;
 } engine_spent;
 
-/* Counters and the error bound (< 0 = none), when they were last looked at, what that took. */
+/* Counters and error bounds (< 0 = none), when they were last looked at, what that took. */
 typedef struct engine_look {
     lf_render_stats stats;
     double at, cost, views_at;
     double error_bound, bound_passes; /* after how many passes */
+    double shown_error, shown_bound;  /* of the reconstructed picture; < 0 = not known */
 } engine_look;
 
 /* The last fit that rows are shown by: after how many passes (0 = there is none), when it was shown

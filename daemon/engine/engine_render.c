@@ -36,14 +36,23 @@ static double batch_seconds(const lf_engine *engine)
     return engine->level < LF_LEVEL_COMPLETE ? BATCH_SECONDS : BATCH_SECONDS_COMPLETE;
 }
 
+static void look_at_shown(lf_engine *engine)
+{
+    engine->look.shown_error = engine->look.shown_bound = -1;
+    if (engine->fit.passes > 0)
+        engine->look.shown_bound = lf_renderer_shown_error(
+            engine->renderer, LF_ERROR_ALPHA, &engine->look.shown_error, &engine->cancel);
+}
+
 static void update_stats(lf_engine *engine, bool now)
 {
     double start = lf_time_now();
     if (!engine->renderer || (!now && (start - engine->look.at) * STATS_SHARE < engine->look.cost))
         return;
     if (engine->picture.reconstructs)
-        lf_picture_estimate(&engine->picture, engine->pool);
+        lf_picture_estimate(&engine->picture, engine->pool, &engine->cancel);
     lf_renderer_stats(engine->renderer, &engine->look.stats);
+    look_at_shown(engine);
     engine->look.at = lf_time_now();
     engine->look.cost = engine->look.at - start;
 }
@@ -156,7 +165,7 @@ static bool fit_is_due(const lf_engine *engine, bool final)
 }
 
 /* A fit to what there is now, and all rows by it. */
-static lf_status fit(lf_engine *engine)
+static lf_status fit(lf_engine *engine, bool final)
 {
     double start = lf_time_now(), cpu = lf_time_cpu();
     lf_status status = lf_renderer_fit(engine->renderer, &engine->cancel);
@@ -170,6 +179,8 @@ static lf_status fit(lf_engine *engine)
     }
     if (status == LF_OK)
         status = lf_picture_resolve(&engine->picture, engine->pool, &engine->cancel);
+    if (status == LF_OK && final)
+        look_at_shown(engine);
     engine->fit.at = lf_time_now();
     engine->fit.cost = engine->fit.at - start;
     lf_log(LF_LOG_DEBUG, "%.2f passes: fitted and shown in %.3f + %.3f CPU seconds, %.3f s",
@@ -180,7 +191,7 @@ static lf_status fit(lf_engine *engine)
 static void post_frame(lf_engine *engine, bool final)
 {
     engine->owed = false;
-    if (fit_is_due(engine, final) && fit(engine) != LF_OK)
+    if (fit_is_due(engine, final) && fit(engine, final) != LF_OK)
         return;
     engine->fit.may_begin = true;
     engine->frames.at = lf_time_now();
@@ -201,6 +212,7 @@ static void post_frame(lf_engine *engine, bool final)
     frame->generation = engine->generation;
     frame->level = engine->level;
     frame->passes = engine->spent.passes;
+    frame->reconstructed = engine->renderer && engine->fit.passes > 0;
     frame->columns = engine->content->layout.columns;
     frame->rows = engine->content->layout.rows;
     frame->panel = engine->now.panel.number;
@@ -455,7 +467,7 @@ static void start_over(lf_engine *engine)
     engine->level = LF_LEVEL_NONE;
     engine->spent.passes = engine->spent.seconds = engine->spent.cpu_seconds = 0;
     engine->look.stats = (lf_render_stats){.rel_mse_estimate = -1};
-    engine->look.error_bound = -1;
+    engine->look.error_bound = engine->look.shown_error = engine->look.shown_bound = -1;
     engine->look.bound_passes = 0;
     engine->look.at = 0;
     engine->fit = (engine_fit){0};

@@ -25,10 +25,11 @@ typedef struct lf_frame {
     int64_t generation;
     lf_level level;
     double passes;
-    int columns, rows; /* tiles of its quilt */
-    uint64_t panel;    /* number of the panel it was interlaced for */
-    lf_image8 image;   /* data NULL: there was no panel to interlace for */
-    uint64_t against;  /* number of the frame that rects were computed against; 0 = none */
+    bool reconstructed; /* else unfiltered, or a finished picture */
+    int columns, rows;  /* tiles of its quilt */
+    uint64_t panel;     /* number of the panel it was interlaced for */
+    lf_image8 image;    /* data NULL: there was no panel to interlace for */
+    uint64_t against;   /* number of the frame that rects were computed against; 0 = none */
     int n_rects;
     lf_rect rects[LF_FRAME_MAX_RECTS];
     bool has_views; /* the views behind it lie in the mailbox's views buffer */

@@ -159,9 +159,9 @@ static void estimate_row(void *context, int row, int worker)
     (void)lf_renderer_resolve_row(picture->renderer, picture->estimator, row, linear, NULL);
 }
 
-void lf_picture_estimate(lf_picture *picture, lf_pool *pool)
+void lf_picture_estimate(lf_picture *picture, lf_pool *pool, const lf_cancel *cancel)
 {
-    (void)!lf_pool_run(pool, picture->height, estimate_row, picture, NULL);
+    (void)!lf_pool_run(pool, picture->height, estimate_row, picture, cancel);
 }
 
 lf_status lf_picture_retone(lf_picture *picture, const lf_film_settings *film, lf_pool *pool,

@@ -100,7 +100,7 @@ static lf_status look(run *r, double *out_estimate, double *out_bound)
     *out_bound = -1;
     if (!(target > 0)) {
         lf_status status = lf_renderer_fit(r->renderer, r->cancel);
-        *out_bound = lf_renderer_shown_error(r->renderer, alpha, out_estimate);
+        *out_bound = lf_renderer_shown_error(r->renderer, alpha, out_estimate, NULL);
         return status;
     }
     /* the estimate is a by-product of the answer */
@@ -188,7 +188,7 @@ static json_t *real_or_null(double value)
 static void set_errors(json_t *object, const lf_render_report *report, double resolved)
 {
     double error, shown,
-        shown_bound = lf_renderer_shown_error(report->renderer, LF_ERROR_ALPHA, &shown),
+        shown_bound = lf_renderer_shown_error(report->renderer, LF_ERROR_ALPHA, &shown, NULL),
         bound =
             lf_renderer_error_bound(report->renderer, report->estimator, LF_ERROR_ALPHA, &error);
     json_object_set_new(object, "rel_mse_estimate", real_or_null(resolved));

@@ -84,6 +84,8 @@ static void add_engine(lf_server *server, json_t *status)
         "paused", controls.paused, "reconstruct", now.reconstructed ? "on" : "off");
     json_object_update(status, more);
     json_decref(more);
+    json_object_set_new(status, "shown_error", known_or_null(now.shown_error));
+    json_object_set_new(status, "shown_error_bound", known_or_null(now.shown_error_bound));
     json_object_set_new(status, "exposure",
                         json_pack("{s:f, s:b, s:s}", "stops", now.film.exposure, "auto",
                                   now.film.auto_exposure, "tonemap",
@@ -100,7 +102,7 @@ void lf_method_status(lf_call *call)
     json_t *more = json_pack(
         "{s:{s:I, s:s, s:s}, s:o, s:I, s:I, s:I, s:i, s:i, s:o, s:f}", "shown", "generation",
         (json_int_t)server->shown_generation, "level", lf_level_name(server->shown_level),
-        "picture", server->last.reconstructed ? "reconstructed" : "unfiltered", "device",
+        "picture", server->shown_reconstructed ? "reconstructed" : "unfiltered", "device",
         lf_server_device_json(server), "updates", (json_int_t)counters.updates, "bytes",
         (json_int_t)counters.bytes, "device_errors", (json_int_t)counters.errors, "loading",
         lf_loader_pending(server->loader), "clients", lf_clients_count(server->clients), "jobs",

@@ -123,6 +123,7 @@ struct lf_server {
     lf_engine_status last; /* as last seen */
     int64_t shown_generation;
     lf_level shown_level;
+    bool shown_reconstructed;
     lf_wait *waits;
     lf_job *jobs;
     int64_t n_jobs;
@@ -178,7 +179,8 @@ void lf_server_was_reset(lf_server *server);
 /* The engine has posted a frame or changed its state. */
 int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *context);
 /* A frame is shown: answers waits, tells subscribers. */
-void lf_server_shown(lf_server *server, int64_t generation, lf_level level, double passes);
+void lf_server_shown(lf_server *server, int64_t generation, lf_level level, double passes,
+                     bool reconstructed);
 /* Queues a load with the options and the panel there are now, behind the scene of the command line;
  * deferred may be NULL. */
 void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred);

@@ -83,9 +83,10 @@ static void on_lens(void *context, const lf_calibration *calibration, uint64_t p
         lf_server_load(server, load, NULL);
 }
 
-static void on_shown(void *context, int64_t generation, lf_level level, double passes)
+static void on_shown(void *context, int64_t generation, lf_level level, double passes,
+                     bool reconstructed)
 {
-    lf_server_shown(context, generation, level, passes);
+    lf_server_shown(context, generation, level, passes, reconstructed);
 }
 
 static void on_pressed(void *context, lf_button button)

@@ -138,11 +138,13 @@ void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation
     answer_waits(server);
 }
 
-void lf_server_shown(lf_server *server, int64_t generation, lf_level level, double passes)
+void lf_server_shown(lf_server *server, int64_t generation, lf_level level, double passes,
+                     bool reconstructed)
 {
     bool news = generation != server->shown_generation || level != server->shown_level;
     server->shown_generation = generation;
     server->shown_level = level;
+    server->shown_reconstructed = reconstructed;
     lf_server_notify(server, LF_EVENT_FRAME, "frame",
                      json_pack("{s:I, s:s, s:f}", "generation", (json_int_t)generation, "level",
                                lf_level_name(level), "passes", passes));

@@ -33,7 +33,8 @@ typedef struct lf_show_events {
     void (*lens)(void *context, const lf_calibration *calibration, uint64_t panel, bool views,
                  bool is_new);
     /* A frame is on the panel. */
-    void (*shown)(void *context, int64_t generation, lf_level level, double passes);
+    void (*shown)(void *context, int64_t generation, lf_level level, double passes,
+                  bool reconstructed);
     /* A button of the panel was pressed. */
     void (*pressed)(void *context, lf_button button);
 } lf_show_events;

@@ -28,6 +28,7 @@ typedef struct lf_push {
     lf_level level; /* of the frame under way */
     int64_t generation;
     double passes;
+    bool reconstructed;
 } lf_push;
 
 /* What is being opened. */

@@ -15,7 +15,8 @@ void lf_show_dispatch(lf_show *show)
     case LF_DEVICE_READY:
         if (push->state == LF_PUSH_BUSY) {
             push->state = LF_PUSH_CHANGES;
-            show->events.shown(show->context, push->generation, push->level, push->passes);
+            show->events.shown(show->context, push->generation, push->level, push->passes,
+                               push->reconstructed);
         }
         break;
     case LF_DEVICE_BUSY:
@@ -63,7 +64,8 @@ static int rects_for(lf_show *show, const lf_frame *frame, lf_rect *rects)
 static void tell_shown(lf_show *show, const lf_frame *frame)
 {
     lf_mailbox_shown(show->home.mailbox);
-    show->events.shown(show->context, frame->generation, frame->level, frame->passes);
+    show->events.shown(show->context, frame->generation, frame->level, frame->passes,
+                       frame->reconstructed);
 }
 
 static void push(lf_show *show, const lf_frame *frame)
@@ -91,7 +93,8 @@ static void push(lf_show *show, const lf_frame *frame)
     show->push = (lf_push){.state = LF_PUSH_BUSY,
                            .generation = frame->generation,
                            .level = frame->level,
-                           .passes = frame->passes};
+                           .passes = frame->passes,
+                           .reconstructed = frame->reconstructed};
     lf_show_dispatch(show);
 }
 

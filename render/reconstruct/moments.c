@@ -4,7 +4,8 @@
 #include <string.h>
 
 /* What a row's halves hold of one pixel. A row that one half alone has visited counts as a half by
- * its parity: its features stand for both. */
+ * its place, one row with the next and, where one row of each cell was visited, one cell with the
+ * next: its features stand for both. */
 typedef struct lf_row_halves {
     const lf_film_scattered *scattered[2]; /* NULL: nothing */
     const float *q[2];
@@ -17,7 +18,7 @@ static lf_row_halves halves_of(const lf_film *film, int row)
     lf_row_halves out = {.n = {0}};
     bool alone = !(state->n[0] > 0.0 && state->n[1] > 0.0);
     for (int h = 0; h < 2; h++) {
-        int as = alone ? row % 2 : h;
+        int as = alone ? (row + row / LF_CELL_SIDE) % 2 : h;
         if (!(state->n[h] > 0.0))
             continue;
         const lf_film_half half = lf_film_at(film, row, h);

@@ -84,6 +84,7 @@ typedef enum lf_step {
     WEIGH_RAW,
     COLLECT,
     SETTLE,
+    SETTLE_RAW,
     TAKE,
     TAKE_PAST,
     TAKE_RAW
@@ -138,6 +139,9 @@ static void run_band(void *context, int band, int worker)
     case SETTLE:
         lf_shrink_settle(job->r, job->level, band);
         break;
+    case SETTLE_RAW:
+        lf_shrink_settle_raw(job->r, band);
+        break;
     case TAKE:
         lf_shrink_take(job->r, job->level, band);
         break;
@@ -162,13 +166,13 @@ static lf_status run(lf_fit_job *job, lf_step step, int level)
 }
 
 /* A step of the finest level, by the shares of the one above it. */
-static lf_status shrink_finest(lf_fit_job *job, lf_step weigh, lf_step take)
+static lf_status shrink_finest(lf_fit_job *job, lf_step weigh, lf_step settle, lf_step take)
 {
     lf_status status = run(job, weigh, 0);
     if (status == LF_OK)
         status = run(job, COLLECT, 1);
     if (status == LF_OK)
-        status = run(job, SETTLE, 1);
+        status = run(job, settle, 1);
     return status == LF_OK ? run(job, take, 0) : status;
 }
 
@@ -188,11 +192,11 @@ lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *film, const lf
             status = run(&job, steps[i], l);
     }
     if (status == LF_OK)
-        status = shrink_finest(&job, WEIGH, TAKE);
+        status = shrink_finest(&job, WEIGH, SETTLE, TAKE);
     if (status == LF_OK && r->past)
-        status = shrink_finest(&job, WEIGH_PAST, TAKE_PAST);
+        status = shrink_finest(&job, WEIGH_PAST, SETTLE, TAKE_PAST);
     if (status == LF_OK)
-        status = shrink_finest(&job, WEIGH_RAW, TAKE_RAW);
+        status = shrink_finest(&job, WEIGH_RAW, SETTLE_RAW, TAKE_RAW);
     r->ready = status == LF_OK;
     return status;
 }

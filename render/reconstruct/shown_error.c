@@ -186,12 +186,12 @@ static double chosen_by_chance(const lf_reconstruction *r, const lf_film *film)
 }
 
 double lf_reconstruct_error(lf_reconstruction *r, const lf_film *film, double alpha,
-                            double *out_estimate)
+                            double *out_estimate, const lf_cancel *cancel)
 {
     lf_error_job job = {.r = r, .film = film};
     double bound = -1.0, estimate = -1.0;
     job.rows = r->ready ? lf_calloc((size_t)film->height, sizeof *job.rows) : NULL;
-    if (job.rows && lf_pool_run(r->pool, film->height, run_row, &job, NULL) == LF_OK &&
+    if (job.rows && lf_pool_run(r->pool, film->height, run_row, &job, cancel) == LF_OK &&
         !job.unknown)
         bound = lf_shown_error_bound(job.rows, film->height, chosen_by_chance(r, film), alpha,
                                      &estimate);

@@ -18,8 +18,9 @@ double lf_shown_error_bound(const lf_shown_row *rows, int n, double chosen, doub
                             double *out_estimate);
 
 /* The same of the rows of a film by the last fit, on the pool. Negative, and *out_estimate too:
- * there is no fit, a half has not visited a row, or no memory. Not while rows are visited. */
+ * there is no fit, a half has not visited a row, no memory, or it was cancelled. Not while rows are
+ * visited. */
 double lf_reconstruct_error(lf_reconstruction *r, const lf_film *film, double alpha,
-                            double *out_estimate);
+                            double *out_estimate, const lf_cancel *cancel);
 
 #endif

@@ -5,8 +5,8 @@
 
 #include "render/reconstruct/past.h"
 
-/* Shares of N/W below it are chance. */
-#define RAW_THRESHOLD 0.15f
+/* N/W is noise until the halves' agreement is beyond so many of its standard deviations. */
+#define RAW_DOUBT 2.0f
 #define EPSILON 1e-2
 
 /* ----------------------------------------------------------------------------------- planes -- */
@@ -261,28 +261,58 @@ void lf_shrink_collect(lf_reconstruction *r, int number)
     }
 }
 
-void lf_shrink_settle(lf_reconstruction *r, int level, int number)
+/* The n-th of the 27 cells around one, NULL: there is none; what it counts. */
+static const lf_cell *around(const lf_lattice *l, int number, const lf_cell *cell, int n,
+                             float *weight)
 {
-    const lf_lattice *l = &r->level[level];
+    int du = n % 3 - 1, dz = n / 3 % 3 - 1, dv = n / 9 - 1, v = number + dv;
+    int at = v >= 0 && v < l->n_bands ? lf_band_find(&l->bands[v], cell->u + du, cell->z + dz) : -1;
+    *weight = (dv ? 0.5f : 1.0f) * (dz ? 0.5f : 1.0f) * (du ? 0.5f : 1.0f);
+    return at >= 0 ? &l->bands[v].cells[at] : NULL;
+}
+
+/* The standard deviation of what the cells around agree on, by how much they differ. */
+static float deviation(const lf_lattice *l, int number, const lf_cell *cell, float share)
+{
+    float variance = 0.0f, weight;
+    for (int n = 0; n < 27; n++) {
+        const lf_cell *other = around(l, number, cell, n, &weight);
+        float off = other ? weight * (other->agreed - share * other->total) : 0.0f;
+        variance += off * off;
+    }
+    return sqrtf(variance);
+}
+
+/* doubt: how many standard deviations of what is agreed on count as chance. */
+static void settle(const lf_lattice *l, int number, float doubt)
+{
     lf_band *band = &l->bands[number];
     for (int i = 0; i < band->n; i++) {
         lf_cell *cell = &band->cells[i];
-        float agreed = 0.0f, total = 0.0f;
+        float agreed = 0.0f, total = 0.0f, weight;
         for (int n = 0; n < 27; n++) {
-            int du = n % 3 - 1, dz = n / 3 % 3 - 1, dv = n / 9 - 1, v = number + dv;
-            int at = v >= 0 && v < l->n_bands
-                         ? lf_band_find(&l->bands[v], cell->u + du, cell->z + dz)
-                         : -1;
-            float weight = (dv ? 0.5f : 1.0f) * (dz ? 0.5f : 1.0f) * (du ? 0.5f : 1.0f);
-            agreed += at >= 0 ? weight * l->bands[v].cells[at].agreed : 0.0f;
-            total += at >= 0 ? weight * l->bands[v].cells[at].total : 0.0f;
+            const lf_cell *other = around(l, number, cell, n, &weight);
+            agreed += other ? weight * other->agreed : 0.0f;
+            total += other ? weight * other->total : 0.0f;
         }
+        if (doubt > 0.0f && total > 0.0f)
+            agreed -= doubt * deviation(l, number, cell, agreed / total);
         cell->share = total > 0.0f ? fminf(1.0f, fmaxf(0.0f, agreed / total)) : 0.0f;
         /* what its own noise has added to the gain (shown_error.c) */
         float own = cell->agreed - cell->share * cell->total;
         if (cell->share > 0.0f && cell->share < 1.0f)
             cell->chosen += own * own / total;
     }
+}
+
+void lf_shrink_settle(lf_reconstruction *r, int level, int number)
+{
+    settle(&r->level[level], number, 0.0f);
+}
+
+void lf_shrink_settle_raw(lf_reconstruction *r, int number)
+{
+    settle(&r->level[1], number, RAW_DOUBT);
 }
 
 static float share_above(const lf_above *above)
@@ -337,7 +367,6 @@ void lf_shrink_take_raw(lf_reconstruction *r, int number)
     for (int i = 0; i < band->n; i++) {
         lf_above above;
         find_above(r, 0, number, &band->cells[i], &above);
-        float share = share_above(&above);
-        band->cells[i].share = fmaxf(0.0f, (share - RAW_THRESHOLD) / (1.0f - RAW_THRESHOLD));
+        band->cells[i].share = share_above(&above);
     }
 }

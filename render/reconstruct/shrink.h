@@ -28,6 +28,8 @@ void lf_shrink_weigh_raw(lf_reconstruction *r, int number);
 void lf_shrink_collect(lf_reconstruction *r, int number);
 /* 2. The share of it that is taken, from the cells around. */
 void lf_shrink_settle(lf_reconstruction *r, int level, int number);
+/* The same of the step to N/W, with what could be chance left out; for level 1. */
+void lf_shrink_settle_raw(lf_reconstruction *r, int number);
 /* 3. Takes it. The finest level, the past and N/W go by the shares of level 1. */
 void lf_shrink_take(lf_reconstruction *r, int level, int number);
 void lf_shrink_take_past(lf_reconstruction *r, int number);

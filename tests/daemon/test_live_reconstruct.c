@@ -38,6 +38,17 @@ static void assert_shows(live_client *c, const char *picture)
     json_decref(answer);
 }
 
+/* -1: not known, because a half has not seen all of it, or nothing is reconstructed. */
+static double shown_error(live_client *c, const char *key)
+{
+    json_t *answer = live_call(c, "status", NULL);
+    const json_t *error = json_object_get(json_object_get(answer, "result"), key);
+    assert_non_null(error);
+    double x = json_is_number(error) ? json_number_value(error) : -1.0;
+    json_decref(answer);
+    return x;
+}
+
 static void turn(live_client *c, const char *word)
 {
     assert_int_equal(live_code(c, "render.set", json_pack("{s:s}", "reconstruct", word)), 0);
@@ -71,7 +82,12 @@ static void the_panel_shows_the_reconstruction_of_the_film(void **state)
     begin(&l, &c, "auto");
     assert_int_equal(live_code(&c, "camera.orbit", json_pack("{s:i}", "yaw", 20)), 0);
     live_wait(&c, "complete");
+    while (shown_error(&c, "shown_error") < 0.0)
+        live_nap(10);
     pause_it(&c);
+    double error = shown_error(&c, "shown_error");
+    assert_true(error > 0.0 && error < shown_error(&c, "shown_error_bound"));
+    assert_true(error < shown_error(&c, "error_estimate"));
     export_three(&c);
     assert_shows(&c, "reconstructed");
     live_wait_for_panel(&l, exported(&l, ON));
@@ -100,6 +116,7 @@ static void it_is_switched_off_and_on_at_once(void **state)
         pause_it(&c);
         export_three(&c);
         assert_shows(&c, i > 0 ? "reconstructed" : "unfiltered");
+        assert_true(i > 0 || shown_error(&c, "shown_error") < 0.0);
         live_wait_for_panel(&l, exported(&l, i > 0 ? ON : OFF));
         live_close(&c);
         assert_int_equal(live_stop(&l), 0);

@@ -258,10 +258,12 @@ static void on_lens(void *context, const lf_calibration *calibration, uint64_t n
     tell(o, "lens %g%s, ", calibration->center, is_new ? " new" : "");
 }
 
-static void on_shown(void *context, int64_t generation, lf_level level, double passes)
+static void on_shown(void *context, int64_t generation, lf_level level, double passes,
+                     bool reconstructed)
 {
     assert_int_equal(level, LF_LEVEL_COMPLETE);
     assert_true(passes == 0.5 * (double)generation);
+    assert_int_equal(reconstructed, generation == 8);
     tell(context, "shown %d, ", (int)generation);
 }
 
@@ -343,6 +345,7 @@ static void post_frame(owner *o, int64_t generation)
     frame->generation = generation;
     frame->level = LF_LEVEL_COMPLETE;
     frame->passes = 0.5 * (double)generation;
+    frame->reconstructed = generation == 8;
     frame->panel = o->number;
     lf_mailbox_post(&o->mailbox, frame);
     lf_show_pump(o->show);

@@ -71,7 +71,7 @@ static void a_row_without_a_fit_or_a_visit_is_a_state_error(void **state)
     float *row = calloc(3 * width * views, sizeof *row);
     double estimate = 0.0;
     assert_int_equal(lf_renderer_show_row(r, 0, row), LF_E_STATE);
-    assert_true(lf_renderer_shown_error(r, 0.05, &estimate) < 0.0 && estimate < 0.0);
+    assert_true(lf_renderer_shown_error(r, 0.05, &estimate, NULL) < 0.0 && estimate < 0.0);
     lf_assert_ok(lf_renderer_pass(r, &lower, 1, NULL, NULL, NULL), NULL);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     row[0] = 7.0f;
@@ -79,7 +79,7 @@ static void a_row_without_a_fit_or_a_visit_is_a_state_error(void **state)
     assert_true(row[0] == 7.0f);
     lf_assert_ok(lf_renderer_show_row(r, height - 1, row), NULL);
     /* one half has seen nothing */
-    assert_true(lf_renderer_shown_error(r, 0.05, NULL) < 0.0);
+    assert_true(lf_renderer_shown_error(r, 0.05, NULL, NULL) < 0.0);
     free(row);
     lf_renderer_destroy(r);
 }
@@ -94,7 +94,7 @@ static void a_cancelled_fit_is_none(void **state)
     lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
     assert_int_equal(lf_renderer_fit(r, &cancel), LF_E_CANCELLED);
     assert_int_equal(lf_renderer_show_row(r, 0, x), LF_E_STATE);
-    assert_true(lf_renderer_shown_error(r, 0.05, NULL) < 0.0);
+    assert_true(lf_renderer_shown_error(r, 0.05, NULL, NULL) < 0.0);
     lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
     free(x);
     lf_renderer_destroy(r);
@@ -236,7 +236,7 @@ static float *shown_by(int threads, const lf_reconstruct_kernels *kernels, doubl
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     r->shown->kernels = kernels ? kernels : r->shown->kernels;
     lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
-    out_error[1] = lf_renderer_shown_error(r, 0.05, out_error);
+    out_error[1] = lf_renderer_shown_error(r, 0.05, out_error, NULL);
     lf_renderer_destroy(r);
     lf_pool_destroy(pool);
     return x;
@@ -276,7 +276,7 @@ static lf_told tell(lf_renderer *r, const float *truth, int n)
         visits(r, n);
         lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
         shown = rel_mse(x, truth);
-        out.held += lf_renderer_shown_error(r, 0.05, &stated) >= shown;
+        out.held += lf_renderer_shown_error(r, 0.05, &stated, NULL) >= shown;
         out.shown += shown / SEEDS;
         out.stated += stated / SEEDS;
         lf_assert_ok(lf_renderer_fill_holes(r, NULL, NULL), NULL);

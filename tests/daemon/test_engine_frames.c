@@ -1,0 +1,121 @@
+/* Which frames the engine posts while the camera moves. */
+#include "tests/testing.h"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "base/wakeup.h"
+#include "daemon/engine/engine.h"
+
+static const char scene_text[] =
+    "{\"quiltd\":1,\"camera\":{\"target\":[0,0,0],\"position\":[0,0.4,9],\"fov_y\":14,\"aspect\":0."
+    "75,\"views\":6,\"cone\":30},"
+    "\"volumes\":{\"fog\":{\"shape\":\"sphere\",\"density\":4,\"albedo\":0.9,\"g\":0.3}},"
+    "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":0.7}}}";
+
+/* The scene with the camera `aside`, and fog of this density. */
+static lf_content *content_of(double aside, double density)
+{
+    const lf_options options = {.views = 6, .view_width = 48, .view_height = 64};
+    lf_calibration calibration;
+    lf_content *content = NULL;
+    lf_scene *scene = NULL;
+    lf_error err = {0};
+    json_t *doc = json_loads(scene_text, 0, NULL),
+           *patch = json_pack("{s:{s:[f,f,f]}, s:{s:{s:f}}}", "camera", "position", aside, 0.4, 9.0,
+                              "volumes", "fog", "density", density),
+           *patched = lf_json_merge_patch(doc, patch);
+    lf_calibration_portrait(&calibration);
+    lf_assert_ok(lf_scene_from_json(patched, ".", "fog", NULL, NULL, &scene, &err), &err);
+    lf_assert_ok(lf_content_from_scene(scene, "fog", &options, &calibration, &content, &err), &err);
+    lf_scene_unref(scene);
+    json_decref(doc);
+    json_decref(patch);
+    json_decref(patched);
+    return content;
+}
+
+static int64_t commit(lf_engine *engine, double aside, double density)
+{
+    lf_error err = {0};
+    int64_t generation = 0;
+    lf_content *content = content_of(aside, density);
+    lf_assert_ok(lf_engine_commit(engine, content, -1, &generation, NULL, &err), &err);
+    lf_content_unref(content);
+    return generation;
+}
+
+/* The next frame there is, of this generation. */
+static const lf_frame *next_frame(lf_engine *engine, int fd, int64_t generation)
+{
+    for (;;) {
+        struct pollfd p = {.fd = fd, .events = POLLIN};
+        assert_int_equal(poll(&p, 1, 600000), 1);
+        lf_wakeup_clear(fd);
+        const lf_frame *frame = lf_mailbox_take(lf_engine_mailbox(engine));
+        if (frame && frame->generation == generation) {
+            lf_mailbox_shown(lf_engine_mailbox(engine));
+            return frame;
+        }
+    }
+}
+
+static void wait_for_a_fit(lf_engine *engine, int fd, int64_t generation)
+{
+    while (!next_frame(engine, fd, generation)->reconstructed)
+        ;
+}
+
+/* The camera moves whenever it likes, also while a fit is made or before there was a frame. */
+static void no_frame_of_a_camera_that_moves_is_unfiltered(void **state)
+{
+    (void)state;
+    const lf_engine_controls controls = {.threads = 2, .reconstruct = LF_RECONSTRUCT_AUTO};
+    lf_engine *engine = NULL;
+    lf_error err = {0};
+    int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    lf_assert_ok(lf_engine_create(&controls, fd, &engine, &err), &err);
+    wait_for_a_fit(engine, fd, commit(engine, 0.0, 4.0));
+    for (int i = 1; i <= 60; i++) {
+        int64_t generation = commit(engine, 0.01 * i, 4.0);
+        if (i % 3 > 0)
+            usleep((useconds_t)(1000 * (i % 17)));
+        else
+            for (int k = 0; k <= i % 4; k++)
+                assert_true(next_frame(engine, fd, generation)->reconstructed);
+    }
+    lf_engine_destroy(engine);
+    close(fd);
+}
+
+/* What another scene was like says nothing of this one. */
+static void the_first_frame_of_another_scene_is_unfiltered(void **state)
+{
+    (void)state;
+    const lf_engine_controls controls = {.threads = 2, .reconstruct = LF_RECONSTRUCT_AUTO};
+    lf_engine *engine = NULL;
+    lf_error err = {0};
+    int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), unfiltered = 0;
+    lf_assert_ok(lf_engine_create(&controls, fd, &engine, &err), &err);
+    for (int i = 0; i < 20; i++) {
+        int64_t generation = commit(engine, 0.0, 4.0 + 0.1 * i);
+        /* a slow consumer gets the next one instead */
+        bool reconstructed = next_frame(engine, fd, generation)->reconstructed;
+        unfiltered += !reconstructed;
+        if (!reconstructed)
+            wait_for_a_fit(engine, fd, generation);
+    }
+    assert_true(unfiltered > 0);
+    lf_engine_destroy(engine);
+    close(fd);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_frame_of_a_camera_that_moves_is_unfiltered),
+        cmocka_unit_test(the_first_frame_of_another_scene_is_unfiltered),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
