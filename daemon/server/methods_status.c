@@ -101,8 +101,8 @@ void lf_method_status(lf_call *call)
     add_engine(server, status);
     json_t *more = json_pack(
         "{s:{s:I, s:s, s:s}, s:o, s:I, s:I, s:I, s:i, s:i, s:o, s:f}", "shown", "generation",
-        (json_int_t)server->shown_generation, "level", lf_level_name(server->shown_level),
-        "picture", server->shown_reconstructed ? "reconstructed" : "unfiltered", "device",
+        (json_int_t)server->shown.generation, "level", lf_level_name(server->shown.level),
+        "picture", server->shown.reconstructed ? "reconstructed" : "unfiltered", "device",
         lf_server_device_json(server), "updates", (json_int_t)counters.updates, "bytes",
         (json_int_t)counters.bytes, "device_errors", (json_int_t)counters.errors, "loading",
         lf_loader_pending(server->loader), "clients", lf_clients_count(server->clients), "jobs",

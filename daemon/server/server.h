@@ -97,6 +97,13 @@ typedef struct lf_saved {
     double passes;
 } lf_saved;
 
+/* What the panel shows. */
+typedef struct lf_shown {
+    int64_t generation;
+    lf_level level;
+    bool reconstructed;
+} lf_shown;
+
 struct lf_server {
     lf_server_config config;
     lf_life life;
@@ -121,9 +128,7 @@ struct lf_server {
     int64_t generation;
     lf_error error;        /* of the last attempt to load the scene; status LF_OK = none */
     lf_engine_status last; /* as last seen */
-    int64_t shown_generation;
-    lf_level shown_level;
-    bool shown_reconstructed;
+    lf_shown shown;
     lf_wait *waits;
     lf_job *jobs;
     int64_t n_jobs;

@@ -87,16 +87,16 @@ void lf_server_notify(lf_server *server, unsigned event, const char *method, jso
 
 static json_t *shown_json(const lf_server *server)
 {
-    return json_pack("{s:I, s:s}", "generation", (json_int_t)server->shown_generation, "level",
-                     lf_level_name(server->shown_level));
+    return json_pack("{s:I, s:s}", "generation", (json_int_t)server->shown.generation, "level",
+                     lf_level_name(server->shown.level));
 }
 
 /* A frame may be shown before the loader's word has come that its scene is shown, and whoever
  * waits asks for that next. */
 static bool is_over(const lf_server *server, const lf_wait *wait)
 {
-    return server->generation >= server->shown_generation &&
-           server->shown_generation >= wait->generation && server->shown_level >= wait->level;
+    return server->generation >= server->shown.generation &&
+           server->shown.generation >= wait->generation && server->shown.level >= wait->level;
 }
 
 /* Those of clients that have left end too. */
@@ -141,10 +141,8 @@ void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation
 void lf_server_shown(lf_server *server, int64_t generation, lf_level level, double passes,
                      bool reconstructed)
 {
-    bool news = generation != server->shown_generation || level != server->shown_level;
-    server->shown_generation = generation;
-    server->shown_level = level;
-    server->shown_reconstructed = reconstructed;
+    bool news = generation != server->shown.generation || level != server->shown.level;
+    server->shown = (lf_shown){generation, level, reconstructed};
     lf_server_notify(server, LF_EVENT_FRAME, "frame",
                      json_pack("{s:I, s:s, s:f}", "generation", (json_int_t)generation, "level",
                                lf_level_name(level), "passes", passes));
