@@ -267,7 +267,7 @@ static float *reference(const char *text, double degrees)
     return x;
 }
 
-enum { SEEDS = 6, LOOKED = 40, TURN = 5 };
+enum { SEEDS = 6, LOOKED = 20, TURN = 5 };
 
 /* Means over seeds of a coarse frame's error after a turn: with the past, and without. */
 static void turn_around(const char *text, double out[2])
@@ -305,7 +305,7 @@ static void turn_around(const char *text, double out[2])
                                  "}, 'lights': { 'sun': { 'type': 'distant', 'direction': [0.5, "  \
                                  "-0.7, -0.5], 'irradiance': 5 } } }"
 
-/* Measured over five seeds: 0.65 to 0.71 and 0.33 to 0.48. What is left is B and q of one film
+/* Measured over five seeds: 0.65 to 0.71 and 0.34 to 0.50. What is left is B and q of one film
  * point, which no past can know. */
 static void a_picture_that_has_turned_begins_clean(void **state)
 {
@@ -349,7 +349,7 @@ static void believe(lf_renderer *r, lf_past *past)
     r->before.rig = rig_of(lf_renderer_settings(r));
 }
 
-/* Measured: 0.9 to 1.0 of what it is without. */
+/* Measured: 0.99 to 1.01 of what it is without. */
 static void a_wrong_past_is_outvoted(void **state)
 {
     (void)state;
@@ -365,7 +365,7 @@ static void a_wrong_past_is_outvoted(void **state)
         }
     }
     print_message("coarse frame with a wrong past: %.2e, without %.2e\n", error[0], error[1]);
-    assert_true(error[0] < 1.15 * error[1]);
+    assert_true(error[0] < 1.05 * error[1]);
     free(truth);
     lf_renderer_destroy(r);
 }
