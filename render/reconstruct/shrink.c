@@ -232,8 +232,10 @@ void lf_shrink_weigh_raw(lf_reconstruction *r, int number)
                 const lf_moments *m = &cell->half[h][1 - h], *own = &cell->half[h][h];
                 lf_plane n = found(m, c), wx = apply(m, x), off = minus(&wx, &n),
                          n_own = found(own, c), w_own = apply(own, both);
-                a +=
-                    (double)cell->raw.cross[h][c] - dot(&cell->raw.product[h][c], x) + dot(x, &off);
+                double seen = m->w > 0.0f ? (double)(cell->raw.weight[h] / m->w) : 0.0;
+                if (seen > 0.0)
+                    a += ((double)cell->raw.cross[h][c] - dot(&cell->raw.product[h][c], x)) / seen +
+                         dot(x, &off);
                 t += dot(both, &w_own) - 2.0 * dot(both, &n_own);
             }
             agreed += g * a;
