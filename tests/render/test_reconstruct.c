@@ -200,17 +200,17 @@ static void what_is_constant_stays(void **state)
     lf_renderer_destroy(r);
 }
 
-/* In place of what was found: N = x W, x in [0, 2] at random for every pixel and half; nothing else
- * is known. */
-static void make_noise(lf_renderer *r, uint64_t salt)
+/* In place of what was found: N = x W, x in [0, 2] at random for every pixel and, if it is noise,
+ * half; nothing else is known. */
+static void make_random(lf_renderer *r, uint64_t salt, bool noise)
 {
     for (int row = 0; row < height; row++) {
         lf_film_known *known = lf_film_known_at(&r->film, row);
         for (int h = 0; h < 2; h++) {
             lf_film_scattered *s = lf_film_at(&r->film, row, h).scattered;
             for (int i = 0; i < views * width; i++) {
-                uint64_t hash =
-                    lf_hash64(lf_test_seed() + salt, (uint64_t)((row * 2 + h) * views * width + i));
+                uint64_t place = (uint64_t)((row * 2 + (noise ? h : 0)) * views * width + i),
+                         hash = lf_hash64(lf_test_seed() + salt, place);
                 float x = (float)(hash >> 40) * 0x1p-23f;
                 for (int c = 0; c < 3; c++)
                     s[i].n[c] = x * s[i].w;
@@ -252,8 +252,8 @@ static double share_of_raw(const lf_reconstruction *r)
 
 /* Where the film holds noise about a constant, that is all there is to know. Of its variance of 1/6
  * (both halves) SEEDS noises leave 5e-4 to 9e-4 (five seeds); were each half asked about itself,
- * 1.8e-3 to 2.4e-3. N/W gets a share of 0.001 to 0.003, and 0.009 to 0.022 as far as halves agree
- * by chance. */
+ * 1.8e-3 to 2.4e-3. N/W gets a share of 0.001 to 0.004, and 0.01 to 0.02 as far as halves agree by
+ * chance. */
 static void noise_is_not_taken_for_what_is_there(void **state)
 {
     (void)state;
@@ -262,15 +262,30 @@ static void noise_is_not_taken_for_what_is_there(void **state)
     double left = 0.0, share = 0.0;
     visits(r, 4);
     for (uint64_t k = 0; k < SEEDS; k++) {
-        make_noise(r, k);
+        make_random(r, k, true);
         lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
         left += noise_left(r, x) / SEEDS;
         share += share_of_raw(r->shown) / SEEDS;
     }
     print_message("noise: %.2e of 1/6 are left, N/W gets %.2e\n", left, share);
     assert_true(left < 1.35e-3);
-    assert_true(share < 0.006);
+    assert_true(share < 0.008);
     free(x);
+    lf_renderer_destroy(r);
+}
+
+/* Where both halves say the same of every pixel, and no feature knows it, N/W is the answer,
+ * although each half has not seen one pixel in seven. Measured with five seeds: 0.96 to 0.99; 0.84
+ * to 0.86 if those counted as if it had found nothing there. */
+static void what_both_halves_say_is_taken(void **state)
+{
+    (void)state;
+    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
+    visits(r, 4);
+    make_random(r, 0, false);
+    lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+    print_message("detail: N/W gets %.3f\n", share_of_raw(r->shown));
+    assert_true(share_of_raw(r->shown) > 0.91);
     lf_renderer_destroy(r);
 }
 
@@ -508,6 +523,7 @@ int main(void)
         cmocka_unit_test(depth_that_holds_nothing_costs_nothing),
         cmocka_unit_test(what_is_constant_stays),
         cmocka_unit_test(noise_is_not_taken_for_what_is_there),
+        cmocka_unit_test(what_both_halves_say_is_taken),
         cmocka_unit_test(a_white_furnace_stays_white),
         cmocka_unit_test(same_bytes_for_any_number_of_threads_and_any_kernel),
         cmocka_unit_test(what_is_shown_is_nearer_to_the_truth_and_says_how_near),
