@@ -21,20 +21,29 @@ static double number(const json_t *status, const char *key)
     return json_number_value(json_object_get(status, key));
 }
 
+/* Of the unbiased picture, and of the one that is shown. */
+static void name_errors(const json_t *status, char out[64])
+{
+    const json_t *error = json_object_get(status, "error_estimate"),
+                 *shown = json_object_get(status, "shown_error");
+    int n = json_is_number(error) ? snprintf(out, 64, "%.3g", json_number_value(error))
+                                  : snprintf(out, 64, "-");
+    if (json_is_number(shown))
+        snprintf(out + n, (size_t)(64 - n), ", shown %.3g", json_number_value(shown));
+}
+
 static void print_line(const json_t *status)
 {
     const json_t *shown = json_object_get(status, "shown");
-    const json_t *error = json_object_get(status, "error_estimate");
     const char *state = json_string_value(json_object_get(status, "state"));
     const char *level = json_string_value(json_object_get(shown, "level"));
-    char relative[32] = "-";
-    if (json_is_number(error))
-        snprintf(relative, sizeof relative, "%.3g", json_number_value(error));
+    char errors[64];
+    name_errors(status, errors);
     printf("%s%s  generation %.0f (shown %.0f, %s)  %.1f passes, %.2f spp  error %s  %.0f updates, "
            "%.1f MB%s",
            isatty(STDOUT_FILENO) ? "\r\033[K" : "", state ? state : "?",
            number(status, "generation"), number(shown, "generation"), level ? level : "?",
-           number(status, "passes"), number(status, "spp"), relative, number(status, "updates"),
+           number(status, "passes"), number(status, "spp"), errors, number(status, "updates"),
            number(status, "bytes") * 1e-6, isatty(STDOUT_FILENO) ? "" : "\n");
     fflush(stdout);
 }
