@@ -1,6 +1,7 @@
 /* The reconstructed picture of a renderer's film. */
 #include "render/renderer.h"
 
+#include <math.h>
 #include <string.h>
 
 /* ------------------------------------------------------------------------------------- pasts -- */
@@ -26,10 +27,20 @@ void lf_renderer_drop_fits(lf_renderer *renderer)
     forget(&renderer->spare);
 }
 
+/* Views that are as far apart: what depends on the view is known as it changes from one to the
+ * next.
+ */
+static bool looks_the_same(const lf_camera *a, const lf_camera *b)
+{
+    double turned = fabs(a->cone - b->cone);
+    return a->n_views == b->n_views && a->inclusive == b->inclusive && turned <= 1e-9;
+}
+
 static bool shows_the_same(const lf_renderer *r, const lf_scene *scene,
                            const lf_render_settings *settings)
 {
     return r->scene && settings->features &&
+           looks_the_same(&settings->camera, &r->settings.camera) &&
            lf_max_depth(scene, settings->max_depth) ==
                lf_max_depth(r->scene, r->settings.max_depth) &&
            memcmp(scene->origin, r->scene->origin, sizeof scene->origin) == 0 &&
@@ -63,7 +74,9 @@ void lf_renderer_retire_fit(lf_renderer *renderer, const lf_scene *scene,
 
 static void follow(const lf_renderer *r, const lf_rig *rig)
 {
-    lf_past_move move = {.view = lf_rig_view_between(rig, &r->before.rig)};
+    /* slopes are not for who stands somewhere else altogether */
+    float view = lf_rig_view_between(rig, &r->before.rig);
+    lf_past_move move = {.view = fminf(1.0f, fmaxf(-1.0f, view))};
     lf_rig_map_between(rig, &r->before.rig, move.map);
     lf_reconstruct_follow(r->shown, r->before.past, &move);
 }

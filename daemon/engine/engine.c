@@ -190,7 +190,7 @@ lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_
     engine->event_fd = event_fd;
     engine->wanted.controls = engine->now.controls = *controls;
     engine->look.stats = (lf_render_stats){.rel_mse_estimate = -1};
-    engine->look.error_bound = -1;
+    engine->look.error_bound = engine->look.shown_error = engine->look.shown_bound = -1;
     pthread_mutex_init(&engine->lock, NULL);
     pthread_cond_init(&engine->wake, NULL);
     pthread_cond_init(&engine->answered, NULL);

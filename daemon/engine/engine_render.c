@@ -52,6 +52,8 @@ static void update_stats(lf_engine *engine, bool now)
     if (engine->picture.reconstructs)
         lf_picture_estimate(&engine->picture, engine->pool, &engine->cancel);
     lf_renderer_stats(engine->renderer, &engine->look.stats);
+    if (engine->picture.reconstructs && atomic_load_explicit(&engine->cancel, memory_order_relaxed))
+        engine->look.stats.rel_mse_estimate = -1; /* some rows are as they were */
     look_at_shown(engine);
     engine->look.at = lf_time_now();
     engine->look.cost = engine->look.at - start;
@@ -346,12 +348,17 @@ static bool reconstructs(const lf_engine_controls *controls, const lf_content *c
 }
 
 /* Rows by the estimator, or fit, that is in force. What an unfiltered picture lacks is looked for
- * anew: while it was reconstructed, nothing was filled. */
+ * anew: while it was reconstructed, nothing was filled, after a move not even what a coarse frame
+ * needs. */
 static void show_anew(lf_engine *engine)
 {
+    const lf_part coarse = {.first_row = LF_COARSE_ROW, .row_step = LF_COARSE_STEP};
     engine->fit.passes = 0;
+    look_at_shown(engine);
     if (engine->picture.reconstructs)
         return;
+    if (engine->level == LF_LEVEL_COARSE)
+        (void)!lf_renderer_fill_holes(engine->renderer, &coarse, &engine->cancel);
     lf_picture_forget(&engine->picture);
     (void)!lf_picture_resolve(&engine->picture, engine->pool, NULL);
     engine->level = engine->level < LF_LEVEL_COMPLETE ? engine->level : LF_LEVEL_COARSE;

@@ -9,10 +9,6 @@
 #define MAX_BATCHES 128
 /* The first sweep is wanted whole: it is not cut finer than this. */
 #define MAX_COARSE_BATCHES 4
-/* Rows go by their place in groups of four: a row of the first sweep is at most two away from every
- * other of its group. */
-#define GROUP 4
-#define COARSE_ROW 2
 /* Passes of the second sweep: while more than about a twentieth of the view pixels that scatter are
  * holes, another shared path fills them at less cost than native samples do. */
 #define COMPLETE_PASSES 4
@@ -29,7 +25,8 @@ static int subsets_of(const lf_schedule *schedule)
 static int sweep_rows(const lf_schedule *schedule)
 {
     int rows = schedule->height;
-    return schedule->sweep == 0 ? (rows - COARSE_ROW + GROUP - 1) / GROUP : rows;
+    return schedule->sweep == 0 ? (rows - LF_COARSE_ROW + LF_COARSE_STEP - 1) / LF_COARSE_STEP
+                                : rows;
 }
 
 void lf_schedule_start(lf_schedule *schedule, int height, int n_views, double passes_done)
@@ -65,11 +62,11 @@ static int reversed_bits(int value, int size)
  * those rows themselves last. */
 static int first_row(int batch, int n)
 {
-    static const int place[GROUP] = {0, 1, 3, COARSE_ROW};
-    if (n < GROUP)
+    static const int place[LF_COARSE_STEP] = {0, 1, 3, LF_COARSE_ROW};
+    if (n < LF_COARSE_STEP)
         return reversed_bits(batch, n);
-    int batches = n / GROUP;
-    return place[batch / batches] + GROUP * reversed_bits(batch % batches, batches);
+    int batches = n / LF_COARSE_STEP;
+    return place[batch / batches] + LF_COARSE_STEP * reversed_bits(batch % batches, batches);
 }
 
 lf_batch lf_schedule_next(lf_schedule *schedule, double target_seconds)
@@ -79,8 +76,8 @@ lf_batch lf_schedule_next(lf_schedule *schedule, double target_seconds)
     int n = schedule->n_batches;
     lf_batch batch = {.step = n, .subsets = subsets_of(schedule), .coarse = schedule->sweep == 0};
     if (batch.coarse) {
-        batch.step = n * GROUP;
-        batch.first = COARSE_ROW + GROUP * reversed_bits(schedule->batch, n);
+        batch.step = n * LF_COARSE_STEP;
+        batch.first = LF_COARSE_ROW + LF_COARSE_STEP * reversed_bits(schedule->batch, n);
     } else {
         batch.first = first_row(schedule->batch, n);
     }

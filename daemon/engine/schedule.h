@@ -9,6 +9,11 @@
 
 #include <stdbool.h>
 
+/* Rows go by their place in groups: the one of the first sweep, from which a coarse frame is
+ * filled, is at most two away from every other of its group. */
+#define LF_COARSE_ROW 2
+#define LF_COARSE_STEP 4
+
 typedef struct lf_schedule {
     int height, n_views;  /* rows of a view; passes of a whole native sample */
     int sweep;            /* number of the sweep in progress */

@@ -57,7 +57,7 @@ typedef struct lf_past_move {
     /* (column, row, nearness, 1) of what lies before the middle camera -> the same for the past's,
      * times what is in the last place; rows first */
     double map[4][4];
-    float view; /* whoever is at x of the width of the view cone was at x + view of the past's */
+    float view; /* who is at x of the width of the view cone, the same for both, was at x + view */
 } lf_past_move;
 
 /* Fits from now on have a past for a first guess, as far as both halves agree with it. NULL, NULL:

@@ -8,6 +8,8 @@
 /* N/W is noise until the halves' agreement is beyond so many of its standard deviations. */
 #define RAW_DOUBT 2.0f
 #define EPSILON 1e-2
+/* What a half has seen stands for at most so many times as much. */
+#define MOST_STOOD_FOR 4.0
 
 /* ----------------------------------------------------------------------------------- planes -- */
 
@@ -197,24 +199,45 @@ void lf_shrink_weigh(lf_reconstruction *r, int level, int number)
 }
 
 /* The step from a cell's nodes to the past; none where either knows nothing. */
-static void find_step_to_past(const lf_reconstruction *r, int number, const lf_cell *cell,
+static void find_step_to_past(const lf_cell *cell, const lf_plane past[3],
                               lf_plane step[LF_VARIANTS][3])
 {
-    lf_plane past[3];
-    bool known = lf_past_recall(r, number, cell, past);
     memset(step, 0, LF_VARIANTS * sizeof *step);
     for (int v = 0; v < LF_VARIANTS; v++)
-        for (int c = 0; c < 3 && known && cell->filled[v]; c++)
+        for (int c = 0; c < 3 && cell->filled[v]; c++)
             step[v][c] = minus(&past[c], &cell->node[v][c]);
+}
+
+/* All of the step, but for what each half's data have against the past where the other half's node
+ * is drawn to it. */
+static void weigh_past(lf_cell *cell, const lf_plane past[3])
+{
+    double agreed = 0.0, total = 0.0;
+    lf_plane step[LF_VARIANTS][3];
+    find_step_to_past(cell, past, step);
+    for (int c = 0; c < 3; c++) {
+        double g = importance(cell, &cell->node[LF_BOTH][c], c);
+        for (int h = 0; h < 2; h++) {
+            const lf_moments *other = &cell->half[h][1 - h];
+            lf_plane n = found(other, c), wp = apply(other, &past[c]), off = minus(&n, &wp),
+                     w = apply(&cell->half[h][h], &step[LF_BOTH][c]);
+            agreed += g * dot(&step[h][c], &off);
+            total += g * dot(&step[LF_BOTH][c], &w);
+        }
+    }
+    cell->agreed = (float)(total + agreed);
+    cell->total = (float)total;
 }
 
 void lf_shrink_weigh_past(lf_reconstruction *r, int number)
 {
     lf_band *band = &r->level[0].bands[number];
     for (int i = 0; i < band->n; i++) {
-        lf_plane step[LF_VARIANTS][3];
-        find_step_to_past(r, number, &band->cells[i], step);
-        weigh(&band->cells[i], band->cells[i].node, step);
+        lf_cell *cell = &band->cells[i];
+        lf_plane past[3];
+        cell->agreed = cell->total = 0.0f;
+        if (lf_past_recall(r, number, cell, past))
+            weigh_past(cell, past);
     }
 }
 
@@ -234,7 +257,8 @@ void lf_shrink_weigh_raw(lf_reconstruction *r, int number)
                          n_own = found(own, c), w_own = apply(own, both);
                 double seen = m->w > 0.0f ? (double)(cell->raw.weight[h] / m->w) : 0.0;
                 if (seen > 0.0)
-                    a += ((double)cell->raw.cross[h][c] - dot(&cell->raw.product[h][c], x)) / seen +
+                    a += ((double)cell->raw.cross[h][c] - dot(&cell->raw.product[h][c], x)) *
+                             fmin(1.0 / seen, MOST_STOOD_FOR) +
                          dot(x, &off);
                 t += dot(both, &w_own) - 2.0 * dot(both, &n_own);
             }
@@ -285,23 +309,31 @@ static float deviation(const lf_lattice *l, int number, const lf_cell *cell, flo
     return sqrtf(variance);
 }
 
+static float clamp_share(float x)
+{
+    return fminf(1.0f, fmaxf(0.0f, x));
+}
+
 /* doubt: how many standard deviations of what is agreed on count as chance. */
 static void settle(const lf_lattice *l, int number, float doubt)
 {
     lf_band *band = &l->bands[number];
     for (int i = 0; i < band->n; i++) {
         lf_cell *cell = &band->cells[i];
-        float agreed = 0.0f, total = 0.0f, weight;
+        float agreed = 0.0f, total = 0.0f, chance = 0.0f, weight;
         for (int n = 0; n < 27; n++) {
             const lf_cell *other = around(l, number, cell, n, &weight);
             agreed += other ? weight * other->agreed : 0.0f;
             total += other ? weight * other->total : 0.0f;
         }
-        if (doubt > 0.0f && total > 0.0f)
-            agreed -= doubt * deviation(l, number, cell, agreed / total);
-        cell->share = total > 0.0f ? fminf(1.0f, fmaxf(0.0f, agreed / total)) : 0.0f;
+        cell->share = 0.0f;
+        if (!(total > 0.0f))
+            continue;
+        if (doubt > 0.0f)
+            chance = doubt * deviation(l, number, cell, agreed / total);
+        cell->share = clamp_share((agreed - chance) / total);
         /* what its own noise has added to the gain (shown_error.c) */
-        float own = cell->agreed - cell->share * cell->total;
+        float own = cell->agreed - clamp_share(agreed / total) * cell->total;
         if (cell->share > 0.0f && cell->share < 1.0f)
             cell->chosen += own * own / total;
     }
@@ -353,9 +385,11 @@ void lf_shrink_take_past(lf_reconstruction *r, int number)
     for (int i = 0; i < band->n; i++) {
         lf_cell *cell = &band->cells[i];
         lf_above above;
-        lf_plane step[LF_VARIANTS][3];
+        lf_plane past[3], step[LF_VARIANTS][3];
+        if (!lf_past_recall(r, number, cell, past))
+            continue;
         find_above(r, 0, number, cell, &above);
-        find_step_to_past(r, number, cell, step);
+        find_step_to_past(cell, past, step);
         float share = share_above(&above);
         for (int v = 0; v < LF_VARIANTS; v++)
             for (int c = 0; c < 3; c++)

@@ -19,8 +19,8 @@
  *
  * 1. What the step of each cell from the level above to this one is worth. */
 void lf_shrink_weigh(lf_reconstruction *r, int level, int number);
-/* The same of the step from the finest level to what the past says, which is the same for both
- * halves and knows the noise of neither. */
+/* The same of the step from the finest level to what the past says, which knows the noise of
+ * neither half (docs/reconstruct.md, "A camera that moves"). */
 void lf_shrink_weigh_past(lf_reconstruction *r, int number);
 /* The same of the step from the finest level to N/W. */
 void lf_shrink_weigh_raw(lf_reconstruction *r, int number);

@@ -62,7 +62,8 @@ static inline float lf_nearness(float distance, float z)
 }
 
 /* out: (column, row, nearness D/Z, 1) of what lies before the middle of `from`, columns and rows in
- * film coordinates -> the same as seen from the middle of `to`, times Z there; rows first. */
+ * film coordinates -> the same as seen from the middle of `to`, times Z there times D/Z here; rows
+ * first. */
 void lf_rig_map_between(const lf_rig *from, const lf_rig *to, double out[4][4]);
 
 /* Where the line from the middle of from's window through its eye meets the cameras of `to`: from

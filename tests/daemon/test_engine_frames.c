@@ -98,7 +98,8 @@ static void the_first_frame_of_another_scene_is_unfiltered(void **state)
     lf_error err = {0};
     int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), unfiltered = 0;
     lf_assert_ok(lf_engine_create(&controls, fd, &engine, &err), &err);
-    for (int i = 0; i < 20; i++) {
+    wait_for_a_fit(engine, fd, commit(engine, 0.0, 4.0));
+    for (int i = 1; i <= 20; i++) {
         int64_t generation = commit(engine, 0.0, 4.0 + 0.1 * i);
         /* a slow consumer gets the next one instead */
         bool reconstructed = next_frame(engine, fd, generation)->reconstructed;
