@@ -32,8 +32,8 @@ void lf_renderer_drop_fits(lf_renderer *renderer)
  */
 static bool looks_the_same(const lf_camera *a, const lf_camera *b)
 {
-    double turned = fabs(a->cone - b->cone);
-    return a->n_views == b->n_views && a->inclusive == b->inclusive && turned <= 1e-9;
+    double wider = fabs(a->cone - b->cone);
+    return a->n_views == b->n_views && a->inclusive == b->inclusive && wider <= 1e-9;
 }
 
 static bool shows_the_same(const lf_renderer *r, const lf_scene *scene,

@@ -357,8 +357,9 @@ static void show_anew(lf_engine *engine)
     look_at_shown(engine);
     if (engine->picture.reconstructs)
         return;
-    if (engine->level == LF_LEVEL_COARSE)
-        (void)!lf_renderer_fill_holes(engine->renderer, &coarse, &engine->cancel);
+    if (engine->level == LF_LEVEL_COARSE &&
+        lf_renderer_fill_holes(engine->renderer, &coarse, &engine->cancel) != LF_OK)
+        engine->spoiled = true;
     lf_picture_forget(&engine->picture);
     (void)!lf_picture_resolve(&engine->picture, engine->pool, NULL);
     engine->level = engine->level < LF_LEVEL_COMPLETE ? engine->level : LF_LEVEL_COARSE;

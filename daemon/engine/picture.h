@@ -57,7 +57,8 @@ LF_NODISCARD lf_status lf_picture_resolve(lf_picture *picture, lf_pool *pool,
                                           const lf_cancel *cancel);
 /* Everything is missing, as in the beginning. */
 void lf_picture_forget(lf_picture *picture);
-/* Resolves all rows for what that leaves behind for lf_renderer_stats; shows nothing. */
+/* Resolves all rows for what that leaves behind for lf_renderer_stats; shows nothing. Cancelled, it
+ * leaves some as they were. */
 void lf_picture_estimate(lf_picture *picture, lf_pool *pool, const lf_cancel *cancel);
 /* Tone-maps float views that come from a file; nothing is missing then. */
 void lf_picture_take(lf_picture *picture, const lf_views32 *views);

@@ -47,7 +47,7 @@ LF_NODISCARD lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *f
 bool lf_reconstruct_ready(const lf_reconstruction *r);
 
 /* What the last fit knows of the world, without its moments: a copy, for a reconstruction of the
- * same scene by another rig. NULL: there is no fit, or no memory. */
+ * same scene by another rig. NULL: there is no fit, or no memory. Not while a fit is made. */
 lf_past *lf_past_of(const lf_reconstruction *r);
 /* Accepts NULL. */
 void lf_past_destroy(lf_past *past);
@@ -60,8 +60,9 @@ typedef struct lf_past_move {
     float view; /* who is at x of the width of the view cone, the same for both, was at x + view */
 } lf_past_move;
 
-/* Fits from now on have a past for a first guess, as far as both halves agree with it. NULL, NULL:
- * they have none. past is borrowed for as long; move is copied. */
+/* Fits from now on have a past for a first guess, as far as what the film holds does not speak
+ * against it. NULL, NULL: they have none. past is borrowed for as long; move is copied. Not while a
+ * fit is made. */
 void lf_reconstruct_follow(lf_reconstruction *r, const lf_past *past, const lf_past_move *move);
 
 /* The answer of one row of all views from the last fit and what the film holds of the row now. out

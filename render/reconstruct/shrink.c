@@ -163,22 +163,27 @@ static double importance(const lf_cell *cell, const lf_plane *x, int c)
     return q / (radiance * radiance + EPSILON);
 }
 
-/* What steps away from x are worth in a cell. */
-static void weigh(lf_cell *cell, lf_plane x[LF_VARIANTS][3], lf_plane step[LF_VARIANTS][3])
+/* Of steps away from x (of both halves): their sums with what a half has found beyond `against`,
+ * and with themselves. */
+typedef struct lf_worth {
+    double agreed, total;
+} lf_worth;
+
+static lf_worth weigh(const lf_cell *cell, const lf_plane x[3], lf_plane against[][3],
+                      lf_plane step[LF_VARIANTS][3])
 {
-    double agreed = 0.0, total = 0.0;
+    lf_worth out = {0.0, 0.0};
     for (int c = 0; c < 3; c++) {
-        double g = importance(cell, &x[LF_BOTH][c], c);
+        double g = importance(cell, &x[c], c);
         for (int h = 0; h < 2; h++) {
             const lf_moments *m = &cell->half[h][1 - h];
-            lf_plane n = found(m, c), wx = apply(m, &x[h][c]), off = minus(&n, &wx),
+            lf_plane n = found(m, c), wx = apply(m, &against[h][c]), off = minus(&n, &wx),
                      w = apply(&cell->half[h][h], &step[LF_BOTH][c]);
-            agreed += g * dot(&step[h][c], &off);
-            total += g * dot(&step[LF_BOTH][c], &w);
+            out.agreed += g * dot(&step[h][c], &off);
+            out.total += g * dot(&step[LF_BOTH][c], &w);
         }
     }
-    cell->agreed = (float)agreed;
-    cell->total = (float)total;
+    return out;
 }
 
 void lf_shrink_weigh(lf_reconstruction *r, int level, int number)
@@ -194,7 +199,9 @@ void lf_shrink_weigh(lf_reconstruction *r, int level, int number)
         for (int v = 0; v < LF_VARIANTS; v++)
             for (int c = 0; c < 3; c++)
                 step[v][c] = step_of(cell, &guess, v, c);
-        weigh(cell, guess.x, step);
+        lf_worth worth = weigh(cell, guess.x[LF_BOTH], guess.x, step);
+        cell->agreed = (float)worth.agreed;
+        cell->total = (float)worth.total;
     }
 }
 
@@ -212,21 +219,13 @@ static void find_step_to_past(const lf_cell *cell, const lf_plane past[3],
  * is drawn to it. */
 static void weigh_past(lf_cell *cell, const lf_plane past[3])
 {
-    double agreed = 0.0, total = 0.0;
-    lf_plane step[LF_VARIANTS][3];
+    lf_plane step[LF_VARIANTS][3], against[2][3];
+    for (int h = 0; h < 2; h++)
+        memcpy(against[h], past, sizeof against[h]);
     find_step_to_past(cell, past, step);
-    for (int c = 0; c < 3; c++) {
-        double g = importance(cell, &cell->node[LF_BOTH][c], c);
-        for (int h = 0; h < 2; h++) {
-            const lf_moments *other = &cell->half[h][1 - h];
-            lf_plane n = found(other, c), wp = apply(other, &past[c]), off = minus(&n, &wp),
-                     w = apply(&cell->half[h][h], &step[LF_BOTH][c]);
-            agreed += g * dot(&step[h][c], &off);
-            total += g * dot(&step[LF_BOTH][c], &w);
-        }
-    }
-    cell->agreed = (float)(total + agreed);
-    cell->total = (float)total;
+    lf_worth worth = weigh(cell, cell->node[LF_BOTH], against, step);
+    cell->agreed = (float)(worth.total + worth.agreed);
+    cell->total = (float)worth.total;
 }
 
 void lf_shrink_weigh_past(lf_reconstruction *r, int number)

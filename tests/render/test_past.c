@@ -1,43 +1,13 @@
 /* The last fit as a first guess after the camera has moved: where it is looked up, what it gains,
  * and that nothing of a wrong one stays. */
-#include "tests/testing.h"
-
-/* stat.h has another of this name. */
-#define lf_moments lf_stat_moments
-#include "tests/stat/fixture.h"
-#undef lf_moments
-#include "tests/stat/scenes.h"
+#include "tests/render/reconstruct_testing.h"
 
 #include "render/reconstruct/past.h"
-#include "render/renderer.h"
 
 enum { width = 48, height = 36, views = 9, row_values = 3 * width * views };
 
-static lf_renderer *renderer_of(const char *text, lf_pool *pool)
-{
-    lf_scene *scene = lf_test_scene(text);
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
-    lf_render_settings settings = *lf_renderer_settings(r);
-    settings.features = true;
-    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
-    lf_scene_unref(scene);
-    return r;
-}
-
-static void visits(lf_renderer *r, int n)
-{
-    for (int i = 0; i < n; i++)
-        lf_assert_ok(lf_renderer_pass(r, NULL, 1, NULL, NULL, NULL), NULL);
-}
-
 /* The rows 2, 6, 10, … alone, as the first frame of a display has them. */
 static const lf_part coarse = {.first_row = 2, .row_step = 4};
-
-static void coarse_visits(lf_renderer *r, int n)
-{
-    for (int i = 0; i < n; i++)
-        lf_assert_ok(lf_renderer_pass(r, &coarse, 1, NULL, NULL, NULL), NULL);
-}
 
 /* Turned around the target and raised; the window stays where it is in the world. */
 static lf_render_settings turned(const lf_renderer *r, double degrees, uint64_t seed)
@@ -69,17 +39,22 @@ static lf_rig rig_of(const lf_render_settings *settings)
     return rig;
 }
 
+static lf_render_settings settings_of(double x, double y, double cone)
+{
+    return (lf_render_settings){.camera = {.position = {x, y, 5},
+                                           .up = {0, 1, 0},
+                                           .fov_y = 0.4,
+                                           .aspect = 1.3,
+                                           .cone = cone,
+                                           .n_views = 9},
+                                .width = 48,
+                                .height = 36};
+}
+
 /* Another place, distance, window and number of views. */
 static void two_rigs(lf_rig out[2])
 {
-    lf_render_settings s = {.camera = {.position = {0.3, 0.6, 5},
-                                       .up = {0, 1, 0},
-                                       .fov_y = 0.4,
-                                       .aspect = 1.3,
-                                       .cone = 0.7,
-                                       .n_views = 9},
-                            .width = 48,
-                            .height = 36};
+    lf_render_settings s = settings_of(0.3, 0.6, 0.7);
     out[0] = rig_of(&s);
     s.camera.position[0] = 1.1;
     s.camera.position[1] = 0.2;
@@ -126,14 +101,7 @@ static void a_point_is_where_the_other_rig_sees_it(void **state)
 static void who_turns_by_two_views_is_two_views_on(void **state)
 {
     (void)state;
-    lf_render_settings s = {.camera = {.position = {0, 0, 5},
-                                       .up = {0, 1, 0},
-                                       .fov_y = 0.4,
-                                       .aspect = 1.3,
-                                       .cone = 0.09,
-                                       .n_views = 9},
-                            .width = 48,
-                            .height = 36};
+    lf_render_settings s = settings_of(0, 0, 0.09);
     const lf_rig before = rig_of(&s);
     s.camera.position[0] = 5.0 * sin(0.02);
     s.camera.position[2] = 5.0 * cos(0.02);
@@ -216,8 +184,8 @@ static void check_recalled(const lf_reconstruction *r, const lf_past_move *m, in
 static void what_is_recalled_is_what_was_known_of_the_place(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(LF_TEST_MIXED("9", ""), NULL);
-    visits(r, 2);
+    lf_renderer *r = reconstruct_renderer(LF_TEST_MIXED("9", ""), width, height, NULL);
+    reconstruct_visits(r, NULL, 2);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     make_linear(r->shown);
     lf_past *past = lf_past_of(r->shown);
@@ -273,7 +241,7 @@ static double coarse_error(lf_renderer *r, const float *truth)
 static float *reference(const char *text, double degrees)
 {
     float *x = malloc((size_t)height * row_values * sizeof *x);
-    lf_renderer *r = renderer_of(text, NULL);
+    lf_renderer *r = reconstruct_renderer(text, width, height, NULL);
     move(r, degrees, lf_test_seed() + 1000000);
     lf_test_cycles(r, 50);
     lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_CV, x, NULL), NULL);
@@ -288,7 +256,7 @@ enum { SEEDS = 6, LOOKED = 20, TURN = 5 };
 static void turn_around(const char *text, double out[2])
 {
     float *truth = reference(text, TURN);
-    lf_renderer *r = renderer_of(text, NULL);
+    lf_renderer *r = reconstruct_renderer(text, width, height, NULL);
     const lf_render_settings at_first = *lf_renderer_settings(r);
     out[0] = out[1] = 0.0;
     for (uint64_t k = 0; k < SEEDS; k++) {
@@ -298,13 +266,13 @@ static void turn_around(const char *text, double out[2])
             lf_renderer_drop_fits(r);
             lf_assert_ok(lf_renderer_restart(r, lf_renderer_scene(r), &s, NULL), NULL);
             assert_false(lf_renderer_follows(r));
-            visits(r, LOOKED);
+            reconstruct_visits(r, NULL, LOOKED);
             lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
             move(r, TURN, lf_hash64(lf_test_seed(), 2 * k + 1));
             if (without)
                 lf_renderer_drop_fits(r);
             assert_int_equal(lf_renderer_follows(r), !without);
-            coarse_visits(r, 1);
+            reconstruct_visits(r, &coarse, 1);
             out[without] += coarse_error(r, truth) / SEEDS;
         }
     }
@@ -347,8 +315,8 @@ static void a_picture_that_has_turned_begins_clean(void **state)
 
 static lf_past *wrong_past(void)
 {
-    lf_renderer *r = renderer_of(WRONG, NULL);
-    visits(r, LOOKED);
+    lf_renderer *r = reconstruct_renderer(WRONG, width, height, NULL);
+    reconstruct_visits(r, NULL, LOOKED);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     lf_past *past = lf_past_of(r->shown);
     assert_non_null(past);
@@ -368,14 +336,14 @@ static void believe(lf_renderer *r, lf_past *past)
 static void a_wrong_past_is_outvoted(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(LF_TEST_MIXED("9", ""), NULL);
+    lf_renderer *r = reconstruct_renderer(LF_TEST_MIXED("9", ""), width, height, NULL);
     float *truth = reference(LF_TEST_MIXED("9", ""), 0.0);
     double error[2] = {0.0, 0.0};
     for (uint64_t k = 0; k < SEEDS; k++) {
         for (int without = 0; without < 2; without++) {
             move(r, 0.0, lf_hash64(lf_test_seed(), k));
             believe(r, without ? NULL : wrong_past());
-            coarse_visits(r, 1);
+            reconstruct_visits(r, &coarse, 1);
             error[without] += coarse_error(r, truth) / SEEDS;
         }
     }
@@ -389,7 +357,7 @@ static void a_wrong_past_is_outvoted(void **state)
 static lf_past *past_that_is_off(lf_renderer *r, float off)
 {
     lf_test_reseed(r, lf_test_seed() + 77);
-    visits(r, LOOKED);
+    reconstruct_visits(r, NULL, LOOKED);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     for (int b = 0; b < r->shown->level[0].n_bands; b++) {
         for (int i = 0; i < r->shown->level[0].bands[b].n; i++) {
@@ -410,7 +378,7 @@ static lf_past *past_that_is_off(lf_renderer *r, float off)
 static void a_past_that_is_a_little_off_is_taken_in_part(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(FOG, NULL);
+    lf_renderer *r = reconstruct_renderer(FOG, width, height, NULL);
     float *truth = reference(FOG, 0.0);
     double error[2] = {0.0, 0.0};
     for (uint64_t k = 0; k < SEEDS; k++) {
@@ -418,7 +386,7 @@ static void a_past_that_is_a_little_off_is_taken_in_part(void **state)
             lf_past *past = without ? NULL : past_that_is_off(r, OFF);
             move(r, 0.0, lf_hash64(lf_test_seed(), k));
             believe(r, past);
-            coarse_visits(r, 1);
+            reconstruct_visits(r, &coarse, 1);
             error[without] += coarse_error(r, truth) / SEEDS;
         }
     }
@@ -433,14 +401,14 @@ static void nothing_of_it_is_left_in_the_complete_frame(void **state)
     (void)state;
     size_t n = (size_t)height * row_values;
     float *x[2] = {malloc(n * sizeof **x), malloc(n * sizeof **x)};
-    lf_renderer *r = renderer_of(LF_TEST_MIXED("9", ""), NULL);
+    lf_renderer *r = reconstruct_renderer(LF_TEST_MIXED("9", ""), width, height, NULL);
     for (int without = 0; without < 2; without++) {
         move(r, 0.0, lf_test_seed());
         believe(r, without ? NULL : wrong_past());
-        coarse_visits(r, 1);
+        reconstruct_visits(r, &coarse, 1);
         lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
         assert_int_equal(lf_renderer_follows(r), !without);
-        visits(r, 1);
+        reconstruct_visits(r, NULL, 1);
         lf_assert_ok(lf_renderer_show(r, x[without], NULL), NULL);
         assert_false(lf_renderer_follows(r));
     }
@@ -457,32 +425,32 @@ static void the_past_is_of_the_same_scene_and_outlives_what_was_cut_short(void *
 {
     (void)state;
     const lf_cancel cancel = 1;
-    lf_renderer *r = renderer_of(LF_TEST_MIXED("9", ""), NULL);
+    lf_renderer *r = reconstruct_renderer(LF_TEST_MIXED("9", ""), width, height, NULL);
     lf_scene *other = lf_test_scene(WRONG);
     assert_false(lf_renderer_follows(r));
     move(r, 1.0, 1);
     assert_false(lf_renderer_follows(r)); /* there was no fit */
-    visits(r, 2);
+    reconstruct_visits(r, NULL, 2);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     assert_false(lf_renderer_follows(r));
     move(r, 1.0, 2);
     assert_true(lf_renderer_follows(r));
     move(r, 1.0, 3); /* nothing was seen in between */
     assert_true(lf_renderer_follows(r));
-    visits(r, 1);
+    reconstruct_visits(r, NULL, 1);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     assert_false(lf_renderer_follows(r));
     assert_int_equal(lf_renderer_fit(r, &cancel), LF_E_CANCELLED);
     move(r, 1.0, 4); /* what the fit knew that was to be made again */
     assert_true(lf_renderer_follows(r));
-    coarse_visits(r, 1);
+    reconstruct_visits(r, &coarse, 1);
     assert_int_equal(lf_renderer_fit(r, &cancel), LF_E_CANCELLED);
     assert_true(lf_renderer_follows(r));
     lf_render_settings s = *lf_renderer_settings(r);
     s.max_depth = 3;
     lf_assert_ok(lf_renderer_restart(r, lf_renderer_scene(r), &s, NULL), NULL);
     assert_false(lf_renderer_follows(r));
-    visits(r, 1);
+    reconstruct_visits(r, NULL, 1);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     lf_assert_ok(lf_renderer_restart(r, other, &s, NULL), NULL);
     assert_false(lf_renderer_follows(r));
@@ -495,11 +463,11 @@ static float *coarse_frame(int threads)
     lf_pool *pool = NULL;
     float *x = calloc((size_t)height * row_values, sizeof *x);
     lf_assert_ok(lf_pool_create(threads, &pool), NULL);
-    lf_renderer *r = renderer_of(LF_TEST_MIXED("9", ""), pool);
-    visits(r, 3);
+    lf_renderer *r = reconstruct_renderer(LF_TEST_MIXED("9", ""), width, height, pool);
+    reconstruct_visits(r, NULL, 3);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     move(r, TURN, 7);
-    coarse_visits(r, 1);
+    reconstruct_visits(r, &coarse, 1);
     lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
     assert_true(lf_renderer_follows(r));
     lf_renderer_destroy(r);

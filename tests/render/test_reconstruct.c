@@ -1,12 +1,6 @@
 /* The reconstructed picture: what it does not change, what it gains, that it tends to the
  * unfiltered one, and that it knows how far off it is. */
-#include "tests/testing.h"
-
-/* stat.h has another of this name. */
-#define lf_moments lf_stat_moments
-#include "tests/stat/fixture.h"
-#undef lf_moments
-#include "tests/stat/scenes.h"
+#include "tests/render/reconstruct_testing.h"
 
 #include "render/reconstruct/kernel.h"
 #include "render/reconstruct/solve.h"
@@ -15,24 +9,6 @@ enum { width = 32, height = 24, views = 9, values = 3 * width * height * views, 
 
 /* Fog and a ball on the ground under a sun and a sky, seen by nine views. */
 #define SCENE LF_TEST_MIXED("9", "")
-
-static lf_renderer *renderer_of(const char *text, int across, int down, lf_pool *pool)
-{
-    lf_scene *scene = lf_test_scene(text);
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", across, down, pool);
-    lf_render_settings settings = *lf_renderer_settings(r);
-    settings.features = true;
-    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
-    lf_scene_unref(scene);
-    return r;
-}
-
-/* As on a display: visits of one pass. */
-static void visits(lf_renderer *r, int n)
-{
-    for (int i = 0; i < n; i++)
-        lf_assert_ok(lf_renderer_pass(r, NULL, 1, NULL, NULL, NULL), NULL);
-}
 
 static double rel_mse(const float *x, const float *truth)
 {
@@ -66,7 +42,7 @@ static float *reference(lf_renderer *r)
 static void a_row_without_a_fit_or_a_visit_is_a_state_error(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(SCENE, width, height, NULL);
     const lf_part lower = {.first_row = height / 2};
     float *row = calloc(3 * width * views, sizeof *row);
     double estimate = 0.0;
@@ -87,10 +63,10 @@ static void a_row_without_a_fit_or_a_visit_is_a_state_error(void **state)
 static void a_cancelled_fit_is_none(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(SCENE, width, height, NULL);
     float *x = picture();
     lf_cancel cancel = 1;
-    visits(r, 2);
+    reconstruct_visits(r, NULL, 2);
     lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
     assert_int_equal(lf_renderer_fit(r, &cancel), LF_E_CANCELLED);
     assert_int_equal(lf_renderer_show_row(r, 0, x), LF_E_STATE);
@@ -111,10 +87,10 @@ static void a_cancelled_fit_is_none(void **state)
 
 static double light_of(const char *text, int n_visits, lf_estimator estimator, bool shown)
 {
-    lf_renderer *r = renderer_of(text, width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(text, width, height, NULL);
     float *x = picture();
     double sum = 0.0;
-    visits(r, n_visits);
+    reconstruct_visits(r, NULL, n_visits);
     lf_assert_ok(shown ? lf_renderer_show(r, x, NULL) : lf_renderer_resolve(r, estimator, x, NULL),
                  NULL);
     for (size_t i = 0; i < values; i++)
@@ -148,7 +124,7 @@ static void thin_media_are_as_bright_as_they_are(void **state)
 static void depth_that_holds_nothing_costs_nothing(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(
+    lf_renderer *r = reconstruct_renderer(
         "{\"quiltd\": 1, \"camera\": {\"position\": [0,0,10], \"fov_y\": 1, \"aspect\": 1.3, "
         "\"views\": 9, \"cone\": 60}, \"lights\": {\"sky\": {\"type\": \"environment\", "
         "\"radiance\": 1}}, \"meshes\": {\"wall\": {\"shape\": \"cube\", \"transform\": "
@@ -158,7 +134,7 @@ static void depth_that_holds_nothing_costs_nothing(void **state)
         "{\"scale\": 0.002, \"translate\": [0,0,8.5]}}}}",
         width, height, NULL);
     size_t places = 0;
-    visits(r, 2);
+    reconstruct_visits(r, NULL, 2);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     for (int i = 0; i < r->shown->level[0].n_bands; i++)
         places += r->shown->level[0].bands[i].n_places;
@@ -171,9 +147,9 @@ static void depth_that_holds_nothing_costs_nothing(void **state)
 static void what_is_constant_stays(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(SCENE, width, height, NULL);
     float *x = picture();
-    visits(r, 4);
+    reconstruct_visits(r, NULL, 4);
     for (int row = 0; row < height; row++) {
         lf_film_known *known = lf_film_known_at(&r->film, row);
         for (int h = 0; h < 2; h++) {
@@ -257,10 +233,10 @@ static double share_of_raw(const lf_reconstruction *r)
 static void noise_is_not_taken_for_what_is_there(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(SCENE, width, height, NULL);
     float *x = picture();
     double left = 0.0, share = 0.0;
-    visits(r, 4);
+    reconstruct_visits(r, NULL, 4);
     for (uint64_t k = 0; k < SEEDS; k++) {
         make_random(r, k, true);
         lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
@@ -280,8 +256,8 @@ static void noise_is_not_taken_for_what_is_there(void **state)
 static void what_both_halves_say_is_taken(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
-    visits(r, 4);
+    lf_renderer *r = reconstruct_renderer(SCENE, width, height, NULL);
+    reconstruct_visits(r, NULL, 4);
     make_random(r, 0, false);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     print_message("detail: N/W gets %.3f\n", share_of_raw(r->shown));
@@ -293,16 +269,16 @@ static void what_both_halves_say_is_taken(void **state)
 static void a_white_furnace_stays_white(void **state)
 {
     (void)state;
-    lf_renderer *r =
-        renderer_of("{ " LF_TEST_CAMERA(
-                        "9", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1, 'albedo': "
-                                 "1, 'transform': { "
-                                 "'scale': 0.7, 'translate': [0.5, 0, 0.5] } } }, "
-                                 "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }",
-                    width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(
+        "{ " LF_TEST_CAMERA("9",
+                            "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1, 'albedo': "
+                                "1, 'transform': { "
+                                "'scale': 0.7, 'translate': [0.5, 0, 0.5] } } }, "
+                                "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }",
+        width, height, NULL);
     float *x = picture();
     for (int n = 1; n <= 4; n++) {
-        visits(r, n);
+        reconstruct_visits(r, NULL, n);
         lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
         double most = 0.0;
         for (size_t i = 0; i < values; i++)
@@ -320,8 +296,8 @@ static float *shown_by(int threads, const lf_reconstruct_kernels *kernels, doubl
     lf_pool *pool = NULL;
     float *x = picture();
     lf_assert_ok(lf_pool_create(threads, &pool), NULL);
-    lf_renderer *r = renderer_of(SCENE, width, height, pool);
-    visits(r, 5);
+    lf_renderer *r = reconstruct_renderer(SCENE, width, height, pool);
+    reconstruct_visits(r, NULL, 5);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     r->shown->kernels = kernels ? kernels : r->shown->kernels;
     lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
@@ -360,7 +336,7 @@ static lf_told tell(lf_renderer *r, const float *truth, int n)
     for (int k = 0; k < SEEDS; k++) {
         double stated, shown;
         lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
-        visits(r, n);
+        reconstruct_visits(r, NULL, n);
         lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
         shown = rel_mse(x, truth);
         out.held += lf_renderer_shown_error(r, 0.05, &stated, NULL) >= shown;
@@ -381,7 +357,7 @@ static lf_told tell(lf_renderer *r, const float *truth, int n)
 static void what_is_shown_is_nearer_to_the_truth_and_says_how_near(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(SCENE, width, height, NULL);
     float *truth = reference(r);
     int held = 0;
     for (int n = 4; n <= 16; n *= 2) {
@@ -428,7 +404,7 @@ static double common(const float *a, const float *b)
 static void what_is_shown_tends_to_the_unfiltered_picture(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(SCENE, width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(SCENE, width, height, NULL);
     float *d[2][2][2]; /* [few, many][with N/W, without][seed] */
     for (int seed = 0; seed < 2; seed++) {
         lf_test_reseed(r, lf_test_seed() + (uint64_t)seed);

@@ -1,0 +1,36 @@
+/* What tests of the reconstruction share. tests/stat/stat.h has another lf_moments than
+ * render/reconstruct/lattice.h. */
+#ifndef LF_TESTS_RENDER_RECONSTRUCT_TESTING_H
+#define LF_TESTS_RENDER_RECONSTRUCT_TESTING_H
+
+#include "tests/testing.h"
+
+#define lf_moments lf_stat_moments
+#include "tests/stat/fixture.h"
+#undef lf_moments
+#include "tests/stat/scenes.h"
+
+#include "render/reconstruct/lattice.h"
+#include "render/renderer.h"
+
+/* With a film that has features. */
+static inline lf_renderer *reconstruct_renderer(const char *text, int width, int height,
+                                                lf_pool *pool)
+{
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
+    lf_render_settings settings = *lf_renderer_settings(r);
+    settings.features = true;
+    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
+    lf_scene_unref(scene);
+    return r;
+}
+
+/* As on a display: n visits of one pass. part: NULL = all rows. */
+static inline void reconstruct_visits(lf_renderer *r, const lf_part *part, int n)
+{
+    for (int i = 0; i < n; i++)
+        lf_assert_ok(lf_renderer_pass(r, part, 1, NULL, NULL, NULL), NULL);
+}
+
+#endif
