@@ -47,6 +47,7 @@ void lf_trial_close(lf_trial *trial)
     lf_free(trial->reference);
     lf_free(trial->noise);
     lf_free(trial->picture);
+    lf_free(trial->steps);
     *trial = (lf_trial){0};
 }
 
@@ -143,19 +144,62 @@ static double correlation(const lf_trial *trial, int apart)
     return n_pairs > 0 ? sum / n_pairs : (double)NAN;
 }
 
+/* Mean square of e's change along epipolar lines, where both ends are in the picture. Nearest
+ * pixels: between two of them noise would be averaged away. */
+static double flicker(const lf_trial *trial, const float *errors)
+{
+    const int width = trial->settings.width;
+    double sum = 0;
+    int64_t n = 0;
+    for (int row = 0; row < trial->settings.height; row++)
+        for (int view = 0; view + 1 < trial->settings.camera.n_views; view++) {
+            const size_t here = row_at(trial, row, view), next = row_at(trial, row, view + 1);
+            for (int u = 0; u < width; u++) {
+                const float to = roundf((float)u + trial->steps[here / 3 + (size_t)u]);
+                if (!(to >= 0 && to < (float)width))
+                    continue;
+                const float *a = errors + here + (size_t)u * 3, *b = errors + next + (size_t)to * 3;
+                for (int c = 0; c < 3; c++, n++)
+                    sum += (double)(b[c] - a[c]) * (double)(b[c] - a[c]);
+            }
+        }
+    return n > 0 ? sum / (double)n : (double)NAN;
+}
+
 static void measure(lf_trial *trial, lf_measure *out)
 {
     out->n_nonfinite = to_errors(trial);
     measure_errors(trial, out);
     out->correlation[0] = correlation(trial, 1);
     out->correlation[1] = correlation(trial, 10);
+    out->reference_flicker = trial->steps ? flicker(trial, trial->noise) : (double)NAN;
+    out->flicker =
+        trial->steps ? flicker(trial, trial->picture) - out->reference_flicker : (double)NAN;
 }
 
 /* ----------------------------------------------------------------------------------- running -- */
 
-/* Renders into trial->picture. */
+/* A thing at Z moves by a - b/Z (lf_depth), of which two are known. */
+static lf_status find_steps(const lf_trial *trial, const lf_renderer *renderer,
+                            lf_estimator estimator)
+{
+    lf_depth depth;
+    if (!lf_scene_depth(trial->scene, &trial->settings, &depth))
+        return LF_E_ARG;
+    const double b = (depth.farthest_step - depth.nearest_step) /
+                     (1 / depth.nearest - 1 / depth.farthest),
+                 a = depth.farthest_step + b / depth.farthest;
+    lf_status status = lf_renderer_layers(renderer, estimator, LF_LAYER_DEPTH, trial->steps, NULL);
+    for (size_t i = 0; i < trial->n / 3; i++) {
+        const double z = (double)trial->steps[i];
+        trial->steps[i] = z > 0 ? (float)(a - b / z) : NAN;
+    }
+    return status;
+}
+
+/* Renders into trial->picture; with_steps: into trial->steps as well. */
 static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
-                        const lf_budget *budget, lf_measure *out, lf_error *err)
+                        const lf_budget *budget, bool with_steps, lf_measure *out, lf_error *err)
 {
     lf_render_settings settings = trial->settings;
     lf_renderer *renderer = NULL;
@@ -163,7 +207,7 @@ static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
     double start = lf_time_cpu();
     settings.integrator = who->integrator;
     settings.seed = seed;
-    settings.features = budget->reconstructed;
+    settings.features = budget->reconstructed || with_steps;
     lf_status status = lf_renderer_create(trial->scene, &settings, trial->pool, &renderer, err);
     if (status != LF_OK)
         return status;
@@ -173,6 +217,11 @@ static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
     status =
         lf_render_run(renderer, &left, who->estimator, trial->picture, NULL, NULL, NULL, &times);
     out->cpu_seconds = lf_time_cpu() - start;
+    out->answer_cpu_seconds = times.answer_cpu_seconds;
+    out->passes = (double)times.passes;
+    if (status == LF_OK && with_steps)
+        status = find_steps(trial, renderer, who->estimator);
+    out->shown_bound = lf_renderer_shown_error(renderer, LF_ERROR_ALPHA, &out->shown_error, NULL);
     lf_renderer_stats(renderer, &out->stats);
     lf_renderer_destroy(renderer);
     return status == LF_OK ? LF_OK : lf_error_set(err, status, trial->name, "rendering failed");
@@ -182,8 +231,8 @@ lf_status lf_trial_run(lf_trial *trial, const lf_contender *who, uint64_t seed,
                        const lf_budget *budget, lf_measure *out, lf_error *err)
 {
     lf_budget asked = *budget;
-    asked.reconstructed = trial->settings.features;
-    lf_status status = render(trial, who, seed, &asked, out, err);
+    asked.reconstructed |= trial->settings.features;
+    lf_status status = render(trial, who, seed, &asked, false, out, err);
     if (status == LF_OK)
         measure(trial, out);
     return status;
@@ -199,7 +248,7 @@ lf_status lf_trial_reference(lf_trial *trial, const lf_trial_options *options, l
     trial->reference_by = options->reference;
     for (int half = 0; half < 2 && status == LF_OK; half++) {
         status = render(trial, &options->reference, REFERENCE_SEED + (uint64_t)half, &budget,
-                        &halves[half], err);
+                        trial->steps && half == 0, &halves[half], err);
         if (half == 0)
             memcpy(trial->reference, trial->picture, trial->n * sizeof(float));
     }

@@ -104,17 +104,27 @@ typedef struct lf_trial {
     double reference_cpu;             /* CPU seconds of both halves */
     double reference_spp;             /* native samples a view pixel, both halves */
     int n_tiles_across, n_tiles_down; /* of a view */
+    /* NULL, or [row][view][column], allocated by whoever wants flicker measured; then the
+     * reference's rendering fills in how far what is seen there moves from a view to the next, in
+     * pixels. NaN: nothing is seen. Freed with the trial. */
+    float *steps;
 } lf_trial;
 
 /* What one run came to. */
 typedef struct lf_measure {
     double cpu_seconds;
+    double answer_cpu_seconds; /* of them, behind the last pass */
+    double passes;
     double rel_mse;    /* mean over the views */
     double worst_view; /* the greatest relMSE of a view */
     /* correlation of e in pixels of one place in two views: next to each other, 10 apart; mean over
      * pairs; NaN = not known */
     double correlation[2];
-    int64_t n_nonfinite; /* samples of the picture; they count as right */
+    /* mean square of the change of e from view to view along epipolar lines, and the reference's
+     * own; NaN without steps */
+    double flicker, reference_flicker;
+    double shown_error, shown_bound; /* as a reconstructed picture states them, else -1 */
+    int64_t n_nonfinite;             /* samples of the picture; they count as right */
     lf_render_stats stats;
     /* NULL, or set before the run: [view][tile row][tile column] gets the relMSE of each tile */
     double *tiles;
@@ -130,7 +140,7 @@ void lf_trial_close(lf_trial *trial);
 LF_NODISCARD lf_status lf_trial_reference(lf_trial *trial, const lf_trial_options *options,
                                           lf_error *err);
 
-/* One run. */
+/* One run. It answers with the reconstructed picture where the budget or the settings say so. */
 LF_NODISCARD lf_status lf_trial_run(lf_trial *trial, const lf_contender *who, uint64_t seed,
                                     const lf_budget *budget, lf_measure *out, lf_error *err);
 

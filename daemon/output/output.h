@@ -26,16 +26,18 @@ extern const lf_param lf_panel_params[];
 /* Of its response, and of what a daemon sends to its panel. */
 extern const lf_param lf_response_params[];
 
-/* Where the depth stands beside the view that it is of. */
+/* Where the depth stands beside the view, or the quilt, that it is of. */
 typedef enum lf_rgbd_side { LF_RGBD_RIGHT, LF_RGBD_LEFT, LF_RGBD_TOP, LF_RGBD_BOTTOM } lf_rgbd_side;
 
 /* How depth becomes codes of 8 bits: linear in 1/Z, which is what shifts from view to view, from
- * far to near. Zeroed is the default: far is black, near white; both are what 98 % of the pixels
- * that are covered by more than half lie between. Rays that meet nothing count as infinitely far.
+ * far to near. Zeroed is the default: far is black, near white; both are what 98 % of the middle
+ * view's pixels that are covered by more than half lie between, for all views. Rays that meet
+ * nothing count as infinitely far.
  */
 typedef struct lf_rgbd_options {
     lf_rgbd_side side;
     int near_is_black; /* 0 or 1 */
+    int is_quilt;      /* 0: the middle view; 1: all of them, as the layout says */
     double near, far;  /* along the view axis, in scene units; 0: as the picture says */
 } lf_rgbd_options;
 extern const lf_param lf_rgbd_params[];
@@ -65,7 +67,7 @@ typedef struct lf_output_request {
      * comes of it (closed): one for each of the kind's files, in their order. */
     const int *fds;
     int n_fds;
-    lf_layout layout;                  /* kinds with has_tiles */
+    lf_layout layout;                  /* kinds with has_tiles, and rgbd of a quilt */
     const lf_calibration *calibration; /* kinds with needs_panel, as the next */
     lf_panel_options panel;
     lf_rgbd_options rgbd;  /* kinds that read layers */

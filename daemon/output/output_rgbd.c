@@ -1,4 +1,5 @@
-/* The middle view and its depth, side by side in one picture, for players that make views of it. */
+/* Views and their depth, side by side in one picture: the middle one, for players that make views
+ * of it, or all, as a quilt beside a quilt. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,6 +17,7 @@ static const char *const sides[] = {[LF_RGBD_RIGHT] = "right",
                                     [LF_RGBD_BOTTOM] = "bottom",
                                     NULL};
 static const char *const near_ends[] = {"white", "black", NULL};
+static const char *const extents[] = {"middle", "quilt", NULL};
 
 #define PLACE(field) .place = offsetof(lf_rgbd_options, field)
 
@@ -23,6 +25,9 @@ static const char *const near_ends[] = {"white", "black", NULL};
 const lf_param lf_rgbd_params[] = {
     {.name = "side", .option = "rgbd", .argument = "SIDE", PLACE(side), .type = LF_PARAM_WORD,
      .words = sides, .help = "the middle view, its depth on this side of it, into OUT.png"},
+    {.name = "of", .option = "rgbd-of", .argument = "middle|quilt", PLACE(is_quilt),
+     .type = LF_PARAM_WORD, .words = extents,
+     .help = "all views as a quilt and beside it a quilt of their depth"},
     {.name = "near_is", .option = "near-is", .argument = "COLOUR", PLACE(near_is_black),
      .type = LF_PARAM_WORD, .words = near_ends, .help = "what near is in the depth of --rgbd"},
     {.name = "near", .option = "near", .argument = "Z", PLACE(near), .low = 1e-9, .high = 1e9,
@@ -41,11 +46,21 @@ lf_status lf_rgbd_check(const lf_rgbd_options *rgbd, const char *where, lf_error
     return LF_OK;
 }
 
-/* One view with what is known of its pixels. */
-typedef struct depth_view {
+/* Views with what is known of their pixels. */
+typedef struct depth_views {
     const lf_views32 *views;
-    int view, depth, coverage; /* channels of the layers */
-} depth_view;
+    int middle, depth, coverage; /* the view; channels of the layers */
+    int columns, rows;           /* tiles of the picture's halves; of one, the middle view */
+} depth_views;
+
+/* The view whose tile lies there, rows from the top; -1: none. */
+static int view_at(const depth_views *v, int column, int row)
+{
+    if (v->columns * v->rows == 1)
+        return v->middle;
+    const int view = (v->rows - 1 - row) * v->columns + column;
+    return view < v->views->n_views ? view : -1;
+}
 
 static int find_channel(const lf_layers32 *layers, const char *name)
 {
@@ -55,13 +70,19 @@ static int find_channel(const lf_layers32 *layers, const char *name)
     return i < layers->n ? i : -1;
 }
 
-static lf_status open_view(const lf_output_request *request, const lf_output_source *source,
-                           depth_view *out, lf_error *err)
+static lf_status open_views(const lf_output_request *request, const lf_output_source *source,
+                            depth_views *out, lf_error *err)
 {
     const char *names[LF_MAX_LAYER_CHANNELS];
     const lf_layers32 *layers = source->is_float ? source->views32.layers : NULL;
     (void)lf_layer_channels(LAYERS, names);
-    *out = (depth_view){&source->views32, source->views32.n_views / 2, -1, -1};
+    const bool is_quilt = request->rgbd.is_quilt;
+    *out = (depth_views){.views = &source->views32,
+                         .middle = source->views32.n_views / 2,
+                         .depth = -1,
+                         .coverage = -1,
+                         .columns = is_quilt ? request->layout.columns : 1,
+                         .rows = is_quilt ? request->layout.rows : 1};
     if (layers) {
         out->depth = find_channel(layers, names[0]);
         out->coverage = find_channel(layers, names[1]);
@@ -81,19 +102,19 @@ static int compare(const void *a, const void *b)
 
 /* The mean of 1/Z over a pixel's rays, 0 for those that meet nothing: chance hits at the rim of a
  * cloud do not stand out. */
-static double nearness_of(const depth_view *v, const float *at)
+static double nearness_of(const depth_views *v, const float *at)
 {
     const float depth = at[v->depth];
     return depth > 0.0f ? (double)at[v->coverage] / (double)depth : 0;
 }
 
 /* Of pixels that are covered by more than this; how many. */
-static size_t collect(const depth_view *v, float least, double *out)
+static size_t collect(const depth_views *v, float least, double *out)
 {
     const lf_layers32 *layers = v->views->layers;
     size_t n = 0;
     for (int y = 0; y < v->views->height; y++) {
-        const float *at = lf_layers32_row(layers, v->view, y);
+        const float *at = lf_layers32_row(layers, v->middle, y);
         for (int x = 0; x < v->views->width; x++, at += layers->n)
             if (at[v->coverage] > least)
                 out[n++] = nearness_of(v, at);
@@ -113,7 +134,7 @@ static double quantile(const double *sorted, size_t n, double share)
 
 /* What the options say, else without the extremes of what is there: one pixel's noise must not
  * take the codes of all others. */
-static lf_status find_range(const lf_output_request *request, const depth_view *v,
+static lf_status find_range(const lf_output_request *request, const depth_views *v,
                             nearness_range *out, lf_error *err)
 {
     const lf_rgbd_options *o = &request->rgbd;
@@ -143,15 +164,16 @@ static uint8_t code_of(const nearness_range *range, double nearness)
 
 /* ----------------------------------------------------------------------------------- picture -- */
 
-/* The depth's half of the picture. */
-static void draw_depth(const depth_view *v, const nearness_range *range, bool near_is_black,
-                       uint8_t *out, size_t stride)
+/* The depth of one view; far where there is none. */
+static void draw_depth(const depth_views *v, int view, const nearness_range *range,
+                       bool near_is_black, uint8_t *out, size_t stride)
 {
     const lf_layers32 *layers = v->views->layers;
     for (int y = 0; y < v->views->height; y++, out += stride) {
-        const float *at = lf_layers32_row(layers, v->view, y);
-        for (int x = 0; x < v->views->width; x++, at += layers->n) {
-            uint8_t code = code_of(range, nearness_of(v, at));
+        const float *at = view >= 0 ? lf_layers32_row(layers, view, y) : NULL;
+        for (int x = 0; x < v->views->width; x++) {
+            uint8_t code =
+                at ? code_of(range, nearness_of(v, at + (size_t)x * (size_t)layers->n)) : 0;
             memset(out + (size_t)x * 3, near_is_black ? 255 - code : code, 3);
         }
     }
@@ -173,20 +195,31 @@ static lf_status draw_colours(const lf_output_request *request, const lf_output_
 }
 
 static lf_status draw(const lf_output_request *request, const lf_output_source *source,
-                      const depth_view *v, const nearness_range *range, lf_image8 *image,
+                      const depth_views *v, const nearness_range *range, lf_image8 *image,
                       lf_error *err)
 {
     const lf_rgbd_options *o = &request->rgbd;
     const bool above = o->side == LF_RGBD_TOP || o->side == LF_RGBD_BOTTOM;
     const bool depth_first = o->side == LF_RGBD_TOP || o->side == LF_RGBD_LEFT;
-    const int width = v->views->width, height = v->views->height;
-    if (lf_image8_init(image, above ? width : 2 * width, above ? 2 * height : height, 3) != LF_OK)
+    const int width = v->columns * v->views->width, height = v->rows * v->views->height;
+    lf_status status =
+        lf_image8_init(image, above ? width : 2 * width, above ? 2 * height : height, 3);
+    if (status != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, request->path,
                             "no memory for two pictures of %dx%d pixels", width, height);
-    uint8_t *first = image->data,
-            *second = first + (above ? (size_t)height * image->stride : (size_t)width * 3);
-    draw_depth(v, range, o->near_is_black, depth_first ? first : second, image->stride);
-    return draw_colours(request, source, v->view, depth_first ? second : first, image->stride, err);
+    const size_t second = above ? (size_t)height * image->stride : (size_t)width * 3;
+    uint8_t *depth = image->data + (depth_first ? 0 : second),
+            *colour = image->data + (depth_first ? second : 0);
+    for (int row = 0; row < v->rows && status == LF_OK; row++)
+        for (int column = 0; column < v->columns && status == LF_OK; column++) {
+            const int view = view_at(v, column, row);
+            const size_t at = (size_t)(row * v->views->height) * image->stride +
+                              (size_t)(column * v->views->width) * 3;
+            draw_depth(v, view, range, o->near_is_black, depth + at, image->stride);
+            if (view >= 0)
+                status = draw_colours(request, source, view, colour + at, image->stride, err);
+        }
+    return status;
 }
 
 /* So that codes can be read as distances. */
@@ -205,14 +238,14 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
                              lf_outfile *files, lf_error *err)
 {
     output_attributes attributes;
-    depth_view view;
+    depth_views views;
     nearness_range range = {0};
     lf_image8 image = {0};
-    lf_status status = open_view(request, source, &view, err);
+    lf_status status = open_views(request, source, &views, err);
     if (status == LF_OK)
-        status = find_range(request, &view, &range, err);
+        status = find_range(request, &views, &range, err);
     if (status == LF_OK)
-        status = draw(request, source, &view, &range, &image, err);
+        status = draw(request, source, &views, &range, &image, err);
     if (status == LF_OK) {
         output_progress(request, 0.5);
         output_attributes_fill(&attributes, request->settings);

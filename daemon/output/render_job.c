@@ -163,12 +163,15 @@ lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estim
         assert(budget->target_error > 0 || budget->target_shown_error > 0);
         status = run_target(&r, fmax(budget->target_error, budget->target_shown_error));
     }
+    const double cpu_passes = lf_time_cpu();
     if (status == LF_OK && estimator == LF_ESTIMATOR_MWIS && !budget->reconstructed)
         status = lf_renderer_fill_holes(renderer, NULL, cancel);
     if (status == LF_OK)
         status = budget->reconstructed ? lf_renderer_show(renderer, film, cancel)
                                        : lf_renderer_resolve(renderer, estimator, film, NULL);
-    *out_times = (lf_render_times){r.passes, lf_time_now() - r.start, lf_time_cpu() - r.cpu_start};
+    const double cpu_end = lf_time_cpu();
+    *out_times = (lf_render_times){r.passes, lf_time_now() - r.start, cpu_end - r.cpu_start,
+                                   cpu_end - cpu_passes};
     return status;
 }
 

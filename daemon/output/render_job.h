@@ -33,6 +33,7 @@ typedef void (*lf_render_progress_fn)(void *context, const lf_render_progress *p
 typedef struct lf_render_times {
     int64_t passes;
     double seconds, cpu_seconds;
+    double answer_cpu_seconds; /* of them, behind the last pass: holes, a fit, the answer */
 } lf_render_times;
 
 /* Adds passes to the renderer until the budget is spent, and resolves the film. With passes, the

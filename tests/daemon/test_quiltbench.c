@@ -185,6 +185,9 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"curve s.json --budgets 0", "--budgets"},
         {"table", "expects one FOLDER"},
         {"table x --scenes cloud,moon", "no scene is called \"moon\""},
+        {"shown", "expects one SCENE"},
+        {"shown s.json --budgets 1,,2", "--budgets"},
+        {"shown s.json --budgets 2,1", "rising"},
         {"views", "expects one SCENE"},
         {"views s.json --counts 4,2", "rising"},
         {"views s.json --counts 0", "--counts"},
@@ -237,6 +240,34 @@ static void a_comparison_says_what_it_compared(void **state)
                             "--min-ratio 1000"),
                      1);
     assert_error_line(d, "the median ratio is");
+}
+
+static double number_in(const json_t *object, const char *key, size_t i)
+{
+    return json_number_value(json_array_get(json_object_get(object, key), i));
+}
+
+static void what_is_shown_is_nearer_after_the_same_time(void **state)
+{
+    const char *d = *state;
+    write_ball(d);
+    assert_int_equal(run(d, "shown fog.json --view-size 24x32 --budgets 0.02,0.08 --seeds 2 "
+                            "--reference-spp 64 --json s.json"),
+                     0);
+    json_t *s = load(d, "s.json");
+    const json_t *budgets = json_object_get(s, "budgets");
+    assert_int_equal(json_array_size(budgets), 2);
+    for (size_t seed = 0; seed < 2; seed++) {
+        const json_t *first = json_array_get(budgets, 0);
+        const double shown = number_in(first, "shown", seed),
+                     unfiltered = number_in(first, "unfiltered", seed);
+        lf_assert_close(number_in(first, "gain", seed), unfiltered / shown, 0, 1e-6);
+        assert_true(number_in(first, "gain", seed) > 2);
+        assert_true(number_in(first, "worst_tile", seed) >= number_in(first, "mean_tile", seed));
+        assert_true(number_in(first, "flicker_gain", seed) > 2);
+        assert_true(number_in(first, "passes", seed) >= 2);
+    }
+    json_decref(s);
 }
 
 static void a_curve_falls_and_says_where_the_time_goes(void **state)
@@ -512,6 +543,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(one_view_is_picked_out_of_many, set_up, tear_down),
         cmocka_unit_test_setup_teardown(wrong_usage_is_one_line_and_exit_2, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_comparison_says_what_it_compared, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_is_shown_is_nearer_after_the_same_time, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(a_curve_falls_and_says_where_the_time_goes, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(more_views_have_less_error_at_equal_paths, set_up,

@@ -195,6 +195,44 @@ static void near_is_black_where_that_is_asked_for(void **state)
     lf_image8_finish(&image);
 }
 
+static lf_output_request quilt_request(const fixture *f)
+{
+    return (lf_output_request){.kind = &lf_output_rgbd,
+                               .path = lf_test_path(f->folder, "d.png"),
+                               .overwrite = true,
+                               .layout = {.columns = 3, .rows = 2, .n_views = VIEWS},
+                               .rgbd = {.near = 1, .far = 100, .is_quilt = 1}};
+}
+
+/* Every view's tile: its colours (only the middle view has red) and its codes. */
+static void a_quilt_stands_beside_a_quilt_of_depth(void **state)
+{
+    const fixture *f = *state;
+    lf_output_request request = quilt_request(f);
+    lf_error err = {0};
+    lf_image8 image = {0};
+    lf_assert_ok(lf_output_write(&request, &f->source, &err), &err);
+    lf_assert_ok(lf_image8_read(request.path, NULL, &image, &err), &err);
+    assert_int_equal(image.width, 2 * 3 * WIDTH);
+    assert_int_equal(image.height, 2 * HEIGHT);
+    for (int view = 0; view < VIEWS; view++) {
+        const int x = view % 3 * WIDTH, y = (1 - view / 3) * HEIGHT;
+        for (int i = 0; i < PIXELS; i++) {
+            const uint8_t *colour = pixel(&image, x + i % WIDTH, y + i / WIDTH);
+            assert_int_equal(colour[0], view == MIDDLE ? 255 : 0);
+            assert_int_equal(colour[1], i % WIDTH % 2 ? 255 : 0);
+            /* at 77 of 1 to 100: 255 (1/77 - 1/100) / (1 - 1/100) = 0.77 */
+            assert_int_equal(depth_code(&image, 3 * WIDTH + x, y, i),
+                             view == MIDDLE ? expected_code(i, 1, 100) : 1);
+        }
+    }
+    for (int i = 0; i < PIXELS; i++) { /* the sixth tile has no view */
+        assert_int_equal(pixel(&image, 2 * WIDTH + i % WIDTH, i / WIDTH)[1], 0);
+        assert_int_equal(depth_code(&image, 5 * WIDTH, 0, i), 0);
+    }
+    lf_image8_finish(&image);
+}
+
 static void what_nothing_is_met_in_is_far_and_says_nothing_of_the_range(void **state)
 {
     fixture *f = *state;
@@ -284,6 +322,7 @@ int main(void)
         cmocka_unit_test(all_that_is_nearer_than_near_is_near),
         cmocka_unit_test(depth_stands_where_it_is_asked_for_beside_the_middle_view),
         cmocka_unit_test(near_is_black_where_that_is_asked_for),
+        cmocka_unit_test(a_quilt_stands_beside_a_quilt_of_depth),
         cmocka_unit_test(what_nothing_is_met_in_is_far_and_says_nothing_of_the_range),
         cmocka_unit_test(rays_that_meet_nothing_are_far),
         cmocka_unit_test(a_plane_is_near_and_nothing_at_all_is_far),

@@ -1,0 +1,335 @@
+/* quiltbench shown SCENE: what the reconstruction is worth. The picture that people see against the
+ * unfiltered one after the same CPU time: errors, the worst tile, the change from view to view, and
+ * whether what it says of its own error is true (docs/reconstruct.md). */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "bench/bench.h"
+#include "bench/trial.h"
+
+enum { UNFILTERED, SHOWN, N_CONTENDERS };
+
+typedef struct arguments {
+    lf_trial_options options;
+    double budgets[LF_MAX_BUDGETS];
+    int n_budgets;
+    lf_trial trial;
+    lf_measure *measures; /* [budget][seed][contender] */
+    double *tiles;        /* one set of tiles a contender */
+    double *tile_ratios;  /* [budget][seed][worst, mean] */
+} arguments;
+
+/* --------------------------------------------------------------------------------- arguments -- */
+
+enum { OPTION_BUDGETS = LF_TRIAL_OPTION_OWN };
+
+static const struct option table[] = {
+    LF_TRIAL_OPTIONS_LONG,
+    {"budgets", required_argument, NULL, OPTION_BUDGETS},
+    {NULL, 0, NULL, 0},
+};
+
+static void print_help(void)
+{
+    printf("Usage: quiltbench shown SCENE [options]\n"
+           "The reconstructed picture beside the unfiltered one after equal CPU time, fits and "
+           "answers included; medians over the seeds (least .. greatest).\n\n"
+           "  --budgets LIST            CPU seconds, rising (0.6,2,5,15: in 210x280 what two cores "
+           "do in 1.2, 4, 10 and 30 s of 420x560)\n"
+           "  --seeds N                 runs of each (4)\n");
+    lf_trial_print_help();
+}
+
+static lf_status take(void *context, int code, const char *text, lf_error *err)
+{
+    arguments *a = context;
+    (void)code;
+    a->n_budgets = 0;
+    for (const char *at = text; at;) {
+        char number[32];
+        const size_t n = strcspn(at, ",");
+        double *out = &a->budgets[a->n_budgets];
+        if (a->n_budgets == LF_MAX_BUDGETS)
+            return lf_error_set(err, LF_E_ARG, "--budgets", "more than %d", LF_MAX_BUDGETS);
+        snprintf(number, sizeof number, "%.*s", (int)(n < sizeof number ? n : sizeof number - 1),
+                 at);
+        lf_status status = lf_parse_double("--budgets", number, 1e-2, 1e6, out, err);
+        if (status != LF_OK)
+            return status;
+        if (a->n_budgets > 0 && *out <= out[-1])
+            return lf_error_set(err, LF_E_ARG, "--budgets", "must be rising");
+        a->n_budgets++;
+        at = at[n] ? at + n + 1 : NULL;
+    }
+    return LF_OK;
+}
+
+/* ---------------------------------------------------------------------------------- measuring --
+ */
+
+static lf_measure *measure_of(const arguments *a, int budget, int seed, int who)
+{
+    return &a->measures[(budget * a->options.n_seeds + seed) * N_CONTENDERS + who];
+}
+
+static size_t n_tiles(const lf_trial *trial)
+{
+    return (size_t)trial->n_tiles_across * (size_t)trial->n_tiles_down *
+           (size_t)trial->settings.camera.n_views;
+}
+
+/* Sum over the views of a place's tile. */
+static double at_place(const arguments *a, const double *tiles, int place)
+{
+    const int places = a->trial.n_tiles_across * a->trial.n_tiles_down;
+    double sum = 0;
+    for (int view = 0; view < a->trial.settings.camera.n_views; view++)
+        sum += tiles[view * places + place];
+    return sum;
+}
+
+/* Where less than 1 % of the mean error lies there is nothing to judge. */
+static void judge_tiles(const arguments *a, const lf_measure *m, double *out_worst,
+                        double *out_mean)
+{
+    const int places = a->trial.n_tiles_across * a->trial.n_tiles_down;
+    const double floor = 0.01 * m[UNFILTERED].rel_mse * a->trial.settings.camera.n_views;
+    double sum = 0;
+    int n = 0;
+    *out_worst = 0;
+    for (int place = 0; place < places; place++) {
+        const double unfiltered = at_place(a, m[UNFILTERED].tiles, place);
+        if (!(unfiltered > floor))
+            continue;
+        const double ratio = fmax(0, at_place(a, m[SHOWN].tiles, place)) / unfiltered;
+        *out_worst = fmax(*out_worst, ratio);
+        sum += ratio;
+        n++;
+    }
+    *out_mean = n > 0 ? sum / n : (double)NAN;
+}
+
+/* The fit is made when the passes' time is over, so it is taken off beforehand as it was before;
+ * the unfiltered picture gets what was then spent. *fit_seconds is renewed. */
+static lf_status run_pair(arguments *a, int budget, int seed, double *fit_seconds, lf_error *err)
+{
+    const lf_contender who = {"mvpt", LF_ESTIMATOR_MWIS};
+    const uint64_t number = a->options.common.seed + (uint64_t)(budget * a->options.n_seeds + seed);
+    lf_measure *m = measure_of(a, budget, seed, 0);
+    lf_budget left = {.cpu_seconds = fmax(1e-2, a->budgets[budget] - *fit_seconds),
+                      .reconstructed = true};
+    m[UNFILTERED].tiles = a->tiles;
+    m[SHOWN].tiles = a->tiles + n_tiles(&a->trial);
+    lf_status status = lf_trial_run(&a->trial, &who, number, &left, &m[SHOWN], err);
+    if (status != LF_OK)
+        return status;
+    *fit_seconds = m[SHOWN].answer_cpu_seconds;
+    left = (lf_budget){.cpu_seconds = m[SHOWN].cpu_seconds};
+    status = lf_trial_run(&a->trial, &who, number, &left, &m[UNFILTERED], err);
+    double *ratios = a->tile_ratios + (budget * a->options.n_seeds + seed) * 2;
+    judge_tiles(a, m, &ratios[0], &ratios[1]);
+    return status;
+}
+
+static lf_status run_all(arguments *a, lf_error *err)
+{
+    lf_status status = LF_OK;
+    for (int b = 0; b < a->n_budgets && status == LF_OK; b++) {
+        double fit_seconds = 0.3 * a->budgets[b];
+        for (int s = 0; s < a->options.n_seeds && status == LF_OK; s++)
+            status = run_pair(a, b, s, &fit_seconds, err);
+    }
+    return status;
+}
+
+/* ---------------------------------------------------------------------------------- reporting --
+ */
+
+typedef double (*number_fn)(const arguments *a, int budget, int seed);
+
+static double cpu_of(const arguments *a, int budget, int seed)
+{
+    return measure_of(a, budget, seed, SHOWN)->cpu_seconds;
+}
+static double passes_of(const arguments *a, int budget, int seed)
+{
+    return measure_of(a, budget, seed, SHOWN)->passes;
+}
+static double unfiltered_of(const arguments *a, int budget, int seed)
+{
+    return measure_of(a, budget, seed, UNFILTERED)->rel_mse;
+}
+static double shown_of(const arguments *a, int budget, int seed)
+{
+    return measure_of(a, budget, seed, SHOWN)->rel_mse;
+}
+static double gain_of(const arguments *a, int budget, int seed)
+{
+    return unfiltered_of(a, budget, seed) / shown_of(a, budget, seed);
+}
+static double worst_of(const arguments *a, int budget, int seed)
+{
+    return a->tile_ratios[(budget * a->options.n_seeds + seed) * 2];
+}
+static double mean_of(const arguments *a, int budget, int seed)
+{
+    return a->tile_ratios[(budget * a->options.n_seeds + seed) * 2 + 1];
+}
+static double stated_of(const arguments *a, int budget, int seed)
+{
+    return measure_of(a, budget, seed, SHOWN)->shown_error / shown_of(a, budget, seed);
+}
+static double flicker_of(const arguments *a, int budget, int seed)
+{
+    const lf_measure *m = measure_of(a, budget, seed, 0);
+    return m[UNFILTERED].flicker / m[SHOWN].flicker;
+}
+static double flicker_noise_of(const arguments *a, int budget, int seed)
+{
+    const lf_measure *m = measure_of(a, budget, seed, SHOWN);
+    return m->flicker / m->reference_flicker;
+}
+
+/* What is told of a budget: one line here is one column and one key. */
+static const struct column {
+    const char *name, *key;
+    number_fn number;
+} columns[] = {
+    {"CPU s", "cpu_seconds", cpu_of},
+    {"passes", "passes", passes_of},
+    {"unfiltered", "unfiltered", unfiltered_of},
+    {"shown", "shown", shown_of},
+    {"gain", "gain", gain_of},
+    {"worst tile", "worst_tile", worst_of},
+    {"mean tile", "mean_tile", mean_of},
+    {"stated/true", "stated", stated_of},
+    {"less flicker", "flicker_gain", flicker_of},
+    {"flicker/reference", "flicker_noise", flicker_noise_of},
+};
+enum { N_COLUMNS = sizeof columns / sizeof columns[0] };
+
+static lf_spread spread_of(const arguments *a, int column, int budget)
+{
+    double values[LF_MAX_SEEDS];
+    for (int s = 0; s < a->options.n_seeds; s++)
+        values[s] = columns[column].number(a, budget, s);
+    return lf_spread_of(values, a->options.n_seeds);
+}
+
+/* Runs whose bound is not below the truth. */
+static int count_bounds(const arguments *a, int budget)
+{
+    int n = 0;
+    for (int s = 0; s < a->options.n_seeds; s++)
+        n += measure_of(a, budget, s, SHOWN)->shown_bound >= shown_of(a, budget, s);
+    return n;
+}
+
+static void print_table(const arguments *a)
+{
+    lf_trial_print(&a->trial, &a->options);
+    putchar('|');
+    for (int c = 0; c < N_COLUMNS; c++)
+        printf(" %s |", columns[c].name);
+    puts(" bound holds |");
+    for (int c = 0; c <= N_COLUMNS; c++)
+        printf("|---");
+    puts("|");
+    for (int b = 0; b < a->n_budgets; b++) {
+        putchar('|');
+        for (int c = 0; c < N_COLUMNS; c++) {
+            const lf_spread spread = spread_of(a, c, b);
+            const double numbers[] = {spread.median, spread.low, spread.high};
+            static const char *const between[] = {" ", " (", " .. "};
+            for (int i = 0; i < 3; i++) {
+                fputs(between[i], stdout);
+                printf("%.3g", numbers[i]);
+            }
+            printf(") |");
+        }
+        printf(" %d of %d |\n", count_bounds(a, b), a->options.n_seeds);
+    }
+}
+
+static json_t *budget_json(const arguments *a, int budget)
+{
+    json_t *object = json_pack("{s:f, s:i}", "budget", a->budgets[budget], "bound_holds",
+                               count_bounds(a, budget));
+    for (int c = 0; c < N_COLUMNS; c++) {
+        json_t *list = json_array();
+        for (int s = 0; s < a->options.n_seeds; s++)
+            json_array_append_new(list, lf_bench_number(columns[c].number(a, budget, s)));
+        json_object_set_new(object, columns[c].key, list);
+    }
+    return object;
+}
+
+static lf_status report(const arguments *a, lf_error *err)
+{
+    if (!lf_bench_only_json(a->options.json))
+        print_table(a);
+    if (!a->options.json)
+        return LF_OK;
+    json_t *object = lf_trial_json(&a->trial, &a->options), *list = json_array();
+    for (int b = 0; b < a->n_budgets; b++)
+        json_array_append_new(list, budget_json(a, b));
+    json_object_set_new(object, "budgets", list);
+    return lf_bench_write_json(a->options.json, object, err);
+}
+
+static lf_status prepare(arguments *a, lf_error *err)
+{
+    const size_t n_runs = (size_t)a->n_budgets * (size_t)a->options.n_seeds;
+    a->trial.steps = lf_calloc(a->trial.n / 3, sizeof *a->trial.steps);
+    a->measures = lf_calloc(n_runs * N_CONTENDERS, sizeof *a->measures);
+    a->tile_ratios = lf_calloc(n_runs * 2, sizeof *a->tile_ratios);
+    a->tiles = lf_calloc(N_CONTENDERS * n_tiles(&a->trial), sizeof *a->tiles);
+    return a->trial.steps && a->measures && a->tile_ratios && a->tiles
+               ? LF_OK
+               : lf_error_set(err, LF_E_NOMEM, a->options.operand, "out of memory");
+}
+
+static lf_status run(arguments *a, lf_pool *pool, lf_error *err)
+{
+    lf_status status = lf_trial_open(&a->trial, a->options.operand, &a->options, pool, err);
+    if (status == LF_OK)
+        status = prepare(a, err);
+    if (status == LF_OK)
+        status = lf_trial_reference(&a->trial, &a->options, err);
+    if (status == LF_OK)
+        status = run_all(a, err);
+    if (status == LF_OK)
+        status = report(a, err);
+    lf_free(a->measures);
+    lf_free(a->tile_ratios);
+    lf_free(a->tiles);
+    lf_trial_close(&a->trial);
+    return status;
+}
+
+int lf_bench_shown(int argc, char **argv)
+{
+    arguments a = {.options = {.common = {.view_width = 210, .view_height = 280},
+                               .n_seeds = 4,
+                               .reference = {.integrator = "mvpt", .estimator = LF_ESTIMATOR_CV},
+                               .reference_spp = 4,
+                               .epsilon = 1e-2},
+                   .budgets = {0.6, 2, 5, 15},
+                   .n_budgets = 4};
+    const lf_trial_command command = {"shown", "SCENE", table, print_help, take, &a};
+    lf_pool *pool = NULL;
+    lf_error err = {0};
+    bool done = false;
+    if (lf_trial_parse(&command, argc, argv, &a.options, &done, &err) != LF_OK)
+        return lf_usage_error(LF_BENCH_PROGRAM, &err);
+    if (done)
+        return LF_EXIT_OK;
+    lf_status status = lf_bench_pool(a.options.common.threads, &pool, &err);
+    if (status == LF_OK)
+        status = run(&a, pool, &err);
+    lf_pool_destroy(pool);
+    return status == LF_OK ? LF_EXIT_OK : lf_bench_fail(&err);
+}
