@@ -286,7 +286,7 @@ static lf_status visit_all(lf_renderer *renderer, const lf_part *part, int half,
     return run(&job);
 }
 
-/* A reconstruction wants many film points early on: short visits, each at most an eighth of what
+/* A reconstruction wants many film points early on: short visits, each at most a quarter of what
  * the half has had. */
 static int passes_of_visit(const lf_renderer *r, const lf_part *part, int half)
 {
@@ -297,7 +297,7 @@ static int passes_of_visit(const lf_renderer *r, const lf_part *part, int half)
     double given = stream && whole.first_row >= 0 && whole.first_row < r->film.height
                        ? stream->rows[whole.first_row].n[half] * r->film.n_views
                        : 0.0;
-    int most = (int)fmin(given / 8.0, (double)r->visit_passes);
+    int most = (int)fmin(given / 4.0, (double)r->visit_passes);
     return most > 1 ? most : 1;
 }
 
