@@ -73,7 +73,8 @@ static void add_pixel(const lf_open_row *o, size_t i, lf_shown_sums *sums)
         read_half(o, i, h, fitted, &half[h]);
     bool seen = half[0].seen && half[1].seen;
     for (int c = 0; c < 3; c++) {
-        double radiance = (double)(o->share[0] * half[0].fit[c] + o->share[1] * half[1].fit[c]),
+        /* where only one half has met a bright path, their mean would hide what that is off */
+        double radiance = (double)fminf(half[0].fit[c], half[1].fit[c]),
                inverse = 1.0 / (radiance * radiance + EPSILON),
                difference = (double)(half[0].shown[c] - half[1].shown[c]);
         sums->variance += (double)(o->share[0] * o->share[1]) * difference * difference * inverse;
