@@ -253,15 +253,17 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
 
 enum { MIRROR_ROUNDS = 2 };
 
-/* Native samples of a pixel with a delta lobe, in passes. */
+/* Native samples of a pixel with a delta lobe for each that sharing takes. */
+enum { MIRROR_TIMES = 6 };
+
+/* And all of them in a visit, in passes. */
 static int mirror_subsets(const lf_visit_plan *plan)
 {
-    enum { TIMES = 6 };
     int n = plan->rig->n_views;
     if (!plan->scene->has_delta || plan->order.column_step > 1)
         return 0;
-    return TIMES * plan->order.subsets < MIRROR_ROUNDS * n ? TIMES * plan->order.subsets
-                                                           : MIRROR_ROUNDS * n;
+    const int wanted = MIRROR_TIMES * plan->order.subsets;
+    return wanted < MIRROR_ROUNDS * n ? wanted : MIRROR_ROUNDS * n;
 }
 
 /* The lights in the media of the row, as seen in its plane. */
@@ -473,17 +475,19 @@ static bool fill_row(const lf_visit_plan *plan, lf_visit *visit, int half, int64
 
 /* Delta lobes are nobody else's to find. Pixels whose film point of B and q met one get native
  * samples of their own, six for each that sharing takes and at most MIRROR_ROUNDS a pixel, on a
- * lattice as the base's; the film points are a net with the row offsets. The choice of the pixels
- * knows nothing of the samples: their number is what the weights expect (add_native). false =
- * cancelled. */
-static bool sample_mirrors(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint32_t index,
-                           const lf_cancel *cancel)
+ * lattice as the base's, whose ranks run on from visit to visit as its do: no pixel gets a second
+ * one before all have had one. The film points are a net with the row offsets. The choice of the
+ * pixels knows nothing of the samples: their number is what the weights expect (add_native).
+ * false = cancelled. */
+static bool sample_mirrors(const lf_visit_plan *plan, lf_visit *visit, int64_t passes, uint64_t key,
+                           uint32_t index, const lf_cancel *cancel)
 {
-    int width = plan->rig->width, subsets = mirror_subsets(plan);
+    int width = plan->rig->width, subsets = mirror_subsets(plan),
+        first = (int)((MIRROR_TIMES - 1) * passes % plan->rig->n_views);
     uint64_t own = lf_hash64(key, 12);
     for (int column = 0; column < width; column++) {
         for (int j = 0; j < subsets; j++) {
-            int view = lattice_view(visit, column, j);
+            int view = lattice_view(visit, column, first + j);
             size_t pixel = (size_t)view * (size_t)width + (size_t)column;
             bool wanted = !visit->expected || visit->expected[pixel] > 0.0f;
             if (!visit->worker->mirrors[pixel] || !wanted)
@@ -547,7 +551,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
         return false;
     if (!lf_glow_visit(plan, &visit, (float)(given / views), cancel))
         return false;
-    if (visit.more > 0.0f && !sample_mirrors(plan, &visit, key, index, cancel))
+    if (visit.more > 0.0f && !sample_mirrors(plan, &visit, passes, key, index, cancel))
         return false;
     lf_film_merge(plan->film, plan->order.stream, row, half, &worker->sums, given,
                   lf_hash64(lf_hash64(key, 9), index));
