@@ -28,10 +28,10 @@ typedef struct lf_shown_sums {
     size_t pixels, scattering, seen; /* seen: by both halves */
 } lf_shown_sums;
 
-/* One pixel of one half: fit is what it would be without N/W, off what N/W is off from what is
- * shown. */
+/* One pixel of one half: known and what is scattered by the fit alone are what it would be without
+ * N/W; off is what N/W is off from what is shown. */
 typedef struct lf_half_pixel {
-    float fit[3], shown[3], off[3];
+    float known[3], scattered[3], shown[3], off[3];
     bool seen;
 } lf_half_pixel;
 
@@ -52,15 +52,14 @@ static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, lf_hal
     const lf_film_scattered *s = &o->half[h].scattered[i];
     float q = o->half[h].q[i];
     bool near = fitted && p[3] >= 0.0f;
-    float known[3];
-    read_known(o, i, h, known);
+    read_known(o, i, h, out->known);
     out->seen = q > 0.0f && lf_weight_is_usable(o->film, s->w, o->n[h] * q);
     for (int c = 0; c < 3; c++) {
         float x = near ? p[c] : 0.0f, share = near ? p[3] : 1.0f,
               raw = out->seen ? s->n[c] / s->w : x;
-        out->fit[c] = known[c] + q * fmaxf(x, 0.0f);
+        out->scattered[c] = q * fmaxf(x, 0.0f);
         x = fmaxf(x + share * (raw - x), 0.0f);
-        out->shown[c] = known[c] + q * x;
+        out->shown[c] = out->known[c] + q * x;
         out->off[c] = q * (raw - x);
     }
 }
@@ -74,7 +73,8 @@ static void add_pixel(const lf_open_row *o, size_t i, lf_shown_sums *sums)
     bool seen = half[0].seen && half[1].seen;
     for (int c = 0; c < 3; c++) {
         /* where only one half has met a bright path, their mean would hide what that is off */
-        double radiance = (double)fminf(half[0].fit[c], half[1].fit[c]),
+        double radiance = (double)(o->share[0] * half[0].known[c] + o->share[1] * half[1].known[c] +
+                                   fminf(half[0].scattered[c], half[1].scattered[c])),
                inverse = 1.0 / (radiance * radiance + EPSILON),
                difference = (double)(half[0].shown[c] - half[1].shown[c]);
         sums->variance += (double)(o->share[0] * o->share[1]) * difference * difference * inverse;
