@@ -166,9 +166,15 @@ static double shown_of(const arguments *a, int budget, int seed)
 {
     return measure_of(a, budget, seed, SHOWN)->rel_mse;
 }
+/* Over the true error; NaN where the reference is too rough to tell it. */
+static double over_shown(const arguments *a, int budget, int seed, double x)
+{
+    const double shown = shown_of(a, budget, seed);
+    return shown > 0 ? x / shown : (double)NAN;
+}
 static double gain_of(const arguments *a, int budget, int seed)
 {
-    return unfiltered_of(a, budget, seed) / shown_of(a, budget, seed);
+    return over_shown(a, budget, seed, unfiltered_of(a, budget, seed));
 }
 static double worst_of(const arguments *a, int budget, int seed)
 {
@@ -180,7 +186,7 @@ static double mean_of(const arguments *a, int budget, int seed)
 }
 static double stated_of(const arguments *a, int budget, int seed)
 {
-    return measure_of(a, budget, seed, SHOWN)->shown_error / shown_of(a, budget, seed);
+    return over_shown(a, budget, seed, measure_of(a, budget, seed, SHOWN)->shown_error);
 }
 static double flicker_of(const arguments *a, int budget, int seed)
 {

@@ -183,16 +183,15 @@ static void measure(lf_trial *trial, lf_measure *out)
 static lf_status find_steps(const lf_trial *trial, const lf_renderer *renderer,
                             lf_estimator estimator)
 {
-    lf_depth depth;
-    if (!lf_scene_depth(trial->scene, &trial->settings, &depth))
-        return LF_E_ARG;
+    lf_depth depth = {.nearest = 1, .farthest = 2};
+    const bool known = lf_scene_depth(trial->scene, &trial->settings, &depth);
     const double b = (depth.farthest_step - depth.nearest_step) /
                      (1 / depth.nearest - 1 / depth.farthest),
                  a = depth.farthest_step + b / depth.farthest;
     lf_status status = lf_renderer_layers(renderer, estimator, LF_LAYER_DEPTH, trial->steps, NULL);
     for (size_t i = 0; i < trial->n / 3; i++) {
         const double z = (double)trial->steps[i];
-        trial->steps[i] = z > 0 ? (float)(a - b / z) : NAN;
+        trial->steps[i] = known && z > 0 ? (float)(a - b / z) : NAN;
     }
     return status;
 }

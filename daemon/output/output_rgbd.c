@@ -27,7 +27,7 @@ const lf_param lf_rgbd_params[] = {
      .words = sides, .help = "the middle view, its depth on this side of it, into OUT.png"},
     {.name = "of", .option = "rgbd-of", .argument = "middle|quilt", PLACE(is_quilt),
      .type = LF_PARAM_WORD, .words = extents,
-     .help = "all views as a quilt and beside it a quilt of their depth"},
+     .help = "of what: the middle view, or all views, as a quilt beside a quilt of depth"},
     {.name = "near_is", .option = "near-is", .argument = "COLOUR", PLACE(near_is_black),
      .type = LF_PARAM_WORD, .words = near_ends, .help = "what near is in the depth of --rgbd"},
     {.name = "near", .option = "near", .argument = "Z", PLACE(near), .low = 1e-9, .high = 1e9,

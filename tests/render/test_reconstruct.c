@@ -265,6 +265,42 @@ static void what_both_halves_say_is_taken(void **state)
     lf_renderer_destroy(r);
 }
 
+/* The truth is 1 and one half has met so bright a path that it says 100 everywhere: what is shown
+ * is off by 49.5, and by (100 - 1)^2 / 4 the halves tell. A denominator of their mean would leave a
+ * two thousandth of it. */
+static void a_bright_path_of_one_half_does_not_hide_its_own_error(void **state)
+{
+    (void)state;
+    lf_renderer *r = reconstruct_renderer(SCENE, width, height, NULL);
+    float *x = picture();
+    double error = 0.0, stated = -1.0;
+    reconstruct_visits(r, NULL, 4);
+    for (int row = 0; row < height; row++) {
+        lf_film_known *known = lf_film_known_at(&r->film, row);
+        for (int h = 0; h < 2; h++) {
+            lf_film_scattered *s = lf_film_at(&r->film, row, h).scattered;
+            for (int i = 0; i < 3 * views * width; i++)
+                s[i / 3].n[i % 3] = (h == 0 ? 100.0f : 1.0f) * s[i / 3].w;
+        }
+        for (int i = 0; known && i < views * width; i++)
+            memset(&known[i], 0, sizeof known[i]);
+    }
+    lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
+    for (int row = 0; row < height; row++) {
+        const lf_film_half half[2] = {lf_film_at(&r->film, row, 0), lf_film_at(&r->film, row, 1)};
+        for (int i = 0; i < views * width; i++) {
+            double q = 0.5 * ((double)half[0].q[i] + (double)half[1].q[i]),
+                   off = (double)x[3 * (row * width * views + i)] - q;
+            error += off * off / (q * q + 0.01) / (height * views * width);
+        }
+    }
+    double bound = lf_renderer_shown_error(r, 0.05, &stated, NULL);
+    print_message("stated %.4g, true %.4g\n", stated, error);
+    assert_true(stated > 0.7 * error && stated < 1.4 * error && bound >= stated);
+    free(x);
+    lf_renderer_destroy(r);
+}
+
 /* Everything sends 1: fog and a ball that absorb nothing under a sky of 1. */
 static void a_white_furnace_stays_white(void **state)
 {
@@ -500,6 +536,7 @@ int main(void)
         cmocka_unit_test(what_is_constant_stays),
         cmocka_unit_test(noise_is_not_taken_for_what_is_there),
         cmocka_unit_test(what_both_halves_say_is_taken),
+        cmocka_unit_test(a_bright_path_of_one_half_does_not_hide_its_own_error),
         cmocka_unit_test(a_white_furnace_stays_white),
         cmocka_unit_test(same_bytes_for_any_number_of_threads_and_any_kernel),
         cmocka_unit_test(what_is_shown_is_nearer_to_the_truth_and_says_how_near),
