@@ -358,9 +358,10 @@ const lf_layer_entry *lf_layer_at(int index);
 /* How many channels layers (bits of lf_layer) have; their names, in the order of the table, into
  * out_names (may be NULL). */
 int lf_layer_channels(unsigned layers, const char *out_names[LF_MAX_LAYER_CHANNELS]);
-/* out [row][view][column][channels] of these layers, on the pool; rows that were never visited are
- * 0. LF_E_STATE: depth of a film without features. LF_E_CANCELLED. Thread and time as
- * lf_renderer_resolve. */
+/* out [row][view][column][channels] of these layers, on the pool. Rows that were never visited have
+ * the depth and coverage of the nearest one that was, and 0 for variance and samples; a film
+ * without any visit is 0. LF_E_STATE: depth of a film without features. LF_E_CANCELLED. Thread and
+ * time as lf_renderer_resolve. */
 LF_NODISCARD lf_status lf_renderer_layers(const lf_renderer *renderer, lf_estimator estimator,
                                           unsigned layers, float *out, const lf_cancel *cancel);
 

@@ -189,10 +189,29 @@ int lf_layer_channels(unsigned layers, const char *out_names[LF_MAX_LAYER_CHANNE
     return n;
 }
 
+static bool was_visited(const lf_film *film, int row)
+{
+    return row >= 0 && row < film->height && film->rows[row].n[0] + film->rows[row].n[1] > 0.0;
+}
+
+/* The nearest row that was visited, above rather than below; the row itself where none was. */
+static int nearest_visited(const lf_film *film, int row)
+{
+    for (int apart = 0; apart < film->height; apart++) {
+        if (was_visited(film, row - apart))
+            return row - apart;
+        if (was_visited(film, row + apart))
+            return row + apart;
+    }
+    return row;
+}
+
 static void fill_row(void *context, int row, int worker)
 {
     const layer_job *job = context;
-    const row_of_film film = open_row(&job->renderer->film, row);
+    const int nearest = nearest_visited(&job->renderer->film, row);
+    const row_of_film film = open_row(&job->renderer->film, nearest);
+    const unsigned left_out = nearest == row ? 0 : LF_LAYER_VARIANCE | LF_LAYER_SAMPLES;
     size_t pixels = (size_t)job->rig.n_views * (size_t)job->rig.width,
            stride = (size_t)job->n_channels;
     float *out = job->out + (size_t)row * pixels * stride;
@@ -201,7 +220,8 @@ static void fill_row(void *context, int row, int worker)
     for (int i = 0; i < N_LAYERS && film.total > 0.0; i++) {
         if (!(job->layers & table[i].entry.bit))
             continue;
-        table[i].fill(job, row, &film, pixels, out, stride);
+        if (!(left_out & table[i].entry.bit))
+            table[i].fill(job, row, &film, pixels, out, stride);
         out += table[i].entry.n_channels;
     }
 }

@@ -137,6 +137,43 @@ static void layers_do_not_depend_on_threads_and_need_what_they_are_made_of(void 
     lf_scene_unref(scene);
 }
 
+/* A live picture has every fourth row in its first second. */
+static void rows_without_visits_are_as_far_as_the_nearest_one_with(void **state)
+{
+    (void)state;
+    const lf_part fourth = {.first_row = 2, .row_step = 4};
+    const unsigned wanted = LF_LAYER_DEPTH | LF_LAYER_NORMAL | LF_LAYER_VARIANCE | LF_LAYER_SAMPLES;
+    const int n = 8, row_length = n * SIDE * VIEWS;
+    double samples = 0.0;
+    lf_scene *scene = lf_test_scene(SCENE SLAB "}");
+    lf_renderer *r = render(scene, true, NULL, 1);
+    float *whole = layers_of(r, wanted);
+    lf_assert_ok(lf_renderer_restart(r, scene, lf_renderer_settings(r), NULL), NULL);
+    float *none = layers_of(r, wanted);
+    lf_assert_ok(lf_renderer_passes(r, &fourth, 4 * VIEWS, true, NULL, NULL, NULL), NULL);
+    float *out = layers_of(r, wanted);
+    for (int row = 0; row < SIDE; row++) {
+        const int nearest = 2 + 4 * (row > 4) + 4 * (row > 8) + 4 * (row > 12);
+        for (int i = 0; i < row_length; i += n) {
+            const float *p = out + row * row_length + i, *q = out + nearest * row_length + i;
+            for (int c = 0; c < n; c++)
+                assert_true(none[row * row_length + i + c] == 0.0f);
+            assert_true(p[0] == q[0] && p[0] > 3.0f);
+            for (int c = 1; c < 4; c++)
+                assert_true(p[c] == whole[row * row_length + i + c]);
+            for (int c = 4; c < n && row != nearest; c++)
+                assert_true(p[c] == 0.0f);
+            samples += (double)p[n - 1];
+        }
+    }
+    lf_assert_close(samples / (SIDE / 4 * SIDE * VIEWS), 4.0, 0.2, 0.0);
+    free(none);
+    free(whole);
+    free(out);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
 static void layers_have_a_name_a_bit_and_room(void **state)
 {
     (void)state;
@@ -159,6 +196,7 @@ int main(void)
         cmocka_unit_test(where_nothing_is_met_everything_is_0),
         cmocka_unit_test(variance_is_what_pictures_are_apart),
         cmocka_unit_test(layers_do_not_depend_on_threads_and_need_what_they_are_made_of),
+        cmocka_unit_test(rows_without_visits_are_as_far_as_the_nearest_one_with),
         cmocka_unit_test(layers_have_a_name_a_bit_and_room),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
