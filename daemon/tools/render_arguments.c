@@ -29,7 +29,7 @@ static const char shared[] =
     LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " exposure panel target-error target-shown-error aov";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
-                              "target-shown-error aov";
+                              "target-shown-error aov reconstruct";
 
 static void print_help(void)
 {

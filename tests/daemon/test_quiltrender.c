@@ -59,6 +59,7 @@ static const struct {
     {"%S -o %D/x.png --skip all,none", "all, none or some of"},
     {"%Q -o %D/x.png --view-size 4x4", "--view-size: does not go with a finished quilt"},
     {"%Q -o %D/x.png --spp 64", "--spp: does not go with a finished quilt"},
+    {"%Q -o %D/x.png --reconstruct on", "--reconstruct: does not go with a finished quilt"},
     {"%Q -o %D/x.png --threads 1 --estimator cv", "--estimator: does not go with a finished quilt"},
     {"%Q -o %D/x.png --views 7", "--views: 7 views asked for, but the quilt has 6"},
     {"%S -o %D/x.png --estimator best", "--estimator: "},
