@@ -287,8 +287,7 @@ static lf_status visit_all(lf_renderer *renderer, const lf_part *part, int half,
 }
 
 /* A reconstruction wants many film points early on: short visits, each at most a quarter of what
- * the half has had. What delta lobes show it leaves alone, and that wants samples: there only the
- * first visit is short. */
+ * the half has had. */
 static int passes_of_visit(const lf_renderer *r, const lf_part *part, int half)
 {
     const lf_part whole = whole_part(r, part);
@@ -298,8 +297,6 @@ static int passes_of_visit(const lf_renderer *r, const lf_part *part, int half)
     double given = stream && whole.first_row >= 0 && whole.first_row < r->film.height
                        ? stream->rows[whole.first_row].n[half] * r->film.n_views
                        : 0.0;
-    if (r->scene->has_delta && given > 0.0)
-        return r->visit_passes;
     int most = (int)fmin(given / 4.0, (double)r->visit_passes);
     return most > 1 ? most : 1;
 }

@@ -130,13 +130,21 @@ float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot
 
 /* ------------------------------------------------------------------------------ base samples -- */
 
-/* 1 over the native samples that a pixel expects, base samples and its own (sample_mirrors), in
- * units of g / n. */
+/* Whether base samples follow delta lobes also where pixels have samples of their own
+ * (sample_mirrors): only if all get as many base samples, or as many as the map expects. Those with
+ * one more than others would be brighter by it. */
+static bool base_counts(const lf_visit *visit)
+{
+    return visit->expected || visit->subsets % visit->rig->n_views == 0;
+}
+
+/* 1 over the native samples that a pixel expects, base samples and its own, in units of g / n. */
 static float native_weight(const lf_visit *visit, size_t pixel)
 {
+    float base = visit->expected ? visit->expected[pixel] : 1.0f;
     if (!visit->worker->mirrors[pixel])
         return visit->alone;
-    return 1.0f / ((visit->expected ? visit->expected[pixel] : 1.0f) + visit->more);
+    return 1.0f / ((base_counts(visit) ? base : 0.0f) + visit->more);
 }
 
 void lf_visit_add_native(lf_visit *visit, size_t pixel, lf_vec3 radiance)
@@ -167,6 +175,12 @@ static void follow_delta(lf_visit *visit, int view, int column, const lf_pivot *
         visit->weight * native_weight(visit, pixel) * lf_visit_correction(visit, view, pivot);
     radiance = lf_scale(lf_mul(radiance, lobe->f), weight / probability);
     lf_visit_add_native(visit, pixel, radiance);
+}
+
+static bool has_own_natives(const lf_visit *visit, int view, int column)
+{
+    const bool *mirrors = visit->worker->mirrors;
+    return mirrors && mirrors[(size_t)view * (size_t)visit->rig->width + (size_t)column];
 }
 
 static void add_native(lf_visit *visit, int view, int column, const lf_pivot *pivot)
@@ -243,7 +257,8 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
         pivot.boost = visit->weight;
         pivot.x = lf_dot(d, rig->right);
         pivot.z = lf_dot(d, rig->forward);
-        add_native(visit, view, column, &pivot);
+        if (native_only || !has_own_natives(visit, view, column) || base_counts(visit))
+            add_native(visit, view, column, &pivot);
         if (shared && !native_only)
             visit->acting->pivot(visit, view, column, &pivot);
     }
@@ -251,19 +266,15 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
 
 /* ------------------------------------------------------------------------------------- visit -- */
 
-enum { MIRROR_ROUNDS = 2 };
-
-/* Native samples of a pixel with a delta lobe for each that sharing takes. */
-enum { MIRROR_TIMES = 6 };
-
-/* And all of them in a visit, in passes. */
-static int mirror_subsets(const lf_visit_plan *plan)
+/* Native samples that a visit takes of each pixel with a delta lobe: one, so that the shortest
+ * visit shows a mirror's image whole; two where sharing takes so many that they are six or fewer for
+ * each of its samples. */
+static int mirror_rounds(const lf_visit_plan *plan)
 {
-    int n = plan->rig->n_views;
+    enum { MIRROR_TIMES = 6 };
     if (!plan->scene->has_delta || plan->order.column_step > 1)
         return 0;
-    const int wanted = MIRROR_TIMES * plan->order.subsets;
-    return wanted < MIRROR_ROUNDS * n ? wanted : MIRROR_ROUNDS * n;
+    return MIRROR_TIMES * plan->order.subsets < 2 * plan->rig->n_views ? 1 : 2;
 }
 
 /* The lights in the media of the row, as seen in its plane. */
@@ -313,8 +324,10 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
     visit->step = lattice_step(plan->rig->n_views);
     visit->weight = 1.0f;
     visit->alone = 1.0f;
-    visit->more =
-        plan->order.subsets > 0 ? (float)mirror_subsets(plan) / (float)plan->order.subsets : 0.0f;
+    visit->mirror_rounds = mirror_rounds(plan);
+    visit->more = plan->order.subsets > 0 ? (float)(visit->mirror_rounds * plan->rig->n_views) /
+                                                (float)plan->order.subsets
+                                          : 0.0f;
     visit->pilot = plan->pilot;
     visit->faults = plan->order.faults;
     visit->worker->tracer.scene = plan->scene;
@@ -474,30 +487,24 @@ static bool fill_row(const lf_visit_plan *plan, lf_visit *visit, int half, int64
 }
 
 /* Delta lobes are nobody else's to find. Pixels whose film point of B and q met one get native
- * samples of their own, six for each that sharing takes and at most MIRROR_ROUNDS a pixel, on a
- * lattice as the base's, whose ranks run on from visit to visit as its do: no pixel gets a second
- * one before all have had one. The film points are a net with the row offsets. The choice of the
- * pixels knows nothing of the samples: their number is what the weights expect (add_native).
+ * samples of their own, as many each. The film points are a net with the row offsets. The choice of
+ * the pixels knows nothing of the samples: their number is what the weights expect (add_native).
  * false = cancelled. */
-static bool sample_mirrors(const lf_visit_plan *plan, lf_visit *visit, int64_t passes, uint64_t key,
-                           uint32_t index, const lf_cancel *cancel)
+static bool sample_mirrors(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint32_t index,
+                           const lf_cancel *cancel)
 {
-    int width = plan->rig->width, subsets = mirror_subsets(plan),
-        first = (int)((MIRROR_TIMES - 1) * passes % plan->rig->n_views);
-    uint64_t own = lf_hash64(key, 12);
-    for (int column = 0; column < width; column++) {
-        for (int j = 0; j < subsets; j++) {
-            int view = lattice_view(visit, column, first + j);
-            size_t pixel = (size_t)view * (size_t)width + (size_t)column;
+    for (int view = 0; view < plan->rig->n_views; view++) {
+        for (int column = 0; column < plan->rig->width; column++) {
+            size_t pixel = (size_t)view * (size_t)plan->rig->width + (size_t)column;
             bool wanted = !visit->expected || visit->expected[pixel] > 0.0f;
-            if (!visit->worker->mirrors[pixel] || !wanted)
-                continue;
-            if (cancelled(cancel))
-                return false;
-            uint32_t round = (uint32_t)(j / plan->rig->n_views);
-            float film = lf_sampler_partner(lf_hash64(key, 0),
-                                            lf_hash64(lf_hash64(own, pixel), round), index);
-            base_sample(plan, visit, view, column, film, true, own, index * MIRROR_ROUNDS + round);
+            for (int i = 0; i < visit->mirror_rounds && wanted && visit->worker->mirrors[pixel];
+                 i++) {
+                uint64_t own = lf_hash64(lf_hash64(key, 12), (uint64_t)i);
+                float film = lf_sampler_partner(lf_hash64(key, 0), lf_hash64(own, pixel), index);
+                if (cancelled(cancel))
+                    return false;
+                base_sample(plan, visit, view, column, film, true, own, index);
+            }
         }
     }
     return true;
@@ -551,7 +558,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
         return false;
     if (!lf_glow_visit(plan, &visit, (float)(given / views), cancel))
         return false;
-    if (visit.more > 0.0f && !sample_mirrors(plan, &visit, passes, key, index, cancel))
+    if (visit.mirror_rounds > 0 && !sample_mirrors(plan, &visit, key, index, cancel))
         return false;
     lf_film_merge(plan->film, plan->order.stream, row, half, &worker->sums, given,
                   lf_hash64(lf_hash64(key, 9), index));
