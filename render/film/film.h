@@ -244,6 +244,18 @@ void lf_film_count(lf_film *film, int stream, int row, int half, double passes);
 lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int row, float *out,
                               uint8_t *flags);
 
+/* What N is divided by, of a half or of both: W, or W' where that is the less noisy one (second).
+ * N/W is a weighted mean of what was found, N/W' is not: W' does not count light samples, and where
+ * no direction of a narrow lobe has arrived yet it is next to nothing and N is not. W stands in
+ * there. */
+static inline float lf_film_weight(float w, float w2, bool second)
+{
+    return second && w2 > 0.25f * w ? w2 : w;
+}
+/* Where N/W' is less noisy than N/W, by tiles: of every pixel of a row, out [view][column]. Without
+ * W', or unless both halves have been visited, nowhere. */
+void lf_film_row_second(const lf_film *film, int row, bool *out);
+
 /* Of every pixel of a row that both halves have seen: the estimated relMSE of mwis, and q. Arrays
  * [view][column]; left as they are for a row that was never visited. */
 void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *out_q);

@@ -130,12 +130,9 @@ static void answer_mis(const lf_sums *s, float out[3])
         out[c] = s->known[c] + s->scattered[c];
 }
 
-/* W, or W'. N/W is a weighted mean of what was found, N/W' is not: W' does not count light samples,
- * and where no direction of a narrow lobe has arrived yet it is next to nothing and N is not. W
- * stands in there. */
 static float weight_of(const lf_sums *s, bool second)
 {
-    return second && s->w2 > 0.25f * s->w ? s->w2 : s->w;
+    return lf_film_weight(s->w, s->w2, second);
 }
 
 /* B + q N/W, and B where nothing was found. B and q are of the same film points: where none of them
@@ -489,6 +486,38 @@ lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int r
     for (int i = 0; at_tile(&t, i); i++)
         resolve_tile(&t, estimator, out, flags, state);
     return LF_OK;
+}
+
+/* As second_is_better, but of R alone: what the halves' film points have met is not compared. */
+static bool second_is_steadier(const lf_tile *t)
+{
+    double error[2] = {0.0, 0.0};
+    for (int i = 0; i < t->count && t->n_halves == 2; i++) {
+        const lf_sums *a = &t->pixel[i].half[0], *b = &t->pixel[i].half[1];
+        float q = t->pixel[i].pooled.q;
+        for (int j = 0; j < 2; j++) {
+            float wa = weight_of(a, j == 1), wb = weight_of(b, j == 1);
+            for (int c = 0; c < 3 && wa > 0.0f && wb > 0.0f; c++) {
+                float d = q * (a->scattered[c] / wa - b->scattered[c] / wb);
+                error[j] += (double)(d * d);
+            }
+        }
+    }
+    return error[1] < error[0];
+}
+
+void lf_film_row_second(const lf_film *film, int row, bool *out)
+{
+    lf_tile t;
+    memset(out, 0, (size_t)film->n_views * (size_t)film->width * sizeof *out);
+    if (!film->layout.has_w2 || !open_row(&t, film, row))
+        return;
+    for (int k = 0; at_tile(&t, k); k++) {
+        read_tile(&t);
+        bool second = second_is_steadier(&t);
+        for (int i = 0; i < t.count; i++)
+            out[pixel_index(&t, i)] = second;
+    }
 }
 
 void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *out_q)

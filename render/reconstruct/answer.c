@@ -6,29 +6,26 @@
 #include "render/reconstruct/moments.h"
 #include "render/reconstruct/scratch.h"
 
-/* N and W of both halves. */
-static lf_film_scattered scattered(const lf_film_row *state, const lf_film_half half[2], size_t i)
+/* N, W and W' of both halves. */
+static lf_found found_at(const lf_film_row *state, const lf_film_half half[2], size_t i)
 {
-    lf_film_scattered s = {{0}, 0};
-    for (int h = 0; h < 2; h++) {
-        if (!(state->n[h] > 0.0))
-            continue;
-        s.w += half[h].scattered[i].w;
-        for (int c = 0; c < 3; c++)
-            s.n[c] += half[h].scattered[i].n[c];
-    }
-    return s;
+    lf_found found = {.w = 0.0f};
+    for (int h = 0; h < 2; h++)
+        if (state->n[h] > 0.0)
+            lf_found_add(&found, &half[h], i);
+    return found;
 }
 
-/* predicted[3]: the share of N/W, below 0 where no node is near. */
-static void answer_pixel(const lf_film *film, const lf_film_scattered *s, double n, float q,
-                         const float known[3], const float predicted[4], float out[3])
+/* n: what both halves have found, over w, which is 0 where that is no answer. predicted[3]: the
+ * share of N/W, below 0 where no node is near. */
+static void answer_pixel(const float n[3], float w, float q, const float known[3],
+                         const float predicted[4], float out[3])
 {
-    bool usable = lf_weight_is_usable(film, s->w, q * (float)n), near = predicted[3] >= 0.0f;
+    bool near = predicted[3] >= 0.0f;
     for (int c = 0; c < 3; c++) {
         float x = near ? predicted[c] : 0.0f, share = near ? predicted[3] : 1.0f;
-        if (usable)
-            x += share * (s->n[c] / s->w - x);
+        if (w > 0.0f)
+            x += share * (n[c] / w - x);
         out[c] = known[c] + q * (x > 0.0f ? x : 0.0f);
     }
 }
@@ -45,11 +42,12 @@ static void answer_row(const lf_film *film, int row, const lf_reconstruct_scratc
         float b[3];
         for (int c = 0; c < 3; c++)
             b[c] = known ? known[i].b[c] : film->sky[c] * (1.0f - q[i]);
-        const lf_film_scattered s = scattered(state, half, i);
+        const lf_found found = found_at(state, half, i);
+        float w = lf_found_weight(film, &found, scratch->rows[0].second[i],
+                                  q[i] * (float)(state->n[0] + state->n[1]));
         const float none[4] = {0.0f, 0.0f, 0.0f, -1.0f};
         bool fitted = lf_pixel_is_fitted(&scratch->rows[0], i);
-        answer_pixel(film, &s, state->n[0] + state->n[1], q[i], b,
-                     fitted ? scratch->predicted[i] : none, out + 3 * i);
+        answer_pixel(found.n, w, q[i], b, fitted ? scratch->predicted[i] : none, out + 3 * i);
     }
 }
 

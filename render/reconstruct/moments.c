@@ -7,8 +7,7 @@
  * its place, one row with the next and, where one row of each cell was visited, one cell with the
  * next: its features stand for both. */
 typedef struct lf_row_halves {
-    const lf_film_scattered *scattered[2]; /* NULL: nothing */
-    const float *q[2];
+    lf_film_half half[2]; /* zeros: nothing */
     float n[2];
 } lf_row_halves;
 
@@ -21,9 +20,7 @@ static lf_row_halves halves_of(const lf_film *film, int row)
         int as = alone ? (row + row / LF_CELL_SIDE) % 2 : h;
         if (!(state->n[h] > 0.0))
             continue;
-        const lf_film_half half = lf_film_at(film, row, h);
-        out.scattered[as] = half.scattered;
-        out.q[as] = half.q;
+        out.half[as] = lf_film_at(film, row, h);
         out.n[as] = (float)state->n[h];
     }
     return out;
@@ -36,15 +33,15 @@ static void add_product(lf_plane *to, float x, const float f[LF_FEATURES])
         to->slope[i] += x * f[i];
 }
 
-/* own: of this half is N/W taken; other may be NULL. */
-static void add_cross(lf_raw_sums *raw, int h, const lf_film_scattered *own,
-                      const lf_film_scattered *other, const float f[LF_FEATURES])
+/* answer: N/W of half h; other: what the other half has found, w the weight that it is fitted with.
+ */
+static void add_cross(lf_raw_sums *raw, int h, const float answer[3], const lf_found *other,
+                      float w, const float f[LF_FEATURES])
 {
-    raw->weight[h] += other->w;
+    raw->weight[h] += w;
     for (int c = 0; c < 3; c++) {
-        float answer = own->n[c] / own->w;
-        raw->cross[h][c] += answer * other->n[c];
-        add_product(&raw->product[h][c], answer * other->w, f);
+        raw->cross[h][c] += answer[c] * other->n[c];
+        add_product(&raw->product[h][c], answer[c] * w, f);
     }
 }
 
@@ -56,32 +53,63 @@ static void add_known(lf_raw_sums *raw, const lf_film *film, const lf_film_known
     raw->pixels += 1.0f;
 }
 
-static void add_pixel(lf_cell *cell, const lf_reconstruction *r, const lf_film *film,
-                      const lf_row_halves *halves, size_t i, float f[2][LF_FEATURES])
+/* One pixel's halves, as they are fitted to. */
+typedef struct lf_fitted {
+    lf_found found[2];
+    float w[2];         /* W or W': as a summand even where it is nothing to divide by */
+    float answer[2][3]; /* N/W, where there is one */
+    bool answers[2];
+} lf_fitted;
+
+static void read_fitted(const lf_film *film, const lf_row_halves *halves, bool second, size_t i,
+                        lf_fitted *out)
 {
-    static const lf_film_scattered none = {{0}, 0};
-    const lf_film_scattered *s[2];
-    bool usable[2];
-    lf_film_scattered both = {{0}, 0};
+    for (int h = 0; h < 2; h++) {
+        lf_found *found = &out->found[h];
+        *found = (lf_found){.w = 0.0f};
+        out->answers[h] = false;
+        out->w[h] = 0.0f;
+        if (!halves->half[h].scattered)
+            continue;
+        lf_found_add(found, &halves->half[h], i);
+        out->w[h] = second ? found->w2 : found->w;
+        float w = lf_found_weight(film, found, second, halves->n[h] * halves->half[h].q[i]);
+        out->answers[h] = w > 0.0f;
+        for (int c = 0; c < 3 && w > 0.0f; c++)
+            out->answer[h][c] = found->n[c] / w;
+    }
+}
+
+/* Sums of N^2/W of both halves. */
+static void add_square(lf_cell *cell, const lf_film *film, const lf_row_halves *halves, bool second,
+                       size_t i)
+{
+    lf_found both = {.w = 0.0f};
     float nq = 0.0f;
     for (int h = 0; h < 2; h++) {
-        nq += halves->scattered[h] ? halves->n[h] * halves->q[h][i] : 0.0f;
-        s[h] = halves->scattered[h] ? &halves->scattered[h][i] : &none;
-        usable[h] = halves->scattered[h] &&
-                    lf_weight_is_usable(film, s[h]->w, halves->n[h] * halves->q[h][i]);
-        both.w += s[h]->w;
-        for (int c = 0; c < 3; c++)
-            both.n[c] += s[h]->n[c];
-        if (s[h]->w != 0.0f)
-            for (int of = 0; of < 2; of++)
-                r->kernels->add(&cell->half[of][h], s[h]->w, s[h]->n, f[of]);
+        if (!halves->half[h].scattered)
+            continue;
+        lf_found_add(&both, &halves->half[h], i);
+        nq += halves->n[h] * halves->half[h].q[i];
     }
+    float w = lf_found_weight(film, &both, second, nq);
+    for (int c = 0; c < 3 && w > 0.0f; c++)
+        cell->raw.square[c] += both.n[c] * both.n[c] / w;
+}
+
+static void add_pixel(lf_cell *cell, const lf_reconstruction *r, const lf_film *film,
+                      const lf_row_halves *halves, bool second, size_t i, float f[2][LF_FEATURES])
+{
+    lf_fitted x;
+    read_fitted(film, halves, second, i, &x);
     for (int h = 0; h < 2; h++)
-        if (usable[h] && s[1 - h]->w != 0.0f)
-            add_cross(&cell->raw, h, s[h], s[1 - h], f[h]);
-    bool answers = lf_weight_is_usable(film, both.w, nq);
-    for (int c = 0; c < 3 && answers; c++)
-        cell->raw.square[c] += both.n[c] * both.n[c] / both.w;
+        if (x.found[h].w != 0.0f)
+            for (int of = 0; of < 2; of++)
+                r->kernels->add(&cell->half[of][h], x.w[h], x.found[h].n, f[of]);
+    for (int h = 0; h < 2; h++)
+        if (x.answers[h] && x.found[1 - h].w != 0.0f)
+            add_cross(&cell->raw, h, x.answer[h], &x.found[1 - h], x.w[1 - h], f[h]);
+    add_square(cell, film, halves, second, i);
 }
 
 static void add_view(lf_band *band, const lf_reconstruction *r, const lf_film *film,
@@ -99,7 +127,7 @@ static void add_view(lf_band *band, const lf_reconstruction *r, const lf_film *f
         for (int h = 0; h < 2; h++)
             for (int j = 0; j < LF_FEATURES; j++)
                 f[h][j] = pixels->f[h][j][i] - (j < 3 ? middle[j] : 0.0f);
-        add_pixel(cell, r, film, halves, i, f);
+        add_pixel(cell, r, film, halves, pixels->second[i], i, f);
         add_known(&cell->raw, film, known ? &known[i] : NULL, pixels->q[i]);
     }
 }

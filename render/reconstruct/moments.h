@@ -4,17 +4,34 @@
 
 #include "render/reconstruct/pixels.h"
 
+/* N, W and W' of a pixel, of a half or of both. */
+typedef struct lf_found {
+    float n[3], w, w2;
+} lf_found;
+
+static inline void lf_found_add(lf_found *found, const lf_film_half *half, size_t pixel)
+{
+    const lf_film_scattered *s = &half->scattered[pixel];
+    for (int c = 0; c < 3; c++)
+        found->n[c] += s->n[c];
+    found->w += s->w;
+    found->w2 += half->w2 ? half->w2[pixel] : s->w;
+}
+
 /* All cells and sums of a band of level 0. One worker a band. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int number,
                                          lf_pixels rows[LF_CELL_SIDE]);
 /* Those of a band of a level above, from the level below. */
 LF_NODISCARD lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int number);
 
-/* Where N/W of a half, or of both, is an answer: W has come up to a share of what is expected where
- * weights may cancel. nq: the expected weight. */
-static inline bool lf_weight_is_usable(const lf_film *film, float w, float nq)
+/* What N is divided by where it is an answer: W, or W' where that is the second and less noisy
+ * weight; 0 where it is none: it has to come up to a share of what is expected, nq, where weights
+ * may cancel. */
+static inline float lf_found_weight(const lf_film *film, const lf_found *found, bool second,
+                                    float nq)
 {
-    return film->layout.has_signed ? w > 0.25f * nq : w > 0.0f;
+    float w = lf_film_weight(found->w, found->w2, second);
+    return w > (film->layout.has_signed ? 0.25f * nq : 0.0f) ? w : 0.0f;
 }
 
 #endif

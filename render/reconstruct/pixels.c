@@ -12,7 +12,8 @@ lf_status lf_pixels_init(size_t n, lf_pixels *out)
 {
     out->data = lf_calloc(ARRAYS * n, sizeof *out->data);
     out->cells = lf_calloc(2 * n, sizeof *out->cells);
-    if (!out->data || !out->cells)
+    out->second = lf_calloc(n, sizeof *out->second);
+    if (!out->data || !out->cells || !out->second)
         return LF_E_NOMEM;
     float *next = out->data;
     for (int v = LF_BOTH; v >= 0; v--) {
@@ -32,6 +33,7 @@ void lf_pixels_finish(lf_pixels *pixels)
 {
     lf_free(pixels->data);
     lf_free(pixels->cells);
+    lf_free(pixels->second);
     memset(pixels, 0, sizeof *pixels);
 }
 
@@ -45,6 +47,8 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
                       .n = film->width};
     if (!(n > 0.0))
         return false;
+    if (film->layout.has_w2)
+        lf_film_row_second(film, row, pixels->second);
     for (int k = 0; k < film->n_views; k++) {
         in.first = k * film->width;
         in.view = (float)k / (float)film->n_views - 0.5f;

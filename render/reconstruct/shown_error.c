@@ -49,14 +49,16 @@ static void read_known(const lf_open_row *o, size_t i, int h, float out[3])
 static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, lf_half_pixel *out)
 {
     const float *p = o->predicted[h]->predicted[i];
-    const lf_film_scattered *s = &o->half[h].scattered[i];
+    lf_found found = {.w = 0.0f};
     float q = o->half[h].q[i];
     bool near = fitted && p[3] >= 0.0f;
+    lf_found_add(&found, &o->half[h], i);
+    float w = lf_found_weight(o->film, &found, o->pixels->second[i], o->n[h] * q);
     read_known(o, i, h, out->known);
-    out->seen = q > 0.0f && lf_weight_is_usable(o->film, s->w, o->n[h] * q);
+    out->seen = q > 0.0f && w > 0.0f;
     for (int c = 0; c < 3; c++) {
         float x = near ? p[c] : 0.0f, share = near ? p[3] : 1.0f,
-              raw = out->seen ? s->n[c] / s->w : x;
+              raw = out->seen ? found.n[c] / w : x;
         out->scattered[c] = q * fmaxf(x, 0.0f);
         x = fmaxf(x + share * (raw - x), 0.0f);
         out->shown[c] = out->known[c] + q * x;

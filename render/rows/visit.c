@@ -267,8 +267,8 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
 /* ------------------------------------------------------------------------------------- visit -- */
 
 /* Native samples that a visit takes of each pixel with a delta lobe: one, so that the shortest
- * visit shows a mirror's image whole; two where sharing takes so many that they are six or fewer for
- * each of its samples. */
+ * visit shows a mirror's image whole; two where sharing takes so many that they are six or fewer
+ * for each of its samples. */
 static int mirror_rounds(const lf_visit_plan *plan)
 {
     enum { MIRROR_TIMES = 6 };
