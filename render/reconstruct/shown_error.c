@@ -25,14 +25,13 @@ typedef struct lf_open_row {
 /* Sums over pixels. */
 typedef struct lf_shown_sums {
     double variance, bias;
-    size_t pixels, scattering, seen; /* seen: by both halves */
+    size_t pixels;
 } lf_shown_sums;
 
 /* One pixel of one half: known and what is scattered by the fit alone are what it would be without
- * N/W; off is what N/W is off from what is shown. */
+ * N/W; off is what an answer without bias is off from what is shown. */
 typedef struct lf_half_pixel {
     float known[3], scattered[3], shown[3], off[3];
-    bool seen;
 } lf_half_pixel;
 
 /* B + M/n of a half. */
@@ -49,30 +48,28 @@ static void read_known(const lf_open_row *o, size_t i, int h, float out[3])
 static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, lf_half_pixel *out)
 {
     const float *p = o->predicted[h]->predicted[i];
+    bool near = fitted && p[3] >= 0.0f, second = o->pixels->second[i];
+    float q = o->half[h].q[i], share = near ? p[3] : 1.0f;
     lf_found found = {.w = 0.0f};
-    float q = o->half[h].q[i];
-    bool near = fitted && p[3] >= 0.0f;
     lf_found_add(&found, &o->half[h], i);
-    float w = lf_found_weight(o->film, &found, o->pixels->second[i], o->n[h] * q);
+    float w = q > 0.0f ? lf_found_weight(o->film, &found, second, o->n[h] * q) : 0.0f,
+          summand = second ? found.w2 : found.w;
     read_known(o, i, h, out->known);
-    out->seen = q > 0.0f && w > 0.0f;
     for (int c = 0; c < 3; c++) {
-        float x = near ? p[c] : 0.0f, share = near ? p[3] : 1.0f,
-              raw = out->seen ? found.n[c] / w : x;
+        float x = near ? p[c] : 0.0f, shown = w > 0.0f ? x + share * (found.n[c] / w - x) : x;
         out->scattered[c] = q * fmaxf(x, 0.0f);
-        x = fmaxf(x + share * (raw - x), 0.0f);
-        out->shown[c] = out->known[c] + q * x;
-        out->off[c] = q * (raw - x);
+        shown = q * fmaxf(shown, 0.0f);
+        out->shown[c] = out->known[c] + shown;
+        out->off[c] = q * x + (found.n[c] - summand * x) / o->n[h] - shown;
     }
 }
 
 static void add_pixel(const lf_open_row *o, size_t i, lf_shown_sums *sums)
 {
-    bool scatters = o->pixels->q[i] > 0.0f, fitted = lf_pixel_is_fitted(o->pixels, i);
+    bool fitted = lf_pixel_is_fitted(o->pixels, i);
     lf_half_pixel half[2];
     for (int h = 0; h < 2; h++)
         read_half(o, i, h, fitted, &half[h]);
-    bool seen = half[0].seen && half[1].seen;
     for (int c = 0; c < 3; c++) {
         /* where only one half has met a bright path, their mean would hide what that is off */
         double radiance = (double)(o->share[0] * half[0].known[c] + o->share[1] * half[1].known[c] +
@@ -80,12 +77,9 @@ static void add_pixel(const lf_open_row *o, size_t i, lf_shown_sums *sums)
                inverse = 1.0 / (radiance * radiance + EPSILON),
                difference = (double)(half[0].shown[c] - half[1].shown[c]);
         sums->variance += (double)(o->share[0] * o->share[1]) * difference * difference * inverse;
-        if (seen)
-            sums->bias += (double)half[0].off[c] * (double)half[1].off[c] * inverse;
+        sums->bias += (double)half[0].off[c] * (double)half[1].off[c] * inverse;
     }
     sums->pixels++;
-    sums->scattering += scatters;
-    sums->seen += seen;
 }
 
 /* What both halves predict of a row. */
@@ -126,9 +120,8 @@ static lf_status error_of_row(const lf_reconstruction *r, const lf_film *film, i
     for (int k = 0; k < film->n_views && status == LF_OK; k++)
         for (int i = 0; i < film->width && lf_view_is_fitted(r, row, k); i++)
             add_pixel(&o, (size_t)k * (size_t)film->width + (size_t)i, &sums);
-    double unseen = sums.seen > 0 ? (double)sums.scattering / (double)sums.seen : 1.0,
-           all = 3.0 * (double)sums.pixels;
-    *out = (lf_shown_row){sums.variance / all, sums.bias * unseen / all};
+    const double all = 3.0 * (double)sums.pixels;
+    *out = (lf_shown_row){sums.variance / all, sums.bias / all};
     return status;
 }
 
