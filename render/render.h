@@ -414,6 +414,10 @@ json_t *lf_renderer_skipped(const lf_renderer *renderer);
 const lf_render_settings *lf_renderer_settings(const lf_renderer *renderer);
 lf_scene *lf_renderer_scene(const lf_renderer *renderer);
 
+/* Whether an accumulation of one scene and settings may go on as that of the others: they differ in
+ * nothing but how it is shown (film) and random numbers. false also when there is no memory. */
+bool lf_same_picture(const lf_scene *a, const lf_render_settings *of_a, const lf_scene *b,
+                     const lf_render_settings *of_b);
 /* Saves and restores the accumulation (kind "state": --state), in the format of film/film_file.h:
  * the sums, what they are a picture of (scene, files of volumes, rig and settings, not the seed),
  * and which visits of which random streams are in them. Restoring gives LF_E_STATE for another

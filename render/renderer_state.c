@@ -49,6 +49,17 @@ lf_status lf_renderer_identify(const lf_scene *scene, const lf_render_settings *
     return LF_OK;
 }
 
+bool lf_same_picture(const lf_scene *a, const lf_render_settings *of_a, const lf_scene *b,
+                     const lf_render_settings *of_b)
+{
+    uint8_t pictures[2][LF_PICTURE_BYTES];
+    return lf_renderer_identify(a, of_a, of_a->integrator ? of_a->integrator : "", pictures[0]) ==
+               LF_OK &&
+           lf_renderer_identify(b, of_b, of_b->integrator ? of_b->integrator : "", pictures[1]) ==
+               LF_OK &&
+           memcmp(pictures[0], pictures[1], LF_PICTURE_BYTES) == 0;
+}
+
 lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file, const lf_cancel *cancel,
                            lf_error *err)
 {

@@ -284,6 +284,17 @@ lf_status lf_engine_commit(lf_engine *engine, lf_content *content, int restore_f
     return status;
 }
 
+lf_status lf_engine_show_as(lf_engine *engine, lf_content *content, int64_t *out_generation,
+                            lf_error *err)
+{
+    engine_request request = {
+        .run = engine_run_show_as, .err = err, .content = content, .restore_fd = -1};
+    lf_status status = call(engine, &request, false);
+    if (status == LF_OK)
+        *out_generation = request.generation;
+    return status;
+}
+
 lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reconstruct, unsigned layers,
                              lf_snapshot *out, lf_error *err)
 {

@@ -72,6 +72,12 @@ void lf_engine_destroy(lf_engine *engine);
 LF_NODISCARD lf_status lf_engine_commit(lf_engine *engine, lf_content *content, int restore_fd,
                                         int64_t *out_generation, bool *out_restored, lf_error *err);
 
+/* (blocks) Another content of the picture that is shown (lf_same_picture, and the same settings and
+ * layout): the accumulation goes on between two batches, only how it is shown is new. Where there
+ * is none to go on with, as lf_engine_commit. A reference is taken. */
+LF_NODISCARD lf_status lf_engine_show_as(lf_engine *engine, lf_content *content,
+                                         int64_t *out_generation, lf_error *err);
+
 void lf_engine_set_controls(lf_engine *engine, const lf_engine_controls *controls);
 lf_engine_controls lf_engine_get_controls(lf_engine *engine);
 /* The panel to interlace for (NULL = none); panel is the number its frames carry. views: the device

@@ -118,6 +118,7 @@ void engine_settle(lf_engine *engine);
 void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls);
 void engine_take_panel(lf_engine *engine, const engine_panel *panel);
 /* What the requests run. */
+lf_status engine_run_show_as(lf_engine *engine, engine_request *request);
 lf_status engine_run_commit(lf_engine *engine, engine_request *request);
 lf_status engine_run_snapshot(lf_engine *engine, engine_request *request);
 lf_status engine_run_save(lf_engine *engine, engine_request *request);

@@ -522,6 +522,18 @@ lf_status engine_run_commit(lf_engine *engine, engine_request *request)
     return LF_OK;
 }
 
+lf_status engine_run_show_as(lf_engine *engine, engine_request *request)
+{
+    if (!engine->renderer || !engine->content || engine->spoiled)
+        return engine_run_commit(engine, request);
+    lf_content *before = engine->content;
+    engine->content = lf_content_ref(request->content);
+    lf_content_unref(before);
+    request->generation = ++engine->generation;
+    retone(engine);
+    return LF_OK;
+}
+
 /* ----------------------------------------------------------------------------------- exports -- */
 
 static bool is_reconstructed(const lf_engine *engine, lf_reconstruct asked)

@@ -233,6 +233,15 @@ static lf_status make_content(const lf_loader *loader, lf_load *load, lf_content
     return status;
 }
 
+/* Whether what was patched changes no more than how the picture is shown. */
+static bool is_shown_anew(const lf_loader *loader, const lf_load *load, const lf_content *content)
+{
+    const lf_content *now = loader->content;
+    return load->kind != LF_LOAD_FILE && load->kind != LF_LOAD_APPLY &&
+           same_settings(now, content) &&
+           lf_same_picture(now->scene, &now->settings, content->scene, &content->settings);
+}
+
 /* Once, until the camera has been where all is well, or another scene. */
 static void tell_depth(const lf_content *content, const lf_content *before)
 {
@@ -249,8 +258,11 @@ static void run_load(lf_loader *loader, lf_load *load)
     load->status = make_content(loader, load, &content);
     if (load->status != LF_OK || !content)
         return;
-    load->status = lf_engine_commit(loader->engine, content, load->restore_fd, &load->generation,
-                                    &load->restored, &load->err);
+    if (is_shown_anew(loader, load, content))
+        load->status = lf_engine_show_as(loader->engine, content, &load->generation, &load->err);
+    else
+        load->status = lf_engine_commit(loader->engine, content, load->restore_fd,
+                                        &load->generation, &load->restored, &load->err);
     load->committed = load->status == LF_OK;
     if (!load->committed) {
         lf_content_unref(content);

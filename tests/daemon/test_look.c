@@ -204,6 +204,37 @@ static void an_exposure_that_is_set_starts_nothing_over(void **state)
     live_finish(&l);
 }
 
+/* docs/scene.md: the accumulation is not touched by `film`, nor by a patch that changes nothing. It
+ * is paused, so that one that starts over is seen to. */
+static void a_patch_of_the_film_starts_nothing_over(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "complete");
+    assert_int_equal(live_code(&c, "render.set", json_pack("{s:b}", "paused", 1)), 0);
+    while (strcmp(live_status_text(&c, "state"), "paused") != 0)
+        live_nap(10);
+    double passes = live_number(&c, "status", NULL, "passes");
+    static const char *const patches[] = {"{\"film\":{\"exposure\":-1.5}}",
+                                          "{\"film\":{\"tonemap\":\"filmic\"}}", "{}"};
+    for (int i = 0; i < 3; i++) {
+        json_t *params = json_pack("{s:o}", "patch", json_loads(patches[i], 0, NULL));
+        assert_true(live_number(&c, "scene.patch", params, "generation") == 2 + i);
+        assert_true(passes > 0 && live_number(&c, "status", NULL, "passes") == passes);
+        live_wait(&c, "complete");
+        assert_true(stops_now(&c, false) == -1.5);
+    }
+    json_t *dense = json_loads("{\"volumes\":{\"fog\":{\"density\":9}}}", 0, NULL);
+    (void)live_number(&c, "scene.patch", json_pack("{s:o}", "patch", dense), "generation");
+    assert_true(live_number(&c, "status", NULL, "passes") < passes);
+    live_close(&c);
+    live_finish(&l);
+}
+
 static size_t read_file(const char *path, char *out, size_t size)
 {
     FILE *file = fopen(path, "rb");
@@ -340,6 +371,7 @@ int main(void)
         cmocka_unit_test(the_depth_and_bounds_are_told_and_framed),
         cmocka_unit_test(an_automatic_exposure_never_pumps),
         cmocka_unit_test(an_exposure_that_is_set_starts_nothing_over),
+        cmocka_unit_test(a_patch_of_the_film_starts_nothing_over),
         cmocka_unit_test(a_file_is_exposed_by_its_own_picture),
         cmocka_unit_test(a_panel_gets_the_codes_of_its_response),
         cmocka_unit_test(a_response_can_be_set_while_it_is_shown),
