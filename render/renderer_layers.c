@@ -43,6 +43,7 @@ typedef struct layer_job {
     lf_estimator estimator;
     unsigned layers;
     int n_channels;
+    bool has_bare; /* surfaces without a lobe */
     float *out;
 } layer_job;
 
@@ -51,30 +52,60 @@ typedef struct layer_job {
 typedef void (*layer_fn)(const layer_job *job, int row, const row_of_film *film, size_t pixels,
                          float *out, size_t stride);
 
+/* Mirrors and lamps scatter nothing, so that the film's pivots do not know them: the nearness of
+ * one that a ray through the middle of a pixel meets; below 0: it meets none. */
+static double bare_nearness(const layer_job *job, int row, size_t pixel)
+{
+    const lf_rig *rig = &job->rig;
+    const int view = (int)(pixel / (size_t)rig->width), column = (int)(pixel % (size_t)rig->width);
+    const lf_vec3 eye = lf_rig_point(rig, rig->b[view], 0.0f, 0.0f);
+    const float x = rig->x0 + ((float)column + 0.5f) * rig->dx - rig->b[view],
+                y = rig->y0 + ((float)row + 0.5f) * rig->dy;
+    lf_tracer tracer = {.scene = job->renderer->scene};
+    lf_hit hit;
+    if (!lf_trace_surface(&tracer, eye,
+                          lf_rig_direction(rig, x / rig->distance, y / rig->distance, 1.0f),
+                          INFINITY, &hit) ||
+        hit.material->has_lobe)
+        return -1.0;
+    return (double)lf_nearness(rig->distance, lf_dot(lf_sub(hit.p, eye), rig->forward));
+}
+
+/* As bare_nearness, of what is behind all that scatters in a pixel; most have nothing behind. */
+static double nearness_behind(const layer_job *job, int row, size_t pixel, double q)
+{
+    return job->has_bare && q < 0.999 ? bare_nearness(job, row, pixel) : -1.0;
+}
+
 static void depth(const layer_job *job, int row, const row_of_film *film, size_t pixels, float *out,
                   size_t stride)
 {
     /* What is farther than packed features tell apart from infinity is as far as they do. */
     const double least = 0.5 * (double)LF_NEARNESS_MAX / 65535.0;
-    (void)row;
     for (size_t i = 0; i < pixels; i++) {
-        double sum = 0.0, total = 0.0;
+        double sum = 0.0, q = 0.0;
         for (int h = 0; h < 2; h++) {
-            double weight = fmax(pivots_of(film, h, i), 0.0);
+            double weight = fmax(pivots_of(film, h, i), 0.0) / film->total;
             sum += weight * (double)lf_feature_unpack(film->half[h].feature[i]).nearness;
-            total += weight;
+            q += weight;
         }
-        if (total > 0.0)
-            out[i * stride] = (float)((double)job->rig.distance / fmax(sum / total, least));
+        const double behind = nearness_behind(job, row, i, q);
+        if (behind >= 0.0) {
+            sum += (1.0 - q) * behind;
+            q = 1.0;
+        }
+        if (q > 0.0)
+            out[i * stride] = (float)((double)job->rig.distance / fmax(sum / q, least));
     }
 }
 
 static void coverage(const layer_job *job, int row, const row_of_film *film, size_t pixels,
                      float *out, size_t stride)
 {
-    (void)job, (void)row;
-    for (size_t i = 0; i < pixels; i++)
-        out[i * stride] = (float)fmin(fmax(share_of(film, i), 0.0), 1.0);
+    for (size_t i = 0; i < pixels; i++) {
+        const double q = fmin(fmax(share_of(film, i), 0.0), 1.0);
+        out[i * stride] = nearness_behind(job, row, i, q) >= 0.0 ? 1.0f : (float)q;
+    }
 }
 
 static void samples(const layer_job *job, int row, const row_of_film *film, size_t pixels,
@@ -234,6 +265,8 @@ lf_status lf_renderer_layers(const lf_renderer *renderer, lf_estimator estimator
     if (layers & LF_LAYER_DEPTH && !renderer->film.layout.has_features)
         return LF_E_STATE;
     job.n_channels = lf_layer_channels(layers, NULL);
+    for (int i = 0; i < renderer->scene->n_materials && renderer->scene->embree; i++)
+        job.has_bare = job.has_bare || !renderer->scene->materials[i].has_lobe;
     lf_status status = lf_rig_init(&job.rig, &renderer->settings, renderer->scene->origin, NULL);
     return status == LF_OK
                ? lf_pool_run(renderer->pool, renderer->film.height, fill_row, &job, cancel)

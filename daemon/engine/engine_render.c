@@ -519,6 +519,8 @@ lf_status engine_run_commit(lf_engine *engine, engine_request *request)
         (void)restore(engine, request);
     lf_schedule_start(&engine->schedule, content->layout.view_height, content->layout.n_views,
                       engine->spent.passes);
+    if (request->restored)
+        post_frame(engine, true);
     return LF_OK;
 }
 

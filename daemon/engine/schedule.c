@@ -1,5 +1,7 @@
 #include "daemon/engine/schedule.h"
 
+#include <math.h>
+
 /* Rows a batch has at the least, so that no worker idles: fewer once the picture is complete, since
  * it takes a slow machine, which has few workers, to make batches of a few rows as long as they may
  * be. */
@@ -44,6 +46,9 @@ static int batches_for(const lf_schedule *schedule, double target_seconds)
     int least = schedule->sweep < FIRST_COMPLETE_SWEEP ? MIN_ROWS : MIN_ROWS_COMPLETE;
     double sweep_seconds = schedule->row_seconds * sweep_rows(schedule) * subsets_of(schedule);
     int n = 1;
+    /* how long a row takes is not known where a saved accumulation is gone on with */
+    if (schedule->sweep > 0 && !(schedule->row_seconds > 0))
+        sweep_seconds = (double)INFINITY;
     while (n < most && sweep_seconds > target_seconds * n &&
            sweep_rows(schedule) / (n * 2) >= least)
         n *= 2;

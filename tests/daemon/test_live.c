@@ -331,6 +331,34 @@ static void a_panel_that_stalls_for_ever_stops_neither_rendering_nor_the_end(voi
     live_finish(&l);
 }
 
+/* The picture is shown as it was saved, before anything is added to it. */
+static void a_saved_picture_is_shown_at_once(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    char words[64];
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, "--state", l.state, NULL);
+    live_connect(&l, &c);
+    live_wait(&c, "complete");
+    assert_int_equal(live_code(&c, "render.set", json_pack("{s:b}", "paused", 1)), 0);
+    while (strcmp(live_status_text(&c, "state"), "paused") != 0)
+        live_nap(10);
+    snprintf(words, sizeof words, "complete after %.1f passes",
+             live_number(&c, "status", NULL, "passes"));
+    live_close(&c);
+    assert_int_equal(live_stop(&l), 0);
+    setenv("QUILTD_DEBUG", "1", 1);
+    live_start(&l, l.scene, "--device", l.sim, "--state", l.state, NULL);
+    unsetenv("QUILTD_DEBUG");
+    live_connect(&l, &c);
+    live_wait(&c, "complete");
+    assert_true(live_logged(&l, words));
+    live_close(&c);
+    live_finish(&l);
+}
+
 static void a_killed_daemon_goes_on_from_its_state(void **state)
 {
     (void)state;
@@ -460,6 +488,7 @@ int main(void)
         cmocka_unit_test(a_refused_device_forgets_no_panel_that_is_unplugged),
         cmocka_unit_test(texts_that_are_not_utf8_and_large_seeds_are_told_whole),
         cmocka_unit_test(a_panel_that_stalls_for_ever_stops_neither_rendering_nor_the_end),
+        cmocka_unit_test(a_saved_picture_is_shown_at_once),
         cmocka_unit_test(a_killed_daemon_goes_on_from_its_state),
         cmocka_unit_test(the_batch_in_progress_ends_before_its_state_is_saved),
         cmocka_unit_test(the_scene_file_is_read_again_on_hangup_and_when_it_changes),

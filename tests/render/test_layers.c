@@ -71,6 +71,35 @@ static void pixels_know_how_far_and_what_they_see(void **state)
     lf_scene_unref(scene);
 }
 
+/* Nothing is scattered by a mirror or a lamp: where they are is known all the same, also behind a
+ * thin slab. */
+static void mirrors_and_lamps_are_where_they_are(void **state)
+{
+    (void)state;
+    static const char *const walls[] = {"{ 'type': 'conductor', 'albedo': 0.9, 'roughness': 0 }",
+                                        "{ 'type': 'diffuse', 'albedo': 0, 'emission': 1 }"};
+    for (int i = 0; i < 4; i++) {
+        char text[2048];
+        snprintf(text, sizeof text,
+                 "{ 'quiltd': 1, 'camera': { 'target': [0,0,0], 'position': [0,0,5], 'fov_y': 14, "
+                 "'aspect': 1, 'views': 3, 'cone': 4 }, 'materials': { 'm': %s }, 'meshes': { 'w': "
+                 "{ 'shape': 'quad', 'material': 'm', 'transform': { 'rotate': [90,0,0], 'scale': "
+                 "20, 'translate': [0,0,-1.25] } } } %s }",
+                 walls[i % 2], i < 2 ? "" : SLAB);
+        lf_scene *scene = lf_test_scene(text);
+        lf_renderer *r = render(scene, true, NULL, 1);
+        float *out = layers_of(r, LF_LAYER_DEPTH | LF_LAYER_COVERAGE);
+        for (int k = 0; k < PIXELS; k++) {
+            /* of the slab's thousandth, at 4 */
+            lf_assert_close((double)out[2 * k], 6.25, 2e-3, 0.0);
+            lf_assert_close((double)out[2 * k + 1], 1.0, 1e-6, 0.0);
+        }
+        free(out);
+        lf_renderer_destroy(r);
+        lf_scene_unref(scene);
+    }
+}
+
 static void where_nothing_is_met_everything_is_0(void **state)
 {
     (void)state;
@@ -193,6 +222,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_know_how_far_and_what_they_see),
+        cmocka_unit_test(mirrors_and_lamps_are_where_they_are),
         cmocka_unit_test(where_nothing_is_met_everything_is_0),
         cmocka_unit_test(variance_is_what_pictures_are_apart),
         cmocka_unit_test(layers_do_not_depend_on_threads_and_need_what_they_are_made_of),
