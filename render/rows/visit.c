@@ -131,11 +131,12 @@ float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot
 /* ------------------------------------------------------------------------------ base samples -- */
 
 /* Whether base samples follow delta lobes also where pixels have samples of their own
- * (sample_mirrors): only if all get as many base samples, or as many as the map expects. Those with
- * one more than others would be brighter by it. */
+ * (sample_mirrors): only if all get as many base samples, or as many as the map expects, or there
+ * are no others. Those with one more than others would be brighter by it. */
 static bool base_counts(const lf_visit *visit)
 {
-    return visit->expected || visit->subsets % visit->rig->n_views == 0;
+    return visit->mirror_rounds == 0 || visit->expected ||
+           visit->subsets % visit->rig->n_views == 0;
 }
 
 /* 1 over the native samples that a pixel expects, base samples and its own, in units of g / n. */
