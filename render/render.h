@@ -327,9 +327,9 @@ LF_NODISCARD lf_status lf_renderer_show(lf_renderer *renderer, float *out, const
 
 /* What is known of view pixels besides their colour: a row of lf_layer_at each. */
 typedef enum lf_layer {
-    /* D over the mean of D/Z where rays through the pixel scatter, or meet a mirror or lamp (told by
-     * one ray), which is its place for the eye: scene units along the view axis; 0 where nothing is
-     * met. Of films with settings.features. */
+    /* D over the mean of D/Z where rays through the pixel scatter, or meet a mirror or lamp (told
+     * by one ray), which is its place for the eye: scene units along the view axis; 0 where nothing
+     * is met. Of films with settings.features. */
     LF_LAYER_DEPTH = 1,
     LF_LAYER_COVERAGE = 2, /* the share of rays that do: q, or 1 before a mirror or lamp */
     /* Of the surfaces that 8 rays of a pinhole camera meet, whatever media stand before them:
