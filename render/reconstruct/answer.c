@@ -7,12 +7,12 @@
 #include "render/reconstruct/scratch.h"
 
 /* N, W and W' of both halves. */
-static lf_found found_at(const lf_film_row *state, const lf_film_half half[2], size_t i)
+static lf_pixel_found found_at(const lf_film_row *state, const lf_film_half half[2], size_t i)
 {
-    lf_found found = {.w = 0.0f};
+    lf_pixel_found found = {.w = 0.0f};
     for (int h = 0; h < 2; h++)
         if (state->n[h] > 0.0)
-            lf_found_add(&found, &half[h], i);
+            lf_pixel_found_add(&found, &half[h], i);
     return found;
 }
 
@@ -42,9 +42,9 @@ static void answer_row(const lf_film *film, int row, const lf_reconstruct_scratc
         float b[3];
         for (int c = 0; c < 3; c++)
             b[c] = known ? known[i].b[c] : film->sky[c] * (1.0f - q[i]);
-        const lf_found found = found_at(state, half, i);
-        float w = lf_found_weight(film, &found, scratch->rows[0].second[i],
-                                  q[i] * (float)(state->n[0] + state->n[1]));
+        const lf_pixel_found found = found_at(state, half, i);
+        float w = lf_pixel_found_weight(film, &found, scratch->rows[0].second[i],
+                                        q[i] * (float)(state->n[0] + state->n[1]));
         const float none[4] = {0.0f, 0.0f, 0.0f, -1.0f};
         bool fitted = lf_pixel_is_fitted(&scratch->rows[0], i);
         answer_pixel(found.n, w, q[i], b, fitted ? scratch->predicted[i] : none, out + 3 * i);

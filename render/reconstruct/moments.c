@@ -35,7 +35,7 @@ static void add_product(lf_plane *to, float x, const float f[LF_FEATURES])
 
 /* answer: N/W of half h; other: what the other half has found, w the weight that it is fitted with.
  */
-static void add_cross(lf_raw_sums *raw, int h, const float answer[3], const lf_found *other,
+static void add_cross(lf_raw_sums *raw, int h, const float answer[3], const lf_pixel_found *other,
                       float w, const float f[LF_FEATURES])
 {
     raw->weight[h] += w;
@@ -55,7 +55,7 @@ static void add_known(lf_raw_sums *raw, const lf_film *film, const lf_film_known
 
 /* One pixel's halves, as they are fitted to. */
 typedef struct lf_fitted {
-    lf_found found[2];
+    lf_pixel_found found[2];
     float w[2];         /* W or W': as a summand even where it is nothing to divide by */
     float answer[2][3]; /* N/W, where there is one */
     bool answers[2];
@@ -65,15 +65,15 @@ static void read_fitted(const lf_film *film, const lf_row_halves *halves, bool s
                         lf_fitted *out)
 {
     for (int h = 0; h < 2; h++) {
-        lf_found *found = &out->found[h];
-        *found = (lf_found){.w = 0.0f};
+        lf_pixel_found *found = &out->found[h];
+        *found = (lf_pixel_found){.w = 0.0f};
         out->answers[h] = false;
         out->w[h] = 0.0f;
         if (!halves->half[h].scattered)
             continue;
-        lf_found_add(found, &halves->half[h], i);
+        lf_pixel_found_add(found, &halves->half[h], i);
         out->w[h] = second ? found->w2 : found->w;
-        float w = lf_found_weight(film, found, second, halves->n[h] * halves->half[h].q[i]);
+        float w = lf_pixel_found_weight(film, found, second, halves->n[h] * halves->half[h].q[i]);
         out->answers[h] = w > 0.0f;
         for (int c = 0; c < 3 && w > 0.0f; c++)
             out->answer[h][c] = found->n[c] / w;
@@ -84,15 +84,15 @@ static void read_fitted(const lf_film *film, const lf_row_halves *halves, bool s
 static void add_square(lf_cell *cell, const lf_film *film, const lf_row_halves *halves, bool second,
                        size_t i)
 {
-    lf_found both = {.w = 0.0f};
+    lf_pixel_found both = {.w = 0.0f};
     float nq = 0.0f;
     for (int h = 0; h < 2; h++) {
         if (!halves->half[h].scattered)
             continue;
-        lf_found_add(&both, &halves->half[h], i);
+        lf_pixel_found_add(&both, &halves->half[h], i);
         nq += halves->n[h] * halves->half[h].q[i];
     }
-    float w = lf_found_weight(film, &both, second, nq);
+    float w = lf_pixel_found_weight(film, &both, second, nq);
     for (int c = 0; c < 3 && w > 0.0f; c++)
         cell->raw.square[c] += both.n[c] * both.n[c] / w;
 }

@@ -5,11 +5,11 @@
 #include "render/reconstruct/pixels.h"
 
 /* N, W and W' of a pixel, of a half or of both. */
-typedef struct lf_found {
+typedef struct lf_pixel_found {
     float n[3], w, w2;
-} lf_found;
+} lf_pixel_found;
 
-static inline void lf_found_add(lf_found *found, const lf_film_half *half, size_t pixel)
+static inline void lf_pixel_found_add(lf_pixel_found *found, const lf_film_half *half, size_t pixel)
 {
     const lf_film_scattered *s = &half->scattered[pixel];
     for (int c = 0; c < 3; c++)
@@ -27,8 +27,8 @@ LF_NODISCARD lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int n
 /* What N is divided by where it is an answer: W, or W' where that is the second and less noisy
  * weight; 0 where it is none: it has to come up to a share of what is expected, nq, where weights
  * may cancel. */
-static inline float lf_found_weight(const lf_film *film, const lf_found *found, bool second,
-                                    float nq)
+static inline float lf_pixel_found_weight(const lf_film *film, const lf_pixel_found *found,
+                                          bool second, float nq)
 {
     float w = lf_film_weight(found->w, found->w2, second);
     return w > (film->layout.has_signed ? 0.25f * nq : 0.0f) ? w : 0.0f;

@@ -50,9 +50,9 @@ static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, lf_hal
     const float *p = o->predicted[h]->predicted[i];
     bool near = fitted && p[3] >= 0.0f, second = o->pixels->second[i];
     float q = o->half[h].q[i], share = near ? p[3] : 1.0f;
-    lf_found found = {.w = 0.0f};
-    lf_found_add(&found, &o->half[h], i);
-    float w = q > 0.0f ? lf_found_weight(o->film, &found, second, o->n[h] * q) : 0.0f,
+    lf_pixel_found found = {.w = 0.0f};
+    lf_pixel_found_add(&found, &o->half[h], i);
+    float w = q > 0.0f ? lf_pixel_found_weight(o->film, &found, second, o->n[h] * q) : 0.0f,
           summand = second ? found.w2 : found.w;
     read_known(o, i, h, out->known);
     for (int c = 0; c < 3; c++) {
