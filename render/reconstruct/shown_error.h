@@ -5,11 +5,12 @@
 
 #include "render/reconstruct/reconstruct.h"
 
-/* What one row tells, with p_h the shown picture by half h alone and y_h the half's B + q N/W:
- * means over the view pixels that are fitted, and channels, over what stands for I^2 + 1e-2. */
+/* What one row tells, with p_h the shown picture by half h alone and y_h = B + q x + (N - W x)/n of
+ * the half, x what its fit says: means over the view pixels that are fitted, and channels, over
+ * what stands for I^2 + 1e-2. */
 typedef struct lf_shown_row {
     double variance; /* of s_a s_b (p_a - p_b)^2, s the halves' shares of the samples */
-    double bias;     /* of (y_a - p_a) (y_b - p_b), over pixels that both halves have seen */
+    double bias;     /* of (y_a - p_a) (y_b - p_b) */
 } lf_shown_row;
 
 /* rows [n]: an upper bound of the relMSE of the shown picture at confidence 1 - alpha;
