@@ -394,6 +394,31 @@ static void the_shortest_visit_sees_all_of_a_mirror(void **state)
     lf_scene_unref(scene);
 }
 
+/* A pass that is split between the halves has every other column of base samples each, and no
+ * others: M is there in one pixel of 30, and in the mean what it is. */
+static void a_split_pass_has_mirrors(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(
+        "{ 'quiltd': 1, 'camera': { 'position': [0,0,5], 'fov_y': 24, 'aspect': 1.3333333333, "
+        "'views': 30, 'cone': 20 }, 'meshes': { 'mirror': { 'shape': 'quad', 'material': 'm', "
+        "'transform': { 'scale': 20, 'rotate': [90, 0, 0] } } }, 'materials': { 'm': { 'type': "
+        "'conductor', 'albedo': 0.9, 'roughness': 0 } }, " WHITE_SKY "}");
+    static const char *const names[] = {"mvpt", "vpt"};
+    for (int i = 0; i < 2; i++) {
+        lf_renderer *r = lf_test_renderer(scene, names[i], width, height, NULL);
+        assert_int_equal(lf_renderer_passes(r, NULL, 1, true, NULL, NULL, NULL), LF_OK);
+        double *picture = lf_test_picture(r, LF_ESTIMATOR_MIS), sum = 0.0;
+        for (int k = 0; k < 30 * width * height; k++)
+            sum += picture[k] / (30 * width * height);
+        print_message("%s: %.6f, should be 0.9\n", names[i], sum);
+        lf_assert_close(sum, 0.9, 1e-4, 0.0);
+        free(picture);
+        lf_renderer_destroy(r);
+    }
+    lf_scene_unref(scene);
+}
+
 static void a_mirror_shows_its_share_of_the_sky_however_visits_are_cut(void **state)
 {
     (void)state;
@@ -428,6 +453,7 @@ int main(void)
         cmocka_unit_test(case_06_a_lamp_lights_a_plane_by_cosine_and_distance),
         cmocka_unit_test(case_05_cameras_in_one_place_see_one_picture),
         cmocka_unit_test(the_shortest_visit_sees_all_of_a_mirror),
+        cmocka_unit_test(a_split_pass_has_mirrors),
         cmocka_unit_test(a_mirror_shows_its_share_of_the_sky_however_visits_are_cut),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
