@@ -52,29 +52,30 @@ typedef struct layer_job {
 typedef void (*layer_fn)(const layer_job *job, int row, const row_of_film *film, size_t pixels,
                          float *out, size_t stride);
 
-/* Mirrors and lamps scatter nothing, so that the film's pivots do not know them: the nearness of
- * one that a ray through the middle of a pixel meets; below 0: it meets none. */
-static double bare_nearness(const layer_job *job, int row, size_t pixel)
+static bool trace_middle(const layer_job *job, int row, size_t pixel, lf_hit *out)
 {
     const lf_rig *rig = &job->rig;
     const int view = (int)(pixel / (size_t)rig->width), column = (int)(pixel % (size_t)rig->width);
-    const lf_vec3 eye = lf_rig_point(rig, rig->b[view], 0.0f, 0.0f);
     const float x = rig->x0 + ((float)column + 0.5f) * rig->dx - rig->b[view],
                 y = rig->y0 + ((float)row + 0.5f) * rig->dy;
     lf_tracer tracer = {.scene = job->renderer->scene};
-    lf_hit hit;
-    if (!lf_trace_surface(&tracer, eye,
-                          lf_rig_direction(rig, x / rig->distance, y / rig->distance, 1.0f),
-                          INFINITY, &hit) ||
-        hit.material->has_lobe)
-        return -1.0;
-    return (double)lf_nearness(rig->distance, lf_dot(lf_sub(hit.p, eye), rig->forward));
+    return lf_trace_surface(&tracer, lf_rig_point(rig, rig->b[view], 0.0f, 0.0f),
+                            lf_rig_direction(rig, x / rig->distance, y / rig->distance, 1.0f),
+                            INFINITY, out);
 }
 
-/* As bare_nearness, of what is behind all that scatters in a pixel; most have nothing behind. */
+/* Mirrors and lamps scatter nothing, so that the film's pivots (q) do not know them: the nearness
+ * of one that the ray through the middle of a pixel meets; below 0: there is none. Where there are
+ * no pivots at all, another surface stands in: film points have met a mirror whose rim the ray has
+ * missed. */
 static double nearness_behind(const layer_job *job, int row, size_t pixel, double q)
 {
-    return job->has_bare && q < 0.999 ? bare_nearness(job, row, pixel) : -1.0;
+    lf_hit hit;
+    if (!job->has_bare || q >= 0.999 || !trace_middle(job, row, pixel, &hit) ||
+        (hit.material->has_lobe && q > 0.0))
+        return -1.0;
+    return (double)lf_nearness(job->rig.distance,
+                               lf_dot(lf_sub(hit.p, job->rig.eye), job->rig.forward));
 }
 
 static void depth(const layer_job *job, int row, const row_of_film *film, size_t pixels, float *out,

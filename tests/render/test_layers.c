@@ -100,6 +100,33 @@ static void mirrors_and_lamps_are_where_they_are(void **state)
     }
 }
 
+/* Where all film points of a pixel have met the mirror and the ray through its middle has not, what
+ * that has met stands in: a mirror with a slanting edge before a wall has no hole at its rim. */
+static void rims_of_mirrors_are_no_holes(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(
+        "{ 'quiltd': 1, 'camera': { 'target': [0,0,0], 'position': [0,0,5], 'fov_y': 14, 'aspect': "
+        "1, 'views': 3, 'cone': 4 }, 'materials': { 'm': { 'type': 'conductor', 'albedo': 0.9, "
+        "'roughness': 0 }, 'w': { 'type': 'diffuse' } }, 'meshes': { 'w': { 'shape': 'quad', "
+        "'material': 'w', 'transform': { 'rotate': [90,0,0], 'scale': 20, 'translate': [0,0,-1.25] "
+        "} }, 'm': { 'shape': 'quad', 'material': 'm', 'transform': { 'rotate': [90,0,20], "
+        "'scale': 0.5 } } } }");
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
+    lf_render_settings settings = *lf_renderer_settings(r);
+    settings.features = true;
+    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
+    lf_test_passes(r, 2);
+    float *out = layers_of(r, LF_LAYER_DEPTH | LF_LAYER_COVERAGE);
+    for (int k = 0; k < PIXELS; k++) {
+        assert_true(out[2 * k] > 4.9f && out[2 * k] < 6.3f);
+        assert_true(out[2 * k + 1] > 0.0f);
+    }
+    free(out);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
 static void where_nothing_is_met_everything_is_0(void **state)
 {
     (void)state;
@@ -223,6 +250,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_know_how_far_and_what_they_see),
         cmocka_unit_test(mirrors_and_lamps_are_where_they_are),
+        cmocka_unit_test(rims_of_mirrors_are_no_holes),
         cmocka_unit_test(where_nothing_is_met_everything_is_0),
         cmocka_unit_test(variance_is_what_pictures_are_apart),
         cmocka_unit_test(layers_do_not_depend_on_threads_and_need_what_they_are_made_of),
