@@ -14,7 +14,8 @@ typedef struct lf_pixels {
     float *f[LF_VARIANTS][LF_FEATURES]; /* absolute coordinates; some variants share arrays */
     int *u, *z;                         /* of the cell of level 0 */
     bool *second;                       /* N/W' is less noisy than N/W */
-    float *q; /* of both halves; where it is not above LF_LEAST_Q all else is undefined */
+    float *
+        q; /* of both halves; where it is not above LF_LEAST_Q all else but `second` is undefined */
     float *data;
     int *cells;
 } lf_pixels;

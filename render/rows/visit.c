@@ -498,8 +498,9 @@ static bool sample_mirrors(const lf_visit_plan *plan, lf_visit *visit, uint64_t 
         for (int column = 0; column < plan->rig->width; column++) {
             size_t pixel = (size_t)view * (size_t)plan->rig->width + (size_t)column;
             bool wanted = !visit->expected || visit->expected[pixel] > 0.0f;
-            for (int i = 0; i < visit->mirror_rounds && wanted && visit->worker->mirrors[pixel];
-                 i++) {
+            if (!visit->worker->mirrors[pixel] || !wanted)
+                continue;
+            for (int i = 0; i < visit->mirror_rounds; i++) {
                 uint64_t own = lf_hash64(lf_hash64(key, 12), (uint64_t)i);
                 float film = lf_sampler_partner(lf_hash64(key, 0), lf_hash64(own, pixel), index);
                 if (cancelled(cancel))

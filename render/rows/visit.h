@@ -110,8 +110,8 @@ typedef struct lf_visit {
      * sum, and receive nothing. */
     const float *expected;
     const lf_counts *pilot; /* as in lf_visit_plan */
-    /* native samples that a pixel of worker->mirrors gets beyond its base samples; in units of
-     * subsets / n_views */
+    /* native samples of its own that each pixel of worker->mirrors gets, beyond base samples or in
+     * their place (visit.c); and the same in units of subsets / n_views */
     int mirror_rounds;
     float more;
     /* 1 / expected at the base's own pixel: what a sample weighs that only its own pixel receives

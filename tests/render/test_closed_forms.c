@@ -366,16 +366,19 @@ static void mean_of_a_mirror(const char *integrator, int subsets, lf_moments *ou
     lf_scene_unref(scene);
 }
 
+/* Thirty views of a mirror that fills them. */
+#define ALL_MIRROR                                                                                 \
+    "{ 'quiltd': 1, 'camera': { 'position': [0,0,5], 'fov_y': 24, 'aspect': 1.3333333333, "        \
+    "'views': 30, 'cone': 20 }, 'meshes': { 'mirror': { 'shape': 'quad', 'material': 'm', "        \
+    "'transform': { 'scale': 20, 'rotate': [90, 0, 0] } } }, 'materials': { 'm': { 'type': "       \
+    "'conductor', 'albedo': 0.9, 'roughness': 0 } }, " WHITE_SKY "}"
+
 /* One pass gives each mirrored pixel a sample, and none of them more than another: wherever the
  * picture is mirror, it is what converged ones are, 0.9 of the sky. */
 static void the_shortest_visit_sees_all_of_a_mirror(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(
-        "{ 'quiltd': 1, 'camera': { 'position': [0,0,5], 'fov_y': 24, 'aspect': 1.3333333333, "
-        "'views': 30, 'cone': 20 }, 'meshes': { 'mirror': { 'shape': 'quad', 'material': 'm', "
-        "'transform': { 'scale': 20, 'rotate': [90, 0, 0] } } }, 'materials': { 'm': { 'type': "
-        "'conductor', 'albedo': 0.9, 'roughness': 0 } }, " WHITE_SKY "}");
+    lf_scene *scene = lf_test_scene(ALL_MIRROR);
     const int subsets[] = {1, 7, 8, 25, 30};
     for (size_t s = 0; s < sizeof subsets / sizeof *subsets; s++) {
         lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
@@ -399,11 +402,7 @@ static void the_shortest_visit_sees_all_of_a_mirror(void **state)
 static void a_split_pass_has_mirrors(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(
-        "{ 'quiltd': 1, 'camera': { 'position': [0,0,5], 'fov_y': 24, 'aspect': 1.3333333333, "
-        "'views': 30, 'cone': 20 }, 'meshes': { 'mirror': { 'shape': 'quad', 'material': 'm', "
-        "'transform': { 'scale': 20, 'rotate': [90, 0, 0] } } }, 'materials': { 'm': { 'type': "
-        "'conductor', 'albedo': 0.9, 'roughness': 0 } }, " WHITE_SKY "}");
+    lf_scene *scene = lf_test_scene(ALL_MIRROR);
     static const char *const names[] = {"mvpt", "vpt"};
     for (int i = 0; i < 2; i++) {
         lf_renderer *r = lf_test_renderer(scene, names[i], width, height, NULL);
