@@ -45,8 +45,11 @@ static next_step wait_for_work(lf_engine *engine, engine_request **out_request,
         atomic_store_explicit(&engine->cancel, 0, memory_order_relaxed);
     } else if (what == NEXT_CHANGES) {
         *controls = engine->wanted.controls;
+        engine->controls_changed = false;
+    }
+    if (what == NEXT_REQUEST || what == NEXT_CHANGES) {
         *panel = engine->wanted.panel;
-        engine->controls_changed = engine->panel_changed = false;
+        engine->panel_changed = false;
     }
     pthread_mutex_unlock(&engine->lock);
     return what;
@@ -109,6 +112,7 @@ static void *engine_main(void *context)
             end(engine);
             return NULL;
         case NEXT_REQUEST: {
+            engine_take_panel(engine, &panel); /* what a request shows goes to the panel there is */
             lf_status status = request->run(engine, request);
             engine_publish(engine); /* before the answer: who gets it may ask for the status next */
             answer(engine, request, status);

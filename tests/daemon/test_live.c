@@ -339,7 +339,7 @@ static void a_saved_picture_is_shown_at_once(void **state)
     live_client c;
     char words[64];
     live_prepare(&l);
-    live_start(&l, l.scene, "--device", l.sim, "--state", l.state, NULL);
+    live_start(&l, l.scene, "--device", "none", "--state", l.state, NULL);
     live_connect(&l, &c);
     live_wait(&c, "complete");
     assert_int_equal(live_code(&c, "render.set", json_pack("{s:b}", "paused", 1)), 0);
@@ -350,7 +350,7 @@ static void a_saved_picture_is_shown_at_once(void **state)
     live_close(&c);
     assert_int_equal(live_stop(&l), 0);
     setenv("QUILTD_DEBUG", "1", 1);
-    live_start(&l, l.scene, "--device", l.sim, "--state", l.state, NULL);
+    live_start(&l, l.scene, "--device", "none", "--state", l.state, NULL);
     unsetenv("QUILTD_DEBUG");
     live_connect(&l, &c);
     live_wait(&c, "complete");
