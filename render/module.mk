@@ -1,5 +1,7 @@
-# C everywhere but where OpenVDB needs C++
-render_srcs := $(call without_isa,$(call room_files,render,*.c)) $(call room_files,render,*.cc)
+# what reads files from outside is a program of its own: C but where OpenVDB needs C++
+quiltimport_srcs := $(call wild,render/reader/*.c) $(call wild,render/reader/*.cc)
+libs_quiltimport := render base
+render_srcs := $(filter-out $(quiltimport_srcs),$(call without_isa,$(call room_files,render,*.c)))
 
 # the scene schema is compiled in: the parser checks against the very file that the documentation shows
 generated += gen/scene_schema.h

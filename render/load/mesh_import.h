@@ -27,19 +27,15 @@ typedef struct lf_mesh_data {
     lf_warnings warnings; /* what the file holds and the mesh lacks */
 } lf_mesh_data;
 
-/* Reads desc->file through Assimp (OBJ, PLY, STL, glTF, 3DS), every file it opens under roots (NULL
- * = anywhere), applies the file's own node transforms and desc->transform. Triangles with vertices
- * that are not finite or lie beyond LF_MAX_COORDINATE, and those without area, are dropped (of the
- * former a warning); a mesh without triangles is an error. What the file holds and the mesh lacks
- * is in out->warnings. folder is what relative names are relative to. Zeroed *out is filled;
- * release with lf_mesh_data_finish in any case. Errors: LF_E_IO, LF_E_PATH, LF_E_FORMAT,
- * LF_E_NOMEM. Thread: any; takes turns inside (Assimp keeps its last error in a global). */
+/* Has desc->file read by quiltimport (import.h): OBJ, PLY, STL, glTF, 3DS. Every file it opens lies
+ * under roots (NULL = anywhere). Applies the file's own node transforms and desc->transform.
+ * Triangles with vertices that are not finite or lie beyond LF_MAX_COORDINATE, and those without
+ * area, are dropped (of the former a warning); a mesh without triangles is an error. What the file
+ * holds and the mesh lacks is in out->warnings. folder is what relative names are relative to.
+ * Zeroed *out is filled; release with lf_mesh_data_finish in any case. Errors: LF_E_IO, LF_E_PATH,
+ * LF_E_FORMAT, LF_E_NOMEM, and what lf_import_run gives. Thread: any, several at once. */
 LF_NODISCARD lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder,
                                       const lf_roots *roots, lf_mesh_data *out, lf_error *err);
-
-/* Refuses a PLY file whose header promises more elements than the file has room for. LF_E_FORMAT,
- * and what lf_file_open gives. */
-LF_NODISCARD lf_status lf_ply_check(const char *path, const lf_roots *roots, lf_error *err);
 
 /* The mesh of desc->shape, as lf_mesh_import fills it. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out,

@@ -1,13 +1,9 @@
-/* Reading one grid of an OpenVDB file into our own bricks; private to render/. C face of the one
- * C++ file of the room: no exception and no OpenVDB type comes out of it. */
+/* One grid of an OpenVDB file as our own bricks, read by quiltimport (import.h); private to
+ * render/. */
 #ifndef LF_RENDER_VDB_IMPORT_H
 #define LF_RENDER_VDB_IMPORT_H
 
 #include "render/scene/grid.h"
-
-#ifdef __cplusplus
-extern "C" {
-#endif
 
 #define LF_VDB_MAX_BYTES ((uint64_t)16 << 30)
 
@@ -18,11 +14,9 @@ extern "C" {
  * gives LF_OK and a grid without bricks. fd stays the caller's. On LF_OK the caller owns a
  * reference to *out_grid. Errors, LF_E_FORMAT: not a VDB file, no such grid (the message lists
  * those there are), a grid of another kind, a map that is not affine, NaN, infinite or negative
- * values; LF_E_NOMEM: more than LF_GRID_MAX_BYTES. Thread: any. */
+ * values; LF_E_NOMEM: more than LF_GRID_MAX_BYTES; and what lf_import_run gives. Thread: any,
+ * several at once. */
 LF_NODISCARD lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **out_grid,
                                      lf_error *err);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -31,6 +31,12 @@ void lf_grid_fill(lf_grid *grid, const int first[3], const int last[3], float va
 /* Computes the majorants; no fill after it. */
 void lf_grid_finish(lf_grid *grid);
 
+/* In place of marking, allocating, setting and finishing: n bricks as another grid stores them
+ * (scene.h), at ascending places of its index. They are copied, and trusted in nothing:
+ * LF_E_FORMAT; LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_grid_put(lf_grid *grid, size_t n, const uint32_t *places,
+                                   const float *values, lf_error *err);
+
 /* Takes a copy of key. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_grid_set_key(lf_grid *grid, const char *key);
 /* The same for the names of the file's other grids (scene.h). */

@@ -1,5 +1,6 @@
 #include "render/scene/scene.h"
 
+#include <float.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -83,6 +84,35 @@ lf_status lf_grid_allocate(lf_grid *grid, lf_error *err)
                             "%.1f GiB of voxels are wanted; the limit is %d GiB",
                             (double)bytes / (1 << 30), (int)(LF_GRID_MAX_BYTES >> 30));
     grid->n_bricks = n_bricks;
+    return LF_OK;
+}
+
+static bool are_densities(const float *values, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (!(values[i] >= 0.0f && values[i] <= FLT_MAX))
+            return false;
+    return true;
+}
+
+lf_status lf_grid_put(lf_grid *grid, size_t n, const uint32_t *places, const float *values,
+                      lf_error *err)
+{
+    size_t length = index_length(grid);
+    for (size_t i = 0; i < n; i++) {
+        if (places[i] >= length || (i > 0 && places[i] <= places[i - 1]))
+            return lf_error_set(err, LF_E_FORMAT, "grid",
+                                "bricks lie outside, or twice at a place");
+        grid->index[places[i]] = 1;
+    }
+    if (!are_densities(values, n * LF_BRICK_STRIDE))
+        return lf_error_set(err, LF_E_FORMAT, "grid", "densities are finite and not negative");
+    lf_status status = lf_grid_allocate(grid, err);
+    if (status != LF_OK)
+        return status;
+    if (n > 0)
+        memcpy(grid->values + LF_BRICK_STRIDE, values, n * LF_BRICK_STRIDE * sizeof *values);
+    lf_grid_finish(grid);
     return LF_OK;
 }
 

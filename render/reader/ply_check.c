@@ -2,10 +2,11 @@
  * promised: a promise that the file is too short to keep must not get that far. */
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "render/load/mesh_import.h"
+#include "render/reader/reader.h"
 
 #define MAX_HEADER 65536
 
@@ -43,26 +44,21 @@ static uint64_t promised_bytes(char *header)
     return sum < cap ? sum : cap;
 }
 
-lf_status lf_ply_check(const char *path, const lf_roots *roots, lf_error *err)
+lf_status lf_ply_check(int fd, lf_error *err)
 {
-    int fd;
-    uint64_t size;
-    lf_status status = lf_file_open(path, roots, LF_MESH_MAX_BYTES, &fd, &size, err);
-    if (status != LF_OK)
-        return status;
+    struct stat info;
     char *header = lf_calloc(MAX_HEADER + 1, 1);
-    ssize_t got = header ? pread(fd, header, MAX_HEADER, 0) : -1;
-    close(fd);
-    uint64_t promised = 0;
-    if (got < 0)
-        status = lf_error_set(err, header ? LF_E_IO : LF_E_NOMEM, path,
-                              header ? "cannot be read" : "out of memory");
-    else
-        promised = promised_bytes(header);
+    if (!header)
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+    lf_status status = LF_OK;
+    if (fstat(fd, &info) != 0 || pread(fd, header, MAX_HEADER, 0) < 0)
+        status = lf_error_set(err, LF_E_IO, LF_HERE, "cannot be read");
+    uint64_t size = status == LF_OK ? (uint64_t)info.st_size : 0,
+             promised = status == LF_OK ? promised_bytes(header) : 0;
     /* The last separator of a text may be missing. */
     if (promised > size + 1)
         status =
-            lf_error_set(err, LF_E_FORMAT, path,
+            lf_error_set(err, LF_E_FORMAT, LF_HERE,
                          "the header promises at least %llu bytes of elements, the file has %llu",
                          (unsigned long long)promised, (unsigned long long)size);
     lf_free(header);

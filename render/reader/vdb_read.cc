@@ -1,23 +1,22 @@
-#include "render/load/vdb_import.h"
+#include "render/reader/vdb_read.h"
 
 /* OpenVDB's templates keep state in static members that this program and the library must share;
  * hidden, they would be two, and openvdb::initialize would dereference the one that nobody filled.
  */
 #pragma GCC visibility push(default)
-#include <openvdb/io/File.h>
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #pragma GCC visibility pop
 
-#include <cinttypes>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
+#include <ext/stdio_filebuf.h>
+#include <istream>
 #include <string>
-
-extern "C" {
-#include "base/log.h"
-}
+#include <unistd.h>
+#include <vector>
 
 namespace
 {
@@ -27,7 +26,7 @@ using openvdb::CoordBBox;
 
 /* What all steps need to know, and where they report. */
 struct Import {
-    const char *path, *name;
+    const char *name;
     lf_error *err;
     lf_grid *grid = nullptr;
 
@@ -38,7 +37,7 @@ struct Import {
 
     lf_status fail(lf_status status, const std::string &what) const
     {
-        return lf_error_set(err, status, path, "%s", what.c_str());
+        return lf_error_set(err, status, "", "%s", what.c_str());
     }
 
     /* What building the bricks said, about this file. */
@@ -62,38 +61,104 @@ Box to_box(const CoordBBox &bbox, const Coord &origin)
     return box;
 }
 
+/* openvdb::io::File, but of a file that is open already: that one opens by name, which a reader may
+ * not. */
+class OpenFile : public openvdb::io::Archive
+{
+  public:
+    explicit OpenFile(int fd) : buffer(fd, std::ios::in | std::ios::binary), in(&buffer)
+    {
+        in.exceptions(std::ios::badbit | std::ios::failbit | std::ios::eofbit);
+        readHeader(in);
+        openvdb::io::setStreamMetadataPtr(in, said, false);
+        setFormatVersion(in);
+        setLibraryVersion(in);
+        setDataCompression(in);
+        meta.readMeta(in);
+        int32_t n = readGridCount(in);
+        for (int32_t i = 0; i < n; i++) {
+            Entry entry;
+            entry.grid = entry.descriptor.read(in);
+            if (inputHasGridOffsets())
+                entry.descriptor.seekToEnd(in);
+            else
+                readGrid(entry.grid, entry.descriptor, in);
+            entries.push_back(entry);
+        }
+    }
+
+    struct Entry {
+        openvdb::io::GridDescriptor descriptor;
+        openvdb::GridBase::Ptr grid; /* empty yet where the file tells where each lies */
+    };
+
+    void fill(Entry &entry)
+    {
+        if (!inputHasGridOffsets())
+            return;
+        entry.descriptor.seekToGrid(in);
+        readGrid(entry.grid, entry.descriptor, in);
+    }
+
+    /* The grid with its voxels; shared ones are another grid's. */
+    openvdb::GridBase::Ptr load(Entry &entry)
+    {
+        fill(entry);
+        if (!entry.descriptor.isInstance())
+            return entry.grid;
+        NamedGridMap parents{{entry.descriptor.uniqueName(), entry.grid}};
+        for (Entry &other : entries)
+            if (other.descriptor.uniqueName() == entry.descriptor.instanceParentName()) {
+                fill(other);
+                parents[other.descriptor.uniqueName()] = other.grid;
+            }
+        connectInstance(entry.descriptor, parents);
+        return entry.grid;
+    }
+
+    std::vector<Entry> entries;
+
+  private:
+    __gnu_cxx::stdio_filebuf<char> buffer;
+    /* the stream keeps the pointer's address */
+    openvdb::SharedPtr<openvdb::io::StreamMetadata> said{new openvdb::io::StreamMetadata};
+    std::istream in;
+    openvdb::MetaMap meta;
+};
+
+std::string name_of(const OpenFile::Entry &entry)
+{
+    return openvdb::io::GridDescriptor::nameAsString(entry.descriptor.uniqueName());
+}
+
 /* "density (float), velocity (vec3s)" */
-std::string list_grids(openvdb::io::File &file)
+std::string list_grids(const OpenFile &file)
 {
     std::string list;
-    for (auto name = file.beginName(); name != file.endName(); ++name) {
-        auto grid = file.readGridMetadata(name.gridName());
+    for (const auto &entry : file.entries) {
         if (list.size() > 300)
             return list + ", …";
-        list += (list.empty() ? "" : ", ") + openvdb::Name(name.gridName()) + " (" +
-                grid->valueType() + ")";
+        list += (list.empty() ? "" : ", ") + name_of(entry) + " (" + entry.grid->valueType() + ")";
     }
     return list.empty() ? "no grids at all" : list;
 }
 
-/* The unique name in the file of the grid that is meant, or "". A plain name means the first of
- * that name. */
-std::string find_grid(openvdb::io::File &file, const std::string &wanted)
+/* A plain name means the first of that name. */
+OpenFile::Entry *find_grid(OpenFile &file, const std::string &wanted)
 {
-    std::string first = wanted + "[0]";
-    for (auto name = file.beginName(); name != file.endName(); ++name)
-        if (name.gridName() == wanted || name.gridName() == first)
-            return name.gridName();
-    return "";
+    for (auto &entry : file.entries)
+        if (name_of(entry) == wanted || name_of(entry) == wanted + "[0]")
+            return &entry;
+    return nullptr;
 }
 
 /* All but one, each with a newline behind it; not without end. */
-std::string other_grids(openvdb::io::File &file, const std::string &unique)
+std::string other_grids(const OpenFile &file, const OpenFile::Entry *one)
 {
     std::string list;
-    for (auto name = file.beginName(); name != file.endName() && list.size() < 2048; ++name)
-        if (name.gridName() != unique)
-            list += openvdb::Name(name.gridName()) + "\n";
+    for (const auto &entry : file.entries)
+        if (&entry != one && list.size() < 2048)
+            list += name_of(entry) + "\n";
     return list;
 }
 
@@ -164,7 +229,6 @@ template <typename Tree> lf_status fill(Import &import, const Tree &tree, const 
         if (*value > 0)
             lf_grid_fill(import.grid, box.first, box.last, float(*value));
     }
-    lf_grid_finish(import.grid);
     return LF_OK;
 }
 
@@ -200,60 +264,55 @@ template <typename Grid> lf_status convert_any_class(Import &import, const typen
 {
     if (grid->getGridClass() != openvdb::GRID_LEVEL_SET)
         return convert(import, *grid);
-    lf_log(LF_LOG_DEBUG,
-           "%s: grid %s is a level set: made into fog, 1 inside, falling to 0 at the surface",
-           import.path, import.name);
     openvdb::tools::sdfToFogVolume(*grid);
     return convert(import, *grid);
 }
 
-lf_status import_from(Import &import, const std::string &file_name)
+lf_status import_from(Import &import, int fd)
 {
-    openvdb::io::File file(file_name);
-    file.open(false); /* no delayed loading: the descriptor is not ours to keep */
-    std::string unique = find_grid(file, import.name);
-    if (unique.empty())
+    OpenFile file(dup(fd));
+    OpenFile::Entry *entry = find_grid(file, import.name);
+    if (!entry)
         return import.fail(LF_E_FORMAT, std::string("no grid \"") + import.name +
                                             "\"; the file holds " + list_grids(file));
-    auto metadata = file.readGridMetadata(unique);
-    std::string type = metadata->valueType();
-    if (!metadata->isType<openvdb::FloatGrid>() && !metadata->isType<openvdb::DoubleGrid>())
+    if (!entry->grid->isType<openvdb::FloatGrid>() && !entry->grid->isType<openvdb::DoubleGrid>())
         return import.fail(
             LF_E_FORMAT,
-            std::string("grid \"") + import.name + "\" is of type " + metadata->type() +
+            std::string("grid \"") + import.name + "\" is of type " + entry->grid->type() +
                 "; a density is float, half or double; the file holds " + list_grids(file));
-    openvdb::GridBase::Ptr grid = file.readGrid(unique);
-    std::string others = other_grids(file, unique);
-    file.close();
+    openvdb::GridBase::Ptr grid = file.load(*entry);
     auto single = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
     lf_status status = single ? convert_any_class<openvdb::FloatGrid>(import, single)
                               : convert_any_class<openvdb::DoubleGrid>(
                                     import, openvdb::gridPtrCast<openvdb::DoubleGrid>(grid));
-    if (status == LF_OK && lf_grid_set_others(import.grid, others.c_str()) != LF_OK)
+    if (status == LF_OK &&
+        lf_grid_set_others(import.grid, other_grids(file, entry).c_str()) != LF_OK)
         status = import.fail(LF_E_NOMEM, "out of memory");
     return status;
 }
 
 } // namespace
 
-lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **out_grid,
-                        lf_error *err)
+void lf_vdb_begin()
+{
+    openvdb::initialize();
+}
+
+lf_status lf_vdb_read(int fd, const char *name, lf_grid **out_grid, lf_error *err)
 {
     try {
-        openvdb::initialize();
-        Import import{path, name, err};
-        /* OpenVDB opens by name; this name leads to the very file that was checked. */
-        lf_status status = import_from(import, "/proc/self/fd/" + std::to_string(fd));
+        Import import{name, err};
+        lf_status status = import_from(import, fd);
         if (status == LF_OK) {
             *out_grid = import.grid;
             import.grid = nullptr;
         }
         return status;
     } catch (const std::bad_alloc &) {
-        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+        return lf_error_set(err, LF_E_NOMEM, "", "out of memory");
     } catch (const std::exception &e) {
-        return lf_error_set(err, LF_E_FORMAT, path, "cannot be read as OpenVDB: %s", e.what());
+        return lf_error_set(err, LF_E_FORMAT, "", "cannot be read as OpenVDB: %s", e.what());
     } catch (...) {
-        return lf_error_set(err, LF_E_FORMAT, path, "cannot be read as OpenVDB");
+        return lf_error_set(err, LF_E_FORMAT, "", "cannot be read as OpenVDB");
     }
 }

@@ -1,11 +1,13 @@
 /* Assimp's materials made into ours, and what of them is lost on the way. */
-#include "render/load/mesh_material.h"
+#include "render/reader/mesh_material.h"
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
 #include <assimp/scene.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 
@@ -247,8 +249,7 @@ static void list_name(const struct aiMaterial *m, unsigned number, int n, char *
 }
 
 /* One line for everything that materials in use lose. */
-static void warn(const struct aiScene *scene, const bool *used, const char *path,
-                 lf_warnings *warnings)
+static void warn(const struct aiScene *scene, const bool *used, lf_warnings *warnings)
 {
     for (size_t i = 0; i < sizeof losses / sizeof *losses; i++) {
         char names[256] = "";
@@ -257,8 +258,8 @@ static void warn(const struct aiScene *scene, const bool *used, const char *path
             if (used[m] && losses[i].lost(scene->mMaterials[m]))
                 list_name(scene->mMaterials[m], m, n++, names, sizeof names);
         if (n > 0)
-            lf_warnings_add(warnings, path, "%s %s: %s", n == 1 ? "material" : "materials", names,
-                            losses[i].what);
+            lf_warnings_add(warnings, LF_HERE, "%s %s: %s", n == 1 ? "material" : "materials",
+                            names, losses[i].what);
     }
 }
 
@@ -272,21 +273,20 @@ static void mark_used(const struct aiScene *scene, bool *used)
     }
 }
 
-lf_status lf_mesh_materials(const struct aiScene *scene, const char *path, lf_mesh_data *out,
-                            lf_error *err)
+lf_status lf_mesh_materials(const struct aiScene *scene, lf_mesh_data *out, lf_error *err)
 {
     bool used[LF_MAX_MATERIALS] = {false};
     if (scene->mNumMaterials == 0 || scene->mNumMaterials > LF_MAX_MATERIALS)
-        return lf_error_set(err, LF_E_FORMAT, path, "%u materials; 1 to %d are possible",
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%u materials; 1 to %d are possible",
                             scene->mNumMaterials, LF_MAX_MATERIALS);
     out->materials = lf_calloc(scene->mNumMaterials, sizeof *out->materials);
     if (!out->materials)
-        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     out->n_materials = (int)scene->mNumMaterials;
     for (unsigned i = 0; i < scene->mNumMaterials; i++)
         out->materials[i] = convert_material(scene->mMaterials[i]);
     mark_used(scene, used);
-    warn(scene, used, path, &out->warnings);
+    warn(scene, used, &out->warnings);
     return LF_OK;
 }
 
@@ -318,18 +318,28 @@ static bool is_defined(const char *text, const char *name)
     return false;
 }
 
-void lf_mesh_warn_of_libraries(const struct aiScene *scene, const lf_roots *roots, const char *path,
+/* All of a file as a text (lf_free); NULL: it cannot be read. */
+static char *read_text(int fd)
+{
+    struct stat info;
+    char *text = fstat(fd, &info) == 0 ? lf_calloc((size_t)info.st_size + 1, 1) : NULL;
+    ssize_t n = text ? pread(fd, text, (size_t)info.st_size, 0) : -1;
+    if (n >= 0)
+        return text;
+    lf_free(text);
+    return NULL;
+}
+
+void lf_mesh_warn_of_libraries(const struct aiScene *scene, const lf_mesh_reading *reading,
                                lf_mesh_data *data)
 {
     bool used[LF_MAX_MATERIALS] = {false};
     char names[256] = "";
     int n = 0;
     mark_used(scene, used);
-    for (int i = 1; i < data->n_files; i++) {
-        char *text;
-        size_t size;
-        if (lf_file_read(data->files[i].path, roots, LF_MESH_MAX_BYTES, &text, &size, NULL) !=
-            LF_OK)
+    for (int i = 1; i < reading->n_files; i++) {
+        char *text = read_text(reading->files[i].fd);
+        if (!text)
             return;
         for (unsigned m = 0; m < scene->mNumMaterials; m++) {
             struct aiString name;
@@ -338,11 +348,11 @@ void lf_mesh_warn_of_libraries(const struct aiScene *scene, const lf_roots *root
         }
         lf_free(text);
     }
-    for (unsigned m = 0; m < scene->mNumMaterials && data->n_files > 1; m++)
+    for (unsigned m = 0; m < scene->mNumMaterials && reading->n_files > 1; m++)
         if (used[m])
             list_name(scene->mMaterials[m], m, n++, names, sizeof names);
     if (n > 0)
-        lf_warnings_add(&data->warnings, path,
+        lf_warnings_add(&data->warnings, LF_HERE,
                         "%s %s: not in the file's material libraries, so it is grey",
                         n == 1 ? "material" : "materials", names);
 }

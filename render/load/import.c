@@ -1,0 +1,260 @@
+#include "render/load/import.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/thread.h"
+#include "render/render.h"
+
+#define LOOK_MS 50 /* between looks at whether all readers are to end */
+#define LEAST_MEMORY ((uint64_t)64 << 20)
+
+static struct {
+    _Atomic uint64_t memory;
+    _Atomic unsigned seconds;
+    atomic_bool stopped;
+} limits = {.seconds = LF_IMPORT_SECONDS};
+
+void lf_import_limit(uint64_t memory, int seconds)
+{
+    atomic_store(&limits.memory, memory);
+    atomic_store(&limits.seconds, (unsigned)seconds);
+}
+
+void lf_import_stop(void)
+{
+    atomic_store(&limits.stopped, true);
+}
+
+static uint64_t memory_limit(void)
+{
+    uint64_t memory = atomic_load(&limits.memory);
+    if (memory == 0)
+        memory = (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE) / 2;
+    return memory > LEAST_MEMORY ? memory : LEAST_MEMORY;
+}
+
+/* --------------------------------------------------------------------------------- the process --
+ */
+
+typedef struct child {
+    pid_t pid;
+    int socket;
+    double deadline;
+    bool late, stopped; /* why it was ended */
+} child;
+
+/* The reader stands beside the program, or where it is installed to. */
+static lf_status find_reader(char path[PATH_MAX], lf_error *err)
+{
+    static const char *const places[] = {"quiltimport", "../libexec/quiltd/quiltimport"};
+    const char *told = secure_getenv("QUILTIMPORT");
+    char folder[PATH_MAX];
+    if (told && strlen(told) < PATH_MAX) {
+        strcpy(path, told);
+        return LF_OK;
+    }
+    ssize_t n = readlink("/proc/self/exe", folder, sizeof folder - 1);
+    folder[n > 0 ? n : 0] = '\0';
+    char *last = strrchr(folder, '/');
+    if (last)
+        *last = '\0';
+    for (size_t i = 0; last && i < sizeof places / sizeof *places; i++)
+        if (snprintf(path, PATH_MAX, "%s/%s", folder, places[i]) < PATH_MAX &&
+            access(path, X_OK) == 0)
+            return LF_OK;
+    return lf_error_set(err, LF_E_IO, "quiltimport",
+                        "the program that reads files is neither in %s nor in ../libexec/quiltd",
+                        folder);
+}
+
+/* The reader has the socket, and no other descriptor of ours. */
+static int spawn(const char *path, int socket, pid_t *out_pid)
+{
+    char *const words[] = {(char *)(uintptr_t) "quiltimport", NULL};
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t how;
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    if (posix_spawn_file_actions_init(&actions) != 0)
+        return ENOMEM;
+    if (posix_spawnattr_init(&how) != 0) {
+        posix_spawn_file_actions_destroy(&actions);
+        return ENOMEM;
+    }
+    int failed = posix_spawn_file_actions_adddup2(&actions, socket, LF_IMPORT_SOCKET);
+    for (int i = 0; i < LF_IMPORT_SOCKET && !failed; i++)
+        failed = posix_spawn_file_actions_addopen(&actions, i, "/dev/null", O_RDWR, 0);
+    if (!failed)
+        failed = posix_spawn_file_actions_addclosefrom_np(&actions, LF_IMPORT_SOCKET + 1);
+    if (!failed)
+        failed = posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
+                                                    POSIX_SPAWN_SETPGROUP);
+    if (!failed)
+        failed =
+            posix_spawnattr_setsigmask(&how, &none) || posix_spawnattr_setsigdefault(&how, &all);
+    if (!failed)
+        failed = posix_spawn(out_pid, path, &actions, &how, words, environ);
+    posix_spawnattr_destroy(&how);
+    posix_spawn_file_actions_destroy(&actions);
+    return failed;
+}
+
+static lf_status begin_child(child *reader, lf_error *err)
+{
+    char path[PATH_MAX];
+    int pair[2];
+    lf_status status = find_reader(path, err);
+    if (status != LF_OK)
+        return status;
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0)
+        return lf_error_set(err, LF_E_IO, path, "no socket: %s", strerror(errno));
+    /* a descriptor that is to become itself would stay close-on-exec */
+    if (pair[1] <= LF_IMPORT_SOCKET) {
+        int higher = fcntl(pair[1], F_DUPFD_CLOEXEC, LF_IMPORT_SOCKET + 1);
+        close(pair[1]);
+        pair[1] = higher;
+    }
+    int failed = pair[1] < 0 ? errno : spawn(path, pair[1], &reader->pid);
+    if (pair[1] >= 0)
+        close(pair[1]);
+    reader->socket = pair[0];
+    if (!failed)
+        return LF_OK;
+    close(pair[0]);
+    return lf_error_set(err, LF_E_IO, path, "cannot be started: %s", strerror(failed));
+}
+
+/* Until it says something (also: that it has ended). false: it is to end. */
+static bool await(child *reader)
+{
+    for (;;) {
+        struct pollfd ready = {reader->socket, POLLIN, 0};
+        reader->stopped = atomic_load(&limits.stopped);
+        reader->late = lf_time_now() > reader->deadline;
+        if (reader->stopped || reader->late)
+            return false;
+        if (poll(&ready, 1, LOOK_MS) > 0)
+            return true;
+    }
+}
+
+/* Its last words to the system. */
+static int end_child(child *reader)
+{
+    int how = 0;
+    close(reader->socket);
+    (void)kill(reader->pid, SIGKILL); /* what it had to say has been said */
+    while (waitpid(reader->pid, &how, 0) < 0 && errno == EINTR) {
+    }
+    return how;
+}
+
+/* ----------------------------------------------------------------------------- the conversation --
+ */
+
+static lf_status answer_open(child *reader, const char *name, lf_import_open_fn open, void *context)
+{
+    int fd = -1;
+    lf_import_answer answer = {.status = open ? open(context, name, &fd) : LF_E_PATH};
+    lf_status status = lf_import_send(reader->socket, &answer, sizeof answer, fd);
+    if (fd >= 0)
+        close(fd);
+    return status;
+}
+
+/* Its failure in our words; what it says of itself is a text and a status, whatever it holds. */
+static lf_status failure(const lf_import_reply *reply, const char *where, lf_error *err)
+{
+    switch (reply->status) {
+    case LF_E_NOMEM:
+    case LF_E_IO:
+    case LF_E_FORMAT:
+        return lf_error_set(err, (lf_status)reply->status, where, "%s", reply->text);
+    default:
+        return lf_error_set(err, LF_E_FORMAT, where, "the reader failed without a reason");
+    }
+}
+
+/* LF_E_STATE: it has ended, or does not keep to the conversation. */
+static lf_status converse(child *reader, const char *where, lf_import_open_fn open, void *context,
+                          lf_parcel *out, lf_error *err)
+{
+    lf_import_reply reply;
+    int fd;
+    while (await(reader)) {
+        if (lf_import_receive(reader->socket, &reply, sizeof reply, &fd) != LF_OK)
+            return LF_E_STATE;
+        reply.text[sizeof reply.text - 1] = '\0';
+        lf_status status = LF_OK;
+        if (reply.step == LF_IMPORT_OPEN)
+            status = answer_open(reader, reply.text, open, context);
+        else if (reply.step == LF_IMPORT_FAILED)
+            status = failure(&reply, where, err);
+        else
+            status = lf_parcel_open(fd, out, err);
+        if (fd >= 0)
+            close(fd);
+        if (status == LF_E_IO && reply.step == LF_IMPORT_OPEN)
+            return LF_E_STATE;
+        if (status != LF_OK || reply.step != LF_IMPORT_OPEN)
+            return status;
+    }
+    return LF_E_STATE;
+}
+
+/* What is to be said of a reader that ended without a word. */
+static lf_status say_how_it_ended(const child *reader, int how, const lf_import_request *request,
+                                  const char *where, lf_error *err)
+{
+    int signal = WIFSIGNALED(how) ? WTERMSIG(how) : 0;
+    if (reader->stopped)
+        return lf_error_set(err, LF_E_CANCELLED, where, "stopped");
+    if (reader->late || signal == SIGXCPU)
+        return lf_error_set(
+            err, LF_E_TIMEOUT, where,
+            "reading takes longer than %u s (--import-time); the file is damaged or "
+            "very large",
+            request->seconds);
+    if (signal != 0 && signal != SIGKILL)
+        return lf_error_set(err, LF_E_FORMAT, where,
+                            "the reader ended by signal %d; the file is damaged or not what it "
+                            "claims",
+                            signal);
+    return lf_error_set(
+        err, LF_E_FORMAT, where,
+        "the reader ended without a word; the file is damaged or not what it claims");
+}
+
+lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
+                        lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
+{
+    child reader = {.pid = -1};
+    request->version = LF_IMPORT_VERSION;
+    request->memory = memory_limit();
+    request->seconds = atomic_load(&limits.seconds);
+    if (atomic_load(&limits.stopped))
+        return lf_error_set(err, LF_E_CANCELLED, where, "stopped");
+    lf_status status = begin_child(&reader, err);
+    if (status != LF_OK)
+        return status;
+    reader.deadline = lf_time_now() + request->seconds;
+    status = LF_E_STATE;
+    if (lf_import_send(reader.socket, request, sizeof *request, fd) == LF_OK)
+        status = converse(&reader, where, open, context, out, err);
+    int how = end_child(&reader);
+    if (status == LF_E_STATE)
+        status = say_how_it_ended(&reader, how, request, where, err);
+    return status;
+}

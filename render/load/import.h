@@ -1,0 +1,80 @@
+/* Asking quiltimport for what is in a file from outside; private to render/.
+ *
+ * The libraries that read meshes and volumes crash, hang and eat memory on files that are damaged
+ * or made to do that. They run in a process of its own, one a file, which has nothing but this
+ * conversation: a socket (SOCK_SEQPACKET) as descriptor LF_IMPORT_SOCKET, and the file. It asks for
+ * the files that the file names, and gets descriptors if the paths rule allows; in the end it hands
+ * a parcel over, or says what is wrong. It is held to limits of memory and time, may make no file,
+ * connection or process (render/reader/confine.c), and goes when who asked goes.
+ *
+ *     asker                         reader
+ *     lf_import_request, fd   ->
+ *                             <-    lf_import_reply {OPEN, name}         as often as it likes
+ *     lf_import_answer (, fd) ->
+ *                             <-    lf_import_reply {DONE}, memfd        or {FAILED, status, what}
+ */
+#ifndef LF_RENDER_IMPORT_H
+#define LF_RENDER_IMPORT_H
+
+#include <limits.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#include "render/load/parcel.h"
+
+#define LF_IMPORT_SOCKET 3
+#define LF_IMPORT_VERSION UINT32_C(1)
+#define LF_IMPORT_MAX_NAME 256
+
+typedef enum lf_import_kind { LF_IMPORT_MESH, LF_IMPORT_GRID } lf_import_kind;
+
+typedef struct lf_import_request {
+    uint32_t version, kind;
+    uint64_t memory;  /* bytes that the reader may have */
+    uint32_t seconds; /* of CPU time */
+    /* of a mesh */
+    uint32_t normals;   /* lf_normals */
+    uint32_t materials; /* 1: the file's own are wanted */
+    double transform[12];
+    /* of a grid */
+    char grid[LF_IMPORT_MAX_NAME];
+    char path[PATH_MAX]; /* what the file is called, and names in it are relative to */
+} lf_import_request;
+
+typedef enum lf_import_step { LF_IMPORT_OPEN, LF_IMPORT_DONE, LF_IMPORT_FAILED } lf_import_step;
+
+typedef struct lf_import_reply {
+    uint32_t step;
+    int32_t status;      /* FAILED: lf_status */
+    char text[PATH_MAX]; /* OPEN: a name; FAILED: what is wrong */
+} lf_import_reply;
+
+typedef struct lf_import_answer {
+    int32_t status; /* LF_OK: a descriptor comes with it */
+} lf_import_answer;
+
+/* Sends a message, and with it fd unless that is below 0. LF_E_IO. */
+LF_NODISCARD lf_status lf_import_send(int socket, const void *message, size_t size, int fd);
+/* Takes a message of exactly this size; *out_fd is what came with it (the caller's), else -1.
+ * LF_E_IO: none came, or another one. */
+LF_NODISCARD lf_status lf_import_receive(int socket, void *message, size_t size, int *out_fd);
+
+/* Opens what a file names, for the reader: LF_OK and a descriptor. */
+typedef lf_status (*lf_import_open_fn)(void *context, const char *name, int *out_fd);
+
+/* Has the file behind fd read as request says (version and limits are filled in); open answers what
+ * it asks for, NULL: nothing. On LF_OK the caller closes *out. where names the file in messages.
+ * Errors: the reader's own (LF_E_FORMAT, LF_E_NOMEM, …); LF_E_FORMAT: it ended without a word;
+ * LF_E_NOMEM, LF_E_TIMEOUT: it reached a limit; LF_E_CANCELLED: lf_import_stop; LF_E_IO: there is
+ * no reader, or no process to be had. Thread: any, several at once. */
+LF_NODISCARD lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
+                                     lf_import_open_fn open, void *context, lf_parcel *out,
+                                     lf_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

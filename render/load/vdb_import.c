@@ -1,0 +1,62 @@
+#include "render/load/vdb_import.h"
+
+#include <string.h>
+
+#include "render/load/import.h"
+#include "render/scene/scene.h"
+
+/* The section's elements if there are as many as they have to be. */
+static const void *exactly(const lf_parcel *parcel, lf_parcel_tag tag, size_t count)
+{
+    size_t n;
+    const void *data = lf_parcel_get(parcel, tag, &n);
+    return n == count ? data : NULL;
+}
+
+static lf_status take_others(const lf_parcel *parcel, lf_grid *grid)
+{
+    size_t n;
+    const char *others = lf_parcel_get(parcel, LF_PARCEL_OTHERS, &n);
+    return lf_grid_set_others(grid, others && others[n - 1] == '\0' ? others : "");
+}
+
+static lf_status take_grid(const lf_parcel *parcel, lf_grid **out_grid, lf_error *err)
+{
+    const int64_t *size = exactly(parcel, LF_PARCEL_SIZE, 3);
+    const double *map = exactly(parcel, LF_PARCEL_MAP, 12);
+    lf_grid *grid = NULL;
+    size_t n, n_values;
+    const uint32_t *bricks = lf_parcel_get(parcel, LF_PARCEL_BRICKS, &n);
+    const float *values = lf_parcel_get(parcel, LF_PARCEL_VALUES, &n_values);
+    if (!size || !map || n_values % LF_BRICK_STRIDE != 0 || n_values / LF_BRICK_STRIDE != n)
+        return lf_error_set(err, LF_E_FORMAT, "grid", "the reader's answer has no grid");
+    lf_status status = lf_grid_create(size, map, &grid, err);
+    if (status == LF_OK)
+        status = lf_grid_put(grid, n, bricks, values, err);
+    if (status == LF_OK && take_others(parcel, grid) != LF_OK)
+        status = lf_error_set(err, LF_E_NOMEM, "grid", "out of memory");
+    if (status != LF_OK)
+        lf_grid_unref(grid);
+    else
+        *out_grid = grid;
+    return status;
+}
+
+lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **out_grid,
+                        lf_error *err)
+{
+    lf_import_request request = {.kind = LF_IMPORT_GRID};
+    lf_parcel parcel = {0};
+    lf_error problem;
+    if (strlen(name) >= sizeof request.grid)
+        return lf_error_set(err, LF_E_FORMAT, path, "the name of a grid has at most %zu bytes",
+                            sizeof request.grid - 1);
+    strcpy(request.grid, name);
+    lf_status status = lf_import_run(&request, fd, path, NULL, NULL, &parcel, err);
+    if (status != LF_OK)
+        return status;
+    status = take_grid(&parcel, out_grid, &problem);
+    lf_parcel_close(&parcel);
+    return status == LF_OK ? LF_OK
+                           : lf_error_set(err, status, path, "grid %s: %s", name, problem.what);
+}

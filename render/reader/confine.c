@@ -1,0 +1,141 @@
+/* The rights that a reader keeps: reading and writing what is open, memory, threads and its own
+ * end. What is not on the list fails with EPERM, so that libraries that look something up go on
+ * without it; what no reader has any use for ends the process. */
+#include <errno.h>
+#include <fcntl.h>
+#include <seccomp.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+
+#include "render/reader/reader.h"
+
+/* Sanitizers map terabytes, and look into /proc. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SANITIZED 1
+#else
+#define SANITIZED 0
+#endif
+
+static const int allowed[] = {
+    /* what is open */
+    SCMP_SYS(read),
+    SCMP_SYS(readv),
+    SCMP_SYS(pread64),
+    SCMP_SYS(write),
+    SCMP_SYS(writev),
+    SCMP_SYS(pwrite64),
+    SCMP_SYS(lseek),
+    SCMP_SYS(_llseek),
+    SCMP_SYS(close),
+    SCMP_SYS(dup),
+    SCMP_SYS(fstat),
+    SCMP_SYS(fstat64),
+    SCMP_SYS(sendmsg),
+    SCMP_SYS(recvmsg),
+    SCMP_SYS(memfd_create),
+    SCMP_SYS(ftruncate),
+    SCMP_SYS(ftruncate64),
+    SCMP_SYS(fcntl),
+    SCMP_SYS(fcntl64),
+    /* memory */
+    SCMP_SYS(mmap),
+    SCMP_SYS(mmap2),
+    SCMP_SYS(munmap),
+    SCMP_SYS(mremap),
+    SCMP_SYS(madvise),
+    SCMP_SYS(brk),
+    SCMP_SYS(mprotect),
+    /* threads, which TBB has */
+    SCMP_SYS(futex),
+    SCMP_SYS(futex_time64),
+    SCMP_SYS(set_robust_list),
+    SCMP_SYS(rseq),
+    SCMP_SYS(sched_yield),
+    SCMP_SYS(sched_getaffinity),
+    SCMP_SYS(gettid),
+    SCMP_SYS(getpid),
+    SCMP_SYS(tgkill),
+    SCMP_SYS(nanosleep),
+    SCMP_SYS(clock_nanosleep),
+    SCMP_SYS(clock_nanosleep_time64),
+    /* time, chance, signals, the end */
+    SCMP_SYS(clock_gettime),
+    SCMP_SYS(clock_gettime64),
+    SCMP_SYS(gettimeofday),
+    SCMP_SYS(getrandom),
+    SCMP_SYS(rt_sigaction),
+    SCMP_SYS(rt_sigprocmask),
+    SCMP_SYS(rt_sigreturn),
+    SCMP_SYS(sigreturn),
+    SCMP_SYS(restart_syscall),
+    SCMP_SYS(exit),
+    SCMP_SYS(exit_group),
+};
+
+/* Whoever calls these has been taken over. */
+static const int deadly[] = {
+    SCMP_SYS(execve),   SCMP_SYS(execveat),  SCMP_SYS(fork),
+    SCMP_SYS(vfork),    SCMP_SYS(socket),    SCMP_SYS(connect),
+    SCMP_SYS(bind),     SCMP_SYS(ptrace),    SCMP_SYS(process_vm_writev),
+    SCMP_SYS(unlink),   SCMP_SYS(unlinkat),  SCMP_SYS(rename),
+    SCMP_SYS(renameat), SCMP_SYS(renameat2), SCMP_SYS(kill),
+};
+
+/* A thread of this process is fine, another process is not. */
+static int allow_threads(scmp_filter_ctx filter)
+{
+    const unsigned long threads = 0x10000; /* CLONE_THREAD */
+    int failed = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(clone), 1,
+                                  SCMP_A0(SCMP_CMP_MASKED_EQ, threads, threads));
+    /* its flags are in memory, which a filter does not see: glibc goes on with clone */
+    return failed ? failed : seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
+}
+
+/* fstat, as glibc calls it now: newfstatat of an empty name. */
+static int allow_fstat(scmp_filter_ctx filter)
+{
+    return seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(newfstatat), 1,
+                            SCMP_A3(SCMP_CMP_EQ, AT_EMPTY_PATH));
+}
+
+static int fill_filter(scmp_filter_ctx filter)
+{
+    /* libraries have made threads when they were loaded */
+    int failed = seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1);
+    if (!failed)
+        failed = allow_threads(filter);
+    if (!failed)
+        failed = allow_fstat(filter);
+    for (size_t i = 0; i < sizeof allowed / sizeof *allowed && !failed; i++)
+        failed = seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
+    for (size_t i = 0; i < sizeof deadly / sizeof *deadly && !failed; i++)
+        failed = seccomp_rule_add(filter, SCMP_ACT_KILL_PROCESS, deadly[i], 0);
+    return failed ? failed : seccomp_load(filter);
+}
+
+static void limit(int what, uint64_t value)
+{
+    (void)setrlimit((__rlimit_resource_t)what, &(struct rlimit){(rlim_t)value, (rlim_t)value});
+}
+
+lf_status lf_confine(uint64_t memory, unsigned seconds, lf_error *err)
+{
+    limit(RLIMIT_CORE, 0);
+    limit(RLIMIT_FSIZE, memory);
+    limit(RLIMIT_NOFILE, LF_MESH_MAX_FILES + 16);
+    (void)setrlimit(RLIMIT_CPU, &(struct rlimit){seconds, seconds + 5});
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
+        return lf_error_set(err, LF_E_IO, LF_HERE, "no_new_privs: %s", strerror(errno));
+    if (SANITIZED)
+        return LF_OK;
+    limit(RLIMIT_AS, memory);
+    scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
+    int failed = filter ? fill_filter(filter) : -ENOMEM;
+    if (filter)
+        seccomp_release(filter);
+    if (failed)
+        return lf_error_set(err, LF_E_IO, LF_HERE, "the reader cannot be confined (seccomp): %s",
+                            strerror(-failed));
+    return LF_OK;
+}

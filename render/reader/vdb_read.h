@@ -1,0 +1,20 @@
+/* Reading one grid of an OpenVDB file; private to render/reader. C face of its one C++ file: no
+ * exception and no OpenVDB type comes out of it. */
+#ifndef LF_RENDER_VDB_READ_H
+#define LF_RENDER_VDB_READ_H
+
+#include "render/scene/grid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* As lf_vdb_import (vdb_import.h) says, from fd, which stays the caller's; the grid is filled but
+ * not finished. Before lf_confine the library has to be begun. */
+void lf_vdb_begin(void);
+LF_NODISCARD lf_status lf_vdb_read(int fd, const char *name, lf_grid **out_grid, lf_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
