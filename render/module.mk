@@ -1,7 +1,9 @@
-# what reads files from outside is a program of its own: C but where OpenVDB needs C++
-quiltimport_srcs := $(call wild,render/reader/*.c) $(call wild,render/reader/*.cc)
+# what reads files from outside is programs of its own: C but where OpenVDB needs C++
+quiltimport_srcs := $(patsubst %,render/reader/%.c,main confine mesh_reader mesh_read mesh_material ply_check)
+quiltimport-vdb_srcs := $(patsubst %,render/reader/%,main.c confine.c vdb_reader.c vdb_read.cc)
 libs_quiltimport := render base
-render_srcs := $(filter-out $(quiltimport_srcs),$(call without_isa,$(call room_files,render,*.c)))
+libs_quiltimport-vdb := render base
+render_srcs := $(filter-out render/reader/%,$(call without_isa,$(call room_files,render,*.c)))
 
 # the scene schema is compiled in: the parser checks against the very file that the documentation shows
 generated += gen/scene_schema.h

@@ -86,9 +86,10 @@ extern const lf_param lf_camera_params[];
 #define LF_MAX_VIEW_SIDE 16384
 #define LF_MAX_VIEW_BLUR 8
 
-/* Files that a scene names (meshes, volumes) are read by quiltimport, a program of its own that
- * stands beside this one or in ../libexec/quiltd (the environment's QUILTIMPORT names another): a
- * file that crashes or holds up its reader is an error of that file. */
+/* Files that a scene names (meshes, volumes) are read by programs of their own, quiltimport and
+ * quiltimport-vdb, which stand beside this one or in ../libexec/quiltd (the environment's
+ * QUILTIMPORT names another folder): a file that crashes or holds up its reader is an error of that
+ * file. */
 #define LF_IMPORT_SECONDS 120
 
 /* What reading one file may take from now on: bytes (0: half of the machine's memory) and seconds.

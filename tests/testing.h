@@ -23,17 +23,17 @@
 
 #include "base/status.h"
 
-/* Scenes of tests are read by the quiltimport of the same build: a test stands in its folder tests/.
- */
-__attribute__((constructor)) static inline void lf_test_find_reader(void)
+/* Scenes of tests are read by the readers of the same build: a test stands in its folder tests/. */
+__attribute__((constructor)) static inline void lf_test_find_readers(void)
 {
     char path[PATH_MAX] = "";
-    ssize_t n = readlink("/proc/self/exe", path, sizeof path - sizeof "quiltimport");
-    char *tests = n > 0 ? strstr(path, "/tests/") : NULL;
-    for (char *next = tests; next; next = strstr(next + 1, "/tests/"))
+    char *tests = readlink("/proc/self/exe", path, sizeof path - 1) > 0 ? path : NULL;
+    for (char *next = tests; (next = next ? strstr(next + 1, "/tests/") : NULL);)
         tests = next;
-    if (tests)
-        setenv("QUILTIMPORT", strcpy(tests + 1, "quiltimport") - (tests + 1 - path), 0);
+    if (tests && tests != path) {
+        *tests = '\0';
+        setenv("QUILTIMPORT", path, 0);
+    }
 }
 
 /* |a - b| <= abs + rel * max(|a|, |b|). NaN is close to nothing; equal infinities are close. */

@@ -54,28 +54,26 @@ typedef struct child {
     bool late, stopped; /* why it was ended */
 } child;
 
-/* The reader stands beside the program, or where it is installed to. */
-static lf_status find_reader(char path[PATH_MAX], lf_error *err)
+static const char *const programs[] = {
+    [LF_IMPORT_MESH] = "quiltimport", [LF_IMPORT_GRID] = "quiltimport-vdb"};
+
+/* The readers stand beside the program, or where they are installed to. */
+static lf_status find_reader(lf_import_kind kind, char path[PATH_MAX], lf_error *err)
 {
-    static const char *const places[] = {"quiltimport", "../libexec/quiltd/quiltimport"};
+    char own[PATH_MAX] = "", places[2][PATH_MAX + 32];
     const char *told = secure_getenv("QUILTIMPORT");
-    char folder[PATH_MAX];
-    if (told && strlen(told) < PATH_MAX) {
-        strcpy(path, told);
-        return LF_OK;
-    }
-    ssize_t n = readlink("/proc/self/exe", folder, sizeof folder - 1);
-    folder[n > 0 ? n : 0] = '\0';
-    char *last = strrchr(folder, '/');
-    if (last)
-        *last = '\0';
-    for (size_t i = 0; last && i < sizeof places / sizeof *places; i++)
-        if (snprintf(path, PATH_MAX, "%s/%s", folder, places[i]) < PATH_MAX &&
+    ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
+    char *last = n > 0 ? strrchr(own, '/') : own;
+    *last = '\0';
+    snprintf(places[0], sizeof places[0], "%s", told ? told : own);
+    snprintf(places[1], sizeof places[1], "%s/../libexec/quiltd", own);
+    for (int i = 0; i < 2; i++)
+        if (snprintf(path, PATH_MAX, "%s/%s", places[i], programs[kind]) < PATH_MAX &&
             access(path, X_OK) == 0)
             return LF_OK;
-    return lf_error_set(err, LF_E_IO, "quiltimport",
-                        "the program that reads files is neither in %s nor in ../libexec/quiltd",
-                        folder);
+    return lf_error_set(err, LF_E_IO, programs[kind],
+                        "the program that reads such files is not in %s nor in %s", places[0],
+                        places[1]);
 }
 
 /* The reader has the socket, and no other descriptor of ours. */
@@ -111,11 +109,11 @@ static int spawn(const char *path, int socket, pid_t *out_pid)
     return failed;
 }
 
-static lf_status begin_child(child *reader, lf_error *err)
+static lf_status begin_child(child *reader, lf_import_kind kind, lf_error *err)
 {
     char path[PATH_MAX];
     int pair[2];
-    lf_status status = find_reader(path, err);
+    lf_status status = find_reader(kind, path, err);
     if (status != LF_OK)
         return status;
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0)
@@ -246,7 +244,7 @@ lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
     request->seconds = atomic_load(&limits.seconds);
     if (atomic_load(&limits.stopped))
         return lf_error_set(err, LF_E_CANCELLED, where, "stopped");
-    lf_status status = begin_child(&reader, err);
+    lf_status status = begin_child(&reader, (lf_import_kind)request->kind, err);
     if (status != LF_OK)
         return status;
     reader.deadline = lf_time_now() + request->seconds;

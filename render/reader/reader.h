@@ -1,8 +1,10 @@
-/* What quiltimport is made of: readers of what comes from outside, in a process that has nothing to
- * lose (render/load/import.h). Errors name no file: who asked knows it. One thread. */
+/* What quiltimport and quiltimport-vdb are made of: readers of what comes from outside, in a
+ * process that has nothing to lose (render/load/import.h). Errors name no file: who asked knows it.
+ * One thread. */
 #ifndef LF_RENDER_READER_H
 #define LF_RENDER_READER_H
 
+#include "render/load/import.h"
 #include "render/load/mesh_import.h"
 
 /* Where the file's name would stand in errors and warnings. */
@@ -19,7 +21,14 @@ typedef struct lf_mesh_reading {
     lf_named_file files[LF_MESH_MAX_FILES];
 } lf_mesh_reading;
 
-/* Asks whoever asked for a file that the one at hand names (quiltimport.c). On LF_OK the caller
+/* What a program reads, in mesh_reader.c and vdb_reader.c: what its libraries want to do before
+ * they are confined; then the file behind fd (the caller's), into sections of parcel. Errors:
+ * LF_E_FORMAT, LF_E_NOMEM, LF_E_IO. */
+void lf_reader_begin(void);
+LF_NODISCARD lf_status lf_reader_run(const lf_import_request *request, int fd,
+                                     lf_parcel_writer *parcel, lf_error *err);
+
+/* Asks whoever asked for a file that the one at hand names (main.c). On LF_OK the caller
  * owns *out_fd. LF_E_PATH, LF_E_IO, …: it is not to be had. */
 LF_NODISCARD lf_status lf_ask_for_file(const char *name, int *out_fd);
 

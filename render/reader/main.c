@@ -1,0 +1,68 @@
+/* quiltimport and quiltimport-vdb: each reads one file from outside, confined, and hands over what
+ * is in it (render/load/import.h). Not for people: quiltd, quiltrender and quiltbench start them.
+ */
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include "render/reader/reader.h"
+
+lf_status lf_ask_for_file(const char *name, int *out_fd)
+{
+    lf_import_reply ask = {.step = LF_IMPORT_OPEN};
+    lf_import_answer answer = {.status = LF_E_IO};
+    *out_fd = -1;
+    if (strlen(name) >= sizeof ask.text)
+        return LF_E_PATH;
+    strcpy(ask.text, name);
+    lf_status status = lf_import_send(LF_IMPORT_SOCKET, &ask, sizeof ask, -1);
+    if (status == LF_OK)
+        status = lf_import_receive(LF_IMPORT_SOCKET, &answer, sizeof answer, out_fd);
+    if (status != LF_OK)
+        _exit(1); /* nobody is there any more */
+    return *out_fd >= 0 ? LF_OK : LF_E_IO;
+}
+
+/* --------------------------------------------------------------------------------- what is asked
+ * -- */
+
+static lf_status serve(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
+                       lf_error *err)
+{
+    if (request->version != LF_IMPORT_VERSION)
+        return lf_error_set(err, LF_E_IO, LF_HERE, "quiltimport is of another version");
+    lf_reader_begin();
+    lf_status status = lf_confine(request->memory, request->seconds, err);
+    if (status == LF_OK)
+        status = lf_parcel_begin(parcel, err);
+    if (status == LF_OK)
+        status = lf_reader_run(request, fd, parcel, err);
+    return status;
+}
+
+int main(void)
+{
+    lf_import_request request;
+    lf_parcel_writer parcel = {.fd = -1};
+    lf_import_reply reply = {.step = LF_IMPORT_DONE};
+    lf_error err = {0};
+    int fd = -1, sealed = -1;
+    (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (lf_import_receive(LF_IMPORT_SOCKET, &request, sizeof request, &fd) != LF_OK || fd < 0) {
+        fprintf(stderr,
+                "quiltimport is started by quiltd and quiltrender, to read files for them\n");
+        return 2;
+    }
+    lf_status status = serve(&request, fd, &parcel, &err);
+    if (status == LF_OK)
+        status = lf_parcel_seal(&parcel, &sealed, &err);
+    if (status != LF_OK) {
+        reply.step = LF_IMPORT_FAILED;
+        reply.status = status;
+        snprintf(reply.text, sizeof reply.text, "%s", err.what);
+    }
+    (void)!lf_import_send(LF_IMPORT_SOCKET, &reply, sizeof reply, sealed);
+    _exit(0); /* what libraries hold goes with the process */
+}
