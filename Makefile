@@ -45,7 +45,9 @@ POLKITDIR ?= $(if $(filter /usr/local,$(PREFIX)),/etc,$(DATADIR))/polkit-1/rules
 INSTALL ?= install
 
 comma := ,
-programs := quiltd quiltctl quiltrender quiltsim quiltbench quiltimport quiltimport-vdb
+# what reads files for the others: installed beside bin, in libexec
+readers := quiltimport quiltimport-vdb
+programs := quiltd quiltctl quiltrender quiltsim quiltbench $(readers)
 rooms := base render quilt device daemon
 # each stands before those whose functions it calls
 libraries := tools server engine render quilt model device base

@@ -6,7 +6,8 @@ to = $(INSTALL) -D -m $(1) $(2) $(DESTDIR)$(3)
 filled = sed -e 's|@BINDIR@|$(BINDIR)|g' -e 's|@SCENEDIR@|$(SCENEDIR)|g' $(SRCDIR)/systemd/$(1).in > $(O)/$(1)
 
 install: all
-	@for p in $(notdir $(built)); do $(call to,755,$(O)/$$p,$(BINDIR)/$$p) || exit 1; done
+	@for p in $(filter-out $(readers),$(notdir $(built))); do $(call to,755,$(O)/$$p,$(BINDIR)/$$p) || exit 1; done
+	@for p in $(readers); do $(call to,755,$(O)/$$p,$(BINDIR)/../libexec/quiltd/$$p) || exit 1; done
 	@for f in $(man_pages); do $(call to,644,$(SRCDIR)/$$f,$(MANDIR)/man$${f##*.}/$${f##*/}) || exit 1; done
 	@for f in $(scene_data); do $(call to,644,$(BUILDROOT)/$$f,$(SCENEDIR)/$${f#scenes/}) || exit 1; done
 	@for f in scene.schema.json scene.md print.md; do $(call to,644,$(SRCDIR)/docs/$$f,$(dir $(SCENEDIR))docs/$$f) || exit 1; done

@@ -92,9 +92,20 @@ const lf_param lf_option_params[] = {
     {.name = "reconstruct", .option = "reconstruct", .argument = "auto|off|on",
      PLACE(reconstruct), .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
      .help = "the reconstructed picture (auto: on displays, not in files)"},
+    {.option = "import-memory", .argument = "GIB", PLACE(import_memory), .low = 0.0625,
+     .high = 65536, .help = "what reading one file may take (half of the machine's)"},
+    {.option = "import-time", .argument = "SECONDS", PLACE(import_time), .type = LF_PARAM_WHOLE,
+     .low = 1, .high = 86400, .initial = LF_IMPORT_SECONDS,
+     .help = "the same of time (120)"},
     {0},
 };
 /* clang-format on */
+
+void lf_options_limit_import(const lf_options *options)
+{
+    lf_import_limit((uint64_t)(options->import_memory * 0x1p30),
+                    options->import_time > 0 ? options->import_time : LF_IMPORT_SECONDS);
+}
 
 /* -------------------------------------------------------------------------------- resolution -- */
 

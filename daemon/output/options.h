@@ -52,6 +52,8 @@ typedef struct lf_options {
     lf_reconstruct reconstruct;
     unsigned layers;         /* bits of lf_layer, beside the colours of EXR files */
     const char *calibration; /* a file */
+    double import_memory;    /* GiB; 0 = half of the machine's */
+    int import_time;         /* seconds; 0 = LF_IMPORT_SECONDS */
 } lf_options;
 
 /* The names of the calibration's option are --panel (quiltrender) and --calibration (the others).
@@ -60,6 +62,10 @@ extern const lf_param lf_option_params[];
 /* What to look at, and how to render: most programs take all of these. */
 #define LF_OPTIONS_VIEWS "preset views quilt view-size"
 #define LF_OPTIONS_RENDER "integrator estimator sampler max-depth skip threads seed reconstruct"
+#define LF_OPTIONS_IMPORT "import-memory import-time"
+
+/* Holds what reads files to what the options say (lf_import_limit). */
+void lf_options_limit_import(const lf_options *options);
 
 /* What the scene says of its film, but for an exposure that was asked for: stops, INFINITY = auto,
  * -INFINITY = the scene's. */

@@ -90,6 +90,7 @@ static void begin_way_down(lf_server *server)
 {
     bool saves = server->config.state_dir;
     server->life.phase = LF_PHASE_STOPPING;
+    lf_import_stop();
     lf_show_stop(server->show);
     server->life.stopped_at = lf_time_now();
     sd_notify(0, "STOPPING=1");

@@ -32,8 +32,8 @@ static const struct option table[] = {
     {NULL, 0, NULL, 0},
 };
 
-static const char shared[] =
-    "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " exposure target-error";
+static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER
+                             " " LF_OPTIONS_IMPORT " exposure target-error";
 
 static void print_help(void)
 {
@@ -138,6 +138,7 @@ int main(int argc, char *argv[])
         return lf_usage_error(PROGRAM, &err);
     if (done)
         return LF_EXIT_OK;
+    lf_options_limit_import(&config.options);
     if (check_tiles(&config.options, &err) != LF_OK)
         return lf_usage_error(PROGRAM, &err);
     lf_codes codes;

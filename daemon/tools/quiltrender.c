@@ -85,6 +85,7 @@ static void on_signal(int number)
 {
     (void)number;
     atomic_store_explicit(&cancel, 1, memory_order_relaxed);
+    lf_import_stop();
 }
 
 /* --------------------------------------------------------------------------------------- job -- */
@@ -489,6 +490,7 @@ int main(int argc, char **argv)
         return lf_usage_error(PROGRAM, &err);
     if (done)
         return LF_EXIT_OK;
+    lf_options_limit_import(&a.options);
     catch_signals();
     return run(&a);
 }

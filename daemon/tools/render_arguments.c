@@ -25,8 +25,8 @@ static const struct option table[] = {
     {NULL, 0, NULL, 0},
 };
 
-static const char shared[] =
-    LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " exposure panel target-error target-shown-error aov";
+static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
+                                              " exposure panel target-error target-shown-error aov";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
                               "target-shown-error aov reconstruct";
@@ -57,7 +57,7 @@ static void print_help(void)
            DEFAULT_SPP);
     lf_param_print_help(lf_option_params, "target-error target-shown-error");
     printf("\nHow:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER);
+    lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT);
     printf("  --stats FILE.json      writes what was done and what it took\n" LF_OPTIONS_HELP_LAST);
 }
 
