@@ -15,6 +15,9 @@ test_faults_render := $(patsubst %,render/rows/%.c,exits glow_visit mvpt visit)
 # what statistical tests share
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
 
+# a reader of the test's own, which gives up the same rights
+$(O)/tests/render/test_import: $(O)/render/reader/confine.c.o
+
 # what tests of the print share
 optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 

@@ -244,8 +244,8 @@ static lf_status import_from(const lf_mesh_desc *desc, const char *path, asked *
         status = lf_import_run(&request, fd, path, open_asked, state, &parcel, err);
         close(fd);
     }
-    bool read = status == LF_OK;
-    if (state->refused.status != LF_OK || (!read && state->failed.status != LF_OK)) {
+    bool read = status == LF_OK, missed = status == LF_E_FORMAT || status == LF_E_IO;
+    if (state->refused.status != LF_OK || (missed && state->failed.status != LF_OK)) {
         const lf_error *problem = state->refused.status != LF_OK ? &state->refused : &state->failed;
         lf_parcel_close(&parcel);
         if (err)

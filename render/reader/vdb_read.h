@@ -9,6 +9,8 @@
 extern "C" {
 #endif
 
+#define LF_READER_NOMEM "takes more memory than a reader may have (--import-memory)"
+
 /* As lf_vdb_import (vdb_import.h) says, from fd, which stays the caller's; the grid is filled but
  * not finished. Before lf_confine the library has to be begun. */
 void lf_vdb_begin(void);

@@ -1,0 +1,254 @@
+/* A reader that does what it is told, in place of quiltimport: a test program that is started as
+ * such calls lf_fake_reader. */
+#ifndef LF_TESTS_FAKE_READER_H
+#define LF_TESTS_FAKE_READER_H
+
+#include "tests/testing.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+
+#include "render/load/import.h"
+#include "render/reader/reader.h"
+
+/* The last message, and the end. */
+static inline _Noreturn void fake_last(uint32_t step, lf_status status, const char *text, int fd)
+{
+    lf_import_reply reply = {.step = step, .status = status};
+    snprintf(reply.text, sizeof reply.text, "%s", text);
+    (void)!lf_import_send(LF_IMPORT_SOCKET, &reply, sizeof reply, fd);
+    _exit(0);
+}
+
+static inline _Noreturn void fake_say(const char *text)
+{
+    fake_last(LF_IMPORT_FAILED, LF_E_FORMAT, text, -1);
+}
+
+/* -------------------------------------------------------------------------------------- parcels --
+ */
+
+/* A triangle with two materials; lie: what is wrong with it, "" = nothing. */
+static inline int fake_parcel(const char *lie)
+{
+    double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    float normals[9] = {0, 0, 1, 0, 0, 1, 0, 0, 1};
+    uint32_t triangles[3] = {0, 1, 2};
+    uint16_t choice = 1;
+    lf_parcel_material materials[2] = {
+        {.kind = 0, .albedo = {1, 0, 0}, .roughness = 1, .ior = 1.5f},
+        {.kind = 1, .albedo = {0, 1, 0}, .ior = 1.5f, .emission = {1, 1, 1}}};
+    lf_parcel_writer writer;
+    int fd = -1;
+    bool is_short = strcmp(lie, "short") == 0, absent = strcmp(lie, "absent") == 0,
+         odd = strcmp(lie, "odd") == 0;
+    if (strcmp(lie, "index") == 0)
+        triangles[1] = 3;
+    if (strcmp(lie, "nan") == 0)
+        positions[4] = (double)NAN;
+    if (strcmp(lie, "far") == 0)
+        positions[4] = 1e300;
+    if (strcmp(lie, "normal") == 0)
+        memset(normals, 0, sizeof normals);
+    if (strcmp(lie, "choice") == 0)
+        choice = 2;
+    if (strcmp(lie, "kind") == 0)
+        materials[1].kind = 1000;
+    if (strcmp(lie, "white") == 0)
+        materials[0].albedo[1] = 1.5f;
+    if (strcmp(lie, "emission") == 0)
+        materials[1].emission[2] = (float)INFINITY;
+    if (strcmp(lie, "ior") == 0)
+        materials[1].ior = (float)NAN;
+    if (lf_parcel_begin(&writer, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_POSITIONS, positions, odd ? 8 : 9, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_NORMALS, normals, is_short ? 6 : 9, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_TRIANGLES, triangles, absent ? 0 : 3, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_CHOICES, &choice, 1, NULL) != LF_OK ||
+        lf_parcel_append(&writer, LF_PARCEL_MATERIALS, materials, 1, NULL) != LF_OK ||
+        lf_parcel_append(&writer, LF_PARCEL_MATERIALS, materials + 1, 1, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_WARNINGS, "one\ntwo\n", 8, NULL) != LF_OK ||
+        lf_parcel_seal(&writer, &fd, NULL) != LF_OK)
+        _exit(3);
+    return fd;
+}
+
+/* A copy of a parcel, changed by edit, cut to a size, with these seals. */
+static inline int fake_copy(int from, void (*edit)(unsigned char *data, size_t size, void *context),
+                            void *context, size_t cut, int seals)
+{
+    int to = memfd_create("copy", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    size_t size = (size_t)lseek(from, 0, SEEK_END);
+    unsigned char *data = malloc(size);
+    if (to < 0 || !data || pread(from, data, size, 0) != (ssize_t)size)
+        _exit(3);
+    if (edit)
+        edit(data, size, context);
+    size = cut < size ? cut : size;
+    if (pwrite(to, data, size, 0) != (ssize_t)size || fcntl(to, F_ADD_SEALS, seals) != 0)
+        _exit(3);
+    free(data);
+    close(from);
+    return to;
+}
+
+/* Eight bytes or words somewhere behind the magic number. */
+static inline void fake_random_edit(unsigned char *data, size_t size, void *context)
+{
+    uint64_t state = *(const uint64_t *)context * UINT64_C(0x9e3779b97f4a7c15) + 1;
+    for (int i = 0; i < 8; i++) {
+        state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+        size_t at = 8 + (size_t)(state >> 33) % (size - 16);
+        if (state & 1)
+            data[at] = (unsigned char)(state >> 20);
+        else
+            memcpy(data + at / 4 * 4, &(uint32_t){(uint32_t)(state >> 13) & 0xff}, 4);
+    }
+}
+
+enum { FAKE_SEALS = F_SEAL_SEAL | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE };
+
+static inline int fake_random_parcel(uint64_t seed)
+{
+    return fake_copy(fake_parcel(""), fake_random_edit, &seed, SIZE_MAX, FAKE_SEALS);
+}
+
+/* -------------------------------------------------------------------------------------- rights --
+ */
+
+static inline _Noreturn void fake_list_descriptors(void)
+{
+    char text[256] = "";
+    DIR *folder = opendir("/proc/self/fd");
+    for (int fd = 0; folder && fd < 64; fd++)
+        if (fd != dirfd(folder) && fcntl(fd, F_GETFD) != -1)
+            snprintf(text + strlen(text), sizeof text - strlen(text), "%d ", fd);
+    fake_say(text);
+}
+
+static inline void *fake_thread(void *context)
+{
+    *(int *)context = 1;
+    return NULL;
+}
+
+static inline _Noreturn void fake_confined(const char *what)
+{
+    int ran = 0, fd = -1;
+    pthread_t thread;
+    if (lf_confine((uint64_t)256 << 20, 60, NULL) != LF_OK)
+        fake_say("not confined");
+    errno = 0;
+    if (strcmp(what, "socket") == 0)
+        (void)!socket(AF_INET, SOCK_STREAM, 0);
+    if (strcmp(what, "exec") == 0)
+        execl("/bin/true", "true", (char *)NULL);
+    if (strcmp(what, "fork") == 0)
+        (void)syscall(SYS_clone, SIGCHLD, NULL, NULL, NULL, 0);
+    if (strcmp(what, "kill") == 0)
+        (void)kill(getppid(), 0);
+    if (strcmp(what, "unlink") == 0)
+        (void)unlink("/nowhere/at/all");
+    if (strcmp(what, "open") == 0)
+        fd = open("/etc/passwd", O_RDONLY);
+    if (strcmp(what, "create") == 0)
+        fd = open("created", O_WRONLY | O_CREAT, 0600);
+    if (strcmp(what, "memory") == 0)
+        fake_say(malloc((size_t)512 << 20) ? "memory" : "no memory");
+    if (strcmp(what, "thread") == 0 && pthread_create(&thread, NULL, fake_thread, &ran) == 0)
+        pthread_join(thread, NULL);
+    if (ran)
+        fake_say("a thread ran");
+    if (strcmp(what, "file") == 0) {
+        (void)signal(SIGXFSZ, SIG_IGN);
+        fd = memfd_create("large", 0);
+        fd = ftruncate(fd, (off_t)512 << 20) == 0 ? fd : -1;
+    }
+    fake_say(fd >= 0 ? "it was let" : strerror(errno));
+}
+
+/* ---------------------------------------------------------------------------------- what it does
+ * -- */
+
+static inline void fake_note_pid(void)
+{
+    const char *path = getenv("FAKE_PID_FILE");
+    FILE *file = path ? fopen(path, "w") : NULL;
+    if (!file)
+        return;
+    fprintf(file, "%d\n", (int)getpid());
+    fclose(file);
+}
+
+static inline void fake_misbehave(const char *mode)
+{
+    if (strcmp(mode, "abort") == 0)
+        abort();
+    if (strcmp(mode, "segv") == 0)
+        (void)(signal(SIGSEGV, SIG_DFL), raise(SIGSEGV));
+    if (strcmp(mode, "exit") == 0)
+        _exit(0);
+    if (strcmp(mode, "garbage") == 0 && write(LF_IMPORT_SOCKET, "hello", 5) == 5)
+        pause();
+    if (strcmp(mode, "nothing") == 0)
+        fake_last(LF_IMPORT_DONE, LF_OK, "", -1);
+    if (strcmp(mode, "unsealed") == 0)
+        fake_last(LF_IMPORT_DONE, LF_OK, "", memfd_create("open", 0));
+    if (strcmp(mode, "status") == 0)
+        fake_last(LF_IMPORT_FAILED, (lf_status)77, "", -1);
+    if (strcmp(mode, "words") == 0)
+        fake_last(LF_IMPORT_FAILED, LF_E_NOMEM, "too much \x1b[2J of it", -1);
+    while (strcmp(mode, "sleep") == 0)
+        pause();
+    for (volatile int i = 0; strcmp(mode, "spin") == 0;)
+        i++;
+}
+
+/* For a file beside the mesh's, or anywhere; once or for ever. */
+static inline _Noreturn void fake_ask(const char *path, const char *name, bool for_ever)
+{
+    int beside = name[0] == '/' ? 0 : (int)(strrchr(path, '/') + 1 - path);
+    do {
+        lf_import_reply ask = {.step = LF_IMPORT_OPEN};
+        lf_import_answer answer;
+        int fd;
+        snprintf(ask.text, sizeof ask.text, "%.*s%s", beside, path, name);
+        if (lf_import_send(LF_IMPORT_SOCKET, &ask, sizeof ask, -1) != LF_OK ||
+            lf_import_receive(LF_IMPORT_SOCKET, &answer, sizeof answer, &fd) != LF_OK)
+            _exit(3);
+        if (fd >= 0)
+            close(fd);
+    } while (for_ever);
+    fake_last(LF_IMPORT_DONE, LF_OK, "", fake_parcel(""));
+}
+
+/* What FAKE_READER says. */
+static inline int lf_fake_reader(void)
+{
+    const char *mode = getenv("FAKE_READER");
+    lf_import_request request;
+    int fd;
+    (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (lf_import_receive(LF_IMPORT_SOCKET, &request, sizeof request, &fd) != LF_OK || !mode)
+        return 3;
+    fake_note_pid();
+    fake_misbehave(mode);
+    if (strcmp(mode, "descriptors") == 0)
+        fake_list_descriptors();
+    if (strncmp(mode, "confined-", 9) == 0)
+        fake_confined(mode + 9);
+    if (strncmp(mode, "ask", 3) == 0 || strncmp(mode, "beg", 3) == 0)
+        fake_ask(request.path, mode + 3, mode[0] == 'b');
+    if (strncmp(mode, "random", 6) == 0)
+        fake_last(LF_IMPORT_DONE, LF_OK, "", fake_random_parcel((uint64_t)atoi(mode + 6)));
+    fake_last(LF_IMPORT_DONE, LF_OK, "", fake_parcel(strcmp(mode, "parcel") == 0 ? "" : mode));
+}
+
+#endif

@@ -1,0 +1,481 @@
+/* Reading elsewhere: what is in a file, whoever wrote it and whatever the reader is by then, is the
+ * worst for the reader alone. This program is started as a reader of its own, too: one that does
+ * what it is told (fake_reader.h). */
+#include "tests/testing.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include "base/alloc.h"
+#include "base/thread.h"
+#include "render/load/mesh_import.h"
+#include "render/load/vdb_import.h"
+#include "render/scene/scene.h"
+#include "tests/render/fake_reader.h"
+#include "tests/stat/fixture.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SANITIZED true
+#else
+#define SANITIZED false
+#endif
+
+static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+/* ------------------------------------------------------------------------------------- parcels --
+ */
+
+static void a_parcel_holds_what_was_put_into_it(void **state)
+{
+    (void)state;
+    lf_parcel parcel = {0};
+    lf_error err;
+    int fd = fake_parcel("");
+    size_t n;
+    lf_assert_ok(lf_parcel_open(fd, &parcel, &err), &err);
+    close(fd);
+    assert_memory_equal(lf_parcel_get(&parcel, LF_PARCEL_WARNINGS, &n), "one\ntwo\n", 8);
+    assert_int_equal(n, 8);
+    const uint32_t *triangles = lf_parcel_get(&parcel, LF_PARCEL_TRIANGLES, &n);
+    assert_true(n == 3 && triangles[2] == 2);
+    const lf_parcel_material *materials = lf_parcel_get(&parcel, LF_PARCEL_MATERIALS, &n);
+    assert_true(n == 2 && materials[1].kind == 1);
+    assert_null(lf_parcel_get(&parcel, LF_PARCEL_VALUES, &n));
+    assert_int_equal(n, 0);
+    lf_parcel_close(&parcel);
+}
+
+static lf_parcel_section *section_of(unsigned char *data, lf_parcel_tag tag)
+{
+    return &((lf_parcel_header *)(void *)data)->section[tag];
+}
+
+static void end_outside(unsigned char *data, size_t size, void *context)
+{
+    (void)size, (void)context;
+    section_of(data, LF_PARCEL_TRIANGLES)->count = UINT64_C(1) << 40;
+}
+
+/* The product with the size of an element is a small number again. */
+static void overflow(unsigned char *data, size_t size, void *context)
+{
+    (void)size, (void)context;
+    section_of(data, LF_PARCEL_TRIANGLES)->count = (UINT64_C(1) << 62) + 1;
+}
+
+static void begin_outside(unsigned char *data, size_t size, void *context)
+{
+    (void)context;
+    section_of(data, LF_PARCEL_TRIANGLES)->offset = (size + 63) / 64 * 64 + 64;
+}
+
+static void begin_in_the_header(unsigned char *data, size_t size, void *context)
+{
+    (void)size, (void)context;
+    section_of(data, LF_PARCEL_TRIANGLES)->offset = 0;
+}
+
+static void begin_between(unsigned char *data, size_t size, void *context)
+{
+    (void)size, (void)context;
+    section_of(data, LF_PARCEL_TRIANGLES)->offset += 1;
+}
+
+static void be_another_version(unsigned char *data, size_t size, void *context)
+{
+    (void)size, (void)context;
+    data[0] ^= 1;
+}
+
+static void a_parcel_that_is_no_such_thing_is_refused(void **state)
+{
+    (void)state;
+    enum { ALL = FAKE_SEALS, WHOLE = 1 << 30 };
+    static const struct {
+        void (*edit)(unsigned char *data, size_t size, void *context);
+        int cut, seals;
+        const char *what;
+    } cases[] = {
+        {NULL, WHOLE, ALL & ~F_SEAL_WRITE, "not sealed"},
+        {NULL, WHOLE, ALL & ~F_SEAL_SHRINK, "not sealed"},
+        {NULL, WHOLE, ALL & ~F_SEAL_SEAL, "not sealed"},
+        {NULL, 20, ALL, "cut off"},
+        {NULL, sizeof(lf_parcel_header) + 8, ALL, "outside"},
+        {end_outside, WHOLE, ALL, "outside"},
+        {overflow, WHOLE, ALL, "outside"},
+        {begin_outside, WHOLE, ALL, "outside"},
+        {begin_in_the_header, WHOLE, ALL, "outside"},
+        {begin_between, WHOLE, ALL, "outside"},
+        {be_another_version, WHOLE, ALL, "another version"},
+        {NULL, WHOLE, ALL, NULL}, /* the negative control */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        lf_parcel parcel = {0};
+        lf_error err = {0};
+        int fd =
+            fake_copy(fake_parcel(""), cases[i].edit, NULL, (size_t)cases[i].cut, cases[i].seals);
+        lf_status status = lf_parcel_open(fd, &parcel, &err);
+        close(fd);
+        if (status != (cases[i].what ? LF_E_FORMAT : LF_OK) ||
+            (cases[i].what && !strstr(err.what, cases[i].what)))
+            fail_msg("case %zu: %s \"%s\"", i, lf_status_name(status), err.what);
+        lf_parcel_close(&parcel);
+    }
+    lf_parcel parcel = {0};
+    int pipes[2];
+    assert_int_equal(pipe(pipes), 0);
+    assert_int_equal(lf_parcel_open(pipes[0], &parcel, NULL), LF_E_FORMAT);
+    assert_int_equal(lf_parcel_open(-1, &parcel, NULL), LF_E_FORMAT);
+    close(pipes[0]);
+    close(pipes[1]);
+}
+
+/* -------------------------------------------------------------------------------- other readers --
+ */
+
+/* From here on files are read by this program, as mode says; NULL: by quiltimport again. */
+static void use_reader(const char *folder, const char *mode)
+{
+    static char real[PATH_MAX];
+    char self[PATH_MAX] = "";
+    if (!real[0])
+        snprintf(real, sizeof real, "%s", getenv("QUILTIMPORT"));
+    setenv("QUILTIMPORT", mode ? folder : real, 1);
+    if (!mode)
+        return;
+    setenv("FAKE_READER", mode, 1);
+    assert_true(readlink("/proc/self/exe", self, sizeof self - 1) > 0);
+    (void)unlink(lf_test_path(folder, "quiltimport"));
+    assert_int_equal(symlink(self, lf_test_path(folder, "quiltimport")), 0);
+}
+
+static lf_status import_by(const char *folder, const char *mode, lf_mesh_data *out, lf_error *err)
+{
+    lf_mesh_desc desc = {
+        .name = "m", .file = "a.obj", .material = -1, .transform = lf_affine_identity()};
+    lf_roots roots = {0};
+    *err = (lf_error){0};
+    *out = (lf_mesh_data){0};
+    lf_test_write(folder, "a.obj", triangle);
+    lf_assert_ok(lf_roots_add(&roots, folder, err), err);
+    use_reader(folder, mode);
+    lf_status status = lf_mesh_import(&desc, folder, &roots, out, err);
+    use_reader(folder, NULL);
+    lf_roots_finish(&roots);
+    return status;
+}
+
+static void assert_says(const char *folder, const char *mode, lf_status expected, const char *what)
+{
+    lf_mesh_data data;
+    lf_error err;
+    lf_status status = import_by(folder, mode, &data, &err);
+    if (status != expected || !strstr(err.what, what))
+        fail_msg("%s: %s \"%s\", expected %s \"%s\"", mode, lf_status_name(status), err.what,
+                 lf_status_name(expected), what);
+    lf_mesh_data_finish(&data);
+}
+
+static void a_reader_that_ends_is_an_error_of_the_file(void **state)
+{
+    assert_says(*state, "abort", LF_E_FORMAT,
+                "the reader ended by signal 6; the file is damaged or not what it claims");
+    assert_says(*state, "segv", LF_E_FORMAT, "the reader ended by signal 11");
+    assert_says(*state, "exit", LF_E_FORMAT, "the reader ended without a word");
+    assert_says(*state, "garbage", LF_E_FORMAT, "the reader ended without a word");
+    assert_says(*state, "nothing", LF_E_FORMAT, "not sealed");
+    assert_says(*state, "unsealed", LF_E_FORMAT, "not sealed");
+    assert_says(*state, "status", LF_E_FORMAT, "failed without a reason");
+    assert_says(*state, "words", LF_E_NOMEM, "too much \\x1b[2J of it");
+}
+
+static void a_reader_that_tells_the_truth_is_believed(void **state)
+{
+    lf_mesh_data data;
+    lf_error err;
+    lf_assert_ok(import_by(*state, "parcel", &data, &err), &err);
+    assert_int_equal(data.n_vertices, 3);
+    assert_int_equal(data.n_materials, 2);
+    assert_int_equal(data.triangle_material[0], 1);
+    assert_true(data.materials[1].emission.x == 1.0f && data.materials[1].albedo.y == 1.0f);
+    assert_string_equal(strrchr(lf_warnings_at(&data.warnings, 1), ' '), " two");
+    lf_mesh_data_finish(&data);
+}
+
+/* Each is one lie in a parcel whose sections are all in place. */
+static void a_mesh_of_lies_is_refused(void **state)
+{
+    static const char *const lies[] = {"index", "nan",      "far", "normal", "choice", "kind",
+                                       "white", "emission", "ior", "short",  "absent", "odd"};
+    for (size_t i = 0; i < sizeof lies / sizeof *lies; i++)
+        assert_says(*state, lies[i], LF_E_FORMAT, "the reader's answer");
+}
+
+/* Random bytes anywhere behind the magic number: refused, or a mesh that holds to its bounds. */
+static void a_mesh_of_random_bytes_is_refused_or_within_bounds(void **state)
+{
+    enum { RUNS = 300 };
+    int refused = 0;
+    for (int i = 0; i < RUNS; i++) {
+        char mode[32];
+        lf_mesh_data data;
+        lf_error err;
+        snprintf(mode, sizeof mode, "random%d", i);
+        lf_status status = import_by(*state, mode, &data, &err);
+        assert_true(status == LF_OK || status == LF_E_FORMAT || status == LF_E_NOMEM);
+        refused += status != LF_OK;
+        for (int t = 0; t < 3 * data.n_triangles && status == LF_OK; t++)
+            assert_true(data.triangles[t] < (uint32_t)data.n_vertices);
+        for (int v = 0; v < 3 * data.n_vertices && status == LF_OK; v++)
+            assert_true(fabs(data.positions[v]) <= LF_MAX_COORDINATE);
+        lf_mesh_data_finish(&data);
+    }
+    assert_in_range(refused, RUNS / 20, RUNS - 1);
+}
+
+static void files_outside_are_not_given_to_a_reader(void **state)
+{
+    lf_mesh_data data;
+    lf_error err;
+    lf_status status = import_by(*state, "ask/etc/passwd", &data, &err);
+    lf_assert_status(status, LF_E_PATH, &err);
+    assert_string_equal(err.where, "/etc/passwd");
+    lf_mesh_data_finish(&data);
+    /* what is not there is no reason to give up */
+    lf_assert_ok(import_by(*state, "askabsent.mtl", &data, &err), &err);
+    assert_non_null(strstr(lf_warnings_at(&data.warnings, 2), "left out: "));
+    lf_mesh_data_finish(&data);
+}
+
+static void a_reader_that_hangs_is_ended_when_its_time_is_over(void **state)
+{
+    double start = lf_time_now();
+    lf_import_limit(0, 1);
+    assert_says(*state, "sleep", LF_E_TIMEOUT, "reading takes longer than 1 s (--import-time)");
+    assert_true(lf_time_now() - start >= 1.0);
+    assert_says(*state, "spin", LF_E_TIMEOUT, "reading takes longer than 1 s (--import-time)");
+    /* asking for files for ever is no other way to stay */
+    assert_says(*state, "begabsent.mtl", LF_E_TIMEOUT,
+                "reading takes longer than 1 s (--import-time)");
+    lf_import_limit(0, LF_IMPORT_SECONDS);
+}
+
+/* ---------------------------------------------------------------------------------- its rights --
+ */
+
+static void a_reader_starts_with_the_socket_and_the_file_alone(void **state)
+{
+    int extra = fcntl(STDIN_FILENO, F_DUPFD, 20); /* not to be closed: what somebody forgot */
+    assert_true(extra >= 20);
+    assert_says(*state, "descriptors", LF_E_FORMAT, "0 1 2 3 4 ");
+    close(extra);
+}
+
+static void a_reader_cannot_do_what_it_need_not(void **state)
+{
+    if (SANITIZED) {
+        print_message("readers under a sanitizer are not confined\n");
+        skip();
+    }
+    static const struct {
+        const char *mode, *what;
+    } cases[] = {{"confined-socket", "signal 31"},
+                 {"confined-exec", "signal 31"},
+                 {"confined-fork", "Operation not permitted"},
+                 {"confined-kill", "signal 31"},
+                 {"confined-unlink", "signal 31"},
+                 {"confined-open", "Operation not permitted"},
+                 {"confined-create", "Operation not permitted"},
+                 {"confined-thread", "a thread ran"},
+                 {"confined-memory", "no memory"},
+                 {"confined-file", "File too large"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        assert_says(*state, cases[i].mode, LF_E_FORMAT, cases[i].what);
+}
+
+static bool has_children(void)
+{
+    return waitpid(-1, NULL, WNOHANG) != -1 || errno != ECHILD;
+}
+
+static bool is_alive(pid_t pid)
+{
+    return kill(pid, 0) == 0;
+}
+
+/* Whoever asked is gone: so is the reader, even one that hangs. */
+static void a_reader_ends_with_whoever_asked(void **state)
+{
+    char pid_file[PATH_MAX];
+    snprintf(pid_file, sizeof pid_file, "%s", lf_test_path(*state, "pid"));
+    setenv("FAKE_PID_FILE", pid_file, 1);
+    pid_t asker = fork();
+    if (asker == 0) {
+        lf_mesh_data data;
+        lf_error err;
+        _exit(import_by(*state, "sleep", &data, &err) != LF_OK);
+    }
+    int reader = 0;
+    for (int i = 0; i < 1000 && reader == 0; i++) {
+        FILE *file = fopen(pid_file, "r");
+        if (file && fscanf(file, "%d", &reader) != 1)
+            reader = 0;
+        if (file)
+            fclose(file);
+        usleep(10000);
+    }
+    unsetenv("FAKE_PID_FILE");
+    assert_true(reader > 0 && is_alive(reader));
+    kill(asker, SIGKILL);
+    assert_int_equal(waitpid(asker, NULL, 0), asker);
+    for (int i = 0; i < 1000 && is_alive(reader); i++)
+        usleep(10000);
+    assert_false(is_alive(reader));
+}
+
+/* ------------------------------------------------------------------------------- real readers --
+ */
+
+typedef struct concurrent {
+    const char *folder;
+    lf_status status;
+    lf_error err;
+    int n_triangles;
+} concurrent;
+
+static void *import_one(void *context)
+{
+    concurrent *c = context;
+    lf_mesh_desc desc = {.name = "m", .file = "a.obj", .transform = lf_affine_identity()};
+    lf_mesh_data data = {0};
+    c->status = lf_mesh_import(&desc, c->folder, NULL, &data, &c->err);
+    c->n_triangles = data.n_triangles;
+    lf_mesh_data_finish(&data);
+    return NULL;
+}
+
+static void several_files_are_read_at_once(void **state)
+{
+    enum { N = 8 };
+    concurrent c[N];
+    pthread_t thread[N];
+    lf_test_write(*state, "a.obj", triangle);
+    for (int i = 0; i < N; i++) {
+        c[i] = (concurrent){.folder = *state};
+        assert_int_equal(pthread_create(&thread[i], NULL, import_one, &c[i]), 0);
+    }
+    for (int i = 0; i < N; i++) {
+        pthread_join(thread[i], NULL);
+        lf_assert_ok(c[i].status, &c[i].err);
+        assert_int_equal(c[i].n_triangles, 1);
+    }
+    assert_false(has_children());
+}
+
+static lf_status import_any(const char *path, lf_error *err)
+{
+    const char *ending = strrchr(path, '.');
+    lf_status status;
+    *err = (lf_error){0};
+    if (strcmp(ending, ".vdb") == 0) {
+        lf_grid *grid = NULL;
+        int fd = open(path, O_RDONLY | O_CLOEXEC);
+        assert_true(fd >= 0);
+        status = lf_vdb_import(fd, path, "density", &grid, err);
+        lf_grid_unref(grid);
+        close(fd);
+        return status;
+    }
+    lf_mesh_desc desc = {
+        .name = "m", .file = path, .material = -1, .transform = lf_affine_identity()};
+    lf_mesh_data data = {0};
+    status = lf_mesh_import(&desc, ".", NULL, &data, err);
+    lf_mesh_data_finish(&data);
+    return status;
+}
+
+/* Files that ended, hung or filled the programs that read them by themselves. */
+static void hostile_files_end_in_one_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        lf_status status;
+        const char *what;
+    } files[] = {
+        {"ascii_54_hang.ply", LF_E_TIMEOUT, "reading takes longer than 2 s (--import-time)"},
+        {"ascii_99.ply", LF_E_FORMAT, "the reader ended by signal 7"},
+        {"binary_123_hang.ply", LF_E_FORMAT, ""},
+        {"box01_197_memory.glb", LF_E_FORMAT, "cannot be read as a mesh"},
+        {"cut_off.ply", LF_E_FORMAT, "the reader ended by signal 6; the file is damaged"},
+        {"densityAndHeat_65_hang.vdb", LF_E_NOMEM, "takes more memory than a reader may have"},
+        {"texture_before_material.obj", LF_E_FORMAT, "the reader ended by signal 11"}};
+    lf_import_limit((uint64_t)512 << 20, 2);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char name[128];
+        lf_error err;
+        snprintf(name, sizeof name, "hostile/%s", files[i].name);
+        const char *path = lf_test_shared(name);
+        if (!path) {
+            print_message("%s is not there\n", name);
+            skip();
+        }
+        double start = lf_time_now();
+        lf_status status = import_any(path, &err);
+        if (!SANITIZED && (status != files[i].status || !strstr(err.what, files[i].what)))
+            fail_msg("%s: %s \"%s\"", files[i].name, lf_status_name(status), err.what);
+        assert_true(status != LF_OK && err.what[0]);
+        assert_non_null(strstr(err.where, files[i].name));
+        assert_true(lf_time_now() - start < 60.0); /* of 2: none hangs */
+    }
+    lf_import_limit(0, LF_IMPORT_SECONDS);
+    assert_false(has_children());
+    struct rusage own;
+    getrusage(RUSAGE_SELF, &own);
+    assert_true(own.ru_maxrss < (SANITIZED ? 4 : 1) * (512 << 10));
+}
+
+/* For good, so it comes last. */
+static void *stop_soon(void *context)
+{
+    (void)context;
+    usleep(300000);
+    lf_import_stop();
+    return NULL;
+}
+
+static void reading_ends_when_the_program_does(void **state)
+{
+    pthread_t thread;
+    double start = lf_time_now();
+    assert_int_equal(pthread_create(&thread, NULL, stop_soon, NULL), 0);
+    assert_says(*state, "sleep", LF_E_CANCELLED, "stopped");
+    assert_true(lf_time_now() - start < 60.0);
+    pthread_join(thread, NULL);
+    assert_says(*state, "parcel", LF_E_CANCELLED, "stopped");
+    assert_false(has_children());
+}
+
+int main(int argc, char **argv)
+{
+    (void)argc;
+    if (strcmp(argv[0], "quiltimport") == 0)
+        return lf_fake_reader();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_parcel_holds_what_was_put_into_it),
+        cmocka_unit_test(a_parcel_that_is_no_such_thing_is_refused),
+        cmocka_unit_test(a_reader_that_ends_is_an_error_of_the_file),
+        cmocka_unit_test(a_reader_that_tells_the_truth_is_believed),
+        cmocka_unit_test(a_mesh_of_lies_is_refused),
+        cmocka_unit_test(a_mesh_of_random_bytes_is_refused_or_within_bounds),
+        cmocka_unit_test(files_outside_are_not_given_to_a_reader),
+        cmocka_unit_test(a_reader_that_hangs_is_ended_when_its_time_is_over),
+        cmocka_unit_test(a_reader_starts_with_the_socket_and_the_file_alone),
+        cmocka_unit_test(a_reader_cannot_do_what_it_need_not),
+        cmocka_unit_test(a_reader_ends_with_whoever_asked),
+        cmocka_unit_test(several_files_are_read_at_once),
+        cmocka_unit_test(hostile_files_end_in_one_line),
+        cmocka_unit_test(reading_ends_when_the_program_does),
+    };
+    return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);
+}
