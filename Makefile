@@ -145,6 +145,7 @@ $(O)/$(1:.c=): $(call objs,$(1)) $(call test_objs,$(notdir $(patsubst %/,%,$(dir
 	$$(call link,$$(dep_test_libs) $$(wrap_$(notdir $(1:.c=))) $$(test_linker))
 endef
 $(foreach t,$(test_srcs),$(eval $(call test,$(t))))
+$(if $(PORTABLE),,$(tests): | $(addprefix $(O)/,$(readers)))
 
 # a fuzz target is its one file with the room it looks at
 fuzz_srcs := $(call wild,tests/fuzz/fuzz_*.c)

@@ -61,6 +61,7 @@ render/load: render/render.h render/scene render/transport
 render/film: render/render.h render/transport
 render/rows: render/render.h render/integrator.h render/scene render/transport render/film
 render/reconstruct: render/render.h render/film
+render/reader: render/render.h render/scene render/transport render/load
 render: render/scene render/transport render/load render/film render/rows render/reconstruct
 quilt/kernel:
 quilt: quilt/kernel
@@ -121,7 +122,7 @@ include_complaints() {
 folders_in_no_row() { include_complaints "$1" | sed -n 's/^row //p'; }
 upward_includes() { include_complaints "$1" | sed -n 's/^floor //p'; }
 includes_behind_doors() { include_complaints "$1" | sed -n 's/^door //p'; }
-cxx_only_for_openvdb() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/load/vdb_import|scenes/make_[a-z_]*)\.cc$'; }
+cxx_only_for_openvdb() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/reader/vdb_read|scenes/make_[a-z_]*)\.cc$'; }
 top_level() {
     (cd "$1" && if [ -e .git ]; then git ls-files 2> /dev/null | cut -d/ -f1 | sort -u; else ls; fi) |
         grep -vE '^(\..*|Makefile|README\.md|LICENSE|CONTRIBUTING(\.md)?|base|render|quilt|device|daemon|tests|systemd|scenes|bench|docs|debian|build)$'
@@ -222,7 +223,20 @@ isa_globals() {
             /^[0-9a-f]+ +g/ && ++n > 1 { print o, $NF, "(a second name)" }'
     done
 }
+# What reads files from outside is not in the programs that go on when it ends.
+reading_libraries() { # programs
+    local p
+    for p in "$@"; do
+        [ ! -e "$out/$p" ] || readelf -d "$out/$p" | sed -nE "s/.*NEEDED.*\\[(lib(assimp|openvdb)[^]]*)\\].*/$p needs \\1/p"
+        ! nm "$out/$p" 2> /dev/null | grep -qE ' [Tt] _Z' || echo "$p holds C++ of ours"
+    done
+}
 report foreign_names "$(foreign_names)"
+if [ -n "$(reading_libraries quiltimport)" ] && [ -n "$(reading_libraries quiltimport-vdb)" ]; then
+    report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltsim quiltbench)"
+else
+    report reading_libraries "the rule does not see what quiltimport needs"
+fi
 case ${BUILD:-release} in
 release | debug) report isa_globals "$(isa_globals)" ;;
 esac

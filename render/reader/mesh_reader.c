@@ -57,12 +57,8 @@ static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf
     return status == LF_OK ? put_warnings(parcel, &data->warnings, err) : status;
 }
 
-void lf_reader_begin(void)
-{
-}
-
-lf_status lf_reader_run(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
-                        lf_error *err)
+static lf_status read_mesh(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
+                           lf_error *err)
 {
     lf_mesh_desc desc = {.file = request->path,
                          .material = request->materials ? -1 : 0,
@@ -74,4 +70,9 @@ lf_status lf_reader_run(const lf_import_request *request, int fd, lf_parcel_writ
         status = put_mesh(parcel, &data, err);
     lf_mesh_data_finish(&data);
     return status;
+}
+
+int main(void)
+{
+    return lf_reader_main(&(lf_import_reader){.read = read_mesh});
 }

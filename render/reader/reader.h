@@ -21,14 +21,19 @@ typedef struct lf_mesh_reading {
     lf_named_file files[LF_MESH_MAX_FILES];
 } lf_mesh_reading;
 
-/* What a program reads, in mesh_reader.c and vdb_reader.c: what its libraries want to do before
- * they are confined; then the file behind fd (the caller's), into sections of parcel. Errors:
- * LF_E_FORMAT, LF_E_NOMEM, LF_E_IO. */
-void lf_reader_begin(void);
-LF_NODISCARD lf_status lf_reader_run(const lf_import_request *request, int fd,
-                                     lf_parcel_writer *parcel, lf_error *err);
+/* What a program reads. */
+typedef struct lf_import_reader {
+    void (*begin)(void); /* what its libraries do before they are confined; may be NULL */
+    /* The file behind fd (the caller's), into sections of parcel. LF_E_FORMAT, LF_E_NOMEM, LF_E_IO.
+     */
+    lf_status (*read)(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
+                      lf_error *err);
+} lf_import_reader;
 
-/* Asks whoever asked for a file that the one at hand names (main.c). On LF_OK the caller
+/* All that main does. Not for people: quiltd, quiltrender and quiltbench start these programs. */
+int lf_reader_main(const lf_import_reader *reader);
+
+/* Asks whoever asked for a file that the one at hand names (reader.c). On LF_OK the caller
  * owns *out_fd. LF_E_PATH, LF_E_IO, …: it is not to be had. */
 LF_NODISCARD lf_status lf_ask_for_file(const char *name, int *out_fd);
 

@@ -32,13 +32,8 @@ static lf_status put_grid(lf_parcel_writer *parcel, const lf_grid *grid, lf_erro
     return status == LF_OK ? put_bricks(parcel, grid, err) : status;
 }
 
-void lf_reader_begin(void)
-{
-    lf_vdb_begin();
-}
-
-lf_status lf_reader_run(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
-                        lf_error *err)
+static lf_status read_grid(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
+                           lf_error *err)
 {
     lf_grid *grid = NULL;
     lf_status status = lf_vdb_read(fd, request->grid, &grid, err);
@@ -46,4 +41,9 @@ lf_status lf_reader_run(const lf_import_request *request, int fd, lf_parcel_writ
         status = put_grid(parcel, grid, err);
     lf_grid_unref(grid);
     return status;
+}
+
+int main(void)
+{
+    return lf_reader_main(&(lf_import_reader){.begin = lf_vdb_begin, .read = read_grid});
 }

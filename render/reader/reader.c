@@ -25,24 +25,22 @@ lf_status lf_ask_for_file(const char *name, int *out_fd)
     return *out_fd >= 0 ? LF_OK : LF_E_IO;
 }
 
-/* --------------------------------------------------------------------------------- what is asked
- * -- */
-
-static lf_status serve(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
-                       lf_error *err)
+static lf_status serve(const lf_import_reader *reader, const lf_import_request *request, int fd,
+                       lf_parcel_writer *parcel, lf_error *err)
 {
     if (request->version != LF_IMPORT_VERSION)
         return lf_error_set(err, LF_E_IO, LF_HERE, "quiltimport is of another version");
-    lf_reader_begin();
+    if (reader->begin)
+        reader->begin();
     lf_status status = lf_confine(request->memory, request->seconds, err);
     if (status == LF_OK)
         status = lf_parcel_begin(parcel, err);
     if (status == LF_OK)
-        status = lf_reader_run(request, fd, parcel, err);
+        status = reader->read(request, fd, parcel, err);
     return status;
 }
 
-int main(void)
+int lf_reader_main(const lf_import_reader *reader)
 {
     lf_import_request request;
     lf_parcel_writer parcel = {.fd = -1};
@@ -51,11 +49,10 @@ int main(void)
     int fd = -1, sealed = -1;
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (lf_import_receive(LF_IMPORT_SOCKET, &request, sizeof request, &fd) != LF_OK || fd < 0) {
-        fprintf(stderr,
-                "quiltimport is started by quiltd and quiltrender, to read files for them\n");
+        fprintf(stderr, "quiltd and quiltrender start this program, to read files for them\n");
         return 2;
     }
-    lf_status status = serve(&request, fd, &parcel, &err);
+    lf_status status = serve(reader, &request, fd, &parcel, &err);
     if (status == LF_OK)
         status = lf_parcel_seal(&parcel, &sealed, &err);
     if (status != LF_OK) {
