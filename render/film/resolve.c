@@ -7,6 +7,7 @@
 
 #include "render/film/film.h"
 #include "render/film/film_difference.h"
+#include "render/film/median.h"
 
 enum { TILE_COLUMNS = 16, TILE_VIEWS = 4, BESIDE = 2, AROUND = TILE_COLUMNS + 2 * BESIDE };
 
@@ -261,26 +262,14 @@ static void answer_half(const lf_tile *t, const lf_tile_answers *a, int i, int h
             a->estimator == LF_ESTIMATOR_CV ? out[c] + (double)p->half[h].known[c] : (double)y[c];
 }
 
-static inline float least(float a, float b)
-{
-    return a < b ? a : b;
-}
-
-static inline float most(float a, float b)
-{
-    return a < b ? b : a;
-}
-
 /* The lower median of those of five numbers that are not negative; -1: none is. */
 static float lower_median(const float x[5])
 {
     float sorted[5];
     int n = 0;
-    float f = most(least(x[0], x[1]), least(x[2], x[3])),
-          g = least(most(x[0], x[1]), most(x[2], x[3]));
-    float lowest = least(least(least(x[0], x[1]), least(x[2], x[3])), x[4]);
+    float lowest = lf_least(lf_least(lf_least(x[0], x[1]), lf_least(x[2], x[3])), x[4]);
     if (lowest >= 0.0f)
-        return most(least(most(f, g), x[4]), least(f, g));
+        return lf_median_of_five(x);
     for (int i = 0; i < 5; i++) {
         int k = n;
         if (x[i] < 0.0f)
@@ -342,13 +331,13 @@ static float steady_radiance(const lf_tile *t, const lf_tile_answers *a, int i, 
 {
     int columns = t->column1 - t->column0;
     const lf_sums *x = &t->pixel[i].half[0], *y = &t->pixel[i].half[1];
-    float median = most(0.0f, lower_median(&a->radiance[c][i / columns * AROUND + i % columns]));
+    float median = lf_most(0.0f, lower_median(&a->radiance[c][i / columns * AROUND + i % columns]));
     float w[2] = {weight_of(x, a->second), weight_of(y, a->second)};
     if (!(w[0] > 0.0f && w[1] > 0.0f))
         return median;
-    float u = x->scattered[c] / w[0], v = y->scattered[c] / w[1], low = least(u, v),
-          high = most(u, v);
-    return high > 4.0f * low ? median : most(low, least(high, median));
+    float u = x->scattered[c] / w[0], v = y->scattered[c] / w[1], low = lf_least(u, v),
+          high = lf_most(u, v);
+    return high > 4.0f * low ? median : lf_most(low, lf_least(high, median));
 }
 
 /* The darkest known light of a pixel and two to either side. */
@@ -358,7 +347,7 @@ static float darkest(const lf_tile *t, int i, int c)
     float dark = t->pixel[i].pooled.known[c];
     for (int k = column > BESIDE ? -BESIDE : -column;
          k <= BESIDE && column + k < t->film->width && t->known; k++)
-        dark = least(dark, t->known[pixel_index(t, i) + (size_t)(ptrdiff_t)k].b[c]);
+        dark = lf_least(dark, t->known[pixel_index(t, i) + (size_t)(ptrdiff_t)k].b[c]);
     return dark;
 }
 
@@ -369,15 +358,15 @@ static float believed(const lf_tile *t, int i, int c)
     int columns = t->column1 - t->column0, column = t->column0 + i % columns;
     const lf_tile_pixel *p = &t->pixel[i];
     float known = p->pooled.known[c],
-          enough = 2.0f * least(p->half[0].known[c], p->half[1].known[c]);
+          enough = 2.0f * lf_least(p->half[0].known[c], p->half[1].known[c]);
     for (int view = t->view0; view < t->view1; view++) {
         for (int k = column > 0 ? column - 1 : 0;
              k <= column + 1 && k < t->film->width && enough < known; k++) {
             size_t pixel = (size_t)view * (size_t)t->film->width + (size_t)k;
-            enough = pixel == pixel_index(t, i) ? enough : most(enough, t->known[pixel].b[c]);
+            enough = pixel == pixel_index(t, i) ? enough : lf_most(enough, t->known[pixel].b[c]);
         }
     }
-    return least(known, enough);
+    return lf_least(known, enough);
 }
 
 /* I^2 + epsilon of a channel, over what its inverse is expected to be more than that
@@ -551,7 +540,7 @@ bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int ro
             float known[3], *d = out + 3 * pixel_index(&t, i);
             difference(&t, &a, i, d, known);
             for (int c = 0; c < 3; c++)
-                sum += (double)least(d[c] * d[c], known[c] * known[c]);
+                sum += (double)lf_least(d[c] * d[c], known[c] * known[c]);
         }
     }
     *out_known = sum / (3.0 * film->n_views * film->width);

@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "render/film/film_difference.h"
+#include "render/film/median.h"
 #include "render/reconstruct/moments.h"
 #include "render/reconstruct/scratch.h"
 
@@ -64,6 +65,21 @@ static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, lf_hal
     }
 }
 
+/* Known light of the pixel and two to either side of it, the median: of mirrors it is as noisy as
+ * what it is asked about. */
+static float steady_known(const lf_open_row *o, size_t i, int c, const lf_half_pixel half[2])
+{
+    float x[5];
+    int width = o->film->width, column = (int)(i % (size_t)width);
+    if (!o->known)
+        return o->share[0] * half[0].known[c] + o->share[1] * half[1].known[c];
+    for (int k = -2; k <= 2; k++) {
+        int at = column + k < 0 ? 0 : column + k >= width ? width - 1 : column + k;
+        x[k + 2] = lf_most(o->known[i - (size_t)column + (size_t)at].b[c], 0.0f);
+    }
+    return lf_median_of_five(x);
+}
+
 static void add_pixel(const lf_open_row *o, size_t i, lf_shown_sums *sums)
 {
     bool fitted = lf_pixel_is_fitted(o->pixels, i);
@@ -72,7 +88,7 @@ static void add_pixel(const lf_open_row *o, size_t i, lf_shown_sums *sums)
         read_half(o, i, h, fitted, &half[h]);
     for (int c = 0; c < 3; c++) {
         /* where only one half has met a bright path, their mean would hide what that is off */
-        double radiance = (double)(o->share[0] * half[0].known[c] + o->share[1] * half[1].known[c] +
+        double radiance = (double)(steady_known(o, i, c, half) +
                                    fminf(half[0].scattered[c], half[1].scattered[c])),
                inverse = 1.0 / (radiance * radiance + EPSILON),
                difference = (double)(half[0].shown[c] - half[1].shown[c]);

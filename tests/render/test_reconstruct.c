@@ -2,6 +2,7 @@
  * unfiltered one, and that it knows how far off it is. */
 #include "tests/render/reconstruct_testing.h"
 
+#include "render/film/film_difference.h"
 #include "render/reconstruct/kernel.h"
 #include "render/reconstruct/solve.h"
 
@@ -344,6 +345,35 @@ static void a_bright_path_of_one_half_does_not_hide_its_own_error(void **state)
     lf_renderer_destroy(r);
 }
 
+/* The same of a mirror: it shows 1, and in one column of seven one half has met 100. */
+static void a_bright_path_in_a_mirror_does_not_hide_its_own_error(void **state)
+{
+    (void)state;
+    const double error = (50.5 - 1.0) * (50.5 - 1.0) / (7.0 * 1.01);
+    lf_renderer *r = reconstruct_renderer(SCENE, width, height, NULL);
+    double stated = -1.0;
+    reconstruct_visits(r, NULL, 4);
+    for (int row = 0; row < height; row++) {
+        lf_film_known *known = lf_film_known_at(&r->film, row);
+        assert_non_null(known);
+        for (int h = 0; h < 2; h++)
+            memset(lf_film_at(&r->film, row, h).scattered, 0,
+                   (size_t)(views * width) * sizeof(lf_film_scattered));
+        for (int i = 0; i < views * width; i++)
+            for (int c = 0; c < 3; c++) {
+                bool bright = i % width % 7 == 3;
+                known[i].b[c] = bright ? 50.5f : 1.0f;
+                known[i].difference =
+                    lf_difference_pack(bright ? (float[3]){99, 99, 99} : (float[3]){0, 0, 0}, 0.5f);
+            }
+    }
+    lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+    double bound = lf_renderer_shown_error(r, 0.05, &stated, NULL);
+    print_message("stated %.4g, true %.4g\n", stated, error);
+    assert_true(stated > 0.7 * error && stated < 1.4 * error && bound >= stated);
+    lf_renderer_destroy(r);
+}
+
 /* Everything sends 1: fog and a ball that absorb nothing under a sky of 1. */
 static void a_white_furnace_stays_white(void **state)
 {
@@ -581,6 +611,7 @@ int main(void)
         cmocka_unit_test(noise_is_not_taken_for_what_is_there),
         cmocka_unit_test(what_both_halves_say_is_taken),
         cmocka_unit_test(a_bright_path_of_one_half_does_not_hide_its_own_error),
+        cmocka_unit_test(a_bright_path_in_a_mirror_does_not_hide_its_own_error),
         cmocka_unit_test(a_white_furnace_stays_white),
         cmocka_unit_test(same_bytes_for_any_number_of_threads_and_any_kernel),
         cmocka_unit_test(what_is_shown_is_nearer_to_the_truth_and_says_how_near),
