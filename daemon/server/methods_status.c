@@ -141,7 +141,8 @@ void lf_method_wait(lf_call *call)
     lf_deferred *deferred = lf_defer(call);
     if (deferred)
         lf_server_wait(server, deferred, generation,
-                       level_of(json_string_value(json_object_get(call->params, "for"))));
+                       level_of(json_string_value(json_object_get(call->params, "for"))),
+                       json_number_value(json_object_get(call->params, "timeout")));
 }
 
 void lf_method_subscribe(lf_call *call)

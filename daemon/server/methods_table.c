@@ -41,9 +41,10 @@ static const lf_method methods[] = {
      OBJECT("\"name\":" STRING ",\"fill\":{\"type\":\"number\",\"minimum\":0.01,\"maximum\":1},"
             "\"steps\":{\"type\":\"number\",\"minimum\":0.01,\"maximum\":10000}"),
      lf_method_camera_fit},
-    {"wait", "answers when the panel shows it",
+    {"wait", "answers when the panel shows it, at most timeout seconds later",
      OBJECT("\"generation\":{\"type\":\"integer\",\"minimum\":0},\"for\":" ENUM(
-         "\"coarse\",\"complete\",\"converged\"")),
+         "\"coarse\",\"complete\",\"converged\"") ",\"timeout\":{\"type\":\"number\","
+                                                  "\"minimum\":1e-3,\"maximum\":1e9}"),
      lf_method_wait},
     {"render.set", "how to render", OBJECT("\"paused\":" BOOLEAN), lf_method_render_set},
     {"export", "write a quilt, views, panel picture, print, pitch test chart or state",

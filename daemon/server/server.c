@@ -160,12 +160,7 @@ static void destroy(lf_server *server)
     lf_server_release_loads(server);
     lf_loader_destroy(server->loader);
     lf_engine_destroy(server->engine);
-    while (server->waits) {
-        lf_wait *wait = server->waits;
-        server->waits = wait->next;
-        lf_deferred_fail(server, wait->deferred, &over, false);
-        lf_free(wait);
-    }
+    lf_server_fail_waits(server, &over, false);
     if (server->inbox.event_fd >= 0)
         lf_inbox_finish(&server->inbox, server);
     lf_clients_destroy(server->clients);

@@ -68,6 +68,9 @@ typedef struct lf_wait {
     lf_deferred *deferred;
     int64_t generation;
     lf_level level;
+    double seconds;         /* at most */
+    sd_event_source *timer; /* NULL: for ever */
+    lf_server *server;
 } lf_wait;
 
 typedef struct lf_job lf_job;
@@ -193,8 +196,13 @@ void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred);
 void lf_server_release_loads(lf_server *server);
 /* The scene file again. */
 void lf_server_reload(lf_server *server);
-/* Answers when generation is shown at that level; takes the call over. */
-void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation, lf_level level);
+/* Answers when generation is shown at that level, or seconds (0 = for ever) have passed; at once
+ * with what is wrong when there is no picture because the scene was refused. Takes the call over.
+ */
+void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation, lf_level level,
+                    double seconds);
+/* Ends all waits with an error. */
+void lf_server_fail_waits(lf_server *server, const lf_error *err, bool scene);
 /* "rendering", "converged", "paused", "idle", "error". */
 const char *lf_server_state_name(const lf_server *server);
 const char *lf_level_name(lf_level level);

@@ -99,6 +99,12 @@ static bool is_over(const lf_server *server, const lf_wait *wait)
            server->shown.generation >= wait->generation && server->shown.level >= wait->level;
 }
 
+static void forget_wait(lf_wait *wait)
+{
+    sd_event_source_disable_unref(wait->timer);
+    lf_free(wait);
+}
+
 /* Those of clients that have left end too. */
 static void answer_waits(lf_server *server)
 {
@@ -112,11 +118,48 @@ static void answer_waits(lf_server *server)
         }
         *at = wait->next;
         lf_deferred_reply(server, wait->deferred, shown_json(server));
-        lf_free(wait);
+        forget_wait(wait);
     }
 }
 
-void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation, lf_level level)
+void lf_server_fail_waits(lf_server *server, const lf_error *err, bool scene)
+{
+    while (server->waits) {
+        lf_wait *wait = server->waits;
+        server->waits = wait->next;
+        lf_deferred_fail(server, wait->deferred, err, scene);
+        forget_wait(wait);
+    }
+}
+
+/* There is no picture, and none is being made. */
+static void end_vain_waits(lf_server *server)
+{
+    if (!server->content && server->error.status != LF_OK && !server->held &&
+        lf_loader_pending(server->loader) == 0)
+        lf_server_fail_waits(server, &server->error, true);
+}
+
+static int on_wait_over(sd_event_source *source, uint64_t usec, void *context)
+{
+    lf_wait *wait = context;
+    lf_server *server = wait->server;
+    lf_wait **at = &server->waits;
+    lf_error err;
+    (void)source;
+    (void)usec;
+    while (*at != wait)
+        at = &(*at)->next;
+    *at = wait->next;
+    (void)lf_error_set(&err, LF_E_TIMEOUT, "wait", "not %s within %g s", lf_level_name(wait->level),
+                       wait->seconds);
+    lf_deferred_fail(server, wait->deferred, &err, false);
+    forget_wait(wait);
+    return 0;
+}
+
+void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation, lf_level level,
+                    double seconds)
 {
     lf_error err;
     int n = 0;
@@ -132,10 +175,22 @@ void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation
         lf_deferred_reply(server, deferred, NULL);
         return;
     }
-    *wait = (lf_wait){
-        .next = server->waits, .deferred = deferred, .generation = generation, .level = level};
+    *wait = (lf_wait){.next = server->waits,
+                      .deferred = deferred,
+                      .generation = generation,
+                      .level = level,
+                      .seconds = seconds,
+                      .server = server};
+    if (seconds > 0 &&
+        sd_event_add_time_relative(server->event, &wait->timer, CLOCK_MONOTONIC,
+                                   (uint64_t)(seconds * 1e6), 0, on_wait_over, wait) < 0) {
+        lf_free(wait);
+        lf_deferred_reply(server, deferred, NULL);
+        return;
+    }
     server->waits = wait;
     answer_waits(server);
+    end_vain_waits(server);
 }
 
 void lf_server_shown(lf_server *server, int64_t generation, lf_level level, double passes,
@@ -248,6 +303,7 @@ static void on_load_done(void *reader, lf_task *task)
     if (load->reset && !lf_server_is_stopping(server))
         lf_server_was_reset(server);
     lf_load_destroy(load);
+    end_vain_waits(server);
     if (lf_server_is_stopping(server)) {
         lf_server_shutdown(server);
     } else if (plain) {

@@ -18,7 +18,7 @@
 
 #define SYSTEM_SOCKET "/run/quiltd/control.sock"
 #define SYSTEM_GROUP "quiltd"
-#define BACKLOG 32
+#define BACKLOG 128
 
 bool lf_default_socket(int index, char *out, size_t size)
 {

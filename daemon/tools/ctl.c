@@ -1,6 +1,8 @@
 #include "daemon/tools/ctl.h"
 
 #include <errno.h>
+#include <math.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +13,7 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "base/escape.h"
+#include "base/thread.h"
 #include "daemon/server/server.h"
 
 /* A line of the daemon's: at most 1 MiB. */
@@ -21,6 +24,7 @@ struct lf_ctl {
     char path[512];
     char *buffer; /* [MAX_ANSWER] */
     size_t used, taken;
+    double timeout, deadline; /* 0: none */
     json_int_t ids;
     json_t *notifications; /* array: came while an answer was waited for */
 };
@@ -126,6 +130,27 @@ static lf_status send_all(lf_ctl *ctl, const char *text, size_t n, const int *fd
     return LF_OK;
 }
 
+void lf_ctl_set_timeout(lf_ctl *ctl, double seconds)
+{
+    ctl->timeout = seconds;
+    ctl->deadline = seconds > 0 ? lf_time_now() + seconds : 0;
+}
+
+/* Until something comes. LF_E_TIMEOUT. */
+static lf_status await_some(const lf_ctl *ctl, lf_error *err)
+{
+    struct pollfd ready = {ctl->fd, POLLIN, 0};
+    for (;;) {
+        double left = ctl->deadline - lf_time_now();
+        if (ctl->deadline > 0 && left <= 0)
+            return lf_error_set(err, LF_E_TIMEOUT, ctl->path, "no answer within %g s (--timeout)",
+                                ctl->timeout);
+        int ms = ctl->deadline > 0 ? (int)fmin(ceil(left * 1e3), 1e6) : -1;
+        if (poll(&ready, 1, ms) > 0)
+            return LF_OK;
+    }
+}
+
 /* The next line as JSON. */
 static lf_status receive(lf_ctl *ctl, json_t **out, lf_error *err)
 {
@@ -146,6 +171,9 @@ static lf_status receive(lf_ctl *ctl, json_t **out, lf_error *err)
             return lf_error_set(err, LF_E_FORMAT, ctl->path,
                                 "the daemon's answer is longer than 1 MiB");
         }
+        lf_status status = await_some(ctl, err);
+        if (status != LF_OK)
+            return status;
         ssize_t n = recv(ctl->fd, ctl->buffer + ctl->used, MAX_ANSWER - ctl->used, 0);
         if (n == 0 || (n < 0 && errno != EINTR))
             return lf_error_set(err, LF_E_NODEV, ctl->path, "the daemon closed the connection");

@@ -11,6 +11,9 @@ typedef struct lf_ctl lf_ctl;
 
 /* Connects to path, or to the first default that answers (NULL). LF_E_NODEV when nobody does. */
 LF_NODISCARD lf_status lf_ctl_connect(const char *path, lf_ctl **out, lf_error *err);
+/* From now on all answers have to come within so many seconds (0: whenever they like), else
+ * LF_E_TIMEOUT. */
+void lf_ctl_set_timeout(lf_ctl *ctl, double seconds);
 /* Accepts NULL. */
 void lf_ctl_close(lf_ctl *ctl);
 

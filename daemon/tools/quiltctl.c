@@ -12,17 +12,19 @@
 
 #define PROGRAM "quiltctl"
 
-enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_JSON };
+enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_JSON, OPTION_TIMEOUT };
 
 static const struct option table[] = {
     {"socket", required_argument, NULL, OPTION_SOCKET},
     {"json", no_argument, NULL, OPTION_JSON},
+    {"timeout", required_argument, NULL, OPTION_TIMEOUT},
     {NULL, 0, NULL, 0},
 };
 
 typedef struct arguments {
     const char *socket;
     bool json;
+    double timeout; /* seconds; 0 = none */
     const char *method;
     char *const *words; /* what follows the method */
     int n_words;
@@ -48,7 +50,8 @@ static void print_help(void)
            "  --socket PATH          the daemon's socket ($QUILTD_SOCKET, "
            "$XDG_RUNTIME_DIR/quiltd.sock,\n"
            "                         /run/quiltd/control.sock)\n"
-           "  --json                 prints the result as JSON\n" LF_OPTIONS_HELP_LAST
+           "  --json                 prints the result as JSON\n"
+           "  --timeout SECONDS      gives up after so long\n" LF_OPTIONS_HELP_LAST
            "Exit status: 0, 1 when the daemon refused, 2 for wrong usage, 3 when no daemon "
            "answers.\n");
 }
@@ -56,7 +59,8 @@ static void print_help(void)
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     arguments *a = context;
-    (void)err;
+    if (code == OPTION_TIMEOUT)
+        return lf_parse_double("--timeout", text, 1e-3, 1e9, &a->timeout, err);
     if (code == OPTION_SOCKET)
         a->socket = text;
     else
@@ -227,6 +231,8 @@ int main(int argc, char *argv[])
     lf_ctl *ctl = NULL;
     json_t *result = NULL;
     lf_status status = lf_ctl_connect(a.socket, &ctl, &err);
+    if (status == LF_OK)
+        lf_ctl_set_timeout(ctl, a.timeout);
     if (status == LF_OK)
         status = run(ctl, &a, &result, &err);
     if (status != LF_OK)

@@ -23,6 +23,7 @@ enum {
     LF_RPC_PATH_REFUSED = -32001,
     LF_RPC_BAD_SCENE = -32002,
     LF_RPC_NO_DEVICE = -32003,
+    LF_RPC_TIMEOUT = -32004,
 };
 
 /* A well-formed request. method and params are borrowed from message. */
@@ -48,9 +49,9 @@ json_t *lf_rpc_error(const json_t *id, int code, const char *message, json_t *da
 json_t *lf_rpc_text(const char *text);
 json_t *lf_rpc_notification(const char *method, json_t *params);
 
-/* The error object for a failure: PATH -32001, FORMAT and IO -32002 when `scene`, NODEV -32003,
- * BUSY and STATE -32000, ARG -32602, the rest -32603; data holds file, line and pointer where err
- * has them. */
+/* The error object for a failure: PATH -32001, FORMAT, IO, NOMEM, ARG and TIMEOUT -32002 when
+ * `scene`, else TIMEOUT -32004 and ARG -32602; NODEV -32003, BUSY and STATE -32000, the rest
+ * -32603; data holds file, line and pointer where err has them. */
 json_t *lf_rpc_error_of(const json_t *id, const lf_error *err, bool scene);
 
 /* Checks params (an object) against a schema: the part of JSON Schema that the methods use (type,

@@ -119,8 +119,9 @@ static int code_of(lf_status status, bool scene)
         if (scene)
             return LF_RPC_BAD_SCENE;
         return status == LF_E_ARG ? LF_RPC_INVALID_PARAMS : LF_RPC_INTERNAL;
-    case LF_OK:
     case LF_E_TIMEOUT:
+        return scene ? LF_RPC_BAD_SCENE : LF_RPC_TIMEOUT;
+    case LF_OK:
     case LF_E_CANCELLED:
         break;
     }
