@@ -1,19 +1,31 @@
 #include "daemon/engine/loader.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/log.h"
+#include "base/thread.h"
 #include "daemon/engine/folder.h"
 #include "daemon/threads/worker.h"
+
+/* A change waits so long for the picture before it to be shown, and so long where the one before
+ * that was not. */
+#define MOMENT_SECONDS 0.1
+#define STARVED_SECONDS 3.0
+#define LOOK_NS 2000000
 
 struct lf_loader {
     lf_engine *engine;
     const lf_roots *roots;
     lf_worker *worker;
-    lf_content *content; /* the worker's own: what was committed last */
+    atomic_bool ends;
+    /* the worker's own */
+    lf_content *content; /* what was committed last */
+    bool starved;        /* what was committed before that was not shown */
 };
 
 lf_load *lf_load_create(lf_load_kind kind)
@@ -88,16 +100,27 @@ void lf_orbit_camera(const lf_camera *camera, double yaw, double pitch, double z
     }
 }
 
+/* The load that was taken into this one; NULL: none. */
+static const lf_load *next_of(const lf_load *load)
+{
+    return (const lf_load *)(const void *)load->task.next;
+}
+
+/* The moves of a load and of those taken into it, one after the other. */
 static json_t *orbit_patch(const lf_scene *scene, const lf_load *load)
 {
-    const lf_camera *camera = lf_scene_camera(scene);
-    double p[3];
-    lf_orbit_camera(camera, load->yaw, load->pitch, load->zoom, p);
-    json_t *patch = json_pack("{s:{s:[f,f,f]}}", "camera", "position", p[0], p[1], p[2]);
-    /* What is in focus stays in focus. */
+    lf_camera camera = *lf_scene_camera(scene);
+    for (; load; load = next_of(load)) {
+        double p[3];
+        lf_orbit_camera(&camera, load->yaw, load->pitch, load->zoom, p);
+        memcpy(camera.position, p, sizeof p);
+        camera.focus_distance /= load->zoom; /* what is in focus stays in focus */
+    }
+    const double *at = camera.position;
+    json_t *patch = json_pack("{s:{s:[f,f,f]}}", "camera", "position", at[0], at[1], at[2]);
     if (json_object_get(json_object_get(lf_scene_json(scene), "camera"), "focus_distance"))
         json_object_set_new(json_object_get(patch, "camera"), "focus_distance",
-                            json_real(camera->focus_distance / load->zoom));
+                            json_real(camera.focus_distance));
     return patch;
 }
 
@@ -170,11 +193,11 @@ static lf_status load_file(const lf_loader *loader, lf_load *load, lf_content **
     return status == LF_OK ? stage_of_scene(load, scene, load->file, out, &load->err) : status;
 }
 
-static lf_status load_patch(const lf_loader *loader, lf_load *load, const json_t *patch,
-                            lf_content **out)
+/* doc (taken over, NULL: out of memory) in place of the scene that is shown. */
+static lf_status load_document(const lf_loader *loader, lf_load *load, json_t *doc,
+                               lf_content **out)
 {
     const lf_content *now = loader->content;
-    json_t *doc = patch ? lf_json_merge_patch(lf_scene_json(now->scene), patch) : NULL;
     if (!doc)
         return lf_error_set(&load->err, LF_E_NOMEM, now->file, "out of memory");
     lf_scene *scene = NULL;
@@ -184,6 +207,24 @@ static lf_status load_patch(const lf_loader *loader, lf_load *load, const json_t
     if (status == LF_OK)
         lf_log_warnings(scene, now->scene);
     return status == LF_OK ? stage_of_scene(load, scene, now->file, out, &load->err) : status;
+}
+
+/* patch may be NULL: out of memory. */
+static json_t *patched(const json_t *doc, const json_t *patch)
+{
+    return patch ? lf_json_merge_patch(doc, patch) : NULL;
+}
+
+/* The patches of a load and of those taken into it, one after the other. */
+static lf_status load_patches(const lf_loader *loader, lf_load *load, lf_content **out)
+{
+    json_t *doc = patched(lf_scene_json(loader->content->scene), load->patch);
+    for (const lf_load *next = next_of(load); next && doc; next = next_of(next)) {
+        json_t *more = patched(doc, next->patch);
+        json_decref(doc);
+        doc = more;
+    }
+    return load_document(loader, load, doc, out);
 }
 
 /* Features that are no longer asked for do no harm. */
@@ -220,7 +261,7 @@ static lf_status make_content(const lf_loader *loader, lf_load *load, lf_content
         return lf_error_set(&load->err, LF_E_STATE, now ? now->file : "",
                             "no scene is shown that could be changed");
     if (load->kind == LF_LOAD_PATCH)
-        return load_patch(loader, load, load->patch, out);
+        return load_patches(loader, load, out);
     json_t *patch = NULL;
     lf_status status = LF_OK;
     if (load->kind == LF_LOAD_FIT)
@@ -228,7 +269,7 @@ static lf_status make_content(const lf_loader *loader, lf_load *load, lf_content
     else
         patch = orbit_patch(now->scene, load);
     if (status == LF_OK)
-        status = load_patch(loader, load, patch, out);
+        status = load_document(loader, load, patched(lf_scene_json(now->scene), patch), out);
     json_decref(patch);
     return status;
 }
@@ -276,9 +317,77 @@ static void run_load(lf_loader *loader, lf_load *load)
 
 /* ------------------------------------------------------------------------------------ thread -- */
 
+/* Whether two loads that follow each other are one for whoever looks. */
+static bool are_one(const lf_task *task, const lf_task *next)
+{
+    const lf_load *a = (const lf_load *)(const void *)task,
+                  *b = (const lf_load *)(const void *)next;
+    if (a->kind != b->kind)
+        return false;
+    if (a->kind == LF_LOAD_FILE)
+        return !a->deferred && !b->deferred && !a->browsed && !b->browsed && !a->reset &&
+               !b->reset && a->restore_fd < 0 && b->restore_fd < 0 && strcmp(a->file, b->file) == 0;
+    return a->kind == LF_LOAD_PATCH || a->kind == LF_LOAD_ORBIT;
+}
+
+/* Takes what waits and is one with a load into it. */
+static void take_others(lf_loader *loader, lf_load *load)
+{
+    lf_task *last = &load->task, *next;
+    while ((next = lf_worker_take(loader->worker, are_one, &load->task)))
+        last = last->next = next;
+}
+
+/* The outcome is that of the first too; what was committed is told once. */
+static void share_outcome(const lf_load *load)
+{
+    for (lf_task *task = load->task.next; task; task = task->next) {
+        lf_load *other = (lf_load *)(void *)task;
+        other->status = load->status;
+        other->err = load->err;
+        other->generation = load->generation;
+    }
+}
+
+/* Of several changes one that is no good spoils none of the others. */
+static void run_apart(lf_loader *loader, lf_load *load)
+{
+    lf_task *next = &load->task;
+    while (next) {
+        lf_task *task = next, *others = task->next;
+        task->next = NULL;
+        run_load(loader, (lf_load *)(void *)task);
+        task->next = next = others;
+    }
+}
+
+/* Before a change: until the picture that is being rendered has been shown once, but for a moment
+ * only, unless the one before was not shown at all. */
+static void let_one_show(lf_loader *loader)
+{
+    double end = lf_time_now() + (loader->starved ? STARVED_SECONDS : MOMENT_SECONDS);
+    lf_engine_status now;
+    for (;;) {
+        lf_engine_get_status(loader->engine, &now);
+        loader->starved = now.state == LF_STATE_RENDERING && now.level < LF_LEVEL_COARSE;
+        if (!loader->starved || lf_time_now() >= end || atomic_load(&loader->ends))
+            return;
+        nanosleep(&(struct timespec){.tv_nsec = LOOK_NS}, NULL);
+    }
+}
+
 static void run_task(void *context, lf_task *task)
 {
-    run_load(context, (lf_load *)(void *)task);
+    lf_loader *loader = context;
+    lf_load *load = (lf_load *)(void *)task;
+    if (load->kind == LF_LOAD_PATCH || load->kind == LF_LOAD_ORBIT)
+        let_one_show(loader);
+    take_others(loader, load);
+    run_load(loader, load);
+    if (load->status != LF_OK && load->kind != LF_LOAD_FILE && load->task.next)
+        run_apart(loader, load);
+    else
+        share_outcome(load);
 }
 
 static void drop_task(void *context, lf_task *task)
@@ -310,6 +419,7 @@ void lf_loader_destroy(lf_loader *loader)
 {
     if (!loader)
         return;
+    atomic_store(&loader->ends, true);
     lf_worker_destroy(loader->worker);
     lf_content_unref(loader->content);
     lf_free(loader);

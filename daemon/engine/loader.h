@@ -1,6 +1,9 @@
 /* loader: a thread that makes contents out of files, patches and camera moves, one after the other,
- * and commits them to the engine. The picture shown goes on being rendered meanwhile; the event
- * thread hears of the outcome through its inbox. */
+ * and commits them to the engine. Moves that wait become one, and so do patches, and reloads of a
+ * file: nobody sees what they would be in between. A picture that changes is given a moment to be
+ * shown before the next change, and where one change has cost a picture its coarse frame the next
+ * one lets it come: whoever moves a slider sees something move. The picture shown goes on being
+ * rendered meanwhile; the event thread hears of the outcome through its inbox. */
 #ifndef LF_DAEMON_LOADER_H
 #define LF_DAEMON_LOADER_H
 

@@ -51,10 +51,26 @@ static void *worker_main(void *context)
 {
     lf_worker *worker = context;
     for (lf_task *task = next_task(worker); task; task = next_task(worker)) {
+        task->next = NULL;
         worker->run(worker->context, task);
-        post_back(worker, task);
+        for (lf_task *next; task; task = next) {
+            next = task->next; /* an inbox has its own */
+            post_back(worker, task);
+        }
     }
     return NULL;
+}
+
+lf_task *lf_worker_take(lf_worker *worker, bool (*suits)(const lf_task *task, const lf_task *next),
+                        const lf_task *task)
+{
+    pthread_mutex_lock(&worker->lock);
+    bool good = worker->first && !worker->stop && suits(task, worker->first);
+    lf_task *next = good ? take(worker) : NULL;
+    pthread_mutex_unlock(&worker->lock);
+    if (next)
+        next->next = NULL;
+    return next;
 }
 
 lf_status lf_worker_create(const char *name, lf_task_fn run, lf_task_fn drop, void *context,

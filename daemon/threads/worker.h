@@ -8,8 +8,8 @@
 
 typedef struct lf_worker lf_worker;
 
-/* What is done with a task before it is posted back. Thread: the worker's; `drop` is called by
- * lf_worker_destroy. */
+/* What is done with a task before it is posted back, and with it those that hang on its `next`, in
+ * their order (lf_worker_take). Thread: the worker's; `drop` is called by lf_worker_destroy. */
 typedef void (*lf_task_fn)(void *context, lf_task *task);
 
 /* run does what a task asks for; drop marks one that is not done any more. name: the thread's, at
@@ -20,6 +20,11 @@ LF_NODISCARD lf_status lf_worker_create(const char *name, lf_task_fn run, lf_tas
 void lf_worker_destroy(lf_worker *worker);
 /* Takes the task over until it is posted back. */
 void lf_worker_queue(lf_worker *worker, lf_task *task);
+/* The task that was queued behind the one in progress, if it is there and suits (under the queue's
+ * lock: quickly); else NULL. Whoever runs a task may take others into it, and leaves them on its
+ * `next`. Thread: the worker's. */
+lf_task *lf_worker_take(lf_worker *worker, bool (*suits)(const lf_task *task, const lf_task *next),
+                        const lf_task *task);
 /* Tasks queued or in progress. Thread: any. */
 int lf_worker_pending(lf_worker *worker);
 /* Waits until none is left, or until `end` (lf_time_now); true when none is left. */
