@@ -20,6 +20,20 @@ static lf_status fail_errno(lf_error *err, const char *path, const char *what)
 
 /* ----------------------------------------------------------------------------------- reading -- */
 
+/* What a server says in place of a file that it does not have. */
+static bool is_web_page(int fd)
+{
+    static const char *const beginnings[] = {"<!doctype html", "<html"};
+    char text[64];
+    ssize_t n = pread(fd, text, sizeof text - 1, 0);
+    text[n > 0 ? n : 0] = '\0';
+    const char *at = text + strspn(text, " \t\r\n");
+    for (size_t i = 0; i < sizeof beginnings / sizeof *beginnings; i++)
+        if (strncasecmp(at, beginnings[i], strlen(beginnings[i])) == 0)
+            return true;
+    return false;
+}
+
 lf_status lf_file_open(const char *path, const lf_roots *roots, uint64_t max_bytes, int *out_fd,
                        uint64_t *out_size, lf_error *err)
 {
@@ -42,6 +56,9 @@ lf_status lf_file_open(const char *path, const lf_roots *roots, uint64_t max_byt
     else if ((uint64_t)st.st_size > max_bytes)
         status = lf_error_set(err, LF_E_FORMAT, path, "%ju bytes, expected at most %ju",
                               (uintmax_t)st.st_size, (uintmax_t)max_bytes);
+    else if (is_web_page(fd))
+        status = lf_error_set(err, LF_E_FORMAT, path,
+                              "this is a web page, saved in place of the file that was meant");
     if (status != LF_OK) {
         close(fd);
         return status;

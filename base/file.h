@@ -9,8 +9,9 @@
 #include "base/paths.h"
 
 /* Opens a regular file for reading (never blocks on a FIFO or device; O_CLOEXEC) and checks it
- * against roots (NULL = anywhere) and max_bytes. On LF_OK the caller owns *out_fd; *out_size (may
- * be NULL) is its size. LF_E_PATH, LF_E_IO, LF_E_FORMAT. */
+ * against roots (NULL = anywhere), max_bytes, and being a web page that was saved in its place. On
+ * LF_OK the caller owns *out_fd; *out_size (may be NULL) is its size. LF_E_PATH, LF_E_IO,
+ * LF_E_FORMAT. */
 LF_NODISCARD lf_status lf_file_open(const char *path, const lf_roots *roots, uint64_t max_bytes,
                                     int *out_fd, uint64_t *out_size, lf_error *err);
 

@@ -1,5 +1,6 @@
 /* A scene from a file or a document: parsed (scene_parse.h), then committed (scene_commit.h). */
 #include <stdint.h>
+#include <string.h>
 
 #include "base/alloc.h"
 #include "render/load/scene_commit.h"
@@ -74,7 +75,9 @@ lf_status lf_scene_load(const char *path, const lf_roots *roots, const lf_scene 
     if (status != LF_OK)
         return status;
     json_error_t problem;
-    json_t *doc = json_loadb(text, size, JSON_REJECT_DUPLICATES, &problem);
+    size_t mark =
+        size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; /* UTF-8's, of editors */
+    json_t *doc = json_loadb(text + mark, size - mark, JSON_REJECT_DUPLICATES, &problem);
     folder = lf_path_folder(path);
     if (!doc)
         status = lf_error_set_at(err, LF_E_FORMAT, path, problem.line, NULL, "%s (column %d)",
@@ -82,7 +85,8 @@ lf_status lf_scene_load(const char *path, const lf_roots *roots, const lf_scene 
     else if (!folder)
         status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     else
-        status = build(doc, text, size, folder, path, roots, previous, out_scene, err);
+        status =
+            build(doc, text + mark, size - mark, folder, path, roots, previous, out_scene, err);
     json_decref(doc);
     lf_free(folder);
     lf_free(text);

@@ -87,6 +87,26 @@ static void only_regular_files_are_opened(void **state)
     lf_roots_finish(&roots);
 }
 
+static void a_web_page_is_called_one(void **state)
+{
+    static const char *const pages[] = {"<!DOCTYPE html>\n<html>404</html>", "\n <HTML><body>",
+                                        "<!doctype HTML"};
+    static const char *const others[] = {"<?xml version=\"1.0\"?>", "<ht", "", "v 0 0 0\n<html>"};
+    lf_error err;
+    int fd;
+    for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
+        const char *path = lf_test_write(*state, "page.obj", pages[i]);
+        lf_assert_status(lf_file_open(path, NULL, 1 << 20, &fd, NULL, &err), LF_E_FORMAT, &err);
+        assert_non_null(strstr(err.what, "a web page"));
+    }
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        const char *path = lf_test_write(*state, "other", others[i]);
+        lf_assert_ok(lf_file_open(path, NULL, 1 << 20, &fd, NULL, &err), &err);
+        assert_int_equal(lseek(fd, 0, SEEK_CUR), 0); /* as if nobody had looked */
+        close(fd);
+    }
+}
+
 static void descriptors_are_not_inherited(void **state)
 {
     lf_error err;
@@ -545,6 +565,7 @@ int main(void)
         lf_test_in_folder(a_file_is_read_whole_and_terminated),
         lf_test_in_folder(size_limits_hold),
         lf_test_in_folder(only_regular_files_are_opened),
+        lf_test_in_folder(a_web_page_is_called_one),
         lf_test_in_folder(descriptors_are_not_inherited),
         lf_test_in_folder(reading_stays_beneath_the_roots),
         lf_test_in_folder(several_roots_add_up),

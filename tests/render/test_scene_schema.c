@@ -370,6 +370,22 @@ static void every_shipped_scene_follows_the_schema(void **state)
     assert_true(check_folder("bench/reference") >= 2);
 }
 
+/* As some editors write it. */
+static void a_mark_of_utf8_before_the_document_is_skipped(void **state)
+{
+    lf_error err;
+    lf_scene *scene = NULL;
+    const char *path = lf_test_write(*state, "marked.json",
+                                     "\xef\xbb\xbf{ \"quiltd\": 1, \"camera\": { \"target\": "
+                                     "[0,0,0], \"position\": [0,0,5] } }");
+    lf_assert_ok(lf_scene_load(path, NULL, NULL, &scene, &err), &err);
+    lf_scene_unref(scene);
+    /* places in errors are those of the file */
+    path = lf_test_write(*state, "marked.json", "\xef\xbb\xbf{\n\"quiltd\": 1,\n\"wings\": 2 }");
+    lf_assert_status(lf_scene_load(path, NULL, NULL, &scene, &err), LF_E_FORMAT, &err);
+    assert_int_equal(err.line, 3);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -377,6 +393,7 @@ int main(void)
         cmocka_unit_test(schema_and_parser_refuse_the_same_documents),
         cmocka_unit_test(every_key_of_the_schema_is_known_to_the_parser),
         cmocka_unit_test(every_shipped_scene_follows_the_schema),
+        lf_test_in_folder(a_mark_of_utf8_before_the_document_is_skipped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
