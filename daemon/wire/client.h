@@ -14,7 +14,7 @@
 #include "daemon/wire/rpc.h"
 
 #define LF_MAX_CLIENTS 64
-#define LF_MAX_CLIENT_FDS 253   /* SCM_MAX_FD of Linux */
+#define LF_MAX_CLIENT_FDS 253    /* SCM_MAX_FD of Linux */
 #define LF_MAX_CLIENT_CALLS 4096 /* calls without an answer yet */
 
 typedef struct lf_clients lf_clients;
