@@ -56,7 +56,8 @@ typedef struct lf_import_answer {
     int32_t status; /* LF_OK: a descriptor comes with it */
 } lf_import_answer;
 
-/* Sends a message, and with it fd unless that is below 0. LF_E_IO. */
+/* Sends a message, and with it fd unless that is below 0. Never waits: each side has one message to
+ * answer at most. LF_E_IO: the other side is gone, or does not listen. */
 LF_NODISCARD lf_status lf_import_send(int socket, const void *message, size_t size, int fd);
 /* Takes a message of exactly this size; *out_fd is what came with it (the caller's), else -1.
  * LF_E_IO: none came, or another one. */

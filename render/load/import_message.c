@@ -27,9 +27,27 @@ lf_status lf_import_send(int socket, const void *message, size_t size, int fd)
         memcpy(CMSG_DATA(with), &fd, sizeof fd);
     }
     do {
-        n = sendmsg(socket, &header, MSG_NOSIGNAL);
+        n = sendmsg(socket, &header, MSG_NOSIGNAL | MSG_DONTWAIT);
     } while (n < 0 && errno == EINTR);
     return n == (ssize_t)size ? LF_OK : LF_E_IO;
+}
+
+/* The descriptor that came, if it is one; several (there is room for two, by alignment) are none.
+ */
+static int take_descriptor(const struct msghdr *header)
+{
+    int fd = -1, n = 0;
+    const struct cmsghdr *with = CMSG_FIRSTHDR(header);
+    if (!with || with->cmsg_level != SOL_SOCKET || with->cmsg_type != SCM_RIGHTS)
+        return -1;
+    for (size_t at = CMSG_LEN(0); at + sizeof fd <= with->cmsg_len; at += sizeof fd, n++) {
+        if (fd >= 0)
+            close(fd);
+        memcpy(&fd, (const char *)with + at, sizeof fd);
+    }
+    if (n > 1)
+        close(fd);
+    return n == 1 ? fd : -1;
 }
 
 lf_status lf_import_receive(int socket, void *message, size_t size, int *out_fd)
@@ -45,10 +63,7 @@ lf_status lf_import_receive(int socket, void *message, size_t size, int *out_fd)
     do {
         n = recvmsg(socket, &header, MSG_CMSG_CLOEXEC);
     } while (n < 0 && errno == EINTR);
-    const struct cmsghdr *with = n >= 0 ? CMSG_FIRSTHDR(&header) : NULL;
-    if (with && with->cmsg_level == SOL_SOCKET && with->cmsg_type == SCM_RIGHTS &&
-        with->cmsg_len == CMSG_LEN(sizeof *out_fd))
-        memcpy(out_fd, CMSG_DATA(with), sizeof *out_fd);
+    *out_fd = n >= 0 ? take_descriptor(&header) : -1;
     if (n == (ssize_t)size && !(header.msg_flags & (MSG_TRUNC | MSG_CTRUNC)))
         return LF_OK;
     if (*out_fd >= 0)

@@ -211,6 +211,38 @@ static inline void fake_misbehave(const char *mode)
         i++;
 }
 
+/* More descriptors than were agreed on. */
+static inline _Noreturn void fake_send_two(void)
+{
+    lf_import_reply reply = {.step = LF_IMPORT_DONE};
+    union {
+        struct cmsghdr header;
+        char bytes[CMSG_SPACE(2 * sizeof(int))];
+    } room = {.bytes = {0}};
+    int fds[2] = {fake_parcel(""), fake_parcel("")};
+    struct iovec data = {&reply, sizeof reply};
+    struct msghdr message = {.msg_iov = &data,
+                             .msg_iovlen = 1,
+                             .msg_control = room.bytes,
+                             .msg_controllen = sizeof room.bytes};
+    struct cmsghdr *with = CMSG_FIRSTHDR(&message);
+    with->cmsg_level = SOL_SOCKET;
+    with->cmsg_type = SCM_RIGHTS;
+    with->cmsg_len = CMSG_LEN(sizeof fds);
+    memcpy(CMSG_DATA(with), fds, sizeof fds);
+    (void)!sendmsg(LF_IMPORT_SOCKET, &message, 0);
+    pause();
+    _exit(0);
+}
+
+/* Asks and asks, and never listens. */
+static inline _Noreturn void fake_ask_only(void)
+{
+    lf_import_reply ask = {.step = LF_IMPORT_OPEN, .text = "/etc/passwd"};
+    for (;;)
+        (void)!send(LF_IMPORT_SOCKET, &ask, sizeof ask, 0);
+}
+
 /* For a file beside the mesh's, or anywhere; once or for ever. */
 static inline _Noreturn void fake_ask(const char *path, const char *name, bool for_ever)
 {
@@ -246,6 +278,10 @@ static inline int lf_fake_reader(void)
         fake_confined(mode + 9);
     if (strncmp(mode, "ask", 3) == 0 || strncmp(mode, "beg", 3) == 0)
         fake_ask(request.path, mode + 3, mode[0] == 'b');
+    if (strcmp(mode, "two") == 0)
+        fake_send_two();
+    if (strcmp(mode, "deaf") == 0)
+        fake_ask_only();
     if (strncmp(mode, "random", 6) == 0)
         fake_last(LF_IMPORT_DONE, LF_OK, "", fake_random_parcel((uint64_t)atoi(mode + 6)));
     fake_last(LF_IMPORT_DONE, LF_OK, "", fake_parcel(strcmp(mode, "parcel") == 0 ? "" : mode));

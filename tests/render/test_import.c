@@ -189,6 +189,28 @@ static void a_reader_that_ends_is_an_error_of_the_file(void **state)
     assert_says(*state, "words", LF_E_NOMEM, "too much \\x1b[2J of it");
 }
 
+static int count_descriptors(void)
+{
+    int n = 0;
+    for (int fd = 0; fd < 256; fd++)
+        n += fcntl(fd, F_GETFD) != -1;
+    return n;
+}
+
+static void no_descriptor_stays_whatever_a_reader_sends(void **state)
+{
+    static const char *const modes[] = {"parcel", "two", "unsealed", "abort", "ask/etc/passwd"};
+    int before = count_descriptors();
+    for (size_t i = 0; i < sizeof modes / sizeof *modes; i++) {
+        lf_mesh_data data;
+        lf_error err;
+        lf_status status = import_by(*state, modes[i], &data, &err);
+        assert_true((status == LF_OK) == (i == 0));
+        lf_mesh_data_finish(&data);
+        assert_int_equal(count_descriptors(), before);
+    }
+}
+
 static void a_reader_that_tells_the_truth_is_believed(void **state)
 {
     lf_mesh_data data;
@@ -254,7 +276,11 @@ static void a_reader_that_hangs_is_ended_when_its_time_is_over(void **state)
     assert_says(*state, "sleep", LF_E_TIMEOUT, "reading takes longer than 1 s (--import-time)");
     assert_true(lf_time_now() - start >= 1.0);
     assert_says(*state, "spin", LF_E_TIMEOUT, "reading takes longer than 1 s (--import-time)");
-    /* asking for files for ever is no other way to stay */
+    /* asking for files for ever is no other way to stay, nor is not to listen */
+    lf_mesh_data data;
+    lf_error err;
+    assert_int_not_equal(import_by(*state, "deaf", &data, &err), LF_OK);
+    lf_mesh_data_finish(&data);
     assert_says(*state, "begabsent.mtl", LF_E_TIMEOUT,
                 "reading takes longer than 1 s (--import-time)");
     lf_import_limit(0, LF_IMPORT_SECONDS);
@@ -465,6 +491,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_parcel_holds_what_was_put_into_it),
         cmocka_unit_test(a_parcel_that_is_no_such_thing_is_refused),
         cmocka_unit_test(a_reader_that_ends_is_an_error_of_the_file),
+        cmocka_unit_test(no_descriptor_stays_whatever_a_reader_sends),
         cmocka_unit_test(a_reader_that_tells_the_truth_is_believed),
         cmocka_unit_test(a_mesh_of_lies_is_refused),
         cmocka_unit_test(a_mesh_of_random_bytes_is_refused_or_within_bounds),
