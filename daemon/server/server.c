@@ -174,6 +174,8 @@ static void destroy(lf_server *server)
     lf_content_unref(server->content);
     lf_roots_finish(&server->roots);
     lf_free(server->export_root);
+    if (server->state_fd >= 0)
+        close(server->state_fd);
     if (server->engine_fd >= 0)
         close(server->engine_fd);
 }
@@ -241,6 +243,8 @@ static lf_status make_folders(lf_server *server, lf_error *err)
         char *folder = NULL;
         status = make_folder("--state", server->config.state_dir, &folder, err);
         lf_free(folder);
+        if (status == LF_OK)
+            status = lf_server_lock_state(server, err);
     }
     return status;
 }
@@ -380,7 +384,8 @@ int lf_server_run(const lf_server_config *config)
     lf_server *server = lf_calloc(1, sizeof *server);
     if (!server)
         return LF_EXIT_FAILED;
-    *server = (lf_server){.config = *config, .engine_fd = -1, .lock_fd = -1, .inbox.event_fd = -1};
+    *server = (lf_server){
+        .config = *config, .engine_fd = -1, .lock_fd = -1, .state_fd = -1, .inbox.event_fd = -1};
     server->options = config->options;
     server->response = config->response;
     server->life.started = lf_time_now();

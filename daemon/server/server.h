@@ -121,8 +121,8 @@ struct lf_server {
     lf_loader *loader;
     lf_task *held; /* loads that came before the scene of the command line */
     lf_clients *clients;
-    char *socket_path; /* to unlink at the end; NULL = systemd's */
-    int lock_fd;
+    char *socket_path;     /* to unlink at the end; NULL = systemd's */
+    int lock_fd, state_fd; /* locked: the socket's, and the folder of --state */
     lf_show *show;
     lf_button_work *button_work;
     lf_watch *watch; /* NULL without --watch */
@@ -250,6 +250,8 @@ void lf_server_save_state(lf_server *server);
 void lf_server_save_state_now(lf_server *server);
 /* A save that lf_server_save_state began has ended. */
 void lf_server_state_saved(lf_server *server, lf_status status);
+/* Holds the folder of --state for this daemon alone, until it ends. LF_E_BUSY. */
+LF_NODISCARD lf_status lf_server_lock_state(lf_server *server, lf_error *err);
 /* Opens the saved state; -1 = none. */
 int lf_server_open_state(const lf_server *server);
 

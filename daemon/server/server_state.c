@@ -1,9 +1,13 @@
 /* --state: the accumulation that a daemon leaves behind and goes on with. */
+#include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
+#include <sys/file.h>
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/errno_text.h"
 #include "base/log.h"
 #include "daemon/server/server_job.h"
 
@@ -14,6 +18,26 @@
 static char *state_path(const lf_server *server)
 {
     return lf_path_join(server->config.state_dir, STATE_NAME);
+}
+
+lf_status lf_server_lock_state(lf_server *server, lf_error *err)
+{
+    const char *folder = server->config.state_dir;
+    server->state_fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (server->state_fd < 0)
+        return lf_error_set(err, LF_E_IO, "--state", "%s: cannot open: %s", folder,
+                            lf_errno_text(errno));
+    if (flock(server->state_fd, LOCK_EX | LOCK_NB) == 0)
+        return LF_OK;
+    if (errno == EWOULDBLOCK)
+        return lf_error_set(
+            err, LF_E_BUSY, "--state",
+            "%s is another quiltd's, which is still running: each needs a folder of "
+            "its own",
+            folder);
+    /* some network file systems have no locks */
+    lf_log(LF_LOG_WARNING, "--state: %s cannot be locked: %s", folder, lf_errno_text(errno));
+    return LF_OK;
 }
 
 int lf_server_open_state(const lf_server *server)

@@ -359,6 +359,36 @@ static void a_saved_picture_is_shown_at_once(void **state)
     live_finish(&l);
 }
 
+static void a_state_belongs_to_one_daemon(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    char other[PATH_MAX];
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", "none", "--state", l.state, NULL);
+    live_connect(&l, &c);
+    snprintf(other, sizeof other, "%s/other", l.folder);
+    char *const words[] = {(char *)(uintptr_t)lf_test_built("quiltd"),
+                           l.scene,
+                           (char *)(uintptr_t) "--device",
+                           (char *)(uintptr_t) "none",
+                           (char *)(uintptr_t) "--socket",
+                           other,
+                           (char *)(uintptr_t) "--state",
+                           l.state,
+                           NULL};
+    assert_int_equal(live_reap(live_spawn(&l, words)), 1);
+    assert_true(live_logged(&l, "is another quiltd's, which is still running"));
+    live_close(&c);
+    assert_int_equal(live_stop(&l), 0);
+    /* it is free when that has ended, however that was */
+    live_start(&l, l.scene, "--device", "none", "--state", l.state, NULL);
+    live_connect(&l, &c);
+    live_close(&c);
+    live_finish(&l);
+}
+
 static void a_killed_daemon_goes_on_from_its_state(void **state)
 {
     (void)state;
@@ -489,6 +519,7 @@ int main(void)
         cmocka_unit_test(texts_that_are_not_utf8_and_large_seeds_are_told_whole),
         cmocka_unit_test(a_panel_that_stalls_for_ever_stops_neither_rendering_nor_the_end),
         cmocka_unit_test(a_saved_picture_is_shown_at_once),
+        cmocka_unit_test(a_state_belongs_to_one_daemon),
         cmocka_unit_test(a_killed_daemon_goes_on_from_its_state),
         cmocka_unit_test(the_batch_in_progress_ends_before_its_state_is_saved),
         cmocka_unit_test(the_scene_file_is_read_again_on_hangup_and_when_it_changes),
