@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/thread.h"
 #include "render/load/environment_load.h"
 #include "render/load/file_identity.h"
 #include "render/load/geometry_build.h"
@@ -15,6 +16,8 @@
 #include "render/scene/vec_double.h"
 #include "render/transport/light_kind.h"
 #include "render/transport/surface.h"
+
+enum { MOST_READERS = 4 }; /* at once: each may take the memory that --import-memory says */
 
 typedef struct commit {
     lf_reader *reader;
@@ -232,18 +235,65 @@ static void place_volume(const commit *c, lf_volume *volume, const lf_volume_des
 
 /* ------------------------------------------------------------------------------------ meshes -- */
 
+/* What one mesh after the other comes to, each on whatever thread is free. */
+typedef struct importing {
+    const commit *c;
+    lf_mesh_data *data;
+    lf_status *status;
+    lf_error *err;
+} importing;
+
+static void import_mesh(void *context, int i, int worker)
+{
+    const importing *all = context;
+    const lf_mesh_desc *desc = &all->c->desc->meshes[i];
+    (void)worker;
+    all->data[i].name = desc->name;
+    all->status[i] = desc->shape ? lf_mesh_shape_make(desc, &all->data[i], &all->err[i])
+                                 : lf_mesh_import(desc, all->c->scene->folder, all->c->roots,
+                                                  &all->data[i], &all->err[i]);
+}
+
+static int count_files(const lf_scene_desc *desc)
+{
+    int n = 0;
+    for (int i = 0; i < desc->n_meshes; i++)
+        n += !desc->meshes[i].shape;
+    return n;
+}
+
+/* Files are read several at once, a process each. */
+static lf_status import_all(importing *all, int n)
+{
+    int n_files = count_files(all->c->desc);
+    lf_pool *pool = NULL;
+    lf_status status = lf_pool_create(n_files < 1              ? 1
+                                      : n_files < MOST_READERS ? n_files
+                                                               : MOST_READERS,
+                                      &pool);
+    if (status == LF_OK)
+        status = lf_pool_run(pool, n, import_mesh, all, NULL);
+    lf_pool_destroy(pool);
+    return status;
+}
+
 static void import_meshes(const commit *c, lf_mesh_data *data)
 {
-    for (int i = 0; i < c->desc->n_meshes && c->reader->status == LF_OK; i++) {
-        const lf_mesh_desc *desc = &c->desc->meshes[i];
-        lf_error err = {0};
-        data[i].name = desc->name;
-        lf_status status = desc->shape
-                               ? lf_mesh_shape_make(desc, &data[i], &err)
-                               : lf_mesh_import(desc, c->scene->folder, c->roots, &data[i], &err);
-        if (status != LF_OK)
-            fail_at(c, "meshes", desc->name, desc->shape ? "" : "file", &err);
-    }
+    int n = c->desc->n_meshes;
+    if (n == 0)
+        return;
+    importing all = {.c = c,
+                     .data = data,
+                     .status = lf_calloc((size_t)n, sizeof *all.status),
+                     .err = lf_calloc((size_t)n, sizeof *all.err)};
+    if (!all.status || !all.err || import_all(&all, n) != LF_OK)
+        out_of_memory(c);
+    for (int i = 0; i < n && c->reader->status == LF_OK; i++)
+        if (all.status[i] != LF_OK)
+            fail_at(c, "meshes", c->desc->meshes[i].name, c->desc->meshes[i].shape ? "" : "file",
+                    &all.err[i]);
+    lf_free(all.status);
+    lf_free(all.err);
 }
 
 static void extend_by_data(double bounds[2][3], const lf_mesh_data *data)
