@@ -17,6 +17,8 @@
 #define MOMENT_SECONDS 0.1
 #define STARVED_SECONDS 3.0
 #define LOOK_NS 2000000
+/* Where one is no good they are done one by one, and nobody has an answer before that. */
+#define MOST_AT_ONCE 256
 
 struct lf_loader {
     lf_engine *engine;
@@ -334,8 +336,12 @@ static bool are_one(const lf_task *task, const lf_task *next)
 static void take_others(lf_loader *loader, lf_load *load)
 {
     lf_task *last = &load->task, *next;
-    while ((next = lf_worker_take(loader->worker, are_one, &load->task)))
+    for (int n = 1; n < MOST_AT_ONCE; n++) {
+        next = lf_worker_take(loader->worker, are_one, &load->task);
+        if (!next)
+            return;
         last = last->next = next;
+    }
 }
 
 /* The outcome is that of the first too; what was committed is told once. */
@@ -349,6 +355,13 @@ static void share_outcome(const lf_load *load)
     }
 }
 
+static void drop_task(void *context, lf_task *task)
+{
+    lf_load *load = (lf_load *)(void *)task;
+    (void)context;
+    load->status = lf_error_set(&load->err, LF_E_CANCELLED, "", "the daemon is shutting down");
+}
+
 /* Of several changes one that is no good spoils none of the others. */
 static void run_apart(lf_loader *loader, lf_load *load)
 {
@@ -356,7 +369,10 @@ static void run_apart(lf_loader *loader, lf_load *load)
     while (next) {
         lf_task *task = next, *others = task->next;
         task->next = NULL;
-        run_load(loader, (lf_load *)(void *)task);
+        if (atomic_load(&loader->ends))
+            drop_task(loader, task);
+        else
+            run_load(loader, (lf_load *)(void *)task);
         task->next = next = others;
     }
 }
@@ -388,13 +404,6 @@ static void run_task(void *context, lf_task *task)
         run_apart(loader, load);
     else
         share_outcome(load);
-}
-
-static void drop_task(void *context, lf_task *task)
-{
-    lf_load *load = (lf_load *)(void *)task;
-    (void)context;
-    load->status = lf_error_set(&load->err, LF_E_CANCELLED, "", "the daemon is shutting down");
 }
 
 lf_status lf_loader_create(lf_engine *engine, const lf_roots *roots, lf_inbox *inbox,

@@ -92,7 +92,7 @@ const lf_param lf_option_params[] = {
     {.name = "reconstruct", .option = "reconstruct", .argument = "auto|off|on",
      PLACE(reconstruct), .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
      .help = "the reconstructed picture (auto: on displays, not in files)"},
-    {.option = "import-memory", .argument = "GIB", PLACE(import_memory), .low = 0.0625,
+    {.option = "import-memory", .argument = "GIB", PLACE(import_memory), .low = 0.125,
      .high = 65536, .help = "what reading one file may take (half of the machine's)"},
     {.option = "import-time", .argument = "SECONDS", PLACE(import_time), .type = LF_PARAM_WHOLE,
      .low = 1, .high = 86400, .initial = LF_IMPORT_SECONDS,

@@ -6,8 +6,9 @@
 
 struct lf_deferred {
     uint64_t client;
-    json_t *id;  /* a copy */
-    bool silent; /* a notification: nobody waits for an answer */
+    json_t *id;   /* a copy */
+    bool silent;  /* a notification: nobody waits for an answer */
+    size_t bytes; /* of the client's lines that are held */
 };
 
 /* ----------------------------------------------------------------------------------- answers -- */
@@ -34,7 +35,11 @@ void lf_fail(lf_call *call, const lf_error *err, bool scene)
 
 lf_deferred *lf_defer(lf_call *call)
 {
-    lf_deferred *deferred = lf_client_hold(call->client) ? lf_calloc(1, sizeof *deferred) : NULL;
+    size_t bytes = 0;
+    bool held = lf_client_hold(call->client, &bytes);
+    lf_deferred *deferred = held ? lf_calloc(1, sizeof *deferred) : NULL;
+    if (held && !deferred)
+        lf_client_release(call->client, bytes);
     if (!deferred) {
         lf_error err;
         (void)lf_error_set(&err, LF_E_BUSY, call->method,
@@ -44,7 +49,8 @@ lf_deferred *lf_defer(lf_call *call)
     }
     *deferred = (lf_deferred){.client = lf_client_serial(call->client),
                               .id = json_deep_copy(call->id),
-                              .silent = !call->id};
+                              .silent = !call->id,
+                              .bytes = bytes};
     call->answered = true;
     return deferred;
 }
@@ -61,7 +67,7 @@ static void send_answer(lf_server *server, lf_deferred *deferred, json_t *messag
     if (client) {
         if (!deferred->silent)
             lf_client_send(client, json_incref(message));
-        lf_client_release(client);
+        lf_client_release(client, deferred->bytes);
     }
     json_decref(message);
     json_decref(deferred->id);

@@ -183,7 +183,7 @@ void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation
                       .server = server};
     if (seconds > 0 &&
         sd_event_add_time_relative(server->event, &wait->timer, CLOCK_MONOTONIC,
-                                   (uint64_t)(seconds * 1e6), 0, on_wait_over, wait) < 0) {
+                                   (uint64_t)(seconds * 1e6), 1000, on_wait_over, wait) < 0) {
         lf_free(wait);
         lf_deferred_reply(server, deferred, NULL);
         return;

@@ -35,6 +35,7 @@ struct lf_client {
     bool dropped;   /* to be freed when its turn is over */
     bool busy;      /* its lines are being worked on */
     int calls;
+    size_t line, held; /* bytes: of the line being handled, of those of calls */
     unsigned flags;
     int fds[LF_MAX_CLIENT_FDS];
     int n_fds;
@@ -243,6 +244,7 @@ static void take_lines(lf_client *client)
             lf_client_send(client, lf_rpc_error(NULL, LF_RPC_INVALID_REQUEST,
                                                 "a line is longer than 1 MiB", NULL));
         } else if (n > 0) {
+            client->line = n;
             client->owner->on_line(client->owner->context, client, client->in.data + begin, n);
         }
         begin += n + 1;
@@ -444,17 +446,21 @@ uint64_t lf_client_serial(const lf_client *client)
     return client->serial;
 }
 
-bool lf_client_hold(lf_client *client)
+bool lf_client_hold(lf_client *client, size_t *out_bytes)
 {
-    if (client->calls >= LF_MAX_CLIENT_CALLS)
+    if (client->calls >= LF_MAX_CLIENT_CALLS ||
+        (client->calls > 0 && client->held + client->line > LF_MAX_HELD_BYTES))
         return false;
     client->calls++;
+    client->held += client->line;
+    *out_bytes = client->line;
     return true;
 }
 
-void lf_client_release(lf_client *client)
+void lf_client_release(lf_client *client, size_t bytes)
 {
     client->calls--;
+    client->held -= bytes;
     leave(client);
 }
 

@@ -14,8 +14,9 @@
 #include "daemon/wire/rpc.h"
 
 #define LF_MAX_CLIENTS 64
-#define LF_MAX_CLIENT_FDS 253    /* SCM_MAX_FD of Linux */
-#define LF_MAX_CLIENT_CALLS 4096 /* calls without an answer yet */
+#define LF_MAX_CLIENT_FDS 253               /* SCM_MAX_FD of Linux */
+#define LF_MAX_HELD_BYTES ((size_t)4 << 20) /* of the lines of such calls, but for one */
+#define LF_MAX_CLIENT_CALLS 4096            /* calls without an answer yet */
 
 typedef struct lf_clients lf_clients;
 typedef struct lf_client lf_client;
@@ -42,9 +43,10 @@ void lf_client_send(lf_client *client, json_t *message);
 /* Sends line[n] (no newline) as a frame notification: replaces one that is still waiting. */
 void lf_client_send_frame(lf_client *client, const char *line, size_t n);
 
-/* Calls that will be answered later: a half-closed connection stays for them. False: too many. */
-bool lf_client_hold(lf_client *client);
-void lf_client_release(lf_client *client);
+/* Calls that will be answered later: a half-closed connection stays for them. *out_bytes: the
+ * line's that is being handled, to be given back. False: too many, or too large together. */
+bool lf_client_hold(lf_client *client, size_t *out_bytes);
+void lf_client_release(lf_client *client, size_t bytes);
 
 /* Takes the next n descriptors the client has passed; false (nothing taken) when there are fewer.
  */

@@ -16,8 +16,8 @@
 #include "base/thread.h"
 #include "render/render.h"
 
-#define LOOK_MS 50 /* between looks at whether all readers are to end */
-#define LEAST_MEMORY ((uint64_t)64 << 20)
+#define LOOK_MS 50                         /* between looks at whether all readers are to end */
+#define LEAST_MEMORY ((uint64_t)128 << 20) /* OpenVDB starts with nearly as much */
 
 static struct {
     _Atomic uint64_t memory;
@@ -80,9 +80,14 @@ static lf_status find_reader(lf_import_kind kind, char path[PATH_MAX], lf_error 
 static int spawn(const char *path, int socket, pid_t *out_pid)
 {
     char *const words[] = {(char *)(uintptr_t) "quiltimport", NULL};
+    char *bare[2] = {NULL, NULL}; /* of the environment what finds libraries */
+    char libraries[PATH_MAX];
+    const char *where = secure_getenv("LD_LIBRARY_PATH");
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t how;
     sigset_t none, all;
+    if (where && snprintf(libraries, sizeof libraries, "LD_LIBRARY_PATH=%s", where) < PATH_MAX)
+        bare[0] = libraries;
     sigemptyset(&none);
     sigfillset(&all);
     if (posix_spawn_file_actions_init(&actions) != 0)
@@ -103,7 +108,7 @@ static int spawn(const char *path, int socket, pid_t *out_pid)
         failed =
             posix_spawnattr_setsigmask(&how, &none) || posix_spawnattr_setsigdefault(&how, &all);
     if (!failed)
-        failed = posix_spawn(out_pid, path, &actions, &how, words, environ);
+        failed = posix_spawn(out_pid, path, &actions, &how, words, bare);
     posix_spawnattr_destroy(&how);
     posix_spawn_file_actions_destroy(&actions);
     return failed;
@@ -240,6 +245,7 @@ lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
 {
     child reader = {.pid = -1};
     request->version = LF_IMPORT_VERSION;
+    request->asker = getpid();
     request->memory = memory_limit();
     request->seconds = atomic_load(&limits.seconds);
     if (atomic_load(&limits.stopped))

@@ -33,6 +33,7 @@ typedef enum lf_import_kind { LF_IMPORT_MESH, LF_IMPORT_GRID } lf_import_kind;
 
 typedef struct lf_import_request {
     uint32_t version, kind;
+    int64_t asker;    /* its process */
     uint64_t memory;  /* bytes that the reader may have */
     uint32_t seconds; /* of CPU time */
     /* of a mesh */

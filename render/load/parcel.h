@@ -3,7 +3,7 @@
  * read a stranger's file and may be his by now. Private to render/.
  *
  *     header, 64 bytes a section: lf_parcel_header
- *     sections, each at a multiple of 64 bytes, in any order, none twice
+ *     sections, each at a multiple of 64 bytes, in any order
  *
  * Numbers are the machine's own: both ends are of one build. */
 #ifndef LF_RENDER_PARCEL_H

@@ -19,6 +19,9 @@
 
 enum { MOST_READERS = 4 }; /* at once: each may take the memory that --import-memory says */
 
+/* Of extinction: squares of it are finite. */
+#define MOST_SIGMA 1e18f
+
 typedef struct commit {
     lf_reader *reader;
     const lf_node *root;
@@ -115,6 +118,15 @@ static void load_grid(const commit *c, const lf_volume_desc *desc, lf_volume *vo
     lf_free(path);
 }
 
+static void fail_too_dense(const commit *c, const lf_volume_desc *desc, float sigma)
+{
+    lf_error err;
+    (void)lf_error_set(&err, LF_E_FORMAT, desc->name,
+                       "the grid's largest value times this is %g; at most %g is possible",
+                       (double)sigma, (double)MOST_SIGMA);
+    fail_at(c, "volumes", desc->name, "scale", &err);
+}
+
 /* Loads all grids; volumes get what does not depend on the scene's origin. */
 static void load_volumes(commit *c)
 {
@@ -134,6 +146,8 @@ static void load_volumes(commit *c)
         load_grid(c, desc, volume);
         if (volume->grid)
             volume->sigma_max = volume->sigma_scale * volume->grid->max_value;
+        if (!(volume->sigma_max <= MOST_SIGMA))
+            fail_too_dense(c, desc, volume->sigma_max);
     }
 }
 

@@ -4,9 +4,12 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <seccomp.h>
+#include <signal.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include "render/reader/reader.h"
 
@@ -33,19 +36,17 @@ static const int allowed[] = {
     SCMP_SYS(fstat64),
     SCMP_SYS(sendmsg),
     SCMP_SYS(recvmsg),
-    SCMP_SYS(memfd_create),
+
     SCMP_SYS(ftruncate),
     SCMP_SYS(ftruncate64),
-    SCMP_SYS(fcntl),
-    SCMP_SYS(fcntl64),
+
     /* memory */
-    SCMP_SYS(mmap),
-    SCMP_SYS(mmap2),
+
     SCMP_SYS(munmap),
     SCMP_SYS(mremap),
     SCMP_SYS(madvise),
     SCMP_SYS(brk),
-    SCMP_SYS(mprotect),
+
     /* threads, which TBB has */
     SCMP_SYS(futex),
     SCMP_SYS(futex_time64),
@@ -55,7 +56,7 @@ static const int allowed[] = {
     SCMP_SYS(sched_getaffinity),
     SCMP_SYS(gettid),
     SCMP_SYS(getpid),
-    SCMP_SYS(tgkill),
+
     SCMP_SYS(nanosleep),
     SCMP_SYS(clock_nanosleep),
     SCMP_SYS(clock_nanosleep_time64),
@@ -89,14 +90,40 @@ static int allow_threads(scmp_filter_ctx filter)
     int failed = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(clone), 1,
                                   SCMP_A0(SCMP_CMP_MASKED_EQ, threads, threads));
     /* its flags are in memory, which a filter does not see: glibc goes on with clone */
-    return failed ? failed : seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
+    if (!failed)
+        failed = seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
+    /* abort, of ourselves alone */
+    return failed ? failed
+                  : seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1,
+                                     SCMP_A0(SCMP_CMP_EQ, (scmp_datum_t)getpid()));
 }
 
-/* fstat, as glibc calls it now: newfstatat of an empty name. */
-static int allow_fstat(scmp_filter_ctx filter)
+/* Memory that is code as well is none of a reader's. */
+static int allow_memory(scmp_filter_ctx filter)
 {
-    return seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(newfstatat), 1,
-                            SCMP_A3(SCMP_CMP_EQ, AT_EMPTY_PATH));
+    static const int calls[] = {SCMP_SYS(mmap), SCMP_SYS(mmap2), SCMP_SYS(mprotect)};
+    int failed = 0;
+    for (size_t i = 0; i < sizeof calls / sizeof *calls && !failed; i++)
+        failed = seccomp_rule_add(filter, SCMP_ACT_ALLOW, calls[i], 1,
+                                  SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
+    return failed;
+}
+
+/* What is asked of open files. Of fcntl what cannot send a signal or lock anybody out; fstat as
+ * glibc calls it now, newfstatat: that its name is empty a filter does not see, so that sizes and
+ * times of files can be found out. */
+static int allow_looks(scmp_filter_ctx filter)
+{
+    static const int calls[] = {SCMP_SYS(fcntl), SCMP_SYS(fcntl64)};
+    static const unsigned commands[] = {F_GETFL,     F_GETFD,     F_SETFD,
+                                        F_ADD_SEALS, F_GET_SEALS, F_DUPFD_CLOEXEC};
+    int failed = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(newfstatat), 1,
+                                  SCMP_A3(SCMP_CMP_EQ, AT_EMPTY_PATH));
+    for (size_t i = 0; i < sizeof calls / sizeof *calls; i++)
+        for (size_t k = 0; k < sizeof commands / sizeof *commands && !failed; k++)
+            failed = seccomp_rule_add(filter, SCMP_ACT_ALLOW, calls[i], 1,
+                                      SCMP_A1(SCMP_CMP_EQ, commands[k]));
+    return failed;
 }
 
 static int fill_filter(scmp_filter_ctx filter)
@@ -106,7 +133,9 @@ static int fill_filter(scmp_filter_ctx filter)
     if (!failed)
         failed = allow_threads(filter);
     if (!failed)
-        failed = allow_fstat(filter);
+        failed = allow_memory(filter);
+    if (!failed)
+        failed = allow_looks(filter);
     for (size_t i = 0; i < sizeof allowed / sizeof *allowed && !failed; i++)
         failed = seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
     for (size_t i = 0; i < sizeof deadly / sizeof *deadly && !failed; i++)
@@ -127,6 +156,7 @@ lf_status lf_confine(uint64_t memory, unsigned seconds, lf_error *err)
     (void)setrlimit(RLIMIT_CPU, &(struct rlimit){seconds, seconds + 5});
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
         return lf_error_set(err, LF_E_IO, LF_HERE, "no_new_privs: %s", strerror(errno));
+    (void)signal(SIGXFSZ, SIG_IGN); /* a full file is an error like a full disk */
     if (SANITIZED)
         return LF_OK;
     limit(RLIMIT_AS, memory);

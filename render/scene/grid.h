@@ -17,8 +17,8 @@ extern "C" {
 typedef struct lf_grid lf_grid;
 
 /* An empty grid of size voxels (x, y, z), reference count 1. local_to_file: row-major 3x4, from
- * voxel indices of this grid to the file's world. LF_E_NOMEM (limits too), LF_E_FORMAT (size out of
- * range). */
+ * voxel indices of this grid to the file's world. LF_E_NOMEM (limits too), LF_E_FORMAT (size or map
+ * out of range). */
 LF_NODISCARD lf_status lf_grid_create(const int64_t size[3], const double local_to_file[12],
                                       lf_grid **out_grid, lf_error *err);
 

@@ -1,10 +1,12 @@
 #include "render/scene/scene.h"
 
 #include <float.h>
+#include <math.h>
 #include <string.h>
 
 #include "base/alloc.h"
 #include "render/scene/grid.h"
+#include "render/scene/key.h"
 #include "render/scene/look_up.h"
 
 /* ---------------------------------------------------------------------------------- building -- */
@@ -13,6 +15,11 @@ lf_status lf_grid_create(const int64_t size[3], const double local_to_file[12], 
                          lf_error *err)
 {
     uint64_t n = 1;
+    for (int i = 0; i < 12; i++)
+        if (!(fabs(local_to_file[i]) <= LF_MAX_COORDINATE))
+            return lf_error_set(err, LF_E_FORMAT, "grid",
+                                "its map into the world holds %g; at most %g is possible",
+                                local_to_file[i], LF_MAX_COORDINATE);
     for (int i = 0; i < 3; i++) {
         if (size[i] < 1 || size[i] > LF_GRID_MAX_SIDE)
             return lf_error_set(err, LF_E_FORMAT, "grid",
@@ -167,40 +174,45 @@ static float largest_near(const lf_grid *grid, size_t brick, const int offset[3]
     return max;
 }
 
-/* What a brick has near itself: its own values and those of the 26 around it that reach so far. */
+/* What a stored brick has, it is near to those around it. */
 static void note_near(lf_grid *grid, int bx, int by, int bz)
 {
-    float *near = &grid->brick_near[lf_grid_brick(grid, bx, by, bz)];
+    size_t own = lf_grid_brick(grid, bx, by, bz);
     for (int n = 0; n < 27; n++) {
+        /* from the other brick this one stands so many bricks behind */
         const int offset[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-        const int b[3] = {bx + offset[0], by + offset[1], bz + offset[2]};
+        const int b[3] = {bx - offset[0], by - offset[1], bz - offset[2]};
         bool inside = true;
         for (int i = 0; i < 3; i++)
             inside = inside && b[i] >= 0 && b[i] < grid->bricks[i];
-        size_t other = inside ? lf_grid_brick(grid, b[0], b[1], b[2]) : 0;
-        if (inside && grid->index[other])
-            *near = lf_max(*near, largest_near(grid, other, offset));
+        if (!inside)
+            continue;
+        float *near = &grid->brick_near[lf_grid_brick(grid, b[0], b[1], b[2])];
+        *near = lf_max(*near, largest_near(grid, own, offset));
     }
 }
 
+/* Bricks that are not stored cost a look each: a few voxels far apart have a thousand million. */
 void lf_grid_finish(lf_grid *grid)
 {
     /* Three nested linear interpolations may round a few units above the largest of their eight
      * values. */
     const float margin = 1.0f + 8.0f * 0x1p-23f;
     grid->max_value = 0.0f;
-    for (size_t i = 0; i < index_length(grid); i++) {
-        const float *values = grid->values + (size_t)grid->index[i] * LF_BRICK_STRIDE;
-        float max = 0.0f;
-        for (int v = 0; v < LF_BRICK_STRIDE; v++)
-            max = fmaxf(max, values[v]);
-        grid->brick_max[i] = max * margin;
-        grid->max_value = fmaxf(grid->max_value, max * margin);
-    }
+    size_t i = 0;
     for (int z = 0; z < grid->bricks[2]; z++)
         for (int y = 0; y < grid->bricks[1]; y++)
-            for (int x = 0; x < grid->bricks[0]; x++)
+            for (int x = 0; x < grid->bricks[0]; x++, i++) {
+                if (!grid->index[i])
+                    continue;
+                const float *values = grid->values + (size_t)grid->index[i] * LF_BRICK_STRIDE;
+                float max = 0.0f;
+                for (int v = 0; v < LF_BRICK_STRIDE; v++)
+                    max = fmaxf(max, values[v]);
+                grid->brick_max[i] = max * margin;
+                grid->max_value = fmaxf(grid->max_value, max * margin);
                 note_near(grid, x, y, z);
+            }
 }
 
 static lf_status replace_text(char **at, const char *text)

@@ -143,7 +143,6 @@ static void a_storm_does_not_stop_the_picture(void **state)
                       i % 2 ? "{\"yaw\":1}" : "{\"fov_y\":25}");
         live_nap(10);
     }
-    double after = live_number(&watcher, "status", NULL, "updates");
     for (int i = 0; i < CLIENTS; i++) {
         for (int k = 0; k < SLIDES; k++) {
             json_t *answer = next_answer(&c[i], &frames);
@@ -152,6 +151,7 @@ static void a_storm_does_not_stop_the_picture(void **state)
         }
         live_close(&c[i]);
     }
+    double after = live_number(&watcher, "status", NULL, "updates");
     live_wait(&watcher, "coarse");
     print_message("%g frames on the panel meanwhile\n", after - before);
     assert_true(after - before >= 2);

@@ -141,7 +141,7 @@ static inline void *fake_thread(void *context)
 
 static inline _Noreturn void fake_confined(const char *what)
 {
-    int ran = 0, fd = -1;
+    int ran = 0, fd = -1, own = memfd_create("own", 0);
     pthread_t thread;
     if (lf_confine((uint64_t)256 << 20, 60, NULL) != LF_OK)
         fake_say("not confined");
@@ -154,6 +154,19 @@ static inline _Noreturn void fake_confined(const char *what)
         (void)syscall(SYS_clone, SIGCHLD, NULL, NULL, NULL, 0);
     if (strcmp(what, "kill") == 0)
         (void)kill(getppid(), 0);
+    if (strcmp(what, "tgkill") == 0)
+        (void)syscall(SYS_tgkill, getppid(), getppid(), SIGCONT);
+    if (strcmp(what, "owner") == 0)
+        (void)fcntl(LF_IMPORT_SOCKET, F_SETOWN, getppid());
+    if (strcmp(what, "memfd") == 0)
+        fd = memfd_create("more", 0);
+    if (strcmp(what, "code") == 0)
+        fake_say(mmap(NULL, 4096, PROT_READ | PROT_WRITE | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS,
+                      -1, 0) == MAP_FAILED
+                     ? "no code"
+                     : "code");
+    if (strcmp(what, "environment") == 0)
+        fake_say(getenv("LF_SECRET") ? "told" : "no word");
     if (strcmp(what, "unlink") == 0)
         (void)unlink("/nowhere/at/all");
     if (strcmp(what, "open") == 0)
@@ -166,21 +179,26 @@ static inline _Noreturn void fake_confined(const char *what)
         pthread_join(thread, NULL);
     if (ran)
         fake_say("a thread ran");
-    if (strcmp(what, "file") == 0) {
-        (void)signal(SIGXFSZ, SIG_IGN);
-        fd = memfd_create("large", 0);
-        fd = ftruncate(fd, (off_t)512 << 20) == 0 ? fd : -1;
-    }
+    if (strcmp(what, "file") == 0)
+        fd = ftruncate(own, (off_t)512 << 20) == 0 ? own : -1;
     fake_say(fd >= 0 ? "it was let" : strerror(errno));
 }
 
 /* ---------------------------------------------------------------------------------- what it does
  * -- */
 
-static inline void fake_note_pid(void)
+/* A file beside the mesh's: readers have no environment to be told by. */
+static inline FILE *fake_beside(const lf_import_request *request, const char *name, const char *how)
 {
-    const char *path = getenv("FAKE_PID_FILE");
-    FILE *file = path ? fopen(path, "w") : NULL;
+    char path[PATH_MAX + 16];
+    snprintf(path, sizeof path, "%.*s%s", (int)(strrchr(request->path, '/') + 1 - request->path),
+             request->path, name);
+    return fopen(path, how);
+}
+
+static inline void fake_note_pid(const lf_import_request *request)
+{
+    FILE *file = fake_beside(request, "pid", "w");
     if (!file)
         return;
     fprintf(file, "%d\n", (int)getpid());
@@ -261,16 +279,20 @@ static inline _Noreturn void fake_ask(const char *path, const char *name, bool f
     fake_last(LF_IMPORT_DONE, LF_OK, "", fake_parcel(""));
 }
 
-/* What FAKE_READER says. */
+/* What the file "mode" says. */
 static inline int lf_fake_reader(void)
 {
-    const char *mode = getenv("FAKE_READER");
+    char mode[128] = "";
     lf_import_request request;
     int fd;
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (lf_import_receive(LF_IMPORT_SOCKET, &request, sizeof request, &fd) != LF_OK || !mode)
+    if (lf_import_receive(LF_IMPORT_SOCKET, &request, sizeof request, &fd) != LF_OK)
         return 3;
-    fake_note_pid();
+    FILE *file = fake_beside(&request, "mode", "r");
+    if (!file || !fgets(mode, sizeof mode, file))
+        return 3;
+    fclose(file);
+    fake_note_pid(&request);
     fake_misbehave(mode);
     if (strcmp(mode, "descriptors") == 0)
         fake_list_descriptors();
