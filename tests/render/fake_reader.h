@@ -17,6 +17,7 @@
 
 #include "render/load/import.h"
 #include "render/reader/reader.h"
+#include "render/scene/scene.h"
 
 /* The last message, and the end. */
 static inline _Noreturn void fake_last(uint32_t step, lf_status status, const char *text, int fd)
@@ -75,6 +76,50 @@ static inline int fake_parcel(const char *lie)
         lf_parcel_append(&writer, LF_PARCEL_MATERIALS, materials, 1, NULL) != LF_OK ||
         lf_parcel_append(&writer, LF_PARCEL_MATERIALS, materials + 1, 1, NULL) != LF_OK ||
         lf_parcel_put(&writer, LF_PARCEL_WARNINGS, "one\ntwo\n", 8, NULL) != LF_OK ||
+        lf_parcel_seal(&writer, &fd, NULL) != LF_OK)
+        _exit(3);
+    return fd;
+}
+
+/* Two bricks of a grid of 3 x 1 x 1; lie as above. */
+static inline int fake_grid(const char *lie)
+{
+    int64_t size[3] = {20, 4, 4};
+    double map[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    uint32_t places[2] = {0, 2};
+    float values[2 * LF_BRICK_STRIDE] = {[5] = 1.0f, [LF_BRICK_STRIDE + 5] = 2.0f};
+    bool is_short = strcmp(lie, "short") == 0, absent = strcmp(lie, "absent") == 0;
+    lf_parcel_writer writer;
+    int fd = -1;
+    if (strcmp(lie, "beyond") == 0)
+        places[1] = 3;
+    if (strcmp(lie, "far") == 0)
+        places[1] = UINT32_MAX;
+    if (strcmp(lie, "twice") == 0)
+        places[1] = 0;
+    if (strcmp(lie, "back") == 0)
+        memcpy(places, (uint32_t[2]){2, 0}, sizeof places);
+    if (strcmp(lie, "nan") == 0)
+        values[7] = (float)NAN;
+    if (strcmp(lie, "negative") == 0)
+        values[7] = -1.0f;
+    if (strcmp(lie, "infinite") == 0)
+        values[7] = (float)INFINITY;
+    if (strcmp(lie, "nothing") == 0)
+        size[1] = 0;
+    if (strcmp(lie, "wide") == 0)
+        size[1] = (int64_t)1 << 32;
+    if (strcmp(lie, "less") == 0)
+        size[1] = -4;
+    if (strcmp(lie, "map") == 0)
+        map[3] = (double)NAN;
+    if (lf_parcel_begin(&writer, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_SIZE, size, absent ? 0 : 3, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_MAP, map, 12, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_BRICKS, places, 2, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_VALUES, values, (size_t)(2 * LF_BRICK_STRIDE - is_short),
+                      NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_OTHERS, "no end", 6, NULL) != LF_OK ||
         lf_parcel_seal(&writer, &fd, NULL) != LF_OK)
         _exit(3);
     return fd;
@@ -304,6 +349,8 @@ static inline int lf_fake_reader(void)
         fake_send_two();
     if (strcmp(mode, "deaf") == 0)
         fake_ask_only();
+    if (strncmp(mode, "grid-", 5) == 0)
+        fake_last(LF_IMPORT_DONE, LF_OK, "", fake_grid(mode + 5));
     if (strncmp(mode, "random", 6) == 0)
         fake_last(LF_IMPORT_DONE, LF_OK, "", fake_random_parcel((uint64_t)atoi(mode + 6)));
     fake_last(LF_IMPORT_DONE, LF_OK, "", fake_parcel(strcmp(mode, "parcel") == 0 ? "" : mode));

@@ -145,8 +145,11 @@ static void use_reader(const char *folder, const char *mode)
         return;
     lf_test_write(folder, "mode", mode);
     assert_true(readlink("/proc/self/exe", self, sizeof self - 1) > 0);
-    (void)unlink(lf_test_path(folder, "quiltimport"));
-    assert_int_equal(symlink(self, lf_test_path(folder, "quiltimport")), 0);
+    for (int i = 0; i < 2; i++) {
+        const char *name = lf_test_path(folder, i == 0 ? "quiltimport" : "quiltimport-vdb");
+        (void)unlink(name);
+        assert_int_equal(symlink(self, name), 0);
+    }
 }
 
 static lf_status import_by(const char *folder, const char *mode, lf_mesh_data *out, lf_error *err)
@@ -231,6 +234,43 @@ static void a_mesh_of_lies_is_refused(void **state)
                                        "white", "emission", "ior", "short",  "absent", "odd"};
     for (size_t i = 0; i < sizeof lies / sizeof *lies; i++)
         assert_says(*state, lies[i], LF_E_FORMAT, "the reader's answer");
+}
+
+static lf_status import_grid_by(const char *folder, const char *mode, lf_grid **out, lf_error *err)
+{
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s", lf_test_write(folder, "a.vdb", "a file"));
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    *err = (lf_error){0};
+    *out = NULL;
+    use_reader(folder, mode);
+    lf_status status = lf_vdb_import(fd, path, "density", out, err);
+    use_reader(folder, NULL);
+    close(fd);
+    return status;
+}
+
+static void a_grid_of_lies_is_refused(void **state)
+{
+    static const char *const lies[] = {"beyond",   "far",      "twice",   "back", "nan",
+                                       "negative", "infinite", "nothing", "wide", "less",
+                                       "map",      "short",    "absent"};
+    lf_grid *grid;
+    lf_error err;
+    for (size_t i = 0; i < sizeof lies / sizeof *lies; i++) {
+        char mode[32];
+        snprintf(mode, sizeof mode, "grid-%s", lies[i]);
+        lf_status status = import_grid_by(*state, mode, &grid, &err);
+        if (status != LF_E_FORMAT || grid)
+            fail_msg("%s: %s \"%s\"", lies[i], lf_status_name(status), err.what);
+    }
+    lf_assert_ok(import_grid_by(*state, "grid-", &grid, &err), &err);
+    assert_int_equal(grid->n_bricks, 2);
+    assert_true(grid->max_value >= 2.0f && grid->max_value < 2.001f);
+    assert_string_equal(grid->others, ""); /* a text without an end is none */
+    lf_grid_unref(grid);
+    /* a mesh is no grid */
+    lf_assert_status(import_grid_by(*state, "parcel", &grid, &err), LF_E_FORMAT, &err);
 }
 
 /* Random bytes anywhere behind the magic number: refused, or a mesh that holds to its bounds. */
@@ -490,6 +530,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(no_descriptor_stays_whatever_a_reader_sends),
         cmocka_unit_test(a_reader_that_tells_the_truth_is_believed),
         cmocka_unit_test(a_mesh_of_lies_is_refused),
+        cmocka_unit_test(a_grid_of_lies_is_refused),
         cmocka_unit_test(a_mesh_of_random_bytes_is_refused_or_within_bounds),
         cmocka_unit_test(files_outside_are_not_given_to_a_reader),
         cmocka_unit_test(a_reader_that_hangs_is_ended_when_its_time_is_over),

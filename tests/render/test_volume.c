@@ -197,6 +197,49 @@ static void a_majorant_without_the_neighbours_would_be_exceeded(void **state)
     lf_grid_unref(grid);
 }
 
+/* Of a few voxels far apart: what every brick has near it, by looking at each voxel. Voxel v is
+ * value v + 1 of the bricks' common lattice. */
+static void bricks_know_what_is_near(void **state)
+{
+    (void)state;
+    enum { N = 40 };
+    static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    const int64_t size[3] = {70, 50, 41};
+    int at[N][3], n_near = 0, n_empty = 0;
+    float value[N];
+    uint64_t seed = 11;
+    lf_grid *grid = NULL;
+    lf_assert_ok(lf_grid_create(size, identity, &grid, NULL), NULL);
+    for (int n = 0; n < N; n++) {
+        for (int i = 0; i < 3; i++)
+            at[n][i] = (int)(uniform(&seed) * (double)size[i]);
+        value[n] = (float)(n + 1);
+        lf_grid_mark(grid, at[n], at[n]);
+    }
+    lf_assert_ok(lf_grid_allocate(grid, NULL), NULL);
+    for (int n = 0; n < N; n++)
+        lf_grid_fill(grid, at[n], at[n], value[n]);
+    lf_grid_finish(grid);
+    for (int b = 0; b < grid->bricks[0] * grid->bricks[1] * grid->bricks[2]; b++) {
+        const int place[3] = {b % grid->bricks[0], b / grid->bricks[0] % grid->bricks[1],
+                              b / grid->bricks[0] / grid->bricks[1]};
+        float expected = 0.0f;
+        for (int n = 0; n < N; n++) {
+            bool near = true;
+            for (int i = 0; i < 3; i++)
+                near = near && at[n][i] + 1 >= LF_BRICK * place[i] - LF_BRICK_REACH &&
+                       at[n][i] + 1 <= LF_BRICK * (place[i] + 1) + LF_BRICK_REACH;
+            expected = near ? fmaxf(expected, value[n]) : expected;
+        }
+        assert_true(grid->brick_near[b] == expected);
+        n_near += expected > 0.0f;
+        n_empty += grid->index[b] == 0;
+    }
+    assert_in_range(n_near, 50, 300);
+    assert_true(n_empty > 100);
+    lf_grid_unref(grid);
+}
+
 static void boxes_fill_as_single_voxels_do(void **state)
 {
     (void)state;
@@ -310,6 +353,7 @@ int main(void)
         cmocka_unit_test(nearest_look_ups_return_the_voxel_they_are_in),
         cmocka_unit_test(no_look_up_exceeds_the_majorant_of_its_brick),
         cmocka_unit_test(a_majorant_without_the_neighbours_would_be_exceeded),
+        cmocka_unit_test(bricks_know_what_is_near),
         cmocka_unit_test(boxes_fill_as_single_voxels_do),
         cmocka_unit_test(grids_beyond_the_limits_are_refused),
         cmocka_unit_test(a_fog_ball_is_homogeneous_inside_its_ellipsoid),
