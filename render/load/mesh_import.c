@@ -147,10 +147,10 @@ static bool within(float x, double low, double high)
 
 static const lf_surface_kind *kind_at(uint32_t place)
 {
-    uint32_t i = 0;
-    while (lf_surface_kinds[i] && i < place)
-        i++;
-    return lf_surface_kinds[i];
+    const lf_surface_kind *const *kind = lf_surface_kinds;
+    for (uint32_t i = 0; *kind && i < place; i++)
+        kind++;
+    return *kind;
 }
 
 static lf_status take_material(const lf_parcel_material *from, lf_material *out, lf_error *err)
@@ -237,7 +237,7 @@ static lf_status import_from(const lf_mesh_desc *desc, const char *path, asked *
     int fd = -1;
     if (strlen(path) >= sizeof request.path)
         return lf_error_set(err, LF_E_FORMAT, path, "the path is too long");
-    strcpy(request.path, path);
+    memcpy(request.path, path, strlen(path) + 1);
     memcpy(request.transform, desc->transform.m, sizeof request.transform);
     lf_status status = open_asked(state, path, &fd);
     if (status == LF_OK) {

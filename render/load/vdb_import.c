@@ -52,7 +52,7 @@ lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **ou
     if (strlen(name) >= sizeof request.grid)
         return lf_error_set(err, LF_E_FORMAT, path, "the name of a grid has at most %zu bytes",
                             sizeof request.grid - 1);
-    strcpy(request.grid, name);
+    memcpy(request.grid, name, strlen(name) + 1);
     snprintf(request.path, sizeof request.path, "%s", path); /* in words: it is open already */
     lf_status status = lf_import_run(&request, fd, path, NULL, NULL, &parcel, err);
     if (status != LF_OK)

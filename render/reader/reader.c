@@ -16,7 +16,7 @@ lf_status lf_ask_for_file(const char *name, int *out_fd)
     *out_fd = -1;
     if (strlen(name) >= sizeof ask.text)
         return LF_E_PATH;
-    strcpy(ask.text, name);
+    memcpy(ask.text, name, strlen(name) + 1);
     lf_status status = lf_import_send(LF_IMPORT_SOCKET, &ask, sizeof ask, -1);
     if (status == LF_OK)
         status = lf_import_receive(LF_IMPORT_SOCKET, &answer, sizeof answer, out_fd);
