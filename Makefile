@@ -46,7 +46,7 @@ INSTALL ?= install
 
 comma := ,
 # what reads files for the others: installed beside bin, in libexec
-readers := quiltimport quiltimport-vdb
+readers := quiltimport quiltimport-vdb quiltimport-picture
 programs := quiltd quiltctl quiltrender quiltsim quiltbench $(readers)
 rooms := base render quilt device daemon
 # each stands before those whose functions it calls

@@ -9,8 +9,6 @@
 
 #include "base/image_formats.h"
 
-#define MAX_FILE_BYTES ((uint64_t)1 << 32)
-#define MAX_SIDE 65536
 #define MAX_SAMPLES ((int64_t)1 << 31)
 
 static const lf_image_format *const formats[] = {&lf_format_png, &lf_format_jpeg, &lf_format_exr,
@@ -21,12 +19,12 @@ static const lf_image_format *const formats[] = {&lf_format_png, &lf_format_jpeg
 lf_status lf_image_check_shape(const lf_image_source *source, int64_t width, int64_t height,
                                size_t bytes_per_pixel, lf_error *err)
 {
-    if (width < 1 || width > MAX_SIDE || height < 1 || height > MAX_SIDE ||
+    if (width < 1 || width > LF_IMAGE_MAX_SIDE || height < 1 || height > LF_IMAGE_MAX_SIDE ||
         width * height * 3 > MAX_SAMPLES)
         return lf_error_set(
             err, LF_E_FORMAT, source->where,
             "a picture of %lldx%lld pixels (expected 1 to %d a side, and at most 2^31 samples)",
-            (long long)width, (long long)height, MAX_SIDE);
+            (long long)width, (long long)height, LF_IMAGE_MAX_SIDE);
     uint64_t bytes = (uint64_t)(width * height) * bytes_per_pixel;
     if (bytes > ((uint64_t)512 << 20) && bytes / 4096 > source->size_bytes)
         return lf_error_set(err, LF_E_FORMAT, source->where,
@@ -96,18 +94,30 @@ static lf_status recognise(const lf_image_source *source, const lf_image_format 
                         format_names(true, LF_IMAGE_8BIT, names, sizeof names));
 }
 
+/* Of a file that is open. */
+static lf_status look_at(int fd, const char *path, lf_image_source *source,
+                         const lf_image_format **format, lf_error *err)
+{
+    struct stat info;
+    if (fstat(fd, &info) != 0)
+        return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
+    if (!S_ISREG(info.st_mode) || (uint64_t)info.st_size > LF_IMAGE_MAX_BYTES)
+        return lf_error_set(err, LF_E_FORMAT, path, "no regular file of at most 4 GiB");
+    *source = (lf_image_source){fd, (uint64_t)info.st_size, path};
+    return recognise(source, format, err);
+}
+
 /* On LF_OK the caller closes source->fd. */
 static lf_status open_source(const char *path, const lf_roots *roots, lf_image_source *source,
                              const lf_image_format **format, lf_error *err)
 {
-    source->where = path;
-    lf_status status =
-        lf_file_open(path, roots, MAX_FILE_BYTES, &source->fd, &source->size_bytes, err);
+    int fd;
+    lf_status status = lf_file_open(path, roots, LF_IMAGE_MAX_BYTES, &fd, NULL, err);
     if (status != LF_OK)
         return status;
-    status = recognise(source, format, err);
+    status = look_at(fd, path, source, format, err);
     if (status != LF_OK)
-        close(source->fd);
+        close(fd);
     return status;
 }
 
@@ -124,22 +134,44 @@ lf_status lf_image_probe(const char *path, const lf_roots *roots, lf_image_kind 
     return LF_OK;
 }
 
+lf_status lf_image_probe_open(int fd, const char *path, lf_image_kind *out_kind, lf_error *err)
+{
+    lf_image_source source;
+    const lf_image_format *format;
+    lf_status status = look_at(fd, path, &source, &format, err);
+    if (status == LF_OK)
+        *out_kind = format->kind;
+    return status;
+}
+
+static lf_status read8_from(const lf_image_source *source, const lf_image_format *format,
+                            lf_image8 *out, lf_error *err)
+{
+    char names[128];
+    if (format->read8)
+        return format->read8(source, out, err);
+    return lf_error_set(err, LF_E_FORMAT, source->where, "%s is a picture of floats (expected %s)",
+                        format->name, format_names(false, LF_IMAGE_8BIT, names, sizeof names));
+}
+
 lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out, lf_error *err)
 {
     lf_image_source source;
     const lf_image_format *format;
-    char names[128];
     lf_status status = open_source(path, roots, &source, &format, err);
     if (status != LF_OK)
         return status;
-    if (format->read8)
-        status = format->read8(&source, out, err);
-    else
-        status =
-            lf_error_set(err, LF_E_FORMAT, path, "%s is a picture of floats (expected %s)",
-                         format->name, format_names(false, LF_IMAGE_8BIT, names, sizeof names));
+    status = read8_from(&source, format, out, err);
     close(source.fd);
     return status;
+}
+
+lf_status lf_image8_read_open(int fd, const char *path, lf_image8 *out, lf_error *err)
+{
+    lf_image_source source;
+    const lf_image_format *format;
+    lf_status status = look_at(fd, path, &source, &format, err);
+    return status == LF_OK ? read8_from(&source, format, out, err) : status;
 }
 
 static lf_status decode_srgb(const lf_image8 *in, const char *where, lf_image32 *out, lf_error *err)
@@ -213,13 +245,8 @@ lf_status lf_image32_read(const char *path, const lf_roots *roots, lf_image32 *o
 
 lf_status lf_image32_read_open(int fd, const char *path, lf_image32 *out, lf_error *err)
 {
-    struct stat info;
+    lf_image_source source;
     const lf_image_format *format;
-    if (fstat(fd, &info) != 0)
-        return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
-    if (!S_ISREG(info.st_mode) || (uint64_t)info.st_size > MAX_FILE_BYTES)
-        return lf_error_set(err, LF_E_FORMAT, path, "no regular file of at most 4 GiB");
-    const lf_image_source source = {fd, (uint64_t)info.st_size, path};
-    lf_status status = recognise(&source, &format, err);
+    lf_status status = look_at(fd, path, &source, &format, err);
     return status == LF_OK ? read32_from(&source, format, out, err) : status;
 }

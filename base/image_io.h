@@ -1,12 +1,16 @@
 /* Reading and writing picture files: a table of formats, one file a format (image_png.c,
  * image_exr.c, image_jpeg.c, image_hdr.c). Format is found by contents when reading and by the
  * name's ending when writing. Limits: 65536 pixels a side, 2^31 samples, files up to 4 GiB.
- * Malformed input gives LF_E_FORMAT, never a crash. Thread safe. */
+ * Malformed input gives LF_E_FORMAT, never a crash; all the same the programs have what comes from
+ * outside read elsewhere (base/import/raster.h). Thread safe. */
 #ifndef LF_BASE_IMAGE_IO_H
 #define LF_BASE_IMAGE_IO_H
 
 #include "base/file.h"
 #include "base/image.h"
+
+#define LF_IMAGE_MAX_BYTES ((uint64_t)1 << 32)
+#define LF_IMAGE_MAX_SIDE 65536
 
 /* Which form the picture in a file has by nature. */
 typedef enum lf_image_kind {
@@ -17,6 +21,10 @@ typedef enum lf_image_kind {
 /* Looks at the first bytes only. LF_E_FORMAT when it is none of PNG, JPEG, EXR, HDR. */
 LF_NODISCARD lf_status lf_image_probe(const char *path, const lf_roots *roots,
                                       lf_image_kind *out_kind, lf_error *err);
+/* This and what ends in _open: of a file that is open, whatever its name leads to by now. fd stays
+ * the caller's, and stands anywhere afterwards; path names the file in errors. */
+LF_NODISCARD lf_status lf_image_probe_open(int fd, const char *path, lf_image_kind *out_kind,
+                                           lf_error *err);
 
 /* Where the ending of a name (".PNG") begins, in path, when it is a picture format's; else NULL. */
 const char *lf_image_ending(const char *path);
@@ -27,6 +35,7 @@ const char *lf_image_float_ending(int index);
  * Floats are not accepted. */
 LF_NODISCARD lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out,
                                       lf_error *err);
+LF_NODISCARD lf_status lf_image8_read_open(int fd, const char *path, lf_image8 *out, lf_error *err);
 
 /* Linear float RGB (3 channels). EXR: scan lines and tiles, half, float and uint, every compression
  * of OpenEXRCore (DWA too), channels R,G,B or Y (layers ignored with a debug line), first part;
@@ -34,9 +43,6 @@ LF_NODISCARD lf_status lf_image8_read(const char *path, const lf_roots *roots, l
  * axes. 8-bit pictures are decoded from sRGB. NaN and Inf are refused. */
 LF_NODISCARD lf_status lf_image32_read(const char *path, const lf_roots *roots, lf_image32 *out,
                                        lf_error *err);
-
-/* The same of a file that is open at its first byte, whatever its name leads to by now; fd stays
- * the caller's, and stands anywhere afterwards. path names it in errors. */
 LF_NODISCARD lf_status lf_image32_read_open(int fd, const char *path, lf_image32 *out,
                                             lf_error *err);
 

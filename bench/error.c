@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include "base/alloc.h"
+#include "base/import/raster.h"
 #include "bench/bench.h"
 #include "bench/metrics.h"
 #include "daemon/output/options.h"
@@ -19,7 +20,7 @@ typedef struct arguments {
 
 /* A picture, a quilt or a folder as linear float views. */
 typedef struct light_field {
-    lf_image32 image; /* a single picture */
+    lf_raster image; /* a single picture */
     lf_quilt_file quilt;
     float *decoded;
     lf_views32 views;
@@ -111,7 +112,7 @@ static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_e
 
 static void light_field_finish(light_field *field)
 {
-    lf_image32_finish(&field->image);
+    lf_raster_close(&field->image);
     lf_quilt_finish(&field->quilt);
     lf_free(field->decoded);
 }
@@ -158,7 +159,7 @@ static lf_status open_field(const arguments *a, const char *path, light_field *f
         field->views = field->quilt.views32;
         return LF_OK;
     }
-    lf_status status = lf_image32_read(path, NULL, &field->image, err);
+    lf_status status = lf_raster_open(path, NULL, true, &field->image, err);
     if (status == LF_OK) {
         size_t width = (size_t)field->image.width * 3;
         field->views = (lf_views32){1,
@@ -166,7 +167,7 @@ static lf_status open_field(const arguments *a, const char *path, light_field *f
                                     field->image.height,
                                     width * (size_t)field->image.height,
                                     width,
-                                    field->image.data,
+                                    field->image.data32,
                                     NULL};
     }
     return status;

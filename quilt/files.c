@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/import/raster.h"
 #include "quilt/quilt.h"
 
 #define MAX_FOLDER_VIEWS 4096
@@ -56,49 +57,19 @@ static lf_status allocate_views(lf_quilt_file *q, const char *where, lf_error *e
     return LF_OK;
 }
 
-/* A picture of either kind. */
-typedef struct picture {
-    bool is_float;
-    lf_image8 image8;
-    lf_image32 image32;
-    int width, height;
-} picture;
-
-static void picture_finish(picture *p)
-{
-    lf_image8_finish(&p->image8);
-    lf_image32_finish(&p->image32);
-}
-
-static lf_status picture_read(const char *path, const lf_roots *roots, picture *out, lf_error *err)
-{
-    lf_image_kind kind;
-    *out = (picture){0};
-    lf_status status = lf_image_probe(path, roots, &kind, err);
-    if (status != LF_OK)
-        return status;
-    out->is_float = kind == LF_IMAGE_FLOAT;
-    status = out->is_float ? lf_image32_read(path, roots, &out->image32, err)
-                           : lf_image8_read(path, roots, &out->image8, err);
-    out->width = out->is_float ? out->image32.width : out->image8.width;
-    out->height = out->is_float ? out->image32.height : out->image8.height;
-    return status;
-}
-
 /* Copies the part of a picture whose corner is (x, y) into a view. */
-static void take_view(lf_quilt_file *q, int view, const picture *p, int x, int y)
+static void take_view(lf_quilt_file *q, int view, const lf_raster *p, int x, int y)
 {
     size_t n = (size_t)q->layout.view_width * 3;
     for (int row = 0; row < q->layout.view_height; row++) {
         size_t to = ((size_t)view * (size_t)q->layout.view_height + (size_t)row) * n,
                from_row = (size_t)(y + row);
         if (q->is_float)
-            memcpy(q->image32.data + to,
-                   p->image32.data + (from_row * (size_t)p->width + (size_t)x) * 3,
+            memcpy(q->image32.data + to, p->data32 + (from_row * (size_t)p->width + (size_t)x) * 3,
                    n * sizeof(float));
         else
-            memcpy(q->image8.data + to,
-                   p->image8.data + from_row * p->image8.stride + (size_t)x * 3, n);
+            memcpy(q->image8.data + to, p->data8 + (from_row * (size_t)p->width + (size_t)x) * 3,
+                   n);
     }
 }
 
@@ -111,7 +82,7 @@ void lf_quilt_finish(lf_quilt_file *q)
 
 /* ------------------------------------------------------------------------------------- quilt -- */
 
-static lf_status cut_quilt(const char *path, const picture *p, lf_quilt_file *q, lf_error *err)
+static lf_status cut_quilt(const char *path, const lf_raster *p, lf_quilt_file *q, lf_error *err)
 {
     lf_layout *l = &q->layout;
     if (p->width < l->columns || p->height < l->rows)
@@ -122,7 +93,7 @@ static lf_status cut_quilt(const char *path, const picture *p, lf_quilt_file *q,
     l->view_height = p->height / l->rows;
     if (!(l->aspect > 0))
         l->aspect = (double)l->view_width / l->view_height;
-    q->is_float = p->is_float;
+    q->is_float = p->data32;
     lf_status status = allocate_views(q, path, err);
     for (int view = 0; view < l->n_views && status == LF_OK; view++)
         take_view(q, view, p, view % l->columns * l->view_width,
@@ -145,11 +116,11 @@ static lf_status read_quilt(const char *path, const lf_roots *roots, int columns
         rows = named_rows;
     }
     q->layout = (lf_layout){.columns = columns, .rows = rows, .aspect = aspect};
-    picture p;
-    lf_status status = picture_read(path, roots, &p, err);
+    lf_raster p = {0};
+    lf_status status = lf_raster_open(path, roots, false, &p, err);
     if (status == LF_OK)
         status = cut_quilt(path, &p, q, err);
-    picture_finish(&p);
+    lf_raster_close(&p);
     return status;
 }
 
@@ -217,10 +188,10 @@ static lf_status list_pictures(const char *folder, const lf_roots *roots, name_l
     return status;
 }
 
-static lf_status begin_folder(const char *folder, const picture *first, int n, lf_quilt_file *q,
+static lf_status begin_folder(const char *folder, const lf_raster *first, int n, lf_quilt_file *q,
                               lf_error *err)
 {
-    q->is_float = first->is_float;
+    q->is_float = first->data32;
     q->layout = (lf_layout){.n_views = n,
                             .view_width = first->width,
                             .view_height = first->height,
@@ -233,20 +204,20 @@ static lf_status take_picture(const char *folder, const name_list *list, int vie
                               const lf_roots *roots, lf_quilt_file *q, lf_error *err)
 {
     const char *name = list->names[view];
-    picture p;
-    lf_status status = picture_read(name, roots, &p, err);
+    lf_raster p = {0};
+    lf_status status = lf_raster_open(name, roots, false, &p, err);
     if (status == LF_OK && view == 0)
         status = begin_folder(folder, &p, list->n, q, err);
     if (status == LF_OK && (p.width != q->layout.view_width || p.height != q->layout.view_height))
         status = lf_error_set(err, LF_E_FORMAT, name,
                               "%dx%d pixels (expected %dx%d as in the first view)", p.width,
                               p.height, q->layout.view_width, q->layout.view_height);
-    if (status == LF_OK && p.is_float != q->is_float)
+    if (status == LF_OK && !p.data32 == q->is_float)
         status =
             lf_error_set(err, LF_E_FORMAT, name, "pictures of 8 bits and of floats in one folder");
     if (status == LF_OK)
         take_view(q, view, &p, 0, 0);
-    picture_finish(&p);
+    lf_raster_close(&p);
     return status;
 }
 

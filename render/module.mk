@@ -1,6 +1,6 @@
 # what reads files from outside is programs of its own: C but where OpenVDB needs C++
-quiltimport_srcs := $(patsubst %,render/reader/%.c,reader confine mesh_reader mesh_read mesh_material ply_check)
-quiltimport-vdb_srcs := $(patsubst %,render/reader/%,reader.c confine.c vdb_reader.c vdb_read.cc)
+quiltimport_srcs := $(reader_srcs) $(patsubst %,render/reader/%.c,mesh_reader mesh_read mesh_material ply_check)
+quiltimport-vdb_srcs := $(reader_srcs) $(patsubst %,render/reader/%,vdb_reader.c vdb_read.cc)
 libs_quiltimport := render base
 libs_quiltimport-vdb := render base
 render_srcs := $(filter-out render/reader/%,$(call without_isa,$(call room_files,render,*.c)))

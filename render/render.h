@@ -86,19 +86,6 @@ extern const lf_param lf_camera_params[];
 #define LF_MAX_VIEW_SIDE 16384
 #define LF_MAX_VIEW_BLUR 8
 
-/* Files that a scene names (meshes, volumes) are read by programs of their own, quiltimport and
- * quiltimport-vdb, which stand beside this one or in ../libexec/quiltd (the environment's
- * QUILTIMPORT names another folder): a file that crashes or holds up its reader is an error of that
- * file. */
-#define LF_IMPORT_SECONDS 120
-
-/* What reading one file may take from now on: bytes (0: half of the machine's memory) and seconds.
- * Of the whole process. Thread: any. */
-void lf_import_limit(uint64_t memory, int seconds);
-/* At the end of the program: reading that is in progress ends within a tenth of a second, and what
- * would begin does not: LF_E_CANCELLED. Signal handlers may call it. Thread: any. */
-void lf_import_stop(void);
-
 /* Loads a scene file (JSON, at most 16 MiB). Files it names are read relative to its folder and
  * under roots (NULL or empty = anywhere; the scene's own folder is always allowed). previous (may
  * be NULL): parts of it that are unchanged are shared. On LF_OK the caller owns a reference to

@@ -16,7 +16,7 @@ test_faults_render := $(patsubst %,render/rows/%.c,exits glow_visit mvpt visit)
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
 
 # a reader of the test's own, which gives up the same rights
-$(O)/tests/render/test_import: $(O)/render/reader/confine.c.o
+$(O)/tests/render/test_import: $(O)/base/reader/confine.c.o
 
 # what tests of the print share
 optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
@@ -47,6 +47,9 @@ wrap_test_show := $(addprefix -Wl$(comma)--wrap=,lf_device_open lf_device_list l
 
 # a file that is replaced once its digest is taken
 wrap_test_film_identity := -Wl,--wrap=lf_file_digest
+
+# control groups of the test's own
+wrap_test_import_limits := -Wl,--wrap=fopen
 
 # files made as on file systems without O_TMPFILE
 wrap_test_file := -Wl,--wrap=open

@@ -83,6 +83,8 @@ daemon/show: daemon/threads daemon/engine/mailbox.h
 daemon/server: daemon/engine daemon/show daemon/wire
 daemon/tools: daemon/output daemon/wire daemon/server
 base:
+base/import: base
+base/reader: base base/import
 bench:
 END
     cat "$1/tests/floors" 2> /dev/null # a tree's own rows: that of breaches has some

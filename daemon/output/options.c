@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "base/import/import.h"
+
 #define DEFAULT_VIEWS 45
 #define DEFAULT_VIEW_HEIGHT 560
 

@@ -14,6 +14,7 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/import/import.h"
 #include "base/log.h"
 #include "base/wakeup.h"
 

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/import/import.h"
 #include "base/log.h"
 #include "daemon/output/content.h"
 #include "daemon/tools/render_arguments.h"

@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/image_io.h"
+#include "base/import/raster.h"
 #include "base/log.h"
 #include "render/load/file_identity.h"
 #include "render/transport/light.h"
@@ -21,47 +22,57 @@ static lf_environment *find_shared(const lf_scene *previous, const char *key)
     return NULL;
 }
 
-static void clip_negative(lf_image32 *image, const char *path)
+static void copy_positive(const float *from, size_t n, float *to, const char *path)
 {
-    size_t n = (size_t)image->width * (size_t)image->height * 3, clipped = 0;
+    size_t clipped = 0;
     for (size_t i = 0; i < n; i++) {
-        clipped += image->data[i] < 0.0f;
-        image->data[i] = fmaxf(image->data[i], 0.0f);
+        clipped += from[i] < 0.0f;
+        to[i] = fmaxf(from[i], 0.0f);
     }
     if (clipped > 0)
         lf_log(LF_LOG_DEBUG, "%s: %zu values below 0 taken as 0", path, clipped);
 }
 
-/* Reads and commits. */
-static lf_status read_environment(int fd, const char *path, lf_environment **out, lf_error *err)
+static lf_status make_environment(const lf_raster *picture, const char *path, lf_environment **out,
+                                  lf_error *err)
 {
-    lf_image32 image = {0};
-    lf_status status = lf_image32_read_open(fd, path, &image, err);
-    if (status != LF_OK)
-        return status;
-    if (image.width > LF_MAX_ENVIRONMENT_SIDE || image.height > LF_MAX_ENVIRONMENT_SIDE) {
-        lf_image32_finish(&image);
-        return lf_error_set(err, LF_E_FORMAT, path,
-                            "%d x %d pixels; an environment has at most %d a side", image.width,
-                            image.height, LF_MAX_ENVIRONMENT_SIDE);
-    }
-    clip_negative(&image, path);
+    size_t n = 3 * (size_t)picture->width * (size_t)picture->height;
     lf_environment *environment = lf_calloc(1, sizeof *environment);
-    if (!environment) {
-        lf_image32_finish(&image);
+    float *rgb = lf_calloc(n, sizeof *rgb);
+    if (!environment || !rgb) {
+        lf_free(environment);
+        lf_free(rgb);
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     }
+    copy_positive(picture->data32, n, rgb, path);
     atomic_init(&environment->refs, 1);
-    environment->width = image.width;
-    environment->height = image.height;
-    environment->rgb = image.data;
-    status = lf_environment_commit(environment);
+    environment->width = picture->width;
+    environment->height = picture->height;
+    environment->rgb = rgb;
+    lf_status status = lf_environment_commit(environment);
     if (status != LF_OK) {
         lf_environment_unref(environment);
         return lf_error_set(err, status, path, "out of memory for the sampling tables");
     }
     *out = environment;
     return LF_OK;
+}
+
+/* Reads and commits. */
+static lf_status read_environment(int fd, const char *path, lf_environment **out, lf_error *err)
+{
+    lf_raster picture;
+    lf_status status = lf_raster_import(fd, path, true, &picture, err);
+    if (status != LF_OK)
+        return status;
+    if (picture.width > LF_MAX_ENVIRONMENT_SIDE || picture.height > LF_MAX_ENVIRONMENT_SIDE)
+        status = lf_error_set(err, LF_E_FORMAT, path,
+                              "%d x %d pixels; an environment has at most %d a side", picture.width,
+                              picture.height, LF_MAX_ENVIRONMENT_SIDE);
+    else
+        status = make_environment(&picture, path, out, err);
+    lf_raster_close(&picture);
+    return status;
 }
 
 /* fd: the file, open; what path leads to by now may be another. */
@@ -90,7 +101,7 @@ lf_status lf_environment_load(const char *path, const lf_roots *roots, const lf_
                               lf_environment **out_environment, lf_error *err)
 {
     int fd;
-    lf_status status = lf_file_open(path, roots, (uint64_t)4 << 30, &fd, NULL, err);
+    lf_status status = lf_file_open(path, roots, LF_IMAGE_MAX_BYTES, &fd, NULL, err);
     if (status != LF_OK)
         return status;
     status = share_or_read(fd, path, previous, out_environment, err);

@@ -7,9 +7,10 @@
 
 #define LF_MAX_ENVIRONMENT_SIDE 16384
 
-/* Reads an EXR or HDR picture under roots. Shares the environment of previous (may be NULL) when
- * path, time, size and inode are the same. Values below 0 become 0 (a debug line counts them). On
- * LF_OK the caller owns a reference. Errors: LF_E_IO, LF_E_PATH, LF_E_FORMAT, LF_E_NOMEM. */
+/* Has an EXR or HDR picture under roots read (base/import/raster.h). Shares the environment
+ * of previous (may be NULL) when path, time, size and inode are the same. Values below 0 become 0
+ * (a debug line counts them). On LF_OK the caller owns a reference. Errors: LF_E_IO, LF_E_PATH,
+ * LF_E_FORMAT, LF_E_NOMEM, and what lf_import_run gives. */
 LF_NODISCARD lf_status lf_environment_load(const char *path, const lf_roots *roots,
                                            const lf_scene *previous,
                                            lf_environment **out_environment, lf_error *err);

@@ -9,6 +9,8 @@
 #include <xxhash.h>
 
 #include "base/alloc.h"
+#include "base/import/import.h"
+#include "base/thread.h"
 
 /* Fits the processor's caches, so that what is hashed was just copied there. */
 #define CHUNK_BYTES ((size_t)256 << 10)
@@ -30,8 +32,15 @@ char *lf_file_key(int fd, const char *path, const char *suffix)
 static lf_status hash_file(int fd, const char *path, XXH3_state_t *state, void *chunk,
                            lf_error *err)
 {
+    const double deadline = lf_time_now() + lf_import_seconds();
     off_t at = 0;
     for (;;) {
+        if (lf_import_is_stopped())
+            return lf_error_set(err, LF_E_CANCELLED, path, "stopped");
+        if (lf_time_now() > deadline)
+            return lf_error_set(err, LF_E_TIMEOUT, path,
+                                "reading takes longer than %u s (--import-time)",
+                                lf_import_seconds());
         ssize_t got = pread(fd, chunk, CHUNK_BYTES, at);
         if (got < 0 && errno == EINTR)
             continue;

@@ -9,7 +9,8 @@
 char *lf_file_key(int fd, const char *path, const char *suffix);
 
 /* Reads the file open at fd from its first byte to its last; where fd stands in it is neither asked
- * nor changed. path names it in errors: LF_E_IO, LF_E_NOMEM. */
+ * nor changed. path names it in errors: LF_E_IO, LF_E_NOMEM; LF_E_TIMEOUT and
+ * LF_E_CANCELLED by what base/import/import.h limits reading to. */
 LF_NODISCARD lf_status lf_file_digest(int fd, const char *path, lf_digest *out, lf_error *err);
 
 #endif

@@ -6,8 +6,8 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/import/import.h"
 #include "render/load/file_identity.h"
-#include "render/load/import.h"
 #include "render/transport/surface.h"
 
 /* Rounding of a unit normal, with room. */

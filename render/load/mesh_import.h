@@ -3,12 +3,14 @@
 #define LF_RENDER_MESH_IMPORT_H
 
 #include "base/file.h"
+#include "base/import/import.h"
 #include "render/load/scene_parse.h"
 #include "render/scene/geometry.h"
 
 #define LF_MAX_TRIANGLES 50000000
 #define LF_MESH_MAX_BYTES ((uint64_t)2 << 30)
-#define LF_MESH_MAX_FILES 64 /* files behind one mesh: material libraries, buffers */
+#define LF_MESH_MAX_FILES                                                                          \
+    LF_IMPORT_MAX_FILES /* files behind one mesh: material libraries, buffers */
 
 typedef struct lf_mesh_data {
     const char *name; /* the scene's, borrowed */

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "render/load/import.h"
+#include "base/import/import.h"
 #include "render/scene/scene.h"
 
 /* The section's elements if there are as many as they have to be. */

@@ -2,7 +2,7 @@
  * to read. */
 #include <string.h>
 
-#include "render/reader/reader.h"
+#include "base/reader/reader.h"
 #include "render/reader/vdb_read.h"
 #include "render/scene/scene.h"
 

@@ -15,8 +15,8 @@
 #include <sys/socket.h>
 #include <sys/syscall.h>
 
-#include "render/load/import.h"
-#include "render/reader/reader.h"
+#include "base/import/import.h"
+#include "base/reader/reader.h"
 #include "render/scene/scene.h"
 
 /* The last message, and the end. */
@@ -120,6 +120,40 @@ static inline int fake_grid(const char *lie)
         lf_parcel_put(&writer, LF_PARCEL_VALUES, values, (size_t)(2 * LF_BRICK_STRIDE - is_short),
                       NULL) != LF_OK ||
         lf_parcel_put(&writer, LF_PARCEL_OTHERS, "no end", 6, NULL) != LF_OK ||
+        lf_parcel_seal(&writer, &fd, NULL) != LF_OK)
+        _exit(3);
+    return fd;
+}
+
+/* A picture of 2 x 3 pixels; lie as above. */
+static inline int fake_picture(const char *lie)
+{
+    int64_t shape[2] = {2, 3};
+    float floats[18] = {[17] = 4.0f};
+    uint8_t bytes[18] = {[17] = 9};
+    bool both = strcmp(lie, "both") == 0, is_short = strcmp(lie, "short") == 0,
+         shapeless = strcmp(lie, "shapeless") == 0, none = strcmp(lie, "none") == 0,
+         is_8bit = strcmp(lie, "bytes") == 0;
+    lf_parcel_writer writer;
+    int fd = -1;
+    if (strcmp(lie, "nan") == 0)
+        floats[7] = (float)NAN;
+    if (strcmp(lie, "infinite") == 0)
+        floats[7] = -(float)INFINITY;
+    if (strcmp(lie, "wide") == 0)
+        memcpy(shape, (int64_t[2]){(int64_t)1 << 32, (int64_t)1 << 32}, sizeof shape);
+    if (strcmp(lie, "less") == 0)
+        memcpy(shape, (int64_t[2]){-2, -3}, sizeof shape);
+    if (strcmp(lie, "other") == 0)
+        shape[1] = 4;
+    if (lf_parcel_begin(&writer, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_SHAPE, shape, shapeless ? 0 : 2, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_PIXELS8, bytes, is_8bit || both ? 18 : 0, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_PIXELS32, floats,
+                      is_8bit || none ? 0
+                      : is_short      ? 17
+                                      : 18,
+                      NULL) != LF_OK ||
         lf_parcel_seal(&writer, &fd, NULL) != LF_OK)
         _exit(3);
     return fd;
@@ -351,6 +385,8 @@ static inline int lf_fake_reader(void)
         fake_ask_only();
     if (strncmp(mode, "grid-", 5) == 0)
         fake_last(LF_IMPORT_DONE, LF_OK, "", fake_grid(mode + 5));
+    if (strncmp(mode, "picture-", 8) == 0)
+        fake_last(LF_IMPORT_DONE, LF_OK, "", fake_picture(mode + 8));
     if (strncmp(mode, "random", 6) == 0)
         fake_last(LF_IMPORT_DONE, LF_OK, "", fake_random_parcel((uint64_t)atoi(mode + 6)));
     fake_last(LF_IMPORT_DONE, LF_OK, "", fake_parcel(strcmp(mode, "parcel") == 0 ? "" : mode));

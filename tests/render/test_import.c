@@ -7,7 +7,9 @@
 #include <sys/wait.h>
 
 #include "base/alloc.h"
+#include "base/import/raster.h"
 #include "base/thread.h"
+#include "render/load/file_identity.h"
 #include "render/load/mesh_import.h"
 #include "render/load/vdb_import.h"
 #include "render/scene/scene.h"
@@ -145,8 +147,9 @@ static void use_reader(const char *folder, const char *mode)
         return;
     lf_test_write(folder, "mode", mode);
     assert_true(readlink("/proc/self/exe", self, sizeof self - 1) > 0);
-    for (int i = 0; i < 2; i++) {
-        const char *name = lf_test_path(folder, i == 0 ? "quiltimport" : "quiltimport-vdb");
+    static const char *const names[] = {"quiltimport", "quiltimport-vdb", "quiltimport-picture"};
+    for (int i = 0; i < 3; i++) {
+        const char *name = lf_test_path(folder, names[i]);
         (void)unlink(name);
         assert_int_equal(symlink(self, name), 0);
     }
@@ -271,6 +274,44 @@ static void a_grid_of_lies_is_refused(void **state)
     lf_grid_unref(grid);
     /* a mesh is no grid */
     lf_assert_status(import_grid_by(*state, "parcel", &grid, &err), LF_E_FORMAT, &err);
+}
+
+static lf_status import_picture_by(const char *folder, const char *mode, bool floats,
+                                   lf_raster *out, lf_error *err)
+{
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s", lf_test_write(folder, "a.png", "a file"));
+    *err = (lf_error){0};
+    *out = (lf_raster){0};
+    use_reader(folder, mode);
+    lf_status status = lf_raster_open(path, NULL, floats, out, err);
+    use_reader(folder, NULL);
+    return status;
+}
+
+static void a_picture_of_lies_is_refused(void **state)
+{
+    static const char *const lies[] = {"nan",  "infinite", "wide", "less",     "other",
+                                       "both", "short",    "none", "shapeless"};
+    lf_raster raster;
+    lf_error err;
+    for (size_t i = 0; i < sizeof lies / sizeof *lies; i++) {
+        char mode[32];
+        snprintf(mode, sizeof mode, "picture-%s", lies[i]);
+        lf_status status = import_picture_by(*state, mode, false, &raster, &err);
+        if (status != LF_E_FORMAT || raster.data32 || !strstr(err.what, "the reader's answer"))
+            fail_msg("%s: %s \"%s\"", lies[i], lf_status_name(status), err.what);
+    }
+    lf_assert_ok(import_picture_by(*state, "picture-", true, &raster, &err), &err);
+    assert_true(raster.width == 2 && raster.height == 3 && raster.data32[17] == 4.0f);
+    lf_raster_close(&raster);
+    lf_assert_ok(import_picture_by(*state, "picture-bytes", false, &raster, &err), &err);
+    assert_true(!raster.data32 && raster.data8[17] == 9);
+    lf_raster_close(&raster);
+    /* bytes are no floats, a mesh is no picture */
+    lf_assert_status(import_picture_by(*state, "picture-bytes", true, &raster, &err), LF_E_FORMAT,
+                     &err);
+    lf_assert_status(import_picture_by(*state, "parcel", false, &raster, &err), LF_E_FORMAT, &err);
 }
 
 /* Random bytes anywhere behind the magic number: refused, or a mesh that holds to its bounds. */
@@ -515,6 +556,11 @@ static void reading_ends_when_the_program_does(void **state)
     assert_true(lf_time_now() - start < 60.0);
     pthread_join(thread, NULL);
     assert_says(*state, "parcel", LF_E_CANCELLED, "stopped");
+    lf_digest digest; /* which is taken without a reader */
+    lf_error err;
+    int fd = open("/proc/self/exe", O_RDONLY | O_CLOEXEC);
+    lf_assert_status(lf_file_digest(fd, "a file", &digest, &err), LF_E_CANCELLED, &err);
+    close(fd);
     assert_false(has_children());
 }
 
@@ -531,6 +577,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_reader_that_tells_the_truth_is_believed),
         cmocka_unit_test(a_mesh_of_lies_is_refused),
         cmocka_unit_test(a_grid_of_lies_is_refused),
+        cmocka_unit_test(a_picture_of_lies_is_refused),
         cmocka_unit_test(a_mesh_of_random_bytes_is_refused_or_within_bounds),
         cmocka_unit_test(files_outside_are_not_given_to_a_reader),
         cmocka_unit_test(a_reader_that_hangs_is_ended_when_its_time_is_over),

@@ -1,11 +1,10 @@
-#include "render/load/import.h"
+#include "base/import/import.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,35 +13,8 @@
 #include <unistd.h>
 
 #include "base/thread.h"
-#include "render/render.h"
 
-#define LOOK_MS 50                         /* between looks at whether all readers are to end */
-#define LEAST_MEMORY ((uint64_t)128 << 20) /* OpenVDB starts with nearly as much */
-
-static struct {
-    _Atomic uint64_t memory;
-    _Atomic unsigned seconds;
-    atomic_bool stopped;
-} limits = {.seconds = LF_IMPORT_SECONDS};
-
-void lf_import_limit(uint64_t memory, int seconds)
-{
-    atomic_store(&limits.memory, memory);
-    atomic_store(&limits.seconds, (unsigned)seconds);
-}
-
-void lf_import_stop(void)
-{
-    atomic_store(&limits.stopped, true);
-}
-
-static uint64_t memory_limit(void)
-{
-    uint64_t memory = atomic_load(&limits.memory);
-    if (memory == 0)
-        memory = (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE) / 2;
-    return memory > LEAST_MEMORY ? memory : LEAST_MEMORY;
-}
+#define LOOK_MS 50 /* between looks at whether all readers are to end */
 
 /* --------------------------------------------------------------------------------- the process --
  */
@@ -54,8 +26,9 @@ typedef struct child {
     bool late, stopped; /* why it was ended */
 } child;
 
-static const char *const programs[] = {
-    [LF_IMPORT_MESH] = "quiltimport", [LF_IMPORT_GRID] = "quiltimport-vdb"};
+static const char *const programs[] = {[LF_IMPORT_MESH] = "quiltimport",
+                                       [LF_IMPORT_GRID] = "quiltimport-vdb",
+                                       [LF_IMPORT_PICTURE] = "quiltimport-picture"};
 
 /* The readers stand beside the program, or where they are installed to. */
 static lf_status find_reader(lf_import_kind kind, char path[PATH_MAX], lf_error *err)
@@ -144,7 +117,7 @@ static bool await(child *reader)
 {
     for (;;) {
         struct pollfd ready = {reader->socket, POLLIN, 0};
-        reader->stopped = atomic_load(&limits.stopped);
+        reader->stopped = lf_import_is_stopped();
         reader->late = lf_time_now() > reader->deadline;
         if (reader->stopped || reader->late)
             return false;
@@ -246,9 +219,9 @@ lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
     child reader = {.pid = -1};
     request->version = LF_IMPORT_VERSION;
     request->asker = getpid();
-    request->memory = memory_limit();
-    request->seconds = atomic_load(&limits.seconds);
-    if (atomic_load(&limits.stopped))
+    request->memory = lf_import_memory();
+    request->seconds = lf_import_seconds();
+    if (lf_import_is_stopped())
         return lf_error_set(err, LF_E_CANCELLED, where, "stopped");
     lf_status status = begin_child(&reader, (lf_import_kind)request->kind, err);
     if (status != LF_OK)

@@ -1,4 +1,4 @@
-#include "render/load/parcel.h"
+#include "base/import/parcel.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -22,6 +22,9 @@ static const size_t element_size[LF_PARCEL_TAGS] = {
     [LF_PARCEL_BRICKS] = sizeof(uint32_t),
     [LF_PARCEL_VALUES] = sizeof(float),
     [LF_PARCEL_OTHERS] = 1,
+    [LF_PARCEL_SHAPE] = sizeof(int64_t),
+    [LF_PARCEL_PIXELS8] = 1,
+    [LF_PARCEL_PIXELS32] = sizeof(float),
 };
 
 static lf_status write_at(lf_parcel_writer *writer, uint64_t offset, const void *data, size_t size,

@@ -1,5 +1,6 @@
-/* quiltimport and quiltimport-vdb: each reads one file from outside, confined, and hands over what
- * is in it (render/load/import.h). Not for people: quiltd, quiltrender and quiltbench start them.
+/* quiltimport, quiltimport-vdb and quiltimport-picture: each reads one file from outside, confined,
+ * and hands over what is in it (base/import/import.h). Not for people: quiltd, quiltrender and
+ * quiltbench start them.
  */
 #include <signal.h>
 #include <stdio.h>
@@ -7,7 +8,7 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include "render/reader/reader.h"
+#include "base/reader/reader.h"
 
 lf_status lf_ask_for_file(const char *name, int *out_fd)
 {

@@ -3,15 +3,17 @@
  * without it; what no reader has any use for ends the process. */
 #include <errno.h>
 #include <fcntl.h>
+#include <linux/landlock.h>
 #include <seccomp.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
-#include "render/reader/reader.h"
+#include "base/reader/reader.h"
 
 /* Sanitizers map terabytes, and look into /proc. */
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -148,11 +150,24 @@ static void limit(int what, uint64_t value)
     (void)setrlimit((__rlimit_resource_t)what, &(struct rlimit){(rlim_t)value, (rlim_t)value});
 }
 
+/* A second lock on what the filter forbids already, where the kernel has one (the kernel's
+ * userspace-api/landlock, version 1): nothing of the file system can be opened, made or run. */
+static void lock_files(void)
+{
+    const struct landlock_ruleset_attr all = {.handled_access_fs =
+                                                  ((uint64_t)LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1};
+    int rules = (int)syscall(SYS_landlock_create_ruleset, &all, sizeof all, 0);
+    if (rules < 0)
+        return;
+    (void)syscall(SYS_landlock_restrict_self, rules, 0);
+    close(rules);
+}
+
 lf_status lf_confine(uint64_t memory, unsigned seconds, lf_error *err)
 {
     limit(RLIMIT_CORE, 0);
     limit(RLIMIT_FSIZE, memory);
-    limit(RLIMIT_NOFILE, LF_MESH_MAX_FILES + 16);
+    limit(RLIMIT_NOFILE, LF_IMPORT_MAX_FILES + 16);
     (void)setrlimit(RLIMIT_CPU, &(struct rlimit){seconds, seconds + 5});
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
         return lf_error_set(err, LF_E_IO, LF_HERE, "no_new_privs: %s", strerror(errno));
@@ -160,6 +175,7 @@ lf_status lf_confine(uint64_t memory, unsigned seconds, lf_error *err)
     if (SANITIZED)
         return LF_OK;
     limit(RLIMIT_AS, memory);
+    lock_files();
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
     int failed = filter ? fill_filter(filter) : -ENOMEM;
     if (filter)

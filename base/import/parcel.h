@@ -1,13 +1,13 @@
 /* What a reader hands over (import.h): plain arrays in one sealed memfd, behind a header that says
  * where each lies. Whoever takes it over checks it as if an enemy had written it: the reader has
- * read a stranger's file and may be his by now. Private to render/.
+ * read a stranger's file and may be his by now.
  *
  *     header, 64 bytes a section: lf_parcel_header
  *     sections, each at a multiple of 64 bytes, in any order
  *
  * Numbers are the machine's own: both ends are of one build. */
-#ifndef LF_RENDER_PARCEL_H
-#define LF_RENDER_PARCEL_H
+#ifndef LF_BASE_PARCEL_H
+#define LF_BASE_PARCEL_H
 
 #include <stdint.h>
 
@@ -31,7 +31,10 @@ typedef enum lf_parcel_tag {
     LF_PARCEL_MAP,       /* double: 3x4, row-major, from voxels to the file's world */
     LF_PARCEL_BRICKS,    /* uint32_t: places of bricks (lf_grid_put), ascending */
     LF_PARCEL_VALUES,    /* float: their values, LF_BRICK_STRIDE each */
-    LF_PARCEL_OTHERS,    /* char: names of the file's other grids (scene.h) */
+    LF_PARCEL_OTHERS,    /* char: names of the file's other grids (render/scene/scene.h) */
+    LF_PARCEL_SHAPE,     /* int64_t: two, width and height of a picture */
+    LF_PARCEL_PIXELS8,   /* uint8_t: [height][width][3], display encoded */
+    LF_PARCEL_PIXELS32,  /* float: the same, linear; a picture has either of both */
     LF_PARCEL_TAGS
 } lf_parcel_tag;
 

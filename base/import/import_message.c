@@ -3,7 +3,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "render/load/import.h"
+#include "base/import/import.h"
 
 /* Room for one descriptor, aligned as it has to be. */
 typedef union control {

@@ -1,11 +1,12 @@
-/* Asking quiltimport for what is in a file from outside; private to render/.
+/* Asking for what is in a file from outside.
  *
- * The libraries that read meshes and volumes crash, hang and eat memory on files that are damaged
- * or made to do that. They run in a process of its own, one a file, which has nothing but this
- * conversation: a socket (SOCK_SEQPACKET) as descriptor LF_IMPORT_SOCKET, and the file. It asks for
- * the files that the file names, and gets descriptors if the paths rule allows; in the end it hands
- * a parcel over, or says what is wrong. It is held to limits of memory and time, may make no file,
- * connection or process (render/reader/confine.c), and goes when who asked goes.
+ * The libraries that read meshes, volumes and pictures crash, hang and eat memory on files that are
+ * damaged or made to do that. They run in a process of its own, one a file, which has nothing but
+ * this conversation (base/reader/reader.h is its other end): a socket (SOCK_SEQPACKET) as
+ * descriptor LF_IMPORT_SOCKET, and the file. It asks for the files that the file names, and gets
+ * descriptors if the paths rule allows; in the end it hands a parcel over, or says what is wrong.
+ * It is held to limits of memory and time, may make no file, connection or process
+ * (base/reader/confine.c), and goes when who asked goes.
  *
  *     asker                         reader
  *     lf_import_request, fd   ->
@@ -13,23 +14,40 @@
  *     lf_import_answer (, fd) ->
  *                             <-    lf_import_reply {DONE}, memfd        or {FAILED, status, what}
  */
-#ifndef LF_RENDER_IMPORT_H
-#define LF_RENDER_IMPORT_H
+#ifndef LF_BASE_IMPORT_H
+#define LF_BASE_IMPORT_H
 
 #include <limits.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-#include "render/load/parcel.h"
+#include "base/import/parcel.h"
+
+/* What reading one file may take where nobody says otherwise. */
+#define LF_IMPORT_SECONDS 120
+
+/* What reading one file may take from now on: bytes (0: half of the memory that there is, of the
+ * machine or for the group that the process runs in) and seconds. Of the whole process. Thread:
+ * any. */
+void lf_import_limit(uint64_t memory, int seconds);
+/* At the end of the program: reading that is in progress ends within a tenth of a second, and what
+ * would begin does not: LF_E_CANCELLED. Signal handlers may call it. Thread: any. */
+void lf_import_stop(void);
+/* The limits, and whether lf_import_stop was called: for what reads long files by itself. */
+uint64_t lf_import_memory(void);
+unsigned lf_import_seconds(void);
+bool lf_import_is_stopped(void);
 
 #define LF_IMPORT_SOCKET 3
 #define LF_IMPORT_VERSION UINT32_C(1)
 #define LF_IMPORT_MAX_NAME 256
+#define LF_IMPORT_MAX_FILES 64 /* that a reader has open at once */
 
-typedef enum lf_import_kind { LF_IMPORT_MESH, LF_IMPORT_GRID } lf_import_kind;
+typedef enum lf_import_kind { LF_IMPORT_MESH, LF_IMPORT_GRID, LF_IMPORT_PICTURE } lf_import_kind;
 
 typedef struct lf_import_request {
     uint32_t version, kind;
@@ -37,9 +55,11 @@ typedef struct lf_import_request {
     uint64_t memory;  /* bytes that the reader may have */
     uint32_t seconds; /* of CPU time */
     /* of a mesh */
-    uint32_t normals;   /* lf_normals */
+    uint32_t normals;   /* lf_normals (render/render.h) */
     uint32_t materials; /* 1: the file's own are wanted */
     double transform[12];
+    /* of a picture: 1: as linear floats, whatever the file holds */
+    uint32_t floats;
     /* of a grid */
     char grid[LF_IMPORT_MAX_NAME];
     char path[PATH_MAX]; /* what the file is called, and names in it are relative to */
@@ -67,7 +87,10 @@ LF_NODISCARD lf_status lf_import_receive(int socket, void *message, size_t size,
 /* Opens what a file names, for the reader: LF_OK and a descriptor. */
 typedef lf_status (*lf_import_open_fn)(void *context, const char *name, int *out_fd);
 
-/* Has the file behind fd read as request says (version and limits are filled in); open answers what
+/* The readers stand beside the program or in ../libexec/quiltd, or in the folder that the
+ * environment's QUILTIMPORT names.
+ *
+ * Has the file behind fd read as request says (version and limits are filled in); open answers what
  * it asks for, NULL: nothing. On LF_OK the caller closes *out. where names the file in messages.
  * Errors: the reader's own (LF_E_FORMAT, LF_E_NOMEM, …); LF_E_FORMAT: it ended without a word;
  * LF_E_NOMEM, LF_E_TIMEOUT: it reached a limit; LF_E_CANCELLED: lf_import_stop; LF_E_IO: there is
