@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,10 +20,22 @@
 /* --------------------------------------------------------------------------------- the process --
  */
 
+static struct {
+    lf_import_watch_fn look;
+    void *context;
+} watcher;
+
+void lf_import_watch(lf_import_watch_fn watch, void *context)
+{
+    watcher.look = watch;
+    watcher.context = context;
+}
+
 typedef struct child {
     pid_t pid;
     int socket;
-    double deadline;
+    double begun, deadline;
+    lf_import_progress progress;
     bool late, stopped; /* why it was ended */
 } child;
 
@@ -112,11 +125,20 @@ static lf_status begin_child(child *reader, lf_import_kind kind, lf_error *err)
     return lf_error_set(err, LF_E_IO, path, "cannot be started: %s", strerror(failed));
 }
 
+static void tell_watcher(child *reader, bool ended)
+{
+    reader->progress.seconds = lf_time_now() - reader->begun;
+    reader->progress.ended = ended;
+    if (watcher.look)
+        watcher.look(watcher.context, &reader->progress);
+}
+
 /* Until it says something (also: that it has ended). false: it is to end. */
 static bool await(child *reader)
 {
     for (;;) {
         struct pollfd ready = {reader->socket, POLLIN, 0};
+        tell_watcher(reader, false);
         reader->stopped = lf_import_is_stopped();
         reader->late = lf_time_now() > reader->deadline;
         if (reader->stopped || reader->late)
@@ -216,7 +238,9 @@ static lf_status say_how_it_ended(const child *reader, int how, const lf_import_
 lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
                         lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
 {
-    child reader = {.pid = -1};
+    child reader = {.pid = -1, .begun = lf_time_now(), .progress = {.path = where}};
+    struct stat info;
+    reader.progress.bytes = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;
     request->version = LF_IMPORT_VERSION;
     request->asker = getpid();
     request->memory = lf_import_memory();
@@ -226,11 +250,12 @@ lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
     lf_status status = begin_child(&reader, (lf_import_kind)request->kind, err);
     if (status != LF_OK)
         return status;
-    reader.deadline = lf_time_now() + request->seconds;
+    reader.deadline = reader.begun + request->seconds;
     status = LF_E_STATE;
     if (lf_import_send(reader.socket, request, sizeof *request, fd) == LF_OK)
         status = converse(&reader, where, open, context, out, err);
     int how = end_child(&reader);
+    tell_watcher(&reader, true);
     if (status == LF_E_STATE)
         status = say_how_it_ended(&reader, how, request, where, err);
     return status;

@@ -37,6 +37,20 @@ void lf_import_limit(uint64_t memory, int seconds);
 /* At the end of the program: reading that is in progress ends within a tenth of a second, and what
  * would begin does not: LF_E_CANCELLED. Signal handlers may call it. Thread: any. */
 void lf_import_stop(void);
+/* A file that is being read. */
+typedef struct lf_import_progress {
+    const char *path;
+    uint64_t bytes; /* of the file */
+    double seconds; /* that it has taken */
+    bool ended;     /* well or not: the last word about it */
+} lf_import_progress;
+
+/* Called on the thread that waits for a reader: when it begins, about 20 times a second, at the
+ * end. Several files may be read at once. It must not wait for anything itself. */
+typedef void (*lf_import_watch_fn)(void *context, const lf_import_progress *progress);
+/* Of the whole process, while nothing is being read; watch NULL: nobody looks. */
+void lf_import_watch(lf_import_watch_fn watch, void *context);
+
 /* The limits, and whether lf_import_stop was called: for what reads long files by itself. */
 uint64_t lf_import_memory(void);
 unsigned lf_import_seconds(void);

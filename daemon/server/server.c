@@ -160,6 +160,7 @@ static void destroy(lf_server *server)
     lf_show_end(server->show);
     lf_server_release_loads(server);
     lf_loader_destroy(server->loader);
+    lf_server_drop_loading(server);
     lf_engine_destroy(server->engine);
     lf_server_fail_waits(server, &over, false);
     if (server->inbox.event_fd >= 0)
@@ -282,6 +283,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
     if (status != LF_OK)
         return status;
     status = lf_loader_create(server->engine, &server->roots, &server->inbox, &server->loader);
+    status = status == LF_OK ? lf_server_make_loading(server) : status;
     status = status == LF_OK ? lf_server_make_show(server) : status;
     status = status == LF_OK ? lf_server_make_button_work(server) : status;
     if (status != LF_OK ||

@@ -5,6 +5,7 @@
  *   server_device.c   the panel (daemon/show) as clients see it
  *   server_buttons.c  what its buttons do
  *   server_engine.c   what comes back from the engine and the loader; waits
+ *   server_loading.c  how far the reading of files is
  *   server_signals.c  signals, timers, systemd's ears
  *   server_watch.c    the scene file that changes on disk
  *   server_export.c   exports: what a call's words say
@@ -77,6 +78,7 @@ typedef struct lf_job lf_job;
 
 typedef struct lf_button_work lf_button_work; /* server_buttons.c's */
 typedef struct lf_watch lf_watch;             /* server_watch.c's */
+typedef struct lf_loading lf_loading;         /* server_loading.c's */
 
 typedef enum lf_life_phase {
     LF_PHASE_OPENING, /* the scene waits for the first device */
@@ -91,6 +93,7 @@ typedef struct lf_life {
     double started, stopped_at; /* lf_time_now; when the way down began */
     int exit_code;
     sd_event_source *begin_timer, *stop_timer;
+    bool ready_sent; /* systemd was told */
 } lf_life;
 
 /* What the saved state holds: server_state.c. */
@@ -126,6 +129,7 @@ struct lf_server {
     lf_show *show;
     lf_button_work *button_work;
     lf_watch *watch; /* NULL without --watch */
+    lf_loading *loading;
     lf_saved saved;
     lf_content *content; /* what is shown, as far as this thread knows; NULL = nothing */
     int64_t generation;
@@ -135,7 +139,6 @@ struct lf_server {
     lf_wait *waits;
     lf_job *jobs;
     int64_t n_jobs;
-    bool ready_sent; /* systemd was told */
     int reloads;     /* reloads for systemd that have not ended */
 };
 
@@ -166,6 +169,18 @@ bool lf_default_socket(int index, char *out, size_t size);
 LF_NODISCARD lf_status lf_server_make_show(lf_server *server);
 /* The device as status, device.set and the event `device` show it. */
 json_t *lf_server_device_json(const lf_server *server);
+
+/* -------------------------------------------------------------------------- server_loading.c -- */
+
+/* LF_E_NOMEM. To be dropped when the loader is gone. */
+LF_NODISCARD lf_status lf_server_make_loading(lf_server *server);
+/* Accepts what was not made. */
+void lf_server_drop_loading(lf_server *server);
+/* A load was queued: clients hear how far it is until none is left. */
+void lf_server_loads(lf_server *server);
+/* The file that is being read, as `status` and the notification `scene.load` show it; null: none.
+ */
+json_t *lf_server_reading_json(lf_server *server);
 
 /* -------------------------------------------------------------------------- server_buttons.c -- */
 

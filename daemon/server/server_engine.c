@@ -320,6 +320,7 @@ static void queue_load(lf_server *server, lf_load *load)
     if (calibration)
         load->calibration = *calibration;
     lf_loader_queue(server->loader, load);
+    lf_server_loads(server);
 }
 
 void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)

@@ -31,8 +31,8 @@ void lf_server_tell_status(lf_server *server)
 
 void lf_server_ready(lf_server *server)
 {
-    if (!server->ready_sent) {
-        server->ready_sent = true;
+    if (!server->life.ready_sent) {
+        server->life.ready_sent = true;
         sd_notify(0, "READY=1");
     }
     lf_server_tell_status(server);
@@ -47,7 +47,7 @@ void lf_server_reloaded(lf_server *server)
 static int on_status_timer(sd_event_source *source, uint64_t usec, void *context)
 {
     const lf_server *server = context;
-    if (!server->ready_sent && !lf_server_is_stopping(server)) {
+    if (!server->life.ready_sent && !lf_server_is_stopping(server)) {
         /* a large scene is being loaded */
         sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%" PRIu64, START_MORE_USEC);
     }

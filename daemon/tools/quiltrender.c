@@ -52,6 +52,22 @@ static void show_rendering(void *context, const lf_render_progress *progress)
     draw(context, text);
 }
 
+/* Of files that are read at once, whichever has been for longest says so first. */
+static void show_reading(void *context, const lf_import_progress *progress)
+{
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    progress_line *line = context;
+    char text[160];
+    const char *slash = strrchr(progress->path, '/');
+    if (!line->on || progress->ended || progress->seconds < 0.5)
+        return;
+    snprintf(text, sizeof text, "reading %.60s (%.1f MB), %.0f s",
+             slash ? slash + 1 : progress->path, 1e-6 * (double)progress->bytes, progress->seconds);
+    pthread_mutex_lock(&lock);
+    draw(line, text);
+    pthread_mutex_unlock(&lock);
+}
+
 static void show_writing(void *context, double fraction)
 {
     char text[64];
@@ -187,6 +203,7 @@ static lf_status open_scene(job *j, lf_error *err)
         return lf_error_set(err, LF_E_ARG, "--print",
                             "says what to render: no --preset, --quilt or --view-size");
     lf_status status = lf_scene_load(a->scene, NULL, NULL, &j->scene, err);
+    clear_line(&j->line);
     if (status == LF_OK)
         lf_log_warnings(j->scene, NULL);
     if (status == LF_OK)
@@ -445,7 +462,9 @@ static int run(const lf_render_arguments *a)
 {
     job j = {.arguments = a, .line = {.on = isatty(STDERR_FILENO) == 1}};
     lf_error err = {0};
+    lf_import_watch(show_reading, &j.line);
     lf_status status = open_input(&j, &err);
+    lf_import_watch(NULL, NULL);
     int code = LF_EXIT_OK;
     if (status == LF_E_ARG) {
         code = lf_usage_error(PROGRAM, &err);

@@ -83,6 +83,41 @@ static void a_reader_that_hangs_delays_neither_commands_nor_the_end(void **state
     live_finish(&l);
 }
 
+static void whoever_listens_hears_how_far_reading_is(void **state)
+{
+    (void)state;
+    live l;
+    live_client c, other;
+    prepare(&l, "#!/bin/sh\nexec sleep 1000\n");
+    live_start(&l, l.scene, "--device", "none", NULL);
+    live_connect(&l, &c);
+    live_connect(&l, &other);
+    live_wait(&c, "coarse");
+    json_t *answer = live_call(&other, "status", NULL);
+    assert_true(json_is_null(json_object_get(json_object_get(answer, "result"), "reading")));
+    json_decref(answer);
+    assert_int_equal(live_code(&c, "subscribe", json_pack("{s:[s]}", "events", "scene")), 0);
+    static const char load[] =
+        "{\"jsonrpc\":\"2.0\",\"id\":7,\"method\":\"scene.load\",\"params\":{"
+        "\"file\":\"mesh.json\"}}\n";
+    live_send(&other, load, sizeof load - 1);
+    json_t *told = live_receive(&c), *p = json_object_get(told, "params");
+    assert_string_equal(json_string_value(json_object_get(told, "method")), "scene.load");
+    assert_string_equal(strrchr(json_string_value(json_object_get(p, "file")), '/'), "/a.obj");
+    assert_int_equal(json_integer_value(json_object_get(p, "bytes")), 32);
+    assert_true(json_number_value(json_object_get(p, "seconds")) > 0.0);
+    assert_int_equal(json_integer_value(json_object_get(p, "files_read")), 0);
+    json_decref(told);
+    answer = live_call(&other, "status", NULL); /* behind the load of the same client */
+    p = json_object_get(json_object_get(answer, "result"), "reading");
+    assert_string_equal(strrchr(json_string_value(json_object_get(p, "file")), '/'), "/a.obj");
+    json_decref(answer);
+    assert_int_equal(live_stop(&l), 0);
+    live_close(&c);
+    live_close(&other);
+    live_finish(&l);
+}
+
 static void a_reader_has_the_time_that_the_daemon_was_told(void **state)
 {
     (void)state;
@@ -137,6 +172,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_reader_that_crashes_leaves_the_picture),
         cmocka_unit_test(a_reader_that_hangs_delays_neither_commands_nor_the_end),
+        cmocka_unit_test(whoever_listens_hears_how_far_reading_is),
         cmocka_unit_test(a_reader_has_the_time_that_the_daemon_was_told),
         cmocka_unit_test(a_wait_ends_when_its_time_is_over),
     };
