@@ -17,7 +17,7 @@
 #define MOMENT_SECONDS 0.1
 #define STARVED_SECONDS 3.0
 #define LOOK_NS 2000000
-/* Where one is no good they are done one by one, and nobody has an answer before that. */
+/* Nobody has an answer before all are done. */
 #define MOST_AT_ONCE 256
 
 struct lf_loader {
@@ -362,19 +362,33 @@ static void drop_task(void *context, lf_task *task)
     load->status = lf_error_set(&load->err, LF_E_CANCELLED, "", "the daemon is shutting down");
 }
 
-/* Of several changes one that is no good spoils none of the others. */
-static void run_apart(lf_loader *loader, lf_load *load)
+/* The last task of the first half. */
+static lf_task *middle_of(lf_task *first)
 {
-    lf_task *next = &load->task;
-    while (next) {
-        lf_task *task = next, *others = task->next;
-        task->next = NULL;
-        if (atomic_load(&loader->ends))
-            drop_task(loader, task);
-        else
-            run_load(loader, (lf_load *)(void *)task);
-        task->next = next = others;
+    lf_task *middle = first;
+    for (lf_task *end = first->next; end && end->next && end->next->next; end = end->next->next)
+        middle = middle->next;
+    return middle;
+}
+
+/* A load and those taken into it. Of several changes one that is no good spoils none of the
+ * others: they are then done in halves, so that few are done again for it. */
+static void run_together(lf_loader *loader, lf_load *load)
+{
+    if (atomic_load(&loader->ends))
+        drop_task(loader, &load->task);
+    else
+        run_load(loader, load);
+    if (load->status == LF_OK || load->kind == LF_LOAD_FILE || !load->task.next ||
+        atomic_load(&loader->ends)) {
+        share_outcome(load);
+        return;
     }
+    lf_task *middle = middle_of(&load->task), *second = middle->next;
+    middle->next = NULL;
+    run_together(loader, load);
+    run_together(loader, (lf_load *)(void *)second);
+    middle->next = second;
 }
 
 /* Before a change: until the picture that is being rendered has been shown once, but for a moment
@@ -399,11 +413,7 @@ static void run_task(void *context, lf_task *task)
     if (load->kind == LF_LOAD_PATCH || load->kind == LF_LOAD_ORBIT)
         let_one_show(loader);
     take_others(loader, load);
-    run_load(loader, load);
-    if (load->status != LF_OK && load->kind != LF_LOAD_FILE && load->task.next)
-        run_apart(loader, load);
-    else
-        share_outcome(load);
+    run_together(loader, load);
 }
 
 lf_status lf_loader_create(lf_engine *engine, const lf_roots *roots, lf_inbox *inbox,
