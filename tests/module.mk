@@ -1,13 +1,13 @@
 # What tests of a folder share, a library each.
-test_libraries := stat optics kms pictures faulty
+test_libraries := stat optics kms spoiled pictures faulty
 # What a room's tests link: its own library and base; the tests of other folders link everything.
 test_libs_base := pictures base
 test_libs_quilt := optics quilt base
 test_libs_device := kms model device base
-test_libs_render := stat render base
+test_libs_render := stat spoiled pictures render base
 test_libs_stat := stat render base
 test_libs_bench := bench stat render base
-test_libs_daemon := faulty $(libraries)
+test_libs_daemon := faulty spoiled pictures $(libraries)
 
 # Sources with mistakes that its tests switch on, built a second time for them (lf_fault in render/rows/visit.h).
 test_faults_render := $(patsubst %,render/rows/%.c,exits glow_visit mvpt visit)
@@ -21,8 +21,9 @@ $(O)/tests/render/test_import: $(O)/base/reader/confine.c.o
 # what tests of the print share
 optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 
-# files of pictures
+# files of pictures, files to spoil
 pictures_srcs := tests/base/pictures.c
+spoiled_srcs := tests/base/spoiled.c
 
 # a kernel with displays
 kms_srcs := tests/device/fake_kms.c
