@@ -1,5 +1,7 @@
 #include "base/image.h"
 
+#include <math.h>
+
 #include "base/alloc.h"
 
 #define MAX_SIDE 65536
@@ -51,4 +53,12 @@ void lf_image32_finish(lf_image32 *image)
 {
     lf_free(image->data);
     *image = (lf_image32){0};
+}
+
+void lf_srgb_light(float out[256])
+{
+    for (int i = 0; i < 256; i++) {
+        double v = i / 255.0;
+        out[i] = (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
+    }
 }

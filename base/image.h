@@ -26,6 +26,9 @@ LF_NODISCARD lf_status lf_image32_init(lf_image32 *image, int width, int height,
 void lf_image8_finish(lf_image8 *image);
 void lf_image32_finish(lf_image32 *image);
 
+/* The light of 8-bit codes by sRGB (IEC 61966-2-1). */
+void lf_srgb_light(float out[256]);
+
 /* The views of one light field, 8-bit display-encoded RGB, 3 bytes a pixel, wherever they lie: the
  * strides say whether it is a stack of views or the film's order [row][view][column]. Borrowed, not
  * owned. View 0 is the leftmost camera. */
@@ -43,12 +46,16 @@ typedef struct lf_layers32 {
     const float *data;
 } lf_layers32;
 
-/* The same with linear float RGB (12 bytes a pixel); strides in floats. */
+/* The same with linear float RGB (12 bytes a pixel); strides in floats. What is only written to
+ * files (lf_print_write, lf_quilt_write_exr, lf_view_write_exr) may be 8-bit codes instead, which
+ * are light[code]: then data is NULL, and strides count codes. */
 typedef struct lf_views32 {
     int n_views, width, height;
     size_t view_stride, row_stride;
     const float *data;
     const lf_layers32 *layers; /* NULL: none */
+    const uint8_t *codes;
+    const float *light; /* [256] */
 } lf_views32;
 
 static inline const uint8_t *lf_views8_row(const lf_views8 *v, int view, int row)
@@ -59,6 +66,11 @@ static inline const uint8_t *lf_views8_row(const lf_views8 *v, int view, int row
 static inline const float *lf_views32_row(const lf_views32 *v, int view, int row)
 {
     return v->data + (size_t)view * v->view_stride + (size_t)row * v->row_stride;
+}
+
+static inline const uint8_t *lf_views32_codes(const lf_views32 *v, int view, int row)
+{
+    return v->codes + (size_t)view * v->view_stride + (size_t)row * v->row_stride;
 }
 
 static inline const float *lf_layers32_row(const lf_layers32 *l, int view, int row)

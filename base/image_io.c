@@ -177,10 +177,7 @@ lf_status lf_image8_read_open(int fd, const char *path, lf_image8 *out, lf_error
 static lf_status decode_srgb(const lf_image8 *in, const char *where, lf_image32 *out, lf_error *err)
 {
     float linear[256];
-    for (int i = 0; i < 256; i++) {
-        double s = i / 255.0;
-        linear[i] = (float)(s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4));
-    }
+    lf_srgb_light(linear);
     lf_status status = lf_image32_init(out, in->width, in->height, in->channels);
     if (status != LF_OK)
         return lf_error_set(err, status, where, "no memory for %dx%d pixels", in->width,

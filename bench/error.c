@@ -126,10 +126,7 @@ static lf_status decode(light_field *field, const char *path, lf_error *err)
     field->decoded = lf_calloc((size_t)in->n_views * (size_t)in->height, width * sizeof(float));
     if (!field->decoded)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    for (int i = 0; i < 256; i++) {
-        double v = i / 255.0;
-        table8[i] = (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
-    }
+    lf_srgb_light(table8);
     float *out = field->decoded;
     for (int view = 0; view < in->n_views; view++) {
         for (int row = 0; row < in->height; row++, out += width) {
@@ -138,8 +135,12 @@ static lf_status decode(light_field *field, const char *path, lf_error *err)
                 out[i] = table8[from[i]];
         }
     }
-    field->views = (lf_views32){in->n_views, in->width,      in->height, width * (size_t)in->height,
-                                width,       field->decoded, NULL};
+    field->views = (lf_views32){.n_views = in->n_views,
+                                .width = in->width,
+                                .height = in->height,
+                                .view_stride = width * (size_t)in->height,
+                                .row_stride = width,
+                                .data = field->decoded};
     return LF_OK;
 }
 
@@ -162,13 +163,12 @@ static lf_status open_field(const arguments *a, const char *path, light_field *f
     lf_status status = lf_raster_open(path, NULL, true, &field->image, err);
     if (status == LF_OK) {
         size_t width = (size_t)field->image.width * 3;
-        field->views = (lf_views32){1,
-                                    field->image.width,
-                                    field->image.height,
-                                    width * (size_t)field->image.height,
-                                    width,
-                                    field->image.data32,
-                                    NULL};
+        field->views = (lf_views32){.n_views = 1,
+                                    .width = field->image.width,
+                                    .height = field->image.height,
+                                    .view_stride = width * (size_t)field->image.height,
+                                    .row_stride = width,
+                                    .data = field->image.data32};
     }
     return status;
 }

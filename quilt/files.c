@@ -45,7 +45,12 @@ static lf_status allocate_views(lf_quilt_file *q, const char *where, lf_error *e
     if (q->is_float) {
         q->image32 = (lf_image32){
             .width = l->view_width, .height = (int)n_rows, .channels = 3, .data = data};
-        q->views32 = (lf_views32){l->n_views, l->view_width, l->view_height, view, row, data, NULL};
+        q->views32 = (lf_views32){.n_views = l->n_views,
+                                  .width = l->view_width,
+                                  .height = l->view_height,
+                                  .view_stride = view,
+                                  .row_stride = row,
+                                  .data = data};
     } else {
         q->image8 = (lf_image8){.width = l->view_width,
                                 .height = (int)n_rows,
@@ -283,8 +288,14 @@ static void row8(void *context, int y, uint8_t *out)
 static float *view_row(const lf_views32 *views, int view, int row, float *out)
 {
     const lf_layers32 *layers = views->layers;
-    const float *colour = lf_views32_row(views, view, row);
     size_t width = (size_t)views->width, n = layers ? (size_t)layers->n : 0;
+    if (views->codes) {
+        const uint8_t *code = lf_views32_codes(views, view, row);
+        for (size_t i = 0; i < 3 * width; i++)
+            out[i] = views->light[code[i]];
+        return out + 3 * width;
+    }
+    const float *colour = lf_views32_row(views, view, row);
     if (!layers) {
         memcpy(out, colour, 3 * width * sizeof *out);
         return out + 3 * width;
@@ -361,7 +372,10 @@ lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *views, int view,
 {
     lf_views32 one = *views;
     lf_layers32 layers;
-    one.data = lf_views32_row(views, view, 0);
+    if (views->codes)
+        one.codes = lf_views32_codes(views, view, 0);
+    else
+        one.data = lf_views32_row(views, view, 0);
     one.n_views = 1;
     if (views->layers) {
         layers = *views->layers;

@@ -1,6 +1,4 @@
 /* The way from linear floats to 8 bits and back. */
-#include <math.h>
-
 #include "base/alloc.h"
 #include "daemon/output/output_internal.h"
 
@@ -65,53 +63,17 @@ lf_status output_views8(const lf_output_request *request, const lf_output_source
     return LF_OK;
 }
 
-typedef struct decode_job {
-    float table[256]; /* sRGB (IEC 61966-2-1) to linear */
-    const lf_views8 *in;
-    float *out; /* [row][view][column][3] */
-} decode_job;
-
-static void decode_row(void *context, int row, int worker)
-{
-    const decode_job *job = context;
-    size_t n = (size_t)job->in->width * 3;
-    float *out = job->out + (size_t)row * (size_t)job->in->n_views * n;
-    (void)worker;
-    for (int view = 0; view < job->in->n_views; view++, out += n) {
-        const uint8_t *in = lf_views8_row(job->in, view, row);
-        for (size_t i = 0; i < n; i++)
-            out[i] = job->table[in[i]];
-    }
-}
-
-lf_status output_views32(const lf_output_request *request, const lf_output_source *source,
-                         lf_views32 *out, float **out_buffer, lf_error *err)
+lf_views32 output_views32(const lf_output_source *source, float light[256])
 {
     const lf_views8 *in = &source->views8;
-    decode_job job = {.in = in};
-    *out_buffer = NULL;
-    *out = source->views32;
     if (source->is_float)
-        return LF_OK;
-    size_t row_size = (size_t)in->n_views * (size_t)in->width * 3;
-    job.out = lf_calloc((size_t)in->height, row_size * sizeof(float));
-    if (!job.out)
-        return lf_error_set(err, LF_E_NOMEM, request->path, "out of memory");
-    for (int i = 0; i < 256; i++) {
-        double v = i / 255.0;
-        job.table[i] = (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
-    }
-    lf_status status = run_rows(request, in->height, decode_row, &job, err);
-    if (status != LF_OK) {
-        lf_free(job.out);
-        return status;
-    }
-    *out_buffer = job.out;
-    *out = (lf_views32){.n_views = in->n_views,
+        return source->views32;
+    lf_srgb_light(light);
+    return (lf_views32){.n_views = in->n_views,
                         .width = in->width,
                         .height = in->height,
-                        .view_stride = (size_t)in->width * 3,
-                        .row_stride = row_size,
-                        .data = job.out};
-    return LF_OK;
+                        .view_stride = in->view_stride,
+                        .row_stride = in->row_stride,
+                        .codes = in->data,
+                        .light = light};
 }

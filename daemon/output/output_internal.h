@@ -24,10 +24,9 @@ void output_attributes_fill(output_attributes *attributes, const json_t *setting
  * caller with lf_free). */
 lf_status output_views8(const lf_output_request *request, const lf_output_source *source,
                         lf_views8 *out, uint8_t **out_buffer, lf_error *err);
-/* Linear float views of any source: the source's own, or decoded ones in *out_buffer (released by
- * the caller with lf_free). */
-lf_status output_views32(const lf_output_request *request, const lf_output_source *source,
-                         lf_views32 *out, float **out_buffer, lf_error *err);
+/* Linear views of any source, for what writes files: the source's own, or its codes with what they
+ * mean in light, which they point to. */
+lf_views32 output_views32(const lf_output_source *source, float light[256]);
 
 /* Of a TIFF and its manifest "OUT.json", which prints and charts are: their endings, and their
  * files' names. */

@@ -78,19 +78,15 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
 {
     lf_print print = *request->print;
     lf_print_run run = output_print_run(request);
-    lf_views32 views;
-    float *decoded = NULL;
+    float light[256];
+    lf_views32 views = output_views32(source, light);
     if (source->is_float) {
         run.exposure = request->exposure;
         run.tonemap = request->tonemap;
     }
-    lf_status status = output_views32(request, source, &views, &decoded, err);
     if (!(print.view_aspect > 0))
         print.view_aspect = source->aspect;
-    if (status == LF_OK)
-        status = lf_print_write(&print, &views, &run, &files[0], &files[1], err);
-    lf_free(decoded);
-    return status;
+    return lf_print_write(&print, &views, &run, &files[0], &files[1], err);
 }
 
 const char *const output_print_endings[] = {".tif", ".tiff", NULL};

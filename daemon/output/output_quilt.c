@@ -63,16 +63,10 @@ static lf_status write_png(const lf_output_request *request, const lf_output_sou
 static lf_status write_exr(const lf_output_request *request, const lf_output_source *source,
                            lf_outfile *file, const output_attributes *attributes, lf_error *err)
 {
-    lf_views32 views;
-    float *buffer = NULL;
-    lf_status status = output_views32(request, source, &views, &buffer, err);
-    if (status == LF_OK) {
-        output_progress(request, 0.2);
-        status = lf_quilt_write_exr(file, &views, &request->layout, attributes->list, attributes->n,
-                                    err);
-    }
-    lf_free(buffer);
-    return status;
+    float light[256];
+    lf_views32 views = output_views32(source, light);
+    output_progress(request, 0.2);
+    return lf_quilt_write_exr(file, &views, &request->layout, attributes->list, attributes->n, err);
 }
 
 static lf_status write_files(const lf_output_request *request, const lf_output_source *source,

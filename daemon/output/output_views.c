@@ -64,13 +64,9 @@ static lf_status write_all(const lf_output_request *request, const lf_views32 *v
 static lf_status write_files(const lf_output_request *request, const lf_output_source *source,
                              lf_outfile *files, lf_error *err)
 {
-    lf_views32 views;
-    float *buffer = NULL;
-    lf_status status = output_views32(request, source, &views, &buffer, err);
-    if (status == LF_OK)
-        status = write_all(request, &views, files, err);
-    lf_free(buffer);
-    return status;
+    float light[256];
+    lf_views32 views = output_views32(source, light);
+    return write_all(request, &views, files, err);
 }
 
 static const char *const endings[] = {"/", NULL};

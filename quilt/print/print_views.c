@@ -174,17 +174,39 @@ static float finite_or_zero(float v)
     return isfinite(v) ? v : 0.0F;
 }
 
-/* One line of a view: n samples `step` apart, each the weighted mix of samples `tap_step` apart. */
-static void gather_line(const float *view, size_t step, int n, size_t tap_step,
+/* Where the samples of a line lie in a view. */
+typedef struct line_place {
+    size_t step, tap_step; /* from sample to sample, and to those that a sample is mixed of */
+    int n;
+} line_place;
+
+static void add_floats(const float *in, const line_place *place, float weight, float *line)
+{
+    for (int s = 0; s < place->n; s++)
+        for (int c = 0; c < 3; c++)
+            line[3 * s + c] += weight * finite_or_zero(in[(size_t)s * place->step + (size_t)c]);
+}
+
+static void add_codes(const uint8_t *in, const float *light, const line_place *place, float weight,
+                      float *line)
+{
+    for (int s = 0; s < place->n; s++)
+        for (int c = 0; c < 3; c++)
+            line[3 * s + c] += weight * light[in[(size_t)s * place->step + (size_t)c]];
+}
+
+/* One line of a view: samples, each the weighted mix of others. */
+static void gather_line(const lf_views32 *views, int view, const line_place *place,
                         const lf_axis_filter *filter, int i, float *line)
 {
     const float *weight = filter->weight + (size_t)i * (size_t)filter->max_taps;
-    memset(line, 0, (size_t)n * 3 * sizeof *line);
+    memset(line, 0, (size_t)place->n * 3 * sizeof *line);
     for (int t = 0; t < filter->n_taps[i]; t++) {
-        const float *in = view + (size_t)(filter->first[i] + t) * tap_step;
-        for (int s = 0; s < n; s++)
-            for (int c = 0; c < 3; c++)
-                line[3 * s + c] += weight[t] * finite_or_zero(in[(size_t)s * step + (size_t)c]);
+        size_t at = (size_t)(filter->first[i] + t) * place->tap_step;
+        if (views->codes)
+            add_codes(lf_views32_codes(views, view, 0) + at, views->light, place, weight[t], line);
+        else
+            add_floats(lf_views32_row(views, view, 0) + at, place, weight[t], line);
     }
 }
 
@@ -203,18 +225,18 @@ static void filter_line(const lf_axis_filter *filter, const float *line, float *
 
 void lf_print_source_across(const lf_print_source *source, int i, int along, float *out)
 {
-    const float *view = lf_views32_row(source->views, lf_print_source_view(source, i), 0);
-    gather_line(view, source->across_step, source->n_across_in, source->along_step, &source->along,
-                along, source->line);
+    const line_place place = {source->across_step, source->along_step, source->n_across_in};
+    gather_line(source->views, lf_print_source_view(source, i), &place, &source->along, along,
+                source->line);
     filter_line(&source->across, source->line, out);
     lf_tone_linear(source->tone, (size_t)source->across.n_out, out, out);
 }
 
 void lf_print_source_along(const lf_print_source *source, int i, int lens, float *out)
 {
-    const float *view = lf_views32_row(source->views, lf_print_source_view(source, i), 0);
-    gather_line(view, source->along_step, source->n_along_in, source->across_step, &source->across,
-                lens, source->line);
+    const line_place place = {source->along_step, source->across_step, source->n_along_in};
+    gather_line(source->views, lf_print_source_view(source, i), &place, &source->across, lens,
+                source->line);
     filter_line(&source->along, source->line, out);
     lf_tone_linear(source->tone, (size_t)source->along.n_out, out, out);
 }
