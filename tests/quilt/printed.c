@@ -114,6 +114,8 @@ void lf_card_make(const lf_print *print,
                         3 * width * height,
                         3 * width,
                         data,
+                        NULL,
+                        NULL,
                         NULL};
     for (int view = 0; view < print->n_views; view++)
         for (int row = 0; row < shape.view_height; row++)

@@ -36,7 +36,8 @@ static float *views32_of(int n_views, lf_views32 *out)
     assert_non_null(data);
     for (int i = 0; i < n_views * HEIGHT * WIDTH * 3; i++)
         data[i] = value32(i / 3 / WIDTH % n_views, i / 3 % WIDTH, i / 3 / WIDTH / n_views, i % 3);
-    *out = (lf_views32){n_views, WIDTH, HEIGHT, WIDTH * 3, (size_t)n_views * WIDTH * 3, data, NULL};
+    *out = (lf_views32){n_views, WIDTH, HEIGHT, WIDTH * 3, (size_t)n_views * WIDTH * 3,
+                        data,    NULL,  NULL,   NULL};
     return data;
 }
 

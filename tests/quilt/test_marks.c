@@ -32,7 +32,7 @@ static lf_printed printed_white(const lf_print *print)
     assert_non_null(data);
     for (int i = 0; i < 3 * print->n_views; i++)
         data[i] = 1.0F;
-    const lf_views32 views = {print->n_views, 1, 1, 3, 3, data, NULL};
+    const lf_views32 views = {print->n_views, 1, 1, 3, 3, data, NULL, NULL, NULL};
     lf_printed_make(print, &views, 0, &out);
     lf_free(data);
     return out;

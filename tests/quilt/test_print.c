@@ -420,7 +420,7 @@ static void pictures_of_any_size_cover_the_raster(void **state)
         assert_non_null(data);
         for (int i = 0; i < 3 * width * height; i++)
             data[i] = ramp_value(sizes[s], 0, i / 3 / width, i / 3 % width, i % 3);
-        const lf_views32 views = {1, width, height, 0, 3 * (size_t)width, data, NULL};
+        const lf_views32 views = {1, width, height, 0, 3 * (size_t)width, data, NULL, NULL, NULL};
         lf_printed_make(&print, &views, 0, &printed);
         const double tolerance = 1.0 / width + 1.5 * (25.4 / print.lpi) / print.width_mm;
         for (int x = 0; x < printed.width; x++) {
@@ -448,7 +448,7 @@ static void a_picture_keeps_its_aspect_and_is_cut(void **state)
     assert_non_null(data);
     for (int i = 0; i < 30000; i++)
         data[i] = ramp_value(size, 0, i / 300, i / 3 % 100, i % 3);
-    const lf_views32 views = {1, 100, 100, 0, 300, data, NULL};
+    const lf_views32 views = {1, 100, 100, 0, 300, data, NULL, NULL, NULL};
     print.view_aspect = 1.0;
     lf_printed_make(&print, &views, 0, &printed);
     const double visible = (double)printed.height / printed.width;
@@ -467,7 +467,7 @@ static void stripes_take_views_evenly_from_more(void **state)
     lf_printed printed;
     for (int i = 0; i < 3 * 45; i++)
         data[i] = (float)(i / 3) / 44.0F;
-    const lf_views32 views = {45, 1, 1, 3, 3, data, NULL};
+    const lf_views32 views = {45, 1, 1, 3, 3, data, NULL, NULL, NULL};
     print.n_views = 10;
     print.bits = 16;
     print.stripes = LF_STRIPES_NEAREST;
@@ -487,7 +487,7 @@ static void samples_that_are_no_numbers_count_as_black(void **state)
     (void)state;
     lf_print print = lf_print_sound();
     static const float odd[6] = {NAN, INFINITY, -1.0F, 0.5F, 2.0F, 1e30F};
-    const lf_views32 views = {2, 1, 1, 3, 3, odd, NULL};
+    const lf_views32 views = {2, 1, 1, 3, 3, odd, NULL, NULL, NULL};
     lf_printed printed;
     print.n_views = 2;
     print.stripes = LF_STRIPES_NEAREST;

@@ -227,7 +227,7 @@ static void colours_are_converted_to_a_given_rgb_profile(void **state)
     lf_printed plain, same, wide;
     static const float colours[12] = {0.0F, 1.0F, 0.0F, 1.0F, 1.0F, 1.0F,
                                       0.0F, 0.0F, 0.0F, 0.2F, 0.2F, 0.2F};
-    const lf_views32 pure = {4, 1, 1, 3, 3, colours, NULL};
+    const lf_views32 pure = {4, 1, 1, 3, 3, colours, NULL, NULL, NULL};
     print.bits = 16;
     lf_card_make(&print, lf_card_speckle, NULL, &card);
     lf_printed_make(&print, &card, 0, &plain);
@@ -306,7 +306,7 @@ static void a_cmyk_profile_makes_separations(void **state)
     char *folder = lf_test_folder();
     lf_print print = lf_print_sound();
     static const float greys[6] = {0.0F, 0.0F, 0.0F, 1.0F, 1.0F, 1.0F};
-    const lf_views32 views = {2, 1, 1, 3, 3, greys, NULL};
+    const lf_views32 views = {2, 1, 1, 3, 3, greys, NULL, NULL, NULL};
     lf_printed printed;
     print.n_views = 2;
     print.stripes = LF_STRIPES_NEAREST;
@@ -389,7 +389,7 @@ static void try_print(const lf_print *print, const char *folder, void (*progress
                       attempt *out)
 {
     static const float grey[3] = {0.5F, 0.5F, 0.5F};
-    const lf_views32 views = {1, 1, 1, 3, 3, grey, NULL};
+    const lf_views32 views = {1, 1, 1, 3, 3, grey, NULL, NULL, NULL};
     const lf_print_run run = {.cancel = &out->cancel, .progress = progress, .context = out};
     lf_outfile tiff, manifest;
     lf_assert_ok(lf_outfile_open(&tiff, lf_test_path(folder, "p.tif"), false, &out->err),

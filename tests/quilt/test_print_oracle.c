@@ -46,7 +46,7 @@ static light_row grey_row(const lf_print *print, const double *grey)
     for (int i = 0; i < 3 * print->n_views; i++)
         data[i] = (float)grey[i / 3];
     /* a view of one pixel is stretched over the print */
-    const lf_views32 views = {print->n_views, 1, 1, 3, 3, data, NULL};
+    const lf_views32 views = {print->n_views, 1, 1, 3, 3, data, NULL, NULL, NULL};
     lf_printed_make(print, &views, 0, &printed);
     const light_row row = row_of(&printed, print->dpi, printed.height / 2, 1);
     lf_printed_finish(&printed);
