@@ -459,6 +459,36 @@ static void a_picture_keeps_its_aspect_and_is_cut(void **state)
     lf_free(data);
 }
 
+/* Codes print as the light that they are, whichever way the lenses run and at any size. */
+static void codes_print_as_their_light(void **state)
+{
+    enum { VIEWS = 5, WIDTH = 61, HEIGHT = 23, N = VIEWS * WIDTH * HEIGHT * 3 };
+    (void)state;
+    uint8_t *codes = lf_calloc(N, 1);
+    float *data = lf_calloc(N, sizeof *data), light[256];
+    assert_true(codes && data);
+    lf_srgb_light(light);
+    for (int i = 0; i < N; i++) {
+        codes[i] = (uint8_t)(i * 7 + i / 61 * 29);
+        data[i] = (float)lf_srgb_to_linear(codes[i] / 255.0);
+    }
+    const size_t row = (size_t)3 * WIDTH, view = row * HEIGHT;
+    const lf_views32 floats = {VIEWS, WIDTH, HEIGHT, view, row, data, NULL, NULL, NULL},
+                     coded = {VIEWS, WIDTH, HEIGHT, view, row, NULL, NULL, codes, light};
+    for (int horizontal = 0; horizontal < 2; horizontal++) {
+        lf_print print = lf_print_odd();
+        lf_printed a, b;
+        print.horizontal = horizontal;
+        lf_printed_make(&print, &floats, 0, &a);
+        lf_printed_make(&print, &coded, 0, &b);
+        lf_printed_assert_same(&a, &b);
+        lf_printed_finish(&a);
+        lf_printed_finish(&b);
+    }
+    lf_free(codes);
+    lf_free(data);
+}
+
 static void stripes_take_views_evenly_from_more(void **state)
 {
     (void)state;
@@ -517,6 +547,7 @@ int main(void)
         cmocka_unit_test(shrinking_is_an_area_average_and_growing_is_linear),
         cmocka_unit_test(pictures_of_any_size_cover_the_raster),
         cmocka_unit_test(a_picture_keeps_its_aspect_and_is_cut),
+        cmocka_unit_test(codes_print_as_their_light),
         cmocka_unit_test(stripes_take_views_evenly_from_more),
         cmocka_unit_test(samples_that_are_no_numbers_count_as_black),
     };
