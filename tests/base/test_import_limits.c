@@ -41,6 +41,7 @@ static void a_reader_may_have_half_of_what_its_group_may(void **state)
     assert_int_equal(memory_in("0::/a/b\n", "max\n", "max\n"), expected);
     assert_int_equal(memory_in("0::/a/b\n", "max\n", "400000000\n"), 200000000);
     assert_int_equal(memory_in("0::/a/b\n", "300000000\n", "400000000\n"), 150000000);
+    assert_int_equal(memory_in("0::/a/b\n", "500000000\n", "400000000\n"), 200000000);
     assert_int_equal(memory_in("0::/a/b\n", "500000000\n", NULL), 250000000);
     assert_int_equal(memory_in("0::/a\n", "500000000\n", "400000000\n"), 250000000);
     assert_int_equal(memory_in("3:memory:/a\n0::/a\n", "500000000\n", NULL), 250000000);

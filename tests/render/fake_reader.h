@@ -49,8 +49,8 @@ static inline int fake_parcel(const char *lie)
     lf_parcel_writer writer;
     int fd = -1;
     bool is_short = strcmp(lie, "short") == 0, absent = strcmp(lie, "absent") == 0,
-         odd = strcmp(lie, "odd") == 0;
-    if (strcmp(lie, "index") == 0)
+         odd = strcmp(lie, "odd") == 0, flat = strcmp(lie, "flat index") == 0;
+    if (strcmp(lie, "index") == 0 || flat)
         triangles[1] = 3;
     if (strcmp(lie, "nan") == 0)
         positions[4] = (double)NAN;
@@ -70,7 +70,11 @@ static inline int fake_parcel(const char *lie)
         materials[1].ior = (float)NAN;
     if (lf_parcel_begin(&writer, NULL) != LF_OK ||
         lf_parcel_put(&writer, LF_PARCEL_POSITIONS, positions, odd ? 8 : 9, NULL) != LF_OK ||
-        lf_parcel_put(&writer, LF_PARCEL_NORMALS, normals, is_short ? 6 : 9, NULL) != LF_OK ||
+        lf_parcel_put(&writer, LF_PARCEL_NORMALS, normals,
+                      flat       ? 0
+                      : is_short ? 6
+                                 : 9,
+                      NULL) != LF_OK ||
         lf_parcel_put(&writer, LF_PARCEL_TRIANGLES, triangles, absent ? 0 : 3, NULL) != LF_OK ||
         lf_parcel_put(&writer, LF_PARCEL_CHOICES, &choice, 1, NULL) != LF_OK ||
         lf_parcel_append(&writer, LF_PARCEL_MATERIALS, materials, 1, NULL) != LF_OK ||

@@ -233,8 +233,9 @@ static void a_reader_that_tells_the_truth_is_believed(void **state)
 /* Each is one lie in a parcel whose sections are all in place. */
 static void a_mesh_of_lies_is_refused(void **state)
 {
-    static const char *const lies[] = {"index", "nan",      "far", "normal", "choice", "kind",
-                                       "white", "emission", "ior", "short",  "absent", "odd"};
+    static const char *const lies[] = {"index",  "flat index", "nan",   "far",      "normal",
+                                       "choice", "kind",       "white", "emission", "ior",
+                                       "short",  "absent",     "odd"};
     for (size_t i = 0; i < sizeof lies / sizeof *lies; i++)
         assert_says(*state, lies[i], LF_E_FORMAT, "the reader's answer");
 }
