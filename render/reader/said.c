@@ -1,0 +1,147 @@
+#include "render/reader/said.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "render/reader/reader.h"
+
+lf_said lf_said_begin(const char *name)
+{
+    return (lf_said){.name = lf_strdup(name), .diffuse = {0.5f, 0.5f, 0.5f}, .roughness = 1.0f};
+}
+
+static float clamp_unit(float v)
+{
+    return v > 0.0f ? fminf(v, 1.0f) : 0.0f; /* NaN gives 0 */
+}
+
+static lf_vec3 clamp_colour(lf_vec3 c)
+{
+    return lf_v3(clamp_unit(c.x), clamp_unit(c.y), clamp_unit(c.z));
+}
+
+static float clamp_radiance(float v)
+{
+    return v > 0.0f ? fminf(v, (float)LF_MAX_RADIANCE) : 0.0f;
+}
+
+/* glTF's metallic-roughness model: metals become conductors, the rest gets a coat unless it is
+ * fully rough. */
+static void convert_metallic(const lf_said *said, lf_material *out)
+{
+    out->roughness = clamp_unit(said->roughness);
+    if (said->ior >= 1.0f)
+        out->ior = fminf(said->ior, 3.0f);
+    out->kind = said->metallic >= 0.5f    ? &lf_surface_conductor
+                : out->roughness >= 0.99f ? &lf_surface_diffuse
+                                          : &lf_surface_plastic;
+}
+
+/* Phong's Kd, Ks, Ns: a highlight without a diffuse part is a metal, with one a coat. */
+static void convert_phong(const lf_said *said, lf_material *out)
+{
+    lf_vec3 specular = clamp_colour(said->specular);
+    if (!(lf_max3(specular) > 0.0f) || !(said->exponent > 0.0f) || !isfinite(said->exponent))
+        return;
+    /* alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007, section 5), roughness = sqrt(alpha). */
+    out->roughness = clamp_unit(powf(2.0f / (said->exponent + 2.0f), 0.25f));
+    if (said->ior > 1.0f && isfinite(said->ior))
+        out->ior = fminf(said->ior, 3.0f);
+    out->kind = &lf_surface_plastic;
+    if (!(lf_max3(out->albedo) > 0.0f)) {
+        out->kind = &lf_surface_conductor;
+        out->albedo = specular;
+    }
+}
+
+static lf_material convert_said(const lf_said *said)
+{
+    lf_material out = {
+        .kind = &lf_surface_diffuse, .albedo = {0.5f, 0.5f, 0.5f}, .roughness = 0.3f, .ior = 1.5f};
+    if (said->is_none)
+        return out;
+    out.albedo = clamp_colour(said->diffuse);
+    if (said->is_metallic)
+        convert_metallic(said, &out);
+    else
+        convert_phong(said, &out);
+    if (!(said->lost & 1u << LF_LOST_GLOW)) /* which is black nearly everywhere */
+        out.emission = lf_v3(clamp_radiance(said->emission.x), clamp_radiance(said->emission.y),
+                             clamp_radiance(said->emission.z));
+    return out;
+}
+
+/* ------------------------------------------------------------------------------ what is lost -- */
+
+static const char *const losses[LF_LOST_KINDS] = {
+    [LF_LOST_TEXTURES] = "textures are not read, the colours beside them alone count",
+    [LF_LOST_GLOW] = "the texture of what glows is not read, so nothing of it does",
+    [LF_LOST_TRANSPARENCY] = "transparency is left out: opaque",
+    [LF_LOST_METALLIC] = "metallic between 0 and 1 counts as the nearer of both",
+    [LF_LOST_COAT] = "the clear coat is left out",
+    [LF_LOST_SHEEN] = "the sheen is left out",
+    [LF_LOST_THICKNESS] = "the volume inside is left out",
+    [LF_LOST_BRUSHED] = "anisotropy is left out",
+    [LF_LOST_SPECULAR] = "specular factors are left out",
+    [LF_LOST_UNLIT] = "unlit is not possible: lit as others are",
+};
+
+/* The names of materials in one line, of which a few are told. */
+typedef struct name_list {
+    int n;
+    char text[256];
+} name_list;
+
+static void list_name(const lf_said *said, size_t number, name_list *out)
+{
+    enum { TOLD = 3 };
+    size_t at = strlen(out->text), size = sizeof out->text - at;
+    char *end = out->text + at;
+    if (out->n < TOLD && said->name[0])
+        snprintf(end, size, "%s\"%.40s\"", out->n ? ", " : "", said->name);
+    else if (out->n < TOLD)
+        snprintf(end, size, "%snumber %zu", out->n ? ", " : "", number);
+    else if (out->n == TOLD)
+        snprintf(end, size, " ...");
+    out->n++;
+}
+
+static void warn_of(const name_list *names, const char *what, lf_warnings *warnings)
+{
+    if (names->n > 0)
+        lf_warnings_add(warnings, LF_HERE, "%s %s: %s", names->n == 1 ? "material" : "materials",
+                        names->text, what);
+}
+
+lf_status lf_said_convert(const lf_said *said, size_t n, const bool *used, lf_mesh_data *out,
+                          lf_error *err)
+{
+    if (n == 0 || n > LF_MAX_MATERIALS)
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%zu materials; 1 to %d are possible", n,
+                            LF_MAX_MATERIALS);
+    out->materials = lf_calloc(n, sizeof *out->materials);
+    if (!out->materials)
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+    out->n_materials = (int)n;
+    for (size_t i = 0; i < n; i++)
+        out->materials[i] = convert_said(&said[i]);
+    for (unsigned kind = 0; kind < LF_LOST_KINDS; kind++) {
+        name_list names = {0};
+        for (size_t i = 0; i < n; i++)
+            if (used[i] && said[i].lost & 1u << kind)
+                list_name(&said[i], i, &names);
+        warn_of(&names, losses[kind], &out->warnings);
+    }
+    return LF_OK;
+}
+
+void lf_said_warn_of_missing(const lf_said *said, size_t n, const bool *used, lf_warnings *warnings)
+{
+    name_list names = {0};
+    for (size_t i = 0; i < n; i++)
+        if (used[i] && said[i].is_missing)
+            list_name(&said[i], i, &names);
+    warn_of(&names, "not in the file's material libraries, so it is grey", warnings);
+}

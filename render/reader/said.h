@@ -1,0 +1,46 @@
+/* What a mesh file says of a material, and what of it a picture has. */
+#ifndef LF_RENDER_SAID_H
+#define LF_RENDER_SAID_H
+
+#include "render/load/mesh_import.h"
+
+/* What a material may hold that no surface of ours has, in the order in which it is told. */
+typedef enum lf_lost {
+    LF_LOST_TEXTURES,
+    LF_LOST_GLOW, /* a texture of what glows */
+    LF_LOST_TRANSPARENCY,
+    LF_LOST_METALLIC, /* between 0 and 1 */
+    LF_LOST_COAT,
+    LF_LOST_SHEEN,
+    LF_LOST_THICKNESS,
+    LF_LOST_BRUSHED,
+    LF_LOST_SPECULAR,
+    LF_LOST_UNLIT,
+    LF_LOST_KINDS
+} lf_lost;
+
+/* Numbers are as the file has them, in no range and perhaps none. */
+typedef struct lf_said {
+    char *name; /* owned, lf_free; "": it has none */
+    /* says nothing, or was made up for what has no material: grey, whatever is below */
+    bool is_none;
+    bool is_metallic; /* glTF's model, and that of newer MTL files; else Phong's */
+    bool is_missing;  /* named by an OBJ file, and in none of its libraries */
+    unsigned lost;    /* 1 << lf_lost each */
+    lf_vec3 diffuse, specular, emission;
+    float exponent, ior;       /* Phong's; 0: not said */
+    float metallic, roughness; /* of the other */
+} lf_said;
+
+/* One that says nothing but its name, of which it takes a copy. NULL in name: no memory. */
+lf_said lf_said_begin(const char *name);
+
+/* Makes out->materials of n of them, in their order, and adds warnings of what those that triangles
+ * use (used[i]) lose. LF_E_FORMAT: too many, or none; LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_said_convert(const lf_said *said, size_t n, const bool *used,
+                                       lf_mesh_data *out, lf_error *err);
+/* A warning of those in use that are missing. */
+void lf_said_warn_of_missing(const lf_said *said, size_t n, const bool *used,
+                             lf_warnings *warnings);
+
+#endif

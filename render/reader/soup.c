@@ -1,0 +1,108 @@
+#include "render/reader/soup.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "render/reader/input.h"
+#include "render/reader/reader.h"
+
+static lf_status no_room(lf_error *err)
+{
+    return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+}
+
+void lf_soup_finish(lf_soup *soup)
+{
+    free(soup->points);
+    free(soup->normals);
+    free(soup->corners);
+    free(soup->normals_of);
+    free(soup->choices);
+    free(soup->parts);
+    for (size_t i = 0; i < soup->n_said; i++)
+        lf_free(soup->said[i].name);
+    free(soup->said);
+    lf_warnings_finish(&soup->warnings);
+    *soup = (lf_soup){0};
+}
+
+lf_status lf_soup_point(lf_soup *soup, const double at[3], lf_error *err)
+{
+    if (soup->n_points >= 3 * (size_t)LF_MAX_TRIANGLES)
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d points are not possible",
+                            3 * LF_MAX_TRIANGLES);
+    if (!lf_grow(&soup->points, &soup->points_room, soup->n_points + 1, 3 * sizeof *soup->points))
+        return no_room(err);
+    memcpy(soup->points + 3 * soup->n_points++, at, 3 * sizeof *at);
+    return LF_OK;
+}
+
+lf_status lf_soup_normal(lf_soup *soup, const float normal[3], lf_error *err)
+{
+    if (soup->n_normals >= 3 * (size_t)LF_MAX_TRIANGLES)
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d normals are not possible",
+                            3 * LF_MAX_TRIANGLES);
+    if (!lf_grow(&soup->normals, &soup->normals_room, soup->n_normals + 1,
+                 3 * sizeof *soup->normals))
+        return no_room(err);
+    memcpy(soup->normals + 3 * soup->n_normals++, normal, 3 * sizeof *normal);
+    return LF_OK;
+}
+
+/* Choices are there once one of them is not 0. */
+static bool put_choice(lf_soup *soup, unsigned choice)
+{
+    bool first = !soup->choices;
+    if (first && choice == 0)
+        return true;
+    if (!lf_grow(&soup->choices, &soup->choices_room, soup->n_triangles + 1, sizeof(uint16_t)))
+        return false;
+    for (size_t i = 0; i < soup->n_triangles && first; i++)
+        soup->choices[i] = 0;
+    soup->choices[soup->n_triangles] = (uint16_t)choice;
+    return true;
+}
+
+lf_status lf_soup_triangle(lf_soup *soup, const uint32_t corners[3], const uint32_t *normals,
+                           unsigned choice, lf_error *err)
+{
+    size_t at = 3 * soup->n_triangles;
+    if (soup->n_triangles >= LF_MAX_TRIANGLES)
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d triangles are not possible",
+                            LF_MAX_TRIANGLES);
+    if (!lf_grow(&soup->corners, &soup->corners_room, at + 3, sizeof *corners) ||
+        (normals && !lf_grow(&soup->normals_of, &soup->normals_of_room, at + 3, sizeof *normals)) ||
+        !put_choice(soup, choice))
+        return no_room(err);
+    memcpy(soup->corners + at, corners, 3 * sizeof *corners);
+    if (normals)
+        memcpy(soup->normals_of + at, normals, 3 * sizeof *normals);
+    soup->n_triangles++;
+    return LF_OK;
+}
+
+lf_status lf_soup_part(lf_soup *soup, lf_error *err)
+{
+    if (soup->n_parts > 0 && soup->parts[soup->n_parts - 1] == soup->n_triangles)
+        return LF_OK;
+    if (!lf_grow(&soup->parts, &soup->parts_room, soup->n_parts + 1, sizeof *soup->parts))
+        return no_room(err);
+    soup->parts[soup->n_parts++] = (uint32_t)soup->n_triangles;
+    return LF_OK;
+}
+
+lf_status lf_soup_say(lf_soup *soup, lf_said said, lf_error *err)
+{
+    lf_status status = LF_OK;
+    if (soup->n_said >= LF_MAX_MATERIALS)
+        status = lf_error_set(err, LF_E_FORMAT, LF_HERE, "more than %d materials are not possible",
+                              LF_MAX_MATERIALS);
+    else if (!said.name || !lf_grow(&soup->said, &soup->said_room, soup->n_said + 1, sizeof said))
+        status = no_room(err);
+    if (status == LF_OK)
+        soup->said[soup->n_said++] = said;
+    else
+        lf_free(said.name);
+    return status;
+}
