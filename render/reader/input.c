@@ -116,13 +116,13 @@ bool lf_input_skip(lf_input *in, uint64_t n)
     return true;
 }
 
-/* Where the line ends that begins at `at`, from byte `from` of it on; the end where nothing ends it.
+/* Where the line ends that begins at `at`, from byte `from` of it on; the end where nothing ends
+ * it.
  */
 static size_t line_end(lf_input *in, size_t from)
 {
     for (;;) {
-        unsigned char *stop =
-            memchr(in->buffer + in->at + from, in->ends, in->end - in->at - from);
+        unsigned char *stop = memchr(in->buffer + in->at + from, in->ends, in->end - in->at - from);
         if (stop)
             return (size_t)(stop - in->buffer) - in->at;
         from = in->end - in->at;

@@ -9,7 +9,8 @@
 #include "render/reader/soup.h"
 #include "render/scene/vec_double.h"
 
-/* Of an angle beside pi: corners in one line count as looking inwards, so that they are cut from. */
+/* Of an angle beside pi: corners in one line count as looking inwards, so that they are cut from.
+ */
 #define ANGLE_SLACK 1e-6
 
 /* A polygon in the plane that it covers most of. */

@@ -16,13 +16,12 @@ typedef struct lf_mesh_reading {
     lf_named_file files[LF_MESH_MAX_FILES];
 } lf_mesh_reading;
 
-/* The mesh file behind fd (the caller's), called desc->file, through Assimp; out as lf_mesh_import
- * fills it but for its files. LF_E_FORMAT, LF_E_NOMEM. */
+/* The mesh file behind fd (the caller's), called desc->file; out as lf_mesh_import fills it but for
+ * its files. PLY, STL and OBJ by ourselves (formats.h), others through Assimp. LF_E_FORMAT,
+ * LF_E_NOMEM, LF_E_IO. */
 LF_NODISCARD lf_status lf_mesh_read(const lf_mesh_desc *desc, int fd, lf_mesh_data *out,
                                     lf_error *err);
-
-/* Refuses a PLY file whose header promises more elements than the file has room for. LF_E_FORMAT,
- * LF_E_IO, LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_ply_check(int fd, lf_error *err);
+LF_NODISCARD lf_status lf_assimp_read(const lf_mesh_desc *desc, int fd, lf_mesh_data *out,
+                                      lf_error *err);
 
 #endif

@@ -21,8 +21,8 @@ typedef struct lf_soup {
     size_t normals_of_room;
     uint16_t *choices; /* [n_triangles]: said; NULL: all are of the first */
     size_t choices_room;
-    uint32_t *parts; /* [n_parts]: the first triangle of each, ascending; vertices of different parts
-                        are not joined */
+    uint32_t *parts; /* [n_parts]: the first triangle of each, ascending; vertices of different
+                        parts are not joined */
     size_t n_parts, parts_room;
     lf_said *said; /* [n_said] */
     size_t n_said, said_room;

@@ -1,6 +1,6 @@
 /* Materials of mesh files; private to render/reader/mesh_*.c. */
-#ifndef LF_RENDER_MESH_MATERIAL_H
-#define LF_RENDER_MESH_MATERIAL_H
+#ifndef LF_RENDER_ASSIMP_MATERIAL_H
+#define LF_RENDER_ASSIMP_MATERIAL_H
 
 #include "render/reader/reader.h"
 

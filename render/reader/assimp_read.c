@@ -9,8 +9,8 @@
 
 #include "base/alloc.h"
 #include "base/file.h"
-#include "render/reader/mesh_material.h"
-#include "render/scene/vec_double.h"
+#include "render/reader/assimp_material.h"
+#include "render/reader/mesh_build.h"
 
 #define MAX_NODE_DEPTH 256
 
@@ -175,144 +175,26 @@ static void count_mesh(const struct aiMesh *mesh, unsigned material, const lf_af
     t->n_triangles += mesh->mNumFaces;
 }
 
-/* Appends to the arrays of data, which have room. A vertex that is unusable becomes NaN, a normal
- * that is becomes 0. */
-static void append_vertices(lf_mesh_data *data, const struct aiMesh *mesh,
-                            const lf_affine *transform)
-{
-    double to_world[3][3];
-    lf_affine_normals(transform, to_world);
-    for (unsigned v = 0; v < mesh->mNumVertices; v++, data->n_vertices++) {
-        const struct aiVector3D *p = &mesh->mVertices[v];
-        double *out = data->positions + 3 * (size_t)data->n_vertices;
-        lf_affine_point(transform, (double[3]){(double)p->x, (double)p->y, (double)p->z}, out);
-        for (int i = 0; i < 3; i++)
-            if (!(fabs(out[i]) <= LF_MAX_COORDINATE))
-                out[0] = (double)NAN;
-        if (!data->normals || !mesh->mNormals)
-            continue;
-        const struct aiVector3D *n = &mesh->mNormals[v];
-        double w[3], length = 0;
-        for (int i = 0; i < 3; i++) {
-            w[i] = to_world[i][0] * (double)n->x + to_world[i][1] * (double)n->y +
-                   to_world[i][2] * (double)n->z;
-            length += w[i] * w[i];
-        }
-        length = sqrt(length);
-        for (int i = 0; i < 3; i++)
-            data->normals[3 * (size_t)data->n_vertices + (size_t)i] =
-                length > 0 ? (float)(w[i] / length) : 0.0f;
-    }
-}
-
-static bool has_area(const double *a, const double *b, const double *c)
-{
-    double ab[3], ac[3], n[3];
-    lf_sub_double(b, a, ab);
-    lf_sub_double(c, a, ac);
-    lf_cross_double(ab, ac, n);
-    return fabs(n[0]) + fabs(n[1]) + fabs(n[2]) > 0; /* false for NaN too */
-}
-
 static void append_mesh(const struct aiMesh *mesh, unsigned material, const lf_affine *transform,
                         void *context)
 {
     lf_mesh_data *data = context;
+    lf_mesh_place place = lf_mesh_place_of(transform);
     uint32_t base = (uint32_t)data->n_vertices;
-    /* A mirror turns every face inside out; swapping two corners keeps the geometric normal with
-     * the shading normal. */
-    bool mirrored = lf_affine_determinant(transform) < 0;
-    append_vertices(data, mesh, transform);
+    for (unsigned v = 0; v < mesh->mNumVertices; v++) {
+        const struct aiVector3D *p = &mesh->mVertices[v];
+        const struct aiVector3D *n = mesh->mNormals ? &mesh->mNormals[v] : NULL;
+        lf_mesh_put_vertex(data, &place, (double[3]){(double)p->x, (double)p->y, (double)p->z},
+                           n ? (float[3]){n->x, n->y, n->z} : NULL);
+    }
     for (unsigned f = 0; f < mesh->mNumFaces; f++) {
         const struct aiFace *face = &mesh->mFaces[f];
-        if (face->mNumIndices != 3)
-            continue;
-        const unsigned *corner = face->mIndices;
-        if (corner[0] >= mesh->mNumVertices || corner[1] >= mesh->mNumVertices ||
-            corner[2] >= mesh->mNumVertices)
-            continue;
-        uint32_t t[3] = {base + corner[0], base + corner[mirrored ? 2 : 1],
-                         base + corner[mirrored ? 1 : 2]};
-        const double *p = data->positions;
-        if (!has_area(p + 3 * (size_t)t[0], p + 3 * (size_t)t[1], p + 3 * (size_t)t[2])) {
-            data->n_broken +=
-                isnan(p[3 * (size_t)t[0]] + p[3 * (size_t)t[1]] + p[3 * (size_t)t[2]]);
-            continue;
-        }
-        memcpy(data->triangles + 3 * (size_t)data->n_triangles, t, sizeof t);
-        if (data->triangle_material)
-            data->triangle_material[data->n_triangles] =
-                (uint16_t)(material < (unsigned)data->n_materials ? material : 0);
-        data->n_triangles++;
+        const unsigned *corner = face->mIndices, n = mesh->mNumVertices;
+        if (face->mNumIndices == 3 && corner[0] < n && corner[1] < n && corner[2] < n)
+            lf_mesh_put_triangle(
+                data, &place, (uint32_t[3]){base + corner[0], base + corner[1], base + corner[2]},
+                material);
     }
-}
-
-/* Normals of vertices: the mean of their faces', weighted by the faces' angles there (Thuermer and
- * Wuethrich 1998). Assimp's own are those of one face where a file's faces share their vertices. */
-static void smooth(lf_mesh_data *data)
-{
-    for (size_t c = 0; c < 3 * (size_t)data->n_triangles; c++) {
-        const uint32_t *t = data->triangles + c - c % 3;
-        const double *p = data->positions + 3 * (size_t)t[c % 3],
-                     *q = data->positions + 3 * (size_t)t[(c + 1) % 3],
-                     *r = data->positions + 3 * (size_t)t[(c + 2) % 3];
-        double a[3], b[3], w[3];
-        lf_sub_double(q, p, a);
-        lf_sub_double(r, p, b);
-        lf_cross_double(a, b, w);
-        double length = lf_length_double(w),
-               weight = length > 0 ? atan2(length, lf_dot_double(a, b)) / length : 0;
-        for (int i = 0; i < 3; i++)
-            data->normals[3 * (size_t)t[c % 3] + (size_t)i] += (float)(weight * w[i]);
-    }
-    for (float *n = data->normals, *end = n + 3 * (size_t)data->n_vertices; n < end; n += 3) {
-        float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        for (int i = 0; i < 3; i++)
-            n[i] = length > 1e-6f ? n[i] / length : 0.0f;
-    }
-}
-
-/* Gives vertices without a usable normal that of a face at them, and takes NaN out of positions
- * that no face uses. */
-static void repair(lf_mesh_data *data)
-{
-    for (int v = 0; v < data->n_vertices; v++)
-        if (isnan(data->positions[3 * (size_t)v]))
-            memset(data->positions + 3 * (size_t)v, 0, 3 * sizeof(double));
-    for (size_t c = 0; data->normals && c < 3 * (size_t)data->n_triangles; c++) {
-        float *n = data->normals + 3 * (size_t)data->triangles[c];
-        if (n[0] != 0.0f || n[1] != 0.0f || n[2] != 0.0f)
-            continue;
-        const uint32_t *t = data->triangles + c - c % 3;
-        const double *a = data->positions + 3 * (size_t)t[0],
-                     *b = data->positions + 3 * (size_t)t[1],
-                     *d = data->positions + 3 * (size_t)t[2];
-        double ab[3], ad[3], w[3];
-        lf_sub_double(b, a, ab);
-        lf_sub_double(d, a, ad);
-        lf_cross_double(ab, ad, w);
-        double length = lf_length_double(w);
-        for (int i = 0; i < 3; i++)
-            n[i] = length > 0 ? (float)(w[i] / length) : i == 1 ? 1.0f : 0.0f;
-    }
-}
-
-static lf_status allocate(lf_mesh_data *data, int64_t n_vertices, int64_t n_triangles, bool normals,
-                          const char *path, lf_error *err)
-{
-    if (n_triangles > LF_MAX_TRIANGLES || n_vertices > 3 * (int64_t)LF_MAX_TRIANGLES)
-        return lf_error_set(err, LF_E_NOMEM, path, "%lld triangles; at most %d are possible",
-                            (long long)n_triangles, LF_MAX_TRIANGLES);
-    data->positions = lf_calloc((size_t)n_vertices, 3 * sizeof *data->positions);
-    data->triangles = lf_calloc((size_t)n_triangles, 3 * sizeof *data->triangles);
-    if (normals)
-        data->normals = lf_calloc((size_t)n_vertices, 3 * sizeof *data->normals);
-    if (data->n_materials > 0)
-        data->triangle_material = lf_calloc((size_t)n_triangles, sizeof *data->triangle_material);
-    if (!data->positions || !data->triangles || (normals && !data->normals) ||
-        (data->n_materials && !data->triangle_material))
-        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    return LF_OK;
 }
 
 static lf_status convert_geometry(const struct aiScene *scene, const lf_mesh_desc *desc,
@@ -323,25 +205,11 @@ static lf_status convert_geometry(const struct aiScene *scene, const lf_mesh_des
         !walk(scene, scene->mRootNode, &desc->transform, 0, count_mesh, &wanted))
         return lf_error_set(err, LF_E_FORMAT, path, "the nodes are nested deeper than %d",
                             MAX_NODE_DEPTH);
-    if (wanted.n_triangles == 0)
-        return lf_error_set(err, LF_E_FORMAT, path, "no triangles in this file");
-    lf_status status = allocate(out, wanted.n_vertices, wanted.n_triangles, normals, path, err);
+    lf_status status = lf_mesh_allocate(out, wanted.n_vertices, wanted.n_triangles, normals, err);
     if (status != LF_OK)
         return status;
     walk(scene, scene->mRootNode, &desc->transform, 0, append_mesh, out);
-    if (out->n_triangles == 0)
-        return lf_error_set(
-            err, LF_E_FORMAT, path,
-            "no usable triangle: all %lld have no area or vertices that are not finite",
-            (long long)wanted.n_triangles);
-    if (out->n_broken > 0)
-        lf_warnings_add(&out->warnings, LF_HERE,
-                        "%d of %lld triangles are left out: a vertex is not finite, or beyond %g",
-                        out->n_broken, (long long)wanted.n_triangles, LF_MAX_COORDINATE);
-    if (desc->normals == LF_NORMALS_SMOOTH)
-        smooth(out);
-    repair(out);
-    return LF_OK;
+    return lf_mesh_complete(out, desc, wanted.n_triangles, err);
 }
 
 /* ------------------------------------------------------------------------------------ Assimp -- */
@@ -434,10 +302,7 @@ static lf_status read_with(const lf_mesh_desc *desc, lf_mesh_reading *reading, l
 {
     const char *path = desc->file;
     bool normals = false;
-    lf_status status =
-        lf_path_has_ending(path, ".ply") ? lf_ply_check(reading->files[0].fd, err) : LF_OK;
-    if (status != LF_OK)
-        return status;
+    lf_status status = LF_OK;
     const struct aiScene *scene = read_scene(path, desc->normals, reading, &normals, err);
     if (!scene)
         return LF_E_FORMAT;
@@ -453,7 +318,7 @@ static lf_status read_with(const lf_mesh_desc *desc, lf_mesh_reading *reading, l
     return status;
 }
 
-lf_status lf_mesh_read(const lf_mesh_desc *desc, int fd, lf_mesh_data *out, lf_error *err)
+lf_status lf_assimp_read(const lf_mesh_desc *desc, int fd, lf_mesh_data *out, lf_error *err)
 {
     lf_mesh_reading reading = {.n_files = 1, .files = {{.fd = fd}}};
     reading.files[0].name = lf_strdup(desc->file);

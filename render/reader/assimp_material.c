@@ -1,5 +1,5 @@
 /* Assimp's materials made into ours, and what of them is lost on the way. */
-#include "render/reader/mesh_material.h"
+#include "render/reader/assimp_material.h"
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
