@@ -191,9 +191,7 @@ static lf_status read_line(const lf_input *in, const char *line, lf_ply_header *
         return read_element(in, line, out, err);
     if (lf_word_is(word, n, "property"))
         return read_property(in, line, out, err);
-    if (n == 0 || *ended || lf_word_is(word, n, "comment") || lf_word_is(word, n, "obj_info"))
-        return LF_OK;
-    return bad_line(in, "expected format, element, property, comment or end_header", err);
+    return LF_OK; /* comments, also those that some programs write without that word */
 }
 
 lf_status lf_ply_read_header(lf_input *in, lf_ply_header *out, lf_error *err)
