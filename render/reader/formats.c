@@ -9,7 +9,7 @@
 static const struct {
     const char *ending;
     lf_format_read_fn *read;
-} formats[] = {{".ply", lf_ply_read}, {".stl", lf_stl_read}};
+} formats[] = {{".ply", lf_ply_read}, {".stl", lf_stl_read}, {".obj", lf_obj_read}};
 
 /* By its name; PLY by its first line, too, whatever it is called. NULL: none of ours. */
 static lf_format_read_fn *find_format(const char *path, int fd)

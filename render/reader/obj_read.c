@@ -1,0 +1,253 @@
+/* Wavefront OBJ: points, normals, faces, and materials by name out of MTL libraries. Curves,
+ * surfaces, smoothing groups and texture coordinates are left out. */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/file.h"
+#include "base/reader/reader.h"
+#include "render/reader/formats.h"
+#include "render/reader/input.h"
+#include "render/reader/mtl_read.h"
+#include "render/reader/words.h"
+
+typedef struct obj {
+    const lf_mesh_desc *desc;
+    lf_input in;
+    lf_soup *soup;
+    bool has_choice; /* usemtl has been said */
+    unsigned choice;
+    int n_libraries;
+    uint32_t *corners, *normals; /* of the face at hand */
+    size_t n_corners, corners_room, normals_room;
+} obj;
+
+static lf_status bad_line(const obj *o, const char *what, lf_error *err)
+{
+    return lf_error_set(err, LF_E_FORMAT, LF_HERE, "line %lld: %s", (long long)o->in.line, what);
+}
+
+/* -------------------------------------------------------------------------------------- points --
+ */
+
+/* v x y z, then nothing, a weight, or a colour. */
+static lf_status take_point(obj *o, const char *at, lf_error *err)
+{
+    double v[6];
+    int n = 0;
+    while (n < 6 && lf_number(&at, &v[n]))
+        n++;
+    if (n < 3)
+        return bad_line(o, "expected three numbers behind v", err);
+    if (n == 6)
+        o->soup->n_coloured = 1;
+    if (n == 4 && v[3] != 0)
+        for (int i = 0; i < 3; i++)
+            v[i] /= v[3];
+    return lf_soup_point(o->soup, v, err);
+}
+
+static lf_status take_normal(obj *o, const char *at, lf_error *err)
+{
+    double v[3];
+    if (!lf_numbers(&at, 3, v))
+        return bad_line(o, "expected three numbers behind vn", err);
+    return lf_soup_normal(o->soup, (float[3]){(float)v[0], (float)v[1], (float)v[2]}, err);
+}
+
+/* --------------------------------------------------------------------------------------- faces --
+ */
+
+/* From 1 on, or from the last one backwards. */
+static bool to_number(int64_t written, size_t n, uint32_t *out)
+{
+    int64_t number = written < 0 ? (int64_t)n + written : written - 1;
+    *out = (uint32_t)number;
+    return written != 0 && number >= 0 && number < (int64_t)n;
+}
+
+/* An index behind a slash, if there is one: false where there is something else. */
+static bool index_behind_slash(const char **at, bool *there, int64_t *out)
+{
+    *there = false;
+    if (**at != '/')
+        return true;
+    *at += 1;
+    if (**at == '\0' || **at == '/' || lf_is_blank(**at))
+        return true;
+    *there = true;
+    return lf_integer(at, out);
+}
+
+/* v, v/t, v//n, v/t/n */
+static lf_status take_corner(obj *o, const char **at, lf_error *err)
+{
+    int64_t point, texture, normal;
+    bool textured, smooth;
+    uint32_t *corner, *own;
+    if (!lf_grow(&o->corners, &o->corners_room, o->n_corners + 1, sizeof *o->corners) ||
+        !lf_grow(&o->normals, &o->normals_room, o->n_corners + 1, sizeof *o->normals))
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+    corner = &o->corners[o->n_corners];
+    own = &o->normals[o->n_corners++];
+    if (!lf_integer(at, &point) || !index_behind_slash(at, &textured, &texture) ||
+        !index_behind_slash(at, &smooth, &normal) || (**at && !lf_is_blank(**at)))
+        return bad_line(o, "expected numbers such as 1, 1/2, 1//3 or 1/2/3", err);
+    if (!to_number(point, o->soup->n_points, corner))
+        return bad_line(o, "a face names a vertex that there is not", err);
+    *own = LF_NO_NORMAL;
+    if (smooth && !to_number(normal, o->soup->n_normals, own))
+        return bad_line(o, "a face names a normal that there is not", err);
+    return LF_OK;
+}
+
+static lf_status take_corners(obj *o, const char *at, lf_error *err)
+{
+    lf_status status = LF_OK;
+    o->n_corners = 0;
+    while (status == LF_OK && *(at = lf_skip_blanks(at)) && *at != '#')
+        status = take_corner(o, &at, err);
+    return status;
+}
+
+/* What has no material of its own is of none. */
+static lf_status choose_none(obj *o, lf_error *err)
+{
+    lf_said none = lf_said_begin("");
+    none.is_none = true;
+    o->has_choice = true;
+    o->choice = (unsigned)o->soup->n_said;
+    return lf_soup_say(o->soup, none, err);
+}
+
+static lf_status take_face(obj *o, const char *at, lf_error *err)
+{
+    lf_status status = take_corners(o, at, err);
+    if (status == LF_OK && !o->has_choice)
+        status = choose_none(o, err);
+    return status == LF_OK
+               ? lf_soup_polygon(o->soup, o->n_corners, o->corners, o->normals, o->choice, err)
+               : status;
+}
+
+static lf_status take_beside(obj *o, const char *at, bool line, lf_error *err)
+{
+    lf_status status = take_corners(o, at, err);
+    o->soup->n_beside += line && o->n_corners > 0 ? o->n_corners - 1 : o->n_corners;
+    return status;
+}
+
+/* ----------------------------------------------------------------------------------- materials --
+ */
+
+static lf_status choose(obj *o, const char *name, lf_error *err)
+{
+    unsigned before = o->choice;
+    bool first = !o->has_choice;
+    if (*name == '\0')
+        return LF_OK;
+    lf_status status = lf_mtl_find(o->soup, name, &o->choice, err);
+    o->has_choice = true;
+    return status == LF_OK && (first || o->choice != before) ? lf_soup_part(o->soup, err) : status;
+}
+
+/* LF_OK as well where there is no such file: who was asked knows, and tells. */
+static lf_status read_library(obj *o, const char *name, bool *out_read, lf_error *err)
+{
+    int fd;
+    char *folder = lf_path_folder(o->desc->file),
+         *path = folder ? lf_path_join(folder, name) : NULL;
+    lf_status status = LF_OK;
+    *out_read = false;
+    if (!path) {
+        status = lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+    } else if (lf_ask_for_file(path, &fd) == LF_OK) {
+        *out_read = true;
+        status = lf_mtl_read(fd, o->soup, err);
+        close(fd);
+    }
+    lf_free(folder);
+    lf_free(path);
+    return status;
+}
+
+/* Whose library is not there may have one of its own name: people rename both. */
+static lf_status read_own_library(obj *o, lf_error *err)
+{
+    const char *slash = strrchr(o->desc->file, '/'), *name = slash ? slash + 1 : o->desc->file,
+               *dot = strrchr(name, '.');
+    char own[256];
+    bool read;
+    size_t n = dot ? (size_t)(dot - name) : strlen(name);
+    if (n + sizeof ".mtl" > sizeof own)
+        return LF_OK;
+    memcpy(own, name, n);
+    memcpy(own + n, ".mtl", sizeof ".mtl");
+    return read_library(o, own, &read, err);
+}
+
+/* A name may have blanks in it; where an ending is followed by a blank there are several. */
+static lf_status take_libraries(obj *o, char *names, lf_error *err)
+{
+    lf_status status = LF_OK;
+    for (char *slash = names; (slash = strchr(slash, '\\'));)
+        *slash = '/';
+    while (*names && status == LF_OK && o->n_libraries++ < LF_IMPORT_MAX_FILES / 2) {
+        bool read;
+        char *end = names, *next;
+        while ((end = strcasestr(end, ".mtl")) && end[4] && !lf_is_blank(end[4]))
+            end += 4;
+        next = end && end[4] ? end + 5 : names + strlen(names);
+        if (end)
+            end[4] = '\0';
+        status = read_library(o, names, &read, err);
+        if (status == LF_OK && !read)
+            status = read_own_library(o, err);
+        names = next + strspn(next, " \t");
+    }
+    return status;
+}
+
+/* ---------------------------------------------------------------------------------------- lines --
+ */
+
+static lf_status read_line(obj *o, char *line, lf_error *err)
+{
+    size_t n;
+    const char *at = line, *key = lf_word(&at, &n);
+    char *rest = line + (at - line);
+    if (lf_word_is(key, n, "v"))
+        return take_point(o, at, err);
+    if (lf_word_is(key, n, "vn"))
+        return take_normal(o, at, err);
+    if (lf_word_is(key, n, "f") || lf_word_is(key, n, "fo"))
+        return take_face(o, at, err);
+    if (lf_word_is(key, n, "l") || lf_word_is(key, n, "p"))
+        return take_beside(o, at, key[0] == 'l', err);
+    if (lf_word_is(key, n, "o") || lf_word_is(key, n, "g"))
+        return lf_soup_part(o->soup, err);
+    if (lf_word_is(key, n, "usemtl"))
+        return choose(o, lf_rest(rest), err);
+    if (lf_word_is(key, n, "mtllib"))
+        return take_libraries(o, lf_rest(rest), err);
+    return LF_OK;
+}
+
+lf_status lf_obj_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error *err)
+{
+    obj o = {.desc = desc, .soup = soup};
+    char *line;
+    lf_status status = lf_input_open(&o.in, fd, err);
+    while (status == LF_OK && (line = lf_input_line(&o.in, true)))
+        status = read_line(&o, line, err);
+    if (status == LF_OK && o.in.status != LF_OK)
+        status = lf_input_ended(&o.in, "more lines", err);
+    if (status == LF_OK && soup->n_points == 0)
+        status = lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                              "cannot be read as a mesh: not OBJ, it has no vertices");
+    lf_input_close(&o.in);
+    free(o.corners);
+    free(o.normals);
+    return status;
+}
