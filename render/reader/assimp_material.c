@@ -6,8 +6,6 @@
 #include <assimp/scene.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "base/alloc.h"
 
@@ -47,42 +45,6 @@ static lf_vec3 get_emission(const struct aiMaterial *m)
     for (int i = 0; i < 3; i++)
         e[i] = e[i] > 0.0f ? fminf(e[i], (float)LF_MAX_RADIANCE) : 0.0f;
     return lf_v3(e[0], e[1], e[2]);
-}
-
-/* glTF's metallic-roughness model: metals become conductors, the rest gets a coat unless it is
- * fully rough. */
-static void convert_metallic(const struct aiMaterial *m, float metallic, lf_material *out)
-{
-    float roughness = 1.0f, ior = 1.5f;
-    get_float(m, AI_MATKEY_ROUGHNESS_FACTOR, &roughness);
-    get_float(m, AI_MATKEY_REFRACTI, &ior);
-    get_colour(m, AI_MATKEY_BASE_COLOR, &out->albedo);
-    out->roughness = clamp_unit(roughness);
-    out->ior = fminf(fmaxf(ior, 1.0f), 3.0f);
-    out->kind = metallic >= 0.5f          ? &lf_surface_conductor
-                : out->roughness >= 0.99f ? &lf_surface_diffuse
-                                          : &lf_surface_plastic;
-}
-
-/* Phong's Kd, Ks, Ns: a highlight without a diffuse part is a metal, with one a coat. */
-static void convert_phong(const struct aiMaterial *m, lf_material *out)
-{
-    lf_vec3 specular = {0, 0, 0};
-    float exponent = 0.0f, ior = 1.0f;
-    get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &out->albedo);
-    get_colour(m, AI_MATKEY_COLOR_SPECULAR, &specular);
-    get_float(m, AI_MATKEY_SHININESS, &exponent);
-    get_float(m, AI_MATKEY_REFRACTI, &ior);
-    if (!(lf_max3(specular) > 0.0f) || !(exponent > 0.0f))
-        return;
-    /* alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007, section 5), roughness = sqrt(alpha). */
-    out->roughness = clamp_unit(powf(2.0f / (exponent + 2.0f), 0.25f));
-    out->ior = ior > 1.0f ? fminf(ior, 3.0f) : 1.5f;
-    out->kind = &lf_surface_plastic;
-    if (!(lf_max3(out->albedo) > 0.0f)) {
-        out->kind = &lf_surface_conductor;
-        out->albedo = specular;
-    }
 }
 
 static bool has_texture(const struct aiMaterial *m, enum aiTextureType type)
@@ -133,22 +95,6 @@ static bool is_made_up(const struct aiMaterial *m)
                roughness == 1.0f && is_white(m, AI_MATKEY_BASE_COLOR);
     return is_white(m, AI_MATKEY_COLOR_DIFFUSE) && is_white(m, AI_MATKEY_COLOR_SPECULAR) &&
            is_white(m, AI_MATKEY_COLOR_AMBIENT);
-}
-
-static lf_material convert_material(const struct aiMaterial *m)
-{
-    lf_material out = {
-        .kind = &lf_surface_diffuse, .albedo = {0.5f, 0.5f, 0.5f}, .roughness = 0.3f, .ior = 1.5f};
-    float metallic;
-    if (is_made_up(m))
-        return out;
-    if (get_float(m, AI_MATKEY_METALLIC_FACTOR, &metallic))
-        convert_metallic(m, metallic, &out);
-    else
-        convert_phong(m, &out);
-    if (!glows_by_texture(m)) /* which is black nearly everywhere */
-        out.emission = get_emission(m);
-    return out;
 }
 
 /* ------------------------------------------------------------------------------ what is lost -- */
@@ -217,50 +163,41 @@ static bool is_unlit(const struct aiMaterial *m)
            model == aiShadingMode_Unlit;
 }
 
-static const struct {
-    bool (*lost)(const struct aiMaterial *m);
-    const char *what;
-} losses[] = {
-    {has_textures, "textures are not read, the colours beside them alone count"},
-    {glows_by_texture, "the texture of what glows is not read, so nothing of it does"},
-    {is_transparent, "transparency is left out: opaque"},
-    {is_half_metal, "metallic between 0 and 1 counts as the nearer of both"},
-    {has_coat, "the clear coat is left out"},
-    {has_sheen, "the sheen is left out"},
-    {has_thickness, "the volume inside is left out"},
-    {is_brushed, "anisotropy is left out"},
-    {has_specular_model, "specular factors are left out"},
-    {is_unlit, "unlit is not possible: lit as others are"},
-};
+static bool (*const losses[LF_LOST_KINDS])(const struct aiMaterial *m) = {
+    [LF_LOST_TEXTURES] = has_textures,
+    [LF_LOST_GLOW] = glows_by_texture,
+    [LF_LOST_TRANSPARENCY] = is_transparent,
+    [LF_LOST_METALLIC] = is_half_metal,
+    [LF_LOST_COAT] = has_coat,
+    [LF_LOST_SHEEN] = has_sheen,
+    [LF_LOST_THICKNESS] = has_thickness,
+    [LF_LOST_BRUSHED] = is_brushed,
+    [LF_LOST_SPECULAR] = has_specular_model,
+    [LF_LOST_UNLIT] = is_unlit};
 
-/* Appends the name of the n-th material of a list, of which a few are told. */
-static void list_name(const struct aiMaterial *m, unsigned number, int n, char *out, size_t size)
+/* ---------------------------------------------------------------------------------------- all --
+ */
+
+static lf_said said_of(const struct aiMaterial *m)
 {
-    enum { TOLD = 3 };
-    size_t at = strlen(out);
     struct aiString name;
     get_name(m, &name);
-    if (n < TOLD && name.length > 0)
-        snprintf(out + at, size - at, "%s\"%.40s\"", n ? ", " : "", name.data);
-    else if (n < TOLD)
-        snprintf(out + at, size - at, "%snumber %u", n ? ", " : "", number);
-    else if (n == TOLD)
-        snprintf(out + at, size - at, " ...");
-}
-
-/* One line for everything that materials in use lose. */
-static void warn(const struct aiScene *scene, const bool *used, lf_warnings *warnings)
-{
-    for (size_t i = 0; i < sizeof losses / sizeof *losses; i++) {
-        char names[256] = "";
-        int n = 0;
-        for (unsigned m = 0; m < scene->mNumMaterials; m++)
-            if (used[m] && losses[i].lost(scene->mMaterials[m]))
-                list_name(scene->mMaterials[m], m, n++, names, sizeof names);
-        if (n > 0)
-            lf_warnings_add(warnings, LF_HERE, "%s %s: %s", n == 1 ? "material" : "materials",
-                            names, losses[i].what);
+    lf_said said = lf_said_begin(name.data);
+    said.is_none = is_made_up(m);
+    said.emission = get_emission(m);
+    get_float(m, AI_MATKEY_REFRACTI, &said.ior);
+    said.is_metallic = get_float(m, AI_MATKEY_METALLIC_FACTOR, &said.metallic);
+    if (said.is_metallic) {
+        get_colour(m, AI_MATKEY_BASE_COLOR, &said.diffuse);
+        get_float(m, AI_MATKEY_ROUGHNESS_FACTOR, &said.roughness);
+    } else {
+        get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &said.diffuse);
+        get_colour(m, AI_MATKEY_COLOR_SPECULAR, &said.specular);
+        get_float(m, AI_MATKEY_SHININESS, &said.exponent);
     }
+    for (int kind = 0; kind < LF_LOST_KINDS; kind++)
+        said.lost |= losses[kind](m) ? 1u << kind : 0;
+    return said;
 }
 
 static void mark_used(const struct aiScene *scene, bool *used)
@@ -276,83 +213,15 @@ static void mark_used(const struct aiScene *scene, bool *used)
 lf_status lf_mesh_materials(const struct aiScene *scene, lf_mesh_data *out, lf_error *err)
 {
     bool used[LF_MAX_MATERIALS] = {false};
-    if (scene->mNumMaterials == 0 || scene->mNumMaterials > LF_MAX_MATERIALS)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%u materials; 1 to %d are possible",
-                            scene->mNumMaterials, LF_MAX_MATERIALS);
-    out->materials = lf_calloc(scene->mNumMaterials, sizeof *out->materials);
-    if (!out->materials)
-        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
-    out->n_materials = (int)scene->mNumMaterials;
-    for (unsigned i = 0; i < scene->mNumMaterials; i++)
-        out->materials[i] = convert_material(scene->mMaterials[i]);
-    mark_used(scene, used);
-    warn(scene, used, &out->warnings);
-    return LF_OK;
-}
-
-/* The colour of what Assimp makes up for a name that no library has. */
-static bool is_unsaid(const struct aiMaterial *m)
-{
-    lf_vec3 c;
-    return !is_made_up(m) && get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &c) && c.x == 0.6f &&
-           c.y == 0.6f && c.z == 0.6f;
-}
-
-/* Whether the text of a library has the line "newmtl NAME". */
-static bool is_defined(const char *text, const char *name)
-{
-    static const char blanks[] = " \t\r", key[] = "newmtl";
-    for (const char *line = text; line; line = strchr(line, '\n')) {
-        line += strspn(line, " \t\r\n");
-        if (strncmp(line, key, sizeof key - 1) != 0)
-            continue;
-        const char *at = line + sizeof key - 1;
-        at += strspn(at, blanks);
-        if (strncmp(at, name, strlen(name)) != 0)
-            continue;
-        at += strlen(name);
-        at += strspn(at, blanks);
-        if (*at == '\n' || *at == '\0')
-            return true;
-    }
-    return false;
-}
-
-/* All of a file as a text (lf_free); NULL: it cannot be read. */
-static char *read_text(int fd)
-{
-    struct stat info;
-    char *text = fstat(fd, &info) == 0 ? lf_calloc((size_t)info.st_size + 1, 1) : NULL;
-    ssize_t n = text ? pread(fd, text, (size_t)info.st_size, 0) : -1;
-    if (n >= 0)
-        return text;
-    lf_free(text);
-    return NULL;
-}
-
-void lf_mesh_warn_of_libraries(const struct aiScene *scene, const lf_mesh_reading *reading,
-                               lf_mesh_data *data)
-{
-    bool used[LF_MAX_MATERIALS] = {false};
-    char names[256] = "";
-    int n = 0;
-    mark_used(scene, used);
-    for (int i = 1; i < reading->n_files; i++) {
-        char *text = read_text(reading->files[i].fd);
-        if (!text)
-            return;
-        for (unsigned m = 0; m < scene->mNumMaterials; m++) {
-            struct aiString name;
-            get_name(scene->mMaterials[m], &name);
-            used[m] = used[m] && is_unsaid(scene->mMaterials[m]) && !is_defined(text, name.data);
-        }
-        lf_free(text);
-    }
-    for (unsigned m = 0; m < scene->mNumMaterials && reading->n_files > 1; m++)
-        if (used[m])
-            list_name(scene->mMaterials[m], m, n++, names, sizeof names);
-    if (n > 0)
-        lf_warnings_add(&data->warnings, LF_HERE,
-                        "%s %s: not in the file's material libraries, so it is grey",
-                        n == 1 ? "material" : "materials", names);
+    size_t n = scene->mNumMaterials;
+    lf_said *said = n > 0 && n <= LF_MAX_MATERIALS ? lf_calloc(n, sizeof *said) : NULL;
+    for (size_t i = 0; said && i < n; i++)
+        said[i] = said_of(scene->mMaterials[i]);
+    if (said)
+        mark_used(scene, used);
+    lf_status status = lf_said_convert(said, said ? n : 0, used, out, err);
+    for (size_t i = 0; said && i < n; i++)
+        lf_free(said[i].name);
+    lf_free(said);
+    return status;
 }

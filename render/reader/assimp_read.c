@@ -9,12 +9,25 @@
 
 #include "base/alloc.h"
 #include "base/file.h"
+#include "base/reader/reader.h"
 #include "render/reader/assimp_material.h"
 #include "render/reader/mesh_build.h"
+#include "render/reader/mesh_read.h"
 
 #define MAX_NODE_DEPTH 256
 
 /* -------------------------------------------------------------------- file access for Assimp -- */
+
+typedef struct named_file {
+    char *name;
+    int fd;
+} named_file;
+
+/* A mesh's file, the first, and those that it has named and that were opened. */
+typedef struct mesh_reading {
+    int n_files;
+    named_file files[LF_MESH_MAX_FILES];
+} mesh_reading;
 
 typedef struct open_file {
     int fd; /* the reading's */
@@ -72,12 +85,12 @@ static void file_flush(struct aiFile *file)
 }
 
 /* The file's descriptor, which stays the reading's; -1: it may not be read, or is not there. */
-static int find_file(lf_mesh_reading *reading, const char *name)
+static int find_file(mesh_reading *reading, const char *name)
 {
     for (int i = 0; i < reading->n_files; i++)
         if (strcmp(reading->files[i].name, name) == 0)
             return reading->files[i].fd;
-    lf_named_file *file = &reading->files[reading->n_files];
+    named_file *file = &reading->files[reading->n_files];
     if (reading->n_files == LF_MESH_MAX_FILES || lf_ask_for_file(name, &file->fd) != LF_OK)
         return -1;
     file->name = lf_strdup(name);
@@ -94,7 +107,7 @@ static struct aiFile *io_open(struct aiFileIO *io, const char *path, const char 
     struct stat info;
     if (mode[0] != 'r' || strchr(mode, '+'))
         return NULL;
-    int fd = find_file((lf_mesh_reading *)(void *)io->UserData, path);
+    int fd = find_file((mesh_reading *)(void *)io->UserData, path);
     if (fd < 0 || fstat(fd, &info) != 0)
         return NULL;
     struct aiFile *file = lf_calloc(1, sizeof *file);
@@ -217,7 +230,7 @@ static lf_status convert_geometry(const struct aiScene *scene, const lf_mesh_des
 /* Reads and processes in one go: a failing aiApplyPostProcessing frees its scene twice
  * (Assimp 5.2). Vertices are not joined yet. */
 static const struct aiScene *import_with(const char *path, lf_normals wanted, unsigned steps,
-                                         lf_mesh_reading *state)
+                                         mesh_reading *state)
 {
     struct aiFileIO io = {io_open, io_close, (aiUserData)(void *)state};
     /* what else there is gets a warning */
@@ -254,7 +267,7 @@ static const struct aiScene *join_vertices(const struct aiScene *scene)
 
 /* NULL with err filled. *out_normals: whether all meshes have normals, or get them. Under the lock.
  */
-static const struct aiScene *read_scene(const char *path, lf_normals wanted, lf_mesh_reading *state,
+static const struct aiScene *read_scene(const char *path, lf_normals wanted, mesh_reading *state,
                                         bool *out_normals, lf_error *err)
 {
     unsigned with = 0;
@@ -297,7 +310,7 @@ static void warn(const struct aiScene *scene, const lf_mesh_desc *desc, lf_warni
             lf_warnings_add(warnings, LF_HERE, "%u %s", unused[i].n, unused[i].what);
 }
 
-static lf_status read_with(const lf_mesh_desc *desc, lf_mesh_reading *reading, lf_mesh_data *out,
+static lf_status read_with(const lf_mesh_desc *desc, mesh_reading *reading, lf_mesh_data *out,
                            lf_error *err)
 {
     const char *path = desc->file;
@@ -308,8 +321,6 @@ static lf_status read_with(const lf_mesh_desc *desc, lf_mesh_reading *reading, l
         return LF_E_FORMAT;
     if (desc->material < 0)
         status = lf_mesh_materials(scene, out, err);
-    if (status == LF_OK && desc->material < 0 && lf_path_has_ending(path, ".obj"))
-        lf_mesh_warn_of_libraries(scene, reading, out);
     if (status == LF_OK)
         status = convert_geometry(scene, desc, out, normals, path, err);
     if (status == LF_OK)
@@ -320,7 +331,7 @@ static lf_status read_with(const lf_mesh_desc *desc, lf_mesh_reading *reading, l
 
 lf_status lf_assimp_read(const lf_mesh_desc *desc, int fd, lf_mesh_data *out, lf_error *err)
 {
-    lf_mesh_reading reading = {.n_files = 1, .files = {{.fd = fd}}};
+    mesh_reading reading = {.n_files = 1, .files = {{.fd = fd}}};
     reading.files[0].name = lf_strdup(desc->file);
     if (!reading.files[0].name)
         return lf_error_set(err, LF_E_NOMEM, desc->file, "out of memory");

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "render/reader/reader.h"
+#include "base/reader/reader.h"
 
 #define BLOCK ((size_t)256 << 10)
 

@@ -1,7 +1,8 @@
 /* quiltimport: meshes. */
 #include <string.h>
 
-#include "render/reader/reader.h"
+#include "base/reader/reader.h"
+#include "render/reader/mesh_read.h"
 #include "render/transport/surface.h"
 
 static uint32_t place_of(const lf_surface_kind *kind)

@@ -7,8 +7,8 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "base/reader/reader.h"
-#include "render/reader/formats.h"
 #include "render/reader/input.h"
+#include "render/reader/mesh_read.h"
 #include "render/reader/mtl_read.h"
 #include "render/reader/words.h"
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/reader/reader.h"
-#include "render/reader/formats.h"
+#include "render/reader/mesh_read.h"
 #include "render/reader/ply_header.h"
 #include "render/reader/words.h"
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/reader/reader.h"
+#include "base/reader/reader.h"
 #include "render/reader/soup.h"
 #include "render/scene/vec_double.h"
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "render/reader/reader.h"
+#include "base/reader/reader.h"
 
 lf_said lf_said_begin(const char *name)
 {

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/reader/reader.h"
 #include "render/reader/input.h"
-#include "render/reader/reader.h"
 
 static lf_status no_room(lf_error *err)
 {

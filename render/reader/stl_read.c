@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "base/reader/reader.h"
-#include "render/reader/formats.h"
 #include "render/reader/input.h"
+#include "render/reader/mesh_read.h"
 #include "render/reader/words.h"
 
 /* A binary one is a title of 80 bytes, a number of triangles, and 50 bytes for each: a normal,

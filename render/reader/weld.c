@@ -4,9 +4,9 @@
 #include <xxhash.h>
 
 #include "base/alloc.h"
+#include "base/reader/reader.h"
 #include "render/reader/input.h"
 #include "render/reader/mesh_build.h"
-#include "render/reader/reader.h"
 #include "render/reader/soup.h"
 #include "render/scene/vec_double.h"
 

@@ -511,15 +511,24 @@ static lf_status import_any(const char *path, lf_error *err)
 static void hostile_files_end_in_one_line(void **state)
 {
     (void)state;
-    static const char *const files[] = {
-        "ascii_54_hang.ply",          "ascii_99.ply", "binary_123_hang.ply",
-        "box01_197_memory.glb",       "cut_off.ply",  "densityAndHeat_65_hang.vdb",
-        "texture_before_material.obj"};
+    static const struct {
+        const char *name, *what; /* "": it is read */
+    } files[] = {
+        {"ascii_54_hang.ply", "line 3 of the PLY header: expected an element's name and how many "
+                              "there are"},
+        {"ascii_99.ply", "line 195: not a number"},
+        {"binary_123_hang.ply", "the file ends at byte 17165; expected the rest of the PLY header"},
+        {"box01_197_memory.glb", "cannot be read as a mesh: a GLB file of 4294967295 bytes, where "
+                                 "there are 3838"},
+        {"cut_off.ply", "the file ends at byte 172; expected a number"},
+        {"densityAndHeat_65_hang.vdb",
+         "takes more memory than a reader may have (--import-memory)"},
+        {"texture_before_material.obj", ""}};
     lf_import_limit((uint64_t)512 << 20, 2);
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         char name[128];
         lf_error err;
-        snprintf(name, sizeof name, "hostile/%s", files[i]);
+        snprintf(name, sizeof name, "hostile/%s", files[i].name);
         const char *path = lf_test_shared(name);
         if (!path) {
             print_message("%s is not there\n", name);
@@ -527,9 +536,9 @@ static void hostile_files_end_in_one_line(void **state)
         }
         double start = lf_time_now();
         lf_status status = import_any(path, &err);
-        print_message("%s: %s\n", files[i], err.what);
-        assert_true(status != LF_OK && err.what[0]);
-        assert_non_null(strstr(err.where, files[i]));
+        assert_string_equal(err.what, files[i].what);
+        assert_true((status == LF_OK) == (files[i].what[0] == '\0'));
+        assert_true(status == LF_OK || strstr(err.where, files[i].name));
         assert_true(lf_time_now() - start < 60.0); /* of 2: none hangs */
     }
     lf_import_limit(0, LF_IMPORT_SECONDS);

@@ -1,10 +1,9 @@
-#include "render/reader/formats.h"
+#include "render/reader/mesh_read.h"
 
 #include <string.h>
 #include <unistd.h>
 
 #include "base/file.h"
-#include "render/reader/reader.h"
 
 static const struct {
     const char *ending;
@@ -28,8 +27,10 @@ lf_status lf_mesh_read(const lf_mesh_desc *desc, int fd, lf_mesh_data *out, lf_e
 {
     lf_soup soup = {0};
     lf_format_read_fn *read = find_format(desc->file, fd);
-    if (!read)
-        return lf_assimp_read(desc, fd, out, err);
+    if (!read) {
+        lf_status status = lf_gltf_check(fd, err);
+        return status == LF_OK ? lf_assimp_read(desc, fd, out, err) : status;
+    }
     lf_status status = read(desc, fd, &soup, err);
     if (status == LF_OK)
         status = lf_weld(&soup, desc, out, err);
