@@ -8,22 +8,27 @@
 #include "base/log.h"
 #include "daemon/output/options.h"
 #include "daemon/tools/ctl.h"
+#include "daemon/tools/prometheus.h"
 #include "device/device.h"
 
 #define PROGRAM "quiltctl"
 
-enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_JSON, OPTION_TIMEOUT };
+enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_JSON, OPTION_FORMAT, OPTION_TIMEOUT };
+
+typedef enum format { FORMAT_TEXT, FORMAT_JSON, FORMAT_PROMETHEUS } format;
+static const char *const formats[] = {"text", "json", "prometheus"};
 
 static const struct option table[] = {
     {"socket", required_argument, NULL, OPTION_SOCKET},
     {"json", no_argument, NULL, OPTION_JSON},
+    {"format", required_argument, NULL, OPTION_FORMAT},
     {"timeout", required_argument, NULL, OPTION_TIMEOUT},
     {NULL, 0, NULL, 0},
 };
 
 typedef struct arguments {
     const char *socket;
-    bool json;
+    format format;
     double timeout; /* seconds; 0 = none */
     const char *method;
     char *const *words; /* what follows the method */
@@ -32,28 +37,44 @@ typedef struct arguments {
 
 static void print_help(void)
 {
-    printf("Usage: quiltctl [--socket PATH] [--json] METHOD [key=value ...]\n"
-           "       quiltctl [--socket PATH] watch\n"
-           "       quiltctl [--socket PATH] doctor\n"
-           "       quiltctl [--socket PATH] export quilt|views|panel|print|chart|rgbd|state FILE "
-           "[key=value "
-           "...]\n"
-           "Calls a running quiltd and prints what it answers. Values are typed by the method's "
-           "schema; key:=JSON is raw.\n"
-           "`quiltctl hello` lists the methods; some of them: status, scene.load file=PATH, "
-           "scene.patch patch:=JSON,\n"
-           "camera.orbit yaw=5, wait for=complete, render.set paused=true, device.list, shutdown.\n"
-           "doctor says what stands between this machine and a picture on a panel; it needs no "
-           "daemon.\n"
-           "An export is written with your rights: FILE may lie anywhere you may write.\n"
-           "\n"
-           "  --socket PATH          the daemon's socket ($QUILTD_SOCKET, "
-           "$XDG_RUNTIME_DIR/quiltd.sock,\n"
-           "                         /run/quiltd/control.sock)\n"
-           "  --json                 prints the result as JSON\n"
-           "  --timeout SECONDS      gives up after so long\n" LF_OPTIONS_HELP_LAST
-           "Exit status: 0, 1 when the daemon refused, 2 for wrong usage, 3 when no daemon "
-           "answers.\n");
+    printf(
+        "Usage: quiltctl [--socket PATH] [--json] METHOD [key=value ...]\n"
+        "       quiltctl [--socket PATH] watch\n"
+        "       quiltctl [--socket PATH] doctor\n"
+        "       quiltctl [--socket PATH] export quilt|views|panel|print|chart|rgbd|state FILE "
+        "[key=value "
+        "...]\n"
+        "Calls a running quiltd and prints what it answers. Values are typed by the method's "
+        "schema; key:=JSON is raw.\n"
+        "`quiltctl hello` lists the methods; some of them: status, scene.load file=PATH, "
+        "scene.patch patch:=JSON,\n"
+        "camera.orbit yaw=5, wait for=complete, render.set paused=true, device.list, shutdown.\n"
+        "doctor says what stands between this machine and a picture on a panel; it needs no "
+        "daemon.\n"
+        "An export is written with your rights: FILE may lie anywhere you may write.\n"
+        "\n"
+        "  --socket PATH          the daemon's socket ($QUILTD_SOCKET, "
+        "$XDG_RUNTIME_DIR/quiltd.sock,\n"
+        "                         /run/quiltd/control.sock)\n"
+        "  --json                 prints the result as JSON\n"
+        "  --format FORMAT        prints it as text (default), json or prometheus (status alone: "
+        "lines\n"
+        "                         for the textfile collector of Prometheus' node exporter)\n"
+        "  --timeout SECONDS      gives up after so long\n" LF_OPTIONS_HELP_LAST
+        "Exit status: 0, 1 when the daemon refused, 2 for wrong usage, 3 when no daemon "
+        "answers.\n");
+}
+
+static lf_status take_format(arguments *a, const char *text, lf_error *err)
+{
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
+        if (strcmp(text, formats[i]) == 0) {
+            a->format = (format)i;
+            return LF_OK;
+        }
+    }
+    return lf_error_set(err, LF_E_ARG, "--format", "\"%.40s\": expected text, json or prometheus",
+                        text);
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
@@ -61,10 +82,12 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     arguments *a = context;
     if (code == OPTION_TIMEOUT)
         return lf_parse_double("--timeout", text, 1e-3, 1e9, &a->timeout, err);
+    if (code == OPTION_FORMAT)
+        return take_format(a, text, err);
     if (code == OPTION_SOCKET)
         a->socket = text;
     else
-        a->json = true;
+        a->format = FORMAT_JSON;
     return LF_OK;
 }
 
@@ -85,6 +108,8 @@ static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool
     a->method = argv[optind];
     a->words = argv + optind + 1;
     a->n_words = argc - optind - 1;
+    if (a->format == FORMAT_PROMETHEUS && strcmp(a->method, "status") != 0)
+        return lf_error_set(err, LF_E_ARG, "--format", "prometheus is a format of status alone");
     return LF_OK;
 }
 
@@ -194,7 +219,9 @@ static void print_methods(const json_t *hello)
 
 static void print_result(const arguments *a, const json_t *result)
 {
-    if (a->json) {
+    if (a->format == FORMAT_PROMETHEUS) {
+        lf_prometheus_write(result, stdout);
+    } else if (a->format == FORMAT_JSON) {
         json_dumpf(result, stdout, JSON_ENCODE_ANY | JSON_INDENT(2));
         putchar('\n');
     } else if (strcmp(a->method, "hello") == 0) {
@@ -237,7 +264,9 @@ int main(int argc, char *argv[])
         status = run(ctl, &a, &result, &err);
     if (status != LF_OK)
         lf_log_error(&err);
-    else if (result)
+    if (status == LF_E_NODEV && a.format == FORMAT_PROMETHEUS)
+        lf_prometheus_write(NULL, stdout);
+    if (status == LF_OK && result)
         print_result(&a, result);
     json_decref(result);
     lf_ctl_close(ctl);
