@@ -3,7 +3,7 @@
 #   make                    programs and scenes into build/ (packages must be there: make deps)
 #   make run | check        install what is missing, build, and start the daemon | run all tests
 #   SCENE=FILE DEVICE=NAME RUN_FOR=SECONDS ARGS="…"   what make run shows, where, how long, and more options of quiltd
-#   make install            programs, man pages, scenes, units, udev and polkit rules: PREFIX (/usr/local), DESTDIR
+#   make install            programs, man pages, completions, scenes, units, udev and polkit rules: PREFIX (/usr/local), DESTDIR
 #   make deps | clean       install what building needs | remove what was built
 #   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
 #   make lint               static checks
@@ -165,7 +165,7 @@ run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
  MAKE_AGAIN='$(MAKE_COMMAND) --no-print-directory -C $(CURDIR) -f $(MAKEFILE) O=$(O) BUILD=$(BUILD)' $(SRCDIR)/tests/run
 
 .PHONY: tests fuzz-targets check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
-tests_extra := $(SRCDIR)/tests/style.sh $(SRCDIR)/tests/install.sh $(SRCDIR)/tests/arm64.sh
+tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh arm64.sh)
 matching = $(foreach x,$(1),$(if $(strip $(foreach t,$(T),$(findstring $(t),$(x)))),$(x)))
 matching_or_all = $(if $(T),$(call matching,$(1)),$(1))
 selected := $(filter-out $(addprefix $(O)/,$(WITHOUT)),$(call matching_or_all,$(tests)))

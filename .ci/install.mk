@@ -1,14 +1,30 @@
 # make install DESTDIR= PREFIX=
 MANDIR ?= $(DATADIR)/man
 SCENEDIR ?= $(DATADIR)/quiltd/scenes
+# Debian's zsh looks at vendor-completions beneath /usr and at site-functions beneath /usr/local
+ZSHDIR ?= $(DATADIR)/zsh/$(if $(filter /usr/local,$(PREFIX)),site-functions,vendor-completions)
 man_pages := $(call wild,docs/man/*.[1-9])
 to = $(INSTALL) -D -m $(1) $(2) $(DESTDIR)$(3)
 filled = sed -e 's|@BINDIR@|$(BINDIR)|g' -e 's|@SCENEDIR@|$(SCENEDIR)|g' $(SRCDIR)/systemd/$(1).in > $(O)/$(1)
 
-install: all
+# what shells complete, written by the programs from their tables
+completed := quiltd quiltctl quiltrender quiltsim
+shells := bash zsh fish
+completions := $(foreach s,$(shells),$(patsubst %,$(O)/completions/%.$(s),$(completed)))
+define completion
+$(O)/completions/%.$(1): $(O)/%
+	@mkdir -p $$(@D)
+	@$$< --completion $(1) > $$@.new && mv $$@.new $$@
+endef
+$(foreach s,$(shells),$(eval $(call completion,$(s))))
+
+install: all $(completions)
 	@for p in $(filter-out $(readers),$(notdir $(built))); do $(call to,755,$(O)/$$p,$(BINDIR)/$$p) || exit 1; done
 	@for p in $(readers); do $(call to,755,$(O)/$$p,$(BINDIR)/../libexec/quiltd/$$p) || exit 1; done
 	@for f in $(man_pages); do $(call to,644,$(SRCDIR)/$$f,$(MANDIR)/man$${f##*.}/$${f##*/}) || exit 1; done
+	@for p in $(completed); do $(call to,644,$(O)/completions/$$p.bash,$(DATADIR)/bash-completion/completions/$$p) && \
+	 $(call to,644,$(O)/completions/$$p.zsh,$(ZSHDIR)/_$$p) && \
+	 $(call to,644,$(O)/completions/$$p.fish,$(DATADIR)/fish/vendor_completions.d/$$p.fish) || exit 1; done
 	@for f in $(scene_data); do $(call to,644,$(BUILDROOT)/$$f,$(SCENEDIR)/$${f#scenes/}) || exit 1; done
 	@for f in scene.schema.json scene.md print.md; do $(call to,644,$(SRCDIR)/docs/$$f,$(dir $(SCENEDIR))docs/$$f) || exit 1; done
 	@$(call filled,quiltd.service) && $(call to,644,$(O)/quiltd.service,$(UNITDIR)/quiltd.service)

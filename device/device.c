@@ -33,6 +33,13 @@ static const lf_device_ops *kind_of(const char *spec)
     return find_kind(lf_device_table, spec, strcspn(spec, ":"));
 }
 
+const char *lf_device_kind_at(int index)
+{
+    if (index == 0)
+        return "auto";
+    return lf_device_table[index - 1] ? lf_device_table[index - 1]->kind : NULL;
+}
+
 bool lf_device_is_auto(const char *spec)
 {
     return strcmp(spec, "auto") == 0;

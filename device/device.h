@@ -181,6 +181,8 @@ void lf_device_destroy(lf_device *device);
 
 /* Whether it leaves the choice to lf_device_find: "auto". */
 bool lf_device_is_auto(const char *spec);
+/* "auto", then the kinds of the table; NULL behind the last. */
+const char *lf_device_kind_at(int index);
 /* Whether it names a device of that kind. */
 bool lf_device_has_kind(const char *spec, const char *kind);
 /* lf_device_ops.is_panel of its kind; true for "auto" and for kinds that there are none of. */

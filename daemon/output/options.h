@@ -89,6 +89,12 @@ typedef struct lf_options_part {
     void *object;      /* the struct that is filled */
 } lf_options_part;
 
+/* Words that an option of a program's own table may be, for completion alone. */
+typedef struct lf_options_words {
+    const char *option;                /* NULL behind the last */
+    const char *(*word_at)(int index); /* NULL behind the last */
+} lf_options_words;
+
 /* What the command line of a program, or of one of its commands, consists of. */
 typedef struct lf_options_rules {
     const char *program; /* what --version names */
@@ -102,12 +108,18 @@ typedef struct lf_options_rules {
     /* hears of every option of parts that was taken; may be NULL */
     void (*taken)(void *context, const lf_param *params, const lf_param *row);
     void *context;
+    /* What else shells complete (completion.h): */
+    const lf_options_words *words;        /* NULL = none */
+    const char *(*operand_at)(int index); /* what the first operand may be; NULL = a file */
+    /* what may follow that operand, into word; false behind the last; NULL without operand_at */
+    bool (*follower_at)(int operand, int index, char *word, size_t size);
 } lf_options_rules;
 
 /* Takes all options, by getopt_long without its own messages; optind is then the first operand
- * (operands may stand anywhere). *out_done: help or the version was asked for and printed, and
- * nothing behind it was read. LF_E_ARG for an unknown or ambiguous option, a missing or an unwanted
- * argument, or one that is no good; errors of take. */
+ * (operands may stand anywhere). *out_done: help, the version or, by `--completion SHELL` and
+ * nothing else, the program's completion was asked for and printed, and nothing behind it was read.
+ * LF_E_ARG for an unknown or ambiguous option, a missing or an unwanted argument, or one that is no
+ * good; errors of take. */
 LF_NODISCARD lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *rules,
                                        bool *out_done, lf_error *err);
 

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "daemon/output/completion.h"
+
 #define MAX_OPTIONS 64
 
 /* Codes behind those of a program's own: help, the version, then PART_SIZE rows a part. */
@@ -101,8 +103,12 @@ lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *
                           bool *out_done, lf_error *err)
 {
     struct option table[MAX_OPTIONS + 1] = {0};
-    make_table(rules, table);
     *out_done = false;
+    if (rules->print_help && argc == 3 && strcmp(argv[1], "--completion") == 0) {
+        *out_done = true;
+        return lf_completion_write(rules, argv[2], stdout, err);
+    }
+    make_table(rules, table);
     for (;;) {
         int code = 0;
         lf_status status = read_next(argc, argv, rules->letters, table, &code, err);

@@ -41,4 +41,10 @@ bool lf_ctl_doctor(const char *socket);
  * escaped. */
 void lf_ctl_print(const json_t *result);
 
+/* The words of quiltctl's command line, as lf_options_rules asks for them: the methods, then its
+ * own commands; and what may follow each: kinds of export, "key=", or "key=word" where the schema
+ * lists the words. */
+const char *lf_ctl_operand_at(int index);
+bool lf_ctl_follower_at(int operand, int index, char *word, size_t size);
+
 #endif

@@ -16,7 +16,15 @@
 enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_JSON, OPTION_FORMAT, OPTION_TIMEOUT };
 
 typedef enum format { FORMAT_TEXT, FORMAT_JSON, FORMAT_PROMETHEUS } format;
-static const char *const formats[] = {"text", "json", "prometheus"};
+
+/* Its names; NULL behind the last. */
+static const char *format_at(int index)
+{
+    static const char *const names[] = {"text", "json", "prometheus"};
+    return index <= FORMAT_PROMETHEUS ? names[index] : NULL;
+}
+
+static const lf_options_words words[] = {{"format", format_at}, {0}};
 
 static const struct option table[] = {
     {"socket", required_argument, NULL, OPTION_SOCKET},
@@ -67,8 +75,8 @@ static void print_help(void)
 
 static lf_status take_format(arguments *a, const char *text, lf_error *err)
 {
-    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
-        if (strcmp(text, formats[i]) == 0) {
+    for (int i = 0; format_at(i); i++) {
+        if (strcmp(text, format_at(i)) == 0) {
             a->format = (format)i;
             return LF_OK;
         }
@@ -99,7 +107,10 @@ static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool
                                     .table = table,
                                     .print_help = print_help,
                                     .take = take,
-                                    .context = a};
+                                    .context = a,
+                                    .words = words,
+                                    .operand_at = lf_ctl_operand_at,
+                                    .follower_at = lf_ctl_follower_at};
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
     if (status != LF_OK || *out_done)
         return status;

@@ -32,6 +32,8 @@ static const struct option table[] = {
     {NULL, 0, NULL, 0},
 };
 
+static const lf_options_words words[] = {{"device", lf_device_kind_at}, {0}};
+
 static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER
                              " " LF_OPTIONS_IMPORT " exposure target-error";
 
@@ -129,7 +131,8 @@ int main(int argc, char *argv[])
                                     .table = table,
                                     .print_help = print_help,
                                     .take = take,
-                                    .context = &config};
+                                    .context = &config,
+                                    .words = words};
     lf_error err;
     bool done = false;
     lf_button_actions_default(&config.buttons);
