@@ -26,7 +26,7 @@ lacking() {
         [ "$(options_of "$p" | wc -l)" -gt 3 ] || echo "$p: its help names no options"
         for o in $(options_of "$p"); do
             grep -qE -- "[ ']$o([ '|)]|\$)" "$top/$p.bash" || echo "$p.bash: $o"
-            grep -qE -- "'$o[='[]" "$top/$p.zsh" || echo "$p.zsh: $o"
+            grep -qE -- "'${o}[='[]" "$top/$p.zsh" || echo "$p.zsh: $o"
             grep -qE -- "-l ${o#--}( |\$)" "$top/$p.fish" || echo "$p.fish: $o"
         done
     done

@@ -2,6 +2,7 @@
 
 #include <glob.h>
 #include <limits.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -107,6 +108,82 @@ static void judge_system(const report *r)
             "there is no /dev/dri/card*: this machine has no display output that quiltd could use");
 }
 
+/* ------------------------------------------------------------------------------- the service -- */
+
+const char lf_doctor_unit_keys[] =
+    "LoadState,Restart,StartLimitIntervalUSec,StartLimitBurst,OOMPolicy,MemoryMax,TasksMax";
+
+/* Below these a picture of 45 views and a thread for every processor do not fit. */
+#define LEAST_MEMORY (UINT64_C(1) << 30)
+enum { LEAST_TASKS = 64 };
+
+/* The value of a key, "" where the unit has none; returns value. */
+static char *unit_value(const char *unit, const char *key, char *value, size_t size)
+{
+    size_t n = strlen(key);
+    value[0] = '\0';
+    for (const char *line = unit; line && *line; line = strchr(line, '\n')) {
+        line += *line == '\n';
+        if (strncmp(line, key, n) == 0 && line[n] == '=')
+            snprintf(value, size, "%.*s", (int)strcspn(line + n + 1, "\n"), line + n + 1);
+    }
+    return value;
+}
+
+/* UINT64_MAX: there is no limit, or an old systemd that knows none. */
+static uint64_t unit_number(const char *text)
+{
+    char *end;
+    unsigned long long number = strtoull(text, &end, 10);
+    return end != text && *end == '\0' ? number : UINT64_MAX;
+}
+
+static void judge_memory(const report *r, const char *memory, const char *oom)
+{
+    if (unit_number(memory) == UINT64_MAX)
+        say_note(r, "service",
+                 "MemoryMax= is not set: a scene that is too large takes the memory "
+                 "of everybody; 85% leaves the machine some");
+    else if (unit_number(memory) < LEAST_MEMORY)
+        say_note(r, "service",
+                 "MemoryMax= is below 1 GiB, less than a picture of many views takes");
+    if (strcmp(oom, "continue") != 0)
+        say_note(r, "service",
+                 "OOMPolicy= is not `continue`: a file that is too large ends the "
+                 "picture, not only its reader");
+}
+
+/* What the service is held to, and whether a picture can stay with it. */
+static void judge_service(const report *r)
+{
+    char restart[32], interval[32], burst[32], oom[32], memory[32], tasks[32], text[400];
+    const char *unit = r->facts->unit;
+    if (strcmp(unit_value(unit, "LoadState", text, sizeof text), "loaded") != 0)
+        return;
+    unit_value(unit, "Restart", restart, sizeof restart);
+    unit_value(unit, "StartLimitIntervalUSec", interval, sizeof interval);
+    unit_value(unit, "StartLimitBurst", burst, sizeof burst);
+    unit_value(unit, "OOMPolicy", oom, sizeof oom);
+    unit_value(unit, "MemoryMax", memory, sizeof memory);
+    unit_value(unit, "TasksMax", tasks, sizeof tasks);
+    const bool limited = strcmp(interval, "0") != 0;
+    snprintf(text, sizeof text, "MemoryMax=%s OOMPolicy=%s TasksMax=%s Restart=%s, %s%s%s%s",
+             memory, oom, tasks, restart, limited ? "at most " : "starts without limit",
+             limited ? burst : "", limited ? " starts in " : "", limited ? interval : "");
+    say_ok(r, "service", text);
+    judge_memory(r, memory, oom);
+    if (unit_number(tasks) < LEAST_TASKS)
+        say_note(r, "service", "TasksMax= is below 64: threads and readers do not fit");
+    if (strcmp(restart, "on-failure") != 0 && strcmp(restart, "always") != 0)
+        say_note(r, "service",
+                 "Restart= is not `on-failure`: what ends the daemon once ends the "
+                 "picture for good");
+    if (limited)
+        say_note(r, "service",
+                 "StartLimitIntervalSec= is not 0: after a bad minute it is given up "
+                 "for good");
+}
+
 /* -------------------------------------------------------------------------------- the panels -- */
 
 static void judge_panels(report *r)
@@ -160,6 +237,7 @@ bool lf_doctor_judge(const lf_doctor_facts *facts, FILE *out)
     report r = {.facts = facts, .out = out};
     judge_daemon(&r);
     judge_system(&r);
+    judge_service(&r);
     judge_panels(&r);
     judge_calibrations(&r);
     return !r.failed;

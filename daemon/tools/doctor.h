@@ -19,7 +19,13 @@ typedef struct lf_doctor_facts {
     int n_devices; /* lf_device_list */
     const lf_found *found;
     int n_found; /* lf_find_all */
+    /* KEY=VALUE lines of `systemctl show quiltd.service` (lf_doctor_unit_keys); NULL or without
+     * LoadState=loaded: no systemd runs, or the service is not installed, and nothing is said */
+    const char *unit;
 } lf_doctor_facts;
+
+/* What `systemctl show` is asked for, parted by commas. */
+extern const char lf_doctor_unit_keys[];
 
 /* Writes a line each: "ok" what works, "note" what may matter, "FAIL" what has to be mended and
  * how. False: there was a FAIL. */

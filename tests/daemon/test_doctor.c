@@ -211,6 +211,40 @@ static void a_daemon_that_says_other_things_is_put_up_with(void **state)
     }
 }
 
+/* As `systemctl show` says it of the unit that is shipped, on a machine of 16 GB. */
+#define UNIT(restart, interval, oom, memory, tasks)                                                \
+    "Restart=" restart "\nOOMPolicy=" oom "\nMemoryMax=" memory "\nTasksMax=" tasks                \
+    "\nLoadState=loaded\nStartLimitIntervalUSec=" interval "\nStartLimitBurst=5\n"
+
+static void the_limits_of_the_service_are_told(void **state)
+{
+    (void)state;
+    machine *m = make_machine();
+    examine(m);
+    assert_does_not_say(m, "service");
+    m->facts.unit = "LoadState=not-found\nMemoryMax=infinity\n";
+    examine(m);
+    assert_does_not_say(m, "service");
+    m->facts.unit = UNIT("on-failure", "0", "continue", "14209286144", "4915");
+    examine(m);
+    assert_says(m, "ok    service: MemoryMax=14209286144 OOMPolicy=continue TasksMax=4915 "
+                   "Restart=on-failure, starts without limit\n");
+    assert_does_not_say(m, "note  service");
+    m->facts.unit = UNIT("no", "10s", "stop", "infinity", "32");
+    examine(m);
+    assert_says(m, "Restart=no, at most 5 starts in 10s\n");
+    assert_says(m, "note  service: MemoryMax= is not set");
+    assert_says(m, "note  service: OOMPolicy= is not `continue`");
+    assert_says(m, "note  service: TasksMax= is below 64");
+    assert_says(m, "note  service: Restart= is not `on-failure`");
+    assert_says(m, "note  service: StartLimitIntervalSec= is not 0");
+    m->facts.unit = UNIT("always", "0", "continue", "500000000", "infinity");
+    examine(m);
+    assert_says(m, "note  service: MemoryMax= is below 1 GiB");
+    assert_true(m->sound);
+    destroy_machine(m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -221,6 +255,7 @@ int main(void)
         cmocka_unit_test(panels_and_calibrations_that_cannot_be_used_fail),
         cmocka_unit_test(a_daemon_that_has_no_panel_owns_none),
         cmocka_unit_test(a_daemon_that_says_other_things_is_put_up_with),
+        cmocka_unit_test(the_limits_of_the_service_are_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
