@@ -147,11 +147,15 @@ endef
 $(foreach t,$(test_srcs),$(eval $(call test,$(t))))
 $(if $(PORTABLE),,$(tests): | $(addprefix $(O)/,$(readers)))
 
-# a fuzz target is its one file with the room it looks at
+# a fuzz target is its one file with the libraries it looks at (fuzz_libs_NAME, where they are others; tests/module.mk)
 fuzz_srcs := $(call wild,tests/fuzz/fuzz_*.c)
 fuzz_targets := $(patsubst %.c,$(O)/%,$(fuzz_srcs))
-$(fuzz_targets): $(O)/%: $(O)/%.c.o $(call libs,model device base)
-	$(call link,-fsanitize=fuzzer)
+fuzz_libs = $(call libs,$(or $(fuzz_libs_$(1:fuzz_%=%)),model device base))
+define fuzz_target
+$(O)/$(1:.c=): $(call objs,$(1)) $(call fuzz_libs,$(notdir $(1:.c=)))
+	$$(call link,-fsanitize=fuzzer $$(wrap_$(notdir $(1:.c=))))
+endef
+$(foreach f,$(fuzz_srcs),$(eval $(call fuzz_target,$(f))))
 # films know nothing of the rest of their room
 $(O)/tests/fuzz/fuzz_film: $(call objs,$(call room_files,render/film,*.c))
 

@@ -9,6 +9,14 @@ test_libs_stat := stat render base
 test_libs_bench := bench stat render base
 test_libs_daemon := faulty spoiled pictures $(libraries)
 
+fuzz_libs_scene := render base
+fuzz_libs_parcel := render base
+fuzz_libs_rpc := $(filter-out tools model,$(libraries))
+fuzz_libs_quilt_name := quilt base
+fuzz_libs_icc := quilt base
+# a reader of the target's own
+wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
+
 # Sources with mistakes that its tests switch on, built a second time for them (lf_fault in render/rows/visit.h).
 test_faults_render := $(patsubst %,render/rows/%.c,exits glow_visit mvpt visit)
 

@@ -8,6 +8,8 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 /* One input; always returns 0. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -19,6 +21,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
             abort();                                                                               \
         }                                                                                          \
     } while (0)
+
+/* A file in memory, read from its beginning; close it. Its name is /proc/self/fd/ and the number.
+ */
+static inline int lf_fuzz_file(const uint8_t *bytes, size_t size)
+{
+    int fd = memfd_create("fuzz", MFD_CLOEXEC);
+    lf_fuzz_require(fd >= 0 && write(fd, bytes, size) == (ssize_t)size);
+    lf_fuzz_require(lseek(fd, 0, SEEK_SET) == 0);
+    return fd;
+}
 
 /* A terminated text that may stand in a terminal: no C0 controls, no DEL. */
 static inline void lf_fuzz_require_text(const char *text)

@@ -4,8 +4,6 @@
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include "base/alloc.h"
@@ -36,17 +34,9 @@ static void mend_checksums(uint8_t *p, size_t size)
     }
 }
 
-static int file_of(const uint8_t *bytes, size_t size)
-{
-    int fd = memfd_create("film", MFD_CLOEXEC);
-    lf_fuzz_require(fd >= 0 && write(fd, bytes, size) == (ssize_t)size);
-    lf_fuzz_require(lseek(fd, 0, SEEK_SET) == 0);
-    return fd;
-}
-
 static lf_status read_film(const uint8_t *bytes, size_t size, lf_film *out, lf_error *err)
 {
-    int fd = file_of(bytes, size);
+    int fd = lf_fuzz_file(bytes, size);
     lf_status status = lf_film_read(fd, NULL, out, err);
     close(fd);
     return status;
