@@ -126,7 +126,7 @@ static void write_infos(FILE *out, const json_t *status)
 void lf_prometheus_write(const json_t *status, FILE *out)
 {
     write_head(out, "up", "gauge", "Whether a daemon answers.");
-    fprintf(out, PREFIX "up %d\n", status != NULL);
+    fprintf(out, PREFIX "up %d\n", status ? 1 : 0);
     if (!status)
         return;
     write_states(out, status);
@@ -136,5 +136,5 @@ void lf_prometheus_write(const json_t *status, FILE *out)
     write_head(out, "jobs", "gauge", "Exports that are written, or wait for it.");
     fprintf(out, PREFIX "jobs %zu\n", json_array_size(json_object_get(status, "jobs")));
     write_head(out, "error", "gauge", "Whether the daemon reports an error (quiltctl status).");
-    fprintf(out, PREFIX "error %d\n", json_object_get(status, "error") != NULL);
+    fprintf(out, PREFIX "error %d\n", json_object_get(status, "error") ? 1 : 0);
 }
