@@ -41,6 +41,8 @@ typedef struct lf_outfile {
  * first. */
 LF_NODISCARD lf_status lf_outfile_open(lf_outfile *file, const char *path, bool overwrite,
                                        lf_error *err);
+/* Removes what killed runs have left of all NAMEs in folder that begin so. */
+void lf_outfile_clean(const char *folder, const char *beginning);
 /* The same onto a descriptor opened by somebody else: truncated and rewound first. On LF_OK it is
  * taken over (closed by commit or abandon), otherwise it stays the caller's. LF_E_ARG when it is
  * not a regular file open for writing. */

@@ -89,6 +89,25 @@ static void remove_leftovers(const char *path, const char *folder)
     closedir(dir);
 }
 
+/* ".NAME.quiltd-XXXXXX" with a NAME of this beginning. */
+static bool is_temporary(const char *name, const char *beginning)
+{
+    const size_t n = strlen(name), tail = strlen(SUFFIX) + RANDOM_CHARS, m = strlen(beginning);
+    return n > tail + m && name[0] == '.' && strncmp(name + 1, beginning, m) == 0 &&
+           strncmp(name + n - tail, SUFFIX, strlen(SUFFIX)) == 0;
+}
+
+void lf_outfile_clean(const char *folder, const char *beginning)
+{
+    DIR *dir = opendir(folder);
+    if (!dir)
+        return;
+    for (const struct dirent *entry; (entry = readdir(dir));)
+        if (is_temporary(entry->d_name, beginning))
+            remove_if_dead(dirfd(dir), entry->d_name);
+    closedir(dir);
+}
+
 /* A named temporary, locked. Between its making and its lock another writer may have taken it for a
  * leftover; then again. */
 static lf_status open_named(lf_outfile *file, lf_error *err)

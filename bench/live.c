@@ -132,7 +132,6 @@ static lf_status send_load(bench *b, lf_load_kind kind, double yaw, lf_error *er
     load->options = b->arguments->options;
     load->has_calibration = true;
     load->calibration = b->calibration;
-    load->restore_fd = -1;
     load->yaw = yaw;
     load->zoom = 1;
     if (kind == LF_LOAD_FILE) {

@@ -63,7 +63,6 @@ static lf_status send_load(stream *s, lf_error *err)
     load->options = *s->options;
     load->has_calibration = true;
     load->calibration = s->calibration;
-    load->restore_fd = -1;
     lf_loader_queue(s->loader, load);
     return LF_OK;
 }

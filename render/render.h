@@ -428,6 +428,21 @@ bool lf_same_picture(const lf_scene *a, const lf_render_settings *of_a, const lf
 LF_NODISCARD lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file,
                                         const lf_cancel *cancel, lf_error *err);
 LF_NODISCARD lf_status lf_renderer_restore(lf_renderer *renderer, int fd, lf_error *err);
+/* What a state is of, to whoever keeps several. Hashes are parts of SHA-256s; two states have the
+ * same `whole` when one can be gone on with as the other and they have the same seed; what differs
+ * otherwise, the rest tells. */
+enum { LF_STATE_HASH = 4 };
+typedef struct lf_state_id {
+    uint8_t scene[LF_STATE_HASH], camera[LF_STATE_HASH], whole[LF_STATE_HASH];
+    int n_views, width, height; /* of a view */
+    uint64_t seed;
+} lf_state_id;
+
+/* Of what a renderer accumulates. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_renderer_state_id(const lf_renderer *renderer, lf_state_id *out);
+/* What the head of a state says, read from its start: all but the hashes, which are 0; the seed
+ * that its first stream has. LF_E_IO, LF_E_FORMAT, LF_E_STATE (another version). */
+LF_NODISCARD lf_status lf_state_look(int fd, lf_state_id *out, lf_error *err);
 /* Adds what another renderer of the same picture has saved: rows that only one of them has are
  * taken as they are, of others sums are added, half by half. Errors as of restoring; LF_E_STATE too
  * where both have visited the same half of a row by the same stream. Which is added to which makes

@@ -1,5 +1,6 @@
 /* The accumulation as a file (film_file.h): saved, gone on with, added to another's. */
 #include <nettle/sha2.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,20 +34,75 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
     return words;
 }
 
-lf_status lf_renderer_identify(const lf_scene *scene, const lf_render_settings *settings,
-                               const char *integrator, uint8_t out[LF_PICTURE_BYTES])
+/* Of words (NULL: out of memory). */
+static lf_status hash_of(const json_t *words, size_t n, uint8_t *out)
 {
     struct sha256_ctx hash;
-    json_t *words = describe(scene, settings, integrator);
-    char *text = json_dumps(words, JSON_COMPACT | JSON_SORT_KEYS);
-    json_decref(words);
+    char *text = words ? json_dumps(words, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
     if (!text)
         return LF_E_NOMEM;
     sha256_init(&hash);
     sha256_update(&hash, strlen(text), (const uint8_t *)text);
-    sha256_digest(&hash, LF_PICTURE_BYTES, out);
+    sha256_digest(&hash, n, out);
     free(text);
     return LF_OK;
+}
+
+lf_status lf_renderer_identify(const lf_scene *scene, const lf_render_settings *settings,
+                               const char *integrator, uint8_t out[LF_PICTURE_BYTES])
+{
+    json_t *words = describe(scene, settings, integrator);
+    lf_status status = hash_of(words, LF_PICTURE_BYTES, out);
+    json_decref(words);
+    return status;
+}
+
+/* All that a film must agree in to be gone on with as it was begun. */
+static json_t *describe_film(const lf_renderer *r)
+{
+    char picture[2 * LF_PICTURE_BYTES + 1];
+    const lf_film_layout *l = &r->film.layout;
+    const float *sky = r->film.sky;
+    for (int i = 0; i < LF_PICTURE_BYTES; i++)
+        snprintf(picture + 2 * (size_t)i, 3, "%02x", r->film.picture[i]);
+    return json_pack("{s:i, s:s, s:I, s:[f,f,f], s:[b,b,b,b,b,b]}", "version", LF_FILM_VERSION,
+                     "picture", picture, "seed", (json_int_t)r->settings.seed, "sky",
+                     (double)sky[0], (double)sky[1], (double)sky[2], "layout", l->has_w2,
+                     l->has_native, l->has_known, l->has_delta, l->has_signed, l->has_features);
+}
+
+lf_status lf_renderer_state_id(const lf_renderer *renderer, lf_state_id *out)
+{
+    const lf_render_settings *s = &renderer->settings;
+    json_t *words = describe(renderer->scene, s, s->integrator),
+           *camera = json_pack("{s:O, s:O, s:O, s:f}", "rig", json_object_get(words, "rig"),
+                               "inclusive", json_object_get(words, "inclusive"), "window",
+                               json_object_get(words, "window"), "view_blur", s->camera.view_blur),
+           *film = describe_film(renderer);
+    *out = (lf_state_id){
+        .n_views = s->camera.n_views, .width = s->width, .height = s->height, .seed = s->seed};
+    lf_status status = hash_of(json_object_get(words, "scene"), LF_STATE_HASH, out->scene);
+    if (status == LF_OK)
+        status = hash_of(camera, LF_STATE_HASH, out->camera);
+    if (status == LF_OK)
+        status = hash_of(film, LF_STATE_HASH, out->whole);
+    json_decref(words);
+    json_decref(camera);
+    json_decref(film);
+    return status;
+}
+
+lf_status lf_state_look(int fd, lf_state_id *out, lf_error *err)
+{
+    lf_film_layout layout;
+    uint64_t seed;
+    lf_status status = lf_film_look(fd, &layout, &seed, err);
+    if (status == LF_OK)
+        *out = (lf_state_id){.n_views = layout.n_views,
+                             .width = layout.width,
+                             .height = layout.height,
+                             .seed = seed};
+    return status;
 }
 
 bool lf_same_picture(const lf_scene *a, const lf_render_settings *of_a, const lf_scene *b,

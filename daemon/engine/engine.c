@@ -274,11 +274,11 @@ static lf_status call(lf_engine *engine, engine_request *request, bool urgent)
     return request->status;
 }
 
-lf_status lf_engine_commit(lf_engine *engine, lf_content *content, int restore_fd,
-                           int64_t *out_generation, bool *out_restored, lf_error *err)
+lf_status lf_engine_commit(lf_engine *engine, lf_content *content, bool tells,
+                           int64_t *out_generation, double *out_restored, lf_error *err)
 {
     engine_request request = {
-        .run = engine_run_commit, .err = err, .content = content, .restore_fd = restore_fd};
+        .run = engine_run_commit, .err = err, .content = content, .tells = tells};
     lf_status status = call(engine, &request, true);
     if (status == LF_OK) {
         *out_generation = request.generation;
@@ -291,8 +291,7 @@ lf_status lf_engine_commit(lf_engine *engine, lf_content *content, int restore_f
 lf_status lf_engine_show_as(lf_engine *engine, lf_content *content, int64_t *out_generation,
                             lf_error *err)
 {
-    engine_request request = {
-        .run = engine_run_show_as, .err = err, .content = content, .restore_fd = -1};
+    engine_request request = {.run = engine_run_show_as, .err = err, .content = content};
     lf_status status = call(engine, &request, false);
     if (status == LF_OK)
         *out_generation = request.generation;
@@ -311,13 +310,37 @@ lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reconstruct, unsi
     return call(engine, &request, false);
 }
 
-lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, bool yields, lf_error *err)
+static lf_status save(lf_engine *engine, engine_request *request)
+{
+    if (lf_engine_stopped(engine))
+        return engine_run_save(engine, request);
+    request->yields = request->keeps;
+    return call(engine, request, false);
+}
+
+lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, lf_error *err)
 {
     engine_request request = {.run = engine_run_save, .err = err, .file = file};
-    if (lf_engine_stopped(engine))
-        return engine_run_save(engine, &request);
-    request.yields = yields;
-    return call(engine, &request, false);
+    return save(engine, &request);
+}
+
+lf_status lf_engine_keep(lf_engine *engine, lf_error *err)
+{
+    lf_outfile file = {.fd = -1};
+    engine_request request = {.run = engine_run_save, .err = err, .file = &file, .keeps = true};
+    lf_status status = save(engine, &request);
+    if (status == LF_OK)
+        status = lf_outfile_commit(&file, true, err);
+    else
+        lf_outfile_abandon(&file);
+    if (status == LF_OK)
+        lf_states_trim(engine->states);
+    return status;
+}
+
+void lf_engine_keep_states(lf_engine *engine, lf_states *states)
+{
+    engine->states = states;
 }
 
 void lf_snapshot_finish(lf_snapshot *snapshot)

@@ -8,6 +8,7 @@
 #define LF_DAEMON_ENGINE_H
 
 #include "daemon/engine/mailbox.h"
+#include "daemon/engine/states.h"
 #include "daemon/output/content.h"
 #include "daemon/output/output.h"
 
@@ -54,6 +55,8 @@ typedef struct lf_engine_status {
 /* Starts the thread. event_fd (borrowed) becomes readable after frames and changes of state. */
 LF_NODISCARD lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd,
                                         lf_engine **out_engine, lf_error *err);
+/* Before the first content: where accumulations are kept; borrowed. */
+void lf_engine_keep_states(lf_engine *engine, lf_states *states);
 /* Asks it to end: cancel false lets the batch in progress end and its frame be posted. */
 void lf_engine_stop(lf_engine *engine, bool cancel);
 /* True when the thread has nothing more to do after lf_engine_stop (it can be joined without
@@ -67,10 +70,11 @@ void lf_engine_destroy(lf_engine *engine);
 
 /* (blocks) Shows another content: the pass in progress is cancelled, the picture starts over. A
  * reference is taken. On failure the old picture stays (from its start when a pass was under way).
- * restore_fd >= 0 (borrowed): an accumulation to go on with; one that does not match is left aside
- * and *out_restored (may be NULL) false. */
-LF_NODISCARD lf_status lf_engine_commit(lf_engine *engine, lf_content *content, int restore_fd,
-                                        int64_t *out_generation, bool *out_restored, lf_error *err);
+ * Where states are kept and one is of this picture, the accumulation goes on from it, with
+ * *out_restored passes (may be NULL; 0: from none); tells as lf_states_restore. */
+LF_NODISCARD lf_status lf_engine_commit(lf_engine *engine, lf_content *content, bool tells,
+                                        int64_t *out_generation, double *out_restored,
+                                        lf_error *err);
 
 /* (blocks) Another content of the picture that is shown (lf_same_picture, and the same settings and
  * layout): the accumulation goes on between two batches, only how it is shown is new. Where there
@@ -111,10 +115,12 @@ LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reco
                                           unsigned layers, lf_snapshot *out, lf_error *err);
 void lf_snapshot_finish(lf_snapshot *snapshot);
 /* (blocks) Writes the accumulation between two batches; the caller commits file. LF_E_STATE: no
- * scene is shown. yields: a commit, which makes the accumulation obsolete, does not wait for it
- * (LF_E_CANCELLED). Works after lf_engine_stop(engine, false) too, from any thread, once
- * lf_engine_stopped, and is then not given up. */
-LF_NODISCARD lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, bool yields,
-                                      lf_error *err);
+ * scene is shown. Works after lf_engine_stop(engine, false) too, from any thread, once
+ * lf_engine_stopped. */
+LF_NODISCARD lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, lf_error *err);
+/* (blocks) The same into the file that the states keep for this picture; what is too much there is
+ * removed then. A commit, which makes the accumulation obsolete, does not wait for it
+ * (LF_E_CANCELLED), unless the engine has stopped. */
+LF_NODISCARD lf_status lf_engine_keep(lf_engine *engine, lf_error *err);
 
 #endif

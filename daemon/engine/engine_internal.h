@@ -18,15 +18,16 @@ typedef struct engine_request {
     lf_error *err;
     /* of a commit */
     lf_content *content;
-    int restore_fd;
+    bool tells; /* of states that do not fit */
     int64_t generation;
-    bool restored;
+    double restored; /* passes */
     /* of the others */
     lf_reconstruct reconstruct;
     unsigned layers;
     lf_snapshot *snapshot;
     lf_outfile *file;
-    bool yields; /* saving: gives up for a commit */
+    bool keeps;  /* saving: into a file of the states */
+    bool yields; /* … gives up for a commit */
 } engine_request;
 
 typedef struct engine_panel {
@@ -77,6 +78,7 @@ typedef struct engine_life {
 struct lf_engine {
     engine_life life;
     int event_fd;
+    lf_states *states; /* borrowed; NULL: none are kept */
     lf_cancel cancel;
     lf_mailbox mailbox;
 

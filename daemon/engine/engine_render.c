@@ -402,21 +402,16 @@ void engine_take_panel(lf_engine *engine, const engine_panel *panel)
     }
 }
 
-static lf_status restore(lf_engine *engine, engine_request *request)
+/* From the state that is kept of this picture. */
+static void restore(lf_engine *engine, engine_request *request)
 {
-    lf_error err;
-    lf_status status = lf_renderer_restore(engine->renderer, request->restore_fd, &err);
-    if (status != LF_OK) {
-        lf_log(LF_LOG_INFO, "the saved state is left aside: %s", err.what);
-        return status;
-    }
-    request->restored = true;
+    if (!lf_states_restore(engine->states, engine->renderer, request->tells))
+        return;
     update_stats(engine, true);
-    engine->spent.passes = engine->look.stats.passes;
+    request->restored = engine->spent.passes = engine->look.stats.passes;
     engine->picture.sampled = engine->spent.passes >= request->content->layout.n_views;
     (void)!lf_picture_resolve(&engine->picture, engine->pool, NULL);
     engine->owed = true;
-    return LF_OK;
 }
 
 static lf_status change_threads(lf_engine *engine, lf_error *err)
@@ -515,12 +510,14 @@ lf_status engine_run_commit(lf_engine *engine, engine_request *request)
     start_over(engine);
     lf_content_unref(before);
     request->generation = ++engine->generation;
-    if (content->scene && request->restore_fd >= 0)
-        (void)restore(engine, request);
+    if (content->scene && engine->states)
+        restore(engine, request);
     lf_schedule_start(&engine->schedule, content->layout.view_height, content->layout.n_views,
                       engine->spent.passes);
-    if (request->restored)
+    if (request->restored > 0) {
         post_frame(engine, true);
+        check_converged(engine);
+    }
     return LF_OK;
 }
 
@@ -618,6 +615,11 @@ lf_status engine_run_save(lf_engine *engine, engine_request *request)
 {
     if (!engine->renderer || engine->spoiled)
         return lf_error_set(request->err, LF_E_STATE, "", "there is no accumulation to save");
+    lf_status status = request->keeps ? lf_states_begin(engine->states, engine->renderer,
+                                                        request->file, request->err)
+                                      : LF_OK;
+    if (status != LF_OK)
+        return status;
     return lf_renderer_save(engine->renderer, request->file,
                             request->yields ? &engine->cancel : NULL, request->err);
 }

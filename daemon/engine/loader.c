@@ -4,7 +4,6 @@
 #include <stdatomic.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/log.h"
@@ -36,7 +35,6 @@ lf_load *lf_load_create(lf_load_kind kind)
     if (load) {
         load->kind = kind;
         load->zoom = 1;
-        load->restore_fd = -1;
     }
     return load;
 }
@@ -47,8 +45,6 @@ void lf_load_destroy(lf_load *load)
     lf_free(load->name);
     json_decref(load->patch);
     lf_content_unref(load->content);
-    if (load->restore_fd >= 0)
-        close(load->restore_fd);
     lf_free(load);
 }
 
@@ -301,11 +297,13 @@ static void run_load(lf_loader *loader, lf_load *load)
     load->status = make_content(loader, load, &content);
     if (load->status != LF_OK || !content)
         return;
-    if (is_shown_anew(loader, load, content))
+    load->goes_on = is_shown_anew(loader, load, content);
+    if (load->goes_on)
         load->status = lf_engine_show_as(loader->engine, content, &load->generation, &load->err);
     else
-        load->status = lf_engine_commit(loader->engine, content, load->restore_fd,
-                                        &load->generation, &load->restored, &load->err);
+        load->status =
+            lf_engine_commit(loader->engine, content, load->kind == LF_LOAD_FILE && !load->browsed,
+                             &load->generation, &load->restored, &load->err);
     load->committed = load->status == LF_OK;
     if (!load->committed) {
         lf_content_unref(content);
@@ -328,7 +326,7 @@ static bool are_one(const lf_task *task, const lf_task *next)
         return false;
     if (a->kind == LF_LOAD_FILE)
         return !a->deferred && !b->deferred && !a->browsed && !b->browsed && !a->reset &&
-               !b->reset && a->restore_fd < 0 && b->restore_fd < 0 && strcmp(a->file, b->file) == 0;
+               !b->reset && strcmp(a->file, b->file) == 0;
     return a->kind == LF_LOAD_PATCH || a->kind == LF_LOAD_ORBIT;
 }
 

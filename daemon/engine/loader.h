@@ -33,7 +33,6 @@ typedef struct lf_load {
     double fill, steps;      /* FIT: as in lf_camera_fit */
     lf_options options;
     lf_calibration calibration;
-    int restore_fd; /* FILE: -1, or an accumulation to go on with (taken over) */
     bool has_calibration;
     bool force;     /* APPLY: commit even when the settings come out the same */
     bool browsed;   /* the poster's: a button asked for it, … */
@@ -42,7 +41,9 @@ typedef struct lf_load {
     /* the outcome */
     lf_status status;
     lf_error err; /* when status is not LF_OK */
-    bool committed, restored;
+    bool committed;
+    bool goes_on;    /* the accumulation that there was: only how it is shown is new */
+    double restored; /* passes of the saved state that it goes on from; 0 = none */
     int64_t generation;
     lf_content *content; /* when committed: a reference for the poster */
 } lf_load;

@@ -162,6 +162,7 @@ static void destroy(lf_server *server)
     lf_loader_destroy(server->loader);
     lf_server_drop_loading(server);
     lf_engine_destroy(server->engine);
+    lf_states_destroy(server->states);
     lf_server_fail_waits(server, &over, false);
     if (server->inbox.event_fd >= 0)
         lf_inbox_finish(&server->inbox, server);
@@ -172,6 +173,7 @@ static void destroy(lf_server *server)
     lf_server_drop_button_work(server);
     sd_event_source_disable_unref(server->life.stop_timer);
     sd_event_source_disable_unref(server->life.begin_timer);
+    sd_event_source_disable_unref(server->saved.timer);
     sd_event_unref(server->event);
     lf_content_unref(server->content);
     lf_roots_finish(&server->roots);
@@ -246,7 +248,7 @@ static lf_status make_folders(lf_server *server, lf_error *err)
         status = make_folder("--state", server->config.state_dir, &folder, err);
         lf_free(folder);
         if (status == LF_OK)
-            status = lf_server_lock_state(server, err);
+            status = lf_server_open_states(server, err);
     }
     return status;
 }
@@ -282,6 +284,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
         status = lf_engine_create(&controls, server->engine_fd, &server->engine, err);
     if (status != LF_OK)
         return status;
+    lf_engine_keep_states(server->engine, server->states);
     status = lf_loader_create(server->engine, &server->roots, &server->inbox, &server->loader);
     status = status == LF_OK ? lf_server_make_loading(server) : status;
     status = status == LF_OK ? lf_server_make_show(server) : status;
@@ -346,7 +349,6 @@ static void load_first(lf_server *server, const char *scene)
         lf_server_ready(server);
         return;
     }
-    load->restore_fd = lf_server_open_state(server);
     load->file = lf_strdup(scene);
     lf_server_load(server, load, NULL);
 }

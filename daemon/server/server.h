@@ -10,7 +10,7 @@
  *   server_watch.c    the scene file that changes on disk
  *   server_export.c   exports: what a call's words say
  *   server_job.c      exports: threads, progress, cancelling
- *   server_state.c    --state: saving and opening it
+ *   server_state.c    --state: when it is saved
  *   methods*.c        the table of methods
  *
  * Everything here is called on the event thread. */
@@ -98,6 +98,7 @@ typedef struct lf_life {
 
 /* What the saved state holds: server_state.c. */
 typedef struct lf_saved {
+    sd_event_source *timer;
     bool saving;
     int64_t generation;
     double passes;
@@ -130,6 +131,7 @@ struct lf_server {
     lf_button_work *button_work;
     lf_watch *watch; /* NULL without --watch */
     lf_loading *loading;
+    lf_states *states; /* NULL without --state */
     lf_saved saved;
     lf_content *content; /* what is shown, as far as this thread knows; NULL = nothing */
     int64_t generation;
@@ -259,16 +261,18 @@ json_t *lf_server_jobs_json(const lf_server *server);
 
 /* ---------------------------------------------------------------------------- server_state.c -- */
 
-/* Saves the accumulation into --state on a thread; not when one is under way. */
-void lf_server_save_state(lf_server *server);
-/* The same at the end, on this thread. */
+/* Locks the folder of --state for this daemon alone, until it ends, and makes server->states.
+ * LF_E_BUSY. */
+LF_NODISCARD lf_status lf_server_open_states(lf_server *server, lf_error *err);
+/* Another picture is shown: the accumulation is saved, on a thread, when it has been shown for the
+ * save interval, and then once in each. */
+void lf_server_save_later(lf_server *server);
+/* Saves at the end, on this thread. */
 void lf_server_save_state_now(lf_server *server);
-/* A save that lf_server_save_state began has ended. */
+/* A save on a thread has ended. */
 void lf_server_state_saved(lf_server *server, lf_status status);
-/* Holds the folder of --state for this daemon alone, until it ends. LF_E_BUSY. */
-LF_NODISCARD lf_status lf_server_lock_state(lf_server *server, lf_error *err);
-/* Opens the saved state; -1 = none. */
-int lf_server_open_state(const lf_server *server);
+/* This generation goes on from a saved state with so many passes. */
+void lf_server_state_restored(lf_server *server, int64_t generation, double passes);
 
 /* --------------------------------------------------------------------------------- methods.c -- */
 

@@ -261,6 +261,10 @@ static void load_succeeded(lf_server *server, lf_load *load)
         server->content = load->content;
         load->content = NULL;
         server->generation = load->generation;
+        if (load->restored > 0)
+            lf_server_state_restored(server, load->generation, load->restored);
+        if (!load->goes_on)
+            lf_server_save_later(server);
         lf_server_notify(server, LF_EVENT_SCENE, "scene",
                          json_pack("{s:I, s:o}", "generation", (json_int_t)load->generation, "file",
                                    lf_rpc_text(server->content->file)));
@@ -270,7 +274,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
             lf_server_watch(server);
             lf_log(LF_LOG_INFO, "%s: generation %lld%s", server->content->file,
                    (long long)load->generation,
-                   load->restored ? ", going on with the saved state" : "");
+                   load->restored > 0 ? ", going on with the saved state" : "");
         }
         answer_waits(server);
     }

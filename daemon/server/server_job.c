@@ -184,7 +184,7 @@ static lf_status write_state(lf_job *job)
             status = lf_outfile_open(&file, to.path, job->overwrite, &job->err);
     }
     if (status == LF_OK) {
-        status = lf_engine_save(job->server->engine, &file, job->client == 0, &job->err);
+        status = lf_engine_save(job->server->engine, &file, &job->err);
         if (status == LF_OK)
             status = lf_outfile_commit(&file, job->overwrite, &job->err);
         else
@@ -197,7 +197,9 @@ static lf_status write_state(lf_job *job)
 static void *job_main(void *context)
 {
     lf_job *job = context;
-    if (!job->kind) {
+    if (job->keeps) {
+        job->status = lf_engine_keep(job->server->engine, &job->err);
+    } else if (!job->kind) {
         job->status = write_state(job);
     } else if (job_is_drawn(job)) {
         job->status = write_snapshot(job, NULL);

@@ -15,6 +15,7 @@ struct lf_job {
     int64_t id;
     uint64_t client; /* who asked; hears of it without subscribing. 0 = the daemon itself */
     const lf_output_kind *kind; /* NULL: "state" */
+    bool keeps;                 /* the daemon's own: the state goes into --state */
     char *file;                 /* as asked for, canonical */
     char *final;                /* name written; the thread's until it has ended */
     int folder_fd;              /* of file: what was checked is what is written to; -1 = none */

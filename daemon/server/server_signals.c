@@ -8,8 +8,6 @@
 #include "daemon/server/server.h"
 
 #define USEC_PER_S UINT64_C(1000000)
-/* At most 60 s are to be lost, with what saving itself takes. */
-#define SAVE_USEC (45 * USEC_PER_S)
 /* How much longer systemd is asked to wait for the first scene, every STATUS_USEC. */
 #define START_MORE_USEC (60 * USEC_PER_S)
 #define STATUS_USEC (5 * USEC_PER_S)
@@ -89,13 +87,6 @@ static int on_run_over(sd_event_source *source, uint64_t usec, void *context)
     return 0;
 }
 
-static int on_save_timer(sd_event_source *source, uint64_t usec, void *context)
-{
-    lf_server_save_state(context);
-    (void)sd_event_source_set_time(source, usec + SAVE_USEC);
-    return sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
-}
-
 lf_status lf_server_install(lf_server *server, lf_error *err)
 {
     sd_event *event = server->event;
@@ -107,9 +98,6 @@ lf_status lf_server_install(lf_server *server, lf_error *err)
         uint64_t usec = (uint64_t)(server->config.run_for * 1e6);
         r = sd_event_add_time_relative(event, NULL, CLOCK_MONOTONIC, usec, 0, on_run_over, server);
     }
-    if (r >= 0 && server->config.state_dir)
-        r = sd_event_add_time_relative(event, NULL, CLOCK_MONOTONIC, SAVE_USEC, 0, on_save_timer,
-                                       server);
     if (r >= 0 && getenv("NOTIFY_SOCKET"))
         r = sd_event_add_time_relative(event, NULL, CLOCK_MONOTONIC, STATUS_USEC, 0,
                                        on_status_timer, server);

@@ -11,16 +11,13 @@
 #include "base/log.h"
 #include "daemon/server/server_job.h"
 
-#define STATE_NAME "film.lfstate"
+/* At most 60 s are to be lost, with what saving itself takes. */
+#define SAVE_USEC UINT64_C(45000000)
 /* How long systemd is asked to wait for the last save. */
 #define SAVE_MORE_USEC 30000000
 
-static char *state_path(const lf_server *server)
-{
-    return lf_path_join(server->config.state_dir, STATE_NAME);
-}
-
-lf_status lf_server_lock_state(lf_server *server, lf_error *err)
+/* Holds the folder for this daemon alone, until it ends. */
+static lf_status lock_folder(lf_server *server, lf_error *err)
 {
     const char *folder = server->config.state_dir;
     server->state_fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -40,33 +37,27 @@ lf_status lf_server_lock_state(lf_server *server, lf_error *err)
     return LF_OK;
 }
 
-int lf_server_open_state(const lf_server *server)
+/* Something is shown that the saved state does not hold. */
+static bool has_news(const lf_server *server, lf_engine_status *out_now)
 {
-    char *path = server->config.state_dir ? state_path(server) : NULL;
-    int fd = -1;
-    lf_error err;
-    if (path && access(path, F_OK) == 0 &&
-        lf_file_open(path, NULL, UINT64_MAX, &fd, NULL, &err) != LF_OK) {
-        lf_log(LF_LOG_INFO, "the saved state is left aside: %s", err.what);
-        fd = -1;
-    }
-    lf_free(path);
-    return fd;
+    if (!server->states || !server->content || !server->content->scene)
+        return false;
+    lf_engine_get_status(server->engine, out_now);
+    return out_now->generation != server->saved.generation ||
+           out_now->passes > server->saved.passes;
 }
 
-void lf_server_save_state(lf_server *server)
+/* On a thread; not when one is under way. */
+static void save(lf_server *server)
 {
     lf_engine_status now;
-    lf_engine_get_status(server->engine, &now);
-    bool news = now.generation != server->saved.generation || now.passes > server->saved.passes;
-    if (server->saved.saving || lf_server_is_stopping(server) || !server->content ||
-        !server->content->scene || !news)
+    if (server->saved.saving || lf_server_is_stopping(server) || !has_news(server, &now))
         return;
     lf_job *job = job_create(server);
     if (!job)
         return;
-    job->overwrite = true;
-    job->file = state_path(server);
+    job->keeps = true;
+    job->file = lf_strdup(server->config.state_dir);
     if (!job->file) {
         job_free(job);
         return;
@@ -78,6 +69,40 @@ void lf_server_save_state(lf_server *server)
     job_start(job);
 }
 
+lf_status lf_server_open_states(lf_server *server, lf_error *err)
+{
+    lf_status status = lock_folder(server, err);
+    if (status == LF_OK)
+        status = lf_states_create(server->config.state_dir, &server->states, err);
+    return status;
+}
+
+static int on_save_timer(sd_event_source *source, uint64_t usec, void *context)
+{
+    lf_server *server = context;
+    (void)source;
+    (void)usec;
+    save(server);
+    lf_server_save_later(server);
+    return 0;
+}
+
+void lf_server_save_later(lf_server *server)
+{
+    if (!server->states || lf_server_is_stopping(server))
+        return;
+    sd_event_source_disable_unref(server->saved.timer);
+    server->saved.timer = NULL;
+    (void)sd_event_add_time_relative(server->event, &server->saved.timer, CLOCK_MONOTONIC,
+                                     SAVE_USEC, 0, on_save_timer, server);
+}
+
+void lf_server_state_restored(lf_server *server, int64_t generation, double passes)
+{
+    server->saved.generation = generation;
+    server->saved.passes = passes;
+}
+
 void lf_server_state_saved(lf_server *server, lf_status status)
 {
     server->saved.saving = false;
@@ -86,24 +111,12 @@ void lf_server_state_saved(lf_server *server, lf_status status)
 
 void lf_server_save_state_now(lf_server *server)
 {
-    char *path = server->config.state_dir ? state_path(server) : NULL;
-    lf_outfile file = {.fd = -1};
-    lf_error err;
-    if (!path || !server->content || !server->content->scene) {
-        lf_free(path);
-        return;
-    }
-    sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d\nSTATUS=saving the accumulation", SAVE_MORE_USEC);
-    lf_status status = lf_outfile_open(&file, path, true, &err);
-    if (status == LF_OK)
-        status = lf_engine_save(server->engine, &file, false, &err);
-    if (status == LF_OK)
-        status = lf_outfile_commit(&file, true, &err);
-    else
-        lf_outfile_abandon(&file);
     lf_engine_status now;
-    lf_engine_get_status(server->engine, &now);
+    lf_error err;
+    if (!has_news(server, &now))
+        return;
+    sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d\nSTATUS=saving the accumulation", SAVE_MORE_USEC);
+    lf_status status = lf_engine_keep(server->engine, &err);
     if (status != LF_OK && (status != LF_E_STATE || now.passes > 0))
         lf_log(LF_LOG_ERROR, "the accumulation is not saved: %s", err.what);
-    lf_free(path);
 }

@@ -13,7 +13,6 @@
 #endif
 
 enum {
-    VERSION = 5,
     HEAD_BYTES = 16,
     LAYOUT_BYTES = 4 * 4 + 3 * 4,
     STREAM_BYTES = 12,
@@ -217,7 +216,7 @@ lf_status lf_film_write(const lf_film *film, lf_outfile *file, const lf_cancel *
 {
     unsigned char start[sizeof magic + 4], picture[LF_PICTURE_BYTES], layout[LAYOUT_BYTES];
     memcpy(start, magic, sizeof magic);
-    put_u32(&(cursor){start + sizeof magic}, VERSION);
+    put_u32(&(cursor){start + sizeof magic}, LF_FILM_VERSION);
     memcpy(picture, film->picture, sizeof picture);
     put_layout(film, (cursor){layout});
     const lf_film_part parts[] = {{.name = "PICT", .made = picture, .n_made = sizeof picture},
@@ -247,10 +246,10 @@ static lf_status read_start(int fd, lf_error *err)
     if (memcmp(start, magic, sizeof magic) != 0)
         return lf_error_set(err, LF_E_FORMAT, "state", "this is no saved picture");
     uint32_t version = get_u32(&(cursor){start + sizeof magic});
-    if (version != VERSION)
+    if (version != LF_FILM_VERSION)
         return lf_error_set(err, LF_E_STATE, "state",
                             "the saved picture has version %u, this program reads version %d",
-                            version, VERSION);
+                            version, LF_FILM_VERSION);
     return LF_OK;
 }
 
@@ -275,21 +274,27 @@ static bool get_layout(cursor c, lf_film_layout *out, float sky[3])
            (out->has_native || !out->has_delta);
 }
 
-/* Picture and layout: an empty film. */
-static lf_status read_empty(int fd, const lf_film *like, lf_film *out, lf_error *err)
+/* Picture, layout and sky, and nothing else of *out. */
+static lf_status read_identity(int fd, lf_film *out, lf_error *err)
 {
     unsigned char layout_bytes[LAYOUT_BYTES];
-    lf_film given = {0};
     const lf_film_part parts[] = {
-        {.name = "PICT", .made = given.picture, .n_made = sizeof given.picture},
+        {.name = "PICT", .made = out->picture, .n_made = sizeof out->picture},
         {.name = "LAYO", .made = layout_bytes, .n_made = sizeof layout_bytes}};
     lf_status status = read_start(fd, err);
     for (int i = 0; i < 2 && status == LF_OK; i++)
         status = read_part(fd, &parts[i], err);
+    if (status == LF_OK && !get_layout((cursor){layout_bytes}, &out->layout, out->sky))
+        return lf_error_set(err, LF_E_FORMAT, "state", "its layout is impossible");
+    return status;
+}
+
+static lf_status read_empty(int fd, const lf_film *like, lf_film *out, lf_error *err)
+{
+    lf_film given = {0};
+    lf_status status = read_identity(fd, &given, err);
     if (status != LF_OK)
         return status;
-    if (!get_layout((cursor){layout_bytes}, &given.layout, given.sky))
-        return lf_error_set(err, LF_E_FORMAT, "state", "its layout is impossible");
     const char *refusal = like ? lf_film_refusal(like, &given) : NULL;
     if (refusal)
         return lf_error_set(err, LF_E_STATE, "state", "the saved picture is %s", refusal);
@@ -428,5 +433,21 @@ lf_status lf_film_read(int fd, const lf_film *like, lf_film *out, lf_error *err)
         return status;
     }
     *out = film;
+    return LF_OK;
+}
+
+lf_status lf_film_look(int fd, lf_film_layout *out_layout, uint64_t *out_seed, lf_error *err)
+{
+    unsigned char head[HEAD_BYTES], seed[8] = {0};
+    lf_film given = {0};
+    lf_status status = read_identity(fd, &given, err);
+    if (status == LF_OK)
+        status = read_all(fd, head, sizeof head, err);
+    if (status == LF_OK && memcmp(head, "STRM", 4) == 0)
+        status = read_all(fd, seed, sizeof seed, err);
+    if (status != LF_OK)
+        return status;
+    *out_layout = given.layout;
+    *out_seed = get_u64(&(cursor){seed});
     return LF_OK;
 }

@@ -19,6 +19,8 @@
 
 #include "render/film/film.h"
 
+#define LF_FILM_VERSION 5
+
 /* cancel (may be NULL) is looked at once a row: LF_E_CANCELLED, the file is to be abandoned. */
 LF_NODISCARD lf_status lf_film_write(const lf_film *film, lf_outfile *file, const lf_cancel *cancel,
                                      lf_error *err);
@@ -28,5 +30,10 @@ LF_NODISCARD lf_status lf_film_write(const lf_film *film, lf_outfile *file, cons
  * LF_E_FORMAT (no such file, ends too early, changed), LF_E_STATE (another version, or not like),
  * LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_film_read(int fd, const lf_film *like, lf_film *out, lf_error *err);
+
+/* What the head of a file says, read from its start: the layout, and the seed of its first stream
+ * (0: nothing has been visited). LF_E_IO, LF_E_FORMAT, LF_E_STATE (another version). */
+LF_NODISCARD lf_status lf_film_look(int fd, lf_film_layout *out_layout, uint64_t *out_seed,
+                                    lf_error *err);
 
 #endif

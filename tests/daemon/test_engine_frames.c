@@ -41,7 +41,7 @@ static int64_t commit(lf_engine *engine, double aside, double density)
     lf_error err = {0};
     int64_t generation = 0;
     lf_content *content = content_of(aside, density);
-    lf_assert_ok(lf_engine_commit(engine, content, -1, &generation, NULL, &err), &err);
+    lf_assert_ok(lf_engine_commit(engine, content, false, &generation, NULL, &err), &err);
     lf_content_unref(content);
     return generation;
 }

@@ -1,5 +1,5 @@
 /* The daemon with a simulated panel, from outside: pictures that move, patches, buttons, faults of
- * the panel, state. */
+ * the panel. */
 #include "tests/daemon/live.h"
 
 #include "base/calibration.h"
@@ -331,121 +331,6 @@ static void a_panel_that_stalls_for_ever_stops_neither_rendering_nor_the_end(voi
     live_finish(&l);
 }
 
-/* The picture is shown as it was saved, before anything is added to it. */
-static void a_saved_picture_is_shown_at_once(void **state)
-{
-    (void)state;
-    live l;
-    live_client c;
-    char words[64];
-    live_prepare(&l);
-    live_start(&l, l.scene, "--device", "none", "--state", l.state, NULL);
-    live_connect(&l, &c);
-    live_wait(&c, "complete");
-    assert_int_equal(live_code(&c, "render.set", json_pack("{s:b}", "paused", 1)), 0);
-    while (strcmp(live_status_text(&c, "state"), "paused") != 0)
-        live_nap(10);
-    snprintf(words, sizeof words, "complete after %.1f passes",
-             live_number(&c, "status", NULL, "passes"));
-    live_close(&c);
-    assert_int_equal(live_stop(&l), 0);
-    setenv("QUILTD_DEBUG", "1", 1);
-    live_start(&l, l.scene, "--device", "none", "--state", l.state, NULL);
-    unsetenv("QUILTD_DEBUG");
-    live_connect(&l, &c);
-    live_wait(&c, "complete");
-    assert_true(live_logged(&l, words));
-    live_close(&c);
-    live_finish(&l);
-}
-
-static void a_state_belongs_to_one_daemon(void **state)
-{
-    (void)state;
-    live l;
-    live_client c;
-    char other[PATH_MAX];
-    live_prepare(&l);
-    live_start(&l, l.scene, "--device", "none", "--state", l.state, NULL);
-    live_connect(&l, &c);
-    snprintf(other, sizeof other, "%s/other", l.folder);
-    char *const words[] = {(char *)(uintptr_t)lf_test_built("quiltd"),
-                           l.scene,
-                           (char *)(uintptr_t) "--device",
-                           (char *)(uintptr_t) "none",
-                           (char *)(uintptr_t) "--socket",
-                           other,
-                           (char *)(uintptr_t) "--state",
-                           l.state,
-                           NULL};
-    assert_int_equal(live_reap(live_spawn(&l, words)), 1);
-    assert_true(live_logged(&l, "is another quiltd's, which is still running"));
-    live_close(&c);
-    assert_int_equal(live_stop(&l), 0);
-    /* it is free when that has ended, however that was */
-    live_start(&l, l.scene, "--device", "none", "--state", l.state, NULL);
-    live_connect(&l, &c);
-    live_close(&c);
-    live_finish(&l);
-}
-
-static void a_killed_daemon_goes_on_from_its_state(void **state)
-{
-    (void)state;
-    live l;
-    live_prepare(&l);
-    live_start(&l, l.scene, "--device", l.sim, "--state", l.state, NULL);
-    live_client c;
-    live_connect(&l, &c);
-    live_wait(&c, "complete");
-    double passes = live_number(&c, "status", NULL, "passes");
-    live_close(&c);
-    assert_int_equal(live_stop(&l), 0);
-    assert_int_equal(access(lf_test_path(l.state, "film.lfstate"), F_OK), 0);
-    live_start(&l, l.scene, "--device", l.sim, "--state", l.state, NULL);
-    live_connect(&l, &c);
-    live_wait(&c, "coarse");
-    assert_true(live_logged(&l, "going on with the saved state"));
-    assert_true(live_number(&c, "status", NULL, "passes") >= passes);
-    live_close(&c);
-    kill(l.pid, SIGKILL);
-    live_reap(l.pid);
-    /* A state of something else, or of nothing, is left aside. */
-    lf_test_write(l.state, "film.lfstate", "no state at all");
-    live_start(&l, l.scene, "--device", l.sim, "--state", l.state, NULL);
-    live_connect(&l, &c);
-    live_wait(&c, "complete");
-    assert_true(live_logged(&l, "left aside"));
-    live_close(&c);
-    live_finish(&l);
-}
-
-static void the_batch_in_progress_ends_before_its_state_is_saved(void **state)
-{
-    (void)state;
-    live l;
-    live_prepare(&l);
-    static const char *const more[] = {"--view-size", "900x1200", "--threads", "1"};
-    live_start(&l, l.scene, "--device", "none", "--state", l.state, more[0], more[1], more[2],
-               more[3], NULL);
-    live_client c;
-    live_connect(&l, &c);
-    live_wait(&c, "coarse");
-    double passes = live_number(&c, "status", NULL, "passes");
-    live_close(&c);
-    assert_int_equal(live_stop(&l), 0);
-    assert_int_equal(access(lf_test_path(l.state, "film.lfstate"), F_OK), 0);
-    assert_false(live_logged(&l, "not saved"));
-    live_start(&l, l.scene, "--device", "none", "--state", l.state, more[0], more[1], more[2],
-               more[3], NULL);
-    live_connect(&l, &c);
-    live_wait(&c, "coarse");
-    assert_true(live_logged(&l, "going on with the saved state"));
-    assert_true(live_number(&c, "status", NULL, "passes") >= passes);
-    live_close(&c);
-    live_finish(&l);
-}
-
 static double wait_for_generation(live_client *c, double generation)
 {
     for (int i = 0;
@@ -518,10 +403,6 @@ int main(void)
         cmocka_unit_test(a_refused_device_forgets_no_panel_that_is_unplugged),
         cmocka_unit_test(texts_that_are_not_utf8_and_large_seeds_are_told_whole),
         cmocka_unit_test(a_panel_that_stalls_for_ever_stops_neither_rendering_nor_the_end),
-        cmocka_unit_test(a_saved_picture_is_shown_at_once),
-        cmocka_unit_test(a_state_belongs_to_one_daemon),
-        cmocka_unit_test(a_killed_daemon_goes_on_from_its_state),
-        cmocka_unit_test(the_batch_in_progress_ends_before_its_state_is_saved),
         cmocka_unit_test(the_scene_file_is_read_again_on_hangup_and_when_it_changes),
         cmocka_unit_test(a_scene_that_cannot_be_loaded_does_not_end_the_daemon),
     };
