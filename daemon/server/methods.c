@@ -3,6 +3,10 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/nearest.h"
+
+/* More are not looked at for what was meant. */
+#define MOST_METHODS 64
 
 struct lf_deferred {
     uint64_t client;
@@ -101,6 +105,23 @@ static int find_method(const char *name)
     return lf_method_at(index) ? index : -1;
 }
 
+static void refuse_method(lf_client *client, const lf_rpc_request *request)
+{
+    const char *names[MOST_METHODS + 1] = {NULL};
+    lf_error err;
+    for (int i = 0; i < MOST_METHODS && lf_method_at(i); i++)
+        names[i] = lf_method_at(i)->name;
+    const char *meant = lf_nearest_name(request->method, names);
+    if (meant)
+        (void)lf_error_set(&err, LF_E_ARG, "", "there is no method \"%.64s\"; did you mean \"%s\"?",
+                           request->method, meant);
+    else
+        (void)lf_error_set(&err, LF_E_ARG, "", "there is no method \"%.64s\"; hello lists them",
+                           request->method);
+    if (request->id)
+        lf_client_send(client, lf_rpc_error(request->id, LF_RPC_METHOD_NOT_FOUND, err.what, NULL));
+}
+
 static void run_request(lf_server *server, lf_client *client, lf_rpc_request *request)
 {
     lf_call call = {.server = server,
@@ -110,11 +131,7 @@ static void run_request(lf_server *server, lf_client *client, lf_rpc_request *re
                     .method = request->method};
     int index = find_method(request->method);
     if (index < 0) {
-        lf_error err;
-        (void)lf_error_set(&err, LF_E_ARG, "", "there is no method \"%.64s\"; hello lists them",
-                           request->method);
-        if (call.id)
-            lf_client_send(client, lf_rpc_error(call.id, LF_RPC_METHOD_NOT_FOUND, err.what, NULL));
+        refuse_method(client, request);
         return;
     }
     const lf_method *method = lf_method_at(index);

@@ -162,7 +162,7 @@ static void destroy(lf_server *server)
     lf_loader_destroy(server->loader);
     lf_server_drop_loading(server);
     lf_engine_destroy(server->engine);
-    lf_states_destroy(server->states);
+    lf_states_destroy(server->saved.states);
     lf_server_fail_waits(server, &over, false);
     if (server->inbox.event_fd >= 0)
         lf_inbox_finish(&server->inbox, server);
@@ -284,7 +284,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
         status = lf_engine_create(&controls, server->engine_fd, &server->engine, err);
     if (status != LF_OK)
         return status;
-    lf_engine_keep_states(server->engine, server->states);
+    lf_engine_keep_states(server->engine, server->saved.states);
     status = lf_loader_create(server->engine, &server->roots, &server->inbox, &server->loader);
     status = status == LF_OK ? lf_server_make_loading(server) : status;
     status = status == LF_OK ? lf_server_make_show(server) : status;

@@ -96,8 +96,9 @@ typedef struct lf_life {
     bool ready_sent; /* systemd was told */
 } lf_life;
 
-/* What the saved state holds: server_state.c. */
+/* The states, and what the newest holds: server_state.c. */
 typedef struct lf_saved {
+    lf_states *states; /* NULL without --state */
     sd_event_source *timer;
     bool saving;
     int64_t generation;
@@ -131,7 +132,6 @@ struct lf_server {
     lf_button_work *button_work;
     lf_watch *watch; /* NULL without --watch */
     lf_loading *loading;
-    lf_states *states; /* NULL without --state */
     lf_saved saved;
     lf_content *content; /* what is shown, as far as this thread knows; NULL = nothing */
     int64_t generation;
@@ -141,7 +141,7 @@ struct lf_server {
     lf_wait *waits;
     lf_job *jobs;
     int64_t n_jobs;
-    int reloads;     /* reloads for systemd that have not ended */
+    int reloads; /* reloads for systemd that have not ended */
 };
 
 /* ---------------------------------------------------------------------------------- server.c -- */
@@ -261,7 +261,7 @@ json_t *lf_server_jobs_json(const lf_server *server);
 
 /* ---------------------------------------------------------------------------- server_state.c -- */
 
-/* Locks the folder of --state for this daemon alone, until it ends, and makes server->states.
+/* Locks the folder of --state for this daemon alone, until it ends, and opens its states.
  * LF_E_BUSY. */
 LF_NODISCARD lf_status lf_server_open_states(lf_server *server, lf_error *err);
 /* Another picture is shown: the accumulation is saved, on a thread, when it has been shown for the

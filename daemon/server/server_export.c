@@ -110,7 +110,10 @@ static lf_status take_file(lf_job *job, const char *file, lf_error *err)
     const lf_content *content = job->server->content;
     lf_status status =
         lf_output_path(job->kind, job->file, content ? &content->layout : NULL, &path, err);
-    lf_free(path);
+    if (job->n_fds == 0)
+        job->name = path;
+    else
+        lf_free(path);
     return status;
 }
 
@@ -194,7 +197,7 @@ void lf_server_export(lf_call *call)
     lf_client_drop_fds(call->client); /* more came than were announced */
     job->id = ++server->n_jobs;
     job_list(job);
-    lf_reply(call,
-             json_pack("{s:I, s:o}", "job", (json_int_t)job->id, "file", lf_rpc_text(job->file)));
+    lf_reply(call, json_pack("{s:I, s:o}", "job", (json_int_t)job->id, "file",
+                             lf_rpc_text(job->name ? job->name : job->file)));
     lf_server_start_jobs(server);
 }

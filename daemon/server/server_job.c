@@ -23,6 +23,7 @@ void job_free(lf_job *job)
     sd_event_source_disable_unref(job->timer);
     lf_free(job->fds);
     lf_free(job->file);
+    lf_free(job->name);
     lf_free(job->final);
     lf_free(job->icc);
     lf_free(job);
@@ -194,10 +195,18 @@ static lf_status write_state(lf_job *job)
     return status;
 }
 
+/* Errors of descriptors name the file that the client means by them. */
+static void tell_meant(lf_job *job)
+{
+    if (strcmp(job->err.where, "descriptor") == 0)
+        (void)snprintf(job->err.where, sizeof job->err.where, "%s", job->file);
+}
+
 static void *job_main(void *context)
 {
     lf_job *job = context;
-    if (job->keeps) {
+    bool has_fds = job->n_fds > 0;
+    if (job->client == 0) {
         job->status = lf_engine_keep(job->server->engine, &job->err);
     } else if (!job->kind) {
         job->status = write_state(job);
@@ -211,6 +220,8 @@ static void *job_main(void *context)
             job->status = write_snapshot(job, &snapshot);
         lf_snapshot_finish(&snapshot);
     }
+    if (has_fds && job->status != LF_OK)
+        tell_meant(job);
     lf_inbox_post(&job->server->inbox, &job->task);
     return NULL;
 }
@@ -225,7 +236,8 @@ static const char *kind_name(const lf_job *job)
 static json_t *job_json(const lf_job *job, const char *state)
 {
     return json_pack("{s:I, s:s, s:o, s:s, s:f}", "job", (json_int_t)job->id, "kind",
-                     kind_name(job), "file", lf_rpc_text(job->file), "state", state, "progress",
+                     kind_name(job), "file", lf_rpc_text(job->name ? job->name : job->file),
+                     "state", state, "progress",
                      strcmp(state, "done") == 0 ? 1.0 : job->told * 1e-3);
 }
 
@@ -253,8 +265,8 @@ static void end_job(lf_job *job)
     lf_server *server = job->server;
     unlink_job(job);
     if (job->final) {
-        lf_free(job->file);
-        job->file = job->final;
+        lf_free(job->name);
+        job->name = job->final;
         job->final = NULL;
     }
     if (job->client != 0) {

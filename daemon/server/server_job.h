@@ -13,10 +13,11 @@ struct lf_job {
     lf_job *next;
     lf_server *server;
     int64_t id;
-    uint64_t client; /* who asked; hears of it without subscribing. 0 = the daemon itself */
+    uint64_t client; /* who asked; hears of it without subscribing. 0 = the daemon itself, into
+                        --state */
     const lf_output_kind *kind; /* NULL: "state" */
-    bool keeps;                 /* the daemon's own: the state goes into --state */
     char *file;                 /* as asked for, canonical */
+    char *name;                 /* on the disk, by the picture there was; NULL: file is */
     char *final;                /* name written; the thread's until it has ended */
     int folder_fd;              /* of file: what was checked is what is written to; -1 = none */
     bool overwrite;

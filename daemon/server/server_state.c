@@ -40,7 +40,7 @@ static lf_status lock_folder(lf_server *server, lf_error *err)
 /* Something is shown that the saved state does not hold. */
 static bool has_news(const lf_server *server, lf_engine_status *out_now)
 {
-    if (!server->states || !server->content || !server->content->scene)
+    if (!server->saved.states || !server->content || !server->content->scene)
         return false;
     lf_engine_get_status(server->engine, out_now);
     return out_now->generation != server->saved.generation ||
@@ -56,7 +56,6 @@ static void save(lf_server *server)
     lf_job *job = job_create(server);
     if (!job)
         return;
-    job->keeps = true;
     job->file = lf_strdup(server->config.state_dir);
     if (!job->file) {
         job_free(job);
@@ -73,7 +72,7 @@ lf_status lf_server_open_states(lf_server *server, lf_error *err)
 {
     lf_status status = lock_folder(server, err);
     if (status == LF_OK)
-        status = lf_states_create(server->config.state_dir, &server->states, err);
+        status = lf_states_create(server->config.state_dir, &server->saved.states, err);
     return status;
 }
 
@@ -89,7 +88,7 @@ static int on_save_timer(sd_event_source *source, uint64_t usec, void *context)
 
 void lf_server_save_later(lf_server *server)
 {
-    if (!server->states || lf_server_is_stopping(server))
+    if (!server->saved.states || lf_server_is_stopping(server))
         return;
     sd_event_source_disable_unref(server->saved.timer);
     server->saved.timer = NULL;

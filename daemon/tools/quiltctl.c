@@ -179,12 +179,17 @@ static lf_status ask_schema(lf_ctl *ctl, const char *method, json_t **out_schema
     lf_status status = lf_ctl_call(ctl, "hello", json_object(), NULL, 0, &hello, NULL, err);
     if (status != LF_OK)
         return status;
-    json_t *entry = json_object_get(json_object_get(hello, "methods"), method);
-    *out_schema = json_incref(json_object_get(entry, "params"));
-    json_decref(hello);
-    return *out_schema ? LF_OK
+    json_t *methods = json_object_get(hello, "methods");
+    *out_schema = json_incref(json_object_get(json_object_get(methods, method), "params"));
+    if (!*out_schema) {
+        const char *meant = lf_nearest_key(method, methods);
+        status = meant ? lf_error_set(err, LF_E_ARG, method,
+                                      "is no method of this daemon; did you mean \"%s\"?", meant)
                        : lf_error_set(err, LF_E_ARG, method,
                                       "is no method of this daemon; quiltctl hello lists them");
+    }
+    json_decref(hello);
+    return status;
 }
 
 static lf_status run(lf_ctl *ctl, const arguments *a, json_t **out_result, lf_error *err)

@@ -61,6 +61,9 @@ json_t *lf_rpc_error_of(const json_t *id, const lf_error *err, bool scene);
 LF_NODISCARD lf_status lf_schema_check(const json_t *schema, json_t *value, const char *where,
                                        lf_error *err);
 
+/* The key of an object that is nearest to word (lf_nearest_name); NULL: none is. */
+const char *lf_nearest_key(const char *word, json_t *object);
+
 /* One "key=value" of a command line as a member of params, typed by the schema's property of that
  * name: numbers, integers and booleans are parsed, arrays are comma separated, strings are taken as
  * they are; "key:=JSON" is raw. LF_E_ARG. */

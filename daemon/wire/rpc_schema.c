@@ -6,6 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/nearest.h"
+
+/* More keys than a method has are not looked at. */
+#define MAX_KEYS 64
+
 typedef struct checker {
     const char *where;
     char pointer[256];
@@ -139,6 +144,30 @@ static void list_keys(json_t *properties, char *out, size_t size)
     }
 }
 
+const char *lf_nearest_key(const char *word, json_t *object)
+{
+    const char *names[MAX_KEYS + 1] = {NULL}, *key;
+    json_t *value;
+    int n = 0;
+    json_object_foreach(object, key, value)
+    {
+        if (n < MAX_KEYS)
+            names[n++] = key;
+    }
+    return lf_nearest_name(word, names);
+}
+
+static lf_status unknown_key(checker *c, json_t *properties, const char *key)
+{
+    char known[300];
+    const char *meant = lf_nearest_key(key, properties);
+    if (meant)
+        return FAIL(c, "unknown key \"%s\"; did you mean \"%s\"?", key, meant);
+    list_keys(properties, known, sizeof known);
+    return known[0] != '\0' ? FAIL(c, "unknown key \"%s\"; known: %s", key, known)
+                            : FAIL(c, "unknown key \"%s\": there are no parameters here", key);
+}
+
 static lf_status check_properties(checker *c, const json_t *schema, json_t *value)
 {
     json_t *properties = json_object_get(schema, "properties");
@@ -148,13 +177,8 @@ static lf_status check_properties(checker *c, const json_t *schema, json_t *valu
     json_object_foreach(value, key, member)
     {
         const json_t *property = json_object_get(properties, key);
-        if (!property && !open) {
-            char known[300];
-            list_keys(properties, known, sizeof known);
-            return known[0] != '\0'
-                       ? FAIL(c, "unknown key \"%s\"; known: %s", key, known)
-                       : FAIL(c, "unknown key \"%s\": there are no parameters here", key);
-        }
+        if (!property && !open)
+            return unknown_key(c, properties, key);
         lf_status status = property ? check_member(c, property, member, key) : LF_OK;
         if (status != LF_OK)
             return status;

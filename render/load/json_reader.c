@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/nearest.h"
+
 lf_node lf_node_child(const lf_node *parent, const char *key)
 {
     return (lf_node){parent, key, 0, json_object_get(parent->value, key)};
@@ -92,46 +94,6 @@ static const char *type_name(const json_t *value)
         break;
     }
     return "null";
-}
-
-/* Optimal string alignment distance, up to 63 bytes a word: swapped neighbours count once, as
- * typing errors do. */
-static int edit_distance(const char *a, const char *b)
-{
-    size_t na = strlen(a), nb = strlen(b);
-    if (na > 63 || nb > 63)
-        return 64;
-    int row[3][64] = {{0}};
-    for (size_t j = 0; j <= nb; j++)
-        row[0][j] = (int)j;
-    for (size_t i = 1; i <= na; i++) {
-        int *now = row[i % 3], *last = row[(i + 2) % 3], *before = row[(i + 1) % 3];
-        now[0] = (int)i;
-        for (size_t j = 1; j <= nb; j++) {
-            int best = last[j - 1] + (a[i - 1] != b[j - 1]);
-            best = last[j] + 1 < best ? last[j] + 1 : best;
-            best = now[j - 1] + 1 < best ? now[j - 1] + 1 : best;
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] &&
-                before[j - 2] + 1 < best)
-                best = before[j - 2] + 1;
-            now[j] = best;
-        }
-    }
-    return row[na % 3][nb];
-}
-
-const char *lf_nearest_name(const char *word, const char *const names[])
-{
-    const char *nearest = NULL;
-    int best = 1 + (int)(strlen(word) < 63 ? strlen(word) : 63) / 3;
-    for (; *names; names++) {
-        int distance = edit_distance(word, *names);
-        if (distance <= best && distance < (int)strlen(*names) && (!nearest || distance < best)) {
-            nearest = *names;
-            best = distance;
-        }
-    }
-    return nearest;
 }
 
 static bool is_among(const char *word, const char *const names[])

@@ -56,10 +56,6 @@ const char *lf_read_string(lf_reader *reader, const lf_node *parent, const char 
 int lf_read_choice(lf_reader *reader, const lf_node *parent, const char *key,
                    const char *const names[], int fallback);
 
-/* The name among names (ended by NULL) that is nearest to word, or NULL when none is near enough to
- * be meant. */
-const char *lf_nearest_name(const char *word, const char *const names[]);
-
 /* "a, b, c", cut to size. */
 void lf_join_names(const char *const names[], char *out, size_t size);
 

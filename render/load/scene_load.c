@@ -21,6 +21,17 @@ static lf_status extend_roots(const lf_roots *roots, const char *folder, lf_root
     return status;
 }
 
+/* text is no JSON; one that does not even begin like an object was never meant to be a scene. */
+static lf_status refuse_text(const char *path, const char *text, const json_error_t *problem,
+                             lf_error *err)
+{
+    if (text[strspn(text, " \t\r\n")] != '{')
+        return lf_error_set_at(err, LF_E_FORMAT, path, problem->line, NULL,
+                               "this is neither a scene (a JSON object) nor a picture");
+    return lf_error_set_at(err, LF_E_FORMAT, path, problem->line, NULL, "%s (column %d)",
+                           problem->text, problem->column);
+}
+
 /* A scene that holds a copy of the document and nothing else yet. */
 static lf_scene *create_empty(const json_t *doc, const char *folder, const char *where)
 {
@@ -80,8 +91,7 @@ lf_status lf_scene_load(const char *path, const lf_roots *roots, const lf_scene 
     json_t *doc = json_loadb(text + mark, size - mark, JSON_REJECT_DUPLICATES, &problem);
     folder = lf_path_folder(path);
     if (!doc)
-        status = lf_error_set_at(err, LF_E_FORMAT, path, problem.line, NULL, "%s (column %d)",
-                                 problem.text, problem.column);
+        status = refuse_text(path, text + mark, &problem, err);
     else if (!folder)
         status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     else

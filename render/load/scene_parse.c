@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/nearest.h"
 #include "render/load/member_read.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/surface.h"

@@ -367,6 +367,35 @@ static void the_scene_file_is_read_again_on_hangup_and_when_it_changes(void **st
     live_finish(&l);
 }
 
+static void what_is_neither_scene_nor_picture_is_refused(void **state)
+{
+    static const char *const wrong[][2] = {{".", "no pictures in this folder"},
+                                           {"notes.txt", "this is neither a scene"},
+                                           {"empty.json", "this is neither a scene"},
+                                           {"broken.json", "expected near"}};
+    (void)state;
+    live l;
+    live_prepare(&l);
+    lf_test_write(l.folder, "scene/notes.txt", "remember the milk");
+    lf_test_write(l.folder, "scene/empty.json", "");
+    lf_test_write(l.folder, "scene/broken.json", "{\"quiltd\":1,");
+    live_start(&l, l.scene, "--device", "none", NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        json_t *answer = live_call(&c, "scene.load", json_pack("{s:s}", "file", wrong[i][0]));
+        const char *message =
+            json_string_value(json_object_get(json_object_get(answer, "error"), "message"));
+        if (!message || !strstr(message, wrong[i][1]))
+            fail_msg("%s: \"%s\"", wrong[i][0], message ? message : "taken");
+        json_decref(answer);
+    }
+    assert_true(live_number(&c, "status", NULL, "generation") == 1);
+    live_close(&c);
+    live_finish(&l);
+}
+
 static void a_scene_that_cannot_be_loaded_does_not_end_the_daemon(void **state)
 {
     (void)state;
@@ -404,6 +433,7 @@ int main(void)
         cmocka_unit_test(texts_that_are_not_utf8_and_large_seeds_are_told_whole),
         cmocka_unit_test(a_panel_that_stalls_for_ever_stops_neither_rendering_nor_the_end),
         cmocka_unit_test(the_scene_file_is_read_again_on_hangup_and_when_it_changes),
+        cmocka_unit_test(what_is_neither_scene_nor_picture_is_refused),
         cmocka_unit_test(a_scene_that_cannot_be_loaded_does_not_end_the_daemon),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -152,6 +152,74 @@ static void exports_are_written_beneath_the_export_dir_only(void **state)
     live_finish(&l);
 }
 
+/* A line with a descriptor. */
+static void send_with(const live_client *c, const char *line, int fd)
+{
+    union {
+        struct cmsghdr align;
+        char bytes[CMSG_SPACE(sizeof(int))];
+    } control = {.bytes = {0}};
+    char *text = strdup(line);
+    struct iovec vector = {.iov_base = text, .iov_len = strlen(line)};
+    struct msghdr message = {.msg_iov = &vector,
+                             .msg_iovlen = 1,
+                             .msg_control = &control,
+                             .msg_controllen = sizeof control};
+    struct cmsghdr *head = CMSG_FIRSTHDR(&message);
+    head->cmsg_level = SOL_SOCKET;
+    head->cmsg_type = SCM_RIGHTS;
+    head->cmsg_len = CMSG_LEN(sizeof(int));
+    memcpy(CMSG_DATA(head), &fd, sizeof fd);
+    assert_int_equal(sendmsg(c->fd, &message, MSG_NOSIGNAL), strlen(line));
+    free(text);
+}
+
+static void answers_name_the_file_that_is_meant(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    /* by a name: the one that is on the disk then */
+    json_t *answer =
+        live_call(&c, "export", json_pack("{s:s, s:s}", "kind", "quilt", "file", "q.png"));
+    const json_t *result = json_object_get(answer, "result");
+    char file[PATH_MAX];
+    snprintf(file, sizeof file, "%s", json_string_value(json_object_get(result, "file")));
+    assert_non_null(strstr(file, "/exports/q_qs3x2a"));
+    assert_string_equal(live_job_end(&c, json_integer_value(json_object_get(result, "job"))),
+                        "done");
+    assert_int_equal(access(file, F_OK), 0);
+    json_decref(answer);
+    /* by a descriptor */
+    static const char *const kinds[][2] = {{"panel", "mine.png"}, {"state", "mine.lfstate"}};
+    for (int i = 0; i < 2; i++) {
+        char line[200];
+        int fd = open(file, O_RDONLY | O_CLOEXEC);
+        snprintf(line, sizeof line,
+                 "{\"jsonrpc\":\"2.0\",\"id\":\"x\",\"method\":\"export\",\"params\":{\"kind\":"
+                 "\"%s\",\"file\":\"%s\",\"fds\":1}}\n",
+                 kinds[i][0], kinds[i][1]);
+        send_with(&c, line, fd);
+        close(fd);
+        for (const char *told = NULL; !told;) {
+            json_t *message = live_receive(&c);
+            const json_t *params = json_object_get(message, "params");
+            told = json_string_value(json_object_get(json_object_get(params, "error"), "message"));
+            if (told) {
+                assert_non_null(strstr(told, "not a regular file open for writing"));
+                assert_ptr_equal(strstr(told, kinds[i][1]), told);
+            }
+            json_decref(message);
+        }
+    }
+    live_close(&c);
+    live_finish(&l);
+}
+
 /* Share of the picture's pixels that are black. */
 static double black(const char *path)
 {
@@ -438,6 +506,7 @@ int main(void)
         cmocka_unit_test(an_export_that_fails_tells_the_name_asked_for),
         cmocka_unit_test(a_print_and_a_chart_tell_what_they_need),
         cmocka_unit_test(exports_are_written_beneath_the_export_dir_only),
+        cmocka_unit_test(answers_name_the_file_that_is_meant),
         cmocka_unit_test(an_export_of_a_coarse_picture_is_filled_as_the_screen_is),
         cmocka_unit_test(an_export_that_waits_can_be_cancelled),
         cmocka_unit_test(a_folder_that_is_swapped_leads_no_export_away),

@@ -244,7 +244,11 @@ static void quiltctl_calls_and_prints(void **state)
         live_run(&l, "quiltctl", "--socket", l.socket, "camera.orbit", "yaw=five", NULL), 2);
     assert_int_equal(live_run(&l, "quiltctl", "--socket", l.socket, "camera.orbit", "yam=5", NULL),
                      2);
+    assert_true(live_logged(&l, "unknown key \"yam\"; did you mean \"yaw\"?"));
     assert_int_equal(live_run(&l, "quiltctl", "--socket", l.socket, "no.method", NULL), 2);
+    assert_true(live_logged(&l, "no.method: is no method of this daemon; quiltctl hello lists"));
+    assert_int_equal(live_run(&l, "quiltctl", "--socket", l.socket, "statsu", NULL), 2);
+    assert_true(live_logged(&l, "is no method of this daemon; did you mean \"status\"?"));
     assert_int_equal(live_run(&l, "quiltctl", "--socket", l.socket, "scene.patch",
                               "patch:={\"camera\":{\"viewz\":3}}", NULL),
                      1);

@@ -186,7 +186,7 @@ static const bad bad_scenes[] = {
     {"{\n\"cameras\": {}}", 2, "/cameras", "did you mean \"camera\"?"},
     {"{\"zzzzzzz\": 1}", 1, "/zzzzzzz", "keys here are quiltd, camera"},
     {"[]", 1, "", "expected an object, found an array"},
-    {"3", 1, "", "'[' or '{' expected"},
+    {"3", 1, "", "neither a scene (a JSON object) nor a picture"},
     {"{\"quiltd\": 2}", 1, "/quiltd", "2 is out of range: 1 to 1"},
     {"{\n\n\"camera\": 3}", 3, "/camera", "expected an object, found a number"},
     {"{\"camera\": {\n \"fov_y\": \"14\"}}", 2, "/camera/fov_y",
@@ -286,7 +286,7 @@ static const bad bad_scenes[] = {
     {"{\"camera\": {}, \"camera\": {}}", 1, "", "duplicate object key"},
     {"{\"camera\": {\"fov_y\": 1e999}}", 1, "", "overflow"},
     {"{\"camera\": {\"fov_y\": NaN}}", 1, "", "invalid token"},
-    {"", 1, "", "'[' or '{' expected"},
+    {"", 1, "", "neither a scene (a JSON object) nor a picture"},
 };
 
 static void every_error_says_where_and_what(void **state)
