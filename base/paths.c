@@ -209,7 +209,8 @@ static bool would_lie_beneath(const lf_roots *roots, const char *path)
 
 static lf_status outside(lf_error *err, const char *path)
 {
-    return lf_error_set(err, LF_E_PATH, path, "lies outside the folders that may be read");
+    return lf_error_set(err, LF_E_PATH, path,
+                        "lies outside the folders that may be read; --allow-path DIR adds one");
 }
 
 /* Where path leads now. */

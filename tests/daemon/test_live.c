@@ -418,6 +418,35 @@ static void a_scene_that_cannot_be_loaded_does_not_end_the_daemon(void **state)
     live_finish(&l);
 }
 
+static void what_a_scene_names_elsewhere_needs_a_word_of_the_owner(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    char named[PATH_MAX];
+    assert_int_equal(mkdir(lf_test_path(l.folder, "away"), 0700), 0);
+    lf_test_write(l.folder, "away/wall.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    snprintf(named, sizeof named, "%s",
+             lf_test_write(l.folder, "scene/named.json",
+                           "{\"quiltd\":1,\"camera\":{\"target\":[0,0,0],\"position\":[0,0,5]},"
+                           "\"meshes\":{\"wall\":{\"file\":\"../away/wall.obj\",\"material\":"
+                           "\"clay\"}},\"materials\":{\"clay\":{\"type\":\"diffuse\"}}}"));
+    live_start(&l, named, "--device", "none", NULL);
+    live_client c;
+    live_connect(&l, &c);
+    while (strcmp(live_status_text(&c, "state"), "error") != 0)
+        live_nap(10);
+    assert_true(live_logged(&l, "away/wall.obj"));
+    assert_true(live_logged(&l, "outside the folders that may be read; --allow-path DIR adds one"));
+    live_close(&c);
+    assert_int_equal(live_stop(&l), 0);
+    live_start(&l, named, "--device", "none", "--allow-path", lf_test_path(l.folder, "away"), NULL);
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    live_close(&c);
+    live_finish(&l);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -435,6 +464,7 @@ int main(void)
         cmocka_unit_test(the_scene_file_is_read_again_on_hangup_and_when_it_changes),
         cmocka_unit_test(what_is_neither_scene_nor_picture_is_refused),
         cmocka_unit_test(a_scene_that_cannot_be_loaded_does_not_end_the_daemon),
+        cmocka_unit_test(what_a_scene_names_elsewhere_needs_a_word_of_the_owner),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
