@@ -60,6 +60,11 @@ static void bad_lines_get_the_standard_errors_and_the_connection_lives_on(void *
             &c,
             "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"wait\",\"params\":{\"fro\":\"coarse\"}}"),
         -32602);
+    json_t *answer = live_call(&c, "camera.orbitt", json_object());
+    assert_string_equal(
+        json_string_value(json_object_get(json_object_get(answer, "error"), "message")),
+        "there is no method \"camera.orbitt\"; did you mean \"camera.orbit\"?");
+    json_decref(answer);
     /* Empty lines and notifications are not answered; the next answer is the next call's. */
     static const char quiet[] = "\n\n{\"jsonrpc\":\"2.0\",\"method\":\"nothing\"}\n";
     live_send(&c, quiet, sizeof quiet - 1);
