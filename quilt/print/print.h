@@ -76,6 +76,7 @@ LF_NODISCARD lf_status lf_print_colour_create(const lf_print *print, lf_print_co
                                               lf_error *err);
 void lf_print_colour_destroy(lf_print_colour *colour);
 int lf_print_colour_channels(const lf_print_colour *colour); /* 3 RGB, 4 CMYK */
+/* What the profile calls itself: printable ASCII, "unnamed" when it says nothing. */
 const char *lf_print_colour_name(const lf_print_colour *colour);
 const void *lf_print_colour_profile(const lf_print_colour *colour, size_t *out_size);
 /* n pixels of linear display light (Rec. 709, 0..1) -> device values of print->bits bits, native

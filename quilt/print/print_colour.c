@@ -141,8 +141,13 @@ static void name_profile(lf_print_colour *colour, cmsHPROFILE profile)
 {
     if (cmsGetProfileInfoASCII(profile, cmsInfoDescription, "en", "US", colour->name,
                                sizeof colour->name) == 0)
-        snprintf(colour->name, sizeof colour->name, "unnamed");
+        colour->name[0] = '\0';
     colour->name[sizeof colour->name - 1] = '\0';
+    for (char *c = colour->name; *c != '\0'; c++)
+        if (*c < 0x20 || *c > 0x7e)
+            *c = '?';
+    if (colour->name[0] == '\0')
+        snprintf(colour->name, sizeof colour->name, "unnamed");
 }
 
 static lf_status make_srgb(lf_print_colour *colour, lf_error *err)

@@ -12,6 +12,7 @@ static void encode(const lf_print_colour *colour)
     lf_fuzz_require(lf_print_colour_channels(colour) == 3 || lf_print_colour_channels(colour) == 4);
     lf_fuzz_require(lf_print_colour_profile(colour, &size) && size > 0);
     lf_fuzz_require(lf_print_colour_name(colour)[0] != 0);
+    lf_fuzz_require_text(lf_print_colour_name(colour));
     lf_print_colour_encode(colour, sizeof in / sizeof *in / 3, in, out);
 }
 

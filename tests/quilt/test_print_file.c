@@ -359,6 +359,37 @@ static void a_profile_that_cannot_be_used_is_named(void **state)
     lf_test_folder_remove(folder);
 }
 
+static cmsHPROFILE named_profile(const wchar_t *name)
+{
+    cmsHPROFILE profile = wide_profile();
+    cmsMLU *text = cmsMLUalloc(NULL, 1);
+    assert_true(cmsMLUsetWide(text, "en", "US", name));
+    assert_true(cmsWriteTag(profile, cmsSigProfileDescriptionTag, text));
+    cmsMLUfree(text);
+    return profile;
+}
+
+/* What a profile calls itself goes into a manifest and onto terminals. */
+static void names_of_profiles_are_plain_text(void **state)
+{
+    static const struct {
+        const wchar_t *name;
+        const char *expected;
+    } names[] = {{L"Paper 7", "Paper 7"}, {L"", "unnamed"}, {L"caf\u00e9\n\x1b[1m", "caf???[1m"}};
+    (void)state;
+    char *folder = lf_test_folder();
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        lf_print print = lf_print_sound();
+        lf_print_colour *colour = NULL;
+        lf_error err;
+        print.icc_path = save_profile(folder, "named.icc", named_profile(names[i].name));
+        lf_assert_ok(lf_print_colour_create(&print, &colour, &err), &err);
+        assert_string_equal(lf_print_colour_name(colour), names[i].expected);
+        lf_print_colour_destroy(colour);
+    }
+    lf_test_folder_remove(folder);
+}
+
 /* --------------------------------------------------------------------------- what goes wrong -- */
 
 typedef struct attempt {
@@ -478,6 +509,7 @@ int main(void)
         cmocka_unit_test(colours_are_converted_to_a_given_rgb_profile),
         cmocka_unit_test(a_cmyk_profile_makes_separations),
         cmocka_unit_test(a_profile_that_cannot_be_used_is_named),
+        cmocka_unit_test(names_of_profiles_are_plain_text),
         cmocka_unit_test(progress_rises_to_one_and_cancel_stops_within_a_strip),
         cmocka_unit_test(a_full_disk_is_one_error_and_leaves_no_file),
     };
