@@ -49,7 +49,9 @@ static void take_answer(talker *t, const json_t *message)
     if (!json_object_get(message, "id"))
         return;
     t->answered++;
-    t->refused += !result;
+    if (!result && t->refused++ == 0)
+        print_message("refused: %s\n", json_string_value(json_object_get(
+                                           json_object_get(message, "error"), "message")));
     if (json_object_get(result, "generation"))
         t->generation = json_integer_value(json_object_get(result, "generation"));
 }
