@@ -16,8 +16,9 @@
 #define MOMENT_SECONDS 0.1
 #define STARVED_SECONDS 3.0
 #define LOOK_NS 2000000
-/* Nobody has an answer before all are done. */
-#define MOST_AT_ONCE 256
+/* Nobody has an answer before all are done. Far more than come while a slow picture is waited for:
+ * what stays behind would be done one picture later, and a storm would never be caught up with. */
+#define MOST_AT_ONCE 65536
 
 struct lf_loader {
     lf_engine *engine;
