@@ -372,6 +372,10 @@ static void quiltctl_exports_with_the_rights_of_its_caller(void **state)
     live l;
     live_prepare(&l);
     live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse"); /* before that there may be nothing to export yet */
+    live_close(&c);
     char out[PATH_MAX];
     static const char *const names[][2] = {{"panel", "p.png"},
                                            {"views", "v/"},
