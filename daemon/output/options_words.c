@@ -115,6 +115,7 @@ lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *
         if (status != LF_OK || code == -1)
             return status;
         if (code == CODE_HELP || code == CODE_VERSION) {
+            assert(rules->print_help); /* without it the table has neither */
             code == CODE_HELP ? rules->print_help() : lf_print_version(rules->program);
             *out_done = true;
             return LF_OK;

@@ -1,7 +1,12 @@
 /* quiltctl doctor: finds out what the judgement goes by, with the rights of whoever calls it; a
  * daemon need not run. */
+#include <fcntl.h>
+#include <spawn.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <sys/wait.h>
 #include <systemd/sd-daemon.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "daemon/tools/ctl.h"
@@ -21,18 +26,41 @@ static json_t *ask_daemon(const char *socket, lf_error *err)
     return status;
 }
 
+/* What fd gives until its end, as a text. */
+static void read_text(int fd, char *out, size_t size)
+{
+    size_t n = 0;
+    ssize_t got = 1;
+    while (got > 0 && n < size - 1) {
+        got = read(fd, out + n, size - 1 - n);
+        n += got > 0 ? (size_t)got : 0;
+    }
+    out[n] = '\0';
+}
+
 /* What systemd says of the service, into out; "" where there is none to ask. */
 static void ask_systemd(char *out, size_t size)
 {
-    char command[256];
+    static const char *const words[] = {"systemctl",         "show", "quiltd.service", "-p",
+                                        lf_doctor_unit_keys, NULL};
+    posix_spawn_file_actions_t actions;
+    pid_t pid;
+    int ends[2];
     out[0] = '\0';
-    snprintf(command, sizeof command, "systemctl show quiltd.service -p %s 2> /dev/null",
-             lf_doctor_unit_keys);
-    FILE *pipe = sd_booted() > 0 ? popen(command, "re") : NULL;
-    if (!pipe)
+    if (sd_booted() <= 0 || pipe2(ends, O_CLOEXEC) != 0)
         return;
-    out[fread(out, 1, size - 1, pipe)] = '\0';
-    (void)pclose(pipe);
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    int failed =
+        posix_spawnp(&pid, words[0], &actions, NULL, (char *const *)(uintptr_t)words, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[1]);
+    if (failed == 0)
+        read_text(ends[0], out, size);
+    close(ends[0]);
+    if (failed == 0)
+        (void)waitpid(pid, NULL, 0);
 }
 
 bool lf_ctl_doctor(const char *socket)
