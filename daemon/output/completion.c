@@ -97,8 +97,9 @@ static void write_operands(FILE *out, const lf_options_rules *rules)
         fprintf(out, "%s%s", i > 0 ? " " : "", word);
 }
 
-/* A case of `case` for every operand that something follows. */
-static void write_cases(FILE *out, const lf_options_rules *rules, const char *before)
+/* A case of `case` for every operand that something follows: those words between two texts. */
+static void write_cases(FILE *out, const lf_options_rules *rules, const char *before,
+                        const char *after)
 {
     char word[128];
     for (int i = 0; rules->operand_at(i); i++) {
@@ -108,7 +109,7 @@ static void write_cases(FILE *out, const lf_options_rules *rules, const char *be
             fprintf(out, "%s%s", k > 0 ? " " : "", word);
         }
         if (rules->follower_at(i, 0, word, sizeof word))
-            fprintf(out, "%s\n        ;;\n", before[strlen(before) - 1] == '\'' ? "'" : "");
+            fprintf(out, "%s\n        ;;\n", after);
     }
 }
 
@@ -145,7 +146,7 @@ static void write_bash_operands(const lf_options_rules *rules, FILE *out)
     fputs("    elif [ -z \"$operand\" ]; then\n        words='", out);
     write_operands(out, rules);
     fputs("'\n    else\n    case $operand in\n", out);
-    write_cases(out, rules, "words='");
+    write_cases(out, rules, "words='", "'");
     fputs("    esac\n    fi\n", out);
 }
 
@@ -254,7 +255,7 @@ static void write_zsh(const described_list *list, FILE *out)
     fputs(")' \\\n    '*:word:->followers' && return\n[[ $state == followers ]] || return 1\n"
           "case $line[1] in\n",
           out);
-    write_cases(out, rules, "compadd -S '' -- ");
+    write_cases(out, rules, "compadd -S '' -- ", "");
     fputs("esac\ncompset -P '*='\n_files\n", out);
 }
 
