@@ -1,5 +1,5 @@
 # What tests of a folder share, a library each.
-test_libraries := stat optics kms spoiled pictures faulty
+test_libraries := stat optics kms spoiled pictures faulty meshes
 # What a room's tests link: its own library and base; the tests of other folders link everything.
 test_libs_base := pictures base
 test_libs_quilt := optics quilt base
@@ -14,6 +14,7 @@ fuzz_libs_parcel := render base
 fuzz_libs_rpc := $(filter-out tools model,$(libraries))
 fuzz_libs_quilt_name := quilt base
 fuzz_libs_icc := quilt base
+fuzz_libs_mesh := meshes render base
 # a reader of the target's own
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
 
@@ -32,6 +33,8 @@ optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 # files of pictures, files to spoil
 pictures_srcs := tests/base/pictures.c
 spoiled_srcs := tests/base/spoiled.c
+# readers of meshes, which ask whoever links them for files
+meshes_srcs := $(patsubst %,render/reader/%.c,input words said soup polygon weld mesh_build ply_header ply_read stl_read obj_read mtl_read)
 
 # a kernel with displays
 kms_srcs := tests/device/fake_kms.c

@@ -68,7 +68,9 @@ lf_status lf_input_open(lf_input *in, int fd, lf_error *err)
     if (fstat(fd, &info) != 0)
         return lf_error_set(err, LF_E_IO, LF_HERE, "cannot read: %s", strerror(errno));
     in->size = (uint64_t)info.st_size;
-    if (in->size > 0 && !fill_input(in))
+    if (!lf_grow(&in->buffer, &in->room, BLOCK + 1, 1))
+        in->status = LF_E_NOMEM;
+    if ((in->size > 0 && !fill_input(in)) || in->status != LF_OK)
         return lf_input_ended(in, "a byte", err);
     if (in->end >= 3 && memcmp(in->buffer, "\xef\xbb\xbf", 3) == 0)
         in->at = 3;

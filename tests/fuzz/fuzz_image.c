@@ -1,0 +1,69 @@
+/* Any bytes as a picture, which quiltimport-picture reads: refused in words, or a picture within
+ * the limits, of finite numbers where they are floats. */
+#include "tests/fuzz/fuzz.h"
+
+#include <math.h>
+
+#include "base/image_io.h"
+
+static void check_shape(int width, int height, int channels)
+{
+    lf_fuzz_require(width >= 1 && width <= LF_IMAGE_MAX_SIDE);
+    lf_fuzz_require(height >= 1 && height <= LF_IMAGE_MAX_SIDE);
+    lf_fuzz_require(channels == 3);
+}
+
+static void check_refusal(const lf_error *err)
+{
+    lf_fuzz_require(err->what[0] != 0);
+    lf_fuzz_require_text(err->what);
+}
+
+static unsigned read8(int fd)
+{
+    lf_image8 picture = {0};
+    lf_error err = {0};
+    unsigned sum = 0;
+    if (lf_image8_read_open(fd, "fuzz", &picture, &err) != LF_OK) {
+        check_refusal(&err);
+        return 0;
+    }
+    check_shape(picture.width, picture.height, picture.channels);
+    lf_fuzz_require(picture.stride >= 3 * (size_t)picture.width);
+    for (int y = 0; y < picture.height; y++)
+        for (int i = 0; i < 3 * picture.width; i++)
+            sum += picture.data[(size_t)y * picture.stride + (size_t)i];
+    lf_image8_finish(&picture);
+    return sum;
+}
+
+static void read32(int fd)
+{
+    lf_image32 picture = {0};
+    lf_error err = {0};
+    if (lf_image32_read_open(fd, "fuzz", &picture, &err) != LF_OK) {
+        check_refusal(&err);
+        return;
+    }
+    check_shape(picture.width, picture.height, picture.channels);
+    for (size_t i = 0; i < 3 * (size_t)picture.width * (size_t)picture.height; i++)
+        lf_fuzz_require(isfinite(picture.data[i]));
+    lf_image32_finish(&picture);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static volatile unsigned sum; /* every pixel is looked at */
+    lf_image_kind kind;
+    lf_error err = {0};
+    int fd = lf_fuzz_file(data, size);
+    if (lf_image_probe_open(fd, "fuzz", &kind, &err) != LF_OK) {
+        check_refusal(&err);
+    } else {
+        if (kind == LF_IMAGE_8BIT)
+            sum = read8(fd);
+        read32(fd);
+    }
+    close(fd);
+    return 0;
+}
