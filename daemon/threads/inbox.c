@@ -1,5 +1,6 @@
 #include "daemon/threads/inbox.h"
 
+#include <limits.h>
 #include <unistd.h>
 
 #include "base/wakeup.h"
@@ -30,17 +31,37 @@ void lf_inbox_post(lf_inbox *inbox, lf_task *task)
     pthread_mutex_unlock(&inbox->lock);
 }
 
-void lf_inbox_read(lf_inbox *inbox, void *reader)
+/* The first tasks, at most so many, out of the inbox. */
+static lf_task *take_first(lf_inbox *inbox, int most)
+{
+    lf_task *first = inbox->first, *last = first;
+    for (int n = 1; n < most && last && last->next; n++)
+        last = last->next;
+    if (!last)
+        return NULL;
+    inbox->first = last->next;
+    if (!inbox->first)
+        inbox->last = &inbox->first;
+    last->next = NULL;
+    return first;
+}
+
+void lf_inbox_read_some(lf_inbox *inbox, void *reader, int most)
 {
     lf_wakeup_clear(inbox->event_fd);
     pthread_mutex_lock(&inbox->lock);
-    lf_task *task = inbox->first;
-    inbox->first = NULL;
-    inbox->last = &inbox->first;
+    lf_task *task = take_first(inbox, most);
+    if (inbox->first)
+        lf_wakeup_signal(inbox->event_fd);
     pthread_mutex_unlock(&inbox->lock);
     while (task) {
         lf_task *next = task->next;
         task->done(reader, task);
         task = next;
     }
+}
+
+void lf_inbox_read(lf_inbox *inbox, void *reader)
+{
+    lf_inbox_read_some(inbox, reader, INT_MAX);
 }

@@ -26,5 +26,8 @@ void lf_inbox_finish(lf_inbox *inbox, void *reader);
 void lf_inbox_post(lf_inbox *inbox, lf_task *task);
 /* Calls `done` of what is there. Thread: event. */
 void lf_inbox_read(lf_inbox *inbox, void *reader);
+/* Of at most so many (1 or more); event_fd stays readable while there are others, so that whoever
+ * waits beside them has its turn between. Thread: event. */
+void lf_inbox_read_some(lf_inbox *inbox, void *reader, int most);
 
 #endif

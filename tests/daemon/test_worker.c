@@ -186,6 +186,36 @@ static void at_the_end_the_one_under_way_is_done_and_the_others_are_dropped(void
     close_office(o);
 }
 
+/* Of an inbox that is read in turns: all of them, in order, and its descriptor tells of the rest.
+ */
+static void an_inbox_is_read_in_turns(void **state)
+{
+    (void)state;
+    office o = {0};
+    assert_int_equal(lf_inbox_init(&o.inbox), LF_OK);
+    struct pollfd ready = {.fd = o.inbox.event_fd, .events = POLLIN};
+    for (int i = 0; i < N_TASKS; i++) {
+        o.works[i] = (work){.task = {.done = opened}, .number = i};
+        lf_inbox_post(&o.inbox, &o.works[i].task);
+    }
+    for (int turn = 1; turn <= 3; turn++) {
+        assert_int_equal(poll(&ready, 1, 0), 1);
+        lf_inbox_read_some(&o.inbox, &o, 6);
+        assert_int_equal(o.n_opened, 6 * turn);
+    }
+    assert_int_equal(poll(&ready, 1, 0), 1);
+    lf_inbox_read_some(&o.inbox, &o, 6);
+    assert_int_equal(o.n_opened, N_TASKS);
+    assert_int_equal(poll(&ready, 1, 0), 0);
+    for (int i = 0; i < N_TASKS; i++)
+        assert_int_equal(o.opened[i], i);
+    /* and one that was read to its end takes more */
+    lf_inbox_post(&o.inbox, &o.works[0].task);
+    o.n_opened = 0;
+    lf_inbox_finish(&o.inbox, &o);
+    assert_int_equal(o.n_opened, 1);
+}
+
 static void no_worker_is_nothing_to_destroy(void **state)
 {
     (void)state;
@@ -199,6 +229,7 @@ int main(void)
         cmocka_unit_test(a_letter_may_be_queued_again_once_it_has_come_back),
         cmocka_unit_test(what_is_pending_counts_the_one_under_way),
         cmocka_unit_test(at_the_end_the_one_under_way_is_done_and_the_others_are_dropped),
+        cmocka_unit_test(an_inbox_is_read_in_turns),
         cmocka_unit_test(no_worker_is_nothing_to_destroy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
