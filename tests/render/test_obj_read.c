@@ -1,0 +1,234 @@
+/* What the reader of OBJ and MTL makes of files as they are written: points, triangles and
+ * materials in closed form; which line is wrong in those that are not whole. */
+#include "tests/testing.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "base/reader/reader.h"
+#include "render/reader/mesh_read.h"
+#include "render/scene/vec_double.h"
+
+#define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+
+/* Whoever asks is given a file of the test's folder. */
+lf_status lf_ask_for_file(const char *name, int *out_fd)
+{
+    *out_fd = open(name, O_RDONLY | O_CLOEXEC);
+    return *out_fd >= 0 ? LF_OK : LF_E_IO;
+}
+
+static lf_status read_text(const char *folder, const char *text, lf_soup *out, lf_error *err)
+{
+    const char *path = lf_test_write(folder, "a.obj", text);
+    lf_mesh_desc desc = {.file = path, .material = -1, .transform = lf_affine_identity()};
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    assert_true(fd >= 0);
+    *out = (lf_soup){0};
+    *err = (lf_error){0};
+    lf_status status = lf_obj_read(&desc, fd, out, err);
+    close(fd);
+    return status;
+}
+
+static lf_soup soup_of(const char *folder, const char *text)
+{
+    lf_soup soup;
+    lf_error err;
+    lf_assert_ok(read_text(folder, text, &soup, &err), &err);
+    return soup;
+}
+
+static void assert_wrong(const char *folder, const char *text, const char *words)
+{
+    lf_soup soup;
+    lf_error err;
+    lf_assert_status(read_text(folder, text, &soup, &err), LF_E_FORMAT, &err);
+    if (!strstr(err.what, words))
+        fail_msg("\"%s\" lacks \"%s\"", err.what, words);
+    lf_soup_finish(&soup);
+}
+
+/* The area, and the volume inside of a closed surface. */
+static void measure_soup(const lf_soup *soup, double *area, double *volume)
+{
+    *area = *volume = 0;
+    for (size_t t = 0; t < soup->n_triangles; t++) {
+        const double *p[3];
+        double a[3], b[3], n[3];
+        for (int c = 0; c < 3; c++)
+            p[c] = soup->points + 3 * (size_t)soup->corners[3 * t + (size_t)c];
+        lf_sub_double(p[1], p[0], a);
+        lf_sub_double(p[2], p[0], b);
+        lf_cross_double(a, b, n);
+        *area += lf_length_double(n) / 2;
+        *volume += lf_dot_double(p[0], n) / 6;
+    }
+}
+
+static void assert_measures(const char *folder, const char *text, double area, double volume)
+{
+    double a, v;
+    lf_soup soup = soup_of(folder, text);
+    measure_soup(&soup, &a, &v);
+    lf_assert_close(a, area, 1e-12, 0);
+    lf_assert_close(v, volume, 1e-12, 1e-12);
+    lf_soup_finish(&soup);
+}
+
+static void a_cube_has_its_volume(void **state)
+{
+    assert_measures(*state,
+                    "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 2 2 0\nv 0 0 2\nv 2 0 2\nv 0 2 2\nv 2 2 2\n"
+                    "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n",
+                    24, 8);
+}
+
+/* An L of three unit squares, and an arrow whose dent is near its first corner. */
+static void concave_polygons_keep_their_area(void **state)
+{
+    assert_measures(*state, "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n",
+                    3, 0);
+    assert_measures(*state, "v 0 1 0\nv -2 -2 0\nv 0 4 0\nv 2 -2 0\nf 1 2 3 4\n", 6, 0);
+}
+
+static void every_form_of_a_face_is_read(void **state)
+{
+    static const char *const faces[] = {
+        "f 1 2 3 4\n",
+        "f 1/1 2/1 3/1 4/1\n",
+        "f 1//1 2//1 3//1 4//1\n",
+        "f 1/1/1 2/1/1 3/1/1 4/1/1\n",
+        "f -4 -3 -2 -1\n",
+        "f -4/-1/-1 -3/-1/-1 -2/-1/-1 -1/-1/-1\n",
+        "f 1 2 \\\n3 4\n",
+        "f\t1  2\t3 4   # behind it\n",
+        "f 1 2 3 4\r\n",
+        "f 1 2 3 4",
+    };
+    for (size_t i = 0; i < sizeof faces / sizeof *faces; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "\xef\xbb\xbf# a square\n%svt 0 0\nvn 0 0 1\n%s", SQUARE,
+                 faces[i]);
+        assert_measures(*state, text, 1, 0);
+    }
+}
+
+static void lines_may_end_as_on_other_systems(void **state)
+{
+    assert_measures(*state, "v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n", 0.5, 0);
+    assert_measures(*state, "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r", 0.5, 0);
+}
+
+static void a_weight_divides(void **state)
+{
+    assert_measures(*state, "v 0 0 0 2\nv 2 0 0 2\nv 0 4 0 4\nf 1 2 3\n", 0.5, 0);
+}
+
+static void normals_are_those_of_corners(void **state)
+{
+    lf_soup soup = soup_of(*state, SQUARE "vn 0 0 1\nvn 0 1 0\nf 1//2 2 3//-2\n");
+    assert_int_equal(soup.n_triangles, 1);
+    for (int c = 0; c < 3; c++) {
+        static const uint32_t of_point[] = {1, LF_NO_NORMAL, 0};
+        assert_int_equal(soup.normals_of[c], of_point[soup.corners[c]]);
+    }
+    lf_soup_finish(&soup);
+}
+
+static void points_lines_and_colours_are_counted(void **state)
+{
+    lf_soup soup = soup_of(*state, SQUARE "v 0 0 1 1 0.5 0\nf 1 2 3\np 1 2\nl 1 2 3 4\nf 1 2\n");
+    assert_int_equal(soup.n_beside, 2 + 3 + 1);
+    assert_int_equal(soup.n_coloured, 1);
+    assert_int_equal(soup.n_triangles, 1);
+    lf_soup_finish(&soup);
+}
+
+static void what_is_wrong_is_told_by_its_line(void **state)
+{
+    static const char *const wrong[][2] = {
+        {"v 0 0 0\nv 1 0\n", "line 2: expected three numbers"},
+        {"v 0 0 0\nvn 1 x 0\n", "line 2: expected three numbers"},
+        {SQUARE "f 1 2 5\n", "line 5: a face names a vertex"},
+        {SQUARE "f 1 2 0\n", "line 5: a face names a vertex"},
+        {SQUARE "f 1 2 -5\n", "line 5: a face names a vertex"},
+        {SQUARE "f 1 2 99999999999999999999\n", "line 5: expected numbers such as"},
+        {SQUARE "f 1//1 2//1 3//1\n", "line 5: a face names a normal"},
+        {SQUARE "f 1 2 three\n", "line 5: expected numbers such as"},
+        {SQUARE "f 1/1/1/1 2 3\n", "line 5: expected numbers such as"},
+        {SQUARE "f 1/x 2 3\n", "line 5: expected numbers such as"},
+        {"# nothing\n", "no vertices"},
+        {"", "no vertices"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+        assert_wrong(*state, wrong[i][0], wrong[i][1]);
+}
+
+/* ------------------------------------------------------------------------------- materials -- */
+
+static const lf_said *said_of(const lf_soup *soup, const char *name)
+{
+    for (size_t i = 0; i < soup->n_said; i++)
+        if (strcmp(soup->said[i].name, name) == 0)
+            return &soup->said[i];
+    fail_msg("no material \"%s\"", name);
+    return NULL;
+}
+
+static void a_library_says_what_materials_are(void **state)
+{
+    lf_test_write(*state, "my own.mtl",
+                  "Ks 1 1 1\nmap_Kd early.png\nnewmtl a b\r\nKd 0.1 0.2 0.3\nKs 0.5\nNs 50\n"
+                  "Ni 1.25\nKe 3 2 1\nunknown 7\nnewmtl m\nPm 1\nPr 0.25\nbump -bm 2 b.png\n"
+                  "newmtl s\nKd spectral a.rfl\nd 0.5\nmap_Ke glow.png\n");
+    lf_soup soup =
+        soup_of(*state, "mtllib my own.mtl\n" SQUARE
+                        "usemtl a b\nf 1 2 3\nusemtl m\nf 1 3 4\nusemtl gone\nf 1 2 4\n");
+    const lf_said *a = said_of(&soup, "a b"), *m = said_of(&soup, "m"), *s = said_of(&soup, "s");
+    assert_true(soup.has_library);
+    lf_assert_close(a->diffuse.y, 0.2f, 0, 0);
+    lf_assert_close(a->specular.z, 0.5f, 0, 0);
+    lf_assert_close(a->exponent, 50, 0, 0);
+    lf_assert_close(a->ior, 1.25, 0, 0);
+    lf_assert_close(a->emission.x, 3, 0, 0);
+    assert_int_equal(a->lost, 0);
+    assert_true(m->is_metallic && !a->is_metallic);
+    lf_assert_close(m->roughness, 0.25, 0, 0);
+    assert_int_equal(m->lost, 1u << LF_LOST_TEXTURES);
+    lf_assert_close(s->diffuse.x, 0.6f, 0, 0);
+    assert_int_equal(s->lost,
+                     1u << LF_LOST_TRANSPARENCY | 1u << LF_LOST_TEXTURES | 1u << LF_LOST_GLOW);
+    assert_true(said_of(&soup, "gone")->is_missing && !a->is_missing);
+    for (size_t i = 0; i < 3; i++)
+        assert_ptr_equal(&soup.said[soup.choices[i]],
+                         said_of(&soup, (const char *const[]){"a b", "m", "gone"}[i]));
+    lf_soup_finish(&soup);
+}
+
+static void several_libraries_stand_in_a_line(void **state)
+{
+    lf_test_write(*state, "x.mtl", "newmtl x\nKd 1 0 0\n");
+    lf_test_write(*state, "y.mtl", "newmtl y\nKd 0 1 0\n");
+    lf_soup soup = soup_of(*state, "mtllib x.mtl  y.mtl\n" SQUARE "f 1 2 3\n");
+    lf_assert_close(said_of(&soup, "x")->diffuse.x, 1, 0, 0);
+    lf_assert_close(said_of(&soup, "y")->diffuse.y, 1, 0, 0);
+    lf_soup_finish(&soup);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        lf_test_in_folder(a_cube_has_its_volume),
+        lf_test_in_folder(concave_polygons_keep_their_area),
+        lf_test_in_folder(every_form_of_a_face_is_read),
+        lf_test_in_folder(lines_may_end_as_on_other_systems),
+        lf_test_in_folder(a_weight_divides),
+        lf_test_in_folder(normals_are_those_of_corners),
+        lf_test_in_folder(points_lines_and_colours_are_counted),
+        lf_test_in_folder(what_is_wrong_is_told_by_its_line),
+        lf_test_in_folder(a_library_says_what_materials_are),
+        lf_test_in_folder(several_libraries_stand_in_a_line),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
