@@ -1,6 +1,6 @@
 /* Polygons cut into triangles: quads from a corner that looks inwards, if there is one, the others
  * by ears (Meisters 1975): a corner between two neighbours whose triangle looks the same way as the
- * polygon and holds no other corner. */
+ * polygon and holds no other corner, inside or on its sides. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -115,8 +115,9 @@ static bool is_ear(const flat_polygon *p, uint32_t corner)
         return true;
     for (uint32_t i = p->behind[p->behind[corner]]; i != p->before[corner]; i = p->behind[i]) {
         const double *q = p->at[i];
-        if (doubled_area(a, b, q) > 0 && doubled_area(b, c, q) > 0 && doubled_area(c, a, q) > 0 &&
-            !same_place(q, a) && !same_place(q, b) && !same_place(q, c))
+        if (doubled_area(a, b, q) >= 0 && doubled_area(b, c, q) >= 0 &&
+            doubled_area(c, a, q) >= 0 && !same_place(q, a) && !same_place(q, b) &&
+            !same_place(q, c))
             return false;
     }
     return true;
