@@ -76,10 +76,10 @@ static void take_filter(const char *at, lf_said *said)
     lose(said, LF_LOST_TRANSPARENCY, c.x != 1 || c.y != 1 || c.z != 1);
 }
 
-/* glTF's model takes the place of Phong's. */
-static void take_metallic(const char *at, float *out, lf_said *said)
+/* glTF's model takes the place of Phong's; a roughness alone does not. */
+static void take_metallic(const char *at, lf_said *said)
 {
-    if (!take_number(at, out))
+    if (!take_number(at, &said->metallic))
         return;
     said->is_metallic = true;
     lose(said, LF_LOST_METALLIC, said->metallic > 0 && said->metallic < 1);
@@ -139,9 +139,9 @@ static void take_key(const char *key, size_t n, const char *at, lf_said *said)
     else if (lf_word_reads(key, n, "Tf"))
         take_filter(at, said);
     else if (lf_word_reads(key, n, "Pm"))
-        take_metallic(at, &said->metallic, said);
+        take_metallic(at, said);
     else if (lf_word_reads(key, n, "Pr"))
-        take_metallic(at, &said->roughness, said);
+        (void)take_number(at, &said->roughness);
     else if (lf_word_reads(key, n, "Pc"))
         take_other(at, LF_LOST_COAT, said);
     else if (lf_word_reads(key, n, "Ps"))

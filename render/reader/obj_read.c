@@ -19,6 +19,7 @@ typedef struct obj {
     bool has_choice; /* usemtl has been said */
     unsigned choice;
     int n_libraries;
+    char *group;                 /* the one at hand */
     uint32_t *corners, *normals; /* of the face at hand */
     size_t n_corners, corners_room, normals_room;
 } obj;
@@ -212,6 +213,17 @@ static lf_status take_libraries(obj *o, char *names, lf_error *err)
 /* ---------------------------------------------------------------------------------------- lines --
  */
 
+/* Exporters say the same one again and again: only another begins a part. */
+static lf_status take_group(obj *o, const char *name, lf_error *err)
+{
+    if (o->group && strcmp(o->group, name) == 0)
+        return LF_OK;
+    lf_free(o->group);
+    o->group = lf_strdup(name);
+    return o->group ? lf_soup_part(o->soup, err)
+                    : lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+}
+
 static lf_status read_line(obj *o, char *line, lf_error *err)
 {
     size_t n;
@@ -225,8 +237,10 @@ static lf_status read_line(obj *o, char *line, lf_error *err)
         return take_face(o, at, err);
     if (lf_word_is(key, n, "l") || lf_word_is(key, n, "p"))
         return take_beside(o, at, key[0] == 'l', err);
-    if (lf_word_is(key, n, "o") || lf_word_is(key, n, "g"))
+    if (lf_word_is(key, n, "o"))
         return lf_soup_part(o->soup, err);
+    if (lf_word_is(key, n, "g"))
+        return take_group(o, lf_rest(rest), err);
     if (lf_word_is(key, n, "usemtl"))
         return choose(o, lf_rest(rest), err);
     if (lf_word_is(key, n, "mtllib"))
@@ -247,6 +261,7 @@ lf_status lf_obj_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
         status = lf_error_set(err, LF_E_FORMAT, LF_HERE,
                               "cannot be read as a mesh: not OBJ, it has no vertices");
     lf_input_close(&o.in);
+    lf_free(o.group);
     free(o.corners);
     free(o.normals);
     return status;

@@ -165,7 +165,25 @@ static void what_is_wrong_is_told_by_its_line(void **state)
         assert_wrong(*state, wrong[i][0], wrong[i][1]);
 }
 
+static void another_group_begins_a_part(void **state)
+{
+    lf_soup same = soup_of(*state, SQUARE "g a\nf 1 2 3\ng a\nf 1 3 4\n"),
+            other = soup_of(*state, SQUARE "g a\nf 1 2 3\ng b\nf 1 3 4\n");
+    assert_int_equal(other.n_parts, same.n_parts + 1);
+    lf_soup_finish(&same);
+    lf_soup_finish(&other);
+}
+
 /* ------------------------------------------------------------------------------- materials -- */
+
+static void roughness_alone_makes_no_metal(void **state)
+{
+    lf_test_write(*state, "r.mtl", "newmtl r\nPr 0.25\n");
+    lf_soup soup = soup_of(*state, "mtllib r.mtl\n" SQUARE "usemtl r\nf 1 2 3\n");
+    assert_int_equal(soup.n_said, 1);
+    assert_false(soup.said[0].is_metallic);
+    lf_soup_finish(&soup);
+}
 
 static const lf_said *said_of(const lf_soup *soup, const char *name)
 {
@@ -228,6 +246,8 @@ int main(void)
         lf_test_in_folder(points_lines_and_colours_are_counted),
         lf_test_in_folder(what_is_wrong_is_told_by_its_line),
         lf_test_in_folder(a_library_says_what_materials_are),
+        lf_test_in_folder(another_group_begins_a_part),
+        lf_test_in_folder(roughness_alone_makes_no_metal),
         lf_test_in_folder(several_libraries_stand_in_a_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
