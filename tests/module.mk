@@ -1,15 +1,14 @@
 # What tests of a folder share, a library each.
-test_libraries := stat optics kms spoiled pictures faulty meshes objreader
+test_libraries := stat optics kms spoiled pictures faulty meshes
 # What a room's tests link: its own library and base; the tests of other folders link everything.
 test_libs_base := pictures base
 test_libs_quilt := optics quilt base
 test_libs_device := kms model device base
-test_libs_render := objreader stat spoiled pictures render base
+test_libs_render := meshes stat spoiled pictures render base
 test_libs_stat := stat render base
 test_libs_bench := bench stat render base
 test_libs_daemon := faulty spoiled pictures $(libraries)
 
-fuzz_libs_obj := objreader render base
 fuzz_libs_scene := render base
 fuzz_libs_parcel := render base
 fuzz_libs_rpc := $(filter-out tools model,$(libraries))
@@ -36,9 +35,6 @@ pictures_srcs := tests/base/pictures.c
 spoiled_srcs := tests/base/spoiled.c
 # readers of meshes, which ask whoever links them for files
 meshes_srcs := $(patsubst %,render/reader/%.c,input words said soup polygon weld mesh_build ply_header ply_read stl_read obj_read mtl_read)
-
-# the reader of OBJ, which asks tests for libraries
-objreader_srcs := $(patsubst %,render/reader/%.c,obj_read mtl_read input words said soup polygon)
 
 # a kernel with displays
 kms_srcs := tests/device/fake_kms.c
