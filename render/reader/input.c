@@ -12,7 +12,7 @@
 
 bool lf_grow(void *array, size_t *room, size_t needed, size_t each)
 {
-    void *old;
+    void **at = array;
     size_t wanted = *room + *room / 2, bytes;
     if (needed <= *room)
         return true;
@@ -20,11 +20,10 @@ bool lf_grow(void *array, size_t *room, size_t needed, size_t each)
         wanted = needed < 16 ? 16 : needed;
     if (__builtin_mul_overflow(wanted, each, &bytes))
         return false;
-    memcpy(&old, array, sizeof old);
-    void *grown = realloc(old, bytes);
+    void *grown = realloc(*at, bytes);
     if (!grown)
         return false;
-    memcpy(array, &grown, sizeof grown);
+    *at = grown;
     *room = wanted;
     return true;
 }

@@ -101,7 +101,7 @@ static lf_status put_index(ply *p, double value, lf_error *err)
 
 static lf_status read_list(ply *p, const lf_ply_property *property, lf_error *err)
 {
-    double length, value;
+    double length = 0, value = 0;
     lf_status status = next_value(p, property->count_type, &length, err);
     if (status == LF_OK && (!(length >= 0 && length <= UINT32_MAX) || length != floor(length)))
         return bad_place(p, "not the length of a list", err);
