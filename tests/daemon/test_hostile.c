@@ -87,7 +87,7 @@ static void note(outcome *to, json_t *answer, double seconds)
         to->ended++;
     else if (strstr(message, "--import-time"))
         to->late++;
-    else if (strstr(message, "memory"))
+    else if (strstr(message, "--import-memory"))
         to->large++;
     else
         to->refused++;
@@ -135,7 +135,8 @@ static void give_spoiled(live *l, live_client *c, const lf_spoiled_kind *kind, i
     for (int i = 0; i < n; i++) {
         double start = lf_time_now();
         lf_spoil(&whole, i * MANY / n, MANY / 3, spoiled);
-        note(&out, give(l, c, kind), lf_time_now() - start);
+        json_t *answered = give(l, c, kind);
+        note(&out, answered, lf_time_now() - start);
         assert_int_equal(waitpid(l->pid, NULL, WNOHANG), 0); /* it lives */
     }
     print_message("%-14s shown %3d, refused %3d, reader ended %3d, late %3d, too large %3d; "
@@ -162,7 +163,7 @@ static void no_file_stops_a_daemon(void **state)
                NULL);
     live_connect(&l, &c);
     for (const lf_spoiled_kind *kind = lf_spoiled_kinds; kind->name; kind++)
-        give_spoiled(&l, &c, kind, 1); /* what it keeps of each kind */
+        give_spoiled(&l, &c, kind, FEW); /* what it keeps of each kind */
     show_fog(&c);
     long before = resident_kib(l.pid);
     for (const lf_spoiled_kind *kind = lf_spoiled_kinds; kind->name; kind++)
