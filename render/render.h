@@ -103,6 +103,9 @@ LF_NODISCARD lf_status lf_scene_from_json(const json_t *doc, const char *folder,
 
 /* JSON Merge Patch (RFC 7396) of doc; a new reference, NULL = out of memory. */
 json_t *lf_json_merge_patch(const json_t *doc, const json_t *patch);
+/* The same of an object in place, which is the caller's own. false: out of memory, the object is
+ * half patched. */
+LF_NODISCARD bool lf_json_merge_into(json_t *target, const json_t *patch);
 
 lf_scene *lf_scene_ref(lf_scene *scene);
 /* Accepts NULL. */

@@ -59,8 +59,8 @@ static uint64_t groups_memory(void)
     if (strncmp(line, "0::/", 4) != 0)
         return least;
     line[strcspn(line, "\n")] = '\0';
-    for (char *end = group + strlen(group); end > group; end = strrchr(group, '/')) {
-        *end = '\0';
+    for (char *end = group + strlen(group); end; end = strrchr(group, '/')) {
+        *end = '\0'; /* at last "": a container's own root has a limit, the machine's has none */
         uint64_t memory = group_memory(group);
         least = memory < least ? memory : least;
     }

@@ -151,7 +151,8 @@ static void limit(int what, uint64_t value)
 }
 
 /* A second lock on what the filter forbids already, where the kernel has one (the kernel's
- * userspace-api/landlock, version 1): nothing of the file system can be opened, made or run. */
+ * userspace-api/landlock, version 1): nothing of the
+ * file system can be opened, made or run by this thread, and by those that it makes. */
 static void lock_files(void)
 {
     const struct landlock_ruleset_attr all = {.handled_access_fs =

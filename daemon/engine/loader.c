@@ -219,9 +219,10 @@ static lf_status load_patches(const lf_loader *loader, lf_load *load, lf_content
 {
     json_t *doc = patched(lf_scene_json(loader->content->scene), load->patch);
     for (const lf_load *next = next_of(load); next && doc; next = next_of(next)) {
-        json_t *more = patched(doc, next->patch);
+        if (next->patch && lf_json_merge_into(doc, next->patch))
+            continue;
         json_decref(doc);
-        doc = more;
+        doc = NULL;
     }
     return load_document(loader, load, doc, out);
 }

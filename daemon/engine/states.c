@@ -297,6 +297,16 @@ static void tell_newest(const lf_states *states, const char *wanted, const lf_st
     lf_free(all);
 }
 
+/* Of this picture, and yet of no use: damaged, or there is no memory for it now. What is saved from
+ * here on is not written over it. */
+static void put_aside(const char *path, const lf_error *err)
+{
+    char aside[PATH_MAX];
+    tell_left_aside(path, err);
+    if (snprintf(aside, sizeof aside, "%s.aside", path) < PATH_MAX && rename(path, aside) == 0)
+        lf_log(LF_LOG_INFO, "it is kept as %s", aside);
+}
+
 bool lf_states_restore(lf_states *states, lf_renderer *renderer, bool tells)
 {
     char name[NAME_SIZE];
@@ -311,7 +321,7 @@ bool lf_states_restore(lf_states *states, lf_renderer *renderer, bool tells)
     if (is_there) {
         fits = go_on_with(renderer, path, &err) == LF_OK;
         if (!fits)
-            tell_left_aside(path, &err);
+            put_aside(path, &err);
     } else if (tells) {
         fits = go_on_with_old(states, renderer, path, &id);
         if (!fits)

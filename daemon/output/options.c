@@ -95,10 +95,10 @@ const lf_param lf_option_params[] = {
      PLACE(reconstruct), .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
      .help = "the reconstructed picture (auto: on displays, not in files)"},
     {.option = "import-memory", .argument = "GIB", PLACE(import_memory), .low = 0.125,
-     .high = 65536, .help = "what reading one file may take (half of the machine's)"},
+     .high = 65536, .help = "what reading one file may take (half of what there is)"},
     {.option = "import-time", .argument = "SECONDS", PLACE(import_time), .type = LF_PARAM_WHOLE,
      .low = 1, .high = 86400, .initial = LF_IMPORT_SECONDS,
-     .help = "the same of time (120)"},
+     .help = "the same of time"},
     {0},
 };
 /* clang-format on */

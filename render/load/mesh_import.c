@@ -244,7 +244,10 @@ static lf_status import_from(const lf_mesh_desc *desc, const char *path, asked *
         status = lf_import_run(&request, fd, path, open_asked, state, &parcel, err);
         close(fd);
     }
-    bool read = status == LF_OK, missed = status == LF_E_FORMAT || status == LF_E_IO;
+    /* a mesh is read without its libraries, but for want of a buffer it may be refused */
+    bool read = status == LF_OK,
+         missed = (status == LF_E_FORMAT || status == LF_E_IO) && !lf_path_has_ending(path, ".obj");
+    missed = missed || (status == LF_E_IO && fd < 0);
     if (state->refused.status != LF_OK || (missed && state->failed.status != LF_OK)) {
         const lf_error *problem = state->refused.status != LF_OK ? &state->refused : &state->failed;
         lf_parcel_close(&parcel);

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/reader/reader.h"
 
 static float clamp_unit(float v)
 {
@@ -78,7 +79,7 @@ static bool is_white(const struct aiMaterial *m, const char *key, unsigned type,
     return get_colour(m, key, type, index, &c) && c.x == 1.0f && c.y == 1.0f && c.z == 1.0f;
 }
 
-/* What Assimp makes up for meshes without a material: by a name of its own (OBJ, STL, 3DS), or
+/* What Assimp makes up for meshes without a material: by a name of its own (3DS), or
  * nameless, with glTF's defaults or, for PLY, all white. A nameless material of a file that says
  * anything is none of these. */
 static bool is_made_up(const struct aiMaterial *m)
@@ -219,7 +220,12 @@ lf_status lf_mesh_materials(const struct aiScene *scene, lf_mesh_data *out, lf_e
         said[i] = said_of(scene->mMaterials[i]);
     if (said)
         mark_used(scene, used);
-    lf_status status = lf_said_convert(said, said ? n : 0, used, out, err);
+    lf_status status = LF_OK;
+    for (size_t i = 0; said && i < n; i++)
+        if (!said[i].name)
+            status = lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+    if (status == LF_OK)
+        status = lf_said_convert(said, said ? n : 0, used, out, err);
     for (size_t i = 0; said && i < n; i++)
         lf_free(said[i].name);
     lf_free(said);

@@ -265,8 +265,7 @@ static const struct aiScene *join_vertices(const struct aiScene *scene)
     return nan ? scene : aiApplyPostProcessing(scene, aiProcess_JoinIdenticalVertices);
 }
 
-/* NULL with err filled. *out_normals: whether all meshes have normals, or get them. Under the lock.
- */
+/* NULL with err filled. *out_normals: whether all meshes have normals, or get them. */
 static const struct aiScene *read_scene(const char *path, lf_normals wanted, mesh_reading *state,
                                         bool *out_normals, lf_error *err)
 {

@@ -8,6 +8,7 @@
 
 #include "base/reader/reader.h"
 #include "render/reader/mesh_read.h"
+#include "render/reader/words.h"
 
 #define MOST_ELEMENTS (3 * (json_int_t)LF_MAX_TRIANGLES)
 #define JSON_CHUNK 0x4e4f534au
@@ -37,10 +38,11 @@ static lf_status find_chunks(int fd, gltf_file *file, lf_error *err)
     (void)read_words(fd, 0, header, 3);
     if (header[2] > file->size)
         return refuse(err, "a GLB file of", header[2], file->size);
-    for (uint64_t at = sizeof header; read_words(fd, at, chunk, 2);) {
+    for (uint64_t at = sizeof header, end = header[2];
+         at + sizeof chunk <= end && read_words(fd, at, chunk, 2);) {
         at += sizeof chunk;
-        if (chunk[0] > file->size - at)
-            return refuse(err, "a chunk of", chunk[0], file->size - at);
+        if (chunk[0] > end - at)
+            return refuse(err, "a chunk of", chunk[0], end - at);
         if (chunk[1] == JSON_CHUNK && file->length == 0) {
             file->begin = at;
             file->length = chunk[0];
@@ -52,14 +54,28 @@ static lf_status find_chunks(int fd, gltf_file *file, lf_error *err)
     return LF_OK;
 }
 
-static json_t *load_json(int fd, const gltf_file *file)
+/* *out stays NULL where it is no JSON. */
+static lf_status load_json(int fd, const gltf_file *file, json_t **out, lf_error *err)
 {
     char *text = malloc((size_t)file->length + 1);
-    json_t *json = NULL;
-    if (text && pread(fd, text, (size_t)file->length, (off_t)file->begin) == (ssize_t)file->length)
-        json = json_loadb(text, (size_t)file->length, JSON_DISABLE_EOF_CHECK, NULL);
+    if (!text)
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+    if (pread(fd, text, (size_t)file->length, (off_t)file->begin) == (ssize_t)file->length)
+        *out = json_loadb(text, (size_t)file->length, JSON_DISABLE_EOF_CHECK, NULL);
     free(text);
-    return json;
+    return LF_OK;
+}
+
+/* Where a text begins that is an object, behind a mark and blanks; its size: nowhere. */
+static uint64_t object_at(int fd, uint64_t size)
+{
+    char begin[256];
+    ssize_t n = pread(fd, begin, sizeof begin, 0), at = 0;
+    if (n >= 3 && memcmp(begin, "\xef\xbb\xbf", 3) == 0)
+        at = 3;
+    while (at < n && lf_is_blank(begin[at]))
+        at++;
+    return at < n && begin[at] == '{' ? (uint64_t)at : size;
 }
 
 /* A whole number that is not negative; else what is meant where there is none. */
@@ -142,17 +158,21 @@ lf_status lf_gltf_check(int fd, lf_error *err)
 {
     struct stat info;
     char first[4] = "";
+    json_t *json = NULL;
     if (fstat(fd, &info) != 0)
         return lf_error_set(err, LF_E_IO, LF_HERE, "cannot be read");
     gltf_file file = {.size = (uint64_t)info.st_size};
     (void)!pread(fd, first, sizeof first, 0);
     lf_status status = LF_OK;
-    if (memcmp(first, "glTF", sizeof first) == 0)
+    if (memcmp(first, "glTF", sizeof first) == 0) {
         status = find_chunks(fd, &file, err);
-    else if (first[0] == '{')
-        file.length = file.size;
-    json_t *json = status == LF_OK && file.length > 0 ? load_json(fd, &file) : NULL;
-    if (json_is_object(json) && json_is_array(json_object_get(json, "accessors")))
+    } else {
+        file.begin = object_at(fd, file.size);
+        file.length = file.size - file.begin;
+    }
+    if (status == LF_OK && file.length > 0)
+        status = load_json(fd, &file, &json, err);
+    if (json_is_array(json_object_get(json, "accessors")))
         status = check_lengths(json, &file, err);
     json_decref(json);
     return status;

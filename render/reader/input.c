@@ -60,6 +60,15 @@ static bool input_has(lf_input *in, size_t n)
     return true;
 }
 
+/* By the first line: '\r' where nothing else is behind it. */
+static char line_ends(const lf_input *in)
+{
+    const unsigned char *first = memchr(in->buffer, '\r', in->end);
+    bool alone = first && !memchr(in->buffer, '\n', (size_t)(first - in->buffer)) &&
+                 (first + 1 == in->buffer + in->end || first[1] != '\n');
+    return alone ? '\r' : '\n';
+}
+
 lf_status lf_input_open(lf_input *in, int fd, lf_error *err)
 {
     struct stat info;
@@ -76,8 +85,7 @@ lf_status lf_input_open(lf_input *in, int fd, lf_error *err)
     if (in->end >= 2 &&
         (memcmp(in->buffer, "\xff\xfe", 2) == 0 || memcmp(in->buffer, "\xfe\xff", 2) == 0))
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "text of UTF-16; expected UTF-8");
-    if (in->end > 0 && !memchr(in->buffer, '\n', in->end) && memchr(in->buffer, '\r', in->end))
-        in->ends = '\r';
+    in->ends = line_ends(in);
     return LF_OK;
 }
 

@@ -19,7 +19,7 @@ typedef struct obj {
     bool has_choice; /* usemtl has been said */
     unsigned choice;
     int n_libraries;
-    char *group;                 /* the one at hand */
+    char *group, *material;      /* those at hand; the latter where the scene has one */
     uint32_t *corners, *normals; /* of the face at hand */
     size_t n_corners, corners_room, normals_room;
 } obj;
@@ -125,7 +125,7 @@ static lf_status choose_none(obj *o, lf_error *err)
 static lf_status take_face(obj *o, const char *at, lf_error *err)
 {
     lf_status status = take_corners(o, at, err);
-    if (status == LF_OK && !o->has_choice)
+    if (status == LF_OK && !o->has_choice && o->desc->material < 0)
         status = choose_none(o, err);
     return status == LF_OK
                ? lf_soup_polygon(o->soup, o->n_corners, o->corners, o->normals, o->choice, err)
@@ -142,12 +142,24 @@ static lf_status take_beside(obj *o, const char *at, bool line, lf_error *err)
 /* ----------------------------------------------------------------------------------- materials --
  */
 
+/* Exporters say the same one again and again: only another begins a part. */
+static lf_status take_name(char **now, const char *name, lf_soup *soup, lf_error *err)
+{
+    if (*now && strcmp(*now, name) == 0)
+        return LF_OK;
+    lf_free(*now);
+    *now = lf_strdup(name);
+    return *now ? lf_soup_part(soup, err) : lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+}
+
 static lf_status choose(obj *o, const char *name, lf_error *err)
 {
     unsigned before = o->choice;
     bool first = !o->has_choice;
     if (*name == '\0')
         return LF_OK;
+    if (o->desc->material >= 0) /* the scene's: the file's only part the mesh */
+        return take_name(&o->material, name, o->soup, err);
     lf_status status = lf_mtl_find(o->soup, name, &o->choice, err);
     o->has_choice = true;
     return status == LF_OK && (first || o->choice != before) ? lf_soup_part(o->soup, err) : status;
@@ -213,17 +225,6 @@ static lf_status take_libraries(obj *o, char *names, lf_error *err)
 /* ---------------------------------------------------------------------------------------- lines --
  */
 
-/* Exporters say the same one again and again: only another begins a part. */
-static lf_status take_group(obj *o, const char *name, lf_error *err)
-{
-    if (o->group && strcmp(o->group, name) == 0)
-        return LF_OK;
-    lf_free(o->group);
-    o->group = lf_strdup(name);
-    return o->group ? lf_soup_part(o->soup, err)
-                    : lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
-}
-
 static lf_status read_line(obj *o, char *line, lf_error *err)
 {
     size_t n;
@@ -240,10 +241,10 @@ static lf_status read_line(obj *o, char *line, lf_error *err)
     if (lf_word_is(key, n, "o"))
         return lf_soup_part(o->soup, err);
     if (lf_word_is(key, n, "g"))
-        return take_group(o, lf_rest(rest), err);
+        return take_name(&o->group, lf_rest(rest), o->soup, err);
     if (lf_word_is(key, n, "usemtl"))
         return choose(o, lf_rest(rest), err);
-    if (lf_word_is(key, n, "mtllib"))
+    if (lf_word_is(key, n, "mtllib") && o->desc->material < 0)
         return take_libraries(o, lf_rest(rest), err);
     return LF_OK;
 }
@@ -262,6 +263,7 @@ lf_status lf_obj_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
                               "cannot be read as a mesh: not OBJ, it has no vertices");
     lf_input_close(&o.in);
     lf_free(o.group);
+    lf_free(o.material);
     free(o.corners);
     free(o.normals);
     return status;

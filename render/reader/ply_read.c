@@ -88,7 +88,7 @@ static lf_status next_value(ply *p, lf_ply_type type, double *out, lf_error *err
     return LF_OK;
 }
 
-/* -1, which ends a strip, is LF_NO_NORMAL. */
+/* -1, which ends a strip, is UINT32_MAX. */
 static lf_status put_index(ply *p, double value, lf_error *err)
 {
     if (!(value >= -1 && value < UINT32_MAX) || value != floor(value))

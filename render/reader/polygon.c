@@ -109,10 +109,8 @@ static bool is_ear(const flat_polygon *p, uint32_t corner)
 {
     const double *a = p->at[p->before[corner]], *b = p->at[corner], *c = p->at[p->behind[corner]];
     double area = doubled_area(a, b, c);
-    if (area < 0)
+    if (area <= 0) /* one in a line stays a corner of its neighbours */
         return false;
-    if (area == 0) /* cut off, it takes nothing along */
-        return true;
     for (uint32_t i = p->behind[p->behind[corner]]; i != p->before[corner]; i = p->behind[i]) {
         const double *q = p->at[i];
         if (doubled_area(a, b, q) >= 0 && doubled_area(b, c, q) >= 0 &&

@@ -157,7 +157,10 @@ lf_status lf_stl_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
     if (status == LF_OK) {
         const unsigned char *begin = lf_input_peek(&in, HEADER_BYTES, &n);
         uint64_t facets = n == HEADER_BYTES ? little_endian(begin + HEADER_BYTES - 4) : 0;
-        bool fits = n == HEADER_BYTES && in.size == HEADER_BYTES + FACET_BYTES * facets;
+        uint64_t size = HEADER_BYTES + FACET_BYTES * facets;
+        /* or has more bytes than it says, and one in its title that no text has */
+        bool fits = n == HEADER_BYTES &&
+                    (in.size == size || (facets > 0 && in.size > size && memchr(begin, 0, n)));
         size_t blanks = 0;
         while (blanks < n && lf_is_blank((char)begin[blanks]))
             blanks++;

@@ -5,7 +5,8 @@
 #include "base/import/import.h"
 
 static const char *own_group;
-static const char *limit_of_a, *limit_of_b; /* of /a and of /a/b; NULL: there is no such file */
+static const char *limit_of_root, *limit_of_a,
+    *limit_of_b; /* of /a and of /a/b; NULL: there is no such file */
 
 FILE *__wrap_fopen(const char *path, const char *how);
 
@@ -19,6 +20,8 @@ FILE *__wrap_fopen(const char *path, const char *how)
     (void)how;
     if (strcmp(path, "/proc/self/cgroup") == 0)
         return text(own_group);
+    if (strcmp(path, "/sys/fs/cgroup/memory.max") == 0)
+        return text(limit_of_root);
     if (strcmp(path, "/sys/fs/cgroup/a/memory.max") == 0)
         return text(limit_of_a);
     return strcmp(path, "/sys/fs/cgroup/a/b/memory.max") == 0 ? text(limit_of_b) : NULL;
@@ -47,6 +50,11 @@ static void a_reader_may_have_half_of_what_its_group_may(void **state)
     assert_int_equal(memory_in("3:memory:/a\n0::/a\n", "500000000\n", NULL), 250000000);
     assert_int_equal(memory_in("3:memory:/a\n", "500000000\n", NULL), expected);
     assert_int_equal(memory_in("0::/a\n", "1000\n", NULL), 134217728); /* the least there is */
+    limit_of_root = "160000000000\n";
+    assert_int_equal(memory_in("0::/a/b\n", "500000000\n", NULL), 250000000);
+    limit_of_root = "300000000\n";
+    assert_int_equal(memory_in("0::/a/b\n", "500000000\n", NULL), 150000000);
+    assert_int_equal(memory_in("0::/\n", NULL, NULL), 150000000);
     lf_import_limit(UINT64_C(700000000), 5);
     assert_int_equal(memory_in("0::/a\n", "300000000\n", NULL), 700000000);
     assert_int_equal(lf_import_seconds(), 5);

@@ -193,6 +193,12 @@ static void what_is_damaged_is_left_aside(void **state)
     assert_true(kept(folder, NULL, 24, 1) == 0);
     save(states, &p);
     assert_true(kept(folder, NULL, 24, 1) == 3);
+    /* nor is it written over: what was no use for want of memory is some another day */
+    struct stat st;
+    char aside[NAME_MAX + 16];
+    snprintf(aside, sizeof aside, "%s.aside", name);
+    assert_int_equal(stat(lf_test_path(folder, aside), &st), 0);
+    assert_int_equal(st.st_size, 5000);
     end(&p);
     lf_states_destroy(states);
 }

@@ -405,6 +405,73 @@ static void stl_that_is_not_whole_says_where(void **state)
     }
 }
 
+/* Two bytes more than it says, behind a title that begins as text does. */
+static void a_binary_stl_may_be_longer_than_it_says(void **state)
+{
+    text content;
+    make_binary_stl(&content, "solid cube of a program that should not");
+    put(&content, "\0\0", 2);
+    assert_cube(*state, "b.stl", &content);
+}
+
+/* Lines that end as an old Mac's, before bytes of which some look like ends of lines. */
+static void a_header_may_end_its_lines_by_carriage_returns(void **state)
+{
+    text content;
+    make_ply(&content, LITTLE, "\r");
+    content.data[content.n - 1] = '\n'; /* of a texture coordinate */
+    assert_cube(*state, "a.ply", &content);
+}
+
+/* ----------------------------------------------------------------------------------------- OBJ --
+ */
+
+static void a_missing_library_hides_no_error(void **state)
+{
+    text content = {.n = 0};
+    say(&content, "mtllib gone.mtl\nv 0 0 0\nv 1 0\n");
+    assert_says(*state, "a.obj", &content, "line 3: expected three numbers behind v");
+}
+
+static void materials_are_not_asked_for_where_the_scene_has_one(void **state)
+{
+    enum { NAMES = LF_MAX_MATERIALS + 1 };
+    FILE *file = fopen(lf_test_path(*state, "many.obj"), "w");
+    lf_mesh_desc desc = {
+        .name = "m", .file = "many.obj", .material = 0, .transform = lf_affine_identity()};
+    lf_mesh_data data = {0};
+    lf_error err = {0};
+    assert_non_null(file);
+    fprintf(file, "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    for (int i = 0; i < NAMES; i++)
+        fprintf(file, "usemtl m%d\nf 1 2 3\n", i);
+    fclose(file);
+    lf_assert_ok(lf_mesh_import(&desc, *state, NULL, &data, &err), &err);
+    assert_int_equal(data.n_triangles, NAMES);
+    assert_int_equal(data.n_files, 1);
+    assert_null(lf_warnings_at(&data.warnings, 0));
+    lf_mesh_data_finish(&data);
+    desc.material = -1; /* where they are wanted there are too many of them */
+    lf_assert_status(lf_mesh_import(&desc, *state, NULL, &data, &err), LF_E_FORMAT, &err);
+    lf_mesh_data_finish(&data);
+}
+
+/* A square whose first corner lies in the middle of a side: no neighbour of it gets a gap. */
+static void a_corner_in_a_side_stays_one(void **state)
+{
+    text content = {.n = 0};
+    lf_mesh_data data;
+    lf_error err;
+    double area, volume;
+    say(&content, "v 1 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 0\nf 1 2 3 4 5\n");
+    lf_assert_ok(read_file(*state, "s.obj", &content, LF_NORMALS_FLAT, &data, &err), &err);
+    measure(&data, &area, &volume);
+    assert_int_equal(data.n_triangles, 3);
+    assert_int_equal(data.n_vertices, 5);
+    lf_assert_close(area, 4, 1e-12, 0);
+    lf_mesh_data_finish(&data);
+}
+
 static void a_text_stl_without_its_end_is_told(void **state)
 {
     text content;
@@ -429,6 +496,11 @@ int main(void)
         cmocka_unit_test(stl_is_read_as_text_and_binary),
         cmocka_unit_test(stl_that_is_not_whole_says_where),
         cmocka_unit_test(a_text_stl_without_its_end_is_told),
+        cmocka_unit_test(a_binary_stl_may_be_longer_than_it_says),
+        cmocka_unit_test(a_header_may_end_its_lines_by_carriage_returns),
+        cmocka_unit_test(a_missing_library_hides_no_error),
+        cmocka_unit_test(materials_are_not_asked_for_where_the_scene_has_one),
+        cmocka_unit_test(a_corner_in_a_side_stays_one),
     };
     return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);
 }
