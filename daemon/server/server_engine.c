@@ -151,8 +151,11 @@ static int on_wait_over(sd_event_source *source, uint64_t usec, void *context)
     while (*at != wait)
         at = &(*at)->next;
     *at = wait->next;
-    (void)lf_error_set(&err, LF_E_TIMEOUT, "wait", "not %s within %g s", lf_level_name(wait->level),
-                       wait->seconds);
+    (void)lf_error_set(&err, LF_E_TIMEOUT, "wait", "not %s within %g s%s",
+                       lf_level_name(wait->level), wait->seconds,
+                       lf_engine_get_controls(server->engine).paused
+                           ? ": rendering is paused (render.set paused=false)"
+                           : "");
     lf_deferred_fail(server, wait->deferred, &err, false);
     forget_wait(wait);
     return 0;

@@ -310,6 +310,9 @@ lf_status lf_vdb_read(int fd, const char *name, lf_grid **out_grid, lf_error *er
         return status;
     } catch (const std::bad_alloc &) {
         return lf_error_set(err, LF_E_NOMEM, "", LF_READER_NOMEM);
+    } catch (const std::ios_base::failure &) {
+        return lf_error_set(err, LF_E_FORMAT, "",
+                            "cannot be read as OpenVDB: the file ends where more was expected");
     } catch (const std::exception &e) {
         return lf_error_set(err, LF_E_FORMAT, "", "cannot be read as OpenVDB: %s", e.what());
     } catch (...) {

@@ -536,7 +536,9 @@ static void hostile_files_end_in_one_line(void **state)
         }
         double start = lf_time_now();
         lf_status status = import_any(path, &err);
-        assert_string_equal(err.what, files[i].what);
+        /* memory that is not limited is no reason */
+        if (!SANITIZED || !strstr(files[i].what, "--import-memory"))
+            assert_string_equal(err.what, files[i].what);
         assert_true((status == LF_OK) == (files[i].what[0] == '\0'));
         assert_true(status == LF_OK || strstr(err.where, files[i].name));
         assert_true(lf_time_now() - start < 60.0); /* of 2: none hangs */

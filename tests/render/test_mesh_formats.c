@@ -259,6 +259,7 @@ static void numbers_are_read_as_they_are_written(void **state)
         lf_status status = read_file(*state, "d.ply", &content, LF_NORMALS_FLAT, &data, &err);
         if (i + 1 == sizeof written / sizeof *written) {
             lf_assert_status(status, LF_E_FORMAT, &err); /* farther than anything may be */
+            lf_mesh_data_finish(&data);
             continue;
         }
         lf_assert_ok(status, &err);
