@@ -106,8 +106,9 @@ typedef lf_status (*lf_import_open_fn)(void *context, const char *name, int *out
  *
  * Has the file behind fd read as request says (version and limits are filled in); open answers what
  * it asks for, NULL: nothing. On LF_OK the caller closes *out. where names the file in messages.
- * Errors: the reader's own (LF_E_FORMAT, LF_E_NOMEM, …); LF_E_FORMAT: it ended without a word;
- * LF_E_NOMEM, LF_E_TIMEOUT: it reached a limit; LF_E_CANCELLED: lf_import_stop; LF_E_IO: there is
+ * Errors: the reader's own (LF_E_FORMAT, LF_E_NOMEM, …); LF_E_FORMAT: it ended without a word
+ * (also when the system ended it for want of memory, which is not told from that); LF_E_NOMEM,
+ * LF_E_TIMEOUT: it reached a limit; LF_E_CANCELLED: lf_import_stop; LF_E_IO: there is
  * no reader, or no process to be had. Thread: any, several at once. */
 LF_NODISCARD lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
                                      lf_import_open_fn open, void *context, lf_parcel *out,

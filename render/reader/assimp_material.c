@@ -80,7 +80,7 @@ static bool is_white(const struct aiMaterial *m, const char *key, unsigned type,
 }
 
 /* What Assimp makes up for meshes without a material: by a name of its own (3DS), or
- * nameless, with glTF's defaults or, for PLY, all white. A nameless material of a file that says
+ * nameless, with glTF's defaults or all white. A nameless material of a file that says
  * anything is none of these. */
 static bool is_made_up(const struct aiMaterial *m)
 {
