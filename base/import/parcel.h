@@ -27,6 +27,11 @@ typedef enum lf_parcel_tag {
     LF_PARCEL_TRIANGLES, /* uint32_t: three vertices of a triangle */
     LF_PARCEL_CHOICES,   /* uint16_t: the material of a triangle; absent: it is not the file's */
     LF_PARCEL_MATERIALS, /* lf_parcel_material */
+    LF_PARCEL_UVS,       /* float: u, v of a vertex, one set of all vertices behind the other */
+    LF_PARCEL_COLOURS,   /* float: red, green, blue, alpha at a vertex, linear */
+    LF_PARCEL_TANGENTS,  /* float: x, y, z, side at a vertex */
+    LF_PARCEL_PICTURES,  /* lf_parcel_picture */
+    LF_PARCEL_TEXELS,    /* uint8_t: red, green, blue, alpha; one picture behind the other */
     LF_PARCEL_SIZE,      /* int64_t: three, voxels of a grid along x, y, z */
     LF_PARCEL_MAP,       /* double: 3x4, row-major, from voxels to the file's world */
     LF_PARCEL_BRICKS,    /* uint32_t: places of bricks (lf_grid_put), ascending */
@@ -47,10 +52,26 @@ typedef struct lf_parcel_header {
     lf_parcel_section section[LF_PARCEL_TAGS];
 } lf_parcel_header;
 
+typedef struct lf_parcel_texture {
+    uint32_t picture; /* 1 + its number; 0: none */
+    uint32_t wrap_u, wrap_v, set, nearest;
+    float map[2][3], scale;
+} lf_parcel_texture;
+
 typedef struct lf_parcel_material {
     uint32_t kind; /* place in lf_surface_kinds */
-    float albedo[3], roughness, ior, emission[3];
+    float albedo[3], roughness, ior, emission[3], metallic;
+    uint32_t cover; /* lf_cover */
+    float alpha, cutoff;
+    float specular, specular_tint[3], coat, coat_roughness, sheen[3], sheen_roughness;
+    float transmission, absorption[3];
+    uint32_t is_solid;
+    lf_parcel_texture texture[4]; /* a slot each (render/scene/texture.h) */
 } lf_parcel_material;
+
+typedef struct lf_parcel_picture {
+    uint32_t width, height;
+} lf_parcel_picture;
 
 /* -------------------------------------------------------------------------------- writing one --
  */

@@ -22,8 +22,17 @@ typedef struct lf_mesh_data {
     uint32_t *triangles; /* [n_triangles][3] */
     /* [n_triangles] index into materials; NULL when n_materials is 0 */
     uint16_t *triangle_material;
+    /* What lies at vertices, each absent where no material wants it: */
+    int n_uv_sets;   /* at most LF_UV_SETS */
+    float *uvs;      /* [n_uv_sets][n_vertices][2] */
+    float *colours;  /* [n_vertices][4] linear, 0..1: multiplies albedo, and a coverage */
+    float *tangents; /* [n_vertices][4] unit, world, across the normal; w = +-1: the bitangent's
+                        side, w cross(normal, tangent) */
     int n_materials; /* the file's own; 0 for shapes and when desc names a material */
     lf_material *materials;
+    lf_texture_set *textures; /* [n_materials], or NULL: none has any */
+    int n_pictures;
+    lf_texels *pictures;
     int n_files;
     lf_mesh_file files[LF_MESH_MAX_FILES];
     lf_warnings warnings; /* what the file holds and the mesh lacks */

@@ -193,7 +193,7 @@ static lf_said said_of(const struct aiMaterial *m)
         get_float(m, AI_MATKEY_ROUGHNESS_FACTOR, &said.roughness);
     } else {
         get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &said.diffuse);
-        get_colour(m, AI_MATKEY_COLOR_SPECULAR, &said.specular);
+        get_colour(m, AI_MATKEY_COLOR_SPECULAR, &said.highlight);
         get_float(m, AI_MATKEY_SHININESS, &said.exponent);
     }
     for (int kind = 0; kind < LF_LOST_KINDS; kind++)

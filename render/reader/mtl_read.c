@@ -125,7 +125,7 @@ static void take_key(const char *key, size_t n, const char *at, lf_said *said)
     if (lf_word_reads(key, n, "Kd"))
         take_colour(at, &said->diffuse);
     else if (lf_word_reads(key, n, "Ks"))
-        take_colour(at, &said->specular);
+        take_colour(at, &said->highlight);
     else if (lf_word_reads(key, n, "Ke"))
         take_colour(at, &said->emission);
     else if (lf_word_reads(key, n, "Ns"))

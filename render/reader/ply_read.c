@@ -198,7 +198,7 @@ static lf_status take_material(ply *p, const lf_ply_element *element, lf_error *
 {
     lf_said said = lf_said_begin("");
     said.diffuse = colour_of(p, element, LF_PLY_DIFFUSE_RED);
-    said.specular = colour_of(p, element, LF_PLY_SPECULAR_RED);
+    said.highlight = colour_of(p, element, LF_PLY_SPECULAR_RED);
     said.exponent = (float)p->values[LF_PLY_SPECULAR_POWER];
     return lf_soup_say(p->soup, said, err);
 }

@@ -42,7 +42,7 @@ static void convert_metallic(const lf_said *said, lf_material *out)
 /* Phong's Kd, Ks, Ns: a highlight without a diffuse part is a metal, with one a coat. */
 static void convert_phong(const lf_said *said, lf_material *out)
 {
-    lf_vec3 specular = clamp_colour(said->specular);
+    lf_vec3 specular = clamp_colour(said->highlight);
     if (!(lf_max3(specular) > 0.0f) || !(said->exponent > 0.0f) || !isfinite(said->exponent))
         return;
     /* alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007, section 5), roughness = sqrt(alpha). */

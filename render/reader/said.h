@@ -27,9 +27,20 @@ typedef struct lf_said {
     bool is_metallic; /* glTF's model, and that of newer MTL files; else Phong's */
     bool is_missing;  /* named by an OBJ file, and in none of its libraries */
     unsigned lost;    /* 1 << lf_lost each */
-    lf_vec3 diffuse, specular, emission;
+    lf_vec3 diffuse, highlight, emission;
     float exponent, ior;       /* Phong's; 0: not said */
     float metallic, roughness; /* of the other */
+    lf_cover cover;            /* … and which share of it is there */
+    float alpha, cutoff;
+    float specular;             /* of what a dielectric reflects, 0..1 … */
+    lf_vec3 specular_tint;      /* … and its colour, 0..1 */
+    float coat, coat_roughness; /* a clear coat of index 1.5 on top, 0..1 */
+    lf_vec3 sheen;              /* colour of fibres that stand up, 0..1; 0: none */
+    float sheen_roughness;      /* perceptual, 0..1 */
+    float transmission;         /* 0..1: of what is not metal goes through in place of diffuse */
+    bool is_solid;              /* what is behind is another medium of index ior; else a sheet */
+    lf_vec3 absorption;         /* inside of it, per scene unit */
+    lf_texture_set textures;    /* pictures of the mesh */
 } lf_said;
 
 /* One that says nothing but its name, of which it takes a copy. NULL in name: no memory. */

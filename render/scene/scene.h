@@ -12,6 +12,7 @@
 
 #include "render/render.h"
 #include "render/scene/shape.h"
+#include "render/scene/texture.h"
 #include "render/scene/vec.h"
 #include "render/scene/warnings.h"
 
@@ -84,6 +85,9 @@ float lf_grid_nearest(const lf_grid *grid, float x, float y, float z);
 
 #define LF_LOSS_TERMS 9
 
+/* How much of a surface is there (glTF 2.0, section 3.9.4). */
+typedef enum lf_cover { LF_COVER_OPAQUE, LF_COVER_MASK, LF_COVER_BLEND, LF_COVERS } lf_cover;
+
 typedef struct lf_material {
     const struct lf_surface_kind *kind; /* surface.h; says what it makes of the words below */
     lf_vec3 albedo;
@@ -93,6 +97,18 @@ typedef struct lf_material {
     lf_vec3 emission; /* radiance leaving both sides; 0 = not a light */
     /* complex index eta + i k of each channel; eta.x = 0: none, albedo says it all */
     lf_vec3 eta, k;
+    float metallic;             /* 0..1: how much of a layered surface is metal */
+    lf_cover cover;             /* what becomes of `alpha` and of the alpha of its texture */
+    float alpha;                /* 0..1 */
+    float cutoff;               /* LF_COVER_MASK: opaque from here on */
+    float specular;             /* of what a dielectric reflects, 0..1 … */
+    lf_vec3 specular_tint;      /* … and its colour, 0..1 */
+    float coat, coat_roughness; /* a clear coat of index 1.5 on top, 0..1 */
+    lf_vec3 sheen;              /* colour of fibres that stand up, 0..1; 0: none */
+    float sheen_roughness;      /* perceptual, 0..1 */
+    float transmission;         /* 0..1: of what is not metal goes through in place of diffuse */
+    bool is_solid;              /* what is behind is another medium of index ior; else a sheet */
+    lf_vec3 absorption;         /* inside of it, per scene unit */
     /* Made of the above by lf_material_prepare (surface.h). */
     bool has_lobe;             /* any that is not delta */
     bool has_delta;            /* one of nonzero reflectance */

@@ -1,0 +1,45 @@
+/* Pictures on surfaces; private to render/. A texture is a picture and how it lies on a mesh: which
+ * of the mesh's coordinates, moved how, what is beyond its edges. Coordinates are glTF's: (0, 0) is
+ * the upper left corner of the picture's first row. Immutable once made. */
+#ifndef LF_RENDER_TEXTURE_H
+#define LF_RENDER_TEXTURE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* As a file holds it: [height][width][4], red, green, blue, alpha, display encoded (colours) or as
+ * it is (everything else: which is a matter of the slot). */
+typedef struct lf_texels {
+    int width, height;
+    uint8_t *rgba; /* owned by whoever owns the picture, lf_free */
+} lf_texels;
+
+typedef enum lf_wrap { LF_WRAP_REPEAT, LF_WRAP_MIRROR, LF_WRAP_CLAMP, LF_WRAPS } lf_wrap;
+
+/* Coordinates a vertex may have: TEXCOORD_0 and TEXCOORD_1. */
+#define LF_UV_SETS 2
+
+typedef struct lf_texture {
+    uint32_t picture;       /* 1 + its number; 0: none, and nothing else counts */
+    uint8_t wrap_u, wrap_v; /* lf_wrap */
+    uint8_t set;            /* of the mesh's coordinates, below LF_UV_SETS */
+    bool nearest;           /* magnified without interpolation */
+    float map[2][3];        /* where the mesh's (u, v, 1) lies in the picture */
+    float scale;            /* of a normal map: what its x and y are multiplied by */
+} lf_texture;
+
+/* What a picture says of a surface; each is multiplied by the material's own word. */
+typedef enum lf_slot {
+    LF_SLOT_BASE,        /* rgb: albedo, display encoded; a: coverage */
+    LF_SLOT_METAL_ROUGH, /* g: roughness, b: metallic */
+    LF_SLOT_NORMAL,      /* rgb: 2 c - 1, in the frame of tangent, bitangent, normal */
+    LF_SLOT_EMISSION,    /* rgb, display encoded */
+    LF_SLOTS
+} lf_slot;
+
+typedef struct lf_texture_set {
+    lf_texture slot[LF_SLOTS];
+} lf_texture_set;
+
+#endif
