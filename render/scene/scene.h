@@ -114,6 +114,9 @@ typedef struct lf_material {
     bool has_delta;            /* one of nonzero reflectance */
     float loss[LF_LOSS_TERMS]; /* of a rough lobe: lf_loss */
     lf_vec3 rest;              /* what becomes of it: surface_energy.c */
+    /* Of a principled surface: the same of its metal and of its clear coat, the mean of what its
+     * dielectric lobe leaves to what is below, and of what its metal reflects. */
+    float metal_loss[LF_LOSS_TERMS], coat_loss[LF_LOSS_TERMS], mean_loss, mean_fresnel;
 } lf_material;
 #define LF_ALPHA_MIN 1e-3f
 

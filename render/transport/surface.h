@@ -69,9 +69,10 @@ typedef struct lf_surface_kind {
      * wo is below ns or there is no lobe. */
     float (*sample)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi,
                     lf_vec3 *f);
-    /* The delta lobes for wo, their directions included; how many. NULL = the kind never has any.
-     */
-    int (*deltas)(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo,
+    /* The delta lobes for wo, their directions included; how many. front: wo is on the side from
+     * which the triangle's corners run counter-clockwise, outside of a solid. NULL = the kind never
+     * has any. */
+    int (*deltas)(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
                   lf_delta out[LF_MAX_DELTAS]);
     bool view_dependent; /* eval's pdf and f change with wo (beyond its sign) */
 } lf_surface_kind;
@@ -80,7 +81,8 @@ typedef struct lf_surface_kind {
 #define LF_SURFACE_KINDS(KIND)                                                                     \
     KIND(diffuse)                                                                                  \
     KIND(conductor)                                                                                \
-    KIND(plastic)
+    KIND(plastic)                                                                                  \
+    KIND(principled)
 
 #define LF_DECLARE_SURFACE(name) extern const lf_surface_kind lf_surface_##name;
 LF_SURFACE_KINDS(LF_DECLARE_SURFACE)
@@ -100,7 +102,8 @@ static inline void lf_shade(const lf_hit *hit, lf_vec3 wo, lf_shading *out)
 {
     const lf_material *m = hit->material;
     out->has_lobe = m->has_lobe;
-    out->n_deltas = m->kind->deltas ? m->kind->deltas(m, hit->ng, hit->ns, wo, out->delta) : 0;
+    out->n_deltas =
+        m->kind->deltas ? m->kind->deltas(m, hit->ng, hit->ns, wo, hit->front, out->delta) : 0;
 }
 
 /* Works out what the lobes need beyond the material's own words; to be called once they are all

@@ -11,6 +11,9 @@
  * metals next to nothing and far from their peak, does not), but is not reciprocal; the colour is
  * Hill's sum over the reflections (2018). Plastics: surface_plastic.c. E is integrated once a
  * material, and fitted by a polynomial. */
+#include <pthread.h>
+#include <string.h>
+
 #include "render/transport/surface_lobes.h"
 
 /* A lobe seen along one direction; double throughout. */
@@ -130,4 +133,80 @@ double lf_loss_mean(const lf_material *m, float ior)
         sum += weight * (double)lf_loss(m, (float)smooth(ior, cosine), (float)cosine);
     }
     return sum;
+}
+
+/* ------------------------------------------------------------------------------------- the table
+ * --
+ */
+
+/* Nodes: roughness from that of LF_ALPHA_MIN to 1 in even steps; index 1 to 3, and metal first. */
+enum { ROUGH_NODES = 33, INDEX_NODES = 21 };
+#define LEAST_ROUGHNESS 0.0316228f
+
+typedef struct loss_row {
+    float loss[ROUGH_NODES][LF_LOSS_TERMS], mean[ROUGH_NODES];
+} loss_row;
+
+static loss_row rows[1 + INDEX_NODES];
+static atomic_bool is_made[1 + INDEX_NODES];
+static pthread_mutex_t making = PTHREAD_MUTEX_INITIALIZER;
+
+static float index_of(int row)
+{
+    return row == 0 ? 0.0f : 1.0f + 0.1f * (float)(row - 1);
+}
+
+static void make_row(int row)
+{
+    for (int i = 0; i < ROUGH_NODES; i++) {
+        lf_material m = {.roughness = lf_lerp(LEAST_ROUGHNESS, 1.0f, (float)i / (ROUGH_NODES - 1))};
+        lf_loss_fit(&m, index_of(row));
+        memcpy(rows[row].loss[i], m.loss, sizeof m.loss);
+        rows[row].mean[i] = (float)lf_loss_mean(&m, index_of(row));
+    }
+}
+
+static const loss_row *row_of(int row)
+{
+    if (!atomic_load_explicit(&is_made[row], memory_order_acquire)) {
+        pthread_mutex_lock(&making);
+        if (!atomic_load_explicit(&is_made[row], memory_order_relaxed)) {
+            make_row(row);
+            atomic_store_explicit(&is_made[row], true, memory_order_release);
+        }
+        pthread_mutex_unlock(&making);
+    }
+    return &rows[row];
+}
+
+/* Adds weight times what the row has at this roughness. */
+static float add_row(const loss_row *row, float roughness, float weight, float *out)
+{
+    float at =
+        lf_min(lf_max((roughness - LEAST_ROUGHNESS) / (1.0f - LEAST_ROUGHNESS), 0.0f), 1.0f) *
+        (ROUGH_NODES - 1);
+    int i = (int)lf_min(at, ROUGH_NODES - 2);
+    float f = at - (float)i;
+    for (int t = 0; out && t < LF_LOSS_TERMS; t++)
+        out[t] += weight * lf_lerp(row->loss[i][t], row->loss[i + 1][t], f);
+    return weight * lf_lerp(row->mean[i], row->mean[i + 1], f);
+}
+
+float lf_loss_look_up(float ior, float roughness, float *out)
+{
+    if (out)
+        memset(out, 0, LF_LOSS_TERMS * sizeof *out);
+    if (!(roughness > 0.0f)) {
+        lf_material m = {.roughness = 0.0f};
+        return (float)lf_loss_mean(&m, ior);
+    }
+    if (!(ior > 0.0f))
+        return add_row(row_of(0), roughness, 1.0f, out);
+    float at = lf_min(lf_max((ior - 1.0f) * 10.0f, 0.0f), INDEX_NODES - 1), nearest = roundf(at);
+    if (fabsf(at - nearest) < 1e-4f)
+        return add_row(row_of(1 + (int)nearest), roughness, 1.0f, out);
+    int i = (int)lf_min(at, INDEX_NODES - 2);
+    float f = at - (float)i;
+    return add_row(row_of(1 + i), roughness, 1.0f - f, out) +
+           add_row(row_of(2 + i), roughness, f, out);
 }

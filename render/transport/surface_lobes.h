@@ -126,15 +126,19 @@ static inline float lf_coat_transmittance(float ior, float cos_theta)
  * what happens at cosines of the order of alpha. Within 3e-3 of quadrature for alpha in [1e-3, 1]
  * and all cosines. */
 #define LF_LOSS_SCALE 2.0f
-static inline float lf_loss(const lf_material *m, float smooth, float cos_theta)
+static inline float lf_loss_by(const float *c, float a, float smooth, float cos_theta)
 {
-    float a = LF_LOSS_SCALE * lf_material_alpha(m), inverse = 1.0f / (cos_theta + a);
+    float inverse = 1.0f / (cos_theta + a);
     float x = 2.0f * sqrtf((1.0f + a) * cos_theta * inverse) - 1.0f;
     /* Written out: with a loop in it GCC does not vectorise the caller's. */
-    const float *c = m->loss;
     float p = (((c[8] * x + c[7]) * x + c[6]) * x + c[5]) * x + c[4];
     p = (((p * x + c[3]) * x + c[2]) * x + c[1]) * x + c[0];
     return lf_min(lf_max(smooth + a * inverse * p, 0.0f), 1.0f);
+}
+
+static inline float lf_loss(const lf_material *m, float smooth, float cos_theta)
+{
+    return lf_loss_by(m->loss, LF_LOSS_SCALE * lf_material_alpha(m), smooth, cos_theta);
 }
 
 /* Cosine and weight of the i-th of LF_MEAN_STEPS points of 2 int_0^1 g(c) c dc. */
@@ -150,5 +154,11 @@ static inline double lf_mean_cosine(int i, double *out_weight)
 void lf_loss_fit(lf_material *m, float ior);
 /* 2 int_0^1 loss(c) c dc. */
 double lf_loss_mean(const lf_material *m, float ior);
+
+/* The same from a table over index and roughness, for surfaces whose roughness is a picture: out,
+ * of LF_LOSS_TERMS, may be NULL; returns the mean. roughness 0: of a smooth coat, out is then all
+ * 0. Within 1e-3 of lf_loss_fit. Parts of the table are made when they are first asked for (20 ms).
+ * Thread: any. */
+float lf_loss_look_up(float ior, float roughness, float *out);
 
 #endif

@@ -134,9 +134,10 @@ static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[
     return eval_local(m, &p, o, i, f);
 }
 
-static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo,
+static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
                   lf_delta out[LF_MAX_DELTAS])
 {
+    (void)front;
     float cos_o = lf_dot(ns, wo);
     if (!m->has_delta || !(cos_o > LF_MIN_COS))
         return 0;

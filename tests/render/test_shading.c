@@ -8,10 +8,10 @@
 
 static const float reflected = 0.25f, through = 0.6f;
 
-static int pane_deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo,
+static int pane_deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
                        lf_delta out[LF_MAX_DELTAS])
 {
-    (void)m;
+    (void)m, (void)front;
     out[0] = (lf_delta){lf_mirror(ng, ns, wo), lf_v3(reflected, reflected, reflected)};
     out[1] = (lf_delta){lf_scale(wo, -1.0f), lf_v3(through, through, through)};
     return 2;

@@ -185,7 +185,7 @@ static void metals_reflect_by_fresnel(void **state)
             lf_vec3 wo = lf_v3((float)sqrt(1.0 - c * c), 0.0f, (float)c);
             lf_vec3 up = lf_v3(0.0f, 0.0f, 1.0f);
             lf_delta mirrored[LF_MAX_DELTAS];
-            assert_int_equal(m.kind->deltas(&m, up, up, wo, mirrored), 1);
+            assert_int_equal(m.kind->deltas(&m, up, up, wo, true, mirrored), 1);
             double got = (double)mirrored[0].f.y;
             if (!(fabs(got - r) < 1e-3 * (1.0 - r) + 1e-6))
                 fail_msg("%s, cosine %g: %.6f, not %.6f", lf_metal_names[i], c, got, r);
@@ -209,6 +209,110 @@ static void rough_metals_keep_their_colour(void **state)
     }
 }
 
+/* ----------------------------------------------------------------------------- principled -- */
+
+static lf_material layered(float metallic, float rough, float ior, float coat, float coat_rough)
+{
+    lf_material m = white(&lf_surface_principled, rough, ior);
+    m.metallic = metallic;
+    m.specular = 1.0f;
+    m.specular_tint = lf_v3(1.0f, 1.0f, 1.0f);
+    m.coat = coat;
+    m.coat_roughness = coat_rough;
+    lf_material_prepare(&m);
+    return m;
+}
+
+/* Of all layers in any shares, rough ones integrated in the half vectors of the narrowest. */
+static void white_layers_are_white_at_every_roughness_and_angle(void **state)
+{
+    (void)state;
+    const float metallic[] = {0.0f, 0.5f, 1.0f}, coat[] = {0.0f, 0.0f, 1.0f, 0.5f},
+                ior[] = {1.5f, 1.23f, 2.0f};
+    double worst = 0.0;
+    for (int i = 0; i < N_ROUGHNESS * 9; i++) {
+        int share = i / N_ROUGHNESS;
+        lf_material m = layered(metallic[share % 3], roughness[i % N_ROUGHNESS], ior[share / 3],
+                                coat[i % 4], 0.3f);
+        double alpha = fmin((double)lf_material_alpha(&m), m.coat > 0.0f ? 0.09 : 1.0);
+        for (int j = 0; j < N_COSINES; j++) {
+            double got = integral(&m, alpha, cosines[j], of_eval);
+            worst = fmax(worst, fabs(got - 1.0));
+            if (!(fabs(got - 1.0) < 5e-3))
+                fail_msg("metallic %g, roughness %g, ior %g, coat %g, cosine %g: %g",
+                         (double)m.metallic, (double)m.roughness, (double)m.ior, (double)m.coat,
+                         cosines[j], got);
+        }
+    }
+    print_message("worst furnace of layers: off by %.2g\n", worst);
+}
+
+static void a_metal_is_a_corner_of_the_layers(void **state)
+{
+    (void)state;
+    const lf_vec3 up = lf_v3(0.0f, 0.0f, 1.0f);
+    for (int i = 0; i < N_ROUGHNESS; i++) {
+        lf_material m = layered(1.0f, roughness[i], 1.5f, 0.0f, 0.0f),
+                    metal = white(&lf_surface_conductor, roughness[i], 1.5f);
+        m.albedo = metal.albedo = lf_v3(0.9f, 0.5f, 0.1f);
+        lf_material_prepare(&m);
+        lf_material_prepare(&metal);
+        lf_vec3 a, b, wo = lf_v3(0.6f, 0.0f, 0.8f), wi = lf_v3(-0.48f, 0.36f, 0.8f);
+        float pdf = m.kind->eval(&m, up, wo, wi, &a);
+        assert_float_equal(pdf, metal.kind->eval(&metal, up, wo, wi, &b), 1e-3f * pdf);
+        assert_float_equal(a.x, b.x, 3e-3f * b.x);
+        assert_float_equal(a.y, b.y, 6e-3f * b.y); /* Schlick's mean in closed form */
+        assert_float_equal(a.z, b.z, 2e-2f * b.z);
+    }
+}
+
+/* Snell's law, Fresnel's equations, and total reflection inside. */
+static void glass_bends_light_by_snell_and_shares_it_by_fresnel(void **state)
+{
+    (void)state;
+    const lf_vec3 up = lf_v3(0.0f, 0.0f, 1.0f);
+    lf_material m = layered(0.0f, 0.0f, 1.5f, 0.0f, 0.0f);
+    m.transmission = 1.0f;
+    m.is_solid = true;
+    lf_material_prepare(&m);
+    assert_true(m.has_delta && !m.has_lobe);
+    for (int j = 0; j < N_COSINES - 1; j++) {
+        double c = cosines[j], sine = sqrt(1.0 - c * c), f = fresnel(c, 1.5);
+        lf_vec3 wo = lf_v3((float)sine, 0.0f, (float)c);
+        lf_delta out[LF_MAX_DELTAS];
+        assert_int_equal(m.kind->deltas(&m, up, up, wo, true, out), 2);
+        assert_true(fabs((double)out[0].f.x - (f)) < 1e-5);
+        assert_true(fabs((double)out[1].f.x - (1.0 - f)) < 1e-5);
+        assert_true(fabs((double)-out[1].wi.x - (sine / 1.5)) < 1e-6);
+        assert_true(out[1].wi.z < 0.0f);
+        /* back along the same way */
+        assert_int_equal(
+            m.kind->deltas(&m, up, up, lf_v3(-out[1].wi.x, 0.0f, -out[1].wi.z), false, out), 2);
+        assert_true(fabs((double)out[0].f.x - (f)) < 1e-4);
+        assert_true(fabs((double)out[1].wi.x - (-sine)) < 1e-5);
+    }
+    lf_delta out[LF_MAX_DELTAS];
+    assert_int_equal(m.kind->deltas(&m, up, up, lf_v3(0.8f, 0.0f, 0.6f), false, out), 1);
+    assert_true(out[0].f.x == 1.0f);
+}
+
+/* r + t^2 r + ... of two faces: 2 f / (1 + f); the rest goes straight on. */
+static void a_pane_reflects_with_both_faces(void **state)
+{
+    (void)state;
+    const lf_vec3 up = lf_v3(0.0f, 0.0f, 1.0f);
+    lf_material m = layered(0.0f, 0.0f, 1.5f, 0.0f, 0.0f);
+    m.transmission = 1.0f;
+    lf_material_prepare(&m);
+    for (int side = 0; side < 2; side++) {
+        lf_delta out[LF_MAX_DELTAS];
+        assert_int_equal(m.kind->deltas(&m, up, up, lf_v3(0.0f, 0.0f, 1.0f), side == 0, out), 2);
+        assert_true(fabs((double)out[0].f.x - (0.08 / 1.04)) < 1e-6);
+        assert_true(fabs((double)out[1].f.x - (0.96 / 1.04)) < 1e-6);
+        assert_true(out[1].wi.z == -1.0f);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -216,6 +320,10 @@ int main(void)
         cmocka_unit_test(metals_reflect_by_fresnel),
         cmocka_unit_test(rough_metals_keep_their_colour),
         cmocka_unit_test(what_is_not_reflected_at_once_is_known),
+        cmocka_unit_test(white_layers_are_white_at_every_roughness_and_angle),
+        cmocka_unit_test(a_metal_is_a_corner_of_the_layers),
+        cmocka_unit_test(glass_bends_light_by_snell_and_shares_it_by_fresnel),
+        cmocka_unit_test(a_pane_reflects_with_both_faces),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,361 @@
+/* glTF's layered model (2.0, appendix B; KHR_materials_clearcoat, _specular, _transmission,
+ * _volume), with energy kept where glTF's own formulas lose or win it. From the top, each layer
+ * letting through what it does not reflect:
+ *
+ *   coat        GGX, index 1.5; what is below gets 1 - coat E_coat(cos_o)
+ *   metal       the share `metallic`: a conductor of colour albedo (surface_conductor.c)
+ *   dielectric  the rest: GGX of index ior times specular, and below it either
+ *     diffuse     albedo / pi  loss(cos_o) loss(cos_i) / mean loss
+ *     or glass    the share `transmission`: what is not reflected goes on, refracted or, through a
+ *                 sheet, straight, tinted by albedo
+ *
+ * loss(cos) = 1 - specular E(cos), E of the GGX lobe (surface_energy.c). Diffuse light is coupled
+ * as Ashikhmin and Shirley (2000) and Kelemen do, so that albedo is what is seen: white gives back
+ * loss(cos_o) and all together is 1 at every angle. Plastic, whose albedo is the pigment's, darkens
+ * by what is reflected inside; both meet where albedo is 0 or 1. Glass is clear whatever the
+ * roughness; only what it reflects is rough. */
+#include <string.h>
+
+#include "render/scene/vec_double.h"
+#include "render/transport/surface_lobes.h"
+
+#define COAT_INDEX 1.5f
+
+/* What all directions share of a material. */
+typedef struct layers {
+    lf_material m; /* loss: of the dielectric */
+    float alpha, coat_alpha;
+    float specular, metal, below; /* shares of the lobes */
+    bool rough, coated, rough_coat;
+} layers;
+
+/* The shares that one direction wo sees, and the probabilities of drawing by each lobe. */
+typedef struct shares {
+    float under;  /* coats: what the rest gets */
+    float enters; /* loss(cos_o) */
+    float several;
+    float by_coat, by_gloss; /* the rest is diffuse */
+} shares;
+
+static layers layers_of(const lf_material *m)
+{
+    layers l = {.m = *m, .alpha = lf_material_alpha(m)};
+    l.rough = l.alpha >= LF_ALPHA_MIN;
+    l.coated = m->coat > 0.0f;
+    l.coat_alpha = m->coat_roughness * m->coat_roughness;
+    l.rough_coat = l.coated && l.coat_alpha >= LF_ALPHA_MIN;
+    l.metal = m->metallic;
+    l.specular = (1.0f - m->metallic) * m->specular;
+    l.below = (1.0f - m->metallic) * (1.0f - m->transmission);
+    return l;
+}
+
+/* 1 - E of the dielectric's lobe. */
+static inline float coat_loss(const lf_material *m, float cosine)
+{
+    return 1.0f - m->specular * (1.0f - lf_loss(m, lf_coat_transmittance(m->ior, cosine), cosine));
+}
+
+/* 1 - E of the clear coat. */
+static inline float clear_loss(const lf_material *m, float cosine)
+{
+    float a = LF_LOSS_SCALE * m->coat_roughness * m->coat_roughness;
+    return lf_loss_by(m->coat_loss, a, lf_coat_transmittance(COAT_INDEX, cosine), cosine);
+}
+
+static inline float metal_several(const lf_material *m, float cosine)
+{
+    float loss = lf_loss_by(m->metal_loss, LF_LOSS_SCALE * lf_material_alpha(m), 0.0f, cosine);
+    return loss / (1.0f - loss);
+}
+
+static inline shares shares_of(const layers *l, float cos_o)
+{
+    const lf_material *m = &l->m;
+    shares s = {.under = 1.0f, .enters = coat_loss(m, cos_o)};
+    float coat = l->coated ? m->coat * (1.0f - clear_loss(m, cos_o)) : 0.0f;
+    s.under = 1.0f - coat;
+    s.several = l->rough ? metal_several(m, cos_o) : 0.0f;
+    float gloss =
+              l->rough ? (1.0f - l->metal) * (1.0f - s.enters) + l->metal * m->mean_fresnel : 0.0f,
+          diffuse = l->below * s.enters * lf_mean3(m->albedo), sum = gloss + diffuse;
+    s.by_coat = l->rough_coat ? (sum > 0.0f ? coat / (coat + s.under * sum) : 1.0f) : 0.0f;
+    s.by_gloss =
+        sum > 0.0f ? (1.0f - s.by_coat) * gloss / sum : (1.0f - s.by_coat) * (float)l->rough;
+    return s;
+}
+
+/* The layers below the coat, but for its `under`. */
+static inline lf_vec3 gloss_colour(const layers *l, const shares *s, float cos_oh)
+{
+    const lf_material *m = &l->m;
+    float c = lf_max(cos_oh, 0.0f), k = lf_schlick(c),
+          dielectric = l->specular * lf_fresnel_dielectric(c, m->ior);
+    lf_vec3 metal = lf_v3(lf_lerp(m->albedo.x, 1.0f, k), lf_lerp(m->albedo.y, 1.0f, k),
+                          lf_lerp(m->albedo.z, 1.0f, k));
+    return lf_v3(
+        dielectric * m->specular_tint.x + l->metal * metal.x * (1.0f + s->several * m->rest.x),
+        dielectric * m->specular_tint.y + l->metal * metal.y * (1.0f + s->several * m->rest.y),
+        dielectric * m->specular_tint.z + l->metal * metal.z * (1.0f + s->several * m->rest.z));
+}
+
+/* Diffuse light towards wi, but for what the layers above let through along wo. */
+static lf_vec3 base_colour(const layers *l, float cos_i)
+{
+    if (!(cos_i > LF_MIN_COS))
+        return lf_v3(0.0f, 0.0f, 0.0f);
+    return lf_scale(l->m.albedo,
+                    l->below * LF_INV_PI * cos_i * coat_loss(&l->m, cos_i) / l->m.mean_loss);
+}
+
+/* Towards wi from wo.z > LF_MIN_COS. */
+static float eval_local(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
+{
+    float cosine = wi.z > LF_MIN_COS ? wi.z * LF_INV_PI : 0.0f,
+          pdf = (1.0f - s->by_coat - s->by_gloss) * cosine;
+    *f = lf_scale(base_colour(l, wi.z), s->enters);
+    if (l->rough) {
+        lf_ggx_lobe lobe = lf_ggx_eval(l->alpha, wo, wi);
+        *f = lf_madd(*f, lobe.f, gloss_colour(l, s, lobe.cos_oh));
+        pdf += s->by_gloss * lobe.pdf;
+    }
+    *f = lf_scale(*f, s->under);
+    if (l->rough_coat) {
+        lf_ggx_lobe lobe = lf_ggx_eval(l->coat_alpha, wo, wi);
+        float k = l->m.coat * lobe.f * lf_fresnel_dielectric(lf_max(lobe.cos_oh, 0.0f), COAT_INDEX);
+        *f = lf_add(*f, lf_v3(k, k, k));
+        pdf += s->by_coat * lobe.pdf;
+    }
+    return pdf;
+}
+
+static float eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
+{
+    lf_vec3 t, b;
+    float cos_o = lf_dot(ns, wo);
+    *f = lf_v3(0.0f, 0.0f, 0.0f);
+    if (!(cos_o > LF_MIN_COS))
+        return 0.0f;
+    layers l = layers_of(m);
+    shares s = shares_of(&l, lf_min(cos_o, 1.0f));
+    lf_tangents(ns, &t, &b);
+    return eval_local(&l, &s, lf_to_frame(t, b, ns, wo), lf_to_frame(t, b, ns, wi), f);
+}
+
+/* eval_local for all directions of a fan: one term a channel. */
+static void eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y,
+                     const float *z, lf_fan_lobes *out)
+{
+    const layers l = layers_of(m);
+    float *restrict pdf = out->pdf, *restrict red = out->weight[0],
+                    *restrict green = out->weight[1], *restrict blue = out->weight[2];
+    for (int k = 0; k < n; k++) {
+        float cos_o = lf_min(lf_max(z[k], LF_MIN_COS), 1.0f),
+              above = z[k] > LF_MIN_COS ? 1.0f : 0.0f;
+        lf_vec3 f;
+        shares s = shares_of(&l, cos_o);
+        pdf[k] = above * eval_local(&l, &s, lf_v3(x[k], y[k], cos_o), wi, &f);
+        red[k] = above * f.x;
+        green[k] = above * f.y;
+        blue[k] = above * f.z;
+    }
+    out->n_terms = 3;
+    out->colour[0] = lf_v3(1.0f, 0.0f, 0.0f);
+    out->colour[1] = lf_v3(0.0f, 1.0f, 0.0f);
+    out->colour[2] = lf_v3(0.0f, 0.0f, 1.0f);
+}
+
+static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi,
+                    lf_vec3 *f)
+{
+    lf_vec3 t, b;
+    lf_tangents(ns, &t, &b);
+    lf_vec3 o = lf_to_frame(t, b, ns, wo), i;
+    *f = lf_v3(0.0f, 0.0f, 0.0f);
+    if (!(o.z > LF_MIN_COS))
+        return 0.0f;
+    layers l = layers_of(m);
+    shares s = shares_of(&l, lf_min(o.z, 1.0f));
+    if (u[2] < s.by_coat)
+        i = lf_ggx_sample(l.coat_alpha, o, u[0], u[1]);
+    else if (u[2] < s.by_coat + s.by_gloss)
+        i = lf_ggx_sample(l.alpha, o, u[0], u[1]);
+    else
+        i = lf_cosine_sample(u[0], u[1]);
+    *wi = lf_from_frame(t, b, ns, i);
+    return eval_local(&l, &s, o, i, f);
+}
+
+/* -------------------------------------------------------------------------------------- deltas --
+ */
+
+/* Through an interface of relative index eta, from the side of n: false where all is reflected. */
+static bool refract(lf_vec3 n, lf_vec3 wo, float eta, lf_vec3 *out)
+{
+    float cos_o = lf_dot(n, wo), k = 1.0f - (1.0f - cos_o * cos_o) / (eta * eta);
+    if (!(k > 0.0f))
+        return false;
+    *out = lf_normalize(lf_sub(lf_scale(n, cos_o / eta - sqrtf(k)), lf_scale(wo, 1.0f / eta)));
+    return true;
+}
+
+/* Reflectance of the dielectric's face, from either side of a solid; of both faces of a sheet, with
+ * all that goes to and fro between them. */
+static float face_reflectance(const lf_material *m, bool front, float cos_o)
+{
+    float f;
+    if (!m->is_solid || front) {
+        f = lf_fresnel_dielectric(cos_o, m->ior);
+    } else {
+        float outside2 = 1.0f - (1.0f - cos_o * cos_o) * m->ior * m->ior;
+        f = outside2 > 0.0f ? lf_fresnel_dielectric(sqrtf(outside2), m->ior) : 1.0f;
+    }
+    return m->is_solid ? f : 2.0f * f / (1.0f + f);
+}
+
+/* What a smooth dielectric reflects, glass and what is not. */
+static lf_vec3 mirrored_by_dielectric(const lf_material *m, bool front, float cos_o)
+{
+    float f = lf_lerp(lf_fresnel_dielectric(cos_o, m->ior), face_reflectance(m, front, cos_o),
+                      m->transmission);
+    return lf_scale(m->specular_tint, (1.0f - m->metallic) * m->specular * f);
+}
+
+/* What goes through glass, which is what its face does not reflect: along *out_wi. */
+static lf_vec3 transmitted(const layers *l, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
+                           lf_vec3 *out_wi)
+{
+    const lf_material *m = &l->m;
+    float cos_o = lf_min(lf_dot(ns, wo), 1.0f),
+          enters = l->rough ? coat_loss(m, cos_o)
+                            : 1.0f - m->specular * face_reflectance(m, front, cos_o);
+    *out_wi = lf_scale(wo, -1.0f);
+    if ((m->is_solid && !refract(ns, wo, front ? m->ior : 1.0f / m->ior, out_wi)) ||
+        !(lf_dot(*out_wi, ng) < 0.0f))
+        return lf_v3(0.0f, 0.0f, 0.0f);
+    return lf_scale(m->albedo, (1.0f - m->metallic) * m->transmission * enters);
+}
+
+static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
+                  lf_delta out[LF_MAX_DELTAS])
+{
+    float cos_o = lf_min(lf_dot(ns, wo), 1.0f), coat = 0.0f;
+    int n = 0;
+    if (!m->has_delta || !(cos_o > LF_MIN_COS))
+        return 0;
+    layers l = layers_of(m);
+    if (l.coated)
+        coat = m->coat * (l.rough_coat ? 1.0f - clear_loss(m, cos_o)
+                                       : lf_fresnel_dielectric(cos_o, COAT_INDEX));
+    lf_vec3 mirrored = l.rough_coat ? lf_v3(0.0f, 0.0f, 0.0f) : lf_v3(coat, coat, coat);
+    if (!l.rough)
+        mirrored = lf_madd(mirrored, 1.0f - coat,
+                           lf_madd(mirrored_by_dielectric(m, front, cos_o), m->metallic,
+                                   lf_conductor_fresnel(m, cos_o)));
+    if (lf_max3(mirrored) > 0.0f)
+        out[n++] = (lf_delta){lf_mirror(ng, ns, wo), mirrored};
+    if (m->transmission > 0.0f) {
+        out[n].f = lf_scale(transmitted(&l, ng, ns, wo, front, &out[n].wi), 1.0f - coat);
+        n += lf_max3(out[n].f) > 0.0f;
+    }
+    return n;
+}
+
+/* ------------------------------------------------------------------------------------- the kind --
+ */
+
+static float metal_rest(float albedo, double loss)
+{
+    double f = (double)albedo + (1.0 - (double)albedo) / 21.0; /* Schlick's mean */
+    return (float)(f * (1.0 - loss) / (1.0 - f * loss));
+}
+
+static void prepare(lf_material *m)
+{
+    bool rough = lf_material_alpha(m) >= LF_ALPHA_MIN,
+         rough_coat = m->coat_roughness * m->coat_roughness >= LF_ALPHA_MIN;
+    float metal_mean = 0.0f;
+    memset(m->coat_loss, 0, sizeof m->coat_loss);
+    memset(m->metal_loss, 0, sizeof m->metal_loss);
+    memset(m->loss, 0, sizeof m->loss);
+    if (rough) {
+        lf_loss_look_up(m->ior, m->roughness, m->loss);
+        metal_mean = lf_loss_look_up(0.0f, m->roughness, m->metal_loss);
+    }
+    if (m->coat > 0.0f && rough_coat)
+        (void)lf_loss_look_up(COAT_INDEX, m->coat_roughness, m->coat_loss);
+    float mean = lf_loss_look_up(m->ior, rough ? m->roughness : 0.0f, NULL);
+    m->mean_loss = 1.0f - m->specular * (1.0f - mean);
+    m->rest = lf_v3(metal_rest(m->albedo.x, (double)metal_mean),
+                    metal_rest(m->albedo.y, (double)metal_mean),
+                    metal_rest(m->albedo.z, (double)metal_mean));
+    m->mean_fresnel = lf_mean3(m->albedo) * (20.0f / 21.0f) + 1.0f / 21.0f;
+    bool reflects = m->metallic > 0.0f || (m->specular > 0.0f && m->ior > 1.0f);
+    m->has_lobe =
+        (rough && reflects) || (m->coat > 0.0f && rough_coat) ||
+        (lf_max3(m->albedo) > 0.0f && (1.0f - m->metallic) * (1.0f - m->transmission) > 0.0f);
+    m->has_delta = (!rough && reflects) || (m->coat > 0.0f && !rough_coat) ||
+                   (1.0f - m->metallic) * m->transmission > 0.0f;
+}
+
+enum {
+    ALBEDO,
+    ROUGHNESS,
+    METALLIC,
+    IOR,
+    SPECULAR,
+    SPECULAR_TINT,
+    COAT,
+    COAT_ROUGHNESS,
+    TRANSMISSION,
+    GLASS,
+    ABSORPTION
+};
+
+static const char *const glasses[] = {"solid", "sheet", NULL};
+
+static const lf_param keys[] = {
+    [ALBEDO] = {.name = "albedo", .type = LF_PARAM_COLOUR, .high = 1, .point = {0.5, 0.5, 0.5}},
+    [ROUGHNESS] = {.name = "roughness", .type = LF_PARAM_NUMBER, .high = 1, .initial = 0.3},
+    [METALLIC] = {.name = "metallic", .type = LF_PARAM_NUMBER, .high = 1},
+    [IOR] = {.name = "ior", .type = LF_PARAM_NUMBER, .low = 1, .high = 3, .initial = 1.5},
+    [SPECULAR] = {.name = "specular", .type = LF_PARAM_NUMBER, .high = 1, .initial = 1},
+    [SPECULAR_TINT] = {.name = "specular_tint",
+                       .type = LF_PARAM_COLOUR,
+                       .high = 1,
+                       .point = {1, 1, 1}},
+    [COAT] = {.name = "coat", .type = LF_PARAM_NUMBER, .high = 1},
+    [COAT_ROUGHNESS] = {.name = "coat_roughness", .type = LF_PARAM_NUMBER, .high = 1},
+    [TRANSMISSION] = {.name = "transmission", .type = LF_PARAM_NUMBER, .high = 1},
+    [GLASS] = {.name = "glass", .type = LF_PARAM_WORD, .words = glasses},
+    [ABSORPTION] = {.name = "absorption", .type = LF_PARAM_COLOUR, .high = 1e9},
+    {0},
+};
+
+static void read(const lf_value values[], lf_material *m)
+{
+    m->albedo = lf_to_vec3(values[ALBEDO].number);
+    m->roughness = (float)values[ROUGHNESS].number[0];
+    m->metallic = (float)values[METALLIC].number[0];
+    m->ior = (float)values[IOR].number[0];
+    m->specular = (float)values[SPECULAR].number[0];
+    m->specular_tint = lf_to_vec3(values[SPECULAR_TINT].number);
+    m->coat = (float)values[COAT].number[0];
+    m->coat_roughness = (float)values[COAT_ROUGHNESS].number[0];
+    m->transmission = (float)values[TRANSMISSION].number[0];
+    m->is_solid = values[GLASS].word == 0;
+    m->absorption = lf_to_vec3(values[ABSORPTION].number);
+}
+
+const lf_surface_kind lf_surface_principled = {
+    .name = "principled",
+    .keys = keys,
+    .lacks = "principled surfaces have none",
+    .read = read,
+    .prepare = prepare,
+    .eval = eval,
+    .eval_fan = eval_fan,
+    .sample = sample,
+    .deltas = deltas,
+    .view_dependent = true,
+};
