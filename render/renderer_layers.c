@@ -152,7 +152,7 @@ static void surfaces(const layer_job *job, int row, float *out, size_t stride, b
                 if (!lf_trace_surface(&tracer, eye, ray_of(rig, view, row, column, i), INFINITY,
                                       &hit))
                     continue;
-                sum = lf_add(sum, normals ? hit.ns : hit.material->albedo);
+                sum = lf_add(sum, normals ? hit.ns : lf_hit_material(&hit)->albedo);
                 met++;
             }
             float scale = normals ? lf_length(sum) : (float)met;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "render/load/geometry_textures.h"
 #include "render/transport/surface.h"
 
 /* ThreadSanitizer cannot see how TBB hands work from thread to thread: under it Embree builds on
@@ -90,10 +91,14 @@ static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned i
                       data->normals,
                       data->triangle_material,
                       0,
-                      box_of(vertices, data)};
+                      box_of(vertices, data),
+                      data->uvs,
+                      data->colours,
+                      data->tangents};
     data->triangles = NULL;
     data->normals = NULL;
     data->triangle_material = NULL;
+    data->uvs = data->colours = data->tangents = NULL;
     return LF_OK;
 }
 
@@ -129,13 +134,14 @@ static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
                (size_t)data[i].n_files * sizeof data[i].files[0]);
         for (int j = 0; j < data[i].n_files; j++)
             geometry->files[geometry->n_files + j].mesh = i;
-        for (int j = 0; j < data[i].n_materials; j++)
-            lf_material_prepare(&geometry->materials[geometry->n_materials + j]);
         geometry->n_materials += data[i].n_materials;
         geometry->n_files += data[i].n_files;
         data[i].n_files = 0;
     }
-    return LF_OK;
+    lf_status status = lf_geometry_take_textures(geometry, data, n);
+    for (int i = 0; i < n_materials && status == LF_OK; i++)
+        lf_material_prepare(&geometry->materials[i]);
+    return status;
 }
 
 /* The mesh's triangles for Embree: without the large ones, a copy of its own in which those are

@@ -512,11 +512,14 @@ static void mark_used(const lf_mesh *mesh, bool *used)
 static void set_flags(lf_scene *scene)
 {
     bool used[LF_MAX_MATERIALS] = {false};
-    for (int i = 0; i < scene->n_meshes; i++)
+    for (int i = 0; i < scene->n_meshes; i++) {
         mark_used(&scene->meshes[i], used);
+        scene->has_textures |= !!scene->meshes[i].colours;
+    }
     for (int m = 0; m < scene->n_materials; m++) {
         const lf_material *material = &scene->materials[m];
         scene->has_delta |= used[m] && material->has_delta;
+        scene->has_textures |= used[m] && !!material->textures;
         scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
         scene->has_view_lobes |= used[m] && material->kind->view_dependent;
     }

@@ -243,9 +243,9 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lo
         const lf_hit *hit = &pivot->event.hit;
         lf_vec3 t, b;
         lf_tangents(hit->ns, &t, &b);
-        hit->material->kind->eval_fan(hit->material, lf_to_frame(t, b, hit->ns, wi),
-                                      lanes_of(visit->rig), w->local[0], w->local[1], w->local[2],
-                                      out);
+        const lf_material *material = lf_hit_material(hit);
+        material->kind->eval_fan(material, lf_to_frame(t, b, hit->ns, wi), lanes_of(visit->rig),
+                                 w->local[0], w->local[1], w->local[2], out);
     }
     for (int k = 0; k < visit->rig->n_views; k++)
         sum += w->strategy[k] * w->lobe[k];

@@ -61,6 +61,7 @@ void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, 
     if (!suffix->has_direction || !(lf_max3(f) > 0.0f))
         return;
     lf_event next;
+    tracer->spread = LF_SUFFIX_SPREAD;
     lf_path_next(tracer, &pivot->event, suffix->wi, &next);
     suffix->found = lf_path_light_found(visit->scene, &pivot->event, &next, &suffix->found_pdf);
     if (visit->worker->glows.n > 0 && suffix->found_pdf > 0.0f && next.kind == LF_EVENT_SURFACE)
@@ -233,6 +234,8 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     lf_event *event = &pivot.event;
     event->w = w;
     lf_vec3 eye = lf_rig_point(rig, ray.x0, visit->plane.ly, 0.0f);
+    worker->tracer.width = 0.0f;
+    worker->tracer.spread = lf_rig_spread(rig) / ray.length;
     bool surface = lf_trace_surface(&worker->tracer, eye, w, INFINITY, &event->hit);
     bool shared = surface && event->hit.material->has_lobe;
     bool native = surface && (shared || event->hit.material->has_delta);

@@ -22,6 +22,9 @@ void lf_geometry_unref(lf_geometry *geometry)
         lf_free((void *)(uintptr_t)geometry->meshes[i].triangles);
         lf_free((void *)(uintptr_t)geometry->meshes[i].normals);
         lf_free((void *)(uintptr_t)geometry->meshes[i].triangle_material);
+        lf_free((void *)(uintptr_t)geometry->meshes[i].uvs);
+        lf_free((void *)(uintptr_t)geometry->meshes[i].colours);
+        lf_free((void *)(uintptr_t)geometry->meshes[i].tangents);
     }
     for (int i = 0; i < geometry->n_files; i++)
         lf_free(geometry->files[i].path);
@@ -29,6 +32,13 @@ void lf_geometry_unref(lf_geometry *geometry)
     lf_free(geometry->large.triangles);
     lf_free(geometry->meshes);
     lf_free(geometry->materials);
+    lf_free(geometry->textures);
+    for (int i = 0; i < geometry->n_pyramids; i++)
+        lf_pyramid_finish(&geometry->pyramids[i]);
+    for (int i = 0; i < geometry->n_pictures; i++)
+        lf_free(geometry->pictures[i].rgba);
+    lf_free(geometry->pyramids);
+    lf_free(geometry->pictures);
     lf_warnings_finish(&geometry->warnings);
     json_decref(geometry->key);
     lf_free(geometry);

@@ -29,9 +29,13 @@ typedef struct lf_geometry {
     /* owner of their arrays; .material is left 0: the scene fills it in its own copy */
     lf_mesh *meshes;
     lf_material *materials; /* the files' own, which triangle_material numbers */
-    double origin[3];       /* what was taken off the vertices */
-    double bounds[2][3];    /* world: least, greatest */
-    json_t *key;            /* the JSON that shaped it */
+    lf_textures *textures;  /* [n_materials] theirs; NULL: none has any */
+    int n_pictures, n_pyramids;
+    lf_texels *pictures;
+    lf_pyramid *pyramids;
+    double origin[3];    /* what was taken off the vertices */
+    double bounds[2][3]; /* world: least, greatest */
+    json_t *key;         /* the JSON that shaped it */
     int n_files;
     lf_mesh_file *files;  /* everything that was read */
     lf_warnings warnings; /* of the meshes */

@@ -97,18 +97,19 @@ typedef struct lf_material {
     lf_vec3 emission; /* radiance leaving both sides; 0 = not a light */
     /* complex index eta + i k of each channel; eta.x = 0: none, albedo says it all */
     lf_vec3 eta, k;
-    float metallic;             /* 0..1: how much of a layered surface is metal */
-    lf_cover cover;             /* what becomes of `alpha` and of the alpha of its texture */
-    float alpha;                /* 0..1 */
-    float cutoff;               /* LF_COVER_MASK: opaque from here on */
-    float specular;             /* of what a dielectric reflects, 0..1 … */
-    lf_vec3 specular_tint;      /* … and its colour, 0..1 */
-    float coat, coat_roughness; /* a clear coat of index 1.5 on top, 0..1 */
-    lf_vec3 sheen;              /* colour of fibres that stand up, 0..1; 0: none */
-    float sheen_roughness;      /* perceptual, 0..1 */
-    float transmission;         /* 0..1: of what is not metal goes through in place of diffuse */
-    bool is_solid;              /* what is behind is another medium of index ior; else a sheet */
-    lf_vec3 absorption;         /* inside of it, per scene unit */
+    float metallic;              /* 0..1: how much of a layered surface is metal */
+    lf_cover cover;              /* what becomes of `alpha` and of the alpha of its texture */
+    float alpha;                 /* 0..1 */
+    float cutoff;                /* LF_COVER_MASK: opaque from here on */
+    const lf_textures *textures; /* borrowed from the geometry; NULL: none */
+    float specular;              /* of what a dielectric reflects, 0..1 … */
+    lf_vec3 specular_tint;       /* … and its colour, 0..1 */
+    float coat, coat_roughness;  /* a clear coat of index 1.5 on top, 0..1 */
+    lf_vec3 sheen;               /* colour of fibres that stand up, 0..1; 0: none */
+    float sheen_roughness;       /* perceptual, 0..1 */
+    float transmission;          /* 0..1: of what is not metal goes through in place of diffuse */
+    bool is_solid;               /* what is behind is another medium of index ior; else a sheet */
+    lf_vec3 absorption;          /* inside of it, per scene unit */
     /* Made of the above by lf_material_prepare (surface.h). */
     bool has_lobe;             /* any that is not delta */
     bool has_delta;            /* one of nonzero reflectance */
@@ -119,6 +120,8 @@ typedef struct lf_material {
     float metal_loss[LF_LOSS_TERMS], coat_loss[LF_LOSS_TERMS], mean_loss, mean_fresnel;
 } lf_material;
 #define LF_ALPHA_MIN 1e-3f
+/* Its root and a little more: what textures cannot go below. */
+#define LF_LEAST_ROUGHNESS 0.0317f
 
 /* Scene-local; min > max when there is nothing. */
 typedef struct lf_box {
@@ -136,6 +139,8 @@ typedef struct lf_mesh {
     const uint16_t *triangle_material;
     uint16_t material;
     lf_box box; /* of the triangles */
+    /* lf_mesh_data's, each NULL where no material wants it */
+    const float *uvs, *colours, *tangents;
 } lf_mesh;
 
 static inline lf_vec3 lf_mesh_vertex(const lf_mesh *mesh, uint32_t vertex)
@@ -203,8 +208,9 @@ typedef struct lf_light {
     uint32_t *triangle;     /* … their numbers */
     /* [n_triangles + 1] cumulative area, 0..1: a float's steps would show in small triangles */
     double *area_cdf;
-    float area; /* total */
-    int glow;   /* lights at a distance: 1 + its place in scene->glows; 0 = none */
+    float area;       /* total */
+    bool has_picture; /* its emission is textured: radiance is the mean, area_cdf goes by it */
+    int glow;         /* lights at a distance: 1 + its place in scene->glows; 0 = none */
 } lf_light;
 
 /* Releases what the light owns; leaves it zeroed. Accepts one that is all zero. */
@@ -253,6 +259,7 @@ struct lf_scene {
     /* What integrators are specialised by. */
     bool has_delta;    /* some material has a delta lobe */
     bool has_emission; /* some material emits */
+    bool has_textures; /* something varies along a mesh */
     /* faces of lamps share their place with others: next event counts the one that a ray meets */
     bool has_overlaps;
     bool has_view_lobes; /* some lobe depends on the view: g != 0, conductor, plastic */

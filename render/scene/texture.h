@@ -8,6 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/status.h"
+
 /* As a file holds it: [height][width][4], red, green, blue, alpha, display encoded (colours) or as
  * it is (everything else: which is a matter of the slot). */
 typedef struct lf_texels {
@@ -41,5 +43,35 @@ typedef enum lf_slot {
 typedef struct lf_texture_set {
     lf_texture slot[LF_SLOTS];
 } lf_texture_set;
+
+/* A picture and its means over ever larger squares: level l has half of the texels of l - 1 along
+ * each side, rounded down, each the exact mean of what it covers, in linear light. */
+#define LF_MAX_LEVELS 17
+typedef struct lf_pyramid {
+    int n_levels;
+    int width[LF_MAX_LEVELS], height[LF_MAX_LEVELS];
+    const uint8_t *base;      /* level 0: the picture's own */
+    uint16_t *upper;          /* [..][4] the others, one behind the other; 65535 is 1 */
+    size_t at[LF_MAX_LEVELS]; /* where each begins, in texels */
+    bool display;             /* colours of base are display encoded */
+} lf_pyramid;
+
+/* display: as in lf_pyramid; covers: colours count by their alpha. texels must outlive *out.
+ * LF_E_NOMEM. Release with lf_pyramid_finish. */
+LF_NODISCARD lf_status lf_pyramid_make(const lf_texels *texels, bool display, bool covers,
+                                       lf_pyramid *out);
+/* Accepts one that is all zero. */
+void lf_pyramid_finish(lf_pyramid *pyramid);
+
+/* What the picture has at the mesh's coordinates (u, v), averaged over about 2^level texels along
+ * each side: linear red, green, blue, alpha, 0..1. Trilinear. */
+void lf_texture_look_up(const lf_texture *texture, const lf_pyramid *pyramid, float u, float v,
+                        float level, float out[4]);
+
+/* The textures of a material, as surfaces see them. */
+typedef struct lf_textures {
+    lf_texture_set set;
+    const lf_pyramid *pyramid[LF_SLOTS]; /* NULL where the slot has none */
+} lf_textures;
 
 #endif

@@ -2,6 +2,7 @@
 #include "render/transport/glow.h"
 #include "render/transport/light_types.h"
 #include "render/transport/sampler.h"
+#include "render/transport/surface_texture.h"
 
 /* Share of the picks that goes to all lights evenly: the power estimate knows nothing of distances
  * and shadows. */
@@ -99,7 +100,7 @@ lf_vec3 lf_light_hit(const lf_scene *scene, lf_vec3 from, const lf_hit *hit, flo
         return lf_v3(0.0f, 0.0f, 0.0f);
     const lf_light *light = lf_light_of_hit(scene, hit);
     *out_pdf = light->select * light->kind->hit_pdf(light, from, hit);
-    return light->radiance;
+    return light->has_picture ? lf_hit_emission(hit, 0.0f) : light->radiance;
 }
 
 bool lf_scene_has_light_sampling(const lf_scene *scene)

@@ -8,6 +8,7 @@ void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *
                     ? lf_offset(tracer->scene, from->p, from->hit.ng, w, 0.0f)
                     : from->p;
     float t_max = INFINITY;
+    tracer->width = from->kind == LF_EVENT_SURFACE && from->hit.varies ? from->hit.width : 0.0f;
     out->kind = LF_EVENT_ESCAPE;
     out->w = w;
     if (lf_trace_surface(tracer, o, w, t_max, &out->hit)) {
@@ -35,7 +36,7 @@ float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, 
                       lf_vec3 *f)
 {
     if (event->kind == LF_EVENT_SURFACE) {
-        const lf_material *m = event->hit.material;
+        const lf_material *m = lf_hit_material(&event->hit);
         float pdf = m->kind->eval(m, event->hit.ns, wo, wi, f);
         if (leads_through(&event->hit, wi))
             *f = lf_v3(0.0f, 0.0f, 0.0f);
@@ -51,7 +52,7 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
                         lf_vec3 *wi, lf_vec3 *f)
 {
     if (event->kind == LF_EVENT_SURFACE) {
-        const lf_material *m = event->hit.material;
+        const lf_material *m = lf_hit_material(&event->hit);
         float pdf = m->kind->sample(m, event->hit.ns, wo, u, wi, f);
         if (leads_through(&event->hit, *wi))
             *f = lf_v3(0.0f, 0.0f, 0.0f);
@@ -246,30 +247,32 @@ static bool survives(lf_tracer *tracer, lf_vec3 *beta)
 lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, int max_depth)
 {
     lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f), beta = lf_v3(1.0f, 1.0f, 1.0f);
-    lf_event here = *event;
+    lf_event events[2];
+    const lf_event *here = event;
     for (; depth <= max_depth; depth++) {
-        lf_vec3 wo = lf_scale(here.w, -1.0f), wi, f;
+        lf_vec3 wo = lf_scale(here->w, -1.0f), wi, f;
         float pdf = 0.0f;
-        bool delta = here.kind == LF_EVENT_SURFACE && follows_delta(tracer, &here, wo, &wi, &beta);
+        bool delta = here->kind == LF_EVENT_SURFACE && follows_delta(tracer, here, wo, &wi, &beta);
         if (!delta) {
-            radiance = lf_add(radiance, lf_mul(beta, direct(tracer, &here, wo)));
+            radiance = lf_add(radiance, lf_mul(beta, direct(tracer, here, wo)));
             const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
-            pdf = lf_scatter_sample(tracer->scene, &here, wo, u, &wi, &f);
+            pdf = lf_scatter_sample(tracer->scene, here, wo, u, &wi, &f);
             if (!(pdf > 0.0f))
                 break;
             beta = lf_scale(lf_mul(beta, f), 1.0f / pdf);
+            tracer->spread = LF_SUFFIX_SPREAD;
         }
         if (!(lf_max3(beta) > 0.0f) || !survives(tracer, &beta))
             break;
-        lf_event next;
-        lf_path_next(tracer, &here, wi, &next);
+        lf_event *next = here == &events[0] ? &events[1] : &events[0];
+        lf_path_next(tracer, here, wi, next);
         float light_pdf;
-        lf_vec3 found = lf_path_light_found(tracer->scene, &here, &next, &light_pdf);
+        lf_vec3 found = lf_path_light_found(tracer->scene, here, next, &light_pdf);
         float weight = delta || light_pdf <= 0.0f ? 1.0f : pdf / (pdf + light_pdf);
         radiance = lf_add(radiance, lf_scale(lf_mul(beta, found), weight));
         if (depth < max_depth && tracer->scene->n_glows > 0)
-            radiance = lf_add(radiance, lf_mul(beta, lf_path_glow(tracer, &next)));
-        if (next.kind == LF_EVENT_ESCAPE)
+            radiance = lf_add(radiance, lf_mul(beta, lf_path_glow(tracer, next)));
+        if (next->kind == LF_EVENT_ESCAPE)
             break;
         here = next;
     }

@@ -21,6 +21,10 @@ typedef struct lf_event {
     float surface; /* distance of the first surface along it, INFINITY: none */
 } lf_event;
 
+/* What a path averages of textures behind a vertex that is no mirror: widens by this with each unit
+ * of length. */
+#define LF_SUFFIX_SPREAD 0.05f
+
 /* The next event of a path that leaves `from` (a vertex) along the unit vector w. */
 void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out);
 

@@ -182,13 +182,14 @@ bool lf_sunlight_share(const lf_sunlight *sunlight, int i, lf_vec3 p, lf_vec3 n,
 float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face *face,
                             const lf_hit *hit, lf_vec3 wo)
 {
+    const lf_material *material = lf_hit_material(hit);
     float sum = 0.0f;
     for (int i = 0; i < sunlight->n; i++) {
         const star *sun = &sunlight->stars[i];
         lf_vec3 f;
         if (!(lf_dot(hit->ng, sun->toward) > 0.0f))
             continue;
-        (void)hit->material->kind->eval(hit->material, hit->ns, wo, sun->toward, &f);
+        (void)material->kind->eval(material, hit->ns, wo, sun->toward, &f);
         float reflected = lf_mean3(lf_mul(f, sun->light->irradiance));
         if (reflected > 0.0f)
             sum += reflected * share_of(sun, face->slope[i], hit->p);

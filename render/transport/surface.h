@@ -18,9 +18,18 @@ typedef struct lf_hit {
     const lf_material *material;
     const lf_mesh *mesh;
     uint32_t triangle;
-    float u, v; /* barycentric: the weights of the triangle's second and third corner */
-    bool front; /* the ray came from where the triangle's corners run counter-clockwise */
+    float u, v;  /* barycentric: the weights of the triangle's second and third corner */
+    bool front;  /* the ray came from where the triangle's corners run counter-clockwise */
+    bool varies; /* own is what the surface is made of here: its textures and colours looked up */
+    float width; /* of what the ray averages there, scene units; kept where anything varies */
+    lf_material own;
 } lf_hit;
+
+/* What the surface is made of where it was hit. Which of the scene's it is says hit->material. */
+static inline const lf_material *lf_hit_material(const lf_hit *hit)
+{
+    return hit->varies ? &hit->own : hit->material;
+}
 
 /* A delta lobe as one direction sees it: all of it goes on along wi. */
 #define LF_MAX_DELTAS 2
@@ -74,6 +83,9 @@ typedef struct lf_surface_kind {
      * has any. */
     int (*deltas)(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
                   lf_delta out[LF_MAX_DELTAS]);
+    /* The same as prepare, but fast, when textures have changed albedo, roughness, metallic and
+     * emission; has_lobe and has_delta stay. NULL: such surfaces have none. */
+    void (*vary)(lf_material *m);
     bool view_dependent; /* eval's pdf and f change with wo (beyond its sign) */
 } lf_surface_kind;
 
@@ -100,7 +112,7 @@ typedef struct lf_shading {
 
 static inline void lf_shade(const lf_hit *hit, lf_vec3 wo, lf_shading *out)
 {
-    const lf_material *m = hit->material;
+    const lf_material *m = lf_hit_material(hit);
     out->has_lobe = m->has_lobe;
     out->n_deltas =
         m->kind->deltas ? m->kind->deltas(m, hit->ng, hit->ns, wo, hit->front, out->delta) : 0;

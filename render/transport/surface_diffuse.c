@@ -27,6 +27,11 @@ static void prepare(lf_material *m)
     m->has_delta = false;
 }
 
+static void vary(lf_material *m)
+{
+    (void)m; /* all that counts is its albedo */
+}
+
 enum { ALBEDO };
 
 static const lf_param keys[] = {
@@ -45,6 +50,7 @@ const lf_surface_kind lf_surface_diffuse = {
     .lacks = "diffuse surfaces have none",
     .read = read,
     .prepare = prepare,
+    .vary = vary,
     .eval = eval,
     .sample = sample,
 };

@@ -270,30 +270,44 @@ static float metal_rest(float albedo, double loss)
     return (float)(f * (1.0 - loss) / (1.0 - f * loss));
 }
 
-static void prepare(lf_material *m)
+/* Of the layers below the coat. */
+static void vary(lf_material *m)
 {
-    bool rough = lf_material_alpha(m) >= LF_ALPHA_MIN,
-         rough_coat = m->coat_roughness * m->coat_roughness >= LF_ALPHA_MIN;
-    float metal_mean = 0.0f;
-    memset(m->coat_loss, 0, sizeof m->coat_loss);
-    memset(m->metal_loss, 0, sizeof m->metal_loss);
-    memset(m->loss, 0, sizeof m->loss);
-    if (rough) {
-        lf_loss_look_up(m->ior, m->roughness, m->loss);
+    float metal_mean = 0.0f, mean = 1.0f;
+    if (lf_material_alpha(m) >= LF_ALPHA_MIN) {
+        mean = lf_loss_look_up(m->ior, m->roughness, m->loss);
         metal_mean = lf_loss_look_up(0.0f, m->roughness, m->metal_loss);
+        m->mean_loss = 1.0f - m->specular * (1.0f - mean);
     }
-    if (m->coat > 0.0f && rough_coat)
-        (void)lf_loss_look_up(COAT_INDEX, m->coat_roughness, m->coat_loss);
-    float mean = lf_loss_look_up(m->ior, rough ? m->roughness : 0.0f, NULL);
-    m->mean_loss = 1.0f - m->specular * (1.0f - mean);
     m->rest = lf_v3(metal_rest(m->albedo.x, (double)metal_mean),
                     metal_rest(m->albedo.y, (double)metal_mean),
                     metal_rest(m->albedo.z, (double)metal_mean));
     m->mean_fresnel = lf_mean3(m->albedo) * (20.0f / 21.0f) + 1.0f / 21.0f;
+}
+
+static bool has_texture(const lf_material *m, lf_slot slot)
+{
+    return m->textures && m->textures->pyramid[slot];
+}
+
+static void prepare(lf_material *m)
+{
+    if (has_texture(m, LF_SLOT_METAL_ROUGH))
+        m->roughness = lf_max(m->roughness, LF_LEAST_ROUGHNESS);
+    bool rough = lf_material_alpha(m) >= LF_ALPHA_MIN,
+         rough_coat = m->coat_roughness * m->coat_roughness >= LF_ALPHA_MIN;
+    memset(m->coat_loss, 0, sizeof m->coat_loss);
+    memset(m->metal_loss, 0, sizeof m->metal_loss);
+    m->mean_loss = 1.0f - m->specular * (1.0f - lf_loss_look_up(m->ior, 0.0f, NULL));
+    vary(m);
+    if (m->coat > 0.0f && rough_coat)
+        (void)lf_loss_look_up(COAT_INDEX, m->coat_roughness, m->coat_loss);
+    float diffuse = (1.0f - m->metallic) * (1.0f - m->transmission);
+    if (has_texture(m, LF_SLOT_METAL_ROUGH))
+        diffuse = 1.0f - m->transmission;
     bool reflects = m->metallic > 0.0f || (m->specular > 0.0f && m->ior > 1.0f);
-    m->has_lobe =
-        (rough && reflects) || (m->coat > 0.0f && rough_coat) ||
-        (lf_max3(m->albedo) > 0.0f && (1.0f - m->metallic) * (1.0f - m->transmission) > 0.0f);
+    m->has_lobe = (rough && reflects) || (m->coat > 0.0f && rough_coat) ||
+                  (lf_max3(m->albedo) > 0.0f && diffuse > 0.0f);
     m->has_delta = (!rough && reflects) || (m->coat > 0.0f && !rough_coat) ||
                    (1.0f - m->metallic) * m->transmission > 0.0f;
 }
@@ -353,6 +367,7 @@ const lf_surface_kind lf_surface_principled = {
     .lacks = "principled surfaces have none",
     .read = read,
     .prepare = prepare,
+    .vary = vary,
     .eval = eval,
     .eval_fan = eval_fan,
     .sample = sample,

@@ -1,4 +1,5 @@
 #include "render/transport/track.h"
+#include "render/transport/surface_texture.h"
 
 #include <string.h>
 
@@ -43,6 +44,7 @@ static void describe(const lf_scene *scene, unsigned mesh_number, unsigned trian
     hit->triangle = triangle;
     hit->u = u;
     hit->v = v;
+    hit->varies = false;
     hit->material = &scene->materials[mesh->triangle_material ? mesh->triangle_material[triangle]
                                                               : mesh->material];
 }
@@ -84,6 +86,7 @@ void lf_face_hit(const lf_face *face, lf_vec3 p, lf_vec3 w, lf_hit *hit)
     hit->front = !(lf_dot(face->n, w) > 0.0f);
     hit->ng = hit->front ? face->n : lf_scale(face->n, -1.0f);
     hit->ns = hit->ng;
+    hit->varies = false;
     if (!face->mesh->normals)
         return;
     lf_vec3 ns =
@@ -106,7 +109,7 @@ static lf_vec3 point_of(const lf_large_triangle *large, lf_vec3 o, lf_vec3 w)
 }
 
 /* Fills *hit from what Embree reported. */
-static void take_hit(const lf_scene *scene, const struct RTCRayHit *rh, lf_vec3 o, lf_vec3 w,
+static void find_hit(const lf_scene *scene, const struct RTCRayHit *rh, lf_vec3 o, lf_vec3 w,
                      lf_hit *hit)
 {
     hit->t = rh->ray.tfar;
@@ -143,7 +146,9 @@ bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_h
     rtcIntersect1(scene->embree, &context, &rh);
     if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
         return false;
-    take_hit(scene, &rh, o, w, hit);
+    find_hit(scene, &rh, o, w, hit);
+    if (scene->has_textures && lf_is_varied(hit->mesh, hit->material))
+        lf_hit_vary(hit, tracer->width + tracer->spread * hit->t);
     return true;
 }
 

@@ -11,6 +11,9 @@
 typedef struct lf_tracer {
     const lf_scene *scene;
     uint64_t rng; /* stream of the path in progress: set before each base sample */
+    /* What rays average, where anything varies along surfaces: the diameter where they begin, and
+     * what it gains with each unit of t. Zeroed: nothing. */
+    float width, spread;
     int64_t rays; /* counters, never reset here */
     int64_t lookups;
     int64_t nonfinite;

@@ -1,0 +1,80 @@
+#include "render/load/geometry_textures.h"
+
+#include "base/alloc.h"
+
+/* What a pyramid is made for: numbers, colours, colours that count by their alpha. */
+enum { NUMBERS, COLOURS, COVERS, VARIANTS };
+
+static lf_status take_pictures(lf_geometry *geometry, lf_mesh_data *data, int n)
+{
+    size_t all = 0;
+    for (int i = 0; i < n; i++)
+        all += (size_t)data[i].n_pictures;
+    geometry->pictures = lf_calloc(all, sizeof *geometry->pictures);
+    geometry->pyramids = lf_calloc(VARIANTS * all, sizeof *geometry->pyramids);
+    geometry->textures = lf_calloc((size_t)geometry->n_materials, sizeof *geometry->textures);
+    if (!geometry->pictures || !geometry->pyramids || !geometry->textures)
+        return LF_E_NOMEM;
+    geometry->n_pyramids = VARIANTS * (int)all;
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < data[i].n_pictures; j++)
+            geometry->pictures[geometry->n_pictures++] = data[i].pictures[j];
+        data[i].n_pictures = 0;
+    }
+    return LF_OK;
+}
+
+static lf_status give_slot(lf_geometry *geometry, int picture, const lf_material *m, int slot,
+                           const lf_pyramid **out)
+{
+    int variant = slot == LF_SLOT_EMISSION      ? COLOURS
+                  : slot != LF_SLOT_BASE        ? NUMBERS
+                  : m->cover == LF_COVER_OPAQUE ? COLOURS
+                                                : COVERS;
+    lf_pyramid *pyramid = &geometry->pyramids[VARIANTS * picture + variant];
+    *out = pyramid;
+    return pyramid->n_levels > 0 ? LF_OK
+                                 : lf_pyramid_make(&geometry->pictures[picture], variant != NUMBERS,
+                                                   variant == COVERS, pyramid);
+}
+
+static lf_status give_textures(lf_geometry *geometry, int material, const lf_texture_set *set,
+                               int first_picture)
+{
+    lf_textures *own = &geometry->textures[material];
+    lf_material *m = &geometry->materials[material];
+    lf_status status = LF_OK;
+    *own = (lf_textures){.set = *set};
+    for (int slot = 0; slot < LF_SLOTS && status == LF_OK; slot++) {
+        if (set->slot[slot].picture == 0)
+            continue;
+        m->textures = own;
+        status = give_slot(geometry, first_picture + (int)set->slot[slot].picture - 1, m, slot,
+                           &own->pyramid[slot]);
+    }
+    return status;
+}
+
+lf_status lf_geometry_take_textures(lf_geometry *geometry, lf_mesh_data *data, int n)
+{
+    int material = 0, picture = 0, counts = 0;
+    lf_status status = LF_OK;
+    for (int i = 0; i < n; i++)
+        counts += data[i].n_pictures;
+    if (counts == 0)
+        return LF_OK;
+    int *first = lf_calloc((size_t)n, sizeof *first);
+    if (!first)
+        return LF_E_NOMEM;
+    for (int i = 0; i < n; i++) {
+        first[i] = picture;
+        picture += data[i].n_pictures;
+    }
+    status = take_pictures(geometry, data, n);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < data[i].n_materials; j++, material++)
+            if (data[i].textures && status == LF_OK)
+                status = give_textures(geometry, material, &data[i].textures[j], first[i]);
+    lf_free(first);
+    return status;
+}

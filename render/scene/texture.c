@@ -1,0 +1,185 @@
+#include "render/scene/texture.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/image.h"
+#include "render/scene/vec.h"
+
+/* ----------------------------------------------------------------------------------- decoding --
+ */
+
+static float light[2][256]; /* of a code: as it is, display encoded */
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+static void fill_light(void)
+{
+    for (int i = 0; i < 256; i++)
+        light[0][i] = (float)i / 255.0f;
+    lf_srgb_light(light[1]);
+}
+
+static void fetch(const lf_pyramid *p, int level, int x, int y, float out[4])
+{
+    size_t i = (size_t)y * (size_t)p->width[level] + (size_t)x;
+    if (level == 0) {
+        const uint8_t *code = p->base + 4 * i;
+        const float *colour = light[p->display];
+        out[0] = colour[code[0]];
+        out[1] = colour[code[1]];
+        out[2] = colour[code[2]];
+        out[3] = light[0][code[3]];
+        return;
+    }
+    const uint16_t *texel = p->upper + 4 * (p->at[level] + i);
+    for (int c = 0; c < 4; c++)
+        out[c] = (float)texel[c] * (1.0f / 65535.0f);
+}
+
+/* ------------------------------------------------------------------------------------- levels --
+ */
+
+/* The share of texel `from` of n in texel `to` of m < n. */
+static float overlap(int from, int n, int to, int m)
+{
+    float scale = (float)n / (float)m, lo = (float)to * scale, hi = lo + scale;
+    return lf_max(lf_min((float)from + 1.0f, hi) - lf_max((float)from, lo), 0.0f);
+}
+
+/* The mean of what a texel of level + 1 covers. */
+static void average(const lf_pyramid *p, int level, int x, int y, bool covers, float out[4])
+{
+    int w = p->width[level], h = p->height[level], w2 = p->width[level + 1],
+        h2 = p->height[level + 1];
+    int x0 = (int)((int64_t)x * w / w2), x1 = (int)(((int64_t)(x + 1) * w + w2 - 1) / w2),
+        y0 = (int)((int64_t)y * h / h2), y1 = (int)(((int64_t)(y + 1) * h + h2 - 1) / h2);
+    float colour[3] = {0.0f}, plain[3] = {0.0f}, alpha = 0.0f, all = 0.0f;
+    for (int j = y0; j < y1; j++) {
+        for (int i = x0; i < x1; i++) {
+            float texel[4], weight = overlap(i, w, x, w2) * overlap(j, h, y, h2);
+            fetch(p, level, i, j, texel);
+            all += weight;
+            alpha += weight * texel[3];
+            for (int c = 0; c < 3; c++) {
+                plain[c] += weight * texel[c];
+                colour[c] += weight * texel[3] * texel[c];
+            }
+        }
+    }
+    bool weighed = covers && alpha > 0.0f;
+    for (int c = 0; c < 3; c++)
+        out[c] = weighed ? colour[c] / alpha : plain[c] / all;
+    out[3] = alpha / all;
+}
+
+static void fill_level(lf_pyramid *p, int level, bool covers)
+{
+    uint16_t *texel = p->upper + 4 * p->at[level];
+    for (int y = 0; y < p->height[level]; y++) {
+        for (int x = 0; x < p->width[level]; x++, texel += 4) {
+            float mean[4];
+            average(p, level - 1, x, y, covers, mean);
+            for (int c = 0; c < 4; c++)
+                texel[c] = (uint16_t)lf_min(mean[c] * 65535.0f + 0.5f, 65535.0f);
+        }
+    }
+}
+
+lf_status lf_pyramid_make(const lf_texels *texels, bool display, bool covers, lf_pyramid *out)
+{
+    size_t n = 0;
+    pthread_once(&once, fill_light);
+    *out = (lf_pyramid){.base = texels->rgba, .display = display, .n_levels = 1};
+    out->width[0] = texels->width;
+    out->height[0] = texels->height;
+    for (int l = 1; out->width[l - 1] > 1 || out->height[l - 1] > 1; l++) {
+        out->width[l] = out->width[l - 1] > 1 ? out->width[l - 1] / 2 : 1;
+        out->height[l] = out->height[l - 1] > 1 ? out->height[l - 1] / 2 : 1;
+        out->at[l] = n;
+        n += (size_t)out->width[l] * (size_t)out->height[l];
+        out->n_levels = l + 1;
+    }
+    out->upper = lf_calloc(n, 4 * sizeof *out->upper);
+    if (!out->upper)
+        return LF_E_NOMEM;
+    for (int l = 1; l < out->n_levels; l++)
+        fill_level(out, l, covers);
+    return LF_OK;
+}
+
+void lf_pyramid_finish(lf_pyramid *pyramid)
+{
+    lf_free(pyramid->upper);
+    *pyramid = (lf_pyramid){0};
+}
+
+/* ------------------------------------------------------------------------------------ look-up --
+ */
+
+/* Into one period, or onto the picture: [0, 1]. */
+static float wrapped(float x, uint8_t wrap)
+{
+    if (wrap == LF_WRAP_CLAMP)
+        return lf_min(lf_max(x, 0.0f), 1.0f);
+    if (wrap == LF_WRAP_REPEAT)
+        return x - floorf(x);
+    float period = x - 2.0f * floorf(0.5f * x);
+    return period > 1.0f ? 2.0f - period : period;
+}
+
+/* A texel beyond the edge, by at most one. */
+static int neighbour(int i, int n, uint8_t wrap)
+{
+    if (i >= 0 && i < n)
+        return i;
+    if (wrap == LF_WRAP_REPEAT)
+        return i < 0 ? n - 1 : 0;
+    return i < 0 ? 0 : n - 1;
+}
+
+static void bilinear(const lf_texture *t, const lf_pyramid *p, int level, float u, float v,
+                     float out[4])
+{
+    int w = p->width[level], h = p->height[level];
+    float x = u * (float)w - 0.5f, y = v * (float)h - 0.5f, fx = x - floorf(x), fy = y - floorf(y);
+    int i = (int)floorf(x), j = (int)floorf(y);
+    int i0 = neighbour(i, w, t->wrap_u), i1 = neighbour(i + 1, w, t->wrap_u),
+        j0 = neighbour(j, h, t->wrap_v), j1 = neighbour(j + 1, h, t->wrap_v);
+    float a[4], b[4], c[4], d[4];
+    fetch(p, level, i0, j0, a);
+    fetch(p, level, i1, j0, b);
+    fetch(p, level, i0, j1, c);
+    fetch(p, level, i1, j1, d);
+    for (int k = 0; k < 4; k++)
+        out[k] = lf_lerp(lf_lerp(a[k], b[k], fx), lf_lerp(c[k], d[k], fx), fy);
+}
+
+static void nearest(const lf_pyramid *p, float u, float v, float out[4])
+{
+    int w = p->width[0], h = p->height[0];
+    fetch(p, 0, (int)lf_min(u * (float)w, (float)(w - 1)),
+          (int)lf_min(v * (float)h, (float)(h - 1)), out);
+}
+
+void lf_texture_look_up(const lf_texture *texture, const lf_pyramid *pyramid, float u, float v,
+                        float level, float out[4])
+{
+    const float(*m)[3] = texture->map;
+    float x = wrapped(m[0][0] * u + m[0][1] * v + m[0][2], texture->wrap_u),
+          y = wrapped(m[1][0] * u + m[1][1] * v + m[1][2], texture->wrap_v), more[4];
+    if (texture->nearest && level < 0.5f) {
+        nearest(pyramid, x, y, out);
+        return;
+    }
+    level = lf_min(lf_max(level, 0.0f), (float)(pyramid->n_levels - 1));
+    int below = (int)level;
+    float f = level - (float)below;
+    bilinear(texture, pyramid, below, x, y, out);
+    if (!(f > 0.0f))
+        return;
+    bilinear(texture, pyramid, below + 1, x, y, more);
+    for (int c = 0; c < 4; c++)
+        out[c] = lf_lerp(out[c], more[c], f);
+}

@@ -1,0 +1,139 @@
+#include "render/transport/surface_texture.h"
+
+/* The triangle's corners and where the point lies between them. */
+typedef struct place {
+    const lf_mesh *mesh;
+    const uint32_t *corner;
+    float weight[3];
+} place;
+
+static place place_of(const lf_hit *hit)
+{
+    return (place){.mesh = hit->mesh,
+                   .corner = hit->mesh->triangles + 3 * (size_t)hit->triangle,
+                   .weight = {1.0f - hit->u - hit->v, hit->u, hit->v}};
+}
+
+/* Of arrays [n_vertices][n]. */
+static void interpolate(const place *at, const float *values, int n, float *out)
+{
+    for (int i = 0; i < n; i++) {
+        out[i] = 0.0f;
+        for (int c = 0; c < 3; c++)
+            out[i] += at->weight[c] * values[(size_t)n * at->corner[c] + (size_t)i];
+    }
+}
+
+static lf_vec3 corner_of(const place *at, int i)
+{
+    return lf_mesh_vertex(at->mesh, at->corner[i]);
+}
+
+/* Texels along a scene unit on the triangle, squared. */
+static float density2(const place *at, const float *uvs, const lf_texture *t, const lf_pyramid *p)
+{
+    const float *a = uvs + 2 * (size_t)at->corner[0], *b = uvs + 2 * (size_t)at->corner[1],
+                *c = uvs + 2 * (size_t)at->corner[2];
+    float uv = fabsf((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+    float turned = fabsf(t->map[0][0] * t->map[1][1] - t->map[0][1] * t->map[1][0]);
+    lf_vec3 o = corner_of(at, 0);
+    float area = lf_length(lf_cross(lf_sub(corner_of(at, 1), o), lf_sub(corner_of(at, 2), o)));
+    return area > 0.0f ? uv * turned * (float)p->width[0] * (float)p->height[0] / area : 0.0f;
+}
+
+/* False where the material has no such texture. */
+static bool look_up(const place *at, const lf_textures *textures, lf_slot slot, float width,
+                    float out[4])
+{
+    const lf_texture *t = &textures->set.slot[slot];
+    const lf_pyramid *p = textures->pyramid[slot];
+    if (!p || !at->mesh->uvs)
+        return false;
+    const float *uvs = at->mesh->uvs + 2 * (size_t)t->set * (size_t)at->mesh->n_vertices;
+    float uv[2], texels2 = density2(at, uvs, t, p) * width * width;
+    interpolate(at, uvs, 2, uv);
+    lf_texture_look_up(t, p, uv[0], uv[1], texels2 > 1.0f ? 0.5f * log2f(texels2) : 0.0f, out);
+    return true;
+}
+
+lf_vec3 lf_hit_emission(const lf_hit *hit, float width)
+{
+    const lf_material *m = hit->material;
+    float texel[4];
+    place at = place_of(hit);
+    if (!m->textures || !look_up(&at, m->textures, LF_SLOT_EMISSION, width, texel))
+        return m->emission;
+    return lf_mul(m->emission, lf_v3(texel[0], texel[1], texel[2]));
+}
+
+static float covered(const lf_material *m, float alpha)
+{
+    if (m->cover == LF_COVER_OPAQUE)
+        return 1.0f;
+    return m->cover == LF_COVER_MASK ? (float)(alpha >= m->cutoff) : lf_min(alpha, 1.0f);
+}
+
+float lf_hit_cover(const lf_hit *hit, float width)
+{
+    const lf_material *m = hit->material;
+    float alpha = m->alpha, texel[4], colour[4];
+    place at = place_of(hit);
+    if (m->textures && look_up(&at, m->textures, LF_SLOT_BASE, width, texel))
+        alpha *= texel[3];
+    if (hit->mesh->colours) {
+        interpolate(&at, hit->mesh->colours, 4, colour);
+        alpha *= colour[3];
+    }
+    return covered(m, alpha);
+}
+
+/* The shading normal as a normal map turns it; of the surface's other side it is the same dent seen
+ * from behind. */
+static void bend(const place *at, const lf_texture *t, const float texel[4], lf_hit *hit)
+{
+    float tangent[4], side = hit->front ? 1.0f : -1.0f;
+    interpolate(at, at->mesh->tangents, 4, tangent);
+    lf_vec3 n = lf_scale(hit->ns, side), along = lf_v3(tangent[0], tangent[1], tangent[2]);
+    lf_vec3 across = lf_scale(lf_cross(n, along), tangent[3] < 0.0f ? -1.0f : 1.0f);
+    lf_vec3 bent = lf_madd(
+        lf_madd(lf_scale(n, 2.0f * texel[2] - 1.0f), t->scale * (2.0f * texel[0] - 1.0f), along),
+        t->scale * (2.0f * texel[1] - 1.0f), across);
+    float length = lf_length(bent);
+    if (!(length > 1e-6f))
+        return;
+    bent = lf_scale(bent, side / length);
+    if (lf_dot(bent, hit->ng) > 0.0f)
+        hit->ns = bent;
+}
+
+static void vary_by_textures(const place *at, const lf_textures *textures, float width, lf_hit *hit)
+{
+    lf_material *m = &hit->own;
+    float texel[4];
+    if (look_up(at, textures, LF_SLOT_BASE, width, texel))
+        m->albedo = lf_mul(m->albedo, lf_v3(texel[0], texel[1], texel[2]));
+    if (look_up(at, textures, LF_SLOT_METAL_ROUGH, width, texel)) {
+        m->roughness = lf_max(m->roughness * texel[1], LF_LEAST_ROUGHNESS);
+        m->metallic *= texel[2];
+    }
+    if (look_up(at, textures, LF_SLOT_EMISSION, width, texel))
+        m->emission = lf_mul(m->emission, lf_v3(texel[0], texel[1], texel[2]));
+    if (at->mesh->tangents && look_up(at, textures, LF_SLOT_NORMAL, width, texel))
+        bend(at, &textures->set.slot[LF_SLOT_NORMAL], texel, hit);
+}
+
+void lf_hit_vary(lf_hit *hit, float width)
+{
+    place at = place_of(hit);
+    hit->varies = true;
+    hit->width = width;
+    hit->own = *hit->material;
+    if (hit->mesh->colours) {
+        float colour[4];
+        interpolate(&at, hit->mesh->colours, 4, colour);
+        hit->own.albedo = lf_mul(hit->own.albedo, lf_v3(colour[0], colour[1], colour[2]));
+    }
+    if (hit->material->textures)
+        vary_by_textures(&at, hit->material->textures, width, hit);
+    hit->own.kind->vary(&hit->own);
+}

@@ -1,0 +1,24 @@
+/* What textures and colours at vertices make of a surface at one point; private to render/. */
+#ifndef LF_RENDER_SURFACE_TEXTURE_H
+#define LF_RENDER_SURFACE_TEXTURE_H
+
+#include "render/transport/surface.h"
+
+/* Whether anything of the surface varies along the mesh. */
+static inline bool lf_is_varied(const lf_mesh *mesh, const lf_material *material)
+{
+    return (mesh->colours || material->textures) && material->kind->vary;
+}
+
+/* Fills own and varies of a hit that is complete but for them, and moves ns by a normal map. width:
+ * diameter of what is averaged, scene units. Textures are looked up at the level at which a texel
+ * is as wide (ray cones: Akenine-Moeller et al. 2019, without the surface's tilt, so that all views
+ * of a point find the same). */
+void lf_hit_vary(lf_hit *hit, float width);
+/* The same for how much of the surface is there, alone: 0..1. */
+float lf_hit_cover(const lf_hit *hit, float width);
+
+/* What leaves the surface by itself, with its texture: radiance. */
+lf_vec3 lf_hit_emission(const lf_hit *hit, float width);
+
+#endif
