@@ -1,9 +1,9 @@
 /* Private to base: one picture format is one table of functions in a file of its own, and one line
  * in image_io.c.
  *
- * Readers get an open descriptor at offset 0 (not theirs to close), the file's size, and the name
- * for errors. They fill *out on LF_OK only; a format leaves the function of the other kind NULL and
- * image_io.c converts. */
+ * Readers get an open descriptor at offset 0 (not theirs to close) or the file's bytes, its size,
+ * and the name for errors. They fill *out on LF_OK only; a format leaves the function of the other
+ * kind NULL and image_io.c converts. */
 #ifndef LF_BASE_IMAGE_FORMATS_H
 #define LF_BASE_IMAGE_FORMATS_H
 
@@ -13,6 +13,8 @@ typedef struct lf_image_source {
     int fd;
     uint64_t size_bytes;
     const char *where;
+    const uint8_t *data; /* the whole file, of 8-bit formats alone; NULL: it is behind fd */
+    int channels;        /* that read8 is asked for: 3, or 4 with coverage */
 } lf_image_source;
 
 typedef struct lf_image_format {
@@ -27,6 +29,9 @@ typedef struct lf_image_format {
 } lf_image_format;
 
 extern const lf_image_format lf_format_png, lf_format_jpeg, lf_format_exr, lf_format_hdr;
+/* Of bytes in memory, with 4 channels: in no table but that of image_rgba.c, so that no program
+ * needs its library but the one that reads meshes. */
+extern const lf_image_format lf_format_webp;
 
 /* Bytes that recognises() is shown. */
 #define LF_IMAGE_HEAD_BYTES 16

@@ -103,7 +103,8 @@ static lf_status look_at(int fd, const char *path, lf_image_source *source,
         return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
     if (!S_ISREG(info.st_mode) || (uint64_t)info.st_size > LF_IMAGE_MAX_BYTES)
         return lf_error_set(err, LF_E_FORMAT, path, "no regular file of at most 4 GiB");
-    *source = (lf_image_source){fd, (uint64_t)info.st_size, path};
+    *source = (lf_image_source){
+        .fd = fd, .size_bytes = (uint64_t)info.st_size, .where = path, .channels = 3};
     return recognise(source, format, err);
 }
 

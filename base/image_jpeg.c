@@ -42,25 +42,30 @@ static void on_message(j_common_ptr jpeg, int level)
         s->damaged = true;
 }
 
+/* stream: NULL where the file is in memory. */
 static lf_status decode(struct jpeg_decompress_struct *jpeg, jpeg_session *s, FILE *stream,
                         lf_image8 *out)
 {
     if (setjmp(s->escape))
         return LF_E_FORMAT;
     jpeg_create_decompress(jpeg);
-    jpeg_stdio_src(jpeg, stream);
+    if (stream)
+        jpeg_stdio_src(jpeg, stream);
+    else
+        jpeg_mem_src(jpeg, s->source->data, (unsigned long)s->source->size_bytes);
     jpeg_read_header(jpeg, TRUE);
-    lf_status status =
-        lf_image_check_shape(s->source, jpeg->image_width, jpeg->image_height, 3, s->err);
+    const int channels = s->source->channels;
+    lf_status status = lf_image_check_shape(s->source, jpeg->image_width, jpeg->image_height,
+                                            (size_t)channels, s->err);
     if (status != LF_OK)
         return status;
     if (jpeg->num_components != 1 && jpeg->num_components != 3)
         return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
                             "a JPEG of %d components (expected grey or RGB)", jpeg->num_components);
-    jpeg->out_color_space = JCS_RGB;
+    jpeg->out_color_space = channels == 4 ? JCS_EXT_RGBA : JCS_RGB;
     jpeg->dct_method = JDCT_ISLOW;
     jpeg_start_decompress(jpeg);
-    status = lf_image8_init(out, (int)jpeg->output_width, (int)jpeg->output_height, 3);
+    status = lf_image8_init(out, (int)jpeg->output_width, (int)jpeg->output_height, channels);
     if (status != LF_OK)
         return lf_error_set(s->err, status, s->source->where, "no memory for the picture");
     while (jpeg->output_scanline < jpeg->output_height) {
@@ -73,16 +78,9 @@ static lf_status decode(struct jpeg_decompress_struct *jpeg, jpeg_session *s, FI
     return LF_OK;
 }
 
-static lf_status read_jpeg(const lf_image_source *source, lf_image8 *out, lf_error *err)
+static lf_status decode_from(const lf_image_source *source, FILE *stream, lf_image8 *out,
+                             lf_error *err)
 {
-    int fd = dup(source->fd);
-    FILE *stream = fd >= 0 ? fdopen(fd, "rb") : NULL;
-    if (!stream) {
-        int cause = errno;
-        if (fd >= 0)
-            close(fd);
-        return lf_error_set(err, LF_E_IO, source->where, "cannot read: %s", strerror(cause));
-    }
     struct jpeg_decompress_struct jpeg = {0};
     jpeg_session s = {.source = source, .err = err};
     jpeg.err = jpeg_std_error(&s.manager);
@@ -91,11 +89,27 @@ static lf_status read_jpeg(const lf_image_source *source, lf_image8 *out, lf_err
     lf_image8 image = {0};
     lf_status status = decode(&jpeg, &s, stream, &image);
     jpeg_destroy_decompress(&jpeg);
-    fclose(stream);
     if (status == LF_OK)
         *out = image;
     else
         lf_image8_finish(&image);
+    return status;
+}
+
+static lf_status read_jpeg(const lf_image_source *source, lf_image8 *out, lf_error *err)
+{
+    if (source->data)
+        return decode_from(source, NULL, out, err);
+    int fd = dup(source->fd);
+    FILE *stream = fd >= 0 ? fdopen(fd, "rb") : NULL;
+    if (!stream) {
+        int cause = errno;
+        if (fd >= 0)
+            close(fd);
+        return lf_error_set(err, LF_E_IO, source->where, "cannot read: %s", strerror(cause));
+    }
+    lf_status status = decode_from(source, stream, out, err);
+    fclose(stream);
     return status;
 }
 

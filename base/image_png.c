@@ -45,6 +45,15 @@ static void on_warning(png_structp png, png_const_charp message)
 
 /* -------------------------------------------------------------------------------------- read -- */
 
+static void copy_bytes(png_structp png, png_bytep to, size_t n)
+{
+    png_session *s = png_get_io_ptr(png);
+    if (n > s->source->size_bytes - s->offset)
+        png_error(png, "the file ends too early");
+    memcpy(to, s->source->data + s->offset, n);
+    s->offset += n;
+}
+
 static void read_bytes(png_structp png, png_bytep to, size_t n)
 {
     png_session *s = png_get_io_ptr(png);
@@ -63,7 +72,8 @@ static void read_bytes(png_structp png, png_bytep to, size_t n)
     }
 }
 
-static void ask_for_rgb8(png_structp png, png_infop info)
+/* Of so many channels: 3 is RGB, 4 has coverage, whole where the file says nothing of it. */
+static void ask_for_rgb8(png_structp png, png_infop info, int channels)
 {
     int color = png_get_color_type(png, info);
     if (color == PNG_COLOR_TYPE_PALETTE)
@@ -71,7 +81,12 @@ static void ask_for_rgb8(png_structp png, png_infop info)
     else if (color == PNG_COLOR_TYPE_GRAY)
         png_set_expand_gray_1_2_4_to_8(png);
     png_set_scale_16(png);
-    png_set_strip_alpha(png);
+    if (channels == 3)
+        png_set_strip_alpha(png);
+    else if (png_get_valid(png, info, PNG_INFO_tRNS))
+        png_set_tRNS_to_alpha(png);
+    else if (!(color & PNG_COLOR_MASK_ALPHA))
+        png_set_add_alpha(png, 0xff, PNG_FILLER_AFTER);
     if (!(color & PNG_COLOR_MASK_COLOR))
         png_set_gray_to_rgb(png);
 }
@@ -80,20 +95,21 @@ static lf_status read_rows(png_session *s, lf_image8 *out)
 {
     if (setjmp(png_jmpbuf(s->png)))
         return s->status;
-    png_set_read_fn(s->png, s, read_bytes);
+    png_set_read_fn(s->png, s, s->source->data ? copy_bytes : read_bytes);
     png_set_user_limits(s->png, 65536, 65536);
     png_read_info(s->png, s->info);
+    const int channels = s->source->channels;
     int64_t width = png_get_image_width(s->png, s->info),
             height = png_get_image_height(s->png, s->info);
-    s->status = lf_image_check_shape(s->source, width, height, 3, s->err);
+    s->status = lf_image_check_shape(s->source, width, height, (size_t)channels, s->err);
     if (s->status != LF_OK)
         return s->status;
-    ask_for_rgb8(s->png, s->info);
+    ask_for_rgb8(s->png, s->info, channels);
     int n_passes = png_set_interlace_handling(s->png);
     png_read_update_info(s->png, s->info);
-    if (png_get_rowbytes(s->png, s->info) != (size_t)width * 3)
+    if (png_get_rowbytes(s->png, s->info) != (size_t)width * (size_t)channels)
         png_error(s->png, "an unknown kind of pixel");
-    s->status = lf_image8_init(out, (int)width, (int)height, 3);
+    s->status = lf_image8_init(out, (int)width, (int)height, channels);
     if (s->status != LF_OK)
         return lf_error_set(s->err, s->status, s->source->where, "no memory for the picture");
     for (int pass = 0; pass < n_passes; pass++)

@@ -229,7 +229,7 @@ isa_globals() {
 reading_libraries() { # programs
     local p
     for p in "$@"; do
-        [ ! -e "$out/$p" ] || readelf -d "$out/$p" | sed -nE "s/.*NEEDED.*\\[(lib(assimp|openvdb)[^]]*)\\].*/$p needs \\1/p"
+        [ ! -e "$out/$p" ] || readelf -d "$out/$p" | sed -nE "s/.*NEEDED.*\\[(lib(assimp|openvdb|webp)[^]]*)\\].*/$p needs \\1/p"
         ! nm "$out/$p" 2> /dev/null | grep -qE ' [Tt] _Z' || echo "$p holds C++ of ours"
     done
 }

@@ -129,6 +129,35 @@ void lf_picture_jpeg(const char *path, int width, int height, int components, J_
     assert_int_equal(fclose(file), 0);
 }
 
+void lf_picture_png(const char *path, int width, int height, int depth, int color, bool interlaced,
+                    const png_color_16 *clear, uint8_t *rows, size_t stride)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    png_init_io(png, file);
+    png_set_IHDR(png, info, (png_uint_32)width, (png_uint_32)height, depth, color,
+                 interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_color palette[4] = {{1, 2, 3}, {50, 60, 70}, {255, 0, 128}, {9, 9, 9}};
+    png_byte alpha[4] = {255, 0, 7, 255};
+    if (color == PNG_COLOR_TYPE_PALETTE) {
+        png_set_PLTE(png, info, palette, 4);
+        png_set_tRNS(png, info, alpha, 4, NULL);
+    } else if (!(color & PNG_COLOR_MASK_ALPHA) && clear) {
+        png_set_tRNS(png, info, NULL, 0, clear);
+    }
+    png_write_info(png, info);
+    png_bytep pointers[16];
+    for (int y = 0; y < height; y++)
+        pointers[y] = rows + (size_t)y * stride;
+    png_write_image(png, pointers);
+    png_write_end(png, NULL);
+    png_destroy_write_struct(&png, &info);
+    assert_int_equal(fclose(file), 0);
+}
+
 void lf_picture_half_exr(const char *path, const int display[4], const int data[4], int compression,
                          int channels, bool tiled)
 {

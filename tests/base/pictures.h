@@ -7,6 +7,7 @@
 
 #include <ImfCRgbaFile.h>
 #include <jpeglib.h>
+#include <png.h>
 
 #include "base/image_io.h"
 
@@ -31,6 +32,10 @@ void lf_picture_refused(const char *path, const char *word);
 
 /* The smooth picture, by libjpeg. */
 void lf_picture_jpeg(const char *path, int width, int height, int components, J_COLOR_SPACE space);
+/* Rows of any kind of PNG, by libpng; palettes have four colours, of which the second is clear and
+ * the third nearly. clear: what is clear in pictures without alpha; NULL: nothing. */
+void lf_picture_png(const char *path, int width, int height, int depth, int color, bool interlaced,
+                    const png_color_16 *clear, uint8_t *rows, size_t stride);
 /* The smooth picture in half floats, by OpenEXR's C++ library. Windows are {x0, y0, x1, y1}, ends
  * included. */
 void lf_picture_half_exr(const char *path, const int display[4], const int data[4], int compression,

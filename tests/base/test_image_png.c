@@ -1,8 +1,6 @@
 /* Pictures as PNG files. */
 #include "tests/base/pictures.h"
 
-#include <png.h>
-
 #include "base/alloc.h"
 
 static bool holds(const char *path, const char *word)
@@ -44,34 +42,6 @@ static void a_png_says_srgb_and_carries_its_texts(void **state)
     lf_image8_finish(&image);
 }
 
-/* Writes rows of any kind of PNG by libpng itself. */
-static void make_png(const char *path, int width, int height, int depth, int color, bool interlaced,
-                     uint8_t *rows, size_t stride)
-{
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
-    png_infop info = png_create_info_struct(png);
-    png_init_io(png, file);
-    png_set_IHDR(png, info, (png_uint_32)width, (png_uint_32)height, depth, color,
-                 interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE,
-                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_color palette[4] = {{1, 2, 3}, {50, 60, 70}, {255, 0, 128}, {9, 9, 9}};
-    png_byte alpha[4] = {255, 0, 7, 255};
-    if (color == PNG_COLOR_TYPE_PALETTE) {
-        png_set_PLTE(png, info, palette, 4);
-        png_set_tRNS(png, info, alpha, 4, NULL);
-    }
-    png_write_info(png, info);
-    png_bytep pointers[16];
-    for (int y = 0; y < height; y++)
-        pointers[y] = rows + (size_t)y * stride;
-    png_write_image(png, pointers);
-    png_write_end(png, NULL);
-    png_destroy_write_struct(&png, &info);
-    assert_int_equal(fclose(file), 0);
-}
-
 static void every_kind_of_png_becomes_rgb(void **state)
 {
     const char *path = lf_test_path(*state, "kind.png");
@@ -79,12 +49,12 @@ static void every_kind_of_png_becomes_rgb(void **state)
     uint8_t rows[8][64];
     for (int interlaced = 0; interlaced < 2; interlaced++) {
         memset(rows, 0x1b, sizeof rows); /* indices 0 1 2 3 of two bits */
-        make_png(path, 8, 8, 2, PNG_COLOR_TYPE_PALETTE, interlaced, &rows[0][0], 64);
+        lf_picture_png(path, 8, 8, 2, PNG_COLOR_TYPE_PALETTE, interlaced, NULL, &rows[0][0], 64);
         lf_image8 image = lf_picture_load8(path);
         for (int x = 0; x < 8; x++)
             assert_memory_equal(image.data + 3 * image.stride + 3 * (size_t)x, palette[x % 4], 3);
         lf_image8_finish(&image);
-        make_png(path, 8, 8, 2, PNG_COLOR_TYPE_GRAY, interlaced, &rows[0][0], 64);
+        lf_picture_png(path, 8, 8, 2, PNG_COLOR_TYPE_GRAY, interlaced, NULL, &rows[0][0], 64);
         image = lf_picture_load8(path);
         for (int x = 0; x < 8; x++)
             for (int c = 0; c < 3; c++)
@@ -98,7 +68,7 @@ static void every_kind_of_png_becomes_rgb(void **state)
                 rows[0][x * 8 + c * 2] = (uint8_t)(samples[c] >> 8);
                 rows[0][x * 8 + c * 2 + 1] = (uint8_t)samples[c];
             }
-        make_png(path, 8, 1, 16, PNG_COLOR_TYPE_RGBA, interlaced, &rows[0][0], 64);
+        lf_picture_png(path, 8, 1, 16, PNG_COLOR_TYPE_RGBA, interlaced, NULL, &rows[0][0], 64);
         image = lf_picture_load8(path);
         for (int c = 0; c < 3; c++)
             assert_int_equal(image.data[15 + c], (int)floor(samples[c] / 257.0 + 0.5));
