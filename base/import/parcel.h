@@ -17,7 +17,7 @@ extern "C" {
 
 #include "base/status.h"
 
-#define LF_PARCEL_MAGIC UINT64_C(0x326c637270746c71) /* "qltprcl2" */
+#define LF_PARCEL_MAGIC UINT64_C(0x336c637270746c71) /* "qltprcl3" */
 
 /* What a section holds, and what one of its elements is. */
 typedef enum lf_parcel_tag {

@@ -9,6 +9,8 @@
 
 #define LF_MAX_TRIANGLES 50000000
 #define LF_MESH_MAX_BYTES ((uint64_t)2 << 30)
+#define LF_MAX_UV 1e6f /* of a texture coordinate, and of the numbers of a texture's map */
+#define LF_MAX_PICTURES 65536
 #define LF_MESH_MAX_FILES                                                                          \
     LF_IMPORT_MAX_FILES /* files behind one mesh: material libraries, buffers */
 
@@ -24,15 +26,15 @@ typedef struct lf_mesh_data {
     uint16_t *triangle_material;
     /* What lies at vertices, each absent where no material wants it: */
     int n_uv_sets;   /* at most LF_UV_SETS */
-    float *uvs;      /* [n_uv_sets][n_vertices][2] */
+    float *uvs;      /* [n_uv_sets][n_vertices][2], up to LF_MAX_UV */
     float *colours;  /* [n_vertices][4] linear, 0..1: multiplies albedo, and a coverage */
     float *tangents; /* [n_vertices][4] unit, world, across the normal; w = +-1: the bitangent's
                         side, w cross(normal, tangent) */
     int n_materials; /* the file's own; 0 for shapes and when desc names a material */
     lf_material *materials;
     lf_texture_set *textures; /* [n_materials], or NULL: none has any */
-    int n_pictures;
-    lf_texels *pictures;
+    int n_pictures;           /* at most LF_MAX_PICTURES */
+    lf_texels *pictures;      /* [n_pictures], their pixels this struct's */
     int n_files;
     lf_mesh_file files[LF_MESH_MAX_FILES];
     lf_warnings warnings; /* what the file holds and the mesh lacks */

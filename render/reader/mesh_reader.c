@@ -5,6 +5,13 @@
 #include "render/reader/mesh_read.h"
 #include "render/transport/surface.h"
 
+static void put_vector(lf_vec3 v, float out[3])
+{
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+}
+
 static uint32_t place_of(const lf_surface_kind *kind)
 {
     uint32_t i = 0;
@@ -13,19 +20,86 @@ static uint32_t place_of(const lf_surface_kind *kind)
     return i;
 }
 
+static void put_words(const lf_material *m, lf_parcel_material *out)
+{
+    put_vector(m->albedo, out->albedo);
+    put_vector(m->emission, out->emission);
+    out->metallic = m->metallic;
+    out->cover = (uint32_t)m->cover;
+    out->alpha = m->alpha;
+    out->cutoff = m->cutoff;
+    out->specular = m->specular;
+    put_vector(m->specular_tint, out->specular_tint);
+    out->coat = m->coat;
+    out->coat_roughness = m->coat_roughness;
+    put_vector(m->sheen, out->sheen);
+    out->sheen_roughness = m->sheen_roughness;
+    out->transmission = m->transmission;
+    put_vector(m->absorption, out->absorption);
+    out->is_solid = m->is_solid;
+}
+
+static void put_textures(const lf_texture_set *from, lf_parcel_material *out)
+{
+    for (int i = 0; i < LF_SLOTS; i++) {
+        const lf_texture *t = &from->slot[i];
+        out->texture[i] = (lf_parcel_texture){.picture = t->picture,
+                                              .wrap_u = t->wrap_u,
+                                              .wrap_v = t->wrap_v,
+                                              .set = t->set,
+                                              .nearest = t->nearest,
+                                              .scale = t->scale};
+        memcpy(out->texture[i].map, t->map, sizeof t->map);
+    }
+}
+
 static lf_status put_materials(lf_parcel_writer *parcel, const lf_mesh_data *data, lf_error *err)
 {
     lf_status status = LF_OK;
     for (int i = 0; i < data->n_materials && status == LF_OK; i++) {
         const lf_material *m = &data->materials[i];
-        const lf_parcel_material out = {.kind = place_of(m->kind),
-                                        .albedo = {m->albedo.x, m->albedo.y, m->albedo.z},
-                                        .roughness = m->roughness,
-                                        .ior = m->ior,
-                                        .emission = {m->emission.x, m->emission.y, m->emission.z}};
+        lf_parcel_material out = {
+            .kind = place_of(m->kind), .roughness = m->roughness, .ior = m->ior};
+        put_words(m, &out);
+        if (data->textures)
+            put_textures(&data->textures[i], &out);
         status = lf_parcel_append(parcel, LF_PARCEL_MATERIALS, &out, 1, err);
     }
     return status;
+}
+
+static lf_status put_pictures(lf_parcel_writer *parcel, const lf_mesh_data *data, lf_error *err)
+{
+    lf_status status = LF_OK;
+    for (int i = 0; i < data->n_pictures && status == LF_OK; i++) {
+        const lf_texels *p = &data->pictures[i];
+        const lf_parcel_picture out = {(uint32_t)p->width, (uint32_t)p->height};
+        status = lf_parcel_append(parcel, LF_PARCEL_PICTURES, &out, 1, err);
+    }
+    for (int i = 0; i < data->n_pictures && status == LF_OK; i++) {
+        const lf_texels *p = &data->pictures[i];
+        status = lf_parcel_append(parcel, LF_PARCEL_TEXELS, p->rgba,
+                                  4 * (size_t)p->width * (size_t)p->height, err);
+    }
+    return status;
+}
+
+/* What only the file's own materials look at. */
+static lf_status put_looks(lf_parcel_writer *parcel, const lf_mesh_data *data, lf_error *err)
+{
+    size_t n = (size_t)data->n_vertices;
+    lf_status status = lf_parcel_put(parcel, LF_PARCEL_CHOICES, data->triangle_material,
+                                     (size_t)data->n_triangles, err);
+    if (status == LF_OK)
+        status = put_materials(parcel, data, err);
+    if (status == LF_OK)
+        status =
+            lf_parcel_put(parcel, LF_PARCEL_UVS, data->uvs, 2 * n * (size_t)data->n_uv_sets, err);
+    if (status == LF_OK)
+        status = lf_parcel_put(parcel, LF_PARCEL_COLOURS, data->colours, 4 * n, err);
+    if (status == LF_OK)
+        status = lf_parcel_put(parcel, LF_PARCEL_TANGENTS, data->tangents, 4 * n, err);
+    return status == LF_OK ? put_pictures(parcel, data, err) : status;
 }
 
 /* Lines without the name of the file that stands before each. */
@@ -51,10 +125,8 @@ static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf
         status = lf_parcel_put(parcel, LF_PARCEL_NORMALS, data->normals, v, err);
     if (status == LF_OK)
         status = lf_parcel_put(parcel, LF_PARCEL_TRIANGLES, data->triangles, 3 * t, err);
-    if (status == LF_OK)
-        status = lf_parcel_put(parcel, LF_PARCEL_CHOICES, data->triangle_material, t, err);
-    if (status == LF_OK)
-        status = put_materials(parcel, data, err);
+    if (status == LF_OK && data->n_materials > 0)
+        status = put_looks(parcel, data, err);
     return status == LF_OK ? put_warnings(parcel, &data->warnings, err) : status;
 }
 

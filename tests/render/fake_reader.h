@@ -36,49 +36,205 @@ static inline _Noreturn void fake_say(const char *text)
 /* -------------------------------------------------------------------------------------- parcels --
  */
 
-/* A triangle with two materials; lie: what is wrong with it, "" = nothing. */
+/* A triangle with two materials and all that may lie on it. */
+typedef struct fake_mesh {
+    double positions[9];
+    float normals[9], uvs[12], colours[12], tangents[12];
+    uint32_t triangles[3];
+    uint16_t choice;
+    lf_parcel_material materials[2];
+    lf_parcel_picture pictures[2];
+    uint8_t texels[12];
+    size_t n[LF_PARCEL_TAGS]; /* elements that are told of */
+} fake_mesh;
+
+static inline fake_mesh fake_true_mesh(void)
+{
+    const lf_parcel_texture picture = {
+        .picture = 2, .wrap_u = 1, .set = 1, .map = {{1, 0, 0}, {0, -1, 1}}, .scale = 0.5f};
+    return (fake_mesh){.positions = {0, 0, 0, 1, 0, 0, 0, 1, 0},
+                       .normals = {0, 0, 1, 0, 0, 1, 0, 0, 1},
+                       .uvs = {0, 0, 1, 0, 0, 1, -2, 0, 1, 0, 0, 7},
+                       .colours = {1, 1, 1, 1, 0, 0.5f, 0, 1, 1, 1, 1, 0},
+                       .tangents = {1, 0, 0, 1, 0, 1, 0, -1, 1, 0, 0, 1},
+                       .triangles = {0, 1, 2},
+                       .choice = 1,
+                       .materials = {{.kind = 0, .albedo = {1, 0, 0}, .roughness = 1, .ior = 1.5f},
+                                     {.kind = 1,
+                                      .albedo = {0, 1, 0},
+                                      .ior = 1.5f,
+                                      .emission = {1, 1, 1},
+                                      .cover = LF_COVER_BLEND,
+                                      .alpha = 0.5f,
+                                      .sheen = {0, 0, 0.25f},
+                                      .absorption = {7, 0, 0},
+                                      .is_solid = 1,
+                                      .texture[LF_SLOT_NORMAL] = picture}},
+                       .pictures = {{1, 1}, {1, 2}},
+                       .texels = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12},
+                       .n = {[LF_PARCEL_POSITIONS] = 9,
+                             [LF_PARCEL_NORMALS] = 9,
+                             [LF_PARCEL_TRIANGLES] = 3,
+                             [LF_PARCEL_CHOICES] = 1,
+                             [LF_PARCEL_MATERIALS] = 2,
+                             [LF_PARCEL_UVS] = 12,
+                             [LF_PARCEL_COLOURS] = 12,
+                             [LF_PARCEL_TANGENTS] = 12,
+                             [LF_PARCEL_PICTURES] = 2,
+                             [LF_PARCEL_TEXELS] = 12}};
+}
+
+static inline void fake_lie_of_mesh(const char *lie, fake_mesh *m)
+{
+    if (strcmp(lie, "index") == 0 || strcmp(lie, "flat index") == 0)
+        m->triangles[1] = 3;
+    if (strcmp(lie, "nan") == 0)
+        m->positions[4] = (double)NAN;
+    if (strcmp(lie, "far") == 0)
+        m->positions[4] = 1e300;
+    if (strcmp(lie, "normal") == 0)
+        memset(m->normals, 0, sizeof m->normals);
+    if (strcmp(lie, "flat index") == 0)
+        m->n[LF_PARCEL_NORMALS] = 0;
+    if (strcmp(lie, "short") == 0)
+        m->n[LF_PARCEL_NORMALS] = 6;
+    if (strcmp(lie, "absent") == 0)
+        m->n[LF_PARCEL_TRIANGLES] = 0;
+    if (strcmp(lie, "odd") == 0)
+        m->n[LF_PARCEL_POSITIONS] = 8;
+}
+
+static inline void fake_lie_of_material(const char *lie, fake_mesh *m)
+{
+    lf_parcel_material *one = &m->materials[1];
+    if (strcmp(lie, "choice") == 0)
+        m->choice = 2;
+    if (strcmp(lie, "kind") == 0)
+        one->kind = 1000;
+    if (strcmp(lie, "white") == 0)
+        m->materials[0].albedo[1] = 1.5f;
+    if (strcmp(lie, "emission") == 0)
+        one->emission[2] = (float)INFINITY;
+    if (strcmp(lie, "ior") == 0)
+        one->ior = (float)NAN;
+    if (strcmp(lie, "cover") == 0)
+        one->cover = LF_COVERS;
+    if (strcmp(lie, "solid") == 0)
+        one->is_solid = 2;
+    if (strcmp(lie, "tint") == 0)
+        one->specular_tint[2] = 1.5f;
+    if (strcmp(lie, "sheen") == 0)
+        one->sheen[0] = -1.0f;
+    if (strcmp(lie, "absorption") == 0)
+        one->absorption[1] = (float)INFINITY;
+    /* the n-th of those between 0 and 1, or at least not less */
+    float *const words[] = {&one->metallic,        &one->alpha,       &one->cutoff,
+                            &one->specular,        &one->coat,        &one->coat_roughness,
+                            &one->sheen_roughness, &one->transmission};
+    for (int i = 0; i < 8; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "word %d", i);
+        if (strcmp(lie, name) == 0)
+            *words[i] = (float)NAN;
+        snprintf(name, sizeof name, "below %d", i);
+        if (strcmp(lie, name) == 0)
+            *words[i] = -0.25f;
+    }
+}
+
+static inline void fake_lie_of_looks(const char *lie, fake_mesh *m)
+{
+    lf_parcel_texture *texture = &m->materials[1].texture[LF_SLOT_NORMAL];
+    if (strcmp(lie, "uv nan") == 0)
+        m->uvs[11] = (float)NAN;
+    if (strcmp(lie, "uv far") == 0)
+        m->uvs[3] = -1e7f;
+    if (strcmp(lie, "uv short") == 0)
+        m->n[LF_PARCEL_UVS] = 11;
+    if (strcmp(lie, "uv absent") == 0)
+        m->n[LF_PARCEL_UVS] = 0;
+    if (strcmp(lie, "uv one") == 0) /* the texture wants the second set */
+        m->n[LF_PARCEL_UVS] = 6;
+    if (strcmp(lie, "colour") == 0)
+        m->colours[4] = 1.25f;
+    if (strcmp(lie, "colour nan") == 0)
+        m->colours[11] = (float)NAN;
+    if (strcmp(lie, "colour short") == 0)
+        m->n[LF_PARCEL_COLOURS] = 9;
+    if (strcmp(lie, "tangent long") == 0)
+        m->tangents[0] = 1.5f;
+    if (strcmp(lie, "tangent nan") == 0)
+        m->tangents[5] = (float)NAN;
+    if (strcmp(lie, "tangent up") == 0)
+        memcpy(m->tangents, m->normals, 3 * sizeof(float));
+    if (strcmp(lie, "tangent side") == 0)
+        m->tangents[7] = 0.5f;
+    if (strcmp(lie, "tangent short") == 0)
+        m->n[LF_PARCEL_TANGENTS] = 8;
+    if (strcmp(lie, "picture") == 0)
+        texture->picture = 3;
+    if (strcmp(lie, "wrap u") == 0)
+        texture->wrap_u = LF_WRAPS;
+    if (strcmp(lie, "wrap v") == 0)
+        texture->wrap_v = 256;
+    if (strcmp(lie, "set") == 0)
+        texture->set = 2;
+    if (strcmp(lie, "set wide") == 0)
+        texture->set = 256;
+    if (strcmp(lie, "nearest") == 0)
+        texture->nearest = 2;
+    if (strcmp(lie, "map") == 0)
+        texture->map[1][2] = (float)INFINITY;
+    if (strcmp(lie, "scale") == 0)
+        texture->scale = (float)NAN;
+    if (strcmp(lie, "size none") == 0)
+        m->pictures[0].width = 0;
+    if (strcmp(lie, "size wide") == 0)
+        m->pictures[1].height = 65537;
+    if (strcmp(lie, "size more") == 0)
+        m->pictures[1].width = 2;
+    if (strcmp(lie, "size less") == 0)
+        m->pictures[1].height = 1;
+    if (strcmp(lie, "texels") == 0)
+        m->n[LF_PARCEL_TEXELS] = 0;
+    if (strcmp(lie, "sizes") == 0)
+        m->n[LF_PARCEL_PICTURES] = 0;
+}
+
+/* lie: what is wrong with it, "" = nothing; "plain": nothing that materials look at,
+ * but for the section whose number is behind it. */
 static inline int fake_parcel(const char *lie)
 {
-    double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-    float normals[9] = {0, 0, 1, 0, 0, 1, 0, 0, 1};
-    uint32_t triangles[3] = {0, 1, 2};
-    uint16_t choice = 1;
-    lf_parcel_material materials[2] = {
-        {.kind = 0, .albedo = {1, 0, 0}, .roughness = 1, .ior = 1.5f},
-        {.kind = 1, .albedo = {0, 1, 0}, .ior = 1.5f, .emission = {1, 1, 1}}};
+    fake_mesh m = fake_true_mesh();
+    const struct {
+        lf_parcel_tag tag;
+        const void *data;
+    } sections[] = {{LF_PARCEL_POSITIONS, m.positions},
+                    {LF_PARCEL_NORMALS, m.normals},
+                    {LF_PARCEL_TRIANGLES, m.triangles},
+                    {LF_PARCEL_CHOICES, &m.choice},
+                    {LF_PARCEL_UVS, m.uvs},
+                    {LF_PARCEL_COLOURS, m.colours},
+                    {LF_PARCEL_TANGENTS, m.tangents},
+                    {LF_PARCEL_PICTURES, m.pictures},
+                    {LF_PARCEL_TEXELS, m.texels}};
     lf_parcel_writer writer;
     int fd = -1;
-    bool is_short = strcmp(lie, "short") == 0, absent = strcmp(lie, "absent") == 0,
-         odd = strcmp(lie, "odd") == 0, flat = strcmp(lie, "flat index") == 0;
-    if (strcmp(lie, "index") == 0 || flat)
-        triangles[1] = 3;
-    if (strcmp(lie, "nan") == 0)
-        positions[4] = (double)NAN;
-    if (strcmp(lie, "far") == 0)
-        positions[4] = 1e300;
-    if (strcmp(lie, "normal") == 0)
-        memset(normals, 0, sizeof normals);
-    if (strcmp(lie, "choice") == 0)
-        choice = 2;
-    if (strcmp(lie, "kind") == 0)
-        materials[1].kind = 1000;
-    if (strcmp(lie, "white") == 0)
-        materials[0].albedo[1] = 1.5f;
-    if (strcmp(lie, "emission") == 0)
-        materials[1].emission[2] = (float)INFINITY;
-    if (strcmp(lie, "ior") == 0)
-        materials[1].ior = (float)NAN;
-    if (lf_parcel_begin(&writer, NULL) != LF_OK ||
-        lf_parcel_put(&writer, LF_PARCEL_POSITIONS, positions, odd ? 8 : 9, NULL) != LF_OK ||
-        lf_parcel_put(&writer, LF_PARCEL_NORMALS, normals,
-                      flat       ? 0
-                      : is_short ? 6
-                                 : 9,
-                      NULL) != LF_OK ||
-        lf_parcel_put(&writer, LF_PARCEL_TRIANGLES, triangles, absent ? 0 : 3, NULL) != LF_OK ||
-        lf_parcel_put(&writer, LF_PARCEL_CHOICES, &choice, 1, NULL) != LF_OK ||
-        lf_parcel_append(&writer, LF_PARCEL_MATERIALS, materials, 1, NULL) != LF_OK ||
-        lf_parcel_append(&writer, LF_PARCEL_MATERIALS, materials + 1, 1, NULL) != LF_OK ||
+    fake_lie_of_mesh(lie, &m);
+    fake_lie_of_material(lie, &m);
+    fake_lie_of_looks(lie, &m);
+    bool plain = strncmp(lie, "plain", 5) == 0;
+    for (lf_parcel_tag tag = LF_PARCEL_CHOICES; tag <= LF_PARCEL_TEXELS && plain; tag++)
+        m.n[tag] = lie[5] == '\0' || atoi(lie + 5) != (int)tag ? 0 : m.n[tag];
+    if (lf_parcel_begin(&writer, NULL) != LF_OK)
+        _exit(3);
+    for (size_t i = 0; i < sizeof sections / sizeof *sections; i++)
+        if (lf_parcel_put(&writer, sections[i].tag, sections[i].data, m.n[sections[i].tag], NULL) !=
+            LF_OK)
+            _exit(3);
+    if ((m.n[LF_PARCEL_MATERIALS] > 0 &&
+         (lf_parcel_append(&writer, LF_PARCEL_MATERIALS, m.materials, 1, NULL) != LF_OK ||
+          lf_parcel_append(&writer, LF_PARCEL_MATERIALS, m.materials + 1, 1, NULL) != LF_OK)) ||
         lf_parcel_put(&writer, LF_PARCEL_WARNINGS, "one\ntwo\n", 8, NULL) != LF_OK ||
         lf_parcel_seal(&writer, &fd, NULL) != LF_OK)
         _exit(3);

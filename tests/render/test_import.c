@@ -155,10 +155,11 @@ static void use_reader(const char *folder, const char *mode)
     }
 }
 
-static lf_status import_by(const char *folder, const char *mode, lf_mesh_data *out, lf_error *err)
+static lf_status import_with(const char *folder, const char *mode, int material, lf_mesh_data *out,
+                             lf_error *err)
 {
     lf_mesh_desc desc = {
-        .name = "m", .file = "a.obj", .material = -1, .transform = lf_affine_identity()};
+        .name = "m", .file = "a.obj", .material = material, .transform = lf_affine_identity()};
     lf_roots roots = {0};
     *err = (lf_error){0};
     *out = (lf_mesh_data){0};
@@ -169,6 +170,11 @@ static lf_status import_by(const char *folder, const char *mode, lf_mesh_data *o
     use_reader(folder, NULL);
     lf_roots_finish(&roots);
     return status;
+}
+
+static lf_status import_by(const char *folder, const char *mode, lf_mesh_data *out, lf_error *err)
+{
+    return import_with(folder, mode, -1, out, err);
 }
 
 static void assert_says(const char *folder, const char *mode, lf_status expected, const char *what)
@@ -230,6 +236,46 @@ static void a_reader_that_tells_the_truth_is_believed(void **state)
     lf_mesh_data_finish(&data);
 }
 
+static void what_lies_on_a_mesh_is_taken_over_whole(void **state)
+{
+    const fake_mesh m = fake_true_mesh();
+    lf_mesh_data data;
+    lf_error err;
+    lf_assert_ok(import_by(*state, "parcel", &data, &err), &err);
+    assert_int_equal(data.n_uv_sets, 2);
+    assert_memory_equal(data.uvs, m.uvs, sizeof m.uvs);
+    assert_memory_equal(data.colours, m.colours, sizeof m.colours);
+    assert_memory_equal(data.tangents, m.tangents, sizeof m.tangents);
+    assert_int_equal(data.n_pictures, 2);
+    assert_true(data.pictures[1].width == 1 && data.pictures[1].height == 2);
+    assert_memory_equal(data.pictures[0].rgba, m.texels, 4);
+    assert_memory_equal(data.pictures[1].rgba, m.texels + 4, 8);
+    const lf_texture *t = &data.textures[1].slot[LF_SLOT_NORMAL];
+    assert_true(t->picture == 2 && t->wrap_u == LF_WRAP_MIRROR && t->wrap_v == LF_WRAP_REPEAT);
+    assert_true(t->set == 1 && !t->nearest && t->scale == 0.5f && t->map[1][1] == -1.0f);
+    assert_int_equal(data.textures[0].slot[LF_SLOT_BASE].picture, 0);
+    const lf_material *material = &data.materials[1];
+    assert_true(material->cover == LF_COVER_BLEND && material->alpha == 0.5f);
+    assert_true(material->is_solid && material->absorption.x == 7 && material->sheen.z == 0.25f);
+    lf_mesh_data_finish(&data);
+    assert_true(!data.pictures && !data.uvs && !data.colours && !data.tangents && !data.textures);
+}
+
+/* Where the scene has a material, the file's own looks were not asked for. */
+static void what_was_not_asked_for_is_refused(void **state)
+{
+    lf_mesh_data data;
+    lf_error err;
+    lf_assert_ok(import_with(*state, "plain", 0, &data, &err), &err);
+    lf_mesh_data_finish(&data);
+    for (int tag = LF_PARCEL_CHOICES; tag <= LF_PARCEL_TEXELS; tag++) {
+        char mode[32];
+        snprintf(mode, sizeof mode, "plain%d", tag);
+        lf_assert_status(import_with(*state, mode, 0, &data, &err), LF_E_FORMAT, &err);
+        lf_mesh_data_finish(&data);
+    }
+}
+
 /* Each is one lie in a parcel whose sections are all in place. */
 static void a_mesh_of_lies_is_refused(void **state)
 {
@@ -238,6 +284,33 @@ static void a_mesh_of_lies_is_refused(void **state)
                                        "short",  "absent",     "odd"};
     for (size_t i = 0; i < sizeof lies / sizeof *lies; i++)
         assert_says(*state, lies[i], LF_E_FORMAT, "the reader's answer");
+}
+
+static void looks_of_lies_are_refused(void **state)
+{
+    static const char *const lies[] = {"uv nan",        "uv far",      "uv short",   "uv absent",
+                                       "uv one",        "colour",      "colour nan", "colour short",
+                                       "tangent long",  "tangent nan", "tangent up", "tangent side",
+                                       "tangent short", "picture",     "wrap u",     "wrap v",
+                                       "set",           "set wide",    "nearest",    "map",
+                                       "scale",         "size none",   "size wide",  "size more",
+                                       "size less",     "texels",      "sizes"};
+    for (size_t i = 0; i < sizeof lies / sizeof *lies; i++)
+        assert_says(*state, lies[i], LF_E_FORMAT, "the reader's answer");
+}
+
+static void words_of_a_material_that_are_lies_are_refused(void **state)
+{
+    static const char *const lies[] = {"cover", "solid", "tint", "sheen", "absorption"};
+    for (size_t i = 0; i < sizeof lies / sizeof *lies; i++)
+        assert_says(*state, lies[i], LF_E_FORMAT, "no such material");
+    for (int i = 0; i < 8; i++) {
+        char lie[32];
+        snprintf(lie, sizeof lie, "word %d", i);
+        assert_says(*state, lie, LF_E_FORMAT, "no such material");
+        snprintf(lie, sizeof lie, "below %d", i);
+        assert_says(*state, lie, LF_E_FORMAT, "no such material");
+    }
 }
 
 static lf_status import_grid_by(const char *folder, const char *mode, lf_grid **out, lf_error *err)
@@ -587,7 +660,11 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_reader_that_ends_is_an_error_of_the_file),
         cmocka_unit_test(no_descriptor_stays_whatever_a_reader_sends),
         cmocka_unit_test(a_reader_that_tells_the_truth_is_believed),
+        cmocka_unit_test(what_lies_on_a_mesh_is_taken_over_whole),
+        cmocka_unit_test(what_was_not_asked_for_is_refused),
         cmocka_unit_test(a_mesh_of_lies_is_refused),
+        cmocka_unit_test(looks_of_lies_are_refused),
+        cmocka_unit_test(words_of_a_material_that_are_lies_are_refused),
         cmocka_unit_test(a_grid_of_lies_is_refused),
         cmocka_unit_test(a_picture_of_lies_is_refused),
         cmocka_unit_test(a_mesh_of_random_bytes_is_refused_or_within_bounds),

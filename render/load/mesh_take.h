@@ -1,0 +1,14 @@
+/* What a reader says a mesh is, taken over by whoever asked: checked as if an enemy had made it. */
+#ifndef LF_RENDER_MESH_TAKE_H
+#define LF_RENDER_MESH_TAKE_H
+
+#include "base/import/parcel.h"
+#include "render/load/mesh_import.h"
+
+/* Copies a parcel's mesh into zeroed *out, as lf_mesh_import promises it; materials: whether the
+ * file's own were asked for. Release with lf_mesh_data_finish in any case. LF_E_FORMAT: sections do
+ * not fit together, or hold what there is not; LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *out,
+                                    lf_error *err);
+
+#endif
