@@ -520,6 +520,7 @@ static void set_flags(lf_scene *scene)
         const lf_material *material = &scene->materials[m];
         scene->has_delta |= used[m] && material->has_delta;
         scene->has_textures |= used[m] && !!material->textures;
+        scene->has_veils |= used[m] && material->cover != LF_COVER_OPAQUE;
         scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
         scene->has_view_lobes |= used[m] && material->kind->view_dependent;
     }

@@ -4,6 +4,43 @@
 #include "render/rows/visit.h"
 #include "render/transport/light_kind.h"
 #include "render/transport/sunlight.h"
+#include "render/transport/surface_texture.h"
+
+static const lf_fan_face *face_of(const lf_visit *visit, int segment)
+{
+    lf_scratch *w = visit->worker;
+    lf_fan_face *face = &w->face[segment % LF_FAN_FACES];
+    if (face->segment != segment) {
+        face->segment = segment;
+        lf_section_face(&w->section, visit->triangles, visit->scene, segment, &face->face);
+        if (visit->sunlight)
+            lf_sunlight_face_init(&face->sunlight, visit->sunlight, face->face.n);
+    }
+    return face;
+}
+
+/* Where ray k meets its surface. */
+static void hit_of(const lf_visit *visit, int k, const lf_fan_face *face, lf_vec3 *out_along,
+                   lf_hit *out)
+{
+    const lf_scratch *w = visit->worker;
+    float z = w->z_end[k];
+    *out_along = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f);
+    lf_vec3 p = lf_madd(lf_rig_point(visit->rig, w->x0[k], visit->plane.ly, 0.0f), z, *out_along);
+    lf_face_hit(&face->face, p, *out_along, out);
+    if (visit->scene->has_textures && lf_is_varied(out->mesh, out->material))
+        lf_hit_vary(out, lf_rig_spread(visit->rig) * z);
+}
+
+static lf_vec3 emission_of(const lf_visit *visit, int k, const lf_material *material)
+{
+    lf_hit hit;
+    lf_vec3 along;
+    if (!material->textures || !(lf_max3(material->emission) > 0.0f))
+        return material->emission;
+    hit_of(visit, k, face_of(visit, visit->worker->segment[k]), &along, &hit);
+    return lf_hit_material(&hit)->emission;
+}
 
 /* One ray's known light and pivot probability; material: of the surface it meets, NULL: none;
  * depth: optical, along the whole ray or to the surface; exp(-depth) times correction is what comes
@@ -25,7 +62,7 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
     if (!visit->sums.known)
         return;
     if (material) {
-        light = material->emission;
+        light = emission_of(visit, k, material);
     } else if (sky) {
         light = *sky;
     } else {
@@ -36,33 +73,17 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
                         transmittance * light.z);
 }
 
-static const lf_fan_face *face_of(const lf_visit_plan *plan, const lf_visit *visit, int segment)
-{
-    lf_scratch *w = visit->worker;
-    lf_fan_face *face = &w->face[segment % LF_FAN_FACES];
-    if (face->segment != segment) {
-        face->segment = segment;
-        lf_section_face(&w->section, visit->triangles, visit->scene, segment, &face->face);
-        lf_sunlight_face_init(&face->sunlight, plan->order.sunlight, face->face.n);
-    }
-    return face;
-}
-
 /* What the surface that ray k meets sends on of sunlight. */
 static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k)
 {
-    const lf_scratch *w = visit->worker;
-    const lf_row_plane *plane = &visit->plane;
     if (!plan->order.sunlight)
         return 0.0f;
-    const lf_fan_face *face = face_of(plan, visit, w->segment[k]);
-    float z = w->z_end[k];
-    lf_vec3 along = lf_rig_direction(visit->rig, w->slope[k], plane->my, 1.0f),
-            p = lf_madd(lf_rig_point(visit->rig, w->x0[k], plane->ly, 0.0f), z, along);
     lf_hit hit;
-    lf_face_hit(&face->face, p, along, &hit);
+    lf_vec3 along;
+    const lf_fan_face *face = face_of(visit, visit->worker->segment[k]);
+    hit_of(visit, k, face, &along, &hit);
     return lf_sunlight_reflected(plan->order.sunlight, &face->sunlight, &hit,
-                                 lf_scale(along, -1.0f / w->length[k]));
+                                 lf_scale(along, -1.0f / visit->worker->length[k]));
 }
 
 /* What one ray met that scatters, q of it known: a medium, or behind it a surface. */
@@ -161,6 +182,24 @@ static void widen(bool *mirrors, int n_views, int width)
     }
 }
 
+/* s of the point in the window, or for a lens of what it makes of that, through which a fan runs.
+ */
+static float meeting(const lf_rig *rig, float xw, float lx)
+{
+    return xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus);
+}
+
+/* What veils before the surfaces let through is one more factor. */
+static void veil(const lf_visit *visit, float xw, float lx, int from, int to)
+{
+    lf_scratch *w = visit->worker;
+    const lf_veils veils = lf_visit_veils(visit);
+    for (int k = from; k < to; k++)
+        w->mirrored[k] = false;
+    lf_veils_along(&veils, meeting(visit->rig, xw, lx), to - from, w->x0 + from, w->z_end + from,
+                   w->factor + from, w->mirrored + from);
+}
+
 /* Correction weights of the fan's rays [from, to). Where media are thin 1 - T is what is wanted: a
  * point for every other fan, at least. */
 static void correct(const lf_visit *visit, int from, int to)
@@ -168,8 +207,6 @@ static void correct(const lf_visit *visit, int from, int to)
     lf_scratch *w = visit->worker;
     lf_rays rays = {visit->scene, visit->rig,   &visit->plane,   visit->kernels,
                     to - from,    w->x0 + from, w->slope + from, w->z_end + from};
-    for (int k = from; k < to; k++)
-        w->factor[k] = 1.0f;
     lf_correction_transmittance(&w->media, &rays, LF_CORRECTION_EXIT, 0.5f, &w->tracer,
                                 w->factor + from);
 }
@@ -197,10 +234,11 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
     lf_vec3 sky = constant ? lf_v3(light[0], light[1], light[2]) : lf_v3(0.0f, 0.0f, 0.0f);
     bool corrected =
         lf_correction_needed(&w->media) && !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
+    bool veiled = plan->scene->has_veils, weighed = corrected || veiled;
     w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
     for (int k = 0; k < LF_MAX_LANES; k++)
         w->segment[k] = -1; /* and so it stays without meshes */
-    for (int i = 0; i < LF_FAN_FACES && plan->order.sunlight; i++)
+    for (int i = 0; i < LF_FAN_FACES && (plan->order.sunlight || plan->scene->has_textures); i++)
         w->face[i].segment = -1;
     for (int column = 0; column < rig->width; column++) {
         float xw = rig->x0 + ((float)column + lf_exits_film_point(key, column, index)) * rig->dx,
@@ -214,13 +252,16 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
         aim(visit, xw, lx);
         lanes_of(&w->reach, rig->n_views, column, &from, &to);
         if (visit->triangles && from < to)
-            lf_section_nearest(&w->section, rig,
-                               xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus),
-                               to - from, w->x0 + from, w->z_end + from, w->segment + from);
+            lf_section_nearest(&w->section, rig, meeting(rig, xw, lx), to - from, w->x0 + from,
+                               w->z_end + from, w->segment + from);
         if (w->media.n_here > 0 && from < to)
             march(plan, w, from, to, visit->sums.feature);
+        for (int k = from; k < to && weighed; k++)
+            w->factor[k] = 1.0f;
         if (corrected && from < to)
             correct(visit, from, to);
+        if (veiled && from < to)
+            veil(visit, xw, lx, from, to);
         for (int k = 0; k < rig->n_views; k++) {
             bool met = k >= from && k < to && w->segment[k] >= 0;
             const lf_material *m =
@@ -228,8 +269,10 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
                     : NULL;
             size_t pixel = (size_t)k * (size_t)rig->width + (size_t)column;
             write_known(visit, pixel, k, m, w->tau[k] * w->length[k],
-                        corrected && k >= from && k < to ? w->factor[k] : 1.0f,
+                        weighed && k >= from && k < to ? w->factor[k] : 1.0f,
                         constant ? &sky : NULL);
+            if (veiled && w->mirrors && k >= from && k < to)
+                w->mirrors[pixel] |= w->mirrored[k];
             if (visit->sums.feature)
                 write_feature(plan, visit, pixel, k, m && m->has_lobe);
         }

@@ -48,7 +48,8 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
     }
 }
 
-/* Takes views from which a surface hides the pivot out of scale; the base counts as seeing it
+/* Takes views from which a surface hides the pivot out of scale, and of the others what veils keep;
+ * the base counts as seeing it
  * (disagreements are counted). */
 static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
@@ -57,8 +58,12 @@ static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
     const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
     lf_section_hide(&w->section, visit->triangles, visit->rig, pivot->event.p, on,
                     lanes_of(visit->rig), w->x0, w->scale);
-    if (base >= 0) {
-        w->base_hidden += !(w->scale[base] > 0.0f);
+    if (visit->scene->has_veils) {
+        const lf_veils veils = lf_visit_veils(visit);
+        lf_veils_before(&veils, pivot->event.p, on, lanes_of(visit->rig), w->x0, w->scale);
+    }
+    if (base >= 0 && !(w->scale[base] > 0.0f)) {
+        w->base_hidden++;
         w->scale[base] = seen[0];
     }
     if (lf_has_fault(visit, LF_FAULT_NO_VISIBILITY))

@@ -33,6 +33,7 @@ static void free_workers(lf_scratch **workers, int n)
             lf_media_finish(&workers[i]->media);
             lf_film_sums_finish(&workers[i]->sums);
             lf_section_finish(&workers[i]->section);
+            lf_section_finish(&workers[i]->veils);
             lf_free(workers[i]->expected);
             lf_free(workers[i]->mirrors);
         }
@@ -42,7 +43,7 @@ static void free_workers(lf_scratch **workers, int n)
 }
 
 static lf_scratch **make_workers(int n, const lf_media_frame *frame, const lf_film_layout *layout,
-                                 const lf_row_triangles *triangles, bool mirrors)
+                                 const lf_row_triangles *triangles, bool mirrors, bool veils)
 {
     lf_scratch **workers = lf_calloc((size_t)n, sizeof *workers);
     for (int i = 0; workers && i < n; i++) {
@@ -56,7 +57,8 @@ static lf_scratch **make_workers(int n, const lf_media_frame *frame, const lf_fi
         if (!workers[i] || !workers[i]->expected || (mirrors && !workers[i]->mirrors) ||
             lf_media_init(&workers[i]->media, frame) != LF_OK ||
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
-            lf_section_init(&workers[i]->section, triangles->longest) != LF_OK) {
+            lf_section_init(&workers[i]->section, triangles->longest) != LF_OK ||
+            lf_section_init(&workers[i]->veils, veils ? triangles->longest : 0) != LF_OK) {
             free_workers(workers, n);
             return NULL;
         }
@@ -68,7 +70,8 @@ static lf_scratch **make_workers(int n, const lf_media_frame *frame, const lf_fi
 static lf_film_layout film_layout(const lf_scene *scene, const lf_render_settings *settings,
                                   const lf_rig *rig, float sky[3])
 {
-    bool native = scene->has_delta || scene->n_glows > 0;
+    bool native =
+        scene->has_delta || scene->n_glows > 0 || (scene->has_veils && scene->has_emission);
     bool uniform = !native && settings->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_uniform(scene, sky),
          grids = false;
     for (int i = 0; i < scene->n_volumes; i++)
@@ -121,8 +124,8 @@ static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_
     if (status != LF_OK)
         return status;
     rows->n_workers = lf_pool_threads(rows->pool);
-    rows->workers =
-        make_workers(rows->n_workers, &rows->frame, layout, &rows->triangles, rows->seen.has_delta);
+    rows->workers = make_workers(rows->n_workers, &rows->frame, layout, &rows->triangles,
+                                 rows->seen.has_delta, rows->seen.has_veils);
     return rows->workers ? LF_OK : LF_E_NOMEM;
 }
 

@@ -1,4 +1,4 @@
-#include "render/rows/section.h"
+#include "render/rows/section_walk.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -293,6 +293,13 @@ static int material_of(const lf_mesh *mesh, uint32_t triangle)
     return mesh->triangle_material ? mesh->triangle_material[triangle] : mesh->material;
 }
 
+/* Whether it is one of those that may not be there whole. */
+static bool is_veil(const lf_scene *scene, const lf_row_triangle *t)
+{
+    const lf_mesh *mesh = &scene->meshes[t->mesh];
+    return scene->materials[material_of(mesh, t->triangle)].cover != LF_COVER_OPAQUE;
+}
+
 static void put_segment(lf_section_leaf *leaf, int i, const lf_rig *rig, const corner end[2])
 {
     leaf->d0[i] = to_d(rig, end[0].z);
@@ -342,12 +349,14 @@ static void build_boxes(lf_section *section)
 }
 
 void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
-                    const lf_rig *rig, int row, const lf_row_plane *plane)
+                    const lf_rig *rig, int row, const lf_row_plane *plane, lf_cut_what what)
 {
     int n = 0;
     for (size_t at = rows->first[row]; at < rows->first[row + 1]; at++) {
         const lf_row_triangle *t = &rows->list[at];
         corner end[2];
+        if (what != LF_CUT_ALL && is_veil(scene, t) != (what == LF_CUT_VEILS))
+            continue;
         if (cut_triangle(rig, plane, &scene->meshes[t->mesh], t->triangle, end)) {
             lf_section_leaf *leaf = &section->leaves[n / WIDE];
             put_segment(leaf, n % WIDE, rig, end);
@@ -367,60 +376,7 @@ void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_
 
 /* -------------------------------------------------------------------------------------- hide -- */
 
-/* What is asked: the point, how far in front of it hiding begins, and the positions that are left.
- */
-typedef struct question {
-    float d, s, behind;
-    uint32_t on; /* the triangle it lies on */
-    const float *c;
-    float *scale;
-    int first, last; /* positions outside of these are hidden */
-} question;
-
-/* Takes positions that are hidden off the ends; false: none is left. */
-static bool narrow(question *q)
-{
-    while (q->first <= q->last && !(q->scale[q->first] > 0.0f))
-        q->first++;
-    while (q->first <= q->last && !(q->scale[q->last] > 0.0f))
-        q->last--;
-    return q->first <= q->last;
-}
-
-/* Boxes that hide the point from positions between the outermost. The same roundings as below,
- * which rise and fall with what they round: a box spans no less than its segments do, so that no
- * ray slips through between two that share an end. */
-static void meets(const lf_section_node *node, const question *q, int out[WIDE])
-{
-    float first = q->c[q->first], last = q->c[q->last], behind = q->behind, d = q->d, s = q->s;
-    for (int i = 0; i < WIDE; i++) {
-        float near = lf_max(node->d0[i] - d, behind), far = node->d1[i] - d, s0 = node->s0[i] - s,
-              s1 = node->s1[i] - s;
-        float lo = s0 / (s0 < 0.0f ? near : far), hi = s1 / (s1 < 0.0f ? far : near);
-        out[i] = (far > behind) & (lo <= last) & (hi >= first);
-    }
-}
-
-/* The positions [lo, hi] that each segment hides the point from; lo > hi: none. No branches, for
- * the compiler's vectors. */
-static void intervals(const lf_section_leaf *leaf, const question *q, float lo[WIDE],
-                      float hi[WIDE])
-{
-    float behind = q->behind, d = q->d, s = q->s;
-    for (int i = 0; i < WIDE; i++) {
-        float d0 = leaf->d0[i] - d, d1 = leaf->d1[i] - d, s0 = leaf->s0[i] - s,
-              s1 = leaf->s1[i] - s;
-        /* where it comes out from behind the point */
-        float cut = s0 + (s1 - s0) * ((behind - d0) / (d1 - d0));
-        float c0 = (d0 < behind ? cut : s0) / lf_max(d0, behind), c1 = s1 / d1;
-        lo[i] = d1 > behind ? lf_min(c0, c1) : INFINITY;
-        hi[i] = d1 > behind ? lf_max(c0, c1) : -INFINITY;
-    }
-    for (int i = 0; i < WIDE; i++)
-        lo[i] = leaf->triangle[i] == q->on ? INFINITY : lo[i];
-}
-
-static void hide_between(question *q, float lo, float hi)
+static void hide_between(lf_question *q, float lo, float hi)
 {
     for (int group = q->first / WIDE * WIDE; group <= q->last; group += WIDE) {
         const float *c = q->c + group;
@@ -431,11 +387,11 @@ static void hide_between(question *q, float lo, float hi)
 }
 
 /* false: nothing is left to hide. */
-static bool hide_leaf(const lf_section_leaf *leaf, question *q)
+static bool hide_leaf(const lf_section_leaf *leaf, lf_question *q)
 {
     float lo[WIDE], hi[WIDE], from = INFINITY, to = -INFINITY, first = q->c[q->first],
                               last = q->c[q->last];
-    intervals(leaf, q, lo, hi);
+    lf_question_intervals(leaf, q, lo, hi);
     /* Segments of one surface share their ends, so that mostly one interval is left. */
     for (int i = 0; i < WIDE; i++) {
         if (!(lo[i] <= last && hi[i] >= first))
@@ -448,30 +404,30 @@ static bool hide_leaf(const lf_section_leaf *leaf, question *q)
     }
     if (from <= to)
         hide_between(q, from, to);
-    return narrow(q);
+    return lf_question_narrow(q);
 }
 
-static bool hide_node(const lf_section *section, int node, question *q)
+static bool hide_node(const lf_section *section, int node, lf_question *q)
 {
     int hit[WIDE];
-    meets(&section->nodes[node], q, hit);
+    lf_question_meets(&section->nodes[node], q, hit);
     for (int i = 0; i < WIDE; i++)
         if (hit[i] && !hide_leaf(&section->leaves[WIDE * node + i], q))
             return false;
     return true;
 }
 
-void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
-                     lf_vec3 p, const lf_hit *on, int n, const float *c, float *scale)
+lf_question lf_section_ask(const lf_row_triangles *rows, const lf_rig *rig, lf_vec3 p,
+                           const lf_hit *on, int n, const float *c, float *scale)
 {
     double at[3];
     to_camera(rig, p, at);
     float inverse = 1.0f / (float)at[2];
-    question q = {.d = to_d(rig, at[2]),
-                  .s = (float)(at[0] / at[2]),
-                  .on = UINT32_MAX,
-                  .c = c,
-                  .last = n - 1};
+    lf_question q = {.d = to_d(rig, at[2]),
+                     .s = (float)(at[0] / at[2]),
+                     .on = UINT32_MAX,
+                     .c = c,
+                     .last = n - 1};
     q.scale = scale;
     q.behind = 1e-6f * fabsf(q.d) + 1e-12f * inverse;
     if (on) {
@@ -480,11 +436,18 @@ void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, co
                     inverse * inverse;
         q.on = rows->mesh_start[on->mesh->geom_id] + on->triangle;
     }
-    if (!narrow(&q))
+    return q;
+}
+
+void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
+                     lf_vec3 p, const lf_hit *on, int n, const float *c, float *scale)
+{
+    lf_question q = lf_section_ask(rows, rig, p, on, n, c, scale);
+    if (!lf_question_narrow(&q))
         return;
     for (int root = 0; root < section->n_roots; root++) {
         int hit[WIDE];
-        meets(&section->roots[root], &q, hit);
+        lf_question_meets(&section->roots[root], &q, hit);
         for (int i = 0; i < WIDE; i++)
             if (hit[i] && !hide_node(section, WIDE * root + i, &q))
                 return;

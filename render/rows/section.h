@@ -69,9 +69,12 @@ LF_NODISCARD lf_status lf_section_init(lf_section *section, size_t longest);
 /* Accepts one that is all zero. */
 void lf_section_finish(lf_section *section);
 
+/* Which triangles: those whose surface may not be there whole (veil.h), or the others. */
+typedef enum lf_cut_what { LF_CUT_ALL, LF_CUT_OPAQUE, LF_CUT_VEILS } lf_cut_what;
+
 /* Cuts the row's triangles with a plane of the row. Does not allocate. */
 void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
-                    const lf_rig *rig, int row, const lf_row_plane *plane);
+                    const lf_rig *rig, int row, const lf_row_plane *plane, lf_cut_what what);
 
 /* Sets scale[k] to 0 for every camera position c[k] from which a surface hides the point p of the
  * plane, k < n, n a multiple of LF_LANES; c rises in k but for lanes behind the views, whose scale

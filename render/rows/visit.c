@@ -144,7 +144,7 @@ static bool base_counts(const lf_visit *visit)
 static float native_weight(const lf_visit *visit, size_t pixel)
 {
     float base = visit->expected ? visit->expected[pixel] : 1.0f;
-    if (!visit->worker->mirrors[pixel])
+    if (!visit->worker->mirrors || !visit->worker->mirrors[pixel])
         return visit->alone;
     return 1.0f / ((base_counts(visit) ? base : 0.0f) + visit->more);
 }
@@ -179,6 +179,19 @@ static void follow_delta(lf_visit *visit, int view, int column, const lf_pivot *
     lf_visit_add_native(visit, pixel, radiance);
 }
 
+/* What a veil sends out by itself: native, as how much of it is there is a matter of chance for a
+ * sample; of other surfaces it is known (exits.c). */
+static void add_glow_of_veil(lf_visit *visit, int view, int column, const lf_pivot *pivot)
+{
+    const lf_hit *hit = &pivot->event.hit;
+    if (hit->material->cover == LF_COVER_OPAQUE || !(lf_max3(hit->material->emission) > 0.0f))
+        return;
+    size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
+    float weight =
+        visit->weight * native_weight(visit, pixel) * lf_visit_correction(visit, view, pivot);
+    lf_visit_add_native(visit, pixel, lf_scale(lf_hit_material(hit)->emission, weight));
+}
+
 static bool has_own_natives(const lf_visit *visit, int view, int column)
 {
     const bool *mirrors = visit->worker->mirrors;
@@ -190,6 +203,8 @@ static void add_native(lf_visit *visit, int view, int column, const lf_pivot *pi
     lf_shading shading;
     if (!visit->sums.native)
         return;
+    if (visit->scene->has_veils)
+        add_glow_of_veil(visit, view, column, pivot);
     lf_shade(&pivot->event.hit, lf_scale(pivot->event.w, -1.0f), &shading);
     if (visit->pilot && shading.n_deltas > 0)
         lf_counts_mark_delta(visit->pilot, visit->row, view, column);
@@ -292,6 +307,23 @@ static void cut_glows(lf_visit *visit)
                      visit->sharing->entry.shares ? 1.0f : (float)visit->rig->n_views);
 }
 
+static void cut_meshes(const lf_visit_plan *plan, const lf_visit *visit)
+{
+    lf_scratch *w = visit->worker;
+    bool veils = plan->scene->has_veils;
+    lf_section_cut(&w->section, plan->triangles, plan->scene, plan->rig, visit->row, &visit->plane,
+                   veils ? LF_CUT_OPAQUE : LF_CUT_ALL);
+    if (veils)
+        lf_section_cut(&w->veils, plan->triangles, plan->scene, plan->rig, visit->row,
+                       &visit->plane, LF_CUT_VEILS);
+}
+
+lf_veils lf_visit_veils(const lf_visit *visit)
+{
+    return (lf_veils){&visit->worker->veils, visit->triangles, visit->scene, visit->rig,
+                      &visit->plane};
+}
+
 /* Draws the plane of a visit and cuts the volumes with it. offsets names the sequence of row
  * offsets. */
 static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
@@ -306,8 +338,7 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
     lf_media_cut(&visit->worker->media, plan->frame, plan->scene, plan->rig, &visit->plane, phase,
                  plan->kernels, &visit->worker->tracer.lookups);
     if (plan->triangles)
-        lf_section_cut(&visit->worker->section, plan->triangles, plan->scene, plan->rig, visit->row,
-                       &visit->plane);
+        cut_meshes(plan, visit);
     if (plan->skip & LF_SKIP_BACKGROUND)
         lf_reach_of(&visit->worker->reach, plan->scene, plan->rig, &visit->plane,
                     &visit->worker->media);
@@ -333,6 +364,7 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
                                                 (float)plan->order.subsets
                                           : 0.0f;
     visit->pilot = plan->pilot;
+    visit->sunlight = plan->order.sunlight;
     visit->faults = plan->order.faults;
     visit->worker->tracer.scene = plan->scene;
 }

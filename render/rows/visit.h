@@ -12,6 +12,7 @@
 #include "render/rows/media.h"
 #include "render/rows/reach.h"
 #include "render/rows/section.h"
+#include "render/rows/veil.h"
 #include "render/transport/path.h"
 #include "render/transport/sampler.h"
 #include "render/transport/sunlight.h"
@@ -52,7 +53,8 @@ typedef struct lf_scratch {
     lf_media media;
     lf_film_sums sums;  /* of the visit under way */
     lf_reach reach;     /* of its row's plane */
-    lf_section section; /* the meshes in it */
+    lf_section section; /* the meshes in it, but for veils */
+    lf_section veils;   /* … and those */
     lf_glow_row glows;  /* the lights in its media */
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
@@ -65,6 +67,7 @@ typedef struct lf_scratch {
     float factor[LF_MAX_LANES];   /* correction weights (correction.h) */
     float length[LF_MAX_LANES];   /* of the fan's rays, per unit of Z */
     int segment[LF_MAX_LANES];    /* what they meet: of the section, -1: no surface */
+    bool mirrored[LF_MAX_LANES];  /* by a veil before it */
     lf_fan_face face[LF_FAN_FACES];
     lf_media_moments moments; /* of the fan's collisions, where features are wanted */
     int column[LF_MAX_LANES];
@@ -109,7 +112,8 @@ typedef struct lf_visit {
      * everywhere. 0 in pixels that nobody reads: they are sampled by nobody, missing in everybody's
      * sum, and receive nothing. */
     const float *expected;
-    const lf_counts *pilot; /* as in lf_visit_plan */
+    const lf_counts *pilot;             /* as in lf_visit_plan */
+    const struct lf_sunlight *sunlight; /* lf_visit_order's */
     /* native samples of its own that each pixel of worker->mirrors gets, beyond base samples or in
      * their place (visit.c); and the same in units of subsets / n_views */
     int mirror_rounds;
@@ -166,6 +170,9 @@ lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const l
 /* R of the base's own ray up to the pivot (correction.h): what a sample weighs that only its own
  * pixel receives. */
 float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot);
+
+/* The veils of the visit's plane. */
+lf_veils lf_visit_veils(const lf_visit *visit);
 
 /* True when the pixel (view, column) has a base sample in this visit: each with probability subsets
  * / n_views, each column as often as any other, all of them after a whole cycle. */

@@ -66,7 +66,8 @@ static void glow_vpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_
         return;
     float sum = density(visit, view, pivot, &depth);
     lf_vec3 eye = lf_rig_point(rig, x0, visit->plane.ly, 0.0f), d = lf_sub(pivot->event.p, eye);
-    if (!(sum > 0.0f) || lf_trace_occluded(&w->tracer, eye, d, 1.0f))
+    float passed = sum > 0.0f ? lf_trace_passed(&w->tracer, eye, d, 1.0f) : 0.0f;
+    if (!(passed > 0.0f))
         return;
     lf_vec3 f;
     float phase = lf_scatter_eval(visit->scene, &pivot->event, lf_normalize(lf_scale(d, -1.0f)),
@@ -75,6 +76,7 @@ static void glow_vpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_
                 (light->delta ? 0.0f : phase);
     float visible =
         lf_path_visible(&w->tracer, &pivot->event, light) * lf_visit_correction(visit, view, pivot);
+    visible *= passed;
     lf_visit_add_native(visit, (size_t)view * (size_t)rig->width + (size_t)(int)u,
                         lf_scale(lf_mul(f, light->radiance), visible / pdf));
 }

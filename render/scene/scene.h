@@ -260,6 +260,7 @@ struct lf_scene {
     bool has_delta;    /* some material has a delta lobe */
     bool has_emission; /* some material emits */
     bool has_textures; /* something varies along a mesh */
+    bool has_veils;    /* some surface may not be there whole */
     /* faces of lamps share their place with others: next event counts the one that a ray meets */
     bool has_overlaps;
     bool has_view_lobes; /* some lobe depends on the view: g != 0, conductor, plastic */

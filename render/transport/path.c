@@ -96,10 +96,12 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_s
                    o);
         t_max = 1.0f - 1e-6f;
     }
-    if (tracer->scene->has_overlaps && light->mesh ? !meets_lamp(tracer, o, light)
-                                                   : lf_trace_occluded(tracer, o, d, t_max))
+    float passed = tracer->scene->has_overlaps && light->mesh
+                       ? (float)meets_lamp(tracer, o, light)
+                       : lf_trace_passed(tracer, o, d, t_max);
+    if (!(passed > 0.0f))
         return 0.0f;
-    return lf_track_transmittance(tracer, event->p, light->wi, light->distance);
+    return passed * lf_track_transmittance(tracer, event->p, light->wi, light->distance);
 }
 
 lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const lf_event *event,

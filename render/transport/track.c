@@ -123,6 +123,24 @@ static void find_hit(const lf_scene *scene, const struct RTCRayHit *rh, lf_vec3 
     hit->p = point_of(large, o, w);
 }
 
+static float averaged_at(const lf_tracer *tracer, float t)
+{
+    return tracer->width + tracer->spread * t;
+}
+
+/* Whether the ray meets a veil, by chance; else it goes on behind. */
+static bool is_there(lf_tracer *tracer, const lf_hit *hit, struct RTCRay *ray, float t_max)
+{
+    if (hit->material->cover == LF_COVER_OPAQUE)
+        return true;
+    float cover = lf_hit_cover(hit, averaged_at(tracer, hit->t));
+    if (cover >= 1.0f || lf_rng(tracer) < cover)
+        return true;
+    ray->tnear = nextafterf(hit->t, INFINITY);
+    ray->tfar = t_max;
+    return false;
+}
+
 bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit)
 {
     const lf_scene *scene = tracer->scene;
@@ -142,14 +160,47 @@ bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_h
                              .mask = ~0u};
     rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rh.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    tracer->rays++;
-    rtcIntersect1(scene->embree, &context, &rh);
-    if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
-        return false;
-    find_hit(scene, &rh, o, w, hit);
+    do {
+        tracer->rays++;
+        rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(scene->embree, &context, &rh);
+        if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+            return false;
+        find_hit(scene, &rh, o, w, hit);
+    } while (scene->has_veils && !is_there(tracer, hit, &rh.ray, t_max));
     if (scene->has_textures && lf_is_varied(hit->mesh, hit->material))
-        lf_hit_vary(hit, tracer->width + tracer->spread * hit->t);
+        lf_hit_vary(hit, averaged_at(tracer, hit->t));
     return true;
+}
+
+float lf_trace_passed(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
+{
+    const lf_scene *scene = tracer->scene;
+    float passed = 1.0f;
+    if (!scene->has_veils)
+        return lf_trace_occluded(tracer, o, w, t_max) ? 0.0f : 1.0f;
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    struct RTCRayHit rh = {.ray = {.org_x = o.x,
+                                   .org_y = o.y,
+                                   .org_z = o.z,
+                                   .dir_x = w.x,
+                                   .dir_y = w.y,
+                                   .dir_z = w.z,
+                                   .mask = ~0u}};
+    while (passed > 0.0f) {
+        lf_hit hit;
+        rh.ray.tfar = t_max;
+        rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        tracer->rays++;
+        rtcIntersect1(scene->embree, &context, &rh);
+        if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+            break;
+        find_hit(scene, &rh, o, w, &hit);
+        passed *= 1.0f - lf_hit_cover(&hit, averaged_at(tracer, hit.t));
+        rh.ray.tnear = nextafterf(hit.t, INFINITY);
+    }
+    return passed;
 }
 
 bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)

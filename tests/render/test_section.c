@@ -51,7 +51,8 @@ static void cut(bench *b, int row, float moved)
     lf_row_plane other;
     lf_rig_row_plane(rig, v, lens, &b->plane);
     lf_rig_row_plane(rig, v + moved, lens, &other);
-    lf_section_cut(&b->section, &lf_test_rows(b->renderer)->triangles, b->scene, rig, row, &other);
+    lf_section_cut(&b->section, &lf_test_rows(b->renderer)->triangles, b->scene, rig, row, &other,
+                   LF_CUT_ALL);
 }
 
 /* Positions of the cameras, and which of them look at the side of the surface that p is on. */

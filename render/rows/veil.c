@@ -1,0 +1,146 @@
+#include "render/rows/veil.h"
+
+#include "render/rows/section_walk.h"
+#include "render/transport/surface_texture.h"
+
+enum { WIDE = LF_SECTION_WIDE };
+
+/* 1 - cover where the line of view c meets the face at depth d. */
+static float passes(const lf_veils *veils, const lf_face *face, float c, float s, float d)
+{
+    const lf_rig *rig = veils->rig;
+    float z = rig->distance / (d * rig->distance + 1.0f);
+    lf_vec3 p = lf_rig_point(rig, s * z, veils->plane->ly + veils->plane->my * z, z);
+    lf_hit hit;
+    lf_face_hit(face, p, lf_sub(p, lf_rig_point(rig, c, veils->plane->ly, 0.0f)), &hit);
+    return 1.0f - lf_hit_cover(&hit, lf_rig_spread(rig) * z);
+}
+
+/* A segment, seen from a point through which all lines go: at (d, s). */
+typedef struct veil {
+    lf_face face;
+    float d0, s0, d1, s1;
+} veil;
+
+static veil veil_of(const lf_veils *veils, int segment)
+{
+    const lf_section_leaf *leaf = &veils->section->leaves[segment / WIDE];
+    int i = segment % WIDE;
+    veil out = {.d0 = leaf->d0[i], .s0 = leaf->s0[i], .d1 = leaf->d1[i], .s1 = leaf->s1[i]};
+    lf_section_face(veils->section, veils->rows, veils->scene, segment, &out.face);
+    return out;
+}
+
+/* ------------------------------------------------------------------------------ before a point --
+ */
+
+static void segment_before(const lf_veils *veils, const lf_question *q, int segment, float lo,
+                           float hi)
+{
+    veil v = veil_of(veils, segment);
+    for (int k = q->first; k <= q->last; k++) {
+        float c = q->c[k];
+        if (!(q->scale[k] > 0.0f) || !(c >= lo) || !(c <= hi))
+            continue;
+        float across = (v.s1 - v.s0) - c * (v.d1 - v.d0),
+              t = across != 0.0f ? (q->s - v.s0 + c * (v.d0 - q->d)) / across : 0.0f;
+        t = lf_min(lf_max(t, 0.0f), 1.0f);
+        q->scale[k] *= passes(veils, &v.face, c, lf_lerp(v.s0, v.s1, t), lf_lerp(v.d0, v.d1, t));
+    }
+}
+
+static void node_before(const lf_veils *veils, int node, const lf_question *q)
+{
+    int hit[WIDE];
+    lf_question_meets(&veils->section->nodes[node], q, hit);
+    for (int i = 0; i < WIDE; i++) {
+        int leaf = WIDE * node + i;
+        float lo[WIDE], hi[WIDE];
+        if (!hit[i])
+            continue;
+        lf_question_intervals(&veils->section->leaves[leaf], q, lo, hi);
+        for (int j = 0; j < WIDE; j++)
+            if (lo[j] <= q->c[q->last] && hi[j] >= q->c[q->first])
+                segment_before(veils, q, WIDE * leaf + j, lo[j], hi[j]);
+    }
+}
+
+void lf_veils_before(const lf_veils *veils, lf_vec3 p, const lf_hit *on, int n, const float *c,
+                     float *scale)
+{
+    lf_question q = lf_section_ask(veils->rows, veils->rig, p, on, n, c, scale);
+    if (!lf_question_narrow(&q))
+        return;
+    for (int root = 0; root < veils->section->n_roots; root++) {
+        int hit[WIDE];
+        lf_question_meets(&veils->section->roots[root], &q, hit);
+        for (int i = 0; i < WIDE; i++)
+            if (hit[i])
+                node_before(veils, WIDE * root + i, &q);
+    }
+}
+
+/* --------------------------------------------------------------------------------- along a fan --
+ */
+
+/* Lines (d, s0 + c d). */
+typedef struct line_fan {
+    float s0;
+    int n;
+    const float *c, *z_end;
+    float *through;
+    bool *mirrors;
+} line_fan;
+
+static bool may_meet(const lf_section_node *node, int i, const line_fan *f)
+{
+    float d0 = node->d0[i], d1 = node->d1[i], first = f->c[0], last = f->c[f->n - 1];
+    float below = lf_min(lf_min(first * d0, first * d1), lf_min(last * d0, last * d1)),
+          above = lf_max(lf_max(first * d0, first * d1), lf_max(last * d0, last * d1));
+    return d1 > -LF_SECTION_FAR && node->s0[i] - f->s0 <= above && node->s1[i] - f->s0 >= below;
+}
+
+/* Rays that have its ends on different sides meet a segment, as in lf_section_nearest. */
+static void segment_along(const lf_veils *veils, int segment, const line_fan *f)
+{
+    const lf_section_leaf *leaf = &veils->section->leaves[segment / WIDE];
+    const int i = segment % WIDE;
+    const float d0 = leaf->d0[i], d1 = leaf->d1[i], s0 = leaf->s0[i] - f->s0,
+                s1 = leaf->s1[i] - f->s0;
+    veil v = {.d0 = NAN};
+    for (int k = 0; k < f->n; k++) {
+        float c = f->c[k], a = s0 - c * d0, b = s1 - c * d1;
+        if ((a >= 0.0f) == (b >= 0.0f) || !(f->through[k] > 0.0f))
+            continue;
+        float d = d0 + (d1 - d0) * (a / (a - b)), D = veils->rig->distance;
+        if (!(D / (d * D + 1.0f) < f->z_end[k]))
+            continue;
+        if (isnan(v.d0))
+            v = veil_of(veils, segment);
+        f->through[k] *= passes(veils, &v.face, c, f->s0 + c * d, d);
+        f->mirrors[k] |= v.face.material->has_delta;
+    }
+}
+
+static void leaf_along(const lf_veils *veils, int leaf, const line_fan *f)
+{
+    for (int i = 0; i < WIDE; i++)
+        if (veils->section->leaves[leaf].d1[i] > -LF_SECTION_FAR)
+            segment_along(veils, WIDE * leaf + i, f);
+}
+
+void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, const float *z_end,
+                    float *through, bool *mirrors)
+{
+    const line_fan f = {s0, n, c, z_end, through, mirrors};
+    const lf_section *section = veils->section;
+    for (int root = 0; root < section->n_roots; root++)
+        for (int i = 0; i < WIDE; i++) {
+            const lf_section_node *inner = &section->nodes[WIDE * root + i];
+            if (!may_meet(&section->roots[root], i, &f))
+                continue;
+            for (int j = 0; j < WIDE; j++)
+                if (may_meet(inner, j, &f))
+                    leaf_along(veils, WIDE * (WIDE * root + i) + j, &f);
+        }
+}
