@@ -206,7 +206,7 @@ static void a_library_says_what_materials_are(void **state)
     const lf_said *a = said_of(&soup, "a b"), *m = said_of(&soup, "m"), *s = said_of(&soup, "s");
     assert_true(soup.has_library);
     lf_assert_close(a->diffuse.y, 0.2f, 0, 0);
-    lf_assert_close(a->specular.z, 0.5f, 0, 0);
+    lf_assert_close(a->highlight.z, 0.5f, 0, 0);
     lf_assert_close(a->exponent, 50, 0, 0);
     lf_assert_close(a->ior, 1.25, 0, 0);
     lf_assert_close(a->emission.x, 3, 0, 0);
