@@ -162,10 +162,12 @@ static int end_child(child *reader)
 /* ----------------------------------------------------------------------------- the conversation --
  */
 
-static lf_status answer_open(child *reader, const char *name, lf_import_open_fn open, void *context)
+static lf_status answer_open(child *reader, const lf_import_reply *ask, lf_import_open_fn open,
+                             void *context)
 {
     int fd = -1;
-    lf_import_answer answer = {.status = open ? open(context, name, &fd) : LF_E_PATH};
+    bool needed = ask->step == LF_IMPORT_OPEN;
+    lf_import_answer answer = {.status = open ? open(context, ask->text, needed, &fd) : LF_E_PATH};
     lf_status status = lf_import_send(reader->socket, &answer, sizeof answer, fd);
     if (fd >= 0)
         close(fd);
@@ -196,17 +198,18 @@ static lf_status converse(child *reader, const char *where, lf_import_open_fn op
             return LF_E_STATE;
         reply.text[sizeof reply.text - 1] = '\0';
         lf_status status = LF_OK;
-        if (reply.step == LF_IMPORT_OPEN)
-            status = answer_open(reader, reply.text, open, context);
+        bool asks = reply.step == LF_IMPORT_OPEN || reply.step == LF_IMPORT_TRY;
+        if (asks)
+            status = answer_open(reader, &reply, open, context);
         else if (reply.step == LF_IMPORT_FAILED)
             status = failure(&reply, where, err);
         else
             status = lf_parcel_open(fd, out, err);
         if (fd >= 0)
             close(fd);
-        if (status == LF_E_IO && reply.step == LF_IMPORT_OPEN)
+        if (status == LF_E_IO && asks)
             return LF_E_STATE;
-        if (status != LF_OK || reply.step != LF_IMPORT_OPEN)
+        if (status != LF_OK || !asks)
             return status;
     }
     return LF_E_STATE;

@@ -10,7 +10,7 @@
  *
  *     asker                         reader
  *     lf_import_request, fd   ->
- *                             <-    lf_import_reply {OPEN, name}         as often as it likes
+ *                             <-    lf_import_reply {OPEN or TRY, name}  as often as it likes
  *     lf_import_answer (, fd) ->
  *                             <-    lf_import_reply {DONE}, memfd        or {FAILED, status, what}
  */
@@ -79,12 +79,17 @@ typedef struct lf_import_request {
     char path[PATH_MAX]; /* what the file is called, and names in it are relative to */
 } lf_import_request;
 
-typedef enum lf_import_step { LF_IMPORT_OPEN, LF_IMPORT_DONE, LF_IMPORT_FAILED } lf_import_step;
+typedef enum lf_import_step {
+    LF_IMPORT_OPEN,
+    LF_IMPORT_TRY, /* the same of a file that can be done without: the reader tells of it */
+    LF_IMPORT_DONE,
+    LF_IMPORT_FAILED
+} lf_import_step;
 
 typedef struct lf_import_reply {
     uint32_t step;
     int32_t status;      /* FAILED: lf_status */
-    char text[PATH_MAX]; /* OPEN: a name; FAILED: what is wrong */
+    char text[PATH_MAX]; /* OPEN, TRY: a name; FAILED: what is wrong */
 } lf_import_reply;
 
 typedef struct lf_import_answer {
@@ -98,8 +103,8 @@ LF_NODISCARD lf_status lf_import_send(int socket, const void *message, size_t si
  * LF_E_IO: none came, or another one. */
 LF_NODISCARD lf_status lf_import_receive(int socket, void *message, size_t size, int *out_fd);
 
-/* Opens what a file names, for the reader: LF_OK and a descriptor. */
-typedef lf_status (*lf_import_open_fn)(void *context, const char *name, int *out_fd);
+/* Opens what a file names, for the reader: LF_OK and a descriptor. needed: it asked by OPEN. */
+typedef lf_status (*lf_import_open_fn)(void *context, const char *name, bool needed, int *out_fd);
 
 /* The readers stand beside the program or in ../libexec/quiltd, or in the folder that the
  * environment's QUILTIMPORT names.

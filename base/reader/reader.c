@@ -10,9 +10,9 @@
 
 #include "base/reader/reader.h"
 
-lf_status lf_ask_for_file(const char *name, int *out_fd)
+static lf_status ask_for(uint32_t step, const char *name, int *out_fd)
 {
-    lf_import_reply ask = {.step = LF_IMPORT_OPEN};
+    lf_import_reply ask = {.step = step};
     lf_import_answer answer = {.status = LF_E_IO};
     *out_fd = -1;
     if (strlen(name) >= sizeof ask.text)
@@ -24,6 +24,16 @@ lf_status lf_ask_for_file(const char *name, int *out_fd)
     if (status != LF_OK)
         _exit(1); /* nobody is there any more */
     return *out_fd >= 0 ? LF_OK : LF_E_IO;
+}
+
+lf_status lf_ask_for_file(const char *name, int *out_fd)
+{
+    return ask_for(LF_IMPORT_OPEN, name, out_fd);
+}
+
+lf_status lf_try_for_file(const char *name, int *out_fd)
+{
+    return ask_for(LF_IMPORT_TRY, name, out_fd);
 }
 
 /* Where memory runs out it is taken from the reader, and not from whoever shows a picture. */

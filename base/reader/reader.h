@@ -28,6 +28,9 @@ int lf_reader_main(const lf_import_reader *reader);
 /* Asks whoever asked for a file that the one at hand names (reader.c). On LF_OK the caller
  * owns *out_fd. LF_E_PATH, LF_E_IO, …: it is not to be had. */
 LF_NODISCARD lf_status lf_ask_for_file(const char *name, int *out_fd);
+/* The same of one that can be done without, as pictures can: where it is not to be had nobody hears
+ * of it but by the reader's warnings. */
+LF_NODISCARD lf_status lf_try_for_file(const char *name, int *out_fd);
 
 /* Gives up the right to all but reading, writing and sending what is open already, and to more than
  * `memory` bytes and `seconds` of CPU time: for good. LF_E_IO: the system cannot hold us to that.

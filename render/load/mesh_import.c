@@ -45,19 +45,20 @@ static lf_status note_file(lf_mesh_data *data, const char *path, int fd, lf_erro
     return LF_OK;
 }
 
-static lf_status open_asked(void *context, const char *name, int *out_fd)
+static lf_status open_asked(void *context, const char *name, bool needed, int *out_fd)
 {
     asked *state = context;
     lf_error err = {0};
     int fd;
     lf_status status = lf_file_open(name, state->roots, LF_MESH_MAX_BYTES, &fd, NULL, &err);
-    if (status != LF_OK) {
+    if (status != LF_OK && needed) {
         lf_error *first = status == LF_E_PATH ? &state->refused : &state->failed;
         if (first->status == LF_OK)
             *first = err;
-        return status;
     }
-    status = note_file(state->data, name, fd, &state->refused);
+    if (status != LF_OK)
+        return status;
+    status = note_file(state->data, name, fd, needed ? &state->refused : &err);
     if (status == LF_OK)
         *out_fd = fd;
     else
@@ -92,7 +93,7 @@ static lf_status import_from(const lf_mesh_desc *desc, const char *path, asked *
         return lf_error_set(err, LF_E_FORMAT, path, "the path is too long");
     memcpy(request.path, path, strlen(path) + 1);
     memcpy(request.transform, desc->transform.m, sizeof request.transform);
-    lf_status status = open_asked(state, path, &fd);
+    lf_status status = open_asked(state, path, true, &fd);
     if (status == LF_OK) {
         status = lf_import_run(&request, fd, path, open_asked, state, &parcel, err);
         close(fd);

@@ -11,8 +11,7 @@
 #define LF_MESH_MAX_BYTES ((uint64_t)2 << 30)
 #define LF_MAX_UV 1e6f /* of a texture coordinate, and of the numbers of a texture's map */
 #define LF_MAX_PICTURES 65536
-#define LF_MESH_MAX_FILES                                                                          \
-    LF_IMPORT_MAX_FILES /* files behind one mesh: material libraries, buffers */
+#define LF_MESH_MAX_FILES 256 /* files behind one mesh: material libraries, buffers, pictures */
 
 typedef struct lf_mesh_data {
     const char *name; /* the scene's, borrowed */

@@ -26,7 +26,7 @@ typedef struct named_file {
 /* A mesh's file, the first, and those that it has named and that were opened. */
 typedef struct mesh_reading {
     int n_files;
-    named_file files[LF_MESH_MAX_FILES];
+    named_file files[LF_IMPORT_MAX_FILES];
 } mesh_reading;
 
 typedef struct open_file {
@@ -91,7 +91,7 @@ static int find_file(mesh_reading *reading, const char *name)
         if (strcmp(reading->files[i].name, name) == 0)
             return reading->files[i].fd;
     named_file *file = &reading->files[reading->n_files];
-    if (reading->n_files == LF_MESH_MAX_FILES || lf_ask_for_file(name, &file->fd) != LF_OK)
+    if (reading->n_files == LF_IMPORT_MAX_FILES || lf_ask_for_file(name, &file->fd) != LF_OK)
         return -1;
     file->name = lf_strdup(name);
     if (!file->name) {

@@ -501,11 +501,12 @@ static inline _Noreturn void fake_ask_only(void)
 }
 
 /* For a file beside the mesh's, or anywhere; once or for ever. */
-static inline _Noreturn void fake_ask(const char *path, const char *name, bool for_ever)
+static inline _Noreturn void fake_ask(const char *path, const char *name, uint32_t step,
+                                      bool for_ever)
 {
     int beside = name[0] == '/' ? 0 : (int)(strrchr(path, '/') + 1 - path);
     do {
-        lf_import_reply ask = {.step = LF_IMPORT_OPEN};
+        lf_import_reply ask = {.step = step};
         lf_import_answer answer;
         int fd;
         snprintf(ask.text, sizeof ask.text, "%.*s%s", beside, path, name);
@@ -538,7 +539,9 @@ static inline int lf_fake_reader(void)
     if (strncmp(mode, "confined-", 9) == 0)
         fake_confined(mode + 9);
     if (strncmp(mode, "ask", 3) == 0 || strncmp(mode, "beg", 3) == 0)
-        fake_ask(request.path, mode + 3, mode[0] == 'b');
+        fake_ask(request.path, mode + 3, LF_IMPORT_OPEN, mode[0] == 'b');
+    if (strncmp(mode, "try", 3) == 0)
+        fake_ask(request.path, mode + 3, LF_IMPORT_TRY, false);
     if (strcmp(mode, "two") == 0)
         fake_send_two();
     if (strcmp(mode, "deaf") == 0)

@@ -424,6 +424,20 @@ static void files_outside_are_not_given_to_a_reader(void **state)
     lf_mesh_data_finish(&data);
 }
 
+/* Nor are they where it can do without, but then the mesh is shown. */
+static void what_a_reader_only_tries_for_is_no_reason_to_refuse(void **state)
+{
+    static const char *const modes[] = {"try/etc/passwd", "tryabsent.png", "trymode"};
+    for (int i = 0; i < 3; i++) {
+        lf_mesh_data data;
+        lf_error err;
+        lf_assert_ok(import_by(*state, modes[i], &data, &err), &err);
+        assert_null(lf_warnings_at(&data.warnings, 2));
+        assert_int_equal(data.n_files, i == 2 ? 2 : 1); /* what was read is known */
+        lf_mesh_data_finish(&data);
+    }
+}
+
 static void a_reader_that_hangs_is_ended_when_its_time_is_over(void **state)
 {
     double start = lf_time_now();
@@ -669,6 +683,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_picture_of_lies_is_refused),
         cmocka_unit_test(a_mesh_of_random_bytes_is_refused_or_within_bounds),
         cmocka_unit_test(files_outside_are_not_given_to_a_reader),
+        cmocka_unit_test(what_a_reader_only_tries_for_is_no_reason_to_refuse),
         cmocka_unit_test(a_reader_that_hangs_is_ended_when_its_time_is_over),
         cmocka_unit_test(a_reader_starts_with_the_socket_and_the_file_alone),
         cmocka_unit_test(a_reader_cannot_do_what_it_need_not),
