@@ -197,7 +197,7 @@ static lf_said said_of(const struct aiMaterial *m)
         get_float(m, AI_MATKEY_SHININESS, &said.exponent);
     }
     for (int kind = 0; kind < LF_LOST_KINDS; kind++)
-        said.lost |= losses[kind](m) ? 1u << kind : 0;
+        said.lost |= losses[kind] && losses[kind](m) ? 1u << kind : 0;
     return said;
 }
 

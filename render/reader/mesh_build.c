@@ -81,7 +81,7 @@ void lf_mesh_put_triangle(lf_mesh_data *data, const lf_mesh_place *place, const 
 
 /* Normals of vertices: the mean of their faces', weighted by the faces' angles there (Thuermer and
  * Wuethrich 1998). Assimp's own are those of one face where a file's faces share their vertices. */
-static void smooth(lf_mesh_data *data)
+static void smooth(lf_mesh_data *data, const uint32_t *twins)
 {
     for (size_t c = 0; c < 3 * (size_t)data->n_triangles; c++) {
         const uint32_t *t = data->triangles + c - c % 3;
@@ -95,13 +95,16 @@ static void smooth(lf_mesh_data *data)
         double length = lf_length_double(w),
                weight = length > 0 ? atan2(length, lf_dot_double(a, b)) / length : 0;
         for (int i = 0; i < 3; i++)
-            data->normals[3 * (size_t)t[c % 3] + (size_t)i] += (float)(weight * w[i]);
+            data->normals[3 * (size_t)(twins ? twins[t[c % 3]] : t[c % 3]) + (size_t)i] +=
+                (float)(weight * w[i]);
     }
     for (float *n = data->normals, *end = n + 3 * (size_t)data->n_vertices; n < end; n += 3) {
         float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
         for (int i = 0; i < 3; i++)
             n[i] = length > 1e-6f ? n[i] / length : 0.0f;
     }
+    for (size_t v = 0; twins && v < (size_t)data->n_vertices; v++)
+        memmove(data->normals + 3 * v, data->normals + 3 * (size_t)twins[v], 3 * sizeof(float));
 }
 
 /* Gives vertices without a usable normal that of a face at them, and takes NaN out of positions
@@ -132,6 +135,12 @@ static void repair(lf_mesh_data *data)
 lf_status lf_mesh_complete(lf_mesh_data *data, const lf_mesh_desc *desc, int64_t n_triangles,
                            lf_error *err)
 {
+    return lf_mesh_complete_twins(data, desc, n_triangles, NULL, err);
+}
+
+lf_status lf_mesh_complete_twins(lf_mesh_data *data, const lf_mesh_desc *desc, int64_t n_triangles,
+                                 const uint32_t *twins, lf_error *err)
+{
     if (n_triangles == 0)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "no triangles in this file");
     if (data->n_triangles == 0)
@@ -144,7 +153,7 @@ lf_status lf_mesh_complete(lf_mesh_data *data, const lf_mesh_desc *desc, int64_t
                         "%d of %lld triangles are left out: a vertex is not finite, or beyond %g",
                         data->n_broken, (long long)n_triangles, LF_MAX_COORDINATE);
     if (desc->normals == LF_NORMALS_SMOOTH)
-        smooth(data);
+        smooth(data, twins);
     repair(data);
     return LF_OK;
 }

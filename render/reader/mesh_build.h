@@ -29,5 +29,10 @@ void lf_mesh_put_triangle(lf_mesh_data *data, const lf_mesh_place *place, const 
  * one for every vertex that has none, and a warning of what was left out. LF_E_FORMAT: all was. */
 LF_NODISCARD lf_status lf_mesh_complete(lf_mesh_data *data, const lf_mesh_desc *desc,
                                         int64_t n_triangles, lf_error *err);
+/* The same of vertices that were kept apart for what lies on them: twins[v] is the first that
+ * stands where v does and shares its smooth normal; NULL: each is its own. */
+LF_NODISCARD lf_status lf_mesh_complete_twins(lf_mesh_data *data, const lf_mesh_desc *desc,
+                                              int64_t n_triangles, const uint32_t *twins,
+                                              lf_error *err);
 
 #endif

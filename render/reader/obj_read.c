@@ -1,5 +1,5 @@
-/* Wavefront OBJ: points, normals, faces, and materials by name out of MTL libraries. Curves,
- * surfaces, smoothing groups and texture coordinates are left out. */
+/* Wavefront OBJ: points, normals, texture coordinates, faces, and materials by name out of MTL
+ * libraries. Curves, surfaces and smoothing groups are left out. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -19,9 +19,10 @@ typedef struct obj {
     bool has_choice; /* usemtl has been said */
     unsigned choice;
     int n_libraries;
-    char *group, *material;      /* those at hand; the latter where the scene has one */
-    uint32_t *corners, *normals; /* of the face at hand */
-    size_t n_corners, corners_room, normals_room;
+    char *group, *material;            /* those at hand; the latter where the scene has one */
+    uint32_t *corners, *normals, *uvs; /* of the face at hand */
+    size_t n_corners, corners_room, normals_room, uvs_room;
+    size_t n_astray; /* corners whose texture coordinate there is not */
 } obj;
 
 static lf_status bad_line(const obj *o, const char *what, lf_error *err)
@@ -32,6 +33,17 @@ static lf_status bad_line(const obj *o, const char *what, lf_error *err)
 /* -------------------------------------------------------------------------------------- points --
  */
 
+/* Of a point that is still to come. Colours count where all have one. */
+static lf_status take_point_colour(obj *o, const double c[3], lf_error *err)
+{
+    o->soup->n_coloured = 1;
+    if (o->soup->n_colours != o->soup->n_points)
+        return LF_OK;
+    return lf_soup_colour(
+        o->soup, (float[4]){lf_soup_light(c[0]), lf_soup_light(c[1]), lf_soup_light(c[2]), 1.0f},
+        err);
+}
+
 /* v x y z, then nothing, a weight, or a colour. */
 static lf_status take_point(obj *o, const char *at, lf_error *err)
 {
@@ -41,8 +53,9 @@ static lf_status take_point(obj *o, const char *at, lf_error *err)
         n++;
     if (n < 3)
         return bad_line(o, "expected three numbers behind v", err);
-    if (n == 6)
-        o->soup->n_coloured = 1;
+    lf_status status = n == 6 ? take_point_colour(o, v + 3, err) : LF_OK;
+    if (status != LF_OK)
+        return status;
     if (n == 4 && v[3] != 0)
         for (int i = 0; i < 3; i++)
             v[i] /= v[3];
@@ -55,6 +68,16 @@ static lf_status take_normal(obj *o, const char *at, lf_error *err)
     if (!lf_numbers(&at, 3, v))
         return bad_line(o, "expected three numbers behind vn", err);
     return lf_soup_normal(o->soup, (float[3]){(float)v[0], (float)v[1], (float)v[2]}, err);
+}
+
+/* vt u, with or without v and w */
+static lf_status take_uv(obj *o, const char *at, lf_error *err)
+{
+    double uv[2] = {0, 0};
+    if (!lf_number(&at, &uv[0]))
+        return bad_line(o, "expected a number behind vt", err);
+    (void)lf_number(&at, &uv[1]);
+    return lf_soup_uv(o->soup, uv, err);
 }
 
 /* --------------------------------------------------------------------------------------- faces --
@@ -86,18 +109,25 @@ static lf_status take_corner(obj *o, const char **at, lf_error *err)
 {
     int64_t point, texture, normal;
     bool textured, smooth;
-    uint32_t *corner, *own;
+    uint32_t *corner, *own, *uv;
     if (!lf_grow(&o->corners, &o->corners_room, o->n_corners + 1, sizeof *o->corners) ||
-        !lf_grow(&o->normals, &o->normals_room, o->n_corners + 1, sizeof *o->normals))
+        !lf_grow(&o->normals, &o->normals_room, o->n_corners + 1, sizeof *o->normals) ||
+        !lf_grow(&o->uvs, &o->uvs_room, o->n_corners + 1, sizeof *o->uvs))
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     corner = &o->corners[o->n_corners];
-    own = &o->normals[o->n_corners++];
+    own = &o->normals[o->n_corners];
+    uv = &o->uvs[o->n_corners++];
     if (!lf_integer(at, &point) || !index_behind_slash(at, &textured, &texture) ||
         !index_behind_slash(at, &smooth, &normal) || (**at && !lf_is_blank(**at)))
         return bad_line(o, "expected numbers such as 1, 1/2, 1//3 or 1/2/3", err);
     if (!to_number(point, o->soup->n_points, corner))
         return bad_line(o, "a face names a vertex that there is not", err);
     *own = LF_NO_NORMAL;
+    *uv = LF_NO_UV;
+    if (textured && o->desc->material < 0 && !to_number(texture, o->soup->n_uvs, uv)) {
+        *uv = LF_NO_UV;
+        o->n_astray++;
+    }
     if (smooth && !to_number(normal, o->soup->n_normals, own))
         return bad_line(o, "a face names a normal that there is not", err);
     return LF_OK;
@@ -127,9 +157,8 @@ static lf_status take_face(obj *o, const char *at, lf_error *err)
     lf_status status = take_corners(o, at, err);
     if (status == LF_OK && !o->has_choice && o->desc->material < 0)
         status = choose_none(o, err);
-    return status == LF_OK
-               ? lf_soup_polygon(o->soup, o->n_corners, o->corners, o->normals, o->choice, err)
-               : status;
+    const lf_face face = {o->corners, o->normals, o->soup->n_uvs > 0 ? o->uvs : NULL, o->choice};
+    return status == LF_OK ? lf_soup_polygon(o->soup, o->n_corners, &face, err) : status;
 }
 
 static lf_status take_beside(obj *o, const char *at, bool line, lf_error *err)
@@ -170,18 +199,20 @@ static lf_status read_library(obj *o, const char *name, bool *out_read, lf_error
 {
     int fd;
     char *folder = lf_path_folder(o->desc->file),
-         *path = folder ? lf_path_join(folder, name) : NULL;
+         *path = folder ? lf_path_join(folder, name) : NULL,
+         *own_folder = path ? lf_path_folder(path) : NULL;
     lf_status status = LF_OK;
     *out_read = false;
-    if (!path) {
+    if (!own_folder) {
         status = lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     } else if (lf_ask_for_file(path, &fd) == LF_OK) {
         *out_read = true;
-        status = lf_mtl_read(fd, o->soup, err);
+        status = lf_mtl_read(fd, own_folder, o->soup, err);
         close(fd);
     }
     lf_free(folder);
     lf_free(path);
+    lf_free(own_folder);
     return status;
 }
 
@@ -234,6 +265,8 @@ static lf_status read_line(obj *o, char *line, lf_error *err)
         return take_point(o, at, err);
     if (lf_word_is(key, n, "vn"))
         return take_normal(o, at, err);
+    if (lf_word_is(key, n, "vt"))
+        return o->desc->material < 0 ? take_uv(o, at, err) : LF_OK;
     if (lf_word_is(key, n, "f") || lf_word_is(key, n, "fo"))
         return take_face(o, at, err);
     if (lf_word_is(key, n, "l") || lf_word_is(key, n, "p"))
@@ -261,10 +294,14 @@ lf_status lf_obj_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
     if (status == LF_OK && soup->n_points == 0)
         status = lf_error_set(err, LF_E_FORMAT, LF_HERE,
                               "cannot be read as a mesh: not OBJ, it has no vertices");
+    if (o.n_astray > 0)
+        lf_warnings_add(&soup->warnings, LF_HERE,
+                        "%zu corners name texture coordinates that there are not", o.n_astray);
     lf_input_close(&o.in);
     lf_free(o.group);
     lf_free(o.material);
     free(o.corners);
     free(o.normals);
+    free(o.uvs);
     return status;
 }

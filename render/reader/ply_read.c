@@ -160,7 +160,8 @@ static lf_status take_face(ply *p, lf_error *err)
     if (status != LF_OK)
         return status;
     unsigned choice = material > 0 && material < LF_MAX_MATERIALS ? (unsigned)material : 0;
-    return lf_soup_polygon(p->soup, p->n_indices, p->indices, NULL, choice, err);
+    return lf_soup_polygon(p->soup, p->n_indices,
+                           &(lf_face){.corners = p->indices, .choice = choice}, err);
 }
 
 /* Every second triangle runs the other way. */
@@ -174,9 +175,11 @@ static lf_status take_strip(ply *p, lf_error *err)
         if (c[i] == UINT32_MAX)
             begin = i + 1;
         else if (i >= begin + 2)
-            status = lf_soup_triangle(
-                p->soup, (uint32_t[3]){c[odd ? i - 1 : i - 2], c[odd ? i - 2 : i - 1], c[i]}, NULL,
-                0, err);
+            status =
+                lf_soup_triangle(p->soup,
+                                 &(lf_face){.corners = (uint32_t[3]){c[odd ? i - 1 : i - 2],
+                                                                     c[odd ? i - 2 : i - 1], c[i]}},
+                                 err);
     }
     return status;
 }

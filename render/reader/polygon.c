@@ -26,15 +26,17 @@ static const double *corner_at(const lf_soup *soup, uint32_t corner)
     return soup->points + 3 * (size_t)corner;
 }
 
-static lf_status put_corners(lf_soup *soup, const uint32_t *corners, const uint32_t *normals,
-                             const uint32_t which[3], unsigned choice, lf_error *err)
+static lf_status put_corners(lf_soup *soup, const lf_face *face, const uint32_t which[3],
+                             lf_error *err)
 {
-    uint32_t c[3], n[3] = {0};
+    uint32_t c[3], n[3] = {0}, t[3] = {0};
     for (int i = 0; i < 3; i++) {
-        c[i] = corners[which[i]];
-        n[i] = normals ? normals[which[i]] : 0;
+        c[i] = face->corners[which[i]];
+        n[i] = face->normals ? face->normals[which[i]] : 0;
+        t[i] = face->uvs ? face->uvs[which[i]] : 0;
     }
-    return lf_soup_triangle(soup, c, normals ? n : NULL, choice, err);
+    return lf_soup_triangle(
+        soup, &(lf_face){c, face->normals ? n : NULL, face->uvs ? t : NULL, face->choice}, err);
 }
 
 static double angle_between(const double a[3], const double b[3])
@@ -55,17 +57,16 @@ static bool is_inward(const lf_soup *soup, const uint32_t *corners, size_t i)
     return angle_between(left, diagonal) + angle_between(right, diagonal) > M_PI - ANGLE_SLACK;
 }
 
-static lf_status split_quad(lf_soup *soup, const uint32_t *corners, const uint32_t *normals,
-                            unsigned choice, lf_error *err)
+static lf_status split_quad(lf_soup *soup, const lf_face *face, lf_error *err)
 {
     uint32_t from = 0;
-    while (from < 4 && !is_inward(soup, corners, from))
+    while (from < 4 && !is_inward(soup, face->corners, from))
         from++;
     const uint32_t both[2][3] = {{from % 4, (from + 1) % 4, (from + 2) % 4},
                                  {from % 4, (from + 2) % 4, (from + 3) % 4}};
-    lf_status status = put_corners(soup, corners, normals, both[0], choice, err);
+    lf_status status = put_corners(soup, face, both[0], err);
     if (status == LF_OK)
-        status = put_corners(soup, corners, normals, both[1], choice, err);
+        status = put_corners(soup, face, both[1], err);
     return status;
 }
 
@@ -133,18 +134,16 @@ static uint32_t next_ear(const flat_polygon *p, uint32_t from)
     return from;
 }
 
-static lf_status cut_ears(lf_soup *soup, const uint32_t *corners, const uint32_t *normals,
-                          unsigned choice, flat_polygon *p, lf_error *err)
+static lf_status cut_ears(lf_soup *soup, const lf_face *face, flat_polygon *p, lf_error *err)
 {
     lf_status status = LF_OK;
     uint32_t at = 0;
-    flatten(soup, corners, p);
+    flatten(soup, face->corners, p);
     for (uint32_t i = 0; i < p->n; i++)
         p->is_ear[i] = is_ear(p, i);
     for (size_t left = p->n; left >= 3 && status == LF_OK; left--) {
         uint32_t ear = next_ear(p, at), before = p->before[ear], behind = p->behind[ear];
-        status =
-            put_corners(soup, corners, normals, (uint32_t[]){before, ear, behind}, choice, err);
+        status = put_corners(soup, face, (uint32_t[]){before, ear, behind}, err);
         p->behind[before] = behind;
         p->before[behind] = before;
         p->is_ear[before] = is_ear(p, before);
@@ -154,8 +153,7 @@ static lf_status cut_ears(lf_soup *soup, const uint32_t *corners, const uint32_t
     return status;
 }
 
-static lf_status split_by_ears(lf_soup *soup, size_t n, const uint32_t *corners,
-                               const uint32_t *normals, unsigned choice, lf_error *err)
+static lf_status split_by_ears(lf_soup *soup, size_t n, const lf_face *face, lf_error *err)
 {
     flat_polygon p = {.n = n,
                       .at = malloc(n * sizeof *p.at),
@@ -163,7 +161,7 @@ static lf_status split_by_ears(lf_soup *soup, size_t n, const uint32_t *corners,
                       .behind = malloc(n * sizeof *p.behind),
                       .is_ear = malloc(n)};
     lf_status status = p.at && p.before && p.behind && p.is_ear
-                           ? cut_ears(soup, corners, normals, choice, &p, err)
+                           ? cut_ears(soup, face, &p, err)
                            : lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     free(p.at);
     free(p.before);
@@ -172,18 +170,17 @@ static lf_status split_by_ears(lf_soup *soup, size_t n, const uint32_t *corners,
     return status;
 }
 
-lf_status lf_soup_polygon(lf_soup *soup, size_t n, const uint32_t *corners, const uint32_t *normals,
-                          unsigned choice, lf_error *err)
+lf_status lf_soup_polygon(lf_soup *soup, size_t n, const lf_face *face, lf_error *err)
 {
     if (n == 3)
-        return lf_soup_triangle(soup, corners, normals, choice, err);
+        return lf_soup_triangle(soup, face, err);
     if (n == 4)
-        return split_quad(soup, corners, normals, choice, err);
+        return split_quad(soup, face, err);
     if (n > LF_MAX_CORNERS)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "a face of %zu corners; at most %d", n,
                             LF_MAX_CORNERS);
     if (n > 4)
-        return split_by_ears(soup, n, corners, normals, choice, err);
+        return split_by_ears(soup, n, face, err);
     soup->n_beside++;
     return LF_OK;
 }

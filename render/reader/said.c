@@ -9,7 +9,11 @@
 
 lf_said lf_said_begin(const char *name)
 {
-    return (lf_said){.name = lf_strdup(name), .diffuse = {0.5f, 0.5f, 0.5f}, .roughness = 1.0f};
+    return (lf_said){.name = lf_strdup(name),
+                     .diffuse = {0.5f, 0.5f, 0.5f},
+                     .roughness = 1.0f,
+                     .alpha = 1.0f,
+                     .cutoff = 0.5f};
 }
 
 static float clamp_unit(float v)
@@ -58,8 +62,13 @@ static void convert_phong(const lf_said *said, lf_material *out)
 
 static lf_material convert_said(const lf_said *said)
 {
-    lf_material out = {
-        .kind = &lf_surface_diffuse, .albedo = {0.5f, 0.5f, 0.5f}, .roughness = 0.3f, .ior = 1.5f};
+    lf_material out = {.kind = &lf_surface_diffuse,
+                       .albedo = {0.5f, 0.5f, 0.5f},
+                       .roughness = 0.3f,
+                       .ior = 1.5f,
+                       .cover = said->cover,
+                       .alpha = clamp_unit(said->alpha),
+                       .cutoff = clamp_unit(said->cutoff)};
     if (said->is_none)
         return out;
     out.albedo = clamp_colour(said->diffuse);
@@ -73,10 +82,29 @@ static lf_material convert_said(const lf_said *said)
     return out;
 }
 
+/* Of materials that triangles have. false: no memory. */
+static bool convert_textures(const lf_said *said, size_t n, const bool *used, lf_mesh_data *out)
+{
+    for (size_t i = 0; i < n; i++)
+        for (int s = 0; s < LF_SLOTS; s++) {
+            if (!used[i] || said[i].textures.slot[s].picture == 0)
+                continue;
+            if (!out->textures)
+                out->textures = lf_calloc(n, sizeof *out->textures);
+            if (!out->textures)
+                return false;
+            out->textures[i].slot[s] = said[i].textures.slot[s];
+        }
+    return true;
+}
+
 /* ------------------------------------------------------------------------------ what is lost -- */
 
 static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_TEXTURES] = "textures are not read, the colours beside them alone count",
+    [LF_LOST_MAPS] = "textures of other things than colour, glow, normals and coverage are not "
+                     "read",
+    [LF_LOST_MAP_OPTIONS] = "options of its textures are left out, but for their place and size",
     [LF_LOST_GLOW] = "the texture of what glows is not read, so nothing of it does",
     [LF_LOST_TRANSPARENCY] = "transparency is left out: opaque",
     [LF_LOST_METALLIC] = "metallic between 0 and 1 counts as the nearer of both",
@@ -127,6 +155,8 @@ lf_status lf_said_convert(const lf_said *said, size_t n, const bool *used, lf_me
     out->n_materials = (int)n;
     for (size_t i = 0; i < n; i++)
         out->materials[i] = convert_said(&said[i]);
+    if (!convert_textures(said, n, used, out))
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     for (unsigned kind = 0; kind < LF_LOST_KINDS; kind++) {
         name_list names = {0};
         for (size_t i = 0; i < n; i++)

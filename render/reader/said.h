@@ -7,6 +7,8 @@
 /* What a material may hold that no surface of ours has, in the order in which it is told. */
 typedef enum lf_lost {
     LF_LOST_TEXTURES,
+    LF_LOST_MAPS, /* those of other things than the ones that are read */
+    LF_LOST_MAP_OPTIONS,
     LF_LOST_GLOW, /* a texture of what glows */
     LF_LOST_TRANSPARENCY,
     LF_LOST_METALLIC, /* between 0 and 1 */
@@ -25,6 +27,7 @@ typedef struct lf_said {
     /* says nothing, or was made up for what has no material: grey, whatever is below */
     bool is_none;
     bool is_metallic; /* glTF's model, and that of newer MTL files; else Phong's */
+    bool has_diffuse; /* its colour was said */
     bool is_missing;  /* named by an OBJ file, and in none of its libraries */
     unsigned lost;    /* 1 << lf_lost each */
     lf_vec3 diffuse, highlight, emission;

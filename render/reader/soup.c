@@ -1,5 +1,6 @@
 #include "render/reader/soup.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,6 +19,12 @@ void lf_soup_finish(lf_soup *soup)
     free(soup->normals);
     free(soup->corners);
     free(soup->normals_of);
+    free(soup->uvs);
+    free(soup->uvs_of);
+    free(soup->colours);
+    for (size_t i = 0; i < soup->n_maps; i++)
+        lf_map_finish(&soup->maps[i]);
+    free(soup->maps);
     free(soup->choices);
     free(soup->parts);
     for (size_t i = 0; i < soup->n_said; i++)
@@ -50,6 +57,39 @@ lf_status lf_soup_normal(lf_soup *soup, const float normal[3], lf_error *err)
     return LF_OK;
 }
 
+lf_status lf_soup_uv(lf_soup *soup, const double uv[2], lf_error *err)
+{
+    if (soup->n_uvs >= 3 * (size_t)LF_MAX_TRIANGLES)
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE,
+                            "more than %d texture coordinates are not possible",
+                            3 * LF_MAX_TRIANGLES);
+    if (!lf_grow(&soup->uvs, &soup->uvs_room, soup->n_uvs + 1, 2 * sizeof *soup->uvs))
+        return no_room(err);
+    for (int i = 0; i < 2; i++)
+        soup->uvs[2 * soup->n_uvs + (size_t)i] =
+            fabs(uv[i]) <= (double)LF_MAX_UV ? (float)uv[i] : 0.0f;
+    soup->n_uvs++;
+    return LF_OK;
+}
+
+float lf_soup_light(double code)
+{
+    double c = code > 0 ? fmin(code, 1) : 0;
+    return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
+}
+
+lf_status lf_soup_colour(lf_soup *soup, const float rgba[4], lf_error *err)
+{
+    if (!lf_grow(&soup->colours, &soup->colours_room, soup->n_colours + 1,
+                 4 * sizeof *soup->colours))
+        return no_room(err);
+    for (int i = 0; i < 4; i++)
+        soup->colours[4 * soup->n_colours + (size_t)i] =
+            rgba[i] > 0.0f ? fminf(rgba[i], 1.0f) : 0.0f;
+    soup->n_colours++;
+    return LF_OK;
+}
+
 /* Choices are there once one of them is not 0. */
 static bool put_choice(lf_soup *soup, unsigned choice)
 {
@@ -64,20 +104,36 @@ static bool put_choice(lf_soup *soup, unsigned choice)
     return true;
 }
 
-lf_status lf_soup_triangle(lf_soup *soup, const uint32_t corners[3], const uint32_t *normals,
-                           unsigned choice, lf_error *err)
+/* Numbers of texture coordinates are there once a triangle has some. */
+static bool put_uvs(lf_soup *soup, const uint32_t *uvs)
+{
+    size_t at = 3 * soup->n_triangles;
+    bool first = !soup->uvs_of;
+    if (first && !uvs)
+        return true;
+    if (!lf_grow(&soup->uvs_of, &soup->uvs_of_room, at + 3, sizeof *uvs))
+        return false;
+    for (size_t i = first ? 0 : at; i < at + 3; i++)
+        soup->uvs_of[i] = LF_NO_UV;
+    if (uvs)
+        memcpy(soup->uvs_of + at, uvs, 3 * sizeof *uvs);
+    return true;
+}
+
+lf_status lf_soup_triangle(lf_soup *soup, const lf_face *face, lf_error *err)
 {
     size_t at = 3 * soup->n_triangles;
     if (soup->n_triangles >= LF_MAX_TRIANGLES)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d triangles are not possible",
                             LF_MAX_TRIANGLES);
-    if (!lf_grow(&soup->corners, &soup->corners_room, at + 3, sizeof *corners) ||
-        (normals && !lf_grow(&soup->normals_of, &soup->normals_of_room, at + 3, sizeof *normals)) ||
-        !put_choice(soup, choice))
+    if (!lf_grow(&soup->corners, &soup->corners_room, at + 3, sizeof *soup->corners) ||
+        (face->normals &&
+         !lf_grow(&soup->normals_of, &soup->normals_of_room, at + 3, sizeof *soup->normals_of)) ||
+        !put_uvs(soup, face->uvs) || !put_choice(soup, face->choice))
         return no_room(err);
-    memcpy(soup->corners + at, corners, 3 * sizeof *corners);
-    if (normals)
-        memcpy(soup->normals_of + at, normals, 3 * sizeof *normals);
+    memcpy(soup->corners + at, face->corners, 3 * sizeof *face->corners);
+    if (face->normals)
+        memcpy(soup->normals_of + at, face->normals, 3 * sizeof *face->normals);
     soup->n_triangles++;
     return LF_OK;
 }
@@ -89,6 +145,24 @@ lf_status lf_soup_part(lf_soup *soup, lf_error *err)
     if (!lf_grow(&soup->parts, &soup->parts_room, soup->n_parts + 1, sizeof *soup->parts))
         return no_room(err);
     soup->parts[soup->n_parts++] = (uint32_t)soup->n_triangles;
+    return LF_OK;
+}
+
+lf_status lf_soup_map(lf_soup *soup, lf_map map, lf_error *err)
+{
+    size_t at = soup->n_maps;
+    while (at > 0 && !(soup->maps[at - 1].said == map.said && soup->maps[at - 1].use == map.use))
+        at--;
+    if (at > 0) {
+        lf_map_finish(&soup->maps[at - 1]);
+        soup->maps[at - 1] = map;
+        return LF_OK;
+    }
+    if (!lf_grow(&soup->maps, &soup->maps_room, soup->n_maps + 1, sizeof map)) {
+        lf_map_finish(&map);
+        return no_room(err);
+    }
+    soup->maps[soup->n_maps++] = map;
     return LF_OK;
 }
 

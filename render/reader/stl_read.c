@@ -43,7 +43,7 @@ static lf_status read_facet(const unsigned char *bytes, lf_soup *soup, lf_error 
     }
     if (bytes[FACET_BYTES - 1] & 0x80) /* it has a colour */
         soup->n_coloured = 1;
-    return status == LF_OK ? lf_soup_triangle(soup, corners, NULL, 0, err) : status;
+    return status == LF_OK ? lf_soup_triangle(soup, &(lf_face){.corners = corners}, err) : status;
 }
 
 static lf_status read_binary(lf_input *in, lf_soup *soup, lf_error *err)
@@ -98,7 +98,7 @@ static lf_status end_facet(const lf_input *in, facet *f, lf_soup *soup, lf_error
     if (!f->open || f->n < 3)
         return bad_line(in, "a facet ends that has no three corners", err);
     f->open = false;
-    return lf_soup_polygon(soup, f->n, f->corners, NULL, 0, err);
+    return lf_soup_polygon(soup, f->n, &(lf_face){.corners = f->corners}, err);
 }
 
 /* One line. *ended: a solid has, and no other has begun. */

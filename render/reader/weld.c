@@ -1,4 +1,6 @@
-/* Corners with one position and one normal become one vertex, found again by a table of hashes. */
+/* Corners with one position, one normal and one look become one vertex, found again by a table of
+ * hashes. */
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
@@ -8,27 +10,68 @@
 #include "render/reader/input.h"
 #include "render/reader/mesh_build.h"
 #include "render/reader/soup.h"
+#include "render/reader/tangents.h"
 #include "render/scene/vec_double.h"
 
 #define NO_VERTEX UINT32_MAX
 #define LEAST_TABLE 64
 
-/* What makes a vertex: compared byte by byte, so that what is no number equals itself. */
+/* What makes a vertex: compared byte by byte, so that what is no number equals itself. Of most
+ * meshes the first five numbers and a half are all. */
 typedef struct vertex_key {
     double position[3];
     float normal[3];
+    float uv[2];
     float zero;
+    float colour[4];
 } vertex_key;
+
+#define PLAIN_SIZE 40
+#define UV_SIZE offsetof(vertex_key, colour)
 
 /* The vertices so far. Those of the part at hand are in the table, at their hash or behind it. */
 typedef struct welding {
     const lf_soup *soup;
-    bool normals; /* the file's are wanted, and there are some */
-    vertex_key *vertices;
+    const lf_mesh_data *mesh; /* whose materials are there */
+    bool normals;             /* the file's are wanted, and there are some; or the faces' */
+    bool faces;               /* the faces' */
+    bool uvs, colours;
+    size_t key_size;         /* of vertex_key, what is kept */
+    unsigned char *vertices; /* [n_vertices][key_size] */
     size_t n_vertices, vertices_room;
     uint32_t *table; /* a power of two, at most half full */
     size_t table_size, n_in_table;
+    uint32_t *twins; /* [n_twins]: the first vertex that stands in the same place of its part */
+    size_t n_twins, twins_room;
+    bool wants_twins;
 } welding;
+
+static const vertex_key *vertex_at(const welding *w, size_t v)
+{
+    return (const vertex_key *)(const void *)(w->vertices + v * w->key_size);
+}
+
+static bool has_textures(const lf_mesh_data *mesh, unsigned material)
+{
+    for (int s = 0; mesh->textures && s < LF_SLOTS; s++)
+        if (mesh->textures[material].slot[s].picture > 0)
+            return true;
+    return false;
+}
+
+/* What lies there beside a normal: of a material without pictures no coordinates. */
+static void put_look(const welding *w, size_t triangle, int corner, vertex_key *key)
+{
+    const lf_soup *soup = w->soup;
+    size_t at = 3 * triangle + (size_t)corner;
+    uint32_t uv = LF_NO_UV;
+    if (w->colours)
+        memcpy(key->colour, soup->colours + 4 * (size_t)soup->corners[at], sizeof key->colour);
+    if (w->uvs && has_textures(w->mesh, soup->choices ? soup->choices[triangle] : 0))
+        uv = soup->has_own_uvs ? soup->corners[at] : soup->uvs_of ? soup->uvs_of[at] : LF_NO_UV;
+    for (size_t i = 0; i < 2 && uv != LF_NO_UV; i++)
+        key->uv[i] = soup->uvs[2 * (size_t)uv + i] + 0.0f;
+}
 
 static vertex_key key_of(const welding *w, size_t triangle, int corner)
 {
@@ -37,11 +80,13 @@ static vertex_key key_of(const welding *w, size_t triangle, int corner)
     vertex_key key = {.zero = 0};
     for (int i = 0; i < 3; i++) /* -0 is 0 */
         key.position[i] = soup->points[3 * (size_t)soup->corners[at] + (size_t)i] + 0.0;
+    put_look(w, triangle, corner, &key);
     if (!w->normals)
         return key;
-    uint32_t number = soup->has_own_normals ? soup->corners[at]
-                      : soup->normals_of    ? soup->normals_of[at]
-                                            : LF_NO_NORMAL;
+    uint32_t number = w->faces                ? LF_NO_NORMAL
+                      : soup->has_own_normals ? soup->corners[at]
+                      : soup->normals_of      ? soup->normals_of[at]
+                                              : LF_NO_NORMAL;
     if (number != LF_NO_NORMAL) {
         memcpy(key.normal, soup->normals + 3 * (size_t)number, sizeof key.normal);
         return key;
@@ -60,8 +105,8 @@ static vertex_key key_of(const welding *w, size_t triangle, int corner)
 /* Where a key stands in the table, or may. */
 static uint32_t *slot_of(const welding *w, const vertex_key *key)
 {
-    size_t at = (size_t)XXH3_64bits(key, sizeof *key) & (w->table_size - 1);
-    while (w->table[at] != NO_VERTEX && memcmp(&w->vertices[w->table[at]], key, sizeof *key) != 0)
+    size_t at = (size_t)XXH3_64bits(key, w->key_size) & (w->table_size - 1);
+    while (w->table[at] != NO_VERTEX && memcmp(vertex_at(w, w->table[at]), key, w->key_size) != 0)
         at = (at + 1) & (w->table_size - 1);
     return &w->table[at];
 }
@@ -77,7 +122,7 @@ static bool make_table(welding *w, size_t size)
     w->table = table;
     w->table_size = size;
     for (size_t v = w->n_vertices - w->n_in_table; v < w->n_vertices; v++)
-        *slot_of(w, &w->vertices[v]) = (uint32_t)v;
+        *slot_of(w, vertex_at(w, v)) = (uint32_t)v;
     return true;
 }
 
@@ -87,13 +132,35 @@ static bool find_vertex(welding *w, const vertex_key *key, uint32_t *out)
         return false;
     uint32_t *slot = slot_of(w, key);
     if (*slot == NO_VERTEX) {
-        if (!lf_grow(&w->vertices, &w->vertices_room, w->n_vertices + 1, sizeof *key))
+        if (!lf_grow(&w->vertices, &w->vertices_room, w->n_vertices + 1, w->key_size))
             return false;
-        w->vertices[w->n_vertices] = *key;
+        memcpy(w->vertices + w->n_vertices * w->key_size, key, w->key_size);
         *slot = (uint32_t)w->n_vertices++;
         w->n_in_table++;
     }
     *out = *slot;
+    return true;
+}
+
+/* Of the part that ends: vertices in one place, by the table, which nothing needs any more. */
+static bool find_twins(welding *w)
+{
+    if (!w->wants_twins)
+        return true;
+    if (!lf_grow(&w->twins, &w->twins_room, w->n_vertices, sizeof *w->twins))
+        return false;
+    memset(w->table, 0xff, w->table_size * sizeof *w->table);
+    for (size_t v = w->n_twins; v < w->n_vertices; v++) {
+        const double *place = vertex_at(w, v)->position;
+        size_t at = (size_t)XXH3_64bits(place, 3 * sizeof *place) & (w->table_size - 1);
+        while (w->table[at] != NO_VERTEX &&
+               memcmp(vertex_at(w, w->table[at])->position, place, 3 * sizeof *place) != 0)
+            at = (at + 1) & (w->table_size - 1);
+        if (w->table[at] == NO_VERTEX)
+            w->table[at] = (uint32_t)v;
+        w->twins[v] = w->table[at];
+    }
+    w->n_twins = w->n_vertices;
     return true;
 }
 
@@ -102,6 +169,8 @@ static bool find_vertex(welding *w, const vertex_key *key, uint32_t *out)
 static bool begin_part(welding *w)
 {
     bool sparse = 8 * w->n_in_table < w->table_size;
+    if (!find_twins(w))
+        return false;
     w->n_in_table = 0;
     return make_table(w, sparse ? LEAST_TABLE : w->table_size);
 }
@@ -126,27 +195,76 @@ static bool join_corners(welding *w, lf_soup *soup)
         }
         memcpy(soup->corners + 3 * t, vertices, sizeof vertices);
     }
-    return true;
+    return find_twins(w);
 }
 
-static lf_status take_materials(lf_soup *soup, lf_mesh_data *out, lf_error *err)
+/* Where the file has no material, or one that says nothing. */
+static bool colours_count(const lf_soup *soup)
+{
+    for (size_t i = 0; i < soup->n_said; i++)
+        if (!soup->said[i].is_none)
+            return false;
+    return soup->n_colours > 0 && soup->n_colours == soup->n_points;
+}
+
+/* White, which the colours multiply; some programs write a coverage of 0 everywhere. */
+static void whiten(lf_soup *soup)
+{
+    bool holes = false, some = false;
+    for (size_t i = 0; i < soup->n_colours; i++) {
+        holes = holes || soup->colours[4 * i + 3] < 1.0f;
+        some = some || soup->colours[4 * i + 3] > 0.0f;
+    }
+    for (size_t i = 0; i < soup->n_colours && !some; i++)
+        soup->colours[4 * i + 3] = 1.0f;
+    for (size_t i = 0; i < soup->n_said; i++) {
+        soup->said[i].is_none = false;
+        soup->said[i].diffuse = lf_v3(1, 1, 1);
+        soup->said[i].cover = holes && some ? LF_COVER_BLEND : LF_COVER_OPAQUE;
+    }
+}
+
+static lf_status take_materials(lf_soup *soup, bool colours, lf_mesh_data *out, lf_error *err)
 {
     bool used[LF_MAX_MATERIALS] = {false};
-    lf_said none = lf_said_begin("");
-    none.is_none = true;
+    lf_status status = LF_OK;
     if (soup->n_said == 0) {
-        lf_status status = lf_soup_say(soup, none, err);
-        if (status != LF_OK)
-            return status;
-    } else {
-        lf_free(none.name);
+        lf_said none = lf_said_begin("");
+        none.is_none = true;
+        status = lf_soup_say(soup, none, err);
     }
+    if (status != LF_OK)
+        return status;
+    if (colours)
+        whiten(soup);
     for (size_t t = 0; t < soup->n_triangles; t++)
         used[soup->choices ? soup->choices[t] : 0] = true;
-    lf_status status = lf_said_convert(soup->said, soup->n_said, used, out, err);
+    if (soup->n_uvs > 0)
+        status = lf_maps_read(soup->maps, soup->n_maps, soup->said, used, out, err);
+    else
+        lf_maps_drop(soup->maps, soup->n_maps, soup->said, used, &out->warnings);
+    if (status == LF_OK)
+        status = lf_said_convert(soup->said, soup->n_said, used, out, err);
     if (status == LF_OK && soup->has_library)
         lf_said_warn_of_missing(soup->said, soup->n_said, used, &out->warnings);
     return status;
+}
+
+/* [n_vertices] as the parcel has them. */
+static lf_status fill_looks(const welding *w, lf_mesh_data *out, lf_error *err)
+{
+    if (w->uvs)
+        out->uvs = lf_calloc(w->n_vertices, 2 * sizeof *out->uvs);
+    if (w->colours)
+        out->colours = lf_calloc(w->n_vertices, 4 * sizeof *out->colours);
+    if ((w->uvs && !out->uvs) || (w->colours && !out->colours))
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+    out->n_uv_sets = w->uvs;
+    for (size_t v = 0; v < w->n_vertices && w->uvs; v++)
+        memcpy(out->uvs + 2 * v, vertex_at(w, v)->uv, 2 * sizeof *out->uvs);
+    for (size_t v = 0; v < w->n_vertices && w->colours; v++)
+        memcpy(out->colours + 4 * v, vertex_at(w, v)->colour, 4 * sizeof *out->colours);
+    return LF_OK;
 }
 
 static lf_status fill_mesh(const welding *w, const lf_soup *soup, const lf_mesh_desc *desc,
@@ -155,21 +273,25 @@ static lf_status fill_mesh(const welding *w, const lf_soup *soup, const lf_mesh_
     lf_mesh_place place = lf_mesh_place_of(&desc->transform);
     lf_status status = lf_mesh_allocate(out, (int64_t)w->n_vertices, (int64_t)soup->n_triangles,
                                         w->normals || desc->normals == LF_NORMALS_SMOOTH, err);
+    if (status == LF_OK)
+        status = fill_looks(w, out, err);
     if (status != LF_OK)
         return status;
     for (size_t v = 0; v < w->n_vertices; v++)
-        lf_mesh_put_vertex(out, &place, w->vertices[v].position,
-                           w->normals ? w->vertices[v].normal : NULL);
+        lf_mesh_put_vertex(out, &place, vertex_at(w, v)->position,
+                           w->normals ? vertex_at(w, v)->normal : NULL);
     for (size_t t = 0; t < soup->n_triangles; t++)
         lf_mesh_put_triangle(out, &place, soup->corners + 3 * t,
                              soup->choices ? soup->choices[t] : 0);
-    return lf_mesh_complete(out, desc, (int64_t)soup->n_triangles, err);
+    status = lf_mesh_complete_twins(out, desc, (int64_t)soup->n_triangles, w->twins, err);
+    return status == LF_OK ? lf_mesh_tangents(out, err) : status;
 }
 
-static void warn_of_rest(const lf_soup *soup, const lf_mesh_desc *desc, lf_mesh_data *out)
+static void warn_of_rest(const lf_soup *soup, bool coloured, const lf_mesh_desc *desc,
+                         lf_mesh_data *out)
 {
     lf_warnings_add_all(&out->warnings, &soup->warnings);
-    if (desc->material < 0 && soup->n_coloured > 0)
+    if (desc->material < 0 && soup->n_coloured > 0 && !coloured)
         lf_warnings_add(&out->warnings, LF_HERE,
                         "%zu parts have colours a vertex, which are not used", soup->n_coloured);
     if (soup->n_beside > 0)
@@ -177,21 +299,44 @@ static void warn_of_rest(const lf_soup *soup, const lf_mesh_desc *desc, lf_mesh_
                         soup->n_beside);
 }
 
+/* Which vertices are to be kept apart, by materials that are there. */
+static welding begin_welding(const lf_soup *soup, const lf_mesh_desc *desc, bool colours,
+                             const lf_mesh_data *out)
+{
+    /* a normal map on flat faces stands on their own normals */
+    bool smooth = desc->normals == LF_NORMALS_SMOOTH,
+         file = desc->normals == LF_NORMALS_FILE && soup->n_normals > 0,
+         faces = !smooth && !file && lf_mesh_wants_tangents(out);
+    welding w = {.soup = soup,
+                 .mesh = out,
+                 .normals = file || faces,
+                 .faces = faces,
+                 .uvs = out->textures && soup->n_uvs > 0,
+                 .colours = colours};
+    w.key_size = w.colours ? sizeof(vertex_key) : w.uvs ? UV_SIZE : PLAIN_SIZE;
+    w.wants_twins = smooth && (w.uvs || w.colours);
+    return w;
+}
+
 lf_status lf_weld(lf_soup *soup, const lf_mesh_desc *desc, lf_mesh_data *out, lf_error *err)
 {
-    welding w = {.soup = soup, .normals = desc->normals == LF_NORMALS_FILE && soup->n_normals > 0};
     lf_status status = LF_OK;
+    bool colours = desc->material < 0 && colours_count(soup);
     if (soup->n_triangles == 0)
         return lf_mesh_complete(out, desc, 0, err);
+    if (desc->material < 0)
+        status = take_materials(soup, colours, out, err);
+    if (status != LF_OK)
+        return status;
+    welding w = begin_welding(soup, desc, colours, out);
     if (!join_corners(&w, soup))
         status = lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
-    if (status == LF_OK && desc->material < 0)
-        status = take_materials(soup, out, err);
     if (status == LF_OK)
         status = fill_mesh(&w, soup, desc, out, err);
     if (status == LF_OK)
-        warn_of_rest(soup, desc, out);
+        warn_of_rest(soup, colours, desc, out);
     free(w.vertices);
     free(w.table);
+    free(w.twins);
     return status;
 }

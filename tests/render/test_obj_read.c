@@ -18,6 +18,11 @@ lf_status lf_ask_for_file(const char *name, int *out_fd)
     return *out_fd >= 0 ? LF_OK : LF_E_IO;
 }
 
+lf_status lf_try_for_file(const char *name, int *out_fd)
+{
+    return lf_ask_for_file(name, out_fd);
+}
+
 static lf_status read_text(const char *folder, const char *text, lf_soup *out, lf_error *err)
 {
     const char *path = lf_test_write(folder, "a.obj", text);
@@ -199,7 +204,7 @@ static void a_library_says_what_materials_are(void **state)
     lf_test_write(*state, "my own.mtl",
                   "Ks 1 1 1\nmap_Kd early.png\nnewmtl a b\r\nKd 0.1 0.2 0.3\nKs 0.5\nNs 50\n"
                   "Ni 1.25\nKe 3 2 1\nunknown 7\nnewmtl m\nPm 1\nPr 0.25\nbump -bm 2 b.png\n"
-                  "newmtl s\nKd spectral a.rfl\nd 0.5\nmap_Ke glow.png\n");
+                  "newmtl s\nKd spectral a.rfl\nd 0.5\nmap_Ke glow.png\nmap_Ns shine.png\n");
     lf_soup soup =
         soup_of(*state, "mtllib my own.mtl\n" SQUARE
                         "usemtl a b\nf 1 2 3\nusemtl m\nf 1 3 4\nusemtl gone\nf 1 2 4\n");
@@ -213,15 +218,125 @@ static void a_library_says_what_materials_are(void **state)
     assert_int_equal(a->lost, 0);
     assert_true(m->is_metallic && !a->is_metallic);
     lf_assert_close(m->roughness, 0.25, 0, 0);
-    assert_int_equal(m->lost, 1u << LF_LOST_TEXTURES);
+    assert_int_equal(m->lost, 0);
     lf_assert_close(s->diffuse.x, 0.6f, 0, 0);
-    assert_int_equal(s->lost,
-                     1u << LF_LOST_TRANSPARENCY | 1u << LF_LOST_TEXTURES | 1u << LF_LOST_GLOW);
+    assert_int_equal(s->lost, 1u << LF_LOST_MAPS);
+    assert_true(s->cover == LF_COVER_BLEND && s->alpha == 0.5f && a->cover == LF_COVER_OPAQUE);
+    assert_true(a->has_diffuse && !s->has_diffuse);
+    assert_int_equal(soup.n_maps, 2);
+    assert_true(soup.maps[0].use == LF_MAP_BUMP && &soup.said[soup.maps[0].said] == m);
+    assert_true(soup.maps[1].use == LF_MAP_GLOW && &soup.said[soup.maps[1].said] == s);
+    assert_string_equal(soup.maps[0].path, lf_test_path(*state, "b.png"));
     assert_true(said_of(&soup, "gone")->is_missing && !a->is_missing);
     for (size_t i = 0; i < 3; i++)
         assert_ptr_equal(&soup.said[soup.choices[i]],
                          said_of(&soup, (const char *const[]){"a b", "m", "gone"}[i]));
     lf_soup_finish(&soup);
+}
+
+static const lf_map *map_of(const lf_soup *soup, const char *name)
+{
+    for (size_t i = 0; i < soup->n_maps; i++)
+        if (strcmp(soup->said[soup->maps[i].said].name, name) == 0)
+            return &soup->maps[i];
+    fail_msg("no picture of \"%s\"", name);
+    return NULL;
+}
+
+/* Texture coordinates grow upwards, rows of a picture downwards. */
+static void options_of_a_picture_say_how_it_lies(void **state)
+{
+    static const struct {
+        const char *line, *name;
+        float map[2][3], scale;
+        lf_wrap wrap;
+        bool lost;
+    } cases[] = {
+        {"map_Kd a.png", "a.png", {{1, 0, 0}, {0, -1, 1}}, 1, LF_WRAP_REPEAT, false},
+        {"map_Kd two words.png  ",
+         "two words.png",
+         {{1, 0, 0}, {0, -1, 1}},
+         1,
+         LF_WRAP_REPEAT,
+         false},
+        {"map_Kd \"in quotes.png\"",
+         "in quotes.png",
+         {{1, 0, 0}, {0, -1, 1}},
+         1,
+         LF_WRAP_REPEAT,
+         false},
+        {"map_Kd -s 2 4 1 -o 0.25 0.5 0 sub\\a.png",
+         "sub/a.png",
+         {{2, 0, 0.25f}, {0, -4, 0.5f}},
+         1,
+         LF_WRAP_REPEAT,
+         false},
+        {"map_Kd -s -1 -clamp on 3 eyes.png",
+         "3 eyes.png",
+         {{-1, 0, 0}, {0, -1, 1}},
+         1,
+         LF_WRAP_CLAMP,
+         false},
+        {"norm -blendu off -bm 0.5 -texres 64 n.png",
+         "n.png",
+         {{1, 0, 0}, {0, -1, 1}},
+         0.5f,
+         LF_WRAP_REPEAT,
+         false},
+        {"map_Kd -mm 0 2 -imfchan r a.png",
+         "a.png",
+         {{1, 0, 0}, {0, -1, 1}},
+         1,
+         LF_WRAP_REPEAT,
+         true},
+        {"map_Kd -new 1 2 a.png", "a.png", {{1, 0, 0}, {0, -1, 1}}, 1, LF_WRAP_REPEAT, true},
+        {"map_Kd -s nan 1e30 a.png", "a.png", {{1, 0, 0}, {0, -1, 1}}, 1, LF_WRAP_REPEAT, true}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "newmtl x\n%s\n", cases[i].line);
+        lf_test_write(*state, "x.mtl", text);
+        lf_soup soup = soup_of(*state, "mtllib x.mtl\n" SQUARE "usemtl x\nf 1 2 3\n");
+        const lf_map *map = map_of(&soup, "x");
+        const lf_texture *t = &map->texture;
+        if (strcmp(map->path, lf_test_path(*state, cases[i].name)) != 0)
+            fail_msg("%s: %s", cases[i].line, map->path);
+        if (memcmp(t->map, cases[i].map, sizeof t->map) != 0 || t->scale != cases[i].scale ||
+            t->wrap_u != cases[i].wrap || t->wrap_v != cases[i].wrap ||
+            soup.said[0].lost != (cases[i].lost ? 1u << LF_LOST_MAP_OPTIONS : 0))
+            fail_msg("%s: %g %g, %g %g", cases[i].line, (double)t->map[0][0], (double)t->map[0][2],
+                     (double)t->map[1][1], (double)t->map[1][2]);
+        lf_soup_finish(&soup);
+    }
+}
+
+/* d wins over Tr; what would not be there at all is. */
+static void opacity_is_said_in_two_ways(void **state)
+{
+    static const struct {
+        const char *lines;
+        float alpha;
+        bool lost;
+    } cases[] = {{"d 0.25\n", 0.25f, false},
+                 {"Tr 0.25\n", 0.75f, false},
+                 {"d 1\nTr 1\n", 1, false},
+                 {"Tr 1\nd 1\n", 1, false},
+                 {"d 0.5\nTr 0.25\n", 0.5f, false},
+                 {"Tr 0.25\nd 0.5\n", 0.5f, false},
+                 {"d -halo 0.5\n", 0.5f, false},
+                 {"Tr 1\n", 1, true},
+                 {"d 0\n", 1, true},
+                 {"d nan\n", 1, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "newmtl x\n%s", cases[i].lines);
+        lf_test_write(*state, "x.mtl", text);
+        lf_soup soup = soup_of(*state, "mtllib x.mtl\n" SQUARE "usemtl x\nf 1 2 3\n");
+        if (soup.said[0].alpha != cases[i].alpha ||
+            (soup.said[0].cover == LF_COVER_BLEND) != (cases[i].alpha < 1) ||
+            soup.said[0].lost != (cases[i].lost ? 1u << LF_LOST_TRANSPARENCY : 0))
+            fail_msg("%s: %g", cases[i].lines, (double)soup.said[0].alpha);
+        lf_soup_finish(&soup);
+    }
 }
 
 static void several_libraries_stand_in_a_line(void **state)
@@ -246,6 +361,8 @@ int main(void)
         lf_test_in_folder(points_lines_and_colours_are_counted),
         lf_test_in_folder(what_is_wrong_is_told_by_its_line),
         lf_test_in_folder(a_library_says_what_materials_are),
+        lf_test_in_folder(options_of_a_picture_say_how_it_lies),
+        lf_test_in_folder(opacity_is_said_in_two_ways),
         lf_test_in_folder(another_group_begins_a_part),
         lf_test_in_folder(roughness_alone_makes_no_metal),
         lf_test_in_folder(several_libraries_stand_in_a_line),
