@@ -1,5 +1,5 @@
 # what reads files from outside is programs of its own: C but where OpenVDB needs C++
-quiltimport_srcs := $(reader_srcs) $(filter-out %/vdb_reader.c,$(call wild,render/reader/*.c))
+quiltimport_srcs := $(reader_srcs) $(filter-out %/vdb_reader.c,$(call wild,render/reader/*.c)) render/reader/draco_read.cc
 quiltimport-vdb_srcs := $(reader_srcs) $(patsubst %,render/reader/%,vdb_reader.c vdb_read.cc)
 libs_quiltimport := render base
 libs_quiltimport-vdb := render base

@@ -124,7 +124,7 @@ include_complaints() {
 folders_in_no_row() { include_complaints "$1" | sed -n 's/^row //p'; }
 upward_includes() { include_complaints "$1" | sed -n 's/^floor //p'; }
 includes_behind_doors() { include_complaints "$1" | sed -n 's/^door //p'; }
-cxx_only_for_openvdb() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/reader/vdb_read|scenes/make_[a-z_]*)\.cc$'; }
+cxx_only_for_libraries() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/reader/(vdb|draco)_read|scenes/make_[a-z_]*)\.cc$'; }
 top_level() {
     (cd "$1" && if [ -e .git ]; then git ls-files 2> /dev/null | cut -d/ -f1 | sort -u; else ls; fi) |
         grep -vE '^(\..*|Makefile|README\.md|LICENSE|CONTRIBUTING(\.md)?|base|render|quilt|device|daemon|tests|systemd|scenes|bench|docs|debian|build)$'
@@ -202,7 +202,7 @@ trap 'rm -rf "$breaches"' EXIT
 make_breaches "$breaches"
 for rule in tabs_and_trailing_blanks long_lines pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
     includes_not_from_the_root own_headers_in_angles foreign_internal_headers floors_in_a_circle folders_in_no_row upward_includes includes_behind_doors \
-    cxx_only_for_openvdb top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions listed_tests_are_there; do
+    cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions listed_tests_are_there; do
     if [ -z "$($rule "$breaches")" ]; then
         report "$rule" "the rule does not notice a breach of it"
     else
@@ -229,7 +229,7 @@ isa_globals() {
 reading_libraries() { # programs
     local p
     for p in "$@"; do
-        [ ! -e "$out/$p" ] || readelf -d "$out/$p" | sed -nE "s/.*NEEDED.*\\[(lib(assimp|openvdb|webp)[^]]*)\\].*/$p needs \\1/p"
+        [ ! -e "$out/$p" ] || readelf -d "$out/$p" | sed -nE "s/.*NEEDED.*\\[(lib(assimp|openvdb|webp|draco|meshoptimizer)[^]]*)\\].*/$p needs \\1/p"
         ! nm "$out/$p" 2> /dev/null | grep -qE ' [Tt] _Z' || echo "$p holds C++ of ours"
     done
 }

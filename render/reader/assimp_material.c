@@ -122,12 +122,6 @@ static bool is_transparent(const struct aiMaterial *m)
             has_texture(m, aiTextureType_DIFFUSE));
 }
 
-static bool is_half_metal(const struct aiMaterial *m)
-{
-    float metallic;
-    return get_float(m, AI_MATKEY_METALLIC_FACTOR, &metallic) && metallic > 0.0f && metallic < 1.0f;
-}
-
 static bool has_coat(const struct aiMaterial *m)
 {
     return exceeds(m, AI_MATKEY_CLEARCOAT_FACTOR, 0.0f);
@@ -168,7 +162,6 @@ static bool (*const losses[LF_LOST_KINDS])(const struct aiMaterial *m) = {
     [LF_LOST_TEXTURES] = has_textures,
     [LF_LOST_GLOW] = glows_by_texture,
     [LF_LOST_TRANSPARENCY] = is_transparent,
-    [LF_LOST_METALLIC] = is_half_metal,
     [LF_LOST_COAT] = has_coat,
     [LF_LOST_SHEEN] = has_sheen,
     [LF_LOST_THICKNESS] = has_thickness,

@@ -23,14 +23,22 @@ static lf_format_read_fn *find_format(const char *path, int fd)
     return NULL;
 }
 
+/* By its name, or GLB's first word. */
+static bool is_gltf(const char *path, int fd)
+{
+    char first[4] = "";
+    (void)!pread(fd, first, sizeof first, 0);
+    return memcmp(first, "glTF", sizeof first) == 0 || lf_path_has_ending(path, ".gltf") ||
+           lf_path_has_ending(path, ".glb");
+}
+
 lf_status lf_mesh_read(const lf_mesh_desc *desc, int fd, lf_mesh_data *out, lf_error *err)
 {
     lf_soup soup = {0};
     lf_format_read_fn *read = find_format(desc->file, fd);
-    if (!read) {
-        lf_status status = lf_gltf_check(fd, err);
-        return status == LF_OK ? lf_assimp_read(desc, fd, out, err) : status;
-    }
+    if (!read)
+        return is_gltf(desc->file, fd) ? lf_gltf_read(desc, fd, out, err)
+                                       : lf_assimp_read(desc, fd, out, err);
     lf_status status = read(desc, fd, &soup, err);
     if (status == LF_OK)
         status = lf_weld(&soup, desc, out, err);

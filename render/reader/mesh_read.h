@@ -19,8 +19,8 @@ lf_format_read_fn lf_ply_read, lf_stl_read, lf_obj_read;
 
 LF_NODISCARD lf_status lf_assimp_read(const lf_mesh_desc *desc, int fd, lf_mesh_data *out,
                                       lf_error *err);
-/* Refuses what Assimp would believe: a GLB file whose lengths are not those of its parts, buffers
- * of glTF that are shorter than what is said to lie in them. LF_E_FORMAT, LF_E_NOMEM, LF_E_IO. */
-LF_NODISCARD lf_status lf_gltf_check(int fd, lf_error *err);
+/* glTF 2.0, which is JSON, and GLB. */
+LF_NODISCARD lf_status lf_gltf_read(const lf_mesh_desc *desc, int fd, lf_mesh_data *out,
+                                    lf_error *err);
 
 #endif

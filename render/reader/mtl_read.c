@@ -100,7 +100,6 @@ static void take_metallic(const char *at, lf_said *said)
     if (!take_number(at, &said->metallic))
         return;
     said->is_metallic = true;
-    lose(said, LF_LOST_METALLIC, said->metallic > 0 && said->metallic < 1);
 }
 
 static void take_other(const char *at, lf_lost what, lf_said *said)

@@ -7,13 +7,20 @@
 #include "base/alloc.h"
 #include "base/reader/reader.h"
 
+#define lf_surface_principled lf_surface_plastic /* stand-in until the kind is merged */
+
+/* Of a dielectric that does not say. */
+#define USUAL_INDEX 1.5f
+
 lf_said lf_said_begin(const char *name)
 {
     return (lf_said){.name = lf_strdup(name),
                      .diffuse = {0.5f, 0.5f, 0.5f},
                      .roughness = 1.0f,
                      .alpha = 1.0f,
-                     .cutoff = 0.5f};
+                     .cutoff = 0.5f,
+                     .specular = 1.0f,
+                     .specular_tint = {1.0f, 1.0f, 1.0f}};
 }
 
 static float clamp_unit(float v)
@@ -31,16 +38,18 @@ static float clamp_radiance(float v)
     return v > 0.0f ? fminf(v, (float)LF_MAX_RADIANCE) : 0.0f;
 }
 
-/* glTF's metallic-roughness model: metals become conductors, the rest gets a coat unless it is
- * fully rough. */
+static lf_vec3 clamp_radiances(lf_vec3 v)
+{
+    return lf_v3(clamp_radiance(v.x), clamp_radiance(v.y), clamp_radiance(v.z));
+}
+
+/* glTF's metallic-roughness model, and that of newer MTL files. */
 static void convert_metallic(const lf_said *said, lf_material *out)
 {
+    out->kind = &lf_surface_principled;
     out->roughness = clamp_unit(said->roughness);
-    if (said->ior >= 1.0f)
-        out->ior = fminf(said->ior, 3.0f);
-    out->kind = said->metallic >= 0.5f    ? &lf_surface_conductor
-                : out->roughness >= 0.99f ? &lf_surface_diffuse
-                                          : &lf_surface_plastic;
+    out->metallic = clamp_unit(said->metallic);
+    out->ior = said->ior >= 1.0f ? fminf(said->ior, 3.0f) : USUAL_INDEX;
 }
 
 /* Phong's Kd, Ks, Ns: a highlight without a diffuse part is a metal, with one a coat. */
@@ -60,25 +69,43 @@ static void convert_phong(const lf_said *said, lf_material *out)
     }
 }
 
+/* What layered surfaces have, and every kind of cover. */
+static void convert_layers(const lf_said *said, lf_material *out)
+{
+    out->cover = said->cover < LF_COVERS ? said->cover : LF_COVER_OPAQUE;
+    out->alpha = clamp_unit(said->alpha);
+    out->cutoff = clamp_unit(said->cutoff);
+    out->specular = clamp_unit(said->specular);
+    out->specular_tint = clamp_colour(said->specular_tint);
+    out->coat = clamp_unit(said->coat);
+    out->coat_roughness = clamp_unit(said->coat_roughness);
+    out->sheen = clamp_colour(said->sheen);
+    out->sheen_roughness = clamp_unit(said->sheen_roughness);
+    out->transmission = clamp_unit(said->transmission);
+    out->is_solid = said->is_solid;
+    out->absorption = clamp_radiances(said->absorption);
+}
+
 static lf_material convert_said(const lf_said *said)
 {
     lf_material out = {.kind = &lf_surface_diffuse,
                        .albedo = {0.5f, 0.5f, 0.5f},
                        .roughness = 0.3f,
-                       .ior = 1.5f,
-                       .cover = said->cover,
-                       .alpha = clamp_unit(said->alpha),
-                       .cutoff = clamp_unit(said->cutoff)};
+                       .ior = USUAL_INDEX,
+                       .alpha = 1.0f,
+                       .cutoff = 0.5f,
+                       .specular = 1.0f,
+                       .specular_tint = {1.0f, 1.0f, 1.0f}};
     if (said->is_none)
         return out;
+    convert_layers(said, &out);
     out.albedo = clamp_colour(said->diffuse);
     if (said->is_metallic)
         convert_metallic(said, &out);
     else
         convert_phong(said, &out);
     if (!(said->lost & 1u << LF_LOST_GLOW)) /* which is black nearly everywhere */
-        out.emission = lf_v3(clamp_radiance(said->emission.x), clamp_radiance(said->emission.y),
-                             clamp_radiance(said->emission.z));
+        out.emission = clamp_radiances(said->emission);
     return out;
 }
 
@@ -107,13 +134,20 @@ static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_MAP_OPTIONS] = "options of its textures are left out, but for their place and size",
     [LF_LOST_GLOW] = "the texture of what glows is not read, so nothing of it does",
     [LF_LOST_TRANSPARENCY] = "transparency is left out: opaque",
-    [LF_LOST_METALLIC] = "metallic between 0 and 1 counts as the nearer of both",
     [LF_LOST_COAT] = "the clear coat is left out",
     [LF_LOST_SHEEN] = "the sheen is left out",
     [LF_LOST_THICKNESS] = "the volume inside is left out",
     [LF_LOST_BRUSHED] = "anisotropy is left out",
     [LF_LOST_SPECULAR] = "specular factors are left out",
     [LF_LOST_UNLIT] = "unlit is not possible: lit as others are",
+    [LF_LOST_MORE_TEXTURES] = "textures of coats, sheen, highlights, and what light goes through "
+                              "are not read, the factors beside them alone count",
+    [LF_LOST_OCCLUSION] = "the occlusion texture is left out, light is followed instead",
+    [LF_LOST_IRIDESCENCE] = "iridescence is left out",
+    [LF_LOST_DISPERSION] = "dispersion is left out",
+    [LF_LOST_TRANSLUCENCE] = "diffuse transmission is left out",
+    [LF_LOST_GLOSSINESS] = "specular and glossiness are made into metallic and roughness",
+    [LF_LOST_OTHERS] = "extensions that are not known here are left out",
 };
 
 /* The names of materials in one line, of which a few are told. */

@@ -11,13 +11,19 @@ typedef enum lf_lost {
     LF_LOST_MAP_OPTIONS,
     LF_LOST_GLOW, /* a texture of what glows */
     LF_LOST_TRANSPARENCY,
-    LF_LOST_METALLIC, /* between 0 and 1 */
     LF_LOST_COAT,
     LF_LOST_SHEEN,
     LF_LOST_THICKNESS,
     LF_LOST_BRUSHED,
     LF_LOST_SPECULAR,
     LF_LOST_UNLIT,
+    LF_LOST_MORE_TEXTURES, /* of what has no slot */
+    LF_LOST_OCCLUSION,
+    LF_LOST_IRIDESCENCE,
+    LF_LOST_DISPERSION,
+    LF_LOST_TRANSLUCENCE,
+    LF_LOST_GLOSSINESS, /* glTF's older model */
+    LF_LOST_OTHERS,     /* an extension that nobody here knows */
     LF_LOST_KINDS
 } lf_lost;
 
@@ -46,11 +52,13 @@ typedef struct lf_said {
     lf_texture_set textures;    /* pictures of the mesh */
 } lf_said;
 
-/* One that says nothing but its name, of which it takes a copy. NULL in name: no memory. */
+/* One that says nothing but its name, of which it takes a copy: opaque, without a coat, and where
+ * it is metallic, of index 1.5. NULL in name: no memory. */
 lf_said lf_said_begin(const char *name);
 
-/* Makes out->materials of n of them, in their order, and adds warnings of what those that triangles
- * use (used[i]) lose. LF_E_FORMAT: too many, or none; LF_E_NOMEM. */
+/* Makes out->materials and, where any has a picture, out->textures of n of them, in their order,
+ * and adds warnings of what those that triangles use (used[i]) lose. LF_E_FORMAT: too many, or
+ * none; LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_said_convert(const lf_said *said, size_t n, const bool *used,
                                        lf_mesh_data *out, lf_error *err);
 /* A warning of those in use that are missing. */

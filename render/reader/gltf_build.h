@@ -1,0 +1,35 @@
+/* Puts what a glTF file shows together into a mesh. One thread. */
+#ifndef LF_RENDER_GLTF_BUILD_H
+#define LF_RENDER_GLTF_BUILD_H
+
+#include "render/reader/gltf_node.h"
+#include "render/reader/gltf_primitive.h"
+#include "render/reader/mesh_build.h"
+
+/* What nodes show. Materials are numbered as in the file; behind them may come two that are made
+ * up. */
+typedef struct lf_gltf_build {
+    lf_gltf *gltf;
+    const lf_mesh_desc *desc;
+    const lf_gltf_nodes *nodes;
+    const lf_gltf_mesh *meshes;
+    lf_mesh_data *data;
+    size_t n_materials;          /* of the file */
+    uint32_t plain, plain_white; /* in place of none; the other where vertices have colours */
+    int64_t n_vertices, n_triangles, n_beside;
+    bool has_normals, has_colours; /* some that is shown has */
+} lf_gltf_build;
+
+/* Which material a primitive gets. */
+uint32_t lf_gltf_build_material(const lf_gltf_build *build, const lf_gltf_primitive *primitive);
+/* Calls for each primitive at each place where it is shown, until one fails. */
+typedef lf_status lf_gltf_visit_fn(lf_gltf_build *build, const lf_gltf_node *node,
+                                   const lf_gltf_mesh *mesh, const lf_gltf_primitive *primitive,
+                                   void *context, lf_error *err);
+LF_NODISCARD lf_status lf_gltf_visit(lf_gltf_build *build, lf_gltf_visit_fn *visit, void *context,
+                                     lf_error *err);
+/* Fills build->data, which has its materials, but for what lf_mesh_complete does. n_vertices and
+ * n_triangles are counted first. LF_E_FORMAT, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_gltf_fill(lf_gltf_build *build, lf_error *err);
+
+#endif

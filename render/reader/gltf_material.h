@@ -1,0 +1,24 @@
+/* Materials of glTF (specification, section 3.9, and Khronos' extensions) as what a file says.
+ * One thread. */
+#ifndef LF_RENDER_GLTF_MATERIAL_H
+#define LF_RENDER_GLTF_MATERIAL_H
+
+#include "render/reader/gltf_file.h"
+#include "render/reader/said.h"
+
+/* materials[number]; scale: scene units in one of the file's. coloured: vertices have colours of
+ * their own where it is used. In textures' slots, `picture` is 1 + the number of an image of the
+ * file until lf_gltf_pictures. NULL in name: no memory. */
+lf_said lf_gltf_said(const lf_gltf *gltf, uint32_t number, bool coloured, float scale);
+
+/* A texture that an object names by a key, or none (also where its picture is of no kind that can
+ * be read: *out_lost then). */
+lf_texture lf_gltf_texture(const lf_gltf *gltf, const json_t *object, const char *key,
+                           bool *out_lost);
+
+/* Decodes the images that materials in use name, once each, into out->pictures. One that cannot be
+ * decoded is a warning, and what names it is lost. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_gltf_pictures(lf_gltf *gltf, lf_said *said, size_t n, const bool *used,
+                                        lf_mesh_data *out, lf_error *err);
+
+#endif

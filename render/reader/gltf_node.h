@@ -1,0 +1,37 @@
+/* Nodes of a glTF file: which of them the default scene shows, and where they stand at a time of
+ * the first animation (specification, sections 3.5 and 3.11). One thread. */
+#ifndef LF_RENDER_GLTF_NODE_H
+#define LF_RENDER_GLTF_NODE_H
+
+#include "render/reader/gltf_accessor.h"
+#include "render/scene/affine.h"
+
+typedef struct lf_gltf_node {
+    bool is_shown, has_matrix;
+    float translation[3], rotation[4], scale[3];
+    lf_affine matrix; /* in place of these three */
+    lf_affine to_world;
+    uint32_t parent;     /* LF_GLTF_NONE */
+    uint32_t mesh, skin; /* LF_GLTF_NONE */
+    size_t n_weights;    /* of morph targets; 0: not animated */
+    float *weights;
+} lf_gltf_node;
+
+typedef struct lf_gltf_nodes {
+    size_t n;
+    lf_gltf_node *node;
+} lf_gltf_nodes;
+
+/* world: where the file's own stands. LF_E_FORMAT: a loop, a child of two parents, a number that
+ * is not there; LF_E_NOMEM. Release with lf_gltf_nodes_close in any case. */
+LF_NODISCARD lf_status lf_gltf_nodes_open(lf_gltf *gltf, float time, const lf_affine *world,
+                                          lf_gltf_nodes *out, lf_error *err);
+/* Accepts a zeroed one. */
+void lf_gltf_nodes_close(lf_gltf_nodes *nodes);
+
+/* Moves nodes as the first animation has them at a time; before its first moment, as they are
+ * there. */
+LF_NODISCARD lf_status lf_gltf_animate(lf_gltf *gltf, float time, lf_gltf_nodes *nodes,
+                                       lf_error *err);
+
+#endif

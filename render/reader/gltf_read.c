@@ -1,0 +1,194 @@
+/* glTF 2.0, text and GLB. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/reader/reader.h"
+#include "render/reader/gltf_build.h"
+#include "render/reader/gltf_material.h"
+#include "render/reader/mesh_read.h"
+#include "render/reader/tangents.h"
+
+/* Of the first animation: where things stand that move. */
+#define MOMENT 0.0f
+
+typedef struct reading {
+    lf_gltf gltf;
+    lf_gltf_nodes nodes;
+    size_t n_meshes;
+    lf_gltf_mesh *meshes;
+    size_t n_said;
+    lf_said *said;
+    bool *used, *coloured; /* [n_said] */
+    lf_gltf_build build;
+} reading;
+
+static lf_status no_memory(lf_error *err)
+{
+    return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+}
+
+static lf_status open_meshes(reading *r, lf_error *err)
+{
+    lf_status status = LF_OK;
+    r->n_meshes = lf_gltf_count(r->gltf.json, "meshes");
+    r->meshes = calloc(r->n_meshes + 1, sizeof *r->meshes);
+    if (!r->meshes)
+        return no_memory(err);
+    for (size_t i = 0; i < r->nodes.n && status == LF_OK; i++) {
+        lf_gltf_node *node = &r->nodes.node[i];
+        if (!node->is_shown || node->mesh == LF_GLTF_NONE)
+            continue;
+        if (node->mesh >= r->n_meshes)
+            return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                                "nodes[%zu]: meshes[%u] is not there, but %zu are", i, node->mesh,
+                                r->n_meshes);
+        if (!r->meshes[node->mesh].primitives)
+            status = lf_gltf_mesh_open(&r->gltf, node->mesh, &r->meshes[node->mesh], err);
+        if (status == LF_OK && !node->weights)
+            status = lf_gltf_weights(lf_gltf_element(r->gltf.json, "nodes", i), &node->weights,
+                                     &node->n_weights, err);
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------ materials --
+ */
+
+static lf_status look(lf_gltf_build *build, const lf_gltf_node *node, const lf_gltf_mesh *mesh,
+                      const lf_gltf_primitive *primitive, void *context, lf_error *err)
+{
+    reading *r = context;
+    (void)node, (void)mesh, (void)err;
+    if (primitive->n_triangles == 0)
+        return LF_OK;
+    build->has_normals = build->has_normals || primitive->normal.count > 0;
+    build->has_colours = build->has_colours || primitive->colour.count > 0;
+    uint32_t material = lf_gltf_build_material(build, primitive);
+    r->used[material] = true;
+    r->coloured[material] = r->coloured[material] || primitive->colour.count > 0;
+    return LF_OK;
+}
+
+/* In place of none: grey, as everywhere; where vertices have colours, these. */
+static lf_said made_up(bool white)
+{
+    lf_said said = lf_said_begin("");
+    said.is_none = !white;
+    if (white)
+        said.diffuse = lf_v3(1, 1, 1);
+    return said;
+}
+
+/* Leaves out what is made up and used by nobody: a file of as many materials as there may be is
+ * read. */
+static size_t count_said(const reading *r)
+{
+    const lf_gltf_build *b = &r->build;
+    return r->used[b->plain_white]                    ? b->plain_white + 1
+           : r->used[b->plain] || b->n_materials == 0 ? b->plain + 1
+                                                      : b->n_materials;
+}
+
+static lf_status make_materials(reading *r, lf_error *err)
+{
+    lf_mesh_data *out = r->build.data;
+    float scale = (float)cbrt(fabs(lf_affine_determinant(&r->build.desc->transform)));
+    size_t n = count_said(r);
+    r->said = lf_calloc(n, sizeof *r->said);
+    if (!r->said)
+        return no_memory(err);
+    r->n_said = n;
+    for (size_t i = 0; i < n; i++) {
+        r->said[i] = i < r->build.n_materials
+                         ? lf_gltf_said(&r->gltf, (uint32_t)i, r->coloured[i], scale)
+                         : made_up(i == r->build.plain_white);
+        if (!r->said[i].name)
+            return no_memory(err);
+    }
+    lf_status status = lf_gltf_pictures(&r->gltf, r->said, n, r->used, out, err);
+    return status == LF_OK ? lf_said_convert(r->said, n, r->used, out, err) : status;
+}
+
+static lf_status open_materials(reading *r, lf_error *err)
+{
+    size_t n = lf_gltf_count(r->gltf.json, "materials");
+    r->build.n_materials = n;
+    r->build.plain = (uint32_t)n;
+    r->build.plain_white = (uint32_t)n + 1;
+    r->used = lf_calloc(n + 2, sizeof *r->used);
+    r->coloured = lf_calloc(n + 2, sizeof *r->coloured);
+    if (!r->used || !r->coloured)
+        return no_memory(err);
+    return lf_gltf_visit(&r->build, look, r, err);
+}
+
+/* ------------------------------------------------------------------------------------------ all --
+ */
+
+/* Of things beside triangles and their materials. */
+static void warn(const reading *r)
+{
+    const json_t *json = r->gltf.json, *lights = lf_gltf_extension(json, "KHR_lights_punctual");
+    const struct {
+        size_t n;
+        const char *what;
+    } unused[] = {{lf_gltf_count(json, "cameras"), "cameras are not used, the scene has its own"},
+                  {lf_gltf_count(lights, "lights"), "lights are not used, the scene has its own"},
+                  {lf_gltf_count(json, "animations"),
+                   "animations: all stands still where it is at the beginning of the first"},
+                  {(size_t)r->build.n_beside, "points and lines are left out"}};
+    for (size_t i = 0; i < sizeof unused / sizeof *unused; i++)
+        if (unused[i].n > 0)
+            lf_warnings_add(&r->build.data->warnings, LF_HERE, "%zu %s", unused[i].n,
+                            unused[i].what);
+}
+
+static lf_status read_opened(reading *r, lf_error *err)
+{
+    const lf_mesh_desc *desc = r->build.desc;
+    lf_status status = lf_gltf_nodes_open(&r->gltf, MOMENT, &desc->transform, &r->nodes, err);
+    if (status == LF_OK)
+        status = open_meshes(r, err);
+    r->build.gltf = &r->gltf;
+    r->build.nodes = &r->nodes;
+    r->build.meshes = r->meshes;
+    if (status == LF_OK)
+        status = open_materials(r, err);
+    if (status == LF_OK && desc->material < 0)
+        status = make_materials(r, err);
+    if (status == LF_OK)
+        status = lf_gltf_fill(&r->build, err);
+    if (status == LF_OK)
+        status = lf_mesh_complete(r->build.data, desc, r->build.n_triangles, err);
+    if (status == LF_OK)
+        status = lf_mesh_tangents(r->build.data, err);
+    if (status == LF_OK)
+        warn(r);
+    return status;
+}
+
+static void close_reading(reading *r)
+{
+    for (size_t i = 0; r->meshes && i < r->n_meshes; i++)
+        lf_gltf_mesh_close(&r->meshes[i]);
+    free(r->meshes);
+    for (size_t i = 0; i < r->n_said; i++)
+        lf_free(r->said[i].name);
+    lf_free(r->said);
+    lf_free(r->used);
+    lf_free(r->coloured);
+    lf_gltf_nodes_close(&r->nodes);
+    lf_gltf_close(&r->gltf);
+}
+
+lf_status lf_gltf_read(const lf_mesh_desc *desc, int fd, lf_mesh_data *out, lf_error *err)
+{
+    reading r = {.build = {.desc = desc, .data = out}};
+    lf_status status = lf_gltf_open(&r.gltf, fd, desc->file, err);
+    if (status == LF_OK)
+        status = read_opened(&r, err);
+    close_reading(&r);
+    return status;
+}
