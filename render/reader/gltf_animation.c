@@ -151,9 +151,9 @@ static lf_status move(lf_gltf *gltf, const json_t *sampled, const char *path, fl
         const char *path;
         unsigned components;
         float *to;
-    } parts[] = {{"translation", 3, node->translation},
-                 {"rotation", 4, node->rotation},
-                 {"scale", 3, node->scale},
+    } parts[] = {{"translation", 3, node->pose.translation},
+                 {"rotation", 4, node->pose.rotation},
+                 {"scale", 3, node->pose.scale},
                  {"weights", 1, NULL}};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
         sampler s;

@@ -117,7 +117,7 @@ static lf_status open_file(const lf_gltf *gltf, const char *uri, int *out_fd, lf
         status = lf_ask_for_file(path, out_fd);
     if (status != LF_OK)
         status =
-            lf_error_set(err, status == LF_E_NOMEM ? LF_E_NOMEM : LF_E_FORMAT, LF_HERE,
+            lf_error_set(err, status == LF_E_NOMEM ? LF_E_NOMEM : LF_E_PATH, LF_HERE,
                          status == LF_E_NOMEM ? "out of memory" : "\"%.200s\" is not there", uri);
     lf_free(folder);
     lf_free(name);
@@ -171,8 +171,10 @@ static lf_status load_buffer(lf_gltf *gltf, size_t number, lf_error *err)
     uint64_t length = lf_gltf_whole(buffer, "byteLength", 0);
     if (length == 0)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "buffers[%zu] has no byteLength", number);
-    if (uri)
-        return lf_gltf_fetch(gltf, uri, length, out, err);
+    if (uri) {
+        lf_status status = lf_gltf_fetch(gltf, uri, length, out, err);
+        return status == LF_E_PATH ? LF_E_FORMAT : status;
+    }
     if (number > 0 || !gltf->has_binary)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
                             "buffers[%zu] has no uri, and the file no such part", number);

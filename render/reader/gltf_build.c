@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/reader/reader.h"
+#include "render/reader/gltf_instances.h"
 #include "render/reader/gltf_skin.h"
 
 uint32_t lf_gltf_build_material(const lf_gltf_build *build, const lf_gltf_primitive *primitive)
@@ -14,17 +15,41 @@ uint32_t lf_gltf_build_material(const lf_gltf_build *build, const lf_gltf_primit
                                                     : build->plain;
 }
 
+static lf_status visit_mesh(lf_gltf_build *build, const lf_gltf_node *node,
+                            const lf_affine *to_world, lf_gltf_visit_fn *visit, void *context,
+                            lf_error *err)
+{
+    const lf_gltf_mesh *mesh = &build->meshes[node->mesh];
+    lf_status status = LF_OK;
+    for (size_t p = 0; p < mesh->n && status == LF_OK; p++)
+        status = visit(build, &(lf_gltf_place){node, to_world, mesh, &mesh->primitives[p]}, context,
+                       err);
+    return status;
+}
+
+static lf_status visit_node(lf_gltf_build *build, size_t number, lf_gltf_visit_fn *visit,
+                            void *context, lf_error *err)
+{
+    const lf_gltf_node *node = &build->nodes->node[number];
+    const json_t *json = lf_gltf_element(build->gltf->json, "nodes", number);
+    lf_gltf_instances instances;
+    if (!lf_gltf_extension(json, LF_GLTF_INSTANCING))
+        return visit_mesh(build, node, &node->to_world, visit, context, err);
+    lf_status status = lf_gltf_instances_open(build->gltf, json, &instances, err);
+    for (size_t i = 0; status == LF_OK && i < instances.n; i++) {
+        lf_affine own = lf_gltf_instance(&instances, i),
+                  to_world = lf_affine_compose(&node->to_world, &own);
+        status = visit_mesh(build, node, &to_world, visit, context, err);
+    }
+    return status;
+}
+
 lf_status lf_gltf_visit(lf_gltf_build *build, lf_gltf_visit_fn *visit, void *context, lf_error *err)
 {
     lf_status status = LF_OK;
-    for (size_t i = 0; i < build->nodes->n; i++) {
-        const lf_gltf_node *node = &build->nodes->node[i];
-        if (!node->is_shown || node->mesh == LF_GLTF_NONE)
-            continue;
-        const lf_gltf_mesh *mesh = &build->meshes[node->mesh];
-        for (size_t p = 0; p < mesh->n && status == LF_OK; p++)
-            status = visit(build, node, mesh, &mesh->primitives[p], context, err);
-    }
+    for (size_t i = 0; i < build->nodes->n && status == LF_OK; i++)
+        if (build->nodes->node[i].is_shown && build->nodes->node[i].mesh != LF_GLTF_NONE)
+            status = visit_node(build, i, visit, context, err);
     return status;
 }
 
@@ -40,10 +65,11 @@ static bool is_faceted(const lf_gltf_build *build, const lf_gltf_primitive *prim
            primitive->normal.count == 0;
 }
 
-static lf_status count(lf_gltf_build *build, const lf_gltf_node *node, const lf_gltf_mesh *mesh,
-                       const lf_gltf_primitive *primitive, void *context, lf_error *err)
+static lf_status count(lf_gltf_build *build, const lf_gltf_place *place, void *context,
+                       lf_error *err)
 {
-    (void)node, (void)mesh, (void)context;
+    const lf_gltf_primitive *primitive = place->primitive;
+    (void)context;
     build->n_beside += (int64_t)primitive->n_beside;
     if (primitive->n_triangles == 0)
         return LF_OK;
@@ -196,20 +222,29 @@ static void put_part(const part *p)
     }
 }
 
-static lf_status fill(lf_gltf_build *build, const lf_gltf_node *node, const lf_gltf_mesh *mesh,
-                      const lf_gltf_primitive *primitive, void *context, lf_error *err)
+static lf_status find_same(lf_gltf_build *build, size_t first, lf_error *err)
 {
+    size_t n = (size_t)build->data->n_vertices - first;
+    return build->same ? lf_mesh_find_same(build->data, first, n, build->same, err) : LF_OK;
+}
+
+static lf_status fill(lf_gltf_build *build, const lf_gltf_place *place, void *context,
+                      lf_error *err)
+{
+    const lf_gltf_node *node = place->node;
+    const lf_gltf_mesh *mesh = place->mesh;
     part p = {.build = build,
-              .primitive = primitive,
+              .primitive = place->primitive,
               .weights = node->weights ? node->weights : mesh->weights,
               .n_weights = node->weights ? node->n_weights : mesh->n_weights,
-              .place = lf_mesh_place_of(&node->to_world)};
+              .place = lf_mesh_place_of(place->to_world)};
+    size_t first = (size_t)build->data->n_vertices;
     lf_gltf_skin skin = {0};
     lf_status status = LF_OK;
     (void)context;
-    if (primitive->n_triangles == 0)
+    if (p.primitive->n_triangles == 0)
         return LF_OK;
-    if (node->skin != LF_GLTF_NONE && primitive->joints[0].count > 0) {
+    if (node->skin != LF_GLTF_NONE && p.primitive->joints[0].count > 0) {
         status = lf_gltf_skin_open(build->gltf, build->nodes, node->skin, &skin, err);
         p.skin = &skin;
     }
@@ -217,6 +252,8 @@ static lf_status fill(lf_gltf_build *build, const lf_gltf_node *node, const lf_g
         p.place = lf_mesh_place_of(&skin.joints[0]);
     if (status == LF_OK)
         put_part(&p);
+    if (status == LF_OK)
+        status = find_same(build, first, err);
     lf_gltf_skin_close(&skin);
     return status;
 }
@@ -239,7 +276,10 @@ static lf_status allocate_more(lf_gltf_build *build, lf_error *err)
         data->colours = lf_calloc(n, 4 * sizeof *data->colours);
     if (tangents)
         data->tangents = lf_calloc(n, 4 * sizeof *data->tangents);
-    if ((data->n_uv_sets > 0 && !data->uvs) || (tangents && !data->tangents) ||
+    if (build->desc->normals == LF_NORMALS_SMOOTH)
+        build->same = lf_calloc(n, sizeof *build->same);
+    if ((build->desc->normals == LF_NORMALS_SMOOTH && !build->same) ||
+        (data->n_uv_sets > 0 && !data->uvs) || (tangents && !data->tangents) ||
         (build->has_colours && build->desc->material < 0 && !data->colours))
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     return LF_OK;

@@ -18,14 +18,21 @@ typedef struct lf_gltf_build {
     uint32_t plain, plain_white; /* in place of none; the other where vertices have colours */
     int64_t n_vertices, n_triangles, n_beside;
     bool has_normals, has_colours; /* some that is shown has */
+    uint32_t *same;                /* of lf_mesh_smooth, where desc wants that; lf_free */
 } lf_gltf_build;
 
 /* Which material a primitive gets. */
 uint32_t lf_gltf_build_material(const lf_gltf_build *build, const lf_gltf_primitive *primitive);
-/* Calls for each primitive at each place where it is shown, until one fails. */
-typedef lf_status lf_gltf_visit_fn(lf_gltf_build *build, const lf_gltf_node *node,
-                                   const lf_gltf_mesh *mesh, const lf_gltf_primitive *primitive,
-                                   void *context, lf_error *err);
+/* A primitive at a place where it is shown. */
+typedef struct lf_gltf_place {
+    const lf_gltf_node *node;
+    const lf_affine *to_world; /* of the node, or of one of its instances */
+    const lf_gltf_mesh *mesh;
+    const lf_gltf_primitive *primitive;
+} lf_gltf_place;
+/* Calls for each, until one fails. */
+typedef lf_status lf_gltf_visit_fn(lf_gltf_build *build, const lf_gltf_place *place, void *context,
+                                   lf_error *err);
 LF_NODISCARD lf_status lf_gltf_visit(lf_gltf_build *build, lf_gltf_visit_fn *visit, void *context,
                                      lf_error *err);
 /* Fills build->data, which has its materials, but for what lf_mesh_complete does. n_vertices and

@@ -66,7 +66,7 @@ static uint64_t object_at(int fd, uint64_t size)
 
 static lf_status load_json(lf_gltf *gltf, lf_error *err)
 {
-    json_error_t wrong = {.text = "no object"};
+    json_error_t wrong = {.line = 1, .text = "neither GLB nor a JSON object"};
     char *text = malloc((size_t)gltf->length + 1);
     if (!text)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");

@@ -16,35 +16,31 @@ static void take_floats(const json_t *node, const char *key, size_t n, float *ou
 static lf_gltf_node node_of(const json_t *json)
 {
     double m[16];
-    lf_gltf_node node = {.rotation = {0, 0, 0, 1},
-                         .scale = {1, 1, 1},
+    lf_gltf_node node = {.pose = LF_GLTF_AT_REST,
                          .parent = LF_GLTF_NONE,
                          .mesh = (uint32_t)lf_gltf_whole(json, "mesh", LF_GLTF_NONE),
                          .skin = (uint32_t)lf_gltf_whole(json, "skin", LF_GLTF_NONE)};
-    take_floats(json, "translation", 3, node.translation);
-    take_floats(json, "rotation", 4, node.rotation);
-    take_floats(json, "scale", 3, node.scale);
+    take_floats(json, "translation", 3, node.pose.translation);
+    take_floats(json, "rotation", 4, node.pose.rotation);
+    take_floats(json, "scale", 3, node.pose.scale);
     node.has_matrix = lf_gltf_numbers(json, "matrix", 16, m);
     for (int i = 0; i < 12 && node.has_matrix; i++)
         node.matrix.m[i % 3][i / 3] = m[i / 3 * 4 + i % 3];
     return node;
 }
 
-/* Translation, rotation, scale, the last of them first. */
-static lf_affine own_transform(const lf_gltf_node *node)
+lf_affine lf_gltf_transform(const lf_gltf_pose *pose)
 {
-    if (node->has_matrix)
-        return node->matrix;
-    double x = (double)node->rotation[0], y = (double)node->rotation[1],
-           z = (double)node->rotation[2], w = (double)node->rotation[3],
+    double x = (double)pose->rotation[0], y = (double)pose->rotation[1],
+           z = (double)pose->rotation[2], w = (double)pose->rotation[3],
            length = x * x + y * y + z * z + w * w, s = length > 0 ? 2 / length : 0;
     lf_affine out = {{{1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w), 0},
                       {s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w), 0},
                       {s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y), 0}}};
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++)
-            out.m[i][j] *= (double)node->scale[j];
-        out.m[i][3] = (double)node->translation[i];
+            out.m[i][j] *= (double)pose->scale[j];
+        out.m[i][3] = (double)pose->translation[i];
     }
     return out;
 }
@@ -126,7 +122,7 @@ static lf_status place(const lf_gltf *gltf, const lf_affine *world, lf_gltf_node
         lf_gltf_node *node = &nodes->node[order[i]];
         const lf_gltf_node *parent =
             node->parent == LF_GLTF_NONE ? NULL : &nodes->node[node->parent];
-        lf_affine own = own_transform(node);
+        lf_affine own = node->has_matrix ? node->matrix : lf_gltf_transform(&node->pose);
         node->to_world = lf_affine_compose(parent ? &parent->to_world : world, &own);
         node->is_shown = node->is_shown || (parent && parent->is_shown);
     }

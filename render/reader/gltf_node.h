@@ -6,10 +6,21 @@
 #include "render/reader/gltf_accessor.h"
 #include "render/scene/affine.h"
 
+typedef struct lf_gltf_pose {
+    float translation[3], rotation[4], scale[3];
+} lf_gltf_pose;
+#define LF_GLTF_AT_REST                                                                            \
+    {                                                                                              \
+        .rotation = {0, 0, 0, 1}, .scale = { 1, 1, 1 }                                             \
+    }
+
+/* The scale comes first, the translation last. */
+lf_affine lf_gltf_transform(const lf_gltf_pose *pose);
+
 typedef struct lf_gltf_node {
     bool is_shown, has_matrix;
-    float translation[3], rotation[4], scale[3];
-    lf_affine matrix; /* in place of these three */
+    lf_gltf_pose pose;
+    lf_affine matrix; /* in place of it */
     lf_affine to_world;
     uint32_t parent;     /* LF_GLTF_NONE */
     uint32_t mesh, skin; /* LF_GLTF_NONE */

@@ -56,11 +56,12 @@ static lf_status open_meshes(reading *r, lf_error *err)
 /* ------------------------------------------------------------------------------------ materials --
  */
 
-static lf_status look(lf_gltf_build *build, const lf_gltf_node *node, const lf_gltf_mesh *mesh,
-                      const lf_gltf_primitive *primitive, void *context, lf_error *err)
+static lf_status look(lf_gltf_build *build, const lf_gltf_place *place, void *context,
+                      lf_error *err)
 {
+    const lf_gltf_primitive *primitive = place->primitive;
     reading *r = context;
-    (void)node, (void)mesh, (void)err;
+    (void)err;
     if (primitive->n_triangles == 0)
         return LF_OK;
     build->has_normals = build->has_normals || primitive->normal.count > 0;
@@ -145,6 +146,18 @@ static void warn(const reading *r)
                             unused[i].what);
 }
 
+static lf_status complete(reading *r, lf_error *err)
+{
+    lf_mesh_data *data = r->build.data;
+    lf_mesh_desc desc = *r->build.desc;
+    if (r->build.same) {
+        lf_mesh_smooth(data, r->build.same);
+        desc.normals = LF_NORMALS_FILE;
+    }
+    lf_status status = lf_mesh_complete(data, &desc, r->build.n_triangles, err);
+    return status == LF_OK ? lf_mesh_tangents(data, err) : status;
+}
+
 static lf_status read_opened(reading *r, lf_error *err)
 {
     const lf_mesh_desc *desc = r->build.desc;
@@ -161,9 +174,7 @@ static lf_status read_opened(reading *r, lf_error *err)
     if (status == LF_OK)
         status = lf_gltf_fill(&r->build, err);
     if (status == LF_OK)
-        status = lf_mesh_complete(r->build.data, desc, r->build.n_triangles, err);
-    if (status == LF_OK)
-        status = lf_mesh_tangents(r->build.data, err);
+        status = complete(r, err);
     if (status == LF_OK)
         warn(r);
     return status;
@@ -177,6 +188,7 @@ static void close_reading(reading *r)
     for (size_t i = 0; i < r->n_said; i++)
         lf_free(r->said[i].name);
     lf_free(r->said);
+    lf_free(r->build.same);
     lf_free(r->used);
     lf_free(r->coloured);
     lf_gltf_nodes_close(&r->nodes);

@@ -78,7 +78,8 @@ lf_texture lf_gltf_texture(const lf_gltf *gltf, const json_t *object, const char
 /* ------------------------------------------------------------------------------------ pictures --
  */
 
-/* The bytes of an image. *out_own: they are the caller's to free. */
+/* The bytes of an image. LF_E_PATH: its file is not to be had. *out_own: they are the caller's to
+ * free. */
 static lf_status find_bytes(lf_gltf *gltf, const json_t *image, lf_gltf_view *out,
                             unsigned char **out_own, lf_error *err)
 {
@@ -99,8 +100,10 @@ static lf_status decode(lf_gltf *gltf, uint32_t number, lf_texels *out, lf_error
 {
     lf_gltf_view view;
     unsigned char *own;
-    lf_status status =
-        find_bytes(gltf, lf_gltf_element(gltf->json, "images", number), &view, &own, err);
+    const json_t *image = lf_gltf_element(gltf->json, "images", number);
+    lf_status status = find_bytes(gltf, image, &view, &own, err);
+    if (status == LF_E_PATH) /* whoever has the files says so */
+        *err = (lf_error){0};
     if (status != LF_OK)
         return status;
     status = lf_image_rgba_decode(view.data, view.size, LF_HERE, &out->rgba, &out->width,
@@ -120,7 +123,7 @@ static void find_picture(lf_gltf *gltf, uint32_t image, uint32_t *found, lf_mesh
     *found = FAILED;
     if (decode(gltf, image, &out->pictures[out->n_pictures], &wrong) == LF_OK)
         *found = (uint32_t)++out->n_pictures;
-    else
+    else if (wrong.what[0])
         lf_warnings_add(&out->warnings, LF_HERE, "images[%u]: %s", image, wrong.what);
 }
 

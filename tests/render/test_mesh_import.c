@@ -272,12 +272,12 @@ static void gltf_nodes_and_factors_arrive(void **state)
         double n[3];
         area_vector(&data, t, n);
         if (corner(&data, t, 0)[2] == 0) {
-            assert_true(m->kind == &lf_surface_conductor && m->roughness == 0.25f);
+            assert_true(m->metallic == 1 && m->roughness == 0.25f);
             lf_assert_close(m->albedo.y, 0.6, 1e-6, 0);
             assert_true(corner(&data, t, 0)[0] == 10 && n[2] == 4);
         } else {
-            assert_true(m->kind == &lf_surface_plastic && m->roughness == 0.5f &&
-                        m->emission.x == 1 && m->emission.y == 0.5f);
+            assert_true(m->metallic == 0 && m->roughness == 0.5f && m->emission.x == 1 &&
+                        m->emission.y == 0.5f);
             assert_true(corner(&data, t, 0)[2] == 7 && n[2] == 1);
         }
     }
@@ -316,10 +316,8 @@ static void materials_without_a_name_keep_their_colours(void **state)
     const lf_material *m[4];
     for (int i = 0; i < 4; i++)
         m[i] = &data.materials[data.triangle_material[i]];
-    assert_true(m[0]->albedo.x == 0.9f && m[0]->albedo.y == 0.0f &&
-                m[0]->kind == &lf_surface_diffuse);
-    assert_true(m[1]->albedo.y == 0.8f && m[1]->albedo.x == 0.0f &&
-                m[1]->kind == &lf_surface_conductor);
+    assert_true(m[0]->albedo.x == 0.9f && m[0]->albedo.y == 0.0f && m[0]->metallic == 0.0f);
+    assert_true(m[1]->albedo.y == 0.8f && m[1]->albedo.x == 0.0f && m[1]->metallic == 1.0f);
     assert_true(m[2]->emission.z == 1.0f);
     assert_true(m[3]->albedo.x == 0.5f && m[3]->albedo.y == 0.5f && m[3]->emission.x == 0.0f &&
                 m[3]->kind == &lf_surface_diffuse);
