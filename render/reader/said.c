@@ -7,8 +7,6 @@
 #include "base/alloc.h"
 #include "base/reader/reader.h"
 
-#define lf_surface_principled lf_surface_plastic /* stand-in until the kind is merged */
-
 /* Of a dielectric that does not say. */
 #define USUAL_INDEX 1.5f
 
@@ -86,6 +84,23 @@ static void convert_layers(const lf_said *said, lf_material *out)
     out->absorption = clamp_radiances(said->absorption);
 }
 
+static bool has_texture(const lf_said *said)
+{
+    bool any = false;
+    for (int s = 0; s < LF_SLOTS; s++)
+        any = any || said->textures.slot[s].picture != 0;
+    return any;
+}
+
+/* Of all kinds those that are ready for a picture's values: coats and metals by their layers. */
+static void make_pictured(lf_material *m)
+{
+    if (m->kind == &lf_surface_diffuse || m->kind == &lf_surface_principled)
+        return;
+    m->metallic = (float)(m->kind == &lf_surface_conductor);
+    m->kind = &lf_surface_principled;
+}
+
 static lf_material convert_said(const lf_said *said)
 {
     lf_material out = {.kind = &lf_surface_diffuse,
@@ -104,6 +119,8 @@ static lf_material convert_said(const lf_said *said)
         convert_metallic(said, &out);
     else
         convert_phong(said, &out);
+    if (has_texture(said))
+        make_pictured(&out);
     if (!(said->lost & 1u << LF_LOST_GLOW)) /* which is black nearly everywhere */
         out.emission = clamp_radiances(said->emission);
     return out;
