@@ -47,14 +47,30 @@ static const named vertex_roles[] = {{"x", LF_PLY_X},
                                      {"nx", LF_PLY_NX},
                                      {"ny", LF_PLY_NY},
                                      {"nz", LF_PLY_NZ},
-                                     {"red", LF_PLY_COLOUR},
-                                     {"r", LF_PLY_COLOUR},
-                                     {"diffuse_red", LF_PLY_COLOUR},
+                                     {"red", LF_PLY_RED},
+                                     {"green", LF_PLY_GREEN},
+                                     {"blue", LF_PLY_BLUE},
+                                     {"alpha", LF_PLY_ALPHA},
+                                     {"r", LF_PLY_RED},
+                                     {"g", LF_PLY_GREEN},
+                                     {"b", LF_PLY_BLUE},
+                                     {"a", LF_PLY_ALPHA},
+                                     {"diffuse_red", LF_PLY_RED},
+                                     {"diffuse_green", LF_PLY_GREEN},
+                                     {"diffuse_blue", LF_PLY_BLUE},
+                                     {"s", LF_PLY_U},
+                                     {"t", LF_PLY_V},
+                                     {"u", LF_PLY_U},
+                                     {"v", LF_PLY_V},
+                                     {"texture_u", LF_PLY_U},
+                                     {"texture_v", LF_PLY_V},
                                      {NULL, 0}};
 
 static const named face_roles[] = {{"vertex_indices", LF_PLY_INDICES},
                                    {"vertex_index", LF_PLY_INDICES},
+                                   {"texcoord", LF_PLY_UVS},
                                    {"material_index", LF_PLY_MATERIAL_INDEX},
+                                   {"texnumber", LF_PLY_TEXTURE_INDEX},
                                    {NULL, 0}};
 
 static const named material_roles[] = {
@@ -139,7 +155,7 @@ static lf_status read_property(const lf_input *in, const char *at, lf_ply_header
     p.role = (lf_ply_role)value_of(
         (size_t)element->kind < sizeof roles / sizeof *roles ? roles[element->kind] : NULL, word, n,
         LF_PLY_UNUSED);
-    if (p.is_list != (p.role == LF_PLY_INDICES))
+    if (p.is_list != (p.role == LF_PLY_INDICES || p.role == LF_PLY_UVS))
         p.role = LF_PLY_UNUSED;
     out->properties[out->n_properties++] = p;
     element->n_properties++;
@@ -178,6 +194,20 @@ static lf_status check_promise(const lf_input *in, const lf_ply_header *header, 
     return LF_OK;
 }
 
+static void read_comment(const char *at, lf_ply_header *out)
+{
+    size_t n;
+    const char *word = lf_word(&at, &n), *name = lf_skip_blanks(at);
+    size_t length = strlen(name);
+    while (length > 0 && lf_is_blank(name[length - 1]))
+        length--;
+    if (!lf_word_is(word, n, "TextureFile") || length == 0 || length >= LF_PLY_MAX_NAME)
+        return;
+    if (out->n_textures < LF_PLY_MAX_TEXTURES)
+        memcpy(out->textures[out->n_textures], name, length);
+    out->n_textures += out->n_textures < LF_PLY_MAX_PROPERTIES;
+}
+
 /* One line; *ended: it was the last one. */
 static lf_status read_line(const lf_input *in, const char *line, lf_ply_header *out, bool *ended,
                            lf_error *err)
@@ -191,6 +221,8 @@ static lf_status read_line(const lf_input *in, const char *line, lf_ply_header *
         return read_element(in, line, out, err);
     if (lf_word_is(word, n, "property"))
         return read_property(in, line, out, err);
+    if (lf_word_is(word, n, "comment"))
+        read_comment(line, out);
     return LF_OK; /* comments, also those that some programs write without that word */
 }
 

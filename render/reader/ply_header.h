@@ -27,9 +27,16 @@ typedef enum lf_ply_role {
     LF_PLY_NX,
     LF_PLY_NY,
     LF_PLY_NZ,
-    LF_PLY_COLOUR, /* of a vertex: that there is one */
+    LF_PLY_RED, /* and what follows it, of a vertex */
+    LF_PLY_GREEN,
+    LF_PLY_BLUE,
+    LF_PLY_ALPHA,
+    LF_PLY_U,
+    LF_PLY_V,
     LF_PLY_INDICES,
+    LF_PLY_UVS, /* of a face's corners, two each */
     LF_PLY_MATERIAL_INDEX,
+    LF_PLY_TEXTURE_INDEX,
     LF_PLY_DIFFUSE_RED,
     LF_PLY_DIFFUSE_GREEN,
     LF_PLY_DIFFUSE_BLUE,
@@ -56,6 +63,8 @@ typedef enum lf_ply_kind {
 
 #define LF_PLY_MAX_PROPERTIES 256
 #define LF_PLY_MAX_ELEMENTS 64
+#define LF_PLY_MAX_TEXTURES 16
+#define LF_PLY_MAX_NAME 256
 
 typedef struct lf_ply_element {
     lf_ply_kind kind;
@@ -70,6 +79,10 @@ typedef struct lf_ply_header {
     int n_elements, n_properties;
     lf_ply_element elements[LF_PLY_MAX_ELEMENTS];
     lf_ply_property properties[LF_PLY_MAX_PROPERTIES];
+    /* comment TextureFile NAME, as MeshLab writes it: those that there is room for, and how many
+     * there were */
+    int n_textures;
+    char textures[LF_PLY_MAX_TEXTURES][LF_PLY_MAX_NAME];
 } lf_ply_header;
 
 /* Reads it, up to the first byte behind its last line. LF_E_FORMAT: it is none, or promises more

@@ -3,12 +3,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/alloc.h"
+#include "base/file.h"
 #include "base/reader/reader.h"
 #include "render/reader/mesh_read.h"
 #include "render/reader/ply_header.h"
 #include "render/reader/words.h"
 
 typedef struct ply {
+    const lf_mesh_desc *desc;
     lf_input in;
     lf_ply_header header;
     lf_soup *soup;
@@ -17,6 +20,12 @@ typedef struct ply {
     double values[LF_PLY_ROLES]; /* of the element at hand */
     uint32_t *indices;           /* of its list */
     size_t n_indices, indices_room;
+    double *coordinates; /* of its other list: of a texture, two a corner */
+    size_t n_coordinates, coordinates_room;
+    uint32_t *uvs; /* their numbers in the soup */
+    size_t uvs_room;
+    bool has_colours;
+    double full; /* what a whole colour of a vertex is; 0: it is linear */
 } ply;
 
 /* Where the reading stands, for people. */
@@ -88,6 +97,15 @@ static lf_status next_value(ply *p, lf_ply_type type, double *out, lf_error *err
     return LF_OK;
 }
 
+static lf_status put_coordinate(ply *p, double value, lf_error *err)
+{
+    if (!lf_grow(&p->coordinates, &p->coordinates_room, p->n_coordinates + 1,
+                 sizeof *p->coordinates))
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+    p->coordinates[p->n_coordinates++] = value;
+    return LF_OK;
+}
+
 /* -1, which ends a strip, is UINT32_MAX. */
 static lf_status put_index(ply *p, double value, lf_error *err)
 {
@@ -113,6 +131,8 @@ static lf_status read_list(ply *p, const lf_ply_property *property, lf_error *er
         status = next_value(p, property->type, &value, err);
         if (status == LF_OK && property->role == LF_PLY_INDICES)
             status = put_index(p, value, err);
+        if (status == LF_OK && property->role == LF_PLY_UVS)
+            status = put_coordinate(p, value, err);
     }
     return status;
 }
@@ -121,7 +141,7 @@ static lf_status read_list(ply *p, const lf_ply_property *property, lf_error *er
 static lf_status read_element_values(ply *p, const lf_ply_element *element, lf_error *err)
 {
     lf_status status = LF_OK;
-    p->n_indices = 0;
+    p->n_indices = p->n_coordinates = 0;
     p->rest = "";
     for (int i = 0; i < element->n_properties && status == LF_OK; i++) {
         const lf_ply_property *property = &p->header.properties[element->first + i];
@@ -134,6 +154,17 @@ static lf_status read_element_values(ply *p, const lf_ply_element *element, lf_e
 /* ----------------------------------------------------------------------------------- elements --
  */
 
+/* Whole numbers are display encoded, others are not. */
+static lf_status take_colour(ply *p, lf_error *err)
+{
+    const double *v = p->values + LF_PLY_RED;
+    float rgba[4];
+    for (int i = 0; i < 3; i++)
+        rgba[i] = p->full > 0 ? lf_soup_light(v[i] / p->full) : (float)v[i];
+    rgba[3] = (float)(p->full > 0 ? v[3] / p->full : v[3]);
+    return lf_soup_colour(p->soup, rgba, err);
+}
+
 static lf_status take_vertex(ply *p, lf_error *err)
 {
     const double *v = p->values;
@@ -142,6 +173,28 @@ static lf_status take_vertex(ply *p, lf_error *err)
         status = lf_soup_normal(
             p->soup, (float[3]){(float)v[LF_PLY_NX], (float)v[LF_PLY_NY], (float)v[LF_PLY_NZ]},
             err);
+    if (status == LF_OK && p->has_colours)
+        status = take_colour(p, err);
+    if (status == LF_OK && p->soup->has_own_uvs)
+        status = lf_soup_uv(p->soup, v + LF_PLY_U, err);
+    return status;
+}
+
+/* Of a face that has two for each corner; *out: NULL where it has not, or points have their own. */
+static lf_status take_uvs(ply *p, const uint32_t **out, lf_error *err)
+{
+    lf_status status = LF_OK;
+    *out = NULL;
+    if (p->header.n_textures == 0 || p->desc->material >= 0 || p->soup->has_own_uvs ||
+        p->n_indices == 0 || p->n_coordinates != 2 * p->n_indices)
+        return LF_OK;
+    if (!lf_grow(&p->uvs, &p->uvs_room, p->n_indices, sizeof *p->uvs))
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+    for (size_t i = 0; i < p->n_indices && status == LF_OK; i++) {
+        p->uvs[i] = (uint32_t)p->soup->n_uvs;
+        status = lf_soup_uv(p->soup, p->coordinates + 2 * i, err);
+    }
+    *out = p->uvs;
     return status;
 }
 
@@ -155,13 +208,17 @@ static lf_status check_indices(const ply *p, bool strip, lf_error *err)
 
 static lf_status take_face(ply *p, lf_error *err)
 {
-    double material = p->values[LF_PLY_MATERIAL_INDEX];
+    double material = p->values[LF_PLY_MATERIAL_INDEX], texture = p->values[LF_PLY_TEXTURE_INDEX];
+    lf_face face = {.corners = p->indices};
     lf_status status = check_indices(p, false, err);
+    if (status == LF_OK)
+        status = take_uvs(p, &face.uvs, err);
     if (status != LF_OK)
         return status;
-    unsigned choice = material > 0 && material < LF_MAX_MATERIALS ? (unsigned)material : 0;
-    return lf_soup_polygon(p->soup, p->n_indices,
-                           &(lf_face){.corners = p->indices, .choice = choice}, err);
+    if (material == 0 && p->header.n_textures > 0)
+        material = texture;
+    face.choice = material > 0 && material < LF_MAX_MATERIALS ? (unsigned)material : 0;
+    return lf_soup_polygon(p->soup, p->n_indices, &face, err);
 }
 
 /* Every second triangle runs the other way. */
@@ -231,6 +288,25 @@ static bool has_role(const ply *p, const lf_ply_element *element, lf_ply_role ro
     return false;
 }
 
+/* What vertices have for the file's own materials to look at. */
+static void begin_looks(ply *p, const lf_ply_element *element)
+{
+    p->has_colours = has_role(p, element, LF_PLY_RED) && has_role(p, element, LF_PLY_GREEN) &&
+                     has_role(p, element, LF_PLY_BLUE);
+    p->soup->n_coloured = has_role(p, element, LF_PLY_RED);
+    p->soup->has_own_uvs = p->header.n_textures > 0 && has_role(p, element, LF_PLY_U) &&
+                           has_role(p, element, LF_PLY_V);
+    for (int i = 0; i < element->n_properties; i++) {
+        const lf_ply_property *property = &p->header.properties[element->first + i];
+        if (property->role == LF_PLY_RED)
+            p->full = property->type == LF_PLY_UINT16 ? 65535
+                      : property->type < LF_PLY_FLOAT ? 255
+                                                      : 0;
+    }
+    if (!has_role(p, element, LF_PLY_ALPHA))
+        p->values[LF_PLY_ALPHA] = p->full > 0 ? p->full : 1;
+}
+
 /* What an element has to have, before the first of them is read. */
 static lf_status begin_element(ply *p, const lf_ply_element *element, lf_error *err)
 {
@@ -248,7 +324,8 @@ static lf_status begin_element(ply *p, const lf_ply_element *element, lf_error *
         p->soup->has_own_normals = has_role(p, element, LF_PLY_NX) &&
                                    has_role(p, element, LF_PLY_NY) &&
                                    has_role(p, element, LF_PLY_NZ);
-        p->soup->n_coloured = has_role(p, element, LF_PLY_COLOUR) ? 1 : 0;
+        if (p->desc->material < 0)
+            begin_looks(p, element);
     }
     if (is_face && element->count > 0 && !has_role(p, element, LF_PLY_INDICES))
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
@@ -277,21 +354,53 @@ static void check_choices(lf_soup *soup)
             soup->choices[t] = 0;
 }
 
+static lf_status put_map(ply *p, const char *folder, unsigned said, const char *name, lf_error *err)
+{
+    lf_map map;
+    lf_status status = lf_map_begin(said, LF_MAP_BASE, folder, name, &map, err);
+    return status == LF_OK ? lf_soup_map(p->soup, map, err) : status;
+}
+
+/* A material a texture, of the file's own if it has any. */
+static lf_status put_textures(ply *p, lf_error *err)
+{
+    int n = p->header.n_textures < LF_PLY_MAX_TEXTURES ? p->header.n_textures : LF_PLY_MAX_TEXTURES;
+    lf_status status = LF_OK;
+    if (n == 0 || p->desc->material >= 0)
+        return LF_OK;
+    if (p->header.n_textures > n)
+        lf_warnings_add(&p->soup->warnings, LF_HERE, "%d textures, of which %d are used",
+                        p->header.n_textures, n);
+    while (p->soup->n_said < (size_t)n && status == LF_OK)
+        status = lf_soup_say(p->soup, lf_said_begin(""), err);
+    char *folder = lf_path_folder(p->desc->file);
+    if (!folder)
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+    for (int i = 0; i < n && status == LF_OK; i++)
+        status = put_map(p, folder, (unsigned)i, p->header.textures[i], err);
+    lf_free(folder);
+    return status;
+}
+
 lf_status lf_ply_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error *err)
 {
     ply *p = calloc(1, sizeof *p);
-    (void)desc;
     if (!p)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     p->soup = soup;
+    p->desc = desc;
     lf_status status = lf_input_open(&p->in, fd, err);
     if (status == LF_OK)
         status = lf_ply_read_header(&p->in, &p->header, err);
     for (int i = 0; i < p->header.n_elements && status == LF_OK; i++)
         status = read_elements(p, &p->header.elements[i], err);
+    if (status == LF_OK)
+        status = put_textures(p, err);
     check_choices(soup);
     lf_input_close(&p->in);
     free(p->indices);
+    free(p->coordinates);
+    free(p->uvs);
     free(p);
     return status;
 }

@@ -27,7 +27,46 @@ static lf_status put_corner(lf_soup *soup, const double at[3], uint32_t *out, lf
 /* -------------------------------------------------------------------------------------- binary --
  */
 
-static lf_status read_facet(const unsigned char *bytes, lf_soup *soup, lf_error *err)
+/* What the last two bytes of facets say: five bits a channel, display encoded. By VisCAM and
+ * SolidView the highest bit says that there is a colour; Magics has one of the whole in the title,
+ * which the highest bit chooses, and its own the other way round. */
+typedef struct facet_colours {
+    bool wanted, of_magics, some; /* some: a facet had one */
+    float whole[4];               /* of facets without */
+} facet_colours;
+
+static facet_colours begin_colours(const unsigned char *title, bool wanted)
+{
+    facet_colours c = {.wanted = wanted, .whole = {0.5f, 0.5f, 0.5f, 1}};
+    const unsigned char *at = memmem(title, HEADER_BYTES - 4, "COLOR=", 6);
+    if (!at || at + 10 > title + HEADER_BYTES - 4)
+        return c;
+    c.of_magics = true;
+    for (int i = 0; i < 3; i++)
+        c.whole[i] = lf_soup_light(at[6 + i] / 255.0);
+    return c;
+}
+
+/* Of the three points that came last; those before had none. */
+static lf_status put_colours(unsigned bits, facet_colours *c, lf_soup *soup, lf_error *err)
+{
+    bool high = bits & 0x8000, own = high != c->of_magics;
+    float rgba[4] = {0, 0, 0, 1};
+    lf_status status = LF_OK;
+    c->some = c->some || own;
+    if (!c->wanted || !(c->some || c->of_magics))
+        return LF_OK;
+    for (int i = 0; i < 3; i++)
+        rgba[c->of_magics ? i : 2 - i] = lf_soup_light((bits >> 5 * i & 31) / 31.0);
+    while (soup->n_colours + 3 < soup->n_points && status == LF_OK)
+        status = lf_soup_colour(soup, c->whole, err);
+    for (int i = 0; i < 3 && status == LF_OK; i++)
+        status = lf_soup_colour(soup, own ? rgba : c->whole, err);
+    return status;
+}
+
+static lf_status read_facet(const unsigned char *bytes, facet_colours *colours, lf_soup *soup,
+                            lf_error *err)
 {
     uint32_t corners[3];
     lf_status status = LF_OK;
@@ -41,12 +80,13 @@ static lf_status read_facet(const unsigned char *bytes, lf_soup *soup, lf_error 
         }
         status = put_corner(soup, at, &corners[c], err);
     }
-    if (bytes[FACET_BYTES - 1] & 0x80) /* it has a colour */
-        soup->n_coloured = 1;
+    if (status == LF_OK)
+        status = put_colours(bytes[FACET_BYTES - 2] | (unsigned)bytes[FACET_BYTES - 1] << 8,
+                             colours, soup, err);
     return status == LF_OK ? lf_soup_triangle(soup, &(lf_face){.corners = corners}, err) : status;
 }
 
-static lf_status read_binary(lf_input *in, lf_soup *soup, lf_error *err)
+static lf_status read_binary(lf_input *in, bool colours_wanted, lf_soup *soup, lf_error *err)
 {
     const unsigned char *header = lf_input_bytes(in, HEADER_BYTES);
     if (!header)
@@ -57,10 +97,12 @@ static lf_status read_binary(lf_input *in, lf_soup *soup, lf_error *err)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
                             "the header promises %llu triangles, the file has room for %llu",
                             (unsigned long long)n, (unsigned long long)room);
+    facet_colours colours = begin_colours(header, colours_wanted);
     lf_status status = LF_OK;
     for (uint64_t i = 0; i < n && status == LF_OK; i++) {
         const unsigned char *facet = lf_input_bytes(in, FACET_BYTES);
-        status = facet ? read_facet(facet, soup, err) : lf_input_ended(in, "a triangle", err);
+        status =
+            facet ? read_facet(facet, &colours, soup, err) : lf_input_ended(in, "a triangle", err);
     }
     return status;
 }
@@ -152,7 +194,6 @@ lf_status lf_stl_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
 {
     lf_input in = {.fd = -1};
     size_t n;
-    (void)desc;
     lf_status status = lf_input_open(&in, fd, err);
     if (status == LF_OK) {
         const unsigned char *begin = lf_input_peek(&in, HEADER_BYTES, &n);
@@ -166,7 +207,7 @@ lf_status lf_stl_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
             blanks++;
         bool solid = n >= blanks + 5 && lf_word_reads((const char *)begin + blanks, 5, "solid");
         if (fits || (!solid && n == HEADER_BYTES))
-            status = read_binary(&in, soup, err);
+            status = read_binary(&in, desc->material < 0, soup, err);
         else if (solid)
             status = read_text(&in, soup, err);
         else

@@ -348,6 +348,156 @@ static void a_bump_map_that_holds_normals_is_one(void **state)
     lf_mesh_data_finish(&data);
 }
 
+/* ------------------------------------------------------------------------------- PLY, STL -- */
+
+#define PLY_POINTS                                                                                 \
+    "ply\nformat ascii 1.0\n%s"                                                                    \
+    "element vertex 4\nproperty float x\n"                                                         \
+    "property float y\nproperty float z\n%selement face 1\n"                                       \
+    "property list uchar int vertex_indices\n%send_header\n"
+
+static lf_mesh_data ply_of(const char *folder, const char *comments, const char *of_vertices,
+                           const char *of_faces, const char *body)
+{
+    char text[1024];
+    snprintf(text, sizeof text, PLY_POINTS "%s", comments, of_vertices, of_faces, body);
+    lf_test_write(folder, "a.ply", text);
+    return import_named(folder, "a.ply", LF_NORMALS_FILE);
+}
+
+#define RGB(type) "property " type " red\nproperty " type " green\nproperty " type " blue\n"
+
+/* Bytes are display encoded, floats are not; white carries them. */
+static void colours_of_vertices_are_albedo(void **state)
+{
+    static const struct {
+        const char *properties, *codes[4];
+        double red, alpha;
+    } cases[] = {{RGB("uchar"), {"188 0 255", "188 0 255", "188 0 255", "188 0 255"}, 0.5029, 1},
+                 {RGB("ushort"),
+                  {"48316 0 65535", "48316 0 65535", "48316 0 65535", "48316 0 65535"},
+                  0.5029,
+                  1},
+                 {RGB("float"), {"0.25 -1 7", "0.25 nan 1", "0.25 0 1", "0.25 0 1"}, 0.25, 1},
+                 {RGB("uchar") "property uchar alpha\n",
+                  {"188 0 255 51", "188 0 255 51", "188 0 255 51", "188 0 255 51"},
+                  0.5029,
+                  0.2},
+                 {RGB("uchar") "property uchar alpha\n",
+                  {"188 0 255 0", "188 0 255 0", "188 0 255 0", "188 0 255 0"},
+                  0.5029,
+                  1}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char body[256];
+        snprintf(body, sizeof body, "0 0 0 %s\n1 0 0 %s\n1 1 0 %s\n0 1 0 %s\n4 0 1 2 3\n",
+                 cases[i].codes[0], cases[i].codes[1], cases[i].codes[2], cases[i].codes[3]);
+        lf_mesh_data data = ply_of(*state, "", cases[i].properties, "", body);
+        assert_silent(&data);
+        assert_non_null(data.colours);
+        for (int v = 0; v < 4; v++) {
+            lf_assert_close((double)data.colours[4 * v], cases[i].red, 2e-4, 0);
+            assert_true(data.colours[4 * v + 1] == 0 && data.colours[4 * v + 2] == 1);
+            lf_assert_close((double)data.colours[4 * v + 3], cases[i].alpha, 1e-6, 0);
+        }
+        assert_true(data.materials[0].albedo.y == 1 && !data.uvs);
+        assert_int_equal(data.materials[0].cover,
+                         cases[i].alpha < 1 ? LF_COVER_BLEND : LF_COVER_OPAQUE);
+        lf_mesh_data_finish(&data);
+    }
+}
+
+static void points_of_two_colours_stay_two(void **state)
+{
+    lf_test_write(*state, "c.obj",
+                  "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 1 0 0 0 0 0.5\nv 1 1 0 1 0 0\n"
+                  "v 0 1 0 1 0 0\nf 1 2 3\nf 4 5 6\n");
+    lf_mesh_data data = import_named(*state, "c.obj", LF_NORMALS_FILE);
+    assert_silent(&data);
+    assert_int_equal(data.n_vertices, 5);
+    lf_assert_close((double)data.colours[4 * (size_t)data.triangles[3] + 2], 0.21404, 1e-4, 0);
+    lf_mesh_data_finish(&data);
+    /* where not all have one nobody has */
+    lf_test_write(*state, "c.obj", "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n");
+    data = import_named(*state, "c.obj", LF_NORMALS_FILE);
+    assert_told(&data, "colours a vertex, which are not used");
+    assert_true(!data.colours && data.materials[0].albedo.x == 0.5f);
+    lf_mesh_data_finish(&data);
+}
+
+#define TEXTURE "comment TextureFile a b.png\n"
+#define OF_CORNERS "property list uchar float texcoord\n"
+
+static void a_ply_names_its_texture_in_a_comment(void **state)
+{
+    static const struct {
+        const char *of_vertices, *of_faces, *body;
+    } cases[] = {{"property float s\nproperty float t\n", "",
+                  "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n4 0 1 2 3\n"},
+                 {"property float texture_u\nproperty float texture_v\n", "",
+                  "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n4 0 1 2 3\n"},
+                 {"", OF_CORNERS, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 8 0 0 1 0 1 1 0 1\n"},
+                 {"", OF_CORNERS "property int texnumber\n",
+                  "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 8 0 0 1 0 1 1 0 1 1\n"}};
+    write_png(*state, "a b.png", 3, opaque);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        lf_mesh_data data =
+            ply_of(*state, i == 3 ? "comment TextureFile gone.png\n" TEXTURE : TEXTURE,
+                   cases[i].of_vertices, cases[i].of_faces, cases[i].body);
+        const lf_texture *t = &data.textures[data.triangle_material[0]].slot[LF_SLOT_BASE];
+        assert_silent(&data);
+        assert_true(data.n_vertices == 4 && data.n_uv_sets == 1 && data.n_pictures == 1);
+        assert_true(t->picture == 1 && t->map[1][1] == -1 && t->map[1][2] == 1);
+        assert_true(data.materials[data.triangle_material[0]].albedo.x == 1);
+        for (int v = 0; v < 4; v++)
+            assert_true(data.uvs[2 * v] == (float)data.positions[3 * v] &&
+                        data.uvs[2 * v + 1] == (float)data.positions[3 * v + 1]);
+        lf_mesh_data_finish(&data);
+    }
+    lf_mesh_data data = ply_of(*state, TEXTURE, "", "", "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
+    assert_told(&data, "1 pictures are left out: the mesh has no texture coordinates");
+    lf_mesh_data_finish(&data);
+}
+
+/* Two facets; bits: the two bytes behind each. */
+static lf_mesh_data stl_of(const char *folder, const char *title, const uint16_t bits[2])
+{
+    unsigned char bytes[184] = {0};
+    const float corners[2][9] = {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {1, 0, 0, 1, 1, 0, 0, 1, 0}};
+    memcpy(bytes, title, strlen(title));
+    bytes[80] = 2;
+    for (int i = 0; i < 2; i++) {
+        memcpy(bytes + 84 + 50 * i + 12, corners[i], sizeof corners[i]);
+        memcpy(bytes + 84 + 50 * i + 48, &bits[i], 2);
+    }
+    lf_picture_write(lf_test_path(folder, "a.stl"), bytes, sizeof bytes);
+    return import_named(folder, "a.stl", LF_NORMALS_FILE);
+}
+
+static void facets_of_stl_have_colours_by_two_customs(void **state)
+{
+    static const struct {
+        const char *title;
+        uint16_t bits[2];
+        float rgb[2][3];
+    } cases[] = {{"", {0x8000 | 31 << 10, 0x8000 | 31 << 5}, {{1, 0, 0}, {0, 1, 0}}},
+                 {"", {0, 0x8000 | 31}, {{0.5f, 0.5f, 0.5f}, {0, 0, 1}}},
+                 {"COLOR=\xff\xff\x01\xff", {31, 0x8000}, {{1, 0, 0}, {1, 1, 0.000304f}}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        lf_mesh_data data = stl_of(*state, cases[i].title, cases[i].bits);
+        assert_silent(&data);
+        assert_int_equal(data.n_vertices, 6);
+        for (int t = 0; t < 6; t++)
+            for (int c = 0; c < 3; c++)
+                lf_assert_close((double)data.colours[4 * (size_t)data.triangles[t] + (size_t)c],
+                                (double)cases[i].rgb[t / 3][c], 0, 1e-5);
+        lf_mesh_data_finish(&data);
+    }
+    lf_mesh_data data = stl_of(*state, "none", (uint16_t[2]){0, 31});
+    assert_silent(&data);
+    assert_true(!data.colours && data.n_vertices == 4 && data.materials[0].albedo.x == 0.5f);
+    lf_mesh_data_finish(&data);
+}
+
 static void the_cow_has_its_spots(void **state)
 {
     const char *mesh = lf_test_shared("meshes/spot.obj"),
@@ -394,6 +544,10 @@ int main(void)
         lf_test_in_folder(tangents_follow_the_picture),
         lf_test_in_folder(flat_faces_under_a_normal_map_keep_their_normals),
         lf_test_in_folder(a_bump_map_that_holds_normals_is_one),
+        lf_test_in_folder(colours_of_vertices_are_albedo),
+        lf_test_in_folder(points_of_two_colours_stay_two),
+        lf_test_in_folder(a_ply_names_its_texture_in_a_comment),
+        lf_test_in_folder(facets_of_stl_have_colours_by_two_customs),
         lf_test_in_folder(the_cow_has_its_spots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

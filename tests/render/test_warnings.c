@@ -167,8 +167,7 @@ static void what_an_obj_or_ply_holds_beside_triangles_is_said(void **state)
                   "int vertex_indices\nend_header\n"
                   "0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2\n");
     scene = scene_of(*state, "'m': {'file': 'c.ply'}", NULL);
-    static const char *const colours[] = {"colours a vertex, which are not used"};
-    assert_lines(scene, colours, 1);
+    assert_lines(scene, NULL, 0); /* its colours are seen */
     lf_scene_unref(scene);
 }
 
