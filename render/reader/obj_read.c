@@ -37,7 +37,7 @@ static lf_status bad_line(const obj *o, const char *what, lf_error *err)
 static lf_status take_point_colour(obj *o, const double c[3], lf_error *err)
 {
     o->soup->n_coloured = 1;
-    if (o->soup->n_colours != o->soup->n_points)
+    if (o->soup->colours.n != o->soup->n_points)
         return LF_OK;
     return lf_soup_colour(
         o->soup, (float[4]){lf_soup_light(c[0]), lf_soup_light(c[1]), lf_soup_light(c[2]), 1.0f},
@@ -124,7 +124,7 @@ static lf_status take_corner(obj *o, const char **at, lf_error *err)
         return bad_line(o, "a face names a vertex that there is not", err);
     *own = LF_NO_NORMAL;
     *uv = LF_NO_UV;
-    if (textured && o->desc->material < 0 && !to_number(texture, o->soup->n_uvs, uv)) {
+    if (textured && o->desc->material < 0 && !to_number(texture, o->soup->uvs.n, uv)) {
         *uv = LF_NO_UV;
         o->n_astray++;
     }
@@ -157,7 +157,8 @@ static lf_status take_face(obj *o, const char *at, lf_error *err)
     lf_status status = take_corners(o, at, err);
     if (status == LF_OK && !o->has_choice && o->desc->material < 0)
         status = choose_none(o, err);
-    const lf_face face = {o->corners, o->normals, o->soup->n_uvs > 0 ? o->uvs : NULL, o->choice};
+    const lf_soup_face face = {o->corners, o->normals, o->soup->uvs.n > 0 ? o->uvs : NULL,
+                               o->choice};
     return status == LF_OK ? lf_soup_polygon(o->soup, o->n_corners, &face, err) : status;
 }
 

@@ -175,7 +175,7 @@ static lf_status take_vertex(ply *p, lf_error *err)
             err);
     if (status == LF_OK && p->has_colours)
         status = take_colour(p, err);
-    if (status == LF_OK && p->soup->has_own_uvs)
+    if (status == LF_OK && p->soup->uvs.are_own)
         status = lf_soup_uv(p->soup, v + LF_PLY_U, err);
     return status;
 }
@@ -185,13 +185,13 @@ static lf_status take_uvs(ply *p, const uint32_t **out, lf_error *err)
 {
     lf_status status = LF_OK;
     *out = NULL;
-    if (p->header.n_textures == 0 || p->desc->material >= 0 || p->soup->has_own_uvs ||
+    if (p->header.n_textures == 0 || p->desc->material >= 0 || p->soup->uvs.are_own ||
         p->n_indices == 0 || p->n_coordinates != 2 * p->n_indices)
         return LF_OK;
     if (!lf_grow(&p->uvs, &p->uvs_room, p->n_indices, sizeof *p->uvs))
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     for (size_t i = 0; i < p->n_indices && status == LF_OK; i++) {
-        p->uvs[i] = (uint32_t)p->soup->n_uvs;
+        p->uvs[i] = (uint32_t)p->soup->uvs.n;
         status = lf_soup_uv(p->soup, p->coordinates + 2 * i, err);
     }
     *out = p->uvs;
@@ -209,7 +209,7 @@ static lf_status check_indices(const ply *p, bool strip, lf_error *err)
 static lf_status take_face(ply *p, lf_error *err)
 {
     double material = p->values[LF_PLY_MATERIAL_INDEX], texture = p->values[LF_PLY_TEXTURE_INDEX];
-    lf_face face = {.corners = p->indices};
+    lf_soup_face face = {.corners = p->indices};
     lf_status status = check_indices(p, false, err);
     if (status == LF_OK)
         status = take_uvs(p, &face.uvs, err);
@@ -232,11 +232,11 @@ static lf_status take_strip(ply *p, lf_error *err)
         if (c[i] == UINT32_MAX)
             begin = i + 1;
         else if (i >= begin + 2)
-            status =
-                lf_soup_triangle(p->soup,
-                                 &(lf_face){.corners = (uint32_t[3]){c[odd ? i - 1 : i - 2],
-                                                                     c[odd ? i - 2 : i - 1], c[i]}},
-                                 err);
+            status = lf_soup_triangle(
+                p->soup,
+                &(lf_soup_face){
+                    .corners = (uint32_t[3]){c[odd ? i - 1 : i - 2], c[odd ? i - 2 : i - 1], c[i]}},
+                err);
     }
     return status;
 }
@@ -294,7 +294,7 @@ static void begin_looks(ply *p, const lf_ply_element *element)
     p->has_colours = has_role(p, element, LF_PLY_RED) && has_role(p, element, LF_PLY_GREEN) &&
                      has_role(p, element, LF_PLY_BLUE);
     p->soup->n_coloured = has_role(p, element, LF_PLY_RED);
-    p->soup->has_own_uvs = p->header.n_textures > 0 && has_role(p, element, LF_PLY_U) &&
+    p->soup->uvs.are_own = p->header.n_textures > 0 && has_role(p, element, LF_PLY_U) &&
                            has_role(p, element, LF_PLY_V);
     for (int i = 0; i < element->n_properties; i++) {
         const lf_ply_property *property = &p->header.properties[element->first + i];

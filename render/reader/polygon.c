@@ -26,7 +26,7 @@ static const double *corner_at(const lf_soup *soup, uint32_t corner)
     return soup->points + 3 * (size_t)corner;
 }
 
-static lf_status put_corners(lf_soup *soup, const lf_face *face, const uint32_t which[3],
+static lf_status put_corners(lf_soup *soup, const lf_soup_face *face, const uint32_t which[3],
                              lf_error *err)
 {
     uint32_t c[3], n[3] = {0}, t[3] = {0};
@@ -36,7 +36,8 @@ static lf_status put_corners(lf_soup *soup, const lf_face *face, const uint32_t 
         t[i] = face->uvs ? face->uvs[which[i]] : 0;
     }
     return lf_soup_triangle(
-        soup, &(lf_face){c, face->normals ? n : NULL, face->uvs ? t : NULL, face->choice}, err);
+        soup, &(lf_soup_face){c, face->normals ? n : NULL, face->uvs ? t : NULL, face->choice},
+        err);
 }
 
 static double angle_between(const double a[3], const double b[3])
@@ -57,7 +58,7 @@ static bool is_inward(const lf_soup *soup, const uint32_t *corners, size_t i)
     return angle_between(left, diagonal) + angle_between(right, diagonal) > M_PI - ANGLE_SLACK;
 }
 
-static lf_status split_quad(lf_soup *soup, const lf_face *face, lf_error *err)
+static lf_status split_quad(lf_soup *soup, const lf_soup_face *face, lf_error *err)
 {
     uint32_t from = 0;
     while (from < 4 && !is_inward(soup, face->corners, from))
@@ -134,7 +135,7 @@ static uint32_t next_ear(const flat_polygon *p, uint32_t from)
     return from;
 }
 
-static lf_status cut_ears(lf_soup *soup, const lf_face *face, flat_polygon *p, lf_error *err)
+static lf_status cut_ears(lf_soup *soup, const lf_soup_face *face, flat_polygon *p, lf_error *err)
 {
     lf_status status = LF_OK;
     uint32_t at = 0;
@@ -153,7 +154,7 @@ static lf_status cut_ears(lf_soup *soup, const lf_face *face, flat_polygon *p, l
     return status;
 }
 
-static lf_status split_by_ears(lf_soup *soup, size_t n, const lf_face *face, lf_error *err)
+static lf_status split_by_ears(lf_soup *soup, size_t n, const lf_soup_face *face, lf_error *err)
 {
     flat_polygon p = {.n = n,
                       .at = malloc(n * sizeof *p.at),
@@ -170,7 +171,7 @@ static lf_status split_by_ears(lf_soup *soup, size_t n, const lf_face *face, lf_
     return status;
 }
 
-lf_status lf_soup_polygon(lf_soup *soup, size_t n, const lf_face *face, lf_error *err)
+lf_status lf_soup_polygon(lf_soup *soup, size_t n, const lf_soup_face *face, lf_error *err)
 {
     if (n == 3)
         return lf_soup_triangle(soup, face, err);

@@ -19,9 +19,9 @@ void lf_soup_finish(lf_soup *soup)
     free(soup->normals);
     free(soup->corners);
     free(soup->normals_of);
-    free(soup->uvs);
-    free(soup->uvs_of);
-    free(soup->colours);
+    free(soup->uvs.values);
+    free(soup->uvs.of);
+    free(soup->colours.values);
     for (size_t i = 0; i < soup->n_maps; i++)
         lf_map_finish(&soup->maps[i]);
     free(soup->maps);
@@ -59,16 +59,16 @@ lf_status lf_soup_normal(lf_soup *soup, const float normal[3], lf_error *err)
 
 lf_status lf_soup_uv(lf_soup *soup, const double uv[2], lf_error *err)
 {
-    if (soup->n_uvs >= 3 * (size_t)LF_MAX_TRIANGLES)
+    if (soup->uvs.n >= 3 * (size_t)LF_MAX_TRIANGLES)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE,
                             "more than %d texture coordinates are not possible",
                             3 * LF_MAX_TRIANGLES);
-    if (!lf_grow(&soup->uvs, &soup->uvs_room, soup->n_uvs + 1, 2 * sizeof *soup->uvs))
+    if (!lf_grow(&soup->uvs.values, &soup->uvs.room, soup->uvs.n + 1, 2 * sizeof *soup->uvs.values))
         return no_room(err);
     for (int i = 0; i < 2; i++)
-        soup->uvs[2 * soup->n_uvs + (size_t)i] =
+        soup->uvs.values[2 * soup->uvs.n + (size_t)i] =
             fabs(uv[i]) <= (double)LF_MAX_UV ? (float)uv[i] : 0.0f;
-    soup->n_uvs++;
+    soup->uvs.n++;
     return LF_OK;
 }
 
@@ -80,13 +80,13 @@ float lf_soup_light(double code)
 
 lf_status lf_soup_colour(lf_soup *soup, const float rgba[4], lf_error *err)
 {
-    if (!lf_grow(&soup->colours, &soup->colours_room, soup->n_colours + 1,
-                 4 * sizeof *soup->colours))
+    if (!lf_grow(&soup->colours.values, &soup->colours.room, soup->colours.n + 1,
+                 4 * sizeof *soup->colours.values))
         return no_room(err);
     for (int i = 0; i < 4; i++)
-        soup->colours[4 * soup->n_colours + (size_t)i] =
+        soup->colours.values[4 * soup->colours.n + (size_t)i] =
             rgba[i] > 0.0f ? fminf(rgba[i], 1.0f) : 0.0f;
-    soup->n_colours++;
+    soup->colours.n++;
     return LF_OK;
 }
 
@@ -108,19 +108,19 @@ static bool put_choice(lf_soup *soup, unsigned choice)
 static bool put_uvs(lf_soup *soup, const uint32_t *uvs)
 {
     size_t at = 3 * soup->n_triangles;
-    bool first = !soup->uvs_of;
+    bool first = !soup->uvs.of;
     if (first && !uvs)
         return true;
-    if (!lf_grow(&soup->uvs_of, &soup->uvs_of_room, at + 3, sizeof *uvs))
+    if (!lf_grow(&soup->uvs.of, &soup->uvs.of_room, at + 3, sizeof *uvs))
         return false;
     for (size_t i = first ? 0 : at; i < at + 3; i++)
-        soup->uvs_of[i] = LF_NO_UV;
+        soup->uvs.of[i] = LF_NO_UV;
     if (uvs)
-        memcpy(soup->uvs_of + at, uvs, 3 * sizeof *uvs);
+        memcpy(soup->uvs.of + at, uvs, 3 * sizeof *uvs);
     return true;
 }
 
-lf_status lf_soup_triangle(lf_soup *soup, const lf_face *face, lf_error *err)
+lf_status lf_soup_triangle(lf_soup *soup, const lf_soup_face *face, lf_error *err)
 {
     size_t at = 3 * soup->n_triangles;
     if (soup->n_triangles >= LF_MAX_TRIANGLES)

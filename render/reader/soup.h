@@ -10,6 +10,19 @@
 /* In place of a texture coordinate's: there is none, which is (0, 0). */
 #define LF_NO_UV UINT32_MAX
 
+typedef struct lf_soup_uvs {
+    float *values; /* [n][2], as the file has them, up to LF_MAX_UV */
+    size_t n, room;
+    bool are_own; /* every point has the one of its number; `of` is not used */
+    uint32_t *of; /* [n_triangles][3]: values, LF_NO_UV; NULL: none has any */
+    size_t of_room;
+} lf_soup_uvs;
+
+typedef struct lf_soup_colours {
+    float *values;  /* [n][4] of points, linear, 0..1 */
+    size_t n, room; /* n: n_points, or they do not count */
+} lf_soup_colours;
+
 /* A zeroed one is empty. Arrays are realloc's. */
 typedef struct lf_soup {
     double *points; /* [n_points][3] */
@@ -17,17 +30,12 @@ typedef struct lf_soup {
     float *normals; /* [n_normals][3], as the file has them */
     size_t n_normals, normals_room;
     bool has_own_normals; /* every point has the normal of its number; normals_of is not used */
-    float *uvs;           /* [n_uvs][2], as the file has them, up to LF_MAX_UV */
-    size_t n_uvs, uvs_room;
-    bool has_own_uvs; /* every point has the one of its number; uvs_of is not used */
-    float *colours;   /* [n_colours][4] of points, linear, 0..1; n_colours: n_points, or 0 */
-    size_t n_colours, colours_room;
+    lf_soup_uvs uvs;
+    lf_soup_colours colours;
     uint32_t *corners; /* [n_triangles][3]: points */
     size_t n_triangles, corners_room;
     uint32_t *normals_of; /* [n_triangles][3]: normals, LF_NO_NORMAL */
     size_t normals_of_room;
-    uint32_t *uvs_of; /* [n_triangles][3]: uvs, LF_NO_UV; NULL: none has any */
-    size_t uvs_of_room;
     uint16_t *choices; /* [n_triangles]: said; NULL: all are of the first */
     size_t choices_room;
     uint32_t *parts; /* [n_parts]: the first triangle of each, ascending; vertices of different
@@ -44,12 +52,12 @@ typedef struct lf_soup {
 } lf_soup;
 
 /* Corners of a triangle or polygon by their numbers in a soup. */
-typedef struct lf_face {
+typedef struct lf_soup_face {
     const uint32_t *corners;
     const uint32_t *normals; /* NULL unless normals_of is used */
     const uint32_t *uvs;     /* NULL: LF_NO_UV each */
     unsigned choice;         /* into said */
-} lf_face;
+} lf_soup_face;
 
 /* Accepts a zeroed one, and leaves it so. */
 void lf_soup_finish(lf_soup *soup);
@@ -63,7 +71,7 @@ LF_NODISCARD lf_status lf_soup_uv(lf_soup *soup, const double uv[2], lf_error *e
 float lf_soup_light(double code);
 /* Of the next point without one; it is brought into its range. */
 LF_NODISCARD lf_status lf_soup_colour(lf_soup *soup, const float rgba[4], lf_error *err);
-LF_NODISCARD lf_status lf_soup_triangle(lf_soup *soup, const lf_face *face, lf_error *err);
+LF_NODISCARD lf_status lf_soup_triangle(lf_soup *soup, const lf_soup_face *face, lf_error *err);
 /* What comes from here on is joined to nothing before it. */
 LF_NODISCARD lf_status lf_soup_part(lf_soup *soup, lf_error *err);
 /* Takes the map over, on failure too; another of the same use takes the place of the first. */
@@ -75,7 +83,8 @@ LF_NODISCARD lf_status lf_soup_say(lf_soup *soup, lf_said said, lf_error *err);
  * thing beside. Corners in a plane, convex or not, in either direction: ears are cut off, in time
  * n^2, LF_MAX_CORNERS at most. The rest as lf_soup_triangle. LF_E_FORMAT: more corners. */
 #define LF_MAX_CORNERS 65536
-LF_NODISCARD lf_status lf_soup_polygon(lf_soup *soup, size_t n, const lf_face *face, lf_error *err);
+LF_NODISCARD lf_status lf_soup_polygon(lf_soup *soup, size_t n, const lf_soup_face *face,
+                                       lf_error *err);
 
 /* Makes a mesh of it: reads the pictures of materials that triangles have, joins vertices of a part
  * that have one position and one normal (with pictures or colours: and one of these), moves them to

@@ -58,7 +58,7 @@ static lf_status put_colours(unsigned bits, facet_colours *c, lf_soup *soup, lf_
         return LF_OK;
     for (int i = 0; i < 3; i++)
         rgba[c->of_magics ? i : 2 - i] = lf_soup_light((bits >> 5 * i & 31) / 31.0);
-    while (soup->n_colours + 3 < soup->n_points && status == LF_OK)
+    while (soup->colours.n + 3 < soup->n_points && status == LF_OK)
         status = lf_soup_colour(soup, c->whole, err);
     for (int i = 0; i < 3 && status == LF_OK; i++)
         status = lf_soup_colour(soup, own ? rgba : c->whole, err);
@@ -83,7 +83,8 @@ static lf_status read_facet(const unsigned char *bytes, facet_colours *colours, 
     if (status == LF_OK)
         status = put_colours(bytes[FACET_BYTES - 2] | (unsigned)bytes[FACET_BYTES - 1] << 8,
                              colours, soup, err);
-    return status == LF_OK ? lf_soup_triangle(soup, &(lf_face){.corners = corners}, err) : status;
+    return status == LF_OK ? lf_soup_triangle(soup, &(lf_soup_face){.corners = corners}, err)
+                           : status;
 }
 
 static lf_status read_binary(lf_input *in, bool colours_wanted, lf_soup *soup, lf_error *err)
@@ -140,7 +141,7 @@ static lf_status end_facet(const lf_input *in, facet *f, lf_soup *soup, lf_error
     if (!f->open || f->n < 3)
         return bad_line(in, "a facet ends that has no three corners", err);
     f->open = false;
-    return lf_soup_polygon(soup, f->n, &(lf_face){.corners = f->corners}, err);
+    return lf_soup_polygon(soup, f->n, &(lf_soup_face){.corners = f->corners}, err);
 }
 
 /* One line. *ended: a solid has, and no other has begun. */

@@ -66,11 +66,12 @@ static void put_look(const welding *w, size_t triangle, int corner, vertex_key *
     size_t at = 3 * triangle + (size_t)corner;
     uint32_t uv = LF_NO_UV;
     if (w->colours)
-        memcpy(key->colour, soup->colours + 4 * (size_t)soup->corners[at], sizeof key->colour);
+        memcpy(key->colour, soup->colours.values + 4 * (size_t)soup->corners[at],
+               sizeof key->colour);
     if (w->uvs && has_textures(w->mesh, soup->choices ? soup->choices[triangle] : 0))
-        uv = soup->has_own_uvs ? soup->corners[at] : soup->uvs_of ? soup->uvs_of[at] : LF_NO_UV;
+        uv = soup->uvs.are_own ? soup->corners[at] : soup->uvs.of ? soup->uvs.of[at] : LF_NO_UV;
     for (size_t i = 0; i < 2 && uv != LF_NO_UV; i++)
-        key->uv[i] = soup->uvs[2 * (size_t)uv + i] + 0.0f;
+        key->uv[i] = soup->uvs.values[2 * (size_t)uv + i] + 0.0f;
 }
 
 static vertex_key key_of(const welding *w, size_t triangle, int corner)
@@ -204,19 +205,19 @@ static bool colours_count(const lf_soup *soup)
     for (size_t i = 0; i < soup->n_said; i++)
         if (!soup->said[i].is_none)
             return false;
-    return soup->n_colours > 0 && soup->n_colours == soup->n_points;
+    return soup->colours.n > 0 && soup->colours.n == soup->n_points;
 }
 
 /* White, which the colours multiply; some programs write a coverage of 0 everywhere. */
 static void whiten(lf_soup *soup)
 {
     bool holes = false, some = false;
-    for (size_t i = 0; i < soup->n_colours; i++) {
-        holes = holes || soup->colours[4 * i + 3] < 1.0f;
-        some = some || soup->colours[4 * i + 3] > 0.0f;
+    for (size_t i = 0; i < soup->colours.n; i++) {
+        holes = holes || soup->colours.values[4 * i + 3] < 1.0f;
+        some = some || soup->colours.values[4 * i + 3] > 0.0f;
     }
-    for (size_t i = 0; i < soup->n_colours && !some; i++)
-        soup->colours[4 * i + 3] = 1.0f;
+    for (size_t i = 0; i < soup->colours.n && !some; i++)
+        soup->colours.values[4 * i + 3] = 1.0f;
     for (size_t i = 0; i < soup->n_said; i++) {
         soup->said[i].is_none = false;
         soup->said[i].diffuse = lf_v3(1, 1, 1);
@@ -239,7 +240,7 @@ static lf_status take_materials(lf_soup *soup, bool colours, lf_mesh_data *out, 
         whiten(soup);
     for (size_t t = 0; t < soup->n_triangles; t++)
         used[soup->choices ? soup->choices[t] : 0] = true;
-    if (soup->n_uvs > 0)
+    if (soup->uvs.n > 0)
         status = lf_maps_read(soup->maps, soup->n_maps, soup->said, used, out, err);
     else
         lf_maps_drop(soup->maps, soup->n_maps, soup->said, used, &out->warnings);
@@ -311,7 +312,7 @@ static welding begin_welding(const lf_soup *soup, const lf_mesh_desc *desc, bool
                  .mesh = out,
                  .normals = file || faces,
                  .faces = faces,
-                 .uvs = out->textures && soup->n_uvs > 0,
+                 .uvs = out->textures && soup->uvs.n > 0,
                  .colours = colours};
     w.key_size = w.colours ? sizeof(vertex_key) : w.uvs ? UV_SIZE : PLAIN_SIZE;
     w.wants_twins = smooth && (w.uvs || w.colours);
