@@ -18,7 +18,7 @@ typedef struct mtl {
     lf_soup *soup;
     const char *folder;
     unsigned choice; /* the material at hand */
-    bool in_material, has_opacity;
+    bool in_material, has_opacity, has_filter;
 } mtl;
 
 lf_status lf_mtl_find(lf_soup *soup, const char *name, unsigned *out, lf_error *err)
@@ -82,16 +82,17 @@ static void take_opacity(const char *at, bool reversed, mtl *m)
     m->has_opacity = m->has_opacity || !reversed;
     said->alpha = v > 0 && v < 1 ? v : 1;
     said->cover = said->alpha < 1 ? LF_COVER_BLEND : LF_COVER_OPAQUE;
-    said->lost &= ~(1u << LF_LOST_TRANSPARENCY);
-    lose(said, LF_LOST_TRANSPARENCY, v <= 0);
+    said->lost &= ~(1u << LF_LOST_TRANSPARENCY); /* of another line */
+    lose(said, LF_LOST_TRANSPARENCY, v <= 0 || m->has_filter);
 }
 
 /* Light that is let through whole is what a file says that has no word for opaque. */
-static void take_filter(const char *at, lf_said *said)
+static void take_filter(const char *at, mtl *m)
 {
     lf_vec3 c = lf_v3(1, 1, 1);
     (void)take_colour(at, &c);
-    lose(said, LF_LOST_TRANSPARENCY, c.x != 1 || c.y != 1 || c.z != 1);
+    m->has_filter = c.x != 1 || c.y != 1 || c.z != 1;
+    lose(&m->soup->said[m->choice], LF_LOST_TRANSPARENCY, m->has_filter);
 }
 
 /* glTF's model takes the place of Phong's; a roughness alone does not. */
@@ -250,7 +251,7 @@ static void take_key(mtl *m, const char *key, size_t n, const char *at)
     else if (lf_word_reads(key, n, "Tr"))
         take_opacity(at, true, m);
     else if (lf_word_reads(key, n, "Tf"))
-        take_filter(at, said);
+        take_filter(at, m);
     else if (lf_word_reads(key, n, "Pm"))
         take_metallic(at, said);
     else if (lf_word_reads(key, n, "Pr"))
@@ -274,7 +275,7 @@ static lf_status take_line(mtl *m, char *line, lf_error *err)
         if (status == LF_OK)
             m->soup->said[m->choice].is_missing = false;
         m->in_material = true;
-        m->has_opacity = false;
+        m->has_opacity = m->has_filter = false;
         return status;
     }
     if (!m->in_material || n == 0 || key[0] == '#')

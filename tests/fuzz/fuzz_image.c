@@ -1,10 +1,12 @@
-/* Any bytes as a picture, which quiltimport-picture reads: refused in words, or a picture within
- * the limits, of finite numbers where they are floats. */
+/* Any bytes as a picture, which quiltimport-picture reads, and quiltimport for surfaces: refused in
+ * words, or a picture within the limits, of finite numbers where they are floats. */
 #include "tests/fuzz/fuzz.h"
 
 #include <math.h>
 
+#include "base/alloc.h"
 #include "base/image_io.h"
+#include "base/image_rgba.h"
 
 static void check_shape(int width, int height, int channels)
 {
@@ -51,12 +53,30 @@ static void read32(int fd)
     lf_image32_finish(&picture);
 }
 
+static unsigned read_rgba(const uint8_t *data, size_t size)
+{
+    uint8_t *rgba = NULL;
+    int width = 0, height = 0;
+    lf_error err = {0};
+    unsigned sum = 0;
+    if (lf_image_rgba_decode(data, size, "fuzz", &rgba, &width, &height, &err) != LF_OK) {
+        check_refusal(&err);
+        return 0;
+    }
+    check_shape(width, height, 3);
+    for (size_t i = 0; i < 4 * (size_t)width * (size_t)height; i++)
+        sum += rgba[i];
+    lf_free(rgba);
+    return sum;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static volatile unsigned sum; /* every pixel is looked at */
     lf_image_kind kind;
     lf_error err = {0};
     int fd = lf_fuzz_file(data, size);
+    sum = read_rgba(data, size);
     if (lf_image_probe_open(fd, "fuzz", &kind, &err) != LF_OK) {
         check_refusal(&err);
     } else {

@@ -93,6 +93,17 @@ static void check_mesh(const lf_mesh_data *mesh)
         lf_fuzz_require(mesh->triangles[i] < (uint32_t)mesh->n_vertices);
     for (int i = 0; mesh->n_materials > 0 && i < mesh->n_triangles; i++)
         lf_fuzz_require(mesh->triangle_material[i] < mesh->n_materials);
+    for (int i = 0; i < 2 * mesh->n_vertices * mesh->n_uv_sets; i++)
+        lf_fuzz_require(fabsf(mesh->uvs[i]) <= LF_MAX_UV);
+    for (int i = 0; mesh->colours && i < 4 * mesh->n_vertices; i++)
+        lf_fuzz_require(mesh->colours[i] >= 0 && mesh->colours[i] <= 1);
+    for (int i = 0; mesh->textures && i < mesh->n_materials; i++)
+        for (int s = 0; s < LF_SLOTS; s++)
+            lf_fuzz_require(mesh->textures[i].slot[s].picture <= (uint32_t)mesh->n_pictures);
+    unsigned sum = 0;
+    for (int i = 0; i < mesh->n_pictures; i++)
+        sum += mesh->pictures[i].rgba[4 * mesh->pictures[i].width * mesh->pictures[i].height - 1];
+    lf_fuzz_require(sum <= 255u * (unsigned)mesh->n_pictures);
 }
 
 static void as_mesh(const char *path, bool materials)

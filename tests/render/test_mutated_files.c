@@ -119,6 +119,45 @@ static void spoiled_files_end_in_what_they_were_or_a_line(void **state)
     nothing_is_left();
 }
 
+/* The mesh is whole, and so it is shown; what is left of the picture is none, or some picture. */
+static void a_spoiled_picture_costs_a_mesh_its_picture_alone(void **state)
+{
+    static const struct {
+        const char *like, *name;
+    } kinds[] = {{"a_qs2x1a1.png", "t.png"}, {"a_qs2x1a1.jpg", "t.jpg"}};
+    const char *folder = *state;
+    int none = 0, some = 0;
+    lf_import_limit((uint64_t)512 << 20, 1);
+    lf_test_write(folder, "t.obj",
+                  "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl x\n"
+                  "f 1/1 2/2 3/3\n");
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        char text[64];
+        const lf_spoiled_kind *kind = lf_spoiled_kinds;
+        while (strcmp(kind->name, kinds[k].like) != 0)
+            kind++;
+        lf_bytes whole = kind->make();
+        snprintf(text, sizeof text, "newmtl x\nKd 1 1 1\nmap_Kd %s\n", kinds[k].name);
+        lf_test_write(folder, "t.mtl", text);
+        for (int i = 0; i < CUTS + EDITS; i++) {
+            lf_mesh_desc desc = {
+                .name = "m", .file = "t.obj", .material = -1, .transform = lf_affine_identity()};
+            lf_mesh_data data = {0};
+            lf_error err;
+            lf_spoil(&whole, i, CUTS, lf_test_path(folder, kinds[k].name));
+            lf_assert_ok(lf_mesh_import(&desc, folder, NULL, &data, &err), &err);
+            none += data.n_pictures == 0;
+            some += data.n_pictures == 1;
+            assert_true((data.n_pictures == 0) == !!lf_warnings_at(&data.warnings, 0));
+            lf_mesh_data_finish(&data);
+        }
+        free(whole.data);
+    }
+    assert_true(none > 0 && some > 0);
+    lf_import_limit(0, LF_IMPORT_SECONDS);
+    nothing_is_left();
+}
+
 static void a_spoiled_volume_of_somebody_elses_does_too(void **state)
 {
     static const lf_spoiled_kind kind = {"b.vdb", "b.vdb", LF_SPOILED_GRID, NULL};
@@ -137,6 +176,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(spoiled_files_end_in_what_they_were_or_a_line),
+        cmocka_unit_test(a_spoiled_picture_costs_a_mesh_its_picture_alone),
         cmocka_unit_test(a_spoiled_volume_of_somebody_elses_does_too),
     };
     return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);

@@ -325,7 +325,8 @@ static void opacity_is_said_in_two_ways(void **state)
                  {"d -halo 0.5\n", 0.5f, false},
                  {"Tr 1\n", 1, true},
                  {"d 0\n", 1, true},
-                 {"d nan\n", 1, false}};
+                 {"d nan\n", 1, false},
+                 {"Tf 0.5 1 1\nd 0.5\n", 0.5f, true}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[256];
         snprintf(text, sizeof text, "newmtl x\n%s", cases[i].lines);
