@@ -8,6 +8,7 @@
 #define MOST_ELEMENTS (3 * (uint64_t)LF_MAX_TRIANGLES)
 /* Nothing in a file stands for zeros, so there may not be many. */
 #define MOST_ZEROS ((uint64_t)1 << 22)
+#define FEW_ZEROS 65536
 
 static size_t size_of(lf_gltf_type type)
 {
@@ -51,6 +52,10 @@ static lf_status find_elements(lf_gltf *gltf, const json_t *place, uint64_t acce
         return status;
     size_t stride = strided && view.stride > 0 ? view.stride : each;
     uint64_t end = offset + (count - 1) * (uint64_t)stride + each;
+    if (stride < each)
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "accessors[%llu]: elements of %zu bytes, %zu bytes apart",
+                            (unsigned long long)accessor, each, stride);
     if (end > view.size)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
                             "cannot be read as a mesh: accessors[%llu] ends after %llu bytes, "
@@ -163,13 +168,9 @@ lf_status lf_gltf_accessor_open(lf_gltf *gltf, uint64_t number, lf_gltf_accessor
     return status;
 }
 
-lf_gltf_accessor lf_gltf_accessor_of(const float *values, size_t count, unsigned components)
+bool lf_gltf_is_there(const lf_gltf_accessor *accessor)
 {
-    return (lf_gltf_accessor){.count = count,
-                              .components = components,
-                              .type = LF_GLTF_FLOAT,
-                              .stride = components * sizeof *values,
-                              .data = (const unsigned char *)values};
+    return accessor->data || accessor->count <= FEW_ZEROS;
 }
 
 /* ---------------------------------------------------------------------------------- one element --

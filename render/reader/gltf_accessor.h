@@ -32,8 +32,9 @@ typedef struct lf_gltf_accessor {
  */
 LF_NODISCARD lf_status lf_gltf_accessor_open(lf_gltf *gltf, uint64_t number, lf_gltf_accessor *out,
                                              lf_error *err);
-/* One of floats that lie in memory, components each. */
-lf_gltf_accessor lf_gltf_accessor_of(const float *values, size_t count, unsigned components);
+/* Whether its elements lie in the file, or are so few that it does not matter: what a mesh is made
+ * of must, so that no small file makes a large mesh of nothing. */
+bool lf_gltf_is_there(const lf_gltf_accessor *accessor);
 
 /* The components of an element that is there; those beyond n are left out, those that it has not
  * stay as they are. */

@@ -223,7 +223,7 @@ lf_status lf_gltf_view_open(lf_gltf *gltf, uint64_t number, lf_gltf_view *out, l
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
                             "bufferViews[%llu] is not there, but %zu are",
                             (unsigned long long)number, gltf->n_views);
-    if (found.stride > 0 && (found.stride < 1 || found.stride > 65536))
+    if (found.stride > 65536)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "bufferViews[%llu]: a byteStride of %zu",
                             (unsigned long long)number, found.stride);
     if (compressed) {

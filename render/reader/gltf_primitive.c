@@ -76,6 +76,15 @@ static lf_status check_indices(const lf_gltf_primitive *p, const char *place, lf
     return LF_OK;
 }
 
+static lf_status check_there(const lf_gltf_primitive *p, const char *place, lf_error *err)
+{
+    if (lf_gltf_is_there(&p->position) && lf_gltf_is_there(&p->indices))
+        return LF_OK;
+    return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                        "%s: %zu positions, %zu indices, some without a bufferView", place,
+                        p->position.count, p->indices.count);
+}
+
 static lf_status open_targets(lf_gltf *gltf, const json_t *json, lf_gltf_primitive *p,
                               const char *place, lf_error *err)
 {
@@ -143,6 +152,8 @@ static lf_status open_primitive(lf_gltf *gltf, const json_t *json, lf_gltf_primi
     if (p->indices.count == 0 && json_object_get(json, "indices"))
         status = lf_gltf_accessor_open(gltf, lf_gltf_whole(json, "indices", LF_GLTF_NONE),
                                        &p->indices, err);
+    if (status == LF_OK)
+        status = check_there(p, place, err);
     if (status == LF_OK && p->indices.count > 0)
         status = check_indices(p, place, err);
     count_elements(p);

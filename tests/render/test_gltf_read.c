@@ -465,6 +465,9 @@ static void what_points_beyond_is_refused_in_words(void **state)
     gltf_accessor(&text, 7, 5126, 3, "VEC3", "");
     gltf_accessor(&text, 0, 5126, 2, "VEC3", "");
     gltf_accessor(&text, -1, 5126, 5000000, "VEC3", "");
+    gltf_accessor(&text, -1, 5126, 70000, "VEC3", "");
+    gltf_accessor(&text, gltf_view(&text, corner3, sizeof corner3, ",'byteStride':4"), 5126, 3,
+                  "VEC3", "");
     static const struct {
         const char *primitive, *words;
     } cases[] = {
@@ -476,6 +479,8 @@ static void what_points_beyond_is_refused_in_words(void **state)
         {"'attributes':{'POSITION':0,'NORMAL':4}", "NORMAL of 2 elements"},
         {"'attributes':{'POSITION':0,'TEXCOORD_0':0}", "TEXCOORD_0 of 3 components; expected 2"},
         {"'attributes':{'POSITION':5}", "5000000 elements without a bufferView"},
+        {"'attributes':{'POSITION':6}", "70000 positions, 0 indices, some without a bufferView"},
+        {"'attributes':{'POSITION':7}", "elements of 12 bytes, 4 bytes apart"},
         {"'attributes':{'POSITION':0},'material':0", "material 0 is not there"},
         {"'attributes':{'POSITION':0},'mode':7", "no such mode"},
         {"'attributes':{}", "no triangles"}};
