@@ -1,7 +1,6 @@
-/* Assimp's materials made into ours, and what of them is lost on the way. */
+/* Assimp's materials (3DS: Phong's model) made into ours, and what of them is lost on the way. */
 #include "render/reader/assimp_material.h"
 
-#include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
 #include <assimp/scene.h>
 #include <stdio.h>
@@ -38,14 +37,9 @@ static bool get_float(const struct aiMaterial *m, const char *key, unsigned type
 static lf_vec3 get_emission(const struct aiMaterial *m)
 {
     struct aiColor4D c;
-    float strength = 1.0f;
-    get_float(m, AI_MATKEY_EMISSIVE_INTENSITY, &strength);
     if (aiGetMaterialColor(m, AI_MATKEY_COLOR_EMISSIVE, &c) != aiReturn_SUCCESS)
         return lf_v3(0, 0, 0);
-    float e[3] = {c.r * strength, c.g * strength, c.b * strength};
-    for (int i = 0; i < 3; i++)
-        e[i] = e[i] > 0.0f ? fminf(e[i], (float)LF_MAX_RADIANCE) : 0.0f;
-    return lf_v3(e[0], e[1], e[2]);
+    return lf_v3(c.r, c.g, c.b);
 }
 
 static bool has_texture(const struct aiMaterial *m, enum aiTextureType type)
@@ -79,95 +73,37 @@ static bool is_white(const struct aiMaterial *m, const char *key, unsigned type,
     return get_colour(m, key, type, index, &c) && c.x == 1.0f && c.y == 1.0f && c.z == 1.0f;
 }
 
-/* What Assimp makes up for meshes without a material: by a name of its own (3DS), or
- * nameless, with glTF's defaults or all white. A nameless material of a file that says
- * anything is none of these. */
+/* What Assimp makes up for meshes without a material: by a name of its own, or nameless and all
+ * white. */
 static bool is_made_up(const struct aiMaterial *m)
 {
     struct aiString name;
-    float metallic, roughness;
     get_name(m, &name);
     if (name.length > 0)
         return strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0;
-    if (has_textures(m) || lf_max3(get_emission(m)) > 0.0f)
-        return false;
-    if (get_float(m, AI_MATKEY_METALLIC_FACTOR, &metallic))
-        return metallic == 1.0f && get_float(m, AI_MATKEY_ROUGHNESS_FACTOR, &roughness) &&
-               roughness == 1.0f && is_white(m, AI_MATKEY_BASE_COLOR);
-    return is_white(m, AI_MATKEY_COLOR_DIFFUSE) && is_white(m, AI_MATKEY_COLOR_SPECULAR) &&
+    return !has_textures(m) && !(lf_max3(get_emission(m)) > 0.0f) &&
+           is_white(m, AI_MATKEY_COLOR_DIFFUSE) && is_white(m, AI_MATKEY_COLOR_SPECULAR) &&
            is_white(m, AI_MATKEY_COLOR_AMBIENT);
 }
 
 /* ------------------------------------------------------------------------------ what is lost -- */
 
-static bool exceeds(const struct aiMaterial *m, const char *key, unsigned type, unsigned index,
-                    float least)
-{
-    float v;
-    return get_float(m, key, type, index, &v) && v > least;
-}
-
 static bool is_transparent(const struct aiMaterial *m)
 {
-    struct aiString mode = {0};
     struct aiColor4D filter;
     float opacity;
-    aiGetMaterialString(m, AI_MATKEY_GLTF_ALPHAMODE, &mode);
     return (get_float(m, AI_MATKEY_OPACITY, &opacity) && opacity < 1.0f) ||
-           exceeds(m, AI_MATKEY_TRANSMISSION_FACTOR, 0.0f) ||
-           has_texture(m, aiTextureType_OPACITY) || has_texture(m, aiTextureType_TRANSMISSION) ||
+           has_texture(m, aiTextureType_OPACITY) ||
            (aiGetMaterialColor(m, AI_MATKEY_COLOR_TRANSPARENT, &filter) == aiReturn_SUCCESS &&
-            !(filter.r == 1.0f && filter.g == 1.0f && filter.b == 1.0f)) ||
-           (mode.length > 0 && strcmp(mode.data, "OPAQUE") != 0 &&
-            has_texture(m, aiTextureType_DIFFUSE));
+            !(filter.r == 1.0f && filter.g == 1.0f && filter.b == 1.0f));
 }
 
-static bool has_coat(const struct aiMaterial *m)
+static unsigned losses(const struct aiMaterial *m)
 {
-    return exceeds(m, AI_MATKEY_CLEARCOAT_FACTOR, 0.0f);
+    return (has_textures(m) ? 1u << LF_LOST_TEXTURES : 0) |
+           (glows_by_texture(m) ? 1u << LF_LOST_GLOW : 0) |
+           (is_transparent(m) ? 1u << LF_LOST_TRANSPARENCY : 0);
 }
-
-static bool has_sheen(const struct aiMaterial *m)
-{
-    lf_vec3 sheen;
-    return get_colour(m, AI_MATKEY_SHEEN_COLOR_FACTOR, &sheen) && lf_max3(sheen) > 0.0f;
-}
-
-static bool has_thickness(const struct aiMaterial *m)
-{
-    return exceeds(m, AI_MATKEY_VOLUME_THICKNESS_FACTOR, 0.0f);
-}
-
-static bool is_brushed(const struct aiMaterial *m)
-{
-    return exceeds(m, AI_MATKEY_ANISOTROPY_FACTOR, 0.0f);
-}
-
-static bool has_specular_model(const struct aiMaterial *m)
-{
-    float v;
-    return get_float(m, AI_MATKEY_GLOSSINESS_FACTOR, &v) ||
-           (get_float(m, AI_MATKEY_SPECULAR_FACTOR, &v) && v != 1.0f);
-}
-
-static bool is_unlit(const struct aiMaterial *m)
-{
-    int model = 0;
-    return aiGetMaterialIntegerArray(m, AI_MATKEY_SHADING_MODEL, &model, NULL) ==
-               aiReturn_SUCCESS &&
-           model == aiShadingMode_Unlit;
-}
-
-static bool (*const losses[LF_LOST_KINDS])(const struct aiMaterial *m) = {
-    [LF_LOST_TEXTURES] = has_textures,
-    [LF_LOST_GLOW] = glows_by_texture,
-    [LF_LOST_TRANSPARENCY] = is_transparent,
-    [LF_LOST_COAT] = has_coat,
-    [LF_LOST_SHEEN] = has_sheen,
-    [LF_LOST_THICKNESS] = has_thickness,
-    [LF_LOST_BRUSHED] = is_brushed,
-    [LF_LOST_SPECULAR] = has_specular_model,
-    [LF_LOST_UNLIT] = is_unlit};
 
 /* ---------------------------------------------------------------------------------------- all --
  */
@@ -180,17 +116,10 @@ static lf_said said_of(const struct aiMaterial *m)
     said.is_none = is_made_up(m);
     said.emission = get_emission(m);
     get_float(m, AI_MATKEY_REFRACTI, &said.ior);
-    said.is_metallic = get_float(m, AI_MATKEY_METALLIC_FACTOR, &said.metallic);
-    if (said.is_metallic) {
-        get_colour(m, AI_MATKEY_BASE_COLOR, &said.diffuse);
-        get_float(m, AI_MATKEY_ROUGHNESS_FACTOR, &said.roughness);
-    } else {
-        get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &said.diffuse);
-        get_colour(m, AI_MATKEY_COLOR_SPECULAR, &said.highlight);
-        get_float(m, AI_MATKEY_SHININESS, &said.exponent);
-    }
-    for (int kind = 0; kind < LF_LOST_KINDS; kind++)
-        said.lost |= losses[kind] && losses[kind](m) ? 1u << kind : 0;
+    get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &said.diffuse);
+    get_colour(m, AI_MATKEY_COLOR_SPECULAR, &said.highlight);
+    get_float(m, AI_MATKEY_SHININESS, &said.exponent);
+    said.lost = losses(m);
     return said;
 }
 

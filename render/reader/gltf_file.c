@@ -64,9 +64,22 @@ static uint64_t object_at(int fd, uint64_t size)
     return at < n && begin[at] == '{' ? (uint64_t)at : size;
 }
 
+static lf_status no_json(const json_error_t *wrong, lf_error *err)
+{
+    if (wrong->text[0] && json_error_code(wrong) == json_error_out_of_memory)
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+    if (wrong->text[0])
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "cannot be read as a mesh: line %d of its JSON: %s", wrong->line,
+                            wrong->text);
+    return lf_error_set(
+        err, LF_E_FORMAT, LF_HERE,
+        "cannot be read as a mesh: neither JSON that is an object nor GLB with some");
+}
+
 static lf_status load_json(lf_gltf *gltf, lf_error *err)
 {
-    json_error_t wrong = {.line = 1, .text = "neither GLB nor a JSON object"};
+    json_error_t wrong = {.text = ""};
     char *text = malloc((size_t)gltf->length + 1);
     if (!text)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
@@ -75,11 +88,7 @@ static lf_status load_json(lf_gltf *gltf, lf_error *err)
         gltf->json = json_loadb(text, (size_t)gltf->length,
                                 JSON_DISABLE_EOF_CHECK | JSON_DECODE_INT_AS_REAL, &wrong);
     free(text);
-    if (json_is_object(gltf->json))
-        return LF_OK;
-    return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                        "cannot be read as a mesh: line %d of its JSON: %s", wrong.line,
-                        wrong.text);
+    return json_is_object(gltf->json) ? LF_OK : no_json(&wrong, err);
 }
 
 /* ------------------------------------------------------------------------------ what it requires

@@ -13,6 +13,12 @@ uint64_t lf_gltf_whole(const json_t *object, const char *key, uint64_t unsaid)
     return number < 0x1p53 ? (uint64_t)number : UINT64_C(1) << 53;
 }
 
+uint32_t lf_gltf_index(const json_t *object, const char *key)
+{
+    uint64_t number = lf_gltf_whole(object, key, LF_GLTF_NONE);
+    return number < LF_GLTF_NONE ? (uint32_t)number : LF_GLTF_NONE;
+}
+
 float lf_gltf_number(const json_t *object, const char *key, float unsaid)
 {
     const json_t *value = json_object_get(object, key);

@@ -13,6 +13,8 @@
 
 /* A whole number that is not negative; unsaid where there is none. Beyond 2^53: 2^53. */
 uint64_t lf_gltf_whole(const json_t *object, const char *key, uint64_t unsaid);
+/* One that may be the place of something; LF_GLTF_NONE where there is none, or it is larger. */
+uint32_t lf_gltf_index(const json_t *object, const char *key);
 /* A number that is finite as a float. */
 float lf_gltf_number(const json_t *object, const char *key, float unsaid);
 /* As many numbers as there are in an array of exactly n; else *out stays as it is. */

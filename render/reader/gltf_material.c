@@ -165,25 +165,6 @@ static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_said *sai
     said->ior = 1.5f;
 }
 
-/* Emission alone, whatever light there is; where vertices have colours, which only a surface that
- * is lit can show, it is lit. */
-static void take_unlit(bool coloured, lf_said *said)
-{
-    said->metallic = 0;
-    said->specular = 0;
-    if (coloured) {
-        lose(said, LF_LOST_UNLIT, true);
-        return;
-    }
-    said->is_metallic = false;
-    said->emission = said->diffuse;
-    said->diffuse = lf_v3(0, 0, 0);
-    said->textures.slot[LF_SLOT_EMISSION] = said->textures.slot[LF_SLOT_BASE];
-    if (said->cover == LF_COVER_OPAQUE)
-        said->textures.slot[LF_SLOT_BASE] = (lf_texture){0};
-    lose(said, LF_LOST_GLOW, said->lost & 1u << LF_LOST_TEXTURES);
-}
-
 /* -------------------------------------------------------------------------------- what is lost --
  */
 
@@ -256,7 +237,7 @@ static bool says_nothing(const json_t *json)
     return !said;
 }
 
-lf_said lf_gltf_said(const lf_gltf *gltf, uint32_t number, bool coloured, float scale)
+lf_said lf_gltf_said(const lf_gltf *gltf, uint32_t number, float scale)
 {
     const json_t *json = lf_gltf_element(gltf->json, "materials", number),
                  *old = lf_gltf_extension(json, "KHR_materials_pbrSpecularGlossiness");
@@ -273,8 +254,25 @@ lf_said lf_gltf_said(const lf_gltf *gltf, uint32_t number, bool coloured, float 
     take_coat_and_sheen(json, &said);
     take_volume(json, scale, &said);
     take_texture(gltf, json, "normalTexture", LF_SLOT_NORMAL, LF_LOST_TEXTURES, &said);
-    if (lf_gltf_extension(json, "KHR_materials_unlit"))
-        take_unlit(coloured, &said);
     lose_extensions(json, &said);
     return said;
+}
+
+void lf_gltf_unlight(const lf_gltf *gltf, uint32_t number, bool coloured, lf_said *said)
+{
+    if (!lf_gltf_extension(lf_gltf_element(gltf->json, "materials", number), "KHR_materials_unlit"))
+        return;
+    said->metallic = 0;
+    said->specular = 0;
+    if (coloured || said->lost & 1u << LF_LOST_TEXTURES) {
+        lose(said, LF_LOST_UNLIT, true);
+        return;
+    }
+    said->is_metallic = false;
+    said->emission = said->diffuse;
+    said->diffuse = lf_v3(0, 0, 0);
+    said->textures.slot[LF_SLOT_EMISSION] = said->textures.slot[LF_SLOT_BASE];
+    if (said->cover == LF_COVER_OPAQUE)
+        said->textures.slot[LF_SLOT_BASE] = (lf_texture){0};
+    said->lost &= ~(1u << LF_LOST_GLOW);
 }

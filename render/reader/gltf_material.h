@@ -6,10 +6,12 @@
 #include "render/reader/gltf_file.h"
 #include "render/reader/said.h"
 
-/* materials[number]; scale: scene units in one of the file's. coloured: vertices have colours of
- * their own where it is used. In textures' slots, `picture` is 1 + the number of an image of the
- * file until lf_gltf_pictures. NULL in name: no memory. */
-lf_said lf_gltf_said(const lf_gltf *gltf, uint32_t number, bool coloured, float scale);
+/* materials[number]; scale: scene units in one of the file's. In textures' slots, `picture` is 1 +
+ * the number of an image of the file until lf_gltf_pictures. NULL in name: no memory. */
+lf_said lf_gltf_said(const lf_gltf *gltf, uint32_t number, float scale);
+/* Once its pictures are there: what is unlit emits its colour, unless that is not known or vertices
+ * have colours of their own (coloured), which only what is lit can show. */
+void lf_gltf_unlight(const lf_gltf *gltf, uint32_t number, bool coloured, lf_said *said);
 
 /* A texture that an object names by a key, or none (also where its picture is of no kind that can
  * be read: *out_lost then). */

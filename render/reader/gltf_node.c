@@ -18,8 +18,8 @@ static lf_gltf_node node_of(const json_t *json)
     double m[16];
     lf_gltf_node node = {.pose = LF_GLTF_AT_REST,
                          .parent = LF_GLTF_NONE,
-                         .mesh = (uint32_t)lf_gltf_whole(json, "mesh", LF_GLTF_NONE),
-                         .skin = (uint32_t)lf_gltf_whole(json, "skin", LF_GLTF_NONE)};
+                         .mesh = lf_gltf_index(json, "mesh"),
+                         .skin = lf_gltf_index(json, "skin")};
     take_floats(json, "translation", 3, node.pose.translation);
     take_floats(json, "rotation", 4, node.pose.rotation);
     take_floats(json, "scale", 3, node.pose.scale);

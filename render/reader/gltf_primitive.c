@@ -137,7 +137,7 @@ static lf_status open_primitive(lf_gltf *gltf, const json_t *json, lf_gltf_primi
 {
     lf_status status = LF_OK;
     p->mode = (unsigned)lf_gltf_whole(json, "mode", TRIANGLES);
-    p->material = (uint32_t)lf_gltf_whole(json, "material", LF_GLTF_NONE);
+    p->material = lf_gltf_index(json, "material");
     if (p->mode >= MODES)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%s: no such mode; expected 0 to 6", place);
     if (p->material != LF_GLTF_NONE && p->material >= lf_gltf_count(gltf->json, "materials"))

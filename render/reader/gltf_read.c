@@ -102,13 +102,14 @@ static lf_status make_materials(reading *r, lf_error *err)
         return no_memory(err);
     r->n_said = n;
     for (size_t i = 0; i < n; i++) {
-        r->said[i] = i < r->build.n_materials
-                         ? lf_gltf_said(&r->gltf, (uint32_t)i, r->coloured[i], scale)
-                         : made_up(i == r->build.plain_white);
+        r->said[i] = i < r->build.n_materials ? lf_gltf_said(&r->gltf, (uint32_t)i, scale)
+                                              : made_up(i == r->build.plain_white);
         if (!r->said[i].name)
             return no_memory(err);
     }
     lf_status status = lf_gltf_pictures(&r->gltf, r->said, n, r->used, out, err);
+    for (size_t i = 0; i < n && i < r->build.n_materials; i++)
+        lf_gltf_unlight(&r->gltf, (uint32_t)i, r->coloured[i], &r->said[i]);
     return status == LF_OK ? lf_said_convert(r->said, n, r->used, out, err) : status;
 }
 

@@ -153,9 +153,7 @@ static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_TRANSPARENCY] = "transparency is left out: opaque",
     [LF_LOST_COAT] = "the clear coat is left out",
     [LF_LOST_SHEEN] = "the sheen is left out",
-    [LF_LOST_THICKNESS] = "the volume inside is left out",
     [LF_LOST_BRUSHED] = "anisotropy is left out",
-    [LF_LOST_SPECULAR] = "specular factors are left out",
     [LF_LOST_UNLIT] = "unlit is not possible: lit as others are",
     [LF_LOST_MORE_TEXTURES] = "textures of coats, sheen, highlights, and what light goes through "
                               "are not read, the factors beside them alone count",

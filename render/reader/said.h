@@ -13,9 +13,7 @@ typedef enum lf_lost {
     LF_LOST_TRANSPARENCY,
     LF_LOST_COAT,
     LF_LOST_SHEEN,
-    LF_LOST_THICKNESS,
     LF_LOST_BRUSHED,
-    LF_LOST_SPECULAR,
     LF_LOST_UNLIT,
     LF_LOST_MORE_TEXTURES, /* of what has no slot */
     LF_LOST_OCCLUSION,

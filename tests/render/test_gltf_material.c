@@ -164,6 +164,14 @@ static void what_is_unlit_emits_its_colour(void **state)
     assert_int_equal(data.textures[0].slot[LF_SLOT_EMISSION].picture, 1);
     assert_int_equal(data.textures[0].slot[LF_SLOT_BASE].picture, 0);
     lf_mesh_data_finish(&data);
+    data = read_material(/* neither black nor white where its picture is not to be had */
+                         "'pbrMetallicRoughness':{'baseColorFactor':[0.5,0.25,0,1],"
+                         "'baseColorTexture':{'index':1}},'extensions':{'KHR_materials_unlit':{}}",
+                         "");
+    assert_vec(data.materials[0].albedo, 0.5, 0.25, 0);
+    assert_vec(data.materials[0].emission, 0, 0, 0);
+    assert_true(gltf_warns(&data, "unlit is not possible"));
+    lf_mesh_data_finish(&data);
 }
 
 /* ------------------------------------------------------------------------------------- textures --
