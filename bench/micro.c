@@ -177,8 +177,8 @@ static lf_status prepare(bench *b, lf_error *err)
     b->lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     lf_rig_row_plane(rig, 0.5f * (float)rig->height, (float[2]){0.5f, 0.5f}, &b->plane);
     const float phase[2] = {0.5f, 0.5f};
-    lf_media_cut(&b->worker->media, &b->rows->frame, b->renderer->scene, rig, &b->plane, phase,
-                 lf_kernels_get(), &b->worker->tracer.lookups);
+    lf_media_cut(&b->worker->media, &b->rows->frame, b->renderer->scene->volumes, rig, &b->plane,
+                 phase, lf_kernels_get(), &b->worker->tracer.lookups);
     draw_fans(b);
     if (b->n_fans < N_FANS)
         return lf_error_set(

@@ -14,6 +14,7 @@
 #include "render/load/vdb_import.h"
 #include "render/scene/grid.h"
 #include "render/scene/vec_double.h"
+#include "render/transport/flame.h"
 #include "render/transport/light_kind.h"
 #include "render/transport/surface.h"
 
@@ -53,6 +54,11 @@ static lf_grid *find_grid(const lf_scene *scene, const char *key)
 {
     for (int i = 0; scene && i < scene->n_volumes; i++) {
         lf_grid *grid = scene->volumes[i].grid;
+        if (grid && strcmp(grid->key, key) == 0)
+            return lf_grid_ref(grid);
+    }
+    for (int i = 0; scene && i < scene->n_flames; i++) {
+        lf_grid *grid = scene->flames[i].grid;
         if (grid && strcmp(grid->key, key) == 0)
             return lf_grid_ref(grid);
     }
@@ -96,7 +102,10 @@ static lf_status share_or_import(const commit *c, int fd, const char *path, cons
     return status;
 }
 
-static void load_grid(const commit *c, const lf_volume_desc *desc, lf_volume *volume)
+/* One grid of a volume's file; lacks: what it means when it is empty; key: of the file where it is
+ * named. */
+static void load_grid(const commit *c, const lf_volume_desc *desc, const char *name,
+                      const char *lacks, const char *key, lf_grid **out)
 {
     lf_error err = {0};
     int fd = -1;
@@ -107,24 +116,48 @@ static void load_grid(const commit *c, const lf_volume_desc *desc, lf_volume *vo
     }
     lf_status status = lf_file_open(path, c->roots, LF_VDB_MAX_BYTES, &fd, NULL, &err);
     if (status == LF_OK)
-        status = share_or_import(c, fd, path, desc->grid, &volume->grid, &err);
+        status = share_or_import(c, fd, path, name, out, &err);
     if (status != LF_OK)
-        fail_at(c, "volumes", desc->name, "file", &err);
-    else if (volume->grid->n_bricks == 0)
-        lf_warnings_add(&c->scene->warnings, path,
-                        "grid %s is empty: the volume \"%s\" is not there", desc->grid, desc->name);
+        fail_at(c, "volumes", desc->name, key, &err);
+    else if ((*out)->n_bricks == 0)
+        lf_warnings_add(&c->scene->warnings, path, "grid %s is empty: the volume \"%s\" %s", name,
+                        desc->name, lacks);
     if (fd >= 0)
         close(fd);
     lf_free(path);
 }
 
-static void fail_too_dense(const commit *c, const lf_volume_desc *desc, float sigma)
+static void fail_too_much(const commit *c, const lf_volume_desc *desc, const char *key, double most)
 {
     lf_error err;
     (void)lf_error_set(&err, LF_E_FORMAT, desc->name,
-                       "the grid's largest value times this is %g; at most %g is possible",
-                       (double)sigma, (double)MOST_SIGMA);
-    fail_at(c, "volumes", desc->name, "scale", &err);
+                       "the grid's largest value makes %g of this; at most %g is possible", most,
+                       (double)MOST_SIGMA);
+    fail_at(c, "volumes", desc->name, key, &err);
+}
+
+/* What volume number i emits, if it does. */
+static void load_flame(const commit *c, int i)
+{
+    lf_scene *scene = c->scene;
+    const lf_volume_desc *desc = &c->desc->volumes[i];
+    if (!desc->has_flame)
+        return;
+    lf_flame_light *light = &scene->flame_lights[scene->n_flames];
+    lf_volume *flame = &scene->flames[scene->n_flames++];
+    *flame = (lf_volume){.kind = desc->kind, .nearest = desc->nearest};
+    flame->sigma_scale = flame->sigma_max = 1.0f;
+    if (desc->kind == LF_VOLUME_GRID)
+        load_grid(c, desc, desc->flame_grid, "does not glow", "emission", &flame->grid);
+    if (flame->grid)
+        flame->sigma_max = flame->grid->max_value;
+    light->volume = i;
+    double most =
+        lf_flame_light_init(light, lf_to_vec3(desc->flame), desc->kelvin, (double)flame->sigma_max);
+    if (!(most <= (double)MOST_SIGMA))
+        fail_too_much(c, desc, "emission", most);
+    if (!(most > 0.0))
+        flame->sigma_max = 0.0f;
 }
 
 /* Loads all grids; volumes get what does not depend on the scene's origin. */
@@ -132,7 +165,9 @@ static void load_volumes(commit *c)
 {
     lf_scene *scene = c->scene;
     scene->volumes = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->volumes);
-    if (!scene->volumes)
+    scene->flames = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->flames);
+    scene->flame_lights = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->flame_lights);
+    if (!scene->volumes || !scene->flames || !scene->flame_lights)
         out_of_memory(c);
     for (int i = 0; i < c->desc->n_volumes && c->reader->status == LF_OK; i++) {
         const lf_volume_desc *desc = &c->desc->volumes[i];
@@ -141,13 +176,14 @@ static void load_volumes(commit *c)
         volume->sigma_scale = (float)desc->scale;
         volume->sigma_max = (float)desc->scale;
         volume->albedo = lf_to_vec3(desc->albedo);
-        if (desc->kind != LF_VOLUME_GRID)
-            continue;
-        load_grid(c, desc, volume);
+        if (desc->kind == LF_VOLUME_GRID)
+            load_grid(c, desc, desc->grid, "is not there", "file", &volume->grid);
         if (volume->grid)
             volume->sigma_max = volume->sigma_scale * volume->grid->max_value;
         if (!(volume->sigma_max <= MOST_SIGMA))
-            fail_too_dense(c, desc, volume->sigma_max);
+            fail_too_much(c, desc, "scale", (double)volume->sigma_max);
+        if (c->reader->status == LF_OK)
+            load_flame(c, i);
     }
 }
 
@@ -245,6 +281,14 @@ static void place_volume(const commit *c, lf_volume *volume, const lf_volume_des
         volume->voxel = (float)shortest_edge(&map);
         volume->slice_cell = slice_cell(volume);
     }
+}
+
+/* Values are no depths: voxels are all that there is to resolve. */
+static void place_flame(const commit *c, int i)
+{
+    lf_volume *flame = &c->scene->flames[i];
+    place_volume(c, flame, &c->desc->volumes[c->scene->flame_lights[i].volume]);
+    flame->slice_cell = flame->voxel;
 }
 
 /* ------------------------------------------------------------------------------------ meshes -- */
@@ -350,6 +394,12 @@ static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_
         lf_affine map = volume_to_world(&c->scene->volumes[i], &c->desc->volumes[i]);
         if (is_there(&c->scene->volumes[i]))
             extend_by_volume(&c->scene->volumes[i], &map, bounds);
+    }
+    for (int i = 0; i < c->scene->n_flames; i++) {
+        const lf_volume *flame = &c->scene->flames[i];
+        lf_affine map = volume_to_world(flame, &c->desc->volumes[c->scene->flame_lights[i].volume]);
+        if (is_there(flame))
+            extend_by_volume(flame, &map, bounds);
     }
     for (int i = 0; i < c->desc->n_meshes && !geometry; i++)
         extend_by_data(bounds, &data[i]);
@@ -536,7 +586,17 @@ static bool is_unlit(const lf_scene *scene)
         if (lf_max3(light->radiance) > 0.0f || light->kind->power(light, 1.0) > 0.0)
             return false;
     }
-    return true;
+    bool glows = false;
+    for (int i = 0; i < scene->n_flames; i++)
+        glows = glows || is_there(&scene->flames[i]);
+    return !glows;
+}
+
+static bool is_named(const char *grid, const char *name, size_t length)
+{
+    size_t n = grid ? strlen(grid) : SIZE_MAX;
+    bool first = n + 3 == length && strncmp(name + n, "[0]", 3) == 0;
+    return (n == length || first) && strncmp(grid, name, n) == 0;
 }
 
 /* name: `length` bytes. A plain name means the first grid of that name. */
@@ -545,9 +605,8 @@ static bool is_grid_used(const lf_scene_desc *desc, const char *file, const char
 {
     for (int i = 0; i < desc->n_volumes; i++) {
         const lf_volume_desc *v = &desc->volumes[i];
-        size_t n = v->file && strcmp(v->file, file) == 0 ? strlen(v->grid) : SIZE_MAX;
-        bool first = n + 3 == length && strncmp(name + n, "[0]", 3) == 0;
-        if ((n == length || first) && strncmp(v->grid, name, n) == 0)
+        if (v->file && strcmp(v->file, file) == 0 &&
+            (is_named(v->grid, name, length) || is_named(v->flame_grid, name, length)))
             return true;
     }
     return false;
@@ -624,6 +683,8 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         return;
     for (int i = 0; i < scene->n_volumes; i++)
         place_volume(&c, &scene->volumes[i], &desc->volumes[i]);
+    for (int i = 0; i < scene->n_flames; i++)
+        place_flame(&c, i);
     place_meshes(&c);
     set_bounds(&c);
     load_lights(&c);

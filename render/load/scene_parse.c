@@ -218,10 +218,27 @@ static void parse_members(lf_reader *reader, const lf_node *root, const char *na
 
 /* ----------------------------------------------------------------------------------- volumes -- */
 
+/* What a grid emits: "emission" is an object. */
+static void parse_flame(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
+{
+    static const char *const keys[] = {"grid", "scale", "colour", "kelvin", NULL};
+    lf_node emission = lf_node_child(node, "emission");
+    double colour[3] = {1, 1, 1};
+    volume->has_flame = lf_read_object(reader, &emission, keys);
+    if (!volume->has_flame)
+        return;
+    volume->flame_grid = lf_read_string(reader, &emission, "grid", "temperature", 256);
+    volume->kelvin = lf_read_number(reader, &emission, "kelvin", 0, 0, LF_MAX_KELVIN);
+    lf_read_colour(reader, &emission, "colour", colour, 0, LF_MAX_RADIANCE);
+    double scale = lf_read_number(reader, &emission, "scale", 1, 0, LF_MAX_RADIANCE);
+    for (int i = 0; i < 3; i++)
+        volume->flame[i] = scale * colour[i];
+}
+
 static void parse_grid(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
-    static const char *const keys[] = {"file", "grid",          "scale",     "albedo",
-                                       "g",    "interpolation", "transform", NULL};
+    static const char *const keys[] = {"file",          "grid",     "scale",     "albedo", "g",
+                                       "interpolation", "emission", "transform", NULL};
     static const char *const endings[] = {"vdb", NULL};
     static const char *const filters[] = {"linear", "nearest", NULL};
     lf_read_object(reader, node, keys);
@@ -230,21 +247,25 @@ static void parse_grid(lf_reader *reader, const lf_node *node, lf_volume_desc *v
     volume->grid = lf_read_string(reader, node, "grid", "density", 256);
     volume->nearest = lf_read_choice(reader, node, "interpolation", filters, 0) == 1;
     volume->scale = lf_read_number(reader, node, "scale", 1, 0, 1e9);
+    parse_flame(reader, node, volume);
 }
 
 static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
-    static const char *const keys[] = {"shape", "density", "albedo", "g", "transform", NULL};
+    static const char *const keys[] = {"shape",    "density",   "albedo", "g",
+                                       "emission", "transform", NULL};
     lf_read_object(reader, node, keys);
     volume->kind = LF_VOLUME_GRID + 1 +
                    (lf_volume_kind)lf_read_choice(reader, node, "shape", lf_volume_shapes, 0);
     volume->scale = lf_read_number(reader, node, "density", 1, 0, 1e9);
+    volume->has_flame = lf_read_colour(reader, node, "emission", volume->flame, 0, LF_MAX_RADIANCE);
 }
 
 static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
-    static const char *const keys[] = {"file",          "grid",  "scale",     "albedo",  "g",
-                                       "interpolation", "shape", "transform", "density", NULL};
+    static const char *const keys[] = {"file",    "grid",          "scale", "albedo",
+                                       "g",       "interpolation", "shape", "transform",
+                                       "density", "emission",      NULL};
     lf_volume_desc *volume = &desc->volumes[index];
     *volume = (lf_volume_desc){.name = node->key, .albedo = {1, 1, 1}};
     if (!lf_read_object(reader, node, keys))

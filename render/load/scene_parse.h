@@ -23,6 +23,11 @@ typedef struct lf_volume_desc {
     bool nearest;
     double scale; /* sigma_t per scene unit and unit of value */
     double albedo[3], g;
+    /* What it emits, radiance per scene unit: nothing, unless it is given; grids: per unit of the
+     * value of flame_grid, or, kelvin > 0, as a black body of so many degrees per unit. */
+    bool has_flame;
+    const char *flame_grid;
+    double flame[3], kelvin;
     lf_affine transform;
 } lf_volume_desc;
 

@@ -52,7 +52,7 @@ static void multiply(const lf_slice *slice, const lf_volume *volume, const lf_ra
     for (int row = 0; row < slice->tiles_z; row++) {
         float z = slice->z0 - slice->dz + (float)row * thickness,
               end = lf_min(z + thickness, f->z_end);
-        z = lf_max(z, 0.0f);
+        z = lf_max(z, rays->z_from);
         if (!(z < end))
             continue;
         float most = rate_of(f, slice->roughest[row]), room;

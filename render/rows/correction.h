@@ -20,7 +20,7 @@
 #define LF_CORRECTION_PIVOT 2.0f
 #define LF_CORRECTION_EXIT 16.0f
 
-/* Rays X(Z) = x0[k] + slope[k] Z of a row's plane, 0 < Z < z_end[k], in the order that
+/* Rays X(Z) = x0[k] + slope[k] Z of a row's plane, z_from < Z < z_end[k], in the order that
  * lf_kernels.march wants. */
 typedef struct lf_rays {
     const lf_scene *scene;
@@ -29,6 +29,7 @@ typedef struct lf_rays {
     const lf_kernels *kernels;
     int n; /* a multiple of LF_LANES */
     const float *x0, *slope, *z_end;
+    float z_from; /* what lies before it is left out */
 } lf_rays;
 
 /* True when something on this row's plane is a slice; without, all R are 1. */

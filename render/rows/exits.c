@@ -1,6 +1,9 @@
 /* B and q: what is known without sampling paths. A fan of one ray per view runs through one film
  * point of each pixel column: its rays share y and z steps, so one march gives the exit
  * transmittances of all views' pixels in that column at once (docs/estimators.md, "B and q"). */
+#include <string.h>
+
+#include "render/rows/shine.h"
 #include "render/rows/visit.h"
 #include "render/transport/light_kind.h"
 #include "render/transport/sunlight.h"
@@ -42,9 +45,9 @@ static lf_vec3 emission_of(const lf_visit *visit, int k, const lf_material *mate
     return lf_hit_material(&hit)->emission;
 }
 
-/* One ray's known light and pivot probability; material: of the surface it meets, NULL: none;
- * depth: optical, along the whole ray or to the surface; exp(-depth) times correction is what comes
- * through. */
+/* One ray's known light, what volumes emit along it included, and pivot probability; material: of
+ * the surface it meets, NULL: none; depth: optical, along the whole ray or to the surface;
+ * exp(-depth) times correction is what comes through. */
 static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_material *material,
                         float depth, float correction, const lf_vec3 *sky)
 {
@@ -69,8 +72,10 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
         lf_vec3 w = lf_rig_direction(visit->rig, worker->slope[k], visit->plane.my, 1.0f);
         light = lf_light_escape(visit->scene, lf_normalize(w), &pdf);
     }
-    lf_film_known_light(&visit->sums, pixel, transmittance * light.x, transmittance * light.y,
-                        transmittance * light.z);
+    light = lf_scale(light, transmittance);
+    if (worker->flames.n_here > 0)
+        light = lf_add(light, worker->shine[k]);
+    lf_film_known_light(&visit->sums, pixel, light.x, light.y, light.z);
 }
 
 /* What the surface that ray k meets sends on of sunlight. */
@@ -124,6 +129,8 @@ bool lf_exits_constant(const lf_scene *scene, float out_sky[3])
 
 bool lf_exits_uniform(const lf_scene *scene, float out_sky[3])
 {
+    if (scene->n_flames > 0)
+        return false;
     for (int i = 0; i < scene->n_materials && scene->embree; i++) {
         const lf_material *m = &scene->materials[i];
         if (lf_max3(m->emission) > 0.0f || !m->has_lobe)
@@ -205,8 +212,9 @@ static void veil(const lf_visit *visit, float xw, float lx, int from, int to)
 static void correct(const lf_visit *visit, int from, int to)
 {
     lf_scratch *w = visit->worker;
-    lf_rays rays = {visit->scene, visit->rig,   &visit->plane,   visit->kernels,
-                    to - from,    w->x0 + from, w->slope + from, w->z_end + from};
+    lf_rays rays = {visit->scene,    visit->rig,      &visit->plane,
+                    visit->kernels,  to - from,       w->x0 + from,
+                    w->slope + from, w->z_end + from, 0.0f};
     lf_correction_transmittance(&w->media, &rays, LF_CORRECTION_EXIT, 0.5f, &w->tracer,
                                 w->factor + from);
 }
@@ -223,6 +231,23 @@ static void march(const lf_visit_plan *plan, lf_scratch *w, int from, int to, bo
     else
         lf_media_depths(&w->media, plan->kernels, to - from, x0, slope, z_end, w->tau + from, -1,
                         NULL);
+}
+
+/* What the volumes emit along the fan's rays [from, to). */
+static void shine(const lf_visit *visit, int from, int to, float u)
+{
+    lf_scratch *w = visit->worker;
+    const lf_rays rays = {visit->scene,    visit->rig,      &visit->plane,
+                          visit->kernels,  to - from,       w->x0 + from,
+                          w->slope + from, w->z_end + from, 0.0f};
+    const lf_shine sources = {.flames = &w->flames,
+                              .media = &w->media,
+                              .rays = &rays,
+                              .length = w->length + from,
+                              .corrected = !lf_has_fault(visit, LF_FAULT_NO_CORRECTION)};
+    memset(w->shine, 0, sizeof w->shine);
+    if (from < to)
+        lf_shine_fan(&sources, u, &w->tracer, w->behind, w->shine + from);
 }
 
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
@@ -262,6 +287,9 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
             correct(visit, from, to);
         if (veiled && from < to)
             veil(visit, xw, lx, from, to);
+        if (w->flames.n_here > 0)
+            shine(visit, from, to,
+                  lf_sampler_radical(lf_hash64(lf_hash64(key, 16), (uint64_t)column), index));
         for (int k = 0; k < rig->n_views; k++) {
             bool met = k >= from && k < to && w->segment[k] >= 0;
             const lf_material *m =

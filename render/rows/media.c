@@ -2,11 +2,11 @@
 
 #include <string.h>
 
-void lf_media_frame_init(lf_media_frame *frame, const lf_scene *scene, const lf_rig *rig)
+void lf_media_frame_init(lf_media_frame *frame, const lf_volume *volumes, int n, const lf_rig *rig)
 {
     frame->n = 0;
-    for (int i = 0; i < scene->n_volumes; i++) {
-        const lf_volume *volume = &scene->volumes[i];
+    for (int i = 0; i < n; i++) {
+        const lf_volume *volume = &volumes[i];
         bool grid = volume->kind == LF_VOLUME_GRID;
         if (!(volume->sigma_max > 0.0f) ||
             (grid && !lf_slice_frame_init(&frame->item[frame->n].slice, volume, rig)))
@@ -39,14 +39,14 @@ void lf_media_finish(lf_media *media)
     memset(media, 0, sizeof *media);
 }
 
-void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_scene *scene,
+void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_volume *volumes,
                   const lf_rig *rig, const lf_row_plane *plane, const float phase[2],
                   const lf_kernels *kernels, int64_t *lookups)
 {
     media->n_here = 0;
     for (int i = 0; i < media->n; i++) {
         lf_medium *m = &media->item[i];
-        const lf_volume *volume = &scene->volumes[m->volume];
+        const lf_volume *volume = &volumes[m->volume];
         bool here;
         if (m->kind == LF_MEDIUM_SLICE) {
             *lookups +=

@@ -11,11 +11,11 @@
 
 typedef enum lf_medium_kind { LF_MEDIUM_BODY, LF_MEDIUM_SLICE, LF_MEDIUM_VOXELS } lf_medium_kind;
 
-/* The volumes that the rig's rays can meet: fixed for a scene and rig. */
+/* The volumes of a list that the rig's rays can meet: fixed for a scene and rig. */
 typedef struct lf_media_frame {
     int n;
     struct {
-        int volume; /* index into scene->volumes */
+        int volume; /* index into the list */
         lf_medium_kind kind;
         lf_slice_frame slice; /* LF_MEDIUM_SLICE */
     } item[LF_MAX_VOLUMES];
@@ -49,7 +49,9 @@ typedef struct lf_collision {
     float boost; /* 1, or the probability q of any collision when it was forced */
 } lf_collision;
 
-void lf_media_frame_init(lf_media_frame *frame, const lf_scene *scene, const lf_rig *rig);
+/* volumes: the scene's, or what they emit (its flames), whose value is then what stands for sigma_t
+ * here. */
+void lf_media_frame_init(lf_media_frame *frame, const lf_volume *volumes, int n, const lf_rig *rig);
 
 /* media must be zeroed. LF_E_NOMEM; release with lf_media_finish, also after a failure. */
 LF_NODISCARD lf_status lf_media_init(lf_media *media, const lf_media_frame *frame);
@@ -57,7 +59,7 @@ void lf_media_finish(lf_media *media);
 
 /* Cuts the volumes with the row's plane; phase[2] in [0,1) moves the slices' samples and planes.
  * Adds the look-ups made to *lookups. */
-void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_scene *scene,
+void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_volume *volumes,
                   const lf_rig *rig, const lf_row_plane *plane, const float phase[2],
                   const lf_kernels *kernels, int64_t *lookups);
 

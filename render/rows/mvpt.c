@@ -147,8 +147,8 @@ static bool correct(const lf_visit *visit, const lf_pivot *pivot)
         return false;
     for (int k = 0; k < n; k++)
         w->factor[k] = medium && w->density[k] > 0.0f ? truth / w->sigma[k] : 1.0f;
-    lf_rays rays = {visit->scene, visit->rig, &visit->plane, visit->kernels, n,
-                    w->x0,        w->slope,   w->z_end};
+    lf_rays rays = {visit->scene, visit->rig, &visit->plane, visit->kernels, n, w->x0,
+                    w->slope,     w->z_end,   0.0f};
     lf_correction_transmittance(&w->media, &rays, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, w->factor);
     for (int k = 0; k < n; k++)
         w->density[k] *= w->factor[k];

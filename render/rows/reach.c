@@ -85,22 +85,29 @@ static void take_columns(lf_reach *reach, const shadow *s, int k)
     reach->any = reach->any || reach->first[k] < reach->end[k];
 }
 
+static void add_media(shadow *s, const lf_media *media, const lf_volume *volumes,
+                      const lf_row_plane *plane)
+{
+    for (int i = 0; i < media->n_here; i++) {
+        const lf_medium *medium = &media->item[media->here[i]];
+        const lf_volume *volume = &volumes[medium->volume];
+        if (medium->kind == LF_MEDIUM_SLICE)
+            add_slice(s, &medium->slice);
+        else
+            add_box(s, volume->bounds_min, volume->bounds_max, plane);
+    }
+}
+
 void lf_reach_of(lf_reach *reach, const lf_scene *scene, const lf_rig *rig,
-                 const lf_row_plane *plane, const lf_media *media)
+                 const lf_row_plane *plane, const lf_media *media, const lf_media *flames)
 {
     shadow s = {.rig = rig, .lens_chord = plane->lens_chord};
     for (int k = 0; k < LF_MAX_LANES; k++) {
         s.lo[k] = INFINITY;
         s.hi[k] = -INFINITY;
     }
-    for (int i = 0; i < media->n_here; i++) {
-        const lf_medium *medium = &media->item[media->here[i]];
-        const lf_volume *volume = &scene->volumes[medium->volume];
-        if (medium->kind == LF_MEDIUM_SLICE)
-            add_slice(&s, &medium->slice);
-        else
-            add_box(&s, volume->bounds_min, volume->bounds_max, plane);
-    }
+    add_media(&s, media, scene->volumes, plane);
+    add_media(&s, flames, scene->flames, plane);
     const lf_geometry *geometry = scene->geometry;
     if (geometry) {
         lf_vec3 bounds[2];

@@ -31,6 +31,7 @@ static void free_workers(lf_scratch **workers, int n)
     for (int i = 0; i < n && workers; i++) {
         if (workers[i]) {
             lf_media_finish(&workers[i]->media);
+            lf_media_finish(&workers[i]->flames);
             lf_film_sums_finish(&workers[i]->sums);
             lf_section_finish(&workers[i]->section);
             lf_section_finish(&workers[i]->veils);
@@ -42,9 +43,10 @@ static void free_workers(lf_scratch **workers, int n)
     lf_free(workers);
 }
 
-static lf_scratch **make_workers(int n, const lf_media_frame *frame, const lf_film_layout *layout,
-                                 const lf_row_triangles *triangles, bool mirrors, bool veils)
+static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layout)
 {
+    int n = rows->n_workers;
+    bool mirrors = rows->seen.has_delta;
     lf_scratch **workers = lf_calloc((size_t)n, sizeof *workers);
     for (int i = 0; workers && i < n; i++) {
         workers[i] = lf_calloc(1, sizeof **workers);
@@ -55,10 +57,12 @@ static lf_scratch **make_workers(int n, const lf_media_frame *frame, const lf_fi
             workers[i]->mirrors = lf_calloc((size_t)layout->n_views * (size_t)layout->width,
                                             sizeof *workers[i]->mirrors);
         if (!workers[i] || !workers[i]->expected || (mirrors && !workers[i]->mirrors) ||
-            lf_media_init(&workers[i]->media, frame) != LF_OK ||
+            lf_media_init(&workers[i]->media, &rows->frame) != LF_OK ||
+            lf_media_init(&workers[i]->flames, &rows->flames) != LF_OK ||
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
-            lf_section_init(&workers[i]->section, triangles->longest) != LF_OK ||
-            lf_section_init(&workers[i]->veils, veils ? triangles->longest : 0) != LF_OK) {
+            lf_section_init(&workers[i]->section, rows->triangles.longest) != LF_OK ||
+            lf_section_init(&workers[i]->veils,
+                            rows->seen.has_veils ? rows->triangles.longest : 0) != LF_OK) {
             free_workers(workers, n);
             return NULL;
         }
@@ -124,8 +128,7 @@ static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_
     if (status != LF_OK)
         return status;
     rows->n_workers = lf_pool_threads(rows->pool);
-    rows->workers = make_workers(rows->n_workers, &rows->frame, layout, &rows->triangles,
-                                 rows->seen.has_delta, rows->seen.has_veils);
+    rows->workers = make_workers(rows, layout);
     return rows->workers ? LF_OK : LF_E_NOMEM;
 }
 
@@ -135,6 +138,7 @@ static void make_plan(lf_rows *rows, const lf_integrator_input *input, const lf_
     rows->plan = (lf_visit_plan){.scene = &rows->seen,
                                  .rig = &rows->rig,
                                  .frame = &rows->frame,
+                                 .flames = &rows->flames,
                                  .kernels = lf_kernels_get(),
                                  .sharing = sharing,
                                  .native = find_native(),
@@ -158,7 +162,10 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     rows->pool = input->pool;
     lf_status status = lf_rig_init(&rows->rig, input->settings, input->scene->origin, err);
     if (status == LF_OK) {
-        lf_media_frame_init(&rows->frame, input->scene, &rows->rig);
+        lf_media_frame_init(&rows->frame, input->scene->volumes, input->scene->n_volumes,
+                            &rows->rig);
+        lf_media_frame_init(&rows->flames, input->scene->flames, input->scene->n_flames,
+                            &rows->rig);
         needs.layout = film_layout(&rows->seen, input->settings, &rows->rig, needs.sky);
         needs.visit_passes = passes_of_a_visit(input->scene, sharing, rows->rig.n_views);
         status = make_memory(rows, sharing, &needs.layout);

@@ -14,7 +14,7 @@ typedef struct lf_rows {
     lf_scene seen; /* what is seen of the scene; borrows from it */
     lf_pool *pool;
     lf_rig rig;
-    lf_media_frame frame;
+    lf_media_frame frame, flames;
     lf_row_triangles triangles; /* all zero without meshes */
     lf_counts counts;           /* tiles only where sharing->adaptive */
     bool mapped;                /* the map has been made: plan.counts */

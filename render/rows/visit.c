@@ -123,8 +123,8 @@ float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot
         lanes[2][k] = pivot->z;
         lanes[3][k] = factor;
     }
-    lf_rays ray = {visit->scene, visit->rig, &visit->plane, visit->kernels,
-                   LF_LANES,     lanes[0],   lanes[1],      lanes[2]};
+    lf_rays ray = {visit->scene, visit->rig, &visit->plane, visit->kernels, LF_LANES, lanes[0],
+                   lanes[1],     lanes[2],   0.0f};
     lf_correction_transmittance(&w->media, &ray, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, lanes[3]);
     return lanes[3][0];
 }
@@ -335,13 +335,15 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
                             lf_sampler_radical(lf_hash64(key, 4), index)};
     lf_rig_row_plane(plan->rig, (float)visit->row + lf_sampler_radical(offsets, index), lens,
                      &visit->plane);
-    lf_media_cut(&visit->worker->media, plan->frame, plan->scene, plan->rig, &visit->plane, phase,
-                 plan->kernels, &visit->worker->tracer.lookups);
+    lf_media_cut(&visit->worker->media, plan->frame, plan->scene->volumes, plan->rig, &visit->plane,
+                 phase, plan->kernels, &visit->worker->tracer.lookups);
+    lf_media_cut(&visit->worker->flames, plan->flames, plan->scene->flames, plan->rig,
+                 &visit->plane, phase, plan->kernels, &visit->worker->tracer.lookups);
     if (plan->triangles)
         cut_meshes(plan, visit);
     if (plan->skip & LF_SKIP_BACKGROUND)
         lf_reach_of(&visit->worker->reach, plan->scene, plan->rig, &visit->plane,
-                    &visit->worker->media);
+                    &visit->worker->media, &visit->worker->flames);
     else
         lf_reach_whole(&visit->worker->reach, plan->rig);
     cut_glows(visit);

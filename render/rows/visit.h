@@ -51,6 +51,7 @@ typedef struct lf_fan_face {
 typedef struct lf_scratch {
     lf_tracer tracer;
     lf_media media;
+    lf_media flames;    /* what they emit */
     lf_film_sums sums;  /* of the visit under way */
     lf_reach reach;     /* of its row's plane */
     lf_section section; /* the meshes in it, but for veils */
@@ -69,7 +70,9 @@ typedef struct lf_scratch {
     int segment[LF_MAX_LANES];    /* what they meet: of the section, -1: no surface */
     bool mirrored[LF_MAX_LANES];  /* by a veil before it */
     lf_fan_face face[LF_FAN_FACES];
-    lf_media_moments moments; /* of the fan's collisions, where features are wanted */
+    lf_vec3 shine[LF_MAX_LANES];     /* what the fan's rays meet of flames, where there are any */
+    float behind[LF_SLICE_MAX_SIDE]; /* for lf_shine_fan */
+    lf_media_moments moments;        /* of the fan's collisions, where features are wanted */
     int column[LF_MAX_LANES];
     /* directions to the views in the frame of a surface's shading normal (z) */
     float local[3][LF_MAX_LANES];
@@ -206,7 +209,7 @@ typedef enum lf_fault {
 typedef struct lf_visit_plan {
     const lf_scene *scene;
     const lf_rig *rig;
-    const lf_media_frame *frame;
+    const lf_media_frame *frame, *flames; /* of the scene's volumes, and of what they emit */
     const lf_kernels *kernels;
     const lf_sharing *sharing;
     const lf_sharing *native;          /* what fills holes: shares nothing */

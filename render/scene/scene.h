@@ -74,6 +74,19 @@ typedef struct lf_volume {
     float slice_cell; /* … and what slices resolve of it (scene_commit.c) */
 } lf_volume;
 
+#define LF_FLAME_STEPS 256
+
+/* What a volume emits along a ray: radiance per scene unit, of the value of its field. */
+typedef struct lf_flame_light {
+    int volume;      /* whose it is: index into scene->volumes */
+    lf_vec3 colour;  /* of a field that is no temperature: times its value */
+    float per_value; /* steps of the table per unit of value; 0: no temperature */
+    float inverse;   /* 1 / the largest value */
+    /* [LF_FLAME_STEPS + 1] of a black body as hot as value i / per_value, over the fourth power of
+     * that value times inverse */
+    lf_vec3 table[LF_FLAME_STEPS + 1];
+} lf_flame_light;
+
 /* sigma_t at a scene-local point, filter applied, 0 outside. */
 float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p);
 /* The value of a grid at volume-space coordinates: trilinear (voxel centres at integers), 0
@@ -240,7 +253,12 @@ struct lf_scene {
 
     int n_volumes, n_meshes, n_materials, n_lights;
     lf_volume *volumes;
-    lf_mesh *meshes; /* indexed by Embree's geomID */
+    /* Volumes that emit, beside their extinction: a field of its own each, with its own grid and
+     * place, its value where a volume has sigma_t (sigma_scale is 1). */
+    int n_flames;
+    lf_volume *flames;
+    lf_flame_light *flame_lights; /* of flames[i] */
+    lf_mesh *meshes;              /* indexed by Embree's geomID */
     lf_material *materials;
     /* in the order of their kinds after lf_lights_commit: those at infinity first */
     lf_light *lights;

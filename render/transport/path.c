@@ -209,6 +209,13 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
     return lf_scale(lf_mul(f, light.radiance), weight);
 }
 
+/* What volumes emit along the segment that ends at `next`. No light sample finds it: a direction
+ * alone does, with weight 1. */
+static lf_vec3 emitted(lf_tracer *tracer, const lf_event *next)
+{
+    return lf_track_emission(tracer, next->from, next->w, lf_min(next->t, next->surface));
+}
+
 /* Chooses between a surface's delta lobes and the rest; returns true when the path goes on along
  * *wi, the direction of one of them. */
 static bool follows_delta(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_vec3 *wi,
@@ -272,6 +279,8 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
         lf_vec3 found = lf_path_light_found(tracer->scene, here, next, &light_pdf);
         float weight = delta || light_pdf <= 0.0f ? 1.0f : pdf / (pdf + light_pdf);
         radiance = lf_add(radiance, lf_scale(lf_mul(beta, found), weight));
+        if (tracer->scene->n_flames > 0)
+            radiance = lf_add(radiance, lf_mul(beta, emitted(tracer, &next)));
         if (depth < max_depth && tracer->scene->n_glows > 0)
             radiance = lf_add(radiance, lf_mul(beta, lf_path_glow(tracer, next)));
         if (next->kind == LF_EVENT_ESCAPE)
@@ -284,6 +293,8 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
 lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth)
 {
     lf_vec3 radiance = depth <= max_depth ? lf_path_glow(tracer, next) : lf_v3(0.0f, 0.0f, 0.0f);
+    if (tracer->scene->n_flames > 0)
+        radiance = lf_add(radiance, emitted(tracer, next));
     return next->kind == LF_EVENT_ESCAPE
                ? radiance
                : lf_add(radiance, lf_path_scattered(tracer, next, depth, max_depth));

@@ -51,13 +51,14 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
  * for it. 0 where the scene has none. */
 lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next);
 
-/* All that is scattered along the segment that ends at `next`, at it and behind it; arguments as in
- * lf_path_scattered. */
+/* All that is scattered along the segment that ends at `next`, at it and behind it, and what
+ * volumes emit along it; arguments as in lf_path_scattered. */
 lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth);
 
 /* Radiance scattered at `event` back along the path, by next-event estimation and a random walk;
  * the vertex is number `depth` behind the camera (the pivot is 1) and paths end behind vertex
- * max_depth. Light emitted AT the vertex is not counted. The event comes from lf_path_next. */
+ * max_depth. Light emitted AT the vertex, or before it, is not counted. The event comes from
+ * lf_path_next. */
 lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, int max_depth);
 
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/scene/geometry.h"
+#include "render/transport/flame.h"
 
 /* ---------------------------------------------------------------------------------- surfaces -- */
 
@@ -455,4 +456,48 @@ float lf_track_transmittance(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_ma
             transmittance *= expf(-volume->sigma_scale * (r.t1 - r.t0));
     }
     return transmittance;
+}
+
+/* The integral of a flame's grid, from one of its bricks by what the brightest value there makes of
+ * the way through it, at a point of that way. */
+static lf_vec3 emit_grid(lf_tracer *tracer, const lf_volume *flame, const lf_flame_light *light,
+                         const lf_local_ray *r)
+{
+    lf_walk k;
+    float sum = 0.0f, reached = 0.0f, power;
+    walk_begin(&k, flame->grid, r);
+    do
+        sum += lf_flame_power(light, k.max) * (k.t1 - k.t0);
+    while (walk_next(&k));
+    if (!(sum > 0.0f))
+        return lf_v3(0.0f, 0.0f, 0.0f);
+    /* The same sums in the same order: they reach any share of the whole, at a brick that adds to
+     * them. */
+    float wanted = lf_rng_fine(tracer) * sum;
+    walk_begin(&k, flame->grid, r);
+    do {
+        power = lf_flame_power(light, k.max);
+        reached += power * (k.t1 - k.t0);
+    } while (reached < wanted && walk_next(&k));
+    float t = lf_max(k.t1 - (reached - wanted) / power, k.t0);
+    tracer->lookups++;
+    return lf_scale(lf_flame_radiance(light, look_up(&k, r, t, flame->nearest)), sum / power);
+}
+
+lf_vec3 lf_track_emission(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t)
+{
+    const lf_scene *scene = tracer->scene;
+    lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < scene->n_flames; i++) {
+        const lf_volume *flame = &scene->flames[i];
+        const lf_flame_light *light = &scene->flame_lights[i];
+        lf_local_ray r;
+        to_local(flame, o, w, t, &r);
+        if (!(flame->sigma_max > 0.0f) || !clip_volume(flame, &r))
+            continue;
+        radiance = flame->kind == LF_VOLUME_GRID
+                       ? lf_add(radiance, emit_grid(tracer, flame, light, &r))
+                       : lf_madd(radiance, r.t1 - r.t0, light->colour);
+    }
+    return radiance;
 }

@@ -1,0 +1,22 @@
+/* What volumes emit along a fan of rays, one a view, up to where they end: int T eps ds, known
+ * without a path, and above 0 also where nothing collides; private to render/. A visit knows it in
+ * the mean over its jitter: homogeneous shapes in closed form, where no other medium is on the
+ * row's plane; grids at one depth in each voxel's length, jittered together, where the field itself
+ * is looked up. docs/estimators.md, "Volumes that emit". */
+#ifndef LF_RENDER_SHINE_H
+#define LF_RENDER_SHINE_H
+
+#include "render/rows/correction.h"
+
+typedef struct lf_shine {
+    const lf_media *flames, *media; /* of this row's plane */
+    const lf_rays *rays;            /* from Z = 0 on */
+    const float *length;            /* of the rays, per unit of Z */
+    bool corrected;                 /* T by correction weights where media are slices */
+} lf_shine;
+
+/* Adds to out[rays->n]. u in [0, 1): the jitter; further numbers from the tracer, which counts the
+ * look-ups. behind[LF_SLICE_MAX_SIDE] is zero before and after. */
+void lf_shine_fan(const lf_shine *shine, float u, lf_tracer *tracer, float *behind, lf_vec3 *out);
+
+#endif
