@@ -1,7 +1,6 @@
 #include "render/transport/flame.h"
 
 #include <math.h>
-#include <string.h>
 
 /* A lobe of the fit: a Gaussian with a width on either side. */
 typedef struct lobe {
@@ -32,7 +31,7 @@ static void observer(double nm, double out_xyz[3])
     out_xyz[2] = sum_of(z, 2, nm);
 }
 
-/* Planck's spectrum over its value at the red end: of cold bodies nothing would be left. */
+/* Planck's spectrum over its value at the red end. */
 static double planck(double nm, double kelvin)
 {
     const double c2 = 1.438776877e7, end = 780.0; /* nm K */
@@ -48,7 +47,10 @@ void lf_black_body(double kelvin, double out_rgb[3])
                                         {-0.9692660, 1.8760108, 0.0415560},
                                         {0.0556434, -0.2040259, 1.0572252}},
                         luminance[3] = {0.2126, 0.7152, 0.0722};
+    const double coldest =
+        700.0; /* of colder ones the eye sees what the fit's tails are made up of */
     double sum[3] = {0.0}, bright = 0.0;
+    kelvin = fmax(kelvin, coldest);
     for (int nm = 380; nm <= 780; nm += 2) {
         double xyz[3], power = planck(nm, kelvin);
         observer(nm, xyz);
@@ -78,7 +80,7 @@ double lf_flame_light_init(lf_flame_light *light, lf_vec3 colour, double kelvin,
     for (int i = 0; i <= LF_FLAME_STEPS; i++) {
         double rgb[3] = {1.0, 1.0, 1.0};
         if (light->per_value > 0.0f)
-            lf_black_body(kelvin * most * fmax(i, 0.5) / LF_FLAME_STEPS, rgb);
+            lf_black_body(kelvin * most * i / LF_FLAME_STEPS, rgb);
         for (int j = 0; j < 3; j++) {
             rgb[j] *= channel[j] * power;
             brightest = fmax(brightest, i == LF_FLAME_STEPS ? rgb[j] : 0.0);

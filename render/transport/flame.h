@@ -13,7 +13,7 @@
 #define LF_FLAME_KELVIN 1500.0
 
 /* Linear Rec. 709 colour of a black body, luminance 1, what lies outside of the gamut brought to
- * its edge; kelvin > 0. */
+ * its edge; below 700 K that of 700 K. */
 void lf_black_body(double kelvin, double out_rgb[3]);
 
 /* Fills all but `volume`: what a value of 1 emits, or (kelvin > 0) a black body of LF_FLAME_KELVIN,
