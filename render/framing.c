@@ -13,15 +13,30 @@ static bool is_there(const lf_box *box)
     return box->min.x <= box->max.x;
 }
 
-/* The box of the i-th thing: volumes, then meshes. Volumes that are empty have none. */
+static void grow_by_volume(const lf_volume *volume, lf_box *box)
+{
+    if (!(volume->sigma_max > 0.0f))
+        return;
+    box->min =
+        lf_v3(lf_min(box->min.x, volume->bounds_min.x), lf_min(box->min.y, volume->bounds_min.y),
+              lf_min(box->min.z, volume->bounds_min.z));
+    box->max =
+        lf_v3(lf_max(box->max.x, volume->bounds_max.x), lf_max(box->max.y, volume->bounds_max.y),
+              lf_max(box->max.z, volume->bounds_max.z));
+}
+
+/* The box of the i-th thing: volumes with what they emit, then meshes. Volumes that are empty have
+ * none. */
 static lf_box box_at(const lf_scene *scene, int i)
 {
     if (i >= scene->n_volumes)
         return scene->meshes[i - scene->n_volumes].box;
-    const lf_volume *volume = &scene->volumes[i];
-    if (volume->sigma_max > 0.0f)
-        return (lf_box){volume->bounds_min, volume->bounds_max};
-    return (lf_box){{1.0f, 1.0f, 1.0f}, {-1.0f, -1.0f, -1.0f}};
+    lf_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    grow_by_volume(&scene->volumes[i], &box);
+    for (int f = 0; f < scene->n_flames; f++)
+        if (scene->flame_lights[f].volume == i)
+            grow_by_volume(&scene->flames[f], &box);
+    return box;
 }
 
 static void grow(const lf_scene *scene, const lf_box *box, double bounds[2][3])

@@ -1,9 +1,13 @@
-/* make_vdb FILE: writes the cloud of the shipped scenes, the same bytes of density every time.
+/* make_vdb FILE cloud|fire: writes a volume of the shipped scenes, the same bytes every time.
  *
- * 128 x 96 x 128 voxels over [-1,1] x [-0.75,0.75] x [-1,1], grid "density", halves, values 0..1:
- * an ellipsoid whose skin is pushed in and out by a ridged multifractal (Musgrave, in Ebert et al.,
- * Texturing & Modeling, 3rd ed., chapter 16) over gradient noise (Perlin, Improving Noise, 2002,
- * with a hash in place of the permutation table). */
+ * cloud: 128 x 96 x 128 voxels over [-1,1] x [-0.75,0.75] x [-1,1], grid "density", halves, values
+ * 0..1: an ellipsoid whose skin is pushed in and out by a ridged multifractal (Musgrave, in Ebert
+ * et al., Texturing & Modeling, 3rd ed., chapter 16) over gradient noise (Perlin, Improving Noise,
+ * 2002, with a hash in place of the permutation table).
+ *
+ * fire: 72 x 128 x 72 voxels over [-0.5625,0.5625] x [0,2] x [-0.5625,0.5625], grids "temperature"
+ * and "density", halves, values 0..1: tongues that the same noise, drawn out along y, cuts from a
+ * teardrop and bends the more the higher they are; smoke where they end. */
 #pragma GCC visibility push(default) /* as in render/load/vdb_import.cc */
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
@@ -13,12 +17,11 @@
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
+#include <stdexcept>
+#include <string>
 
 namespace
 {
-
-constexpr int size[3] = {128, 96, 128};
-constexpr double voxel = 2.0 / 128;
 
 /* Steele et al., Fast Splittable Pseudorandom Number Generators (2014), finalizer. */
 uint64_t mix(uint64_t v)
@@ -117,17 +120,56 @@ void forget_id(const char *path)
         throw std::runtime_error("cannot be written");
 }
 
-void write(const char *path)
+double clamp(double x)
 {
-    openvdb::initialize();
+    return std::fmin(std::fmax(x, 0.0), 1.0);
+}
+
+/* What is left of a value at the sides of the fire's box. */
+double within(double x, double y, double z)
+{
+    double edge = std::fmax(std::fabs(x), std::fabs(z)) / 0.5625;
+    return clamp((1 - edge) / 0.1) * clamp((2 - y) / 0.2) * clamp(y / 0.03);
+}
+
+/* How hot the fire is: y its height, 0..2. */
+double temperature(double x, double y, double z)
+{
+    double sway = 0.22 * y;
+    double bent_x = x + sway * noise(1.3 * x + 3.1, 1.5 * y - 2.7, 1.3 * z + 0.4) +
+                    0.1 * sway * noise(6 * x, 4 * y, 6 * z + 5.5),
+           bent_z = z + sway * noise(1.3 * x - 8.2, 1.5 * y + 6.1, 1.3 * z + 4.9);
+    double width = 0.42 * std::pow(clamp(y / 0.35), 0.35) * std::pow(clamp((1.75 - y) / 1.75), 0.9);
+    double r = std::sqrt(bent_x * bent_x + bent_z * bent_z);
+    double inside = width > 0 ? 1 - r / width : -1;
+    double tongues = ridged(2.1 * bent_x + 1.7, 0.8 * y - 3.3, 2.1 * bent_z + 6.2) - 0.72;
+    double hot = inside + (0.5 + 0.8 * clamp(y / 1.2)) * 1.6 * tongues - 0.12 * y;
+    return clamp(1.35 * hot) * within(x, y, z);
+}
+
+double smoke(double x, double y, double z)
+{
+    double sway = 0.3 * y, bent_x = x + sway * noise(1.1 * x + 5.3, 1.2 * y, 1.1 * z - 1.9),
+           bent_z = z + sway * noise(1.1 * x, 1.2 * y + 9.4, 1.1 * z + 2.2);
+    double r = std::sqrt(bent_x * bent_x + bent_z * bent_z) / (0.2 + 0.16 * y);
+    double puff = ridged(1.9 * bent_x - 4.4, 1.4 * y + 2.8, 1.9 * bent_z) - 0.6;
+    return clamp(1.2 * (1 - r + 1.3 * puff)) * clamp((y - 0.5) / 0.9) * within(x, y, z);
+}
+
+using field = double (*)(double x, double y, double z);
+
+/* first: of the box's voxels. */
+openvdb::GridBase::Ptr make(const char *name, field value, const openvdb::Coord &size,
+                            const openvdb::Coord &first, double voxel)
+{
     auto grid = openvdb::FloatGrid::create(0.0f);
     auto accessor = grid->getAccessor();
-    for (int k = 0; k < size[2]; k++) {
-        for (int j = 0; j < size[1]; j++) {
-            for (int i = 0; i < size[0]; i++) {
-                openvdb::Coord at(i - size[0] / 2, j - size[1] / 2, k - size[2] / 2);
+    for (int k = 0; k < size.z(); k++) {
+        for (int j = 0; j < size.y(); j++) {
+            for (int i = 0; i < size.x(); i++) {
+                openvdb::Coord at = first.offsetBy(i, j, k);
                 double d =
-                    density((at.x() + 0.5) * voxel, (at.y() + 0.5) * voxel, (at.z() + 0.5) * voxel);
+                    value((at.x() + 0.5) * voxel, (at.y() + 0.5) * voxel, (at.z() + 0.5) * voxel);
                 if (d > 1e-3)
                     accessor.setValueOn(at, float(d));
             }
@@ -137,13 +179,29 @@ void write(const char *path)
     /* values sit at voxel centres, which lie at whole indices */
     map->postTranslate(openvdb::Vec3d(0.5 * voxel));
     grid->setTransform(map);
-    grid->setName("density");
+    grid->setName(name);
     grid->setGridClass(openvdb::GRID_FOG_VOLUME);
     grid->setSaveFloatAsHalf(true);
     openvdb::tools::prune(grid->tree());
+    return grid;
+}
+
+openvdb::GridPtrVec grids_of(const std::string &what)
+{
+    if (what == "cloud")
+        return {make("density", density, {128, 96, 128}, {-64, -48, -64}, 2.0 / 128)};
+    if (what == "fire")
+        return {make("temperature", temperature, {72, 128, 72}, {-36, 0, -36}, 2.0 / 128),
+                make("density", smoke, {72, 128, 72}, {-36, 0, -36}, 2.0 / 128)};
+    throw std::runtime_error("cloud or fire?");
+}
+
+void write(const char *path, const char *what)
+{
+    openvdb::initialize();
     openvdb::io::File file(path);
     file.setCompression(openvdb::io::COMPRESS_ACTIVE_MASK | openvdb::io::COMPRESS_BLOSC);
-    file.write({grid});
+    file.write(grids_of(what));
     file.close();
     forget_id(path);
 }
@@ -152,12 +210,12 @@ void write(const char *path)
 
 int main(int argc, char **argv)
 {
-    if (argc != 2) {
-        std::fprintf(stderr, "usage: make_vdb FILE\n");
+    if (argc != 3) {
+        std::fprintf(stderr, "usage: make_vdb FILE cloud|fire\n");
         return 2;
     }
     try {
-        write(argv[1]);
+        write(argv[1], argv[2]);
     } catch (const std::exception &e) {
         std::fprintf(stderr, "make_vdb: %s: %s\n", argv[1], e.what());
         return 1;

@@ -181,6 +181,11 @@ static const char *const good[] = {
     "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"grid\": \"d\", \"scale\": 0, \"interpolation\": "
     "\"nearest\", \"g\": -0.999}}}",
     "{\"volumes\": {\"v\": {\"file\": \"a.VDB\"}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"emission\": {}}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"emission\": {\"grid\": \"heat\", "
+    "\"scale\": 1e9, \"colour\": [1, 0.5, 0], \"kelvin\": 1000000}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"density\": 0, \"emission\": [1, 0, 1e9]}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"emission\": 2}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"sphere\", \"density\": 2, \"albedo\": [0, 1, 0.5], "
     "\"transform\": {}}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": [1, 2, -3], \"rotate\": "
@@ -240,6 +245,15 @@ static const char *const wrong[] = {
     "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"shape\": \"box\"}}}",
     "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"density\": 1}}}",
     "{\"volumes\": {\"v\": {\"file\": \"a.txt\"}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"emission\": 1}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"emission\": {\"grid\": \"\"}}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"emission\": {\"scale\": -1}}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"emission\": {\"colour\": [1, 2]}}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"emission\": {\"kelvin\": 2e6}}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"emission\": {\"temperature\": 1}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"emission\": {}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"emission\": -1}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"emission\": {\"colour\": 1}}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"grid\": \"density\"}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"cone\"}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"g\": 1}}}",
