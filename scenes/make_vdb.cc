@@ -135,25 +135,26 @@ double within(double x, double y, double z)
 /* How hot the fire is: y its height, 0..2. */
 double temperature(double x, double y, double z)
 {
-    double sway = 0.22 * y;
+    double sway = 0.2 * y;
     double bent_x = x + sway * noise(1.3 * x + 3.1, 1.5 * y - 2.7, 1.3 * z + 0.4) +
-                    0.1 * sway * noise(6 * x, 4 * y, 6 * z + 5.5),
-           bent_z = z + sway * noise(1.3 * x - 8.2, 1.5 * y + 6.1, 1.3 * z + 4.9);
-    double width = 0.42 * std::pow(clamp(y / 0.35), 0.35) * std::pow(clamp((1.75 - y) / 1.75), 0.9);
+                    0.25 * sway * noise(5 * x, 3 * y, 5 * z + 5.5),
+           bent_z = z + sway * noise(1.3 * x - 8.2, 1.5 * y + 6.1, 1.3 * z + 4.9) +
+                    0.25 * sway * noise(5 * x + 2.2, 3 * y, 5 * z);
+    double width = 0.56 * std::pow(clamp(y / 0.4), 0.4) * std::pow(clamp((1.9 - y) / 1.9), 0.8);
     double r = std::sqrt(bent_x * bent_x + bent_z * bent_z);
     double inside = width > 0 ? 1 - r / width : -1;
-    double tongues = ridged(2.1 * bent_x + 1.7, 0.8 * y - 3.3, 2.1 * bent_z + 6.2) - 0.72;
-    double hot = inside + (0.5 + 0.8 * clamp(y / 1.2)) * 1.6 * tongues - 0.12 * y;
-    return clamp(1.35 * hot) * within(x, y, z);
+    double tongues = ridged(2.6 * bent_x + 1.7, 0.9 * y - 3.3, 2.6 * bent_z + 6.2) - 0.74;
+    double hot = inside + (1.1 + 1.3 * clamp(y / 1.1)) * tongues - 0.1 * y;
+    return clamp(1.1 * hot) * within(x, y, z);
 }
 
 double smoke(double x, double y, double z)
 {
-    double sway = 0.3 * y, bent_x = x + sway * noise(1.1 * x + 5.3, 1.2 * y, 1.1 * z - 1.9),
+    double sway = 0.25 * y, bent_x = x + sway * noise(1.1 * x + 5.3, 1.2 * y, 1.1 * z - 1.9),
            bent_z = z + sway * noise(1.1 * x, 1.2 * y + 9.4, 1.1 * z + 2.2);
-    double r = std::sqrt(bent_x * bent_x + bent_z * bent_z) / (0.2 + 0.16 * y);
-    double puff = ridged(1.9 * bent_x - 4.4, 1.4 * y + 2.8, 1.9 * bent_z) - 0.6;
-    return clamp(1.2 * (1 - r + 1.3 * puff)) * clamp((y - 0.5) / 0.9) * within(x, y, z);
+    double r = std::sqrt(bent_x * bent_x + bent_z * bent_z) / (0.16 + 0.1 * y);
+    double puff = ridged(2.4 * bent_x - 4.4, 1.6 * y + 2.8, 2.4 * bent_z) - 0.7;
+    return clamp(1.2 * (1 - r + 1.3 * puff)) * clamp((y - 0.9) / 0.6) * within(x, y, z);
 }
 
 using field = double (*)(double x, double y, double z);

@@ -10,8 +10,8 @@
 
 enum { width = 64, height = 48, n_views = 3, tile = 16, tiles = n_views * 12 + 1, answers = 4 };
 
-/* Six scenes, four answers, 37 blocks. */
-#define LEVEL lf_sidak(LF_FALSE_ALARM, 6 * answers * tiles)
+/* Seven scenes, four answers, 37 blocks. */
+#define LEVEL lf_sidak(LF_FALSE_ALARM, 7 * answers * tiles)
 
 static const char *const names[answers] = {"mis", "cv", "mwis", "mis of a live picture"};
 
@@ -131,6 +131,12 @@ static void invariant_4_mvpt_agrees_where_normals_are_bent(void **state)
     compare(LF_TEST_BENT("3", ""), 24, 24, 12);
 }
 
+static void invariant_4_mvpt_agrees_on_volumes_that_emit(void **state)
+{
+    (void)state;
+    compare(LF_TEST_FLAMES("3", ", 'lens_radius': 0.1, 'focus_distance': 4.2"), 24, 36, 24);
+}
+
 static void invariant_4_mvpt_agrees_where_views_are_blurred(void **state)
 {
     (void)state;
@@ -144,6 +150,7 @@ int main(void)
         cmocka_unit_test(invariant_4_mvpt_agrees_on_overlapping_media),
         cmocka_unit_test(invariant_4_mvpt_agrees_beside_a_lamp_and_a_mirror),
         cmocka_unit_test(invariant_4_mvpt_agrees_behind_a_veil),
+        cmocka_unit_test(invariant_4_mvpt_agrees_on_volumes_that_emit),
         cmocka_unit_test(invariant_4_mvpt_agrees_where_views_are_blurred),
         cmocka_unit_test(invariant_4_mvpt_agrees_where_normals_are_bent),
     };

@@ -46,6 +46,20 @@
     "'transform': { 'scale': 1.1 } } }, "                                                          \
     LF_TEST_SHARP_LIGHTS " }"
 
+/* Forward-scattering fog that glows, in part within black smoke that does not, beside a ball that
+ * glows in vacuum, over a ground that they light; no other light but a faint sky. */
+#define LF_TEST_FLAMES(views, more)                                                                \
+    "{ " LF_TEST_CAMERA(views, more)                                                               \
+    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5, 'albedo': [0.9, 0.8, 0.7], 'g': "    \
+    "0.4, 'emission': [1, 0.8, 0.5], 'transform': { 'scale': [0.8, 0.6, 0.6], 'rotate': [0, 20, "  \
+    "0], 'translate': [0.4, -0.1, 0.5] } }, "                                                      \
+    "'smoke': { 'shape': 'box', 'density': 0.8, 'albedo': 0, 'transform': { 'scale': [0.5, 0.6, "  \
+    "0.4], 'rotate': [0, 35, 0], 'translate': [0.7, 0, 0.7] } }, "                                 \
+    "'flame': { 'shape': 'sphere', 'density': 0, 'emission': [2, 1.6, 1.2], 'transform': { "       \
+    "'scale': [0.5, 0.7, 0.5], 'translate': [-0.8, -0.2, 0.2] } } }, "                             \
+    "'meshes': { " LF_TEST_GROUND " }, 'materials': { 'clay': { 'albedo': [0.5, 0.45, 0.4] } }, "  \
+    "'lights': { 'sky': { 'type': 'environment', 'radiance': [0.2, 0.25, 0.3] } } }"
+
 /* Surfaces alone, lit by a lamp of triangles, a mirror among them. */
 #define LF_TEST_LAMP(views, more)                                                                  \
     "{ " LF_TEST_CAMERA(views, more)                                                               \
