@@ -33,9 +33,9 @@ static lf_box box_at(const lf_scene *scene, int i)
         return scene->meshes[i - scene->n_volumes].box;
     lf_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     grow_by_volume(&scene->volumes[i], &box);
-    for (int f = 0; f < scene->n_flames; f++)
-        if (scene->flame_lights[f].volume == i)
-            grow_by_volume(&scene->flames[f], &box);
+    for (int f = 0; f < scene->flames.n; f++)
+        if (scene->flames.light[f].volume == i)
+            grow_by_volume(&scene->flames.field[f], &box);
     return box;
 }
 

@@ -34,7 +34,7 @@ unsigned lf_skip_found(const lf_scene *scene)
     found |= scene->has_delta ? 0 : LF_SKIP_DELTA_LOBES;
     found |= scene->has_view_lobes ? 0 : LF_SKIP_VIEW_LOBES;
     found |= scene->has_emission ? 0 : LF_SKIP_EMISSION;
-    found |= !scene->has_delta && scene->n_glows == 0 && lf_exits_uniform(scene, sky)
+    found |= !scene->has_delta && scene->glows.n == 0 && lf_exits_uniform(scene, sky)
                  ? LF_SKIP_KNOWN_LIGHT
                  : 0;
     return found;

@@ -57,8 +57,8 @@ static lf_grid *find_grid(const lf_scene *scene, const char *key)
         if (grid && strcmp(grid->key, key) == 0)
             return lf_grid_ref(grid);
     }
-    for (int i = 0; scene && i < scene->n_flames; i++) {
-        lf_grid *grid = scene->flames[i].grid;
+    for (int i = 0; scene && i < scene->flames.n; i++) {
+        lf_grid *grid = scene->flames.field[i].grid;
         if (grid && strcmp(grid->key, key) == 0)
             return lf_grid_ref(grid);
     }
@@ -143,8 +143,8 @@ static void load_flame(const commit *c, int i)
     const lf_volume_desc *desc = &c->desc->volumes[i];
     if (!desc->has_flame)
         return;
-    lf_flame_light *light = &scene->flame_lights[scene->n_flames];
-    lf_volume *flame = &scene->flames[scene->n_flames++];
+    lf_flame_light *light = &scene->flames.light[scene->flames.n];
+    lf_volume *flame = &scene->flames.field[scene->flames.n++];
     *flame = (lf_volume){.kind = desc->kind, .nearest = desc->nearest};
     flame->sigma_scale = flame->sigma_max = 1.0f;
     if (desc->kind == LF_VOLUME_GRID)
@@ -165,9 +165,9 @@ static void load_volumes(commit *c)
 {
     lf_scene *scene = c->scene;
     scene->volumes = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->volumes);
-    scene->flames = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->flames);
-    scene->flame_lights = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->flame_lights);
-    if (!scene->volumes || !scene->flames || !scene->flame_lights)
+    scene->flames.field = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->flames.field);
+    scene->flames.light = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->flames.light);
+    if (!scene->volumes || !scene->flames.field || !scene->flames.light)
         out_of_memory(c);
     for (int i = 0; i < c->desc->n_volumes && c->reader->status == LF_OK; i++) {
         const lf_volume_desc *desc = &c->desc->volumes[i];
@@ -286,8 +286,8 @@ static void place_volume(const commit *c, lf_volume *volume, const lf_volume_des
 /* Values are no depths: voxels are all that there is to resolve. */
 static void place_flame(const commit *c, int i)
 {
-    lf_volume *flame = &c->scene->flames[i];
-    place_volume(c, flame, &c->desc->volumes[c->scene->flame_lights[i].volume]);
+    lf_volume *flame = &c->scene->flames.field[i];
+    place_volume(c, flame, &c->desc->volumes[c->scene->flames.light[i].volume]);
     flame->slice_cell = flame->voxel;
 }
 
@@ -395,9 +395,9 @@ static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_
         if (is_there(&c->scene->volumes[i]))
             extend_by_volume(&c->scene->volumes[i], &map, bounds);
     }
-    for (int i = 0; i < c->scene->n_flames; i++) {
-        const lf_volume *flame = &c->scene->flames[i];
-        lf_affine map = volume_to_world(flame, &c->desc->volumes[c->scene->flame_lights[i].volume]);
+    for (int i = 0; i < c->scene->flames.n; i++) {
+        const lf_volume *flame = &c->scene->flames.field[i];
+        lf_affine map = volume_to_world(flame, &c->desc->volumes[c->scene->flames.light[i].volume]);
         if (is_there(flame))
             extend_by_volume(flame, &map, bounds);
     }
@@ -587,8 +587,8 @@ static bool is_unlit(const lf_scene *scene)
             return false;
     }
     bool glows = false;
-    for (int i = 0; i < scene->n_flames; i++)
-        glows = glows || is_there(&scene->flames[i]);
+    for (int i = 0; i < scene->flames.n; i++)
+        glows = glows || is_there(&scene->flames.field[i]);
     return !glows;
 }
 
@@ -683,7 +683,7 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         return;
     for (int i = 0; i < scene->n_volumes; i++)
         place_volume(&c, &scene->volumes[i], &desc->volumes[i]);
-    for (int i = 0; i < scene->n_flames; i++)
+    for (int i = 0; i < scene->flames.n; i++)
         place_flame(&c, i);
     place_meshes(&c);
     set_bounds(&c);

@@ -3,7 +3,6 @@
  * transmittances of all views' pixels in that column at once (docs/estimators.md, "B and q"). */
 #include <string.h>
 
-#include "render/rows/shine.h"
 #include "render/rows/visit.h"
 #include "render/transport/light_kind.h"
 #include "render/transport/sunlight.h"
@@ -73,8 +72,8 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
         light = lf_light_escape(visit->scene, lf_normalize(w), &pdf);
     }
     light = lf_scale(light, transmittance);
-    if (worker->flames.n_here > 0)
-        light = lf_add(light, worker->shine[k]);
+    if (worker->shine.flames.n_here > 0)
+        light = lf_add(light, worker->shine.light[k]);
     lf_film_known_light(&visit->sums, pixel, light.x, light.y, light.z);
 }
 
@@ -129,7 +128,7 @@ bool lf_exits_constant(const lf_scene *scene, float out_sky[3])
 
 bool lf_exits_uniform(const lf_scene *scene, float out_sky[3])
 {
-    if (scene->n_flames > 0)
+    if (scene->flames.n > 0)
         return false;
     for (int i = 0; i < scene->n_materials && scene->embree; i++) {
         const lf_material *m = &scene->materials[i];
@@ -240,14 +239,13 @@ static void shine(const lf_visit *visit, int from, int to, float u)
     const lf_rays rays = {visit->scene,    visit->rig,      &visit->plane,
                           visit->kernels,  to - from,       w->x0 + from,
                           w->slope + from, w->z_end + from, 0.0f};
-    const lf_shine sources = {.flames = &w->flames,
-                              .media = &w->media,
+    const lf_shine sources = {.media = &w->media,
                               .rays = &rays,
                               .length = w->length + from,
                               .corrected = !lf_has_fault(visit, LF_FAULT_NO_CORRECTION)};
-    memset(w->shine, 0, sizeof w->shine);
+    memset(w->shine.light, 0, sizeof w->shine.light);
     if (from < to)
-        lf_shine_fan(&sources, u, &w->tracer, w->behind, w->shine + from);
+        lf_shine_fan(&sources, u, &w->tracer, &w->shine, w->shine.light + from);
 }
 
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
@@ -287,7 +285,7 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
             correct(visit, from, to);
         if (veiled && from < to)
             veil(visit, xw, lx, from, to);
-        if (w->flames.n_here > 0)
+        if (w->shine.flames.n_here > 0)
             shine(visit, from, to,
                   lf_sampler_radical(lf_hash64(lf_hash64(key, 16), (uint64_t)column), index));
         for (int k = 0; k < rig->n_views; k++) {

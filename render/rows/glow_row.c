@@ -19,7 +19,7 @@ static void init_plane(lf_glow_plane *out, const lf_glow *glow, const lf_rig *ri
 void lf_glow_row_init(lf_glow_row *row, const lf_scene *scene, const lf_rig *rig,
                       const lf_row_plane *plane, const lf_media *media, float base, float targets)
 {
-    row->n = base > 0.0f ? scene->n_glows : 0;
+    row->n = base > 0.0f ? scene->glows.n : 0;
     row->my2 = 1.0f + plane->my * plane->my;
     row->rig = rig;
     row->g = 0.0f;
@@ -29,8 +29,8 @@ void lf_glow_row_init(lf_glow_row *row, const lf_scene *scene, const lf_rig *rig
     }
     for (int i = 0; i < row->n; i++) {
         lf_glow_plane *p = &row->plane[i];
-        init_plane(p, &scene->glows[i], rig, plane, row->my2);
-        p->points = SHARE * base * scene->glows[i].share;
+        init_plane(p, &scene->glows.item[i], rig, plane, row->my2);
+        p->points = SHARE * base * scene->glows.item[i].share;
         p->density = p->points * sqrtf(row->my2) / (targets * LF_PI * p->log_range);
     }
 }

@@ -53,7 +53,8 @@ static void scatter(const lf_visit_plan *plan, lf_visit *visit, int glow, uint64
     pivot.event.kind = LF_EVENT_MEDIUM;
     pivot.event.p =
         lf_rig_point(rig, pivot.x, visit->plane.ly + visit->plane.my * pivot.z, pivot.z);
-    if (!lf_light_draw_from(visit->scene, &visit->scene->lights[visit->scene->glows[glow].light],
+    if (!lf_light_draw_from(visit->scene,
+                            &visit->scene->lights[visit->scene->glows.item[glow].light],
                             pivot.event.p, u, &light))
         return;
     for (int i = 0; i < w->media.n_here; i++) {

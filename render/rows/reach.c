@@ -107,7 +107,7 @@ void lf_reach_of(lf_reach *reach, const lf_scene *scene, const lf_rig *rig,
         s.hi[k] = -INFINITY;
     }
     add_media(&s, media, scene->volumes, plane);
-    add_media(&s, flames, scene->flames, plane);
+    add_media(&s, flames, scene->flames.field, plane);
     const lf_geometry *geometry = scene->geometry;
     if (geometry) {
         lf_vec3 bounds[2];

@@ -31,7 +31,7 @@ static void free_workers(lf_scratch **workers, int n)
     for (int i = 0; i < n && workers; i++) {
         if (workers[i]) {
             lf_media_finish(&workers[i]->media);
-            lf_media_finish(&workers[i]->flames);
+            lf_media_finish(&workers[i]->shine.flames);
             lf_film_sums_finish(&workers[i]->sums);
             lf_section_finish(&workers[i]->section);
             lf_section_finish(&workers[i]->veils);
@@ -58,7 +58,7 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
                                             sizeof *workers[i]->mirrors);
         if (!workers[i] || !workers[i]->expected || (mirrors && !workers[i]->mirrors) ||
             lf_media_init(&workers[i]->media, &rows->frame) != LF_OK ||
-            lf_media_init(&workers[i]->flames, &rows->flames) != LF_OK ||
+            lf_media_init(&workers[i]->shine.flames, &rows->flames) != LF_OK ||
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
             lf_section_init(&workers[i]->section, rows->triangles.longest) != LF_OK ||
             lf_section_init(&workers[i]->veils,
@@ -75,7 +75,7 @@ static lf_film_layout film_layout(const lf_scene *scene, const lf_render_setting
                                   const lf_rig *rig, float sky[3])
 {
     bool native =
-        scene->has_delta || scene->n_glows > 0 || (scene->has_veils && scene->has_emission);
+        scene->has_delta || scene->glows.n > 0 || (scene->has_veils && scene->has_emission);
     bool uniform = !native && settings->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_uniform(scene, sky),
          grids = false;
     for (int i = 0; i < scene->n_volumes; i++)
@@ -164,7 +164,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     if (status == LF_OK) {
         lf_media_frame_init(&rows->frame, input->scene->volumes, input->scene->n_volumes,
                             &rows->rig);
-        lf_media_frame_init(&rows->flames, input->scene->flames, input->scene->n_flames,
+        lf_media_frame_init(&rows->flames, input->scene->flames.field, input->scene->flames.n,
                             &rows->rig);
         needs.layout = film_layout(&rows->seen, input->settings, &rows->rig, needs.sky);
         needs.visit_passes = passes_of_a_visit(input->scene, sharing, rows->rig.n_views);

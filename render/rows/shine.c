@@ -166,7 +166,7 @@ static void grid(const lf_shine *shine, const lf_medium *flame, float u, lf_trac
                  float *behind, lf_vec3 *out)
 {
     const lf_rays *rays = shine->rays;
-    const lf_volume *volume = &rays->scene->flames[flame->volume];
+    const lf_volume *volume = &rays->scene->flames.field[flame->volume];
     const range r = range_of(flame, volume, rays->rig);
     walk w = {.shine = shine, .tracer = tracer, .behind = behind};
     float value[LF_MAX_LANES];
@@ -180,7 +180,7 @@ static void grid(const lf_shine *shine, const lf_medium *flame, float u, lf_trac
             continue;
         tracer->lookups += rays->n;
         if (look_up(volume, rays, z, value))
-            add(&w, &rays->scene->flame_lights[flame->volume], z, r.step, value, out);
+            add(&w, &rays->scene->flames.light[flame->volume], z, r.step, value, out);
     }
 }
 
@@ -254,7 +254,7 @@ static void shape(const lf_shine *shine, const lf_medium *flame, float u, lf_tra
                   lf_vec3 *out)
 {
     const lf_scene *scene = shine->rays->scene;
-    const lf_flame_light *light = &scene->flame_lights[flame->volume];
+    const lf_flame_light *light = &scene->flames.light[flame->volume];
     const lf_medium *own = own_medium(shine->media, light->volume);
     inside in = {.sigma_t = own ? own->body.sigma_t : 0.0f};
     float weight[LF_MAX_LANES];
@@ -265,13 +265,14 @@ static void shape(const lf_shine *shine, const lf_medium *flame, float u, lf_tra
         out[k] = lf_madd(out[k], weight[k], light->colour);
 }
 
-void lf_shine_fan(const lf_shine *shine, float u, lf_tracer *tracer, float *behind, lf_vec3 *out)
+void lf_shine_fan(const lf_shine *shine, float u, lf_tracer *tracer, lf_shine_memory *memory,
+                  lf_vec3 *out)
 {
-    for (int i = 0; i < shine->flames->n_here; i++) {
-        const lf_medium *flame = &shine->flames->item[shine->flames->here[i]];
+    for (int i = 0; i < memory->flames.n_here; i++) {
+        const lf_medium *flame = &memory->flames.item[memory->flames.here[i]];
         if (flame->kind == LF_MEDIUM_BODY)
             shape(shine, flame, u, tracer, out);
         else
-            grid(shine, flame, u, tracer, behind, out);
+            grid(shine, flame, u, tracer, memory->behind, out);
     }
 }

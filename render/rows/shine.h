@@ -8,15 +8,23 @@
 
 #include "render/rows/correction.h"
 
+/* A worker's memory for it. */
+typedef struct lf_shine_memory {
+    lf_media flames;                 /* what volumes emit, as cut by the row's plane */
+    lf_vec3 light[LF_MAX_LANES];     /* what the fan's rays meet of it, where there is any */
+    float behind[LF_SLICE_MAX_SIDE]; /* zero between calls */
+} lf_shine_memory;
+
 typedef struct lf_shine {
-    const lf_media *flames, *media; /* of this row's plane */
-    const lf_rays *rays;            /* from Z = 0 on */
-    const float *length;            /* of the rays, per unit of Z */
-    bool corrected;                 /* T by correction weights where media are slices */
+    const lf_media *media; /* of this row's plane */
+    const lf_rays *rays;   /* from Z = 0 on */
+    const float *length;   /* of the rays, per unit of Z */
+    bool corrected;        /* T by correction weights where media are slices */
 } lf_shine;
 
-/* Adds to out[rays->n]. u in [0, 1): the jitter; further numbers from the tracer, which counts the
- * look-ups. behind[LF_SLICE_MAX_SIDE] is zero before and after. */
-void lf_shine_fan(const lf_shine *shine, float u, lf_tracer *tracer, float *behind, lf_vec3 *out);
+/* Adds to out[rays->n], which may be lanes of memory->light. u in [0, 1): the jitter; further
+ * numbers from the tracer, which counts the look-ups. */
+void lf_shine_fan(const lf_shine *shine, float u, lf_tracer *tracer, lf_shine_memory *memory,
+                  lf_vec3 *out);
 
 #endif

@@ -337,13 +337,13 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
                      &visit->plane);
     lf_media_cut(&visit->worker->media, plan->frame, plan->scene->volumes, plan->rig, &visit->plane,
                  phase, plan->kernels, &visit->worker->tracer.lookups);
-    lf_media_cut(&visit->worker->flames, plan->flames, plan->scene->flames, plan->rig,
+    lf_media_cut(&visit->worker->shine.flames, plan->flames, plan->scene->flames.field, plan->rig,
                  &visit->plane, phase, plan->kernels, &visit->worker->tracer.lookups);
     if (plan->triangles)
         cut_meshes(plan, visit);
     if (plan->skip & LF_SKIP_BACKGROUND)
         lf_reach_of(&visit->worker->reach, plan->scene, plan->rig, &visit->plane,
-                    &visit->worker->media, &visit->worker->flames);
+                    &visit->worker->media, &visit->worker->shine.flames);
     else
         lf_reach_whole(&visit->worker->reach, plan->rig);
     cut_glows(visit);

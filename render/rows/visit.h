@@ -12,6 +12,7 @@
 #include "render/rows/media.h"
 #include "render/rows/reach.h"
 #include "render/rows/section.h"
+#include "render/rows/shine.h"
 #include "render/rows/veil.h"
 #include "render/transport/path.h"
 #include "render/transport/sampler.h"
@@ -51,12 +52,12 @@ typedef struct lf_fan_face {
 typedef struct lf_scratch {
     lf_tracer tracer;
     lf_media media;
-    lf_media flames;    /* what they emit */
-    lf_film_sums sums;  /* of the visit under way */
-    lf_reach reach;     /* of its row's plane */
-    lf_section section; /* the meshes in it, but for veils */
-    lf_section veils;   /* … and those */
-    lf_glow_row glows;  /* the lights in its media */
+    lf_shine_memory shine; /* what they emit */
+    lf_film_sums sums;     /* of the visit under way */
+    lf_reach reach;        /* of its row's plane */
+    lf_section section;    /* the meshes in it, but for veils */
+    lf_section veils;      /* ... and those */
+    lf_glow_row glows;     /* the lights in its media */
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES],
@@ -70,9 +71,7 @@ typedef struct lf_scratch {
     int segment[LF_MAX_LANES];    /* what they meet: of the section, -1: no surface */
     bool mirrored[LF_MAX_LANES];  /* by a veil before it */
     lf_fan_face face[LF_FAN_FACES];
-    lf_vec3 shine[LF_MAX_LANES];     /* what the fan's rays meet of flames, where there are any */
-    float behind[LF_SLICE_MAX_SIDE]; /* for lf_shine_fan */
-    lf_media_moments moments;        /* of the fan's collisions, where features are wanted */
+    lf_media_moments moments; /* of the fan's collisions, where features are wanted */
     int column[LF_MAX_LANES];
     /* directions to the views in the frame of a surface's shading normal (z) */
     float local[3][LF_MAX_LANES];

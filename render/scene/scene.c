@@ -37,14 +37,14 @@ void lf_scene_unref(lf_scene *scene)
         return;
     for (int i = 0; i < scene->n_volumes; i++)
         lf_grid_unref(scene->volumes[i].grid);
-    for (int i = 0; i < scene->n_flames; i++)
-        lf_grid_unref(scene->flames[i].grid);
+    for (int i = 0; i < scene->flames.n; i++)
+        lf_grid_unref(scene->flames.field[i].grid);
     for (int i = 0; i < scene->n_lights; i++)
         lf_light_finish(&scene->lights[i]);
     lf_geometry_unref(scene->geometry);
     lf_free(scene->volumes);
-    lf_free(scene->flames);
-    lf_free(scene->flame_lights);
+    lf_free(scene->flames.field);
+    lf_free(scene->flames.light);
     lf_free(scene->lights);
     lf_free(scene->meshes);
     lf_free(scene->materials);

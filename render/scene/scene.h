@@ -87,6 +87,14 @@ typedef struct lf_flame_light {
     lf_vec3 table[LF_FLAME_STEPS + 1];
 } lf_flame_light;
 
+/* Volumes that emit, each by a field of its own beside their extinction, with its own grid and
+ * place: its value stands where a volume has sigma_t (sigma_scale is 1). */
+typedef struct lf_flames {
+    int n;
+    lf_volume *field;
+    lf_flame_light *light; /* of field[i] */
+} lf_flames;
+
 /* sigma_t at a scene-local point, filter applied, 0 outside. */
 float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p);
 /* The value of a grid at volume-space coordinates: trilinear (voxel centres at integers), 0
@@ -239,6 +247,12 @@ typedef struct lf_glow {
 } lf_glow;
 #define LF_MAX_GLOWS 64
 
+typedef struct lf_glows {
+    int n;
+    lf_glow item[LF_MAX_GLOWS];
+    lf_box media; /* of all volumes */
+} lf_glows;
+
 /* ------------------------------------------------------------------------------------- scene -- */
 
 struct lf_scene {
@@ -253,21 +267,15 @@ struct lf_scene {
 
     int n_volumes, n_meshes, n_materials, n_lights;
     lf_volume *volumes;
-    /* Volumes that emit, beside their extinction: a field of its own each, with its own grid and
-     * place, its value where a volume has sigma_t (sigma_scale is 1). */
-    int n_flames;
-    lf_volume *flames;
-    lf_flame_light *flame_lights; /* of flames[i] */
-    lf_mesh *meshes;              /* indexed by Embree's geomID */
+    lf_flames flames; /* what they emit */
+    lf_mesh *meshes;  /* indexed by Embree's geomID */
     lf_material *materials;
     /* in the order of their kinds after lf_lights_commit: those at infinity first */
     lf_light *lights;
     int n_lights_infinite; /* set by lf_lights_commit */
-    int n_glows;           /* lights in media */
-    lf_glow glows[LF_MAX_GLOWS];
-    lf_box media;    /* of all volumes */
-    RTCScene embree; /* NULL without meshes (then no Embree device exists either) */
-    float offset;    /* lf_geometry.offset; 0 without meshes */
+    lf_glows glows;        /* lights in media */
+    RTCScene embree;       /* NULL without meshes (then no Embree device exists either) */
+    float offset;          /* lf_geometry.offset; 0 without meshes */
     /* owner of the meshes' arrays and of embree, shared between scenes; NULL without meshes */
     struct lf_geometry *geometry;
     lf_box bounds; /* of volumes and meshes */

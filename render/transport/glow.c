@@ -10,9 +10,10 @@ static float outside(float x, float min, float max)
 /* How far the farthest point of the volumes is. */
 static float reach_of(const lf_scene *scene, lf_vec3 p)
 {
-    lf_vec3 d = lf_v3(lf_max(fabsf(p.x - scene->media.min.x), fabsf(p.x - scene->media.max.x)),
-                      lf_max(fabsf(p.y - scene->media.min.y), fabsf(p.y - scene->media.max.y)),
-                      lf_max(fabsf(p.z - scene->media.min.z), fabsf(p.z - scene->media.max.z)));
+    lf_vec3 d =
+        lf_v3(lf_max(fabsf(p.x - scene->glows.media.min.x), fabsf(p.x - scene->glows.media.max.x)),
+              lf_max(fabsf(p.y - scene->glows.media.min.y), fabsf(p.y - scene->glows.media.max.y)),
+              lf_max(fabsf(p.z - scene->glows.media.min.z), fabsf(p.z - scene->glows.media.max.z)));
     return lf_length(d);
 }
 
@@ -42,8 +43,8 @@ static void set_media_bounds(lf_scene *scene)
         max = lf_v3(lf_max(max.x, v->bounds_max.x), lf_max(max.y, v->bounds_max.y),
                     lf_max(max.z, v->bounds_max.z));
     }
-    scene->media.min = min;
-    scene->media.max = max;
+    scene->glows.media.min = min;
+    scene->glows.media.max = max;
 }
 
 /* The strongest light in media that has no glow yet, or NULL. */
@@ -68,18 +69,18 @@ void lf_glows_commit(lf_scene *scene)
 {
     float sum = 0.0f;
     lf_light *light;
-    scene->n_glows = 0;
+    scene->glows.n = 0;
     set_media_bounds(scene);
-    while (scene->n_glows < LF_MAX_GLOWS && (light = strongest(scene))) {
-        lf_glow *glow = &scene->glows[scene->n_glows++];
+    while (scene->glows.n < LF_MAX_GLOWS && (light = strongest(scene))) {
+        lf_glow *glow = &scene->glows.item[scene->glows.n++];
         light->kind->extent(scene, light, &glow->middle, &glow->radius);
         glow->reach = reach_of(scene, glow->middle);
         glow->light = (int)(light - scene->lights);
-        light->glow = scene->n_glows;
+        light->glow = scene->glows.n;
         sum += light->select;
     }
-    for (int i = 0; i < scene->n_glows; i++)
-        scene->glows[i].share = scene->lights[scene->glows[i].light].select / sum;
+    for (int i = 0; i < scene->glows.n; i++)
+        scene->glows.item[i].share = scene->lights[scene->glows.item[i].light].select / sum;
 }
 
 static void clip(float o, float w, float min, float max, float *t0, float *t1)
@@ -95,9 +96,9 @@ bool lf_glow_segment_init(lf_glow_segment *s, const lf_scene *scene, const lf_gl
                           lf_vec3 w)
 {
     float t0 = 0.0f, t1 = INFINITY;
-    clip(o.x, w.x, scene->media.min.x, scene->media.max.x, &t0, &t1);
-    clip(o.y, w.y, scene->media.min.y, scene->media.max.y, &t0, &t1);
-    clip(o.z, w.z, scene->media.min.z, scene->media.max.z, &t0, &t1);
+    clip(o.x, w.x, scene->glows.media.min.x, scene->glows.media.max.x, &t0, &t1);
+    clip(o.y, w.y, scene->glows.media.min.y, scene->glows.media.max.y, &t0, &t1);
+    clip(o.z, w.z, scene->glows.media.min.z, scene->glows.media.max.z, &t0, &t1);
     if (!(t1 > t0))
         return false;
     s->start = t0;

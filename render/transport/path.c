@@ -126,9 +126,9 @@ static float extinction(const lf_scene *scene, lf_vec3 p)
 static const lf_glow *pick_glow(const lf_scene *scene, float u)
 {
     int i = 0;
-    for (; i < scene->n_glows - 1 && u >= scene->glows[i].share; i++)
-        u -= scene->glows[i].share;
-    return &scene->glows[i];
+    for (; i < scene->glows.n - 1 && u >= scene->glows.item[i].share; i++)
+        u -= scene->glows.item[i].share;
+    return &scene->glows.item[i];
 }
 
 /* Albedo times phase function times extinction of all volumes at p, each over the pdf with which
@@ -151,7 +151,7 @@ lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
 {
     const lf_vec3 nothing = lf_v3(0.0f, 0.0f, 0.0f);
     const lf_scene *scene = tracer->scene;
-    if (scene->n_glows == 0)
+    if (scene->glows.n == 0)
         return nothing;
     const lf_glow *glow = pick_glow(scene, lf_rng(tracer));
     lf_glow_segment segment;
@@ -183,7 +183,7 @@ static float beside_glow(const lf_scene *scene, const lf_event *event, const lf_
     lf_glow_segment segment;
     if (event->kind != LF_EVENT_MEDIUM || light->glow == 0)
         return 1.0f;
-    const lf_glow *glow = &scene->glows[light->glow - 1];
+    const lf_glow *glow = &scene->glows.item[light->glow - 1];
     if (!lf_glow_segment_init(&segment, scene, glow, event->from, event->w))
         return 1.0f;
     float sigma = extinction(scene, event->p);
@@ -279,9 +279,9 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
         lf_vec3 found = lf_path_light_found(tracer->scene, here, next, &light_pdf);
         float weight = delta || light_pdf <= 0.0f ? 1.0f : pdf / (pdf + light_pdf);
         radiance = lf_add(radiance, lf_scale(lf_mul(beta, found), weight));
-        if (tracer->scene->n_flames > 0)
-            radiance = lf_add(radiance, lf_mul(beta, emitted(tracer, &next)));
-        if (depth < max_depth && tracer->scene->n_glows > 0)
+        if (tracer->scene->flames.n > 0)
+            radiance = lf_add(radiance, lf_mul(beta, emitted(tracer, next)));
+        if (depth < max_depth && tracer->scene->glows.n > 0)
             radiance = lf_add(radiance, lf_mul(beta, lf_path_glow(tracer, next)));
         if (next->kind == LF_EVENT_ESCAPE)
             break;
@@ -293,7 +293,7 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
 lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth)
 {
     lf_vec3 radiance = depth <= max_depth ? lf_path_glow(tracer, next) : lf_v3(0.0f, 0.0f, 0.0f);
-    if (tracer->scene->n_flames > 0)
+    if (tracer->scene->flames.n > 0)
         radiance = lf_add(radiance, emitted(tracer, next));
     return next->kind == LF_EVENT_ESCAPE
                ? radiance

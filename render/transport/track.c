@@ -488,9 +488,9 @@ lf_vec3 lf_track_emission(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t)
 {
     const lf_scene *scene = tracer->scene;
     lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f);
-    for (int i = 0; i < scene->n_flames; i++) {
-        const lf_volume *flame = &scene->flames[i];
-        const lf_flame_light *light = &scene->flame_lights[i];
+    for (int i = 0; i < scene->flames.n; i++) {
+        const lf_volume *flame = &scene->flames.field[i];
+        const lf_flame_light *light = &scene->flames.light[i];
         lf_local_ray r;
         to_local(flame, o, w, t, &r);
         if (!(flame->sigma_max > 0.0f) || !clip_volume(flame, &r))

@@ -275,13 +275,13 @@ static void kindle(lf_scene *scene, lf_grid *grid, double voxel, double tilt, bo
 {
     lf_scene *other = lf_test_grid_scene("{" CAMERA("") ", " LF_TEST_VOLUMES("") "}", grid, voxel,
                                          tilt, 1.0f, nearest);
-    assert_int_equal(scene->n_flames, 1);
-    scene->flames[0] = other->volumes[0];
-    scene->flames[0].slice_cell = scene->flames[0].voxel;
+    assert_int_equal(scene->flames.n, 1);
+    scene->flames.field[0] = other->volumes[0];
+    scene->flames.field[0].slice_cell = scene->flames.field[0].voxel;
     other->volumes[0].grid = NULL;
     lf_scene_unref(other);
-    assert_true(lf_flame_light_init(&scene->flame_lights[0], colour, kelvin,
-                                    (double)scene->flames[0].sigma_max) > 0.0);
+    assert_true(lf_flame_light_init(&scene->flames.light[0], colour, kelvin,
+                                    (double)scene->flames.field[0].sigma_max) > 0.0);
 }
 
 #define DARK(lens)                                                                                 \

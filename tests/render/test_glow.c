@@ -172,7 +172,7 @@ static void points_beside_whole_pivots_are_rejected(void **state)
 /* Without the points that are drawn about lights: what is left is next event alone. */
 static void take_away(lf_scene *scene)
 {
-    scene->n_glows = 0;
+    scene->glows.n = 0;
     for (int i = 0; i < scene->n_lights; i++)
         scene->lights[i].glow = 0;
 }
@@ -265,7 +265,7 @@ static double agreement(const char *text, const char *integrator, lf_test_schedu
     enum { replicates = 16 };
     lf_scene *scene = lf_test_scene(text), *plain = lf_test_scene(text);
     lf_blocks a, b;
-    assert_true(scene->n_glows > 0);
+    assert_true(scene->glows.n > 0);
     take_away(plain);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     lf_renderer *s = lf_test_renderer(plain, integrator, width, height, NULL);
