@@ -318,6 +318,24 @@ static void a_grid_in_vacuum_is_its_integral(void **state)
     }
 }
 
+static double half_in_vacuum(double x0, double mx, double my)
+{
+    return 0.5 * slab_in_vacuum(x0, mx, my);
+}
+
+static void a_surface_hides_what_of_a_grid_is_behind_it(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(
+        "{" CAMERA("") ", 'volumes': { 'w': { 'shape': 'box', 'density': 0, 'emission': 1 } }, "
+                       "'meshes': { 'wall': { 'shape': 'quad', 'material': 'black', 'transform': { "
+                       "'scale': 60, 'rotate': [90, 0, 0] } } }, 'materials': { 'black': { "
+                       "'albedo': 0 } } }");
+    kindle(scene, lf_test_grid(lf_test_full, 40, 32, 8), 0.125, 0.0, false, lf_v3(2.0f, 2.0f, 2.0f),
+           0.0);
+    assert_scene(scene, half_in_vacuum, 5, 32, 1e-3, 0);
+}
+
 #define GRID_FURNACE(lens, g, more)                                                                \
     "{" CAMERA(lens) ", 'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 0.6, 'g': " g  \
                      "}, 'w': { 'shape': 'box', 'density': 0, 'emission': 1 } }, 'lights': { "     \
@@ -436,6 +454,7 @@ int main(void)
         cmocka_unit_test(a_wall_is_lit_by_what_emits_in_vacuum),
         cmocka_unit_test(a_grid_that_absorbs_and_emits_is_its_closed_form),
         cmocka_unit_test(a_grid_in_vacuum_is_its_integral),
+        cmocka_unit_test(a_surface_hides_what_of_a_grid_is_behind_it),
         cmocka_unit_test(a_grid_in_a_furnace_makes_up_for_what_it_absorbs),
         cmocka_unit_test(a_grid_of_temperature_glows_as_a_black_body),
         cmocka_unit_test(black_bodies_have_the_colours_of_the_planckian_locus),
