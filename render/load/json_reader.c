@@ -221,6 +221,16 @@ bool lf_read_colour(lf_reader *reader, const lf_node *parent, const char *key, d
     return true;
 }
 
+bool lf_read_bool(lf_reader *reader, const lf_node *parent, const char *key, bool fallback)
+{
+    lf_node node = lf_node_child(parent, key);
+    if (reader->status != LF_OK || !node.value)
+        return fallback;
+    if (!json_is_boolean(node.value))
+        lf_read_fail(reader, &node, "expected true or false, found %s", type_name(node.value));
+    return json_is_true(node.value);
+}
+
 const char *lf_read_string(lf_reader *reader, const lf_node *parent, const char *key,
                            const char *fallback, size_t max)
 {

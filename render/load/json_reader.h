@@ -43,6 +43,7 @@ double lf_read_number(lf_reader *reader, const lf_node *parent, const char *key,
                       double lo, double hi);
 int lf_read_int(lf_reader *reader, const lf_node *parent, const char *key, int fallback, int lo,
                 int hi);
+bool lf_read_bool(lf_reader *reader, const lf_node *parent, const char *key, bool fallback);
 /* An array of exactly n numbers. false: absent or wrong, out untouched. */
 bool lf_read_numbers(lf_reader *reader, const lf_node *parent, const char *key, int n, double *out,
                      double lo, double hi);

@@ -112,7 +112,9 @@ static void read_field(lf_reader *reader, const lf_node *node, const lf_param *r
             lf_read_int(reader, node, row->name, (int)row->initial, (int)row->low, (int)row->high);
         break;
     case LF_PARAM_SWITCH:
-        *(bool *)field = lf_read_choice(reader, node, row->name, row->words, (int)row->initial);
+        *(bool *)field =
+            row->words ? lf_read_choice(reader, node, row->name, row->words, (int)row->initial)
+                       : lf_read_bool(reader, node, row->name, row->initial != 0.0);
         break;
     case LF_PARAM_WORD:
         *(int *)field = lf_read_choice(reader, node, row->name, row->words, (int)row->initial);
@@ -131,6 +133,8 @@ void lf_read_value(lf_reader *reader, const lf_node *node, const lf_param *key, 
     void *field = out->number;
     if (key->type == LF_PARAM_WORD)
         field = &out->word;
+    else if (key->type == LF_PARAM_SWITCH)
+        field = &out->on;
     else if (key->type == LF_PARAM_FILE)
         field = &out->text;
     read_field(reader, node, key, field);

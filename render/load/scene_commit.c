@@ -664,9 +664,9 @@ static void collect_warnings(const commit *c)
     if (scene->geometry)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
     if (is_unlit(scene))
-        lf_warnings_add(
-            &scene->warnings, scene->where,
-            "no light shines here: the picture will be black (see lights in docs/scene.md)");
+        lf_warnings_add(&scene->warnings, scene->where,
+                        "no light shines here: %s will be black (see lights in docs/scene.md)",
+                        scene->backdrop.given ? "all before the backdrop" : "the picture");
 }
 
 void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc *desc,
@@ -675,6 +675,7 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
     commit c = {reader, root, desc, roots, previous, scene};
     scene->camera = desc->camera;
     scene->film = desc->film;
+    scene->backdrop = desc->backdrop;
     scene->max_depth = desc->max_depth;
     load_volumes(&c);
     if (reader->status == LF_OK)

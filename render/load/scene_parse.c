@@ -153,6 +153,22 @@ static void parse_film(lf_reader *reader, const lf_node *root, lf_film_settings 
              tonemaps[lf_read_choice(reader, &node, "tonemap", tonemaps, 0)]);
 }
 
+/* A colour, or one at the top and one at the bottom. */
+static void parse_backdrop(lf_reader *reader, const lf_node *root, lf_backdrop *backdrop)
+{
+    static const char *const keys[] = {"top", "bottom", NULL};
+    double top[3] = {0, 0, 0}, bottom[3] = {0, 0, 0};
+    lf_node node = lf_node_child(root, "backdrop");
+    if (json_is_object(node.value)) {
+        lf_read_object(reader, &node, keys);
+        lf_read_colour(reader, &node, "top", top, 0, LF_MAX_RADIANCE);
+        lf_read_colour(reader, &node, "bottom", bottom, 0, LF_MAX_RADIANCE);
+    } else if (lf_read_colour(reader, root, "backdrop", top, 0, LF_MAX_RADIANCE)) {
+        memcpy(bottom, top, sizeof bottom);
+    }
+    *backdrop = (lf_backdrop){node.value, lf_to_vec3(top), lf_to_vec3(bottom)};
+}
+
 static int parse_render(lf_reader *reader, const lf_node *root)
 {
     static const char *const keys[] = {"max_depth", NULL};
@@ -428,9 +444,9 @@ static void parse_light(lf_reader *reader, const lf_node *node, lf_scene_desc *d
 
 void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
 {
-    static const char *const keys[] = {"quiltd",    "camera",  "volumes", "meshes",
-                                       "materials", "lights",  "film",    "render",
-                                       "comment",   "$schema", NULL};
+    static const char *const keys[] = {"quiltd",    "camera",  "volumes",  "meshes",
+                                       "materials", "lights",  "backdrop", "film",
+                                       "render",    "comment", "$schema",  NULL};
     *out = (lf_scene_desc){0};
     if (!lf_read_object(reader, root, keys)) {
         lf_read_fail(reader, root, "a scene is a JSON object");
@@ -441,6 +457,7 @@ void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
     lf_read_string(reader, root, "$schema", NULL, 4096);
     parse_camera(reader, root, &out->camera);
     parse_film(reader, root, &out->film);
+    parse_backdrop(reader, root, &out->backdrop);
     out->max_depth = parse_render(reader, root);
     out->volumes = allocate_section(reader, root, "volumes", LF_MAX_VOLUMES, sizeof *out->volumes,
                                     &out->n_volumes);

@@ -51,6 +51,7 @@ typedef struct lf_light_desc {
 typedef struct lf_scene_desc {
     lf_camera camera;
     lf_film_settings film;
+    lf_backdrop backdrop;
     int max_depth; /* 0 = not stated */
     int n_volumes, n_meshes, n_materials, n_lights;
     lf_volume_desc *volumes;

@@ -46,12 +46,13 @@ static lf_vec3 emission_of(const lf_visit *visit, int k, const lf_material *mate
 
 /* One ray's known light, what volumes emit along it included, and pivot probability; material: of
  * the surface it meets, NULL: none; depth: optical, along the whole ray or to the surface;
- * exp(-depth) times correction is what comes through. */
+ * exp(-depth) times correction is what comes through; sky: what is
+ * behind it all, NULL: to be looked up. */
 static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_material *material,
                         float depth, float correction, const lf_vec3 *sky)
 {
     const lf_scratch *worker = visit->worker;
-    float q_medium = depth > 0.0f ? -expm1f(-depth) : 0.0f, q, pdf;
+    float q_medium = depth > 0.0f ? -expm1f(-depth) : 0.0f, q;
     /* A sun or lamp behind 20 mean free paths and more: 1 - q would have no digits left. */
     float transmittance = depth < 0.5f ? 1.0f - q_medium : expf(-depth);
     q_medium += transmittance * (1.0f - correction);
@@ -69,7 +70,7 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
         light = *sky;
     } else {
         lf_vec3 w = lf_rig_direction(visit->rig, worker->slope[k], visit->plane.my, 1.0f);
-        light = lf_light_escape(visit->scene, lf_normalize(w), &pdf);
+        light = lf_light_seen(visit->scene, lf_normalize(w));
     }
     light = lf_scale(light, transmittance);
     if (worker->shine.flames.n_here > 0)
@@ -111,18 +112,47 @@ static void write_feature(const lf_visit_plan *plan, const lf_visit *visit, size
     lf_film_note(&visit->sums, pixel, feature);
 }
 
+static lf_vec3 backdrop_at(const lf_backdrop *backdrop, float height)
+{
+    return lf_madd(backdrop->top, height, lf_sub(backdrop->bottom, backdrop->top));
+}
+
+/* Whether the camera sees another colour in another direction. */
+static bool sky_varies(const lf_scene *scene)
+{
+    const lf_backdrop *b = &scene->backdrop;
+    bool varies =
+        b->given && (b->top.x != b->bottom.x || b->top.y != b->bottom.y || b->top.z != b->bottom.z);
+    for (int i = 0; i < scene->n_lights_infinite && !b->given; i++) {
+        const lf_light *light = &scene->lights[i];
+        varies = varies || (!light->hidden && light->kind->varies && light->kind->varies(light));
+    }
+    return varies;
+}
+
 bool lf_exits_constant(const lf_scene *scene, float out_sky[3])
 {
-    for (int i = 0; i < scene->n_lights; i++) {
-        const lf_light *light = &scene->lights[i];
-        if (light->kind->varies && light->kind->varies(light))
-            return false;
-    }
-    float pdf;
-    lf_vec3 sky = lf_light_escape(scene, lf_v3(0.0f, 1.0f, 0.0f), &pdf);
+    if (sky_varies(scene))
+        return false;
+    lf_vec3 sky =
+        scene->backdrop.given ? scene->backdrop.top : lf_light_seen(scene, lf_v3(0.0f, 1.0f, 0.0f));
     out_sky[0] = sky.x;
     out_sky[1] = sky.y;
     out_sky[2] = sky.z;
+    return true;
+}
+
+/* The sky of a row's rays where it is one; false: each looks for its own. */
+static bool sky_of_row(const lf_visit_plan *plan, const lf_visit *visit, lf_vec3 *out)
+{
+    const lf_scene *scene = plan->scene;
+    float sky[3];
+    if (scene->backdrop.given)
+        *out = backdrop_at(&scene->backdrop, lf_rig_height_between(visit->rig, visit->plane.my));
+    else if (plan->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_constant(scene, sky))
+        *out = lf_v3(sky[0], sky[1], sky[2]);
+    else
+        return false;
     return true;
 }
 
@@ -252,9 +282,8 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    float light[3];
-    bool constant = plan->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_constant(plan->scene, light);
-    lf_vec3 sky = constant ? lf_v3(light[0], light[1], light[2]) : lf_v3(0.0f, 0.0f, 0.0f);
+    lf_vec3 sky;
+    bool constant = sky_of_row(plan, visit, &sky);
     bool corrected =
         lf_correction_needed(&w->media) && !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
     bool veiled = plan->scene->has_veils, weighed = corrected || veiled;

@@ -35,6 +35,7 @@ typedef struct lf_rig {
     float blur;                      /* half the width of a view's line of cameras; 0 = one */
     /* window coordinates of film point (0, 0) and of one pixel; dy < 0 */
     float x0, dx, y0, dy;
+    float tangent; /* of the window's upper edge seen from the middle; of the lower one minus it */
     /* camera positions along X, rising; lanes behind n_views repeat the last */
     float b[LF_MAX_LANES];
 } lf_rig;
@@ -69,6 +70,13 @@ void lf_rig_map_between(const lf_rig *from, const lf_rig *to, double out[4][4]);
 /* Where the line from the middle of from's window through its eye meets the cameras of `to`: from
  * their middle, over what n_views of them take up; 0 where it does not. */
 float lf_rig_view_between(const lf_rig *from, const lf_rig *to);
+
+/* Where my of a row's plane lies between the window's upper edge, 0, and the lower one, 1: the same
+ * for all views, whatever part of the window is rendered. */
+static inline float lf_rig_height_between(const lf_rig *rig, float my)
+{
+    return lf_min(lf_max(0.5f - 0.5f * my / rig->tangent, 0.0f), 1.0f);
+}
 
 static inline lf_vec3 lf_rig_point(const lf_rig *rig, float x, float y, float z)
 {

@@ -236,7 +236,7 @@ float lf_exits_film_point(uint64_t key, int column, uint32_t index);
  * half. */
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index);
 
-/* True when every escaping ray finds the same light. */
+/* True when the camera sees the same light wherever it meets nothing. */
 bool lf_exits_constant(const lf_scene *scene, float out_sky[3]);
 /* True when moreover everything that can be hit scatters to all views and emits nothing: B is then
  * sky (1 - q) in every pixel. */

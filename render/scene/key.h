@@ -19,6 +19,7 @@ typedef struct lf_value {
     double number[3]; /* numbers and angles: the first */
     const char *text; /* of a file's name; NULL where none is given */
     int word;         /* its place in words */
+    bool on;          /* of a switch */
     bool given;
 } lf_value;
 

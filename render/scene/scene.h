@@ -217,6 +217,7 @@ typedef struct lf_light {
     lf_vec3 irradiance;          /* on a plane across direction */
     float versine;               /* 1 - cos of half the angle about direction */
     lf_vec3 position, intensity; /* scene-local, W sr^-1 */
+    bool hidden;                 /* the camera does not see it; everything else does */
     /* What one kind alone keeps: a struct each. */
     union {
         struct {
@@ -234,6 +235,13 @@ typedef struct lf_light {
     int glow;         /* lights at a distance: 1 + its place in scene->glows; 0 = none */
 } lf_light;
 
+/* What the camera sees where it meets nothing, in place of the lights at infinity: radiance at the
+ * upper and lower edge of the window, linear in its height between them. */
+typedef struct lf_backdrop {
+    bool given;
+    lf_vec3 top, bottom;
+} lf_backdrop;
+
 /* Releases what the light owns; leaves it zeroed. Accepts one that is all zero. */
 void lf_light_finish(lf_light *light);
 
@@ -247,6 +255,7 @@ typedef struct lf_glow {
 } lf_glow;
 #define LF_MAX_GLOWS 64
 
+/* All of them. */
 typedef struct lf_glows {
     int n;
     lf_glow item[LF_MAX_GLOWS];
@@ -273,6 +282,7 @@ struct lf_scene {
     /* in the order of their kinds after lf_lights_commit: those at infinity first */
     lf_light *lights;
     int n_lights_infinite; /* set by lf_lights_commit */
+    lf_backdrop backdrop;
     lf_glows glows;        /* lights in media */
     RTCScene embree;       /* NULL without meshes (then no Embree device exists either) */
     float offset;          /* lf_geometry.offset; 0 without meshes */

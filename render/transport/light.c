@@ -25,6 +25,18 @@ lf_vec3 lf_light_escape(const lf_scene *scene, lf_vec3 w, float *out_pdf)
     return radiance;
 }
 
+lf_vec3 lf_light_seen(const lf_scene *scene, lf_vec3 w)
+{
+    lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < scene->n_lights_infinite; i++) {
+        const lf_light *light = &scene->lights[i];
+        float pdf;
+        if (!light->hidden)
+            radiance = lf_add(radiance, light->kind->escape(light, w, &pdf));
+    }
+    return radiance;
+}
+
 /* u[0] with more digits: it ends at 2^-24, and picking a light uses some of that up, while the
  * light may have millions of triangles. A hash of the other two numbers goes on where it ends. */
 static double refine(const float u[3])

@@ -35,6 +35,10 @@ bool lf_light_draw_from(const lf_scene *scene, const lf_light *light, lf_vec3 p,
  * give none), and the pdf with which lf_light_draw draws w from lights at infinity. */
 lf_vec3 lf_light_escape(const lf_scene *scene, lf_vec3 w, float *out_pdf);
 
+/* The radiance that a ray of the camera finds there: the same without the lights that it does not
+ * see. Not asked for where the scene has a backdrop. */
+lf_vec3 lf_light_seen(const lf_scene *scene, lf_vec3 w);
+
 /* Radiance leaving an emissive hit towards the ray's origin (0 when the material does not emit),
  * and the pdf with which lf_light_draw at `from` draws the direction to it. */
 lf_vec3 lf_light_hit(const lf_scene *scene, lf_vec3 from, const lf_hit *hit, float *out_pdf);

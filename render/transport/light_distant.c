@@ -80,7 +80,7 @@ static bool varies(const lf_light *light)
     return light->versine > 0.0f;
 }
 
-enum { DIRECTION, IRRADIANCE, ANGLE };
+enum { DIRECTION, IRRADIANCE, ANGLE, VISIBLE };
 
 static const lf_param keys[] = {
     [DIRECTION] = {.name = "direction",
@@ -92,6 +92,7 @@ static const lf_param keys[] = {
                     .high = LF_MAX_RADIANCE,
                     .point = {1, 1, 1}},
     [ANGLE] = {.name = "angle", .type = LF_PARAM_ANGLE, .high = 90},
+    [VISIBLE] = LF_VISIBLE_KEY,
     {0},
 };
 
@@ -100,6 +101,7 @@ static void read(const lf_value values[], const double origin[3], lf_light *ligh
     (void)origin;
     light->direction = lf_to_vec3(values[DIRECTION].number);
     light->irradiance = lf_to_vec3(values[IRRADIANCE].number);
+    light->hidden = !values[VISIBLE].on;
     light->versine = (float)(2.0 * pow(sin(0.25 * values[ANGLE].number[0]), 2.0));
 }
 

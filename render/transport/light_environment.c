@@ -201,7 +201,7 @@ static bool varies(const lf_light *light)
     return light->environment;
 }
 
-enum { FILE_NAME, SCALE, ROTATE, RADIANCE };
+enum { FILE_NAME, SCALE, ROTATE, RADIANCE, VISIBLE };
 
 static const lf_param keys[] = {
     [FILE_NAME] = {.name = "file",
@@ -215,6 +215,7 @@ static const lf_param keys[] = {
                .point = {1, 1, 1}},
     [ROTATE] = {.name = "rotate", .type = LF_PARAM_ANGLE, .form = 1, .low = -3600, .high = 3600},
     [RADIANCE] = {.name = "radiance", .type = LF_PARAM_COLOUR, .form = 2, .high = LF_MAX_RADIANCE},
+    [VISIBLE] = LF_VISIBLE_KEY,
     {0},
 };
 
@@ -232,6 +233,7 @@ static void read(const lf_value values[], const double origin[3], lf_light *ligh
 {
     (void)origin;
     light->radiance = lf_to_vec3(values[values[FILE_NAME].given ? SCALE : RADIANCE].number);
+    light->hidden = !values[VISIBLE].on;
     set_rotation(light, values[ROTATE].number[0]);
 }
 

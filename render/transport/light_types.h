@@ -5,6 +5,12 @@
 #include "render/scene/vec_double.h"
 #include "render/transport/light_kind.h"
 
+/* What lights that a camera can see may say: "visible", which read takes to light->hidden. */
+#define LF_VISIBLE_KEY                                                                             \
+    {                                                                                              \
+        .name = "visible", .type = LF_PARAM_SWITCH, .initial = 1                                   \
+    }
+
 /* Lights that are a point. */
 
 /* A point of the scene's file in its local coordinates. */

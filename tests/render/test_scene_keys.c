@@ -67,6 +67,8 @@ static bool agrees_in_type(const json_t *property, const lf_param *key)
         return has_range(member(property, "items"), key->low, key->high) &&
                json_integer_value(member(property, "minItems")) == 3 &&
                json_integer_value(member(property, "maxItems")) == 3;
+    case LF_PARAM_SWITCH:
+        return !key->words && strcmp(json_string_value(member(property, "type")), "boolean") == 0;
     case LF_PARAM_WORD:
         return has_words(member(property, "enum"), key->words);
     case LF_PARAM_FILE:
@@ -89,6 +91,8 @@ static bool agrees_in_default(const json_t *property, const lf_param *key)
     const json_t *value = member(property, "default");
     if (key->type == LF_PARAM_NUMBER || key->type == LF_PARAM_ANGLE)
         return json_is_number(value) && json_number_value(value) == key->initial;
+    if (key->type == LF_PARAM_SWITCH)
+        return json_is_boolean(value) && json_is_true(value) == (key->initial != 0.0);
     if (key->type == LF_PARAM_COLOUR && json_is_number(value))
         return json_number_value(value) == key->point[0];
     for (int i = 0; i < 3; i++)

@@ -16,6 +16,7 @@ static bool has_type(const char *type, const json_t *value)
     return (strcmp(type, "object") == 0 && json_is_object(value)) ||
            (strcmp(type, "array") == 0 && json_is_array(value)) ||
            (strcmp(type, "string") == 0 && json_is_string(value)) ||
+           (strcmp(type, "boolean") == 0 && json_is_boolean(value)) ||
            (strcmp(type, "number") == 0 && json_is_number(value));
 }
 
@@ -209,6 +210,12 @@ static const char *const good[] = {
     "{\"lights\": {\"l\": {\"type\": \"point\"}}}",
     "{\"lights\": {\"l\": {\"type\": \"spot\", \"direction\": [1, 0, 0], \"angle\": 180, "
     "\"blend\": 0}}}",
+    "{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 1, \"visible\": false}, \"m\": "
+    "{\"type\": \"distant\", \"visible\": true}}}",
+    "{\"backdrop\": 0.5}",
+    "{\"backdrop\": [0, 1, 1e9]}",
+    "{\"backdrop\": {}}",
+    "{\"backdrop\": {\"top\": 1, \"bottom\": [1, 2, 3]}}",
     "{\"film\": {\"exposure\": 32, \"tonemap\": \"filmic\"}, \"render\": {\"max_depth\": 65536}}",
 };
 
@@ -281,6 +288,13 @@ static const char *const wrong[] = {
     "{\"lights\": {\"l\": {\"type\": \"spot\", \"angle\": 0}}}",
     "{\"lights\": {\"l\": {\"type\": \"distant\", \"position\": [0, 0, 0]}}}",
     "{\"lights\": {\"l\": {\"type\": \"point\", \"intensity\": [1, 2, 3, 4]}}}",
+    "{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 1, \"visible\": 1}}}",
+    "{\"lights\": {\"l\": {\"type\": \"point\", \"visible\": false}}}",
+    "{\"backdrop\": -1}",
+    "{\"backdrop\": \"white\"}",
+    "{\"backdrop\": [1, 2]}",
+    "{\"backdrop\": {\"middle\": 1}}",
+    "{\"backdrop\": {\"top\": true}}",
     "{\"film\": {\"tonemap\": \"linear\"}}",
     "{\"film\": {\"exposure\": 33}}",
     "{\"camera\": {\"view_blur\": 8.5}}",
@@ -343,7 +357,7 @@ static void every_key_of_the_schema_is_known_to_the_parser(void **state)
         json_decref(doc);
         n++;
     }
-    assert_int_equal(n, 10);
+    assert_int_equal(n, 11);
     json_decref(schema);
 }
 

@@ -36,6 +36,13 @@ enum {
     "'volumes': { 'fog': { 'shape': 'sphere', 'density': 0.3, 'transform': { 'scale': 1.5 } } "    \
     "}, " LF_TEST_SHARP_LIGHTS " }"
 
+/* What is seen is not what shines. */
+#define BACKDROP(what)                                                                             \
+    "{ " LF_TEST_CAMERA("5", "") "'meshes': { 'ball': { 'shape': 'sphere', 'transform': { "        \
+                                 "'scale': 0.5 } } }, 'backdrop': " what ", 'lights': { 'sky': "   \
+                                 "{ 'type': 'environment', 'radiance': 0.6 }, 'sun': { 'type': "   \
+                                 "'distant', 'angle': 20, 'visible': false } } }"
+
 static const char *const scenes[] = {
     SMALL_CLOUD(""),
     SMALL_CLOUD(", 'lens_radius': 0.2, 'focus_distance': 4.2"),
@@ -44,6 +51,8 @@ static const char *const scenes[] = {
     LF_TEST_MIXED("5", ""),
     LF_TEST_FOGS("5", ""),
     LF_TEST_LAMP("5", ""),
+    BACKDROP("[0.3, 0.2, 0.1]"),
+    BACKDROP("{ 'top': 0.3, 'bottom': [0.1, 0.2, 0.5] }"),
 };
 enum { n_scenes = sizeof scenes / sizeof *scenes };
 static const unsigned all = LF_SKIP_ALL;
