@@ -25,13 +25,15 @@ static void grow_by_volume(const lf_volume *volume, lf_box *box)
               lf_max(box->max.z, volume->bounds_max.z));
 }
 
-/* The box of the i-th thing: volumes with what they emit, then meshes. Volumes that are empty have
- * none. */
+/* The box of the i-th thing: volumes with what they emit, then meshes. Volumes that are empty and
+ * meshes that the camera does not see have none. */
 static lf_box box_at(const lf_scene *scene, int i)
 {
-    if (i >= scene->n_volumes)
-        return scene->meshes[i - scene->n_volumes].box;
     lf_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    if (i >= scene->n_volumes) {
+        const lf_mesh *mesh = &scene->meshes[i - scene->n_volumes];
+        return mesh->hidden ? box : mesh->box;
+    }
     grow_by_volume(&scene->volumes[i], &box);
     for (int f = 0; f < scene->flames.n; f++)
         if (scene->flames.light[f].volume == i)
@@ -49,7 +51,7 @@ static void grow(const lf_scene *scene, const lf_box *box, double bounds[2][3])
     }
 }
 
-/* Volumes and meshes are in the order of the document. */
+/* Volumes and meshes are in the order of the document; lights that are faces come behind them. */
 static void grow_by_section(const lf_scene *scene, const char *section, int first, const char *name,
                             double bounds[2][3])
 {

@@ -59,9 +59,9 @@ static bool trace_middle(const layer_job *job, int row, size_t pixel, lf_hit *ou
     const float x = rig->x0 + ((float)column + 0.5f) * rig->dx - rig->b[view],
                 y = rig->y0 + ((float)row + 0.5f) * rig->dy;
     lf_tracer tracer = {.scene = job->renderer->scene};
-    return lf_trace_surface(&tracer, lf_rig_point(rig, rig->b[view], 0.0f, 0.0f),
-                            lf_rig_direction(rig, x / rig->distance, y / rig->distance, 1.0f),
-                            INFINITY, out);
+    return lf_trace_seen(&tracer, lf_rig_point(rig, rig->b[view], 0.0f, 0.0f),
+                         lf_rig_direction(rig, x / rig->distance, y / rig->distance, 1.0f),
+                         INFINITY, out);
 }
 
 /* Mirrors and lamps scatter nothing, so that the film's pivots (q) do not know them: the nearness
@@ -149,8 +149,7 @@ static void surfaces(const layer_job *job, int row, float *out, size_t stride, b
             int met = 0;
             for (int i = 0; i < POINTS; i++) {
                 lf_hit hit;
-                if (!lf_trace_surface(&tracer, eye, ray_of(rig, view, row, column, i), INFINITY,
-                                      &hit))
+                if (!lf_trace_seen(&tracer, eye, ray_of(rig, view, row, column, i), INFINITY, &hit))
                     continue;
                 sum = lf_add(sum, normals ? hit.ns : lf_hit_material(&hit)->albedo);
                 met++;

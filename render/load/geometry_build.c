@@ -17,7 +17,19 @@
 
 /* ----------------------------------------------------------------------------------- sharing -- */
 
-json_t *lf_geometry_key(const json_t *doc, const char *folder)
+static json_t *lamp_key(const lf_mesh_desc *mesh)
+{
+    json_t *key = json_pack("[s, s, f]", mesh->name, mesh->shape->name, mesh->area);
+    bool done = key;
+    for (int i = 0; i < 12 && done; i++)
+        done = json_array_append_new(key, json_real(mesh->transform.m[i / 4][i % 4])) == 0;
+    if (done)
+        return key;
+    json_decref(key);
+    return NULL;
+}
+
+json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char *folder)
 {
     json_t *list = json_array(), *mesh;
     const char *name;
@@ -27,6 +39,12 @@ json_t *lf_geometry_key(const json_t *doc, const char *folder)
         if (json_object_get(mesh, "material"))
             json_object_set_new(copy, "material", json_true());
         if (json_array_append_new(list, json_pack("[s, o]", name, copy)) != 0) {
+            json_decref(list);
+            return NULL;
+        }
+    }
+    for (int i = 0; i < desc->n_meshes; i++) {
+        if (desc->meshes[i].lamp && json_array_append_new(list, lamp_key(&desc->meshes[i])) != 0) {
             json_decref(list);
             return NULL;
         }
@@ -92,6 +110,7 @@ static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned i
                       data->triangle_material,
                       0,
                       box_of(vertices, data),
+                      false,
                       data->uvs,
                       data->colours,
                       data->tangents};

@@ -5,9 +5,9 @@
 #include "render/load/mesh_import.h"
 
 /* What decides about the meshes' shape: their order, names, files, shapes, transforms, normals, and
- * whether each has a material of its own (which one it is does not matter). A new reference; NULL =
- * out of memory. */
-json_t *lf_geometry_key(const json_t *doc, const char *folder);
+ * whether each has a material of its own (which one it is does not matter); and what the lights of
+ * desc that are faces look like. A new reference; NULL = out of memory. */
+json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char *folder);
 
 /* Whether geometry was made from the same key and its files, opened again under roots, are
  * unchanged. */

@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "render/load/mesh_import.h"
+#include "render/scene/vec_double.h"
 
 #define LIST(name) &lf_mesh_##name,
 const lf_mesh_shape *const lf_mesh_shapes[] = {LF_MESH_SHAPES(LIST) NULL};
@@ -92,6 +93,32 @@ static void place(lf_mesh_data *out, const lf_affine *transform)
     }
 }
 
+static double area_of(const lf_mesh_data *data)
+{
+    double sum = 0;
+    for (int t = 0; t < data->n_triangles; t++) {
+        const uint32_t *corner = data->triangles + 3 * (size_t)t;
+        double ab[3], ac[3], cross[3];
+        lf_sub_double(data->positions + 3 * (size_t)corner[1],
+                      data->positions + 3 * (size_t)corner[0], ab);
+        lf_sub_double(data->positions + 3 * (size_t)corner[2],
+                      data->positions + 3 * (size_t)corner[0], ac);
+        lf_cross_double(ab, ac, cross);
+        sum += 0.5 * lf_length_double(cross);
+    }
+    return sum;
+}
+
+/* Scales a placed shape about its middle. */
+static void scale_to_area(lf_mesh_data *out, const lf_affine *transform, double area)
+{
+    double by = sqrt(area / area_of(out));
+    for (int i = 0; i < 3 * out->n_vertices; i++) {
+        double middle = transform->m[i % 3][3];
+        out->positions[i] = middle + by * (out->positions[i] - middle);
+    }
+}
+
 /* Shapes without a material of the scene's are grey. */
 static lf_status grey_material(lf_mesh_data *out, lf_error *err)
 {
@@ -117,5 +144,7 @@ lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out, lf_err
         status = grey_material(out, err);
     if (status == LF_OK)
         place(out, &desc->transform);
+    if (status == LF_OK && desc->area > 0)
+        scale_to_area(out, &desc->transform, desc->area);
     return status;
 }

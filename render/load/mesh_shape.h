@@ -20,7 +20,8 @@ typedef struct lf_mesh_shape {
 #define LF_MESH_SHAPES(SHAPE)                                                                      \
     SHAPE(quad)                                                                                    \
     SHAPE(cube)                                                                                    \
-    SHAPE(sphere)
+    SHAPE(sphere)                                                                                  \
+    SHAPE(disk)
 
 #define LF_DECLARE_MESH_SHAPE(name) extern const lf_mesh_shape lf_mesh_##name;
 LF_MESH_SHAPES(LF_DECLARE_MESH_SHAPE)

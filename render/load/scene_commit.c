@@ -431,7 +431,7 @@ static void load_meshes(commit *c)
     lf_scene *scene = c->scene;
     lf_geometry *shared = NULL;
     double bounds[2][3];
-    json_t *key = lf_geometry_key(scene->json, scene->folder);
+    json_t *key = lf_geometry_key(scene->json, c->desc, scene->folder);
     lf_mesh_data *data = lf_calloc((size_t)c->desc->n_meshes, sizeof *data);
     if (!key || !data) {
         out_of_memory(c);
@@ -492,6 +492,7 @@ static void place_meshes(commit *c)
         scene->meshes[i] = geometry->meshes[i];
         scene->meshes[i].material =
             (uint16_t)(c->desc->meshes[i].material < 0 ? 0 : n_own + c->desc->meshes[i].material);
+        scene->meshes[i].hidden = c->desc->meshes[i].hidden;
         scene->n_meshes++;
     }
     scene->embree = geometry ? geometry->embree : NULL;
@@ -565,6 +566,7 @@ static void set_flags(lf_scene *scene)
     for (int i = 0; i < scene->n_meshes; i++) {
         mark_used(&scene->meshes[i], used);
         scene->has_textures |= !!scene->meshes[i].colours;
+        scene->has_hidden |= scene->meshes[i].hidden;
     }
     for (int m = 0; m < scene->n_materials; m++) {
         const lf_material *material = &scene->materials[m];
@@ -645,10 +647,11 @@ static void find_overlaps(const commit *c)
         scene->has_overlaps = true;
         /* Two lamps find each other: one line, whose words are the same for both. */
         bool second = other < mesh && is_lamp(scene, other);
+        const lf_mesh_desc *of = &c->desc->meshes[second ? other : mesh];
         lf_warnings_add(&scene->warnings, scene->where,
-                        "mesh \"%s\": its lamp stands in one place with faces of \"%s\": which of "
+                        "%s \"%s\": its lamp stands in one place with faces of \"%s\": which of "
                         "them is seen there is a matter of rounding",
-                        c->desc->meshes[second ? other : mesh].name,
+                        of->lamp ? "light" : "mesh", of->name,
                         c->desc->meshes[second ? mesh : other].name);
     }
 }

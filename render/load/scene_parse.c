@@ -200,13 +200,14 @@ static int count_members(lf_reader *reader, const lf_node *section, int max)
     return (int)json_object_size(section->value);
 }
 
-/* Zeroed room for the members of a section; NULL and reader->status when there is no memory. */
+/* Zeroed room for the members of a section and some more; NULL and reader->status when there is no
+ * memory. */
 static void *allocate_section(lf_reader *reader, const lf_node *root, const char *name, int max,
-                              size_t item_size, int *out_n)
+                              int more, size_t item_size, int *out_n)
 {
     lf_node section = lf_node_child(root, name);
     *out_n = count_members(reader, &section, max);
-    void *items = lf_calloc((size_t)*out_n, item_size);
+    void *items = lf_calloc((size_t)(*out_n + more), item_size);
     if (!items && reader->status == LF_OK)
         reader->status = lf_error_set(reader->err, LF_E_NOMEM, reader->where, "out of memory");
     return items;
@@ -422,9 +423,34 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
 
 /* ------------------------------------------------------------------------------------ lights -- */
 
+/* A light that is faces, as a mesh and its material. */
+static void add_lamp(lf_reader *reader, const lf_node *node, const lf_light_desc *light,
+                     lf_scene_desc *desc)
+{
+    lf_lamp lamp;
+    light->kind->make(light->values, &lamp);
+    double most = fmax(lamp.radiance[0], fmax(lamp.radiance[1], lamp.radiance[2]));
+    lf_node power = lf_node_child(node, "power");
+    if (!(most <= LF_MAX_RADIANCE))
+        lf_read_fail(reader, &power, "on so small a light that is a radiance of %.9g; at most %.9g",
+                     most, LF_MAX_RADIANCE);
+    lf_mesh_desc *mesh = &desc->meshes[desc->n_meshes++];
+    *mesh = (lf_mesh_desc){.name = light->name,
+                           .material = desc->n_materials,
+                           .transform = lamp.transform,
+                           .area = lamp.area,
+                           .lamp = true,
+                           .hidden = lamp.hidden};
+    for (int i = 0; lf_mesh_shapes[i]; i++)
+        if (strcmp(lf_mesh_shapes[i]->name, light->kind->shape) == 0)
+            mesh->shape = lf_mesh_shapes[i];
+    desc->materials[desc->n_materials++] = (lf_material){
+        .kind = &lf_surface_diffuse, .emission = lf_to_vec3(lamp.radiance), .one_sided = true};
+}
+
 static void parse_light(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
-    lf_light_desc *light = &desc->lights[index];
+    lf_light_desc *light = &desc->lights[desc->n_lights];
     const char *types[LF_MAX_KINDS + 1];
     const lf_light_kind *kinds[LF_MAX_KINDS];
     int n = 0;
@@ -438,6 +464,13 @@ static void parse_light(lf_reader *reader, const lf_node *node, lf_scene_desc *d
     light->name = node->key;
     light->kind = kinds[lf_read_type(reader, node, types, -1)];
     lf_read_values(reader, node, light->kind->keys, light->values);
+    (void)index;
+    if (reader->status != LF_OK)
+        return;
+    if (light->kind->shape)
+        add_lamp(reader, node, light, desc);
+    else
+        desc->n_lights++;
 }
 
 /* ------------------------------------------------------------------------------------- scene -- */
@@ -459,14 +492,15 @@ void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
     parse_film(reader, root, &out->film);
     parse_backdrop(reader, root, &out->backdrop);
     out->max_depth = parse_render(reader, root);
-    out->volumes = allocate_section(reader, root, "volumes", LF_MAX_VOLUMES, sizeof *out->volumes,
-                                    &out->n_volumes);
-    out->materials = allocate_section(reader, root, "materials", LF_MAX_MATERIALS,
+    out->volumes = allocate_section(reader, root, "volumes", LF_MAX_VOLUMES, 0,
+                                    sizeof *out->volumes, &out->n_volumes);
+    int lights;
+    out->lights =
+        allocate_section(reader, root, "lights", LF_MAX_LIGHTS, 0, sizeof *out->lights, &lights);
+    out->materials = allocate_section(reader, root, "materials", LF_MAX_MATERIALS, lights,
                                       sizeof *out->materials, &out->n_materials);
-    out->meshes = allocate_section(reader, root, "meshes", LF_MAX_MESHES, sizeof *out->meshes,
-                                   &out->n_meshes);
-    out->lights = allocate_section(reader, root, "lights", LF_MAX_LIGHTS, sizeof *out->lights,
-                                   &out->n_lights);
+    out->meshes = allocate_section(reader, root, "meshes", LF_MAX_MESHES, lights,
+                                   sizeof *out->meshes, &out->n_meshes);
     parse_members(reader, root, "volumes", parse_volume, out);
     parse_members(reader, root, "materials", parse_material, out);
     parse_members(reader, root, "meshes", parse_mesh, out);

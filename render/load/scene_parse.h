@@ -40,6 +40,9 @@ typedef struct lf_mesh_desc {
     int material;               /* index into materials; -1 = the file's own */
     lf_normals normals;
     lf_affine transform;
+    double area; /* a shape's, to which it is scaled about its middle; 0 = what it comes to */
+    bool lamp;   /* of a light that is faces: the name is the light's */
+    bool hidden; /* from the camera */
 } lf_mesh_desc;
 
 typedef struct lf_light_desc {
@@ -55,6 +58,7 @@ typedef struct lf_scene_desc {
     int max_depth; /* 0 = not stated */
     int n_volumes, n_meshes, n_materials, n_lights;
     lf_volume_desc *volumes;
+    /* each behind those of the file: one for every light that is faces, which is no light then */
     lf_mesh_desc *meshes;
     lf_material *materials;
     lf_light_desc *lights;

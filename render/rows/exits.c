@@ -34,10 +34,21 @@ static void hit_of(const lf_visit *visit, int k, const lf_fan_face *face, lf_vec
         lf_hit_vary(out, lf_rig_spread(visit->rig) * z);
 }
 
+/* Whether ray k sees the back of what it meets. */
+static bool meets_back(const lf_visit *visit, int k)
+{
+    const lf_scratch *w = visit->worker;
+    lf_face face;
+    lf_section_face(&w->section, visit->triangles, visit->scene, w->segment[k], &face);
+    return lf_dot(face.n, lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f)) > 0.0f;
+}
+
 static lf_vec3 emission_of(const lf_visit *visit, int k, const lf_material *material)
 {
     lf_hit hit;
     lf_vec3 along;
+    if (material->one_sided && meets_back(visit, k))
+        return lf_v3(0.0f, 0.0f, 0.0f);
     if (!material->textures || !(lf_max3(material->emission) > 0.0f))
         return material->emission;
     hit_of(visit, k, face_of(visit, visit->worker->segment[k]), &along, &hit);

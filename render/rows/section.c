@@ -99,7 +99,9 @@ static void span_chunk(void *context, int item, int worker)
     for (uint32_t i = from; i < to; i++) {
         while (i >= job->mesh_start[mesh + 1])
             mesh++;
-        job->spans[i] = span_of(job->rig, &job->scene->meshes[mesh], i - job->mesh_start[mesh]);
+        const lf_mesh *of = &job->scene->meshes[mesh];
+        job->spans[i] = of->hidden ? (span){.first = 0, .last = -1}
+                                   : span_of(job->rig, of, i - job->mesh_start[mesh]);
     }
 }
 

@@ -24,7 +24,7 @@ typedef struct lf_row_triangle {
 } lf_row_triangle;
 
 /* The triangles of every row: all that a plane of it, through any point of row and lens, can meet
- * in front of the cameras. */
+ * in front of the cameras, but those of hidden meshes. */
 typedef struct lf_row_triangles {
     size_t *first;         /* [height + 1] */
     lf_row_triangle *list; /* of row r: [first[r], first[r + 1]) */

@@ -251,7 +251,7 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     lf_vec3 eye = lf_rig_point(rig, ray.x0, visit->plane.ly, 0.0f);
     worker->tracer.width = 0.0f;
     worker->tracer.spread = lf_rig_spread(rig) / ray.length;
-    bool surface = lf_trace_surface(&worker->tracer, eye, w, INFINITY, &event->hit);
+    bool surface = lf_trace_seen(&worker->tracer, eye, w, INFINITY, &event->hit);
     bool shared = surface && event->hit.material->has_lobe;
     bool native = surface && (shared || event->hit.material->has_delta);
     if (surface)

@@ -66,7 +66,7 @@ static void glow_vpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_
         return;
     float sum = density(visit, view, pivot, &depth);
     lf_vec3 eye = lf_rig_point(rig, x0, visit->plane.ly, 0.0f), d = lf_sub(pivot->event.p, eye);
-    float passed = sum > 0.0f ? lf_trace_passed(&w->tracer, eye, d, 1.0f) : 0.0f;
+    float passed = sum > 0.0f ? lf_trace_passed_seen(&w->tracer, eye, d, 1.0f) : 0.0f;
     if (!(passed > 0.0f))
         return;
     lf_vec3 f;

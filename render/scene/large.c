@@ -144,7 +144,7 @@ static bool meet(const struct RTCRay *ray, const lf_large_triangle *triangle, fl
     if (!lf_large_meet(triangle, o, w, &t, out_uv))
         return false;
     *out_t = (float)t;
-    return t < (double)ray->tfar;
+    return t > (double)ray->tnear && t < (double)ray->tfar;
 }
 
 static void bounds(const struct RTCBoundsFunctionArguments *args)

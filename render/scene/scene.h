@@ -116,6 +116,7 @@ typedef struct lf_material {
     float roughness;
     float ior;        /* of a coat, 1..3 */
     lf_vec3 emission; /* radiance leaving both sides; 0 = not a light */
+    bool one_sided;   /* it leaves the front alone, where corners run counter-clockwise */
     /* complex index eta + i k of each channel; eta.x = 0: none, albedo says it all */
     lf_vec3 eta, k;
     float metallic;              /* 0..1: how much of a layered surface is metal */
@@ -159,7 +160,8 @@ typedef struct lf_mesh {
     /* [n_triangles] index into scene->materials, or NULL: `material` for all */
     const uint16_t *triangle_material;
     uint16_t material;
-    lf_box box; /* of the triangles */
+    lf_box box;  /* of the triangles */
+    bool hidden; /* rays of the camera pass through it */
     /* lf_mesh_data's, each NULL where no material wants it */
     const float *uvs, *colours, *tangents;
 } lf_mesh;
@@ -232,6 +234,7 @@ typedef struct lf_light {
     double *area_cdf;
     float area;       /* total */
     bool has_picture; /* its emission is textured: radiance is the mean, area_cdf goes by it */
+    bool one_sided; /* shines to the front of its triangles alone */
     int glow;         /* lights at a distance: 1 + its place in scene->glows; 0 = none */
 } lf_light;
 
@@ -297,6 +300,7 @@ struct lf_scene {
     bool has_emission; /* some material emits */
     bool has_textures; /* something varies along a mesh */
     bool has_veils;    /* some surface may not be there whole */
+    bool has_hidden;   /* some mesh is hidden from the camera */
     /* faces of lamps share their place with others: next event counts the one that a ray meets */
     bool has_overlaps;
     bool has_view_lobes; /* some lobe depends on the view: g != 0, conductor, plastic */

@@ -108,7 +108,7 @@ const lf_light *lf_light_of_hit(const lf_scene *scene, const lf_hit *hit)
 lf_vec3 lf_light_hit(const lf_scene *scene, lf_vec3 from, const lf_hit *hit, float *out_pdf)
 {
     *out_pdf = 0.0f;
-    if (!(lf_max3(hit->material->emission) > 0.0f))
+    if (!(lf_max3(hit->material->emission) > 0.0f) || (hit->material->one_sided && !hit->front))
         return lf_v3(0.0f, 0.0f, 0.0f);
     const lf_light *light = lf_light_of_hit(scene, hit);
     *out_pdf = light->select * light->kind->hit_pdf(light, from, hit);

@@ -39,7 +39,8 @@ lf_vec3 lf_light_escape(const lf_scene *scene, lf_vec3 w, float *out_pdf);
  * see. Not asked for where the scene has a backdrop. */
 lf_vec3 lf_light_seen(const lf_scene *scene, lf_vec3 w);
 
-/* Radiance leaving an emissive hit towards the ray's origin (0 when the material does not emit),
+/* Radiance leaving an emissive hit towards the ray's origin (0 when the material does not emit to
+ * this side),
  * and the pdf with which lf_light_draw at `from` draws the direction to it. */
 lf_vec3 lf_light_hit(const lf_scene *scene, lf_vec3 from, const lf_hit *hit, float *out_pdf);
 

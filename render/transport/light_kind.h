@@ -4,8 +4,18 @@
 #ifndef LF_RENDER_LIGHT_KIND_H
 #define LF_RENDER_LIGHT_KIND_H
 
+#include "render/scene/affine.h"
 #include "render/scene/key.h"
 #include "render/transport/light.h"
+
+/* A light that is made of faces: one-sided, black, in a mesh of its own. */
+typedef struct lf_lamp {
+    lf_affine transform; /* of the shape, into the world */
+    /* what the mesh is scaled to about the middle of the shape, so that facets lose nothing */
+    double area;
+    double radiance[3];
+    bool hidden; /* the camera looks through it */
+} lf_lamp;
 
 typedef struct lf_light_kind {
     const char *name; /* what "type" says in a scene file */
@@ -17,6 +27,15 @@ typedef struct lf_light_kind {
      * which is near the middle of the scene. What no field of lf_light has room for goes into
      * a struct of light->own (light_spot.c). */
     void (*read)(const lf_value values[], const double origin[3], lf_light *light);
+
+    /* Lights that become a mesh when the scene is parsed, and shine as mesh lights: of the kinds'
+     * functions they have make alone, in place of read. */
+
+    const char *shape; /* a shape of meshes (render/load/mesh_shape.h); NULL = any other light */
+    void (*make)(const lf_value values[], lf_lamp *out);
+
+    /* All others. */
+
     /* Works out what draw needs beyond what read set, called once; NULL = nothing. */
     void (*commit)(lf_light *light);
     /* Draws a direction from p with place and u[2] in [0,1). place is what is left of the number
@@ -53,6 +72,9 @@ typedef struct lf_light_kind {
     KIND(distant)                                                                                  \
     KIND(point)                                                                                    \
     KIND(spot)                                                                                     \
+    KIND(rectangle)                                                                                \
+    KIND(disk)                                                                                     \
+    KIND(sphere)                                                                                   \
     KIND(mesh)
 
 #define LF_DECLARE_LIGHT(name) extern const lf_light_kind lf_light_##name;

@@ -127,6 +127,8 @@ static bool draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double
     if (!(size > 0.0f) || !(distance > 0.0f))
         return false;
     lf_vec3 n = lf_scale(cross, 1.0f / size);
+    if (light->one_sided && lf_dot(n, d) > 0.0f)
+        return false;
     float pdf = probability * (large ? 1.0f / (float)seen.solid_angle : pdf_of(d, n, 0.5f * size));
     *out = (lf_light_sample){.wi = lf_scale(d, 1.0f / distance),
                              .distance = distance,
@@ -144,7 +146,8 @@ static bool draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double
 static double power(const lf_light *light, double radius)
 {
     (void)radius;
-    return 2.0 * (double)LF_PI * (double)light->area * (double)lf_mean3(light->radiance);
+    double sides = light->one_sided ? 1.0 : 2.0;
+    return sides * (double)LF_PI * (double)light->area * (double)lf_mean3(light->radiance);
 }
 
 static void extent(const lf_scene *scene, const lf_light *light, lf_vec3 *out_middle,
@@ -240,6 +243,7 @@ static lf_status append_one(lf_scene *scene, int mesh, uint16_t material, int n_
     light->mesh = mesh;
     light->mesh_material = material;
     light->radiance = scene->materials[material].emission;
+    light->one_sided = scene->materials[material].one_sided;
     lf_status status = mesh_light_init(light, &scene->meshes[mesh], n_triangles);
     const lf_textures *textures = scene->materials[material].textures;
     if (status == LF_OK && textures && textures->pyramid[LF_SLOT_EMISSION] && light->area > 0.0f)

@@ -11,6 +11,32 @@
         .name = "visible", .type = LF_PARAM_SWITCH, .initial = 1                                   \
     }
 
+/* Lights that are faces. */
+
+/* What they may say of a length and of how much they shine: their radiance or their power. */
+#define LF_LENGTH_KEY(key)                                                                         \
+    {                                                                                              \
+        .name = key, .type = LF_PARAM_NUMBER, .low = 1e-9, .high = LF_MAX_COORDINATE, .initial = 1 \
+    }
+#define LF_RADIANCE_KEY                                                                            \
+    {                                                                                              \
+        .name = "radiance", .type = LF_PARAM_COLOUR, .form = 1, .high = LF_MAX_RADIANCE            \
+    }
+#define LF_POWER_KEY                                                                               \
+    {                                                                                              \
+        .name = "power", .type = LF_PARAM_COLOUR, .form = 2, .high = LF_MAX_RADIANCE               \
+    }
+
+/* What the second is of a light of this area that shines evenly to one side: power / (pi area). */
+void lf_light_radiance(const lf_value *radiance, const lf_value *power, double area, double out[3]);
+
+/* Takes [-1,1]^2 of the xz plane to a face about position that looks along direction (unit), its +y
+ * to the front: size[0] wide along x, size[1] high along -z, which is as upright as the face lets
+ * it be (a face that looks up or down has its height along the scene's -z), then turned by angle
+ * from x towards -z, about direction. */
+void lf_light_face(const double position[3], const double direction[3], const double size[2],
+                   double angle, lf_affine *out);
+
 /* Lights that are a point. */
 
 /* A point of the scene's file in its local coordinates. */

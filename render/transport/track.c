@@ -142,7 +142,8 @@ static bool is_there(lf_tracer *tracer, const lf_hit *hit, struct RTCRay *ray, f
     return false;
 }
 
-bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit)
+/* t_min < t < t_max */
+static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
 {
     const lf_scene *scene = tracer->scene;
     if (!scene->embree)
@@ -153,7 +154,7 @@ bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_h
     rh.ray = (struct RTCRay){.org_x = o.x,
                              .org_y = o.y,
                              .org_z = o.z,
-                             .tnear = 0.0f,
+                             .tnear = t_min,
                              .dir_x = w.x,
                              .dir_y = w.y,
                              .dir_z = w.z,
@@ -174,12 +175,10 @@ bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_h
     return true;
 }
 
-float lf_trace_passed(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
+static float passed_by(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, bool seen)
 {
     const lf_scene *scene = tracer->scene;
     float passed = 1.0f;
-    if (!scene->has_veils)
-        return lf_trace_occluded(tracer, o, w, t_max) ? 0.0f : 1.0f;
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     struct RTCRayHit rh = {.ray = {.org_x = o.x,
@@ -198,10 +197,38 @@ float lf_trace_passed(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
         if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
             break;
         find_hit(scene, &rh, o, w, &hit);
-        passed *= 1.0f - lf_hit_cover(&hit, averaged_at(tracer, hit.t));
+        if (!(seen && hit.mesh->hidden))
+            passed *= 1.0f - lf_hit_cover(&hit, averaged_at(tracer, hit.t));
         rh.ray.tnear = nextafterf(hit.t, INFINITY);
     }
     return passed;
+}
+
+bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit)
+{
+    return trace(tracer, o, w, 0.0f, t_max, hit);
+}
+
+bool lf_trace_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit)
+{
+    bool found = trace(tracer, o, w, 0.0f, t_max, hit);
+    while (found && hit->mesh->hidden)
+        found = trace(tracer, o, w, nextafterf(hit->t, INFINITY), t_max, hit);
+    return found;
+}
+
+float lf_trace_passed(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
+{
+    if (tracer->scene->has_veils)
+        return passed_by(tracer, o, w, t_max, false);
+    return lf_trace_occluded(tracer, o, w, t_max) ? 0.0f : 1.0f;
+}
+
+float lf_trace_passed_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
+{
+    if (tracer->scene->has_veils || tracer->scene->has_hidden)
+        return passed_by(tracer, o, w, t_max, true);
+    return lf_trace_occluded(tracer, o, w, t_max) ? 0.0f : 1.0f;
 }
 
 bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)

@@ -56,6 +56,8 @@ static inline float lf_rng_exponential(lf_tracer *t)
 /* Nearest surface along o + t w, 0 < t < t_max; w need not be unit. true and *hit filled, or false.
  * A veil (lf_cover) is met by chance, as much as is there of it. */
 bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
+/* The same for rays of the camera, which pass through meshes that are hidden from it. */
+bool lf_trace_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
 /* A triangle, for many hits. */
 typedef struct lf_face {
     const lf_mesh *mesh;
@@ -71,6 +73,8 @@ void lf_face_init(lf_face *face, const lf_scene *scene, int mesh, uint32_t trian
 void lf_face_hit(const lf_face *face, lf_vec3 p, lf_vec3 w, lf_hit *hit);
 /* What surfaces between let through: of veils (lf_cover) their share. */
 float lf_trace_passed(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
+/* The same for rays of the camera. */
+float lf_trace_passed_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
 /* True when a surface lies between, be it there whole or not. */
 bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
 /* The start of a ray that leaves the surface point p towards w, or the end of one that comes from

@@ -428,8 +428,9 @@ static void shapes_are_what_the_manual_says(void **state)
         double area, volume;
     } cases[] = {{&lf_mesh_quad, 2, 4, 0},
                  {&lf_mesh_cube, 12, 24, 8},
-                 {&lf_mesh_sphere, 16128, 4 * M_PI, 4 * M_PI / 3}};
-    for (int i = 0; i < 3; i++) {
+                 {&lf_mesh_sphere, 16128, 4 * M_PI, 4 * M_PI / 3},
+                 {&lf_mesh_disk, 128, M_PI, 0}};
+    for (int i = 0; i < 4; i++) {
         lf_mesh_desc desc = {
             .shape = cases[i].shape, .material = -1, .transform = lf_affine_identity()};
         lf_mesh_data data = {0};
@@ -444,13 +445,15 @@ static void shapes_are_what_the_manual_says(void **state)
         area_vector(&data, 0, n);
         if (cases[i].shape == &lf_mesh_quad)
             assert_true(n[0] == 0 && n[1] == 4 && n[2] == 0);
+        if (cases[i].shape == &lf_mesh_disk)
+            assert_true(n[0] == 0 && n[1] > 0 && n[2] == 0);
         lf_mesh_data_finish(&data);
         desc.normals = LF_NORMALS_FLAT;
         lf_assert_ok(lf_mesh_shape_make(&desc, &data, &err), &err);
         assert_null(data.normals);
         lf_mesh_data_finish(&data);
     }
-    assert_null(lf_mesh_shapes[3]); /* the next has a row above, too */
+    assert_null(lf_mesh_shapes[4]); /* the next has a row above, too */
 }
 
 /* --------------------------------------------------------------------------------- committed -- */

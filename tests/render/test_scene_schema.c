@@ -212,6 +212,15 @@ static const char *const good[] = {
     "\"blend\": 0}}}",
     "{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 1, \"visible\": false}, \"m\": "
     "{\"type\": \"distant\", \"visible\": true}}}",
+    "{\"lights\": {\"l\": {\"type\": \"rectangle\", \"radiance\": 1, \"width\": 2, \"height\": "
+    "1e-9, "
+    "\"rotate\": 30, \"direction\": [1, 0, 0], \"visible\": false}}}",
+    "{\"lights\": {\"l\": {\"type\": \"rectangle\", \"power\": [1, 2, 3]}}}",
+    "{\"lights\": {\"l\": {\"type\": \"disk\", \"power\": 5, \"radius\": 2}}}",
+    "{\"lights\": {\"l\": {\"type\": \"disk\", \"radiance\": 5, \"position\": [1, 2, 3]}}}",
+    "{\"lights\": {\"l\": {\"type\": \"sphere\", \"power\": 5, \"visible\": true}}}",
+    "{\"lights\": {\"l\": {\"type\": \"sphere\", \"radiance\": 5}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"disk\"}}}",
     "{\"backdrop\": 0.5}",
     "{\"backdrop\": [0, 1, 1e9]}",
     "{\"backdrop\": {}}",
@@ -290,6 +299,12 @@ static const char *const wrong[] = {
     "{\"lights\": {\"l\": {\"type\": \"point\", \"intensity\": [1, 2, 3, 4]}}}",
     "{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 1, \"visible\": 1}}}",
     "{\"lights\": {\"l\": {\"type\": \"point\", \"visible\": false}}}",
+    "{\"lights\": {\"l\": {\"type\": \"rectangle\"}}}",
+    "{\"lights\": {\"l\": {\"type\": \"rectangle\", \"radiance\": 1, \"power\": 1}}}",
+    "{\"lights\": {\"l\": {\"type\": \"rectangle\", \"radiance\": 1, \"width\": 0}}}",
+    "{\"lights\": {\"l\": {\"type\": \"disk\", \"radiance\": 1, \"width\": 1}}}",
+    "{\"lights\": {\"l\": {\"type\": \"sphere\", \"radiance\": 1, \"direction\": [0, 1, 0]}}}",
+    "{\"lights\": {\"l\": {\"type\": \"sphere\", \"power\": -1}}}",
     "{\"backdrop\": -1}",
     "{\"backdrop\": \"white\"}",
     "{\"backdrop\": [1, 2]}",

@@ -1,0 +1,18 @@
+/* The disk of radius 1 in the xz plane in a fan of triangles, facing +y. */
+#include "render/load/mesh_shape.h"
+
+#include <math.h>
+
+#define ACROSS 128
+
+static void corner(int patch, int i, int j, double out[3])
+{
+    (void)patch;
+    double phi = 2 * M_PI * (i % ACROSS) / ACROSS, ring = 1 - j;
+    out[0] = ring * cos(phi);
+    out[1] = 0;
+    out[2] = -ring * sin(phi);
+}
+
+const lf_mesh_shape lf_mesh_disk = {
+    .name = "disk", .n_patches = 1, .across = ACROSS, .down = 1, .corner = corner};
