@@ -86,17 +86,18 @@ extern const lf_param lf_camera_params[];
 #define LF_MAX_VIEW_SIDE 16384
 #define LF_MAX_VIEW_BLUR 8
 
-/* Loads a scene file (JSON, at most 16 MiB). Files it names are read relative to its folder and
- * under roots (NULL or empty = anywhere; the scene's own folder is always allowed). previous (may
- * be NULL): parts of it that are unchanged are shared. On LF_OK the caller owns a reference to
- * *out_scene. Errors: LF_E_IO, LF_E_PATH, LF_E_NOMEM, LF_E_FORMAT with file, line and JSON pointer;
- * *out_scene untouched then. Thread: any; may take seconds; does not touch previous but to read it.
+/* Loads a scene file (JSON, at most 16 MiB) and those that it includes. Files it names are read
+ * relative to its folder and under roots (NULL or empty = anywhere; the scene's own folder is
+ * always allowed). previous (may be NULL): parts of it that are unchanged are shared. On LF_OK the
+ * caller owns a reference to *out_scene. Errors: LF_E_IO, LF_E_PATH, LF_E_NOMEM, LF_E_FORMAT with
+ * file, line and JSON pointer; *out_scene untouched then. Thread: any; may take seconds; does not
+ * touch previous but to read it.
  */
 LF_NODISCARD lf_status lf_scene_load(const char *path, const lf_roots *roots,
                                      const lf_scene *previous, lf_scene **out_scene, lf_error *err);
 
 /* The same from a document in memory; folder is what relative paths are relative to. where names it
- * in errors. doc is borrowed (copied). */
+ * in errors. doc is borrowed (copied); it may include files, relative to folder. */
 LF_NODISCARD lf_status lf_scene_from_json(const json_t *doc, const char *folder, const char *where,
                                           const lf_roots *roots, const lf_scene *previous,
                                           lf_scene **out_scene, lf_error *err);
@@ -111,7 +112,9 @@ lf_scene *lf_scene_ref(lf_scene *scene);
 /* Accepts NULL. */
 void lf_scene_unref(lf_scene *scene);
 
-/* Borrowed, valid as long as the scene. */
+/* The files that were included, by the names they were opened under; NULL behind the last. */
+const char *lf_scene_included(const lf_scene *scene, int index);
+/* Borrowed, valid as long as the scene. The document is the merged one: it includes nothing. */
 const json_t *lf_scene_json(const lf_scene *scene);
 const char *lf_scene_folder(const lf_scene *scene);
 const lf_camera *lf_scene_camera(const lf_scene *scene);

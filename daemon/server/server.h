@@ -240,7 +240,7 @@ void lf_server_reloaded(lf_server *server);
 
 /* Begins to watch; returns as sd_event_add_io does. */
 int lf_server_begin_watch(lf_server *server);
-/* Another file is shown: watches that; nothing without --watch. */
+/* Another file is shown: watches that and what it includes; nothing without --watch. */
 void lf_server_watch(lf_server *server);
 void lf_server_end_watch(lf_server *server);
 

@@ -1,4 +1,5 @@
-/* --watch: the file shown is loaded again when it changes on disk. */
+/* --watch: the file shown is loaded again when it, or a scene file that it includes, changes on
+ * disk. */
 #include <errno.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -13,9 +14,16 @@
 /* Editors write a file in several steps; it is read when it has been quiet for so long. */
 #define QUIET_USEC 100000
 
+/* A file, by its folder. */
+typedef struct watched {
+    int id; /* inotify's, the same for all files of a folder; -1 = the folder cannot be watched */
+    char *name;
+} watched;
+
 struct lf_watch {
-    int fd, id; /* inotify's; id -1 = nothing is watched */
-    char *name; /* of the file, in its folder */
+    int fd; /* inotify's */
+    int n;
+    watched *files;
     sd_event_source *io, *timer;
 };
 
@@ -29,13 +37,21 @@ static int on_quiet(sd_event_source *source, uint64_t usec, void *context)
     return 0;
 }
 
-/* True when an event of this buffer names the watched file. */
-static bool names_file(const char *bytes, size_t n, const char *name)
+static bool is_watched(const lf_watch *watch, int id, const char *name)
+{
+    for (int i = 0; i < watch->n; i++)
+        if (watch->files[i].id == id && strcmp(watch->files[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+/* True when an event of this buffer names a watched file. */
+static bool names_file(const lf_watch *watch, const char *bytes, size_t n)
 {
     for (size_t at = 0; at + sizeof(struct inotify_event) <= n;) {
         struct inotify_event event;
         memcpy(&event, bytes + at, sizeof event);
-        if (event.len > 0 && strcmp(bytes + at + sizeof event, name) == 0)
+        if (event.len > 0 && is_watched(watch, event.wd, bytes + at + sizeof event))
             return true;
         at += sizeof event + event.len;
     }
@@ -50,7 +66,7 @@ static int on_watch(sd_event_source *source, int fd, uint32_t events, void *cont
     ssize_t n = read(fd, bytes, sizeof bytes);
     (void)source;
     (void)events;
-    if (n > 0 && watch->name && names_file(bytes, (size_t)n, watch->name)) {
+    if (n > 0 && names_file(watch, bytes, (size_t)n)) {
         sd_event_source_disable_unref(watch->timer);
         watch->timer = NULL;
         (void)sd_event_add_time_relative(server->event, &watch->timer, CLOCK_MONOTONIC, QUIET_USEC,
@@ -59,22 +75,51 @@ static int on_watch(sd_event_source *source, int fd, uint32_t events, void *cont
     return 0;
 }
 
+static void forget(lf_watch *watch)
+{
+    for (int i = 0; i < watch->n; i++) {
+        if (watch->files[i].id >= 0) /* of a folder that is forgotten already: EINVAL */
+            inotify_rm_watch(watch->fd, watch->files[i].id);
+        lf_free(watch->files[i].name);
+    }
+    lf_free(watch->files);
+    watch->files = NULL;
+    watch->n = 0;
+}
+
+static void add(lf_watch *watch, const char *file)
+{
+    const char *slash = strrchr(file, '/');
+    char *folder = lf_path_folder(file), *name = lf_strdup(slash ? slash + 1 : file);
+    if (!folder || !name) {
+        lf_free(folder);
+        lf_free(name);
+        return;
+    }
+    int id = inotify_add_watch(watch->fd, folder, IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE);
+    if (id < 0)
+        lf_log(LF_LOG_WARNING, "%s: cannot be watched: %s", folder, lf_errno_text(errno));
+    watch->files[watch->n++] = (watched){id, name};
+    lf_free(folder);
+}
+
 void lf_server_watch(lf_server *server)
 {
     lf_watch *watch = server->watch;
     const char *file = server->content ? server->content->file : server->config.scene;
-    char *folder = file && watch ? lf_path_folder(file) : NULL;
-    if (!folder)
+    const lf_scene *scene = server->content ? server->content->scene : NULL;
+    size_t n = 1;
+    if (!file || !watch)
         return;
-    if (watch->id >= 0)
-        inotify_rm_watch(watch->fd, watch->id);
-    lf_free(watch->name);
-    const char *slash = strrchr(file, '/');
-    watch->name = lf_strdup(slash ? slash + 1 : file);
-    watch->id = inotify_add_watch(watch->fd, folder, IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE);
-    if (watch->id < 0)
-        lf_log(LF_LOG_WARNING, "%s: cannot be watched: %s", folder, lf_errno_text(errno));
-    lf_free(folder);
+    while (scene && lf_scene_included(scene, (int)n - 1))
+        n++;
+    forget(watch);
+    watch->files = lf_calloc(n, sizeof *watch->files);
+    if (!watch->files)
+        return;
+    add(watch, file);
+    for (size_t i = 1; i < n; i++)
+        add(watch, lf_scene_included(scene, (int)i - 1));
 }
 
 int lf_server_begin_watch(lf_server *server)
@@ -82,7 +127,7 @@ int lf_server_begin_watch(lf_server *server)
     lf_watch *watch = lf_calloc(1, sizeof *watch);
     if (!watch)
         return -ENOMEM;
-    *watch = (lf_watch){.fd = inotify_init1(IN_CLOEXEC | IN_NONBLOCK), .id = -1};
+    *watch = (lf_watch){.fd = inotify_init1(IN_CLOEXEC | IN_NONBLOCK)};
     server->watch = watch;
     if (watch->fd < 0)
         return -errno;
@@ -98,9 +143,9 @@ void lf_server_end_watch(lf_server *server)
         return;
     sd_event_source_disable_unref(watch->io);
     sd_event_source_disable_unref(watch->timer);
+    forget(watch);
     if (watch->fd >= 0)
         close(watch->fd);
-    lf_free(watch->name);
     lf_free(watch);
     server->watch = NULL;
 }

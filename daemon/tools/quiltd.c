@@ -59,7 +59,8 @@ static void print_help(void)
         "  --buttons LIST         what the panel's buttons do: "
         "square=pause,left=previous,right=next,circle=reset\n"
         "                         (none, next, previous, pause, reset)\n"
-        "  --watch                reads the scene file again when it changes\n"
+        "  --watch                reads the scene file again when it, or what it includes, "
+        "changes\n"
         "  --run-for SECONDS      ends by itself\n" LF_OPTIONS_HELP_LAST);
 }
 

@@ -47,6 +47,34 @@ static void build_pointer(const lf_node *node, char *out, size_t size)
     append_token(out, size, node);
 }
 
+/* What stands at the place of node in another document; *depth: how many steps of the way to it are
+ * there. */
+static const json_t *same_in(const json_t *doc, const lf_node *node, int *depth)
+{
+    if (!node->parent)
+        return doc;
+    const json_t *parent = same_in(doc, node->parent, depth),
+                 *found = node->key ? json_object_get(parent, node->key)
+                                    : json_array_get(parent, node->index);
+    *depth += found ? 1 : 0;
+    return found;
+}
+
+/* Whose value it is. */
+static lf_json_source source_of(const lf_reader *reader, const lf_node *node)
+{
+    lf_json_source best = {reader->where, reader->text, reader->size, NULL};
+    int most = -1;
+    for (int i = 0; i < reader->n_sources; i++) {
+        int depth = 0;
+        (void)same_in(reader->sources[i].doc, node, &depth);
+        if (depth > most)
+            best = reader->sources[i];
+        most = depth > most ? depth : most;
+    }
+    return best;
+}
+
 static void report(lf_reader *reader, const lf_node *node, lf_status status, const char *what)
 {
     if (reader->status != LF_OK)
@@ -54,8 +82,9 @@ static void report(lf_reader *reader, const lf_node *node, lf_status status, con
     reader->status = status;
     char pointer[256];
     build_pointer(node, pointer, sizeof pointer);
-    int line = reader->text ? lf_json_line(reader->text, reader->size, pointer) : 0;
-    lf_error_set_at(reader->err, status, reader->where, line, pointer, "%s", what);
+    const lf_json_source from = source_of(reader, node);
+    int line = from.text ? lf_json_line(from.text, from.size, pointer) : 0;
+    lf_error_set_at(reader->err, status, from.where, line, pointer, "%s", what);
 }
 
 void lf_read_fail(lf_reader *reader, const lf_node *node, const char *fmt, ...)

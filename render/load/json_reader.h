@@ -9,12 +9,23 @@
 
 #include "base/status.h"
 
-typedef struct lf_reader {
-    const char *where; /* names the document in errors */
+/* A document that another one is merged of. */
+typedef struct lf_json_source {
+    const char *where; /* names it in errors */
     const char *text;  /* the file's text, to find lines in; NULL for documents in memory */
+    size_t size;
+    json_t *doc;
+} lf_json_source;
+
+typedef struct lf_reader {
+    const char *where, *text; /* as in lf_json_source */
     size_t size;
     lf_status status;
     lf_error *err; /* may be NULL */
+    /* What the document is merged of, if it is: what comes first wins. Errors are then reported in
+     * the first of them that holds the value, or most of the way to it. */
+    const lf_json_source *sources;
+    int n_sources;
 } lf_reader;
 
 /* A value and the way to it. Lives on the stack of whoever walks; parents outlive children. */

@@ -109,7 +109,7 @@ static void load_grid(const commit *c, const lf_volume_desc *desc, const char *n
 {
     lf_error err = {0};
     int fd = -1;
-    char *path = lf_path_join(c->scene->folder, desc->file);
+    char *path = lf_path_join(c->scene->file.folder, desc->file);
     if (!path) {
         out_of_memory(c);
         return;
@@ -308,7 +308,7 @@ static void import_mesh(void *context, int i, int worker)
     (void)worker;
     all->data[i].name = desc->name;
     all->status[i] = desc->shape ? lf_mesh_shape_make(desc, &all->data[i], &all->err[i])
-                                 : lf_mesh_import(desc, all->c->scene->folder, all->c->roots,
+                                 : lf_mesh_import(desc, all->c->scene->file.folder, all->c->roots,
                                                   &all->data[i], &all->err[i]);
 }
 
@@ -413,7 +413,8 @@ static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_
 static void build_geometry(const commit *c, lf_mesh_data *data, json_t *key)
 {
     lf_error err = {0};
-    if (lf_mesh_drop_doubles(data, c->desc->n_meshes, c->scene->origin, c->scene->where) != LF_OK) {
+    if (lf_mesh_drop_doubles(data, c->desc->n_meshes, c->scene->origin, c->scene->file.where) !=
+        LF_OK) {
         out_of_memory(c);
         return;
     }
@@ -431,7 +432,7 @@ static void load_meshes(commit *c)
     lf_scene *scene = c->scene;
     lf_geometry *shared = NULL;
     double bounds[2][3];
-    json_t *key = lf_geometry_key(scene->json, c->desc, scene->folder);
+    json_t *key = lf_geometry_key(scene->json, c->desc, scene->file.folder);
     lf_mesh_data *data = lf_calloc((size_t)c->desc->n_meshes, sizeof *data);
     if (!key || !data) {
         out_of_memory(c);
@@ -509,7 +510,7 @@ static void load_environment(const commit *c, const lf_light_desc *desc, lf_ligh
         lf_error err = {0};
         if (desc->kind->keys[i].type != LF_PARAM_FILE || !file)
             continue;
-        char *path = lf_path_join(c->scene->folder, file);
+        char *path = lf_path_join(c->scene->file.folder, file);
         if (!path)
             out_of_memory(c);
         else if (lf_environment_load(path, c->roots, c->previous, &light->environment, &err) !=
@@ -648,7 +649,7 @@ static void find_overlaps(const commit *c)
         /* Two lamps find each other: one line, whose words are the same for both. */
         bool second = other < mesh && is_lamp(scene, other);
         const lf_mesh_desc *of = &c->desc->meshes[second ? other : mesh];
-        lf_warnings_add(&scene->warnings, scene->where,
+        lf_warnings_add(&scene->warnings, scene->file.where,
                         "%s \"%s\": its lamp stands in one place with faces of \"%s\": which of "
                         "them is seen there is a matter of rounding",
                         of->lamp ? "light" : "mesh", of->name,
@@ -667,7 +668,7 @@ static void collect_warnings(const commit *c)
     if (scene->geometry)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
     if (is_unlit(scene))
-        lf_warnings_add(&scene->warnings, scene->where,
+        lf_warnings_add(&scene->warnings, scene->file.where,
                         "no light shines here: %s will be black (see lights in docs/scene.md)",
                         scene->backdrop.given ? "all before the backdrop" : "the picture");
 }

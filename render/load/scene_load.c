@@ -1,11 +1,9 @@
 /* A scene from a file or a document: parsed (scene_parse.h), then committed (scene_commit.h). */
 #include <stdint.h>
-#include <string.h>
 
 #include "base/alloc.h"
 #include "render/load/scene_commit.h"
-
-#define MAX_SCENE_BYTES ((uint64_t)16 << 20)
+#include "render/load/scene_include.h"
 
 /* The roots with the scene's own folder among them; *out is finished by the caller. No roots stay
  * no roots: anywhere. */
@@ -21,18 +19,6 @@ static lf_status extend_roots(const lf_roots *roots, const char *folder, lf_root
     return status;
 }
 
-/* text is no JSON; one that does not even begin like an object was never meant to be a scene. */
-static lf_status refuse_text(const char *path, const char *text, const json_error_t *problem,
-                             lf_error *err)
-{
-    if (text[strspn(text, " \t\r\n")] != '{')
-        return lf_error_set_at(err, LF_E_FORMAT, path, problem->line, NULL,
-                               "this is neither a scene (a JSON object) nor a picture; meshes and "
-                               "volumes are shown by a scene that names them");
-    return lf_error_set_at(err, LF_E_FORMAT, path, problem->line, NULL, "%s (column %d)",
-                           problem->text, problem->column);
-}
-
 /* A scene that holds a copy of the document and nothing else yet. */
 static lf_scene *create_empty(const json_t *doc, const char *folder, const char *where)
 {
@@ -41,29 +27,43 @@ static lf_scene *create_empty(const json_t *doc, const char *folder, const char 
         return NULL;
     atomic_init(&scene->refs, 1);
     scene->json = json_deep_copy(doc);
-    scene->folder = lf_strdup(folder);
-    scene->where = lf_strdup(where);
-    if (scene->json && scene->folder && scene->where)
+    scene->file.folder = lf_strdup(folder);
+    scene->file.where = lf_strdup(where);
+    if (scene->json && scene->file.folder && scene->file.where)
         return scene;
     lf_scene_unref(scene);
     return NULL;
 }
 
-/* text (may be NULL) is what doc was parsed from, for the lines in errors. */
-static lf_status build(const json_t *doc, const char *text, size_t size, const char *folder,
-                       const char *where, const lf_roots *roots, const lf_scene *previous,
-                       lf_scene **out_scene, lf_error *err)
+/* The names of the files, in the order of includes. */
+static bool note_included(lf_scene *scene, const lf_includes *includes)
 {
-    lf_reader reader = {where, text, size, LF_OK, err};
+    scene->file.included = json_array();
+    bool done = scene->file.included;
+    for (int i = 0; i < includes->n && done; i++)
+        done =
+            json_array_append_new(scene->file.included, json_string(includes->file[i].path)) == 0;
+    return done;
+}
+
+/* source.text may be NULL; it is what doc was parsed from, for the lines in errors. */
+static lf_status build(const lf_json_source *source, const char *folder, const lf_roots *roots,
+                       const lf_scene *previous, lf_scene **out_scene, lf_error *err)
+{
+    lf_reader reader = {source->where, source->text, source->size, LF_OK, err, NULL, 0};
     lf_scene_desc desc = {0};
     lf_roots extended;
+    lf_includes *includes = lf_calloc(1, sizeof *includes);
     lf_scene *scene = NULL;
     reader.status = extend_roots(roots, folder, &extended, err);
-    if (reader.status == LF_OK) {
-        scene = create_empty(doc, folder, where);
-        if (!scene)
-            reader.status = lf_error_set(err, LF_E_NOMEM, where, "out of memory");
+    if (reader.status == LF_OK && includes)
+        lf_scene_include(&reader, source->doc, folder, &extended, includes);
+    if (reader.status == LF_OK && includes) {
+        scene =
+            create_empty(includes->merged ? includes->merged : source->doc, folder, source->where);
     }
+    if (reader.status == LF_OK && (!scene || !note_included(scene, includes)))
+        reader.status = lf_error_set(err, LF_E_NOMEM, source->where, "out of memory");
     lf_node root = {NULL, NULL, 0, scene ? scene->json : NULL};
     if (reader.status == LF_OK)
         lf_scene_parse(&reader, &root, &desc);
@@ -75,32 +75,24 @@ static lf_status build(const json_t *doc, const char *text, size_t size, const c
         lf_scene_unref(scene);
     lf_scene_desc_finish(&desc);
     lf_roots_finish(&extended);
+    if (includes)
+        lf_includes_finish(includes);
+    lf_free(includes);
     return reader.status;
 }
 
 lf_status lf_scene_load(const char *path, const lf_roots *roots, const lf_scene *previous,
                         lf_scene **out_scene, lf_error *err)
 {
-    char *text = NULL, *folder = NULL;
-    size_t size = 0;
-    lf_status status = lf_file_read(path, roots, MAX_SCENE_BYTES, &text, &size, err);
-    if (status != LF_OK)
-        return status;
-    json_error_t problem;
-    size_t mark =
-        size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; /* UTF-8's, of editors */
-    json_t *doc = json_loadb(text + mark, size - mark, JSON_REJECT_DUPLICATES, &problem);
-    folder = lf_path_folder(path);
-    if (!doc)
-        status = refuse_text(path, text + mark, &problem, err);
-    else if (!folder)
+    lf_scene_text text;
+    lf_status status = lf_scene_text_read(path, roots, &text, err);
+    char *folder = lf_path_folder(path);
+    if (status == LF_OK && !folder)
         status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    else
-        status =
-            build(doc, text + mark, size - mark, folder, path, roots, previous, out_scene, err);
-    json_decref(doc);
+    if (status == LF_OK)
+        status = build(&text.source, folder, roots, previous, out_scene, err);
+    lf_scene_text_finish(&text);
     lf_free(folder);
-    lf_free(text);
     return status;
 }
 
@@ -108,5 +100,6 @@ lf_status lf_scene_from_json(const json_t *doc, const char *folder, const char *
                              const lf_roots *roots, const lf_scene *previous, lf_scene **out_scene,
                              lf_error *err)
 {
-    return build(doc, NULL, 0, folder, where, roots, previous, out_scene, err);
+    const lf_json_source source = {where, NULL, 0, (json_t *)(uintptr_t)doc};
+    return build(&source, folder, roots, previous, out_scene, err);
 }

@@ -477,9 +477,9 @@ static void parse_light(lf_reader *reader, const lf_node *node, lf_scene_desc *d
 
 void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
 {
-    static const char *const keys[] = {"quiltd",    "camera",  "volumes",  "meshes",
-                                       "materials", "lights",  "backdrop", "film",
-                                       "render",    "comment", "$schema",  NULL};
+    static const char *const keys[] = {"quiltd",  "camera",   "volumes", "meshes", "materials",
+                                       "lights",  "backdrop", "film",    "render", "comment",
+                                       "$schema", "include",  NULL};
     *out = (lf_scene_desc){0};
     if (!lf_read_object(reader, root, keys)) {
         lf_read_fail(reader, root, "a scene is a JSON object");

@@ -50,10 +50,16 @@ void lf_scene_unref(lf_scene *scene)
     lf_free(scene->materials);
     lf_warnings_finish(&scene->warnings);
     json_decref(scene->json);
+    json_decref(scene->file.included);
     json_decref(scene->subject);
-    lf_free(scene->folder);
-    lf_free(scene->where);
+    lf_free(scene->file.folder);
+    lf_free(scene->file.where);
     lf_free(scene);
+}
+
+const char *lf_scene_included(const lf_scene *scene, int index)
+{
+    return json_string_value(json_array_get(scene->file.included, (size_t)index));
 }
 
 const json_t *lf_scene_json(const lf_scene *scene)
@@ -63,7 +69,7 @@ const json_t *lf_scene_json(const lf_scene *scene)
 
 const char *lf_scene_folder(const lf_scene *scene)
 {
-    return scene->folder;
+    return scene->file.folder;
 }
 
 const lf_camera *lf_scene_camera(const lf_scene *scene)

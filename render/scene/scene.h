@@ -267,11 +267,17 @@ typedef struct lf_glows {
 
 /* ------------------------------------------------------------------------------------- scene -- */
 
+/* Where it was read. */
+typedef struct lf_scene_file {
+    char *folder, *where;
+    json_t *included; /* names of files that were merged into it (scene_include.h) */
+} lf_scene_file;
+
 struct lf_scene {
     atomic_int refs;
     json_t *json;
     json_t *subject; /* the document as far as films are concerned (scene_subject.h) */
-    char *folder, *where;
+    lf_scene_file file;
     double origin[3]; /* world = local + origin */
     lf_camera camera; /* world coordinates */
     lf_film_settings film;

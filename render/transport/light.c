@@ -179,7 +179,7 @@ lf_status lf_lights_commit(lf_scene *scene, lf_error *err)
             scene->lights[i].kind->commit(&scene->lights[i]);
     lf_status status = lf_mesh_lights_append(scene);
     if (status != LF_OK)
-        return lf_error_set(err, status, scene->where ? scene->where : "scene",
+        return lf_error_set(err, status, scene->file.where ? scene->file.where : "scene",
                             "out of memory for the lights of emissive meshes");
     order_by_kind(scene);
     set_select(scene);

@@ -367,6 +367,38 @@ static void the_scene_file_is_read_again_on_hangup_and_when_it_changes(void **st
     live_finish(&l);
 }
 
+static void wait_for_views(live_client *c, double n_views)
+{
+    for (int i = 0; i < LIVE_PATIENCE_S * 50 && live_number(c, "status", NULL, "views") != n_views;
+         i++)
+        live_nap(20);
+    assert_true(live_number(c, "status", NULL, "views") == n_views);
+}
+
+static void a_scene_is_read_again_when_what_it_includes_changes(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    mkdir(lf_test_path(l.folder, "scene/parts"), 0700);
+    lf_test_write(l.folder, "scene/parts/base.json", "{\"camera\": {\"views\": 4}}");
+    lf_test_write(l.folder, "scene/parts/other.json", "{\"camera\": {\"views\": 8}}");
+    lf_test_write(l.folder, "scene/fog.json", "{\"include\": \"parts/base.json\"}");
+    live_start(&l, l.scene, "--device", "none", "--watch", NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    wait_for_views(&c, 4);
+    lf_test_write(l.folder, "scene/parts/base.json", "{\"camera\": {\"views\": 7}}");
+    wait_for_views(&c, 7);
+    lf_test_write(l.folder, "scene/fog.json", "{\"include\": \"parts/other.json\"}");
+    wait_for_views(&c, 8);
+    lf_test_write(l.folder, "scene/parts/other.json", "{\"camera\": {\"views\": 5}}");
+    wait_for_views(&c, 5);
+    live_close(&c);
+    live_finish(&l);
+}
+
 static void what_is_neither_scene_nor_picture_is_refused(void **state)
 {
     static const char *const wrong[][2] = {{".", "no pictures in this folder"},
@@ -462,6 +494,7 @@ int main(void)
         cmocka_unit_test(texts_that_are_not_utf8_and_large_seeds_are_told_whole),
         cmocka_unit_test(a_panel_that_stalls_for_ever_stops_neither_rendering_nor_the_end),
         cmocka_unit_test(the_scene_file_is_read_again_on_hangup_and_when_it_changes),
+        cmocka_unit_test(a_scene_is_read_again_when_what_it_includes_changes),
         cmocka_unit_test(what_is_neither_scene_nor_picture_is_refused),
         cmocka_unit_test(a_scene_that_cannot_be_loaded_does_not_end_the_daemon),
         cmocka_unit_test(what_a_scene_names_elsewhere_needs_a_word_of_the_owner),

@@ -15,8 +15,9 @@ static json_t *document(const char *text, size_t size)
 
 static void check_counts(const lf_scene_desc *desc)
 {
-    lf_fuzz_require(desc->n_meshes >= 0 && desc->n_meshes <= LF_MAX_MESHES);
-    lf_fuzz_require(desc->n_materials >= 0 && desc->n_materials <= LF_MAX_MATERIALS);
+    lf_fuzz_require(desc->n_meshes >= 0 && desc->n_meshes <= LF_MAX_MESHES + LF_MAX_LIGHTS);
+    lf_fuzz_require(desc->n_materials >= 0 &&
+                    desc->n_materials <= LF_MAX_MATERIALS + LF_MAX_LIGHTS);
     lf_fuzz_require(desc->n_lights >= 0 && desc->n_lights <= LF_MAX_LIGHTS);
     lf_fuzz_require(desc->camera.n_views >= 1 && desc->camera.n_views <= LF_MAX_VIEWS);
     for (int i = 0; i < desc->n_meshes; i++) {
@@ -32,7 +33,7 @@ static void check_counts(const lf_scene_desc *desc)
 static void understand(json_t *doc, const char *text, size_t size)
 {
     lf_error err = {0};
-    lf_reader reader = {"fuzz", text, size, LF_OK, &err};
+    lf_reader reader = {"fuzz", text, size, LF_OK, &err, NULL, 0};
     lf_scene_desc desc = {0};
     const lf_node root = {NULL, NULL, 0, doc};
     lf_scene_parse(&reader, &root, &desc);

@@ -221,6 +221,9 @@ static const char *const good[] = {
     "{\"lights\": {\"l\": {\"type\": \"sphere\", \"power\": 5, \"visible\": true}}}",
     "{\"lights\": {\"l\": {\"type\": \"sphere\", \"radiance\": 5}}}",
     "{\"meshes\": {\"m\": {\"shape\": \"disk\"}}}",
+    "{\"include\": \"other.json\"}",
+    "{\"include\": [\"other.json\", \"../b.json\"], \"lights\": {}}",
+    "{\"include\": []}",
     "{\"backdrop\": 0.5}",
     "{\"backdrop\": [0, 1, 1e9]}",
     "{\"backdrop\": {}}",
@@ -305,6 +308,10 @@ static const char *const wrong[] = {
     "{\"lights\": {\"l\": {\"type\": \"disk\", \"radiance\": 1, \"width\": 1}}}",
     "{\"lights\": {\"l\": {\"type\": \"sphere\", \"radiance\": 1, \"direction\": [0, 1, 0]}}}",
     "{\"lights\": {\"l\": {\"type\": \"sphere\", \"power\": -1}}}",
+    "{\"include\": 1}",
+    "{\"include\": \"\"}",
+    "{\"include\": [\"\"]}",
+    "{\"include\": {\"file\": \"a.json\"}}",
     "{\"backdrop\": -1}",
     "{\"backdrop\": \"white\"}",
     "{\"backdrop\": [1, 2]}",
@@ -372,7 +379,7 @@ static void every_key_of_the_schema_is_known_to_the_parser(void **state)
         json_decref(doc);
         n++;
     }
-    assert_int_equal(n, 11);
+    assert_int_equal(n, 12);
     json_decref(schema);
 }
 
