@@ -94,20 +94,29 @@ static bool read_suffix(const char *c, int *columns, int *rows, double *aspect)
     return !((*c >= '0' && *c <= '9') || (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z'));
 }
 
-bool lf_layout_from_name(const char *path, int *out_columns, int *out_rows, double *out_aspect)
+const char *lf_layout_suffix(const char *path)
 {
-    bool found = false;
+    const char *found = NULL;
     for (const char *c = strstr(base_name(path), "_qs"); c; c = strstr(c + 1, "_qs")) {
         int columns, rows;
         double aspect;
-        if (!read_suffix(c, &columns, &rows, &aspect))
-            continue;
-        *out_columns = columns;
-        *out_rows = rows;
-        *out_aspect = aspect;
-        found = true; /* the last one counts */
+        if (read_suffix(c, &columns, &rows, &aspect))
+            found = c; /* the last one counts */
     }
     return found;
+}
+
+bool lf_layout_from_name(const char *path, int *out_columns, int *out_rows, double *out_aspect)
+{
+    const char *suffix = lf_layout_suffix(path);
+    int columns, rows;
+    double aspect;
+    if (!suffix || !read_suffix(suffix, &columns, &rows, &aspect))
+        return false;
+    *out_columns = columns;
+    *out_rows = rows;
+    *out_aspect = aspect;
+    return true;
 }
 
 char *lf_layout_name(const char *path, const lf_layout *layout)

@@ -43,6 +43,8 @@ void lf_layout_tiles(int n_views, int view_width, int view_height, int *out_colu
 /* The tiles and aspect of a file name "…_qs8x6a0.75.png" (aspect part optional: 0); false when it
  * has none. The last such part of the name counts. */
 bool lf_layout_from_name(const char *path, int *out_columns, int *out_rows, double *out_aspect);
+/* Where that part begins; NULL when there is none. */
+const char *lf_layout_suffix(const char *path);
 /* The name with _qsCxRaA before its ending, added when missing (or when what is there says other
  * tiles); caller frees with lf_free; NULL = out of memory. */
 char *lf_layout_name(const char *path, const lf_layout *layout);

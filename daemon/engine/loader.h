@@ -64,10 +64,4 @@ void lf_loader_queue(lf_loader *loader, lf_load *load);
 /* Loads queued or in progress. */
 int lf_loader_pending(lf_loader *loader);
 
-/* The position that an orbit moves a camera to (and the focus distance that belongs to it): turned
- * by yaw degrees about the up vector (to the right for positive), raised by pitch degrees (stopping
- * 1 degree before the poles), distance divided by zoom. */
-void lf_orbit_camera(const lf_camera *camera, double yaw, double pitch, double zoom,
-                     double out_position[3]);
-
 #endif

@@ -56,6 +56,8 @@ static void print_help(void)
            "  --time SECONDS\n",
            DEFAULT_SPP);
     lf_param_print_help(lf_option_params, "target-error target-shown-error");
+    printf("\nSequences (a file a frame, OUT_0001 and so on, or where OUT has %%04d):\n");
+    lf_param_print_help(lf_frames_params, NULL);
     printf("\nHow:\n");
     lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT);
     printf("  --stats FILE.json      writes what was done and what it took\n" LF_OPTIONS_HELP_LAST);
@@ -241,6 +243,19 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
     return status;
 }
 
+/* What goes with one picture alone. */
+static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
+{
+    const char *where = a->frames.turntable > 0 ? "--turntable" : "--frames";
+    if (a->kind->is_drawn)
+        return lf_error_set(err, LF_E_ARG, where, "does not go with --%s: nothing is rendered",
+                            a->kind->option);
+    if (a->stats)
+        return lf_error_set(err, LF_E_ARG, "--stats", "does not go with %s: it is of one picture",
+                            where);
+    return LF_OK;
+}
+
 static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],
                                  lf_error *err)
 {
@@ -265,7 +280,10 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "--reconstruct", "on only goes with --estimator mwis");
     if (a->n_budgets == 0)
         a->spp = DEFAULT_SPP;
-    return choose_kind(a, err);
+    lf_status status = lf_frames_check(&a->frames, err);
+    if (status == LF_OK)
+        status = choose_kind(a, err);
+    return status == LF_OK && lf_frames_wanted(&a->frames) ? check_frames(a, err) : status;
 }
 
 lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_arguments *a,
@@ -276,6 +294,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_response_params, NULL, &a->panel.response},
                                      {lf_print_params, NULL, &a->print},
                                      {lf_rgbd_params, NULL, &a->rgbd},
+                                     {lf_frames_params, NULL, &a->frames},
                                      {0}};
     const lf_options_rules rules = {.program = LF_RENDER_PROGRAM,
                                     .letters = ":o:",

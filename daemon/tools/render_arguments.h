@@ -2,6 +2,7 @@
 #ifndef LF_DAEMON_RENDER_ARGUMENTS_H
 #define LF_DAEMON_RENDER_ARGUMENTS_H
 
+#include "daemon/output/frames.h"
 #include "daemon/output/options.h"
 #include "daemon/output/output.h"
 #include "daemon/output/render_job.h"
@@ -25,6 +26,7 @@ typedef struct lf_render_arguments {
     lf_panel_options panel;
     const char *rgbd_option; /* the first option that only makes sense with --rgbd */
     lf_rgbd_options rgbd;
+    lf_frames frames; /* checked */
 } lf_render_arguments;
 
 /* Reads argv into *out (strings point into it; untouched parts are zero). *out_done: --help or

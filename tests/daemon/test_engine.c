@@ -9,6 +9,7 @@
 #include "daemon/engine/loader.h"
 #include "daemon/engine/mailbox.h"
 #include "daemon/engine/schedule.h"
+#include "daemon/output/orbit.h"
 
 /* Runs one sweep, counting the visits of every row; returns its subsets. */
 static int run_sweep(lf_schedule *schedule, double target, int *visits, lf_batch *out_first)

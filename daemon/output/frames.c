@@ -1,0 +1,108 @@
+#include "daemon/output/frames.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/frame_name.h"
+#include "daemon/output/orbit.h"
+#include "quilt/quilt.h"
+
+#define MOST_FRAME 999999
+
+#define PLACE(field) .place = offsetof(lf_frames, field)
+
+/* clang-format off */
+const lf_param lf_frames_params[] = {
+    {.option = "turntable", .argument = "N", PLACE(turntable), .type = LF_PARAM_WHOLE, .low = 1,
+     .high = MOST_FRAME, .help = "N frames, in which the camera goes once round its target"},
+    {.option = "frames", .joined = ":", .argument = "A", PLACE(first), .type = LF_PARAM_WHOLE,
+     .has = offsetof(lf_frames, has_range), .high = MOST_FRAME,
+     .help = "frames A to B of the scene's sequence, or of the turntable"},
+    {.option = "frames", .argument = "B", PLACE(last), .type = LF_PARAM_WHOLE, .high = MOST_FRAME},
+    {.option = "overwrite", PLACE(overwrite), .type = LF_PARAM_SWITCH,
+     .help = "frames whose files are there are not kept but rendered anew"},
+    {0},
+};
+/* clang-format on */
+
+bool lf_frames_wanted(const lf_frames *frames)
+{
+    return frames->turntable > 0 || frames->has_range;
+}
+
+lf_status lf_frames_check(lf_frames *frames, lf_error *err)
+{
+    if (!lf_frames_wanted(frames))
+        return frames->overwrite
+                   ? lf_error_set(err, LF_E_ARG, "--overwrite",
+                                  "only goes with --frames or --turntable (what is no sequence is "
+                                  "written over)")
+                   : LF_OK;
+    if (!frames->has_range) {
+        frames->first = 1;
+        frames->last = frames->turntable;
+    }
+    if (frames->first > frames->last)
+        return lf_error_set(err, LF_E_ARG, "--frames", "%d:%d ends before it begins", frames->first,
+                            frames->last);
+    if (frames->turntable > 0 && (frames->first < 1 || frames->last > frames->turntable))
+        return lf_error_set(err, LF_E_ARG, "--frames", "%d:%d is no part of --turntable %d (1:%d)",
+                            frames->first, frames->last, frames->turntable, frames->turntable);
+    return LF_OK;
+}
+
+int lf_frames_count(const lf_frames *frames)
+{
+    return frames->last - frames->first + 1;
+}
+
+/* Where "_0001" goes. */
+static size_t place_in(const char *path)
+{
+    const char *suffix = lf_layout_suffix(path), *slash = strrchr(path, '/');
+    if (suffix)
+        return (size_t)(suffix - path);
+    if (slash && slash[1] == '\0')
+        return (size_t)(slash - path);
+    const char *dot = strrchr(slash ? slash : path, '.');
+    return dot ? (size_t)(dot - path) : strlen(path);
+}
+
+char *lf_frames_path(const char *path, int frame)
+{
+    if (lf_frame_name_varies(path))
+        return lf_frame_name(path, frame);
+    size_t place = place_in(path), size = strlen(path) + 32;
+    char *name = lf_calloc(size, 1);
+    if (name)
+        snprintf(name, size, "%.*s_%04d%s", (int)place, path, frame, path + place);
+    return name;
+}
+
+uint64_t lf_frames_seed(uint64_t seed, int frame)
+{
+    return seed + (uint64_t)(int64_t)(frame - 1);
+}
+
+/* Frame 1 is the scene's own camera to the last bit. */
+static json_t *turned(const lf_frames *frames, const lf_camera *camera, int frame)
+{
+    double p[3], yaw = 360.0 * (frame - 1) / frames->turntable;
+    memcpy(p, camera->position, sizeof p);
+    if (frame > 1)
+        lf_orbit_camera(camera, yaw, 0, 1, p);
+    return json_pack("{s:[f,f,f]}", "position", p[0], p[1], p[2]);
+}
+
+json_t *lf_frames_patch(const lf_frames *frames, const lf_camera *camera, int frame)
+{
+    json_t *patch = json_object();
+    bool done = patch;
+    if (done && frames->turntable > 0)
+        done = json_object_set_new(patch, "camera", turned(frames, camera, frame)) == 0;
+    if (done)
+        return patch;
+    json_decref(patch);
+    return NULL;
+}

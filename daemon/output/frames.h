@@ -1,0 +1,40 @@
+/* Frames of a sequence: which of them there are, what they are called, where the camera stands.
+ *
+ * Frames have numbers. A scene says what is there in a frame (docs/scene.md, "Frames"); a turntable
+ * of N frames, 1 to N, takes its camera once round the target. Nothing here keeps state. Thread:
+ * any. */
+#ifndef LF_DAEMON_FRAMES_H
+#define LF_DAEMON_FRAMES_H
+
+#include "render/render.h"
+
+/* What the options say; zeroed: one picture and no sequence. */
+typedef struct lf_frames {
+    int turntable; /* frames of a whole turn; 0: the camera stands */
+    int first, last;
+    bool has_range; /* first and last were given */
+    bool overwrite; /* frames whose files are there are rendered anew */
+} lf_frames;
+extern const lf_param lf_frames_params[];
+
+/* Whether a sequence is wanted. */
+bool lf_frames_wanted(const lf_frames *frames);
+/* Completes first and last: without a range all of the turntable. LF_E_ARG: they are the wrong way
+ * round, or not of the turntable; overwrite without a sequence. */
+LF_NODISCARD lf_status lf_frames_check(lf_frames *frames, lf_error *err);
+int lf_frames_count(const lf_frames *frames);
+
+/* The name of a frame's output: the number in the places that path has for it
+ * (base/frame_name.h), else "_0001" before its _qsCxRaA or, without that, before its ending. Caller
+ * frees with lf_free; NULL = out of memory. */
+char *lf_frames_path(const char *path, int frame);
+
+/* The random choices of a frame follow from this: frames do not share their noise, and frame 1 has
+ * the seed itself. */
+uint64_t lf_frames_seed(uint64_t seed, int frame);
+
+/* What a frame changes in the scene's document (RFC 7396); camera is the scene's own, that of frame
+ * 1. A new reference; NULL = out of memory. */
+json_t *lf_frames_patch(const lf_frames *frames, const lf_camera *camera, int frame);
+
+#endif

@@ -1,0 +1,257 @@
+#include "daemon/tools/rendering.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "daemon/output/content.h"
+
+/* ---------------------------------------------------------------------------------- progress -- */
+
+static void seconds_left(double seconds, double fraction, char *out, size_t size)
+{
+    out[0] = '\0';
+    if (fraction > 0.01)
+        snprintf(out, size, ", about %.0f s left", seconds * (1 / fraction - 1));
+}
+
+static void show_frame(lf_rendering *r, double fraction)
+{
+    const lf_sequence_state *s = &r->sequence;
+    char text[160], left[64];
+    double whole = (s->n_done + fraction) / s->n_wanted;
+    seconds_left(lf_time_now() - s->begun, whole, left, sizeof left);
+    snprintf(text, sizeof text, "frame %d (%d of %d), %3.0f %%%s", s->frame, s->n_done + 1,
+             s->n_wanted, 100 * whole, left);
+    lf_progress_line_draw(&r->line, text);
+}
+
+static void show_rendering(void *context, const lf_render_progress *progress)
+{
+    lf_rendering *r = context;
+    char text[160], left[64];
+    if (r->sequence.on) {
+        show_frame(r, progress->fraction);
+        return;
+    }
+    seconds_left(progress->seconds, progress->fraction, left, sizeof left);
+    snprintf(text, sizeof text, "rendering %3.0f %%, %.2f samples a view pixel, %.0f s%s",
+             100 * progress->fraction, progress->passes / progress->n_views, progress->seconds,
+             left);
+    lf_progress_line_draw(&r->line, text);
+}
+
+static void show_writing(void *context, double fraction)
+{
+    lf_rendering *r = context;
+    char text[64];
+    if (r->sequence.on) {
+        show_frame(r, 1);
+        return;
+    }
+    snprintf(text, sizeof text, "writing %3.0f %%", 100 * fraction);
+    lf_progress_line_draw(&r->line, text);
+}
+
+lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
+{
+    const char *out = r->arguments->out;
+    if (r->sequence.on)
+        return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: %d of %d frames were written",
+                            r->sequence.n_done, r->sequence.n_wanted);
+    return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: nothing was written");
+}
+
+/* --------------------------------------------------------------------------------- rendering -- */
+
+/* A depth that is too much for the rig, in plain words. */
+static void warn_of_depth(const lf_rendering *r)
+{
+    lf_depth depth;
+    char words[LF_DEPTH_WORDS];
+    if (lf_scene_depth(r->scene, &r->settings, &depth) && depth.exceeded)
+        lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->scene,
+               lf_depth_words(&depth, r->settings.width, words, sizeof words));
+}
+
+/* The renderer of r->scene; that of the frame before goes on with this one. */
+static lf_status begin(lf_rendering *r, lf_error *err)
+{
+    if (r->renderer)
+        return lf_renderer_restart(r->renderer, r->scene, &r->settings, err);
+    lf_status status = lf_renderer_create(r->scene, &r->settings, r->pool, &r->renderer, err);
+    if (status == LF_OK)
+        warn_of_depth(r);
+    return status;
+}
+
+lf_status lf_rendering_run(lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    lf_budget budget = a->budget;
+    budget.reconstructed = a->options.reconstruct == LF_RECONSTRUCT_ON;
+    size_t views = (size_t)r->settings.camera.n_views;
+    lf_status status = begin(r, err);
+    if (status != LF_OK)
+        return status;
+    if (a->spp > 0)
+        budget.passes = a->spp * r->settings.camera.n_views;
+    if (!r->film)
+        r->film = lf_calloc((size_t)r->settings.height * views,
+                            (size_t)r->settings.width * 3 * sizeof(float));
+    if (!r->film)
+        return lf_error_set(err, LF_E_NOMEM, a->out, "no memory for %zu views of %dx%d pixels",
+                            views, r->settings.width, r->settings.height);
+    status = lf_render_run(r->renderer, &budget, a->options.estimator, r->film, show_rendering, r,
+                           r->cancel, &r->times);
+    if (status == LF_E_CANCELLED)
+        return lf_rendering_interrupted(r, err);
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, a->out, "rendering failed");
+}
+
+/* What goes beside the colours, out of the renderer. */
+static lf_status make_layers(lf_rendering *r, unsigned layers, lf_layers32 *out,
+                             const char *names[LF_MAX_LAYER_CHANNELS], lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    size_t n = (size_t)lf_layer_channels(layers, names), width = (size_t)r->settings.width * n,
+           row = width * (size_t)r->settings.camera.n_views;
+    if (!r->layers)
+        r->layers = lf_calloc((size_t)r->settings.height, row * sizeof *r->layers);
+    if (!r->layers)
+        return lf_error_set(err, LF_E_NOMEM, a->out, "no memory for %zu layers", n);
+    *out = (lf_layers32){(int)n, names, width, row, r->layers};
+    lf_status status =
+        lf_renderer_layers(r->renderer, a->options.estimator, layers, r->layers, r->cancel);
+    if (status == LF_E_CANCELLED)
+        return lf_rendering_interrupted(r, err);
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, a->out, "no layers were made");
+}
+
+static json_t *make_record(const lf_rendering *r)
+{
+    const lf_render_arguments *a = r->arguments;
+    if (!a->scene)
+        return json_object();
+    if (r->is_quilt)
+        return json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", r->layout.n_views, "aspect",
+                         r->layout.aspect);
+    return lf_output_settings(a->scene, &r->settings, a->kind->has_tiles ? &r->layout : NULL,
+                              a->options.estimator, a->options.reconstruct == LF_RECONSTRUCT_ON,
+                              (double)r->times.passes, &r->film_settings);
+}
+
+/* How bright the picture is shown; of what is drawn, not at all. */
+static lf_status expose(lf_rendering *r, const lf_output_source *source, lf_error *err)
+{
+    static const lf_film_settings plain = {.tonemap = "srgb"};
+    const lf_options *o = &r->arguments->options;
+    r->film_settings = r->scene ? *lf_scene_film_settings(r->scene) : plain;
+    if (o->has_exposure)
+        r->film_settings = lf_exposed_film(&r->film_settings, o->exposure);
+    if (!r->film_settings.auto_exposure)
+        return LF_OK;
+    lf_meter *meter = lf_calloc(1, sizeof *meter);
+    if (!meter)
+        return lf_error_set(err, LF_E_NOMEM, r->path, "out of memory");
+    lf_meter_add_views(meter, &source->views32);
+    r->film_settings.exposure = lf_meter_exposure(meter);
+    lf_free(meter);
+    lf_log(LF_LOG_INFO, "exposure: %+.3f stops", r->film_settings.exposure);
+    return LF_OK;
+}
+
+lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    lf_output_source source =
+        r->is_quilt ? lf_output_from_quilt(&r->quilt) : lf_output_from_film(&r->settings, r->film);
+    const char *names[LF_MAX_LAYER_CHANNELS];
+    lf_layers32 layers;
+    if (r->is_quilt)
+        source.aspect = r->layout.aspect;
+    lf_status status = expose(r, &source, err);
+    if (status == LF_OK && a->options.layers) {
+        status = make_layers(r, a->options.layers, &layers, names, err);
+        source.views32.layers = &layers;
+    }
+    if (status != LF_OK)
+        return status;
+    json_decref(r->record);
+    r->record = make_record(r);
+    if (!r->record)
+        return lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
+    const lf_output_request request = {
+        .kind = a->kind,
+        .path = r->path,
+        .overwrite = true,
+        .layout = r->layout,
+        .calibration = &r->calibration,
+        .panel = a->panel,
+        .print = &r->print,
+        .rgbd = a->rgbd,
+        .exposure = r->film_settings.exposure,
+        .tonemap = r->film_settings.tonemap,
+        .settings = r->record,
+        .pool = r->pool,
+        .cancel = r->cancel,
+        .progress = show_writing,
+        .context = r,
+    };
+    status = lf_output_write(&request, &source, err);
+    if (status == LF_E_CANCELLED)
+        return lf_rendering_interrupted(r, err);
+    return status;
+}
+
+lf_status lf_rendering_write_stats(const lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    const lf_views32 *v32 = &r->quilt.views32;
+    const lf_views8 *v8 = &r->quilt.views8;
+    const lf_render_report report = {
+        .scene = a->scene,
+        .renderer = r->renderer,
+        .estimator = a->options.estimator,
+        .n_views = r->is_quilt ? r->layout.n_views : r->settings.camera.n_views,
+        .width = !r->is_quilt        ? r->settings.width
+                 : r->quilt.is_float ? v32->width
+                                     : v8->width,
+        .height = !r->is_quilt        ? r->settings.height
+                  : r->quilt.is_float ? v32->height
+                                      : v8->height,
+        .threads = lf_pool_threads(r->pool),
+        .times = r->times,
+    };
+    json_t *object = lf_render_report_json(&report);
+    char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL;
+    lf_outfile file = {.fd = -1};
+    lf_status status = text ? LF_OK : lf_error_set(err, LF_E_NOMEM, a->stats, "out of memory");
+    if (status == LF_OK)
+        status = lf_outfile_open(&file, a->stats, true, err);
+    if (status == LF_OK) {
+        status = lf_outfile_write(&file, text, strlen(text), err);
+        if (status == LF_OK)
+            status = lf_outfile_write(&file, "\n", 1, err);
+        if (status == LF_OK)
+            status = lf_outfile_commit(&file, true, err);
+        lf_outfile_abandon(&file);
+    }
+    free(text);
+    json_decref(object);
+    return status;
+}
+
+void lf_rendering_finish(lf_rendering *r)
+{
+    lf_renderer_destroy(r->renderer);
+    lf_scene_unref(r->scene);
+    lf_pool_destroy(r->pool);
+    lf_quilt_finish(&r->quilt);
+    json_decref(r->record);
+    lf_free(r->film);
+    lf_free(r->layers);
+    lf_free(r->path);
+}

@@ -1,0 +1,62 @@
+/* A job of quiltrender from its arguments to its files: one picture, or the frames of a sequence
+ * one after the other. Thread: the main thread. */
+#ifndef LF_DAEMON_RENDERING_H
+#define LF_DAEMON_RENDERING_H
+
+#include "daemon/tools/progress_line.h"
+#include "daemon/tools/render_arguments.h"
+
+/* How far a sequence is; zeroed: one picture. */
+typedef struct lf_sequence_state {
+    bool on;
+    int frame;            /* in hand */
+    int n_done, n_wanted; /* of the frames that were not there when it began */
+    double begun;         /* when the first of them was */
+} lf_sequence_state;
+
+/* Half-built at any time: release with lf_rendering_finish. Zeroed but for arguments, line and
+ * cancel is a valid start. */
+typedef struct lf_rendering {
+    const lf_render_arguments *arguments;
+    lf_progress_line line;
+    const lf_cancel *cancel;
+    lf_calibration calibration;
+    lf_scene *scene;
+    lf_pool *pool;
+    lf_renderer *renderer;
+    lf_render_settings settings;
+    lf_layout layout;
+    lf_quilt_file quilt;
+    bool is_quilt;
+    float *film;   /* [row][view][column][3] */
+    float *layers; /* [row][view][column][channels], NULL: none are wanted */
+    lf_film_settings film_settings;
+    lf_print print;
+    char *path;     /* final name; of a sequence, of the frame in hand */
+    json_t *record; /* settings for attributes and the manifest */
+    lf_render_times times;
+    lf_sequence_state sequence;
+} lf_rendering;
+
+/* Reads what is to be rendered and finds the final name. LF_E_ARG: the arguments do not go with
+ * what was read; other errors of files. */
+LF_NODISCARD lf_status lf_rendering_open(lf_rendering *r, lf_error *err);
+/* What the options make of the camera of r->scene, for the frame in hand. LF_E_ARG. */
+LF_NODISCARD lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err);
+/* Sets r->path to the final name of a frame of a sequence. */
+LF_NODISCARD lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *err);
+/* LF_E_CANCELLED, with what there is all the same. */
+lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err);
+/* Checks that r->path is nothing that is being read, and no manifest of something else. */
+LF_NODISCARD lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err);
+/* Renders r->scene (nothing, of a finished light field). */
+LF_NODISCARD lf_status lf_rendering_run(lf_rendering *r, lf_error *err);
+/* Writes what was rendered, or is drawn, to r->path. */
+LF_NODISCARD lf_status lf_rendering_write(lf_rendering *r, lf_error *err);
+/* What --stats asks for. */
+LF_NODISCARD lf_status lf_rendering_write_stats(const lf_rendering *r, lf_error *err);
+/* All frames of a sequence, behind lf_rendering_open: run and write of each that is not there. */
+LF_NODISCARD lf_status lf_rendering_frames(lf_rendering *r, lf_error *err);
+void lf_rendering_finish(lf_rendering *r);
+
+#endif

@@ -1,0 +1,224 @@
+/* What a job reads, and what its name comes to, before anything is rendered. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "daemon/output/content.h"
+#include "daemon/tools/rendering.h"
+
+/* An hour of rendering must not end at a folder that is not there. */
+static lf_status check_folder_of(const char *path, lf_error *err)
+{
+    size_t n = strlen(path);
+    char *copy = lf_strdup(path);
+    char *folder = NULL;
+    lf_status status = LF_OK;
+    while (copy && n > 1 && copy[n - 1] == '/')
+        copy[--n] = '\0';
+    folder = copy ? lf_path_folder(copy) : NULL;
+    if (!folder)
+        status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    else if (access(folder, W_OK | X_OK) != 0)
+        status = lf_error_set(err, LF_E_IO, path, "cannot write into the folder %s: %s", folder,
+                              strerror(errno));
+    lf_free(folder);
+    lf_free(copy);
+    return status;
+}
+
+static lf_status prepare_print(lf_rendering *r, int n_views_most, lf_error *err)
+{
+    const char *warning = NULL;
+    r->print = r->arguments->print;
+    r->print.n_views = r->arguments->options.views;
+    lf_status status = lf_print_choose_views(&r->print, n_views_most, "--views", NULL, err);
+    if (status == LF_OK)
+        status = r->arguments->kind->check_print(&r->print, &warning, err);
+    if (status == LF_OK && warning)
+        lf_log(LF_LOG_WARNING, "--views: %s", warning);
+    return status;
+}
+
+/* How a finished light field is laid out anew: a folder has neither tiles nor an aspect but what
+ * the options and the names say. */
+static void lay_out_quilt(lf_rendering *r)
+{
+    const lf_render_arguments *a = r->arguments;
+    int columns = 0;
+    int rows = 0;
+    double aspect = 0;
+    bool stated = lf_layout_from_name(a->scene, &columns, &rows, &aspect) && aspect > 0;
+    r->layout = r->quilt.layout;
+    if (a->options.columns * a->options.rows >= r->layout.n_views) {
+        r->layout.columns = a->options.columns;
+        r->layout.rows = a->options.rows;
+    }
+    aspect = 0;
+    if (!stated && lf_layout_from_name(a->out, &columns, &rows, &aspect) && aspect > 0)
+        r->layout.aspect = aspect;
+}
+
+static lf_status open_quilt(lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    const lf_options *o = &a->options;
+    if (r->sequence.on)
+        return lf_error_set(err, LF_E_ARG, a->frames.turntable > 0 ? "--turntable" : "--frames",
+                            "does not go with a finished quilt: nothing in it moves");
+    if (o->preset || o->view_width > 0)
+        return lf_error_set(
+            err, LF_E_ARG, o->preset ? "--preset" : "--view-size",
+            "does not go with a finished quilt (its name or --quilt says the layout)");
+    if (a->kind->layers)
+        return lf_error_set(err, LF_E_ARG, a->scene, "has no depth: --rgbd renders a scene");
+    if (a->render_option) {
+        char where[64];
+        snprintf(where, sizeof where, "--%s", a->render_option);
+        return lf_error_set(err, LF_E_ARG, where,
+                            "does not go with a finished quilt: nothing is rendered");
+    }
+    lf_status status = lf_quilt_read(a->scene, NULL, o->columns, o->rows, &r->quilt, err);
+    if (status != LF_OK)
+        return status;
+    r->is_quilt = true;
+    if (a->kind->check_print)
+        status = prepare_print(r, r->quilt.layout.n_views, err);
+    else if (o->views > r->quilt.layout.n_views)
+        status = lf_error_set(err, LF_E_ARG, "--views", "%d views asked for, but the quilt has %d",
+                              o->views, r->quilt.layout.n_views);
+    else if (o->views > 0)
+        r->quilt.layout.n_views = r->quilt.views8.n_views = r->quilt.views32.n_views = o->views;
+    if (status == LF_OK && o->has_exposure && !r->quilt.is_float)
+        status = lf_error_set(err, LF_E_ARG, "--exposure",
+                              "does not go with a finished picture of 8 bits (EXR has light)");
+    if (status == LF_OK)
+        lay_out_quilt(r);
+    return status;
+}
+
+lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    const lf_calibration *calibration = a->kind->needs_panel ? &r->calibration : NULL;
+    lf_status status = lf_resolve_view(&a->options, lf_scene_camera(r->scene), calibration,
+                                       &r->settings, &r->layout, err);
+    if (r->sequence.on)
+        r->settings.seed = lf_frames_seed(a->options.seed, r->sequence.frame);
+    if (status == LF_OK && a->kind->check_print) {
+        status = prepare_print(r, LF_MAX_VIEWS, err);
+        if (status == LF_OK)
+            lf_output_print_view(&r->print, &r->settings);
+        r->print.rolled = r->print.horizontal;
+    }
+    return status;
+}
+
+static lf_status open_scene(lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    if (a->kind->check_print &&
+        (a->options.preset || a->options.columns > 0 || a->options.view_width > 0))
+        return lf_error_set(err, LF_E_ARG, "--print",
+                            "says what to render: no --preset, --quilt or --view-size");
+    lf_status status = lf_scene_load(a->scene, NULL, NULL, &r->scene, err);
+    lf_progress_line_clear(&r->line);
+    if (status == LF_OK)
+        lf_log_warnings(r->scene, NULL);
+    return status == LF_OK ? lf_rendering_resolve(r, err) : status;
+}
+
+/* Files that are written beside and renamed would take the place of what they were made from.
+ * Either may be NULL. */
+static lf_status check_not_input(const char *path, const char *input, lf_error *err)
+{
+    struct stat out, in;
+    if (path && input && stat(path, &out) == 0 && stat(input, &in) == 0 &&
+        out.st_dev == in.st_dev && out.st_ino == in.st_ino)
+        return lf_error_set(err, LF_E_ARG, path, "is what is being rendered: choose another name");
+    return LF_OK;
+}
+
+/* The manifest of a print takes the place of another manifest, and of nothing else. */
+static lf_status check_manifest(const lf_output_kind *kind, const char *print, const char *input,
+                                lf_error *err)
+{
+    char *path = lf_output_file_name(kind, print, 1);
+    if (!path)
+        return lf_error_set(err, LF_E_NOMEM, print, "out of memory");
+    lf_status status = check_not_input(path, input, err);
+    if (status == LF_OK && access(path, F_OK) == 0) {
+        json_t *there = json_load_file(path, 0, NULL);
+        if (!json_object_get(there, "quiltd_print"))
+            status = lf_error_set(
+                err, LF_E_ARG, path,
+                "is there already and is no manifest of a print: choose another name for the TIFF");
+        json_decref(there);
+    }
+    lf_free(path);
+    return status;
+}
+
+lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    lf_status status = check_not_input(r->path, a->scene, err);
+    if (status == LF_OK && a->stats)
+        status = check_not_input(a->stats, a->scene, err);
+    if (status == LF_OK && a->kind->check_print)
+        status = check_manifest(a->kind, r->path, a->scene, err);
+    return status;
+}
+
+lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    char *out = lf_frames_path(a->out, frame), *path = NULL;
+    lf_status status = out ? lf_output_path(a->kind, out, &r->layout, &path, err)
+                           : lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
+    lf_free(out);
+    if (status == LF_OK) {
+        lf_free(r->path);
+        r->path = path;
+    }
+    return status;
+}
+
+/* The folders of all that is to be written. */
+static lf_status check_folders(const lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    char *first = r->sequence.on ? lf_frames_path(a->out, r->sequence.frame) : lf_strdup(a->out);
+    lf_status status = first ? check_folder_of(first, err)
+                             : lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
+    lf_free(first);
+    if (status == LF_OK && a->stats)
+        status = check_folder_of(a->stats, err);
+    return status;
+}
+
+lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    r->sequence.on = lf_frames_wanted(&a->frames);
+    r->sequence.frame = a->frames.first;
+    lf_status status = check_folders(r, err);
+    if (status == LF_OK && a->kind->needs_panel)
+        status = lf_calibration_load(a->options.calibration, &r->calibration, err);
+    if (a->kind->is_drawn)
+        r->print = a->print;
+    else if (status == LF_OK)
+        status = lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
+    if (status == LF_OK && r->sequence.on)
+        status = lf_rendering_name(r, a->frames.first, err);
+    else if (status == LF_OK)
+        status = lf_output_path(a->kind, a->out, &r->layout, &r->path, err);
+    if (status == LF_OK)
+        status = lf_rendering_check_outputs(r, err);
+    if (status == LF_OK && lf_pool_create(a->options.threads, &r->pool) != LF_OK)
+        status = lf_error_set(err, LF_E_NOMEM, "--threads", "cannot start the worker threads");
+    return status;
+}
