@@ -271,17 +271,22 @@ static int view_at(const lf_layout *l, int y, int column, int *row)
     return view < l->n_views ? view : -1;
 }
 
-static void row8(void *context, int y, uint8_t *out)
+void lf_quilt_row8(const lf_views8 *views, const lf_layout *layout, int y, uint8_t *out)
 {
-    const quilt_rows8 *q = context;
-    size_t n = (size_t)q->layout->view_width * 3;
-    for (int column = 0; column < q->layout->columns; column++, out += n) {
-        int row, view = view_at(q->layout, y, column, &row);
+    size_t n = (size_t)layout->view_width * 3;
+    for (int column = 0; column < layout->columns; column++, out += n) {
+        int row, view = view_at(layout, y, column, &row);
         if (view < 0)
             memset(out, 0, n);
         else
-            memcpy(out, lf_views8_row(q->views, view, row), n);
+            memcpy(out, lf_views8_row(views, view, row), n);
     }
+}
+
+static void row8(void *context, int y, uint8_t *out)
+{
+    const quilt_rows8 *q = context;
+    lf_quilt_row8(q->views, q->layout, y, out);
 }
 
 /* A row of a view, its layers behind the colours of each pixel; returns what lies behind it. */

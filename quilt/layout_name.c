@@ -126,7 +126,9 @@ char *lf_layout_name(const char *path, const lf_layout *layout)
     if (lf_layout_from_name(path, &columns, &rows, &aspect) && columns == layout->columns &&
         rows == layout->rows)
         return lf_strdup(path);
-    const char *picture = lf_image_ending(path), *ending = picture ? picture : path + strlen(path);
+    const char *ending = lf_image_ending(path);
+    if (!ending)
+        ending = path + strlen(path) - (lf_path_has_ending(path, ".mp4") ? strlen(".mp4") : 0);
     size_t size = strlen(path) + 64;
     char *name = lf_calloc(size, 1);
     if (name)

@@ -180,6 +180,9 @@ LF_NODISCARD lf_status lf_quilt_read(const char *path, const lf_roots *roots, in
                                      lf_quilt_file *out, lf_error *err);
 void lf_quilt_finish(lf_quilt_file *quilt);
 
+/* Row y, from the top, of the picture that lf_quilt_write_png makes of the same: 3 bytes a pixel,
+ * layout->columns times the views' width of them. */
+void lf_quilt_row8(const lf_views8 *views, const lf_layout *layout, int y, uint8_t *out);
 /* The quilt picture of 8-bit or float views (view 0 bottom left, tiles without a view black);
  * layers of float views become channels of the file.
  * LF_E_ARG when views and layout do not agree, LF_E_IO, LF_E_NOMEM. */

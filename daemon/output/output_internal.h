@@ -28,6 +28,9 @@ lf_status output_views8(const lf_output_request *request, const lf_output_source
  * mean in light, which they point to. */
 lf_views32 output_views32(const lf_output_source *source, float light[256]);
 
+/* The name of a quilt (complete of lf_output_kind). */
+lf_status output_quilt_path(const char *path, const lf_layout *layout, char **out_path,
+                            lf_error *err);
 /* Of a TIFF and its manifest "OUT.json", which prints and charts are: their endings, and their
  * files' names. */
 extern const char *const output_print_endings[];

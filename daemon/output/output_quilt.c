@@ -20,7 +20,8 @@ static lf_status check_quilt_size(const char *path, const lf_layout *layout, lf_
     return LF_OK;
 }
 
-static lf_status complete(const char *path, const lf_layout *layout, char **out_path, lf_error *err)
+lf_status output_quilt_path(const char *path, const lf_layout *layout, char **out_path,
+                            lf_error *err)
 {
     int columns = 0;
     int rows = 0;
@@ -86,5 +87,5 @@ const lf_output_kind lf_output_quilt = {.name = "quilt",
                                         .endings = endings,
                                         .has_tiles = true,
                                         .n_files = 1,
-                                        .complete = complete,
+                                        .complete = output_quilt_path,
                                         .write = write_files};

@@ -35,7 +35,8 @@ static lf_status make_one(lf_rendering *r, lf_error *err)
 static void tell_names(const lf_rendering *r)
 {
     const lf_sequence_state *s = &r->sequence;
-    if (!s->on && strcmp(r->path, r->arguments->out) != 0)
+    if ((!s->on || r->arguments->kind == &lf_output_video) &&
+        strcmp(r->path, r->arguments->out) != 0)
         lf_log(LF_LOG_INFO, "wrote %s", r->path);
     else if (s->on && s->n_done > 0)
         lf_log(LF_LOG_INFO, "wrote %d of %d frames; frame %d is %s", s->n_done,

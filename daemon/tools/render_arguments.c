@@ -58,6 +58,7 @@ static void print_help(void)
     lf_param_print_help(lf_option_params, "target-error target-shown-error");
     printf("\nSequences (a file a frame, OUT_0001 and so on, or where OUT has %%04d):\n");
     lf_param_print_help(lf_frames_params, NULL);
+    lf_param_print_help(lf_video_params, NULL);
     printf("\nHow:\n");
     lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT);
     printf("  --stats FILE.json      writes what was done and what it took\n" LF_OPTIONS_HELP_LAST);
@@ -117,6 +118,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->panel_option = row->option;
     if (params == lf_rgbd_params && !kind && !a->rgbd_option)
         a->rgbd_option = row->option;
+    if (params == lf_video_params && !a->video_option)
+        a->video_option = row->option;
     if (params == lf_option_params && !a->render_option && lf_param_among(row, tracing))
         a->render_option = row->option;
 }
@@ -191,6 +194,12 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         return refuse_option(a->panel_option, reads_panel, err);
     if (!a->kind->layers && a->rgbd_option)
         return refuse_option(a->rgbd_option, reads_rgbd, err);
+    if (a->kind == &lf_output_video && !lf_frames_wanted(&a->frames))
+        return lf_error_set(err, LF_E_ARG, a->out, "a video needs --frames or --turntable");
+    if (a->kind != &lf_output_video && a->video_option) {
+        snprintf(where, sizeof where, "--%s", a->video_option);
+        return lf_error_set(err, LF_E_ARG, where, "only goes with OUT.mp4");
+    }
     if (a->options.layers && !(lf_path_has_ending(a->out, ".exr") || a->kind->surplus))
         return lf_error_set(err, LF_E_ARG, "--aov", "only goes with OUT.exr and folders of views");
     return LF_OK;
@@ -200,6 +209,10 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
 static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind, lf_error *err)
 {
     char known[512] = "", endings[64];
+    if (lf_output_fits(&lf_output_video, out)) {
+        *out_kind = &lf_output_video;
+        return LF_OK;
+    }
     for (int i = 0; lf_output_kinds[i]; i++) {
         const lf_output_kind *kind = lf_output_kinds[i];
         size_t used = strlen(known);
@@ -211,7 +224,7 @@ static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind
                  lf_output_endings(kind, endings, sizeof endings), kind->what,
                  kind->option ? " with --" : "", kind->option ? kind->option : "");
     }
-    return lf_error_set(err, LF_E_ARG, out, "must end in %s", known);
+    return lf_error_set(err, LF_E_ARG, out, "must end in %s, .mp4 (a video of --frames)", known);
 }
 
 /* What OUT is, from the options and its ending. */
@@ -295,6 +308,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_print_params, NULL, &a->print},
                                      {lf_rgbd_params, NULL, &a->rgbd},
                                      {lf_frames_params, NULL, &a->frames},
+                                     {lf_video_params, NULL, &a->video},
                                      {0}};
     const lf_options_rules rules = {.program = LF_RENDER_PROGRAM,
                                     .letters = ":o:",
@@ -306,6 +320,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                     .context = a};
     *a = (lf_render_arguments){0};
     lf_param_defaults(lf_print_params, &a->print);
+    lf_param_defaults(lf_video_params, &a->video);
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
     return status != LF_OK || *out_done ? status : check_arguments(a, argc, argv, err);
 }

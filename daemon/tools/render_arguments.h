@@ -6,6 +6,7 @@
 #include "daemon/output/options.h"
 #include "daemon/output/output.h"
 #include "daemon/output/render_job.h"
+#include "daemon/output/video.h"
 
 #define LF_RENDER_PROGRAM "quiltrender"
 
@@ -27,6 +28,8 @@ typedef struct lf_render_arguments {
     const char *rgbd_option; /* the first option that only makes sense with --rgbd */
     lf_rgbd_options rgbd;
     lf_frames frames; /* checked */
+    lf_video_options video;
+    const char *video_option; /* the first option that only makes sense with a video */
 } lf_render_arguments;
 
 /* Reads argv into *out (strings point into it; untouched parts are zero). *out_done: --help or

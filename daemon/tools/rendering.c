@@ -58,7 +58,7 @@ static void show_writing(void *context, double fraction)
 lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
 {
     const char *out = r->arguments->out;
-    if (r->sequence.on)
+    if (r->sequence.on && !r->video)
         return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: %d of %d frames were written",
                             r->sequence.n_done, r->sequence.n_wanted);
     return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: nothing was written");
@@ -200,7 +200,8 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
         .progress = show_writing,
         .context = r,
     };
-    status = lf_output_write(&request, &source, err);
+    status = r->video ? lf_video_add(r->video, &request, &source, err)
+                      : lf_output_write(&request, &source, err);
     if (status == LF_E_CANCELLED)
         return lf_rendering_interrupted(r, err);
     return status;
@@ -246,6 +247,7 @@ lf_status lf_rendering_write_stats(const lf_rendering *r, lf_error *err)
 
 void lf_rendering_finish(lf_rendering *r)
 {
+    lf_video_destroy(r->video);
     lf_renderer_destroy(r->renderer);
     lf_scene_unref(r->scene);
     lf_pool_destroy(r->pool);

@@ -36,6 +36,7 @@ typedef struct lf_rendering {
     json_t *record; /* settings for attributes and the manifest */
     lf_render_times times;
     lf_sequence_state sequence;
+    lf_video *video; /* that frames go into; NULL: each is a file */
 } lf_rendering;
 
 /* Reads what is to be rendered and finds the final name. LF_E_ARG: the arguments do not go with

@@ -26,7 +26,7 @@ static lf_status take_frame(lf_rendering *r, int frame, bool *out_kept, lf_error
 {
     r->sequence.frame = frame;
     lf_status status = lf_rendering_name(r, frame, err);
-    *out_kept = status == LF_OK && !r->arguments->frames.overwrite && is_there(r);
+    *out_kept = status == LF_OK && !r->arguments->frames.overwrite && !r->video && is_there(r);
     return status;
 }
 
@@ -91,9 +91,14 @@ static lf_status make_frame(lf_rendering *r, const lf_camera *camera, lf_error *
 
 lf_status lf_rendering_frames(lf_rendering *r, lf_error *err)
 {
-    const lf_frames *frames = &r->arguments->frames;
+    const lf_render_arguments *a = r->arguments;
+    const lf_frames *frames = &a->frames;
     const lf_camera camera = *lf_scene_camera(r->scene);
-    lf_status status = count_frames(r, err);
+    lf_status status = LF_OK;
+    if (a->kind == &lf_output_video)
+        status = lf_video_create(r->path, &r->layout, &a->video, r->cancel, &r->video, err);
+    if (status == LF_OK)
+        status = count_frames(r, err);
     r->sequence.begun = lf_time_now();
     for (int frame = frames->first; frame <= frames->last && status == LF_OK; frame++) {
         bool kept;
@@ -101,5 +106,7 @@ lf_status lf_rendering_frames(lf_rendering *r, lf_error *err)
         if (status == LF_OK && !kept)
             status = make_frame(r, &camera, err);
     }
-    return status;
+    if (status == LF_OK && r->video)
+        status = lf_video_finish(r->video, err);
+    return status == LF_E_CANCELLED ? lf_rendering_interrupted(r, err) : status;
 }

@@ -173,10 +173,18 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
     return status;
 }
 
+/* OUT as it is for a frame. Caller frees. */
+static char *out_of(const lf_rendering *r, int frame)
+{
+    const lf_render_arguments *a = r->arguments;
+    bool is_one = !r->sequence.on || a->kind == &lf_output_video;
+    return is_one ? lf_strdup(a->out) : lf_frames_path(a->out, frame);
+}
+
 lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
-    char *out = lf_frames_path(a->out, frame), *path = NULL;
+    char *out = out_of(r, frame), *path = NULL;
     lf_status status = out ? lf_output_path(a->kind, out, &r->layout, &path, err)
                            : lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
     lf_free(out);
@@ -191,12 +199,21 @@ lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *err)
 static lf_status check_folders(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
-    char *first = r->sequence.on ? lf_frames_path(a->out, r->sequence.frame) : lf_strdup(a->out);
+    char *first = out_of(r, r->sequence.frame);
     lf_status status = first ? check_folder_of(first, err)
                              : lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
     lf_free(first);
     if (status == LF_OK && a->stats)
         status = check_folder_of(a->stats, err);
+    return status;
+}
+
+static lf_status check_video(const lf_rendering *r, lf_error *err)
+{
+    const char *warning = NULL;
+    lf_status status = lf_video_check(&r->arguments->video, &r->layout, r->path, &warning, err);
+    if (warning)
+        lf_log(LF_LOG_WARNING, "%s: %s", r->path, warning);
     return status;
 }
 
@@ -212,10 +229,10 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         r->print = a->print;
     else if (status == LF_OK)
         status = lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
-    if (status == LF_OK && r->sequence.on)
-        status = lf_rendering_name(r, a->frames.first, err);
-    else if (status == LF_OK)
-        status = lf_output_path(a->kind, a->out, &r->layout, &r->path, err);
+    if (status == LF_OK)
+        status = lf_rendering_name(r, r->sequence.frame, err);
+    if (status == LF_OK && a->kind == &lf_output_video)
+        status = check_video(r, err);
     if (status == LF_OK)
         status = lf_rendering_check_outputs(r, err);
     if (status == LF_OK && lf_pool_create(a->options.threads, &r->pool) != LF_OK)

@@ -1,0 +1,359 @@
+#include "daemon/output/video.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/errno_text.h"
+#include "daemon/output/output_internal.h"
+
+#define PROGRAM "ffmpeg"
+#define FILE_FD 3 /* of ffmpeg: what it writes into */
+#define LOOK_MS 50
+#define MOST_OF_H264 4096
+
+/* ----------------------------------------------------------------------------------- options -- */
+
+static const char *const codecs[] = {[LF_CODEC_H264] = "h264", [LF_CODEC_H265] = "h265", NULL};
+static const char *const formats[] = {"yuv420p", "yuv444p", NULL};
+
+#define PLACE(field) .place = offsetof(lf_video_options, field)
+
+/* clang-format off */
+const lf_param lf_video_params[] = {
+    {.name = "fps", .option = "fps", .argument = "N", PLACE(fps), .low = 1, .high = 240,
+     .initial = 30, .help = "frames of a video in a second"},
+    {.name = "codec", .option = "codec", .argument = "NAME", PLACE(codec), .type = LF_PARAM_WORD,
+     .words = codecs, .help = "how a video is compressed"},
+    {.name = "pixel_format", .option = "pixel-format", .argument = "NAME", PLACE(is_444),
+     .type = LF_PARAM_WORD, .words = formats,
+     .help = "colours of 2x2 pixels together, which players take, or of each"},
+    {.name = "crf", .option = "crf", .argument = "N", PLACE(crf), .type = LF_PARAM_WHOLE,
+     .high = 51, .initial = 18, .help = "how much a video may lose, 0 to 51"},
+    {0},
+};
+/* clang-format on */
+
+static const char *const endings[] = {".mp4", NULL};
+
+const lf_output_kind lf_output_video = {.name = "video",
+                                        .what = "a video",
+                                        .endings = endings,
+                                        .has_tiles = true,
+                                        .n_files = 1,
+                                        .complete = output_quilt_path};
+
+lf_status lf_video_check(const lf_video_options *options, const lf_layout *layout, const char *path,
+                         const char **out_warning, lf_error *err)
+{
+    int width = layout->columns * layout->view_width, height = layout->rows * layout->view_height;
+    if (!options->is_444 && (width % 2 != 0 || height % 2 != 0))
+        return lf_error_set(err, LF_E_ARG, path,
+                            "a quilt of %dx%d pixels has an odd side, which yuv420p has not: "
+                            "--view-size %dx%d (or --pixel-format yuv444p)",
+                            width, height, layout->view_width + width % 2,
+                            layout->view_height + height % 2);
+    *out_warning = NULL;
+    if (options->codec == LF_CODEC_H264 && (width > MOST_OF_H264 || height > MOST_OF_H264))
+        *out_warning = "more than 4096 pixels a side: few players take that of H.264 (--codec h265 "
+                       "goes up to 8192)";
+    else if (options->is_444)
+        *out_warning = "yuv444p: most players take yuv420p alone";
+    return LF_OK;
+}
+
+/* ----------------------------------------------------------------------------------- process -- */
+
+struct lf_video {
+    lf_outfile file;
+    const lf_cancel *cancel;
+    pid_t pid; /* 0: it has ended */
+    int pipe;  /* its standard input */
+    int said;  /* its standard error, a file in memory */
+    uint8_t *row;
+};
+
+/* Out of the way of the descriptors that ffmpeg is to have. */
+static int raised(int fd)
+{
+    int higher = fd < 0 ? -1 : fcntl(fd, F_DUPFD_CLOEXEC, FILE_FD + 1);
+    if (fd >= 0)
+        close(fd);
+    return higher;
+}
+
+static int spawn(lf_video *video, int input, int file, const char *const words[])
+{
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t how;
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    if (posix_spawn_file_actions_init(&actions) != 0)
+        return ENOMEM;
+    if (posix_spawnattr_init(&how) != 0) {
+        posix_spawn_file_actions_destroy(&actions);
+        return ENOMEM;
+    }
+    int failed = posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    if (!failed)
+        failed = posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_RDWR, 0);
+    if (!failed)
+        failed = posix_spawn_file_actions_adddup2(&actions, video->said, STDERR_FILENO);
+    if (!failed)
+        failed = posix_spawn_file_actions_adddup2(&actions, file, FILE_FD);
+    if (!failed)
+        failed = posix_spawn_file_actions_addclosefrom_np(&actions, FILE_FD + 1);
+    if (!failed)
+        failed = posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
+                                                    POSIX_SPAWN_SETPGROUP);
+    if (!failed)
+        failed =
+            posix_spawnattr_setsigmask(&how, &none) || posix_spawnattr_setsigdefault(&how, &all);
+    if (!failed)
+        failed = posix_spawnp(&video->pid, PROGRAM, &actions, &how, (char *const *)(uintptr_t)words,
+                              environ);
+    posix_spawnattr_destroy(&how);
+    posix_spawn_file_actions_destroy(&actions);
+    return failed;
+}
+
+/* Codes are sRGB's and players take them as BT.709's, whose matrix is then the one to use. */
+static int start_program(lf_video *video, const lf_layout *layout, const lf_video_options *o,
+                         int input, int file)
+{
+    char size[32], fps[32], crf[16];
+    const bool is_265 = o->codec == LF_CODEC_H265;
+    snprintf(size, sizeof size, "%dx%d", layout->columns * layout->view_width,
+             layout->rows * layout->view_height);
+    snprintf(fps, sizeof fps, "%.6g", o->fps);
+    snprintf(crf, sizeof crf, "%d", o->crf);
+    const char *const words[] = {
+        PROGRAM,
+        "-nostdin",
+        "-hide_banner",
+        "-loglevel",
+        "error",
+        "-y",
+        "-f",
+        "rawvideo",
+        "-pixel_format",
+        "rgb24",
+        "-video_size",
+        size,
+        "-framerate",
+        fps,
+        "-i",
+        "pipe:0",
+        "-an",
+        "-vf",
+        "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int",
+        "-c:v",
+        is_265 ? "libx265" : "libx264",
+        "-tag:v",
+        is_265 ? "hvc1" : "avc1",
+        "-crf",
+        crf,
+        "-pix_fmt",
+        formats[o->is_444],
+        is_265 ? "-x265-params" : "-preset",
+        is_265 ? "log-level=error" : "medium",
+        "-color_range",
+        "tv",
+        "-colorspace",
+        "bt709",
+        "-color_primaries",
+        "bt709",
+        "-color_trc",
+        "bt709",
+        "-fflags",
+        "+bitexact",
+        "-movflags",
+        "+faststart",
+        "-f",
+        "mp4",
+        "/dev/fd/3",
+        NULL};
+    return spawn(video, input, file, words);
+}
+
+static lf_status begin_program(lf_video *video, const lf_layout *layout,
+                               const lf_video_options *options, lf_error *err)
+{
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0)
+        return lf_error_set(err, LF_E_IO, PROGRAM, "no pipe: %s", lf_errno_text(errno));
+    int input = raised(ends[0]), file = fcntl(video->file.fd, F_DUPFD_CLOEXEC, FILE_FD + 1);
+    video->pipe = raised(ends[1]);
+    video->said = raised(memfd_create(PROGRAM, MFD_CLOEXEC));
+    int failed = input < 0 || file < 0 || video->pipe < 0 || video->said < 0 ||
+                         fcntl(video->pipe, F_SETFL, O_NONBLOCK) != 0
+                     ? errno
+                     : start_program(video, layout, options, input, file);
+    if (input >= 0)
+        close(input);
+    if (file >= 0)
+        close(file);
+    if (failed == ENOENT)
+        return lf_error_set(err, LF_E_IO, PROGRAM,
+                            "is not in PATH: videos are made by it (the package is called ffmpeg)");
+    return failed
+               ? lf_error_set(err, LF_E_IO, PROGRAM, "cannot be started: %s", lf_errno_text(failed))
+               : LF_OK;
+}
+
+static bool is_cancelled(const lf_video *video)
+{
+    return video->cancel && atomic_load_explicit(video->cancel, memory_order_relaxed);
+}
+
+static lf_status cancelled(const lf_video *video, lf_error *err)
+{
+    return lf_error_set(err, LF_E_CANCELLED, video->file.path, "cancelled");
+}
+
+/* It has ended: well, or with the first line of what it said. */
+static lf_status judge(const lf_video *video, int ending, lf_error *err)
+{
+    char text[400], how[48];
+    if (WIFEXITED(ending) && WEXITSTATUS(ending) == 0)
+        return LF_OK;
+    ssize_t n = pread(video->said, text, sizeof text - 1, 0);
+    text[n > 0 ? n : 0] = '\0';
+    text[strcspn(text, "\n")] = '\0';
+    if (WIFSIGNALED(ending))
+        snprintf(how, sizeof how, "was ended by signal %d", WTERMSIG(ending));
+    else
+        snprintf(how, sizeof how, "failed (exit status %d)", WEXITSTATUS(ending));
+    return lf_error_set(err, LF_E_IO, PROGRAM, "%s%s%s", how, text[0] ? ": " : "", text);
+}
+
+/* Until it has ended; how is its own affair (judge). */
+static lf_status await_end(lf_video *video, int *out_ending, lf_error *err)
+{
+    for (;;) {
+        pid_t got = waitpid(video->pid, out_ending, WNOHANG);
+        if (got == video->pid)
+            break;
+        if (got < 0 && errno != EINTR)
+            return lf_error_set(err, LF_E_IO, PROGRAM, "is lost: %s", lf_errno_text(errno));
+        if (is_cancelled(video))
+            return cancelled(video, err);
+        nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
+    }
+    video->pid = 0;
+    return LF_OK;
+}
+
+/* It reads no more. */
+static lf_status explain(lf_video *video, lf_error *err)
+{
+    int ending = 0;
+    close(video->pipe);
+    video->pipe = -1;
+    lf_status status = await_end(video, &ending, err);
+    if (status == LF_OK)
+        status = judge(video, ending, err);
+    return status != LF_OK ? status
+                           : lf_error_set(err, LF_E_IO, PROGRAM, "ended before the last frame");
+}
+
+static lf_status push(lf_video *video, const uint8_t *data, size_t n, lf_error *err)
+{
+    while (n > 0) {
+        if (is_cancelled(video))
+            return cancelled(video, err);
+        ssize_t done = write(video->pipe, data, n);
+        if (done > 0) {
+            data += done;
+            n -= (size_t)done;
+        } else if (done < 0 && errno == EAGAIN) {
+            struct pollfd ready = {video->pipe, POLLOUT, 0};
+            (void)poll(&ready, 1, LOOK_MS);
+        } else if (done < 0 && errno != EINTR) {
+            return explain(video, err);
+        }
+    }
+    return LF_OK;
+}
+
+/* ------------------------------------------------------------------------------------- video -- */
+
+lf_status lf_video_create(const char *path, const lf_layout *layout,
+                          const lf_video_options *options, const lf_cancel *cancel,
+                          lf_video **out_video, lf_error *err)
+{
+    lf_video *video = lf_calloc(1, sizeof *video);
+    if (!video)
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    video->cancel = cancel;
+    video->pipe = video->said = video->file.fd = -1;
+    video->row = lf_calloc((size_t)layout->columns * (size_t)layout->view_width, 3);
+    lf_status status = video->row ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    if (status == LF_OK)
+        status = lf_outfile_open(&video->file, path, true, err);
+    if (status == LF_OK)
+        status = begin_program(video, layout, options, err);
+    if (status == LF_OK)
+        *out_video = video;
+    else
+        lf_video_destroy(video);
+    return status;
+}
+
+lf_status lf_video_add(lf_video *video, const lf_output_request *request,
+                       const lf_output_source *source, lf_error *err)
+{
+    const lf_layout *layout = &request->layout;
+    size_t n = (size_t)layout->columns * (size_t)layout->view_width * 3;
+    lf_views8 views;
+    uint8_t *buffer = NULL;
+    lf_status status = output_views8(request, source, &views, &buffer, err);
+    for (int y = 0; y < layout->rows * layout->view_height && status == LF_OK; y++) {
+        lf_quilt_row8(&views, layout, y, video->row);
+        status = push(video, video->row, n, err);
+    }
+    lf_free(buffer);
+    return status;
+}
+
+lf_status lf_video_finish(lf_video *video, lf_error *err)
+{
+    int ending = 0;
+    close(video->pipe);
+    video->pipe = -1;
+    lf_status status = await_end(video, &ending, err);
+    if (status == LF_OK)
+        status = judge(video, ending, err);
+    if (status == LF_OK)
+        status = lf_outfile_commit(&video->file, true, err);
+    return status;
+}
+
+void lf_video_destroy(lf_video *video)
+{
+    if (!video)
+        return;
+    if (video->pipe >= 0)
+        close(video->pipe);
+    if (video->pid > 0) {
+        kill(video->pid, SIGKILL);
+        while (waitpid(video->pid, NULL, 0) < 0 && errno == EINTR)
+            ;
+    }
+    if (video->said >= 0)
+        close(video->said);
+    lf_outfile_abandon(&video->file);
+    lf_free(video->row);
+    lf_free(video);
+}
