@@ -159,7 +159,8 @@ static lf_status expose(lf_rendering *r, const lf_output_source *source, lf_erro
     lf_meter_add_views(meter, &source->views32);
     r->film_settings.exposure = lf_meter_exposure(meter);
     lf_free(meter);
-    lf_log(LF_LOG_INFO, "exposure: %+.3f stops", r->film_settings.exposure);
+    if (!r->sequence.on)
+        lf_log(LF_LOG_INFO, "exposure: %+.3f stops", r->film_settings.exposure);
     return LF_OK;
 }
 

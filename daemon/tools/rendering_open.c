@@ -208,6 +208,20 @@ static lf_status check_folders(const lf_rendering *r, lf_error *err)
     return status;
 }
 
+/* Measured frame by frame, brightness would flicker. EXR has light, which no exposure touches. */
+static lf_status check_exposure(const lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    lf_film_settings film = *lf_scene_film_settings(r->scene);
+    if (a->options.has_exposure)
+        film = lf_exposed_film(&film, a->options.exposure);
+    if (!film.auto_exposure || a->kind->surplus || lf_path_has_ending(a->out, ".exr"))
+        return LF_OK;
+    return lf_error_set(err, LF_E_ARG, "--exposure",
+                        "auto would be another one in every frame: give stops (without --frames "
+                        "and --turntable, auto tells those of one picture)");
+}
+
 static lf_status check_video(const lf_rendering *r, lf_error *err)
 {
     const char *warning = NULL;
@@ -231,6 +245,8 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         status = lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
     if (status == LF_OK)
         status = lf_rendering_name(r, r->sequence.frame, err);
+    if (status == LF_OK && r->sequence.on)
+        status = check_exposure(r, err);
     if (status == LF_OK && a->kind == &lf_output_video)
         status = check_video(r, err);
     if (status == LF_OK)
