@@ -96,6 +96,12 @@ extern const lf_param lf_camera_params[];
 LF_NODISCARD lf_status lf_scene_load(const char *path, const lf_roots *roots,
                                      const lf_scene *previous, lf_scene **out_scene, lf_error *err);
 
+/* The same of what the file says with a merge patch laid over it (NULL: none); lines in errors are
+ * those of the file. */
+LF_NODISCARD lf_status lf_scene_load_patched(const char *path, const json_t *patch,
+                                             const lf_roots *roots, const lf_scene *previous,
+                                             lf_scene **out_scene, lf_error *err);
+
 /* The same from a document in memory; folder is what relative paths are relative to. where names it
  * in errors. doc is borrowed (copied); it may include files, relative to folder. */
 LF_NODISCARD lf_status lf_scene_from_json(const json_t *doc, const char *folder, const char *where,
@@ -119,6 +125,11 @@ const json_t *lf_scene_json(const lf_scene *scene);
 const char *lf_scene_folder(const lf_scene *scene);
 const lf_camera *lf_scene_camera(const lf_scene *scene);
 const lf_film_settings *lf_scene_film_settings(const lf_scene *scene);
+/* Whether the scene is another one where its document says another "frame". */
+bool lf_scene_has_frames(const lf_scene *scene);
+/* Whether the files that the scene has in another frame are there, without reading them: LF_E_IO,
+ * LF_E_FORMAT with their place in the document. */
+LF_NODISCARD lf_status lf_scene_check_frame(const lf_scene *scene, int frame, lf_error *err);
 /* What the files of the scene hold and its pictures lack (textures, transparency, lights of a mesh
  * file, faces that stand in one place, …), and what is seldom meant (no light at all): one line for
  * people, with the file's name, control characters escaped. NULL behind the last; they belong to

@@ -85,24 +85,20 @@ uint64_t lf_frames_seed(uint64_t seed, int frame)
     return seed + (uint64_t)(int64_t)(frame - 1);
 }
 
-/* Frame 1 is the scene's own camera to the last bit. */
-static json_t *turned(const lf_frames *frames, const lf_camera *camera, int frame)
+json_t *lf_frames_patch(int frame)
 {
-    double p[3], yaw = 360.0 * (frame - 1) / frames->turntable;
-    memcpy(p, camera->position, sizeof p);
-    if (frame > 1)
-        lf_orbit_camera(camera, yaw, 0, 1, p);
-    return json_pack("{s:[f,f,f]}", "position", p[0], p[1], p[2]);
+    return json_pack("{s:i}", "frame", frame);
 }
 
-json_t *lf_frames_patch(const lf_frames *frames, const lf_camera *camera, int frame)
+/* Frame 1 is the scene's own camera to the last bit. */
+json_t *lf_frames_patch_turned(const lf_frames *frames, const lf_camera *camera, int frame)
 {
-    json_t *patch = json_object();
-    bool done = patch;
-    if (done && frames->turntable > 0)
-        done = json_object_set_new(patch, "camera", turned(frames, camera, frame)) == 0;
-    if (done)
-        return patch;
-    json_decref(patch);
-    return NULL;
+    double p[3];
+    if (frames->turntable == 0)
+        return lf_frames_patch(frame);
+    memcpy(p, camera->position, sizeof p);
+    if (frame > 1)
+        lf_orbit_camera(camera, 360.0 * (frame - 1) / frames->turntable, 0, 1, p);
+    return json_pack("{s:i, s:{s:[f,f,f]}}", "frame", frame, "camera", "position", p[0], p[1],
+                     p[2]);
 }

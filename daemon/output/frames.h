@@ -33,8 +33,11 @@ char *lf_frames_path(const char *path, int frame);
  * the seed itself. */
 uint64_t lf_frames_seed(uint64_t seed, int frame);
 
-/* What a frame changes in the scene's document (RFC 7396); camera is the scene's own, that of frame
- * 1. A new reference; NULL = out of memory. */
-json_t *lf_frames_patch(const lf_frames *frames, const lf_camera *camera, int frame);
+/* What makes a scene's document (RFC 7396) that of a frame. A new reference; NULL = out of memory.
+ */
+json_t *lf_frames_patch(int frame);
+/* The same with the camera of a turntable, where there is one; camera is the scene's own, that of
+ * frame 1. */
+json_t *lf_frames_patch_turned(const lf_frames *frames, const lf_camera *camera, int frame);
 
 #endif

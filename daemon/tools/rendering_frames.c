@@ -30,6 +30,7 @@ static lf_status take_frame(lf_rendering *r, int frame, bool *out_kept, lf_error
     return status;
 }
 
+/* How many frames are wanted. Hours of rendering must not end at a file that is not there. */
 static lf_status count_frames(lf_rendering *r, lf_error *err)
 {
     const lf_frames *frames = &r->arguments->frames;
@@ -37,6 +38,8 @@ static lf_status count_frames(lf_rendering *r, lf_error *err)
     for (int frame = frames->first; frame <= frames->last; frame++) {
         bool kept;
         lf_status status = take_frame(r, frame, &kept, err);
+        if (status == LF_OK && !kept)
+            status = lf_scene_check_frame(r->scene, frame, err);
         if (status != LF_OK)
             return status;
         n_kept += kept;
@@ -54,7 +57,7 @@ static lf_status count_frames(lf_rendering *r, lf_error *err)
 static lf_status load_frame(lf_rendering *r, const lf_camera *camera, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
-    json_t *patch = lf_frames_patch(&a->frames, camera, r->sequence.frame);
+    json_t *patch = lf_frames_patch_turned(&a->frames, camera, r->sequence.frame);
     json_t *doc = patch ? lf_json_merge_patch(lf_scene_json(r->scene), patch) : NULL;
     lf_scene *next = NULL;
     lf_status status = LF_OK;

@@ -124,10 +124,18 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
         (a->options.preset || a->options.columns > 0 || a->options.view_width > 0))
         return lf_error_set(err, LF_E_ARG, "--print",
                             "says what to render: no --preset, --quilt or --view-size");
-    lf_status status = lf_scene_load(a->scene, NULL, NULL, &r->scene, err);
+    json_t *patch = r->sequence.on ? lf_frames_patch(r->sequence.frame) : NULL;
+    lf_status status = lf_scene_load_patched(a->scene, patch, NULL, NULL, &r->scene, err);
+    json_decref(patch);
     lf_progress_line_clear(&r->line);
     if (status == LF_OK)
         lf_log_warnings(r->scene, NULL);
+    if (status == LF_OK && r->sequence.on && a->frames.turntable == 0 &&
+        !lf_scene_has_frames(r->scene))
+        return lf_error_set(err, LF_E_ARG, "--frames",
+                            "nothing in %s is another from frame to frame (a volume's file with "
+                            "%%04d in its name is; --turntable N turns the camera)",
+                            a->scene);
     return status == LF_OK ? lf_rendering_resolve(r, err) : status;
 }
 

@@ -81,8 +81,16 @@ static lf_status build(const lf_json_source *source, const char *folder, const l
     return reader.status;
 }
 
-lf_status lf_scene_load(const char *path, const lf_roots *roots, const lf_scene *previous,
-                        lf_scene **out_scene, lf_error *err)
+/* Lays patch (may be NULL) over doc; what is no object is the parser's to refuse. */
+static lf_status patch_document(json_t *doc, const json_t *patch, const char *path, lf_error *err)
+{
+    return !patch || !json_is_object(doc) || lf_json_merge_into(doc, patch)
+               ? LF_OK
+               : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+}
+
+lf_status lf_scene_load_patched(const char *path, const json_t *patch, const lf_roots *roots,
+                                const lf_scene *previous, lf_scene **out_scene, lf_error *err)
 {
     lf_scene_text text;
     lf_status status = lf_scene_text_read(path, roots, &text, err);
@@ -90,10 +98,18 @@ lf_status lf_scene_load(const char *path, const lf_roots *roots, const lf_scene 
     if (status == LF_OK && !folder)
         status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     if (status == LF_OK)
+        status = patch_document(text.source.doc, patch, path, err);
+    if (status == LF_OK)
         status = build(&text.source, folder, roots, previous, out_scene, err);
     lf_scene_text_finish(&text);
     lf_free(folder);
     return status;
+}
+
+lf_status lf_scene_load(const char *path, const lf_roots *roots, const lf_scene *previous,
+                        lf_scene **out_scene, lf_error *err)
+{
+    return lf_scene_load_patched(path, NULL, roots, previous, out_scene, err);
 }
 
 lf_status lf_scene_from_json(const json_t *doc, const char *folder, const char *where,

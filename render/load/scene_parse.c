@@ -4,7 +4,9 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/frame_name.h"
 #include "base/nearest.h"
+#include "render/load/frame_file.h"
 #include "render/load/member_read.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/surface.h"
@@ -252,15 +254,17 @@ static void parse_flame(lf_reader *reader, const lf_node *node, lf_volume_desc *
         volume->flame[i] = scale * colour[i];
 }
 
-static void parse_grid(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
+static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_volume_desc *volume)
 {
-    static const char *const keys[] = {"file",          "grid",     "scale",     "albedo", "g",
-                                       "interpolation", "emission", "transform", NULL};
+    static const char *const keys[] = {"file", "sequence",      "grid",     "scale",     "albedo",
+                                       "g",    "interpolation", "emission", "transform", NULL};
     static const char *const endings[] = {"vdb", NULL};
     static const char *const filters[] = {"linear", "nearest", NULL};
     lf_read_object(reader, node, keys);
     volume->kind = LF_VOLUME_GRID;
-    volume->file = lf_read_file(reader, node, "file", endings);
+    const char *file = lf_read_file(reader, node, "file", endings);
+    volume->varies = file && lf_frame_name_varies(file);
+    volume->file = file ? lf_frame_file(reader, node, file, frame) : NULL;
     volume->grid = lf_read_string(reader, node, "grid", "density", 256);
     volume->nearest = lf_read_choice(reader, node, "interpolation", filters, 0) == 1;
     volume->scale = lf_read_number(reader, node, "scale", 1, 0, 1e9);
@@ -280,15 +284,15 @@ static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *
 
 static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
-    static const char *const keys[] = {"file",    "grid",          "scale", "albedo",
-                                       "g",       "interpolation", "shape", "transform",
-                                       "density", "emission",      NULL};
+    static const char *const keys[] = {"file",      "sequence", "grid",          "scale",
+                                       "albedo",    "g",        "interpolation", "shape",
+                                       "transform", "density",  "emission",      NULL};
     lf_volume_desc *volume = &desc->volumes[index];
     *volume = (lf_volume_desc){.name = node->key, .albedo = {1, 1, 1}};
     if (!lf_read_object(reader, node, keys))
         return;
     if (lf_read_either(reader, node, "file", "shape"))
-        parse_grid(reader, node, volume);
+        parse_grid(reader, node, desc->frame, volume);
     else
         parse_shape(reader, node, volume);
     lf_read_colour(reader, node, "albedo", volume->albedo, 0, 1);
@@ -479,7 +483,7 @@ void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
 {
     static const char *const keys[] = {"quiltd",  "camera",   "volumes", "meshes", "materials",
                                        "lights",  "backdrop", "film",    "render", "comment",
-                                       "$schema", "include",  NULL};
+                                       "$schema", "include",  "frame",   NULL};
     *out = (lf_scene_desc){0};
     if (!lf_read_object(reader, root, keys)) {
         lf_read_fail(reader, root, "a scene is a JSON object");
@@ -488,6 +492,7 @@ void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
     lf_read_int(reader, root, "quiltd", 1, 1, 1);
     lf_read_string(reader, root, "comment", NULL, 65536);
     lf_read_string(reader, root, "$schema", NULL, 4096);
+    out->frame = lf_read_int(reader, root, "frame", 1, 0, LF_MAX_FRAME);
     parse_camera(reader, root, &out->camera);
     parse_film(reader, root, &out->film);
     parse_backdrop(reader, root, &out->backdrop);
@@ -509,6 +514,8 @@ void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
 
 void lf_scene_desc_finish(lf_scene_desc *desc)
 {
+    for (int i = 0; desc->volumes && i < desc->n_volumes; i++)
+        lf_free(desc->volumes[i].file);
     lf_free(desc->volumes);
     lf_free(desc->materials);
     lf_free(desc->meshes);

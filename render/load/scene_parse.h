@@ -19,7 +19,9 @@
 typedef struct lf_volume_desc {
     const char *name;
     lf_volume_kind kind;
-    const char *file, *grid; /* LF_VOLUME_GRID only */
+    const char *grid; /* LF_VOLUME_GRID only, as the next two */
+    char *file;       /* of the frame; released by lf_scene_desc_finish */
+    bool varies;      /* it is another in other frames */
     bool nearest;
     double scale; /* sigma_t per scene unit and unit of value */
     double albedo[3], g;
@@ -52,6 +54,7 @@ typedef struct lf_light_desc {
 } lf_light_desc;
 
 typedef struct lf_scene_desc {
+    int frame;
     lf_camera camera;
     lf_film_settings film;
     lf_backdrop backdrop;

@@ -10,8 +10,10 @@ static json_t *member(json_t *doc, const char *section, const char *name)
 
 static bool put_volume(json_t *doc, const lf_volume *volume, const lf_volume_desc *desc)
 {
-    return !volume->grid || json_object_set_new(member(doc, "volumes", desc->name), "file",
-                                                json_string(volume->grid->digest.text)) == 0;
+    json_t *said = member(doc, "volumes", desc->name);
+    json_object_del(said, "sequence");
+    return !volume->grid ||
+           json_object_set_new(said, "file", json_string(volume->grid->digest.text)) == 0;
 }
 
 static bool put_mesh(json_t *doc, const lf_geometry *geometry, int mesh, const lf_mesh_desc *desc)
@@ -50,6 +52,7 @@ json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc)
         json_decref(doc);
         return NULL;
     }
+    json_object_del(doc, "frame");
     json_object_del(doc, "camera");
     json_object_del(doc, "render");
     json_object_del(doc, "film");

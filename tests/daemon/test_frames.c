@@ -49,7 +49,7 @@ static void a_turntable_comes_round_in_equal_steps(void **state)
     const lf_camera camera = {.target = {1, 0, 0}, .position = {1, 2, 5}, .up = {0, 3, 0}};
     static const double expected[4][3] = {{1, 2, 5}, {6, 2, 0}, {1, 2, -5}, {-4, 2, 0}};
     for (int i = 0; i < 4; i++) {
-        json_t *patch = lf_frames_patch(&frames, &camera, i + 1);
+        json_t *patch = lf_frames_patch_turned(&frames, &camera, i + 1);
         const json_t *position = json_object_get(json_object_get(patch, "camera"), "position");
         for (size_t k = 0; k < 3; k++)
             lf_assert_close(json_real_value(json_array_get(position, k)), expected[i][k], 1e-12,

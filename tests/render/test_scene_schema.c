@@ -187,6 +187,9 @@ static const char *const good[] = {
     "\"scale\": 1e9, \"colour\": [1, 0.5, 0], \"kelvin\": 1000000}}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"density\": 0, \"emission\": [1, 0, 1e9]}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"emission\": 2}}}",
+    "{\"frame\": 12, \"volumes\": {\"v\": {\"file\": \"a_%04d.vdb\"}}}",
+    "{\"frame\": 0, \"volumes\": {\"v\": {\"file\": \"a%d.vdb\", \"sequence\": {\"first\": 101, "
+    "\"step\": 0.5}}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"sphere\", \"density\": 2, \"albedo\": [0, 1, 0.5], "
     "\"transform\": {}}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": {\"scale\": [1, 2, -3], \"rotate\": "
@@ -273,6 +276,11 @@ static const char *const wrong[] = {
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"emission\": {}}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"emission\": -1}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"emission\": {\"colour\": 1}}}}",
+    "{\"frame\": -1}",
+    "{\"frame\": 1.5}",
+    "{\"volumes\": {\"v\": {\"file\": \"a%d.vdb\", \"sequence\": {\"rate\": 24}}}}",
+    "{\"volumes\": {\"v\": {\"file\": \"a%d.vdb\", \"sequence\": {\"first\": -1}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"sequence\": {}}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"grid\": \"density\"}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"cone\"}}}",
     "{\"volumes\": {\"v\": {\"shape\": \"box\", \"g\": 1}}}",
@@ -379,7 +387,7 @@ static void every_key_of_the_schema_is_known_to_the_parser(void **state)
         json_decref(doc);
         n++;
     }
-    assert_int_equal(n, 12);
+    assert_int_equal(n, 13);
     json_decref(schema);
 }
 
