@@ -3,8 +3,10 @@
 
 #include "base/alloc.h"
 #include "base/file.h"
+#include "daemon/output/frames.h"
 #include "daemon/output/options.h"
 #include "daemon/output/output.h"
+#include "daemon/output/video.h"
 #include "daemon/server/methods.h"
 
 /* A manual page without roff's backslashes, quotes and font letters, as it would be read. */
@@ -129,7 +131,8 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
         const lf_param own = {.option = option};
         if (!lf_param_find(lf_print_params, option) && !lf_param_find(lf_option_params, option) &&
             !lf_param_find(lf_panel_params, option) && !lf_param_find(lf_response_params, option) &&
-            !lf_param_find(lf_rgbd_params, option) &&
+            !lf_param_find(lf_rgbd_params, option) && !lf_param_find(lf_frames_params, option) &&
+            !lf_param_find(lf_video_params, option) &&
             !lf_param_among(&own, "passes spp time stats help"))
             fail_msg("--%s is in no table", option);
         n++;
@@ -170,6 +173,17 @@ static void every_option_and_key_of_depth_stands_in_the_manuals(void **state)
     }
     lf_free(page);
     lf_free(daemon);
+}
+
+static void every_option_of_sequences_and_videos_stands_in_the_manual_of_quiltrender(void **state)
+{
+    (void)state;
+    char *page = read_page("docs/man/quiltrender.1");
+    for (const lf_param *row = lf_frames_params; row->option; row = lf_param_next(row))
+        check_option(page, row, true);
+    for (const lf_param *row = lf_video_params; row->option; row = lf_param_next(row))
+        check_option(page, row, true);
+    lf_free(page);
 }
 
 /* The line of a page that lists the kinds names this one. */
@@ -223,6 +237,7 @@ int main(void)
         cmocka_unit_test(the_manual_of_quiltrender_tells_of_no_option_that_is_not_there),
         cmocka_unit_test(every_key_of_a_print_stands_in_the_manual_of_quiltd),
         cmocka_unit_test(every_option_and_key_of_depth_stands_in_the_manuals),
+        cmocka_unit_test(every_option_of_sequences_and_videos_stands_in_the_manual_of_quiltrender),
         cmocka_unit_test(every_kind_of_output_stands_in_the_manuals_and_the_schema),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
