@@ -51,14 +51,14 @@ static void check_file(lf_reader *reader, const lf_node *volume, const char *fol
 
 lf_status lf_scene_check_frame(const lf_scene *scene, int frame, lf_error *err)
 {
-    lf_reader reader = {scene->where, NULL, 0, LF_OK, err};
+    lf_reader reader = {scene->file.where, NULL, 0, LF_OK, err, NULL, 0};
     const lf_node root = {NULL, NULL, 0, scene->json}, volumes = lf_node_child(&root, "volumes");
     const char *name;
     json_t *value;
     json_object_foreach(volumes.value, name, value)
     {
         const lf_node volume = lf_node_child(&volumes, name);
-        check_file(&reader, &volume, scene->folder, frame);
+        check_file(&reader, &volume, scene->file.folder, frame);
     }
     return reader.status;
 }

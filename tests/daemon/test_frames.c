@@ -212,6 +212,129 @@ static void an_interrupted_sequence_keeps_whole_frames_and_nothing_else(void **s
     assert_int_equal(qr_count_files(f->folder), before + n);
 }
 
+static char readers_before[PATH_MAX];
+
+static int set_up(void **state)
+{
+    snprintf(readers_before, sizeof readers_before, "%s", getenv("QUILTIMPORT"));
+    return qr_set_up(state);
+}
+
+static int tear_down(void **state)
+{
+    setenv("QUILTIMPORT", readers_before, 1);
+    return qr_tear_down(state);
+}
+
+/* Readers that note each of their calls before they do as they are told. */
+static void count_readers(const qr_files *f, const char *folder)
+{
+    static const char *const names[] = {"quiltimport", "quiltimport-vdb"};
+    char script[4 * PATH_MAX], *real = realpath(lf_test_built("quiltimport"), NULL);
+    assert_non_null(real);
+    *strrchr(real, '/') = '\0';
+    for (int i = 0; i < 2; i++) {
+        snprintf(script, sizeof script, "#!/bin/sh\necho x >>%s/%s.calls\nexec %s/%s\n", f->folder,
+                 names[i], real, names[i]);
+        assert_int_equal(chmod(lf_test_write(folder, names[i], script), 0755), 0);
+    }
+    free(real);
+    setenv("QUILTIMPORT", folder, 1);
+}
+
+static int count_calls(const qr_files *f, const char *reader)
+{
+    char name[64];
+    struct stat st;
+    snprintf(name, sizeof name, "%s.calls", reader);
+    assert_int_equal(stat(lf_test_path(f->folder, name), &st), 0);
+    return (int)st.st_size / 2;
+}
+
+static void link_grid(const qr_files *f, const char *name, const char *grid)
+{
+    char *real = realpath(lf_test_built(grid), NULL);
+    assert_non_null(real);
+    assert_int_equal(symlink(real, lf_test_path(f->folder, name)), 0);
+    free(real);
+}
+
+/* Smoke of another file in every frame before a mesh that stays. */
+static const char *write_smoke(const qr_files *f)
+{
+    link_grid(f, "smoke_01.vdb", "testdata/block.vdb");
+    link_grid(f, "smoke_02.vdb", "testdata/patterns.vdb");
+    link_grid(f, "smoke_03.vdb", "testdata/block.vdb");
+    lf_test_write(f->folder, "tri.obj", "v -90 -90 -60\nv 90 -90 -60\nv 0 90 -60\nf 1 2 3\n");
+    return lf_test_write(
+        f->folder, "smoke.json",
+        "{ \"camera\": { \"position\": [0,0,60], \"fov_y\": 60, \"cone\": 2 },\n"
+        "  \"volumes\": { \"smoke\": { \"file\": \"smoke_%02d.vdb\", \"scale\": 0.1,\n"
+        "    \"grid\": \"density\" } },\n"
+        "  \"meshes\": { \"tri\": { \"file\": \"tri.obj\" } },\n"
+        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 1 } } }\n");
+}
+
+static void volumes_of_a_sequence_are_read_frame_by_frame_and_the_rest_once(void **state)
+{
+    const qr_files *f = *state;
+    char scene[PATH_MAX], folder[PATH_MAX];
+    qr_outcome o;
+    snprintf(scene, sizeof scene, "%s", write_smoke(f));
+    snprintf(folder, sizeof folder, "%s", lf_test_path(f->folder, "readers"));
+    assert_int_equal(mkdir(folder, 0777), 0);
+    count_readers(f, folder);
+    qr_run(&o, "%s -o %s/s.exr --frames 1:3 --threads 2 " SIZE, scene, f->folder);
+    setenv("QUILTIMPORT", readers_before, 1);
+    if (o.code != 0)
+        fail_msg("%s", o.err);
+    assert_int_equal(count_calls(f, "quiltimport"), 1);
+    assert_int_equal(count_calls(f, "quiltimport-vdb"), 3);
+    qr_succeed("%s -o %s/one.exr --frames 2:2 --threads 1 " SIZE, scene, f->folder);
+    assert_same(f, "s_0002_qs2x2a0.75.exr", "one_0002_qs2x2a0.75.exr", true);
+    assert_same(f, "s_0002_qs2x2a0.75.exr", "s_0001_qs2x2a0.75.exr", false);
+    qr_succeed("%s -o %s/turned.exr --turntable 3 --frames 2:2 " SIZE, scene, f->folder);
+    assert_same(f, "s_0002_qs2x2a0.75.exr", "turned_0002_qs2x2a0.75.exr", false);
+    qr_succeed("%s -o %s/still.exr " SIZE, scene, f->folder);
+    assert_same(f, "s_0001_qs2x2a0.75.exr", "still_qs2x2a0.75.exr", true);
+}
+
+static void a_turntable_reads_its_files_once(void **state)
+{
+    const qr_files *f = *state;
+    char folder[PATH_MAX];
+    write_smoke(f);
+    snprintf(folder, sizeof folder, "%s", lf_test_path(f->folder, "readers"));
+    assert_int_equal(mkdir(folder, 0777), 0);
+    const char *still = lf_test_write(
+        f->folder, "still.json",
+        "{ \"camera\": { \"position\": [0,0,60], \"fov_y\": 60, \"cone\": 2 },\n"
+        "  \"volumes\": { \"smoke\": { \"file\": \"smoke_01.vdb\", \"scale\": 0.1 } },\n"
+        "  \"meshes\": { \"tri\": { \"file\": \"tri.obj\" } },\n"
+        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 1 } } }\n");
+    count_readers(f, folder);
+    qr_succeed("%s -o %s/s.exr --turntable 3 " SIZE, still, f->folder);
+    setenv("QUILTIMPORT", readers_before, 1);
+    assert_int_equal(count_calls(f, "quiltimport"), 1);
+    assert_int_equal(count_calls(f, "quiltimport-vdb"), 1);
+}
+
+static void a_file_that_some_frame_lacks_is_told_before_any_is_rendered(void **state)
+{
+    const qr_files *f = *state;
+    char scene[PATH_MAX];
+    qr_outcome o;
+    snprintf(scene, sizeof scene, "%s", write_smoke(f));
+    qr_run(&o, "%s -o %s/s.exr --frames 3:4 " SIZE, scene, f->folder);
+    qr_assert_fails(&o, 1, "smoke.json: /volumes/smoke/file: ");
+    assert_non_null(strstr(o.err, "smoke_04.vdb: cannot open: No such file"));
+    assert_false(qr_exists(f->folder, "s_0003_qs2x2a0.75.exr"));
+    qr_run(&o, "%s -o %s/s.exr --frames 4:4 " SIZE, scene, f->folder);
+    qr_assert_fails(&o, 1, "smoke.json:2: /volumes/smoke/file: ");
+    qr_run(&o, "%s -o %s/s.exr --frames 1:2 " SIZE, f->scene, f->folder);
+    qr_assert_fails(&o, 2, "--frames: nothing in ");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -222,6 +345,11 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_frame_is_the_same_alone_and_among_others_on_any_threads,
                                         qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(frames_that_are_there_stay_and_those_that_lack_are_made,
+                                        qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(
+            volumes_of_a_sequence_are_read_frame_by_frame_and_the_rest_once, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_turntable_reads_its_files_once, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_file_that_some_frame_lacks_is_told_before_any_is_rendered,
                                         qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(folders_and_panels_are_frames_too, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(an_interrupted_sequence_keeps_whole_frames_and_nothing_else,
