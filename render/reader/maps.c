@@ -110,9 +110,9 @@ static void warn_once(map_reading *r, const lf_map *map, const char *what)
         return;
     r->told[map->said] = true;
     lf_warnings_add(&r->out->warnings, LF_HERE,
-                    "material \"%.40s\": picture \"%s\": %s; left out, what stands beside it "
-                    "counts alone",
-                    said->name, last_name(map->path), what);
+                    "%s%.40s%spicture \"%s\": %s; left out, what stands beside it counts alone",
+                    said->name[0] ? "material \"" : "", said->name, said->name[0] ? "\": " : "",
+                    last_name(map->path), what);
 }
 
 /* The map's file, which has no picture where it is none. */

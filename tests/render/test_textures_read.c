@@ -456,6 +456,11 @@ static void a_ply_names_its_texture_in_a_comment(void **state)
     lf_mesh_data data = ply_of(*state, TEXTURE, "", "", "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
     assert_told(&data, "1 pictures are left out: the mesh has no texture coordinates");
     lf_mesh_data_finish(&data);
+    data =
+        ply_of(*state, "comment TextureFile gone.png\n", cases[0].of_vertices, "", cases[0].body);
+    assert_told(&data, "a.ply: picture \"gone.png\": not there");
+    assert_true(data.materials[0].albedo.x == 0.5f && !data.textures);
+    lf_mesh_data_finish(&data);
 }
 
 /* Two facets; bits: the two bytes behind each. */
