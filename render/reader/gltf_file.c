@@ -72,9 +72,8 @@ static lf_status no_json(const json_error_t *wrong, lf_error *err)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
                             "cannot be read as a mesh: line %d of its JSON: %s", wrong->line,
                             wrong->text);
-    return lf_error_set(
-        err, LF_E_FORMAT, LF_HERE,
-        "cannot be read as a mesh: neither a JSON object nor GLB that holds one");
+    return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                        "cannot be read as a mesh: neither a JSON object nor GLB that holds one");
 }
 
 static lf_status load_json(lf_gltf *gltf, lf_error *err)

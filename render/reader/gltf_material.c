@@ -34,9 +34,10 @@ static void take_base(const json_t *object, const char *key, lf_said *said)
 static void take_texture(const lf_gltf *gltf, const json_t *object, const char *key, lf_slot slot,
                          lf_lost loss, lf_said *said)
 {
-    bool lost = false;
-    said->textures.slot[slot] = lf_gltf_texture(gltf, object, key, &lost);
+    bool lost = false, ktx2 = false;
+    said->textures.slot[slot] = lf_gltf_texture(gltf, object, key, &lost, &ktx2);
     lose(said, loss, lost);
+    lose(said, LF_LOST_KTX2, ktx2);
 }
 
 static void take_metallic_roughness(const lf_gltf *gltf, const json_t *pbr, lf_said *said)

@@ -13,10 +13,10 @@ lf_said lf_gltf_said(const lf_gltf *gltf, uint32_t number, float scale);
  * have colours of their own (coloured), which only what is lit can show. */
 void lf_gltf_unlight(const lf_gltf *gltf, uint32_t number, bool coloured, lf_said *said);
 
-/* A texture that an object names by a key, or none (also where its picture is of no kind that can
- * be read: *out_lost then). */
+/* A texture that an object names by a key, or none (also where it is of no kind that can be read:
+ * *out_lost then, and *out_ktx2 where that is why). */
 lf_texture lf_gltf_texture(const lf_gltf *gltf, const json_t *object, const char *key,
-                           bool *out_lost);
+                           bool *out_lost, bool *out_ktx2);
 
 /* Decodes the images that materials in use name, once each, into out->pictures. One that cannot be
  * decoded is a warning, and what names it is lost. LF_E_NOMEM. */

@@ -52,7 +52,7 @@ static bool is_finite(const lf_texture *t)
 }
 
 lf_texture lf_gltf_texture(const lf_gltf *gltf, const json_t *object, const char *key,
-                           bool *out_lost)
+                           bool *out_lost, bool *out_ktx2)
 {
     const json_t *info = json_object_get(object, key),
                  *transform = lf_gltf_extension(info, "KHR_texture_transform"),
@@ -72,6 +72,7 @@ lf_texture lf_gltf_texture(const lf_gltf *gltf, const json_t *object, const char
                       .scale = lf_gltf_number(info, "scale", 1)};
     take_transform(transform, &out);
     *out_lost = image >= LF_GLTF_NONE || set >= LF_UV_SETS || !is_finite(&out);
+    *out_ktx2 = image >= LF_GLTF_NONE && lf_gltf_extension(texture, "KHR_texture_basisu");
     return *out_lost ? (lf_texture){0} : out;
 }
 
