@@ -182,10 +182,10 @@ lf_status lf_gltf_animate(lf_gltf *gltf, float time, lf_gltf_nodes *nodes, lf_er
                      *target = json_object_get(channel, "target"),
                      *sampled = lf_gltf_element(animation, "samplers",
                                                 lf_gltf_whole(channel, "sampler", LF_GLTF_NONE));
-        uint64_t node = lf_gltf_whole(target, "node", LF_GLTF_NONE);
-        if (node < nodes->n)
-            status =
-                move(gltf, sampled, lf_gltf_text(target, "path"), time, &nodes->node[node], err);
+        uint64_t number = lf_gltf_whole(target, "node", LF_GLTF_NONE);
+        lf_gltf_node *node = number < nodes->n ? &nodes->node[number] : NULL;
+        if (node)
+            status = move(gltf, sampled, lf_gltf_text(target, "path"), time, node, err);
     }
     return status;
 }

@@ -73,7 +73,9 @@ lf_texture lf_gltf_texture(const lf_gltf *gltf, const json_t *object, const char
     take_transform(transform, &out);
     *out_lost = image >= LF_GLTF_NONE || set >= LF_UV_SETS || !is_finite(&out);
     *out_ktx2 = image >= LF_GLTF_NONE && lf_gltf_extension(texture, "KHR_texture_basisu");
-    return *out_lost ? (lf_texture){0} : out;
+    if (*out_lost)
+        out = (lf_texture){0};
+    return out;
 }
 
 /* ------------------------------------------------------------------------------------ pictures --
