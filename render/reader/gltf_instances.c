@@ -24,10 +24,12 @@ lf_status lf_gltf_instances_open(lf_gltf *gltf, const json_t *node, lf_gltf_inst
         status = lf_gltf_accessor_open(gltf, lf_gltf_whole(attributes, parts[i].name, LF_GLTF_NONE),
                                        to, err);
         if (status == LF_OK && (to->components != parts[i].components ||
-                                (out->n > 0 && to->count != out->n) || !lf_gltf_is_there(to)))
-            status = lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                                  LF_GLTF_INSTANCING ": %s of %zu elements, %u components each",
-                                  parts[i].name, to->count, to->components);
+                                (out->n > 0 && to->count != out->n) || !to->data))
+            status =
+                lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                             LF_GLTF_INSTANCING ": %s of %zu elements, %u components each, where "
+                                                "none lie in the file or others are expected",
+                             parts[i].name, to->count, to->components);
         out->n = to->count;
     }
     return status;

@@ -306,6 +306,12 @@ static void instances_stand_in_their_node(void **state)
     assert_corner(&data, 0, 0, 1, 0, 0);
     assert_corner(&data, 1, 0, 1, 0, 4);
     lf_mesh_data_finish(&data);
+    gltf_accessor(&text, -1, 5126, 60000, "VEC3", "");
+    gltf_assert_refused(
+        &text,
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}],'nodes':[{'mesh':0,"
+        "'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':2}}}}]",
+        "EXT_mesh_gpu_instancing: TRANSLATION of 60000 elements");
 }
 
 static void a_part_without_normals_is_flat_beside_one_that_has_some(void **state)
