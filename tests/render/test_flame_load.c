@@ -85,6 +85,7 @@ static void a_fire_without_smoke_is_there_and_lights(void **state)
     assert_int_equal(count_warnings(scene), 0);
     assert_true(lf_scene_bounds(scene, "v", box));
     assert_true(box[0][0] < -0.9 && box[1][0] > 7.9);
+    assert_true(scene->bounds.min.x < -0.9f && scene->bounds.max.x > 7.9f);
     lf_scene_unref(scene);
     scene =
         load("'v': {'shape': 'box', 'density': 0, 'emission': 1, 'transform': {'scale': 2}}", NULL);
