@@ -230,7 +230,8 @@ static lf_moments oblique(lf_media *media, const lf_renderer *r, const lf_row_pl
                         LF_LANES,
                         x,
                         s,
-                        end};
+                        end,
+                        0.0f};
         lf_correction_transmittance(media, &rays, LF_CORRECTION_PIVOT, 0.0f, &tracer, factor);
         lf_moments_add(&m, exp(-(double)tau[0] * length) * (double)factor[0]);
     }
@@ -258,8 +259,8 @@ static void what_comes_along_oblique_rays_is_right_and_quiet(void **state)
                     phase[2] = {(float)(i % 5) / 5.0f, (float)(i % 7) / 7.0f};
         lf_row_plane plane;
         lf_rig_row_plane(&lf_test_rows(r)->rig, 0.5f * SIDE, lens, &plane);
-        lf_media_cut(&media, &lf_test_rows(r)->frame, &lf_test_rows(r)->seen, &lf_test_rows(r)->rig,
-                     &plane, phase, lf_kernels_get(), &lookups);
+        lf_media_cut(&media, &lf_test_rows(r)->frame, lf_test_rows(r)->seen.volumes,
+                     &lf_test_rows(r)->rig, &plane, phase, lf_kernels_get(), &lookups);
         /* Through the edge of the box at X = 1.64, Z = 0.36. */
         float slope = 1.0f + 0.17f * (float)i, x = 1.58f + 0.002f * (float)i;
         double truth;
