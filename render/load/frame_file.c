@@ -34,6 +34,19 @@ char *lf_frame_file(lf_reader *reader, const lf_node *node, const char *file, in
     return name;
 }
 
+bool lf_scene_has_frames(const lf_scene *scene)
+{
+    const char *name;
+    json_t *volume;
+    json_object_foreach(json_object_get(scene->json, "volumes"), name, volume)
+    {
+        const char *file = json_string_value(json_object_get(volume, "file"));
+        if (file && lf_frame_name_varies(file))
+            return true;
+    }
+    return false;
+}
+
 static void check_file(lf_reader *reader, const lf_node *volume, const char *folder, int frame)
 {
     const lf_node at = lf_node_child(volume, "file");

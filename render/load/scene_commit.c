@@ -176,7 +176,6 @@ static void load_volumes(commit *c)
         volume->sigma_scale = (float)desc->scale;
         volume->sigma_max = (float)desc->scale;
         volume->albedo = lf_to_vec3(desc->albedo);
-        scene->has_frames = scene->has_frames || desc->varies;
         if (desc->kind == LF_VOLUME_GRID)
             load_grid(c, desc, desc->grid, "is not there", "file", &volume->grid);
         if (volume->grid)

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "base/frame_name.h"
 #include "base/nearest.h"
 #include "render/load/frame_file.h"
 #include "render/load/member_read.h"
@@ -263,7 +262,6 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
     lf_read_object(reader, node, keys);
     volume->kind = LF_VOLUME_GRID;
     const char *file = lf_read_file(reader, node, "file", endings);
-    volume->varies = file && lf_frame_name_varies(file);
     volume->file = file ? lf_frame_file(reader, node, file, frame) : NULL;
     volume->grid = lf_read_string(reader, node, "grid", "density", 256);
     volume->nearest = lf_read_choice(reader, node, "interpolation", filters, 0) == 1;

@@ -19,9 +19,8 @@
 typedef struct lf_volume_desc {
     const char *name;
     lf_volume_kind kind;
-    const char *grid; /* LF_VOLUME_GRID only, as the next two */
+    const char *grid; /* LF_VOLUME_GRID only, as the next */
     char *file;       /* of the frame; released by lf_scene_desc_finish */
-    bool varies;      /* it is another in other frames */
     bool nearest;
     double scale; /* sigma_t per scene unit and unit of value */
     double albedo[3], g;

@@ -82,11 +82,6 @@ const lf_film_settings *lf_scene_film_settings(const lf_scene *scene)
     return &scene->film;
 }
 
-bool lf_scene_has_frames(const lf_scene *scene)
-{
-    return scene->has_frames;
-}
-
 const char *lf_scene_warning(const lf_scene *scene, int index)
 {
     return lf_warnings_at(&scene->warnings, index);

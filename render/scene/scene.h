@@ -309,7 +309,6 @@ struct lf_scene {
     bool has_hidden;   /* some mesh is hidden from the camera */
     /* faces of lamps share their place with others: next event counts the one that a ray meets */
     bool has_overlaps;
-    bool has_frames;     /* some file is another in other frames */
     bool has_view_lobes; /* some lobe depends on the view: g != 0, conductor, plastic */
 };
 #define LF_DEFAULT_MAX_DEPTH 1024
