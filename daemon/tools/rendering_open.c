@@ -38,7 +38,7 @@ static lf_status prepare_print(lf_rendering *r, int n_views_most, lf_error *err)
     lf_status status = lf_print_choose_views(&r->print, n_views_most, "--views", NULL, err);
     if (status == LF_OK)
         status = r->arguments->kind->check_print(&r->print, &warning, err);
-    if (status == LF_OK && warning)
+    if (status == LF_OK && warning && !r->pool) /* while it opens, not for every frame */
         lf_log(LF_LOG_WARNING, "--views: %s", warning);
     return status;
 }

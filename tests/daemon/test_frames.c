@@ -130,6 +130,24 @@ static void a_frame_is_the_same_alone_and_among_others_on_any_threads(void **sta
     assert_false(qr_exists(f->folder, "all_0004_qs2x2a0.75.exr"));
 }
 
+/* The renderer of the frame before goes on with the next one: nothing of it may be left. */
+static void nothing_of_a_frame_is_left_in_the_next_however_it_is_rendered(void **state)
+{
+    const qr_files *f = *state;
+    static const char *const options[] = {"--reconstruct on", "--aov all", "--integrator amvpt",
+                                          "--integrator vpt --estimator cv"};
+    for (int i = 0; i < 4; i++) {
+        char all[64], one[64];
+        snprintf(all, sizeof all, "a%d_0002_qs2x2a0.75.exr", i);
+        snprintf(one, sizeof one, "b%d_0002_qs2x2a0.75.exr", i);
+        qr_succeed("%s -o %s/a%d.exr --turntable 5 --frames 1:2 %s " SIZE, f->scene, f->folder, i,
+                   options[i]);
+        qr_succeed("%s -o %s/b%d.exr --turntable 5 --frames 2:2 %s " SIZE, f->scene, f->folder, i,
+                   options[i]);
+        assert_same(f, all, one, true);
+    }
+}
+
 static void frames_that_are_there_stay_and_those_that_lack_are_made(void **state)
 {
     const qr_files *f = *state;
@@ -344,6 +362,8 @@ int main(void)
                                         qr_tear_down),
         cmocka_unit_test_setup_teardown(a_frame_is_the_same_alone_and_among_others_on_any_threads,
                                         qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(
+            nothing_of_a_frame_is_left_in_the_next_however_it_is_rendered, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(frames_that_are_there_stay_and_those_that_lack_are_made,
                                         qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(
