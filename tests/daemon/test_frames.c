@@ -58,6 +58,15 @@ static void a_turntable_comes_round_in_equal_steps(void **state)
     }
 }
 
+static void frames_share_no_noise_and_the_first_has_the_seed(void **state)
+{
+    (void)state;
+    assert_true(lf_frames_seed(5, 1) == 5);
+    assert_true(lf_frames_seed(5, 3) == 7);
+    assert_true(lf_frames_seed(5, 0) == 4);
+    assert_true(lf_frames_seed(0, 0) == UINT64_MAX);
+}
+
 /* ------------------------------------------------------------------------------- wrong usage -- */
 
 static const struct {
@@ -357,6 +366,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_number_stands_in_its_place_or_before_the_suffix),
+        cmocka_unit_test(frames_share_no_noise_and_the_first_has_the_seed),
         cmocka_unit_test(a_turntable_comes_round_in_equal_steps),
         cmocka_unit_test_setup_teardown(wrong_usage_is_one_line_and_exit_2, qr_set_up,
                                         qr_tear_down),
