@@ -27,6 +27,7 @@ void lf_light_finish(lf_light *light)
     lf_environment_unref(light->environment);
     lf_free(light->triangle);
     lf_free(light->area_cdf);
+    lf_free(light->tree);
     *light = (lf_light){0};
 }
 

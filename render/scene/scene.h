@@ -234,8 +234,9 @@ typedef struct lf_light {
     double *area_cdf;
     float area;       /* total */
     bool has_picture; /* its emission is textured: radiance is the mean, area_cdf goes by it */
-    bool one_sided; /* shines to the front of its triangles alone */
-    int glow;         /* lights at a distance: 1 + its place in scene->glows; 0 = none */
+    bool one_sided;   /* shines to the front of its triangles alone */
+    struct lf_lamp_node *tree; /* one-sided ones of many triangles; else NULL (lamp_tree.h) */
+    int glow;                  /* lights at a distance: 1 + its place in scene->glows; 0 = none */
 } lf_light;
 
 /* What the camera sees where it meets nothing, in place of the lights at infinity: radiance at the
@@ -292,9 +293,9 @@ struct lf_scene {
     lf_light *lights;
     int n_lights_infinite; /* set by lf_lights_commit */
     lf_backdrop backdrop;
-    lf_glows glows;        /* lights in media */
-    RTCScene embree;       /* NULL without meshes (then no Embree device exists either) */
-    float offset;          /* lf_geometry.offset; 0 without meshes */
+    lf_glows glows;  /* lights in media */
+    RTCScene embree; /* NULL without meshes (then no Embree device exists either) */
+    float offset;    /* lf_geometry.offset; 0 without meshes */
     /* owner of the meshes' arrays and of embree, shared between scenes; NULL without meshes */
     struct lf_geometry *geometry;
     lf_box bounds; /* of volumes and meshes */

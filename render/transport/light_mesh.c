@@ -3,9 +3,13 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "render/transport/lamp_tree.h"
 #include "render/transport/light_types.h"
 #include "render/transport/spherical.h"
 #include "render/transport/surface_texture.h"
+
+/* Triangles of a lamp that a tree is made for: those of a ball, not of a disk. */
+#define LEAST_FOR_TREE 512
 
 static lf_vec3 vertex(const lf_mesh *mesh, uint32_t triangle, int corner)
 {
@@ -50,10 +54,13 @@ static float share_of(const lf_light *light, uint32_t triangle)
     return (float)(light->area_cdf[first + 1] - light->area_cdf[first]);
 }
 
-static float pictured_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit)
+/* Where triangles are not chosen by their area alone. A light with a tree has all triangles of its
+ * mesh. */
+static float chosen_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit)
 {
     lf_spherical seen;
-    float share = share_of(light, hit->triangle);
+    float share = light->tree ? lf_lamp_tree_probability(light, from, (int)hit->triangle)
+                              : share_of(light, hit->triangle);
     if (see(hit->mesh, hit->triangle, from, &seen))
         return share / (float)seen.solid_angle;
     return share * pdf_of(lf_sub(hit->p, from), hit->ng,
@@ -63,8 +70,8 @@ static float pictured_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit
 static float hit_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit)
 {
     lf_spherical seen;
-    if (light->has_picture)
-        return pictured_pdf(light, from, hit);
+    if (light->has_picture || light->tree)
+        return chosen_pdf(light, from, hit);
     if (see(hit->mesh, hit->triangle, from, &seen))
         return 0.5f * lf_length(twice_area(hit->mesh, hit->triangle)) /
                (light->area * (float)seen.solid_angle);
@@ -113,7 +120,11 @@ static bool draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double
 {
     const lf_mesh *mesh = &scene->meshes[light->mesh];
     float probability, root = sqrtf(u[0]), b1 = root * (1.0f - u[1]), b2 = root * u[1];
-    uint32_t triangle = lf_mesh_light_choose(light, place, &probability);
+    int chosen = light->tree ? lf_lamp_tree_choose(light, p, place, &probability) : 0;
+    if (chosen < 0)
+        return false;
+    uint32_t triangle =
+        light->tree ? light->triangle[chosen] : lf_mesh_light_choose(light, place, &probability);
     lf_spherical seen;
     bool large = see(mesh, triangle, p, &seen);
     if (large) {
@@ -204,7 +215,10 @@ static lf_status mesh_light_init(lf_light *light, const lf_mesh *mesh, int n_tri
         light->area_cdf[i + 1] = i >= last ? 1.0 : sum / total;
     }
     light->area = (float)total;
-    return LF_OK;
+    if (!light->one_sided || n < LEAST_FOR_TREE || n < mesh->n_triangles)
+        return LF_OK;
+    light->tree = lf_lamp_tree_make(light, mesh);
+    return light->tree ? LF_OK : LF_E_NOMEM;
 }
 
 /* Triangles are chosen by what they send out in all, in place of their area alone; dark ones

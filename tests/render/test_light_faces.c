@@ -19,13 +19,12 @@ static float fraction(double x)
 }
 
 /* Irradiance of a plane with normal +y at p, by points even in the three numbers that are drawn (a
- * lattice of powers of the root of x^4 = x + 1); *out_missed (may be NULL): share of the draws that
- * gave nothing. */
-static double irradiance(const lf_scene *scene, const double p[3], double *out_missed)
+ * lattice of powers of the root of x^4 = x + 1); *out_spread (may be NULL): relative variance of a
+ * draw. */
+static double irradiance(const lf_scene *scene, const double p[3], double *out_spread)
 {
     enum { POINTS = 1 << 18 };
-    double sum = 0.0;
-    int missed = 0;
+    double sum = 0.0, squares = 0.0;
     const lf_vec3 at = lf_v3((float)(p[0] - scene->origin[0]), (float)(p[1] - scene->origin[1]),
                              (float)(p[2] - scene->origin[2]));
     for (int i = 0; i < POINTS; i++) {
@@ -33,13 +32,14 @@ static double irradiance(const lf_scene *scene, const double p[3], double *out_m
                             fraction((i + 0.5) * 0.6710436067037893),
                             fraction((i + 0.5) * 0.5497004779019703)};
         lf_light_sample s;
-        if (!lf_light_draw(scene, at, u, &s))
-            missed++;
-        else if (s.wi.y > 0.0f)
-            sum += (double)(s.radiance.x * s.wi.y / s.pdf);
+        if (!lf_light_draw(scene, at, u, &s) || !(s.wi.y > 0.0f))
+            continue;
+        double x = (double)(s.radiance.x * s.wi.y / s.pdf);
+        sum += x;
+        squares += x * x;
     }
-    if (out_missed)
-        *out_missed = (double)missed / POINTS;
+    if (out_spread)
+        *out_spread = squares * POINTS / (sum * sum) - 1.0;
     return sum / POINTS;
 }
 
@@ -133,7 +133,7 @@ static void disks_and_balls_give_their_closed_forms(void **state)
     (void)state;
     static const double distances[] = {20, 3, 1.2, 0.6};
     for (int i = 0; i < 4; i++) {
-        double d = distances[i], r = 0.25, missed;
+        double d = distances[i], r = 0.25, spread;
         char text[512];
         const double origin[3] = {0, 0, 0};
         for (int kind = 0; kind < 4; kind++) {
@@ -145,13 +145,57 @@ static void disks_and_balls_give_their_closed_forms(void **state)
                      ball ? "sphere" : "disk", d, r, kind < 2 ? "radiance" : "power",
                      kind < 2 ? 3.0 : 3.0 * M_PI * area);
             lf_scene *scene = lf_test_scene(text);
-            double is = irradiance(scene, origin, &missed);
+            double is = irradiance(scene, origin, &spread);
             lf_assert_close(is, 3.0 * M_PI * r * r / (ball ? d * d : r * r + d * d), 2e-3, 0.0);
-            /* Of a ball the part that faces the point: half of (1 - r / d) of its area. */
-            lf_assert_close(missed, ball ? 0.5 * (1.0 + r / d) : 0.0, 0.0, 0.01);
+            assert_true(spread < 0.5);
+            /* The negative control: by area half of a ball's points and more are on its far side.
+             */
+            lf_free(scene->lights[0].tree);
+            scene->lights[0].tree = NULL;
+            is = irradiance(scene, origin, &spread);
+            lf_assert_close(is, 3.0 * M_PI * r * r / (ball ? d * d : r * r + d * d), 5e-3, 0.0);
+            assert_true(!ball || spread > 1.5);
             lf_scene_unref(scene);
         }
     }
+}
+
+/* What a draw says of its density is what a ray that meets the point is told, from before, beside
+ * and within; a tenth off would be seen. */
+static void rays_that_meet_a_face_know_how_it_is_drawn(void **state)
+{
+    (void)state;
+    static const char *const types[] = {"'rectangle'", "'disk'", "'sphere'"};
+    static const lf_vec3 points[] = {
+        {0.1f, -3.0f, 0.2f}, {1.5f, -0.2f, 0.0f}, {0.3f, -1.01f, 0.1f}, {0.0f, -40.0f, 9.0f}};
+    int seen = 0;
+    for (int i = 0; i < 3; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "{ 'lights': { 'l': { 'type': %s, 'radiance': 1 } } }",
+                 types[i]);
+        lf_scene *scene = lf_test_scene(text);
+        lf_tracer tracer = {.scene = scene, .rng = 5};
+        for (int k = 0; k < 4 * 500; k++) {
+            const lf_vec3 p = points[k % 4];
+            const float u[3] = {lf_rng(&tracer), lf_rng(&tracer), lf_rng(&tracer)};
+            lf_light_sample s;
+            float pdf;
+            if (!lf_light_draw(scene, p, u, &s))
+                continue;
+            bool front = lf_dot(s.normal, s.wi) < 0.0f;
+            lf_hit hit = {.p = s.point,
+                          .ng = front ? s.normal : lf_scale(s.normal, -1.0f),
+                          .front = front,
+                          .mesh = s.mesh,
+                          .triangle = s.triangle,
+                          .material = &scene->materials[s.mesh->material]};
+            assert_true(front && lf_light_hit(scene, p, &hit, &pdf).x == 1.0f);
+            lf_assert_close(pdf, s.pdf, 2e-3, 0.0);
+            seen++;
+        }
+        lf_scene_unref(scene);
+    }
+    assert_true(seen > 4000);
 }
 
 /* Facets are as large as what they stand for, so that power is what is said: of the mesh itself. */
@@ -414,6 +458,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plane_gets_from_a_rectangle_what_lamberts_formula_says),
         cmocka_unit_test(disks_and_balls_give_their_closed_forms),
+        cmocka_unit_test(rays_that_meet_a_face_know_how_it_is_drawn),
         cmocka_unit_test(facets_lose_no_area),
         cmocka_unit_test(a_rectangle_is_an_emissive_quad_bit_by_bit),
         cmocka_unit_test(only_the_front_shines),
