@@ -181,6 +181,7 @@ static lf_status failure(const lf_import_reply *reply, const char *where, lf_err
     case LF_E_NOMEM:
     case LF_E_IO:
     case LF_E_FORMAT:
+    case LF_E_ARG:
         return lf_error_set(err, (lf_status)reply->status, where, "%s", reply->text);
     default:
         return lf_error_set(err, LF_E_FORMAT, where, "the reader failed without a reason");

@@ -57,7 +57,7 @@ unsigned lf_import_seconds(void);
 bool lf_import_is_stopped(void);
 
 #define LF_IMPORT_SOCKET 3
-#define LF_IMPORT_VERSION UINT32_C(3)
+#define LF_IMPORT_VERSION UINT32_C(4)
 #define LF_IMPORT_MAX_NAME 256
 #define LF_IMPORT_MAX_FILES 64 /* that a reader has open at once */
 
@@ -72,6 +72,11 @@ typedef struct lf_import_request {
     uint32_t normals;   /* lf_normals (render/render.h) */
     uint32_t materials; /* 1: the file's own are wanted */
     double transform[12];
+    /* which of its animations, by name or ("") by number; whether it is not repeated; seconds since
+     * its beginning */
+    char clip[LF_IMPORT_MAX_NAME];
+    uint32_t clip_number, clip_chosen, once;
+    double seconds_in;
     /* of a picture: 1: as linear floats, whatever the file holds */
     uint32_t floats;
     /* of a grid */
@@ -111,7 +116,8 @@ typedef lf_status (*lf_import_open_fn)(void *context, const char *name, bool nee
  *
  * Has the file behind fd read as request says (version and limits are filled in); open answers what
  * it asks for, NULL: nothing. On LF_OK the caller closes *out. where names the file in messages.
- * Errors: the reader's own (LF_E_FORMAT, LF_E_NOMEM, …); LF_E_FORMAT: it ended without a word
+ * Errors: the reader's own (LF_E_FORMAT, LF_E_NOMEM, …; LF_E_ARG: the file has not got what
+ * the request names); LF_E_FORMAT: it ended without a word
  * (also when the system ended it for want of memory, which is not told from that); LF_E_NOMEM,
  * LF_E_TIMEOUT: it reached a limit; LF_E_CANCELLED: lf_import_stop; LF_E_IO: there is
  * no reader, or no process to be had. Thread: any, several at once. */

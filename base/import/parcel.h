@@ -17,7 +17,7 @@ extern "C" {
 
 #include "base/status.h"
 
-#define LF_PARCEL_MAGIC UINT64_C(0x336c637270746c71) /* "qltprcl3" */
+#define LF_PARCEL_MAGIC UINT64_C(0x346c637270746c71) /* "qltprcl4" */
 
 /* What a section holds, and what one of its elements is. */
 typedef enum lf_parcel_tag {
@@ -40,6 +40,7 @@ typedef enum lf_parcel_tag {
     LF_PARCEL_SHAPE,     /* int64_t: two, width and height of a picture */
     LF_PARCEL_PIXELS8,   /* uint8_t: [height][width][3], display encoded */
     LF_PARCEL_PIXELS32,  /* float: the same, linear; a picture has either of both */
+    LF_PARCEL_SPAN,      /* double: one, seconds that an animation takes; absent: nothing moves */
     LF_PARCEL_TAGS
 } lf_parcel_tag;
 

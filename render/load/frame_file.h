@@ -5,6 +5,7 @@
 #include "render/load/json_reader.h"
 
 #define LF_MAX_FRAME 999999
+#define LF_FRAME_RATE 24 /* frames a second, where a scene says no other */
 
 /* The name of a volume's file in a frame, from what node says as "file" and "sequence": that of
  * file with the number first + (frame - 1) step, rounded down, in its place (base/frame_name.h).

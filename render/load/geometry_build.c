@@ -36,8 +36,12 @@ json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char
     json_object_foreach(json_object_get(doc, "meshes"), name, mesh)
     {
         json_t *copy = json_deep_copy(mesh);
+        json_t *clip = json_object_get(json_object_get(mesh, "animation"), "clip");
         if (json_object_get(mesh, "material"))
             json_object_set_new(copy, "material", json_true());
+        json_object_del(copy, "animation");
+        if (clip)
+            json_object_set(copy, "animation", clip);
         if (json_array_append_new(list, json_pack("[s, o]", name, copy)) != 0) {
             json_decref(list);
             return NULL;
@@ -65,10 +69,15 @@ static bool file_is_unchanged(const lf_mesh_file *file, const lf_roots *roots)
     return same;
 }
 
-bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const lf_roots *roots)
+bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const lf_scene_desc *desc,
+                         const lf_roots *roots)
 {
     if (!json_equal(geometry->key, key))
         return false;
+    for (int i = 0; i < geometry->n_meshes; i++)
+        if (lf_clip_moment(&desc->meshes[i].clip, geometry->motions[i].span) !=
+            geometry->motions[i].moment)
+            return false;
     for (int i = 0; i < geometry->n_files; i++)
         if (!file_is_unchanged(&geometry->files[i], roots))
             return false;
@@ -231,9 +240,10 @@ static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
     return LF_OK;
 }
 
-lf_status lf_geometry_build(lf_mesh_data *data, int n, const double origin[3], json_t *key,
-                            lf_geometry **out_geometry, lf_error *err)
+lf_status lf_geometry_build(lf_mesh_data *data, const lf_scene_desc *desc, const double origin[3],
+                            json_t *key, lf_geometry **out_geometry, lf_error *err)
 {
+    const int n = desc->n_meshes;
     lf_status status = LF_E_NOMEM;
     lf_geometry *geometry = lf_calloc(1, sizeof *geometry);
     if (!geometry)
@@ -246,13 +256,16 @@ lf_status lf_geometry_build(lf_mesh_data *data, int n, const double origin[3], j
         geometry->bounds[1][i] = -INFINITY;
     }
     geometry->meshes = lf_calloc((size_t)n, sizeof *geometry->meshes);
-    if (!geometry->meshes)
+    geometry->motions = lf_calloc((size_t)n, sizeof *geometry->motions);
+    if (!geometry->meshes || !geometry->motions)
         goto fail;
     int first_material = 0;
     for (int i = 0; i < n; i++) {
         grow_bounds(geometry->bounds, &data[i]);
         if (take_mesh(geometry, &data[i], (unsigned)i, first_material) != LF_OK)
             goto fail;
+        geometry->motions[i] =
+            (lf_mesh_motion){data[i].span, lf_clip_moment(&desc->meshes[i].clip, data[i].span)};
         geometry->n_meshes++;
         first_material += data[i].n_materials;
     }

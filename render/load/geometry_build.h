@@ -4,19 +4,22 @@
 
 #include "render/load/mesh_import.h"
 
-/* What decides about the meshes' shape: their order, names, files, shapes, transforms, normals, and
- * whether each has a material of its own (which one it is does not matter); and what the lights of
- * desc that are faces look like. A new reference; NULL = out of memory. */
+/* What decides about the meshes' shape, but for the moment of what moves: their order, names,
+ * files, shapes, transforms, normals, and whether each has a material of its own (which one it is
+ * does not matter), which animation; and what the lights of desc that are faces look like. A new
+ * reference; NULL = out of memory. */
 json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char *folder);
 
-/* Whether geometry was made from the same key and its files, opened again under roots, are
- * unchanged. */
-bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const lf_roots *roots);
+/* Whether geometry was made from the same key, what moves in its files stands where desc has it,
+ * and its files, opened again under roots, are unchanged. */
+bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const lf_scene_desc *desc,
+                         const lf_roots *roots);
 
-/* Takes the vertices of n meshes into Embree, origin subtracted in double. data is used up (arrays
- * are taken over, the rest released by the caller); key gets a reference more. LF_E_NOMEM. On LF_OK
- * the caller owns a reference. */
-LF_NODISCARD lf_status lf_geometry_build(lf_mesh_data *data, int n, const double origin[3],
-                                         json_t *key, lf_geometry **out_geometry, lf_error *err);
+/* Takes the vertices of the meshes of desc into Embree, origin subtracted in double. data is used
+ * up (arrays are taken over, the rest released by the caller); key gets a reference more.
+ * LF_E_NOMEM. On LF_OK the caller owns a reference. */
+LF_NODISCARD lf_status lf_geometry_build(lf_mesh_data *data, const lf_scene_desc *desc,
+                                         const double origin[3], json_t *key,
+                                         lf_geometry **out_geometry, lf_error *err);
 
 #endif

@@ -81,6 +81,17 @@ static void take_warnings(const lf_parcel *parcel, const char *path, lf_warnings
 /* ------------------------------------------------------------------------------------ all of it --
  */
 
+static void put_clip(const lf_clip *clip, lf_import_request *request)
+{
+    _Static_assert(LF_MAX_CLIP < LF_IMPORT_MAX_NAME, "a name fits into the request");
+    if (clip->name)
+        memcpy(request->clip, clip->name, strlen(clip->name) + 1);
+    request->clip_number = (uint32_t)clip->number;
+    request->clip_chosen = clip->chosen;
+    request->once = clip->once;
+    request->seconds_in = clip->seconds;
+}
+
 static lf_status import_from(const lf_mesh_desc *desc, const char *path, asked *state,
                              lf_error *err)
 {
@@ -92,6 +103,7 @@ static lf_status import_from(const lf_mesh_desc *desc, const char *path, asked *
     if (strlen(path) >= sizeof request.path)
         return lf_error_set(err, LF_E_FORMAT, path, "the path is too long");
     memcpy(request.path, path, strlen(path) + 1);
+    put_clip(&desc->clip, &request);
     memcpy(request.transform, desc->transform.m, sizeof request.transform);
     lf_status status = open_asked(state, path, true, &fd);
     if (status == LF_OK) {

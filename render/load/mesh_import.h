@@ -34,6 +34,7 @@ typedef struct lf_mesh_data {
     lf_texture_set *textures; /* [n_materials], or NULL: none has any */
     int n_pictures;           /* at most LF_MAX_PICTURES */
     lf_texels *pictures;      /* [n_pictures], their pixels this struct's */
+    double span; /* seconds that what moves takes, up to LF_MAX_SECONDS; 0: nothing does */
     int n_files;
     lf_mesh_file files[LF_MESH_MAX_FILES];
     lf_warnings warnings; /* what the file holds and the mesh lacks */
@@ -44,6 +45,7 @@ typedef struct lf_mesh_data {
  * Triangles with vertices that are not finite or lie beyond LF_MAX_COORDINATE, and those without
  * area, are dropped (of the former a warning); a mesh without triangles is an error. What the file
  * holds and the mesh lacks is in out->warnings. folder is what relative names are relative to.
+ * What moves stands where desc->clip has it; LF_E_ARG: the file has no such clip.
  * Zeroed *out is filled; release with lf_mesh_data_finish in any case. Errors: LF_E_IO, LF_E_PATH,
  * LF_E_FORMAT, LF_E_NOMEM, and what lf_import_run gives. Thread: any, several at once. */
 LF_NODISCARD lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder,

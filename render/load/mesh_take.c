@@ -304,6 +304,16 @@ static lf_status take_vertices(const lf_parcel *parcel, lf_mesh_data *out, lf_er
     return status;
 }
 
+static lf_status take_span(const lf_parcel *parcel, lf_mesh_data *out, lf_error *err)
+{
+    size_t n;
+    const double *span = lf_parcel_get(parcel, LF_PARCEL_SPAN, &n);
+    if (n > 1 || (n == 1 && !(*span > 0 && *span <= LF_MAX_SECONDS)))
+        return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such animation");
+    out->span = n == 1 ? *span : 0;
+    return LF_OK;
+}
+
 lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *out, lf_error *err)
 {
     if (!counts_fit(parcel, materials))
@@ -324,6 +334,8 @@ lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *ou
         status = take_pictures(parcel, out, err);
     if (status == LF_OK)
         status = take_materials(parcel, out, err);
+    if (status == LF_OK)
+        status = take_span(parcel, out, err);
     if (status == LF_OK &&
         !(positions_fit(out) && triangles_fit(out) && frames_fit(out) && looks_are_sound(out)))
         status = lf_error_set(err, LF_E_FORMAT, "", "the reader's answer is no mesh");

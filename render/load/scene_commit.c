@@ -5,11 +5,11 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/thread.h"
 #include "render/load/environment_load.h"
 #include "render/load/file_identity.h"
 #include "render/load/geometry_build.h"
 #include "render/load/mesh_doubles.h"
+#include "render/load/meshes_import.h"
 #include "render/load/scene_subject.h"
 #include "render/load/vdb_import.h"
 #include "render/scene/grid.h"
@@ -17,8 +17,6 @@
 #include "render/transport/flame.h"
 #include "render/transport/light_kind.h"
 #include "render/transport/surface.h"
-
-enum { MOST_READERS = 4 }; /* at once: each may take the memory that --import-memory says */
 
 /* Of extinction: squares of it are finite. */
 #define MOST_SIGMA 1e18f
@@ -293,65 +291,25 @@ static void place_flame(const commit *c, int i)
 
 /* ------------------------------------------------------------------------------------ meshes -- */
 
-/* What one mesh after the other comes to, each on whatever thread is free. */
-typedef struct importing {
-    const commit *c;
-    lf_mesh_data *data;
-    lf_status *status;
-    lf_error *err;
-} importing;
-
-static void import_mesh(void *context, int i, int worker)
-{
-    const importing *all = context;
-    const lf_mesh_desc *desc = &all->c->desc->meshes[i];
-    (void)worker;
-    all->data[i].name = desc->name;
-    all->status[i] = desc->shape ? lf_mesh_shape_make(desc, &all->data[i], &all->err[i])
-                                 : lf_mesh_import(desc, all->c->scene->file.folder, all->c->roots,
-                                                  &all->data[i], &all->err[i]);
-}
-
-static int count_files(const lf_scene_desc *desc)
-{
-    int n = 0;
-    for (int i = 0; i < desc->n_meshes; i++)
-        n += !desc->meshes[i].shape;
-    return n;
-}
-
-/* Files are read several at once, a process each. */
-static lf_status import_all(importing *all, int n)
-{
-    int n_files = count_files(all->c->desc);
-    lf_pool *pool = NULL;
-    lf_status status = lf_pool_create(n_files < 1              ? 1
-                                      : n_files < MOST_READERS ? n_files
-                                                               : MOST_READERS,
-                                      &pool);
-    if (status == LF_OK)
-        status = lf_pool_run(pool, n, import_mesh, all, NULL);
-    lf_pool_destroy(pool);
-    return status;
-}
-
 static void import_meshes(const commit *c, lf_mesh_data *data)
 {
-    int n = c->desc->n_meshes;
-    if (n == 0)
+    int wrong = -1;
+    lf_error err;
+    lf_status status =
+        lf_meshes_import(c->desc, c->scene->file.folder, c->roots, data, &wrong, &err);
+    if (status == LF_OK)
         return;
-    importing all = {.c = c,
-                     .data = data,
-                     .status = lf_calloc((size_t)n, sizeof *all.status),
-                     .err = lf_calloc((size_t)n, sizeof *all.err)};
-    if (!all.status || !all.err || import_all(&all, n) != LF_OK)
+    if (wrong < 0) {
         out_of_memory(c);
-    for (int i = 0; i < n && c->reader->status == LF_OK; i++)
-        if (all.status[i] != LF_OK)
-            fail_at(c, "meshes", c->desc->meshes[i].name, c->desc->meshes[i].shape ? "" : "file",
-                    &all.err[i]);
-    lf_free(all.status);
-    lf_free(all.err);
+        return;
+    }
+    const lf_mesh_desc *desc = &c->desc->meshes[wrong];
+    err.status = status == LF_E_ARG ? LF_E_FORMAT : status;
+    fail_at(c, "meshes", desc->name,
+            desc->shape          ? ""
+            : status == LF_E_ARG ? "animation"
+                                 : "file",
+            &err);
 }
 
 static void extend_by_data(double bounds[2][3], const lf_mesh_data *data)
@@ -418,8 +376,8 @@ static void build_geometry(const commit *c, lf_mesh_data *data, json_t *key)
         out_of_memory(c);
         return;
     }
-    if (lf_geometry_build(data, c->desc->n_meshes, c->scene->origin, key, &c->scene->geometry,
-                          &err) != LF_OK) {
+    if (lf_geometry_build(data, c->desc, c->scene->origin, key, &c->scene->geometry, &err) !=
+        LF_OK) {
         lf_node node = lf_node_child(c->root, "meshes");
         lf_read_fail_with(c->reader, &node, &err);
     }
@@ -439,7 +397,7 @@ static void load_meshes(commit *c)
         goto done;
     }
     if (c->previous && c->previous->geometry &&
-        lf_geometry_matches(c->previous->geometry, key, c->roots))
+        lf_geometry_matches(c->previous->geometry, key, c->desc, c->roots))
         shared = c->previous->geometry;
     if (!shared)
         import_meshes(c, data);
@@ -496,6 +454,8 @@ static void place_meshes(commit *c)
         scene->meshes[i].hidden = c->desc->meshes[i].hidden;
         scene->n_meshes++;
     }
+    for (int i = 0; geometry && i < geometry->n_meshes; i++)
+        scene->has_frames = scene->has_frames || geometry->motions[i].span > 0;
     scene->embree = geometry ? geometry->embree : NULL;
     scene->offset = geometry ? geometry->offset : 0.0f;
 }

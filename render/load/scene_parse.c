@@ -400,9 +400,34 @@ static int find_material(lf_reader *reader, const lf_node *node, const char *nam
     return found;
 }
 
+/* Which animation of a file, and where it is in this frame. */
+static void parse_clip(lf_reader *reader, const lf_node *node, double seconds, lf_clip *clip)
+{
+    static const char *const keys[] = {"clip", "speed", "offset", "loop", NULL};
+    const lf_node animation = lf_node_child(node, "animation"),
+                  said = lf_node_child(&animation, "clip");
+    const char *file = json_string_value(lf_node_child(node, "file").value);
+    *clip = (lf_clip){.seconds = seconds};
+    if (!lf_read_object(reader, &animation, keys))
+        return;
+    if (!file || !(lf_path_has_ending(file, ".gltf") || lf_path_has_ending(file, ".glb")))
+        lf_read_fail(reader, &animation, "only what a glTF file holds moves");
+    clip->chosen = said.value;
+    if (json_is_string(said.value))
+        clip->name = lf_read_string(reader, &animation, "clip", NULL, LF_MAX_CLIP);
+    else
+        clip->number = lf_read_int(reader, &animation, "clip", 0, 0, LF_MAX_FRAME);
+    double speed = lf_read_number(reader, &animation, "speed", 1, -1000, 1000);
+    clip->once = !lf_read_bool(reader, &animation, "loop", true);
+    clip->seconds =
+        lf_read_number(reader, &animation, "offset", 0, -LF_MAX_SECONDS, LF_MAX_SECONDS) +
+        speed * seconds;
+}
+
 static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
-    static const char *const keys[] = {"file", "shape", "material", "normals", "transform", NULL};
+    static const char *const keys[] = {"file",      "shape",     "material", "normals",
+                                       "transform", "animation", NULL};
     static const char *const endings[] = {"obj", "ply", "stl", "gltf", "glb", "3ds", NULL};
     static const char *const normals[] = {"file", "smooth", "flat", NULL};
     lf_mesh_desc *mesh = &desc->meshes[index];
@@ -418,6 +443,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
         mesh->shape = lf_mesh_shapes[lf_read_choice(reader, node, "shape", shapes, 0)];
     mesh->normals = (lf_normals)lf_read_choice(reader, node, "normals", normals, LF_NORMALS_FILE);
     mesh->transform = parse_transform(reader, node);
+    parse_clip(reader, node, desc->seconds, &mesh->clip);
     const char *material = lf_read_string(reader, node, "material", NULL, LF_MAX_NAME);
     if (material)
         mesh->material = find_material(reader, node, material);
@@ -481,7 +507,7 @@ void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
 {
     static const char *const keys[] = {"quiltd",  "camera",   "volumes", "meshes", "materials",
                                        "lights",  "backdrop", "film",    "render", "comment",
-                                       "$schema", "include",  "frame",   NULL};
+                                       "$schema", "include",  "frame",   "rate",   NULL};
     *out = (lf_scene_desc){0};
     if (!lf_read_object(reader, root, keys)) {
         lf_read_fail(reader, root, "a scene is a JSON object");
@@ -491,6 +517,8 @@ void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
     lf_read_string(reader, root, "comment", NULL, 65536);
     lf_read_string(reader, root, "$schema", NULL, 4096);
     out->frame = lf_read_int(reader, root, "frame", 1, 0, LF_MAX_FRAME);
+    out->seconds =
+        (out->frame - 1) / lf_read_number(reader, root, "rate", LF_FRAME_RATE, 0.01, 1000);
     parse_camera(reader, root, &out->camera);
     parse_film(reader, root, &out->film);
     parse_backdrop(reader, root, &out->backdrop);

@@ -4,6 +4,7 @@
 #ifndef LF_RENDER_SCENE_PARSE_H
 #define LF_RENDER_SCENE_PARSE_H
 
+#include "render/load/clip.h"
 #include "render/load/json_reader.h"
 #include "render/load/mesh_shape.h"
 #include "render/scene/affine.h"
@@ -41,9 +42,10 @@ typedef struct lf_mesh_desc {
     int material;               /* index into materials; -1 = the file's own */
     lf_normals normals;
     lf_affine transform;
-    double area; /* a shape's, to which it is scaled about its middle; 0 = what it comes to */
-    bool lamp;   /* of a light that is faces: the name is the light's */
-    bool hidden; /* from the camera */
+    lf_clip clip; /* of a file */
+    double area;  /* a shape's, to which it is scaled about its middle; 0 = what it comes to */
+    bool lamp;    /* of a light that is faces: the name is the light's */
+    bool hidden;  /* from the camera */
 } lf_mesh_desc;
 
 typedef struct lf_light_desc {
@@ -54,6 +56,7 @@ typedef struct lf_light_desc {
 
 typedef struct lf_scene_desc {
     int frame;
+    double seconds; /* of animations in that frame: 0 in frame 1 */
     lf_camera camera;
     lf_film_settings film;
     lf_backdrop backdrop;

@@ -16,6 +16,15 @@ static bool put_volume(json_t *doc, const lf_volume *volume, const lf_volume_des
            json_object_set_new(said, "file", json_string(volume->grid->digest.text)) == 0;
 }
 
+/* What does not move yet, in the first of its file's animations, is no word worth. */
+static bool put_motion(json_t *said, const lf_mesh_motion *motion, const lf_clip *clip)
+{
+    if (!(motion->span > 0) || (motion->moment <= 0 && !clip->name && clip->number == 0))
+        return true;
+    json_t *which = clip->name ? json_string(clip->name) : json_integer(clip->number);
+    return json_object_set_new(said, "animation", json_pack("[o, f]", which, motion->moment)) == 0;
+}
+
 static bool put_mesh(json_t *doc, const lf_geometry *geometry, int mesh, const lf_mesh_desc *desc)
 {
     json_t *digests = json_array();
@@ -23,9 +32,11 @@ static bool put_mesh(json_t *doc, const lf_geometry *geometry, int mesh, const l
     for (int i = 0; i < geometry->n_files && done; i++)
         if (geometry->files[i].mesh == mesh)
             done = json_array_append_new(digests, json_string(geometry->files[i].digest.text)) == 0;
-    done = done && json_object_set(member(doc, "meshes", desc->name), "file", digests) == 0;
+    json_t *said = member(doc, "meshes", desc->name);
+    done = done && json_object_set(said, "file", digests) == 0;
     json_decref(digests);
-    return done;
+    json_object_del(said, "animation");
+    return done && put_motion(said, &geometry->motions[mesh], &desc->clip);
 }
 
 static bool put_light(json_t *doc, const lf_light *light, const lf_light_desc *desc)
@@ -53,6 +64,7 @@ json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc)
         return NULL;
     }
     json_object_del(doc, "frame");
+    json_object_del(doc, "rate");
     json_object_del(doc, "camera");
     json_object_del(doc, "render");
     json_object_del(doc, "film");

@@ -1,5 +1,6 @@
 /* Animations of glTF (specification, section 3.11 and appendix C): their keys at one time. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -172,11 +173,71 @@ static lf_status move(lf_gltf *gltf, const json_t *sampled, const char *path, fl
     return LF_OK;
 }
 
-lf_status lf_gltf_animate(lf_gltf *gltf, float time, lf_gltf_nodes *nodes, lf_error *err)
+/* "Walk", 1, "Run": names of the animations, numbers of those without. */
+static void list_clips(const json_t *animations, char *out, size_t size)
 {
-    const json_t *animation = lf_gltf_element(gltf->json, "animations", 0),
-                 *channels = json_object_get(animation, "channels");
-    lf_status status = LF_OK;
+    size_t n = 0;
+    out[0] = '\0';
+    for (size_t i = 0; i < json_array_size(animations) && n < size; i++) {
+        const char *name = lf_gltf_text(json_array_get(animations, i), "name");
+        int added = *name ? snprintf(out + n, size - n, "%s\"%s\"", i > 0 ? ", " : "", name)
+                          : snprintf(out + n, size - n, "%s%zu", i > 0 ? ", " : "", i);
+        n += added > 0 ? (size_t)added : 0;
+    }
+}
+
+static lf_status refuse_clip(const lf_clip *clip, const json_t *animations, lf_error *err)
+{
+    char said[LF_MAX_CLIP + 3], names[1024];
+    if (clip->name)
+        snprintf(said, sizeof said, "\"%s\"", clip->name);
+    else
+        snprintf(said, sizeof said, "%d", clip->number);
+    list_clips(animations, names, sizeof names);
+    if (json_array_size(animations) == 0)
+        return lf_error_set(err, LF_E_ARG, LF_HERE, "no animation %s: nothing moves in this file",
+                            said);
+    return lf_error_set(err, LF_E_ARG, LF_HERE, "no animation %s; there %s %s", said,
+                        json_array_size(animations) == 1 ? "is" : "are", names);
+}
+
+/* *out NULL: nothing moves, and nobody says that it does. */
+static lf_status find_clip(const lf_gltf *gltf, const lf_clip *clip, const json_t **out,
+                           lf_error *err)
+{
+    const json_t *animations = json_object_get(gltf->json, "animations");
+    size_t n = json_array_size(animations), at = clip->name ? n : (size_t)clip->number;
+    for (size_t i = 0; clip->name && i < n && at == n; i++)
+        if (strcmp(lf_gltf_text(json_array_get(animations, i), "name"), clip->name) == 0)
+            at = i;
+    *out = at < n ? json_array_get(animations, at) : NULL;
+    return *out || !clip->chosen ? LF_OK : refuse_clip(clip, animations, err);
+}
+
+/* Until the last moment of its channels. A broken one counts nothing: who moves by it tells. */
+static double measure(lf_gltf *gltf, const json_t *animation)
+{
+    const json_t *samplers = json_object_get(animation, "samplers");
+    double span = 0;
+    for (size_t i = 0; i < json_array_size(samplers); i++) {
+        sampler s = {0};
+        uint64_t times = lf_gltf_whole(json_array_get(samplers, i), "input", LF_GLTF_NONE);
+        if (lf_gltf_accessor_open(gltf, times, &s.times, NULL) == LF_OK && s.times.count > 0)
+            span = fmax(span, (double)time_at(&s, s.times.count - 1));
+    }
+    return fmin(span, LF_MAX_SECONDS);
+}
+
+lf_status lf_gltf_animate(lf_gltf *gltf, const lf_clip *clip, lf_gltf_nodes *nodes,
+                          double *out_span, lf_error *err)
+{
+    const json_t *animation = NULL;
+    *out_span = 0;
+    lf_status status = find_clip(gltf, clip, &animation, err);
+    if (status == LF_OK && animation)
+        *out_span = measure(gltf, animation);
+    float time = (float)lf_clip_moment(clip, *out_span);
+    const json_t *channels = json_object_get(animation, "channels");
     for (size_t i = 0; i < json_array_size(channels) && status == LF_OK; i++) {
         const json_t *channel = json_array_get(channels, i),
                      *target = json_object_get(channel, "target"),

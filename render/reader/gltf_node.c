@@ -130,8 +130,8 @@ static lf_status place(const lf_gltf *gltf, const lf_affine *world, lf_gltf_node
     return status;
 }
 
-lf_status lf_gltf_nodes_open(lf_gltf *gltf, float time, const lf_affine *world, lf_gltf_nodes *out,
-                             lf_error *err)
+lf_status lf_gltf_nodes_open(lf_gltf *gltf, const lf_clip *clip, const lf_affine *world,
+                             lf_gltf_nodes *out, double *out_span, lf_error *err)
 {
     lf_status status = LF_OK;
     out->n = lf_gltf_count(gltf->json, "nodes");
@@ -146,7 +146,7 @@ lf_status lf_gltf_nodes_open(lf_gltf *gltf, float time, const lf_affine *world, 
     if (status == LF_OK)
         status = show_scene(gltf, out, err);
     if (status == LF_OK)
-        status = lf_gltf_animate(gltf, time, out, err);
+        status = lf_gltf_animate(gltf, clip, out, out_span, err);
     return status == LF_OK ? place(gltf, world, out, err) : status;
 }
 

@@ -1,8 +1,9 @@
-/* Nodes of a glTF file: which of them the default scene shows, and where they stand at a time of
- * the first animation (specification, sections 3.5 and 3.11). One thread. */
+/* Nodes of a glTF file: which of them the default scene shows, and where they stand at a moment
+ * of an animation (specification, sections 3.5 and 3.11). One thread. */
 #ifndef LF_RENDER_GLTF_NODE_H
 #define LF_RENDER_GLTF_NODE_H
 
+#include "render/load/clip.h"
 #include "render/reader/gltf_accessor.h"
 #include "render/scene/affine.h"
 
@@ -33,16 +34,18 @@ typedef struct lf_gltf_nodes {
     lf_gltf_node *node;
 } lf_gltf_nodes;
 
-/* world: where the file's own stands. LF_E_FORMAT: a loop, a child of two parents, a number that
- * is not there; LF_E_NOMEM. Release with lf_gltf_nodes_close in any case. */
-LF_NODISCARD lf_status lf_gltf_nodes_open(lf_gltf *gltf, float time, const lf_affine *world,
-                                          lf_gltf_nodes *out, lf_error *err);
+/* world: where the file's own stands; clip: where what moves does. *out_span: seconds that it
+ * takes, 0 where nothing moves. LF_E_ARG: no such clip; LF_E_FORMAT: a loop, a child of two
+ * parents, a number that is not there; LF_E_NOMEM. Release with lf_gltf_nodes_close in any case. */
+LF_NODISCARD lf_status lf_gltf_nodes_open(lf_gltf *gltf, const lf_clip *clip,
+                                          const lf_affine *world, lf_gltf_nodes *out,
+                                          double *out_span, lf_error *err);
 /* Accepts a zeroed one. */
 void lf_gltf_nodes_close(lf_gltf_nodes *nodes);
 
-/* Moves nodes as the first animation has them at a time; before its first moment, as they are
- * there. */
-LF_NODISCARD lf_status lf_gltf_animate(lf_gltf *gltf, float time, lf_gltf_nodes *nodes,
-                                       lf_error *err);
+/* Moves nodes as an animation has them at the moment of clip; before the first moment of a channel,
+ * as they are there. A file without animations has nothing to move, unless the clip was chosen. */
+LF_NODISCARD lf_status lf_gltf_animate(lf_gltf *gltf, const lf_clip *clip, lf_gltf_nodes *nodes,
+                                       double *out_span, lf_error *err);
 
 #endif

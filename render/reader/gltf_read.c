@@ -10,9 +10,6 @@
 #include "render/reader/mesh_read.h"
 #include "render/reader/tangents.h"
 
-/* Of the first animation: where things stand that move. */
-#define MOMENT 0.0f
-
 typedef struct reading {
     lf_gltf gltf;
     lf_gltf_nodes nodes;
@@ -133,13 +130,14 @@ static lf_status open_materials(reading *r, lf_error *err)
 static void warn(const reading *r)
 {
     const json_t *json = r->gltf.json, *lights = lf_gltf_extension(json, "KHR_lights_punctual");
+    const size_t n_clips = lf_gltf_count(json, "animations");
     const struct {
         size_t n;
         const char *what;
     } unused[] = {{lf_gltf_count(json, "cameras"), "cameras are not used, the scene has its own"},
                   {lf_gltf_count(lights, "lights"), "lights are not used, the scene has its own"},
-                  {lf_gltf_count(json, "animations"),
-                   "animations: all stands still where it is at the beginning of the first"},
+                  {n_clips > 1 && !r->build.desc->clip.chosen ? n_clips : 0,
+                   "animations: the first is shown (animation.clip of the mesh shows another)"},
                   {(size_t)r->build.n_beside, "points and lines are left out"}};
     for (size_t i = 0; i < sizeof unused / sizeof *unused; i++)
         if (unused[i].n > 0)
@@ -162,7 +160,8 @@ static lf_status complete(reading *r, lf_error *err)
 static lf_status read_opened(reading *r, lf_error *err)
 {
     const lf_mesh_desc *desc = r->build.desc;
-    lf_status status = lf_gltf_nodes_open(&r->gltf, MOMENT, &desc->transform, &r->nodes, err);
+    lf_status status = lf_gltf_nodes_open(&r->gltf, &desc->clip, &desc->transform, &r->nodes,
+                                          &r->build.data->span, err);
     if (status == LF_OK)
         status = open_meshes(r, err);
     r->build.gltf = &r->gltf;

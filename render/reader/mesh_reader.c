@@ -127,6 +127,8 @@ static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf
         status = lf_parcel_put(parcel, LF_PARCEL_TRIANGLES, data->triangles, 3 * t, err);
     if (status == LF_OK && data->n_materials > 0)
         status = put_looks(parcel, data, err);
+    if (status == LF_OK && data->span > 0)
+        status = lf_parcel_put(parcel, LF_PARCEL_SPAN, &data->span, 1, err);
     return status == LF_OK ? put_warnings(parcel, &data->warnings, err) : status;
 }
 
@@ -135,7 +137,12 @@ static lf_status read_mesh(const lf_import_request *request, int fd, lf_parcel_w
 {
     lf_mesh_desc desc = {.file = request->path,
                          .material = request->materials ? -1 : 0,
-                         .normals = (lf_normals)request->normals};
+                         .normals = (lf_normals)request->normals,
+                         .clip = {.name = request->clip[0] ? request->clip : NULL,
+                                  .number = (int)request->clip_number,
+                                  .chosen = request->clip_chosen,
+                                  .once = request->once,
+                                  .seconds = request->seconds_in}};
     lf_mesh_data data = {0};
     memcpy(desc.transform.m, request->transform, sizeof request->transform);
     lf_status status = lf_mesh_read(&desc, fd, &data, err);

@@ -31,6 +31,7 @@ void lf_geometry_unref(lf_geometry *geometry)
     lf_free(geometry->files);
     lf_free(geometry->large.triangles);
     lf_free(geometry->meshes);
+    lf_free(geometry->motions);
     lf_free(geometry->materials);
     lf_free(geometry->textures);
     for (int i = 0; i < geometry->n_pyramids; i++)

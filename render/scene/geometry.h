@@ -19,6 +19,11 @@ typedef struct lf_mesh_file {
     int mesh; /* index into meshes */
 } lf_mesh_file;
 
+/* Of a mesh: seconds that what moves in its file takes (0: nothing does), and where it stands. */
+typedef struct lf_mesh_motion {
+    double span, moment;
+} lf_mesh_motion;
+
 typedef struct lf_geometry {
     atomic_int refs;
     RTCDevice device;
@@ -28,8 +33,9 @@ typedef struct lf_geometry {
     int n_meshes, n_materials;
     /* owner of their arrays; .material is left 0: the scene fills it in its own copy */
     lf_mesh *meshes;
-    lf_material *materials; /* the files' own, which triangle_material numbers */
-    lf_textures *textures;  /* [n_materials] theirs; NULL: none has any */
+    lf_mesh_motion *motions; /* [n_meshes] */
+    lf_material *materials;  /* the files' own, which triangle_material numbers */
+    lf_textures *textures;   /* [n_materials] theirs; NULL: none has any */
     int n_pictures, n_pyramids;
     lf_texels *pictures;
     lf_pyramid *pyramids;

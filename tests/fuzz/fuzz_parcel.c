@@ -19,9 +19,16 @@ static bool built;
 /* The input's first bytes are how many elements each section has, those behind them all of them. */
 static int build(void)
 {
-    static const size_t each[LF_PARCEL_TAGS] = {
-        1, 8, 4, 4, 2, sizeof(lf_parcel_material), 4, 4, 4, sizeof(lf_parcel_picture), 1, 8, 8, 4,
-        4, 1, 8, 1, 4};
+    static const size_t each[LF_PARCEL_TAGS] = {1, 8,
+                                                4, 4,
+                                                2, sizeof(lf_parcel_material),
+                                                4, 4,
+                                                4, sizeof(lf_parcel_picture),
+                                                1, 8,
+                                                8, 4,
+                                                4, 1,
+                                                8, 1,
+                                                4, 8};
     lf_parcel_writer writer;
     int fd = -1;
     size_t at = LF_PARCEL_TAGS;

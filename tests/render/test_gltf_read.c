@@ -425,7 +425,8 @@ static void nodes_stand_where_an_animation_begins(void **state)
                  cases[i].words);
         lf_mesh_data data = gltf_read(&text, rest);
         assert_corner(&data, 0, 0, cases[i].x, 0, 0);
-        assert_true(gltf_warns(&data, "1 animations"));
+        assert_false(gltf_warns(&data, "animations"));
+        assert_true(data.span == 1);
         lf_mesh_data_finish(&data);
     }
 }
@@ -534,6 +535,88 @@ static void extensions_that_it_requires_must_be_known(void **state)
     lf_mesh_data_finish(&data);
 }
 
+/* Two animations of one node: along x in 2 seconds, "up" along y in 4. */
+static void put_two_clips(gltf_text *text, char rest[2048])
+{
+    static const float two[2] = {0, 2}, four[2] = {0, 4}, along[6] = {0, 0, 0, 8, 0, 0},
+                       upwards[6] = {0, 0, 0, 0, 4, 0};
+    *text = (gltf_text){0};
+    gltf_put_floats(text, corner3, 3, "VEC3");
+    gltf_put_floats(text, two, 2, "SCALAR");
+    gltf_put_floats(text, along, 2, "VEC3");
+    gltf_put_floats(text, four, 2, "SCALAR");
+    gltf_put_floats(text, upwards, 2, "VEC3");
+    snprintf(rest, 2048,
+             "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}],'animations':[{"
+             "'channels':[{'sampler':0,'target':{'node':0,'path':'translation'}}],"
+             "'samplers':[{'input':1,'output':2}]},{'name':'up',"
+             "'channels':[{'sampler':0,'target':{'node':0,'path':'translation'}}],"
+             "'samplers':[{'input':3,'output':4}]}]," GLTF_ONE_NODE);
+}
+
+static void a_clip_is_at_its_moment_and_begins_anew_unless_it_is_shown_once(void **state)
+{
+    (void)state;
+    static const struct {
+        lf_clip clip;
+        double x, y, span;
+    } cases[] = {{{0}, 0, 0, 2},
+                 {{.seconds = 0.5}, 2, 0, 2},
+                 {{.seconds = 2.5}, 2, 0, 2},
+                 {{.seconds = 2}, 0, 0, 2},
+                 {{.seconds = -0.5}, 6, 0, 2},
+                 {{.seconds = 2.5, .once = true}, 8, 0, 2},
+                 {{.seconds = -0.5, .once = true}, 0, 0, 2},
+                 {{.seconds = 1, .name = "up", .chosen = true}, 0, 1, 4},
+                 {{.seconds = 5, .number = 1, .chosen = true}, 0, 1, 4}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        gltf_text text;
+        char rest[2048];
+        lf_mesh_desc desc = gltf_desc();
+        lf_mesh_data data = {0};
+        lf_error err = {0};
+        put_two_clips(&text, rest);
+        desc.clip = cases[i].clip;
+        lf_assert_ok(gltf_read_as(&text, rest, &desc, &data, &err), &err);
+        assert_corner(&data, 0, 0, cases[i].x, cases[i].y, 0);
+        lf_assert_close(data.span, cases[i].span, 0, 1e-6);
+        assert_true(gltf_warns(&data, "2 animations") == !cases[i].clip.chosen);
+        lf_mesh_data_finish(&data);
+    }
+}
+
+static void a_clip_that_is_not_there_is_refused_with_those_that_are(void **state)
+{
+    (void)state;
+    static const lf_clip clips[] = {{.name = "down", .chosen = true},
+                                    {.number = 2, .chosen = true}};
+    static const char *const words[] = {"no animation \"down\"; there are 0, \"up\"",
+                                        "no animation 2; there are 0, \"up\""};
+    lf_mesh_desc desc = gltf_desc();
+    lf_mesh_data data = {0};
+    lf_error err = {0};
+    gltf_text text;
+    char rest[2048];
+    for (size_t i = 0; i < 2; i++) {
+        put_two_clips(&text, rest);
+        desc.clip = clips[i];
+        assert_int_equal(gltf_read_as(&text, rest, &desc, &data, &err), LF_E_ARG);
+        assert_string_equal(err.what, words[i]);
+        lf_mesh_data_finish(&data);
+    }
+    text = (gltf_text){0};
+    gltf_put_floats(&text, corner3, 3, "VEC3");
+    static const char still[] =
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]," GLTF_ONE_NODE;
+    assert_int_equal(gltf_read_as(&text, still, &desc, &data, &err), LF_E_ARG);
+    assert_string_equal(err.what, "no animation 2: nothing moves in this file");
+    lf_mesh_data_finish(&data);
+    desc.clip = (lf_clip){.seconds = 3};
+    lf_assert_ok(gltf_read_as(&text, still, &desc, &data, &err), &err);
+    assert_true(data.span == 0);
+    lf_mesh_data_finish(&data);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -551,6 +634,8 @@ int main(void)
         cmocka_unit_test(smooth_normals_go_over_seams_of_textures),
         cmocka_unit_test(morph_targets_add_by_the_nearest_weights),
         cmocka_unit_test(nodes_stand_where_an_animation_begins),
+        cmocka_unit_test(a_clip_is_at_its_moment_and_begins_anew_unless_it_is_shown_once),
+        cmocka_unit_test(a_clip_that_is_not_there_is_refused_with_those_that_are),
         cmocka_unit_test(vertices_follow_their_bones),
         cmocka_unit_test(what_points_beyond_is_refused_in_words),
         cmocka_unit_test(nodes_that_are_no_tree_are_refused),

@@ -173,6 +173,10 @@ static lf_status parser_status(const json_t *doc, lf_error *err)
 
 /* Both accept. Files need not be there: what the parser then says is LF_E_IO, not LF_E_FORMAT. */
 static const char *const good[] = {
+    "{\"rate\": 29.97, \"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"clip\": "
+    "\"walk\","
+    "\"speed\": -0.5, \"offset\": 1.5, \"loop\": false}}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.GLTF\", \"animation\": {\"clip\": 2}}}}",
     "{}",
     "{\"quiltd\": 1, \"comment\": \"c\", \"$schema\": \"s\"}",
     "{\"quiltd\": 1.0, \"camera\": {\"views\": 45.0}}",
@@ -330,6 +334,12 @@ static const char *const wrong[] = {
     "{\"camera\": {\"view_blur\": 8.5}}",
     "{\"render\": {\"max_depth\": 1.5}}",
     "{\"render\": {\"depth\": 1}}",
+    "{\"rate\": 0}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"clip\": \"\"}}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"clip\": -1}}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"speed\": 1001}}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"loop\": 1}}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": \"walk\"}}}",
 };
 
 static json_t *parse(const char *text)
@@ -387,7 +397,7 @@ static void every_key_of_the_schema_is_known_to_the_parser(void **state)
         json_decref(doc);
         n++;
     }
-    assert_int_equal(n, 13);
+    assert_int_equal(n, 14);
     json_decref(schema);
 }
 
