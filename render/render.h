@@ -127,8 +127,8 @@ const lf_camera *lf_scene_camera(const lf_scene *scene);
 const lf_film_settings *lf_scene_film_settings(const lf_scene *scene);
 /* Whether the scene is another one where its document says another "frame". */
 bool lf_scene_has_frames(const lf_scene *scene);
-/* Whether the files that the scene has in another frame are there, without reading them: LF_E_IO,
- * LF_E_FORMAT with their place in the document. */
+/* Whether what the scene says of another frame is right, and the volumes' files of it are there,
+ * without reading them: LF_E_IO, LF_E_FORMAT with their place in the document. */
 LF_NODISCARD lf_status lf_scene_check_frame(const lf_scene *scene, int frame, lf_error *err);
 /* What the files of the scene hold and its pictures lack (textures, transparency, lights of a mesh
  * file, faces that stand in one place, …), and what is seldom meant (no light at all): one line for

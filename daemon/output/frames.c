@@ -18,7 +18,7 @@ const lf_param lf_frames_params[] = {
      .high = MOST_FRAME, .help = "N frames, in which the camera goes once round its target"},
     {.option = "frames", .joined = ":", .argument = "A", PLACE(first), .type = LF_PARAM_WHOLE,
      .has = offsetof(lf_frames, has_range), .high = MOST_FRAME,
-     .help = "frames A to B of the scene's sequence, or of the turntable"},
+     .help = "frames A to B of a scene that moves, or of the turntable"},
     {.option = "frames", .argument = "B", PLACE(last), .type = LF_PARAM_WHOLE, .high = MOST_FRAME},
     {.option = "overwrite", PLACE(overwrite), .type = LF_PARAM_SWITCH,
      .help = "frames whose files are there are not kept but rendered anew"},

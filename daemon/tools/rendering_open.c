@@ -134,8 +134,8 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
         !lf_scene_has_frames(r->scene))
         return lf_error_set(err, LF_E_ARG, "--frames",
                             "nothing in %s is another from frame to frame (a volume's file with "
-                            "%%04d in its name is, and a glTF file that moves; --turntable N turns "
-                            "the camera)",
+                            "%%04d in its name is, a glTF file that moves, a number with keys; "
+                            "--turntable N turns the camera)",
                             a->scene);
     return status == LF_OK ? lf_rendering_resolve(r, err) : status;
 }

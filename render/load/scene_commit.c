@@ -390,7 +390,7 @@ static void load_meshes(commit *c)
     lf_scene *scene = c->scene;
     lf_geometry *shared = NULL;
     double bounds[2][3];
-    json_t *key = lf_geometry_key(scene->json, c->desc, scene->file.folder);
+    json_t *key = lf_geometry_key(scene->file.still, c->desc, scene->file.folder);
     lf_mesh_data *data = lf_calloc((size_t)c->desc->n_meshes, sizeof *data);
     if (!key || !data) {
         out_of_memory(c);

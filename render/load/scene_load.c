@@ -2,6 +2,7 @@
 #include <stdint.h>
 
 #include "base/alloc.h"
+#include "render/load/keyframes.h"
 #include "render/load/scene_commit.h"
 #include "render/load/scene_include.h"
 
@@ -66,7 +67,11 @@ static lf_status build(const lf_json_source *source, const char *folder, const l
         reader.status = lf_error_set(err, LF_E_NOMEM, source->where, "out of memory");
     lf_node root = {NULL, NULL, 0, scene ? scene->json : NULL};
     if (reader.status == LF_OK)
+        scene->file.still = lf_keyframes_still(&reader, &root, -1, &scene->has_frames);
+    if (reader.status == LF_OK) {
+        root.value = scene->file.still;
         lf_scene_parse(&reader, &root, &desc);
+    }
     if (reader.status == LF_OK)
         lf_scene_commit(&reader, &root, &desc, &extended, previous, scene);
     if (reader.status == LF_OK)

@@ -51,7 +51,7 @@ static bool put_light(json_t *doc, const lf_light *light, const lf_light_desc *d
 
 json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc)
 {
-    json_t *doc = json_deep_copy(scene->json);
+    json_t *doc = json_deep_copy(scene->file.still);
     bool done = doc;
     for (int i = 0; i < desc->n_volumes && done; i++)
         done = put_volume(doc, &scene->volumes[i], &desc->volumes[i]);

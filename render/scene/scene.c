@@ -52,6 +52,7 @@ void lf_scene_unref(lf_scene *scene)
     lf_warnings_finish(&scene->warnings);
     json_decref(scene->json);
     json_decref(scene->file.included);
+    json_decref(scene->file.still);
     json_decref(scene->subject);
     lf_free(scene->file.folder);
     lf_free(scene->file.where);

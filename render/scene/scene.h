@@ -272,6 +272,8 @@ typedef struct lf_glows {
 typedef struct lf_scene_file {
     char *folder, *where;
     json_t *included; /* names of files that were merged into it (scene_include.h) */
+    /* the scene's json as it is in its frame: without keys (keyframes.h) */
+    json_t *still;
 } lf_scene_file;
 
 struct lf_scene {

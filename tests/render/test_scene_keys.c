@@ -10,20 +10,43 @@
 
 static json_t *schema;
 
+static bool is_keyed(const json_t *node)
+{
+    const char *ref = json_string_value(json_object_get(node, "$ref"));
+    return ref && strcmp(ref, "#/$defs/keyed") == 0;
+}
+
+/* What a node refers to, and of a value or its keys the value. */
 static const json_t *resolve(const json_t *node)
 {
-    const json_t *ref = json_object_get(node, "$ref");
-    if (!ref)
-        return node;
-    return json_object_get(json_object_get(schema, "$defs"),
-                           json_string_value(ref) + strlen("#/$defs/"));
+    const json_t *ref = json_object_get(node, "$ref"), *any = json_object_get(node, "anyOf");
+    if (ref)
+        return resolve(json_object_get(json_object_get(schema, "$defs"),
+                                       json_string_value(ref) + strlen("#/$defs/")));
+    return json_array_size(any) == 2 && is_keyed(json_array_get(any, 1)) ? json_array_get(any, 0)
+                                                                         : node;
+}
+
+/* Whether a value may have keys. */
+static bool may_have_keys(const json_t *node)
+{
+    const json_t *ref = json_object_get(node, "$ref"), *any = json_object_get(node, "anyOf");
+    if (ref)
+        return may_have_keys(json_object_get(json_object_get(schema, "$defs"),
+                                             json_string_value(ref) + strlen("#/$defs/")));
+    return is_keyed(json_array_get(any, json_array_size(any) - 1));
 }
 
 /* Of what a property says itself or what it refers to. */
 static const json_t *member(const json_t *property, const char *name)
 {
-    const json_t *own = json_object_get(property, name);
-    return own ? own : json_object_get(resolve(property), name);
+    const json_t *own = json_object_get(property, name), *ref = json_object_get(property, "$ref"),
+                 *whole = ref ? json_object_get(json_object_get(schema, "$defs"),
+                                                json_string_value(ref) + strlen("#/$defs/"))
+                              : NULL;
+    if (!own)
+        own = json_object_get(resolve(property), name);
+    return own ? own : json_object_get(whole, name);
 }
 
 static bool has_range(const json_t *node, double lo, double hi)
@@ -43,11 +66,11 @@ static bool has_words(const json_t *list, const char *const words[])
     return !words[n] && n == json_array_size(list);
 }
 
-/* One number, or three. */
+/* One number, or three, or keys. */
 static bool is_colour(const json_t *property, const lf_param *key)
 {
     const json_t *any = member(property, "anyOf"), *three = json_array_get(any, 1);
-    return json_array_size(any) == 2 && has_range(json_array_get(any, 0), key->low, key->high) &&
+    return json_array_size(any) == 3 && has_range(json_array_get(any, 0), key->low, key->high) &&
            has_range(json_object_get(three, "items"), key->low, key->high) &&
            json_integer_value(json_object_get(three, "minItems")) == 3 &&
            json_integer_value(json_object_get(three, "maxItems")) == 3;
@@ -55,6 +78,11 @@ static bool is_colour(const json_t *property, const lf_param *key)
 
 static bool agrees_in_type(const json_t *property, const lf_param *key)
 {
+    bool numbers = key->type == LF_PARAM_NUMBER || key->type == LF_PARAM_ANGLE ||
+                   key->type == LF_PARAM_COLOUR || key->type == LF_PARAM_POINT ||
+                   key->type == LF_PARAM_DIRECTION;
+    if (may_have_keys(property) != numbers)
+        return false;
     switch (key->type) {
     case LF_PARAM_NUMBER:
     case LF_PARAM_ANGLE:

@@ -63,12 +63,14 @@ static bool valid_array(const json_t *root, const json_t *schema, json_t *value)
 {
     const json_t *min = json_object_get(schema, "minItems"),
                  *max = json_object_get(schema, "maxItems");
-    const json_t *items = json_object_get(schema, "items");
+    const json_t *items = json_object_get(schema, "items"),
+                 *first = json_object_get(schema, "prefixItems");
     size_t i;
     json_t *item;
     json_array_foreach(value, i, item)
     {
-        if (items && !valid(root, items, item))
+        const json_t *own = json_array_get(first, i) ? json_array_get(first, i) : items;
+        if (own && !valid(root, own, item))
             return false;
     }
     return (!min || json_array_size(value) >= (size_t)json_integer_value(min)) &&
@@ -117,7 +119,8 @@ static void assert_known_keywords(const json_t *schema)
     static const char *const known =
         " $schema title description default $defs type additionalProperties properties "
         "propertyNames "
-        "maxProperties required $ref items minItems maxItems minLength maxLength pattern minimum "
+        "maxProperties required $ref items prefixItems minItems maxItems minLength maxLength "
+        "pattern minimum "
         "maximum enum const anyOf oneOf ";
     const char *key;
     json_t *member;
@@ -173,6 +176,17 @@ static lf_status parser_status(const json_t *doc, lf_error *err)
 
 /* Both accept. Files need not be there: what the parser then says is LF_E_IO, not LF_E_FORMAT. */
 static const char *const good[] = {
+    "{\"frame\": 3, \"camera\": {\"position\": {\"keys\": [[1, [0, 0, 4]], [2.5, [0, 1, 4]]]},"
+    "\"fov_y\": {\"keys\": [[1, 10], [9, 20]], \"interpolation\": \"smooth\"}}}",
+    "{\"film\": {\"exposure\": {\"keys\": [[1, 0]], \"interpolation\": \"step\"}},"
+    "\"backdrop\": {\"top\": {\"keys\": [[1, 0]]}}}",
+    "{\"backdrop\": {\"keys\": [[1, [0, 1, 0]]]}, \"meshes\": {\"m\": {\"shape\": \"cube\","
+    "\"transform\": {\"rotate\": {\"keys\": [[1, [0, 0, 0]], [48, [0, 360, 0]]]},"
+    "\"scale\": {\"keys\": [[1, 1]]}}}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"g\": {\"keys\": [[1, 0.5]]}, \"emission\":"
+    "{\"keys\": [[1, 1]]}}}, \"materials\": {\"m\": {\"roughness\": {\"keys\": [[0, 1]]}}}}",
+    "{\"lights\": {\"a\": {\"type\": \"spot\", \"angle\": {\"keys\": [[1, 9]]}, \"intensity\":"
+    "{\"keys\": [[1, 9]]}, \"direction\": {\"keys\": [[1, [0, 0, 1]]]}}}}",
     "{\"rate\": 29.97, \"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"clip\": "
     "\"walk\","
     "\"speed\": -0.5, \"offset\": 1.5, \"loop\": false}}}}",
@@ -334,6 +348,17 @@ static const char *const wrong[] = {
     "{\"camera\": {\"view_blur\": 8.5}}",
     "{\"render\": {\"max_depth\": 1.5}}",
     "{\"render\": {\"depth\": 1}}",
+    "{\"camera\": {\"fov_y\": {\"keys\": []}}}",
+    "{\"camera\": {\"fov_y\": {\"keys\": [[1]]}}}",
+    "{\"camera\": {\"fov_y\": {\"keys\": [[-1, 9]]}}}",
+    "{\"camera\": {\"fov_y\": {\"keys\": [[1, \"9\"]]}}}",
+    "{\"camera\": {\"fov_y\": {\"interpolation\": \"step\"}}}",
+    "{\"camera\": {\"fov_y\": {\"keys\": [[1, 9]], \"interpolation\": \"cubic\"}}}",
+    "{\"camera\": {\"fov_y\": {\"keys\": [[1, 9]], \"from\": 1}}}",
+    "{\"camera\": {\"aspect\": {\"keys\": [[1, 1]]}}}",
+    "{\"camera\": {\"views\": {\"keys\": [[1, 9]]}}}",
+    "{\"frame\": {\"keys\": [[1, 9]]}}",
+    "{\"render\": {\"max_depth\": {\"keys\": [[1, 9]]}}}",
     "{\"rate\": 0}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"clip\": \"\"}}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"clip\": -1}}}}",

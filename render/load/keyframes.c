@@ -1,0 +1,199 @@
+#include "render/load/keyframes.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "render/load/frame_file.h"
+
+enum { MOST_NUMBERS = 16 }; /* of a value: a matrix has them */
+
+typedef struct walker {
+    lf_reader *reader;
+    double frame;
+    bool keyed; /* something was */
+} walker;
+
+/* A value of the document: n 0 = a number alone. */
+typedef struct numbers {
+    size_t n;
+    double x[MOST_NUMBERS];
+} numbers;
+
+static json_t *no_memory(const walker *w)
+{
+    if (w->reader->status == LF_OK)
+        w->reader->status =
+            lf_error_set(w->reader->err, LF_E_NOMEM, w->reader->where, "out of memory");
+    return NULL;
+}
+
+/* Things may be called so, too; they are objects. */
+static bool has_keys(const json_t *value)
+{
+    return json_is_array(json_object_get(value, "keys"));
+}
+
+static void read_numbers(lf_reader *reader, const lf_node *node, numbers *out)
+{
+    bool good = json_is_number(node->value);
+    *out = (numbers){.x = {json_number_value(node->value)}};
+    if (json_is_array(node->value)) {
+        out->n = json_array_size(node->value);
+        good = out->n > 0 && out->n <= MOST_NUMBERS;
+        for (size_t i = 0; i < out->n && good; i++) {
+            out->x[i] = json_number_value(json_array_get(node->value, i));
+            good = json_is_number(json_array_get(node->value, i));
+        }
+    }
+    if (!good)
+        lf_read_fail(reader, node, "expected a number, or an array of up to %d", MOST_NUMBERS);
+}
+
+/* One key: in which frame, and what is then. */
+static double read_key(lf_reader *reader, const lf_node *keys, size_t i, numbers *out)
+{
+    const lf_node key = lf_node_item(keys, i);
+    if (!json_is_array(key.value) || json_array_size(key.value) != 2) {
+        lf_read_fail(reader, &key, "expected a key: [frame, value]");
+        return 0;
+    }
+    const lf_node at = lf_node_item(&key, 0), value = lf_node_item(&key, 1);
+    double frame = json_number_value(at.value);
+    if (!json_is_number(at.value) || !(frame >= 0 && frame <= LF_MAX_FRAME))
+        lf_read_fail(reader, &at, "expected a frame: 0 to %d", LF_MAX_FRAME);
+    read_numbers(reader, &value, out);
+    return frame;
+}
+
+/* The keys on both sides of a frame, and how far it is from the first to the second, 0 to 1; all
+ * are looked at, so that a wrong one is told in every frame. */
+static double find_keys(const walker *w, const lf_node *keys, numbers *before, numbers *behind)
+{
+    double frame = 0, from = 0, to = INFINITY;
+    for (size_t i = 0; i < json_array_size(keys->value) && w->reader->status == LF_OK; i++) {
+        const lf_node key = lf_node_item(keys, i);
+        double last = frame;
+        numbers value;
+        frame = read_key(w->reader, keys, i, &value);
+        if (i > 0 && !(frame > last))
+            lf_read_fail(w->reader, &key, "keys stand in the order of their frames, one in each");
+        if (i > 0 && value.n != before->n)
+            lf_read_fail(w->reader, &key, "a value of as many numbers as the first key has");
+        if (i == 0 || frame <= w->frame) {
+            *before = *behind = value;
+            from = frame;
+        } else if (to > frame) {
+            *behind = value;
+            to = frame;
+        }
+    }
+    return isfinite(to) && w->frame > from ? (w->frame - from) / (to - from) : 0;
+}
+
+static json_t *json_of(const walker *w, const numbers *value)
+{
+    if (value->n == 0)
+        return json_real(value->x[0]);
+    json_t *array = json_array();
+    for (size_t i = 0; i < value->n; i++)
+        if (json_array_append_new(array, json_real(value->x[i])) != 0) {
+            json_decref(array);
+            return no_memory(w);
+        }
+    return array;
+}
+
+/* What stands at node in the walker's frame. */
+static json_t *value_at(const walker *w, const lf_node *node)
+{
+    static const char *const members[] = {"keys", "interpolation", NULL};
+    static const char *const kinds[] = {"linear", "smooth", "step", NULL};
+    const lf_node keys = lf_node_child(node, "keys");
+    numbers a = {0}, b = {0};
+    lf_read_object(w->reader, node, members);
+    if (json_array_size(keys.value) == 0)
+        lf_read_fail(w->reader, &keys, "expected at least one key");
+    int kind = lf_read_choice(w->reader, node, "interpolation", kinds, 0);
+    double t = find_keys(w, &keys, &a, &b);
+    if (w->reader->status != LF_OK)
+        return NULL;
+    t = kind == 2 ? 0 : kind == 1 ? t * t * (3 - 2 * t) : t;
+    for (size_t i = 0; i < MOST_NUMBERS && t > 0; i++)
+        a.x[i] += t * (b.x[i] - a.x[i]);
+    return json_of(w, &a);
+}
+
+/* Where nothing may have keys. */
+static bool is_fixed(const char *member)
+{
+    return strcmp(member, "views") == 0 || strcmp(member, "aspect") == 0 ||
+           strcmp(member, "sequence") == 0 || strcmp(member, "animation") == 0;
+}
+
+/* Puts what stands in a member of node (names: they are things by their names) into copy, and in
+ * their members. */
+static void walk(walker *w, const lf_node *node, bool names, json_t *copy)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach(node->value, key, value)
+    {
+        const lf_node child = lf_node_child(node, key);
+        if (w->reader->status != LF_OK || !json_is_object(value) || (!names && is_fixed(key)))
+            continue;
+        if (!has_keys(value)) {
+            walk(w, &child, false, json_object_get(copy, key));
+            continue;
+        }
+        w->keyed = true;
+        json_t *now = copy ? value_at(w, &child) : NULL;
+        if (copy && json_object_set_new(copy, key, now) != 0)
+            no_memory(w);
+    }
+}
+
+/* copy NULL: only looks whether something has keys. */
+static void walk_scene(walker *w, const lf_node *root, json_t *copy)
+{
+    static const struct {
+        const char *name;
+        bool names;
+    } sections[] = {{"camera", false}, {"film", false},     {"volumes", true},
+                    {"meshes", true},  {"materials", true}, {"lights", true}};
+    const lf_node backdrop = lf_node_child(root, "backdrop");
+    for (size_t i = 0; i < sizeof sections / sizeof *sections; i++) {
+        const lf_node section = lf_node_child(root, sections[i].name);
+        walk(w, &section, sections[i].names, json_object_get(copy, sections[i].name));
+    }
+    if (!has_keys(backdrop.value)) {
+        walk(w, &backdrop, false, json_object_get(copy, "backdrop"));
+        return;
+    }
+    w->keyed = true;
+    if (copy && json_object_set_new(copy, "backdrop", value_at(w, &backdrop)) != 0)
+        no_memory(w);
+}
+
+json_t *lf_keyframes_still(lf_reader *reader, const lf_node *root, int frame, bool *out_keyed)
+{
+    const json_t *said = json_object_get(root->value, "frame");
+    walker w = {reader, 1, false};
+    if (frame >= 0)
+        w.frame = frame;
+    else if (json_is_number(said))
+        w.frame = json_number_value(said);
+    walk_scene(&w, root, NULL);
+    *out_keyed = w.keyed;
+    if (!w.keyed && frame < 0)
+        return json_incref(root->value);
+    json_t *copy = json_deep_copy(root->value);
+    if (!copy)
+        return no_memory(&w);
+    walk_scene(&w, root, copy);
+    if (frame >= 0 && json_object_set_new(copy, "frame", json_integer(frame)) != 0)
+        no_memory(&w);
+    if (reader->status == LF_OK)
+        return copy;
+    json_decref(copy);
+    return NULL;
+}
