@@ -125,6 +125,9 @@ const json_t *lf_scene_json(const lf_scene *scene);
 const char *lf_scene_folder(const lf_scene *scene);
 const lf_camera *lf_scene_camera(const lf_scene *scene);
 const lf_film_settings *lf_scene_film_settings(const lf_scene *scene);
+/* What the document says of time: which frame it is, and frames a second. */
+int lf_scene_frame(const lf_scene *scene);
+double lf_scene_rate(const lf_scene *scene);
 /* Whether the scene is another one where its document says another "frame". */
 bool lf_scene_has_frames(const lf_scene *scene);
 /* Whether what the scene says of another frame is right, and the volumes' files of it are there,

@@ -37,6 +37,7 @@ typedef struct lf_load {
     bool force;     /* APPLY: commit even when the settings come out the same */
     bool browsed;   /* the poster's: a button asked for it, … */
     bool reset;     /* … or for this */
+    bool played;    /* it is a frame of many */
     void *deferred; /* the poster's */
     /* the outcome */
     lf_status status;

@@ -23,6 +23,8 @@ void lf_method_wait(lf_call *call);
 void lf_method_subscribe(lf_call *call);
 void lf_method_shutdown(lf_call *call);
 /* methods_scene.c */
+/* Queues a load that the call waits for; load NULL = out of memory. */
+void lf_method_queue(lf_call *call, lf_load *load);
 void lf_method_scene_load(lf_call *call);
 void lf_method_scene_get(lf_call *call);
 void lf_method_scene_patch(lf_call *call);
@@ -30,6 +32,10 @@ void lf_method_camera_set(lf_call *call);
 void lf_method_camera_orbit(lf_call *call);
 void lf_method_camera_fit(lf_call *call);
 void lf_method_render_set(lf_call *call);
+/* methods_time.c */
+void lf_method_time_set(lf_call *call);
+void lf_method_time_play(lf_call *call);
+void lf_method_time_stop(lf_call *call);
 /* methods_device.c */
 void lf_method_device_list(lf_call *call);
 void lf_method_device_set(lf_call *call);

@@ -4,8 +4,7 @@
 #include "base/alloc.h"
 #include "daemon/server/methods.h"
 
-/* Queues a load that the call waits for; load NULL = out of memory. */
-static void queue(lf_call *call, lf_load *load)
+void lf_method_queue(lf_call *call, lf_load *load)
 {
     if (!load) {
         lf_reply(call, NULL);
@@ -34,7 +33,7 @@ void lf_method_scene_load(lf_call *call)
         load->file = file;
     else
         lf_free(file);
-    queue(call, load);
+    lf_method_queue(call, load);
 }
 
 static json_t *bounds_json(const lf_scene *scene)
@@ -68,7 +67,7 @@ static void queue_patch(lf_call *call, json_t *patch)
         load->patch = patch;
     else
         json_decref(patch);
-    queue(call, load);
+    lf_method_queue(call, load);
 }
 
 void lf_method_scene_patch(lf_call *call)
@@ -95,7 +94,7 @@ void lf_method_camera_orbit(lf_call *call)
         load->pitch = number_of(call->params, "pitch", 0);
         load->zoom = number_of(call->params, "zoom", 1);
     }
-    queue(call, load);
+    lf_method_queue(call, load);
 }
 
 #define FILL 0.9
@@ -113,7 +112,7 @@ void lf_method_camera_fit(lf_call *call)
         lf_load_destroy(load);
         load = NULL;
     }
-    queue(call, load);
+    lf_method_queue(call, load);
 }
 
 /* -------------------------------------------------------------------------------- render.set -- */
@@ -169,5 +168,5 @@ void lf_method_render_set(lf_call *call)
     lf_load *load = lf_load_create(LF_LOAD_APPLY);
     if (load)
         load->force = over;
-    queue(call, load);
+    lf_method_queue(call, load);
 }

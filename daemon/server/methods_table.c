@@ -13,6 +13,7 @@
 #define STRING "{\"type\":\"string\"}"
 #define NUMBER "{\"type\":\"number\"}"
 #define BOOLEAN "{\"type\":\"boolean\"}"
+#define FRAME "{\"type\":\"integer\",\"minimum\":0,\"maximum\":999999}"
 #define ENUM(words) "{\"type\":\"string\",\"enum\":[" words "]}"
 
 #define EXPORT_KEYS                                                                                \
@@ -41,6 +42,13 @@ static const lf_method methods[] = {
      OBJECT("\"name\":" STRING ",\"fill\":{\"type\":\"number\",\"minimum\":0.01,\"maximum\":1},"
             "\"steps\":{\"type\":\"number\",\"minimum\":0.01,\"maximum\":10000}"),
      lf_method_camera_fit},
+    {"time.set", "show a frame of the scene", OBJECT_WITH("\"frame\"", "\"frame\":" FRAME),
+     lf_method_time_set},
+    {"time.play", "show one frame of the scene after the other",
+     OBJECT_WITH("\"to\"", "\"from\":" FRAME ",\"to\":" FRAME ",\"loop\":" BOOLEAN
+                           ",\"rate\":{\"type\":\"number\",\"minimum\":0.01,\"maximum\":1000}"),
+     lf_method_time_play},
+    {"time.stop", "stay at the frame that is shown", OBJECT(""), lf_method_time_stop},
     {"wait", "answers when the panel shows it, at most timeout seconds later",
      OBJECT("\"generation\":{\"type\":\"integer\",\"minimum\":0},\"for\":" ENUM(
          "\"coarse\",\"complete\",\"converged\"") ",\"timeout\":{\"type\":\"number\","

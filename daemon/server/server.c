@@ -173,6 +173,7 @@ static void destroy(lf_server *server)
     lf_show_destroy(server->show);
     lf_server_end_watch(server);
     lf_server_drop_button_work(server);
+    lf_server_drop_play(server);
     sd_event_source_disable_unref(server->life.stop_timer);
     sd_event_source_disable_unref(server->life.begin_timer);
     sd_event_source_disable_unref(server->saved.timer);
@@ -289,6 +290,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
     lf_engine_keep_states(server->engine, server->saved.states);
     status = lf_loader_create(server->engine, &server->roots, &server->inbox, &server->loader);
     status = status == LF_OK ? lf_server_make_loading(server) : status;
+    status = status == LF_OK ? lf_server_make_play(server) : status;
     status = status == LF_OK ? lf_server_make_show(server) : status;
     status = status == LF_OK ? lf_server_make_button_work(server) : status;
     if (status != LF_OK ||

@@ -5,6 +5,7 @@
  *   server_device.c   the panel (daemon/show) as clients see it
  *   server_buttons.c  what its buttons do
  *   server_engine.c   what comes back from the engine and the loader; waits
+ *   server_play.c     playing the frames of a scene
  *   server_loading.c  how far the reading of files is
  *   server_signals.c  signals, timers, systemd's ears
  *   server_watch.c    the scene file that changes on disk
@@ -79,6 +80,7 @@ typedef struct lf_job lf_job;
 typedef struct lf_button_work lf_button_work; /* server_buttons.c's */
 typedef struct lf_watch lf_watch;             /* server_watch.c's */
 typedef struct lf_loading lf_loading;         /* server_loading.c's */
+typedef struct lf_play lf_play;               /* server_play.c's */
 
 typedef enum lf_life_phase {
     LF_PHASE_OPENING, /* the scene waits for the first device */
@@ -94,6 +96,7 @@ typedef struct lf_life {
     int exit_code;
     sd_event_source *begin_timer, *stop_timer;
     bool ready_sent; /* systemd was told */
+    int reloads;     /* for systemd that have not ended */
 } lf_life;
 
 /* The states, and what the newest holds: server_state.c. */
@@ -132,6 +135,7 @@ struct lf_server {
     lf_button_work *button_work;
     lf_watch *watch; /* NULL without --watch */
     lf_loading *loading;
+    lf_play *play;
     lf_saved saved;
     lf_content *content; /* what is shown, as far as this thread knows; NULL = nothing */
     int64_t generation;
@@ -141,7 +145,6 @@ struct lf_server {
     lf_wait *waits;
     lf_job *jobs;
     int64_t n_jobs;
-    int reloads; /* reloads for systemd that have not ended */
 };
 
 /* ---------------------------------------------------------------------------------- server.c -- */
@@ -171,6 +174,35 @@ bool lf_default_socket(int index, char *out, size_t size);
 LF_NODISCARD lf_status lf_server_make_show(lf_server *server);
 /* The device as status, device.set and the event `device` show it. */
 json_t *lf_server_device_json(const lf_server *server);
+
+/* ----------------------------------------------------------------------------- server_play.c -- */
+
+/* What is played. */
+typedef struct lf_play_range {
+    double rate; /* frames a second */
+    int from, to;
+    bool once; /* and then stops; else from the beginning again */
+} lf_play_range;
+
+/* LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_play(lf_server *server);
+/* Accepts what was not made. */
+void lf_server_drop_play(lf_server *server);
+/* A patch of the scene's frame; NULL = out of memory. */
+lf_load *lf_server_frame_load(int frame);
+/* Plays from now on: the first frame at once, then whichever is due by the clock when the one
+ * before is shown coarse, or has taken long. A frame that cannot be loaded ends it, with a line in
+ * the log. */
+void lf_server_begin_playing(lf_server *server, const lf_play_range *range);
+void lf_server_stop_playing(lf_server *server);
+/* A frame that is played was loaded, or could not be. */
+void lf_server_played(lf_server *server, const lf_load *load);
+/* A picture has become coarse. */
+void lf_server_play_shown(lf_server *server);
+/* A file is shown: goes on if it is the same as before, read again. */
+void lf_server_play_file(lf_server *server, bool same);
+/* Which frame is shown, and what is played, as `status` and the methods show it; null: no scene. */
+json_t *lf_server_time_json(const lf_server *server);
 
 /* -------------------------------------------------------------------------- server_loading.c -- */
 

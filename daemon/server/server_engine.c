@@ -214,6 +214,7 @@ void lf_server_shown(lf_server *server, int64_t generation, lf_level level, doub
             json_pack("{s:I, s:f}", "generation", (json_int_t)generation, "passes", passes));
     }
     answer_waits(server);
+    lf_server_play_shown(server);
 }
 
 /* ------------------------------------------------------------------------------------ engine -- */
@@ -260,6 +261,7 @@ static json_t *load_answer(const lf_server *server, const lf_load *load)
 static void load_succeeded(lf_server *server, lf_load *load)
 {
     if (load->committed) {
+        bool same = server->content && strcmp(server->content->file, load->content->file) == 0;
         lf_content_unref(server->content);
         server->content = load->content;
         load->content = NULL;
@@ -273,6 +275,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
                                    lf_rpc_text(server->content->file)));
         if (load->kind == LF_LOAD_FILE) {
             lf_server_file_shown(server, load->browsed);
+            lf_server_play_file(server, same);
             server->error.status = LF_OK;
             lf_server_watch(server);
             lf_log(LF_LOG_INFO, "%s: generation %lld%s", server->content->file,
@@ -286,7 +289,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
 
 static void load_failed(lf_server *server, const lf_load *load)
 {
-    if (!load->deferred && load->status != LF_E_CANCELLED) {
+    if (!load->deferred && !load->played && load->status != LF_E_CANCELLED) {
         lf_log_error(&load->err);
         server->error = load->err;
     }
@@ -303,6 +306,8 @@ static void on_load_done(void *reader, lf_task *task)
         load_succeeded(server, load);
     else
         load_failed(server, load);
+    if (load->played)
+        lf_server_played(server, load);
     bool browsed = load->browsed;
     bool plain = load->kind == LF_LOAD_FILE && !load->deferred && !browsed;
     if (browsed && !lf_server_is_stopping(server))

@@ -38,7 +38,7 @@ void lf_server_ready(lf_server *server)
 
 void lf_server_reloaded(lf_server *server)
 {
-    if (server->reloads > 0 && --server->reloads == 0)
+    if (server->life.reloads > 0 && --server->life.reloads == 0)
         sd_notify(0, "READY=1");
 }
 
@@ -71,7 +71,7 @@ static int on_hangup(sd_event_source *source, const struct signalfd_siginfo *inf
     (void)info;
     if (!lf_server_is_stopping(server)) {
         sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%" PRIu64, (uint64_t)(lf_time_now() * 1e6));
-        server->reloads++;
+        server->life.reloads++;
         lf_server_reload(server);
     }
     return 0;

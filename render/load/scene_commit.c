@@ -455,7 +455,7 @@ static void place_meshes(commit *c)
         scene->n_meshes++;
     }
     for (int i = 0; geometry && i < geometry->n_meshes; i++)
-        scene->has_frames = scene->has_frames || geometry->motions[i].span > 0;
+        scene->file.has_frames = scene->file.has_frames || geometry->motions[i].span > 0;
     scene->embree = geometry ? geometry->embree : NULL;
     scene->offset = geometry ? geometry->offset : 0.0f;
 }
@@ -637,6 +637,8 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
                      const lf_roots *roots, const lf_scene *previous, lf_scene *scene)
 {
     commit c = {reader, root, desc, roots, previous, scene};
+    scene->file.frame = desc->frame;
+    scene->file.rate = desc->rate;
     scene->camera = desc->camera;
     scene->film = desc->film;
     scene->backdrop = desc->backdrop;

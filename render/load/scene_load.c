@@ -2,6 +2,7 @@
 #include <stdint.h>
 
 #include "base/alloc.h"
+#include "base/frame_name.h"
 #include "render/load/keyframes.h"
 #include "render/load/scene_commit.h"
 #include "render/load/scene_include.h"
@@ -47,6 +48,20 @@ static bool note_included(lf_scene *scene, const lf_includes *includes)
     return done;
 }
 
+/* Whether a volume's file is another one in every frame. */
+static bool has_sequences(const json_t *doc)
+{
+    const char *name;
+    json_t *volume;
+    json_object_foreach(json_object_get(doc, "volumes"), name, volume)
+    {
+        const char *file = json_string_value(json_object_get(volume, "file"));
+        if (file && lf_frame_name_varies(file))
+            return true;
+    }
+    return false;
+}
+
 /* source.text may be NULL; it is what doc was parsed from, for the lines in errors. */
 static lf_status build(const lf_json_source *source, const char *folder, const lf_roots *roots,
                        const lf_scene *previous, lf_scene **out_scene, lf_error *err)
@@ -67,9 +82,10 @@ static lf_status build(const lf_json_source *source, const char *folder, const l
         reader.status = lf_error_set(err, LF_E_NOMEM, source->where, "out of memory");
     lf_node root = {NULL, NULL, 0, scene ? scene->json : NULL};
     if (reader.status == LF_OK)
-        scene->file.still = lf_keyframes_still(&reader, &root, -1, &scene->has_frames);
+        scene->file.still = lf_keyframes_still(&reader, &root, -1, &scene->file.has_frames);
     if (reader.status == LF_OK) {
         root.value = scene->file.still;
+        scene->file.has_frames = scene->file.has_frames || has_sequences(root.value);
         lf_scene_parse(&reader, &root, &desc);
     }
     if (reader.status == LF_OK)

@@ -517,8 +517,8 @@ void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
     lf_read_string(reader, root, "comment", NULL, 65536);
     lf_read_string(reader, root, "$schema", NULL, 4096);
     out->frame = lf_read_int(reader, root, "frame", 1, 0, LF_MAX_FRAME);
-    out->seconds =
-        (out->frame - 1) / lf_read_number(reader, root, "rate", LF_FRAME_RATE, 0.01, 1000);
+    out->rate = lf_read_number(reader, root, "rate", LF_FRAME_RATE, 0.01, 1000);
+    out->seconds = (out->frame - 1) / out->rate;
     parse_camera(reader, root, &out->camera);
     parse_film(reader, root, &out->film);
     parse_backdrop(reader, root, &out->backdrop);

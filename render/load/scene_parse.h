@@ -56,6 +56,7 @@ typedef struct lf_light_desc {
 
 typedef struct lf_scene_desc {
     int frame;
+    double rate;    /* frames a second */
     double seconds; /* of animations in that frame: 0 in frame 1 */
     lf_camera camera;
     lf_film_settings film;

@@ -84,6 +84,21 @@ const lf_film_settings *lf_scene_film_settings(const lf_scene *scene)
     return &scene->film;
 }
 
+int lf_scene_frame(const lf_scene *scene)
+{
+    return scene->file.frame;
+}
+
+double lf_scene_rate(const lf_scene *scene)
+{
+    return scene->file.rate;
+}
+
+bool lf_scene_has_frames(const lf_scene *scene)
+{
+    return scene->file.has_frames;
+}
+
 const char *lf_scene_warning(const lf_scene *scene, int index)
 {
     return lf_warnings_at(&scene->warnings, index);

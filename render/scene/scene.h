@@ -274,6 +274,9 @@ typedef struct lf_scene_file {
     json_t *included; /* names of files that were merged into it (scene_include.h) */
     /* the scene's json as it is in its frame: without keys (keyframes.h) */
     json_t *still;
+    int frame;
+    double rate;     /* frames a second */
+    bool has_frames; /* they differ */
 } lf_scene_file;
 
 struct lf_scene {

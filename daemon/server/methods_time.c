@@ -1,0 +1,55 @@
+/* Which frame of the scene is shown, and playing them. */
+#include "daemon/server/methods.h"
+
+/* Whether there is something to move; else the call fails. */
+static bool check_moves(lf_call *call)
+{
+    const lf_content *content = call->server->content;
+    lf_error err;
+    if (content && content->scene && lf_scene_has_frames(content->scene))
+        return true;
+    (void)lf_error_set(&err, LF_E_STATE, content ? content->file : call->method,
+                       content && content->scene
+                           ? "nothing in the scene is another from frame to frame"
+                           : "no scene is shown that could move");
+    lf_fail(call, &err, false);
+    return false;
+}
+
+void lf_method_time_set(lf_call *call)
+{
+    lf_server_stop_playing(call->server);
+    int frame = (int)json_number_value(json_object_get(call->params, "frame"));
+    lf_method_queue(call, lf_server_frame_load(frame));
+}
+
+void lf_method_time_play(lf_call *call)
+{
+    const json_t *rate = json_object_get(call->params, "rate"),
+                 *from = json_object_get(call->params, "from"),
+                 *loop = json_object_get(call->params, "loop");
+    lf_error err;
+    if (!check_moves(call))
+        return;
+    const lf_scene *scene = call->server->content->scene;
+    lf_play_range range = {
+        .rate = rate ? json_number_value(rate) : lf_scene_rate(scene),
+        .from = from ? (int)json_number_value(from) : lf_scene_frame(scene),
+        .to = (int)json_number_value(json_object_get(call->params, "to")),
+        .once = json_is_false(loop),
+    };
+    if (range.from > range.to) {
+        (void)lf_error_set_at(&err, LF_E_ARG, call->method, 0, "/to",
+                              "from %d to %d ends before it begins", range.from, range.to);
+        lf_fail(call, &err, false);
+        return;
+    }
+    lf_server_begin_playing(call->server, &range);
+    lf_reply(call, lf_server_time_json(call->server));
+}
+
+void lf_method_time_stop(lf_call *call)
+{
+    lf_server_stop_playing(call->server);
+    lf_reply(call, lf_server_time_json(call->server));
+}
