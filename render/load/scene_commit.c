@@ -526,14 +526,14 @@ static void set_flags(lf_scene *scene)
     bool used[LF_MAX_MATERIALS] = {false};
     for (int i = 0; i < scene->n_meshes; i++) {
         mark_used(&scene->meshes[i], used);
-        scene->has_textures |= !!scene->meshes[i].colours;
-        scene->has_hidden |= scene->meshes[i].hidden;
+        scene->looks.varied |= !!scene->meshes[i].colours;
+        scene->looks.hidden |= scene->meshes[i].hidden;
     }
     for (int m = 0; m < scene->n_materials; m++) {
         const lf_material *material = &scene->materials[m];
         scene->has_delta |= used[m] && material->has_delta;
-        scene->has_textures |= used[m] && !!material->textures;
-        scene->has_veils |= used[m] && material->cover != LF_COVER_OPAQUE;
+        scene->looks.varied |= used[m] && !!material->textures;
+        scene->looks.veiled |= used[m] && material->cover != LF_COVER_OPAQUE;
         scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
         scene->has_view_lobes |= used[m] && material->kind->view_dependent;
     }

@@ -11,7 +11,7 @@
 static const lf_fan_face *face_of(const lf_visit *visit, int segment)
 {
     lf_scratch *w = visit->worker;
-    lf_fan_face *face = &w->face[segment % LF_FAN_FACES];
+    lf_fan_face *face = &w->met.face[segment % LF_FAN_FACES];
     if (face->segment != segment) {
         face->segment = segment;
         lf_section_face(&w->section, visit->triangles, visit->scene, segment, &face->face);
@@ -30,7 +30,7 @@ static void hit_of(const lf_visit *visit, int k, const lf_fan_face *face, lf_vec
     *out_along = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f);
     lf_vec3 p = lf_madd(lf_rig_point(visit->rig, w->x0[k], visit->plane.ly, 0.0f), z, *out_along);
     lf_face_hit(&face->face, p, *out_along, out);
-    if (visit->scene->has_textures && lf_is_varied(out->mesh, out->material))
+    if (visit->scene->looks.varied && lf_is_varied(out->mesh, out->material))
         lf_hit_vary(out, lf_rig_spread(visit->rig) * z);
 }
 
@@ -39,7 +39,7 @@ static bool meets_back(const lf_visit *visit, int k)
 {
     const lf_scratch *w = visit->worker;
     lf_face face;
-    lf_section_face(&w->section, visit->triangles, visit->scene, w->segment[k], &face);
+    lf_section_face(&w->section, visit->triangles, visit->scene, w->met.segment[k], &face);
     return lf_dot(face.n, lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f)) > 0.0f;
 }
 
@@ -51,7 +51,7 @@ static lf_vec3 emission_of(const lf_visit *visit, int k, const lf_material *mate
         return lf_v3(0.0f, 0.0f, 0.0f);
     if (!material->textures || !(lf_max3(material->emission) > 0.0f))
         return material->emission;
-    hit_of(visit, k, face_of(visit, visit->worker->segment[k]), &along, &hit);
+    hit_of(visit, k, face_of(visit, visit->worker->met.segment[k]), &along, &hit);
     return lf_hit_material(&hit)->emission;
 }
 
@@ -96,7 +96,7 @@ static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k
         return 0.0f;
     lf_hit hit;
     lf_vec3 along;
-    const lf_fan_face *face = face_of(visit, visit->worker->segment[k]);
+    const lf_fan_face *face = face_of(visit, visit->worker->met.segment[k]);
     hit_of(visit, k, face, &along, &hit);
     return lf_sunlight_reflected(plan->order.sunlight, &face->sunlight, &hit,
                                  lf_scale(along, -1.0f / visit->worker->length[k]));
@@ -242,9 +242,9 @@ static void veil(const lf_visit *visit, float xw, float lx, int from, int to)
     lf_scratch *w = visit->worker;
     const lf_veils veils = lf_visit_veils(visit);
     for (int k = from; k < to; k++)
-        w->mirrored[k] = false;
+        w->veil.mirrored[k] = false;
     lf_veils_along(&veils, meeting(visit->rig, xw, lx), to - from, w->x0 + from, w->z_end + from,
-                   w->factor + from, w->mirrored + from);
+                   w->factor + from, w->veil.mirrored + from);
 }
 
 /* Correction weights of the fan's rays [from, to). Where media are thin 1 - T is what is wanted: a
@@ -297,12 +297,12 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
     bool constant = sky_of_row(plan, visit, &sky);
     bool corrected =
         lf_correction_needed(&w->media) && !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
-    bool veiled = plan->scene->has_veils, weighed = corrected || veiled;
+    bool veiled = plan->scene->looks.veiled, weighed = corrected || veiled;
     w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
     for (int k = 0; k < LF_MAX_LANES; k++)
-        w->segment[k] = -1; /* and so it stays without meshes */
-    for (int i = 0; i < LF_FAN_FACES && (plan->order.sunlight || plan->scene->has_textures); i++)
-        w->face[i].segment = -1;
+        w->met.segment[k] = -1; /* and so it stays without meshes */
+    for (int i = 0; i < LF_FAN_FACES && (plan->order.sunlight || plan->scene->looks.varied); i++)
+        w->met.face[i].segment = -1;
     for (int column = 0; column < rig->width; column++) {
         float xw = rig->x0 + ((float)column + lf_exits_film_point(key, column, index)) * rig->dx,
               lx = 0.0f;
@@ -316,7 +316,7 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
         lanes_of(&w->reach, rig->n_views, column, &from, &to);
         if (visit->triangles && from < to)
             lf_section_nearest(&w->section, rig, meeting(rig, xw, lx), to - from, w->x0 + from,
-                               w->z_end + from, w->segment + from);
+                               w->z_end + from, w->met.segment + from);
         if (w->media.n_here > 0 && from < to)
             march(plan, w, from, to, visit->sums.feature);
         for (int k = from; k < to && weighed; k++)
@@ -329,16 +329,16 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
             shine(visit, from, to,
                   lf_sampler_radical(lf_hash64(lf_hash64(key, 16), (uint64_t)column), index));
         for (int k = 0; k < rig->n_views; k++) {
-            bool met = k >= from && k < to && w->segment[k] >= 0;
+            bool met = k >= from && k < to && w->met.segment[k] >= 0;
             const lf_material *m =
-                met ? &plan->scene->materials[lf_section_material(&w->section, w->segment[k])]
+                met ? &plan->scene->materials[lf_section_material(&w->section, w->met.segment[k])]
                     : NULL;
             size_t pixel = (size_t)k * (size_t)rig->width + (size_t)column;
             write_known(visit, pixel, k, m, w->tau[k] * w->length[k],
                         weighed && k >= from && k < to ? w->factor[k] : 1.0f,
                         constant ? &sky : NULL);
             if (veiled && w->mirrors && k >= from && k < to)
-                w->mirrors[pixel] |= w->mirrored[k];
+                w->mirrors[pixel] |= w->veil.mirrored[k];
             if (visit->sums.feature)
                 write_feature(plan, visit, pixel, k, m && m->has_lobe);
         }

@@ -58,7 +58,7 @@ static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
     const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
     lf_section_hide(&w->section, visit->triangles, visit->rig, pivot->event.p, on,
                     lanes_of(visit->rig), w->x0, w->scale);
-    if (visit->scene->has_veils) {
+    if (visit->scene->looks.veiled) {
         const lf_veils veils = lf_visit_veils(visit);
         lf_veils_before(&veils, pivot->event.p, on, lanes_of(visit->rig), w->x0, w->scale);
     }

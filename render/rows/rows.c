@@ -34,7 +34,7 @@ static void free_workers(lf_scratch **workers, int n)
             lf_media_finish(&workers[i]->shine.flames);
             lf_film_sums_finish(&workers[i]->sums);
             lf_section_finish(&workers[i]->section);
-            lf_section_finish(&workers[i]->veils);
+            lf_section_finish(&workers[i]->veil.section);
             lf_free(workers[i]->expected);
             lf_free(workers[i]->mirrors);
         }
@@ -61,8 +61,8 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
             lf_media_init(&workers[i]->shine.flames, &rows->flames) != LF_OK ||
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
             lf_section_init(&workers[i]->section, rows->triangles.longest) != LF_OK ||
-            lf_section_init(&workers[i]->veils,
-                            rows->seen.has_veils ? rows->triangles.longest : 0) != LF_OK) {
+            lf_section_init(&workers[i]->veil.section,
+                            rows->seen.looks.veiled ? rows->triangles.longest : 0) != LF_OK) {
             free_workers(workers, n);
             return NULL;
         }
@@ -75,7 +75,7 @@ static lf_film_layout film_layout(const lf_scene *scene, const lf_render_setting
                                   const lf_rig *rig, float sky[3])
 {
     bool native =
-        scene->has_delta || scene->glows.n > 0 || (scene->has_veils && scene->has_emission);
+        scene->has_delta || scene->glows.n > 0 || (scene->looks.veiled && scene->has_emission);
     bool uniform = !native && settings->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_uniform(scene, sky),
          grids = false;
     for (int i = 0; i < scene->n_volumes; i++)

@@ -203,7 +203,7 @@ static void add_native(lf_visit *visit, int view, int column, const lf_pivot *pi
     lf_shading shading;
     if (!visit->sums.native)
         return;
-    if (visit->scene->has_veils)
+    if (visit->scene->looks.veiled)
         add_glow_of_veil(visit, view, column, pivot);
     lf_shade(&pivot->event.hit, lf_scale(pivot->event.w, -1.0f), &shading);
     if (visit->pilot && shading.n_deltas > 0)
@@ -310,17 +310,17 @@ static void cut_glows(lf_visit *visit)
 static void cut_meshes(const lf_visit_plan *plan, const lf_visit *visit)
 {
     lf_scratch *w = visit->worker;
-    bool veils = plan->scene->has_veils;
+    bool veils = plan->scene->looks.veiled;
     lf_section_cut(&w->section, plan->triangles, plan->scene, plan->rig, visit->row, &visit->plane,
                    veils ? LF_CUT_OPAQUE : LF_CUT_ALL);
     if (veils)
-        lf_section_cut(&w->veils, plan->triangles, plan->scene, plan->rig, visit->row,
+        lf_section_cut(&w->veil.section, plan->triangles, plan->scene, plan->rig, visit->row,
                        &visit->plane, LF_CUT_VEILS);
 }
 
 lf_veils lf_visit_veils(const lf_visit *visit)
 {
-    return (lf_veils){&visit->worker->veils, visit->triangles, visit->scene, visit->rig,
+    return (lf_veils){&visit->worker->veil.section, visit->triangles, visit->scene, visit->rig,
                       &visit->plane};
 }
 

@@ -48,6 +48,18 @@ typedef struct lf_fan_face {
     lf_sunlight_face sunlight;
 } lf_fan_face;
 
+/* What the fan's rays meet. */
+typedef struct lf_fan_met {
+    int segment[LF_MAX_LANES]; /* of the section, -1: no surface */
+    lf_fan_face face[LF_FAN_FACES];
+} lf_fan_met;
+
+/* Veils of a row's plane. */
+typedef struct lf_veil_memory {
+    lf_section section;
+    bool mirrored[LF_MAX_LANES]; /* whether one before ray k has a delta lobe */
+} lf_veil_memory;
+
 /* One worker's memory. */
 typedef struct lf_scratch {
     lf_tracer tracer;
@@ -56,7 +68,7 @@ typedef struct lf_scratch {
     lf_film_sums sums;     /* of the visit under way */
     lf_reach reach;        /* of its row's plane */
     lf_section section;    /* the meshes in it, but for veils */
-    lf_section veils;      /* ... and those */
+    lf_veil_memory veil;   /* ... and those */
     lf_glow_row glows;     /* the lights in its media */
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
@@ -68,9 +80,7 @@ typedef struct lf_scratch {
     float strategy[LF_MAX_LANES]; /* count times density: what the pivot is drawn with */
     float factor[LF_MAX_LANES];   /* correction weights (correction.h) */
     float length[LF_MAX_LANES];   /* of the fan's rays, per unit of Z */
-    int segment[LF_MAX_LANES];    /* what they meet: of the section, -1: no surface */
-    bool mirrored[LF_MAX_LANES];  /* by a veil before it */
-    lf_fan_face face[LF_FAN_FACES];
+    lf_fan_met met;
     lf_media_moments moments; /* of the fan's collisions, where features are wanted */
     int column[LF_MAX_LANES];
     /* directions to the views in the frame of a surface's shading normal (z) */

@@ -279,6 +279,13 @@ typedef struct lf_scene_file {
     bool has_frames; /* they differ */
 } lf_scene_file;
 
+/* What some of its surfaces are, and most scenes lack. */
+typedef struct lf_looks {
+    bool varied; /* something varies along a mesh */
+    bool veiled; /* some surface may not be there whole */
+    bool hidden; /* some mesh is hidden from the camera */
+} lf_looks;
+
 struct lf_scene {
     atomic_int refs;
     json_t *json;
@@ -308,11 +315,9 @@ struct lf_scene {
     lf_warnings warnings; /* of its parts and of the whole */
 
     /* What integrators are specialised by. */
-    bool has_delta;    /* some material has a delta lobe */
+    bool has_delta; /* some material has a delta lobe */
+    lf_looks looks;
     bool has_emission; /* some material emits */
-    bool has_textures; /* something varies along a mesh */
-    bool has_veils;    /* some surface may not be there whole */
-    bool has_hidden;   /* some mesh is hidden from the camera */
     /* faces of lamps share their place with others: next event counts the one that a ray meets */
     bool has_overlaps;
     bool has_view_lobes; /* some lobe depends on the view: g != 0, conductor, plastic */

@@ -169,8 +169,8 @@ static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_
         if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
             return false;
         find_hit(scene, &rh, o, w, hit);
-    } while (scene->has_veils && !is_there(tracer, hit, &rh.ray, t_max));
-    if (scene->has_textures && lf_is_varied(hit->mesh, hit->material))
+    } while (scene->looks.veiled && !is_there(tracer, hit, &rh.ray, t_max));
+    if (scene->looks.varied && lf_is_varied(hit->mesh, hit->material))
         lf_hit_vary(hit, averaged_at(tracer, hit->t));
     return true;
 }
@@ -219,14 +219,14 @@ bool lf_trace_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit 
 
 float lf_trace_passed(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
 {
-    if (tracer->scene->has_veils)
+    if (tracer->scene->looks.veiled)
         return passed_by(tracer, o, w, t_max, false);
     return lf_trace_occluded(tracer, o, w, t_max) ? 0.0f : 1.0f;
 }
 
 float lf_trace_passed_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
 {
-    if (tracer->scene->has_veils || tracer->scene->has_hidden)
+    if (tracer->scene->looks.veiled || tracer->scene->looks.hidden)
         return passed_by(tracer, o, w, t_max, true);
     return lf_trace_occluded(tracer, o, w, t_max) ? 0.0f : 1.0f;
 }

@@ -55,8 +55,8 @@ static void clothe(lf_scene *scene, int number, lf_cover cover, const lf_texture
     m->cover = cover;
     m->alpha = 1.0f;
     m->cutoff = 0.5f;
-    scene->has_textures = true;
-    scene->has_veils = cover != LF_COVER_OPAQUE;
+    scene->looks.varied = true;
+    scene->looks.veiled = cover != LF_COVER_OPAQUE;
 }
 
 static void undress(lf_scene *scene)
@@ -261,7 +261,7 @@ static void sheets_let_through_the_product_of_what_they_lack(void **state)
             scene->materials[m].alpha = m == 0 ? 0.5f : 0.25f;
             lf_material_prepare(&scene->materials[m]);
         }
-        scene->has_veils = true;
+        scene->looks.veiled = true;
         lf_renderer *r = lf_test_renderer(scene, integrators[i], 16, 12, NULL);
         lf_test_cycles(r, 2);
         double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS);
