@@ -67,6 +67,9 @@ void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, 
     if (visit->worker->glows.n > 0 && suffix->found_pdf > 0.0f && next.kind == LF_EVENT_SURFACE)
         suffix->found_light = lf_light_of_hit(visit->scene, &next.hit);
     suffix->scattered = lf_path_arriving(tracer, &next, 2, visit->max_depth);
+    lf_vec3 left = lf_path_absorbed(visit->scene, &next);
+    suffix->found = lf_mul(suffix->found, left);
+    suffix->scattered = lf_mul(suffix->scattered, left);
 }
 
 void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out)
@@ -175,6 +178,7 @@ static void follow_delta(lf_visit *visit, int view, int column, const lf_pivot *
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
     float weight =
         visit->weight * native_weight(visit, pixel) * lf_visit_correction(visit, view, pivot);
+    radiance = lf_mul(radiance, lf_path_absorbed(visit->scene, &next));
     radiance = lf_scale(lf_mul(radiance, lobe->f), weight / probability);
     lf_visit_add_native(visit, pixel, radiance);
 }

@@ -284,6 +284,7 @@ typedef struct lf_looks {
     bool varied; /* something varies along a mesh */
     bool veiled; /* some surface may not be there whole */
     bool hidden; /* some mesh is hidden from the camera */
+    bool filled; /* some glass absorbs */
 } lf_looks;
 
 struct lf_scene {

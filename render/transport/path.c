@@ -25,6 +25,16 @@ void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *
     }
 }
 
+lf_vec3 lf_path_absorbed(const lf_scene *scene, const lf_event *event)
+{
+    const lf_hit *hit = &event->hit;
+    if (!scene->looks.filled || event->kind != LF_EVENT_SURFACE || hit->front ||
+        !hit->material->is_solid || !(hit->material->transmission > 0.0f))
+        return lf_v3(1.0f, 1.0f, 1.0f);
+    lf_vec3 sigma = hit->material->absorption;
+    return lf_v3(expf(-sigma.x * hit->t), expf(-sigma.y * hit->t), expf(-sigma.z * hit->t));
+}
+
 /* Lobes lie about the shading normal; where that leans, some of their directions lead through the
  * surface. */
 static bool leads_through(const lf_hit *hit, lf_vec3 wi)
@@ -275,6 +285,8 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
             break;
         lf_event *next = here == &events[0] ? &events[1] : &events[0];
         lf_path_next(tracer, here, wi, next);
+        if (tracer->scene->looks.filled)
+            beta = lf_mul(beta, lf_path_absorbed(tracer->scene, next));
         float light_pdf;
         lf_vec3 found = lf_path_light_found(tracer->scene, here, next, &light_pdf);
         float weight = delta || light_pdf <= 0.0f ? 1.0f : pdf / (pdf + light_pdf);

@@ -28,6 +28,10 @@ typedef struct lf_event {
 /* The next event of a path that leaves `from` (a vertex) along the unit vector w. */
 void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out);
 
+/* What solid glass leaves of light along the segment that ends at the event: Beer's law where that
+ * comes to the inner side of a surface. 1 in scenes whose glass is clear. */
+lf_vec3 lf_path_absorbed(const lf_scene *scene, const lf_event *event);
+
 /* Non-delta scattering at a vertex towards wi: returns the pdf of sampling it, *f gets albedo x
  * phase or f |cos|; 0 where wi leads through the surface, which a lobe about a shading normal may.
  * wo is the unit direction back to where the path came from. */

@@ -15,6 +15,13 @@ static const json_t *resolve(const json_t *schema, const json_t *part)
                : part;
 }
 
+/* What a number may be where it has no keys: those have the other form. */
+static const json_t *plain(const json_t *schema, const json_t *part)
+{
+    const json_t *any = json_object_get(part, "anyOf");
+    return any ? resolve(schema, json_array_get(any, 0)) : part;
+}
+
 static void same_number(const char *name, const json_t *a, const json_t *b, const char *key)
 {
     if (json_number_value(json_object_get(a, key)) != json_number_value(json_object_get(b, key)))
@@ -37,11 +44,12 @@ static void the_schema_of_scenes_says_of_the_camera_what_its_table_says(void **s
     json_object_foreach(table, name, said)
     {
         const json_t *property = resolve(schema, json_object_get(properties, name));
-        const json_t *items = resolve(schema, json_object_get(property, "items"));
+        const json_t *value_of = plain(schema, property);
+        const json_t *items = resolve(schema, json_object_get(value_of, "items"));
         if (!property)
             fail_msg("the schema has no \"%s\"", name);
-        same_number(name, property, said, "minimum");
-        same_number(name, property, said, "maximum");
+        same_number(name, value_of, said, "minimum");
+        same_number(name, value_of, said, "maximum");
         if (items) {
             same_number(name, items, json_object_get(said, "items"), "minimum");
             same_number(name, items, json_object_get(said, "items"), "maximum");

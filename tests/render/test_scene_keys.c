@@ -119,6 +119,8 @@ static bool agrees_in_default(const json_t *property, const lf_param *key)
     const json_t *value = member(property, "default");
     if (key->type == LF_PARAM_NUMBER || key->type == LF_PARAM_ANGLE)
         return json_is_number(value) && json_number_value(value) == key->initial;
+    if (key->type == LF_PARAM_WORD)
+        return !value || strcmp(json_string_value(value), key->words[(size_t)key->initial]) == 0;
     if (key->type == LF_PARAM_SWITCH)
         return json_is_boolean(value) && json_is_true(value) == (key->initial != 0.0);
     if (key->type == LF_PARAM_COLOUR && json_is_number(value))

@@ -98,6 +98,29 @@ static void both_delta_lobes_of_a_surface_are_followed(void **state)
     }
 }
 
+/* Straight through a cube of glass, two units thick, under an even sky of 1: all that goes to and
+ * fro between its faces, f reflected at each and exp(-1) left by each way. */
+static void glass_absorbs_by_beers_law(void **state)
+{
+    (void)state;
+    enum { N = 40000 };
+    const double f = 0.04, e = exp(-1.0), round = 1.0 - f * f * e * e;
+    const double want = (1 - f) * (1 - f) * e / round + f + (1 - f) * (1 - f) * f * e * e / round;
+    lf_scene *scene = lf_test_scene(
+        "{ 'meshes': { 'cube': { 'shape': 'cube', 'material': 'glass' } }, 'materials': { 'glass': "
+        "{ 'type': 'principled', 'roughness': 0, 'albedo': 1, 'transmission': 1, 'absorption': "
+        "0.5 } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
+    lf_tracer tracer = {.scene = scene, .rng = 7};
+    lf_event event = {.kind = LF_EVENT_SURFACE, .w = lf_v3(0.0f, -1.0f, 0.0f)};
+    assert_true(lf_trace_surface(&tracer, lf_v3(0.2f, 4.0f, 0.3f), event.w, INFINITY, &event.hit));
+    event.p = event.hit.p;
+    lf_moments m = {0};
+    for (int i = 0; i < N; i++)
+        lf_moments_add(&m, (double)lf_path_scattered(&tracer, &event, 1, 64).y);
+    lf_assert_close(m.mean, want, 0, 5.0 * lf_moments_error(&m));
+    lf_scene_unref(scene);
+}
+
 static void mirror_directions_never_lead_through_the_surface(void **state)
 {
     (void)state;
@@ -118,6 +141,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_hit_says_from_which_side_and_where_on_its_triangle),
         cmocka_unit_test(both_delta_lobes_of_a_surface_are_followed),
+        cmocka_unit_test(glass_absorbs_by_beers_law),
         cmocka_unit_test(mirror_directions_never_lead_through_the_surface),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
