@@ -99,6 +99,7 @@ static void take_coat_and_sheen(const json_t *json, lf_said *said)
     said->coat_roughness = lf_gltf_number(coat, "clearcoatRoughnessFactor", 0);
     take_colour(sheen, "sheenColorFactor", &said->sheen);
     said->sheen_roughness = lf_gltf_number(sheen, "sheenRoughnessFactor", 0);
+    lose(said, LF_LOST_SHEEN, lf_max3(said->sheen) > 0); /* no surface has such a layer */
 }
 
 static float absorbed(float colour, float distance)
