@@ -4,12 +4,14 @@
         [--lights LIGHT,...] [--build build] [--out build/bench/gltf] [--size 120x160] [--spp 64] [--samples-per-pixel 256]
 
 The samples (Khronos' glTF-Sample-Models, in folders of their names, or NAME.glb) are looked for under the folders; what is not there
-is told and skipped. Blender reads the files by its own importer. Both look through one camera, before black, at three versions of a
+is told and skipped. Blender reads the files by its own importer. Both look through one camera, before black, at four versions of a
 file, so that mistakes can be told from differences of the models:
 
     matte  every material diffuse (specularFactor 0, no metal), Cycles' Diffuse BSDF: colours, their textures, normals, alpha, what
            glows, geometry; must agree
-    metal  every material a white metal of roughness 0.5, Cycles' GGX of many reflections; must agree
+    metal  every material a white metal of roughness 0.5, Cycles' GGX, of many reflections under the sky; must agree there, and but
+           for what single reflections lack under the sun
+    burley ours as matte, Cycles' Principled BSDF of roughness 1 without highlights: what its diffuse share has more than Lambert's
     whole  as the file is, Cycles' Principled BSDF: differs by what the models are (docs/samples.md)
 
 One line each: the share of the picture that the thing covers, both means there, Cycles' over ours - 1, and the rms of 8x8 blocks,
@@ -36,7 +38,7 @@ SAMPLES = ("AlphaBlendModeTest", "AnimatedCube", "Avocado", "BoomBox", "BoxTextu
            "CesiumMilkTruck", "ClearCoatTest", "Corset", "DamagedHelmet", "Duck", "MetalRoughSpheres", "MultiUVTest",
            "NormalTangentMirrorTest", "NormalTangentTest", "OrientationTest", "SheenChair", "TextureCoordinateTest",
            "TextureSettingsTest", "TextureTransformTest", "TransmissionTest", "TwoSidedPlane", "VertexColorTest", "WaterBottle")
-MODES = ("matte", "metal", "whole")
+MODES = ("matte", "metal", "burley", "whole")
 LIGHTS = ("sky", "sun")
 KEPT = ("KHR_materials_unlit", "KHR_materials_emissive_strength")
 SUN = (-0.5, -1, -0.7)
@@ -85,7 +87,7 @@ def simple(material, mode):
     kept = {key: value for key, value in material.get("extensions", {}).items() if key in KEPT}
     pbr.pop("metallicRoughnessTexture", None)
     material.pop("occlusionTexture", None)
-    if mode == "matte":
+    if mode != "metal":
         pbr["metallicFactor"] = 0
         kept["KHR_materials_specular"] = {"specularFactor": 0}
     else:
@@ -107,6 +109,9 @@ def prepare(path, mode, out):
     for name in os.listdir(os.path.dirname(path)) if rest is None else []:
         os.symlink(os.path.join(os.path.abspath(os.path.dirname(path)), name), os.path.join(folder, name))
     found = os.path.join(folder, "sample." + ("gltf" if rest is None else "glb"))
+    if mode == "metal":
+        for one in (one for mesh in gltf["meshes"] for one in mesh["primitives"]):
+            one["attributes"].pop("COLOR_0", None)
     if mode != "whole":
         gltf["materials"] = [simple(material, mode) for material in gltf.get("materials", [])]
         used = set(gltf.get("extensionsUsed", [])) | {"KHR_materials_specular"}
@@ -206,12 +211,32 @@ def same_input(tree, source, target):
         target.default_value = source.default_value
 
 
-def replace(tree, node, mode):
+def fair_textures(tree):
+    """Cycles interpolates codes of sRGB and makes light of them afterwards, which darkens every edge in a picture; the nearest
+    texel has no such error, and all texels of a pixel have one mean. Where alpha does not count, colours are as they are."""
+    for node in tree.nodes:
+        if node.type == "TEX_IMAGE" and node.image:
+            node.interpolation = "Closest"
+            node.image.alpha_mode = "CHANNEL_PACKED"
+
+
+def mask(material, tree, node):
+    """Cycles knows no cut-off: the importer leaves it to Eevee."""
+    alpha = node.inputs["Alpha"]
+    if material.blend_method == "CLIP" and alpha.is_linked:
+        cut = tree.nodes.new("ShaderNodeMath")
+        cut.operation = "GREATER_THAN"
+        tree.links.new(alpha.links[0].from_socket, cut.inputs[0])
+        cut.inputs[1].default_value = material.alpha_threshold
+        tree.links.new(cut.outputs[0], alpha)
+
+
+def replace(tree, node, mode, kind):
     """Instead of the Principled BSDF a Diffuse or a Glossy one, and what glows and is not there beside it."""
     metal = mode == "metal"
     base = tree.nodes.new("ShaderNodeBsdfGlossy" if metal else "ShaderNodeBsdfDiffuse")
     if metal:
-        base.distribution = "MULTI_GGX"
+        base.distribution = "MULTI_GGX" if kind == "sky" else "GGX"
         base.inputs["Color"].default_value = (1, 1, 1, 1)
     else:
         same_input(tree, node.inputs["Base Color"], base.inputs["Color"])
@@ -231,6 +256,20 @@ def replace(tree, node, mode):
     tree.nodes.remove(node)
 
 
+def translate(material, mode, kind):
+    tree = material.node_tree
+    fair_textures(tree)
+    for node in [node for node in tree.nodes if node.type == "BSDF_PRINCIPLED"]:
+        mask(material, tree, node)
+        node.distribution = "MULTI_GGX"
+        if mode == "burley":
+            for link in list(node.inputs["Roughness"].links):
+                tree.links.remove(link)
+            node.inputs["Specular"].default_value, node.inputs["Roughness"].default_value = 0, 1
+        elif mode != "whole":
+            replace(tree, node, mode, kind)
+
+
 def load(path, mode, kind, options):
     """The file in Blender, lit; its camera."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -240,9 +279,8 @@ def load(path, mode, kind, options):
         if one.type in ("CAMERA", "LIGHT") or one.name.startswith("Icosphere"):
             bpy.data.objects.remove(one)
     for material in bpy.data.materials:
-        for node in list(material.node_tree.nodes) if mode != "whole" and material.use_nodes else []:
-            if node.type == "BSDF_PRINCIPLED":
-                replace(material.node_tree, node, mode)
+        if material.use_nodes:
+            translate(material, mode, kind)
     bpy.context.scene.frame_set(0)
     camera = camera_for(options)
     aim(camera)
