@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/spawn.h"
 #include "base/thread.h"
 
 #define LOOK_MS 50 /* between looks at whether all readers are to end */
@@ -65,39 +65,14 @@ static lf_status find_reader(lf_import_kind kind, char path[PATH_MAX], lf_error 
 /* The reader has the socket, and no other descriptor of ours. */
 static int spawn(const char *path, int socket, pid_t *out_pid)
 {
-    char *const words[] = {(char *)(uintptr_t) "quiltimport", NULL};
+    const char *const words[] = {"quiltimport", NULL};
+    const int fds[LF_IMPORT_SOCKET + 1] = {-1, -1, -1, socket};
     char *bare[2] = {NULL, NULL}; /* of the environment what finds libraries */
     char libraries[PATH_MAX];
     const char *where = secure_getenv("LD_LIBRARY_PATH");
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t how;
-    sigset_t none, all;
     if (where && snprintf(libraries, sizeof libraries, "LD_LIBRARY_PATH=%s", where) < PATH_MAX)
         bare[0] = libraries;
-    sigemptyset(&none);
-    sigfillset(&all);
-    if (posix_spawn_file_actions_init(&actions) != 0)
-        return ENOMEM;
-    if (posix_spawnattr_init(&how) != 0) {
-        posix_spawn_file_actions_destroy(&actions);
-        return ENOMEM;
-    }
-    int failed = posix_spawn_file_actions_adddup2(&actions, socket, LF_IMPORT_SOCKET);
-    for (int i = 0; i < LF_IMPORT_SOCKET && !failed; i++)
-        failed = posix_spawn_file_actions_addopen(&actions, i, "/dev/null", O_RDWR, 0);
-    if (!failed)
-        failed = posix_spawn_file_actions_addclosefrom_np(&actions, LF_IMPORT_SOCKET + 1);
-    if (!failed)
-        failed = posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
-                                                    POSIX_SPAWN_SETPGROUP);
-    if (!failed)
-        failed =
-            posix_spawnattr_setsigmask(&how, &none) || posix_spawnattr_setsigdefault(&how, &all);
-    if (!failed)
-        failed = posix_spawn(out_pid, path, &actions, &how, words, bare);
-    posix_spawnattr_destroy(&how);
-    posix_spawn_file_actions_destroy(&actions);
-    return failed;
+    return lf_spawn(path, fds, LF_IMPORT_SOCKET + 1, words, bare, out_pid);
 }
 
 static lf_status begin_child(child *reader, lf_import_kind kind, lf_error *err)

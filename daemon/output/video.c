@@ -5,7 +5,6 @@
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -15,6 +14,7 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/spawn.h"
 #include "daemon/output/output_internal.h"
 
 #define PROGRAM "ffmpeg"
@@ -94,38 +94,8 @@ static int raised(int fd)
 
 static int spawn(lf_video *video, int input, int file, const char *const words[])
 {
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t how;
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    if (posix_spawn_file_actions_init(&actions) != 0)
-        return ENOMEM;
-    if (posix_spawnattr_init(&how) != 0) {
-        posix_spawn_file_actions_destroy(&actions);
-        return ENOMEM;
-    }
-    int failed = posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
-    if (!failed)
-        failed = posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_RDWR, 0);
-    if (!failed)
-        failed = posix_spawn_file_actions_adddup2(&actions, video->said, STDERR_FILENO);
-    if (!failed)
-        failed = posix_spawn_file_actions_adddup2(&actions, file, FILE_FD);
-    if (!failed)
-        failed = posix_spawn_file_actions_addclosefrom_np(&actions, FILE_FD + 1);
-    if (!failed)
-        failed = posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
-                                                    POSIX_SPAWN_SETPGROUP);
-    if (!failed)
-        failed =
-            posix_spawnattr_setsigmask(&how, &none) || posix_spawnattr_setsigdefault(&how, &all);
-    if (!failed)
-        failed = posix_spawnp(&video->pid, PROGRAM, &actions, &how, (char *const *)(uintptr_t)words,
-                              environ);
-    posix_spawnattr_destroy(&how);
-    posix_spawn_file_actions_destroy(&actions);
-    return failed;
+    const int fds[FILE_FD + 1] = {input, -1, video->said, file};
+    return lf_spawn(PROGRAM, fds, FILE_FD + 1, words, environ, &video->pid);
 }
 
 /* Codes are sRGB's and players take them as BT.709's, whose matrix is then the one to use. */
@@ -255,15 +225,20 @@ static lf_status await_end(lf_video *video, int *out_ending, lf_error *err)
     return LF_OK;
 }
 
-/* It reads no more. */
-static lf_status explain(lf_video *video, lf_error *err)
+/* No more frames: what came of it. */
+static lf_status close_pipe(lf_video *video, lf_error *err)
 {
     int ending = 0;
     close(video->pipe);
     video->pipe = -1;
     lf_status status = await_end(video, &ending, err);
-    if (status == LF_OK)
-        status = judge(video, ending, err);
+    return status == LF_OK ? judge(video, ending, err) : status;
+}
+
+/* It reads no more. */
+static lf_status explain(lf_video *video, lf_error *err)
+{
+    lf_status status = close_pipe(video, err);
     return status != LF_OK ? status
                            : lf_error_set(err, LF_E_IO, PROGRAM, "ended before the last frame");
 }
@@ -329,12 +304,7 @@ lf_status lf_video_add(lf_video *video, const lf_output_request *request,
 
 lf_status lf_video_finish(lf_video *video, lf_error *err)
 {
-    int ending = 0;
-    close(video->pipe);
-    video->pipe = -1;
-    lf_status status = await_end(video, &ending, err);
-    if (status == LF_OK)
-        status = judge(video, ending, err);
+    lf_status status = close_pipe(video, err);
     if (status == LF_OK)
         status = lf_outfile_commit(&video->file, true, err);
     return status;

@@ -53,7 +53,7 @@ typedef struct lf_film_sums {
     lf_film_half half;   /* N, W, W' are sums, q the value of this visit */
     float (*known)[3];   /* B, the value of this visit; NULL where it is not stored */
     lf_feature *feature; /* of this visit; NULL where the film has none */
-    float (*native)[3];  /* M, a sum; NULL without delta lobes and lights in media */
+    float (*native)[3];  /* M, a sum; NULL without delta lobes, lights in media, veils that glow */
     size_t zeroed_bytes;
     unsigned char *data;
 } lf_film_sums;

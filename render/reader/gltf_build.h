@@ -18,7 +18,7 @@ typedef struct lf_gltf_build {
     uint32_t plain, plain_white; /* in place of none; the other where vertices have colours */
     int64_t n_vertices, n_triangles, n_beside;
     bool has_normals, has_colours; /* some that is shown has */
-    uint32_t *same;                /* of lf_mesh_smooth, where desc wants that; lf_free */
+    uint32_t *same; /* lf_mesh_complete_twins, where desc wants smooth ones; lf_free */
 } lf_gltf_build;
 
 /* Which material a primitive gets. */

@@ -148,12 +148,8 @@ static void warn(const reading *r)
 static lf_status complete(reading *r, lf_error *err)
 {
     lf_mesh_data *data = r->build.data;
-    lf_mesh_desc desc = *r->build.desc;
-    if (r->build.same) {
-        lf_mesh_smooth(data, r->build.same);
-        desc.normals = LF_NORMALS_FILE;
-    }
-    lf_status status = lf_mesh_complete(data, &desc, r->build.n_triangles, err);
+    lf_status status =
+        lf_mesh_complete_twins(data, r->build.desc, r->build.n_triangles, r->build.same, err);
     return status == LF_OK ? lf_mesh_tangents(data, err) : status;
 }
 

@@ -81,7 +81,7 @@ void lf_mesh_put_triangle(lf_mesh_data *data, const lf_mesh_place *place, const 
 
 /* Normals of vertices: the mean of their faces', weighted by the faces' angles there (Thuermer and
  * Wuethrich 1998). Assimp's own are those of one face where a file's faces share their vertices. */
-void lf_mesh_smooth(lf_mesh_data *data, const uint32_t *same)
+static void smooth(lf_mesh_data *data, const uint32_t *twins)
 {
     for (size_t c = 0; c < 3 * (size_t)data->n_triangles; c++) {
         const uint32_t *t = data->triangles + c - c % 3;
@@ -94,7 +94,7 @@ void lf_mesh_smooth(lf_mesh_data *data, const uint32_t *same)
         lf_cross_double(a, b, w);
         double length = lf_length_double(w),
                weight = length > 0 ? atan2(length, lf_dot_double(a, b)) / length : 0;
-        size_t vertex = same ? same[t[c % 3]] : t[c % 3];
+        size_t vertex = twins ? twins[t[c % 3]] : t[c % 3];
         for (size_t i = 0; i < 3; i++)
             data->normals[3 * vertex + i] += (float)(weight * w[i]);
     }
@@ -103,8 +103,8 @@ void lf_mesh_smooth(lf_mesh_data *data, const uint32_t *same)
         for (int i = 0; i < 3; i++)
             n[i] = length > 1e-6f ? n[i] / length : 0.0f;
     }
-    for (size_t v = 0; same && v < (size_t)data->n_vertices; v++)
-        memmove(data->normals + 3 * v, data->normals + 3 * (size_t)same[v], 3 * sizeof(float));
+    for (size_t v = 0; twins && v < (size_t)data->n_vertices; v++)
+        memmove(data->normals + 3 * v, data->normals + 3 * (size_t)twins[v], 3 * sizeof(float));
 }
 
 /* Gives vertices without a usable normal that of a face at them, and takes NaN out of positions
@@ -153,7 +153,7 @@ lf_status lf_mesh_complete_twins(lf_mesh_data *data, const lf_mesh_desc *desc, i
                         "%d of %lld triangles are left out: a vertex is not finite, or beyond %g",
                         data->n_broken, (long long)n_triangles, LF_MAX_COORDINATE);
     if (desc->normals == LF_NORMALS_SMOOTH)
-        lf_mesh_smooth(data, twins);
+        smooth(data, twins);
     repair(data);
     return LF_OK;
 }

@@ -25,9 +25,6 @@ void lf_mesh_put_vertex(lf_mesh_data *data, const lf_mesh_place *place, const do
  * meet it. */
 void lf_mesh_put_triangle(lf_mesh_data *data, const lf_mesh_place *place, const uint32_t corners[3],
                           unsigned material);
-/* Smooth normals of all vertices: the mean of the faces around them. same: the number of the first
- * vertex that is the same one, [n_vertices]; NULL: none is. */
-void lf_mesh_smooth(lf_mesh_data *data, const uint32_t *same);
 /* same[i] of n vertices from `first` on: the first of them that has its position. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_find_same(const lf_mesh_data *data, size_t first, size_t n,
                                          uint32_t *same, lf_error *err);

@@ -321,7 +321,7 @@ struct lf_scene {
     bool has_emission; /* some material emits */
     /* faces of lamps share their place with others: next event counts the one that a ray meets */
     bool has_overlaps;
-    bool has_view_lobes; /* some lobe depends on the view: g != 0, conductor, plastic */
+    bool has_view_lobes; /* some lobe depends on the view: g != 0, all surfaces but diffuse */
 };
 #define LF_DEFAULT_MAX_DEPTH 1024
 

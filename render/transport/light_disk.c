@@ -5,10 +5,7 @@ enum { POSITION, DIRECTION, RADIUS, RADIANCE, POWER, VISIBLE };
 
 static const lf_param keys[] = {
     [POSITION] = {.name = "position", .type = LF_PARAM_POINT, LF_COORDINATES},
-    [DIRECTION] = {.name = "direction",
-                   .type = LF_PARAM_DIRECTION,
-                   LF_COORDINATES,
-                   .point = {0, -1, 0}},
+    [DIRECTION] = LF_DOWNWARDS_KEY,
     [RADIUS] = LF_LENGTH_KEY("radius"),
     [RADIANCE] = LF_RADIANCE_KEY,
     [POWER] = LF_POWER_KEY,

@@ -40,10 +40,7 @@ enum { POSITION, DIRECTION, WIDTH, HEIGHT, ROTATE, RADIANCE, POWER, VISIBLE };
 
 static const lf_param keys[] = {
     [POSITION] = {.name = "position", .type = LF_PARAM_POINT, LF_COORDINATES},
-    [DIRECTION] = {.name = "direction",
-                   .type = LF_PARAM_DIRECTION,
-                   LF_COORDINATES,
-                   .point = {0, -1, 0}},
+    [DIRECTION] = LF_DOWNWARDS_KEY,
     [WIDTH] = LF_LENGTH_KEY("width"),
     [HEIGHT] = LF_LENGTH_KEY("height"),
     [ROTATE] = {.name = "rotate", .type = LF_PARAM_ANGLE, .low = -3600, .high = 3600},

@@ -40,10 +40,7 @@ enum { POSITION, DIRECTION, INTENSITY, ANGLE, BLEND };
 
 static const lf_param keys[] = {
     [POSITION] = {.name = "position", .type = LF_PARAM_POINT, LF_COORDINATES},
-    [DIRECTION] = {.name = "direction",
-                   .type = LF_PARAM_DIRECTION,
-                   LF_COORDINATES,
-                   .point = {0, -1, 0}},
+    [DIRECTION] = LF_DOWNWARDS_KEY,
     [INTENSITY] = {.name = "intensity",
                    .type = LF_PARAM_COLOUR,
                    .high = LF_MAX_RADIANCE,

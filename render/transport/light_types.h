@@ -11,6 +11,12 @@
         .name = "visible", .type = LF_PARAM_SWITCH, .initial = 1                                   \
     }
 
+/* Where a light shines: down, where nothing is said. */
+#define LF_DOWNWARDS_KEY                                                                           \
+    {                                                                                              \
+        .name = "direction", .type = LF_PARAM_DIRECTION, LF_COORDINATES, .point = { 0, -1, 0 }     \
+    }
+
 /* Lights that are faces. */
 
 /* What they may say of a length and of how much they shine: their radiance or their power. */
