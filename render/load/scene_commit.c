@@ -559,7 +559,9 @@ static bool is_unlit(const lf_scene *scene)
 
 static bool is_named(const char *grid, const char *name, size_t length)
 {
-    size_t n = grid ? strlen(grid) : SIZE_MAX;
+    if (!grid)
+        return false;
+    size_t n = strlen(grid);
     bool first = n + 3 == length && strncmp(name + n, "[0]", 3) == 0;
     return (n == length || first) && strncmp(grid, name, n) == 0;
 }

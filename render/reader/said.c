@@ -146,8 +146,7 @@ static bool convert_textures(const lf_said *said, size_t n, const bool *used, lf
 
 static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_TEXTURES] = "textures are not read, the colours beside them alone count",
-    [LF_LOST_MAPS] = "textures of other things than colour, glow, normals and coverage are not "
-                     "read",
+    [LF_LOST_MAPS] = "textures of anything but colour, glow, normals, coverage are not read",
     [LF_LOST_MAP_OPTIONS] = "options of its textures are left out, but for their place and size",
     [LF_LOST_GLOW] = "the texture of what glows is not read, so nothing of it does",
     [LF_LOST_TRANSPARENCY] = "transparency is left out: opaque",

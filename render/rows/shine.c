@@ -55,7 +55,7 @@ static void advance(walk *w, float z, float *depth)
 {
     const lf_shine *shine = w->shine;
     const lf_rays *rays = shine->rays;
-    float z_end[LF_MAX_LANES];
+    float z_end[LF_MAX_LANES] = {0.0f};
     lf_rays part = *rays;
     part.z_from = w->z;
     part.z_end = z_end;
@@ -168,8 +168,9 @@ static void grid(const lf_shine *shine, const lf_medium *flame, float u, lf_trac
     const lf_rays *rays = shine->rays;
     const lf_volume *volume = &rays->scene->flames.field[flame->volume];
     const range r = range_of(flame, volume, rays->rig);
-    walk w = {.shine = shine, .tracer = tracer, .behind = behind};
-    float value[LF_MAX_LANES];
+    walk w = {.shine = shine, .tracer = tracer};
+    float value[LF_MAX_LANES] = {0.0f};
+    w.behind = behind;
     for (int k = 0; k < rays->n; k++)
         w.factor[k] = 1.0f;
     for (int i = 0;; i++) {

@@ -107,7 +107,8 @@ static void segment_along(const lf_veils *veils, int segment, const line_fan *f)
     const int i = segment % WIDE;
     const float d0 = leaf->d0[i], d1 = leaf->d1[i], s0 = leaf->s0[i] - f->s0,
                 s1 = leaf->s1[i] - f->s0;
-    veil v = {.d0 = NAN};
+    veil v;
+    bool is_loaded = false;
     for (int k = 0; k < f->n; k++) {
         float c = f->c[k], a = s0 - c * d0, b = s1 - c * d1;
         if ((a >= 0.0f) == (b >= 0.0f) || !(f->through[k] > 0.0f))
@@ -115,8 +116,9 @@ static void segment_along(const lf_veils *veils, int segment, const line_fan *f)
         float d = d0 + (d1 - d0) * (a / (a - b)), D = veils->rig->distance;
         if (!(D / (d * D + 1.0f) < f->z_end[k]))
             continue;
-        if (isnan(v.d0))
+        if (!is_loaded)
             v = veil_of(veils, segment);
+        is_loaded = true;
         f->through[k] *= passes(veils, &v.face, c, f->s0 + c * d, d);
         f->mirrors[k] |= v.face.material->has_delta;
     }
@@ -132,7 +134,9 @@ static void leaf_along(const lf_veils *veils, int leaf, const line_fan *f)
 void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, const float *z_end,
                     float *through, bool *mirrors)
 {
-    const line_fan f = {s0, n, c, z_end, through, mirrors};
+    line_fan f = {.s0 = s0, .n = n, .c = c, .z_end = z_end};
+    f.through = through;
+    f.mirrors = mirrors;
     const lf_section *section = veils->section;
     for (int root = 0; root < section->n_roots; root++)
         for (int i = 0; i < WIDE; i++) {
