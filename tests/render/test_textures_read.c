@@ -130,7 +130,7 @@ static void what_is_not_to_be_had_is_told_once_a_material(void **state)
         {"map_Kd x.mtl", "picture \"x.mtl\": not a picture (expected PNG, JPEG or WebP)"},
         {"map_Kd /etc/passwd", "picture \"passwd\": not there, or not to be read"},
         {"map_Kd ../../gone.png", "picture \"gone.png\": not there"},
-        {"map_Ns gone.png", "textures of other things than"}};
+        {"map_Ns gone.png", "textures of anything but colour"}};
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
         char text[256];
         snprintf(text, sizeof text, "Kd 0.25 0 0\n%s", lines[i][0]);
@@ -343,7 +343,7 @@ static void a_bump_map_that_holds_normals_is_one(void **state)
     assert_true(data.textures[0].slot[LF_SLOT_NORMAL].scale == 0.5f && data.tangents);
     lf_mesh_data_finish(&data);
     data = square_of(*state, "map_Bump h.png");
-    assert_told(&data, "textures of other things than");
+    assert_told(&data, "textures of anything but colour");
     assert_true(!data.textures && !data.tangents && data.n_pictures == 0);
     lf_mesh_data_finish(&data);
 }
