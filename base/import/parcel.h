@@ -55,7 +55,7 @@ typedef struct lf_parcel_header {
 
 typedef struct lf_parcel_texture {
     uint32_t picture; /* 1 + its number; 0: none */
-    uint32_t wrap_u, wrap_v, set, nearest;
+    uint32_t wrap_u, wrap_v, set, nearest, finest;
     float map[2][3], scale;
 } lf_parcel_texture;
 
@@ -67,7 +67,7 @@ typedef struct lf_parcel_material {
     float specular, specular_tint[3], coat, coat_roughness, sheen[3], sheen_roughness;
     float transmission, absorption[3];
     uint32_t is_solid;
-    lf_parcel_texture texture[4]; /* a slot each (render/scene/texture.h) */
+    lf_parcel_texture texture[11]; /* a slot each (render/scene/texture.h) */
 } lf_parcel_material;
 
 typedef struct lf_parcel_picture {

@@ -2,20 +2,17 @@
 
 #include "base/alloc.h"
 
-/* What a pyramid is made for: numbers, colours, colours that count by their alpha. */
-enum { NUMBERS, COLOURS, COVERS, VARIANTS };
-
 static lf_status take_pictures(lf_geometry *geometry, lf_mesh_data *data, int n)
 {
     size_t all = 0;
     for (int i = 0; i < n; i++)
         all += (size_t)data[i].n_pictures;
+    size_t most = (size_t)LF_SLOTS * (size_t)geometry->n_materials;
     geometry->pictures = lf_calloc(all, sizeof *geometry->pictures);
-    geometry->pyramids = lf_calloc(VARIANTS * all, sizeof *geometry->pyramids);
+    geometry->pyramids = lf_calloc(most, sizeof *geometry->pyramids);
     geometry->textures = lf_calloc((size_t)geometry->n_materials, sizeof *geometry->textures);
     if (!geometry->pictures || !geometry->pyramids || !geometry->textures)
         return LF_E_NOMEM;
-    geometry->n_pyramids = VARIANTS * (int)all;
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < data[i].n_pictures; j++)
             geometry->pictures[geometry->n_pictures++] = data[i].pictures[j];
@@ -24,18 +21,41 @@ static lf_status take_pictures(lf_geometry *geometry, lf_mesh_data *data, int n)
     return LF_OK;
 }
 
+static lf_texels_use use_of(const lf_material *m, int slot)
+{
+    static const lf_texels_use covers[LF_COVERS] = {[LF_COVER_OPAQUE] = LF_TEXELS_COLOURS,
+                                                    [LF_COVER_MASK] = LF_TEXELS_CUTS,
+                                                    [LF_COVER_BLEND] = LF_TEXELS_COVERS};
+    switch (slot) {
+    case LF_SLOT_BASE:
+        return covers[m->cover];
+    case LF_SLOT_EMISSION:
+    case LF_SLOT_SHEEN:
+    case LF_SLOT_SPECULAR_TINT:
+        return LF_TEXELS_COLOURS;
+    case LF_SLOT_NORMAL:
+        return LF_TEXELS_NORMALS;
+    default:
+        return LF_TEXELS_NUMBERS;
+    }
+}
+
+/* One that another material has already, or a new one. */
 static lf_status give_slot(lf_geometry *geometry, int picture, const lf_material *m, int slot,
                            const lf_pyramid **out)
 {
-    int variant = slot == LF_SLOT_EMISSION      ? COLOURS
-                  : slot != LF_SLOT_BASE        ? NUMBERS
-                  : m->cover == LF_COVER_OPAQUE ? COLOURS
-                                                : COVERS;
-    lf_pyramid *pyramid = &geometry->pyramids[VARIANTS * picture + variant];
+    const lf_texels *texels = &geometry->pictures[picture];
+    lf_texels_use use = use_of(m, slot);
+    float threshold = use == LF_TEXELS_CUTS ? m->cutoff / lf_max(m->alpha, 1e-6f) : 0.0f;
+    for (int i = 0; i < geometry->n_pyramids; i++) {
+        const lf_pyramid *had = &geometry->pyramids[i];
+        *out = had;
+        if (had->base == texels->rgba && had->use == use && had->threshold == threshold)
+            return LF_OK;
+    }
+    lf_pyramid *pyramid = &geometry->pyramids[geometry->n_pyramids++];
     *out = pyramid;
-    return pyramid->n_levels > 0 ? LF_OK
-                                 : lf_pyramid_make(&geometry->pictures[picture], variant != NUMBERS,
-                                                   variant == COVERS, pyramid);
+    return lf_pyramid_make(texels, use, threshold, pyramid);
 }
 
 static lf_status give_textures(lf_geometry *geometry, int material, const lf_texture_set *set,
@@ -49,6 +69,7 @@ static lf_status give_textures(lf_geometry *geometry, int material, const lf_tex
         if (set->slot[slot].picture == 0)
             continue;
         m->textures = own;
+        own->layered = own->layered || slot >= LF_SLOT_COAT;
         status = give_slot(geometry, first_picture + (int)set->slot[slot].picture - 1, m, slot,
                            &own->pyramid[slot]);
     }

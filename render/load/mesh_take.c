@@ -133,7 +133,7 @@ static bool take_texture(const lf_parcel_texture *from, const lf_mesh_data *data
         return true;
     if (from->picture > (uint32_t)data->n_pictures || from->wrap_u >= LF_WRAPS ||
         from->wrap_v >= LF_WRAPS || from->set >= (uint32_t)data->n_uv_sets || from->nearest > 1 ||
-        !within(from->scale, -(double)LF_MAX_UV, (double)LF_MAX_UV))
+        from->finest > 1 || !within(from->scale, -(double)LF_MAX_UV, (double)LF_MAX_UV))
         return false;
     for (int i = 0; i < 6; i++)
         if (!within(from->map[i / 3][i % 3], -(double)LF_MAX_UV, (double)LF_MAX_UV))
@@ -143,6 +143,7 @@ static bool take_texture(const lf_parcel_texture *from, const lf_mesh_data *data
                         .wrap_v = (uint8_t)from->wrap_v,
                         .set = (uint8_t)from->set,
                         .nearest = from->nearest == 1,
+                        .finest = from->finest == 1,
                         .scale = from->scale};
     memcpy(out->map, from->map, sizeof out->map);
     return true;

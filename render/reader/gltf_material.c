@@ -80,18 +80,21 @@ static void reflect(lf_vec3 reflectance, lf_said *said)
     said->specular = most > 0 ? 1.0f : 0.0f;
 }
 
-static void take_specular(const json_t *json, lf_said *said)
+static void take_specular(const lf_gltf *gltf, const json_t *json, lf_said *said)
 {
     const json_t *index = lf_gltf_extension(json, "KHR_materials_ior"),
                  *specular = lf_gltf_extension(json, "KHR_materials_specular");
     said->ior = lf_gltf_number(index, "ior", 1.5f);
     said->specular = lf_gltf_number(specular, "specularFactor", 1);
     take_colour(specular, "specularColorFactor", &said->specular_tint);
+    take_texture(gltf, specular, "specularTexture", LF_SLOT_SPECULAR, LF_LOST_TEXTURES, said);
+    take_texture(gltf, specular, "specularColorTexture", LF_SLOT_SPECULAR_TINT, LF_LOST_TEXTURES,
+                 said);
     if (said->ior == 0) /* the tint is all of the reflectance then */
         reflect(lf_scale(said->specular_tint, said->specular), said);
 }
 
-static void take_coat_and_sheen(const json_t *json, lf_said *said)
+static void take_coat_and_sheen(const lf_gltf *gltf, const json_t *json, lf_said *said)
 {
     const json_t *coat = lf_gltf_extension(json, "KHR_materials_clearcoat"),
                  *sheen = lf_gltf_extension(json, "KHR_materials_sheen");
@@ -99,7 +102,11 @@ static void take_coat_and_sheen(const json_t *json, lf_said *said)
     said->coat_roughness = lf_gltf_number(coat, "clearcoatRoughnessFactor", 0);
     take_colour(sheen, "sheenColorFactor", &said->sheen);
     said->sheen_roughness = lf_gltf_number(sheen, "sheenRoughnessFactor", 0);
-    lose(said, LF_LOST_SHEEN, lf_max3(said->sheen) > 0); /* no surface has such a layer */
+    take_texture(gltf, coat, "clearcoatTexture", LF_SLOT_COAT, LF_LOST_TEXTURES, said);
+    take_texture(gltf, coat, "clearcoatRoughnessTexture", LF_SLOT_COAT_ROUGH, LF_LOST_TEXTURES,
+                 said);
+    take_texture(gltf, sheen, "sheenColorTexture", LF_SLOT_SHEEN, LF_LOST_TEXTURES, said);
+    take_texture(gltf, sheen, "sheenRoughnessTexture", LF_SLOT_SHEEN_ROUGH, LF_LOST_TEXTURES, said);
 }
 
 static float absorbed(float colour, float distance)
@@ -107,13 +114,15 @@ static float absorbed(float colour, float distance)
     return -logf(fminf(fmaxf(colour, 1e-6f), 1.0f)) / distance;
 }
 
-static void take_volume(const json_t *json, float scale, lf_said *said)
+static void take_volume(const lf_gltf *gltf, const json_t *json, float scale, lf_said *said)
 {
     const json_t *through = lf_gltf_extension(json, "KHR_materials_transmission"),
                  *volume = lf_gltf_extension(json, "KHR_materials_volume");
     float distance = lf_gltf_number(volume, "attenuationDistance", 0) * scale;
     lf_vec3 colour = lf_v3(1, 1, 1);
     said->transmission = lf_gltf_number(through, "transmissionFactor", 0);
+    take_texture(gltf, through, "transmissionTexture", LF_SLOT_TRANSMISSION, LF_LOST_TEXTURES,
+                 said);
     said->is_solid = lf_gltf_number(volume, "thicknessFactor", 0) > 0;
     take_colour(volume, "attenuationColor", &colour);
     if (said->is_solid && distance > 0)
@@ -201,11 +210,15 @@ static const known_extension *find_extension(const char *name)
     return NULL;
 }
 
-static bool is_texture(const char *key)
+/* Textures of the extensions that are read, which themselves are not. */
+static bool is_lost_texture(const char *key)
 {
-    static const char ending[] = "Texture";
-    size_t n = strlen(key), end = sizeof ending - 1;
-    return n > end && strcmp(key + n - end, ending) == 0 && strcmp(key, "diffuseTexture") != 0;
+    static const char *const lost[] = {"clearcoatNormalTexture", "thicknessTexture",
+                                       "specularGlossinessTexture"};
+    bool any = false;
+    for (size_t i = 0; i < sizeof lost / sizeof *lost; i++)
+        any = any || strcmp(key, lost[i]) == 0;
+    return any;
 }
 
 static void lose_extensions(const json_t *json, lf_said *said)
@@ -222,7 +235,7 @@ static void lose_extensions(const json_t *json, lf_said *said)
             lose(said, known->lost, lf_gltf_number(extension, known->if_factor, 0) != 0);
         else
             json_object_foreach(extension, key, value)
-                lose(said, LF_LOST_MORE_TEXTURES, is_texture(key));
+                lose(said, LF_LOST_MORE_TEXTURES, is_lost_texture(key));
     }
     lose(said, LF_LOST_OCCLUSION, json_is_object(json_object_get(json, "occlusionTexture")));
 }
@@ -248,13 +261,13 @@ lf_said lf_gltf_said(const lf_gltf *gltf, uint32_t number, float scale)
     said.is_metallic = true;
     said.diffuse = lf_v3(1, 1, 1);
     take_metallic_roughness(gltf, json_object_get(json, "pbrMetallicRoughness"), &said);
-    take_specular(json, &said);
+    take_specular(gltf, json, &said);
     if (old)
         take_glossiness(gltf, old, &said);
     take_emission(gltf, json, &said);
     take_cover(json, &said);
-    take_coat_and_sheen(json, &said);
-    take_volume(json, scale, &said);
+    take_coat_and_sheen(gltf, json, &said);
+    take_volume(gltf, json, scale, &said);
     take_texture(gltf, json, "normalTexture", LF_SLOT_NORMAL, LF_LOST_TEXTURES, &said);
     lose_extensions(json, &said);
     return said;

@@ -9,6 +9,7 @@
 #include "render/reader/gltf_material.h"
 
 #define NEAREST 9728
+#define BILINEAR 9729
 #define CLAMP_TO_EDGE 33071
 #define MIRRORED_REPEAT 33648
 
@@ -70,6 +71,8 @@ lf_texture lf_gltf_texture(const lf_gltf *gltf, const json_t *object, const char
                       .set = (uint8_t)(set < LF_UV_SETS ? set : 0),
                       .nearest = lf_gltf_whole(sampler, "magFilter", 0) == NEAREST,
                       .scale = lf_gltf_number(info, "scale", 1)};
+    uint64_t smaller = lf_gltf_whole(sampler, "minFilter", 0);
+    out.finest = smaller == NEAREST || smaller == BILINEAR;
     take_transform(transform, &out);
     *out_lost = image >= LF_GLTF_NONE || set >= LF_UV_SETS || !is_finite(&out);
     *out_ktx2 = image >= LF_GLTF_NONE && lf_gltf_extension(texture, "KHR_texture_basisu");

@@ -48,6 +48,7 @@ static void put_textures(const lf_texture_set *from, lf_parcel_material *out)
                                               .wrap_v = t->wrap_v,
                                               .set = t->set,
                                               .nearest = t->nearest,
+                                              .finest = t->finest,
                                               .scale = t->scale};
         memcpy(out->texture[i].map, t->map, sizeof t->map);
     }

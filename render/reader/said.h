@@ -16,7 +16,7 @@ typedef enum lf_lost {
     LF_LOST_BRUSHED,
     LF_LOST_UNLIT,
     LF_LOST_KTX2,
-    LF_LOST_MORE_TEXTURES, /* of what has no slot */
+    LF_LOST_MORE_TEXTURES, /* which have no slot */
     LF_LOST_OCCLUSION,
     LF_LOST_IRIDESCENCE,
     LF_LOST_DISPERSION,

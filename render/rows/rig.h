@@ -88,10 +88,11 @@ static inline lf_vec3 lf_rig_direction(const lf_rig *rig, float x, float y, floa
     return lf_madd(lf_madd(lf_scale(rig->right, x), y, rig->up), z, rig->forward);
 }
 
-/* What a pixel sees of a plane across the view, per unit of its depth Z: the same in all views. */
+/* Half of what a pixel sees of a plane across the view, per unit of its depth Z, the same in all
+ * views: what a ray averages of textures. The pixel averages its rays. */
 static inline float lf_rig_spread(const lf_rig *rig)
 {
-    return lf_min(rig->dx, fabsf(rig->dy)) / rig->distance;
+    return 0.5f * lf_min(rig->dx, fabsf(rig->dy)) / rig->distance;
 }
 
 #endif

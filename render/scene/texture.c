@@ -21,12 +21,17 @@ static void fill_light(void)
     lf_srgb_light(light[1]);
 }
 
+static bool is_colour(lf_texels_use use)
+{
+    return use != LF_TEXELS_NUMBERS && use != LF_TEXELS_NORMALS;
+}
+
 static void fetch(const lf_pyramid *p, int level, int x, int y, float out[4])
 {
     size_t i = (size_t)y * (size_t)p->width[level] + (size_t)x;
     if (level == 0) {
         const uint8_t *code = p->base + 4 * i;
-        const float *colour = light[p->display];
+        const float *colour = light[is_colour(p->use)];
         out[0] = colour[code[0]];
         out[1] = colour[code[1]];
         out[2] = colour[code[2]];
@@ -36,6 +41,25 @@ static void fetch(const lf_pyramid *p, int level, int x, int y, float out[4])
     const uint16_t *texel = p->upper + 4 * (p->at[level] + i);
     for (int c = 0; c < 4; c++)
         out[c] = (float)texel[c] * (1.0f / 65535.0f);
+}
+
+/* Length of the normal whose coordinates are 2 c - 1. */
+static float length_of(const float c[4])
+{
+    return lf_length(lf_v3(2.0f * c[0] - 1.0f, 2.0f * c[1] - 1.0f, 2.0f * c[2] - 1.0f));
+}
+
+/* What level 0 means: what the levels above are means of. */
+static void interpret(const lf_pyramid *p, float texel[4])
+{
+    if (p->use == LF_TEXELS_CUTS)
+        texel[3] = (float)(texel[3] >= p->threshold);
+    if (p->use != LF_TEXELS_NORMALS)
+        return;
+    float length = length_of(texel);
+    texel[3] = 0.0f;
+    for (int c = 0; c < 3 && length > 0.0f; c++)
+        texel[c] = 0.5f + (texel[c] - 0.5f) / length;
 }
 
 /* ------------------------------------------------------------------------------------- levels --
@@ -49,7 +73,7 @@ static float overlap(int from, int n, int to, int m)
 }
 
 /* The mean of what a texel of level + 1 covers. */
-static void average(const lf_pyramid *p, int level, int x, int y, bool covers, float out[4])
+static void average(const lf_pyramid *p, int level, int x, int y, float out[4])
 {
     int w = p->width[level], h = p->height[level], w2 = p->width[level + 1],
         h2 = p->height[level + 1];
@@ -60,6 +84,8 @@ static void average(const lf_pyramid *p, int level, int x, int y, bool covers, f
         for (int i = x0; i < x1; i++) {
             float texel[4], weight = overlap(i, w, x, w2) * overlap(j, h, y, h2);
             fetch(p, level, i, j, texel);
+            if (level == 0)
+                interpret(p, texel);
             all += weight;
             alpha += weight * texel[3];
             for (int c = 0; c < 3; c++) {
@@ -68,30 +94,31 @@ static void average(const lf_pyramid *p, int level, int x, int y, bool covers, f
             }
         }
     }
-    bool weighed = covers && alpha > 0.0f;
+    bool weighed = (p->use == LF_TEXELS_COVERS || p->use == LF_TEXELS_CUTS) && alpha > 0.0f;
     for (int c = 0; c < 3; c++)
         out[c] = weighed ? colour[c] / alpha : plain[c] / all;
-    out[3] = alpha / all;
+    out[3] = p->use == LF_TEXELS_NORMALS ? lf_max(1.0f - length_of(out), 0.0f) : alpha / all;
 }
 
-static void fill_level(lf_pyramid *p, int level, bool covers)
+static void fill_level(lf_pyramid *p, int level)
 {
     uint16_t *texel = p->upper + 4 * p->at[level];
     for (int y = 0; y < p->height[level]; y++) {
         for (int x = 0; x < p->width[level]; x++, texel += 4) {
             float mean[4];
-            average(p, level - 1, x, y, covers, mean);
+            average(p, level - 1, x, y, mean);
             for (int c = 0; c < 4; c++)
                 texel[c] = (uint16_t)lf_min(mean[c] * 65535.0f + 0.5f, 65535.0f);
         }
     }
 }
 
-lf_status lf_pyramid_make(const lf_texels *texels, bool display, bool covers, lf_pyramid *out)
+lf_status lf_pyramid_make(const lf_texels *texels, lf_texels_use use, float threshold,
+                          lf_pyramid *out)
 {
     size_t n = 0;
     pthread_once(&once, fill_light);
-    *out = (lf_pyramid){.base = texels->rgba, .display = display, .n_levels = 1};
+    *out = (lf_pyramid){.base = texels->rgba, .use = use, .threshold = threshold, .n_levels = 1};
     out->width[0] = texels->width;
     out->height[0] = texels->height;
     for (int l = 1; out->width[l - 1] > 1 || out->height[l - 1] > 1; l++) {
@@ -105,7 +132,7 @@ lf_status lf_pyramid_make(const lf_texels *texels, bool display, bool covers, lf
     if (!out->upper)
         return LF_E_NOMEM;
     for (int l = 1; l < out->n_levels; l++)
-        fill_level(out, l, covers);
+        fill_level(out, l);
     return LF_OK;
 }
 
@@ -163,20 +190,38 @@ static void nearest(const lf_pyramid *p, float u, float v, float out[4])
           (int)lf_min(v * (float)h, (float)(h - 1)), out);
 }
 
+/* Level 0 as surfaces see it; normals are left as long as they are between texels. */
+static void finest(const lf_texture *t, const lf_pyramid *p, float u, float v, bool sharp,
+                   float out[4])
+{
+    if (sharp)
+        nearest(p, u, v, out);
+    else
+        bilinear(t, p, 0, u, v, out);
+    if (p->use == LF_TEXELS_CUTS)
+        interpret(p, out);
+    else if (p->use == LF_TEXELS_NORMALS)
+        out[3] = 0.0f;
+}
+
 void lf_texture_look_up(const lf_texture *texture, const lf_pyramid *pyramid, float u, float v,
                         float level, float out[4])
 {
     const float(*m)[3] = texture->map;
     float x = wrapped(m[0][0] * u + m[0][1] * v + m[0][2], texture->wrap_u),
           y = wrapped(m[1][0] * u + m[1][1] * v + m[1][2], texture->wrap_v), more[4];
-    if (texture->nearest && level < 0.5f) {
-        nearest(pyramid, x, y, out);
+    bool sharp = texture->nearest && (level < 0.5f || texture->finest);
+    level = lf_min(lf_max(level, 0.0f), (float)(pyramid->n_levels - 1));
+    if (sharp || texture->finest || level == 0.0f) {
+        finest(texture, pyramid, x, y, sharp, out);
         return;
     }
-    level = lf_min(lf_max(level, 0.0f), (float)(pyramid->n_levels - 1));
     int below = (int)level;
     float f = level - (float)below;
-    bilinear(texture, pyramid, below, x, y, out);
+    if (below == 0)
+        finest(texture, pyramid, x, y, false, out);
+    else
+        bilinear(texture, pyramid, below, x, y, out);
     if (!(f > 0.0f))
         return;
     bilinear(texture, pyramid, below + 1, x, y, more);

@@ -27,22 +27,39 @@ typedef struct lf_texture {
     uint8_t wrap_u, wrap_v; /* lf_wrap */
     uint8_t set;            /* of the mesh's coordinates, below LF_UV_SETS */
     bool nearest;           /* magnified without interpolation */
+    bool finest;            /* never averaged: level 0 alone */
     float map[2][3];        /* where the mesh's (u, v, 1) lies in the picture */
     float scale;            /* of a normal map: what its x and y are multiplied by */
 } lf_texture;
 
 /* What a picture says of a surface; each is multiplied by the material's own word. */
 typedef enum lf_slot {
-    LF_SLOT_BASE,        /* rgb: albedo, display encoded; a: coverage */
-    LF_SLOT_METAL_ROUGH, /* g: roughness, b: metallic */
-    LF_SLOT_NORMAL,      /* rgb: 2 c - 1, in the frame of tangent, bitangent, normal */
-    LF_SLOT_EMISSION,    /* rgb, display encoded */
+    LF_SLOT_BASE,          /* rgb: albedo, display encoded; a: coverage */
+    LF_SLOT_METAL_ROUGH,   /* g: roughness, b: metallic */
+    LF_SLOT_NORMAL,        /* rgb: 2 c - 1, in the frame of tangent, bitangent, normal */
+    LF_SLOT_EMISSION,      /* rgb, display encoded */
+    LF_SLOT_COAT,          /* r */
+    LF_SLOT_COAT_ROUGH,    /* g */
+    LF_SLOT_SHEEN,         /* rgb, display encoded */
+    LF_SLOT_SHEEN_ROUGH,   /* a */
+    LF_SLOT_TRANSMISSION,  /* r */
+    LF_SLOT_SPECULAR,      /* a */
+    LF_SLOT_SPECULAR_TINT, /* rgb, display encoded */
     LF_SLOTS
 } lf_slot;
 
 typedef struct lf_texture_set {
     lf_texture slot[LF_SLOTS];
 } lf_texture_set;
+
+/* What a picture is looked up for, which says what its means are of. */
+typedef enum lf_texels_use {
+    LF_TEXELS_NUMBERS,
+    LF_TEXELS_COLOURS, /* display encoded, as in the next two */
+    LF_TEXELS_COVERS,  /* colours count by their alpha */
+    LF_TEXELS_CUTS,    /* they count, whole, where alpha reaches the threshold: alpha is 0 or 1 */
+    LF_TEXELS_NORMALS, /* alpha of what is looked up: 1 - the length of the mean unit normal */
+} lf_texels_use;
 
 /* A picture and its means over ever larger squares: level l has half of the texels of l - 1 along
  * each side, rounded down, each the exact mean of what it covers, in linear light. */
@@ -53,12 +70,13 @@ typedef struct lf_pyramid {
     const uint8_t *base;      /* level 0: the picture's own */
     uint16_t *upper;          /* [..][4] the others, one behind the other; 65535 is 1 */
     size_t at[LF_MAX_LEVELS]; /* where each begins, in texels */
-    bool display;             /* colours of base are display encoded */
+    lf_texels_use use;
+    float threshold; /* LF_TEXELS_CUTS */
 } lf_pyramid;
 
-/* display: as in lf_pyramid; covers: colours count by their alpha. texels must outlive *out.
- * LF_E_NOMEM. Release with lf_pyramid_finish. */
-LF_NODISCARD lf_status lf_pyramid_make(const lf_texels *texels, bool display, bool covers,
+/* threshold: of alpha, 0..1 and beyond (then nothing is there); LF_TEXELS_CUTS alone has one.
+ * texels must outlive *out. LF_E_NOMEM. Release with lf_pyramid_finish. */
+LF_NODISCARD lf_status lf_pyramid_make(const lf_texels *texels, lf_texels_use use, float threshold,
                                        lf_pyramid *out);
 /* Accepts one that is all zero. */
 void lf_pyramid_finish(lf_pyramid *pyramid);
@@ -72,6 +90,7 @@ void lf_texture_look_up(const lf_texture *texture, const lf_pyramid *pyramid, fl
 typedef struct lf_textures {
     lf_texture_set set;
     const lf_pyramid *pyramid[LF_SLOTS]; /* NULL where the slot has none */
+    bool layered;                        /* any of those from LF_SLOT_COAT on */
 } lf_textures;
 
 #endif

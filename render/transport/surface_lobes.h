@@ -26,6 +26,13 @@ static inline lf_vec3 lf_cosine_sample(float u0, float u1)
     return lf_v3(r * cosf(phi), r * sinf(phi), sqrtf(lf_max(1.0f - u0, 0.0f)));
 }
 
+/* Even over the hemisphere: density 1 / 2 pi. */
+static inline lf_vec3 lf_hemisphere_sample(float u0, float u1)
+{
+    float r = sqrtf(lf_max((1.0f - u0) * (1.0f + u0), 0.0f)), phi = 2.0f * LF_PI * u1;
+    return lf_v3(r * cosf(phi), r * sinf(phi), u0);
+}
+
 /* Density of GGX normals (Walter et al. 2007, eq. 33) at the unit vector h, h.z > 0. The sine comes
  * from x and y: 1 - z^2 has no digits left where a small alpha has its peak. */
 static inline float lf_ggx_d(float alpha, lf_vec3 h)

@@ -3,6 +3,7 @@
  * letting through what it does not reflect:
  *
  *   coat        GGX, index 1.5; what is below gets 1 - coat E_coat(cos_o)
+ *   sheen       fibres (surface_sheen.h); what is below gets 1 - max(sheen) E_sheen(cos_o)
  *   metal       the share `metallic`: a conductor of colour albedo (surface_conductor.c)
  *   dielectric  the rest: GGX of index ior times specular, and below it either
  *     diffuse     albedo / pi  loss(cos_o) loss(cos_i) / mean loss
@@ -18,6 +19,7 @@
 
 #include "render/scene/vec_double.h"
 #include "render/transport/surface_lobes.h"
+#include "render/transport/surface_sheen.h"
 
 #define COAT_INDEX 1.5f
 
@@ -26,15 +28,16 @@ typedef struct layers {
     lf_material m; /* loss: of the dielectric */
     float alpha, coat_alpha;
     float specular, metal, below; /* shares of the lobes */
-    bool rough, coated, rough_coat;
+    bool rough, coated, rough_coat, sheened;
 } layers;
 
 /* The shares that one direction wo sees, and the probabilities of drawing by each lobe. */
 typedef struct shares {
-    float under;  /* coats: what the rest gets */
-    float enters; /* loss(cos_o) */
+    float under;   /* the coat: what the rest gets */
+    float beneath; /* the sheen, likewise */
+    float enters;  /* loss(cos_o) */
     float several;
-    float by_coat, by_gloss; /* the rest is diffuse */
+    float by_coat, by_gloss, by_sheen; /* the rest is diffuse */
 } shares;
 
 static layers layers_of(const lf_material *m)
@@ -44,6 +47,7 @@ static layers layers_of(const lf_material *m)
     l.coated = m->coat > 0.0f;
     l.coat_alpha = m->coat_roughness * m->coat_roughness;
     l.rough_coat = l.coated && l.coat_alpha >= LF_ALPHA_MIN;
+    l.sheened = lf_max3(m->sheen) > 0.0f;
     l.metal = m->metallic;
     l.specular = (1.0f - m->metallic) * m->specular;
     l.below = (1.0f - m->metallic) * (1.0f - m->transmission);
@@ -63,6 +67,12 @@ static inline float clear_loss(const lf_material *m, float cosine)
     return lf_loss_by(m->coat_loss, a, lf_coat_transmittance(COAT_INDEX, cosine), cosine);
 }
 
+/* What the fibres reflect, in the channel of which they reflect most. */
+static inline float sheen_share(const lf_material *m, float cosine)
+{
+    return lf_max3(m->sheen) * lf_sheen_albedo(m->sheen_roughness, cosine);
+}
+
 static inline float metal_several(const lf_material *m, float cosine)
 {
     float loss = lf_loss_by(m->metal_loss, LF_LOSS_SCALE * lf_material_alpha(m), 0.0f, cosine);
@@ -80,8 +90,11 @@ static inline shares shares_of(const layers *l, float cos_o)
               l->rough ? (1.0f - l->metal) * (1.0f - s.enters) + l->metal * m->mean_fresnel : 0.0f,
           diffuse = l->below * s.enters * lf_mean3(m->albedo), sum = gloss + diffuse;
     s.by_coat = l->rough_coat ? (sum > 0.0f ? coat / (coat + s.under * sum) : 1.0f) : 0.0f;
-    s.by_gloss =
-        sum > 0.0f ? (1.0f - s.by_coat) * gloss / sum : (1.0f - s.by_coat) * (float)l->rough;
+    float sheen = l->sheened ? sheen_share(m, cos_o) : 0.0f;
+    s.beneath = 1.0f - sheen;
+    s.by_sheen = l->sheened ? (1.0f - s.by_coat) * sheen / (sheen + s.beneath * sum) : 0.0f;
+    float rest = 1.0f - s.by_coat - s.by_sheen;
+    s.by_gloss = sum > 0.0f ? rest * gloss / sum : rest * (float)l->rough;
     return s;
 }
 
@@ -112,12 +125,17 @@ static lf_vec3 base_colour(const layers *l, float cos_i)
 static float eval_local(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
     float cosine = wi.z > LF_MIN_COS ? wi.z * LF_INV_PI : 0.0f,
-          pdf = (1.0f - s->by_coat - s->by_gloss) * cosine;
+          pdf = (1.0f - s->by_coat - s->by_sheen - s->by_gloss) * cosine;
     *f = lf_scale(base_colour(l, wi.z), s->enters);
     if (l->rough) {
         lf_ggx_lobe lobe = lf_ggx_eval(l->alpha, wo, wi);
         *f = lf_madd(*f, lobe.f, gloss_colour(l, s, lobe.cos_oh));
         pdf += s->by_gloss * lobe.pdf;
+    }
+    if (l->sheened) {
+        *f = lf_madd(lf_scale(*f, s->beneath), lf_sheen_eval(l->m.sheen_roughness, wo, wi),
+                     l->m.sheen);
+        pdf += wi.z > LF_MIN_COS ? s->by_sheen * (0.5f * LF_INV_PI) : 0.0f;
     }
     *f = lf_scale(*f, s->under);
     if (l->rough_coat) {
@@ -180,6 +198,8 @@ static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[
         i = lf_ggx_sample(l.coat_alpha, o, u[0], u[1]);
     else if (u[2] < s.by_coat + s.by_gloss)
         i = lf_ggx_sample(l.alpha, o, u[0], u[1]);
+    else if (u[2] < s.by_coat + s.by_gloss + s.by_sheen)
+        i = lf_hemisphere_sample(u[0], u[1]);
     else
         i = lf_cosine_sample(u[0], u[1]);
     *wi = lf_from_frame(t, b, ns, i);
@@ -247,15 +267,16 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
     if (l.coated)
         coat = m->coat * (l.rough_coat ? 1.0f - clear_loss(m, cos_o)
                                        : lf_fresnel_dielectric(cos_o, COAT_INDEX));
+    float beneath = (1.0f - coat) * (l.sheened ? 1.0f - sheen_share(m, cos_o) : 1.0f);
     lf_vec3 mirrored = l.rough_coat ? lf_v3(0.0f, 0.0f, 0.0f) : lf_v3(coat, coat, coat);
     if (!l.rough)
-        mirrored = lf_madd(mirrored, 1.0f - coat,
+        mirrored = lf_madd(mirrored, beneath,
                            lf_madd(mirrored_by_dielectric(m, front, cos_o), m->metallic,
                                    lf_conductor_fresnel(m, cos_o)));
     if (lf_max3(mirrored) > 0.0f)
         out[n++] = (lf_delta){lf_mirror(ng, ns, wo), mirrored};
     if (m->transmission > 0.0f) {
-        out[n].f = lf_scale(transmitted(&l, ng, ns, wo, front, &out[n].wi), 1.0f - coat);
+        out[n].f = lf_scale(transmitted(&l, ng, ns, wo, front, &out[n].wi), beneath);
         n += lf_max3(out[n].f) > 0.0f;
     }
     return n;
@@ -270,7 +291,11 @@ static float metal_rest(float albedo, double loss)
     return (float)(f * (1.0 - loss) / (1.0 - f * loss));
 }
 
-/* Of the layers below the coat. */
+static bool has_texture(const lf_material *m, lf_slot slot)
+{
+    return m->textures && m->textures->pyramid[slot];
+}
+
 static void vary(lf_material *m)
 {
     float metal_mean = 0.0f, mean = 1.0f;
@@ -279,21 +304,22 @@ static void vary(lf_material *m)
         metal_mean = lf_loss_look_up(0.0f, m->roughness, m->metal_loss);
         m->mean_loss = 1.0f - m->specular * (1.0f - mean);
     }
+    if (m->coat > 0.0f && has_texture(m, LF_SLOT_COAT_ROUGH))
+        (void)lf_loss_look_up(COAT_INDEX, m->coat_roughness, m->coat_loss);
     m->rest = lf_v3(metal_rest(m->albedo.x, (double)metal_mean),
                     metal_rest(m->albedo.y, (double)metal_mean),
                     metal_rest(m->albedo.z, (double)metal_mean));
     m->mean_fresnel = lf_mean3(m->albedo) * (20.0f / 21.0f) + 1.0f / 21.0f;
 }
 
-static bool has_texture(const lf_material *m, lf_slot slot)
-{
-    return m->textures && m->textures->pyramid[slot];
-}
-
 static void prepare(lf_material *m)
 {
-    if (has_texture(m, LF_SLOT_METAL_ROUGH))
+    /* what textures change is looked up where it was, and only of what is rough */
+    if (m->textures && (m->textures->layered || has_texture(m, LF_SLOT_METAL_ROUGH) ||
+                        has_texture(m, LF_SLOT_NORMAL)))
         m->roughness = lf_max(m->roughness, LF_LEAST_ROUGHNESS);
+    if (has_texture(m, LF_SLOT_COAT_ROUGH))
+        m->coat_roughness = lf_max(m->coat_roughness, LF_LEAST_ROUGHNESS);
     bool rough = lf_material_alpha(m) >= LF_ALPHA_MIN,
          rough_coat = m->coat_roughness * m->coat_roughness >= LF_ALPHA_MIN;
     memset(m->coat_loss, 0, sizeof m->coat_loss);
@@ -305,9 +331,11 @@ static void prepare(lf_material *m)
     float diffuse = (1.0f - m->metallic) * (1.0f - m->transmission);
     if (has_texture(m, LF_SLOT_METAL_ROUGH))
         diffuse = 1.0f - m->transmission;
+    if (has_texture(m, LF_SLOT_TRANSMISSION))
+        diffuse = 1.0f;
     bool reflects = m->metallic > 0.0f || (m->specular > 0.0f && m->ior > 1.0f);
-    m->has_lobe = (rough && reflects) || (m->coat > 0.0f && rough_coat) ||
-                  (lf_max3(m->albedo) > 0.0f && diffuse > 0.0f);
+    m->has_lobe = (rough && reflects) || lf_max3(m->sheen) > 0.0f ||
+                  (m->coat > 0.0f && rough_coat) || (lf_max3(m->albedo) > 0.0f && diffuse > 0.0f);
     m->has_delta = (!rough && reflects) || (m->coat > 0.0f && !rough_coat) ||
                    (1.0f - m->metallic) * m->transmission > 0.0f;
 }
@@ -321,6 +349,8 @@ enum {
     SPECULAR_TINT,
     COAT,
     COAT_ROUGHNESS,
+    SHEEN,
+    SHEEN_ROUGHNESS,
     TRANSMISSION,
     GLASS,
     ABSORPTION
@@ -340,6 +370,11 @@ static const lf_param keys[] = {
                        .point = {1, 1, 1}},
     [COAT] = {.name = "coat", .type = LF_PARAM_NUMBER, .high = 1},
     [COAT_ROUGHNESS] = {.name = "coat_roughness", .type = LF_PARAM_NUMBER, .high = 1},
+    [SHEEN] = {.name = "sheen", .type = LF_PARAM_COLOUR, .high = 1},
+    [SHEEN_ROUGHNESS] = {.name = "sheen_roughness",
+                         .type = LF_PARAM_NUMBER,
+                         .high = 1,
+                         .initial = 0.5},
     [TRANSMISSION] = {.name = "transmission", .type = LF_PARAM_NUMBER, .high = 1},
     [GLASS] = {.name = "glass", .type = LF_PARAM_WORD, .words = glasses},
     [ABSORPTION] = {.name = "absorption", .type = LF_PARAM_COLOUR, .high = 1e9},
@@ -356,6 +391,8 @@ static void read(const lf_value values[], lf_material *m)
     m->specular_tint = lf_to_vec3(values[SPECULAR_TINT].number);
     m->coat = (float)values[COAT].number[0];
     m->coat_roughness = (float)values[COAT_ROUGHNESS].number[0];
+    m->sheen = lf_to_vec3(values[SHEEN].number);
+    m->sheen_roughness = (float)values[SHEEN_ROUGHNESS].number[0];
     m->transmission = (float)values[TRANSMISSION].number[0];
     m->is_solid = values[GLASS].word == 0;
     m->absorption = lf_to_vec3(values[ABSORPTION].number);

@@ -66,25 +66,32 @@ lf_vec3 lf_hit_emission(const lf_hit *hit, float width)
     return lf_mul(m->emission, lf_v3(texel[0], texel[1], texel[2]));
 }
 
-static float covered(const lf_material *m, float alpha)
-{
-    if (m->cover == LF_COVER_OPAQUE)
-        return 1.0f;
-    return m->cover == LF_COVER_MASK ? (float)(alpha >= m->cutoff) : lf_min(alpha, 1.0f);
-}
-
+/* A picture that is cut off says itself where it is (LF_TEXELS_CUTS), with the material's alpha in
+ * its threshold; what vertices say beside it is cut off by itself. */
 float lf_hit_cover(const lf_hit *hit, float width)
 {
     const lf_material *m = hit->material;
-    float alpha = m->alpha, texel[4], colour[4];
+    float alpha = m->alpha, share = 1.0f, texel[4], colour[4];
     place at = place_of(hit);
+    if (m->cover == LF_COVER_OPAQUE)
+        return 1.0f;
     if (m->textures && look_up(&at, m->textures, LF_SLOT_BASE, width, texel))
-        alpha *= texel[3];
+        share = texel[3];
     if (hit->mesh->colours) {
         interpolate(&at, hit->mesh->colours, 4, colour);
         alpha *= colour[3];
     }
-    return covered(m, alpha);
+    return share * (m->cover == LF_COVER_MASK ? (float)(alpha >= m->cutoff) : lf_min(alpha, 1.0f));
+}
+
+/* Normals that spread about their mean, which has the length r, widen the lobe: alpha^2 grows by
+ * twice the variance of slopes along one direction, (1 - r) / r (Toksvig 2005). */
+static void widen(lf_material *m, float scale, float lost)
+{
+    float alpha2 = m->roughness * m->roughness * m->roughness * m->roughness,
+          spread = scale * scale * lost / lf_max(1.0f - lost, 1e-3f);
+    if (spread > 0.0f)
+        m->roughness = sqrtf(sqrtf(lf_min(alpha2 + 2.0f * spread, 1.0f)));
 }
 
 /* The shading normal as a normal map turns it; of the surface's other side it is the same dent seen
@@ -106,20 +113,49 @@ static void bend(const place *at, const lf_texture *t, const float texel[4], lf_
         hit->ns = bent;
 }
 
+static lf_vec3 tinted(lf_vec3 colour, const float texel[4])
+{
+    return lf_mul(colour, lf_v3(texel[0], texel[1], texel[2]));
+}
+
+/* What a layered surface has beside its base. */
+static void vary_layers(const place *at, const lf_textures *textures, float width, lf_material *m)
+{
+    float texel[4];
+    if (look_up(at, textures, LF_SLOT_COAT, width, texel))
+        m->coat *= texel[0];
+    if (look_up(at, textures, LF_SLOT_COAT_ROUGH, width, texel))
+        m->coat_roughness = lf_max(m->coat_roughness * texel[1], LF_LEAST_ROUGHNESS);
+    if (look_up(at, textures, LF_SLOT_SHEEN, width, texel))
+        m->sheen = tinted(m->sheen, texel);
+    if (look_up(at, textures, LF_SLOT_SHEEN_ROUGH, width, texel))
+        m->sheen_roughness *= texel[3];
+    if (look_up(at, textures, LF_SLOT_TRANSMISSION, width, texel))
+        m->transmission *= texel[0];
+    if (look_up(at, textures, LF_SLOT_SPECULAR, width, texel))
+        m->specular *= texel[3];
+    if (look_up(at, textures, LF_SLOT_SPECULAR_TINT, width, texel))
+        m->specular_tint = tinted(m->specular_tint, texel);
+}
+
 static void vary_by_textures(const place *at, const lf_textures *textures, float width, lf_hit *hit)
 {
     lf_material *m = &hit->own;
     float texel[4];
     if (look_up(at, textures, LF_SLOT_BASE, width, texel))
-        m->albedo = lf_mul(m->albedo, lf_v3(texel[0], texel[1], texel[2]));
+        m->albedo = tinted(m->albedo, texel);
     if (look_up(at, textures, LF_SLOT_METAL_ROUGH, width, texel)) {
         m->roughness = lf_max(m->roughness * texel[1], LF_LEAST_ROUGHNESS);
         m->metallic *= texel[2];
     }
     if (look_up(at, textures, LF_SLOT_EMISSION, width, texel))
-        m->emission = lf_mul(m->emission, lf_v3(texel[0], texel[1], texel[2]));
-    if (at->mesh->tangents && look_up(at, textures, LF_SLOT_NORMAL, width, texel))
+        m->emission = tinted(m->emission, texel);
+    if (textures->layered)
+        vary_layers(at, textures, width, m);
+    if (at->mesh->tangents && look_up(at, textures, LF_SLOT_NORMAL, width, texel)) {
         bend(at, &textures->set.slot[LF_SLOT_NORMAL], texel, hit);
+        widen(m, textures->set.slot[LF_SLOT_NORMAL].scale, texel[3]);
+    }
 }
 
 void lf_hit_vary(lf_hit *hit, float width)

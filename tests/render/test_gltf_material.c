@@ -6,8 +6,9 @@
 
 static const float corner3[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
 
-/* A triangle of a material; more: members of the document, each behind a comma. */
-static lf_mesh_data read_material(const char *material, const char *more)
+/* A triangle of a material, whose first texture is sampled so; more: members of the document, each
+ * behind a comma. */
+static lf_mesh_data read_sampled(const char *material, const char *sampler, const char *more)
 {
     char rest[4096];
     gltf_text text = {0};
@@ -15,11 +16,16 @@ static lf_mesh_data read_material(const char *material, const char *more)
     snprintf(rest, sizeof rest,
              "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],"
              "'textures':[{'source':0,'sampler':0},{'source':1},"
-             "{'extensions':{'KHR_texture_basisu':{'source':0}}}],'samplers':[{'wrapS':33648,"
-             "'wrapT':33071,'magFilter':9728}],'images':[{'uri':'%s'},{'uri':'data:;base64,AAAA'}]"
+             "{'extensions':{'KHR_texture_basisu':{'source':0}}}],'samplers':[{%s}],"
+             "'images':[{'uri':'%s'},{'uri':'data:;base64,AAAA'}]"
              ",'materials':[{%s}]%s," GLTF_ONE_NODE,
-             GLTF_PNG, material, more);
+             sampler, GLTF_PNG, material, more);
     return gltf_read(&text, rest);
+}
+
+static lf_mesh_data read_material(const char *material, const char *more)
+{
+    return read_sampled(material, "'wrapS':33648,'wrapT':33071,'magFilter':9728", more);
 }
 
 static void assert_vec(lf_vec3 v, double x, double y, double z)
@@ -82,9 +88,43 @@ static void extensions_are_words_of_the_material(void **state)
     assert_vec(m->sheen, 0.1, 0.2, 0.3);
     assert_true(m->transmission == 0.9f && m->is_solid);
     assert_vec(m->absorption, 0, log(2) / 2, log(4) / 2);
-    assert_true(gltf_warns(&data, "the sheen is left out"));
-    assert_int_equal(data.warnings.n, 1);
+    assert_int_equal(data.warnings.n, 0);
     lf_mesh_data_finish(&data);
+}
+
+static void layers_have_pictures_of_their_own(void **state)
+{
+    (void)state;
+    lf_mesh_data data = read_material(
+        "'name':'x','extensions':{'KHR_materials_clearcoat':{'clearcoatFactor':0.7,"
+        "'clearcoatTexture':{'index':0,'texCoord':1},'clearcoatRoughnessTexture':{'index':0}},"
+        "'KHR_materials_sheen':{'sheenColorTexture':{'index':0},'sheenRoughnessTexture':{'index':"
+        "0}},'KHR_materials_transmission':{'transmissionTexture':{'index':0}},"
+        "'KHR_materials_specular':{'specularTexture':{'index':0},'specularColorTexture':{'index':"
+        "0}}}",
+        "");
+    const lf_texture_set *set = &data.textures[0];
+    for (int slot = 0; slot < LF_SLOTS; slot++)
+        assert_int_equal(set->slot[slot].picture, slot >= LF_SLOT_COAT);
+    assert_int_equal(set->slot[LF_SLOT_COAT].set, 1);
+    assert_int_equal(data.warnings.n, 0);
+    lf_mesh_data_finish(&data);
+}
+
+/* NEAREST and LINEAR have no smaller copies; the other words, and none, do. */
+static void smaller_copies_are_a_matter_of_the_sampler(void **state)
+{
+    (void)state;
+    static const char *const words[] = {"", ",'minFilter':9728", ",'minFilter':9729",
+                                        ",'minFilter':9984", ",'minFilter':9987"};
+    for (int i = 0; i < 5; i++) {
+        char more[64];
+        snprintf(more, sizeof more, "'magFilter':9729%s", words[i]);
+        lf_mesh_data data = read_sampled(
+            "'name':'x','pbrMetallicRoughness':{'baseColorTexture':{'index':0}}", more, "");
+        assert_int_equal(data.textures[0].slot[LF_SLOT_BASE].finest, i == 1 || i == 2);
+        lf_mesh_data_finish(&data);
+    }
 }
 
 static void absorption_is_per_unit_of_the_scene(void **state)
@@ -237,13 +277,13 @@ static void what_has_no_place_is_told(void **state)
                                         "dispersion is left out",
                                         "diffuse transmission is left out",
                                         "extensions that are not known",
-                                        "textures of coats, sheen"};
+                                        "textures of a coat's normals"};
     lf_mesh_data data = read_material(
         "'name':'m','occlusionTexture':{'index':0},'extensions':{'KHR_materials_iridescence':{"
         "'iridescenceFactor':1},'KHR_materials_anisotropy':{'anisotropyStrength':0.5},"
         "'KHR_materials_dispersion':{'dispersion':0.1},'KHR_materials_diffuse_transmission':{"
         "'diffuseTransmissionFactor':0.1},'KHR_materials_whatever':{},"
-        "'KHR_materials_clearcoat':{'clearcoatFactor':1,'clearcoatTexture':{'index':0}}}",
+        "'KHR_materials_clearcoat':{'clearcoatFactor':1,'clearcoatNormalTexture':{'index':0}}}",
         ",'cameras':[{}],'extensions':{'KHR_lights_punctual':{'lights':[{},{}]}}");
     for (size_t i = 0; i < sizeof words / sizeof *words; i++)
         if (!gltf_warns(&data, words[i]))
@@ -408,6 +448,8 @@ int main(void)
         cmocka_unit_test(factors_are_words_of_the_material),
         cmocka_unit_test(what_is_not_said_is_as_the_specification_has_it),
         cmocka_unit_test(extensions_are_words_of_the_material),
+        cmocka_unit_test(layers_have_pictures_of_their_own),
+        cmocka_unit_test(smaller_copies_are_a_matter_of_the_sampler),
         cmocka_unit_test(absorption_is_per_unit_of_the_scene),
         cmocka_unit_test(a_sheet_absorbs_nothing_inside),
         cmocka_unit_test(an_index_of_zero_leaves_reflectance_to_the_tint),

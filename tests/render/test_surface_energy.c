@@ -7,6 +7,7 @@
 
 #include "render/transport/metal.h"
 #include "render/transport/surface_lobes.h"
+#include "render/transport/surface_sheen.h"
 
 /* ------------------------------------------------------------------------------------ oracle -- */
 
@@ -247,6 +248,60 @@ static void white_layers_are_white_at_every_roughness_and_angle(void **state)
     print_message("worst furnace of layers: off by %.2g\n", worst);
 }
 
+/* Estevez and Kulla's fibres, in double: at 1 and 0 of alpha, and linear in (1 - alpha)^2. */
+static double fibres_lambda(double x, double alpha)
+{
+    const double t = (1.0 - alpha) * (1.0 - alpha), s = 1.0 - t;
+    double a = 21.5473 * s + 25.3245 * t, b = 3.82987 * s + 3.32435 * t,
+           c = 0.19823 * s + 0.16801 * t, d = -1.97760 * s - 1.27393 * t,
+           e = -4.32054 * s - 4.85967 * t;
+    double half = a / (1.0 + b * pow(0.5, c)) + d * 0.5 + e, y = x < 0.5 ? x : 1.0 - x,
+           l = a / (1.0 + b * pow(y, c)) + d * y + e;
+    return exp(x < 0.5 ? l : 2.0 * half - l);
+}
+
+static double fibres_albedo(double rough, double cos_o)
+{
+    enum { N = 400 };
+    double alpha = rough * rough, sin_o = sqrt(1.0 - cos_o * cos_o), sum = 0.0;
+    for (int i = 0; i < N * N; i++) {
+        double cos_i = pow((i / N + 0.5) / N, 2.0), sin_i = sqrt(1.0 - cos_i * cos_i),
+               phi = M_PI * (i % N + 0.5) / N,
+               h[3] = {sin_o + sin_i * cos(phi), sin_i * sin(phi), cos_o + cos_i};
+        double sine2 = (h[0] * h[0] + h[1] * h[1]) / (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+        double d = (2.0 + 1.0 / alpha) * pow(sine2, 0.5 / alpha) / (2.0 * M_PI);
+        double g = 1.0 / (1.0 + fibres_lambda(cos_o, alpha) + fibres_lambda(cos_i, alpha));
+        sum += d * g / (4.0 * cos_o) * 2.0 * sqrt(cos_i);
+    }
+    return sum * 2.0 * M_PI / (N * N);
+}
+
+/* Of fibres over black, and what white beneath them makes of the rest. */
+static void fibres_reflect_what_the_layers_below_lack(void **state)
+{
+    (void)state;
+    const float fibres[] = {0.2f, 0.35f, 0.5f, 0.77f, 1.0f};
+    const double cosine[] = {0.1, 0.3, 0.55, 0.8, 0.98};
+    double worst = 0.0;
+    for (int i = 0; i < 25; i++) {
+        lf_material m = layered(0.0f, 0.6f, 1.5f, 0.0f, 0.0f);
+        m.sheen = lf_v3(1.0f, 0.5f, 0.0f);
+        m.sheen_roughness = fibres[i / 5];
+        lf_material_prepare(&m);
+        double want = fibres_albedo((double)m.sheen_roughness, cosine[i % 5]),
+               all = integral(&m, 1.0, cosine[i % 5], of_eval);
+        lf_assert_close((double)lf_sheen_albedo(m.sheen_roughness, (float)cosine[i % 5]), want, 0,
+                        5e-3);
+        worst = fmax(worst, fabs(all - 1.0));
+        m.albedo = lf_v3(0.0f, 0.0f, 0.0f);
+        m.specular = 0.0f;
+        lf_material_prepare(&m);
+        lf_assert_close(integral(&m, 1.0, cosine[i % 5], of_eval), want, 0, 3e-3);
+    }
+    print_message("worst furnace of fibres over white: off by %.2g\n", worst);
+    assert_true(worst < 5e-3);
+}
+
 static void a_metal_is_a_corner_of_the_layers(void **state)
 {
     (void)state;
@@ -321,6 +376,7 @@ int main(void)
         cmocka_unit_test(rough_metals_keep_their_colour),
         cmocka_unit_test(what_is_not_reflected_at_once_is_known),
         cmocka_unit_test(white_layers_are_white_at_every_roughness_and_angle),
+        cmocka_unit_test(fibres_reflect_what_the_layers_below_lack),
         cmocka_unit_test(a_metal_is_a_corner_of_the_layers),
         cmocka_unit_test(glass_bends_light_by_snell_and_shares_it_by_fresnel),
         cmocka_unit_test(a_pane_reflects_with_both_faces),

@@ -39,6 +39,9 @@ static void clothe(lf_scene *scene, int number, lf_cover cover, const lf_texture
     lf_mesh *mesh = &scene->meshes[number];
     lf_material *m = &scene->materials[mesh->material];
     const lf_texels texels = {SIDE, SIDE, dress.rgba};
+    lf_texels_use use = cover == LF_COVER_OPAQUE ? LF_TEXELS_COLOURS
+                        : cover == LF_COVER_MASK ? LF_TEXELS_CUTS
+                                                 : LF_TEXELS_COVERS;
     paint();
     for (int v = 0; v < mesh->n_vertices; v++) {
         lf_vec3 p = lf_sub(lf_mesh_vertex(mesh, (uint32_t)v), mesh->box.min),
@@ -46,8 +49,7 @@ static void clothe(lf_scene *scene, int number, lf_cover cover, const lf_texture
         dress.uvs[2 * v] = p.x / size.x;
         dress.uvs[2 * v + 1] = size.z > size.y ? p.z / size.z : p.y / size.y;
     }
-    assert_int_equal(lf_pyramid_make(&texels, true, cover != LF_COVER_OPAQUE, &dress.pyramid[0]),
-                     LF_OK);
+    assert_int_equal(lf_pyramid_make(&texels, use, 0.5f, &dress.pyramid[0]), LF_OK);
     dress.textures = (lf_textures){.set.slot[LF_SLOT_BASE] = *texture,
                                    .pyramid[LF_SLOT_BASE] = &dress.pyramid[0]};
     mesh->uvs = dress.uvs;
@@ -92,7 +94,7 @@ static void every_level_has_the_pictures_mean(void **state)
         const lf_texels texels = {sides[i][0], sides[i][1], dress.rgba};
         lf_pyramid p;
         double want[4], got[4];
-        assert_int_equal(lf_pyramid_make(&texels, true, false, &p), LF_OK);
+        assert_int_equal(lf_pyramid_make(&texels, LF_TEXELS_COLOURS, 0, &p), LF_OK);
         mean_of(&p, 0, want);
         for (int level = 1; level < p.n_levels; level++) {
             mean_of(&p, level, got);
@@ -112,7 +114,7 @@ static void means_are_taken_of_light(void **state)
     const lf_texels texels = {2, 1, two};
     lf_pyramid p;
     float out[4];
-    assert_int_equal(lf_pyramid_make(&texels, true, false, &p), LF_OK);
+    assert_int_equal(lf_pyramid_make(&texels, LF_TEXELS_COLOURS, 0, &p), LF_OK);
     lf_texture_look_up(&plain, &p, 0.3f, 0.3f, 5.0f, out);
     lf_assert_close((double)out[0], 0.5, 0, 1e-5);
     lf_pyramid_finish(&p);
@@ -126,11 +128,128 @@ static void colours_count_by_what_is_covered(void **state)
     const lf_texels texels = {2, 1, two};
     lf_pyramid p;
     float out[4];
-    assert_int_equal(lf_pyramid_make(&texels, true, true, &p), LF_OK);
+    assert_int_equal(lf_pyramid_make(&texels, LF_TEXELS_COVERS, 0, &p), LF_OK);
     lf_texture_look_up(&plain, &p, 0.3f, 0.3f, 5.0f, out);
     assert_true(out[0] == 1.0f);
     lf_assert_close((double)out[3], 0.5, 0, 1e-5);
     lf_pyramid_finish(&p);
+}
+
+/* A frame a texel thick is a share of what it is averaged with, not nothing: a mean of 0.25 would
+ * not reach the threshold. Colours are those of what is there. */
+static void cut_outs_are_cut_before_they_are_averaged(void **state)
+{
+    (void)state;
+    uint8_t four[16] = {9, 9, 9, 100, 255, 0, 0, 130, 9, 9, 9, 0, 9, 9, 9, 126};
+    const lf_texels texels = {2, 2, four};
+    lf_pyramid p;
+    float out[4];
+    assert_int_equal(lf_pyramid_make(&texels, LF_TEXELS_CUTS, 0.5f, &p), LF_OK);
+    lf_texture_look_up(&plain, &p, 0.3f, 0.3f, 1.0f, out);
+    lf_assert_close((double)out[3], 0.25, 0, 1e-5);
+    lf_assert_close((double)out[0], 1.0, 0, 1e-5);
+    lf_texture_look_up(&plain, &p, 0.75f, 0.25f, 0.0f, out);
+    assert_true(out[3] == 1.0f);
+    lf_texture_look_up(&plain, &p, 0.75f, 0.75f, 0.0f, out); /* 126 is below */
+    assert_true(out[3] == 0.0f);
+    lf_texture_look_up(&plain, &p, 0.75f, 0.25f, 0.5f, out);
+    lf_assert_close((double)out[3], 0.625, 0, 1e-5);
+    lf_pyramid_finish(&p);
+}
+
+/* Two that lean by 30 degrees either way: their mean has the length cos 30. */
+static void a_mean_of_normals_knows_how_far_they_spread(void **state)
+{
+    (void)state;
+    uint8_t two[8] = {191, 128, 238, 255, 64, 128, 238, 255};
+    const lf_texels texels = {2, 1, two};
+    lf_pyramid p;
+    float out[4];
+    assert_int_equal(lf_pyramid_make(&texels, LF_TEXELS_NORMALS, 0, &p), LF_OK);
+    lf_texture_look_up(&plain, &p, 0.3f, 0.3f, 1.0f, out);
+    lf_assert_close((double)out[3], 1.0 - sqrt(0.75), 0, 3e-3);
+    lf_texture_look_up(&plain, &p, 0.3f, 0.3f, 0.0f, out);
+    assert_true(out[3] == 0.0f);
+    lf_pyramid_finish(&p);
+}
+
+/* Density of GGX normals about n, in double, at h. */
+static double ggx_at(lf_vec3 n, lf_vec3 h, double alpha)
+{
+    double c = (double)lf_dot(n, h), k = c * c * (alpha * alpha - 1.0) + 1.0;
+    return alpha * alpha / (M_PI * k * k);
+}
+
+/* The i-th of n normals whose slopes are Gaussian, by the inverse of their distribution. */
+static lf_vec3 bump(int i, int n, double sigma)
+{
+    double phi = 2.399963 * i, r = sigma * sqrt(-2.0 * log(1.0 - (i + 0.5) / n));
+    return lf_normalize(lf_v3((float)(r * cos(phi)), (float)(r * sin(phi)), 1.0f));
+}
+
+/* What a hit makes of a texture of normals that covers a triangle of `width`. */
+static lf_material seen_from_afar(const uint8_t *rgba, int side, float alpha, float width)
+{
+    static const float vertices[10] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, uvs[6] = {0, 0, 1, 0, 0, 1},
+                       tangents[12] = {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1};
+    static const uint32_t corners[3] = {0, 1, 2};
+    const lf_texels texels = {side, side, (uint8_t *)(uintptr_t)rgba};
+    lf_textures textures = {.set.slot[LF_SLOT_NORMAL] = plain};
+    lf_pyramid p;
+    assert_int_equal(lf_pyramid_make(&texels, LF_TEXELS_NORMALS, 0, &p), LF_OK);
+    textures.pyramid[LF_SLOT_NORMAL] = &p;
+    lf_mesh mesh = {.n_vertices = 3,
+                    .n_triangles = 1,
+                    .vertices = vertices,
+                    .triangles = corners,
+                    .uvs = uvs,
+                    .tangents = tangents};
+    lf_material m = {.kind = &lf_surface_principled,
+                     .albedo = {1, 1, 1},
+                     .roughness = sqrtf(alpha),
+                     .metallic = 1,
+                     .textures = &textures};
+    lf_material_prepare(&m);
+    lf_hit hit = {.mesh = &mesh,
+                  .material = &m,
+                  .u = 0.3f,
+                  .v = 0.3f,
+                  .front = true,
+                  .ng = {0, 0, 1},
+                  .ns = {0, 0, 1}};
+    lf_hit_vary(&hit, width);
+    lf_pyramid_finish(&p);
+    hit.own.textures = NULL;
+    return hit.own;
+}
+
+/* Seen from so far that all of a map's normals are one, the lobe is that of all of them, within an
+ * eighth (a Gaussian is no GGX). By their mean alone its peak is eight times as high. */
+static void normals_far_away_make_a_wider_lobe(void **state)
+{
+    (void)state;
+    enum { N = 64 };
+    static uint8_t bumps[N * N * 4];
+    const double sigma = 0.12, alpha = 0.04;
+    for (int i = 0; i < N * N; i++) {
+        lf_vec3 n = bump(i, N * N, sigma);
+        bumps[4 * i] = (uint8_t)(127.5f * n.x + 128.0f);
+        bumps[4 * i + 1] = (uint8_t)(127.5f * n.y + 128.0f);
+        bumps[4 * i + 2] = (uint8_t)(127.5f * n.z + 128.0f);
+    }
+    lf_material near = seen_from_afar(bumps, N, (float)alpha, 0.0f),
+                far = seen_from_afar(bumps, N, (float)alpha, 8.0f);
+    const lf_vec3 up = lf_v3(0, 0, 1);
+    double wide = (double)(far.roughness * far.roughness);
+    lf_assert_close((double)(near.roughness * near.roughness), alpha, 1e-5, 0);
+    for (int k = 0; k < 3; k++) {
+        lf_vec3 h = lf_normalize(lf_v3(0.06f * (float)k, 0, 1));
+        double all = 0.0;
+        for (int i = 0; i < N * N; i++)
+            all += ggx_at(bump(i, N * N, sigma), h, alpha) / (N * N);
+        lf_assert_close(ggx_at(up, h, wide), all, 0.125, 0);
+    }
+    assert_true(ggx_at(up, up, alpha) > 8.0 * ggx_at(up, up, wide));
 }
 
 static void edges_repeat_mirror_and_stay(void **state)
@@ -141,7 +260,7 @@ static void edges_repeat_mirror_and_stay(void **state)
         four[4 * i] = (uint8_t)(50 * i + 50);
     const lf_texels texels = {4, 1, four};
     lf_pyramid p;
-    assert_int_equal(lf_pyramid_make(&texels, false, false, &p), LF_OK);
+    assert_int_equal(lf_pyramid_make(&texels, LF_TEXELS_NUMBERS, 0, &p), LF_OK);
     /* middles of texels -1 to 8, by number */
     static const int want[LF_WRAPS][10] = {[LF_WRAP_REPEAT] = {3, 0, 1, 2, 3, 0, 1, 2, 3, 0},
                                            [LF_WRAP_MIRROR] = {0, 0, 1, 2, 3, 3, 2, 1, 0, 0},
@@ -365,6 +484,9 @@ int main(void)
         cmocka_unit_test(every_level_has_the_pictures_mean),
         cmocka_unit_test(means_are_taken_of_light),
         cmocka_unit_test(colours_count_by_what_is_covered),
+        cmocka_unit_test(cut_outs_are_cut_before_they_are_averaged),
+        cmocka_unit_test(a_mean_of_normals_knows_how_far_they_spread),
+        cmocka_unit_test(normals_far_away_make_a_wider_lobe),
         cmocka_unit_test(edges_repeat_mirror_and_stay),
         cmocka_unit_test(a_poster_under_an_even_sky_shows_its_picture),
         cmocka_unit_test(sheets_let_through_the_product_of_what_they_lack),
