@@ -12,6 +12,8 @@ file, so that mistakes can be told from differences of the models:
     metal  every material a white metal of roughness 0.5, Cycles' GGX, of many reflections under the sky; must agree there, and but
            for what single reflections lack under the sun
     burley ours as matte, Cycles' Principled BSDF of roughness 1 without highlights: what its diffuse share has more than Lambert's
+    layers ours as the file is, Cycles' Diffuse and Glossy BSDFs mixed by Fresnel's equation and by metallic: the model that ours is,
+           but for highlights' Fresnel, which Cycles takes at the normal; coats, sheen and glass are not in it
     whole  as the file is, Cycles' Principled BSDF: differs by what the models are (docs/samples.md)
 
 One line each: the share of the picture that the thing covers, both means there, Cycles' over ours - 1, and the rms of 8x8 blocks,
@@ -38,7 +40,7 @@ SAMPLES = ("AlphaBlendModeTest", "AnimatedCube", "Avocado", "BoomBox", "BoxTextu
            "CesiumMilkTruck", "ClearCoatTest", "Corset", "DamagedHelmet", "Duck", "MetalRoughSpheres", "MultiUVTest",
            "NormalTangentMirrorTest", "NormalTangentTest", "OrientationTest", "SheenChair", "TextureCoordinateTest",
            "TextureSettingsTest", "TextureTransformTest", "TransmissionTest", "TwoSidedPlane", "VertexColorTest", "WaterBottle")
-MODES = ("matte", "metal", "burley", "whole")
+MODES = ("matte", "metal", "burley", "layers", "whole")
 LIGHTS = ("sky", "sun")
 KEPT = ("KHR_materials_unlit", "KHR_materials_emissive_strength")
 SUN = (-0.5, -1, -0.7)
@@ -112,7 +114,7 @@ def prepare(path, mode, out):
     if mode == "metal":
         for one in (one for mesh in gltf["meshes"] for one in mesh["primitives"]):
             one["attributes"].pop("COLOR_0", None)
-    if mode != "whole":
+    if mode not in ("whole", "layers"):
         gltf["materials"] = [simple(material, mode) for material in gltf.get("materials", [])]
         used = set(gltf.get("extensionsUsed", [])) | {"KHR_materials_specular"}
         gltf["extensionsUsed"] = sorted(used)
@@ -231,17 +233,63 @@ def mask(material, tree, node):
         tree.links.new(cut.outputs[0], alpha)
 
 
-def replace(tree, node, mode, kind):
-    """Instead of the Principled BSDF a Diffuse or a Glossy one, and what glows and is not there beside it."""
-    metal = mode == "metal"
-    base = tree.nodes.new("ShaderNodeBsdfGlossy" if metal else "ShaderNodeBsdfDiffuse")
-    if metal:
-        base.distribution = "MULTI_GGX" if kind == "sky" else "GGX"
-        base.inputs["Color"].default_value = (1, 1, 1, 1)
+def glossy(tree, node, kind):
+    """White, as rough as the node says."""
+    found = tree.nodes.new("ShaderNodeBsdfGlossy")
+    found.distribution = "MULTI_GGX" if kind == "sky" else "GGX"
+    found.inputs["Color"].default_value = (1, 1, 1, 1)
+    same_input(tree, node.inputs["Roughness"], found.inputs["Roughness"])
+    same_input(tree, node.inputs["Normal"], found.inputs["Normal"])
+    return found
+
+
+def matte(tree, node):
+    found = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    found.inputs["Roughness"].default_value = 0
+    same_input(tree, node.inputs["Base Color"], found.inputs["Color"])
+    same_input(tree, node.inputs["Normal"], found.inputs["Normal"])
+    return found
+
+
+def mixed(tree, share, first, second):
+    """share: a socket, or a number."""
+    found = tree.nodes.new("ShaderNodeMixShader")
+    if isinstance(share, float):
+        found.inputs[0].default_value = share
     else:
-        same_input(tree, node.inputs["Base Color"], base.inputs["Color"])
-    base.inputs["Roughness"].default_value = ROUGHNESS if metal else 0
-    same_input(tree, node.inputs["Normal"], base.inputs["Normal"])
+        tree.links.new(share, found.inputs[0])
+    tree.links.new(first.outputs[0], found.inputs[1])
+    tree.links.new(second.outputs[0], found.inputs[2])
+    return found
+
+
+def layers(tree, node, kind):
+    """Metal of the base colour, which is white where light grazes (Schlick), and a dielectric over a matte base."""
+    metal, coat = glossy(tree, node, kind), glossy(tree, node, kind)
+    facing, fifth, tint = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("LayerWeight", "Math", "MixRGB"))
+    fifth.operation = "POWER"
+    fifth.inputs[1].default_value = 5
+    same_input(tree, node.inputs["Normal"], facing.inputs["Normal"])
+    tree.links.new(facing.outputs["Facing"], fifth.inputs[0])
+    tree.links.new(fifth.outputs[0], tint.inputs[0])
+    same_input(tree, node.inputs["Base Color"], tint.inputs[1])
+    tint.inputs[2].default_value = (1, 1, 1, 1)
+    tree.links.new(tint.outputs[0], metal.inputs["Color"])
+    fresnel = tree.nodes.new("ShaderNodeFresnel")
+    fresnel.inputs["IOR"].default_value = 1.5
+    same_input(tree, node.inputs["Normal"], fresnel.inputs["Normal"])
+    plastic = mixed(tree, fresnel.outputs[0], matte(tree, node), coat)
+    metallic = node.inputs["Metallic"]
+    return mixed(tree, metallic.links[0].from_socket if metallic.is_linked else metallic.default_value, plastic, metal)
+
+
+def replace(tree, node, mode, kind):
+    """Instead of the Principled BSDF simpler ones, and what glows and is not there beside them."""
+    if mode == "metal":
+        for link in list(node.inputs["Roughness"].links):
+            tree.links.remove(link)
+        node.inputs["Roughness"].default_value = ROUGHNESS
+    base = layers(tree, node, kind) if mode == "layers" else glossy(tree, node, kind) if mode == "metal" else matte(tree, node)
     glow, both = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeAddShader")
     same_input(tree, node.inputs["Emission"], glow.inputs["Color"])
     same_input(tree, node.inputs["Emission Strength"], glow.inputs["Strength"])

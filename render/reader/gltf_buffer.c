@@ -105,7 +105,8 @@ static void decode_percent(char *name)
 }
 
 /* The file of that name; the name itself where there is none of the decoded one. */
-static lf_status open_file(const lf_gltf *gltf, const char *uri, int *out_fd, lf_error *err)
+static lf_status open_file(const lf_gltf *gltf, const char *uri, bool needed, int *out_fd,
+                           lf_error *err)
 {
     char *folder = lf_path_folder(gltf->path), *name = lf_strdup(uri), *path = NULL;
     lf_status status = LF_E_NOMEM;
@@ -114,11 +115,11 @@ static lf_status open_file(const lf_gltf *gltf, const char *uri, int *out_fd, lf
         path = lf_path_join(folder, name);
     }
     if (path)
-        status = lf_ask_for_file(path, out_fd);
+        status = needed ? lf_ask_for_file(path, out_fd) : lf_try_for_file(path, out_fd);
     if (status != LF_OK)
-        status =
-            lf_error_set(err, status == LF_E_NOMEM ? LF_E_NOMEM : LF_E_PATH, LF_HERE,
-                         status == LF_E_NOMEM ? "out of memory" : "\"%.200s\" is not there", uri);
+        status = lf_error_set(
+            err, status == LF_E_NOMEM ? LF_E_NOMEM : LF_E_PATH, LF_HERE,
+            status == LF_E_NOMEM ? "out of memory" : "\"%.200s\" is not to be had", uri);
     lf_free(folder);
     lf_free(name);
     lf_free(path);
@@ -130,7 +131,7 @@ static lf_status fetch_file(const lf_gltf *gltf, const char *uri, uint64_t least
 {
     struct stat info;
     int fd;
-    lf_status status = open_file(gltf, uri, &fd, err);
+    lf_status status = open_file(gltf, uri, least > 0, &fd, err);
     if (status != LF_OK)
         return status;
     uint64_t size = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;

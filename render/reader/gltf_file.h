@@ -40,8 +40,9 @@ void lf_gltf_close(lf_gltf *gltf);
 LF_NODISCARD lf_status lf_gltf_view_open(lf_gltf *gltf, uint64_t number, lf_gltf_view *out,
                                          lf_error *err);
 /* What is behind a uri: base64 in it, or a file by its name. The caller releases out->data with
- * free. least: so many bytes must be there; only they are read unless 0. LF_E_PATH: the
- * file is not to be had; LF_E_FORMAT, LF_E_NOMEM, LF_E_IO. */
+ * free. least: so many bytes must be there, and only they are read; 0: all, of a file that can be
+ * done without (lf_try_for_file). LF_E_PATH: it is not to be had; LF_E_FORMAT, LF_E_NOMEM, LF_E_IO.
+ */
 LF_NODISCARD lf_status lf_gltf_fetch(const lf_gltf *gltf, const char *uri, uint64_t least,
                                      lf_gltf_bytes *out, lf_error *err);
 

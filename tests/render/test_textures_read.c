@@ -348,6 +348,32 @@ static void a_bump_map_that_holds_normals_is_one(void **state)
     lf_mesh_data_finish(&data);
 }
 
+/* Beyond the folders that may be read, or nowhere: the mesh is there without it. */
+static void a_gltf_file_does_without_pictures_that_are_not_to_be_had(void **state)
+{
+    static const char *const names[] = {"../n.png", "gone.png"};
+    static const char format[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{"
+        "\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0"
+        "}]}],\"materials\":[{\"name\":\"x\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{"
+        "\"index\":0}}}],\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"%s\"}],\"buffers\":[{"
+        "\"byteLength\":36,\"uri\":\"data:;base64,"
+        "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}],"
+        "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,"
+        "\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}]}";
+    for (int i = 0; i < 2; i++) {
+        char text[2048], words[64];
+        snprintf(text, sizeof text, format, names[i]);
+        snprintf(words, sizeof words, "images[0]: \"%s\" is not to be had", names[i]);
+        lf_test_write(*state, "x.gltf", text);
+        lf_mesh_data data = import_named(*state, "x.gltf", LF_NORMALS_FILE);
+        assert_int_equal(data.n_triangles, 1);
+        assert_true(!data.textures && data.n_pictures == 0);
+        assert_told(&data, words);
+        lf_mesh_data_finish(&data);
+    }
+}
+
 /* ------------------------------------------------------------------------------- PLY, STL -- */
 
 #define PLY_POINTS                                                                                 \
@@ -549,6 +575,7 @@ int main(void)
         lf_test_in_folder(tangents_follow_the_picture),
         lf_test_in_folder(flat_faces_under_a_normal_map_keep_their_normals),
         lf_test_in_folder(a_bump_map_that_holds_normals_is_one),
+        lf_test_in_folder(a_gltf_file_does_without_pictures_that_are_not_to_be_had),
         lf_test_in_folder(colours_of_vertices_are_albedo),
         lf_test_in_folder(points_of_two_colours_stay_two),
         lf_test_in_folder(a_ply_names_its_texture_in_a_comment),
