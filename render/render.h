@@ -73,6 +73,9 @@ typedef struct lf_camera {
      * mean over the rig) about its own, 0..LF_MAX_VIEW_BLUR: 1 = no gaps, nothing seen twice. Not
      * with a lens_radius */
     double view_blur;
+    /* Frames that the shutter stays open, 0..LF_MAX_SHUTTER (0: all stands still), and how long
+     * after the frame it opens. What moved when a scene was loaded does so for its pictures. */
+    double shutter, shutter_open;
     /* Which of aspect, views and cone the scene itself states (the rest are defaults a preset or
      * panel may replace without being a contradiction). */
     bool has_aspect, has_views, has_cone;
@@ -82,6 +85,7 @@ typedef struct lf_camera {
  * given: the distance to the target. */
 extern const lf_param lf_camera_params[];
 
+#define LF_MAX_SHUTTER 10
 #define LF_MAX_VIEWS 256
 #define LF_MAX_VIEW_SIDE 16384
 #define LF_MAX_VIEW_BLUR 8

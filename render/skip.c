@@ -47,10 +47,11 @@ lf_status lf_skip_scene(const lf_scene *scene, unsigned skip, lf_scene *out,
     const size_t from = offsetof(lf_scene, json);
     lf_geometry *empty = NULL;
     if (!(skip & LF_SKIP_SURFACES) && !scene->embree) {
+        const lf_scene_desc none = {0};
         json_t *key = json_object();
-        lf_status status =
-            key ? lf_geometry_build(NULL, &(lf_scene_desc){0}, scene->origin, key, &empty, err)
-                : lf_error_set(err, LF_E_NOMEM, "renderer", "out of memory");
+        lf_status status = key ? lf_geometry_build(NULL, (const lf_scene_desc *[]){&none, &none},
+                                                   scene->origin, key, &empty, err)
+                               : lf_error_set(err, LF_E_NOMEM, "renderer", "out of memory");
         json_decref(key);
         if (status != LF_OK)
             return status;

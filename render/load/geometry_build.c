@@ -56,6 +56,15 @@ json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char
     return json_pack("{s:s, s:o}", "folder", folder, "meshes", list);
 }
 
+json_t *lf_geometry_key_between(json_t *open, json_t *close)
+{
+    if (!open || !close || json_equal(open, close)) {
+        json_decref(close);
+        return open;
+    }
+    return json_pack("{s:o, s:o}", "open", open, "close", close);
+}
+
 static bool file_is_unchanged(const lf_mesh_file *file, const lf_roots *roots)
 {
     int fd;
@@ -69,15 +78,23 @@ static bool file_is_unchanged(const lf_mesh_file *file, const lf_roots *roots)
     return same;
 }
 
-bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const lf_scene_desc *desc,
+/* Of mesh i. */
+static lf_mesh_motion motion_of(lf_ends ends, int i, double span)
+{
+    return (lf_mesh_motion){span, lf_clip_moment(&ends[0]->meshes[i].clip, span),
+                            lf_clip_moment(&ends[1]->meshes[i].clip, span)};
+}
+
+bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, lf_ends ends,
                          const lf_roots *roots)
 {
     if (!json_equal(geometry->key, key))
         return false;
-    for (int i = 0; i < geometry->n_meshes; i++)
-        if (lf_clip_moment(&desc->meshes[i].clip, geometry->motions[i].span) !=
-            geometry->motions[i].moment)
+    for (int i = 0; i < geometry->n_meshes; i++) {
+        lf_mesh_motion was = geometry->motions[i], is = motion_of(ends, i, was.span);
+        if (is.moment != was.moment || is.close != was.close)
             return false;
+    }
     for (int i = 0; i < geometry->n_files; i++)
         if (!file_is_unchanged(&geometry->files[i], roots))
             return false;
@@ -86,15 +103,39 @@ bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const l
 
 /* ---------------------------------------------------------------------------------- building -- */
 
-static lf_box box_of(const float *vertices, const lf_mesh_data *data)
+/* vertices NULL: nothing. */
+static void grow_box(lf_box *box, const float *vertices, const lf_mesh_data *data)
 {
-    lf_box box = {lf_v3(INFINITY, INFINITY, INFINITY), lf_v3(-INFINITY, -INFINITY, -INFINITY)};
-    for (size_t c = 0; c < 3 * (size_t)data->n_triangles; c++) {
+    lf_vec3 min = box->min, max = box->max;
+    for (size_t c = 0; vertices && c < 3 * (size_t)data->n_triangles; c++) {
         const float *p = vertices + 3 * (size_t)data->triangles[c];
-        box.min = lf_v3(lf_min(box.min.x, p[0]), lf_min(box.min.y, p[1]), lf_min(box.min.z, p[2]));
-        box.max = lf_v3(lf_max(box.max.x, p[0]), lf_max(box.max.y, p[1]), lf_max(box.max.z, p[2]));
+        min = lf_v3(lf_min(min.x, p[0]), lf_min(min.y, p[1]), lf_min(min.z, p[2]));
+        max = lf_v3(lf_max(max.x, p[0]), lf_max(max.y, p[1]), lf_max(max.z, p[2]));
     }
-    return box;
+    *box = (lf_box){min, max};
+}
+
+/* Seen from the origin. One float of padding: Embree reads 16 bytes at the last vertex. NULL = out
+ * of memory. */
+static float *local_vertices(const lf_geometry *geometry, const double *positions, int n)
+{
+    float *vertices = lf_calloc(3 * (size_t)n + 1, sizeof *vertices);
+    for (size_t i = 0; vertices && i < 3 * (size_t)n; i++)
+        vertices[i] = (float)(positions[i] - geometry->origin[i % 3]);
+    return vertices;
+}
+
+/* Takes over the arrays of the shutter's close. */
+static lf_status take_close(const lf_geometry *geometry, lf_mesh_data *data, lf_mesh *mesh)
+{
+    if (!data->close.positions)
+        return LF_OK;
+    const float *vertices = local_vertices(geometry, data->close.positions, data->n_vertices);
+    if (!vertices)
+        return LF_E_NOMEM;
+    mesh->close = (lf_mesh_close){vertices, data->close.normals, data->close.tangents};
+    data->close.normals = data->close.tangents = NULL;
+    return LF_OK;
 }
 
 /* Takes over the arrays of data; materials are numbered from first_material. */
@@ -102,43 +143,31 @@ static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned i
                            int first_material)
 {
     lf_mesh *mesh = &geometry->meshes[id];
-    /* One float of padding: Embree reads 16 bytes at the last vertex. */
-    float *vertices = lf_calloc(3 * (size_t)data->n_vertices + 1, sizeof *vertices);
+    float *vertices = local_vertices(geometry, data->positions, data->n_vertices);
     if (!vertices)
         return LF_E_NOMEM;
-    for (size_t i = 0; i < 3 * (size_t)data->n_vertices; i++)
-        vertices[i] = (float)(data->positions[i] - geometry->origin[i % 3]);
     for (int t = 0; data->triangle_material && t < data->n_triangles; t++)
         data->triangle_material[t] = (uint16_t)(data->triangle_material[t] + first_material);
-    *mesh = (lf_mesh){id,
-                      data->n_vertices,
-                      data->n_triangles,
-                      vertices,
-                      data->triangles,
-                      data->normals,
-                      data->triangle_material,
-                      0,
-                      box_of(vertices, data),
-                      false,
-                      data->uvs,
-                      data->colours,
-                      data->tangents};
+    *mesh = (lf_mesh){
+        .geom_id = id,
+        .n_vertices = data->n_vertices,
+        .n_triangles = data->n_triangles,
+        .vertices = vertices,
+        .triangles = data->triangles,
+        .normals = data->normals,
+        .triangle_material = data->triangle_material,
+        .box = {lf_v3(INFINITY, INFINITY, INFINITY), lf_v3(-INFINITY, -INFINITY, -INFINITY)},
+        .uvs = data->uvs,
+        .colours = data->colours,
+        .tangents = data->tangents};
+    lf_status status = take_close(geometry, data, mesh);
+    grow_box(&mesh->box, mesh->vertices, data);
+    grow_box(&mesh->box, mesh->close.vertices, data);
     data->triangles = NULL;
     data->normals = NULL;
     data->triangle_material = NULL;
     data->uvs = data->colours = data->tangents = NULL;
-    return LF_OK;
-}
-
-static void grow_bounds(double bounds[2][3], const lf_mesh_data *data)
-{
-    for (size_t c = 0; c < 3 * (size_t)data->n_triangles; c++) {
-        const double *p = data->positions + 3 * (size_t)data->triangles[c];
-        for (int i = 0; i < 3; i++) {
-            bounds[0][i] = fmin(bounds[0][i], p[i]);
-            bounds[1][i] = fmax(bounds[1][i], p[i]);
-        }
-    }
+    return status;
 }
 
 /* Moves materials, file notes and warnings of all meshes into the geometry. */
@@ -198,11 +227,15 @@ static bool share_triangles(const lf_mesh *mesh, const lf_large *large, RTCGeome
 
 static bool attach_mesh(lf_geometry *geometry, const lf_mesh *mesh)
 {
+    const float *const vertices[] = {mesh->vertices, mesh->close.vertices};
+    const unsigned times = mesh->close.vertices ? 2 : 1;
     RTCGeometry shape = rtcNewGeometry(geometry->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (!shape)
         return false;
-    rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->vertices,
-                               0, 3 * sizeof(float), (size_t)mesh->n_vertices);
+    rtcSetGeometryTimeStepCount(shape, times);
+    for (unsigned i = 0; i < times; i++)
+        rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, vertices[i],
+                                   0, 3 * sizeof(float), (size_t)mesh->n_vertices);
     if (!share_triangles(mesh, &geometry->large, shape)) {
         rtcReleaseGeometry(shape);
         return false;
@@ -212,6 +245,20 @@ static bool attach_mesh(lf_geometry *geometry, const lf_mesh *mesh)
     rtcAttachGeometryByID(geometry->embree, shape, mesh->geom_id);
     rtcReleaseGeometry(shape);
     return rtcGetDeviceError(geometry->device) == RTC_ERROR_NONE;
+}
+
+/* Where a vertex is at a moment Embree and we round each for itself: what that may come to. */
+static float moving_error(const lf_geometry *geometry)
+{
+    float most = 0.0f;
+    for (int i = 0; i < geometry->n_meshes; i++) {
+        const lf_box *box = &geometry->meshes[i].box;
+        const float ends[] = {box->min.x, box->min.y, box->min.z,
+                              box->max.x, box->max.y, box->max.z};
+        for (int j = 0; geometry->meshes[i].close.vertices && j < 6; j++)
+            most = lf_max(most, fabsf(ends[j]));
+    }
+    return 2.4e-7f * most;
 }
 
 static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
@@ -224,6 +271,7 @@ static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
     if (lf_large_pick(geometry->meshes, geometry->n_meshes, &geometry->large, &geometry->offset) !=
         LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
+    geometry->offset += moving_error(geometry);
     rtcSetSceneFlags(geometry->embree, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(geometry->embree, RTC_BUILD_QUALITY_HIGH);
     for (int i = 0; i < geometry->n_meshes; i++)
@@ -240,10 +288,11 @@ static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
     return LF_OK;
 }
 
-lf_status lf_geometry_build(lf_mesh_data *data, const lf_scene_desc *desc, const double origin[3],
-                            json_t *key, lf_geometry **out_geometry, lf_error *err)
+lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origin[3], json_t *key,
+                            lf_geometry **out_geometry, lf_error *err)
 {
-    const int n = desc->n_meshes;
+    const int n = ends[0]->n_meshes;
+    double bounds[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     lf_status status = LF_E_NOMEM;
     lf_geometry *geometry = lf_calloc(1, sizeof *geometry);
     if (!geometry)
@@ -251,24 +300,20 @@ lf_status lf_geometry_build(lf_mesh_data *data, const lf_scene_desc *desc, const
     atomic_init(&geometry->refs, 1);
     geometry->key = json_incref(key);
     memcpy(geometry->origin, origin, sizeof geometry->origin);
-    for (int i = 0; i < 3; i++) {
-        geometry->bounds[0][i] = INFINITY;
-        geometry->bounds[1][i] = -INFINITY;
-    }
     geometry->meshes = lf_calloc((size_t)n, sizeof *geometry->meshes);
     geometry->motions = lf_calloc((size_t)n, sizeof *geometry->motions);
     if (!geometry->meshes || !geometry->motions)
         goto fail;
     int first_material = 0;
     for (int i = 0; i < n; i++) {
-        grow_bounds(geometry->bounds, &data[i]);
+        lf_mesh_data_bounds(&data[i], bounds);
+        geometry->n_meshes++;
         if (take_mesh(geometry, &data[i], (unsigned)i, first_material) != LF_OK)
             goto fail;
-        geometry->motions[i] =
-            (lf_mesh_motion){data[i].span, lf_clip_moment(&desc->meshes[i].clip, data[i].span)};
-        geometry->n_meshes++;
+        geometry->motions[i] = motion_of(ends, i, data[i].span);
         first_material += data[i].n_materials;
     }
+    memcpy(geometry->bounds, bounds, sizeof bounds);
     if (take_lists(geometry, data, n) != LF_OK)
         goto fail;
     status = build_bvh(geometry, err);

@@ -9,17 +9,19 @@
  * does not matter), which animation; and what the lights of desc that are faces look like. A new
  * reference; NULL = out of memory. */
 json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char *folder);
+/* That of geometry which moves from one key to the other; uses up both, of which one may be NULL.
+ * It is the first one where they are equal. */
+json_t *lf_geometry_key_between(json_t *open, json_t *close);
 
-/* Whether geometry was made from the same key, what moves in its files stands where desc has it,
- * and its files, opened again under roots, are unchanged. */
-bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, const lf_scene_desc *desc,
+/* Whether geometry was made from the same key, what moves in its files stands where the ends have
+ * it, and its files, opened again under roots, are unchanged. */
+bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, lf_ends ends,
                          const lf_roots *roots);
 
-/* Takes the vertices of the meshes of desc into Embree, origin subtracted in double. data is used
- * up (arrays are taken over, the rest released by the caller); key gets a reference more.
+/* Takes the vertices of the meshes of ends[0] into Embree, origin subtracted in double. data is
+ * used up (arrays are taken over, the rest released by the caller); key gets a reference more.
  * LF_E_NOMEM. On LF_OK the caller owns a reference. */
-LF_NODISCARD lf_status lf_geometry_build(lf_mesh_data *data, const lf_scene_desc *desc,
-                                         const double origin[3], json_t *key,
-                                         lf_geometry **out_geometry, lf_error *err);
+LF_NODISCARD lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origin[3],
+                                         json_t *key, lf_geometry **out_geometry, lf_error *err);
 
 #endif

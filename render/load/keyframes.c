@@ -126,8 +126,12 @@ static json_t *value_at(const walker *w, const lf_node *node)
 /* Where nothing may have keys. */
 static bool is_fixed(const char *member)
 {
-    return strcmp(member, "views") == 0 || strcmp(member, "aspect") == 0 ||
-           strcmp(member, "sequence") == 0 || strcmp(member, "animation") == 0;
+    static const char *const fixed[] = {"views",   "aspect",       "sequence", "animation",
+                                        "shutter", "shutter_open", NULL};
+    for (int i = 0; fixed[i]; i++)
+        if (strcmp(member, fixed[i]) == 0)
+            return true;
+    return false;
 }
 
 /* Puts what stands in a member of node (names: they are things by their names) into copy, and in
@@ -174,14 +178,29 @@ static void walk_scene(walker *w, const lf_node *root, json_t *copy)
         no_memory(w);
 }
 
-json_t *lf_keyframes_still(lf_reader *reader, const lf_node *root, int frame, bool *out_keyed)
+/* The frame that a document says. */
+static double frame_of(const lf_node *root)
 {
     const json_t *said = json_object_get(root->value, "frame");
-    walker w = {reader, 1, false};
-    if (frame >= 0)
-        w.frame = frame;
-    else if (json_is_number(said))
-        w.frame = json_number_value(said);
+    return json_is_number(said) ? json_number_value(said) : 1;
+}
+
+json_t *lf_keyframes_beside(lf_reader *reader, const lf_node *root, double frames)
+{
+    walker w = {reader, frame_of(root) + frames, false};
+    json_t *copy = json_deep_copy(root->value);
+    if (!copy)
+        return no_memory(&w);
+    walk_scene(&w, root, copy);
+    if (reader->status == LF_OK)
+        return copy;
+    json_decref(copy);
+    return NULL;
+}
+
+json_t *lf_keyframes_still(lf_reader *reader, const lf_node *root, int frame, bool *out_keyed)
+{
+    walker w = {reader, frame >= 0 ? frame : frame_of(root), false};
     walk_scene(&w, root, NULL);
     *out_keyed = w.keyed;
     if (!w.keyed && frame < 0)

@@ -50,6 +50,15 @@ static void swap_if_above(double a[3], double b[3])
     memcpy(b, swap, sizeof swap);
 }
 
+/* Of a triangle's corner; of what moves at a moment like any other, so that those that are together
+ * then are so all the time. */
+static double place_of(const lf_mesh_data *data, size_t number)
+{
+    const double moment = 0.3819660113;
+    double open = data->positions[number];
+    return data->close.positions ? open + moment * (data->close.positions[number] - open) : open;
+}
+
 static corners corners_of(const search *s, uint32_t triangle)
 {
     int mesh = mesh_of(s, triangle);
@@ -59,7 +68,7 @@ static corners corners_of(const search *s, uint32_t triangle)
     for (int c = 0; c < 3; c++)
         for (int i = 0; i < 3; i++)
             out.p[c][i] =
-                nearbyint((data->positions[3 * (size_t)corner[c] + (size_t)i] - s->origin[i]) *
+                nearbyint((place_of(data, 3 * (size_t)corner[c] + (size_t)i) - s->origin[i]) *
                           s->per_unit) +
                 0.0;
     swap_if_above(out.p[0], out.p[1]);

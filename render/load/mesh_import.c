@@ -1,6 +1,7 @@
 #include "render/load/mesh_import.h"
 
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -147,9 +148,25 @@ lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_
     return status;
 }
 
+void lf_mesh_data_bounds(const lf_mesh_data *data, double bounds[2][3])
+{
+    const double *const ends[] = {data->positions, data->close.positions};
+    for (size_t at = 0; at < 6 * (size_t)data->n_triangles; at++) {
+        const double *end = ends[at % 2];
+        const uint32_t corner = data->triangles[at / 2];
+        for (int i = 0; end && i < 3; i++) {
+            bounds[0][i] = fmin(bounds[0][i], end[3 * (size_t)corner + (size_t)i]);
+            bounds[1][i] = fmax(bounds[1][i], end[3 * (size_t)corner + (size_t)i]);
+        }
+    }
+}
+
 void lf_mesh_data_finish(lf_mesh_data *data)
 {
     lf_free(data->positions);
+    lf_free(data->close.positions);
+    lf_free(data->close.normals);
+    lf_free(data->close.tangents);
     lf_free(data->normals);
     lf_free(data->triangles);
     lf_free(data->triangle_material);

@@ -35,6 +35,12 @@ typedef struct lf_mesh_data {
     int n_pictures;           /* at most LF_MAX_PICTURES */
     lf_texels *pictures;      /* [n_pictures], their pixels this struct's */
     double span; /* seconds that what moves takes, up to LF_MAX_SECONDS; 0: nothing does */
+    /* Of the mesh when the shutter closes, as above; positions NULL: it stands still
+     * (meshes_import.h). */
+    struct {
+        double *positions;
+        float *normals, *tangents;
+    } close;
     int n_files;
     lf_mesh_file files[LF_MESH_MAX_FILES];
     lf_warnings warnings; /* what the file holds and the mesh lacks */
@@ -55,6 +61,8 @@ LF_NODISCARD lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *fold
 LF_NODISCARD lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out,
                                           lf_error *err);
 
+/* Grows bounds (least, greatest) by all that the triangles pass through. */
+void lf_mesh_data_bounds(const lf_mesh_data *data, double bounds[2][3]);
 /* Accepts zeroed structs; leaves them zeroed. */
 void lf_mesh_data_finish(lf_mesh_data *data);
 

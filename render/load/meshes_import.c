@@ -1,5 +1,7 @@
 #include "render/load/meshes_import.h"
 
+#include <string.h>
+
 #include "base/alloc.h"
 #include "base/thread.h"
 
@@ -49,12 +51,11 @@ static lf_status import_all(importing *all)
     return status;
 }
 
-lf_status lf_meshes_import(const lf_scene_desc *desc, const char *folder, const lf_roots *roots,
-                           lf_mesh_data *data, int *out_wrong, lf_error *err)
+/* One end of the shutter. */
+static lf_status import_end(const lf_scene_desc *desc, const char *folder, const lf_roots *roots,
+                            lf_mesh_data *data, int *out_wrong, lf_error *err)
 {
     size_t n = (size_t)desc->n_meshes;
-    if (n == 0)
-        return LF_OK;
     importing all = {
         desc, folder, roots, data, lf_calloc(n, sizeof *all.status), lf_calloc(n, sizeof *all.err)};
     lf_status status = all.status && all.err ? import_all(&all) : LF_E_NOMEM;
@@ -67,5 +68,75 @@ lf_status lf_meshes_import(const lf_scene_desc *desc, const char *folder, const 
     }
     lf_free(all.status);
     lf_free(all.err);
+    return status;
+}
+
+/* Whether a mesh is elsewhere when the shutter closes. */
+static bool moves(const lf_mesh_desc *open, const lf_mesh_desc *close, double span)
+{
+    return lf_clip_moment(&open->clip, span) != lf_clip_moment(&close->clip, span) ||
+           open->area != close->area ||
+           memcmp(&open->transform, &close->transform, sizeof open->transform) != 0;
+}
+
+static bool same_triangles(const lf_mesh_data *a, const lf_mesh_data *b)
+{
+    return a->n_vertices == b->n_vertices && a->n_triangles == b->n_triangles &&
+           !a->normals == !b->normals && !a->tangents == !b->tangents &&
+           memcmp(a->triangles, b->triangles, 3 * (size_t)a->n_triangles * sizeof *a->triangles) ==
+               0;
+}
+
+/* at: the same mesh when the shutter closes. */
+static void take_close(lf_mesh_data *data, lf_mesh_data *at, const char *where)
+{
+    if (!same_triangles(data, at)) {
+        lf_warnings_add(&data->warnings, where,
+                        "mesh \"%s\" has other triangles when the shutter closes: it stands still "
+                        "where it is when that opens",
+                        data->name);
+        return;
+    }
+    if (memcmp(data->positions, at->positions,
+               3 * (size_t)data->n_vertices * sizeof *data->positions) == 0)
+        return;
+    data->close.positions = at->positions;
+    data->close.normals = at->normals;
+    data->close.tangents = at->tangents;
+    at->positions = NULL;
+    at->normals = at->tangents = NULL;
+}
+
+/* Where what moves goes until the shutter closes. */
+static lf_status import_close(lf_ends ends, const lf_scene_file *file, const lf_roots *roots,
+                              lf_mesh_data *data, int *out_wrong, lf_error *err)
+{
+    const int n = ends[0]->n_meshes;
+    bool any = false;
+    for (int i = 0; i < n; i++)
+        any = any || moves(&ends[0]->meshes[i], &ends[1]->meshes[i], data[i].span);
+    if (!any)
+        return LF_OK;
+    lf_mesh_data *close = lf_calloc((size_t)n, sizeof *close);
+    if (!close)
+        return LF_E_NOMEM;
+    lf_status status = import_end(ends[1], file->folder, roots, close, out_wrong, err);
+    for (int i = 0; i < n; i++) {
+        if (status == LF_OK && moves(&ends[0]->meshes[i], &ends[1]->meshes[i], data[i].span))
+            take_close(&data[i], &close[i], file->where);
+        lf_mesh_data_finish(&close[i]);
+    }
+    lf_free(close);
+    return status;
+}
+
+lf_status lf_meshes_import(lf_ends ends, const lf_scene_file *file, const lf_roots *roots,
+                           lf_mesh_data *data, int *out_wrong, lf_error *err)
+{
+    if (ends[0]->n_meshes == 0)
+        return LF_OK;
+    lf_status status = import_end(ends[0], file->folder, roots, data, out_wrong, err);
+    if (status == LF_OK)
+        status = import_close(ends, file, roots, data, out_wrong, err);
     return status;
 }

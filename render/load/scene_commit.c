@@ -25,6 +25,7 @@ typedef struct commit {
     lf_reader *reader;
     const lf_node *root;
     const lf_scene_desc *desc;
+    const lf_shutter *shutter; /* for meshes in place of desc */
     const lf_roots *roots;
     const lf_scene *previous; /* may be NULL */
     lf_scene *scene;
@@ -296,31 +297,20 @@ static void import_meshes(const commit *c, lf_mesh_data *data)
     int wrong = -1;
     lf_error err;
     lf_status status =
-        lf_meshes_import(c->desc, c->scene->file.folder, c->roots, data, &wrong, &err);
+        lf_meshes_import(c->shutter->desc, &c->scene->file, c->roots, data, &wrong, &err);
     if (status == LF_OK)
         return;
     if (wrong < 0) {
         out_of_memory(c);
         return;
     }
-    const lf_mesh_desc *desc = &c->desc->meshes[wrong];
+    const lf_mesh_desc *mesh = &c->desc->meshes[wrong];
     err.status = status == LF_E_ARG ? LF_E_FORMAT : status;
-    fail_at(c, "meshes", desc->name,
-            desc->shape          ? ""
+    fail_at(c, "meshes", mesh->name,
+            mesh->shape          ? ""
             : status == LF_E_ARG ? "animation"
                                  : "file",
             &err);
-}
-
-static void extend_by_data(double bounds[2][3], const lf_mesh_data *data)
-{
-    for (size_t corner = 0; corner < 3 * (size_t)data->n_triangles; corner++) {
-        const double *p = data->positions + 3 * (size_t)data->triangles[corner];
-        for (int i = 0; i < 3; i++) {
-            bounds[0][i] = fmin(bounds[0][i], p[i]);
-            bounds[1][i] = fmax(bounds[1][i], p[i]);
-        }
-    }
 }
 
 /* See the top of render/scene/scene.h. */
@@ -360,7 +350,7 @@ static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_
             extend_by_volume(flame, &map, bounds);
     }
     for (int i = 0; i < c->desc->n_meshes && !geometry; i++)
-        extend_by_data(bounds, &data[i]);
+        lf_mesh_data_bounds(&data[i], bounds);
     for (int i = 0; i < 3 && geometry; i++) {
         bounds[0][i] = fmin(bounds[0][i], geometry->bounds[0][i]);
         bounds[1][i] = fmax(bounds[1][i], geometry->bounds[1][i]);
@@ -376,8 +366,8 @@ static void build_geometry(const commit *c, lf_mesh_data *data, json_t *key)
         out_of_memory(c);
         return;
     }
-    if (lf_geometry_build(data, c->desc, c->scene->origin, key, &c->scene->geometry, &err) !=
-        LF_OK) {
+    if (lf_geometry_build(data, c->shutter->desc, c->scene->origin, key, &c->scene->geometry,
+                          &err) != LF_OK) {
         lf_node node = lf_node_child(c->root, "meshes");
         lf_read_fail_with(c->reader, &node, &err);
     }
@@ -390,14 +380,17 @@ static void load_meshes(commit *c)
     lf_scene *scene = c->scene;
     lf_geometry *shared = NULL;
     double bounds[2][3];
-    json_t *key = lf_geometry_key(scene->file.still, c->desc, scene->file.folder);
+    const lf_shutter *shutter = c->shutter;
+    json_t *key = lf_geometry_key_between(
+        lf_geometry_key(shutter->doc[0], shutter->desc[0], scene->file.folder),
+        lf_geometry_key(shutter->doc[1], shutter->desc[1], scene->file.folder));
     lf_mesh_data *data = lf_calloc((size_t)c->desc->n_meshes, sizeof *data);
     if (!key || !data) {
         out_of_memory(c);
         goto done;
     }
     if (c->previous && c->previous->geometry &&
-        lf_geometry_matches(c->previous->geometry, key, c->desc, c->roots))
+        lf_geometry_matches(c->previous->geometry, key, shutter->desc, c->roots))
         shared = c->previous->geometry;
     if (!shared)
         import_meshes(c, data);
@@ -528,6 +521,7 @@ static void set_flags(lf_scene *scene)
         mark_used(&scene->meshes[i], used);
         scene->looks.varied |= !!scene->meshes[i].colours;
         scene->looks.hidden |= scene->meshes[i].hidden;
+        scene->looks.moving |= !!scene->meshes[i].close.vertices;
     }
     for (int m = 0; m < scene->n_materials; m++) {
         const lf_material *material = &scene->materials[m];
@@ -626,6 +620,7 @@ static void collect_warnings(const commit *c)
 {
     lf_scene *scene = c->scene;
     lf_warnings_add_all(&scene->warnings, &c->desc->warnings);
+    lf_shutter_warn(c->shutter, scene->file.where, &scene->warnings);
     for (int i = 0; i < scene->n_volumes; i++)
         if (scene->volumes[i].grid && c->desc->volumes[i].file)
             warn_of_grids(c, scene->volumes[i].grid, c->desc->volumes[i].file);
@@ -638,9 +633,10 @@ static void collect_warnings(const commit *c)
 }
 
 void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc *desc,
-                     const lf_roots *roots, const lf_scene *previous, lf_scene *scene)
+                     const lf_shutter *shutter, const lf_roots *roots, const lf_scene *previous,
+                     lf_scene *scene)
 {
-    commit c = {reader, root, desc, roots, previous, scene};
+    commit c = {reader, root, desc, shutter, roots, previous, scene};
     scene->file.frame = desc->frame;
     scene->file.rate = desc->rate;
     scene->camera = desc->camera;
@@ -661,7 +657,7 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
     load_lights(&c);
     if (reader->status != LF_OK)
         return;
-    scene->subject = lf_scene_subject(scene, desc);
+    scene->subject = lf_scene_subject(scene, desc, shutter);
     if (!scene->subject) {
         out_of_memory(&c);
         return;

@@ -3,11 +3,12 @@
 #ifndef LF_RENDER_SCENE_COMMIT_H
 #define LF_RENDER_SCENE_COMMIT_H
 
-#include "render/load/scene_parse.h"
+#include "render/load/shutter.h"
 
-/* Fills the rest of scene, whose json and folder are set, from desc. Errors go through reader, at
- * the node of what failed; scene is then half built and to be unreferenced. */
+/* Fills the rest of scene, whose json and folder are set, from desc and its shutter. Errors go
+ * through reader, at the node of what failed; scene is then half built and to be unreferenced. */
 void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc *desc,
-                     const lf_roots *roots, const lf_scene *previous, lf_scene *scene);
+                     const lf_shutter *shutter, const lf_roots *roots, const lf_scene *previous,
+                     lf_scene *scene);
 
 #endif

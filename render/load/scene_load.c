@@ -68,6 +68,7 @@ static lf_status build(const lf_json_source *source, const char *folder, const l
 {
     lf_reader reader = {source->where, source->text, source->size, LF_OK, err, NULL, 0};
     lf_scene_desc desc = {0};
+    lf_shutter shutter = {0};
     lf_roots extended;
     lf_includes *includes = lf_calloc(1, sizeof *includes);
     lf_scene *scene = NULL;
@@ -80,7 +81,7 @@ static lf_status build(const lf_json_source *source, const char *folder, const l
     }
     if (reader.status == LF_OK && (!scene || !note_included(scene, includes)))
         reader.status = lf_error_set(err, LF_E_NOMEM, source->where, "out of memory");
-    lf_node root = {NULL, NULL, 0, scene ? scene->json : NULL};
+    lf_node root = {NULL, NULL, 0, scene ? scene->json : NULL}, keyed = root;
     if (reader.status == LF_OK)
         scene->file.still = lf_keyframes_still(&reader, &root, -1, &scene->file.has_frames);
     if (reader.status == LF_OK) {
@@ -89,11 +90,14 @@ static lf_status build(const lf_json_source *source, const char *folder, const l
         lf_scene_parse(&reader, &root, &desc);
     }
     if (reader.status == LF_OK)
-        lf_scene_commit(&reader, &root, &desc, &extended, previous, scene);
+        lf_shutter_read(&reader, &keyed, scene->file.still, &desc, &shutter);
+    if (reader.status == LF_OK)
+        lf_scene_commit(&reader, &root, &desc, &shutter, &extended, previous, scene);
     if (reader.status == LF_OK)
         *out_scene = scene;
     else
         lf_scene_unref(scene);
+    lf_shutter_finish(&shutter);
     lf_scene_desc_finish(&desc);
     lf_roots_finish(&extended);
     if (includes)

@@ -505,6 +505,12 @@ static void parse_light(lf_reader *reader, const lf_node *node, lf_scene_desc *d
 
 void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
 {
+    lf_scene_parse_beside(reader, root, 0, out);
+}
+
+void lf_scene_parse_beside(lf_reader *reader, const lf_node *root, double frames,
+                           lf_scene_desc *out)
+{
     static const char *const keys[] = {"quiltd",  "camera",   "volumes", "meshes", "materials",
                                        "lights",  "backdrop", "film",    "render", "comment",
                                        "$schema", "include",  "frame",   "rate",   NULL};
@@ -518,7 +524,7 @@ void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
     lf_read_string(reader, root, "$schema", NULL, 4096);
     out->frame = lf_read_int(reader, root, "frame", 1, 0, LF_MAX_FRAME);
     out->rate = lf_read_number(reader, root, "rate", LF_FRAME_RATE, 0.01, 1000);
-    out->seconds = (out->frame - 1) / out->rate;
+    out->seconds = (out->frame - 1 + frames) / out->rate;
     parse_camera(reader, root, &out->camera);
     parse_film(reader, root, &out->film);
     parse_backdrop(reader, root, &out->backdrop);

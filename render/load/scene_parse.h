@@ -57,7 +57,7 @@ typedef struct lf_light_desc {
 typedef struct lf_scene_desc {
     int frame;
     double rate;    /* frames a second */
-    double seconds; /* of animations in that frame: 0 in frame 1 */
+    double seconds; /* of animations: 0 in frame 1 */
     lf_camera camera;
     lf_film_settings film;
     lf_backdrop backdrop;
@@ -71,9 +71,16 @@ typedef struct lf_scene_desc {
     lf_warnings warnings; /* of what it says without effect */
 } lf_scene_desc;
 
+/* What a scene says when its shutter opens, and when it closes: [2], the same where it has none. */
+typedef const lf_scene_desc *const *lf_ends;
+
 /* Fills *out from the root of a document; reader->status says how it went. Release with
  * lf_scene_desc_finish in any case. */
 void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out);
+/* The same so many frames behind the document's own, as far as animations of meshes are concerned
+ * (keyframes.h makes documents of other moments). */
+void lf_scene_parse_beside(lf_reader *reader, const lf_node *root, double frames,
+                           lf_scene_desc *out);
 void lf_scene_desc_finish(lf_scene_desc *desc);
 
 #endif

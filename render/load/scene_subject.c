@@ -1,5 +1,7 @@
 #include "render/load/scene_subject.h"
 
+#include <string.h>
+
 #include "render/scene/geometry.h"
 #include "render/transport/light_kind.h"
 
@@ -19,10 +21,13 @@ static bool put_volume(json_t *doc, const lf_volume *volume, const lf_volume_des
 /* What does not move yet, in the first of its file's animations, is no word worth. */
 static bool put_motion(json_t *said, const lf_mesh_motion *motion, const lf_clip *clip)
 {
-    if (!(motion->span > 0) || (motion->moment <= 0 && !clip->name && clip->number == 0))
+    bool still = motion->moment == motion->close;
+    if (!(motion->span > 0) || (still && motion->moment <= 0 && !clip->name && clip->number == 0))
         return true;
     json_t *which = clip->name ? json_string(clip->name) : json_integer(clip->number);
-    return json_object_set_new(said, "animation", json_pack("[o, f]", which, motion->moment)) == 0;
+    json_t *pair = json_pack("[o, f]", which, motion->moment);
+    return (still || json_array_append_new(pair, json_real(motion->close)) == 0) &&
+           json_object_set_new(said, "animation", pair) == 0;
 }
 
 static bool put_mesh(json_t *doc, const lf_geometry *geometry, int mesh, const lf_mesh_desc *desc)
@@ -49,7 +54,26 @@ static bool put_light(json_t *doc, const lf_light *light, const lf_light_desc *d
     return done;
 }
 
-json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc)
+static json_t *numbers_of(const lf_affine *map)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < 12; i++)
+        json_array_append_new(list, json_real(map->m[i / 4][i % 4]));
+    return list;
+}
+
+/* Where a mesh goes while the shutter is open. */
+static bool put_shutter(json_t *doc, const lf_mesh_desc *open, const lf_mesh_desc *close)
+{
+    if (memcmp(&open->transform, &close->transform, sizeof open->transform) == 0)
+        return true;
+    return json_object_set_new(member(doc, open->lamp ? "lights" : "meshes", open->name), "shutter",
+                               json_pack("[o, o]", numbers_of(&open->transform),
+                                         numbers_of(&close->transform))) == 0;
+}
+
+json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc,
+                         const lf_shutter *shutter)
 {
     json_t *doc = json_deep_copy(scene->file.still);
     bool done = doc;
@@ -57,6 +81,8 @@ json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc)
         done = put_volume(doc, &scene->volumes[i], &desc->volumes[i]);
     for (int i = 0; i < desc->n_meshes && done; i++)
         done = desc->meshes[i].shape || put_mesh(doc, scene->geometry, i, &desc->meshes[i]);
+    for (int i = 0; i < desc->n_meshes && done; i++)
+        done = put_shutter(doc, &shutter->desc[0]->meshes[i], &shutter->desc[1]->meshes[i]);
     for (int i = 0; i < desc->n_lights && done; i++)
         done = put_light(doc, &scene->lights[i], &desc->lights[i]);
     if (!done) {

@@ -70,6 +70,24 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
     return workers;
 }
 
+static void free_moments(lf_rows *rows)
+{
+    for (int i = 0; rows->moments && i < rows->n_workers; i++)
+        lf_moment_finish(&rows->moments[i]);
+    lf_free(rows->moments);
+}
+
+static lf_status make_moments(lf_rows *rows)
+{
+    if (!rows->seen.looks.moving)
+        return LF_OK;
+    rows->moments = lf_calloc((size_t)rows->n_workers, sizeof *rows->moments);
+    lf_status status = rows->moments ? LF_OK : LF_E_NOMEM;
+    for (int i = 0; i < rows->n_workers && status == LF_OK; i++)
+        status = lf_moment_init(&rows->moments[i], &rows->seen);
+    return status;
+}
+
 /* What the scene needs of the film; sky where B is not stored. */
 static lf_film_layout film_layout(const lf_scene *scene, const lf_render_settings *settings,
                                   const lf_rig *rig, float sky[3])
@@ -112,6 +130,7 @@ static void destroy(void *state)
     if (!rows)
         return;
     free_workers(rows->workers, rows->n_workers);
+    free_moments(rows);
     lf_counts_finish(&rows->counts);
     lf_row_triangles_finish(&rows->triangles);
     lf_free(rows);
@@ -129,7 +148,7 @@ static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_
         return status;
     rows->n_workers = lf_pool_threads(rows->pool);
     rows->workers = make_workers(rows, layout);
-    return rows->workers ? LF_OK : LF_E_NOMEM;
+    return rows->workers ? make_moments(rows) : LF_E_NOMEM;
 }
 
 static void make_plan(lf_rows *rows, const lf_integrator_input *input, const lf_sharing *sharing)
@@ -202,6 +221,11 @@ static bool visit(void *state, const lf_visit_order *order, int row, int half, i
     lf_visit_plan plan = rows->plan;
     plan.order = *order;
     plan.counts = order->column_step == 1 ? plan.counts : NULL;
+    if (rows->moments) {
+        plan.moment = &rows->moments[worker];
+        plan.moving = plan.scene;
+        plan.scene = &plan.moment->scene;
+    }
     return lf_visit_row(&plan, row, half, rows->workers[worker], cancel);
 }
 

@@ -49,6 +49,14 @@ typedef struct spans {
     span *spans;
 } spans;
 
+/* A corner when the shutter closes. */
+static lf_vec3 closing(const lf_mesh *mesh, uint32_t triangle, int i)
+{
+    const float *v =
+        mesh->close.vertices + 3 * (size_t)mesh->triangles[3 * (size_t)triangle + (size_t)i];
+    return lf_v3(v[0], v[1], v[2]);
+}
+
 /* Film rows of a point, all of the lens considered (rig.h): Y_w = D Y/Z + ly D (1/F - 1/Z). */
 static void grow_rows(const lf_rig *rig, const double p[3], double *lo, double *hi)
 {
@@ -60,16 +68,18 @@ static void grow_rows(const lf_rig *rig, const double p[3], double *lo, double *
     *hi = v + blur > *hi ? v + blur : *hi;
 }
 
+/* Of a triangle that moves, what its corners pass: along a straight line Y/Z goes one way. */
 static span span_of(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle)
 {
     const double margin = 0.01; /* of a row: planes are kept in single precision */
     double lo = INFINITY, hi = -INFINITY, middle[3] = {0}, near = NEAR * (double)rig->distance;
+    const int n = mesh->close.vertices ? 6 : 3;
     int in_front = 0;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < n; i++) {
         double p[3];
-        to_camera(rig, corner_of(mesh, triangle, i), p);
+        to_camera(rig, i < 3 ? corner_of(mesh, triangle, i) : closing(mesh, triangle, i - 3), p);
         for (int axis = 0; axis < 3; axis++)
-            middle[axis] += p[axis] / 3.0;
+            middle[axis] += p[axis] / (double)n;
         in_front += p[2] > near;
         if (p[2] > near)
             grow_rows(rig, p, &lo, &hi);
@@ -79,7 +89,7 @@ static span span_of(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle)
     double z = middle[2] > near ? middle[2] : near, height = (double)rig->height;
     span out = {
         .first = 0, .last = rig->height - 1, .d = to_d(rig, z), .s = (float)(middle[0] / z)};
-    if (in_front == 3) {
+    if (in_front == n) {
         /* bounds first: a point beside the camera may be outside of what an int holds */
         out.first = (int)floor(fmin(fmax(lo - margin, 0.0), height));
         out.last = (int)floor(fmin(fmax(hi + margin, -1.0), height - 1.0));

@@ -328,8 +328,20 @@ lf_veils lf_visit_veils(const lf_visit *visit)
                       &visit->plane};
 }
 
-/* Draws the plane of a visit and cuts the volumes with it. offsets names the sequence of row
- * offsets. */
+/* Draws the moment of a visit, where anything moves. */
+static void set_moment(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint32_t index)
+{
+    float time = lf_sampler_radical(lf_hash64(key, 17), index);
+    if (lf_has_fault(&plan->order, LF_FAULT_NO_TIME))
+        time = 0.5f;
+    lf_moment_set(plan->moment, plan->moving, time);
+    visit->worker->tracer.time = time;
+    if (lf_has_fault(&plan->order, LF_FAULT_OTHER_TIME))
+        visit->worker->tracer.time = 1.0f - time;
+}
+
+/* Draws the moment and the plane of a visit and cuts the volumes with it. offsets names the
+ * sequence of row offsets. */
 static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
                 uint32_t index)
 {
@@ -337,6 +349,8 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
                            lf_sampler_radical(lf_hash64(key, 2), index)};
     const float phase[2] = {lf_sampler_radical(lf_hash64(key, 15), index),
                             lf_sampler_radical(lf_hash64(key, 4), index)};
+    if (plan->moment)
+        set_moment(plan, visit, key, index);
     lf_rig_row_plane(plan->rig, (float)visit->row + lf_sampler_radical(offsets, index), lens,
                      &visit->plane);
     lf_media_cut(&visit->worker->media, plan->frame, plan->scene->volumes, plan->rig, &visit->plane,

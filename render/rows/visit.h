@@ -10,6 +10,7 @@
 #include "render/rows/correction.h"
 #include "render/rows/glow_row.h"
 #include "render/rows/media.h"
+#include "render/rows/moment.h"
 #include "render/rows/reach.h"
 #include "render/rows/section.h"
 #include "render/rows/shine.h"
@@ -206,6 +207,10 @@ typedef enum lf_fault {
     LF_FAULT_HORIZON = 128,
     LF_FAULT_NO_GLOW_BALANCE = 256, /* no room made for points drawn about lights in media */
     LF_FAULT_NO_CORRECTION = 512,   /* what is drawn from slices counts as if they were the grid */
+    /* rays meet what moves at another moment than the one at which views are asked whether they
+     * see it */
+    LF_FAULT_OTHER_TIME = 1024,
+    LF_FAULT_NO_TIME = 2048, /* all visits are of the middle of the shutter */
 } lf_fault;
 
 #ifdef LF_FAULTS
@@ -217,6 +222,10 @@ typedef enum lf_fault {
 /* Everything that one visit of a row does. */
 typedef struct lf_visit_plan {
     const lf_scene *scene;
+    /* what it moves with, which is then `scene`'s owner, and what that was made for; NULL: nothing
+     * moves */
+    lf_moment *moment;
+    const lf_scene *moving;
     const lf_rig *rig;
     const lf_media_frame *frame, *flames; /* of the scene's volumes, and of what they emit */
     const lf_kernels *kernels;

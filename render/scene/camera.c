@@ -23,6 +23,9 @@ const lf_param lf_camera_params[] = {
     {.name = "lens_radius", PLACE(lens_radius), .low = 0, .high = LF_MAX_COORDINATE},
     {.name = "focus_distance", PLACE(focus_distance), .low = 1e-9, .high = LF_MAX_COORDINATE},
     {.name = "view_blur", PLACE(view_blur), .unit = "views", .low = 0, .high = LF_MAX_VIEW_BLUR},
+    {.name = "shutter", PLACE(shutter), .unit = "frames", .low = 0, .high = LF_MAX_SHUTTER},
+    {.name = "shutter_open", PLACE(shutter_open), .unit = "frames", .low = -LF_MAX_SHUTTER,
+     .high = LF_MAX_SHUTTER},
     {0},
 };
 /* clang-format on */

@@ -25,6 +25,9 @@ void lf_geometry_unref(lf_geometry *geometry)
         lf_free((void *)(uintptr_t)geometry->meshes[i].uvs);
         lf_free((void *)(uintptr_t)geometry->meshes[i].colours);
         lf_free((void *)(uintptr_t)geometry->meshes[i].tangents);
+        lf_free((void *)(uintptr_t)geometry->meshes[i].close.vertices);
+        lf_free((void *)(uintptr_t)geometry->meshes[i].close.normals);
+        lf_free((void *)(uintptr_t)geometry->meshes[i].close.tangents);
     }
     for (int i = 0; i < geometry->n_files; i++)
         lf_free(geometry->files[i].path);

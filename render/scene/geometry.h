@@ -19,9 +19,10 @@ typedef struct lf_mesh_file {
     int mesh; /* index into meshes */
 } lf_mesh_file;
 
-/* Of a mesh: seconds that what moves in its file takes (0: nothing does), and where it stands. */
+/* Of a mesh: seconds that what moves in its file takes (0: nothing does), and where it stands when
+ * the shutter opens and when it closes; the same where there is none. */
 typedef struct lf_mesh_motion {
-    double span, moment;
+    double span, moment, close;
 } lf_mesh_motion;
 
 typedef struct lf_geometry {

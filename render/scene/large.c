@@ -82,8 +82,9 @@ static uint32_t gather(const lf_mesh *meshes, int n_meshes, float limit, lf_larg
     for (int m = 0; m < n_meshes; m++) {
         for (int i = 0; i < meshes[m].n_triangles; i++) {
             float area, size = size_of(&meshes[m], i, &area), error = error_of(size, area);
-            *out_offset = lf_max(*out_offset, error <= limit ? error : 1e-12f * size);
-            if (error <= limit)
+            bool large = error > limit && !meshes[m].close.vertices;
+            *out_offset = lf_max(*out_offset, large ? 1e-12f * size : error);
+            if (!large)
                 continue;
             if (out)
                 out[n] = make(&meshes[m], m, i);

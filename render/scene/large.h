@@ -6,7 +6,8 @@
  * offset would be as high as what stands there. Triangles whose error would be seen in the scene's
  * detail are left out of Embree's own and become a user geometry of the same hierarchy, whose
  * callback decides from the corners, which are floats and exact. Edges shared by two of them are
- * watertight: their signed volumes (Plücker's side test) are the same bits with the other sign. */
+ * watertight: their signed volumes (Plücker's side test) are the same bits with the other sign.
+ * What moves while the shutter is open stays Embree's. */
 #ifndef LF_RENDER_LARGE_H
 #define LF_RENDER_LARGE_H
 

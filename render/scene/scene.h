@@ -150,6 +150,12 @@ typedef struct lf_box {
     lf_vec3 min, max;
 } lf_box;
 
+/* Where a mesh is when the shutter closes: arrays as lf_mesh has them for its opening. In between
+ * every vertex goes along a straight line. vertices NULL: it stands still, the others are NULL. */
+typedef struct lf_mesh_close {
+    const float *vertices, *normals, *tangents;
+} lf_mesh_close;
+
 typedef struct lf_mesh {
     unsigned geom_id; /* Embree geometry */
     int n_vertices, n_triangles;
@@ -160,10 +166,11 @@ typedef struct lf_mesh {
     /* [n_triangles] index into scene->materials, or NULL: `material` for all */
     const uint16_t *triangle_material;
     uint16_t material;
-    lf_box box;  /* of the triangles */
+    lf_box box;  /* of the triangles, wherever they go */
     bool hidden; /* rays of the camera pass through it */
     /* lf_mesh_data's, each NULL where no material wants it */
     const float *uvs, *colours, *tangents;
+    lf_mesh_close close;
 } lf_mesh;
 
 static inline lf_vec3 lf_mesh_vertex(const lf_mesh *mesh, uint32_t vertex)
@@ -285,6 +292,7 @@ typedef struct lf_looks {
     bool veiled; /* some surface may not be there whole */
     bool hidden; /* some mesh is hidden from the camera */
     bool filled; /* some glass absorbs */
+    bool moving; /* something is elsewhere when the shutter closes */
 } lf_looks;
 
 struct lf_scene {

@@ -83,6 +83,18 @@ void lf_glows_commit(lf_scene *scene)
         scene->glows.item[i].share = scene->lights[scene->glows.item[i].light].select / sum;
 }
 
+void lf_glows_move(lf_scene *scene)
+{
+    for (int i = 0; i < scene->glows.n; i++) {
+        lf_glow *glow = &scene->glows.item[i];
+        const lf_light *light = &scene->lights[glow->light];
+        if (!lf_light_has_faces(light) || !scene->meshes[light->mesh].close.vertices)
+            continue;
+        light->kind->extent(scene, light, &glow->middle, &glow->radius);
+        glow->reach = reach_of(scene, glow->middle);
+    }
+}
+
 static void clip(float o, float w, float min, float max, float *t0, float *t1)
 {
     /* A ray along the faces: far outside or far inside, never 0/0. */

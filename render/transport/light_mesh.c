@@ -54,7 +54,8 @@ static float share_of(const lf_light *light, uint32_t triangle)
     return (float)(light->area_cdf[first + 1] - light->area_cdf[first]);
 }
 
-/* Where triangles are not chosen by their area alone. A light with a tree has all triangles of its
+/* Where triangles are not chosen by their area alone, or by what it was when the shutter opened. A
+ * light with a tree has all triangles of its
  * mesh. */
 static float chosen_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit)
 {
@@ -70,7 +71,7 @@ static float chosen_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit)
 static float hit_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit)
 {
     lf_spherical seen;
-    if (light->has_picture || light->tree)
+    if (light->has_picture || light->tree || hit->mesh->close.vertices)
         return chosen_pdf(light, from, hit);
     if (see(hit->mesh, hit->triangle, from, &seen))
         return 0.5f * lf_length(twice_area(hit->mesh, hit->triangle)) /

@@ -155,6 +155,7 @@ static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_
                              .org_y = o.y,
                              .org_z = o.z,
                              .tnear = t_min,
+                             .time = tracer->time,
                              .dir_x = w.x,
                              .dir_y = w.y,
                              .dir_z = w.z,
@@ -187,6 +188,7 @@ static float passed_by(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, boo
                                    .dir_x = w.x,
                                    .dir_y = w.y,
                                    .dir_z = w.z,
+                                   .time = tracer->time,
                                    .mask = ~0u}};
     while (passed > 0.0f) {
         lf_hit hit;
@@ -241,6 +243,7 @@ bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
                          .org_y = o.y,
                          .org_z = o.z,
                          .tnear = 0.0f,
+                         .time = tracer->time,
                          .dir_x = w.x,
                          .dir_y = w.y,
                          .dir_z = w.z,

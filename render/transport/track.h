@@ -14,6 +14,9 @@ typedef struct lf_tracer {
     /* What rays average, where anything varies along surfaces: the diameter where they begin, and
      * what it gains with each unit of t. Zeroed: nothing. */
     float width, spread;
+    /* Of rays: 0 when the shutter opens, 1 when it closes. What moves stands there in *scene, too
+     * (rows/moment.h). */
+    float time;
     int64_t rays; /* counters, never reset here */
     int64_t lookups;
     int64_t nonfinite;

@@ -1,0 +1,76 @@
+#include "render/rows/moment.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+#include "render/transport/glow.h"
+
+/* Floats that a mesh has of its own: those that Embree would read behind the last included. */
+static size_t size_of(const lf_mesh *mesh)
+{
+    const size_t n = (size_t)mesh->n_vertices;
+    if (!mesh->close.vertices)
+        return 0;
+    return 3 * n + (mesh->normals ? 3 * n : 0) + (mesh->tangents ? 4 * n : 0);
+}
+
+lf_status lf_moment_init(lf_moment *moment, const lf_scene *scene)
+{
+    size_t size = 0;
+    *moment = (lf_moment){.scene = *scene};
+    for (int i = 0; i < scene->n_meshes; i++)
+        size += size_of(&scene->meshes[i]);
+    moment->scene.meshes = lf_calloc((size_t)scene->n_meshes, sizeof *scene->meshes);
+    moment->places = lf_calloc(size, sizeof *moment->places);
+    if (!moment->scene.meshes || !moment->places)
+        return LF_E_NOMEM;
+    float *at = moment->places;
+    for (int i = 0; i < scene->n_meshes; i++) {
+        lf_mesh *mesh = &moment->scene.meshes[i];
+        const size_t n = (size_t)scene->meshes[i].n_vertices;
+        *mesh = scene->meshes[i];
+        if (!mesh->close.vertices)
+            continue;
+        mesh->vertices = at;
+        at += 3 * n;
+        mesh->normals = mesh->normals ? at : NULL;
+        at += mesh->normals ? 3 * n : 0;
+        mesh->tangents = mesh->tangents ? at : NULL;
+        at += mesh->tangents ? 4 * n : 0;
+    }
+    return LF_OK;
+}
+
+void lf_moment_finish(lf_moment *moment)
+{
+    lf_free(moment->scene.meshes);
+    lf_free(moment->places);
+    *moment = (lf_moment){0};
+}
+
+/* open NULL: nothing. */
+static void put(float *out, const float *open, const float *close, size_t n, float time)
+{
+    for (size_t i = 0; open && i < n; i++)
+        out[i] = open[i] + time * (close[i] - open[i]);
+}
+
+/* The arrays of a moment's meshes are its own. */
+static float *own(const float *array)
+{
+    return (float *)(uintptr_t)array;
+}
+
+void lf_moment_set(lf_moment *moment, const lf_scene *scene, float time)
+{
+    for (int i = 0; i < scene->n_meshes; i++) {
+        const lf_mesh *from = &scene->meshes[i], *to = &moment->scene.meshes[i];
+        const size_t n = (size_t)from->n_vertices;
+        if (!from->close.vertices)
+            continue;
+        put(own(to->vertices), from->vertices, from->close.vertices, 3 * n, time);
+        put(own(to->normals), from->normals, from->close.normals, 3 * n, time);
+        put(own(to->tangents), from->tangents, from->close.tangents, 4 * n, time);
+    }
+    lf_glows_move(&moment->scene);
+}
