@@ -1,5 +1,6 @@
 #include "render/load/environment_load.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -9,6 +10,9 @@
 #include "base/log.h"
 #include "render/load/file_identity.h"
 #include "render/transport/light.h"
+
+/* Rows of a painted sky: 0.35 degrees each. */
+#define PAINTED_HEIGHT 512
 
 static lf_environment *find_shared(const lf_scene *previous, const char *key)
 {
@@ -33,22 +37,31 @@ static void copy_positive(const float *from, size_t n, float *to, const char *pa
         lf_log(LF_LOG_DEBUG, "%s: %zu values below 0 taken as 0", path, clipped);
 }
 
+/* Black, and not committed; NULL = out of memory. */
+static lf_environment *create(int width, int height)
+{
+    lf_environment *environment = lf_calloc(1, sizeof *environment);
+    float *rgb = lf_calloc(3 * (size_t)width * (size_t)height, sizeof *rgb);
+    if (!environment || !rgb) {
+        lf_free(environment);
+        lf_free(rgb);
+        return NULL;
+    }
+    atomic_init(&environment->refs, 1);
+    environment->width = width;
+    environment->height = height;
+    environment->rgb = rgb;
+    return environment;
+}
+
 static lf_status make_environment(const lf_raster *picture, const char *path, lf_environment **out,
                                   lf_error *err)
 {
     size_t n = 3 * (size_t)picture->width * (size_t)picture->height;
-    lf_environment *environment = lf_calloc(1, sizeof *environment);
-    float *rgb = lf_calloc(n, sizeof *rgb);
-    if (!environment || !rgb) {
-        lf_free(environment);
-        lf_free(rgb);
+    lf_environment *environment = create(picture->width, picture->height);
+    if (!environment)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    }
-    copy_positive(picture->data32, n, rgb, path);
-    atomic_init(&environment->refs, 1);
-    environment->width = picture->width;
-    environment->height = picture->height;
-    environment->rgb = rgb;
+    copy_positive(picture->data32, n, environment->rgb, path);
     lf_status status = lf_environment_commit(environment);
     if (status != LF_OK) {
         lf_environment_unref(environment);
@@ -107,4 +120,41 @@ lf_status lf_environment_load(const char *path, const lf_roots *roots, const lf_
     status = share_or_read(fd, path, previous, out_environment, err);
     close(fd);
     return status;
+}
+
+/* No path begins like that: they are absolute. */
+static char *painted_key(const lf_light_kind *kind, const lf_value values[])
+{
+    char key[1024];
+    int at = snprintf(key, sizeof key, "painted %s", kind->name);
+    for (int i = 0; kind->keys[i].name; i++) {
+        const double *v = values[i].number;
+        if (kind->unpainted >> i & 1u)
+            continue;
+        at += snprintf(key + at, sizeof key - (size_t)at, " %d %.17g %.17g %.17g", values[i].on,
+                       v[0], v[1], v[2]);
+    }
+    return lf_strdup(key);
+}
+
+lf_environment *lf_environment_paint(const lf_light_kind *kind, const lf_value values[],
+                                     const lf_scene *previous)
+{
+    char *key = painted_key(kind, values);
+    lf_environment *environment = key ? find_shared(previous, key) : NULL;
+    if (!key || environment) {
+        lf_free(key);
+        return environment;
+    }
+    environment = create(2 * PAINTED_HEIGHT, PAINTED_HEIGHT);
+    if (!environment) {
+        lf_free(key);
+        return NULL;
+    }
+    environment->key = key;
+    kind->paint(values, environment->width, environment->height, environment->rgb);
+    if (lf_environment_commit(environment) == LF_OK)
+        return environment;
+    lf_environment_unref(environment);
+    return NULL;
 }

@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "render/scene/scene.h"
+#include "render/transport/light_kind.h"
 
 #define LF_MAX_ENVIRONMENT_SIDE 16384
 
@@ -14,5 +15,10 @@
 LF_NODISCARD lf_status lf_environment_load(const char *path, const lf_roots *roots,
                                            const lf_scene *previous,
                                            lf_environment **out_environment, lf_error *err);
+
+/* The picture that a kind of lights paints of these values; shares that of previous (may be NULL)
+ * which was painted of the same. The caller owns a reference; NULL = out of memory. */
+lf_environment *lf_environment_paint(const lf_light_kind *kind, const lf_value values[],
+                                     const lf_scene *previous);
 
 #endif

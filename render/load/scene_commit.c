@@ -455,9 +455,12 @@ static void place_meshes(commit *c)
 
 /* ------------------------------------------------------------------------------------ lights -- */
 
-/* The picture of the sky that a light's file key names, if there is one. */
+/* The picture of the sky that a light's file key names or its kind paints, if there is one. */
 static void load_environment(const commit *c, const lf_light_desc *desc, lf_light *light)
 {
+    if (desc->kind->paint &&
+        !(light->environment = lf_environment_paint(desc->kind, desc->values, c->previous)))
+        out_of_memory(c);
     for (int i = 0; desc->kind->keys[i].name; i++) {
         const char *file = desc->values[i].text;
         lf_error err = {0};

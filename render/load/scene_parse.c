@@ -495,10 +495,16 @@ static void parse_light(lf_reader *reader, const lf_node *node, lf_scene_desc *d
     (void)index;
     if (reader->status != LF_OK)
         return;
-    if (light->kind->shape)
+    if (light->kind->shape) {
         add_lamp(reader, node, light, desc);
-    else
-        desc->n_lights++;
+        return;
+    }
+    desc->n_lights++;
+    lf_light_desc *other = &desc->lights[desc->n_lights];
+    other->name = node->key;
+    other->kind =
+        light->kind->companion ? light->kind->companion(light->values, other->values) : NULL;
+    desc->n_lights += other->kind ? 1 : 0;
 }
 
 /* ------------------------------------------------------------------------------------- scene -- */
@@ -531,9 +537,10 @@ void lf_scene_parse_beside(lf_reader *reader, const lf_node *root, double frames
     out->max_depth = parse_render(reader, root);
     out->volumes = allocate_section(reader, root, "volumes", LF_MAX_VOLUMES, 0,
                                     sizeof *out->volumes, &out->n_volumes);
-    int lights;
-    out->lights =
-        allocate_section(reader, root, "lights", LF_MAX_LIGHTS, 0, sizeof *out->lights, &lights);
+    /* Each may have a companion. */
+    int lights = (int)json_object_size(lf_node_child(root, "lights").value);
+    out->lights = allocate_section(reader, root, "lights", LF_MAX_LIGHTS, lights + 1,
+                                   sizeof *out->lights, &lights);
     out->materials = allocate_section(reader, root, "materials", LF_MAX_MATERIALS, lights,
                                       sizeof *out->materials, &out->n_materials);
     out->meshes = allocate_section(reader, root, "meshes", LF_MAX_MESHES, lights,

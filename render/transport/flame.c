@@ -2,34 +2,7 @@
 
 #include <math.h>
 
-/* A lobe of the fit: a Gaussian with a width on either side. */
-typedef struct lobe {
-    double height, middle, below, above; /* nm */
-} lobe;
-
-static double sum_of(const lobe lobes[], int n, double nm)
-{
-    double sum = 0.0;
-    for (int i = 0; i < n; i++) {
-        double d =
-            (nm - lobes[i].middle) / (nm < lobes[i].middle ? lobes[i].below : lobes[i].above);
-        sum += lobes[i].height * exp(-0.5 * d * d);
-    }
-    return sum;
-}
-
-/* The CIE 1931 observer (flame.h). */
-static void observer(double nm, double out_xyz[3])
-{
-    static const lobe x[] = {{1.056, 599.8, 37.9, 31.0},
-                             {0.362, 442.0, 16.0, 26.7},
-                             {-0.065, 501.1, 20.4, 26.2}},
-                      y[] = {{0.821, 568.8, 46.9, 40.5}, {0.286, 530.9, 16.3, 31.1}},
-                      z[] = {{1.217, 437.0, 11.8, 36.0}, {0.681, 459.0, 26.0, 13.8}};
-    out_xyz[0] = sum_of(x, 3, nm);
-    out_xyz[1] = sum_of(y, 2, nm);
-    out_xyz[2] = sum_of(z, 2, nm);
-}
+#include "render/transport/observer.h"
 
 /* Planck's spectrum over its value at the red end. */
 static double planck(double nm, double kelvin)
@@ -42,24 +15,20 @@ static double planck(double nm, double kelvin)
 
 void lf_black_body(double kelvin, double out_rgb[3])
 {
-    /* IEC 61966-2-1 */
-    static const double to_rgb[3][3] = {{3.2404542, -1.5371385, -0.4985314},
-                                        {-0.9692660, 1.8760108, 0.0415560},
-                                        {0.0556434, -0.2040259, 1.0572252}},
-                        luminance[3] = {0.2126, 0.7152, 0.0722};
+    static const double luminance[3] = {0.2126, 0.7152, 0.0722};
     const double coldest =
         700.0; /* of colder ones the eye sees what the fit's tails are made up of */
-    double sum[3] = {0.0}, bright = 0.0;
+    double sum[3] = {0.0}, rgb[3], bright = 0.0;
     kelvin = fmax(kelvin, coldest);
     for (int nm = 380; nm <= 780; nm += 2) {
         double xyz[3], power = planck(nm, kelvin);
-        observer(nm, xyz);
+        lf_observer(nm, xyz);
         for (int i = 0; i < 3; i++)
             sum[i] += power * xyz[i];
     }
+    lf_xyz_to_rgb(sum, rgb);
     for (int i = 0; i < 3; i++) {
-        double c = to_rgb[i][0] * sum[0] + to_rgb[i][1] * sum[1] + to_rgb[i][2] * sum[2];
-        out_rgb[i] = fmax(c, 0.0);
+        out_rgb[i] = fmax(rgb[i], 0.0);
         bright += luminance[i] * out_rgb[i];
     }
     for (int i = 0; i < 3; i++)

@@ -1,10 +1,9 @@
 /* What volumes emit, along a ray; private to render/. Line emission: radiance per scene unit,
  * whether or not anything is there that collides. A field of temperatures glows as a black body
- * does: the colour is that of Planck's spectrum (seen through Wyman, Sloan and Shirley's fit of the
- * CIE 1931 observer, JCGT 2(2), 2013), of luminance 1, and its brightness goes as T^4 (Stefan and
- * Boltzmann), 1 at LF_FLAME_KELVIN. (That the eye sees but a part of that, and of colder bodies
- * less of it, is left out: a flame would show its hottest spot alone.) docs/estimators.md, "Volumes
- * that emit". */
+ * does: the colour is that of Planck's spectrum (observer.h), of luminance 1, and its brightness
+ * goes as T^4 (Stefan and Boltzmann), 1 at LF_FLAME_KELVIN. (That the eye sees but a part of that,
+ * and of colder bodies less of it, is left out: a flame would show its hottest spot alone.)
+ * docs/estimators.md, "Volumes that emit". */
 #ifndef LF_RENDER_FLAME_H
 #define LF_RENDER_FLAME_H
 

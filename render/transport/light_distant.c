@@ -96,6 +96,17 @@ static const lf_param keys[] = {
     {0},
 };
 
+void lf_distant_say(const double direction[3], const double irradiance[3], double angle,
+                    bool visible, lf_value out[])
+{
+    for (int i = 0; i < 3; i++) {
+        out[DIRECTION].number[i] = direction[i];
+        out[IRRADIANCE].number[i] = irradiance[i];
+    }
+    out[ANGLE].number[0] = angle;
+    out[VISIBLE].on = visible;
+}
+
 static void read(const lf_value values[], const double origin[3], lf_light *light)
 {
     (void)origin;

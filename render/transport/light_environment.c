@@ -152,7 +152,7 @@ static lf_vec3 rotate_back(const float m[3][3], lf_vec3 w)
                  m[0][2] * w.x + m[1][2] * w.y + m[2][2] * w.z);
 }
 
-static lf_vec3 escape(const lf_light *light, lf_vec3 w, float *out_pdf)
+lf_vec3 lf_environment_escape(const lf_light *light, lf_vec3 w, float *out_pdf)
 {
     const lf_environment *e = light->environment;
     float x, y;
@@ -167,8 +167,8 @@ static lf_vec3 escape(const lf_light *light, lf_vec3 w, float *out_pdf)
     return lf_mul(light->radiance, bilinear(e, x, y));
 }
 
-static bool draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place,
-                 const float u[2], lf_light_sample *out)
+bool lf_environment_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place,
+                         const float u[2], lf_light_sample *out)
 {
     (void)scene, (void)p, (void)place;
     const lf_environment *e = light->environment;
@@ -187,7 +187,7 @@ static bool draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double
     return true;
 }
 
-static double power(const lf_light *light, double radius)
+double lf_environment_power(const lf_light *light, double radius)
 {
     if (!light->environment)
         return 0.0;
@@ -196,9 +196,17 @@ static double power(const lf_light *light, double radius)
            (double)lf_mean3(light->radiance);
 }
 
-static bool varies(const lf_light *light)
+bool lf_environment_varies(const lf_light *light)
 {
     return light->environment;
+}
+
+void lf_environment_turn(lf_light *light, double angle)
+{
+    double a = 0.5 * M_PI - angle, c = cos(a), s = sin(a);
+    const double m[3][3] = {{c, 0, s}, {0, 1, 0}, {-s, 0, c}};
+    for (int i = 0; i < 9; i++)
+        light->to_environment[i / 3][i % 3] = (float)m[i / 3][i % 3];
 }
 
 enum { FILE_NAME, SCALE, ROTATE, RADIANCE, VISIBLE };
@@ -219,30 +227,20 @@ static const lf_param keys[] = {
     {0},
 };
 
-/* Scene directions -> the picture's frame. The middle of the picture lies towards -z; the light's
- * rotation turns it about +y. */
-static void set_rotation(lf_light *light, double angle)
-{
-    double a = 0.5 * M_PI - angle, c = cos(a), s = sin(a);
-    const double m[3][3] = {{c, 0, s}, {0, 1, 0}, {-s, 0, c}};
-    for (int i = 0; i < 9; i++)
-        light->to_environment[i / 3][i % 3] = (float)m[i / 3][i % 3];
-}
-
 static void read(const lf_value values[], const double origin[3], lf_light *light)
 {
     (void)origin;
     light->radiance = lf_to_vec3(values[values[FILE_NAME].given ? SCALE : RADIANCE].number);
     light->hidden = !values[VISIBLE].on;
-    set_rotation(light, values[ROTATE].number[0]);
+    lf_environment_turn(light, values[ROTATE].number[0]);
 }
 
 const lf_light_kind lf_light_environment = {
     .name = "environment",
     .keys = keys,
     .read = read,
-    .draw = draw,
-    .power = power,
-    .escape = escape,
-    .varies = varies,
+    .draw = lf_environment_draw,
+    .power = lf_environment_power,
+    .escape = lf_environment_escape,
+    .varies = lf_environment_varies,
 };

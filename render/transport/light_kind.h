@@ -28,6 +28,15 @@ typedef struct lf_light_kind {
      * a struct of light->own (light_spot.c). */
     void (*read)(const lf_value values[], const double origin[3], lf_light *light);
 
+    /* Another light that the same words mean besides: its kind, and what a file would say of it;
+     * NULL = there is none. NULL where there never is. */
+    const struct lf_light_kind *(*companion)(const lf_value values[], lf_value out[]);
+    /* Paints the picture of the sky, as lf_environment has it, that becomes light->environment
+     * before read is called, by the values but those in `unpainted` (a bit a key). NULL = it has
+     * none, or one of a file. */
+    void (*paint)(const lf_value values[], int width, int height, float *rgb);
+    uint32_t unpainted;
+
     /* Lights that become a mesh when the scene is parsed, and shine as mesh lights: of the kinds'
      * functions they have make alone, in place of read. */
 
@@ -69,6 +78,7 @@ typedef struct lf_light_kind {
  * infinity first, those made of meshes last. */
 #define LF_LIGHT_KINDS(KIND)                                                                       \
     KIND(environment)                                                                              \
+    KIND(sky)                                                                                      \
     KIND(distant)                                                                                  \
     KIND(point)                                                                                    \
     KIND(spot)                                                                                     \

@@ -17,6 +17,22 @@
         .name = "direction", .type = LF_PARAM_DIRECTION, LF_COORDINATES, .point = { 0, -1, 0 }     \
     }
 
+/* Lights at infinity. */
+
+/* What kinds with an environment's picture do; light->radiance is its factor. */
+bool lf_environment_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place,
+                         const float u[2], lf_light_sample *out);
+double lf_environment_power(const lf_light *light, double radius);
+lf_vec3 lf_environment_escape(const lf_light *light, lf_vec3 w, float *out_pdf);
+bool lf_environment_varies(const lf_light *light);
+/* Sets light->to_environment: the middle of the picture lies towards -z, turned by angle about
+ * +y. */
+void lf_environment_turn(lf_light *light, double angle);
+
+/* What a file would say of a distant light: the values of its keys. */
+void lf_distant_say(const double direction[3], const double irradiance[3], double angle,
+                    bool visible, lf_value out[]);
+
 /* Lights that are faces. */
 
 /* What they may say of a length and of how much they shine: their radiance or their power. */

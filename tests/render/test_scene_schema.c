@@ -228,6 +228,8 @@ static const char *const good[] = {
     "{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 0}}}",
     "{\"lights\": {\"l\": {\"type\": \"distant\", \"direction\": [0, 0, 1], \"irradiance\": [1, 2, "
     "3], \"angle\": 0.5}}}",
+    "{\"lights\": {\"l\": {\"type\": \"sky\", \"elevation\": 0, \"azimuth\": -90, \"turbidity\": "
+    "10, \"sun\": false, \"ground\": [0, 0.5, 1], \"scale\": 0.01, \"visible\": false}}}",
     "{\"lights\": {\"l\": {\"type\": \"point\"}}}",
     "{\"lights\": {\"l\": {\"type\": \"spot\", \"direction\": [1, 0, 0], \"angle\": 180, "
     "\"blend\": 0}}}",
@@ -323,6 +325,9 @@ static const char *const wrong[] = {
     "{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 1, \"scale\": 1}}}",
     "{\"lights\": {\"l\": {\"type\": \"environment\", \"file\": \"a.exr\", \"radiance\": 1}}}",
     "{\"lights\": {\"l\": {\"type\": \"distant\", \"angle\": 91}}}",
+    "{\"lights\": {\"l\": {\"type\": \"sky\", \"elevation\": 91}}}",
+    "{\"lights\": {\"l\": {\"type\": \"sky\", \"ground\": 2}}}",
+    "{\"lights\": {\"l\": {\"type\": \"sky\", \"file\": \"a.exr\"}}}",
     "{\"lights\": {\"l\": {\"type\": \"spot\", \"angle\": 0}}}",
     "{\"lights\": {\"l\": {\"type\": \"distant\", \"position\": [0, 0, 0]}}}",
     "{\"lights\": {\"l\": {\"type\": \"point\", \"intensity\": [1, 2, 3, 4]}}}",
