@@ -56,6 +56,7 @@ typedef struct lf_param {
     /* Keys of what is said in one of two ways: 0, the key belongs to both; 1 or 2, to that one. The
      * first key of each must be there when the other's is not, and never beside it. */
     int form;
+    bool watts;     /* of lights: W or W sr^-1 */
     bool exclusive; /* an error where a thing of another kind says it (surfaces) */
 } lf_param;
 

@@ -103,6 +103,27 @@ static lf_affine parse_transform(lf_reader *reader, const lf_node *parent)
     return a;
 }
 
+/* ------------------------------------------------------------------------------------- units -- */
+
+/* What one unit of node's lengths is, in millimetres; fallback where it says nothing. */
+static double parse_units(lf_reader *reader, const lf_node *node, double fallback)
+{
+    static const char *const names[] = {"mm", "cm", "m", "km", "in", "ft", NULL};
+    static const double mm[] = {1, 10, 1e3, 1e6, 25.4, 304.8};
+    int unit = lf_read_choice(reader, node, "units", names, -1);
+    return unit < 0 ? fallback : mm[unit];
+}
+
+/* A transform of what a file holds, whose lengths are first brought to those of the scene. */
+static lf_affine parse_placed(lf_reader *reader, const lf_node *node, double scene_mm)
+{
+    lf_affine a = parse_transform(reader, node);
+    double scale = parse_units(reader, node, scene_mm) / scene_mm;
+    for (int i = 0; i < 9; i++)
+        a.m[i / 3][i % 3] *= scale;
+    return a;
+}
+
 /* ------------------------------------------------------------------------------------ camera -- */
 
 /* The rig needs a view axis and an up vector that is not along it. */
@@ -255,8 +276,9 @@ static void parse_flame(lf_reader *reader, const lf_node *node, lf_volume_desc *
 
 static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_volume_desc *volume)
 {
-    static const char *const keys[] = {"file", "sequence",      "grid",     "scale",     "albedo",
-                                       "g",    "interpolation", "emission", "transform", NULL};
+    static const char *const keys[] = {"file",     "sequence",  "grid",  "scale",
+                                       "albedo",   "g",         "units", "interpolation",
+                                       "emission", "transform", NULL};
     static const char *const endings[] = {"vdb", NULL};
     static const char *const filters[] = {"linear", "nearest", NULL};
     lf_read_object(reader, node, keys);
@@ -282,9 +304,9 @@ static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *
 
 static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
-    static const char *const keys[] = {"file",      "sequence", "grid",          "scale",
-                                       "albedo",    "g",        "interpolation", "shape",
-                                       "transform", "density",  "emission",      NULL};
+    static const char *const keys[] = {"file",     "sequence",      "grid",  "scale",     "albedo",
+                                       "g",        "interpolation", "shape", "transform", "density",
+                                       "emission", "units",         NULL};
     lf_volume_desc *volume = &desc->volumes[index];
     *volume = (lf_volume_desc){.name = node->key, .albedo = {1, 1, 1}};
     if (!lf_read_object(reader, node, keys))
@@ -295,7 +317,7 @@ static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *
         parse_shape(reader, node, volume);
     lf_read_colour(reader, node, "albedo", volume->albedo, 0, 1);
     volume->g = lf_read_number(reader, node, "g", 0, -0.999, 0.999);
-    volume->transform = parse_transform(reader, node);
+    volume->transform = parse_placed(reader, node, desc->unit_mm);
 }
 
 /* ---------------------------------------------------------------------- materials and meshes -- */
@@ -427,7 +449,7 @@ static void parse_clip(lf_reader *reader, const lf_node *node, double seconds, l
 static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
     static const char *const keys[] = {"file",      "shape",     "material", "normals",
-                                       "transform", "animation", NULL};
+                                       "transform", "animation", "units",    NULL};
     static const char *const endings[] = {"obj", "ply", "stl", "gltf", "glb", "3ds", NULL};
     static const char *const normals[] = {"file", "smooth", "flat", NULL};
     lf_mesh_desc *mesh = &desc->meshes[index];
@@ -442,7 +464,10 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     else
         mesh->shape = lf_mesh_shapes[lf_read_choice(reader, node, "shape", shapes, 0)];
     mesh->normals = (lf_normals)lf_read_choice(reader, node, "normals", normals, LF_NORMALS_FILE);
-    mesh->transform = parse_transform(reader, node);
+    mesh->transform = parse_placed(reader, node, desc->unit_mm);
+    const lf_node units = lf_node_child(node, "units");
+    if (mesh->shape && units.value)
+        lf_read_fail(reader, &units, "only what is in a file has units of its own");
     parse_clip(reader, node, desc->seconds, &mesh->clip);
     const char *material = lf_read_string(reader, node, "material", NULL, LF_MAX_NAME);
     if (material)
@@ -476,6 +501,16 @@ static void add_lamp(lf_reader *reader, const lf_node *node, const lf_light_desc
         .kind = &lf_surface_diffuse, .emission = lf_to_vec3(lamp.radiance), .one_sided = true};
 }
 
+/* What is said in watts, or watts a steradian, arrives on square metres: of a scene in other units
+ * that is so many times more on the square of one. */
+static void convert_watts(lf_light_desc *light, double scene_mm)
+{
+    double metre = 1e3 / scene_mm;
+    for (int i = 0; light->kind->keys[i].name; i++)
+        for (int j = 0; light->kind->keys[i].watts && j < 3; j++)
+            light->values[i].number[j] *= metre * metre;
+}
+
 static void parse_light(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
     lf_light_desc *light = &desc->lights[desc->n_lights];
@@ -492,6 +527,7 @@ static void parse_light(lf_reader *reader, const lf_node *node, lf_scene_desc *d
     light->name = node->key;
     light->kind = kinds[lf_read_type(reader, node, types, -1)];
     lf_read_values(reader, node, light->kind->keys, light->values);
+    convert_watts(light, desc->unit_mm);
     (void)index;
     if (reader->status != LF_OK)
         return;
@@ -517,9 +553,9 @@ void lf_scene_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
 void lf_scene_parse_beside(lf_reader *reader, const lf_node *root, double frames,
                            lf_scene_desc *out)
 {
-    static const char *const keys[] = {"quiltd",  "camera",   "volumes", "meshes", "materials",
-                                       "lights",  "backdrop", "film",    "render", "comment",
-                                       "$schema", "include",  "frame",   "rate",   NULL};
+    static const char *const keys[] = {
+        "quiltd", "camera",  "volumes", "meshes",  "materials", "lights", "backdrop", "film",
+        "render", "comment", "$schema", "include", "frame",     "rate",   "units",    NULL};
     *out = (lf_scene_desc){0};
     if (!lf_read_object(reader, root, keys)) {
         lf_read_fail(reader, root, "a scene is a JSON object");
@@ -530,6 +566,7 @@ void lf_scene_parse_beside(lf_reader *reader, const lf_node *root, double frames
     lf_read_string(reader, root, "$schema", NULL, 4096);
     out->frame = lf_read_int(reader, root, "frame", 1, 0, LF_MAX_FRAME);
     out->rate = lf_read_number(reader, root, "rate", LF_FRAME_RATE, 0.01, 1000);
+    out->unit_mm = parse_units(reader, root, 1e3);
     out->seconds = (out->frame - 1 + frames) / out->rate;
     parse_camera(reader, root, &out->camera);
     parse_film(reader, root, &out->film);

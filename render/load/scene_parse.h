@@ -58,6 +58,7 @@ typedef struct lf_scene_desc {
     int frame;
     double rate;    /* frames a second */
     double seconds; /* of animations: 0 in frame 1 */
+    double unit_mm; /* what a scene unit is */
     lf_camera camera;
     lf_film_settings film;
     lf_backdrop backdrop;

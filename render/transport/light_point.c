@@ -26,6 +26,7 @@ enum { POSITION, INTENSITY };
 static const lf_param keys[] = {
     [POSITION] = {.name = "position", .type = LF_PARAM_POINT, LF_COORDINATES},
     [INTENSITY] = {.name = "intensity",
+                   .watts = true,
                    .type = LF_PARAM_COLOUR,
                    .high = LF_MAX_RADIANCE,
                    .point = {1, 1, 1}},

@@ -42,6 +42,7 @@ static const lf_param keys[] = {
     [POSITION] = {.name = "position", .type = LF_PARAM_POINT, LF_COORDINATES},
     [DIRECTION] = LF_DOWNWARDS_KEY,
     [INTENSITY] = {.name = "intensity",
+                   .watts = true,
                    .type = LF_PARAM_COLOUR,
                    .high = LF_MAX_RADIANCE,
                    .point = {1, 1, 1}},

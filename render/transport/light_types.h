@@ -46,7 +46,8 @@ void lf_distant_say(const double direction[3], const double irradiance[3], doubl
     }
 #define LF_POWER_KEY                                                                               \
     {                                                                                              \
-        .name = "power", .type = LF_PARAM_COLOUR, .form = 2, .high = LF_MAX_RADIANCE               \
+        .name = "power", .type = LF_PARAM_COLOUR, .form = 2, .high = LF_MAX_RADIANCE,              \
+        .watts = true                                                                              \
     }
 
 /* What the second is of a light of this area that shines evenly to one side: power / (pi area). */

@@ -244,6 +244,8 @@ static const char *const good[] = {
     "{\"lights\": {\"l\": {\"type\": \"sphere\", \"power\": 5, \"visible\": true}}}",
     "{\"lights\": {\"l\": {\"type\": \"sphere\", \"radiance\": 5}}}",
     "{\"meshes\": {\"m\": {\"shape\": \"disk\"}}}",
+    "{\"units\": \"in\", \"meshes\": {\"m\": {\"file\": \"a.stl\", \"units\": \"mm\"}}, "
+    "\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"units\": \"km\"}}}",
     "{\"include\": \"other.json\"}",
     "{\"include\": [\"other.json\", \"../b.json\"], \"lights\": {}}",
     "{\"include\": []}",
@@ -339,6 +341,11 @@ static const char *const wrong[] = {
     "{\"lights\": {\"l\": {\"type\": \"disk\", \"radiance\": 1, \"width\": 1}}}",
     "{\"lights\": {\"l\": {\"type\": \"sphere\", \"radiance\": 1, \"direction\": [0, 1, 0]}}}",
     "{\"lights\": {\"l\": {\"type\": \"sphere\", \"power\": -1}}}",
+    "{\"units\": \"inch\"}",
+    "{\"units\": 1}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.stl\", \"units\": \"parsec\"}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"cube\", \"units\": \"mm\"}}}",
+    "{\"volumes\": {\"v\": {\"shape\": \"box\", \"units\": \"mm\"}}}",
     "{\"include\": 1}",
     "{\"include\": \"\"}",
     "{\"include\": [\"\"]}",
@@ -427,7 +434,7 @@ static void every_key_of_the_schema_is_known_to_the_parser(void **state)
         json_decref(doc);
         n++;
     }
-    assert_int_equal(n, 14);
+    assert_int_equal(n, 15);
     json_decref(schema);
 }
 
