@@ -176,6 +176,8 @@ bool lf_scene_depth(const lf_scene *scene, const lf_render_settings *settings, l
     depth.nearest_step = step * (1.0 - distance / depth.nearest);
     depth.farthest_step = step * (1.0 - distance / depth.farthest);
     depth.limit = fmax(LEAST_LIMIT, LIMIT * settings->width);
+    depth.sharp_from = distance * step / (step + depth.limit);
+    depth.sharp_to = step > depth.limit ? distance * step / (step - depth.limit) : (double)INFINITY;
     depth.exceeded = settings->camera.view_blur < 1.0 &&
                      fmax(-depth.nearest_step, depth.farthest_step) > depth.limit;
     *out = depth;

@@ -223,6 +223,9 @@ typedef struct lf_render_settings {
 typedef struct lf_depth {
     double nearest, farthest; /* Z, scene units */
     double nearest_step, farthest_step;
+    /* Z between which steps stay within the limit: what a panel shows sharply, as far as its views
+     * go. INFINITY: it has no end there. */
+    double sharp_from, sharp_to;
     /* Steps beyond it (4 % of the window, at least 4 pixels) show as edges beside edges, and are
      * what programs warn of. exceeded: there are such, and no view_blur that makes them smooth. */
     double limit;

@@ -69,9 +69,11 @@ char *lf_depth_words(const lf_depth *depth, int width, char *buf, size_t size)
     snprintf(
         buf, size,
         "deeper than a panel shows: what is %s the window jumps by up to %s from view to view, "
-        "and is seen several times beside itself (%.0f at most are shown well): frame what matters "
-        "(camera.fit), set camera.view_blur to 1, or take a smaller camera.cone",
-        before > behind ? "before" : "behind", steps, depth->limit);
+        "and is seen several times beside itself (%.0f at most are shown well, %s than %.4g away): "
+        "frame what matters (camera.fit), set camera.view_blur to 1, or take a smaller camera.cone",
+        before > behind ? "before" : "behind", steps, depth->limit,
+        before > behind ? "farther" : "nearer",
+        before > behind ? depth->sharp_from : depth->sharp_to);
     return buf;
 }
 

@@ -78,6 +78,8 @@ const lf_param lf_option_params[] = {
      .help = "what is left out where the scene does not need it (all)"},
     {.option = "aov", .argument = "all|none|LIST", PLACE(layers), .type = LF_PARAM_LIST,
      .word_at = layer_at, .help = "layers beside the colours of EXR files (none)"},
+    {.option = "guides", PLACE(guides), .type = LF_PARAM_SWITCH,
+     .help = "a picture to frame by: red is nearer than a panel shows sharply, blue farther"},
     {.name = "threads", .option = "threads", .argument = "N", PLACE(threads),
      .type = LF_PARAM_WHOLE, .low = 0, .high = 256, .help = "worker threads (0: all CPUs)"},
     {.option = "seed", .argument = "S", PLACE(seed), .type = LF_PARAM_SEED,
@@ -198,7 +200,8 @@ lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,
         .seed = options->seed,
         .max_depth = options->max_depth,
         .skip = options->has_skip ? options->skip : LF_SKIP_ALL,
-        .features = options->reconstruct == LF_RECONSTRUCT_ON || options->layers & LF_LAYER_DEPTH,
+        .features = options->reconstruct == LF_RECONSTRUCT_ON || options->layers & LF_LAYER_DEPTH ||
+                    options->guides,
     };
     lf_layout layout = {0};
     resolve_camera(options, camera, calibration, &settings.camera);

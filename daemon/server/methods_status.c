@@ -30,16 +30,21 @@ static json_t *known_or_null(double value)
     return value >= 0 ? json_real(value) : json_null();
 }
 
-/* Steps that there is no end to are null. */
+/* What there is no end to is null. */
+static json_t *finite_or_null(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
 static json_t *depth_json(const lf_content *content)
 {
     const lf_depth *d = &content->depth;
     if (!content->has_depth)
         return json_null();
-    return json_pack("{s:f, s:f, s:o, s:f, s:f, s:b}", "nearest", d->nearest, "farthest",
-                     d->farthest, "nearest_step",
-                     isfinite(d->nearest_step) ? json_real(d->nearest_step) : json_null(),
-                     "farthest_step", d->farthest_step, "limit", d->limit, "exceeded", d->exceeded);
+    return json_pack("{s:f, s:f, s:o, s:f, s:f, s:f, s:o, s:b}", "nearest", d->nearest, "farthest",
+                     d->farthest, "nearest_step", finite_or_null(d->nearest_step), "farthest_step",
+                     d->farthest_step, "limit", d->limit, "sharp_from", d->sharp_from, "sharp_to",
+                     finite_or_null(d->sharp_to), "exceeded", d->exceeded);
 }
 
 static void add_content(const lf_server *server, json_t *status)

@@ -26,10 +26,11 @@ static const struct option table[] = {
 };
 
 static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
-                                              " exposure panel target-error target-shown-error aov";
+                                              " exposure panel target-error target-shown-error aov"
+                                              " guides";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
-                              "target-shown-error aov reconstruct";
+                              "target-shown-error aov guides reconstruct";
 
 static void print_help(void)
 {
@@ -44,7 +45,7 @@ static void print_help(void)
         "ending in / a folder of views.\n"
         "\n"
         "What:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " exposure panel aov");
+    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " exposure panel aov guides");
     lf_param_print_help(lf_panel_params, NULL);
     lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
@@ -202,6 +203,8 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
     }
     if (a->options.layers && !(lf_path_has_ending(a->out, ".exr") || a->kind->surplus))
         return lf_error_set(err, LF_E_ARG, "--aov", "only goes with OUT.exr and folders of views");
+    if (a->options.guides && (a->kind->layers || !lf_path_has_ending(a->out, ".png")))
+        return lf_error_set(err, LF_E_ARG, "--guides", "only goes with OUT.png that is shown");
     return LF_OK;
 }
 

@@ -7,6 +7,7 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/output/content.h"
+#include "daemon/output/guides.h"
 
 /* ---------------------------------------------------------------------------------- progress -- */
 
@@ -130,6 +131,25 @@ static lf_status make_layers(lf_rendering *r, unsigned layers, lf_layers32 *out,
     return status == LF_OK ? LF_OK : lf_error_set(err, status, a->out, "no layers were made");
 }
 
+/* Marks what lies outside of the depth that the panel shows sharply. */
+static lf_status mark_depth(lf_rendering *r, lf_error *err)
+{
+    lf_layers32 layers;
+    const char *names[LF_MAX_LAYER_CHANNELS];
+    lf_depth depth;
+    if (!lf_scene_depth(r->scene, &r->settings, &depth))
+        return LF_OK;
+    lf_log(LF_LOG_INFO, "guides: sharp from %.4g to %.4g along the view axis", depth.sharp_from,
+           depth.sharp_to);
+    lf_status status = make_layers(r, LF_GUIDE_LAYERS, &layers, names, err);
+    if (status == LF_OK)
+        lf_guides_mark(&depth, r->film_settings.exposure, r->layers,
+                       (size_t)r->settings.height * (size_t)r->settings.camera.n_views *
+                           (size_t)r->settings.width,
+                       r->film);
+    return status;
+}
+
 static json_t *make_record(const lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
@@ -174,6 +194,8 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
     if (r->is_quilt)
         source.aspect = r->layout.aspect;
     lf_status status = expose(r, &source, err);
+    if (status == LF_OK && a->options.guides)
+        status = mark_depth(r, err);
     if (status == LF_OK && a->options.layers) {
         status = make_layers(r, a->options.layers, &layers, names, err);
         source.views32.layers = &layers;

@@ -51,6 +51,8 @@ static const struct {
      "no manifest of a print"},
     {"%S -o %D/x.png --aov depth", "--aov: only goes with OUT.exr"},
     {"%S -o %D/x.exr --aov width", "all, none or some of"},
+    {"%S -o %D/x.exr --guides", "--guides: only goes with OUT.png"},
+    {"%Q -o %D/x.png --guides", "--guides: does not go with a finished quilt"},
     {"%Q -o %D/x.exr --aov depth", "--aov: does not go with a finished quilt"},
     {"%S -o %D/x.png --near 2", "--near: only goes with --rgbd"},
     {"%S -o %D/x.exr --rgbd right", "a picture with depth ends in .png"},

@@ -133,6 +133,29 @@ static void a_step_is_what_a_point_moves_by_from_view_to_view(void **state)
                  120, (double[]){0, 1, 4.1}, (double[]){0, 0, -4.5});
 }
 
+/* On the planes where the sharp depth ends, steps are the limit. */
+static void the_sharp_depth_ends_where_steps_reach_the_limit(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene("{" CAMERA "}, 'meshes': {'a': {'shape': 'cube'}}}");
+    for (int width = 60; width <= 960; width *= 4) {
+        lf_render_settings settings = settings_of(scene, width, width);
+        lf_depth depth;
+        assert_true(lf_scene_depth(scene, &settings, &depth));
+        const double near[3] = {0.1, 0.2, 10 - depth.sharp_from},
+                     far[3] = {0.1, 0.2, 10 - depth.sharp_to};
+        lf_assert_close(step_of(&settings.camera, width, near), -depth.limit, 1e-5, 0);
+        lf_assert_close(step_of(&settings.camera, width, far), depth.limit, 1e-5, 0);
+    }
+    /* A narrow cone: all that is behind the window is sharp. */
+    lf_render_settings settings = settings_of(scene, 300, 300);
+    settings.camera.cone *= 0.05;
+    lf_depth depth;
+    assert_true(lf_scene_depth(scene, &settings, &depth));
+    assert_true(isinf(depth.sharp_to) && depth.sharp_from > 0 && depth.sharp_from < 10);
+    lf_scene_unref(scene);
+}
+
 /* A ground under a camera that looks along it: as near as the lower edge of the picture, as far as
  * it goes. What lies beside the picture does not count. */
 static void only_what_is_in_the_picture_counts(void **state)
@@ -275,6 +298,7 @@ int main(void)
         cmocka_unit_test(bounds_are_those_of_what_is_there),
         cmocka_unit_test(bounds_far_away_lose_nothing),
         cmocka_unit_test(a_step_is_what_a_point_moves_by_from_view_to_view),
+        cmocka_unit_test(the_sharp_depth_ends_where_steps_reach_the_limit),
         cmocka_unit_test(only_what_is_in_the_picture_counts),
         cmocka_unit_test(what_begins_at_the_cameras_has_no_least_step),
         cmocka_unit_test(what_is_framed_fills_its_share_of_all_views),

@@ -1,0 +1,87 @@
+/* Guides: what lies outside of the sharp depth is marked, in the colours that are said, and nothing
+ * else is touched. */
+#include "tests/daemon/quiltrender.h"
+
+#include "daemon/output/guides.h"
+
+static const lf_depth depth = {.sharp_from = 8.0, .sharp_to = 12.0};
+
+/* Grey of 0.5 at a distance, covered by a share. */
+static void mark(const lf_depth *d, double exposure, double z, double covered, float out[3])
+{
+    const float layers[2] = {(float)z, (float)covered};
+    out[0] = out[1] = out[2] = 0.5f;
+    lf_guides_mark(d, exposure, layers, 1, out);
+}
+
+static void what_is_sharp_and_what_meets_nothing_is_left_alone(void **state)
+{
+    (void)state;
+    static const double at[][2] = {{8.01, 1}, {10, 1}, {11.99, 1}, {0, 0}, {0, 1}, {7, 0}, {13, 0}};
+    for (size_t i = 0; i < sizeof at / sizeof at[0]; i++) {
+        float c[3];
+        mark(&depth, 0, at[i][0], at[i][1], c);
+        assert_true(c[0] == 0.5f && c[1] == 0.5f && c[2] == 0.5f);
+    }
+    const lf_depth endless = {.sharp_from = 8.0, .sharp_to = (double)INFINITY};
+    float c[3];
+    mark(&endless, 0, 1e9, 1, c);
+    assert_true(c[0] == 0.5f && c[2] == 0.5f);
+}
+
+static void what_is_too_near_is_red_and_what_is_too_far_is_blue(void **state)
+{
+    (void)state;
+    float near[3], far[3], half[3], dark[3];
+    mark(&depth, 0, 7.99, 1, near);
+    mark(&depth, 0, 12.01, 1, far);
+    mark(&depth, 0, 5, 0.5, half);
+    mark(&depth, -3, 5, 1, dark); /* shown 8 times darker: the mark is as bright on the screen */
+    assert_true(near[0] > 0.65f && near[1] < 0.3f && near[2] < 0.3f);
+    assert_true(far[2] > 0.65f && far[1] < 0.35f && far[0] < 0.3f);
+    for (int i = 0; i < 3; i++) {
+        lf_assert_close(half[i], 0.5 * (0.5 + (double)near[i]), 1e-5, 0);
+        lf_assert_close(dark[i] - 0.25f, 8.0 * (double)(near[i] - 0.25f), 1e-5, 0);
+    }
+}
+
+/* White cubes one behind the other, under an even sky: each has the colour of where it stands. */
+static void cubes_before_in_and_behind_the_window(void **state)
+{
+    const qr_files *f = *state;
+    static const char scene[] =
+        "{\"camera\": {\"position\": [0, 0, 10], \"fov_y\": 20, \"aspect\": 1, \"cone\": 30, "
+        "\"views\": 5}, \"meshes\": {\"near\": {\"shape\": \"cube\", \"transform\": {\"scale\": "
+        "0.3, \"translate\": [-0.6, 0, 4]}}, \"here\": {\"shape\": \"cube\", \"transform\": "
+        "{\"scale\": 0.3}}, \"far\": {\"shape\": \"cube\", \"transform\": {\"scale\": 0.8, "
+        "\"translate\": [2, 0, -8]}}}, \"lights\": {\"e\": {\"type\": \"environment\", "
+        "\"radiance\": 0.5}}}";
+    char path[PATH_MAX], out[PATH_MAX];
+    snprintf(path, sizeof path, "%s", lf_test_write(f->folder, "cubes.json", scene));
+    qr_succeed("%s -o %s/cubes.png --guides --view-size 60x60 --quilt 5x1 --spp 4", path,
+               f->folder);
+    snprintf(out, sizeof out, "%s/cubes_qs5x1a1.png", f->folder);
+    lf_image8 image = {0};
+    lf_assert_ok(lf_image8_read(out, NULL, &image, NULL), NULL);
+    /* The middle view: slopes of the middles of the cubes, over that of the window's edge. */
+    static const double slope[] = {-0.6 / 6, 0, 2.0 / 18};
+    for (int i = 0; i < 3; i++) {
+        int x = 2 * 60 + 30 + (int)(30 * slope[i] / tan(10 * M_PI / 180));
+        const uint8_t *at = image.data + 30 * image.stride + (size_t)x * 3;
+        int redder = at[0] - at[2];
+        assert_true(i == 0 ? redder > 40 : i == 1 ? abs(redder) < 3 : redder < -40);
+    }
+    const uint8_t *sky = image.data + 5 * image.stride + (size_t)(2 * 60 + 30) * 3;
+    assert_true(sky[0] == sky[2]);
+    lf_image8_finish(&image);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_sharp_and_what_meets_nothing_is_left_alone),
+        cmocka_unit_test(what_is_too_near_is_red_and_what_is_too_far_is_blue),
+        cmocka_unit_test(cubes_before_in_and_behind_the_window),
+    };
+    return cmocka_run_group_tests(tests, qr_set_up, qr_tear_down);
+}
