@@ -108,7 +108,7 @@ static bool take_layers(const lf_parcel_material *from, lf_material *out)
            within(from->sheen_roughness, 0, 1) && within(from->transmission, 0, 1) &&
            from->is_solid <= 1 && take_vector(from->specular_tint, 1, &out->specular_tint) &&
            take_vector(from->sheen, 1, &out->sheen) &&
-           take_vector(from->absorption, LF_MAX_RADIANCE, &out->absorption);
+           take_vector(from->absorption, LF_MAX_RADIANCE, &out->glass.absorption);
 }
 
 static bool take_material(const lf_parcel_material *from, lf_material *out)

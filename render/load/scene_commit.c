@@ -531,7 +531,8 @@ static void set_flags(lf_scene *scene)
         scene->has_delta |= used[m] && material->has_delta;
         scene->looks.varied |= used[m] && !!material->textures;
         scene->looks.filled |= used[m] && material->is_solid && material->transmission > 0.0f &&
-                               lf_max3(material->absorption) > 0.0f;
+                               lf_max3(material->glass.absorption) > 0.0f;
+        scene->looks.frosted |= used[m] && material->is_solid && material->glass.is_rough;
         scene->looks.veiled |= used[m] && material->cover != LF_COVER_OPAQUE;
         scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
         scene->has_view_lobes |= used[m] && material->kind->view_dependent;

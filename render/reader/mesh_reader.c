@@ -35,7 +35,7 @@ static void put_words(const lf_material *m, lf_parcel_material *out)
     put_vector(m->sheen, out->sheen);
     out->sheen_roughness = m->sheen_roughness;
     out->transmission = m->transmission;
-    put_vector(m->absorption, out->absorption);
+    put_vector(m->glass.absorption, out->absorption);
     out->is_solid = m->is_solid;
 }
 

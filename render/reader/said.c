@@ -81,7 +81,7 @@ static void convert_layers(const lf_said *said, lf_material *out)
     out->sheen_roughness = clamp_unit(said->sheen_roughness);
     out->transmission = clamp_unit(said->transmission);
     out->is_solid = said->is_solid;
-    out->absorption = clamp_radiances(said->absorption);
+    out->glass.absorption = clamp_radiances(said->absorption);
 }
 
 static bool has_texture(const lf_said *said)

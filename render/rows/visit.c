@@ -58,7 +58,8 @@ void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, 
     float pdf = lf_scatter_sample(visit->scene, &pivot->event, wo, u, &suffix->wi, &f);
     /* A direction counts in W' whether or not anything is reflected along it. */
     suffix->has_direction = pdf > 0.0f;
-    if (!suffix->has_direction || !(lf_max3(f) > 0.0f))
+    if (!suffix->has_direction ||
+        !(lf_max3(f) > 0.0f || lf_path_serves_others(&pivot->event, suffix->wi)))
         return;
     lf_event next;
     tracer->spread = LF_SUFFIX_SPREAD;
@@ -67,6 +68,11 @@ void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, 
     if (visit->worker->glows.n > 0 && suffix->found_pdf > 0.0f && next.kind == LF_EVENT_SURFACE)
         suffix->found_light = lf_light_of_hit(visit->scene, &next.hit);
     suffix->scattered = lf_path_arriving(tracer, &next, 2, visit->max_depth);
+    if (visit->scene->looks.filled) {
+        lf_vec3 left = lf_path_absorbed(visit->scene, &next);
+        suffix->found = lf_mul(suffix->found, left);
+        suffix->scattered = lf_mul(suffix->scattered, left);
+    }
     lf_vec3 left = lf_path_absorbed(visit->scene, &next);
     suffix->found = lf_mul(suffix->found, left);
     suffix->scattered = lf_mul(suffix->scattered, left);

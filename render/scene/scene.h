@@ -109,6 +109,17 @@ float lf_grid_nearest(const lf_grid *grid, float x, float y, float z);
 /* How much of a surface is there (glTF 2.0, section 3.9.4). */
 typedef enum lf_cover { LF_COVER_OPAQUE, LF_COVER_MASK, LF_COVER_BLEND, LF_COVERS } lf_cover;
 
+#define LF_GLASS_NODES 32
+
+/* What is behind a surface that light goes through, and how it goes. */
+typedef struct lf_glass {
+    lf_vec3 absorption; /* inside of it, per scene unit */
+    /* Made by lf_material_prepare: the lobe through it is no delta. */
+    bool is_rough;
+    bool is_inside;                /* of a hit's own: met from within a solid (track.c) */
+    float kept[2][LF_GLASS_NODES]; /* E of rough glass, from outside and from within */
+} lf_glass;
+
 typedef struct lf_material {
     const struct lf_surface_kind *kind; /* surface.h; says what it makes of the words below */
     lf_vec3 albedo;
@@ -131,7 +142,7 @@ typedef struct lf_material {
     float sheen_roughness;       /* perceptual, 0..1 */
     float transmission;          /* 0..1: of what is not metal goes through in place of diffuse */
     bool is_solid;               /* what is behind is another medium of index ior; else a sheet */
-    lf_vec3 absorption;          /* inside of it, per scene unit */
+    lf_glass glass;              /* … and what it is then like */
     /* Made of the above by lf_material_prepare (surface.h). */
     bool has_lobe;             /* any that is not delta */
     bool has_delta;            /* one of nonzero reflectance */
@@ -288,11 +299,12 @@ typedef struct lf_scene_file {
 
 /* What some of its surfaces are, and most scenes lack. */
 typedef struct lf_looks {
-    bool varied; /* something varies along a mesh */
-    bool veiled; /* some surface may not be there whole */
-    bool hidden; /* some mesh is hidden from the camera */
-    bool filled; /* some glass absorbs */
-    bool moving; /* something is elsewhere when the shutter closes */
+    bool varied;  /* something varies along a mesh */
+    bool veiled;  /* some surface may not be there whole */
+    bool hidden;  /* some mesh is hidden from the camera */
+    bool filled;  /* some glass absorbs */
+    bool frosted; /* some solid glass is rough: its hits say from which side they are */
+    bool moving;  /* something is elsewhere when the shutter closes */
 } lf_looks;
 
 struct lf_scene {

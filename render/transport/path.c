@@ -31,15 +31,23 @@ lf_vec3 lf_path_absorbed(const lf_scene *scene, const lf_event *event)
     if (!scene->looks.filled || event->kind != LF_EVENT_SURFACE || hit->front ||
         !hit->material->is_solid || !(hit->material->transmission > 0.0f))
         return lf_v3(1.0f, 1.0f, 1.0f);
-    lf_vec3 sigma = hit->material->absorption;
+    lf_vec3 sigma = hit->material->glass.absorption;
     return lf_v3(expf(-sigma.x * hit->t), expf(-sigma.y * hit->t), expf(-sigma.z * hit->t));
 }
 
 /* Lobes lie about the shading normal; where that leans, some of their directions lead through the
- * surface. */
-static bool leads_through(const lf_hit *hit, lf_vec3 wi)
+ * surface, or, of rough glass, do not. */
+static bool leads_astray(const lf_hit *hit, lf_vec3 wi)
 {
+    if (hit->material->glass.is_rough)
+        return (lf_dot(hit->ng, wi) > 0.0f) != (lf_dot(hit->ns, wi) > 0.0f);
     return !(lf_dot(hit->ng, wi) > 0.0f);
+}
+
+bool lf_path_serves_others(const lf_event *event, lf_vec3 wi)
+{
+    return event->kind == LF_EVENT_SURFACE && event->hit.material->glass.is_rough &&
+           !leads_astray(&event->hit, wi);
 }
 
 float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, lf_vec3 wi,
@@ -48,7 +56,7 @@ float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, 
     if (event->kind == LF_EVENT_SURFACE) {
         const lf_material *m = lf_hit_material(&event->hit);
         float pdf = m->kind->eval(m, event->hit.ns, wo, wi, f);
-        if (leads_through(&event->hit, wi))
+        if (leads_astray(&event->hit, wi))
             *f = lf_v3(0.0f, 0.0f, 0.0f);
         return pdf;
     }
@@ -64,7 +72,7 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
     if (event->kind == LF_EVENT_SURFACE) {
         const lf_material *m = lf_hit_material(&event->hit);
         float pdf = m->kind->sample(m, event->hit.ns, wo, u, wi, f);
-        if (leads_through(&event->hit, *wi))
+        if (leads_astray(&event->hit, *wi))
             *f = lf_v3(0.0f, 0.0f, 0.0f);
         return pdf;
     }
@@ -94,7 +102,7 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_s
     lf_vec3 o = event->p, d = light->wi;
     float t_max = INFINITY;
     if (event->kind == LF_EVENT_SURFACE) {
-        if (leads_through(&event->hit, light->wi))
+        if (leads_astray(&event->hit, light->wi))
             return 0.0f;
         o = lf_offset(tracer->scene, event->p, event->hit.ng, light->wi, 0.0f);
     }

@@ -41,6 +41,10 @@ float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, 
 float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo, const float u[3],
                         lf_vec3 *wi, lf_vec3 *f);
 
+/* Whether a direction along which `wo` gets nothing may bring light to somebody who looks from
+ * elsewhere on the same side: what one direction refracts into glass lies in a cone of its own. */
+bool lf_path_serves_others(const lf_event *event, lf_vec3 wi);
+
 /* What is left of a light sample on its way to the vertex: visibility times an unbiased estimate of
  * the transmittance. 0 where the light lies behind the surface. */
 float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_sample *light);

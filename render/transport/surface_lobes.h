@@ -70,14 +70,20 @@ static inline lf_ggx_lobe lf_ggx_eval(float alpha, lf_vec3 wo, lf_vec3 wi)
 }
 
 /* Draws a normal visible from wo (the distribution of Heitz 2018, JCGT 7(4)) by the spherical cap
- * of Dupuy and Benyoub 2023 and mirrors wo about it; the result may lie below the horizon. */
-static inline lf_vec3 lf_ggx_sample(float alpha, lf_vec3 wo, float u0, float u1)
+ * of Dupuy and Benyoub 2023. */
+static inline lf_vec3 lf_ggx_normal(float alpha, lf_vec3 wo, float u0, float u1)
 {
     lf_vec3 v = lf_normalize(lf_v3(alpha * wo.x, alpha * wo.y, wo.z));
     float phi = 2.0f * LF_PI * u0, z = (1.0f - u1) * (1.0f + v.z) - v.z;
     float r = sqrtf(lf_max((1.0f - z) * (1.0f + z), 0.0f));
-    lf_vec3 h = lf_normalize(lf_v3(alpha * (r * cosf(phi) + v.x), alpha * (r * sinf(phi) + v.y),
-                                   lf_max(z + v.z, 1e-12f)));
+    return lf_normalize(lf_v3(alpha * (r * cosf(phi) + v.x), alpha * (r * sinf(phi) + v.y),
+                              lf_max(z + v.z, 1e-12f)));
+}
+
+/* Mirrors wo about it; the result may lie below the horizon. */
+static inline lf_vec3 lf_ggx_sample(float alpha, lf_vec3 wo, float u0, float u1)
+{
+    lf_vec3 h = lf_ggx_normal(alpha, wo, u0, u1);
     return lf_normalize(lf_sub(lf_scale(h, 2.0f * lf_dot(wo, h)), wo));
 }
 

@@ -13,12 +13,12 @@
  * loss(cos) = 1 - specular E(cos), E of the GGX lobe (surface_energy.c). Diffuse light is coupled
  * as Ashikhmin and Shirley (2000) and Kelemen do, so that albedo is what is seen: white gives back
  * loss(cos_o) and all together is 1 at every angle. Plastic, whose albedo is the pigment's, darkens
- * by what is reflected inside; both meet where albedo is 0 or 1. Glass is clear whatever the
- * roughness; only what it reflects is rough. */
+ * by what is reflected inside; both meet where albedo is 0 or 1. What goes through rough
+ * glass is a lobe as well, surface_glass.c. */
 #include <string.h>
 
 #include "render/scene/vec_double.h"
-#include "render/transport/surface_lobes.h"
+#include "render/transport/surface_glass.h"
 #include "render/transport/surface_sheen.h"
 
 #define COAT_INDEX 1.5f
@@ -27,7 +27,8 @@
 typedef struct layers {
     lf_material m; /* loss: of the dielectric */
     float alpha, coat_alpha;
-    float specular, metal, below; /* shares of the lobes */
+    /* shares: of what is not metal, by its own lobes and as rough glass; of metal, what is below */
+    float dielectric, glass, metal, below;
     bool rough, coated, rough_coat, sheened;
 } layers;
 
@@ -37,7 +38,8 @@ typedef struct shares {
     float beneath; /* the sheen, likewise */
     float enters;  /* loss(cos_o) */
     float several;
-    float by_coat, by_gloss, by_sheen; /* the rest is diffuse */
+    float by_glass;                    /* rough glass; else … */
+    float by_coat, by_gloss, by_sheen; /* … the rest is diffuse */
 } shares;
 
 static layers layers_of(const lf_material *m)
@@ -49,8 +51,9 @@ static layers layers_of(const lf_material *m)
     l.rough_coat = l.coated && l.coat_alpha >= LF_ALPHA_MIN;
     l.sheened = lf_max3(m->sheen) > 0.0f;
     l.metal = m->metallic;
-    l.specular = (1.0f - m->metallic) * m->specular;
+    l.glass = m->glass.is_rough ? (1.0f - m->metallic) * m->transmission : 0.0f;
     l.below = (1.0f - m->metallic) * (1.0f - m->transmission);
+    l.dielectric = m->glass.is_rough ? l.below : 1.0f - m->metallic;
     return l;
 }
 
@@ -86,8 +89,7 @@ static inline shares shares_of(const layers *l, float cos_o)
     float coat = l->coated ? m->coat * (1.0f - clear_loss(m, cos_o)) : 0.0f;
     s.under = 1.0f - coat;
     s.several = l->rough ? metal_several(m, cos_o) : 0.0f;
-    float gloss =
-              l->rough ? (1.0f - l->metal) * (1.0f - s.enters) + l->metal * m->mean_fresnel : 0.0f,
+    float gloss = l->rough ? l->dielectric * (1.0f - s.enters) + l->metal * m->mean_fresnel : 0.0f,
           diffuse = l->below * s.enters * lf_mean3(m->albedo), sum = gloss + diffuse;
     s.by_coat = l->rough_coat ? (sum > 0.0f ? coat / (coat + s.under * sum) : 1.0f) : 0.0f;
     float sheen = l->sheened ? sheen_share(m, cos_o) : 0.0f;
@@ -95,6 +97,11 @@ static inline shares shares_of(const layers *l, float cos_o)
     s.by_sheen = l->sheened ? (1.0f - s.by_coat) * sheen / (sheen + s.beneath * sum) : 0.0f;
     float rest = 1.0f - s.by_coat - s.by_sheen;
     s.by_gloss = sum > 0.0f ? rest * gloss / sum : rest * (float)l->rough;
+    if (l->glass > 0.0f) {
+        float glass = s.under * s.beneath * l->glass,
+              others = l->rough_coat ? coat + s.under * sum : sum;
+        s.by_glass = others > 0.0f ? glass / (glass + others) : 1.0f;
+    }
     return s;
 }
 
@@ -103,7 +110,7 @@ static inline lf_vec3 gloss_colour(const layers *l, const shares *s, float cos_o
 {
     const lf_material *m = &l->m;
     float c = lf_max(cos_oh, 0.0f), k = lf_schlick(c),
-          dielectric = l->specular * lf_fresnel_dielectric(c, m->ior);
+          dielectric = l->dielectric * m->specular * lf_fresnel_dielectric(c, m->ior);
     lf_vec3 metal = lf_v3(lf_lerp(m->albedo.x, 1.0f, k), lf_lerp(m->albedo.y, 1.0f, k),
                           lf_lerp(m->albedo.z, 1.0f, k));
     return lf_v3(
@@ -147,6 +154,16 @@ static float eval_local(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi
     return pdf;
 }
 
+/* Adds rough glass to what the other lobes have; returns the pdf of all. */
+static float add_glass(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, float pdf,
+                       lf_vec3 *f)
+{
+    lf_vec3 through;
+    float own = lf_glass_eval(&l->m, wo, wi, &through);
+    *f = lf_madd(*f, s->under * s->beneath * l->glass, through);
+    return lf_lerp(pdf, own, s->by_glass);
+}
+
 static float eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
     lf_vec3 t, b;
@@ -157,7 +174,25 @@ static float eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_v
     layers l = layers_of(m);
     shares s = shares_of(&l, lf_min(cos_o, 1.0f));
     lf_tangents(ns, &t, &b);
-    return eval_local(&l, &s, lf_to_frame(t, b, ns, wo), lf_to_frame(t, b, ns, wi), f);
+    lf_vec3 o = lf_to_frame(t, b, ns, wo), i = lf_to_frame(t, b, ns, wi);
+    float pdf = eval_local(&l, &s, o, i, f);
+    return l.glass > 0.0f ? add_glass(&l, &s, o, i, pdf, f) : pdf;
+}
+
+static void add_glass_fan(const layers *l, lf_vec3 wi, int n, const float *const o[3],
+                          lf_fan_lobes *out)
+{
+    for (int k = 0; k < n; k++) {
+        lf_vec3 f = lf_v3(out->weight[0][k], out->weight[1][k], out->weight[2][k]);
+        if (!(o[2][k] > LF_MIN_COS))
+            continue;
+        float cos_o = lf_min(o[2][k], 1.0f);
+        shares s = shares_of(l, cos_o);
+        out->pdf[k] = add_glass(l, &s, lf_v3(o[0][k], o[1][k], cos_o), wi, out->pdf[k], &f);
+        out->weight[0][k] = f.x;
+        out->weight[1][k] = f.y;
+        out->weight[2][k] = f.z;
+    }
 }
 
 /* eval_local for all directions of a fan: one term a channel. */
@@ -177,10 +212,28 @@ static void eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, co
         green[k] = above * f.y;
         blue[k] = above * f.z;
     }
+    if (l.glass > 0.0f)
+        add_glass_fan(&l, wi, n, (const float *[3]){x, y, z}, out);
     out->n_terms = 3;
     out->colour[0] = lf_v3(1.0f, 0.0f, 0.0f);
     out->colour[1] = lf_v3(0.0f, 1.0f, 0.0f);
     out->colour[2] = lf_v3(0.0f, 0.0f, 1.0f);
+}
+
+static lf_vec3 draw(const layers *l, const shares *s, lf_vec3 o, const float u[3])
+{
+    float by = u[2];
+    if (l->glass > 0.0f) {
+        if (by < s->by_glass)
+            return lf_glass_sample(&l->m, o, (const float[3]){u[0], u[1], by / s->by_glass});
+        by = (by - s->by_glass) / (1.0f - s->by_glass);
+    }
+    if (by < s->by_coat)
+        return lf_ggx_sample(l->coat_alpha, o, u[0], u[1]);
+    if (by < s->by_coat + s->by_gloss)
+        return lf_ggx_sample(l->alpha, o, u[0], u[1]);
+    return by < s->by_coat + s->by_gloss + s->by_sheen ? lf_hemisphere_sample(u[0], u[1])
+                                                       : lf_cosine_sample(u[0], u[1]);
 }
 
 static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi,
@@ -188,55 +241,25 @@ static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[
 {
     lf_vec3 t, b;
     lf_tangents(ns, &t, &b);
-    lf_vec3 o = lf_to_frame(t, b, ns, wo), i;
+    lf_vec3 o = lf_to_frame(t, b, ns, wo);
     *f = lf_v3(0.0f, 0.0f, 0.0f);
     if (!(o.z > LF_MIN_COS))
         return 0.0f;
     layers l = layers_of(m);
     shares s = shares_of(&l, lf_min(o.z, 1.0f));
-    if (u[2] < s.by_coat)
-        i = lf_ggx_sample(l.coat_alpha, o, u[0], u[1]);
-    else if (u[2] < s.by_coat + s.by_gloss)
-        i = lf_ggx_sample(l.alpha, o, u[0], u[1]);
-    else if (u[2] < s.by_coat + s.by_gloss + s.by_sheen)
-        i = lf_hemisphere_sample(u[0], u[1]);
-    else
-        i = lf_cosine_sample(u[0], u[1]);
+    lf_vec3 i = draw(&l, &s, o, u);
     *wi = lf_from_frame(t, b, ns, i);
-    return eval_local(&l, &s, o, i, f);
+    float pdf = eval_local(&l, &s, o, i, f);
+    return l.glass > 0.0f ? add_glass(&l, &s, o, i, pdf, f) : pdf;
 }
 
 /* -------------------------------------------------------------------------------------- deltas --
  */
 
-/* Through an interface of relative index eta, from the side of n: false where all is reflected. */
-static bool refract(lf_vec3 n, lf_vec3 wo, float eta, lf_vec3 *out)
-{
-    float cos_o = lf_dot(n, wo), k = 1.0f - (1.0f - cos_o * cos_o) / (eta * eta);
-    if (!(k > 0.0f))
-        return false;
-    *out = lf_normalize(lf_sub(lf_scale(n, cos_o / eta - sqrtf(k)), lf_scale(wo, 1.0f / eta)));
-    return true;
-}
-
-/* Reflectance of the dielectric's face, from either side of a solid; of both faces of a sheet, with
- * all that goes to and fro between them. */
-static float face_reflectance(const lf_material *m, bool front, float cos_o)
-{
-    float f;
-    if (!m->is_solid || front) {
-        f = lf_fresnel_dielectric(cos_o, m->ior);
-    } else {
-        float outside2 = 1.0f - (1.0f - cos_o * cos_o) * m->ior * m->ior;
-        f = outside2 > 0.0f ? lf_fresnel_dielectric(sqrtf(outside2), m->ior) : 1.0f;
-    }
-    return m->is_solid ? f : 2.0f * f / (1.0f + f);
-}
-
 /* What a smooth dielectric reflects, glass and what is not. */
 static lf_vec3 mirrored_by_dielectric(const lf_material *m, bool front, float cos_o)
 {
-    float f = lf_lerp(lf_fresnel_dielectric(cos_o, m->ior), face_reflectance(m, front, cos_o),
+    float f = lf_lerp(lf_fresnel_dielectric(cos_o, m->ior), lf_glass_reflectance(m, !front, cos_o),
                       m->transmission);
     return lf_scale(m->specular_tint, (1.0f - m->metallic) * m->specular * f);
 }
@@ -248,9 +271,9 @@ static lf_vec3 transmitted(const layers *l, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, 
     const lf_material *m = &l->m;
     float cos_o = lf_min(lf_dot(ns, wo), 1.0f),
           enters = l->rough ? coat_loss(m, cos_o)
-                            : 1.0f - m->specular * face_reflectance(m, front, cos_o);
+                            : 1.0f - m->specular * lf_glass_reflectance(m, !front, cos_o);
     *out_wi = lf_scale(wo, -1.0f);
-    if ((m->is_solid && !refract(ns, wo, front ? m->ior : 1.0f / m->ior, out_wi)) ||
+    if ((m->is_solid && !lf_refract(ns, wo, front ? m->ior : 1.0f / m->ior, out_wi)) ||
         !(lf_dot(*out_wi, ng) < 0.0f))
         return lf_v3(0.0f, 0.0f, 0.0f);
     return lf_scale(m->albedo, (1.0f - m->metallic) * m->transmission * enters);
@@ -275,7 +298,7 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
                                    lf_conductor_fresnel(m, cos_o)));
     if (lf_max3(mirrored) > 0.0f)
         out[n++] = (lf_delta){lf_mirror(ng, ns, wo), mirrored};
-    if (m->transmission > 0.0f) {
+    if (m->transmission > 0.0f && !m->glass.is_rough) {
         out[n].f = lf_scale(transmitted(&l, ng, ns, wo, front, &out[n].wi), beneath);
         n += lf_max3(out[n].f) > 0.0f;
     }
@@ -310,18 +333,21 @@ static void vary(lf_material *m)
                     metal_rest(m->albedo.y, (double)metal_mean),
                     metal_rest(m->albedo.z, (double)metal_mean));
     m->mean_fresnel = lf_mean3(m->albedo) * (20.0f / 21.0f) + 1.0f / 21.0f;
+    if (has_texture(m, LF_SLOT_METAL_ROUGH) || has_texture(m, LF_SLOT_NORMAL))
+        lf_glass_vary(m);
 }
 
 static void prepare(lf_material *m)
 {
-    /* what textures change is looked up where it was, and only of what is rough */
-    if (m->textures && (m->textures->layered || has_texture(m, LF_SLOT_METAL_ROUGH) ||
-                        has_texture(m, LF_SLOT_NORMAL)))
+    /* what a texture makes of a smooth lobe is a rough one */
+    if (has_texture(m, LF_SLOT_METAL_ROUGH) || has_texture(m, LF_SLOT_NORMAL) ||
+        has_texture(m, LF_SLOT_SPECULAR))
         m->roughness = lf_max(m->roughness, LF_LEAST_ROUGHNESS);
     if (has_texture(m, LF_SLOT_COAT_ROUGH))
         m->coat_roughness = lf_max(m->coat_roughness, LF_LEAST_ROUGHNESS);
     bool rough = lf_material_alpha(m) >= LF_ALPHA_MIN,
          rough_coat = m->coat_roughness * m->coat_roughness >= LF_ALPHA_MIN;
+    lf_glass_prepare(m);
     memset(m->coat_loss, 0, sizeof m->coat_loss);
     memset(m->metal_loss, 0, sizeof m->metal_loss);
     m->mean_loss = 1.0f - m->specular * (1.0f - lf_loss_look_up(m->ior, 0.0f, NULL));
@@ -333,11 +359,13 @@ static void prepare(lf_material *m)
         diffuse = 1.0f - m->transmission;
     if (has_texture(m, LF_SLOT_TRANSMISSION))
         diffuse = 1.0f;
+    float glass = (1.0f - m->metallic) * m->transmission;
     bool reflects = m->metallic > 0.0f || (m->specular > 0.0f && m->ior > 1.0f);
-    m->has_lobe = (rough && reflects) || lf_max3(m->sheen) > 0.0f ||
-                  (m->coat > 0.0f && rough_coat) || (lf_max3(m->albedo) > 0.0f && diffuse > 0.0f);
+    m->has_lobe = (rough && reflects) || (m->coat > 0.0f && rough_coat) ||
+                  (lf_max3(m->albedo) > 0.0f && diffuse > 0.0f) ||
+                  (m->glass.is_rough && glass > 0.0f) || lf_max3(m->sheen) > 0.0f;
     m->has_delta = (!rough && reflects) || (m->coat > 0.0f && !rough_coat) ||
-                   (1.0f - m->metallic) * m->transmission > 0.0f;
+                   (!m->glass.is_rough && glass > 0.0f);
 }
 
 enum {
@@ -395,7 +423,7 @@ static void read(const lf_value values[], lf_material *m)
     m->sheen_roughness = (float)values[SHEEN_ROUGHNESS].number[0];
     m->transmission = (float)values[TRANSMISSION].number[0];
     m->is_solid = values[GLASS].word == 0;
-    m->absorption = lf_to_vec3(values[ABSORPTION].number);
+    m->glass.absorption = lf_to_vec3(values[ABSORPTION].number);
 }
 
 const lf_surface_kind lf_surface_principled = {

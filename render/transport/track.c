@@ -142,6 +142,19 @@ static bool is_there(lf_tracer *tracer, const lf_hit *hit, struct RTCRay *ray, f
     return false;
 }
 
+/* A solid whose faces are rough bends light otherwise from within. */
+static void tell_side(lf_hit *hit)
+{
+    if (hit->front || !hit->material->is_solid || !hit->material->glass.is_rough)
+        return;
+    if (!hit->varies) {
+        hit->own = *hit->material;
+        hit->width = 0.0f;
+        hit->varies = true;
+    }
+    hit->own.glass.is_inside = true;
+}
+
 /* t_min < t < t_max */
 static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
 {
@@ -173,6 +186,8 @@ static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_
     } while (scene->looks.veiled && !is_there(tracer, hit, &rh.ray, t_max));
     if (scene->looks.varied && lf_is_varied(hit->mesh, hit->material))
         lf_hit_vary(hit, averaged_at(tracer, hit->t));
+    if (scene->looks.frosted)
+        tell_side(hit);
     return true;
 }
 

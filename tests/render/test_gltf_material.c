@@ -87,7 +87,7 @@ static void extensions_are_words_of_the_material(void **state)
     assert_vec(m->specular_tint, 1, 0.5, 1);
     assert_vec(m->sheen, 0.1, 0.2, 0.3);
     assert_true(m->transmission == 0.9f && m->is_solid);
-    assert_vec(m->absorption, 0, log(2) / 2, log(4) / 2);
+    assert_vec(m->glass.absorption, 0, log(2) / 2, log(4) / 2);
     assert_int_equal(data.warnings.n, 0);
     lf_mesh_data_finish(&data);
 }
@@ -144,7 +144,7 @@ static void absorption_is_per_unit_of_the_scene(void **state)
                      "'attenuationDistance':1,'attenuationColor':[0.5,0.5,0.5]}}}]," GLTF_ONE_NODE,
                      &desc, &data, &err),
         LF_OK);
-    lf_assert_close((double)data.materials[0].absorption.x, log(2) / 10, 1e-5, 0);
+    lf_assert_close((double)data.materials[0].glass.absorption.x, log(2) / 10, 1e-5, 0);
     lf_mesh_data_finish(&data);
 }
 
@@ -156,7 +156,7 @@ static void a_sheet_absorbs_nothing_inside(void **state)
         "'KHR_materials_volume':{'attenuationDistance':2,'attenuationColor':[0.5,0.5,0.5]}}",
         "");
     assert_false(data.materials[0].is_solid);
-    assert_vec(data.materials[0].absorption, 0, 0, 0);
+    assert_vec(data.materials[0].glass.absorption, 0, 0, 0);
     lf_mesh_data_finish(&data);
 }
 

@@ -37,7 +37,7 @@ static int make_layered(lf_material *m, int n)
         m[n].specular_tint = lf_v3(1.0f, 1.0f, 1.0f);
         m[n].coat = i % 2 ? 0.7f : 0.0f;
         m[n].coat_roughness = 0.5f;
-        m[n].transmission = i == 4 ? 0.5f : 0.0f;
+        m[n].transmission = i == 3 ? 0.5f : 0.0f;
         m[n].sheen = i == 5 || i == 8 ? lf_v3(0.9f, 0.5f, 0.0f) : lf_v3(0.0f, 0.0f, 0.0f);
         m[n].sheen_roughness = 0.3f;
         lf_material_prepare(&m[n]);
