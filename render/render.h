@@ -57,6 +57,11 @@ typedef struct lf_film_settings {
     char tonemap[16];   /* "srgb" (clamp), "filmic" or "aces" */
 } lf_film_settings;
 
+/* What is added to numbers of a camera at one end of its shutter. */
+typedef struct lf_camera_shift {
+    double position[3], target[3], focus_distance;
+} lf_camera_shift;
+
 /* The rig of a scene's camera block, resolved. */
 typedef struct lf_camera {
     double target[3], position[3], up[3];
@@ -76,6 +81,9 @@ typedef struct lf_camera {
     /* Frames that the shutter stays open, 0..LF_MAX_SHUTTER (0: all stands still), and how long
      * after the frame it opens. What moved when a scene was loaded does so for its pictures. */
     double shutter, shutter_open;
+    /* When it opens, and when it closes; in between evenly. All 0 unless it moves. */
+    bool moves;
+    lf_camera_shift shift[2];
     /* Which of aspect, views and cone the scene itself states (the rest are defaults a preset or
      * panel may replace without being a contradiction). */
     bool has_aspect, has_views, has_cone;

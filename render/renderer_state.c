@@ -31,6 +31,12 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
         numbers(s->window, 4), "n_views", c->n_views, "width", s->width, "height", s->height);
     if (c->view_blur > 0.0)
         json_object_set_new(words, "view_blur", json_real(c->view_blur));
+    for (int i = 0; i < 2 && c->moves; i++) {
+        const lf_camera_shift *t = &c->shift[i];
+        const double shift[] = {t->position[0], t->position[1], t->position[2],   t->target[0],
+                                t->target[1],   t->target[2],   t->focus_distance};
+        json_object_set_new(words, i ? "close" : "open", numbers(shift, 7));
+    }
     return words;
 }
 

@@ -644,6 +644,7 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
     scene->file.frame = desc->frame;
     scene->file.rate = desc->rate;
     scene->camera = desc->camera;
+    lf_shutter_shift(shutter, &scene->camera);
     scene->film = desc->film;
     scene->backdrop = desc->backdrop;
     scene->max_depth = desc->max_depth;

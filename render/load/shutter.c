@@ -48,6 +48,22 @@ void lf_shutter_finish(lf_shutter *shutter)
     *shutter = (lf_shutter){0};
 }
 
+void lf_shutter_shift(const lf_shutter *shutter, lf_camera *camera)
+{
+    for (int end = 0; end < 2; end++) {
+        const lf_camera *then = &shutter->desc[end]->camera;
+        lf_camera_shift *shift = &camera->shift[end];
+        for (int i = 0; i < 3; i++) {
+            shift->position[i] = then->position[i] - camera->position[i];
+            shift->target[i] = then->target[i] - camera->target[i];
+        }
+        shift->focus_distance = then->focus_distance - camera->focus_distance;
+    }
+    camera->moves = memcmp(&camera->shift[0], &camera->shift[1], sizeof camera->shift[0]) != 0;
+    if (!camera->moves)
+        memset(camera->shift, 0, sizeof camera->shift);
+}
+
 /* ---------------------------------------------------------------------------------- warnings -- */
 
 /* Adds a name to the list of what stands still. */
@@ -67,16 +83,30 @@ static bool is_lamp(const lf_scene_desc *desc, const char *name)
     return found;
 }
 
-/* Whether a light shines differently: where its faces are moves. */
-static bool shines_differently(const json_t *a, const json_t *b)
+/* Whether objects differ in a member that is none of these (ended by NULL). */
+static bool differ_but_for(json_t *a, const json_t *b, const char *const *moving)
 {
-    static const char *const words[] = {"radiance", "power"};
-    bool found = false;
-    for (int i = 0; i < 2; i++) {
-        const json_t *x = json_object_get(a, words[i]), *y = json_object_get(b, words[i]);
-        found = found || (x && !json_equal(x, y));
+    const char *key;
+    json_t *value;
+    json_object_foreach(a, key, value)
+    {
+        int i = 0;
+        while (moving[i] && strcmp(moving[i], key) != 0)
+            i++;
+        if (!moving[i] && !json_equal(value, json_object_get(b, key)))
+            return true;
     }
-    return found;
+    return false;
+}
+
+/* What moves of a section's things, and of the camera. */
+static const char *const *moving_of(const char *section, bool lamp)
+{
+    static const char *const camera[] = {"position", "target", "focus_distance", NULL},
+                             *const lamps[] = {"position", "direction", "rotate", "width",
+                                               "height",   "radius",    NULL},
+                             *const nothing[] = {NULL};
+    return strcmp(section, "camera") == 0 ? camera : lamp ? lamps : nothing;
 }
 
 void lf_shutter_warn(const lf_shutter *shutter, const char *where, lf_warnings *warnings)
@@ -87,8 +117,12 @@ void lf_shutter_warn(const lf_shutter *shutter, const char *where, lf_warnings *
     if (json_equal(shutter->doc[0], shutter->doc[1]))
         return;
     for (int i = 0; i < 3; i++) {
-        const json_t *whole = json_object_get(shutter->doc[0], wholes[i]);
-        if (whole && !json_equal(whole, json_object_get(shutter->doc[1], wholes[i])))
+        json_t *open = json_object_get(shutter->doc[0], wholes[i]),
+               *close = json_object_get(shutter->doc[1], wholes[i]);
+        bool differ = json_is_object(open)
+                          ? differ_but_for(open, close, moving_of(wholes[i], false))
+                          : open && !json_equal(open, close);
+        if (differ)
             add(list, sizeof list, wholes[i], NULL);
     }
     for (int i = 0; i < 3; i++) {
@@ -97,15 +131,14 @@ void lf_shutter_warn(const lf_shutter *shutter, const char *where, lf_warnings *
         json_t *value;
         json_object_foreach(json_object_get(shutter->doc[0], sections[i]), name, value)
         {
-            const json_t *other = json_object_get(closed, name);
             bool lamp = i == 2 && is_lamp(shutter->desc[0], name);
-            if (lamp ? shines_differently(value, other) : !json_equal(value, other))
+            if (differ_but_for(value, json_object_get(closed, name), moving_of(sections[i], lamp)))
                 add(list, sizeof list, sections[i], name);
         }
     }
     if (list[0])
         lf_warnings_add(warnings, where,
-                        "what has keys stands still while the shutter is open, but for meshes and "
-                        "where faces of lights are: %s",
+                        "what has keys stands still while the shutter is open, but for meshes, the "
+                        "faces of lights, and the camera's place, target and focus: %s",
                         list);
 }

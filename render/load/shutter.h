@@ -17,6 +17,9 @@ void lf_shutter_read(lf_reader *reader, const lf_node *root, json_t *still,
                      const lf_scene_desc *desc, lf_shutter *out);
 void lf_shutter_finish(lf_shutter *shutter);
 
+/* What the camera of the frame gains at both ends. */
+void lf_shutter_shift(const lf_shutter *shutter, lf_camera *camera);
+
 /* A line for all that has keys, is not the same at both ends, and stands still in the picture. */
 void lf_shutter_warn(const lf_shutter *shutter, const char *where, lf_warnings *warnings);
 

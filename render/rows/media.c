@@ -2,14 +2,15 @@
 
 #include <string.h>
 
-void lf_media_frame_init(lf_media_frame *frame, const lf_volume *volumes, int n, const lf_rig *rig)
+void lf_media_frame_init(lf_media_frame *frame, const lf_volume *volumes, int n, const lf_rig *rigs,
+                         int n_rigs)
 {
     frame->n = 0;
     for (int i = 0; i < n; i++) {
         const lf_volume *volume = &volumes[i];
         bool grid = volume->kind == LF_VOLUME_GRID;
         if (!(volume->sigma_max > 0.0f) ||
-            (grid && !lf_slice_frame_init(&frame->item[frame->n].slice, volume, rig)))
+            (grid && !lf_slice_frame_init(&frame->item[frame->n].slice, volume, rigs, n_rigs)))
             continue;
         frame->item[frame->n].volume = i;
         frame->item[frame->n].kind = !grid             ? LF_MEDIUM_BODY

@@ -50,8 +50,9 @@ typedef struct lf_collision {
 } lf_collision;
 
 /* volumes: the scene's, or what they emit (its flames), whose value is then what stands for sigma_t
- * here. */
-void lf_media_frame_init(lf_media_frame *frame, const lf_volume *volumes, int n, const lf_rig *rig);
+ * here. rigs as in lf_slice_frame_init. */
+void lf_media_frame_init(lf_media_frame *frame, const lf_volume *volumes, int n, const lf_rig *rigs,
+                         int n_rigs);
 
 /* media must be zeroed. LF_E_NOMEM; release with lf_media_finish, also after a failure. */
 LF_NODISCARD lf_status lf_media_init(lf_media *media, const lf_media_frame *frame);

@@ -14,10 +14,11 @@ static size_t size_of(const lf_mesh *mesh)
     return 3 * n + (mesh->normals ? 3 * n : 0) + (mesh->tangents ? 4 * n : 0);
 }
 
-lf_status lf_moment_init(lf_moment *moment, const lf_scene *scene)
+lf_status lf_moment_init(lf_moment *moment, const lf_moving *moving)
 {
+    const lf_scene *scene = moving->scene;
     size_t size = 0;
-    *moment = (lf_moment){.scene = *scene};
+    *moment = (lf_moment){.scene = *scene, .rig = moving->rig};
     for (int i = 0; i < scene->n_meshes; i++)
         size += size_of(&scene->meshes[i]);
     moment->scene.meshes = lf_calloc((size_t)scene->n_meshes, sizeof *scene->meshes);
@@ -61,8 +62,13 @@ static float *own(const float *array)
     return (float *)(uintptr_t)array;
 }
 
-void lf_moment_set(lf_moment *moment, const lf_scene *scene, float time)
+void lf_moment_set(lf_moment *moment, const lf_moving *moving, float time)
 {
+    const lf_scene *scene = moving->scene;
+    /* A camera that goes through its target is none then: the frame's stands in. */
+    if (moving->settings.camera.moves &&
+        lf_rig_init_at(&moment->rig, &moving->settings, scene->origin, (double)time, NULL) != LF_OK)
+        moment->rig = moving->rig;
     for (int i = 0; i < scene->n_meshes; i++) {
         const lf_mesh *from = &scene->meshes[i], *to = &moment->scene.meshes[i];
         const size_t n = (size_t)from->n_vertices;

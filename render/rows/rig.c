@@ -112,6 +112,21 @@ lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settings, const dou
     return LF_OK;
 }
 
+lf_status lf_rig_init_at(lf_rig *rig, const lf_render_settings *settings, const double origin[3],
+                         double time, lf_error *err)
+{
+    lf_render_settings then = *settings;
+    const lf_camera_shift *open = &settings->camera.shift[0], *close = &settings->camera.shift[1];
+    for (int i = 0; i < 3; i++) {
+        then.camera.position[i] +=
+            open->position[i] + time * (close->position[i] - open->position[i]);
+        then.camera.target[i] += open->target[i] + time * (close->target[i] - open->target[i]);
+    }
+    then.camera.focus_distance +=
+        open->focus_distance + time * (close->focus_distance - open->focus_distance);
+    return lf_rig_init(rig, &then, origin, err);
+}
+
 void lf_rig_row_plane(const lf_rig *rig, float v, const float u_lens[2], lf_row_plane *out)
 {
     float yw = rig->y0 + v * rig->dy;

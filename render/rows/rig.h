@@ -50,6 +50,14 @@ typedef struct lf_row_plane {
 LF_NODISCARD lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settings,
                                    const double origin[3], lf_error *err);
 
+/* Moments of a shutter at which what a moving rig sees is looked at beforehand. */
+#define LF_RIG_MOMENTS 17
+
+/* The rig where its camera is at a moment of the shutter, 0 when that opens and 1 when it closes.
+ * LF_E_ARG where there it is none. */
+LF_NODISCARD lf_status lf_rig_init_at(lf_rig *rig, const lf_render_settings *settings,
+                                      const double origin[3], double time, lf_error *err);
+
 /* v in [0, height): the row's film coordinate. u_lens[2] in [0,1): point of the lens (only its
  * height is used). */
 void lf_rig_row_plane(const lf_rig *rig, float v, const float u_lens[2], lf_row_plane *out);

@@ -79,12 +79,12 @@ static void free_moments(lf_rows *rows)
 
 static lf_status make_moments(lf_rows *rows)
 {
-    if (!rows->seen.looks.moving)
+    if (!lf_moving_moves(&rows->moving))
         return LF_OK;
     rows->moments = lf_calloc((size_t)rows->n_workers, sizeof *rows->moments);
     lf_status status = rows->moments ? LF_OK : LF_E_NOMEM;
     for (int i = 0; i < rows->n_workers && status == LF_OK; i++)
-        status = lf_moment_init(&rows->moments[i], &rows->seen);
+        status = lf_moment_init(&rows->moments[i], &rows->moving);
     return status;
 }
 
@@ -136,12 +136,29 @@ static void destroy(void *state)
     lf_free(rows);
 }
 
+/* Where the rig is while the shutter is open: where it stands still, one. */
+typedef struct rig_track {
+    int n;
+    lf_rig at[LF_RIG_MOMENTS];
+} rig_track;
+
+static void find_track(const lf_rows *rows, rig_track *out)
+{
+    out->n = rows->moving.settings.camera.moves ? LF_RIG_MOMENTS : 1;
+    for (int i = 0; i < out->n; i++)
+        if (out->n == 1 || lf_rig_init_at(&out->at[i], &rows->moving.settings, rows->seen.origin,
+                                          (double)i / (LF_RIG_MOMENTS - 1), NULL) != LF_OK)
+            out->at[i] = rows->rig;
+}
+
 /* The memory: everything that can fail for want of it. */
-static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_film_layout *layout)
+static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_film_layout *layout,
+                             const rig_track *track)
 {
     lf_status status = LF_OK;
     if (rows->seen.n_meshes > 0)
-        status = lf_row_triangles_init(&rows->triangles, &rows->seen, &rows->rig, rows->pool);
+        status =
+            lf_row_triangles_init(&rows->triangles, &rows->seen, track->at, track->n, rows->pool);
     if (status == LF_OK && sharing->adaptive)
         status = lf_counts_init(&rows->counts, layout->n_views, layout->width, layout->height);
     if (status != LF_OK)
@@ -180,14 +197,17 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     rows->seen = *input->seen;
     rows->pool = input->pool;
     lf_status status = lf_rig_init(&rows->rig, input->settings, input->scene->origin, err);
+    rig_track track;
     if (status == LF_OK) {
-        lf_media_frame_init(&rows->frame, input->scene->volumes, input->scene->n_volumes,
-                            &rows->rig);
+        rows->moving = (lf_moving){&rows->seen, rows->rig, *input->settings};
+        find_track(rows, &track);
+        lf_media_frame_init(&rows->frame, input->scene->volumes, input->scene->n_volumes, track.at,
+                            track.n);
         lf_media_frame_init(&rows->flames, input->scene->flames.field, input->scene->flames.n,
-                            &rows->rig);
+                            track.at, track.n);
         needs.layout = film_layout(&rows->seen, input->settings, &rows->rig, needs.sky);
         needs.visit_passes = passes_of_a_visit(input->scene, sharing, rows->rig.n_views);
-        status = make_memory(rows, sharing, &needs.layout);
+        status = make_memory(rows, sharing, &needs.layout, &track);
     }
     if (status != LF_OK) {
         destroy(rows);
@@ -223,8 +243,9 @@ static bool visit(void *state, const lf_visit_order *order, int row, int half, i
     plan.counts = order->column_step == 1 ? plan.counts : NULL;
     if (rows->moments) {
         plan.moment = &rows->moments[worker];
-        plan.moving = plan.scene;
+        plan.moving = &rows->moving;
         plan.scene = &plan.moment->scene;
+        plan.rig = &plan.moment->rig;
     }
     return lf_visit_row(&plan, row, half, rows->workers[worker], cancel);
 }

@@ -44,18 +44,11 @@ typedef struct span {
 
 typedef struct spans {
     const lf_scene *scene;
-    const lf_rig *rig;
+    const lf_rig *rigs; /* [n_rigs] */
+    int n_rigs;
     const uint32_t *mesh_start; /* [meshes + 1] */
     span *spans;
 } spans;
-
-/* A corner when the shutter closes. */
-static lf_vec3 closing(const lf_mesh *mesh, uint32_t triangle, int i)
-{
-    const float *v =
-        mesh->close.vertices + 3 * (size_t)mesh->triangles[3 * (size_t)triangle + (size_t)i];
-    return lf_v3(v[0], v[1], v[2]);
-}
 
 /* Film rows of a point, all of the lens considered (rig.h): Y_w = D Y/Z + ly D (1/F - 1/Z). */
 static void grow_rows(const lf_rig *rig, const double p[3], double *lo, double *hi)
@@ -68,31 +61,76 @@ static void grow_rows(const lf_rig *rig, const double p[3], double *lo, double *
     *hi = v + blur > *hi ? v + blur : *hi;
 }
 
-/* Of a triangle that moves, what its corners pass: along a straight line Y/Z goes one way. */
-static span span_of(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle)
+/* A corner at a moment of the shutter, as seen by the rig. */
+static void corner_at(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle, int i, double time,
+                      double out[3])
 {
-    const double margin = 0.01; /* of a row: planes are kept in single precision */
-    double lo = INFINITY, hi = -INFINITY, middle[3] = {0}, near = NEAR * (double)rig->distance;
-    const int n = mesh->close.vertices ? 6 : 3;
-    int in_front = 0;
-    for (int i = 0; i < n; i++) {
+    const uint32_t vertex = mesh->triangles[3 * (size_t)triangle + (size_t)i];
+    double close[3];
+    to_camera(rig, lf_mesh_vertex(mesh, vertex), out);
+    if (!mesh->close.vertices || !(time > 0.0))
+        return;
+    const float *v = mesh->close.vertices + 3 * (size_t)vertex;
+    to_camera(rig, lf_v3(v[0], v[1], v[2]), close);
+    for (int axis = 0; axis < 3; axis++)
+        out[axis] += time * (close[axis] - out[axis]);
+}
+
+/* The film rows of a triangle at one moment, if all of it is before the cameras. */
+typedef struct cover {
+    double lo, hi;
+    double middle[3];
+    int in_front; /* corners */
+} cover;
+
+static cover cover_of(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle, double time)
+{
+    cover out = {.lo = INFINITY, .hi = -INFINITY};
+    for (int i = 0; i < 3; i++) {
         double p[3];
-        to_camera(rig, i < 3 ? corner_of(mesh, triangle, i) : closing(mesh, triangle, i - 3), p);
+        corner_at(rig, mesh, triangle, i, time, p);
         for (int axis = 0; axis < 3; axis++)
-            middle[axis] += p[axis] / (double)n;
-        in_front += p[2] > near;
-        if (p[2] > near)
-            grow_rows(rig, p, &lo, &hi);
+            out.middle[axis] += p[axis] / 3.0;
+        if (!(p[2] > NEAR * (double)rig->distance))
+            continue;
+        out.in_front++;
+        grow_rows(rig, p, &out.lo, &out.hi);
     }
-    if (in_front == 0)
+    return out;
+}
+
+/* All moments together. A corner that goes along a straight line past a rig that stands still has
+ * its Y/Z between those of the ends; where the rig moves, what lies between two moments is no
+ * farther off than half of the longest way from one to the next. */
+static span span_of(const spans *job, const lf_mesh *mesh, uint32_t triangle)
+{
+    const lf_rig *rig = &job->rigs[0];
+    const int moments = job->n_rigs > 1 ? job->n_rigs : mesh->close.vertices ? 2 : 1;
+    double margin = 0.01; /* of a row: planes are kept in single precision */
+    double way = 0.0, near = NEAR * (double)rig->distance;
+    cover all = {.lo = INFINITY, .hi = -INFINITY}, last = all;
+    for (int j = 0; j < moments; j++) {
+        double time = moments > 1 ? (double)j / (moments - 1) : 0.0;
+        cover now = cover_of(&job->rigs[job->n_rigs > 1 ? j : 0], mesh, triangle, time);
+        all.lo = fmin(all.lo, now.lo);
+        all.hi = fmax(all.hi, now.hi);
+        all.in_front += now.in_front;
+        for (int axis = 0; axis < 3; axis++)
+            all.middle[axis] += now.middle[axis] / moments;
+        if (j > 0 && job->n_rigs > 1)
+            way = fmax(way, fmax(fabs(now.lo - last.lo), fabs(now.hi - last.hi)));
+        last = now;
+    }
+    if (all.in_front == 0)
         return (span){.first = 0, .last = -1};
-    double z = middle[2] > near ? middle[2] : near, height = (double)rig->height;
+    double z = all.middle[2] > near ? all.middle[2] : near, height = (double)rig->height;
     span out = {
-        .first = 0, .last = rig->height - 1, .d = to_d(rig, z), .s = (float)(middle[0] / z)};
-    if (in_front == n) {
+        .first = 0, .last = rig->height - 1, .d = to_d(rig, z), .s = (float)(all.middle[0] / z)};
+    margin += 0.5 * way;
+    if (all.in_front == 3 * moments) {
         /* bounds first: a point beside the camera may be outside of what an int holds */
-        out.first = (int)floor(fmin(fmax(lo - margin, 0.0), height));
-        out.last = (int)floor(fmin(fmax(hi + margin, -1.0), height - 1.0));
+        out.first = (int)floor(fmin(fmax(all.lo - margin, 0.0), height));
+        out.last = (int)floor(fmin(fmax(all.hi + margin, -1.0), height - 1.0));
     }
     return out;
 }
@@ -111,7 +149,7 @@ static void span_chunk(void *context, int item, int worker)
             mesh++;
         const lf_mesh *of = &job->scene->meshes[mesh];
         job->spans[i] = of->hidden ? (span){.first = 0, .last = -1}
-                                   : span_of(job->rig, of, i - job->mesh_start[mesh]);
+                                   : span_of(job, of, i - job->mesh_start[mesh]);
     }
 }
 
@@ -187,9 +225,10 @@ static void count_rows(lf_row_triangles *out, const lf_rig *rig, const span *all
     }
 }
 
-lf_status lf_row_triangles_init(lf_row_triangles *out, const lf_scene *scene, const lf_rig *rig,
-                                lf_pool *pool)
+lf_status lf_row_triangles_init(lf_row_triangles *out, const lf_scene *scene, const lf_rig *rigs,
+                                int n_rigs, lf_pool *pool)
 {
+    const lf_rig *rig = &rigs[0];
     *out = (lf_row_triangles){0};
     out->first = lf_calloc((size_t)rig->height + 1, sizeof *out->first);
     out->mesh_start = lf_calloc((size_t)scene->n_meshes + 1, sizeof *out->mesh_start);
@@ -199,7 +238,8 @@ lf_status lf_row_triangles_init(lf_row_triangles *out, const lf_scene *scene, co
         out->mesh_start[i + 1] = out->mesh_start[i] + (uint32_t)scene->meshes[i].n_triangles;
     size_t n = out->mesh_start[scene->n_meshes];
     spans job = {.scene = scene,
-                 .rig = rig,
+                 .rigs = rigs,
+                 .n_rigs = n_rigs,
                  .mesh_start = out->mesh_start,
                  .spans = lf_calloc(n, sizeof *job.spans)};
     lf_status status =

@@ -33,10 +33,11 @@ typedef struct lf_row_triangles {
     size_t longest; /* triangles of the row that has most */
 } lf_row_triangles;
 
-/* Sorts the scene's triangles into the rig's rows, on the pool. LF_E_NOMEM; *out may then be
- * finished. Release with lf_row_triangles_finish. */
+/* Sorts the scene's triangles into the rig's rows, on the pool: where they move, into all that they
+ * are in while the shutter is open. rigs[n_rigs] as in lf_slice_frame_init. LF_E_NOMEM; *out may
+ * then be finished. Release with lf_row_triangles_finish. */
 LF_NODISCARD lf_status lf_row_triangles_init(lf_row_triangles *out, const lf_scene *scene,
-                                             const lf_rig *rig, lf_pool *pool);
+                                             const lf_rig *rigs, int n_rigs, lf_pool *pool);
 /* Accepts one that is all zero. */
 void lf_row_triangles_finish(lf_row_triangles *rows);
 

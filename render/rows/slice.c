@@ -26,28 +26,56 @@ static plane_box camera_box(const lf_volume *volume, const lf_rig *rig)
     return box;
 }
 
-/* Cuts the box to what the rig's rays can meet: X between the outermost rays at either end of its
- * depths. */
-static void cut_to_fan(plane_box *box, const lf_rig *rig)
+/* X between the outermost rays of the rig at either end of the box's depths. */
+static void grow_fan(const plane_box *box, const lf_rig *rig, float *lo, float *hi)
 {
-    float lo = INFINITY, hi = -INFINITY,
-          window[2] = {rig->x0, rig->x0 + (float)rig->width * rig->dx};
+    float window[2] = {rig->x0, rig->x0 + (float)rig->width * rig->dx};
     float depth[2] = {box->z_lo, box->z_hi};
     for (int i = 0; i < 8; i++) {
         float b = rig->b[i & 1 ? rig->n_views - 1 : 0], z = depth[i >> 2 & 1];
         float x = b + (window[i >> 1 & 1] - b) * z / rig->distance,
               lens = (rig->lens_radius + rig->blur) * fabsf(1.0f - z / rig->focus);
-        lo = lf_min(lo, x - lens);
-        hi = lf_max(hi, x + lens);
+        *lo = lf_min(*lo, x - lens);
+        *hi = lf_max(*hi, x + lens);
     }
-    box->x_lo = lf_max(box->x_lo, lo);
-    box->x_hi = lf_min(box->x_hi, hi);
 }
 
-bool lf_slice_frame_init(lf_slice_frame *frame, const lf_volume *volume, const lf_rig *rig)
+static float step_between(const plane_box *a, const plane_box *b)
 {
-    plane_box box = camera_box(volume, rig);
-    cut_to_fan(&box, rig);
+    return lf_max(lf_max(fabsf(a->x_lo - b->x_lo), fabsf(a->x_hi - b->x_hi)),
+                  lf_max(fabsf(a->z_lo - b->z_lo), fabsf(a->z_hi - b->z_hi)));
+}
+
+/* What the rig's rays can meet of the volume; of a rig that moves the boxes of all its moments, and
+ * as much about them as lies between two. */
+static plane_box box_of(const lf_volume *volume, const lf_rig *rigs, int n)
+{
+    plane_box box = camera_box(volume, &rigs[0]), last = box;
+    float lo = INFINITY, hi = -INFINITY, step = 0.0f;
+    for (int i = 1; i < n; i++) {
+        plane_box next = camera_box(volume, &rigs[i]);
+        step = lf_max(step, step_between(&last, &next));
+        box = (plane_box){lf_min(box.x_lo, next.x_lo), lf_max(box.x_hi, next.x_hi),
+                          lf_min(box.z_lo, next.z_lo), lf_max(box.z_hi, next.z_hi)};
+        last = next;
+    }
+    if (step > 0.0f)
+        box = (plane_box){box.x_lo - 0.5f * step, box.x_hi + 0.5f * step,
+                          lf_max(box.z_lo - 0.5f * step, 0.0f), box.z_hi + 0.5f * step};
+    for (int i = 0; i < n; i++)
+        grow_fan(&box, &rigs[i], &lo, &hi);
+    if (step > 0.0f) {
+        lo -= step;
+        hi += step;
+    }
+    box.x_lo = lf_max(box.x_lo, lo);
+    box.x_hi = lf_min(box.x_hi, hi);
+    return box;
+}
+
+bool lf_slice_frame_init(lf_slice_frame *frame, const lf_volume *volume, const lf_rig *rigs, int n)
+{
+    plane_box box = box_of(volume, rigs, n);
     if (!(volume->sigma_max > 0.0f) || !(box.z_hi > box.z_lo) || !(box.x_hi > box.x_lo))
         return false;
     float side = (float)(LF_SLICE_MAX_SIDE - 4);

@@ -61,8 +61,9 @@ typedef struct lf_slice {
     float *near;     /* [tiles_z][tiles_x] while it is filled: largest sigma_t near a tile */
 } lf_slice;
 
-/* false = the rig's rays do not meet the volume (a grid). */
-bool lf_slice_frame_init(lf_slice_frame *frame, const lf_volume *volume, const lf_rig *rig);
+/* false = the rig's rays do not meet the volume (a grid). rigs[n]: one, or where it is at as many
+ * moments of the shutter, evenly from its opening to its close. */
+bool lf_slice_frame_init(lf_slice_frame *frame, const lf_volume *volume, const lf_rig *rigs, int n);
 
 /* The row's plane at Z = z in a volume's space, along X. */
 lf_line lf_slice_line(const lf_volume *volume, const lf_rig *rig, const lf_row_plane *plane,

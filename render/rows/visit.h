@@ -222,11 +222,10 @@ typedef enum lf_fault {
 /* Everything that one visit of a row does. */
 typedef struct lf_visit_plan {
     const lf_scene *scene;
-    /* what it moves with, which is then `scene`'s owner, and what that was made for; NULL: nothing
-     * moves */
-    lf_moment *moment;
-    const lf_scene *moving;
     const lf_rig *rig;
+    /* the owner of both, which the visit sets, and what that was made of; NULL: nothing moves */
+    lf_moment *moment;
+    const lf_moving *moving;
     const lf_media_frame *frame, *flames; /* of the scene's volumes, and of what they emit */
     const lf_kernels *kernels;
     const lf_sharing *sharing;

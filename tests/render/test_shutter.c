@@ -21,25 +21,33 @@ enum { side = 24, edge_views = 3 };
 static const double half_window = 0.8816349035423249; /* DISTANCE tan(FOV / 2) */
 
 /* A black wall before a white sky, far beyond the window but for one edge, which moves across the
- * columns (or, level, across the rows) from one place of the window at depth z to another while the
- * shutter is open. Nothing scatters: what is seen is known light. Mean over what lies along the
- * edge: [view][across]. */
-static void look_at_edge(double z, bool level, double from, double to, unsigned faults, double *out)
+ * columns (or, level, across the rows) from one place to another at depth z while the shutter is
+ * open, or past which the cameras move. Nothing scatters: what is seen is known light. Mean over
+ * what lies along the edge: [view][across]. */
+static void look_at_edge(double z, bool level, double from, double to, bool camera, unsigned faults,
+                         double *out)
 {
     char text[1024];
     /* It opens in frame 5 and a half and closes in frame 6.75. */
     double speed = (to - from) / 1.25, at = from - 4.5 * speed;
-    double first[2] = {0}, last[2] = {0};
+    double first[2] = {0}, last[2] = {0}, eye[2][2] = {{0}, {0}};
     first[level] = at - 40;
     last[level] = at + 10 * speed - 40;
-    snprintf(
-        text, sizeof text,
-        "{'frame': 5, 'camera': {'position': [0, 0, 5], 'fov_y': %g, 'aspect': 1, 'cone': %g, "
-        "'views': 3, 'shutter': 1.25, 'shutter_open': 0.5}, 'materials': {'black': {'albedo': "
-        "0}}, 'meshes': {'wall': {'shape': 'quad', 'material': 'black', 'transform': {'scale': "
-        "40, 'rotate': [90, 0, 0], 'translate': {'keys': [[1, [%.17g, %.17g, %.17g]], [11, [%.17g, "
-        "%.17g, %.17g]]]}}}}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}",
-        FOV, CONE, first[0], first[1], DISTANCE - z, last[0], last[1], DISTANCE - z);
+    if (camera) { /* the other way, and the wall stands still */
+        eye[0][level] = from - at;
+        eye[1][level] = from - at - 10 * speed;
+        first[level] = last[level] = from - 40;
+    }
+    snprintf(text, sizeof text,
+             "{'frame': 5, 'camera': {'position': {'keys': [[1, [%.17g, %.17g, 5]], [11, [%.17g, "
+             "%.17g, 5]]]}, 'target': {'keys': [[1, [%.17g, %.17g, 0]], [11, [%.17g, %.17g, "
+             "0]]]}, 'fov_y': %g, 'aspect': 1, 'cone': %g, 'views': 3, 'shutter': 1.25, "
+             "'shutter_open': 0.5}, 'materials': {'black': {'albedo': 0}}, 'meshes': {'wall': "
+             "{'shape': 'quad', 'material': 'black', 'transform': {'scale': 40, 'rotate': [90, 0, "
+             "0], 'translate': {'keys': [[1, [%.17g, %.17g, %.17g]], [11, [%.17g, %.17g, "
+             "%.17g]]]}}}}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}",
+             eye[0][0], eye[0][1], eye[1][0], eye[1][1], eye[0][0], eye[0][1], eye[1][0], eye[1][1],
+             FOV, CONE, first[0], first[1], DISTANCE - z, last[0], last[1], DISTANCE - z);
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", side, side, NULL);
     r->faults = faults;
@@ -69,10 +77,11 @@ static double above(double u, double a, double b)
 }
 
 /* How far the picture is off the edge's ramp. */
-static double worst_of_edge(double z, bool level, double from, double to, unsigned faults)
+static double worst_of_edge(double z, bool level, double from, double to, bool camera,
+                            unsigned faults)
 {
     double out[edge_views * side], worst = 0, pixel = 2 * half_window / side;
-    look_at_edge(z, level, from, to, faults, out);
+    look_at_edge(z, level, from, to, camera, faults, out);
     for (int i = 0; i < edge_views * side; i++) {
         int view = i / side;
         double b = level ? 0 : (view - 1) * DISTANCE * tan(CONE / 3 * M_PI / 180);
@@ -89,18 +98,18 @@ static void an_edge_is_a_ramp_as_wide_as_it_moves(void **state)
     (void)state;
     const struct {
         double z, from, to;
-        bool level;
-    } cases[] = {{DISTANCE, -0.31, 0.27, false},
-                 {DISTANCE, 0.4, -0.2, true},
-                 {3.5, -0.1, 0.3, false},
-                 {7, -0.4, 0.5, true}};
+        bool level, camera;
+    } cases[] = {{DISTANCE, -0.31, 0.27, false, false}, {DISTANCE, 0.4, -0.2, true, false},
+                 {3.5, -0.1, 0.3, false, false},        {7, -0.4, 0.5, true, false},
+                 {3.5, 0.2, -0.3, false, true},         {7, -0.4, 0.5, true, true}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        double worst = worst_of_edge(cases[i].z, cases[i].level, cases[i].from, cases[i].to, 0);
+        double worst = worst_of_edge(cases[i].z, cases[i].level, cases[i].from, cases[i].to,
+                                     cases[i].camera, 0);
         print_message("depth %g: %.4f off\n", cases[i].z, worst);
         assert_true(worst < 0.02);
     }
     /* A picture of the middle alone would be seen. */
-    assert_true(worst_of_edge(DISTANCE, false, -0.31, 0.27, LF_FAULT_NO_TIME) > 0.2);
+    assert_true(worst_of_edge(DISTANCE, false, -0.31, 0.27, false, LF_FAULT_NO_TIME) > 0.2);
 }
 
 /* ---------------------------------------------------------------------------- still pictures -- */
@@ -109,7 +118,7 @@ enum { width = 32, height = 24, n_views = 3, block = 8, blocks = n_views * 12 + 
 
 /* Numbers that go from a to b, as they are at one moment, or as keys of frames 1 and 2. */
 typedef struct writer {
-    char data[4096];
+    char data[4096 + PATH_MAX];
     size_t n;
     double time; /* < 0: keys */
 } writer;
@@ -144,34 +153,43 @@ static void put_moving(writer *w, const char *key, const double *a, const double
     put(w, "]]}");
 }
 
-/* A ball of glaze that grows as it flies, a box that shears and turns, a lamp of faces on its way
- * through fog and a lit disk behind: in keys, or as they are at a moment. All that moves goes along
- * straight lines, the smooth normals of the ball stay as they are. */
+/* A disk of glaze that grows as it flies, a box that shears and turns, a lamp of faces on its way
+ * through fog and voxels, and a lit pane behind, past which the camera goes round and comes nearer:
+ * in keys, or as they are at a moment. All goes along straight lines. */
 static void write_scene(writer *w, double time)
 {
-    static const double ball[2][3] = {{-1.1, -0.3, 0.6}, {-0.5, 0.1, 0.2}},
+    static const double disk[2][3] = {{-1.1, -0.3, 0.6}, {-0.5, 0.1, 0.2}},
                         size[2][3] = {{0.4, 0.4, 0.4}, {0.5, 0.5, 0.5}},
                         box[2][16] = {{0.3, 0, 0, 0.7, 0, 0.3, 0, -0.6, 0, 0, 0.3, 0.3, 0, 0, 0, 1},
                                       {0.1, -0.3, 0, 1, 0.3, 0.2, 0, -0.4, 0, 0, 0.4, 0.7, 0, 0, 0,
                                        1}},
                         lamp[2][3] = {{0.1, 1.2, 1}, {0.8, 0.7, 1.4}},
-                        disk[2][3] = {{-1, 1.2, -1}, {-0.4, 1, -1}};
+                        pane[2][3] = {{-1, 1.2, -1}, {-0.4, 1, -1}},
+                        eye[2][3] = {{-0.3, 0.5, 5}, {0.5, 0.8, 4.6}},
+                        target[2][3] = {{0, 0, 0}, {0.1, 0, 0.1}};
+    char vdb[PATH_MAX];
+    assert_non_null(realpath(lf_test_built("testdata/patterns.vdb"), vdb));
     w->time = time;
+    put(w, "{'camera': {");
+    put_moving(w, "position", eye[0], eye[1], 3);
+    put(w, ", ");
+    put_moving(w, "target", target[0], target[1], 3);
     put(w,
-        "{'camera': {'position': [0, 0.6, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 30, "
-        "'views': 3%s}, 'volumes': {'fog': {'shape': 'sphere', 'density': 1.2, 'albedo': [0.95, "
-        "0.9, 0.8], 'g': 0.4, 'transform': {'scale': [0.8, 0.7, 0.6], 'translate': [0.4, 0.2, "
-        "0.6]}}}, 'meshes': {" LF_TEST_GROUND ", 'ball': {'shape': 'disk', 'material': 'glaze', "
-        "'transform': {",
-        time < 0 ? ", 'shutter': 1" : "");
+        ", 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 30, 'views': 3%s}, 'volumes': {'fog': "
+        "{'shape': 'sphere', 'density': 1.2, 'albedo': [0.95, 0.9, 0.8], 'g': 0.4, 'transform': "
+        "{'scale': [0.8, 0.7, 0.6], 'translate': [0.4, 0.2, 0.6]}}, 'voxels': {'file': '%s', "
+        "'grid': 'half', 'scale': 3, 'albedo': 0.8, 'transform': {'scale': 0.05, 'rotate': [0, 30, "
+        "0], 'translate': [-0.6, -0.2, 0.8]}}}, 'meshes': {" LF_TEST_GROUND ", 'disk': {'shape': "
+        "'disk', 'material': 'glaze', 'transform': {",
+        time < 0 ? ", 'shutter': 1" : "", vdb);
     put_moving(w, "scale", size[0], size[1], 3);
     put(w, ", ");
-    put_moving(w, "translate", ball[0], ball[1], 3);
+    put_moving(w, "translate", disk[0], disk[1], 3);
     put(w, "}}, 'box': {'shape': 'cube', 'material': 'clay', 'transform': {");
     put_moving(w, "matrix", box[0], box[1], 16);
     put(w, "}}, 'glowing': {'shape': 'quad', 'material': 'glow', 'transform': {'scale': [0.5, 1, "
            "0.3], 'rotate': [70, 0, 0], ");
-    put_moving(w, "translate", disk[0], disk[1], 3);
+    put_moving(w, "translate", pane[0], pane[1], 3);
     put(w, "}}}, 'materials': {'clay': {'albedo': [0.5, 0.45, 0.4]}, 'glaze': {'type': 'plastic', "
            "'albedo': [0.6, 0.3, 0.2], 'roughness': 0.5}, 'glow': {'albedo': 0.2, 'emission': 2}}, "
            "'lights': {'sky': {'type': 'environment', 'radiance': [0.4, 0.5, 0.7]}, 'lamp': "
@@ -184,10 +202,11 @@ static lf_renderer *renderer_of(double time, const char *integrator)
 {
     writer w = {.n = 0};
     write_scene(&w, time);
-    lf_scene *scene = lf_test_scene(w.data);
-    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
-    lf_scene_unref(scene);
-    return r;
+    static lf_scene *before;
+    lf_scene *scene = lf_test_scene_in(".", w.data, before); /* does not read the voxels again */
+    lf_scene_unref(before);
+    before = scene;
+    return lf_test_renderer(scene, integrator, width, height, NULL);
 }
 
 static int long_or(int replicates)
@@ -450,7 +469,8 @@ static void lamps_are_found_as_they_are_drawn(void **state)
     const lf_vec3 p = {0.2f, 0.1f, 0.3f};
     lf_moment moment = {0};
     int drawn = 0;
-    assert_int_equal(lf_moment_init(&moment, scene), LF_OK);
+    const lf_moving moving = {.scene = scene};
+    assert_int_equal(lf_moment_init(&moment, &moving), LF_OK);
     for (uint32_t i = 0; i < 600; i++) {
         const float time = lf_sampler_radical(4, i),
                     u[3] = {lf_sampler_radical(1, i), lf_sampler_radical(2, i),
@@ -458,7 +478,7 @@ static void lamps_are_found_as_they_are_drawn(void **state)
         lf_light_sample sample;
         lf_hit hit;
         float pdf;
-        lf_moment_set(&moment, scene, time);
+        lf_moment_set(&moment, &moving, time);
         lf_tracer tracer = {.scene = &moment.scene, .time = time};
         if (!lf_light_draw(&moment.scene, p, u, &sample))
             continue;
