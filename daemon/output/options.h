@@ -48,9 +48,9 @@ typedef struct lf_options {
     unsigned skip;                           /* bits of lf_skip */
     double target_error, target_shown_error; /* > 0 */
     bool has_exposure;                       /* it was given */
+    bool guides;                             /* what lies outside of the sharp depth is marked */
     double exposure;                         /* as in lf_exposed_film */
     lf_reconstruct reconstruct;
-    bool guides;             /* what lies outside of the sharp depth is marked */
     unsigned layers;         /* bits of lf_layer, beside the colours of EXR files */
     const char *calibration; /* a file */
     double import_memory;    /* GiB; 0 = half of the machine's */
