@@ -256,7 +256,8 @@ static void what_lies_on_a_mesh_is_taken_over_whole(void **state)
     assert_int_equal(data.textures[0].slot[LF_SLOT_BASE].picture, 0);
     const lf_material *material = &data.materials[1];
     assert_true(material->cover == LF_COVER_BLEND && material->alpha == 0.5f);
-    assert_true(material->is_solid && material->glass.absorption.x == 7 && material->sheen.z == 0.25f);
+    assert_true(material->is_solid && material->glass.absorption.x == 7 &&
+                material->sheen.z == 0.25f);
     lf_mesh_data_finish(&data);
     assert_true(!data.pictures && !data.uvs && !data.colours && !data.tangents && !data.textures);
 }
