@@ -516,10 +516,25 @@ static void mark_used(const lf_mesh *mesh, bool *used)
         used[mesh->triangle_material[t]] = true;
 }
 
+/* Colours along a mesh tint what its panes let through: such glass is no veil. */
+static void colour_panes(lf_scene *scene)
+{
+    for (int i = 0; i < scene->n_meshes; i++) {
+        bool used[LF_MAX_MATERIALS] = {false};
+        if (!scene->meshes[i].colours)
+            continue;
+        mark_used(&scene->meshes[i], used);
+        for (int m = 0; m < scene->n_materials; m++)
+            if (used[m])
+                scene->materials[m].glass.is_pane = false;
+    }
+}
+
 /* Materials that nothing is made of do not count. */
 static void set_flags(lf_scene *scene)
 {
     bool used[LF_MAX_MATERIALS] = {false};
+    colour_panes(scene);
     for (int i = 0; i < scene->n_meshes; i++) {
         mark_used(&scene->meshes[i], used);
         scene->looks.varied |= !!scene->meshes[i].colours;
@@ -533,7 +548,7 @@ static void set_flags(lf_scene *scene)
         scene->looks.filled |= used[m] && material->is_solid && material->transmission > 0.0f &&
                                lf_max3(material->glass.absorption) > 0.0f;
         scene->looks.frosted |= used[m] && material->is_solid && material->glass.is_rough;
-        scene->looks.veiled |= used[m] && material->cover != LF_COVER_OPAQUE;
+        scene->looks.veiled |= used[m] && lf_is_veil(material);
         scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
         scene->has_view_lobes |= used[m] && material->kind->view_dependent;
     }

@@ -384,9 +384,29 @@ static bool view_dependent(const lf_visit *visit, const lf_event *event)
                                            : visit->scene->volumes[event->volume].g != 0.0f;
 }
 
+/* A pane is met by the share of each view's light that does not come through. */
+static void met_by_chance(lf_visit *visit, const lf_pivot *pivot)
+{
+    lf_scratch *w = visit->worker;
+    look_back(visit, &pivot->event.hit);
+    for (int k = 0; k < visit->rig->n_views; k++)
+        w->scale[k] *= 1.0f - lf_pane_passes(pivot->event.hit.material, w->local[2][k]);
+}
+
+/* A pane weighs as everything that is met does, in W and in W'; what it reflects is native. */
+static void spread_pane(lf_visit *visit, const lf_pivot *pivot, float sum)
+{
+    lf_scratch *w = visit->worker;
+    add_weights(visit, pivot->boost / sum);
+    for (int k = 0; k < visit->rig->n_views && visit->sums.half.w2; k++)
+        if (w->density[k] > 0.0f)
+            lf_film_weigh_direction(&visit->sums, target(visit, k),
+                                    w->density[k] * pivot->boost / sum);
+}
+
 /* The densities of the pivot under all views; returns the sum of those that samples are drawn with.
  */
-static float fan(const lf_visit *visit, int base, int column, const lf_pivot *pivot)
+static float fan(lf_visit *visit, int base, int column, const lf_pivot *pivot)
 {
     lf_scratch *w = visit->worker;
     geometry(visit, pivot, base);
@@ -395,6 +415,8 @@ static float fan(const lf_visit *visit, int base, int column, const lf_pivot *pi
     prefixes(visit, pivot, base);
     if (visit->triangles)
         visibility(visit, pivot, base);
+    if (pivot->is_pane)
+        met_by_chance(visit, pivot);
     float sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
     sum = strategies(visit, sum);
     return lf_has_fault(visit, LF_FAULT_REALISED) && base >= 0 ? realised_sum(visit, base) : sum;
@@ -415,6 +437,10 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
     float sum = fan(visit, view, column, pivot);
     if (!correct(visit, pivot))
         return;
+    if (pivot->is_pane) {
+        spread_pane(visit, pivot, sum);
+        return;
+    }
     lf_suffix suffix;
     lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
     lf_suffix_draw(visit, pivot, wo, &suffix);

@@ -349,7 +349,7 @@ static int material_of(const lf_mesh *mesh, uint32_t triangle)
 static bool is_veil(const lf_scene *scene, const lf_row_triangle *t)
 {
     const lf_mesh *mesh = &scene->meshes[t->mesh];
-    return scene->materials[material_of(mesh, t->triangle)].cover != LF_COVER_OPAQUE;
+    return lf_is_veil(&scene->materials[material_of(mesh, t->triangle)]);
 }
 
 static void put_segment(lf_section_leaf *leaf, int i, const lf_rig *rig, const corner end[2])

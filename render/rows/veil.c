@@ -11,9 +11,10 @@ static float passes(const lf_veils *veils, const lf_face *face, float c, float s
     const lf_rig *rig = veils->rig;
     float z = rig->distance / (d * rig->distance + 1.0f);
     lf_vec3 p = lf_rig_point(rig, s * z, veils->plane->ly + veils->plane->my * z, z);
+    lf_vec3 along = lf_sub(p, lf_rig_point(rig, c, veils->plane->ly, 0.0f));
     lf_hit hit;
-    lf_face_hit(face, p, lf_sub(p, lf_rig_point(rig, c, veils->plane->ly, 0.0f)), &hit);
-    return 1.0f - lf_hit_cover(&hit, lf_rig_spread(rig) * z);
+    lf_face_hit(face, p, along, &hit);
+    return 1.0f - lf_hit_stops(&hit, along, lf_rig_spread(rig) * z);
 }
 
 /* A segment, seen from a point through which all lines go: at (d, s). */

@@ -262,7 +262,8 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     worker->tracer.width = 0.0f;
     worker->tracer.spread = lf_rig_spread(rig) / ray.length;
     bool surface = lf_trace_seen(&worker->tracer, eye, w, INFINITY, &event->hit);
-    bool shared = surface && event->hit.material->has_lobe;
+    bool pane = surface && event->hit.material->glass.is_pane;
+    bool shared = surface && (event->hit.material->has_lobe || pane);
     bool native = surface && (shared || event->hit.material->has_delta);
     if (surface)
         ray.z_end = event->hit.t / ray.length;
@@ -283,6 +284,7 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
         lf_vec3 d = lf_sub(event->hit.p, rig->eye);
         event->kind = LF_EVENT_SURFACE;
         event->p = event->hit.p;
+        pivot.is_pane = pane;
         pivot.boost = visit->weight;
         pivot.x = lf_dot(d, rig->right);
         pivot.z = lf_dot(d, rig->forward);

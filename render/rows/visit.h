@@ -96,11 +96,12 @@ typedef struct lf_scratch {
 /* A shared pivot: where a base ray found something that scatters. */
 typedef struct lf_pivot {
     lf_event event;
-    int medium;          /* of a collision: index into the worker's media */
-    float x, z;          /* camera space; y follows from the row's plane */
-    float lx;            /* the base ray's lens offset, copied to every view */
-    float boost;         /* 1, or q/s when the collision was forced (docs/estimators.md, "Forced
-                            collisions") */
+    int medium;   /* of a collision: index into the worker's media */
+    float x, z;   /* camera space; y follows from the row's plane */
+    float lx;     /* the base ray's lens offset, copied to every view */
+    float boost;  /* 1, or q/s when the collision was forced (docs/estimators.md, "Forced
+                     collisions") */
+    bool is_pane; /* of a pane (lf_glass), which reflects natively: it weighs and sends nothing */
     lf_sampler *sampler; /* goes on with the pivot's own dimensions */
 } lf_pivot;
 

@@ -8,9 +8,10 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
     float correction = lf_visit_correction(visit, view, pivot);
     if (correction == 0.0f)
         return; /* nothing is there */
-    lf_suffix suffix;
+    lf_suffix suffix = {0};
     lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
-    lf_suffix_draw(visit, pivot, wo, &suffix);
+    if (!pivot->is_pane)
+        lf_suffix_draw(visit, pivot, wo, &suffix);
     if (visit->worker->glows.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
         visit->sharing->balance(visit, view, column, pivot, &suffix);
     lf_vec3 radiance = lf_suffix_radiance(visit, pivot, &suffix, wo);

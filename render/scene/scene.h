@@ -116,6 +116,9 @@ typedef struct lf_glass {
     lf_vec3 absorption; /* inside of it, per scene unit */
     /* Made by lf_material_prepare: the lobe through it is no delta. */
     bool is_rough;
+    /* Smooth clear sheets, and nothing else: what goes straight through is a matter of how much of
+     * them is met (surface_glass.h). */
+    bool is_pane;
     bool is_inside;                /* of a hit's own: met from within a solid (track.c) */
     float kept[2][LF_GLASS_NODES]; /* E of rough glass, from outside and from within */
 } lf_glass;
@@ -152,6 +155,11 @@ typedef struct lf_material {
      * dielectric lobe leaves to what is below, and of what its metal reflects. */
     float metal_loss[LF_LOSS_TERMS], coat_loss[LF_LOSS_TERMS], mean_loss, mean_fresnel;
 } lf_material;
+/* What rays meet by chance, and views see through. */
+static inline bool lf_is_veil(const lf_material *m)
+{
+    return m->cover != LF_COVER_OPAQUE || m->glass.is_pane;
+}
 #define LF_ALPHA_MIN 1e-3f
 /* Its root and a little more: what textures cannot go below. */
 #define LF_LEAST_ROUGHNESS 0.0317f
@@ -300,7 +308,7 @@ typedef struct lf_scene_file {
 /* What some of its surfaces are, and most scenes lack. */
 typedef struct lf_looks {
     bool varied;  /* something varies along a mesh */
-    bool veiled;  /* some surface may not be there whole */
+    bool veiled;  /* some surface may not be there whole, or is a pane */
     bool hidden;  /* some mesh is hidden from the camera */
     bool filled;  /* some glass absorbs */
     bool frosted; /* some solid glass is rough: its hits say from which side they are */

@@ -103,6 +103,10 @@ LF_SURFACE_KINDS(LF_DECLARE_SURFACE)
 /* The same as a list, ended by NULL. */
 extern const lf_surface_kind *const lf_surface_kinds[];
 
+/* Of a pane (lf_glass), what comes straight through at this cosine; the rest meets it: what is then
+ * reflected is a delta lobe. */
+float lf_pane_passes(const lf_material *m, float cosine);
+
 /* What a surface does where it was hit to light that leaves along wo. */
 typedef struct lf_shading {
     bool has_lobe; /* any that is not delta: kind->eval and kind->sample */

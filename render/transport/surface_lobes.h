@@ -108,6 +108,9 @@ static inline float lf_fresnel_index(float cos_i, float eta, float k)
     return 0.5f * s * (1.0f + (t - u) / (t + u));
 }
 
+/* Of a clear coat on a principled surface. */
+#define LF_COAT_INDEX 1.5f
+
 /* (1 - cos)^5 of Schlick 1994. */
 static inline float lf_schlick(float cos_theta)
 {

@@ -21,8 +21,6 @@
 #include "render/transport/surface_glass.h"
 #include "render/transport/surface_sheen.h"
 
-#define COAT_INDEX 1.5f
-
 /* What all directions share of a material. */
 typedef struct layers {
     lf_material m; /* loss: of the dielectric */
@@ -67,7 +65,7 @@ static inline float coat_loss(const lf_material *m, float cosine)
 static inline float clear_loss(const lf_material *m, float cosine)
 {
     float a = LF_LOSS_SCALE * m->coat_roughness * m->coat_roughness;
-    return lf_loss_by(m->coat_loss, a, lf_coat_transmittance(COAT_INDEX, cosine), cosine);
+    return lf_loss_by(m->coat_loss, a, lf_coat_transmittance(LF_COAT_INDEX, cosine), cosine);
 }
 
 /* What the fibres reflect, in the channel of which they reflect most. */
@@ -147,7 +145,8 @@ static float eval_local(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi
     *f = lf_scale(*f, s->under);
     if (l->rough_coat) {
         lf_ggx_lobe lobe = lf_ggx_eval(l->coat_alpha, wo, wi);
-        float k = l->m.coat * lobe.f * lf_fresnel_dielectric(lf_max(lobe.cos_oh, 0.0f), COAT_INDEX);
+        float k =
+            l->m.coat * lobe.f * lf_fresnel_dielectric(lf_max(lobe.cos_oh, 0.0f), LF_COAT_INDEX);
         *f = lf_add(*f, lf_v3(k, k, k));
         pdf += s->by_coat * lobe.pdf;
     }
@@ -289,16 +288,18 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
     layers l = layers_of(m);
     if (l.coated)
         coat = m->coat * (l.rough_coat ? 1.0f - clear_loss(m, cos_o)
-                                       : lf_fresnel_dielectric(cos_o, COAT_INDEX));
+                                       : lf_fresnel_dielectric(cos_o, LF_COAT_INDEX));
     float beneath = (1.0f - coat) * (l.sheened ? 1.0f - sheen_share(m, cos_o) : 1.0f);
     lf_vec3 mirrored = l.rough_coat ? lf_v3(0.0f, 0.0f, 0.0f) : lf_v3(coat, coat, coat);
     if (!l.rough)
         mirrored = lf_madd(mirrored, beneath,
                            lf_madd(mirrored_by_dielectric(m, front, cos_o), m->metallic,
                                    lf_conductor_fresnel(m, cos_o)));
+    if (m->glass.is_pane && lf_max3(mirrored) > 0.0f)
+        mirrored = lf_scale(mirrored, 1.0f / (1.0f - lf_pane_passes(m, cos_o)));
     if (lf_max3(mirrored) > 0.0f)
         out[n++] = (lf_delta){lf_mirror(ng, ns, wo), mirrored};
-    if (m->transmission > 0.0f && !m->glass.is_rough) {
+    if (m->transmission > 0.0f && !m->glass.is_rough && !m->glass.is_pane) {
         out[n].f = lf_scale(transmitted(&l, ng, ns, wo, front, &out[n].wi), beneath);
         n += lf_max3(out[n].f) > 0.0f;
     }
@@ -328,7 +329,7 @@ static void vary(lf_material *m)
         m->mean_loss = 1.0f - m->specular * (1.0f - mean);
     }
     if (m->coat > 0.0f && has_texture(m, LF_SLOT_COAT_ROUGH))
-        (void)lf_loss_look_up(COAT_INDEX, m->coat_roughness, m->coat_loss);
+        (void)lf_loss_look_up(LF_COAT_INDEX, m->coat_roughness, m->coat_loss);
     m->rest = lf_v3(metal_rest(m->albedo.x, (double)metal_mean),
                     metal_rest(m->albedo.y, (double)metal_mean),
                     metal_rest(m->albedo.z, (double)metal_mean));
@@ -347,13 +348,12 @@ static void prepare(lf_material *m)
         m->coat_roughness = lf_max(m->coat_roughness, LF_LEAST_ROUGHNESS);
     bool rough = lf_material_alpha(m) >= LF_ALPHA_MIN,
          rough_coat = m->coat_roughness * m->coat_roughness >= LF_ALPHA_MIN;
-    lf_glass_prepare(m);
     memset(m->coat_loss, 0, sizeof m->coat_loss);
     memset(m->metal_loss, 0, sizeof m->metal_loss);
     m->mean_loss = 1.0f - m->specular * (1.0f - lf_loss_look_up(m->ior, 0.0f, NULL));
     vary(m);
     if (m->coat > 0.0f && rough_coat)
-        (void)lf_loss_look_up(COAT_INDEX, m->coat_roughness, m->coat_loss);
+        (void)lf_loss_look_up(LF_COAT_INDEX, m->coat_roughness, m->coat_loss);
     float diffuse = (1.0f - m->metallic) * (1.0f - m->transmission);
     if (has_texture(m, LF_SLOT_METAL_ROUGH))
         diffuse = 1.0f - m->transmission;
@@ -363,9 +363,10 @@ static void prepare(lf_material *m)
     bool reflects = m->metallic > 0.0f || (m->specular > 0.0f && m->ior > 1.0f);
     m->has_lobe = (rough && reflects) || (m->coat > 0.0f && rough_coat) ||
                   (lf_max3(m->albedo) > 0.0f && diffuse > 0.0f) ||
-                  (m->glass.is_rough && glass > 0.0f) || lf_max3(m->sheen) > 0.0f;
+                  (lf_glass_is_rough(m) && glass > 0.0f) || lf_max3(m->sheen) > 0.0f;
     m->has_delta = (!rough && reflects) || (m->coat > 0.0f && !rough_coat) ||
-                   (!m->glass.is_rough && glass > 0.0f);
+                   (!lf_glass_is_rough(m) && glass > 0.0f);
+    lf_glass_prepare(m);
 }
 
 enum {

@@ -94,6 +94,13 @@ static void widen(lf_material *m, float scale, float lost)
         m->roughness = sqrtf(sqrtf(lf_min(alpha2 + 2.0f * spread, 1.0f)));
 }
 
+float lf_hit_stops(const lf_hit *hit, lf_vec3 w, float width)
+{
+    if (!hit->material->glass.is_pane)
+        return lf_hit_cover(hit, width);
+    return 1.0f - lf_pane_passes(hit->material, -lf_dot(hit->ns, w) / lf_length(w));
+}
+
 /* The shading normal as a normal map turns it; of the surface's other side it is the same dent seen
  * from behind. */
 static void bend(const place *at, const lf_texture *t, const float texel[4], lf_hit *hit)

@@ -18,6 +18,10 @@ void lf_hit_vary(lf_hit *hit, float width);
 /* The same for how much of the surface is there, alone: 0..1. */
 float lf_hit_cover(const lf_hit *hit, float width);
 
+/* How much of a ray along w, which need not be unit, meets it: that, or of a pane what does not
+ * come through. */
+float lf_hit_stops(const lf_hit *hit, lf_vec3 w, float width);
+
 /* What leaves the surface by itself, with its texture: radiance. */
 lf_vec3 lf_hit_emission(const lf_hit *hit, float width);
 

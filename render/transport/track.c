@@ -130,11 +130,12 @@ static float averaged_at(const lf_tracer *tracer, float t)
 }
 
 /* Whether the ray meets a veil, by chance; else it goes on behind. */
-static bool is_there(lf_tracer *tracer, const lf_hit *hit, struct RTCRay *ray, float t_max)
+static bool is_there(lf_tracer *tracer, const lf_hit *hit, lf_vec3 w, struct RTCRay *ray,
+                     float t_max)
 {
-    if (hit->material->cover == LF_COVER_OPAQUE)
+    if (!lf_is_veil(hit->material))
         return true;
-    float cover = lf_hit_cover(hit, averaged_at(tracer, hit->t));
+    float cover = lf_hit_stops(hit, w, averaged_at(tracer, hit->t));
     if (cover >= 1.0f || lf_rng(tracer) < cover)
         return true;
     ray->tnear = nextafterf(hit->t, INFINITY);
@@ -183,7 +184,7 @@ static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_
         if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
             return false;
         find_hit(scene, &rh, o, w, hit);
-    } while (scene->looks.veiled && !is_there(tracer, hit, &rh.ray, t_max));
+    } while (scene->looks.veiled && !is_there(tracer, hit, w, &rh.ray, t_max));
     if (scene->looks.varied && lf_is_varied(hit->mesh, hit->material))
         lf_hit_vary(hit, averaged_at(tracer, hit->t));
     if (scene->looks.frosted)
@@ -215,7 +216,7 @@ static float passed_by(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, boo
             break;
         find_hit(scene, &rh, o, w, &hit);
         if (!(seen && hit.mesh->hidden))
-            passed *= 1.0f - lf_hit_cover(&hit, averaged_at(tracer, hit.t));
+            passed *= 1.0f - lf_hit_stops(&hit, w, averaged_at(tracer, hit.t));
         rh.ray.tnear = nextafterf(hit.t, INFINITY);
     }
     return passed;

@@ -351,7 +351,8 @@ static void glass_bends_light_by_snell_and_shares_it_by_fresnel(void **state)
     assert_true(out[0].f.x == 1.0f);
 }
 
-/* r + t^2 r + ... of two faces: 2 f / (1 + f); the rest goes straight on. */
+/* r + t^2 r + ... of two faces: 2 f / (1 + f); the rest goes straight on, of tinted ones as a lobe.
+ */
 static void a_pane_reflects_with_both_faces(void **state)
 {
     (void)state;
@@ -359,12 +360,19 @@ static void a_pane_reflects_with_both_faces(void **state)
     lf_material m = layered(0.0f, 0.0f, 1.5f, 0.0f, 0.0f);
     m.transmission = 1.0f;
     lf_material_prepare(&m);
+    lf_material tinted = m;
+    tinted.albedo.y = 0.5f;
+    lf_material_prepare(&tinted);
     for (int side = 0; side < 2; side++) {
         lf_delta out[LF_MAX_DELTAS];
-        assert_int_equal(m.kind->deltas(&m, up, up, lf_v3(0.0f, 0.0f, 1.0f), side == 0, out), 2);
+        assert_int_equal(tinted.kind->deltas(&tinted, up, up, up, side == 0, out), 2);
         assert_true(fabs((double)out[0].f.x - (0.08 / 1.04)) < 1e-6);
         assert_true(fabs((double)out[1].f.x - (0.96 / 1.04)) < 1e-6);
         assert_true(out[1].wi.z == -1.0f);
+        /* Of what meets the grey one all is reflected. */
+        assert_int_equal(m.kind->deltas(&m, up, up, up, side == 0, out), 1);
+        assert_true(fabs((double)out[0].f.x - 1.0) < 1e-6);
+        assert_true(fabs((double)lf_pane_passes(&m, 1.0f) - (0.96 / 1.04)) < 1e-6);
     }
 }
 
