@@ -107,7 +107,8 @@ static void draw_fans(bench *b)
                             .slope = (window - rig->b[view]) / rig->distance,
                             .z_end = INFINITY};
         ray.length = sqrtf(1.0f + ray.slope * ray.slope + b->plane.my * b->plane.my);
-        lf_collision c = lf_media_collide(&b->worker->media, &ray, lf_rng(tracer), false, tracer);
+        lf_collision c =
+            lf_media_collide(&b->worker->media, &ray, 0, lf_rng(tracer), false, tracer);
         if (!isfinite(c.z))
             continue;
         float x = ray.x0 + ray.slope * c.z;

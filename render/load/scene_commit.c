@@ -159,6 +159,15 @@ static void load_flame(const commit *c, int i)
         flame->sigma_max = 0.0f;
 }
 
+/* Channels that are the same have no colour. */
+static void take_extinction(lf_volume *volume, const lf_volume_desc *desc)
+{
+    const double *c = desc->colour, most = fmax(fmax(c[0], c[1]), c[2]);
+    volume->sigma_scale = volume->sigma_max = (float)(desc->scale * most);
+    if (c[0] != c[1] || c[0] != c[2])
+        volume->colour = lf_v3((float)(c[0] / most), (float)(c[1] / most), (float)(c[2] / most));
+}
+
 /* Loads all grids; volumes get what does not depend on the scene's origin. */
 static void load_volumes(commit *c)
 {
@@ -172,8 +181,7 @@ static void load_volumes(commit *c)
         const lf_volume_desc *desc = &c->desc->volumes[i];
         lf_volume *volume = &scene->volumes[scene->n_volumes++];
         *volume = (lf_volume){.kind = desc->kind, .nearest = desc->nearest, .g = (float)desc->g};
-        volume->sigma_scale = (float)desc->scale;
-        volume->sigma_max = (float)desc->scale;
+        take_extinction(volume, desc);
         volume->albedo = lf_to_vec3(desc->albedo);
         if (desc->kind == LF_VOLUME_GRID)
             load_grid(c, desc, desc->grid, "is not there", "file", &volume->grid);
@@ -552,8 +560,11 @@ static void set_flags(lf_scene *scene)
         scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
         scene->has_view_lobes |= used[m] && material->kind->view_dependent;
     }
-    for (int i = 0; i < scene->n_volumes; i++)
-        scene->has_view_lobes |= scene->volumes[i].g != 0.0f;
+    for (int i = 0; i < scene->n_volumes; i++) {
+        const lf_volume *volume = &scene->volumes[i];
+        scene->has_view_lobes |= volume->g != 0.0f;
+        scene->looks.chromatic |= is_there(volume) && lf_max3(volume->colour) > 0.0f;
+    }
 }
 
 /* Meshes that glow are lights too, since lf_lights_commit. */

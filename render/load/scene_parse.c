@@ -276,9 +276,9 @@ static void parse_flame(lf_reader *reader, const lf_node *node, lf_volume_desc *
 
 static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_volume_desc *volume)
 {
-    static const char *const keys[] = {"file",     "sequence",  "grid",  "scale",
-                                       "albedo",   "g",         "units", "interpolation",
-                                       "emission", "transform", NULL};
+    static const char *const keys[] = {"file",          "sequence", "grid",      "scale",
+                                       "sigma_t",       "albedo",   "g",         "units",
+                                       "interpolation", "emission", "transform", NULL};
     static const char *const endings[] = {"vdb", NULL};
     static const char *const filters[] = {"linear", "nearest", NULL};
     lf_read_object(reader, node, keys);
@@ -293,8 +293,8 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
 
 static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
-    static const char *const keys[] = {"shape",    "density",   "albedo", "g",
-                                       "emission", "transform", NULL};
+    static const char *const keys[] = {"shape", "density",  "sigma_t",   "albedo",
+                                       "g",     "emission", "transform", NULL};
     lf_read_object(reader, node, keys);
     volume->kind = LF_VOLUME_GRID + 1 +
                    (lf_volume_kind)lf_read_choice(reader, node, "shape", lf_volume_shapes, 0);
@@ -302,19 +302,39 @@ static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *
     volume->has_flame = lf_read_colour(reader, node, "emission", volume->flame, 0, LF_MAX_RADIANCE);
 }
 
+/* What volumes emit is known light of one transmittance. */
+static void refuse_coloured_flames(lf_reader *reader, const lf_node *root,
+                                   const lf_scene_desc *desc)
+{
+    bool chromatic = false;
+    for (int i = 0; i < desc->n_volumes; i++) {
+        const double *c = desc->volumes[i].colour;
+        chromatic = chromatic || c[0] != c[1] || c[0] != c[2];
+    }
+    for (int i = 0; i < desc->n_volumes && chromatic; i++) {
+        lf_node section = lf_node_child(root, "volumes"),
+                volume = lf_node_child(&section, desc->volumes[i].name),
+                emission = lf_node_child(&volume, "emission");
+        if (desc->volumes[i].has_flame)
+            lf_read_fail(reader, &emission,
+                         "volumes cannot emit in a scene whose sigma_t differs between channels");
+    }
+}
+
 static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
-    static const char *const keys[] = {"file",     "sequence",      "grid",  "scale",     "albedo",
-                                       "g",        "interpolation", "shape", "transform", "density",
-                                       "emission", "units",         NULL};
+    static const char *const keys[] = {
+        "file",  "sequence",  "grid",    "scale",    "albedo", "g",       "interpolation",
+        "shape", "transform", "density", "emission", "units",  "sigma_t", NULL};
     lf_volume_desc *volume = &desc->volumes[index];
-    *volume = (lf_volume_desc){.name = node->key, .albedo = {1, 1, 1}};
+    *volume = (lf_volume_desc){.name = node->key, .albedo = {1, 1, 1}, .colour = {1, 1, 1}};
     if (!lf_read_object(reader, node, keys))
         return;
     if (lf_read_either(reader, node, "file", "shape"))
         parse_grid(reader, node, desc->frame, volume);
     else
         parse_shape(reader, node, volume);
+    lf_read_colour(reader, node, "sigma_t", volume->colour, 0, 1e9);
     lf_read_colour(reader, node, "albedo", volume->albedo, 0, 1);
     volume->g = lf_read_number(reader, node, "g", 0, -0.999, 0.999);
     volume->transform = parse_placed(reader, node, desc->unit_mm);
@@ -583,6 +603,7 @@ void lf_scene_parse_beside(lf_reader *reader, const lf_node *root, double frames
     out->meshes = allocate_section(reader, root, "meshes", LF_MAX_MESHES, lights,
                                    sizeof *out->meshes, &out->n_meshes);
     parse_members(reader, root, "volumes", parse_volume, out);
+    refuse_coloured_flames(reader, root, out);
     parse_members(reader, root, "materials", parse_material, out);
     parse_members(reader, root, "meshes", parse_mesh, out);
     parse_members(reader, root, "lights", parse_light, out);

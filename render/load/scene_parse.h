@@ -23,7 +23,8 @@ typedef struct lf_volume_desc {
     const char *grid; /* LF_VOLUME_GRID only, as the next */
     char *file;       /* of the frame; released by lf_scene_desc_finish */
     bool nearest;
-    double scale; /* sigma_t per scene unit and unit of value */
+    double scale;     /* sigma_t per scene unit and unit of value … */
+    double colour[3]; /* … times this: of each channel */
     double albedo[3], g;
     /* What it emits, radiance per scene unit: nothing, unless it is given; grids: per unit of the
      * value of flame_grid, or, kelvin > 0, as a black body of so many degrees per unit. */

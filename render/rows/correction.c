@@ -43,8 +43,8 @@ static float rate_of(const field *f, float rough)
 
 /* One Poisson process of depths for the whole fan, as dense as the roughest tile that it meets
  * there wants: thinned from one that is as dense as a row's roughest. */
-static void multiply(const lf_slice *slice, const lf_volume *volume, const lf_rays *rays,
-                     const field *f, lf_tracer *tracer, float *factor)
+static void multiply(const lf_slice *slice, const float colour[3], const lf_volume *volume,
+                     const lf_rays *rays, const field *f, lf_tracer *tracer, float *factor)
 {
     float depth = lf_rng_exponential(tracer), thickness = (float)slice->tile_cells_z * slice->dz;
     lf_probe probe = {
@@ -62,9 +62,12 @@ static void multiply(const lf_slice *slice, const lf_volume *volume, const lf_ra
             if (lf_rng_fine(tracer) * most >= rate)
                 continue;
             probe.z = z;
-            probe.inverse = 1.0f / rate;
             probe.line = lf_slice_line(volume, rays->rig, rays->plane, z);
-            rays->kernels->compare(&probe, rays->n, rays->x0, rays->slope, rays->z_end, factor);
+            for (int c = 0; c < (rays->channels ? 3 : 1); c++) {
+                probe.inverse = (rays->channels ? colour[c] : 1.0f) / rate;
+                rays->kernels->compare(&probe, rays->n, rays->x0, rays->slope, rays->z_end,
+                                       factor + c * rays->n);
+            }
             tracer->lookups += rays->n;
         }
         depth -= room;
@@ -87,7 +90,8 @@ void lf_correction_transmittance(const lf_media *media, const lf_rays *rays, flo
          * samples side by side show. */
         float cells = lf_max(1.0f, steepest * medium->slice.dz * medium->slice.inv_dx);
         field f = {dense * longest * cells * cells, least / occupied, z_end};
-        multiply(&medium->slice, &rays->scene->volumes[medium->volume], rays, &f, tracer, factor);
+        multiply(&medium->slice, medium->colour, &rays->scene->volumes[medium->volume], rays, &f,
+                 tracer, factor);
     }
 }
 

@@ -29,13 +29,15 @@ typedef struct lf_rays {
     const lf_kernels *kernels;
     int n; /* a multiple of LF_LANES */
     const float *x0, *slope, *z_end;
-    float z_from; /* what lies before it is left out */
+    float z_from;  /* what lies before it is left out */
+    bool channels; /* of each channel, not of the largest alone */
 } lf_rays;
 
 /* True when something on this row's plane is a slice; without, all R are 1. */
 bool lf_correction_needed(const lf_media *media);
 
-/* Multiplies factor[n] by estimates of T / T~ that are right in the mean; they share their depths.
+/* Multiplies factor[n], or factor[3][n] of the channels, by estimates of T / T~ that are right in
+ * the mean; they share their depths.
  * dense: lambda in units of what the slice calls rough where the fan passes, more by the square of
  * the cells that its steepest ray crosses between two planes. least: points to expect in all of its
  * depth, at least: thin media ask for some where the difference of T / T~ to 1 is what is wanted.

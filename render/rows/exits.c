@@ -55,19 +55,42 @@ static lf_vec3 emission_of(const lf_visit *visit, int k, const lf_material *mate
     return lf_hit_material(&hit)->emission;
 }
 
+/* What of light is lost in media of this optical depth; exp(-depth) times correction is what comes
+ * through. */
+static float lost_in(float depth, float correction, float *out_transmittance)
+{
+    float lost = depth > 0.0f ? -expm1f(-depth) : 0.0f;
+    /* A sun or lamp behind 20 mean free paths and more: 1 - q would have no digits left. */
+    float transmittance = depth < 0.5f ? 1.0f - lost : expf(-depth);
+    lost += transmittance * (1.0f - correction);
+    *out_transmittance = transmittance * correction;
+    return lost;
+}
+
+/* The mean over the channels of ray k, lane `lane` of n that were marched. */
+static float lost_of_channels(const lf_scratch *w, int k, int lane, int n, float correction,
+                              lf_vec3 *out_transmittance)
+{
+    float through[3], sum = 0.0f;
+    for (int c = 0; c < 3; c++) {
+        bool marched = lane >= 0 && lane < n && w->media.n_here > 0;
+        float depth = marched ? w->channels.tau[c * n + lane] * w->length[k] : 0.0f,
+              factor = marched ? w->channels.factor[c * n + lane] : 1.0f;
+        sum += lost_in(depth, factor * correction, &through[c]);
+    }
+    *out_transmittance = lf_v3(through[0], through[1], through[2]);
+    return sum * (1.0f / 3.0f);
+}
+
 /* One ray's known light, what volumes emit along it included, and pivot probability; material: of
- * the surface it meets, NULL: none; depth: optical, along the whole ray or to the surface;
- * exp(-depth) times correction is what comes through; sky: what is
- * behind it all, NULL: to be looked up. */
+ * the surface it meets, NULL: none; q_medium: what media take of light, along the whole ray or to
+ * the surface, and transmittance what they leave; sky: what is behind it all, NULL: to be looked
+ * up. */
 static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_material *material,
-                        float depth, float correction, const lf_vec3 *sky)
+                        float q_medium, lf_vec3 transmittance, const lf_vec3 *sky)
 {
     const lf_scratch *worker = visit->worker;
-    float q_medium = depth > 0.0f ? -expm1f(-depth) : 0.0f, q;
-    /* A sun or lamp behind 20 mean free paths and more: 1 - q would have no digits left. */
-    float transmittance = depth < 0.5f ? 1.0f - q_medium : expf(-depth);
-    q_medium += transmittance * (1.0f - correction);
-    transmittance *= correction;
+    float q;
     lf_vec3 light;
     q = material && material->has_lobe ? 1.0f : q_medium;
     lf_film_pivots(&visit->sums, pixel, q);
@@ -83,7 +106,7 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
         lf_vec3 w = lf_rig_direction(visit->rig, worker->slope[k], visit->plane.my, 1.0f);
         light = lf_light_seen(visit->scene, lf_normalize(w));
     }
-    light = lf_scale(light, transmittance);
+    light = lf_mul(light, transmittance);
     if (worker->shine.flames.n_here > 0)
         light = lf_add(light, worker->shine.light[k]);
     lf_film_known_light(&visit->sums, pixel, light.x, light.y, light.z);
@@ -108,7 +131,7 @@ static void write_feature(const lf_visit_plan *plan, const lf_visit *visit, size
 {
     const float least = 1e-3f; /* less of a surface is not worth a look at its light */
     const lf_scratch *worker = visit->worker;
-    const lf_media_moments *m = &worker->moments;
+    const lf_media_moments *m = &worker->met.moments;
     lf_feature feature = {.nearness = m->nearness[k], .spread = m->spread[k]};
     if (lobe) {
         float wall = lf_nearness(visit->rig->distance, worker->z_end[k]),
@@ -169,7 +192,7 @@ static bool sky_of_row(const lf_visit_plan *plan, const lf_visit *visit, lf_vec3
 
 bool lf_exits_uniform(const lf_scene *scene, float out_sky[3])
 {
-    if (scene->flames.n > 0)
+    if (scene->flames.n > 0 || scene->looks.chromatic)
         return false;
     for (int i = 0; i < scene->n_materials && scene->embree; i++) {
         const lf_material *m = &scene->materials[i];
@@ -211,7 +234,7 @@ static void aim(const lf_visit *visit, float xw, float lx)
         worker->tau[k] = 0.0f;
         worker->length[k] =
             sqrtf(1.0f + worker->slope[k] * worker->slope[k] + visit->plane.my * visit->plane.my);
-        worker->moments.met[k] = 0.0f;
+        worker->met.moments.met[k] = 0.0f;
     }
 }
 
@@ -252,25 +275,38 @@ static void veil(const lf_visit *visit, float xw, float lx, int from, int to)
 static void correct(const lf_visit *visit, int from, int to)
 {
     lf_scratch *w = visit->worker;
-    lf_rays rays = {visit->scene,    visit->rig,      &visit->plane,
-                    visit->kernels,  to - from,       w->x0 + from,
-                    w->slope + from, w->z_end + from, 0.0f};
+    lf_rays rays = {visit->scene,
+                    visit->rig,
+                    &visit->plane,
+                    visit->kernels,
+                    to - from,
+                    w->x0 + from,
+                    w->slope + from,
+                    w->z_end + from,
+                    0.0f,
+                    visit->scene->looks.chromatic};
     lf_correction_transmittance(&w->media, &rays, LF_CORRECTION_EXIT, 0.5f, &w->tracer,
-                                w->factor + from);
+                                rays.channels ? w->channels.factor : w->factor + from);
 }
 
 /* The fan's rays [from, to) through the media. */
 static void march(const lf_visit_plan *plan, lf_scratch *w, int from, int to, bool features)
 {
     const float *x0 = w->x0 + from, *slope = w->slope + from, *z_end = w->z_end + from;
-    w->moments.distance = plan->rig->distance;
-    w->moments.first = from;
+    w->met.moments.distance = plan->rig->distance;
+    w->met.moments.first = from;
     if (features)
         lf_media_moments_of(&w->media, plan->kernels, to - from, x0, slope, z_end, w->length + from,
-                            w->tau + from, &w->moments);
+                            w->tau + from, &w->met.moments);
     else
         lf_media_depths(&w->media, plan->kernels, to - from, x0, slope, z_end, w->tau + from, -1,
                         NULL);
+    if (!plan->scene->looks.chromatic)
+        return;
+    lf_media_depths_of_channels(&w->media, plan->kernels, to - from, x0, slope, z_end,
+                                w->channels.tau, -1, NULL);
+    for (int i = 0; i < 3 * (to - from); i++)
+        w->channels.factor[i] = 1.0f;
 }
 
 /* What the volumes emit along the fan's rays [from, to). */
@@ -279,7 +315,8 @@ static void shine(const lf_visit *visit, int from, int to, float u)
     lf_scratch *w = visit->worker;
     const lf_rays rays = {visit->scene,    visit->rig,      &visit->plane,
                           visit->kernels,  to - from,       w->x0 + from,
-                          w->slope + from, w->z_end + from, 0.0f};
+                          w->slope + from, w->z_end + from, 0.0f,
+                          false};
     const lf_shine sources = {.media = &w->media,
                               .rays = &rays,
                               .length = w->length + from,
@@ -334,9 +371,15 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
                 met ? &plan->scene->materials[lf_section_material(&w->section, w->met.segment[k])]
                     : NULL;
             size_t pixel = (size_t)k * (size_t)rig->width + (size_t)column;
-            write_known(visit, pixel, k, m, w->tau[k] * w->length[k],
-                        weighed && k >= from && k < to ? w->factor[k] : 1.0f,
-                        constant ? &sky : NULL);
+            float weight = weighed && k >= from && k < to ? w->factor[k] : 1.0f, through, lost;
+            lf_vec3 transmittance;
+            if (plan->scene->looks.chromatic) {
+                lost = lost_of_channels(w, k, k - from, to - from, weight, &transmittance);
+            } else {
+                lost = lost_in(w->tau[k] * w->length[k], weight, &through);
+                transmittance = lf_v3(through, through, through);
+            }
+            write_known(visit, pixel, k, m, lost, transmittance, constant ? &sky : NULL);
             if (veiled && w->mirrors && k >= from && k < to)
                 w->mirrors[pixel] |= w->veil.mirrored[k];
             if (visit->sums.feature)

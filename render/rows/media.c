@@ -48,7 +48,11 @@ void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_volume 
     for (int i = 0; i < media->n; i++) {
         lf_medium *m = &media->item[i];
         const lf_volume *volume = &volumes[m->volume];
+        const lf_vec3 colour = lf_volume_colour(volume);
         bool here;
+        m->colour[0] = colour.x;
+        m->colour[1] = colour.y;
+        m->colour[2] = colour.z;
         if (m->kind == LF_MEDIUM_SLICE) {
             *lookups +=
                 lf_slice_fill(&m->slice, &frame->item[i].slice, volume, rig, plane, phase, kernels);
@@ -81,27 +85,29 @@ static float march(const lf_medium *medium, const lf_media_ray *ray, float z_end
 
 /* q of each medium on its own, and the probability of any collision in this medium or one behind it
  * in the list. */
-static void exit_probabilities(const lf_media *media, const lf_media_ray *ray, float *q, float *any)
+static void exit_probabilities(const lf_media *media, const lf_media_ray *ray, int channel,
+                               float *q, float *any)
 {
     float depth = 0.0f, z;
     for (int i = media->n_here - 1; i >= 0; i--) {
+        const lf_medium *medium = &media->item[media->here[i]];
         float tau =
-            ray->length * march(&media->item[media->here[i]], ray, ray->z_end, INFINITY, &z);
+            ray->length * medium->colour[channel] * march(medium, ray, ray->z_end, INFINITY, &z);
         depth += tau;
         q[i] = -expm1f(-tau);
         any[i] = -expm1f(-depth);
     }
 }
 
-lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, float u, bool forced,
-                              lf_tracer *tracer)
+lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, int channel, float u,
+                              bool forced, lf_tracer *tracer)
 {
     lf_collision first = {.z = INFINITY, .boost = 1.0f};
     float q[LF_MAX_VOLUMES], any[LF_MAX_VOLUMES], z_end = ray->z_end;
     /* The sampler's numbers are multiples of 2^-24: what is below counts in thin media. */
     u = lf_min(u + lf_rng(tracer) * 0x1p-24f, 1.0f - 0x1p-24f);
     if (forced && media->n_here > 0) {
-        exit_probabilities(media, ray, q, any);
+        exit_probabilities(media, ray, channel, q, any);
         if (!(any[0] > 0.0f))
             return first;
         first.boost = any[0];
@@ -114,9 +120,9 @@ lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, fl
         bool must = forced && first.z == INFINITY;
         if (must)
             x = lf_min(x * any[i], q[i] == any[i] ? q[i] * (1.0f - 1e-6f) : 1.0f);
-        if (must && x >= q[i])
+        if ((must && x >= q[i]) || !(medium->colour[channel] > 0.0f))
             continue;
-        float stop = lf_exponential(x) / ray->length;
+        float stop = lf_exponential(x) / (ray->length * medium->colour[channel]);
         float reached = march(medium, ray, z_end, stop, &z);
         if (reached >= stop && z < z_end) {
             z_end = z;
@@ -137,6 +143,18 @@ static void through_voxels(const lf_voxels *voxels, int n, const float *x0, cons
         density[k] = sigma;
 }
 
+/* Adds the depths of one medium; density NULL: not wanted. */
+static void through(const lf_medium *medium, const lf_kernels *kernels, int n, const float *x0,
+                    const float *slope, const float *z_end, float *tau, float *density)
+{
+    if (medium->kind == LF_MEDIUM_SLICE)
+        kernels->march(&medium->slice, n, x0, slope, z_end, tau, density);
+    else if (medium->kind == LF_MEDIUM_VOXELS)
+        through_voxels(&medium->voxels, n, x0, slope, z_end, tau, density);
+    else
+        kernels->through(&medium->body, n, x0, slope, z_end, tau);
+}
+
 void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
                      const float *slope, const float *z_end, float *tau, int collided,
                      float *density)
@@ -144,16 +162,26 @@ void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, co
     memset(tau, 0, sizeof *tau * (size_t)n);
     for (int k = 0; k < n && collided >= 0; k++)
         density[k] = 1.0f;
+    for (int i = 0; i < media->n_here; i++)
+        through(&media->item[media->here[i]], kernels, n, x0, slope, z_end, tau,
+                media->here[i] == collided ? density : NULL);
+}
+
+void lf_media_depths_of_channels(const lf_media *media, const lf_kernels *kernels, int n,
+                                 const float *x0, const float *slope, const float *z_end,
+                                 float *tau, int collided, float *density)
+{
+    memset(tau, 0, sizeof *tau * 3 * (size_t)n);
+    for (int k = 0; k < n && collided >= 0; k++)
+        density[k] = 1.0f;
     for (int i = 0; i < media->n_here; i++) {
         const lf_medium *medium = &media->item[media->here[i]];
-        if (medium->kind == LF_MEDIUM_SLICE)
-            kernels->march(&medium->slice, n, x0, slope, z_end, tau,
-                           media->here[i] == collided ? density : NULL);
-        else if (medium->kind == LF_MEDIUM_VOXELS)
-            through_voxels(&medium->voxels, n, x0, slope, z_end, tau,
-                           media->here[i] == collided ? density : NULL);
-        else
-            kernels->through(&medium->body, n, x0, slope, z_end, tau);
+        float own[LF_MAX_LANES] = {0.0f};
+        through(medium, kernels, n, x0, slope, z_end, own,
+                media->here[i] == collided ? density : NULL);
+        for (int c = 0; c < 3; c++)
+            for (int k = 0; k < n; k++)
+                tau[c * n + k] += medium->colour[c] * own[k];
     }
 }
 

@@ -24,6 +24,7 @@ typedef struct lf_media_frame {
 typedef struct lf_medium {
     int volume;
     lf_medium_kind kind;
+    float colour[3];  /* lf_volume_colour */
     lf_slice slice;   /* LF_MEDIUM_SLICE: interpolated grids */
     lf_voxels voxels; /* LF_MEDIUM_VOXELS: grids that are not */
     lf_body body;     /* LF_MEDIUM_BODY: shapes */
@@ -64,10 +65,10 @@ void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_volume 
                   const lf_rig *rig, const lf_row_plane *plane, const float phase[2],
                   const lf_kernels *kernels, int64_t *lookups);
 
-/* The first collision of a base ray, u in [0,1) (further numbers from the tracer). forced: with
- * certainty where there is anything to collide with. */
-lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, float u, bool forced,
-                              lf_tracer *tracer);
+/* The first collision of a base ray in the extinction of one channel (0 .. 2), u in [0,1) (further
+ * numbers from the tracer). forced: with certainty where there is anything to collide with. */
+lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, int channel, float u,
+                              bool forced, lf_tracer *tracer);
 
 /* Where rays collide first, if they do: mean and standard deviation of nearness (lf_nearness); the
  * probability is that of the depths. */
@@ -86,10 +87,17 @@ void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n
                          const float *slope, const float *z_end, const float *length, float *tau,
                          lf_media_moments *out);
 
-/* Optical depths per unit of Z of n rays (see lf_kernels.march) through all media; with collided >=
- * 0 also density[n], up to a common factor the collision density of that medium at z_end. */
+/* Optical depths per unit of Z of n rays (see lf_kernels.march) through all media, of their largest
+ * channels; with collided >= 0 also density[n], up to a common factor the collision density of that
+ * medium at z_end. */
 void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
                      const float *slope, const float *z_end, float *tau, int collided,
                      float *density);
+
+/* The same for each channel, tau[c * n + k], c = 0 .. 2; density is that of the medium's largest
+ * channel. */
+void lf_media_depths_of_channels(const lf_media *media, const lf_kernels *kernels, int n,
+                                 const float *x0, const float *slope, const float *z_end,
+                                 float *tau, int collided, float *density);
 
 #endif

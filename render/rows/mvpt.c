@@ -76,13 +76,16 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
     lf_scratch *w = visit->worker;
     bool surface = pivot->event.kind == LF_EVENT_SURFACE;
     int lanes = lanes_of(visit->rig);
-    if (w->media.n_here == 0) {
-        for (int k = 0; k < lanes; k++)
-            w->tau[k] = 0.0f;
+    for (int k = 0; k < lanes && w->media.n_here == 0; k++)
+        w->tau[k] = 0.0f;
+    if (w->media.n_here == 0)
         return;
-    }
-    lf_media_depths(&w->media, visit->kernels, lanes, w->x0, w->slope, w->z_end, w->tau,
-                    surface ? -1 : pivot->medium, w->sigma);
+    if (visit->scene->looks.chromatic)
+        lf_media_depths_of_channels(&w->media, visit->kernels, lanes, w->x0, w->slope, w->z_end,
+                                    w->channels.tau, surface ? -1 : pivot->medium, w->sigma);
+    else
+        lf_media_depths(&w->media, visit->kernels, lanes, w->x0, w->slope, w->z_end, w->tau,
+                        surface ? -1 : pivot->medium, w->sigma);
     /* At the very edge of what is occupied rounding may find nothing; the base has collided where
      * there is something. */
     if (!surface && base >= 0 && !(w->sigma[base] > 0.0f))
@@ -93,6 +96,33 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
         w->tau[k] *= sqrtf(my2 + w->slope[k] * w->slope[k]);
         w->scale[k] *= surface ? 1.0f : w->sigma[k];
     }
+}
+
+/* The densities of all channels, and in w->density their mean; returns the sum of that. Depths
+ * become those along the rays, and tau the least of the three. */
+static float mean_densities(const lf_visit *visit, const lf_pivot *pivot)
+{
+    lf_scratch *w = visit->worker;
+    lf_channels *c = &w->channels;
+    const float even[3] = {1.0f, 1.0f, 1.0f}, *colour = pivot->event.kind == LF_EVENT_MEDIUM
+                                                            ? w->media.item[pivot->medium].colour
+                                                            : even;
+    int n = lanes_of(visit->rig);
+    float my2 = 1.0f + visit->plane.my * visit->plane.my;
+    for (int i = 0; i < 3 * n; i++) {
+        float slope = w->slope[i % n];
+        c->tau[i] = w->media.n_here > 0 ? c->tau[i] * sqrtf(my2 + slope * slope) : 0.0f;
+        c->scale[i] = w->scale[i % n] * colour[i / n];
+    }
+    float sum = visit->kernels->densities(3 * n, c->scale, c->tau, c->density);
+    for (int k = 0; k < n; k++) {
+        float depth[3];
+        for (int i = 0; i < 3; i++)
+            depth[i] = c->scale[i * n + k] > 0.0f ? c->tau[i * n + k] : INFINITY;
+        w->density[k] = (c->density[k] + c->density[n + k] + c->density[2 * n + k]) * (1.0f / 3.0f);
+        w->tau[k] = lf_min(depth[0], lf_min(depth[1], depth[2]));
+    }
+    return sum * (1.0f / 3.0f);
 }
 
 /* Expected counts of the pixels that the pivot projects to; views whose pixel nobody reads are left
@@ -129,6 +159,21 @@ static float strategies(const lf_visit *visit, float sum)
     return sum;
 }
 
+/* R of each channel's densities in place of one for all. */
+static void correct_channels(const lf_visit *visit, const lf_rays *rays)
+{
+    lf_scratch *w = visit->worker;
+    lf_channels *c = &w->channels;
+    int n = rays->n;
+    for (int i = 0; i < 3 * n; i++)
+        c->factor[i] = w->factor[i % n];
+    lf_correction_transmittance(&w->media, rays, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, c->factor);
+    for (int i = 0; i < 3 * n; i++)
+        c->density[i] *= c->factor[i];
+    for (int k = 0; k < n; k++)
+        w->density[k] = (c->density[k] + c->density[n + k] + c->density[2 * n + k]) * (1.0f / 3.0f);
+}
+
 /* What is drawn from slices counts for the grids: D_k becomes D_k R_k in what the views receive,
  * and stays as it is in the sum over strategies. false = nothing is there. */
 static bool correct(const lf_visit *visit, const lf_pivot *pivot)
@@ -147,8 +192,13 @@ static bool correct(const lf_visit *visit, const lf_pivot *pivot)
         return false;
     for (int k = 0; k < n; k++)
         w->factor[k] = medium && w->density[k] > 0.0f ? truth / w->sigma[k] : 1.0f;
-    lf_rays rays = {visit->scene, visit->rig, &visit->plane, visit->kernels, n, w->x0,
-                    w->slope,     w->z_end,   0.0f};
+    lf_rays rays = {
+        visit->scene, visit->rig, &visit->plane, visit->kernels, n,
+        w->x0,        w->slope,   w->z_end,      0.0f,           visit->scene->looks.chromatic};
+    if (rays.channels) {
+        correct_channels(visit, &rays);
+        return true;
+    }
     lf_correction_transmittance(&w->media, &rays, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, w->factor);
     for (int k = 0; k < n; k++)
         w->density[k] *= w->factor[k];
@@ -184,12 +234,14 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suff
         y = lf_v3(0.0f, 0.0f, 0.0f);
     }
     float scale = pivot->boost / sum;
+    const float *const *d = w->channels.received;
     for (int k = 0; k < visit->rig->n_views; k++) {
         float weight = w->density[k] * scale;
         if (weight == 0.0f)
             continue;
         size_t pixel = target(visit, k);
-        lf_film_scatter(&visit->sums, pixel, weight * y.x, weight * y.y, weight * y.z);
+        lf_film_scatter(&visit->sums, pixel, d[0][k] * scale * y.x, d[1][k] * scale * y.y,
+                        d[2][k] * scale * y.z);
         lf_film_weigh(&visit->sums, pixel, weight);
         if (visit->sums.half.w2)
             lf_film_weigh_direction(&visit->sums, pixel, weight);
@@ -270,13 +322,13 @@ static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
         return;
     for (int t = 0; t < f->n_terms; t++)
         tinted[t] = lf_mul(radiance, f->colour[t]);
+    const float *const *d = w->channels.received;
     for (int k = 0; k < visit->rig->n_views; k++) {
-        float d = w->density[k];
-        lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f);
-        if (d == 0.0f)
+        lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f), own = lf_v3(d[0][k], d[1][k], d[2][k]);
+        if (w->density[k] == 0.0f)
             continue;
         for (int t = 0; t < f->n_terms; t++)
-            y = lf_madd(y, d * f->weight[t][k], tinted[t]);
+            y = lf_add(y, lf_mul(lf_scale(own, f->weight[t][k]), tinted[t]));
         lf_film_scatter(&visit->sums, target(visit, k), y.x, y.y, y.z);
     }
 }
@@ -417,7 +469,9 @@ static float fan(lf_visit *visit, int base, int column, const lf_pivot *pivot)
         visibility(visit, pivot, base);
     if (pivot->is_pane)
         met_by_chance(visit, pivot);
-    float sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
+    float sum = visit->scene->looks.chromatic
+                    ? mean_densities(visit, pivot)
+                    : visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
     sum = strategies(visit, sum);
     return lf_has_fault(visit, LF_FAULT_REALISED) && base >= 0 ? realised_sum(visit, base) : sum;
 }
@@ -460,19 +514,22 @@ static void glow_mvpt(lf_visit *visit, int view, const lf_pivot *pivot,
     float sum = fan(visit, -1, 0, pivot);
     if (!(sum > 0.0f) || !correct(visit, pivot))
         return;
-    float visible = lf_path_visible(&visit->worker->tracer, &pivot->event, light);
+    lf_light_sample arriving = *light;
+    float visible = lf_path_visible(&visit->worker->tracer, &pivot->event, &arriving);
     if (!(visible > 0.0f))
         return;
     lf_fan_lobes f;
     float over = lobes(visit, pivot, light->wi, &f),
           ratio = lf_glow_ratio(visit, pivot, light->light, -1, sum, least_depth(visit));
     float denominator = light->pdf * (1.0f + ratio) * sum + (light->delta ? 0.0f : over);
-    lf_vec3 radiance = lf_scale(lf_mul(light->radiance, f.colour[0]), visible / denominator);
+    lf_vec3 radiance = lf_scale(lf_mul(arriving.radiance, f.colour[0]), visible / denominator);
+    const float *const *d = visit->worker->channels.received;
     for (int k = 0; k < visit->rig->n_views; k++) {
         if (visit->worker->density[k] == 0.0f)
             continue;
+        lf_vec3 own = lf_v3(d[0][k], d[1][k], d[2][k]);
         lf_visit_add_native(visit, target(visit, k),
-                            lf_scale(radiance, visit->worker->density[k] * visit->worker->lobe[k]));
+                            lf_mul(radiance, lf_scale(own, visit->worker->lobe[k])));
     }
 }
 

@@ -110,14 +110,43 @@ lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const l
     return radiance;
 }
 
-float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot)
+/* D R over the mean of D of the base's own ray, a channel each; R stands in factor[c * LF_LANES]
+ * for what the pivot's place makes of it, and is completed here where `corrected`. */
+static lf_vec3 own_channels(const lf_visit *visit, const lf_pivot *pivot, lf_rays *ray,
+                            bool corrected, float factor)
 {
     lf_scratch *w = visit->worker;
-    if (!lf_correction_needed(&w->media) || lf_has_fault(visit, LF_FAULT_NO_CORRECTION))
+    float tau[3 * LF_LANES], r[3 * LF_LANES], d[3], sum = 0.0f, least = INFINITY;
+    float length = sqrtf(1.0f + visit->plane.my * visit->plane.my + ray->slope[0] * ray->slope[0]);
+    bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
+    lf_media_depths_of_channels(&w->media, visit->kernels, LF_LANES, ray->x0, ray->slope,
+                                ray->z_end, tau, -1, NULL);
+    for (int i = 0; i < 3 * LF_LANES; i++)
+        r[i] = factor;
+    ray->channels = true;
+    if (corrected)
+        lf_correction_transmittance(&w->media, ray, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, r);
+    for (int c = 0; c < 3; c++) {
+        d[c] = medium ? w->media.item[pivot->medium].colour[c] : 1.0f;
+        least = lf_min(least, d[c] > 0.0f ? tau[c * LF_LANES] : INFINITY);
+    }
+    for (int c = 0; c < 3; c++)
+        sum += d[c] *= expf(length * (least - lf_max(tau[c * LF_LANES], least)));
+    return lf_scale(lf_v3(d[0] * r[0], d[1] * r[LF_LANES], d[2] * r[2 * LF_LANES]), 3.0f / sum);
+}
+
+float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot,
+                          lf_vec3 *out_channels)
+{
+    lf_scratch *w = visit->worker;
+    bool corrected =
+        lf_correction_needed(&w->media) && !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
+    *out_channels = lf_v3(1.0f, 1.0f, 1.0f);
+    if (!corrected && !visit->scene->looks.chromatic)
         return 1.0f;
     float x0 = visit->rig->b[view] + pivot->lx, slope = (pivot->x - x0) / pivot->z, factor = 1.0f;
     float lanes[4][LF_LANES];
-    if (pivot->event.kind == LF_EVENT_MEDIUM &&
+    if (corrected && pivot->event.kind == LF_EVENT_MEDIUM &&
         w->media.item[pivot->medium].kind == LF_MEDIUM_SLICE) {
         float sampled = lf_slice_density(&w->media.item[pivot->medium].slice, x0, slope, pivot->z);
         float density = lf_correction_density(&w->media, pivot->medium, visit->scene,
@@ -132,8 +161,12 @@ float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot
         lanes[2][k] = pivot->z;
         lanes[3][k] = factor;
     }
-    lf_rays ray = {visit->scene, visit->rig, &visit->plane, visit->kernels, LF_LANES, lanes[0],
-                   lanes[1],     lanes[2],   0.0f};
+    lf_rays ray = {visit->scene, visit->rig, &visit->plane, visit->kernels, LF_LANES,
+                   lanes[0],     lanes[1],   lanes[2],      0.0f,           false};
+    if (visit->scene->looks.chromatic) {
+        *out_channels = own_channels(visit, pivot, &ray, corrected, factor);
+        return 1.0f;
+    }
     lf_correction_transmittance(&w->media, &ray, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, lanes[3]);
     return lanes[3][0];
 }
@@ -182,9 +215,11 @@ static void follow_delta(lf_visit *visit, int view, int column, const lf_pivot *
     lf_vec3 radiance = lf_path_light_found(visit->scene, event, &next, &light_pdf);
     radiance = lf_add(radiance, lf_path_arriving(tracer, &next, 2, visit->max_depth));
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
-    float weight =
-        visit->weight * native_weight(visit, pixel) * lf_visit_correction(visit, view, pivot);
+    lf_vec3 channels;
+    float weight = visit->weight * native_weight(visit, pixel) *
+                   lf_visit_correction(visit, view, pivot, &channels);
     radiance = lf_mul(radiance, lf_path_absorbed(visit->scene, &next));
+    radiance = lf_mul(radiance, channels);
     radiance = lf_scale(lf_mul(radiance, lobe->f), weight / probability);
     lf_visit_add_native(visit, pixel, radiance);
 }
@@ -197,9 +232,11 @@ static void add_glow_of_veil(lf_visit *visit, int view, int column, const lf_piv
     if (hit->material->cover == LF_COVER_OPAQUE || !(lf_max3(hit->material->emission) > 0.0f))
         return;
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
-    float weight =
-        visit->weight * native_weight(visit, pixel) * lf_visit_correction(visit, view, pivot);
-    lf_visit_add_native(visit, pixel, lf_scale(lf_hit_material(hit)->emission, weight));
+    lf_vec3 channels;
+    float weight = visit->weight * native_weight(visit, pixel) *
+                   lf_visit_correction(visit, view, pivot, &channels);
+    lf_visit_add_native(visit, pixel,
+                        lf_scale(lf_mul(lf_hit_material(hit)->emission, channels), weight));
 }
 
 static bool has_own_natives(const lf_visit *visit, int view, int column)
@@ -269,7 +306,8 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
         ray.z_end = event->hit.t / ray.length;
     /* Rays that end on a scattering surface are tracked natively also where collisions are forced.
      */
-    lf_collision collision = lf_media_collide(&worker->media, &ray, jitter[1],
+    int channel = plan->scene->looks.chromatic ? (int)(3.0f * lf_sampler_1d(&sampler)) : 0;
+    lf_collision collision = lf_media_collide(&worker->media, &ray, channel, jitter[1],
                                               plan->order.cover && !native, &worker->tracer);
     if (collision.z < INFINITY && !native_only) {
         event->kind = LF_EVENT_MEDIUM;
@@ -395,6 +433,11 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
     visit->sunlight = plan->order.sunlight;
     visit->faults = plan->order.faults;
     visit->worker->tracer.scene = plan->scene;
+    lf_channels *channels = &visit->worker->channels;
+    int lanes = (plan->rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    for (int c = 0; c < 3; c++)
+        channels->received[c] =
+            plan->scene->looks.chromatic ? channels->density + c * lanes : visit->worker->density;
 }
 
 static uint64_t key_of(uint64_t random, int row, int half)

@@ -53,7 +53,19 @@ typedef struct lf_fan_face {
 typedef struct lf_fan_met {
     int segment[LF_MAX_LANES]; /* of the section, -1: no surface */
     lf_fan_face face[LF_FAN_FACES];
+    lf_media_moments moments; /* of its collisions, where features are wanted */
 } lf_fan_met;
+
+/* The channels of a fan where media are chromatic: prefix densities are those of a base ray that
+ * draws one of them and is tracked in that alone, D_k = h_k mean_c sigma_t T_k, and what a view
+ * receives is each channel's own (docs/estimators.md, "Chromatic media"). [channel * lanes + lane],
+ * as many lanes as are in work. */
+typedef struct lf_channels {
+    float tau[3 * LF_MAX_LANES], scale[3 * LF_MAX_LANES], density[3 * LF_MAX_LANES],
+        factor[3 * LF_MAX_LANES];
+    /* of a pivot: those in `density`, or lf_scratch.density three times where there is no colour */
+    const float *received[3];
+} lf_channels;
 
 /* Veils of a row's plane. */
 typedef struct lf_veil_memory {
@@ -80,9 +92,9 @@ typedef struct lf_scratch {
     float count[LF_MAX_LANES];
     float strategy[LF_MAX_LANES]; /* count times density: what the pivot is drawn with */
     float factor[LF_MAX_LANES];   /* correction weights (correction.h) */
-    float length[LF_MAX_LANES];   /* of the fan's rays, per unit of Z */
+    lf_channels channels;
+    float length[LF_MAX_LANES]; /* of the fan's rays, per unit of Z */
     lf_fan_met met;
-    lf_media_moments moments; /* of the fan's collisions, where features are wanted */
     int column[LF_MAX_LANES];
     /* directions to the views in the frame of a surface's shading normal (z) */
     float local[3][LF_MAX_LANES];
@@ -182,8 +194,10 @@ lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const l
                            lf_vec3 wo);
 
 /* R of the base's own ray up to the pivot (correction.h): what a sample weighs that only its own
- * pixel receives. */
-float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot);
+ * pixel receives. *out_channels: times this in each of them, D R over the mean of D in chromatic
+ * media, else 1. */
+float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot,
+                          lf_vec3 *out_channels);
 
 /* The veils of the visit's plane. */
 lf_veils lf_visit_veils(const lf_visit *visit);

@@ -63,8 +63,11 @@ typedef struct lf_volume {
     /* sigma_t per scene unit = sigma_scale * value (value is 1 inside a homogeneous shape) */
     float sigma_scale;
     float sigma_max; /* majorant of the whole volume */
-    lf_vec3 albedo;  /* single-scattering, 0..1 a channel */
-    float g;         /* Henyey-Greenstein, (-1, 1) */
+    /* sigma_t of each channel over that of the largest, which is the one above; all 0: they are the
+     * same (lf_volume_colour) */
+    lf_vec3 colour;
+    lf_vec3 albedo; /* single-scattering, 0..1 a channel */
+    float g;        /* Henyey-Greenstein, (-1, 1) */
     /* Scene-local point -> volume space (voxel index for grids: voxel centres at integers) and
      * back; rows of a 3x4 affine. */
     float to_volume[3][4], to_scene[3][4];
@@ -95,7 +98,13 @@ typedef struct lf_flames {
     lf_flame_light *light; /* of field[i] */
 } lf_flames;
 
-/* sigma_t at a scene-local point, filter applied, 0 outside. */
+/* What of sigma_t is each channel's, 0..1. */
+static inline lf_vec3 lf_volume_colour(const lf_volume *volume)
+{
+    return lf_max3(volume->colour) > 0.0f ? volume->colour : lf_v3(1.0f, 1.0f, 1.0f);
+}
+
+/* sigma_t at a scene-local point, filter applied, 0 outside: of the largest channel. */
 float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p);
 /* The value of a grid at volume-space coordinates: trilinear (voxel centres at integers), 0
  * outside. */
@@ -305,14 +314,15 @@ typedef struct lf_scene_file {
     bool has_frames; /* they differ */
 } lf_scene_file;
 
-/* What some of its surfaces are, and most scenes lack. */
+/* What some of its surfaces and volumes are, and most scenes lack. */
 typedef struct lf_looks {
-    bool varied;  /* something varies along a mesh */
-    bool veiled;  /* some surface may not be there whole, or is a pane */
-    bool hidden;  /* some mesh is hidden from the camera */
-    bool filled;  /* some glass absorbs */
-    bool frosted; /* some solid glass is rough: its hits say from which side they are */
-    bool moving;  /* something is elsewhere when the shutter closes */
+    bool varied;    /* something varies along a mesh */
+    bool veiled;    /* some surface may not be there whole, or is a pane */
+    bool hidden;    /* some mesh is hidden from the camera */
+    bool filled;    /* some glass absorbs */
+    bool frosted;   /* some solid glass is rough: its hits say from which side they are */
+    bool moving;    /* something is elsewhere when the shutter closes */
+    bool chromatic; /* sigma_t of some volume is not the same for all channels */
 } lf_looks;
 
 struct lf_scene {

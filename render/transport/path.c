@@ -2,7 +2,9 @@
 
 #include "render/transport/glow.h"
 
-void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out)
+/* lf_path_next of a path that carries beta. */
+static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
+                       lf_event *out)
 {
     lf_vec3 o = from->kind == LF_EVENT_SURFACE
                     ? lf_offset(tracer->scene, from->p, from->hit.ng, w, 0.0f)
@@ -18,11 +20,23 @@ void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *
     }
     out->from = o;
     out->surface = t_max;
-    out->t = lf_track_collision(tracer, o, w, t_max, &out->volume);
+    out->t = tracer->scene->looks.chromatic
+                 ? lf_track_channels(tracer, o, w, t_max, beta, &out->volume, &out->channels)
+                 : lf_track_collision(tracer, o, w, t_max, &out->volume);
     if (out->t < t_max) {
         out->kind = LF_EVENT_MEDIUM;
         out->p = lf_madd(o, out->t, w);
     }
+}
+
+void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out)
+{
+    next_event(tracer, from, w, lf_v3(1.0f, 1.0f, 1.0f), out);
+}
+
+static lf_vec3 channels_of(const lf_scene *scene, const lf_event *event)
+{
+    return scene->looks.chromatic ? event->channels : lf_v3(1.0f, 1.0f, 1.0f);
 }
 
 lf_vec3 lf_path_absorbed(const lf_scene *scene, const lf_event *event)
@@ -97,7 +111,7 @@ static bool meets_lamp(lf_tracer *tracer, lf_vec3 o, const lf_light_sample *ligh
            hit.mesh == light->mesh && hit.triangle == light->triangle;
 }
 
-float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_sample *light)
+float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample *light)
 {
     lf_vec3 o = event->p, d = light->wi;
     float t_max = INFINITY;
@@ -119,18 +133,23 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_s
                        : lf_trace_passed(tracer, o, d, t_max);
     if (!(passed > 0.0f))
         return 0.0f;
-    return passed * lf_track_transmittance(tracer, event->p, light->wi, light->distance);
+    if (!tracer->scene->looks.chromatic)
+        return passed * lf_track_transmittance(tracer, event->p, light->wi, light->distance);
+    light->radiance = lf_mul(light->radiance,
+                             lf_track_transmittances(tracer, event->p, light->wi, light->distance));
+    return passed;
 }
 
 lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const lf_event *event,
                             float *out_light_pdf)
 {
     *out_light_pdf = 0.0f;
+    lf_vec3 found = lf_v3(0.0f, 0.0f, 0.0f);
     if (event->kind == LF_EVENT_ESCAPE)
-        return lf_light_escape(scene, event->w, out_light_pdf);
-    if (event->kind == LF_EVENT_SURFACE && scene->has_emission)
-        return lf_light_hit(scene, from->p, &event->hit, out_light_pdf);
-    return lf_v3(0.0f, 0.0f, 0.0f);
+        found = lf_light_escape(scene, event->w, out_light_pdf);
+    else if (event->kind == LF_EVENT_SURFACE && scene->has_emission)
+        found = lf_light_hit(scene, from->p, &event->hit, out_light_pdf);
+    return lf_mul(found, channels_of(scene, event));
 }
 
 static float extinction(const lf_scene *scene, lf_vec3 p)
@@ -160,7 +179,7 @@ static lf_vec3 scattered_by_volumes(const lf_scene *scene, lf_vec3 p, lf_vec3 w,
         float phase = lf_phase_between(v->g, w, light->wi);
         sum = lf_madd(
             sum, lf_volume_sigma_t(v, p) * phase / (light->delta ? light->pdf : light->pdf + phase),
-            v->albedo);
+            lf_mul(v->albedo, lf_volume_colour(v)));
     }
     return sum;
 }
@@ -190,9 +209,13 @@ lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
               lf_path_visible(tracer, &event, &light);
     if (!(weight > 0.0f))
         return nothing;
-    weight *= lf_track_transmittance(tracer, next->from, next->w, t);
-    return lf_scale(lf_mul(scattered_by_volumes(scene, event.p, next->w, &light), light.radiance),
-                    weight);
+    lf_vec3 scattered =
+        lf_mul(scattered_by_volumes(scene, event.p, next->w, &light), light.radiance);
+    if (scene->looks.chromatic)
+        scattered = lf_mul(scattered, lf_track_transmittances(tracer, next->from, next->w, t));
+    else
+        weight *= lf_track_transmittance(tracer, next->from, next->w, t);
+    return lf_scale(scattered, weight);
 }
 
 /* What is left to the collision at `event` of a light's next event there. */
@@ -231,7 +254,8 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
  * alone does, with weight 1. */
 static lf_vec3 emitted(lf_tracer *tracer, const lf_event *next)
 {
-    return lf_track_emission(tracer, next->from, next->w, lf_min(next->t, next->surface));
+    return lf_mul(channels_of(tracer->scene, next),
+                  lf_track_emission(tracer, next->from, next->w, lf_min(next->t, next->surface)));
 }
 
 /* Chooses between a surface's delta lobes and the rest; returns true when the path goes on along
@@ -273,7 +297,7 @@ static bool survives(lf_tracer *tracer, lf_vec3 *beta)
 
 lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, int max_depth)
 {
-    lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f), beta = lf_v3(1.0f, 1.0f, 1.0f);
+    lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f), beta = channels_of(tracer->scene, event);
     lf_event events[2];
     const lf_event *here = event;
     for (; depth <= max_depth; depth++) {
@@ -292,7 +316,7 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
         if (!(lf_max3(beta) > 0.0f) || !survives(tracer, &beta))
             break;
         lf_event *next = here == &events[0] ? &events[1] : &events[0];
-        lf_path_next(tracer, here, wi, next);
+        next_event(tracer, here, wi, beta, next);
         if (tracer->scene->looks.filled)
             beta = lf_mul(beta, lf_path_absorbed(tracer->scene, next));
         float light_pdf;
@@ -305,6 +329,8 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
             radiance = lf_add(radiance, lf_mul(beta, lf_path_glow(tracer, next)));
         if (next->kind == LF_EVENT_ESCAPE)
             break;
+        if (tracer->scene->looks.chromatic)
+            beta = lf_mul(beta, next->channels);
         here = next;
     }
     return radiance;

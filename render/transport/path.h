@@ -19,6 +19,9 @@ typedef struct lf_event {
     lf_vec3 from;  /* where it began … */
     float t;       /* … and how far from here that is */
     float surface; /* distance of the first surface along it, INFINITY: none */
+    /* In chromatic scenes: of each channel, what comes here by the density with which tracking in
+     * one of them or the other does (lf_track_channels). */
+    lf_vec3 channels;
 } lf_event;
 
 /* What a path averages of textures behind a vertex that is no mirror: widens by this with each unit
@@ -46,11 +49,13 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
 bool lf_path_serves_others(const lf_event *event, lf_vec3 wi);
 
 /* What is left of a light sample on its way to the vertex: visibility times an unbiased estimate of
- * the transmittance. 0 where the light lies behind the surface. */
-float lf_path_visible(lf_tracer *tracer, const lf_event *event, const lf_light_sample *light);
+ * the transmittance; chromatic media take theirs from the sample's radiance. 0 where the light lies
+ * behind the surface. */
+float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample *light);
 
 /* Radiance found at the first event of a path that leaves with direction w (light reached without a
- * collision), and the pdf with which light sampling at `from` would have drawn w. */
+ * collision), times the event's channels, and the pdf with which light sampling at `from` would
+ * have drawn w. */
 lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const lf_event *event,
                             float *out_light_pdf);
 
@@ -60,13 +65,13 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
 lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next);
 
 /* All that is scattered along the segment that ends at `next`, at it and behind it, and what
- * volumes emit along it; arguments as in lf_path_scattered. */
+ * volumes emit along it, times its channels; arguments as in lf_path_scattered. */
 lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth);
 
 /* Radiance scattered at `event` back along the path, by next-event estimation and a random walk;
  * the vertex is number `depth` behind the camera (the pivot is 1) and paths end behind vertex
  * max_depth. Light emitted AT the vertex, or before it, is not counted. The event comes from
- * lf_path_next. */
+ * lf_path_next, whose channels count. */
 lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, int max_depth);
 
 #endif

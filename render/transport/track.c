@@ -466,6 +466,95 @@ float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, i
     return nearest;
 }
 
+/* Densities of channels, up to a common factor. */
+typedef struct channels {
+    int drawn;      /* the one that is tracked */
+    float share[3]; /* with what probability each is */
+    float density[3];
+} channels;
+
+static void keep_in_range(channels *c)
+{
+    float most = lf_max(c->density[0], lf_max(c->density[1], c->density[2]));
+    for (int i = 0; i < 3 && most < 1e-20f; i++)
+        c->density[i] *= 1e20f;
+}
+
+static channels draw_channel(lf_tracer *tracer, lf_vec3 beta)
+{
+    float sum = beta.x + beta.y + beta.z, u = lf_rng(tracer);
+    channels c = {.share = {beta.x / sum, beta.y / sum, beta.z / sum}, .density = {1, 1, 1}};
+    for (int i = 0; i < 3 && u >= 0.0f; i++) {
+        c.drawn = c.share[i] > 0.0f ? i : c.drawn;
+        u -= c.share[i];
+    }
+    return c;
+}
+
+static float collide_grid_channels(lf_tracer *tracer, const lf_volume *volume,
+                                   const lf_local_ray *r, const float colour[3], channels *c)
+{
+    lf_walk k;
+    walk_begin(&k, volume->grid, r);
+    float t = k.t0, depth = lf_rng_exponential(tracer);
+    while (tentative(&k, volume->sigma_scale, &depth, &t)) {
+        tracer->lookups++;
+        float share = look_up(&k, r, t, volume->nearest) / k.max;
+        bool collides = lf_rng(tracer) < colour[c->drawn] * share;
+        for (int i = 0; i < 3; i++)
+            c->density[i] *= collides ? colour[i] * share : lf_max(1.0f - colour[i] * share, 0.0f);
+        keep_in_range(c);
+        if (collides)
+            return t;
+        depth = lf_rng_exponential(tracer);
+    }
+    return INFINITY;
+}
+
+/* sigma: of the largest channel. */
+static float collide_shape_channels(lf_tracer *tracer, float sigma, const lf_local_ray *r,
+                                    const float colour[3], channels *c)
+{
+    float length = r->t1 - r->t0, least = lf_min(colour[0], lf_min(colour[1], colour[2]));
+    float way = lf_rng_exponential(tracer) / (colour[c->drawn] * sigma);
+    bool collides = way < length;
+    for (int i = 0; i < 3; i++) {
+        float beyond = (colour[i] - least) * sigma;
+        c->density[i] *= (collides ? colour[i] : 1.0f) * expf(-beyond * (collides ? way : length));
+    }
+    keep_in_range(c);
+    return collides ? r->t0 + way : INFINITY;
+}
+
+float lf_track_channels(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_vec3 beta,
+                        int *out_volume, lf_vec3 *out_channels)
+{
+    const lf_scene *scene = tracer->scene;
+    float nearest = INFINITY, mean = 0.0f;
+    int whose = 0;
+    channels c = draw_channel(tracer, beta);
+    for (int i = 0; i < scene->n_volumes; i++) {
+        const lf_volume *volume = &scene->volumes[i];
+        lf_vec3 of = lf_volume_colour(volume);
+        const float colour[3] = {of.x, of.y, of.z};
+        lf_local_ray r;
+        to_local(volume, o, w, lf_min(t_max, nearest), &r);
+        if (!(volume->sigma_max > 0.0f) || !clip_volume(volume, &r))
+            continue;
+        float t = volume->kind == LF_VOLUME_GRID
+                      ? collide_grid_channels(tracer, volume, &r, colour, &c)
+                      : collide_shape_channels(tracer, volume->sigma_scale, &r, colour, &c);
+        whose = t < nearest ? i : whose;
+        nearest = lf_min(t, nearest);
+    }
+    *out_volume = whose;
+    for (int i = 0; i < 3; i++)
+        mean += c.share[i] * c.density[i];
+    float over = mean > 0.0f ? 1.0f / mean : 0.0f;
+    *out_channels = lf_scale(lf_v3(c.density[0], c.density[1], c.density[2]), over);
+    return nearest;
+}
+
 /* Ratio tracking with roulette below 1/10. */
 static float transmit_grid(lf_tracer *tracer, const lf_volume *volume, const lf_local_ray *r,
                            float transmittance)
@@ -502,6 +591,50 @@ float lf_track_transmittance(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_ma
             transmittance *= expf(-volume->sigma_scale * (r.t1 - r.t0));
     }
     return transmittance;
+}
+
+/* transmit_grid with one set of tentative collisions for all channels. */
+static lf_vec3 transmit_grid_channels(lf_tracer *tracer, const lf_volume *volume,
+                                      const lf_local_ray *r, lf_vec3 colour, lf_vec3 left)
+{
+    lf_walk k;
+    walk_begin(&k, volume->grid, r);
+    float t = k.t0, depth = lf_rng_exponential(tracer);
+    while (tentative(&k, volume->sigma_scale, &depth, &t)) {
+        tracer->lookups++;
+        float share = look_up(&k, r, t, volume->nearest) / k.max;
+        left = lf_mul(left, lf_v3(lf_max(0.0f, 1.0f - colour.x * share),
+                                  lf_max(0.0f, 1.0f - colour.y * share),
+                                  lf_max(0.0f, 1.0f - colour.z * share)));
+        if (lf_max3(left) < 0.1f) {
+            if (lf_rng(tracer) >= 0.5f)
+                return lf_v3(0.0f, 0.0f, 0.0f);
+            left = lf_scale(left, 2.0f);
+        }
+        depth = lf_rng_exponential(tracer);
+    }
+    return left;
+}
+
+lf_vec3 lf_track_transmittances(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
+{
+    const lf_scene *scene = tracer->scene;
+    lf_vec3 left = lf_v3(1.0f, 1.0f, 1.0f);
+    for (int i = 0; i < scene->n_volumes && lf_max3(left) > 0.0f; i++) {
+        const lf_volume *volume = &scene->volumes[i];
+        lf_vec3 colour = lf_volume_colour(volume);
+        lf_local_ray r;
+        to_local(volume, o, w, t_max, &r);
+        if (!(volume->sigma_max > 0.0f) || !clip_volume(volume, &r))
+            continue;
+        float depth = volume->sigma_scale * (r.t1 - r.t0);
+        if (volume->kind == LF_VOLUME_GRID)
+            left = transmit_grid_channels(tracer, volume, &r, colour, left);
+        else
+            left = lf_mul(left, lf_v3(expf(-colour.x * depth), expf(-colour.y * depth),
+                                      expf(-colour.z * depth)));
+    }
+    return left;
 }
 
 /* The integral of a flame's grid, from one of its bricks by what the brightest value there makes of

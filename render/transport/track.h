@@ -96,4 +96,15 @@ lf_vec3 lf_track_emission(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t);
 /* Unbiased estimate of the transmittance of the volumes along [0, t_max]. */
 float lf_track_transmittance(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
 
+/* lf_track_collision in chromatic media: one channel is drawn with a probability in proportion to
+ * what of it the path carries (beta, not all 0), and tracked with the majorants of the largest.
+ * *out_channels: for each the density of all that tracking has met, real and null collisions, over
+ * its mean over the channels that might have been drawn. The balance heuristic for one sample
+ * (Veach 1997, 9.2; over channels Miller, Georgiev and Jarosz 2019): beta times it has the sum of
+ * beta, whatever was met. */
+float lf_track_channels(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_vec3 beta,
+                        int *out_volume, lf_vec3 *out_channels);
+/* lf_track_transmittance of each channel. */
+lf_vec3 lf_track_transmittances(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
+
 #endif

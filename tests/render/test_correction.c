@@ -231,7 +231,8 @@ static lf_moments oblique(lf_media *media, const lf_renderer *r, const lf_row_pl
                         x,
                         s,
                         end,
-                        0.0f};
+                        0.0f,
+                        false};
         lf_correction_transmittance(media, &rays, LF_CORRECTION_PIVOT, 0.0f, &tracer, factor);
         lf_moments_add(&m, exp(-(double)tau[0] * length) * (double)factor[0]);
     }
