@@ -82,6 +82,31 @@ openvdb::GridPtrVec block()
     return {grid};
 }
 
+/* A block of 8^3 with colours from left to right, as vectors and as three grids. */
+openvdb::GridPtrVec colours()
+{
+    auto density = FloatGrid::create(0);
+    auto vectors = openvdb::Vec3SGrid::create();
+    openvdb::GridPtrVec all = {density, vectors};
+    const char *const names[] = {"red", "green", "blue"};
+    density->fill(CoordBBox(Coord(0), Coord(7)), 1);
+    density->setName("density");
+    for (int c = 0; c < 3; c++) {
+        auto channel = FloatGrid::create(0);
+        channel->setName(names[c]);
+        for (int i = 0; i < 8; i++)
+            channel->fill(CoordBBox(Coord(i, 0, 0), Coord(i, 7, 7)), float((i + c) % 8 + 1) / 8);
+        all.push_back(channel);
+    }
+    for (int i = 0; i < 8; i++)
+        vectors->fill(
+            CoordBBox(Coord(i, 0, 0), Coord(i, 7, 7)),
+            openvdb::Vec3f(float(i % 8 + 1), float((i + 1) % 8 + 1), float((i + 2) % 8 + 1)) /
+                8.0f);
+    vectors->setName("Cd");
+    return all;
+}
+
 openvdb::GridPtrVec kinds()
 {
     auto vector = openvdb::Vec3SGrid::create();
@@ -152,6 +177,7 @@ void write_all(const std::string &folder)
     write(folder, "tiles.vdb", tiles(), zip);
     write(folder, "block.vdb", block(), zip);
     write(folder, "kinds.vdb", kinds(), zip);
+    write(folder, "colours.vdb", colours(), zip);
     write(folder, "names.vdb",
           {one_voxel("density", 1), one_voxel("density", 2), one_voxel("density", 3)}, zip);
     write(folder, "values.vdb", bad_values(), zip);

@@ -12,8 +12,9 @@ file, so that mistakes can be told from differences of the models:
     metal  every material a white metal of roughness 0.5, Cycles' GGX, of many reflections under the sky; must agree there, and but
            for what single reflections lack under the sun
     burley ours as matte, Cycles' Principled BSDF of roughness 1 without highlights: what its diffuse share has more than Lambert's
-    layers ours as the file is, Cycles' Diffuse and Glossy BSDFs mixed by Fresnel's equation and by metallic: the model that ours is,
-           but for highlights' Fresnel, which Cycles takes at the normal; coats, sheen and glass are not in it
+    layers roughness three tenths of the file's (of rough dielectrics Cycles' lobes have more than microfacets reflect), Cycles'
+           Diffuse and Glossy BSDFs mixed by Fresnel's equation and by metallic: our model, but for highlights' Fresnel, which
+           Cycles takes at the normal; coats, sheen and glass are not in it
     whole  as the file is, Cycles' Principled BSDF: differs by what the models are (docs/samples.md)
 
 One line each: the share of the picture that the thing covers, both means there, Cycles' over ours - 1, and the rms of 8x8 blocks,
@@ -46,6 +47,7 @@ KEPT = ("KHR_materials_unlit", "KHR_materials_emissive_strength")
 SUN = (-0.5, -1, -0.7)
 SUN_ANGLE = 5
 ROUGHNESS = 0.5
+LAYERS_ROUGHNESS = 0.3
 BLOCK = 8
 
 
@@ -114,6 +116,9 @@ def prepare(path, mode, out):
     if mode == "metal":
         for one in (one for mesh in gltf["meshes"] for one in mesh["primitives"]):
             one["attributes"].pop("COLOR_0", None)
+    for material in gltf.get("materials", []) if mode == "layers" else []:
+        pbr = material.setdefault("pbrMetallicRoughness", {})
+        pbr["roughnessFactor"] = LAYERS_ROUGHNESS * pbr.get("roughnessFactor", 1)
     if mode not in ("whole", "layers"):
         gltf["materials"] = [simple(material, mode) for material in gltf.get("materials", [])]
         used = set(gltf.get("extensionsUsed", [])) | {"KHR_materials_specular"}

@@ -11,6 +11,7 @@
 #include "render/load/mesh_doubles.h"
 #include "render/load/meshes_import.h"
 #include "render/load/scene_subject.h"
+#include "render/load/unused_grids.h"
 #include "render/load/vdb_import.h"
 #include "render/scene/grid.h"
 #include "render/scene/vec_double.h"
@@ -55,6 +56,12 @@ static lf_grid *find_grid(const lf_scene *scene, const char *key)
         lf_grid *grid = scene->volumes[i].grid;
         if (grid && strcmp(grid->key, key) == 0)
             return lf_grid_ref(grid);
+        const lf_volume *fields = scene->volumes[i].albedo_fields;
+        for (int channel = 0; fields && channel < 3; channel++) {
+            grid = fields[channel].grid;
+            if (grid && strcmp(grid->key, key) == 0)
+                return lf_grid_ref(grid);
+        }
     }
     for (int i = 0; scene && i < scene->flames.n; i++) {
         lf_grid *grid = scene->flames.field[i].grid;
@@ -159,6 +166,30 @@ static void load_flame(const commit *c, int i)
         flame->sigma_max = 0.0f;
 }
 
+/* What scatters of a volume where grids say it. */
+static void load_albedo(const commit *c, const lf_volume_desc *desc, lf_volume *volume)
+{
+    if (!desc->albedo_grid[0][0])
+        return;
+    volume->albedo_fields = lf_calloc(3, sizeof *volume->albedo_fields);
+    if (!volume->albedo_fields)
+        out_of_memory(c);
+    for (int i = 0; i < 3 && c->reader->status == LF_OK; i++) {
+        lf_volume *field = &volume->albedo_fields[i];
+        *field = (lf_volume){.kind = LF_VOLUME_GRID, .nearest = desc->nearest, .sigma_scale = 1.0f};
+        load_grid(c, desc, desc->albedo_grid[i], "scatters nothing in a channel", "albedo",
+                  &field->grid);
+        field->sigma_max = field->grid ? field->grid->max_value : 0.0f;
+        if (field->sigma_max > 1.0001f) {
+            lf_error err;
+            (void)lf_error_set(&err, LF_E_FORMAT, desc->name,
+                               "grid %s has values up to %g; an albedo is at most 1",
+                               desc->albedo_grid[i], (double)field->sigma_max);
+            fail_at(c, "volumes", desc->name, "albedo", &err);
+        }
+    }
+}
+
 /* Channels that are the same have no colour. */
 static void take_extinction(lf_volume *volume, const lf_volume_desc *desc)
 {
@@ -185,6 +216,8 @@ static void load_volumes(commit *c)
         volume->albedo = lf_to_vec3(desc->albedo);
         if (desc->kind == LF_VOLUME_GRID)
             load_grid(c, desc, desc->grid, "is not there", "file", &volume->grid);
+        if (volume->grid && c->reader->status == LF_OK)
+            load_albedo(c, desc, volume);
         if (volume->grid)
             volume->sigma_max = volume->sigma_scale * volume->grid->max_value;
         if (!(volume->sigma_max <= MOST_SIGMA))
@@ -581,41 +614,6 @@ static bool is_unlit(const lf_scene *scene)
     return !glows;
 }
 
-static bool is_named(const char *grid, const char *name, size_t length)
-{
-    if (!grid)
-        return false;
-    size_t n = strlen(grid);
-    bool first = n + 3 == length && strncmp(name + n, "[0]", 3) == 0;
-    return (n == length || first) && strncmp(grid, name, n) == 0;
-}
-
-/* name: `length` bytes. A plain name means the first grid of that name. */
-static bool is_grid_used(const lf_scene_desc *desc, const char *file, const char *name,
-                         size_t length)
-{
-    for (int i = 0; i < desc->n_volumes; i++) {
-        const lf_volume_desc *v = &desc->volumes[i];
-        if (v->file && strcmp(v->file, file) == 0 &&
-            (is_named(v->grid, name, length) || is_named(v->flame_grid, name, length)))
-            return true;
-    }
-    return false;
-}
-
-/* The grids of a volume's file that no volume is made of. */
-static void warn_of_grids(const commit *c, const lf_grid *grid, const char *file)
-{
-    char unused[256] = "";
-    for (const char *name = grid->others; name && *name; name = strchr(name, '\n') + 1) {
-        size_t length = strcspn(name, "\n"), at = strlen(unused);
-        if (!is_grid_used(c->desc, file, name, length))
-            snprintf(unused + at, sizeof unused - at, "%s%.*s", at ? ", " : "", (int)length, name);
-    }
-    if (unused[0])
-        lf_warnings_add(&c->scene->warnings, file, "grids that no volume is made of: %s", unused);
-}
-
 static bool is_lamp(const lf_scene *scene, int mesh)
 {
     bool found = false;
@@ -653,7 +651,8 @@ static void collect_warnings(const commit *c)
     lf_shutter_warn(c->shutter, scene->file.where, &scene->warnings);
     for (int i = 0; i < scene->n_volumes; i++)
         if (scene->volumes[i].grid && c->desc->volumes[i].file)
-            warn_of_grids(c, scene->volumes[i].grid, c->desc->volumes[i].file);
+            lf_warn_of_unused_grids(&scene->warnings, c->desc, scene->volumes[i].grid,
+                                    c->desc->volumes[i].file);
     if (scene->geometry)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
     if (is_unlit(scene))
@@ -679,8 +678,12 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         load_meshes(&c);
     if (reader->status != LF_OK)
         return;
-    for (int i = 0; i < scene->n_volumes; i++)
+    for (int i = 0; i < scene->n_volumes; i++) {
+        lf_volume *fields = scene->volumes[i].albedo_fields;
         place_volume(&c, &scene->volumes[i], &desc->volumes[i]);
+        for (int channel = 0; fields && channel < 3; channel++)
+            place_volume(&c, &fields[channel], &desc->volumes[i]);
+    }
     for (int i = 0; i < scene->flames.n; i++)
         place_flame(&c, i);
     place_meshes(&c);

@@ -274,6 +274,31 @@ static void parse_flame(lf_reader *reader, const lf_node *node, lf_volume_desc *
         volume->flame[i] = scale * colour[i];
 }
 
+/* "albedo" of a grid may be an object that names grids of its file: one of vectors, or three. */
+static bool parse_albedo_grids(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
+{
+    static const char *const keys[] = {"grid", "red", "green", "blue", NULL};
+    lf_node albedo = lf_node_child(node, "albedo");
+    if (volume->kind != LF_VOLUME_GRID || !json_is_object(albedo.value))
+        return false;
+    if (!lf_read_object(reader, &albedo, keys))
+        return true;
+    bool vectors = lf_read_either(reader, &albedo, "grid", "red");
+    for (int i = 0; i < 3; i++) {
+        const char *key = vectors ? "grid" : keys[1 + i],
+                   *name = lf_read_string(reader, &albedo, key, NULL, 256);
+        if (!name && reader->status == LF_OK)
+            lf_read_fail(reader, &albedo, "\"%s\" is missing", key);
+        if (name)
+            snprintf(volume->albedo_grid[i], sizeof volume->albedo_grid[i], "%s%s%c", name,
+                     vectors ? "." : "", vectors ? "xyz"[i] : '\0');
+        for (int other = vectors ? 1 : 4; other < 4; other++)
+            if (lf_node_child(&albedo, keys[other]).value && reader->status == LF_OK)
+                lf_read_fail(reader, &albedo, "\"grid\" says all channels already");
+    }
+    return true;
+}
+
 static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_volume_desc *volume)
 {
     static const char *const keys[] = {"file",          "sequence", "grid",      "scale",
@@ -335,7 +360,8 @@ static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *
     else
         parse_shape(reader, node, volume);
     lf_read_colour(reader, node, "sigma_t", volume->colour, 0, 1e9);
-    lf_read_colour(reader, node, "albedo", volume->albedo, 0, 1);
+    if (!parse_albedo_grids(reader, node, volume))
+        lf_read_colour(reader, node, "albedo", volume->albedo, 0, 1);
     volume->g = lf_read_number(reader, node, "g", 0, -0.999, 0.999);
     volume->transform = parse_placed(reader, node, desc->unit_mm);
 }

@@ -16,6 +16,8 @@
 #define LF_MAX_MATERIALS 4096
 #define LF_MAX_LIGHTS 256
 #define LF_MAX_NAME 128
+/* room for a name of up to 256 bytes, a component behind it and a zero */
+#define LF_GRID_NAME_BYTES 260
 
 typedef struct lf_volume_desc {
     const char *name;
@@ -26,6 +28,8 @@ typedef struct lf_volume_desc {
     double scale;     /* sigma_t per scene unit and unit of value … */
     double colour[3]; /* … times this: of each channel */
     double albedo[3], g;
+    /* or grids of the file, one a channel: "" = none */
+    char albedo_grid[3][LF_GRID_NAME_BYTES];
     /* What it emits, radiance per scene unit: nothing, unless it is given; grids: per unit of the
      * value of flame_grid, or, kelvin > 0, as a black body of so many degrees per unit. */
     bool has_flame;

@@ -152,6 +152,34 @@ OpenFile::Entry *find_grid(OpenFile &file, const std::string &wanted)
     return nullptr;
 }
 
+/* "Cd.x": the grid of vectors, and which component of them; NULL: no such thing. */
+OpenFile::Entry *find_component(OpenFile &file, const std::string &wanted, int *out_component)
+{
+    const size_t n = wanted.size();
+    const size_t at =
+        n > 2 && wanted[n - 2] == '.' ? std::string("xyz").find(wanted[n - 1]) : std::string::npos;
+    OpenFile::Entry *entry =
+        at == std::string::npos ? nullptr : find_grid(file, wanted.substr(0, n - 2));
+    *out_component = int(at);
+    return entry && (entry->grid->isType<openvdb::Vec3SGrid>() ||
+                     entry->grid->isType<openvdb::Vec3DGrid>())
+               ? entry
+               : nullptr;
+}
+
+template <typename Vectors>
+openvdb::FloatGrid::Ptr component_of(const Vectors &vectors, int component)
+{
+    openvdb::FloatTree::Ptr tree(
+        new openvdb::FloatTree(vectors.tree(), 0.0f, openvdb::TopologyCopy()));
+    auto grid = openvdb::FloatGrid::create(tree);
+    auto from = vectors.getConstAccessor();
+    grid->setTransform(vectors.transform().copy());
+    for (auto value = grid->beginValueOn(); value; ++value)
+        value.setValue(float(from.getValue(value.getCoord())[component]));
+    return grid;
+}
+
 /* All but one, each with a newline behind it; not without end. */
 std::string other_grids(const OpenFile &file, const OpenFile::Entry *one)
 {
@@ -268,10 +296,28 @@ template <typename Grid> lf_status convert_any_class(Import &import, const typen
     return convert(import, *grid);
 }
 
+lf_status keep_others(const Import &import, const OpenFile &file, const OpenFile::Entry *one)
+{
+    if (lf_grid_set_others(import.grid, other_grids(file, one).c_str()) != LF_OK)
+        return import.fail(LF_E_NOMEM, "out of memory");
+    return LF_OK;
+}
+
 lf_status import_from(Import &import, int fd)
 {
     OpenFile file(dup(fd));
-    OpenFile::Entry *entry = find_grid(file, import.name);
+    int component = 0;
+    OpenFile::Entry *entry = find_grid(file, import.name),
+                    *vectors = entry ? nullptr : find_component(file, import.name, &component);
+    if (vectors) {
+        openvdb::GridBase::Ptr loaded = file.load(*vectors);
+        auto single = openvdb::gridPtrCast<openvdb::Vec3SGrid>(loaded);
+        lf_status status = convert(
+            import,
+            single ? *component_of(*single, component)
+                   : *component_of(*openvdb::gridPtrCast<openvdb::Vec3DGrid>(loaded), component));
+        return status == LF_OK ? keep_others(import, file, vectors) : status;
+    }
     if (!entry)
         return import.fail(LF_E_FORMAT, std::string("no grid \"") + import.name +
                                             "\"; the file holds " + list_grids(file));
@@ -285,10 +331,7 @@ lf_status import_from(Import &import, int fd)
     lf_status status = single ? convert_any_class<openvdb::FloatGrid>(import, single)
                               : convert_any_class<openvdb::DoubleGrid>(
                                     import, openvdb::gridPtrCast<openvdb::DoubleGrid>(grid));
-    if (status == LF_OK &&
-        lf_grid_set_others(import.grid, other_grids(file, entry).c_str()) != LF_OK)
-        status = import.fail(LF_E_NOMEM, "out of memory");
-    return status;
+    return status == LF_OK ? keep_others(import, file, entry) : status;
 }
 
 } // namespace

@@ -295,7 +295,8 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lo
         phases(visit, pivot, wi);
         out->n_terms = 1;
         out->weight[0] = w->lobe;
-        out->colour[0] = visit->scene->volumes[pivot->event.volume].albedo;
+        out->colour[0] =
+            lf_volume_albedo(&visit->scene->volumes[pivot->event.volume], pivot->event.p);
     } else {
         const lf_hit *hit = &pivot->event.hit;
         lf_vec3 t, b;

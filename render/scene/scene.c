@@ -36,8 +36,13 @@ void lf_scene_unref(lf_scene *scene)
     /* Acquire-release: whoever frees sees what the other owners did before they let go. */
     if (!scene || atomic_fetch_sub_explicit(&scene->refs, 1, memory_order_acq_rel) != 1)
         return;
-    for (int i = 0; i < scene->n_volumes; i++)
+    for (int i = 0; i < scene->n_volumes; i++) {
+        lf_volume *fields = scene->volumes[i].albedo_fields;
         lf_grid_unref(scene->volumes[i].grid);
+        for (int channel = 0; fields && channel < 3; channel++)
+            lf_grid_unref(fields[channel].grid);
+        lf_free(fields);
+    }
     for (int i = 0; i < scene->flames.n; i++)
         lf_grid_unref(scene->flames.field[i].grid);
     for (int i = 0; i < scene->n_lights; i++)

@@ -66,8 +66,11 @@ typedef struct lf_volume {
     /* sigma_t of each channel over that of the largest, which is the one above; all 0: they are the
      * same (lf_volume_colour) */
     lf_vec3 colour;
-    lf_vec3 albedo; /* single-scattering, 0..1 a channel */
-    float g;        /* Henyey-Greenstein, (-1, 1) */
+    lf_vec3 albedo; /* single-scattering, 0..1 a channel … */
+    /* … or a field of each channel with a grid and a place of its own, whose value stands where a
+     * volume has sigma_t: [3], owned, as are their grids; NULL: none */
+    struct lf_volume *albedo_fields;
+    float g; /* Henyey-Greenstein, (-1, 1) */
     /* Scene-local point -> volume space (voxel index for grids: voxel centres at integers) and
      * back; rows of a 3x4 affine. */
     float to_volume[3][4], to_scene[3][4];
@@ -106,6 +109,12 @@ static inline lf_vec3 lf_volume_colour(const lf_volume *volume)
 
 /* sigma_t at a scene-local point, filter applied, 0 outside: of the largest channel. */
 float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p);
+/* Single-scattering albedo at a scene-local point; the first where grids say it. */
+lf_vec3 lf_volume_albedo_of_fields(const lf_volume *volume, lf_vec3 p);
+static inline lf_vec3 lf_volume_albedo(const lf_volume *volume, lf_vec3 p)
+{
+    return volume->albedo_fields ? lf_volume_albedo_of_fields(volume, p) : volume->albedo;
+}
 /* The value of a grid at volume-space coordinates: trilinear (voxel centres at integers), 0
  * outside. */
 float lf_grid_linear(const lf_grid *grid, float x, float y, float z);

@@ -282,3 +282,11 @@ float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p)
     return volume->sigma_scale * (volume->nearest ? lf_grid_nearest(volume->grid, q[0], q[1], q[2])
                                                   : lf_grid_linear(volume->grid, q[0], q[1], q[2]));
 }
+
+lf_vec3 lf_volume_albedo_of_fields(const lf_volume *volume, lf_vec3 p)
+{
+    const lf_volume *field = volume->albedo_fields;
+    return lf_v3(lf_min(lf_volume_sigma_t(&field[0], p), 1.0f),
+                 lf_min(lf_volume_sigma_t(&field[1], p), 1.0f),
+                 lf_min(lf_volume_sigma_t(&field[2], p), 1.0f));
+}

@@ -76,7 +76,7 @@ float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, 
     }
     const lf_volume *volume = &scene->volumes[event->volume];
     float phase = lf_phase_between(volume->g, lf_scale(wo, -1.0f), wi);
-    *f = lf_scale(volume->albedo, phase);
+    *f = lf_scale(lf_volume_albedo(volume, event->p), phase);
     return phase;
 }
 
@@ -94,7 +94,7 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
     lf_vec3 w = lf_scale(wo, -1.0f);
     *wi = lf_phase_sample(volume->g, w, u);
     float phase = lf_phase_between(volume->g, w, *wi);
-    *f = lf_scale(volume->albedo, phase);
+    *f = lf_scale(lf_volume_albedo(volume, event->p), phase);
     return phase;
 }
 
@@ -179,7 +179,7 @@ static lf_vec3 scattered_by_volumes(const lf_scene *scene, lf_vec3 p, lf_vec3 w,
         float phase = lf_phase_between(v->g, w, light->wi);
         sum = lf_madd(
             sum, lf_volume_sigma_t(v, p) * phase / (light->delta ? light->pdf : light->pdf + phase),
-            lf_mul(v->albedo, lf_volume_colour(v)));
+            lf_mul(lf_volume_albedo(v, p), lf_volume_colour(v)));
     }
     return sum;
 }

@@ -1,0 +1,54 @@
+#include "render/load/unused_grids.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static bool is_named(const char *grid, const char *name, size_t length)
+{
+    if (!grid)
+        return false;
+    size_t n = strlen(grid);
+    bool first = n + 3 == length && strncmp(name + n, "[0]", 3) == 0;
+    return (n == length || first) && strncmp(grid, name, n) == 0;
+}
+
+/* Of a grid of vectors the name goes on with the component: "Cd.x". */
+static bool is_component(const char *component, const char *name, size_t length)
+{
+    char grid[LF_GRID_NAME_BYTES];
+    size_t n = strlen(component);
+    if (n < 2 || component[n - 2] != '.')
+        return false;
+    snprintf(grid, sizeof grid, "%.*s", (int)n - 2, component);
+    return is_named(grid, name, length);
+}
+
+/* name: `length` bytes. A plain name means the first grid of that name. */
+static bool is_used(const lf_scene_desc *desc, const char *file, const char *name, size_t length)
+{
+    for (int i = 0; i < desc->n_volumes; i++) {
+        const lf_volume_desc *v = &desc->volumes[i];
+        if (!v->file || strcmp(v->file, file) != 0)
+            continue;
+        bool used = is_named(v->grid, name, length) || is_named(v->flame_grid, name, length);
+        for (int c = 0; c < 3; c++)
+            used = used || is_named(v->albedo_grid[c], name, length) ||
+                   is_component(v->albedo_grid[c], name, length);
+        if (used)
+            return true;
+    }
+    return false;
+}
+
+void lf_warn_of_unused_grids(lf_warnings *warnings, const lf_scene_desc *desc, const lf_grid *grid,
+                             const char *file)
+{
+    char unused[256] = "";
+    for (const char *name = grid->others; name && *name; name = strchr(name, '\n') + 1) {
+        size_t length = strcspn(name, "\n"), at = strlen(unused);
+        if (!is_used(desc, file, name, length))
+            snprintf(unused + at, sizeof unused - at, "%s%.*s", at ? ", " : "", (int)length, name);
+    }
+    if (unused[0])
+        lf_warnings_add(warnings, file, "grids that no volume is made of: %s", unused);
+}
