@@ -529,6 +529,8 @@ static void load_lights(commit *c)
         light->kind = desc->kind;
         load_environment(c, desc, light);
         desc->kind->read(desc->values, scene->origin, light);
+        if (!lf_shutter_light(c->shutter, i, scene->origin, light))
+            out_of_memory(c);
     }
 }
 
@@ -593,6 +595,8 @@ static void set_flags(lf_scene *scene)
         scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
         scene->has_view_lobes |= used[m] && material->kind->view_dependent;
     }
+    for (int i = 0; i < scene->n_lights; i++)
+        scene->looks.moving |= !!scene->lights[i].way;
     for (int i = 0; i < scene->n_volumes; i++) {
         const lf_volume *volume = &scene->volumes[i];
         scene->has_view_lobes |= volume->g != 0.0f;

@@ -72,6 +72,24 @@ static bool put_shutter(json_t *doc, const lf_mesh_desc *open, const lf_mesh_des
                                          numbers_of(&close->transform))) == 0;
 }
 
+/* What a light without faces says at one end of the shutter, but for its file. */
+static json_t *said_of(json_t *doc, const char *name)
+{
+    json_t *said = json_deep_copy(member(doc, "lights", name));
+    json_object_del(said, "file");
+    return said;
+}
+
+static bool put_light_way(json_t *doc, const lf_shutter *shutter, const char *name)
+{
+    if (json_equal(member(shutter->doc[0], "lights", name),
+                   member(shutter->doc[1], "lights", name)))
+        return true;
+    return json_object_set_new(member(doc, "lights", name), "shutter",
+                               json_pack("[o, o]", said_of(shutter->doc[0], name),
+                                         said_of(shutter->doc[1], name))) == 0;
+}
+
 json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc,
                          const lf_shutter *shutter)
 {
@@ -84,7 +102,8 @@ json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc,
     for (int i = 0; i < desc->n_meshes && done; i++)
         done = put_shutter(doc, &shutter->desc[0]->meshes[i], &shutter->desc[1]->meshes[i]);
     for (int i = 0; i < desc->n_lights && done; i++)
-        done = put_light(doc, &scene->lights[i], &desc->lights[i]);
+        done = put_light(doc, &scene->lights[i], &desc->lights[i]) &&
+               put_light_way(doc, shutter, desc->lights[i].name);
     if (!done) {
         json_decref(doc);
         return NULL;

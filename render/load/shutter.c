@@ -64,6 +64,28 @@ void lf_shutter_shift(const lf_shutter *shutter, lf_camera *camera)
         memset(camera->shift, 0, sizeof camera->shift);
 }
 
+bool lf_shutter_light(const lf_shutter *shutter, int i, const double origin[3], lf_light *light)
+{
+    const lf_value *open = shutter->desc[0]->lights[i].values,
+                   *close = shutter->desc[1]->lights[i].values;
+    int n = 0;
+    bool same = true;
+    for (; light->kind->keys[n].name; n++)
+        same = same && memcmp(open[n].number, close[n].number, sizeof open[n].number) == 0;
+    if (same)
+        return true;
+    light->way = lf_calloc(1, sizeof *light->way);
+    if (!light->way)
+        return false;
+    for (int k = 0; k < n; k++) {
+        light->way->open[k] = open[k];
+        light->way->close[k] = close[k];
+        light->way->open[k].text = light->way->close[k].text = NULL; /* the document's */
+    }
+    lf_light_move(light, origin, 0.5);
+    return true;
+}
+
 /* ---------------------------------------------------------------------------------- warnings -- */
 
 /* Adds a name to the list of what stands still. */
@@ -131,14 +153,16 @@ void lf_shutter_warn(const lf_shutter *shutter, const char *where, lf_warnings *
         json_t *value;
         json_object_foreach(json_object_get(shutter->doc[0], sections[i]), name, value)
         {
-            bool lamp = i == 2 && is_lamp(shutter->desc[0], name);
+            bool light = i == 2, lamp = light && is_lamp(shutter->desc[0], name);
+            if (light && !lamp)
+                continue;
             if (differ_but_for(value, json_object_get(closed, name), moving_of(sections[i], lamp)))
                 add(list, sizeof list, sections[i], name);
         }
     }
     if (list[0])
         lf_warnings_add(warnings, where,
-                        "what has keys stands still while the shutter is open, but for meshes, the "
-                        "faces of lights, and the camera's place, target and focus: %s",
+                        "what has keys stands still while the shutter is open, but for meshes, "
+                        "lights, and the camera's place, target and focus: %s",
                         list);
 }

@@ -199,6 +199,9 @@ bool lf_exits_uniform(const lf_scene *scene, float out_sky[3])
         if (lf_max3(m->emission) > 0.0f || !m->has_lobe)
             return false;
     }
+    for (int i = 0; i < scene->n_lights; i++)
+        if (scene->lights[i].way && scene->lights[i].kind->escape)
+            return false;
     return lf_exits_constant(scene, out_sky);
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/alloc.h"
 #include "render/transport/glow.h"
+#include "render/transport/light_kind.h"
 
 /* Floats that a mesh has of its own: those that Embree would read behind the last included. */
 static size_t size_of(const lf_mesh *mesh)
@@ -22,9 +23,13 @@ lf_status lf_moment_init(lf_moment *moment, const lf_moving *moving)
     for (int i = 0; i < scene->n_meshes; i++)
         size += size_of(&scene->meshes[i]);
     moment->scene.meshes = lf_calloc((size_t)scene->n_meshes, sizeof *scene->meshes);
+    moment->scene.lights = lf_calloc((size_t)scene->n_lights, sizeof *scene->lights);
     moment->places = lf_calloc(size, sizeof *moment->places);
-    if (!moment->scene.meshes || !moment->places)
+    if (!moment->scene.meshes || !moment->scene.lights || !moment->places)
         return LF_E_NOMEM;
+    if (scene->n_lights > 0)
+        memcpy(moment->scene.lights, scene->lights,
+               (size_t)scene->n_lights * sizeof *scene->lights);
     float *at = moment->places;
     for (int i = 0; i < scene->n_meshes; i++) {
         lf_mesh *mesh = &moment->scene.meshes[i];
@@ -45,6 +50,7 @@ lf_status lf_moment_init(lf_moment *moment, const lf_moving *moving)
 void lf_moment_finish(lf_moment *moment)
 {
     lf_free(moment->scene.meshes);
+    lf_free(moment->scene.lights);
     lf_free(moment->places);
     *moment = (lf_moment){0};
 }
@@ -78,5 +84,8 @@ void lf_moment_set(lf_moment *moment, const lf_moving *moving, float time)
         put(own(to->normals), from->normals, from->close.normals, 3 * n, time);
         put(own(to->tangents), from->tangents, from->close.tangents, 4 * n, time);
     }
+    for (int i = 0; i < scene->n_lights; i++)
+        if (scene->lights[i].way)
+            lf_light_move(&moment->scene.lights[i], scene->origin, (double)time);
     lf_glows_move(&moment->scene);
 }

@@ -9,7 +9,7 @@
 /* What moments are made of. */
 typedef struct lf_moving {
     const lf_scene *scene;
-    lf_rig rig; /* of the settings, where the frame has it */
+    lf_rig rig;                  /* of the settings, where the frame has it */
     lf_render_settings settings; /* of a view; what it points to may be gone */
 } lf_moving;
 
@@ -20,7 +20,7 @@ static inline bool lf_moving_moves(const lf_moving *moving)
 }
 
 typedef struct lf_moment {
-    /* All of the scene, whose meshes, in their order, stand where they are at the moment;
+    /* All of the scene, whose meshes and lights, in their order, are what they are at the moment;
      * lf_tracer.time has to say the same moment. Borrows from that scene. */
     lf_scene scene;
     lf_rig rig;

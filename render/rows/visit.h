@@ -271,8 +271,8 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
 
 /* True when the camera sees the same light wherever it meets nothing. */
 bool lf_exits_constant(const lf_scene *scene, float out_sky[3]);
-/* True when moreover everything that can be hit scatters to all views and emits nothing: B is then
- * sky (1 - q) in every pixel. */
+/* True when moreover the sky stays as it is, and everything that can be hit scatters to all views
+ * and emits nothing: B is then sky (1 - q) in every pixel. */
 bool lf_exits_uniform(const lf_scene *scene, float out_sky[3]);
 
 #endif

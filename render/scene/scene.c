@@ -28,6 +28,7 @@ void lf_light_finish(lf_light *light)
     lf_free(light->triangle);
     lf_free(light->area_cdf);
     lf_free(light->tree);
+    lf_free(light->way);
     *light = (lf_light){0};
 }
 

@@ -281,6 +281,7 @@ typedef struct lf_light {
     bool one_sided;   /* shines to the front of its triangles alone */
     struct lf_lamp_node *tree; /* one-sided ones of many triangles; else NULL (lamp_tree.h) */
     int glow;                  /* lights at a distance: 1 + its place in scene->glows; 0 = none */
+    struct lf_light_way *way;  /* where its numbers change (light_kind.h); NULL: they do not */
 } lf_light;
 
 /* What the camera sees where it meets nothing, in place of the lights at infinity: radiance at the

@@ -88,7 +88,9 @@ void lf_glows_move(lf_scene *scene)
     for (int i = 0; i < scene->glows.n; i++) {
         lf_glow *glow = &scene->glows.item[i];
         const lf_light *light = &scene->lights[glow->light];
-        if (!lf_light_has_faces(light) || !scene->meshes[light->mesh].close.vertices)
+        bool moves =
+            lf_light_has_faces(light) ? !!scene->meshes[light->mesh].close.vertices : !!light->way;
+        if (!moves)
             continue;
         light->kind->extent(scene, light, &glow->middle, &glow->radius);
         glow->reach = reach_of(scene, glow->middle);

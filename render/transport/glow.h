@@ -12,7 +12,7 @@
  * not farther from a volume's box than a quarter of the box's half diagonal and not larger than a
  * twentieth of it. Called once the lights' probabilities stand. */
 void lf_glows_commit(lf_scene *scene);
-/* Where lamps that move are now. */
+/* Where lights that move are now. */
 void lf_glows_move(lf_scene *scene);
 
 /* A path's segment, and what is drawn along it about one light. */

@@ -115,6 +115,29 @@ lf_vec3 lf_light_hit(const lf_scene *scene, lf_vec3 from, const lf_hit *hit, flo
     return light->has_picture ? lf_hit_emission(hit, 0.0f) : light->radiance;
 }
 
+static void make_unit(double v[3])
+{
+    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int i = 0; i < 3; i++)
+        v[i] = length > 0.0 ? v[i] / length : i == 1;
+}
+
+void lf_light_move(lf_light *light, const double origin[3], double time)
+{
+    lf_value now[LF_MAX_KEYS];
+    for (int i = 0; light->kind->keys[i].name; i++) {
+        const lf_value *open = &light->way->open[i], *close = &light->way->close[i];
+        now[i] = *open;
+        for (int j = 0; j < 3; j++)
+            now[i].number[j] += time * (close->number[j] - open->number[j]);
+        if (light->kind->keys[i].type == LF_PARAM_DIRECTION)
+            make_unit(now[i].number);
+    }
+    light->kind->read(now, origin, light);
+    if (light->kind->commit)
+        light->kind->commit(light);
+}
+
 bool lf_scene_has_light_sampling(const lf_scene *scene)
 {
     return scene->n_lights > 0 && scene->lights[scene->n_lights - 1].cumulative > 0.0f;

@@ -45,7 +45,7 @@ typedef struct lf_light_kind {
 
     /* All others. */
 
-    /* Works out what draw needs beyond what read set, called once; NULL = nothing. */
+    /* Works out what draw needs beyond what read set, behind each of its calls; NULL = nothing. */
     void (*commit)(lf_light *light);
     /* Draws a direction from p with place and u[2] in [0,1). place is what is left of the number
      * that picked the light: finer than a float. Lights at infinity that are not delta fill wi
@@ -90,6 +90,15 @@ typedef struct lf_light_kind {
 #define LF_DECLARE_LIGHT(name) extern const lf_light_kind lf_light_##name;
 LF_LIGHT_KINDS(LF_DECLARE_LIGHT)
 #undef LF_DECLARE_LIGHT
+
+/* What a light without faces says when the shutter opens and when it closes. */
+typedef struct lf_light_way {
+    lf_value open[LF_MAX_KEYS], close[LF_MAX_KEYS];
+} lf_light_way;
+
+/* Makes a light with a way what it is at a moment, 0 when the shutter opens and 1 when it closes:
+ * each number goes evenly, directions as the numbers of a unit vector. origin as in read. */
+void lf_light_move(lf_light *light, const double origin[3], double time);
 
 /* Whether rays can hit the light. */
 static inline bool lf_light_has_faces(const lf_light *light)

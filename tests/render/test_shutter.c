@@ -154,8 +154,9 @@ static void put_moving(writer *w, const char *key, const double *a, const double
 }
 
 /* A disk of glaze that grows as it flies, a box that shears and turns, a lamp of faces on its way
- * through fog and voxels, and a lit pane behind, past which the camera goes round and comes nearer:
- * in keys, or as they are at a moment. All goes along straight lines. */
+ * through fog and voxels, a bulb in the fog that lights up, a lit pane behind, a sun and a sky,
+ * past which the camera goes round and comes nearer: in keys, or as they are at a moment. All goes
+ * along straight lines. */
 static void write_scene(writer *w, double time)
 {
     static const double disk[2][3] = {{-1.1, -0.3, 0.6}, {-0.5, 0.1, 0.2}},
@@ -166,7 +167,11 @@ static void write_scene(writer *w, double time)
                         lamp[2][3] = {{0.1, 1.2, 1}, {0.8, 0.7, 1.4}},
                         pane[2][3] = {{-1, 1.2, -1}, {-0.4, 1, -1}},
                         eye[2][3] = {{-0.3, 0.5, 5}, {0.5, 0.8, 4.6}},
-                        target[2][3] = {{0, 0, 0}, {0.1, 0, 0.1}};
+                        target[2][3] = {{0, 0, 0}, {0.1, 0, 0.1}},
+                        sky[2][3] = {{0.3, 0.4, 0.6}, {0.5, 0.5, 0.7}},
+                        sun[2][3] = {{0.6, -0.8, 0}, {0, -0.8, -0.6}},
+                        bulb[2][3] = {{0.2, 0.1, 0.6}, {0.7, 0.4, 0.7}},
+                        power[2][3] = {{0, 0, 0}, {0.4, 0.3, 0.3}};
     char vdb[PATH_MAX];
     assert_non_null(realpath(lf_test_built("testdata/patterns.vdb"), vdb));
     w->time = time;
@@ -192,17 +197,25 @@ static void write_scene(writer *w, double time)
     put_moving(w, "translate", pane[0], pane[1], 3);
     put(w, "}}}, 'materials': {'clay': {'albedo': [0.5, 0.45, 0.4]}, 'glaze': {'type': 'plastic', "
            "'albedo': [0.6, 0.3, 0.2], 'roughness': 0.5}, 'glow': {'albedo': 0.2, 'emission': 2}}, "
-           "'lights': {'sky': {'type': 'environment', 'radiance': [0.4, 0.5, 0.7]}, 'lamp': "
-           "{'type': 'sphere', 'radius': 0.2, 'radiance': 3, ");
+           "'lights': {'sky': {'type': 'environment', ");
+    put_moving(w, "radiance", sky[0], sky[1], 3);
+    put(w, "}, 'sun': {'type': 'distant', 'irradiance': 1, ");
+    put_moving(w, "direction", sun[0], sun[1], 3);
+    put(w, "}, 'bulb': {'type': 'point', ");
+    put_moving(w, "position", bulb[0], bulb[1], 3);
+    put(w, ", ");
+    put_moving(w, "intensity", power[0], power[1], 3);
+    put(w, "}, 'lamp': {'type': 'sphere', 'radius': 0.2, 'radiance': 3, ");
     put_moving(w, "position", lamp[0], lamp[1], 3);
     put(w, "}}}");
 }
+
+static lf_scene *before;
 
 static lf_renderer *renderer_of(double time, const char *integrator)
 {
     writer w = {.n = 0};
     write_scene(&w, time);
-    static lf_scene *before;
     lf_scene *scene = lf_test_scene_in(".", w.data, before); /* does not read the voxels again */
     lf_scene_unref(before);
     before = scene;
@@ -437,6 +450,8 @@ static void what_has_keys_and_stands_still_is_told(void **state)
          ", 'volumes': {'fog': {'shape': 'box', 'density': {'keys': [[1, 9], [9, 12]]}}, 'mist': "
          "{'shape': 'box'}}",
          ": volumes.fog"},
+        {", 'shutter': 0.5", ", 'materials': {'m': {'albedo': {'keys': [[1, 0], [9, 1]]}}}",
+         ": materials.m"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         lf_scene *scene = scene_of(cases[i].shutter, MOVING, cases[i].more, NULL);
@@ -495,6 +510,29 @@ static void lamps_are_found_as_they_are_drawn(void **state)
     lf_scene_unref(scene);
 }
 
+/* A sky that changes is known light of every pixel, whether or not anything is before it. */
+static void a_sky_that_changes_is_its_mean(void **state)
+{
+    (void)state;
+    lf_scene *scene =
+        lf_test_scene("{'camera': {'views': 3, 'shutter': 0.5, 'shutter_open': 1}, 'lights': "
+                      "{'sky': {'type': 'environment', 'radiance': {'keys': [[1, 0], [9, 8]]}}}}");
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+    lf_test_cycles(r, 32);
+    double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS);
+    for (int i = 0; i < width * height * n_views; i++)
+        lf_assert_close(picture[i], 1.25, 0, 0.01);
+    free(picture);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+static int finish(void **state)
+{
+    lf_scene_unref(before);
+    return lf_test_finish(state);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -504,10 +542,11 @@ int main(void)
         cmocka_unit_test(weights_are_what_is_expected),
         cmocka_unit_test(the_number_of_threads_changes_nothing),
         cmocka_unit_test(lamps_are_found_as_they_are_drawn),
+        cmocka_unit_test(a_sky_that_changes_is_its_mean),
         cmocka_unit_test(what_stands_still_is_the_same_with_a_shutter),
         cmocka_unit_test(a_mesh_is_read_where_it_is_at_both_ends),
         cmocka_unit_test(faces_that_part_are_both_kept),
         cmocka_unit_test(what_has_keys_and_stands_still_is_told),
     };
-    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+    return cmocka_run_group_tests(tests, NULL, finish);
 }
