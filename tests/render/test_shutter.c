@@ -205,7 +205,7 @@ static void write_scene(writer *w, double time)
     put_moving(w, "position", bulb[0], bulb[1], 3);
     put(w, ", ");
     put_moving(w, "intensity", power[0], power[1], 3);
-    put(w, "}, 'lamp': {'type': 'sphere', 'radius': 0.2, 'radiance': 3, ");
+    put(w, "}, 'lamp': {'type': 'disk', 'radius': 0.3, 'radiance': 4, ");
     put_moving(w, "position", lamp[0], lamp[1], 3);
     put(w, "}}}");
 }
@@ -227,16 +227,16 @@ static int long_or(int replicates)
     return getenv("QUILTD_LONG") ? 8 * replicates : replicates;
 }
 
-static void eight_cycles(lf_renderer *r)
+static void six_cycles(lf_renderer *r)
 {
-    lf_test_cycles(r, 8);
+    lf_test_cycles(r, 6);
 }
 
 static void blurred(const char *integrator, unsigned faults, uint64_t salt, lf_blocks *out)
 {
     lf_renderer *r = renderer_of(-1, integrator);
     r->faults = faults;
-    lf_test_pictures(r, eight_cycles, LF_ESTIMATOR_MIS, long_or(16), salt, block, out);
+    lf_test_pictures(r, six_cycles, LF_ESTIMATOR_MIS, long_or(16), salt, block, out);
     lf_renderer_destroy(r);
 }
 
@@ -314,7 +314,7 @@ static double p_of_weights(unsigned faults)
     lf_blocks found[3];
     lf_renderer *r = renderer_of(-1, "mvpt");
     r->faults = faults;
-    lf_test_weight_blocks(r, eight_cycles, 16, block, found);
+    lf_test_weight_blocks(r, six_cycles, 16, block, found);
     double p = fmin(lf_blocks_p_zero(&found[0], NULL), lf_blocks_p_zero(&found[1], NULL));
     for (int i = 0; i < 3; i++)
         lf_blocks_finish(&found[i]);
