@@ -376,9 +376,13 @@ typedef enum lf_layer {
      * itself as uncertain as one square is. 0 unless both have been visited. */
     LF_LAYER_VARIANCE = 16,
     LF_LAYER_SAMPLES = 32, /* W/q: what was found, in native samples; their number where q is 0 */
+    /* The share of the light of lights that is missing at catchers (meshes) for what stands before
+     * it, times the share of a pixel's rays that comes to one: what is missing of what is seen
+     * behind it. By as many rays as there are native samples, at least 8. */
+    LF_LAYER_SHADOW = 64,
 } lf_layer;
 
-#define LF_MAX_LAYER_CHANNELS 12
+#define LF_MAX_LAYER_CHANNELS 13
 
 typedef struct lf_layer_entry {
     const char *name; /* as in --aov */
@@ -399,6 +403,11 @@ int lf_layer_channels(unsigned layers, const char *out_names[LF_MAX_LAYER_CHANNE
  * time as lf_renderer_resolve. */
 LF_NODISCARD lf_status lf_renderer_layers(const lf_renderer *renderer, lf_estimator estimator,
                                           unsigned layers, float *out, const lf_cancel *cancel);
+/* Takes from a picture, [row][view][column][3] as lf_renderer_resolve makes it, what the shadows of
+ * catchers (LF_LAYER_SHADOW) take from the backdrop; it stays as it is where the scene has not
+ * both. On the pool. LF_E_CANCELLED. */
+LF_NODISCARD lf_status lf_renderer_catch_shadows(const lf_renderer *renderer, float *picture,
+                                                 const lf_cancel *cancel);
 
 /* Counters since the last restart; what does not apply is negative (JSON null). */
 typedef struct lf_render_stats {

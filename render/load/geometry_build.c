@@ -40,6 +40,7 @@ json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char
         if (json_object_get(mesh, "material"))
             json_object_set_new(copy, "material", json_true());
         json_object_del(copy, "animation");
+        json_object_del(copy, "catcher");
         if (clip)
             json_object_set(copy, "animation", clip);
         if (json_array_append_new(list, json_pack("[s, o]", name, copy)) != 0) {

@@ -486,6 +486,7 @@ static void place_meshes(commit *c)
         scene->meshes[i].material =
             (uint16_t)(c->desc->meshes[i].material < 0 ? 0 : n_own + c->desc->meshes[i].material);
         scene->meshes[i].hidden = c->desc->meshes[i].hidden;
+        scene->meshes[i].catcher = c->desc->meshes[i].catcher;
         scene->n_meshes++;
     }
     for (int i = 0; geometry && i < geometry->n_meshes; i++)
@@ -583,6 +584,7 @@ static void set_flags(lf_scene *scene)
         scene->looks.varied |= !!scene->meshes[i].colours;
         scene->looks.hidden |= scene->meshes[i].hidden;
         scene->looks.moving |= !!scene->meshes[i].close.vertices;
+        scene->looks.caught |= scene->meshes[i].catcher;
     }
     for (int m = 0; m < scene->n_materials; m++) {
         const lf_material *material = &scene->materials[m];

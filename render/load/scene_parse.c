@@ -494,8 +494,8 @@ static void parse_clip(lf_reader *reader, const lf_node *node, double seconds, l
 
 static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
-    static const char *const keys[] = {"file",      "shape",     "material", "normals",
-                                       "transform", "animation", "units",    NULL};
+    static const char *const keys[] = {"file",      "shape", "material", "normals", "transform",
+                                       "animation", "units", "catcher",  NULL};
     static const char *const endings[] = {"obj", "ply", "stl", "gltf", "glb", "3ds", NULL};
     static const char *const normals[] = {"file", "smooth", "flat", NULL};
     lf_mesh_desc *mesh = &desc->meshes[index];
@@ -514,6 +514,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     const lf_node units = lf_node_child(node, "units");
     if (mesh->shape && units.value)
         lf_read_fail(reader, &units, "only what is in a file has units of its own");
+    mesh->hidden = mesh->catcher = lf_read_bool(reader, node, "catcher", false);
     parse_clip(reader, node, desc->seconds, &mesh->clip);
     const char *material = lf_read_string(reader, node, "material", NULL, LF_MAX_NAME);
     if (material)

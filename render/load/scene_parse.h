@@ -51,6 +51,7 @@ typedef struct lf_mesh_desc {
     double area;  /* a shape's, to which it is scaled about its middle; 0 = what it comes to */
     bool lamp;    /* of a light that is faces: the name is the light's */
     bool hidden;  /* from the camera */
+    bool catcher;
 } lf_mesh_desc;
 
 typedef struct lf_light_desc {

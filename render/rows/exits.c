@@ -146,11 +146,6 @@ static void write_feature(const lf_visit_plan *plan, const lf_visit *visit, size
     lf_film_note(&visit->sums, pixel, feature);
 }
 
-static lf_vec3 backdrop_at(const lf_backdrop *backdrop, float height)
-{
-    return lf_madd(backdrop->top, height, lf_sub(backdrop->bottom, backdrop->top));
-}
-
 /* Whether the camera sees another colour in another direction. */
 static bool sky_varies(const lf_scene *scene)
 {
@@ -182,7 +177,7 @@ static bool sky_of_row(const lf_visit_plan *plan, const lf_visit *visit, lf_vec3
     const lf_scene *scene = plan->scene;
     float sky[3];
     if (scene->backdrop.given)
-        *out = backdrop_at(&scene->backdrop, lf_rig_height_between(visit->rig, visit->plane.my));
+        *out = lf_backdrop_at(&scene->backdrop, lf_rig_height_between(visit->rig, visit->plane.my));
     else if (plan->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_constant(scene, sky))
         *out = lf_v3(sky[0], sky[1], sky[2]);
     else

@@ -203,8 +203,9 @@ typedef struct lf_mesh {
     /* [n_triangles] index into scene->materials, or NULL: `material` for all */
     const uint16_t *triangle_material;
     uint16_t material;
-    lf_box box;  /* of the triangles, wherever they go */
-    bool hidden; /* rays of the camera pass through it */
+    lf_box box;   /* of the triangles, wherever they go */
+    bool hidden;  /* rays of the camera pass through it */
+    bool catcher; /* hidden, but for what it gets of shadows (catcher.h) */
     /* lf_mesh_data's, each NULL where no material wants it */
     const float *uvs, *colours, *tangents;
     lf_mesh_close close;
@@ -291,6 +292,12 @@ typedef struct lf_backdrop {
     lf_vec3 top, bottom;
 } lf_backdrop;
 
+/* height: from the window's upper edge, 0, to the lower one, 1. */
+static inline lf_vec3 lf_backdrop_at(const lf_backdrop *backdrop, float height)
+{
+    return lf_madd(backdrop->top, height, lf_sub(backdrop->bottom, backdrop->top));
+}
+
 /* Releases what the light owns; leaves it zeroed. Accepts one that is all zero. */
 void lf_light_finish(lf_light *light);
 
@@ -333,6 +340,7 @@ typedef struct lf_looks {
     bool frosted;   /* some solid glass is rough: its hits say from which side they are */
     bool moving;    /* something is elsewhere when the shutter closes */
     bool chromatic; /* sigma_t of some volume is not the same for all channels */
+    bool caught;    /* some mesh is a catcher of shadows */
 } lf_looks;
 
 struct lf_scene {

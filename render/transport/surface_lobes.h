@@ -1,5 +1,5 @@
-/* What the surface types share; private to render/transport/surface_*.c. Directions here are in the
- * frame of the shading normal (z). */
+/* What the surface types share; private to render/transport/surface_*.c and catcher.c.
+ * Directions here are in the frame of the shading normal (z). */
 #ifndef LF_RENDER_SURFACE_LOBES_H
 #define LF_RENDER_SURFACE_LOBES_H
 

@@ -243,7 +243,7 @@ static const char *const good[] = {
     "{\"lights\": {\"l\": {\"type\": \"disk\", \"radiance\": 5, \"position\": [1, 2, 3]}}}",
     "{\"lights\": {\"l\": {\"type\": \"sphere\", \"power\": 5, \"visible\": true}}}",
     "{\"lights\": {\"l\": {\"type\": \"sphere\", \"radiance\": 5}}}",
-    "{\"meshes\": {\"m\": {\"shape\": \"disk\"}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"disk\", \"catcher\": true}}}",
     "{\"units\": \"in\", \"meshes\": {\"m\": {\"file\": \"a.stl\", \"units\": \"mm\"}}, "
     "\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"units\": \"km\"}}}",
     "{\"include\": \"other.json\"}",
@@ -318,6 +318,7 @@ static const char *const wrong[] = {
     "{\"meshes\": {\"m\": {\"file\": \"a.dae\"}}}",
     "{\"meshes\": {\"m\": {\"shape\": \"quad\", \"flip\": true}}}",
     "{\"meshes\": {\"m\": {\"shape\": \"quad\", \"material\": 3}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"quad\", \"catcher\": 1}}}",
     "{\"materials\": {\"m\": {\"type\": \"glass\"}}}",
     "{\"materials\": {\"m\": {\"ior\": 0.9}}}",
     "{\"materials\": {\"m\": {\"emission\": -1}}}",
