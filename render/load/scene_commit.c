@@ -591,7 +591,8 @@ static void set_flags(lf_scene *scene)
         scene->has_delta |= used[m] && material->has_delta;
         scene->looks.varied |= used[m] && !!material->textures;
         scene->looks.filled |= used[m] && material->is_solid && material->transmission > 0.0f &&
-                               lf_max3(material->glass.absorption) > 0.0f;
+                               (lf_max3(material->glass.absorption) > 0.0f ||
+                                lf_max3(material->glass.scattering) > 0.0f);
         scene->looks.frosted |= used[m] && material->is_solid && material->glass.is_rough;
         scene->looks.veiled |= used[m] && lf_is_veil(material);
         scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;

@@ -87,6 +87,9 @@ void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf
     out->has_light = lf_light_draw(visit->scene, pivot->event.p, u, &out->light);
     if (out->has_light)
         out->light_visible = lf_path_visible(&visit->worker->tracer, &pivot->event, &out->light);
+    if (out->has_light && visit->scene->looks.filled)
+        out->light.radiance = lf_mul(
+            out->light.radiance, lf_path_absorbed_light(visit->scene, &pivot->event, &out->light));
     lf_suffix_redraw(visit, pivot, wo, out);
 }
 

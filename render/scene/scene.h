@@ -131,7 +131,8 @@ typedef enum lf_cover { LF_COVER_OPAQUE, LF_COVER_MASK, LF_COVER_BLEND, LF_COVER
 
 /* What is behind a surface that light goes through, and how it goes. */
 typedef struct lf_glass {
-    lf_vec3 absorption; /* inside of it, per scene unit */
+    lf_vec3 absorption, scattering; /* inside of it, per scene unit */
+    float g;                        /* Henyey-Greenstein of what is scattered there, (-1, 1) */
     /* Made by lf_material_prepare: the lobe through it is no delta. */
     bool is_rough;
     /* Smooth clear sheets, and nothing else: what goes straight through is a matter of how much of
@@ -336,7 +337,7 @@ typedef struct lf_looks {
     bool varied;    /* something varies along a mesh */
     bool veiled;    /* some surface may not be there whole, or is a pane */
     bool hidden;    /* some mesh is hidden from the camera */
-    bool filled;    /* some glass absorbs */
+    bool filled;    /* some glass absorbs or scatters */
     bool frosted;   /* some solid glass is rough: its hits say from which side they are */
     bool moving;    /* something is elsewhere when the shutter closes */
     bool chromatic; /* sigma_t of some volume is not the same for all channels */

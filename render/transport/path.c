@@ -1,6 +1,7 @@
 #include "render/transport/path.h"
 
 #include "render/transport/glow.h"
+#include "render/transport/interior.h"
 
 /* lf_path_next of a path that carries beta. */
 static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
@@ -20,13 +21,22 @@ static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_ve
     }
     out->from = o;
     out->surface = t_max;
+    float way = t_max;
+    if (tracer->scene->looks.filled)
+        way = lf_min(lf_interior_way(tracer, from, w, beta, out), t_max);
     out->t = tracer->scene->looks.chromatic
-                 ? lf_track_channels(tracer, o, w, t_max, beta, &out->volume, &out->channels)
-                 : lf_track_collision(tracer, o, w, t_max, &out->volume);
+                 ? lf_track_channels(tracer, o, w, way, beta, &out->volume, &out->channels)
+                 : lf_track_collision(tracer, o, w, way, &out->volume);
+    if (way < t_max && out->t >= way) {
+        out->volume = LF_INTERIOR;
+        out->t = way;
+    }
     if (out->t < t_max) {
         out->kind = LF_EVENT_MEDIUM;
         out->p = lf_madd(o, out->t, w);
     }
+    if (tracer->scene->looks.filled)
+        lf_interior_weigh(beta, out);
 }
 
 void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out)
@@ -41,12 +51,31 @@ static lf_vec3 channels_of(const lf_scene *scene, const lf_event *event)
 
 lf_vec3 lf_path_absorbed(const lf_scene *scene, const lf_event *event)
 {
-    const lf_hit *hit = &event->hit;
-    if (!scene->looks.filled || event->kind != LF_EVENT_SURFACE || hit->front ||
-        !hit->material->is_solid || !(hit->material->transmission > 0.0f))
-        return lf_v3(1.0f, 1.0f, 1.0f);
-    lf_vec3 sigma = hit->material->glass.absorption;
-    return lf_v3(expf(-sigma.x * hit->t), expf(-sigma.y * hit->t), expf(-sigma.z * hit->t));
+    return scene->looks.filled ? event->left : lf_v3(1.0f, 1.0f, 1.0f);
+}
+
+lf_vec3 lf_path_absorbed_light(const lf_scene *scene, const lf_event *event,
+                               const lf_light_sample *light)
+{
+    const lf_material *in = scene->looks.filled && light->distance < INFINITY
+                                ? lf_interior_beyond(event, light->wi)
+                                : NULL;
+    return in ? lf_interior_left(in, light->distance) : lf_v3(1.0f, 1.0f, 1.0f);
+}
+
+/* Of the medium of a collision. */
+static float g_of(const lf_scene *scene, const lf_event *event)
+{
+    return event->volume == LF_INTERIOR ? event->interior->glass.g
+                                        : scene->volumes[event->volume].g;
+}
+
+/* What is scattered inside of glass, lf_event.left has weighed already. */
+static lf_vec3 albedo_of(const lf_scene *scene, const lf_event *event)
+{
+    return event->volume == LF_INTERIOR
+               ? lf_v3(1.0f, 1.0f, 1.0f)
+               : lf_volume_albedo(&scene->volumes[event->volume], event->p);
 }
 
 /* Lobes lie about the shading normal; where that leans, some of their directions lead through the
@@ -74,9 +103,9 @@ float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, 
             *f = lf_v3(0.0f, 0.0f, 0.0f);
         return pdf;
     }
-    const lf_volume *volume = &scene->volumes[event->volume];
-    float phase = lf_phase_between(volume->g, lf_scale(wo, -1.0f), wi);
-    *f = lf_scale(lf_volume_albedo(volume, event->p), phase);
+    lf_vec3 w = lf_scale(wo, -1.0f);
+    float phase = lf_phase_between(g_of(scene, event), w, wi);
+    *f = lf_scale(albedo_of(scene, event), phase);
     return phase;
 }
 
@@ -90,11 +119,11 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
             *f = lf_v3(0.0f, 0.0f, 0.0f);
         return pdf;
     }
-    const lf_volume *volume = &scene->volumes[event->volume];
     lf_vec3 w = lf_scale(wo, -1.0f);
-    *wi = lf_phase_sample(volume->g, w, u);
-    float phase = lf_phase_between(volume->g, w, *wi);
-    *f = lf_scale(lf_volume_albedo(volume, event->p), phase);
+    float g = g_of(scene, event);
+    *wi = lf_phase_sample(g, w, u);
+    float phase = lf_phase_between(g, w, *wi);
+    *f = lf_scale(albedo_of(scene, event), phase);
     return phase;
 }
 
@@ -188,8 +217,8 @@ lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
 {
     const lf_vec3 nothing = lf_v3(0.0f, 0.0f, 0.0f);
     const lf_scene *scene = tracer->scene;
-    if (scene->glows.n == 0)
-        return nothing;
+    if (scene->glows.n == 0 || (scene->looks.filled && next->interior))
+        return nothing; /* what fills glass is not looked up there */
     const lf_glow *glow = pick_glow(scene, lf_rng(tracer));
     lf_glow_segment segment;
     if (!lf_glow_segment_init(&segment, scene, glow, next->from, next->w) ||
@@ -222,7 +251,8 @@ lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
 static float beside_glow(const lf_scene *scene, const lf_event *event, const lf_light *light)
 {
     lf_glow_segment segment;
-    if (event->kind != LF_EVENT_MEDIUM || light->glow == 0)
+    if (event->kind != LF_EVENT_MEDIUM || light->glow == 0 ||
+        (scene->looks.filled && event->interior))
         return 1.0f;
     const lf_glow *glow = &scene->glows.item[light->glow - 1];
     if (!lf_glow_segment_init(&segment, scene, glow, event->from, event->w))
@@ -247,6 +277,9 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
     float weight =
         lf_path_visible(tracer, event, &light) / (light.delta ? light.pdf : light.pdf + pdf);
     weight *= beside_glow(tracer->scene, event, light.light);
+    if (tracer->scene->looks.filled)
+        light.radiance =
+            lf_mul(light.radiance, lf_path_absorbed_light(tracer->scene, event, &light));
     return lf_scale(lf_mul(f, light.radiance), weight);
 }
 

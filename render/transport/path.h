@@ -13,7 +13,7 @@ typedef struct lf_event {
     lf_event_kind kind;
     lf_vec3 p;
     lf_vec3 w;  /* unit direction of travel with which the path arrived */
-    int volume; /* LF_EVENT_MEDIUM: whose collision */
+    int volume; /* LF_EVENT_MEDIUM: whose collision; LF_INTERIOR: of what fills solid glass */
     lf_hit hit; /* LF_EVENT_SURFACE */
     /* Set by lf_path_next: the segment that ends here. */
     lf_vec3 from;  /* where it began … */
@@ -22,7 +22,12 @@ typedef struct lf_event {
     /* In chromatic scenes: of each channel, what comes here by the density with which tracking in
      * one of them or the other does (lf_track_channels). */
     lf_vec3 channels;
+    /* ... and in scenes with looks.filled: the glass that it lies in, NULL: none, and what light
+     * along it is to be multiplied by (interior.h). */
+    const lf_material *interior;
+    lf_vec3 left;
 } lf_event;
+#define LF_INTERIOR (-1)
 
 /* What a path averages of textures behind a vertex that is no mirror: widens by this with each unit
  * of length. */
@@ -31,9 +36,12 @@ typedef struct lf_event {
 /* The next event of a path that leaves `from` (a vertex) along the unit vector w. */
 void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out);
 
-/* What solid glass leaves of light along the segment that ends at the event: Beer's law where that
- * comes to the inner side of a surface. 1 in scenes whose glass is clear. */
+/* What solid glass leaves of light along the segment that ends at the event. 1 in scenes whose
+ * glass is clear. */
 lf_vec3 lf_path_absorbed(const lf_scene *scene, const lf_event *event);
+/* The same of a light sample on its way to the event. */
+lf_vec3 lf_path_absorbed_light(const lf_scene *scene, const lf_event *event,
+                               const lf_light_sample *light);
 
 /* Non-delta scattering at a vertex towards wi: returns the pdf of sampling it, *f gets albedo x
  * phase or f |cos|; 0 where wi leads through the surface, which a lobe about a shading normal may.

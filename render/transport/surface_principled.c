@@ -382,7 +382,9 @@ enum {
     SHEEN_ROUGHNESS,
     TRANSMISSION,
     GLASS,
-    ABSORPTION
+    ABSORPTION,
+    SCATTERING,
+    PHASE
 };
 
 static const char *const glasses[] = {"solid", "sheet", NULL};
@@ -407,6 +409,8 @@ static const lf_param keys[] = {
     [TRANSMISSION] = {.name = "transmission", .type = LF_PARAM_NUMBER, .high = 1},
     [GLASS] = {.name = "glass", .type = LF_PARAM_WORD, .words = glasses},
     [ABSORPTION] = {.name = "absorption", .type = LF_PARAM_COLOUR, .high = 1e9},
+    [SCATTERING] = {.name = "scattering", .type = LF_PARAM_COLOUR, .high = 1e9},
+    [PHASE] = {.name = "g", .type = LF_PARAM_NUMBER, .low = -0.999, .high = 0.999},
     {0},
 };
 
@@ -425,6 +429,8 @@ static void read(const lf_value values[], lf_material *m)
     m->transmission = (float)values[TRANSMISSION].number[0];
     m->is_solid = values[GLASS].word == 0;
     m->glass.absorption = lf_to_vec3(values[ABSORPTION].number);
+    m->glass.scattering = lf_to_vec3(values[SCATTERING].number);
+    m->glass.g = (float)values[PHASE].number[0];
 }
 
 const lf_surface_kind lf_surface_principled = {

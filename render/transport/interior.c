@@ -1,0 +1,65 @@
+#include "render/transport/interior.h"
+
+static bool is_filled(const lf_material *m)
+{
+    return m->is_solid && m->transmission > 0.0f;
+}
+
+const lf_material *lf_interior_beyond(const lf_event *from, lf_vec3 w)
+{
+    const lf_hit *hit = &from->hit;
+    if (from->kind != LF_EVENT_SURFACE || !is_filled(hit->material))
+        return from->interior;
+    bool through = lf_dot(hit->ng, w) < 0.0f;
+    return through == hit->front ? hit->material : NULL;
+}
+
+static lf_vec3 extinction(const lf_material *m)
+{
+    return lf_add(m->glass.absorption, m->glass.scattering);
+}
+
+lf_vec3 lf_interior_left(const lf_material *in, float t)
+{
+    lf_vec3 sigma = extinction(in);
+    return lf_v3(expf(-sigma.x * t), expf(-sigma.y * t), expf(-sigma.z * t));
+}
+
+static float mean_by(lf_vec3 by, lf_vec3 x)
+{
+    return lf_dot(by, x) / (by.x + by.y + by.z);
+}
+
+float lf_interior_way(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
+                      lf_event *out)
+{
+    const lf_material *in = lf_interior_beyond(from, w);
+    if (out->surface < INFINITY && !out->hit.front && is_filled(out->hit.material))
+        in = out->hit.material;
+    if (!(out->surface < INFINITY))
+        in = NULL; /* no face ends it: the mesh is not closed */
+    out->interior = in;
+    if (!in || !(lf_max3(in->glass.scattering) > 0.0f))
+        return INFINITY;
+    lf_vec3 sigma = extinction(in);
+    float u = (beta.x + beta.y + beta.z) * lf_rng(tracer), one = u < beta.x            ? sigma.x
+                                                                 : u < beta.x + beta.y ? sigma.y
+                                                                                       : sigma.z;
+    return one > 0.0f ? lf_rng_exponential(tracer) / one : INFINITY;
+}
+
+void lf_interior_weigh(lf_vec3 beta, lf_event *out)
+{
+    const lf_material *in = out->interior;
+    out->left = lf_v3(1.0f, 1.0f, 1.0f);
+    if (!in)
+        return;
+    out->left = lf_interior_left(in, lf_min(out->t, out->surface));
+    if (!(lf_max3(in->glass.scattering) > 0.0f))
+        return;
+    if (out->kind == LF_EVENT_MEDIUM && out->volume == LF_INTERIOR)
+        out->left = lf_scale(lf_mul(out->left, in->glass.scattering),
+                             1.0f / mean_by(beta, lf_mul(out->left, extinction(in))));
+    else
+        out->left = lf_scale(out->left, 1.0f / mean_by(beta, out->left));
+}

@@ -1,0 +1,143 @@
+/* What fills solid glass, against the same scenes expressed another way: glass of index 1 is not
+ * there, and what fills it is then a volume of its shape. */
+#include "tests/testing.h"
+
+#include "render/transport/interior.h"
+#include "tests/stat/fixture.h"
+#include "tests/stat/scenes.h"
+
+enum { width = 32, height = 24, n_views = 2, tile = 8, blocks_of_all = n_views * 12 + 1 };
+enum { CASES = 4 };
+#define LEVEL lf_sidak(LF_FALSE_ALARM, CASES *blocks_of_all)
+#define CERTAIN 1e-9
+
+#define PLACE "'transform': { 'scale': [0.8, 0.6, 0.7], 'rotate': [0, 30, 0] }"
+#define CUBE "'cube': { 'shape': 'cube', 'material': 'fill', " PLACE " }"
+/* What lies inside of the cube: a card and a lamp. */
+#define INSIDE                                                                                     \
+    "'card': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 0.4, 'translate': "    \
+    "[0, -0.3, 0] } }, 'lamp': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': "    \
+    "0.2, 'rotate': [180, 0, 0], 'translate': [0, 0.4, 0] } }"
+#define SCENE(meshes, volumes, more)                                                               \
+    "{ " LF_TEST_CAMERA(                                                                           \
+        "2",                                                                                       \
+        "") "'meshes': { " LF_TEST_GROUND ", " meshes " }, 'volumes': { " volumes                  \
+            " }, 'materials': { 'clay': { 'albedo': [0.5, 0.45, 0.4] }, 'lamp': { 'albedo': 0, "   \
+            "'emission': [3, 4, 5] }, 'fill': { 'type': 'principled', 'roughness': 0, 'ior': 1, "  \
+            "'albedo': 1, 'transmission': 1" more                                                  \
+            " } }, 'lights': { 'sky': { 'type': 'environment', "                                   \
+            "'radiance': [0.4, 0.5, 0.7] } } }"
+/* Without the glass, whose material nothing is made of. */
+#define OPEN(meshes, volumes) SCENE(meshes, volumes, "")
+
+static const struct {
+    const char *filled, *open, *wrong;
+} cases[CASES] = {
+    /* milk */
+    {SCENE(CUBE, "", ", 'scattering': [1.8, 1.4, 0.8], 'absorption': [0.2, 0.6, 1.2], 'g': 0.5"),
+     OPEN("'far': { 'shape': 'quad', 'material': 'clay', 'transform': { 'translate': [0, -50, 0] } "
+          "}",
+          "'fog': { 'shape': 'box', 'density': 2, 'albedo': [0.9, 0.7, 0.4], 'g': 0.5, " PLACE
+          " }"),
+     SCENE(CUBE, "", ", 'scattering': [1.8, 1.4, 0.8], 'absorption': [0.2, 0.6, 1.2], 'g': 0")},
+    /* things in coloured glass: between them, and a lamp's light sample */
+    {SCENE(CUBE ", " INSIDE, "", ", 'absorption': 1"),
+     OPEN(INSIDE, "'fog': { 'shape': 'box', 'density': 1, 'albedo': 0, " PLACE " }"),
+     SCENE(CUBE ", " INSIDE, "", ", 'absorption': 0.9")},
+    /* smoke in clear glass, and in milk */
+    {SCENE(CUBE,
+           "'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.3, 'transform': "
+           "{ 'scale': 0.5 } }",
+           ", 'absorption': 0.001"),
+     OPEN("'far': { 'shape': 'quad', 'material': 'clay', 'transform': { 'translate': [0, -50, 0] } "
+          "}",
+          "'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.3, 'transform': { "
+          "'scale': 0.5 } }"),
+     SCENE(CUBE, "", ", 'absorption': 0.001")},
+    {SCENE(CUBE,
+           "'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.3, 'transform': "
+           "{ 'scale': 0.5 } }",
+           ", 'absorption': 0.5, 'scattering': 0.5"),
+     OPEN("'far': { 'shape': 'quad', 'material': 'clay', 'transform': { 'translate': [0, -50, 0] } "
+          "}",
+          "'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.3, 'transform': { "
+          "'scale': 0.5 } }, 'milk': { 'shape': 'box', 'density': 1, 'albedo': 0.5, " PLACE " }"),
+     SCENE(CUBE,
+           "'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.3, 'transform': "
+           "{ 'scale': 0.5 } }",
+           ", 'absorption': 0.6, 'scattering': 0.5")},
+};
+
+static void schedule(lf_renderer *r)
+{
+    lf_test_passes(r, 8 * n_views);
+}
+
+static void pictures(const char *text, const char *integrator, uint64_t seed, lf_blocks *out)
+{
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
+    lf_test_pictures(r, schedule, LF_ESTIMATOR_MIS, 12, seed, tile, out);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+static void what_fills_glass_of_index_one_is_a_volume(void **state)
+{
+    (void)state;
+    for (int i = 0; i < CASES; i++) {
+        lf_blocks filled, open, wrong;
+        int where = 0;
+        pictures(cases[i].filled, i % 2 ? "mvpt" : "vpt", 1000, &filled);
+        pictures(cases[i].open, "mvpt", 2000, &open);
+        pictures(cases[i].wrong, "vpt", 3000, &wrong);
+        double p = lf_blocks_welch(&filled, &open, &where);
+        if (!(p > LEVEL))
+            fail_msg("case %d, block %d: %.5g +- %.2g, as a volume %.5g +- %.2g, p %.2g", i, where,
+                     filled.moments[where].mean, lf_moments_error(&filled.moments[where]),
+                     open.moments[where].mean, lf_moments_error(&open.moments[where]), p);
+        assert_true(lf_blocks_welch(&wrong, &open, NULL) < CERTAIN);
+        lf_blocks_finish(&filled);
+        lf_blocks_finish(&open);
+        lf_blocks_finish(&wrong);
+    }
+}
+
+/* Glass that scatters and absorbs nothing under an even sky is not seen, whatever its index and
+ * however much each channel is scattered. */
+static void what_scatters_all_is_not_seen_under_an_even_sky(void **state)
+{
+    (void)state;
+    enum { N = 40000 };
+    lf_scene *scene = lf_test_scene(
+        "{ 'meshes': { 'ball': { 'shape': 'sphere', 'material': 'milk' } }, 'materials': { 'milk': "
+        "{ 'type': 'principled', 'roughness': 0.4, 'albedo': 1, 'transmission': 1, 'ior': 1.3, "
+        "'scattering': [0.2, 1, 3], 'g': 0.6 } }, 'lights': { 'sky': { 'type': 'environment', "
+        "'radiance': 1 } } }");
+    lf_tracer tracer = {.scene = scene, .rng = lf_test_seed() + 3};
+    lf_event event = {.kind = LF_EVENT_SURFACE, .w = lf_v3(0.0f, 0.0f, -1.0f)};
+    assert_true(lf_trace_surface(&tracer, lf_v3(0.2f, 0.3f, 4.0f), event.w, INFINITY, &event.hit));
+    event.p = event.hit.p;
+    lf_moments m[3] = {{0}};
+    for (int i = 0; i < N; i++) {
+        lf_vec3 l = lf_path_scattered(&tracer, &event, 1, 1024);
+        lf_moments_add(&m[0], (double)l.x);
+        lf_moments_add(&m[1], (double)l.y);
+        lf_moments_add(&m[2], (double)l.z);
+    }
+    for (int c = 0; c < 3; c++) {
+        print_message("%.4f +- %.4f\n", m[c].mean, lf_moments_error(&m[c]));
+        /* Rough faces keep all within 0.5 %, of which a path meets a few. */
+        lf_assert_close(m[c].mean, 1.0, 1e-2, 5.0 * lf_moments_error(&m[c]));
+    }
+    lf_scene_unref(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_scatters_all_is_not_seen_under_an_even_sky),
+        cmocka_unit_test(what_fills_glass_of_index_one_is_a_volume),
+    };
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+}
