@@ -17,6 +17,7 @@
 #include "render/scene/vec_double.h"
 #include "render/transport/flame.h"
 #include "render/transport/light_kind.h"
+#include "render/transport/phase.h"
 #include "render/transport/surface.h"
 
 /* Of extinction: squares of it are finite. */
@@ -213,6 +214,9 @@ static void load_volumes(commit *c)
         lf_volume *volume = &scene->volumes[scene->n_volumes++];
         *volume = (lf_volume){.kind = desc->kind, .nearest = desc->nearest, .g = (float)desc->g};
         take_extinction(volume, desc);
+        volume->second = desc->second;
+        if (desc->droplets > 0.0)
+            lf_phase_droplets(desc->droplets, volume);
         volume->albedo = lf_to_vec3(desc->albedo);
         if (desc->kind == LF_VOLUME_GRID)
             load_grid(c, desc, desc->grid, "is not there", "file", &volume->grid);
@@ -602,7 +606,7 @@ static void set_flags(lf_scene *scene)
         scene->looks.moving |= !!scene->lights[i].way;
     for (int i = 0; i < scene->n_volumes; i++) {
         const lf_volume *volume = &scene->volumes[i];
-        scene->has_view_lobes |= volume->g != 0.0f;
+        scene->has_view_lobes |= !lf_volume_is_isotropic(volume);
         scene->looks.chromatic |= is_there(volume) && lf_max3(volume->colour) > 0.0f;
     }
 }

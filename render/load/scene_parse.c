@@ -303,7 +303,8 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
 {
     static const char *const keys[] = {"file",          "sequence", "grid",      "scale",
                                        "sigma_t",       "albedo",   "g",         "units",
-                                       "interpolation", "emission", "transform", NULL};
+                                       "interpolation", "emission", "transform", "second_g",
+                                       "second_share",  "droplets", NULL};
     static const char *const endings[] = {"vdb", NULL};
     static const char *const filters[] = {"linear", "nearest", NULL};
     lf_read_object(reader, node, keys);
@@ -318,8 +319,9 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
 
 static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
-    static const char *const keys[] = {"shape", "density",  "sigma_t",   "albedo",
-                                       "g",     "emission", "transform", NULL};
+    static const char *const keys[] = {"shape",        "density",   "sigma_t", "second_g",
+                                       "second_share", "droplets",  "albedo",  "g",
+                                       "emission",     "transform", NULL};
     lf_read_object(reader, node, keys);
     volume->kind = LF_VOLUME_GRID + 1 +
                    (lf_volume_kind)lf_read_choice(reader, node, "shape", lf_volume_shapes, 0);
@@ -346,11 +348,30 @@ static void refuse_coloured_flames(lf_reader *reader, const lf_node *root,
     }
 }
 
+static void parse_phase(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
+{
+    static const char *const others[] = {"g", "second_g", "second_share"};
+    const double least = 5.0, most = 50.0; /* of the fit */
+    volume->g = lf_read_number(reader, node, "g", 0, -0.999, 0.999);
+    volume->second.g = (float)lf_read_number(reader, node, "second_g", 0, -0.999, 0.999);
+    volume->second.share = (float)lf_read_number(reader, node, "second_share", 0, 0, 1);
+    lf_node droplets = lf_node_child(node, "droplets");
+    if (!droplets.value)
+        return;
+    volume->droplets = lf_read_number(reader, node, "droplets", least, least, most);
+    for (int i = 0; i < 3; i++) {
+        lf_node other = lf_node_child(node, others[i]);
+        if (other.value && reader->status == LF_OK)
+            lf_read_fail(reader, &other, "droplets say the phase function already");
+    }
+}
+
 static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
     static const char *const keys[] = {
-        "file",  "sequence",  "grid",    "scale",    "albedo", "g",       "interpolation",
-        "shape", "transform", "density", "emission", "units",  "sigma_t", NULL};
+        "file",          "sequence", "grid",         "scale",    "albedo",   "g",
+        "interpolation", "shape",    "transform",    "density",  "emission", "units",
+        "sigma_t",       "second_g", "second_share", "droplets", NULL};
     lf_volume_desc *volume = &desc->volumes[index];
     *volume = (lf_volume_desc){.name = node->key, .albedo = {1, 1, 1}, .colour = {1, 1, 1}};
     if (!lf_read_object(reader, node, keys))
@@ -362,7 +383,7 @@ static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *
     lf_read_colour(reader, node, "sigma_t", volume->colour, 0, 1e9);
     if (!parse_albedo_grids(reader, node, volume))
         lf_read_colour(reader, node, "albedo", volume->albedo, 0, 1);
-    volume->g = lf_read_number(reader, node, "g", 0, -0.999, 0.999);
+    parse_phase(reader, node, volume);
     volume->transform = parse_placed(reader, node, desc->unit_mm);
 }
 

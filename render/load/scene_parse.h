@@ -28,6 +28,8 @@ typedef struct lf_volume_desc {
     double scale;     /* sigma_t per scene unit and unit of value … */
     double colour[3]; /* … times this: of each channel */
     double albedo[3], g;
+    lf_second_lobe second;
+    double droplets; /* micrometres, in place of g and the second lobe; 0: not given */
     /* or grids of the file, one a channel: "" = none */
     char albedo_grid[3][LF_GRID_NAME_BYTES];
     /* What it emits, radiance per scene unit: nothing, unless it is given; grids: per unit of the

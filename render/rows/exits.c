@@ -311,10 +311,8 @@ static void march(const lf_visit_plan *plan, lf_scratch *w, int from, int to, bo
 static void shine(const lf_visit *visit, int from, int to, float u)
 {
     lf_scratch *w = visit->worker;
-    const lf_rays rays = {visit->scene,    visit->rig,      &visit->plane,
-                          visit->kernels,  to - from,       w->x0 + from,
-                          w->slope + from, w->z_end + from, 0.0f,
-                          false};
+    const lf_rays rays = {visit->scene, visit->rig,      &visit->plane,   visit->kernels, to - from,
+                          w->x0 + from, w->slope + from, w->z_end + from, 0.0f,           false};
     const lf_shine sources = {.media = &w->media,
                               .rays = &rays,
                               .length = w->length + from,

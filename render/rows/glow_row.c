@@ -24,8 +24,11 @@ void lf_glow_row_init(lf_glow_row *row, const lf_scene *scene, const lf_rig *rig
     row->rig = rig;
     row->g = 0.0f;
     for (int i = 0; i < media->n_here; i++) {
-        float g = scene->volumes[media->item[media->here[i]].volume].g;
-        row->g = fabsf(g) > fabsf(row->g) ? g : row->g;
+        const lf_volume *volume = &scene->volumes[media->item[media->here[i]].volume];
+        const lf_second_lobe *second = &volume->second;
+        row->g = fabsf(volume->g) > fabsf(row->g) ? volume->g : row->g;
+        if (second->share > 0.0f && fabsf(second->g) > fabsf(row->g))
+            row->g = second->g;
     }
     for (int i = 0; i < row->n; i++) {
         lf_glow_plane *p = &row->plane[i];

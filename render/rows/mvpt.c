@@ -251,11 +251,11 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suff
 
 /* Henyey-Greenstein of every view towards wi, in one loop without branches (phase.h:
  * lf_phase_between). */
-static void phases(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
+static void phases(lf_visit *visit, float g, lf_vec3 wi, float *out)
 {
     lf_scratch *w = visit->worker;
     const lf_rig *rig = visit->rig;
-    float g = visit->scene->volumes[pivot->event.volume].g, a = fabsf(g), my = visit->plane.my;
+    float a = fabsf(g), my = visit->plane.my;
     float sign = copysignf(1.0f, g), my2 = 1.0f + my * my,
           numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a);
     lf_vec3 to = lf_v3(sign * lf_dot(wi, rig->right), sign * lf_dot(wi, rig->up),
@@ -264,7 +264,28 @@ static void phases(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi)
         float inverse = 1.0f / sqrtf(my2 + w->slope[k] * w->slope[k]);
         float x = w->slope[k] * inverse - to.x, y = my * inverse - to.y, z = inverse - to.z;
         float d = lf_max((1.0f - a) * (1.0f - a) + a * (x * x + y * y + z * z), 1e-12f);
-        w->lobe[k] = numerator / (d * sqrtf(d));
+        out[k] = numerator / (d * sqrtf(d));
+    }
+}
+
+/* The phase functions of all views towards wi. */
+static void mixed_phases(lf_visit *visit, const lf_volume *volume, lf_vec3 wi)
+{
+    const lf_second_lobe *second = &volume->second;
+    lf_scratch *w = visit->worker;
+    const lf_rig *rig = visit->rig;
+    float other[LF_MAX_LANES], my = visit->plane.my, my2 = 1.0f + my * my,
+                               across = lf_dot(wi, rig->right),
+                               along = my * lf_dot(wi, rig->up) + lf_dot(wi, rig->forward);
+    phases(visit, volume->g, wi, w->lobe);
+    if (second->share == 0.0f)
+        return;
+    phases(visit, second->g, wi, other);
+    for (int k = 0; k < lanes_of(rig); k++) {
+        float cosine = (w->slope[k] * across + along) / sqrtf(my2 + w->slope[k] * w->slope[k]);
+        w->lobe[k] =
+            lf_lerp(w->lobe[k], other[k] * lf_phase_draine(second->g, second->alpha, cosine),
+                    second->share);
     }
 }
 
@@ -292,7 +313,7 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lo
     float sum = 0.0f;
     *out = (lf_fan_lobes){.pdf = w->lobe, .weight = {w->term[0], w->term[1], w->term[2]}};
     if (pivot->event.kind == LF_EVENT_MEDIUM) {
-        phases(visit, pivot, wi);
+        mixed_phases(visit, &visit->scene->volumes[pivot->event.volume], wi);
         out->n_terms = 1;
         out->weight[0] = w->lobe;
         out->colour[0] =
@@ -433,8 +454,9 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suff
 
 static bool view_dependent(const lf_visit *visit, const lf_event *event)
 {
-    return event->kind == LF_EVENT_SURFACE ? event->hit.material->kind->view_dependent
-                                           : visit->scene->volumes[event->volume].g != 0.0f;
+    return event->kind == LF_EVENT_SURFACE
+               ? event->hit.material->kind->view_dependent
+               : !lf_volume_is_isotropic(&visit->scene->volumes[event->volume]);
 }
 
 /* A pane is met by the share of each view's light that does not come through. */

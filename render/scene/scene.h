@@ -56,6 +56,12 @@ typedef struct lf_grid {
     char *others;
 } lf_grid;
 
+/* What of a phase function is another lobe than Henyey and Greenstein's first one (phase.h). */
+typedef struct lf_second_lobe {
+    float share;    /* 0..1; 0: there is none */
+    float g, alpha; /* Draine's; alpha 0: Henyey and Greenstein's, above 0: g is, too */
+} lf_second_lobe;
+
 typedef struct lf_volume {
     lf_volume_kind kind;
     lf_grid *grid; /* counted reference; NULL unless LF_VOLUME_GRID */
@@ -71,6 +77,7 @@ typedef struct lf_volume {
      * volume has sigma_t: [3], owned, as are their grids; NULL: none */
     struct lf_volume *albedo_fields;
     float g; /* Henyey-Greenstein, (-1, 1) */
+    lf_second_lobe second;
     /* Scene-local point -> volume space (voxel index for grids: voxel centres at integers) and
      * back; rows of a 3x4 affine. */
     float to_volume[3][4], to_scene[3][4];

@@ -64,10 +64,10 @@ lf_vec3 lf_path_absorbed_light(const lf_scene *scene, const lf_event *event,
 }
 
 /* Of the medium of a collision. */
-static float g_of(const lf_scene *scene, const lf_event *event)
+static float phase_of(const lf_scene *scene, const lf_event *event, lf_vec3 w, lf_vec3 wi)
 {
-    return event->volume == LF_INTERIOR ? event->interior->glass.g
-                                        : scene->volumes[event->volume].g;
+    return event->volume == LF_INTERIOR ? lf_phase_between(event->interior->glass.g, w, wi)
+                                        : lf_volume_phase(&scene->volumes[event->volume], w, wi);
 }
 
 /* What is scattered inside of glass, lf_event.left has weighed already. */
@@ -103,8 +103,7 @@ float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, 
             *f = lf_v3(0.0f, 0.0f, 0.0f);
         return pdf;
     }
-    lf_vec3 w = lf_scale(wo, -1.0f);
-    float phase = lf_phase_between(g_of(scene, event), w, wi);
+    float phase = phase_of(scene, event, lf_scale(wo, -1.0f), wi);
     *f = lf_scale(albedo_of(scene, event), phase);
     return phase;
 }
@@ -120,9 +119,10 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
         return pdf;
     }
     lf_vec3 w = lf_scale(wo, -1.0f);
-    float g = g_of(scene, event);
-    *wi = lf_phase_sample(g, w, u);
-    float phase = lf_phase_between(g, w, *wi);
+    *wi = event->volume == LF_INTERIOR
+              ? lf_phase_sample(event->interior->glass.g, w, u)
+              : lf_volume_phase_sample(&scene->volumes[event->volume], w, u);
+    float phase = phase_of(scene, event, w, *wi);
     *f = lf_scale(albedo_of(scene, event), phase);
     return phase;
 }
@@ -205,7 +205,7 @@ static lf_vec3 scattered_by_volumes(const lf_scene *scene, lf_vec3 p, lf_vec3 w,
     lf_vec3 sum = lf_v3(0.0f, 0.0f, 0.0f);
     for (int i = 0; i < scene->n_volumes; i++) {
         const lf_volume *v = &scene->volumes[i];
-        float phase = lf_phase_between(v->g, w, light->wi);
+        float phase = lf_volume_phase(v, w, light->wi);
         sum = lf_madd(
             sum, lf_volume_sigma_t(v, p) * phase / (light->delta ? light->pdf : light->pdf + phase),
             lf_mul(lf_volume_albedo(v, p), lf_volume_colour(v)));

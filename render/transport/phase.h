@@ -1,10 +1,10 @@
-/* The Henyey-Greenstein phase function; private to render/. cos_theta is the cosine between the
- * direction of travel before and after (1 = straight on; g > 0 forward). Henyey & Greenstein 1941;
- * integrates to 1 over the sphere. */
+/* Phase functions: Henyey and Greenstein's (1941), mixtures of two, and droplets of water; private
+ * to render/. cos_theta is the cosine between the direction of travel before and after (1 =
+ * straight on; g > 0 forward). All integrate to 1 over the sphere. */
 #ifndef LF_RENDER_PHASE_H
 #define LF_RENDER_PHASE_H
 
-#include "render/scene/vec.h"
+#include "render/scene/scene.h"
 
 /* Value = sampling pdf, per unit solid angle; finite and > 0 for |g| <= 0.9999. */
 static inline float lf_phase(float g, float cos_theta)
@@ -29,5 +29,38 @@ static inline float lf_phase_between(float g, lf_vec3 w, lf_vec3 w_after)
 
 /* Draws the direction after scattering for a path travelling along w (unit). */
 lf_vec3 lf_phase_sample(float g, lf_vec3 w, const float u[2]);
+
+/* What Draine (2003) makes of Henyey and Greenstein's: times 1 + alpha cos^2, over its mean. */
+static inline float lf_phase_draine(float g, float alpha, float cos_theta)
+{
+    return (1.0f + alpha * cos_theta * cos_theta) /
+           (1.0f + alpha * (1.0f + 2.0f * g * g) * (1.0f / 3.0f));
+}
+
+/* The phase function of a volume, from the two directions of travel. */
+static inline float lf_volume_phase(const lf_volume *volume, lf_vec3 w, lf_vec3 w_after)
+{
+    const lf_second_lobe *second = &volume->second;
+    float first = lf_phase_between(volume->g, w, w_after);
+    if (second->share == 0.0f)
+        return first;
+    return lf_lerp(first,
+                   lf_phase_between(second->g, w, w_after) *
+                       lf_phase_draine(second->g, second->alpha, lf_dot(w, w_after)),
+                   second->share);
+}
+
+/* Draws from it; the third number chooses the lobe. */
+lf_vec3 lf_volume_phase_sample(const lf_volume *volume, lf_vec3 w, const float u[3]);
+
+static inline bool lf_volume_is_isotropic(const lf_volume *volume)
+{
+    return volume->g == 0.0f && volume->second.share == 0.0f;
+}
+
+/* Droplets of water in light, of 5 to 50 micrometres' diameter: Jendersie and d'Eon's fit of Mie's
+ * theory, a lobe of Henyey and Greenstein's and one of Draine's (An Approximate Mie Scattering
+ * Function for Fog and Cloud Rendering, 2023, equations 4 to 7). */
+void lf_phase_droplets(double diameter, lf_volume *volume);
 
 #endif
