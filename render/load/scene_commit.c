@@ -79,7 +79,7 @@ static lf_status import_grid(int fd, const char *path, const char *name, const c
     lf_grid *grid = NULL;
     lf_status status = lf_file_digest(fd, path, &digest, err);
     if (status == LF_OK)
-        status = lf_vdb_import(fd, path, name, &grid, err);
+        status = lf_vdb_import_sum(fd, path, name, &grid, err);
     if (status != LF_OK)
         return status;
     if (lf_grid_set_key(grid, key) != LF_OK) {
@@ -127,8 +127,8 @@ static void load_grid(const commit *c, const lf_volume_desc *desc, const char *n
     if (status != LF_OK)
         fail_at(c, "volumes", desc->name, key, &err);
     else if ((*out)->n_bricks == 0)
-        lf_warnings_add(&c->scene->warnings, path, "grid %s is empty: the volume \"%s\" %s", name,
-                        desc->name, lacks);
+        lf_warnings_add(&c->scene->warnings, path, "grid %.*s is empty: the volume \"%s\" %s",
+                        (int)strcspn(name, "\n"), name, desc->name, lacks);
     if (fd >= 0)
         close(fd);
     lf_free(path);

@@ -299,6 +299,30 @@ static bool parse_albedo_grids(lf_reader *reader, const lf_node *node, lf_volume
     return true;
 }
 
+/* One name, or several that are added. */
+static void parse_grid_names(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
+{
+    lf_node names = lf_node_child(node, "grid");
+    size_t n = json_array_size(names.value), at = 0;
+    if (!json_is_array(names.value)) {
+        const char *name = lf_read_string(reader, node, "grid", "density", 256);
+        snprintf(volume->grid, sizeof volume->grid, "%s", name ? name : "");
+        return;
+    }
+    if (n < 1 || n > LF_MAX_SUMMED)
+        lf_read_fail(reader, &names, "1 to %d grids can be added, found %zu", LF_MAX_SUMMED, n);
+    for (size_t i = 0; i < n && reader->status == LF_OK; i++) {
+        lf_node item = lf_node_item(&names, i);
+        size_t length = json_string_length(item.value);
+        if (!json_is_string(item.value) || length < 1 || length > 256 ||
+            strchr(json_string_value(item.value), '\n'))
+            lf_read_fail(reader, &item, "expected the name of a grid, of 1 to 256 bytes");
+        else
+            at += (size_t)snprintf(volume->grid + at, sizeof volume->grid - at, "%s%s",
+                                   i > 0 ? "\n" : "", json_string_value(item.value));
+    }
+}
+
 static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_volume_desc *volume)
 {
     static const char *const keys[] = {"file",          "sequence", "grid",      "scale",
@@ -311,7 +335,7 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
     volume->kind = LF_VOLUME_GRID;
     const char *file = lf_read_file(reader, node, "file", endings);
     volume->file = file ? lf_frame_file(reader, node, file, frame) : NULL;
-    volume->grid = lf_read_string(reader, node, "grid", "density", 256);
+    parse_grid_names(reader, node, volume);
     volume->nearest = lf_read_choice(reader, node, "interpolation", filters, 0) == 1;
     volume->scale = lf_read_number(reader, node, "scale", 1, 0, 1e9);
     parse_flame(reader, node, volume);

@@ -18,12 +18,15 @@
 #define LF_MAX_NAME 128
 /* room for a name of up to 256 bytes, a component behind it and a zero */
 #define LF_GRID_NAME_BYTES 260
+#define LF_MAX_SUMMED 4
 
 typedef struct lf_volume_desc {
     const char *name;
     lf_volume_kind kind;
-    const char *grid; /* LF_VOLUME_GRID only, as the next */
-    char *file;       /* of the frame; released by lf_scene_desc_finish */
+    /* LF_VOLUME_GRID only, as the next: the grids whose sum it is, each with a newline behind it
+     * but the last */
+    char grid[LF_MAX_SUMMED * LF_GRID_NAME_BYTES];
+    char *file; /* of the frame; released by lf_scene_desc_finish */
     bool nearest;
     double scale;     /* sigma_t per scene unit and unit of value … */
     double colour[3]; /* … times this: of each channel */

@@ -12,6 +12,20 @@ static bool is_named(const char *grid, const char *name, size_t length)
     return (n == length || first) && strncmp(grid, name, n) == 0;
 }
 
+/* One of several names, each on its line. */
+static bool is_added(const char *names, const char *name, size_t length)
+{
+    for (const char *one = names; *one;) {
+        char grid[LF_GRID_NAME_BYTES];
+        size_t n = strcspn(one, "\n");
+        snprintf(grid, sizeof grid, "%.*s", (int)n, one);
+        if (is_named(grid, name, length))
+            return true;
+        one += n + (one[n] == '\n');
+    }
+    return false;
+}
+
 /* Of a grid of vectors the name goes on with the component: "Cd.x". */
 static bool is_component(const char *component, const char *name, size_t length)
 {
@@ -30,7 +44,7 @@ static bool is_used(const lf_scene_desc *desc, const char *file, const char *nam
         const lf_volume_desc *v = &desc->volumes[i];
         if (!v->file || strcmp(v->file, file) != 0)
             continue;
-        bool used = is_named(v->grid, name, length) || is_named(v->flame_grid, name, length);
+        bool used = is_added(v->grid, name, length) || is_named(v->flame_grid, name, length);
         for (int c = 0; c < 3; c++)
             used = used || is_named(v->albedo_grid[c], name, length) ||
                    is_component(v->albedo_grid[c], name, length);

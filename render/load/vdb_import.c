@@ -1,7 +1,9 @@
 #include "render/load/vdb_import.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/import/import.h"
 #include "render/scene/scene.h"
@@ -61,4 +63,42 @@ lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **ou
     lf_parcel_close(&parcel);
     return status == LF_OK ? LF_OK
                            : lf_error_set(err, status, path, "grid %s: %s", name, problem.what);
+}
+
+lf_status lf_vdb_import_sum(int fd, const char *path, const char *names, lf_grid **out_grid,
+                            lf_error *err)
+{
+    lf_grid *sum = NULL;
+    lf_status status = LF_OK;
+    for (const char *one = names; *one && status == LF_OK;) {
+        char name[512];
+        size_t n = strcspn(one, "\n");
+        lf_grid *grid = NULL, *both = NULL;
+        lf_error problem;
+        snprintf(name, sizeof name, "%.*s", (int)n, one);
+        /* the reader before this one left it at the end */
+        if (lseek(fd, 0, SEEK_SET) < 0)
+            status = lf_error_set(err, LF_E_IO, path, "cannot be read again: %s", strerror(errno));
+        else
+            status = lf_vdb_import(fd, path, name, &grid, err);
+        if (status != LF_OK)
+            break;
+        if (sum) {
+            status = lf_grid_sum(sum, grid, &both, &problem);
+            if (status == LF_OK && lf_grid_set_others(both, grid->others) != LF_OK)
+                status = lf_error_set(&problem, LF_E_NOMEM, "grid", "out of memory");
+            if (status != LF_OK)
+                (void)lf_error_set(err, status, path, "grid %s: %s", name, problem.what);
+            lf_grid_unref(grid);
+            lf_grid_unref(sum);
+            grid = both;
+        }
+        sum = grid;
+        one += n + (one[n] == '\n');
+    }
+    if (status == LF_OK)
+        *out_grid = sum;
+    else
+        lf_grid_unref(sum);
+    return status;
 }

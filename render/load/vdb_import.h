@@ -19,4 +19,9 @@
 LF_NODISCARD lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **out_grid,
                                      lf_error *err);
 
+/* The sum of the grids of these names, each with a newline behind it but the last (lf_grid_sum: its
+ * errors, too); one alone is lf_vdb_import. */
+LF_NODISCARD lf_status lf_vdb_import_sum(int fd, const char *path, const char *names,
+                                         lf_grid **out_grid, lf_error *err);
+
 #endif

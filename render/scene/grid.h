@@ -37,6 +37,11 @@ void lf_grid_finish(lf_grid *grid);
 LF_NODISCARD lf_status lf_grid_put(lf_grid *grid, size_t n, const uint32_t *places,
                                    const float *values, lf_error *err);
 
+/* A new grid that is at each voxel what two others are together; theirs lie in the same places,
+ * which need not be as many (LF_E_FORMAT). Neither key nor the names of other grids come along. */
+LF_NODISCARD lf_status lf_grid_sum(const lf_grid *a, const lf_grid *b, lf_grid **out_grid,
+                                   lf_error *err);
+
 /* Takes a copy of key. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_grid_set_key(lf_grid *grid, const char *key);
 /* The same for the names of the file's other grids (scene.h). */
