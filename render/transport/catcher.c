@@ -16,10 +16,13 @@ void lf_trace_caught(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, lf_hit *hit, float
     }
 }
 
-static void add(lf_tracer *tracer, const lf_event *event, const lf_light_sample *light, double e,
+/* e: what the sample would bring by itself. */
+static void add(lf_tracer *tracer, const lf_event *event, lf_light_sample *light, double e,
                 double out[2])
 {
-    out[0] += e * (double)lf_path_visible(tracer, event, light);
+    float all = lf_mean3(light->radiance), passed = lf_path_visible(tracer, event, light);
+    if (all > 0.0f)
+        out[0] += e * (double)(passed * (lf_mean3(light->radiance) / all));
     out[1] += e;
 }
 
