@@ -296,7 +296,7 @@ static void march(const lf_visit_plan *plan, lf_scratch *w, int from, int to, bo
     if (features)
         lf_media_moments_of(&w->media, plan->kernels, to - from, x0, slope, z_end, w->length + from,
                             w->tau + from, &w->met.moments);
-    else
+    else if (!plan->scene->looks.chromatic)
         lf_media_depths(&w->media, plan->kernels, to - from, x0, slope, z_end, w->tau + from, -1,
                         NULL);
     if (!plan->scene->looks.chromatic)

@@ -98,8 +98,15 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
     }
 }
 
+static void mean_of_channels(lf_scratch *w, int n)
+{
+    const float *d = w->channels.density;
+    for (int k = 0; k < n; k++)
+        w->density[k] = (d[k] + d[n + k] + d[2 * n + k]) * (1.0f / 3.0f);
+}
+
 /* The densities of all channels, and in w->density their mean; returns the sum of that. Depths
- * become those along the rays, and tau the least of the three. */
+ * become those along the rays; tau is the least of the three where lights in media ask. */
 static float mean_densities(const lf_visit *visit, const lf_pivot *pivot)
 {
     lf_scratch *w = visit->worker;
@@ -108,18 +115,22 @@ static float mean_densities(const lf_visit *visit, const lf_pivot *pivot)
                                                             ? w->media.item[pivot->medium].colour
                                                             : even;
     int n = lanes_of(visit->rig);
-    float my2 = 1.0f + visit->plane.my * visit->plane.my;
-    for (int i = 0; i < 3 * n; i++) {
-        float slope = w->slope[i % n];
-        c->tau[i] = w->media.n_here > 0 ? c->tau[i] * sqrtf(my2 + slope * slope) : 0.0f;
-        c->scale[i] = w->scale[i % n] * colour[i / n];
+    float my2 = 1.0f + visit->plane.my * visit->plane.my, length[LF_MAX_LANES];
+    for (int k = 0; k < n; k++)
+        length[k] = w->media.n_here > 0 ? sqrtf(my2 + w->slope[k] * w->slope[k]) : 0.0f;
+    for (int i = 0; i < 3; i++) {
+        float *tau = c->tau + i * n, *scale = c->scale + i * n, share = colour[i];
+        for (int k = 0; k < n; k++) {
+            tau[k] = w->media.n_here > 0 ? tau[k] * length[k] : 0.0f;
+            scale[k] = w->scale[k] * share;
+        }
     }
     float sum = visit->kernels->densities(3 * n, c->scale, c->tau, c->density);
-    for (int k = 0; k < n; k++) {
+    mean_of_channels(w, n);
+    for (int k = 0; k < n && w->glows.n > 0; k++) {
         float depth[3];
         for (int i = 0; i < 3; i++)
             depth[i] = c->scale[i * n + k] > 0.0f ? c->tau[i * n + k] : INFINITY;
-        w->density[k] = (c->density[k] + c->density[n + k] + c->density[2 * n + k]) * (1.0f / 3.0f);
         w->tau[k] = lf_min(depth[0], lf_min(depth[1], depth[2]));
     }
     return sum * (1.0f / 3.0f);
@@ -165,13 +176,12 @@ static void correct_channels(const lf_visit *visit, const lf_rays *rays)
     lf_scratch *w = visit->worker;
     lf_channels *c = &w->channels;
     int n = rays->n;
-    for (int i = 0; i < 3 * n; i++)
-        c->factor[i] = w->factor[i % n];
+    for (int i = 0; i < 3; i++)
+        memcpy(c->factor + i * n, w->factor, sizeof *w->factor * (size_t)n);
     lf_correction_transmittance(&w->media, rays, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, c->factor);
     for (int i = 0; i < 3 * n; i++)
         c->density[i] *= c->factor[i];
-    for (int k = 0; k < n; k++)
-        w->density[k] = (c->density[k] + c->density[n + k] + c->density[2 * n + k]) * (1.0f / 3.0f);
+    mean_of_channels(w, n);
 }
 
 /* What is drawn from slices counts for the grids: D_k becomes D_k R_k in what the views receive,
