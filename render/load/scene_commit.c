@@ -10,6 +10,7 @@
 #include "render/load/geometry_build.h"
 #include "render/load/mesh_doubles.h"
 #include "render/load/meshes_import.h"
+#include "render/load/scene_looks.h"
 #include "render/load/scene_subject.h"
 #include "render/load/unused_grids.h"
 #include "render/load/vdb_import.h"
@@ -251,11 +252,6 @@ static void volume_support(const lf_volume *volume, double lo[3], double hi[3])
     }
 }
 
-static bool is_there(const lf_volume *volume)
-{
-    return volume->sigma_max > 0.0f;
-}
-
 /* Extends bounds by a volume's support under a map. */
 static void extend_by_volume(const lf_volume *volume, const lf_affine *map, double bounds[2][3])
 {
@@ -385,13 +381,13 @@ static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_
     }
     for (int i = 0; i < c->scene->n_volumes; i++) {
         lf_affine map = volume_to_world(&c->scene->volumes[i], &c->desc->volumes[i]);
-        if (is_there(&c->scene->volumes[i]))
+        if (lf_volume_is_there(&c->scene->volumes[i]))
             extend_by_volume(&c->scene->volumes[i], &map, bounds);
     }
     for (int i = 0; i < c->scene->flames.n; i++) {
         const lf_volume *flame = &c->scene->flames.field[i];
         lf_affine map = volume_to_world(flame, &c->desc->volumes[c->scene->flames.light[i].volume]);
-        if (is_there(flame))
+        if (lf_volume_is_there(flame))
             extend_by_volume(flame, &map, bounds);
     }
     for (int i = 0; i < c->desc->n_meshes && !geometry; i++)
@@ -554,63 +550,6 @@ static void set_bounds(const commit *c)
     scene->bounds.max = lf_to_vec3(bounds[1]);
 }
 
-static void mark_used(const lf_mesh *mesh, bool *used)
-{
-    if (!mesh->triangle_material) {
-        used[mesh->material] |= mesh->n_triangles > 0;
-        return;
-    }
-    for (int t = 0; t < mesh->n_triangles; t++)
-        used[mesh->triangle_material[t]] = true;
-}
-
-/* Colours along a mesh tint what its panes let through: such glass is no veil. */
-static void colour_panes(lf_scene *scene)
-{
-    for (int i = 0; i < scene->n_meshes; i++) {
-        bool used[LF_MAX_MATERIALS] = {false};
-        if (!scene->meshes[i].colours)
-            continue;
-        mark_used(&scene->meshes[i], used);
-        for (int m = 0; m < scene->n_materials; m++)
-            if (used[m])
-                scene->materials[m].glass.is_pane = false;
-    }
-}
-
-/* Materials that nothing is made of do not count. */
-static void set_flags(lf_scene *scene)
-{
-    bool used[LF_MAX_MATERIALS] = {false};
-    colour_panes(scene);
-    for (int i = 0; i < scene->n_meshes; i++) {
-        mark_used(&scene->meshes[i], used);
-        scene->looks.varied |= !!scene->meshes[i].colours;
-        scene->looks.hidden |= scene->meshes[i].hidden;
-        scene->looks.moving |= !!scene->meshes[i].close.vertices;
-        scene->looks.caught |= scene->meshes[i].catcher;
-    }
-    for (int m = 0; m < scene->n_materials; m++) {
-        const lf_material *material = &scene->materials[m];
-        scene->has_delta |= used[m] && material->has_delta;
-        scene->looks.varied |= used[m] && !!material->textures;
-        scene->looks.filled |= used[m] && material->is_solid && material->transmission > 0.0f &&
-                               (lf_max3(material->glass.absorption) > 0.0f ||
-                                lf_max3(material->glass.scattering) > 0.0f);
-        scene->looks.frosted |= used[m] && material->is_solid && material->glass.is_rough;
-        scene->looks.veiled |= used[m] && lf_is_veil(material);
-        scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
-        scene->has_view_lobes |= used[m] && material->kind->view_dependent;
-    }
-    for (int i = 0; i < scene->n_lights; i++)
-        scene->looks.moving |= !!scene->lights[i].way;
-    for (int i = 0; i < scene->n_volumes; i++) {
-        const lf_volume *volume = &scene->volumes[i];
-        scene->has_view_lobes |= !lf_volume_is_isotropic(volume);
-        scene->looks.chromatic |= is_there(volume) && lf_max3(volume->colour) > 0.0f;
-    }
-}
-
 /* Meshes that glow are lights too, since lf_lights_commit. */
 static bool is_unlit(const lf_scene *scene)
 {
@@ -621,7 +560,7 @@ static bool is_unlit(const lf_scene *scene)
     }
     bool glows = false;
     for (int i = 0; i < scene->flames.n; i++)
-        glows = glows || is_there(&scene->flames.field[i]);
+        glows = glows || lf_volume_is_there(&scene->flames.field[i]);
     return !glows;
 }
 
@@ -707,7 +646,7 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         out_of_memory(&c);
         return;
     }
-    set_flags(scene);
+    lf_scene_look(scene);
     reader->status = lf_lights_commit(scene, reader->err);
     if (reader->status != LF_OK)
         return;

@@ -1,0 +1,62 @@
+#include "render/load/scene_looks.h"
+
+#include "render/load/scene_parse.h"
+#include "render/transport/light_kind.h"
+#include "render/transport/phase.h"
+#include "render/transport/surface.h"
+
+static void mark_used(const lf_mesh *mesh, bool *used)
+{
+    if (!mesh->triangle_material) {
+        used[mesh->material] |= mesh->n_triangles > 0;
+        return;
+    }
+    for (int t = 0; t < mesh->n_triangles; t++)
+        used[mesh->triangle_material[t]] = true;
+}
+
+/* Colours along a mesh tint what its panes let through: such glass is no veil. */
+static void colour_panes(lf_scene *scene)
+{
+    for (int i = 0; i < scene->n_meshes; i++) {
+        bool used[LF_MAX_MATERIALS] = {false};
+        if (!scene->meshes[i].colours)
+            continue;
+        mark_used(&scene->meshes[i], used);
+        for (int m = 0; m < scene->n_materials; m++)
+            if (used[m])
+                scene->materials[m].glass.is_pane = false;
+    }
+}
+
+void lf_scene_look(lf_scene *scene)
+{
+    bool used[LF_MAX_MATERIALS] = {false};
+    colour_panes(scene);
+    for (int i = 0; i < scene->n_meshes; i++) {
+        mark_used(&scene->meshes[i], used);
+        scene->looks.varied |= !!scene->meshes[i].colours;
+        scene->looks.hidden |= scene->meshes[i].hidden;
+        scene->looks.moving |= !!scene->meshes[i].close.vertices;
+        scene->looks.caught |= scene->meshes[i].catcher;
+    }
+    for (int m = 0; m < scene->n_materials; m++) {
+        const lf_material *material = &scene->materials[m];
+        scene->has_delta |= used[m] && material->has_delta;
+        scene->looks.varied |= used[m] && !!material->textures;
+        scene->looks.filled |= used[m] && material->is_solid && material->transmission > 0.0f &&
+                               (lf_max3(material->glass.absorption) > 0.0f ||
+                                lf_max3(material->glass.scattering) > 0.0f);
+        scene->looks.frosted |= used[m] && material->is_solid && material->glass.is_rough;
+        scene->looks.veiled |= used[m] && lf_is_veil(material);
+        scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
+        scene->has_view_lobes |= used[m] && material->kind->view_dependent;
+    }
+    for (int i = 0; i < scene->n_lights; i++)
+        scene->looks.moving |= !!scene->lights[i].way;
+    for (int i = 0; i < scene->n_volumes; i++) {
+        const lf_volume *volume = &scene->volumes[i];
+        scene->has_view_lobes |= !lf_volume_is_isotropic(volume);
+        scene->looks.chromatic |= lf_volume_is_there(volume) && lf_max3(volume->colour) > 0.0f;
+    }
+}
