@@ -86,6 +86,41 @@ static void what_stands_in_the_same_place_is_not_read_again(void **state)
     }
 }
 
+/* A scene in a frame, whose shutter is open for 6 of 24 a second. */
+static lf_scene *open_in(const char *folder, int frame, const char *more, const char *file,
+                         const lf_scene *previous)
+{
+    char text[512];
+    snprintf(text, sizeof text,
+             "{'frame': %d, 'camera': {'shutter': 6%s}, 'meshes': {'m': {'file': '%s'}}}", frame,
+             more, file);
+    return lf_test_scene_in(folder, text, previous);
+}
+
+static void an_open_shutter_sees_it_move(void **state)
+{
+    write_files(*state);
+    lf_scene *scene = open_in(*state, 7, "", "walk.gltf", NULL);
+    const lf_mesh *mesh = &scene->meshes[0];
+    assert_true(scene->looks.moving);
+    for (int i = 0; i < 3 * mesh->n_vertices; i++)
+        lf_assert_close((double)(mesh->close.vertices[i] - mesh->vertices[i]), i % 3 ? 0 : 1, 0,
+                        1e-5);
+    lf_assert_close(scene->geometry->bounds[0][0], 1, 0, 1e-5);
+    lf_assert_close(scene->geometry->bounds[1][0], 3, 0, 1e-5);
+    lf_scene *again = open_in(*state, 10, ", 'shutter_open': -3", "walk.gltf", scene);
+    assert_ptr_equal(again->geometry, scene->geometry);
+    assert_true(json_equal(again->subject, scene->subject));
+    lf_scene_unref(again);
+    again = open_in(*state, 9, "", "walk.gltf", scene);
+    assert_ptr_not_equal(again->geometry, scene->geometry);
+    lf_scene_unref(scene);
+    lf_scene_unref(again);
+    scene = open_in(*state, 7, "", "still.gltf", NULL);
+    assert_false(scene->looks.moving);
+    lf_scene_unref(scene);
+}
+
 static void assert_refused(const char *folder, const char *mesh, const char *pointer,
                            const char *words)
 {
@@ -124,6 +159,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         lf_test_in_folder(the_frame_and_the_rate_say_where_it_stands),
         lf_test_in_folder(what_stands_in_the_same_place_is_not_read_again),
+        lf_test_in_folder(an_open_shutter_sees_it_move),
         lf_test_in_folder(a_wrong_animation_is_told_where_it_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
