@@ -55,10 +55,16 @@ void lf_moment_finish(lf_moment *moment)
     *moment = (lf_moment){0};
 }
 
-/* open NULL: nothing. */
-static void put(float *out, const float *open, const float *close, size_t n, float time)
+/* open NULL: nothing. Eight at once, which compilers make vectors of. */
+static void put(float *restrict out, const float *restrict open, const float *restrict close,
+                size_t n, float time)
 {
-    for (size_t i = 0; open && i < n; i++)
+    enum { WIDE = 8 };
+    size_t i = 0;
+    for (; open && i + WIDE <= n; i += WIDE)
+        for (size_t j = i; j < i + WIDE; j++)
+            out[j] = open[j] + time * (close[j] - open[j]);
+    for (; open && i < n; i++)
         out[i] = open[i] + time * (close[i] - open[i]);
 }
 
