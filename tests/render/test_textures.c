@@ -456,11 +456,11 @@ static void curtains_hide_from_each_view_what_they_cover(void **state)
         lf_renderer *v = lf_test_renderer(scene, "vpt", WIDTH, HEIGHT, NULL),
                     *m = lf_test_renderer(scene, "mvpt", WIDTH, HEIGHT, NULL);
         lf_blocks truth;
-        lf_test_pictures(v, native, LF_ESTIMATOR_MIS, 24, 1, BLOCK, &truth);
+        lf_test_pictures(v, native, LF_ESTIMATOR_MIS, 16, 1, BLOCK, &truth);
         for (int a = 0; a < 3; a++) {
             lf_blocks mine;
             int where = 0;
-            lf_test_pictures(m, shared, answers[a], 24, 2, BLOCK, &mine);
+            lf_test_pictures(m, shared, answers[a], 12, 2, BLOCK, &mine);
             double level = lf_sidak(LF_FALSE_ALARM, CURTAINS * 3 * truth.n),
                    p = lf_blocks_welch(&mine, &truth, &where);
             if (!(p > level))
