@@ -48,6 +48,7 @@ void lf_scene_look(lf_scene *scene)
                                (lf_max3(material->glass.absorption) > 0.0f ||
                                 lf_max3(material->glass.scattering) > 0.0f);
         scene->looks.frosted |= used[m] && material->is_solid && material->glass.is_rough;
+        scene->looks.paned |= used[m] && material->glass.is_pane;
         scene->looks.veiled |= used[m] && lf_is_veil(material);
         scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
         scene->has_view_lobes |= used[m] && material->kind->view_dependent;

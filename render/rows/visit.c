@@ -242,6 +242,35 @@ static void add_glow_of_veil(lf_visit *visit, int view, int column, const lf_piv
                         lf_scale(lf_mul(lf_hit_material(hit)->emission, channels), weight));
 }
 
+/* What every pane that a base ray reaches reflects, up to t_end: rays pass them and end on them by
+ * chance, so that each is reached as often as its light comes through what is before it. */
+static void reflect_at_panes(lf_visit *visit, int view, int column, const lf_pivot *ray,
+                             lf_vec3 eye, float t_end)
+{
+    lf_tracer *tracer = &visit->worker->tracer;
+    lf_pivot pivot = *ray;
+    lf_event *event = &pivot.event;
+    float t = 0.0f;
+    event->kind = LF_EVENT_SURFACE;
+    while (lf_trace_pane(tracer, eye, event->w, t, t_end, &event->hit)) {
+        lf_vec3 d = lf_sub(event->hit.p, visit->rig->eye);
+        lf_delta lobe[LF_MAX_DELTAS];
+        const lf_material *m = event->hit.material;
+        float cosine = -lf_dot(event->hit.ns, event->w);
+        t = nextafterf(event->hit.t, INFINITY);
+        event->p = event->hit.p;
+        pivot.x = lf_dot(d, visit->rig->right);
+        pivot.z = lf_dot(d, visit->rig->forward);
+        if (m->kind->deltas(m, event->hit.ng, event->hit.ns, lf_scale(event->w, -1.0f),
+                            event->hit.front, lobe) == 0)
+            continue;
+        if (visit->pilot)
+            lf_counts_mark_delta(visit->pilot, visit->row, view, column);
+        lobe->f = lf_scale(lobe->f, 1.0f - lf_pane_passes(m, cosine));
+        follow_delta(visit, view, column, &pivot, lobe);
+    }
+}
+
 static bool has_own_natives(const lf_visit *visit, int view, int column)
 {
     const bool *mirrors = visit->worker->mirrors;
@@ -305,6 +334,9 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     bool pane = surface && event->hit.material->glass.is_pane;
     bool shared = surface && (event->hit.material->has_lobe || pane);
     bool native = surface && (shared || event->hit.material->has_delta);
+    lf_hit first;
+    if (visit->scene->looks.paned && plan->order.cover && !native)
+        native = lf_trace_pane(&worker->tracer, eye, w, 0.0f, INFINITY, &first);
     if (surface)
         ray.z_end = event->hit.t / ray.length;
     /* Rays that end on a scattering surface are tracked natively also where collisions are forced.
@@ -312,6 +344,13 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     int channel = plan->scene->looks.chromatic ? (int)(3.0f * lf_sampler_1d(&sampler)) : 0;
     lf_collision collision = lf_media_collide(&worker->media, &ray, channel, jitter[1],
                                               plan->order.cover && !native, &worker->tracer);
+    bool natives = native_only || !has_own_natives(visit, view, column) || base_counts(visit);
+    if (visit->scene->looks.paned && natives && visit->sums.native) {
+        float t_end = surface ? event->hit.t : INFINITY;
+        if (collision.z < INFINITY)
+            t_end = collision.z * ray.length;
+        reflect_at_panes(visit, view, column, &pivot, eye, t_end);
+    }
     if (collision.z < INFINITY && !native_only) {
         event->kind = LF_EVENT_MEDIUM;
         pivot.z = collision.z;
@@ -329,7 +368,7 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
         pivot.boost = visit->weight;
         pivot.x = lf_dot(d, rig->right);
         pivot.z = lf_dot(d, rig->forward);
-        if (native_only || !has_own_natives(visit, view, column) || base_counts(visit))
+        if (natives && !pane)
             add_native(visit, view, column, &pivot);
         if (shared && !native_only)
             visit->acting->pivot(visit, view, column, &pivot);

@@ -349,6 +349,7 @@ typedef struct lf_looks {
     bool moving;    /* something is elsewhere when the shutter closes */
     bool chromatic; /* sigma_t of some volume is not the same for all channels */
     bool caught;    /* some mesh is a catcher of shadows */
+    bool paned;     /* some sheet is a pane */
 } lf_looks;
 
 struct lf_scene {

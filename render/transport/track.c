@@ -192,6 +192,31 @@ static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_
     return true;
 }
 
+bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
+{
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    struct RTCRayHit rh = {.ray = {.org_x = o.x,
+                                   .org_y = o.y,
+                                   .org_z = o.z,
+                                   .tnear = t_min,
+                                   .dir_x = w.x,
+                                   .dir_y = w.y,
+                                   .dir_z = w.z,
+                                   .mask = ~0u}};
+    do {
+        tracer->rays++;
+        rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        rh.ray.tfar = nextafterf(t_max, INFINITY);
+        rtcIntersect1(tracer->scene->embree, &context, &rh);
+        if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+            return false;
+        find_hit(tracer->scene, &rh, o, w, hit);
+        rh.ray.tnear = nextafterf(hit->t, INFINITY);
+    } while (!hit->material->glass.is_pane || hit->mesh->hidden);
+    return true;
+}
+
 static float passed_by(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, bool seen)
 {
     const lf_scene *scene = tracer->scene;

@@ -61,6 +61,8 @@ static inline float lf_rng_exponential(lf_tracer *t)
 bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
 /* The same for rays of the camera, which pass through meshes that are hidden from it. */
 bool lf_trace_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
+/* The nearest pane (lf_glass) with t_min < t <= t_max, met for sure. */
+bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit);
 /* A triangle, for many hits. */
 typedef struct lf_face {
     const lf_mesh *mesh;
