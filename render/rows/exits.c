@@ -95,7 +95,7 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
     q = material && material->has_lobe ? 1.0f : q_medium;
     lf_film_pivots(&visit->sums, pixel, q);
     if (worker->mirrors)
-        worker->mirrors[pixel] = material && material->has_delta;
+        worker->mirrors[pixel] = material && lf_has_mirror(material);
     if (!visit->sums.known)
         return;
     if (material) {

@@ -121,7 +121,7 @@ static void segment_along(const lf_veils *veils, int segment, const line_fan *f)
             v = veil_of(veils, segment);
         is_loaded = true;
         f->through[k] *= passes(veils, &v.face, c, f->s0 + c * d, d);
-        f->mirrors[k] |= v.face.material->has_delta;
+        f->mirrors[k] |= lf_has_mirror(v.face.material);
     }
 }
 

@@ -205,11 +205,10 @@ void lf_visit_add_native(lf_visit *visit, size_t pixel, lf_vec3 radiance)
 
 /* What one delta lobe of the first surface brings: native, into M. */
 static void follow_delta(lf_visit *visit, int view, int column, const lf_pivot *pivot,
-                         const lf_delta *lobe)
+                         const lf_delta *lobe, float probability)
 {
     const lf_event *event = &pivot->event;
     lf_tracer *tracer = &visit->worker->tracer;
-    float probability = lf_min(1.0f, 4.0f * lf_max3(lobe->f));
     if (lf_rng(tracer) >= probability)
         return;
     lf_event next;
@@ -264,10 +263,8 @@ static void reflect_at_panes(lf_visit *visit, int view, int column, const lf_piv
         if (m->kind->deltas(m, event->hit.ng, event->hit.ns, lf_scale(event->w, -1.0f),
                             event->hit.front, lobe) == 0)
             continue;
-        if (visit->pilot)
-            lf_counts_mark_delta(visit->pilot, visit->row, view, column);
         lobe->f = lf_scale(lobe->f, 1.0f - lf_pane_passes(m, cosine));
-        follow_delta(visit, view, column, &pivot, lobe);
+        follow_delta(visit, view, column, &pivot, lobe, 1.0f);
     }
 }
 
@@ -288,7 +285,8 @@ static void add_native(lf_visit *visit, int view, int column, const lf_pivot *pi
     if (visit->pilot && shading.n_deltas > 0)
         lf_counts_mark_delta(visit->pilot, visit->row, view, column);
     for (int i = 0; i < shading.n_deltas; i++)
-        follow_delta(visit, view, column, pivot, &shading.delta[i]);
+        follow_delta(visit, view, column, pivot, &shading.delta[i],
+                     lf_min(1.0f, 4.0f * lf_max3(shading.delta[i].f)));
 }
 
 /* A base ray in its row's plane; returns its direction. */

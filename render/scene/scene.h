@@ -181,6 +181,13 @@ typedef struct lf_material {
      * dielectric lobe leaves to what is below, and of what its metal reflects. */
     float metal_loss[LF_LOSS_TERMS], coat_loss[LF_LOSS_TERMS], mean_loss, mean_fresnel;
 } lf_material;
+/* Whether it has delta lobes that its pixels take more native samples for. What a pane reflects is
+ * little, and every ray that reaches it brings it. */
+static inline bool lf_has_mirror(const lf_material *m)
+{
+    return m->has_delta && !m->glass.is_pane;
+}
+
 /* What rays meet by chance, and views see through. */
 static inline bool lf_is_veil(const lf_material *m)
 {
