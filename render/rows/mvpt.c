@@ -2,7 +2,7 @@
  * (pivot, direction) of docs/estimators.md, sections "Prefix weights" and "Direction". */
 #include <string.h>
 
-#include "render/rows/visit.h"
+#include "render/rows/native.h"
 
 /* Directions drawn at a pivot whose surface reflects each view's light elsewhere: a lobe that is
  * narrower than the cone of views serves few of them. */

@@ -164,9 +164,6 @@ typedef struct lf_suffix {
     lf_vec3 scattered; /* radiance scattered there */
 } lf_suffix;
 
-/* Adds to M of a view pixel, which is [view][column]; what is not finite is dropped and counted. */
-void lf_visit_add_native(lf_visit *visit, size_t pixel, lf_vec3 radiance);
-
 /* The points that a visit draws about its lights in media; weight: its native samples a pixel.
  * false = cancelled. */
 struct lf_visit_plan;

@@ -1,7 +1,7 @@
 /* vpt: each view alone, the baseline. The same base samples, suffixes, samplers and known light as
  * mvpt; nothing is shared, so no weights are needed but one over the expected count of the base's
  * own pixel. */
-#include "render/rows/visit.h"
+#include "render/rows/native.h"
 
 static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
 {

@@ -156,6 +156,20 @@ static void tell_side(lf_hit *hit)
     hit->own.glass.is_inside = true;
 }
 
+static struct RTCRay ray_of(const lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max)
+{
+    return (struct RTCRay){.org_x = o.x,
+                           .org_y = o.y,
+                           .org_z = o.z,
+                           .tnear = t_min,
+                           .time = tracer->time,
+                           .dir_x = w.x,
+                           .dir_y = w.y,
+                           .dir_z = w.z,
+                           .tfar = t_max,
+                           .mask = ~0u};
+}
+
 /* t_min < t < t_max */
 static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
 {
@@ -165,16 +179,7 @@ static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     struct RTCRayHit rh;
-    rh.ray = (struct RTCRay){.org_x = o.x,
-                             .org_y = o.y,
-                             .org_z = o.z,
-                             .tnear = t_min,
-                             .time = tracer->time,
-                             .dir_x = w.x,
-                             .dir_y = w.y,
-                             .dir_z = w.z,
-                             .tfar = t_max,
-                             .mask = ~0u};
+    rh.ray = ray_of(tracer, o, w, t_min, t_max);
     rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rh.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     do {
@@ -196,14 +201,7 @@ bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t
 {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    struct RTCRayHit rh = {.ray = {.org_x = o.x,
-                                   .org_y = o.y,
-                                   .org_z = o.z,
-                                   .tnear = t_min,
-                                   .dir_x = w.x,
-                                   .dir_y = w.y,
-                                   .dir_z = w.z,
-                                   .mask = ~0u}};
+    struct RTCRayHit rh = {.ray = ray_of(tracer, o, w, t_min, t_max)};
     do {
         tracer->rays++;
         rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -223,14 +221,7 @@ static float passed_by(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, boo
     float passed = 1.0f;
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    struct RTCRayHit rh = {.ray = {.org_x = o.x,
-                                   .org_y = o.y,
-                                   .org_z = o.z,
-                                   .dir_x = w.x,
-                                   .dir_y = w.y,
-                                   .dir_z = w.z,
-                                   .time = tracer->time,
-                                   .mask = ~0u}};
+    struct RTCRayHit rh = {.ray = ray_of(tracer, o, w, 0.0f, t_max)};
     while (passed > 0.0f) {
         lf_hit hit;
         rh.ray.tfar = t_max;
@@ -280,16 +271,7 @@ bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
         return false;
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    struct RTCRay ray = {.org_x = o.x,
-                         .org_y = o.y,
-                         .org_z = o.z,
-                         .tnear = 0.0f,
-                         .time = tracer->time,
-                         .dir_x = w.x,
-                         .dir_y = w.y,
-                         .dir_z = w.z,
-                         .tfar = t_max,
-                         .mask = ~0u};
+    struct RTCRay ray = ray_of(tracer, o, w, 0.0f, t_max);
     tracer->rays++;
     rtcOccluded1(tracer->scene->embree, &context, &ray);
     return ray.tfar < 0.0f;
