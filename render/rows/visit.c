@@ -73,9 +73,6 @@ void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, 
         suffix->found = lf_mul(suffix->found, left);
         suffix->scattered = lf_mul(suffix->scattered, left);
     }
-    lf_vec3 left = lf_path_absorbed(visit->scene, &next);
-    suffix->found = lf_mul(suffix->found, left);
-    suffix->scattered = lf_mul(suffix->scattered, left);
 }
 
 void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out)
@@ -221,7 +218,8 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     bool native = surface && (shared || event->hit.material->has_delta);
     lf_hit first;
     if (visit->scene->looks.paned && plan->order.cover && !native)
-        native = lf_trace_pane(&worker->tracer, eye, w, 0.0f, INFINITY, &first);
+        native =
+            lf_trace_pane(&worker->tracer, eye, w, 0.0f, surface ? event->hit.t : INFINITY, &first);
     if (surface)
         ray.z_end = event->hit.t / ray.length;
     /* Rays that end on a scattering surface are tracked natively also where collisions are forced.

@@ -23,7 +23,7 @@
 
 /* What all directions share of a material. */
 typedef struct layers {
-    lf_material m; /* loss: of the dielectric */
+    const lf_material *m; /* loss: of the dielectric */
     float alpha, coat_alpha;
     /* shares: of what is not metal, by its own lobes and as rough glass; of metal, what is below */
     float dielectric, glass, metal, below;
@@ -42,7 +42,7 @@ typedef struct shares {
 
 static layers layers_of(const lf_material *m)
 {
-    layers l = {.m = *m, .alpha = lf_material_alpha(m)};
+    layers l = {.m = m, .alpha = lf_material_alpha(m)};
     l.rough = l.alpha >= LF_ALPHA_MIN;
     l.coated = m->coat > 0.0f;
     l.coat_alpha = m->coat_roughness * m->coat_roughness;
@@ -82,22 +82,23 @@ static inline float metal_several(const lf_material *m, float cosine)
 
 static inline shares shares_of(const layers *l, float cos_o)
 {
-    const lf_material *m = &l->m;
+    const lf_material *m = l->m;
     shares s = {.under = 1.0f, .enters = coat_loss(m, cos_o)};
-    float coat = l->coated ? m->coat * (1.0f - clear_loss(m, cos_o)) : 0.0f;
+    float coat = l->coated ? m->coat * (1.0f - clear_loss(m, cos_o)) : 0.0f,
+          sheen = l->sheened ? sheen_share(m, cos_o) : 0.0f;
     s.under = 1.0f - coat;
+    s.beneath = 1.0f - sheen;
     s.several = l->rough ? metal_several(m, cos_o) : 0.0f;
     float gloss = l->rough ? l->dielectric * (1.0f - s.enters) + l->metal * m->mean_fresnel : 0.0f,
-          diffuse = l->below * s.enters * lf_mean3(m->albedo), sum = gloss + diffuse;
+          diffuse = l->below * s.enters * lf_mean3(m->albedo), base = gloss + diffuse,
+          sum = sheen + s.beneath * base;
     s.by_coat = l->rough_coat ? (sum > 0.0f ? coat / (coat + s.under * sum) : 1.0f) : 0.0f;
-    float sheen = l->sheened ? sheen_share(m, cos_o) : 0.0f;
-    s.beneath = 1.0f - sheen;
-    s.by_sheen = l->sheened ? (1.0f - s.by_coat) * sheen / (sheen + s.beneath * sum) : 0.0f;
+    s.by_sheen = sheen > 0.0f ? (1.0f - s.by_coat) * sheen / sum : 0.0f;
     float rest = 1.0f - s.by_coat - s.by_sheen;
-    s.by_gloss = sum > 0.0f ? rest * gloss / sum : rest * (float)l->rough;
+    s.by_gloss = base > 0.0f ? rest * gloss / base : rest * (float)l->rough;
     if (l->glass > 0.0f) {
         float glass = s.under * s.beneath * l->glass,
-              others = l->rough_coat ? coat + s.under * sum : sum;
+              others = (l->rough_coat ? coat : 0.0f) + s.under * sum;
         s.by_glass = others > 0.0f ? glass / (glass + others) : 1.0f;
     }
     return s;
@@ -106,7 +107,7 @@ static inline shares shares_of(const layers *l, float cos_o)
 /* The layers below the coat, but for its `under`. */
 static inline lf_vec3 gloss_colour(const layers *l, const shares *s, float cos_oh)
 {
-    const lf_material *m = &l->m;
+    const lf_material *m = l->m;
     float c = lf_max(cos_oh, 0.0f), k = lf_schlick(c),
           dielectric = l->dielectric * m->specular * lf_fresnel_dielectric(c, m->ior);
     lf_vec3 metal = lf_v3(lf_lerp(m->albedo.x, 1.0f, k), lf_lerp(m->albedo.y, 1.0f, k),
@@ -122,8 +123,8 @@ static lf_vec3 base_colour(const layers *l, float cos_i)
 {
     if (!(cos_i > LF_MIN_COS))
         return lf_v3(0.0f, 0.0f, 0.0f);
-    return lf_scale(l->m.albedo,
-                    l->below * LF_INV_PI * cos_i * coat_loss(&l->m, cos_i) / l->m.mean_loss);
+    return lf_scale(l->m->albedo,
+                    l->below * LF_INV_PI * cos_i * coat_loss(l->m, cos_i) / l->m->mean_loss);
 }
 
 /* Towards wi from wo.z > LF_MIN_COS. */
@@ -138,15 +139,15 @@ static float eval_local(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi
         pdf += s->by_gloss * lobe.pdf;
     }
     if (l->sheened) {
-        *f = lf_madd(lf_scale(*f, s->beneath), lf_sheen_eval(l->m.sheen_roughness, wo, wi),
-                     l->m.sheen);
+        *f = lf_madd(lf_scale(*f, s->beneath), lf_sheen_eval(l->m->sheen_roughness, wo, wi),
+                     l->m->sheen);
         pdf += wi.z > LF_MIN_COS ? s->by_sheen * (0.5f * LF_INV_PI) : 0.0f;
     }
     *f = lf_scale(*f, s->under);
     if (l->rough_coat) {
         lf_ggx_lobe lobe = lf_ggx_eval(l->coat_alpha, wo, wi);
         float k =
-            l->m.coat * lobe.f * lf_fresnel_dielectric(lf_max(lobe.cos_oh, 0.0f), LF_COAT_INDEX);
+            l->m->coat * lobe.f * lf_fresnel_dielectric(lf_max(lobe.cos_oh, 0.0f), LF_COAT_INDEX);
         *f = lf_add(*f, lf_v3(k, k, k));
         pdf += s->by_coat * lobe.pdf;
     }
@@ -158,7 +159,7 @@ static float add_glass(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi,
                        lf_vec3 *f)
 {
     lf_vec3 through;
-    float own = lf_glass_eval(&l->m, wo, wi, &through);
+    float own = lf_glass_eval(l->m, wo, wi, &through);
     *f = lf_madd(*f, s->under * s->beneath * l->glass, through);
     return lf_lerp(pdf, own, s->by_glass);
 }
@@ -224,7 +225,7 @@ static lf_vec3 draw(const layers *l, const shares *s, lf_vec3 o, const float u[3
     float by = u[2];
     if (l->glass > 0.0f) {
         if (by < s->by_glass)
-            return lf_glass_sample(&l->m, o, (const float[3]){u[0], u[1], by / s->by_glass});
+            return lf_glass_sample(l->m, o, (const float[3]){u[0], u[1], by / s->by_glass});
         by = (by - s->by_glass) / (1.0f - s->by_glass);
     }
     if (by < s->by_coat)
@@ -267,7 +268,7 @@ static lf_vec3 mirrored_by_dielectric(const lf_material *m, bool front, float co
 static lf_vec3 transmitted(const layers *l, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
                            lf_vec3 *out_wi)
 {
-    const lf_material *m = &l->m;
+    const lf_material *m = l->m;
     float cos_o = lf_min(lf_dot(ns, wo), 1.0f),
           enters = l->rough ? coat_loss(m, cos_o)
                             : 1.0f - m->specular * lf_glass_reflectance(m, !front, cos_o);

@@ -89,7 +89,8 @@ float lf_hit_cover(const lf_hit *hit, float width)
 static void widen(lf_material *m, float scale, float lost)
 {
     float alpha2 = m->roughness * m->roughness * m->roughness * m->roughness,
-          spread = scale * scale * lost / lf_max(1.0f - lost, 1e-3f);
+          more = lf_max(lost - 2.0f / 65535.0f, 0.0f), /* but for rounding */
+        spread = scale * scale * more / lf_max(1.0f - lost, 1e-3f);
     if (spread > 0.0f)
         m->roughness = sqrtf(sqrtf(lf_min(alpha2 + 2.0f * spread, 1.0f)));
 }

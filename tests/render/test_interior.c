@@ -103,6 +103,30 @@ static void what_fills_glass_of_index_one_is_a_volume(void **state)
     }
 }
 
+/* Beer's law once, whether the face is met as a delta or as a lobe: a slab that is 2 thick and
+ * hardly bends light. */
+static void rough_faces_dim_as_smooth_ones_do(void **state)
+{
+    (void)state;
+    static const char format[] =
+        "{ 'camera': { 'position': [0, 0, 9], 'views': 3, 'cone': 6, 'fov_y': 10 }, 'meshes': { "
+        "'slab': { 'shape': 'cube', 'material': 'glass', 'transform': { 'scale': [20, 20, 1] } } "
+        "}, 'materials': { 'glass': { 'type': 'principled', 'roughness': %g, 'albedo': 1, "
+        "'transmission': 1, 'ior': 1.05, 'absorption': 1 } }, 'lights': { 'sky': { 'type': "
+        "'environment', 'radiance': 1 } } }";
+    for (int i = 0; i < 4; i++) {
+        char text[1024];
+        lf_blocks seen;
+        lf_moments all = {0};
+        snprintf(text, sizeof text, format, i < 2 ? 0.0 : 0.05);
+        pictures(text, i % 2 ? "mvpt" : "vpt", 5, &seen);
+        for (int b = 0; b < seen.n; b++)
+            lf_moments_add(&all, seen.moments[b].mean);
+        lf_assert_close(all.mean, exp(-2.0), 0.01, 0);
+        lf_blocks_finish(&seen);
+    }
+}
+
 /* Glass that scatters and absorbs nothing under an even sky is not seen, whatever its index and
  * however much each channel is scattered. */
 static void what_scatters_all_is_not_seen_under_an_even_sky(void **state)
@@ -137,6 +161,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_scatters_all_is_not_seen_under_an_even_sky),
+        cmocka_unit_test(rough_faces_dim_as_smooth_ones_do),
         cmocka_unit_test(what_fills_glass_of_index_one_is_a_volume),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);

@@ -127,6 +127,31 @@ static void samplers_follow_their_pdfs_which_integrate_to_one(void **state)
     }
 }
 
+/* No lobe is left to another's tail: what f a direction has is drawn with a pdf that is no fraction
+ * of it. */
+static void what_is_reflected_can_be_drawn(void **state)
+{
+    (void)state;
+    lf_material m[max_materials + 1];
+    int n = make_materials(m);
+    m[n] = material(&lf_surface_principled, 0.1f, 0.0f); /* fibres over frosted glass */
+    m[n].transmission = 1.0f;
+    m[n].is_solid = true;
+    m[n].sheen = lf_v3(1.0f, 1.0f, 1.0f);
+    m[n].sheen_roughness = 0.5f;
+    lf_material_prepare(&m[n++]);
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < 4 * 64; j++) {
+            lf_vec3 ns = normals[0], wo = at_cosine(ns, cosines[j % 4], 0.3f), f,
+                    wi = at_cosine(ns, 0.02f + 0.06f * (float)(j / 4 % 16), 1.6f * (float)(j / 64));
+            float pdf = m[i].kind->eval(&m[i], ns, wo, wi, &f);
+            if (!(lf_max3(f) <= 60.0f * pdf))
+                fail_msg("%s %d, cosine %g: f %g, pdf %g", m[i].kind->name, i,
+                         (double)cosines[j % 4], (double)lf_max3(f), (double)pdf);
+        }
+    }
+}
+
 static void a_wrong_roughness_is_rejected(void **state)
 {
     (void)state;
@@ -367,6 +392,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samplers_follow_their_pdfs_which_integrate_to_one),
+        cmocka_unit_test(what_is_reflected_can_be_drawn),
         cmocka_unit_test(a_wrong_roughness_is_rejected),
         cmocka_unit_test(no_surface_makes_energy),
         cmocka_unit_test(white_surfaces_lose_little_when_smooth),
