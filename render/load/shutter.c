@@ -121,14 +121,29 @@ static bool differ_but_for(json_t *a, const json_t *b, const char *const *moving
     return false;
 }
 
+/* A sky that is painted for the frame. */
+static bool is_sky(const json_t *light)
+{
+    const char *type = json_string_value(json_object_get(light, "type"));
+    return type && strcmp(type, lf_light_sky.name) == 0;
+}
+
+/* What moves of a light, NULL: all of it. */
+static const char *const *moving_of_light(const lf_scene_desc *desc, const char *name,
+                                          const json_t *light)
+{
+    static const char *const lamps[] = {"position", "direction", "rotate", "width",
+                                        "height",   "radius",    NULL},
+                             *const skies[] = {"azimuth", "scale", NULL};
+    return is_lamp(desc, name) ? lamps : is_sky(light) ? skies : NULL;
+}
+
 /* What moves of a section's things, and of the camera. */
-static const char *const *moving_of(const char *section, bool lamp)
+static const char *const *moving_of(const char *section)
 {
     static const char *const camera[] = {"position", "target", "focus_distance", NULL},
-                             *const lamps[] = {"position", "direction", "rotate", "width",
-                                               "height",   "radius",    NULL},
                              *const nothing[] = {NULL};
-    return strcmp(section, "camera") == 0 ? camera : lamp ? lamps : nothing;
+    return strcmp(section, "camera") == 0 ? camera : nothing;
 }
 
 void lf_shutter_warn(const lf_shutter *shutter, const char *where, lf_warnings *warnings)
@@ -141,9 +156,8 @@ void lf_shutter_warn(const lf_shutter *shutter, const char *where, lf_warnings *
     for (int i = 0; i < 3; i++) {
         json_t *open = json_object_get(shutter->doc[0], wholes[i]),
                *close = json_object_get(shutter->doc[1], wholes[i]);
-        bool differ = json_is_object(open)
-                          ? differ_but_for(open, close, moving_of(wholes[i], false))
-                          : open && !json_equal(open, close);
+        bool differ = json_is_object(open) ? differ_but_for(open, close, moving_of(wholes[i]))
+                                           : open && !json_equal(open, close);
         if (differ)
             add(list, sizeof list, wholes[i], NULL);
     }
@@ -153,10 +167,9 @@ void lf_shutter_warn(const lf_shutter *shutter, const char *where, lf_warnings *
         json_t *value;
         json_object_foreach(json_object_get(shutter->doc[0], sections[i]), name, value)
         {
-            bool light = i == 2, lamp = light && is_lamp(shutter->desc[0], name);
-            if (light && !lamp)
-                continue;
-            if (differ_but_for(value, json_object_get(closed, name), moving_of(sections[i], lamp)))
+            const char *const *moving =
+                i == 2 ? moving_of_light(shutter->desc[0], name, value) : moving_of(sections[i]);
+            if (moving && differ_but_for(value, json_object_get(closed, name), moving))
                 add(list, sizeof list, sections[i], name);
         }
     }

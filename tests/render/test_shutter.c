@@ -463,6 +463,13 @@ static void what_has_keys_and_stands_still_is_told(void **state)
             fail_msg("case %d: %s", (int)i, found ? found : "nothing is said");
         lf_scene_unref(scene);
     }
+    lf_scene *scene = lf_test_scene(
+        "{'camera': {'shutter': 0.5}, 'meshes': {" STILL "}, 'lights': {'day': {'type': 'sky', "
+        "'elevation': {'keys': [[1, 10], [9, 60]]}}, 'noon': {'type': 'sky', 'azimuth': {'keys': "
+        "[[1, 10], [9, 60]]}}}}");
+    assert_non_null(strstr(scene->warnings.line[0], ": lights.day"));
+    assert_null(strstr(scene->warnings.line[0], "noon"));
+    lf_scene_unref(scene);
 }
 
 /* ------------------------------------------------------------------------------------- lamps --
