@@ -103,17 +103,7 @@ static void what_is_no_albedo_is_refused(void **state)
 
 static void pictures(lf_scene *scene, const char *integrator, uint64_t salt, lf_blocks out[2])
 {
-    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
-    for (int i = 0; i < 2; i++)
-        lf_blocks_init(&out[i], n_views, width, height, tile);
-    for (int k = 0; k < (lf_test_long() ? 48 : 12); k++) {
-        lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
-        lf_test_passes(r, 18);
-        lf_blocks_add_picture(&out[0], r, LF_ESTIMATOR_MIS);
-        lf_blocks_add_picture(&out[1], r, LF_ESTIMATOR_CV);
-    }
-    lf_renderer_destroy(r);
-    lf_scene_unref(scene);
+    lf_test_two_answers(scene, integrator, width, height, tile, salt, out);
 }
 
 static void layers_are_boxes_side_by_side(void **state)

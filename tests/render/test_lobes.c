@@ -138,18 +138,7 @@ static void corners_of_the_unit_square_give_unit_directions(void **state)
 
 static void pictures(const char *text, const char *integrator, uint64_t salt, lf_blocks out[2])
 {
-    lf_scene *scene = lf_test_scene(text);
-    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
-    for (int i = 0; i < 2; i++)
-        lf_blocks_init(&out[i], n_views, width, height, tile);
-    for (int k = 0; k < (lf_test_long() ? 48 : 12); k++) {
-        lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
-        lf_test_passes(r, 18);
-        lf_blocks_add_picture(&out[0], r, LF_ESTIMATOR_MIS);
-        lf_blocks_add_picture(&out[1], r, LF_ESTIMATOR_CV);
-    }
-    lf_renderer_destroy(r);
-    lf_scene_unref(scene);
+    lf_test_two_answers(lf_test_scene(text), integrator, width, height, tile, salt, out);
 }
 
 /* b, and another that differs, against a by vpt. */

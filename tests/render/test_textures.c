@@ -70,6 +70,15 @@ static void undress(lf_scene *scene)
 /* ----------------------------------------------------------------------------------- pictures --
  */
 
+/* rgba must outlive it. */
+static lf_pyramid pyramid_of(int width, int height, uint8_t *rgba, lf_texels_use use)
+{
+    const lf_texels texels = {width, height, rgba};
+    lf_pyramid p;
+    assert_int_equal(lf_pyramid_make(&texels, use, 0.5f, &p), LF_OK);
+    return p;
+}
+
 static void mean_of(const lf_pyramid *p, int level, double out[4])
 {
     for (int c = 0; c < 4; c++)
@@ -111,10 +120,8 @@ static void means_are_taken_of_light(void **state)
 {
     (void)state;
     uint8_t two[8] = {0, 0, 0, 255, 255, 255, 255, 255};
-    const lf_texels texels = {2, 1, two};
-    lf_pyramid p;
+    lf_pyramid p = pyramid_of(2, 1, two, LF_TEXELS_COLOURS);
     float out[4];
-    assert_int_equal(lf_pyramid_make(&texels, LF_TEXELS_COLOURS, 0, &p), LF_OK);
     lf_texture_look_up(&plain, &p, 0.3f, 0.3f, 5.0f, out);
     lf_assert_close((double)out[0], 0.5, 0, 1e-5);
     lf_pyramid_finish(&p);
@@ -125,10 +132,8 @@ static void colours_count_by_what_is_covered(void **state)
 {
     (void)state;
     uint8_t two[8] = {0, 0, 0, 0, 255, 255, 255, 255};
-    const lf_texels texels = {2, 1, two};
-    lf_pyramid p;
+    lf_pyramid p = pyramid_of(2, 1, two, LF_TEXELS_COVERS);
     float out[4];
-    assert_int_equal(lf_pyramid_make(&texels, LF_TEXELS_COVERS, 0, &p), LF_OK);
     lf_texture_look_up(&plain, &p, 0.3f, 0.3f, 5.0f, out);
     assert_true(out[0] == 1.0f);
     lf_assert_close((double)out[3], 0.5, 0, 1e-5);
@@ -141,10 +146,8 @@ static void cut_outs_are_cut_before_they_are_averaged(void **state)
 {
     (void)state;
     uint8_t four[16] = {9, 9, 9, 100, 255, 0, 0, 130, 9, 9, 9, 0, 9, 9, 9, 126};
-    const lf_texels texels = {2, 2, four};
-    lf_pyramid p;
+    lf_pyramid p = pyramid_of(2, 2, four, LF_TEXELS_CUTS);
     float out[4];
-    assert_int_equal(lf_pyramid_make(&texels, LF_TEXELS_CUTS, 0.5f, &p), LF_OK);
     lf_texture_look_up(&plain, &p, 0.3f, 0.3f, 1.0f, out);
     lf_assert_close((double)out[3], 0.25, 0, 1e-5);
     lf_assert_close((double)out[0], 1.0, 0, 1e-5);
@@ -162,10 +165,8 @@ static void a_mean_of_normals_knows_how_far_they_spread(void **state)
 {
     (void)state;
     uint8_t two[8] = {191, 128, 238, 255, 64, 128, 238, 255};
-    const lf_texels texels = {2, 1, two};
-    lf_pyramid p;
+    lf_pyramid p = pyramid_of(2, 1, two, LF_TEXELS_NORMALS);
     float out[4];
-    assert_int_equal(lf_pyramid_make(&texels, LF_TEXELS_NORMALS, 0, &p), LF_OK);
     lf_texture_look_up(&plain, &p, 0.3f, 0.3f, 1.0f, out);
     lf_assert_close((double)out[3], 1.0 - sqrt(0.75), 0, 3e-3);
     lf_texture_look_up(&plain, &p, 0.3f, 0.3f, 0.0f, out);

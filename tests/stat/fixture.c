@@ -316,3 +316,19 @@ void lf_test_pictures(lf_renderer *r, lf_test_schedule schedule, lf_estimator es
         lf_blocks_add_picture(out, r, estimator);
     }
 }
+
+void lf_test_two_answers(lf_scene *scene, const char *integrator, int width, int height, int block,
+                         uint64_t salt, lf_blocks out[2])
+{
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
+    for (int i = 0; i < 2; i++)
+        lf_blocks_init(&out[i], r->film.n_views, width, height, block);
+    for (int k = 0; k < (lf_test_long() ? 48 : 12); k++) {
+        lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
+        lf_test_passes(r, 18);
+        lf_blocks_add_picture(&out[0], r, LF_ESTIMATOR_MIS);
+        lf_blocks_add_picture(&out[1], r, LF_ESTIMATOR_CV);
+    }
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
