@@ -278,18 +278,13 @@ static void phases(lf_visit *visit, float g, lf_vec3 wi, float *out)
     }
 }
 
-/* The phase functions of all views towards wi. */
-static void mixed_phases(lf_visit *visit, const lf_volume *volume, lf_vec3 wi)
+static void mix_second_lobe(lf_visit *visit, const lf_second_lobe *second, lf_vec3 wi)
 {
-    const lf_second_lobe *second = &volume->second;
     lf_scratch *w = visit->worker;
     const lf_rig *rig = visit->rig;
     float other[LF_MAX_LANES], my = visit->plane.my, my2 = 1.0f + my * my,
                                across = lf_dot(wi, rig->right),
                                along = my * lf_dot(wi, rig->up) + lf_dot(wi, rig->forward);
-    phases(visit, volume->g, wi, w->lobe);
-    if (second->share == 0.0f)
-        return;
     phases(visit, second->g, wi, other);
     for (int k = 0; k < lanes_of(rig); k++) {
         float cosine = (w->slope[k] * across + along) / sqrtf(my2 + w->slope[k] * w->slope[k]);
@@ -323,11 +318,13 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lo
     float sum = 0.0f;
     *out = (lf_fan_lobes){.pdf = w->lobe, .weight = {w->term[0], w->term[1], w->term[2]}};
     if (pivot->event.kind == LF_EVENT_MEDIUM) {
-        mixed_phases(visit, &visit->scene->volumes[pivot->event.volume], wi);
+        const lf_volume *volume = &visit->scene->volumes[pivot->event.volume];
+        phases(visit, volume->g, wi, w->lobe);
+        if (volume->second.share > 0.0f)
+            mix_second_lobe(visit, &volume->second, wi);
         out->n_terms = 1;
         out->weight[0] = w->lobe;
-        out->colour[0] =
-            lf_volume_albedo(&visit->scene->volumes[pivot->event.volume], pivot->event.p);
+        out->colour[0] = lf_volume_albedo(volume, pivot->event.p);
     } else {
         const lf_hit *hit = &pivot->event.hit;
         lf_vec3 t, b;
@@ -339,6 +336,21 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lo
     for (int k = 0; k < visit->rig->n_views; k++)
         sum += w->strategy[k] * w->lobe[k];
     return sum;
+}
+
+/* As below, where each channel has a density of its own. */
+static void add_coloured_lobes(lf_visit *visit, const lf_fan_lobes *f,
+                               const lf_vec3 tinted[LF_FAN_TERMS])
+{
+    const float *const *d = visit->worker->channels.received;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f), own = lf_v3(d[0][k], d[1][k], d[2][k]);
+        if (visit->worker->density[k] == 0.0f)
+            continue;
+        for (int t = 0; t < f->n_terms; t++)
+            y = lf_add(y, lf_mul(lf_scale(own, f->weight[t][k]), tinted[t]));
+        lf_film_scatter(&visit->sums, target(visit, k), y.x, y.y, y.z);
+    }
 }
 
 /* Adds density_k f_k times one radiance to every view. */
@@ -354,13 +366,17 @@ static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
         return;
     for (int t = 0; t < f->n_terms; t++)
         tinted[t] = lf_mul(radiance, f->colour[t]);
-    const float *const *d = w->channels.received;
+    if (visit->scene->looks.chromatic) {
+        add_coloured_lobes(visit, f, tinted);
+        return;
+    }
     for (int k = 0; k < visit->rig->n_views; k++) {
-        lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f), own = lf_v3(d[0][k], d[1][k], d[2][k]);
-        if (w->density[k] == 0.0f)
+        lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f);
+        float d = w->density[k];
+        if (d == 0.0f)
             continue;
         for (int t = 0; t < f->n_terms; t++)
-            y = lf_add(y, lf_mul(lf_scale(own, f->weight[t][k]), tinted[t]));
+            y = lf_madd(y, d * f->weight[t][k], tinted[t]);
         lf_film_scatter(&visit->sums, target(visit, k), y.x, y.y, y.z);
     }
 }

@@ -14,7 +14,7 @@ enum { WIDE = LF_SECTION_WIDE };
 
 /* In double, because heights above the plane are small differences; the same arithmetic for corners
  * and pivots. */
-static void to_camera(const lf_rig *rig, lf_vec3 p, double out[3])
+static inline void to_camera(const lf_rig *rig, lf_vec3 p, double out[3])
 {
     const lf_vec3 axes[3] = {rig->right, rig->up, rig->forward};
     double x = (double)p.x - (double)rig->eye.x, y = (double)p.y - (double)rig->eye.y,
@@ -426,6 +426,23 @@ void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_
     build_boxes(section);
 }
 
+/* Four numbers at once, on every machine: loops of 8 that compilers unroll before they could make
+ * vectors of them took 1.5 times as long. */
+typedef float four __attribute__((vector_size(16)));
+typedef int32_t four_masks __attribute__((vector_size(16)));
+
+static four load(const float *from)
+{
+    four out;
+    memcpy(&out, from, sizeof out);
+    return out;
+}
+
+static four_masks choose(four_masks mask, four_masks yes, four_masks no)
+{
+    return (yes & mask) | (no & ~mask);
+}
+
 /* -------------------------------------------------------------------------------------- hide -- */
 
 /* The same roundings as below,
@@ -463,11 +480,10 @@ void lf_question_intervals(const lf_section_leaf *leaf, const lf_question *q, fl
 
 static void hide_between(lf_question *q, float lo, float hi)
 {
-    for (int group = q->first / WIDE * WIDE; group <= q->last; group += WIDE) {
-        const float *c = q->c + group;
-        float *scale = q->scale + group;
-        for (int i = 0; i < WIDE; i++)
-            scale[i] = (c[i] >= lo) & (c[i] <= hi) ? 0.0f : scale[i];
+    for (int k = q->first / 4 * 4; k <= q->last; k += 4) {
+        const four c = load(q->c + k);
+        const four_masks left = (four_masks)load(q->scale + k) & ~((c >= lo) & (c <= hi));
+        memcpy(q->scale + k, &left, sizeof left);
     }
 }
 
@@ -562,23 +578,6 @@ static void fan_meets(const lf_section_node *node, const fan *f, int out[WIDE])
         out[i] =
             (node->s0[i] - f->s <= above) & (node->s1[i] - f->s >= below) & (d1 > -LF_SECTION_FAR);
     }
-}
-
-/* Four numbers at once, on every machine: loops of 8 that compilers unroll before they could make
- * vectors of them took 1.5 times as long. */
-typedef float four __attribute__((vector_size(16)));
-typedef int32_t four_masks __attribute__((vector_size(16)));
-
-static four load(const float *from)
-{
-    four out;
-    memcpy(&out, from, sizeof out);
-    return out;
-}
-
-static four_masks choose(four_masks mask, four_masks yes, four_masks no)
-{
-    return (yes & mask) | (no & ~mask);
 }
 
 /* A segment is met by the rays that have its ends on different sides: those that share an end agree

@@ -184,6 +184,20 @@ static lf_vec3 make_ray(const lf_visit *visit, int view, float u, float lx, lf_m
     return lf_scale(lf_rig_direction(rig, ray->slope, visit->plane.my, 1.0f), 1.0f / ray->length);
 }
 
+/* All but where it will be. The hit, most of its memory, is left alone: rays write it. */
+static void begin_pivot(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler)
+{
+    lf_event *event = &pivot->event;
+    event->w = w;
+    event->from = event->channels = event->left = lf_v3(0.0f, 0.0f, 0.0f);
+    event->t = event->surface = 0.0f;
+    event->interior = NULL;
+    pivot->lx = lens;
+    pivot->boost = 0.0f;
+    pivot->is_pane = false;
+    pivot->sampler = sampler;
+}
+
 /* film: where in the pixel, 0..1; < 0 = drawn. What is found is shared, or only its delta lobe
  * followed (native_only). */
 static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, int column,
@@ -206,9 +220,9 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     lf_media_ray ray;
     lf_vec3 w = make_ray(visit, view, (float)column + (film < 0.0f ? jitter[0] : film), lens, &ray);
 
-    lf_pivot pivot = {.lx = lens, .sampler = &sampler};
+    lf_pivot pivot;
     lf_event *event = &pivot.event;
-    event->w = w;
+    begin_pivot(&pivot, w, lens, &sampler);
     lf_vec3 eye = lf_rig_point(rig, ray.x0, visit->plane.ly, 0.0f);
     worker->tracer.width = 0.0f;
     worker->tracer.spread = lf_rig_spread(rig) / ray.length;

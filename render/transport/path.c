@@ -178,7 +178,7 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
         found = lf_light_escape(scene, event->w, out_light_pdf);
     else if (event->kind == LF_EVENT_SURFACE && scene->has_emission)
         found = lf_light_hit(scene, from->p, &event->hit, out_light_pdf);
-    return lf_mul(found, channels_of(scene, event));
+    return scene->looks.chromatic ? lf_mul(found, event->channels) : found;
 }
 
 static float extinction(const lf_scene *scene, lf_vec3 p)
