@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/nearest.h"
 #include "daemon/output/completion.h"
 
 #define MAX_OPTIONS 64
@@ -61,6 +62,23 @@ static void make_table(const lf_options_rules *rules, struct option *table)
     append(table, n, "version", no_argument, CODE_VERSION);
 }
 
+/* where: the argument, dashes and all. */
+static lf_status unknown(const struct option *table, const char *where, lf_error *err)
+{
+    const char *names[MAX_OPTIONS + 1], *meant = NULL;
+    char word[128] = "";
+    int n = 0;
+    for (; table->name; table++)
+        names[n++] = table->name;
+    names[n] = NULL;
+    if (strncmp(where, "--", 2) == 0)
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(where + 2, "="), where + 2);
+    if (word[0])
+        meant = lf_nearest_name(word, names);
+    return meant ? lf_error_set(err, LF_E_ARG, where, "unknown option; did you mean --%s?", meant)
+                 : lf_error_set(err, LF_E_ARG, where, "unknown option (see --help)");
+}
+
 /* getopt_long without its own messages; *out_code is -1 behind the last option. */
 static lf_status read_next(int argc, char *const argv[], const char *letters,
                            const struct option *table, int *out_code, lf_error *err)
@@ -86,7 +104,7 @@ static lf_status read_next(int argc, char *const argv[], const char *letters,
     snprintf(where, sizeof where, "%.100s", text);
     if (strncmp(text, "--", 2) == 0 && count_matches(table, text + 2) > 1)
         return lf_error_set(err, LF_E_ARG, where, "could mean several options (see --help)");
-    return lf_error_set(err, LF_E_ARG, where, "unknown option (see --help)");
+    return unknown(table, where, err);
 }
 
 static lf_status take_row(const lf_options_rules *rules, int code, lf_error *err)

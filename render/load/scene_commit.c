@@ -586,9 +586,10 @@ static void find_overlaps(const commit *c)
         bool second = other < mesh && is_lamp(scene, other);
         const lf_mesh_desc *of = &c->desc->meshes[second ? other : mesh];
         lf_warnings_add(&scene->warnings, scene->file.where,
-                        "%s \"%s\": its lamp stands in one place with faces of \"%s\": which of "
+                        "%s \"%s\": %s in one place with faces of \"%s\": which of "
                         "them is seen there is a matter of rounding",
                         of->lamp ? "light" : "mesh", of->name,
+                        of->lamp ? "it lies" : "faces of it that glow lie",
                         c->desc->meshes[second ? mesh : other].name);
     }
 }

@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/nearest.h"
+#include "render/load/foreign_words.h"
 #include "render/load/frame_file.h"
 #include "render/load/member_read.h"
 #include "render/scene/vec_double.h"
@@ -474,6 +475,7 @@ static void parse_material(lf_reader *reader, const lf_node *node, lf_scene_desc
     lf_value values[LF_MAX_KEYS], emission;
     for (int i = 0; lf_surface_kinds[i]; i++)
         types[i] = lf_surface_kinds[i]->name;
+    lf_refuse_foreign_material(reader, node);
     check_material_keys(reader, node);
     const lf_surface_kind *kind = lf_surface_kinds[lf_read_type(reader, node, types, 0)];
     for (int i = 0; kind->keys[i].name; i++)

@@ -170,6 +170,8 @@ static void wrong_words_are_refused_with_the_option_and_what_it_expects(void **s
         {"--skip backgrund", "--skip", "all, none or some of surfaces, background"},
         {"--calibration c.json", "--calibration", "unknown option"}, /* not among shared */
         {"--colour red", "--colour", "unknown option"},
+        {"--sede 3", "--sede", "did you mean --seed?"},
+        {"--view-zise=3x4", "--view-zise=3x4", "did you mean --view-size?"},
         {"--view", "--view", "several"},
         {"--help=now", "--help", "takes no argument"},
         {"-z", "-z", "unknown option"},

@@ -292,18 +292,19 @@ static void lamps_in_the_plane_of_other_faces_are_said(void **state)
         assert_overlap(
             *state, meshes,
             cases[i].overlaps
-                ? "mesh \"panel\": its lamp stands in one place with faces of \"ceiling\""
+                ? "mesh \"panel\": faces of it that glow lie in one place with faces of \"ceiling\""
                 : NULL);
     }
 }
 
 static void two_lamps_in_one_place_are_said_in_one_line(void **state)
 {
-    assert_overlap(*state,
-                   "'wide': {'shape': 'quad', 'material': 'lamp', 'transform': "
-                   "{'scale': 2}}, 'narrow': {'shape': 'quad', "
-                   "'material': 'lamp'}",
-                   "mesh \"wide\": its lamp stands in one place with faces of \"narrow\"");
+    assert_overlap(
+        *state,
+        "'wide': {'shape': 'quad', 'material': 'lamp', 'transform': "
+        "{'scale': 2}}, 'narrow': {'shape': 'quad', "
+        "'material': 'lamp'}",
+        "mesh \"wide\": faces of it that glow lie in one place with faces of \"narrow\"");
 }
 
 static void a_lamp_that_stands_on_the_ground_by_its_edge_is_no_overlap(void **state)

@@ -1,0 +1,11 @@
+/* Words of other renderers' files, and what is said for them here; private to render/load/. */
+#ifndef LF_RENDER_FOREIGN_WORDS_H
+#define LF_RENDER_FOREIGN_WORDS_H
+
+#include "render/load/json_reader.h"
+
+/* Fails the reader at a material whose "type" is another renderer's name for what materials here
+ * are called otherwise, and says how. Any other word is left to who reads it. */
+void lf_refuse_foreign_material(lf_reader *reader, const lf_node *material);
+
+#endif
