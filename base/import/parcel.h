@@ -17,7 +17,7 @@ extern "C" {
 
 #include "base/status.h"
 
-#define LF_PARCEL_MAGIC UINT64_C(0x346c637270746c71) /* "qltprcl4" */
+#define LF_PARCEL_MAGIC UINT64_C(0x356c637270746c71) /* "qltprcl5" */
 
 /* What a section holds, and what one of its elements is. */
 typedef enum lf_parcel_tag {
@@ -41,6 +41,7 @@ typedef enum lf_parcel_tag {
     LF_PARCEL_PIXELS8,   /* uint8_t: [height][width][3], display encoded */
     LF_PARCEL_PIXELS32,  /* float: the same, linear; a picture has either of both */
     LF_PARCEL_SPAN,      /* double: one, seconds that an animation takes; absent: nothing moves */
+    LF_PARCEL_LIGHTS,    /* lf_parcel_light */
     LF_PARCEL_TAGS
 } lf_parcel_tag;
 
@@ -73,6 +74,12 @@ typedef struct lf_parcel_material {
 typedef struct lf_parcel_picture {
     uint32_t width, height;
 } lf_parcel_picture;
+
+/* lf_punctual (render/scene/punctual.h). */
+typedef struct lf_parcel_light {
+    double position[3], direction[3], intensity[3], outer, inner;
+    uint64_t kind;
+} lf_parcel_light;
 
 /* -------------------------------------------------------------------------------- writing one --
  */

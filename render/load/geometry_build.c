@@ -41,6 +41,7 @@ json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char
             json_object_set_new(copy, "material", json_true());
         json_object_del(copy, "animation");
         json_object_del(copy, "catcher");
+        json_object_del(copy, "lights");
         if (clip)
             json_object_set(copy, "animation", clip);
         if (json_array_append_new(list, json_pack("[s, o]", name, copy)) != 0) {
@@ -303,7 +304,8 @@ lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origi
     memcpy(geometry->origin, origin, sizeof geometry->origin);
     geometry->meshes = lf_calloc((size_t)n, sizeof *geometry->meshes);
     geometry->motions = lf_calloc((size_t)n, sizeof *geometry->motions);
-    if (!geometry->meshes || !geometry->motions)
+    geometry->lights = lf_calloc((size_t)n, sizeof *geometry->lights);
+    if (!geometry->meshes || !geometry->motions || !geometry->lights)
         goto fail;
     int first_material = 0;
     for (int i = 0; i < n; i++) {
@@ -312,6 +314,8 @@ lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origi
         if (take_mesh(geometry, &data[i], (unsigned)i, first_material) != LF_OK)
             goto fail;
         geometry->motions[i] = motion_of(ends, i, data[i].span);
+        geometry->lights[i] = data[i].lights;
+        data[i].lights = (lf_punctuals){0};
         first_material += data[i].n_materials;
     }
     memcpy(geometry->bounds, bounds, sizeof bounds);

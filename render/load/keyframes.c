@@ -127,7 +127,7 @@ static json_t *value_at(const walker *w, const lf_node *node)
 static bool is_fixed(const char *member)
 {
     static const char *const fixed[] = {"views",   "aspect",       "sequence", "animation",
-                                        "shutter", "shutter_open", NULL};
+                                        "shutter", "shutter_open", "lights",   NULL};
     for (int i = 0; fixed[i]; i++)
         if (strcmp(member, fixed[i]) == 0)
             return true;

@@ -178,6 +178,8 @@ void lf_mesh_data_finish(lf_mesh_data *data)
     for (int i = 0; i < data->n_pictures; i++)
         lf_free(data->pictures[i].rgba);
     lf_free(data->pictures);
+    lf_free(data->lights.open);
+    lf_free(data->lights.close);
     lf_warnings_finish(&data->warnings);
     for (int i = 0; i < data->n_files; i++)
         lf_free(data->files[i].path);

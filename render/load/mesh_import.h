@@ -6,6 +6,7 @@
 #include "base/import/import.h"
 #include "render/load/scene_parse.h"
 #include "render/scene/geometry.h"
+#include "render/scene/punctual.h"
 
 #define LF_MAX_TRIANGLES 50000000
 #define LF_MESH_MAX_BYTES ((uint64_t)2 << 30)
@@ -34,6 +35,7 @@ typedef struct lf_mesh_data {
     lf_texture_set *textures; /* [n_materials], or NULL: none has any */
     int n_pictures;           /* at most LF_MAX_PICTURES */
     lf_texels *pictures;      /* [n_pictures], their pixels this struct's */
+    lf_punctuals lights;
     double span; /* seconds that what moves takes, up to LF_MAX_SECONDS; 0: nothing does */
     /* Of the mesh when the shutter closes, as above; positions NULL: it stands still
      * (meshes_import.h). */

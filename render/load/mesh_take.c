@@ -10,6 +10,8 @@
 /* Rounding of a unit vector, with room; and how far from across a normal a tangent may lie. */
 #define UNIT_SLACK 1e-3f
 #define ACROSS_SLACK 1e-2f
+/* Half of a spot's cone, radians. */
+#define MOST_OUTER 1.5708
 
 static lf_status no_memory(lf_error *err)
 {
@@ -315,6 +317,47 @@ static lf_status take_span(const lf_parcel *parcel, lf_mesh_data *out, lf_error 
     return LF_OK;
 }
 
+/* ----------------------------------------------------------------------------------- lights -- */
+
+/* false: some of what counts of its kind is out of range. */
+static bool take_light(const lf_parcel_light *from, lf_punctual *out)
+{
+    double length2 = 0;
+    bool fits = from->kind < LF_PUNCTUAL_KINDS;
+    *out = (lf_punctual){
+        .kind = (lf_punctual_kind)from->kind, .outer = from->outer, .inner = from->inner};
+    for (int i = 0; i < 3; i++) {
+        out->position[i] = from->position[i];
+        out->direction[i] = from->direction[i];
+        out->intensity[i] = from->intensity[i];
+        length2 += from->direction[i] * from->direction[i];
+        fits = fits && fabs(from->position[i]) <= LF_MAX_COORDINATE && from->intensity[i] >= 0 &&
+               from->intensity[i] <= LF_MAX_RADIANCE;
+    }
+    if (from->kind != LF_PUNCTUAL_POINT)
+        fits = fits && fabs(length2 - 1) <= (double)UNIT_SLACK;
+    if (from->kind == LF_PUNCTUAL_SPOT)
+        fits = fits && from->outer > 0 && from->outer <= MOST_OUTER && from->inner >= 0 &&
+               from->inner <= from->outer;
+    return fits;
+}
+
+static lf_status take_lights(const lf_parcel *parcel, lf_mesh_data *out, lf_error *err)
+{
+    size_t n;
+    const lf_parcel_light *from = lf_parcel_get(parcel, LF_PARCEL_LIGHTS, &n);
+    bool fits = n <= LF_MAX_PUNCTUAL;
+    if (n == 0)
+        return LF_OK;
+    out->lights.open = lf_calloc(fits ? n : 1, sizeof *out->lights.open);
+    if (!out->lights.open)
+        return no_memory(err);
+    for (size_t i = 0; i < n && fits; i++)
+        fits = take_light(&from[i], &out->lights.open[out->lights.n++]);
+    return fits ? LF_OK
+                : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such lights");
+}
+
 lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *out, lf_error *err)
 {
     if (!counts_fit(parcel, materials))
@@ -337,6 +380,8 @@ lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *ou
         status = take_materials(parcel, out, err);
     if (status == LF_OK)
         status = take_span(parcel, out, err);
+    if (status == LF_OK)
+        status = take_lights(parcel, out, err);
     if (status == LF_OK &&
         !(positions_fit(out) && triangles_fit(out) && frames_fit(out) && looks_are_sound(out)))
         status = lf_error_set(err, LF_E_FORMAT, "", "the reader's answer is no mesh");

@@ -97,6 +97,10 @@ static void take_close(lf_mesh_data *data, lf_mesh_data *at, const char *where)
                         data->name);
         return;
     }
+    if (data->lights.n > 0 && data->lights.n == at->lights.n) {
+        data->lights.close = at->lights.open;
+        at->lights = (lf_punctuals){0};
+    }
     if (memcmp(data->positions, at->positions,
                3 * (size_t)data->n_vertices * sizeof *data->positions) == 0)
         return;

@@ -7,6 +7,7 @@
 #include "base/alloc.h"
 #include "render/load/environment_load.h"
 #include "render/load/file_identity.h"
+#include "render/load/file_lights.h"
 #include "render/load/geometry_build.h"
 #include "render/load/mesh_doubles.h"
 #include "render/load/meshes_import.h"
@@ -521,7 +522,8 @@ static void load_environment(const commit *c, const lf_light_desc *desc, lf_ligh
 static void load_lights(commit *c)
 {
     lf_scene *scene = c->scene;
-    scene->lights = lf_calloc((size_t)c->desc->n_lights, sizeof *scene->lights);
+    size_t n = (size_t)(c->desc->n_lights + lf_file_lights_count(c->desc, scene->geometry));
+    scene->lights = lf_calloc(n, sizeof *scene->lights);
     if (!scene->lights)
         out_of_memory(c);
     for (int i = 0; i < c->desc->n_lights && c->reader->status == LF_OK; i++) {
@@ -530,9 +532,12 @@ static void load_lights(commit *c)
         light->kind = desc->kind;
         load_environment(c, desc, light);
         desc->kind->read(desc->values, scene->origin, light);
-        if (!lf_shutter_light(c->shutter, i, scene->origin, light))
+        if (!lf_shutter_light(c->shutter->desc[0]->lights[i].values,
+                              c->shutter->desc[1]->lights[i].values, scene->origin, light))
             out_of_memory(c);
     }
+    if (c->reader->status == LF_OK && !lf_file_lights_add(c->shutter, scene))
+        out_of_memory(c);
 }
 
 /* ------------------------------------------------------------------------------------- scene -- */
@@ -606,6 +611,7 @@ static void collect_warnings(const commit *c)
                                     c->desc->volumes[i].file);
     if (scene->geometry)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
+    lf_file_lights_warn(c->desc, scene);
     if (is_unlit(scene))
         lf_warnings_add(&scene->warnings, scene->file.where,
                         "no light shines here: %s will be black (see lights in docs/scene.md)",

@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/nearest.h"
+#include "render/load/camera_parse.h"
 #include "render/load/foreign_words.h"
 #include "render/load/frame_file.h"
 #include "render/load/member_read.h"
@@ -125,41 +126,7 @@ static lf_affine parse_placed(lf_reader *reader, const lf_node *node, double sce
     return a;
 }
 
-/* ------------------------------------------------------------------------------------ camera -- */
-
-/* The rig needs a view axis and an up vector that is not along it. */
-static void check_camera(lf_reader *reader, const lf_node *node, lf_camera *camera)
-{
-    double view[3], cross[3];
-    const double *up = camera->up;
-    lf_sub_double(camera->target, camera->position, view);
-    double distance = lf_length_double(view);
-    lf_node position = lf_node_child(node, "position"), up_node = lf_node_child(node, "up"),
-            blur = lf_node_child(node, "view_blur");
-    if (!(distance > 0)) {
-        lf_read_fail(reader, &position, "the camera stands on its target");
-        return;
-    }
-    lf_cross_double(view, up, cross);
-    if (!(lf_length_double(cross) > 1e-6 * distance * lf_length_double(up)))
-        lf_read_fail(reader, &up_node, "up is zero or along the line of sight");
-    if (camera->view_blur > 0 && camera->lens_radius > 0)
-        lf_read_fail(reader, &blur, "does not go with a lens_radius: one lens at a time");
-    if (!lf_node_child(node, "focus_distance").value)
-        camera->focus_distance = distance;
-}
-
-static void parse_camera(lf_reader *reader, const lf_node *root, lf_camera *camera)
-{
-    const lf_node node = lf_node_child(root, "camera");
-    *camera = (lf_camera){0};
-    lf_read_params(reader, &node, lf_camera_params, camera);
-    camera->has_aspect = lf_node_child(&node, "aspect").value;
-    camera->has_views = lf_node_child(&node, "views").value;
-    camera->has_cone = lf_node_child(&node, "cone").value;
-    if (reader->status == LF_OK)
-        check_camera(reader, &node, camera);
-}
+/* -------------------------------------------------------------------------------------- film -- */
 
 static void parse_film(lf_reader *reader, const lf_node *root, lf_film_settings *film)
 {
@@ -515,17 +482,35 @@ static int find_material(lf_reader *reader, const lf_node *node, const char *nam
     return found;
 }
 
+static bool is_gltf(const lf_node *mesh)
+{
+    const char *file = json_string_value(lf_node_child(mesh, "file").value);
+    return file && (lf_path_has_ending(file, ".gltf") || lf_path_has_ending(file, ".glb"));
+}
+
+/* How much the lights of a file shine; below 0: nothing is said. */
+static double parse_lights_of(lf_reader *reader, const lf_node *node)
+{
+    const lf_node lights = lf_node_child(node, "lights");
+    if (!lights.value)
+        return -1;
+    if (!is_gltf(node))
+        lf_read_fail(reader, &lights, "only a glTF file has lights of its own");
+    if (json_is_number(lights.value))
+        return lf_read_number(reader, node, "lights", 1, 0, 1e6);
+    return lf_read_bool(reader, node, "lights", true) ? 1 : 0;
+}
+
 /* Which animation of a file, and where it is in this frame. */
 static void parse_clip(lf_reader *reader, const lf_node *node, double seconds, lf_clip *clip)
 {
     static const char *const keys[] = {"clip", "speed", "offset", "loop", NULL};
     const lf_node animation = lf_node_child(node, "animation"),
                   said = lf_node_child(&animation, "clip");
-    const char *file = json_string_value(lf_node_child(node, "file").value);
     *clip = (lf_clip){.seconds = seconds};
     if (!lf_read_object(reader, &animation, keys))
         return;
-    if (!file || !(lf_path_has_ending(file, ".gltf") || lf_path_has_ending(file, ".glb")))
+    if (!is_gltf(node))
         lf_read_fail(reader, &animation, "only what a glTF file holds moves");
     clip->chosen = said.value;
     if (json_is_string(said.value))
@@ -542,7 +527,7 @@ static void parse_clip(lf_reader *reader, const lf_node *node, double seconds, l
 static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
     static const char *const keys[] = {"file",      "shape", "material", "normals", "transform",
-                                       "animation", "units", "catcher",  NULL};
+                                       "animation", "units", "catcher",  "lights",  NULL};
     static const char *const endings[] = {"obj", "ply", "stl", "gltf", "glb", "3ds", NULL};
     static const char *const normals[] = {"file", "smooth", "flat", NULL};
     lf_mesh_desc *mesh = &desc->meshes[index];
@@ -563,6 +548,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
         lf_read_fail(reader, &units, "only what is in a file has units of its own");
     mesh->hidden = mesh->catcher = lf_read_bool(reader, node, "catcher", false);
     parse_clip(reader, node, desc->seconds, &mesh->clip);
+    mesh->lights = parse_lights_of(reader, node);
     const char *material = lf_read_string(reader, node, "material", NULL, LF_MAX_NAME);
     if (material)
         mesh->material = find_material(reader, node, material);
@@ -662,7 +648,7 @@ void lf_scene_parse_beside(lf_reader *reader, const lf_node *root, double frames
     out->rate = lf_read_number(reader, root, "rate", LF_FRAME_RATE, 0.01, 1000);
     out->unit_mm = parse_units(reader, root, 1e3);
     out->seconds = (out->frame - 1 + frames) / out->rate;
-    parse_camera(reader, root, &out->camera);
+    lf_camera_parse(reader, root, out);
     parse_film(reader, root, &out->film);
     parse_backdrop(reader, root, &out->backdrop);
     out->max_depth = parse_render(reader, root);

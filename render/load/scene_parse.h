@@ -54,8 +54,10 @@ typedef struct lf_mesh_desc {
     lf_affine transform;
     lf_clip clip; /* of a file */
     double area;  /* a shape's, to which it is scaled about its middle; 0 = what it comes to */
-    bool lamp;    /* of a light that is faces: the name is the light's */
-    bool hidden;  /* from the camera */
+    /* how much the lights of a glTF file shine; below 0: where the scene has none of its own, 1 */
+    double lights;
+    bool lamp;   /* of a light that is faces: the name is the light's */
+    bool hidden; /* from the camera */
     bool catcher;
 } lf_mesh_desc;
 

@@ -64,10 +64,9 @@ void lf_shutter_shift(const lf_shutter *shutter, lf_camera *camera)
         memset(camera->shift, 0, sizeof camera->shift);
 }
 
-bool lf_shutter_light(const lf_shutter *shutter, int i, const double origin[3], lf_light *light)
+bool lf_shutter_light(const lf_value open[], const lf_value close[], const double origin[3],
+                      lf_light *light)
 {
-    const lf_value *open = shutter->desc[0]->lights[i].values,
-                   *close = shutter->desc[1]->lights[i].values;
     int n = 0;
     bool same = true;
     for (; light->kind->keys[n].name; n++)

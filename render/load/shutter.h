@@ -20,9 +20,11 @@ void lf_shutter_finish(lf_shutter *shutter);
 /* What the camera of the frame gains at both ends. */
 void lf_shutter_shift(const lf_shutter *shutter, lf_camera *camera);
 
-/* Light i of the descs, which is read: its way, if it has one; it becomes what it is in the middle
- * of the shutter, which is what lights are picked by. false = out of memory. */
-bool lf_shutter_light(const lf_shutter *shutter, int i, const double origin[3], lf_light *light);
+/* A light that is read, and what its keys are when the shutter opens and when it closes: its way,
+ * if it has one; it becomes what it is in the middle of the shutter, which is what lights are
+ * picked by. false = out of memory. */
+bool lf_shutter_light(const lf_value open[], const lf_value close[], const double origin[3],
+                      lf_light *light);
 
 /* A line for all that has keys, is not the same at both ends, and stands still in the picture. */
 void lf_shutter_warn(const lf_shutter *shutter, const char *where, lf_warnings *warnings);

@@ -7,6 +7,7 @@
 #include "base/reader/reader.h"
 #include "render/reader/gltf_build.h"
 #include "render/reader/gltf_material.h"
+#include "render/reader/gltf_punctual.h"
 #include "render/reader/mesh_read.h"
 #include "render/reader/tangents.h"
 
@@ -129,13 +130,12 @@ static lf_status open_materials(reading *r, lf_error *err)
 /* Of things beside triangles and their materials. */
 static void warn(const reading *r)
 {
-    const json_t *json = r->gltf.json, *lights = lf_gltf_extension(json, "KHR_lights_punctual");
+    const json_t *json = r->gltf.json;
     const size_t n_clips = lf_gltf_count(json, "animations");
     const struct {
         size_t n;
         const char *what;
     } unused[] = {{lf_gltf_count(json, "cameras"), "cameras are not used, the scene has its own"},
-                  {lf_gltf_count(lights, "lights"), "lights are not used, the scene has its own"},
                   {n_clips > 1 && !r->build.desc->clip.chosen ? n_clips : 0,
                    "animations: the first is shown (animation.clip of the mesh shows another)"},
                   {(size_t)r->build.n_beside, "points and lines are left out"}};
@@ -171,6 +171,8 @@ static lf_status read_opened(reading *r, lf_error *err)
         status = lf_gltf_fill(&r->build, err);
     if (status == LF_OK)
         status = complete(r, err);
+    if (status == LF_OK)
+        status = lf_gltf_lights(&r->gltf, &r->nodes, r->build.data, err);
     if (status == LF_OK)
         warn(r);
     return status;

@@ -118,6 +118,20 @@ static lf_status put_warnings(lf_parcel_writer *parcel, const lf_warnings *warni
     return status;
 }
 
+static lf_status put_lights(lf_parcel_writer *parcel, const lf_punctuals *lights, lf_error *err)
+{
+    lf_status status = LF_OK;
+    for (int i = 0; i < lights->n && status == LF_OK; i++) {
+        const lf_punctual *from = &lights->open[i];
+        lf_parcel_light out = {.outer = from->outer, .inner = from->inner, .kind = from->kind};
+        memcpy(out.position, from->position, sizeof out.position);
+        memcpy(out.direction, from->direction, sizeof out.direction);
+        memcpy(out.intensity, from->intensity, sizeof out.intensity);
+        status = lf_parcel_append(parcel, LF_PARCEL_LIGHTS, &out, 1, err);
+    }
+    return status;
+}
+
 static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf_error *err)
 {
     size_t v = 3 * (size_t)data->n_vertices, t = (size_t)data->n_triangles;
@@ -130,6 +144,8 @@ static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf
         status = put_looks(parcel, data, err);
     if (status == LF_OK && data->span > 0)
         status = lf_parcel_put(parcel, LF_PARCEL_SPAN, &data->span, 1, err);
+    if (status == LF_OK)
+        status = put_lights(parcel, &data->lights, err);
     return status == LF_OK ? put_warnings(parcel, &data->warnings, err) : status;
 }
 

@@ -29,12 +29,17 @@ void lf_geometry_unref(lf_geometry *geometry)
         lf_free((void *)(uintptr_t)geometry->meshes[i].close.normals);
         lf_free((void *)(uintptr_t)geometry->meshes[i].close.tangents);
     }
+    for (int i = 0; geometry->lights && i < geometry->n_meshes; i++) {
+        lf_free(geometry->lights[i].open);
+        lf_free(geometry->lights[i].close);
+    }
     for (int i = 0; i < geometry->n_files; i++)
         lf_free(geometry->files[i].path);
     lf_free(geometry->files);
     lf_free(geometry->large.triangles);
     lf_free(geometry->meshes);
     lf_free(geometry->motions);
+    lf_free(geometry->lights);
     lf_free(geometry->materials);
     lf_free(geometry->textures);
     for (int i = 0; i < geometry->n_pyramids; i++)

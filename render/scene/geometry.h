@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "render/scene/large.h"
+#include "render/scene/punctual.h"
 #include "render/scene/scene.h"
 
 /* One file that was opened for a mesh, to see later whether it changed, and to say
@@ -35,6 +36,7 @@ typedef struct lf_geometry {
     /* owner of their arrays; .material is left 0: the scene fills it in its own copy */
     lf_mesh *meshes;
     lf_mesh_motion *motions; /* [n_meshes] */
+    lf_punctuals *lights;    /* [n_meshes] of their files */
     lf_material *materials;  /* the files' own, which triangle_material numbers */
     lf_textures *textures;   /* [n_materials] theirs; NULL: none has any */
     int n_pictures, n_pyramids;

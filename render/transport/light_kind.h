@@ -91,6 +91,13 @@ typedef struct lf_light_kind {
 LF_LIGHT_KINDS(LF_DECLARE_LIGHT)
 #undef LF_DECLARE_LIGHT
 
+/* What a file would say of a light of these kinds: the values of its keys. Angles are radians. */
+void lf_distant_say(const double direction[3], const double irradiance[3], double angle,
+                    bool visible, lf_value out[]);
+void lf_point_say(const double position[3], const double intensity[3], lf_value out[]);
+void lf_spot_say(const double position[3], const double direction[3], const double intensity[3],
+                 double angle, double blend, lf_value out[]);
+
 /* What a light without faces says when the shutter opens and when it closes. */
 typedef struct lf_light_way {
     lf_value open[LF_MAX_KEYS], close[LF_MAX_KEYS];

@@ -33,6 +33,14 @@ static const lf_param keys[] = {
     {0},
 };
 
+void lf_point_say(const double position[3], const double intensity[3], lf_value out[])
+{
+    for (int i = 0; i < 3; i++) {
+        out[POSITION].number[i] = position[i];
+        out[INTENSITY].number[i] = intensity[i];
+    }
+}
+
 static void read(const lf_value values[], const double origin[3], lf_light *light)
 {
     light->position = lf_light_place(values[POSITION].number, origin);

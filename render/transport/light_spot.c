@@ -51,6 +51,18 @@ static const lf_param keys[] = {
     {0},
 };
 
+void lf_spot_say(const double position[3], const double direction[3], const double intensity[3],
+                 double angle, double blend, lf_value out[])
+{
+    for (int i = 0; i < 3; i++) {
+        out[POSITION].number[i] = position[i];
+        out[DIRECTION].number[i] = direction[i];
+        out[INTENSITY].number[i] = intensity[i];
+    }
+    out[ANGLE].number[0] = angle;
+    out[BLEND].number[0] = blend;
+}
+
 static double versine_of(double angle)
 {
     return 2.0 * pow(sin(0.5 * angle), 2.0);

@@ -29,10 +29,6 @@ bool lf_environment_varies(const lf_light *light);
  * +y. */
 void lf_environment_turn(lf_light *light, double angle);
 
-/* What a file would say of a distant light: the values of its keys. */
-void lf_distant_say(const double direction[3], const double irradiance[3], double angle,
-                    bool visible, lf_value out[]);
-
 /* Lights that are faces. */
 
 /* What they may say of a length and of how much they shine: their radiance or their power. */

@@ -99,6 +99,22 @@ static void check_materials(const lf_mesh_data *data)
     }
 }
 
+static void check_lights(const lf_punctuals *lights)
+{
+    lf_fuzz_require(lights->n <= LF_MAX_PUNCTUAL);
+    for (int i = 0; i < lights->n; i++) {
+        const lf_punctual *light = &lights->open[i];
+        const float d[3] = {(float)light->direction[0], (float)light->direction[1],
+                            (float)light->direction[2]};
+        if (light->kind != LF_PUNCTUAL_POINT)
+            check_unit(d);
+        lf_fuzz_require(light->inner >= 0 && light->inner <= light->outer && light->outer < 1.5708);
+        for (int k = 0; k < 3; k++)
+            lf_fuzz_require(light->intensity[k] >= 0 && light->intensity[k] <= LF_MAX_RADIANCE &&
+                            fabs(light->position[k]) <= LF_MAX_COORDINATE);
+    }
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     lf_mesh_desc desc = {.file = "folder/mesh.glb", .transform = lf_affine_identity()};
@@ -117,6 +133,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         check_triangles(&mesh);
         check_vertices(&mesh);
         check_materials(&mesh);
+        check_lights(&mesh.lights);
     } else {
         lf_fuzz_require(err.what[0]);
     }

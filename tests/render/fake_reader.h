@@ -17,6 +17,7 @@
 
 #include "base/import/import.h"
 #include "base/reader/reader.h"
+#include "render/scene/punctual.h"
 #include "render/scene/scene.h"
 
 /* The last message, and the end. */
@@ -45,6 +46,7 @@ typedef struct fake_mesh {
     lf_parcel_material materials[2];
     lf_parcel_picture pictures[2];
     uint8_t texels[12];
+    lf_parcel_light lights[3];
     size_t n[LF_PARCEL_TAGS]; /* elements that are told of */
 } fake_mesh;
 
@@ -72,6 +74,13 @@ static inline fake_mesh fake_true_mesh(void)
                                       .texture[LF_SLOT_NORMAL] = picture}},
                        .pictures = {{1, 1}, {1, 2}},
                        .texels = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12},
+                       .lights = {{.position = {1, 2, 3}, .intensity = {4, 5, 6}},
+                                  {.direction = {0, 0.6, 0.8},
+                                   .intensity = {1, 1, 1},
+                                   .outer = 0.5,
+                                   .inner = 0.25,
+                                   .kind = LF_PUNCTUAL_SPOT},
+                                  {.direction = {0, 0, -1}, .kind = LF_PUNCTUAL_DISTANT}},
                        .n = {[LF_PARCEL_POSITIONS] = 9,
                              [LF_PARCEL_NORMALS] = 9,
                              [LF_PARCEL_TRIANGLES] = 3,
@@ -142,6 +151,13 @@ static inline void fake_lie_of_material(const char *lie, fake_mesh *m)
     }
 }
 
+static const char *const fake_lies_of_looks[] = {
+    "uv nan",        "uv far",       "uv short",     "uv absent",   "uv one",     "colour",
+    "colour nan",    "colour short", "tangent long", "tangent nan", "tangent up", "tangent side",
+    "tangent short", "picture",      "wrap u",       "wrap v",      "set",        "set wide",
+    "nearest",       "map",          "scale",        "size none",   "size wide",  "size more",
+    "size less",     "texels",       "sizes"};
+
 static inline void fake_lie_of_looks(const char *lie, fake_mesh *m)
 {
     lf_parcel_texture *texture = &m->materials[1].texture[LF_SLOT_NORMAL];
@@ -201,6 +217,37 @@ static inline void fake_lie_of_looks(const char *lie, fake_mesh *m)
         m->n[LF_PARCEL_PICTURES] = 0;
 }
 
+static const char *const fake_lies_of_lights[] = {
+    "light kind", "light nan",  "light far",  "light dark",   "light bright", "light long",
+    "light lost", "light wide", "light shut", "light inside", "light below",  "light many"};
+
+static inline void fake_lie_of_lights(const char *lie, fake_mesh *m)
+{
+    lf_parcel_light *point = &m->lights[0], *spot = &m->lights[1];
+    if (strcmp(lie, "light kind") == 0)
+        point->kind = LF_PUNCTUAL_KINDS + UINT64_C(0x100000000);
+    if (strcmp(lie, "light nan") == 0)
+        point->position[2] = (double)NAN;
+    if (strcmp(lie, "light far") == 0)
+        point->position[0] = -2e9;
+    if (strcmp(lie, "light dark") == 0)
+        point->intensity[1] = -1;
+    if (strcmp(lie, "light bright") == 0)
+        point->intensity[1] = 2e9;
+    if (strcmp(lie, "light long") == 0)
+        spot->direction[0] = 1;
+    if (strcmp(lie, "light lost") == 0)
+        m->lights[2].direction[2] = 0;
+    if (strcmp(lie, "light wide") == 0)
+        spot->outer = 1.6;
+    if (strcmp(lie, "light shut") == 0)
+        spot->outer = spot->inner = 0;
+    if (strcmp(lie, "light inside") == 0)
+        spot->inner = 0.75;
+    if (strcmp(lie, "light below") == 0)
+        spot->inner = -0.25;
+}
+
 /* lie: what is wrong with it, "" = nothing; "plain": nothing that materials look at,
  * but for the section whose number is behind it. */
 static inline int fake_parcel(const char *lie)
@@ -218,11 +265,13 @@ static inline int fake_parcel(const char *lie)
                     {LF_PARCEL_TANGENTS, m.tangents},
                     {LF_PARCEL_PICTURES, m.pictures},
                     {LF_PARCEL_TEXELS, m.texels}};
+    bool many = strcmp(lie, "light many") == 0;
     lf_parcel_writer writer;
     int fd = -1;
     fake_lie_of_mesh(lie, &m);
     fake_lie_of_material(lie, &m);
     fake_lie_of_looks(lie, &m);
+    fake_lie_of_lights(lie, &m);
     bool plain = strncmp(lie, "plain", 5) == 0;
     for (lf_parcel_tag tag = LF_PARCEL_CHOICES; tag <= LF_PARCEL_TEXELS && plain; tag++)
         m.n[tag] = lie[5] == '\0' || atoi(lie + 5) != (int)tag ? 0 : m.n[tag];
@@ -231,6 +280,9 @@ static inline int fake_parcel(const char *lie)
     for (size_t i = 0; i < sizeof sections / sizeof *sections; i++)
         if (lf_parcel_put(&writer, sections[i].tag, sections[i].data, m.n[sections[i].tag], NULL) !=
             LF_OK)
+            _exit(3);
+    for (int i = 0; i < (many ? 100 : 1); i++)
+        if (lf_parcel_append(&writer, LF_PARCEL_LIGHTS, m.lights, 3, NULL) != LF_OK)
             _exit(3);
     if ((m.n[LF_PARCEL_MATERIALS] > 0 &&
          (lf_parcel_append(&writer, LF_PARCEL_MATERIALS, m.materials, 1, NULL) != LF_OK ||

@@ -258,8 +258,14 @@ static void what_lies_on_a_mesh_is_taken_over_whole(void **state)
     assert_true(material->cover == LF_COVER_BLEND && material->alpha == 0.5f);
     assert_true(material->is_solid && material->glass.absorption.x == 7 &&
                 material->sheen.z == 0.25f);
+    assert_int_equal(data.lights.n, 3);
+    const lf_punctual *spot = &data.lights.open[1];
+    assert_true(spot->kind == LF_PUNCTUAL_SPOT && spot->outer == 0.5 && spot->inner == 0.25);
+    assert_true(spot->direction[2] == 0.8 && data.lights.open[0].position[1] == 2 &&
+                data.lights.open[0].intensity[2] == 6);
     lf_mesh_data_finish(&data);
-    assert_true(!data.pictures && !data.uvs && !data.colours && !data.tangents && !data.textures);
+    assert_true(!data.lights.open && !data.pictures && !data.uvs && !data.colours &&
+                !data.tangents && !data.textures);
 }
 
 /* Where the scene has a material, the file's own looks were not asked for. */
@@ -289,15 +295,10 @@ static void a_mesh_of_lies_is_refused(void **state)
 
 static void looks_of_lies_are_refused(void **state)
 {
-    static const char *const lies[] = {"uv nan",        "uv far",      "uv short",   "uv absent",
-                                       "uv one",        "colour",      "colour nan", "colour short",
-                                       "tangent long",  "tangent nan", "tangent up", "tangent side",
-                                       "tangent short", "picture",     "wrap u",     "wrap v",
-                                       "set",           "set wide",    "nearest",    "map",
-                                       "scale",         "size none",   "size wide",  "size more",
-                                       "size less",     "texels",      "sizes"};
-    for (size_t i = 0; i < sizeof lies / sizeof *lies; i++)
-        assert_says(*state, lies[i], LF_E_FORMAT, "the reader's answer");
+    for (size_t i = 0; i < sizeof fake_lies_of_looks / sizeof *fake_lies_of_looks; i++)
+        assert_says(*state, fake_lies_of_looks[i], LF_E_FORMAT, "the reader's answer");
+    for (size_t i = 0; i < sizeof fake_lies_of_lights / sizeof *fake_lies_of_lights; i++)
+        assert_says(*state, fake_lies_of_lights[i], LF_E_FORMAT, "no such lights");
 }
 
 static void words_of_a_material_that_are_lies_are_refused(void **state)

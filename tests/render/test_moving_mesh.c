@@ -3,28 +3,19 @@
 #include "tests/testing.h"
 
 #include "render/scene/geometry.h"
+#include "tests/render/walker.h"
 #include "tests/stat/fixture.h"
 
 /* A triangle of unit legs; two animations of it, 8 along x in 2 seconds, "up" 4 along y in 2. */
 #define WALKER                                                                                     \
     "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{"       \
-    "\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"buffers\":[" \
-    "{\"byteLength\":92,\"uri\":\"data:;base64,"                                                   \
-    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAEAAAAAAAAAAAAAAAAAAAABBAAAAAAAAAAAA" \
-    "AAAAAAAAAAAAAAAAAAAAAACAQAAAAAA=\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":92}],"     \
-    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"      \
-    "{\"bufferView\":0,\"byteOffset\":36,\"componentType\":5126,\"count\":2,\"type\":\"SCALAR\"}," \
-    "{\"bufferView\":0,\"byteOffset\":44,\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"},"   \
-    "{\"bufferView\":0,\"byteOffset\":68,\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"}]"
-
-#define MOVES(output)                                                                              \
-    "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}}],"             \
-    "\"samplers\":[{\"input\":1,\"output\":" output "}]"
+    "\"mesh\":0}]," WALKER_BYTES
 
 static void write_files(const char *folder)
 {
     lf_test_write(folder, "walk.gltf",
-                  WALKER ",\"animations\":[{" MOVES("2") "},{\"name\":\"up\"," MOVES("3") "}]}");
+                  WALKER ",\"animations\":[{" WALKER_MOVES(
+                      "0", "2") "},{\"name\":\"up\"," WALKER_MOVES("0", "3") "}]}");
     lf_test_write(folder, "still.gltf", WALKER "}");
 }
 

@@ -191,6 +191,8 @@ static const char *const good[] = {
     "\"walk\","
     "\"speed\": -0.5, \"offset\": 1.5, \"loop\": false}}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.GLTF\", \"animation\": {\"clip\": 2}}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"lights\": 683}, \"n\": {\"file\": \"a.glb\", "
+    "\"lights\": false}}}",
     "{}",
     "{\"quiltd\": 1, \"comment\": \"c\", \"$schema\": \"s\"}",
     "{\"quiltd\": 1.0, \"camera\": {\"views\": 45.0}}",
@@ -375,6 +377,10 @@ static const char *const wrong[] = {
     "{\"rate\": 0}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"clip\": \"\"}}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"clip\": -1}}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"lights\": -1}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"lights\": \"yes\"}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"lights\": {\"keys\": [[1, 1]]}}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"cube\", \"lights\": true}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"speed\": 1001}}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"loop\": 1}}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": \"walk\"}}}",
