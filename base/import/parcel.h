@@ -42,6 +42,7 @@ typedef enum lf_parcel_tag {
     LF_PARCEL_PIXELS32,  /* float: the same, linear; a picture has either of both */
     LF_PARCEL_SPAN,      /* double: one, seconds that an animation takes; absent: nothing moves */
     LF_PARCEL_LIGHTS,    /* lf_parcel_light */
+    LF_PARCEL_CAMERAS,   /* lf_parcel_camera */
     LF_PARCEL_TAGS
 } lf_parcel_tag;
 
@@ -80,6 +81,13 @@ typedef struct lf_parcel_light {
     double position[3], direction[3], intensity[3], outer, inner;
     uint64_t kind;
 } lf_parcel_light;
+
+/* lf_file_camera (render/scene/file_camera.h). */
+typedef struct lf_parcel_camera {
+    double position[3], look[3], up[3], fov_y;
+    uint32_t number, parallel;
+    char name[128], node_name[128]; /* each with its end */
+} lf_parcel_camera;
 
 /* -------------------------------------------------------------------------------- writing one --
  */

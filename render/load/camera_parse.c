@@ -1,17 +1,19 @@
 #include "render/load/camera_parse.h"
 
+#include "render/load/frame_file.h"
 #include "render/load/member_read.h"
 #include "render/scene/vec_double.h"
 
 /* The rig needs a view axis and an up vector that is not along it. */
-static void check_camera(lf_reader *reader, const lf_node *node, lf_camera *camera)
+void lf_camera_check(lf_reader *reader, const lf_node *root, lf_camera *camera)
 {
     double view[3], cross[3];
     const double *up = camera->up;
+    const lf_node node = lf_node_child(root, "camera");
     lf_sub_double(camera->target, camera->position, view);
     double distance = lf_length_double(view);
-    lf_node position = lf_node_child(node, "position"), up_node = lf_node_child(node, "up"),
-            blur = lf_node_child(node, "view_blur");
+    lf_node position = lf_node_child(&node, "position"), up_node = lf_node_child(&node, "up"),
+            blur = lf_node_child(&node, "view_blur");
     if (!(distance > 0)) {
         lf_read_fail(reader, &position, "the camera stands on its target");
         return;
@@ -21,8 +23,32 @@ static void check_camera(lf_reader *reader, const lf_node *node, lf_camera *came
         lf_read_fail(reader, &up_node, "up is zero or along the line of sight");
     if (camera->view_blur > 0 && camera->lens_radius > 0)
         lf_read_fail(reader, &blur, "does not go with a lens_radius: one lens at a time");
-    if (!lf_node_child(node, "focus_distance").value)
+    if (!lf_node_child(&node, "focus_distance").value)
         camera->focus_distance = distance;
+}
+
+/* A camera of a mesh's file. */
+static void parse_framing(lf_reader *reader, const lf_node *node, lf_framing *framing)
+{
+    static const char *const keys[] = {"mesh", "camera", "distance", NULL};
+    const lf_node from = lf_node_child(node, "from"), camera = lf_node_child(&from, "camera"),
+                  distance = lf_node_child(&from, "distance");
+    *framing = (lf_framing){.number = -1};
+    if (!lf_read_object(reader, &from, keys))
+        return;
+    framing->mesh = lf_read_string(reader, &from, "mesh", NULL, LF_MAX_NAME);
+    if (!framing->mesh)
+        lf_read_fail(reader, &from, "\"mesh\" is missing: whose file the camera is in");
+    if (json_is_string(camera.value))
+        framing->name = lf_read_string(reader, &from, "camera", NULL, LF_MAX_NAME);
+    else if (camera.value)
+        framing->number = lf_read_int(reader, &from, "camera", 0, 0, LF_MAX_FRAME);
+    if (distance.value)
+        framing->distance = lf_read_number(reader, &from, "distance", 1, 1e-9, LF_MAX_COORDINATE);
+    framing->own_position = lf_node_child(node, "position").value;
+    framing->own_target = lf_node_child(node, "target").value;
+    framing->own_up = lf_node_child(node, "up").value;
+    framing->own_fov = lf_node_child(node, "fov_y").value;
 }
 
 void lf_camera_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
@@ -30,10 +56,11 @@ void lf_camera_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
     lf_camera *camera = &out->camera;
     const lf_node node = lf_node_child(root, "camera");
     *camera = (lf_camera){0};
-    lf_read_params(reader, &node, lf_camera_params, camera);
+    lf_read_params(reader, &node, "from", lf_camera_params, camera);
     camera->has_aspect = lf_node_child(&node, "aspect").value;
     camera->has_views = lf_node_child(&node, "views").value;
     camera->has_cone = lf_node_child(&node, "cone").value;
-    if (reader->status == LF_OK)
-        check_camera(reader, &node, camera);
+    parse_framing(reader, &node, &out->framing);
+    if (reader->status == LF_OK && !out->framing.mesh)
+        lf_camera_check(reader, root, camera);
 }

@@ -81,22 +81,13 @@ bool lf_file_lights_add(const lf_shutter *shutter, lf_scene *scene)
     return true;
 }
 
-/* The file that a mesh is. */
-static const char *file_of(const lf_geometry *geometry, int mesh)
-{
-    int i = 0;
-    while (i < geometry->n_files && geometry->files[i].mesh != mesh)
-        i++;
-    return i < geometry->n_files ? geometry->files[i].path : "";
-}
-
 void lf_file_lights_warn(const lf_scene_desc *desc, lf_scene *scene)
 {
     const lf_geometry *geometry = scene->geometry;
     int n_left = count_all(desc, geometry) - lf_file_lights_count(desc, geometry);
     for (int i = 0; geometry && i < geometry->n_meshes; i++)
         if (geometry->lights[i].n > 0 && desc->meshes[i].lights < 0 && has_own(desc))
-            lf_warnings_add(&scene->warnings, file_of(geometry, i),
+            lf_warnings_add(&scene->warnings, lf_geometry_file(geometry, i),
                             "%d lights are not used, the scene has its own (\"lights\": true of "
                             "the mesh lets them shine)",
                             geometry->lights[i].n);

@@ -305,7 +305,8 @@ lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origi
     geometry->meshes = lf_calloc((size_t)n, sizeof *geometry->meshes);
     geometry->motions = lf_calloc((size_t)n, sizeof *geometry->motions);
     geometry->lights = lf_calloc((size_t)n, sizeof *geometry->lights);
-    if (!geometry->meshes || !geometry->motions || !geometry->lights)
+    geometry->cameras = lf_calloc((size_t)n, sizeof *geometry->cameras);
+    if (!geometry->meshes || !geometry->motions || !geometry->lights || !geometry->cameras)
         goto fail;
     int first_material = 0;
     for (int i = 0; i < n; i++) {
@@ -315,7 +316,9 @@ lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origi
             goto fail;
         geometry->motions[i] = motion_of(ends, i, data[i].span);
         geometry->lights[i] = data[i].lights;
+        geometry->cameras[i] = data[i].cameras;
         data[i].lights = (lf_punctuals){0};
+        data[i].cameras = (lf_file_cameras){0};
         first_material += data[i].n_materials;
     }
     memcpy(geometry->bounds, bounds, sizeof bounds);

@@ -126,8 +126,9 @@ static json_t *value_at(const walker *w, const lf_node *node)
 /* Where nothing may have keys. */
 static bool is_fixed(const char *member)
 {
-    static const char *const fixed[] = {"views",   "aspect",       "sequence", "animation",
-                                        "shutter", "shutter_open", "lights",   NULL};
+    static const char *const fixed[] = {"views",     "aspect",  "sequence",
+                                        "animation", "shutter", "shutter_open",
+                                        "lights",    "from",    NULL};
     for (int i = 0; fixed[i]; i++)
         if (strcmp(member, fixed[i]) == 0)
             return true;

@@ -187,9 +187,10 @@ void lf_read_values(lf_reader *reader, const lf_node *node, const lf_param keys[
         lf_read_value(reader, node, &keys[i], &out[i]);
 }
 
-void lf_read_params(lf_reader *reader, const lf_node *node, const lf_param params[], void *object)
+void lf_read_params(lf_reader *reader, const lf_node *node, const char *also,
+                    const lf_param params[], void *object)
 {
-    check_keys(reader, node, NULL, params, 0);
+    check_keys(reader, node, also, params, 0);
     for (const lf_param *row = params; row->name; row++)
         read_field(reader, node, row, (char *)object + row->place);
 }

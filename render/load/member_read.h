@@ -13,9 +13,10 @@
  * below 0: it must. In range whatever went wrong. */
 int lf_read_type(lf_reader *reader, const lf_node *node, const char *const types[], int fallback);
 
-/* Sets every field that has a row, to its initial value where node says nothing; any other key is
- * an error. At most 32 rows. */
-void lf_read_params(lf_reader *reader, const lf_node *node, const lf_param params[], void *object);
+/* Sets every field that has a row, to its initial value where node says nothing; any other key but
+ * `also` (may be NULL) is an error. At most 32 rows. */
+void lf_read_params(lf_reader *reader, const lf_node *node, const char *also,
+                    const lf_param params[], void *object);
 
 /* Reads every key of a kind; any other key than these and "type" is an error. out has a value for
  * each of keys, in their order; texts are borrowed from the document. */

@@ -180,6 +180,8 @@ void lf_mesh_data_finish(lf_mesh_data *data)
     lf_free(data->pictures);
     lf_free(data->lights.open);
     lf_free(data->lights.close);
+    lf_free(data->cameras.open);
+    lf_free(data->cameras.close);
     lf_warnings_finish(&data->warnings);
     for (int i = 0; i < data->n_files; i++)
         lf_free(data->files[i].path);

@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "base/import/import.h"
 #include "render/load/scene_parse.h"
+#include "render/scene/file_camera.h"
 #include "render/scene/geometry.h"
 #include "render/scene/punctual.h"
 
@@ -36,6 +37,7 @@ typedef struct lf_mesh_data {
     int n_pictures;           /* at most LF_MAX_PICTURES */
     lf_texels *pictures;      /* [n_pictures], their pixels this struct's */
     lf_punctuals lights;
+    lf_file_cameras cameras;
     double span; /* seconds that what moves takes, up to LF_MAX_SECONDS; 0: nothing does */
     /* Of the mesh when the shutter closes, as above; positions NULL: it stands still
      * (meshes_import.h). */

@@ -358,6 +358,56 @@ static lf_status take_lights(const lf_parcel *parcel, lf_mesh_data *out, lf_erro
                 : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such lights");
 }
 
+/* ---------------------------------------------------------------------------------- cameras -- */
+
+static double dot_double(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static bool is_unit_double(const double v[3])
+{
+    return fabs(dot_double(v, v) - 1) <= (double)UNIT_SLACK;
+}
+
+static bool take_camera(const lf_parcel_camera *from, lf_file_camera *out)
+{
+    bool fits = is_unit_double(from->look) && is_unit_double(from->up) &&
+                fabs(dot_double(from->look, from->up)) <= (double)UNIT_SLACK &&
+                from->fov_y >= LF_FILE_CAMERA_LEAST_FOV && from->fov_y <= LF_FILE_CAMERA_MOST_FOV &&
+                from->number <= INT32_MAX && from->parallel <= 1 &&
+                memchr(from->name, 0, sizeof from->name) &&
+                memchr(from->node_name, 0, sizeof from->node_name);
+    for (int i = 0; i < 3; i++)
+        fits = fits && fabs(from->position[i]) <= LF_MAX_COORDINATE;
+    if (!fits)
+        return false;
+    *out = (lf_file_camera){
+        .number = (int)from->number, .parallel = from->parallel == 1, .fov_y = from->fov_y};
+    memcpy(out->name, from->name, sizeof out->name);
+    memcpy(out->node_name, from->node_name, sizeof out->node_name);
+    memcpy(out->position, from->position, sizeof out->position);
+    memcpy(out->look, from->look, sizeof out->look);
+    memcpy(out->up, from->up, sizeof out->up);
+    return true;
+}
+
+static lf_status take_cameras(const lf_parcel *parcel, lf_mesh_data *out, lf_error *err)
+{
+    size_t n;
+    const lf_parcel_camera *from = lf_parcel_get(parcel, LF_PARCEL_CAMERAS, &n);
+    bool fits = n <= LF_MAX_FILE_CAMERAS;
+    if (n == 0)
+        return LF_OK;
+    out->cameras.open = lf_calloc(fits ? n : 1, sizeof *out->cameras.open);
+    if (!out->cameras.open)
+        return no_memory(err);
+    for (size_t i = 0; i < n && fits; i++)
+        fits = take_camera(&from[i], &out->cameras.open[out->cameras.n++]);
+    return fits ? LF_OK
+                : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such cameras");
+}
+
 lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *out, lf_error *err)
 {
     if (!counts_fit(parcel, materials))
@@ -382,6 +432,8 @@ lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *ou
         status = take_span(parcel, out, err);
     if (status == LF_OK)
         status = take_lights(parcel, out, err);
+    if (status == LF_OK)
+        status = take_cameras(parcel, out, err);
     if (status == LF_OK &&
         !(positions_fit(out) && triangles_fit(out) && frames_fit(out) && looks_are_sound(out)))
         status = lf_error_set(err, LF_E_FORMAT, "", "the reader's answer is no mesh");

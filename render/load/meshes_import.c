@@ -101,6 +101,10 @@ static void take_close(lf_mesh_data *data, lf_mesh_data *at, const char *where)
         data->lights.close = at->lights.open;
         at->lights = (lf_punctuals){0};
     }
+    if (data->cameras.n > 0 && data->cameras.n == at->cameras.n) {
+        data->cameras.close = at->cameras.open;
+        at->cameras = (lf_file_cameras){0};
+    }
     if (memcmp(data->positions, at->positions,
                3 * (size_t)data->n_vertices * sizeof *data->positions) == 0)
         return;

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "render/load/camera_frame.h"
 #include "render/load/environment_load.h"
 #include "render/load/file_identity.h"
 #include "render/load/file_lights.h"
@@ -612,6 +613,7 @@ static void collect_warnings(const commit *c)
     if (scene->geometry)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
     lf_file_lights_warn(c->desc, scene);
+    lf_camera_frame_warn(c->desc, scene);
     if (is_unlit(scene))
         lf_warnings_add(&scene->warnings, scene->file.where,
                         "no light shines here: %s will be black (see lights in docs/scene.md)",
@@ -625,8 +627,6 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
     commit c = {reader, root, desc, shutter, roots, previous, scene};
     scene->file.frame = desc->frame;
     scene->file.rate = desc->rate;
-    scene->camera = desc->camera;
-    lf_shutter_shift(shutter, &scene->camera);
     scene->film = desc->film;
     scene->backdrop = desc->backdrop;
     scene->max_depth = desc->max_depth;
@@ -645,6 +645,7 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         place_flame(&c, i);
     place_meshes(&c);
     set_bounds(&c);
+    lf_camera_frame(reader, root, desc, shutter, scene);
     load_lights(&c);
     if (reader->status != LF_OK)
         return;

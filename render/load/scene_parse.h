@@ -67,12 +67,22 @@ typedef struct lf_light_desc {
     lf_value values[LF_MAX_KEYS];
 } lf_light_desc;
 
+/* A camera of a mesh's file, which the scene's is like where it says nothing else. */
+typedef struct lf_framing {
+    const char *mesh; /* its name; NULL: there is none */
+    const char *name; /* of the camera or its node; NULL: by its number */
+    int number;       /* of the file's cameras; below 0: the first that stands somewhere */
+    double distance;  /* of the window; 0: the middle of what lies before it */
+    bool own_position, own_target, own_up, own_fov; /* the scene says it */
+} lf_framing;
+
 typedef struct lf_scene_desc {
     int frame;
-    double rate;    /* frames a second */
-    double seconds; /* of animations: 0 in frame 1 */
-    double unit_mm; /* what a scene unit is */
-    lf_camera camera;
+    double rate;      /* frames a second */
+    double seconds;   /* of animations: 0 in frame 1 */
+    double unit_mm;   /* what a scene unit is */
+    lf_camera camera; /* what lf_camera_frame makes of it where there is a framing */
+    lf_framing framing;
     lf_film_settings film;
     lf_backdrop backdrop;
     int max_depth; /* 0 = not stated */

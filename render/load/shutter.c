@@ -48,10 +48,10 @@ void lf_shutter_finish(lf_shutter *shutter)
     *shutter = (lf_shutter){0};
 }
 
-void lf_shutter_shift(const lf_shutter *shutter, lf_camera *camera)
+void lf_shutter_shift(const lf_camera ends[2], lf_camera *camera)
 {
     for (int end = 0; end < 2; end++) {
-        const lf_camera *then = &shutter->desc[end]->camera;
+        const lf_camera *then = &ends[end];
         lf_camera_shift *shift = &camera->shift[end];
         for (int i = 0; i < 3; i++) {
             shift->position[i] = then->position[i] - camera->position[i];

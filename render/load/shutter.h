@@ -17,8 +17,8 @@ void lf_shutter_read(lf_reader *reader, const lf_node *root, json_t *still,
                      const lf_scene_desc *desc, lf_shutter *out);
 void lf_shutter_finish(lf_shutter *shutter);
 
-/* What the camera of the frame gains at both ends. */
-void lf_shutter_shift(const lf_shutter *shutter, lf_camera *camera);
+/* What the camera of the frame gains at both ends, where it is what ends say. */
+void lf_shutter_shift(const lf_camera ends[2], lf_camera *camera);
 
 /* A light that is read, and what its keys are when the shutter opens and when it closes: its way,
  * if it has one; it becomes what it is in the middle of the shutter, which is what lights are

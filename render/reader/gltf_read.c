@@ -6,6 +6,7 @@
 #include "base/alloc.h"
 #include "base/reader/reader.h"
 #include "render/reader/gltf_build.h"
+#include "render/reader/gltf_camera.h"
 #include "render/reader/gltf_material.h"
 #include "render/reader/gltf_punctual.h"
 #include "render/reader/mesh_read.h"
@@ -135,8 +136,7 @@ static void warn(const reading *r)
     const struct {
         size_t n;
         const char *what;
-    } unused[] = {{lf_gltf_count(json, "cameras"), "cameras are not used, the scene has its own"},
-                  {n_clips > 1 && !r->build.desc->clip.chosen ? n_clips : 0,
+    } unused[] = {{n_clips > 1 && !r->build.desc->clip.chosen ? n_clips : 0,
                    "animations: the first is shown (animation.clip of the mesh shows another)"},
                   {(size_t)r->build.n_beside, "points and lines are left out"}};
     for (size_t i = 0; i < sizeof unused / sizeof *unused; i++)
@@ -173,6 +173,8 @@ static lf_status read_opened(reading *r, lf_error *err)
         status = complete(r, err);
     if (status == LF_OK)
         status = lf_gltf_lights(&r->gltf, &r->nodes, r->build.data, err);
+    if (status == LF_OK)
+        status = lf_gltf_cameras(&r->gltf, &r->nodes, r->build.data, err);
     if (status == LF_OK)
         warn(r);
     return status;

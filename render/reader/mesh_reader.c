@@ -132,6 +132,25 @@ static lf_status put_lights(lf_parcel_writer *parcel, const lf_punctuals *lights
     return status;
 }
 
+static lf_status put_cameras(lf_parcel_writer *parcel, const lf_file_cameras *cameras,
+                             lf_error *err)
+{
+    _Static_assert(sizeof((lf_parcel_camera *)0)->name == LF_FILE_CAMERA_NAME, "names fit");
+    lf_status status = LF_OK;
+    for (int i = 0; i < cameras->n && status == LF_OK; i++) {
+        const lf_file_camera *from = &cameras->open[i];
+        lf_parcel_camera out = {
+            .fov_y = from->fov_y, .number = (uint32_t)from->number, .parallel = from->parallel};
+        memcpy(out.position, from->position, sizeof out.position);
+        memcpy(out.look, from->look, sizeof out.look);
+        memcpy(out.up, from->up, sizeof out.up);
+        memcpy(out.name, from->name, sizeof out.name);
+        memcpy(out.node_name, from->node_name, sizeof out.node_name);
+        status = lf_parcel_append(parcel, LF_PARCEL_CAMERAS, &out, 1, err);
+    }
+    return status;
+}
+
 static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf_error *err)
 {
     size_t v = 3 * (size_t)data->n_vertices, t = (size_t)data->n_triangles;
@@ -146,6 +165,8 @@ static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf
         status = lf_parcel_put(parcel, LF_PARCEL_SPAN, &data->span, 1, err);
     if (status == LF_OK)
         status = put_lights(parcel, &data->lights, err);
+    if (status == LF_OK)
+        status = put_cameras(parcel, &data->cameras, err);
     return status == LF_OK ? put_warnings(parcel, &data->warnings, err) : status;
 }
 

@@ -8,6 +8,14 @@ lf_geometry *lf_geometry_ref(lf_geometry *geometry)
     return geometry;
 }
 
+const char *lf_geometry_file(const lf_geometry *geometry, int mesh)
+{
+    int i = 0;
+    while (i < geometry->n_files && geometry->files[i].mesh != mesh)
+        i++;
+    return i < geometry->n_files ? geometry->files[i].path : "";
+}
+
 void lf_geometry_unref(lf_geometry *geometry)
 {
     /* Acquire-release: whoever frees sees what the other owners did before they let go. */
@@ -33,6 +41,10 @@ void lf_geometry_unref(lf_geometry *geometry)
         lf_free(geometry->lights[i].open);
         lf_free(geometry->lights[i].close);
     }
+    for (int i = 0; geometry->cameras && i < geometry->n_meshes; i++) {
+        lf_free(geometry->cameras[i].open);
+        lf_free(geometry->cameras[i].close);
+    }
     for (int i = 0; i < geometry->n_files; i++)
         lf_free(geometry->files[i].path);
     lf_free(geometry->files);
@@ -40,6 +52,7 @@ void lf_geometry_unref(lf_geometry *geometry)
     lf_free(geometry->meshes);
     lf_free(geometry->motions);
     lf_free(geometry->lights);
+    lf_free(geometry->cameras);
     lf_free(geometry->materials);
     lf_free(geometry->textures);
     for (int i = 0; i < geometry->n_pyramids; i++)

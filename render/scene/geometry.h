@@ -5,6 +5,7 @@
 
 #include <sys/stat.h>
 
+#include "render/scene/file_camera.h"
 #include "render/scene/large.h"
 #include "render/scene/punctual.h"
 #include "render/scene/scene.h"
@@ -35,10 +36,11 @@ typedef struct lf_geometry {
     int n_meshes, n_materials;
     /* owner of their arrays; .material is left 0: the scene fills it in its own copy */
     lf_mesh *meshes;
-    lf_mesh_motion *motions; /* [n_meshes] */
-    lf_punctuals *lights;    /* [n_meshes] of their files */
-    lf_material *materials;  /* the files' own, which triangle_material numbers */
-    lf_textures *textures;   /* [n_materials] theirs; NULL: none has any */
+    lf_mesh_motion *motions;  /* [n_meshes] */
+    lf_punctuals *lights;     /* [n_meshes] of their files */
+    lf_file_cameras *cameras; /* [n_meshes] */
+    lf_material *materials;   /* the files' own, which triangle_material numbers */
+    lf_textures *textures;    /* [n_materials] theirs; NULL: none has any */
     int n_pictures, n_pyramids;
     lf_texels *pictures;
     lf_pyramid *pyramids;
@@ -51,6 +53,8 @@ typedef struct lf_geometry {
 } lf_geometry;
 
 lf_geometry *lf_geometry_ref(lf_geometry *geometry);
+/* The path of a mesh's file; "" where it has none. */
+const char *lf_geometry_file(const lf_geometry *geometry, int mesh);
 /* Accepts NULL. */
 void lf_geometry_unref(lf_geometry *geometry);
 

@@ -115,6 +115,24 @@ static void check_lights(const lf_punctuals *lights)
     }
 }
 
+static void check_cameras(const lf_file_cameras *cameras)
+{
+    lf_fuzz_require(cameras->n <= LF_MAX_FILE_CAMERAS);
+    for (int i = 0; i < cameras->n; i++) {
+        const lf_file_camera *camera = &cameras->open[i];
+        const float look[3] = {(float)camera->look[0], (float)camera->look[1],
+                               (float)camera->look[2]},
+                    up[3] = {(float)camera->up[0], (float)camera->up[1], (float)camera->up[2]};
+        check_unit(look);
+        check_unit(up);
+        lf_fuzz_require(fabsf(look[0] * up[0] + look[1] * up[1] + look[2] * up[2]) < 1e-3f);
+        lf_fuzz_require(camera->number >= 0 && camera->fov_y >= LF_FILE_CAMERA_LEAST_FOV &&
+                        camera->fov_y <= LF_FILE_CAMERA_MOST_FOV);
+        for (int k = 0; k < 3; k++)
+            lf_fuzz_require(fabs(camera->position[k]) <= LF_MAX_COORDINATE);
+    }
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     lf_mesh_desc desc = {.file = "folder/mesh.glb", .transform = lf_affine_identity()};
@@ -134,6 +152,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         check_vertices(&mesh);
         check_materials(&mesh);
         check_lights(&mesh.lights);
+        check_cameras(&mesh.cameras);
     } else {
         lf_fuzz_require(err.what[0]);
     }

@@ -47,6 +47,7 @@ typedef struct fake_mesh {
     lf_parcel_picture pictures[2];
     uint8_t texels[12];
     lf_parcel_light lights[3];
+    lf_parcel_camera camera;
     size_t n[LF_PARCEL_TAGS]; /* elements that are told of */
 } fake_mesh;
 
@@ -81,6 +82,13 @@ static inline fake_mesh fake_true_mesh(void)
                                    .inner = 0.25,
                                    .kind = LF_PUNCTUAL_SPOT},
                                   {.direction = {0, 0, -1}, .kind = LF_PUNCTUAL_DISTANT}},
+                       .camera = {.position = {1, 2, 3},
+                                  .look = {0, 0.6, 0.8},
+                                  .up = {1, 0, 0},
+                                  .fov_y = 0.5,
+                                  .number = 7,
+                                  .name = "lens",
+                                  .node_name = "eye"},
                        .n = {[LF_PARCEL_POSITIONS] = 9,
                              [LF_PARCEL_NORMALS] = 9,
                              [LF_PARCEL_TRIANGLES] = 3,
@@ -248,6 +256,35 @@ static inline void fake_lie_of_lights(const char *lie, fake_mesh *m)
         spot->inner = -0.25;
 }
 
+static const char *const fake_lies_of_cameras[] = {
+    "camera nan",  "camera look",   "camera up",     "camera across",
+    "camera wide", "camera narrow", "camera number", "camera parallel",
+    "camera name", "camera node",   "camera many"};
+
+static inline void fake_lie_of_cameras(const char *lie, lf_parcel_camera *camera)
+{
+    if (strcmp(lie, "camera nan") == 0)
+        camera->position[1] = (double)NAN;
+    if (strcmp(lie, "camera look") == 0)
+        camera->look[2] = 1;
+    if (strcmp(lie, "camera up") == 0)
+        camera->up[0] = (double)NAN;
+    if (strcmp(lie, "camera across") == 0)
+        memcpy(camera->up, (double[3]){0, 1, 0}, sizeof camera->up);
+    if (strcmp(lie, "camera wide") == 0)
+        camera->fov_y = 3;
+    if (strcmp(lie, "camera narrow") == 0)
+        camera->fov_y = 0;
+    if (strcmp(lie, "camera number") == 0)
+        camera->number = UINT32_MAX;
+    if (strcmp(lie, "camera parallel") == 0)
+        camera->parallel = 2;
+    if (strcmp(lie, "camera name") == 0)
+        memset(camera->name, 'a', sizeof camera->name);
+    if (strcmp(lie, "camera node") == 0)
+        memset(camera->node_name, 'a', sizeof camera->node_name);
+}
+
 /* lie: what is wrong with it, "" = nothing; "plain": nothing that materials look at,
  * but for the section whose number is behind it. */
 static inline int fake_parcel(const char *lie)
@@ -265,13 +302,14 @@ static inline int fake_parcel(const char *lie)
                     {LF_PARCEL_TANGENTS, m.tangents},
                     {LF_PARCEL_PICTURES, m.pictures},
                     {LF_PARCEL_TEXELS, m.texels}};
-    bool many = strcmp(lie, "light many") == 0;
+    bool many = strcmp(lie, "light many") == 0, eyes = strcmp(lie, "camera many") == 0;
     lf_parcel_writer writer;
     int fd = -1;
     fake_lie_of_mesh(lie, &m);
     fake_lie_of_material(lie, &m);
     fake_lie_of_looks(lie, &m);
     fake_lie_of_lights(lie, &m);
+    fake_lie_of_cameras(lie, &m.camera);
     bool plain = strncmp(lie, "plain", 5) == 0;
     for (lf_parcel_tag tag = LF_PARCEL_CHOICES; tag <= LF_PARCEL_TEXELS && plain; tag++)
         m.n[tag] = lie[5] == '\0' || atoi(lie + 5) != (int)tag ? 0 : m.n[tag];
@@ -283,6 +321,9 @@ static inline int fake_parcel(const char *lie)
             _exit(3);
     for (int i = 0; i < (many ? 100 : 1); i++)
         if (lf_parcel_append(&writer, LF_PARCEL_LIGHTS, m.lights, 3, NULL) != LF_OK)
+            _exit(3);
+    for (int i = 0; i < (eyes ? 300 : 1); i++)
+        if (lf_parcel_append(&writer, LF_PARCEL_CAMERAS, &m.camera, 1, NULL) != LF_OK)
             _exit(3);
     if ((m.n[LF_PARCEL_MATERIALS] > 0 &&
          (lf_parcel_append(&writer, LF_PARCEL_MATERIALS, m.materials, 1, NULL) != LF_OK ||

@@ -258,7 +258,7 @@ static void what_lies_on_a_mesh_is_taken_over_whole(void **state)
     assert_true(material->cover == LF_COVER_BLEND && material->alpha == 0.5f);
     assert_true(material->is_solid && material->glass.absorption.x == 7 &&
                 material->sheen.z == 0.25f);
-    assert_int_equal(data.lights.n, 3);
+    assert_true(data.lights.n == 3 && data.cameras.n == 1 && data.cameras.open->number == 7);
     const lf_punctual *spot = &data.lights.open[1];
     assert_true(spot->kind == LF_PUNCTUAL_SPOT && spot->outer == 0.5 && spot->inner == 0.25);
     assert_true(spot->direction[2] == 0.8 && data.lights.open[0].position[1] == 2 &&
@@ -299,6 +299,8 @@ static void looks_of_lies_are_refused(void **state)
         assert_says(*state, fake_lies_of_looks[i], LF_E_FORMAT, "the reader's answer");
     for (size_t i = 0; i < sizeof fake_lies_of_lights / sizeof *fake_lies_of_lights; i++)
         assert_says(*state, fake_lies_of_lights[i], LF_E_FORMAT, "no such lights");
+    for (size_t i = 0; i < sizeof fake_lies_of_cameras / sizeof *fake_lies_of_cameras; i++)
+        assert_says(*state, fake_lies_of_cameras[i], LF_E_FORMAT, "no such cameras");
 }
 
 static void words_of_a_material_that_are_lies_are_refused(void **state)

@@ -191,6 +191,10 @@ static const char *const good[] = {
     "\"walk\","
     "\"speed\": -0.5, \"offset\": 1.5, \"loop\": false}}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.GLTF\", \"animation\": {\"clip\": 2}}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\"}}, \"camera\": {\"from\": {\"mesh\": \"m\", "
+    "\"camera\": \"eye\", \"distance\": 2}, \"cone\": 30}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\"}}, \"camera\": {\"from\": {\"mesh\": \"m\", "
+    "\"camera\": 3}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"lights\": 683}, \"n\": {\"file\": \"a.glb\", "
     "\"lights\": false}}}",
     "{}",
@@ -378,6 +382,10 @@ static const char *const wrong[] = {
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"clip\": \"\"}}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"clip\": -1}}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"lights\": -1}}}",
+    "{\"camera\": {\"from\": {\"camera\": 3}}}",
+    "{\"camera\": {\"from\": \"m\"}}",
+    "{\"camera\": {\"from\": {\"mesh\": \"m\", \"camera\": -1}}}",
+    "{\"camera\": {\"from\": {\"mesh\": \"m\", \"distance\": 0}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"lights\": \"yes\"}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"lights\": {\"keys\": [[1, 1]]}}}}",
     "{\"meshes\": {\"m\": {\"shape\": \"cube\", \"lights\": true}}}",
