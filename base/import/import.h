@@ -57,11 +57,16 @@ unsigned lf_import_seconds(void);
 bool lf_import_is_stopped(void);
 
 #define LF_IMPORT_SOCKET 3
-#define LF_IMPORT_VERSION UINT32_C(4)
+#define LF_IMPORT_VERSION UINT32_C(5)
 #define LF_IMPORT_MAX_NAME 256
 #define LF_IMPORT_MAX_FILES 64 /* that a reader has open at once */
 
-typedef enum lf_import_kind { LF_IMPORT_MESH, LF_IMPORT_GRID, LF_IMPORT_PICTURE } lf_import_kind;
+typedef enum lf_import_kind {
+    LF_IMPORT_MESH,
+    LF_IMPORT_GRID,
+    LF_IMPORT_PICTURE,
+    LF_IMPORT_PLACES /* where a mesh stands, of many places */
+} lf_import_kind;
 
 typedef struct lf_import_request {
     uint32_t version, kind;

@@ -43,6 +43,7 @@ typedef enum lf_parcel_tag {
     LF_PARCEL_SPAN,      /* double: one, seconds that an animation takes; absent: nothing moves */
     LF_PARCEL_LIGHTS,    /* lf_parcel_light */
     LF_PARCEL_CAMERAS,   /* lf_parcel_camera */
+    LF_PARCEL_PLACES,    /* double: 3x4, row-major, of each place that a mesh stands in */
     LF_PARCEL_TAGS
 } lf_parcel_tag;
 

@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "render/load/geometry_textures.h"
+#include "render/scene/placed.h"
 #include "render/transport/surface.h"
 
 /* ThreadSanitizer cannot see how TBB hands work from thread to thread: under it Embree builds on
@@ -33,12 +34,16 @@ json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char
 {
     json_t *list = json_array(), *mesh;
     const char *name;
+    int number = 0;
     json_object_foreach(json_object_get(doc, "meshes"), name, mesh)
     {
         json_t *copy = json_deep_copy(mesh);
         json_t *clip = json_object_get(json_object_get(mesh, "animation"), "clip");
+        const lf_mesh_desc *said = &desc->meshes[number++];
+        bool shines = lf_places_are_given(&said->places) && said->material >= 0 &&
+                      lf_max3(desc->materials[said->material].emission) > 0.0f;
         if (json_object_get(mesh, "material"))
-            json_object_set_new(copy, "material", json_true());
+            json_object_set_new(copy, "material", shines ? json_string("light") : json_true());
         json_object_del(copy, "animation");
         json_object_del(copy, "catcher");
         json_object_del(copy, "lights");
@@ -119,11 +124,11 @@ static void grow_box(lf_box *box, const float *vertices, const lf_mesh_data *dat
 
 /* Seen from the origin. One float of padding: Embree reads 16 bytes at the last vertex. NULL = out
  * of memory. */
-static float *local_vertices(const lf_geometry *geometry, const double *positions, int n)
+static float *local_vertices(const double origin[3], const double *positions, int n)
 {
     float *vertices = lf_calloc(3 * (size_t)n + 1, sizeof *vertices);
     for (size_t i = 0; vertices && i < 3 * (size_t)n; i++)
-        vertices[i] = (float)(positions[i] - geometry->origin[i % 3]);
+        vertices[i] = (float)(positions[i] - origin[i % 3]);
     return vertices;
 }
 
@@ -132,7 +137,8 @@ static lf_status take_close(const lf_geometry *geometry, lf_mesh_data *data, lf_
 {
     if (!data->close.positions)
         return LF_OK;
-    const float *vertices = local_vertices(geometry, data->close.positions, data->n_vertices);
+    const float *vertices =
+        local_vertices(geometry->origin, data->close.positions, data->n_vertices);
     if (!vertices)
         return LF_E_NOMEM;
     mesh->close = (lf_mesh_close){vertices, data->close.normals, data->close.tangents};
@@ -140,12 +146,43 @@ static lf_status take_close(const lf_geometry *geometry, lf_mesh_data *data, lf_
     return LF_OK;
 }
 
+/* The mesh stands in many places; its vertices are seen from `own`. */
+static lf_status take_places(lf_geometry *geometry, const lf_mesh_data *data, const double own[3],
+                             lf_mesh *mesh)
+{
+    lf_placed *placed = lf_calloc(1, sizeof *placed);
+    if (!placed)
+        return LF_E_NOMEM;
+    mesh->placed = placed;
+    placed->map = lf_calloc((size_t)data->n_places, sizeof *placed->map);
+    placed->first = geometry->n_places;
+    for (int i = 0; placed->map && i < data->n_places; i++) {
+        const lf_affine *place = &data->places[i];
+        double middle[3];
+        lf_affine_point(place, own, middle);
+        for (int row = 0; row < 3; row++) {
+            for (int column = 0; column < 3; column++)
+                placed->map[i][row][column] = (float)place->m[row][column];
+            placed->map[i][row][3] = (float)(middle[row] - geometry->origin[row]);
+        }
+    }
+    if (!placed->map)
+        return LF_E_NOMEM;
+    placed->n = data->n_places;
+    geometry->n_places += (uint32_t)data->n_places;
+    return lf_placed_build(placed, mesh, geometry->device);
+}
+
 /* Takes over the arrays of data; materials are numbered from first_material. */
 static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned id,
                            int first_material)
 {
     lf_mesh *mesh = &geometry->meshes[id];
-    float *vertices = local_vertices(geometry, data->positions, data->n_vertices);
+    double own[3] = {geometry->origin[0], geometry->origin[1], geometry->origin[2]};
+    const bool placed = data->n_places > 0 && data->n_triangles > 0;
+    if (placed)
+        lf_mesh_data_middle(data, own);
+    float *vertices = local_vertices(own, data->positions, data->n_vertices);
     if (!vertices)
         return LF_E_NOMEM;
     for (int t = 0; data->triangle_material && t < data->n_triangles; t++)
@@ -169,6 +206,8 @@ static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned i
     data->normals = NULL;
     data->triangle_material = NULL;
     data->uvs = data->colours = data->tangents = NULL;
+    if (placed && status == LF_OK)
+        status = take_places(geometry, data, own, mesh);
     return status;
 }
 
@@ -263,21 +302,34 @@ static float moving_error(const lf_geometry *geometry)
     return 2.4e-7f * most;
 }
 
+/* Rays are rounded once more where they come to a place. */
+static float placed_error(const lf_geometry *geometry)
+{
+    float most = 0.0f;
+    for (int i = 0; i < geometry->n_meshes; i++) {
+        const lf_placed *placed = geometry->meshes[i].placed;
+        if (placed)
+            most = lf_max(most, placed->most * (float)placed->radius);
+    }
+    return 5e-7f * most;
+}
+
 static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
 {
-    geometry->device = rtcNewDevice(DEVICE_CONFIG);
-    geometry->embree = geometry->device ? rtcNewScene(geometry->device) : NULL;
+    geometry->embree = rtcNewScene(geometry->device);
     if (!geometry->embree)
         return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot start (error %d)",
                             (int)rtcGetDeviceError(geometry->device));
     if (lf_large_pick(geometry->meshes, geometry->n_meshes, &geometry->large, &geometry->offset) !=
         LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
-    geometry->offset += moving_error(geometry);
+    geometry->offset += moving_error(geometry) + placed_error(geometry);
     rtcSetSceneFlags(geometry->embree, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(geometry->embree, RTC_BUILD_QUALITY_HIGH);
     for (int i = 0; i < geometry->n_meshes; i++)
-        if (!attach_mesh(geometry, &geometry->meshes[i]))
+        if (!(geometry->meshes[i].placed
+                  ? lf_placed_attach(&geometry->meshes[i], geometry->device, geometry->embree)
+                  : attach_mesh(geometry, &geometry->meshes[i])))
             return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot take mesh %d", i);
     if (geometry->large.n > 0 && !lf_large_attach(&geometry->large, geometry->device,
                                                   geometry->embree, (unsigned)geometry->n_meshes))
@@ -308,6 +360,12 @@ lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origi
     geometry->cameras = lf_calloc((size_t)n, sizeof *geometry->cameras);
     if (!geometry->meshes || !geometry->motions || !geometry->lights || !geometry->cameras)
         goto fail;
+    geometry->device = rtcNewDevice(DEVICE_CONFIG);
+    if (!geometry->device) {
+        status = lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot start (error %d)",
+                              (int)rtcGetDeviceError(NULL));
+        goto fail;
+    }
     int first_material = 0;
     for (int i = 0; i < n; i++) {
         lf_mesh_data_bounds(&data[i], bounds);
@@ -330,7 +388,7 @@ lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origi
     *out_geometry = geometry;
     return LF_OK;
 fail:
-    if (status == LF_E_NOMEM && !geometry->device)
+    if (status == LF_E_NOMEM && !geometry->embree && geometry->device)
         lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
     lf_geometry_unref(geometry);
     return status;

@@ -86,6 +86,13 @@ static uint64_t hash(const corners *c)
     return lf_hash64(h, 0);
 }
 
+/* What stands in many places is beside nothing but its own. */
+static bool are_together(const search *s, uint32_t a, uint32_t b)
+{
+    int one = mesh_of(s, a), other = mesh_of(s, b);
+    return one == other || (s->data[one].n_places == 0 && s->data[other].n_places == 0);
+}
+
 /* The triangle that stands in this one's place, or UINT32_MAX: from now on this one does. */
 static uint32_t find_or_keep(search *s, uint32_t triangle)
 {
@@ -96,7 +103,7 @@ static uint32_t find_or_keep(search *s, uint32_t triangle)
         if ((s->slots[at] & ~(uint64_t)UINT32_MAX) != tag)
             continue;
         corners there = corners_of(s, other);
-        if (memcmp(&own, &there, sizeof own) == 0)
+        if (memcmp(&own, &there, sizeof own) == 0 && are_together(s, triangle, other))
             return other;
     }
     s->slots[at] = tag | (triangle + 1);

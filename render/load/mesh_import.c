@@ -22,8 +22,7 @@ typedef struct asked {
     lf_error failed; /* the first file that could not be opened */
 } asked;
 
-/* Notes an opened file, once a path. */
-static lf_status note_file(lf_mesh_data *data, const char *path, int fd, lf_error *err)
+lf_status lf_mesh_note_file(lf_mesh_data *data, const char *path, int fd, lf_error *err)
 {
     struct stat info;
     lf_mesh_file *file = &data->files[data->n_files];
@@ -59,7 +58,7 @@ static lf_status open_asked(void *context, const char *name, bool needed, int *o
     }
     if (status != LF_OK)
         return status;
-    status = note_file(state->data, name, fd, needed ? &state->refused : &err);
+    status = lf_mesh_note_file(state->data, name, fd, needed ? &state->refused : &err);
     if (status == LF_OK)
         *out_fd = fd;
     else
@@ -148,7 +147,7 @@ lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_
     return status;
 }
 
-void lf_mesh_data_bounds(const lf_mesh_data *data, double bounds[2][3])
+static void own_bounds(const lf_mesh_data *data, double bounds[2][3])
 {
     const double *const ends[] = {data->positions, data->close.positions};
     for (size_t at = 0; at < 6 * (size_t)data->n_triangles; at++) {
@@ -157,6 +156,33 @@ void lf_mesh_data_bounds(const lf_mesh_data *data, double bounds[2][3])
         for (int i = 0; end && i < 3; i++) {
             bounds[0][i] = fmin(bounds[0][i], end[3 * (size_t)corner + (size_t)i]);
             bounds[1][i] = fmax(bounds[1][i], end[3 * (size_t)corner + (size_t)i]);
+        }
+    }
+}
+
+void lf_mesh_data_middle(const lf_mesh_data *data, double out[3])
+{
+    double own[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    own_bounds(data, own);
+    for (int i = 0; i < 3; i++)
+        out[i] = own[0][i] <= own[1][i] ? 0.5 * (own[0][i] + own[1][i]) : 0.0;
+}
+
+void lf_mesh_data_bounds(const lf_mesh_data *data, double bounds[2][3])
+{
+    double own[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    if (data->n_places == 0 || data->n_triangles == 0) {
+        own_bounds(data, bounds);
+        return;
+    }
+    own_bounds(data, own);
+    for (size_t at = 0; at < 8 * (size_t)data->n_places; at++) {
+        const double corner[3] = {own[at & 1][0], own[at >> 1 & 1][1], own[at >> 2 & 1][2]};
+        double p[3];
+        lf_affine_point(&data->places[at / 8], corner, p);
+        for (int i = 0; i < 3; i++) {
+            bounds[0][i] = fmin(bounds[0][i], p[i]);
+            bounds[1][i] = fmax(bounds[1][i], p[i]);
         }
     }
 }
@@ -182,6 +208,7 @@ void lf_mesh_data_finish(lf_mesh_data *data)
     lf_free(data->lights.close);
     lf_free(data->cameras.open);
     lf_free(data->cameras.close);
+    lf_free(data->places);
     lf_warnings_finish(&data->warnings);
     for (int i = 0; i < data->n_files; i++)
         lf_free(data->files[i].path);

@@ -45,6 +45,10 @@ typedef struct lf_mesh_data {
         double *positions;
         float *normals, *tangents;
     } close;
+    /* Where it stands, if it is given once for many places: maps of the world, after which the
+     * arrays above are what stands there. 0: it stands where they say. */
+    int n_places;
+    lf_affine *places;
     int n_files;
     lf_mesh_file files[LF_MESH_MAX_FILES];
     lf_warnings warnings; /* what the file holds and the mesh lacks */
@@ -61,12 +65,19 @@ typedef struct lf_mesh_data {
 LF_NODISCARD lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder,
                                       const lf_roots *roots, lf_mesh_data *out, lf_error *err);
 
+/* Notes a file that was opened for a mesh, once a path. LF_E_IO, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_mesh_note_file(lf_mesh_data *data, const char *path, int fd,
+                                         lf_error *err);
+
 /* The mesh of desc->shape, as lf_mesh_import fills it. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out,
                                           lf_error *err);
 
-/* Grows bounds (least, greatest) by all that the triangles pass through. */
+/* Grows bounds (least, greatest) by all that the triangles pass through; of a mesh that stands in
+ * many places by the boxes of its box there. */
 void lf_mesh_data_bounds(const lf_mesh_data *data, double bounds[2][3]);
+/* The middle of the box of its own triangles, wherever they stand. */
+void lf_mesh_data_middle(const lf_mesh_data *data, double out[3]);
 /* Accepts zeroed structs; leaves them zeroed. */
 void lf_mesh_data_finish(lf_mesh_data *data);
 

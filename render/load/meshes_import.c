@@ -4,6 +4,7 @@
 
 #include "base/alloc.h"
 #include "base/thread.h"
+#include "render/load/places_import.h"
 
 enum { MOST_READERS = 4 }; /* at once: each may take the memory that --import-memory says */
 
@@ -17,6 +18,15 @@ typedef struct importing {
     lf_error *err;
 } importing;
 
+/* Whether a mesh is a light, as far as the words of its materials say. */
+static bool shines(const lf_scene_desc *all, const lf_mesh_desc *desc, const lf_mesh_data *data)
+{
+    bool found = desc->material >= 0 && lf_max3(all->materials[desc->material].emission) > 0.0f;
+    for (int i = 0; i < data->n_materials; i++)
+        found = found || lf_max3(data->materials[i].emission) > 0.0f;
+    return found;
+}
+
 static void import_mesh(void *context, int i, int worker)
 {
     const importing *all = context;
@@ -26,13 +36,17 @@ static void import_mesh(void *context, int i, int worker)
     all->status[i] =
         desc->shape ? lf_mesh_shape_make(desc, &all->data[i], &all->err[i])
                     : lf_mesh_import(desc, all->folder, all->roots, &all->data[i], &all->err[i]);
+    if (all->status[i] == LF_OK && lf_places_are_given(&desc->places))
+        all->status[i] =
+            lf_places_import(desc, all->folder, all->roots, shines(all->desc, desc, &all->data[i]),
+                             &all->data[i], &all->err[i]);
 }
 
 static int count_files(const lf_scene_desc *desc)
 {
     int n = 0;
     for (int i = 0; i < desc->n_meshes; i++)
-        n += !desc->meshes[i].shape;
+        n += !desc->meshes[i].shape || desc->meshes[i].places.file;
     return n;
 }
 
@@ -72,11 +86,32 @@ static lf_status import_end(const lf_scene_desc *desc, const char *folder, const
 }
 
 /* Whether a mesh is elsewhere when the shutter closes. */
-static bool moves(const lf_mesh_desc *open, const lf_mesh_desc *close, double span)
+static bool would_move(const lf_mesh_desc *open, const lf_mesh_desc *close, double span)
 {
     return lf_clip_moment(&open->clip, span) != lf_clip_moment(&close->clip, span) ||
            open->area != close->area ||
            memcmp(&open->transform, &close->transform, sizeof open->transform) != 0;
+}
+
+static bool moves(const lf_mesh_desc *open, const lf_mesh_desc *close, double span)
+{
+    return !lf_places_are_given(&open->places) && would_move(open, close, span);
+}
+
+/* What instances do is told. */
+static void warn_of_places(lf_ends ends, const char *where, lf_mesh_data *data)
+{
+    for (int i = 0; i < ends[0]->n_meshes; i++) {
+        const lf_mesh_desc *open = &ends[0]->meshes[i], *close = &ends[1]->meshes[i];
+        const size_t n = (size_t)open->places.n;
+        bool same = close->places.n == open->places.n &&
+                    (n == 0 || memcmp(open->places.map, close->places.map,
+                                      n * sizeof *open->places.map) == 0);
+        if (lf_places_are_given(&open->places) && (!same || would_move(open, close, data[i].span)))
+            lf_warnings_add(&data[i].warnings, where,
+                            "mesh \"%s\": its instances stand still while the shutter is open",
+                            open->name);
+    }
 }
 
 static bool same_triangles(const lf_mesh_data *a, const lf_mesh_data *b)
@@ -121,6 +156,7 @@ static lf_status import_close(lf_ends ends, const lf_scene_file *file, const lf_
 {
     const int n = ends[0]->n_meshes;
     bool any = false;
+    warn_of_places(ends, file->where, data);
     for (int i = 0; i < n; i++)
         any = any || moves(&ends[0]->meshes[i], &ends[1]->meshes[i], data[i].span);
     if (!any)

@@ -63,6 +63,16 @@ static char *beside(const char *from, const char *name)
     return joined;
 }
 
+/* false = out of memory. */
+static bool move_name(json_t *member, const char *key, const char *from)
+{
+    const char *file = json_string_value(json_object_get(member, key));
+    char *moved = file ? beside(from, file) : NULL;
+    bool done = !file || (moved && json_object_set_new(member, key, json_string(moved)) == 0);
+    lf_free(moved);
+    return done;
+}
+
 /* Names of files in a document that was included as `from` are relative to it, those of the merged
  * one to the folder of the first. */
 static bool move_names(json_t *doc, const char *from)
@@ -74,12 +84,8 @@ static bool move_names(json_t *doc, const char *from)
         json_t *member;
         json_object_foreach(json_object_get(doc, sections[i]), key, member)
         {
-            const char *file = json_string_value(json_object_get(member, "file"));
-            char *moved = file ? beside(from, file) : NULL;
-            done =
-                done &&
-                (!file || (moved && json_object_set_new(member, "file", json_string(moved)) == 0));
-            lf_free(moved);
+            done = done && move_name(member, "file", from) &&
+                   (i != 1 || move_name(member, "instances", from));
         }
     }
     return done;

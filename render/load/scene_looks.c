@@ -38,6 +38,7 @@ void lf_scene_look(lf_scene *scene)
         scene->looks.varied |= !!scene->meshes[i].colours;
         scene->looks.hidden |= scene->meshes[i].hidden;
         scene->looks.moving |= !!scene->meshes[i].close.vertices;
+        scene->looks.placed |= !!scene->meshes[i].placed;
         scene->looks.caught |= scene->meshes[i].catcher;
     }
     for (int m = 0; m < scene->n_materials; m++) {

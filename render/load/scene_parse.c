@@ -9,101 +9,9 @@
 #include "render/load/foreign_words.h"
 #include "render/load/frame_file.h"
 #include "render/load/member_read.h"
+#include "render/load/transform_read.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/surface.h"
-
-/* --------------------------------------------------------------------------------- transform -- */
-
-/* Sine and cosine of an angle in degrees, exact at quarter turns. */
-static void sincos_degrees(double degrees, double *s, double *c)
-{
-    double turned = remainder(degrees, 360.0);
-    double quarter = nearbyint(turned / 90.0);
-    double rest = LF_RADIANS(turned - 90.0 * quarter);
-    double sine = sin(rest), cosine = cos(rest);
-    switch ((int)quarter & 3) {
-    case 0:
-        *s = sine, *c = cosine;
-        break;
-    case 1:
-        *s = cosine, *c = -sine;
-        break;
-    case 2:
-        *s = -sine, *c = -cosine;
-        break;
-    default:
-        *s = -cosine, *c = sine;
-        break;
-    }
-}
-
-static lf_affine rotation(int axis, double degrees)
-{
-    double s, c;
-    sincos_degrees(degrees, &s, &c);
-    int i = (axis + 1) % 3, j = (axis + 2) % 3;
-    lf_affine a = lf_affine_identity();
-    a.m[i][i] = c;
-    a.m[i][j] = -s;
-    a.m[j][i] = s;
-    a.m[j][j] = c;
-    return a;
-}
-
-static lf_affine parse_steps(lf_reader *reader, const lf_node *node)
-{
-    double scale[3] = {1, 1, 1}, rotate[3] = {0, 0, 0}, translate[3] = {0, 0, 0};
-    lf_read_colour(reader, node, "scale", scale, -LF_MAX_COORDINATE, LF_MAX_COORDINATE);
-    lf_read_numbers(reader, node, "rotate", 3, rotate, -3600, 3600);
-    lf_read_numbers(reader, node, "translate", 3, translate, -LF_MAX_COORDINATE, LF_MAX_COORDINATE);
-    lf_affine a = lf_affine_identity();
-    for (int i = 0; i < 3; i++)
-        a.m[i][i] = scale[i];
-    for (int axis = 0; axis < 3; axis++) {
-        lf_affine r = rotation(axis, rotate[axis]);
-        a = lf_affine_compose(&r, &a);
-    }
-    for (int i = 0; i < 3; i++)
-        a.m[i][3] = translate[i];
-    return a;
-}
-
-static lf_affine parse_matrix(lf_reader *reader, const lf_node *node)
-{
-    lf_affine a = lf_affine_identity();
-    lf_node matrix = lf_node_child(node, "matrix");
-    if (json_object_size(node->value) != 1) {
-        lf_read_fail(reader, &matrix,
-                     "a matrix stands alone: no scale, rotate or translate beside it");
-        return a;
-    }
-    if (!json_is_array(matrix.value) || json_array_size(matrix.value) != 16) {
-        lf_read_fail(reader, &matrix, "expected 16 numbers: a 4x4 matrix, row by row");
-        return a;
-    }
-    double m[16];
-    if (!lf_read_numbers(reader, node, "matrix", 16, m, -LF_MAX_COORDINATE, LF_MAX_COORDINATE))
-        return a;
-    if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
-        lf_read_fail(reader, &matrix,
-                     "the last row must be 0 0 0 1: projections are not supported");
-    memcpy(a.m, m, sizeof a.m);
-    return a;
-}
-
-static lf_affine parse_transform(lf_reader *reader, const lf_node *parent)
-{
-    static const char *const keys[] = {"scale", "rotate", "translate", "matrix", NULL};
-    lf_node node = lf_node_child(parent, "transform");
-    if (!lf_read_object(reader, &node, keys))
-        return lf_affine_identity();
-    lf_affine a = json_object_get(node.value, "matrix") ? parse_matrix(reader, &node)
-                                                        : parse_steps(reader, &node);
-    lf_affine inverse;
-    if (reader->status == LF_OK && !lf_affine_invert(&a, &inverse))
-        lf_read_fail(reader, &node, "the transform flattens space: it cannot be inverted");
-    return a;
-}
 
 /* ------------------------------------------------------------------------------------- units -- */
 
@@ -119,7 +27,7 @@ static double parse_units(lf_reader *reader, const lf_node *node, double fallbac
 /* A transform of what a file holds, whose lengths are first brought to those of the scene. */
 static lf_affine parse_placed(lf_reader *reader, const lf_node *node, double scene_mm)
 {
-    lf_affine a = parse_transform(reader, node);
+    lf_affine a = lf_read_transform(reader, node);
     double scale = parse_units(reader, node, scene_mm) / scene_mm;
     for (int i = 0; i < 9; i++)
         a.m[i / 3][i % 3] *= scale;
@@ -526,8 +434,9 @@ static void parse_clip(lf_reader *reader, const lf_node *node, double seconds, l
 
 static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
-    static const char *const keys[] = {"file",      "shape", "material", "normals", "transform",
-                                       "animation", "units", "catcher",  "lights",  NULL};
+    static const char *const keys[] = {"file",      "shape",     "material", "normals",
+                                       "transform", "animation", "units",    "catcher",
+                                       "lights",    "instances", NULL};
     static const char *const endings[] = {"obj", "ply", "stl", "gltf", "glb", "3ds", NULL};
     static const char *const normals[] = {"file", "smooth", "flat", NULL};
     lf_mesh_desc *mesh = &desc->meshes[index];
@@ -549,6 +458,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     mesh->hidden = mesh->catcher = lf_read_bool(reader, node, "catcher", false);
     parse_clip(reader, node, desc->seconds, &mesh->clip);
     mesh->lights = parse_lights_of(reader, node);
+    lf_read_places(reader, node, &mesh->places);
     const char *material = lf_read_string(reader, node, "material", NULL, LF_MAX_NAME);
     if (material)
         mesh->material = find_material(reader, node, material);
@@ -673,6 +583,8 @@ void lf_scene_desc_finish(lf_scene_desc *desc)
 {
     for (int i = 0; desc->volumes && i < desc->n_volumes; i++)
         lf_free(desc->volumes[i].file);
+    for (int i = 0; desc->meshes && i < desc->n_meshes; i++)
+        lf_free(desc->meshes[i].places.map);
     lf_free(desc->volumes);
     lf_free(desc->materials);
     lf_free(desc->meshes);

@@ -45,6 +45,18 @@ typedef struct lf_volume_desc {
 
 typedef enum lf_normals { LF_NORMALS_FILE, LF_NORMALS_SMOOTH, LF_NORMALS_FLAT } lf_normals;
 
+/* Where a mesh stands that is given once for many places: each a map after its transform. */
+typedef struct lf_places_desc {
+    const char *file; /* of them, or NULL */
+    int n;            /* of those that the scene says itself */
+    lf_affine *map;   /* [n] released by lf_scene_desc_finish */
+} lf_places_desc;
+
+static inline bool lf_places_are_given(const lf_places_desc *places)
+{
+    return places->file || places->n > 0;
+}
+
 typedef struct lf_mesh_desc {
     const char *name;
     const lf_mesh_shape *shape; /* NULL: file */
@@ -59,6 +71,7 @@ typedef struct lf_mesh_desc {
     bool lamp;   /* of a light that is faces: the name is the light's */
     bool hidden; /* from the camera */
     bool catcher;
+    lf_places_desc places;
 } lf_mesh_desc;
 
 typedef struct lf_light_desc {

@@ -41,6 +41,8 @@ static bool put_mesh(json_t *doc, const lf_geometry *geometry, int mesh, const l
     done = done && json_object_set(said, "file", digests) == 0;
     json_decref(digests);
     json_object_del(said, "animation");
+    if (desc->places.file) /* among the digests */
+        json_object_del(said, "instances");
     return done && put_motion(said, &geometry->motions[mesh], &desc->clip);
 }
 
@@ -98,7 +100,8 @@ json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc,
     for (int i = 0; i < desc->n_volumes && done; i++)
         done = put_volume(doc, &scene->volumes[i], &desc->volumes[i]);
     for (int i = 0; i < desc->n_meshes && done; i++)
-        done = desc->meshes[i].shape || put_mesh(doc, scene->geometry, i, &desc->meshes[i]);
+        done = (desc->meshes[i].shape && !desc->meshes[i].places.file) ||
+               put_mesh(doc, scene->geometry, i, &desc->meshes[i]);
     for (int i = 0; i < desc->n_meshes && done; i++)
         done = put_shutter(doc, &shutter->desc[0]->meshes[i], &shutter->desc[1]->meshes[i]);
     for (int i = 0; i < desc->n_lights && done; i++)

@@ -1,8 +1,9 @@
-/* quiltimport: meshes. */
+/* quiltimport: meshes, and where they stand. */
 #include <string.h>
 
 #include "base/reader/reader.h"
 #include "render/reader/mesh_read.h"
+#include "render/reader/places_read.h"
 #include "render/transport/surface.h"
 
 static void put_vector(lf_vec3 v, float out[3])
@@ -170,9 +171,22 @@ static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf
     return status == LF_OK ? put_warnings(parcel, &data->warnings, err) : status;
 }
 
+static lf_status read_places(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
+                             lf_error *err)
+{
+    lf_places places = {0};
+    lf_status status = lf_places_read(request->path, fd, &places, err);
+    if (status == LF_OK)
+        status = lf_parcel_put(parcel, LF_PARCEL_PLACES, places.map, 12 * places.n, err);
+    lf_places_finish(&places);
+    return status;
+}
+
 static lf_status read_mesh(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
                            lf_error *err)
 {
+    if (request->kind == LF_IMPORT_PLACES)
+        return read_places(request, fd, parcel, err);
     lf_mesh_desc desc = {.file = request->path,
                          .material = request->materials ? -1 : 0,
                          .normals = (lf_normals)request->normals,

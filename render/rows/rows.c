@@ -60,9 +60,11 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
             lf_media_init(&workers[i]->media, &rows->frame) != LF_OK ||
             lf_media_init(&workers[i]->shine.flames, &rows->flames) != LF_OK ||
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
-            lf_section_init(&workers[i]->section, rows->triangles.longest) != LF_OK ||
+            lf_section_init(&workers[i]->section, rows->triangles.longest,
+                            rows->triangles.n_places) != LF_OK ||
             lf_section_init(&workers[i]->veil.section,
-                            rows->seen.looks.veiled ? rows->triangles.longest : 0) != LF_OK) {
+                            rows->seen.looks.veiled ? rows->triangles.longest : 0,
+                            rows->triangles.n_places) != LF_OK) {
             free_workers(workers, n);
             return NULL;
         }

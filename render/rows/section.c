@@ -4,11 +4,11 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "render/rows/section_cut.h"
+#include "render/rows/section_placed.h"
+#include "render/scene/geometry.h"
 
 enum { WIDE = LF_SECTION_WIDE };
-
-/* Nearer than this many D nothing hides: a camera would have to touch it. */
-#define NEAR 1e-7
 
 /* ------------------------------------------------------------------------------- coordinates -- */
 
@@ -21,12 +21,6 @@ static inline void to_camera(const lf_rig *rig, lf_vec3 p, double out[3])
            z = (double)p.z - (double)rig->eye.z;
     for (int i = 0; i < 3; i++)
         out[i] = x * (double)axes[i].x + y * (double)axes[i].y + z * (double)axes[i].z;
-}
-
-static float to_d(const lf_rig *rig, double z)
-{
-    double distance = (double)rig->distance;
-    return (float)((distance - z) / (z * distance));
 }
 
 static lf_vec3 corner_of(const lf_mesh *mesh, uint32_t triangle, int i)
@@ -91,7 +85,7 @@ static cover cover_of(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle,
         corner_at(rig, mesh, triangle, i, time, p);
         for (int axis = 0; axis < 3; axis++)
             out.middle[axis] += p[axis] / 3.0;
-        if (!(p[2] > NEAR * (double)rig->distance))
+        if (!(p[2] > LF_SECTION_NEAR * (double)rig->distance))
             continue;
         out.in_front++;
         grow_rows(rig, p, &out.lo, &out.hi);
@@ -107,7 +101,7 @@ static span span_of(const spans *job, const lf_mesh *mesh, uint32_t triangle)
     const lf_rig *rig = &job->rigs[0];
     const int moments = job->n_rigs > 1 ? job->n_rigs : mesh->close.vertices ? 2 : 1;
     double margin = 0.01; /* of a row: planes are kept in single precision */
-    double way = 0.0, near = NEAR * (double)rig->distance;
+    double way = 0.0, near = LF_SECTION_NEAR * (double)rig->distance;
     cover all = {.lo = INFINITY, .hi = -INFINITY}, last = all;
     for (int j = 0; j < moments; j++) {
         double time = moments > 1 ? (double)j / (moments - 1) : 0.0;
@@ -124,8 +118,10 @@ static span span_of(const spans *job, const lf_mesh *mesh, uint32_t triangle)
     if (all.in_front == 0)
         return (span){.first = 0, .last = -1};
     double z = all.middle[2] > near ? all.middle[2] : near, height = (double)rig->height;
-    span out = {
-        .first = 0, .last = rig->height - 1, .d = to_d(rig, z), .s = (float)(all.middle[0] / z)};
+    span out = {.first = 0,
+                .last = rig->height - 1,
+                .d = lf_cut_to_d(rig, z),
+                .s = (float)(all.middle[0] / z)};
     margin += 0.5 * way;
     if (all.in_front == 3 * moments) {
         /* bounds first: a point beside the camera may be outside of what an int holds */
@@ -168,6 +164,12 @@ static uint32_t cell_of(float x, float min, float max)
                      : 0;
 }
 
+/* Those that rows list. */
+static int listed_of(const lf_mesh *mesh)
+{
+    return mesh->placed ? 0 : mesh->n_triangles;
+}
+
 /* Counting sort of the spans into rows. */
 static void fill_rows(lf_row_triangles *out, const lf_scene *scene, const lf_rig *rig,
                       const span *all)
@@ -175,7 +177,7 @@ static void fill_rows(lf_row_triangles *out, const lf_scene *scene, const lf_rig
     float d0 = INFINITY, d1 = -INFINITY, s0 = INFINITY, s1 = -INFINITY;
     size_t n = 0;
     for (int m = 0; m < scene->n_meshes; m++) {
-        for (int i = 0; i < scene->meshes[m].n_triangles; i++, n++) {
+        for (int i = 0; i < listed_of(&scene->meshes[m]); i++, n++) {
             if (all[n].first > all[n].last)
                 continue;
             d0 = lf_min(d0, all[n].d);
@@ -186,7 +188,7 @@ static void fill_rows(lf_row_triangles *out, const lf_scene *scene, const lf_rig
     }
     n = 0;
     for (int m = 0; m < scene->n_meshes; m++) {
-        for (int i = 0; i < scene->meshes[m].n_triangles; i++, n++) {
+        for (int i = 0; i < listed_of(&scene->meshes[m]); i++, n++) {
             uint32_t order = spread_bits(cell_of(all[n].d, d0, d1)) |
                              spread_bits(cell_of(all[n].s, s0, s1)) << 1;
             for (int row = all[n].first; row <= all[n].last; row++)
@@ -235,7 +237,8 @@ lf_status lf_row_triangles_init(lf_row_triangles *out, const lf_scene *scene, co
     if (!out->first || !out->mesh_start)
         return LF_E_NOMEM;
     for (int i = 0; i < scene->n_meshes; i++)
-        out->mesh_start[i + 1] = out->mesh_start[i] + (uint32_t)scene->meshes[i].n_triangles;
+        out->mesh_start[i + 1] = out->mesh_start[i] + (uint32_t)listed_of(&scene->meshes[i]);
+    out->n_places = scene->geometry ? scene->geometry->n_places : 0;
     size_t n = out->mesh_start[scene->n_meshes];
     spans job = {.scene = scene,
                  .rigs = rigs,
@@ -273,14 +276,29 @@ static int groups(int n)
     return (n + WIDE - 1) / WIDE;
 }
 
-lf_status lf_section_init(lf_section *section, size_t longest)
+/* Room for so many segments in place of what there was; what is in it is lost. */
+static lf_status allocate(lf_section *section, size_t longest)
 {
     int leaves = groups((int)longest), nodes = groups(leaves), roots = groups(nodes);
-    *section = (lf_section){0};
+    lf_free(section->leaves);
+    lf_free(section->nodes);
+    lf_free(section->roots);
     section->leaves = lf_calloc((size_t)leaves, sizeof *section->leaves);
     section->nodes = lf_calloc((size_t)nodes, sizeof *section->nodes);
     section->roots = lf_calloc((size_t)roots, sizeof *section->roots);
     return section->leaves && section->nodes && section->roots ? LF_OK : LF_E_NOMEM;
+}
+
+lf_status lf_section_init(lf_section *section, size_t longest, uint32_t n_places)
+{
+    *section = (lf_section){0};
+    lf_status status = allocate(section, longest);
+    section->places.listed = longest;
+    if (status == LF_OK && n_places > 0) {
+        section->places.slot_of = lf_calloc(n_places, sizeof *section->places.slot_of);
+        status = section->places.slot_of ? LF_OK : LF_E_NOMEM;
+    }
+    return status;
 }
 
 void lf_section_finish(lf_section *section)
@@ -288,76 +306,33 @@ void lf_section_finish(lf_section *section)
     lf_free(section->leaves);
     lf_free(section->nodes);
     lf_free(section->roots);
+    lf_free(section->places.slot);
+    lf_free(section->places.triangle);
+    lf_free(section->places.slot_of);
     *section = (lf_section){0};
-}
-
-/* A corner of a triangle: its place, and its height above the plane. */
-typedef struct corner {
-    double x, z, height;
-} corner;
-
-/* Where an edge crosses the plane, always from above to below: triangles that share it find the
- * same bits. */
-static corner crossing(corner a, corner b)
-{
-    corner above = a.height >= 0.0 ? a : b, below = a.height >= 0.0 ? b : a;
-    double t = above.height / (above.height - below.height);
-    return (corner){above.x + t * (below.x - above.x), above.z + t * (below.z - above.z), 0.0};
 }
 
 /* The ends of the segment that plane and triangle share, in front of the cameras; false: they do
  * not meet there. */
 static bool cut_triangle(const lf_rig *rig, const lf_row_plane *plane, const lf_mesh *mesh,
-                         uint32_t triangle, corner out[2])
+                         uint32_t triangle, lf_cut_corner out[2])
 {
-    corner c[3];
+    lf_cut_corner c[3];
     int above = 0;
     for (int i = 0; i < 3; i++) {
         double p[3];
         to_camera(rig, corner_of(mesh, triangle, i), p);
-        c[i] = (corner){p[0], p[2], p[1] - ((double)plane->ly + (double)plane->my * p[2])};
+        c[i] = (lf_cut_corner){p[0], p[2], p[1] - ((double)plane->ly + (double)plane->my * p[2])};
         above += c[i].height >= 0.0;
     }
-    if (above == 0 || above == 3)
-        return false;
-    int alone = 0; /* the corner on a side of its own */
-    while ((c[alone].height >= 0.0) != (above == 1))
-        alone++;
-    out[0] = crossing(c[alone], c[(alone + 1) % 3]);
-    out[1] = crossing(c[alone], c[(alone + 2) % 3]);
-    double near = NEAR * (double)rig->distance;
-    if (out[0].z < out[1].z) {
-        corner swap = out[0];
-        out[0] = out[1];
-        out[1] = swap;
-    }
-    if (!(out[0].z > near))
-        return false;
-    if (out[1].z < near) {
-        double t = (out[0].z - near) / (out[0].z - out[1].z);
-        out[1] = (corner){out[0].x + t * (out[1].x - out[0].x), near, 0.0};
-    }
-    return true;
-}
-
-static int material_of(const lf_mesh *mesh, uint32_t triangle)
-{
-    return mesh->triangle_material ? mesh->triangle_material[triangle] : mesh->material;
+    return lf_cut_corners(rig, c, above, out);
 }
 
 /* Whether it is one of those that may not be there whole. */
 static bool is_veil(const lf_scene *scene, const lf_row_triangle *t)
 {
     const lf_mesh *mesh = &scene->meshes[t->mesh];
-    return lf_is_veil(&scene->materials[material_of(mesh, t->triangle)]);
-}
-
-static void put_segment(lf_section_leaf *leaf, int i, const lf_rig *rig, const corner end[2])
-{
-    leaf->d0[i] = to_d(rig, end[0].z);
-    leaf->s0[i] = (float)(end[0].x / end[0].z);
-    leaf->d1[i] = to_d(rig, end[1].z);
-    leaf->s1[i] = (float)(end[1].x / end[1].z);
+    return lf_is_veil(&scene->materials[lf_cut_material(mesh, t->triangle)]);
 }
 
 static void clear_boxes(lf_section_node *node)
@@ -400,22 +375,55 @@ static void build_boxes(lf_section *section)
     }
 }
 
-void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
-                    const lf_rig *rig, int row, const lf_row_plane *plane, lf_cut_what what)
+/* What the row lists; how many segments that is. */
+static int cut_listed(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
+                      const lf_rig *rig, int row, const lf_row_plane *plane, lf_cut_what what)
 {
     int n = 0;
     for (size_t at = rows->first[row]; at < rows->first[row + 1]; at++) {
         const lf_row_triangle *t = &rows->list[at];
-        corner end[2];
+        lf_cut_corner end[2];
         if (what != LF_CUT_ALL && is_veil(scene, t) != (what == LF_CUT_VEILS))
             continue;
         if (cut_triangle(rig, plane, &scene->meshes[t->mesh], t->triangle, end)) {
             lf_section_leaf *leaf = &section->leaves[n / WIDE];
-            put_segment(leaf, n % WIDE, rig, end);
+            lf_cut_put(leaf, n % WIDE, rig, end);
             leaf->triangle[n % WIDE] = rows->mesh_start[t->mesh] + t->triangle;
-            leaf->material[n % WIDE] = material_of(&scene->meshes[t->mesh], t->triangle);
+            leaf->material[n % WIDE] = lf_cut_material(&scene->meshes[t->mesh], t->triangle);
             n++;
         }
+    }
+    return n;
+}
+
+/* false: no memory; the section is empty then, and has the room that it had. */
+static bool grow(lf_section *section, size_t segments, size_t slots)
+{
+    lf_section_places *places = &section->places;
+    const size_t most = segments + segments / 4 + places->listed, room = slots + slots / 4;
+    lf_free(places->slot);
+    lf_free(places->triangle);
+    places->slot = lf_calloc(room, sizeof *places->slot);
+    places->triangle = lf_calloc(most, sizeof *places->triangle);
+    if (!places->slot || !places->triangle || allocate(section, most) != LF_OK)
+        return false;
+    places->most = most;
+    places->room = room;
+    return true;
+}
+
+void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
+                    const lf_rig *rig, int row, const lf_row_plane *plane, lf_cut_what what)
+{
+    int n = cut_listed(section, rows, scene, rig, row, plane, what);
+    if (rows->n_places > 0) {
+        size_t all = lf_section_cut_placed(section, rows, scene, rig, plane, what, (size_t)n);
+        if ((all > section->places.most || section->places.n > section->places.room) &&
+            grow(section, all, section->places.n)) {
+            n = cut_listed(section, rows, scene, rig, row, plane, what);
+            all = lf_section_cut_placed(section, rows, scene, rig, plane, what, (size_t)n);
+        }
+        n = (int)all;
     }
     section->n_leaves = groups(n);
     for (; n % WIDE != 0; n++) {
@@ -518,13 +526,14 @@ static bool hide_node(const lf_section *section, int node, lf_question *q)
     return true;
 }
 
-lf_question lf_section_ask(const lf_row_triangles *rows, const lf_rig *rig, lf_vec3 p,
-                           const lf_hit *on, int n, const float *c, float *scale)
+lf_question lf_section_ask(const lf_section *section, const lf_row_triangles *rows,
+                           const lf_rig *rig, lf_vec3 p, const lf_hit *on, int n, const float *c,
+                           float *scale)
 {
     double at[3];
     to_camera(rig, p, at);
     float inverse = 1.0f / (float)at[2];
-    lf_question q = {.d = to_d(rig, at[2]),
+    lf_question q = {.d = lf_cut_to_d(rig, at[2]),
                      .s = (float)(at[0] / at[2]),
                      .on = UINT32_MAX,
                      .c = c,
@@ -535,7 +544,8 @@ lf_question lf_section_ask(const lf_row_triangles *rows, const lf_rig *rig, lf_v
         /* the rounding of p, and of the ray that found it */
         q.behind += 5e-7f * (lf_max(fabsf(p.x), lf_max(fabsf(p.y), fabsf(p.z))) + (float)at[2]) *
                     inverse * inverse;
-        q.on = rows->mesh_start[on->mesh->geom_id] + on->triangle;
+        q.on = on->mesh->placed ? lf_section_placed_number(section, on)
+                                : rows->mesh_start[on->mesh->geom_id] + on->triangle;
     }
     return q;
 }
@@ -543,7 +553,7 @@ lf_question lf_section_ask(const lf_row_triangles *rows, const lf_rig *rig, lf_v
 void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
                      lf_vec3 p, const lf_hit *on, int n, const float *c, float *scale)
 {
-    lf_question q = lf_section_ask(rows, rig, p, on, n, c, scale);
+    lf_question q = lf_section_ask(section, rows, rig, p, on, n, c, scale);
     if (!lf_question_narrow(&q))
         return;
     for (int root = 0; root < section->n_roots; root++) {
@@ -662,6 +672,10 @@ void lf_section_face(const lf_section *section, const lf_row_triangles *rows, co
 {
     uint32_t triangle = section->leaves[segment / WIDE].triangle[segment % WIDE];
     int mesh = 0, count = scene->n_meshes;
+    if (triangle >= rows->mesh_start[count]) {
+        lf_section_placed_face(section, scene, triangle, out);
+        return;
+    }
     while (count > 1) {
         int half = count / 2;
         bool behind = rows->mesh_start[mesh + half] <= triangle;

@@ -24,13 +24,14 @@ typedef struct lf_row_triangle {
 } lf_row_triangle;
 
 /* The triangles of every row: all that a plane of it, through any point of row and lens, can meet
- * in front of the cameras, but those of hidden meshes. */
+ * in front of the cameras, but those of hidden meshes and of those that stand in many places. */
 typedef struct lf_row_triangles {
     size_t *first;         /* [height + 1] */
     lf_row_triangle *list; /* of row r: [first[r], first[r + 1]) */
-    /* [meshes + 1] number of a mesh's first triangle, counted through all meshes */
+    /* [meshes + 1] number of a mesh's first triangle, counted through all meshes that are listed */
     uint32_t *mesh_start;
-    size_t longest; /* triangles of the row that has most */
+    size_t longest;    /* triangles of the row that has most */
+    uint32_t n_places; /* of meshes that stand in many, which rows do not list */
 } lf_row_triangles;
 
 /* Sorts the scene's triangles into the rig's rows, on the pool: where they move, into all that they
@@ -48,7 +49,8 @@ void lf_row_triangles_finish(lf_row_triangles *rows);
 /* Segments, d0 <= d1; unused ones lie at d = -LF_SECTION_FAR. */
 typedef struct lf_section_leaf {
     float d0[LF_SECTION_WIDE], s0[LF_SECTION_WIDE], d1[LF_SECTION_WIDE], s1[LF_SECTION_WIDE];
-    uint32_t triangle[LF_SECTION_WIDE]; /* counted through all meshes */
+    /* counted through all meshes, or of a mesh that stands in many places the segment's own */
+    uint32_t triangle[LF_SECTION_WIDE];
     int material[LF_SECTION_WIDE];
 } lf_section_leaf;
 
@@ -58,22 +60,41 @@ typedef struct lf_section_node {
 } lf_section_node;
 #define LF_SECTION_FAR 1e30f
 
+/* A place whose segments follow each other, and the number of the first of them. */
+typedef struct lf_section_slot {
+    uint32_t mesh, place, first;
+} lf_section_slot;
+
+/* Of meshes that stand in many places (section_placed.h). Their segments are numbered from 0 on,
+ * and in leaves from .first on, behind the triangles of all other meshes. */
+typedef struct lf_section_places {
+    size_t listed; /* triangles of the longest row */
+    size_t most;   /* segments that there is room for, those of rows' lists included; 0: none yet */
+    size_t n, room;
+    lf_section_slot *slot; /* [n] of room */
+    uint32_t *triangle;    /* [most] of its mesh, by number */
+    uint32_t *slot_of;     /* [places of the scene] where a place was put; NULL: there are none */
+    uint32_t first, n_segments;
+} lf_section_places;
+
 typedef struct lf_section {
     lf_section_leaf *leaves;
     lf_section_node *nodes, *roots;
     int n_leaves, n_roots;
+    lf_section_places places;
 } lf_section;
 
-/* Memory for sections of up to `longest` triangles; LF_E_NOMEM. Release with lf_section_finish,
- * also then. */
-LF_NODISCARD lf_status lf_section_init(lf_section *section, size_t longest);
+/* Memory for sections of up to `longest` triangles, and of what n_places places come to;
+ * LF_E_NOMEM. Release with lf_section_finish, also then. */
+LF_NODISCARD lf_status lf_section_init(lf_section *section, size_t longest, uint32_t n_places);
 /* Accepts one that is all zero. */
 void lf_section_finish(lf_section *section);
 
 /* Which triangles: those whose surface may not be there whole (veil.h), or the others. */
 typedef enum lf_cut_what { LF_CUT_ALL, LF_CUT_OPAQUE, LF_CUT_VEILS } lf_cut_what;
 
-/* Cuts the row's triangles with a plane of the row. Does not allocate. */
+/* Cuts the row's triangles with a plane of the row, and what stands in many places. Does not
+ * allocate but for the latter, where more of them are cut than ever before. */
 void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
                     const lf_rig *rig, int row, const lf_row_plane *plane, lf_cut_what what);
 

@@ -69,7 +69,7 @@ static void node_before(const lf_veils *veils, int node, const lf_question *q)
 void lf_veils_before(const lf_veils *veils, lf_vec3 p, const lf_hit *on, int n, const float *c,
                      float *scale)
 {
-    lf_question q = lf_section_ask(veils->rows, veils->rig, p, on, n, c, scale);
+    lf_question q = lf_section_ask(veils->section, veils->rows, veils->rig, p, on, n, c, scale);
     if (!lf_question_narrow(&q))
         return;
     for (int root = 0; root < veils->section->n_roots; root++) {

@@ -1,6 +1,7 @@
 #include "render/scene/geometry.h"
 
 #include "base/alloc.h"
+#include "render/scene/placed.h"
 
 lf_geometry *lf_geometry_ref(lf_geometry *geometry)
 {
@@ -23,8 +24,6 @@ void lf_geometry_unref(lf_geometry *geometry)
         return;
     if (geometry->embree)
         rtcReleaseScene(geometry->embree);
-    if (geometry->device)
-        rtcReleaseDevice(geometry->device);
     for (int i = 0; i < geometry->n_meshes; i++) {
         lf_free((void *)(uintptr_t)geometry->meshes[i].vertices);
         lf_free((void *)(uintptr_t)geometry->meshes[i].triangles);
@@ -36,6 +35,7 @@ void lf_geometry_unref(lf_geometry *geometry)
         lf_free((void *)(uintptr_t)geometry->meshes[i].close.vertices);
         lf_free((void *)(uintptr_t)geometry->meshes[i].close.normals);
         lf_free((void *)(uintptr_t)geometry->meshes[i].close.tangents);
+        lf_placed_destroy((lf_placed *)(uintptr_t)geometry->meshes[i].placed);
     }
     for (int i = 0; geometry->lights && i < geometry->n_meshes; i++) {
         lf_free(geometry->lights[i].open);
@@ -45,6 +45,8 @@ void lf_geometry_unref(lf_geometry *geometry)
         lf_free(geometry->cameras[i].open);
         lf_free(geometry->cameras[i].close);
     }
+    if (geometry->device)
+        rtcReleaseDevice(geometry->device);
     for (int i = 0; i < geometry->n_files; i++)
         lf_free(geometry->files[i].path);
     lf_free(geometry->files);

@@ -1,6 +1,7 @@
 #include "render/scene/large.h"
 
 #include "base/alloc.h"
+#include "render/scene/placed.h"
 #include "render/scene/vec_double.h"
 
 /* ----------------------------------------------------------------------------------- picking -- */
@@ -56,6 +57,12 @@ static float detail_of(const lf_mesh *mesh)
     return INFINITY;
 }
 
+/* What the places of a mesh do to its lengths, at least. */
+static float least_of(const lf_mesh *mesh)
+{
+    return mesh->placed ? mesh->placed->least : 1.0f;
+}
+
 static lf_large_triangle make(const lf_mesh *mesh, int mesh_number, int triangle)
 {
     lf_large_triangle out = {.mesh = (uint32_t)mesh_number, .triangle = (uint32_t)triangle};
@@ -82,7 +89,8 @@ static uint32_t gather(const lf_mesh *meshes, int n_meshes, float limit, lf_larg
     for (int m = 0; m < n_meshes; m++) {
         for (int i = 0; i < meshes[m].n_triangles; i++) {
             float area, size = size_of(&meshes[m], i, &area), error = error_of(size, area);
-            bool large = error > limit && !meshes[m].close.vertices;
+            bool large = error > limit && !meshes[m].close.vertices && !meshes[m].placed;
+            error *= meshes[m].placed ? meshes[m].placed->most : 1.0f;
             *out_offset = lf_max(*out_offset, large ? 1e-12f * size : error);
             if (!large)
                 continue;
@@ -98,7 +106,7 @@ lf_status lf_large_pick(const lf_mesh *meshes, int n_meshes, lf_large *out, floa
 {
     float detail = INFINITY;
     for (int m = 0; m < n_meshes; m++)
-        detail = lf_min(detail, detail_of(&meshes[m]));
+        detail = lf_min(detail, least_of(&meshes[m]) * detail_of(&meshes[m]));
     *out = (lf_large){.n = gather(meshes, n_meshes, ERROR_SHARE * detail, NULL, out_offset)};
     out->triangles = lf_calloc(out->n, sizeof *out->triangles);
     if (!out->triangles)

@@ -224,6 +224,7 @@ typedef struct lf_mesh {
     /* lf_mesh_data's, each NULL where no material wants it */
     const float *uvs, *colours, *tangents;
     lf_mesh_close close;
+    const struct lf_placed *placed; /* many places (placed.h); NULL: where its vertices are */
 } lf_mesh;
 
 static inline lf_vec3 lf_mesh_vertex(const lf_mesh *mesh, uint32_t vertex)
@@ -357,6 +358,7 @@ typedef struct lf_looks {
     bool chromatic; /* sigma_t of some volume is not the same for all channels */
     bool caught;    /* some mesh is a catcher of shadows */
     bool paned;     /* some sheet is a pane */
+    bool placed;    /* some mesh stands in many places */
 } lf_looks;
 
 struct lf_scene {

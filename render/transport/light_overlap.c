@@ -44,6 +44,8 @@ static bool on_face(struct RTCPointQueryFunctionArguments *face)
         mesh = (int)large->mesh;
         triangle = large->triangle;
     }
+    if (s->scene->meshes[mesh].placed) /* it does not shine, and its places are no triangles */
+        return false;
     bool own = mesh == s->mesh && triangle == s->triangle;
     if (!own && contains(&s->scene->meshes[mesh], triangle, s->p, s->reach))
         s->other = mesh;

@@ -35,7 +35,7 @@ bool lf_sunlight_needed(const lf_scene *scene)
     bool found = false;
     for (int i = 0; i < scene->n_lights_infinite; i++)
         found = found || is_sun(&scene->lights[i]);
-    return found && scene->n_meshes > 0;
+    return found && scene->n_meshes > 0 && !scene->looks.placed;
 }
 
 /* The strongest, in the scene's order where they are equal. */

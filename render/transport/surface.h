@@ -18,6 +18,7 @@ typedef struct lf_hit {
     const lf_material *material;
     const lf_mesh *mesh;
     uint32_t triangle;
+    uint32_t place; /* of a mesh that stands in many (lf_placed), else nothing */
     float u, v;  /* barycentric: the weights of the triangle's second and third corner */
     bool front;  /* the ray came from where the triangle's corners run counter-clockwise */
     bool varies; /* own is what the surface is made of here: its textures and colours looked up */

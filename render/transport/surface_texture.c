@@ -1,7 +1,10 @@
 #include "render/transport/surface_texture.h"
 
+#include "render/transport/placed_hit.h"
+
 /* The triangle's corners and where the point lies between them. */
 typedef struct place {
+    const lf_hit *hit;
     const lf_mesh *mesh;
     const uint32_t *corner;
     float weight[3];
@@ -9,7 +12,8 @@ typedef struct place {
 
 static place place_of(const lf_hit *hit)
 {
-    return (place){.mesh = hit->mesh,
+    return (place){.hit = hit,
+                   .mesh = hit->mesh,
                    .corner = hit->mesh->triangles + 3 * (size_t)hit->triangle,
                    .weight = {1.0f - hit->u - hit->v, hit->u, hit->v}};
 }
@@ -37,7 +41,10 @@ static float density2(const place *at, const float *uvs, const lf_texture *t, co
     float uv = fabsf((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
     float turned = fabsf(t->map[0][0] * t->map[1][1] - t->map[0][1] * t->map[1][0]);
     lf_vec3 o = corner_of(at, 0);
-    float area = lf_length(lf_cross(lf_sub(corner_of(at, 1), o), lf_sub(corner_of(at, 2), o)));
+    float area =
+        at->mesh->placed
+            ? lf_placed_twice_area(at->hit)
+            : lf_length(lf_cross(lf_sub(corner_of(at, 1), o), lf_sub(corner_of(at, 2), o)));
     return area > 0.0f ? uv * turned * (float)p->width[0] * (float)p->height[0] / area : 0.0f;
 }
 
@@ -109,6 +116,10 @@ static void bend(const place *at, const lf_texture *t, const float texel[4], lf_
     float tangent[4], side = hit->front ? 1.0f : -1.0f;
     interpolate(at, at->mesh->tangents, 4, tangent);
     lf_vec3 n = lf_scale(hit->ns, side), along = lf_v3(tangent[0], tangent[1], tangent[2]);
+    if (at->mesh->placed) {
+        along = lf_placed_tangent(hit, along);
+        tangent[3] = lf_placed_is_mirrored(hit) ? -tangent[3] : tangent[3];
+    }
     lf_vec3 across = lf_scale(lf_cross(n, along), tangent[3] < 0.0f ? -1.0f : 1.0f);
     lf_vec3 bent = lf_madd(
         lf_madd(lf_scale(n, 2.0f * texel[2] - 1.0f), t->scale * (2.0f * texel[0] - 1.0f), along),

@@ -5,6 +5,7 @@
 
 #include "render/scene/geometry.h"
 #include "render/transport/flame.h"
+#include "render/transport/placed_hit.h"
 
 /* ---------------------------------------------------------------------------------- surfaces -- */
 
@@ -82,6 +83,7 @@ void lf_face_hit(const lf_face *face, lf_vec3 p, lf_vec3 w, lf_hit *hit)
     hit->mesh = face->mesh;
     hit->material = face->material;
     hit->triangle = face->triangle;
+    hit->place = face->place;
     hit->u = lf_min(lf_max(lf_dot(face->to_uv[0], d), 0.0f), 1.0f);
     hit->v = lf_min(lf_max(lf_dot(face->to_uv[1], d), 0.0f), 1.0f - hit->u);
     hit->front = !(lf_dot(face->n, w) > 0.0f);
@@ -115,6 +117,12 @@ static void find_hit(const lf_scene *scene, const struct RTCRayHit *rh, lf_vec3 
 {
     hit->t = rh->ray.tfar;
     if (rh->hit.geomID < (unsigned)scene->n_meshes) {
+        const lf_mesh *mesh = &scene->meshes[rh->hit.geomID];
+        if (scene->looks.placed && mesh->placed) {
+            lf_placed_hit(scene, mesh, rh->hit.primID, rh->hit.instID[0], rh->hit.u, rh->hit.v, w,
+                          hit);
+            return;
+        }
         describe(scene, rh->hit.geomID, rh->hit.primID, rh->hit.u, rh->hit.v, w, hit);
         hit->p = lf_mesh_point(hit->mesh, hit->triangle, rh->hit.u, rh->hit.v);
         return;

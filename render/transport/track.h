@@ -67,7 +67,7 @@ bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t
 typedef struct lf_face {
     const lf_mesh *mesh;
     const lf_material *material;
-    uint32_t triangle;
+    uint32_t triangle, place; /* place: as in lf_hit */
     lf_vec3 a, n;      /* a corner; unit normal */
     lf_vec3 to_uv[2];  /* p - a -> barycentric coordinates */
     lf_vec3 smooth[3]; /* shading normal at a, and what it gains with each of them */

@@ -25,7 +25,8 @@ static void set_up(bench *b, const char *text)
     *b = (bench){.scene = lf_test_scene(text), .strict = true, .random = lf_test_seed()};
     b->renderer = lf_test_renderer(b->scene, "mvpt", width, height, NULL);
     b->tracer.scene = b->scene;
-    assert_int_equal(lf_section_init(&b->section, lf_test_rows(b->renderer)->triangles.longest),
+    assert_int_equal(lf_section_init(&b->section, lf_test_rows(b->renderer)->triangles.longest,
+                                     lf_test_rows(b->renderer)->triangles.n_places),
                      LF_OK);
 }
 

@@ -1,0 +1,18 @@
+/* Where the instances of a mesh stand; private to render/. */
+#ifndef LF_RENDER_PLACES_IMPORT_H
+#define LF_RENDER_PLACES_IMPORT_H
+
+#include "render/load/mesh_import.h"
+
+/* Of one mesh, with every place: what Embree and sections can hold. */
+#define LF_MAX_PLACES 20000000
+
+/* Gives data, which is read, the places of desc, from the scene itself or from a file that
+ * quiltimport reads (reader/places_read.h), noted in data->files. emits: some material of the mesh
+ * shines: it is written out as copies then (mesh_repeat.h). Errors as of lf_mesh_import, and
+ * LF_E_NOMEM for more copies than are possible; they name the mesh's file or its places'. */
+LF_NODISCARD lf_status lf_places_import(const lf_mesh_desc *desc, const char *folder,
+                                        const lf_roots *roots, bool emits, lf_mesh_data *data,
+                                        lf_error *err);
+
+#endif

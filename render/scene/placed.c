@@ -1,0 +1,263 @@
+#include "render/scene/placed.h"
+
+#include "base/alloc.h"
+#include "render/scene/vec_double.h"
+
+lf_affine lf_placed_map(const lf_placed *placed, uint32_t place)
+{
+    lf_affine out;
+    for (int i = 0; i < 12; i++)
+        out.m[i / 4][i % 4] = (double)placed->map[place][i / 4][i % 4];
+    return out;
+}
+
+/* ------------------------------------------------------------------------------------- boxes -- */
+
+static void put_point(const double p[3], lf_box *box)
+{
+    box->min = lf_v3(lf_min(box->min.x, nextafterf((float)p[0], -INFINITY)),
+                     lf_min(box->min.y, nextafterf((float)p[1], -INFINITY)),
+                     lf_min(box->min.z, nextafterf((float)p[2], -INFINITY)));
+    box->max = lf_v3(lf_max(box->max.x, nextafterf((float)p[0], INFINITY)),
+                     lf_max(box->max.y, nextafterf((float)p[1], INFINITY)),
+                     lf_max(box->max.z, nextafterf((float)p[2], INFINITY)));
+}
+
+static lf_box nothing(void)
+{
+    return (lf_box){lf_v3(INFINITY, INFINITY, INFINITY), lf_v3(-INFINITY, -INFINITY, -INFINITY)};
+}
+
+/* A box that holds the mesh where a map puts it. */
+static lf_box mapped(const lf_affine *map, const lf_box *own)
+{
+    lf_box out = nothing();
+    for (int corner = 0; corner < 8; corner++) {
+        const double p[3] = {(double)(corner & 1 ? own->max.x : own->min.x),
+                             (double)(corner & 2 ? own->max.y : own->min.y),
+                             (double)(corner & 4 ? own->max.z : own->min.z)};
+        double q[3];
+        lf_affine_point(map, p, q);
+        put_point(q, &out);
+    }
+    return out;
+}
+
+static lf_box box_of_triangle(const lf_mesh *mesh, int triangle)
+{
+    lf_box out = nothing();
+    for (int i = 0; i < 3; i++) {
+        lf_vec3 v = lf_mesh_vertex(mesh, mesh->triangles[3 * (size_t)triangle + (size_t)i]);
+        out.min = lf_v3(lf_min(out.min.x, v.x), lf_min(out.min.y, v.y), lf_min(out.min.z, v.z));
+        out.max = lf_v3(lf_max(out.max.x, v.x), lf_max(out.max.y, v.y), lf_max(out.max.z, v.z));
+    }
+    return out;
+}
+
+/* What a map does to lengths: bounds of its largest and smallest singular value. */
+static void lengths_of(const lf_affine *map, float *out_most, float *out_least)
+{
+    double most = 0.0, inverse = 0.0;
+    lf_affine back;
+    bool turns = lf_affine_invert(map, &back);
+    for (int i = 0; i < 9; i++) {
+        most += map->m[i / 3][i % 3] * map->m[i / 3][i % 3];
+        inverse += turns ? back.m[i / 3][i % 3] * back.m[i / 3][i % 3] : 0.0;
+    }
+    *out_most = (float)sqrt(most);
+    *out_least = inverse > 0.0 ? (float)(1.0 / sqrt(inverse)) : 0.0f;
+}
+
+static lf_status build_triangles(lf_placed *placed, const lf_mesh *mesh, lf_box *own)
+{
+    lf_box *boxes = lf_calloc((size_t)mesh->n_triangles, sizeof *boxes);
+    *own = nothing();
+    for (int i = 0; boxes && i < mesh->n_triangles; i++) {
+        boxes[i] = box_of_triangle(mesh, i);
+        for (int c = 0; c < 3; c++) {
+            lf_vec3 v = lf_mesh_vertex(mesh, mesh->triangles[3 * (size_t)i + (size_t)c]);
+            const double p[3] = {(double)v.x, (double)v.y, (double)v.z};
+            placed->radius = fmax(placed->radius, lf_length_double(p));
+            put_point(p, own);
+        }
+    }
+    placed->radius *= 1.0 + 1e-6;
+    lf_status status =
+        boxes ? lf_box_tree_init(&placed->triangles, boxes, (uint32_t)mesh->n_triangles)
+              : LF_E_NOMEM;
+    lf_free(boxes);
+    return status;
+}
+
+static lf_status build_places(lf_placed *placed, const lf_box *own, lf_box *all)
+{
+    lf_box *boxes = lf_calloc((size_t)placed->n, sizeof *boxes);
+    *all = nothing();
+    placed->least = INFINITY;
+    for (int i = 0; boxes && i < placed->n; i++) {
+        lf_affine map = lf_placed_map(placed, (uint32_t)i);
+        float most, least;
+        boxes[i] = mapped(&map, own);
+        const double ends[2][3] = {
+            {(double)boxes[i].min.x, (double)boxes[i].min.y, (double)boxes[i].min.z},
+            {(double)boxes[i].max.x, (double)boxes[i].max.y, (double)boxes[i].max.z}};
+        put_point(ends[0], all);
+        put_point(ends[1], all);
+        lengths_of(&map, &most, &least);
+        placed->most = lf_max(placed->most, most);
+        placed->least = lf_min(placed->least, least);
+    }
+    lf_status status =
+        boxes ? lf_box_tree_init(&placed->boxes, boxes, (uint32_t)placed->n) : LF_E_NOMEM;
+    lf_free(boxes);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------ Embree -- */
+
+static lf_status build_embree(lf_placed *placed, const lf_mesh *mesh, RTCDevice device)
+{
+    RTCGeometry shape = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    placed->embree = rtcNewScene(device);
+    if (!shape || !placed->embree) {
+        if (shape)
+            rtcReleaseGeometry(shape);
+        return LF_E_NOMEM;
+    }
+    rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->vertices,
+                               0, 3 * sizeof(float), (size_t)mesh->n_vertices);
+    rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles,
+                               0, 3 * sizeof(uint32_t), (size_t)mesh->n_triangles);
+    rtcSetGeometryBuildQuality(shape, RTC_BUILD_QUALITY_HIGH);
+    rtcCommitGeometry(shape);
+    rtcAttachGeometryByID(placed->embree, shape, mesh->geom_id);
+    rtcReleaseGeometry(shape);
+    rtcSetSceneFlags(placed->embree, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(placed->embree, RTC_BUILD_QUALITY_HIGH);
+    rtcCommitScene(placed->embree);
+    return rtcGetDeviceError(device) == RTC_ERROR_NONE ? LF_OK : LF_E_NOMEM;
+}
+
+lf_status lf_placed_build(lf_placed *placed, lf_mesh *mesh, RTCDevice device)
+{
+    lf_box own;
+    lf_status status = build_triangles(placed, mesh, &own);
+    if (status == LF_OK)
+        status = build_places(placed, &own, &mesh->box);
+    return status == LF_OK ? build_embree(placed, mesh, device) : status;
+}
+
+void lf_placed_destroy(lf_placed *placed)
+{
+    if (!placed)
+        return;
+    if (placed->embree)
+        rtcReleaseScene(placed->embree);
+    lf_box_tree_finish(&placed->boxes);
+    lf_box_tree_finish(&placed->triangles);
+    lf_free(placed->map);
+    lf_free(placed);
+}
+
+static void bounds(const struct RTCBoundsFunctionArguments *args)
+{
+    const lf_mesh *mesh = args->geometryUserPtr;
+    const lf_box *box = &mesh->placed->boxes.boxes[args->primID];
+    *args->bounds_o = (struct RTCBounds){.lower_x = box->min.x,
+                                         .lower_y = box->min.y,
+                                         .lower_z = box->min.z,
+                                         .upper_x = box->max.x,
+                                         .upper_y = box->max.y,
+                                         .upper_z = box->max.z};
+}
+
+/* The ray in the space of a place, from where it comes near to the mesh on: *out_begin of its way.
+ * That depends on the line alone, so that a ray which goes on behind a hit is rounded as before.
+ * false: it does not come near. */
+static bool bring(const lf_placed *placed, uint32_t place, const struct RTCRay *ray,
+                  struct RTCRay *out, double *out_begin)
+{
+    const double from[3] = {(double)ray->org_x, (double)ray->org_y, (double)ray->org_z},
+                 along[3] = {(double)ray->dir_x, (double)ray->dir_y, (double)ray->dir_z};
+    lf_affine map = lf_placed_map(placed, place);
+    double o[3], w[3], back[3][3];
+    lf_affine_cofactors(&map, back);
+    double det = lf_dot_double(map.m[0], back[0]);
+    for (int i = 0; i < 3; i++) {
+        o[i] = w[i] = 0.0;
+        for (int j = 0; j < 3; j++) {
+            o[i] += back[j][i] * (from[j] - map.m[j][3]) / det;
+            w[i] += back[j][i] * along[j] / det;
+        }
+    }
+    double ww = lf_dot_double(w, w), ow = lf_dot_double(o, w),
+           apart = lf_dot_double(o, o) - ow * ow / ww,
+           half2 = placed->radius * placed->radius - apart;
+    if (!(half2 >= -1e-6 * placed->radius * placed->radius))
+        return false;
+    double begin = fmax(
+        (-ow - 1.001 * sqrt(fmax(half2, 0.0) * ww)) / ww - 1e-3 * placed->radius / sqrt(ww), 0.0);
+    *out = *ray;
+    out->org_x = (float)(o[0] + begin * w[0]);
+    out->org_y = (float)(o[1] + begin * w[1]);
+    out->org_z = (float)(o[2] + begin * w[2]);
+    out->dir_x = (float)w[0];
+    out->dir_y = (float)w[1];
+    out->dir_z = (float)w[2];
+    out->tnear = (float)fmax((double)ray->tnear - begin, 0.0);
+    out->tfar = (float)((double)ray->tfar - begin);
+    *out_begin = begin;
+    return out->tfar > out->tnear;
+}
+
+/* Rays come one at a time (track.c). */
+static void intersect(const struct RTCIntersectFunctionNArguments *args)
+{
+    const lf_mesh *mesh = args->geometryUserPtr;
+    const lf_placed *placed = mesh->placed;
+    struct RTCRayHit *rh = (struct RTCRayHit *)(void *)args->rayhit, own;
+    const uint32_t place = placed->boxes.order[args->primID];
+    double begin;
+    if (!bring(placed, place, &rh->ray, &own.ray, &begin))
+        return;
+    own.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    own.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(placed->embree, args->context, &own);
+    if (own.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return;
+    /* never before where it was asked to begin: rays go on behind what they have met */
+    rh->ray.tfar = lf_max((float)(begin + (double)own.ray.tfar), rh->ray.tnear);
+    rh->hit.u = own.hit.u;
+    rh->hit.v = own.hit.v;
+    rh->hit.geomID = args->geomID;
+    rh->hit.primID = own.hit.primID;
+    rh->hit.instID[0] = place;
+}
+
+static void occluded(const struct RTCOccludedFunctionNArguments *args)
+{
+    const lf_mesh *mesh = args->geometryUserPtr;
+    struct RTCRay *ray = (struct RTCRay *)(void *)args->ray, own;
+    double begin;
+    if (!bring(mesh->placed, mesh->placed->boxes.order[args->primID], ray, &own, &begin))
+        return;
+    rtcOccluded1(mesh->placed->embree, args->context, &own);
+    if (own.tfar < 0.0f)
+        ray->tfar = -INFINITY;
+}
+
+bool lf_placed_attach(const lf_mesh *mesh, RTCDevice device, RTCScene scene)
+{
+    RTCGeometry shape = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    if (!shape)
+        return false;
+    rtcSetGeometryUserPrimitiveCount(shape, (unsigned)mesh->placed->n);
+    rtcSetGeometryUserData(shape, (void *)(uintptr_t)mesh);
+    rtcSetGeometryBoundsFunction(shape, bounds, NULL);
+    rtcSetGeometryIntersectFunction(shape, intersect);
+    rtcSetGeometryOccludedFunction(shape, occluded);
+    rtcCommitGeometry(shape);
+    rtcAttachGeometryByID(scene, shape, mesh->geom_id);
+    rtcReleaseGeometry(shape);
+    return rtcGetDeviceError(device) == RTC_ERROR_NONE;
+}
