@@ -174,7 +174,7 @@ static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf
 static lf_status read_places(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
                              lf_error *err)
 {
-    lf_places places = {0};
+    lf_place_list places = {0};
     lf_status status = lf_places_read(request->path, fd, &places, err);
     if (status == LF_OK)
         status = lf_parcel_put(parcel, LF_PARCEL_PLACES, places.map, 12 * places.n, err);

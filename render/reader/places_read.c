@@ -57,7 +57,7 @@ static bool is_a_shape(size_t columns)
 }
 
 /* What a place is called in errors: a line, or a row. */
-static lf_status take(lf_places *out, const double *v, int columns, const char *what,
+static lf_status take(lf_place_list *out, const double *v, int columns, const char *what,
                       int64_t number, lf_error *err)
 {
     if (out->n == LF_MAX_PLACES)
@@ -88,7 +88,7 @@ static int numbers_of(char *line, double *out)
     return *lf_skip_blanks(at) && n <= MOST_COLUMNS ? -1 : n;
 }
 
-static lf_status read_csv(lf_input *in, lf_places *out, lf_error *err)
+static lf_status read_csv(lf_input *in, lf_place_list *out, lf_error *err)
 {
     double v[MOST_COLUMNS + 1];
     int columns = 0;
@@ -189,7 +189,7 @@ static lf_status read_header(lf_input *in, npy *out, lf_error *err)
     return LF_OK;
 }
 
-static lf_status read_npy(lf_input *in, lf_places *out, lf_error *err)
+static lf_status read_npy(lf_input *in, lf_place_list *out, lf_error *err)
 {
     npy file;
     lf_status status = read_header(in, &file, err);
@@ -213,7 +213,7 @@ static lf_status read_npy(lf_input *in, lf_places *out, lf_error *err)
     return status;
 }
 
-lf_status lf_places_read(const char *path, int fd, lf_places *out, lf_error *err)
+lf_status lf_places_read(const char *path, int fd, lf_place_list *out, lf_error *err)
 {
     lf_input in = {0};
     lf_status status = lf_input_open(&in, fd, err);
@@ -226,8 +226,8 @@ lf_status lf_places_read(const char *path, int fd, lf_places *out, lf_error *err
     return status;
 }
 
-void lf_places_finish(lf_places *places)
+void lf_places_finish(lf_place_list *places)
 {
     free(places->map);
-    *places = (lf_places){0};
+    *places = (lf_place_list){0};
 }

@@ -14,14 +14,14 @@
 #include "base/status.h"
 #include "render/scene/affine.h"
 
-typedef struct lf_places {
+typedef struct lf_place_list {
     size_t n, room;
     lf_affine *map; /* [n] malloc's */
-} lf_places;
+} lf_place_list;
 
 /* Into a zeroed *out, which the caller frees by lf_places_finish in any case. path: by its ending
  * it is NPY or CSV. LF_E_FORMAT: which place, and what is wrong; LF_E_IO, LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_places_read(const char *path, int fd, lf_places *out, lf_error *err);
-void lf_places_finish(lf_places *places);
+LF_NODISCARD lf_status lf_places_read(const char *path, int fd, lf_place_list *out, lf_error *err);
+void lf_places_finish(lf_place_list *places);
 
 #endif

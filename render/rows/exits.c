@@ -12,7 +12,8 @@ static const lf_fan_face *face_of(const lf_visit *visit, int segment)
 {
     lf_scratch *w = visit->worker;
     lf_fan_face *face = &w->met.face[segment % LF_FAN_FACES];
-    if (face->segment != segment) {
+    /* rays find other segments of the same number */
+    if (face->segment != segment || w->section.rays.on) {
         face->segment = segment;
         lf_section_face(&w->section, visit->triangles, visit->scene, segment, &face->face);
         if (visit->sunlight)
@@ -348,8 +349,8 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
         aim(visit, xw, lx);
         lanes_of(&w->reach, rig->n_views, column, &from, &to);
         if (visit->triangles && from < to)
-            lf_section_nearest(&w->section, rig, meeting(rig, xw, lx), to - from, w->x0 + from,
-                               w->z_end + from, w->met.segment + from);
+            lf_section_nearest(&w->section, visit->triangles, rig, meeting(rig, xw, lx), to - from,
+                               w->x0 + from, w->z_end + from, w->met.segment + from);
         if (w->media.n_here > 0 && from < to)
             march(plan, w, from, to, visit->sums.feature);
         for (int k = from; k < to && weighed; k++)

@@ -68,6 +68,8 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
             free_workers(workers, n);
             return NULL;
         }
+        workers[i]->section.rays.tracer = workers[i]->veil.section.rays.tracer =
+            &workers[i]->tracer;
     }
     return workers;
 }

@@ -1,272 +1,17 @@
 #include "render/rows/section_walk.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/alloc.h"
 #include "render/rows/section_cut.h"
 #include "render/rows/section_placed.h"
-#include "render/scene/geometry.h"
+#include "render/rows/section_rays.h"
 
 enum { WIDE = LF_SECTION_WIDE };
-
-/* ------------------------------------------------------------------------------- coordinates -- */
-
-/* In double, because heights above the plane are small differences; the same arithmetic for corners
- * and pivots. */
-static inline void to_camera(const lf_rig *rig, lf_vec3 p, double out[3])
-{
-    const lf_vec3 axes[3] = {rig->right, rig->up, rig->forward};
-    double x = (double)p.x - (double)rig->eye.x, y = (double)p.y - (double)rig->eye.y,
-           z = (double)p.z - (double)rig->eye.z;
-    for (int i = 0; i < 3; i++)
-        out[i] = x * (double)axes[i].x + y * (double)axes[i].y + z * (double)axes[i].z;
-}
 
 static lf_vec3 corner_of(const lf_mesh *mesh, uint32_t triangle, int i)
 {
     return lf_mesh_vertex(mesh, mesh->triangles[3 * (size_t)triangle + (size_t)i]);
-}
-
-/* ------------------------------------------------------------------------ what rows can meet -- */
-
-/* Rows that a triangle can be met in, and its middle; first > last: none. */
-typedef struct span {
-    int first, last;
-    float d, s;
-} span;
-
-typedef struct spans {
-    const lf_scene *scene;
-    const lf_rig *rigs; /* [n_rigs] */
-    int n_rigs;
-    const uint32_t *mesh_start; /* [meshes + 1] */
-    span *spans;
-} spans;
-
-/* Film rows of a point, all of the lens considered (rig.h): Y_w = D Y/Z + ly D (1/F - 1/Z). */
-static void grow_rows(const lf_rig *rig, const double p[3], double *lo, double *hi)
-{
-    double distance = (double)rig->distance,
-           v = (distance * p[1] / p[2] - (double)rig->y0) / (double)rig->dy;
-    double blur = fabs((double)rig->lens_radius * distance *
-                       (1.0 / (double)rig->focus - 1.0 / p[2]) / (double)rig->dy);
-    *lo = v - blur < *lo ? v - blur : *lo;
-    *hi = v + blur > *hi ? v + blur : *hi;
-}
-
-/* A corner at a moment of the shutter, as seen by the rig. */
-static void corner_at(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle, int i, double time,
-                      double out[3])
-{
-    const uint32_t vertex = mesh->triangles[3 * (size_t)triangle + (size_t)i];
-    double close[3];
-    to_camera(rig, lf_mesh_vertex(mesh, vertex), out);
-    if (!mesh->close.vertices || !(time > 0.0))
-        return;
-    const float *v = mesh->close.vertices + 3 * (size_t)vertex;
-    to_camera(rig, lf_v3(v[0], v[1], v[2]), close);
-    for (int axis = 0; axis < 3; axis++)
-        out[axis] += time * (close[axis] - out[axis]);
-}
-
-/* The film rows of a triangle at one moment, if all of it is before the cameras. */
-typedef struct cover {
-    double lo, hi;
-    double middle[3];
-    int in_front; /* corners */
-} cover;
-
-static cover cover_of(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle, double time)
-{
-    cover out = {.lo = INFINITY, .hi = -INFINITY};
-    for (int i = 0; i < 3; i++) {
-        double p[3];
-        corner_at(rig, mesh, triangle, i, time, p);
-        for (int axis = 0; axis < 3; axis++)
-            out.middle[axis] += p[axis] / 3.0;
-        if (!(p[2] > LF_SECTION_NEAR * (double)rig->distance))
-            continue;
-        out.in_front++;
-        grow_rows(rig, p, &out.lo, &out.hi);
-    }
-    return out;
-}
-
-/* All moments together. A corner that goes along a straight line past a rig that stands still has
- * its Y/Z between those of the ends; where the rig moves, what lies between two moments is no
- * farther off than half of the longest way from one to the next. */
-static span span_of(const spans *job, const lf_mesh *mesh, uint32_t triangle)
-{
-    const lf_rig *rig = &job->rigs[0];
-    const int moments = job->n_rigs > 1 ? job->n_rigs : mesh->close.vertices ? 2 : 1;
-    double margin = 0.01; /* of a row: planes are kept in single precision */
-    double way = 0.0, near = LF_SECTION_NEAR * (double)rig->distance;
-    cover all = {.lo = INFINITY, .hi = -INFINITY}, last = all;
-    for (int j = 0; j < moments; j++) {
-        double time = moments > 1 ? (double)j / (moments - 1) : 0.0;
-        cover now = cover_of(&job->rigs[job->n_rigs > 1 ? j : 0], mesh, triangle, time);
-        all.lo = fmin(all.lo, now.lo);
-        all.hi = fmax(all.hi, now.hi);
-        all.in_front += now.in_front;
-        for (int axis = 0; axis < 3; axis++)
-            all.middle[axis] += now.middle[axis] / moments;
-        if (j > 0 && job->n_rigs > 1)
-            way = fmax(way, fmax(fabs(now.lo - last.lo), fabs(now.hi - last.hi)));
-        last = now;
-    }
-    if (all.in_front == 0)
-        return (span){.first = 0, .last = -1};
-    double z = all.middle[2] > near ? all.middle[2] : near, height = (double)rig->height;
-    span out = {.first = 0,
-                .last = rig->height - 1,
-                .d = lf_cut_to_d(rig, z),
-                .s = (float)(all.middle[0] / z)};
-    margin += 0.5 * way;
-    if (all.in_front == 3 * moments) {
-        /* bounds first: a point beside the camera may be outside of what an int holds */
-        out.first = (int)floor(fmin(fmax(all.lo - margin, 0.0), height));
-        out.last = (int)floor(fmin(fmax(all.hi + margin, -1.0), height - 1.0));
-    }
-    return out;
-}
-
-enum { CHUNK = 4096 };
-
-static void span_chunk(void *context, int item, int worker)
-{
-    const spans *job = context;
-    uint32_t n = job->mesh_start[job->scene->n_meshes], from = (uint32_t)item * CHUNK,
-             to = n - from > CHUNK ? from + CHUNK : n;
-    int mesh = 0;
-    (void)worker;
-    for (uint32_t i = from; i < to; i++) {
-        while (i >= job->mesh_start[mesh + 1])
-            mesh++;
-        const lf_mesh *of = &job->scene->meshes[mesh];
-        job->spans[i] = of->hidden ? (span){.first = 0, .last = -1}
-                                   : span_of(job, of, i - job->mesh_start[mesh]);
-    }
-}
-
-/* The bits of x in the even places. */
-static uint32_t spread_bits(uint32_t x)
-{
-    x = (x | x << 8) & 0x00ff00ffu;
-    x = (x | x << 4) & 0x0f0f0f0fu;
-    x = (x | x << 2) & 0x33333333u;
-    return (x | x << 1) & 0x55555555u;
-}
-
-static uint32_t cell_of(float x, float min, float max)
-{
-    return max > min ? (uint32_t)(65535.0f * lf_min(lf_max((x - min) / (max - min), 0.0f), 1.0f))
-                     : 0;
-}
-
-/* Those that rows list. */
-static int listed_of(const lf_mesh *mesh)
-{
-    return mesh->placed ? 0 : mesh->n_triangles;
-}
-
-/* Counting sort of the spans into rows. */
-static void fill_rows(lf_row_triangles *out, const lf_scene *scene, const lf_rig *rig,
-                      const span *all)
-{
-    float d0 = INFINITY, d1 = -INFINITY, s0 = INFINITY, s1 = -INFINITY;
-    size_t n = 0;
-    for (int m = 0; m < scene->n_meshes; m++) {
-        for (int i = 0; i < listed_of(&scene->meshes[m]); i++, n++) {
-            if (all[n].first > all[n].last)
-                continue;
-            d0 = lf_min(d0, all[n].d);
-            d1 = lf_max(d1, all[n].d);
-            s0 = lf_min(s0, all[n].s);
-            s1 = lf_max(s1, all[n].s);
-        }
-    }
-    n = 0;
-    for (int m = 0; m < scene->n_meshes; m++) {
-        for (int i = 0; i < listed_of(&scene->meshes[m]); i++, n++) {
-            uint32_t order = spread_bits(cell_of(all[n].d, d0, d1)) |
-                             spread_bits(cell_of(all[n].s, s0, s1)) << 1;
-            for (int row = all[n].first; row <= all[n].last; row++)
-                out->list[out->first[row]++] = (lf_row_triangle){(uint32_t)m, (uint32_t)i, order};
-        }
-    }
-    /* every start has moved to the next row's */
-    for (int row = rig->height; row > 0; row--)
-        out->first[row] = out->first[row - 1];
-    out->first[0] = 0;
-}
-
-static int by_order(const void *a, const void *b)
-{
-    const lf_row_triangle *x = a, *y = b;
-    return (x->order > y->order) - (x->order < y->order);
-}
-
-static void sort_row(void *context, int row, int worker)
-{
-    const lf_row_triangles *rows = context;
-    (void)worker;
-    qsort(rows->list + rows->first[row], rows->first[row + 1] - rows->first[row],
-          sizeof *rows->list, by_order);
-}
-
-/* Where every row's list begins. */
-static void count_rows(lf_row_triangles *out, const lf_rig *rig, const span *all, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        for (int row = all[i].first; row <= all[i].last; row++)
-            out->first[row + 1]++;
-    for (int row = 0; row < rig->height; row++) {
-        out->longest = out->first[row + 1] > out->longest ? out->first[row + 1] : out->longest;
-        out->first[row + 1] += out->first[row];
-    }
-}
-
-lf_status lf_row_triangles_init(lf_row_triangles *out, const lf_scene *scene, const lf_rig *rigs,
-                                int n_rigs, lf_pool *pool)
-{
-    const lf_rig *rig = &rigs[0];
-    *out = (lf_row_triangles){0};
-    out->first = lf_calloc((size_t)rig->height + 1, sizeof *out->first);
-    out->mesh_start = lf_calloc((size_t)scene->n_meshes + 1, sizeof *out->mesh_start);
-    if (!out->first || !out->mesh_start)
-        return LF_E_NOMEM;
-    for (int i = 0; i < scene->n_meshes; i++)
-        out->mesh_start[i + 1] = out->mesh_start[i] + (uint32_t)listed_of(&scene->meshes[i]);
-    out->n_places = scene->geometry ? scene->geometry->n_places : 0;
-    size_t n = out->mesh_start[scene->n_meshes];
-    spans job = {.scene = scene,
-                 .rigs = rigs,
-                 .n_rigs = n_rigs,
-                 .mesh_start = out->mesh_start,
-                 .spans = lf_calloc(n, sizeof *job.spans)};
-    lf_status status =
-        job.spans ? lf_pool_run(pool, (int)((n + CHUNK - 1) / CHUNK), span_chunk, &job, NULL)
-                  : LF_E_NOMEM;
-    if (status == LF_OK) {
-        count_rows(out, rig, job.spans, n);
-        out->list = lf_calloc(out->first[rig->height], sizeof *out->list);
-        status = out->list ? LF_OK : LF_E_NOMEM;
-    }
-    if (status == LF_OK) {
-        fill_rows(out, scene, rig, job.spans);
-        status = lf_pool_run(pool, rig->height, sort_row, out, NULL);
-    }
-    lf_free(job.spans);
-    return status;
-}
-
-void lf_row_triangles_finish(lf_row_triangles *rows)
-{
-    lf_free(rows->first);
-    lf_free(rows->list);
-    lf_free(rows->mesh_start);
-    *rows = (lf_row_triangles){0};
 }
 
 /* --------------------------------------------------------------------------- one row's plane -- */
@@ -276,17 +21,39 @@ static int groups(int n)
     return (n + WIDE - 1) / WIDE;
 }
 
-/* Room for so many segments in place of what there was; what is in it is lost. */
+/* Room for so many segments in an empty section. */
 static lf_status allocate(lf_section *section, size_t longest)
 {
     int leaves = groups((int)longest), nodes = groups(leaves), roots = groups(nodes);
-    lf_free(section->leaves);
-    lf_free(section->nodes);
-    lf_free(section->roots);
     section->leaves = lf_calloc((size_t)leaves, sizeof *section->leaves);
     section->nodes = lf_calloc((size_t)nodes, sizeof *section->nodes);
     section->roots = lf_calloc((size_t)roots, sizeof *section->roots);
     return section->leaves && section->nodes && section->roots ? LF_OK : LF_E_NOMEM;
+}
+
+/* Makes room for more; what is in the section is lost. false: no memory, the room is what it was.
+ */
+static bool grow(lf_section *section, size_t segments, size_t slots)
+{
+    lf_section_places *places = &section->places;
+    const size_t most = segments + segments / 4 + places->listed, room = slots + slots / 4;
+    lf_section old = *section;
+    places->slot = lf_calloc(room, sizeof *places->slot);
+    places->triangle = lf_calloc(most, sizeof *places->triangle);
+    bool done = allocate(section, most) == LF_OK && places->slot && places->triangle;
+    lf_section *spare = done ? &old : section;
+    lf_free(spare->leaves);
+    lf_free(spare->nodes);
+    lf_free(spare->roots);
+    lf_free(spare->places.slot);
+    lf_free(spare->places.triangle);
+    if (!done) {
+        *section = old;
+        return false;
+    }
+    places->most = most;
+    places->room = room;
+    return true;
 }
 
 lf_status lf_section_init(lf_section *section, size_t longest, uint32_t n_places)
@@ -296,7 +63,8 @@ lf_status lf_section_init(lf_section *section, size_t longest, uint32_t n_places
     section->places.listed = longest;
     if (status == LF_OK && n_places > 0) {
         section->places.slot_of = lf_calloc(n_places, sizeof *section->places.slot_of);
-        status = section->places.slot_of ? LF_OK : LF_E_NOMEM;
+        status = section->places.slot_of && grow(section, LF_MAX_LANES, LF_MAX_LANES) ? LF_OK
+                                                                                      : LF_E_NOMEM;
     }
     return status;
 }
@@ -321,7 +89,7 @@ static bool cut_triangle(const lf_rig *rig, const lf_row_plane *plane, const lf_
     int above = 0;
     for (int i = 0; i < 3; i++) {
         double p[3];
-        to_camera(rig, corner_of(mesh, triangle, i), p);
+        lf_cut_to_camera(rig, corner_of(mesh, triangle, i), p);
         c[i] = (lf_cut_corner){p[0], p[2], p[1] - ((double)plane->ly + (double)plane->my * p[2])};
         above += c[i].height >= 0.0;
     }
@@ -396,35 +164,34 @@ static int cut_listed(lf_section *section, const lf_row_triangles *rows, const l
     return n;
 }
 
-/* false: no memory; the section is empty then, and has the room that it had. */
-static bool grow(lf_section *section, size_t segments, size_t slots)
+/* The segments of places behind the n of the list; how many there are then: none, if rays are to be
+ * asked. */
+static int add_placed(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
+                      const lf_rig *rig, int row, const lf_row_plane *plane, lf_cut_what what,
+                      int n)
 {
     lf_section_places *places = &section->places;
-    const size_t most = segments + segments / 4 + places->listed, room = slots + slots / 4;
-    lf_free(places->slot);
-    lf_free(places->triangle);
-    places->slot = lf_calloc(room, sizeof *places->slot);
-    places->triangle = lf_calloc(most, sizeof *places->triangle);
-    if (!places->slot || !places->triangle || allocate(section, most) != LF_OK)
-        return false;
-    places->most = most;
-    places->room = room;
-    return true;
+    size_t all = lf_section_cut_placed(section, rows, scene, rig, plane, what, (size_t)n);
+    bool too_many = places->n_segments > LF_SECTION_MOST,
+         fits = all <= places->most && places->n <= places->room;
+    if (!too_many && !fits && grow(section, all, places->n)) {
+        n = cut_listed(section, rows, scene, rig, row, plane, what);
+        all = lf_section_cut_placed(section, rows, scene, rig, plane, what, (size_t)n);
+        fits = true;
+    }
+    section->rays.on = too_many || !fits;
+    section->rays.what = what;
+    section->rays.plane = *plane;
+    places->n = section->rays.on ? 0 : places->n;
+    return section->rays.on ? 0 : (int)all;
 }
 
 void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
                     const lf_rig *rig, int row, const lf_row_plane *plane, lf_cut_what what)
 {
     int n = cut_listed(section, rows, scene, rig, row, plane, what);
-    if (rows->n_places > 0) {
-        size_t all = lf_section_cut_placed(section, rows, scene, rig, plane, what, (size_t)n);
-        if ((all > section->places.most || section->places.n > section->places.room) &&
-            grow(section, all, section->places.n)) {
-            n = cut_listed(section, rows, scene, rig, row, plane, what);
-            all = lf_section_cut_placed(section, rows, scene, rig, plane, what, (size_t)n);
-        }
-        n = (int)all;
-    }
+    if (rows->n_places > 0)
+        n = add_placed(section, rows, scene, rig, row, plane, what, n);
     section->n_leaves = groups(n);
     for (; n % WIDE != 0; n++) {
         lf_section_leaf *leaf = &section->leaves[n / WIDE];
@@ -531,7 +298,7 @@ lf_question lf_section_ask(const lf_section *section, const lf_row_triangles *ro
                            float *scale)
 {
     double at[3];
-    to_camera(rig, p, at);
+    lf_cut_to_camera(rig, p, at);
     float inverse = 1.0f / (float)at[2];
     lf_question q = {.d = lf_cut_to_d(rig, at[2]),
                      .s = (float)(at[0] / at[2]),
@@ -553,6 +320,10 @@ lf_question lf_section_ask(const lf_section *section, const lf_row_triangles *ro
 void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
                      lf_vec3 p, const lf_hit *on, int n, const float *c, float *scale)
 {
+    if (section->rays.on) {
+        lf_section_hide_by_rays(section, rig, p, on, n, c, scale);
+        return;
+    }
     lf_question q = lf_section_ask(section, rows, rig, p, on, n, c, scale);
     if (!lf_question_narrow(&q))
         return;
@@ -642,9 +413,13 @@ static void fan_leaf(const lf_section *section, int number, fan *f)
     }
 }
 
-void lf_section_nearest(const lf_section *section, const lf_rig *rig, float s0, int n,
-                        const float *c, float *z, int *segment)
+void lf_section_nearest(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
+                        float s0, int n, const float *c, float *z, int *segment)
 {
+    if (section->rays.on) {
+        lf_section_nearest_by_rays(section, rows, rig, s0, n, c, z, segment);
+        return;
+    }
     fan f = {.s = s0, .n = n, .c = c};
     f.segment = segment;
     for (int k = 0; k < n; k++) {

@@ -77,11 +77,24 @@ typedef struct lf_section_places {
     uint32_t first, n_segments;
 } lf_section_places;
 
+/* Which triangles: those whose surface may not be there whole (veil.h), or the others. */
+typedef enum lf_cut_what { LF_CUT_ALL, LF_CUT_OPAQUE, LF_CUT_VEILS } lf_cut_what;
+
+/* Where segments of places would be too many, rays are asked (section_rays.h). */
+typedef struct lf_section_rays {
+    bool on;
+    lf_cut_what what;
+    lf_row_plane plane;
+    /* the worker's, with the scene of the visit; set by who owns the section, where n_places > 0 */
+    lf_tracer *tracer;
+} lf_section_rays;
+
 typedef struct lf_section {
     lf_section_leaf *leaves;
     lf_section_node *nodes, *roots;
     int n_leaves, n_roots;
     lf_section_places places;
+    lf_section_rays rays;
 } lf_section;
 
 /* Memory for sections of up to `longest` triangles, and of what n_places places come to;
@@ -89,9 +102,6 @@ typedef struct lf_section {
 LF_NODISCARD lf_status lf_section_init(lf_section *section, size_t longest, uint32_t n_places);
 /* Accepts one that is all zero. */
 void lf_section_finish(lf_section *section);
-
-/* Which triangles: those whose surface may not be there whole (veil.h), or the others. */
-typedef enum lf_cut_what { LF_CUT_ALL, LF_CUT_OPAQUE, LF_CUT_VEILS } lf_cut_what;
 
 /* Cuts the row's triangles with a plane of the row, and what stands in many places. Does not
  * allocate but for the latter, where more of them are cut than ever before. */
@@ -109,8 +119,8 @@ void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, co
  * through one point of the plane Z = D, or for a lens through one point of what it makes of that
  * plane: the lines s = s0 + c d. n is a multiple of LF_LANES. z[k] is where it lies, INFINITY:
  * nowhere; segment[k] is which of the section it is, -1: none. */
-void lf_section_nearest(const lf_section *section, const lf_rig *rig, float s0, int n,
-                        const float *c, float *z, int *segment);
+void lf_section_nearest(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
+                        float s0, int n, const float *c, float *z, int *segment);
 
 /* A segment's material in the scene. */
 static inline int lf_section_material(const lf_section *section, int segment)

@@ -1,6 +1,7 @@
 #include "render/rows/section_placed.h"
 
 #include "render/rows/section_cut.h"
+#include "render/rows/section_rays.h"
 #include "render/scene/placed.h"
 #include "render/transport/placed_hit.h"
 
@@ -148,7 +149,7 @@ static void cut_mesh(cutting *c, const lf_mesh *mesh, const lf_box_cut *world)
     lf_box_walk walk;
     uint32_t place;
     lf_box_walk_begin(&walk, &mesh->placed->boxes, world);
-    while (lf_box_walk_next(&walk, &place)) {
+    while (c->n - c->listed <= LF_SECTION_MOST && lf_box_walk_next(&walk, &place)) {
         const size_t before = c->n;
         cut_place(c, mesh, world, place);
         if (c->n == before)

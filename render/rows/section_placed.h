@@ -12,6 +12,7 @@
 #include "render/rows/section.h"
 
 /* Puts the segments of all places behind the n that the section has; returns how many it has then.
+ * Of more than LF_SECTION_MOST it finds some.
  * Where there is not enough room, they are counted alone: the section has to grow to that number
  * and more than that, and its places' slots to places.n, and be cut anew. */
 size_t lf_section_cut_placed(lf_section *section, const lf_row_triangles *rows,

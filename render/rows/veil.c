@@ -1,5 +1,6 @@
 #include "render/rows/veil.h"
 
+#include "render/rows/section_rays.h"
 #include "render/rows/section_walk.h"
 #include "render/transport/surface_texture.h"
 
@@ -69,6 +70,10 @@ static void node_before(const lf_veils *veils, int node, const lf_question *q)
 void lf_veils_before(const lf_veils *veils, lf_vec3 p, const lf_hit *on, int n, const float *c,
                      float *scale)
 {
+    if (veils->section->rays.on) {
+        lf_section_hide_by_rays(veils->section, veils->rig, p, on, n, c, scale);
+        return;
+    }
     lf_question q = lf_section_ask(veils->section, veils->rows, veils->rig, p, on, n, c, scale);
     if (!lf_question_narrow(&q))
         return;
@@ -135,6 +140,10 @@ static void leaf_along(const lf_veils *veils, int leaf, const line_fan *f)
 void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, const float *z_end,
                     float *through, bool *mirrors)
 {
+    if (veils->section->rays.on) {
+        lf_section_veils_by_rays(veils->section, veils->rig, s0, n, c, z_end, through, mirrors);
+        return;
+    }
     line_fan f = {.s0 = s0, .n = n, .c = c, .z_end = z_end};
     f.through = through;
     f.mirrors = mirrors;

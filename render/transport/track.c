@@ -205,43 +205,39 @@ static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_
     return true;
 }
 
-bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
+bool lf_trace_next(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
 {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    struct RTCRayHit rh = {.ray = ray_of(tracer, o, w, t_min, t_max)};
-    do {
-        tracer->rays++;
-        rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rh.ray.tfar = nextafterf(t_max, INFINITY);
-        rtcIntersect1(tracer->scene->embree, &context, &rh);
-        if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
-            return false;
-        find_hit(tracer->scene, &rh, o, w, hit);
-        rh.ray.tnear = nextafterf(hit->t, INFINITY);
-    } while (!hit->material->glass.is_pane || hit->mesh->hidden);
+    struct RTCRayHit rh = {.ray = ray_of(tracer, o, w, t_min, nextafterf(t_max, INFINITY))};
+    tracer->rays++;
+    rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(tracer->scene->embree, &context, &rh);
+    if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return false;
+    find_hit(tracer->scene, &rh, o, w, hit);
     return true;
+}
+
+bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
+{
+    while (lf_trace_next(tracer, o, w, t_min, t_max, hit)) {
+        if (hit->material->glass.is_pane && !hit->mesh->hidden)
+            return true;
+        t_min = nextafterf(hit->t, INFINITY);
+    }
+    return false;
 }
 
 static float passed_by(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, bool seen)
 {
-    const lf_scene *scene = tracer->scene;
-    float passed = 1.0f;
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    struct RTCRayHit rh = {.ray = ray_of(tracer, o, w, 0.0f, t_max)};
-    while (passed > 0.0f) {
-        lf_hit hit;
-        rh.ray.tfar = t_max;
-        rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        tracer->rays++;
-        rtcIntersect1(scene->embree, &context, &rh);
-        if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
-            break;
-        find_hit(scene, &rh, o, w, &hit);
+    const float last = nextafterf(t_max, -INFINITY);
+    float passed = 1.0f, t = 0.0f;
+    lf_hit hit;
+    while (passed > 0.0f && lf_trace_next(tracer, o, w, t, last, &hit)) {
         if (!(seen && hit.mesh->hidden))
             passed *= 1.0f - lf_hit_stops(&hit, w, averaged_at(tracer, hit.t));
-        rh.ray.tnear = nextafterf(hit.t, INFINITY);
+        t = nextafterf(hit.t, INFINITY);
     }
     return passed;
 }

@@ -61,6 +61,9 @@ static inline float lf_rng_exponential(lf_tracer *t)
 bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
 /* The same for rays of the camera, which pass through meshes that are hidden from it. */
 bool lf_trace_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
+/* The nearest surface of any kind with t_min < t <= t_max, met for sure; what varies along it is
+ * not looked up. */
+bool lf_trace_next(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit);
 /* The nearest pane (lf_glass) with t_min < t <= t_max, met for sure. */
 bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit);
 /* A triangle, for many hits. */
@@ -68,9 +71,9 @@ typedef struct lf_face {
     const lf_mesh *mesh;
     const lf_material *material;
     uint32_t triangle, place; /* place: as in lf_hit */
-    lf_vec3 a, n;      /* a corner; unit normal */
-    lf_vec3 to_uv[2];  /* p - a -> barycentric coordinates */
-    lf_vec3 smooth[3]; /* shading normal at a, and what it gains with each of them */
+    lf_vec3 a, n;             /* a corner; unit normal */
+    lf_vec3 to_uv[2];         /* p - a -> barycentric coordinates */
+    lf_vec3 smooth[3];        /* shading normal at a, and what it gains with each of them */
 } lf_face;
 void lf_face_init(lf_face *face, const lf_scene *scene, int mesh, uint32_t triangle);
 /* What a ray along the unit vector w that is known to meet it at p finds there: all of a hit but t.

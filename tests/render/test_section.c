@@ -253,7 +253,7 @@ static void assert_fans(bench *b)
               xw = rig->x0 + uniform(b) * (float)width * rig->dx;
         for (int k = 0; k < lanes; k++)
             c[k] = rig->b[k] + lx;
-        lf_section_nearest(&b->section, rig,
+        lf_section_nearest(&b->section, &lf_test_rows(b->renderer)->triangles, rig,
                            xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus),
                            lanes, c, z, segment);
         for (int k = 0; k < rig->n_views; k++) {
