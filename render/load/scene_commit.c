@@ -12,6 +12,7 @@
 #include "render/load/geometry_build.h"
 #include "render/load/mesh_doubles.h"
 #include "render/load/meshes_import.h"
+#include "render/load/open_flesh.h"
 #include "render/load/scene_looks.h"
 #include "render/load/scene_subject.h"
 #include "render/load/unused_grids.h"
@@ -614,6 +615,7 @@ static void collect_warnings(const commit *c)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
     lf_file_lights_warn(c->desc, scene);
     lf_camera_frame_warn(c->desc, scene);
+    lf_warn_of_open_flesh(scene, c->desc, &scene->warnings);
     if (is_unlit(scene))
         lf_warnings_add(&scene->warnings, scene->file.where,
                         "no light shines here: %s will be black (see lights in docs/scene.md)",

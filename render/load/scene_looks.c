@@ -48,12 +48,14 @@ void lf_scene_look(lf_scene *scene)
         scene->looks.filled |= used[m] && material->is_solid && material->transmission > 0.0f &&
                                (lf_max3(material->glass.absorption) > 0.0f ||
                                 lf_max3(material->glass.scattering) > 0.0f);
-        scene->looks.frosted |= used[m] && material->is_solid && material->glass.is_rough;
+        scene->looks.fleshy |= used[m] && material->glass.subsurface > 0.0f;
+        scene->looks.frosted |= used[m] && lf_is_sided(material);
         scene->looks.paned |= used[m] && material->glass.is_pane;
         scene->looks.veiled |= used[m] && lf_is_veil(material);
         scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
         scene->has_view_lobes |= used[m] && material->kind->view_dependent;
     }
+    scene->looks.filled |= scene->looks.fleshy;
     for (int i = 0; i < scene->n_lights; i++)
         scene->looks.moving |= !!scene->lights[i].way;
     for (int i = 0; i < scene->n_volumes; i++) {

@@ -9,7 +9,7 @@
 #define LF_MAX_COORDINATE 1e9
 #define LF_MAX_RADIANCE 1e9
 #define LF_MAX_KELVIN 1e6 /* per unit of a grid's value */
-#define LF_MAX_KEYS 16    /* of a kind */
+#define LF_MAX_KEYS 20    /* of a kind */
 
 /* The range of a row of coordinates. */
 #define LF_COORDINATES .low = -LF_MAX_COORDINATE, .high = LF_MAX_COORDINATE

@@ -140,6 +140,10 @@ typedef enum lf_cover { LF_COVER_OPAQUE, LF_COVER_MASK, LF_COVER_BLEND, LF_COVER
 typedef struct lf_glass {
     lf_vec3 absorption, scattering; /* inside of it, per scene unit */
     float g;                        /* Henyey-Greenstein of what is scattered there, (-1, 1) */
+    /* Of what is neither metal nor glass, the share that enters flesh (flesh.h), and the mean free
+     * path there of each channel, scene units. */
+    float subsurface;
+    lf_vec3 radius;
     /* Made by lf_material_prepare: the lobe through it is no delta. */
     bool is_rough;
     /* Smooth clear sheets, and nothing else: what goes straight through is a matter of how much of
@@ -186,6 +190,18 @@ typedef struct lf_material {
 static inline bool lf_has_mirror(const lf_material *m)
 {
     return m->has_delta && !m->glass.is_pane;
+}
+
+/* Whether a lobe that is no delta leads through it. */
+static inline bool lf_has_far_lobe(const lf_material *m)
+{
+    return m->glass.is_rough || m->glass.subsurface > 0.0f;
+}
+
+/* Whether its lobes are others from within than from outside. */
+static inline bool lf_is_sided(const lf_material *m)
+{
+    return (m->is_solid && m->glass.is_rough) || m->glass.subsurface > 0.0f;
 }
 
 /* What rays meet by chance, and views see through. */
@@ -352,8 +368,9 @@ typedef struct lf_looks {
     bool varied;    /* something varies along a mesh */
     bool veiled;    /* some surface may not be there whole, or is a pane */
     bool hidden;    /* some mesh is hidden from the camera */
-    bool filled;    /* some glass absorbs or scatters */
-    bool frosted;   /* some solid glass is rough: its hits say from which side they are */
+    bool filled;    /* some glass absorbs or scatters, or there is flesh */
+    bool frosted;   /* some solid glass is rough, or flesh: hits say from which side they are */
+    bool fleshy;    /* some closed mesh holds flesh (flesh.h) */
     bool moving;    /* something is elsewhere when the shutter closes */
     bool chromatic; /* sigma_t of some volume is not the same for all channels */
     bool caught;    /* some mesh is a catcher of shadows */

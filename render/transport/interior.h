@@ -24,4 +24,11 @@ float lf_interior_way(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec
  * channels (one-sample balance; Veach 1997, 9.2.4): none grows beyond what all had together. */
 void lf_interior_weigh(lf_vec3 beta, lf_event *out);
 
+/* The same for any medium of coloured extinction, along which a path carries beta: a way until it
+ * is met, drawn for one channel, and what the light of all is to be multiplied by where that way
+ * has led to a collision (keeps: albedo times sigma_t) or where it was longer than t. */
+float lf_coloured_way(lf_tracer *tracer, lf_vec3 sigma_t, lf_vec3 beta);
+lf_vec3 lf_coloured_collision(lf_vec3 beta, lf_vec3 sigma_t, lf_vec3 keeps, float t);
+lf_vec3 lf_coloured_passage(lf_vec3 beta, lf_vec3 sigma_t, float t);
+
 #endif

@@ -1,12 +1,26 @@
 #include "render/transport/path.h"
 
+#include "render/transport/flesh.h"
 #include "render/transport/glow.h"
 #include "render/transport/interior.h"
+
+/* Whether the path came here through flesh, from where no light sample was drawn. */
+static bool is_in_flesh(const lf_scene *scene, const lf_event *event)
+{
+    return scene->looks.fleshy && event->flesh.of;
+}
 
 /* lf_path_next of a path that carries beta. */
 static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
                        lf_event *out)
 {
+    if (tracer->scene->looks.fleshy) {
+        out->flesh = lf_flesh_beyond(from, w);
+        if (out->flesh.of) {
+            lf_flesh_walk(tracer, from, w, beta, out);
+            return;
+        }
+    }
     lf_vec3 o = from->kind == LF_EVENT_SURFACE
                     ? lf_offset(tracer->scene, from->p, from->hit.ng, w, 0.0f)
                     : from->p;
@@ -82,7 +96,7 @@ static lf_vec3 albedo_of(const lf_scene *scene, const lf_event *event)
  * surface, or, of rough glass, do not. */
 static bool leads_astray(const lf_hit *hit, lf_vec3 wi)
 {
-    if (hit->material->glass.is_rough)
+    if (lf_has_far_lobe(hit->material))
         return (lf_dot(hit->ng, wi) > 0.0f) != (lf_dot(hit->ns, wi) > 0.0f);
     return !(lf_dot(hit->ng, wi) > 0.0f);
 }
@@ -147,6 +161,8 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample 
     if (event->kind == LF_EVENT_SURFACE) {
         if (leads_astray(&event->hit, light->wi))
             return 0.0f;
+        if (tracer->scene->looks.fleshy && lf_flesh_beyond(event, light->wi).of)
+            return 0.0f;
         o = lf_offset(tracer->scene, event->p, event->hit.ng, light->wi, 0.0f);
     }
     if (light->distance < INFINITY) {
@@ -178,6 +194,11 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
         found = lf_light_escape(scene, event->w, out_light_pdf);
     else if (event->kind == LF_EVENT_SURFACE && scene->has_emission)
         found = lf_light_hit(scene, from->p, &event->hit, out_light_pdf);
+    if (is_in_flesh(scene, event)) {
+        *out_light_pdf = 0.0f;
+        if (event->hit.material == event->flesh.of) /* what its own face emits leaves it outwards */
+            return lf_v3(0.0f, 0.0f, 0.0f);
+    }
     return scene->looks.chromatic ? lf_mul(found, event->channels) : found;
 }
 
@@ -217,7 +238,7 @@ lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
 {
     const lf_vec3 nothing = lf_v3(0.0f, 0.0f, 0.0f);
     const lf_scene *scene = tracer->scene;
-    if (scene->glows.n == 0 || (scene->looks.filled && next->interior))
+    if (scene->glows.n == 0 || (scene->looks.filled && next->interior) || is_in_flesh(scene, next))
         return nothing; /* what fills glass is not looked up there */
     const lf_glow *glow = pick_glow(scene, lf_rng(tracer));
     lf_glow_segment segment;
@@ -287,6 +308,8 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
  * alone does, with weight 1. */
 static lf_vec3 emitted(lf_tracer *tracer, const lf_event *next)
 {
+    if (is_in_flesh(tracer->scene, next))
+        return lf_v3(0.0f, 0.0f, 0.0f);
     return lf_mul(channels_of(tracer->scene, next),
                   lf_track_emission(tracer, next->from, next->w, lf_min(next->t, next->surface)));
 }
@@ -314,20 +337,6 @@ static bool follows_delta(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, 
     return true;
 }
 
-/* Unbiased roulette: paths of small throughput go on with a probability that keeps what survives at
- * the threshold. */
-static bool survives(lf_tracer *tracer, lf_vec3 *beta)
-{
-    const float threshold = 0.25f;
-    float m = lf_max3(*beta);
-    if (m >= threshold)
-        return true;
-    if (lf_rng(tracer) * threshold >= m)
-        return false;
-    *beta = lf_scale(*beta, threshold / m);
-    return true;
-}
-
 lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, int max_depth)
 {
     lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f), beta = channels_of(tracer->scene, event);
@@ -346,7 +355,7 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
             beta = lf_scale(lf_mul(beta, f), 1.0f / pdf);
             tracer->spread = LF_SUFFIX_SPREAD;
         }
-        if (!(lf_max3(beta) > 0.0f) || !survives(tracer, &beta))
+        if (!(lf_max3(beta) > 0.0f) || !lf_path_survives(tracer, &beta))
             break;
         lf_event *next = here == &events[0] ? &events[1] : &events[0];
         next_event(tracer, here, wi, beta, next);

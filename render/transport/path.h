@@ -8,6 +8,14 @@
 
 typedef enum lf_event_kind { LF_EVENT_ESCAPE, LF_EVENT_MEDIUM, LF_EVENT_SURFACE } lf_event_kind;
 
+/* What fills a closed mesh whose surface has subsurface (flesh.h). */
+typedef struct lf_flesh {
+    const lf_material *of; /* the surface that was entered; NULL: none */
+    lf_vec3 sigma_t;       /* per scene unit */
+    lf_vec3 albedo;        /* single-scattering */
+    float g;               /* Henyey-Greenstein */
+} lf_flesh;
+
 /* A vertex of a path. */
 typedef struct lf_event {
     lf_event_kind kind;
@@ -26,6 +34,8 @@ typedef struct lf_event {
      * along it is to be multiplied by (interior.h). */
     const lf_material *interior;
     lf_vec3 left;
+    /* In scenes with looks.fleshy: through which the path came here. */
+    lf_flesh flesh;
 } lf_event;
 #define LF_INTERIOR (-1)
 
@@ -36,12 +46,26 @@ typedef struct lf_event {
 /* The next event of a path that leaves `from` (a vertex) along the unit vector w. */
 void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out);
 
-/* What solid glass leaves of light along the segment that ends at the event. 1 in scenes whose
- * glass is clear. */
+/* What solid glass leaves of light along the segment that ends at the event, or flesh along the way
+ * through it. 1 in scenes whose glass is clear and that have no flesh. */
 lf_vec3 lf_path_absorbed(const lf_scene *scene, const lf_event *event);
 /* The same of a light sample on its way to the event. */
 lf_vec3 lf_path_absorbed_light(const lf_scene *scene, const lf_event *event,
                                const lf_light_sample *light);
+
+/* Unbiased roulette: paths of small throughput go on with a probability that keeps what survives at
+ * the threshold. */
+static inline bool lf_path_survives(lf_tracer *tracer, lf_vec3 *beta)
+{
+    const float threshold = 0.25f;
+    float m = lf_max3(*beta);
+    if (m >= threshold)
+        return true;
+    if (lf_rng(tracer) * threshold >= m)
+        return false;
+    *beta = lf_scale(*beta, threshold / m);
+    return true;
+}
 
 /* Non-delta scattering at a vertex towards wi: returns the pdf of sampling it, *f gets albedo x
  * phase or f |cos|; 0 where wi leads through the surface, which a lobe about a shading normal may.

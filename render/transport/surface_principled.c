@@ -9,6 +9,8 @@
  *     diffuse     albedo / pi  loss(cos_o) loss(cos_i) / mean loss
  *     or glass    the share `transmission`: what is not reflected goes on, refracted or, through a
  *                 sheet, straight, tinted by albedo
+ *     or flesh    the share `subsurface` of diffuse light: loss(cos_o) cos_i / pi inwards, and from
+ *                 within loss(cos_i) cos_i / (pi mean loss) outwards, with no lobe but that
  *
  * loss(cos) = 1 - specular E(cos), E of the GGX lobe (surface_energy.c). Diffuse light is coupled
  * as Ashikhmin and Shirley (2000) and Kelemen do, so that albedo is what is seen: white gives back
@@ -25,8 +27,9 @@
 typedef struct layers {
     const lf_material *m; /* loss: of the dielectric */
     float alpha, coat_alpha;
-    /* shares: of what is not metal, by its own lobes and as rough glass; of metal, what is below */
-    float dielectric, glass, metal, below;
+    /* shares: of what is not metal, by its own lobes and as rough glass; of metal, what is below,
+     * and what enters flesh */
+    float dielectric, glass, metal, below, flesh;
     bool rough, coated, rough_coat, sheened;
 } layers;
 
@@ -36,7 +39,7 @@ typedef struct shares {
     float beneath; /* the sheen, likewise */
     float enters;  /* loss(cos_o) */
     float several;
-    float by_glass;                    /* rough glass; else … */
+    float by_far;                      /* rough glass or flesh; else … */
     float by_coat, by_gloss, by_sheen; /* … the rest is diffuse */
 } shares;
 
@@ -52,7 +55,20 @@ static layers layers_of(const lf_material *m)
     l.glass = m->glass.is_rough ? (1.0f - m->metallic) * m->transmission : 0.0f;
     l.below = (1.0f - m->metallic) * (1.0f - m->transmission);
     l.dielectric = m->glass.is_rough ? l.below : 1.0f - m->metallic;
+    l.flesh = l.below * m->glass.subsurface;
+    l.below -= l.flesh;
     return l;
+}
+
+/* Whether it is flesh that is met from within. */
+static bool is_way_out(const lf_material *m)
+{
+    return m->glass.is_inside && m->glass.subsurface > 0.0f;
+}
+
+static inline bool has_far_lobe(const layers *l)
+{
+    return l->glass > 0.0f || l->flesh > 0.0f;
 }
 
 /* 1 - E of the dielectric's lobe. */
@@ -96,10 +112,10 @@ static inline shares shares_of(const layers *l, float cos_o)
     s.by_sheen = sheen > 0.0f ? (1.0f - s.by_coat) * sheen / sum : 0.0f;
     float rest = 1.0f - s.by_coat - s.by_sheen;
     s.by_gloss = base > 0.0f ? rest * gloss / base : rest * (float)l->rough;
-    if (l->glass > 0.0f) {
-        float glass = s.under * s.beneath * l->glass,
+    if (has_far_lobe(l)) {
+        float far = s.under * s.beneath * (l->glass + l->flesh * s.enters * lf_mean3(m->albedo)),
               others = (l->rough_coat ? coat : 0.0f) + s.under * sum;
-        s.by_glass = others > 0.0f ? glass / (glass + others) : 1.0f;
+        s.by_far = others > 0.0f ? far / (far + others) : 1.0f;
     }
     return s;
 }
@@ -154,14 +170,25 @@ static float eval_local(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi
     return pdf;
 }
 
-/* Adds rough glass to what the other lobes have; returns the pdf of all. */
-static float add_glass(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, float pdf,
-                       lf_vec3 *f)
+/* Adds rough glass, or what enters flesh, to what the other lobes have; returns the pdf of all. */
+static float add_far(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, float pdf,
+                     lf_vec3 *f)
 {
-    lf_vec3 through;
-    float own = lf_glass_eval(l->m, wo, wi, &through);
-    *f = lf_madd(*f, s->under * s->beneath * l->glass, through);
-    return lf_lerp(pdf, own, s->by_glass);
+    float share = s->under * s->beneath, own = wi.z < -LF_MIN_COS ? -wi.z * LF_INV_PI : 0.0f;
+    lf_vec3 through = lf_v3(own, own, own);
+    if (l->glass > 0.0f)
+        own = lf_glass_eval(l->m, wo, wi, &through);
+    *f = lf_madd(*f, share * (l->glass > 0.0f ? l->glass : l->flesh * s->enters), through);
+    return lf_lerp(pdf, own, s->by_far);
+}
+
+/* What leaves flesh, towards wi from any wo within. */
+static float leave(const lf_material *m, lf_vec3 wi, lf_vec3 *f)
+{
+    float pdf = wi.z < -LF_MIN_COS ? -wi.z * LF_INV_PI : 0.0f,
+          out = pdf > 0.0f ? pdf * coat_loss(m, lf_min(-wi.z, 1.0f)) / m->mean_loss : 0.0f;
+    *f = lf_v3(out, out, out);
+    return pdf;
 }
 
 static float eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
@@ -175,12 +202,14 @@ static float eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_v
     shares s = shares_of(&l, lf_min(cos_o, 1.0f));
     lf_tangents(ns, &t, &b);
     lf_vec3 o = lf_to_frame(t, b, ns, wo), i = lf_to_frame(t, b, ns, wi);
+    if (is_way_out(m))
+        return leave(m, i, f);
     float pdf = eval_local(&l, &s, o, i, f);
-    return l.glass > 0.0f ? add_glass(&l, &s, o, i, pdf, f) : pdf;
+    return has_far_lobe(&l) ? add_far(&l, &s, o, i, pdf, f) : pdf;
 }
 
-static void add_glass_fan(const layers *l, lf_vec3 wi, int n, const float *const o[3],
-                          lf_fan_lobes *out)
+static void add_far_fan(const layers *l, lf_vec3 wi, int n, const float *const o[3],
+                        lf_fan_lobes *out)
 {
     for (int k = 0; k < n; k++) {
         lf_vec3 f = lf_v3(out->weight[0][k], out->weight[1][k], out->weight[2][k]);
@@ -188,7 +217,9 @@ static void add_glass_fan(const layers *l, lf_vec3 wi, int n, const float *const
             continue;
         float cos_o = lf_min(o[2][k], 1.0f);
         shares s = shares_of(l, cos_o);
-        out->pdf[k] = add_glass(l, &s, lf_v3(o[0][k], o[1][k], cos_o), wi, out->pdf[k], &f);
+        out->pdf[k] = is_way_out(l->m)
+                          ? leave(l->m, wi, &f)
+                          : add_far(l, &s, lf_v3(o[0][k], o[1][k], cos_o), wi, out->pdf[k], &f);
         out->weight[0][k] = f.x;
         out->weight[1][k] = f.y;
         out->weight[2][k] = f.z;
@@ -212,21 +243,30 @@ static void eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, co
         green[k] = above * f.y;
         blue[k] = above * f.z;
     }
-    if (l.glass > 0.0f)
-        add_glass_fan(&l, wi, n, (const float *[3]){x, y, z}, out);
+    if (has_far_lobe(&l))
+        add_far_fan(&l, wi, n, (const float *[3]){x, y, z}, out);
     out->n_terms = 3;
     out->colour[0] = lf_v3(1.0f, 0.0f, 0.0f);
     out->colour[1] = lf_v3(0.0f, 1.0f, 0.0f);
     out->colour[2] = lf_v3(0.0f, 0.0f, 1.0f);
 }
 
+/* Malley's cosine, on the other side. */
+static lf_vec3 inwards(const float u[3])
+{
+    lf_vec3 w = lf_cosine_sample(u[0], u[1]);
+    return lf_v3(w.x, w.y, -w.z);
+}
+
 static lf_vec3 draw(const layers *l, const shares *s, lf_vec3 o, const float u[3])
 {
     float by = u[2];
-    if (l->glass > 0.0f) {
-        if (by < s->by_glass)
-            return lf_glass_sample(l->m, o, (const float[3]){u[0], u[1], by / s->by_glass});
-        by = (by - s->by_glass) / (1.0f - s->by_glass);
+    if (has_far_lobe(l)) {
+        if (by < s->by_far)
+            return l->glass > 0.0f
+                       ? lf_glass_sample(l->m, o, (const float[3]){u[0], u[1], by / s->by_far})
+                       : inwards(u);
+        by = (by - s->by_far) / (1.0f - s->by_far);
     }
     if (by < s->by_coat)
         return lf_ggx_sample(l->coat_alpha, o, u[0], u[1]);
@@ -247,10 +287,12 @@ static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[
         return 0.0f;
     layers l = layers_of(m);
     shares s = shares_of(&l, lf_min(o.z, 1.0f));
-    lf_vec3 i = draw(&l, &s, o, u);
+    lf_vec3 i = is_way_out(m) ? inwards(u) : draw(&l, &s, o, u);
     *wi = lf_from_frame(t, b, ns, i);
+    if (is_way_out(m))
+        return leave(m, i, f);
     float pdf = eval_local(&l, &s, o, i, f);
-    return l.glass > 0.0f ? add_glass(&l, &s, o, i, pdf, f) : pdf;
+    return has_far_lobe(&l) ? add_far(&l, &s, o, i, pdf, f) : pdf;
 }
 
 /* -------------------------------------------------------------------------------------- deltas --
@@ -284,7 +326,7 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
 {
     float cos_o = lf_min(lf_dot(ns, wo), 1.0f), coat = 0.0f;
     int n = 0;
-    if (!m->has_delta || !(cos_o > LF_MIN_COS))
+    if (!m->has_delta || !(cos_o > LF_MIN_COS) || (!front && m->glass.subsurface > 0.0f))
         return 0;
     layers l = layers_of(m);
     if (l.coated)
@@ -385,8 +427,12 @@ enum {
     GLASS,
     ABSORPTION,
     SCATTERING,
-    PHASE
+    PHASE,
+    SUBSURFACE,
+    RADIUS
 };
+
+#define LEAST_RADIUS 1e-6 /* its inverse squared is a float */
 
 static const char *const glasses[] = {"solid", "sheet", NULL};
 
@@ -412,6 +458,12 @@ static const lf_param keys[] = {
     [ABSORPTION] = {.name = "absorption", .type = LF_PARAM_COLOUR, .high = 1e9},
     [SCATTERING] = {.name = "scattering", .type = LF_PARAM_COLOUR, .high = 1e9},
     [PHASE] = {.name = "g", .type = LF_PARAM_NUMBER, .low = -0.999, .high = 0.999},
+    [SUBSURFACE] = {.name = "subsurface", .type = LF_PARAM_NUMBER, .high = 1},
+    [RADIUS] = {.name = "subsurface_radius",
+                .type = LF_PARAM_COLOUR,
+                .low = LEAST_RADIUS,
+                .high = LF_MAX_COORDINATE,
+                .point = {0.1, 0.1, 0.1}},
     {0},
 };
 
@@ -432,12 +484,23 @@ static void read(const lf_value values[], lf_material *m)
     m->glass.absorption = lf_to_vec3(values[ABSORPTION].number);
     m->glass.scattering = lf_to_vec3(values[SCATTERING].number);
     m->glass.g = (float)values[PHASE].number[0];
+    m->glass.subsurface = (float)values[SUBSURFACE].number[0];
+    m->glass.radius = lf_to_vec3(values[RADIUS].number);
+}
+
+static const char *check(const lf_value values[], int *out_key)
+{
+    *out_key = SUBSURFACE;
+    return values[SUBSURFACE].number[0] > 0 && values[TRANSMISSION].number[0] > 0
+               ? "a surface has transmission or subsurface, not both"
+               : NULL;
 }
 
 const lf_surface_kind lf_surface_principled = {
     .name = "principled",
     .keys = keys,
     .lacks = "principled surfaces have none",
+    .check = check,
     .read = read,
     .prepare = prepare,
     .vary = vary,

@@ -151,10 +151,10 @@ static bool is_there(lf_tracer *tracer, const lf_hit *hit, lf_vec3 w, struct RTC
     return false;
 }
 
-/* A solid whose faces are rough bends light otherwise from within. */
+/* A solid whose faces are rough bends light otherwise from within; flesh sends it out. */
 static void tell_side(lf_hit *hit)
 {
-    if (hit->front || !hit->material->is_solid || !hit->material->glass.is_rough)
+    if (hit->front || !lf_is_sided(hit->material))
         return;
     if (!hit->varies) {
         hit->own = *hit->material;

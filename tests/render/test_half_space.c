@@ -7,62 +7,14 @@
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
+#include "tests/stat/h_function.h"
 
 enum { width = 16, height = 12, n_views = 3, block = 8, blocks_of_all = n_views * 4 + 1 };
-enum { replicates = 16, n_nodes = 64, comparisons = 14 };
+enum { replicates = 16, comparisons = 14 };
 
 #define LEVEL lf_sidak(LF_FALSE_ALARM, comparisons *blocks_of_all)
 
 /* ----------------------------------------------------------------------------------------- H -- */
-
-typedef struct h_function {
-    double albedo, node[n_nodes], weight[n_nodes], value[n_nodes];
-} h_function;
-
-/* Gauss and Legendre's rule on 0..1: the roots by Newton, from the cosines that they lie close to.
- */
-static void make_nodes(h_function *h)
-{
-    for (int i = 0; i < n_nodes; i++) {
-        double x = cos(M_PI * (i + 0.75) / (n_nodes + 0.5)), slope = 0;
-        for (int step = 0; step < 10; step++) {
-            double below = 1, p = x;
-            for (int n = 2; n <= n_nodes; n++) {
-                double next = ((2 * n - 1) * x * p - (n - 1) * below) / n;
-                below = p;
-                p = next;
-            }
-            slope = n_nodes * (x * p - below) / (x * x - 1);
-            x -= p / slope;
-        }
-        h->node[i] = 0.5 * (1 + x);
-        h->weight[i] = 1 / ((1 - x * x) * slope * slope);
-    }
-}
-
-/* 1/H(mu) = sqrt(1 - albedo) + albedo/2 int x H(x) / (mu + x) dx: the form that iteration converges
- * in when nothing is absorbed, too. */
-static double h_at(const h_function *h, double mu)
-{
-    double sum = sqrt(1 - h->albedo);
-    for (int i = 0; i < n_nodes; i++)
-        sum += 0.5 * h->albedo * h->weight[i] * h->node[i] * h->value[i] / (mu + h->node[i]);
-    return 1 / sum;
-}
-
-static void make_h(h_function *h, double albedo)
-{
-    *h = (h_function){.albedo = albedo};
-    make_nodes(h);
-    for (int i = 0; i < n_nodes; i++)
-        h->value[i] = 1;
-    for (int round = 0; round < 400; round++) {
-        double next[n_nodes];
-        for (int i = 0; i < n_nodes; i++)
-            next[i] = 0.5 * (h->value[i] + h_at(h, h->node[i]));
-        memcpy(h->value, next, sizeof next);
-    }
-}
 
 /* His tables, to the digits that he gives, and the integral that is known in closed form. */
 static void h_is_what_its_author_computed(void **state)
@@ -72,13 +24,13 @@ static void h_is_what_its_author_computed(void **state)
         double albedo, mu, h;
     } table[] = {{1, 1, 2.9078}, {1, 0.5, 2.0128}, {1, 0.05, 1.1366}};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
-        h_function h;
+        lf_h_function h;
         double mean = 0;
-        make_h(&h, table[i].albedo);
-        for (int k = 0; k < n_nodes; k++)
+        lf_h_make(&h, table[i].albedo);
+        for (int k = 0; k < LF_H_NODES; k++)
             mean += h.weight[k] * h.value[k];
         lf_assert_close(mean, 2 / table[i].albedo * (1 - sqrt(1 - table[i].albedo)), 1e-6, 0);
-        lf_assert_close(h_at(&h, table[i].mu), table[i].h, 0, 1e-4);
+        lf_assert_close(lf_h_at(&h, table[i].mu), table[i].h, 0, 1e-4);
     }
 }
 
@@ -104,10 +56,10 @@ static double *truth_of(const lf_renderer *r, const half_space *s)
     static const double place[2] = {0.2113248654051871, 0.7886751345948129};
     /* of the unit vectors ahead and upwards of the camera, whose third one is level */
     const double d = sqrt(8 * 8 + 1 + 4 * 4), ahead_z = -4 / d, up_z = sqrt(8 * 8 + 1) / d;
-    h_function h;
-    make_h(&h, s->albedo);
+    lf_h_function h;
+    lf_h_make(&h, s->albedo);
     double *out = malloc(sizeof *out * n_views * width * height), *p = out,
-           at_sun = h_at(&h, s->sun);
+           at_sun = lf_h_at(&h, s->sun);
     for (int row = 0; row < height; row++)
         for (int view = 0; view < n_views; view++)
             for (int column = 0; column < width; column++, p++) {
@@ -116,7 +68,7 @@ static double *truth_of(const lf_renderer *r, const half_space *s)
                     double mx, my;
                     lf_test_slopes(r, view, column + place[i & 1], row + place[i >> 1], &mx, &my);
                     double mu = -(ahead_z + my * up_z) / sqrt(1 + mx * mx + my * my);
-                    *p += 0.25 * s->albedo / (4 * M_PI) * s->sun / (s->sun + mu) * h_at(&h, mu) *
+                    *p += 0.25 * s->albedo / (4 * M_PI) * s->sun / (s->sun + mu) * lf_h_at(&h, mu) *
                           at_sun;
                 }
             }
