@@ -76,8 +76,8 @@ static lf_grid *find_grid(const lf_scene *scene, const char *key)
     return NULL;
 }
 
-static lf_status import_grid(int fd, const char *path, const char *name, const char *key,
-                             lf_grid **out, lf_error *err)
+static lf_status import_grid(int fd, const char *path, const char *name, bool rounds,
+                             const char *key, lf_grid **out, lf_error *err)
 {
     lf_digest digest;
     lf_grid *grid = NULL;
@@ -86,6 +86,7 @@ static lf_status import_grid(int fd, const char *path, const char *name, const c
         status = lf_vdb_import_sum(fd, path, name, &grid, err);
     if (status != LF_OK)
         return status;
+    lf_grid_shorten(grid, rounds);
     if (lf_grid_set_key(grid, key) != LF_OK) {
         lf_grid_unref(grid);
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
@@ -98,17 +99,19 @@ static lf_status import_grid(int fd, const char *path, const char *name, const c
 /* The grid behind an open file: from this scene or the one before when the key is the same, else
  * read. */
 static lf_status share_or_import(const commit *c, int fd, const char *path, const char *name,
-                                 lf_grid **out_grid, lf_error *err)
+                                 bool rounds, lf_grid **out_grid, lf_error *err)
 {
     lf_status status = LF_OK;
-    char *key = lf_file_key(fd, path, name);
+    char what[LF_MAX_SUMMED * LF_GRID_NAME_BYTES + 8];
+    snprintf(what, sizeof what, "%s%s", rounds ? "half:" : "", name);
+    char *key = lf_file_key(fd, path, what);
     if (!key)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     *out_grid = find_grid(c->scene, key);
     if (!*out_grid)
         *out_grid = find_grid(c->previous, key);
     if (!*out_grid)
-        status = import_grid(fd, path, name, key, out_grid, err);
+        status = import_grid(fd, path, name, rounds, key, out_grid, err);
     lf_free(key);
     return status;
 }
@@ -127,7 +130,7 @@ static void load_grid(const commit *c, const lf_volume_desc *desc, const char *n
     }
     lf_status status = lf_file_open(path, c->roots, LF_VDB_MAX_BYTES, &fd, NULL, &err);
     if (status == LF_OK)
-        status = share_or_import(c, fd, path, name, out, &err);
+        status = share_or_import(c, fd, path, name, desc->half, out, &err);
     if (status != LF_OK)
         fail_at(c, "volumes", desc->name, key, &err);
     else if ((*out)->n_bricks == 0)

@@ -204,15 +204,17 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
     static const char *const keys[] = {"file",          "sequence", "grid",      "scale",
                                        "sigma_t",       "albedo",   "g",         "units",
                                        "interpolation", "emission", "transform", "second_g",
-                                       "second_share",  "droplets", NULL};
+                                       "second_share",  "droplets", "precision", NULL};
     static const char *const endings[] = {"vdb", NULL};
     static const char *const filters[] = {"linear", "nearest", NULL};
+    static const char *const precisions[] = {"exact", "half", NULL};
     lf_read_object(reader, node, keys);
     volume->kind = LF_VOLUME_GRID;
     const char *file = lf_read_file(reader, node, "file", endings);
     volume->file = file ? lf_frame_file(reader, node, file, frame) : NULL;
     parse_grid_names(reader, node, volume);
     volume->nearest = lf_read_choice(reader, node, "interpolation", filters, 0) == 1;
+    volume->half = lf_read_choice(reader, node, "precision", precisions, 0) == 1;
     volume->scale = lf_read_number(reader, node, "scale", 1, 0, 1e9);
     parse_flame(reader, node, volume);
 }
@@ -269,9 +271,9 @@ static void parse_phase(lf_reader *reader, const lf_node *node, lf_volume_desc *
 static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
     static const char *const keys[] = {
-        "file",          "sequence", "grid",         "scale",    "albedo",   "g",
-        "interpolation", "shape",    "transform",    "density",  "emission", "units",
-        "sigma_t",       "second_g", "second_share", "droplets", NULL};
+        "file",          "sequence", "grid",         "scale",    "albedo",    "g",
+        "interpolation", "shape",    "transform",    "density",  "emission",  "units",
+        "sigma_t",       "second_g", "second_share", "droplets", "precision", NULL};
     lf_volume_desc *volume = &desc->volumes[index];
     *volume = (lf_volume_desc){.name = node->key, .albedo = {1, 1, 1}, .colour = {1, 1, 1}};
     if (!lf_read_object(reader, node, keys))

@@ -28,6 +28,7 @@ typedef struct lf_volume_desc {
     char grid[LF_MAX_SUMMED * LF_GRID_NAME_BYTES];
     char *file; /* of the frame; released by lf_scene_desc_finish */
     bool nearest;
+    bool half;        /* grids are rounded to 16 bits (lf_grid_shorten) */
     double scale;     /* sigma_t per scene unit and unit of value … */
     double colour[3]; /* … times this: of each channel */
     double albedo[3], g;

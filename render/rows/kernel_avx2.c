@@ -171,8 +171,18 @@ static void moments(const lf_slice *slice, int n, const float *x0, const float *
         moments8(slice, x0, slope, z_end, length, distance, tau, sums, k);
 }
 
+/* Two values of 16 bits behind each other, from 8 places on. */
+static inline void pairs8(const uint16_t *shorts, __m256i from, __m256 scale, __m256 *a, __m256 *b)
+{
+    __m256i both = _mm256_i32gather_epi32((const int *)shorts, from, 2);
+    *a = _mm256_mul_ps(_mm256_castsi256_ps(_mm256_srli_epi32(_mm256_slli_epi32(both, 16), 3)),
+                       scale);
+    *b = _mm256_mul_ps(_mm256_castsi256_ps(_mm256_slli_epi32(_mm256_srli_epi32(both, 16), 13)),
+                       scale);
+}
+
 /* lf_grid_value times sigma_scale for 8 points of a line. */
-static inline __m256 sample8(const lf_volume *volume, const lf_line *line, __m256 x)
+static inline __m256 sample8(const lf_volume *volume, const lf_line *line, __m256 x, bool is_short)
 {
     const lf_grid *grid = volume->grid;
     const __m256i seven = _mm256_set1_epi32(LF_BRICK - 1);
@@ -202,10 +212,14 @@ static inline __m256 sample8(const lf_volume *volume, const lf_line *line, __m25
     from = _mm256_and_si256(from, mask);
     __m256 v[4];
     for (int i = 0; i < 4; i++) {
-        const float *values =
-            grid->values + (i & 1) * LF_BRICK_VALUES + (i >> 1) * LF_BRICK_VALUES * LF_BRICK_VALUES;
-        __m256 a = _mm256_i32gather_ps(values, from, 4),
-               b = _mm256_i32gather_ps(values + 1, from, 4);
+        int line_at = lf_in_brick(0, i & 1, i >> 1);
+        __m256 a, b;
+        if (is_short) {
+            pairs8(grid->shorts + line_at, from, _mm256_set1_ps(grid->short_scale), &a, &b);
+        } else {
+            a = _mm256_i32gather_ps(grid->values + line_at, from, 4);
+            b = _mm256_i32gather_ps(grid->values + line_at + 1, from, 4);
+        }
         v[i] = _mm256_add_ps(a, _mm256_mul_ps(t[0], _mm256_sub_ps(b, a)));
     }
     __m256 a = _mm256_add_ps(v[0], _mm256_mul_ps(t[1], _mm256_sub_ps(v[1], v[0])));
@@ -217,12 +231,15 @@ static inline __m256 sample8(const lf_volume *volume, const lf_line *line, __m25
 static void sample(const lf_volume *volume, const lf_line *line, int n, const float *x,
                    float *sigma)
 {
-    for (int k = 0; k < n; k += LF_LANES)
-        _mm256_storeu_ps(sigma + k, sample8(volume, line, _mm256_loadu_ps(x + k)));
+    bool is_short = !volume->grid->values;
+    for (int k = 0; k < n && !is_short; k += LF_LANES)
+        _mm256_storeu_ps(sigma + k, sample8(volume, line, _mm256_loadu_ps(x + k), false));
+    for (int k = 0; k < n && is_short; k += LF_LANES)
+        _mm256_storeu_ps(sigma + k, sample8(volume, line, _mm256_loadu_ps(x + k), true));
 }
 
 static inline void compare8(const lf_probe *probe, const float *x0, const float *slope,
-                            const float *z_end, float *factor)
+                            const float *z_end, float *factor, bool is_short)
 {
     const lf_slice *slice = probe->slice;
     const __m256 x = _mm256_loadu_ps(x0), s = _mm256_loadu_ps(slope), one = _mm256_set1_ps(1.0f);
@@ -238,7 +255,8 @@ static inline void compare8(const lf_probe *probe, const float *x0, const float 
         __m256 v = at(slice, row, _mm256_add_ps(x, _mm256_mul_ps(s, _mm256_set1_ps(z))));
         density = _mm256_add_ps(density, _mm256_mul_ps(_mm256_set1_ps(i ? t : 1.0f - t), v));
     }
-    __m256 truth = sample8(probe->volume, &probe->line, _mm256_add_ps(x, _mm256_mul_ps(s, depth)));
+    __m256 truth =
+        sample8(probe->volume, &probe->line, _mm256_add_ps(x, _mm256_mul_ps(s, depth)), is_short);
     __m256 length = _mm256_sqrt_ps(_mm256_add_ps(_mm256_set1_ps(probe->my2), _mm256_mul_ps(s, s)));
     __m256 off = _mm256_mul_ps(_mm256_mul_ps(_mm256_sub_ps(truth, density), length),
                                _mm256_set1_ps(probe->inverse));
@@ -250,8 +268,11 @@ static inline void compare8(const lf_probe *probe, const float *x0, const float 
 static void compare(const lf_probe *probe, int n, const float *x0, const float *slope,
                     const float *z_end, float *factor)
 {
-    for (int k = 0; k < n; k += LF_LANES)
-        compare8(probe, x0 + k, slope + k, z_end + k, factor + k);
+    bool is_short = !probe->volume->grid->values;
+    for (int k = 0; k < n && !is_short; k += LF_LANES)
+        compare8(probe, x0 + k, slope + k, z_end + k, factor + k, false);
+    for (int k = 0; k < n && is_short; k += LF_LANES)
+        compare8(probe, x0 + k, slope + k, z_end + k, factor + k, true);
 }
 
 static void through(const lf_body *body, int n, const float *x0, const float *slope,

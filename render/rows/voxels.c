@@ -84,8 +84,8 @@ static inline void lose(moments *m, float step, float z)
 
 /* Goes on through the voxels of one brick, up to Z = to. true = it has stopped. lost: NULL, or
  * where moments are summed up. */
-static inline bool cross_brick(const ray *r, const float *values, const int brick[3], float to,
-                               march *m, moments *lost)
+static inline bool cross_brick(const ray *r, const lf_grid *grid, size_t place, const int brick[3],
+                               float to, march *m, moments *lost)
 {
     static const int stride[3] = {1, LF_BRICK_VALUES, LF_BRICK_VALUES * LF_BRICK_VALUES};
     float next[3];
@@ -94,11 +94,11 @@ static inline bool cross_brick(const ray *r, const float *values, const int bric
         first[i] = LF_BRICK * brick[i];
         at[i] = cell_at(r, i, m->z, first[i], 1, LF_BRICK);
         next[i] = leaves(r, i, first[i], 1, at[i]);
-        values += at[i] * stride[i];
+        place += (size_t)(at[i] * stride[i]);
     }
     for (;;) {
         int axis = first_of(next);
-        float end = lf_max(lf_min(next[axis], to), m->z), value = *values,
+        float end = lf_max(lf_min(next[axis], to), m->z), value = lf_grid_stored(grid, place),
               step = value * (end - m->z);
         if (m->depth + step > m->stop) {
             m->z = lf_min(m->z + (m->stop - m->depth) / value, end);
@@ -111,7 +111,7 @@ static inline bool cross_brick(const ray *r, const float *values, const int bric
         at[axis] += r->step[axis];
         if (next[axis] >= to || at[axis] < 0 || at[axis] >= LF_BRICK)
             return false;
-        values += r->step[axis] * stride[axis];
+        place += (size_t)(ptrdiff_t)(r->step[axis] * stride[axis]);
         next[axis] = leaves(r, axis, first[axis], 1, at[axis]);
     }
 }
@@ -135,8 +135,7 @@ static inline float cross(const lf_voxels *voxels, float x0, float slope, float 
         int axis = first_of(next);
         float end = lf_max(lf_min(next[axis], r.to), m.z);
         size_t number = grid->index[lf_grid_brick(grid, brick[0], brick[1], brick[2])];
-        if (number > 0 &&
-            cross_brick(&r, grid->values + number * LF_BRICK_STRIDE, brick, end, &m, lost)) {
+        if (number > 0 && cross_brick(&r, grid, number * LF_BRICK_STRIDE, brick, end, &m, lost)) {
             *out_z = lf_min(m.z, z_end);
             return stop;
         }

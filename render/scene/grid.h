@@ -3,6 +3,7 @@
 #ifndef LF_RENDER_GRID_H
 #define LF_RENDER_GRID_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -36,6 +37,12 @@ void lf_grid_finish(lf_grid *grid);
  * LF_E_FORMAT; LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_grid_put(lf_grid *grid, size_t n, const uint32_t *places,
                                    const float *values, lf_error *err);
+
+/* Keeps a finished grid's values in 16 bits from here on. Where all of them are such numbers, as
+ * those of files of halves are, nothing is changed but memory; others are left alone, or, if it
+ * `rounds`, become the nearest such number: within 2^-11 of themselves, 0 below 2^-62 of the
+ * largest. Without memory they stay as they are. */
+void lf_grid_shorten(lf_grid *grid, bool rounds);
 
 /* A new grid that is at each voxel what two others are together; theirs lie in the same places,
  * which need not be as many (LF_E_FORMAT). Neither key nor the names of other grids come along. */

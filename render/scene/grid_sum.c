@@ -42,7 +42,7 @@ static float voxel(const lf_grid *grid, const int64_t at[3])
             return 0.0f;
         c[i] = (int)at[i];
     }
-    return lf_grid_cell(grid, c)[0];
+    return lf_grid_stored(grid, lf_grid_cell(grid, c));
 }
 
 /* Two grids, and where each lies in the sum. */

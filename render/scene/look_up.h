@@ -11,14 +11,42 @@ static inline size_t lf_grid_brick(const lf_grid *grid, int bx, int by, int bz)
            (size_t)bx;
 }
 
-/* The values of cell c (counted from -1 along each axis) from its lowest corner on. */
-static inline const float *lf_grid_cell(const lf_grid *grid, const int c[3])
+/* Where in a brick a value stands. */
+static inline int lf_in_brick(int x, int y, int z)
+{
+    return (z * LF_BRICK_VALUES + y) * LF_BRICK_VALUES + x;
+}
+
+/* Where the values of cell c (counted from -1 along each axis) stand, from its lowest corner on. */
+static inline size_t lf_grid_cell(const lf_grid *grid, const int c[3])
 {
     const unsigned x = (unsigned)(c[0] + 1), y = (unsigned)(c[1] + 1), z = (unsigned)(c[2] + 1);
     size_t brick = grid->index[lf_grid_brick(grid, (int)(x / LF_BRICK), (int)(y / LF_BRICK),
                                              (int)(z / LF_BRICK))];
-    return grid->values + brick * LF_BRICK_STRIDE +
-           ((z % LF_BRICK) * LF_BRICK_VALUES + y % LF_BRICK) * LF_BRICK_VALUES + x % LF_BRICK;
+    return brick * LF_BRICK_STRIDE +
+           (size_t)lf_in_brick((int)(x % LF_BRICK), (int)(y % LF_BRICK), (int)(z % LF_BRICK));
+}
+
+/* Interpolates the eight values of a cell whose lowest corner is v[0], at t in [0, 1] of it. */
+static inline float lf_cell_linear(const float *v, const float t[3])
+{
+    const int row = LF_BRICK_VALUES, slab = LF_BRICK_VALUES * LF_BRICK_VALUES;
+    float v00 = lf_lerp(v[0], v[1], t[0]), v01 = lf_lerp(v[row], v[row + 1], t[0]);
+    float v10 = lf_lerp(v[slab], v[slab + 1], t[0]),
+          v11 = lf_lerp(v[slab + row], v[slab + row + 1], t[0]);
+    return lf_lerp(lf_lerp(v00, v01, t[1]), lf_lerp(v10, v11, t[1]), t[2]);
+}
+
+/* The same of values in 16 bits. */
+static inline float lf_cell_linear_short(const uint16_t *v, float scale, const float t[3])
+{
+    float line[4];
+    for (int i = 0; i < 4; i++) {
+        const uint16_t *at =
+            v + (i & 1) * LF_BRICK_VALUES + (i >> 1) * LF_BRICK_VALUES * LF_BRICK_VALUES;
+        line[i] = lf_lerp(lf_short_value(at[0], scale), lf_short_value(at[1], scale), t[0]);
+    }
+    return lf_lerp(lf_lerp(line[0], line[1], t[1]), lf_lerp(line[2], line[3], t[1]), t[2]);
 }
 
 /* lf_grid_linear. */
@@ -33,12 +61,9 @@ static inline float lf_grid_value(const lf_grid *grid, float x, float y, float z
         c[i] = (int)p[i] - (p[i] < 0.0f); /* down, without a call */
         t[i] = p[i] - (float)c[i];
     }
-    const int row = LF_BRICK_VALUES, slab = LF_BRICK_VALUES * LF_BRICK_VALUES;
-    const float *v = lf_grid_cell(grid, c);
-    float v00 = lf_lerp(v[0], v[1], t[0]), v01 = lf_lerp(v[row], v[row + 1], t[0]);
-    float v10 = lf_lerp(v[slab], v[slab + 1], t[0]),
-          v11 = lf_lerp(v[slab + row], v[slab + row + 1], t[0]);
-    return lf_lerp(lf_lerp(v00, v01, t[1]), lf_lerp(v10, v11, t[1]), t[2]);
+    size_t cell = lf_grid_cell(grid, c);
+    return grid->values ? lf_cell_linear(grid->values + cell, t)
+                        : lf_cell_linear_short(grid->shorts + cell, grid->short_scale, t);
 }
 
 /* lf_grid_nearest. */
@@ -53,7 +78,7 @@ static inline float lf_grid_voxel(const lf_grid *grid, float x, float y, float z
         if (c[i] >= grid->size[i]) /* p + 0.5 may round up */
             return 0.0f;
     }
-    return lf_grid_cell(grid, c)[0];
+    return lf_grid_stored(grid, lf_grid_cell(grid, c));
 }
 
 /* brick_near where a point is, or of the brick beside it; coordinates above -LF_BRICK. */

@@ -9,6 +9,7 @@
 
 #include <embree3/rtcore.h>
 #include <stdatomic.h>
+#include <string.h>
 
 #include "render/render.h"
 #include "render/scene/shape.h"
@@ -42,6 +43,11 @@ typedef struct lf_grid {
     uint32_t *index;   /* [bz][by][bx] number of the brick; 0 = empty */
     /* [n_bricks + 1][9 z][9 y][9 x]; brick 0 is all zero; values are finite and >= 0 */
     float *values;
+    /* The same in 16 bits, in place of values, which is then NULL (lf_short_value): floats of six
+     * bits of exponent and ten of mantissa, without a sign, whose bits as a float's are times
+     * short_scale. */
+    uint16_t *shorts;
+    float short_scale;
     /* [bz][by][bx] largest value a look-up inside the brick can return, the filter's footprint
      * included */
     float *brick_max;
@@ -55,6 +61,22 @@ typedef struct lf_grid {
     /* names of the file's other grids, each with a newline behind it; NULL = none */
     char *others;
 } lf_grid;
+
+/* The value that 16 bits stand for: exact, and 0 for 0. */
+static inline float lf_short_value(uint16_t bits, float scale)
+{
+    uint32_t wide = (uint32_t)bits << 13;
+    float value;
+    memcpy(&value, &wide, sizeof value);
+    return value * scale;
+}
+
+/* The value of one voxel: brick times LF_BRICK_STRIDE plus its place there. */
+static inline float lf_grid_stored(const lf_grid *grid, size_t place)
+{
+    return grid->values ? grid->values[place]
+                        : lf_short_value(grid->shorts[place], grid->short_scale);
+}
 
 /* What of a phase function is another lobe than Henyey and Greenstein's first one (phase.h). */
 typedef struct lf_second_lobe {

@@ -142,7 +142,7 @@ static void fill_brick(lf_grid *grid, const int b[3], const int first[3], const 
     for (int z = v0[2]; z <= v1[2]; z++)
         for (int y = v0[1]; y <= v1[1]; y++)
             for (int x = v0[0]; x <= v1[0]; x++)
-                values[(z * LF_BRICK_VALUES + y) * LF_BRICK_VALUES + x] = value;
+                values[lf_in_brick(x, y, z)] = value;
 }
 
 void lf_grid_fill(lf_grid *grid, const int first[3], const int last[3], float value)
@@ -160,7 +160,7 @@ void lf_grid_fill(lf_grid *grid, const int first[3], const int last[3], float va
  * bricks (each -1 .. 1) behind it. */
 static float largest_near(const lf_grid *grid, size_t brick, const int offset[3])
 {
-    const float *values = grid->values + (size_t)grid->index[brick] * LF_BRICK_STRIDE;
+    size_t first = (size_t)grid->index[brick] * LF_BRICK_STRIDE;
     int lo[3], hi[3];
     float max = 0.0f;
     for (int i = 0; i < 3; i++) {
@@ -170,7 +170,7 @@ static float largest_near(const lf_grid *grid, size_t brick, const int offset[3]
     for (int z = lo[2]; z <= hi[2]; z++)
         for (int y = lo[1]; y <= hi[1]; y++)
             for (int x = lo[0]; x <= hi[0]; x++)
-                max = lf_max(max, values[(z * LF_BRICK_VALUES + y) * LF_BRICK_VALUES + x]);
+                max = lf_max(max, lf_grid_stored(grid, first + (size_t)lf_in_brick(x, y, z)));
     return max;
 }
 
@@ -199,16 +199,18 @@ void lf_grid_finish(lf_grid *grid)
      * values. */
     const float margin = 1.0f + 8.0f * 0x1p-23f;
     grid->max_value = 0.0f;
+    memset(grid->brick_max, 0, index_length(grid) * sizeof *grid->brick_max);
+    memset(grid->brick_near, 0, index_length(grid) * sizeof *grid->brick_near);
     size_t i = 0;
     for (int z = 0; z < grid->bricks[2]; z++)
         for (int y = 0; y < grid->bricks[1]; y++)
             for (int x = 0; x < grid->bricks[0]; x++, i++) {
                 if (!grid->index[i])
                     continue;
-                const float *values = grid->values + (size_t)grid->index[i] * LF_BRICK_STRIDE;
+                size_t first = (size_t)grid->index[i] * LF_BRICK_STRIDE;
                 float max = 0.0f;
-                for (int v = 0; v < LF_BRICK_STRIDE; v++)
-                    max = fmaxf(max, values[v]);
+                for (size_t v = 0; v < LF_BRICK_STRIDE; v++)
+                    max = fmaxf(max, lf_grid_stored(grid, first + v));
                 grid->brick_max[i] = max * margin;
                 grid->max_value = fmaxf(grid->max_value, max * margin);
                 note_near(grid, x, y, z);
@@ -248,6 +250,7 @@ void lf_grid_unref(lf_grid *grid)
         return;
     lf_free(grid->index);
     lf_free(grid->values);
+    lf_free(grid->shorts);
     lf_free(grid->brick_max);
     lf_free(grid->brick_near);
     lf_free(grid->key);

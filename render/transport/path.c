@@ -196,7 +196,8 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
         found = lf_light_hit(scene, from->p, &event->hit, out_light_pdf);
     if (is_in_flesh(scene, event)) {
         *out_light_pdf = 0.0f;
-        if (event->hit.material == event->flesh.of) /* what its own face emits leaves it outwards */
+        if (event->kind == LF_EVENT_SURFACE &&
+            event->hit.material == event->flesh.of) /* what its own face emits leaves it outwards */
             return lf_v3(0.0f, 0.0f, 0.0f);
     }
     return scene->looks.chromatic ? lf_mul(found, event->channels) : found;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/scene/geometry.h"
+#include "render/scene/look_up.h"
 #include "render/transport/flame.h"
 #include "render/transport/placed_hit.h"
 
@@ -335,30 +336,35 @@ static bool clip_volume(const lf_volume *volume, lf_local_ray *r)
     return true;
 }
 
+/* How a grid is looked up. */
+typedef enum filter { LINEAR, LINEAR_SHORT, NEAREST } filter;
+
 /* Steps from brick to brick along a ray. */
 typedef struct lf_walk {
     const lf_grid *grid;
+    filter by;
     int b[3], step[3];
     size_t brick, stride[3]; /* of the present brick's number, where a step goes (modulo 2^64) */
     float next[3], delta[3];
     float t0, t1; /* the present brick's part of the ray */
     float end;
-    float corner[3];     /* the ray's start as seen from the present brick's corner */
-    const float *values; /* of the present brick */
-    float max;           /* its largest value */
+    float corner[3]; /* the ray's start as seen from the present brick's corner */
+    size_t first;    /* of the present brick's values */
+    float max;       /* its largest value */
 } lf_walk;
 
 static void enter(lf_walk *k)
 {
     const lf_grid *g = k->grid;
-    k->values = g->values + (size_t)g->index[k->brick] * LF_BRICK_STRIDE;
+    k->first = (size_t)g->index[k->brick] * LF_BRICK_STRIDE;
     k->max = g->brick_max[k->brick];
     k->t1 = lf_max(k->t0, lf_min(k->end, lf_min(k->next[0], lf_min(k->next[1], k->next[2]))));
 }
 
-static void walk_begin(lf_walk *k, const lf_grid *grid, const lf_local_ray *r)
+static void walk_begin(lf_walk *k, const lf_volume *volume, const lf_local_ray *r)
 {
-    k->grid = grid;
+    const lf_grid *grid = k->grid = volume->grid;
+    k->by = volume->nearest ? NEAREST : grid->values ? LINEAR : LINEAR_SHORT;
     k->t0 = r->t0;
     k->end = r->t1;
     k->brick = 0;
@@ -405,19 +411,19 @@ static inline float inside(const lf_walk *k, const lf_local_ray *r, float t, int
     return lf_min(lf_max(x, 0.0f), (float)LF_BRICK);
 }
 
-static float look_up(const lf_walk *k, const lf_local_ray *r, float t, bool nearest)
+static float look_up(const lf_walk *k, const lf_local_ray *r, float t)
 {
+    const lf_grid *grid = k->grid;
     float x = inside(k, r, t, 0), y = inside(k, r, t, 1), z = inside(k, r, t, 2);
-    const int dy = LF_BRICK_VALUES, dz = LF_BRICK_VALUES * LF_BRICK_VALUES;
-    if (nearest)
-        return k->values[(int)(z + 0.5f) * dz + (int)(y + 0.5f) * dy + (int)(x + 0.5f)];
+    if (k->by == NEAREST)
+        return lf_grid_stored(grid, k->first + (size_t)lf_in_brick((int)(x + 0.5f), (int)(y + 0.5f),
+                                                                   (int)(z + 0.5f)));
     int i = (int)lf_min(x, LF_BRICK - 1), j = (int)lf_min(y, LF_BRICK - 1),
         l = (int)lf_min(z, LF_BRICK - 1);
-    float fx = x - (float)i, fy = y - (float)j, fz = z - (float)l;
-    const float *v = k->values + l * dz + j * dy + i;
-    float a = lf_lerp(lf_lerp(v[0], v[1], fx), lf_lerp(v[dy], v[dy + 1], fx), fy);
-    float b = lf_lerp(lf_lerp(v[dz], v[dz + 1], fx), lf_lerp(v[dz + dy], v[dz + dy + 1], fx), fy);
-    return lf_lerp(a, b, fz);
+    const float at[3] = {x - (float)i, y - (float)j, z - (float)l};
+    size_t cell = k->first + (size_t)lf_in_brick(i, j, l);
+    return k->by == LINEAR ? lf_cell_linear(grid->values + cell, at)
+                           : lf_cell_linear_short(grid->shorts + cell, grid->short_scale, at);
 }
 
 /* Steps to the next tentative collision at the bricks' majorants: depth is what is left of the
@@ -441,11 +447,11 @@ static inline bool tentative(lf_walk *k, float sigma_scale, float *depth, float 
 static float collide_grid(lf_tracer *tracer, const lf_volume *volume, const lf_local_ray *r)
 {
     lf_walk k;
-    walk_begin(&k, volume->grid, r);
+    walk_begin(&k, volume, r);
     float t = k.t0, depth = lf_rng_exponential(tracer);
     while (tentative(&k, volume->sigma_scale, &depth, &t)) {
         tracer->lookups++;
-        if (lf_rng(tracer) * k.max < look_up(&k, r, t, volume->nearest))
+        if (lf_rng(tracer) * k.max < look_up(&k, r, t))
             return t;
         depth = lf_rng_exponential(tracer);
     }
@@ -506,11 +512,11 @@ static float collide_grid_channels(lf_tracer *tracer, const lf_volume *volume,
                                    const lf_local_ray *r, const float colour[3], channels *c)
 {
     lf_walk k;
-    walk_begin(&k, volume->grid, r);
+    walk_begin(&k, volume, r);
     float t = k.t0, depth = lf_rng_exponential(tracer);
     while (tentative(&k, volume->sigma_scale, &depth, &t)) {
         tracer->lookups++;
-        float share = look_up(&k, r, t, volume->nearest) / k.max;
+        float share = look_up(&k, r, t) / k.max;
         bool collides = lf_rng(tracer) < colour[c->drawn] * share;
         for (int i = 0; i < 3; i++)
             c->density[i] *= collides ? colour[i] * share : lf_max(1.0f - colour[i] * share, 0.0f);
@@ -571,11 +577,11 @@ static float transmit_grid(lf_tracer *tracer, const lf_volume *volume, const lf_
                            float transmittance)
 {
     lf_walk k;
-    walk_begin(&k, volume->grid, r);
+    walk_begin(&k, volume, r);
     float t = k.t0, depth = lf_rng_exponential(tracer);
     while (tentative(&k, volume->sigma_scale, &depth, &t)) {
         tracer->lookups++;
-        transmittance *= lf_max(0.0f, 1.0f - look_up(&k, r, t, volume->nearest) / k.max);
+        transmittance *= lf_max(0.0f, 1.0f - look_up(&k, r, t) / k.max);
         if (transmittance < 0.1f) {
             if (lf_rng(tracer) >= 0.5f)
                 return 0.0f;
@@ -609,11 +615,11 @@ static lf_vec3 transmit_grid_channels(lf_tracer *tracer, const lf_volume *volume
                                       const lf_local_ray *r, lf_vec3 colour, lf_vec3 left)
 {
     lf_walk k;
-    walk_begin(&k, volume->grid, r);
+    walk_begin(&k, volume, r);
     float t = k.t0, depth = lf_rng_exponential(tracer);
     while (tentative(&k, volume->sigma_scale, &depth, &t)) {
         tracer->lookups++;
-        float share = look_up(&k, r, t, volume->nearest) / k.max;
+        float share = look_up(&k, r, t) / k.max;
         left = lf_mul(left, lf_v3(lf_max(0.0f, 1.0f - colour.x * share),
                                   lf_max(0.0f, 1.0f - colour.y * share),
                                   lf_max(0.0f, 1.0f - colour.z * share)));
@@ -655,7 +661,7 @@ static lf_vec3 emit_grid(lf_tracer *tracer, const lf_volume *flame, const lf_fla
 {
     lf_walk k;
     float sum = 0.0f, reached = 0.0f, power;
-    walk_begin(&k, flame->grid, r);
+    walk_begin(&k, flame, r);
     do
         sum += lf_flame_power(light, k.max) * (k.t1 - k.t0);
     while (walk_next(&k));
@@ -664,14 +670,14 @@ static lf_vec3 emit_grid(lf_tracer *tracer, const lf_volume *flame, const lf_fla
     /* The same sums in the same order: they reach any share of the whole, at a brick that adds to
      * them. */
     float wanted = lf_rng_fine(tracer) * sum;
-    walk_begin(&k, flame->grid, r);
+    walk_begin(&k, flame, r);
     do {
         power = lf_flame_power(light, k.max);
         reached += power * (k.t1 - k.t0);
     } while (reached < wanted && walk_next(&k));
     float t = lf_max(k.t1 - (reached - wanted) / power, k.t0);
     tracer->lookups++;
-    return lf_scale(lf_flame_radiance(light, look_up(&k, r, t, flame->nearest)), sum / power);
+    return lf_scale(lf_flame_radiance(light, look_up(&k, r, t)), sum / power);
 }
 
 lf_vec3 lf_track_emission(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t)
