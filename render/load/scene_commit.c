@@ -17,6 +17,7 @@
 #include "render/load/scene_subject.h"
 #include "render/load/unused_grids.h"
 #include "render/load/vdb_import.h"
+#include "render/load/volume_place.h"
 #include "render/scene/grid.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/flame.h"
@@ -238,102 +239,19 @@ static void load_volumes(commit *c)
     }
 }
 
-/* Volume space -> world. */
-static lf_affine volume_to_world(const lf_volume *volume, const lf_volume_desc *desc)
+/* Of number i of the descs. */
+static void place_volume(const commit *c, lf_volume *volume, int i)
 {
-    if (volume->kind != LF_VOLUME_GRID)
-        return desc->transform;
-    lf_affine local;
-    memcpy(local.m, volume->grid->local_to_file, sizeof local.m);
-    return lf_affine_compose(&desc->transform, &local);
-}
-
-/* The box in volume space outside of which there is nothing, the filter's footprint included. */
-static void volume_support(const lf_volume *volume, double lo[3], double hi[3])
-{
-    for (int i = 0; i < 3; i++) {
-        double margin = volume->nearest ? 0.5 : 1.0;
-        lo[i] = volume->grid ? -margin : -1.0;
-        hi[i] = volume->grid ? volume->grid->size[i] - 1 + margin : 1.0;
-    }
-}
-
-/* Extends bounds by a volume's support under a map. */
-static void extend_by_volume(const lf_volume *volume, const lf_affine *map, double bounds[2][3])
-{
-    double lo[3], hi[3], middle[3], centre[3];
-    volume_support(volume, lo, hi);
-    for (int i = 0; i < 3; i++)
-        middle[i] = 0.5 * (lo[i] + hi[i]);
-    lf_affine_point(map, middle, centre);
-    for (int i = 0; i < 3; i++) {
-        double row[3];
-        for (int j = 0; j < 3; j++)
-            row[j] = map->m[i][j] * 0.5 * (hi[j] - lo[j]);
-        double reach = lf_shape_reach(volume->kind, row);
-        bounds[0][i] = fmin(bounds[0][i], centre[i] - reach);
-        bounds[1][i] = fmax(bounds[1][i], centre[i] + reach);
-    }
-}
-
-static double shortest_edge(const lf_affine *map)
-{
-    double edge = INFINITY;
-    for (int j = 0; j < 3; j++)
-        edge = fmin(edge, sqrt(map->m[0][j] * map->m[0][j] + map->m[1][j] * map->m[1][j] +
-                               map->m[2][j] * map->m[2][j]));
-    return edge;
-}
-
-/* What slices resolve of a grid: the shortest edge of a voxel, down to a quarter of it where that
- * is optically thick. (Between planes the density is linear along the ray, so that a voxel's own
- * gradient is kept; what is rounded off are its kinks.) */
-static float slice_cell(const lf_volume *volume)
-{
-    double edge = (double)volume->voxel;
-    return (float)fmax(edge / 4.0, fmin(edge, 2.0 / fmax((double)volume->sigma_max, 1e-30)));
-}
-
-static void place_volume(const commit *c, lf_volume *volume, const lf_volume_desc *desc)
-{
-    lf_affine map = volume_to_world(volume, desc), inverse;
-    for (int i = 0; i < 3; i++)
-        map.m[i][3] -= c->scene->origin[i];
-    if (!lf_affine_invert(&map, &inverse)) {
-        lf_error err;
-        lf_error_set(&err, LF_E_FORMAT, desc->file ? desc->file : desc->name,
-                     "the grid's own map flattens space");
-        fail_at(c, "volumes", desc->name, "", &err);
-        return;
-    }
-    double bounds[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    extend_by_volume(volume, &map, bounds);
-    double largest = 0;
-    for (int i = 0; i < 3; i++) {
-        largest = fmax(largest, fmax(fabs(bounds[0][i]), fabs(bounds[1][i])));
-        for (int j = 0; j < 4; j++) {
-            volume->to_scene[i][j] = (float)map.m[i][j];
-            volume->to_volume[i][j] = (float)inverse.m[i][j];
-        }
-    }
-    /* Rounding of a point on its way into volume space must not leave the box. */
-    for (int i = 0; i < 3; i++) {
-        bounds[0][i] -= 1e-6 * largest;
-        bounds[1][i] += 1e-6 * largest;
-    }
-    volume->bounds_min = lf_to_vec3(bounds[0]);
-    volume->bounds_max = lf_to_vec3(bounds[1]);
-    if (volume->kind == LF_VOLUME_GRID) {
-        volume->voxel = (float)shortest_edge(&map);
-        volume->slice_cell = slice_cell(volume);
-    }
+    lf_error err = {0};
+    if (lf_volume_place(volume, c->shutter, i, c->scene->origin, &err) != LF_OK)
+        fail_at(c, "volumes", c->desc->volumes[i].name, "", &err);
 }
 
 /* Values are no depths: voxels are all that there is to resolve. */
 static void place_flame(const commit *c, int i)
 {
     lf_volume *flame = &c->scene->flames.field[i];
-    place_volume(c, flame, &c->desc->volumes[c->scene->flames.light[i].volume]);
+    place_volume(c, flame, c->scene->flames.light[i].volume);
     flame->slice_cell = flame->voxel;
 }
 
@@ -385,17 +303,11 @@ static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_
         bounds[0][i] = INFINITY;
         bounds[1][i] = -INFINITY;
     }
-    for (int i = 0; i < c->scene->n_volumes; i++) {
-        lf_affine map = volume_to_world(&c->scene->volumes[i], &c->desc->volumes[i]);
-        if (lf_volume_is_there(&c->scene->volumes[i]))
-            extend_by_volume(&c->scene->volumes[i], &map, bounds);
-    }
-    for (int i = 0; i < c->scene->flames.n; i++) {
-        const lf_volume *flame = &c->scene->flames.field[i];
-        lf_affine map = volume_to_world(flame, &c->desc->volumes[c->scene->flames.light[i].volume]);
-        if (lf_volume_is_there(flame))
-            extend_by_volume(flame, &map, bounds);
-    }
+    for (int i = 0; i < c->scene->n_volumes; i++)
+        lf_volume_extend(&c->scene->volumes[i], c->shutter, i, bounds);
+    for (int i = 0; i < c->scene->flames.n; i++)
+        lf_volume_extend(&c->scene->flames.field[i], c->shutter, c->scene->flames.light[i].volume,
+                         bounds);
     for (int i = 0; i < c->desc->n_meshes && !geometry; i++)
         lf_mesh_data_bounds(&data[i], bounds);
     for (int i = 0; i < 3 && geometry; i++) {
@@ -642,9 +554,9 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         return;
     for (int i = 0; i < scene->n_volumes; i++) {
         lf_volume *fields = scene->volumes[i].albedo_fields;
-        place_volume(&c, &scene->volumes[i], &desc->volumes[i]);
+        place_volume(&c, &scene->volumes[i], i);
         for (int channel = 0; fields && channel < 3; channel++)
-            place_volume(&c, &fields[channel], &desc->volumes[i]);
+            place_volume(&c, &fields[channel], i);
     }
     for (int i = 0; i < scene->flames.n; i++)
         place_flame(&c, i);

@@ -141,8 +141,10 @@ static const char *const *moving_of_light(const lf_scene_desc *desc, const char 
 static const char *const *moving_of(const char *section)
 {
     static const char *const camera[] = {"position", "target", "focus_distance", NULL},
-                             *const nothing[] = {NULL};
-    return strcmp(section, "camera") == 0 ? camera : nothing;
+                             *const volumes[] = {"transform", NULL}, *const nothing[] = {NULL};
+    if (strcmp(section, "camera") == 0)
+        return camera;
+    return strcmp(section, "volumes") == 0 ? volumes : nothing;
 }
 
 void lf_shutter_warn(const lf_shutter *shutter, const char *where, lf_warnings *warnings)
@@ -175,6 +177,6 @@ void lf_shutter_warn(const lf_shutter *shutter, const char *where, lf_warnings *
     if (list[0])
         lf_warnings_add(warnings, where,
                         "what has keys stands still while the shutter is open, but for meshes, "
-                        "lights, and the camera's place, target and focus: %s",
+                        "lights, places of volumes, and the camera's place, target and focus: %s",
                         list);
 }

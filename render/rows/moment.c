@@ -15,6 +15,29 @@ static size_t size_of(const lf_mesh *mesh)
     return 3 * n + (mesh->normals ? 3 * n : 0) + (mesh->tangents ? 4 * n : 0);
 }
 
+/* Copies of all that has a way: grids and ways stay the scene's. */
+static bool copy_media(lf_moment *moment, const lf_scene *scene)
+{
+    size_t n = (size_t)scene->n_volumes, n_flames = (size_t)scene->flames.n;
+    enum { FIELDS = 3 };
+    moment->media = lf_calloc((1 + FIELDS) * n + n_flames, sizeof *moment->media);
+    if (!moment->media)
+        return false;
+    moment->scene.volumes = moment->media;
+    moment->scene.flames.field = moment->media + n;
+    for (size_t i = 0; i < n_flames; i++)
+        moment->scene.flames.field[i] = scene->flames.field[i];
+    for (size_t i = 0; i < n; i++) {
+        lf_volume *volume = &moment->scene.volumes[i], *own = moment->media + n + n_flames;
+        *volume = scene->volumes[i];
+        if (!volume->albedo_fields)
+            continue;
+        volume->albedo_fields = own + FIELDS * i;
+        memcpy(volume->albedo_fields, scene->volumes[i].albedo_fields, FIELDS * sizeof *own);
+    }
+    return true;
+}
+
 lf_status lf_moment_init(lf_moment *moment, const lf_moving *moving)
 {
     const lf_scene *scene = moving->scene;
@@ -25,7 +48,8 @@ lf_status lf_moment_init(lf_moment *moment, const lf_moving *moving)
     moment->scene.meshes = lf_calloc((size_t)scene->n_meshes, sizeof *scene->meshes);
     moment->scene.lights = lf_calloc((size_t)scene->n_lights, sizeof *scene->lights);
     moment->places = lf_calloc(size, sizeof *moment->places);
-    if (!moment->scene.meshes || !moment->scene.lights || !moment->places)
+    if (!copy_media(moment, scene) || !moment->scene.meshes || !moment->scene.lights ||
+        !moment->places)
         return LF_E_NOMEM;
     if (scene->n_lights > 0)
         memcpy(moment->scene.lights, scene->lights,
@@ -51,6 +75,7 @@ void lf_moment_finish(lf_moment *moment)
 {
     lf_free(moment->scene.meshes);
     lf_free(moment->scene.lights);
+    lf_free(moment->media);
     lf_free(moment->places);
     *moment = (lf_moment){0};
 }
@@ -74,6 +99,20 @@ static float *own(const float *array)
     return (float *)(uintptr_t)array;
 }
 
+static void move_media(lf_scene *scene, float time)
+{
+    for (int i = 0; i < scene->n_volumes; i++) {
+        lf_volume *volume = &scene->volumes[i];
+        if (volume->way)
+            lf_volume_move(volume, time);
+        for (int k = 0; k < 3 && volume->albedo_fields && volume->way; k++)
+            lf_volume_move(&volume->albedo_fields[k], time);
+    }
+    for (int i = 0; i < scene->flames.n; i++)
+        if (scene->flames.field[i].way)
+            lf_volume_move(&scene->flames.field[i], time);
+}
+
 void lf_moment_set(lf_moment *moment, const lf_moving *moving, float time)
 {
     const lf_scene *scene = moving->scene;
@@ -93,5 +132,6 @@ void lf_moment_set(lf_moment *moment, const lf_moving *moving, float time)
     for (int i = 0; i < scene->n_lights; i++)
         if (scene->lights[i].way)
             lf_light_move(&moment->scene.lights[i], scene->origin, (double)time);
+    move_media(&moment->scene, time);
     lf_glows_move(&moment->scene);
 }

@@ -20,11 +20,12 @@ static inline bool lf_moving_moves(const lf_moving *moving)
 }
 
 typedef struct lf_moment {
-    /* All of the scene, whose meshes and lights, in their order, are what they are at the moment;
-     * lf_tracer.time has to say the same moment. Borrows from that scene. */
+    /* All of the scene, whose meshes, lights and volumes, in their order, are what they are at the
+     * moment; lf_tracer.time has to say the same moment. Borrows from that scene. */
     lf_scene scene;
     lf_rig rig;
-    float *places; /* what .scene.meshes that move have of their own, one after the other */
+    lf_volume *media; /* .scene.volumes, what of them emits, and fields of albedo */
+    float *places;    /* what .scene.meshes that move have of their own, one after the other */
 } lf_moment;
 
 /* LF_E_NOMEM. Release with lf_moment_finish in any case. */

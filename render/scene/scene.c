@@ -40,12 +40,17 @@ void lf_scene_unref(lf_scene *scene)
     for (int i = 0; i < scene->n_volumes; i++) {
         lf_volume *fields = scene->volumes[i].albedo_fields;
         lf_grid_unref(scene->volumes[i].grid);
-        for (int channel = 0; fields && channel < 3; channel++)
+        lf_free(scene->volumes[i].way);
+        for (int channel = 0; fields && channel < 3; channel++) {
             lf_grid_unref(fields[channel].grid);
+            lf_free(fields[channel].way);
+        }
         lf_free(fields);
     }
-    for (int i = 0; i < scene->flames.n; i++)
+    for (int i = 0; i < scene->flames.n; i++) {
         lf_grid_unref(scene->flames.field[i].grid);
+        lf_free(scene->flames.field[i].way);
+    }
     for (int i = 0; i < scene->n_lights; i++)
         lf_light_finish(&scene->lights[i]);
     lf_geometry_unref(scene->geometry);

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "render/render.h"
+#include "render/scene/affine.h"
 #include "render/scene/shape.h"
 #include "render/scene/texture.h"
 #include "render/scene/vec.h"
@@ -84,6 +85,12 @@ typedef struct lf_second_lobe {
     float g, alpha; /* Draine's; alpha 0: Henyey and Greenstein's, above 0: g is, too */
 } lf_second_lobe;
 
+/* Volume space -> scene-local when the shutter opens and when it closes. In between every point of
+ * the volume goes along a straight line. */
+typedef struct lf_volume_way {
+    lf_affine open, close;
+} lf_volume_way;
+
 typedef struct lf_volume {
     lf_volume_kind kind;
     lf_grid *grid; /* counted reference; NULL unless LF_VOLUME_GRID */
@@ -103,7 +110,8 @@ typedef struct lf_volume {
     /* Scene-local point -> volume space (voxel index for grids: voxel centres at integers) and
      * back; rows of a 3x4 affine. */
     float to_volume[3][4], to_scene[3][4];
-    /* scene-local box outside of which sigma_t = 0 (filter footprint included) */
+    lf_volume_way *way; /* owned; NULL: it stands still. The above are then of the opening */
+    /* scene-local box outside of which sigma_t = 0 (filter footprint included), wherever it goes */
     lf_vec3 bounds_min, bounds_max;
     float voxel;      /* grids: the shortest edge of a voxel, scene units … */
     float slice_cell; /* … and what slices resolve of it (scene_commit.c) */
@@ -135,6 +143,12 @@ static inline lf_vec3 lf_volume_colour(const lf_volume *volume)
 {
     return lf_max3(volume->colour) > 0.0f ? volume->colour : lf_v3(1.0f, 1.0f, 1.0f);
 }
+
+/* Puts a volume with a way where it is at a moment, 0 when the shutter opens and 1 when it closes.
+ */
+void lf_volume_move(lf_volume *volume, float time);
+/* false where the way flattens it in between, or nearly so (a turn of about half a circle). */
+bool lf_volume_way_is_sound(const lf_volume_way *way);
 
 /* sigma_t at a scene-local point, filter applied, 0 outside: of the largest channel. */
 float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p);

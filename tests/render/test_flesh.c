@@ -306,6 +306,19 @@ static void open_meshes_are_told(void **state)
     assert_int_equal(warnings_of("sphere", "'scale': [0.3, 1, 2], 'translate': [0.1, 0, 7]"), 0);
 }
 
+static void what_lets_light_through_has_no_flesh(void **state)
+{
+    (void)state;
+    lf_error err = {0};
+    lf_scene *scene = NULL;
+    json_t *doc = json_loads("{\"materials\": {\"m\": {\"type\": \"principled\", \"subsurface\": "
+                             "1, \"transmission\": 0.5}}}",
+                             0, NULL);
+    assert_int_equal(lf_scene_from_json(doc, ".", "t", NULL, NULL, &scene, &err), LF_E_FORMAT);
+    assert_non_null(strstr(err.what, "not both"));
+    json_decref(doc);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -316,6 +329,7 @@ int main(void)
         cmocka_unit_test(short_ways_are_a_diffuse_surface),
         cmocka_unit_test(views_share_what_walks_in_flesh),
         cmocka_unit_test(open_meshes_are_told),
+        cmocka_unit_test(what_lets_light_through_has_no_flesh),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }

@@ -22,10 +22,10 @@ static const double half_window = 0.8816349035423249; /* DISTANCE tan(FOV / 2) *
 
 /* A black wall before a white sky, far beyond the window but for one edge, which moves across the
  * columns (or, level, across the rows) from one place to another at depth z while the shutter is
- * open, or past which the cameras move. Nothing scatters: what is seen is known light. Mean over
- * what lies along the edge: [view][across]. */
-static void look_at_edge(double z, bool level, double from, double to, bool camera, unsigned faults,
-                         double *out)
+ * open, or past which the cameras move; fog: of a medium in place of a surface. Nothing scatters:
+ * what is seen is known light. Mean over what lies along the edge: [view][across]. */
+static void look_at_edge(double z, bool level, double from, double to, bool camera, bool fog,
+                         unsigned faults, double *out)
 {
     char text[1024];
     /* It opens in frame 5 and a half and closes in frame 6.75. */
@@ -42,12 +42,16 @@ static void look_at_edge(double z, bool level, double from, double to, bool came
              "{'frame': 5, 'camera': {'position': {'keys': [[1, [%.17g, %.17g, 5]], [11, [%.17g, "
              "%.17g, 5]]]}, 'target': {'keys': [[1, [%.17g, %.17g, 0]], [11, [%.17g, %.17g, "
              "0]]]}, 'fov_y': %g, 'aspect': 1, 'cone': %g, 'views': 3, 'shutter': 1.25, "
-             "'shutter_open': 0.5}, 'materials': {'black': {'albedo': 0}}, 'meshes': {'wall': "
-             "{'shape': 'quad', 'material': 'black', 'transform': {'scale': 40, 'rotate': [90, 0, "
-             "0], 'translate': {'keys': [[1, [%.17g, %.17g, %.17g]], [11, [%.17g, %.17g, "
+             "'shutter_open': 0.5}, 'materials': {'black': {'albedo': 0}}, %s'translate': {'keys': "
+             "[[1, [%.17g, %.17g, %.17g]], [11, [%.17g, %.17g, "
              "%.17g]]]}}}}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}",
              eye[0][0], eye[0][1], eye[1][0], eye[1][1], eye[0][0], eye[0][1], eye[1][0], eye[1][1],
-             FOV, CONE, first[0], first[1], DISTANCE - z, last[0], last[1], DISTANCE - z);
+             FOV, CONE,
+             fog ? "'volumes': {'wall': {'shape': 'box', 'density': 1e6, 'albedo': 0, 'transform': "
+                   "{'scale': [40, 40, 1e-4], "
+                 : "'meshes': {'wall': {'shape': 'quad', 'material': 'black', 'transform': "
+                   "{'scale': 40, 'rotate': [90, 0, 0], ",
+             first[0], first[1], DISTANCE - z, last[0], last[1], DISTANCE - z);
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", side, side, NULL);
     r->faults = faults;
@@ -77,11 +81,11 @@ static double above(double u, double a, double b)
 }
 
 /* How far the picture is off the edge's ramp. */
-static double worst_of_edge(double z, bool level, double from, double to, bool camera,
+static double worst_of_edge(double z, bool level, double from, double to, bool camera, bool fog,
                             unsigned faults)
 {
     double out[edge_views * side], worst = 0, pixel = 2 * half_window / side;
-    look_at_edge(z, level, from, to, camera, faults, out);
+    look_at_edge(z, level, from, to, camera, fog, faults, out);
     for (int i = 0; i < edge_views * side; i++) {
         int view = i / side;
         double b = level ? 0 : (view - 1) * DISTANCE * tan(CONE / 3 * M_PI / 180);
@@ -98,18 +102,20 @@ static void an_edge_is_a_ramp_as_wide_as_it_moves(void **state)
     (void)state;
     const struct {
         double z, from, to;
-        bool level, camera;
-    } cases[] = {{DISTANCE, -0.31, 0.27, false, false}, {DISTANCE, 0.4, -0.2, true, false},
-                 {3.5, -0.1, 0.3, false, false},        {7, -0.4, 0.5, true, false},
-                 {3.5, 0.2, -0.3, false, true},         {7, -0.4, 0.5, true, true}};
+        bool level, camera, fog; /* of fog there are a third of the visits */
+    } cases[] = {
+        {DISTANCE, -0.31, 0.27, false, false, false}, {DISTANCE, 0.4, -0.2, true, false, false},
+        {3.5, -0.1, 0.3, false, false, false},        {7, -0.4, 0.5, true, false, false},
+        {3.5, 0.2, -0.3, false, true, false},         {7, -0.4, 0.5, true, true, false},
+        {3.5, -0.1, 0.3, false, false, true},         {7, -0.4, 0.5, true, true, true}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         double worst = worst_of_edge(cases[i].z, cases[i].level, cases[i].from, cases[i].to,
-                                     cases[i].camera, 0);
+                                     cases[i].camera, cases[i].fog, 0);
         print_message("depth %g: %.4f off\n", cases[i].z, worst);
-        assert_true(worst < 0.02);
+        assert_true(worst < (cases[i].fog ? 0.04 : 0.02));
     }
     /* A picture of the middle alone would be seen. */
-    assert_true(worst_of_edge(DISTANCE, false, -0.31, 0.27, false, LF_FAULT_NO_TIME) > 0.2);
+    assert_true(worst_of_edge(DISTANCE, false, -0.31, 0.27, false, true, LF_FAULT_NO_TIME) > 0.2);
 }
 
 /* ---------------------------------------------------------------------------- still pictures -- */
@@ -154,9 +160,9 @@ static void put_moving(writer *w, const char *key, const double *a, const double
 }
 
 /* A disk of glaze that grows as it flies, a box that shears and turns, a lamp of faces on its way
- * through fog and voxels, a bulb in the fog that lights up, a lit pane behind, a sun and a sky,
- * past which the camera goes round and comes nearer: in keys, or as they are at a moment. All goes
- * along straight lines. */
+ * through fog that spreads and voxels that rise, a bulb in the fog that lights up, a lit pane
+ * behind, a sun and a sky, past which the camera goes round and comes nearer: in keys, or as they
+ * are at a moment. All goes along straight lines. */
 static void write_scene(writer *w, double time)
 {
     static const double disk[2][3] = {{-1.1, -0.3, 0.6}, {-0.5, 0.1, 0.2}},
@@ -171,7 +177,10 @@ static void write_scene(writer *w, double time)
                         sky[2][3] = {{0.3, 0.4, 0.6}, {0.5, 0.5, 0.7}},
                         sun[2][3] = {{0.6, -0.8, 0}, {0, -0.8, -0.6}},
                         bulb[2][3] = {{0.2, 0.1, 0.6}, {0.7, 0.4, 0.7}},
-                        power[2][3] = {{0, 0, 0}, {0.4, 0.3, 0.3}};
+                        power[2][3] = {{0, 0, 0}, {0.4, 0.3, 0.3}},
+                        wide[2][3] = {{0.6, 0.6, 0.5}, {0.9, 0.7, 0.7}},
+                        fog[2][3] = {{0.2, 0.1, 0.6}, {0.6, 0.3, 0.6}},
+                        voxels[2][3] = {{-0.7, -0.4, 0.8}, {-0.4, 0.1, 0.6}};
     char vdb[PATH_MAX];
     assert_non_null(realpath(lf_test_built("testdata/patterns.vdb"), vdb));
     w->time = time;
@@ -181,12 +190,18 @@ static void write_scene(writer *w, double time)
     put_moving(w, "target", target[0], target[1], 3);
     put(w,
         ", 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 30, 'views': 3%s}, 'volumes': {'fog': "
-        "{'shape': 'sphere', 'density': 1.2, 'albedo': [0.95, 0.9, 0.8], 'g': 0.4, 'transform': "
-        "{'scale': [0.8, 0.7, 0.6], 'translate': [0.4, 0.2, 0.6]}}, 'voxels': {'file': '%s', "
-        "'grid': 'half', 'scale': 3, 'albedo': 0.8, 'transform': {'scale': 0.05, 'rotate': [0, 30, "
-        "0], 'translate': [-0.6, -0.2, 0.8]}}}, 'meshes': {" LF_TEST_GROUND ", 'disk': {'shape': "
-        "'disk', 'material': 'glaze', 'transform': {",
-        time < 0 ? ", 'shutter': 1" : "", vdb);
+        "{'shape': 'sphere', 'density': 1.2, 'albedo': [0.95, 0.9, 0.8], 'g': 0.4, 'transform': {",
+        time < 0 ? ", 'shutter': 1" : "");
+    put_moving(w, "scale", wide[0], wide[1], 3);
+    put(w, ", ");
+    put_moving(w, "translate", fog[0], fog[1], 3);
+    put(w,
+        "}}, 'voxels': {'file': '%s', 'grid': 'half', 'scale': 3, 'albedo': 0.8, 'transform': "
+        "{'scale': 0.05, 'rotate': [0, 30, 0], ",
+        vdb);
+    put_moving(w, "translate", voxels[0], voxels[1], 3);
+    put(w, "}}}, 'meshes': {" LF_TEST_GROUND
+           ", 'disk': {'shape': 'disk', 'material': 'glaze', 'transform': {");
     put_moving(w, "scale", size[0], size[1], 3);
     put(w, ", ");
     put_moving(w, "translate", disk[0], disk[1], 3);
@@ -329,6 +344,44 @@ static void weights_are_what_is_expected(void **state)
     assert_true(p_of_weights(LF_FAULT_OTHER_TIME) < CERTAIN);
 }
 
+/* Volumes that emit and go from the left to the right: all of the light is there, along the way. */
+static void flames_take_their_light_along(void **state)
+{
+    (void)state;
+    static const struct {
+        bool grid;
+        const char *more;
+    } kinds[] = {{false, "'shape': 'box', 'density': 0, 'emission': 1"},
+                 {true, "'scale': 0, 'emission': {'grid': 'half'}"},
+                 {true, "'scale': 0, 'emission': {'grid': 'half'}, 'interpolation': 'nearest'"}};
+    char vdb[PATH_MAX], text[PATH_MAX + 1024];
+    assert_non_null(realpath(lf_test_built("testdata/patterns.vdb"), vdb));
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        bool grid = kinds[i].grid;
+        double sum[2][2] = {{0}}; /* [moves][half of the view] */
+        for (int moves = 0; moves < 2; moves++) {
+            snprintf(text, sizeof text,
+                     "{'camera': {'fov_y': 24, 'views': 1, 'cone': 0, 'shutter': 1}, 'volumes': "
+                     "{'flame': {%s%s%s%s, 'transform': {'scale': %g, 'translate': {'keys': [[1, "
+                     "[-0.5, 0, 0]], [2, [%g, 0, 0]]]}}}}}",
+                     grid ? "'file': '" : "", grid ? vdb : "", grid ? "', " : "", kinds[i].more,
+                     grid ? 0.02 : 0.2, moves ? 0.1 : -0.5);
+            lf_scene *scene = lf_test_scene(text);
+            lf_renderer *r = lf_test_renderer(scene, "mvpt", 32, 24, NULL);
+            lf_test_cycles(r, 64);
+            double *picture = lf_test_picture(r, LF_ESTIMATOR_MIS);
+            for (int k = 0; k < 32 * 24; k++)
+                sum[moves][k % 32 >= 14] += picture[k];
+            free(picture);
+            lf_renderer_destroy(r);
+            lf_scene_unref(scene);
+        }
+        print_message("%.4f %.4f, moving %.4f %.4f\n", sum[0][0], sum[0][1], sum[1][0], sum[1][1]);
+        lf_assert_close(sum[0][0] + sum[0][1], sum[1][0] + sum[1][1], 0.02, 0);
+        assert_true(sum[1][1] > 0.2 * sum[1][0] && sum[0][1] < 0.02 * sum[0][0]);
+    }
+}
+
 /* -------------------------------------------------------------------------------------- words --
  */
 
@@ -435,6 +488,26 @@ static void faces_that_part_are_both_kept(void **state)
     lf_scene_unref(scene);
 }
 
+static void volumes_that_flatten_are_refused(void **state)
+{
+    (void)state;
+    static const char format[] =
+        "{\"camera\": {\"shutter\": 1}, \"volumes\": {\"v\": {\"shape\": \"box\", \"transform\": "
+        "{\"rotate\": {\"keys\": [[1, [0, 0, 0]], [2, [0, %d, 0]]]}}}}}";
+    for (int turn = 90; turn <= 180; turn += 90) {
+        char text[256];
+        lf_error err = {0};
+        lf_scene *scene = NULL;
+        snprintf(text, sizeof text, format, turn);
+        json_t *doc = json_loads(text, 0, NULL);
+        lf_status status = lf_scene_from_json(doc, ".", "t", NULL, NULL, &scene, &err);
+        assert_int_equal(status, turn == 90 ? LF_OK : LF_E_FORMAT);
+        assert_true(turn == 90 || strstr(err.what, "flattens while the shutter is open"));
+        lf_scene_unref(scene);
+        json_decref(doc);
+    }
+}
+
 static void what_has_keys_and_stands_still_is_told(void **state)
 {
     (void)state;
@@ -450,6 +523,10 @@ static void what_has_keys_and_stands_still_is_told(void **state)
          ", 'volumes': {'fog': {'shape': 'box', 'density': {'keys': [[1, 9], [9, 12]]}}, 'mist': "
          "{'shape': 'box'}}",
          ": volumes.fog"},
+        {", 'shutter': 0.5",
+         ", 'volumes': {'fog': {'shape': 'box', 'transform': {'translate': {'keys': [[1, [0, 0, "
+         "0]], [9, [1, 0, 0]]]}}}}",
+         NULL},
         {", 'shutter': 0.5", ", 'materials': {'m': {'albedo': {'keys': [[1, 0], [9, 1]]}}}",
          ": materials.m"},
     };
@@ -547,12 +624,14 @@ int main(void)
         cmocka_unit_test(a_blurred_picture_is_the_mean_of_still_ones),
         cmocka_unit_test(what_views_share_is_of_one_moment),
         cmocka_unit_test(weights_are_what_is_expected),
+        cmocka_unit_test(flames_take_their_light_along),
         cmocka_unit_test(the_number_of_threads_changes_nothing),
         cmocka_unit_test(lamps_are_found_as_they_are_drawn),
         cmocka_unit_test(a_sky_that_changes_is_its_mean),
         cmocka_unit_test(what_stands_still_is_the_same_with_a_shutter),
         cmocka_unit_test(a_mesh_is_read_where_it_is_at_both_ends),
         cmocka_unit_test(faces_that_part_are_both_kept),
+        cmocka_unit_test(volumes_that_flatten_are_refused),
         cmocka_unit_test(what_has_keys_and_stands_still_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, finish);

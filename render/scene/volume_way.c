@@ -1,0 +1,35 @@
+#include "render/scene/scene.h"
+
+static lf_affine map_at(const lf_volume_way *way, double time)
+{
+    lf_affine map;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++)
+            map.m[i][j] = way->open.m[i][j] + time * (way->close.m[i][j] - way->open.m[i][j]);
+    return map;
+}
+
+bool lf_volume_way_is_sound(const lf_volume_way *way)
+{
+    enum { STEPS = 64 };
+    const double least = 1e-3,
+                 ends[2] = {lf_affine_determinant(&way->open), lf_affine_determinant(&way->close)};
+    bool sound = true;
+    for (int i = 0; i <= STEPS; i++) {
+        lf_affine map = map_at(way, (double)i / STEPS);
+        sound = sound && copysign(1.0, ends[0]) * lf_affine_determinant(&map) >=
+                             least * fmin(fabs(ends[0]), fabs(ends[1]));
+    }
+    return sound;
+}
+
+void lf_volume_move(lf_volume *volume, float time)
+{
+    lf_affine map = map_at(volume->way, (double)time), inverse = map;
+    (void)lf_affine_invert(&map, &inverse); /* sound ways have one */
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++) {
+            volume->to_scene[i][j] = (float)map.m[i][j];
+            volume->to_volume[i][j] = (float)inverse.m[i][j];
+        }
+}
