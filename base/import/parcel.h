@@ -69,8 +69,9 @@ typedef struct lf_parcel_material {
     float alpha, cutoff;
     float specular, specular_tint[3], coat, coat_roughness, sheen[3], sheen_roughness;
     float transmission, absorption[3];
+    float brush, brush_turn[2];
     uint32_t is_solid;
-    lf_parcel_texture texture[11]; /* a slot each (render/scene/texture.h) */
+    lf_parcel_texture texture[12]; /* a slot each (render/scene/texture.h) */
 } lf_parcel_material;
 
 typedef struct lf_parcel_picture {

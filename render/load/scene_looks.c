@@ -44,7 +44,7 @@ void lf_scene_look(lf_scene *scene)
     for (int m = 0; m < scene->n_materials; m++) {
         const lf_material *material = &scene->materials[m];
         scene->has_delta |= used[m] && material->has_delta;
-        scene->looks.varied |= used[m] && !!material->textures;
+        scene->looks.varied |= used[m] && (material->textures || material->brush.strength > 0.0f);
         scene->looks.filled |= used[m] && material->is_solid && material->transmission > 0.0f &&
                                (lf_max3(material->glass.absorption) > 0.0f ||
                                 lf_max3(material->glass.scattering) > 0.0f);

@@ -7,6 +7,7 @@
 #include "base/reader/reader.h"
 #include "render/reader/gltf_instances.h"
 #include "render/reader/gltf_skin.h"
+#include "render/reader/tangents.h"
 
 uint32_t lf_gltf_build_material(const lf_gltf_build *build, const lf_gltf_primitive *primitive)
 {
@@ -263,13 +264,14 @@ static lf_status allocate_more(lf_gltf_build *build, lf_error *err)
 {
     lf_mesh_data *data = build->data;
     size_t n = (size_t)build->n_vertices;
-    bool tangents = false;
+    bool tangents = lf_mesh_wants_tangents(data);
     for (int i = 0; i < LF_SLOTS * data->n_materials && data->textures; i++) {
         const lf_texture *texture = &data->textures[i / LF_SLOTS].slot[i % LF_SLOTS];
         if (texture->picture != 0 && texture->set >= data->n_uv_sets)
             data->n_uv_sets = texture->set + 1;
-        tangents = tangents || (texture->picture != 0 && i % LF_SLOTS == LF_SLOT_NORMAL);
     }
+    if (tangents && data->n_uv_sets == 0)
+        data->n_uv_sets = 1;
     if (data->n_uv_sets > 0)
         data->uvs = lf_calloc((size_t)data->n_uv_sets * n, 2 * sizeof *data->uvs);
     if (build->has_colours && build->desc->material < 0)

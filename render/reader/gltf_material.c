@@ -109,6 +109,15 @@ static void take_coat_and_sheen(const lf_gltf *gltf, const json_t *json, lf_said
     take_texture(gltf, sheen, "sheenRoughnessTexture", LF_SLOT_SHEEN_ROUGH, LF_LOST_TEXTURES, said);
 }
 
+static void take_brush(const lf_gltf *gltf, const json_t *json, lf_said *said)
+{
+    const json_t *brush = lf_gltf_extension(json, "KHR_materials_anisotropy");
+    said->brush = lf_gltf_number(brush, "anisotropyStrength", 0);
+    said->brush_turn = lf_gltf_number(brush, "anisotropyRotation", 0);
+    if (said->brush > 0)
+        take_texture(gltf, brush, "anisotropyTexture", LF_SLOT_BRUSH, LF_LOST_TEXTURES, said);
+}
+
 static float absorbed(float colour, float distance)
 {
     return -logf(fminf(fmaxf(colour, 1e-6f), 1.0f)) / distance;
@@ -187,7 +196,7 @@ typedef struct known_extension {
 } known_extension;
 
 static const known_extension extensions[] = {
-    {"KHR_materials_anisotropy", LF_LOST_BRUSHED, "anisotropyStrength"},
+    {"KHR_materials_anisotropy", LF_LOST_KINDS, ""},
     {"KHR_materials_clearcoat", LF_LOST_KINDS, ""},
     {"KHR_materials_diffuse_transmission", LF_LOST_TRANSLUCENCE, "diffuseTransmissionFactor"},
     {"KHR_materials_dispersion", LF_LOST_DISPERSION, "dispersion"},
@@ -268,6 +277,7 @@ lf_said lf_gltf_said(const lf_gltf *gltf, uint32_t number, float scale)
     take_cover(json, &said);
     take_coat_and_sheen(gltf, json, &said);
     take_volume(gltf, json, scale, &said);
+    take_brush(gltf, json, &said);
     take_texture(gltf, json, "normalTexture", LF_SLOT_NORMAL, LF_LOST_TEXTURES, &said);
     lose_extensions(json, &said);
     return said;

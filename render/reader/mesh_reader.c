@@ -37,6 +37,8 @@ static void put_words(const lf_material *m, lf_parcel_material *out)
     out->sheen_roughness = m->sheen_roughness;
     out->transmission = m->transmission;
     put_vector(m->glass.absorption, out->absorption);
+    out->brush = m->brush.strength;
+    memcpy(out->brush_turn, m->brush.turn, sizeof out->brush_turn);
     out->is_solid = m->is_solid;
 }
 

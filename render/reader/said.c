@@ -48,6 +48,9 @@ static void convert_metallic(const lf_said *said, lf_material *out)
     out->roughness = clamp_unit(said->roughness);
     out->metallic = clamp_unit(said->metallic);
     out->ior = said->ior >= 1.0f ? fminf(said->ior, 3.0f) : USUAL_INDEX;
+    out->brush.strength = clamp_unit(said->brush);
+    out->brush.turn[0] = cosf(said->brush_turn);
+    out->brush.turn[1] = sinf(said->brush_turn);
 }
 
 /* Phong's Kd, Ks, Ns: a highlight without a diffuse part is a metal, with one a coat. */

@@ -47,6 +47,7 @@ typedef struct lf_said {
     float sheen_roughness;      /* perceptual, 0..1 */
     float transmission;         /* 0..1: of what is not metal goes through in place of diffuse */
     bool is_solid;              /* what is behind is another medium of index ior; else a sheet */
+    float brush, brush_turn;    /* grooves: how deep, 0..1, and radians from the tangent */
     lf_vec3 absorption;         /* inside of it, per scene unit */
     lf_texture_set textures;    /* pictures of the mesh */
 } lf_said;

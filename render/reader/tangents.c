@@ -15,18 +15,28 @@ typedef struct frame {
 
 bool lf_mesh_wants_tangents(const lf_mesh_data *data)
 {
-    for (int i = 0; data->textures && i < data->n_materials; i++)
-        if (data->textures[i].slot[LF_SLOT_NORMAL].picture > 0)
+    for (int i = 0; i < data->n_materials; i++)
+        if ((data->textures && data->textures[i].slot[LF_SLOT_NORMAL].picture > 0) ||
+            data->materials[i].brush.strength > 0.0f)
             return true;
     return false;
 }
 
-/* NULL: the triangle's material has no normal map. */
-static const lf_texture *normal_map_of(const lf_mesh_data *data, int triangle)
+/* Along what the tangents of a triangle go: its normal map, the picture of its grooves, the first
+ * coordinates where it has grooves alone; NULL: it has none of them. */
+static const lf_texture *map_of(const lf_mesh_data *data, int triangle)
 {
-    const lf_texture_set *set = &data->textures[data->triangle_material[triangle]];
-    const lf_texture *map = &set->slot[LF_SLOT_NORMAL];
-    return map->picture > 0 && map->set < data->n_uv_sets ? map : NULL;
+    static const lf_texture plain = {.map = {{1, 0, 0}, {0, 1, 0}}};
+    const int material = data->triangle_material[triangle];
+    const bool brushed = data->materials[material].brush.strength > 0.0f;
+    const lf_texture *map = brushed ? &plain : NULL;
+    if (data->textures) {
+        const lf_texture *slot = data->textures[material].slot;
+        map = slot[LF_SLOT_NORMAL].picture > 0             ? &slot[LF_SLOT_NORMAL]
+              : brushed && slot[LF_SLOT_BRUSH].picture > 0 ? &slot[LF_SLOT_BRUSH]
+                                                           : map;
+    }
+    return map && map->set < data->n_uv_sets ? map : NULL;
 }
 
 /* Where a vertex lies in the picture: to the right, and up. */
@@ -73,7 +83,7 @@ static void add_scaled(double to[3], double scale, const double v[3])
 static void add_triangle(const lf_mesh_data *data, int triangle, frame *frames)
 {
     const uint32_t *t = data->triangles + 3 * (size_t)triangle;
-    const lf_texture *map = normal_map_of(data, triangle);
+    const lf_texture *map = map_of(data, triangle);
     double right[3], up[3];
     bool mapped = map && gradients_of(data, map, t, right, up);
     for (int c = 0; c < 3; c++) {

@@ -192,6 +192,7 @@ static void begin_pivot(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *samp
     event->from = event->channels = event->left = lf_v3(0.0f, 0.0f, 0.0f);
     event->t = event->surface = 0.0f;
     event->interior = NULL;
+    event->flesh = (lf_flesh){0};
     pivot->lx = lens;
     pivot->boost = 0.0f;
     pivot->is_pane = false;

@@ -189,6 +189,21 @@ typedef struct lf_glass {
     float kept[2][LF_GLASS_NODES]; /* E of rough glass, from outside and from within */
 } lf_glass;
 
+/* Grooves of a rough layered surface: its lobe is wider along them than across. */
+typedef struct lf_brush {
+    float strength; /* 0..1; 0: none. Along them alpha is lerp(alpha, 1, strength^2) */
+    float turn[2];  /* cosine and sine of the angle from the tangent to where it is wider */
+    /* Where a surface was hit (surface_texture.c); elsewhere 0, and the lobe is round. */
+    float alpha[2]; /* along and across */
+    float along[2]; /* the direction in the frame that lf_tangents makes of ns */
+} lf_brush;
+
+/* Of a principled surface: what its metal and its clear coat lose (lf_loss), the mean of what its
+ * dielectric lobe leaves to what is below, and of what its metal reflects. */
+typedef struct lf_layer_energy {
+    float metal_loss[LF_LOSS_TERMS], coat_loss[LF_LOSS_TERMS], mean_loss, mean_fresnel;
+} lf_layer_energy;
+
 typedef struct lf_material {
     const struct lf_surface_kind *kind; /* surface.h; says what it makes of the words below */
     lf_vec3 albedo;
@@ -212,14 +227,13 @@ typedef struct lf_material {
     float transmission;          /* 0..1: of what is not metal goes through in place of diffuse */
     bool is_solid;               /* what is behind is another medium of index ior; else a sheet */
     lf_glass glass;              /* … and what it is then like */
+    lf_brush brush;
     /* Made of the above by lf_material_prepare (surface.h). */
     bool has_lobe;             /* any that is not delta */
     bool has_delta;            /* one of nonzero reflectance */
     float loss[LF_LOSS_TERMS]; /* of a rough lobe: lf_loss */
     lf_vec3 rest;              /* what becomes of it: surface_energy.c */
-    /* Of a principled surface: the same of its metal and of its clear coat, the mean of what its
-     * dielectric lobe leaves to what is below, and of what its metal reflects. */
-    float metal_loss[LF_LOSS_TERMS], coat_loss[LF_LOSS_TERMS], mean_loss, mean_fresnel;
+    lf_layer_energy energy;    /* of a principled surface */
 } lf_material;
 /* Whether it has delta lobes that its pixels take more native samples for. What a pane reflects is
  * little, and every ray that reaches it brings it. */

@@ -132,6 +132,50 @@ static void bend(const place *at, const lf_texture *t, const float texel[4], lf_
         hit->ns = bent;
 }
 
+/* Where a mesh's tangent points and where its bitangent does; about the scene's vertical, where it
+ * has none. false: straight up, where that says nothing. */
+static bool tangents_of(const place *at, lf_vec3 n, lf_vec3 *along, lf_vec3 *across)
+{
+    float tangent[4] = {n.z, 0.0f, -n.x, 1.0f};
+    if (at->mesh->tangents)
+        interpolate(at, at->mesh->tangents, 4, tangent);
+    lf_vec3 t = lf_v3(tangent[0], tangent[1], tangent[2]);
+    t = lf_madd(t, -lf_dot(t, n), n);
+    float length = lf_length(t);
+    if (!(length > 1e-6f))
+        return false;
+    *along = lf_scale(t, 1.0f / length);
+    *across = lf_scale(lf_cross(n, *along), tangent[3] < 0.0f ? -1.0f : 1.0f);
+    return true;
+}
+
+/* Two alphas and a direction for the lobe (glTF's KHR_materials_anisotropy); the roughness becomes
+ * that of the round lobe that reflects as much. */
+static void brush(const place *at, float width, lf_hit *hit)
+{
+    lf_material *m = &hit->own;
+    lf_brush *b = &m->brush;
+    lf_vec3 along, across, x, y;
+    float texel[4], strength = b->strength, c = b->turn[0], s = b->turn[1];
+    if (m->textures && look_up(at, m->textures, LF_SLOT_BRUSH, width, texel)) {
+        float u = 2.0f * texel[0] - 1.0f, v = 2.0f * texel[1] - 1.0f, length = sqrtf(u * u + v * v);
+        strength *= length > 1e-6f ? texel[2] : 0.0f;
+        c = length > 1e-6f ? (b->turn[0] * u - b->turn[1] * v) / length : c;
+        s = length > 1e-6f ? (b->turn[1] * u + b->turn[0] * v) / length : s;
+    }
+    if (!(strength > 0.0f) ||
+        !tangents_of(at, lf_scale(hit->ns, hit->front ? 1.0f : -1.0f), &along, &across))
+        return;
+    lf_vec3 wider = lf_madd(lf_scale(along, c), s, across);
+    lf_tangents(hit->ns, &x, &y);
+    float alpha = m->roughness * m->roughness, wide = lf_lerp(alpha, 1.0f, strength * strength);
+    b->along[0] = lf_dot(wider, x);
+    b->along[1] = lf_dot(wider, y);
+    b->alpha[0] = wide;
+    b->alpha[1] = alpha;
+    m->roughness = sqrtf(sqrtf(0.5f * (wide * wide + alpha * alpha)));
+}
+
 static lf_vec3 tinted(lf_vec3 colour, const float texel[4])
 {
     return lf_mul(colour, lf_v3(texel[0], texel[1], texel[2]));
@@ -190,5 +234,7 @@ void lf_hit_vary(lf_hit *hit, float width)
     }
     if (hit->material->textures)
         vary_by_textures(&at, hit->material->textures, width, hit);
+    if (hit->own.brush.strength > 0.0f)
+        brush(&at, width, hit);
     hit->own.kind->vary(&hit->own);
 }

@@ -7,7 +7,8 @@
 /* Whether anything of the surface varies along the mesh. */
 static inline bool lf_is_varied(const lf_mesh *mesh, const lf_material *material)
 {
-    return (mesh->colours || material->textures) && material->kind->vary;
+    return (mesh->colours || material->textures || material->brush.strength > 0.0f) &&
+           material->kind->vary;
 }
 
 /* Fills own and varies of a hit that is complete but for them, and moves ns by a normal map. width:

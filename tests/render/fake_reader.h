@@ -142,13 +142,15 @@ static inline void fake_lie_of_material(const char *lie, fake_mesh *m)
         one->specular_tint[2] = 1.5f;
     if (strcmp(lie, "sheen") == 0)
         one->sheen[0] = -1.0f;
+    if (strcmp(lie, "turn") == 0)
+        one->brush_turn[1] = (float)NAN;
     if (strcmp(lie, "absorption") == 0)
         one->absorption[1] = (float)INFINITY;
     /* the n-th of those between 0 and 1, or at least not less */
-    float *const words[] = {&one->metallic,        &one->alpha,       &one->cutoff,
-                            &one->specular,        &one->coat,        &one->coat_roughness,
-                            &one->sheen_roughness, &one->transmission};
-    for (int i = 0; i < 8; i++) {
+    float *const words[] = {&one->metallic,        &one->alpha,        &one->cutoff,
+                            &one->specular,        &one->coat,         &one->coat_roughness,
+                            &one->sheen_roughness, &one->transmission, &one->brush};
+    for (int i = 0; i < 9; i++) {
         char name[16];
         snprintf(name, sizeof name, "word %d", i);
         if (strcmp(lie, name) == 0)

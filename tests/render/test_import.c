@@ -305,10 +305,10 @@ static void looks_of_lies_are_refused(void **state)
 
 static void words_of_a_material_that_are_lies_are_refused(void **state)
 {
-    static const char *const lies[] = {"cover", "solid", "tint", "sheen", "absorption"};
+    static const char *const lies[] = {"cover", "solid", "tint", "sheen", "absorption", "turn"};
     for (size_t i = 0; i < sizeof lies / sizeof *lies; i++)
         assert_says(*state, lies[i], LF_E_FORMAT, "no such material");
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 9; i++) {
         char lie[32];
         snprintf(lie, sizeof lie, "word %d", i);
         assert_says(*state, lie, LF_E_FORMAT, "no such material");

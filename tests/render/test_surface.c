@@ -46,6 +46,22 @@ static int make_layered(lf_material *m, int n)
     return n;
 }
 
+/* Grooves as a hit has them. */
+static lf_material brushed(float metallic, float along, float across, float angle)
+{
+    lf_material m = material(&lf_surface_principled, 0.5f, 0.6f);
+    m.metallic = metallic;
+    m.specular = 1.0f;
+    m.specular_tint = lf_v3(1.0f, 1.0f, 1.0f);
+    m.roughness = sqrtf(sqrtf(0.5f * (along * along + across * across)));
+    m.brush = (lf_brush){.strength = 1.0f,
+                         .turn = {1.0f, 0.0f},
+                         .alpha = {along, across},
+                         .along = {cosf(angle), sinf(angle)}};
+    lf_material_prepare(&m);
+    return m;
+}
+
 /* Every kind of lobe that can be sampled. */
 static int make_materials(lf_material *m)
 {
@@ -62,9 +78,11 @@ static int make_materials(lf_material *m)
     m[n].eta = lf_v3(0.2f, 0.9f, 1.3f);
     m[n].k = lf_v3(3.3f, 2.6f, 2.4f);
     lf_material_prepare(&m[n++]);
+    m[n++] = brushed(1.0f, 0.5f, 0.1f, 0.7f);
+    m[n++] = brushed(0.3f, 0.9f, 0.2f, 2.0f);
     return make_layered(m, n);
 }
-enum { max_materials = 28 };
+enum { max_materials = 30 };
 
 static const lf_vec3 normals[] = {{0.0f, 0.0f, 1.0f}, {0.48f, 0.64f, -0.6f}};
 static const float cosines[] = {1.0f, 0.7f, 0.25f, 0.02f};
@@ -200,7 +218,7 @@ static void no_surface_makes_energy(void **state)
         white.albedo = lf_v3(1.0f, 1.0f, 1.0f);
         white.ior = i < n ? 1.5f : 1.3f;
         lf_material_prepare(&white);
-        for (int j = 0; j < 4; j++) {
+        for (int j = 0; j < 4 && !(white.brush.strength > 0.0f); j++) {
             lf_vec3 wo = at_cosine(normals[1], cosines[j], 1.0f);
             lf_moments r = reflectance(&white, normals[1], wo, 16384);
             double delta = 0.0;
@@ -210,6 +228,83 @@ static void no_surface_makes_energy(void **state)
                 fail_msg("%s, roughness %g, cosine %g: reflects %g", white.kind->name,
                          (double)white.roughness, (double)cosines[j], r.mean + delta);
         }
+    }
+}
+
+/* E is that of a round lobe (surface_principled.c): what that comes to. */
+static void grooves_make_little_energy_in_the_mean(void **state)
+{
+    (void)state;
+    const float alphas[][2] = {{0.3f, 0.1f}, {0.5f, 0.25f}, {1.0f, 0.1f}};
+    const double mean_off[] = {0.015, 0.01, 0.07}, most_off[] = {0.02, 0.04, 0.1};
+    for (int a = 0; a < 3; a++)
+        for (int j = 0; j < 4; j++) {
+            lf_material white = brushed(1.0f, alphas[a][0], alphas[a][1], 0.0f);
+            lf_moments mean = {0};
+            white.albedo = lf_v3(1.0f, 1.0f, 1.0f);
+            lf_material_prepare(&white);
+            for (int k = 0; k < 8; k++) {
+                lf_vec3 wo = at_cosine(normals[0], cosines[j], ((float)k + 0.5f) * LF_PI / 4.0f);
+                lf_moments r = reflectance(&white, normals[0], wo, 4096);
+                lf_moments_add(&mean, r.mean);
+                if (!(fabs(r.mean - 1.0) < most_off[a]))
+                    fail_msg("alphas %g, %g, cosine %g: reflects %g", (double)alphas[a][0],
+                             (double)alphas[a][1], (double)cosines[j], r.mean);
+            }
+            if (!(fabs(mean.mean - 1.0) < mean_off[a]))
+                fail_msg("alphas %g, %g, cosine %g: reflects %g in the mean", (double)alphas[a][0],
+                         (double)alphas[a][1], (double)cosines[j], mean.mean);
+        }
+}
+
+/* Seen from above, mirrored upwards: D / 4 of normals that are all upright, 1 / (4 pi ax ay).
+ * Slopes of what is drawn spread by the two alphas along the two axes, of which the first is
+ * turned. */
+static void grooves_spread_along_their_direction(void **state)
+{
+    (void)state;
+    const lf_vec3 n = normals[0];
+    lf_material m = brushed(1.0f, 0.2f, 0.05f, LF_PI / 6.0f);
+    lf_vec3 f, wi;
+    float wide = 0.0f, narrow = 0.0f;
+    m.albedo = lf_v3(1.0f, 1.0f, 1.0f);
+    m.rest = lf_v3(0.0f, 0.0f, 0.0f);
+    m.kind->eval(&m, n, n, n, &f);
+    lf_assert_close((double)f.x, 0.25 / ((double)LF_PI * 0.2 * 0.05), 1e-4, 0);
+    const int n_samples = 4096;
+    int within[2] = {0};
+    for (int i = 0; i < n_samples; i++) {
+        float u[3];
+        lf_sampler s;
+        lf_sampler_init(&s, LF_SAMPLER_OWEN, lf_test_seed() + 5, (uint32_t)i);
+        lf_sampler_2d(&s, u);
+        u[2] = 0.5f;
+        assert_true(m.kind->sample(&m, n, n, u, &wi, &f) > 0.0f);
+        lf_vec3 h = lf_normalize(lf_add(wi, n));
+        wide = (h.x * sqrtf(0.75f) + h.y * 0.5f) / h.z;
+        narrow = (h.y * sqrtf(0.75f) - h.x * 0.5f) / h.z;
+        within[0] += fabsf(wide) < 0.2f;
+        within[1] += fabsf(narrow) < 0.05f;
+    }
+    /* one slope of GGX lies within its alpha with the probability 1 / sqrt 2, seen from above */
+    for (int k = 0; k < 2; k++)
+        lf_assert_close((double)within[k] / n_samples, sqrt(0.5), 0, 0.02);
+}
+
+/* Two equal alphas are the round lobe. */
+static void even_grooves_are_none(void **state)
+{
+    (void)state;
+    lf_material even = brushed(0.5f, 0.3f, 0.3f, 1.0f), none = even;
+    none.brush = (lf_brush){0};
+    lf_material_prepare(&none);
+    for (int i = 0; i < 64; i++) {
+        lf_vec3 f, g, wo = at_cosine(normals[1], 0.02f + 0.015f * (float)i, 0.3f * (float)i),
+                      wi = at_cosine(normals[1], 1.0f - 0.014f * (float)i, 1.1f * (float)i);
+        float p = even.kind->eval(&even, normals[1], wo, wi, &f),
+              q = none.kind->eval(&none, normals[1], wo, wi, &g);
+        lf_assert_close((double)p, (double)q, 1e-4, 1e-6);
+        lf_assert_close((double)f.y, (double)g.y, 1e-4, 1e-6);
     }
 }
 
@@ -395,6 +490,9 @@ int main(void)
         cmocka_unit_test(what_is_reflected_can_be_drawn),
         cmocka_unit_test(a_wrong_roughness_is_rejected),
         cmocka_unit_test(no_surface_makes_energy),
+        cmocka_unit_test(grooves_make_little_energy_in_the_mean),
+        cmocka_unit_test(grooves_spread_along_their_direction),
+        cmocka_unit_test(even_grooves_are_none),
         cmocka_unit_test(white_surfaces_lose_little_when_smooth),
         cmocka_unit_test(surfaces_without_metal_are_reciprocal),
         cmocka_unit_test(directions_below_the_surface_get_nothing),
