@@ -71,7 +71,7 @@ typedef struct lf_parcel_material {
     float transmission, absorption[3];
     float brush, brush_turn[2];
     uint32_t is_solid;
-    lf_parcel_texture texture[12]; /* a slot each (render/scene/texture.h) */
+    lf_parcel_texture texture[13]; /* a slot each (render/scene/texture.h) */
 } lf_parcel_material;
 
 typedef struct lf_parcel_picture {

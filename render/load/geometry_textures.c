@@ -34,6 +34,7 @@ static lf_texels_use use_of(const lf_material *m, int slot)
     case LF_SLOT_SPECULAR_TINT:
         return LF_TEXELS_COLOURS;
     case LF_SLOT_NORMAL:
+    case LF_SLOT_COAT_NORMAL:
         return LF_TEXELS_NORMALS;
     default:
         return LF_TEXELS_NUMBERS;

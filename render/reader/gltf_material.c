@@ -105,6 +105,9 @@ static void take_coat_and_sheen(const lf_gltf *gltf, const json_t *json, lf_said
     take_texture(gltf, coat, "clearcoatTexture", LF_SLOT_COAT, LF_LOST_TEXTURES, said);
     take_texture(gltf, coat, "clearcoatRoughnessTexture", LF_SLOT_COAT_ROUGH, LF_LOST_TEXTURES,
                  said);
+    if (said->coat > 0)
+        take_texture(gltf, coat, "clearcoatNormalTexture", LF_SLOT_COAT_NORMAL, LF_LOST_TEXTURES,
+                     said);
     take_texture(gltf, sheen, "sheenColorTexture", LF_SLOT_SHEEN, LF_LOST_TEXTURES, said);
     take_texture(gltf, sheen, "sheenRoughnessTexture", LF_SLOT_SHEEN_ROUGH, LF_LOST_TEXTURES, said);
 }
@@ -222,8 +225,7 @@ static const known_extension *find_extension(const char *name)
 /* Textures of the extensions that are read, which themselves are not. */
 static bool is_lost_texture(const char *key)
 {
-    static const char *const lost[] = {"clearcoatNormalTexture", "thicknessTexture",
-                                       "specularGlossinessTexture"};
+    static const char *const lost[] = {"thicknessTexture", "specularGlossinessTexture"};
     bool any = false;
     for (size_t i = 0; i < sizeof lost / sizeof *lost; i++)
         any = any || strcmp(key, lost[i]) == 0;

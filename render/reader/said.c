@@ -158,8 +158,7 @@ static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_BRUSHED] = "anisotropy is left out",
     [LF_LOST_UNLIT] = "unlit is not possible: lit as others are",
     [LF_LOST_KTX2] = "textures that are in KTX2 alone are not read",
-    [LF_LOST_MORE_TEXTURES] =
-        "textures of a coat's normals, of thickness and of specular and glossiness are not read",
+    [LF_LOST_MORE_TEXTURES] = "textures of thickness, and of specular and glossiness, are not read",
     [LF_LOST_OCCLUSION] = "the occlusion texture is left out, light is followed instead",
     [LF_LOST_IRIDESCENCE] = "iridescence is left out",
     [LF_LOST_DISPERSION] = "dispersion is left out",

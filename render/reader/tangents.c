@@ -16,14 +16,15 @@ typedef struct frame {
 bool lf_mesh_wants_tangents(const lf_mesh_data *data)
 {
     for (int i = 0; i < data->n_materials; i++)
-        if ((data->textures && data->textures[i].slot[LF_SLOT_NORMAL].picture > 0) ||
-            data->materials[i].brush.strength > 0.0f)
+        if (data->materials[i].brush.strength > 0.0f ||
+            (data->textures && (data->textures[i].slot[LF_SLOT_NORMAL].picture > 0 ||
+                                data->textures[i].slot[LF_SLOT_COAT_NORMAL].picture > 0)))
             return true;
     return false;
 }
 
-/* Along what the tangents of a triangle go: its normal map, the picture of its grooves, the first
- * coordinates where it has grooves alone; NULL: it has none of them. */
+/* Along what the tangents of a triangle go: its normal map, its coat's, the picture of its grooves,
+ * the first coordinates where it has grooves alone; NULL: it has none of them. */
 static const lf_texture *map_of(const lf_mesh_data *data, int triangle)
 {
     static const lf_texture plain = {.map = {{1, 0, 0}, {0, 1, 0}}};
@@ -33,6 +34,7 @@ static const lf_texture *map_of(const lf_mesh_data *data, int triangle)
     if (data->textures) {
         const lf_texture *slot = data->textures[material].slot;
         map = slot[LF_SLOT_NORMAL].picture > 0             ? &slot[LF_SLOT_NORMAL]
+              : slot[LF_SLOT_COAT_NORMAL].picture > 0      ? &slot[LF_SLOT_COAT_NORMAL]
               : brushed && slot[LF_SLOT_BRUSH].picture > 0 ? &slot[LF_SLOT_BRUSH]
                                                            : map;
     }

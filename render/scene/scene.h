@@ -222,6 +222,7 @@ typedef struct lf_material {
     float specular;              /* of what a dielectric reflects, 0..1 … */
     lf_vec3 specular_tint;       /* … and its colour, 0..1 */
     float coat, coat_roughness;  /* a clear coat of index 1.5 on top, 0..1 */
+    lf_vec3 coat_normal;         /* of a hit's own, where it is not the base's: as brush.along */
     lf_vec3 sheen;               /* colour of fibres that stand up, 0..1; 0: none */
     float sheen_roughness;       /* perceptual, 0..1 */
     float transmission;          /* 0..1: of what is not metal goes through in place of diffuse */

@@ -65,10 +65,10 @@ typedef struct lf_surface_kind {
     void (*read)(const lf_value values[], lf_material *m);
     /* Works out what lf_material says is made of its words. */
     void (*prepare)(lf_material *m);
-    /* f(wo, wi) |ns.wi| into *f (0 where wi is below ns, and where wo is when the lobe depends on
-     * the view: the geometric side of wo is the caller's to check); returns the pdf with which
-     * sample draws wi. Directions below ns count as drawn by microfacets, so that the pdf
-     * integrates to 1 over the sphere wherever anything is drawn. */
+    /* f(wo, wi) |ns.wi| into *f (0 where wi is below ns, but for coats that lean, and where wo is
+     * when the lobe depends on the view: the geometric side of wo is the caller's to check);
+     * returns the pdf with which sample draws wi. Directions below ns count as drawn by
+     * microfacets, so that the pdf integrates to 1 over the sphere wherever anything is drawn. */
     float (*eval)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
     /* eval towards one wi for n directions wo = (x[k], y[k], z[k]) at once, all in the frame whose
      * z axis is ns; n is a multiple of 8. No branches a direction. NULL where nothing depends on

@@ -2,7 +2,8 @@
  * _volume), with energy kept where glTF's own formulas lose or win it. From the top, each layer
  * letting through what it does not reflect:
  *
- *   coat        GGX, index 1.5; what is below gets 1 - coat E_coat(cos_o)
+ *   coat        GGX, index 1.5, about a normal of its own where the base's is bent; what is below
+ *               gets 1 - coat E_coat(cos_o)
  *   sheen       fibres (surface_sheen.h); what is below gets 1 - max(sheen) E_sheen(cos_o)
  *   metal       the share `metallic`: a conductor of colour albedo (surface_conductor.c)
  *   dielectric  the rest: GGX of index ior times specular, and below it either
@@ -34,7 +35,8 @@ typedef struct layers {
     /* shares: of what is not metal, by its own lobes and as rough glass; of metal, what is below,
      * and what enters flesh */
     float dielectric, glass, metal, below, flesh;
-    bool rough, coated, rough_coat, sheened;
+    bool rough, coated, rough_coat, sheened, apart;
+    lf_vec3 coat_axis[3]; /* apart: of the coat's frame, in the base's */
 } layers;
 
 /* The shares that one direction wo sees, and the probabilities of drawing by each lobe. */
@@ -55,6 +57,11 @@ static layers layers_of(const lf_material *m)
     l.coat_alpha = m->coat_roughness * m->coat_roughness;
     l.rough_coat = l.coated && l.coat_alpha >= LF_ALPHA_MIN;
     l.sheened = lf_max3(m->sheen) > 0.0f;
+    l.apart = l.coated && m->coat_normal.z > 0.0f;
+    if (l.apart) {
+        l.coat_axis[2] = m->coat_normal;
+        lf_tangents(m->coat_normal, &l.coat_axis[0], &l.coat_axis[1]);
+    }
     l.metal = m->metallic;
     l.glass = m->glass.is_rough ? (1.0f - m->metallic) * m->transmission : 0.0f;
     l.below = (1.0f - m->metallic) * (1.0f - m->transmission);
@@ -101,11 +108,32 @@ static inline float metal_several(const lf_material *m, float cosine)
     return loss / (1.0f - loss);
 }
 
-static inline shares shares_of(const layers *l, float cos_o)
+/* What has a lobe that is not about the base's normal, or not round. */
+static inline bool is_special(const lf_material *m)
+{
+    return lf_is_brushed(m) || m->coat_normal.z > 0.0f;
+}
+
+static inline lf_vec3 to_coat(const layers *l, lf_vec3 w)
+{
+    return lf_to_frame(l->coat_axis[0], l->coat_axis[1], l->coat_axis[2], w);
+}
+
+/* Of what is seen along wo, at cos_o to the base, by the coat: 0, where it is seen from behind. */
+static inline float coat_share(const layers *l, bool special, lf_vec3 wo, float cos_o)
+{
+    float cosine = special && l->apart ? lf_min(lf_dot(l->coat_axis[2], wo), 1.0f) : cos_o;
+    if (special && !(cosine > LF_MIN_COS))
+        return 0.0f;
+    return l->m->coat * (1.0f - clear_loss(l->m, cosine));
+}
+
+static inline __attribute__((always_inline)) shares shares_of(const layers *l, bool special,
+                                                              lf_vec3 wo, float cos_o)
 {
     const lf_material *m = l->m;
     shares s = {.under = 1.0f, .enters = coat_loss(m, cos_o)};
-    float coat = l->coated ? m->coat * (1.0f - clear_loss(m, cos_o)) : 0.0f,
+    float coat = l->coated ? coat_share(l, special, wo, cos_o) : 0.0f,
           sheen = l->sheened ? sheen_share(m, cos_o) : 0.0f;
     s.under = 1.0f - coat;
     s.beneath = 1.0f - sheen;
@@ -115,6 +143,8 @@ static inline shares shares_of(const layers *l, float cos_o)
           diffuse = l->below * s.enters * lf_mean3(m->albedo), base = gloss + diffuse,
           sum = sheen + s.beneath * base;
     s.by_coat = l->rough_coat ? (sum > 0.0f ? coat / (coat + s.under * sum) : 1.0f) : 0.0f;
+    if (special && !(coat > 0.0f))
+        s.by_coat = 0.0f;
     s.by_sheen = sheen > 0.0f ? (1.0f - s.by_coat) * sheen / sum : 0.0f;
     float rest = 1.0f - s.by_coat - s.by_sheen;
     s.by_gloss = base > 0.0f ? rest * gloss / base : rest * (float)l->rough;
@@ -149,16 +179,31 @@ static lf_vec3 base_colour(const layers *l, float cos_i)
                     l->below * LF_INV_PI * cos_i * coat_loss(l->m, cos_i) / l->m->energy.mean_loss);
 }
 
-/* Towards wi from wo.z > LF_MIN_COS. Inline, so that who has no grooves has no branch for them. */
+/* A coat's lobe about its own normal. */
+static inline lf_ggx_lobe coat_lobe(const layers *l, lf_vec3 wo, lf_vec3 wi)
+{
+    if (!l->apart)
+        return lf_ggx_eval(l->coat_alpha, wo, wi);
+    lf_vec3 o = to_coat(l, wo);
+    return o.z > LF_MIN_COS ? lf_ggx_eval(l->coat_alpha, o, to_coat(l, wi))
+                            : (lf_ggx_lobe){.cos_oh = 1.0f};
+}
+
+static inline lf_ggx_lobe gloss_lobe(const layers *l, lf_vec3 wo, lf_vec3 wi)
+{
+    return lf_is_brushed(l->m) ? lf_brushed_eval(&l->m->brush, wo, wi)
+                               : lf_ggx_eval(l->alpha, wo, wi);
+}
+
+/* Towards wi from wo.z > LF_MIN_COS. Inline, so that who is not special has no branch for it. */
 static inline __attribute__((always_inline)) float
-eval_lobes(const layers *l, const shares *s, bool brushed, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
+eval_lobes(const layers *l, const shares *s, bool special, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
     float cosine = wi.z > LF_MIN_COS ? wi.z * LF_INV_PI : 0.0f,
           pdf = (1.0f - s->by_coat - s->by_sheen - s->by_gloss) * cosine;
     *f = lf_scale(base_colour(l, wi.z), s->enters);
     if (l->rough) {
-        lf_ggx_lobe lobe =
-            brushed ? lf_brushed_eval(&l->m->brush, wo, wi) : lf_ggx_eval(l->alpha, wo, wi);
+        lf_ggx_lobe lobe = special ? gloss_lobe(l, wo, wi) : lf_ggx_eval(l->alpha, wo, wi);
         *f = lf_madd(*f, lobe.f, gloss_colour(l, s, lobe.cos_oh));
         pdf += s->by_gloss * lobe.pdf;
     }
@@ -169,7 +214,7 @@ eval_lobes(const layers *l, const shares *s, bool brushed, lf_vec3 wo, lf_vec3 w
     }
     *f = lf_scale(*f, s->under);
     if (l->rough_coat) {
-        lf_ggx_lobe lobe = lf_ggx_eval(l->coat_alpha, wo, wi);
+        lf_ggx_lobe lobe = special ? coat_lobe(l, wo, wi) : lf_ggx_eval(l->coat_alpha, wo, wi);
         float k =
             l->m->coat * lobe.f * lf_fresnel_dielectric(lf_max(lobe.cos_oh, 0.0f), LF_COAT_INDEX);
         *f = lf_add(*f, lf_v3(k, k, k));
@@ -180,8 +225,8 @@ eval_lobes(const layers *l, const shares *s, bool brushed, lf_vec3 wo, lf_vec3 w
 
 static float eval_local(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
-    return lf_is_brushed(l->m) ? eval_lobes(l, s, true, wo, wi, f)
-                               : eval_lobes(l, s, false, wo, wi, f);
+    return is_special(l->m) ? eval_lobes(l, s, true, wo, wi, f)
+                            : eval_lobes(l, s, false, wo, wi, f);
 }
 
 /* Adds rough glass, or what enters flesh, to what the other lobes have; returns the pdf of all. */
@@ -200,7 +245,7 @@ static float add_far(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, f
 static float leave(const lf_material *m, lf_vec3 wi, lf_vec3 *f)
 {
     float pdf = wi.z < -LF_MIN_COS ? -wi.z * LF_INV_PI : 0.0f,
-          out = pdf > 0.0f ? pdf * coat_loss(m, lf_min(-wi.z, 1.0f)) / m->mean_loss : 0.0f;
+          out = pdf > 0.0f ? pdf * coat_loss(m, lf_min(-wi.z, 1.0f)) / m->energy.mean_loss : 0.0f;
     *f = lf_v3(out, out, out);
     return pdf;
 }
@@ -213,11 +258,11 @@ static float eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_v
     if (!(cos_o > LF_MIN_COS))
         return 0.0f;
     layers l = layers_of(m);
-    shares s = shares_of(&l, lf_min(cos_o, 1.0f));
     lf_tangents(ns, &t, &b);
     lf_vec3 o = lf_to_frame(t, b, ns, wo), i = lf_to_frame(t, b, ns, wi);
     if (is_way_out(m))
         return leave(m, i, f);
+    shares s = shares_of(&l, is_special(m), o, lf_min(cos_o, 1.0f));
     float pdf = eval_local(&l, &s, o, i, f);
     return has_far_lobe(&l) ? add_far(&l, &s, o, i, pdf, f) : pdf;
 }
@@ -229,11 +274,10 @@ static void add_far_fan(const layers *l, lf_vec3 wi, int n, const float *const o
         lf_vec3 f = lf_v3(out->weight[0][k], out->weight[1][k], out->weight[2][k]);
         if (!(o[2][k] > LF_MIN_COS))
             continue;
-        float cos_o = lf_min(o[2][k], 1.0f);
-        shares s = shares_of(l, cos_o);
-        out->pdf[k] = is_way_out(l->m)
-                          ? leave(l->m, wi, &f)
-                          : add_far(l, &s, lf_v3(o[0][k], o[1][k], cos_o), wi, out->pdf[k], &f);
+        lf_vec3 wo = lf_v3(o[0][k], o[1][k], lf_min(o[2][k], 1.0f));
+        shares s = shares_of(l, is_special(l->m), wo, wo.z);
+        out->pdf[k] =
+            is_way_out(l->m) ? leave(l->m, wi, &f) : add_far(l, &s, wo, wi, out->pdf[k], &f);
         out->weight[0][k] = f.x;
         out->weight[1][k] = f.y;
         out->weight[2][k] = f.z;
@@ -241,7 +285,7 @@ static void add_far_fan(const layers *l, lf_vec3 wi, int n, const float *const o
 }
 
 /* eval_local for all directions of a fan: one term a channel. */
-static inline __attribute__((always_inline)) void fan_of(const layers *of, bool brushed, lf_vec3 wi,
+static inline __attribute__((always_inline)) void fan_of(const layers *of, bool special, lf_vec3 wi,
                                                          int n, const float *x, const float *y,
                                                          const float *z, lf_fan_lobes *out)
 {
@@ -252,8 +296,8 @@ static inline __attribute__((always_inline)) void fan_of(const layers *of, bool 
         float cos_o = lf_min(lf_max(z[k], LF_MIN_COS), 1.0f),
               above = z[k] > LF_MIN_COS ? 1.0f : 0.0f;
         lf_vec3 f;
-        shares s = shares_of(&l, cos_o);
-        pdf[k] = above * eval_lobes(&l, &s, brushed, lf_v3(x[k], y[k], cos_o), wi, &f);
+        shares s = shares_of(&l, special, lf_v3(x[k], y[k], cos_o), cos_o);
+        pdf[k] = above * eval_lobes(&l, &s, special, lf_v3(x[k], y[k], cos_o), wi, &f);
         red[k] = above * f.x;
         green[k] = above * f.y;
         blue[k] = above * f.z;
@@ -264,7 +308,7 @@ static void eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, co
                      const float *z, lf_fan_lobes *out)
 {
     const layers l = layers_of(m);
-    if (lf_is_brushed(m))
+    if (is_special(m))
         fan_of(&l, true, wi, n, x, y, z, out);
     else
         fan_of(&l, false, wi, n, x, y, z, out);
@@ -293,6 +337,9 @@ static lf_vec3 draw(const layers *l, const shares *s, lf_vec3 o, const float u[3
                        : inwards(u);
         by = (by - s->by_far) / (1.0f - s->by_far);
     }
+    if (by < s->by_coat && l->apart)
+        return lf_from_frame(l->coat_axis[0], l->coat_axis[1], l->coat_axis[2],
+                             lf_ggx_sample(l->coat_alpha, to_coat(l, o), u[0], u[1]));
     if (by < s->by_coat)
         return lf_ggx_sample(l->coat_alpha, o, u[0], u[1]);
     if (by < s->by_coat + s->by_gloss)
@@ -312,7 +359,7 @@ static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[
     if (!(o.z > LF_MIN_COS))
         return 0.0f;
     layers l = layers_of(m);
-    shares s = shares_of(&l, lf_min(o.z, 1.0f));
+    shares s = shares_of(&l, is_special(m), o, lf_min(o.z, 1.0f));
     lf_vec3 i = is_way_out(m) ? inwards(u) : draw(&l, &s, o, u);
     *wi = lf_from_frame(t, b, ns, i);
     if (is_way_out(m))
@@ -355,9 +402,18 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
     if (!m->has_delta || !(cos_o > LF_MIN_COS) || (!front && m->glass.subsurface > 0.0f))
         return 0;
     layers l = layers_of(m);
-    if (l.coated)
-        coat = m->coat * (l.rough_coat ? 1.0f - clear_loss(m, cos_o)
-                                       : lf_fresnel_dielectric(cos_o, LF_COAT_INDEX));
+    lf_vec3 shiny = ns; /* of a coat's own normal the base below, or it itself, is no mirror */
+    float cos_coat = cos_o;
+    if (l.apart) {
+        lf_vec3 t, b, own;
+        lf_tangents(ns, &t, &b);
+        own = lf_from_frame(t, b, ns, m->coat_normal);
+        shiny = l.rough_coat ? ns : own;
+        cos_coat = lf_min(lf_dot(own, wo), 1.0f);
+    }
+    if (l.coated && cos_coat > LF_MIN_COS)
+        coat = m->coat * (l.rough_coat ? 1.0f - clear_loss(m, cos_coat)
+                                       : lf_fresnel_dielectric(cos_coat, LF_COAT_INDEX));
     float beneath = (1.0f - coat) * (l.sheened ? 1.0f - sheen_share(m, cos_o) : 1.0f);
     lf_vec3 mirrored = l.rough_coat ? lf_v3(0.0f, 0.0f, 0.0f) : lf_v3(coat, coat, coat);
     if (!l.rough)
@@ -367,7 +423,7 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
     if (m->glass.is_pane && lf_max3(mirrored) > 0.0f)
         mirrored = lf_scale(mirrored, 1.0f / (1.0f - lf_pane_passes(m, cos_o)));
     if (lf_max3(mirrored) > 0.0f)
-        out[n++] = (lf_delta){lf_mirror(ng, ns, wo), mirrored};
+        out[n++] = (lf_delta){lf_mirror(ng, shiny, wo), mirrored};
     if (m->transmission > 0.0f && !m->glass.is_rough && !m->glass.is_pane) {
         out[n].f = lf_scale(transmitted(&l, ng, ns, wo, front, &out[n].wi), beneath);
         n += lf_max3(out[n].f) > 0.0f;
@@ -397,7 +453,8 @@ static void vary(lf_material *m)
         metal_mean = lf_loss_look_up(0.0f, m->roughness, m->energy.metal_loss);
         m->energy.mean_loss = 1.0f - m->specular * (1.0f - mean);
     }
-    if (m->coat > 0.0f && has_texture(m, LF_SLOT_COAT_ROUGH))
+    if (m->coat > 0.0f &&
+        (has_texture(m, LF_SLOT_COAT_ROUGH) || has_texture(m, LF_SLOT_COAT_NORMAL)))
         (void)lf_loss_look_up(LF_COAT_INDEX, m->coat_roughness, m->energy.coat_loss);
     m->rest = lf_v3(metal_rest(m->albedo.x, (double)metal_mean),
                     metal_rest(m->albedo.y, (double)metal_mean),
@@ -413,7 +470,7 @@ static void prepare(lf_material *m)
     if (has_texture(m, LF_SLOT_METAL_ROUGH) || has_texture(m, LF_SLOT_NORMAL) ||
         has_texture(m, LF_SLOT_SPECULAR) || m->brush.strength > 0.0f)
         m->roughness = lf_max(m->roughness, LF_LEAST_ROUGHNESS);
-    if (has_texture(m, LF_SLOT_COAT_ROUGH))
+    if (has_texture(m, LF_SLOT_COAT_ROUGH) || has_texture(m, LF_SLOT_COAT_NORMAL))
         m->coat_roughness = lf_max(m->coat_roughness, LF_LEAST_ROUGHNESS);
     bool rough = lf_material_alpha(m) >= LF_ALPHA_MIN,
          rough_coat = m->coat_roughness * m->coat_roughness >= LF_ALPHA_MIN;
@@ -519,6 +576,9 @@ static void read(const lf_value values[], lf_material *m)
     m->glass.g = (float)values[PHASE].number[0];
     m->glass.subsurface = (float)values[SUBSURFACE].number[0];
     m->glass.radius = lf_to_vec3(values[RADIUS].number);
+    m->brush.strength = (float)values[BRUSH].number[0];
+    m->brush.turn[0] = (float)cos(values[BRUSH_TURN].number[0]);
+    m->brush.turn[1] = (float)sin(values[BRUSH_TURN].number[0]);
 }
 
 static const char *check(const lf_value values[], int *out_key)
@@ -527,9 +587,6 @@ static const char *check(const lf_value values[], int *out_key)
     return values[SUBSURFACE].number[0] > 0 && values[TRANSMISSION].number[0] > 0
                ? "a surface has transmission or subsurface, not both"
                : NULL;
-    m->brush.strength = (float)values[BRUSH].number[0];
-    m->brush.turn[0] = (float)cos(values[BRUSH_TURN].number[0]);
-    m->brush.turn[1] = (float)sin(values[BRUSH_TURN].number[0]);
 }
 
 const lf_surface_kind lf_surface_principled = {

@@ -93,13 +93,13 @@ float lf_hit_cover(const lf_hit *hit, float width)
 
 /* Normals that spread about their mean, which has the length r, widen the lobe: alpha^2 grows by
  * twice the variance of slopes along one direction, (1 - r) / r (Toksvig 2005). */
-static void widen(lf_material *m, float scale, float lost)
+static void widen(float scale, float lost, float *roughness)
 {
-    float alpha2 = m->roughness * m->roughness * m->roughness * m->roughness,
+    float r = *roughness, alpha2 = r * r * r * r,
           more = lf_max(lost - 2.0f / 65535.0f, 0.0f), /* but for rounding */
         spread = scale * scale * more / lf_max(1.0f - lost, 1e-3f);
     if (spread > 0.0f)
-        m->roughness = sqrtf(sqrtf(lf_min(alpha2 + 2.0f * spread, 1.0f)));
+        *roughness = sqrtf(sqrtf(lf_min(alpha2 + 2.0f * spread, 1.0f)));
 }
 
 float lf_hit_stops(const lf_hit *hit, lf_vec3 w, float width)
@@ -109,43 +109,67 @@ float lf_hit_stops(const lf_hit *hit, lf_vec3 w, float width)
     return 1.0f - lf_pane_passes(hit->material, -lf_dot(hit->ns, w) / lf_length(w));
 }
 
-/* The shading normal as a normal map turns it; of the surface's other side it is the same dent seen
- * from behind. */
-static void bend(const place *at, const lf_texture *t, const float texel[4], lf_hit *hit)
+/* What the file says, where the hit is; hand: on which side the bitangent lies, 1 or -1. */
+static lf_vec3 file_tangent(const place *at, const lf_hit *hit, float *hand)
 {
-    float tangent[4], side = hit->front ? 1.0f : -1.0f;
+    float tangent[4];
     interpolate(at, at->mesh->tangents, 4, tangent);
-    lf_vec3 n = lf_scale(hit->ns, side), along = lf_v3(tangent[0], tangent[1], tangent[2]);
-    if (at->mesh->placed) {
-        along = lf_placed_tangent(hit, along);
-        tangent[3] = lf_placed_is_mirrored(hit) ? -tangent[3] : tangent[3];
-    }
-    lf_vec3 across = lf_scale(lf_cross(n, along), tangent[3] < 0.0f ? -1.0f : 1.0f);
-    lf_vec3 bent = lf_madd(
+    lf_vec3 along = lf_v3(tangent[0], tangent[1], tangent[2]);
+    *hand = tangent[3] < 0.0f ? -1.0f : 1.0f;
+    if (!at->mesh->placed)
+        return along;
+    *hand = lf_placed_is_mirrored(hit) ? -*hand : *hand;
+    return lf_placed_tangent(hit, along);
+}
+
+/* The shading normal ns as a normal map turns it; of the surface's other side it is the same dent
+ * seen from behind. */
+static lf_vec3 bent(const place *at, const lf_texture *t, const float texel[4], lf_vec3 ns,
+                    const lf_hit *hit)
+{
+    float hand, side = hit->front ? 1.0f : -1.0f;
+    lf_vec3 n = lf_scale(ns, side), along = file_tangent(at, hit, &hand),
+            across = lf_scale(lf_cross(n, along), hand);
+    lf_vec3 out = lf_madd(
         lf_madd(lf_scale(n, 2.0f * texel[2] - 1.0f), t->scale * (2.0f * texel[0] - 1.0f), along),
         t->scale * (2.0f * texel[1] - 1.0f), across);
-    float length = lf_length(bent);
+    float length = lf_length(out);
     if (!(length > 1e-6f))
-        return;
-    bent = lf_scale(bent, side / length);
-    if (lf_dot(bent, hit->ng) > 0.0f)
-        hit->ns = bent;
+        return ns;
+    out = lf_scale(out, side / length);
+    return lf_dot(out, hit->ng) > 0.0f ? out : ns;
+}
+
+/* A coat follows its own normal map, or none, whatever the base below it does; smooth: the normal
+ * without any. */
+static void lay_coat(const place *at, const lf_textures *textures, float width, lf_vec3 smooth,
+                     lf_hit *hit)
+{
+    lf_material *m = &hit->own;
+    lf_vec3 n = smooth, x, y;
+    float texel[4];
+    if (look_up(at, textures, LF_SLOT_COAT_NORMAL, width, texel)) {
+        const lf_texture *t = &textures->set.slot[LF_SLOT_COAT_NORMAL];
+        n = bent(at, t, texel, smooth, hit);
+        widen(t->scale, texel[3], &m->coat_roughness);
+    }
+    lf_tangents(hit->ns, &x, &y);
+    m->coat_normal = lf_to_frame(x, y, hit->ns, n);
 }
 
 /* Where a mesh's tangent points and where its bitangent does; about the scene's vertical, where it
  * has none. false: straight up, where that says nothing. */
-static bool tangents_of(const place *at, lf_vec3 n, lf_vec3 *along, lf_vec3 *across)
+static bool tangents_of(const place *at, const lf_hit *hit, lf_vec3 n, lf_vec3 *along,
+                        lf_vec3 *across)
 {
-    float tangent[4] = {n.z, 0.0f, -n.x, 1.0f};
-    if (at->mesh->tangents)
-        interpolate(at, at->mesh->tangents, 4, tangent);
-    lf_vec3 t = lf_v3(tangent[0], tangent[1], tangent[2]);
+    float hand = 1.0f;
+    lf_vec3 t = at->mesh->tangents ? file_tangent(at, hit, &hand) : lf_v3(n.z, 0.0f, -n.x);
     t = lf_madd(t, -lf_dot(t, n), n);
     float length = lf_length(t);
     if (!(length > 1e-6f))
         return false;
     *along = lf_scale(t, 1.0f / length);
-    *across = lf_scale(lf_cross(n, *along), tangent[3] < 0.0f ? -1.0f : 1.0f);
+    *across = lf_scale(lf_cross(n, *along), hand);
     return true;
 }
 
@@ -164,7 +188,7 @@ static void brush(const place *at, float width, lf_hit *hit)
         s = length > 1e-6f ? (b->turn[1] * u + b->turn[0] * v) / length : s;
     }
     if (!(strength > 0.0f) ||
-        !tangents_of(at, lf_scale(hit->ns, hit->front ? 1.0f : -1.0f), &along, &across))
+        !tangents_of(at, hit, lf_scale(hit->ns, hit->front ? 1.0f : -1.0f), &along, &across))
         return;
     lf_vec3 wider = lf_madd(lf_scale(along, c), s, across);
     lf_tangents(hit->ns, &x, &y);
@@ -204,6 +228,7 @@ static void vary_layers(const place *at, const lf_textures *textures, float widt
 static void vary_by_textures(const place *at, const lf_textures *textures, float width, lf_hit *hit)
 {
     lf_material *m = &hit->own;
+    const lf_vec3 smooth = hit->ns;
     float texel[4];
     if (look_up(at, textures, LF_SLOT_BASE, width, texel))
         m->albedo = tinted(m->albedo, texel);
@@ -216,9 +241,12 @@ static void vary_by_textures(const place *at, const lf_textures *textures, float
     if (textures->layered)
         vary_layers(at, textures, width, m);
     if (at->mesh->tangents && look_up(at, textures, LF_SLOT_NORMAL, width, texel)) {
-        bend(at, &textures->set.slot[LF_SLOT_NORMAL], texel, hit);
-        widen(m, textures->set.slot[LF_SLOT_NORMAL].scale, texel[3]);
+        hit->ns = bent(at, &textures->set.slot[LF_SLOT_NORMAL], texel, smooth, hit);
+        widen(textures->set.slot[LF_SLOT_NORMAL].scale, texel[3], &m->roughness);
     }
+    if (at->mesh->tangents && m->coat > 0.0f &&
+        (textures->pyramid[LF_SLOT_NORMAL] || textures->pyramid[LF_SLOT_COAT_NORMAL]))
+        lay_coat(at, textures, width, smooth, hit);
 }
 
 void lf_hit_vary(lf_hit *hit, float width)

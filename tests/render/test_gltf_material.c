@@ -97,7 +97,8 @@ static void layers_have_pictures_of_their_own(void **state)
     (void)state;
     lf_mesh_data data = read_material(
         "'name':'x','extensions':{'KHR_materials_clearcoat':{'clearcoatFactor':0.7,"
-        "'clearcoatTexture':{'index':0,'texCoord':1},'clearcoatRoughnessTexture':{'index':0}},"
+        "'clearcoatNormalTexture':{'index':0},'clearcoatTexture':{'index':0,'texCoord':1},'"
+        "clearcoatRoughnessTexture':{'index':0}},"
         "'KHR_materials_sheen':{'sheenColorTexture':{'index':0},'sheenRoughnessTexture':{'index':"
         "0}},'KHR_materials_transmission':{'transmissionTexture':{'index':0}},"
         "'KHR_materials_specular':{'specularTexture':{'index':0},'specularColorTexture':{'index':"
@@ -297,13 +298,13 @@ static void what_has_no_place_is_told(void **state)
                                         "dispersion is left out",
                                         "diffuse transmission is left out",
                                         "extensions that are not known",
-                                        "textures of a coat's normals"};
+                                        "textures of thickness"};
     lf_mesh_data data = read_material(
         "'name':'m','occlusionTexture':{'index':0},'extensions':{'KHR_materials_iridescence':{"
         "'iridescenceFactor':1},"
         "'KHR_materials_dispersion':{'dispersion':0.1},'KHR_materials_diffuse_transmission':{"
         "'diffuseTransmissionFactor':0.1},'KHR_materials_whatever':{},"
-        "'KHR_materials_clearcoat':{'clearcoatFactor':1,'clearcoatNormalTexture':{'index':0}}}",
+        "'KHR_materials_volume':{'thicknessFactor':1,'thicknessTexture':{'index':0}}}",
         "");
     for (size_t i = 0; i < sizeof words / sizeof *words; i++)
         if (!gltf_warns(&data, words[i]))

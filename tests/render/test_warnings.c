@@ -110,7 +110,7 @@ static void what_a_gltf_material_loses_is_said(void **state)
     static const char *const words[] = {
         "a.gltf: material \"wo\\nod\": textures are not read",
         "the texture of what glows is not read",
-        "textures of a coat's normals, of thickness",
+        "textures of thickness",
         "the occlusion texture is left out",
         "iridescence is left out",
         "is not to be had",
