@@ -31,12 +31,18 @@ static lf_status allocate(lf_section *section, size_t longest)
     return section->leaves && section->nodes && section->roots ? LF_OK : LF_E_NOMEM;
 }
 
+static size_t larger(size_t a, size_t b)
+{
+    return a > b ? a : b;
+}
+
 /* Makes room for more; what is in the section is lost. false: no memory, the room is what it was.
  */
 static bool grow(lf_section *section, size_t segments, size_t slots)
 {
     lf_section_places *places = &section->places;
-    const size_t most = segments + segments / 4 + places->listed, room = slots + slots / 4;
+    const size_t most = larger(places->most, segments + segments / 4 + places->listed),
+                 room = larger(places->room, slots + slots / 4);
     lf_section old = *section;
     places->slot = lf_calloc(room, sizeof *places->slot);
     places->triangle = lf_calloc(most, sizeof *places->triangle);

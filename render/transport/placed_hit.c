@@ -33,29 +33,16 @@ static corners corners_of(const lf_affine *map, const lf_mesh *mesh, uint32_t tr
     return out;
 }
 
-/* A normal of the mesh where a map puts it: of any length, all by the same factor. */
-static lf_vec3 mapped_normal(double to[3][3], lf_vec3 n)
-{
-    const double own[3] = {(double)n.x, (double)n.y, (double)n.z};
-    return lf_v3((float)lf_dot_double(to[0], own), (float)lf_dot_double(to[1], own),
-                 (float)lf_dot_double(to[2], own));
-}
-
-/* The same map but for its size. */
-static void normals_of(const lf_affine *map, double out[3][3])
-{
-    double size = 0.0;
-    lf_affine_normals(map, out);
-    for (int i = 0; i < 9; i++)
-        size = fmax(size, fabs(out[i / 3][i % 3]));
-    for (int i = 0; i < 9; i++)
-        out[i / 3][i % 3] /= size;
-}
-
-static lf_vec3 normal_at(const lf_mesh *mesh, uint32_t vertex)
+/* A corner's normal where a map puts it: unit, as that of a copy would be. */
+static lf_vec3 mapped_normal(double to[3][3], const lf_mesh *mesh, uint32_t vertex)
 {
     const float *n = mesh->normals + 3 * (size_t)vertex;
-    return lf_v3(n[0], n[1], n[2]);
+    const double own[3] = {(double)n[0], (double)n[1], (double)n[2]};
+    double out[3];
+    for (int i = 0; i < 3; i++)
+        out[i] = lf_dot_double(to[i], own);
+    double length = lf_length_double(out), inverse = length > 0.0 ? 1.0 / length : 0.0;
+    return lf_v3((float)(out[0] * inverse), (float)(out[1] * inverse), (float)(out[2] * inverse));
 }
 
 static const lf_material *material_of(const lf_scene *scene, const lf_mesh *mesh, uint32_t triangle)
@@ -70,13 +57,12 @@ static lf_vec3 shading_normal(const lf_hit *hit, const lf_affine *map)
     double to[3][3];
     if (!hit->mesh->normals)
         return hit->ng;
-    lf_vec3 own = lf_scale(normal_at(hit->mesh, tri[0]), 1.0f - hit->u - hit->v);
-    own = lf_madd(own, hit->u, normal_at(hit->mesh, tri[1]));
-    own = lf_madd(own, hit->v, normal_at(hit->mesh, tri[2]));
-    normals_of(map, to);
-    lf_vec3 ns = mapped_normal(to, own);
+    lf_affine_normals(map, to);
+    lf_vec3 ns = lf_scale(mapped_normal(to, hit->mesh, tri[0]), 1.0f - hit->u - hit->v);
+    ns = lf_madd(ns, hit->u, mapped_normal(to, hit->mesh, tri[1]));
+    ns = lf_madd(ns, hit->v, mapped_normal(to, hit->mesh, tri[2]));
     float length = lf_length(ns);
-    if (!(lf_length(own) > 1e-6f && length > 0.0f))
+    if (!(length > 1e-6f))
         return hit->ng;
     ns = lf_scale(ns, 1.0f / length);
     return lf_dot(ns, hit->ng) < 0.0f ? lf_scale(ns, -1.0f) : ns;
@@ -124,10 +110,10 @@ void lf_placed_face_init(lf_face *face, const lf_scene *scene, int mesh, uint32_
     face->to_uv[1] = lf_scale(lf_cross(face->n, lf_to_vec3(c.ab)), inverse);
     if (!of->normals)
         return;
-    normals_of(&map, to);
-    face->smooth[0] = mapped_normal(to, normal_at(of, tri[0]));
-    face->smooth[1] = lf_sub(mapped_normal(to, normal_at(of, tri[1])), face->smooth[0]);
-    face->smooth[2] = lf_sub(mapped_normal(to, normal_at(of, tri[2])), face->smooth[0]);
+    lf_affine_normals(&map, to);
+    face->smooth[0] = mapped_normal(to, of, tri[0]);
+    face->smooth[1] = lf_sub(mapped_normal(to, of, tri[1]), face->smooth[0]);
+    face->smooth[2] = lf_sub(mapped_normal(to, of, tri[2]), face->smooth[0]);
 }
 
 float lf_placed_twice_area(const lf_hit *hit)

@@ -1,0 +1,619 @@
+/* Meshes that are given once and stand in many places: what rays and rows find there is what they
+ * find in copies, which share no code with it; places turned, stretched, sheared and mirrored. */
+#include "tests/testing.h"
+
+#include "render/rows/section_rays.h"
+#include "render/scene/placed.h"
+#include "render/transport/placed_hit.h"
+#include "tests/stat/fixture.h"
+#include "tests/stat/scenes.h"
+
+enum { width = 40, height = 30, n_places = 24, tile = 8, views = 3 };
+
+#define CERTAIN 1e-9
+
+/* ------------------------------------------------------------------------------------ scenes -- */
+
+static double next_number(uint64_t *random)
+{
+    *random = lf_hash64(*random, 3);
+    return (double)(*random >> 11) * 0x1p-53;
+}
+
+/* Row by row, every second mirrored; moved: how far the seventh is beside its place. */
+static void places(double moved, double out[n_places][12])
+{
+    uint64_t random = 11;
+    for (int k = 0; k < n_places; k++) {
+        for (int i = 0; i < 12; i++)
+            out[k][i] = i % 4 == 3 ? 2.6 * next_number(&random) - 1.3
+                                   : 0.5 * next_number(&random) - 0.25 + (i % 5 == 0 ? 0.15 : 0.0);
+        const double *m = out[k];
+        double det = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+                     m[2] * (m[4] * m[9] - m[5] * m[8]);
+        for (int i = 0; i < 12 && (det < 0) != (k % 2 == 1); i += 4)
+            out[k][i] = -out[k][i];
+        out[k][7] = 0.5 * out[k][7] - 0.2;
+    }
+    out[6][3] += moved;
+}
+
+/* A scene whose places are instances, or copies. more: behind the camera's words. */
+static lf_scene *scene_of(const char *shape, const char *material, bool copies, double moved,
+                          const char *n_views, const char *more)
+{
+    static char text[1 << 16];
+    double m[n_places][12];
+    char *at = text, *end = text + sizeof text;
+    places(moved, m);
+    at += snprintf(at, (size_t)(end - at),
+                   "{ 'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'fov_y': 24, 'aspect': "
+                   "1.3333333333, 'cone': 40, 'views': %s%s }, 'meshes': { " LF_TEST_GROUND ", ",
+                   n_views, more);
+    for (int k = 0; k < n_places; k++) {
+        if (k == 0 || copies)
+            at += snprintf(at, (size_t)(end - at),
+                           "'a%d': { 'shape': '%s', 'material': '%s', '%s': %s", k, shape, material,
+                           copies ? "transform" : "instances", copies ? "{ 'matrix': " : "[");
+        for (int i = 0; i < 12; i++)
+            at += snprintf(at, (size_t)(end - at), "%s%.17g", i == 0 ? "[" : ", ", m[k][i]);
+        at += snprintf(at, (size_t)(end - at), "%s", copies ? ", 0, 0, 0, 1] } }" : "]");
+        if (k + 1 < n_places)
+            at += snprintf(at, (size_t)(end - at), ", ");
+    }
+    snprintf(at, (size_t)(end - at),
+             "%s }, 'materials': { 'clay': { 'albedo': [0.5, 0.45, 0.4] }, 'glaze': { 'type': "
+             "'plastic', 'albedo': [0.6, 0.3, 0.2], 'roughness': 0.5 }, 'pane': { 'type': "
+             "'principled', 'roughness': 0, 'albedo': 0.8, 'transmission': 1, 'glass': 'sheet' }, "
+             "'glow': { 'albedo': 0.5, 'emission': 2 } }, " LF_TEST_LIGHTS " }",
+             copies ? "" : "] }");
+    return lf_test_scene(text);
+}
+
+/* --------------------------------------------------------------------------------------- rays --
+ */
+
+static lf_vec3 point(uint64_t *random, float size)
+{
+    float x = (float)next_number(random), y = (float)next_number(random),
+          z = (float)next_number(random);
+    return lf_v3(size * (2.0f * x - 1.0f), size * (2.0f * y - 1.0f), size * (2.0f * z - 1.0f));
+}
+
+/* Of both scenes the ground is mesh 0. */
+static bool same_place(const lf_scene *placed, const lf_hit *a, const lf_scene *copies,
+                       const lf_hit *b)
+{
+    bool of_place = a->mesh == &placed->meshes[1];
+    return b->mesh == &copies->meshes[of_place ? 1 + a->place : 0] && a->triangle == b->triangle;
+}
+
+/* Corners of mirrored copies run the other way round. */
+static bool same_hit(const lf_hit *a, const lf_hit *b, bool mirrored)
+{
+    float u = mirrored ? b->v : b->u, v = mirrored ? b->u : b->v;
+    return lf_length(lf_sub(a->p, b->p)) < 2e-5f && lf_length(lf_sub(a->ng, b->ng)) < 1e-4f &&
+           lf_length(lf_sub(a->ns, b->ns)) < 1e-3f && a->front == b->front &&
+           fabsf(a->u - u) + fabsf(a->v - v) < 2e-3f && a->material->kind == b->material->kind;
+}
+
+/* How many of n rays differ, and of rays from where they arrive. */
+static int differences(const lf_scene *placed, const lf_scene *copies, int n, int *out_found)
+{
+    lf_tracer a = {.scene = placed}, b = {.scene = copies};
+    uint64_t random = lf_test_seed();
+    int wrong = 0;
+    *out_found = 0;
+    for (int i = 0; i < n; i++) {
+        lf_vec3 o = lf_scale(lf_normalize(point(&random, 1.0f)), 6.0f),
+                w = lf_normalize(lf_sub(point(&random, 1.5f), o));
+        lf_hit at, there;
+        bool found = lf_trace_surface(&a, o, w, INFINITY, &at),
+             wanted = lf_trace_surface(&b, o, w, INFINITY, &there);
+        bool fits = found == wanted && (!found || same_place(placed, &at, copies, &there));
+        if (fits && found && at.mesh == &placed->meshes[1])
+            fits = same_hit(&at, &there, at.place % 2 == 1);
+        wrong += !fits;
+        *out_found += found && at.mesh == &placed->meshes[1];
+        if (!fits || !found)
+            continue;
+        /* to other places, and back into its own */
+        lf_vec3 to = lf_normalize(point(&random, 1.0f)),
+                start = lf_offset(placed, at.p, at.ng, to, 4.0f);
+        wrong += lf_trace_occluded(&a, start, to, 4.0f) != lf_trace_occluded(&b, start, to, 4.0f);
+    }
+    return wrong;
+}
+
+static void rays_find_what_they_find_in_copies(void **state)
+{
+    (void)state;
+    static const char *const shapes[] = {"sphere", "cube"};
+    for (int i = 0; i < 2; i++) {
+        lf_scene *placed = scene_of(shapes[i], "glaze", false, 0.0, "3", ""),
+                 *copies = scene_of(shapes[i], "glaze", true, 0.0, "3", ""),
+                 *beside = scene_of(shapes[i], "glaze", true, 0.02, "3", "");
+        int found;
+        assert_true(placed->looks.placed && placed->n_meshes == 2 && copies->n_meshes == 25);
+        int wrong = differences(placed, copies, 40000, &found);
+        if (wrong > 20 || found < 6000)
+            fail_msg("%d of %d hits are others (%s)", wrong, found, shapes[i]);
+        /* one place of 24 is moved by a hundredth of the scene */
+        assert_true(differences(placed, beside, 40000, &found) > 200);
+        lf_scene_unref(placed);
+        lf_scene_unref(copies);
+        lf_scene_unref(beside);
+    }
+}
+
+/* A sheet of leaves: rays that leave a surface do not find it again, however they are turned, and a
+ * mesh that is far from its own origin is as exact as one at it. */
+static void rays_leave_the_place_that_they_come_from(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(
+        "{ 'quiltd': 1, 'meshes': { 'a': { 'shape': 'quad', 'transform': { 'translate': [5000, 0, "
+        "-3000] }, 'instances': [{ 'rotate': [13, 29, 41], 'scale': 3, 'translate': [-9000, 0, "
+        "7000] }, { 'rotate': [-70, 5, 0], 'scale': [2, 1, 0.5] }] } } }");
+    const lf_placed *placed = scene->meshes[0].placed;
+    lf_tracer tracer = {.scene = scene};
+    uint64_t random = lf_test_seed();
+    int again = 0, missed = 0;
+    for (int i = 0; i < 20000; i++) {
+        lf_hit at, hit;
+        uint32_t place = (uint32_t)(i % placed->n);
+        float u = (float)next_number(&random), v = (1.0f - u) * (float)next_number(&random);
+        lf_vec3 w = lf_normalize(point(&random, 1.0f));
+        lf_placed_hit(scene, &scene->meshes[0], (uint32_t)(i / 2 % 2), place, u, v, w, &at);
+        if (fabsf(lf_dot(w, at.ng)) < 1e-3f)
+            continue;
+        lf_vec3 o = lf_offset(scene, at.p, at.ng, lf_scale(w, -1.0f), 0.0f);
+        again += lf_trace_surface(&tracer, o, lf_scale(w, -1.0f), 100.0f, &hit);
+        missed += fabsf(lf_dot(w, at.ng)) > 0.1f && u > 0.01f && v > 0.01f && u + v < 0.99f &&
+                  !lf_trace_surface(&tracer, o, w, 100.0f, &hit);
+    }
+    assert_int_equal(again, 0);
+    assert_int_equal(missed, 0);
+    lf_scene_unref(scene);
+}
+
+/* -------------------------------------------------------------------------------------- rows -- */
+
+/* The same rows of both scenes. */
+typedef struct bench {
+    lf_scene *scene[2];
+    lf_renderer *renderer[2];
+    lf_section section[2];
+    lf_tracer tracer[2];
+    lf_row_plane plane;
+    uint64_t random;
+} bench;
+
+static const lf_row_triangles *lists(const bench *b, int i)
+{
+    return &lf_test_rows(b->renderer[i])->triangles;
+}
+
+static const lf_rig *rig_of(const bench *b)
+{
+    return &lf_test_rows(b->renderer[0])->rig;
+}
+
+static void set_up(bench *b, const char *material, double moved, const char *n_views,
+                   const char *more)
+{
+    *b = (bench){.random = lf_test_seed()};
+    for (int i = 0; i < 2; i++) {
+        b->scene[i] = scene_of("cube", material, i == 1, i == 1 ? moved : 0.0, n_views, more);
+        b->renderer[i] = lf_test_renderer(b->scene[i], "mvpt", width, height, NULL);
+        b->tracer[i].scene = b->scene[i];
+        lf_assert_ok(lf_section_init(&b->section[i], lists(b, i)->longest, lists(b, i)->n_places),
+                     NULL);
+        b->section[i].rays.tracer = &b->tracer[i];
+    }
+    assert_int_equal(lists(b, 0)->n_places, n_places);
+    assert_memory_equal(b->scene[0]->origin, b->scene[1]->origin, sizeof b->scene[0]->origin);
+}
+
+static void tear_down(bench *b)
+{
+    for (int i = 0; i < 2; i++) {
+        lf_section_finish(&b->section[i]);
+        lf_renderer_destroy(b->renderer[i]);
+        lf_scene_unref(b->scene[i]);
+    }
+}
+
+/* by_rays: the first of them answers by rays. */
+static void cut(bench *b, int row, lf_cut_what what, bool by_rays)
+{
+    const float lens[2] = {(float)next_number(&b->random), (float)next_number(&b->random)};
+    lf_rig_row_plane(rig_of(b), (float)row + (float)next_number(&b->random), lens, &b->plane);
+    for (int i = 0; i < 2; i++)
+        lf_section_cut(&b->section[i], lists(b, i), b->scene[i], rig_of(b), row, &b->plane, what);
+    b->section[0].rays.on = by_rays;
+}
+
+/* Views whose frame holds p. */
+static void look(const bench *b, float lx, lf_vec3 p, float *c, float *scale)
+{
+    const lf_rig *rig = rig_of(b);
+    lf_vec3 d = lf_sub(p, rig->eye);
+    float x = lf_dot(d, rig->right), z = lf_dot(d, rig->forward);
+    for (int k = 0; k < LF_MAX_LANES; k++) {
+        c[k] = rig->b[k] + lx;
+        float u = (rig->b[k] + lx * rig->distance / rig->focus + rig->distance * (x - c[k]) / z -
+                   rig->x0) /
+                  rig->dx;
+        scale[k] = k < rig->n_views && u >= 0.0f && u < (float)width ? 1.0f : 0.0f;
+    }
+}
+
+typedef struct tally {
+    int asked, hidden, wrong;
+} tally;
+
+static void ask(bench *b, float lx, lf_vec3 p, const lf_hit *on, bool veils, tally *t)
+{
+    float c[LF_MAX_LANES], scale[2][LF_MAX_LANES];
+    for (int i = 0; i < 2; i++) {
+        look(b, lx, p, c, scale[i]);
+        const lf_veils of = {&b->section[i], lists(b, i), b->scene[i], rig_of(b), &b->plane};
+        if (veils)
+            lf_veils_before(&of, p, on ? &on[i] : NULL, 48, c, scale[i]);
+        else
+            lf_section_hide(&b->section[i], lists(b, i), rig_of(b), p, on ? &on[i] : NULL, 48, c,
+                            scale[i]);
+    }
+    look(b, lx, p, c, c);
+    for (int k = 0; k < rig_of(b)->n_views; k++) {
+        t->asked += c[k] > 0.0f;
+        t->hidden += c[k] > 0.0f && scale[1][k] < 1.0f;
+        t->wrong += fabsf(scale[0][k] - scale[1][k]) > 1e-3f;
+    }
+}
+
+/* Points of base rays, on surfaces and on the way there. */
+static tally hide(bench *b, lf_cut_what what, bool by_rays)
+{
+    const lf_rig *rig = rig_of(b);
+    tally t = {0};
+    for (int row = 0; row < height; row++) {
+        cut(b, row, what, by_rays);
+        for (int i = 0; i < 60; i++) {
+            int view = (int)(next_number(&b->random) * rig->n_views);
+            float lx = (2.0f * (float)next_number(&b->random) - 1.0f) * b->plane.lens_chord,
+                  xw = rig->x0 + (float)next_number(&b->random) * (float)width * rig->dx;
+            lf_vec3 eye = lf_rig_point(rig, rig->b[view] + lx, b->plane.ly, 0.0f),
+                    w = lf_rig_direction(rig, (xw - rig->b[view]) / rig->distance - lx / rig->focus,
+                                         b->plane.my, 1.0f);
+            lf_hit hit[2];
+            bool found = lf_trace_next(&b->tracer[0], eye, w, 0.0f, INFINITY, &hit[0]) &&
+                         lf_trace_next(&b->tracer[1], eye, w, 0.0f, INFINITY, &hit[1]) &&
+                         same_place(b->scene[0], &hit[0], b->scene[1], &hit[1]);
+            if (found)
+                ask(b, lx, hit[0].p, hit, what == LF_CUT_VEILS, &t);
+            float share = (float)next_number(&b->random);
+            ask(b, lx, lf_madd(eye, share * (found ? hit[0].t : 2.0f * rig->distance), w), NULL,
+                what == LF_CUT_VEILS, &t);
+        }
+    }
+    return t;
+}
+
+/* Fans of all views; how many rays find something else. */
+static tally fans(bench *b, bool by_rays)
+{
+    const lf_rig *rig = rig_of(b);
+    tally t = {0};
+    for (int i = 0; i < 40 * height; i++) {
+        float c[LF_MAX_LANES], z[2][LF_MAX_LANES];
+        int segment[2][LF_MAX_LANES];
+        if (i % 40 == 0)
+            cut(b, i / 40, LF_CUT_ALL, by_rays);
+        float lx = (2.0f * (float)next_number(&b->random) - 1.0f) * b->plane.lens_chord,
+              xw = rig->x0 + (float)next_number(&b->random) * (float)width * rig->dx;
+        for (int k = 0; k < LF_MAX_LANES; k++)
+            c[k] = rig->b[k] + lx;
+        for (int j = 0; j < 2; j++)
+            lf_section_nearest(&b->section[j], lists(b, j), rig,
+                               xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus),
+                               48, c, z[j], segment[j]);
+        for (int k = 0; k < rig->n_views; k++) {
+            t.asked++;
+            t.hidden += segment[1][k] >= 0;
+            bool same = (segment[0][k] < 0) == (segment[1][k] < 0);
+            if (same && segment[0][k] >= 0) {
+                lf_face face[2];
+                for (int j = 0; j < 2; j++)
+                    lf_section_face(&b->section[j], lists(b, j), b->scene[j], segment[j][k],
+                                    &face[j]);
+                same = fabsf(z[0][k] - z[1][k]) <= 1e-4f * z[1][k] &&
+                       face[0].triangle == face[1].triangle &&
+                       face[1].mesh ==
+                           &b->scene[1]->meshes[face[0].mesh->placed ? 1 + face[0].place : 0] &&
+                       lf_length(lf_sub(face[0].n, face[1].n)) < 1e-4f &&
+                       lf_section_material(&b->section[0], segment[0][k]) ==
+                           lf_section_material(&b->section[1], segment[1][k]);
+            }
+            t.wrong += !same;
+        }
+    }
+    return t;
+}
+
+static void assert_same(const char *what, const tally *t)
+{
+    if (t->wrong > t->asked / 1000)
+        fail_msg("%s: of %d answers %d are others", what, t->asked, t->wrong);
+    assert_true(t->asked > 10000 && t->hidden > t->asked / 50 && t->hidden < t->asked);
+}
+
+static void rows_find_what_they_find_in_copies(void **state)
+{
+    (void)state;
+    static const char *const more[] = {"", ", 'lens_radius': 0.1, 'focus_distance': 4"};
+    for (int i = 0; i < 4; i++) {
+        bench b;
+        set_up(&b, "glaze", 0.0, "45", more[i / 2]);
+        tally t = hide(&b, LF_CUT_ALL, i % 2);
+        assert_same(i % 2 ? "hidden, by rays" : "hidden", &t);
+        t = fans(&b, i % 2);
+        assert_same(i % 2 ? "nearest, by rays" : "nearest", &t);
+        tear_down(&b);
+    }
+}
+
+static void veils_let_through_what_copies_do(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        bench b;
+        set_up(&b, "pane", 0.0, "45", "");
+        tally t = hide(&b, LF_CUT_VEILS, i);
+        assert_same(i ? "veils, by rays" : "veils", &t);
+        tear_down(&b);
+    }
+}
+
+static void a_place_that_is_moved_is_found_out(void **state)
+{
+    (void)state;
+    bench b;
+    set_up(&b, "glaze", 0.05, "45", "");
+    tally t = hide(&b, LF_CUT_ALL, false);
+    assert_true(t.wrong > t.asked / 500);
+    t = fans(&b, false);
+    assert_true(t.wrong > t.asked / 500);
+    tear_down(&b);
+}
+
+/* ---------------------------------------------------------------------------------- pictures -- */
+
+static void schedule(lf_renderer *r)
+{
+    lf_test_passes(r, 6 * views);
+}
+
+static void pictures(const char *material, bool copies, double moved, const char *integrator,
+                     uint64_t seed, lf_blocks *out)
+{
+    lf_scene *scene = scene_of("cube", material, copies, moved, "3", "");
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
+    lf_test_pictures(r, schedule, LF_ESTIMATOR_MIS, 16, seed, tile, out);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+/* Instances shared between views against copies that each view sees alone. */
+static void pictures_are_those_of_copies(void **state)
+{
+    (void)state;
+    static const char *const materials[] = {"glaze", "pane"};
+    for (int i = 0; i < 2; i++) {
+        lf_blocks truth, mine;
+        int where = 0;
+        pictures(materials[i], true, 0.0, "vpt", 1000, &truth);
+        pictures(materials[i], false, 0.0, "mvpt", 2000, &mine);
+        double p = lf_blocks_welch(&mine, &truth, &where);
+        if (!(p > lf_sidak(LF_FALSE_ALARM, 2 * truth.n)))
+            fail_msg("%s, block %d: %.5g +- %.2g, copies %.5g +- %.2g, p %.2g", materials[i], where,
+                     mine.moments[where].mean, lf_moments_error(&mine.moments[where]),
+                     truth.moments[where].mean, lf_moments_error(&truth.moments[where]), p);
+        lf_blocks_finish(&mine);
+        if (i == 0) {
+            pictures(materials[i], false, 0.15, "mvpt", 3000, &mine);
+            assert_true(lf_blocks_welch(&mine, &truth, &where) < CERTAIN);
+            lf_blocks_finish(&mine);
+        }
+        lf_blocks_finish(&truth);
+    }
+}
+
+static void lights_are_copies(void **state)
+{
+    (void)state;
+    lf_scene *placed = scene_of("sphere", "glow", false, 0.0, "3", ""),
+             *copies = scene_of("sphere", "glow", true, 0.0, "3", "");
+    double area[2] = {0};
+    for (int i = 0; i < placed->n_lights; i++)
+        area[0] += (double)placed->lights[i].area;
+    for (int i = 0; i < copies->n_lights; i++)
+        area[1] += (double)copies->lights[i].area;
+    assert_false(placed->looks.placed);
+    assert_int_equal(placed->meshes[1].n_triangles, n_places * copies->meshes[1].n_triangles);
+    lf_assert_close(area[0], area[1], 1e-5, 0.0);
+    lf_scene_unref(placed);
+    lf_scene_unref(copies);
+}
+
+/* ------------------------------------------------------------------------------------- files -- */
+
+static lf_scene *scene_with(const char *folder, const char *file)
+{
+    char text[512];
+    snprintf(text, sizeof text,
+             "{ 'quiltd': 1, 'meshes': { 'a': { 'shape': 'cube', 'instances': '%s' } } }", file);
+    return lf_test_scene_in(folder, text, NULL);
+}
+
+/* Two places, turned by 90 degrees about y, twice as large; as rows of matrices. */
+static void assert_places(const char *folder, const char *file, const float (*want)[12], int n)
+{
+    lf_scene *scene = scene_with(folder, file);
+    const lf_placed *placed = scene->meshes[0].placed;
+    assert_int_equal(placed->n, n);
+    for (int i = 0; i < 12 * n; i++)
+        lf_assert_close(placed->map[i / 12][i % 12 / 4][i % 4] +
+                            (i % 4 == 3 ? (float)scene->origin[i % 12 / 4] : 0.0f),
+                        want[i / 12][i % 12], 0.0, 1e-6);
+    lf_scene_unref(scene);
+}
+
+static void put_npy(const char *folder, const char *name, const char *type, const char *shape,
+                    const void *data, size_t size)
+{
+    char header[128];
+    int n = snprintf(header, sizeof header,
+                     "{'descr': '%s', 'fortran_order': False, 'shape': %s, }", type, shape);
+    FILE *f = fopen(lf_test_path(folder, name), "wb");
+    fwrite("\x93NUMPY\x01\x00\x76\x00", 1, 10, f);
+    fprintf(f, "%s%*s\n", header, 117 - n, "");
+    fwrite(data, 1, size, f);
+    assert_int_equal(fclose(f), 0);
+}
+
+static const float turned[2][12] = {{0, 0, 2, 1, 0, 2, 0, 2, -2, 0, 0, 3},
+                                    {0, 0, 2, -4, 0, 2, 0, 5, -2, 0, 0, 6}},
+                   plain[2][12] = {{2, 0, 0, 1, 0, 2, 0, 2, 0, 0, 2, 3},
+                                   {2, 0, 0, -4, 0, 2, 0, 5, 0, 0, 2, 6}};
+
+static void files_say_places_in_several_ways(void **state)
+{
+    const char *folder = *state;
+    double wide[2][16] = {{0}};
+    const float parts[2][8] = {{1, 2, 3, 0, 1, 0, 1, 2}, {-4, 5, 6, 0, 1, 0, 1, 2}};
+    for (int i = 0; i < 2; i++) {
+        for (int j = 0; j < 12; j++)
+            wide[i][j] = (double)turned[i][j];
+        wide[i][15] = 1;
+    }
+    lf_test_write(folder, "four.csv", "x,y,z,scale\n1,2,3,2\n# a word\n\n-4;5;6;2\n");
+    lf_test_write(folder, "ten.csv", "1 2 3 0 0.5 0 0.5 2 2 2\r\n-4,5,6,0,-1,0,-1,2,2,2\r\n");
+    lf_test_write(folder, "twelve.csv", "0,0,2,1,0,2,0,2,-2,0,0,3\n0,0,2,-4,0,2,0,5,-2,0,0,6");
+    put_npy(folder, "a.npy", "<f4", "(2, 3, 4)", turned, sizeof turned);
+    put_npy(folder, "b.npy", "<f8", "(2, 4, 4)", wide, sizeof wide);
+    put_npy(folder, "c.npy", "<f4", "(2, 8)", parts, sizeof parts);
+    assert_places(folder, "four.csv", plain, 2);
+    assert_places(folder, "ten.csv", turned, 2);
+    assert_places(folder, "twelve.csv", turned, 2);
+    assert_places(folder, "a.npy", turned, 2);
+    assert_places(folder, "b.npy", turned, 2);
+    assert_places(folder, "c.npy", turned, 2);
+}
+
+static void assert_refused(const char *folder, const char *instances, const char *words)
+{
+    char text[1024];
+    snprintf(text, sizeof text,
+             "{ \"quiltd\": 1, \"meshes\": { \"a\": { \"shape\": \"cube\", \"instances\": %s } } }",
+             instances);
+    lf_scene *scene = NULL;
+    lf_error err = {0};
+    lf_test_write(folder, "wrong.json", text);
+    lf_assert_status(lf_scene_load(lf_test_path(folder, "wrong.json"), NULL, NULL, &scene, &err),
+                     LF_E_FORMAT, &err);
+    if (!strstr(err.what, words))
+        fail_msg("%s: %s", instances, err.what);
+}
+
+static void what_is_no_place_is_refused(void **state)
+{
+    const char *folder = *state;
+    const float row[8] = {1, 2, 3, 0, 0, 0, 0, 1}, wrong[3] = {1, NAN, 2};
+    lf_test_write(folder, "words.csv", "x,y,z\n1,2,3\n1,2,many\n");
+    lf_test_write(folder, "ragged.csv", "1,2,3\n1,2,3,4\n");
+    lf_test_write(folder, "empty.csv", "x,y,z\n");
+    lf_test_write(folder, "flat.csv", "1,2,3,0\n");
+    put_npy(folder, "short.npy", "<f4", "(3, 3)", row, sizeof row);
+    put_npy(folder, "still.npy", "<f4", "(1, 8)", row, sizeof row);
+    put_npy(folder, "nan.npy", "<f4", "(1, 3)", wrong, sizeof wrong);
+    put_npy(folder, "whole.npy", "<i4", "(1, 3)", wrong, sizeof wrong);
+    put_npy(folder, "shape.npy", "<f4", "(1, 5)", row, sizeof row);
+    put_npy(folder, "huge.npy", "<f4", "(99999999999999999999999, 3)", row, sizeof row);
+    lf_test_write(folder, "text.npy", "no numbers");
+    assert_refused(folder, "\"words.csv\"", "3, 4, 7, 8, 10, 12 or 16 numbers");
+    assert_refused(folder, "\"ragged.csv\"", "the same in every");
+    assert_refused(folder, "\"empty.csv\"", "no place in this file");
+    assert_refused(folder, "\"flat.csv\"", "line 1 is no place");
+    assert_refused(folder, "\"short.npy\"", "another place");
+    assert_refused(folder, "\"still.npy\"", "place 0 is no place");
+    assert_refused(folder, "\"nan.npy\"", "place 0 is no place");
+    assert_refused(folder, "\"whole.npy\"", "float32 or float64");
+    assert_refused(folder, "\"shape.npy\"", "another shape");
+    assert_refused(folder, "\"huge.npy\"", "another shape");
+    assert_refused(folder, "\"text.npy\"", "does not begin");
+    assert_refused(folder, "\"places.txt\"", "unknown kind of file");
+    assert_refused(folder, "[]", "no place at all");
+    assert_refused(folder, "[[1, 2, 3]]", "12 or 16 numbers");
+    assert_refused(folder, "[{ \"scale\": [1, 0, 1] }]", "flattens space");
+    assert_refused(folder, "[[1,0,0,0, 0,1,0,0, 0,0,1,\"x\"]]", "expected a number");
+}
+
+/* ------------------------------------------------------------------------------------ memory -- */
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+static size_t resident(void)
+{
+    size_t whole = 0, here = 0;
+    FILE *f = fopen("/proc/self/statm", "r");
+    assert_int_equal(fscanf(f, "%zu %zu", &whole, &here), 2);
+    fclose(f);
+    return here * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+/* 48 bytes of map, 37 of boxes and order, what Embree keeps, and four for each worker's section. */
+static void a_place_is_less_than_250_bytes(void **state)
+{
+    enum { many = 200000 };
+    const char *folder = *state;
+    float(*at)[4] = malloc(many * sizeof *at);
+    uint64_t random = 5;
+    for (int i = 0; i < many; i++)
+        for (int j = 0; j < 4; j++)
+            at[i][j] = (float)(j < 3 ? 300.0 * next_number(&random) : 0.2);
+    put_npy(folder, "many.npy", "<f4", "(200000, 4)", at, many * sizeof *at);
+    free(at);
+    lf_scene_unref(lf_test_scene("{ 'quiltd': 1, 'meshes': { 'a': { 'shape': 'cube', 'instances': "
+                                 "[{}] } } }"));
+    size_t before = resident();
+    lf_scene *scene = scene_with(folder, "many.npy");
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", 8, 6, NULL);
+    size_t each = (resident() - before) / many;
+    print_message("%zu bytes a place\n", each);
+    assert_int_equal(scene->meshes[0].placed->n, many);
+    assert_true(each >= 85 && each < 250);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+#endif
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+/* first, while memory is as the program found it */
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+        lf_test_in_folder(a_place_is_less_than_250_bytes),
+#endif
+        cmocka_unit_test(rays_find_what_they_find_in_copies),
+        cmocka_unit_test(rays_leave_the_place_that_they_come_from),
+        cmocka_unit_test(rows_find_what_they_find_in_copies),
+        cmocka_unit_test(veils_let_through_what_copies_do),
+        cmocka_unit_test(a_place_that_is_moved_is_found_out),
+        cmocka_unit_test(pictures_are_those_of_copies),
+        cmocka_unit_test(lights_are_copies),
+        lf_test_in_folder(files_say_places_in_several_ways),
+        lf_test_in_folder(what_is_no_place_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+}
