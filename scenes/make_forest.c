@@ -74,7 +74,7 @@ static void across(const double along[3], double u[3], double v[3])
 
 static void leaf(const double at[3], const double along[3], double size)
 {
-    const int green[3] = {(int)between(70, 120), (int)between(120, 165), (int)between(40, 70)};
+    const int green[3] = {(int)between(100, 150), (int)between(140, 185), (int)between(70, 100)};
     double d[3], u[3], v[3], p[4][3];
     for (int i = 0; i < 3; i++)
         d[i] = along[i] + between(-1, 1);
