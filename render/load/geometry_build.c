@@ -146,29 +146,78 @@ static lf_status take_close(const lf_geometry *geometry, lf_mesh_data *data, lf_
     return LF_OK;
 }
 
-/* The mesh stands in many places; its vertices are seen from `own`. */
-static lf_status take_places(lf_geometry *geometry, const lf_mesh_data *data, const double own[3],
-                             lf_mesh *mesh)
+/* Where a part is seen from: the middle of its box. */
+static void middle_of(const lf_mesh_data *data, int part, double out[3])
+{
+    const lf_mesh_part whole = lf_mesh_data_part(data, part);
+    double own[2][3];
+    lf_mesh_data_own_bounds(data, &whole, own);
+    for (int i = 0; i < 3; i++)
+        out[i] = 0.5 * (own[0][i] + own[1][i]);
+}
+
+/* The mesh stands in many places: its parts are seen from their middles. NULL = out of memory. */
+static float *own_vertices(const lf_mesh_data *data)
+{
+    const double world[3] = {0};
+    float *vertices = local_vertices(world, data->positions, data->n_vertices);
+    for (int i = 0; vertices && i < (data->n_parts > 0 ? data->n_parts : 1); i++) {
+        const lf_mesh_part part = lf_mesh_data_part(data, i);
+        double middle[3];
+        middle_of(data, i, middle);
+        for (size_t v = part.first_vertex; v < (size_t)part.first_vertex + part.n_vertices; v++)
+            for (size_t axis = 0; axis < 3; axis++)
+                vertices[3 * v + axis] = (float)(data->positions[3 * v + axis] - middle[axis]);
+    }
+    return vertices;
+}
+
+static bool allocate_places(const lf_mesh_data *data, lf_placed *placed)
+{
+    placed->n_parts = data->n_parts > 0 ? data->n_parts : 1;
+    placed->parts = lf_calloc((size_t)placed->n_parts, sizeof *placed->parts);
+    placed->map = lf_calloc((size_t)data->n_places, sizeof *placed->map);
+    placed->part_of =
+        data->n_parts > 0 ? lf_calloc((size_t)data->n_places, sizeof *placed->part_of) : NULL;
+    return placed->parts && placed->map && (data->n_parts == 0 || placed->part_of);
+}
+
+static void put_place(const lf_geometry *geometry, const lf_affine *place, const double middle[3],
+                      float out[3][4])
+{
+    double at[3];
+    lf_affine_point(place, middle, at);
+    for (int row = 0; row < 3; row++) {
+        for (int column = 0; column < 3; column++)
+            out[row][column] = (float)place->m[row][column];
+        out[row][3] = (float)(at[row] - geometry->origin[row]);
+    }
+}
+
+static lf_status take_places(lf_geometry *geometry, const lf_mesh_data *data, lf_mesh *mesh)
 {
     lf_placed *placed = lf_calloc(1, sizeof *placed);
-    if (!placed)
-        return LF_E_NOMEM;
     mesh->placed = placed;
-    placed->map = lf_calloc((size_t)data->n_places, sizeof *placed->map);
-    placed->first = geometry->n_places;
-    for (int i = 0; placed->map && i < data->n_places; i++) {
-        const lf_affine *place = &data->places[i];
-        double middle[3];
-        lf_affine_point(place, own, middle);
-        for (int row = 0; row < 3; row++) {
-            for (int column = 0; column < 3; column++)
-                placed->map[i][row][column] = (float)place->m[row][column];
-            placed->map[i][row][3] = (float)(middle[row] - geometry->origin[row]);
-        }
-    }
-    if (!placed->map)
+    if (!placed || !allocate_places(data, placed))
         return LF_E_NOMEM;
+    double(*middle)[3] = lf_calloc((size_t)placed->n_parts, sizeof *middle);
+    if (!middle)
+        return LF_E_NOMEM;
+    for (int i = 0; i < placed->n_parts; i++) {
+        const lf_mesh_part part = lf_mesh_data_part(data, i);
+        placed->parts[i].first = part.first_triangle;
+        placed->parts[i].n = part.n_triangles;
+        middle_of(data, i, middle[i]);
+    }
+    for (int i = 0; i < data->n_places; i++) {
+        uint32_t part = data->n_parts > 0 ? data->part_of[i] : 0;
+        put_place(geometry, &data->places[i], middle[part], placed->map[i]);
+        if (placed->part_of)
+            placed->part_of[i] = part;
+    }
+    lf_free(middle);
     placed->n = data->n_places;
+    placed->first = geometry->n_places;
     geometry->n_places += (uint32_t)data->n_places;
     return lf_placed_build(placed, mesh, geometry->device);
 }
@@ -178,11 +227,9 @@ static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned i
                            int first_material)
 {
     lf_mesh *mesh = &geometry->meshes[id];
-    double own[3] = {geometry->origin[0], geometry->origin[1], geometry->origin[2]};
     const bool placed = data->n_places > 0 && data->n_triangles > 0;
-    if (placed)
-        lf_mesh_data_middle(data, own);
-    float *vertices = local_vertices(own, data->positions, data->n_vertices);
+    float *vertices = placed ? own_vertices(data)
+                             : local_vertices(geometry->origin, data->positions, data->n_vertices);
     if (!vertices)
         return LF_E_NOMEM;
     for (int t = 0; data->triangle_material && t < data->n_triangles; t++)
@@ -202,12 +249,12 @@ static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned i
     lf_status status = take_close(geometry, data, mesh);
     grow_box(&mesh->box, mesh->vertices, data);
     grow_box(&mesh->box, mesh->close.vertices, data);
+    if (placed && status == LF_OK)
+        status = take_places(geometry, data, mesh);
     data->triangles = NULL;
     data->normals = NULL;
     data->triangle_material = NULL;
     data->uvs = data->colours = data->tangents = NULL;
-    if (placed && status == LF_OK)
-        status = take_places(geometry, data, own, mesh);
     return status;
 }
 
@@ -309,7 +356,7 @@ static float placed_error(const lf_geometry *geometry)
     for (int i = 0; i < geometry->n_meshes; i++) {
         const lf_placed *placed = geometry->meshes[i].placed;
         if (placed)
-            most = lf_max(most, placed->most * (float)placed->radius);
+            most = lf_max(most, placed->reach);
     }
     return 5e-7f * most;
 }

@@ -86,11 +86,12 @@ static uint64_t hash(const corners *c)
     return lf_hash64(h, 0);
 }
 
-/* What stands in many places is beside nothing but its own. */
+/* What stands in many places is beside nothing but its own, and its parts are not asked. */
 static bool are_together(const search *s, uint32_t a, uint32_t b)
 {
     int one = mesh_of(s, a), other = mesh_of(s, b);
-    return one == other || (s->data[one].n_places == 0 && s->data[other].n_places == 0);
+    return one == other ? s->data[one].n_parts == 0
+                        : s->data[one].n_places == 0 && s->data[other].n_places == 0;
 }
 
 /* The triangle that stands in this one's place, or UINT32_MAX: from now on this one does. */

@@ -147,12 +147,20 @@ lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_
     return status;
 }
 
-static void own_bounds(const lf_mesh_data *data, double bounds[2][3])
+lf_mesh_part lf_mesh_data_part(const lf_mesh_data *data, int number)
+{
+    if (data->n_parts > 0)
+        return data->parts[number];
+    return (lf_mesh_part){0, (uint32_t)data->n_triangles, 0, (uint32_t)data->n_vertices};
+}
+
+static void grow_bounds(const lf_mesh_data *data, const lf_mesh_part *part, double bounds[2][3])
 {
     const double *const ends[] = {data->positions, data->close.positions};
-    for (size_t at = 0; at < 6 * (size_t)data->n_triangles; at++) {
+    const uint32_t *triangles = data->triangles + 3 * (size_t)part->first_triangle;
+    for (size_t at = 0; at < 6 * (size_t)part->n_triangles; at++) {
         const double *end = ends[at % 2];
-        const uint32_t corner = data->triangles[at / 2];
+        const uint32_t corner = triangles[at / 2];
         for (int i = 0; end && i < 3; i++) {
             bounds[0][i] = fmin(bounds[0][i], end[3 * (size_t)corner + (size_t)i]);
             bounds[1][i] = fmax(bounds[1][i], end[3 * (size_t)corner + (size_t)i]);
@@ -160,23 +168,31 @@ static void own_bounds(const lf_mesh_data *data, double bounds[2][3])
     }
 }
 
-void lf_mesh_data_middle(const lf_mesh_data *data, double out[3])
+void lf_mesh_data_own_bounds(const lf_mesh_data *data, const lf_mesh_part *part, double out[2][3])
 {
-    double own[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    own_bounds(data, own);
-    for (int i = 0; i < 3; i++)
-        out[i] = own[0][i] <= own[1][i] ? 0.5 * (own[0][i] + own[1][i]) : 0.0;
+    for (int i = 0; i < 3; i++) {
+        out[0][i] = INFINITY;
+        out[1][i] = -INFINITY;
+    }
+    grow_bounds(data, part, out);
 }
 
 void lf_mesh_data_bounds(const lf_mesh_data *data, double bounds[2][3])
 {
-    double own[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    const lf_mesh_part whole = {.n_triangles = (uint32_t)data->n_triangles};
+    double own[2][3];
+    int last = -1;
     if (data->n_places == 0 || data->n_triangles == 0) {
-        own_bounds(data, bounds);
+        grow_bounds(data, &whole, bounds);
         return;
     }
-    own_bounds(data, own);
     for (size_t at = 0; at < 8 * (size_t)data->n_places; at++) {
+        int number = data->n_parts > 0 ? (int)data->part_of[at / 8] : 0;
+        if (number != last) {
+            const lf_mesh_part part = lf_mesh_data_part(data, number);
+            lf_mesh_data_own_bounds(data, &part, own);
+            last = number;
+        }
         const double corner[3] = {own[at & 1][0], own[at >> 1 & 1][1], own[at >> 2 & 1][2]};
         double p[3];
         lf_affine_point(&data->places[at / 8], corner, p);
@@ -209,6 +225,8 @@ void lf_mesh_data_finish(lf_mesh_data *data)
     lf_free(data->cameras.open);
     lf_free(data->cameras.close);
     lf_free(data->places);
+    lf_free(data->parts);
+    lf_free(data->part_of);
     lf_warnings_finish(&data->warnings);
     for (int i = 0; i < data->n_files; i++)
         lf_free(data->files[i].path);

@@ -15,6 +15,11 @@
 #define LF_MAX_PICTURES 65536
 #define LF_MESH_MAX_FILES 256 /* files behind one mesh: material libraries, buffers, pictures */
 
+/* Triangles and vertices that follow each other in a mesh. */
+typedef struct lf_mesh_part {
+    uint32_t first_triangle, n_triangles, first_vertex, n_vertices;
+} lf_mesh_part;
+
 typedef struct lf_mesh_data {
     const char *name; /* the scene's, borrowed */
     int n_vertices, n_triangles;
@@ -49,6 +54,11 @@ typedef struct lf_mesh_data {
      * arrays above are what stands there. 0: it stands where they say. */
     int n_places;
     lf_affine *places;
+    /* What stands there, where that is not all of it: parts that share no vertex, and [n_places]
+     * which of them; 0 parts: all of it. */
+    int n_parts;
+    lf_mesh_part *parts;
+    uint32_t *part_of;
     int n_files;
     lf_mesh_file files[LF_MESH_MAX_FILES];
     lf_warnings warnings; /* what the file holds and the mesh lacks */
@@ -76,8 +86,10 @@ LF_NODISCARD lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data
 /* Grows bounds (least, greatest) by all that the triangles pass through; of a mesh that stands in
  * many places by the boxes of its box there. */
 void lf_mesh_data_bounds(const lf_mesh_data *data, double bounds[2][3]);
-/* The middle of the box of its own triangles, wherever they stand. */
-void lf_mesh_data_middle(const lf_mesh_data *data, double out[3]);
+/* Its part of a number; the whole where it has none. */
+lf_mesh_part lf_mesh_data_part(const lf_mesh_data *data, int number);
+/* The box of a part's own triangles, wherever they stand. */
+void lf_mesh_data_own_bounds(const lf_mesh_data *data, const lf_mesh_part *part, double out[2][3]);
 /* Accepts zeroed structs; leaves them zeroed. */
 void lf_mesh_data_finish(lf_mesh_data *data);
 

@@ -124,10 +124,12 @@ static void cut_place(cutting *c, const lf_mesh *mesh, const lf_box_cut *world, 
     put_row(&Z, &map, v.z);
     put_row(&world->plane, &map, v.height);
     const lf_box_cut own = {.plane = {v.height[0], v.height[1], v.height[2], v.height[3]}};
+    const lf_placed_part *part = lf_placed_part_at(mesh->placed, place);
     lf_box_walk walk;
     uint32_t triangle;
-    lf_box_walk_begin(&walk, &mesh->placed->triangles, &own);
+    lf_box_walk_begin(&walk, &part->triangles, &own);
     while (lf_box_walk_next(&walk, &triangle)) {
+        triangle += part->first;
         lf_cut_corner corner[3], end[2];
         int above = 0;
         for (int i = 0; i < 3; i++) {

@@ -43,7 +43,7 @@ static lf_box mapped(const lf_affine *map, const lf_box *own)
     return out;
 }
 
-static lf_box box_of_triangle(const lf_mesh *mesh, int triangle)
+static lf_box box_of_triangle(const lf_mesh *mesh, uint32_t triangle)
 {
     lf_box out = nothing();
     for (int i = 0; i < 3; i++) {
@@ -68,23 +68,22 @@ static void lengths_of(const lf_affine *map, float *out_most, float *out_least)
     *out_least = inverse > 0.0 ? (float)(1.0 / sqrt(inverse)) : 0.0f;
 }
 
-static lf_status build_triangles(lf_placed *placed, const lf_mesh *mesh, lf_box *own)
+static lf_status build_triangles(lf_placed_part *part, const lf_mesh *mesh, lf_box *own)
 {
-    lf_box *boxes = lf_calloc((size_t)mesh->n_triangles, sizeof *boxes);
+    lf_box *boxes = lf_calloc(part->n, sizeof *boxes);
     *own = nothing();
-    for (int i = 0; boxes && i < mesh->n_triangles; i++) {
-        boxes[i] = box_of_triangle(mesh, i);
+    for (uint32_t i = 0; boxes && i < part->n; i++) {
+        const uint32_t triangle = part->first + i;
+        boxes[i] = box_of_triangle(mesh, triangle);
         for (int c = 0; c < 3; c++) {
-            lf_vec3 v = lf_mesh_vertex(mesh, mesh->triangles[3 * (size_t)i + (size_t)c]);
+            lf_vec3 v = lf_mesh_vertex(mesh, mesh->triangles[3 * (size_t)triangle + (size_t)c]);
             const double p[3] = {(double)v.x, (double)v.y, (double)v.z};
-            placed->radius = fmax(placed->radius, lf_length_double(p));
+            part->radius = fmax(part->radius, lf_length_double(p));
             put_point(p, own);
         }
     }
-    placed->radius *= 1.0 + 1e-6;
-    lf_status status =
-        boxes ? lf_box_tree_init(&placed->triangles, boxes, (uint32_t)mesh->n_triangles)
-              : LF_E_NOMEM;
+    part->radius *= 1.0 + 1e-6;
+    lf_status status = boxes ? lf_box_tree_init(&part->triangles, boxes, part->n) : LF_E_NOMEM;
     lf_free(boxes);
     return status;
 }
@@ -96,8 +95,9 @@ static lf_status build_places(lf_placed *placed, const lf_box *own, lf_box *all)
     placed->least = INFINITY;
     for (int i = 0; boxes && i < placed->n; i++) {
         lf_affine map = lf_placed_map(placed, (uint32_t)i);
+        const lf_placed_part *part = lf_placed_part_at(placed, (uint32_t)i);
         float most, least;
-        boxes[i] = mapped(&map, own);
+        boxes[i] = mapped(&map, &own[part - placed->parts]);
         const double ends[2][3] = {
             {(double)boxes[i].min.x, (double)boxes[i].min.y, (double)boxes[i].min.z},
             {(double)boxes[i].max.x, (double)boxes[i].max.y, (double)boxes[i].max.z}};
@@ -106,6 +106,7 @@ static lf_status build_places(lf_placed *placed, const lf_box *own, lf_box *all)
         lengths_of(&map, &most, &least);
         placed->most = lf_max(placed->most, most);
         placed->least = lf_min(placed->least, least);
+        placed->reach = lf_max(placed->reach, most * (float)part->radius);
     }
     lf_status status =
         boxes ? lf_box_tree_init(&placed->boxes, boxes, (uint32_t)placed->n) : LF_E_NOMEM;
@@ -115,46 +116,57 @@ static lf_status build_places(lf_placed *placed, const lf_box *own, lf_box *all)
 
 /* ------------------------------------------------------------------------------------ Embree -- */
 
-static lf_status build_embree(lf_placed *placed, const lf_mesh *mesh, RTCDevice device)
+static lf_status build_embree(lf_placed_part *part, const lf_mesh *mesh, RTCDevice device)
 {
     RTCGeometry shape = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    placed->embree = rtcNewScene(device);
-    if (!shape || !placed->embree) {
+    part->embree = rtcNewScene(device);
+    if (!shape || !part->embree) {
         if (shape)
             rtcReleaseGeometry(shape);
         return LF_E_NOMEM;
     }
     rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->vertices,
                                0, 3 * sizeof(float), (size_t)mesh->n_vertices);
-    rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles,
-                               0, 3 * sizeof(uint32_t), (size_t)mesh->n_triangles);
+    rtcSetSharedGeometryBuffer(shape, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               mesh->triangles + 3 * (size_t)part->first, 0, 3 * sizeof(uint32_t),
+                               part->n);
     rtcSetGeometryBuildQuality(shape, RTC_BUILD_QUALITY_HIGH);
     rtcCommitGeometry(shape);
-    rtcAttachGeometryByID(placed->embree, shape, mesh->geom_id);
+    rtcAttachGeometryByID(part->embree, shape, mesh->geom_id);
     rtcReleaseGeometry(shape);
-    rtcSetSceneFlags(placed->embree, RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(placed->embree, RTC_BUILD_QUALITY_HIGH);
-    rtcCommitScene(placed->embree);
+    rtcSetSceneFlags(part->embree, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(part->embree, RTC_BUILD_QUALITY_HIGH);
+    rtcCommitScene(part->embree);
     return rtcGetDeviceError(device) == RTC_ERROR_NONE ? LF_OK : LF_E_NOMEM;
 }
 
 lf_status lf_placed_build(lf_placed *placed, lf_mesh *mesh, RTCDevice device)
 {
-    lf_box own;
-    lf_status status = build_triangles(placed, mesh, &own);
+    lf_box *own = lf_calloc((size_t)placed->n_parts, sizeof *own);
+    lf_status status = own ? LF_OK : LF_E_NOMEM;
+    for (int i = 0; i < placed->n_parts && status == LF_OK; i++) {
+        status = build_triangles(&placed->parts[i], mesh, &own[i]);
+        if (status == LF_OK)
+            status = build_embree(&placed->parts[i], mesh, device);
+    }
     if (status == LF_OK)
-        status = build_places(placed, &own, &mesh->box);
-    return status == LF_OK ? build_embree(placed, mesh, device) : status;
+        status = build_places(placed, own, &mesh->box);
+    lf_free(own);
+    return status;
 }
 
 void lf_placed_destroy(lf_placed *placed)
 {
     if (!placed)
         return;
-    if (placed->embree)
-        rtcReleaseScene(placed->embree);
+    for (int i = 0; placed->parts && i < placed->n_parts; i++) {
+        if (placed->parts[i].embree)
+            rtcReleaseScene(placed->parts[i].embree);
+        lf_box_tree_finish(&placed->parts[i].triangles);
+    }
     lf_box_tree_finish(&placed->boxes);
-    lf_box_tree_finish(&placed->triangles);
+    lf_free(placed->parts);
+    lf_free(placed->part_of);
     lf_free(placed->map);
     lf_free(placed);
 }
@@ -180,6 +192,7 @@ static bool bring(const lf_placed *placed, uint32_t place, const struct RTCRay *
     const double from[3] = {(double)ray->org_x, (double)ray->org_y, (double)ray->org_z},
                  along[3] = {(double)ray->dir_x, (double)ray->dir_y, (double)ray->dir_z};
     lf_affine map = lf_placed_map(placed, place);
+    const double radius = lf_placed_part_at(placed, place)->radius;
     double o[3], w[3], back[3][3];
     lf_affine_cofactors(&map, back);
     double det = lf_dot_double(map.m[0], back[0]);
@@ -191,12 +204,11 @@ static bool bring(const lf_placed *placed, uint32_t place, const struct RTCRay *
         }
     }
     double ww = lf_dot_double(w, w), ow = lf_dot_double(o, w),
-           apart = lf_dot_double(o, o) - ow * ow / ww,
-           half2 = placed->radius * placed->radius - apart;
-    if (!(half2 >= -1e-6 * placed->radius * placed->radius))
+           apart = lf_dot_double(o, o) - ow * ow / ww, half2 = radius * radius - apart;
+    if (!(half2 >= -1e-6 * radius * radius))
         return false;
-    double begin = fmax(
-        (-ow - 1.001 * sqrt(fmax(half2, 0.0) * ww)) / ww - 1e-3 * placed->radius / sqrt(ww), 0.0);
+    double begin =
+        fmax((-ow - 1.001 * sqrt(fmax(half2, 0.0) * ww)) / ww - 1e-3 * radius / sqrt(ww), 0.0);
     *out = *ray;
     out->org_x = (float)(o[0] + begin * w[0]);
     out->org_y = (float)(o[1] + begin * w[1]);
@@ -222,7 +234,8 @@ static void intersect(const struct RTCIntersectFunctionNArguments *args)
         return;
     own.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     own.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(placed->embree, args->context, &own);
+    const lf_placed_part *part = lf_placed_part_at(placed, place);
+    rtcIntersect1(part->embree, args->context, &own);
     if (own.hit.geomID == RTC_INVALID_GEOMETRY_ID)
         return;
     /* never before where it was asked to begin: rays go on behind what they have met */
@@ -230,18 +243,19 @@ static void intersect(const struct RTCIntersectFunctionNArguments *args)
     rh->hit.u = own.hit.u;
     rh->hit.v = own.hit.v;
     rh->hit.geomID = args->geomID;
-    rh->hit.primID = own.hit.primID;
+    rh->hit.primID = part->first + own.hit.primID;
     rh->hit.instID[0] = place;
 }
 
 static void occluded(const struct RTCOccludedFunctionNArguments *args)
 {
-    const lf_mesh *mesh = args->geometryUserPtr;
+    const lf_placed *placed = ((const lf_mesh *)args->geometryUserPtr)->placed;
     struct RTCRay *ray = (struct RTCRay *)(void *)args->ray, own;
+    const uint32_t place = placed->boxes.order[args->primID];
     double begin;
-    if (!bring(mesh->placed, mesh->placed->boxes.order[args->primID], ray, &own, &begin))
+    if (!bring(placed, place, ray, &own, &begin))
         return;
-    rtcOccluded1(mesh->placed->embree, args->context, &own);
+    rtcOccluded1(lf_placed_part_at(placed, place)->embree, args->context, &own);
     if (own.tfar < 0.0f)
         ray->tfar = -INFINITY;
 }

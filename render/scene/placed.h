@@ -11,19 +11,32 @@
 #include "render/scene/affine.h"
 #include "render/scene/box_tree.h"
 
-typedef struct lf_placed {
-    int n;
-    float (*map)[3][4];    /* [n] own coordinates -> scene-local */
-    lf_box_tree boxes;     /* of the places, scene-local */
-    lf_box_tree triangles; /* of the mesh's own, in its space */
-    RTCScene embree;       /* ... which are in here */
+/* Triangles of a mesh that stand together. */
+typedef struct lf_placed_part {
+    uint32_t first, n;     /* of the mesh's triangles */
+    lf_box_tree triangles; /* in the mesh's space, numbered from first on */
+    RTCScene embree;       /* ... which are in here, too */
     double radius;         /* of a ball about its origin that holds it */
+} lf_placed_part;
+
+typedef struct lf_placed {
+    int n, n_parts;
+    float (*map)[3][4];    /* [n] own coordinates -> scene-local */
+    uint32_t *part_of;     /* [n] which part stands there; NULL: the only one */
+    lf_placed_part *parts; /* [n_parts] each with the origin in the middle of its box */
+    lf_box_tree boxes;     /* of the places, scene-local */
     float most, least;     /* what lengths of its own are multiplied by, at most and at least */
+    float reach;           /* the largest radius, where it stands */
     uint32_t first;        /* places of the meshes before it */
 } lf_placed;
 
-/* Of a mesh whose arrays are there, .n maps included, which are *placed's from then on; sets
- * mesh->box and mesh->placed. device: Embree's. LF_E_NOMEM; the mesh is then to be released with
+static inline lf_placed_part *lf_placed_part_at(const lf_placed *placed, uint32_t place)
+{
+    return &placed->parts[placed->part_of ? placed->part_of[place] : 0];
+}
+
+/* Of a mesh whose arrays are there, .n maps included, and of its parts .first and .n; sets
+ * mesh->box. device: Embree's. LF_E_NOMEM; the mesh is then to be released with
  * lf_placed_destroy all the same. */
 LF_NODISCARD lf_status lf_placed_build(lf_placed *placed, lf_mesh *mesh, RTCDevice device);
 /* Accepts NULL. */
