@@ -76,6 +76,7 @@ typedef struct lf_import_request {
     /* of a mesh */
     uint32_t normals;   /* lf_normals (render/render.h) */
     uint32_t materials; /* 1: the file's own are wanted */
+    uint32_t shines;    /* 1: it is a light: nothing of it is told as places */
     double transform[12];
     /* which of its animations, by name or ("") by number; whether it is not repeated; seconds since
      * its beginning */

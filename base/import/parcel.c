@@ -34,6 +34,8 @@ static const size_t element_size[LF_PARCEL_TAGS] = {
     [LF_PARCEL_LIGHTS] = sizeof(lf_parcel_light),
     [LF_PARCEL_CAMERAS] = sizeof(lf_parcel_camera),
     [LF_PARCEL_PLACES] = sizeof(double),
+    [LF_PARCEL_PARTS] = sizeof(uint32_t),
+    [LF_PARCEL_PART_OF] = sizeof(uint32_t),
 };
 
 static lf_status write_at(lf_parcel_writer *writer, uint64_t offset, const void *data, size_t size,

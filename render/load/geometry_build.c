@@ -30,6 +30,11 @@ static json_t *lamp_key(const lf_mesh_desc *mesh)
     return NULL;
 }
 
+static bool is_gltf(const char *file)
+{
+    return file && (lf_path_has_ending(file, ".gltf") || lf_path_has_ending(file, ".glb"));
+}
+
 json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char *folder)
 {
     json_t *list = json_array(), *mesh;
@@ -40,8 +45,8 @@ json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char
         json_t *copy = json_deep_copy(mesh);
         json_t *clip = json_object_get(json_object_get(mesh, "animation"), "clip");
         const lf_mesh_desc *said = &desc->meshes[number++];
-        bool shines = lf_places_are_given(&said->places) && said->material >= 0 &&
-                      lf_max3(desc->materials[said->material].emission) > 0.0f;
+        /* which decides about copies, of what may stand in many places */
+        bool shines = said->shines && (lf_places_are_given(&said->places) || is_gltf(said->file));
         if (json_object_get(mesh, "material"))
             json_object_set_new(copy, "material", shines ? json_string("light") : json_true());
         json_object_del(copy, "animation");

@@ -97,7 +97,8 @@ static lf_status import_from(const lf_mesh_desc *desc, const char *path, asked *
 {
     lf_import_request request = {.kind = LF_IMPORT_MESH,
                                  .normals = (uint32_t)desc->normals,
-                                 .materials = desc->material < 0};
+                                 .materials = desc->material < 0,
+                                 .shines = desc->shines};
     lf_parcel parcel = {0};
     int fd = -1;
     if (strlen(path) >= sizeof request.path)

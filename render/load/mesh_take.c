@@ -1,10 +1,12 @@
 #include "render/load/mesh_take.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
 #include "base/alloc.h"
 #include "base/image_io.h"
+#include "render/load/places_import.h"
 #include "render/transport/surface.h"
 
 /* Rounding of a unit vector, with room; and how far from across a normal a tangent may lie. */
@@ -412,6 +414,51 @@ static lf_status take_cameras(const lf_parcel *parcel, lf_mesh_data *out, lf_err
                 : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such cameras");
 }
 
+/* Whether parts follow each other, to the last triangle, and no triangle has a vertex of another
+ * part. */
+static bool parts_fit(const lf_mesh_data *data)
+{
+    uint64_t triangle = 0, vertex = 0;
+    for (int i = 0; i < data->n_parts; i++) {
+        const lf_mesh_part *part = &data->parts[i];
+        if (part->first_triangle != triangle || part->first_vertex < vertex ||
+            part->n_triangles == 0)
+            return false;
+        triangle += part->n_triangles;
+        vertex = (uint64_t)part->first_vertex + part->n_vertices;
+        if (triangle > (uint64_t)data->n_triangles || vertex > (uint64_t)data->n_vertices)
+            return false;
+        for (uint64_t c = 3 * (uint64_t)part->first_triangle; c < 3 * triangle; c++)
+            if (data->triangles[c] < part->first_vertex || data->triangles[c] >= vertex)
+                return false;
+    }
+    return triangle == (uint64_t)data->n_triangles;
+}
+
+static lf_status take_parts(const lf_parcel *parcel, lf_mesh_data *out, lf_error *err)
+{
+    const size_t n = count_of(parcel, LF_PARCEL_PARTS),
+                 n_places = count_of(parcel, LF_PARCEL_PART_OF);
+    lf_error wrong;
+    if (n == 0 || n % 4 != 0 || n / 4 > INT_MAX ||
+        12 * n_places != count_of(parcel, LF_PARCEL_PLACES))
+        return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such parts");
+    lf_status status = copy(parcel, LF_PARCEL_PARTS, n / 4, sizeof *out->parts, &out->parts, err);
+    if (status == LF_OK)
+        status = lf_places_take(parcel, "", out, &wrong);
+    if (status == LF_OK)
+        status =
+            copy(parcel, LF_PARCEL_PART_OF, n_places, sizeof *out->part_of, &out->part_of, err);
+    if (status != LF_OK)
+        return status;
+    out->n_parts = (int)(n / 4);
+    bool fit = parts_fit(out);
+    for (size_t i = 0; i < n_places; i++)
+        fit = fit && out->part_of[i] < (uint32_t)out->n_parts;
+    return fit ? LF_OK
+               : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such parts");
+}
+
 lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *out, lf_error *err)
 {
     if (!counts_fit(parcel, materials))
@@ -438,6 +485,8 @@ lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *ou
         status = take_lights(parcel, out, err);
     if (status == LF_OK)
         status = take_cameras(parcel, out, err);
+    if (status == LF_OK && count_of(parcel, LF_PARCEL_PLACES) > 0)
+        status = take_parts(parcel, out, err);
     if (status == LF_OK &&
         !(positions_fit(out) && triangles_fit(out) && frames_fit(out) && looks_are_sound(out)))
         status = lf_error_set(err, LF_E_FORMAT, "", "the reader's answer is no mesh");

@@ -19,9 +19,9 @@ typedef struct importing {
 } importing;
 
 /* Whether a mesh is a light, as far as the words of its materials say. */
-static bool shines(const lf_scene_desc *all, const lf_mesh_desc *desc, const lf_mesh_data *data)
+static bool shines(const lf_mesh_desc *desc, const lf_mesh_data *data)
 {
-    bool found = desc->material >= 0 && lf_max3(all->materials[desc->material].emission) > 0.0f;
+    bool found = desc->shines;
     for (int i = 0; i < data->n_materials; i++)
         found = found || lf_max3(data->materials[i].emission) > 0.0f;
     return found;
@@ -37,9 +37,8 @@ static void import_mesh(void *context, int i, int worker)
         desc->shape ? lf_mesh_shape_make(desc, &all->data[i], &all->err[i])
                     : lf_mesh_import(desc, all->folder, all->roots, &all->data[i], &all->err[i]);
     if (all->status[i] == LF_OK && lf_places_are_given(&desc->places))
-        all->status[i] =
-            lf_places_import(desc, all->folder, all->roots, shines(all->desc, desc, &all->data[i]),
-                             &all->data[i], &all->err[i]);
+        all->status[i] = lf_places_import(desc, all->folder, all->roots,
+                                          shines(desc, &all->data[i]), &all->data[i], &all->err[i]);
 }
 
 static int count_files(const lf_scene_desc *desc)

@@ -6,39 +6,53 @@
 #include "base/alloc.h"
 #include "render/load/mesh_repeat.h"
 
-static lf_status take_list(const lf_places_desc *desc, lf_mesh_data *data)
+/* Each of n places, behind those that the mesh's file has: all of a part together. */
+static lf_status put(lf_mesh_data *data, const lf_affine *place, size_t n, const char *where,
+                     lf_error *err)
 {
-    data->places = lf_calloc((size_t)desc->n, sizeof *data->places);
-    if (!data->places)
-        return LF_E_NOMEM;
-    memcpy(data->places, desc->map, (size_t)desc->n * sizeof *data->places);
-    data->n_places = desc->n;
+    const size_t own = data->n_places > 0 ? (size_t)data->n_places : 1;
+    if (own * n > LF_MAX_PLACES)
+        return lf_error_set(err, LF_E_NOMEM, where, "%zu instances; at most %d are possible",
+                            own * n, LF_MAX_PLACES);
+    lf_affine *all = lf_calloc(own * n, sizeof *all);
+    uint32_t *part_of = data->part_of ? lf_calloc(own * n, sizeof *part_of) : NULL;
+    if (!all || (data->part_of && !part_of)) {
+        lf_free(all);
+        lf_free(part_of);
+        return lf_error_set(err, LF_E_NOMEM, where, "out of memory");
+    }
+    for (size_t i = 0; i < own * n; i++) {
+        all[i] = place[i % n];
+        if (data->n_places > 0)
+            all[i] = lf_affine_compose(&place[i % n], &data->places[i / n]);
+        if (part_of)
+            part_of[i] = data->part_of[i / n];
+    }
+    lf_free(data->places);
+    lf_free(data->part_of);
+    data->places = all;
+    data->part_of = part_of;
+    data->n_places = (int)(own * n);
     return LF_OK;
 }
 
-/* As if an enemy had written it (parcel.h). */
-static lf_status take_parcel(const lf_parcel *parcel, const char *path, lf_mesh_data *data,
-                             lf_error *err)
+lf_status lf_places_take(const lf_parcel *parcel, const char *path, lf_mesh_data *data,
+                         lf_error *err)
 {
     size_t n;
     const double *numbers = lf_parcel_get(parcel, LF_PARCEL_PLACES, &n);
     if (!numbers || n % 12 != 0 || n / 12 > LF_MAX_PLACES)
         return lf_error_set(err, LF_E_FORMAT, path, "the reader's answer has no places");
-    data->places = lf_calloc(n / 12, sizeof *data->places);
-    if (!data->places)
-        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    data->n_places = (int)(n / 12);
-    memcpy(data->places, numbers, n * sizeof *numbers);
-    for (int i = 0; i < data->n_places; i++) {
-        const lf_affine *map = &data->places[i];
-        lf_affine inverse;
-        bool sound = lf_affine_invert(map, &inverse);
+    for (size_t i = 0; i < n / 12; i++) {
+        lf_affine map, inverse;
+        memcpy(map.m, numbers + 12 * i, sizeof map.m);
+        bool sound = lf_affine_invert(&map, &inverse);
         for (int j = 0; j < 12; j++)
-            sound = sound && fabs(map->m[j / 4][j % 4]) <= LF_MAX_COORDINATE;
+            sound = sound && fabs(map.m[j / 4][j % 4]) <= LF_MAX_COORDINATE;
         if (!sound)
             return lf_error_set(err, LF_E_FORMAT, path, "the reader's answer has no such place");
     }
-    return LF_OK;
+    return put(data, (const lf_affine *)(const void *)numbers, n / 12, path, err);
 }
 
 static lf_status import_file(const char *path, const lf_roots *roots, lf_mesh_data *data,
@@ -57,7 +71,7 @@ static lf_status import_file(const char *path, const lf_roots *roots, lf_mesh_da
     if (status == LF_OK)
         status = lf_import_run(&request, fd, path, NULL, NULL, &parcel, err);
     if (status == LF_OK)
-        status = take_parcel(&parcel, path, data, err);
+        status = lf_places_take(&parcel, path, data, err);
     lf_parcel_close(&parcel);
     close(fd);
     return status;
@@ -72,7 +86,7 @@ lf_status lf_places_import(const lf_mesh_desc *desc, const char *folder, const l
         status = path ? import_file(path, roots, data, err) : LF_E_NOMEM;
         lf_free(path);
     } else if (desc->places.n > 0) {
-        status = take_list(&desc->places, data);
+        status = put(data, desc->places.map, (size_t)desc->places.n, desc->name, err);
     }
     if (status != LF_OK || data->n_places == 0 || !emits)
         return status;

@@ -7,6 +7,11 @@
 /* Of one mesh, with every place: what Embree and sections can hold. */
 #define LF_MAX_PLACES 20000000
 
+/* The places of a parcel, which is checked as if an enemy had written it, behind those that data
+ * has. path names it in errors: LF_E_FORMAT, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_places_take(const lf_parcel *parcel, const char *path, lf_mesh_data *data,
+                                      lf_error *err);
+
 /* Gives data, which is read, the places of desc, from the scene itself or from a file that
  * quiltimport reads (reader/places_read.h), noted in data->files. emits: some material of the mesh
  * shines: it is written out as copies then (mesh_repeat.h). Errors as of lf_mesh_import, and

@@ -464,6 +464,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     const char *material = lf_read_string(reader, node, "material", NULL, LF_MAX_NAME);
     if (material)
         mesh->material = find_material(reader, node, material);
+    mesh->shines = mesh->material >= 0 && lf_max3(desc->materials[mesh->material].emission) > 0.0f;
 }
 
 /* ------------------------------------------------------------------------------------ lights -- */

@@ -6,6 +6,7 @@
 #include "base/alloc.h"
 #include "base/reader/reader.h"
 #include "render/reader/gltf_instances.h"
+#include "render/reader/gltf_share.h"
 #include "render/reader/gltf_skin.h"
 #include "render/reader/tangents.h"
 
@@ -48,9 +49,12 @@ static lf_status visit_node(lf_gltf_build *build, size_t number, lf_gltf_visit_f
 lf_status lf_gltf_visit(lf_gltf_build *build, lf_gltf_visit_fn *visit, void *context, lf_error *err)
 {
     lf_status status = LF_OK;
-    for (size_t i = 0; i < build->nodes->n && status == LF_OK; i++)
-        if (build->nodes->node[i].is_shown && build->nodes->node[i].mesh != LF_GLTF_NONE)
+    for (size_t i = 0; i < build->nodes->n && status == LF_OK; i++) {
+        const lf_gltf_node *node = &build->nodes->node[i];
+        if (node->is_shown && node->mesh != LF_GLTF_NONE &&
+            (build->only == 0 || build->only == node->mesh + 1))
             status = visit_node(build, i, visit, context, err);
+    }
     return status;
 }
 
@@ -70,16 +74,13 @@ static lf_status count(lf_gltf_build *build, const lf_gltf_place *place, void *c
                        lf_error *err)
 {
     const lf_gltf_primitive *primitive = place->primitive;
-    (void)context;
+    (void)context, (void)err;
     build->n_beside += (int64_t)primitive->n_beside;
     if (primitive->n_triangles == 0)
         return LF_OK;
     build->n_triangles += (int64_t)primitive->n_triangles;
     build->n_vertices += (int64_t)(is_faceted(build, primitive) ? 3 * primitive->n_triangles
                                                                 : primitive->position.count);
-    if (build->n_triangles > LF_MAX_TRIANGLES || build->n_vertices > 3 * (int64_t)LF_MAX_TRIANGLES)
-        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d triangles in all its nodes",
-                            LF_MAX_TRIANGLES);
     return LF_OK;
 }
 
@@ -287,14 +288,37 @@ static lf_status allocate_more(lf_gltf_build *build, lf_error *err)
     return LF_OK;
 }
 
+/* Copies, or each mesh once. */
+static lf_status fill_all(lf_gltf_build *build, bool shared, lf_error *err)
+{
+    if (!shared)
+        return lf_gltf_visit(build, fill, NULL, err);
+    lf_mesh_part *parts = lf_calloc(lf_gltf_count(build->gltf->json, "meshes"), sizeof *parts);
+    lf_status status = parts ? lf_gltf_visit_once(build, fill, parts, err)
+                             : lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+    if (status == LF_OK)
+        status = lf_gltf_put_places(build, parts, err);
+    lf_free(parts);
+    return status;
+}
+
 lf_status lf_gltf_fill(lf_gltf_build *build, lf_error *err)
 {
     bool normals = build->desc->normals == LF_NORMALS_SMOOTH ||
                    (build->desc->normals == LF_NORMALS_FILE && build->has_normals);
     lf_status status = lf_gltf_visit(build, count, NULL, err);
+    bool shared = status == LF_OK && lf_gltf_is_shared(build);
+    if (shared) {
+        build->n_triangles = build->n_vertices = build->n_beside = 0;
+        status = lf_gltf_visit_once(build, count, NULL, err);
+    }
+    if (status == LF_OK && (build->n_triangles > LF_MAX_TRIANGLES ||
+                            build->n_vertices > 3 * (int64_t)LF_MAX_TRIANGLES))
+        status = lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d triangles in all its nodes",
+                              LF_MAX_TRIANGLES);
     if (status == LF_OK)
         status = lf_mesh_allocate(build->data, build->n_vertices, build->n_triangles, normals, err);
     if (status == LF_OK)
         status = allocate_more(build, err);
-    return status == LF_OK ? lf_gltf_visit(build, fill, NULL, err) : status;
+    return status == LF_OK ? fill_all(build, shared, err) : status;
 }

@@ -14,6 +14,7 @@ typedef struct lf_gltf_build {
     const lf_gltf_nodes *nodes;
     const lf_gltf_mesh *meshes;
     lf_mesh_data *data;
+    uint32_t only;               /* 1 + the mesh that lf_gltf_visit keeps to; 0: all */
     size_t n_materials;          /* of the file */
     uint32_t plain, plain_white; /* in place of none; the other where vertices have colours */
     int64_t n_vertices, n_triangles, n_beside;

@@ -154,6 +154,19 @@ static lf_status put_cameras(lf_parcel_writer *parcel, const lf_file_cameras *ca
     return status;
 }
 
+/* What stands in many places. */
+static lf_status put_parts(lf_parcel_writer *parcel, const lf_mesh_data *data, lf_error *err)
+{
+    _Static_assert(sizeof(lf_mesh_part) == 4 * sizeof(uint32_t), "four numbers");
+    size_t n = (size_t)data->n_places;
+    lf_status status = lf_parcel_put(parcel, LF_PARCEL_PLACES, data->places, 12 * n, err);
+    if (status == LF_OK)
+        status =
+            lf_parcel_put(parcel, LF_PARCEL_PARTS, data->parts, 4 * (size_t)data->n_parts, err);
+    return status == LF_OK ? lf_parcel_put(parcel, LF_PARCEL_PART_OF, data->part_of, n, err)
+                           : status;
+}
+
 static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf_error *err)
 {
     size_t v = 3 * (size_t)data->n_vertices, t = (size_t)data->n_triangles;
@@ -170,6 +183,8 @@ static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf
         status = put_lights(parcel, &data->lights, err);
     if (status == LF_OK)
         status = put_cameras(parcel, &data->cameras, err);
+    if (status == LF_OK && data->n_places > 0)
+        status = put_parts(parcel, data, err);
     return status == LF_OK ? put_warnings(parcel, &data->warnings, err) : status;
 }
 
@@ -192,6 +207,7 @@ static lf_status read_mesh(const lf_import_request *request, int fd, lf_parcel_w
     lf_mesh_desc desc = {.file = request->path,
                          .material = request->materials ? -1 : 0,
                          .normals = (lf_normals)request->normals,
+                         .shines = request->shines,
                          .clip = {.name = request->clip[0] ? request->clip : NULL,
                                   .number = (int)request->clip_number,
                                   .chosen = request->clip_chosen,

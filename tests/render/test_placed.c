@@ -560,6 +560,185 @@ static void what_is_no_place_is_refused(void **state)
     assert_refused(folder, "[[1,0,0,0, 0,1,0,0, 0,0,1,\"x\"]]", "expected a number");
 }
 
+/* -------------------------------------------------------------------------------------- glTF -- */
+
+enum { belts = 160, corners = (belts + 1) * 2 * belts, faces = 4 * belts * belts };
+
+/* A ball of 102,400 triangles, and a square. */
+static void put_bin(const char *folder)
+{
+    static float points[corners][3];
+    static uint32_t indices[faces][3];
+    const float square[4][3] = {{-4, -1, -4}, {4, -1, -4}, {4, -1, 4}, {-4, -1, 4}};
+    const uint32_t halves[2][3] = {{0, 2, 1}, {0, 3, 2}};
+    for (uint32_t i = 0; i < corners; i++) {
+        double t = M_PI * (i / (2 * belts)) / belts, p = M_PI * (i % (2 * belts)) / belts;
+        points[i][0] = (float)(sin(t) * cos(p));
+        points[i][1] = (float)cos(t);
+        points[i][2] = (float)(sin(t) * sin(p));
+    }
+    for (uint32_t i = 0; i < faces / 2; i++) {
+        uint32_t a = i, b = i - i % (2 * belts) + (i + 1) % (2 * belts), c = a + 2 * belts,
+                 d = b + 2 * belts;
+        memcpy(indices[2 * i], (uint32_t[3]){a, b, d}, sizeof indices[0]);
+        memcpy(indices[2 * i + 1], (uint32_t[3]){a, d, c}, sizeof indices[0]);
+    }
+    FILE *f = fopen(lf_test_path(folder, "ball.bin"), "wb");
+    fwrite(points, sizeof points, 1, f);
+    fwrite(indices, sizeof indices, 1, f);
+    fwrite(square, sizeof square, 1, f);
+    fwrite(halves, sizeof halves, 1, f);
+    assert_int_equal(fclose(f), 0);
+}
+
+/* Balls in all places, or one; and the square. glow: of the ball's material. */
+static void put_gltf(const char *folder, const char *name, bool all, double glow)
+{
+    static char text[1 << 16];
+    double m[n_places][12];
+    const size_t a = sizeof(float) * 3 * corners, b = sizeof(uint32_t) * 3 * faces;
+    char *at = text, *end = text + sizeof text;
+    places(0.0, m);
+    at += snprintf(
+        at, (size_t)(end - at),
+        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"ball.bin\",\"byteLength\":%zu}],"
+        "\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":%zu},{\"buffer\":0,"
+        "\"byteOffset\":%zu,\"byteLength\":%zu},{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":48}"
+        ","
+        "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":24}],\"accessors\":[{\"bufferView\":0,"
+        "\"componentType\":5126,\"count\":%d,\"type\":\"VEC3\"},{\"bufferView\":1,"
+        "\"componentType\":"
+        "5125,\"count\":%d,\"type\":\"SCALAR\"},{\"bufferView\":2,\"componentType\":5126,\"count\":"
+        "4,"
+        "\"type\":\"VEC3\"},{\"bufferView\":3,\"componentType\":5125,\"count\":6,\"type\":"
+        "\"SCALAR\"}],"
+        "\"materials\":[{\"emissiveFactor\":[%g,%g,%g]}],\"meshes\":[{\"primitives\":[{"
+        "\"attributes\":{"
+        "\"POSITION\":0},\"indices\":1,\"material\":0}]},{\"primitives\":[{\"attributes\":{"
+        "\"POSITION\":2},\"indices\":3}]}],\"nodes\":[{\"mesh\":1}",
+        a + b + 72, a, a, b, a + b, a + b + 48, corners, 3 * faces, glow, glow, glow);
+    for (int k = 0; k < (all ? n_places : 1); k++) {
+        at += snprintf(at, (size_t)(end - at), ",{\"mesh\":0");
+        for (int i = 0; i < 16 && all; i++)
+            at += snprintf(at, (size_t)(end - at), "%s%.17g", i == 0 ? ",\"matrix\":[" : ",",
+                           i % 4 < 3 ? m[k][i % 4 * 4 + i / 4] : (double)(i == 15));
+        at += snprintf(at, (size_t)(end - at), all ? "]}" : "}");
+    }
+    snprintf(at, (size_t)(end - at), "]}");
+    lf_test_write(folder, name, text);
+}
+
+static lf_scene *gltf_scene(const char *folder, const char *file, const char *more)
+{
+    char text[1024];
+    snprintf(text, sizeof text,
+             "{ 'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'fov_y': 24, 'aspect': "
+             "1.3333333333, 'cone': 40, 'views': 9 }, 'meshes': { 'a': { 'file': '%s'%s } } }",
+             file, more);
+    return lf_test_scene_in(folder, text, NULL);
+}
+
+/* Rays find in 24 nodes what they find in places that the scene gives to a file of one. */
+static void assert_same_balls(const lf_scene *nodes, const lf_scene *given)
+{
+    lf_tracer a = {.scene = nodes}, b = {.scene = given};
+    uint64_t random = lf_test_seed();
+    int wrong = 0, found = 0;
+    for (int i = 0; i < 20000; i++) {
+        lf_vec3 o = lf_scale(lf_normalize(point(&random, 1.0f)), 6.0f),
+                w = lf_normalize(lf_sub(point(&random, 1.5f), o));
+        lf_hit at, there;
+        bool first = lf_trace_surface(&a, o, w, INFINITY, &at),
+             second = lf_trace_surface(&b, o, w, INFINITY, &there);
+        found += first && at.triangle >= 2;
+        /* the square has 24 places of its own there */
+        if (!first || !second || at.triangle < 2 || there.triangle < 2)
+            continue;
+        wrong += !same_hit(&at, &there, false) || at.triangle != there.triangle;
+    }
+    if (wrong > 10 || found < 4000)
+        fail_msg("%d of %d hits are others", wrong, found);
+}
+
+static void assert_rows_find_as_rays(lf_scene *scene)
+{
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+    const lf_row_triangles *rows = &lf_test_rows(r)->triangles;
+    const lf_rig *rig = &lf_test_rows(r)->rig;
+    lf_tracer tracer = {.scene = scene};
+    lf_section section;
+    lf_row_plane plane;
+    int wrong = 0, found = 0;
+    lf_assert_ok(lf_section_init(&section, rows->longest, rows->n_places), NULL);
+    for (int row = 0; row < height; row++) {
+        lf_rig_row_plane(rig, (float)row + 0.37f, (float[2]){0.5f, 0.5f}, &plane);
+        lf_section_cut(&section, rows, scene, rig, row, &plane, LF_CUT_ALL);
+        for (int column = 0; column < width; column++) {
+            float z[LF_MAX_LANES], xw = rig->x0 + ((float)column + 0.4f) * rig->dx;
+            int segment[LF_MAX_LANES];
+            lf_section_nearest(&section, rows, rig, xw / rig->distance, 16, rig->b, z, segment);
+            for (int k = 0; k < rig->n_views; k++) {
+                lf_hit hit;
+                lf_face face;
+                bool met = lf_trace_next(
+                    &tracer, lf_rig_point(rig, rig->b[k], plane.ly, 0.0f),
+                    lf_rig_direction(rig, (xw - rig->b[k]) / rig->distance, plane.my, 1.0f), 0.0f,
+                    INFINITY, &hit);
+                found += met;
+                if (segment[k] >= 0)
+                    lf_section_face(&section, rows, scene, segment[k], &face);
+                wrong += met != (segment[k] >= 0) ||
+                         (met && (face.place != hit.place || fabsf(z[k] - hit.t) > 1e-4f * hit.t));
+            }
+        }
+    }
+    if (wrong > found / 500 || found < 2000)
+        fail_msg("%d of %d are others", wrong, found);
+    lf_section_finish(&section);
+    lf_renderer_destroy(r);
+}
+
+static void nodes_that_share_a_mesh_become_places(void **state)
+{
+    const char *folder = *state;
+    static char more[1 << 14];
+    double m[n_places][12];
+    char *at = more;
+    places(0.0, m);
+    at += sprintf(at, ", 'instances': [");
+    for (int k = 0; k < n_places; k++)
+        for (int i = 0; i < 12; i++)
+            at += sprintf(at, "%s%.17g%s",
+                          i > 0   ? ", "
+                          : k > 0 ? ", ["
+                                  : "[",
+                          m[k][i], i == 11 ? "]" : "");
+    sprintf(at, "]");
+    put_bin(folder);
+    put_gltf(folder, "nodes.gltf", true, 0.0);
+    put_gltf(folder, "one.gltf", false, 0.0);
+    put_gltf(folder, "glow.gltf", true, 0.5);
+    lf_scene *nodes = gltf_scene(folder, "nodes.gltf", ""), *given, *glow;
+    static char text[1 << 15];
+    snprintf(text, sizeof text, "{ 'quiltd': 1, 'meshes': { 'a': { 'file': 'one.gltf'%s } } }",
+             more);
+    given = lf_test_scene_in(folder, text, NULL);
+    const lf_placed *placed = nodes->meshes[0].placed;
+    assert_int_equal(placed->n_parts, 2);
+    assert_int_equal(placed->n, 1 + n_places);
+    /* at one pole the ball has triangles without area */
+    assert_int_equal(nodes->meshes[0].n_triangles, 2 + faces - 2 * belts);
+    assert_same_balls(nodes, given);
+    assert_rows_find_as_rays(nodes);
+    lf_scene_unref(given);
+    lf_scene_unref(nodes);
+    /* what shines is copied, as ever */
+    glow = gltf_scene(folder, "glow.gltf", "");
+    assert_null(glow->meshes[0].placed);
+    assert_true(glow->meshes[0].n_triangles > n_places * (faces - 4 * belts));
+    lf_scene_unref(glow);
+}
+
 /* ------------------------------------------------------------------------------------ memory -- */
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -614,6 +793,7 @@ int main(void)
         cmocka_unit_test(lights_are_copies),
         lf_test_in_folder(files_say_places_in_several_ways),
         lf_test_in_folder(what_is_no_place_is_refused),
+        lf_test_in_folder(nodes_that_share_a_mesh_become_places),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }
