@@ -181,7 +181,7 @@ void lf_mesh_data_own_bounds(const lf_mesh_data *data, const lf_mesh_part *part,
 void lf_mesh_data_bounds(const lf_mesh_data *data, double bounds[2][3])
 {
     const lf_mesh_part whole = {.n_triangles = (uint32_t)data->n_triangles};
-    double own[2][3];
+    double own[2][3] = {{0}};
     int last = -1;
     if (data->n_places == 0 || data->n_triangles == 0) {
         grow_bounds(data, &whole, bounds);

@@ -28,15 +28,15 @@ static void turn(const double q[4], const double scale[3], lf_affine *out)
 /* false: no such row, or it is no place. */
 static bool map_of(const double *v, int columns, lf_affine *out)
 {
-    const double *scales = v + 7, rest[4] = {0, 0, 0, 1}, still[4] = {0, 0, 0, 1};
+    const double *scales = v + 7, still[4] = {0, 0, 0, 1};
     lf_affine inverse;
     for (int i = 0; i < columns; i++)
         if (!(fabs(v[i]) <= LF_MAX_COORDINATE))
             return false;
     if (columns >= 12) {
         memcpy(out->m, v, sizeof out->m);
-        return (columns == 12 || memcmp(v + 12, rest, sizeof rest) == 0) &&
-               lf_affine_invert(out, &inverse);
+        bool affine = columns == 12 || (v[12] == 0 && v[13] == 0 && v[14] == 0 && v[15] == 1);
+        return affine && lf_affine_invert(out, &inverse);
     }
     double scale[3] = {1, 1, 1};
     for (int i = 0; i < 3 && columns != 3 && columns != 7; i++)
@@ -90,7 +90,7 @@ static int numbers_of(char *line, double *out)
 
 static lf_status read_csv(lf_input *in, lf_place_list *out, lf_error *err)
 {
-    double v[MOST_COLUMNS + 1];
+    double v[MOST_COLUMNS + 1] = {0};
     int columns = 0;
     bool named = false;
     char *line;
@@ -145,7 +145,7 @@ static bool read_shape(const char *at, npy *out)
     while (n < 4) {
         char *end;
         at = lf_skip_blanks(at);
-        if (*at == ')' || *at < '0' || *at > '9')
+        if (*at < '0' || *at > '9')
             break;
         unsigned long long value = strtoull(at, &end, 10);
         if (value > LF_MAX_PLACES + 1ull)
@@ -196,7 +196,7 @@ static lf_status read_npy(lf_input *in, lf_place_list *out, lf_error *err)
     const size_t each = status == LF_OK ? file.columns * (file.is_double ? 8 : 4) : 0;
     for (size_t row = 0; status == LF_OK && row < file.rows; row++) {
         const unsigned char *bytes = lf_input_bytes(in, each);
-        double v[MOST_COLUMNS];
+        double v[MOST_COLUMNS] = {0};
         if (!bytes)
             return lf_input_ended(in, "another place", err);
         for (size_t i = 0; i < file.columns; i++) {

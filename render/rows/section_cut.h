@@ -48,7 +48,7 @@ static inline bool lf_cut_corners(const lf_rig *rig, const lf_cut_corner c[3], i
     if (above == 0 || above == 3)
         return false;
     int alone = 0; /* the corner on a side of its own */
-    while ((c[alone].height >= 0.0) != (above == 1))
+    while (alone < 2 && (c[alone].height >= 0.0) != (above == 1))
         alone++;
     out[0] = lf_cut_crossing(c[alone], c[(alone + 1) % 3]);
     out[1] = lf_cut_crossing(c[alone], c[(alone + 2) % 3]);
