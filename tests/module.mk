@@ -16,6 +16,7 @@ fuzz_libs_quilt_name := quilt base
 fuzz_libs_icc := quilt base
 fuzz_libs_mesh := meshes render base
 fuzz_libs_gltf := meshes render base
+fuzz_libs_places := meshes render base
 # a reader of the target's own
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
 
@@ -35,7 +36,7 @@ optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 pictures_srcs := tests/base/pictures.c
 spoiled_srcs := tests/base/spoiled.c
 # readers of meshes, which ask whoever links them for files
-meshes_srcs := $(patsubst %,render/reader/%.c,input words said soup polygon weld mesh_build mesh_same maps tangents ply_header ply_read stl_read obj_read mtl_read) \
+meshes_srcs := $(patsubst %,render/reader/%.c,input words said soup polygon weld mesh_build mesh_same maps tangents ply_header ply_read stl_read obj_read mtl_read places_read) \
  $(call wild,render/reader/gltf_*.c) render/reader/draco_read.cc
 
 # a kernel with displays
