@@ -10,6 +10,10 @@ enum { width = 40, height = 30, tile = 8, views = 3 };
 
 #define CERTAIN 1e-9
 
+/* A camera that sees all of it, or a part. */
+#define ALL ", 'fov_y': 24"
+#define PART ", 'fov_y': 9"
+
 /* ------------------------------------------------------------------------------------ scenes -- */
 
 /* A scene whose places are instances, or copies. more: behind the camera's words. */
@@ -21,7 +25,7 @@ static lf_scene *scene_of(const char *shape, const char *material, bool copies, 
     char *at = text, *end = text + sizeof text;
     places(moved, m);
     at += snprintf(at, (size_t)(end - at),
-                   "{ 'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'fov_y': 24, 'aspect': "
+                   "{ 'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'aspect': "
                    "1.3333333333, 'cone': 40, 'views': %s%s }, 'meshes': { " LF_TEST_GROUND ", ",
                    n_views, more);
     for (int k = 0; k < n_places; k++) {
@@ -88,9 +92,9 @@ static void rays_find_what_they_find_in_copies(void **state)
     (void)state;
     static const char *const shapes[] = {"sphere", "cube"};
     for (int i = 0; i < 2; i++) {
-        lf_scene *placed = scene_of(shapes[i], "glaze", false, 0.0, "3", ""),
-                 *copies = scene_of(shapes[i], "glaze", true, 0.0, "3", ""),
-                 *beside = scene_of(shapes[i], "glaze", true, 0.02, "3", "");
+        lf_scene *placed = scene_of(shapes[i], "glaze", false, 0.0, "3", ALL),
+                 *copies = scene_of(shapes[i], "glaze", true, 0.0, "3", ALL),
+                 *beside = scene_of(shapes[i], "glaze", true, 0.02, "3", ALL);
         int found;
         assert_true(placed->looks.placed && placed->n_meshes == 2 && copies->n_meshes == 25);
         int wrong = differences(placed, copies, 20000, &found);
@@ -310,8 +314,8 @@ static void assert_same(const char *what, const tally *t)
 static void rows_find_what_they_find_in_copies(void **state)
 {
     (void)state;
-    static const char *const more[] = {"", ", 'lens_radius': 0.1, 'focus_distance': 4",
-                                       ", 'view_blur': 1"};
+    static const char *const more[] = {PART, PART ", 'lens_radius': 0.1, 'focus_distance': 4",
+                                       PART ", 'view_blur': 1"};
     for (int i = 0; i < 6; i++) {
         bench b;
         set_up(&b, "glaze", 0.0, "45", more[i / 2]);
@@ -328,7 +332,7 @@ static void veils_let_through_what_copies_do(void **state)
     (void)state;
     for (int i = 0; i < 2; i++) {
         bench b;
-        set_up(&b, "pane", 0.0, "45", "");
+        set_up(&b, "pane", 0.0, "45", ALL);
         tally t = hide(&b, LF_CUT_VEILS, i);
         assert_same(i ? "veils, by rays" : "veils", &t);
         tear_down(&b);
@@ -339,12 +343,76 @@ static void a_place_that_is_moved_is_found_out(void **state)
 {
     (void)state;
     bench b;
-    set_up(&b, "glaze", 0.05, "45", "");
+    set_up(&b, "glaze", 0.05, "45", ALL);
     tally t = hide(&b, LF_CUT_ALL, false);
     assert_true(t.wrong > t.asked / 500);
     t = fans(&b, false);
     assert_true(t.wrong > t.asked / 500);
     tear_down(&b);
+}
+
+/* Hundreds of small cubes, most of them beside what the views see: none that a ray meets is left
+ * out, be it before the window or behind it, to the left or to the right. */
+static void what_is_beside_the_views_is_left_out_and_nothing_else(void **state)
+{
+    (void)state;
+    enum { many = 1500 };
+    static char text[1 << 17];
+    uint64_t random = 17;
+    char *at = text, *end = text + sizeof text;
+    at += snprintf(at, (size_t)(end - at),
+                   "{ 'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'aspect': 1.3333333333, "
+                   "'views': 9, 'cone': 40, 'lens_radius': 0.4, 'focus_distance': 5.5, 'fov_y': 9 "
+                   "}, 'meshes': { 'a': { 'shape': 'cube', 'instances': [");
+    for (int k = 0; k < many; k++) {
+        double x = 5 * next_number(&random) - 2.5, y = 2 * next_number(&random) - 1;
+        at +=
+            snprintf(at, (size_t)(end - at), "%s{ 'scale': 0.03, 'translate': [%.5f, %.5f, %.5f] }",
+                     k > 0 ? ", " : "", x, y, 7 * next_number(&random) - 4);
+    }
+    snprintf(at, (size_t)(end - at), "] } } }");
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+    const lf_row_triangles *rows = &lf_test_rows(r)->triangles;
+    const lf_rig *rig = &lf_test_rows(r)->rig;
+    lf_tracer tracer = {.scene = scene};
+    lf_section section;
+    lf_row_plane plane;
+    int wrong = 0, found = 0;
+    size_t most = 0;
+    lf_assert_ok(lf_section_init(&section, rows->longest, rows->n_places), NULL);
+    for (int i = 0; i < 60 * height; i++) {
+        float c[LF_MAX_LANES], z[LF_MAX_LANES];
+        int segment[LF_MAX_LANES];
+        if (i % 60 == 0) {
+            const float lens[2] = {0.5f, (float)next_number(&random)};
+            lf_rig_row_plane(rig, (float)(i / 60) + 0.5f, lens, &plane);
+            lf_section_cut(&section, rows, scene, rig, i / 60, &plane, LF_CUT_ALL);
+            most = section.places.n > most ? section.places.n : most;
+        }
+        float lx = (2.0f * (float)next_number(&random) - 1.0f) * plane.lens_chord,
+              xw = rig->x0 + (float)next_number(&random) * (float)width * rig->dx;
+        for (int k = 0; k < LF_MAX_LANES; k++)
+            c[k] = rig->b[k] + lx;
+        lf_section_nearest(&section, rows, rig,
+                           xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus), 16,
+                           c, z, segment);
+        for (int k = 0; k < rig->n_views; k++) {
+            lf_vec3 o = lf_rig_point(rig, c[k], plane.ly, 0.0f),
+                    w = lf_rig_direction(rig, (xw - rig->b[k]) / rig->distance - lx / rig->focus,
+                                         plane.my, 1.0f);
+            lf_hit hit;
+            bool met = lf_trace_next(&tracer, o, w, 0.0f, INFINITY, &hit);
+            found += met;
+            wrong += met != (segment[k] >= 0) || (met && fabsf(z[k] - hit.t) > 1e-4f * hit.t);
+        }
+    }
+    if (wrong > found / 1000 || found < 3000)
+        fail_msg("%d of %d are others", wrong, found);
+    assert_true(most < many / 10);
+    lf_section_finish(&section);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
 }
 
 /* ---------------------------------------------------------------------------------- pictures -- */
@@ -357,7 +425,7 @@ static void schedule(lf_renderer *r)
 static void pictures(const char *material, bool copies, double moved, const char *integrator,
                      uint64_t seed, lf_blocks *out)
 {
-    lf_scene *scene = scene_of("cube", material, copies, moved, "3", "");
+    lf_scene *scene = scene_of("cube", material, copies, moved, "3", ALL);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     lf_test_pictures(r, schedule, LF_ESTIMATOR_MIS, 12, seed, tile, out);
     lf_renderer_destroy(r);
@@ -392,8 +460,8 @@ static void pictures_are_those_of_copies(void **state)
 static void lights_are_copies(void **state)
 {
     (void)state;
-    lf_scene *placed = scene_of("sphere", "glow", false, 0.0, "3", ""),
-             *copies = scene_of("sphere", "glow", true, 0.0, "3", "");
+    lf_scene *placed = scene_of("sphere", "glow", false, 0.0, "3", ALL),
+             *copies = scene_of("sphere", "glow", true, 0.0, "3", ALL);
     double area[2] = {0};
     for (int i = 0; i < placed->n_lights; i++)
         area[0] += (double)placed->lights[i].area;
@@ -414,6 +482,7 @@ int main(void)
         cmocka_unit_test(rows_find_what_they_find_in_copies),
         cmocka_unit_test(veils_let_through_what_copies_do),
         cmocka_unit_test(a_place_that_is_moved_is_found_out),
+        cmocka_unit_test(what_is_beside_the_views_is_left_out_and_nothing_else),
         cmocka_unit_test(pictures_are_those_of_copies),
         cmocka_unit_test(lights_are_copies),
     };
