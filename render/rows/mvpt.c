@@ -311,6 +311,25 @@ static void look_back(lf_visit *visit, const lf_hit *hit)
     }
 }
 
+/* Adds what comes from below the surface. */
+static void fold(const lf_visit *visit, const lf_hit *hit, lf_vec3 wi, lf_fan_lobes *out)
+{
+    const lf_material *material = lf_hit_material(hit);
+    float pdf[LF_MAX_LANES], weight[LF_FAN_TERMS][LF_MAX_LANES];
+    lf_fan_lobes more = {.pdf = pdf, .weight = {weight[0], weight[1], weight[2]}};
+    lf_vec3 t, b;
+    lf_tangents(hit->ns, &t, &b);
+    material->kind->eval_fan(material, lf_to_frame(t, b, hit->ns, lf_hit_mirrored(hit, wi)),
+                             lanes_of(visit->rig), visit->worker->local[0], visit->worker->local[1],
+                             visit->worker->local[2], &more);
+    float above = lf_dot(hit->ng, wi) > 0.0f ? 1.0f : 0.0f;
+    for (int k = 0; k < lanes_of(visit->rig); k++) {
+        out->pdf[k] = above * (out->pdf[k] + pdf[k]);
+        for (int i = 0; i < out->n_terms; i++)
+            out->weight[i][k] = above * (out->weight[i][k] + weight[i][k]);
+    }
+}
+
 /* The lobes of all views towards wi: their pdfs and f_k; returns sum_k c_k D_k pdf_k. */
 static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lobes *out)
 {
@@ -332,6 +351,8 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lo
         const lf_material *material = lf_hit_material(hit);
         material->kind->eval_fan(material, lf_to_frame(t, b, hit->ns, wi), lanes_of(visit->rig),
                                  w->local[0], w->local[1], w->local[2], out);
+        if (lf_hit_folds(hit))
+            fold(visit, hit, wi, out);
     }
     for (int k = 0; k < visit->rig->n_views; k++)
         sum += w->strategy[k] * w->lobe[k];

@@ -107,11 +107,26 @@ bool lf_path_serves_others(const lf_event *event, lf_vec3 wi)
            !leads_astray(&event->hit, wi);
 }
 
+float lf_hit_eval_folded(const lf_hit *hit, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
+{
+    const lf_material *m = lf_hit_material(hit);
+    lf_vec3 more;
+    *f = lf_v3(0.0f, 0.0f, 0.0f);
+    if (!(lf_dot(hit->ng, wi) > 0.0f))
+        return 0.0f;
+    float pdf = m->kind->eval(m, hit->ns, wo, wi, f);
+    pdf += m->kind->eval(m, hit->ns, wo, lf_hit_mirrored(hit, wi), &more);
+    *f = lf_add(*f, more);
+    return pdf;
+}
+
 float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, lf_vec3 wi,
                       lf_vec3 *f)
 {
     if (event->kind == LF_EVENT_SURFACE) {
         const lf_material *m = lf_hit_material(&event->hit);
+        if (lf_hit_folds(&event->hit))
+            return lf_hit_eval_folded(&event->hit, wo, wi, f);
         float pdf = m->kind->eval(m, event->hit.ns, wo, wi, f);
         if (leads_astray(&event->hit, wi))
             *f = lf_v3(0.0f, 0.0f, 0.0f);
@@ -128,6 +143,11 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
     if (event->kind == LF_EVENT_SURFACE) {
         const lf_material *m = lf_hit_material(&event->hit);
         float pdf = m->kind->sample(m, event->hit.ns, wo, u, wi, f);
+        if (pdf > 0.0f && lf_hit_folds(&event->hit)) {
+            if (lf_dot(event->hit.ng, *wi) < 0.0f)
+                *wi = lf_hit_mirrored(&event->hit, *wi);
+            return lf_hit_eval_folded(&event->hit, wo, *wi, f);
+        }
         if (leads_astray(&event->hit, *wi))
             *f = lf_v3(0.0f, 0.0f, 0.0f);
         return pdf;

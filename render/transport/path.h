@@ -67,6 +67,9 @@ static inline bool lf_path_survives(lf_tracer *tracer, lf_vec3 *beta)
     return true;
 }
 
+/* What lf_scatter_eval says of a hit that folds. */
+float lf_hit_eval_folded(const lf_hit *hit, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
+
 /* Non-delta scattering at a vertex towards wi: returns the pdf of sampling it, *f gets albedo x
  * phase or f |cos|; 0 where wi leads through the surface, which a lobe about a shading normal may.
  * wo is the unit direction back to where the path came from. */

@@ -1,4 +1,5 @@
 #include "render/transport/sunlight.h"
+#include "render/transport/path.h"
 
 #include <string.h>
 
@@ -189,7 +190,10 @@ float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face 
         lf_vec3 f;
         if (!(lf_dot(hit->ng, sun->toward) > 0.0f))
             continue;
-        (void)material->kind->eval(material, hit->ns, wo, sun->toward, &f);
+        if (lf_hit_folds(hit))
+            (void)lf_hit_eval_folded(hit, wo, sun->toward, &f);
+        else
+            (void)material->kind->eval(material, hit->ns, wo, sun->toward, &f);
         float reflected = lf_mean3(lf_mul(f, sun->light->irradiance));
         if (reflected > 0.0f)
             sum += reflected * share_of(sun, face->slope[i], hit->p);

@@ -19,8 +19,8 @@ typedef struct lf_hit {
     const lf_mesh *mesh;
     uint32_t triangle;
     uint32_t place; /* of a mesh that stands in many (lf_placed), else nothing */
-    float u, v;  /* barycentric: the weights of the triangle's second and third corner */
-    bool front;  /* the ray came from where the triangle's corners run counter-clockwise */
+    float u, v;     /* barycentric: the weights of the triangle's second and third corner */
+    bool front;     /* the ray came from where the triangle's corners run counter-clockwise */
     bool varies; /* own is what the surface is made of here: its textures and colours looked up */
     float width; /* of what the ray averages there, scene units; kept where anything varies */
     lf_material own;
@@ -30,6 +30,20 @@ typedef struct lf_hit {
 static inline const lf_material *lf_hit_material(const lf_hit *hit)
 {
     return hit->varies ? &hit->own : hit->material;
+}
+
+/* Where the shading normal leans far, what its lobes send through the surface comes back as if
+ * that mirrored it: the lobe of wi is that of wi and of wi mirrored. Nothing is lost, and whose
+ * view it is does not matter. Of rough glass and flesh what goes through is not astray. */
+#define LF_FOLD_COS 0.98f
+static inline bool lf_hit_folds(const lf_hit *hit)
+{
+    return lf_dot(hit->ng, hit->ns) < LF_FOLD_COS && !lf_has_far_lobe(hit->material);
+}
+
+static inline lf_vec3 lf_hit_mirrored(const lf_hit *hit, lf_vec3 wi)
+{
+    return lf_madd(wi, -2.0f * lf_dot(hit->ng, wi), hit->ng);
 }
 
 /* A delta lobe as one direction sees it: all of it goes on along wi. */
