@@ -1,6 +1,8 @@
 /* Files of places (NPY, CSV), glTF whose nodes share meshes, and the memory that places take. */
 #include "tests/testing.h"
 
+#include <sys/stat.h>
+
 #include "tests/render/placed.h"
 
 enum { width = 40, height = 30 };
@@ -68,6 +70,22 @@ static void files_say_places_in_several_ways(void **state)
     assert_places(folder, "a.npy", turned, 2);
     assert_places(folder, "b.npy", turned, 2);
     assert_places(folder, "c.npy", turned, 2);
+}
+
+/* As all names, it is relative to the file that says it. */
+static void an_included_scene_names_its_own(void **state)
+{
+    const char *folder = *state;
+    assert_int_equal(mkdir(lf_test_path(folder, "trees"), 0700), 0);
+    lf_test_write(folder, "trees/two.csv", "1,2,3,2\n-4,5,6,2\n");
+    lf_test_write(folder, "trees/trees.json",
+                  "{\"meshes\": {\"a\": {\"shape\": \"cube\", \"instances\": \"two.csv\"}}}");
+    lf_test_write(folder, "all.json", "{\"quiltd\": 1, \"include\": \"trees/trees.json\"}");
+    lf_scene *scene = NULL;
+    lf_error err = {0};
+    lf_assert_ok(lf_scene_load(lf_test_path(folder, "all.json"), NULL, NULL, &scene, &err), &err);
+    assert_int_equal(scene->meshes[0].placed->n, 2);
+    lf_scene_unref(scene);
 }
 
 static void assert_refused(const char *folder, const char *instances, const char *words)
@@ -343,6 +361,7 @@ int main(void)
         lf_test_in_folder(a_place_is_less_than_250_bytes),
 #endif
         lf_test_in_folder(files_say_places_in_several_ways),
+        lf_test_in_folder(an_included_scene_names_its_own),
         lf_test_in_folder(what_is_no_place_is_refused),
         lf_test_in_folder(nodes_that_share_a_mesh_become_places),
     };
