@@ -19,16 +19,28 @@ static bool built;
 /* The input's first bytes are how many elements each section has, those behind them all of them. */
 static int build(void)
 {
-    static const size_t each[LF_PARCEL_TAGS] = {1, 8,
-                                                4, 4,
-                                                2, sizeof(lf_parcel_material),
-                                                4, 4,
-                                                4, sizeof(lf_parcel_picture),
-                                                1, 8,
-                                                8, 4,
-                                                4, 1,
-                                                8, 1,
-                                                4, 8};
+    static const size_t each[LF_PARCEL_TAGS] = {1,
+                                                8,
+                                                4,
+                                                4,
+                                                2,
+                                                sizeof(lf_parcel_material),
+                                                4,
+                                                4,
+                                                4,
+                                                sizeof(lf_parcel_picture),
+                                                1,
+                                                8,
+                                                8,
+                                                4,
+                                                4,
+                                                1,
+                                                8,
+                                                1,
+                                                4,
+                                                8,
+                                                sizeof(lf_parcel_light),
+                                                sizeof(lf_parcel_camera)};
     lf_parcel_writer writer;
     int fd = -1;
     size_t at = LF_PARCEL_TAGS;
@@ -107,6 +119,13 @@ static void check_mesh(const lf_mesh_data *mesh)
     for (int i = 0; mesh->textures && i < mesh->n_materials; i++)
         for (int s = 0; s < LF_SLOTS; s++)
             lf_fuzz_require(mesh->textures[i].slot[s].picture <= (uint32_t)mesh->n_pictures);
+    for (int i = 0; i < mesh->lights.n; i++)
+        for (int k = 0; k < 3; k++)
+            lf_fuzz_require(mesh->lights.open[i].intensity[k] >= 0 &&
+                            isfinite(mesh->lights.open[i].position[k]));
+    for (int i = 0; i < mesh->cameras.n; i++)
+        lf_fuzz_require(strlen(mesh->cameras.open[i].node_name) < LF_FILE_CAMERA_NAME &&
+                        mesh->cameras.open[i].fov_y > 0);
     unsigned sum = 0;
     for (int i = 0; i < mesh->n_pictures; i++)
         sum += mesh->pictures[i].rgba[4 * mesh->pictures[i].width * mesh->pictures[i].height - 1];
