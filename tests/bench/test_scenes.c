@@ -112,7 +112,7 @@ static const struct {
      {NULL, "35f52f59cb759d2488bece78a0b02c04f7c0286e87c0babcfb8e01a60292dd33"}},
     {"motion.json",
      "mvpt",
-     {NULL, "8ea2bf76cfa8ff89798b0c03a7d6e5928037894b50fd1f2791761c69b444487a"}},
+     {NULL, "462e2ceea9ee50a182de51d6d2303bda1cf117122c0dc282bdffcf043b49d2c8"}},
     {"bench/cloud-g085.json",
      "mvpt",
      {"b367f5aee68f831bad3f0a291001034c48964ea115e8074fc67c24bee5d8e28d",
