@@ -195,13 +195,15 @@ static inline lf_ggx_lobe gloss_lobe(const layers *l, lf_vec3 wo, lf_vec3 wi)
                                : lf_ggx_eval(l->alpha, wo, wi);
 }
 
-/* Towards wi from wo.z > LF_MIN_COS. Inline, so that who is not special has no branch for it. */
-static inline __attribute__((always_inline)) float
-eval_lobes(const layers *l, const shares *s, bool special, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
+/* Towards wi from wo.z > LF_MIN_COS; base: base_colour of wi. Inline, so that who is not special
+ * has no branch for it. */
+static inline __attribute__((always_inline)) float eval_lobes(const layers *l, const shares *s,
+                                                              bool special, lf_vec3 base,
+                                                              lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
     float cosine = wi.z > LF_MIN_COS ? wi.z * LF_INV_PI : 0.0f,
           pdf = (1.0f - s->by_coat - s->by_sheen - s->by_gloss) * cosine;
-    *f = lf_scale(base_colour(l, wi.z), s->enters);
+    *f = lf_scale(base, s->enters);
     if (l->rough) {
         lf_ggx_lobe lobe = special ? gloss_lobe(l, wo, wi) : lf_ggx_eval(l->alpha, wo, wi);
         *f = lf_madd(*f, lobe.f, gloss_colour(l, s, lobe.cos_oh));
@@ -225,8 +227,9 @@ eval_lobes(const layers *l, const shares *s, bool special, lf_vec3 wo, lf_vec3 w
 
 static float eval_local(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
-    return is_special(l->m) ? eval_lobes(l, s, true, wo, wi, f)
-                            : eval_lobes(l, s, false, wo, wi, f);
+    lf_vec3 base = base_colour(l, wi.z);
+    return is_special(l->m) ? eval_lobes(l, s, true, base, wo, wi, f)
+                            : eval_lobes(l, s, false, base, wo, wi, f);
 }
 
 /* Adds rough glass, or what enters flesh, to what the other lobes have; returns the pdf of all. */
@@ -284,24 +287,41 @@ static void add_far_fan(const layers *l, lf_vec3 wi, int n, const float *const o
     }
 }
 
-/* eval_local for all directions of a fan: one term a channel. */
-static inline __attribute__((always_inline)) void fan_of(const layers *of, bool special, lf_vec3 wi,
-                                                         int n, const float *x, const float *y,
+/* eval_local for all directions of a fan: one term a channel. Inline, with layers whose flags the
+ * caller knows: what is left has no branches, for the compiler's vectors. */
+static inline __attribute__((always_inline)) void fan_of(layers l, bool special, lf_vec3 wi, int n,
+                                                         const float *x, const float *y,
                                                          const float *z, lf_fan_lobes *out)
 {
-    const layers l = *of;
     float *restrict pdf = out->pdf, *restrict red = out->weight[0],
                     *restrict green = out->weight[1], *restrict blue = out->weight[2];
+    const lf_vec3 base = base_colour(&l, wi.z);
+#pragma GCC ivdep /* what restrict says is forgotten where a function is inlined */
     for (int k = 0; k < n; k++) {
         float cos_o = lf_min(lf_max(z[k], LF_MIN_COS), 1.0f),
               above = z[k] > LF_MIN_COS ? 1.0f : 0.0f;
         lf_vec3 f;
         shares s = shares_of(&l, special, lf_v3(x[k], y[k], cos_o), cos_o);
-        pdf[k] = above * eval_lobes(&l, &s, special, lf_v3(x[k], y[k], cos_o), wi, &f);
+        pdf[k] = above * eval_lobes(&l, &s, special, base, lf_v3(x[k], y[k], cos_o), wi, &f);
         red[k] = above * f.x;
         green[k] = above * f.y;
         blue[k] = above * f.z;
     }
+}
+
+/* The same of what most surfaces are: a rough base, a rough coat or none. */
+static void fan_of_gloss(const layers *of, lf_vec3 wi, int n, const float *x, const float *y,
+                         const float *z, lf_fan_lobes *out)
+{
+    layers l = *of;
+    l.glass = l.flesh = 0.0f; /* lobes of their own, added later */
+    l.rough = true;
+    l.sheened = l.apart = l.coated = l.rough_coat = false;
+    if (of->coated) {
+        l.coated = l.rough_coat = true;
+        fan_of(l, false, wi, n, x, y, z, out);
+    } else
+        fan_of(l, false, wi, n, x, y, z, out);
 }
 
 static void eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y,
@@ -309,9 +329,11 @@ static void eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, co
 {
     const layers l = layers_of(m);
     if (is_special(m))
-        fan_of(&l, true, wi, n, x, y, z, out);
+        fan_of(l, true, wi, n, x, y, z, out);
+    else if (l.rough && l.coated == l.rough_coat && !l.sheened)
+        fan_of_gloss(&l, wi, n, x, y, z, out);
     else
-        fan_of(&l, false, wi, n, x, y, z, out);
+        fan_of(l, false, wi, n, x, y, z, out);
     if (has_far_lobe(&l))
         add_far_fan(&l, wi, n, (const float *[3]){x, y, z}, out);
     out->n_terms = 3;
