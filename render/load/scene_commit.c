@@ -506,13 +506,14 @@ static void find_overlaps(const commit *c)
         scene->has_overlaps = true;
         /* Two lamps find each other: one line, whose words are the same for both. */
         bool second = other < mesh && is_lamp(scene, other);
-        const lf_mesh_desc *of = &c->desc->meshes[second ? other : mesh];
+        const lf_mesh_desc *of = &c->desc->meshes[second ? other : mesh],
+                           *with = &c->desc->meshes[second ? mesh : other];
         lf_warnings_add(&scene->warnings, scene->file.where,
-                        "%s \"%s\": %s in one place with faces of \"%s\": which of "
+                        "%s \"%s\": %s in one place with %s \"%s\": which of "
                         "them is seen there is a matter of rounding",
                         of->lamp ? "light" : "mesh", of->name,
                         of->lamp ? "it lies" : "faces of it that glow lie",
-                        c->desc->meshes[second ? mesh : other].name);
+                        of == with ? "others of" : "faces of", with->name);
     }
 }
 
