@@ -4,9 +4,11 @@
 
 #define GLASS "\"principled\" with \"transmission\": 1"
 
-static const struct {
+typedef struct foreign_word {
     const char *word, *here;
-} materials[] = {
+} foreign_word;
+
+static const foreign_word materials[] = {
     {"glass", GLASS},
     {"dielectric", GLASS},
     {"refractive", GLASS},
@@ -33,11 +35,40 @@ static const struct {
     {"light", "any type with an \"emission\""},
 };
 
+static const foreign_word lights[] = {
+    {"sun", "\"distant\", or \"sky\" for a sun with its sky"},
+    {"directional", "\"distant\""},
+    {"infinite", "\"environment\""},
+    {"hdri", "\"environment\" with a \"file\""},
+    {"envmap", "\"environment\" with a \"file\""},
+    {"dome", "\"environment\""},
+    {"constant", "\"environment\" with a \"radiance\""},
+    {"ambient", "\"environment\" with a \"radiance\""},
+    {"bulb", "\"point\", or \"sphere\" with a \"radius\""},
+    {"omni", "\"point\""},
+    {"spotlight", "\"spot\""},
+    {"area",
+     "\"rectangle\", \"disk\" or \"sphere\"; a mesh shines by the \"emission\" of its material"},
+    {"quad", "\"rectangle\""},
+    {"rect", "\"rectangle\""},
+    {"mesh", "nothing: a mesh shines by the \"emission\" of its material"},
+};
+
+static void refuse(lf_reader *reader, const lf_node *node, const foreign_word *words, size_t n)
+{
+    const char *type = json_string_value(json_object_get(node->value, "type"));
+    lf_node at = lf_node_child(node, "type");
+    for (size_t i = 0; type && i < n; i++)
+        if (strcmp(type, words[i].word) == 0)
+            lf_read_fail(reader, &at, "there is no \"%s\"; say %s", type, words[i].here);
+}
+
 void lf_refuse_foreign_material(lf_reader *reader, const lf_node *material)
 {
-    const char *type = json_string_value(json_object_get(material->value, "type"));
-    lf_node at = lf_node_child(material, "type");
-    for (size_t i = 0; type && i < sizeof materials / sizeof *materials; i++)
-        if (strcmp(type, materials[i].word) == 0)
-            lf_read_fail(reader, &at, "there is no \"%s\"; say %s", type, materials[i].here);
+    refuse(reader, material, materials, sizeof materials / sizeof *materials);
+}
+
+void lf_refuse_foreign_light(lf_reader *reader, const lf_node *light)
+{
+    refuse(reader, light, lights, sizeof lights / sizeof *lights);
 }

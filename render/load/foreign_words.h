@@ -4,8 +4,9 @@
 
 #include "render/load/json_reader.h"
 
-/* Fails the reader at a material whose "type" is another renderer's name for what materials here
- * are called otherwise, and says how. Any other word is left to who reads it. */
+/* Fail the reader at a material, or light, whose "type" is another renderer's name for what is
+ * called otherwise here, and say how. Any other word is left to who reads it. */
 void lf_refuse_foreign_material(lf_reader *reader, const lf_node *material);
+void lf_refuse_foreign_light(lf_reader *reader, const lf_node *light);
 
 #endif

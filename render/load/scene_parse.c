@@ -518,6 +518,7 @@ static void parse_light(lf_reader *reader, const lf_node *node, lf_scene_desc *d
     }
     types[n] = NULL;
     light->name = node->key;
+    lf_refuse_foreign_light(reader, node);
     light->kind = kinds[lf_read_type(reader, node, types, -1)];
     lf_read_values(reader, node, light->kind->keys, light->values);
     convert_watts(light, desc->unit_mm);

@@ -88,6 +88,22 @@ static int numbers_of(char *line, double *out)
     return *lf_skip_blanks(at) && n <= MOST_COLUMNS ? -1 : n;
 }
 
+/* The number stands in the words: places in errors are those of the scene, behind the reader. */
+static lf_status refuse_line(const lf_input *in, int n, int columns, lf_error *err)
+{
+    char found[32] = "something that is no number";
+    if (n >= 0 && n <= MOST_COLUMNS)
+        snprintf(found, sizeof found, "%d numbers", n);
+    else if (n > MOST_COLUMNS)
+        snprintf(found, sizeof found, "more than %d numbers", MOST_COLUMNS);
+    return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                        columns == n || columns < 0
+                            ? "line %lld has %s: expected 3, 4, 7, 8, 10, 12 or 16 numbers"
+                            : "line %lld has %s: expected 3, 4, 7, 8, 10, 12 or 16 numbers, the "
+                              "same in every line",
+                        (long long)in->line, found);
+}
+
 static lf_status read_csv(lf_input *in, lf_place_list *out, lf_error *err)
 {
     double v[MOST_COLUMNS + 1] = {0};
@@ -105,9 +121,7 @@ static lf_status read_csv(lf_input *in, lf_place_list *out, lf_error *err)
         }
         columns = columns == 0 ? n : columns;
         if (n != columns || !is_a_shape((size_t)n))
-            return lf_error_set_at(err, LF_E_FORMAT, LF_HERE, (int)in->line, NULL,
-                                   "expected 3, 4, 7, 8, 10, 12 or 16 numbers, the same in every "
-                                   "line");
+            return refuse_line(in, n, columns, err);
         status = take(out, v, columns, "line", in->line, err);
     }
     return status == LF_OK && in->status != LF_OK ? lf_input_ended(in, "a line", err) : status;

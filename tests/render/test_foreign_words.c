@@ -1,13 +1,15 @@
-/* Materials by the names of other renderers: refused with the words that they have here, which are
- * taken. */
+/* Materials and lights by the names of other renderers: refused with the words that they have here,
+ * which are taken. */
 #include "tests/testing.h"
 
 #include "render/render.h"
 
-static const struct {
+typedef struct foreign {
     const char *type, *said;
-    const char *material; /* what those words are in a scene */
-} words[] = {
+    const char *here; /* what those words are in a scene */
+} foreign;
+
+static const foreign materials[] = {
     {"glass", "say \"principled\" with \"transmission\": 1",
      "{'type': 'principled', 'transmission': 1}"},
     {"thindielectric", "and \"glass\": \"sheet\"",
@@ -18,11 +20,18 @@ static const struct {
     {"velvet", "expected one of diffuse, conductor, plastic", "{}"},
 };
 
-static lf_status load(const char *material, lf_error *err)
+static const foreign lights[] = {
+    {"sun", "say \"distant\"", "{'type': 'distant', 'direction': [0, -1, 0], 'irradiance': 1}"},
+    {"dome", "say \"environment\"", "{'type': 'environment', 'radiance': 1}"},
+    {"omni", "say \"point\"", "{'type': 'point', 'intensity': 1}"},
+    {"laser", "expected one of environment", "{'type': 'environment', 'radiance': 1}"},
+};
+
+static lf_status load(const char *section, const char *value, lf_error *err)
 {
     char text[256];
     lf_scene *scene = NULL;
-    snprintf(text, sizeof text, "{ 'materials': { 'm': %s } }", material);
+    snprintf(text, sizeof text, "{ '%s': { 'm': %s } }", section, value);
     for (char *c = text; *c; c++)
         *c = *c == '\'' ? '"' : *c;
     json_t *doc = json_loads(text, 0, NULL);
@@ -33,19 +42,26 @@ static lf_status load(const char *material, lf_error *err)
     return status;
 }
 
+static void assert_answered(const char *section, const foreign *words, int n)
+{
+    for (int i = 0; i < n; i++) {
+        char value[64], pointer[64];
+        lf_error err = {0};
+        snprintf(value, sizeof value, "{'type': '%s'}", words[i].type);
+        snprintf(pointer, sizeof pointer, "/%s/m/type", section);
+        assert_int_equal(load(section, value, &err), LF_E_FORMAT);
+        assert_string_equal(err.pointer, pointer);
+        if (!strstr(err.what, words[i].said))
+            fail_msg("%s: %s", words[i].type, err.what);
+        lf_assert_ok(load(section, words[i].here, &err), &err);
+    }
+}
+
 static void names_of_other_renderers_are_answered_in_words_that_are_taken(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
-        char material[64];
-        lf_error err = {0};
-        snprintf(material, sizeof material, "{'type': '%s', 'ior': 1.4}", words[i].type);
-        assert_int_equal(load(material, &err), LF_E_FORMAT);
-        assert_string_equal(err.pointer, "/materials/m/type");
-        if (!strstr(err.what, words[i].said))
-            fail_msg("%s: %s", words[i].type, err.what);
-        lf_assert_ok(load(words[i].material, &err), &err);
-    }
+    assert_answered("materials", materials, (int)(sizeof materials / sizeof *materials));
+    assert_answered("lights", lights, (int)(sizeof lights / sizeof *lights));
 }
 
 int main(void)

@@ -119,7 +119,7 @@ static void what_is_no_place_is_refused(void **state)
     put_npy(folder, "huge.npy", "<f4", "(99999999999999999999999, 3)", row, sizeof row);
     lf_test_write(folder, "text.npy", "no numbers");
     assert_refused(folder, "\"words.csv\"", "3, 4, 7, 8, 10, 12 or 16 numbers");
-    assert_refused(folder, "\"ragged.csv\"", "the same in every");
+    assert_refused(folder, "\"ragged.csv\"", "line 2 has");
     assert_refused(folder, "\"empty.csv\"", "no place in this file");
     assert_refused(folder, "\"flat.csv\"", "line 1 is no place");
     assert_refused(folder, "\"short.npy\"", "another place");
