@@ -311,19 +311,39 @@ static void look_back(lf_visit *visit, const lf_hit *hit)
     }
 }
 
+/* One term a channel: colours belong to one direction. */
+static void tint_channels(lf_fan_lobes *lobes, int n)
+{
+    for (int k = 0; k < n && lobes->n_terms > 0; k++) {
+        lf_vec3 f = lf_v3(0.0f, 0.0f, 0.0f);
+        for (int t = 0; t < lobes->n_terms; t++)
+            f = lf_madd(f, lobes->weight[t][k], lobes->colour[t]);
+        lobes->weight[0][k] = f.x;
+        lobes->weight[1][k] = f.y;
+        lobes->weight[2][k] = f.z;
+    }
+    lobes->n_terms = lobes->n_terms > 0 ? 3 : 0;
+    lobes->colour[0] = lf_v3(1.0f, 0.0f, 0.0f);
+    lobes->colour[1] = lf_v3(0.0f, 1.0f, 0.0f);
+    lobes->colour[2] = lf_v3(0.0f, 0.0f, 1.0f);
+}
+
 /* Adds what comes from below the surface. */
 static void fold(const lf_visit *visit, const lf_hit *hit, lf_vec3 wi, lf_fan_lobes *out)
 {
     const lf_material *material = lf_hit_material(hit);
+    const int lanes = lanes_of(visit->rig);
     float pdf[LF_MAX_LANES], weight[LF_FAN_TERMS][LF_MAX_LANES];
     lf_fan_lobes more = {.pdf = pdf, .weight = {weight[0], weight[1], weight[2]}};
     lf_vec3 t, b;
     lf_tangents(hit->ns, &t, &b);
-    material->kind->eval_fan(material, lf_to_frame(t, b, hit->ns, lf_hit_mirrored(hit, wi)),
-                             lanes_of(visit->rig), visit->worker->local[0], visit->worker->local[1],
+    material->kind->eval_fan(material, lf_to_frame(t, b, hit->ns, lf_hit_mirrored(hit, wi)), lanes,
+                             visit->worker->local[0], visit->worker->local[1],
                              visit->worker->local[2], &more);
+    tint_channels(out, lanes);
+    tint_channels(&more, lanes);
     float above = lf_dot(hit->ng, wi) > 0.0f ? 1.0f : 0.0f;
-    for (int k = 0; k < lanes_of(visit->rig); k++) {
+    for (int k = 0; k < lanes; k++) {
         out->pdf[k] = above * (out->pdf[k] + pdf[k]);
         for (int i = 0; i < out->n_terms; i++)
             out->weight[i][k] = above * (out->weight[i][k] + weight[i][k]);
