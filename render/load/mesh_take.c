@@ -439,13 +439,12 @@ static lf_status take_parts(const lf_parcel *parcel, lf_mesh_data *out, lf_error
 {
     const size_t n = count_of(parcel, LF_PARCEL_PARTS),
                  n_places = count_of(parcel, LF_PARCEL_PART_OF);
-    lf_error wrong;
     if (n == 0 || n % 4 != 0 || n / 4 > INT_MAX ||
         12 * n_places != count_of(parcel, LF_PARCEL_PLACES))
         return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such parts");
     lf_status status = copy(parcel, LF_PARCEL_PARTS, n / 4, sizeof *out->parts, &out->parts, err);
     if (status == LF_OK)
-        status = lf_places_take(parcel, "", out, &wrong);
+        status = lf_places_take(parcel, "", out, err);
     if (status == LF_OK)
         status =
             copy(parcel, LF_PARCEL_PART_OF, n_places, sizeof *out->part_of, &out->part_of, err);

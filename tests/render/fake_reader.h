@@ -287,6 +287,40 @@ static inline void fake_lie_of_cameras(const char *lie, lf_parcel_camera *camera
         memset(camera->node_name, 'a', sizeof camera->node_name);
 }
 
+/* What begins with "part", but for "part none". */
+static const char *const fake_lies_of_parts[] = {"part nan",    "part flat",  "part far",
+                                                 "part other",  "part short", "part many",
+                                                 "part beside", "part lost"};
+
+/* One part, all of the mesh, in one place, where a lie is about parts. */
+static inline bool fake_put_parts(const char *lie, const fake_mesh *m, lf_parcel_writer *writer)
+{
+    double place[24] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    uint32_t part[4] = {0, (uint32_t)m->n[LF_PARCEL_TRIANGLES] / 3, 0,
+                        (uint32_t)m->n[LF_PARCEL_POSITIONS] / 3},
+             part_of[2] = {0};
+    if (strncmp(lie, "part", 4) != 0)
+        return true;
+    if (strcmp(lie, "part nan") == 0)
+        place[3] = (double)NAN;
+    if (strcmp(lie, "part flat") == 0)
+        place[5] = 0;
+    if (strcmp(lie, "part far") == 0)
+        place[11] = 2e9;
+    if (strcmp(lie, "part other") == 0)
+        part_of[0] = 1;
+    if (strcmp(lie, "part short") == 0)
+        part[1]--;
+    if (strcmp(lie, "part many") == 0)
+        part[1] = UINT32_MAX;
+    if (strcmp(lie, "part beside") == 0)
+        part[2] = 1;
+    return lf_parcel_put(writer, LF_PARCEL_PLACES, place, 12, NULL) == LF_OK &&
+           lf_parcel_put(writer, LF_PARCEL_PARTS, part, 4, NULL) == LF_OK &&
+           lf_parcel_put(writer, LF_PARCEL_PART_OF, part_of, strcmp(lie, "part lost") ? 1 : 2,
+                         NULL) == LF_OK;
+}
+
 /* lie: what is wrong with it, "" = nothing; "plain": nothing that materials look at,
  * but for the section whose number is behind it. */
 static inline int fake_parcel(const char *lie)
@@ -327,6 +361,8 @@ static inline int fake_parcel(const char *lie)
     for (int i = 0; i < (eyes ? 300 : 1); i++)
         if (lf_parcel_append(&writer, LF_PARCEL_CAMERAS, &m.camera, 1, NULL) != LF_OK)
             _exit(3);
+    if (!fake_put_parts(lie, &m, &writer))
+        _exit(3);
     if ((m.n[LF_PARCEL_MATERIALS] > 0 &&
          (lf_parcel_append(&writer, LF_PARCEL_MATERIALS, m.materials, 1, NULL) != LF_OK ||
           lf_parcel_append(&writer, LF_PARCEL_MATERIALS, m.materials + 1, 1, NULL) != LF_OK)) ||

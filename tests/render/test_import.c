@@ -303,6 +303,19 @@ static void looks_of_lies_are_refused(void **state)
         assert_says(*state, fake_lies_of_cameras[i], LF_E_FORMAT, "no such cameras");
 }
 
+/* ... in the words of the part itself, not those of whatever stood in memory. */
+static void parts_of_lies_are_refused(void **state)
+{
+    lf_mesh_data data = {0};
+    lf_error err = {0};
+    lf_assert_ok(import_by(*state, "part none", &data, &err), &err);
+    assert_int_equal(data.n_places, 1);
+    assert_int_equal(data.n_parts, 1);
+    lf_mesh_data_finish(&data);
+    for (size_t i = 0; i < sizeof fake_lies_of_parts / sizeof *fake_lies_of_parts; i++)
+        assert_says(*state, fake_lies_of_parts[i], LF_E_FORMAT, "the reader's answer has no such");
+}
+
 static void words_of_a_material_that_are_lies_are_refused(void **state)
 {
     static const char *const lies[] = {"cover", "solid", "tint", "sheen", "absorption", "turn"};
@@ -682,6 +695,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_was_not_asked_for_is_refused),
         cmocka_unit_test(a_mesh_of_lies_is_refused),
         cmocka_unit_test(looks_of_lies_are_refused),
+        cmocka_unit_test(parts_of_lies_are_refused),
         cmocka_unit_test(words_of_a_material_that_are_lies_are_refused),
         cmocka_unit_test(a_grid_of_lies_is_refused),
         cmocka_unit_test(a_picture_of_lies_is_refused),
