@@ -64,14 +64,28 @@ static json_t *numbers_of(const lf_affine *map)
     return list;
 }
 
-/* Where a mesh goes while the shutter is open. */
-static bool put_shutter(json_t *doc, const lf_mesh_desc *open, const lf_mesh_desc *close)
+/* Where a thing goes while the shutter is open. */
+static bool put_shutter(json_t *said, const lf_affine *open, const lf_affine *close)
 {
-    if (memcmp(&open->transform, &close->transform, sizeof open->transform) == 0)
+    if (memcmp(open, close, sizeof *open) == 0)
         return true;
-    return json_object_set_new(member(doc, open->lamp ? "lights" : "meshes", open->name), "shutter",
-                               json_pack("[o, o]", numbers_of(&open->transform),
-                                         numbers_of(&close->transform))) == 0;
+    return json_object_set_new(said, "shutter",
+                               json_pack("[o, o]", numbers_of(open), numbers_of(close))) == 0;
+}
+
+static bool put_ways(json_t *doc, const lf_shutter *shutter)
+{
+    const lf_scene_desc *open = shutter->desc[0], *close = shutter->desc[1];
+    bool done = true;
+    for (int i = 0; i < open->n_meshes && done; i++) {
+        const lf_mesh_desc *mesh = &open->meshes[i];
+        done = put_shutter(member(doc, mesh->lamp ? "lights" : "meshes", mesh->name),
+                           &mesh->transform, &close->meshes[i].transform);
+    }
+    for (int i = 0; i < open->n_volumes && done; i++)
+        done = put_shutter(member(doc, "volumes", open->volumes[i].name),
+                           &open->volumes[i].transform, &close->volumes[i].transform);
+    return done;
 }
 
 /* What a light without faces says at one end of the shutter, but for its file. */
@@ -102,8 +116,7 @@ json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc,
     for (int i = 0; i < desc->n_meshes && done; i++)
         done = (desc->meshes[i].shape && !desc->meshes[i].places.file) ||
                put_mesh(doc, scene->geometry, i, &desc->meshes[i]);
-    for (int i = 0; i < desc->n_meshes && done; i++)
-        done = put_shutter(doc, &shutter->desc[0]->meshes[i], &shutter->desc[1]->meshes[i]);
+    done = done && put_ways(doc, shutter);
     for (int i = 0; i < desc->n_lights && done; i++)
         done = put_light(doc, &scene->lights[i], &desc->lights[i]) &&
                put_light_way(doc, shutter, desc->lights[i].name);

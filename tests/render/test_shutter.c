@@ -470,6 +470,28 @@ static void a_mesh_is_read_where_it_is_at_both_ends(void **state)
     lf_scene_unref(again);
 }
 
+/* Films of two ways through one place are not of one picture. */
+static void the_subject_knows_where_a_volume_goes(void **state)
+{
+    (void)state;
+    static const char fog[] = ", 'volumes': {'fog': {'shape': 'sphere', 'transform': {'translate': "
+                              "{'keys': [[2, [%d, 0, 0]], [3, [0, 0, 0]], [4, [%d, 0, 0]]]}}}}";
+    char right[256], left[256];
+    snprintf(right, sizeof right, fog, -1, 1);
+    snprintf(left, sizeof left, fog, 1, -1);
+    lf_scene *closed = scene_of("", STILL, right, NULL), *shut = scene_of("", STILL, left, NULL),
+             *open = scene_of(", 'shutter': 0.5", STILL, right, NULL),
+             *other = scene_of(", 'shutter': 0.5", STILL, left, NULL);
+    assert_true(open->looks.moving && !closed->looks.moving);
+    assert_true(json_equal(closed->subject, shut->subject));
+    assert_false(json_equal(open->subject, closed->subject));
+    assert_false(json_equal(open->subject, other->subject));
+    lf_scene_unref(closed);
+    lf_scene_unref(shut);
+    lf_scene_unref(open);
+    lf_scene_unref(other);
+}
+
 static void faces_that_part_are_both_kept(void **state)
 {
     (void)state;
@@ -630,6 +652,7 @@ int main(void)
         cmocka_unit_test(a_sky_that_changes_is_its_mean),
         cmocka_unit_test(what_stands_still_is_the_same_with_a_shutter),
         cmocka_unit_test(a_mesh_is_read_where_it_is_at_both_ends),
+        cmocka_unit_test(the_subject_knows_where_a_volume_goes),
         cmocka_unit_test(faces_that_part_are_both_kept),
         cmocka_unit_test(volumes_that_flatten_are_refused),
         cmocka_unit_test(what_has_keys_and_stands_still_is_told),
