@@ -334,7 +334,7 @@ static void eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, co
         fan_of_gloss(&l, wi, n, x, y, z, out);
     else
         fan_of(l, false, wi, n, x, y, z, out);
-    if (has_far_lobe(&l))
+    if (has_far_lobe(&l) || is_way_out(m))
         add_far_fan(&l, wi, n, (const float *[3]){x, y, z}, out);
     out->n_terms = 3;
     out->colour[0] = lf_v3(1.0f, 0.0f, 0.0f);

@@ -62,6 +62,20 @@ static lf_material brushed(float metallic, float along, float across, float angl
     return m;
 }
 
+/* Flesh that is met from within. */
+static lf_material from_within(float metallic)
+{
+    lf_material m = material(&lf_surface_principled, 0.5f, 0.6f);
+    m.metallic = metallic;
+    m.specular = 1.0f;
+    m.specular_tint = lf_v3(1.0f, 1.0f, 1.0f);
+    m.glass.subsurface = 0.7f;
+    m.glass.radius = lf_v3(1.0f, 1.0f, 1.0f);
+    m.glass.is_inside = true;
+    lf_material_prepare(&m);
+    return m;
+}
+
 /* A rough coat that leans off its base. */
 static lf_material leaning(float metallic, float tilt)
 {
@@ -461,8 +475,10 @@ static void fans_answer_as_single_directions_do(void **state)
 {
     (void)state;
     enum { n = 48 };
-    lf_material m[max_materials];
+    lf_material m[max_materials + 2];
     int n_materials = make_materials(m), compared = 0;
+    m[n_materials++] = from_within(0.0f);
+    m[n_materials++] = from_within(1.0f);
     for (int i = 0; i < n_materials; i++) {
         if (!m[i].kind->view_dependent)
             continue;
