@@ -103,8 +103,10 @@ static bool leads_astray(const lf_hit *hit, lf_vec3 wi)
 
 bool lf_path_serves_others(const lf_event *event, lf_vec3 wi)
 {
-    return event->kind == LF_EVENT_SURFACE && event->hit.material->glass.is_rough &&
-           !leads_astray(&event->hit, wi);
+    const lf_hit *hit = &event->hit;
+    return event->kind == LF_EVENT_SURFACE &&
+           (hit->material->glass.is_rough || (hit->varies && hit->own.coat_normal.z > 0.0f)) &&
+           !leads_astray(hit, wi);
 }
 
 float lf_hit_eval_folded(const lf_hit *hit, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
