@@ -118,9 +118,9 @@ static lf_film_layout film_layout(const lf_scene *scene, const lf_render_setting
  * slices want whole cycles; so does what shares nothing. A visit sees one moment: where anything
  * moves it is a fifth as long (relMSE of scenes/motion.json after equal time: vpt 1.3, mvpt 2
  * times less). */
-static int passes_of_a_visit(const lf_scene *scene, const lf_sharing *sharing, int n)
+static int passes_of_a_visit(const lf_scene *scene, bool moves, const lf_sharing *sharing, int n)
 {
-    const bool moves = scene->looks.moving, shares = scene->embree && sharing->entry.shares;
+    const bool shares = scene->embree && sharing->entry.shares;
     const int parts = (shares ? 3 : 1) * (moves ? 5 : 1);
     int best = n;
     for (int g = moves ? 1 : (n + 6) / 7; 2 * g <= n && parts > 1; g++)
@@ -211,7 +211,8 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
         lf_media_frame_init(&rows->flames, input->scene->flames.field, input->scene->flames.n,
                             track.at, track.n);
         needs.layout = film_layout(&rows->seen, input->settings, &rows->rig, needs.sky);
-        needs.visit_passes = passes_of_a_visit(input->scene, sharing, rows->rig.n_views);
+        needs.visit_passes = passes_of_a_visit(input->scene, lf_moving_moves(&rows->moving),
+                                               sharing, rows->rig.n_views);
         status = make_memory(rows, sharing, &needs.layout, &track);
     }
     if (status != LF_OK) {
