@@ -106,7 +106,8 @@ static void warn_of_places(lf_ends ends, const char *where, lf_mesh_data *data)
         bool same = close->places.n == open->places.n &&
                     (n == 0 || memcmp(open->places.map, close->places.map,
                                       n * sizeof *open->places.map) == 0);
-        if (lf_places_are_given(&open->places) && (!same || would_move(open, close, data[i].span)))
+        if ((lf_places_are_given(&open->places) || data[i].n_places > 0) &&
+            (!same || would_move(open, close, data[i].span)))
             lf_warnings_add(&data[i].warnings, where,
                             "mesh \"%s\": its instances stand still while the shutter is open",
                             open->name);
