@@ -328,25 +328,26 @@ static void tint_channels(lf_fan_lobes *lobes, int n)
     lobes->colour[2] = lf_v3(0.0f, 0.0f, 1.0f);
 }
 
-/* Adds what comes from below the surface. */
+/* Adds what is mirrored by the surface (lf_hit_folds). */
 static void fold(const lf_visit *visit, const lf_hit *hit, lf_vec3 wi, lf_fan_lobes *out)
 {
     const lf_material *material = lf_hit_material(hit);
     const int lanes = lanes_of(visit->rig);
     float pdf[LF_MAX_LANES], weight[LF_FAN_TERMS][LF_MAX_LANES];
     lf_fan_lobes more = {.pdf = pdf, .weight = {weight[0], weight[1], weight[2]}};
-    lf_vec3 t, b;
+    lf_vec3 t, b, back = lf_hit_mirrored(hit, wi);
     lf_tangents(hit->ns, &t, &b);
-    material->kind->eval_fan(material, lf_to_frame(t, b, hit->ns, lf_hit_mirrored(hit, wi)), lanes,
+    material->kind->eval_fan(material, lf_to_frame(t, b, hit->ns, back), lanes,
                              visit->worker->local[0], visit->worker->local[1],
                              visit->worker->local[2], &more);
     tint_channels(out, lanes);
     tint_channels(&more, lanes);
-    float above = lf_dot(hit->ng, wi) > 0.0f ? 1.0f : 0.0f;
+    float own = lf_hit_leads_astray(hit, wi) ? 0.0f : 1.0f,
+          mirrored = lf_hit_leads_astray(hit, back) ? 1.0f : 0.0f;
     for (int k = 0; k < lanes; k++) {
-        out->pdf[k] = above * (out->pdf[k] + pdf[k]);
+        out->pdf[k] = own * out->pdf[k] + mirrored * pdf[k];
         for (int i = 0; i < out->n_terms; i++)
-            out->weight[i][k] = above * (out->weight[i][k] + weight[i][k]);
+            out->weight[i][k] = own * out->weight[i][k] + mirrored * weight[i][k];
     }
 }
 
@@ -441,12 +442,13 @@ static void add_weights(lf_visit *visit, float scale)
 static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, float sum)
 {
     lf_scratch *w = visit->worker;
-    bool surface = pivot->event.kind == LF_EVENT_SURFACE;
+    bool blinds =
+        pivot->event.kind == LF_EVENT_SURFACE && !lf_is_way_out(lf_hit_material(&pivot->event.hit));
     float drawn = over > 0.0f ? pivot->boost / over : 0.0f, blind = pivot->boost / sum;
     for (int k = 0; k < visit->rig->n_views; k++) {
         if (w->density[k] == 0.0f)
             continue;
-        bool below = surface && !(w->local[2][k] > LF_MIN_COS);
+        bool below = blinds && !(w->local[2][k] > LF_MIN_COS);
         lf_film_weigh_direction(&visit->sums, target(visit, k),
                                 w->density[k] * (below ? blind : drawn * w->lobe[k]));
     }

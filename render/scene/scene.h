@@ -255,6 +255,12 @@ static inline bool lf_is_sided(const lf_material *m)
     return (m->is_solid && m->glass.is_rough) || m->glass.subsurface > 0.0f;
 }
 
+/* Of a hit's own: flesh that is met from within, whose lobe does not depend on where from. */
+static inline bool lf_is_way_out(const lf_material *m)
+{
+    return m->glass.is_inside && m->glass.subsurface > 0.0f;
+}
+
 /* What rays meet by chance, and views see through. */
 static inline bool lf_is_veil(const lf_material *m)
 {

@@ -92,33 +92,27 @@ static lf_vec3 albedo_of(const lf_scene *scene, const lf_event *event)
                : lf_volume_albedo(&scene->volumes[event->volume], event->p);
 }
 
-/* Lobes lie about the shading normal; where that leans, some of their directions lead through the
- * surface, or, of rough glass, do not. */
-static bool leads_astray(const lf_hit *hit, lf_vec3 wi)
-{
-    if (lf_has_far_lobe(hit->material))
-        return (lf_dot(hit->ng, wi) > 0.0f) != (lf_dot(hit->ns, wi) > 0.0f);
-    return !(lf_dot(hit->ng, wi) > 0.0f);
-}
-
 bool lf_path_serves_others(const lf_event *event, lf_vec3 wi)
 {
     const lf_hit *hit = &event->hit;
     return event->kind == LF_EVENT_SURFACE &&
            (hit->material->glass.is_rough || (hit->varies && hit->own.coat_normal.z > 0.0f)) &&
-           !leads_astray(hit, wi);
+           !lf_hit_leads_astray(hit, wi);
 }
 
 float lf_hit_eval_folded(const lf_hit *hit, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
     const lf_material *m = lf_hit_material(hit);
-    lf_vec3 more;
+    const lf_vec3 way[2] = {wi, lf_hit_mirrored(hit, wi)};
+    float pdf = 0.0f;
     *f = lf_v3(0.0f, 0.0f, 0.0f);
-    if (!(lf_dot(hit->ng, wi) > 0.0f))
-        return 0.0f;
-    float pdf = m->kind->eval(m, hit->ns, wo, wi, f);
-    pdf += m->kind->eval(m, hit->ns, wo, lf_hit_mirrored(hit, wi), &more);
-    *f = lf_add(*f, more);
+    for (int i = 0; i < 2; i++) {
+        lf_vec3 own;
+        if (lf_hit_leads_astray(hit, way[i]) != (i == 1))
+            continue;
+        pdf += m->kind->eval(m, hit->ns, wo, way[i], &own);
+        *f = lf_add(*f, own);
+    }
     return pdf;
 }
 
@@ -130,7 +124,7 @@ float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, 
         if (lf_hit_folds(&event->hit))
             return lf_hit_eval_folded(&event->hit, wo, wi, f);
         float pdf = m->kind->eval(m, event->hit.ns, wo, wi, f);
-        if (leads_astray(&event->hit, wi))
+        if (lf_hit_leads_astray(&event->hit, wi))
             *f = lf_v3(0.0f, 0.0f, 0.0f);
         return pdf;
     }
@@ -146,11 +140,11 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
         const lf_material *m = lf_hit_material(&event->hit);
         float pdf = m->kind->sample(m, event->hit.ns, wo, u, wi, f);
         if (pdf > 0.0f && lf_hit_folds(&event->hit)) {
-            if (lf_dot(event->hit.ng, *wi) < 0.0f)
+            if (lf_hit_leads_astray(&event->hit, *wi))
                 *wi = lf_hit_mirrored(&event->hit, *wi);
             return lf_hit_eval_folded(&event->hit, wo, *wi, f);
         }
-        if (leads_astray(&event->hit, *wi))
+        if (lf_hit_leads_astray(&event->hit, *wi))
             *f = lf_v3(0.0f, 0.0f, 0.0f);
         return pdf;
     }
@@ -181,7 +175,8 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample 
     lf_vec3 o = event->p, d = light->wi;
     float t_max = INFINITY;
     if (event->kind == LF_EVENT_SURFACE) {
-        if (leads_astray(&event->hit, light->wi))
+        if (lf_hit_leads_astray(&event->hit, light->wi) &&
+            !(lf_hit_folds(&event->hit) && lf_has_far_lobe(event->hit.material)))
             return 0.0f;
         if (tracer->scene->looks.fleshy && lf_flesh_beyond(event, light->wi).of)
             return 0.0f;

@@ -32,13 +32,21 @@ static inline const lf_material *lf_hit_material(const lf_hit *hit)
     return hit->varies ? &hit->own : hit->material;
 }
 
-/* Where the shading normal leans far, what its lobes send through the surface comes back as if
- * that mirrored it: the lobe of wi is that of wi and of wi mirrored. Nothing is lost, and whose
- * view it is does not matter. Of rough glass and flesh what goes through is not astray. */
+/* Lobes lie about the shading normal; where that leans, some of their directions lead through the
+ * surface, or, of rough glass and flesh, do not. */
+static inline bool lf_hit_leads_astray(const lf_hit *hit, lf_vec3 wi)
+{
+    bool above = lf_dot(hit->ng, wi) > 0.0f;
+    return lf_has_far_lobe(hit->material) ? above != (lf_dot(hit->ns, wi) > 0.0f) : !above;
+}
+
+/* Where it leans far, a direction that leads astray comes back as if the surface mirrored it: the
+ * lobe of wi is its own, if wi is not astray, and that of wi mirrored, if that is. Nothing is lost,
+ * and whose view it is does not matter. Rough glass is left alone. */
 #define LF_FOLD_COS 0.98f
 static inline bool lf_hit_folds(const lf_hit *hit)
 {
-    return lf_dot(hit->ng, hit->ns) < LF_FOLD_COS && !lf_has_far_lobe(hit->material);
+    return lf_dot(hit->ng, hit->ns) < LF_FOLD_COS && !hit->material->glass.is_rough;
 }
 
 static inline lf_vec3 lf_hit_mirrored(const lf_hit *hit, lf_vec3 wi)

@@ -71,12 +71,6 @@ static layers layers_of(const lf_material *m)
     return l;
 }
 
-/* Whether it is flesh that is met from within. */
-static bool is_way_out(const lf_material *m)
-{
-    return m->glass.is_inside && m->glass.subsurface > 0.0f;
-}
-
 static inline bool has_far_lobe(const layers *l)
 {
     return l->glass > 0.0f || l->flesh > 0.0f;
@@ -258,13 +252,13 @@ static float eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_v
     lf_vec3 t, b;
     float cos_o = lf_dot(ns, wo);
     *f = lf_v3(0.0f, 0.0f, 0.0f);
+    lf_tangents(ns, &t, &b);
+    lf_vec3 o = lf_to_frame(t, b, ns, wo), i = lf_to_frame(t, b, ns, wi);
+    if (lf_is_way_out(m))
+        return leave(m, i, f);
     if (!(cos_o > LF_MIN_COS))
         return 0.0f;
     layers l = layers_of(m);
-    lf_tangents(ns, &t, &b);
-    lf_vec3 o = lf_to_frame(t, b, ns, wo), i = lf_to_frame(t, b, ns, wi);
-    if (is_way_out(m))
-        return leave(m, i, f);
     shares s = shares_of(&l, is_special(m), o, lf_min(cos_o, 1.0f));
     float pdf = eval_local(&l, &s, o, i, f);
     return has_far_lobe(&l) ? add_far(&l, &s, o, i, pdf, f) : pdf;
@@ -275,12 +269,12 @@ static void add_far_fan(const layers *l, lf_vec3 wi, int n, const float *const o
 {
     for (int k = 0; k < n; k++) {
         lf_vec3 f = lf_v3(out->weight[0][k], out->weight[1][k], out->weight[2][k]);
-        if (!(o[2][k] > LF_MIN_COS))
+        if (!(o[2][k] > LF_MIN_COS) && !lf_is_way_out(l->m))
             continue;
         lf_vec3 wo = lf_v3(o[0][k], o[1][k], lf_min(o[2][k], 1.0f));
         shares s = shares_of(l, is_special(l->m), wo, wo.z);
         out->pdf[k] =
-            is_way_out(l->m) ? leave(l->m, wi, &f) : add_far(l, &s, wo, wi, out->pdf[k], &f);
+            lf_is_way_out(l->m) ? leave(l->m, wi, &f) : add_far(l, &s, wo, wi, out->pdf[k], &f);
         out->weight[0][k] = f.x;
         out->weight[1][k] = f.y;
         out->weight[2][k] = f.z;
@@ -334,7 +328,7 @@ static void eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, co
         fan_of_gloss(&l, wi, n, x, y, z, out);
     else
         fan_of(l, false, wi, n, x, y, z, out);
-    if (has_far_lobe(&l) || is_way_out(m))
+    if (has_far_lobe(&l) || lf_is_way_out(m))
         add_far_fan(&l, wi, n, (const float *[3]){x, y, z}, out);
     out->n_terms = 3;
     out->colour[0] = lf_v3(1.0f, 0.0f, 0.0f);
@@ -378,14 +372,16 @@ static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[
     lf_tangents(ns, &t, &b);
     lf_vec3 o = lf_to_frame(t, b, ns, wo);
     *f = lf_v3(0.0f, 0.0f, 0.0f);
+    if (lf_is_way_out(m)) {
+        *wi = lf_from_frame(t, b, ns, inwards(u));
+        return leave(m, inwards(u), f);
+    }
     if (!(o.z > LF_MIN_COS))
         return 0.0f;
     layers l = layers_of(m);
     shares s = shares_of(&l, is_special(m), o, lf_min(o.z, 1.0f));
-    lf_vec3 i = is_way_out(m) ? inwards(u) : draw(&l, &s, o, u);
+    lf_vec3 i = draw(&l, &s, o, u);
     *wi = lf_from_frame(t, b, ns, i);
-    if (is_way_out(m))
-        return leave(m, i, f);
     float pdf = eval_local(&l, &s, o, i, f);
     return has_far_lobe(&l) ? add_far(&l, &s, o, i, pdf, f) : pdf;
 }
