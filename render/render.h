@@ -68,8 +68,8 @@ typedef struct lf_camera {
     /* radians: vertical angle of the window seen from the middle of the rig */
     double fov_y;
     double aspect; /* width / height of the window */
-    int n_views;   /* 1..LF_MAX_VIEWS */
     double cone;   /* radians: total angle of the rig */
+    int n_views;   /* 1..LF_MAX_VIEWS */
     /* placement: a_i = (i/(N-1) - 1/2) cone, else ((i+1/2)/N - 1/2) cone */
     bool inclusive;
     /* scene units; radius 0 = pinhole; focus along the view axis */
@@ -82,11 +82,11 @@ typedef struct lf_camera {
      * after the frame it opens. What moved when a scene was loaded does so for its pictures. */
     double shutter, shutter_open;
     /* When it opens, and when it closes; in between evenly. All 0 unless it moves. */
-    bool moves;
     lf_camera_shift shift[2];
     /* Which of aspect, views and cone the scene itself states (the rest are defaults a preset or
      * panel may replace without being a contradiction). */
     bool has_aspect, has_views, has_cone;
+    bool moves; /* in the shutter: shift is not all 0 */
 } lf_camera;
 
 /* What a scene says of it: names, ranges, defaults (base/param.h). A focus_distance of 0 is not

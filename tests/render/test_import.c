@@ -46,49 +46,41 @@ static void a_parcel_holds_what_was_put_into_it(void **state)
     assert_int_equal(n, 0);
     lf_parcel_close(&parcel);
 }
-
 static lf_parcel_section *section_of(unsigned char *data, lf_parcel_tag tag)
 {
     return &((lf_parcel_header *)(void *)data)->section[tag];
 }
-
 static void end_outside(unsigned char *data, size_t size, void *context)
 {
     (void)size, (void)context;
     section_of(data, LF_PARCEL_TRIANGLES)->count = UINT64_C(1) << 40;
 }
-
 /* The product with the size of an element is a small number again. */
 static void overflow(unsigned char *data, size_t size, void *context)
 {
     (void)size, (void)context;
     section_of(data, LF_PARCEL_TRIANGLES)->count = (UINT64_C(1) << 62) + 1;
 }
-
 static void begin_outside(unsigned char *data, size_t size, void *context)
 {
     (void)context;
     section_of(data, LF_PARCEL_TRIANGLES)->offset = (size + 63) / 64 * 64 + 64;
 }
-
 static void begin_in_the_header(unsigned char *data, size_t size, void *context)
 {
     (void)size, (void)context;
     section_of(data, LF_PARCEL_TRIANGLES)->offset = 0;
 }
-
 static void begin_between(unsigned char *data, size_t size, void *context)
 {
     (void)size, (void)context;
     section_of(data, LF_PARCEL_TRIANGLES)->offset += 1;
 }
-
 static void be_another_version(unsigned char *data, size_t size, void *context)
 {
     (void)size, (void)context;
     data[0] ^= 1;
 }
-
 static void a_parcel_that_is_no_such_thing_is_refused(void **state)
 {
     (void)state;
@@ -131,7 +123,6 @@ static void a_parcel_that_is_no_such_thing_is_refused(void **state)
     close(pipes[0]);
     close(pipes[1]);
 }
-
 /* -------------------------------------------------------------------------------- other readers --
  */
 
@@ -154,7 +145,6 @@ static void use_reader(const char *folder, const char *mode)
         assert_int_equal(symlink(self, name), 0);
     }
 }
-
 static lf_status import_with(const char *folder, const char *mode, int material, lf_mesh_data *out,
                              lf_error *err)
 {
@@ -171,12 +161,10 @@ static lf_status import_with(const char *folder, const char *mode, int material,
     lf_roots_finish(&roots);
     return status;
 }
-
 static lf_status import_by(const char *folder, const char *mode, lf_mesh_data *out, lf_error *err)
 {
     return import_with(folder, mode, -1, out, err);
 }
-
 static void assert_says(const char *folder, const char *mode, lf_status expected, const char *what)
 {
     lf_mesh_data data;
@@ -187,7 +175,6 @@ static void assert_says(const char *folder, const char *mode, lf_status expected
                  lf_status_name(expected), what);
     lf_mesh_data_finish(&data);
 }
-
 static void a_reader_that_ends_is_an_error_of_the_file(void **state)
 {
     assert_says(*state, "abort", LF_E_FORMAT,
@@ -200,7 +187,6 @@ static void a_reader_that_ends_is_an_error_of_the_file(void **state)
     assert_says(*state, "status", LF_E_FORMAT, "failed without a reason");
     assert_says(*state, "words", LF_E_NOMEM, "too much \\x1b[2J of it");
 }
-
 static int count_descriptors(void)
 {
     int n = 0;
@@ -208,7 +194,6 @@ static int count_descriptors(void)
         n += fcntl(fd, F_GETFD) != -1;
     return n;
 }
-
 static void no_descriptor_stays_whatever_a_reader_sends(void **state)
 {
     static const char *const modes[] = {"parcel", "two", "unsealed", "abort", "ask/etc/passwd"};
@@ -222,7 +207,6 @@ static void no_descriptor_stays_whatever_a_reader_sends(void **state)
         assert_int_equal(count_descriptors(), before);
     }
 }
-
 static void a_reader_that_tells_the_truth_is_believed(void **state)
 {
     lf_mesh_data data;
@@ -235,7 +219,6 @@ static void a_reader_that_tells_the_truth_is_believed(void **state)
     assert_string_equal(strrchr(lf_warnings_at(&data.warnings, 1), ' '), " two");
     lf_mesh_data_finish(&data);
 }
-
 static void what_lies_on_a_mesh_is_taken_over_whole(void **state)
 {
     const fake_mesh m = fake_true_mesh();
