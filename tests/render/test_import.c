@@ -24,105 +24,6 @@
 
 static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-/* ------------------------------------------------------------------------------------- parcels --
- */
-
-static void a_parcel_holds_what_was_put_into_it(void **state)
-{
-    (void)state;
-    lf_parcel parcel = {0};
-    lf_error err;
-    int fd = fake_parcel("");
-    size_t n;
-    lf_assert_ok(lf_parcel_open(fd, &parcel, &err), &err);
-    close(fd);
-    assert_memory_equal(lf_parcel_get(&parcel, LF_PARCEL_WARNINGS, &n), "one\ntwo\n", 8);
-    assert_int_equal(n, 8);
-    const uint32_t *triangles = lf_parcel_get(&parcel, LF_PARCEL_TRIANGLES, &n);
-    assert_true(n == 3 && triangles[2] == 2);
-    const lf_parcel_material *materials = lf_parcel_get(&parcel, LF_PARCEL_MATERIALS, &n);
-    assert_true(n == 2 && materials[1].kind == 1);
-    assert_null(lf_parcel_get(&parcel, LF_PARCEL_VALUES, &n));
-    assert_int_equal(n, 0);
-    lf_parcel_close(&parcel);
-}
-static lf_parcel_section *section_of(unsigned char *data, lf_parcel_tag tag)
-{
-    return &((lf_parcel_header *)(void *)data)->section[tag];
-}
-static void end_outside(unsigned char *data, size_t size, void *context)
-{
-    (void)size, (void)context;
-    section_of(data, LF_PARCEL_TRIANGLES)->count = UINT64_C(1) << 40;
-}
-/* The product with the size of an element is a small number again. */
-static void overflow(unsigned char *data, size_t size, void *context)
-{
-    (void)size, (void)context;
-    section_of(data, LF_PARCEL_TRIANGLES)->count = (UINT64_C(1) << 62) + 1;
-}
-static void begin_outside(unsigned char *data, size_t size, void *context)
-{
-    (void)context;
-    section_of(data, LF_PARCEL_TRIANGLES)->offset = (size + 63) / 64 * 64 + 64;
-}
-static void begin_in_the_header(unsigned char *data, size_t size, void *context)
-{
-    (void)size, (void)context;
-    section_of(data, LF_PARCEL_TRIANGLES)->offset = 0;
-}
-static void begin_between(unsigned char *data, size_t size, void *context)
-{
-    (void)size, (void)context;
-    section_of(data, LF_PARCEL_TRIANGLES)->offset += 1;
-}
-static void be_another_version(unsigned char *data, size_t size, void *context)
-{
-    (void)size, (void)context;
-    data[0] ^= 1;
-}
-static void a_parcel_that_is_no_such_thing_is_refused(void **state)
-{
-    (void)state;
-    enum { ALL = FAKE_SEALS, WHOLE = 1 << 30 };
-    static const struct {
-        void (*edit)(unsigned char *data, size_t size, void *context);
-        int cut, seals;
-        const char *what;
-    } cases[] = {
-        {NULL, WHOLE, ALL & ~F_SEAL_WRITE, "not sealed"},
-        {NULL, WHOLE, ALL & ~F_SEAL_SHRINK, "not sealed"},
-        {NULL, WHOLE, ALL & ~F_SEAL_SEAL, "not sealed"},
-        {NULL, 20, ALL, "cut off"},
-        {NULL, sizeof(lf_parcel_header) + 8, ALL, "outside"},
-        {end_outside, WHOLE, ALL, "outside"},
-        {overflow, WHOLE, ALL, "outside"},
-        {begin_outside, WHOLE, ALL, "outside"},
-        {begin_in_the_header, WHOLE, ALL, "outside"},
-        {begin_between, WHOLE, ALL, "outside"},
-        {be_another_version, WHOLE, ALL, "another version"},
-        {NULL, WHOLE, ALL, NULL}, /* the negative control */
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        lf_parcel parcel = {0};
-        lf_error err = {0};
-        int fd =
-            fake_copy(fake_parcel(""), cases[i].edit, NULL, (size_t)cases[i].cut, cases[i].seals);
-        lf_status status = lf_parcel_open(fd, &parcel, &err);
-        close(fd);
-        if (status != (cases[i].what ? LF_E_FORMAT : LF_OK) ||
-            (cases[i].what && !strstr(err.what, cases[i].what)))
-            fail_msg("case %zu: %s \"%s\"", i, lf_status_name(status), err.what);
-        lf_parcel_close(&parcel);
-    }
-    lf_parcel parcel = {0};
-    int pipes[2];
-    assert_int_equal(pipe(pipes), 0);
-    assert_int_equal(lf_parcel_open(pipes[0], &parcel, NULL), LF_E_FORMAT);
-    assert_int_equal(lf_parcel_open(-1, &parcel, NULL), LF_E_FORMAT);
-    close(pipes[0]);
-    close(pipes[1]);
-}
 /* -------------------------------------------------------------------------------- other readers --
  */
 
@@ -145,6 +46,7 @@ static void use_reader(const char *folder, const char *mode)
         assert_int_equal(symlink(self, name), 0);
     }
 }
+
 static lf_status import_with(const char *folder, const char *mode, int material, lf_mesh_data *out,
                              lf_error *err)
 {
@@ -161,10 +63,12 @@ static lf_status import_with(const char *folder, const char *mode, int material,
     lf_roots_finish(&roots);
     return status;
 }
+
 static lf_status import_by(const char *folder, const char *mode, lf_mesh_data *out, lf_error *err)
 {
     return import_with(folder, mode, -1, out, err);
 }
+
 static void assert_says(const char *folder, const char *mode, lf_status expected, const char *what)
 {
     lf_mesh_data data;
@@ -175,6 +79,7 @@ static void assert_says(const char *folder, const char *mode, lf_status expected
                  lf_status_name(expected), what);
     lf_mesh_data_finish(&data);
 }
+
 static void a_reader_that_ends_is_an_error_of_the_file(void **state)
 {
     assert_says(*state, "abort", LF_E_FORMAT,
@@ -187,6 +92,7 @@ static void a_reader_that_ends_is_an_error_of_the_file(void **state)
     assert_says(*state, "status", LF_E_FORMAT, "failed without a reason");
     assert_says(*state, "words", LF_E_NOMEM, "too much \\x1b[2J of it");
 }
+
 static int count_descriptors(void)
 {
     int n = 0;
@@ -194,6 +100,7 @@ static int count_descriptors(void)
         n += fcntl(fd, F_GETFD) != -1;
     return n;
 }
+
 static void no_descriptor_stays_whatever_a_reader_sends(void **state)
 {
     static const char *const modes[] = {"parcel", "two", "unsealed", "abort", "ask/etc/passwd"};
@@ -207,6 +114,7 @@ static void no_descriptor_stays_whatever_a_reader_sends(void **state)
         assert_int_equal(count_descriptors(), before);
     }
 }
+
 static void a_reader_that_tells_the_truth_is_believed(void **state)
 {
     lf_mesh_data data;
@@ -219,6 +127,7 @@ static void a_reader_that_tells_the_truth_is_believed(void **state)
     assert_string_equal(strrchr(lf_warnings_at(&data.warnings, 1), ' '), " two");
     lf_mesh_data_finish(&data);
 }
+
 static void what_lies_on_a_mesh_is_taken_over_whole(void **state)
 {
     const fake_mesh m = fake_true_mesh();
@@ -669,8 +578,6 @@ int main(int argc, char **argv)
     if (strcmp(argv[0], "quiltimport") == 0)
         return lf_fake_reader();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_parcel_holds_what_was_put_into_it),
-        cmocka_unit_test(a_parcel_that_is_no_such_thing_is_refused),
         cmocka_unit_test(a_reader_that_ends_is_an_error_of_the_file),
         cmocka_unit_test(no_descriptor_stays_whatever_a_reader_sends),
         cmocka_unit_test(a_reader_that_tells_the_truth_is_believed),
