@@ -7,6 +7,7 @@
 #include "base/alloc.h"
 #include "base/image_io.h"
 #include "render/load/places_import.h"
+#include "render/scene/vec_double.h"
 #include "render/transport/surface.h"
 
 /* Rounding of a unit vector, with room; and how far from across a normal a tangent may lie. */
@@ -368,20 +369,15 @@ static lf_status take_lights(const lf_parcel *parcel, lf_mesh_data *out, lf_erro
 
 /* ---------------------------------------------------------------------------------- cameras -- */
 
-static double dot_double(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static bool is_unit_double(const double v[3])
 {
-    return fabs(dot_double(v, v) - 1) <= (double)UNIT_SLACK;
+    return fabs(lf_dot_double(v, v) - 1) <= (double)UNIT_SLACK;
 }
 
 static bool take_camera(const lf_parcel_camera *from, lf_file_camera *out)
 {
     bool fits = is_unit_double(from->look) && is_unit_double(from->up) &&
-                fabs(dot_double(from->look, from->up)) <= (double)UNIT_SLACK &&
+                fabs(lf_dot_double(from->look, from->up)) <= (double)UNIT_SLACK &&
                 from->fov_y >= LF_FILE_CAMERA_LEAST_FOV && from->fov_y <= LF_FILE_CAMERA_MOST_FOV &&
                 from->number <= INT32_MAX && from->parallel <= 1 &&
                 memchr(from->name, 0, sizeof from->name) &&

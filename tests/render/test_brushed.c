@@ -150,16 +150,7 @@ static void both_integrators_show_the_same(void **state)
     for (int i = 0; i < 3; i++) {
         lf_test_two_answers(lf_test_scene(cases[i].text), cases[i].integrator, width, height, tile,
                             2, seen);
-        for (int j = 0; j < 2; j++) {
-            int where = 0;
-            double p = lf_blocks_welch(&seen[j], &truth[1], &where);
-            print_message("tile %d: %.5f +- %.5f, truth %.5f +- %.5f, p %.2g\n", where,
-                          seen[j].moments[where].mean, lf_moments_error(&seen[j].moments[where]),
-                          truth[1].moments[where].mean, lf_moments_error(&truth[1].moments[where]),
-                          p);
-            assert_int_equal(p > LEVEL, cases[i].same);
-            lf_blocks_finish(&seen[j]);
-        }
+        lf_test_assert_answers(seen, &truth[1], LEVEL, cases[i].same);
     }
     for (int j = 0; j < 2; j++)
         lf_blocks_finish(&truth[j]);

@@ -278,16 +278,10 @@ static void a_slab_that_absorbs_is_its_closed_form(void **state)
 static void emission_beside_colour_is_refused(void **state)
 {
     (void)state;
-    json_t *doc = json_loads("{\"quiltd\": 1, \"volumes\": {\"a\": {\"shape\": \"box\", "
-                             "\"sigma_t\": [1, 1, 2]}, \"b\": {\"shape\": \"box\", "
-                             "\"emission\": 1}}}",
-                             0, NULL);
-    lf_error err = {0};
-    lf_scene *scene = NULL;
-    assert_int_equal(lf_scene_from_json(doc, ".", "t", NULL, NULL, &scene, &err), LF_E_FORMAT);
-    assert_string_equal(err.pointer, "/volumes/b/emission");
-    assert_non_null(strstr(err.what, "sigma_t differs between channels"));
-    json_decref(doc);
+    lf_test_assert_refused(".",
+                           "{'quiltd': 1, 'volumes': {'a': {'shape': 'box', 'sigma_t': [1, 1, 2]}, "
+                           "'b': {'shape': 'box', 'emission': 1}}}",
+                           "/volumes/b/emission", "sigma_t differs between channels");
 }
 
 int main(void)

@@ -311,14 +311,10 @@ static void open_meshes_are_told(void **state)
 static void what_lets_light_through_has_no_flesh(void **state)
 {
     (void)state;
-    lf_error err = {0};
-    lf_scene *scene = NULL;
-    json_t *doc = json_loads("{\"materials\": {\"m\": {\"type\": \"principled\", \"subsurface\": "
-                             "1, \"transmission\": 0.5}}}",
-                             0, NULL);
-    assert_int_equal(lf_scene_from_json(doc, ".", "t", NULL, NULL, &scene, &err), LF_E_FORMAT);
-    assert_non_null(strstr(err.what, "not both"));
-    json_decref(doc);
+    lf_test_assert_refused(".",
+                           "{'materials': {'m': {'type': 'principled', 'subsurface': 1, "
+                           "'transmission': 0.5}}}",
+                           "/materials/m/subsurface", "not both");
 }
 
 int main(void)

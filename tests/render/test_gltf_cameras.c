@@ -143,19 +143,11 @@ static void assert_refused(const char *folder, const char *camera, const char *p
                            const char *words)
 {
     char text[512];
-    lf_scene *scene = NULL;
-    lf_error err = {0};
     snprintf(text, sizeof text,
              "{\"meshes\": {\"m\": {\"file\": \"eyes.gltf\"}, \"cube\": {\"shape\": \"cube\"}}, "
              "\"camera\": {%s}}",
              camera);
-    json_t *doc = json_loads(text, 0, NULL);
-    lf_assert_status(lf_scene_from_json(doc, folder, "test", NULL, NULL, &scene, &err), LF_E_FORMAT,
-                     &err);
-    json_decref(doc);
-    assert_string_equal(err.pointer, pointer);
-    if (!strstr(err.what, words))
-        fail_msg("%s", err.what);
+    lf_test_assert_refused(folder, text, pointer, words);
 }
 
 static void what_is_not_there_is_told_where_it_is_said(void **state)

@@ -116,16 +116,8 @@ static void assert_refused(const char *folder, const char *mesh, const char *poi
                            const char *words)
 {
     char text[512];
-    lf_scene *scene = NULL;
-    lf_error err = {0};
     snprintf(text, sizeof text, "{\"meshes\": {\"m\": {%s}}}", mesh);
-    json_t *doc = json_loads(text, 0, NULL);
-    lf_assert_status(lf_scene_from_json(doc, folder, "test", NULL, NULL, &scene, &err), LF_E_FORMAT,
-                     &err);
-    json_decref(doc);
-    assert_string_equal(err.pointer, pointer);
-    if (!strstr(err.what, words))
-        fail_msg("%s", err.what);
+    lf_test_assert_refused(folder, text, pointer, words);
 }
 
 static void a_wrong_animation_is_told_where_it_is_said(void **state)

@@ -7,22 +7,43 @@ lf_scene *lf_test_scene(const char *text)
     return lf_test_scene_in(".", text, NULL);
 }
 
-lf_scene *lf_test_scene_in(const char *folder, const char *text, const lf_scene *previous)
+/* Of text in which ' stands for ". */
+static json_t *document(const char *text)
 {
     char *copy = strdup(text);
-    lf_scene *scene = NULL;
-    lf_error err = {0};
-    json_error_t json_err;
+    json_error_t err;
     for (char *c = copy; *c; c++)
         *c = *c == '\'' ? '"' : *c;
-    json_t *doc = json_loads(copy, 0, &json_err);
+    json_t *doc = json_loads(copy, 0, &err);
     free(copy);
     if (!doc)
-        fail_msg("line %d: %s", json_err.line, json_err.text);
+        fail_msg("line %d: %s", err.line, err.text);
+    return doc;
+}
+
+lf_scene *lf_test_scene_in(const char *folder, const char *text, const lf_scene *previous)
+{
+    lf_scene *scene = NULL;
+    lf_error err = {0};
+    json_t *doc = document(text);
     if (lf_scene_from_json(doc, folder, "test.json", NULL, previous, &scene, &err) != LF_OK)
         fail_msg("%s: %s", err.pointer, err.what);
     json_decref(doc);
     return scene;
+}
+
+void lf_test_assert_refused(const char *folder, const char *text, const char *pointer,
+                            const char *words)
+{
+    lf_scene *scene = NULL;
+    lf_error err = {0};
+    json_t *doc = document(text);
+    lf_assert_status(lf_scene_from_json(doc, folder, "test", NULL, NULL, &scene, &err), LF_E_FORMAT,
+                     &err);
+    json_decref(doc);
+    assert_string_equal(err.pointer, pointer);
+    if (!strstr(err.what, words))
+        fail_msg("%s", err.what);
 }
 
 lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width, int height,
@@ -331,4 +352,17 @@ void lf_test_two_answers(lf_scene *scene, const char *integrator, int width, int
     }
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
+}
+
+void lf_test_assert_answers(lf_blocks seen[2], const lf_blocks *truth, double level, bool same)
+{
+    for (int i = 0; i < 2; i++) {
+        int where = 0;
+        double p = lf_blocks_welch(&seen[i], truth, &where);
+        print_message("tile %d: %.5f +- %.5f, truth %.5f +- %.5f, p %.2g\n", where,
+                      seen[i].moments[where].mean, lf_moments_error(&seen[i].moments[where]),
+                      truth->moments[where].mean, lf_moments_error(&truth->moments[where]), p);
+        assert_int_equal(p > level, same);
+        lf_blocks_finish(&seen[i]);
+    }
 }

@@ -15,6 +15,10 @@ lf_scene *lf_test_scene(const char *text);
 /* The same, called "test.json" in warnings, with files in `folder` and what can be shared with a
  * scene before it (may be NULL). */
 lf_scene *lf_test_scene_in(const char *folder, const char *text, const lf_scene *previous);
+/* Fails the test unless such a scene is refused (LF_E_FORMAT) at this JSON pointer, in words that
+ * hold these. */
+void lf_test_assert_refused(const char *folder, const char *text, const char *pointer,
+                            const char *words);
 
 /* A renderer of it; integrator "vpt" or "mvpt"; pool NULL = the program's own, of two threads. */
 lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width, int height,
@@ -93,6 +97,9 @@ void lf_test_pictures(lf_renderer *renderer, lf_test_schedule schedule, lf_estim
  * or with lf_test_long 48. */
 void lf_test_two_answers(lf_scene *scene, const char *integrator, int width, int height, int block,
                          uint64_t salt, lf_blocks out[2]);
+/* Fails the test unless each of the two, which are then finished, agrees with the truth: p above
+ * level; or unless each does not. */
+void lf_test_assert_answers(lf_blocks seen[2], const lf_blocks *truth, double level, bool same);
 
 /* Where pixel (column + x, row + y) of a view lies on the window plane, in camera space divided by
  * the distance: slopes of the pinhole ray of this view. */
