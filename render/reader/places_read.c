@@ -148,30 +148,35 @@ static const char *value_of(const char *header, const char *key)
     return at ? lf_skip_blanks(at + 1) : "";
 }
 
-/* Numbers of the tuple, the first of them apart. false: there are none, or too many. */
-static bool read_shape(const char *at, npy *out)
+/* Numbers of a tuple of 2 or 3, and how many they are; 0: it is another one. */
+static int read_tuple(const char *at, size_t out[3])
 {
-    out->columns = 1;
     int n = 0;
     if (*at != '(')
-        return false;
-    at++;
-    while (n < 4) {
+        return 0;
+    at = lf_skip_blanks(at + 1);
+    for (; n < 3 && *at >= '0' && *at <= '9'; n++) {
         char *end;
-        at = lf_skip_blanks(at);
-        if (*at < '0' || *at > '9')
-            break;
         unsigned long long value = strtoull(at, &end, 10);
         if (value > LF_MAX_PLACES + 1ull)
-            return false;
-        if (n++ == 0)
-            out->rows = (size_t)value;
-        else
-            out->columns *= value <= MOST_COLUMNS ? (size_t)value : MOST_COLUMNS + 1;
+            return 0;
+        out[n] = (size_t)value;
         at = lf_skip_blanks(end);
-        at += *at == ',';
+        at = lf_skip_blanks(at + (*at == ','));
     }
-    return *at == ')' && (n == 2 || n == 3) && is_a_shape(out->columns);
+    return *at == ')' ? n : 0;
+}
+
+/* Rows of numbers, or matrices: (n, 4, 3) holds transposed ones. */
+static bool read_shape(const char *at, npy *out)
+{
+    size_t of[3];
+    int n = read_tuple(at, of);
+    if (n < 2 || (n == 3 && (of[2] != 4 || (of[1] != 3 && of[1] != 4))))
+        return false;
+    out->rows = of[0];
+    out->columns = n == 3 ? of[1] * of[2] : of[1];
+    return is_a_shape(out->columns);
 }
 
 static lf_status read_header(lf_input *in, npy *out, lf_error *err)

@@ -116,6 +116,9 @@ static void what_is_no_place_is_refused(void **state)
     put_npy(folder, "nan.npy", "<f4", "(1, 3)", wrong, sizeof wrong);
     put_npy(folder, "whole.npy", "<i4", "(1, 3)", wrong, sizeof wrong);
     put_npy(folder, "shape.npy", "<f4", "(1, 5)", row, sizeof row);
+    put_npy(folder, "turned.npy", "<f4", "(1, 4, 3)", row, sizeof row);
+    put_npy(folder, "pairs.npy", "<f4", "(1, 4, 2)", row, sizeof row);
+    put_npy(folder, "deep.npy", "<f4", "(1, 3, 4, 1)", row, sizeof row);
     put_npy(folder, "huge.npy", "<f4", "(99999999999999999999999, 3)", row, sizeof row);
     lf_test_write(folder, "text.npy", "no numbers");
     assert_refused(folder, "\"words.csv\"", "3, 4, 7, 8, 10, 12 or 16 numbers");
@@ -127,6 +130,9 @@ static void what_is_no_place_is_refused(void **state)
     assert_refused(folder, "\"nan.npy\"", "place 0 is no place");
     assert_refused(folder, "\"whole.npy\"", "float32 or float64");
     assert_refused(folder, "\"shape.npy\"", "another shape");
+    assert_refused(folder, "\"turned.npy\"", "another shape");
+    assert_refused(folder, "\"pairs.npy\"", "another shape");
+    assert_refused(folder, "\"deep.npy\"", "another shape");
     assert_refused(folder, "\"huge.npy\"", "another shape");
     assert_refused(folder, "\"text.npy\"", "does not begin");
     assert_refused(folder, "\"places.txt\"", "unknown kind of file");
