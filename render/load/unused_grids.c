@@ -69,13 +69,25 @@ static bool is_velocity(const char *name, size_t length)
     return false;
 }
 
+/* Whether the shutter is open and none of a file's volumes says what it moves by. */
+static bool stands_still(const lf_scene_desc *desc, const char *file)
+{
+    bool flows = false;
+    for (int i = 0; i < desc->n_volumes; i++) {
+        const lf_volume_desc *v = &desc->volumes[i];
+        flows = flows || (v->file && strcmp(v->file, file) == 0 && v->velocity.grid[0][0]);
+    }
+    return desc->camera.shutter > 0.0 && !flows;
+}
+
 void lf_warn_of_unused_grids(lf_warnings *warnings, const lf_scene_desc *desc, const lf_grid *grid,
                              const char *file)
 {
     char unused[256] = "", still[256] = "";
+    const bool is_still = stands_still(desc, file);
     for (const char *name = grid->others; name && *name; name = strchr(name, '\n') + 1) {
         size_t length = strcspn(name, "\n");
-        bool blurs = desc->camera.shutter > 0.0 && is_velocity(name, length);
+        bool blurs = is_still && is_velocity(name, length);
         char *list = blurs ? still : unused;
         size_t at = strlen(list);
         if (!is_used(desc, file, name, length))
@@ -83,7 +95,7 @@ void lf_warn_of_unused_grids(lf_warnings *warnings, const lf_scene_desc *desc, c
     }
     if (still[0])
         lf_warnings_add(warnings, file,
-                        "the shutter is open, and no volume says that it moves by this file's %s "
+                        "the shutter is open, and no volume says that it moves by %s "
                         "(see \"velocity\" in docs/scene.md)",
                         still);
     if (unused[0])

@@ -49,8 +49,10 @@ static float carried(const flowing *f, const float p[3], const float v[3], float
     for (int i = 0; i < 3; i++)
         q[i] = p[i] - time * v[i];
     velocity_at(f, q, u);
+    /* Out of what is stored of them: those of the point itself. */
+    const float *from = u[0] != 0.0f || u[1] != 0.0f || u[2] != 0.0f ? u : v;
     for (int i = 0; i < 3; i++)
-        q[i] = p[i] - time * u[i];
+        q[i] = p[i] - time * from[i];
     return f->flow->nearest ? lf_grid_voxel(f->grid, q[0], q[1], q[2])
                             : lf_grid_value(f->grid, q[0], q[1], q[2]);
 }

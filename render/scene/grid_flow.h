@@ -5,7 +5,8 @@
  *
  *     f_t(x) = f(x - t v(x - t v(x)))
  *
- * Where no velocity is stored it is 0, and what is there stands still. docs/estimators.md, "Values
+ * or by v(x) where nothing is stored there. Where no velocity is stored it is 0, and what is there
+ * stands still. docs/estimators.md, "Values
  * that flow". */
 #ifndef LF_RENDER_GRID_FLOW_H
 #define LF_RENDER_GRID_FLOW_H
