@@ -227,7 +227,7 @@ openvdb::GridPtrVec bad_flows()
 {
     auto density = one_voxel("density", 1), infinite = one_voxel("wrong.x", 0);
     auto nan = openvdb::Vec3SGrid::create(openvdb::Vec3f(0)), frustum = nan->deepCopy(),
-         none = nan->deepCopy(), fast = nan->deepCopy();
+         none = nan->deepCopy(), fast = nan->deepCopy(), vast = nan->deepCopy();
     const float big = std::numeric_limits<float>::infinity();
     nan->tree().setValueOn(Coord(1, 2, 3), openvdb::Vec3f(1, std::nanf(""), 1));
     frustum->tree().setValueOn(Coord(0), openvdb::Vec3f(1));
@@ -235,11 +235,15 @@ openvdb::GridPtrVec bad_flows()
         openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(10)), 0.5, 10, 1));
     fast->tree().setValueOn(Coord(0), openvdb::Vec3f(3e38f, -3e38f, 1));
     infinite->tree().setValueOn(Coord(0), big);
+    vast->setTransform(voxels_of(1e5, 0, 0, 0));
+    vast->tree().setValueOn(Coord(0), openvdb::Vec3f(1e8f));
+    vast->tree().setValueOn(Coord(8), openvdb::Vec3f(1e8f));
     nan->setName("nan");
     frustum->setName("frustum");
     none->setName("none");
     fast->setName("fast");
-    return {density, nan, frustum, none, fast, infinite};
+    vast->setName("vast");
+    return {density, nan, frustum, none, fast, vast, infinite};
 }
 
 openvdb::GridPtrVec bad_values()

@@ -10,8 +10,8 @@
 #include <limits.h>
 #include <sched.h>
 
-#include "render/scene/grid.h"
-#include "tests/stat/fixture.h"
+#include "render/scene/grid_flow.h"
+#include "tests/render/grids.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 8, tiles = n_views * 12 + 1 };
 
@@ -23,8 +23,9 @@ enum { width = 32, height = 24, n_views = 3, tile = 8, tiles = n_views * 12 + 1 
 static const double blob[3] = {2, 0.5, 0}, speed[3] = {1.5, -0.5, 0.25};
 
 typedef struct said {
+    double rate;                        /* frames a second */
     const char *file, *grid, *velocity; /* "" = none */
-    double open, shutter;               /* frames, one a second */
+    double open, shutter;               /* frames */
     const char *more;                   /* of the volume */
 } said;
 
@@ -32,14 +33,15 @@ static lf_scene *scene_after(const said *s, const char *transform, const lf_scen
 {
     char path[PATH_MAX], text[PATH_MAX + 2048];
     assert_non_null(realpath(lf_test_built(s->file), path));
-    snprintf(text, sizeof text,
-             "{'rate': 1, 'camera': {'position': [0, 0.4, 5], 'fov_y': 24, 'aspect': 1.3333333333, "
-             "'cone': 40, 'views': 3, 'shutter': %.17g, 'shutter_open': %.17g}, 'volumes': {'v': "
-             "{'file': '%s', 'grid': '%s'%s%s%s%s}}, 'lights': {'sky': {'type': 'environment', "
-             "'radiance': [0.4, 0.5, 0.7]}, 'sun': {'type': 'distant', 'direction': [0.5, -0.7, "
-             "-0.5], 'irradiance': [2, 1.7, 1.5]}}}",
-             s->shutter, s->open, path, s->grid, s->velocity[0] ? ", 'velocity': " : "",
-             s->velocity, s->more, transform);
+    snprintf(
+        text, sizeof text,
+        "{'rate': %g, 'camera': {'position': [0, 0.4, 5], 'fov_y': 24, 'aspect': 1.3333333333, "
+        "'cone': 40, 'views': 3, 'shutter': %.17g, 'shutter_open': %.17g}, 'volumes': {'v': "
+        "{'file': '%s', 'grid': '%s'%s%s%s%s}}, 'lights': {'sky': {'type': 'environment', "
+        "'radiance': [0.4, 0.5, 0.7]}, 'sun': {'type': 'distant', 'direction': [0.5, -0.7, "
+        "-0.5], 'irradiance': [2, 1.7, 1.5]}}}",
+        s->rate, s->shutter, s->open, path, s->grid, s->velocity[0] ? ", 'velocity': " : "",
+        s->velocity, s->more, transform);
     return lf_test_scene_in(".", text, previous);
 }
 
@@ -48,7 +50,8 @@ static lf_scene *scene_of(const said *s)
     return scene_after(s, "", NULL);
 }
 
-#define FLOWS "testdata/flows.vdb", "density"
+#define FLOWS 1, "testdata/flows.vdb", "density"
+#define BAD_FLOWS 1, "testdata/bad_flows.vdb", "density"
 
 /* The blob's own field, as far as voxels of this length resolve it. */
 static double blob_at(const double p[3])
@@ -208,26 +211,31 @@ static void every_way_to_say_the_same_velocities(void **state)
 {
     (void)state;
     static const struct {
+        double rate; /* all takes 2 seconds */
         const char *velocity;
         bool same;
     } cases[] = {
-        {"{'grid': 'velocity', 'steps': 4}", true},
-        {"{'grid': 'vel', 'steps': 4}", true},
-        {"{'x': 'vel.x', 'y': 'vel.y', 'z': 'vel.z', 'steps': 4}", true},
-        {"{'x': 'u', 'y': 'velocity.y', 'z': 'vel.z', 'steps': 4, 'scale': 1, 'per': 'frame'}",
+        {4, "{'grid': 'velocity', 'steps': 4}", true},
+        {4, "{'grid': 'velocity', 'steps': 4, 'per': 'frame', 'scale': 0.25}", true},
+        {4, "{'grid': 'velocity', 'steps': 4, 'per': 'frame'}", false},
+        {1, "{'grid': 'velocity', 'steps': 4}", true},
+        {1, "{'grid': 'vel', 'steps': 4}", true},
+        {1, "{'x': 'vel.x', 'y': 'vel.y', 'z': 'vel.z', 'steps': 4}", true},
+        {1, "{'x': 'u', 'y': 'velocity.y', 'z': 'vel.z', 'steps': 4, 'scale': 1, 'per': 'frame'}",
          true},
-        {"{'grid': 'in_voxels', 'units': 'voxels', 'steps': 4}", true},
+        {1, "{'grid': 'in_voxels', 'units': 'voxels', 'steps': 4}", true},
         /* negative controls */
-        {"{'x': 'vel.y', 'y': 'vel.x', 'z': 'vel.z', 'steps': 4}", false},
-        {"{'grid': 'velocity', 'steps': 4, 'scale': 2}", false},
-        {"{'grid': 'velocity', 'steps': 4, 'scale': -1}", false},
-        {"{'grid': 'in_voxels', 'steps': 4}", false},
-        {"{'grid': 'turn', 'steps': 4}", false},
+        {1, "{'x': 'vel.y', 'y': 'vel.x', 'z': 'vel.z', 'steps': 4}", false},
+        {1, "{'grid': 'velocity', 'steps': 4, 'scale': 2}", false},
+        {1, "{'grid': 'velocity', 'steps': 4, 'scale': -1}", false},
+        {1, "{'grid': 'in_voxels', 'steps': 4}", false},
+        {1, "{'grid': 'turn', 'steps': 4}", false},
     };
     const said first = {FLOWS, "{'steps': 4}", -0.5, 2, ""};
     lf_scene *truth = scene_of(&first);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const said s = {FLOWS, cases[i].velocity, -0.5, 2, ""};
+        const said s = {cases[i].rate,        "testdata/flows.vdb", "density", cases[i].velocity,
+                        -0.5 * cases[i].rate, 2 * cases[i].rate,    ""};
         lf_scene *scene = scene_of(&s);
         double largest, off = largest_difference(truth, scene, &largest);
         if ((off < 1e-4) != cases[i].same || largest < 0.9 || (!cases[i].same && off < 0.1))
@@ -493,8 +501,7 @@ static void what_is_no_velocity_is_refused_in_one_line(void **state)
 static void what_is_too_fast_is_gone(void **state)
 {
     (void)state;
-    const said s = {
-        "testdata/bad_flows.vdb", "density", "{'grid': 'fast', 'scale': 1e9}", 1, 1, ""};
+    const said s = {BAD_FLOWS, "{'grid': 'fast', 'scale': 1e9}", 1, 1, ""};
     lf_scene *scene = scene_of(&s);
     for (int k = 0; k < 8; k++)
         assert_int_equal(scene->volumes[0].steps->grid[k]->n_bricks, 0);
@@ -502,11 +509,37 @@ static void what_is_too_fast_is_gone(void **state)
     lf_scene_unref(scene);
 }
 
+/* Two thousand million million bricks, and twenty thousand of 64 steps. */
+static void what_takes_too_much_memory_is_refused_before_it_does(void **state)
+{
+    (void)state;
+    char path[PATH_MAX], text[PATH_MAX + 512];
+    lf_error err = {0};
+    lf_scene *scene = NULL;
+    lf_grid_steps *steps = NULL;
+    assert_non_null(realpath(lf_test_built("testdata/bad_flows.vdb"), path));
+    snprintf(text, sizeof text,
+             "{\"camera\": {\"shutter\": 1}, \"volumes\": {\"v\": {\"file\": \"%s\", "
+             "\"velocity\": \"vast\"}}}",
+             path);
+    json_t *doc = json_loads(text, 0, NULL);
+    assert_int_equal(lf_scene_from_json(doc, "/", "t", NULL, NULL, &scene, &err), LF_E_NOMEM);
+    assert_non_null(strstr(err.what, "its velocities spread it over"));
+    json_decref(doc);
+    lf_grid *full = lf_test_grid(lf_test_full, 239, 239, 207),
+            *one = lf_test_grid(lf_test_full, 1, 1, 1);
+    lf_flow flow = {.component = {one, one, one}, .n = LF_MAX_STEPS};
+    lf_assert_status(lf_grid_flow(full, &flow, &steps, &err), LF_E_NOMEM, &err);
+    assert_non_null(strstr(err.what, "its 64 steps take 4.1 GiB; the limit is 4 GiB"));
+    lf_grid_unref(full);
+    lf_grid_unref(one);
+}
+
 static int warnings_with(const lf_scene *scene, const char *words)
 {
     int n = 0;
     for (int i = 0; i < scene->warnings.n; i++)
-        n += strstr(scene->warnings.line[i], words) != NULL;
+        n += !!strstr(scene->warnings.line[i], words);
     return n;
 }
 
@@ -517,8 +550,8 @@ static void velocities_that_nothing_goes_by_are_told_once(void **state)
                           {FLOWS, "", 0, 1, ""},
                           {FLOWS, "'velocity'", 0, 1, ""},
                           {FLOWS, "'velocity'", 0, 0, ""},
-                          {"testdata/block.vdb", "density", "", 0, 1, ""},
-                          {"testdata/bad_flows.vdb", "density", "'none'", 0, 1, ""}};
+                          {1, "testdata/block.vdb", "density", "", 0, 1, ""},
+                          {BAD_FLOWS, "'none'", 0, 1, ""}};
     static const int told[] = {0, 1, 0, 0, 0, 0}, unused[] = {1, 1, 1, 1, 0, 1};
     for (int i = 0; i < 6; i++) {
         lf_scene *scene = scene_of(&cases[i]);
@@ -574,6 +607,7 @@ int main(void)
         cmocka_unit_test(the_number_of_threads_changes_nothing),
         cmocka_unit_test(what_is_no_velocity_is_refused_in_one_line),
         cmocka_unit_test(what_is_too_fast_is_gone),
+        cmocka_unit_test(what_takes_too_much_memory_is_refused_before_it_does),
         cmocka_unit_test(velocities_that_nothing_goes_by_are_told_once),
         cmocka_unit_test(steps_are_shared_and_the_subject_knows_them),
     };
