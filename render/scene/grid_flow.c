@@ -8,6 +8,8 @@
 #include "render/scene/grid.h"
 #include "render/scene/look_up.h"
 
+#define MOST_BRICKS 6e7 /* that are looked through for what comes to them: half a GiB */
+
 /* Bricks are counted in the grid's own lattice, in which those of what comes out lie, too, below 0
  * where it flows there: brick b has the voxels 8 b - 1 to 8 b + 7. */
 typedef struct flowing {
@@ -257,13 +259,11 @@ static lf_status find_box(flowing *f, const lf_affine from[3], lf_error *err)
         f->n[i] = (int)floor((range[1] + 1.0) / LF_BRICK) - f->first[i] + 1;
         n_bricks *= f->n[i];
     }
-    if (n_bricks * sizeof *f->wanted > (double)LF_GRID_MAX_BYTES)
-        return lf_error_set(
-            err, LF_E_NOMEM, "grid",
-            "its velocities spread it over %d x %d x %d voxels: more than fit in %d "
-            "GiB",
-            LF_BRICK * f->n[0], LF_BRICK * f->n[1], LF_BRICK * f->n[2],
-            (int)(LF_GRID_MAX_BYTES >> 30));
+    if (n_bricks > MOST_BRICKS)
+        return lf_error_set(err, LF_E_NOMEM, "grid",
+                            "its velocities spread it over %d x %d x %d voxels: more than can be "
+                            "looked through",
+                            LF_BRICK * f->n[0], LF_BRICK * f->n[1], LF_BRICK * f->n[2]);
     f->wanted = lf_calloc((size_t)n_bricks, sizeof *f->wanted);
     return f->wanted ? LF_OK : lf_error_set(err, LF_E_NOMEM, "grid", "out of memory");
 }
