@@ -126,6 +126,15 @@ openvdb::math::Transform::Ptr voxels_of(double length, double x, double y, doubl
     return map;
 }
 
+/* The same, turned by half a radian about x and sheared. */
+openvdb::math::Transform::Ptr skewed(double length)
+{
+    auto map = voxels_of(length, 0.1, 0.2, -0.1);
+    map->preRotate(0.5, openvdb::math::X_AXIS);
+    map->preShear(0.3, openvdb::math::X_AXIS, openvdb::math::Y_AXIS);
+    return map;
+}
+
 openvdb::Vec3SGrid::Ptr vectors(const char *name, const CoordBBox &box,
                                 const openvdb::math::Transform::Ptr &map,
                                 openvdb::Vec3f (*value)(const openvdb::Vec3d &))
@@ -192,12 +201,14 @@ openvdb::Vec3SGrid::Ptr around_on_faces(const CoordBBox &box)
 /* A soft blob at (2, 0.5, 0) and a grid of temperatures with another map, and what moves them. */
 openvdb::GridPtrVec flows()
 {
-    auto density = FloatGrid::create(0), heat = FloatGrid::create(0);
+    auto density = FloatGrid::create(0), heat = FloatGrid::create(0), slant = FloatGrid::create(0);
     density->setTransform(voxels_of(0.25, 0, 0, 0));
     heat->setTransform(voxels_of(0.5, 0.1, 0, 0.05));
+    slant->setTransform(skewed(0.25));
     density->setName("density");
     heat->setName("temperature");
-    for (auto &grid : {density, heat})
+    slant->setName("slant");
+    for (auto &grid : {density, heat, slant})
         for (auto at = CoordBBox(Coord(-20), Coord(20)).begin(); at; ++at) {
             openvdb::Vec3d d = grid->indexToWorld(*at) - openvdb::Vec3d(2, 0.5, 0);
             double value = 1 - d.lengthSqr() / (1.5 * 1.5);
@@ -212,6 +223,8 @@ openvdb::GridPtrVec flows()
             even,
             turn,
             around_on_faces(wide),
+            slant,
+            vectors("tilted", wide, skewed(1), around),
             vectors("in_voxels", wide, voxels_of(2, 0, 0, 0), along_in_voxels),
             vectors("far", CoordBBox(Coord(1000), Coord(1008)), voxels_of(0.5, 0, 0, 0), along),
             vectors("narrow", CoordBBox(Coord(4, 1, 0), Coord(4, 1, 0)), voxels_of(0.5, 0, 0, 0),
