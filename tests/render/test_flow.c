@@ -355,6 +355,11 @@ static lf_scene *flowing_scene(const char *velocity)
                        NULL);
 }
 
+static int long_or(int replicates)
+{
+    return getenv("QUILTD_LONG") ? 8 * replicates : replicates;
+}
+
 static void six_cycles(lf_renderer *r)
 {
     lf_test_cycles(r, 6);
@@ -364,7 +369,7 @@ static void blurred(const char *velocity, const char *integrator, uint64_t salt,
 {
     lf_scene *scene = flowing_scene(velocity);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
-    lf_test_pictures(r, six_cycles, LF_ESTIMATOR_MIS, 16, salt, tile, out);
+    lf_test_pictures(r, six_cycles, LF_ESTIMATOR_MIS, long_or(16), salt, tile, out);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
 }
@@ -387,7 +392,7 @@ static void stills(uint64_t salt, lf_blocks *out)
         r[m] = lf_test_renderer(scene, "vpt", width, height, NULL);
         lf_scene_unref(scene);
     }
-    for (int k = 0; k < 16; k++) {
+    for (int k = 0; k < long_or(16); k++) {
         double mean[width * height * n_views] = {0};
         for (int m = 0; m < 2; m++) {
             lf_test_reseed(r[m], lf_hash64(lf_test_seed() + salt, (uint64_t)(2 * k + m)));
@@ -441,13 +446,23 @@ static void weights_are_what_is_expected(void **state)
 {
     (void)state;
     lf_blocks found[3];
-    lf_scene *scene = flowing_scene("{'grid': 'turn', 'scale': 0.1, 'steps': 4}");
+    lf_scene *scene = flowing_scene("{'steps': 4}");
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
-    lf_test_weight_blocks(r, six_cycles, 16, tile, found);
-    double p = fmin(lf_blocks_p_zero(&found[0], NULL), lf_blocks_p_zero(&found[1], NULL));
+    lf_test_weight_blocks(r, six_cycles, long_or(16), tile, found);
+    /* Where the blob's rim is a chance of 1e-12 it is never met, and W is 0 for good: tiles count
+     * that expect ten collisions in a test of 16 replicates. */
+    const double rare = 10.0 / (16 * 6 * tile * tile);
+    double p = 1;
+    int n = 0;
+    for (int i = 0; i < tiles; i++)
+        if (found[2].moments[i].mean > rare) {
+            p = fmin(p,
+                     fmin(lf_p_mean(&found[0].moments[i], 0), lf_p_mean(&found[1].moments[i], 0)));
+            n++;
+        }
+    assert_true(n > 15);
     print_message("p %.2g\n", p);
     assert_true(p > LEVEL);
-    assert_true(found[2].moments[tiles - 1].mean > 0.01);
     for (int i = 0; i < 3; i++)
         lf_blocks_finish(&found[i]);
     lf_renderer_destroy(r);
