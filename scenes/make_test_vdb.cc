@@ -177,8 +177,14 @@ openvdb::Vec3f along_in_voxels(const openvdb::Vec3d &p)
     return along(p) * 0.5f;
 }
 
-/* Components on faces: each is where it stands, so that linear ones are what they are anywhere. */
-openvdb::Vec3SGrid::Ptr around_on_faces(const CoordBBox &box)
+/* Out along x and in along y. */
+openvdb::Vec3f apart(const openvdb::Vec3d &p)
+{
+    return openvdb::Vec3f(float(p.x()), float(-p.y()), 0);
+}
+
+/* Components on faces, each as it is there. */
+openvdb::Vec3SGrid::Ptr apart_on_faces(const CoordBBox &box)
 {
     auto map = voxels_of(1, 0.1, 0.2, -0.1);
     auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3f(0));
@@ -191,7 +197,7 @@ openvdb::Vec3SGrid::Ptr around_on_faces(const CoordBBox &box)
         for (int i = 0; i < 3; i++) {
             openvdb::Vec3d p = (*at).asVec3d();
             p[i] -= 0.5;
-            v[i] = around(map->indexToWorld(p))[i];
+            v[i] = apart(map->indexToWorld(p))[i];
         }
         accessor.setValueOn(*at, v);
     }
@@ -222,7 +228,7 @@ openvdb::GridPtrVec flows()
             heat,
             even,
             turn,
-            around_on_faces(wide),
+            apart_on_faces(wide),
             slant,
             vectors("tilted", wide, skewed(1), around),
             vectors("in_voxels", wide, voxels_of(2, 0, 0, 0), along_in_voxels),
