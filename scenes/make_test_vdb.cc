@@ -118,6 +118,153 @@ openvdb::GridPtrVec kinds()
     return {vector, flags, mask};
 }
 
+/* Voxels of some length, moved. */
+openvdb::math::Transform::Ptr voxels_of(double length, double x, double y, double z)
+{
+    auto map = openvdb::math::Transform::createLinearTransform(length);
+    map->postTranslate(openvdb::Vec3d(x, y, z));
+    return map;
+}
+
+/* The same, turned by half a radian about x and sheared. */
+openvdb::math::Transform::Ptr skewed(double length)
+{
+    auto map = voxels_of(length, 0.1, 0.2, -0.1);
+    map->preRotate(0.5, openvdb::math::X_AXIS);
+    map->preShear(0.3, openvdb::math::X_AXIS, openvdb::math::Y_AXIS);
+    return map;
+}
+
+openvdb::Vec3SGrid::Ptr vectors(const char *name, const CoordBBox &box,
+                                const openvdb::math::Transform::Ptr &map,
+                                openvdb::Vec3f (*value)(const openvdb::Vec3d &))
+{
+    auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3f(0));
+    auto accessor = grid->getAccessor();
+    grid->setTransform(map);
+    grid->setName(name);
+    for (auto at = box.begin(); at; ++at)
+        accessor.setValueOn(*at, value(map->indexToWorld(*at)));
+    return grid;
+}
+
+/* One component as a grid of floats. */
+FloatGrid::Ptr floats(const openvdb::Vec3SGrid &from, int component, const char *name)
+{
+    auto grid = FloatGrid::create(0);
+    auto accessor = grid->getAccessor();
+    grid->setTransform(from.transform().copy());
+    grid->setName(name);
+    for (auto value = from.cbeginValueOn(); value; ++value)
+        accessor.setValueOn(value.getCoord(), (*value)[component]);
+    return grid;
+}
+
+openvdb::Vec3f along(const openvdb::Vec3d &)
+{
+    return openvdb::Vec3f(1.5f, -0.5f, 0.25f);
+}
+
+/* One turn about z in 2 pi seconds. */
+openvdb::Vec3f around(const openvdb::Vec3d &p)
+{
+    return openvdb::Vec3f(float(-p.y()), float(p.x()), 0);
+}
+
+/* The same in voxels of 2. */
+openvdb::Vec3f along_in_voxels(const openvdb::Vec3d &p)
+{
+    return along(p) * 0.5f;
+}
+
+/* Out along x and in along y. */
+openvdb::Vec3f apart(const openvdb::Vec3d &p)
+{
+    return openvdb::Vec3f(float(p.x()), float(-p.y()), 0);
+}
+
+/* Components on faces, each as it is there. */
+openvdb::Vec3SGrid::Ptr apart_on_faces(const CoordBBox &box)
+{
+    auto map = voxels_of(1, 0.1, 0.2, -0.1);
+    auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3f(0));
+    auto accessor = grid->getAccessor();
+    grid->setTransform(map);
+    grid->setGridClass(openvdb::GRID_STAGGERED);
+    grid->setName("faces");
+    for (auto at = box.begin(); at; ++at) {
+        openvdb::Vec3f v;
+        for (int i = 0; i < 3; i++) {
+            openvdb::Vec3d p = (*at).asVec3d();
+            p[i] -= 0.5;
+            v[i] = apart(map->indexToWorld(p))[i];
+        }
+        accessor.setValueOn(*at, v);
+    }
+    return grid;
+}
+
+/* A soft blob at (2, 0.5, 0) and a grid of temperatures with another map, and what moves them. */
+openvdb::GridPtrVec flows()
+{
+    auto density = FloatGrid::create(0), heat = FloatGrid::create(0), slant = FloatGrid::create(0);
+    density->setTransform(voxels_of(0.25, 0, 0, 0));
+    heat->setTransform(voxels_of(0.5, 0.1, 0, 0.05));
+    slant->setTransform(skewed(0.25));
+    density->setName("density");
+    heat->setName("temperature");
+    slant->setName("slant");
+    for (auto &grid : {density, heat, slant})
+        for (auto at = CoordBBox(Coord(-20), Coord(20)).begin(); at; ++at) {
+            openvdb::Vec3d d = grid->indexToWorld(*at) - openvdb::Vec3d(2, 0.5, 0);
+            double value = 1 - d.lengthSqr() / (1.5 * 1.5);
+            if (value > 0)
+                grid->tree().setValueOn(*at, float(value));
+        }
+    const CoordBBox wide(Coord(-14), Coord(14));
+    auto even = vectors("velocity", wide, voxels_of(1, 0.1, 0.2, -0.1), along);
+    auto turn = vectors("turn", wide, voxels_of(1, 0.1, 0.2, -0.1), around);
+    return {density,
+            heat,
+            even,
+            turn,
+            apart_on_faces(wide),
+            slant,
+            vectors("tilted", wide, skewed(1), around),
+            vectors("in_voxels", wide, voxels_of(2, 0, 0, 0), along_in_voxels),
+            vectors("far", CoordBBox(Coord(1000), Coord(1008)), voxels_of(0.5, 0, 0, 0), along),
+            vectors("narrow", CoordBBox(Coord(4, 1, 0), Coord(4, 1, 0)), voxels_of(0.5, 0, 0, 0),
+                    along),
+            floats(*even, 0, "vel.x"),
+            floats(*even, 1, "vel.y"),
+            floats(*even, 2, "vel.z"),
+            floats(*even, 0, "u")};
+}
+
+/* Velocities that are none. */
+openvdb::GridPtrVec bad_flows()
+{
+    auto density = one_voxel("density", 1), infinite = one_voxel("wrong.x", 0);
+    auto nan = openvdb::Vec3SGrid::create(openvdb::Vec3f(0)), frustum = nan->deepCopy(),
+         none = nan->deepCopy(), fast = nan->deepCopy(), vast = nan->deepCopy();
+    const float big = std::numeric_limits<float>::infinity();
+    nan->tree().setValueOn(Coord(1, 2, 3), openvdb::Vec3f(1, std::nanf(""), 1));
+    frustum->tree().setValueOn(Coord(0), openvdb::Vec3f(1));
+    frustum->setTransform(openvdb::math::Transform::createFrustumTransform(
+        openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(10)), 0.5, 10, 1));
+    fast->tree().setValueOn(Coord(0), openvdb::Vec3f(3e38f, -3e38f, 1));
+    infinite->tree().setValueOn(Coord(0), big);
+    vast->setTransform(voxels_of(1e5, 0, 0, 0));
+    vast->tree().setValueOn(Coord(0), openvdb::Vec3f(1e8f));
+    vast->tree().setValueOn(Coord(8), openvdb::Vec3f(1e8f));
+    nan->setName("nan");
+    frustum->setName("frustum");
+    none->setName("none");
+    fast->setName("fast");
+    vast->setName("vast");
+    return {density, nan, frustum, none, fast, vast, infinite};
+}
+
 openvdb::GridPtrVec bad_values()
 {
     return {one_voxel("nan", std::numeric_limits<float>::quiet_NaN()),
@@ -181,6 +328,8 @@ void write_all(const std::string &folder)
     write(folder, "names.vdb",
           {one_voxel("density", 1), one_voxel("density", 2), one_voxel("density", 3)}, zip);
     write(folder, "values.vdb", bad_values(), zip);
+    write(folder, "flows.vdb", flows(), zip);
+    write(folder, "bad_flows.vdb", bad_flows(), zip);
     write(folder, "frustum.vdb", frustum(), zip);
     write(folder, "sizes.vdb", sizes(), zip);
     write(folder, "empty.vdb", empty(), zip);

@@ -57,7 +57,7 @@ unsigned lf_import_seconds(void);
 bool lf_import_is_stopped(void);
 
 #define LF_IMPORT_SOCKET 3
-#define LF_IMPORT_VERSION UINT32_C(5)
+#define LF_IMPORT_VERSION UINT32_C(6)
 #define LF_IMPORT_MAX_NAME 256
 #define LF_IMPORT_MAX_FILES 64 /* that a reader has open at once */
 
@@ -85,7 +85,8 @@ typedef struct lf_import_request {
     double seconds_in;
     /* of a picture: 1: as linear floats, whatever the file holds */
     uint32_t floats;
-    /* of a grid */
+    /* of a grid; 1: of velocities, which are of either sign */
+    uint32_t is_velocity;
     char grid[LF_IMPORT_MAX_NAME];
     char path[PATH_MAX]; /* what the file is called, and names in it are relative to */
 } lf_import_request;

@@ -2,7 +2,6 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/alloc.h"
 #include "render/load/camera_frame.h"
@@ -16,9 +15,8 @@
 #include "render/load/scene_looks.h"
 #include "render/load/scene_subject.h"
 #include "render/load/unused_grids.h"
-#include "render/load/vdb_import.h"
+#include "render/load/volume_grids.h"
 #include "render/load/volume_place.h"
-#include "render/scene/grid.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/flame.h"
 #include "render/transport/light_kind.h"
@@ -36,6 +34,7 @@ typedef struct commit {
     const lf_roots *roots;
     const lf_scene *previous; /* may be NULL */
     lf_scene *scene;
+    lf_grid_source grids;
 } commit;
 
 /* Reports err at /section/name/member ("" = the thing itself). */
@@ -56,89 +55,25 @@ static void out_of_memory(const commit *c)
 
 /* ----------------------------------------------------------------------------------- volumes -- */
 
-static lf_grid *find_grid(const lf_scene *scene, const char *key)
-{
-    for (int i = 0; scene && i < scene->n_volumes; i++) {
-        lf_grid *grid = scene->volumes[i].grid;
-        if (grid && strcmp(grid->key, key) == 0)
-            return lf_grid_ref(grid);
-        const lf_volume *fields = scene->volumes[i].albedo_fields;
-        for (int channel = 0; fields && channel < 3; channel++) {
-            grid = fields[channel].grid;
-            if (grid && strcmp(grid->key, key) == 0)
-                return lf_grid_ref(grid);
-        }
-    }
-    for (int i = 0; scene && i < scene->flames.n; i++) {
-        lf_grid *grid = scene->flames.field[i].grid;
-        if (grid && strcmp(grid->key, key) == 0)
-            return lf_grid_ref(grid);
-    }
-    return NULL;
-}
-
-static lf_status import_grid(int fd, const char *path, const char *name, bool rounds,
-                             const char *key, lf_grid **out, lf_error *err)
-{
-    lf_digest digest;
-    lf_grid *grid = NULL;
-    lf_status status = lf_file_digest(fd, path, &digest, err);
-    if (status == LF_OK)
-        status = lf_vdb_import_sum(fd, path, name, &grid, err);
-    if (status != LF_OK)
-        return status;
-    lf_grid_shorten(grid, rounds);
-    if (lf_grid_set_key(grid, key) != LF_OK) {
-        lf_grid_unref(grid);
-        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    }
-    grid->digest = digest;
-    *out = grid;
-    return LF_OK;
-}
-
-/* The grid behind an open file: from this scene or the one before when the key is the same, else
- * read. */
-static lf_status share_or_import(const commit *c, int fd, const char *path, const char *name,
-                                 bool rounds, lf_grid **out_grid, lf_error *err)
-{
-    lf_status status = LF_OK;
-    char what[LF_MAX_SUMMED * LF_GRID_NAME_BYTES + 8];
-    snprintf(what, sizeof what, "%s%s", rounds ? "half:" : "", name);
-    char *key = lf_file_key(fd, path, what);
-    if (!key)
-        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    *out_grid = find_grid(c->scene, key);
-    if (!*out_grid)
-        *out_grid = find_grid(c->previous, key);
-    if (!*out_grid)
-        status = import_grid(fd, path, name, rounds, key, out_grid, err);
-    lf_free(key);
-    return status;
-}
-
 /* One grid of a volume's file; lacks: what it means when it is empty; key: of the file where it is
  * named. */
-static void load_grid(const commit *c, const lf_volume_desc *desc, const char *name,
-                      const char *lacks, const char *key, lf_grid **out)
+static void load_grid(commit *c, const lf_volume_desc *desc, const char *name, const char *lacks,
+                      const char *key, lf_volume *out)
 {
     lf_error err = {0};
-    int fd = -1;
     char *path = lf_path_join(c->scene->file.folder, desc->file);
     if (!path) {
         out_of_memory(c);
         return;
     }
-    lf_status status = lf_file_open(path, c->roots, LF_VDB_MAX_BYTES, &fd, NULL, &err);
-    if (status == LF_OK)
-        status = share_or_import(c, fd, path, name, desc->half, out, &err);
-    if (status != LF_OK)
+    if (lf_volume_grid_load(&c->grids, desc, path, name, out, &key, &err) != LF_OK)
         fail_at(c, "volumes", desc->name, key, &err);
-    else if ((*out)->n_bricks == 0)
+    else if (out->grid->n_bricks == 0)
         lf_warnings_add(&c->scene->warnings, path, "grid %.*s is empty: the volume \"%s\" %s",
                         (int)strcspn(name, "\n"), name, desc->name, lacks);
-    if (fd >= 0)
-        close(fd);
+    else if (lf_volume_flows(c->desc, desc) && !out->steps)
+        lf_warnings_add(&c->scene->warnings, path,
+                        "grids of velocity are empty: the volume \"%s\" stands still", desc->name);
     lf_free(path);
 }
 
@@ -152,7 +87,7 @@ static void fail_too_much(const commit *c, const lf_volume_desc *desc, const cha
 }
 
 /* What volume number i emits, if it does. */
-static void load_flame(const commit *c, int i)
+static void load_flame(commit *c, int i)
 {
     lf_scene *scene = c->scene;
     const lf_volume_desc *desc = &c->desc->volumes[i];
@@ -163,9 +98,9 @@ static void load_flame(const commit *c, int i)
     *flame = (lf_volume){.kind = desc->kind, .nearest = desc->nearest};
     flame->sigma_scale = flame->sigma_max = 1.0f;
     if (desc->kind == LF_VOLUME_GRID)
-        load_grid(c, desc, desc->flame_grid, "does not glow", "emission", &flame->grid);
+        load_grid(c, desc, desc->flame_grid, "does not glow", "emission", flame);
     if (flame->grid)
-        flame->sigma_max = flame->grid->max_value;
+        flame->sigma_max = lf_volume_largest(flame);
     light->volume = i;
     double most =
         lf_flame_light_init(light, lf_to_vec3(desc->flame), desc->kelvin, (double)flame->sigma_max);
@@ -176,7 +111,7 @@ static void load_flame(const commit *c, int i)
 }
 
 /* What scatters of a volume where grids say it. */
-static void load_albedo(const commit *c, const lf_volume_desc *desc, lf_volume *volume)
+static void load_albedo(commit *c, const lf_volume_desc *desc, lf_volume *volume)
 {
     if (!desc->albedo_grid[0][0])
         return;
@@ -186,9 +121,8 @@ static void load_albedo(const commit *c, const lf_volume_desc *desc, lf_volume *
     for (int i = 0; i < 3 && c->reader->status == LF_OK; i++) {
         lf_volume *field = &volume->albedo_fields[i];
         *field = (lf_volume){.kind = LF_VOLUME_GRID, .nearest = desc->nearest, .sigma_scale = 1.0f};
-        load_grid(c, desc, desc->albedo_grid[i], "scatters nothing in a channel", "albedo",
-                  &field->grid);
-        field->sigma_max = field->grid ? field->grid->max_value : 0.0f;
+        load_grid(c, desc, desc->albedo_grid[i], "scatters nothing in a channel", "albedo", field);
+        field->sigma_max = lf_volume_largest(field);
         if (field->sigma_max > 1.0001f) {
             lf_error err;
             (void)lf_error_set(&err, LF_E_FORMAT, desc->name,
@@ -227,16 +161,17 @@ static void load_volumes(commit *c)
             lf_phase_droplets(desc->droplets, volume);
         volume->albedo = lf_to_vec3(desc->albedo);
         if (desc->kind == LF_VOLUME_GRID)
-            load_grid(c, desc, desc->grid, "is not there", "file", &volume->grid);
+            load_grid(c, desc, desc->grid, "is not there", "file", volume);
         if (volume->grid && c->reader->status == LF_OK)
             load_albedo(c, desc, volume);
         if (volume->grid)
-            volume->sigma_max = volume->sigma_scale * volume->grid->max_value;
+            volume->sigma_max = volume->sigma_scale * lf_volume_largest(volume);
         if (!(volume->sigma_max <= MOST_SIGMA))
             fail_too_much(c, desc, "scale", (double)volume->sigma_max);
         if (c->reader->status == LF_OK)
             load_flame(c, i);
     }
+    lf_grid_source_finish(&c->grids);
 }
 
 /* Of number i of the descs. */
@@ -542,7 +477,14 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
                      const lf_shutter *shutter, const lf_roots *roots, const lf_scene *previous,
                      lf_scene *scene)
 {
-    commit c = {reader, root, desc, shutter, roots, previous, scene};
+    commit c = {.reader = reader,
+                .root = root,
+                .desc = desc,
+                .shutter = shutter,
+                .roots = roots,
+                .previous = previous,
+                .scene = scene,
+                .grids = {desc, roots, scene, previous, NULL, {NULL}}};
     scene->file.frame = desc->frame;
     scene->file.rate = desc->rate;
     scene->film = desc->film;

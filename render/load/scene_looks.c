@@ -61,7 +61,9 @@ void lf_scene_look(lf_scene *scene)
     for (int i = 0; i < scene->n_volumes; i++) {
         const lf_volume *volume = &scene->volumes[i];
         scene->has_view_lobes |= !lf_volume_is_isotropic(volume);
-        scene->looks.moving |= !!volume->way;
+        scene->looks.moving |= volume->way || volume->steps;
         scene->looks.chromatic |= lf_volume_is_there(volume) && lf_max3(volume->colour) > 0.0f;
     }
+    for (int i = 0; i < scene->flames.n; i++)
+        scene->looks.moving |= !!scene->flames.field[i].steps;
 }

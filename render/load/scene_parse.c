@@ -133,6 +133,9 @@ static void parse_members(lf_reader *reader, const lf_node *root, const char *na
 
 /* ----------------------------------------------------------------------------------- volumes -- */
 
+#define STEPS 8 /* of velocities */
+#define MAX_GRID_NAME 256
+
 /* What a grid emits: "emission" is an object. */
 static void parse_flame(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
@@ -175,6 +178,48 @@ static bool parse_albedo_grids(lf_reader *reader, const lf_node *node, lf_volume
     return true;
 }
 
+/* The grids of a velocity: one of vectors, or three. */
+static void parse_velocity_grids(lf_reader *reader, const lf_node *node, lf_velocity_desc *velocity)
+{
+    static const char *const keys[] = {"x", "y", "z"};
+    bool vectors = !lf_node_child(node, "x").value;
+    for (int i = 0; i < 3 && reader->status == LF_OK; i++) {
+        const char *name = vectors ? lf_read_string(reader, node, "grid", "velocity", MAX_GRID_NAME)
+                                   : lf_read_string(reader, node, keys[i], NULL, MAX_GRID_NAME);
+        if (!name)
+            lf_read_fail(reader, node, "\"%s\" is missing", keys[i]);
+        else
+            snprintf(velocity->grid[i], sizeof velocity->grid[i], "%s%s%s", name,
+                     vectors ? "." : "", vectors ? keys[i] : "");
+        if (lf_node_child(node, vectors ? keys[i] : "grid").value)
+            lf_read_fail(reader, node, "velocities are of one \"grid\", or of x, y and z");
+    }
+}
+
+/* "velocity": the name of a grid of vectors, or an object. */
+static void parse_velocity(lf_reader *reader, const lf_node *node, lf_velocity_desc *velocity)
+{
+    static const char *const keys[] = {"grid", "x",     "y",     "z", "scale",
+                                       "per",  "units", "steps", NULL};
+    static const char *const times[] = {"second", "frame", NULL};
+    static const char *const lengths[] = {"file", "voxels", NULL};
+    lf_node said = lf_node_child(node, "velocity");
+    *velocity = (lf_velocity_desc){.scale = 1.0, .steps = STEPS};
+    if (json_is_string(said.value)) {
+        const char *name = lf_read_string(reader, node, "velocity", NULL, MAX_GRID_NAME);
+        for (int i = 0; i < 3 && name; i++)
+            snprintf(velocity->grid[i], sizeof velocity->grid[i], "%s.%c", name, "xyz"[i]);
+        return;
+    }
+    if (!lf_read_object(reader, &said, keys))
+        return;
+    parse_velocity_grids(reader, &said, velocity);
+    velocity->scale = lf_read_number(reader, &said, "scale", 1, -1e9, 1e9);
+    velocity->per_frame = lf_read_choice(reader, &said, "per", times, 0) == 1;
+    velocity->of_voxels = lf_read_choice(reader, &said, "units", lengths, 0) == 1;
+    velocity->steps = lf_read_int(reader, &said, "steps", STEPS, 1, LF_MAX_STEPS);
+}
+
 /* One name, or several that are added. */
 static void parse_grid_names(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
@@ -201,10 +246,11 @@ static void parse_grid_names(lf_reader *reader, const lf_node *node, lf_volume_d
 
 static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_volume_desc *volume)
 {
-    static const char *const keys[] = {"file",          "sequence", "grid",      "scale",
-                                       "sigma_t",       "albedo",   "g",         "units",
-                                       "interpolation", "emission", "transform", "second_g",
-                                       "second_share",  "droplets", "precision", NULL};
+    static const char *const keys[] = {
+        "file",      "sequence", "grid",         "scale",         "sigma_t",
+        "albedo",    "g",        "units",        "interpolation", "emission",
+        "transform", "second_g", "second_share", "droplets",      "precision",
+        "velocity",  NULL};
     static const char *const endings[] = {"vdb", NULL};
     static const char *const filters[] = {"linear", "nearest", NULL};
     static const char *const precisions[] = {"exact", "half", NULL};
@@ -217,6 +263,7 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
     volume->half = lf_read_choice(reader, node, "precision", precisions, 0) == 1;
     volume->scale = lf_read_number(reader, node, "scale", 1, 0, 1e9);
     parse_flame(reader, node, volume);
+    parse_velocity(reader, node, &volume->velocity);
 }
 
 static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
@@ -271,9 +318,9 @@ static void parse_phase(lf_reader *reader, const lf_node *node, lf_volume_desc *
 static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
     static const char *const keys[] = {
-        "file",          "sequence", "grid",         "scale",    "albedo",    "g",
-        "interpolation", "shape",    "transform",    "density",  "emission",  "units",
-        "sigma_t",       "second_g", "second_share", "droplets", "precision", NULL};
+        "file",     "sequence",     "grid",     "scale",     "albedo", "g",        "interpolation",
+        "shape",    "transform",    "density",  "emission",  "units",  "velocity", "sigma_t",
+        "second_g", "second_share", "droplets", "precision", NULL};
     lf_volume_desc *volume = &desc->volumes[index];
     *volume = (lf_volume_desc){.name = node->key, .albedo = {1, 1, 1}, .colour = {1, 1, 1}};
     if (!lf_read_object(reader, node, keys))

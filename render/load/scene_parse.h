@@ -20,6 +20,15 @@
 #define LF_GRID_NAME_BYTES 260
 #define LF_MAX_SUMMED 4
 
+/* The grids of a volume's file that say how its values move. */
+typedef struct lf_velocity_desc {
+    char grid[3][LF_GRID_NAME_BYTES]; /* of each component; "" = none */
+    double scale;
+    bool per_frame; /* in place of seconds */
+    bool of_voxels; /* of the velocities' own grid, in place of the file's lengths */
+    int steps;      /* moments of the shutter */
+} lf_velocity_desc;
+
 typedef struct lf_volume_desc {
     const char *name;
     lf_volume_kind kind;
@@ -41,6 +50,7 @@ typedef struct lf_volume_desc {
     bool has_flame;
     const char *flame_grid;
     double flame[3], kelvin;
+    lf_velocity_desc velocity;
     lf_affine transform;
 } lf_volume_desc;
 

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "render/load/volume_grids.h"
 #include "render/scene/geometry.h"
 #include "render/transport/light_kind.h"
 
@@ -10,10 +11,25 @@ static json_t *member(json_t *doc, const char *section, const char *name)
     return json_object_get(json_object_get(doc, section), name);
 }
 
-static bool put_volume(json_t *doc, const lf_volume *volume, const lf_volume_desc *desc)
+/* Velocities are of a time; without one they are no word worth. */
+static bool put_flow(json_t *said, const lf_scene_desc *desc, const lf_volume_desc *volume)
+{
+    double times[2];
+    if (!lf_volume_flows(desc, volume)) {
+        json_object_del(said, "velocity");
+        return true;
+    }
+    lf_volume_flow_times(desc, volume, times);
+    return json_object_set_new(said, "flows", json_pack("[f, f]", times[0], times[1])) == 0;
+}
+
+static bool put_volume(json_t *doc, const lf_scene_desc *scene, const lf_volume *volume,
+                       const lf_volume_desc *desc)
 {
     json_t *said = member(doc, "volumes", desc->name);
     json_object_del(said, "sequence");
+    if (!put_flow(said, scene, desc))
+        return false;
     return !volume->grid ||
            json_object_set_new(said, "file", json_string(volume->grid->digest.text)) == 0;
 }
@@ -112,7 +128,7 @@ json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc,
     json_t *doc = json_deep_copy(scene->file.still);
     bool done = doc;
     for (int i = 0; i < desc->n_volumes && done; i++)
-        done = put_volume(doc, &scene->volumes[i], &desc->volumes[i]);
+        done = put_volume(doc, desc, &scene->volumes[i], &desc->volumes[i]);
     for (int i = 0; i < desc->n_meshes && done; i++)
         done = (desc->meshes[i].shape && !desc->meshes[i].places.file) ||
                put_mesh(doc, scene->geometry, i, &desc->meshes[i]);

@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 static bool is_named(const char *grid, const char *name, size_t length)
 {
@@ -47,22 +48,56 @@ static bool is_used(const lf_scene_desc *desc, const char *file, const char *nam
         bool used = is_added(v->grid, name, length) || is_named(v->flame_grid, name, length);
         for (int c = 0; c < 3; c++)
             used = used || is_named(v->albedo_grid[c], name, length) ||
-                   is_component(v->albedo_grid[c], name, length);
+                   is_component(v->albedo_grid[c], name, length) ||
+                   is_named(v->velocity.grid[c], name, length) ||
+                   is_component(v->velocity.grid[c], name, length);
         if (used)
             return true;
     }
     return false;
 }
 
+/* What programs call velocities: the name, or that and a component. */
+static bool is_velocity(const char *name, size_t length)
+{
+    static const char *const names[] = {"velocity", "vel", "v"};
+    if (length > 2 && strchr("._", name[length - 2]) && strchr("xyzXYZ", name[length - 1]))
+        length -= 2;
+    for (int i = 0; i < 3; i++)
+        if (strlen(names[i]) == length && strncasecmp(names[i], name, length) == 0)
+            return true;
+    return false;
+}
+
+/* Whether the shutter is open and none of a file's volumes says what it moves by. */
+static bool stands_still(const lf_scene_desc *desc, const char *file)
+{
+    bool flows = false;
+    for (int i = 0; i < desc->n_volumes; i++) {
+        const lf_volume_desc *v = &desc->volumes[i];
+        flows = flows || (v->file && strcmp(v->file, file) == 0 && v->velocity.grid[0][0]);
+    }
+    return desc->camera.shutter > 0.0 && !flows;
+}
+
 void lf_warn_of_unused_grids(lf_warnings *warnings, const lf_scene_desc *desc, const lf_grid *grid,
                              const char *file)
 {
-    char unused[256] = "";
+    char unused[256] = "", still[256] = "";
+    const bool is_still = stands_still(desc, file);
     for (const char *name = grid->others; name && *name; name = strchr(name, '\n') + 1) {
-        size_t length = strcspn(name, "\n"), at = strlen(unused);
+        size_t length = strcspn(name, "\n");
+        bool blurs = is_still && is_velocity(name, length);
+        char *list = blurs ? still : unused;
+        size_t at = strlen(list);
         if (!is_used(desc, file, name, length))
-            snprintf(unused + at, sizeof unused - at, "%s%.*s", at ? ", " : "", (int)length, name);
+            snprintf(list + at, sizeof unused - at, "%s%.*s", at ? ", " : "", (int)length, name);
     }
+    if (still[0])
+        lf_warnings_add(warnings, file,
+                        "the shutter is open, and no volume says that it moves by %s "
+                        "(see \"velocity\" in docs/scene.md)",
+                        still);
     if (unused[0])
         lf_warnings_add(warnings, file, "grids that no volume is made of: %s", unused);
 }

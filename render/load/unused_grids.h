@@ -1,4 +1,5 @@
-/* Warns of the grids of a volume's file that no volume is made of; private to render/. */
+/* Warns of the grids of a volume's file that no volume is made of, and, while the shutter is open,
+ * of velocities that none moves by; private to render/. */
 #ifndef LF_RENDER_UNUSED_GRIDS_H
 #define LF_RENDER_UNUSED_GRIDS_H
 

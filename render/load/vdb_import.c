@@ -23,7 +23,8 @@ static lf_status take_others(const lf_parcel *parcel, lf_grid *grid)
     return lf_grid_set_others(grid, others && others[n - 1] == '\0' ? others : "");
 }
 
-static lf_status take_grid(const lf_parcel *parcel, lf_grid **out_grid, lf_error *err)
+static lf_status take_grid(const lf_parcel *parcel, bool is_signed, lf_grid **out_grid,
+                           lf_error *err)
 {
     const int64_t *size = exactly(parcel, LF_PARCEL_SIZE, 3);
     const double *map = exactly(parcel, LF_PARCEL_MAP, 12);
@@ -35,7 +36,7 @@ static lf_status take_grid(const lf_parcel *parcel, lf_grid **out_grid, lf_error
         return lf_error_set(err, LF_E_FORMAT, "grid", "the reader's answer has no grid");
     lf_status status = lf_grid_create(size, map, &grid, err);
     if (status == LF_OK)
-        status = lf_grid_put(grid, n, bricks, values, err);
+        status = lf_grid_put(grid, n, bricks, values, is_signed, err);
     if (status == LF_OK && take_others(parcel, grid) != LF_OK)
         status = lf_error_set(err, LF_E_NOMEM, "grid", "out of memory");
     if (status != LF_OK)
@@ -45,10 +46,10 @@ static lf_status take_grid(const lf_parcel *parcel, lf_grid **out_grid, lf_error
     return status;
 }
 
-lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **out_grid,
-                        lf_error *err)
+static lf_status import(int fd, const char *path, const char *name, bool is_velocity,
+                        lf_grid **out_grid, lf_error *err)
 {
-    lf_import_request request = {.kind = LF_IMPORT_GRID};
+    lf_import_request request = {.kind = LF_IMPORT_GRID, .is_velocity = is_velocity};
     lf_parcel parcel = {0};
     lf_error problem;
     if (strlen(name) >= sizeof request.grid)
@@ -59,10 +60,42 @@ lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **ou
     lf_status status = lf_import_run(&request, fd, path, NULL, NULL, &parcel, err);
     if (status != LF_OK)
         return status;
-    status = take_grid(&parcel, out_grid, &problem);
+    status = take_grid(&parcel, is_velocity, out_grid, &problem);
     lf_parcel_close(&parcel);
     return status == LF_OK ? LF_OK
                            : lf_error_set(err, status, path, "grid %s: %s", name, problem.what);
+}
+
+lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **out_grid,
+                        lf_error *err)
+{
+    return import(fd, path, name, false, out_grid, err);
+}
+
+/* The reader before left the file at its end. */
+static lf_status rewind_file(int fd, const char *path, lf_error *err)
+{
+    if (lseek(fd, 0, SEEK_SET) < 0)
+        return lf_error_set(err, LF_E_IO, path, "cannot be read again: %s", strerror(errno));
+    return LF_OK;
+}
+
+lf_status lf_vdb_import_velocity(int fd, const char *path, const char *const names[3],
+                                 lf_grid *out[3], lf_error *err)
+{
+    lf_grid *grid[3] = {NULL};
+    lf_status status = LF_OK;
+    for (int i = 0; i < 3 && status == LF_OK; i++) {
+        status = rewind_file(fd, path, err);
+        if (status == LF_OK)
+            status = import(fd, path, names[i], true, &grid[i], err);
+    }
+    for (int i = 0; i < 3; i++)
+        if (status == LF_OK)
+            out[i] = grid[i];
+        else
+            lf_grid_unref(grid[i]);
+    return status;
 }
 
 lf_status lf_vdb_import_sum(int fd, const char *path, const char *names, lf_grid **out_grid,
@@ -76,10 +109,8 @@ lf_status lf_vdb_import_sum(int fd, const char *path, const char *names, lf_grid
         lf_grid *grid = NULL, *both = NULL;
         lf_error problem;
         snprintf(name, sizeof name, "%.*s", (int)n, one);
-        /* the reader before this one left it at the end */
-        if (lseek(fd, 0, SEEK_SET) < 0)
-            status = lf_error_set(err, LF_E_IO, path, "cannot be read again: %s", strerror(errno));
-        else
+        status = rewind_file(fd, path, err);
+        if (status == LF_OK)
             status = lf_vdb_import(fd, path, name, &grid, err);
         if (status != LF_OK)
             break;

@@ -24,4 +24,12 @@ LF_NODISCARD lf_status lf_vdb_import(int fd, const char *path, const char *name,
 LF_NODISCARD lf_status lf_vdb_import_sum(int fd, const char *path, const char *names,
                                          lf_grid **out_grid, lf_error *err);
 
+/* Velocities: one grid for each component, of either sign. "NAME.x" is a grid of that name, or else
+ * the first component of a grid of vectors NAME; vectors that the file calls staggered lie on the
+ * faces of voxels, and so do the grids' maps. Values may be looked up, their majorants mean
+ * nothing. Errors as of lf_vdb_import, but that values below 0 are taken. On LF_OK the caller owns
+ * a reference to each. */
+LF_NODISCARD lf_status lf_vdb_import_velocity(int fd, const char *path, const char *const names[3],
+                                              lf_grid *out[3], lf_error *err);
+
 #endif

@@ -28,6 +28,8 @@ using openvdb::CoordBBox;
 struct Import {
     const char *name;
     lf_error *err;
+    bool is_velocity = false;
+    int face = -1; /* of vectors on faces of voxels: the axis whose component this is */
     lf_grid *grid = nullptr;
 
     ~Import()
@@ -195,25 +197,32 @@ bool check_values(const Import &import, const Tree &tree, lf_status *out_status)
 {
     for (auto value = tree.cbeginValueOn(); value; ++value) {
         double v = double(*value);
-        if (v >= 0 && std::isfinite(float(v)))
+        if ((v >= 0 || import.is_velocity) && std::isfinite(float(v)))
             continue;
         Coord at = value.getCoord();
         char what[256];
-        std::snprintf(what, sizeof what,
-                      "grid %s holds %g at voxel %d %d %d; densities are finite and not negative",
-                      import.name, v, at.x(), at.y(), at.z());
+        std::snprintf(what, sizeof what, "grid %s holds %g at voxel %d %d %d; %s", import.name, v,
+                      at.x(), at.y(), at.z(),
+                      import.is_velocity ? "velocities are finite"
+                                         : "densities are finite and not negative");
         *out_status = import.fail(LF_E_FORMAT, what);
         return false;
     }
     return true;
 }
 
-/* Box of everything above 0, tiles included. */
+/* Whether a value is anything; densities are not negative. */
+template <typename Value> bool counts(Value value)
+{
+    return value > 0 || value < 0;
+}
+
+/* Box of everything but 0, tiles included. */
 template <typename Tree> CoordBBox support(const Tree &tree)
 {
     CoordBBox all;
     for (auto value = tree.cbeginValueOn(); value; ++value) {
-        if (!(*value > 0))
+        if (!counts(*value))
             continue;
         CoordBBox box;
         value.getBoundingBox(box);
@@ -238,13 +247,20 @@ bool affine_map(const openvdb::GridBase &grid, const Coord &origin, double out[1
     return true;
 }
 
+/* Components that sit on faces of voxels, half a voxel before their middles. */
+void move_to_faces(int axis, double map[12])
+{
+    for (int i = 0; i < 3; i++)
+        map[4 * i + 3] -= 0.5 * map[4 * i + axis];
+}
+
 template <typename Tree> lf_status fill(Import &import, const Tree &tree, const Coord &origin)
 {
     for (auto value = tree.cbeginValueOn(); value; ++value) {
         CoordBBox bbox;
         value.getBoundingBox(bbox);
         Box box = to_box(bbox, origin);
-        if (*value > 0)
+        if (counts(*value))
             lf_grid_mark(import.grid, box.first, box.last);
     }
     lf_error problem;
@@ -254,7 +270,7 @@ template <typename Tree> lf_status fill(Import &import, const Tree &tree, const 
         CoordBBox bbox;
         value.getBoundingBox(bbox);
         Box box = to_box(bbox, origin);
-        if (*value > 0)
+        if (counts(*value))
             lf_grid_fill(import.grid, box.first, box.last, float(*value));
     }
     return LF_OK;
@@ -278,6 +294,8 @@ template <typename Grid> lf_status convert(Import &import, const Grid &grid)
     if (!affine_map(grid, box.min(), local_to_file))
         return import.fail(LF_E_FORMAT, std::string("grid ") + import.name +
                                             " has a frustum or another map that is not affine");
+    if (import.face >= 0)
+        move_to_faces(import.face, local_to_file);
     int64_t size[3];
     for (int i = 0; i < 3; i++)
         size[i] = int64_t(box.max()[i]) - box.min()[i] + 1;
@@ -290,7 +308,7 @@ template <typename Grid> lf_status convert(Import &import, const Grid &grid)
 /* Level sets become fog first. */
 template <typename Grid> lf_status convert_any_class(Import &import, const typename Grid::Ptr &grid)
 {
-    if (grid->getGridClass() != openvdb::GRID_LEVEL_SET)
+    if (grid->getGridClass() != openvdb::GRID_LEVEL_SET || import.is_velocity)
         return convert(import, *grid);
     openvdb::tools::sdfToFogVolume(*grid);
     return convert(import, *grid);
@@ -312,6 +330,8 @@ lf_status import_from(Import &import, int fd)
     if (vectors) {
         openvdb::GridBase::Ptr loaded = file.load(*vectors);
         auto single = openvdb::gridPtrCast<openvdb::Vec3SGrid>(loaded);
+        if (import.is_velocity && loaded->getGridClass() == openvdb::GRID_STAGGERED)
+            import.face = component;
         lf_status status = convert(
             import,
             single ? *component_of(*single, component)
@@ -341,10 +361,10 @@ void lf_vdb_begin()
     openvdb::initialize();
 }
 
-lf_status lf_vdb_read(int fd, const char *name, lf_grid **out_grid, lf_error *err)
+lf_status lf_vdb_read(int fd, const char *name, bool is_velocity, lf_grid **out_grid, lf_error *err)
 {
     try {
-        Import import{name, err};
+        Import import{name, err, is_velocity};
         lf_status status = import_from(import, fd);
         if (status == LF_OK) {
             *out_grid = import.grid;

@@ -11,10 +11,12 @@ extern "C" {
 
 #define LF_READER_NOMEM "takes more memory than a reader may have (--import-memory)"
 
-/* As lf_vdb_import (vdb_import.h) says, from fd, which stays the caller's; the grid is filled but
- * not finished. Before lf_confine the library has to be begun. */
+/* As lf_vdb_import (vdb_import.h) says, or of velocities as lf_vdb_import_velocity does of each,
+ * from fd, which stays the caller's; the grid is filled but not finished. Before lf_confine the
+ * library has to be begun. */
 void lf_vdb_begin(void);
-LF_NODISCARD lf_status lf_vdb_read(int fd, const char *name, lf_grid **out_grid, lf_error *err);
+LF_NODISCARD lf_status lf_vdb_read(int fd, const char *name, bool is_velocity, lf_grid **out_grid,
+                                   lf_error *err);
 
 #ifdef __cplusplus
 }

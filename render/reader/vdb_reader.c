@@ -36,7 +36,7 @@ static lf_status read_grid(const lf_import_request *request, int fd, lf_parcel_w
                            lf_error *err)
 {
     lf_grid *grid = NULL;
-    lf_status status = lf_vdb_read(fd, request->grid, &grid, err);
+    lf_status status = lf_vdb_read(fd, request->grid, request->is_velocity != 0, &grid, err);
     if (status == LF_OK)
         status = put_grid(parcel, grid, err);
     lf_grid_unref(grid);

@@ -103,14 +103,12 @@ static void move_media(lf_scene *scene, float time)
 {
     for (int i = 0; i < scene->n_volumes; i++) {
         lf_volume *volume = &scene->volumes[i];
-        if (volume->way)
-            lf_volume_move(volume, time);
-        for (int k = 0; k < 3 && volume->albedo_fields && volume->way; k++)
+        lf_volume_move(volume, time);
+        for (int k = 0; k < 3 && volume->albedo_fields; k++)
             lf_volume_move(&volume->albedo_fields[k], time);
     }
     for (int i = 0; i < scene->flames.n; i++)
-        if (scene->flames.field[i].way)
-            lf_volume_move(&scene->flames.field[i], time);
+        lf_volume_move(&scene->flames.field[i], time);
 }
 
 void lf_moment_set(lf_moment *moment, const lf_moving *moving, float time)

@@ -34,9 +34,9 @@ void lf_grid_finish(lf_grid *grid);
 
 /* In place of marking, allocating, setting and finishing: n bricks as another grid stores them
  * (scene.h), at ascending places of its index. They are copied, and trusted in nothing:
- * LF_E_FORMAT; LF_E_NOMEM. */
+ * LF_E_FORMAT; LF_E_NOMEM. is_signed: of velocities, whose majorants mean nothing. */
 LF_NODISCARD lf_status lf_grid_put(lf_grid *grid, size_t n, const uint32_t *places,
-                                   const float *values, lf_error *err);
+                                   const float *values, bool is_signed, lf_error *err);
 
 /* Keeps a finished grid's values in 16 bits from here on. Where all of them are such numbers, as
  * those of files of halves are, nothing is changed but memory; others are left alone, or, if it

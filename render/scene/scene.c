@@ -32,6 +32,13 @@ void lf_light_finish(lf_light *light)
     *light = (lf_light){0};
 }
 
+static void release(lf_volume *volume)
+{
+    lf_grid_unref(volume->grid);
+    lf_grid_steps_unref(volume->steps);
+    lf_free(volume->way);
+}
+
 void lf_scene_unref(lf_scene *scene)
 {
     /* Acquire-release: whoever frees sees what the other owners did before they let go. */
@@ -39,18 +46,13 @@ void lf_scene_unref(lf_scene *scene)
         return;
     for (int i = 0; i < scene->n_volumes; i++) {
         lf_volume *fields = scene->volumes[i].albedo_fields;
-        lf_grid_unref(scene->volumes[i].grid);
-        lf_free(scene->volumes[i].way);
-        for (int channel = 0; fields && channel < 3; channel++) {
-            lf_grid_unref(fields[channel].grid);
-            lf_free(fields[channel].way);
-        }
+        release(&scene->volumes[i]);
+        for (int channel = 0; fields && channel < 3; channel++)
+            release(&fields[channel]);
         lf_free(fields);
     }
-    for (int i = 0; i < scene->flames.n; i++) {
-        lf_grid_unref(scene->flames.field[i].grid);
-        lf_free(scene->flames.field[i].way);
-    }
+    for (int i = 0; i < scene->flames.n; i++)
+        release(&scene->flames.field[i]);
     for (int i = 0; i < scene->n_lights; i++)
         lf_light_finish(&scene->lights[i]);
     lf_geometry_unref(scene->geometry);

@@ -91,10 +91,25 @@ typedef struct lf_volume_way {
     lf_affine open, close;
 } lf_volume_way;
 
+#define LF_MAX_STEPS 64
+
+/* A grid whose values flow while the shutter is open (grid_flow.h): what it is in the middle of
+ * each of n equal parts of that time, of one size and one map. Shared as grids are. */
+typedef struct lf_grid_steps {
+    atomic_int refs;
+    int n;
+    lf_grid *grid[LF_MAX_STEPS]; /* [n] counted references; the same key for all */
+} lf_grid_steps;
+lf_grid_steps *lf_grid_steps_ref(lf_grid_steps *steps);
+/* Accepts NULL. */
+void lf_grid_steps_unref(lf_grid_steps *steps);
+
 typedef struct lf_volume {
     lf_volume_kind kind;
     lf_grid *grid; /* counted reference; NULL unless LF_VOLUME_GRID */
-    bool nearest;  /* interpolation "nearest" */
+    lf_grid_steps
+        *steps;   /* counted reference; NULL: its values do not flow. grid is of the middle */
+    bool nearest; /* interpolation "nearest" */
     /* sigma_t per scene unit = sigma_scale * value (value is 1 inside a homogeneous shape) */
     float sigma_scale;
     float sigma_max; /* majorant of the whole volume */
@@ -144,8 +159,8 @@ static inline lf_vec3 lf_volume_colour(const lf_volume *volume)
     return lf_max3(volume->colour) > 0.0f ? volume->colour : lf_v3(1.0f, 1.0f, 1.0f);
 }
 
-/* Puts a volume with a way where it is at a moment, 0 when the shutter opens and 1 when it closes.
- */
+/* Makes a volume what it is, where it is, at a moment: 0 when the shutter opens and 1 when it
+ * closes. A grid that flows is then borrowed from its steps. */
 void lf_volume_move(lf_volume *volume, float time);
 /* false where the way flattens it in between, or nearly so (a turn of about half a circle). */
 bool lf_volume_way_is_sound(const lf_volume_way *way);

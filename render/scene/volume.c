@@ -94,16 +94,16 @@ lf_status lf_grid_allocate(lf_grid *grid, lf_error *err)
     return LF_OK;
 }
 
-static bool are_densities(const float *values, size_t n)
+static bool are_within(const float *values, size_t n, float least)
 {
     for (size_t i = 0; i < n; i++)
-        if (!(values[i] >= 0.0f && values[i] <= FLT_MAX))
+        if (!(values[i] >= least && values[i] <= FLT_MAX))
             return false;
     return true;
 }
 
 lf_status lf_grid_put(lf_grid *grid, size_t n, const uint32_t *places, const float *values,
-                      lf_error *err)
+                      bool is_signed, lf_error *err)
 {
     size_t length = index_length(grid);
     for (size_t i = 0; i < n; i++) {
@@ -112,8 +112,10 @@ lf_status lf_grid_put(lf_grid *grid, size_t n, const uint32_t *places, const flo
                                 "bricks lie outside, or twice at a place");
         grid->index[places[i]] = 1;
     }
-    if (!are_densities(values, n * LF_BRICK_STRIDE))
-        return lf_error_set(err, LF_E_FORMAT, "grid", "densities are finite and not negative");
+    if (!are_within(values, n * LF_BRICK_STRIDE, is_signed ? -FLT_MAX : 0.0f))
+        return lf_error_set(err, LF_E_FORMAT, "grid", "%s",
+                            is_signed ? "velocities are finite"
+                                      : "densities are finite and not negative");
     lf_status status = lf_grid_allocate(grid, err);
     if (status != LF_OK)
         return status;

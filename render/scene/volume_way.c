@@ -25,6 +25,13 @@ bool lf_volume_way_is_sound(const lf_volume_way *way)
 
 void lf_volume_move(lf_volume *volume, float time)
 {
+    const lf_grid_steps *steps = volume->steps;
+    if (steps) {
+        int step = (int)(time * (float)steps->n);
+        volume->grid = steps->grid[step < steps->n ? step : steps->n - 1];
+    }
+    if (!volume->way)
+        return;
     lf_affine map = map_at(volume->way, (double)time), inverse = map;
     (void)lf_affine_invert(&map, &inverse); /* sound ways have one */
     for (int i = 0; i < 3; i++)

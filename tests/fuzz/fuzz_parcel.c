@@ -1,6 +1,6 @@
 /* What a reader hands over, which may be a lie: any bytes as a parcel, or sections of any lengths
- * behind a header that fits, taken over as a mesh, a grid or a picture (the first byte chooses):
- * refused with a word, or what everything behind relies on holds. */
+ * behind a header that fits, taken over as a mesh, a grid, velocities or a picture (the first byte
+ * chooses): refused with a word, or what everything behind relies on holds. */
 #include "tests/fuzz/fuzz.h"
 
 #include <fcntl.h>
@@ -156,6 +156,21 @@ static void as_grid(int fd)
         check_error(status, &err);
 }
 
+static void as_velocities(int fd)
+{
+    static const char *const names[3] = {"v.x", "v.y", "v.z"};
+    lf_grid *grid[3] = {NULL};
+    lf_error err = {0};
+    lf_status status = lf_vdb_import_velocity(fd, "fuzz", names, grid, &err);
+    if (status != LF_OK)
+        check_error(status, &err);
+    for (int i = 0; i < 3 && status == LF_OK; i++) {
+        for (size_t k = 0; k < ((size_t)grid[i]->n_bricks + 1) * LF_BRICK_STRIDE; k++)
+            lf_fuzz_require(isfinite(lf_grid_stored(grid[i], k)));
+        lf_grid_unref(grid[i]);
+    }
+}
+
 static void as_picture(int fd, bool floats)
 {
     lf_raster picture = {0};
@@ -179,7 +194,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     input_size = size - 1;
     int fd = lf_fuzz_file((const uint8_t *)"m", 1);
     snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
-    if (data[0] & 4)
+    if ((data[0] & 6) == 6)
+        as_velocities(fd);
+    else if (data[0] & 4)
         as_grid(fd);
     else if (data[0] & 8)
         as_picture(fd, data[0] & 2);
