@@ -4,14 +4,15 @@
 #include "render/reconstruct/scratch.h"
 
 /* What a row is answered from. */
-typedef struct lf_open_row {
+typedef struct lf_answered_row {
     const lf_film *film;
     const lf_reconstruct_scratch *scratch, *bounded; /* bounded NULL: nothing is */
     lf_row_halves halves;
     int row;
-} lf_open_row;
+} lf_answered_row;
 
-static void answer_pixel(const lf_reconstruction *r, const lf_open_row *o, size_t i, float out[3])
+static void answer_pixel(const lf_reconstruction *r, const lf_answered_row *o, size_t i,
+                         float out[3])
 {
     static const float none[4] = {0.0f, 0.0f, 0.0f, -1.0f};
     const lf_pixels *pixels = &o->scratch->rows[0];
@@ -38,7 +39,7 @@ static void answer_pixel(const lf_reconstruction *r, const lf_open_row *o, size_
     lf_bright_mix(bright.share, bright.below[0], bright.above[0], w, o->bounded->predicted[i], out);
 }
 
-static void answer_row(const lf_reconstruction *r, const lf_open_row *o, float *out)
+static void answer_row(const lf_reconstruction *r, const lf_answered_row *o, float *out)
 {
     const lf_film *film = o->film;
     const lf_film_known *known = lf_film_known_at(film, o->row);
@@ -72,7 +73,7 @@ lf_status lf_reconstruct_row(lf_reconstruction *r, const lf_film *film, int row,
     if (status == LF_OK && bounded)
         status = lf_table_make(&bounded->table, r->bounded, row, LF_BOTH);
     if (status == LF_OK && lf_pixels_read(&scratch->rows[0], r, film, row, false)) {
-        const lf_open_row o = {film, scratch, bounded, lf_row_halves_of(film, row), row};
+        const lf_answered_row o = {film, scratch, bounded, lf_row_halves_of(film, row), row};
         predict(r, scratch, &scratch->rows[0], film->n_views * film->width);
         if (bounded)
             predict(r->bounded, bounded, &scratch->rows[0], film->n_views * film->width);
