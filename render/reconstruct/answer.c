@@ -1,69 +1,87 @@
 /* The answer of one row: what the nodes around its pixels predict, and N/W of the pixel itself by
  * its share. */
-#include <string.h>
-
-#include "base/alloc.h"
-#include "render/reconstruct/moments.h"
+#include "render/reconstruct/bright.h"
 #include "render/reconstruct/scratch.h"
 
-/* N, W and W' of both halves. */
-static lf_pixel_found found_at(const lf_film_row *state, const lf_film_half half[2], size_t i)
+/* What a row is answered from. */
+typedef struct lf_answered_row {
+    const lf_film *film;
+    const lf_reconstruct_scratch *scratch, *bounded; /* bounded NULL: nothing is */
+    lf_row_halves halves;
+    int row;
+} lf_answered_row;
+
+static void answer_pixel(const lf_reconstruction *r, const lf_answered_row *o, size_t i,
+                         float out[3])
 {
-    lf_pixel_found found = {.w = 0.0f};
+    static const float none[4] = {0.0f, 0.0f, 0.0f, -1.0f};
+    const lf_pixels *pixels = &o->scratch->rows[0];
+    const lf_film_row *state = &o->film->rows[o->row];
+    bool fitted = lf_pixel_is_fitted(pixels, i);
+    lf_fitted x;
+    lf_bright_pixel bright;
+    lf_pixel_found both = {.w = 0.0f};
+    lf_fitted_read(o->film, &o->halves, pixels->second[i], i, &x);
     for (int h = 0; h < 2; h++)
-        if (state->n[h] > 0.0)
-            lf_pixel_found_add(&found, &half[h], i);
-    return found;
-}
-
-/* n: what both halves have found, over w, which is 0 where that is no answer. predicted[3]: the
- * share of N/W, below 0 where no node is near. */
-static void answer_pixel(const float n[3], float w, float q, const float known[3],
-                         const float predicted[4], float out[3])
-{
-    bool near = predicted[3] >= 0.0f;
+        lf_pixel_found_join(&both, &x.found[h]);
+    float w = lf_pixel_found_weight(o->film, &both, pixels->second[i],
+                                    pixels->q[i] * (float)(state->n[0] + state->n[1]));
+    lf_pixel_show(both.n, w, fitted ? o->scratch->predicted[i] : none, out);
+    if (!fitted || !o->bounded)
+        return;
+    lf_bright_split(r, pixels, o->row, i, &x, &bright);
+    if (!(bright.share > 0.0f))
+        return;
     for (int c = 0; c < 3; c++) {
-        float x = near ? predicted[c] : 0.0f, share = near ? predicted[3] : 1.0f;
-        if (w > 0.0f)
-            x += share * (n[c] / w - x);
-        out[c] = known[c] + q * (x > 0.0f ? x : 0.0f);
+        bright.below[0][c] += bright.below[1][c];
+        bright.above[0][c] += bright.above[1][c];
     }
+    lf_bright_mix(bright.share, bright.below[0], bright.above[0], w, o->bounded->predicted[i], out);
 }
 
-static void answer_row(const lf_film *film, int row, const lf_reconstruct_scratch *scratch,
-                       float *out)
+static void answer_row(const lf_reconstruction *r, const lf_answered_row *o, float *out)
 {
-    const lf_film_row *state = &film->rows[row];
-    const lf_film_half half[2] = {lf_film_at(film, row, 0), lf_film_at(film, row, 1)};
-    const lf_film_known *known = lf_film_known_at(film, row);
-    const float *q = scratch->rows[0].q;
+    const lf_film *film = o->film;
+    const lf_film_known *known = lf_film_known_at(film, o->row);
+    const float *q = o->scratch->rows[0].q;
     size_t pixels = (size_t)film->n_views * (size_t)film->width;
     for (size_t i = 0; i < pixels; i++) {
-        float b[3];
-        for (int c = 0; c < 3; c++)
-            b[c] = known ? known[i].b[c] : film->sky[c] * (1.0f - q[i]);
-        const lf_pixel_found found = found_at(state, half, i);
-        float w = lf_pixel_found_weight(film, &found, scratch->rows[0].second[i],
-                                        q[i] * (float)(state->n[0] + state->n[1]));
-        const float none[4] = {0.0f, 0.0f, 0.0f, -1.0f};
-        bool fitted = lf_pixel_is_fitted(&scratch->rows[0], i);
-        answer_pixel(found.n, w, q[i], b, fitted ? scratch->predicted[i] : none, out + 3 * i);
+        float x[3];
+        answer_pixel(r, o, i, x);
+        for (int c = 0; c < 3; c++) {
+            float b = known ? known[i].b[c] : film->sky[c] * (1.0f - q[i]);
+            out[3 * i + (size_t)c] = b + q[i] * x[c];
+        }
     }
+}
+
+static void predict(const lf_reconstruction *r, lf_reconstruct_scratch *scratch,
+                    const lf_pixels *pixels, int n)
+{
+    r->kernels->predict(&scratch->table, pixels, 0, n, scratch->predicted);
 }
 
 lf_status lf_reconstruct_row(lf_reconstruction *r, const lf_film *film, int row, float *out)
 {
     if (!r->ready || !lf_film_visited(film->rows[row].visits))
         return LF_E_STATE;
-    lf_reconstruct_scratch *scratch = lf_scratch_take(r);
-    if (!scratch)
-        return LF_E_NOMEM;
-    lf_status status = lf_table_make(&scratch->table, r, row, LF_BOTH);
+    lf_reconstruct_scratch *scratch = lf_scratch_take(r),
+                           *bounded = r->is_bright ? lf_scratch_take(r->bounded) : NULL;
+    lf_status status = scratch && (bounded || !r->is_bright) ? LF_OK : LF_E_NOMEM;
+    if (status == LF_OK)
+        status = lf_table_make(&scratch->table, r, row, LF_BOTH);
+    if (status == LF_OK && bounded)
+        status = lf_table_make(&bounded->table, r->bounded, row, LF_BOTH);
     if (status == LF_OK && lf_pixels_read(&scratch->rows[0], r, film, row, false)) {
-        r->kernels->predict(&scratch->table, &scratch->rows[0], 0, film->n_views * film->width,
-                            scratch->predicted);
-        answer_row(film, row, scratch, out);
+        const lf_answered_row o = {film, scratch, bounded, lf_row_halves_of(film, row), row};
+        predict(r, scratch, &scratch->rows[0], film->n_views * film->width);
+        if (bounded)
+            predict(r->bounded, bounded, &scratch->rows[0], film->n_views * film->width);
+        answer_row(r, &o, out);
     }
-    lf_scratch_give(r, scratch);
+    if (scratch)
+        lf_scratch_give(r, scratch);
+    if (bounded)
+        lf_scratch_give(r->bounded, bounded);
     return status;
 }

@@ -56,6 +56,7 @@ typedef struct lf_cell {
     float share;              /* of this level, as it is settled */
     bool filled[LF_VARIANTS]; /* the node knows something */
     float chosen;             /* what shares have gained by chance here (shown_error.c) */
+    float bright;             /* share of the bounded fit (bright.h) */
 } lf_cell;
 
 /* Of one depth in a band: places [u0, u0 + nu), in the index from `first` on; nu = 0: none. */
@@ -91,7 +92,11 @@ struct lf_reconstruction {
     const struct lf_reconstruct_kernels *kernels;
     pthread_mutex_t lock;
     struct lf_reconstruct_scratch *scratch; /* under the lock: what nobody uses */
+    struct lf_bright *bright;               /* [level 1's n_bands] */
+    lf_reconstruction *bounded;             /* of what is bounded; NULL: never needed */
+    const lf_reconstruction *whole;         /* what this is the bounded one of */
     bool ready;
+    bool is_bright; /* the last fit goes by the bounded one somewhere */
 };
 
 /* Whether a row's pixels of this view are summed up: with many views every third, another one in
@@ -119,6 +124,10 @@ static inline int lf_band_find(const lf_band *band, int u, int z)
     ptrdiff_t place = lf_band_place(band, u, z);
     return place < 0 ? -1 : band->index[place];
 }
+
+/* The n-th of the 27 cells around one, NULL: there is none; what it counts. */
+const lf_cell *lf_cell_around(const lf_lattice *l, int number, const lf_cell *cell, int n,
+                              float *weight);
 
 /* How a band is made: begun with the depths [z0, z0 + nz), widened by every place, opened, every
  * place marked; then there is a cell, all zero, wherever there was a mark. All but the inline ones

@@ -3,15 +3,9 @@
 #include <limits.h>
 #include <string.h>
 
-/* What a row's halves hold of one pixel. A row that one half alone has visited counts as a half by
- * its place, one row with the next and, where one row of each cell was visited, one cell with the
- * next: its features stand for both. */
-typedef struct lf_row_halves {
-    lf_film_half half[2]; /* zeros: nothing */
-    float n[2];
-} lf_row_halves;
+#include "render/reconstruct/bright.h"
 
-static lf_row_halves halves_of(const lf_film *film, int row)
+lf_row_halves lf_row_halves_of(const lf_film *film, int row)
 {
     const lf_film_row *state = &film->rows[row];
     lf_row_halves out = {.n = {0}};
@@ -53,28 +47,19 @@ static void add_known(lf_raw_sums *raw, const lf_film *film, const lf_film_known
     raw->pixels += 1.0f;
 }
 
-/* One pixel's halves, as they are fitted to. */
-typedef struct lf_fitted {
-    lf_pixel_found found[2];
-    float w[2];         /* W or W': as a summand even where it is nothing to divide by */
-    float answer[2][3]; /* N/W, where there is one */
-    bool answers[2];
-} lf_fitted;
-
-static void read_fitted(const lf_film *film, const lf_row_halves *halves, bool second, size_t i,
-                        lf_fitted *out)
+void lf_fitted_read(const lf_film *film, const lf_row_halves *halves, bool second, size_t i,
+                    lf_fitted *out)
 {
     for (int h = 0; h < 2; h++) {
         lf_pixel_found *found = &out->found[h];
         *found = (lf_pixel_found){.w = 0.0f};
-        out->answers[h] = false;
-        out->w[h] = 0.0f;
+        out->w[h] = out->over[h] = 0.0f;
         if (!halves->half[h].scattered)
             continue;
         lf_pixel_found_add(found, &halves->half[h], i);
         out->w[h] = second ? found->w2 : found->w;
         float w = lf_pixel_found_weight(film, found, second, halves->n[h] * halves->half[h].q[i]);
-        out->answers[h] = w > 0.0f;
+        out->over[h] = w;
         for (int c = 0; c < 3 && w > 0.0f; c++)
             out->answer[h][c] = found->n[c] / w;
     }
@@ -82,14 +67,14 @@ static void read_fitted(const lf_film *film, const lf_row_halves *halves, bool s
 
 /* Sums of N^2/W of both halves. */
 static void add_square(lf_cell *cell, const lf_film *film, const lf_row_halves *halves, bool second,
-                       size_t i)
+                       size_t i, const lf_fitted *x)
 {
     lf_pixel_found both = {.w = 0.0f};
     float nq = 0.0f;
     for (int h = 0; h < 2; h++) {
         if (!halves->half[h].scattered)
             continue;
-        lf_pixel_found_add(&both, &halves->half[h], i);
+        lf_pixel_found_join(&both, &x->found[h]);
         nq += halves->n[h] * halves->half[h].q[i];
     }
     float w = lf_pixel_found_weight(film, &both, second, nq);
@@ -97,25 +82,25 @@ static void add_square(lf_cell *cell, const lf_film *film, const lf_row_halves *
         cell->raw.square[c] += both.n[c] * both.n[c] / w;
 }
 
-static void add_pixel(lf_cell *cell, const lf_reconstruction *r, const lf_film *film,
-                      const lf_row_halves *halves, bool second, size_t i, float f[2][LF_FEATURES])
+static void add_pixel(lf_cell *cell, const lf_reconstruct_kernels *kernels, const lf_film *film,
+                      const lf_row_halves *halves, bool second, size_t i, const lf_fitted *x,
+                      float f[2][LF_FEATURES])
 {
-    lf_fitted x;
-    read_fitted(film, halves, second, i, &x);
     for (int h = 0; h < 2; h++)
-        if (x.found[h].w != 0.0f)
+        if (x->found[h].w != 0.0f)
             for (int of = 0; of < 2; of++)
-                r->kernels->add(&cell->half[of][h], x.w[h], x.found[h].n, f[of]);
+                kernels->add(&cell->half[of][h], x->w[h], x->found[h].n, f[of]);
     for (int h = 0; h < 2; h++)
-        if (x.answers[h] && x.found[1 - h].w != 0.0f)
-            add_cross(&cell->raw, h, x.answer[h], &x.found[1 - h], x.w[1 - h], f[h]);
-    add_square(cell, film, halves, second, i);
+        if (x->over[h] > 0.0f && x->found[1 - h].w != 0.0f)
+            add_cross(&cell->raw, h, x->answer[h], &x->found[1 - h], x->w[1 - h], f[h]);
+    add_square(cell, film, halves, second, i, x);
 }
 
 static void add_view(lf_band *band, const lf_reconstruction *r, const lf_film *film,
                      const lf_pixels *pixels, const lf_row_halves *halves,
-                     const lf_film_known *known, int number, int view)
+                     const lf_film_known *known, int row, int view)
 {
+    const int number = row / LF_CELL_SIDE;
     size_t first = (size_t)view * (size_t)film->width;
     for (size_t i = first; i < first + (size_t)film->width; i++) {
         if (!lf_pixel_is_fitted(pixels, i))
@@ -124,22 +109,26 @@ static void add_view(lf_band *band, const lf_reconstruction *r, const lf_film *f
         const float middle[3] = {(float)cell->u + 0.5f, (float)number + 0.5f,
                                  (float)cell->z + 0.5f};
         float f[2][LF_FEATURES];
+        lf_fitted x;
         for (int h = 0; h < 2; h++)
             for (int j = 0; j < LF_FEATURES; j++)
                 f[h][j] = pixels->f[h][j][i] - (j < 3 ? middle[j] : 0.0f);
-        add_pixel(cell, r, film, halves, pixels->second[i], i, f);
+        lf_fitted_read(film, halves, pixels->second[i], i, &x);
+        if (r->whole)
+            lf_bright_bound(r->whole, pixels, row, i, &x);
+        add_pixel(cell, r->kernels, film, halves, pixels->second[i], i, &x, f);
         add_known(&cell->raw, film, known ? &known[i] : NULL, pixels->q[i]);
     }
 }
 
 static void add_row(lf_band *band, const lf_reconstruction *r, const lf_film *film,
-                    const lf_pixels *pixels, int row, int number)
+                    const lf_pixels *pixels, int row)
 {
-    const lf_row_halves halves = halves_of(film, row);
+    const lf_row_halves halves = lf_row_halves_of(film, row);
     const lf_film_known *known = lf_film_known_at(film, row);
     for (int view = 0; view < film->n_views; view++)
         if (lf_view_is_fitted(r, row, view))
-            add_view(band, r, film, pixels, &halves, known, number, view);
+            add_view(band, r, film, pixels, &halves, known, row, view);
 }
 
 typedef struct lf_range {
@@ -186,7 +175,7 @@ lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int numbe
     if (status == LF_OK)
         status = lf_band_reserve(band);
     for (int j = 0; j < n_rows && status == LF_OK && band->n > 0; j++)
-        add_row(band, r, film, &rows[j], row[j], number);
+        add_row(band, r, film, &rows[j], row[j]);
     return status;
 }
 

@@ -18,6 +18,36 @@ static inline void lf_pixel_found_add(lf_pixel_found *found, const lf_film_half 
     found->w2 += half->w2 ? half->w2[pixel] : s->w;
 }
 
+static inline void lf_pixel_found_join(lf_pixel_found *to, const lf_pixel_found *from)
+{
+    for (int c = 0; c < 3; c++)
+        to->n[c] += from->n[c];
+    to->w += from->w;
+    to->w2 += from->w2;
+}
+
+/* What a row's halves hold of one pixel. A row that one half alone has visited counts as a half by
+ * its place, one row with the next and, where one row of each cell was visited, one cell with the
+ * next: its features stand for both. */
+typedef struct lf_row_halves {
+    lf_film_half half[2]; /* zeros: nothing */
+    float n[2];
+} lf_row_halves;
+
+lf_row_halves lf_row_halves_of(const lf_film *film, int row);
+
+/* One pixel's halves, as they are fitted to. */
+typedef struct lf_fitted {
+    lf_pixel_found found[2];
+    float w[2];         /* W or W': as a summand even where it is nothing to divide by */
+    float over[2];      /* what N is divided by, 0: that is no answer */
+    float answer[2][3]; /* N/W, where there is one */
+} lf_fitted;
+
+/* Of pixel i, by W' where that is the second and less noisy weight. */
+void lf_fitted_read(const lf_film *film, const lf_row_halves *halves, bool second, size_t i,
+                    lf_fitted *out);
+
 /* All cells and sums of a band of level 0. One worker a band. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int number,
                                          lf_pixels rows[LF_CELL_SIDE]);

@@ -2,6 +2,8 @@
 #ifndef LF_RENDER_RECONSTRUCT_PIXELS_H
 #define LF_RENDER_RECONSTRUCT_PIXELS_H
 
+#include <math.h>
+
 #include "render/reconstruct/kernel.h"
 
 /* Memory for rows of n pixels, all views. LF_E_NOMEM; *out may then be finished. */
@@ -12,6 +14,21 @@ void lf_pixels_finish(lf_pixels *pixels);
 /* halves: also the features of each alone. false: the row was never visited. */
 bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film *film, int row,
                     bool halves);
+
+/* R as it is shown: the prediction, and N/W by its share (predicted[3], below 0 where no node is
+ * near). n was found, over w, which is 0 where that is no answer. A prediction of -x is off by x at
+ * least: of what the pixel itself has found it does not outweigh as much. */
+static inline void lf_pixel_show(const float n[3], float w, const float predicted[4], float out[3])
+{
+    const bool near = predicted[3] >= 0.0f;
+    const float share = near ? predicted[3] : 1.0f;
+    for (int c = 0; c < 3; c++) {
+        float x = near ? predicted[c] : 0.0f, own = w > 0.0f ? n[c] / w : x;
+        if (x < 0.0f)
+            x = fminf(-x, fmaxf(own, 0.0f));
+        out[c] = fmaxf(0.0f, w > 0.0f ? x + share * (own - x) : x);
+    }
+}
 
 /* The table for a row from the last fit. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_table_make(lf_row_table *table, const lf_reconstruction *r, int row,

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "render/reconstruct/bright.h"
 #include "render/reconstruct/moments.h"
 #include "render/reconstruct/scratch.h"
 #include "render/reconstruct/shrink.h"
@@ -36,7 +37,8 @@ lf_status lf_reconstruct_create(const lf_reconstruct_view *view, lf_pool *pool,
     r->cell_depth = fmaxf(LF_CELL_DEPTH, LF_NEARNESS_MAX * view->depth / LF_MAX_DEPTHS);
     pthread_mutex_init(&r->lock, NULL);
     r->shift = lf_calloc((size_t)view->n_views, sizeof *r->shift);
-    bool whole = r->shift;
+    r->bright = lf_calloc((size_t)bands_of(view->height, 1), sizeof *r->bright);
+    bool whole = r->shift && r->bright;
     for (int l = 0; l < LF_LEVELS && whole; l++) {
         r->level[l].n_bands = bands_of(view->height, l);
         r->level[l].bands = lf_calloc((size_t)r->level[l].n_bands, sizeof *r->level[l].bands);
@@ -56,6 +58,10 @@ void lf_reconstruct_destroy(lf_reconstruction *r)
 {
     if (!r)
         return;
+    lf_reconstruct_destroy(r->bounded);
+    for (int i = 0; r->bright && i < r->level[1].n_bands; i++)
+        lf_bright_finish(&r->bright[i]);
+    lf_free(r->bright);
     for (int l = 0; l < LF_LEVELS; l++) {
         for (int i = 0; r->level[l].bands && i < r->level[l].n_bands; i++)
             lf_band_finish(&r->level[l].bands[i]);
@@ -87,7 +93,12 @@ typedef enum lf_step {
     SETTLE_RAW,
     TAKE,
     TAKE_PAST,
-    TAKE_RAW
+    TAKE_RAW,
+    BRIGHT_TELL,
+    BRIGHT_BOUND,
+    BRIGHT_COMPARE,
+    BRIGHT_SETTLE,
+    BRIGHT_TAKE
 } lf_step;
 
 typedef struct lf_fit_job {
@@ -151,6 +162,21 @@ static void run_band(void *context, int band, int worker)
     case TAKE_RAW:
         lf_shrink_take_raw(job->r, band);
         break;
+    case BRIGHT_TELL:
+        status = lf_bright_tell(job->r, job->film, band);
+        break;
+    case BRIGHT_BOUND:
+        lf_bright_settle_bound(job->r, band);
+        break;
+    case BRIGHT_COMPARE:
+        status = lf_bright_compare(job->r, job->film, band);
+        break;
+    case BRIGHT_SETTLE:
+        lf_bright_settle(job->r, band);
+        break;
+    case BRIGHT_TAKE:
+        lf_shrink_take_bright(job->r, band);
+        break;
     }
     if (status != LF_OK)
         atomic_store_explicit(&job->failed, 1, memory_order_relaxed);
@@ -176,12 +202,10 @@ static lf_status shrink_finest(lf_fit_job *job, lf_step weigh, lf_step settle, l
     return status == LF_OK ? run(job, take, 0) : status;
 }
 
-lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *film, const lf_cancel *cancel)
+static lf_status fit_levels(lf_reconstruction *r, const lf_film *film, const lf_cancel *cancel)
 {
     lf_fit_job job = {.r = r, .film = film, .cancel = cancel};
-    lf_status status;
-    r->ready = false;
-    status = run(&job, GATHER, 0);
+    lf_status status = run(&job, GATHER, 0);
     for (int l = 1; l < LF_LEVELS && status == LF_OK; l++)
         status = run(&job, COARSEN, l);
     for (int l = 0; l < LF_LEVELS && status == LF_OK; l++)
@@ -197,6 +221,36 @@ lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *film, const lf
         status = shrink_finest(&job, WEIGH_PAST, SETTLE, TAKE_PAST);
     if (status == LF_OK)
         status = shrink_finest(&job, WEIGH_RAW, SETTLE_RAW, TAKE_RAW);
+    return status;
+}
+
+/* Where halves agree on what is far above all around, and a fit of the rest. */
+static lf_status fit_bounded(lf_reconstruction *r, const lf_film *film, const lf_cancel *cancel)
+{
+    static const lf_step steps[] = {BRIGHT_TELL, BRIGHT_BOUND, BRIGHT_COMPARE, BRIGHT_SETTLE,
+                                    BRIGHT_TAKE};
+    lf_fit_job job = {.r = r, .film = film, .cancel = cancel};
+    lf_status status = LF_OK;
+    for (int i = 0; i < 5 && status == LF_OK; i++)
+        status = run(&job, steps[i], steps[i] == BRIGHT_TAKE ? 0 : 1);
+    r->is_bright = status == LF_OK && lf_bright_anywhere(r);
+    if (!r->is_bright)
+        return status;
+    if (!r->bounded)
+        status = lf_reconstruct_create(&r->view, r->pool, &r->bounded);
+    if (status != LF_OK)
+        return status;
+    r->bounded->whole = r;
+    r->bounded->kernels = r->kernels;
+    return fit_levels(r->bounded, film, cancel);
+}
+
+lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *film, const lf_cancel *cancel)
+{
+    r->ready = false;
+    lf_status status = fit_levels(r, film, cancel);
+    if (status == LF_OK)
+        status = fit_bounded(r, film, cancel);
     r->ready = status == LF_OK;
     return status;
 }

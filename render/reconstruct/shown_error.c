@@ -6,7 +6,7 @@
 #include "base/alloc.h"
 #include "render/film/film_difference.h"
 #include "render/film/median.h"
-#include "render/reconstruct/moments.h"
+#include "render/reconstruct/bright.h"
 #include "render/reconstruct/scratch.h"
 
 #define EPSILON 1e-2
@@ -15,9 +15,12 @@
 #define OWN_PART 0.7
 
 typedef struct lf_open_row {
+    const lf_reconstruction *r;
     const lf_film *film;
     const lf_pixels *pixels;
-    const lf_reconstruct_scratch *predicted[2];
+    const lf_reconstruct_scratch *predicted[2], *bounded[2]; /* bounded NULL: nothing is */
+    lf_row_halves halves;
+    int row;
     lf_film_half half[2];
     const lf_film_known *known;
     float n[2], share[2]; /* of the samples */
@@ -46,22 +49,22 @@ static void read_known(const lf_open_row *o, size_t i, int h, float out[3])
                           : o->film->sky[c] * (1.0f - o->half[h].q[i]);
 }
 
-static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, lf_half_pixel *out)
+static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, const lf_fitted *found,
+                      const lf_bright_pixel *bright, lf_half_pixel *out)
 {
-    const float *p = o->predicted[h]->predicted[i];
-    bool near = fitted && p[3] >= 0.0f, second = o->pixels->second[i];
-    float q = o->half[h].q[i], share = near ? p[3] : 1.0f;
-    lf_pixel_found found = {.w = 0.0f};
-    lf_pixel_found_add(&found, &o->half[h], i);
-    float w = q > 0.0f ? lf_pixel_found_weight(o->film, &found, second, o->n[h] * q) : 0.0f,
-          summand = second ? found.w2 : found.w;
+    static const float none[4] = {0.0f, 0.0f, 0.0f, -1.0f};
+    const float *p = fitted ? o->predicted[h]->predicted[i] : none, *n = found->found[h].n;
+    float q = o->half[h].q[i], w = q > 0.0f ? found->over[h] : 0.0f, shown[3];
     read_known(o, i, h, out->known);
+    lf_pixel_show(n, w, p, shown);
+    if (bright->share > 0.0f)
+        lf_bright_mix(bright->share, bright->below[h], bright->above[h], w,
+                      o->bounded[h]->predicted[i], shown);
     for (int c = 0; c < 3; c++) {
-        float x = near ? p[c] : 0.0f, shown = w > 0.0f ? x + share * (found.n[c] / w - x) : x;
+        float x = p[3] >= 0.0f ? p[c] : 0.0f;
         out->scattered[c] = q * fmaxf(x, 0.0f);
-        shown = q * fmaxf(shown, 0.0f);
-        out->shown[c] = out->known[c] + shown;
-        out->off[c] = q * x + (found.n[c] - summand * x) / o->n[h] - shown;
+        out->shown[c] = out->known[c] + q * shown[c];
+        out->off[c] = q * x + (n[c] - found->w[h] * x) / o->n[h] - q * shown[c];
     }
 }
 
@@ -84,8 +87,13 @@ static void add_pixel(const lf_open_row *o, size_t i, lf_shown_sums *sums)
 {
     bool fitted = lf_pixel_is_fitted(o->pixels, i);
     lf_half_pixel half[2];
+    lf_fitted found;
+    lf_bright_pixel bright = {.share = 0.0f};
+    lf_fitted_read(o->film, &o->halves, o->pixels->second[i], i, &found);
+    if (fitted && o->bounded[0])
+        lf_bright_split(o->r, o->pixels, o->row, i, &found, &bright);
     for (int h = 0; h < 2; h++)
-        read_half(o, i, h, fitted, &half[h]);
+        read_half(o, i, h, fitted, &found, &bright, &half[h]);
     for (int c = 0; c < 3; c++) {
         /* where only one half has met a bright path, their mean would hide what that is off */
         double radiance = (double)(steady_known(o, i, c, half) +
@@ -115,30 +123,73 @@ static lf_status predict(const lf_reconstruction *r, int row, const lf_pixels *p
     return status;
 }
 
+/* What a thread needs of the fit and of the bounded one, by halves. */
+typedef struct lf_row_scratch {
+    lf_reconstruct_scratch *whole[2], *bounded[2];
+} lf_row_scratch;
+
+static void give(lf_reconstruction *r, lf_reconstruct_scratch *const scratch[2])
+{
+    for (int h = 0; h < 2; h++)
+        if (scratch[h])
+            lf_scratch_give(r, scratch[h]);
+}
+
+static void give_all(lf_reconstruction *r, lf_row_scratch *s)
+{
+    give(r, s->whole);
+    if (r->is_bright)
+        give(r->bounded, s->bounded);
+}
+
+static bool take_all(lf_reconstruction *r, lf_row_scratch *out)
+{
+    bool whole = true;
+    for (int h = 0; h < 2; h++) {
+        out->whole[h] = lf_scratch_take(r);
+        out->bounded[h] = r->is_bright ? lf_scratch_take(r->bounded) : NULL;
+        whole = whole && out->whole[h] && (out->bounded[h] || !r->is_bright);
+    }
+    return whole;
+}
+
+static lf_shown_row sum_row(const lf_open_row *o)
+{
+    lf_shown_sums sums = {.variance = 0.0};
+    for (int k = 0; k < o->film->n_views; k++)
+        for (int i = 0; i < o->film->width && lf_view_is_fitted(o->r, o->row, k); i++)
+            add_pixel(o, (size_t)k * (size_t)o->film->width + (size_t)i, &sums);
+    const double all = 3.0 * (double)sums.pixels;
+    return (lf_shown_row){sums.variance / all, sums.bias / all};
+}
+
 static lf_status error_of_row(const lf_reconstruction *r, const lf_film *film, int row,
-                              lf_reconstruct_scratch *const scratch[2], lf_shown_row *out)
+                              const lf_row_scratch *s, lf_shown_row *out)
 {
     const lf_film_row *state = &film->rows[row];
-    lf_pixels *pixels = &scratch[0]->rows[0];
-    lf_shown_sums sums = {.variance = 0.0};
+    lf_pixels *pixels = &s->whole[0]->rows[0];
     if (!(state->n[0] > 0.0 && state->n[1] > 0.0) || !lf_pixels_read(pixels, r, film, row, true))
         return LF_E_STATE;
-    lf_status status = predict(r, row, pixels, scratch);
-    lf_open_row o = {.film = film,
+    lf_status status = predict(r, row, pixels, s->whole);
+    if (status == LF_OK && r->is_bright)
+        status = predict(r->bounded, row, pixels, s->bounded);
+    if (status != LF_OK)
+        return status;
+    lf_open_row o = {.r = r,
+                     .film = film,
                      .pixels = pixels,
-                     .predicted = {scratch[0], scratch[1]},
+                     .predicted = {s->whole[0], s->whole[1]},
+                     .bounded = {s->bounded[0], s->bounded[1]},
+                     .halves = lf_row_halves_of(film, row),
+                     .row = row,
                      .known = lf_film_known_at(film, row)};
     for (int h = 0; h < 2; h++) {
         o.half[h] = lf_film_at(film, row, h);
         o.n[h] = (float)state->n[h];
         o.share[h] = (float)(state->n[h] / (state->n[0] + state->n[1]));
     }
-    for (int k = 0; k < film->n_views && status == LF_OK; k++)
-        for (int i = 0; i < film->width && lf_view_is_fitted(r, row, k); i++)
-            add_pixel(&o, (size_t)k * (size_t)film->width + (size_t)i, &sums);
-    const double all = 3.0 * (double)sums.pixels;
-    *out = (lf_shown_row){sums.variance / all, sums.bias / all};
-    return status;
+    *out = sum_row(&o);
+    return LF_OK;
 }
 
 double lf_shown_error_bound(const lf_shown_row *rows, int n, double chosen, double alpha,
@@ -173,23 +224,35 @@ static void run_row(void *context, int row, int worker)
 {
     lf_error_job *job = context;
     (void)worker;
-    lf_reconstruct_scratch *scratch[2] = {lf_scratch_take(job->r), lf_scratch_take(job->r)};
-    if (!scratch[0] || !scratch[1] ||
-        error_of_row(job->r, job->film, row, scratch, &job->rows[row]) != LF_OK)
+    lf_row_scratch scratch;
+    if (!take_all(job->r, &scratch) ||
+        error_of_row(job->r, job->film, row, &scratch, &job->rows[row]) != LF_OK)
         atomic_store_explicit(&job->unknown, true, memory_order_relaxed);
-    for (int i = 0; i < 2; i++)
-        if (scratch[i])
-            lf_scratch_give(job->r, scratch[i]);
+    give_all(job->r, &scratch);
+}
+
+/* Of the cells of one reconstruction. By what part of a cell it is not shown is known in level 1.
+ */
+static double chosen_of(const lf_reconstruction *r, const lf_reconstruction *whole, bool bounded)
+{
+    double chosen = 0.0;
+    for (int l = 1; l < LF_LEVELS; l++)
+        for (int b = 0; b < r->level[l].n_bands; b++)
+            for (int i = 0; i < r->level[l].bands[b].n; i++) {
+                double bright = (double)whole->level[l].bands[b].cells[i].bright;
+                chosen += (double)r->level[l].bands[b].cells[i].chosen * (l > 1     ? 1.0
+                                                                          : bounded ? bright
+                                                                                    : 1.0 - bright);
+            }
+    return chosen;
 }
 
 /* What the estimate lacks because shares were chosen by the halves that it compares. */
 static double chosen_by_chance(const lf_reconstruction *r, const lf_film *film)
 {
-    double chosen = 0.0, samples = 0.0;
-    for (int l = 1; l < LF_LEVELS; l++)
-        for (int b = 0; b < r->level[l].n_bands; b++)
-            for (int i = 0; i < r->level[l].bands[b].n; i++)
-                chosen += (double)r->level[l].bands[b].cells[i].chosen;
+    double chosen = chosen_of(r, r, false), samples = 0.0;
+    if (r->is_bright)
+        chosen += chosen_of(r->bounded, r, true);
     for (int row = 0; row < film->height; row++)
         for (int k = 0; k < film->n_views; k++)
             if (lf_view_is_fitted(r, row, k))

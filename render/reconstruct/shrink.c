@@ -286,22 +286,12 @@ void lf_shrink_collect(lf_reconstruction *r, int number)
     }
 }
 
-/* The n-th of the 27 cells around one, NULL: there is none; what it counts. */
-static const lf_cell *around(const lf_lattice *l, int number, const lf_cell *cell, int n,
-                             float *weight)
-{
-    int du = n % 3 - 1, dz = n / 3 % 3 - 1, dv = n / 9 - 1, v = number + dv;
-    int at = v >= 0 && v < l->n_bands ? lf_band_find(&l->bands[v], cell->u + du, cell->z + dz) : -1;
-    *weight = (dv ? 0.5f : 1.0f) * (dz ? 0.5f : 1.0f) * (du ? 0.5f : 1.0f);
-    return at >= 0 ? &l->bands[v].cells[at] : NULL;
-}
-
 /* The standard deviation of what the cells around agree on, by how much they differ. */
 static float deviation(const lf_lattice *l, int number, const lf_cell *cell, float share)
 {
     float variance = 0.0f, weight;
     for (int n = 0; n < 27; n++) {
-        const lf_cell *other = around(l, number, cell, n, &weight);
+        const lf_cell *other = lf_cell_around(l, number, cell, n, &weight);
         float off = other ? weight * (other->agreed - share * other->total) : 0.0f;
         variance += off * off;
     }
@@ -321,7 +311,7 @@ static void settle(const lf_lattice *l, int number, float doubt)
         lf_cell *cell = &band->cells[i];
         float agreed = 0.0f, total = 0.0f, chance = 0.0f, weight;
         for (int n = 0; n < 27; n++) {
-            const lf_cell *other = around(l, number, cell, n, &weight);
+            const lf_cell *other = lf_cell_around(l, number, cell, n, &weight);
             agreed += other ? weight * other->agreed : 0.0f;
             total += other ? weight * other->total : 0.0f;
         }
@@ -354,6 +344,18 @@ static float share_above(const lf_above *above)
     for (int i = 0; i < above->n; i++)
         share += above->weight[i] * above->cell[i]->share;
     return share;
+}
+
+void lf_shrink_take_bright(lf_reconstruction *r, int number)
+{
+    lf_band *band = &r->level[0].bands[number];
+    for (int i = 0; i < band->n; i++) {
+        lf_above above;
+        find_above(r, 0, number, &band->cells[i], &above);
+        band->cells[i].bright = 0.0f;
+        for (int k = 0; k < above.n; k++)
+            band->cells[i].bright += above.weight[k] * above.cell[k]->bright;
+    }
 }
 
 void lf_shrink_take(lf_reconstruction *r, int level, int number)

@@ -34,5 +34,7 @@ void lf_shrink_settle_raw(lf_reconstruction *r, int number);
 void lf_shrink_take(lf_reconstruction *r, int level, int number);
 void lf_shrink_take_past(lf_reconstruction *r, int number);
 void lf_shrink_take_raw(lf_reconstruction *r, int number);
+/* Of shares of the bounded fit (bright.h): those of level 1 between its cells, for level 0. */
+void lf_shrink_take_bright(lf_reconstruction *r, int number);
 
 #endif
