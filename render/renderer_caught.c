@@ -10,6 +10,9 @@
 
 #define LEAST_POINTS 8
 #define MOST_POINTS 4096
+/* A smooth shade is made of so many samples of lights, of so many pixels to each side. */
+#define ENOUGH 512
+#define MOST_REACH 3
 
 int lf_catch_points(double native)
 {
@@ -156,6 +159,8 @@ struct lf_caught {
     int n_views, width, height;
     int stride;        /* from the view of a step to that of the next: all of them in turn */
     caught_sums *sums; /* [row][view][column] */
+    float *smooth;     /* [row][view][column]: darkness */
+    bool *smoothed;    /* [row]: it has been */
     int *steps;        /* [row]; each is a sample of one view's pixel in every column */
 };
 
@@ -164,6 +169,8 @@ void lf_caught_destroy(lf_caught *caught)
     if (!caught)
         return;
     lf_free(caught->sums);
+    lf_free(caught->smooth);
+    lf_free(caught->smoothed);
     lf_free(caught->steps);
     lf_free(caught);
 }
@@ -192,7 +199,9 @@ static lf_caught *make(int n_views, int width, int height)
         caught->stride++;
     caught->sums = lf_calloc(row_pixels(caught) * (size_t)height, sizeof *caught->sums);
     caught->steps = lf_calloc((size_t)height, sizeof *caught->steps);
-    if (caught->sums && caught->steps)
+    caught->smooth = lf_calloc(row_pixels(caught) * (size_t)height, sizeof *caught->smooth);
+    caught->smoothed = lf_calloc((size_t)height, sizeof *caught->smoothed);
+    if (caught->sums && caught->steps && caught->smooth && caught->smoothed)
         return caught;
     lf_caught_destroy(caught);
     return NULL;
@@ -217,6 +226,7 @@ lf_status lf_caught_begin(lf_caught **caught, const lf_renderer *renderer)
         return LF_E_NOMEM;
     c->renderer = renderer;
     memset(c->steps, 0, (size_t)height * sizeof *c->steps);
+    memset(c->smoothed, 0, (size_t)height * sizeof *c->smoothed);
     return lf_rig_init(&c->rig, &renderer->settings, renderer->scene->origin, NULL);
 }
 
@@ -332,14 +342,87 @@ int lf_caught_samples(const lf_caught *caught, int row)
     return caught->steps[row];
 }
 
-void lf_caught_take(const lf_caught *caught, int row, float *picture)
+/* The share of the lights' light that is missing. */
+static float darkness(float lit, float all)
 {
-    const caught_sums *s = caught->sums + (size_t)row * row_pixels(caught);
+    return all > 0.0f ? lf_max(1.0f - lit / all, 0.0f) : 0.0f;
+}
+
+/* How far pixels are averaged over: none once there are enough samples. */
+static int reach_of(int steps)
+{
+    int reach = 0;
+    while (reach < MOST_REACH && steps * (2 * reach + 1) * (2 * reach + 1) < ENOUGH)
+        reach++;
+    return reach;
+}
+
+/* The mean over neighbours that lie as deep. */
+static float smooth_at(const lf_caught *caught, int row, int view, int column, int reach)
+{
+    const size_t line = (size_t)view * (size_t)caught->width;
+    const caught_sums *own =
+        caught->sums + (size_t)row * row_pixels(caught) + line + (size_t)column;
+    const int top = row > reach ? row - reach : 0, left = column > reach ? column - reach : 0,
+              bottom = row + reach < caught->height ? row + reach : caught->height - 1,
+              right = column + reach < caught->width ? column + reach : caught->width - 1;
+    float lit = 0.0f, all = 0.0f;
+    for (int r = top; own->caught > 0.0f && r <= bottom; r++) {
+        if (caught->steps[r] == 0)
+            continue;
+        const caught_sums *s = caught->sums + (size_t)r * row_pixels(caught) + line;
+        for (int c = left; c <= right; c++)
+            if (s[c].caught > 0.0f && may_be_one_place(s[c].nearness, own->nearness)) {
+                lit += s[c].lit;
+                all += s[c].all;
+            }
+    }
+    return darkness(lit, all);
+}
+
+static void smooth_row(void *context, int row, int worker)
+{
+    lf_caught *caught = context;
+    const int reach = reach_of(caught->steps[row]);
+    float *out = caught->smooth + (size_t)row * row_pixels(caught);
+    (void)worker;
+    caught->smoothed[row] = caught->steps[row] > 0;
+    for (int view = 0; view < caught->n_views && caught->smoothed[row]; view++)
+        for (int column = 0; column < caught->width; column++)
+            *out++ = smooth_at(caught, row, view, column, reach);
+}
+
+lf_status lf_caught_smooth(lf_caught *caught, const lf_cancel *cancel)
+{
+    return lf_pool_run(caught->renderer->pool, caught->height, smooth_row, caught, cancel);
+}
+
+/* What film points of a pixel have met nothing before a catcher, or the backdrop, at most: from
+ * many more samples than the pixel's own rays while these are few. */
+static float open_share(const lf_film_row *row, const lf_film_half half[2], size_t pixel)
+{
+    double met = 0.0;
+    for (int h = 0; h < 2; h++)
+        met += row->n[h] > 0.0 ? (double)row->n[h] * (double)half[h].q[pixel] : 0.0;
+    return (float)fmin(fmax(1.0 - met / (double)(row->n[0] + row->n[1]), 0.0), 1.0);
+}
+
+void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *picture)
+{
+    const lf_film *film = &caught->renderer->film;
+    const size_t first = (size_t)row * row_pixels(caught);
+    const caught_sums *s = caught->sums + first;
     const lf_vec3 backdrop = behind(caught->renderer->scene, &caught->rig, row);
     if (caught->steps[row] == 0)
         return;
-    for (size_t i = 0; i < row_pixels(caught); i++, s++, picture += 3)
-        if (s->all > 0.0f)
-            take(picture, lf_max(1.0f - s->lit / s->all, 0.0f) * s->caught / lf_max(s->n, 1.0f),
+    const lf_film_half half[2] = {lf_film_at(film, row, 0), lf_film_at(film, row, 1)};
+    smooth = smooth && caught->smoothed[row];
+    for (size_t i = 0; i < row_pixels(caught); i++, s++, picture += 3) {
+        const float dark = smooth ? caught->smooth[first + i] : darkness(s->lit, s->all);
+        if (dark > 0.0f)
+            take(picture,
+                 dark *
+                     lf_min(s->caught / lf_max(s->n, 1.0f), open_share(&film->rows[row], half, i)),
                  backdrop);
+    }
 }

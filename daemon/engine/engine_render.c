@@ -180,7 +180,7 @@ static lf_status fit(lf_engine *engine, bool final)
         status = LF_OK;
     }
     if (status == LF_OK)
-        status = lf_picture_resolve(&engine->picture, engine->pool, &engine->cancel);
+        status = lf_picture_fitted(&engine->picture, engine->pool, &engine->cancel);
     if (status == LF_OK && final)
         look_at_shown(engine);
     engine->fit.at = lf_time_now();

@@ -134,6 +134,12 @@ lf_status lf_picture_guide(lf_picture *picture, const lf_depth *depth)
     return picture->beside ? LF_OK : LF_E_NOMEM;
 }
 
+lf_status lf_picture_fitted(lf_picture *picture, lf_pool *pool, const lf_cancel *cancel)
+{
+    lf_status status = picture->caught ? lf_caught_smooth(picture->caught, cancel) : LF_OK;
+    return status == LF_OK ? lf_picture_resolve(picture, pool, cancel) : status;
+}
+
 bool lf_picture_caught(const lf_picture *picture)
 {
     for (int row = 0; picture->caught && row < picture->height; row++)
@@ -148,12 +154,12 @@ static uint8_t not_there(const lf_picture *picture)
 }
 
 /* A row as it is shown: what catchers take from it, what guides mark. */
-static void tone_row(lf_picture *picture, int row, int worker)
+static void tone_row(lf_picture *picture, int row, bool fitted, int worker)
 {
     const size_t n = row_pixels(picture);
     float *linear = picture->scratch + (size_t)worker * n * 3;
     if (picture->caught)
-        lf_caught_take(picture->caught, row, linear);
+        lf_caught_take(picture->caught, row, fitted, linear);
     if (picture->beside) {
         float *layers = picture->beside + (size_t)worker * n * 2;
         if (lf_renderer_layers_row(picture->renderer, picture->estimator, LF_GUIDE_LAYERS, row,
@@ -170,7 +176,7 @@ static bool show_row(lf_picture *picture, int row, int worker)
     float *linear = picture->scratch + (size_t)worker * n * 3;
     if (lf_renderer_show_row(picture->renderer, row, linear) != LF_OK)
         return false;
-    tone_row(picture, row, worker);
+    tone_row(picture, row, true, worker);
     memset(picture->missing + (size_t)row * n, 0, n);
     picture->row_missing[row] = 0;
     return true;
@@ -183,7 +189,7 @@ static void resolve_row(lf_picture *picture, int row, int worker)
     uint8_t *flags = picture->flags + (size_t)worker * n;
     if (lf_renderer_resolve_row(picture->renderer, picture->estimator, row, linear, flags) != LF_OK)
         return; /* never visited: missing, as it was */
-    tone_row(picture, row, worker);
+    tone_row(picture, row, false, worker);
     uint8_t *missing = picture->missing + (size_t)row * n;
     const uint8_t absent = not_there(picture);
     int64_t count = 0;
@@ -259,7 +265,7 @@ static void meter_row(void *context, int row, int worker)
     if (lf_renderer_resolve_row(picture->renderer, picture->estimator, row, linear, flags) != LF_OK)
         return;
     if (picture->caught)
-        lf_caught_take(picture->caught, row, linear);
+        lf_caught_take(picture->caught, row, false, linear);
     for (size_t i = 0; i < n; i++)
         if (!(flags[i] & (LF_PIXEL_HOLE | LF_PIXEL_UNSEEN)))
             lf_meter_add(&m->meters[worker], 1, linear + 3 * i);
@@ -362,13 +368,14 @@ typedef struct taking {
     const lf_caught *caught;
     float *film;
     size_t row; /* floats */
+    bool smooth;
 } taking;
 
 static void take_caught(void *context, int row, int worker)
 {
     const taking *t = context;
     (void)worker;
-    lf_caught_take(t->caught, row, t->film + (size_t)row * t->row);
+    lf_caught_take(t->caught, row, t->smooth, t->film + (size_t)row * t->row);
 }
 
 lf_status lf_picture_film(const lf_picture *picture, bool reconstructed, lf_pool *pool, float *film)
@@ -379,7 +386,9 @@ lf_status lf_picture_film(const lf_picture *picture, bool reconstructed, lf_pool
     lf_status status = lf_renderer_resolve(picture->renderer, picture->estimator, film, flags);
     if (status == LF_OK && reconstructed)
         status = lf_renderer_show(picture->renderer, film, NULL);
-    taking t = {picture->caught, film, row_pixels(picture) * 3};
+    taking t = {picture->caught, film, row_pixels(picture) * 3, reconstructed};
+    if (status == LF_OK && picture->caught && reconstructed)
+        status = lf_caught_smooth(picture->caught, NULL);
     if (status == LF_OK && picture->caught)
         status = lf_pool_run(pool, picture->height, take_caught, &t, NULL);
     if (status == LF_OK) {

@@ -1,6 +1,6 @@
 /* picture: the views of the light field as they are now, 8-bit, resolved and tone-mapped row by row
  * while the film is rendered, and filled for the screen while they are incomplete; shadows of
- * catchers and guides are in them. Memory: 8 bytes a view pixel, and with catchers 20 more. Thread:
+ * catchers and guides are in them. Memory: 8 bytes a view pixel, and with catchers 25 more. Thread:
  * the engine's, but for lf_picture_row, which workers call for different rows at once. */
 #ifndef LF_DAEMON_PICTURE_H
 #define LF_DAEMON_PICTURE_H
@@ -63,7 +63,10 @@ bool lf_picture_expose(lf_picture *picture, lf_pool *pool);
 /* An lf_row_fn with the picture as its context: shows a row that was just visited; where it is to
  * be reconstructed, by the last fit as soon as there is one. */
 void lf_picture_row(void *context, int row, int worker);
-/* All rows again (another estimator, a new fit, a restored film). LF_E_CANCELLED: some are as they
+/* All rows by a new fit, with shadows made smooth. LF_E_CANCELLED: some are as they were. */
+LF_NODISCARD lf_status lf_picture_fitted(lf_picture *picture, lf_pool *pool,
+                                         const lf_cancel *cancel);
+/* All rows again (another estimator, a restored film). LF_E_CANCELLED: some are as they
  * were. */
 LF_NODISCARD lf_status lf_picture_resolve(lf_picture *picture, lf_pool *pool,
                                           const lf_cancel *cancel);
