@@ -135,6 +135,24 @@ static void shared_samples_lie_where_views_see_them(void **state)
     assert_true(misplaced(&p, 1) > 40); /* a negative control */
 }
 
+/* A card, lit, before its own shadow on the ground: views that see the card where others see the
+ * shadow get none of it. */
+static void samples_are_not_shared_through_what_hides_them(void **state)
+{
+    (void)state;
+    make("{ 'camera': { 'position': [0, 6, 6], 'target': [0, 0.3, 0], 'fov_y': 18, 'aspect': 1, "
+         "'views': 9, 'cone': 30 }, " GIVEN "'meshes': { 'ground': { 'shape': 'quad', 'catcher': "
+         "true, 'transform': { 'scale': 50 } }, 'card': { 'shape': 'quad', 'catcher': true, "
+         "'transform': { 'scale': 0.6, 'translate': [0, 1.5, 0] } } }, 'lights': { 'sun': { "
+         "'type': 'distant', 'direction': [0, -1, -1] } } }",
+         32, 32 * 9, &p);
+    int shaded = 0;
+    for (int i = 0; i < SIDE * SIDE * 9; i++)
+        shaded += kind_of(dark(&p, p.whole, i), 1e-6) == 1;
+    /* Its rim lies in pixels that see both; without a look at depths there are some 150. */
+    assert_true(shaded > 30 && misplaced(&p, 0) <= 8);
+}
+
 /* Soft shade from few samples of each view: 36 of all nine, of a view 4. Against 512 of its own;
  * without sharing the error would be three times as large. */
 static void views_know_more_together_than_each_alone(void **state)
@@ -253,6 +271,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_of_one_view_are_those_of_a_file),
         cmocka_unit_test(shared_samples_lie_where_views_see_them),
+        cmocka_unit_test(samples_are_not_shared_through_what_hides_them),
         cmocka_unit_test(views_know_more_together_than_each_alone),
         cmocka_unit_test(a_smooth_shade_is_as_dark_and_ends_as_the_samples_are),
         cmocka_unit_test(the_ball_keeps_its_light),
