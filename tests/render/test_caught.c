@@ -228,8 +228,10 @@ static void there_is_nothing_where_nothing_is_caught(void **state)
         lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
         static float row[3 * 3 * SIDE];
         lf_assert_ok(lf_caught_begin(&caught, r), NULL);
-        assert_true((caught != NULL) == (i == 0));
-        if (caught) {
+        if (i > 0) {
+            assert_null(caught);
+        } else {
+            assert_non_null(caught);
             lf_caught_add(caught, 3); /* of a row that was never visited */
             assert_int_equal(lf_caught_samples(caught, 3), 0);
             lf_test_cycles(r, 8);
