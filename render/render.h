@@ -378,7 +378,8 @@ typedef enum lf_layer {
     LF_LAYER_SAMPLES = 32, /* W/q: what was found, in native samples; their number where q is 0 */
     /* The share of the light of lights that is missing at catchers (meshes) for what stands before
      * it, times the share of a pixel's rays that comes to one: what is missing of what is seen
-     * behind it. By as many rays as there are native samples, at least 8. */
+     * behind it. By as many rays as there are native samples, at least 8; without volumes no more
+     * than coverage leaves. */
     LF_LAYER_SHADOW = 64,
 } lf_layer;
 

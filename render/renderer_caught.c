@@ -51,7 +51,12 @@ static caught_ray ray_of(const lf_catch_pixel *p, uint64_t key, int i)
     return ray;
 }
 
-double lf_catch_shade(lf_tracer *tracer, const lf_catch_pixel *pixel, int n)
+float lf_catch_open(const lf_scene *scene, double met)
+{
+    return scene->n_volumes > 0 ? 1.0f : (float)fmin(fmax(1.0 - met, 0.0), 1.0);
+}
+
+double lf_catch_shade(lf_tracer *tracer, const lf_catch_pixel *pixel, int n, float open)
 {
     const uint64_t key = key_of(pixel);
     double light[2] = {0.0, 0.0};
@@ -67,7 +72,8 @@ double lf_catch_shade(lf_tracer *tracer, const lf_catch_pixel *pixel, int n)
         lf_catcher_light(tracer, &hit, ray.u, light);
         caught += (double)passed;
     }
-    return light[1] > 0.0 ? fmax(1.0 - light[0] / light[1], 0.0) * caught / n : 0.0;
+    return light[1] > 0.0 ? fmax(1.0 - light[0] / light[1], 0.0) * fmin(caught / n, (double)open)
+                          : 0.0;
 }
 
 /* -------------------------------------------------------------------------- a whole picture -- */
@@ -83,14 +89,24 @@ static bool was_visited(const lf_film *film, int row)
     return row >= 0 && row < film->height && film->rows[row].n[0] + film->rows[row].n[1] > 0.0;
 }
 
-/* n of the row, or of the nearest one that was visited. */
-static double native_near(const lf_film *film, int row)
+/* The nearest row that was visited; the row itself where none was. */
+static int visited_near(const lf_film *film, int row)
 {
     for (int apart = 0; apart < film->height; apart++)
         for (int side = -1; side <= 1; side += 2)
             if (was_visited(film, row + side * apart))
-                return film->rows[row + side * apart].n[0] + film->rows[row + side * apart].n[1];
-    return 0.0;
+                return row + side * apart;
+    return row;
+}
+
+/* The share of a pixel's film points that met something. */
+static double met_by(const lf_film *film, int row, size_t pixel)
+{
+    const double *n = film->rows[row].n;
+    double met = 0.0;
+    for (int h = 0; h < 2; h++)
+        met += n[h] > 0.0 ? n[h] * (double)lf_film_at(film, row, h).q[pixel] : 0.0;
+    return met / fmax(n[0] + n[1], 1e-30);
 }
 
 /* What is seen behind the catchers of a row. */
@@ -112,7 +128,9 @@ static void shade_row(void *context, int row, int worker)
     const shade_job *job = context;
     const lf_rig *rig = &job->rig;
     const lf_renderer *renderer = job->renderer;
-    const int n = lf_catch_points(native_near(&renderer->film, row));
+    const int near = visited_near(&renderer->film, row);
+    const double *native = renderer->film.rows[near].n;
+    const int n = lf_catch_points(native[0] + native[1]);
     const lf_vec3 backdrop = behind(renderer->scene, rig, row);
     float *out = job->out + (size_t)row * (size_t)rig->n_views * (size_t)rig->width * 3;
     lf_tracer tracer = {.scene = renderer->scene};
@@ -120,7 +138,10 @@ static void shade_row(void *context, int row, int worker)
     for (int view = 0; view < rig->n_views; view++)
         for (int column = 0; column < rig->width; column++, out += 3) {
             const lf_catch_pixel pixel = {rig, renderer->settings.seed, view, row, column};
-            take(out, (float)lf_catch_shade(&tracer, &pixel, n), backdrop);
+            const float open = lf_catch_open(
+                renderer->scene,
+                met_by(&renderer->film, near, (size_t)view * (size_t)rig->width + (size_t)column));
+            take(out, (float)lf_catch_shade(&tracer, &pixel, n, open), backdrop);
         }
 }
 
@@ -397,32 +418,21 @@ lf_status lf_caught_smooth(lf_caught *caught, const lf_cancel *cancel)
     return lf_pool_run(caught->renderer->pool, caught->height, smooth_row, caught, cancel);
 }
 
-/* What film points of a pixel have met nothing before a catcher, or the backdrop, at most: from
- * many more samples than the pixel's own rays while these are few. */
-static float open_share(const lf_film_row *row, const lf_film_half half[2], size_t pixel)
-{
-    double met = 0.0;
-    for (int h = 0; h < 2; h++)
-        met += row->n[h] > 0.0 ? (double)row->n[h] * (double)half[h].q[pixel] : 0.0;
-    return (float)fmin(fmax(1.0 - met / (double)(row->n[0] + row->n[1]), 0.0), 1.0);
-}
-
 void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *picture)
 {
-    const lf_film *film = &caught->renderer->film;
+    const lf_renderer *renderer = caught->renderer;
     const size_t first = (size_t)row * row_pixels(caught);
     const caught_sums *s = caught->sums + first;
-    const lf_vec3 backdrop = behind(caught->renderer->scene, &caught->rig, row);
+    const lf_vec3 backdrop = behind(renderer->scene, &caught->rig, row);
     if (caught->steps[row] == 0)
         return;
-    const lf_film_half half[2] = {lf_film_at(film, row, 0), lf_film_at(film, row, 1)};
     smooth = smooth && caught->smoothed[row];
     for (size_t i = 0; i < row_pixels(caught); i++, s++, picture += 3) {
         const float dark = smooth ? caught->smooth[first + i] : darkness(s->lit, s->all);
         if (dark > 0.0f)
             take(picture,
-                 dark *
-                     lf_min(s->caught / lf_max(s->n, 1.0f), open_share(&film->rows[row], half, i)),
+                 dark * lf_min(s->caught / lf_max(s->n, 1.0f),
+                               lf_catch_open(renderer->scene, met_by(&renderer->film, row, i))),
                  backdrop);
     }
 }

@@ -190,7 +190,9 @@ static void shadow(const layer_job *job, int row, const row_of_film *film, size_
         for (int column = 0; column < job->rig.width; column++, out += stride) {
             const lf_catch_pixel pixel = {&job->rig, job->renderer->settings.seed, view, row,
                                           column};
-            *out = (float)lf_catch_shade(&tracer, &pixel, n);
+            const float open = lf_catch_open(
+                scene, share_of(film, (size_t)view * (size_t)job->rig.width + (size_t)column));
+            *out = (float)lf_catch_shade(&tracer, &pixel, n, open);
         }
 }
 
