@@ -130,7 +130,7 @@ static void make_picture(const lf_content *content, bool shadows, float film[3 *
     lf_error err = {0};
     lf_assert_ok(lf_pool_create(2, &pool), NULL);
     lf_assert_ok(lf_renderer_create(content->scene, &content->settings, pool, &r, &err), &err);
-    lf_assert_ok(lf_renderer_passes(r, NULL, 64 * VIEWS, true, NULL, NULL, NULL), NULL);
+    lf_assert_ok(lf_renderer_passes(r, NULL, 24 * VIEWS, true, NULL, NULL, NULL), NULL);
     lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, film, NULL), NULL);
     if (shadows)
         lf_assert_ok(lf_renderer_catch_shadows(r, film, NULL), NULL);
@@ -161,7 +161,7 @@ static void frames_have_the_shadows_of_files(void **state)
         begin(&r, on_catcher, i == 0 ? LF_RECONSTRUCT_OFF : LF_RECONSTRUCT_ON);
         make_picture(r.content, true, film, with);
         make_picture(r.content, false, bare, without);
-        run_to(&r, 12);
+        run_to(&r, 8);
         last_views(&r, seen);
         assert_int_equal(status_of(&r).reconstructed, i == 1);
         assert_true(apart(seen, with) < 2.0);
@@ -185,7 +185,7 @@ static void exports_have_them_too(void **state)
     begin(&r, on_catcher, LF_RECONSTRUCT_ON);
     make_picture(r.content, true, film, with);
     make_picture(r.content, false, bare, without);
-    run_to(&r, 12);
+    run_to(&r, 8);
     for (int i = 0; i < 2; i++) {
         lf_snapshot snapshot;
         lf_error err = {0};
