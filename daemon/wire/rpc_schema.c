@@ -259,7 +259,7 @@ static json_t *list_of(const json_t *items, const char *text)
 static bool is_word(const char *text, const char *words)
 {
     const size_t n = strlen(text);
-    for (const char *at = words; n > 0 && (at = strstr(at, text)); at++)
+    for (const char *at = words; n > 0 && !strchr(text, ' ') && (at = strstr(at, text)); at++)
         if ((at == words || at[-1] == ' ') && (at[n] == ' ' || at[n] == '\0'))
             return true;
     return false;
