@@ -378,7 +378,8 @@ typedef enum lf_layer {
     LF_LAYER_SAMPLES = 32, /* W/q: what was found, in native samples; their number where q is 0 */
     /* The share of the light of lights that is missing at catchers (meshes) for what stands before
      * it, times the share of a pixel's rays that comes to one: what is missing of what is seen
-     * behind it. By as many rays as there are native samples, at least 8. */
+     * behind it. By as many rays as there are native samples, at least 8; without volumes no more
+     * than coverage leaves. */
     LF_LAYER_SHADOW = 64,
 } lf_layer;
 
@@ -403,11 +404,37 @@ int lf_layer_channels(unsigned layers, const char *out_names[LF_MAX_LAYER_CHANNE
  * time as lf_renderer_resolve. */
 LF_NODISCARD lf_status lf_renderer_layers(const lf_renderer *renderer, lf_estimator estimator,
                                           unsigned layers, float *out, const lf_cancel *cancel);
+/* One row [view][column][channels]. Thread as lf_renderer_resolve_row; layers that take a picture's
+ * time (normal, albedo, shadow) take their share of it. */
+LF_NODISCARD lf_status lf_renderer_layers_row(const lf_renderer *renderer, lf_estimator estimator,
+                                              unsigned layers, int row, float *out);
 /* Takes from a picture, [row][view][column][3] as lf_renderer_resolve makes it, what the shadows of
  * catchers (LF_LAYER_SHADOW) take from the backdrop; it stays as it is where the scene has not
  * both. On the pool. LF_E_CANCELLED. */
 LF_NODISCARD lf_status lf_renderer_catch_shadows(const lf_renderer *renderer, float *picture,
                                                  const lf_cancel *cancel);
+
+/* The same while a picture is rendered: sums that grow with the film, row by row, each sample in
+ * all views that see its point. 25 bytes a view pixel. */
+typedef struct lf_caught lf_caught;
+/* For the film that renderer (borrowed) has now: again after each lf_renderer_restart; sums are
+ * empty then, memory of the same shape is kept. *caught begins as NULL, and is NULL where the scene
+ * has no catcher or no backdrop. LF_E_NOMEM: NULL, too. */
+LF_NODISCARD lf_status lf_caught_begin(lf_caught **caught, const lf_renderer *renderer);
+/* Accepts NULL. */
+void lf_caught_destroy(lf_caught *caught);
+/* Samples of a row until there are as many as its film has, but at most 8 in the first call and
+ * one of every view pixel in each later one. Any thread, rows at once, each by one. */
+void lf_caught_add(lf_caught *caught, int row);
+/* Samples of lights behind a pixel of the row: 0 = none yet. */
+int lf_caught_samples(const lf_caught *caught, int row);
+/* Makes a smooth shade of what there is now, by means over up to 7x7 pixels as deep: over one where
+ * there are 512 samples. On the pool; not while rows are added to. LF_E_CANCELLED: some are as they
+ * were. */
+LF_NODISCARD lf_status lf_caught_smooth(lf_caught *caught, const lf_cancel *cancel);
+/* lf_renderer_catch_shadows of one row [view][column][3], smooth as it was made last, where it was;
+ * without samples it stays as it is. */
+void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *picture);
 
 /* Counters since the last restart; what does not apply is negative (JSON null). */
 typedef struct lf_render_stats {

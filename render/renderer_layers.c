@@ -1,15 +1,14 @@
 /* Layers: what a picture's pixels are of, and how sure of themselves. */
 #include <string.h>
 
+#include "render/caught.h"
 #include "render/renderer.h"
 #include "render/rows/rig.h"
-#include "render/transport/catcher.h"
 #include "render/transport/sampler.h"
 #include "render/transport/track.h"
 
 /* Film points of a pixel that surfaces are looked for at. */
 #define POINTS 8
-#define MOST_SHADOW_POINTS 4096
 
 /* A row of the film, its halves by their shares of the samples. */
 typedef struct row_of_film {
@@ -45,6 +44,7 @@ typedef struct layer_job {
     lf_estimator estimator;
     unsigned layers;
     int n_channels;
+    int first_row; /* that out begins with */
     bool has_bare; /* surfaces without a lobe */
     float *out;
 } layer_job;
@@ -179,54 +179,21 @@ static void albedo(const layer_job *job, int row, const row_of_film *film, size_
     surfaces(job, row, out, stride, false);
 }
 
-/* How much of a pixel is catchers in the shade: by rays of its own, each with light samples. */
-static double shade_of(lf_tracer *tracer, const layer_job *job, int view, int row, int column,
-                       int n)
-{
-    const lf_rig *rig = &job->rig;
-    const lf_vec3 eye = lf_rig_point(rig, rig->b[view], 0.0f, 0.0f);
-    const uint64_t key = lf_hash64(job->renderer->settings.seed,
-                                   (uint64_t)(unsigned)row << 40 | (uint64_t)(unsigned)view << 32 |
-                                       (unsigned)column);
-    double light[2] = {0.0, 0.0};
-    double caught = 0.0;
-    tracer->rng = lf_hash64(key, 1);
-    for (int i = 0; i < n; i++) {
-        lf_sampler sampler;
-        lf_hit hit;
-        float film[2], u[5], passed;
-        lf_sampler_init(&sampler, LF_SAMPLER_OWEN, key, (uint32_t)i);
-        lf_sampler_2d(&sampler, film);
-        lf_sampler_2d(&sampler, u + 1);
-        lf_sampler_2d(&sampler, u + 3);
-        u[0] = lf_sampler_1d(&sampler);
-        float x = rig->x0 + ((float)column + film[0]) * rig->dx - rig->b[view],
-              y = rig->y0 + ((float)row + film[1]) * rig->dy;
-        lf_vec3 w = lf_rig_direction(rig, x / rig->distance, y / rig->distance, 1.0f);
-        lf_trace_caught(tracer, eye, w, &hit, &passed);
-        if (!(passed > 0.0f))
-            continue;
-        lf_catcher_light(tracer, &hit, u, light);
-        caught += (double)passed;
-    }
-    return light[1] > 0.0 ? fmax(1.0 - light[0] / light[1], 0.0) * caught / n : 0.0;
-}
-
-static int shadow_points(double native)
-{
-    return (int)fmin(fmax(native, POINTS), MOST_SHADOW_POINTS);
-}
-
 static void shadow(const layer_job *job, int row, const row_of_film *film, size_t pixels,
                    float *out, size_t stride)
 {
     const lf_scene *scene = job->renderer->scene;
-    const int n = shadow_points(film->total);
+    const int n = lf_catch_points(film->total);
     lf_tracer tracer = {.scene = scene};
     (void)pixels;
     for (int view = 0; view < job->rig.n_views && scene->looks.caught; view++)
-        for (int column = 0; column < job->rig.width; column++, out += stride)
-            *out = (float)shade_of(&tracer, job, view, row, column, n);
+        for (int column = 0; column < job->rig.width; column++, out += stride) {
+            const lf_catch_pixel pixel = {&job->rig, job->renderer->settings.seed, view, row,
+                                          column};
+            const float open = lf_catch_open(
+                scene, share_of(film, (size_t)view * (size_t)job->rig.width + (size_t)column));
+            *out = (float)lf_catch_shade(&tracer, &pixel, n, open);
+        }
 }
 
 static const struct {
@@ -299,7 +266,7 @@ static void fill_row(void *context, int row, int worker)
     const unsigned left_out = nearest == row ? 0 : LF_LAYER_VARIANCE | LF_LAYER_SAMPLES;
     size_t pixels = (size_t)job->rig.n_views * (size_t)job->rig.width,
            stride = (size_t)job->n_channels;
-    float *out = job->out + (size_t)row * pixels * stride;
+    float *out = job->out + (size_t)(row - job->first_row) * pixels * stride;
     (void)worker;
     memset(out, 0, pixels * stride * sizeof *out);
     for (int i = 0; i < N_LAYERS && film.total > 0.0; i++) {
@@ -311,52 +278,36 @@ static void fill_row(void *context, int row, int worker)
     }
 }
 
+static lf_status open_job(const lf_renderer *renderer, lf_estimator estimator, unsigned layers,
+                          float *out, layer_job *job)
+{
+    *job = (layer_job){.renderer = renderer, .estimator = estimator, .layers = layers};
+    job->out = out;
+    if (layers & LF_LAYER_DEPTH && !renderer->film.layout.has_features)
+        return LF_E_STATE;
+    job->n_channels = lf_layer_channels(layers, NULL);
+    for (int i = 0; i < renderer->scene->n_materials && renderer->scene->embree; i++)
+        job->has_bare = job->has_bare || !renderer->scene->materials[i].has_lobe;
+    return lf_rig_init(&job->rig, &renderer->settings, renderer->scene->origin, NULL);
+}
+
 lf_status lf_renderer_layers(const lf_renderer *renderer, lf_estimator estimator, unsigned layers,
                              float *out, const lf_cancel *cancel)
 {
-    layer_job job = {.renderer = renderer, .estimator = estimator, .layers = layers};
-    job.out = out;
-    if (layers & LF_LAYER_DEPTH && !renderer->film.layout.has_features)
-        return LF_E_STATE;
-    job.n_channels = lf_layer_channels(layers, NULL);
-    for (int i = 0; i < renderer->scene->n_materials && renderer->scene->embree; i++)
-        job.has_bare = job.has_bare || !renderer->scene->materials[i].has_lobe;
-    lf_status status = lf_rig_init(&job.rig, &renderer->settings, renderer->scene->origin, NULL);
+    layer_job job;
+    lf_status status = open_job(renderer, estimator, layers, out, &job);
     return status == LF_OK
                ? lf_pool_run(renderer->pool, renderer->film.height, fill_row, &job, cancel)
                : status;
 }
 
-static void shade_row(void *context, int row, int worker)
+lf_status lf_renderer_layers_row(const lf_renderer *renderer, lf_estimator estimator,
+                                 unsigned layers, int row, float *out)
 {
-    const layer_job *job = context;
-    const lf_rig *rig = &job->rig;
-    const lf_film *film = &job->renderer->film;
-    const int n = shadow_points(open_row(film, nearest_visited(film, row)).total);
-    const float height =
-        lf_rig_height_between(rig, (rig->y0 + ((float)row + 0.5f) * rig->dy) / rig->distance);
-    const lf_vec3 behind = lf_backdrop_at(&job->renderer->scene->backdrop, height);
-    float *out = job->out + (size_t)row * (size_t)rig->n_views * (size_t)rig->width * 3;
-    lf_tracer tracer = {.scene = job->renderer->scene};
-    (void)worker;
-    for (int view = 0; view < rig->n_views; view++)
-        for (int column = 0; column < rig->width; column++, out += 3) {
-            float shade = (float)shade_of(&tracer, job, view, row, column, n);
-            out[0] -= shade * behind.x;
-            out[1] -= shade * behind.y;
-            out[2] -= shade * behind.z;
-        }
-}
-
-lf_status lf_renderer_catch_shadows(const lf_renderer *renderer, float *picture,
-                                    const lf_cancel *cancel)
-{
-    layer_job job = {.renderer = renderer};
-    job.out = picture;
-    if (!renderer->scene->looks.caught || !renderer->scene->backdrop.given)
-        return LF_OK;
-    lf_status status = lf_rig_init(&job.rig, &renderer->settings, renderer->scene->origin, NULL);
-    return status == LF_OK
-               ? lf_pool_run(renderer->pool, renderer->film.height, shade_row, &job, cancel)
-               : status;
+    layer_job job;
+    lf_status status = open_job(renderer, estimator, layers, out, &job);
+    job.first_row = row;
+    if (status == LF_OK)
+        fill_row(&job, row, 0);
+    return status;
 }

@@ -24,6 +24,7 @@ typedef struct lf_engine_controls {
     bool has_exposure; /* else the scene's */
     double exposure;   /* as in lf_exposed_film */
     bool paused;
+    bool guides; /* what lies outside of the sharp depth is marked (daemon/output/guides.h) */
     /* auto: the reconstructed picture where the estimator is mwis, which it converges to. Nothing
      * is reconstructed of a content without features (lf_content_from_scene) */
     lf_reconstruct reconstruct;

@@ -78,7 +78,7 @@ static void check_converged(lf_engine *engine)
 {
     bool enough = engine->spent.passes >= (double)MAX_SPP * engine->schedule.n_views;
     if (lf_schedule_has_halves(&engine->schedule) && engine->level >= LF_LEVEL_COARSE &&
-        (enough || reached_target(engine))) {
+        lf_picture_caught(&engine->picture) && (enough || reached_target(engine))) {
         engine->converged = true;
         engine->owed = true;
     }
@@ -180,7 +180,7 @@ static lf_status fit(lf_engine *engine, bool final)
         status = LF_OK;
     }
     if (status == LF_OK)
-        status = lf_picture_resolve(&engine->picture, engine->pool, &engine->cancel);
+        status = lf_picture_fitted(&engine->picture, engine->pool, &engine->cancel);
     if (status == LF_OK && final)
         look_at_shown(engine);
     engine->fit.at = lf_time_now();
@@ -339,6 +339,15 @@ static void retone(lf_engine *engine)
     engine->owed = true;
 }
 
+/* Guides, where they are wanted and the picture has a depth. */
+static void guide(lf_engine *engine, const lf_content *content)
+{
+    const bool on = engine->now.controls.guides && engine->renderer && content->scene &&
+                    content->has_depth && content->settings.features;
+    if (lf_picture_guide(&engine->picture, on ? &content->depth : NULL) != LF_OK)
+        lf_log(LF_LOG_ERROR, "out of memory for the guides: they are left out");
+}
+
 static bool reconstructs(const lf_engine_controls *controls, const lf_content *content)
 {
     bool wanted =
@@ -375,17 +384,20 @@ void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls)
                   controls->exposure < engine->now.controls.exposure;
     if (controls->target_error < engine->now.controls.target_error || resolve)
         engine->converged = false;
+    const bool mark = controls->guides != engine->now.controls.guides;
     bool recode =
         controls->has_codes != engine->now.controls.has_codes ||
         memcmp(&controls->codes, &engine->now.controls.codes, sizeof controls->codes) != 0;
-    engine->owed =
-        engine->owed || resolve || recode || controls->paused != engine->now.controls.paused;
+    engine->owed = engine->owed || resolve || mark || recode ||
+                   controls->paused != engine->now.controls.paused;
     engine->now.controls = *controls;
     engine->picture.estimator = controls->estimator;
     engine->picture.reconstructs = shows;
+    if (engine->content && mark)
+        guide(engine, engine->content);
     if (engine->renderer && turns)
         show_anew(engine);
-    else if (engine->renderer && resolve)
+    else if (engine->renderer && (resolve || mark))
         (void)!lf_picture_resolve(&engine->picture, engine->pool, NULL);
     if (expose && is_toned(engine->content))
         retone(engine);
@@ -455,7 +467,9 @@ static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
                               layout->view_height, lf_pool_threads(engine->pool), &film, err);
     if (status != LF_OK)
         return status;
-    engine->picture.renderer = engine->renderer;
+    if (lf_picture_follow(&engine->picture, engine->renderer) != LF_OK)
+        lf_log(LF_LOG_ERROR, "out of memory for the shadows of catchers: they are left out");
+    guide(engine, content);
     engine->picture.estimator = engine->now.controls.estimator;
     engine->picture.reconstructs = reconstructs(&engine->now.controls, content);
     if (!content->scene)

@@ -4,6 +4,10 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "daemon/output/guides.h"
+
+/* Samples of lights behind a pixel that is done. */
+#define CAUGHT_ENOUGH 64
 
 static size_t row_pixels(const lf_picture *picture)
 {
@@ -27,12 +31,14 @@ static void release(lf_picture *picture)
     lf_free(picture->missing);
     lf_free(picture->row_missing);
     lf_free(picture->scratch);
+    lf_free(picture->beside);
     lf_free(picture->flags);
 }
 
 void lf_picture_finish(lf_picture *picture)
 {
     release(picture);
+    lf_caught_destroy(picture->caught);
     lf_tone_destroy(picture->tone);
     *picture = (lf_picture){0};
 }
@@ -61,6 +67,7 @@ static lf_status reshape(lf_picture *picture, int n_views, int width, int height
     fresh.film = picture->film;
     fresh.metered = picture->metered;
     fresh.renderer = picture->renderer;
+    fresh.caught = picture->caught;
     fresh.estimator = picture->estimator;
     fresh.reconstructs = picture->reconstructs;
     *picture = fresh;
@@ -103,9 +110,63 @@ lf_status lf_picture_shape(lf_picture *picture, int n_views, int width, int heig
     return LF_OK;
 }
 
+lf_status lf_picture_follow(lf_picture *picture, lf_renderer *renderer)
+{
+    picture->renderer = renderer;
+    if (renderer)
+        return lf_caught_begin(&picture->caught, renderer);
+    lf_caught_destroy(picture->caught);
+    picture->caught = NULL;
+    return LF_OK;
+}
+
+lf_status lf_picture_guide(lf_picture *picture, const lf_depth *depth)
+{
+    if (!depth) {
+        lf_free(picture->beside);
+        picture->beside = NULL;
+        return LF_OK;
+    }
+    if (!picture->beside)
+        picture->beside = lf_calloc(row_pixels(picture) * (size_t)picture->n_threads,
+                                    2 * sizeof *picture->beside);
+    picture->sharp = *depth;
+    return picture->beside ? LF_OK : LF_E_NOMEM;
+}
+
+lf_status lf_picture_fitted(lf_picture *picture, lf_pool *pool, const lf_cancel *cancel)
+{
+    lf_status status = picture->caught ? lf_caught_smooth(picture->caught, cancel) : LF_OK;
+    return status == LF_OK ? lf_picture_resolve(picture, pool, cancel) : status;
+}
+
+bool lf_picture_caught(const lf_picture *picture)
+{
+    for (int row = 0; picture->caught && row < picture->height; row++)
+        if (lf_caught_samples(picture->caught, row) < CAUGHT_ENOUGH)
+            return false;
+    return true;
+}
+
 static uint8_t not_there(const lf_picture *picture)
 {
     return picture->sampled ? LF_PIXEL_UNSEEN : LF_PIXEL_HOLE | LF_PIXEL_UNSEEN;
+}
+
+/* A row as it is shown: what catchers take from it, what guides mark. */
+static void tone_row(lf_picture *picture, int row, bool fitted, int worker)
+{
+    const size_t n = row_pixels(picture);
+    float *linear = picture->scratch + (size_t)worker * n * 3;
+    if (picture->caught)
+        lf_caught_take(picture->caught, row, fitted, linear);
+    if (picture->beside) {
+        float *layers = picture->beside + (size_t)worker * n * 2;
+        if (lf_renderer_layers_row(picture->renderer, picture->estimator, LF_GUIDE_LAYERS, row,
+                                   layers) == LF_OK)
+            lf_guides_mark(&picture->sharp, picture->film.exposure, layers, n, linear);
+    }
+    lf_tone_map(picture->tone, n, linear, picture->rgb + (size_t)row * n * 3);
 }
 
 /* A fit has an answer for every pixel of a row that was visited. */
@@ -115,7 +176,7 @@ static bool show_row(lf_picture *picture, int row, int worker)
     float *linear = picture->scratch + (size_t)worker * n * 3;
     if (lf_renderer_show_row(picture->renderer, row, linear) != LF_OK)
         return false;
-    lf_tone_map(picture->tone, n, linear, picture->rgb + (size_t)row * n * 3);
+    tone_row(picture, row, true, worker);
     memset(picture->missing + (size_t)row * n, 0, n);
     picture->row_missing[row] = 0;
     return true;
@@ -128,7 +189,7 @@ static void resolve_row(lf_picture *picture, int row, int worker)
     uint8_t *flags = picture->flags + (size_t)worker * n;
     if (lf_renderer_resolve_row(picture->renderer, picture->estimator, row, linear, flags) != LF_OK)
         return; /* never visited: missing, as it was */
-    lf_tone_map(picture->tone, n, linear, picture->rgb + (size_t)row * n * 3);
+    tone_row(picture, row, false, worker);
     uint8_t *missing = picture->missing + (size_t)row * n;
     const uint8_t absent = not_there(picture);
     int64_t count = 0;
@@ -140,16 +201,26 @@ static void resolve_row(lf_picture *picture, int row, int worker)
     picture->row_missing[row] = count;
 }
 
-void lf_picture_row(void *context, int row, int worker)
+static void show_again(void *context, int row, int worker)
 {
     lf_picture *picture = context;
+    if (picture->caught && lf_caught_samples(picture->caught, row) == 0)
+        lf_caught_add(picture->caught, row);
     if (!picture->reconstructs || !show_row(picture, row, worker))
         resolve_row(picture, row, worker);
 }
 
+void lf_picture_row(void *context, int row, int worker)
+{
+    lf_picture *picture = context;
+    if (picture->caught)
+        lf_caught_add(picture->caught, row);
+    show_again(context, row, worker);
+}
+
 lf_status lf_picture_resolve(lf_picture *picture, lf_pool *pool, const lf_cancel *cancel)
 {
-    return lf_pool_run(pool, picture->height, lf_picture_row, picture, cancel);
+    return lf_pool_run(pool, picture->height, show_again, picture, cancel);
 }
 
 static void estimate_row(void *context, int row, int worker)
@@ -193,6 +264,8 @@ static void meter_row(void *context, int row, int worker)
     uint8_t *flags = picture->flags + (size_t)worker * n;
     if (lf_renderer_resolve_row(picture->renderer, picture->estimator, row, linear, flags) != LF_OK)
         return;
+    if (picture->caught)
+        lf_caught_take(picture->caught, row, false, linear);
     for (size_t i = 0; i < n; i++)
         if (!(flags[i] & (LF_PIXEL_HOLE | LF_PIXEL_UNSEEN)))
             lf_meter_add(&m->meters[worker], 1, linear + 3 * i);
@@ -291,6 +364,20 @@ static void mark_missing(const lf_picture *picture, bool reconstructed, uint8_t 
             flags[i] &= absent;
 }
 
+typedef struct taking {
+    const lf_caught *caught;
+    float *film;
+    size_t row; /* floats */
+    bool smooth;
+} taking;
+
+static void take_caught(void *context, int row, int worker)
+{
+    const taking *t = context;
+    (void)worker;
+    lf_caught_take(t->caught, row, t->smooth, t->film + (size_t)row * t->row);
+}
+
 lf_status lf_picture_film(const lf_picture *picture, bool reconstructed, lf_pool *pool, float *film)
 {
     uint8_t *flags = lf_calloc(row_pixels(picture) * (size_t)picture->height, 1);
@@ -299,6 +386,11 @@ lf_status lf_picture_film(const lf_picture *picture, bool reconstructed, lf_pool
     lf_status status = lf_renderer_resolve(picture->renderer, picture->estimator, film, flags);
     if (status == LF_OK && reconstructed)
         status = lf_renderer_show(picture->renderer, film, NULL);
+    taking t = {picture->caught, film, row_pixels(picture) * 3, reconstructed};
+    if (status == LF_OK && picture->caught && reconstructed)
+        status = lf_caught_smooth(picture->caught, NULL);
+    if (status == LF_OK && picture->caught)
+        status = lf_pool_run(pool, picture->height, take_caught, &t, NULL);
     if (status == LF_OK) {
         mark_missing(picture, reconstructed, flags);
         lf_fill_film(picture->n_views, picture->width, picture->height, film, flags, LF_FILL_REACH,

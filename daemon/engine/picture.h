@@ -1,7 +1,7 @@
 /* picture: the views of the light field as they are now, 8-bit, resolved and tone-mapped row by row
- * while the film is rendered, and filled for the screen while they are incomplete. Memory: 8 bytes
- * a view pixel. Thread: the engine's, but for lf_picture_row, which workers call for different rows
- * at once. */
+ * while the film is rendered, and filled for the screen while they are incomplete; shadows of
+ * catchers and guides are in them. Memory: 8 bytes a view pixel, and with catchers 25 more. Thread:
+ * the engine's, but for lf_picture_row, which workers call for different rows at once. */
 #ifndef LF_DAEMON_PICTURE_H
 #define LF_DAEMON_PICTURE_H
 
@@ -20,12 +20,15 @@ typedef struct lf_picture {
     uint8_t *missing;      /* [row][view][column]: nonzero = hole or never visited */
     int64_t *row_missing;  /* [row]: how many of them */
     float *scratch;        /* [thread][view][column][3] */
+    float *beside;         /* [thread][view][column][2], LF_GUIDE_LAYERS; NULL: no guides */
     uint8_t *flags;        /* [thread][view][column] */
     lf_tone *tone;
     lf_film_settings film; /* exposure: the one in use */
     bool metered;          /* the one in use was measured: it stays unless it is far off */
     bool settled;          /* it has been looked at since the picture was shaped */
     lf_renderer *renderer; /* borrowed: what rows are resolved from */
+    lf_caught *caught;     /* of the renderer; NULL where nothing is caught */
+    lf_depth sharp;        /* what guides mark: outside of it */
     lf_estimator estimator;
     bool reconstructs; /* rows are shown by the renderer's fit, where there is one */
     /* every view pixel has been looked through itself, on average: finding nothing there is an
@@ -40,6 +43,15 @@ LF_NODISCARD lf_status lf_picture_shape(lf_picture *picture, int n_views, int wi
                                         int n_threads, const lf_film_settings *film, lf_error *err);
 void lf_picture_finish(lf_picture *picture);
 
+/* What rows are made of from now on, after lf_picture_shape: renderer (borrowed; NULL: of none) has
+ * another film. LF_E_NOMEM: shadows of catchers are missing. */
+LF_NODISCARD lf_status lf_picture_follow(lf_picture *picture, lf_renderer *renderer);
+/* With depth (NULL: without) what lies outside of it is marked in rows made from now on
+ * (daemon/output/guides.h). LF_E_NOMEM: without. */
+LF_NODISCARD lf_status lf_picture_guide(lf_picture *picture, const lf_depth *depth);
+/* Whether every row has seen enough of its catchers' shadows to be called converged. */
+bool lf_picture_caught(const lf_picture *picture);
+
 /* Takes another exposure or curve, and shows all rows by it. LF_E_NOMEM, LF_E_ARG: as before. */
 LF_NODISCARD lf_status lf_picture_retone(lf_picture *picture, const lf_film_settings *film,
                                          lf_pool *pool, lf_error *err);
@@ -51,7 +63,10 @@ bool lf_picture_expose(lf_picture *picture, lf_pool *pool);
 /* An lf_row_fn with the picture as its context: shows a row that was just visited; where it is to
  * be reconstructed, by the last fit as soon as there is one. */
 void lf_picture_row(void *context, int row, int worker);
-/* All rows again (another estimator, a new fit, a restored film). LF_E_CANCELLED: some are as they
+/* All rows by a new fit, with shadows made smooth. LF_E_CANCELLED: some are as they were. */
+LF_NODISCARD lf_status lf_picture_fitted(lf_picture *picture, lf_pool *pool,
+                                         const lf_cancel *cancel);
+/* All rows again (another estimator, a restored film). LF_E_CANCELLED: some are as they
  * were. */
 LF_NODISCARD lf_status lf_picture_resolve(lf_picture *picture, lf_pool *pool,
                                           const lf_cancel *cancel);
@@ -70,9 +85,9 @@ int64_t lf_picture_missing(const lf_picture *picture);
  * LF_FILL_REACH either, and are not shown as anything. */
 lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfilled,
                            int64_t *out_blank);
-/* What is shown, or the other of the two, as a linear film [row][view][column][3], filled likewise;
- * reconstructed: by a fit made now. LF_E_NOMEM; LF_E_STATE: nothing has been rendered yet, or the
- * film has no features. */
+/* What is shown, or the other of the two, as a linear film [row][view][column][3], filled likewise,
+ * without guides; reconstructed: by a fit made now. LF_E_NOMEM; LF_E_STATE: nothing has been
+ * rendered yet, or the film has no features. */
 LF_NODISCARD lf_status lf_picture_film(const lf_picture *picture, bool reconstructed, lf_pool *pool,
                                        float *film);
 

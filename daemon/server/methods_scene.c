@@ -126,6 +126,7 @@ static lf_status take_keys(const json_t *params, lf_engine_controls *controls, l
     options->target_error = controls->target_error;
     options->exposure = controls->has_exposure ? controls->exposure : -(double)INFINITY;
     options->reconstruct = controls->reconstruct;
+    options->guides = controls->guides;
     lf_status status = lf_param_from_json(lf_option_params, params, options, "render.set", err);
     if (status != LF_OK)
         return status;
@@ -135,6 +136,7 @@ static lf_status take_keys(const json_t *params, lf_engine_controls *controls, l
     controls->exposure = options->exposure;
     controls->has_exposure = true;
     controls->reconstruct = options->reconstruct;
+    controls->guides = options->guides;
     controls->paused = paused ? json_is_true(paused) : controls->paused;
     return LF_OK;
 }
@@ -159,8 +161,9 @@ void lf_method_render_set(lf_call *call)
                 !same_name(options.integrator, server->options.integrator);
     server->options = options;
     lf_engine_set_controls(server->engine, &controls);
-    bool more =
-        before.reconstruct == LF_RECONSTRUCT_OFF && controls.reconstruct != before.reconstruct;
+    /* Features, which a film that was begun without them lacks. */
+    bool more = before.reconstruct == LF_RECONSTRUCT_OFF &&
+                (controls.reconstruct != before.reconstruct || (controls.guides && !before.guides));
     if (!over && !more) {
         lf_reply(call, json_pack("{s:I}", "generation", (json_int_t)server->generation));
         return;

@@ -82,14 +82,15 @@ static void add_engine(lf_server *server, json_t *status)
     lf_engine_controls controls = lf_engine_get_controls(server->engine);
     /* the engine may have a content already that the server has not been told of */
     int64_t generation = now.generation < server->generation ? now.generation : server->generation;
-    json_t *more = json_pack(
-        "{s:I, s:s, s:f, s:f, s:f, s:o, s:o, s:o, s:I, s:i, s:s, s:f, s:b, s:s}", "generation",
-        (json_int_t)generation, "level", lf_level_name(now.level), "passes", now.passes, "seconds",
-        now.seconds, "cpu_seconds", now.cpu_seconds, "spp", known_or_null(now.spp),
-        "error_estimate", known_or_null(now.error_estimate), "error_bound",
-        known_or_null(now.error_bound), "missing", (json_int_t)now.missing, "threads", now.threads,
-        "estimator", lf_estimator_name(controls.estimator), "target_error", controls.target_error,
-        "paused", controls.paused, "reconstruct", now.reconstructed ? "on" : "off");
+    json_t *more =
+        json_pack("{s:I, s:s, s:f, s:f, s:f, s:o, s:o, s:o, s:I, s:i, s:s, s:f, s:b, s:b, s:s}",
+                  "generation", (json_int_t)generation, "level", lf_level_name(now.level), "passes",
+                  now.passes, "seconds", now.seconds, "cpu_seconds", now.cpu_seconds, "spp",
+                  known_or_null(now.spp), "error_estimate", known_or_null(now.error_estimate),
+                  "error_bound", known_or_null(now.error_bound), "missing", (json_int_t)now.missing,
+                  "threads", now.threads, "estimator", lf_estimator_name(controls.estimator),
+                  "target_error", controls.target_error, "paused", controls.paused, "guides",
+                  controls.guides, "reconstruct", now.reconstructed ? "on" : "off");
     json_object_update(status, more);
     json_decref(more);
     json_object_set_new(status, "shown_error", known_or_null(now.shown_error));

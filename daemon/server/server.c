@@ -275,6 +275,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
         .threads = options->threads,
         .has_exposure = options->has_exposure,
         .exposure = options->exposure,
+        .guides = options->guides,
         .reconstruct = options->reconstruct,
     };
     server->engine_fd = lf_wakeup_make();

@@ -35,7 +35,7 @@ static const struct option table[] = {
 static const lf_options_words words[] = {{"device", lf_device_kind_at}, {0}};
 
 static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER
-                             " " LF_OPTIONS_IMPORT " exposure target-error";
+                             " " LF_OPTIONS_IMPORT " exposure guides target-error";
 
 static void print_help(void)
 {

@@ -255,6 +255,16 @@ static json_t *list_of(const json_t *items, const char *text)
     return list;
 }
 
+/* Whether it is one of the words, which blanks part. */
+static bool is_word(const char *text, const char *words)
+{
+    const size_t n = strlen(text);
+    for (const char *at = words; n > 0 && !strchr(text, ' ') && (at = strstr(at, text)); at++)
+        if ((at == words || at[-1] == ' ') && (at[n] == ' ' || at[n] == '\0'))
+            return true;
+    return false;
+}
+
 /* NULL when the text is not of the type. */
 static json_t *typed_value(const json_t *schema, const char *text)
 {
@@ -262,8 +272,7 @@ static json_t *typed_value(const json_t *schema, const char *text)
     if (strcmp(type, "integer") == 0 || strcmp(type, "number") == 0)
         return number_of(text, type[0] == 'i');
     if (strcmp(type, "boolean") == 0) {
-        bool yes = strcmp(text, "true") == 0 || strcmp(text, "yes") == 0 || strcmp(text, "1") == 0;
-        bool no = strcmp(text, "false") == 0 || strcmp(text, "no") == 0 || strcmp(text, "0") == 0;
+        const bool yes = is_word(text, "true yes on 1"), no = is_word(text, "false no off 0");
         return yes || no ? json_boolean(yes) : NULL;
     }
     if (strcmp(type, "array") == 0)

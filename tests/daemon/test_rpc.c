@@ -141,16 +141,23 @@ static void words_are_typed_by_the_schema(void **state)
     lf_assert_ok(lf_schema_argument(schema_of("camera.orbit"), "yaw=-5.5", params, &err), &err);
     lf_assert_ok(lf_schema_argument(schema_of("render.set"), "paused=true", params, &err), &err);
     lf_assert_ok(lf_schema_argument(schema_of("render.set"), "threads=2", params, &err), &err);
+    lf_assert_ok(lf_schema_argument(schema_of("render.set"), "guides=on", params, &err), &err);
+    for (int i = 0; i < 4; i++) {
+        static const char *const none[] = {"guides=o", "guides=", "guides=yes on", "guides=ye"};
+        assert_int_equal(lf_schema_argument(schema_of("render.set"), none[i], params, &err),
+                         LF_E_ARG);
+    }
     lf_assert_ok(lf_schema_argument(schema_of("render.set"), "estimator=1", params, &err), &err);
     lf_assert_ok(lf_schema_argument(schema_of("subscribe"), "events=frame,scene", params, &err),
                  &err);
     lf_assert_ok(lf_schema_argument(schema_of("camera.set"), "target=1,2,3", params, &err), &err);
     lf_assert_ok(lf_schema_argument(schema_of("scene.patch"), "patch:={\"a\":[1]}", params, &err),
                  &err);
-    json_t *expected = json_loads("{\"yaw\":-5.5,\"paused\":true,\"threads\":2,\"estimator\":\"1\","
-                                  "\"events\":[\"frame\",\"scene\"],"
-                                  "\"target\":[1.0,2.0,3.0],\"patch\":{\"a\":[1]}}",
-                                  0, NULL);
+    json_t *expected = json_loads(
+        "{\"yaw\":-5.5,\"paused\":true,\"guides\":true,\"threads\":2,\"estimator\":\"1\","
+        "\"events\":[\"frame\",\"scene\"],"
+        "\"target\":[1.0,2.0,3.0],\"patch\":{\"a\":[1]}}",
+        0, NULL);
     assert_true(json_equal(params, expected));
     assert_int_equal(lf_schema_argument(schema_of("camera.orbit"), "yaw=x", params, &err),
                      LF_E_ARG);
