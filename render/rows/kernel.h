@@ -8,6 +8,7 @@
 #include "render/rows/body.h"
 #include "render/rows/slice.h"
 #include "render/scene/look_up.h"
+#include "render/transport/suffix.h"
 
 /* Points of a slice's rays that are held against the grid (correction.h). */
 typedef struct lf_probe {
@@ -60,6 +61,9 @@ typedef struct lf_kernels {
      * all 0 when there is none. Returns their sum, added in the fixed order lane 0..7 of running
      * sums of 8. d may alias scale. */
     float (*densities)(int n, const float *scale, const float *tau, float *d);
+
+    /* Suffixes of many pivots at once. */
+    const lf_suffixes *suffixes;
 } lf_kernels;
 
 extern const lf_kernels lf_kernels_c;

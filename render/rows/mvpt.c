@@ -578,7 +578,8 @@ static float least_depth(const lf_visit *visit)
     return least;
 }
 
-static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
+static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot,
+                       const lf_suffix *given)
 {
     float sum = fan(visit, view, column, pivot);
     if (!correct(visit, pivot))
@@ -589,7 +590,10 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
     }
     lf_suffix suffix;
     lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
-    lf_suffix_draw(visit, pivot, wo, &suffix);
+    if (given)
+        suffix = *given;
+    else
+        lf_suffix_draw(visit, pivot, wo, &suffix);
     if (visit->worker->glows.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
         lf_glow_balance(visit, pivot, -1, sum, least_depth(visit), &suffix);
     if (view_dependent(visit, &pivot->event))

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/alloc.h"
+#include "render/rows/queue.h"
 #include "render/scene/geometry.h"
 
 static const lf_sharing *const table[] = {&lf_sharing_mvpt, &lf_sharing_vpt, &lf_sharing_amvpt};
@@ -37,13 +38,37 @@ static void free_workers(lf_scratch **workers, int n)
             lf_section_finish(&workers[i]->veil.section);
             lf_free(workers[i]->expected);
             lf_free(workers[i]->mirrors);
+            lf_free(workers[i]->queue);
         }
         lf_free(workers[i]);
     }
     lf_free(workers);
 }
 
-static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layout)
+/* Suffixes of a pivot: see docs/performance.md, "Suffixes in lanes". */
+static int suffixes_of(const lf_scene *scene, const lf_sharing *sharing)
+{
+    const bool same = lf_volume_is_isotropic(&scene->volumes[0]);
+    return same && sharing->entry.shares ? LF_QUEUE_EACH : 1;
+}
+
+static lf_status make_queue(const lf_rows *rows, const lf_sharing *sharing, lf_queue **out)
+{
+    *out = NULL;
+    if (!rows->lanes)
+        return LF_OK;
+    lf_queue *queue = lf_calloc(1, sizeof *queue);
+    if (!queue)
+        return LF_E_NOMEM;
+    queue->lanes = rows->lanes;
+    queue->suffixes = lf_kernels_get()->suffixes;
+    queue->each = suffixes_of(&rows->seen, sharing);
+    *out = queue;
+    return LF_OK;
+}
+
+static lf_scratch **make_workers(const lf_rows *rows, const lf_sharing *sharing,
+                                 const lf_film_layout *layout)
 {
     int n = rows->n_workers;
     bool mirrors = rows->seen.has_delta;
@@ -56,7 +81,8 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
         if (workers[i] && mirrors)
             workers[i]->mirrors = lf_calloc((size_t)layout->n_views * (size_t)layout->width,
                                             sizeof *workers[i]->mirrors);
-        if (!workers[i] || !workers[i]->expected || (mirrors && !workers[i]->mirrors) ||
+        if (!workers[i] || make_queue(rows, sharing, &workers[i]->queue) != LF_OK ||
+            !workers[i]->expected || (mirrors && !workers[i]->mirrors) ||
             lf_media_init(&workers[i]->media, &rows->frame) != LF_OK ||
             lf_media_init(&workers[i]->shine.flames, &rows->flames) != LF_OK ||
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
@@ -169,7 +195,7 @@ static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_
     if (status != LF_OK)
         return status;
     rows->n_workers = lf_pool_threads(rows->pool);
-    rows->workers = make_workers(rows, layout);
+    rows->workers = make_workers(rows, sharing, layout);
     return rows->workers ? make_moments(rows) : LF_E_NOMEM;
 }
 
@@ -201,6 +227,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     lf_integrator_needs needs = {.sky = {0}};
     rows->seen = *input->seen;
     rows->pool = input->pool;
+    rows->lanes = input->lanes;
     lf_status status = lf_rig_init(&rows->rig, input->settings, input->scene->origin, err);
     rig_track track;
     if (status == LF_OK) {

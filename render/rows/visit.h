@@ -17,19 +17,22 @@
 #include "render/rows/veil.h"
 #include "render/transport/path.h"
 #include "render/transport/sampler.h"
+#include "render/transport/suffix.h"
 #include "render/transport/sunlight.h"
 
 struct lf_visit;
 struct lf_pivot;
 struct lf_suffix;
+struct lf_queue;
 
 /* How what a base sample finds is spread over the views. A member of the table (rows.c) is one
  * file. */
 typedef struct lf_sharing {
     lf_integrator_entry entry; /* shares: other views receive contributions */
     bool adaptive;             /* behind a pilot base samples go where the error is (adaptive.h) */
-    /* Spreads one pivot over the views that see it. */
-    void (*pivot)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot);
+    /* Spreads one pivot over the views that see it; given: its suffix, NULL: it is drawn. */
+    void (*pivot)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot,
+                  const struct lf_suffix *given);
     /* Lights in media (glow_row.h): spreads a sample of one of them at a point that was drawn about
      * it: to `view`, or to all that see it … */
     void (*glow)(struct lf_visit *visit, int view, const struct lf_pivot *pivot,
@@ -77,12 +80,13 @@ typedef struct lf_veil_memory {
 typedef struct lf_scratch {
     lf_tracer tracer;
     lf_media media;
-    lf_shine_memory shine; /* what they emit */
-    lf_film_sums sums;     /* of the visit under way */
-    lf_reach reach;        /* of its row's plane */
-    lf_section section;    /* the meshes in it, but for veils */
-    lf_veil_memory veil;   /* ... and those */
-    lf_glow_row glows;     /* the lights in its media */
+    lf_shine_memory shine;  /* what they emit */
+    lf_film_sums sums;      /* of the visit under way */
+    lf_reach reach;         /* of its row's plane */
+    lf_section section;     /* the meshes in it, but for veils */
+    lf_veil_memory veil;    /* ... and those */
+    lf_glow_row glows;      /* the lights in its media */
+    struct lf_queue *queue; /* NULL: suffixes are drawn one by one */
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES],
@@ -127,7 +131,8 @@ typedef struct lf_visit {
     const lf_sharing *sharing, *acting;
     const lf_row_triangles *triangles; /* NULL: no meshes */
     lf_scratch *worker;
-    lf_film_sums sums; /* the worker's, or where holes are filled the film's own half */
+    struct lf_queue *queue; /* the worker's, while base samples are drawn; else NULL */
+    lf_film_sums sums;      /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
     int row;
     int max_depth;
@@ -177,6 +182,10 @@ float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light
  * drawn about these lights. */
 void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, float sum, float depth,
                      lf_suffix *suffix);
+
+/* All of a pivot but where it will be. The hit, most of its memory, is left alone: rays write it.
+ */
+void lf_pivot_begin(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler);
 
 /* Draws the suffix: wo is where its direction's lobe looks back to, the base view's place or that
  * of any view that sees the pivot. */

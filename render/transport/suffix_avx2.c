@@ -1,0 +1,4 @@
+#define LF_LANES_AVX2
+#include "render/transport/suffix_lanes.h"
+
+const lf_suffixes lf_suffixes_avx2 = {.name = "avx2", .trace = trace, .light = light};

@@ -1,0 +1,4 @@
+#define LF_LANES_AVX512
+#include "render/transport/suffix_lanes.h"
+
+const lf_suffixes lf_suffixes_avx512 = {.name = "avx512", .trace = trace, .light = light};
