@@ -5,9 +5,6 @@
 #include <string.h>
 
 static const lf_kernels *chosen;
-#if defined(__x86_64__)
-static lf_kernels avx512; /* what AVX2 has, but for suffixes */
-#endif
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 
 const lf_kernels *lf_kernels_at(int index)
@@ -17,12 +14,8 @@ const lf_kernels *lf_kernels_at(int index)
 #if defined(__x86_64__)
     if (index == 1 && __builtin_cpu_supports("avx2"))
         return &lf_kernels_avx2;
-    if (index == 2 && __builtin_cpu_supports("avx512f")) {
-        avx512 = lf_kernels_avx2;
-        avx512.name = "avx512";
-        avx512.suffixes = &lf_suffixes_avx512;
-        return &avx512;
-    }
+    if (index == 2 && __builtin_cpu_supports("avx512f"))
+        return &lf_kernels_avx512;
 #elif defined(__aarch64__)
     if (index == 1)
         return &lf_kernels_neon;

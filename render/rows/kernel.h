@@ -1,7 +1,7 @@
 /* The hot inner loops, behind a table of functions: one file an instruction set, kernel_c.c the
  * oracle that the others must equal bit for bit (same operations in the same order, no
  * contraction). Chosen once, before threads start: the best that the CPU has, or what LF_CPU names
- * ("c", "avx2", "neon"). Private to render/. */
+ * ("c", "avx2", "avx512", "neon"). Private to render/. */
 #ifndef LF_RENDER_KERNEL_H
 #define LF_RENDER_KERNEL_H
 
@@ -68,7 +68,7 @@ typedef struct lf_kernels {
 
 extern const lf_kernels lf_kernels_c;
 #if defined(__x86_64__)
-extern const lf_kernels lf_kernels_avx2;
+extern const lf_kernels lf_kernels_avx2, lf_kernels_avx512;
 #elif defined(__aarch64__)
 extern const lf_kernels lf_kernels_neon;
 #endif

@@ -251,8 +251,9 @@ LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory
 }
 
 /* Probability that the shadow ray of points is traced, and what the control says there; share: what
- * they scatter of the light, 1 = all of it, evenly. The variance of T - T~ is taken as a twentieth
- * of what the light would have without it, and never as nothing. */
+ * they scatter of the light, 1 = all of it, evenly. In proportion to what the estimate of T adds to
+ * the spread of the suffix, T(1 - T) and what the control may be off by where it says 0 or 1; twice
+ * that was best or near it in variance times look-ups for clouds of albedo 0.4 to 0.99. */
 LF_INLINE lanes chance(const lf_lane_scene *scene, const lanes q[3], lanes share, lanes *expected)
 {
     if (!scene->field->left) {
@@ -260,7 +261,7 @@ LF_INLINE lanes chance(const lf_lane_scene *scene, const lanes q[3], lanes share
         return all(1.0f);
     }
     lanes t = *expected = control_at(scene->field, q);
-    return most(least(share * root(t * (1.0f - t) + 0.01f), all(1.0f)), all(0.05f));
+    return most(least(2.0f * share * root(t * (1.0f - t) + 0.01f), all(1.0f)), all(0.05f));
 }
 
 /* --------------------------------------------------------------------------------------- paths --
