@@ -10,7 +10,7 @@
 static const lf_skip_entry table[] = {
     {"surfaces", "no meshes: no Embree device, no rays", LF_SKIP_SURFACES, true},
     {"background", "view pixels that nothing can be met in: no paths, no optical depths",
-     LF_SKIP_BACKGROUND, true},
+     LF_SKIP_BACKGROUND, false},
     {"delta-lobes", "no mirrors: no sum of native samples on the film", LF_SKIP_DELTA_LOBES, false},
     {"view-lobes", "no lobe depends on the view: no directional weights on the film",
      LF_SKIP_VIEW_LOBES, false},

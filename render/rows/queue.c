@@ -73,10 +73,44 @@ void lf_queue_push(lf_queue *queue, lf_visit *visit, int view, int column, const
         lf_queue_flush(queue, visit);
 }
 
+static lf_vec3 arriving(const lf_queue *queue, int path)
+{
+    return lf_v3(queue->radiance[0][path], queue->radiance[1][path], queue->radiance[2][path]);
+}
+
+/* The suffix of a pivot: where every view is sent the same, one with the mean of what its
+ * directions bring; else a chain of them. */
+static void take_suffixes(const lf_queue *queue, int at, bool same, lf_suffix out[LF_QUEUE_EACH])
+{
+    const lf_queued *item = &queue->item[at];
+    const int first = at * queue->each;
+    out[0] = (lf_suffix){.has_light = item->has_light,
+                         .has_direction = true,
+                         .light = item->light,
+                         .light_visible = queue->left[at],
+                         .wi = item->wi};
+    for (int k = 0; k < queue->each && same; k++)
+        out[0].scattered =
+            lf_madd(out[0].scattered, 1.0f / (float)queue->each, arriving(queue, first + k));
+    for (int k = 0; k < queue->each && !same; k++) {
+        const int path = first + k;
+        if (k > 0) {
+            out[k] = (lf_suffix){.has_direction = true};
+            out[k - 1].next = &out[k];
+        }
+        out[k].wi = lf_v3(queue->wi[0][path], queue->wi[1][path], queue->wi[2][path]);
+        out[k].scattered = arriving(queue, path);
+    }
+}
+
 static void spread(const lf_queue *queue, lf_visit *visit, int at)
 {
     const lf_queued *item = &queue->item[at];
+    /* a view's own lobe is divided out */
+    bool same = !visit->acting->entry.shares ||
+                lf_volume_is_isotropic(&visit->scene->volumes[item->volume]);
     lf_pivot pivot;
+    lf_suffix suffix[LF_QUEUE_EACH];
     lf_pivot_begin(&pivot, item->w, item->lx, NULL);
     pivot.event.kind = LF_EVENT_MEDIUM;
     pivot.event.p = item->p;
@@ -85,20 +119,10 @@ static void spread(const lf_queue *queue, lf_visit *visit, int at)
     pivot.x = item->x;
     pivot.z = item->z;
     pivot.boost = item->boost;
-    lf_suffix suffix = {.has_light = item->has_light,
-                        .has_direction = true,
-                        .light = item->light,
-                        .light_visible = queue->left[at],
-                        .wi = item->wi};
-    for (int k = 0; k < queue->each; k++) {
-        const int path = at * queue->each + k;
-        suffix.scattered = lf_madd(
-            suffix.scattered, 1.0f / (float)queue->each,
-            lf_v3(queue->radiance[0][path], queue->radiance[1][path], queue->radiance[2][path]));
-    }
+    take_suffixes(queue, at, same, suffix);
     visit->alone = item->alone;
     visit->worker->tracer.rng = item->rng;
-    visit->acting->pivot(visit, item->view, item->column, &pivot, &suffix);
+    visit->acting->pivot(visit, item->view, item->column, &pivot, suffix);
 }
 
 void lf_queue_flush(lf_queue *queue, lf_visit *visit)

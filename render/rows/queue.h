@@ -6,7 +6,8 @@
 
 #include "render/rows/visit.h"
 
-/* Pivots, and suffixes of one pivot. */
+/* Pivots, and suffixes of each: they cost a tenth to a third of what a pivot costs, and have more
+ * of the variance (docs/performance.md, "Suffixes in lanes"). */
 enum { LF_QUEUE_PIVOTS = 1024, LF_QUEUE_EACH = 4 };
 
 /* A pivot that waits: what is left of lf_pivot and lf_visit when its turn comes. */
@@ -23,12 +24,12 @@ typedef struct lf_queued {
 typedef struct lf_queue {
     const lf_lane_scene *lanes;
     const lf_suffixes *suffixes;
-    int n, each; /* pivots that wait, and suffixes of each */
+    int n, each; /* pivots that wait, and suffixes of each, at most LF_QUEUE_EACH */
     lf_queued item[LF_QUEUE_PIVOTS];
     /* [pivot]: where, volume space, and what of the light is left there */
     float q[3][LF_QUEUE_PIVOTS], phase[LF_QUEUE_PIVOTS], left[LF_QUEUE_PIVOTS];
     uint32_t random[2][LF_QUEUE_PIVOTS];
-    /* [pivot][each] */
+    /* [pivot][suffix] */
     float from[3][LF_QUEUE_PIVOTS * LF_QUEUE_EACH], wi[3][LF_QUEUE_PIVOTS * LF_QUEUE_EACH],
         radiance[3][LF_QUEUE_PIVOTS * LF_QUEUE_EACH], lit[3][LF_QUEUE_PIVOTS * LF_QUEUE_EACH];
     uint32_t path_random[2][LF_QUEUE_PIVOTS * LF_QUEUE_EACH];

@@ -38,37 +38,13 @@ static void free_workers(lf_scratch **workers, int n)
             lf_section_finish(&workers[i]->veil.section);
             lf_free(workers[i]->expected);
             lf_free(workers[i]->mirrors);
-            lf_free(workers[i]->queue);
         }
         lf_free(workers[i]);
     }
     lf_free(workers);
 }
 
-/* Suffixes of a pivot: see docs/performance.md, "Suffixes in lanes". */
-static int suffixes_of(const lf_scene *scene, const lf_sharing *sharing)
-{
-    const bool same = lf_volume_is_isotropic(&scene->volumes[0]);
-    return same && sharing->entry.shares ? LF_QUEUE_EACH : 1;
-}
-
-static lf_status make_queue(const lf_rows *rows, const lf_sharing *sharing, lf_queue **out)
-{
-    *out = NULL;
-    if (!rows->lanes)
-        return LF_OK;
-    lf_queue *queue = lf_calloc(1, sizeof *queue);
-    if (!queue)
-        return LF_E_NOMEM;
-    queue->lanes = rows->lanes;
-    queue->suffixes = lf_kernels_get()->suffixes;
-    queue->each = suffixes_of(&rows->seen, sharing);
-    *out = queue;
-    return LF_OK;
-}
-
-static lf_scratch **make_workers(const lf_rows *rows, const lf_sharing *sharing,
-                                 const lf_film_layout *layout)
+static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layout)
 {
     int n = rows->n_workers;
     bool mirrors = rows->seen.has_delta;
@@ -81,8 +57,7 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_sharing *sharing,
         if (workers[i] && mirrors)
             workers[i]->mirrors = lf_calloc((size_t)layout->n_views * (size_t)layout->width,
                                             sizeof *workers[i]->mirrors);
-        if (!workers[i] || make_queue(rows, sharing, &workers[i]->queue) != LF_OK ||
-            !workers[i]->expected || (mirrors && !workers[i]->mirrors) ||
+        if (!workers[i] || !workers[i]->expected || (mirrors && !workers[i]->mirrors) ||
             lf_media_init(&workers[i]->media, &rows->frame) != LF_OK ||
             lf_media_init(&workers[i]->shine.flames, &rows->flames) != LF_OK ||
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
@@ -116,6 +91,29 @@ static lf_status make_moments(lf_rows *rows)
     for (int i = 0; i < rows->n_workers && status == LF_OK; i++)
         status = lf_moment_init(&rows->moments[i], &rows->moving);
     return status;
+}
+
+static void free_queues(lf_rows *rows)
+{
+    for (int i = 0; rows->queues && i < rows->n_workers; i++)
+        lf_free(rows->queues[i]);
+    lf_free(rows->queues);
+}
+
+static lf_status make_queues(lf_rows *rows, const lf_sharing *sharing)
+{
+    if (!rows->lanes)
+        return LF_OK;
+    rows->queues = lf_calloc((size_t)rows->n_workers, sizeof *rows->queues);
+    for (int i = 0; rows->queues && i < rows->n_workers; i++) {
+        lf_queue *queue = rows->queues[i] = lf_calloc(1, sizeof *queue);
+        if (!queue)
+            return LF_E_NOMEM;
+        queue->lanes = rows->lanes;
+        queue->suffixes = lf_kernels_get()->suffixes;
+        queue->each = sharing->suffixes;
+    }
+    return rows->queues ? LF_OK : LF_E_NOMEM;
 }
 
 /* What the scene needs of the film; sky where B is not stored. */
@@ -162,6 +160,7 @@ static void destroy(void *state)
         return;
     free_workers(rows->workers, rows->n_workers);
     free_moments(rows);
+    free_queues(rows);
     lf_counts_finish(&rows->counts);
     lf_row_triangles_finish(&rows->triangles);
     lf_free(rows);
@@ -195,8 +194,9 @@ static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_
     if (status != LF_OK)
         return status;
     rows->n_workers = lf_pool_threads(rows->pool);
-    rows->workers = make_workers(rows, sharing, layout);
-    return rows->workers ? make_moments(rows) : LF_E_NOMEM;
+    rows->workers = make_workers(rows, layout);
+    status = rows->workers ? make_moments(rows) : LF_E_NOMEM;
+    return status == LF_OK ? make_queues(rows, sharing) : status;
 }
 
 static void make_plan(lf_rows *rows, const lf_integrator_input *input, const lf_sharing *sharing)
@@ -274,6 +274,7 @@ static bool visit(void *state, const lf_visit_order *order, int row, int half, i
     lf_visit_plan plan = rows->plan;
     plan.order = *order;
     plan.counts = order->column_step == 1 ? plan.counts : NULL;
+    plan.queue = rows->queues ? rows->queues[worker] : NULL;
     if (rows->moments) {
         plan.moment = &rows->moments[worker];
         plan.moving = &rows->moving;

@@ -603,7 +603,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
     lf_exits_row(plan, &visit, key, index);
     if (lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW))
         cut(plan, &visit, key, lf_hash64(key, 0), index);
-    visit.queue = worker->queue;
+    visit.queue = plan->queue;
     if (visit.queue)
         visit.queue->n = 0; /* a cancelled visit may have left some */
     if (visit.expected

@@ -29,6 +29,7 @@ struct lf_queue;
  * file. */
 typedef struct lf_sharing {
     lf_integrator_entry entry; /* shares: other views receive contributions */
+    int suffixes;              /* of a pivot, where they are drawn in lanes */
     bool adaptive;             /* behind a pilot base samples go where the error is (adaptive.h) */
     /* Spreads one pivot over the views that see it; given: its suffix, NULL: it is drawn. */
     void (*pivot)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot,
@@ -80,13 +81,12 @@ typedef struct lf_veil_memory {
 typedef struct lf_scratch {
     lf_tracer tracer;
     lf_media media;
-    lf_shine_memory shine;  /* what they emit */
-    lf_film_sums sums;      /* of the visit under way */
-    lf_reach reach;         /* of its row's plane */
-    lf_section section;     /* the meshes in it, but for veils */
-    lf_veil_memory veil;    /* ... and those */
-    lf_glow_row glows;      /* the lights in its media */
-    struct lf_queue *queue; /* NULL: suffixes are drawn one by one */
+    lf_shine_memory shine; /* what they emit */
+    lf_film_sums sums;     /* of the visit under way */
+    lf_reach reach;        /* of its row's plane */
+    lf_section section;    /* the meshes in it, but for veils */
+    lf_veil_memory veil;   /* ... and those */
+    lf_glow_row glows;     /* the lights in its media */
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES],
@@ -131,7 +131,7 @@ typedef struct lf_visit {
     const lf_sharing *sharing, *acting;
     const lf_row_triangles *triangles; /* NULL: no meshes */
     lf_scratch *worker;
-    struct lf_queue *queue; /* the worker's, while base samples are drawn; else NULL */
+    struct lf_queue *queue; /* the plan's, while base samples are drawn; else NULL */
     lf_film_sums sums;      /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
     int row;
@@ -167,6 +167,8 @@ typedef struct lf_suffix {
     /* whose it is, where the scene has lights in media and it is a lamp's; else NULL */
     const lf_light *found_light;
     lf_vec3 scattered; /* radiance scattered there */
+    /* another direction of the same pivot, drawn as this one, with no light; NULL: none */
+    const struct lf_suffix *next;
 } lf_suffix;
 
 /* The points that a visit draws about its lights in media; weight: its native samples a pixel.
@@ -249,6 +251,7 @@ typedef struct lf_visit_plan {
     const lf_moving *moving;
     const lf_media_frame *frame, *flames; /* of the scene's volumes, and of what they emit */
     const lf_kernels *kernels;
+    struct lf_queue *queue; /* of pivots whose suffixes lanes draw; NULL: they go one by one */
     const lf_sharing *sharing;
     const lf_sharing *native;          /* what fills holes: shares nothing */
     const lf_row_triangles *triangles; /* as in lf_visit */
