@@ -51,5 +51,7 @@ lf_ldflags = $(filter -fsanitize%,$(variant_$(BUILD))) -pthread -Wl,--as-needed 
 x86 := $(filter x86_64,$(ARCH))
 arm64 := $(filter aarch64,$(ARCH))
 isa_kernel_avx2 := -mavx2 -mf16c
-isa_kernel_avx512 := -march=skylake-avx512
+isa_kernel_avx512 := -mavx512f
+isa_suffix_avx2 := -mavx2
+isa_suffix_avx512 := -mavx512f -mprefer-vector-width=512
 without_isa = $(filter-out $(if $(x86),,%_avx2.c %_avx512.c) $(if $(arm64),,%_neon.c),$(1))

@@ -192,7 +192,8 @@ typedef enum lf_skip {
     LF_SKIP_VIEW_LOBES = 8,
     LF_SKIP_EMISSION = 16,
     LF_SKIP_KNOWN_LIGHT = 32,
-    LF_SKIP_ALL = 63, /* what programs use */
+    LF_SKIP_PATHS = 64,
+    LF_SKIP_ALL = 127, /* what programs use */
 } lf_skip;
 
 typedef struct lf_skip_entry {

@@ -32,7 +32,8 @@ typedef struct parts {
     void *state;
     lf_integrator_needs needs;
     lf_geometry *empty;
-    lf_film film; /* nothing where the old one fits */
+    lf_lane_scene *lanes; /* an allocation of its own: the integrator borrows it */
+    lf_film film;         /* nothing where the old one fits */
     bool keep_film;
     const char *name;
     uint8_t picture[LF_PICTURE_BYTES];
@@ -44,6 +45,18 @@ static void drop_parts(parts *fresh)
         fresh->integrator->destroy(fresh->state);
     lf_film_finish(&fresh->film);
     lf_geometry_unref(fresh->empty);
+    if (fresh->lanes)
+        lf_lane_scene_finish(fresh->lanes);
+    lf_free(fresh->lanes);
+}
+
+static lf_status make_lanes(const lf_renderer *r, lf_scene *scene, unsigned skip,
+                            lf_lane_scene **out)
+{
+    if (!(skip & LF_SKIP_PATHS) || !lf_lane_scene_serves(scene))
+        return LF_OK;
+    *out = lf_calloc(1, sizeof **out);
+    return *out ? lf_lane_scene_init(*out, scene, r->lanes, r->pool) : LF_E_NOMEM;
 }
 
 static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_settings *settings,
@@ -56,9 +69,11 @@ static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_set
         status = lf_skip_scene(scene, settings->skip, &seen, &fresh->empty, err);
     if (status != LF_OK)
         return status;
-    const lf_integrator_input input = {scene, &seen, settings, r->pool, &r->film};
     fresh->name = fresh->integrator->entry(index)->name;
-    status = fresh->integrator->create(&input, index, &fresh->state, &fresh->needs, err);
+    status = make_lanes(r, scene, settings->skip, &fresh->lanes);
+    const lf_integrator_input input = {scene, &seen, settings, r->pool, fresh->lanes, &r->film};
+    if (status == LF_OK)
+        status = fresh->integrator->create(&input, index, &fresh->state, &fresh->needs, err);
     if (status == LF_OK) {
         fresh->keep_film = lf_film_has_layout(&r->film, &fresh->needs.layout);
         status = fresh->keep_film ? LF_OK : lf_film_init(&fresh->film, &fresh->needs.layout);
@@ -75,10 +90,12 @@ static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_set
 /* Gives up the old for the new; what remains in *fresh is the old, to be dropped. */
 static void take_parts(lf_renderer *r, parts *fresh)
 {
-    parts old = {.integrator = r->integrator, .state = r->state, .empty = r->empty};
+    parts old = {
+        .integrator = r->integrator, .state = r->state, .empty = r->empty, .lanes = r->lanes};
     r->integrator = fresh->integrator;
     r->state = fresh->state;
     r->empty = fresh->empty;
+    r->lanes = fresh->lanes;
     r->visit_passes = fresh->needs.visit_passes;
     if (fresh->keep_film) {
         lf_film_clear(&r->film);
@@ -142,6 +159,9 @@ void lf_renderer_destroy(lf_renderer *renderer)
     lf_renderer_drop_fits(renderer);
     lf_geometry_unref(renderer->empty);
     lf_sunlight_destroy(renderer->sunlight);
+    if (renderer->lanes)
+        lf_lane_scene_finish(renderer->lanes);
+    lf_free(renderer->lanes);
     lf_scene_unref(renderer->scene);
     lf_free(renderer);
 }

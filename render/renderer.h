@@ -5,6 +5,7 @@
 #include "render/integrator.h"
 #include "render/reconstruct/reconstruct.h"
 #include "render/rows/rig.h"
+#include "render/transport/lane_scene.h"
 
 /* What a fit knew, and the rig that it was of. */
 typedef struct lf_known_past {
@@ -18,6 +19,7 @@ struct lf_renderer {
     lf_render_settings settings;
     lf_pool *pool;
     struct lf_sunlight *sunlight; /* made by the first pass whose film has features; NULL: none */
+    lf_lane_scene *lanes;         /* its own, for suffixes; NULL: they go one by one */
     lf_film film;
     lf_reconstruction *shown; /* NULL until it is asked for; of this film's shape and rig */
     lf_known_past before;     /* of an earlier film; until every row of this one has been fitted */

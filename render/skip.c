@@ -10,7 +10,7 @@
 static const lf_skip_entry table[] = {
     {"surfaces", "no meshes: no Embree device, no rays", LF_SKIP_SURFACES, true},
     {"background", "view pixels that nothing can be met in: no paths, no optical depths",
-     LF_SKIP_BACKGROUND, true},
+     LF_SKIP_BACKGROUND, false},
     {"delta-lobes", "no mirrors: no sum of native samples on the film", LF_SKIP_DELTA_LOBES, false},
     {"view-lobes", "no lobe depends on the view: no directional weights on the film",
      LF_SKIP_VIEW_LOBES, false},
@@ -18,6 +18,8 @@ static const lf_skip_entry table[] = {
      true},
     {"known-light", "all rays that escape find the same light: it is neither looked up nor stored",
      LF_SKIP_KNOWN_LIGHT, false},
+    {"single-paths", "one grid, a far light and an even sky: suffixes go side by side in lanes",
+     LF_SKIP_PATHS, false},
 };
 #define N_SKIPS (sizeof table / sizeof table[0])
 
@@ -37,6 +39,7 @@ unsigned lf_skip_found(const lf_scene *scene)
     found |= !scene->has_delta && scene->glows.n == 0 && lf_exits_uniform(scene, sky)
                  ? LF_SKIP_KNOWN_LIGHT
                  : 0;
+    found |= lf_lane_scene_serves(scene) ? LF_SKIP_PATHS : 0;
     return found;
 }
 

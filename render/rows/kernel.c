@@ -14,6 +14,8 @@ const lf_kernels *lf_kernels_at(int index)
 #if defined(__x86_64__)
     if (index == 1 && __builtin_cpu_supports("avx2"))
         return &lf_kernels_avx2;
+    if (index == 2 && __builtin_cpu_supports("avx512f"))
+        return &lf_kernels_avx512;
 #elif defined(__aarch64__)
     if (index == 1)
         return &lf_kernels_neon;

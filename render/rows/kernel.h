@@ -1,13 +1,14 @@
 /* The hot inner loops, behind a table of functions: one file an instruction set, kernel_c.c the
  * oracle that the others must equal bit for bit (same operations in the same order, no
  * contraction). Chosen once, before threads start: the best that the CPU has, or what LF_CPU names
- * ("c", "avx2", "neon"). Private to render/. */
+ * ("c", "avx2", "avx512", "neon"). Private to render/. */
 #ifndef LF_RENDER_KERNEL_H
 #define LF_RENDER_KERNEL_H
 
 #include "render/rows/body.h"
 #include "render/rows/slice.h"
 #include "render/scene/look_up.h"
+#include "render/transport/suffix.h"
 
 /* Points of a slice's rays that are held against the grid (correction.h). */
 typedef struct lf_probe {
@@ -60,11 +61,14 @@ typedef struct lf_kernels {
      * all 0 when there is none. Returns their sum, added in the fixed order lane 0..7 of running
      * sums of 8. d may alias scale. */
     float (*densities)(int n, const float *scale, const float *tau, float *d);
+
+    /* Suffixes of many pivots at once. */
+    const lf_suffixes *suffixes;
 } lf_kernels;
 
 extern const lf_kernels lf_kernels_c;
 #if defined(__x86_64__)
-extern const lf_kernels lf_kernels_avx2;
+extern const lf_kernels lf_kernels_avx2, lf_kernels_avx512;
 #elif defined(__aarch64__)
 extern const lf_kernels lf_kernels_neon;
 #endif

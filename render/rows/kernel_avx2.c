@@ -347,7 +347,8 @@ const lf_kernels lf_kernels_avx2 = {.name = "avx2",
                                     .within = within,
                                     .sample = sample,
                                     .compare = compare,
-                                    .densities = densities};
+                                    .densities = densities,
+                                    .suffixes = &lf_suffixes_avx2};
 
 #else
 typedef int lf_kernels_avx2_not_here;

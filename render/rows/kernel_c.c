@@ -140,4 +140,5 @@ const lf_kernels lf_kernels_c = {.name = "c",
                                  .within = within,
                                  .sample = sample,
                                  .compare = compare,
-                                 .densities = densities};
+                                 .densities = densities,
+                                 .suffixes = &lf_suffixes_c};

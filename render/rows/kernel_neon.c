@@ -246,7 +246,8 @@ const lf_kernels lf_kernels_neon = {.name = "neon",
                                     .within = within,
                                     .sample = sample,
                                     .compare = compare,
-                                    .densities = densities};
+                                    .densities = densities,
+                                    .suffixes = &lf_suffixes_c};
 
 #else
 typedef int lf_kernels_neon_not_here;

@@ -404,7 +404,8 @@ static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
         w->tracer.nonfinite++;
         return;
     }
-    if (!(lf_max3(radiance) > 0.0f))
+    /* below 0 where a control said too much */
+    if (radiance.x == 0.0f && radiance.y == 0.0f && radiance.z == 0.0f)
         return;
     for (int t = 0; t < f->n_terms; t++)
         tinted[t] = lf_mul(radiance, f->colour[t]);
@@ -502,19 +503,23 @@ static lf_vec3 some_way_back(const lf_visit *visit, const lf_pivot *pivot, float
 }
 
 /* The lobe depends on the view: balance over all views' lobes and light sampling. Further
- * directions come from the lobes of other views, evenly over the sum of densities: on the average
- * over them, as from the base's own, the density is sum_k c_k D_k pdf_k. */
+ * directions come from the base's own lobe, too, or from the lobes of other views, evenly over the
+ * sum of densities: on the average over bases the density is sum_k c_k D_k pdf_k. */
 static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suffix, float sum)
 {
     bool surface = pivot->event.kind == LF_EVENT_SURFACE;
     int n = surface && !pivot->event.hit.material->has_delta ? LF_GLOSSY_DIRECTIONS : 1;
+    for (const lf_suffix *next = suffix->next; next; next = next->next)
+        n++;
     if (surface)
         look_back(visit, &pivot->event.hit);
     add_weights(visit, pivot->boost / sum);
     if (suffix->has_light)
         spread_light(visit, pivot, suffix, sum, n);
     spread_direction(visit, pivot, suffix, sum, n);
-    for (int i = 1; i < n; i++) {
+    for (const lf_suffix *next = suffix->next; next; next = next->next)
+        spread_direction(visit, pivot, next, sum, n);
+    for (int i = 1; i < n && !suffix->next; i++) {
         float u = ((float)(i - 1) + lf_rng(&visit->worker->tracer)) / (float)(n - 1);
         lf_suffix_redraw(visit, pivot, some_way_back(visit, pivot, u, sum), suffix);
         spread_direction(visit, pivot, suffix, sum, n);
@@ -578,7 +583,8 @@ static float least_depth(const lf_visit *visit)
     return least;
 }
 
-static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
+static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot,
+                       const lf_suffix *given)
 {
     float sum = fan(visit, view, column, pivot);
     if (!correct(visit, pivot))
@@ -589,7 +595,10 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
     }
     lf_suffix suffix;
     lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
-    lf_suffix_draw(visit, pivot, wo, &suffix);
+    if (given)
+        suffix = *given;
+    else
+        lf_suffix_draw(visit, pivot, wo, &suffix);
     if (visit->worker->glows.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
         lf_glow_balance(visit, pivot, -1, sum, least_depth(visit), &suffix);
     if (view_dependent(visit, &pivot->event))
@@ -634,11 +643,13 @@ static void balance_mvpt(lf_visit *visit, int view, int column, const lf_pivot *
 
 const lf_sharing lf_sharing_mvpt = {
     .entry = {.name = "mvpt", .what = "every path serves all views that see it", .shares = true},
+    .suffixes = 4,
     .pivot = pivot_mvpt,
     .glow = glow_mvpt,
     .balance = balance_mvpt};
 const lf_sharing lf_sharing_amvpt = {
     .entry = {.name = "amvpt", .what = "mvpt with more paths where the error is", .shares = true},
+    .suffixes = 4,
     .adaptive = true,
     .pivot = pivot_mvpt,
     .glow = glow_mvpt,

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/alloc.h"
+#include "render/rows/queue.h"
 #include "render/scene/geometry.h"
 
 static const lf_sharing *const table[] = {&lf_sharing_mvpt, &lf_sharing_vpt, &lf_sharing_amvpt};
@@ -92,6 +93,29 @@ static lf_status make_moments(lf_rows *rows)
     return status;
 }
 
+static void free_queues(lf_rows *rows)
+{
+    for (int i = 0; rows->queues && i < rows->n_workers; i++)
+        lf_free(rows->queues[i]);
+    lf_free(rows->queues);
+}
+
+static lf_status make_queues(lf_rows *rows, const lf_sharing *sharing)
+{
+    if (!rows->lanes)
+        return LF_OK;
+    rows->queues = lf_calloc((size_t)rows->n_workers, sizeof *rows->queues);
+    for (int i = 0; rows->queues && i < rows->n_workers; i++) {
+        lf_queue *queue = rows->queues[i] = lf_calloc(1, sizeof *queue);
+        if (!queue)
+            return LF_E_NOMEM;
+        queue->lanes = rows->lanes;
+        queue->suffixes = lf_kernels_get()->suffixes;
+        queue->each = sharing->suffixes;
+    }
+    return rows->queues ? LF_OK : LF_E_NOMEM;
+}
+
 /* What the scene needs of the film; sky where B is not stored. */
 static lf_film_layout film_layout(const lf_scene *scene, const lf_render_settings *settings,
                                   const lf_rig *rig, float sky[3])
@@ -136,6 +160,7 @@ static void destroy(void *state)
         return;
     free_workers(rows->workers, rows->n_workers);
     free_moments(rows);
+    free_queues(rows);
     lf_counts_finish(&rows->counts);
     lf_row_triangles_finish(&rows->triangles);
     lf_free(rows);
@@ -170,7 +195,8 @@ static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_
         return status;
     rows->n_workers = lf_pool_threads(rows->pool);
     rows->workers = make_workers(rows, layout);
-    return rows->workers ? make_moments(rows) : LF_E_NOMEM;
+    status = rows->workers ? make_moments(rows) : LF_E_NOMEM;
+    return status == LF_OK ? make_queues(rows, sharing) : status;
 }
 
 static void make_plan(lf_rows *rows, const lf_integrator_input *input, const lf_sharing *sharing)
@@ -201,6 +227,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     lf_integrator_needs needs = {.sky = {0}};
     rows->seen = *input->seen;
     rows->pool = input->pool;
+    rows->lanes = input->lanes;
     lf_status status = lf_rig_init(&rows->rig, input->settings, input->scene->origin, err);
     rig_track track;
     if (status == LF_OK) {
@@ -247,6 +274,7 @@ static bool visit(void *state, const lf_visit_order *order, int row, int half, i
     lf_visit_plan plan = rows->plan;
     plan.order = *order;
     plan.counts = order->column_step == 1 ? plan.counts : NULL;
+    plan.queue = rows->queues ? rows->queues[worker] : NULL;
     if (rows->moments) {
         plan.moment = &rows->moments[worker];
         plan.moving = &rows->moving;

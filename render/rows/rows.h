@@ -13,6 +13,7 @@ extern const lf_integrator lf_integrator_rows;
 typedef struct lf_rows {
     lf_scene seen; /* what is seen of the scene; borrows from it */
     lf_pool *pool;
+    const lf_lane_scene *lanes; /* what does its suffixes (queue.h); NULL: one by one */
     lf_rig rig;
     lf_media_frame frame, flames;
     lf_row_triangles triangles; /* all zero without meshes */
@@ -21,7 +22,8 @@ typedef struct lf_rows {
     lf_visit_plan plan;         /* of every visit, before an order is known */
     /* [lf_pool_threads] each its own allocation: no shared cache lines */
     lf_scratch **workers;
-    lf_moment *moments; /* [n_workers] of `moving`; NULL: nothing moves */
+    struct lf_queue **queues; /* [n_workers] each its own; NULL: suffixes go one by one */
+    lf_moment *moments;       /* [n_workers] of `moving`; NULL: nothing moves */
     lf_moving moving;
     int n_workers;
 } lf_rows;

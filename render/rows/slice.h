@@ -16,8 +16,8 @@
 #include "render/scene/look_up.h"
 
 #define LF_SLICE_MAX_SIDE 2048
-/* Readable samples behind a plane's last: kernels load sixteen from any sample on. */
-#define LF_SLICE_PADDING 16
+/* Readable samples behind a plane's last: kernels load 32 from any sample on. */
+#define LF_SLICE_PADDING 32
 /* Tiles along a side of a slice, at most: what is known of its error. */
 #define LF_SLICE_TILES 32
 

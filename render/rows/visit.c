@@ -1,5 +1,6 @@
 /* A visit of a row: plane, slice, exits, base samples. What is the same for every integrator. */
 #include "render/rows/native.h"
+#include "render/rows/queue.h"
 
 /* ----------------------------------------------------------------------------------- lattice -- */
 
@@ -184,8 +185,7 @@ static lf_vec3 make_ray(const lf_visit *visit, int view, float u, float lx, lf_m
     return lf_scale(lf_rig_direction(rig, ray->slope, visit->plane.my, 1.0f), 1.0f / ray->length);
 }
 
-/* All but where it will be. The hit, most of its memory, is left alone: rays write it. */
-static void begin_pivot(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler)
+void lf_pivot_begin(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler)
 {
     lf_event *event = &pivot->event;
     event->w = w;
@@ -223,7 +223,7 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
 
     lf_pivot pivot;
     lf_event *event = &pivot.event;
-    begin_pivot(&pivot, w, lens, &sampler);
+    lf_pivot_begin(&pivot, w, lens, &sampler);
     lf_vec3 eye = lf_rig_point(rig, ray.x0, visit->plane.ly, 0.0f);
     worker->tracer.width = 0.0f;
     worker->tracer.spread = lf_rig_spread(rig) / ray.length;
@@ -257,7 +257,10 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
         pivot.boost = collision.boost * visit->weight;
         event->p = lf_rig_point(rig, pivot.x, visit->plane.ly + visit->plane.my * pivot.z, pivot.z);
         event->volume = worker->media.item[collision.medium].volume;
-        visit->acting->pivot(visit, view, column, &pivot);
+        if (visit->queue)
+            lf_queue_push(visit->queue, visit, view, column, &pivot);
+        else
+            visit->acting->pivot(visit, view, column, &pivot, NULL);
     } else if (surface && !(collision.z < INFINITY)) {
         lf_vec3 d = lf_sub(event->hit.p, rig->eye);
         event->kind = LF_EVENT_SURFACE;
@@ -269,7 +272,7 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
         if (natives && !pane)
             lf_natives_of_surface(visit, view, column, &pivot);
         if (shared && !native_only)
-            visit->acting->pivot(visit, view, column, &pivot);
+            visit->acting->pivot(visit, view, column, &pivot, NULL);
     }
 }
 
@@ -600,10 +603,16 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
     lf_exits_row(plan, &visit, key, index);
     if (lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW))
         cut(plan, &visit, key, lf_hash64(key, 0), index);
+    visit.queue = plan->queue;
+    if (visit.queue)
+        visit.queue->n = 0; /* a cancelled visit may have left some */
     if (visit.expected
             ? !sample_counts(plan, &visit, before->n[half], first_rank, lf_hash64(key, 13), cancel)
             : !sample_lattice(plan, &visit, first, passes, key, cancel))
         return false;
+    if (visit.queue)
+        lf_queue_flush(visit.queue, &visit);
+    visit.queue = NULL;
     if (!lf_glow_visit(plan, &visit, (float)(given / views), cancel))
         return false;
     if (visit.mirror_rounds > 0 && !sample_mirrors(plan, &visit, key, index, cancel))

@@ -17,19 +17,23 @@
 #include "render/rows/veil.h"
 #include "render/transport/path.h"
 #include "render/transport/sampler.h"
+#include "render/transport/suffix.h"
 #include "render/transport/sunlight.h"
 
 struct lf_visit;
 struct lf_pivot;
 struct lf_suffix;
+struct lf_queue;
 
 /* How what a base sample finds is spread over the views. A member of the table (rows.c) is one
  * file. */
 typedef struct lf_sharing {
     lf_integrator_entry entry; /* shares: other views receive contributions */
+    int suffixes;              /* of a pivot, where they are drawn in lanes */
     bool adaptive;             /* behind a pilot base samples go where the error is (adaptive.h) */
-    /* Spreads one pivot over the views that see it. */
-    void (*pivot)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot);
+    /* Spreads one pivot over the views that see it; given: its suffix, NULL: it is drawn. */
+    void (*pivot)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot,
+                  const struct lf_suffix *given);
     /* Lights in media (glow_row.h): spreads a sample of one of them at a point that was drawn about
      * it: to `view`, or to all that see it … */
     void (*glow)(struct lf_visit *visit, int view, const struct lf_pivot *pivot,
@@ -127,7 +131,8 @@ typedef struct lf_visit {
     const lf_sharing *sharing, *acting;
     const lf_row_triangles *triangles; /* NULL: no meshes */
     lf_scratch *worker;
-    lf_film_sums sums; /* the worker's, or where holes are filled the film's own half */
+    struct lf_queue *queue; /* the plan's, while base samples are drawn; else NULL */
+    lf_film_sums sums;      /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
     int row;
     int max_depth;
@@ -162,6 +167,8 @@ typedef struct lf_suffix {
     /* whose it is, where the scene has lights in media and it is a lamp's; else NULL */
     const lf_light *found_light;
     lf_vec3 scattered; /* radiance scattered there */
+    /* another direction of the same pivot, drawn as this one, with no light; NULL: none */
+    const struct lf_suffix *next;
 } lf_suffix;
 
 /* The points that a visit draws about its lights in media; weight: its native samples a pixel.
@@ -177,6 +184,10 @@ float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light
  * drawn about these lights. */
 void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, float sum, float depth,
                      lf_suffix *suffix);
+
+/* All of a pivot but where it will be. The hit, most of its memory, is left alone: rays write it.
+ */
+void lf_pivot_begin(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler);
 
 /* Draws the suffix: wo is where its direction's lobe looks back to, the base view's place or that
  * of any view that sees the pivot. */
@@ -240,6 +251,7 @@ typedef struct lf_visit_plan {
     const lf_moving *moving;
     const lf_media_frame *frame, *flames; /* of the scene's volumes, and of what they emit */
     const lf_kernels *kernels;
+    struct lf_queue *queue; /* of pivots whose suffixes lanes draw; NULL: they go one by one */
     const lf_sharing *sharing;
     const lf_sharing *native;          /* what fills holes: shares nothing */
     const lf_row_triangles *triangles; /* as in lf_visit */

@@ -3,7 +3,8 @@
  * own pixel. */
 #include "render/rows/native.h"
 
-static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot)
+static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot,
+                      const lf_suffix *given)
 {
     lf_vec3 channels;
     float correction = lf_visit_correction(visit, view, pivot, &channels);
@@ -11,7 +12,9 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
         return; /* nothing is there */
     lf_suffix suffix = {0};
     lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
-    if (!pivot->is_pane)
+    if (given)
+        suffix = *given;
+    else if (!pivot->is_pane)
         lf_suffix_draw(visit, pivot, wo, &suffix);
     if (visit->worker->glows.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
         visit->sharing->balance(visit, view, column, pivot, &suffix);
@@ -108,6 +111,7 @@ static void glow_vpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_
 
 const lf_sharing lf_sharing_vpt = {
     .entry = {.name = "vpt", .what = "each view alone", .shares = false},
+    .suffixes = 2,
     .pivot = pivot_vpt,
     .glow = glow_vpt,
     .balance = balance_vpt};

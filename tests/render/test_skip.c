@@ -5,6 +5,8 @@
  */
 #include "tests/testing.h"
 
+#include <limits.h>
+
 #include "render/rows/reach.h"
 #include "render/skip.h"
 #include "tests/stat/fixture.h"
@@ -43,7 +45,11 @@ enum {
                                  "{ 'type': 'environment', 'radiance': 0.6 }, 'sun': { 'type': "   \
                                  "'distant', 'angle': 20, 'visible': false } } }"
 
+/* A cloud of voxels in which nothing but lanes is needed; the file's name is put in. */
+static char voxels[PATH_MAX + 512];
+
 static const char *const scenes[] = {
+    voxels,
     SMALL_CLOUD(""),
     SMALL_CLOUD(", 'lens_radius': 0.2, 'focus_distance': 4.2"),
     SMALL_BALL,
@@ -56,6 +62,22 @@ static const char *const scenes[] = {
 };
 enum { n_scenes = sizeof scenes / sizeof *scenes };
 static const unsigned all = LF_SKIP_ALL;
+
+static int put_name_in(void **state)
+{
+    char path[PATH_MAX];
+    (void)state;
+    assert_non_null(realpath(lf_test_built("testdata/patterns.vdb"), path));
+    snprintf(
+        voxels, sizeof voxels,
+        "{ " LF_TEST_CAMERA(
+            "5",
+            "") "'volumes': { 'v': { 'file': '%s', 'scale': 10, 'albedo': "
+                "[0.9, 0.8, 0.7], 'g': 0.4, 'transform': { 'scale': 0.1, 'rotate': [-75, 0, 20], "
+                "'translate': [-0.9, 0.6, 0] } } }, " LF_TEST_SHARP_LIGHTS " }",
+        path);
+    return 0;
+}
 
 static void leave_out(lf_renderer *r, unsigned skip, uint64_t seed)
 {
@@ -221,5 +243,5 @@ int main(void)
         cmocka_unit_test(every_other_skip_leaves_the_picture),
         cmocka_unit_test(little_of_the_picture_is_in_reach_of_little_and_all_from_inside),
     };
-    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+    return cmocka_run_group_tests(tests, put_name_in, lf_test_finish);
 }

@@ -1,0 +1,235 @@
+#include "render/transport/lane_scene.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+#include "render/scene/look_up.h"
+#include "render/transport/light_types.h"
+#include "render/transport/sunlight_media.h"
+
+/* Nodes of the control along the longest side: one for two voxels, within bounds. */
+enum { LEAST_NODES = 16, MOST_NODES = 160 };
+
+/* ---------------------------------------------------------------------------------- the scene --
+ */
+
+static bool serves_volume(const lf_volume *v)
+{
+    uint64_t framed = 1;
+    for (int i = 0; i < 3 && v->kind == LF_VOLUME_GRID; i++)
+        framed *= (uint64_t)v->grid->bricks[i] + 2;
+    return v->kind == LF_VOLUME_GRID && !v->nearest && !v->way && !v->albedo_fields &&
+           v->second.share == 0.0f && v->sigma_max > 0.0f && framed < INT32_MAX &&
+           (uint64_t)v->grid->n_bricks * LF_BRICK_STRIDE < INT32_MAX - 2 * LF_BRICK_STRIDE;
+}
+
+/* The light that is drawn; NULL: none is. */
+static const lf_light *drawn_light(const lf_scene *scene)
+{
+    for (int i = 0; i < scene->n_lights; i++)
+        if (scene->lights[i].select > 0.0f)
+            return &scene->lights[i];
+    return NULL;
+}
+
+static bool serves_lights(const lf_scene *scene)
+{
+    int drawn = 0;
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *l = &scene->lights[i];
+        if (i >= scene->n_lights_infinite || l->way || (l->kind->varies && l->kind->varies(l)))
+            return false;
+        drawn += l->select > 0.0f;
+    }
+    return drawn <= 1;
+}
+
+bool lf_lane_scene_serves(const lf_scene *scene)
+{
+    return scene->n_volumes == 1 && serves_volume(&scene->volumes[0]) && !scene->embree &&
+           !scene->looks.chromatic && !scene->looks.moving && scene->flames.n == 0 &&
+           scene->glows.n == 0 && serves_lights(scene);
+}
+
+static void put(float out[3], lf_vec3 v)
+{
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+}
+
+static void set_colours(lf_lane_scene *lanes, const lf_scene *scene)
+{
+    const lf_vec3 up = lf_v3(0.0f, 1.0f, 0.0f);
+    const lf_volume *volume = &scene->volumes[0];
+    const lf_light *light = drawn_light(scene);
+    float pdf;
+    for (int i = 0; i < 3; i++) {
+        lanes->size[i] = (float)volume->grid->size[i];
+        for (int k = 0; k < 4; k++)
+            lanes->to_volume[i][k] = volume->to_volume[i][k];
+    }
+    lanes->g = volume->g;
+    put(lanes->albedo, volume->albedo);
+    put(lanes->sky, lf_light_escape(scene, up, &pdf));
+    if (light) {
+        put(lanes->toward, lf_scale(light->direction, -1.0f));
+        put(lanes->irradiance, light->irradiance);
+    }
+}
+
+/* ---------------------------------------------------------------------------------- the field --
+ */
+
+typedef struct layers {
+    lf_lane_field *field;
+    const lf_volume *volume;
+} layers;
+
+static void pack_brick(lf_lane_field *field, const lf_volume *volume, size_t from, size_t to)
+{
+    const lf_grid *grid = volume->grid;
+    const size_t first = (size_t)grid->index[from] * LF_BRICK_STRIDE;
+    const float highest = grid->brick_max[from];
+    field->majorant[to] = highest * volume->sigma_scale;
+    field->first[to] = (int32_t)first;
+    for (int i = 0; i < LF_BRICK_STRIDE && highest > 0.0f; i++) {
+        float share = lf_grid_stored(grid, first + (size_t)i) / highest;
+        field->values[first + (size_t)i] = (uint16_t)(lf_min(share, 1.0f) * 65535.0f + 0.5f);
+    }
+}
+
+static void pack_layer(void *context, int z, int worker)
+{
+    const layers *job = context;
+    const lf_grid *grid = job->volume->grid;
+    const size_t row = (size_t)job->field->framed[0], layer = row * (size_t)job->field->framed[1];
+    (void)worker;
+    for (int y = 0; y < grid->bricks[1]; y++)
+        for (int x = 0; x < grid->bricks[0]; x++) {
+            size_t from = lf_grid_brick(grid, x, y, z);
+            size_t to = (size_t)(z + 1) * layer + (size_t)(y + 1) * row + (size_t)(x + 1);
+            if (grid->index[from] != 0)
+                pack_brick(job->field, job->volume, from, to);
+        }
+}
+
+static lf_status pack(lf_lane_field *field, const lf_volume *volume, lf_pool *pool)
+{
+    const lf_grid *grid = volume->grid;
+    layers job = {field, volume};
+    size_t n = 1;
+    for (int i = 0; i < 3; i++) {
+        field->framed[i] = grid->bricks[i] + 2;
+        n *= (size_t)field->framed[i];
+    }
+    field->majorant = lf_calloc(n, sizeof *field->majorant);
+    field->first = lf_calloc(n, sizeof *field->first);
+    /* a pair is read behind the last value */
+    field->values =
+        lf_calloc(((size_t)grid->n_bricks + 1) * LF_BRICK_STRIDE + 2, sizeof *field->values);
+    if (!field->majorant || !field->first || !field->values)
+        return LF_E_NOMEM;
+    return lf_pool_run(pool, grid->bricks[2], pack_layer, &job, NULL);
+}
+
+/* Volume-space point -> node. */
+static void compose(const lf_sunlight_media *media, const lf_volume *volume, float out[3][4])
+{
+    for (int i = 0; i < 3; i++) {
+        const float *row = media->to_nodes[i];
+        for (int k = 0; k < 4; k++)
+            out[i][k] = row[0] * volume->to_scene[0][k] + row[1] * volume->to_scene[1][k] +
+                        row[2] * volume->to_scene[2][k] + (k == 3 ? row[3] : 0.0f);
+    }
+}
+
+static int nodes_for(const lf_grid *grid)
+{
+    int longest = grid->size[0] > grid->size[1] ? grid->size[0] : grid->size[1];
+    longest = longest > grid->size[2] ? longest : grid->size[2];
+    return (int)lf_min(lf_max((float)longest / 2.0f, LEAST_NODES), MOST_NODES);
+}
+
+static lf_status make_control(lf_lane_field *field, const lf_light *light, lf_pool *pool)
+{
+    const lf_volume *volume = &field->scene->volumes[0];
+    lf_sunlight_media media;
+    lf_status status =
+        lf_sunlight_media_init(&media, field->scene, lf_scale(light->direction, -1.0f),
+                               nodes_for(volume->grid), pool, NULL);
+    size_t n = (size_t)media.size[0] * (size_t)media.size[1] * (size_t)media.size[2];
+    if (status == LF_OK && media.depth && n < INT32_MAX) {
+        field->left = lf_calloc(n + 1, sizeof *field->left);
+        status = field->left ? LF_OK : LF_E_NOMEM;
+    }
+    for (size_t i = 0; field->left && i < n; i++)
+        field->left[i] = (uint16_t)(expf(-media.depth[i]) * 65535.0f + 0.5f);
+    for (int i = 0; i < 3; i++)
+        field->nodes[i] = media.size[i];
+    compose(&media, volume, field->to_nodes);
+    lf_sunlight_media_finish(&media);
+    return status;
+}
+
+static void unref(lf_lane_field *field)
+{
+    if (!field || --field->refs > 0)
+        return;
+    lf_free(field->values);
+    lf_free(field->majorant);
+    lf_free(field->first);
+    lf_free(field->left);
+    lf_scene_unref(field->scene);
+    lf_free(field);
+}
+
+static lf_status make_field(lf_scene *scene, lf_pool *pool, lf_lane_field **out)
+{
+    const lf_light *light = drawn_light(scene);
+    lf_lane_field *field = lf_calloc(1, sizeof *field);
+    if (!field)
+        return LF_E_NOMEM;
+    field->refs = 1;
+    field->scene = lf_scene_ref(scene);
+    lf_status status = pack(field, &scene->volumes[0], pool);
+    if (status == LF_OK && light)
+        status = make_control(field, light, pool);
+    *out = field;
+    return status;
+}
+
+static bool is_field_of(const lf_lane_field *field, const lf_scene *scene)
+{
+    const lf_volume *old = &field->scene->volumes[0], *new = &scene->volumes[0];
+    const lf_light *before = drawn_light(field->scene), *now = drawn_light(scene);
+    if (before && now) {
+        if (memcmp(&before->direction, &now->direction, sizeof now->direction) != 0)
+            return false;
+    } else if (before || now) {
+        return false;
+    }
+    return old->grid == new->grid && old->sigma_scale ==
+                                         new->sigma_scale &&memcmp(old->to_volume, new->to_volume,
+                                                                   sizeof new->to_volume) == 0;
+}
+
+lf_status lf_lane_scene_init(lf_lane_scene *out, lf_scene *scene, const lf_lane_scene *previous,
+                             lf_pool *pool)
+{
+    *out = (lf_lane_scene){0};
+    if (!lf_lane_scene_serves(scene))
+        return LF_OK;
+    set_colours(out, scene);
+    if (!previous || !previous->field || !is_field_of(previous->field, scene))
+        return make_field(scene, pool, &out->field);
+    out->field = previous->field;
+    out->field->refs++;
+    return LF_OK;
+}
+
+void lf_lane_scene_finish(lf_lane_scene *lanes)
+{
+    unref(lanes->field);
+    *lanes = (lf_lane_scene){0};
+}

@@ -1,0 +1,53 @@
+/* A scene as suffixes in lanes see it (suffix.h); private to render/. So far: one grid, a sky that
+ * is the same everywhere, and a light at infinity.
+ *
+ * Bricks are kept in 16 bits as shares of their own largest value, so that what is looked up is the
+ * probability with which a tentative collision is one: within 2^-17 of that value. Indices stand in
+ * a frame of empty bricks, so that a walk needs no bounds.
+ *
+ * The control is what is left of the light at the nodes of a lattice, T~, interpolated in between.
+ * Suffixes count T~ at every vertex and trace a shadow ray only by chance, which then counts T - T~
+ * over that chance (a control variate with roulette: unbiased whatever T~ is). */
+#ifndef LF_RENDER_LANE_SCENE_H
+#define LF_RENDER_LANE_SCENE_H
+
+#include "base/thread.h"
+#include "render/scene/scene.h"
+
+/* What is made of a grid and of where the light comes from: the same for all scenes that differ in
+ * cameras and colours alone. */
+typedef struct lf_lane_field {
+    int refs;
+    lf_scene *scene;  /* counted reference: what it was made of */
+    uint16_t *values; /* [bricks + 1][LF_BRICK_STRIDE], the first all 0 */
+    /* [z][y][x] of the framed bricks: sigma_t that is 65535 there, and where the values begin */
+    float *majorant;
+    int32_t *first;
+    int framed[3]; /* bricks along x, y, z, frame included */
+    /* What is left of the light at nodes, 65535 = all of it; [y][x][along], as lf_sunlight_media.
+     * NULL: no light, or every shadow ray is traced */
+    uint16_t *left;
+    int nodes[3];
+    float to_nodes[3][4]; /* of volume-space points */
+} lf_lane_field;
+
+typedef struct lf_lane_scene {
+    lf_lane_field *field; /* counted reference; NULL: lanes do not serve the scene */
+    float to_volume[3][4], size[3], g;
+    float albedo[3], sky[3];
+    float toward[3], irradiance[3]; /* of the light; all 0: there is none */
+} lf_lane_scene;
+
+/* Whether lanes can do all of the scene's suffixes. */
+bool lf_lane_scene_serves(const lf_scene *scene);
+
+/* For a scene that is served (others: all 0). The field is that of `previous` (may be NULL) where
+ * it would be the same, or made on the pool: a few milliseconds a million voxels; the same for any
+ * number of threads. LF_E_NOMEM; *out can always be finished. Thread: the pool's caller, all of
+ * those that share a field. */
+LF_NODISCARD lf_status lf_lane_scene_init(lf_lane_scene *out, lf_scene *scene,
+                                          const lf_lane_scene *previous, lf_pool *pool);
+/* Accepts one that is all 0. */
+void lf_lane_scene_finish(lf_lane_scene *lanes);
+
+#endif

@@ -1,0 +1,328 @@
+/* Lanes: LF_WIDTH floats, integers and truth values that go through the same operations, and what
+ * GCC's vectors do not say by themselves; private to the suffix_*.c. A file says LF_LANES_AVX2 or
+ * LF_LANES_AVX512 before it includes this; else lanes are 4, in whatever the compiler makes of them
+ * (SSE2, NEON). Every operation gives a lane the same bits whatever the width: all are exact or
+ * rounded once, no reciprocals by estimate, and logarithm, sine and cosine are our own. Nothing is
+ * summed across lanes. */
+#ifndef LF_RENDER_LANES_H
+#define LF_RENDER_LANES_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "render/scene/vec.h"
+
+#if defined(LF_LANES_AVX512)
+#include <immintrin.h>
+enum { LF_WIDTH = 16 };
+#elif defined(LF_LANES_AVX2)
+#include <immintrin.h>
+enum { LF_WIDTH = 8 };
+#else
+enum { LF_WIDTH = 4 };
+#endif
+
+typedef float lanes __attribute__((vector_size(4 * LF_WIDTH), may_alias));
+typedef int32_t lanes_int __attribute__((vector_size(4 * LF_WIDTH), may_alias));
+typedef uint32_t lanes_bits __attribute__((vector_size(4 * LF_WIDTH), may_alias));
+
+#define LF_INLINE static inline __attribute__((always_inline))
+
+LF_INLINE lanes all(float x)
+{
+    return x - (lanes){0};
+}
+LF_INLINE lanes_int all_int(int32_t x)
+{
+    return x - (lanes_int){0};
+}
+
+/* ------------------------------------------------------------------------------------- masks -- */
+
+#if defined(LF_LANES_AVX512)
+typedef __mmask16 mask;
+
+LF_INLINE mask is_less(lanes a, lanes b)
+{
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
+}
+LF_INLINE mask is_at_most(lanes a, lanes b)
+{
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LE_OQ);
+}
+LF_INLINE lanes choose(mask m, lanes a, lanes b)
+{
+    return (lanes)_mm512_mask_blend_ps(m, (__m512)b, (__m512)a);
+}
+LF_INLINE lanes_int choose_int(mask m, lanes_int a, lanes_int b)
+{
+    return (lanes_int)_mm512_mask_blend_epi32(m, (__m512i)b, (__m512i)a);
+}
+LF_INLINE unsigned bits_of(mask m)
+{
+    return m;
+}
+LF_INLINE mask mask_of(unsigned bits)
+{
+    return (mask)bits;
+}
+#else
+/* All bits of a lane, or none. */
+typedef lanes_int mask;
+
+LF_INLINE mask is_less(lanes a, lanes b)
+{
+    return (mask)(a < b);
+}
+LF_INLINE mask is_at_most(lanes a, lanes b)
+{
+    return (mask)(a <= b);
+}
+#if defined(LF_LANES_AVX2)
+LF_INLINE lanes choose(mask m, lanes a, lanes b)
+{
+    return (lanes)_mm256_blendv_ps((__m256)b, (__m256)a, (__m256)m);
+}
+LF_INLINE lanes_int choose_int(mask m, lanes_int a, lanes_int b)
+{
+    return (lanes_int)choose(m, (lanes)a, (lanes)b);
+}
+LF_INLINE unsigned bits_of(mask m)
+{
+    return (unsigned)_mm256_movemask_ps((__m256)m);
+}
+#else
+LF_INLINE lanes_int choose_int(mask m, lanes_int a, lanes_int b)
+{
+    return (a & m) | (b & ~m);
+}
+LF_INLINE lanes choose(mask m, lanes a, lanes b)
+{
+    return (lanes)choose_int(m, (lanes_int)a, (lanes_int)b);
+}
+LF_INLINE unsigned bits_of(mask m)
+{
+    unsigned bits = 0;
+    for (int i = 0; i < LF_WIDTH; i++)
+        bits |= (unsigned)(m[i] & 1) << i;
+    return bits;
+}
+#endif
+LF_INLINE mask mask_of(unsigned bits)
+{
+    mask m;
+    for (int i = 0; i < LF_WIDTH; i++)
+        m[i] = -(int32_t)(bits >> i & 1u);
+    return m;
+}
+#endif
+
+LF_INLINE mask both(mask a, mask b)
+{
+    return (mask)(a & b);
+}
+LF_INLINE mask either(mask a, mask b)
+{
+    return (mask)(a | b);
+}
+LF_INLINE mask without(mask a, mask b)
+{
+    return (mask)(a & ~b);
+}
+LF_INLINE int count_of(mask m)
+{
+    return __builtin_popcount(bits_of(m));
+}
+
+/* -------------------------------------------------------------------------------- arithmetic -- */
+
+/* b where either is NaN, as lf_min and lf_max. */
+LF_INLINE lanes least(lanes a, lanes b)
+{
+#if defined(LF_LANES_AVX512)
+    return (lanes)_mm512_min_ps((__m512)a, (__m512)b);
+#elif defined(LF_LANES_AVX2)
+    return (lanes)_mm256_min_ps((__m256)a, (__m256)b);
+#else
+    return choose(is_less(a, b), a, b);
+#endif
+}
+LF_INLINE lanes most(lanes a, lanes b)
+{
+#if defined(LF_LANES_AVX512)
+    return (lanes)_mm512_max_ps((__m512)a, (__m512)b);
+#elif defined(LF_LANES_AVX2)
+    return (lanes)_mm256_max_ps((__m256)a, (__m256)b);
+#else
+    return choose(is_less(b, a), a, b);
+#endif
+}
+LF_INLINE lanes root(lanes a)
+{
+#if defined(LF_LANES_AVX512)
+    return (lanes)_mm512_sqrt_ps((__m512)a);
+#elif defined(LF_LANES_AVX2)
+    return (lanes)_mm256_sqrt_ps((__m256)a);
+#else
+    lanes r;
+    for (int i = 0; i < LF_WIDTH; i++)
+        r[i] = sqrtf(a[i]);
+    return r;
+#endif
+}
+/* Towards 0; a is small enough for an integer, or the lane is not used. */
+LF_INLINE lanes_int to_int(lanes a)
+{
+#if defined(LF_LANES_AVX512)
+    return (lanes_int)_mm512_cvttps_epi32((__m512)a);
+#elif defined(LF_LANES_AVX2)
+    return (lanes_int)_mm256_cvttps_epi32((__m256)a);
+#else
+    return __builtin_convertvector(a, lanes_int);
+#endif
+}
+LF_INLINE lanes to_float(lanes_int a)
+{
+    return __builtin_convertvector(a, lanes);
+}
+LF_INLINE lanes bits_to_float(lanes_bits a)
+{
+#if defined(LF_LANES_AVX512)
+    return (lanes)_mm512_cvtepu32_ps((__m512i)a);
+#else
+    return __builtin_convertvector(a, lanes);
+#endif
+}
+LF_INLINE lanes magnitude(lanes a)
+{
+    return (lanes)((lanes_int)a & 0x7fffffff);
+}
+/* lf_lerp */
+LF_INLINE lanes between(lanes a, lanes b, lanes f)
+{
+    return a + f * (b - a);
+}
+
+/* ------------------------------------------------------------------------------------ memory -- */
+
+/* Words at 4 i bytes behind p; i is in range in all lanes. */
+LF_INLINE lanes_int gather_int(const void *p, lanes_int i)
+{
+#if defined(LF_LANES_AVX512)
+    return (lanes_int)_mm512_i32gather_epi32((__m512i)i, p, 4);
+#elif defined(LF_LANES_AVX2)
+    return (lanes_int)_mm256_i32gather_epi32(p, (__m256i)i, 4);
+#else
+    lanes_int r;
+    for (int k = 0; k < LF_WIDTH; k++) {
+        int32_t word;
+        memcpy(&word, (const char *)p + 4 * (int64_t)i[k], sizeof word);
+        r[k] = word;
+    }
+    return r;
+#endif
+}
+LF_INLINE lanes gather(const float *p, lanes_int i)
+{
+    return (lanes)gather_int(p, i);
+}
+/* p[i] and p[i + 1], the first in the lower half. */
+LF_INLINE lanes_int gather_pairs(const uint16_t *p, lanes_int i)
+{
+#if defined(LF_LANES_AVX512)
+    return (lanes_int)_mm512_i32gather_epi32((__m512i)i, p, 2);
+#elif defined(LF_LANES_AVX2)
+    return (lanes_int)_mm256_i32gather_epi32((const int *)(const void *)p, (__m256i)i, 2);
+#else
+    lanes_int r;
+    for (int k = 0; k < LF_WIDTH; k++)
+        r[k] = (int32_t)(p[i[k]] | (uint32_t)p[i[k] + 1] << 16);
+    return r;
+#endif
+}
+/* Between the two of such a pair, 65535 = 1. */
+LF_INLINE lanes between_pair(lanes_int pair, lanes f)
+{
+    return between(to_float(pair & 0xffff), to_float((lanes_int)((lanes_bits)pair >> 16)), f);
+}
+
+/* --------------------------------------------------------------------------------- functions -- */
+
+/* lf_exponential, u in (0, 1): -log(1 - u). The logarithm of 2^e m, m in [sqrt(1/2), sqrt(2)), is e
+ * log 2 + 2 artanh((m - 1)/(m + 1)), whose series is cut behind its fifth term: 1e-9. */
+LF_INLINE lanes exponential_of(lanes u)
+{
+    lanes x = 1.0f - u;
+    lanes_int bits = (lanes_int)x, e = (bits - 0x3f3504f3) >> 23;
+    lanes m = (lanes)(bits - e * (1 << 23));
+    lanes s = (m - 1.0f) / (m + 1.0f), z = s * s;
+    lanes series =
+        1.0f + z * (1.0f / 3.0f + z * (1.0f / 5.0f + z * (1.0f / 7.0f + z * (1.0f / 9.0f))));
+    lanes logarithm = to_float(e) * 0.693147180560f + 2.0f * s * series;
+    lanes small = u * (1.0f + u * (0.5f + u * (1.0f / 3.0f)));
+    return choose(is_less(u, all(0x1p-8f)), small, -logarithm);
+}
+
+/* sin(2 pi r), r in [-1/4, 1/4], by its series up to the 11th power: 6e-8. */
+LF_INLINE lanes sine_of_part(lanes r)
+{
+    lanes x = r * (2.0f * LF_PI), z = x * x;
+    lanes series = -1.0f / 5040.0f + z * (1.0f / 362880.0f + z * (-1.0f / 39916800.0f));
+    return x * (1.0f + z * (-1.0f / 6.0f + z * (1.0f / 120.0f + z * series)));
+}
+
+/* sin and cos of 2 pi u, u in [0, 1). Half a turn back, where both are what they are but for their
+ * signs, the cosine is even and the sine odd. */
+LF_INLINE void sine_cosine(lanes u, lanes *sine, lanes *cosine)
+{
+    lanes v = u - 0.5f, q = magnitude(v);
+    *cosine = -sine_of_part(0.25f - q);
+    lanes half = sine_of_part(choose(is_less(all(0.25f), q), 0.5f - q, q));
+    *sine = choose(is_less(v, all(0.0f)), half, -half);
+}
+
+/* ---------------------------------------------------------------------------- random numbers -- */
+
+/* sfc32 (Doty-Humphrey, PractRand): a stream of its own in each lane. */
+typedef struct lanes_random {
+    lanes_bits a, b, c, n;
+} lanes_random;
+
+/* The next number in the lanes of m; the others stay where they are. */
+LF_INLINE lanes_bits draw(lanes_random *r, mask m)
+{
+    lanes_bits t = r->a + r->b + r->n, a = r->b ^ (r->b >> 9), b = r->c + (r->c << 3),
+               c = ((r->c << 21) | (r->c >> 11)) + t;
+    r->n = (lanes_bits)choose_int(m, (lanes_int)(r->n + 1u), (lanes_int)r->n);
+    r->a = (lanes_bits)choose_int(m, (lanes_int)a, (lanes_int)r->a);
+    r->b = (lanes_bits)choose_int(m, (lanes_int)b, (lanes_int)r->b);
+    r->c = (lanes_bits)choose_int(m, (lanes_int)c, (lanes_int)r->c);
+    return t;
+}
+
+/* Begins the stream of a key in the lanes of m. */
+LF_INLINE void begin_random(lanes_random *r, mask m, lanes_bits low, lanes_bits high)
+{
+    enum { ROUNDS = 4 }; /* keys are hashes already */
+    r->a = (lanes_bits)choose_int(m, (lanes_int)low, (lanes_int)r->a);
+    r->b = (lanes_bits)choose_int(m, (lanes_int)high, (lanes_int)r->b);
+    r->c = (lanes_bits)choose_int(m, (lanes_int)(low ^ 0x9e3779b9u), (lanes_int)r->c);
+    r->n = (lanes_bits)choose_int(m, all_int(1), (lanes_int)r->n);
+    for (int i = 0; i < ROUNDS; i++)
+        (void)draw(r, m);
+}
+
+/* lf_rng: in [0, 1), multiples of 2^-24. */
+LF_INLINE lanes draw_unit(lanes_random *r, mask m)
+{
+    return to_float((lanes_int)(draw(r, m) >> 8)) * 0x1p-24f;
+}
+/* lf_rng_exponential */
+LF_INLINE lanes draw_exponential(lanes_random *r, mask m)
+{
+    lanes fine = (bits_to_float(draw(r, m)) + 0.5f) * 0x1p-32f;
+    return exponential_of(least(fine, all(1.0f - 0x1p-24f)));
+}
+
+#endif

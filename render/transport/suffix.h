@@ -1,0 +1,65 @@
+/* Suffixes of many pivots at once, side by side in lanes (lanes.h); private to render/. What path.c
+ * does for one, for scenes that lane_scene.h serves: the same estimators from other random numbers,
+ * but for shadow rays, which are traced by chance about the control. path.c is the oracle of the
+ * mean, suffix_c.c that of the bits: what a job gets is the same for every instruction set, and
+ * whatever jobs it is run with. */
+#ifndef LF_RENDER_SUFFIX_H
+#define LF_RENDER_SUFFIX_H
+
+#include "render/transport/lane_scene.h"
+
+/* Shadow rays that wait for their turn, and how many more a step may add. */
+enum { LF_LANE_SHOTS = 1024, LF_LANE_MOST = 16 };
+
+/* A shadow ray; those of a job come in the order of its vertices. */
+typedef struct lf_lane_shot {
+    float q[3];         /* where it begins, volume space */
+    float weight[3];    /* of what is left of the light beyond `expected` */
+    float expected;     /* what the control says */
+    uint32_t random[2]; /* key of its numbers */
+    int32_t job;
+} lf_lane_shot;
+
+/* Memory of a worker. */
+typedef struct lf_lane_memory {
+    lf_lane_shot shot[LF_LANE_SHOTS + LF_LANE_MOST];
+    float left[LF_LANE_SHOTS + LF_LANE_MOST];
+    int n; /* shots */
+} lf_lane_memory;
+
+/* Paths that leave vertex 1, the pivot, each array of n. */
+typedef struct lf_lane_paths {
+    int n, max_depth;  /* as in lf_path_scattered */
+    const float *q[3]; /* where from, volume space */
+    const float *w[3]; /* unit directions, scene */
+    const uint32_t *random[2];
+    float *radiance[3]; /* out: what arrives along w, light met at the first event included */
+    float *lit[3];      /* what shadow rays add to it meanwhile */
+} lf_lane_paths;
+
+/* Points that ask what is left of the light there; phase: what they would scatter of it, its phase
+ * function (the more, the more often its ray is traced). */
+typedef struct lf_lane_points {
+    int n;
+    const float *q[3];
+    const float *phase;
+    const uint32_t *random[2];
+    float *left; /* out: an unbiased estimate, which may be less than 0 or more than 1 */
+} lf_lane_points;
+
+/* One instruction set. Both return how often the grid was looked up. Thread: any, with a memory of
+ * its own. */
+typedef struct lf_suffixes {
+    const char *name;
+    int64_t (*trace)(const lf_lane_scene *scene, const lf_lane_paths *paths,
+                     lf_lane_memory *memory);
+    int64_t (*light)(const lf_lane_scene *scene, const lf_lane_points *points,
+                     lf_lane_memory *memory);
+} lf_suffixes;
+
+extern const lf_suffixes lf_suffixes_c;
+#if defined(__x86_64__)
+extern const lf_suffixes lf_suffixes_avx2, lf_suffixes_avx512;
+#endif
+
+#endif

@@ -1,0 +1,536 @@
+/* The algorithm of suffix.h over the lanes of the file that includes this (suffix_*.c): a machine
+ * whose lanes are each a path of its own. A lane steps from brick to brick, looks up the grid at a
+ * tentative collision, or is shaded (scatters, ends, begins the next job); of the three what most
+ * lanes wait for is done for all of them at once. A lane's random numbers and sums are its own, so
+ * that nothing depends on who is beside it. */
+#ifndef LF_RENDER_SUFFIX_LANES_H
+#define LF_RENDER_SUFFIX_LANES_H
+
+#include "render/transport/lanes.h"
+#include "render/transport/suffix.h"
+
+/* Lanes that are enough for a turn. */
+enum { ENOUGH = LF_WIDTH / 2 };
+
+/* ----------------------------------------------------------------------------- through the grid --
+ */
+
+/* Rays through the bricks (track.c's lf_walk). */
+typedef struct walk {
+    lanes q[3], d[3]; /* volume space: q + t d */
+    lanes t, end, edge;
+    lanes depth;    /* what is left of the optical distance to the next tentative collision */
+    lanes majorant; /* of the present brick, which ends at `edge` */
+    lanes next[3], across[3];
+    lanes corner[3], step[3]; /* of the present brick, voxels */
+    lanes_int brick, stride[3];
+} walk;
+
+/* What lanes wait for; idle ones have no more job. */
+typedef struct turns {
+    mask step, look, shade, idle;
+} turns;
+
+typedef enum turn { STEP, LOOK, SHADE, END } turn;
+
+LF_INLINE turn choose_turn(const turns *w)
+{
+    int steps = count_of(w->step), looks = count_of(w->look),
+        shades = count_of(without(w->shade, w->idle));
+    if (steps >= ENOUGH || (steps > 0 && steps >= looks && shades < ENOUGH))
+        return STEP;
+    if (looks > 0 && (looks >= ENOUGH || shades < ENOUGH))
+        return LOOK;
+    return shades > 0 ? SHADE : END;
+}
+
+/* Into the brick, along one axis. */
+LF_INLINE void enter_axis(walk *k, const lf_lane_scene *scene, int i, mask m, lanes d, lanes *end)
+{
+    const int32_t strides[3] = {1, scene->field->framed[0],
+                                scene->field->framed[0] * scene->field->framed[1]};
+    lanes inverse = 1.0f / choose(is_less(magnitude(d), all(1e-20f)), all(1e-20f), d);
+    mask up = is_less(all(0.0f), inverse);
+    *end = least(*end, (choose(up, all(scene->size[i]), all(-1.0f)) - k->q[i]) * inverse);
+    lanes last = all((float)(scene->field->framed[i] - 3));
+    lanes at = least(most((k->q[i] + 1.0f) * (1.0f / LF_BRICK), all(0.0f)), last);
+    lanes_int brick = to_int(at);
+    lanes corner = to_float(brick * LF_BRICK - 1);
+    lanes face = corner + choose(up, all(LF_BRICK), all(0.0f));
+    k->d[i] = choose(m, d, k->d[i]);
+    k->next[i] = choose(m, (face - k->q[i]) * inverse, k->next[i]);
+    k->across[i] = choose(m, magnitude(inverse) * (float)LF_BRICK, k->across[i]);
+    k->corner[i] = choose(m, corner, k->corner[i]);
+    k->step[i] = choose(m, choose(up, all(LF_BRICK), all(-LF_BRICK)), k->step[i]);
+    k->stride[i] =
+        choose_int(m, choose_int(up, all_int(strides[i]), all_int(-strides[i])), k->stride[i]);
+    k->brick = choose_int(m, (brick + 1) * strides[i] + (i > 0 ? k->brick : all_int(0)), k->brick);
+}
+
+LF_INLINE lanes nearest_edge(const walk *k)
+{
+    return least(least(k->next[0], k->next[1]), least(k->next[2], k->end));
+}
+
+/* Begins rays from q along the scene's unit vector w in the lanes of m. */
+LF_INLINE void begin_walk(walk *k, const lf_lane_scene *scene, mask m, const lanes w[3],
+                          lanes_random *random)
+{
+    lanes end = all(INFINITY);
+    for (int i = 0; i < 3; i++) {
+        const float *row = scene->to_volume[i];
+        enter_axis(k, scene, i, m, row[0] * w[0] + row[1] * w[1] + row[2] * w[2], &end);
+    }
+    k->t = choose(m, all(0.0f), k->t);
+    k->end = choose(m, end, k->end);
+    k->edge = choose(m, most(all(0.0f), nearest_edge(k)), k->edge);
+    k->majorant = gather(scene->field->majorant, k->brick);
+    k->depth = choose(m, draw_exponential(random, m), k->depth);
+}
+
+/* One step of the waiting lanes: to a tentative collision, to the next brick, or out. */
+LF_INLINE void step(walk *k, const lf_lane_scene *scene, turns *w)
+{
+    lanes room = k->majorant * (k->edge - k->t);
+    mask hit = both(w->step, is_less(k->depth, room)), on = without(w->step, hit);
+    k->t = choose(hit, k->t + k->depth / k->majorant, choose(on, k->edge, k->t));
+    k->depth = choose(on, k->depth - room, k->depth);
+    mask out = both(on, is_at_most(k->end, k->edge));
+    on = without(on, out);
+    for (int i = 0; i < 3; i++) {
+        mask m = both(on, is_at_most(k->next[i], k->edge));
+        k->brick = choose_int(m, k->brick + k->stride[i], k->brick);
+        k->corner[i] = choose(m, k->corner[i] + k->step[i], k->corner[i]);
+        k->next[i] = choose(m, k->next[i] + k->across[i], k->next[i]);
+    }
+    k->edge = most(k->t, nearest_edge(k));
+    k->majorant = gather(scene->field->majorant, k->brick);
+    w->look = either(w->look, hit);
+    w->shade = either(w->shade, out);
+    w->step = on;
+}
+
+/* Four neighbouring pairs in a box of nodes, interpolated, 65535 = 1. */
+LF_INLINE lanes look_up_box(const uint16_t *values, lanes_int at, int row, int layer,
+                            const lanes part[3])
+{
+    lanes a = between_pair(gather_pairs(values, at), part[0]),
+          b = between_pair(gather_pairs(values, at + row), part[0]),
+          c = between_pair(gather_pairs(values, at + layer), part[0]),
+          d = between_pair(gather_pairs(values, at + (layer + row)), part[0]);
+    return between(between(a, b, part[1]), between(c, d, part[1]), part[2]) * (1.0f / 65535.0f);
+}
+
+/* sigma_t over the brick's majorant where the rays are. */
+LF_INLINE lanes look_up(const walk *k, const lf_lane_scene *scene)
+{
+    lanes part[3];
+    lanes_int cell[3];
+    for (int i = 0; i < 3; i++) {
+        lanes x = k->q[i] + k->t * k->d[i] - k->corner[i];
+        x = least(most(x, all(0.0f)), all(LF_BRICK));
+        cell[i] = to_int(least(x, all(LF_BRICK - 1)));
+        part[i] = x - to_float(cell[i]);
+    }
+    const int row = LF_BRICK_VALUES, layer = row * row;
+    lanes_int at =
+        gather_int(scene->field->first, k->brick) + cell[2] * layer + cell[1] * row + cell[0];
+    return look_up_box(scene->field->values, at, row, layer, part);
+}
+
+/* What the control says at points of volume space. */
+LF_INLINE lanes control_at(const lf_lane_field *field, const lanes q[3])
+{
+    lanes part[3];
+    lanes_int node[3];
+    for (int i = 0; i < 3; i++) {
+        const float *row = field->to_nodes[i];
+        lanes x = row[0] * q[0] + row[1] * q[1] + row[2] * q[2] + row[3],
+              last = all((float)(field->nodes[i] - 1));
+        x = least(most(x, all(0.0f)), last);
+        node[i] = to_int(least(x, last - 1.0f));
+        part[i] = x - to_float(node[i]);
+    }
+    const int along = field->nodes[2], layer = along * field->nodes[0];
+    const lanes order[3] = {part[2], part[0], part[1]};
+    return look_up_box(field->left, node[1] * layer + node[0] * along + node[2], along, layer,
+                       order);
+}
+
+/* ---------------------------------------------------------------------------------------- jobs --
+ */
+
+/* Hands the next jobs to the lanes of `free`; the lanes that got one. Those without are idle. */
+LF_INLINE mask fetch(mask free, int n, int *next, lanes_int *job, turns *w)
+{
+    unsigned got = 0;
+    for (unsigned b = bits_of(free); b && *next < n; b &= b - 1) {
+        int k = __builtin_ctz(b);
+        (*job)[k] = (*next)++;
+        got |= 1u << k;
+    }
+    w->idle = either(w->idle, without(free, mask_of(got)));
+    return mask_of(got);
+}
+
+/* --------------------------------------------------------------------------------- shadow rays --
+ */
+
+/* Ratio tracking of the shots, with roulette below 1/10, as in track.c. */
+typedef struct shadow {
+    walk k;
+    lanes left;
+    lanes_int job;
+    lanes_random random;
+    turns w;
+    mask fresh; /* lanes that never had a job */
+} shadow;
+
+LF_INLINE void ratio(shadow *s, const lf_lane_scene *scene)
+{
+    const mask m = s->w.look;
+    lanes left = s->left * most(all(0.0f), 1.0f - look_up(&s->k, scene));
+    mask low = both(m, is_less(left, all(0.1f))), ended = mask_of(0);
+    if (bits_of(low)) {
+        ended = both(low, is_at_most(all(0.5f), draw_unit(&s->random, low)));
+        left = choose(low, left * 2.0f, left);
+        left = choose(ended, all(0.0f), left);
+    }
+    s->left = choose(m, left, s->left);
+    s->k.depth = choose(m, draw_exponential(&s->random, m), s->k.depth);
+    s->w.shade = either(s->w.shade, ended);
+    s->w.step = either(s->w.step, without(m, ended));
+    s->w.look = mask_of(0);
+}
+
+LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory *memory, int *next)
+{
+    const lanes toward[3] = {all(scene->toward[0]), all(scene->toward[1]), all(scene->toward[2])};
+    const int words = (int)(sizeof *memory->shot / sizeof(float));
+    mask ended = without(s->w.shade, s->w.idle);
+    for (unsigned b = bits_of(without(ended, s->fresh)); b; b &= b - 1) {
+        int k = __builtin_ctz(b);
+        memory->left[s->job[k]] = s->left[k];
+    }
+    mask m = fetch(ended, memory->n, next, &s->job, &s->w);
+    s->fresh = without(s->fresh, m);
+    lanes_int at = s->job * words;
+    for (int i = 0; i < 3; i++)
+        s->k.q[i] = choose(m, gather(memory->shot->q + i, at), s->k.q[i]);
+    begin_random(&s->random, m, (lanes_bits)gather_int(&memory->shot->random[0], at),
+                 (lanes_bits)gather_int(&memory->shot->random[1], at));
+    s->left = choose(m, all(1.0f), s->left);
+    begin_walk(&s->k, scene, m, toward, &s->random);
+    s->w.step = either(s->w.step, m);
+    s->w.shade = s->w.idle;
+}
+
+/* memory->left of all shots. */
+LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory)
+{
+    const mask every = mask_of((1u << LF_WIDTH) - 1);
+    shadow s = {.w = {.shade = every}, .fresh = every};
+    int64_t lookups = 0;
+    int next = 0;
+    for (;;) {
+        switch (choose_turn(&s.w)) {
+        case STEP:
+            step(&s.k, scene, &s.w);
+            break;
+        case LOOK:
+            lookups += count_of(s.w.look);
+            ratio(&s, scene);
+            break;
+        case SHADE:
+            next_shots(&s, scene, memory, &next);
+            break;
+        case END:
+            return lookups;
+        }
+    }
+}
+
+/* Probability that the shadow ray of points is traced, and what the control says there; share: what
+ * they scatter of the light, 1 = all of it, evenly. In proportion to what the estimate of T adds to
+ * the spread of the suffix, T(1 - T) and what the control may be off by where it says 0 or 1; twice
+ * that was best or near it in variance times look-ups for clouds of albedo 0.4 to 0.99. */
+LF_INLINE lanes chance(const lf_lane_scene *scene, const lanes q[3], lanes share, lanes *expected)
+{
+    if (!scene->field->left) {
+        *expected = all(0.0f);
+        return all(1.0f);
+    }
+    lanes t = *expected = control_at(scene->field, q);
+    return most(least(2.0f * share * root(t * (1.0f - t) + 0.01f), all(1.0f)), all(0.05f));
+}
+
+/* --------------------------------------------------------------------------------------- paths --
+ */
+
+typedef struct path {
+    walk k;
+    lanes w[3], beta[3], radiance[3];
+    lanes vertex; /* number of the last one; the pivot's is 1 */
+    lanes_int job;
+    lanes_random random;
+    turns t;
+    mask collided; /* of those that wait to be shaded: the others have left the grid */
+    mask fresh;    /* lanes that never had a job */
+} path;
+
+LF_INLINE void look(path *p, const lf_lane_scene *scene)
+{
+    const mask m = p->t.look;
+    lanes share = look_up(&p->k, scene);
+    mask met = both(m, is_less(draw_unit(&p->random, m), share));
+    p->k.depth = choose(m, draw_exponential(&p->random, m), p->k.depth);
+    p->collided = either(p->collided, met);
+    p->t.shade = either(p->t.shade, met);
+    p->t.step = either(p->t.step, without(m, met));
+    p->t.look = mask_of(0);
+}
+
+/* Moves collided lanes to their vertex, gives the sky to those that left; returns the lanes whose
+ * path is over. */
+LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask shaded)
+{
+    mask vertex = both(shaded, p->collided), left = without(shaded, either(vertex, p->fresh));
+    lanes seen = choose(left, all(1.0f), all(0.0f));
+    for (int i = 0; i < 3; i++) {
+        p->radiance[i] = p->radiance[i] + p->beta[i] * (scene->sky[i] * seen);
+        p->k.q[i] = choose(vertex, p->k.q[i] + p->k.t * p->k.d[i], p->k.q[i]);
+    }
+    p->vertex = choose(vertex, p->vertex + 1.0f, p->vertex);
+    p->collided = without(p->collided, shaded);
+    mask deep = both(vertex, is_less(all((float)max_depth), p->vertex));
+    return either(without(shaded, vertex), deep);
+}
+
+/* lf_path_survives of the lanes of m; returns those that do not. */
+LF_INLINE mask roulette(path *p, mask m)
+{
+    lanes largest = most(p->beta[0], most(p->beta[1], p->beta[2]));
+    mask weak = both(m, is_less(largest, all(0.25f)));
+    if (!bits_of(weak))
+        return weak;
+    mask ended = both(weak, is_at_most(largest, draw_unit(&p->random, weak) * 0.25f));
+    lanes up = choose(without(weak, ended), 0.25f / largest, all(1.0f));
+    for (int i = 0; i < 3; i++)
+        p->beta[i] = p->beta[i] * up;
+    return ended;
+}
+
+/* Stores what ended paths have found and begins others in their lanes, which are returned. */
+LF_INLINE mask next_paths(path *p, const lf_lane_paths *paths, mask ended, int *next)
+{
+    for (unsigned b = bits_of(without(ended, p->fresh)); b; b &= b - 1) {
+        int k = __builtin_ctz(b);
+        for (int i = 0; i < 3; i++)
+            paths->radiance[i][p->job[k]] = p->radiance[i][k];
+    }
+    mask m = fetch(ended, paths->n, next, &p->job, &p->t);
+    p->fresh = without(p->fresh, m);
+    for (int i = 0; i < 3; i++) {
+        p->k.q[i] = choose(m, gather(paths->q[i], p->job), p->k.q[i]);
+        p->w[i] = choose(m, gather(paths->w[i], p->job), p->w[i]);
+        p->beta[i] = choose(m, all(1.0f), p->beta[i]);
+        p->radiance[i] = choose(m, all(0.0f), p->radiance[i]);
+    }
+    p->vertex = choose(m, all(1.0f), p->vertex);
+    begin_random(&p->random, m, (lanes_bits)gather_int(paths->random[0], p->job),
+                 (lanes_bits)gather_int(paths->random[1], p->job));
+    return m;
+}
+
+/* lf_phase_between the directions of travel and another. */
+LF_INLINE lanes phase_towards(float g, const lanes w[3], const float towards[3])
+{
+    const float a = fabsf(g), sign = copysignf(1.0f, g),
+                numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a);
+    lanes square = all(0.0f);
+    for (int i = 0; i < 3; i++) {
+        lanes c = w[i] - sign * towards[i];
+        square = square + c * c;
+    }
+    lanes d = most((1.0f - a) * (1.0f - a) + a * square, all(1e-12f));
+    return numerator / (d * root(d));
+}
+
+/* Next event at the vertices of m: the control at once, and by chance a shadow ray for what it is
+ * off by. */
+LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_memory *memory)
+{
+    float light[3], mean = 0.0f;
+    lanes carried = all(0.0f), expected;
+    for (int i = 0; i < 3; i++) {
+        light[i] = scene->albedo[i] * scene->irradiance[i];
+        mean += light[i];
+        carried = carried + p->beta[i] * light[i];
+    }
+    if (!(mean > 0.0f) || !bits_of(m))
+        return;
+    lanes phase = phase_towards(scene->g, p->w, scene->toward);
+    lanes share = carried * (1.0f / mean) * phase * (4.0f * LF_PI),
+          probability = chance(scene, p->k.q, share, &expected);
+    lanes known = choose(m, phase * expected, all(0.0f)), weight = phase / probability;
+    for (int i = 0; i < 3; i++)
+        p->radiance[i] = p->radiance[i] + p->beta[i] * light[i] * known;
+    m = both(m, is_less(draw_unit(&p->random, m), probability));
+    lanes_bits key[2] = {draw(&p->random, m), draw(&p->random, m)};
+    for (unsigned b = bits_of(m); b; b &= b - 1) {
+        int k = __builtin_ctz(b);
+        lf_lane_shot *shot = &memory->shot[memory->n++];
+        for (int i = 0; i < 3; i++) {
+            shot->q[i] = p->k.q[i][k];
+            shot->weight[i] = weight[k] * p->beta[i][k] * light[i];
+        }
+        shot->expected = expected[k];
+        shot->random[0] = key[0][k];
+        shot->random[1] = key[1][k];
+        shot->job = p->job[k];
+    }
+}
+
+/* lf_phase_sample in the lanes of m, and what scattering leaves. */
+LF_INLINE void scatter(path *p, const lf_lane_scene *scene, mask m)
+{
+    const float a = fabsf(scene->g), b = 1.0f - a, side = copysignf(1.0f, scene->g);
+    lanes u = draw_unit(&p->random, m), sine, cosine;
+    lanes d = b + 2.0f * a * (1.0f - u), s = b * (1.0f + a) / d, versine = b * u * (s + b) / d;
+    sine_cosine(draw_unit(&p->random, m), &sine, &cosine);
+    lanes radius = root(most(versine * (2.0f - versine), all(0.0f)));
+    lanes x = radius * cosine, y = radius * sine, z = 1.0f - versine;
+    /* lf_tangents about the axis */
+    lanes nx = p->w[0] * side, ny = p->w[1] * side, nz = p->w[2] * side;
+    lanes sign = choose(is_less(nz, all(0.0f)), all(-1.0f), all(1.0f));
+    lanes f = -1.0f / (sign + nz), c = nx * ny * f;
+    const lanes turned[3] = {(1.0f + sign * nx * nx * f) * x + c * y + nx * z,
+                             sign * c * x + (sign + ny * ny * f) * y + ny * z,
+                             nz * z - sign * nx * x - ny * y};
+    for (int i = 0; i < 3; i++) {
+        p->w[i] = choose(m, turned[i], p->w[i]);
+        p->beta[i] = choose(m, p->beta[i] * scene->albedo[i], p->beta[i]);
+    }
+}
+
+LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *paths,
+                     lf_lane_memory *memory, int *next)
+{
+    mask shaded = without(p->t.shade, p->t.idle),
+         ended = arrive(p, scene, paths->max_depth, shaded), vertex = without(shaded, ended);
+    mask died = roulette(p, vertex), begun = mask_of(0);
+    vertex = without(vertex, died);
+    ended = either(ended, died);
+    if (bits_of(ended))
+        begun = next_paths(p, paths, ended, next);
+    if (bits_of(vertex)) {
+        next_event(p, scene, vertex, memory);
+        scatter(p, scene, vertex);
+    }
+    mask on = either(vertex, begun);
+    begin_walk(&p->k, scene, on, p->w, &p->random);
+    p->t.step = either(p->t.step, on);
+    p->t.shade = p->t.idle;
+}
+
+/* Traces the shots that wait and adds what they find. */
+LF_INLINE int64_t flush(const lf_lane_scene *scene, const lf_lane_paths *paths,
+                        lf_lane_memory *memory)
+{
+    int64_t lookups = memory->n > 0 ? trace_shots(scene, memory) : 0;
+    for (int k = 0; k < memory->n; k++) {
+        const lf_lane_shot *shot = &memory->shot[k];
+        for (int i = 0; i < 3; i++)
+            paths->lit[i][shot->job] += shot->weight[i] * (memory->left[k] - shot->expected);
+    }
+    memory->n = 0;
+    return lookups;
+}
+
+static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_lane_memory *memory)
+{
+    const mask every = mask_of((1u << LF_WIDTH) - 1);
+    path p = {.t = {.shade = every}, .fresh = every};
+    int64_t lookups = 0;
+    int next = 0;
+    for (int i = 0; i < 3; i++)
+        memset(paths->lit[i], 0, sizeof **paths->lit * (size_t)paths->n);
+    memory->n = 0;
+    for (turn now; (now = choose_turn(&p.t)) != END;) {
+        if (now == STEP) {
+            step(&p.k, scene, &p.t);
+        } else if (now == LOOK) {
+            lookups += count_of(p.t.look);
+            look(&p, scene);
+        } else {
+            shade(&p, scene, paths, memory, &next);
+            if (memory->n > LF_LANE_SHOTS - LF_WIDTH)
+                lookups += flush(scene, paths, memory);
+        }
+    }
+    lookups += flush(scene, paths, memory);
+    /* in that order, whenever the shots were traced */
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < paths->n; k++)
+            paths->radiance[i][k] += paths->lit[i][k];
+    return lookups;
+}
+
+/* -------------------------------------------------------------------------------------- points --
+ */
+
+LF_INLINE int64_t flush_points(const lf_lane_scene *scene, const lf_lane_points *points,
+                               lf_lane_memory *memory)
+{
+    int64_t lookups = memory->n > 0 ? trace_shots(scene, memory) : 0;
+    for (int k = 0; k < memory->n; k++) {
+        const lf_lane_shot *shot = &memory->shot[k];
+        points->left[shot->job] += shot->weight[0] * (memory->left[k] - shot->expected);
+    }
+    memory->n = 0;
+    return lookups;
+}
+
+/* The points from `first` on, as many as there are lanes. */
+LF_INLINE void ask(const lf_lane_scene *scene, const lf_lane_points *points, int first,
+                   lf_lane_memory *memory)
+{
+    lanes_int at;
+    for (int k = 0; k < LF_WIDTH; k++)
+        at[k] = first + k < points->n ? first + k : points->n - 1;
+    const lanes q[3] = {gather(points->q[0], at), gather(points->q[1], at),
+                        gather(points->q[2], at)};
+    const mask every = mask_of((1u << LF_WIDTH) - 1);
+    lanes_random random = {0};
+    lanes expected, share = gather(points->phase, at) * (4.0f * LF_PI);
+    begin_random(&random, every, (lanes_bits)gather_int(points->random[0], at),
+                 (lanes_bits)gather_int(points->random[1], at));
+    lanes probability = chance(scene, q, share, &expected);
+    unsigned traced = bits_of(is_less(draw_unit(&random, every), probability));
+    lanes_bits key[2] = {draw(&random, every), draw(&random, every)};
+    for (int k = 0; k < LF_WIDTH && first + k < points->n; k++) {
+        points->left[first + k] = expected[k];
+        if (!(traced >> k & 1u))
+            continue;
+        memory->shot[memory->n++] = (lf_lane_shot){.q = {q[0][k], q[1][k], q[2][k]},
+                                                   .weight = {1.0f / probability[k]},
+                                                   .expected = expected[k],
+                                                   .random = {key[0][k], key[1][k]},
+                                                   .job = first + k};
+    }
+}
+
+static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
+                     lf_lane_memory *memory)
+{
+    int64_t lookups = 0;
+    memory->n = 0;
+    for (int first = 0; first < points->n; first += LF_WIDTH) {
+        ask(scene, points, first, memory);
+        if (memory->n > LF_LANE_SHOTS - LF_WIDTH)
+            lookups += flush_points(scene, points, memory);
+    }
+    return lookups + flush_points(scene, points, memory);
+}
+
+#endif

@@ -1,0 +1,456 @@
+/* Suffixes in lanes. Their functions against libm; their bits, which are the same for every
+ * instruction set and whatever jobs are run together; closed forms: a furnace, what is left of a
+ * sky and of a sun behind a grid (its integral in double precision), also where the control says
+ * anything; and the mean of whole suffixes, which is that of path.c, by Welch's test over suffixes
+ * that leave the same places. Negative controls: another bias of 0.3 %, a control that is wrong by
+ * 3 % where shadow rays do not know. */
+#include "tests/testing.h"
+
+#include "base/alloc.h"
+#include "render/rows/kernel.h"
+#include "render/transport/lanes.h"
+#include "render/transport/path.h"
+#include "render/transport/suffix.h"
+#include "tests/render/grids.h"
+
+enum { n_jobs = 4096 };
+
+#define SKY "'sky': { 'type': 'environment', 'radiance': [0.4, 0.5, 0.7] }"
+#define SUN                                                                                        \
+    "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': [2, 1.7, 1.5] }"
+#define SCENE(volume, lights)                                                                      \
+    "{ 'quiltd': 1, 'volumes': { 'v': { 'shape': 'box', 'density': 1, " volume " } }, "            \
+    "'lights': { " lights " } }"
+
+/* Jobs of all kinds in the arrays that lanes want. */
+typedef struct jobs {
+    float q[3][n_jobs], w[3][n_jobs], phase[n_jobs], radiance[3][n_jobs], lit[3][n_jobs],
+        left[n_jobs];
+    uint32_t random[2][n_jobs];
+    lf_vec3 p[n_jobs]; /* of q, scene-local */
+} jobs;
+
+typedef struct rig {
+    lf_scene *scene;
+    lf_pool *pool;
+    lf_lane_scene lanes;
+    lf_lane_memory *memory;
+} rig;
+
+/* Soft, with holes: 0 in a third of the bricks. */
+static float soft(int x, int y, int z)
+{
+    return x / 8 % 3 == 1 ? 0.0f
+                          : 0.5f + 0.5f * sinf(0.7f * (float)x) * sinf(0.9f * (float)(y + z));
+}
+
+static rig make_rig(const char *text, float sigma)
+{
+    rig r = {.memory = calloc(1, sizeof *r.memory)};
+    assert_non_null(r.memory);
+    r.scene = lf_test_grid_scene(text, lf_test_grid(soft, 30, 17, 12), 0.1, 0.4, sigma, false);
+    assert_int_equal(lf_pool_create(2, &r.pool), LF_OK);
+    assert_true(lf_lane_scene_serves(r.scene));
+    assert_int_equal(lf_lane_scene_init(&r.lanes, r.scene, NULL, r.pool), LF_OK);
+    assert_non_null(r.lanes.field);
+    return r;
+}
+
+static void drop_rig(rig *r)
+{
+    lf_lane_scene_finish(&r->lanes);
+    lf_pool_destroy(r->pool);
+    lf_scene_unref(r->scene);
+    free(r->memory);
+}
+
+static float uniform(uint64_t *state)
+{
+    *state = lf_hash64(*state, 1);
+    return (float)(*state >> 40) * 0x1p-24f;
+}
+
+static void put_key(jobs *j, int i, uint64_t key)
+{
+    j->random[0][i] = (uint32_t)key;
+    j->random[1][i] = (uint32_t)(key >> 32);
+}
+
+/* Places all over the grid and a little beyond its edge, directions all around. */
+static void draw_jobs(const rig *r, uint64_t seed, int n, jobs *out)
+{
+    const lf_volume *v = &r->scene->volumes[0];
+    uint64_t state = lf_hash64(lf_test_seed(), seed);
+    for (int i = 0; i < n; i++) {
+        for (int a = 0; a < 3; a++)
+            out->q[a][i] = (uniform(&state) * 1.02f - 0.01f) * (float)(v->grid->size[a] + 1) - 1.0f;
+        float p[3];
+        for (int a = 0; a < 3; a++)
+            p[a] = v->to_scene[a][0] * (out->q[0][i] - v->to_volume[0][3]) +
+                   v->to_scene[a][1] * (out->q[1][i] - v->to_volume[1][3]) +
+                   v->to_scene[a][2] * (out->q[2][i] - v->to_volume[2][3]);
+        out->p[i] = lf_v3(p[0], p[1], p[2]);
+        const float u[2] = {uniform(&state), uniform(&state)};
+        lf_vec3 w = lf_phase_sample(0.0f, lf_v3(0.0f, 0.0f, 1.0f), u);
+        out->w[0][i] = i % 50 == 0 ? 0.0f : w.x; /* some along two axes alone */
+        out->w[1][i] = w.y;
+        out->w[2][i] = w.z;
+        float length = sqrtf(out->w[0][i] * out->w[0][i] + w.y * w.y + w.z * w.z);
+        for (int a = 0; a < 3; a++)
+            out->w[a][i] /= length;
+        out->phase[i] = LF_INV_4PI * (0.5f + uniform(&state));
+        put_key(out, i, state);
+    }
+}
+
+static int64_t trace(const lf_suffixes *s, rig *r, jobs *j, int first, int n, int max_depth)
+{
+    const lf_lane_paths paths = {
+        .n = n,
+        .max_depth = max_depth,
+        .q = {j->q[0] + first, j->q[1] + first, j->q[2] + first},
+        .w = {j->w[0] + first, j->w[1] + first, j->w[2] + first},
+        .random = {j->random[0] + first, j->random[1] + first},
+        .radiance = {j->radiance[0] + first, j->radiance[1] + first, j->radiance[2] + first},
+        .lit = {j->lit[0], j->lit[1], j->lit[2]}};
+    return s->trace(&r->lanes, &paths, r->memory);
+}
+
+static int64_t light(const lf_suffixes *s, rig *r, jobs *j, int first, int n)
+{
+    const lf_lane_points points = {.n = n,
+                                   .q = {j->q[0] + first, j->q[1] + first, j->q[2] + first},
+                                   .phase = j->phase + first,
+                                   .random = {j->random[0] + first, j->random[1] + first},
+                                   .left = j->left + first};
+    return s->light(&r->lanes, &points, r->memory);
+}
+
+/* The best that this machine has: the others are the same to the bit. */
+static const lf_suffixes *best(void)
+{
+    return lf_kernels_get()->suffixes;
+}
+
+/* ---------------------------------------------------------------------------------- functions --
+ */
+
+static void functions_are_libm_s_within_rounding(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 1 << 20; i++) {
+        const float u = ((float)i + 0.5f) * 0x1p-20f, small = u * u * u * u;
+        const lanes at = {u, small, 1.0f - 0x1p-24f, 0.5f * u};
+        lanes sine, cosine, way = exponential_of(at);
+        sine_cosine(at, &sine, &cosine);
+        for (int k = 0; k < 4; k++) {
+            const double x = (double)at[k], turn = 2.0 * 3.14159265358979323846 * x;
+            /* 1 - u has been rounded */
+            lf_assert_close((double)way[k], -log1p(-x), 0, 1e-7 / (1.0 - x) + 4e-7 * -log1p(-x));
+            lf_assert_close((double)sine[k], sin(turn), 0, 3e-7);
+            lf_assert_close((double)cosine[k], cos(turn), 0, 3e-7);
+        }
+    }
+}
+
+/* Mean, variance and correlation of neighbours of 2^20 numbers, of four streams whose keys differ
+ * in one bit. */
+static void random_numbers_are_even(void **state)
+{
+    (void)state;
+    enum { n = 1 << 20 };
+    const mask every = mask_of(15);
+    lanes_random random = {0};
+    lf_moments value[4] = {{0}}, square[4] = {{0}}, next[4] = {{0}}, beside = {0};
+    lanes before = all(0.5f);
+    begin_random(&random, every, (lanes_bits){1, 2, 3, 1}, (lanes_bits){7, 7, 7, 6});
+    for (int i = 0; i < n; i++) {
+        lanes u = draw_unit(&random, every);
+        for (int k = 0; k < 4; k++) {
+            lf_moments_add(&value[k], (double)u[k]);
+            lf_moments_add(&square[k], (double)u[k] * (double)u[k]);
+            lf_moments_add(&next[k], ((double)u[k] - 0.5) * ((double)before[k] - 0.5));
+        }
+        lf_moments_add(&beside, ((double)u[0] - 0.5) * ((double)u[3] - 0.5));
+        before = u;
+    }
+    const double level = lf_sidak(LF_FALSE_ALARM, 13);
+    for (int k = 0; k < 4; k++) {
+        assert_true(lf_p_mean(&value[k], 0.5) > level);
+        assert_true(lf_p_mean(&square[k], 1.0 / 3.0) > level);
+        assert_true(lf_p_mean(&next[k], 0.0) > level);
+    }
+    assert_true(lf_p_mean(&beside, 0.0) > level);
+}
+
+/* --------------------------------------------------------------------------------------- bits --
+ */
+
+static void bits_are_the_same_for_every_instruction_set_and_batch(void **state)
+{
+    (void)state;
+    static jobs first, other;
+    rig r = make_rig(SCENE("'albedo': [0.9, 0.7, 0.4], 'g': 0.6", SKY ", " SUN), 25.0f);
+    draw_jobs(&r, 1, n_jobs, &first);
+    memcpy(&other, &first, sizeof first);
+    int64_t lookups = trace(&lf_suffixes_c, &r, &first, 0, n_jobs, 40) +
+                      light(&lf_suffixes_c, &r, &first, 0, n_jobs);
+    assert_true(lookups > 10 * n_jobs);
+    static const int sizes[] = {n_jobs, 1024, 64, 17, 1};
+    for (int k = 0; lf_kernels_at(k); k++) {
+        for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+            const lf_suffixes *suffixes = lf_kernels_at(k)->suffixes;
+            int64_t found = 0;
+            for (int at = 0; at < n_jobs; at += sizes[s]) {
+                int n = n_jobs - at < sizes[s] ? n_jobs - at : sizes[s];
+                found += trace(suffixes, &r, &other, at, n, 40);
+                found += light(suffixes, &r, &other, at, n);
+            }
+            assert_memory_equal(first.radiance, other.radiance, sizeof first.radiance);
+            assert_memory_equal(first.left, other.left, sizeof first.left);
+            assert_true(found == lookups);
+            memset(other.radiance, 0, sizeof other.radiance);
+            memset(other.left, 0, sizeof other.left);
+        }
+    }
+    drop_rig(&r);
+}
+
+/* ------------------------------------------------------------------------------- closed forms --
+ */
+
+static void nothing_is_lost_in_a_furnace(void **state)
+{
+    (void)state;
+    static jobs j;
+    rig r = make_rig(
+        SCENE("'albedo': 1, 'g': -0.5", "'sky': { 'type': 'environment', 'radiance': 1 }"), 30.0f);
+    draw_jobs(&r, 2, n_jobs, &j);
+    trace(best(), &r, &j, 0, n_jobs, 1 << 20);
+    for (int i = 0; i < n_jobs; i++)
+        for (int c = 0; c < 3; c++)
+            assert_true(j.radiance[c][i] == 1.0f);
+    drop_rig(&r);
+}
+
+/* exp(-depth) from p along w, by the trapezoidal rule in steps of 1/50 of a voxel. */
+static double left_beyond(const rig *r, lf_vec3 p, lf_vec3 w)
+{
+    const double step = 0.002;
+    double depth = 0.0;
+    for (int i = 0; i < 3000; i++) {
+        lf_vec3 at = lf_madd(p, (float)((i + 0.5) * step), w);
+        depth += step * (double)lf_volume_sigma_t(&r->scene->volumes[0], at);
+    }
+    return exp(-depth);
+}
+
+/* Mean over jobs of estimate - truth, by n estimates of each. */
+static void assert_left_behind(rig *r, bool sun, const char *what, double level)
+{
+    enum { places = 64, each = n_jobs / places, rounds = 60 };
+    static jobs j;
+    lf_moments off = {0};
+    draw_jobs(r, 3, n_jobs, &j);
+    const lf_vec3 toward = lf_v3(r->lanes.toward[0], r->lanes.toward[1], r->lanes.toward[2]);
+    double truth[places];
+    for (int i = 0; i < n_jobs; i++)
+        for (int a = 0; a < 3; a++) {
+            j.q[a][i] = j.q[a][i % places];
+            j.w[a][i] = j.w[a][i % places];
+        }
+    for (int i = 0; i < places; i++)
+        truth[i] = left_beyond(r, j.p[i], sun ? toward : lf_v3(j.w[0][i], j.w[1][i], j.w[2][i]));
+    uint64_t key = lf_hash64(lf_test_seed(), 4);
+    for (int round = 0; round < rounds; round++) {
+        for (int i = 0; i < n_jobs; i++)
+            put_key(&j, i, key = lf_hash64(key, 5));
+        if (sun)
+            light(best(), r, &j, 0, n_jobs);
+        else
+            trace(best(), r, &j, 0, n_jobs, 1);
+        for (int k = 0; k < each; k++) {
+            double sum = 0.0;
+            for (int i = 0; i < places; i++) {
+                double seen =
+                    (double)(sun ? j.left[k * places + i] : j.radiance[0][k * places + i]);
+                sum += (seen - truth[i]) / places;
+            }
+            lf_moments_add(&off, sum);
+        }
+    }
+    if (!(lf_p_mean(&off, 0.0) > level))
+        fail_msg("%s: off by %.2g +- %.2g", what, off.mean, lf_moments_error(&off));
+    /* what the test sees */
+    if (!(lf_p_mean(&off, 0.02) < level))
+        fail_msg("%s: %.2g is too much noise", what, lf_moments_error(&off));
+}
+
+static void light_and_sky_are_dimmed_as_the_integral_says(void **state)
+{
+    (void)state;
+    const double level = lf_sidak(LF_FALSE_ALARM, 5);
+    rig r = make_rig(SCENE("'albedo': 0.8, 'g': 0.3", SUN), 3.0f);
+    size_t nodes = (size_t)r.lanes.field->nodes[0] * (size_t)r.lanes.field->nodes[1] *
+                   (size_t)r.lanes.field->nodes[2];
+    assert_left_behind(&r, true, "the control as it is", level);
+    for (size_t i = 0; i < nodes; i++)
+        r.lanes.field->left[i] = (uint16_t)lf_hash64(i, 0);
+    assert_left_behind(&r, true, "a control that says anything", level);
+    memset(r.lanes.field->left, 255, nodes * sizeof *r.lanes.field->left);
+    assert_left_behind(&r, true, "a control without shadows", level);
+    lf_free(r.lanes.field->left);
+    r.lanes.field->left = NULL;
+    assert_left_behind(&r, true, "no control", level);
+    drop_rig(&r);
+    r = make_rig(
+        SCENE("'albedo': 0.8, 'g': 0.3", "'sky': { 'type': 'environment', 'radiance': 1 }"), 3.0f);
+    assert_left_behind(&r, false, "sky", level);
+    drop_rig(&r);
+}
+
+/* ---------------------------------------------------------------------------- the mean of path.c
+ * --
+ */
+
+/* Sum over channels of what arrives along each job's direction, one suffix each. */
+static void single(const rig *r, jobs *j, int max_depth, double *out)
+{
+    lf_tracer tracer = {.scene = r->scene};
+    for (int i = 0; i < n_jobs; i++) {
+        lf_event event = {.kind = LF_EVENT_MEDIUM, .p = j->p[i], .w = lf_v3(0.0f, 0.0f, 1.0f)},
+                 next;
+        float pdf;
+        tracer.rng = (uint64_t)j->random[0][i] | (uint64_t)j->random[1][i] << 32;
+        lf_path_next(&tracer, &event, lf_v3(j->w[0][i], j->w[1][i], j->w[2][i]), &next);
+        lf_vec3 found = lf_path_light_found(r->scene, &event, &next, &pdf);
+        found = lf_add(found, lf_path_arriving(&tracer, &next, 2, max_depth));
+        out[i] = (double)found.x + (double)found.y + (double)found.z;
+    }
+}
+
+typedef struct means {
+    lf_moments lanes, path;
+} means;
+
+/* A replicate: all jobs once, from the same places. */
+static means compare(rig *r, int max_depth, int rounds)
+{
+    static jobs j;
+    static double alone[n_jobs];
+    means m;
+    memset(&m, 0, sizeof m);
+    for (int round = 0; round < rounds; round++) {
+        double sum[2] = {0.0, 0.0};
+        draw_jobs(r, 100 + (uint64_t)round, n_jobs, &j);
+        trace(best(), r, &j, 0, n_jobs, max_depth);
+        single(r, &j, max_depth, alone);
+        for (int i = 0; i < n_jobs; i++) {
+            for (int c = 0; c < 3; c++)
+                sum[0] += (double)j.radiance[c][i] / n_jobs;
+            sum[1] += alone[i] / n_jobs;
+        }
+        lf_moments_add(&m.lanes, sum[0]);
+        lf_moments_add(&m.path, sum[1]);
+    }
+    return m;
+}
+
+/* The differences of replicates, which have their places in common. */
+static void the_mean_is_that_of_single_paths(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        float sigma;
+        int max_depth, rounds;
+        double bias; /* relative, that would be seen */
+    } cases[] = {
+        {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0", SKY), 12.0f, 1024, 60, 0.003},
+        {SCENE("'albedo': [0.98, 0.95, 0.9], 'g': 0", SKY ", " SUN), 12.0f, 1024, 120, 0.006},
+        {SCENE("'albedo': [0.9, 0.5, 0.3], 'g': 0.7", SKY ", " SUN), 6.0f, 1024, 60, 0.015},
+        {SCENE("'albedo': [0.9, 0.5, 0.3], 'g': -0.6", SUN), 6.0f, 4, 120, 0.03},
+        {SCENE("'albedo': 0.9, 'g': 0.98", SKY ", " SUN), 20.0f, 1024, 60, 0.05},
+        {SCENE("'albedo': 0, 'g': 0", SKY ", " SUN), 6.0f, 1024, 60, 0.01},
+    };
+    enum { n = sizeof cases / sizeof *cases };
+    const double level = lf_sidak(LF_FALSE_ALARM, n);
+    for (int i = 0; i < n; i++) {
+        rig r = make_rig(cases[i].text, cases[i].sigma);
+        means m = compare(&r, cases[i].max_depth, cases[i].rounds), biased = m;
+        double p = lf_p_welch(&m.lanes, &m.path);
+        if (!(p > level))
+            fail_msg("case %d: %.5g +- %.2g in lanes, %.5g +- %.2g alone", i, m.lanes.mean,
+                     lf_moments_error(&m.lanes), m.path.mean, lf_moments_error(&m.path));
+        biased.lanes.mean *= 1.0 + 2.0 * cases[i].bias;
+        if (!(lf_p_welch(&biased.lanes, &biased.path) < level))
+            fail_msg("case %d: %.2g and %.2g of %.5g is too much noise", i,
+                     lf_moments_error(&m.lanes), lf_moments_error(&m.path), m.path.mean);
+        drop_rig(&r);
+    }
+}
+
+/* ------------------------------------------------------------------------------------- scenes --
+ */
+
+static void a_field_is_kept_while_grid_and_light_stay(void **state)
+{
+    (void)state;
+    rig r = make_rig(SCENE("'albedo': 0.8", SKY ", " SUN), 3.0f);
+    lf_lane_scene again;
+    assert_int_equal(lf_lane_scene_init(&again, r.scene, &r.lanes, r.pool), LF_OK);
+    assert_ptr_equal(again.field, r.lanes.field);
+    lf_lane_scene_finish(&again);
+    r.scene->volumes[0].albedo = lf_v3(0.1f, 0.2f, 0.3f);
+    r.scene->volumes[0].sigma_scale = 5.0f;
+    /* the field was made of this very scene: another stands for what it was */
+    lf_scene other = *r.scene;
+    lf_volume volume = r.scene->volumes[0];
+    volume.sigma_scale = 3.0f;
+    other.volumes = &volume;
+    r.lanes.field->scene = &other;
+    assert_int_equal(lf_lane_scene_init(&again, r.scene, &r.lanes, r.pool), LF_OK);
+    assert_ptr_not_equal(again.field, r.lanes.field);
+    assert_true(again.albedo[1] == 0.2f);
+    lf_lane_scene_finish(&again);
+    r.lanes.field->scene = r.scene;
+    drop_rig(&r);
+}
+
+static void what_lanes_cannot_do_is_left_to_single_paths(void **state)
+{
+    (void)state;
+    static const char *const others[] = {
+        SCENE("'albedo': 0.8", SKY ", 'lamp': { 'type': 'point', 'position': [0, 5, 0] }"),
+        SCENE("'albedo': 0.8", SKY ", 'sun': { 'type': 'distant', 'angle': 4 }"),
+        SCENE("'albedo': 0.8", SUN ", 'moon': { 'type': 'distant', 'direction': [1, -1, 0] }"),
+        SCENE("'albedo': 0.8, 'droplets': 20", SKY),
+        "{ 'quiltd': 1, 'volumes': { 'v': { 'shape': 'box', 'density': 1 }, 'w': { 'shape': "
+        "'sphere', 'density': 1 } }, 'lights': { " SKY " } }",
+    };
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        lf_scene *scene = lf_test_grid_scene(others[i], lf_test_grid(soft, 9, 9, 9), 0.1, 0, 1, 0);
+        if (lf_lane_scene_serves(scene))
+            fail_msg("%s is served", others[i]);
+        lf_scene_unref(scene);
+    }
+    lf_scene *cubes = lf_test_grid_scene(SCENE("'albedo': 0.8", SKY), lf_test_grid(soft, 9, 9, 9),
+                                         0.1, 0, 1, true);
+    assert_false(lf_lane_scene_serves(cubes));
+    lf_scene_unref(cubes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(functions_are_libm_s_within_rounding),
+        cmocka_unit_test(random_numbers_are_even),
+        cmocka_unit_test(bits_are_the_same_for_every_instruction_set_and_batch),
+        cmocka_unit_test(nothing_is_lost_in_a_furnace),
+        cmocka_unit_test(light_and_sky_are_dimmed_as_the_integral_says),
+        cmocka_unit_test(the_mean_is_that_of_single_paths),
+        cmocka_unit_test(a_field_is_kept_while_grid_and_light_stay),
+        cmocka_unit_test(what_lanes_cannot_do_is_left_to_single_paths),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
