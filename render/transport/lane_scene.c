@@ -18,7 +18,7 @@ static bool serves_volume(const lf_volume *v)
     uint64_t framed = 1;
     for (int i = 0; i < 3 && v->kind == LF_VOLUME_GRID; i++)
         framed *= (uint64_t)v->grid->bricks[i] + 2;
-    return v->kind == LF_VOLUME_GRID && !v->nearest && !v->way && !v->albedo_fields &&
+    return v->kind == LF_VOLUME_GRID && !v->nearest && !v->way && !v->steps && !v->albedo_fields &&
            v->second.share == 0.0f && v->sigma_max > 0.0f && framed < INT32_MAX &&
            (uint64_t)v->grid->n_bricks * LF_BRICK_STRIDE < INT32_MAX - 2 * LF_BRICK_STRIDE;
 }
