@@ -56,18 +56,18 @@ static inline __m512 share(__m512 t)
 
 /* 16 rays, and of each half where its first and its last one end. */
 typedef struct group {
-    const float *x0, *slope;
     __m512 x, s, end;
+    const float *x0, *slope;
     float least[HALVES], farthest[HALVES];
 } group;
 
 static inline group make_group(const float *x0, const float *slope, const float *z_end)
 {
-    group g = {.x0 = x0,
-               .slope = slope,
-               .x = _mm512_loadu_ps(x0),
+    group g = {.x = _mm512_loadu_ps(x0),
                .s = _mm512_loadu_ps(slope),
-               .end = _mm512_loadu_ps(z_end)};
+               .end = _mm512_loadu_ps(z_end),
+               .x0 = x0,
+               .slope = slope};
     for (int h = 0; h < HALVES; h++) {
         const float *end = z_end + LF_LANES * h;
         g.least[h] = g.farthest[h] = end[0];

@@ -158,17 +158,17 @@ typedef struct lf_visit {
 /* The rest of the path behind a pivot, used by all views: a light sample, and a direction from the
  * lobe of one view with what was found along it. */
 typedef struct lf_suffix {
-    bool has_light, has_direction;
     lf_light_sample light;
-    float light_visible; /* what is left of it, 0..1 */
+    /* whose `found` is, where the scene has lights in media and it is a lamp's; else NULL */
+    const lf_light *found_light;
+    /* another direction of the same pivot, drawn as this one, with no light; NULL: none */
+    const struct lf_suffix *next;
+    float light_visible; /* what is left of it: 0..1, or an estimate about that (suffix.h) */
     lf_vec3 wi;          /* the direction */
     lf_vec3 found;       /* light met at its first event … */
     float found_pdf;     /* … and p_L, the pdf of light sampling for it */
-    /* whose it is, where the scene has lights in media and it is a lamp's; else NULL */
-    const lf_light *found_light;
-    lf_vec3 scattered; /* radiance scattered there */
-    /* another direction of the same pivot, drawn as this one, with no light; NULL: none */
-    const struct lf_suffix *next;
+    lf_vec3 scattered;   /* radiance scattered there */
+    bool has_light, has_direction;
 } lf_suffix;
 
 /* The points that a visit draws about its lights in media; weight: its native samples a pixel.

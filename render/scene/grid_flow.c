@@ -107,8 +107,8 @@ static bool may_flow(const flowing *f, const int b[3])
             const float *m = f->to_component[c][i];
             double middle = (double)m[3], half = 1e-3;
             for (int j = 0; j < 3; j++) {
-                middle += (double)m[j] * (LF_BRICK * b[j] - 1 + LF_BRICK / 2);
-                half += fabs((double)m[j]) * (LF_BRICK / 2);
+                middle += (double)m[j] * (LF_BRICK * (b[j] + 0.5) - 1.0);
+                half += fabs((double)m[j]) * (0.5 * LF_BRICK);
             }
             lo[i] = middle - half;
             hi[i] = middle + half;

@@ -159,17 +159,18 @@ static lf_status make_control(lf_lane_field *field, const lf_light *light, lf_po
         lf_sunlight_media_init(&media, field->scene, lf_scale(light->direction, -1.0f),
                                nodes_for(volume->grid), pool, NULL);
     size_t n = (size_t)media.size[0] * (size_t)media.size[1] * (size_t)media.size[2];
-    if (status == LF_OK && media.depth && n < INT32_MAX) {
-        field->left = lf_calloc(n + 1, sizeof *field->left);
-        status = field->left ? LF_OK : LF_E_NOMEM;
+    if (status != LF_OK || !media.depth || n >= INT32_MAX) {
+        lf_sunlight_media_finish(&media);
+        return status;
     }
+    field->left = lf_calloc(n + 1, sizeof *field->left);
     for (size_t i = 0; field->left && i < n; i++)
         field->left[i] = (uint16_t)(expf(-media.depth[i]) * 65535.0f + 0.5f);
     for (int i = 0; i < 3; i++)
         field->nodes[i] = media.size[i];
     compose(&media, volume, field->to_nodes);
     lf_sunlight_media_finish(&media);
-    return status;
+    return field->left ? LF_OK : LF_E_NOMEM;
 }
 
 static void unref(lf_lane_field *field)

@@ -111,7 +111,7 @@ LF_INLINE unsigned bits_of(mask m)
 #endif
 LF_INLINE mask mask_of(unsigned bits)
 {
-    mask m;
+    mask m = {0};
     for (int i = 0; i < LF_WIDTH; i++)
         m[i] = -(int32_t)(bits >> i & 1u);
     return m;
@@ -165,7 +165,7 @@ LF_INLINE lanes root(lanes a)
 #elif defined(LF_LANES_AVX2)
     return (lanes)_mm256_sqrt_ps((__m256)a);
 #else
-    lanes r;
+    lanes r = a;
     for (int i = 0; i < LF_WIDTH; i++)
         r[i] = sqrtf(a[i]);
     return r;
@@ -214,7 +214,7 @@ LF_INLINE lanes_int gather_int(const void *p, lanes_int i)
 #elif defined(LF_LANES_AVX2)
     return (lanes_int)_mm256_i32gather_epi32(p, (__m256i)i, 4);
 #else
-    lanes_int r;
+    lanes_int r = i;
     for (int k = 0; k < LF_WIDTH; k++) {
         int32_t word;
         memcpy(&word, (const char *)p + 4 * (int64_t)i[k], sizeof word);
@@ -235,7 +235,7 @@ LF_INLINE lanes_int gather_pairs(const uint16_t *p, lanes_int i)
 #elif defined(LF_LANES_AVX2)
     return (lanes_int)_mm256_i32gather_epi32((const int *)(const void *)p, (__m256i)i, 2);
 #else
-    lanes_int r;
+    lanes_int r = i;
     for (int k = 0; k < LF_WIDTH; k++)
         r[k] = (int32_t)(p[i[k]] | (uint32_t)p[i[k] + 1] << 16);
     return r;

@@ -495,7 +495,7 @@ LF_INLINE int64_t flush_points(const lf_lane_scene *scene, const lf_lane_points 
 LF_INLINE void ask(const lf_lane_scene *scene, const lf_lane_points *points, int first,
                    lf_lane_memory *memory)
 {
-    lanes_int at;
+    lanes_int at = all_int(0);
     for (int k = 0; k < LF_WIDTH; k++)
         at[k] = first + k < points->n ? first + k : points->n - 1;
     const lanes q[3] = {gather(points->q[0], at), gather(points->q[1], at),
