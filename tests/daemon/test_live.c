@@ -281,9 +281,11 @@ static void a_refused_device_forgets_no_panel_that_is_unplugged(void **state)
     for (int i = 0; i < 3000 && panel_is_there(&c); i++)
         live_nap(10);
     assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", "foo:bar")), -32602);
-    for (int i = 0; i < 3000 && !panel_is_there(&c); i++)
+    /* once: a push may have unplugged it again by the next look */
+    bool there = false;
+    for (int i = 0; i < 3000 && !(there = panel_is_there(&c)); i++)
         live_nap(10);
-    assert_true(panel_is_there(&c));
+    assert_true(there);
     live_close(&c);
     live_finish(&l);
 }
