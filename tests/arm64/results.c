@@ -189,6 +189,87 @@ static void interlacers(void)
     lf_free(data);
 }
 
+/* A field of random bricks, some of them empty, and of random light. */
+enum { BRICKS = 4, FRAMED = BRICKS + 2, NODES = 9, JOBS = 777 };
+static uint16_t values[(BRICKS * BRICKS * BRICKS + 1) * LF_BRICK_STRIDE + 2];
+static uint16_t left[NODES * NODES * NODES + 1];
+static float majorant[FRAMED * FRAMED * FRAMED];
+static int32_t first[FRAMED * FRAMED * FRAMED];
+
+static lf_lane_scene make_lanes(lf_lane_field *field)
+{
+    uint64_t seed = 21;
+    int brick = 0;
+    *field = (lf_lane_field){.values = values,
+                             .majorant = majorant,
+                             .first = first,
+                             .framed = {FRAMED, FRAMED, FRAMED},
+                             .left = left,
+                             .nodes = {NODES, NODES, NODES}};
+    lf_lane_scene lanes = {.field = field,
+                           .g = 0.4f,
+                           .albedo = {0.95f, 0.8f, 0.6f},
+                           .sky = {0.4f, 0.5f, 0.7f},
+                           .toward = {0.48f, 0.6f, 0.64f},
+                           .irradiance = {3.0f, 2.0f, 1.0f}};
+    for (int i = 0; i < 3; i++) {
+        lanes.size[i] = BRICKS * LF_BRICK - 1;
+        lanes.to_volume[i][i] = 7.0f;
+        field->to_nodes[i][i] = (NODES - 1.0f) / (BRICKS * LF_BRICK);
+    }
+    for (int z = 1; z <= BRICKS; z++)
+        for (int y = 1; y <= BRICKS; y++)
+            for (int x = 1; x <= BRICKS; x++) {
+                const int at = (z * FRAMED + y) * FRAMED + x;
+                majorant[at] = lf_max(9.0f * uniform(&seed) - 1.0f, 0.0f);
+                first[at] = majorant[at] > 0.0f ? ++brick * LF_BRICK_STRIDE : 0;
+            }
+    for (size_t i = LF_BRICK_STRIDE; i < sizeof values / sizeof *values; i++)
+        values[i] = (uint16_t)(65535.0f * uniform(&seed));
+    for (size_t i = 0; i < sizeof left / sizeof *left; i++)
+        left[i] = (uint16_t)(65535.0f * uniform(&seed));
+    return lanes;
+}
+
+static void suffixes(void)
+{
+    static float q[3][JOBS], w[3][JOBS], phase[JOBS], out[4][JOBS], lit[3][JOBS];
+    static uint32_t random[2][JOBS];
+    static lf_lane_memory memory;
+    lf_lane_field field;
+    const lf_lane_scene lanes = make_lanes(&field);
+    uint64_t seed = 22;
+    for (int i = 0; i < JOBS; i++) {
+        float length = 0.0f;
+        for (int a = 0; a < 3; a++) {
+            q[a][i] = (float)(BRICKS * LF_BRICK) * uniform(&seed) - 1.0f;
+            w[a][i] = uniform(&seed) - 0.5f;
+            length += w[a][i] * w[a][i];
+        }
+        for (int a = 0; a < 3; a++)
+            w[a][i] /= sqrtf(length);
+        phase[i] = LF_INV_4PI * uniform(&seed);
+        random[0][i] = (uint32_t)lf_hash64(23, (uint64_t)i);
+        random[1][i] = (uint32_t)lf_hash64(24, (uint64_t)i);
+    }
+    const lf_lane_paths paths = {.n = JOBS,
+                                 .max_depth = 100,
+                                 .q = {q[0], q[1], q[2]},
+                                 .w = {w[0], w[1], w[2]},
+                                 .random = {random[0], random[1]},
+                                 .radiance = {out[0], out[1], out[2]},
+                                 .lit = {lit[0], lit[1], lit[2]}};
+    const lf_lane_points points = {.n = JOBS,
+                                   .q = {q[0], q[1], q[2]},
+                                   .phase = phase,
+                                   .random = {random[0], random[1]},
+                                   .left = out[3]};
+    const lf_suffixes *s = lf_kernels_get()->suffixes;
+    int64_t lookups = s->trace(&lanes, &paths, &memory) + s->light(&lanes, &points, &memory);
+    demand(lookups > 20 * JOBS, "suffixes look nothing up");
+    say("suffixes", mix(mix(start, &lookups, sizeof lookups), out, sizeof out));
+}
+
 static void fills_and_rectangles(void)
 {
     size_t n = (size_t)VIEWS * WIDTH * HEIGHT;
@@ -223,6 +304,7 @@ int main(int argc, char **argv)
     fprintf(stderr, "kernels: %s\n", lf_kernels_get()->name);
     densities();
     depths();
+    suffixes();
     if (argc > 1)
         return 0;
     samplers();
