@@ -233,6 +233,21 @@ static void nothing_is_lost_in_a_furnace(void **state)
     drop_rig(&r);
 }
 
+static void without_a_light_nothing_is_left_of_it(void **state)
+{
+    (void)state;
+    static jobs j;
+    rig r = make_rig(SCENE("'albedo': 1", SKY), 30.0f);
+    draw_jobs(&r, 2, n_jobs, &j);
+    memset(j.left, 1, sizeof j.left);
+    for (int k = 0; lf_kernels_at(k); k++) {
+        assert_true(light(lf_kernels_at(k)->suffixes, &r, &j, 0, n_jobs) == 0);
+        for (int i = 0; i < n_jobs; i++)
+            assert_true(j.left[i] == 0.0f);
+    }
+    drop_rig(&r);
+}
+
 /* exp(-depth) from p along w, by the trapezoidal rule in steps of 1/50 of a voxel. */
 static double left_beyond(const rig *r, lf_vec3 p, lf_vec3 w)
 {
@@ -447,6 +462,7 @@ int main(void)
         cmocka_unit_test(random_numbers_are_even),
         cmocka_unit_test(bits_are_the_same_for_every_instruction_set_and_batch),
         cmocka_unit_test(nothing_is_lost_in_a_furnace),
+        cmocka_unit_test(without_a_light_nothing_is_left_of_it),
         cmocka_unit_test(light_and_sky_are_dimmed_as_the_integral_says),
         cmocka_unit_test(the_mean_is_that_of_single_paths),
         cmocka_unit_test(a_field_is_kept_while_grid_and_light_stay),
