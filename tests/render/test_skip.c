@@ -45,11 +45,13 @@ enum {
                                  "{ 'type': 'environment', 'radiance': 0.6 }, 'sun': { 'type': "   \
                                  "'distant', 'angle': 20, 'visible': false } } }"
 
-/* A cloud of voxels in which nothing but lanes is needed; the file's name is put in. */
-static char voxels[PATH_MAX + 512];
+/* Clouds of voxels, for which suffixes go side by side: all views are sent the same by one of them,
+ * each what its lobe says by the other. The file's name is put in. */
+static char voxels[2][PATH_MAX + 512];
 
 static const char *const scenes[] = {
-    voxels,
+    voxels[0],
+    voxels[1],
     SMALL_CLOUD(""),
     SMALL_CLOUD(", 'lens_radius': 0.2, 'focus_distance': 4.2"),
     SMALL_BALL,
@@ -68,14 +70,15 @@ static int put_name_in(void **state)
     char path[PATH_MAX];
     (void)state;
     assert_non_null(realpath(lf_test_built("testdata/patterns.vdb"), path));
-    snprintf(
-        voxels, sizeof voxels,
-        "{ " LF_TEST_CAMERA(
-            "5",
-            "") "'volumes': { 'v': { 'file': '%s', 'scale': 10, 'albedo': "
-                "[0.9, 0.8, 0.7], 'g': 0.4, 'transform': { 'scale': 0.1, 'rotate': [-75, 0, 20], "
-                "'translate': [-0.9, 0.6, 0] } } }, " LF_TEST_SHARP_LIGHTS " }",
-        path);
+    for (int i = 0; i < 2; i++)
+        snprintf(
+            voxels[i], sizeof voxels[i],
+            "{ " LF_TEST_CAMERA(
+                "5",
+                "") "'volumes': { 'v': { 'file': '%s', 'scale': 10, "
+                    "'albedo': [0.9, 0.8, 0.7], 'g': %g, 'transform': { 'scale': 0.1, 'rotate': "
+                    "[-75, 0, 20], 'translate': [-0.9, 0.6, 0] } } }, " LF_TEST_SHARP_LIGHTS " }",
+            path, 0.4 * i);
     return 0;
 }
 
