@@ -523,8 +523,15 @@ LF_INLINE void ask(const lf_lane_scene *scene, const lf_lane_points *points, int
 static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
                      lf_lane_memory *memory)
 {
+    const float *toward = scene->toward;
     int64_t lookups = 0;
     memory->n = 0;
+    if (toward[0] == 0.0f && toward[1] == 0.0f && toward[2] == 0.0f) {
+        /* a ray without a direction stays where it is, and where nothing stops it there it stays
+         * for ever */
+        memset(points->left, 0, sizeof *points->left * (size_t)points->n);
+        return 0;
+    }
     for (int first = 0; first < points->n; first += LF_WIDTH) {
         ask(scene, points, first, memory);
         if (memory->n > LF_LANE_SHOTS - LF_WIDTH)

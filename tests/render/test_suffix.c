@@ -309,6 +309,22 @@ static void light_and_sky_are_dimmed_as_the_integral_says(void **state)
     drop_rig(&r);
 }
 
+/* No ray leaves for a light that is not there: it would stand still, also where nothing is. */
+static void nothing_is_traced_without_a_light(void **state)
+{
+    (void)state;
+    static jobs j;
+    rig r = make_rig(SCENE("'albedo': 0.8", SKY), 3.0f);
+    draw_jobs(&r, 6, n_jobs, &j);
+    for (int k = 0; lf_kernels_at(k); k++) {
+        memset(j.left, 255, sizeof j.left);
+        assert_true(light(lf_kernels_at(k)->suffixes, &r, &j, 0, n_jobs) == 0);
+        for (int i = 0; i < n_jobs; i++)
+            assert_true(j.left[i] == 0.0f);
+    }
+    drop_rig(&r);
+}
+
 /* ---------------------------------------------------------------------------- the mean of path.c
  * --
  */
@@ -448,6 +464,7 @@ int main(void)
         cmocka_unit_test(bits_are_the_same_for_every_instruction_set_and_batch),
         cmocka_unit_test(nothing_is_lost_in_a_furnace),
         cmocka_unit_test(light_and_sky_are_dimmed_as_the_integral_says),
+        cmocka_unit_test(nothing_is_traced_without_a_light),
         cmocka_unit_test(the_mean_is_that_of_single_paths),
         cmocka_unit_test(a_field_is_kept_while_grid_and_light_stay),
         cmocka_unit_test(what_lanes_cannot_do_is_left_to_single_paths),
