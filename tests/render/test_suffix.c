@@ -7,7 +7,10 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
+#include "render/renderer.h"
 #include "render/rows/kernel.h"
+#include "render/rows/queue.h"
+#include "render/rows/rows.h"
 #include "render/transport/lanes.h"
 #include "render/transport/path.h"
 #include "render/transport/suffix.h"
@@ -446,6 +449,40 @@ static void the_mean_is_that_of_single_paths(void **state)
     }
 }
 
+/* -------------------------------------------------------------------------------------- queue --
+ */
+
+/* Of a small picture: pivots that may wait in the end. */
+static int64_t waiting(rig *r, float sigma, float albedo)
+{
+    lf_renderer *renderer;
+    r->scene->volumes[0].sigma_scale = r->scene->volumes[0].sigma_max = sigma;
+    r->scene->volumes[0].albedo = lf_v3(albedo, albedo, albedo);
+    renderer = lf_test_renderer(r->scene, "mvpt", 64, 2, r->pool);
+    lf_render_settings settings = *lf_renderer_settings(renderer);
+    settings.skip = LF_SKIP_ALL;
+    settings.max_depth = 65536;
+    lf_assert_ok(lf_renderer_restart(renderer, r->scene, &settings, NULL), NULL);
+    lf_assert_ok(lf_renderer_passes(renderer, NULL, 90, false, NULL, NULL, NULL), NULL);
+    const lf_rows *rows = renderer->state;
+    assert_non_null(rows->queues);
+    int64_t most = rows->queues[0]->most;
+    lf_renderer_destroy(renderer);
+    return most;
+}
+
+/* Batches are short where paths are long: nobody asks within one whether the visit is cancelled. */
+static void few_wait_where_paths_are_long(void **state)
+{
+    (void)state;
+    rig r = make_rig(SCENE("'albedo': 1", SKY), 4.0f);
+    int64_t thin = waiting(&r, 4.0f, 0.5f), dense = waiting(&r, 600.0f, 1.0f);
+    print_message("%d pivots wait in thin smoke, %d in dense white\n", (int)thin, (int)dense);
+    assert_true(thin == LF_QUEUE_PIVOTS);
+    assert_true(dense >= 16 && dense < LF_QUEUE_PIVOTS * 3 / 4);
+    drop_rig(&r);
+}
+
 /* ------------------------------------------------------------------------------------- scenes --
  */
 
@@ -507,6 +544,7 @@ int main(void)
         cmocka_unit_test(what_is_thin_beside_the_dense_is_kept),
         cmocka_unit_test(nothing_is_traced_without_a_light),
         cmocka_unit_test(the_mean_is_that_of_single_paths),
+        cmocka_unit_test(few_wait_where_paths_are_long),
         cmocka_unit_test(a_field_is_kept_while_grid_and_light_stay),
         cmocka_unit_test(what_lanes_cannot_do_is_left_to_single_paths),
     };
