@@ -137,7 +137,8 @@ static const lf_bright_cell *around(const lf_reconstruction *r, int number, cons
     return other ? &r->bright[band].cells[other - r->level[1].bands[band].cells] : NULL;
 }
 
-/* The mean, with what is above BOUND times it cut off. */
+/* The mean, with what is above BOUND times it cut off; no bound where it is not above 0, as single
+ * contributions may be below. */
 static float bounded_mean(const float weight[BUCKETS], const float found[BUCKETS])
 {
     float w = 0.0f, mean = INFINITY;
@@ -149,6 +150,8 @@ static float bounded_mean(const float weight[BUCKETS], const float found[BUCKETS
             if (weight[b] > 0.0f)
                 sum += fminf(found[b], bound * weight[b]);
         mean = sum / w;
+        if (!(mean > 0.0f))
+            return INFINITY;
     }
     return mean;
 }

@@ -1,5 +1,9 @@
 #include "render/rows/queue.h"
 
+/* Look-ups between two questions whether the visit is cancelled, about: some hundredths of a
+ * second. And pivots that keep lanes busy. */
+enum { MOST_LOOKUPS = 1 << 20, LEAST_PIVOTS = 16 };
+
 static void set_key(uint32_t *const random[2], int at, uint64_t key)
 {
     random[0][at] = (uint32_t)key;
@@ -69,7 +73,7 @@ void lf_queue_push(lf_queue *queue, lf_visit *visit, int view, int column, const
                                   .rng = visit->worker->tracer.rng};
     prepare_light(queue, visit, pivot, at);
     prepare_paths(queue, visit, pivot, at);
-    if (queue->n == LF_QUEUE_PIVOTS)
+    if (queue->n >= queue->most)
         lf_queue_flush(queue, visit);
 }
 
@@ -125,6 +129,16 @@ static void spread(const lf_queue *queue, lf_visit *visit, int at)
     visit->acting->pivot(visit, item->view, item->column, &pivot, suffix);
 }
 
+/* Twice as many as it was, or as many as take MOST_LOOKUPS by what these took. */
+static void set_most(lf_queue *queue, int64_t lookups)
+{
+    const int64_t fit = lookups > 0 ? queue->n * (int64_t)MOST_LOOKUPS / lookups : LF_QUEUE_PIVOTS;
+    int64_t most = 2 * queue->most;
+    most = most < fit ? most : fit;
+    most = most < LF_QUEUE_PIVOTS ? most : LF_QUEUE_PIVOTS;
+    queue->most = most > LEAST_PIVOTS ? most : LEAST_PIVOTS;
+}
+
 void lf_queue_flush(lf_queue *queue, lf_visit *visit)
 {
     const lf_lane_paths paths = {
@@ -145,9 +159,10 @@ void lf_queue_flush(lf_queue *queue, lf_visit *visit)
     };
     if (queue->n == 0)
         return;
-    int64_t *lookups = &visit->worker->tracer.lookups;
-    *lookups += queue->suffixes->trace(queue->lanes, &paths, &queue->memory);
-    *lookups += queue->suffixes->light(queue->lanes, &points, &queue->memory);
+    const int64_t lookups = queue->suffixes->trace(queue->lanes, &paths, &queue->memory) +
+                            queue->suffixes->light(queue->lanes, &points, &queue->memory);
+    visit->worker->tracer.lookups += lookups;
+    set_most(queue, lookups);
     const float alone = visit->alone;
     for (int i = 0; i < queue->n; i++)
         spread(queue, visit, i);

@@ -9,6 +9,8 @@
 /* Pivots, and suffixes of each: they cost a tenth to a third of what a pivot costs, and have more
  * of the variance (docs/performance.md, "Suffixes in lanes"). */
 enum { LF_QUEUE_PIVOTS = 1024, LF_QUEUE_EACH = 4 };
+/* Of a queue that does not know yet how long paths are. */
+enum { LF_QUEUE_FIRST = 64 };
 
 /* A pivot that waits: what is left of lf_pivot and lf_visit when its turn comes. */
 typedef struct lf_queued {
@@ -24,7 +26,8 @@ typedef struct lf_queued {
 typedef struct lf_queue {
     const lf_lane_scene *lanes;
     const lf_suffixes *suffixes;
-    int n, each; /* pivots that wait, and suffixes of each, at most LF_QUEUE_EACH */
+    int n, each;  /* pivots that wait, and suffixes of each, at most LF_QUEUE_EACH */
+    int64_t most; /* that may wait: fewer where paths are long, so that visits can be cancelled */
     lf_queued item[LF_QUEUE_PIVOTS];
     /* [pivot]: where, volume space, and what of the light is left there */
     float q[3][LF_QUEUE_PIVOTS], phase[LF_QUEUE_PIVOTS], left[LF_QUEUE_PIVOTS];

@@ -112,6 +112,7 @@ static lf_status make_queues(lf_rows *rows, const lf_sharing *sharing)
         queue->lanes = rows->lanes;
         queue->suffixes = lf_kernels_get()->suffixes;
         queue->each = sharing->suffixes;
+        queue->most = LF_QUEUE_FIRST;
     }
     return rows->queues ? LF_OK : LF_E_NOMEM;
 }

@@ -13,13 +13,27 @@ enum { LEAST_NODES = 16, MOST_NODES = 160 };
 /* ---------------------------------------------------------------------------------- the scene --
  */
 
+/* Mean free paths along the longest edge of a voxel: where there are more, what 16 bits round off
+ * in a brick could take more than 1/256 of the light on its way through. */
+#define MOST_DEPTH 64.0f
+
+static float deepest_voxel(const lf_volume *v)
+{
+    float longest = 0.0f;
+    for (int i = 0; i < 3; i++)
+        longest = lf_max(longest,
+                         lf_length(lf_v3(v->to_scene[0][i], v->to_scene[1][i], v->to_scene[2][i])));
+    return longest * v->sigma_max;
+}
+
 static bool serves_volume(const lf_volume *v)
 {
     uint64_t framed = 1;
     for (int i = 0; i < 3 && v->kind == LF_VOLUME_GRID; i++)
         framed *= (uint64_t)v->grid->bricks[i] + 2;
     return v->kind == LF_VOLUME_GRID && !v->nearest && !v->way && !v->steps && !v->albedo_fields &&
-           v->second.share == 0.0f && v->sigma_max > 0.0f && framed < INT32_MAX &&
+           v->second.share == 0.0f && v->sigma_max > 0.0f && deepest_voxel(v) <= MOST_DEPTH &&
+           framed < INT32_MAX &&
            (uint64_t)v->grid->n_bricks * LF_BRICK_STRIDE < INT32_MAX - 2 * LF_BRICK_STRIDE;
 }
 

@@ -44,8 +44,8 @@ typedef struct lf_lane_points {
     const float *q[3];
     const float *phase;
     const uint32_t *random[2];
-    float *left; /* out: an unbiased estimate, which may be less than 0 or more than 1; 0 where
-                    there is no light */
+    /* out: an unbiased estimate, which may be less than 0 or more than 1; 0 without a light */
+    float *left;
 } lf_lane_points;
 
 /* One instruction set. Both return how often the grid was looked up. Thread: any, with a memory of

@@ -523,12 +523,13 @@ LF_INLINE void ask(const lf_lane_scene *scene, const lf_lane_points *points, int
 static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
                      lf_lane_memory *memory)
 {
-    const float *sent = scene->irradiance;
+    const float *toward = scene->toward;
     int64_t lookups = 0;
     memory->n = 0;
-    if (!(sent[0] > 0.0f || sent[1] > 0.0f || sent[2] > 0.0f)) {
+    if (toward[0] == 0.0f && toward[1] == 0.0f && toward[2] == 0.0f) {
+        /* its rays would stand still, and some for ever */
         memset(points->left, 0, sizeof *points->left * (size_t)points->n);
-        return 0; /* nor is there a direction to trace */
+        return 0;
     }
     for (int first = 0; first < points->n; first += LF_WIDTH) {
         ask(scene, points, first, memory);

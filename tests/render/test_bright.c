@@ -154,6 +154,31 @@ static void what_one_half_alone_has_found_is_no_highlight(void **state)
     lf_renderer_destroy(r);
 }
 
+/* Where single contributions may be below 0, so may be all that is around: no bound is a multiple
+ * of that. */
+static void where_all_is_below_zero_nothing_is_bright(void **state)
+{
+    (void)state;
+    lf_renderer *r = renderer_of_board(NULL);
+    float *x = picture();
+    reconstruct_visits(r, NULL, 20);
+    make_bright(r, SAME, 0.1f, 0.0f, 0);
+    for (int row = 0; row < height; row++)
+        for (int h = 0; h < 2; h++)
+            for (int i = 0; i < views * width; i++) {
+                lf_film_scattered *s = &lf_film_at(&r->film, row, h).scattered[i];
+                for (int c = 0; c < 3; c++)
+                    s->n[c] = (is_bright(row, 0, i) ? 0.1f : -0.1f) * s->w;
+            }
+    lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+    assert_false(r->shown->is_bright);
+    show(r, false, x);
+    for (int i = 0; i < values; i++)
+        assert_true(fabsf(x[i]) <= 0.2f);
+    free(x);
+    lf_renderer_destroy(r);
+}
+
 /* -------------------------------------------------------------------------------- pictures -- */
 
 /* A channel as a screen of 8 bits shows it. */
@@ -249,6 +274,7 @@ int main(void)
         cmocka_unit_test(a_prediction_below_zero_is_not_black),
         cmocka_unit_test(what_halves_agree_on_is_no_fog),
         cmocka_unit_test(what_one_half_alone_has_found_is_no_highlight),
+        cmocka_unit_test(where_all_is_below_zero_nothing_is_bright),
         cmocka_unit_test(highlights_are_not_worse_than_unfiltered),
         cmocka_unit_test(same_bytes_for_any_number_of_threads),
     };

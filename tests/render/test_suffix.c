@@ -7,7 +7,10 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
+#include "render/renderer.h"
 #include "render/rows/kernel.h"
+#include "render/rows/queue.h"
+#include "render/rows/rows.h"
 #include "render/transport/lanes.h"
 #include "render/transport/path.h"
 #include "render/transport/suffix.h"
@@ -233,21 +236,6 @@ static void nothing_is_lost_in_a_furnace(void **state)
     drop_rig(&r);
 }
 
-static void without_a_light_nothing_is_left_of_it(void **state)
-{
-    (void)state;
-    static jobs j;
-    rig r = make_rig(SCENE("'albedo': 1", SKY), 30.0f);
-    draw_jobs(&r, 2, n_jobs, &j);
-    memset(j.left, 1, sizeof j.left);
-    for (int k = 0; lf_kernels_at(k); k++) {
-        assert_true(light(lf_kernels_at(k)->suffixes, &r, &j, 0, n_jobs) == 0);
-        for (int i = 0; i < n_jobs; i++)
-            assert_true(j.left[i] == 0.0f);
-    }
-    drop_rig(&r);
-}
-
 /* exp(-depth) from p along w, by the trapezoidal rule in steps of 1/50 of a voxel. */
 static double left_beyond(const rig *r, lf_vec3 p, lf_vec3 w)
 {
@@ -260,11 +248,15 @@ static double left_beyond(const rig *r, lf_vec3 p, lf_vec3 w)
     return exp(-depth);
 }
 
-/* Mean over jobs of estimate - truth, by n estimates of each; over truth where that is a few per
- * cent, if `deep`. */
-static void assert_left_behind(rig *r, bool sun, bool deep, const char *what, double level)
+/* What is asked of a rig: of its sun or of its sky; the difference, or that over the truth where
+ * the truth is a few per cent. */
+typedef enum asked { SKY_LEFT, SUN_LEFT, LITTLE_SUN_LEFT } asked;
+
+/* Mean over jobs of estimate - truth, by n estimates of each. */
+static void assert_left_behind(rig *r, asked of, const char *what, int rounds, double level)
 {
-    enum { places = 64, each = n_jobs / places, rounds = 60 };
+    enum { places = 64, each = n_jobs / places };
+    const bool sun = of != SKY_LEFT;
     static jobs j;
     lf_moments off = {0};
     draw_jobs(r, 3, n_jobs, &j);
@@ -290,7 +282,7 @@ static void assert_left_behind(rig *r, bool sun, bool deep, const char *what, do
             for (int i = 0; i < places; i++) {
                 double seen =
                     (double)(sun ? j.left[k * places + i] : j.radiance[0][k * places + i]);
-                if (!deep)
+                if (of != LITTLE_SUN_LEFT)
                     sum += (seen - truth[i]) / places;
                 else if (truth[i] > 0.01 && truth[i] < 0.1)
                     sum += (seen / truth[i] - 1.0) / places;
@@ -312,25 +304,81 @@ static void light_and_sky_are_dimmed_as_the_integral_says(void **state)
     rig r = make_rig(SCENE("'albedo': 0.8, 'g': 0.3", SUN), 3.0f);
     size_t nodes = (size_t)r.lanes.field->nodes[0] * (size_t)r.lanes.field->nodes[1] *
                    (size_t)r.lanes.field->nodes[2];
-    assert_left_behind(&r, true, false, "the control as it is", level);
+    assert_left_behind(&r, SUN_LEFT, "the control as it is", 60, level);
     for (size_t i = 0; i < nodes; i++)
         r.lanes.field->left[i] = (uint16_t)lf_hash64(i, 0);
-    assert_left_behind(&r, true, false, "a control that says anything", level);
+    assert_left_behind(&r, SUN_LEFT, "a control that says anything", 60, level);
     memset(r.lanes.field->left, 255, nodes * sizeof *r.lanes.field->left);
-    assert_left_behind(&r, true, false, "a control without shadows", level);
+    assert_left_behind(&r, SUN_LEFT, "a control without shadows", 60, level);
     lf_free(r.lanes.field->left);
     r.lanes.field->left = NULL;
-    assert_left_behind(&r, true, false, "no control", level);
+    assert_left_behind(&r, SUN_LEFT, "no control", 60, level);
     drop_rig(&r);
     /* all that comes through has passed the roulette */
     r = make_rig(SCENE("'albedo': 0.8, 'g': 0.3", SUN), 9.0f);
     lf_free(r.lanes.field->left);
     r.lanes.field->left = NULL;
-    assert_left_behind(&r, true, true, "deep, without a control", level);
+    assert_left_behind(&r, LITTLE_SUN_LEFT, "deep, without a control", 60, level);
     drop_rig(&r);
     r = make_rig(
         SCENE("'albedo': 0.8, 'g': 0.3", "'sky': { 'type': 'environment', 'radiance': 1 }"), 3.0f);
-    assert_left_behind(&r, false, false, "sky", level);
+    assert_left_behind(&r, SKY_LEFT, "sky", 60, level);
+    drop_rig(&r);
+}
+
+/* Haze, and in each brick a voxel that is dense. */
+static float specks(int x, int y, int z, float haze)
+{
+    return x % 8 == 3 && y % 8 == 3 && z % 8 == 3 ? 1.0f : haze;
+}
+static float dense_specks(int x, int y, int z)
+{
+    return specks(x, y, z, 0.02f / 50.0f);
+}
+static float solid_specks(int x, int y, int z)
+{
+    return specks(x, y, z, 0.02f / 2000.0f);
+}
+
+/* Shares of what a brick's densest voxel has cannot say what is thin beside a solid one: then
+ * suffixes go one by one. */
+static void what_is_thin_beside_the_dense_is_kept(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what;
+        lf_voxel_fn voxel;
+        float most;
+        bool served;
+    } cases[] = {{"dense", dense_specks, 50.0f, true}, {"solid", solid_specks, 2000.0f, false}};
+    const char *sky = SCENE("'albedo': 0.8", "'sky': { 'type': 'environment', 'radiance': 1 }");
+    for (int i = 0; i < 2; i++) {
+        lf_grid *grid = lf_test_grid(cases[i].voxel, 30, 17, 12);
+        lf_scene *scene = lf_test_grid_scene(sky, grid, 0.1, 0.4, cases[i].most / 0.1f, false);
+        rig r = {.scene = scene, .memory = calloc(1, sizeof *r.memory)};
+        assert_non_null(r.memory);
+        assert_int_equal(lf_pool_create(2, &r.pool), LF_OK);
+        assert_int_equal(lf_lane_scene_init(&r.lanes, scene, NULL, r.pool), LF_OK);
+        if (r.lanes.field)
+            assert_left_behind(&r, SKY_LEFT, cases[i].what, 4, lf_sidak(LF_FALSE_ALARM, 2));
+        assert_true(lf_lane_scene_serves(scene) == cases[i].served);
+        drop_rig(&r);
+    }
+}
+
+/* No ray leaves for a light that is not there: it would stand still, also where nothing is. */
+static void nothing_is_traced_without_a_light(void **state)
+{
+    (void)state;
+    static jobs j;
+    rig r = make_rig(SCENE("'albedo': 0.8", SKY), 3.0f);
+    draw_jobs(&r, 6, n_jobs, &j);
+    for (int k = 0; lf_kernels_at(k); k++) {
+        memset(j.left, 255, sizeof j.left);
+        assert_true(light(lf_kernels_at(k)->suffixes, &r, &j, 0, n_jobs) == 0);
+        for (int i = 0; i < n_jobs; i++)
+            assert_true(j.left[i] == 0.0f);
+    }
     drop_rig(&r);
 }
 
@@ -415,6 +463,40 @@ static void the_mean_is_that_of_single_paths(void **state)
     }
 }
 
+/* -------------------------------------------------------------------------------------- queue --
+ */
+
+/* Of a small picture: pivots that may wait in the end. */
+static int64_t waiting(rig *r, float sigma, float albedo)
+{
+    lf_renderer *renderer;
+    r->scene->volumes[0].sigma_scale = r->scene->volumes[0].sigma_max = sigma;
+    r->scene->volumes[0].albedo = lf_v3(albedo, albedo, albedo);
+    renderer = lf_test_renderer(r->scene, "mvpt", 64, 2, r->pool);
+    lf_render_settings settings = *lf_renderer_settings(renderer);
+    settings.skip = LF_SKIP_ALL;
+    settings.max_depth = 65536;
+    lf_assert_ok(lf_renderer_restart(renderer, r->scene, &settings, NULL), NULL);
+    lf_assert_ok(lf_renderer_passes(renderer, NULL, 90, false, NULL, NULL, NULL), NULL);
+    const lf_rows *rows = renderer->state;
+    assert_non_null(rows->queues);
+    int64_t most = rows->queues[0]->most;
+    lf_renderer_destroy(renderer);
+    return most;
+}
+
+/* Batches are short where paths are long: nobody asks within one whether the visit is cancelled. */
+static void few_wait_where_paths_are_long(void **state)
+{
+    (void)state;
+    rig r = make_rig(SCENE("'albedo': 1", SKY), 4.0f);
+    int64_t thin = waiting(&r, 4.0f, 0.5f), dense = waiting(&r, 600.0f, 1.0f);
+    print_message("%d pivots wait in thin smoke, %d in dense white\n", (int)thin, (int)dense);
+    assert_true(thin == LF_QUEUE_PIVOTS);
+    assert_true(dense >= 16 && dense < LF_QUEUE_PIVOTS * 3 / 4);
+    drop_rig(&r);
+}
+
 /* ------------------------------------------------------------------------------------- scenes --
  */
 
@@ -472,9 +554,11 @@ int main(void)
         cmocka_unit_test(random_numbers_are_even),
         cmocka_unit_test(bits_are_the_same_for_every_instruction_set_and_batch),
         cmocka_unit_test(nothing_is_lost_in_a_furnace),
-        cmocka_unit_test(without_a_light_nothing_is_left_of_it),
         cmocka_unit_test(light_and_sky_are_dimmed_as_the_integral_says),
+        cmocka_unit_test(what_is_thin_beside_the_dense_is_kept),
+        cmocka_unit_test(nothing_is_traced_without_a_light),
         cmocka_unit_test(the_mean_is_that_of_single_paths),
+        cmocka_unit_test(few_wait_where_paths_are_long),
         cmocka_unit_test(a_field_is_kept_while_grid_and_light_stay),
         cmocka_unit_test(what_lanes_cannot_do_is_left_to_single_paths),
     };
