@@ -10,6 +10,9 @@
 /* Nodes of the control along the longest side: one for two voxels, within bounds. */
 enum { LEAST_NODES = 16, MOST_NODES = 160 };
 
+/* 1 GiB beside the grid itself. */
+#define MOST_VALUES (UINT64_C(1) << 29)
+
 /* ---------------------------------------------------------------------------------- the scene --
  */
 
@@ -33,8 +36,7 @@ static bool serves_volume(const lf_volume *v)
         framed *= (uint64_t)v->grid->bricks[i] + 2;
     return v->kind == LF_VOLUME_GRID && !v->nearest && !v->way && !v->steps && !v->albedo_fields &&
            v->second.share == 0.0f && v->sigma_max > 0.0f && deepest_voxel(v) <= MOST_DEPTH &&
-           framed < INT32_MAX &&
-           (uint64_t)v->grid->n_bricks * LF_BRICK_STRIDE < INT32_MAX - 2 * LF_BRICK_STRIDE;
+           framed < INT32_MAX && (uint64_t)v->grid->n_bricks * LF_BRICK_STRIDE < MOST_VALUES;
 }
 
 /* The light that is drawn; NULL: none is. */
