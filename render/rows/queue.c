@@ -23,10 +23,6 @@ static void prepare_light(lf_queue *queue, const lf_visit *visit, const lf_pivot
         const float *row = queue->lanes->to_volume[i];
         queue->q[i][at] = row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
     }
-    queue->phase[at] = item->has_light
-                           ? lf_volume_phase(&visit->scene->volumes[pivot->event.volume],
-                                             pivot->event.w, item->light.wi)
-                           : 0.0f;
     set_key((uint32_t *const[2]){queue->random[0], queue->random[1]}, at, lf_hash64(item->rng, 0));
 }
 
@@ -153,7 +149,6 @@ void lf_queue_flush(lf_queue *queue, lf_visit *visit)
     const lf_lane_points points = {
         .n = queue->n,
         .q = {queue->q[0], queue->q[1], queue->q[2]},
-        .phase = queue->phase,
         .random = {queue->random[0], queue->random[1]},
         .left = queue->left,
     };

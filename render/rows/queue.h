@@ -30,7 +30,7 @@ typedef struct lf_queue {
     int64_t most; /* that may wait: fewer where paths are long, so that visits can be cancelled */
     lf_queued item[LF_QUEUE_PIVOTS];
     /* [pivot]: where, volume space, and what of the light is left there */
-    float q[3][LF_QUEUE_PIVOTS], phase[LF_QUEUE_PIVOTS], left[LF_QUEUE_PIVOTS];
+    float q[3][LF_QUEUE_PIVOTS], left[LF_QUEUE_PIVOTS];
     uint32_t random[2][LF_QUEUE_PIVOTS];
     /* [pivot][suffix] */
     float from[3][LF_QUEUE_PIVOTS * LF_QUEUE_EACH], wi[3][LF_QUEUE_PIVOTS * LF_QUEUE_EACH],

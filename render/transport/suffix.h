@@ -37,15 +37,12 @@ typedef struct lf_lane_paths {
     float *lit[3];      /* what shadow rays add to it meanwhile */
 } lf_lane_paths;
 
-/* Points that ask what is left of the light there; phase: what they would scatter of it, its phase
- * function (the more, the more often its ray is traced). */
+/* Points that ask what is left of the light there: pivots, whose shadow rays are all traced. */
 typedef struct lf_lane_points {
     int n;
     const float *q[3];
-    const float *phase;
     const uint32_t *random[2];
-    /* out: an unbiased estimate, which may be less than 0 or more than 1; 0 without a light */
-    float *left;
+    float *left; /* out: an unbiased estimate, 0..2; 0 without a light */
 } lf_lane_points;
 
 /* One instruction set. Both return how often the grid was looked up. Thread: any, with a memory of

@@ -250,10 +250,10 @@ LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory
     }
 }
 
-/* Probability that the shadow ray of points is traced, and what the control says there; share: what
- * they scatter of the light, 1 = all of it, evenly. In proportion to what the estimate of T adds to
- * the spread of the suffix, T(1 - T) and what the control may be off by where it says 0 or 1; twice
- * that was best or near it in variance times look-ups for clouds of albedo 0.4 to 0.99. */
+/* Probability that the shadow ray of vertices is traced, and what the control says there; share:
+ * what they scatter of the light, 1 = all of it, evenly. In proportion to what the estimate of T
+ * adds to the spread of the suffix: T(1 - T), and what the control may be off by where it says 0 or
+ * 1, which is much beside sharp edges. What a ray then adds is twice the share at most. */
 LF_INLINE lanes chance(const lf_lane_scene *scene, const lanes q[3], lanes share, lanes *expected)
 {
     if (!scene->field->left) {
@@ -261,7 +261,7 @@ LF_INLINE lanes chance(const lf_lane_scene *scene, const lanes q[3], lanes share
         return all(1.0f);
     }
     lanes t = *expected = control_at(scene->field, q);
-    return most(least(2.0f * share * root(t * (1.0f - t) + 0.01f), all(1.0f)), all(0.05f));
+    return most(least(2.0f * share * root(t * (1.0f - t) + 0.06f), all(1.0f)), all(0.05f));
 }
 
 /* --------------------------------------------------------------------------------------- paths --
@@ -479,64 +479,28 @@ static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_
 /* -------------------------------------------------------------------------------------- points --
  */
 
-LF_INLINE int64_t flush_points(const lf_lane_scene *scene, const lf_lane_points *points,
-                               lf_lane_memory *memory)
-{
-    int64_t lookups = memory->n > 0 ? trace_shots(scene, memory) : 0;
-    for (int k = 0; k < memory->n; k++) {
-        const lf_lane_shot *shot = &memory->shot[k];
-        points->left[shot->job] += shot->weight[0] * (memory->left[k] - shot->expected);
-    }
-    memory->n = 0;
-    return lookups;
-}
-
-/* The points from `first` on, as many as there are lanes. */
-LF_INLINE void ask(const lf_lane_scene *scene, const lf_lane_points *points, int first,
-                   lf_lane_memory *memory)
-{
-    lanes_int at = all_int(0);
-    for (int k = 0; k < LF_WIDTH; k++)
-        at[k] = first + k < points->n ? first + k : points->n - 1;
-    const lanes q[3] = {gather(points->q[0], at), gather(points->q[1], at),
-                        gather(points->q[2], at)};
-    const mask every = mask_of((1u << LF_WIDTH) - 1);
-    lanes_random random = {0};
-    lanes expected, share = gather(points->phase, at) * (4.0f * LF_PI);
-    begin_random(&random, every, (lanes_bits)gather_int(points->random[0], at),
-                 (lanes_bits)gather_int(points->random[1], at));
-    lanes probability = chance(scene, q, share, &expected);
-    unsigned traced = bits_of(is_less(draw_unit(&random, every), probability));
-    lanes_bits key[2] = {draw(&random, every), draw(&random, every)};
-    for (int k = 0; k < LF_WIDTH && first + k < points->n; k++) {
-        points->left[first + k] = expected[k];
-        if (!(traced >> k & 1u))
-            continue;
-        memory->shot[memory->n++] = (lf_lane_shot){.q = {q[0][k], q[1][k], q[2][k]},
-                                                   .weight = {1.0f / probability[k]},
-                                                   .expected = expected[k],
-                                                   .random = {key[0][k], key[1][k]},
-                                                   .job = first + k};
-    }
-}
-
 static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
                      lf_lane_memory *memory)
 {
     const float *toward = scene->toward;
     int64_t lookups = 0;
-    memory->n = 0;
-    if (toward[0] == 0.0f && toward[1] == 0.0f && toward[2] == 0.0f) {
-        /* its rays would stand still, and some for ever */
-        memset(points->left, 0, sizeof *points->left * (size_t)points->n);
-        return 0;
+    memset(points->left, 0, sizeof *points->left * (size_t)points->n);
+    if (toward[0] == 0.0f && toward[1] == 0.0f && toward[2] == 0.0f)
+        return 0; /* rays would stand still, and some for ever */
+    for (int first = 0; first < points->n; first += LF_LANE_SHOTS) {
+        const int rest = points->n - first;
+        memory->n = rest < LF_LANE_SHOTS ? rest : LF_LANE_SHOTS;
+        for (int k = 0; k < memory->n; k++) {
+            lf_lane_shot *shot = &memory->shot[k];
+            for (int i = 0; i < 3; i++)
+                shot->q[i] = points->q[i][first + k];
+            for (int i = 0; i < 2; i++)
+                shot->random[i] = points->random[i][first + k];
+        }
+        lookups += trace_shots(scene, memory);
+        memcpy(points->left + first, memory->left, sizeof *memory->left * (size_t)memory->n);
     }
-    for (int first = 0; first < points->n; first += LF_WIDTH) {
-        ask(scene, points, first, memory);
-        if (memory->n > LF_LANE_SHOTS - LF_WIDTH)
-            lookups += flush_points(scene, points, memory);
-    }
-    return lookups + flush_points(scene, points, memory);
+    return lookups;
 }
 
 #endif

@@ -233,7 +233,7 @@ static lf_lane_scene make_lanes(lf_lane_field *field)
 
 static void suffixes(void)
 {
-    static float q[3][JOBS], w[3][JOBS], phase[JOBS], out[4][JOBS], lit[3][JOBS];
+    static float q[3][JOBS], w[3][JOBS], out[4][JOBS], lit[3][JOBS];
     static uint32_t random[2][JOBS];
     static lf_lane_memory memory;
     lf_lane_field field;
@@ -248,7 +248,6 @@ static void suffixes(void)
         }
         for (int a = 0; a < 3; a++)
             w[a][i] /= sqrtf(length);
-        phase[i] = LF_INV_4PI * uniform(&seed);
         random[0][i] = (uint32_t)lf_hash64(23, (uint64_t)i);
         random[1][i] = (uint32_t)lf_hash64(24, (uint64_t)i);
     }
@@ -259,11 +258,8 @@ static void suffixes(void)
                                  .random = {random[0], random[1]},
                                  .radiance = {out[0], out[1], out[2]},
                                  .lit = {lit[0], lit[1], lit[2]}};
-    const lf_lane_points points = {.n = JOBS,
-                                   .q = {q[0], q[1], q[2]},
-                                   .phase = phase,
-                                   .random = {random[0], random[1]},
-                                   .left = out[3]};
+    const lf_lane_points points = {
+        .n = JOBS, .q = {q[0], q[1], q[2]}, .random = {random[0], random[1]}, .left = out[3]};
     const lf_suffixes *s = lf_kernels_get()->suffixes;
     int64_t lookups = s->trace(&lanes, &paths, &memory) + s->light(&lanes, &points, &memory);
     demand(lookups > 20 * JOBS, "suffixes look nothing up");

@@ -27,8 +27,7 @@ enum { n_jobs = 4096 };
 
 /* Jobs of all kinds in the arrays that lanes want. */
 typedef struct jobs {
-    float q[3][n_jobs], w[3][n_jobs], phase[n_jobs], radiance[3][n_jobs], lit[3][n_jobs],
-        left[n_jobs];
+    float q[3][n_jobs], w[3][n_jobs], radiance[3][n_jobs], lit[3][n_jobs], left[n_jobs];
     uint32_t random[2][n_jobs];
     lf_vec3 p[n_jobs]; /* of q, scene-local */
 } jobs;
@@ -101,7 +100,6 @@ static void draw_jobs(const rig *r, uint64_t seed, int n, jobs *out)
         float length = sqrtf(out->w[0][i] * out->w[0][i] + w.y * w.y + w.z * w.z);
         for (int a = 0; a < 3; a++)
             out->w[a][i] /= length;
-        out->phase[i] = LF_INV_4PI * (0.5f + uniform(&state));
         put_key(out, i, state);
     }
 }
@@ -123,7 +121,6 @@ static int64_t light(const lf_suffixes *s, rig *r, jobs *j, int first, int n)
 {
     const lf_lane_points points = {.n = n,
                                    .q = {j->q[0] + first, j->q[1] + first, j->q[2] + first},
-                                   .phase = j->phase + first,
                                    .random = {j->random[0] + first, j->random[1] + first},
                                    .left = j->left + first};
     return s->light(&r->lanes, &points, r->memory);
