@@ -74,6 +74,19 @@ static void multiply(const lf_slice *slice, const float colour[3], const lf_volu
     }
 }
 
+/* Any density is right on average. What collides close before a camera is seen by the others almost
+ * along their line, through so many cells that the points would never end. */
+static void bound(field *f, const lf_slice *slice)
+{
+    const float most_points = 1024.0f;
+    float rough = 0.0f, end = slice->z0 + (float)slice->nz * slice->dz;
+    for (int row = 0; row < slice->tiles_z; row++)
+        rough = lf_max(rough, slice->roughest[row]);
+    float points = f->dense * rough * lf_min(end, f->z_end);
+    if (points > most_points)
+        f->dense *= most_points / points;
+}
+
 void lf_correction_transmittance(const lf_media *media, const lf_rays *rays, float dense,
                                  float least, lf_tracer *tracer, float *factor)
 {
@@ -90,6 +103,7 @@ void lf_correction_transmittance(const lf_media *media, const lf_rays *rays, flo
          * samples side by side show. */
         float cells = lf_max(1.0f, steepest * medium->slice.dz * medium->slice.inv_dx);
         field f = {dense * longest * cells * cells, least / occupied, z_end};
+        bound(&f, &medium->slice);
         multiply(&medium->slice, medium->colour, &rays->scene->volumes[medium->volume], rays, &f,
                  tracer, factor);
     }

@@ -4,10 +4,10 @@
  * second. And pivots that keep lanes busy. */
 enum { MOST_LOOKUPS = 1 << 20, LEAST_PIVOTS = 16 };
 
-static void set_key(uint32_t *const random[2], int at, uint64_t key)
+static void set_key(uint32_t *low, uint32_t *high, uint64_t key)
 {
-    random[0][at] = (uint32_t)key;
-    random[1][at] = (uint32_t)(key >> 32);
+    *low = (uint32_t)key;
+    *high = (uint32_t)(key >> 32);
 }
 
 /* The pivot's light, and what its shadow ray starts with. */
@@ -23,7 +23,7 @@ static void prepare_light(lf_queue *queue, const lf_visit *visit, const lf_pivot
         const float *row = queue->lanes->to_volume[i];
         queue->q[i][at] = row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
     }
-    set_key((uint32_t *const[2]){queue->random[0], queue->random[1]}, at, lf_hash64(item->rng, 0));
+    set_key(&queue->random[0][at], &queue->random[1][at], lf_hash64(item->rng, 0));
 }
 
 /* Directions of its suffixes: the sampler's, and from it a lattice around the sphere. */
@@ -47,7 +47,7 @@ static void prepare_paths(lf_queue *queue, const lf_visit *visit, const lf_pivot
         queue->wi[0][path] = wi.x;
         queue->wi[1][path] = wi.y;
         queue->wi[2][path] = wi.z;
-        set_key((uint32_t *const[2]){queue->path_random[0], queue->path_random[1]}, path,
+        set_key(&queue->path_random[0][path], &queue->path_random[1][path],
                 lf_hash64(item->rng, (uint64_t)k + 1));
     }
 }

@@ -280,12 +280,33 @@ static void what_comes_along_oblique_rays_is_right_and_quiet(void **state)
     lf_scene_unref(scene);
 }
 
+/* What collides just before one camera of a rig inside a grid is far to the side for the others. */
+static void a_rig_inside_a_grid_comes_to_an_end(void **state)
+{
+    (void)state;
+    const char *text =
+        "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 1], 'fov_y': 24, 'cone': 40, 'views': 9 }, "
+        "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }, 'volumes': { 'v': { "
+        "'shape': 'box', 'density': 1, 'albedo': 0 } } }";
+    lf_scene *scene =
+        lf_test_grid_scene(text, lf_test_grid(lf_test_rough, 60, 20, 60), 0.1, 0.2, 100.0f, false);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", 120, 12, NULL);
+    lf_render_stats stats;
+    lf_test_passes(r, 9);
+    lf_renderer_stats(r, &stats);
+    printf("%.0f look-ups a base path\n", (double)stats.volume_lookups / (double)stats.base_paths);
+    assert_true(stats.volume_lookups < 20000 * stats.base_paths);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(edges_of_one_voxel_scatter_what_a_grazing_sun_gives_them),
         cmocka_unit_test(weights_that_cancel_leave_no_sparks),
         cmocka_unit_test(what_comes_through_rough_voxels_is_what_brute_force_says),
+        cmocka_unit_test(a_rig_inside_a_grid_comes_to_an_end),
         cmocka_unit_test(what_comes_along_oblique_rays_is_right_and_quiet),
     };
     return cmocka_run_group_tests_name("correction", tests, NULL, lf_test_finish);
