@@ -476,24 +476,12 @@ static void weights_are_what_is_expected(void **state)
     lf_scene_unref(scene);
 }
 
-static double *picture_by(lf_scene *scene, int threads)
-{
-    lf_pool *pool = NULL;
-    assert_int_equal(lf_pool_create(threads, &pool), LF_OK);
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
-    for (int i = 0; i < 4; i++)
-        assert_int_equal(lf_renderer_pass_filling(r, NULL, 1, 2, NULL, NULL, NULL), LF_OK);
-    double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS);
-    lf_renderer_destroy(r);
-    lf_pool_destroy(pool);
-    return picture;
-}
-
 static void the_number_of_threads_changes_nothing(void **state)
 {
     (void)state;
     lf_scene *scene = flowing_scene("'velocity'");
-    double *one = picture_by(scene, 1), *two = picture_by(scene, 2);
+    double *one = lf_test_picture_by(scene, width, height, 1),
+           *two = lf_test_picture_by(scene, width, height, 2);
     assert_memory_equal(one, two, width * height * n_views * sizeof *one);
     free(one);
     free(two);

@@ -385,26 +385,14 @@ static void flames_take_their_light_along(void **state)
 /* -------------------------------------------------------------------------------------- words --
  */
 
-static double *picture_by(lf_scene *scene, int threads)
-{
-    lf_pool *pool = NULL;
-    assert_int_equal(lf_pool_create(threads, &pool), LF_OK);
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
-    for (int i = 0; i < 4; i++) /* holes are filled in the planes of earlier visits */
-        assert_int_equal(lf_renderer_pass_filling(r, NULL, 1, 2, NULL, NULL, NULL), LF_OK);
-    double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS);
-    lf_renderer_destroy(r);
-    lf_pool_destroy(pool);
-    return picture;
-}
-
 static void the_number_of_threads_changes_nothing(void **state)
 {
     (void)state;
     writer w = {.n = 0};
     write_scene(&w, -1);
     lf_scene *scene = lf_test_scene(w.data);
-    double *one = picture_by(scene, 1), *three = picture_by(scene, 3);
+    double *one = lf_test_picture_by(scene, width, height, 1),
+           *three = lf_test_picture_by(scene, width, height, 3);
     assert_memory_equal(one, three, width * height * n_views * sizeof *one);
     free(one);
     free(three);
@@ -436,7 +424,8 @@ static void what_stands_still_is_the_same_with_a_shutter(void **state)
     assert_ptr_equal(open->geometry, closed->geometry);
     assert_true(json_equal(open->subject, closed->subject));
     assert_false(open->looks.moving);
-    double *a = picture_by(closed, 2), *b = picture_by(open, 2);
+    double *a = lf_test_picture_by(closed, width, height, 2),
+           *b = lf_test_picture_by(open, width, height, 2);
     assert_memory_equal(a, b, width * height * n_views * sizeof *a);
     free(a);
     free(b);

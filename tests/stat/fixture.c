@@ -86,6 +86,19 @@ void lf_test_passes(lf_renderer *renderer, int64_t n_passes)
     assert_int_equal(lf_renderer_passes(renderer, NULL, n_passes, true, NULL, NULL, NULL), LF_OK);
 }
 
+double *lf_test_picture_by(lf_scene *scene, int width, int height, int threads)
+{
+    lf_pool *pool = NULL;
+    assert_int_equal(lf_pool_create(threads, &pool), LF_OK);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(lf_renderer_pass_filling(r, NULL, 1, 2, NULL, NULL, NULL), LF_OK);
+    double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS);
+    lf_renderer_destroy(r);
+    lf_pool_destroy(pool);
+    return picture;
+}
+
 void lf_test_cycles(lf_renderer *r, int n)
 {
     lf_test_passes(r, (int64_t)n * r->film.n_views);

@@ -45,6 +45,11 @@ typedef void (*lf_test_schedule)(lf_renderer *renderer);
 /* One picture: [row][view][column], the channels' mean with weights 0.5, 0.3, 0.2. Caller frees. */
 double *lf_test_picture(const lf_renderer *renderer, lf_estimator estimator);
 
+/* The same of four passes of mvpt, holes filled in the planes of earlier visits, by so many
+ * threads.
+ */
+double *lf_test_picture_by(lf_scene *scene, int width, int height, int threads);
+
 /* A whole cycle of passes n times: n native samples a view pixel. */
 void lf_test_cycles(lf_renderer *renderer, int n);
 
