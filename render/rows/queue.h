@@ -6,8 +6,8 @@
 
 #include "render/rows/visit.h"
 
-/* Pivots, and suffixes of each: they cost a tenth to a third of what a pivot costs, and have more
- * of the variance (docs/performance.md, "Suffixes in lanes"). */
+/* Pivots, and suffixes of each: one costs about a third of what the rest of a pivot costs
+ * (docs/performance.md, "Suffixes in lanes"). */
 enum { LF_QUEUE_PIVOTS = 1024, LF_QUEUE_EACH = 4 };
 /* Of a queue that does not know yet how long paths are. */
 enum { LF_QUEUE_FIRST = 64 };

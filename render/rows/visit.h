@@ -163,7 +163,7 @@ typedef struct lf_suffix {
     const lf_light *found_light;
     /* another direction of the same pivot, drawn as this one, with no light; NULL: none */
     const struct lf_suffix *next;
-    float light_visible; /* what is left of it: 0..1, or an estimate about that (suffix.h) */
+    float light_visible; /* what is left of it, 0..1 */
     lf_vec3 wi;          /* the direction */
     lf_vec3 found;       /* light met at its first event … */
     float found_pdf;     /* … and p_L, the pdf of light sampling for it */

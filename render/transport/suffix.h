@@ -42,7 +42,7 @@ typedef struct lf_lane_points {
     int n;
     const float *q[3];
     const uint32_t *random[2];
-    float *left; /* out: an unbiased estimate, 0..2; 0 without a light */
+    float *left; /* out: an unbiased estimate, 0..1; 0 without a light */
 } lf_lane_points;
 
 /* One instruction set. Both return how often the grid was looked up. Thread: any, with a memory of

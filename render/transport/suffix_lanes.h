@@ -253,7 +253,8 @@ LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory
 /* Probability that the shadow ray of vertices is traced, and what the control says there; share:
  * what they scatter of the light, 1 = all of it, evenly. In proportion to what the estimate of T
  * adds to the spread of the suffix: T(1 - T), and what the control may be off by where it says 0 or
- * 1, which is much beside sharp edges. What a ray then adds is twice the share at most. */
+ * 1, which is much beside sharp edges. What a ray
+ * then adds is 2.1 at most, whatever the share. */
 LF_INLINE lanes chance(const lf_lane_scene *scene, const lanes q[3], lanes share, lanes *expected)
 {
     if (!scene->field->left) {

@@ -2,8 +2,7 @@
  * instruction set and whatever jobs are run together; closed forms: a furnace, what is left of a
  * sky and of a sun behind a grid (its integral in double precision), also where the control says
  * anything; and the mean of whole suffixes, which is that of path.c, by Welch's test over suffixes
- * that leave the same places. Negative controls: another bias of 0.3 %, a control that is wrong by
- * 3 % where shadow rays do not know. */
+ * that leave the same places. Negative controls: what is added to each mean is rejected. */
 #include "tests/testing.h"
 
 #include "base/alloc.h"
