@@ -5,11 +5,12 @@
  * With QUILTD_LONG=1 sixteen times the paths see 0.2 %. */
 #include "tests/testing.h"
 
+#include "render/transport/lane_scene.h"
 #include "tests/stat/brute.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 16, height = 12, n_views = 3, block = 8, blocks_of_all = n_views * 4 + 1 };
-enum { integrators = 2, scenes = 7, replicates = 24 };
+enum { integrators = 2, scenes = 8, replicates = 24 };
 
 static const char *const names[integrators] = {"vpt", "mvpt"};
 
@@ -68,6 +69,12 @@ static const lf_brute_scene grid = {
     .quads = {{FLAT(-1.3, 4), .albedo = {0.6, 0.5, 0.4}}},
     .media = {{.centre = {0, 0, 0}, .half = {0.07, 0.06, 0.1}, .turn = 25, .density = 10,
                .albedo = {0.95, 0.9, 0.8}, .grid = true}}};
+
+/* Nothing else, so that suffixes go side by side in lanes. */
+static const lf_brute_scene alone = {
+    CAMERA, .n_media = 1, .sky = {0.7, 0.9, 1.2},
+    .media = {{.centre = {0, 0, 0}, .half = {0.07, 0.06, 0.1}, .turn = 25, .density = 10,
+               .albedo = {0.95, 0.9, 0.8}, .g = 0.5, .grid = true}}};
 
 /* The same voxels as cubes, thin, before the sun's wide disk. */
 static const lf_brute_scene cubes = {
@@ -128,6 +135,7 @@ static void rendered(const lf_brute_scene *scene, const char *integrator, int cy
 {
     char *text = lf_brute_text(scene, vdb());
     lf_scene *loaded = lf_test_scene(text);
+    assert_true(lf_lane_scene_serves(loaded) == (scene == &alone));
     lf_renderer *r = lf_test_renderer(loaded, integrator, width, height, NULL);
     lf_blocks_init(out, n_views, width, height, block);
     for (int k = 0; k < replicates; k++) {
@@ -240,6 +248,12 @@ static void voxels_under_a_sky_are_as_found_by_chance_and_darker_ones_are_reject
     compare(&grid, 3, 16);
 }
 
+static void a_grid_alone(void **state)
+{
+    (void)state;
+    compare(&alone, 3, 16);
+}
+
 static void cubes_before_a_wide_sun_are_as_found_by_chance(void **state)
 {
     (void)state;
@@ -261,6 +275,7 @@ static void blurred_views_are_means_of_views_between_and_others_are_rejected(voi
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_grid_alone),
         cmocka_unit_test(lamps_over_a_box_are_as_found_by_chance),
         cmocka_unit_test(a_lens_is_as_found_by_chance),
         cmocka_unit_test(a_lamp_in_fog_is_as_found_by_chance),
