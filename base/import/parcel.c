@@ -38,6 +38,11 @@ static const size_t element_size[LF_PARCEL_TAGS] = {
     [LF_PARCEL_PART_OF] = sizeof(uint32_t),
 };
 
+size_t lf_parcel_element_size(lf_parcel_tag tag)
+{
+    return element_size[tag];
+}
+
 static lf_status write_at(lf_parcel_writer *writer, uint64_t offset, const void *data, size_t size,
                           lf_error *err)
 {

@@ -93,6 +93,9 @@ typedef struct lf_parcel_camera {
     char name[128], node_name[128]; /* each with its end */
 } lf_parcel_camera;
 
+/* Bytes of one element of a section. */
+size_t lf_parcel_element_size(lf_parcel_tag tag);
+
 /* -------------------------------------------------------------------------------- writing one --
  */
 

@@ -19,39 +19,18 @@ static bool built;
 /* The input's first bytes are how many elements each section has, those behind them all of them. */
 static int build(void)
 {
-    static const size_t each[LF_PARCEL_TAGS] = {1,
-                                                8,
-                                                4,
-                                                4,
-                                                2,
-                                                sizeof(lf_parcel_material),
-                                                4,
-                                                4,
-                                                4,
-                                                sizeof(lf_parcel_picture),
-                                                1,
-                                                8,
-                                                8,
-                                                4,
-                                                4,
-                                                1,
-                                                8,
-                                                1,
-                                                4,
-                                                8,
-                                                sizeof(lf_parcel_light),
-                                                sizeof(lf_parcel_camera)};
     lf_parcel_writer writer;
     int fd = -1;
     size_t at = LF_PARCEL_TAGS;
     lf_fuzz_require(lf_parcel_begin(&writer, NULL) == LF_OK);
     for (int tag = 0; tag < LF_PARCEL_TAGS && input_size > LF_PARCEL_TAGS; tag++) {
-        size_t most = (input_size - at) / each[tag], n = input[tag];
+        size_t each = lf_parcel_element_size((lf_parcel_tag)tag);
+        size_t most = (input_size - at) / each, n = input[tag];
         n = n < most ? n : most;
         if (n > 0)
             lf_fuzz_require(lf_parcel_put(&writer, (lf_parcel_tag)tag, input + at, n, NULL) ==
                             LF_OK);
-        at += n * each[tag];
+        at += n * each;
     }
     lf_fuzz_require(lf_parcel_seal(&writer, &fd, NULL) == LF_OK);
     return fd;
