@@ -430,12 +430,17 @@ void lf_caught_add(lf_caught *caught, int row);
 /* Samples of lights behind a pixel of the row: 0 = none yet. */
 int lf_caught_samples(const lf_caught *caught, int row);
 /* Makes a smooth shade of what there is now, by means over up to 7x7 pixels as deep: over one where
- * there are 512 samples. On the pool; not while rows are added to. LF_E_CANCELLED: some are as they
- * were. */
+ * there are 4096 samples. On the pool; not while rows are added to. LF_E_CANCELLED: some are as
+ * they were. */
 LF_NODISCARD lf_status lf_caught_smooth(lf_caught *caught, const lf_cancel *cancel);
 /* lf_renderer_catch_shadows of one row [view][column][3], smooth as it was made last, where it was;
  * without samples it stays as it is. */
 void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *picture);
+/* lf_renderer_catch_shadows by such sums, of as many samples as the film has, made smooth: for a
+ * reconstructed picture. Rows without samples get theirs as there. LF_E_NOMEM, LF_E_CANCELLED: of
+ * the picture some rows may be done. */
+LF_NODISCARD lf_status lf_renderer_catch_smoothly(const lf_renderer *renderer, float *picture,
+                                                  const lf_cancel *cancel);
 
 /* Counters since the last restart; what does not apply is negative (JSON null). */
 typedef struct lf_render_stats {

@@ -10,8 +10,9 @@
 
 #define LEAST_POINTS 8
 #define MOST_POINTS 4096
-/* A smooth shade is made of so many samples of lights, of so many pixels to each side. */
-#define ENOUGH 512
+/* A smooth shade is made of so many samples of lights, of so many pixels to each side: the error of
+ * a half shadow is 0.8 % then, when the mean ends, which is not seen pixel by pixel. */
+#define ENOUGH 4096
 #define MOST_REACH 3
 
 int lf_catch_points(double native)
@@ -435,4 +436,47 @@ void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *pictur
                                lf_catch_open(renderer->scene, met_by(&renderer->film, row, i))),
                  backdrop);
     }
+}
+
+/* --------------------------------------------------------------------- a picture that is fitted -- */
+
+typedef struct sharing_job {
+    lf_caught *caught;
+    shade_job whole; /* for rows that were not visited */
+} sharing_job;
+
+static void add_row(void *context, int row, int worker)
+{
+    lf_caught *caught = context;
+    (void)worker;
+    while (caught->steps[row] < steps_wanted(caught, row))
+        lf_caught_add(caught, row);
+}
+
+static void take_row(void *context, int row, int worker)
+{
+    sharing_job *job = context;
+    const lf_caught *caught = job->caught;
+    if (caught->steps[row] == 0)
+        shade_row(&job->whole, row, worker);
+    else
+        lf_caught_take(caught, row, true, job->whole.out + 3 * (size_t)row * row_pixels(caught));
+}
+
+lf_status lf_renderer_catch_smoothly(const lf_renderer *renderer, float *picture,
+                                     const lf_cancel *cancel)
+{
+    sharing_job job = {.caught = NULL, .whole = {.renderer = renderer, .out = picture}};
+    lf_pool *pool = renderer->pool;
+    lf_status status = lf_caught_begin(&job.caught, renderer);
+    if (!job.caught)
+        return status;
+    job.whole.rig = job.caught->rig;
+    status = lf_pool_run(pool, job.caught->height, add_row, job.caught, cancel);
+    if (status == LF_OK)
+        status = lf_caught_smooth(job.caught, cancel);
+    if (status == LF_OK)
+        status = lf_pool_run(pool, job.caught->height, take_row, &job, cancel);
+    lf_caught_destroy(job.caught);
+    return status;
 }

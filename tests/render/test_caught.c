@@ -196,8 +196,38 @@ static void a_smooth_shade_is_as_dark_and_ends_as_the_samples_are(void **state)
     }
     lf_assert_close(mean[1], mean[0], 0.03, 0);
     assert_true(mean[0] > 20.0 && rough[1] < 0.1 * rough[0]);
-    make(ON_IT(9, GIVEN, "true", SKY), 57, 513, &p);
+    make(ON_IT(9, GIVEN, "true", SKY), 456, 4096, &p);
     assert_memory_equal(p.live, p.smooth, sizeof(float) * 3 * (size_t)(SIDE * SIDE * 9));
+}
+
+/* A picture that is fitted when it is done: what the live one shows from as many samples; rows that
+ * were not visited get their shade, too. */
+static void a_fitted_file_has_the_smooth_shade(void **state)
+{
+    (void)state;
+    static float fitted[3 * MOST];
+    enum { VISITED = SIDE / 2 };
+    lf_scene *scene = lf_test_scene(ON_IT(9, GIVEN, "true", SUN));
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
+    const size_t row = (size_t)9 * SIDE * 3;
+    make(ON_IT(9, GIVEN, "true", SUN), 4, 36, &p);
+    lf_test_cycles(r, 4);
+    memcpy(fitted, p.plain, sizeof(float) * row * SIDE);
+    lf_assert_ok(lf_renderer_catch_smoothly(r, fitted, NULL), NULL);
+    assert_memory_equal(fitted, p.smooth, sizeof(float) * row * SIDE);
+    lf_renderer_destroy(r);
+    r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
+    const lf_part half = {.end_row = VISITED, .row_step = 1};
+    lf_assert_ok(lf_renderer_passes(r, &half, 4 * 9, true, NULL, NULL, NULL), NULL);
+    for (size_t i = 0; i < row * SIDE; i++)
+        fitted[i] = 1.0f;
+    lf_assert_ok(lf_renderer_catch_smoothly(r, fitted, NULL), NULL);
+    int dark[2] = {0, 0};
+    for (size_t i = 0; i < row * SIDE; i++)
+        dark[i >= row * VISITED] += fitted[i] < 1.0f;
+    assert_true(dark[0] > 100 && dark[1] > 100);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
 }
 
 /* What stands before a catcher has no shade of it, and nothing becomes darker than the backdrop. */
@@ -276,6 +306,7 @@ int main(void)
         cmocka_unit_test(samples_are_not_shared_through_what_hides_them),
         cmocka_unit_test(views_know_more_together_than_each_alone),
         cmocka_unit_test(a_smooth_shade_is_as_dark_and_ends_as_the_samples_are),
+        cmocka_unit_test(a_fitted_file_has_the_smooth_shade),
         cmocka_unit_test(the_ball_keeps_its_light),
         cmocka_unit_test(there_is_nothing_where_nothing_is_caught),
         cmocka_unit_test(one_row_of_layers_is_that_of_all),
