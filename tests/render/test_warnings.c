@@ -254,13 +254,17 @@ static void what_a_material_has_no_use_for_is_said(void **state)
         lf_test_scene_in(*state,
                          "{'materials': {'clay': {'roughness': 0.2}, 'gold': {'type': 'conductor', "
                          "'metal': 'gold', 'roughness': 0.2, 'ior': 1.3}, "
-                         "'glaze': {'type': 'plastic', 'roughness': 0.2, 'ior': 1.3}}, 'lights': "
+                         "'glaze': {'type': 'plastic', 'roughness': 0.2, 'ior': 1.3}, "
+                         "'wax': {'type': 'plastic', 'subsurface': 1}}, 'lights': "
                          "{'sky': {'type': 'environment', 'radiance': 1}}}",
                          NULL);
     static const char *const words[] = {
         "test.json: material \"clay\": roughness has no effect, diffuse surfaces have none",
-        "test.json: material \"gold\": ior has no effect, of metals eta and k say it"};
-    assert_lines(scene, words, 2);
+        "test.json: material \"gold\": ior has no effect, of metals eta and k say it",
+        "test.json: material \"wax\": subsurface has no effect, plastic surfaces have none: only "
+        "of "
+        "type \"principled\""};
+    assert_lines(scene, words, 3);
     lf_scene_unref(scene);
 }
 
