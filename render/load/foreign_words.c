@@ -54,6 +54,51 @@ static const foreign_word lights[] = {
     {"mesh", "nothing: a mesh shines by the \"emission\" of its material"},
 };
 
+/* A key of other renderers, or of another type of lights. */
+typedef struct foreign_key {
+    const char *type, *key, *here; /* type: NULL: any */
+} foreign_key;
+
+#define BY_POWER "\"intensity\", in W/sr: a power in W divided by 4 pi"
+#define COLOUR "three numbers for what it shines: [red, green, blue]"
+
+static const foreign_key light_keys[] = {
+    {"point", "power", BY_POWER},
+    {"spot", "power", BY_POWER},
+    {"point", "radiance", "\"intensity\", in W/sr"},
+    {"spot", "radiance", "\"intensity\", in W/sr"},
+    {"rectangle", "intensity", "\"power\", in W, or \"radiance\""},
+    {"disk", "intensity", "\"power\", in W, or \"radiance\""},
+    {"sphere", "intensity", "\"power\", in W, or \"radiance\""},
+    {"distant", "intensity", "\"irradiance\", in W/m^2"},
+    {"distant", "power", "\"irradiance\", in W/m^2"},
+    {"distant", "radiance", "\"irradiance\", in W/m^2"},
+    {"environment", "intensity", "\"radiance\", or \"scale\" of a \"file\""},
+    {"environment", "power", "\"radiance\", or \"scale\" of a \"file\""},
+    {"sky", "intensity", "\"scale\""},
+    {"sky", "power", "\"scale\""},
+    {"sky", "radiance", "\"scale\""},
+    {NULL, "color", COLOUR},
+    {NULL, "colour", COLOUR},
+};
+
+static const foreign_key material_keys[] = {
+    {NULL, "color", "\"albedo\""},       {NULL, "colour", "\"albedo\""},
+    {NULL, "base_color", "\"albedo\""},  {NULL, "diffuse", "\"albedo\""},
+    {NULL, "reflectance", "\"albedo\""}, {NULL, "metalness", "\"metallic\""},
+    {NULL, "emissive", "\"emission\""},  {NULL, "clearcoat", "\"coat\""},
+};
+
+static void refuse_keys(lf_reader *reader, const lf_node *node, const foreign_key *keys, size_t n)
+{
+    const char *type = json_string_value(json_object_get(node->value, "type"));
+    for (size_t i = 0; i < n; i++) {
+        lf_node at = lf_node_child(node, keys[i].key);
+        if (at.value && (!keys[i].type || (type && strcmp(type, keys[i].type) == 0)))
+            lf_read_fail(reader, &at, "unknown key \"%s\"; say %s", keys[i].key, keys[i].here);
+    }
+}
+
 static void refuse(lf_reader *reader, const lf_node *node, const foreign_word *words, size_t n)
 {
     const char *type = json_string_value(json_object_get(node->value, "type"));
@@ -66,9 +111,11 @@ static void refuse(lf_reader *reader, const lf_node *node, const foreign_word *w
 void lf_refuse_foreign_material(lf_reader *reader, const lf_node *material)
 {
     refuse(reader, material, materials, sizeof materials / sizeof *materials);
+    refuse_keys(reader, material, material_keys, sizeof material_keys / sizeof *material_keys);
 }
 
 void lf_refuse_foreign_light(lf_reader *reader, const lf_node *light)
 {
     refuse(reader, light, lights, sizeof lights / sizeof *lights);
+    refuse_keys(reader, light, light_keys, sizeof light_keys / sizeof *light_keys);
 }

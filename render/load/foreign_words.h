@@ -5,7 +5,8 @@
 #include "render/load/json_reader.h"
 
 /* Fail the reader at a material, or light, whose "type" is another renderer's name for what is
- * called otherwise here, and say how. Any other word is left to who reads it. */
+ * called otherwise here, or that has a key of another renderer's or of another type of lights, and
+ * say how. Any other word is left to who reads it. */
 void lf_refuse_foreign_material(lf_reader *reader, const lf_node *material);
 void lf_refuse_foreign_light(lf_reader *reader, const lf_node *light);
 

@@ -17,6 +17,7 @@
 #include "render/load/unused_grids.h"
 #include "render/load/volume_grids.h"
 #include "render/load/volume_place.h"
+#include "render/load/walled_camera.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/flame.h"
 #include "render/transport/light_kind.h"
@@ -467,7 +468,9 @@ static void collect_warnings(const commit *c)
     lf_file_lights_warn(c->desc, scene);
     lf_camera_frame_warn(c->desc, scene);
     lf_warn_of_open_flesh(scene, c->desc, &scene->warnings);
-    if (is_unlit(scene))
+    if (!is_unlit(scene))
+        lf_warn_of_walled_camera(scene, c->desc, &scene->warnings);
+    else
         lf_warnings_add(&scene->warnings, scene->file.where,
                         "no light shines here: %s will be black (see lights in docs/scene.md)",
                         scene->backdrop.given ? "all before the backdrop" : "the picture");

@@ -266,11 +266,26 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
     parse_velocity(reader, node, &volume->velocity);
 }
 
+/* Refuses what a volume says of a file, and has none. */
+static void refuse_of_file(lf_reader *reader, const lf_node *node)
+{
+    static const char *const keys[] = {"grid",      "sequence", "scale",   "interpolation",
+                                       "precision", "units",    "velocity"};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        lf_node at = lf_node_child(node, keys[i]);
+        if (at.value)
+            lf_read_fail(reader, &at,
+                         "unknown key \"%s\" of a shape: it goes with a volume's \"file\" only%s",
+                         keys[i], strcmp(keys[i], "scale") == 0 ? "; say \"density\"" : "");
+    }
+}
+
 static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
     static const char *const keys[] = {"shape",        "density",   "sigma_t", "second_g",
                                        "second_share", "droplets",  "albedo",  "g",
                                        "emission",     "transform", NULL};
+    refuse_of_file(reader, node);
     lf_read_object(reader, node, keys);
     volume->kind = LF_VOLUME_GRID + 1 +
                    (lf_volume_kind)lf_read_choice(reader, node, "shape", lf_volume_shapes, 0);
@@ -373,6 +388,19 @@ static void check_material_keys(lf_reader *reader, const lf_node *node)
     lf_read_object(reader, node, names);
 }
 
+/* The kind of surfaces that alone has a key; NULL: several have. */
+static const lf_surface_kind *only_with(const char *key)
+{
+    const lf_surface_kind *found = NULL;
+    int n = 0;
+    for (int i = 0; lf_surface_kinds[i]; i++)
+        if (has_key(lf_surface_kinds[i], key)) {
+            found = lf_surface_kinds[i];
+            n++;
+        }
+    return n == 1 ? found : NULL;
+}
+
 /* Keys of other kinds of surfaces. A patch of the type alone leaves such words behind: most are no
  * errors. */
 static void check_others(lf_reader *reader, const lf_node *node, const lf_surface_kind *kind,
@@ -387,8 +415,10 @@ static void check_others(lf_reader *reader, const lf_node *node, const lf_surfac
             if (key->exclusive)
                 lf_read_fail(reader, &at, "only %ss have %s", lf_surface_kinds[i]->name, key->name);
             lf_read_value(reader, node, key, &value);
-            lf_warnings_add(warnings, reader->where, "material \"%s\": %s has no effect, %s",
-                            node->key, key->name, kind->lacks);
+            const lf_surface_kind *only = only_with(key->name);
+            lf_warnings_add(warnings, reader->where, "material \"%s\": %s has no effect, %s%s%s%s",
+                            node->key, key->name, kind->lacks, only ? ": only of type \"" : "",
+                            only ? only->name : "", only ? "\"" : "");
         }
 }
 

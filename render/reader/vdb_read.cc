@@ -154,19 +154,44 @@ OpenFile::Entry *find_grid(OpenFile &file, const std::string &wanted)
     return nullptr;
 }
 
-/* "Cd.x": the grid of vectors, and which component of them; NULL: no such thing. */
-OpenFile::Entry *find_component(OpenFile &file, const std::string &wanted, int *out_component)
+/* "Cd.x": "Cd", and which component of it; else "". */
+std::string split_component(const std::string &wanted, int *out_component)
 {
     const size_t n = wanted.size();
     const size_t at =
         n > 2 && wanted[n - 2] == '.' ? std::string("xyz").find(wanted[n - 1]) : std::string::npos;
-    OpenFile::Entry *entry =
-        at == std::string::npos ? nullptr : find_grid(file, wanted.substr(0, n - 2));
     *out_component = int(at);
+    return at == std::string::npos ? "" : wanted.substr(0, n - 2);
+}
+
+/* The grid of vectors and which component of them a name means; NULL: no such thing. */
+OpenFile::Entry *find_component(OpenFile &file, const std::string &wanted, int *out_component)
+{
+    const std::string vectors = split_component(wanted, out_component);
+    OpenFile::Entry *entry = vectors.empty() ? nullptr : find_grid(file, vectors);
     return entry && (entry->grid->isType<openvdb::Vec3SGrid>() ||
                      entry->grid->isType<openvdb::Vec3DGrid>())
                ? entry
                : nullptr;
+}
+
+/* What was looked for, in words of who may have typed the name of vectors alone. */
+std::string say_missing(const Import &import, OpenFile &file)
+{
+    const std::string wanted = import.name, holds = "; the file holds " + list_grids(file);
+    int component = 0;
+    const std::string vectors = split_component(wanted, &component);
+    if (vectors.empty())
+        return "no grid \"" + wanted + "\"" + holds;
+    const OpenFile::Entry *scalars = find_grid(file, vectors);
+    if (!import.is_velocity)
+        return "no grid \"" + wanted + "\", nor a vector grid \"" + vectors + "\"" + holds;
+    const std::string nor =
+        component == 0 ? "\"" + vectors + ".x\", \".y\", \".z\"" : "\"" + wanted + "\"";
+    if (scalars)
+        return "grid \"" + vectors + "\" is not a vector grid, but " + scalars->grid->valueType() +
+               " (nor is there " + nor + ")" + holds;
+    return "no vector grid \"" + vectors + "\" (nor " + nor + ")" + holds;
 }
 
 template <typename Vectors>
@@ -339,13 +364,13 @@ lf_status import_from(Import &import, int fd)
         return status == LF_OK ? keep_others(import, file, vectors) : status;
     }
     if (!entry)
-        return import.fail(LF_E_FORMAT, std::string("no grid \"") + import.name +
-                                            "\"; the file holds " + list_grids(file));
+        return import.fail(LF_E_FORMAT, say_missing(import, file));
     if (!entry->grid->isType<openvdb::FloatGrid>() && !entry->grid->isType<openvdb::DoubleGrid>())
         return import.fail(
             LF_E_FORMAT,
             std::string("grid \"") + import.name + "\" is of type " + entry->grid->type() +
-                "; a density is float, half or double; the file holds " + list_grids(file));
+                (import.is_velocity ? "; a component of a velocity is " : "; a density is ") +
+                "float, half or double; the file holds " + list_grids(file));
     openvdb::GridBase::Ptr grid = file.load(*entry);
     auto single = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
     lf_status status = single ? convert_any_class<openvdb::FloatGrid>(import, single)

@@ -77,7 +77,7 @@ static void what_is_no_albedo_is_refused(void **state)
     static const struct {
         const char *file, *albedo, *what;
     } bad[] = {
-        {"colours.vdb", "{\"grid\": \"Ce\"}", "no grid \"Ce.x\""},
+        {"colours.vdb", "{\"grid\": \"Ce\"}", "no grid \"Ce.x\", nor a vector grid \"Ce\""},
         {"colours.vdb", "{\"red\": \"red\"}", "\"green\" is missing"},
         {"colours.vdb", "{\"grid\": \"Cd\", \"blue\": \"blue\"}", "says all channels"},
         {"colours.vdb", "{\"grids\": \"Cd\"}", "unknown key"},

@@ -1,5 +1,5 @@
-/* Materials and lights by the names of other renderers: refused with the words that they have here,
- * which are taken. */
+/* Materials, lights and their keys by the names of other renderers, and keys of other types:
+ * refused with the words that they have here, which are taken. */
 #include "tests/testing.h"
 
 #include "render/render.h"
@@ -64,10 +64,46 @@ static void names_of_other_renderers_are_answered_in_words_that_are_taken(void *
     assert_answered("lights", lights, (int)(sizeof lights / sizeof *lights));
 }
 
+typedef struct foreign_key {
+    const char *section, *value, *key, *said;
+} foreign_key;
+
+static void keys_of_other_things_are_answered_in_words_that_are_taken(void **state)
+{
+    (void)state;
+    static const foreign_key keys[] = {
+        {"lights", "{'type': 'point', 'power': 40}", "power", "say \"intensity\", in W/sr"},
+        {"lights", "{'type': 'spot', 'power': 40}", "power", "divided by 4 pi"},
+        {"lights", "{'type': 'sphere', 'radius': 1, 'intensity': 4}", "intensity",
+         "say \"power\", in W, or \"radiance\""},
+        {"lights", "{'type': 'distant', 'radiance': 4}", "radiance", "say \"irradiance\""},
+        {"lights", "{'type': 'point', 'color': [1, 0, 0]}", "color", "[red, green, blue]"},
+        {"materials", "{'color': [1, 0, 0]}", "color", "say \"albedo\""},
+        {"volumes", "{'shape': 'box', 'velocity': 'vel'}", "velocity",
+         "unknown key \"velocity\" of a shape: it goes with a volume's \"file\" only"},
+        {"volumes", "{'shape': 'sphere', 'scale': 2}", "scale", "only; say \"density\""},
+    };
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        char pointer[64];
+        lf_error err = {0};
+        snprintf(pointer, sizeof pointer, "/%s/m/%s", keys[i].section, keys[i].key);
+        assert_int_equal(load(keys[i].section, keys[i].value, &err), LF_E_FORMAT);
+        assert_string_equal(err.pointer, pointer);
+        if (!strstr(err.what, keys[i].said))
+            fail_msg("%s: %s", keys[i].value, err.what);
+    }
+    /* where a key is the right one it is taken */
+    lf_error err = {0};
+    lf_assert_ok(load("lights", "{'type': 'sphere', 'radius': 1, 'power': 4}", &err), &err);
+    lf_assert_ok(load("lights", "{'type': 'sphere', 'radius': 1, 'radiance': 4}", &err), &err);
+    lf_assert_ok(load("lights", "{'type': 'environment', 'radiance': 4}", &err), &err);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_of_other_renderers_are_answered_in_words_that_are_taken),
+        cmocka_unit_test(keys_of_other_things_are_answered_in_words_that_are_taken),
     };
     return cmocka_run_group_tests_name("foreign words", tests, NULL, NULL);
 }

@@ -254,13 +254,17 @@ static void what_a_material_has_no_use_for_is_said(void **state)
         lf_test_scene_in(*state,
                          "{'materials': {'clay': {'roughness': 0.2}, 'gold': {'type': 'conductor', "
                          "'metal': 'gold', 'roughness': 0.2, 'ior': 1.3}, "
-                         "'glaze': {'type': 'plastic', 'roughness': 0.2, 'ior': 1.3}}, 'lights': "
+                         "'glaze': {'type': 'plastic', 'roughness': 0.2, 'ior': 1.3}, "
+                         "'wax': {'type': 'plastic', 'subsurface': 1}}, 'lights': "
                          "{'sky': {'type': 'environment', 'radiance': 1}}}",
                          NULL);
     static const char *const words[] = {
         "test.json: material \"clay\": roughness has no effect, diffuse surfaces have none",
-        "test.json: material \"gold\": ior has no effect, of metals eta and k say it"};
-    assert_lines(scene, words, 2);
+        "test.json: material \"gold\": ior has no effect, of metals eta and k say it",
+        "test.json: material \"wax\": subsurface has no effect, plastic surfaces have none: only "
+        "of "
+        "type \"principled\""};
+    assert_lines(scene, words, 3);
     lf_scene_unref(scene);
 }
 
@@ -341,6 +345,82 @@ static void grids_that_nothing_is_made_of_are_said(void **state)
     }
 }
 
+/* ------------------------------------------------------------------------------------ camera -- */
+
+/* A camera in, or beside, something: the line of warning, and whether its picture is black. */
+static void assert_walled(const char *folder, const char *at, const char *meshes,
+                          const char *material, const char *light, bool walled)
+{
+    char text[2048];
+    snprintf(text, sizeof text,
+             "{'camera': {'position': %s, 'target': [0, 0, 0.1], 'views': 2, 'cone': 4}, 'meshes': "
+             "{%s}, 'materials': {'wall': {%s}, 'lamp': {'emission': 3}}, 'lights': {'l': {%s}}}",
+             at, meshes, material, light);
+    lf_scene *scene = lf_test_scene_in(folder, text, NULL);
+    static const char *const words[] = {"test.json: camera: stands inside the mesh \"wall\", where "
+                                        "no light gets: what it sees from there is black"};
+    if (says(scene, "stands inside") != walled)
+        fail_msg("%s: %s", text, walled ? "no warning" : "a warning");
+    assert_lines(scene, words, walled ? 1 : 0);
+    double *picture = lf_test_picture_by(scene, 8, 8, 1), sum = 0;
+    for (int i = 0; i < 2 * 8 * 8; i++)
+        sum += picture[i];
+    if (walled ? sum != 0 : !(sum > 0))
+        fail_msg("%s: a picture of %g", text, sum);
+    free(picture);
+    lf_scene_unref(scene);
+}
+
+#define SKY "'type': 'environment', 'radiance': 1"
+#define BULB(at) "'type': 'point', 'intensity': 5, 'position': " at
+#define IN "[0.1, 0.2, 1.1]"
+#define CUBE "'wall': {'shape': 'cube', 'material': 'wall', 'transform': {'scale': 2}}"
+#define BALL "'wall': {'shape': 'sphere', 'material': 'wall', 'transform': {'scale': 2}}"
+
+static void a_camera_that_no_light_gets_to_is_said(void **state)
+{
+    static const struct {
+        const char *at, *meshes, *material, *light;
+        bool walled;
+    } cases[] = {
+        {IN, CUBE, "", SKY, true},
+        {IN, BALL, "", SKY, true},
+        {IN, CUBE, "'type': 'conductor', 'roughness': 0", SKY, true},
+        {IN, CUBE, "", BULB("[0, 9, 9]"), true},
+        /* a thing in a room that is dark, and a lamp before its walls */
+        {IN, CUBE ", 'ball': {'shape': 'sphere', 'transform': {'scale': 0.3}}", "", SKY, true},
+        {IN,
+         CUBE ", 'a': {'shape': 'quad', 'material': 'lamp', 'transform': {'translate': "
+              "[0, 5, 0]}}",
+         "", SKY, true},
+        /* in the open, also in the ball's box */
+        {"[0, 0, 9]", CUBE, "", SKY, false},
+        {"[1.7, 1.7, 1.7]", BALL, "", SKY, false},
+        /* rooms that are lit */
+        {IN, CUBE, "", BULB("[0, 1, 0]"), false},
+        {IN, CUBE ", 'a': {'shape': 'quad', 'material': 'lamp', 'transform': {'scale': 0.3}}", "",
+         SKY, false},
+        {IN, CUBE, "'emission': 1", SKY, false},
+        {IN,
+         BALL ", 'b': {'shape': 'sphere', 'material': 'lamp', 'transform': {'scale': 0.2, "
+              "'translate': [0, 0, 0.1]}}",
+         "", SKY, false},
+        /* what lets light through */
+        {IN, CUBE, "'type': 'principled', 'transmission': 1, 'roughness': 0", SKY, false},
+        {IN, CUBE, "'type': 'principled', 'subsurface': 1, 'subsurface_radius': 1", SKY, false},
+        {IN, "'wall': {'shape': 'cube', 'catcher': true, 'transform': {'scale': 2}}", "", SKY,
+         false},
+        {IN, "'wall': {'file': 'open.obj', 'material': 'wall'}", "", SKY, false},
+        {IN, "'wall': {'file': 'shut.obj', 'material': 'wall'}", "", SKY, true},
+    };
+#define TENT "v -3 -3 -3\nv 3 -3 -3\nv 0 -3 4\nv 0 5 0\nf 1 2 3\nf 1 4 2\nf 2 4 3\n"
+    lf_test_write(*state, "open.obj", TENT);
+    lf_test_write(*state, "shut.obj", TENT "f 3 4 1\n");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        assert_walled(*state, cases[i].at, cases[i].meshes, cases[i].material, cases[i].light,
+                      cases[i].walled);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -356,6 +436,7 @@ int main(void)
         cmocka_unit_test(two_lamps_in_one_place_are_said_in_one_line),
         cmocka_unit_test(a_lamp_that_stands_on_the_ground_by_its_edge_is_no_overlap),
         cmocka_unit_test(grids_that_nothing_is_made_of_are_said),
+        cmocka_unit_test(a_camera_that_no_light_gets_to_is_said),
     };
     return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);
 }
