@@ -438,7 +438,7 @@ void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *pictur
     }
 }
 
-/* --------------------------------------------------------------------- a picture that is fitted -- */
+/* ------------------------------------------------------------------ a picture that is fitted -- */
 
 typedef struct sharing_job {
     lf_caught *caught;
