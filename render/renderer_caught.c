@@ -379,7 +379,19 @@ static int reach_of(int steps)
     return reach;
 }
 
-/* The mean over neighbours that lie as deep. */
+/* Whether the darkness of two pixels may differ by chance alone: by less than three standard
+ * deviations, as if each of n samples were lit or not; 0.02 is not seen. Across the edge of a sharp
+ * shadow it does not. All times what came to both, squared. */
+static bool may_be_one_shade(const caught_sums *a, const caught_sums *b, float n)
+{
+    const float lit[2] = {lf_min(a->lit, a->all), lf_min(b->lit, b->all)};
+    const float apart = lit[0] * b->all - lit[1] * a->all, hardly = 0.02f * a->all * b->all;
+    const float spread[2] = {lit[0] * (a->all - lit[0]) * b->all * b->all,
+                             lit[1] * (b->all - lit[1]) * a->all * a->all};
+    return apart * apart <= 9.0f / n * (spread[0] + spread[1]) + hardly * hardly;
+}
+
+/* The mean over neighbours that lie as deep and are as dark, as far as is known. */
 static float smooth_at(const lf_caught *caught, int row, int view, int column, int reach)
 {
     const size_t line = (size_t)view * (size_t)caught->width;
@@ -394,7 +406,8 @@ static float smooth_at(const lf_caught *caught, int row, int view, int column, i
             continue;
         const caught_sums *s = caught->sums + (size_t)r * row_pixels(caught) + line;
         for (int c = left; c <= right; c++)
-            if (s[c].caught > 0.0f && may_be_one_place(s[c].nearness, own->nearness)) {
+            if (s[c].caught > 0.0f && may_be_one_place(s[c].nearness, own->nearness) &&
+                may_be_one_shade(s + c, own, (float)caught->steps[row])) {
                 lit += s[c].lit;
                 all += s[c].all;
             }

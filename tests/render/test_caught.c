@@ -200,6 +200,25 @@ static void a_smooth_shade_is_as_dark_and_ends_as_the_samples_are(void **state)
     assert_memory_equal(p.live, p.smooth, sizeof(float) * 3 * (size_t)(SIDE * SIDE * 9));
 }
 
+/* The mean ends at the edge of a sharp shadow: what is lit, or not, is so from four samples a view;
+ * of 4234 pixels, 499 are not where the mean goes on over the edge. */
+static void a_sharp_shadow_stays_sharp(void **state)
+{
+    (void)state;
+    int lit = 0, shaded = 0, soft = 0;
+    make(ON_IT(9, GIVEN, "true", SUN), 4, 36, &p);
+    for (int i = 0; i < SIDE * SIDE * 9; i++) {
+        const int kind = kind_of(dark(&p, p.live, i), 1e-4);
+        if (dark(&p, p.live, i) < -0.5 || kind == 2)
+            continue;
+        lit += kind == 0;
+        shaded += kind == 1;
+        soft += fabs(dark(&p, p.smooth, i) - kind) > 0.05;
+    }
+    assert_true(lit > 2000 && shaded > 100);
+    assert_true(soft < 40);
+}
+
 /* A picture that is fitted when it is done: what the live one shows from as many samples; rows that
  * were not visited get their shade, too. */
 static void a_fitted_file_has_the_smooth_shade(void **state)
@@ -306,6 +325,7 @@ int main(void)
         cmocka_unit_test(samples_are_not_shared_through_what_hides_them),
         cmocka_unit_test(views_know_more_together_than_each_alone),
         cmocka_unit_test(a_smooth_shade_is_as_dark_and_ends_as_the_samples_are),
+        cmocka_unit_test(a_sharp_shadow_stays_sharp),
         cmocka_unit_test(a_fitted_file_has_the_smooth_shade),
         cmocka_unit_test(the_ball_keeps_its_light),
         cmocka_unit_test(there_is_nothing_where_nothing_is_caught),
