@@ -379,16 +379,18 @@ static int reach_of(int steps)
     return reach;
 }
 
-/* Whether the darkness of two pixels may differ by chance alone: by less than three standard
- * deviations, as if each of n samples were lit or not; 0.02 is not seen. Across the edge of a sharp
- * shadow it does not. All times what came to both, squared. */
+/* Whether the darkness of two pixels may differ by chance alone: the test of two proportions, at
+ * three standard deviations, as if each of n samples were lit or not; 0.02 is not seen. A pixel to
+ * which little came has had fewer; of less than LEAST_POINTS nothing is known. So the mean ends at
+ * the edge of a sharp shadow. */
 static bool may_be_one_shade(const caught_sums *a, const caught_sums *b, float n)
 {
-    const float lit[2] = {lf_min(a->lit, a->all), lf_min(b->lit, b->all)};
-    const float apart = lit[0] * b->all - lit[1] * a->all, hardly = 0.02f * a->all * b->all;
-    const float spread[2] = {lit[0] * (a->all - lit[0]) * b->all * b->all,
-                             lit[1] * (b->all - lit[1]) * a->all * a->all};
-    return apart * apart <= 9.0f / n * (spread[0] + spread[1]) + hardly * hardly;
+    const float most = lf_max(a->all, b->all), least = lf_min(a->all, b->all);
+    if (!(n * least >= LEAST_POINTS * most))
+        return true;
+    const float mean = lf_min((a->lit + b->lit) / (a->all + b->all), 1.0f),
+                apart = a->lit / a->all - b->lit / b->all;
+    return apart * apart <= 9.0f * mean * (1.0f - mean) * (1.0f + most / least) / n + 0.02f * 0.02f;
 }
 
 /* The mean over neighbours that lie as deep and are as dark, as far as is known. */
