@@ -481,12 +481,13 @@ static void take_row(void *context, int row, int worker)
 lf_status lf_renderer_catch_smoothly(const lf_renderer *renderer, float *picture,
                                      const lf_cancel *cancel)
 {
-    sharing_job job = {.caught = NULL, .whole = {.renderer = renderer, .out = picture}};
+    sharing_job job = {.whole = {.renderer = renderer}};
     lf_pool *pool = renderer->pool;
     lf_status status = lf_caught_begin(&job.caught, renderer);
     if (!job.caught)
         return status;
     job.whole.rig = job.caught->rig;
+    job.whole.out = picture;
     status = lf_pool_run(pool, job.caught->height, add_row, job.caught, cancel);
     if (status == LF_OK)
         status = lf_caught_smooth(job.caught, cancel);
