@@ -488,7 +488,8 @@ lf_status lf_renderer_catch_smoothly(const lf_renderer *renderer, float *picture
         return status;
     job.whole.rig = job.caught->rig;
     job.whole.out = picture;
-    status = lf_pool_run(pool, job.caught->height, add_row, job.caught, cancel);
+    if (status == LF_OK)
+        status = lf_pool_run(pool, job.caught->height, add_row, job.caught, cancel);
     if (status == LF_OK)
         status = lf_caught_smooth(job.caught, cancel);
     if (status == LF_OK)

