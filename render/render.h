@@ -416,7 +416,7 @@ LF_NODISCARD lf_status lf_renderer_catch_shadows(const lf_renderer *renderer, fl
                                                  const lf_cancel *cancel);
 
 /* The same while a picture is rendered: sums that grow with the film, row by row, each sample in
- * all views that see its point. 25 bytes a view pixel. */
+ * all views that see its point. 29 bytes a view pixel. */
 typedef struct lf_caught lf_caught;
 /* For the film that renderer (borrowed) has now: again after each lf_renderer_restart; sums are
  * empty then, memory of the same shape is kept. *caught begins as NULL, and is NULL where the scene
@@ -429,8 +429,8 @@ void lf_caught_destroy(lf_caught *caught);
 void lf_caught_add(lf_caught *caught, int row);
 /* Samples of lights behind a pixel of the row: 0 = none yet. */
 int lf_caught_samples(const lf_caught *caught, int row);
-/* Makes a smooth shade of what there is now, by means over up to 7x7 pixels as deep and, as far as
- * is known, as dark: over one where there are 4096 samples. On the pool; not while rows are added
+/* Makes a smooth shade of what there is now, by means over up to 7x7 pixels as deep and, from
+ * 32 samples on, as dark: over one where there are 4096 samples. On the pool; not while rows are added
  * to. LF_E_CANCELLED: some are as they were. */
 LF_NODISCARD lf_status lf_caught_smooth(lf_caught *caught, const lf_cancel *cancel);
 /* lf_renderer_catch_shadows of one row [view][column][3], smooth as it was made last, where it was;

@@ -14,6 +14,8 @@
  * a half shadow is 0.8 % then, when the mean ends, which is not seen pixel by pixel. */
 #define ENOUGH 4096
 #define MOST_REACH 3
+/* From so many samples on the darkness of a pixel tells it from that of others. */
+#define KNOWN 32.0f
 
 int lf_catch_points(double native)
 {
@@ -170,6 +172,7 @@ lf_status lf_renderer_catch_shadows(const lf_renderer *renderer, float *picture,
  * known whether it sees a catcher, and where. */
 typedef struct caught_sums {
     float lit, all; /* lf_catcher_light's, of this and other views */
+    float samples;  /* how many these are of */
     float caught;   /* what came to catchers of its own rays ... */
     float n;        /* ... and how many these were */
     float nearness; /* D/Z of the first that did */
@@ -297,6 +300,7 @@ static void share(const lf_caught *caught, caught_sums *sums, int view, float x,
             continue;
         s->lit += (float)light[0];
         s->all += (float)light[1];
+        s->samples += 1.0f;
     }
 }
 
@@ -323,6 +327,7 @@ static void add_sample(lf_tracer *tracer, const lf_caught *caught, const lf_catc
     own->caught += passed;
     own->lit += (float)light[0];
     own->all += (float)light[1];
+    own->samples += 1.0f;
     share(caught, sums, pixel->view, ray.x, nearness, light);
 }
 
@@ -380,17 +385,16 @@ static int reach_of(int steps)
 }
 
 /* Whether the darkness of two pixels may differ by chance alone: the test of two proportions, at
- * three standard deviations, as if each of n samples were lit or not; 0.02 is not seen. A pixel to
- * which little came has had fewer; of less than LEAST_POINTS nothing is known. So the mean ends at
- * the edge of a sharp shadow. */
-static bool may_be_one_shade(const caught_sums *a, const caught_sums *b, float n)
+ * three standard deviations, as if each sample were lit or not; 0.02 is not seen. So the mean ends
+ * at the edge of a sharp shadow. */
+static bool may_be_one_shade(const caught_sums *a, const caught_sums *b)
 {
-    const float most = lf_max(a->all, b->all), least = lf_min(a->all, b->all);
-    if (!(n * least >= LEAST_POINTS * most))
+    if (a->samples < KNOWN || b->samples < KNOWN || !(a->all > 0.0f && b->all > 0.0f))
         return true;
     const float mean = lf_min((a->lit + b->lit) / (a->all + b->all), 1.0f),
-                apart = a->lit / a->all - b->lit / b->all;
-    return apart * apart <= 9.0f * mean * (1.0f - mean) * (1.0f + most / least) / n + 0.02f * 0.02f;
+                apart = a->lit / a->all - b->lit / b->all,
+                variance = mean * (1.0f - mean) * (1.0f / a->samples + 1.0f / b->samples);
+    return apart * apart <= 9.0f * variance + 0.02f * 0.02f;
 }
 
 /* The mean over neighbours that lie as deep and are as dark, as far as is known. */
@@ -409,7 +413,7 @@ static float smooth_at(const lf_caught *caught, int row, int view, int column, i
         const caught_sums *s = caught->sums + (size_t)r * row_pixels(caught) + line;
         for (int c = left; c <= right; c++)
             if (s[c].caught > 0.0f && may_be_one_place(s[c].nearness, own->nearness) &&
-                may_be_one_shade(s + c, own, (float)caught->steps[row])) {
+                may_be_one_shade(s + c, own)) {
                 lit += s[c].lit;
                 all += s[c].all;
             }

@@ -1,6 +1,6 @@
 /* picture: the views of the light field as they are now, 8-bit, resolved and tone-mapped row by row
  * while the film is rendered, and filled for the screen while they are incomplete; shadows of
- * catchers and guides are in them. Memory: 8 bytes a view pixel, and with catchers 25 more. Thread:
+ * catchers and guides are in them. Memory: 8 bytes a view pixel, and with catchers 29 more. Thread:
  * the engine's, but for lf_picture_row, which workers call for different rows at once. */
 #ifndef LF_DAEMON_PICTURE_H
 #define LF_DAEMON_PICTURE_H

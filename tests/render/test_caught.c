@@ -200,13 +200,13 @@ static void a_smooth_shade_is_as_dark_and_ends_as_the_samples_are(void **state)
     assert_memory_equal(p.live, p.smooth, sizeof(float) * 3 * (size_t)(SIDE * SIDE * 9));
 }
 
-/* The mean ends at the edge of a sharp shadow: what is lit, or not, is so from four samples a view;
- * of 4234 pixels, 499 are not where the mean goes on over the edge. */
+/* The mean ends at the edge of a sharp shadow, once there are samples enough to know it, here eight
+ * a view: of 4216 pixels 5 are not as their samples are then, 493 where it goes on over the edge. */
 static void a_sharp_shadow_stays_sharp(void **state)
 {
     (void)state;
     int lit = 0, shaded = 0, soft = 0;
-    make(ON_IT(9, GIVEN, "true", SUN), 4, 36, &p);
+    make(ON_IT(9, GIVEN, "true", SUN), 8, 72, &p);
     for (int i = 0; i < SIDE * SIDE * 9; i++) {
         const int kind = kind_of(dark(&p, p.live, i), 1e-4);
         if (dark(&p, p.live, i) < -0.5 || kind == 2)
