@@ -430,8 +430,8 @@ void lf_caught_add(lf_caught *caught, int row);
 /* Samples of lights behind a pixel of the row: 0 = none yet. */
 int lf_caught_samples(const lf_caught *caught, int row);
 /* Makes a smooth shade of what there is now, by means over up to 7x7 pixels as deep and, from
- * 32 samples on, as dark: over one where there are 4096 samples. On the pool; not while rows are added
- * to. LF_E_CANCELLED: some are as they were. */
+ * 32 samples on, as dark: over one where there are 4096 samples. On the pool; not while rows are
+ * added to. LF_E_CANCELLED: some are as they were. */
 LF_NODISCARD lf_status lf_caught_smooth(lf_caught *caught, const lf_cancel *cancel);
 /* lf_renderer_catch_shadows of one row [view][column][3], smooth as it was made last, where it was;
  * without samples it stays as it is. */

@@ -201,7 +201,8 @@ static void a_smooth_shade_is_as_dark_and_ends_as_the_samples_are(void **state)
 }
 
 /* The mean ends at the edge of a sharp shadow, once there are samples enough to know it, here eight
- * a view: of 4216 pixels 5 are not as their samples are then, 493 where it goes on over the edge. */
+ * a view: of 4216 pixels 5 are not as their samples are then, 493 where it goes on over the edge.
+ */
 static void a_sharp_shadow_stays_sharp(void **state)
 {
     (void)state;
