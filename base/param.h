@@ -57,6 +57,7 @@ typedef struct lf_param {
      * first key of each must be there when the other's is not, and never beside it. */
     int form;
     bool watts;     /* of lights: W or W sr^-1 */
+    bool or_object; /* of a WHOLE: an object may stand in its place, which others read */
     bool exclusive; /* an error where a thing of another kind says it (surfaces) */
 } lf_param;
 

@@ -162,7 +162,8 @@ bool lf_scene_depth(const lf_scene *scene, const lf_render_settings *settings, l
 {
     lf_depth depth = {.nearest = INFINITY, .farthest = -INFINITY};
     lf_rig rig;
-    if (lf_rig_init(&rig, settings, scene->origin, NULL) != LF_OK || rig.n_views < 2)
+    if (lf_rig_init(&rig, settings, scene->origin, NULL) != LF_OK || rig.n_views < 2 ||
+        rig.still < 1.0f)
         return false;
     for (int i = 0; i < scene->n_volumes + scene->n_meshes; i++) {
         lf_box box = box_at(scene, i);
@@ -210,6 +211,9 @@ lf_status lf_camera_fit(const lf_scene *scene, const lf_render_settings *setting
     lf_rig rig;
     if (!(fill > 0.0 && fill <= 1.0) || !(steps >= 0.0))
         return lf_error_set(err, LF_E_ARG, "fit", "fill must be above 0 and at most 1");
+    if (settings->camera.track > 0.0)
+        return lf_error_set(err, LF_E_ARG, "fit",
+                            "camera.views is a track: its cameras see what they pass");
     lf_status status = lf_rig_init(&rig, settings, scene->origin, err);
     if (status != LF_OK)
         return status;

@@ -69,9 +69,13 @@ typedef struct lf_camera {
     double fov_y;
     double aspect; /* width / height of the window */
     double cone;   /* radians: total angle of the rig */
-    int n_views;   /* 1..LF_MAX_VIEWS */
+    /* Instead of on that arc, cameras at equal distances along X, from the first to the last so
+     * many scene units; 0: the arc */
+    double track;
+    int n_views; /* 1..LF_MAX_VIEWS */
     /* placement: a_i = (i/(N-1) - 1/2) cone, else ((i+1/2)/N - 1/2) cone */
     bool inclusive;
+    bool own_windows; /* on a track each camera looks straight ahead, through its own window */
     /* scene units; radius 0 = pinhole; focus along the view axis */
     double lens_radius, focus_distance;
     /* A view is the mean of the views from so many times the distance of neighbouring cameras (its
@@ -241,7 +245,8 @@ typedef struct lf_depth {
     bool exceeded;
 } lf_depth;
 
-/* false: there is one view, or nothing in it; or the settings are out of range. */
+/* false: there is one view, or nothing in it; views have windows of their own; or the settings are
+ * out of range. */
 bool lf_scene_depth(const lf_scene *scene, const lf_render_settings *settings, lf_depth *out);
 
 /* Where to put the camera of settings so that the box of lf_scene_bounds is in the middle of the

@@ -47,10 +47,9 @@ static caught_ray ray_of(const lf_catch_pixel *p, uint64_t key, int i)
     lf_sampler_2d(&sampler, ray.u + 3);
     ray.u[0] = lf_sampler_1d(&sampler);
     ray.x = (float)p->column + film[0];
-    float x = rig->x0 + ray.x * rig->dx - rig->b[p->view],
-          y = rig->y0 + ((float)p->row + film[1]) * rig->dy;
+    float y = rig->y0 + ((float)p->row + film[1]) * rig->dy;
     ray.eye = lf_rig_point(rig, rig->b[p->view], 0.0f, 0.0f);
-    ray.w = lf_rig_direction(rig, x / rig->distance, y / rig->distance, 1.0f);
+    ray.w = lf_rig_direction(rig, lf_rig_slope(rig, p->view, ray.x), y / rig->distance, 1.0f);
     return ray;
 }
 
@@ -290,7 +289,7 @@ static void share(const lf_caught *caught, caught_sums *sums, int view, float x,
                   const double light[2])
 {
     const lf_rig *rig = &caught->rig;
-    const float apart = (1.0f - nearness) / rig->dx;
+    const float apart = (rig->still - nearness) / rig->dx;
     for (int other = 0; other < caught->n_views; other++) {
         const float there = x + (rig->b[other] - rig->b[view]) * apart;
         if (other == view || !(there >= 0.0f && there < (float)caught->width))

@@ -58,12 +58,11 @@ static bool trace_middle(const layer_job *job, int row, size_t pixel, lf_hit *ou
 {
     const lf_rig *rig = &job->rig;
     const int view = (int)(pixel / (size_t)rig->width), column = (int)(pixel % (size_t)rig->width);
-    const float x = rig->x0 + ((float)column + 0.5f) * rig->dx - rig->b[view],
+    const float mx = lf_rig_slope(rig, view, (float)column + 0.5f),
                 y = rig->y0 + ((float)row + 0.5f) * rig->dy;
     lf_tracer tracer = {.scene = job->renderer->scene};
     return lf_trace_seen(&tracer, lf_rig_point(rig, rig->b[view], 0.0f, 0.0f),
-                         lf_rig_direction(rig, x / rig->distance, y / rig->distance, 1.0f),
-                         INFINITY, out);
+                         lf_rig_direction(rig, mx, y / rig->distance, 1.0f), INFINITY, out);
 }
 
 /* Mirrors and lamps scatter nothing, so that the film's pivots (q) do not know them: the nearness
@@ -135,9 +134,8 @@ static void variance(const layer_job *job, int row, const row_of_film *film, siz
 static lf_vec3 ray_of(const lf_rig *rig, int view, int row, int column, int i)
 {
     float u = ((float)i + 0.5f) / POINTS, v = lf_sampler_radical(0, (uint32_t)i),
-          x = rig->x0 + ((float)column + u) * rig->dx - rig->b[view],
-          y = rig->y0 + ((float)row + v) * rig->dy;
-    return lf_rig_direction(rig, x / rig->distance, y / rig->distance, 1.0f);
+          mx = lf_rig_slope(rig, view, (float)column + u), y = rig->y0 + ((float)row + v) * rig->dy;
+    return lf_rig_direction(rig, mx, y / rig->distance, 1.0f);
 }
 
 /* Sums over the points that meet a surface, of what `add` takes of the hit; then their mean. */

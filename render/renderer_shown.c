@@ -33,7 +33,8 @@ void lf_renderer_drop_fits(lf_renderer *renderer)
 static bool looks_the_same(const lf_camera *a, const lf_camera *b)
 {
     double wider = fabs(a->cone - b->cone);
-    return a->n_views == b->n_views && a->inclusive == b->inclusive && wider <= 1e-9;
+    return a->n_views == b->n_views && a->inclusive == b->inclusive && a->track == b->track &&
+           a->own_windows == b->own_windows && wider <= 1e-9;
 }
 
 static bool shows_the_same(const lf_renderer *r, const lf_scene *scene,
@@ -90,8 +91,12 @@ static lf_status create(lf_renderer *renderer)
         return status;
     for (int k = 0; k < rig.n_views; k++)
         shift[k] = rig.b[k] / rig.dx;
-    const lf_reconstruct_view view = {rig.n_views, rig.width, rig.height, shift,
-                                      rig.distance / rig.dx};
+    const lf_reconstruct_view view = {.n_views = rig.n_views,
+                                      .width = rig.width,
+                                      .height = rig.height,
+                                      .shift = shift,
+                                      .still = rig.still,
+                                      .depth = rig.distance / rig.dx};
     status = lf_reconstruct_create(&view, renderer->pool, &renderer->shown);
     if (status == LF_OK && renderer->before.past)
         follow(renderer, &rig);

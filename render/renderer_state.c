@@ -31,6 +31,10 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
         numbers(s->window, 4), "n_views", c->n_views, "width", s->width, "height", s->height);
     if (c->view_blur > 0.0)
         json_object_set_new(words, "view_blur", json_real(c->view_blur));
+    if (c->track > 0.0) {
+        const double track[] = {c->track, c->own_windows};
+        json_object_set_new(words, "track", numbers(track, 2));
+    }
     for (int i = 0; i < 2 && c->moves; i++) {
         const lf_camera_shift *t = &c->shift[i];
         const double shift[] = {t->position[0], t->position[1], t->position[2],   t->target[0],
@@ -81,9 +85,10 @@ lf_status lf_renderer_state_id(const lf_renderer *renderer, lf_state_id *out)
 {
     const lf_render_settings *s = &renderer->settings;
     json_t *words = describe(renderer->scene, s, s->integrator),
-           *camera = json_pack("{s:O, s:O, s:O, s:f}", "rig", json_object_get(words, "rig"),
+           *camera = json_pack("{s:O, s:O, s:O, s:f, s:O*}", "rig", json_object_get(words, "rig"),
                                "inclusive", json_object_get(words, "inclusive"), "window",
-                               json_object_get(words, "window"), "view_blur", s->camera.view_blur),
+                               json_object_get(words, "window"), "view_blur", s->camera.view_blur,
+                               "track", json_object_get(words, "track")),
            *film = describe_film(renderer);
     *out = (lf_state_id){
         .n_views = s->camera.n_views, .width = s->width, .height = s->height, .seed = s->seed};

@@ -188,9 +188,10 @@ static bool same_settings(const lf_content *a, const lf_content *b)
                *right = t->integrator ? t->integrator : "";
     return a->layout.columns == b->layout.columns && a->layout.rows == b->layout.rows &&
            a->layout.aspect == b->layout.aspect && s->camera.cone == t->camera.cone &&
-           s->camera.aspect == t->camera.aspect && s->camera.n_views == t->camera.n_views &&
-           s->width == t->width && s->height == t->height && s->sampler == t->sampler &&
-           s->seed == t->seed && s->max_depth == t->max_depth && strcmp(left, right) == 0 &&
+           s->camera.track == t->camera.track && s->camera.aspect == t->camera.aspect &&
+           s->camera.n_views == t->camera.n_views && s->width == t->width &&
+           s->height == t->height && s->sampler == t->sampler && s->seed == t->seed &&
+           s->max_depth == t->max_depth && strcmp(left, right) == 0 &&
            (s->features || !t->features);
 }
 

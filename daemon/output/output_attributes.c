@@ -70,5 +70,12 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
         film ? film->exposure : 0.0, "tonemap", film ? film->tonemap : "srgb");
     if (camera->view_blur > 0)
         json_object_set_new(made, "view_blur", json_real(camera->view_blur));
+    if (camera->track > 0) { /* which has no cone */
+        json_object_set_new(made, "track", json_real(camera->track));
+        json_object_set_new(made, "track_window",
+                            json_string(camera->own_windows ? "own" : "shared"));
+        json_object_del(made, "cone");
+        json_object_del(made, "placement");
+    }
     return made;
 }

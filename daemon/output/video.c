@@ -53,13 +53,23 @@ const lf_output_kind lf_output_video = {.name = "video",
                                         .n_files = 1,
                                         .complete = output_quilt_path};
 
+const lf_output_kind lf_output_walk = {
+    .name = "video", .what = "a video of views", .endings = endings, .n_files = 1};
+
+lf_layout lf_video_view_layout(const lf_layout *quilt)
+{
+    lf_layout view = *quilt;
+    view.columns = view.rows = view.n_views = 1;
+    return view;
+}
+
 lf_status lf_video_check(const lf_video_options *options, const lf_layout *layout, const char *path,
                          const char **out_warning, lf_error *err)
 {
     int width = layout->columns * layout->view_width, height = layout->rows * layout->view_height;
     if (!options->is_444 && (width % 2 != 0 || height % 2 != 0))
         return lf_error_set(err, LF_E_ARG, path,
-                            "a quilt of %dx%d pixels has an odd side, which yuv420p has not: "
+                            "a picture of %dx%d pixels has an odd side, which yuv420p has not: "
                             "--view-size %dx%d (or --pixel-format yuv444p)",
                             width, height, layout->view_width + width % 2,
                             layout->view_height + height % 2);
@@ -98,62 +108,73 @@ static int spawn(lf_video *video, int input, int file, const char *const words[]
     return lf_spawn(PROGRAM, fds, FILE_FD + 1, words, environ, &video->pid);
 }
 
+/* The filters: a quilt's pixels are as they are, those of a view alone as wide as they are meant.
+ */
+static void put_filters(const lf_layout *layout, char *out, size_t size)
+{
+    const double wide = layout->aspect * layout->view_height / layout->view_width;
+    int n = snprintf(
+        out, size, "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int");
+    if (layout->n_views == 1 && fabs(wide - 1.0) > 2e-3)
+        snprintf(out + n, size - (size_t)n, ",setsar=%.4g", wide);
+}
+
 /* Codes are sRGB's and players take them as BT.709's, whose matrix is then the one to use. */
 static int start_program(lf_video *video, const lf_layout *layout, const lf_video_options *o,
                          int input, int file)
 {
-    char size[32], fps[32], crf[16];
+    char size[32], fps[32], crf[16], filters[160];
     const bool is_265 = o->codec == LF_CODEC_H265;
     snprintf(size, sizeof size, "%dx%d", layout->columns * layout->view_width,
              layout->rows * layout->view_height);
+    put_filters(layout, filters, sizeof filters);
     snprintf(fps, sizeof fps, "%.6g", o->fps);
     snprintf(crf, sizeof crf, "%d", o->crf);
-    const char *const words[] = {
-        PROGRAM,
-        "-nostdin",
-        "-hide_banner",
-        "-loglevel",
-        "error",
-        "-y",
-        "-f",
-        "rawvideo",
-        "-pixel_format",
-        "rgb24",
-        "-video_size",
-        size,
-        "-framerate",
-        fps,
-        "-i",
-        "pipe:0",
-        "-an",
-        "-vf",
-        "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int",
-        "-c:v",
-        is_265 ? "libx265" : "libx264",
-        "-tag:v",
-        is_265 ? "hvc1" : "avc1",
-        "-crf",
-        crf,
-        "-pix_fmt",
-        formats[o->is_444],
-        is_265 ? "-x265-params" : "-preset",
-        is_265 ? "log-level=error" : "medium",
-        "-color_range",
-        "tv",
-        "-colorspace",
-        "bt709",
-        "-color_primaries",
-        "bt709",
-        "-color_trc",
-        "bt709",
-        "-fflags",
-        "+bitexact",
-        "-movflags",
-        "+faststart",
-        "-f",
-        "mp4",
-        "/dev/fd/3",
-        NULL};
+    const char *const words[] = {PROGRAM,
+                                 "-nostdin",
+                                 "-hide_banner",
+                                 "-loglevel",
+                                 "error",
+                                 "-y",
+                                 "-f",
+                                 "rawvideo",
+                                 "-pixel_format",
+                                 "rgb24",
+                                 "-video_size",
+                                 size,
+                                 "-framerate",
+                                 fps,
+                                 "-i",
+                                 "pipe:0",
+                                 "-an",
+                                 "-vf",
+                                 filters,
+                                 "-c:v",
+                                 is_265 ? "libx265" : "libx264",
+                                 "-tag:v",
+                                 is_265 ? "hvc1" : "avc1",
+                                 "-crf",
+                                 crf,
+                                 "-pix_fmt",
+                                 formats[o->is_444],
+                                 is_265 ? "-x265-params" : "-preset",
+                                 is_265 ? "log-level=error" : "medium",
+                                 "-color_range",
+                                 "tv",
+                                 "-colorspace",
+                                 "bt709",
+                                 "-color_primaries",
+                                 "bt709",
+                                 "-color_trc",
+                                 "bt709",
+                                 "-fflags",
+                                 "+bitexact",
+                                 "-movflags",
+                                 "+faststart",
+                                 "-f",
+                                 "mp4",
+                                 "/dev/fd/3",
+                                 NULL};
     return spawn(video, input, file, words);
 }
 
@@ -286,18 +307,41 @@ lf_status lf_video_create(const char *path, const lf_layout *layout,
     return status;
 }
 
+static lf_status push_frame(lf_video *video, const lf_views8 *views, const lf_layout *layout,
+                            lf_error *err)
+{
+    size_t n = (size_t)layout->columns * (size_t)layout->view_width * 3;
+    lf_status status = LF_OK;
+    for (int y = 0; y < layout->rows * layout->view_height && status == LF_OK; y++) {
+        lf_quilt_row8(views, layout, y, video->row);
+        status = push(video, video->row, n, err);
+    }
+    return status;
+}
+
 lf_status lf_video_add(lf_video *video, const lf_output_request *request,
                        const lf_output_source *source, lf_error *err)
 {
-    const lf_layout *layout = &request->layout;
-    size_t n = (size_t)layout->columns * (size_t)layout->view_width * 3;
     lf_views8 views;
     uint8_t *buffer = NULL;
     lf_status status = output_views8(request, source, &views, &buffer, err);
-    for (int y = 0; y < layout->rows * layout->view_height && status == LF_OK; y++) {
-        lf_quilt_row8(&views, layout, y, video->row);
-        status = push(video, video->row, n, err);
-    }
+    if (status == LF_OK)
+        status = push_frame(video, &views, &request->layout, err);
+    lf_free(buffer);
+    return status;
+}
+
+lf_status lf_video_add_views(lf_video *video, const lf_output_request *request,
+                             const lf_output_source *source, lf_error *err)
+{
+    const lf_layout layout = lf_video_view_layout(&request->layout);
+    lf_views8 views;
+    uint8_t *buffer = NULL;
+    lf_status status = output_views8(request, source, &views, &buffer, err);
+    const int n = status == LF_OK ? views.n_views : 0;
+    views.n_views = 1;
+    for (int k = 0; k < n && status == LF_OK; k++, views.data += views.view_stride)
+        status = push_frame(video, &views, &layout, err);
     lf_free(buffer);
     return status;
 }

@@ -1,6 +1,6 @@
-/* A video of quilts, frame after frame: 8-bit pictures go through a pipe to the program ffmpeg,
- * which is found in PATH and writes an MP4 file. What it writes becomes visible whole at the end
- * or not at all (base/file.h).
+/* A video of quilts, frame after frame, or of the views of one light field: 8-bit pictures go
+ * through a pipe to the program ffmpeg, which is found in PATH and writes an MP4 file. What it
+ * writes becomes visible whole at the end or not at all (base/file.h).
  *
  * Whoever uses this ignores SIGPIPE. Signals of a terminal do not reach ffmpeg; a video that is
  * given up ends it. Thread: one at a time. */
@@ -9,8 +9,9 @@
 
 #include "daemon/output/output.h"
 
-/* The names of quilts with another ending. Only lf_video writes it: it has no write. */
-extern const lf_output_kind lf_output_video;
+/* The names of quilts with another ending; of views, any. Only lf_video writes them: they have no
+ * write. */
+extern const lf_output_kind lf_output_video, lf_output_walk;
 
 typedef enum lf_codec { LF_CODEC_H264, LF_CODEC_H265 } lf_codec;
 
@@ -22,6 +23,9 @@ typedef struct lf_video_options {
     int crf; /* how much may be lost: 0 nothing (of H.264), 51 most */
 } lf_video_options;
 extern const lf_param lf_video_params[];
+
+/* What a video of the views of such a quilt is made of. */
+lf_layout lf_video_view_layout(const lf_layout *quilt);
 
 /* Whether quilts of this layout can be a video. LF_E_ARG: an odd side. *out_warning gets static
  * text of what players may lack, or NULL. */
@@ -41,6 +45,10 @@ LF_NODISCARD lf_status lf_video_create(const char *path, const lf_layout *layout
  * LF_E_CANCELLED; LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_video_add(lf_video *video, const lf_output_request *request,
                                     const lf_output_source *source, lf_error *err);
+/* Adds all views, one after the other: of a video whose layout is one tile of one view. Errors as
+ * of lf_video_add. */
+LF_NODISCARD lf_status lf_video_add_views(lf_video *video, const lf_output_request *request,
+                                          const lf_output_source *source, lf_error *err);
 /* Waits for ffmpeg to be done and publishes the file. Errors as of lf_video_add, and those of
  * files. */
 LF_NODISCARD lf_status lf_video_finish(lf_video *video, lf_error *err);

@@ -195,8 +195,6 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         return refuse_option(a->panel_option, reads_panel, err);
     if (!a->kind->layers && a->rgbd_option)
         return refuse_option(a->rgbd_option, reads_rgbd, err);
-    if (a->kind == &lf_output_video && !lf_frames_wanted(&a->frames))
-        return lf_error_set(err, LF_E_ARG, a->out, "a video needs --frames or --turntable");
     if (a->kind != &lf_output_video && a->video_option) {
         snprintf(where, sizeof where, "--%s", a->video_option);
         return lf_error_set(err, LF_E_ARG, where, "only goes with OUT.mp4");
@@ -227,7 +225,7 @@ static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind
                  lf_output_endings(kind, endings, sizeof endings), kind->what,
                  kind->option ? " with --" : "", kind->option ? kind->option : "");
     }
-    return lf_error_set(err, LF_E_ARG, out, "must end in %s, .mp4 (a video of --frames)", known);
+    return lf_error_set(err, LF_E_ARG, out, "must end in %s, .mp4 (a video)", known);
 }
 
 /* What OUT is, from the options and its ending. */

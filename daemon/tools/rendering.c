@@ -187,6 +187,13 @@ static lf_status expose(lf_rendering *r, const lf_output_source *source, lf_erro
     return LF_OK;
 }
 
+static lf_status write_walk(const lf_rendering *r, const lf_output_request *request,
+                            const lf_output_source *source, lf_error *err)
+{
+    lf_status status = lf_video_add_views(r->video, request, source, err);
+    return status == LF_OK ? lf_video_finish(r->video, err) : status;
+}
+
 lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -226,8 +233,11 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
         .progress = show_writing,
         .context = r,
     };
-    status = r->video ? lf_video_add(r->video, &request, &source, err)
-                      : lf_output_write(&request, &source, err);
+    if (lf_rendering_is_walk(r))
+        status = write_walk(r, &request, &source, err);
+    else
+        status = r->video ? lf_video_add(r->video, &request, &source, err)
+                          : lf_output_write(&request, &source, err);
     if (status == LF_E_CANCELLED)
         return lf_rendering_interrupted(r, err);
     return status;

@@ -36,7 +36,7 @@ typedef struct lf_rendering {
     json_t *record; /* settings for attributes and the manifest */
     lf_render_times times;
     lf_sequence_state sequence;
-    lf_video *video; /* that frames go into; NULL: each is a file */
+    lf_video *video; /* that frames, or the views, go into; NULL: each is a file */
 } lf_rendering;
 
 /* Reads what is to be rendered and finds the final name. LF_E_ARG: the arguments do not go with
@@ -50,6 +50,8 @@ LF_NODISCARD lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *e
 lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err);
 /* Checks that r->path is nothing that is being read, and no manifest of something else. */
 LF_NODISCARD lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err);
+/* Whether it is a video of the views of one job: a walk along a track. */
+bool lf_rendering_is_walk(const lf_rendering *r);
 /* Renders r->scene (nothing, of a finished light field). */
 LF_NODISCARD lf_status lf_rendering_run(lf_rendering *r, lf_error *err);
 /* Writes what was rendered, or is drawn, to r->path. */

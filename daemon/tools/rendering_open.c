@@ -190,12 +190,17 @@ static char *out_of(const lf_rendering *r, int frame)
     return is_one ? lf_strdup(a->out) : lf_frames_path(a->out, frame);
 }
 
+bool lf_rendering_is_walk(const lf_rendering *r)
+{
+    return r->arguments->kind == &lf_output_video && !r->sequence.on;
+}
+
 lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *err)
 {
-    const lf_render_arguments *a = r->arguments;
+    const lf_output_kind *kind = lf_rendering_is_walk(r) ? &lf_output_walk : r->arguments->kind;
     char *out = out_of(r, frame), *path = NULL;
-    lf_status status = out ? lf_output_path(a->kind, out, &r->layout, &path, err)
-                           : lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
+    lf_status status = out ? lf_output_path(kind, out, &r->layout, &path, err)
+                           : lf_error_set(err, LF_E_NOMEM, r->arguments->out, "out of memory");
     lf_free(out);
     if (status == LF_OK) {
         lf_free(r->path);
@@ -231,10 +236,20 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
                         "and --turntable, auto tells those of one picture)");
 }
 
-static lf_status check_video(const lf_rendering *r, lf_error *err)
+/* Whether it can be a video; that of views begins here, before hours of rendering. */
+static lf_status open_video(lf_rendering *r, lf_error *err)
 {
+    const bool is_walk = lf_rendering_is_walk(r);
+    const lf_video_options *options = &r->arguments->video;
+    const lf_layout layout = is_walk ? lf_video_view_layout(&r->layout) : r->layout;
     const char *warning = NULL;
-    lf_status status = lf_video_check(&r->arguments->video, &r->layout, r->path, &warning, err);
+    if (is_walk && !(r->settings.camera.track > 0.0))
+        return lf_error_set(err, LF_E_ARG, r->arguments->out,
+                            "a video needs --frames, --turntable or a scene whose camera.views are "
+                            "on a track");
+    lf_status status = lf_video_check(options, &layout, r->path, &warning, err);
+    if (status == LF_OK && is_walk)
+        status = lf_video_create(r->path, &layout, options, r->cancel, &r->video, err);
     if (warning)
         lf_log(LF_LOG_WARNING, "%s: %s", r->path, warning);
     return status;
@@ -257,7 +272,7 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
     if (status == LF_OK && r->sequence.on)
         status = check_exposure(r, err);
     if (status == LF_OK && a->kind == &lf_output_video)
-        status = check_video(r, err);
+        status = open_video(r, err);
     if (status == LF_OK)
         status = lf_rendering_check_outputs(r, err);
     if (status == LF_OK && lf_pool_create(a->options.threads, &r->pool) != LF_OK)

@@ -51,12 +51,50 @@ static void parse_framing(lf_reader *reader, const lf_node *node, lf_framing *fr
     framing->own_fov = lf_node_child(node, "fov_y").value;
 }
 
+/* Cameras on a track: {"track": {"count": 100, "length": 3, "window": "own"}}. */
+static void parse_track(lf_reader *reader, const lf_node *views, lf_camera *camera)
+{
+    static const char *const kinds[] = {"track", NULL},
+                             *const keys[] = {"count", "length", "window", NULL},
+                             *const windows[] = {"shared", "own", NULL};
+    const lf_node track = lf_node_child(views, "track"), length = lf_node_child(&track, "length");
+    if (!lf_read_object(reader, views, kinds) || !lf_read_object(reader, &track, keys)) {
+        if (reader->status == LF_OK)
+            lf_read_fail(reader, views, "expected {\"track\": {\"count\": N, \"length\": L}}");
+        return;
+    }
+    camera->n_views = lf_read_int(reader, &track, "count", camera->n_views, 1, LF_MAX_VIEWS);
+    if (!length.value)
+        lf_read_fail(reader, &track,
+                     "\"length\" is missing: scene units from the first camera to the last");
+    camera->track = lf_read_number(reader, &track, "length", 1, 1e-9, LF_MAX_COORDINATE);
+    camera->own_windows = lf_read_choice(reader, &track, "window", windows, 1);
+}
+
+/* The keys of the table; views that are an object are read by themselves. */
+static void parse_params(lf_reader *reader, const lf_node *node, lf_camera *camera)
+{
+    const lf_node views = lf_node_child(node, "views");
+    if (!json_is_object(views.value)) {
+        lf_read_params(reader, node, "from", lf_camera_params, camera);
+        return;
+    }
+    lf_node others = *node;
+    others.value = json_copy(node->value);
+    if (!others.value || json_object_del(others.value, "views") != 0)
+        reader->status = lf_error_set(reader->err, LF_E_NOMEM, reader->where, "out of memory");
+    else
+        lf_read_params(reader, &others, "from", lf_camera_params, camera);
+    json_decref(others.value);
+    parse_track(reader, &views, camera);
+}
+
 void lf_camera_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
 {
     lf_camera *camera = &out->camera;
     const lf_node node = lf_node_child(root, "camera");
     *camera = (lf_camera){0};
-    lf_read_params(reader, &node, "from", lf_camera_params, camera);
+    parse_params(reader, &node, camera);
     camera->has_aspect = lf_node_child(&node, "aspect").value;
     camera->has_views = lf_node_child(&node, "views").value;
     camera->has_cone = lf_node_child(&node, "cone").value;

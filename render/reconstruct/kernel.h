@@ -30,7 +30,7 @@ typedef struct lf_view_row {
     const float *q[2];
     const lf_packed_feature *feature[2];
     float share[2]; /* of the samples; 0: q and features are not looked at */
-    float row, view, shift;
+    float row, view, shift, still;
     float deep;   /* finest cells in the depth of the plane Z = D */
     int first, n; /* its pixels in lf_pixels */
 } lf_view_row;

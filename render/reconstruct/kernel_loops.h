@@ -20,7 +20,7 @@ static inline void place(const lf_view_row *in, lf_pixels *out, int variant, int
 {
     float deep = in->deep;
     out->f[variant][LF_PLACE][i] =
-        (column + in->shift * (f->nearness - 1.0f)) * (1.0f / LF_CELL_SIDE);
+        (column + in->shift * (f->nearness - in->still)) * (1.0f / LF_CELL_SIDE);
     out->f[variant][LF_DEPTH][i] = f->nearness * deep;
     out->f[variant][LF_MEDIA][i] = 1.0f - f->surface;
     out->f[variant][LF_PIVOTS][i] = q;

@@ -44,6 +44,7 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
     double n = state->n[0] + state->n[1];
     lf_view_row in = {.row = ((float)row + 0.5f) / LF_CELL_SIDE,
                       .deep = r->view.depth / r->cell_depth,
+                      .still = r->view.still,
                       .n = film->width};
     if (!(n > 0.0))
         return false;

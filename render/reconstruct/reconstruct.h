@@ -26,10 +26,11 @@ typedef struct lf_reconstruction lf_reconstruction;
 typedef struct lf_past lf_past;
 
 /* Where the views' pixels lie in the world that they share: the place of pixel column u of view k
- * along the epipolar line is u + shift[k] (nearness - 1). */
+ * along the epipolar line is u + shift[k] (nearness - still). */
 typedef struct lf_reconstruct_view {
     int n_views, width, height;
     const float *shift; /* [n_views] camera position over the width of a pixel at Z = D; copied */
+    float still;        /* nearness of what stays where it is from view to view: rig.h */
     float depth;        /* D over the width of a pixel at Z = D: nearness 1, in pixels */
 } lf_reconstruct_view;
 

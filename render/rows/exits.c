@@ -228,7 +228,7 @@ static void aim(const lf_visit *visit, float xw, float lx)
     int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     for (int k = 0; k < lanes; k++) {
         worker->x0[k] = rig->b[k] + lx;
-        worker->slope[k] = (xw - rig->b[k]) / rig->distance - lx / rig->focus;
+        worker->slope[k] = (xw - rig->skew[k]) / rig->distance - lx / rig->focus;
         worker->z_end[k] = INFINITY;
         worker->tau[k] = 0.0f;
         worker->length[k] =
@@ -251,11 +251,12 @@ static void widen(bool *mirrors, int n_views, int width)
     }
 }
 
-/* s of the point in the window, or for a lens of what it makes of that, through which a fan runs.
+/* s of the point in the window that all share, or for a lens of what it makes of that, through
+ * which a fan runs.
  */
 static float meeting(const lf_rig *rig, float xw, float lx)
 {
-    return xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus);
+    return xw / rig->distance + lx * (1.0f / rig->window - 1.0f / rig->focus);
 }
 
 /* What veils before the surfaces let through is one more factor. */

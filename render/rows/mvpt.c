@@ -30,7 +30,7 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
     for (int k = 0; k < lanes_of(rig); k++) {
         float c = rig->b[k] + pivot->lx, dx = pivot->x - c;
         float slope = dx * inverse_z;
-        float u = (rig->b[k] + lens + rig->distance * slope - rig->x0) * per_pixel;
+        float u = (rig->skew[k] + lens + rig->distance * slope - rig->x0) * per_pixel;
         float h = surface ? -(nx * dx + nyz) : sqrtf(dx * dx + yz2);
         bool in_frame = u >= 0.0f && u < (float)rig->width && k < rig->n_views;
         w->x0[k] = c;
@@ -42,7 +42,7 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
     /* The base sees its own pivot whatever rounding says about the frame's edge or a grazing
      * surface. */
     if (base >= 0 && !(w->scale[base] > 0.0f)) {
-        float u = (rig->b[base] + lens + rig->distance * w->slope[base] - rig->x0) * per_pixel;
+        float u = (rig->skew[base] + lens + rig->distance * w->slope[base] - rig->x0) * per_pixel;
         w->column[base] = (int)lf_min(lf_max(u, 0.0f), (float)(rig->width - 1));
         w->scale[base] = 1e-6f * fabsf(pivot->z);
     }

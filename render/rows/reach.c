@@ -25,7 +25,7 @@ static void add_point(shadow *s, float x, float z)
                                       : 0.0f;
     int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     for (int k = 0; k < lanes; k++) {
-        float u = (rig->b[k] + scale * (x - rig->b[k]) - rig->x0) * per_pixel;
+        float u = (rig->skew[k] + scale * (x - rig->b[k]) - rig->x0) * per_pixel;
         s->lo[k] = lf_min(s->lo[k], u - blur);
         s->hi[k] = lf_max(s->hi[k], u + blur);
     }

@@ -20,6 +20,8 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
     if (!(c->cone >= 0.0 && c->cone < 3.1))
         return lf_error_set(err, LF_E_ARG, "camera.cone",
                             "must be at least 0 and below 178 degrees");
+    if (!(c->track >= 0.0))
+        return lf_error_set(err, LF_E_ARG, "camera.views", "a track must not be shorter than 0");
     if (!(c->aspect > 0.0 && c->aspect < 1e3))
         return lf_error_set(err, LF_E_ARG, "camera.aspect", "must be above 0");
     if (!(c->lens_radius >= 0.0))
@@ -59,14 +61,23 @@ static lf_status axes(lf_rig *rig, const lf_camera *c, double *out_distance, lf_
     return LF_OK;
 }
 
-/* Offset of view i is D tan(a_i) (docs/estimators.md, "The rig"). */
+/* Where view k stands within the rig's width, from its middle. */
+static double place_in(const lf_camera *c, int k)
+{
+    const int n = c->n_views;
+    if (c->inclusive || c->track > 0.0)
+        return n > 1 ? (double)k / (n - 1) - 0.5 : 0.0;
+    return (k + 0.5) / n - 0.5;
+}
+
+/* Offset of view i is D tan(a_i), or a share of the track (docs/estimators.md, "The rig"). */
 static void place_views(lf_rig *rig, const lf_camera *c, double distance)
 {
     int n = c->n_views;
     for (int i = 0; i < LF_MAX_LANES; i++) {
-        int k = i < n ? i : n - 1;
-        double t = c->inclusive ? (n > 1 ? (double)k / (n - 1) - 0.5 : 0.0) : (k + 0.5) / n - 0.5;
-        rig->b[i] = (float)(distance * tan(t * c->cone));
+        const double t = place_in(c, i < n ? i : n - 1);
+        rig->b[i] = (float)(c->track > 0.0 ? t * c->track : distance * tan(t * c->cone));
+        rig->skew[i] = rig->still * rig->b[i];
     }
     if (n > 1)
         rig->blur =
@@ -91,9 +102,11 @@ lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settings, const dou
     r.eye = lf_v3((float)(c->position[0] - origin[0]), (float)(c->position[1] - origin[1]),
                   (float)(c->position[2] - origin[2]));
     r.distance = (float)distance;
+    const bool own = c->track > 0.0 && c->own_windows;
+    r.window = own ? LF_FAR_WINDOW : r.distance;
+    r.still = own ? 0.0f : 1.0f;
     r.lens_radius = (float)c->lens_radius;
-    r.focus = c->lens_radius > 0.0 && c->focus_distance > 0.0 ? (float)c->focus_distance
-                                                              : (float)distance;
+    r.focus = c->lens_radius > 0.0 && c->focus_distance > 0.0 ? (float)c->focus_distance : r.window;
     double window_height = 2.0 * distance * tan(0.5 * c->fov_y);
     double window_width = window_height * c->aspect;
     const double *w = settings->window;

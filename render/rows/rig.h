@@ -1,19 +1,22 @@
 /* The rectified rig in camera space; private to render/.
  *
  * Camera space: X right, Y up, Z forward (positive), origin at the middle of the rig. Camera k sits
- * at (b_k, 0, 0); all cameras share the window Z = D. A film point is (u, v) in pixels of a view;
- * window coordinate X_w = x0 + u dx, Y_w = y0 + v dy.
+ * at (b_k, 0, 0). A film point is (u, v) in pixels of a view; on the plane Z = D it is at
+ * X_w = x0 + u dx, Y_w = y0 + v dy. All cameras share this window, W = D; or, on a track, each
+ * looks straight ahead through one of its own, as if all shared one infinitely far away, W = inf:
+ * X_w is then counted from b_k - e_k, with e_k = b_k D/W how far the camera is from the middle of
+ * its window.
  *
  * Thin lens (all views the same radius): a ray leaves (b_k + lx, ly, 0) towards the point of the
  * focus plane Z = F that the pinhole ray of its film point hits. With one v and one ly for a whole
  * row every ray of the row, of every view, lies in one plane Y = ly + my Z (docs/estimators.md,
  * "The rig"):
  *
- *     X(Z) = c_k + mx Z,   c_k = b_k + lx,   mx = (X_w - b_k)/D - lx/F,   my = Y_w/D - ly/F
- *     X_w  = b_k + D ((X - c_k)/Z + lx/F)
+ *     X(Z) = c_k + mx Z,   c_k = b_k + lx,   mx = (X_w - e_k)/D - lx/F,   my = Y_w/D - ly/F
+ *     X_w  = e_k + D ((X - c_k)/Z + lx/F)
  *
  * view_blur is such a lens that has a width along X and no height, in focus in the window (ly = 0,
- * F = D, lx uniform within half of view_blur steps from camera to camera): a view is the mean of
+ * F = W, lx uniform within half of view_blur steps from camera to camera): a view is the mean of
  * pinhole views from along that line.
  *
  * A length along such a ray is sqrt(1 + mx^2 + my^2) times its length in Z. */
@@ -27,17 +30,21 @@
 #define LF_LANES 8
 #define LF_MAX_LANES ((LF_MAX_VIEWS + LF_LANES - 1) / LF_LANES * LF_LANES)
 
+/* W of windows of their own: infinite, but for arithmetic. */
+#define LF_FAR_WINDOW 1e20f
+
 typedef struct lf_rig {
     int n_views, width, height;
     lf_vec3 eye, right, up, forward; /* scene-local */
-    float distance;                  /* D */
-    float focus, lens_radius;        /* F (= D for pinholes), 0 = pinhole */
+    float distance, window;          /* D, W */
+    float focus, lens_radius;        /* F (= W for pinholes), 0 = pinhole */
     float blur;                      /* half the width of a view's line of cameras; 0 = one */
     /* window coordinates of film point (0, 0) and of one pixel; dy < 0 */
     float x0, dx, y0, dy;
     float tangent; /* of the window's upper edge seen from the middle; of the lower one minus it */
-    /* camera positions along X, rising; lanes behind n_views repeat the last */
-    float b[LF_MAX_LANES];
+    float still;   /* D/W, 1 or 0: the nearness of what stays where it is from view to view */
+    /* camera positions along X, rising, and e; lanes behind n_views repeat the last */
+    float b[LF_MAX_LANES], skew[LF_MAX_LANES];
 } lf_rig;
 
 /* The plane of one row in one visit. */
@@ -94,6 +101,12 @@ static inline lf_vec3 lf_rig_point(const lf_rig *rig, float x, float y, float z)
 static inline lf_vec3 lf_rig_direction(const lf_rig *rig, float x, float y, float z)
 {
     return lf_madd(lf_madd(lf_scale(rig->right, x), y, rig->up), z, rig->forward);
+}
+
+/* mx of a view's pinhole ray through u, in columns. */
+static inline float lf_rig_slope(const lf_rig *rig, int view, float u)
+{
+    return (rig->x0 + u * rig->dx - rig->skew[view]) / rig->distance;
 }
 
 /* Half of what a pixel sees of a plane across the view, per unit of its depth Z, the same in all

@@ -445,7 +445,7 @@ void lf_section_nearest(const lf_section *section, const lf_row_triangles *rows,
         }
     }
     for (int k = 0; k < n; k++)
-        z[k] = segment[k] < 0 ? INFINITY : rig->distance / (f.d[k] * rig->distance + 1.0f);
+        z[k] = segment[k] < 0 ? INFINITY : lf_cut_depth(rig, f.d[k]);
 }
 
 void lf_section_face(const lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,

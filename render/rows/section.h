@@ -1,7 +1,7 @@
 /* The meshes cut by the plane of a row: from which views a surface hides a point of it, and what
  * the rays of a fan meet first; private to render/.
  *
- * All rays of a visit lie in one plane (rig.h), and meshes meet it in segments. With d = 1/Z - 1/D
+ * All rays of a visit lie in one plane (rig.h), and meshes meet it in segments. With d = 1/Z - 1/W
  * and s = X/Z straight lines stay straight, and the ray from the camera position c to the point
  * (d0, s0) is the line s = s0 + c (d - d0): cameras are slopes. A point (d, s) with d > d0
  * therefore hides (d0, s0) from the one camera position (s - s0) / (d - d0), and a segment from all
@@ -116,7 +116,7 @@ void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, co
                      lf_vec3 p, const lf_hit *on, int n, const float *c, float *scale);
 
 /* The nearest surface along each of n rays that leave the camera positions c[k], rising in k,
- * through one point of the plane Z = D, or for a lens through one point of what it makes of that
+ * through one point of the plane Z = W, or for a lens through one point of what it makes of that
  * plane: the lines s = s0 + c d. n is a multiple of LF_LANES. z[k] is where it lies, INFINITY:
  * nowhere; segment[k] is which of the section it is, -1: none. */
 void lf_section_nearest(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,

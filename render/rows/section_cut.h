@@ -26,8 +26,14 @@ static inline void lf_cut_to_camera(const lf_rig *rig, lf_vec3 p, double out[3])
 /* d of a depth (section.h). */
 static inline float lf_cut_to_d(const lf_rig *rig, double z)
 {
-    double distance = (double)rig->distance;
-    return (float)((distance - z) / (z * distance));
+    double window = (double)rig->window;
+    return (float)((window - z) / (z * window));
+}
+
+/* The depth of a d. */
+static inline float lf_cut_depth(const lf_rig *rig, float d)
+{
+    return rig->window / (d * rig->window + 1.0f);
 }
 
 /* Where an edge crosses the plane, always from above to below: triangles that share it find the

@@ -48,7 +48,7 @@ static void ray_of(const lf_section *section, const lf_rig *rig, float s0, float
                    lf_vec3 *out_w)
 {
     *out_o = lf_rig_point(rig, c, section->rays.plane.ly, 0.0f);
-    *out_w = lf_rig_direction(rig, s0 - c / rig->distance, section->rays.plane.my, 1.0f);
+    *out_w = lf_rig_direction(rig, s0 - c / rig->window, section->rays.plane.my, 1.0f);
 }
 
 /* Segment k is what a ray has met: a slot each. */

@@ -32,8 +32,9 @@ static void grow_fan(const plane_box *box, const lf_rig *rig, float *lo, float *
     float window[2] = {rig->x0, rig->x0 + (float)rig->width * rig->dx};
     float depth[2] = {box->z_lo, box->z_hi};
     for (int i = 0; i < 8; i++) {
-        float b = rig->b[i & 1 ? rig->n_views - 1 : 0], z = depth[i >> 2 & 1];
-        float x = b + (window[i >> 1 & 1] - b) * z / rig->distance,
+        const int k = i & 1 ? rig->n_views - 1 : 0;
+        float z = depth[i >> 2 & 1];
+        float x = rig->b[k] + (window[i >> 1 & 1] - rig->skew[k]) * z / rig->distance,
               lens = (rig->lens_radius + rig->blur) * fabsf(1.0f - z / rig->focus);
         *lo = lf_min(*lo, x - lens);
         *hi = lf_max(*hi, x + lens);

@@ -1,5 +1,6 @@
 #include "render/rows/veil.h"
 
+#include "render/rows/section_cut.h"
 #include "render/rows/section_rays.h"
 #include "render/rows/section_walk.h"
 #include "render/transport/surface_texture.h"
@@ -10,7 +11,7 @@ enum { WIDE = LF_SECTION_WIDE };
 static float passes(const lf_veils *veils, const lf_face *face, float c, float s, float d)
 {
     const lf_rig *rig = veils->rig;
-    float z = rig->distance / (d * rig->distance + 1.0f);
+    float z = lf_cut_depth(rig, d);
     lf_vec3 p = lf_rig_point(rig, s * z, veils->plane->ly + veils->plane->my * z, z);
     lf_vec3 along = lf_sub(p, lf_rig_point(rig, c, veils->plane->ly, 0.0f));
     lf_hit hit;
@@ -119,8 +120,8 @@ static void segment_along(const lf_veils *veils, int segment, const line_fan *f)
         float c = f->c[k], a = s0 - c * d0, b = s1 - c * d1;
         if ((a >= 0.0f) == (b >= 0.0f) || !(f->through[k] > 0.0f))
             continue;
-        float d = d0 + (d1 - d0) * (a / (a - b)), D = veils->rig->distance;
-        if (!(D / (d * D + 1.0f) < f->z_end[k]))
+        float d = d0 + (d1 - d0) * (a / (a - b));
+        if (!(lf_cut_depth(veils->rig, d) < f->z_end[k]))
             continue;
         if (!is_loaded)
             v = veil_of(veils, segment);

@@ -179,7 +179,7 @@ static lf_vec3 make_ray(const lf_visit *visit, int view, float u, float lx, lf_m
 {
     const lf_rig *rig = visit->rig;
     ray->x0 = rig->b[view] + lx;
-    ray->slope = (rig->x0 + u * rig->dx - rig->b[view]) / rig->distance - lx / rig->focus;
+    ray->slope = lf_rig_slope(rig, view, u) - lx / rig->focus;
     ray->length = sqrtf(1.0f + ray->slope * ray->slope + visit->plane.my * visit->plane.my);
     ray->z_end = INFINITY;
     return lf_scale(lf_rig_direction(rig, ray->slope, visit->plane.my, 1.0f), 1.0f / ray->length);

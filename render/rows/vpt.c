@@ -85,9 +85,9 @@ static void glow_vpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
     float x0 = rig->b[view] + pivot->lx, slope = (pivot->x - x0) / pivot->z, depth;
-    float u =
-        (rig->b[view] + pivot->lx * rig->distance / rig->focus + rig->distance * slope - rig->x0) /
-        rig->dx;
+    float u = (rig->skew[view] + pivot->lx * rig->distance / rig->focus + rig->distance * slope -
+               rig->x0) /
+              rig->dx;
     if (!(u >= 0.0f && u < (float)rig->width))
         return;
     float sum = density(visit, view, pivot, &depth);

@@ -16,7 +16,7 @@ const lf_param lf_camera_params[] = {
      .low = 0.1, .high = 160, .initial = 14},
     {.name = "aspect", PLACE(aspect), .low = 0.05, .high = 20, .initial = 0.75},
     {.name = "views", PLACE(n_views), .type = LF_PARAM_WHOLE, .low = 1, .high = LF_MAX_VIEWS,
-     .initial = 45},
+     .initial = 45, .or_object = true},
     {.name = "cone", PLACE(cone), .type = LF_PARAM_ANGLE, .unit = "degrees",
      .low = 0, .high = 160, .initial = 40},
     {.name = "placement", PLACE(inclusive), .type = LF_PARAM_SWITCH, .words = placements},

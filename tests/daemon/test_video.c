@@ -99,6 +99,48 @@ static void ffmpeg_gets_the_pixels_of_the_pictures_and_a_file_to_write_into(void
     lf_free(words);
 }
 
+static const char walked[] =
+    "{ \"include\": \"%s\", \"camera\": { \"aspect\": 1.5, \"views\": { \"track\": { \"count\": 4, "
+    "\"length\": 1 } } } }";
+
+static void a_walk_is_a_video_of_the_views_of_one_job(void **state)
+{
+    const qr_files *f = *state;
+    size_t n = 0, size = 0;
+    char script[2 * PATH_MAX], text[PATH_MAX + sizeof walked], scene[PATH_MAX];
+    qr_outcome o;
+    snprintf(text, sizeof text, walked, f->scene);
+    snprintf(scene, sizeof scene, "%s", lf_test_write(f->folder, "walked.json", text));
+    snprintf(script, sizeof script, "#!/bin/sh\nprintf '%%s ' \"$@\" >%s/words\ncat >&3\n",
+             f->folder);
+    pretend(f, script);
+    qr_succeed("%s -o %s/w.png --view-size 12x16 --spp 1 --quilt 4x1", scene, f->folder);
+    qr_succeed("%s -o %s/w.mp4 --view-size 12x16 --spp 1 --fps 24", scene, f->folder);
+    char *raw = read_text(f->folder, "w.mp4", &n);
+    char *words = read_text(f->folder, "words", &size);
+    lf_quilt_file quilt = {0};
+    lf_error err = {0};
+    lf_assert_ok(
+        lf_quilt_read(lf_test_path(f->folder, "w_qs4x1a1.5.png"), NULL, 0, 0, &quilt, &err), &err);
+    assert_int_equal(n, 4 * 16 * 12 * 3);
+    for (int view = 0; view < 4; view++)
+        for (int y = 0; y < 16; y++)
+            assert_memory_equal(raw + (view * 16 + y) * 12 * 3,
+                                lf_views8_row(&quilt.views8, view, y), 12 * 3);
+    static const char *const expected[] = {"-video_size 12x16 ", "-framerate 24 ", ",setsar=2 "};
+    for (int i = 0; i < 3; i++)
+        if (!strstr(words, expected[i]))
+            fail_msg("%s is not in %s", expected[i], words);
+    lf_quilt_finish(&quilt);
+    lf_free(raw);
+    lf_free(words);
+    /* an arc is none, nor is what a preset makes of it */
+    qr_run(&o, "%s -o %s/v.mp4 " SIZE, f->scene, f->folder);
+    qr_assert_fails(&o, 2, "a video needs --frames, --turntable or");
+    qr_run(&o, "%s -o %s/v.mp4 --preset portrait", scene, f->folder);
+    qr_assert_fails(&o, 2, "a video needs --frames, --turntable or");
+}
+
 static void a_failing_ffmpeg_is_one_line_and_leaves_the_file_that_was_there(void **state)
 {
     const qr_files *f = *state;
@@ -266,6 +308,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(
             ffmpeg_gets_the_pixels_of_the_pictures_and_a_file_to_write_into, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_walk_is_a_video_of_the_views_of_one_job, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(
             a_failing_ffmpeg_is_one_line_and_leaves_the_file_that_was_there, set_up, tear_down),
         cmocka_unit_test_setup_teardown(without_ffmpeg_nothing_is_rendered, set_up, tear_down),

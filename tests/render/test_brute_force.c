@@ -10,7 +10,7 @@
 #include "tests/stat/fixture.h"
 
 enum { width = 16, height = 12, n_views = 3, block = 8, blocks_of_all = n_views * 4 + 1 };
-enum { integrators = 2, scenes = 8, replicates = 24 };
+enum { integrators = 2, scenes = 10, replicates = 24 };
 
 static const char *const names[integrators] = {"vpt", "mvpt"};
 
@@ -109,6 +109,22 @@ static const lf_brute_scene blurred = {
     .media = {{.centre = {0.5, -0.2, 0.7}, .half = {0.5, 0.6, 0.4}, .turn = 20, .density = 0.9,
                .albedo = {0.9, 0.8, 0.7}, .g = 0.5}}};
 
+/* Cameras in a row past things near and far and voxels, each looking straight ahead. */
+#define PASSED                                                                                     \
+    CAMERA, .track = 1.4, .n_quads = 4, .n_media = 2, .sky = {0.2, 0.4, 0.6},                      \
+    .quads = {                                                                                     \
+        {FLAT(-1, 4), .albedo = {0.7, 0.6, 0.5}},                                                  \
+        {.centre = {-0.4, 0.2, 1.2}, .u = {0.25, 0, 0}, .v = {0, 0.5, 0.1},                        \
+         .albedo = {0.2, 0.2, 0.2}, .emission = {1.6, 1.2, 0.8}},                                  \
+        {.centre = {1, 0, -1.2}, .u = {0.4, 0, 0.2}, .v = {0, 0.8, 0}, .albedo = {0.8, 0.3, 0.2}}, \
+        {.centre = {0, 0, 0}, .u = {0.2, 0, 0}, .v = {0, 0.6, 0}, .albedo = {0.2, 0.3, 0.8}}},     \
+    .media = {{.centre = {0.8, -0.2, 0.7}, .half = {0.5, 0.6, 0.4}, .turn = 20, .density = 0.9,    \
+               .albedo = {0.9, 0.8, 0.7}, .g = 0.5},                                               \
+              {.centre = {-0.9, 0, 0}, .half = {0.06, 0.06, 0.09}, .turn = -30, .density = 4,      \
+               .albedo = {0.9, 0.9, 0.8}, .g = 0.3, .grid = true}}
+static const lf_brute_scene passed = {PASSED};
+static const lf_brute_scene passed_by_lens = {PASSED, .lens_radius = 0.3, .focus = 4.2};
+
 /* clang-format on */
 
 static const char *vdb(void)
@@ -196,6 +212,17 @@ static void assert_points_are_rejected(int strata, const lf_blocks *picture)
     lf_blocks_finish(&truth);
 }
 
+/* Negative control: a track that is a tenth longer. */
+static void assert_longer_is_rejected(int strata, const lf_blocks *picture)
+{
+    lf_brute_scene longer = passed;
+    longer.track *= 1.1;
+    lf_blocks truth;
+    oracle(&longer, strata, &truth);
+    assert_true(lf_blocks_welch(picture, &truth, NULL) < BLOCK_LEVEL);
+    lf_blocks_finish(&truth);
+}
+
 /* strata and cycles: what the power takes. */
 static void compare(const lf_brute_scene *scene, int strata, int cycles)
 {
@@ -209,6 +236,8 @@ static void compare(const lf_brute_scene *scene, int strata, int cycles)
             assert_other_is_rejected(scene, strata * more, &picture.moments[picture.n - 1]);
         if (scene == &blurred)
             assert_points_are_rejected(strata * more, &picture);
+        if (scene == &passed)
+            assert_longer_is_rejected(strata * more, &picture);
         lf_blocks_finish(&picture);
     }
     lf_blocks_finish(&truth);
@@ -272,6 +301,18 @@ static void blurred_views_are_means_of_views_between_and_others_are_rejected(voi
     compare(&blurred, 5, 12);
 }
 
+static void views_along_a_track_are_as_found_by_chance_and_of_a_longer_one_rejected(void **state)
+{
+    (void)state;
+    compare(&passed, 5, 12);
+}
+
+static void a_lens_on_a_track_is_as_found_by_chance(void **state)
+{
+    (void)state;
+    compare_long(&passed_by_lens, 6, 24);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -283,6 +324,8 @@ int main(void)
         cmocka_unit_test(cubes_before_a_wide_sun_are_as_found_by_chance),
         cmocka_unit_test(media_in_each_other_are_as_found_by_chance),
         cmocka_unit_test(blurred_views_are_means_of_views_between_and_others_are_rejected),
+        cmocka_unit_test(views_along_a_track_are_as_found_by_chance_and_of_a_longer_one_rejected),
+        cmocka_unit_test(a_lens_on_a_track_is_as_found_by_chance),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }

@@ -5,6 +5,7 @@
 #include <jansson.h>
 
 #include "render/render.h"
+#include "tests/stat/fixture.h"
 
 /* A schema without references: those of this file name parts under $defs. */
 static const json_t *resolve(const json_t *schema, const json_t *part)
@@ -91,11 +92,53 @@ static void a_scene_that_says_nothing_has_the_camera_of_the_table(void **state)
     lf_test_folder_remove(folder);
 }
 
+static void views_stand_on_a_track(void **state)
+{
+    (void)state;
+    static const char text[] = "{'camera': {'fov_y': 30, 'cone': 20, "
+                               "'views': {'track': {'length': 2.5%s}}}}";
+    char scene_text[256];
+    for (int i = 0; i < 3; i++) {
+        static const char *const more[] = {"", ", 'count': 100, 'window': 'own'",
+                                           ", 'window': 'shared'"};
+        snprintf(scene_text, sizeof scene_text, text, more[i]);
+        lf_scene *scene = lf_test_scene(scene_text);
+        const lf_camera *camera = lf_scene_camera(scene);
+        lf_assert_close(camera->fov_y, M_PI / 6, 1e-15, 0);
+        assert_true(camera->track == 2.5 && camera->n_views == (i == 1 ? 100 : 45));
+        assert_true(camera->own_windows == (i < 2) && camera->has_views);
+        lf_scene_unref(scene);
+    }
+}
+
+static void a_track_that_is_none_is_refused(void **state)
+{
+    (void)state;
+    static const char *const bad[][3] = {
+        {"{}", "", "expected {\"track\": {\"count\""},
+        {"{'trak': {}}", "/trak", "did you mean \"track\"?"},
+        {"{'track': {'count': 9}}", "/track", "\"length\" is missing"},
+        {"{'track': {'length': 0}}", "/track/length", "out of range"},
+        {"{'track': {'length': 1, 'count': 300}}", "/track/count", "out of range: 1 to 256"},
+        {"{'track': {'length': 1, 'window': 'one'}}", "/track/window", "did you mean \"own\"?"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        char text[256], pointer[64];
+        snprintf(text, sizeof text, "{'camera': {'views': %s}}", bad[i][0]);
+        snprintf(pointer, sizeof pointer, "/camera/views%s", bad[i][1]);
+        lf_test_assert_refused(".", text, pointer, bad[i][2]);
+    }
+    lf_test_assert_refused(".", "{'camera': {'fov': 3, 'views': {'track': {'length': 1}}}}",
+                           "/camera/fov", "unknown key");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_schema_of_scenes_says_of_the_camera_what_its_table_says),
         cmocka_unit_test(a_scene_that_says_nothing_has_the_camera_of_the_table),
+        cmocka_unit_test(views_stand_on_a_track),
+        cmocka_unit_test(a_track_that_is_none_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

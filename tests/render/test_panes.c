@@ -14,35 +14,38 @@ enum { width = 32, height = 24, n_views = 3, tile = 8, blocks_of_all = n_views *
 #define CERTAIN 1e-9
 
 /* A pane that leans before a ball that is looked at through it in part, and one behind. */
-#define WINDOW(camera, media)                                                                      \
-    "{ " LF_TEST_CAMERA("3", camera) "'meshes': { " LF_TEST_GROUND ", 'ball': { 'shape': "         \
-                                     "'sphere', 'material': 'glaze', 'transform': { 'scale': "     \
-                                     "0.5, 'translate': [0.3, -0.3, 0.2] "                         \
-                                     "} }, 'front': { 'shape': 'quad', 'material': 'pane', "       \
-                                     "'transform': { 'scale': 0.7, 'rotate': "                     \
-                                     "[70, 30, 0], 'translate': [0, 0, 1.2] } }, 'side': { "       \
-                                     "'shape': 'quad', 'material': 'grey', "                       \
-                                     "'transform': { 'scale': 0.8, 'rotate': [0, 0, 60], "         \
-                                     "'translate': [-0.6, -0.2, 0.5] } }, "                        \
-                                     "'card': { 'shape': 'quad', 'material': 'card', "             \
-                                     "'transform': { 'scale': 1.5, 'rotate': [90, "                \
-                                     "0, 0], 'translate': [0, 0.3, -2] } } }, 'materials': { "     \
-                                     "'clay': { 'albedo': [0.5, 0.45, 0.4] "                       \
-                                     "}, 'glaze': { 'type': 'plastic', 'roughness': 0.5, "         \
-                                     "'albedo': [0.6, 0.3, 0.2] }, 'pane': { "                     \
-                                     "'type': 'principled', 'roughness': 0, 'albedo': 1, "         \
-                                     "'transmission': 1, 'glass': 'sheet' }, "                     \
-                                     "'grey': { 'type': 'principled', 'roughness': 0, 'albedo': "  \
-                                     "0.6, 'transmission': 1, 'glass': "                           \
-                                     "'sheet', 'coat': 0.5, 'specular': 0.7 }, 'card': { "         \
-                                     "'albedo': 0.2, 'emission': [1, 1.2, 1.4] "                   \
-                                     "} }, 'lights': { 'sky': { 'type': 'environment', "           \
-                                     "'radiance': [0.4, 0.5, 0.7] } }" media " }"
+#define WINDOW(views, camera, media)                                                               \
+    "{ " LF_TEST_CAMERA(views,                                                                     \
+                        camera) "'meshes': { " LF_TEST_GROUND ", 'ball': { 'shape': "              \
+                                "'sphere', 'material': 'glaze', 'transform': { 'scale': "          \
+                                "0.5, 'translate': [0.3, -0.3, 0.2] "                              \
+                                "} }, 'front': { 'shape': 'quad', 'material': 'pane', "            \
+                                "'transform': { 'scale': 0.7, 'rotate': "                          \
+                                "[70, 30, 0], 'translate': [0, 0, 1.2] } }, 'side': { "            \
+                                "'shape': 'quad', 'material': 'grey', "                            \
+                                "'transform': { 'scale': 0.8, 'rotate': [0, 0, 60], "              \
+                                "'translate': [-0.6, -0.2, 0.5] } }, "                             \
+                                "'card': { 'shape': 'quad', 'material': 'card', "                  \
+                                "'transform': { 'scale': 1.5, 'rotate': [90, "                     \
+                                "0, 0], 'translate': [0, 0.3, -2] } } }, 'materials': { "          \
+                                "'clay': { 'albedo': [0.5, 0.45, 0.4] "                            \
+                                "}, 'glaze': { 'type': 'plastic', 'roughness': 0.5, "              \
+                                "'albedo': [0.6, 0.3, 0.2] }, 'pane': { "                          \
+                                "'type': 'principled', 'roughness': 0, 'albedo': 1, "              \
+                                "'transmission': 1, 'glass': 'sheet' }, "                          \
+                                "'grey': { 'type': 'principled', 'roughness': 0, 'albedo': "       \
+                                "0.6, 'transmission': 1, 'glass': "                                \
+                                "'sheet', 'coat': 0.5, 'specular': 0.7 }, 'card': { "              \
+                                "'albedo': 0.2, 'emission': [1, 1.2, 1.4] "                        \
+                                "} }, 'lights': { 'sky': { 'type': 'environment', "                \
+                                "'radiance': [0.4, 0.5, 0.7] } }" media " }"
 
 static const char *const windows[] = {
-    WINDOW(", 'lens_radius': 0.1, 'focus_distance': 4.2", ""),
-    WINDOW("", ", 'volumes': { 'fog': { 'shape': 'box', 'density': 0.5, 'g': 0.3, 'transform': { "
-               "'scale': 1.4 } } }")};
+    WINDOW("{ 'track': { 'count': 3, 'length': 1.5 } }",
+           ", 'lens_radius': 0.1, 'focus_distance': 4.2", ""),
+    WINDOW("3", "",
+           ", 'volumes': { 'fog': { 'shape': 'box', 'density': 0.5, 'g': 0.3, 'transform': { "
+           "'scale': 1.4 } } }")};
 
 static void as_other_surfaces(lf_scene *scene)
 {

@@ -23,7 +23,8 @@ static const char SCENE[] = "{\"quiltd\":1,"
                             "\"green\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[0,1,0]},"
                             "\"blue\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[0,0,1]}}}";
 
-static float *render(lf_render_settings *settings)
+/* By the scene's own arc of cameras, or on a track. */
+static float *render(lf_render_settings *settings, double track, bool own_windows)
 {
     lf_error err;
     lf_scene *scene = NULL;
@@ -36,6 +37,8 @@ static float *render(lf_render_settings *settings)
     lf_assert_ok(lf_scene_from_json(doc, ".", "test", NULL, NULL, &scene, &err), &err);
     *settings = (lf_render_settings){
         .camera = *lf_scene_camera(scene), .width = WIDTH, .height = HEIGHT, .seed = 5};
+    settings->camera.track = track;
+    settings->camera.own_windows = own_windows;
     lf_assert_ok(lf_pool_create(2, &pool), NULL);
     lf_assert_ok(lf_renderer_create(scene, settings, pool, &renderer, &err), &err);
     lf_assert_ok(lf_renderer_passes(renderer, NULL, 64 * VIEWS, false, NULL, NULL, NULL), NULL);
@@ -64,14 +67,18 @@ static double centre(const float *picture, int view, int channel)
     return weighted / sum;
 }
 
-/* The rig's own words: the window is D wide of the line of cameras, view k sits at D tan(a_k)
- * (scene.md, camera). */
+/* The rig's own words: the window is D wide of the line of cameras, view k sits at D tan(a_k), or
+ * at its place on a track, where windows may go along with the cameras (scene.md, camera). */
 static double predicted(const lf_camera *camera, int view, double x, double z)
 {
     double distance = 6.0, height = 2.0 * distance * tan(0.5 * camera->fov_y),
            width = height * camera->aspect;
     double b = distance * tan(((view + 0.5) / VIEWS - 0.5) * camera->cone);
+    if (camera->track > 0.0)
+        b = (view / (VIEWS - 1.0) - 0.5) * camera->track;
     double on_window = b + (x - b) * distance / (distance - z);
+    if (camera->track > 0.0 && camera->own_windows)
+        on_window -= b;
     return (on_window / width + 0.5) * WIDTH;
 }
 
@@ -79,21 +86,23 @@ static void points_land_where_the_rig_says(void **state)
 {
     (void)state;
     static const double z[3] = {0.0, 1.0, -1.5};
-    lf_render_settings settings;
-    float *picture = render(&settings);
-    for (int view = 0; view < VIEWS; view++) {
-        for (int channel = 0; channel < 3; channel++)
-            lf_assert_close(centre(picture, view, channel),
-                            predicted(&settings.camera, view, 0.2, z[channel]), 0.0, 0.15);
+    for (int way = 0; way < 3; way++) {
+        lf_render_settings settings;
+        float *picture = render(&settings, way > 0 ? 2.0 : 0.0, way == 2);
+        for (int view = 0; view < VIEWS; view++) {
+            for (int channel = 0; channel < 3; channel++)
+                lf_assert_close(centre(picture, view, channel),
+                                predicted(&settings.camera, view, 0.2, z[channel]), 0.0, 0.15);
+        }
+        lf_free(picture);
     }
-    lf_free(picture);
 }
 
 static void depth_moves_points_against_each_other(void **state)
 {
     (void)state;
     lf_render_settings settings;
-    float *picture = render(&settings);
+    float *picture = render(&settings, 0.0, false);
     double moved[3];
     for (int channel = 0; channel < 3; channel++)
         moved[channel] = centre(picture, VIEWS - 1, channel) - centre(picture, 0, channel);

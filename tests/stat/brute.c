@@ -272,8 +272,18 @@ static void aim(tracer *t)
 /* From one camera to the next, on average. */
 static double step(const tracer *t)
 {
+    if (t->scene->track > 0)
+        return t->scene->track / (t->scene->n_views - 1);
     double outer = (0.5 - 0.5 / t->scene->n_views) * t->scene->cone * PI / 180;
     return 2 * t->distance * tan(outer) / (t->scene->n_views - 1);
+}
+
+/* How far a camera is from the middle one. */
+static double offset(const tracer *t, int view)
+{
+    const lf_brute_scene *s = t->scene;
+    double angle = ((view + 0.5) / s->n_views - 0.5) * s->cone * PI / 180;
+    return s->track > 0 ? (view - 0.5 * (s->n_views - 1)) * step(t) : t->distance * tan(angle);
 }
 
 /* Radiance that arrives at a point (0..1 from the left and the top) of a view's film, by one path.
@@ -281,8 +291,7 @@ static double step(const tracer *t)
 static void look(tracer *t, int view, double u, double v, double radiance[3])
 {
     const lf_brute_scene *s = t->scene;
-    double angle = ((view + 0.5) / s->n_views - 0.5) * s->cone * PI / 180,
-           b = t->distance * tan(angle);
+    double b = offset(t, view);
     double height = 2 * t->distance * tan(s->fov_y * PI / 360), width = s->aspect * height;
     double x = (u - 0.5) * width, y = (0.5 - v) * height, lens[2] = {0, 0},
            sharp = s->focus > 0 ? s->focus : t->distance;
@@ -293,8 +302,10 @@ static void look(tracer *t, int view, double u, double v, double radiance[3])
     }
     if (s->view_blur > 0)
         lens[0] = s->view_blur * step(t) * (uniform(t) - 0.5);
-    /* from the lens to where the ray through its middle meets the plane in focus */
-    double dx = (x - b) * sharp / t->distance - lens[0], dy = y * sharp / t->distance - lens[1];
+    /* from the lens to where the ray through its middle meets the plane in focus; a blurred view of
+     * a track is of cameras that look the same way */
+    double aside = s->track > 0 ? x : x - b, kept = s->track > 0 && s->view_blur > 0 ? 0 : lens[0];
+    double dx = aside * sharp / t->distance - kept, dy = y * sharp / t->distance - lens[1];
     vec o = combine(combine(of(s->position), b + lens[0], t->right), lens[1], t->up), d = {{0}};
     d = combine(combine(combine(d, dx, t->right), dy, t->up), sharp, t->forward);
     trace(t, o, unit(d), radiance);
@@ -345,8 +356,12 @@ static void say_camera(text *t, const lf_brute_scene *s)
     say_three(t, "position", s->position);
     say(t, ", ");
     say_three(t, "target", s->target);
-    say(t, ", 'fov_y': %.17g, 'aspect': %.17g, 'cone': %.17g, 'views': %d, 'lens_radius': %.17g",
-        s->fov_y, s->aspect, s->cone, s->n_views, s->lens_radius);
+    say(t, ", 'fov_y': %.17g, 'aspect': %.17g, 'lens_radius': %.17g", s->fov_y, s->aspect,
+        s->lens_radius);
+    if (s->track > 0)
+        say(t, ", 'views': { 'track': { 'count': %d, 'length': %.17g } }", s->n_views, s->track);
+    else
+        say(t, ", 'cone': %.17g, 'views': %d", s->cone, s->n_views);
     if (s->focus > 0)
         say(t, ", 'focus_distance': %.17g", s->focus);
     if (s->view_blur > 0)

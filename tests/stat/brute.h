@@ -28,6 +28,7 @@ typedef struct lf_brute_medium {
 typedef struct lf_brute_scene {
     /* up is +y; centred placement */
     double position[3], target[3], fov_y, aspect, cone, lens_radius, focus;
+    double track;     /* length, each camera with its own window; 0: an arc */
     double view_blur; /* of steps between the cameras, which are set by their tangents */
     int n_views, n_quads, n_media;
     lf_brute_quad quads[LF_BRUTE_QUADS];
