@@ -6,7 +6,7 @@ static bool is_fleshy(const lf_scene *scene, const lf_mesh *mesh)
 {
     bool fleshy = false;
     for (int i = 0; i < mesh->n_triangles && !fleshy; i++) {
-        int m = mesh->triangle_material ? mesh->triangle_material[i] : mesh->material;
+        const int m = lf_mesh_material(mesh, (uint32_t)i);
         fleshy = scene->materials[m].glass.subsurface > 0.0f;
     }
     return fleshy;

@@ -106,7 +106,7 @@ static bool cut_triangle(const lf_rig *rig, const lf_row_plane *plane, const lf_
 static bool is_veil(const lf_scene *scene, const lf_row_triangle *t)
 {
     const lf_mesh *mesh = &scene->meshes[t->mesh];
-    return lf_is_veil(&scene->materials[lf_cut_material(mesh, t->triangle)]);
+    return lf_is_veil(&scene->materials[lf_mesh_material(mesh, t->triangle)]);
 }
 
 static void clear_boxes(lf_section_node *node)
@@ -163,7 +163,7 @@ static int cut_listed(lf_section *section, const lf_row_triangles *rows, const l
             lf_section_leaf *leaf = &section->leaves[n / WIDE];
             lf_cut_put(leaf, n % WIDE, rig, end);
             leaf->triangle[n % WIDE] = rows->mesh_start[t->mesh] + t->triangle;
-            leaf->material[n % WIDE] = lf_cut_material(&scene->meshes[t->mesh], t->triangle);
+            leaf->material[n % WIDE] = lf_mesh_material(&scene->meshes[t->mesh], t->triangle);
             n++;
         }
     }

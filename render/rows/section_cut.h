@@ -83,9 +83,4 @@ static inline void lf_cut_put(lf_section_leaf *leaf, int i, const lf_rig *rig,
     leaf->s1[i] = (float)(end[1].x / end[1].z);
 }
 
-static inline int lf_cut_material(const lf_mesh *mesh, uint32_t triangle)
-{
-    return mesh->triangle_material ? mesh->triangle_material[triangle] : mesh->material;
-}
-
 #endif

@@ -97,7 +97,7 @@ static double at(const double row[4], const float *v)
 static bool is_left_out(const cutting *c, const lf_mesh *mesh, uint32_t triangle)
 {
     return c->what != LF_CUT_ALL &&
-           lf_is_veil(&c->scene->materials[lf_cut_material(mesh, triangle)]) !=
+           lf_is_veil(&c->scene->materials[lf_mesh_material(mesh, triangle)]) !=
                (c->what == LF_CUT_VEILS);
 }
 
@@ -111,7 +111,7 @@ static void put(cutting *c, const lf_mesh *mesh, uint32_t triangle, const lf_cut
     const int i = (int)((c->n - 1) % WIDE);
     lf_cut_put(leaf, i, c->rig, end);
     leaf->triangle[i] = places->first + (uint32_t)number;
-    leaf->material[i] = lf_cut_material(mesh, triangle);
+    leaf->material[i] = lf_mesh_material(mesh, triangle);
     places->triangle[number] = triangle;
 }
 

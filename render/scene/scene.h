@@ -321,6 +321,12 @@ static inline lf_vec3 lf_mesh_vertex(const lf_mesh *mesh, uint32_t vertex)
     return lf_v3(v[0], v[1], v[2]);
 }
 
+/* The material of a triangle, in the scene. */
+static inline uint16_t lf_mesh_material(const lf_mesh *mesh, uint32_t triangle)
+{
+    return mesh->triangle_material ? mesh->triangle_material[triangle] : mesh->material;
+}
+
 /* The point a + u (b - a) + v (c - a) of a triangle, off its plane by no more than the rounding of
  * the point's own coordinates. */
 static inline lf_vec3 lf_mesh_point(const lf_mesh *mesh, uint32_t triangle, float u, float v)

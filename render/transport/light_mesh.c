@@ -30,11 +30,6 @@ static float pdf_of(lf_vec3 d, lf_vec3 ng, float area)
     return k > 0.0f ? distance2 / k : 0.0f;
 }
 
-static uint16_t triangle_material(const lf_mesh *mesh, int triangle)
-{
-    return mesh->triangle_material ? mesh->triangle_material[triangle] : mesh->material;
-}
-
 static bool see(const lf_mesh *mesh, uint32_t triangle, lf_vec3 from, lf_spherical *out)
 {
     return lf_spherical_init(out, from, vertex(mesh, triangle, 0), vertex(mesh, triangle, 1),
@@ -112,7 +107,7 @@ static lf_vec3 emission_at(const lf_scene *scene, const lf_mesh *mesh, uint32_t 
                            float v, float width)
 {
     lf_hit hit = {.mesh = mesh, .triangle = triangle, .u = u, .v = v};
-    hit.material = &scene->materials[triangle_material(mesh, (int)triangle)];
+    hit.material = &scene->materials[lf_mesh_material(mesh, triangle)];
     return lf_hit_emission(&hit, width);
 }
 
@@ -188,7 +183,7 @@ static int count_triangles(const lf_mesh *mesh, uint16_t material)
 {
     int n = 0;
     for (int i = 0; i < mesh->n_triangles; i++)
-        n += triangle_material(mesh, i) == material;
+        n += lf_mesh_material(mesh, (uint32_t)i) == material;
     return n;
 }
 
@@ -204,7 +199,7 @@ static lf_status mesh_light_init(lf_light *light, const lf_mesh *mesh, int n_tri
     double total = 0.0, sum = 0.0;
     int n = 0, last = 0;
     for (int i = 0; i < mesh->n_triangles; i++) {
-        if (triangle_material(mesh, i) != light->mesh_material)
+        if (lf_mesh_material(mesh, (uint32_t)i) != light->mesh_material)
             continue;
         double area = 0.5 * (double)lf_length(twice_area(mesh, (uint32_t)i));
         last = area > 0.0 ? n : last;

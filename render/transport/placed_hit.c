@@ -45,12 +45,6 @@ static lf_vec3 mapped_normal(double to[3][3], const lf_mesh *mesh, uint32_t vert
     return lf_v3((float)(out[0] * inverse), (float)(out[1] * inverse), (float)(out[2] * inverse));
 }
 
-static const lf_material *material_of(const lf_scene *scene, const lf_mesh *mesh, uint32_t triangle)
-{
-    return &scene->materials[mesh->triangle_material ? mesh->triangle_material[triangle]
-                                                     : mesh->material];
-}
-
 static lf_vec3 shading_normal(const lf_hit *hit, const lf_affine *map)
 {
     const uint32_t *tri = hit->mesh->triangles + 3 * (size_t)hit->triangle;
@@ -87,7 +81,7 @@ void lf_placed_hit(const lf_scene *scene, lf_mesh const *mesh, uint32_t triangle
     hit->u = u;
     hit->v = v;
     hit->varies = false;
-    hit->material = material_of(scene, mesh, triangle);
+    hit->material = &scene->materials[lf_mesh_material(mesh, triangle)];
     hit->ns = shading_normal(hit, &map);
 }
 
@@ -101,7 +95,7 @@ void lf_placed_face_init(lf_face *face, const lf_scene *scene, int mesh, uint32_
     float inverse = c.area2 > 0.0 ? (float)(c.sign / c.area2) : 0.0f;
     double to[3][3];
     *face = (lf_face){.mesh = of,
-                      .material = material_of(scene, of, triangle),
+                      .material = &scene->materials[lf_mesh_material(of, triangle)],
                       .triangle = triangle,
                       .place = place,
                       .a = lf_to_vec3(c.a),

@@ -48,8 +48,7 @@ static void describe(const lf_scene *scene, unsigned mesh_number, unsigned trian
     hit->u = u;
     hit->v = v;
     hit->varies = false;
-    hit->material = &scene->materials[mesh->triangle_material ? mesh->triangle_material[triangle]
-                                                              : mesh->material];
+    hit->material = &scene->materials[lf_mesh_material(mesh, triangle)];
 }
 
 static lf_vec3 normal_at(const lf_mesh *mesh, uint32_t vertex)
@@ -66,8 +65,7 @@ void lf_face_init(lf_face *face, const lf_scene *scene, int mesh, uint32_t trian
             ac = lf_sub(lf_mesh_vertex(of, tri[2]), a), n = lf_cross(ab, ac);
     float area = lf_length(n), inverse = area > 0.0f ? 1.0f / area : 0.0f;
     *face = (lf_face){.mesh = of, .triangle = triangle, .a = a, .n = lf_scale(n, inverse)};
-    face->material =
-        &scene->materials[of->triangle_material ? of->triangle_material[triangle] : of->material];
+    face->material = &scene->materials[lf_mesh_material(of, triangle)];
     face->to_uv[0] = lf_scale(lf_cross(ac, face->n), inverse);
     face->to_uv[1] = lf_scale(lf_cross(face->n, ab), inverse);
     if (!of->normals)
