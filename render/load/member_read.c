@@ -54,6 +54,14 @@ static const char *ending(const char *file)
     return dot ? dot + 1 : "";
 }
 
+bool lf_is_file_of(const char *file, const char *const endings[])
+{
+    bool is = false;
+    for (int i = 0; endings[i] && !is; i++)
+        is = strcasecmp(ending(file), endings[i]) == 0;
+    return is;
+}
+
 const char *lf_read_file(lf_reader *reader, const lf_node *node, const char *key,
                          const char *const endings[])
 {
@@ -61,9 +69,8 @@ const char *lf_read_file(lf_reader *reader, const lf_node *node, const char *key
     char list[128];
     if (!file)
         return NULL;
-    for (int i = 0; endings[i]; i++)
-        if (strcasecmp(ending(file), endings[i]) == 0)
-            return file;
+    if (lf_is_file_of(file, endings))
+        return file;
     lf_node at = lf_node_child(node, key);
     join_endings(endings, list, sizeof list);
     lf_read_fail(reader, &at, "%s: unknown kind of file; expected %s", file, list);

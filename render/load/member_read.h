@@ -28,8 +28,10 @@ void lf_read_value(lf_reader *reader, const lf_node *node, const lf_param *key, 
 /* Things need a or b, and not both: whether it is a. */
 bool lf_read_either(lf_reader *reader, const lf_node *node, const char *a, const char *b);
 
-/* The name under key when it ends in a dot and one of endings (ended by NULL), whatever the case of
- * the letters; NULL = absent or wrong. */
+/* Whether a file's name ends in a dot and one of endings (ended by NULL), whatever the case of the
+ * letters. */
+bool lf_is_file_of(const char *file, const char *const endings[]);
+/* The name under key when it is that of such a file; NULL = absent or wrong. */
 const char *lf_read_file(lf_reader *reader, const lf_node *node, const char *key,
                          const char *const endings[]);
 

@@ -18,9 +18,10 @@ static lf_status refuse_text(const char *path, const char *text, const json_erro
                              lf_error *err)
 {
     if (text[strspn(text, " \t\r\n")] != '{')
-        return lf_error_set_at(err, LF_E_FORMAT, path, problem->line, NULL,
-                               "this is neither a scene (a JSON object) nor a picture; meshes and "
-                               "volumes are shown by a scene that names them");
+        return lf_error_set_at(
+            err, LF_E_FORMAT, path, problem->line, NULL,
+            "this is neither a scene (a JSON object) nor a picture, nor does it end "
+            "as a mesh (.glb, .gltf, .obj, .ply, .stl, .3ds) or a volume (.vdb) does");
     return lf_error_set_at(err, LF_E_FORMAT, path, problem->line, NULL, "%s (column %d)",
                            problem->text, problem->column);
 }

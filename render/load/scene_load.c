@@ -3,6 +3,7 @@
 
 #include "base/alloc.h"
 #include "base/frame_name.h"
+#include "render/load/bare_file.h"
 #include "render/load/keyframes.h"
 #include "render/load/scene_commit.h"
 #include "render/load/scene_include.h"
@@ -114,9 +115,51 @@ static lf_status patch_document(json_t *doc, const json_t *patch, const char *pa
                : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
 }
 
+/* A document (taken over, NULL: out of memory) with a patch on it. */
+static lf_status build_made(json_t *doc, const json_t *patch, const char *path, const char *folder,
+                            const lf_roots *roots, const lf_scene *previous, lf_scene **out_scene,
+                            lf_error *err)
+{
+    const lf_json_source source = {.where = path, .doc = doc};
+    lf_status status = doc ? patch_document(doc, patch, path, err)
+                           : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    if (status == LF_OK)
+        status = build(&source, folder, roots, previous, out_scene, err);
+    json_decref(doc);
+    return status;
+}
+
+/* The file alone, to see how large it is, and then with what shows it. */
+static lf_status load_bare(const char *path, const json_t *patch, const lf_roots *roots,
+                           const lf_scene *previous, lf_scene **out_scene, lf_error *err)
+{
+    char *folder = lf_path_folder(path), *allowed = NULL;
+    lf_scene *alone = NULL;
+    lf_status status = folder ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    if (status == LF_OK && roots && roots->n_roots > 0)
+        status = lf_roots_resolve(roots, folder, &allowed, err);
+    if (status == LF_OK)
+        status =
+            build_made(lf_bare_document(path), patch, path, folder, roots, previous, &alone, err);
+    if (status == LF_OK) {
+        json_t *doc = lf_bare_document(path);
+        if (doc && !lf_bare_furnish(doc, alone)) {
+            json_decref(doc);
+            doc = NULL;
+        }
+        status = build_made(doc, patch, path, folder, roots, alone, out_scene, err);
+    }
+    lf_scene_unref(alone);
+    lf_free(allowed);
+    lf_free(folder);
+    return status;
+}
+
 lf_status lf_scene_load_patched(const char *path, const json_t *patch, const lf_roots *roots,
                                 const lf_scene *previous, lf_scene **out_scene, lf_error *err)
 {
+    if (lf_is_bare_file(path))
+        return load_bare(path, patch, roots, previous, out_scene, err);
     lf_scene_text text;
     lf_status status = lf_scene_text_read(path, roots, &text, err);
     char *folder = lf_path_folder(path);

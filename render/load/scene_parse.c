@@ -13,6 +13,9 @@
 #include "render/scene/vec_double.h"
 #include "render/transport/surface.h"
 
+const char *const lf_mesh_endings[] = {"obj", "ply", "stl", "gltf", "glb", "3ds", NULL};
+const char *const lf_volume_endings[] = {"vdb", NULL};
+
 /* ------------------------------------------------------------------------------------- units -- */
 
 /* What one unit of node's lengths is, in millimetres; fallback where it says nothing. */
@@ -251,12 +254,11 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
         "albedo",    "g",        "units",        "interpolation", "emission",
         "transform", "second_g", "second_share", "droplets",      "precision",
         "velocity",  NULL};
-    static const char *const endings[] = {"vdb", NULL};
     static const char *const filters[] = {"linear", "nearest", NULL};
     static const char *const precisions[] = {"exact", "half", NULL};
     lf_read_object(reader, node, keys);
     volume->kind = LF_VOLUME_GRID;
-    const char *file = lf_read_file(reader, node, "file", endings);
+    const char *file = lf_read_file(reader, node, "file", lf_volume_endings);
     volume->file = file ? lf_frame_file(reader, node, file, frame) : NULL;
     parse_grid_names(reader, node, volume);
     volume->nearest = lf_read_choice(reader, node, "interpolation", filters, 0) == 1;
@@ -516,7 +518,6 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     static const char *const keys[] = {"file",      "shape",     "material", "normals",
                                        "transform", "animation", "units",    "catcher",
                                        "lights",    "instances", NULL};
-    static const char *const endings[] = {"obj", "ply", "stl", "gltf", "glb", "3ds", NULL};
     static const char *const normals[] = {"file", "smooth", "flat", NULL};
     lf_mesh_desc *mesh = &desc->meshes[index];
     const char *shapes[LF_MAX_KINDS + 1] = {NULL};
@@ -526,7 +527,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     if (!lf_read_object(reader, node, keys))
         return;
     if (lf_read_either(reader, node, "file", "shape"))
-        mesh->file = lf_read_file(reader, node, "file", endings);
+        mesh->file = lf_read_file(reader, node, "file", lf_mesh_endings);
     else
         mesh->shape = lf_mesh_shapes[lf_read_choice(reader, node, "shape", shapes, 0)];
     mesh->normals = (lf_normals)lf_read_choice(reader, node, "normals", normals, LF_NORMALS_FILE);

@@ -120,6 +120,9 @@ typedef struct lf_scene_desc {
     lf_warnings warnings; /* of what it says without effect */
 } lf_scene_desc;
 
+/* What files of meshes and of volumes end in, without the dot; NULL behind the last. */
+extern const char *const lf_mesh_endings[], *const lf_volume_endings[];
+
 /* What a scene says when its shutter opens, and when it closes: [2], the same where it has none. */
 typedef const lf_scene_desc *const *lf_ends;
 

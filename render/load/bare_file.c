@@ -1,0 +1,103 @@
+#include "render/load/bare_file.h"
+
+#include <string.h>
+
+#include "render/load/member_read.h"
+#include "render/load/scene_parse.h"
+#include "render/scene/scene.h"
+#include "render/scene/vec_double.h"
+
+/* Optical thickness of the densest part, if all of the volume's box were as dense: smoke and clouds
+ * are that in little of it. */
+#define THICKNESS 40.0
+#define FILL 0.9
+
+bool lf_is_bare_file(const char *path)
+{
+    return lf_is_file_of(path, lf_mesh_endings) || lf_is_file_of(path, lf_volume_endings);
+}
+
+json_t *lf_bare_document(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    if (lf_is_file_of(path, lf_volume_endings))
+        return json_pack("{s:i, s:{s:{s:s}}}", "quiltd", 1, "volumes", "volume", "file", name);
+    return json_pack("{s:i, s:{s:{s:s}}}", "quiltd", 1, "meshes", "model", "file", name);
+}
+
+/* From the front and a little above. */
+static json_t *make_camera(const lf_scene *scene)
+{
+    lf_render_settings settings = {.camera = *lf_scene_camera(scene), .width = 420, .height = 560};
+    lf_camera *camera = &settings.camera;
+    double *to = camera->target, *from = camera->position;
+    camera->cone = LF_RADIANS(35.0);
+    for (int i = 0; i < 3; i++)
+        camera->target[i] = 0.0;
+    from[0] = 0.0;
+    from[1] = 0.16;
+    from[2] = 1.0;
+    if (lf_camera_fit(scene, &settings, NULL, FILL, 0.0, to, from, NULL) != LF_OK)
+        return json_object();
+    return json_pack("{s:[f,f,f], s:[f,f,f], s:f}", "target", to[0], to[1], to[2], "position",
+                     from[0], from[1], from[2], "cone", 35.0);
+}
+
+/* A rectangle that shines at the middle from (x, y, z), in units of the size. */
+static json_t *make_lamp(const double middle[3], double size, const double from[3], double side,
+                         double radiance)
+{
+    return json_pack("{s:s, s:[f,f,f], s:[f,f,f], s:f, s:f, s:f, s:b}", "type", "rectangle",
+                     "position", middle[0] + size * from[0], middle[1] + size * from[1],
+                     middle[2] + size * from[2], "direction", -from[0], -from[1], -from[2], "width",
+                     side * size, "height", side * size, "radiance", radiance, "visible", false);
+}
+
+/* As a photographer's: a large lamp before it at the left, one behind it at the right, and a room
+ * that is bright above. */
+static json_t *make_studio(const double middle[3], double size)
+{
+    static const double front[3] = {-1.6, 1.5, 1.8}, back[3] = {1.8, 1.2, -1.5};
+    return json_pack("{s:o, s:o, s:{s:s, s:f, s:f, s:b, s:f, s:b}}", "front",
+                     make_lamp(middle, size, front, 1.6, 5.0), "back",
+                     make_lamp(middle, size, back, 0.8, 6.0), "room", "type", "sky", "elevation",
+                     50.0, "azimuth", -40.0, "sun", false, "scale", 0.008, "visible", false);
+}
+
+/* A sun and an even sky, of which volumes are quick to show. */
+static json_t *make_day(void)
+{
+    return json_pack("{s:{s:s, s:[f,f,f], s:b}, s:{s:s, s:[f,f,f], s:[f,f,f], s:f}}", "sky", "type",
+                     "environment", "radiance", 0.25, 0.33, 0.45, "visible", false, "sun", "type",
+                     "distant", "direction", 0.6, -1.0, -0.5, "irradiance", 4.0, 3.7, 3.3, "angle",
+                     0.5);
+}
+
+/* Grids have all kinds of units. */
+static bool scale_density(json_t *document, const lf_scene *scene, double size)
+{
+    json_t *volume = json_object_get(json_object_get(document, "volumes"), "volume");
+    const double most = scene->n_volumes > 0 ? (double)scene->volumes[0].sigma_max : 0.0;
+    return !(most > 0.0) ||
+           json_object_set_new(volume, "scale", json_real(THICKNESS / (size * most))) == 0;
+}
+
+bool lf_bare_furnish(json_t *document, const lf_scene *scene)
+{
+    double bounds[2][3], middle[3], across[3];
+    if (!lf_scene_bounds(scene, NULL, bounds))
+        return true;
+    for (int i = 0; i < 3; i++)
+        middle[i] = 0.5 * (bounds[0][i] + bounds[1][i]);
+    lf_sub_double(bounds[1], bounds[0], across);
+    const double size = lf_length_double(across);
+    const bool is_volume = scene->n_volumes > 0;
+    json_t *rest =
+        json_pack("{s:o, s:o, s:{s:s}, s:{s:[f,f,f], s:[f,f,f]}}", "camera", make_camera(scene),
+                  "lights", is_volume ? make_day() : make_studio(middle, size), "film", "tonemap",
+                  "filmic", "backdrop", "top", 0.05, 0.06, 0.08, "bottom", 0.2, 0.2, 0.2);
+    const bool done = rest && json_object_update(document, rest) == 0 &&
+                      (!is_volume || scale_density(document, scene, size));
+    json_decref(rest);
+    return done;
+}
