@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "base/thread.h"
 #include "daemon/engine/folder.h"
+#include "daemon/output/fit.h"
 #include "daemon/output/orbit.h"
 #include "daemon/threads/worker.h"
 
@@ -74,25 +75,6 @@ static json_t *orbit_patch(const lf_scene *scene, const lf_load *load)
         json_object_set_new(json_object_get(patch, "camera"), "focus_distance",
                             json_real(camera.focus_distance));
     return patch;
-}
-
-/* From where all that is to be seen is, with the rig that is in force. */
-static lf_status fit_patch(const lf_content *now, lf_load *load, json_t **out)
-{
-    double target[3], position[3], distance = 0;
-    lf_status status = lf_camera_fit(now->scene, &now->settings, load->name, load->fill,
-                                     load->steps, target, position, &load->err);
-    if (status != LF_OK)
-        return status;
-    for (int i = 0; i < 3; i++)
-        distance += (target[i] - position[i]) * (target[i] - position[i]);
-    *out = json_pack("{s:{s:[f,f,f], s:[f,f,f]}}", "camera", "target", target[0], target[1],
-                     target[2], "position", position[0], position[1], position[2]);
-    /* A lens that is focused somewhere is focused on what was framed. */
-    if (json_object_get(json_object_get(lf_scene_json(now->scene), "camera"), "focus_distance"))
-        json_object_set_new(json_object_get(*out, "camera"), "focus_distance",
-                            json_real(sqrt(distance)));
-    return LF_OK;
 }
 
 /* ------------------------------------------------------------------------------------ contents --
@@ -219,7 +201,8 @@ static lf_status make_content(const lf_loader *loader, lf_load *load, lf_content
     json_t *patch = NULL;
     lf_status status = LF_OK;
     if (load->kind == LF_LOAD_FIT)
-        status = fit_patch(now, load, &patch);
+        status = lf_fit_patch(now->scene, &now->settings, load->name, load->fill, load->steps,
+                              &patch, &load->err);
     else
         patch = orbit_patch(now->scene, load);
     if (status == LF_OK)

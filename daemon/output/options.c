@@ -78,6 +78,8 @@ const lf_param lf_option_params[] = {
      .help = "what is left out where the scene does not need it (all)"},
     {.option = "aov", .argument = "all|none|LIST", PLACE(layers), .type = LF_PARAM_LIST,
      .word_at = layer_at, .help = "layers beside the colours of EXR files (none)"},
+    {.option = "fit", PLACE(fit), .type = LF_PARAM_SWITCH,
+     .help = "the camera moves to where all that is there fills its views"},
     {.name = "guides", .option = "guides", PLACE(guides), .type = LF_PARAM_SWITCH,
      .help = "a picture to frame by: red is nearer than a panel shows sharply, blue farther"},
     {.name = "threads", .option = "threads", .argument = "N", PLACE(threads),

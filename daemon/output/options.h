@@ -48,6 +48,7 @@ typedef struct lf_options {
     unsigned skip;                           /* bits of lf_skip */
     double target_error, target_shown_error; /* > 0 */
     bool has_exposure;                       /* it was given */
+    bool fit;                                /* the camera moves to where all fills its views */
     bool guides;                             /* what lies outside of the sharp depth is marked */
     double exposure;                         /* as in lf_exposed_film */
     lf_reconstruct reconstruct;

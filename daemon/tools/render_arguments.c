@@ -27,10 +27,10 @@ static const struct option table[] = {
 
 static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
                                               " exposure panel target-error target-shown-error aov"
-                                              " guides";
+                                              " fit guides";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
-                              "target-shown-error aov guides reconstruct";
+                              "target-shown-error aov fit guides reconstruct";
 
 static void print_help(void)
 {
@@ -39,13 +39,14 @@ static void print_help(void)
         "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
         "Renders a scene (JSON) into a quilt, an interlaced panel picture, a lenticular print or a "
         "folder of views.\n"
-        "A quilt picture or a folder of views may stand in for SCENE: it is used as it is.\n"
+        "A mesh or a volume (.glb, .obj, .vdb ...) may stand in for SCENE: it is framed and lit.\n"
+        "So may a quilt picture or a folder of views: it is used as it is.\n"
         "\n"
         "OUT by its ending: .png or .exr is a quilt (named ..._qsCxRaASPECT), .tif a print, a path "
         "ending in / a folder of views.\n"
         "\n"
         "What:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " exposure panel aov guides");
+    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " fit exposure panel aov guides");
     lf_param_print_help(lf_panel_params, NULL);
     lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);

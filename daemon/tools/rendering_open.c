@@ -8,6 +8,7 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/output/content.h"
+#include "daemon/output/fit.h"
 #include "daemon/tools/rendering.h"
 
 /* An hour of rendering must not end at a folder that is not there. */
@@ -117,6 +118,27 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     return status;
 }
 
+/* The scene with its camera where --fit wants it. */
+static lf_status fit(lf_rendering *r, lf_error *err)
+{
+    json_t *patch = NULL;
+    lf_scene *framed = NULL;
+    lf_status status = lf_fit_patch(r->scene, &r->settings, NULL, LF_FIT_FILL, 0.0, &patch, err);
+    if (status == LF_OK) {
+        json_t *doc = patch ? lf_json_merge_patch(lf_scene_json(r->scene), patch) : NULL;
+        status = doc ? lf_scene_from_json(doc, lf_scene_folder(r->scene), r->arguments->scene, NULL,
+                                          r->scene, &framed, err)
+                     : lf_error_set(err, LF_E_NOMEM, r->arguments->scene, "out of memory");
+        json_decref(doc);
+    }
+    json_decref(patch);
+    if (status != LF_OK)
+        return status;
+    lf_scene_unref(r->scene);
+    r->scene = framed;
+    return lf_rendering_resolve(r, err);
+}
+
 static lf_status open_scene(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -137,7 +159,9 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
                             "%%04d in its name is, a glTF file that moves, a number with keys; "
                             "--turntable N turns the camera)",
                             a->scene);
-    return status == LF_OK ? lf_rendering_resolve(r, err) : status;
+    if (status == LF_OK)
+        status = lf_rendering_resolve(r, err);
+    return status == LF_OK && a->options.fit ? fit(r, err) : status;
 }
 
 /* Files that are written beside and renamed would take the place of what they were made from.

@@ -409,6 +409,41 @@ static void what_a_scene_lacks_is_a_line_on_stderr(void **state)
     assert_non_null(strstr(o.err, "bare.json: no light shines here"));
 }
 
+/* What is framed does not ask how far away the camera was. */
+static void a_camera_that_fits_is_where_another_one_would_be(void **state)
+{
+    const qr_files *f = *state;
+    char scene[2][PATH_MAX], text[512];
+    for (int i = 0; i < 2; i++) {
+        snprintf(text, sizeof text,
+                 "{\"camera\": {\"position\": [0, 0, %d], \"views\": 2}, \"volumes\": {\"fog\": "
+                 "{\"shape\": \"sphere\", \"transform\": {\"translate\": [3, 7, 0]}}}, \"lights\": "
+                 "{\"sky\": {\"type\": \"environment\", \"radiance\": 1, \"visible\": false}}}",
+                 i ? 24 : 6);
+        snprintf(scene[i], PATH_MAX, "%s", lf_test_write(f->folder, i ? "b.json" : "a.json", text));
+    }
+#define SMALL "--spp 1 --quilt 2x1 --view-size 12x16"
+    qr_succeed("%s -o %s/near.png --fit " SMALL, scene[0], f->folder);
+    qr_succeed("%s -o %s/far.png --fit " SMALL, scene[1], f->folder);
+    qr_succeed("%s -o %s/missed.png " SMALL, scene[0], f->folder);
+    lf_quilt_file fits[2] = {{0}}, missed = {0};
+    static const char *const names[] = {"near_qs2x1a0.75.png", "far_qs2x1a0.75.png"};
+    for (int i = 0; i < 2; i++)
+        lf_assert_ok(lf_quilt_read(lf_test_path(f->folder, names[i]), NULL, 0, 0, &fits[i], NULL),
+                     NULL);
+    lf_assert_ok(
+        lf_quilt_read(lf_test_path(f->folder, "missed_qs2x1a0.75.png"), NULL, 0, 0, &missed, NULL),
+        NULL);
+    for (int y = 0; y < 16; y++)
+        assert_memory_equal(lf_views8_row(&fits[0].views8, 0, y),
+                            lf_views8_row(&fits[1].views8, 0, y), 3 * 12);
+    assert_true(lf_views8_row(&fits[0].views8, 0, 8)[3 * 6] > 20);
+    assert_true(lf_views8_row(&missed.views8, 0, 8)[3 * 6] == 0);
+    for (int i = 0; i < 2; i++)
+        lf_quilt_finish(&fits[i]);
+    lf_quilt_finish(&missed);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -425,6 +460,7 @@ int main(void)
         cmocka_unit_test(every_budget_ends),
         cmocka_unit_test(a_scene_becomes_what_the_options_say),
         cmocka_unit_test(what_a_scene_lacks_is_a_line_on_stderr),
+        cmocka_unit_test(a_camera_that_fits_is_where_another_one_would_be),
     };
     return cmocka_run_group_tests(tests, qr_set_up, qr_tear_down);
 }
