@@ -249,6 +249,9 @@ typedef struct lf_depth {
  * out of range. */
 bool lf_scene_depth(const lf_scene *scene, const lf_render_settings *settings, lf_depth *out);
 
+/* What framing fills of the window unless somebody says otherwise. */
+#define LF_CAMERA_FILL 0.9
+
 /* Where to put the camera of settings so that the box of lf_scene_bounds is in the middle of the
  * window, looked at from the same side as now, and in all views fills at most the share `fill`
  * (above 0, at most 1) of it across and up: as near as that allows. steps > 0: no nearer than where

@@ -4,8 +4,6 @@
 
 #include "render/render.h"
 
-#define LF_FIT_FILL 0.9 /* of the window, unless somebody says otherwise */
-
 /* The patch (RFC 7396) that moves a scene's camera as lf_camera_fit says for the rig of settings; a
  * lens that the scene focuses somewhere is focused on what is framed. On LF_OK a new reference,
  * NULL = out of memory. Errors of lf_camera_fit. */

@@ -2,7 +2,6 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "daemon/output/fit.h"
 #include "daemon/server/methods.h"
 
 void lf_method_queue(lf_call *call, lf_load *load)
@@ -103,7 +102,7 @@ void lf_method_camera_fit(lf_call *call)
     lf_load *load = lf_load_create(LF_LOAD_FIT);
     const char *name = json_string_value(json_object_get(call->params, "name"));
     if (load) {
-        load->fill = number_of(call->params, "fill", LF_FIT_FILL);
+        load->fill = number_of(call->params, "fill", LF_CAMERA_FILL);
         load->steps = number_of(call->params, "steps", 0);
         load->name = name ? lf_strdup(name) : NULL;
     }

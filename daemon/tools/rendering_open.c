@@ -123,7 +123,7 @@ static lf_status fit(lf_rendering *r, lf_error *err)
 {
     json_t *patch = NULL;
     lf_scene *framed = NULL;
-    lf_status status = lf_fit_patch(r->scene, &r->settings, NULL, LF_FIT_FILL, 0.0, &patch, err);
+    lf_status status = lf_fit_patch(r->scene, &r->settings, NULL, LF_CAMERA_FILL, 0.0, &patch, err);
     if (status == LF_OK) {
         json_t *doc = patch ? lf_json_merge_patch(lf_scene_json(r->scene), patch) : NULL;
         status = doc ? lf_scene_from_json(doc, lf_scene_folder(r->scene), r->arguments->scene, NULL,

@@ -10,7 +10,6 @@
 /* Optical thickness of the densest part, if all of the volume's box were as dense: smoke and clouds
  * are that in little of it. */
 #define THICKNESS 40.0
-#define FILL 0.9
 
 bool lf_is_bare_file(const char *path)
 {
@@ -37,7 +36,7 @@ static json_t *make_camera(const lf_scene *scene)
     from[0] = 0.0;
     from[1] = 0.16;
     from[2] = 1.0;
-    if (lf_camera_fit(scene, &settings, NULL, FILL, 0.0, to, from, NULL) != LF_OK)
+    if (lf_camera_fit(scene, &settings, NULL, LF_CAMERA_FILL, 0.0, to, from, NULL) != LF_OK)
         return json_object();
     return json_pack("{s:[f,f,f], s:[f,f,f], s:f}", "target", to[0], to[1], to[2], "position",
                      from[0], from[1], from[2], "cone", 35.0);

@@ -426,7 +426,7 @@ static void a_camera_that_fits_is_where_another_one_would_be(void **state)
     qr_succeed("%s -o %s/near.png --fit " SMALL, scene[0], f->folder);
     qr_succeed("%s -o %s/far.png --fit " SMALL, scene[1], f->folder);
     qr_succeed("%s -o %s/missed.png " SMALL, scene[0], f->folder);
-    lf_quilt_file fits[2] = {{0}}, missed = {0};
+    lf_quilt_file fits[2], missed;
     static const char *const names[] = {"near_qs2x1a0.75.png", "far_qs2x1a0.75.png"};
     for (int i = 0; i < 2; i++)
         lf_assert_ok(lf_quilt_read(lf_test_path(f->folder, names[i]), NULL, 0, 0, &fits[i], NULL),
