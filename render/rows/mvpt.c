@@ -158,7 +158,7 @@ static void counts(const lf_visit *visit, int base, int column)
 static float strategies(const lf_visit *visit, float sum)
 {
     lf_scratch *w = visit->worker;
-    memcpy(w->strategy, w->density, sizeof w->strategy);
+    memcpy(w->strategy, w->density, sizeof *w->strategy * (size_t)lanes_of(visit->rig));
     if (!visit->expected)
         return sum;
     sum = 0.0f;
@@ -233,6 +233,44 @@ static size_t target(const lf_visit *visit, int k)
     return (size_t)view * (size_t)visit->rig->width + (size_t)visit->worker->column[k];
 }
 
+/* One radiance for all views, each of whose channels has a density of its own. */
+static void spread_channels(lf_visit *visit, lf_vec3 y, float scale)
+{
+    lf_scratch *w = visit->worker;
+    const float *const *d = w->channels.received;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        float weight = w->density[k] * scale;
+        if (weight == 0.0f)
+            continue;
+        size_t pixel = target(visit, k);
+        lf_film_scatter(&visit->sums, pixel, d[0][k] * scale * y.x, d[1][k] * scale * y.y,
+                        d[2][k] * scale * y.z);
+        lf_film_weigh(&visit->sums, pixel, weight);
+        w->contributions++;
+    }
+}
+
+/* One radiance for all views. */
+static void spread_colour(lf_visit *visit, lf_vec3 y, float scale)
+{
+    lf_scratch *w = visit->worker;
+    const lf_film_scattered one = {{y.x, y.y, y.z}, 1.0f};
+    const lf_film_sums sums = visit->sums; /* nothing is written into this copy */
+    const int views = visit->rig->n_views;
+    const size_t width = (size_t)visit->rig->width;
+    const bool swapped = lf_has_fault(visit, LF_FAULT_SWAPPED_VIEWS);
+    int64_t n = 0;
+    for (int k = 0; k < views; k++) {
+        float weight = w->density[k] * scale;
+        if (weight == 0.0f)
+            continue;
+        size_t pixel = (size_t)(swapped ? views - 1 - k : k) * width + (size_t)w->column[k];
+        lf_film_add_times(&sums, pixel, weight, &one);
+        n++;
+    }
+    w->contributions += n;
+}
+
 /* The lobe does not depend on the view: one radiance for all. */
 static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
                            lf_vec3 wo, float sum)
@@ -244,19 +282,13 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suff
         y = lf_v3(0.0f, 0.0f, 0.0f);
     }
     float scale = pivot->boost / sum;
-    const float *const *d = w->channels.received;
-    for (int k = 0; k < visit->rig->n_views; k++) {
-        float weight = w->density[k] * scale;
-        if (weight == 0.0f)
-            continue;
-        size_t pixel = target(visit, k);
-        lf_film_scatter(&visit->sums, pixel, d[0][k] * scale * y.x, d[1][k] * scale * y.y,
-                        d[2][k] * scale * y.z);
-        lf_film_weigh(&visit->sums, pixel, weight);
-        if (visit->sums.half.w2)
-            lf_film_weigh_direction(&visit->sums, pixel, weight);
-        w->contributions++;
-    }
+    if (visit->scene->looks.chromatic)
+        spread_channels(visit, y, scale);
+    else
+        spread_colour(visit, y, scale);
+    for (int k = 0; k < visit->rig->n_views && visit->sums.half.w2; k++)
+        if (w->density[k] * scale != 0.0f)
+            lf_film_weigh_direction(&visit->sums, target(visit, k), w->density[k] * scale);
 }
 
 /* Henyey-Greenstein of every view towards wi, in one loop without branches (phase.h:
