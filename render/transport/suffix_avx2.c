@@ -1,5 +1,5 @@
 #if defined(__x86_64__)
-#define LF_LANES_AVX2
+#include "render/transport/lanes_avx2.h"
 #include "render/transport/suffix_lanes.h"
 
 const lf_suffixes lf_suffixes_avx2 = {.name = "avx2", .trace = trace, .light = light};
