@@ -30,21 +30,21 @@ static void project(const lf_projection *of, int n, const lf_projected *out)
                 per_pixel = 1.0f / rig->dx, distance = rig->distance, u0 = rig->x0,
                 width = (float)rig->width;
     const bool surface = of->surface;
+    lanes_int number;
+    for (int i = 0; i < LF_WIDTH; i++)
+        number[i] = i;
     for (int k = 0; k < n; k += LF_WIDTH) {
         const lanes c = load(rig->b + k) + of->lx, dx = of->x - c, slope = dx * inverse_z;
         const lanes u = (load(rig->b + k) + lens + distance * slope - u0) * per_pixel;
         const lanes h = surface ? (lanes)(-(of->nx * dx + of->nyz)) : root(dx * dx + of->yz2);
-        const mask in_frame = both(is_at_most(all(0.0f), u), is_less(u, all(width)));
+        const mask in_frame = both(both(is_at_most(all(0.0f), u), is_less(u, all(width))),
+                                   (mask)(number < rig->n_views - k));
         const lanes_int column = to_int(choose(in_frame, u, all(0.0f)));
         store(out->x0 + k, c);
         store(out->slope + k, slope);
         store(out->z_end + k, all(of->z));
         memcpy(out->column + k, &column, sizeof column);
         store(out->h + k, choose(both(in_frame, is_less(all(0.0f), h)), h, all(0.0f)));
-    }
-    for (int k = rig->n_views; k < n; k++) {
-        out->column[k] = 0;
-        out->h[k] = 0.0f;
     }
 }
 
@@ -72,7 +72,7 @@ static float densities(int n, const float *scale, float *d)
 
 /* The same roundings as in intervals, which rise and fall with what they round: a box spans no less
  * than its segments do, so that no ray slips through between two that share an end. */
-static unsigned meets(const lf_section_node *node, const lf_question *q)
+LF_INLINE unsigned boxes_before(const lf_section_node *node, const lf_question *q)
 {
     const lanes first = all(q->c[q->first]), last = all(q->c[q->last]), behind = all(q->behind);
     unsigned out = 0;
@@ -88,8 +88,13 @@ static unsigned meets(const lf_section_node *node, const lf_question *q)
     return out;
 }
 
-static unsigned intervals(const lf_section_leaf *leaf, const lf_question *q, float lo[WIDE],
-                          float hi[WIDE])
+static unsigned meets(const lf_section_node *node, const lf_question *q)
+{
+    return boxes_before(node, q);
+}
+
+LF_INLINE unsigned segments_before(const lf_section_leaf *leaf, const lf_question *q,
+                                   float lo[WIDE], float hi[WIDE])
 {
     const lanes first = all(q->c[q->first]), last = all(q->c[q->last]), behind = all(q->behind),
                 far = all(INFINITY);
@@ -113,6 +118,12 @@ static unsigned intervals(const lf_section_leaf *leaf, const lf_question *q, flo
     return out;
 }
 
+static unsigned intervals(const lf_section_leaf *leaf, const lf_question *q, float lo[WIDE],
+                          float hi[WIDE])
+{
+    return segments_before(leaf, q, lo, hi);
+}
+
 LF_INLINE void hide_between(lf_question *q, float lo, float hi)
 {
     const float *at = q->c;
@@ -126,17 +137,19 @@ LF_INLINE void hide_between(lf_question *q, float lo, float hi)
 }
 
 /* false: nothing is left to hide. */
-static bool hide_leaf(const lf_section_leaf *leaf, lf_question *q)
+LF_INLINE bool hide_leaf(const lf_section_leaf *leaf, lf_question *q)
 {
-    float lo[WIDE], hi[WIDE], from = INFINITY, to = -INFINITY;
-    unsigned hit = intervals(leaf, q, lo, hi);
+    float lo[WIDE], hi[WIDE], from, to;
+    unsigned hit = segments_before(leaf, q, lo, hi);
     if (!hit)
         return true;
+    from = lo[__builtin_ctz(hit)];
+    to = hi[__builtin_ctz(hit)];
     /* Segments of one surface share their ends, so that mostly one interval is left. */
-    for (; hit; hit &= hit - 1) {
+    for (hit &= hit - 1; hit; hit &= hit - 1) {
         const int i = __builtin_ctz(hit);
         const bool apart = lo[i] > to || hi[i] < from;
-        if (apart && from <= to)
+        if (apart)
             hide_between(q, from, to);
         from = apart ? lo[i] : lf_min(from, lo[i]);
         to = apart ? hi[i] : lf_max(to, hi[i]);
@@ -148,9 +161,10 @@ static bool hide_leaf(const lf_section_leaf *leaf, lf_question *q)
 static void hide(const lf_section *section, lf_question *q)
 {
     for (int root_at = 0; root_at < section->n_roots; root_at++) {
-        for (unsigned nodes = meets(&section->roots[root_at], q); nodes; nodes &= nodes - 1) {
+        for (unsigned nodes = boxes_before(&section->roots[root_at], q); nodes;
+             nodes &= nodes - 1) {
             const int node = WIDE * root_at + __builtin_ctz(nodes);
-            for (unsigned hit = meets(&section->nodes[node], q); hit; hit &= hit - 1)
+            for (unsigned hit = boxes_before(&section->nodes[node], q); hit; hit &= hit - 1)
                 if (!hide_leaf(&section->leaves[WIDE * node + __builtin_ctz(hit)], q))
                     return;
         }

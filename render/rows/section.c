@@ -90,13 +90,20 @@ static bool cut_triangle(const lf_rig *rig, const lf_row_plane *plane, const lf_
                          uint32_t triangle, lf_cut_corner out[2])
 {
     lf_cut_corner c[3];
+    lf_vec3 corner[3];
     int above = 0;
     for (int i = 0; i < 3; i++) {
-        double p[3];
-        lf_cut_to_camera(rig, corner_of(mesh, triangle, i), p);
-        c[i] = (lf_cut_corner){p[0], p[2], p[1] - ((double)plane->ly + (double)plane->my * p[2])};
+        corner[i] = corner_of(mesh, triangle, i);
+        c[i] = (lf_cut_corner){.z = lf_cut_along(rig, rig->forward, corner[i])};
+        c[i].height = lf_cut_along(rig, rig->up, corner[i]) -
+                      ((double)plane->ly + (double)plane->my * c[i].z);
         above += c[i].height >= 0.0;
     }
+    /* most triangles of a row lie on one side */
+    if (above == 0 || above == 3)
+        return false;
+    for (int i = 0; i < 3; i++)
+        c[i].x = lf_cut_along(rig, rig->right, corner[i]);
     return lf_cut_corners(rig, c, above, out);
 }
 
