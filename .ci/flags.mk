@@ -53,5 +53,6 @@ arm64 := $(filter aarch64,$(ARCH))
 isa_kernel_avx2 := -mavx2 -mf16c
 isa_kernel_avx512 := -mavx512f
 isa_suffix_avx2 := -mavx2
+isa_fan_avx2 := -mavx2
 isa_suffix_avx512 := -mavx512f -mprefer-vector-width=512
 without_isa = $(filter-out $(if $(x86),,%_avx2.c %_avx512.c) $(if $(arm64),,%_neon.c),$(1))

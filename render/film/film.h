@@ -183,6 +183,17 @@ static inline void lf_film_weigh_direction(const lf_film_sums *sums, size_t pixe
 {
     sums->half.w2[pixel] += weight;
 }
+/* To N and W, so many times as much, in one addition of four. */
+static inline void lf_film_add_times(const lf_film_sums *sums, size_t pixel, float times,
+                                     const lf_film_scattered *what)
+{
+    typedef float four __attribute__((vector_size(16)));
+    four sum, add;
+    memcpy(&sum, &sums->half.scattered[pixel], sizeof sum);
+    memcpy(&add, what, sizeof add);
+    sum += times * add;
+    memcpy(&sums->half.scattered[pixel], &sum, sizeof sum);
+}
 /* To M, which must be there. */
 static inline void lf_film_add_native(const lf_film_sums *sums, size_t pixel, float r, float g,
                                       float b)

@@ -6,6 +6,7 @@
 #define LF_RENDER_KERNEL_H
 
 #include "render/rows/body.h"
+#include "render/rows/fan.h"
 #include "render/rows/slice.h"
 #include "render/scene/look_up.h"
 #include "render/transport/suffix.h"
@@ -64,6 +65,9 @@ typedef struct lf_kernels {
 
     /* Suffixes of many pivots at once. */
     const lf_suffixes *suffixes;
+
+    /* What a pivot on a surface costs. */
+    const lf_fans *fans;
 } lf_kernels;
 
 extern const lf_kernels lf_kernels_c;

@@ -259,7 +259,8 @@ const lf_kernels lf_kernels_avx512 = {.name = "avx512",
                                       .sample = sample,
                                       .compare = compare,
                                       .densities = densities,
-                                      .suffixes = &lf_suffixes_avx512};
+                                      .suffixes = &lf_suffixes_avx512,
+                                      .fans = &lf_fans_avx2};
 
 #else
 typedef int lf_kernels_avx512_not_here;

@@ -141,4 +141,5 @@ const lf_kernels lf_kernels_c = {.name = "c",
                                  .sample = sample,
                                  .compare = compare,
                                  .densities = densities,
-                                 .suffixes = &lf_suffixes_c};
+                                 .suffixes = &lf_suffixes_c,
+                                 .fans = &lf_fans_c};

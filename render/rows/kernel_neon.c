@@ -247,7 +247,8 @@ const lf_kernels lf_kernels_neon = {.name = "neon",
                                     .sample = sample,
                                     .compare = compare,
                                     .densities = densities,
-                                    .suffixes = &lf_suffixes_c};
+                                    .suffixes = &lf_suffixes_c,
+                                    .fans = &lf_fans_c};
 
 #else
 typedef int lf_kernels_neon_not_here;

@@ -25,23 +25,15 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
     float nx = lf_dot(n, rig->right),
           nyz = (lf_dot(n, rig->up) * visit->plane.my + lf_dot(n, rig->forward)) * pivot->z;
     float yz2 = (1.0f + visit->plane.my * visit->plane.my) * pivot->z * pivot->z;
-    float inverse_z = 1.0f / pivot->z, lens = pivot->lx * rig->distance / rig->focus;
-    float per_pixel = 1.0f / rig->dx;
-    for (int k = 0; k < lanes_of(rig); k++) {
-        float c = rig->b[k] + pivot->lx, dx = pivot->x - c;
-        float slope = dx * inverse_z;
-        float u = (rig->skew[k] + lens + rig->distance * slope - rig->x0) * per_pixel;
-        float h = surface ? -(nx * dx + nyz) : sqrtf(dx * dx + yz2);
-        bool in_frame = u >= 0.0f && u < (float)rig->width && k < rig->n_views;
-        w->x0[k] = c;
-        w->slope[k] = slope;
-        w->z_end[k] = pivot->z;
-        w->column[k] = in_frame ? (int)u : 0;
-        w->scale[k] = in_frame && h > 0.0f ? (lf_has_fault(visit, LF_FAULT_NO_H) ? 1.0f : h) : 0.0f;
-    }
+    const lf_projection of = {rig, pivot->x, pivot->z, pivot->lx, surface, nx, nyz, yz2};
+    const lf_projected out = {w->x0, w->slope, w->z_end, w->column, w->scale};
+    visit->kernels->fans->project(&of, lanes_of(rig), &out);
+    for (int k = 0; k < rig->n_views && lf_has_fault(visit, LF_FAULT_NO_H); k++)
+        w->scale[k] = w->scale[k] > 0.0f ? 1.0f : 0.0f;
     /* The base sees its own pivot whatever rounding says about the frame's edge or a grazing
      * surface. */
     if (base >= 0 && !(w->scale[base] > 0.0f)) {
+        float lens = pivot->lx * rig->distance / rig->focus, per_pixel = 1.0f / rig->dx;
         float u = (rig->skew[base] + lens + rig->distance * w->slope[base] - rig->x0) * per_pixel;
         w->column[base] = (int)lf_min(lf_max(u, 0.0f), (float)(rig->width - 1));
         w->scale[base] = 1e-6f * fabsf(pivot->z);
@@ -158,7 +150,7 @@ static void counts(const lf_visit *visit, int base, int column)
 static float strategies(const lf_visit *visit, float sum)
 {
     lf_scratch *w = visit->worker;
-    memcpy(w->strategy, w->density, sizeof w->strategy);
+    memcpy(w->strategy, w->density, sizeof *w->strategy * (size_t)lanes_of(visit->rig));
     if (!visit->expected)
         return sum;
     sum = 0.0f;
@@ -233,6 +225,44 @@ static size_t target(const lf_visit *visit, int k)
     return (size_t)view * (size_t)visit->rig->width + (size_t)visit->worker->column[k];
 }
 
+/* One radiance for all views, each of whose channels has a density of its own. */
+static void spread_channels(lf_visit *visit, lf_vec3 y, float scale)
+{
+    lf_scratch *w = visit->worker;
+    const float *const *d = w->channels.received;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        float weight = w->density[k] * scale;
+        if (weight == 0.0f)
+            continue;
+        size_t pixel = target(visit, k);
+        lf_film_scatter(&visit->sums, pixel, d[0][k] * scale * y.x, d[1][k] * scale * y.y,
+                        d[2][k] * scale * y.z);
+        lf_film_weigh(&visit->sums, pixel, weight);
+        w->contributions++;
+    }
+}
+
+/* One radiance for all views. */
+static void spread_colour(lf_visit *visit, lf_vec3 y, float scale)
+{
+    lf_scratch *w = visit->worker;
+    const lf_film_scattered one = {{y.x, y.y, y.z}, 1.0f};
+    const lf_film_sums sums = visit->sums; /* nothing is written into this copy */
+    const int views = visit->rig->n_views;
+    const size_t width = (size_t)visit->rig->width;
+    const bool swapped = lf_has_fault(visit, LF_FAULT_SWAPPED_VIEWS);
+    int64_t received = 0;
+    for (int k = 0; k < views; k++) {
+        float weight = w->density[k] * scale;
+        if (weight == 0.0f)
+            continue;
+        size_t pixel = (size_t)(swapped ? views - 1 - k : k) * width + (size_t)w->column[k];
+        lf_film_add_times(&sums, pixel, weight, &one);
+        received++;
+    }
+    w->contributions += received;
+}
+
 /* The lobe does not depend on the view: one radiance for all. */
 static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
                            lf_vec3 wo, float sum)
@@ -244,19 +274,13 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suff
         y = lf_v3(0.0f, 0.0f, 0.0f);
     }
     float scale = pivot->boost / sum;
-    const float *const *d = w->channels.received;
-    for (int k = 0; k < visit->rig->n_views; k++) {
-        float weight = w->density[k] * scale;
-        if (weight == 0.0f)
-            continue;
-        size_t pixel = target(visit, k);
-        lf_film_scatter(&visit->sums, pixel, d[0][k] * scale * y.x, d[1][k] * scale * y.y,
-                        d[2][k] * scale * y.z);
-        lf_film_weigh(&visit->sums, pixel, weight);
-        if (visit->sums.half.w2)
-            lf_film_weigh_direction(&visit->sums, pixel, weight);
-        w->contributions++;
-    }
+    if (visit->scene->looks.chromatic)
+        spread_channels(visit, y, scale);
+    else
+        spread_colour(visit, y, scale);
+    for (int k = 0; k < visit->rig->n_views && visit->sums.half.w2; k++)
+        if (w->density[k] * scale != 0.0f)
+            lf_film_weigh_direction(&visit->sums, target(visit, k), w->density[k] * scale);
 }
 
 /* Henyey-Greenstein of every view towards wi, in one loop without branches (phase.h:
@@ -566,9 +590,13 @@ static float fan(lf_visit *visit, int base, int column, const lf_pivot *pivot)
         visibility(visit, pivot, base);
     if (pivot->is_pane)
         met_by_chance(visit, pivot);
-    float sum = visit->scene->looks.chromatic
-                    ? mean_densities(visit, pivot)
-                    : visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
+    float sum;
+    if (visit->scene->looks.chromatic)
+        sum = mean_densities(visit, pivot);
+    else if (w->media.n_here > 0)
+        sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
+    else
+        sum = visit->kernels->fans->densities(lanes_of(visit->rig), w->scale, w->density);
     sum = strategies(visit, sum);
     return lf_has_fault(visit, LF_FAULT_REALISED) && base >= 0 ? realised_sum(visit, base) : sum;
 }

@@ -1,8 +1,6 @@
-#include "render/rows/section_walk.h"
-
-#include <string.h>
-
 #include "base/alloc.h"
+#include "render/rows/fan.h"
+#include "render/rows/kernel.h"
 #include "render/rows/section_cut.h"
 #include "render/rows/section_placed.h"
 #include "render/rows/section_rays.h"
@@ -64,7 +62,7 @@ static bool grow(lf_section *section, size_t segments, size_t slots)
 
 lf_status lf_section_init(lf_section *section, size_t longest, uint32_t n_places)
 {
-    *section = (lf_section){0};
+    *section = (lf_section){.fans = lf_kernels_get()->fans};
     lf_status status = allocate(section, longest);
     section->places.listed = longest;
     if (status == LF_OK && n_places > 0) {
@@ -92,13 +90,20 @@ static bool cut_triangle(const lf_rig *rig, const lf_row_plane *plane, const lf_
                          uint32_t triangle, lf_cut_corner out[2])
 {
     lf_cut_corner c[3];
+    lf_vec3 corner[3];
     int above = 0;
     for (int i = 0; i < 3; i++) {
-        double p[3];
-        lf_cut_to_camera(rig, corner_of(mesh, triangle, i), p);
-        c[i] = (lf_cut_corner){p[0], p[2], p[1] - ((double)plane->ly + (double)plane->my * p[2])};
+        corner[i] = corner_of(mesh, triangle, i);
+        c[i] = (lf_cut_corner){.z = lf_cut_along(rig, rig->forward, corner[i])};
+        c[i].height = lf_cut_along(rig, rig->up, corner[i]) -
+                      ((double)plane->ly + (double)plane->my * c[i].z);
         above += c[i].height >= 0.0;
     }
+    /* most triangles of a row lie on one side */
+    if (above == 0 || above == 3)
+        return false;
+    for (int i = 0; i < 3; i++)
+        c[i].x = lf_cut_along(rig, rig->right, corner[i]);
     return lf_cut_corners(rig, c, above, out);
 }
 
@@ -207,97 +212,7 @@ void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_
     build_boxes(section);
 }
 
-/* Four numbers at once, on every machine: loops of 8 that compilers unroll before they could make
- * vectors of them took 1.5 times as long. */
-typedef float four __attribute__((vector_size(16)));
-typedef int32_t four_masks __attribute__((vector_size(16)));
-
-static four load(const float *from)
-{
-    four out;
-    memcpy(&out, from, sizeof out);
-    return out;
-}
-
-static four_masks choose(four_masks mask, four_masks yes, four_masks no)
-{
-    return (yes & mask) | (no & ~mask);
-}
-
 /* -------------------------------------------------------------------------------------- hide -- */
-
-/* The same roundings as below,
- * which rise and fall with what they round: a box spans no less than its segments do, so that no
- * ray slips through between two that share an end. */
-void lf_question_meets(const lf_section_node *node, const lf_question *q, int out[WIDE])
-{
-    float first = q->c[q->first], last = q->c[q->last], behind = q->behind, d = q->d, s = q->s;
-    for (int i = 0; i < WIDE; i++) {
-        float near = lf_max(node->d0[i] - d, behind), far = node->d1[i] - d, s0 = node->s0[i] - s,
-              s1 = node->s1[i] - s;
-        float lo = s0 / (s0 < 0.0f ? near : far), hi = s1 / (s1 < 0.0f ? far : near);
-        out[i] = (far > behind) & (lo <= last) & (hi >= first);
-    }
-}
-
-/* No branches, for the compiler's vectors; not inline in the header, which costs them: a twentieth
- * of a picture of meshes. */
-void lf_question_intervals(const lf_section_leaf *leaf, const lf_question *q, float lo[WIDE],
-                           float hi[WIDE])
-{
-    float behind = q->behind, d = q->d, s = q->s;
-    for (int i = 0; i < WIDE; i++) {
-        float d0 = leaf->d0[i] - d, d1 = leaf->d1[i] - d, s0 = leaf->s0[i] - s,
-              s1 = leaf->s1[i] - s;
-        /* where it comes out from behind the point */
-        float cut = s0 + (s1 - s0) * ((behind - d0) / (d1 - d0));
-        float c0 = (d0 < behind ? cut : s0) / lf_max(d0, behind), c1 = s1 / d1;
-        lo[i] = d1 > behind ? lf_min(c0, c1) : INFINITY;
-        hi[i] = d1 > behind ? lf_max(c0, c1) : -INFINITY;
-    }
-    for (int i = 0; i < WIDE; i++)
-        lo[i] = leaf->triangle[i] == q->on ? INFINITY : lo[i];
-}
-
-static void hide_between(lf_question *q, float lo, float hi)
-{
-    for (int k = q->first / 4 * 4; k <= q->last; k += 4) {
-        const four c = load(q->c + k);
-        const four_masks left = (four_masks)load(q->scale + k) & ~((c >= lo) & (c <= hi));
-        memcpy(q->scale + k, &left, sizeof left);
-    }
-}
-
-/* false: nothing is left to hide. */
-static bool hide_leaf(const lf_section_leaf *leaf, lf_question *q)
-{
-    float lo[WIDE], hi[WIDE], from = INFINITY, to = -INFINITY, first = q->c[q->first],
-                              last = q->c[q->last];
-    lf_question_intervals(leaf, q, lo, hi);
-    /* Segments of one surface share their ends, so that mostly one interval is left. */
-    for (int i = 0; i < WIDE; i++) {
-        if (!(lo[i] <= last && hi[i] >= first))
-            continue;
-        bool apart = lo[i] > to || hi[i] < from;
-        if (apart && from <= to)
-            hide_between(q, from, to);
-        from = apart ? lo[i] : lf_min(from, lo[i]);
-        to = apart ? hi[i] : lf_max(to, hi[i]);
-    }
-    if (from <= to)
-        hide_between(q, from, to);
-    return lf_question_narrow(q);
-}
-
-static bool hide_node(const lf_section *section, int node, lf_question *q)
-{
-    int hit[WIDE];
-    lf_question_meets(&section->nodes[node], q, hit);
-    for (int i = 0; i < WIDE; i++)
-        if (hit[i] && !hide_leaf(&section->leaves[WIDE * node + i], q))
-            return false;
-    return true;
-}
 
 lf_question lf_section_ask(const lf_section *section, const lf_row_triangles *rows,
                            const lf_rig *rig, lf_vec3 p, const lf_hit *on, int n, const float *c,
@@ -331,93 +246,11 @@ void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, co
         return;
     }
     lf_question q = lf_section_ask(section, rows, rig, p, on, n, c, scale);
-    if (!lf_question_narrow(&q))
-        return;
-    for (int root = 0; root < section->n_roots; root++) {
-        int hit[WIDE];
-        lf_question_meets(&section->roots[root], &q, hit);
-        for (int i = 0; i < WIDE; i++)
-            if (hit[i] && !hide_node(section, WIDE * root + i, &q))
-                return;
-    }
+    if (lf_question_narrow(&q))
+        section->fans->hide(section, &q);
 }
 
 /* ----------------------------------------------------------------------------------- nearest -- */
-
-/* The fan, and what it has met so far. */
-typedef struct fan {
-    float s; /* where its lines meet, at d = 0 */
-    int n;
-    const float *c;
-    float d[LF_MAX_LANES];
-    int *segment;
-} fan;
-
-/* Boxes that lie between the outermost rays, on either side of d = 0. */
-static void fan_meets(const lf_section_node *node, const fan *f, int out[WIDE])
-{
-    float first = f->c[0], last = f->c[f->n - 1];
-    for (int i = 0; i < WIDE; i++) {
-        float d0 = node->d0[i], d1 = node->d1[i], a = first * d0, b = first * d1, e = last * d0,
-              g = last * d1;
-        float below = lf_min(lf_min(a, b), lf_min(e, g)),
-              above = lf_max(lf_max(a, b), lf_max(e, g));
-        out[i] =
-            (node->s0[i] - f->s <= above) & (node->s1[i] - f->s >= below) & (d1 > -LF_SECTION_FAR);
-    }
-}
-
-/* A segment is met by the rays that have its ends on different sides: those that share an end agree
- * on its side. */
-static void meet_segment(fan *f, int from, float d0, float s0, float d1, float s1, int segment)
-{
-    for (int k = from; k < from + WIDE; k += 4) {
-        const four c = load(f->c + k), nearest = load(f->d + k), a = s0 - c * d0, b = s1 - c * d1,
-                   d = d0 + (d1 - d0) * (a / (a - b));
-        const four_masks nearer = ((a >= 0.0f) ^ (b >= 0.0f)) & (d > nearest),
-                         all = {segment, segment, segment, segment};
-        four_masks before;
-        memcpy(&before, f->segment + k, sizeof before);
-        const four_masks distances = choose(nearer, (four_masks)d, (four_masks)nearest),
-                         segments = choose(nearer, all, before);
-        memcpy(f->d + k, &distances, sizeof distances);
-        memcpy(f->segment + k, &segments, sizeof segments);
-    }
-}
-
-/* Segments that rays from between c0 and c1 may meet: linear in c, so that no ray between two that
- * have both ends on one side does. */
-static bool sides(const lf_section_leaf *leaf, float s, float c0, float c1, int32_t out[WIDE])
-{
-    four_masks any = {0};
-    for (int i = 0; i < WIDE; i += 4) {
-        const four d0 = load(leaf->d0 + i), d1 = load(leaf->d1 + i), s0 = load(leaf->s0 + i) - s,
-                   s1 = load(leaf->s1 + i) - s;
-        const four_masks below = (s0 < c0 * d0) & (s0 < c1 * d0) & (s1 < c0 * d1) & (s1 < c1 * d1),
-                         above =
-                             (s0 >= c0 * d0) & (s0 >= c1 * d0) & (s1 >= c0 * d1) & (s1 >= c1 * d1),
-                         meets = ~below & ~above & (d1 > -LF_SECTION_FAR);
-        memcpy(out + i, &meets, sizeof meets);
-        any |= meets;
-    }
-    return any[0] | any[1] | any[2] | any[3];
-}
-
-static void fan_leaf(const lf_section *section, int number, fan *f)
-{
-    const lf_section_leaf *leaf = &section->leaves[number];
-    int32_t meets[WIDE];
-    if (!sides(leaf, f->s, f->c[0], f->c[f->n - 1], meets))
-        return;
-    for (int from = 0; from < f->n; from += WIDE) {
-        if (!sides(leaf, f->s, f->c[from], f->c[from + WIDE - 1], meets))
-            continue;
-        for (int i = 0; i < WIDE; i++)
-            if (meets[i])
-                meet_segment(f, from, leaf->d0[i], leaf->s0[i] - f->s, leaf->d1[i],
-                             leaf->s1[i] - f->s, WIDE * number + i);
-    }
-}
 
 void lf_section_nearest(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
                         float s0, int n, const float *c, float *z, int *segment)
@@ -426,26 +259,10 @@ void lf_section_nearest(const lf_section *section, const lf_row_triangles *rows,
         lf_section_nearest_by_rays(section, rows, rig, s0, n, c, z, segment);
         return;
     }
-    fan f = {.s = s0, .n = n, .c = c};
-    f.segment = segment;
-    for (int k = 0; k < n; k++) {
-        f.d[k] = -LF_SECTION_FAR;
-        segment[k] = -1;
-    }
-    for (int root = 0; root < section->n_roots; root++) {
-        int hit[WIDE], inner[WIDE];
-        fan_meets(&section->roots[root], &f, hit);
-        for (int i = 0; i < WIDE; i++) {
-            if (!hit[i])
-                continue;
-            fan_meets(&section->nodes[WIDE * root + i], &f, inner);
-            for (int j = 0; j < WIDE; j++)
-                if (inner[j])
-                    fan_leaf(section, WIDE * (WIDE * root + i) + j, &f);
-        }
-    }
+    float d[LF_MAX_LANES];
+    section->fans->nearest(section, s0, n, c, d, segment);
     for (int k = 0; k < n; k++)
-        z[k] = segment[k] < 0 ? INFINITY : lf_cut_depth(rig, f.d[k]);
+        z[k] = segment[k] < 0 ? INFINITY : lf_cut_depth(rig, d[k]);
 }
 
 void lf_section_face(const lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,

@@ -89,7 +89,10 @@ typedef struct lf_section_rays {
     lf_tracer *tracer;
 } lf_section_rays;
 
+struct lf_fans;
+
 typedef struct lf_section {
+    const struct lf_fans *fans; /* what looks into it (fan.h) */
     lf_section_leaf *leaves;
     lf_section_node *nodes, *roots;
     int n_leaves, n_roots;

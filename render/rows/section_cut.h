@@ -12,15 +12,20 @@ typedef struct lf_cut_corner {
     double x, z, height;
 } lf_cut_corner;
 
-/* A point as the rig sees it. In double, because heights above the plane are small differences; the
- * same arithmetic for corners and pivots. */
+/* A point as the rig sees it, along one of its axes. In double, because heights above the plane are
+ * small differences; the same arithmetic for corners and pivots. */
+static inline double lf_cut_along(const lf_rig *rig, lf_vec3 axis, lf_vec3 p)
+{
+    return ((double)p.x - (double)rig->eye.x) * (double)axis.x +
+           ((double)p.y - (double)rig->eye.y) * (double)axis.y +
+           ((double)p.z - (double)rig->eye.z) * (double)axis.z;
+}
+
 static inline void lf_cut_to_camera(const lf_rig *rig, lf_vec3 p, double out[3])
 {
-    const lf_vec3 axes[3] = {rig->right, rig->up, rig->forward};
-    double x = (double)p.x - (double)rig->eye.x, y = (double)p.y - (double)rig->eye.y,
-           z = (double)p.z - (double)rig->eye.z;
-    for (int i = 0; i < 3; i++)
-        out[i] = x * (double)axes[i].x + y * (double)axes[i].y + z * (double)axes[i].z;
+    out[0] = lf_cut_along(rig, rig->right, p);
+    out[1] = lf_cut_along(rig, rig->up, p);
+    out[2] = lf_cut_along(rig, rig->forward, p);
 }
 
 /* d of a depth (section.h). */

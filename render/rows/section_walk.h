@@ -24,12 +24,6 @@ static inline bool lf_question_narrow(lf_question *q)
     return q->first <= q->last;
 }
 
-/* Boxes that hide the point from positions between the outermost. */
-void lf_question_meets(const lf_section_node *node, const lf_question *q, int out[LF_SECTION_WIDE]);
-/* The positions [lo, hi] that each segment hides the point from; lo > hi: none. */
-void lf_question_intervals(const lf_section_leaf *leaf, const lf_question *q,
-                           float lo[LF_SECTION_WIDE], float hi[LF_SECTION_WIDE]);
-
 /* A question about the point p on the surface `on` (NULL: none), as lf_section_hide gets it; to be
  * narrowed before anything is asked. */
 lf_question lf_section_ask(const lf_section *section, const lf_row_triangles *rows,

@@ -1,8 +1,8 @@
 #include "render/rows/veil.h"
 
+#include "render/rows/fan.h"
 #include "render/rows/section_cut.h"
 #include "render/rows/section_rays.h"
-#include "render/rows/section_walk.h"
 #include "render/transport/surface_texture.h"
 
 enum { WIDE = LF_SECTION_WIDE };
@@ -54,17 +54,15 @@ static void segment_before(const lf_veils *veils, const lf_question *q, int segm
 
 static void node_before(const lf_veils *veils, int node, const lf_question *q)
 {
-    int hit[WIDE];
-    lf_question_meets(&veils->section->nodes[node], q, hit);
-    for (int i = 0; i < WIDE; i++) {
-        int leaf = WIDE * node + i;
+    const lf_section *section = veils->section;
+    for (unsigned in = section->fans->meets(&section->nodes[node], q); in; in &= in - 1) {
+        const int leaf = WIDE * node + __builtin_ctz(in);
         float lo[WIDE], hi[WIDE];
-        if (!hit[i])
-            continue;
-        lf_question_intervals(&veils->section->leaves[leaf], q, lo, hi);
-        for (int j = 0; j < WIDE; j++)
-            if (lo[j] <= q->c[q->last] && hi[j] >= q->c[q->first])
-                segment_before(veils, q, WIDE * leaf + j, lo[j], hi[j]);
+        unsigned hit = section->fans->intervals(&section->leaves[leaf], q, lo, hi);
+        for (; hit; hit &= hit - 1) {
+            const int i = __builtin_ctz(hit);
+            segment_before(veils, q, WIDE * leaf + i, lo[i], hi[i]);
+        }
     }
 }
 
@@ -78,13 +76,10 @@ void lf_veils_before(const lf_veils *veils, lf_vec3 p, const lf_hit *on, int n, 
     lf_question q = lf_section_ask(veils->section, veils->rows, veils->rig, p, on, n, c, scale);
     if (!lf_question_narrow(&q))
         return;
-    for (int root = 0; root < veils->section->n_roots; root++) {
-        int hit[WIDE];
-        lf_question_meets(&veils->section->roots[root], &q, hit);
-        for (int i = 0; i < WIDE; i++)
-            if (hit[i])
-                node_before(veils, WIDE * root + i, &q);
-    }
+    const lf_section *section = veils->section;
+    for (int root = 0; root < section->n_roots; root++)
+        for (unsigned in = section->fans->meets(&section->roots[root], &q); in; in &= in - 1)
+            node_before(veils, WIDE * root + __builtin_ctz(in), &q);
 }
 
 /* --------------------------------------------------------------------------------- along a fan --

@@ -1,6 +1,9 @@
 #if defined(__x86_64__)
-#define LF_LANES_AVX2
+#include "render/transport/lanes_avx2.h"
+
 #include "render/transport/suffix_lanes.h"
+
+_Static_assert(LF_WIDTH == 8, "lanes are those of AVX2");
 
 const lf_suffixes lf_suffixes_avx2 = {.name = "avx2", .trace = trace, .light = light};
 #else

@@ -31,7 +31,7 @@ static const struct {
     {"bench/meshes-mirror.json",
      "8eee579a78160c5776c425e0b5f4d07f494029f7d14616da7d3de61b1c7c8b8d"},
     {"bench/mixed-cubes.json", "5b7656255fb4033af0aa0be456a8b34b26751b76e22594eff0120bfb9702dd5e"},
-    {"cloud.json", "31a78b7de5f891b1c18e9404644fdc498433f28d15a1a6ecf685c126dee99459"},
+    {"cloud.json", "ab33be9b975ba3be6a611615c5d5afbdb8f24430c6109120dc41ef87a1858942"},
     {"cloud.vdb", "7171f8d1f6b5174c02a4314223f9ad852514e6f75c948dff386a72736e5e0a45"},
     {"knot.obj", "ffdb70025bfa3b984d985ede28f137367750adee10f20645aaeb3f9c8f989009"},
 };

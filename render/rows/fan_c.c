@@ -1,0 +1,3 @@
+#include "render/rows/fan_lanes.h"
+
+const lf_fans lf_fans_c = LF_FANS("c");
