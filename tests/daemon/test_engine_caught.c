@@ -133,7 +133,7 @@ static void make_picture(const lf_content *content, bool shadows, float film[3 *
     lf_assert_ok(lf_renderer_passes(r, NULL, 24 * VIEWS, true, NULL, NULL, NULL), NULL);
     lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, film, NULL), NULL);
     if (shadows)
-        lf_assert_ok(lf_renderer_catch_shadows(r, film, NULL), NULL);
+        lf_assert_ok(lf_renderer_catch(r, film, NULL), NULL);
     lf_assert_ok(lf_tone_create(0, "srgb", &tone, &err), &err);
     lf_tone_map(tone, PIXELS, film, shown);
     lf_tone_destroy(tone);

@@ -149,7 +149,7 @@ static void shadows_are_taken_from_the_backdrop(void **state)
     lf_renderer *r = render(scene, 16, NULL);
     lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, before, NULL), NULL);
     memcpy(after, before, sizeof after);
-    lf_assert_ok(lf_renderer_catch_shadows(r, after, NULL), NULL);
+    lf_assert_ok(lf_renderer_catch(r, after, NULL), NULL);
     lf_assert_ok(
         lf_renderer_layers(r, LF_ESTIMATOR_MWIS, LF_LAYER_COVERAGE | LF_LAYER_SHADOW, layers, NULL),
         NULL);
@@ -169,7 +169,7 @@ static void shadows_are_taken_from_the_backdrop(void **state)
     r = render(scene, 1, NULL);
     lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, before, NULL), NULL);
     memcpy(after, before, sizeof after);
-    lf_assert_ok(lf_renderer_catch_shadows(r, after, NULL), NULL);
+    lf_assert_ok(lf_renderer_catch(r, after, NULL), NULL);
     assert_memory_equal(before, after, sizeof after);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
