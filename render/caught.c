@@ -88,17 +88,16 @@ lf_vec3 lf_catch_reflected(lf_tracer *tracer, const lf_catch_pixel *pixel, uint6
     return isfinite(r.x + r.y + r.z) ? r : lf_v3(0.0f, 0.0f, 0.0f);
 }
 
-lf_vec3 lf_catch_reflection(lf_tracer *tracer, const lf_catch_pixel *pixel, int n, float open)
+lf_vec3 lf_catch_reflection(lf_tracer *tracer, const lf_catch_pixel *pixel, int n)
 {
     const uint64_t key = lf_catch_key(pixel);
-    double sum[3] = {0.0, 0.0, 0.0}, caught = 0.0;
+    double sum[3] = {0.0, 0.0, 0.0};
     for (int i = 0; i < n; i++) {
         const lf_catch_ray ray = lf_catch_ray_of(pixel, key, i);
         lf_hit hit;
         float passed;
         tracer->rng = lf_hash64(key, 1 + (uint64_t)i);
         lf_trace_caught(tracer, ray.eye, ray.w, &hit, &passed);
-        caught += (double)passed;
         if (!(passed > 0.0f) || !hit.mesh->reflects)
             continue;
         const lf_vec3 r = lf_catch_reflected(tracer, pixel, key, i, &ray, &hit, passed);
@@ -106,8 +105,7 @@ lf_vec3 lf_catch_reflection(lf_tracer *tracer, const lf_catch_pixel *pixel, int 
         sum[1] += (double)r.y;
         sum[2] += (double)r.z;
     }
-    const double scale = caught > 0.0 ? fmin(caught / n, (double)open) / caught : 0.0;
-    return lf_v3((float)(sum[0] * scale), (float)(sum[1] * scale), (float)(sum[2] * scale));
+    return lf_v3((float)(sum[0] / n), (float)(sum[1] / n), (float)(sum[2] / n));
 }
 
 lf_vec3 lf_catch_behind(const lf_scene *scene, const lf_rig *rig, int row)

@@ -50,9 +50,9 @@ double lf_catch_shade(lf_tracer *tracer, const lf_catch_pixel *pixel, int n, flo
  * and so much has passed; random numbers are its own. Not finite: 0. */
 lf_vec3 lf_catch_reflected(lf_tracer *tracer, const lf_catch_pixel *pixel, uint64_t key, int i,
                            const lf_catch_ray *ray, const lf_hit *hit, float passed);
-/* What catchers reflect into a pixel, from n of its rays, the same ones as lf_catch_shade's; they
- * have no more of it than what is open. */
-lf_vec3 lf_catch_reflection(lf_tracer *tracer, const lf_catch_pixel *pixel, int n, float open);
+/* What catchers reflect into a pixel, from n of its rays, the same ones as lf_catch_shade's:
+ * without bias, as what is added makes nothing too dark. */
+lf_vec3 lf_catch_reflection(lf_tracer *tracer, const lf_catch_pixel *pixel, int n);
 
 /* Whether catchers change the pictures of a scene. */
 static inline bool lf_catch_shows(const lf_scene *scene)

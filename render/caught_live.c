@@ -421,10 +421,9 @@ void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *pictur
         const float dark = smooth ? caught->smooth[first + i] : darkness(s->lit, s->all);
         if (!(s->caught > 0.0f) || !(dark > 0.0f || caught->reflected))
             continue;
-        const float share =
-            lf_min(s->caught / lf_max(s->n, 1.0f),
-                   lf_catch_open(renderer->scene, lf_catch_met(&renderer->film, row, i)));
-        lf_catch_take(picture, dark * share, backdrop);
+        const float share = s->caught / lf_max(s->n, 1.0f),
+                    open = lf_catch_open(renderer->scene, lf_catch_met(&renderer->film, row, i));
+        lf_catch_take(picture, dark * lf_min(share, open), backdrop);
         if (caught->reflected)
             lf_catch_put(picture, lf_scale(reflection_at(caught, first + i, smooth), share));
     }

@@ -383,9 +383,9 @@ typedef enum lf_layer {
      * than coverage leaves. */
     LF_LAYER_SHADOW = 64,
     /* What catchers that reflect send to the camera of things (meshes that are no catchers,
-     * volumes), to be added to what is seen through them: radiance, times the same share of a
-     * pixel's rays. By as many rays; each follows what a mirror would show, and draws one direction
-     * of what is not mirrored. */
+     * volumes), to be added to what is seen through them: radiance, the mean over a pixel's rays, 0
+     * of those that come to none. By as many rays; each follows what a mirror would show, and draws
+     * one direction of what is not mirrored. */
     LF_LAYER_REFLECTION = 128,
 } lf_layer;
 

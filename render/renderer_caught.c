@@ -48,7 +48,7 @@ static void catch_row(void *context, int row, int worker)
                                     (size_t)view * (size_t)rig->width + (size_t)column));
             lf_catch_take(out, (float)lf_catch_shade(&tracer, &pixel, n, open), backdrop);
             if (scene->looks.reflected)
-                lf_catch_put(out, lf_catch_reflection(&tracer, &pixel, n, open));
+                lf_catch_put(out, lf_catch_reflection(&tracer, &pixel, n));
         }
 }
 

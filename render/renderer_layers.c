@@ -207,9 +207,7 @@ static void reflection(const layer_job *job, int row, const row_of_film *film, s
         for (int column = 0; column < job->rig.width; column++, out += stride) {
             const lf_catch_pixel pixel =
                 lf_catch_pixel_of(job->renderer, &job->rig, view, row, column);
-            const float open = lf_catch_open(
-                scene, share_of(film, (size_t)view * (size_t)job->rig.width + (size_t)column));
-            lf_catch_put(out, lf_catch_reflection(&tracer, &pixel, n, open));
+            lf_catch_put(out, lf_catch_reflection(&tracer, &pixel, n));
         }
 }
 
