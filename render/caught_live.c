@@ -14,7 +14,7 @@
 /* From so many samples on the darkness of a pixel tells it from that of others. */
 #define KNOWN 32.0f
 /* The same of reflections, of a pixel's own; and how many a mean is of before. */
-#define KNOWN_REFLECTED 8.0f
+#define KNOWN_REFLECTED 4.0f
 #define FEW_REFLECTED 16
 /* What a row has that is called converged: samples of lights, and of each pixel's reflection. */
 #define CONVERGED_LIGHTS 64
@@ -334,14 +334,16 @@ static float variance_of(const reflected_sums *r, float n)
 }
 
 /* Whether what two pixels reflect may differ by chance alone, at three standard deviations of all
- * channels together; 2 % of it are not seen. */
+ * channels together, both as sure as the surer one: at the rim of an image samples differ because
+ * some show it and some do not, and what lies beside it would take a rim's light for its own. 2 %
+ * are not seen. */
 static bool may_be_one_image(const reflected_sums *a, float n_a, const reflected_sums *b, float n_b)
 {
     if (n_a < KNOWN_REFLECTED || n_b < KNOWN_REFLECTED)
         return true;
     const lf_vec3 p = lf_scale(a->sum, 1.0f / n_a), q = lf_scale(b->sum, 1.0f / n_b),
                   apart = lf_sub(p, q);
-    return lf_dot(apart, apart) <= 9.0f * (variance_of(a, n_a) + variance_of(b, n_b)) +
+    return lf_dot(apart, apart) <= 18.0f * lf_min(variance_of(a, n_a), variance_of(b, n_b)) +
                                        4e-4f * lf_max(lf_dot(p, p), lf_dot(q, q));
 }
 

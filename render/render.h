@@ -441,10 +441,10 @@ int lf_caught_samples(const lf_caught *caught, int row);
  * the reflections of each view pixel. */
 bool lf_caught_settled(const lf_caught *caught, int row);
 /* Makes a smooth shade of what there is now, by means over up to 7x7 pixels as deep and, from
- * 32 samples on, as dark: over one where there are 4096 samples. Reflections of a view pixel with 8
+ * 32 samples on, as dark: over one where there are 4096 samples. Reflections of a view pixel with 4
  * samples of its own or more are averaged with those of as many that differ by no more than chance,
- * so that the image of a sharp thing stays sharp, and over one pixel where there are 4096; with
- * fewer over as many pixels to each side as make 16 samples: one where there are 2. On the pool;
+ * so that the image of a sharp thing stays sharp, and over one pixel where there are 4096; with 2
+ * or 3 over a pixel to each side, with 1 over two and with none over three. On the pool;
  * not while rows are added to. LF_E_CANCELLED: some are as they were. */
 LF_NODISCARD lf_status lf_caught_smooth(lf_caught *caught, const lf_cancel *cancel);
 /* lf_renderer_catch of one row [view][column][3], smooth as it was made last, where it was; without
