@@ -83,8 +83,9 @@ lf_vec3 lf_catch_reflected(lf_tracer *tracer, const lf_catch_pixel *pixel, uint6
                            const lf_catch_ray *ray, const lf_hit *hit, float passed)
 {
     tracer->rng = lf_hash64(key, REFLECTIONS + (uint64_t)i);
-    lf_vec3 r =
-        lf_scale(lf_catcher_reflection(tracer, hit, ray->w, ray->u + 1, pixel->max_depth), passed);
+    lf_vec3 r = lf_scale(
+        lf_catcher_reflection(tracer, hit, lf_normalize(ray->w), ray->u + 1, pixel->max_depth),
+        passed);
     return isfinite(r.x + r.y + r.z) ? r : lf_v3(0.0f, 0.0f, 0.0f);
 }
 

@@ -27,9 +27,9 @@ uint64_t lf_catch_key(const lf_catch_pixel *pixel);
 
 /* A ray through a pixel, and the numbers for its samples. */
 typedef struct lf_catch_ray {
-    lf_vec3 eye, w;
-    float x;    /* of the film point, in columns */
-    float u[5]; /* for lf_catcher_light; the last but one of it for lf_catcher_reflection */
+    lf_vec3 eye, w; /* w is not unit */
+    float x;        /* of the film point, in columns */
+    float u[5];     /* for lf_catcher_light; the last but one of it for lf_catcher_reflection */
 } lf_catch_ray;
 
 /* The i-th of the pixel with this key. */

@@ -15,7 +15,7 @@ void lf_trace_caught(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, lf_hit *hit, float
     *out_passed = 0.0f;
     while (lf_trace_surface(tracer, from, w, INFINITY, hit)) {
         if (hit->mesh->catcher)
-            *out_passed = passed_by(tracer, o, w, lf_length(lf_sub(hit->p, o)));
+            *out_passed = passed_by(tracer, o, lf_normalize(w), lf_length(lf_sub(hit->p, o)));
         if (!hit->mesh->hidden || hit->mesh->catcher)
             return;
         from = lf_offset(tracer->scene, hit->p, lf_scale(hit->ng, -1.0f), w, 0.0f);

@@ -7,9 +7,9 @@
 
 #include "render/transport/track.h"
 
-/* The nearest surface that a ray of the camera along the unit vector w sees, catchers among them;
- * hit->t is not set. *out_passed: an unbiased estimate of what media leave on the way to a catcher;
- * 0: no catcher is seen. */
+/* The nearest surface that a ray of the camera along w, which need not be unit, sees, catchers
+ * among them; hit->t is not set. *out_passed: an unbiased estimate of what media leave on the way
+ * to a catcher; 0: no catcher is seen. */
 void lf_trace_caught(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, lf_hit *hit, float *out_passed);
 
 /* Adds an unbiased estimate of the irradiance at a surface (mean of the channels; of its side that
@@ -19,9 +19,9 @@ void lf_trace_caught(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, lf_hit *hit, float
  * in neither; nor is, where the surface reflects, that of meshes that shine. u[5] in [0, 1). */
 void lf_catcher_light(lf_tracer *tracer, const lf_hit *hit, const float u[5], double out[2]);
 
-/* An unbiased estimate of the radiance that a surface, hit along w, sends back of what comes from
- * things, on its side that was hit: of int f |cos| L over directions, L along each being what the
- * first event there sends (emission of surfaces, all that is scattered there as in
+/* An unbiased estimate of the radiance that a surface, hit along the unit vector w, sends back of
+ * what comes from things, on its side that was hit: of int f |cos| L over directions, L along each
+ * being what the first event there sends (emission of surfaces, all that is scattered there as in
  * lf_path_scattered; of volumes along the way what they emit, too), and 0 where that is an escape,
  * a catcher or a lamp of the scene's lights. Every delta lobe is followed, one direction of the
  * others drawn, and one light: of meshes that shine, by the balance heuristic. Paths end behind
