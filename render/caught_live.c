@@ -327,24 +327,38 @@ static int reach_of_reflected(float n)
     return reach;
 }
 
-/* Of the mean of a pixel's samples: the sum of the channels' variances. */
-static float variance_of(const reflected_sums *r, float n)
+/* The mean of a pixel's samples, and its variance, of the channels together. */
+typedef struct image_mean {
+    lf_vec3 mean;
+    float variance;
+} image_mean;
+
+static image_mean mean_of(const reflected_sums *r, float n)
 {
-    return lf_max(r->squares - lf_dot(r->sum, r->sum) / n, 0.0f) / (n * (n - 1.0f));
+    return (image_mean){lf_scale(r->sum, 1.0f / n),
+                        lf_max(r->squares - lf_dot(r->sum, r->sum) / n, 0.0f) / (n * (n - 1.0f))};
 }
 
-/* Whether what two pixels reflect may differ by chance alone, at three standard deviations of all
- * channels together, both as sure as the surer one: at the rim of an image samples differ because
- * some show it and some do not, and what lies beside it would take a rim's light for its own. 2 %
- * are not seen. */
+/* Whether all of it is what one sample of many has brought. */
+static bool is_chance(const image_mean *m)
+{
+    return m->variance > 0.0f && lf_dot(m->mean, m->mean) <= 1.5f * m->variance;
+}
+
+/* Whether what two pixels reflect may differ by chance alone, at three standard deviations, and
+ * both as sure as the surer one: at the rim of an image samples differ because some show it and
+ * some do not, and what lies beside it would take a rim's light for its own. A single bright sample
+ * is as unsure as it is. 2 % are not seen. */
 static bool may_be_one_image(const reflected_sums *a, float n_a, const reflected_sums *b, float n_b)
 {
     if (n_a < KNOWN_REFLECTED || n_b < KNOWN_REFLECTED)
         return true;
-    const lf_vec3 p = lf_scale(a->sum, 1.0f / n_a), q = lf_scale(b->sum, 1.0f / n_b),
-                  apart = lf_sub(p, q);
-    return lf_dot(apart, apart) <= 18.0f * lf_min(variance_of(a, n_a), variance_of(b, n_b)) +
-                                       4e-4f * lf_max(lf_dot(p, p), lf_dot(q, q));
+    const image_mean p = mean_of(a, n_a), q = mean_of(b, n_b);
+    const lf_vec3 apart = lf_sub(p.mean, q.mean);
+    const float variance = is_chance(&p) || is_chance(&q) ? p.variance + q.variance
+                                                          : 2.0f * lf_min(p.variance, q.variance);
+    return lf_dot(apart, apart) <=
+           9.0f * variance + 4e-4f * lf_max(lf_dot(p.mean, p.mean), lf_dot(q.mean, q.mean));
 }
 
 /* The mean over neighbours of the same view that lie as deep and reflect as much, as far as is

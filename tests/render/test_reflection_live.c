@@ -137,21 +137,18 @@ static int softened(const pictures *q, const float *picture, int *out_whole)
     return soft;
 }
 
-/* From four samples a view pixel on; with one the mean goes two pixels to each side, as a negative
- * control sees. */
+/* From eight samples a view pixel on; with one the mean goes two pixels to each side, as a negative
+ * control sees (254 pixels), and with four single samples at the rim are taken for chance (23). */
 static void the_image_of_a_sharp_thing_stays_sharp(void **state)
 {
     (void)state;
-    static const int own[] = {1, 4, 8, 64};
+    static const int own[] = {1, 4, 8, 64}, least[] = {100, 0, 0, 0}, most[] = {MOST, 40, 0, 0};
     for (int i = 0; i < 4; i++) {
-        int whole;
+        int whole, soft;
         make(ON_IT(9, BLACK, BOTH, MIRROR), 64, 9 * own[i], &p);
         assert_int_equal(softened(&p, p.live, &whole), 0);
-        assert_true(whole > 100);
-        if (own[i] == 1)
-            assert_true(softened(&p, p.smooth, &whole) > 100);
-        else
-            assert_int_equal(softened(&p, p.smooth, &whole), 0);
+        soft = softened(&p, p.smooth, &whole);
+        assert_true(whole > 100 && soft >= least[i] && soft <= most[i]);
     }
 }
 
@@ -161,8 +158,8 @@ static double added(const pictures *q, const float *picture, int pixel)
 }
 
 /* Against 512 samples a view pixel, on paper, where a sample of a small lamp is noise: of its
- * variance one sample in 25 pixels leaves 11 %, four 42 %, eight 26 %, as errors are better known.
- * What is dim and surer of itself does not take what is bright: 1.6 % of the light are missing. */
+ * variance one sample in 25 pixels leaves 11 %, four 18 %, eight 20 %. What is dim and surer of
+ * itself does not take all that is bright: 0.7 to 1.4 % of the light are missing. */
 static void what_is_noise_is_made_smooth(void **state)
 {
     (void)state;
@@ -170,7 +167,7 @@ static void what_is_noise_is_made_smooth(void **state)
     static const struct {
         int own;
         double left;
-    } cases[] = {{1, 0.2}, {4, 0.6}, {8, 0.4}};
+    } cases[] = {{1, 0.2}, {4, 0.3}, {8, 0.3}};
     make(ON_IT(9, BLACK, BOTH, PAPER), 512, 9, &much);
     for (int k = 0; k < 3; k++) {
         double rough = 0.0, smooth = 0.0, mean[2] = {0.0, 0.0};
