@@ -390,9 +390,14 @@ typedef enum lf_layer {
      * behind it. By as many rays as there are native samples, at least 8; without volumes no more
      * than coverage leaves. */
     LF_LAYER_SHADOW = 64,
+    /* What catchers that reflect send to the camera of things (meshes that are no catchers,
+     * volumes), to be added to what is seen through them: radiance, the mean over a pixel's rays, 0
+     * of those that come to none. By as many rays; each follows what a mirror would show, and draws
+     * one direction of what is not mirrored. */
+    LF_LAYER_REFLECTION = 128,
 } lf_layer;
 
-#define LF_MAX_LAYER_CHANNELS 13
+#define LF_MAX_LAYER_CHANNELS 16
 
 typedef struct lf_layer_entry {
     const char *name; /* as in --aov */
@@ -418,13 +423,15 @@ LF_NODISCARD lf_status lf_renderer_layers(const lf_renderer *renderer, lf_estima
 LF_NODISCARD lf_status lf_renderer_layers_row(const lf_renderer *renderer, lf_estimator estimator,
                                               unsigned layers, int row, float *out);
 /* Takes from a picture, [row][view][column][3] as lf_renderer_resolve makes it, what the shadows of
- * catchers (LF_LAYER_SHADOW) take from the backdrop; it stays as it is where the scene has not
- * both. On the pool. LF_E_CANCELLED. */
-LF_NODISCARD lf_status lf_renderer_catch_shadows(const lf_renderer *renderer, float *picture,
-                                                 const lf_cancel *cancel);
+ * catchers (LF_LAYER_SHADOW) take from the backdrop, and adds what they reflect
+ * (LF_LAYER_REFLECTION); it stays as it is where the scene has not catcher and backdrop. On the
+ * pool. LF_E_CANCELLED. */
+LF_NODISCARD lf_status lf_renderer_catch(const lf_renderer *renderer, float *picture,
+                                         const lf_cancel *cancel);
 
-/* The same while a picture is rendered: sums that grow with the film, row by row, each sample in
- * all views that see its point. 29 bytes a view pixel. */
+/* The same while a picture is rendered: sums that grow with the film, row by row, each sample of
+ * lights in all views that see its point, of reflections in its own. 29 bytes a view pixel, and 28
+ * more where a catcher reflects. */
 typedef struct lf_caught lf_caught;
 /* For the film that renderer (borrowed) has now: again after each lf_renderer_restart; sums are
  * empty then, memory of the same shape is kept. *caught begins as NULL, and is NULL where the scene
@@ -432,19 +439,26 @@ typedef struct lf_caught lf_caught;
 LF_NODISCARD lf_status lf_caught_begin(lf_caught **caught, const lf_renderer *renderer);
 /* Accepts NULL. */
 void lf_caught_destroy(lf_caught *caught);
-/* Samples of a row until there are as many as its film has, but at most 8 in the first call and
- * one of every view pixel in each later one. Any thread, rows at once, each by one. */
+/* Samples of a row until there are as many as its film has (of shadows alone 4096), but at most 8
+ * in the first call and one of every view pixel in each later one. Any thread, rows at once, each
+ * by one. */
 void lf_caught_add(lf_caught *caught, int row);
 /* Samples of lights behind a pixel of the row: 0 = none yet. */
 int lf_caught_samples(const lf_caught *caught, int row);
+/* Whether a row has enough to be called converged: 64 of them, and where a catcher reflects 16 of
+ * the reflections of each view pixel. */
+bool lf_caught_settled(const lf_caught *caught, int row);
 /* Makes a smooth shade of what there is now, by means over up to 7x7 pixels as deep and, from
- * 32 samples on, as dark: over one where there are 4096 samples. On the pool; not while rows are
- * added to. LF_E_CANCELLED: some are as they were. */
+ * 32 samples on, as dark: over one where there are 4096 samples. Reflections of a view pixel with 4
+ * samples of its own or more are averaged with those of as many that differ by no more than chance,
+ * so that the image of a sharp thing stays sharp, and over one pixel where there are 4096; with 2
+ * or 3 over a pixel to each side, with 1 over two and with none over three. On the pool;
+ * not while rows are added to. LF_E_CANCELLED: some are as they were. */
 LF_NODISCARD lf_status lf_caught_smooth(lf_caught *caught, const lf_cancel *cancel);
-/* lf_renderer_catch_shadows of one row [view][column][3], smooth as it was made last, where it was;
- * without samples it stays as it is. */
+/* lf_renderer_catch of one row [view][column][3], smooth as it was made last, where it was; without
+ * samples it stays as it is. */
 void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *picture);
-/* lf_renderer_catch_shadows by such sums, of as many samples as the film has, made smooth: for a
+/* lf_renderer_catch by such sums, of as many samples as the film has, made smooth: for a
  * reconstructed picture. Rows without samples get theirs as there. LF_E_NOMEM, LF_E_CANCELLED: of
  * the picture some rows may be done. */
 LF_NODISCARD lf_status lf_renderer_catch_smoothly(const lf_renderer *renderer, float *picture,

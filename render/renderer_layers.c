@@ -186,11 +186,26 @@ static void shadow(const layer_job *job, int row, const row_of_film *film, size_
     (void)pixels;
     for (int view = 0; view < job->rig.n_views && scene->looks.caught; view++)
         for (int column = 0; column < job->rig.width; column++, out += stride) {
-            const lf_catch_pixel pixel = {&job->rig, job->renderer->settings.seed, view, row,
-                                          column};
+            const lf_catch_pixel pixel =
+                lf_catch_pixel_of(job->renderer, &job->rig, view, row, column);
             const float open = lf_catch_open(
                 scene, share_of(film, (size_t)view * (size_t)job->rig.width + (size_t)column));
             *out = (float)lf_catch_shade(&tracer, &pixel, n, open);
+        }
+}
+
+static void reflection(const layer_job *job, int row, const row_of_film *film, size_t pixels,
+                       float *out, size_t stride)
+{
+    const lf_scene *scene = job->renderer->scene;
+    const int n = lf_catch_points(film->total);
+    lf_tracer tracer = {.scene = scene};
+    (void)pixels;
+    for (int view = 0; view < job->rig.n_views && scene->looks.reflected; view++)
+        for (int column = 0; column < job->rig.width; column++, out += stride) {
+            const lf_catch_pixel pixel =
+                lf_catch_pixel_of(job->renderer, &job->rig, view, row, column);
+            lf_catch_put(out, lf_catch_reflection(&tracer, &pixel, n));
         }
 }
 
@@ -218,6 +233,12 @@ static const struct {
      samples},
     {{"shadow", "what catchers get of it, for compositing", LF_LAYER_SHADOW, 1, {"shadow.A"}},
      shadow},
+    {{"reflection",
+      "what catchers reflect, to be added",
+      LF_LAYER_REFLECTION,
+      3,
+      {"reflection.R", "reflection.G", "reflection.B"}},
+     reflection},
 };
 
 #define N_LAYERS (int)(sizeof table / sizeof table[0])

@@ -468,7 +468,7 @@ static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
     if (status != LF_OK)
         return status;
     if (lf_picture_follow(&engine->picture, engine->renderer) != LF_OK)
-        lf_log(LF_LOG_ERROR, "out of memory for the shadows of catchers: they are left out");
+        lf_log(LF_LOG_ERROR, "out of memory for what catchers get: it is left out");
     guide(engine, content);
     engine->picture.estimator = engine->now.controls.estimator;
     engine->picture.reconstructs = reconstructs(&engine->now.controls, content);

@@ -6,9 +6,6 @@
 #include "base/alloc.h"
 #include "daemon/output/guides.h"
 
-/* Samples of lights behind a pixel that is done. */
-#define CAUGHT_ENOUGH 64
-
 static size_t row_pixels(const lf_picture *picture)
 {
     return (size_t)picture->n_views * (size_t)picture->width;
@@ -143,7 +140,7 @@ lf_status lf_picture_fitted(lf_picture *picture, lf_pool *pool, const lf_cancel 
 bool lf_picture_caught(const lf_picture *picture)
 {
     for (int row = 0; picture->caught && row < picture->height; row++)
-        if (lf_caught_samples(picture->caught, row) < CAUGHT_ENOUGH)
+        if (!lf_caught_settled(picture->caught, row))
             return false;
     return true;
 }

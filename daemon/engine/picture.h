@@ -1,6 +1,7 @@
 /* picture: the views of the light field as they are now, 8-bit, resolved and tone-mapped row by row
- * while the film is rendered, and filled for the screen while they are incomplete; shadows of
- * catchers and guides are in them. Memory: 8 bytes a view pixel, and with catchers 29 more. Thread:
+ * while the film is rendered, and filled for the screen while they are incomplete; what
+ * catchers get and guides are in them. Memory: 8 bytes a view pixel, with catchers 29 more, and 28
+ * with such as reflect. Thread:
  * the engine's, but for lf_picture_row, which workers call for different rows at once. */
 #ifndef LF_DAEMON_PICTURE_H
 #define LF_DAEMON_PICTURE_H
@@ -44,12 +45,12 @@ LF_NODISCARD lf_status lf_picture_shape(lf_picture *picture, int n_views, int wi
 void lf_picture_finish(lf_picture *picture);
 
 /* What rows are made of from now on, after lf_picture_shape: renderer (borrowed; NULL: of none) has
- * another film. LF_E_NOMEM: shadows of catchers are missing. */
+ * another film. LF_E_NOMEM: what catchers get is missing. */
 LF_NODISCARD lf_status lf_picture_follow(lf_picture *picture, lf_renderer *renderer);
 /* With depth (NULL: without) what lies outside of it is marked in rows made from now on
  * (daemon/output/guides.h). LF_E_NOMEM: without. */
 LF_NODISCARD lf_status lf_picture_guide(lf_picture *picture, const lf_depth *depth);
-/* Whether every row has seen enough of its catchers' shadows to be called converged. */
+/* Whether every row has seen enough of what its catchers get to be called converged. */
 bool lf_picture_caught(const lf_picture *picture);
 
 /* Takes another exposure or curve, and shows all rows by it. LF_E_NOMEM, LF_E_ARG: as before. */
@@ -63,7 +64,7 @@ bool lf_picture_expose(lf_picture *picture, lf_pool *pool);
 /* An lf_row_fn with the picture as its context: shows a row that was just visited; where it is to
  * be reconstructed, by the last fit as soon as there is one. */
 void lf_picture_row(void *context, int row, int worker);
-/* All rows by a new fit, with shadows made smooth. LF_E_CANCELLED: some are as they were. */
+/* All rows by a new fit, with what catchers get smooth. LF_E_CANCELLED: some are as they were. */
 LF_NODISCARD lf_status lf_picture_fitted(lf_picture *picture, lf_pool *pool,
                                          const lf_cancel *cancel);
 /* All rows again (another estimator, a restored film). LF_E_CANCELLED: some are as they

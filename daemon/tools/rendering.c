@@ -109,7 +109,7 @@ lf_status lf_rendering_run(lf_rendering *r, lf_error *err)
                            r->cancel, &r->times);
     if (status == LF_OK)
         status = budget.reconstructed ? lf_renderer_catch_smoothly(r->renderer, r->film, r->cancel)
-                                      : lf_renderer_catch_shadows(r->renderer, r->film, r->cancel);
+                                      : lf_renderer_catch(r->renderer, r->film, r->cancel);
     if (status == LF_E_CANCELLED)
         return lf_rendering_interrupted(r, err);
     return status == LF_OK ? LF_OK : lf_error_set(err, status, a->out, "rendering failed");

@@ -341,6 +341,8 @@ static void place_meshes(commit *c)
             (uint16_t)(c->desc->meshes[i].material < 0 ? 0 : n_own + c->desc->meshes[i].material);
         scene->meshes[i].hidden = c->desc->meshes[i].hidden;
         scene->meshes[i].catcher = c->desc->meshes[i].catcher;
+        scene->meshes[i].reflects = c->desc->meshes[i].reflects;
+        scene->meshes[i].lamp = c->desc->meshes[i].lamp;
         scene->n_meshes++;
     }
     for (int i = 0; geometry && i < geometry->n_meshes; i++)

@@ -40,6 +40,7 @@ void lf_scene_look(lf_scene *scene)
         scene->looks.moving |= !!scene->meshes[i].close.vertices;
         scene->looks.placed |= !!scene->meshes[i].placed;
         scene->looks.caught |= scene->meshes[i].catcher;
+        scene->looks.reflected |= scene->meshes[i].reflects;
     }
     for (int m = 0; m < scene->n_materials; m++) {
         const lf_material *material = &scene->materials[m];

@@ -490,6 +490,17 @@ static double parse_lights_of(lf_reader *reader, const lf_node *node)
     return lf_read_bool(reader, node, "lights", true) ? 1 : 0;
 }
 
+/* A catcher of shadows, or of what it reflects as well. */
+static void parse_catcher(lf_reader *reader, const lf_node *node, lf_mesh_desc *mesh)
+{
+    const lf_node catcher = lf_node_child(node, "catcher");
+    mesh->reflects = json_is_string(catcher.value) &&
+                     strcmp(json_string_value(catcher.value), "reflection") == 0;
+    if (catcher.value && !mesh->reflects && !json_is_boolean(catcher.value))
+        lf_read_fail(reader, &catcher, "expected true, false or \"reflection\"");
+    mesh->hidden = mesh->catcher = mesh->reflects || json_is_true(catcher.value);
+}
+
 /* Which animation of a file, and where it is in this frame. */
 static void parse_clip(lf_reader *reader, const lf_node *node, double seconds, lf_clip *clip)
 {
@@ -535,7 +546,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     const lf_node units = lf_node_child(node, "units");
     if (mesh->shape && units.value)
         lf_read_fail(reader, &units, "only what is in a file has units of its own");
-    mesh->hidden = mesh->catcher = lf_read_bool(reader, node, "catcher", false);
+    parse_catcher(reader, node, mesh);
     parse_clip(reader, node, desc->seconds, &mesh->clip);
     mesh->lights = parse_lights_of(reader, node);
     lf_read_places(reader, node, &mesh->places);

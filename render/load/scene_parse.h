@@ -82,7 +82,8 @@ typedef struct lf_mesh_desc {
     bool lamp;   /* of a light that is faces: the name is the light's */
     bool hidden; /* from the camera */
     bool catcher;
-    bool shines; /* the material that it names does */
+    bool reflects; /* a catcher of what it reflects, too */
+    bool shines;   /* the material that it names does */
     lf_places_desc places;
 } lf_mesh_desc;
 

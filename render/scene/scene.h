@@ -306,9 +306,11 @@ typedef struct lf_mesh {
     /* [n_triangles] index into scene->materials, or NULL: `material` for all */
     const uint16_t *triangle_material;
     uint16_t material;
-    lf_box box;   /* of the triangles, wherever they go */
-    bool hidden;  /* rays of the camera pass through it */
-    bool catcher; /* hidden, but for what it gets of shadows (catcher.h) */
+    lf_box box;    /* of the triangles, wherever they go */
+    bool hidden;   /* rays of the camera pass through it */
+    bool catcher;  /* hidden, but for what it gets of shadows (catcher.h) */
+    bool reflects; /* a catcher that also tells what it reflects */
+    bool lamp;     /* made of one of the scene's lights */
     /* lf_mesh_data's, each NULL where no material wants it */
     const float *uvs, *colours, *tangents;
     lf_mesh_close close;
@@ -452,6 +454,7 @@ typedef struct lf_looks {
     bool moving;    /* something is elsewhere when the shutter closes */
     bool chromatic; /* sigma_t of some volume is not the same for all channels */
     bool caught;    /* some mesh is a catcher of shadows */
+    bool reflected; /* ... and some one of what it reflects */
     bool paned;     /* some sheet is a pane */
     bool placed;    /* some mesh stands in many places */
 } lf_looks;

@@ -1,5 +1,5 @@
-/* What frames of the engine have besides what is rendered: shadows of catchers, as a picture has
- * them that is made by itself, and guides. */
+/* What frames of the engine have besides what is rendered: what catchers get, as a picture has it
+ * that is made by itself, and guides. */
 #include "tests/testing.h"
 
 #include <poll.h>
@@ -20,6 +20,14 @@ static const char on_catcher[] =
     "{'shape': 'sphere', 'transform': {'scale': 0.5, 'translate': [0, 0.5, 0]}}}, 'lights': {"
     "'sun': {'type': 'distant', 'direction': [1, -1, 0]}, 'sky': {'type': 'environment', "
     "'radiance': 0.1}}}";
+/* A lamp over a mirror before grey: its image, and no shadow. */
+static const char on_mirror[] =
+    "{'camera': {'position': [0, 6, 6], 'target': [0.4, 0.3, 0], 'fov_y': 18, 'aspect': 1, "
+    "'views': 5, 'cone': 30}, 'backdrop': 0.1, 'meshes': {'ground': {'shape': 'quad', 'catcher': "
+    "'reflection', 'material': 'mirror', 'transform': {'scale': 50}}, 'ball': {'shape': 'sphere', "
+    "'material': 'shining', 'transform': {'scale': 0.5, 'translate': [0, 0.7, 0]}}}, 'materials': "
+    "{'mirror': {'type': 'conductor', 'albedo': 0.6, 'roughness': 0}, 'shining': {'albedo': 0, "
+    "'emission': 2}}}";
 static const char far_and_near[] =
     "{'camera': {'position': [0, 0, 10], 'fov_y': 20, 'aspect': 1, 'cone': 30, 'views': 5}, "
     "'meshes': {'near': {'shape': 'cube', 'transform': {'scale': 0.3, 'translate': [-0.6, 0, 4]}}, "
@@ -133,7 +141,7 @@ static void make_picture(const lf_content *content, bool shadows, float film[3 *
     lf_assert_ok(lf_renderer_passes(r, NULL, 24 * VIEWS, true, NULL, NULL, NULL), NULL);
     lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, film, NULL), NULL);
     if (shadows)
-        lf_assert_ok(lf_renderer_catch_shadows(r, film, NULL), NULL);
+        lf_assert_ok(lf_renderer_catch(r, film, NULL), NULL);
     lf_assert_ok(lf_tone_create(0, "srgb", &tone, &err), &err);
     lf_tone_map(tone, PIXELS, film, shown);
     lf_tone_destroy(tone);
@@ -152,20 +160,24 @@ static double apart(const uint8_t *a, const uint8_t *b)
 static uint8_t seen[3 * PIXELS], with[3 * PIXELS], without[3 * PIXELS];
 static float film[3 * PIXELS], bare[3 * PIXELS];
 
-/* Noise and edges are a level or two in the mean; the shadows are ten times that. */
-static void frames_have_the_shadows_of_files(void **state)
+/* Noise and edges are a level or two in the mean; what catchers get is several times that. */
+static void frames_have_what_catchers_of_files_get(void **state)
 {
     (void)state;
-    for (int i = 0; i < 2; i++) {
+    static const struct {
+        const char *text;
+        double noise, caught;
+    } scenes[] = {{on_catcher, 2.0, 5.0}, {on_mirror, 2.0, 5.0}};
+    for (int i = 0; i < 4; i++) {
         running r;
-        begin(&r, on_catcher, i == 0 ? LF_RECONSTRUCT_OFF : LF_RECONSTRUCT_ON);
+        begin(&r, scenes[i / 2].text, i % 2 == 0 ? LF_RECONSTRUCT_OFF : LF_RECONSTRUCT_ON);
         make_picture(r.content, true, film, with);
         make_picture(r.content, false, bare, without);
         run_to(&r, 8);
         last_views(&r, seen);
-        assert_int_equal(status_of(&r).reconstructed, i == 1);
-        assert_true(apart(seen, with) < 2.0);
-        assert_true(apart(seen, without) > 5.0); /* a negative control */
+        assert_int_equal(status_of(&r).reconstructed, i % 2 == 1);
+        assert_true(apart(seen, with) < scenes[i / 2].noise);
+        assert_true(apart(seen, without) > scenes[i / 2].caught); /* a negative control */
         end(&r);
     }
 }
@@ -232,7 +244,7 @@ static void guides_are_switched_on_and_off(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(frames_have_the_shadows_of_files),
+        cmocka_unit_test(frames_have_what_catchers_of_files_get),
         cmocka_unit_test(exports_have_them_too),
         cmocka_unit_test(guides_are_switched_on_and_off),
     };

@@ -99,6 +99,29 @@ static void media_cast_shadows_as_well(void **state)
     lf_assert_close(shadow, (1.0 - exp(-1.0)) * exp(-1.0), 0.02, 0);
 }
 
+/* Aslant, from views that stand 20 degrees to each side, more of the fog lies before the ground. */
+static void media_before_a_catcher_are_as_thick_as_a_view_sees_them(void **state)
+{
+    (void)state;
+    static float shadow[PIXELS];
+    double mean[VIEWS] = {0.0};
+    lf_scene *scene = lf_test_scene(
+        "{ 'camera': { 'position': [0, 9, 0], 'target': [0, 0, 0], 'up': [0, 0, -1], 'fov_y': 0.5, "
+        "'aspect': 1, 'views': 3, 'cone': 60 }, 'meshes': { 'ground': { 'shape': 'quad', "
+        "'catcher': true, 'transform': { 'scale': 50 } } }, 'volumes': { 'fog': { 'shape': 'box', "
+        "'density': 0.5, 'transform': { 'scale': [20, 1, 20], 'translate': [0, 2, 0] } } }, "
+        "'lights': { 's': { 'type': 'distant' } } }");
+    lf_renderer *r = render(scene, 1, NULL);
+    lf_assert_ok(lf_renderer_layers(r, LF_ESTIMATOR_MWIS, LF_LAYER_SHADOW, shadow, NULL), NULL);
+    for (int i = 0; i < PIXELS; i++)
+        mean[i / SIDE % VIEWS] += (double)shadow[i] / (SIDE * SIDE);
+    for (int view = 0; view < VIEWS; view++)
+        lf_assert_close(mean[view],
+                        (1.0 - exp(-1.0)) * exp(view == 1 ? -1.0 : -1.0 / cos(M_PI / 9)), 0.002, 0);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
 /* A ball on a catcher, seen from above. */
 #define ON_IT(what, behind)                                                                        \
     "{ 'camera': { 'position': [0, 6, 6], 'target': [0.4, 0.3, 0], 'fov_y': 13, 'aspect': 1, "     \
@@ -149,7 +172,7 @@ static void shadows_are_taken_from_the_backdrop(void **state)
     lf_renderer *r = render(scene, 16, NULL);
     lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, before, NULL), NULL);
     memcpy(after, before, sizeof after);
-    lf_assert_ok(lf_renderer_catch_shadows(r, after, NULL), NULL);
+    lf_assert_ok(lf_renderer_catch(r, after, NULL), NULL);
     lf_assert_ok(
         lf_renderer_layers(r, LF_ESTIMATOR_MWIS, LF_LAYER_COVERAGE | LF_LAYER_SHADOW, layers, NULL),
         NULL);
@@ -169,7 +192,7 @@ static void shadows_are_taken_from_the_backdrop(void **state)
     r = render(scene, 1, NULL);
     lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, before, NULL), NULL);
     memcpy(after, before, sizeof after);
-    lf_assert_ok(lf_renderer_catch_shadows(r, after, NULL), NULL);
+    lf_assert_ok(lf_renderer_catch(r, after, NULL), NULL);
     assert_memory_equal(before, after, sizeof after);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
@@ -225,6 +248,7 @@ int main(void)
         cmocka_unit_test(a_disk_takes_its_form_factor_of_an_even_sky),
         cmocka_unit_test(lights_count_by_what_they_would_give),
         cmocka_unit_test(media_cast_shadows_as_well),
+        cmocka_unit_test(media_before_a_catcher_are_as_thick_as_a_view_sees_them),
         cmocka_unit_test(the_camera_looks_through_and_all_else_does_not),
         cmocka_unit_test(shadows_are_taken_from_the_backdrop),
         cmocka_unit_test(mvpt_agrees_with_vpt_before_a_catcher),

@@ -55,7 +55,7 @@ static void make(const char *text, int cycles, int samples, pictures *out)
     memcpy(out->whole, out->plain, bytes);
     memcpy(out->live, out->plain, bytes);
     memcpy(out->smooth, out->plain, bytes);
-    lf_assert_ok(lf_renderer_catch_shadows(r, out->whole, NULL), NULL);
+    lf_assert_ok(lf_renderer_catch(r, out->whole, NULL), NULL);
     lf_assert_ok(lf_renderer_layers(r, LF_ESTIMATOR_MWIS, LF_LAYER_COVERAGE, out->covered, NULL),
                  NULL);
     lf_assert_ok(lf_caught_begin(&caught, r), NULL);

@@ -250,6 +250,7 @@ static const char *const good[] = {
     "{\"lights\": {\"l\": {\"type\": \"sphere\", \"power\": 5, \"visible\": true}}}",
     "{\"lights\": {\"l\": {\"type\": \"sphere\", \"radiance\": 5}}}",
     "{\"meshes\": {\"m\": {\"shape\": \"disk\", \"catcher\": true}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"disk\", \"catcher\": \"reflection\"}}}",
     "{\"units\": \"in\", \"meshes\": {\"m\": {\"file\": \"a.stl\", \"units\": \"mm\"}}, "
     "\"volumes\": {\"v\": {\"file\": \"a.vdb\", \"units\": \"km\"}}}",
     "{\"include\": \"other.json\"}",
@@ -325,6 +326,7 @@ static const char *const wrong[] = {
     "{\"meshes\": {\"m\": {\"shape\": \"quad\", \"flip\": true}}}",
     "{\"meshes\": {\"m\": {\"shape\": \"quad\", \"material\": 3}}}",
     "{\"meshes\": {\"m\": {\"shape\": \"quad\", \"catcher\": 1}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"quad\", \"catcher\": \"shadow\"}}}",
     "{\"materials\": {\"m\": {\"type\": \"glass\"}}}",
     "{\"materials\": {\"m\": {\"ior\": 0.9}}}",
     "{\"materials\": {\"m\": {\"emission\": -1}}}",
