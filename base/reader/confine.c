@@ -1,16 +1,20 @@
 /* The rights that a reader keeps: reading and writing what is open, memory, threads and its own
  * end. What is not on the list fails with EPERM, so that libraries that look something up go on
- * without it; what no reader has any use for ends the process. */
+ * without it; what no reader has any use for ends the process. Opening a file gives what is open by
+ * that number, for libraries that take names alone: /proc/self/fd/4 is another handle of 4, which
+ * dup, on the list, gives as well. */
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/landlock.h>
 #include <seccomp.h>
 #include <signal.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
+#include <ucontext.h>
 #include <unistd.h>
 
 #include "base/reader/reader.h"
@@ -128,6 +132,47 @@ static int allow_looks(scmp_filter_ctx filter)
     return failed;
 }
 
+#if defined(__x86_64__) || defined(__aarch64__)
+/* In place of openat, whose second argument is name. */
+static long open_again(const char *name)
+{
+    int fd, end = 0, again;
+    if (sscanf(name, "/proc/self/fd/%d%n", &fd, &end) != 1 || name[end] != '\0')
+        return -EPERM;
+    again = dup(fd);
+    return again >= 0 && lseek(again, 0, SEEK_SET) == 0 ? again : -EPERM;
+}
+
+static void on_trap(int number, siginfo_t *info, void *context)
+{
+    ucontext_t *at = context;
+    (void)number;
+    (void)info;
+#ifdef __x86_64__
+    greg_t *registers = at->uc_mcontext.gregs;
+    registers[REG_RAX] = open_again((const char *)(uintptr_t)registers[REG_RSI]);
+#else
+    unsigned long long *registers = at->uc_mcontext.regs;
+    registers[0] = (unsigned long long)open_again((const char *)(uintptr_t)registers[1]);
+#endif
+}
+
+static int trap_opening(scmp_filter_ctx filter)
+{
+    struct sigaction action = {.sa_flags = SA_SIGINFO};
+    action.sa_sigaction = on_trap;
+    return sigaction(SIGSYS, &action, NULL) != 0
+               ? -errno
+               : seccomp_rule_add(filter, SCMP_ACT_TRAP, SCMP_SYS(openat), 0);
+}
+#else
+static int trap_opening(scmp_filter_ctx filter)
+{
+    (void)filter;
+    return 0;
+}
+#endif
+
 static int fill_filter(scmp_filter_ctx filter)
 {
     /* libraries have made threads when they were loaded */
@@ -138,6 +183,8 @@ static int fill_filter(scmp_filter_ctx filter)
         failed = allow_memory(filter);
     if (!failed)
         failed = allow_looks(filter);
+    if (!failed)
+        failed = trap_opening(filter);
     for (size_t i = 0; i < sizeof allowed / sizeof *allowed && !failed; i++)
         failed = seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
     for (size_t i = 0; i < sizeof deadly / sizeof *deadly && !failed; i++)

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/frame_name.h"
 #include "base/nearest.h"
 
 /* More are not looked at for what was meant. */
@@ -171,6 +172,23 @@ static char *absolute(const lf_server *server, const char *path)
     return joined;
 }
 
+/* Of a name with a place for a frame's number no file need be there, but its folder. */
+static lf_status resolve(const lf_server *server, const char *name, char **out_path, lf_error *why)
+{
+    lf_status status = lf_roots_resolve(&server->roots, name, out_path, why);
+    if (status != LF_E_IO || !lf_frame_name_varies(name))
+        return status;
+    char *folder = lf_path_folder(name), *real = NULL;
+    status = folder ? lf_roots_resolve(&server->roots, folder, &real, why) : LF_E_NOMEM;
+    if (status == LF_OK) {
+        *out_path = lf_path_join(real, strrchr(name, '/') + 1);
+        status = *out_path ? LF_OK : LF_E_NOMEM;
+    }
+    lf_free(folder);
+    lf_free(real);
+    return status;
+}
+
 lf_status lf_server_read_path(const lf_server *server, const char *path, char **out_path,
                               lf_error *err)
 {
@@ -178,7 +196,7 @@ lf_status lf_server_read_path(const lf_server *server, const char *path, char **
     if (!name)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     lf_error why;
-    lf_status status = lf_roots_resolve(&server->roots, name, out_path, &why);
+    lf_status status = resolve(server, name, out_path, &why);
     lf_free(name);
     if (status == LF_OK)
         return LF_OK;

@@ -14,6 +14,7 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/frame_name.h"
 #include "base/import/import.h"
 #include "base/log.h"
 #include "base/wakeup.h"
@@ -342,7 +343,7 @@ static lf_status open_first(lf_server *server, lf_error *err)
 
 static void load_first(lf_server *server, const char *scene)
 {
-    bool there = access(scene, R_OK) == 0;
+    bool there = access(scene, R_OK) == 0 || lf_frame_name_varies(scene);
     int why = errno;
     lf_load *load = there ? lf_load_create(LF_LOAD_FILE) : NULL;
     if (!load) {

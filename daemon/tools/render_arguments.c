@@ -42,8 +42,8 @@ static void print_help(void)
         "A mesh or a volume (.glb, .obj, .vdb ...) may stand in for SCENE: it is framed and lit.\n"
         "So may a quilt picture or a folder of views: it is used as it is.\n"
         "\n"
-        "OUT by its ending: .png or .exr is a quilt (named ..._qsCxRaASPECT), .tif a print, a path "
-        "ending in / a folder of views.\n"
+        "OUT by its ending: .png or .exr is a quilt (named ..._qsCxRaASPECT), .tif a print, .mp4 a "
+        "video, a path ending in / a folder of views.\n"
         "\n"
         "What:\n");
     lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " fit exposure panel aov guides");

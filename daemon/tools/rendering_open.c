@@ -255,9 +255,10 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
         film = lf_exposed_film(&film, a->options.exposure);
     if (!film.auto_exposure || a->kind->surplus || lf_path_has_ending(a->out, ".exr"))
         return LF_OK;
-    return lf_error_set(err, LF_E_ARG, "--exposure",
-                        "auto would be another one in every frame: give stops (without --frames "
-                        "and --turntable, auto tells those of one picture)");
+    return lf_error_set(err, LF_E_ARG, a->options.has_exposure ? "--exposure" : a->scene,
+                        "%sauto would be another one in every frame: give stops (without --frames "
+                        "and --turntable, auto tells those of one picture)",
+                        a->options.has_exposure ? "" : "film.exposure: ");
 }
 
 /* Whether it can be a video; that of views begins here, before hours of rendering. */

@@ -1,7 +1,10 @@
 #include "render/load/bare_file.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
+#include "base/alloc.h"
+#include "base/frame_name.h"
 #include "render/load/member_read.h"
 #include "render/load/scene_parse.h"
 #include "render/scene/scene.h"
@@ -16,12 +19,35 @@ bool lf_is_bare_file(const char *path)
     return lf_is_file_of(path, lf_mesh_endings) || lf_is_file_of(path, lf_volume_endings);
 }
 
+#define MOST_FRAMES 10000
+
+static int largest_frame(const char *path)
+{
+    off_t most = 0;
+    int best = 0;
+    for (int n = 0; n < MOST_FRAMES && lf_frame_name_varies(path); n++) {
+        struct stat file;
+        char *name = lf_frame_name(path, n);
+        if (name && stat(name, &file) == 0 && file.st_size > most) {
+            most = file.st_size;
+            best = n;
+        }
+        lf_free(name);
+    }
+    return best;
+}
+
 json_t *lf_bare_document(const char *path)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    if (lf_is_file_of(path, lf_volume_endings))
-        return json_pack("{s:i, s:{s:{s:s}}}", "quiltd", 1, "volumes", "volume", "file", name);
-    return json_pack("{s:i, s:{s:{s:s}}}", "quiltd", 1, "meshes", "model", "file", name);
+    const bool is_volume = lf_is_file_of(path, lf_volume_endings);
+    const int frame = largest_frame(path);
+    json_t *document =
+        json_pack("{s:i, s:{s:{s:s}}}", "quiltd", 1, is_volume ? "volumes" : "meshes",
+                  is_volume ? "volume" : "model", "file", name);
+    if (frame > 0)
+        json_object_set_new(document, "frame", json_integer(frame));
+    return document;
 }
 
 /* From the front and a little above. */
@@ -58,9 +84,9 @@ static json_t *make_studio(const double middle[3], double size)
 {
     static const double front[3] = {-1.6, 1.5, 1.8}, back[3] = {1.8, 1.2, -1.5};
     return json_pack("{s:o, s:o, s:{s:s, s:f, s:f, s:b, s:f, s:b}}", "front",
-                     make_lamp(middle, size, front, 1.6, 5.0), "back",
-                     make_lamp(middle, size, back, 0.8, 6.0), "room", "type", "sky", "elevation",
-                     50.0, "azimuth", -40.0, "sun", false, "scale", 0.008, "visible", false);
+                     make_lamp(middle, size, front, 1.3, 11.0), "back",
+                     make_lamp(middle, size, back, 0.8, 24.0), "room", "type", "sky", "elevation",
+                     50.0, "azimuth", -40.0, "sun", false, "scale", 0.004, "visible", false);
 }
 
 /* A sun and an even sky, of which volumes are quick to show. */
@@ -83,14 +109,13 @@ static bool scale_density(json_t *document, const lf_scene *scene, double size)
 
 bool lf_bare_furnish(json_t *document, const lf_scene *scene)
 {
-    double bounds[2][3], middle[3], across[3];
-    if (!lf_scene_bounds(scene, NULL, bounds))
-        return true;
+    double bounds[2][3] = {{0}}, middle[3], across[3];
+    const bool is_there = lf_scene_bounds(scene, NULL, bounds),
+               is_volume = json_object_get(document, "volumes");
     for (int i = 0; i < 3; i++)
-        middle[i] = 0.5 * (bounds[0][i] + bounds[1][i]);
+        middle[i] = is_there ? 0.5 * (bounds[0][i] + bounds[1][i]) : 0.0;
     lf_sub_double(bounds[1], bounds[0], across);
-    const double size = lf_length_double(across);
-    const bool is_volume = scene->n_volumes > 0;
+    const double size = is_there ? lf_length_double(across) : 1.0;
     json_t *rest =
         json_pack("{s:o, s:o, s:{s:s}, s:{s:[f,f,f], s:[f,f,f]}}", "camera", make_camera(scene),
                   "lights", is_volume ? make_day() : make_studio(middle, size), "film", "tonemap",

@@ -140,7 +140,7 @@ static lf_status load_bare(const char *path, const json_t *patch, const lf_roots
         status = lf_roots_resolve(roots, folder, &allowed, err);
     if (status == LF_OK)
         status =
-            build_made(lf_bare_document(path), patch, path, folder, roots, previous, &alone, err);
+            build_made(lf_bare_document(path), NULL, path, folder, roots, previous, &alone, err);
     if (status == LF_OK) {
         json_t *doc = lf_bare_document(path);
         if (doc && !lf_bare_furnish(doc, alone)) {

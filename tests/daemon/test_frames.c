@@ -81,7 +81,7 @@ static const struct {
     {"-o %s/x.png --turntable 4 --stats s.json", "--stats: does not go with --turntable"},
     {"-o %s/x.png --turntable 4 --exposure auto", "--exposure: auto"},
     {"-o %s/x.png --turntable 4 --fps 25", "--fps: only goes with OUT.mp4"},
-    {"-o %s/x.mp4", "a video needs --frames or --turntable"},
+    {"-o %s/x.mp4", "a video needs --frames, --turntable or"},
     {"-o %s/x.mp4 --turntable 4 --codec mpeg2", "--codec: expects h264 or h265"},
     {"-o %s/x.mp4 --turntable 4 --rgbd right", "a picture with depth ends in .png"},
     {"-o %s/x.mp4 --turntable 4 --views 6 --quilt 3x2 --view-size 11x16",

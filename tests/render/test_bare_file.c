@@ -115,6 +115,32 @@ static void a_volume_is_dense_enough_to_be_seen(void **state)
     lf_scene_unref(scene);
 }
 
+/* A simulation begins with nothing: it is framed by its largest file, in every frame. */
+static void frames_are_seen_by_one_camera_in_one_light(void **state)
+{
+    (void)state;
+    char *folder = lf_test_folder(), real[PATH_MAX], pattern[PATH_MAX];
+    static const char *const files[] = {"testdata/empty.vdb", "testdata/patterns.vdb"};
+    for (int i = 0; i < 2; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "s_%d.vdb", 7 + i);
+        assert_non_null(realpath(lf_test_built(files[i]), real));
+        assert_int_equal(symlink(real, lf_test_path(folder, name)), 0);
+    }
+    snprintf(pattern, sizeof pattern, "%s", lf_test_path(folder, "s_%d.vdb"));
+    lf_scene *one = load(pattern, NULL, NULL), *first = load(pattern, "{\"frame\": 7}", NULL);
+    assert_int_equal(one->n_volumes, 1);
+    assert_int_equal(first->n_volumes, 0);
+    assert_true(filled(one) < 0.91);
+    assert_memory_equal(lf_scene_camera(one)->position, lf_scene_camera(first)->position,
+                        sizeof lf_scene_camera(one)->position);
+    assert_int_equal(first->n_lights, one->n_lights);
+    assert_true(one->n_lights > 0);
+    lf_scene_unref(one);
+    lf_scene_unref(first);
+    lf_test_folder_remove(folder);
+}
+
 static void a_patch_wins(void **state)
 {
     (void)state;
@@ -165,6 +191,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_mesh_is_in_all_views_and_lit_the_same_whatever_its_size),
         cmocka_unit_test(a_volume_is_dense_enough_to_be_seen),
+        cmocka_unit_test(frames_are_seen_by_one_camera_in_one_light),
         cmocka_unit_test(a_patch_wins),
         cmocka_unit_test(it_lies_beneath_the_roots_and_is_what_it_ends_as),
     };

@@ -13,6 +13,7 @@
 #include "render/load/mesh_import.h"
 #include "render/load/vdb_import.h"
 #include "render/scene/scene.h"
+#include "tests/base/pictures.h"
 #include "tests/render/fake_reader.h"
 #include "tests/stat/fixture.h"
 
@@ -572,12 +573,30 @@ static void reading_ends_when_the_program_does(void **state)
     assert_false(has_children());
 }
 
+/* OpenEXR's own library, which DWA and B44 take, opens files by name. */
+static void pictures_of_every_compression_are_read_where_nothing_can_be_opened(void **state)
+{
+    (void)state;
+    char *folder = lf_test_folder(), text[128];
+    const int window[4] = {0, 0, 63, 31};
+    for (int compression = IMF_NO_COMPRESSION; compression <= IMF_DWAB_COMPRESSION; compression++) {
+        lf_picture_half_exr(lf_test_path(folder, "sky.exr"), window, window, compression,
+                            IMF_WRITE_RGB, false);
+        snprintf(text, sizeof text,
+                 "{'lights': {'s': {'type': 'environment', 'file': 'sky.exr', 'scale': %d}}}",
+                 1 + compression);
+        lf_scene_unref(lf_test_scene_in(folder, text, NULL));
+    }
+    lf_test_folder_remove(folder);
+}
+
 int main(int argc, char **argv)
 {
     (void)argc;
     if (strcmp(argv[0], "quiltimport") == 0)
         return lf_fake_reader();
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pictures_of_every_compression_are_read_where_nothing_can_be_opened),
         cmocka_unit_test(a_reader_that_ends_is_an_error_of_the_file),
         cmocka_unit_test(no_descriptor_stays_whatever_a_reader_sends),
         cmocka_unit_test(a_reader_that_tells_the_truth_is_believed),
