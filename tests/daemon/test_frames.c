@@ -87,7 +87,7 @@ static const struct {
     {"-o %s/x.mp4 --turntable 4 --views 6 --quilt 3x2 --view-size 11x16",
      "--view-size 12x16 (or --pixel-format yuv444p)"},
     {"-o %s/x.mp4 --turntable 4 --views 6 --quilt 2x3 --view-size 11x15",
-     "a quilt of 22x45 pixels has an odd side, which yuv420p has not: --view-size 11x16"},
+     "a picture of 22x45 pixels has an odd side, which yuv420p has not: --view-size 11x16"},
     {"-o %s/x_qs5x9.mp4 --turntable 4 --views 6", "the name says 5x9"},
 };
 
