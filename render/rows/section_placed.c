@@ -29,16 +29,17 @@ static lf_linear along(const lf_rig *rig, lf_vec3 axis)
     return (lf_linear){a[0], a[1], a[2], -(a[0] * eye[0] + a[1] * eye[1] + a[2] * eye[2])};
 }
 
-/* How far X is beyond the line from camera position c through x of the window, all of the lens
+/* How far X is beyond the line from the camera of a view through x of its window, all of the lens
  * considered: above 0 outside. sign -1: to the left. The lens moves a ray by no more than its chord
  * times 1 + Z/F. */
-static lf_linear beyond(const lf_rig *rig, const lf_row_plane *plane, double c, double x,
+static lf_linear beyond(const lf_rig *rig, const lf_row_plane *plane, int view, double x,
                         double sign)
 {
     const lf_linear X = along(rig, rig->right), Z = along(rig, rig->forward);
+    const double c = (double)rig->b[view], e = (double)rig->skew[view];
     double chord = (double)plane->lens_chord, margin = fabs((double)rig->dx);
     lf_linear out = times(&X, sign);
-    out = plus(out, &Z, -sign * (x - c) / (double)rig->distance);
+    out = plus(out, &Z, -sign * (x - e) / (double)rig->distance);
     out = plus(out, &Z, -chord / (double)rig->focus - margin / (double)rig->distance);
     out.d -= sign * c + chord + margin;
     return out;
@@ -49,8 +50,8 @@ static lf_linear beyond(const lf_rig *rig, const lf_row_plane *plane, double c, 
 static lf_box_cut view_of(const lf_rig *rig, const lf_row_plane *plane)
 {
     const lf_linear Y = along(rig, rig->up), Z = along(rig, rig->forward);
-    const double first = (double)rig->b[0], last = (double)rig->b[rig->n_views - 1],
-                 left = (double)rig->x0, right = left + rig->width * (double)rig->dx;
+    const int first = 0, last = rig->n_views - 1;
+    const double left = (double)rig->x0, right = left + rig->width * (double)rig->dx;
     lf_box_cut cut = {.plane = plus(Y, &Z, -(double)plane->my), .n_sides = 3};
     cut.plane.d -= (double)plane->ly;
     cut.side[0][0] = times(&Z, -1.0);

@@ -204,7 +204,7 @@ static void look(const bench *b, float lx, lf_vec3 p, float *c, float *scale)
     float x = lf_dot(d, rig->right), z = lf_dot(d, rig->forward);
     for (int k = 0; k < LF_MAX_LANES; k++) {
         c[k] = rig->b[k] + lx;
-        float u = (rig->b[k] + lx * rig->distance / rig->focus + rig->distance * (x - c[k]) / z -
+        float u = (rig->skew[k] + lx * rig->distance / rig->focus + rig->distance * (x - c[k]) / z -
                    rig->x0) /
                   rig->dx;
         scale[k] = k < rig->n_views && u >= 0.0f && u < (float)width ? 1.0f : 0.0f;
@@ -247,7 +247,8 @@ static tally hide(bench *b, lf_cut_what what, bool by_rays)
             float lx = (2.0f * (float)next_number(&b->random) - 1.0f) * b->plane.lens_chord,
                   xw = rig->x0 + (float)next_number(&b->random) * (float)width * rig->dx;
             lf_vec3 eye = lf_rig_point(rig, rig->b[view] + lx, b->plane.ly, 0.0f),
-                    w = lf_rig_direction(rig, (xw - rig->b[view]) / rig->distance - lx / rig->focus,
+                    w = lf_rig_direction(rig,
+                                         (xw - rig->skew[view]) / rig->distance - lx / rig->focus,
                                          b->plane.my, 1.0f);
             lf_hit hit[2];
             bool found = lf_trace_next(&b->tracer[0], eye, w, 0.0f, INFINITY, &hit[0]) &&
@@ -279,7 +280,7 @@ static tally fans(bench *b, bool by_rays)
             c[k] = rig->b[k] + lx;
         for (int j = 0; j < 2; j++)
             lf_section_nearest(&b->section[j], lists(b, j), rig,
-                               xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus),
+                               xw / rig->distance + lx * (1.0f / rig->window - 1.0f / rig->focus),
                                48, c, z[j], segment[j]);
         for (int k = 0; k < rig->n_views; k++) {
             t.asked++;
@@ -315,10 +316,11 @@ static void rows_find_what_they_find_in_copies(void **state)
 {
     (void)state;
     static const char *const more[] = {PART, PART ", 'lens_radius': 0.1, 'focus_distance': 4",
-                                       PART ", 'view_blur': 1"};
-    for (int i = 0; i < 6; i++) {
+                                       PART ", 'view_blur': 1", PART};
+    for (int i = 0; i < 8; i++) {
         bench b;
-        set_up(&b, "glaze", 0.0, "45", more[i / 2]);
+        set_up(&b, "glaze", 0.0, i < 6 ? "45" : "{ 'track': { 'count': 45, 'length': 3 } }",
+               more[i / 2]);
         tally t = hide(&b, LF_CUT_ALL, i % 2);
         assert_same(i % 2 ? "hidden, by rays" : "hidden", &t);
         t = fans(&b, i % 2);
@@ -395,11 +397,11 @@ static void what_is_beside_the_views_is_left_out_and_nothing_else(void **state)
         for (int k = 0; k < LF_MAX_LANES; k++)
             c[k] = rig->b[k] + lx;
         lf_section_nearest(&section, rows, rig,
-                           xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus), 16,
+                           xw / rig->distance + lx * (1.0f / rig->window - 1.0f / rig->focus), 16,
                            c, z, segment);
         for (int k = 0; k < rig->n_views; k++) {
             lf_vec3 o = lf_rig_point(rig, c[k], plane.ly, 0.0f),
-                    w = lf_rig_direction(rig, (xw - rig->b[k]) / rig->distance - lx / rig->focus,
+                    w = lf_rig_direction(rig, (xw - rig->skew[k]) / rig->distance - lx / rig->focus,
                                          plane.my, 1.0f);
             lf_hit hit;
             bool met = lf_trace_next(&tracer, o, w, 0.0f, INFINITY, &hit);
