@@ -1,10 +1,6 @@
 /* Shadows of catchers while a picture is rendered: the same as those of a picture that is done,
  * from samples that all views share. */
-#include "tests/testing.h"
-
-#include "tests/stat/fixture.h"
-
-enum { SIDE = 24, MOST_VIEWS = 9, MOST = SIDE * SIDE * MOST_VIEWS };
+#include "tests/render/caught_testing.h"
 
 /* A ball above a catcher, seen from above and aside. */
 #define ON_IT(views, backdrop, catcher, light)                                                     \
@@ -17,74 +13,22 @@ enum { SIDE = 24, MOST_VIEWS = 9, MOST = SIDE * SIDE * MOST_VIEWS };
 #define SUN "'sun': { 'type': 'distant', 'direction': [1, -1, 0] }"
 #define SKY "'sky': { 'type': 'environment', 'radiance': 1 }"
 
-typedef struct pictures {
-    int n_views;
-    float plain[3 * MOST];  /* without shadows */
-    float whole[3 * MOST];  /* with those of a picture that is done */
-    float live[3 * MOST];   /* and with those that are sampled beside it */
-    float smooth[3 * MOST]; /* the same, smooth */
-    float covered[MOST];
-} pictures;
-
-static void add_to_all(lf_caught *caught, int samples)
-{
-    for (int row = 0; row < SIDE; row++)
-        while (lf_caught_samples(caught, row) < samples) {
-            const int before = lf_caught_samples(caught, row);
-            lf_caught_add(caught, row);
-            assert_true(lf_caught_samples(caught, row) > before);
-        }
-}
-
-static void take_all(const lf_caught *caught, bool smooth, int n_views, float *picture)
-{
-    for (int row = 0; row < SIDE; row++)
-        lf_caught_take(caught, row, smooth, picture + (size_t)row * (size_t)(n_views * SIDE * 3));
-}
-
-static void make(const char *text, int cycles, int samples, pictures *out)
-{
-    lf_scene *scene = lf_test_scene(text);
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
-    lf_caught *caught = NULL;
-    lf_test_cycles(r, cycles);
-    out->n_views = lf_renderer_settings(r)->camera.n_views;
-    assert_true(out->n_views <= MOST_VIEWS);
-    const size_t bytes = sizeof(float) * 3 * (size_t)(SIDE * SIDE * out->n_views);
-    lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, out->plain, NULL), NULL);
-    memcpy(out->whole, out->plain, bytes);
-    memcpy(out->live, out->plain, bytes);
-    memcpy(out->smooth, out->plain, bytes);
-    lf_assert_ok(lf_renderer_catch(r, out->whole, NULL), NULL);
-    lf_assert_ok(lf_renderer_layers(r, LF_ESTIMATOR_MWIS, LF_LAYER_COVERAGE, out->covered, NULL),
-                 NULL);
-    lf_assert_ok(lf_caught_begin(&caught, r), NULL);
-    assert_non_null(caught);
-    add_to_all(caught, samples);
-    take_all(caught, false, out->n_views, out->live);
-    lf_assert_ok(lf_caught_smooth(caught, NULL), NULL);
-    take_all(caught, true, out->n_views, out->smooth);
-    lf_caught_destroy(caught);
-    lf_renderer_destroy(r);
-    lf_scene_unref(scene);
-}
-
 /* What is missing of the backdrop, where nothing else is seen; below 0: something is. */
-static double dark(const pictures *p, const float *picture, int pixel)
+static double dark(const caught_pictures *p, const float *picture, int pixel)
 {
-    if (p->covered[pixel] != 0.0f)
+    if (p->layers[pixel] != 0.0f)
         return -1.0;
     return 1.0 - (double)(picture[3 * pixel + 1] / p->plain[3 * pixel + 1]);
 }
 
-static pictures p;
+static caught_pictures p;
 
 /* With one view nothing is shared: its samples are those of a picture that is done. */
 static void samples_of_one_view_are_those_of_a_file(void **state)
 {
     (void)state;
     int seen = 0, shaded = 0, apart = 0;
-    make(ON_IT(1, GIVEN, "true", SKY), 16, 16, &p);
+    caught_make(ON_IT(1, GIVEN, "true", SKY), 16, 16, LF_LAYER_COVERAGE, &p);
     for (int i = 0; i < SIDE * SIDE; i++) {
         const double whole = dark(&p, p.whole, i);
         if (whole < -0.5)
@@ -94,7 +38,8 @@ static void samples_of_one_view_are_those_of_a_file(void **state)
         shaded += whole > 0.1;
     }
     assert_true(seen > 300 && shaded > 30);
-    make(ON_IT(1, GIVEN, "true", SKY), 16, 8, &p); /* a negative control: half of them */
+    caught_make(ON_IT(1, GIVEN, "true", SKY), 16, 8, LF_LAYER_COVERAGE,
+                &p); /* a negative control: half of them */
     for (int i = 0; i < SIDE * SIDE; i++)
         apart += fabs(dark(&p, p.live, i) - dark(&p, p.whole, i)) > 1e-5;
     assert_true(apart > 30);
@@ -109,7 +54,7 @@ static int kind_of(double darkness, double hardly)
 /* A sharp shadow lies where it does in a picture that is done, pixel by pixel, in every view: a
  * sample shared a pixel beside its place would light the umbra or shade what is lit. Of all samples
  * a ninth is a view's own. `by`: how many columns beside it is looked for. */
-static int misplaced(const pictures *q, int by)
+static int misplaced(const caught_pictures *q, int by)
 {
     int wrong = 0;
     for (int i = 1; i < SIDE * SIDE * q->n_views - 1; i++) {
@@ -125,7 +70,7 @@ static int misplaced(const pictures *q, int by)
 static void shared_samples_lie_where_views_see_them(void **state)
 {
     (void)state;
-    make(ON_IT(9, GIVEN, "true", SUN), 32, 32 * 9, &p);
+    caught_make(ON_IT(9, GIVEN, "true", SUN), 32, 32 * 9, LF_LAYER_COVERAGE, &p);
     int shaded = 0;
     for (int i = 0; i < SIDE * SIDE * 9; i++)
         shaded += kind_of(dark(&p, p.whole, i), 1e-6) == 1;
@@ -140,12 +85,13 @@ static void shared_samples_lie_where_views_see_them(void **state)
 static void samples_are_not_shared_through_what_hides_them(void **state)
 {
     (void)state;
-    make("{ 'camera': { 'position': [0, 6, 6], 'target': [0, 0.3, 0], 'fov_y': 18, 'aspect': 1, "
-         "'views': 9, 'cone': 30 }, " GIVEN "'meshes': { 'ground': { 'shape': 'quad', 'catcher': "
-         "true, 'transform': { 'scale': 50 } }, 'card': { 'shape': 'quad', 'catcher': true, "
-         "'transform': { 'scale': 0.6, 'translate': [0, 1.5, 0] } } }, 'lights': { 'sun': { "
-         "'type': 'distant', 'direction': [0, -1, -1] } } }",
-         32, 32 * 9, &p);
+    caught_make(
+        "{ 'camera': { 'position': [0, 6, 6], 'target': [0, 0.3, 0], 'fov_y': 18, 'aspect': 1, "
+        "'views': 9, 'cone': 30 }, " GIVEN "'meshes': { 'ground': { 'shape': 'quad', 'catcher': "
+        "true, 'transform': { 'scale': 50 } }, 'card': { 'shape': 'quad', 'catcher': true, "
+        "'transform': { 'scale': 0.6, 'translate': [0, 1.5, 0] } } }, 'lights': { 'sun': { "
+        "'type': 'distant', 'direction': [0, -1, -1] } } }",
+        32, 32 * 9, LF_LAYER_COVERAGE, &p);
     int shaded = 0;
     for (int i = 0; i < SIDE * SIDE * 9; i++)
         shaded += kind_of(dark(&p, p.whole, i), 1e-6) == 1;
@@ -158,11 +104,11 @@ static void samples_are_not_shared_through_what_hides_them(void **state)
 static void views_know_more_together_than_each_alone(void **state)
 {
     (void)state;
-    static pictures much;
+    static caught_pictures much;
     double alone = 0.0, together = 0.0, mean[2] = {0.0, 0.0};
     int n = 0;
-    make(ON_IT(9, GIVEN, "true", SKY), 4, 36, &p);
-    make(ON_IT(9, GIVEN, "true", SKY), 512, 9, &much);
+    caught_make(ON_IT(9, GIVEN, "true", SKY), 4, 36, LF_LAYER_COVERAGE, &p);
+    caught_make(ON_IT(9, GIVEN, "true", SKY), 512, 9, LF_LAYER_COVERAGE, &much);
     for (int i = 0; i < SIDE * SIDE * 9; i++) {
         const double truth = dark(&much, much.whole, i);
         if (truth < 0.02 || dark(&p, p.live, i) < -0.5)
@@ -184,7 +130,7 @@ static void a_smooth_shade_is_as_dark_and_ends_as_the_samples_are(void **state)
 {
     (void)state;
     double mean[2] = {0.0, 0.0}, rough[2] = {0.0, 0.0};
-    make(ON_IT(9, GIVEN, "true", SKY), 1, 9, &p);
+    caught_make(ON_IT(9, GIVEN, "true", SKY), 1, 9, LF_LAYER_COVERAGE, &p);
     for (int i = 0; i < SIDE * SIDE * 9 - 1; i++) {
         if (dark(&p, p.live, i) < -0.5 || dark(&p, p.live, i + 1) < -0.5 || i % SIDE == SIDE - 1)
             continue;
@@ -196,7 +142,7 @@ static void a_smooth_shade_is_as_dark_and_ends_as_the_samples_are(void **state)
     }
     lf_assert_close(mean[1], mean[0], 0.03, 0);
     assert_true(mean[0] > 20.0 && rough[1] < 0.1 * rough[0]);
-    make(ON_IT(9, GIVEN, "true", SKY), 456, 4096, &p);
+    caught_make(ON_IT(9, GIVEN, "true", SKY), 456, 4096, LF_LAYER_COVERAGE, &p);
     assert_memory_equal(p.live, p.smooth, sizeof(float) * 3 * (size_t)(SIDE * SIDE * 9));
 }
 
@@ -207,7 +153,7 @@ static void a_sharp_shadow_stays_sharp(void **state)
 {
     (void)state;
     int lit = 0, shaded = 0, soft = 0;
-    make(ON_IT(9, GIVEN, "true", SUN), 8, 72, &p);
+    caught_make(ON_IT(9, GIVEN, "true", SUN), 8, 72, LF_LAYER_COVERAGE, &p);
     for (int i = 0; i < SIDE * SIDE * 9; i++) {
         const int kind = kind_of(dark(&p, p.live, i), 1e-4);
         if (dark(&p, p.live, i) < -0.5 || kind == 2)
@@ -230,7 +176,7 @@ static void a_fitted_file_has_the_smooth_shade(void **state)
     lf_scene *scene = lf_test_scene(ON_IT(9, GIVEN, "true", SUN));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
     const size_t row = (size_t)9 * SIDE * 3;
-    make(ON_IT(9, GIVEN, "true", SUN), 4, 36, &p);
+    caught_make(ON_IT(9, GIVEN, "true", SUN), 4, 36, LF_LAYER_COVERAGE, &p);
     lf_test_cycles(r, 4);
     memcpy(fitted, p.plain, sizeof(float) * row * SIDE);
     lf_assert_ok(lf_renderer_catch_smoothly(r, fitted, NULL), NULL);
@@ -254,10 +200,10 @@ static void a_fitted_file_has_the_smooth_shade(void **state)
 static void the_ball_keeps_its_light(void **state)
 {
     (void)state;
-    make(ON_IT(9, GIVEN, "true", SUN), 8, 72, &p);
+    caught_make(ON_IT(9, GIVEN, "true", SUN), 8, 72, LF_LAYER_COVERAGE, &p);
     int covered = 0;
     for (int i = 0; i < SIDE * SIDE * 9; i++) {
-        const bool ball = p.covered[i] > 0.9999f;
+        const bool ball = p.layers[i] > 0.9999f;
         covered += ball;
         for (int c = 0; c < 3; c++) {
             assert_true(p.live[3 * i + c] > -0.05f);
@@ -287,7 +233,7 @@ static void there_is_nothing_where_nothing_is_caught(void **state)
             lf_test_cycles(r, 8);
             lf_caught_take(caught, 3, true, row);
             assert_true(row[0] == 0.0f);
-            add_to_all(caught, 24);
+            caught_add_to_all(caught, 24);
             lf_test_reseed(r, 5);
             lf_assert_ok(lf_caught_begin(&caught, r), NULL); /* of another film: from its start */
             assert_int_equal(lf_caught_samples(caught, 3), 0);

@@ -1,11 +1,8 @@
 /* Reflections of catchers while a picture is rendered, and in one that is fitted: those of a
  * picture that is done, each view's own, smooth where that takes nothing from what is sharp. */
-#include "tests/testing.h"
+#include "tests/render/caught_testing.h"
 
 #include "base/alloc.h"
-#include "tests/stat/fixture.h"
-
-enum { SIDE = 24, MOST_VIEWS = 9, MOST = SIDE * SIDE * MOST_VIEWS };
 
 /* A white ball and a cube that shines on a floor. */
 #define ON_IT(views, backdrop, catcher, material)                                                  \
@@ -22,63 +19,10 @@ enum { SIDE = 24, MOST_VIEWS = 9, MOST = SIDE * SIDE * MOST_VIEWS };
 #define BLACK "0"
 #define BOTH "'reflection'"
 
-typedef struct pictures {
-    int n_views;
-    float plain[3 * MOST]; /* without */
-    float whole[3 * MOST]; /* of a picture that is done */
-    float live[3 * MOST];
-    float smooth[3 * MOST];
-    float layers[5 * MOST]; /* coverage, shadow, reflection */
-} pictures;
+#define LAYERS (LF_LAYER_COVERAGE | LF_LAYER_SHADOW | LF_LAYER_REFLECTION)
+static caught_pictures p;
 
-static void add_to_all(lf_caught *caught, int samples)
-{
-    for (int row = 0; row < SIDE; row++)
-        while (lf_caught_samples(caught, row) < samples) {
-            const int before = lf_caught_samples(caught, row);
-            lf_caught_add(caught, row);
-            assert_true(lf_caught_samples(caught, row) > before);
-        }
-}
-
-static void take_all(const lf_caught *caught, bool smooth, int n_views, float *picture)
-{
-    for (int row = 0; row < SIDE; row++)
-        lf_caught_take(caught, row, smooth, picture + (size_t)row * (size_t)(n_views * SIDE * 3));
-}
-
-static void make(const char *text, int cycles, int samples, pictures *out)
-{
-    lf_scene *scene = lf_test_scene(text);
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
-    lf_caught *caught = NULL;
-    lf_test_cycles(r, cycles);
-    out->n_views = lf_renderer_settings(r)->camera.n_views;
-    assert_true(out->n_views <= MOST_VIEWS);
-    const size_t bytes = sizeof(float) * 3 * (size_t)(SIDE * SIDE * out->n_views);
-    lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, out->plain, NULL), NULL);
-    memcpy(out->whole, out->plain, bytes);
-    memcpy(out->live, out->plain, bytes);
-    memcpy(out->smooth, out->plain, bytes);
-    lf_assert_ok(lf_renderer_catch(r, out->whole, NULL), NULL);
-    lf_assert_ok(lf_renderer_layers(r, LF_ESTIMATOR_MWIS,
-                                    LF_LAYER_COVERAGE | LF_LAYER_SHADOW | LF_LAYER_REFLECTION,
-                                    out->layers, NULL),
-                 NULL);
-    lf_assert_ok(lf_caught_begin(&caught, r), NULL);
-    assert_non_null(caught);
-    add_to_all(caught, samples);
-    take_all(caught, false, out->n_views, out->live);
-    lf_assert_ok(lf_caught_smooth(caught, NULL), NULL);
-    take_all(caught, true, out->n_views, out->smooth);
-    lf_caught_destroy(caught);
-    lf_renderer_destroy(r);
-    lf_scene_unref(scene);
-}
-
-static pictures p;
-
-static const float *layers_at(const pictures *q, int pixel)
+static const float *layers_at(const caught_pictures *q, int pixel)
 {
     return q->layers + 5 * pixel;
 }
@@ -87,7 +31,7 @@ static void a_picture_has_what_the_layers_tell(void **state)
 {
     (void)state;
     int bright = 0, dark = 0;
-    make(ON_IT(3, GIVEN, BOTH, PAPER), 4, 8, &p);
+    caught_make(ON_IT(3, GIVEN, BOTH, PAPER), 4, 8, LAYERS, &p);
     for (int i = 0; i < SIDE * SIDE * 3; i++) {
         const float *told = layers_at(&p, i);
         const double height = (i / (3 * SIDE) + 0.5) / SIDE;
@@ -106,7 +50,8 @@ static void samples_of_one_view_are_those_of_a_file(void **state)
 {
     (void)state;
     int seen = 0;
-    make(ON_IT(1, GIVEN, BOTH, "{ 'type': 'plastic', 'roughness': 0.3 }"), 16, 16, &p);
+    caught_make(ON_IT(1, GIVEN, BOTH, "{ 'type': 'plastic', 'roughness': 0.3 }"), 16, 16, LAYERS,
+                &p);
     for (int i = 0; i < SIDE * SIDE; i++)
         for (int c = 0; c < 3 && layers_at(&p, i)[0] == 0.0f; c++) {
             lf_assert_close(p.live[3 * i + c], p.whole[3 * i + c], 0, 1e-5);
@@ -116,7 +61,7 @@ static void samples_of_one_view_are_those_of_a_file(void **state)
 }
 
 /* The image of the cube, where nothing else is seen: without, whole, or at its rim. */
-static int kind_of(const pictures *q, int pixel)
+static int kind_of(const caught_pictures *q, int pixel)
 {
     const float *told = layers_at(q, pixel);
     return told[0] > 0.0f ? -1 : told[2] == 0.0f ? 0 : told[2] > 1.999f ? 1 : 2;
@@ -124,7 +69,7 @@ static int kind_of(const pictures *q, int pixel)
 
 /* Before black, of what is no rim in a picture that is done, how many pixels differ by more than a
  * twentieth of the cube's light. */
-static int softened(const pictures *q, const float *picture, int *out_whole)
+static int softened(const caught_pictures *q, const float *picture, int *out_whole)
 {
     int soft = 0;
     *out_whole = 0;
@@ -145,14 +90,14 @@ static void the_image_of_a_sharp_thing_stays_sharp(void **state)
     static const int own[] = {1, 4, 8, 64}, least[] = {100, 0, 0, 0}, most[] = {MOST, 40, 0, 0};
     for (int i = 0; i < 4; i++) {
         int whole, soft;
-        make(ON_IT(9, BLACK, BOTH, MIRROR), 64, 9 * own[i], &p);
+        caught_make(ON_IT(9, BLACK, BOTH, MIRROR), 64, 9 * own[i], LAYERS, &p);
         assert_int_equal(softened(&p, p.live, &whole), 0);
         soft = softened(&p, p.smooth, &whole);
         assert_true(whole > 100 && soft >= least[i] && soft <= most[i]);
     }
 }
 
-static double added(const pictures *q, const float *picture, int pixel)
+static double added(const caught_pictures *q, const float *picture, int pixel)
 {
     return (double)picture[3 * pixel] - (double)q->plain[3 * pixel];
 }
@@ -168,10 +113,10 @@ static void what_is_noise_is_made_smooth(void **state)
         int own;
         double left;
     } cases[] = {{1, 0.2}, {4, 0.3}, {8, 0.3}};
-    make(ON_IT(9, BLACK, BOTH, PAPER), 512, 9, &much);
+    caught_make(ON_IT(9, BLACK, BOTH, PAPER), 512, 9, LAYERS, &much);
     for (int k = 0; k < 3; k++) {
         double rough = 0.0, smooth = 0.0, mean[2] = {0.0, 0.0};
-        make(ON_IT(9, BLACK, BOTH, PAPER), cases[k].own, 9 * cases[k].own, &p);
+        caught_make(ON_IT(9, BLACK, BOTH, PAPER), cases[k].own, 9 * cases[k].own, LAYERS, &p);
         for (int i = 0; i < SIDE * SIDE * 9; i++) {
             const double truth = added(&much, much.whole, i), made = added(&p, p.smooth, i);
             rough += pow(added(&p, p.live, i) - truth, 2);
@@ -193,7 +138,7 @@ static void a_fitted_file_has_what_a_live_picture_shows(void **state)
     enum { VISITED = SIDE / 2 };
     const size_t row = (size_t)9 * SIDE * 3;
     lf_scene *scene = lf_test_scene(ON_IT(9, GIVEN, BOTH, PAPER));
-    make(ON_IT(9, GIVEN, BOTH, PAPER), 4, 36, &p);
+    caught_make(ON_IT(9, GIVEN, BOTH, PAPER), 4, 36, LAYERS, &p);
     for (int i = 0; i < 2; i++) {
         lf_pool *pool = NULL;
         lf_assert_ok(lf_pool_create(1 + 2 * i, &pool), NULL);
