@@ -108,7 +108,7 @@ static double added(const caught_pictures *q, const float *picture, int pixel)
 static void what_is_noise_is_made_smooth(void **state)
 {
     (void)state;
-    static pictures much;
+    static caught_pictures much;
     static const struct {
         int own;
         double left;
