@@ -127,7 +127,7 @@ lf_status lf_caught_begin(lf_caught **caught, const lf_renderer *renderer)
 
 static float nearness_of(const lf_rig *rig, lf_vec3 p)
 {
-    return lf_nearness(rig->distance, lf_dot(lf_sub(p, rig->eye), rig->forward));
+    return rig->distance / lf_max(lf_dot(lf_sub(p, rig->eye), rig->forward), 1e-30f);
 }
 
 /* The first ray of every pixel. */

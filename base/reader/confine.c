@@ -8,7 +8,6 @@
 #include <linux/landlock.h>
 #include <seccomp.h>
 #include <signal.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -133,21 +132,32 @@ static int allow_looks(scmp_filter_ctx filter)
 }
 
 #if defined(__x86_64__) || defined(__aarch64__)
-/* In place of openat, whose second argument is name. */
+#define TRAP_OF_FILTER 1 /* SYS_SECCOMP of the kernel's asm-generic/siginfo.h */
+
+/* In place of openat, whose second argument is name; in a handler of signals. */
 static long open_again(const char *name)
 {
-    int fd, end = 0, again;
-    if (sscanf(name, "/proc/self/fd/%d%n", &fd, &end) != 1 || name[end] != '\0')
+    static const char open_ones[] = "/proc/self/fd/";
+    const char *digit = name + sizeof open_ones - 1;
+    int fd = 0, n = 0;
+    if (strncmp(name, open_ones, sizeof open_ones - 1) != 0)
         return -EPERM;
-    again = dup(fd);
-    return again >= 0 && lseek(again, 0, SEEK_SET) == 0 ? again : -EPERM;
+    for (; n < 6 && digit[n] >= '0' && digit[n] <= '9'; n++)
+        fd = 10 * fd + (digit[n] - '0');
+    const int again = n > 0 && digit[n] == '\0' ? dup(fd) : -1;
+    if (again >= 0 && lseek(again, 0, SEEK_SET) == 0)
+        return again;
+    if (again >= 0)
+        close(again);
+    return -EPERM;
 }
 
 static void on_trap(int number, siginfo_t *info, void *context)
 {
     ucontext_t *at = context;
     (void)number;
-    (void)info;
+    if (info->si_code != TRAP_OF_FILTER || info->si_syscall != SYS_openat)
+        return;
 #ifdef __x86_64__
     greg_t *registers = at->uc_mcontext.gregs;
     registers[REG_RAX] = open_again((const char *)(uintptr_t)registers[REG_RSI]);

@@ -142,8 +142,10 @@ static void resolve_camera(const lf_options *options, const lf_camera *camera,
         out->aspect = (double)options->view_width / options->view_height;
     if (!camera->has_views)
         out->n_views = DEFAULT_VIEWS;
-    if (calibration || preset)
+    if ((calibration || preset) && out->track > 0.0) {
         out->track = 0.0;
+        out->n_views = DEFAULT_VIEWS;
+    }
     if (calibration) {
         out->aspect = (double)calibration->screen_width_px / calibration->screen_height_px;
         if (calibration->view_cone_deg > 0)

@@ -64,9 +64,12 @@ static void add_content(const lf_server *server, json_t *status)
     json_decref(more);
     if (content->scene) {
         const char *integrator = content->settings.integrator;
-        json_object_set_new(
-            status, "cone",
-            json_real(content->settings.camera.cone * (180 / 3.14159265358979323846)));
+        const lf_camera *camera = &content->settings.camera;
+        if (camera->track > 0.0)
+            json_object_set_new(status, "track", json_real(camera->track));
+        else
+            json_object_set_new(status, "cone",
+                                json_real(camera->cone * (180 / 3.14159265358979323846)));
         json_object_set_new(status, "time", lf_server_time_json(server));
         json_object_set_new(status, "depth_budget", depth_json(content));
         json_object_set_new(status, "seed", seed_json(content->settings.seed));

@@ -1,5 +1,6 @@
 #include "render/load/bare_file.h"
 
+#include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -21,10 +22,11 @@ bool lf_is_bare_file(const char *path)
 
 #define MOST_FRAMES 10000
 
+/* -1: there is none, or the name has no place for a number. */
 static int largest_frame(const char *path)
 {
     off_t most = 0;
-    int best = 0;
+    int best = -1;
     for (int n = 0; n < MOST_FRAMES && lf_frame_name_varies(path); n++) {
         struct stat file;
         char *name = lf_frame_name(path, n);
@@ -45,7 +47,7 @@ json_t *lf_bare_document(const char *path)
     json_t *document =
         json_pack("{s:i, s:{s:{s:s}}}", "quiltd", 1, is_volume ? "volumes" : "meshes",
                   is_volume ? "volume" : "model", "file", name);
-    if (frame > 0)
+    if (frame >= 0)
         json_object_set_new(document, "frame", json_integer(frame));
     return document;
 }
@@ -68,24 +70,20 @@ static json_t *make_camera(const lf_scene *scene)
                      from[0], from[1], from[2], "cone", 35.0);
 }
 
-/* A rectangle that shines at the middle from (x, y, z), in units of the size. */
-static json_t *make_lamp(const double middle[3], double size, const double from[3], double side,
-                         double radiance)
+/* From far away, as wide as a lamp of a studio. */
+static json_t *make_lamp(double x, double y, double z, double irradiance, double angle)
 {
-    return json_pack("{s:s, s:[f,f,f], s:[f,f,f], s:f, s:f, s:f, s:b}", "type", "rectangle",
-                     "position", middle[0] + size * from[0], middle[1] + size * from[1],
-                     middle[2] + size * from[2], "direction", -from[0], -from[1], -from[2], "width",
-                     side * size, "height", side * size, "radiance", radiance, "visible", false);
+    return json_pack("{s:s, s:[f,f,f], s:f, s:f}", "type", "distant", "direction", x, y, z,
+                     "irradiance", irradiance, "angle", angle);
 }
 
 /* As a photographer's: a large lamp before it at the left, one behind it at the right, and a room
- * that is bright above. */
-static json_t *make_studio(const double middle[3], double size)
+ * that is bright above. Lamps that are faces would be meshes, so that the file were read again. */
+static json_t *make_studio(void)
 {
-    static const double front[3] = {-1.6, 1.5, 1.8}, back[3] = {1.8, 1.2, -1.5};
     return json_pack("{s:o, s:o, s:{s:s, s:f, s:f, s:b, s:f, s:b}}", "front",
-                     make_lamp(middle, size, front, 1.3, 11.0), "back",
-                     make_lamp(middle, size, back, 0.8, 24.0), "room", "type", "sky", "elevation",
+                     make_lamp(1.6, -1.5, -1.8, 2.4, 26.0), "back",
+                     make_lamp(-1.8, -1.2, 1.5, 2.4, 17.0), "room", "type", "sky", "elevation",
                      50.0, "azimuth", -40.0, "sun", false, "scale", 0.004, "visible", false);
 }
 
@@ -99,29 +97,27 @@ static json_t *make_day(void)
 }
 
 /* Grids have all kinds of units. */
-static bool scale_density(json_t *document, const lf_scene *scene, double size)
+static bool scale_density(json_t *document, const lf_scene *scene)
 {
     json_t *volume = json_object_get(json_object_get(document, "volumes"), "volume");
-    const double most = scene->n_volumes > 0 ? (double)scene->volumes[0].sigma_max : 0.0;
-    return !(most > 0.0) ||
-           json_object_set_new(volume, "scale", json_real(THICKNESS / (size * most))) == 0;
+    double bounds[2][3], across[3];
+    if (!lf_scene_bounds(scene, NULL, bounds))
+        return true;
+    lf_sub_double(bounds[1], bounds[0], across);
+    const double thickness = lf_length_double(across) * (double)scene->volumes[0].sigma_max;
+    return !(thickness > 0.0) ||
+           json_object_set_new(volume, "scale", json_real(fmin(THICKNESS / thickness, 1e9))) == 0;
 }
 
 bool lf_bare_furnish(json_t *document, const lf_scene *scene)
 {
-    double bounds[2][3] = {{0}}, middle[3], across[3];
-    const bool is_there = lf_scene_bounds(scene, NULL, bounds),
-               is_volume = json_object_get(document, "volumes");
-    for (int i = 0; i < 3; i++)
-        middle[i] = is_there ? 0.5 * (bounds[0][i] + bounds[1][i]) : 0.0;
-    lf_sub_double(bounds[1], bounds[0], across);
-    const double size = is_there ? lf_length_double(across) : 1.0;
+    const bool is_volume = json_object_get(document, "volumes");
     json_t *rest =
         json_pack("{s:o, s:o, s:{s:s}, s:{s:[f,f,f], s:[f,f,f]}}", "camera", make_camera(scene),
-                  "lights", is_volume ? make_day() : make_studio(middle, size), "film", "tonemap",
-                  "filmic", "backdrop", "top", 0.05, 0.06, 0.08, "bottom", 0.2, 0.2, 0.2);
+                  "lights", is_volume ? make_day() : make_studio(), "film", "tonemap", "filmic",
+                  "backdrop", "top", 0.05, 0.06, 0.08, "bottom", 0.2, 0.2, 0.2);
     const bool done = rest && json_object_update(document, rest) == 0 &&
-                      (!is_volume || scale_density(document, scene, size));
+                      (!is_volume || scale_density(document, scene));
     json_decref(rest);
     return done;
 }

@@ -14,7 +14,7 @@ bool lf_is_bare_file(const char *path);
 json_t *lf_bare_document(const char *path);
 
 /* Adds what shows it, by what the scene of that document has come to: a camera before it that has
- * all of it in its views, lights that suit its size, a backdrop; of a volume a density that can be
+ * all of it in its views, lights, a backdrop; of a volume a density that can be
  * seen. false: out of memory. */
 bool lf_bare_furnish(json_t *document, const lf_scene *scene);
 

@@ -86,7 +86,7 @@ static void a_mesh_is_in_all_views_and_lit_the_same_whatever_its_size(void **sta
             large[k] = size[k] * (i ? 4096.0 : 1.0);
         }
         lf_scene *scene = load(write_box(folder, "box.obj", far, large), NULL, NULL);
-        assert_int_equal(scene->n_meshes, 3); /* with two lamps */
+        assert_int_equal(scene->n_meshes, 1);
         const double share = filled(scene);
         assert_true(share > 0.85 && share < 0.91);
         for (int k = 0; k < 3; k++)
@@ -123,12 +123,12 @@ static void frames_are_seen_by_one_camera_in_one_light(void **state)
     static const char *const files[] = {"testdata/empty.vdb", "testdata/patterns.vdb"};
     for (int i = 0; i < 2; i++) {
         char name[16];
-        snprintf(name, sizeof name, "s_%d.vdb", 7 + i);
+        snprintf(name, sizeof name, "s_%d.vdb", 1 - i); /* the largest is frame 0 */
         assert_non_null(realpath(lf_test_built(files[i]), real));
         assert_int_equal(symlink(real, lf_test_path(folder, name)), 0);
     }
     snprintf(pattern, sizeof pattern, "%s", lf_test_path(folder, "s_%d.vdb"));
-    lf_scene *one = load(pattern, NULL, NULL), *first = load(pattern, "{\"frame\": 7}", NULL);
+    lf_scene *one = load(pattern, NULL, NULL), *first = load(pattern, "{\"frame\": 1}", NULL);
     double bounds[2][3];
     assert_true(lf_scene_bounds(one, NULL, bounds));
     assert_false(lf_scene_bounds(first, NULL, bounds));

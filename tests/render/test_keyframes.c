@@ -140,7 +140,8 @@ static void a_wrong_key_is_told_where_it_stands(void **state)
     assert_refused(FOV("'keys': [[1, 9]], 'key': 1"), "/camera/fov_y/key", "unknown key");
     assert_refused(FOV("'keys': [[1, 900]]"), "/camera/fov_y", "out of range");
     assert_refused(FOV("'keys': [[1, [9, 9]]]"), "/camera/fov_y", "expected a number");
-    assert_refused("{'camera': {'views': {'keys': [[1, 9]]}}}", "/camera/views", "an object");
+    assert_refused("{'camera': {'views': {'keys': [[1, 9]]}}}", "/camera/views/keys",
+                   "unknown key");
     assert_refused("{'frame': {'keys': [[1, 9]]}}", "/frame", "an object");
     assert_refused("{'volumes': {'v': {'file': 'a%d.vdb', 'sequence': {'step': {'keys': [[1, 9]]}}"
                    "}}}",
