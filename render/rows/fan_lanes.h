@@ -60,7 +60,8 @@ static float densities(int n, const float *scale, float *d)
             sum[i] += here;
         }
     }
-    memcpy(part, sum, sizeof part);
+    for (int i = 0; i < LF_LANES / LF_WIDTH; i++)
+        store(part + i * LF_WIDTH, sum[i]);
     total = part[0];
     for (int i = 1; i < LF_LANES; i++)
         total += part[i];
