@@ -156,6 +156,44 @@ static void case_12_a_big_plane_does_not_hide_itself(void **state)
     assert_true((double)stats.base_hidden < 1e-4 * (double)stats.base_paths);
 }
 
+/* Of a volume that is wider than all that is seen a frame has what lies between the outermost rays,
+ * at the far end of its depths: of views that share a window, and of views on a track. */
+static void a_frame_is_as_wide_as_what_the_views_see(void **state)
+{
+    (void)state;
+    static const char *const views[] = {
+        "'cone': 0, 'views': 1", "'views': { 'track': { 'count': 3, 'length': 8 } }",
+        "'views': { 'track': { 'count': 3, 'length': 8, 'window': 'shared' } }"};
+    char vdb[PATH_MAX], text[PATH_MAX + 512];
+    assert_non_null(realpath(lf_test_built("testdata/patterns.vdb"), vdb));
+    for (int i = 0; i < 3; i++) {
+        snprintf(text, sizeof text,
+                 "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1, %s }, 'volumes': "
+                 "{ 'v': { 'file': '%s', 'transform': { 'scale': [8, 1, 0.1], 'translate': [-60, "
+                 "0, 2] } } } }",
+                 views[i], vdb);
+        lf_scene *scene = lf_test_scene(text);
+        const lf_render_settings settings = {
+            .camera = *lf_scene_camera(scene), .width = SIDE, .height = SIDE};
+        lf_slice_frame frame;
+        lf_rig rig;
+        lf_assert_ok(lf_rig_init(&rig, &settings, scene->origin, NULL), NULL);
+        assert_true(lf_slice_frame_init(&frame, &scene->volumes[0], &rig, 1));
+        const double near = (double)frame.z_min, far = near + (frame.nz - 2) * (double)frame.dz,
+                     half = tan(M_PI / 18);
+        /* the left edge of an outer camera's view, towards the window's or straight ahead */
+        double left = HUGE_VAL;
+        for (int k = 0; k < 4; k++) {
+            const double b = i == 0 ? 0 : k < 2 ? -4 : 4, z = k % 2 ? near : far;
+            left = fmin(left, b + z * (-half - (i == 2 ? b / 5 : 0)));
+        }
+        const double cell = (double)frame.dx;
+        lf_assert_close((double)frame.x_min, left, 0, 3 * cell);
+        assert_true((double)frame.x_min <= left + cell && left < -0.5);
+        lf_scene_unref(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -164,6 +202,7 @@ int main(void)
         cmocka_unit_test(a_ray_knows_its_interval_inside_a_shape),
         cmocka_unit_test(case_13_a_camera_inside_a_fog_sees_all_of_it),
         cmocka_unit_test(volumes_out_of_sight_change_nothing),
+        cmocka_unit_test(a_frame_is_as_wide_as_what_the_views_see),
         cmocka_unit_test(case_12_a_big_plane_does_not_hide_itself),
     };
     return cmocka_run_group_tests_name("slice", tests, NULL, lf_test_finish);
