@@ -261,7 +261,8 @@ help:
 # ---------------------------------------------------------------------------------------------------------- lint --
 lint_srcs = $(filter-out %.cc,$(foreach l,$(libraries),$($(l)_srcs)) $(foreach p,$(programs),$($(p)_srcs)))
 lint-now: $(if $(generated),$(addprefix $(O)/,$(generated)))
-	@O='$(O)' SRCDIR='$(SRCDIR)' CFLAGS='$(filter-out -O% -g,$(lf_cflags))' $(SRCDIR)/.ci/lint $(lint_srcs)
+	@O='$(O)' SRCDIR='$(SRCDIR)' CFLAGS='$(filter-out -O% -g,$(lf_cflags))' AVX2='$(isa_kernel_avx2)' AVX512='$(isa_kernel_avx512)' \
+	 $(SRCDIR)/.ci/lint $(lint_srcs)
 
 # ------------------------------------------------------------------------------------------------------- installing --
 include $(SRCDIR)/.ci/install.mk
