@@ -72,7 +72,12 @@ typedef struct lf_camera {
     /* Instead of on that arc, cameras at equal distances along X, from the first to the last so
      * many scene units; 0: the arc */
     double track;
-    int n_views; /* 1..LF_MAX_VIEWS */
+    /* A grid is rows of a track's cameras, the lowest first, at equal distances up to rows_height.
+     * Each row is a rig of its own, whose cameras stand rise above the track: own windows go along,
+     * a shared one stays. */
+    double rows_height, rise;
+    int n_views; /* of a row: 1..LF_MAX_VIEWS */
+    int n_rows;  /* of a grid; 0: it is none */
     /* placement: a_i = (i/(N-1) - 1/2) cone, else ((i+1/2)/N - 1/2) cone */
     bool inclusive;
     bool own_windows; /* on a track each camera looks straight ahead, through its own window */
@@ -93,12 +98,21 @@ typedef struct lf_camera {
     bool moves; /* in the shutter: shift is not all 0 */
 } lf_camera;
 
+/* Views of a camera: of all rows of a grid. */
+static inline int lf_camera_views(const lf_camera *camera)
+{
+    return camera->n_views * (camera->n_rows > 0 ? camera->n_rows : 1);
+}
+/* The camera of a grid's row, 0 the lowest: one rig, of n_views. */
+lf_camera lf_camera_row(const lf_camera *camera, int row);
+
 /* What a scene says of it: names, ranges, defaults (base/param.h). A focus_distance of 0 is not
  * given: the distance to the target. */
 extern const lf_param lf_camera_params[];
 
 #define LF_MAX_SHUTTER 10
 #define LF_MAX_VIEWS 256
+#define LF_MAX_CAMERA_ROWS 256
 #define LF_MAX_VIEW_SIDE 16384
 #define LF_MAX_VIEW_BLUR 8
 

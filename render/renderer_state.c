@@ -32,8 +32,8 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
     if (c->view_blur > 0.0)
         json_object_set_new(words, "view_blur", json_real(c->view_blur));
     if (c->track > 0.0) {
-        const double track[] = {c->track, c->own_windows};
-        json_object_set_new(words, "track", numbers(track, 2));
+        const double track[] = {c->track, c->own_windows, c->rise};
+        json_object_set_new(words, "track", numbers(track, c->rise != 0.0 ? 3 : 2));
     }
     for (int i = 0; i < 2 && c->moves; i++) {
         const lf_camera_shift *t = &c->shift[i];

@@ -63,17 +63,17 @@ lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const l
 char *lf_depth_words(const lf_depth *depth, int width, char *buf, size_t size)
 {
     double before = -depth->nearest_step, behind = depth->farthest_step;
-    char steps[64] = "more than a view holds";
+    bool is_before = before > behind;
+    char steps[64] = "by more than a view holds";
     if (fmax(before, behind) < width)
-        snprintf(steps, sizeof steps, "%.0f pixels of %d", fmax(before, behind), width);
+        snprintf(steps, sizeof steps, "%.0f of %d pixels", fmax(before, behind), width);
     snprintf(
         buf, size,
-        "deeper than a panel shows: what is %s the window jumps by up to %s from view to view, "
-        "and is seen several times beside itself (%.0f at most are shown well, %s than %.4g away): "
-        "frame what matters (camera.fit), set camera.view_blur to 1, or take a smaller camera.cone",
-        before > behind ? "before" : "behind", steps, depth->limit,
-        before > behind ? "farther" : "nearer",
-        before > behind ? depth->sharp_from : depth->sharp_to);
+        "deeper than a panel shows sharply: things %s the window jump %s from view to view "
+        "(at most %.0f is sharp, which is what is %s than %.4g); camera.fit, camera.view_blur=1 "
+        "or a smaller camera.cone help",
+        is_before ? "before" : "behind", steps, depth->limit, is_before ? "farther" : "nearer",
+        is_before ? depth->sharp_from : depth->sharp_to);
     return buf;
 }
 

@@ -144,6 +144,7 @@ static void resolve_camera(const lf_options *options, const lf_camera *camera,
         out->n_views = DEFAULT_VIEWS;
     if ((calibration || preset) && out->track > 0.0) {
         out->track = 0.0;
+        out->n_rows = 0;
         out->n_views = DEFAULT_VIEWS;
     }
     if (calibration) {
@@ -175,7 +176,8 @@ static void resolve_view_size(const lf_options *options, double aspect, lf_layou
     }
 }
 
-static lf_status resolve_tiles(const lf_options *options, lf_layout *layout, lf_error *err)
+static lf_status resolve_tiles(const lf_options *options, const lf_camera *camera,
+                               lf_layout *layout, lf_error *err)
 {
     const lf_preset *preset = lf_options_preset(options);
     if (options->columns > 0) {
@@ -189,6 +191,10 @@ static lf_status resolve_tiles(const lf_options *options, lf_layout *layout, lf_
     } else if (preset && preset->layout.n_views == layout->n_views) {
         layout->columns = preset->layout.columns;
         layout->rows = preset->layout.rows;
+    } else if (camera->n_rows > 0 && camera->n_views <= LF_MAX_TILES &&
+               camera->n_rows <= LF_MAX_TILES) {
+        layout->columns = camera->n_views;
+        layout->rows = camera->n_rows;
     } else {
         lf_layout_tiles(layout->n_views, layout->view_width, layout->view_height, &layout->columns,
                         &layout->rows);
@@ -197,6 +203,15 @@ static lf_status resolve_tiles(const lf_options *options, lf_layout *layout, lf_
 }
 
 lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,
+                          const lf_calibration *calibration, lf_render_settings *out_settings,
+                          lf_layout *out_layout, lf_error *err)
+{
+    lf_camera rig = *camera;
+    rig.n_rows = 0;
+    return lf_resolve_rows(options, &rig, calibration, out_settings, out_layout, err);
+}
+
+lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
                           const lf_calibration *calibration, lf_render_settings *out_settings,
                           lf_layout *out_layout, lf_error *err)
 {
@@ -211,10 +226,13 @@ lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,
     };
     lf_layout layout = {0};
     resolve_camera(options, camera, calibration, &settings.camera);
-    layout.n_views = settings.camera.n_views;
+    if (settings.camera.n_rows > 0 && options->views > 0)
+        return lf_error_set(err, LF_E_ARG, "--views", "the scene has a grid of %d x %d cameras",
+                            camera->n_views, camera->n_rows);
+    layout.n_views = lf_camera_views(&settings.camera);
     layout.aspect = settings.camera.aspect;
     resolve_view_size(options, layout.aspect, &layout);
-    lf_status status = resolve_tiles(options, &layout, err);
+    lf_status status = resolve_tiles(options, &settings.camera, &layout, err);
     if (status != LF_OK)
         return status;
     settings.width = layout.view_width;

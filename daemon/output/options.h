@@ -140,5 +140,12 @@ LF_NODISCARD lf_status lf_resolve_view(const lf_options *options, const lf_camer
                                        const lf_calibration *calibration,
                                        lf_render_settings *out_settings, lf_layout *out_layout,
                                        lf_error *err);
+/* The same with all rows of a camera that is a grid (lf_camera.n_rows), which lf_resolve_view has
+ * as one track in its middle: n_views of *out_layout are all of them, a tile of the quilt for each
+ * where it stands. LF_E_ARG: also for --views. */
+LF_NODISCARD lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
+                                       const lf_calibration *calibration,
+                                       lf_render_settings *out_settings, lf_layout *out_layout,
+                                       lf_error *err);
 
 #endif

@@ -185,13 +185,14 @@ lf_output_source lf_output_from_quilt(const lf_quilt_file *quilt)
 
 lf_output_source lf_output_from_film(const lf_render_settings *settings, const float *film)
 {
+    const int n_views = lf_camera_views(&settings->camera);
     size_t width = (size_t)settings->width * 3;
     return (lf_output_source){.is_float = true,
-                              .views32 = {.n_views = settings->camera.n_views,
+                              .views32 = {.n_views = n_views,
                                           .width = settings->width,
                                           .height = settings->height,
                                           .view_stride = width,
-                                          .row_stride = width * (size_t)settings->camera.n_views,
+                                          .row_stride = width * (size_t)n_views,
                                           .data = film},
                               .aspect = settings->camera.aspect};
 }

@@ -60,9 +60,9 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
         "scene", scene, "integrator", settings->integrator ? settings->integrator : "mvpt",
         "estimator", lf_estimator_name(estimator), "reconstruct", reconstructed ? "on" : "off",
         "sampler", lf_sampler_name(settings->sampler), "seed", seed, "passes", real_or_null(passes),
-        "views", camera->n_views, "width", settings->width, "height", settings->height, "columns",
-        layout ? layout->columns : 0, "rows", layout ? layout->rows : 0, "aspect", camera->aspect,
-        "fov_y", degrees(camera->fov_y), "cone", degrees(camera->cone), "placement",
+        "views", lf_camera_views(camera), "width", settings->width, "height", settings->height,
+        "columns", layout ? layout->columns : 0, "rows", layout ? layout->rows : 0, "aspect",
+        camera->aspect, "fov_y", degrees(camera->fov_y), "cone", degrees(camera->cone), "placement",
         camera->inclusive ? "inclusive" : "centred", "target", camera->target[0], camera->target[1],
         camera->target[2], "position", camera->position[0], camera->position[1],
         camera->position[2], "up", camera->up[0], camera->up[1], camera->up[2], "lens_radius",
@@ -74,6 +74,10 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
         json_object_set_new(made, "track", json_real(camera->track));
         json_object_set_new(made, "track_window",
                             json_string(camera->own_windows ? "own" : "shared"));
+        if (camera->n_rows > 0) {
+            json_object_set_new(made, "camera_rows", json_integer(camera->n_rows));
+            json_object_set_new(made, "rows_height", json_real(camera->rows_height));
+        }
         json_object_del(made, "cone");
         json_object_del(made, "placement");
     }

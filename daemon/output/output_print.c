@@ -37,6 +37,7 @@ void lf_output_print_view(const lf_print *print, lf_render_settings *settings)
         roll(&settings->camera, print->width_mm / print->height_mm);
     settings->camera.n_views = print->n_views;
     settings->camera.track = 0.0;
+    settings->camera.n_rows = 0;
     settings->camera.aspect = width / height;
     settings->width = shape.view_width;
     settings->height = shape.view_height;

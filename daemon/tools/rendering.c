@@ -9,6 +9,14 @@
 #include "daemon/output/content.h"
 #include "daemon/output/guides.h"
 
+/* Rows of cameras share no noise, nor do those of the frames after (lf_frames_seed). */
+#define ROW_SEED UINT64_C(0x9e3779b97f4a7c15)
+
+static int camera_rows(const lf_rendering *r)
+{
+    return r->settings.camera.n_rows > 0 ? r->settings.camera.n_rows : 1;
+}
+
 /* ---------------------------------------------------------------------------------- progress -- */
 
 static void seconds_left(double seconds, double fraction, char *out, size_t size)
@@ -33,14 +41,15 @@ static void show_rendering(void *context, const lf_render_progress *progress)
 {
     lf_rendering *r = context;
     char text[160], left[64];
+    const double fraction = (r->camera_row + progress->fraction) / camera_rows(r),
+                 seconds = r->times.seconds + progress->seconds;
     if (r->sequence.on) {
-        show_frame(r, progress->fraction);
+        show_frame(r, fraction);
         return;
     }
-    seconds_left(progress->seconds, progress->fraction, left, sizeof left);
+    seconds_left(seconds, fraction, left, sizeof left);
     snprintf(text, sizeof text, "rendering %3.0f %%, %.2f samples a view pixel, %.0f s%s",
-             100 * progress->fraction, progress->passes / progress->n_views, progress->seconds,
-             left);
+             100 * fraction, progress->passes / progress->n_views, seconds, left);
     lf_progress_line_draw(&r->line, text);
 }
 
@@ -77,80 +86,137 @@ static void warn_of_depth(const lf_rendering *r)
                lf_depth_words(&depth, r->settings.width, words, sizeof words));
 }
 
-/* The renderer of r->scene; that of the frame before goes on with this one. */
-static lf_status begin(lf_rendering *r, lf_error *err)
+/* The renderer of r->scene; that of the frame or row before goes on with this one. */
+static lf_status begin(lf_rendering *r, const lf_render_settings *settings, lf_error *err)
 {
     if (r->renderer)
-        return lf_renderer_restart(r->renderer, r->scene, &r->settings, err);
-    lf_status status = lf_renderer_create(r->scene, &r->settings, r->pool, &r->renderer, err);
+        return lf_renderer_restart(r->renderer, r->scene, settings, err);
+    lf_status status = lf_renderer_create(r->scene, settings, r->pool, &r->renderer, err);
     if (status == LF_OK)
         warn_of_depth(r);
     return status;
 }
 
-lf_status lf_rendering_run(lf_rendering *r, lf_error *err)
+/* What is asked for beside the colours. */
+static unsigned layers_of(const lf_rendering *r)
+{
+    return r->arguments->options.guides ? LF_GUIDE_LAYERS : r->arguments->options.layers;
+}
+
+/* Room for a picture of so many views and channels, where *picture is none. */
+static lf_status make_room(const lf_rendering *r, int views, int channels, float **picture,
+                           lf_error *err)
+{
+    if (!*picture && channels > 0)
+        *picture = lf_calloc((size_t)r->settings.height * (size_t)views,
+                             (size_t)r->settings.width * (size_t)channels * sizeof **picture);
+    if (*picture || channels == 0)
+        return LF_OK;
+    return lf_error_set(err, LF_E_NOMEM, r->arguments->out,
+                        "no memory for %d views of %dx%d pixels in %d channels", views,
+                        r->settings.width, r->settings.height, channels);
+}
+
+/* The views of the row of cameras in hand go where they belong among all. */
+static void place_row(const lf_rendering *r, int channels, const float *from, float *all)
+{
+    const size_t row = (size_t)r->settings.camera.n_views * (size_t)r->settings.width *
+                       (size_t)channels,
+                 rows = (size_t)camera_rows(r), mine = (size_t)r->camera_row;
+    for (size_t y = 0; y < (size_t)r->settings.height; y++)
+        memcpy(all + (y * rows + mine) * row, from + y * row, row * sizeof *all);
+}
+
+/* The colours of the row of cameras in hand, and what is asked for beside them. */
+static lf_status render_row(lf_rendering *r, const lf_budget *budget, float *film, float *layers)
+{
+    const lf_estimator estimator = r->arguments->options.estimator;
+    lf_render_times times;
+    lf_status status =
+        lf_render_run(r->renderer, budget, estimator, film, show_rendering, r, r->cancel, &times);
+    if (status == LF_OK)
+        status = budget->reconstructed ? lf_renderer_catch_smoothly(r->renderer, film, r->cancel)
+                                       : lf_renderer_catch(r->renderer, film, r->cancel);
+    if (status == LF_OK && layers)
+        status = lf_renderer_layers(r->renderer, estimator, layers_of(r), layers, r->cancel);
+    r->times.passes += times.passes;
+    r->times.seconds += times.seconds;
+    r->times.cpu_seconds += times.cpu_seconds;
+    r->times.answer_cpu_seconds += times.answer_cpu_seconds;
+    return status;
+}
+
+/* Every row of a grid is a rig with a seed of its own. row_film and row_layers: room for one. */
+static lf_status run_rows(lf_rendering *r, const lf_budget *budget, float *row_film,
+                          float *row_layers, lf_error *err)
+{
+    const char *out = r->arguments->out;
+    const int channels = lf_layer_channels(layers_of(r), NULL);
+    lf_status status = LF_OK;
+    for (r->camera_row = 0; status == LF_OK && r->camera_row < camera_rows(r); r->camera_row++) {
+        lf_render_settings settings = r->settings;
+        settings.camera = lf_camera_row(&r->settings.camera, r->camera_row);
+        settings.seed += (uint64_t)r->camera_row * ROW_SEED;
+        status = begin(r, &settings, err);
+        if (status != LF_OK)
+            return status;
+        status = render_row(r, budget, row_film, row_layers);
+        if (row_film != r->film)
+            place_row(r, 3, row_film, r->film);
+        if (row_layers != r->layers)
+            place_row(r, channels, row_layers, r->layers);
+    }
+    if (status == LF_E_CANCELLED)
+        return lf_rendering_interrupted(r, err);
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, out, "rendering failed");
+}
+/* How long one row of cameras takes; a budget is for each of them, but for times. */
+static lf_budget budget_of_row(const lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
     lf_budget budget = a->budget;
     budget.reconstructed = a->options.reconstruct == LF_RECONSTRUCT_ON;
-    size_t views = (size_t)r->settings.camera.n_views;
-    lf_status status = begin(r, err);
-    if (status != LF_OK)
-        return status;
+    budget.seconds /= camera_rows(r);
+    budget.cpu_seconds /= camera_rows(r);
     if (a->spp > 0)
         budget.passes = a->spp * r->settings.camera.n_views;
-    if (!r->film)
-        r->film = lf_calloc((size_t)r->settings.height * views,
-                            (size_t)r->settings.width * 3 * sizeof(float));
-    if (!r->film)
-        return lf_error_set(err, LF_E_NOMEM, a->out, "no memory for %zu views of %dx%d pixels",
-                            views, r->settings.width, r->settings.height);
-    status = lf_render_run(r->renderer, &budget, a->options.estimator, r->film, show_rendering, r,
-                           r->cancel, &r->times);
-    if (status == LF_OK)
-        status = budget.reconstructed ? lf_renderer_catch_smoothly(r->renderer, r->film, r->cancel)
-                                      : lf_renderer_catch(r->renderer, r->film, r->cancel);
-    if (status == LF_E_CANCELLED)
-        return lf_rendering_interrupted(r, err);
-    return status == LF_OK ? LF_OK : lf_error_set(err, status, a->out, "rendering failed");
+    return budget;
 }
 
-/* What goes beside the colours, out of the renderer. */
-static lf_status make_layers(lf_rendering *r, unsigned layers, lf_layers32 *out,
-                             const char *names[LF_MAX_LAYER_CHANNELS], lf_error *err)
+lf_status lf_rendering_run(lf_rendering *r, lf_error *err)
 {
-    const lf_render_arguments *a = r->arguments;
-    size_t n = (size_t)lf_layer_channels(layers, names), width = (size_t)r->settings.width * n,
-           row = width * (size_t)r->settings.camera.n_views;
-    if (!r->layers)
-        r->layers = lf_calloc((size_t)r->settings.height, row * sizeof *r->layers);
-    if (!r->layers)
-        return lf_error_set(err, LF_E_NOMEM, a->out, "no memory for %zu layers", n);
-    *out = (lf_layers32){(int)n, names, width, row, r->layers};
-    lf_status status =
-        lf_renderer_layers(r->renderer, a->options.estimator, layers, r->layers, r->cancel);
-    if (status == LF_E_CANCELLED)
-        return lf_rendering_interrupted(r, err);
-    return status == LF_OK ? LF_OK : lf_error_set(err, status, a->out, "no layers were made");
+    const lf_budget budget = budget_of_row(r);
+    const int channels = lf_layer_channels(layers_of(r), NULL);
+    float *film = NULL, *layers = NULL;
+    r->times = (lf_render_times){0};
+    lf_status status = make_room(r, lf_camera_views(&r->settings.camera), 3, &r->film, err);
+    if (status == LF_OK)
+        status = make_room(r, lf_camera_views(&r->settings.camera), channels, &r->layers, err);
+    if (r->settings.camera.n_rows == 0)
+        return status == LF_OK ? run_rows(r, &budget, r->film, r->layers, err) : status;
+    if (status == LF_OK)
+        status = make_room(r, r->settings.camera.n_views, 3, &film, err);
+    if (status == LF_OK)
+        status = make_room(r, r->settings.camera.n_views, channels, &layers, err);
+    if (status == LF_OK)
+        status = run_rows(r, &budget, film, layers, err);
+    lf_free(film);
+    lf_free(layers);
+    return status;
 }
 
 /* Marks what lies outside of the depth that the panel shows sharply. */
-static lf_status mark_depth(lf_rendering *r, lf_error *err)
+static void mark_depth(lf_rendering *r)
 {
-    lf_layers32 layers;
-    const char *names[LF_MAX_LAYER_CHANNELS];
     lf_depth depth;
     if (!lf_scene_depth(r->scene, &r->settings, &depth))
-        return LF_OK;
+        return;
     lf_log(LF_LOG_INFO, "guides: sharp from %.4g to %.4g along the view axis", depth.sharp_from,
            depth.sharp_to);
-    lf_status status = make_layers(r, LF_GUIDE_LAYERS, &layers, names, err);
-    if (status == LF_OK)
-        lf_guides_mark(&depth, r->film_settings.exposure, r->layers,
-                       (size_t)r->settings.height * (size_t)r->settings.camera.n_views *
-                           (size_t)r->settings.width,
-                       r->film);
-    return status;
+    lf_guides_mark(&depth, r->film_settings.exposure, r->layers,
+                   (size_t)r->settings.height * (size_t)lf_camera_views(&r->settings.camera) *
+                       (size_t)r->settings.width,
+                   r->film);
 }
 
 static json_t *make_record(const lf_rendering *r)
@@ -187,6 +253,15 @@ static lf_status expose(lf_rendering *r, const lf_output_source *source, lf_erro
     return LF_OK;
 }
 
+/* The layers as they stand beside the colours. */
+static lf_layers32 layers_laid_out(const lf_rendering *r, const char *names[LF_MAX_LAYER_CHANNELS])
+{
+    const int n = lf_layer_channels(r->arguments->options.layers, names);
+    const size_t view = (size_t)r->settings.width * (size_t)n;
+    return (lf_layers32){n, names, view, view * (size_t)lf_camera_views(&r->settings.camera),
+                         r->layers};
+}
+
 static lf_status write_walk(const lf_rendering *r, const lf_output_request *request,
                             const lf_output_source *source, lf_error *err)
 {
@@ -204,14 +279,14 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
     if (r->is_quilt)
         source.aspect = r->layout.aspect;
     lf_status status = expose(r, &source, err);
-    if (status == LF_OK && a->options.guides)
-        status = mark_depth(r, err);
-    if (status == LF_OK && a->options.layers) {
-        status = make_layers(r, a->options.layers, &layers, names, err);
-        source.views32.layers = &layers;
-    }
     if (status != LF_OK)
         return status;
+    if (a->options.guides) {
+        mark_depth(r);
+    } else if (a->options.layers) {
+        layers = layers_laid_out(r, names);
+        source.views32.layers = &layers;
+    }
     json_decref(r->record);
     r->record = make_record(r);
     if (!r->record)

@@ -30,6 +30,7 @@ typedef struct lf_rendering {
     bool is_quilt;
     float *film;   /* [row][view][column][3] */
     float *layers; /* [row][view][column][channels], NULL: none are wanted */
+    int camera_row; /* in hand, of a grid of cameras */
     lf_film_settings film_settings;
     lf_print print;
     char *path;     /* final name; of a sequence, of the frame in hand */

@@ -11,7 +11,7 @@
 static bool is_there(const lf_rendering *r)
 {
     const lf_output_kind *kind = r->arguments->kind;
-    int n = lf_output_n_files(kind, r->settings.camera.n_views);
+    int n = lf_output_n_files(kind, lf_camera_views(&r->settings.camera));
     bool there = true;
     for (int i = 0; i < n && there; i++) {
         char *file = lf_output_file_name(kind, r->path, i);

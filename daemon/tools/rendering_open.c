@@ -105,8 +105,9 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     const lf_calibration *calibration = a->kind->needs_panel ? &r->calibration : NULL;
-    lf_status status = lf_resolve_view(&a->options, lf_scene_camera(r->scene), calibration,
-                                       &r->settings, &r->layout, err);
+    const bool one_rig = a->kind->needs_panel || a->kind->check_print;
+    lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(
+        &a->options, lf_scene_camera(r->scene), calibration, &r->settings, &r->layout, err);
     if (r->sequence.on)
         r->settings.seed = lf_frames_seed(a->options.seed, r->sequence.frame);
     if (status == LF_OK && a->kind->check_print) {
@@ -268,7 +269,7 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
     const lf_video_options *options = &r->arguments->video;
     const lf_layout layout = is_walk ? lf_video_view_layout(&r->layout) : r->layout;
     const char *warning = NULL;
-    if (is_walk && !(r->settings.camera.track > 0.0))
+    if (is_walk && (!(r->settings.camera.track > 0.0) || r->settings.camera.n_rows > 0))
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
                             "a video needs --frames, --turntable or a scene whose camera.views are "
                             "on a track");
@@ -292,6 +293,9 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         r->print = a->print;
     else if (status == LF_OK)
         status = lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
+    if (status == LF_OK && a->stats && r->settings.camera.n_rows > 0)
+        status = lf_error_set(err, LF_E_ARG, "--stats",
+                              "is of one row of cameras, and the scene has a grid");
     if (status == LF_OK)
         status = lf_rendering_name(r, r->sequence.frame, err);
     if (status == LF_OK && r->sequence.on)

@@ -111,13 +111,16 @@ static lf_status check_member(checker *c, const json_t *schema, json_t *value, c
 
 static lf_status check_items(checker *c, const json_t *schema, const json_t *value)
 {
-    const json_t *fewest = json_object_get(schema, "minItems");
+    const json_t *least = json_object_get(schema, "minItems");
     const json_t *most = json_object_get(schema, "maxItems");
-    json_int_t n = (json_int_t)json_array_size(value);
-    if ((fewest && n < json_integer_value(fewest)) || (most && n > json_integer_value(most)))
-        return FAIL(c, "expected %lld to %lld elements, got %lld",
-                    fewest ? json_integer_value(fewest) : 0LL,
-                    most ? json_integer_value(most) : 0LL, n);
+    const json_int_t n = (json_int_t)json_array_size(value);
+    const json_int_t low = json_integer_value(least), high = json_integer_value(most);
+    if (least && most && low == high && n != low)
+        return FAIL(c, "expected %lld elements, got %lld", low, n);
+    if (least && n < low)
+        return FAIL(c, "expected at least %lld elements, got %lld", low, n);
+    if (most && n > high)
+        return FAIL(c, "expected at most %lld elements, got %lld", high, n);
     const json_t *items = json_object_get(schema, "items");
     size_t i;
     json_t *element;

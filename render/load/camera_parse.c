@@ -51,24 +51,54 @@ static void parse_framing(lf_reader *reader, const lf_node *node, lf_framing *fr
     framing->own_fov = lf_node_child(node, "fov_y").value;
 }
 
+static const char *const windows[] = {"shared", "own", NULL};
+
 /* Cameras on a track: {"track": {"count": 100, "length": 3, "window": "own"}}. */
-static void parse_track(lf_reader *reader, const lf_node *views, lf_camera *camera)
+static void parse_track(lf_reader *reader, const lf_node *track, lf_camera *camera)
 {
-    static const char *const kinds[] = {"track", NULL},
-                             *const keys[] = {"count", "length", "window", NULL},
-                             *const windows[] = {"shared", "own", NULL};
-    const lf_node track = lf_node_child(views, "track"), length = lf_node_child(&track, "length");
-    if (!lf_read_object(reader, views, kinds) || !lf_read_object(reader, &track, keys)) {
-        if (reader->status == LF_OK)
-            lf_read_fail(reader, views, "expected {\"track\": {\"count\": N, \"length\": L}}");
+    static const char *const keys[] = {"count", "length", "window", NULL};
+    if (!lf_read_object(reader, track, keys))
         return;
-    }
-    camera->n_views = lf_read_int(reader, &track, "count", camera->n_views, 1, LF_MAX_VIEWS);
-    if (!length.value)
-        lf_read_fail(reader, &track,
+    if (!lf_node_child(track, "length").value)
+        lf_read_fail(reader, track,
                      "\"length\" is missing: scene units from the first camera to the last");
-    camera->track = lf_read_number(reader, &track, "length", 1, 1e-9, LF_MAX_COORDINATE);
-    camera->own_windows = lf_read_choice(reader, &track, "window", windows, 1);
+    camera->n_views = lf_read_int(reader, track, "count", camera->n_views, 1, LF_MAX_VIEWS);
+    camera->track = lf_read_number(reader, track, "length", 1, 1e-9, LF_MAX_COORDINATE);
+    camera->own_windows = lf_read_choice(reader, track, "window", windows, 1);
+}
+
+/* {"grid": {"columns": 9, "rows": 7, "width": 2, "height": 1.5, "window": "shared"}}. */
+static void parse_grid(lf_reader *reader, const lf_node *grid, lf_camera *camera)
+{
+    static const char *const keys[] = {"columns", "rows", "width", "height", "window", NULL};
+    if (!lf_read_object(reader, grid, keys))
+        return;
+    for (int i = 0; i < 4; i++)
+        if (!lf_node_child(grid, keys[i]).value) {
+            lf_read_fail(reader, grid, "\"%s\" is missing: %s", keys[i],
+                         i < 2 ? "how many cameras" : "scene units between the outer cameras");
+            return;
+        }
+    camera->n_views = lf_read_int(reader, grid, "columns", 1, 1, LF_MAX_VIEWS);
+    camera->n_rows = lf_read_int(reader, grid, "rows", 1, 1, LF_MAX_CAMERA_ROWS);
+    camera->track = lf_read_number(reader, grid, "width", 1, 1e-9, LF_MAX_COORDINATE);
+    camera->rows_height = lf_read_number(reader, grid, "height", 1, 0, LF_MAX_COORDINATE);
+    camera->own_windows = lf_read_choice(reader, grid, "window", windows, 0);
+}
+
+static void parse_placed_views(lf_reader *reader, const lf_node *views, lf_camera *camera)
+{
+    static const char *const kinds[] = {"track", "grid", NULL};
+    const lf_node track = lf_node_child(views, "track"), grid = lf_node_child(views, "grid");
+    if (!lf_read_object(reader, views, kinds))
+        return;
+    if (!track.value == !grid.value)
+        lf_read_fail(reader, views,
+                     "expected {\"track\": {\"count\": N, \"length\": L}} or {\"grid\": {…}}");
+    else if (track.value)
+        parse_track(reader, &track, camera);
+    else
+        parse_grid(reader, &grid, camera);
 }
 
 /* The keys of the table; views that are an object are read by themselves. */
@@ -86,7 +116,7 @@ static void parse_params(lf_reader *reader, const lf_node *node, lf_camera *came
     else
         lf_read_params(reader, &others, "from", lf_camera_params, camera);
     json_decref(others.value);
-    parse_track(reader, &views, camera);
+    parse_placed_views(reader, &views, camera);
 }
 
 void lf_camera_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)

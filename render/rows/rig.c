@@ -22,6 +22,8 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
                             "must be at least 0 and below 178 degrees");
     if (!(c->track >= 0.0))
         return lf_error_set(err, LF_E_ARG, "camera.views", "a track must not be shorter than 0");
+    if (!isfinite(c->rise))
+        return lf_error_set(err, LF_E_ARG, "camera.views", "a row must not be infinitely high");
     if (!(c->aspect > 0.0 && c->aspect < 1e3))
         return lf_error_set(err, LF_E_ARG, "camera.aspect", "must be above 0");
     if (!(c->lens_radius >= 0.0))
@@ -59,6 +61,16 @@ static lf_status axes(lf_rig *rig, const lf_camera *c, double *out_distance, lf_
     rig->up = scaled(up, 1.0 / lf_length_double(up));
     *out_distance = distance;
     return LF_OK;
+}
+
+lf_camera lf_camera_row(const lf_camera *camera, int row)
+{
+    lf_camera one = *camera;
+    const double place = camera->n_rows > 1 ? (double)row / (camera->n_rows - 1) - 0.5 : 0.0;
+    one.rise += place * camera->rows_height;
+    one.n_rows = 0;
+    one.rows_height = 0.0;
+    return one;
 }
 
 /* Where view k stands within the rig's width, from its middle. */
@@ -99,8 +111,10 @@ lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settings, const dou
     r.n_views = c->n_views;
     r.width = settings->width;
     r.height = settings->height;
-    r.eye = lf_v3((float)(c->position[0] - origin[0]), (float)(c->position[1] - origin[1]),
-                  (float)(c->position[2] - origin[2]));
+    const lf_vec3 middle =
+        lf_v3((float)(c->position[0] - origin[0]), (float)(c->position[1] - origin[1]),
+              (float)(c->position[2] - origin[2]));
+    r.eye = lf_madd(middle, (float)c->rise, r.up);
     r.distance = (float)distance;
     const bool own = c->track > 0.0 && c->own_windows;
     r.window = own ? LF_FAR_WINDOW : r.distance;
@@ -118,7 +132,8 @@ lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settings, const dou
     r.tangent = (float)tan(0.5 * c->fov_y);
     r.x0 = (float)((left - 0.5) * window_width);
     r.dx = (float)((right - left) * window_width / settings->width);
-    r.y0 = (float)((0.5 - top) * window_height);
+    r.sink = (float)((own ? 0.0 : c->rise) / distance);
+    r.y0 = (float)((0.5 - top) * window_height - (own ? 0.0 : c->rise));
     r.dy = (float)(-(bottom - top) * window_height / settings->height);
     place_views(&r, c, distance);
     *rig = r;

@@ -5,7 +5,8 @@
  * X_w = x0 + u dx, Y_w = y0 + v dy. All cameras share this window, W = D; or, on a track, each
  * looks straight ahead through one of its own, as if all shared one infinitely far away, W = inf:
  * X_w is then counted from b_k - e_k, with e_k = b_k D/W how far the camera is from the middle of
- * its window.
+ * its window. A row of a grid of cameras stands above the middle: origin and window are its own,
+ * and a window that all rows share lies lower (y0).
  *
  * Thin lens (all views the same radius): a ray leaves (b_k + lx, ly, 0) towards the point of the
  * focus plane Z = F that the pinhole ray of its film point hits. With one v and one ly for a whole
@@ -42,6 +43,7 @@ typedef struct lf_rig {
     /* window coordinates of film point (0, 0) and of one pixel; dy < 0 */
     float x0, dx, y0, dy;
     float tangent; /* of the window's upper edge seen from the middle; of the lower one minus it */
+    float sink;    /* what is off both where the rig stands above the middle */
     float still;   /* D/W, 1 or 0: the nearness of what stays where it is from view to view */
     /* camera positions along X, rising, and e; lanes behind n_views repeat the last */
     float b[LF_MAX_LANES], skew[LF_MAX_LANES];
@@ -90,7 +92,7 @@ float lf_rig_view_between(const lf_rig *from, const lf_rig *to);
  * for all views, whatever part of the window is rendered. */
 static inline float lf_rig_height_between(const lf_rig *rig, float my)
 {
-    return lf_min(lf_max(0.5f - 0.5f * my / rig->tangent, 0.0f), 1.0f);
+    return lf_min(lf_max(0.5f - 0.5f * (my + rig->sink) / rig->tangent, 0.0f), 1.0f);
 }
 
 static inline lf_vec3 lf_rig_point(const lf_rig *rig, float x, float y, float z)

@@ -444,6 +444,57 @@ static void a_camera_that_fits_is_where_another_one_would_be(void **state)
     lf_quilt_finish(&missed);
 }
 
+/* The camera of the fog, turned or not, with its views placed so. */
+static const char *placed(const char *folder, const char *name, double height, const char *views)
+{
+    char text[1024];
+    snprintf(text, sizeof text,
+             "{\"include\": \"fog.json\", \"camera\": {\"position\": [0, %g, 6], \"target\": "
+             "[0, %g, 0], \"views\": %s}}",
+             height, height, views);
+    return lf_test_write(folder, name, text);
+}
+
+/* A row of a grid whose windows go along is a track from higher up, to the last bit; lower rows
+ * come first. */
+static void rows_of_a_grid_are_tracks(void **state)
+{
+    const qr_files *f = *state;
+    char grid[PATH_MAX], track[PATH_MAX];
+    lf_quilt_file whole, alone;
+    snprintf(grid, sizeof grid, "%s",
+             placed(f->folder, "grid.json", 0,
+                    "{\"grid\": {\"columns\": 3, \"rows\": 3, \"width\": 1, \"height\": 1, "
+                    "\"window\": \"own\"}}"));
+    qr_succeed("%s -o %s/grid.exr --spp 2 --view-size 12x16 --seed 5 --aov samples", grid,
+               f->folder);
+    lf_assert_ok(
+        lf_quilt_read(lf_test_path(f->folder, "grid_qs3x3a0.75.exr"), NULL, 0, 0, &whole, NULL),
+        NULL);
+    assert_int_equal(whole.views32.n_views, 9);
+    qr_outcome o;
+    qr_run(&o, "%s -o %s/grid.exr --stats %s/s.json", grid, f->folder, f->folder);
+    qr_assert_fails(&o, 2, "--stats: is of one row of cameras");
+    qr_run(&o, "%s -o %s/grid.exr --views 3", grid, f->folder);
+    qr_assert_fails(&o, 2, "--views: the scene has a grid of 3 x 3 cameras");
+    for (uint64_t row = 0; row < 3; row++) {
+        snprintf(track, sizeof track, "%s",
+                 placed(f->folder, "track.json", 0.5 * (double)row - 0.5,
+                        "{\"track\": {\"count\": 3, \"length\": 1}}"));
+        qr_succeed("%s -o %s/track.exr --spp 2 --view-size 12x16 --quilt 3x1 --seed %llu", track,
+                   f->folder, (unsigned long long)(5 + row * UINT64_C(0x9e3779b97f4a7c15)));
+        lf_assert_ok(lf_quilt_read(lf_test_path(f->folder, "track_qs3x1a0.75.exr"), NULL, 0, 0,
+                                   &alone, NULL),
+                     NULL);
+        for (int i = 0; i < 3 * 16; i++)
+            assert_memory_equal(lf_views32_row(&whole.views32, (int)row * 3 + i / 16, i % 16),
+                                lf_views32_row(&alone.views32, i / 16, i % 16),
+                                12 * 3 * sizeof(float));
+        lf_quilt_finish(&alone);
+    }
+    lf_quilt_finish(&whole);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -461,6 +512,7 @@ int main(void)
         cmocka_unit_test(a_scene_becomes_what_the_options_say),
         cmocka_unit_test(what_a_scene_lacks_is_a_line_on_stderr),
         cmocka_unit_test(a_camera_that_fits_is_where_another_one_would_be),
+        cmocka_unit_test(rows_of_a_grid_are_tracks),
     };
     return cmocka_run_group_tests(tests, qr_set_up, qr_tear_down);
 }

@@ -119,6 +119,7 @@ static void parameters_are_held_to_the_schema(void **state)
     lf_assert_ok(check("camera.orbit", "{\"zoom\":1000}", &err), &err);
     assert_int_equal(check("camera.orbit", "{\"zoom\":1000.5}", &err), LF_E_ARG);
     assert_int_equal(check("camera.set", "{\"target\":[0,0]}", &err), LF_E_ARG);
+    assert_string_equal(err.what, "expected 3 elements, got 2");
     assert_int_equal(check("camera.set", "{\"target\":[0,0,null]}", &err), LF_E_ARG);
     assert_string_equal(err.pointer, "/target/2");
     lf_assert_ok(check("camera.set", "{\"target\":[0,0,1]}", &err), &err);

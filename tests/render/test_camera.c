@@ -111,11 +111,31 @@ static void views_stand_on_a_track(void **state)
     }
 }
 
+static void views_stand_in_a_grid(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene("{'camera': {'views': {'grid': {'columns': 9, 'rows': 5, "
+                                    "'width': 2, 'height': 3}}}}");
+    const lf_camera *camera = lf_scene_camera(scene);
+    assert_true(camera->n_views == 9 && camera->n_rows == 5 && lf_camera_views(camera) == 45);
+    assert_true(camera->track == 2 && camera->rows_height == 3 && !camera->own_windows);
+    for (int row = 0; row < 5; row++) {
+        const lf_camera one = lf_camera_row(camera, row);
+        lf_assert_close(one.rise, -1.5 + 0.75 * row, 1e-15, 1e-15);
+        assert_true(lf_camera_views(&one) == 9 && one.track == 2);
+    }
+    lf_scene_unref(scene);
+}
+
 static void a_track_that_is_none_is_refused(void **state)
 {
     (void)state;
     static const char *const bad[][3] = {
         {"{}", "", "expected {\"track\": {\"count\""},
+        {"{'track': {'length': 1}, 'grid': {}}", "", "or {\"grid\""},
+        {"{'grid': {'columns': 3, 'width': 1, 'height': 1}}", "/grid", "\"rows\" is missing"},
+        {"{'grid': {'columns': 3, 'rows': 0, 'width': 1, 'height': 1}}", "/grid/rows",
+         "out of range: 1 to 256"},
         {"{'trak': {}}", "/trak", "did you mean \"track\"?"},
         {"{'track': {'count': 9}}", "/track", "\"length\" is missing"},
         {"{'track': {'length': 0}}", "/track/length", "out of range"},
@@ -138,6 +158,7 @@ int main(void)
         cmocka_unit_test(the_schema_of_scenes_says_of_the_camera_what_its_table_says),
         cmocka_unit_test(a_scene_that_says_nothing_has_the_camera_of_the_table),
         cmocka_unit_test(views_stand_on_a_track),
+        cmocka_unit_test(views_stand_in_a_grid),
         cmocka_unit_test(a_track_that_is_none_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 
 #include "base/alloc.h"
 #include "render/render.h"
+#include "render/rows/rig.h"
 
 enum { VIEWS = 9, WIDTH = 120, HEIGHT = 40 };
 
@@ -23,8 +24,9 @@ static const char SCENE[] = "{\"quiltd\":1,"
                             "\"green\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[0,1,0]},"
                             "\"blue\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[0,0,1]}}}";
 
-/* By the scene's own arc of cameras, or on a track. */
-static float *render(lf_render_settings *settings, double track, bool own_windows)
+/* By the scene's own arc of cameras, or on a track, which is the upper row of a grid 2 rise high.
+ */
+static float *render(lf_render_settings *settings, double track, double rise, bool own_windows)
 {
     lf_error err;
     lf_scene *scene = NULL;
@@ -39,6 +41,9 @@ static float *render(lf_render_settings *settings, double track, bool own_window
         .camera = *lf_scene_camera(scene), .width = WIDTH, .height = HEIGHT, .seed = 5};
     settings->camera.track = track;
     settings->camera.own_windows = own_windows;
+    settings->camera.n_rows = 3;
+    settings->camera.rows_height = 2.0 * rise;
+    settings->camera = lf_camera_row(&settings->camera, 2);
     lf_assert_ok(lf_pool_create(2, &pool), NULL);
     lf_assert_ok(lf_renderer_create(scene, settings, pool, &renderer, &err), &err);
     lf_assert_ok(lf_renderer_passes(renderer, NULL, 64 * VIEWS, false, NULL, NULL, NULL), NULL);
@@ -50,51 +55,102 @@ static float *render(lf_render_settings *settings, double track, bool own_window
     return out;
 }
 
-/* Mean film column of a colour in a view. */
-static double centre(const float *picture, int view, int channel)
+/* Mean film column and row of a colour in a view. */
+static void centre(const float *picture, int view, int channel, double out[2])
 {
-    double sum = 0.0, weighted = 0.0;
+    double sum = 0.0, along = 0.0, down = 0.0;
     for (int row = 0; row < HEIGHT; row++) {
         for (int column = 0; column < WIDTH; column++) {
             double v = (double)
                 picture[(((size_t)row * VIEWS + (size_t)view) * WIDTH + (size_t)column) * 3 +
                         (size_t)channel];
             sum += v;
-            weighted += v * (column + 0.5);
+            along += v * (column + 0.5);
+            down += v * (row + 0.5);
         }
     }
     assert_true(sum > 1.0);
-    return weighted / sum;
+    out[0] = along / sum;
+    out[1] = down / sum;
+}
+
+/* Where an axis of the window, as wide and of as many pixels, has a point: x to the side of the
+ * middle of the rig and z before the window, from a camera b to the side. Windows that go along
+ * have their middle before the camera. */
+static double landing(const lf_camera *camera, double b, double x, double z, double size,
+                      int pixels)
+{
+    const double distance = 6.0, on_window = b + (x - b) * distance / (distance - z),
+                 window = camera->track > 0.0 && camera->own_windows ? b : 0.0;
+    return ((on_window - window) / size + 0.5) * pixels;
 }
 
 /* The rig's own words: the window is D wide of the line of cameras, view k sits at D tan(a_k), or
- * at its place on a track, where windows may go along with the cameras (scene.md, camera). */
-static double predicted(const lf_camera *camera, int view, double x, double z)
+ * at its place on a track (scene.md, camera). */
+static double place_of(const lf_camera *camera, int view)
 {
-    double distance = 6.0, height = 2.0 * distance * tan(0.5 * camera->fov_y),
-           width = height * camera->aspect;
-    double b = distance * tan(((view + 0.5) / VIEWS - 0.5) * camera->cone);
     if (camera->track > 0.0)
-        b = (view / (VIEWS - 1.0) - 0.5) * camera->track;
-    double on_window = b + (x - b) * distance / (distance - z);
-    if (camera->track > 0.0 && camera->own_windows)
-        on_window -= b;
-    return (on_window / width + 0.5) * WIDTH;
+        return (view / (VIEWS - 1.0) - 0.5) * camera->track;
+    return 6.0 * tan(((view + 0.5) / VIEWS - 0.5) * camera->cone);
 }
 
 static void points_land_where_the_rig_says(void **state)
 {
     (void)state;
-    static const double z[3] = {0.0, 1.0, -1.5};
-    for (int way = 0; way < 3; way++) {
+    static const double y[3] = {0.0, 0.3, -0.3}, z[3] = {0.0, 1.0, -1.5};
+    static const struct {
+        double track, rise;
+        bool own;
+    } ways[] = {{0, 0, false},   {2, 0, false},    {2, 0, true},
+                {2, 0.4, false}, {2, -0.6, false}, {2, 0.2, true}};
+    for (size_t way = 0; way < sizeof ways / sizeof ways[0]; way++) {
         lf_render_settings settings;
-        float *picture = render(&settings, way > 0 ? 2.0 : 0.0, way == 2);
+        const lf_camera *camera = &settings.camera;
+        float *picture = render(&settings, ways[way].track, ways[way].rise, ways[way].own);
+        const double height = 12.0 * tan(0.5 * camera->fov_y);
         for (int view = 0; view < VIEWS; view++) {
-            for (int channel = 0; channel < 3; channel++)
-                lf_assert_close(centre(picture, view, channel),
-                                predicted(&settings.camera, view, 0.2, z[channel]), 0.0, 0.15);
+            for (int channel = 0; channel < 3; channel++) {
+                double at[2];
+                centre(picture, view, channel, at);
+                lf_assert_close(at[0],
+                                landing(camera, place_of(camera, view), 0.2, z[channel],
+                                        height * camera->aspect, WIDTH),
+                                0.0, 0.15);
+                lf_assert_close(at[1],
+                                HEIGHT - landing(camera, ways[way].rise, y[channel], z[channel],
+                                                 height, HEIGHT),
+                                0.0, 0.15);
+            }
         }
         lf_free(picture);
+    }
+}
+
+/* A window that all rows share, and the backdrop in it, are where they are. */
+static void a_backdrop_stays_in_its_window(void **state)
+{
+    (void)state;
+    lf_render_settings settings = {.camera = {.position = {0, 0, 6},
+                                              .up = {0, 1, 0},
+                                              .fov_y = 0.3,
+                                              .aspect = 1,
+                                              .track = 2,
+                                              .n_views = VIEWS,
+                                              .n_rows = 3,
+                                              .rows_height = 1.5},
+                                   .width = WIDTH,
+                                   .height = HEIGHT};
+    const lf_camera grid = settings.camera;
+    for (int row = 0; row < 3; row++) {
+        lf_rig rig;
+        lf_row_plane plane;
+        settings.camera = lf_camera_row(&grid, row);
+        lf_assert_ok(lf_rig_init(&rig, &settings, (double[3]){0}, NULL), NULL);
+        for (int y = 0; y < HEIGHT; y++) {
+            lf_rig_row_plane(&rig, (float)y + 0.5f, (float[2]){0.5f, 0.5f}, &plane);
+            lf_assert_close((double)lf_rig_height_between(&rig, plane.my), (y + 0.5) / HEIGHT, 0.0,
+                            1e-6);
+        }
     }
 }
 
@@ -102,10 +158,14 @@ static void depth_moves_points_against_each_other(void **state)
 {
     (void)state;
     lf_render_settings settings;
-    float *picture = render(&settings, 0.0, false);
+    float *picture = render(&settings, 0.0, 0.0, false);
     double moved[3];
-    for (int channel = 0; channel < 3; channel++)
-        moved[channel] = centre(picture, VIEWS - 1, channel) - centre(picture, 0, channel);
+    for (int channel = 0; channel < 3; channel++) {
+        double first[2], last[2];
+        centre(picture, 0, channel, first);
+        centre(picture, VIEWS - 1, channel, last);
+        moved[channel] = last[0] - first[0];
+    }
     lf_assert_close(moved[0], 0.0, 0.0, 0.1);
     assert_true(moved[1] < -5.0);
     assert_true(moved[2] > 5.0);
@@ -116,6 +176,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_land_where_the_rig_says),
+        cmocka_unit_test(a_backdrop_stays_in_its_window),
         cmocka_unit_test(depth_moves_points_against_each_other),
     };
     return cmocka_run_group_tests_name("parallax", tests, NULL, NULL);
