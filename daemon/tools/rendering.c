@@ -163,13 +163,14 @@ static lf_status run_rows(lf_rendering *r, const lf_budget *budget, float *row_f
         status = render_row(r, budget, row_film, row_layers);
         if (row_film != r->film)
             place_row(r, 3, row_film, r->film);
-        if (row_layers != r->layers)
+        if (row_layers && row_layers != r->layers)
             place_row(r, channels, row_layers, r->layers);
     }
     if (status == LF_E_CANCELLED)
         return lf_rendering_interrupted(r, err);
     return status == LF_OK ? LF_OK : lf_error_set(err, status, out, "rendering failed");
 }
+
 /* How long one row of cameras takes; a budget is for each of them, but for times. */
 static lf_budget budget_of_row(const lf_rendering *r)
 {
@@ -186,20 +187,20 @@ static lf_budget budget_of_row(const lf_rendering *r)
 lf_status lf_rendering_run(lf_rendering *r, lf_error *err)
 {
     const lf_budget budget = budget_of_row(r);
+    const lf_camera *camera = &r->settings.camera;
+    const bool is_grid = camera->n_rows > 0;
     const int channels = lf_layer_channels(layers_of(r), NULL);
-    float *film = NULL, *layers = NULL;
+    float *film = NULL, *layers = NULL; /* of one row of a grid */
     r->times = (lf_render_times){0};
-    lf_status status = make_room(r, lf_camera_views(&r->settings.camera), 3, &r->film, err);
+    lf_status status = make_room(r, lf_camera_views(camera), 3, &r->film, err);
     if (status == LF_OK)
-        status = make_room(r, lf_camera_views(&r->settings.camera), channels, &r->layers, err);
-    if (r->settings.camera.n_rows == 0)
-        return status == LF_OK ? run_rows(r, &budget, r->film, r->layers, err) : status;
+        status = make_room(r, lf_camera_views(camera), channels, &r->layers, err);
+    if (status == LF_OK && is_grid)
+        status = make_room(r, camera->n_views, 3, &film, err);
+    if (status == LF_OK && is_grid)
+        status = make_room(r, camera->n_views, channels, &layers, err);
     if (status == LF_OK)
-        status = make_room(r, r->settings.camera.n_views, 3, &film, err);
-    if (status == LF_OK)
-        status = make_room(r, r->settings.camera.n_views, channels, &layers, err);
-    if (status == LF_OK)
-        status = run_rows(r, &budget, film, layers, err);
+        status = run_rows(r, &budget, is_grid ? film : r->film, is_grid ? layers : r->layers, err);
     lf_free(film);
     lf_free(layers);
     return status;
@@ -229,7 +230,7 @@ static json_t *make_record(const lf_rendering *r)
                          r->layout.aspect);
     return lf_output_settings(a->scene, &r->settings, a->kind->has_tiles ? &r->layout : NULL,
                               a->options.estimator, a->options.reconstruct == LF_RECONSTRUCT_ON,
-                              (double)r->times.passes, &r->film_settings);
+                              (double)r->times.passes / camera_rows(r), &r->film_settings);
 }
 
 /* How bright the picture is shown; of what is drawn, not at all. */
