@@ -171,8 +171,10 @@ static void frames_have_what_catchers_of_files_get(void **state)
     for (int i = 0; i < 4; i++) {
         running r;
         begin(&r, scenes[i / 2].text, i % 2 == 0 ? LF_RECONSTRUCT_OFF : LF_RECONSTRUCT_ON);
-        make_picture(r.content, true, film, with);
-        make_picture(r.content, false, bare, without);
+        if (i % 2 == 0) {
+            make_picture(r.content, true, film, with);
+            make_picture(r.content, false, bare, without);
+        }
         run_to(&r, 8);
         last_views(&r, seen);
         assert_int_equal(status_of(&r).reconstructed, i % 2 == 1);
