@@ -148,6 +148,7 @@ static void finish(lf_server *server)
     if (server->config.state_dir)
         end = fmax(end, lf_time_now() + CLOSE_SECONDS);
     bool closed = lf_show_drain(server->show, end);
+    lf_inbox_read(&server->inbox, server); /* and since then */
     if (closed && lf_engine_stopped(server->engine) && !server->jobs &&
         lf_loader_pending(server->loader) == 0)
         return;
