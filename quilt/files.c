@@ -143,9 +143,10 @@ static void name_list_finish(name_list *list)
     lf_free(list->names);
 }
 
+/* view_999 before view_1000. */
 static int by_name(const void *a, const void *b)
 {
-    return strcmp(*(char *const *)a, *(char *const *)b);
+    return strverscmp(*(char *const *)a, *(char *const *)b);
 }
 
 /* What is listed is the folder that was checked, whatever its name leads to by now. */

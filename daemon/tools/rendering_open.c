@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,6 +11,9 @@
 #include "daemon/output/content.h"
 #include "daemon/output/fit.h"
 #include "daemon/tools/rendering.h"
+
+/* That are open beside those of an output. */
+#define OTHER_FILES 64
 
 /* An hour of rendering must not end at a folder that is not there. */
 static lf_status check_folder_of(const char *path, lf_error *err)
@@ -105,7 +109,8 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     const lf_calibration *calibration = a->kind->needs_panel ? &r->calibration : NULL;
-    const bool one_rig = a->kind->needs_panel || a->kind->check_print;
+    const bool one_rig =
+        a->kind->needs_panel || a->kind->check_print || (a->kind->layers && !a->rgbd.is_quilt);
     lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(
         &a->options, lf_scene_camera(r->scene), calibration, &r->settings, &r->layout, err);
     if (r->sequence.on)
@@ -269,7 +274,11 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
     const lf_video_options *options = &r->arguments->video;
     const lf_layout layout = is_walk ? lf_video_view_layout(&r->layout) : r->layout;
     const char *warning = NULL;
-    if (is_walk && (!(r->settings.camera.track > 0.0) || r->settings.camera.n_rows > 0))
+    if (is_walk && r->settings.camera.n_rows > 0)
+        return lf_error_set(err, LF_E_ARG, r->arguments->out,
+                            "a video of views needs them on a track, and the scene has a grid of "
+                            "rows: --frames or --turntable make videos of quilts");
+    if (is_walk && !(r->settings.camera.track > 0.0))
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
                             "a video needs --frames, --turntable or a scene whose camera.views are "
                             "on a track");
@@ -279,6 +288,29 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
     if (warning)
         lf_log(LF_LOG_WARNING, "%s: %s", r->path, warning);
     return status;
+}
+
+/* What has more views than it can hold is told before hours of rendering. Files of one output are
+ * open together, so that all of them appear. */
+static lf_status check_count(const lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    const int n = r->layout.n_views;
+    struct rlimit limit;
+    if (a->kind->has_tiles && r->layout.columns == 0)
+        return lf_error_set(err, LF_E_ARG, a->out,
+                            "%d views are more than the %dx%d tiles of a quilt: a folder (a path "
+                            "that ends in /) holds them",
+                            n, LF_MAX_TILES, LF_MAX_TILES);
+    if (a->kind->n_files > 0 || getrlimit(RLIMIT_NOFILE, &limit) != 0)
+        return LF_OK;
+    limit.rlim_cur = limit.rlim_max;
+    if (setrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_max < (rlim_t)n + OTHER_FILES)
+        return lf_error_set(err, LF_E_ARG, a->out,
+                            "%d views are as many open files, and a process may have %llu (ulimit "
+                            "-Hn)",
+                            n, (unsigned long long)limit.rlim_max);
+    return LF_OK;
 }
 
 lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
@@ -293,6 +325,8 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         r->print = a->print;
     else if (status == LF_OK)
         status = lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
+    if (status == LF_OK && !r->is_quilt && !a->kind->is_drawn)
+        status = check_count(r, err);
     if (status == LF_OK && a->stats && r->settings.camera.n_rows > 0)
         status = lf_error_set(err, LF_E_ARG, "--stats",
                               "is of one row of cameras, and the scene has a grid");

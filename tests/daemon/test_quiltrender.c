@@ -141,6 +141,13 @@ static void a_quilt_goes_to_floats_and_folders_and_back(void **state)
     lf_error err = {0};
     qr_succeed("%s -o %s/a.exr", f->quilt, d);
     qr_succeed("%s/a_qs3x2a1.5.exr -o %s/a/", d, d);
+    /* names of more than three digits come behind those of three */
+    char last[2][PATH_MAX];
+    for (int i = 0; i < 2; i++) {
+        snprintf(last[0], sizeof last[0], "%s/a/view_%03d.exr", d, 4 + i);
+        snprintf(last[1], sizeof last[1], "%s/a/view_%d.exr", d, 999 + i);
+        assert_int_equal(rename(last[0], last[1]), 0);
+    }
     qr_succeed("%s/a/ -o %s/b_qs3x2a1.5.png --quilt 3x2", d, d);
     lf_assert_ok(lf_image8_read(f->quilt, NULL, &before, &err), &err);
     lf_assert_ok(lf_image8_read(lf_test_path(d, "b_qs3x2a1.5.png"), NULL, &after, &err), &err);
@@ -477,6 +484,13 @@ static void rows_of_a_grid_are_tracks(void **state)
     qr_assert_fails(&o, 2, "--stats: is of one row of cameras");
     qr_run(&o, "%s -o %s/grid.exr --views 3", grid, f->folder);
     qr_assert_fails(&o, 2, "--views: the scene has a grid of 3 x 3 cameras");
+    snprintf(track, sizeof track, "%s",
+             placed(f->folder, "plate.json", 0,
+                    "{\"grid\": {\"columns\": 100, \"rows\": 50, \"width\": 1, \"height\": 1}}"));
+    qr_run(&o, "%s -o %s/plate.png", track, f->folder);
+    qr_assert_fails(&o, 2, "5000 views are more than the 64x64 tiles of a quilt");
+    qr_run(&o, "%s -o %s/grid.mp4", grid, f->folder);
+    qr_assert_fails(&o, 2, "the scene has a grid of rows");
     for (uint64_t row = 0; row < 3; row++) {
         snprintf(track, sizeof track, "%s",
                  placed(f->folder, "track.json", 0.5 * (double)row - 0.5,
