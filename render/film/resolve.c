@@ -499,7 +499,7 @@ void lf_film_row_second(const lf_film *film, int row, bool *out)
 {
     lf_tile t;
     memset(out, 0, (size_t)film->n_views * (size_t)film->width * sizeof *out);
-    if (!film->layout.has_w2 || !open_row(&t, film, row))
+    if (!film->layout.has_w2 || !open_row(&t, film, row) || t.n_halves < 2)
         return;
     for (int k = 0; at_tile(&t, k); k++) {
         read_tile(&t);
