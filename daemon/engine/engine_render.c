@@ -49,7 +49,7 @@ static void update_stats(lf_engine *engine, bool now)
     double start = lf_time_now();
     if (!engine->renderer || (!now && (start - engine->look.at) * STATS_SHARE < engine->look.cost))
         return;
-    if (engine->picture.reconstructs)
+    if (engine->picture.reconstructs && lf_schedule_has_halves(&engine->schedule))
         lf_picture_estimate(&engine->picture, engine->pool, &engine->cancel);
     lf_renderer_stats(engine->renderer, &engine->look.stats);
     if (engine->picture.reconstructs && atomic_load_explicit(&engine->cancel, memory_order_relaxed))
@@ -273,7 +273,8 @@ static lf_status render(lf_engine *engine, const lf_batch *batch)
     const lf_part part = {.first_row = batch->first, .row_step = batch->step};
     const int reach = hole_reach(engine, batch);
     if (batch->coarse)
-        return lf_renderer_pass_coarse(engine->renderer, &part, reach, lf_picture_row,
+        return lf_renderer_pass_coarse(engine->renderer, &part, reach,
+                                       fit_follows(engine) ? lf_picture_row_later : lf_picture_row,
                                        &engine->picture, &engine->cancel);
     return lf_renderer_pass_filling(engine->renderer, &part, batch->subsets, reach, lf_picture_row,
                                     &engine->picture, &engine->cancel);
