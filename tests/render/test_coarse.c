@@ -237,7 +237,7 @@ static void fans_are_those_of_any_pass_and_edges_are_sharp(void **state)
 }
 
 /* A slab across the whole picture, d = 0.8 mean free paths thick: of the ray of slope s and m, q =
- * 1 - exp(-d sqrt(1 + s^2 + m^2)). Its second derivative by s is below d (1 + d s^2) e^-d ... < 1
+XX
  * here, so that a straight line between columns that are at most 5 apart is nowhere farther from q
  * than (5 ds)^2 / 8. */
 static void what_hardly_bends_is_interpolated_as_well(void **state)
