@@ -236,10 +236,10 @@ static void fans_are_those_of_any_pass_and_edges_are_sharp(void **state)
                   flames.apart, lamp.apart);
 }
 
-/* A slab across the whole picture, d = 0.8 mean free paths thick: of the ray of slope s and m, q =
-XX
- * here, so that a straight line between columns that are at most 5 apart is nowhere farther from q
- * than (5 ds)^2 / 8. */
+/* A slab across the whole picture, d = 0.8 mean free paths thick: of the ray of slopes s and m, q =
+ * 1 - exp(-d l), l = sqrt(1 + s^2 + m^2). Its second derivative by s lies between -d^2 s^2 e^-d and
+ * d e^-d, so within 1, and film points of two fans are at most 5 columns ds apart: a straight line
+ * between them is nowhere farther from q than (5 ds)^2 / 8. */
 static void what_hardly_bends_is_interpolated_as_well(void **state)
 {
     (void)state;
