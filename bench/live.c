@@ -40,8 +40,8 @@ typedef struct arguments {
 typedef struct watch {
     double start;
     int64_t before; /* generation shown until then */
-    double coarse, complete;
-    double wire_bytes, cpu_seconds;
+    double coarse, complete, coarse_cpu, complete_cpu;
+    double cpu_start, wire_bytes, cpu_seconds;
     int updates;
     double rel_mse[MAX_MOMENTS];
 } watch;
@@ -66,7 +66,8 @@ typedef struct bench {
     float *reference; /* [n] linear */
     double reference_error;
     float to_linear[256];
-    lf_timing coarse, complete, rel_mse[MAX_MOMENTS], updates, wire_bytes, cpu;
+    lf_timing coarse, complete, coarse_cpu, complete_cpu;
+    lf_timing rel_mse[MAX_MOMENTS], updates, wire_bytes, cpu;
     double idle_cpu, speed_up;
 } bench;
 
@@ -159,10 +160,14 @@ static void show(bench *b, watch *w)
         w->wire_bytes += (double)frame->rects[i].width * frame->rects[i].height * BYTES_A_PIXEL;
     w->updates++;
     bool news = frame->generation > w->before;
-    if (news && frame->level >= LF_LEVEL_COARSE && w->coarse < 0)
+    if (news && frame->level >= LF_LEVEL_COARSE && w->coarse < 0) {
         w->coarse = after;
-    if (news && frame->level >= LF_LEVEL_COMPLETE && w->complete < 0)
+        w->coarse_cpu = lf_time_cpu() - w->cpu_start;
+    }
+    if (news && frame->level >= LF_LEVEL_COMPLETE && w->complete < 0) {
         w->complete = after;
+        w->complete_cpu = lf_time_cpu() - w->cpu_start;
+    }
     lf_mailbox_shown(mailbox);
 }
 
@@ -193,8 +198,11 @@ static lf_status follow(bench *b, double yaw, double seconds, bool remembers, wa
 {
     watch *w = out;
     int moment = 0;
-    *w = (watch){.start = lf_time_now(), .before = b->generation, .coarse = -1, .complete = -1};
-    double cpu = lf_time_cpu();
+    *w = (watch){.start = lf_time_now(),
+                 .cpu_start = lf_time_cpu(),
+                 .before = b->generation,
+                 .coarse = -1,
+                 .complete = -1};
     lf_status status = send_load(b, LF_LOAD_ORBIT, yaw, err);
     while (status == LF_OK) {
         double now = lf_time_now() - w->start;
@@ -205,7 +213,7 @@ static lf_status follow(bench *b, double yaw, double seconds, bool remembers, wa
             continue;
         }
         if (now >= seconds && w->cpu_seconds <= 0)
-            w->cpu_seconds = lf_time_cpu() - cpu;
+            w->cpu_seconds = lf_time_cpu() - w->cpu_start;
         if (now >= seconds && b->answered && w->complete >= 0)
             break;
         if (now > PATIENCE_SECONDS)
@@ -357,6 +365,8 @@ static void add_watch(bench *b, const watch *w)
 {
     lf_timing_add(&b->coarse, w->coarse);
     lf_timing_add(&b->complete, w->complete);
+    lf_timing_add(&b->coarse_cpu, w->coarse_cpu);
+    lf_timing_add(&b->complete_cpu, w->complete_cpu);
     lf_timing_add(&b->updates, w->updates / b->arguments->seconds);
     lf_timing_add(&b->wire_bytes, w->wire_bytes / b->arguments->seconds);
     lf_timing_add(&b->cpu, w->cpu_seconds / b->arguments->seconds);
@@ -445,6 +455,13 @@ static lf_status measure_speed_up(bench *b, lf_error *err)
 
 /* ------------------------------------------------------------------------------------ answer -- */
 
+static void print_frame(const char *level, const lf_timing *wall, const lf_timing *cpu)
+{
+    printf("to a %-8s frame    median %.3f s, 95 %% %.3f s; of CPU time %.3f s (%.3f .. %.3f)\n",
+           level, lf_timing_quantile(wall, 0.5), lf_timing_quantile(wall, 0.95),
+           lf_timing_quantile(cpu, 0.5), lf_timing_quantile(cpu, 0), lf_timing_quantile(cpu, 1));
+}
+
 static void print_table(const bench *b)
 {
     const lf_layout *l = &b->content->layout;
@@ -452,10 +469,8 @@ static void print_table(const bench *b)
            b->arguments->scene, l->n_views, l->view_width, l->view_height,
            b->calibration.screen_width_px, b->calibration.screen_height_px, b->arguments->yaw,
            b->arguments->repeat);
-    printf("to a coarse frame      median %.3f s, 95 %% %.3f s\n",
-           lf_timing_quantile(&b->coarse, 0.5), lf_timing_quantile(&b->coarse, 0.95));
-    printf("to a complete frame    median %.3f s, 95 %% %.3f s\n",
-           lf_timing_quantile(&b->complete, 0.5), lf_timing_quantile(&b->complete, 0.95));
+    print_frame("coarse", &b->coarse, &b->coarse_cpu);
+    print_frame("complete", &b->complete, &b->complete_cpu);
     for (int k = 0; k < b->n_moments; k++)
         printf("after %5.1f s          relMSE of the panel %.4g (%.4g .. %.4g)\n", all_moments[k],
                lf_timing_quantile(&b->rel_mse[k], 0.5), lf_timing_quantile(&b->rel_mse[k], 0),
@@ -486,14 +501,15 @@ static lf_status write_json(const bench *b, lf_error *err)
         json_array_append_new(moments, json_pack("{s:f, s:o}", "seconds", all_moments[k], "rel_mse",
                                                  quantiles(&b->rel_mse[k])));
     json_t *object = json_pack(
-        "{s:s, s:o, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:o, s:o, s:o, s:f, s:o, s:o, s:o, "
-        "s:f, s:o}",
+        "{s:s, s:o, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:f, s:o, "
+        "s:o, s:o, s:f, s:o}",
         "scene", a->scene, "machine", lf_bench_machine(), "views", l->n_views, "width",
         l->view_width, "height", l->view_height, "panel_width", b->calibration.screen_width_px,
         "panel_height", b->calibration.screen_height_px, "repeat", a->repeat, "yaw", a->yaw,
         "seconds", a->seconds, "coarse_seconds", quantiles(&b->coarse), "complete_seconds",
-        quantiles(&b->complete), "shown", moments, "reference_rel_mse", b->reference_error,
-        "updates_per_second", quantiles(&b->updates), "wire_bytes_per_second",
+        quantiles(&b->complete), "coarse_cpu_seconds", quantiles(&b->coarse_cpu),
+        "complete_cpu_seconds", quantiles(&b->complete_cpu), "shown", moments, "reference_rel_mse",
+        b->reference_error, "updates_per_second", quantiles(&b->updates), "wire_bytes_per_second",
         quantiles(&b->wire_bytes), "cpus", quantiles(&b->cpu), "converged_cpus", b->idle_cpu,
         "speed_up", a->speed_passes > 0 ? json_real(b->speed_up) : json_null());
     return lf_bench_write_json(a->json, object, err);

@@ -329,6 +329,13 @@ LF_NODISCARD lf_status lf_renderer_pass_filling(lf_renderer *renderer, const lf_
                                                 int subsets, int hole_reach, lf_row_fn row_done,
                                                 void *context, const lf_cancel *cancel);
 
+/* One pass for a coarse frame, which is there soon: B and q are those of every fourth column, and
+ * interpolated in views that have no edge between two of these, until the row is visited otherwise:
+ * then nothing of them is left in the film. hole_reach as in lf_renderer_pass_filling. */
+LF_NODISCARD lf_status lf_renderer_pass_coarse(lf_renderer *renderer, const lf_part *part,
+                                               int hole_reach, lf_row_fn row_done, void *context,
+                                               const lf_cancel *cancel);
+
 /* Native samples for all holes that are left in a part's rows, on planes of its stream's visits,
  * and nothing else: what a consistent answer (mwis) of a small budget lacks. Not for mis and cv,
  * whose answer in a hole, B + N/n, is the unbiased one.

@@ -264,6 +264,23 @@ lf_status lf_renderer_pass_filling(lf_renderer *renderer, const lf_part *part, i
     return run(&job);
 }
 
+lf_status lf_renderer_pass_coarse(lf_renderer *renderer, const lf_part *part, int hole_reach,
+                                  lf_row_fn row_done, void *context, const lf_cancel *cancel)
+{
+    lf_pass_job job = {.renderer = renderer,
+                       .order = {.subsets = 1,
+                                 .column_step = 1,
+                                 .cover = renderer->film.n_views > 1,
+                                 .coarse = true,
+                                 .hole_reach = hole_reach},
+                       .part = whole_part(renderer, part),
+                       .half = -1,
+                       .row_done = row_done,
+                       .context = context,
+                       .cancel = cancel};
+    return run(&job);
+}
+
 lf_status lf_renderer_fill_holes(lf_renderer *renderer, const lf_part *part,
                                  const lf_cancel *cancel)
 {

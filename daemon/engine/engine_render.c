@@ -49,7 +49,7 @@ static void update_stats(lf_engine *engine, bool now)
     double start = lf_time_now();
     if (!engine->renderer || (!now && (start - engine->look.at) * STATS_SHARE < engine->look.cost))
         return;
-    if (engine->picture.reconstructs)
+    if (engine->picture.reconstructs && lf_schedule_has_halves(&engine->schedule))
         lf_picture_estimate(&engine->picture, engine->pool, &engine->cancel);
     lf_renderer_stats(engine->renderer, &engine->look.stats);
     if (engine->picture.reconstructs && atomic_load_explicit(&engine->cancel, memory_order_relaxed))
@@ -268,6 +268,18 @@ static int hole_reach(const lf_engine *engine, const lf_batch *batch)
     return engine->picture.reconstructs ? -1 : 0;
 }
 
+static lf_status render(lf_engine *engine, const lf_batch *batch)
+{
+    const lf_part part = {.first_row = batch->first, .row_step = batch->step};
+    const int reach = hole_reach(engine, batch);
+    if (batch->coarse)
+        return lf_renderer_pass_coarse(engine->renderer, &part, reach,
+                                       fit_follows(engine) ? lf_picture_row_later : lf_picture_row,
+                                       &engine->picture, &engine->cancel);
+    return lf_renderer_pass_filling(engine->renderer, &part, batch->subsets, reach, lf_picture_row,
+                                    &engine->picture, &engine->cancel);
+}
+
 void engine_batch(lf_engine *engine)
 {
     lf_batch batch = lf_schedule_next(&engine->schedule, batch_seconds(engine));
@@ -276,10 +288,7 @@ void engine_batch(lf_engine *engine)
     lf_status status = LF_OK;
     engine->picture.sampled = engine->spent.passes >= engine->schedule.n_views;
     if (batch.n_rows > 0)
-        status = lf_renderer_pass_filling(
-            engine->renderer, &(lf_part){.first_row = batch.first, .row_step = batch.step},
-            batch.subsets, hole_reach(engine, &batch), lf_picture_row, &engine->picture,
-            &engine->cancel);
+        status = render(engine, &batch);
     if (status != LF_OK) {
         engine->spoiled = true;
         return;

@@ -215,6 +215,14 @@ void lf_picture_row(void *context, int row, int worker)
     show_again(context, row, worker);
 }
 
+void lf_picture_row_later(void *context, int row, int worker)
+{
+    const lf_picture *picture = context;
+    (void)worker;
+    if (picture->caught)
+        lf_caught_add(picture->caught, row);
+}
+
 lf_status lf_picture_resolve(lf_picture *picture, lf_pool *pool, const lf_cancel *cancel)
 {
     return lf_pool_run(pool, picture->height, show_again, picture, cancel);

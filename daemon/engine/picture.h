@@ -64,6 +64,8 @@ bool lf_picture_expose(lf_picture *picture, lf_pool *pool);
 /* An lf_row_fn with the picture as its context: shows a row that was just visited; where it is to
  * be reconstructed, by the last fit as soon as there is one. */
 void lf_picture_row(void *context, int row, int worker);
+/* The same of a row that is not looked at before there is a fit (lf_picture_fitted). */
+void lf_picture_row_later(void *context, int row, int worker);
 /* All rows by a new fit, with what catchers get smooth. LF_E_CANCELLED: some are as they were. */
 LF_NODISCARD lf_status lf_picture_fitted(lf_picture *picture, lf_pool *pool,
                                          const lf_cancel *cancel);

@@ -157,7 +157,18 @@ bool lf_film_counts_possible(const lf_film_counts *counts)
 bool lf_film_row_possible(const lf_film_row *row)
 {
     const lf_film_counts counts = {{row->n[0], row->n[1]}, {row->visits[0], row->visits[1]}};
+    for (int h = 0; h < 2; h++)
+        if (!(row->coarse[h] >= 0.0 && row->coarse[h] <= row->n[h]))
+            return false;
     return lf_film_counts_possible(&counts) && row->passes >= 0.0 && row->passes < 1e15;
+}
+
+void lf_film_row_known(const lf_film_row *row, double out[2])
+{
+    double whole[2] = {row->n[0] - row->coarse[0], row->n[1] - row->coarse[1]};
+    bool any = whole[0] + whole[1] > 0.0;
+    for (int h = 0; h < 2; h++)
+        out[h] = any ? whole[h] : row->n[h];
 }
 
 void lf_film_clear(lf_film *film)
@@ -244,7 +255,7 @@ static inline float mean(float a, double share, double x, uint32_t random)
 }
 
 /* What merging a visit does to means: the visit's share of its half and of both halves, the other
- * half's share before it. */
+ * half's share before it. None has any of coarse visits, unless there are no others. */
 typedef struct lf_merge_shares {
     double half, both, other;
     double sign; /* of the half in the difference */
@@ -267,12 +278,13 @@ static void merge_known(lf_film_known *known, const lf_film_sums *sums, size_t p
     known->difference = lf_difference_pack(difference, (float)(random >> 8) * 0x1p-24f);
 }
 
-static lf_merge_shares shares_of(const lf_film_row *row, int half, double weight)
+static lf_merge_shares shares_of(const lf_film_row *row, int half, double weight, bool coarse)
 {
-    double n = row->n[0] + row->n[1];
-    return (lf_merge_shares){.half = weight / (row->n[half] + weight),
+    double own = row->n[half] - (coarse ? 0.0 : row->coarse[half]),
+           others = row->n[1 - half] - (coarse ? 0.0 : row->coarse[1 - half]), n = own + others;
+    return (lf_merge_shares){.half = weight / (own + weight),
                              .both = weight / (n + weight),
-                             .other = n > 0.0 ? row->n[1 - half] / n : 0.0,
+                             .other = n > 0.0 ? others / n : 0.0,
                              .sign = half == 0 ? 1.0 : -1.0,
                              .inverse_weight = (float)(1.0 / weight)};
 }
@@ -288,6 +300,50 @@ static void clear_row(lf_film *film, int row)
 {
     if (!lf_film_visited(film->rows[row].visits))
         memset(film->data + (size_t)row * film->row_bytes, 0, film->row_bytes);
+}
+
+/* n of the visits that were not coarse. */
+static double whole_visits(const lf_film_row *row, int half)
+{
+    return row->n[half] - row->coarse[half];
+}
+
+void lf_film_clear_known(const lf_film *film, int row, int half)
+{
+    size_t pixels = pixels_of(&film->layout);
+    lf_film_half of = lf_film_at(film, row, half);
+    memset(of.q, 0, pixels * sizeof *of.q);
+    if (of.feature)
+        memset(of.feature, 0, pixels * sizeof *of.feature);
+}
+
+/* Before the first visit of a half, or of the row, that has q, B and features of its own. */
+static void drop_coarse(const lf_film *film, int row, int half)
+{
+    const lf_film_row *state = &film->rows[row];
+    lf_film_known *known = lf_film_known_at(film, row);
+    if (!(state->coarse[0] + state->coarse[1] > 0.0))
+        return;
+    if (!(whole_visits(state, half) > 0.0))
+        lf_film_clear_known(film, row, half);
+    if (known && !(whole_visits(state, 0) + whole_visits(state, 1) > 0.0))
+        memset(known, 0, pixels_of(&film->layout) * sizeof *known);
+}
+
+/* A half that has none has the other's for the time being. */
+void lf_film_lend_known(const lf_film *film, int row)
+{
+    const lf_film_row *state = &film->rows[row];
+    size_t pixels = pixels_of(&film->layout);
+    for (int h = 0; h < 2; h++) {
+        if (!(state->coarse[h] > 0.0) || whole_visits(state, h) > 0.0 ||
+            !(whole_visits(state, 1 - h) > 0.0))
+            continue;
+        lf_film_half to = lf_film_at(film, row, h), from = lf_film_at(film, row, 1 - h);
+        memcpy(to.q, from.q, pixels * sizeof *to.q);
+        if (to.feature)
+            memcpy(to.feature, from.feature, pixels * sizeof *to.feature);
+    }
 }
 
 static void count(lf_film *film, int stream, int row, int half, double passes)
@@ -338,7 +394,7 @@ typedef struct lf_merge {
     const lf_film_sums *sums;
     lf_film_known *known;
     lf_merge_shares shares;
-    bool features;
+    bool features, q;
 } lf_merge;
 
 /* n pixels from the first on. */
@@ -357,7 +413,8 @@ static void merge_span(const lf_merge *merge, size_t first, size_t n, const uint
         a->w = add(a->w, b->w, random[k]);
         if (to->w2)
             to->w2[i] = add(to->w2[i], from->w2[i], random[k]);
-        to->q[i] = mean(to->q[i], merge->shares.half, (double)from->q[i], random[k]);
+        if (merge->q)
+            to->q[i] = mean(to->q[i], merge->shares.half, (double)from->q[i], random[k]);
         if (merge->known)
             merge_known(&merge->known[i], merge->sums, i, &merge->shares, random[k]);
     }
@@ -367,11 +424,18 @@ void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_s
                    double passes, uint64_t key)
 {
     const double weight = passes / film->n_views;
+    lf_film_row *state = &film->rows[row];
     clear_row(film, row);
-    const lf_merge merge = {lf_film_at(film, row, half), sums, lf_film_known_at(film, row),
-                            shares_of(&film->rows[row], half, weight),
-                            film->layout.has_features &&
-                                film->rows[row].visits[half] < LF_FEATURE_VISITS};
+    if (!sums->coarse)
+        drop_coarse(film, row, half);
+    const bool known = !sums->coarse || !(whole_visits(state, 0) + whole_visits(state, 1) > 0.0);
+    const lf_merge merge = {lf_film_at(film, row, half),
+                            sums,
+                            known ? lf_film_known_at(film, row) : NULL,
+                            shares_of(state, half, weight, sums->coarse),
+                            known && film->layout.has_features &&
+                                state->visits[half] < LF_FEATURE_VISITS,
+                            known};
     size_t width = (size_t)film->width, views = weight > 0.0 ? (size_t)film->n_views : 0;
     for (size_t column = 0; column < width; column += SPAN) {
         size_t n = width - column < SPAN ? width - column : SPAN;
@@ -383,4 +447,6 @@ void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_s
             merge_span(&merge, view * width + column, n, random);
     }
     count(film, stream, row, half, passes);
+    state->coarse[half] += sums->coarse ? weight : 0.0;
+    lf_film_lend_known(film, row);
 }

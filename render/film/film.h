@@ -56,6 +56,9 @@ typedef struct lf_film_sums {
     float (*native)[3];  /* M, a sum; NULL without delta lobes, lights in media, veils that glow */
     size_t zeroed_bytes;
     unsigned char *data;
+    /* q, B and features are interpolated: they are kept until a visit has found its own, and count
+     * for nothing beside those */
+    bool coarse;
 } lf_film_sums;
 
 /* What of a view pixel is kept. */
@@ -69,8 +72,9 @@ typedef struct lf_film_layout {
 } lf_film_layout;
 
 typedef struct lf_film_row {
-    double n[2];   /* expected native samples a view pixel in each half */
-    double passes; /* n times views, both halves */
+    double n[2];      /* expected native samples a view pixel in each half */
+    double coarse[2]; /* of these, those of coarse visits */
+    double passes;    /* n times views, both halves */
     uint32_t visits[2];
     uint32_t met; /* nonzero: some visit's plane held something to be met (reach.h) */
     /* Left by the last resolve: */
@@ -90,6 +94,10 @@ typedef struct lf_film_counts {
 /* Whether some visits could have led to these counts. */
 bool lf_film_counts_possible(const lf_film_counts *counts);
 bool lf_film_row_possible(const lf_film_row *row);
+/* What the halves' q, B and features are means over: n of all visits but coarse ones, or of these
+ * where there were no others. Where one half had others and one had not, its q and features are
+ * those of the other. */
+void lf_film_row_known(const lf_film_row *row, double out[2]);
 
 /* Whether there was any of the halves' visits. */
 static inline bool lf_film_visited(const uint32_t visits[2])
@@ -250,6 +258,11 @@ void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_s
                    double passes, uint64_t key);
 /* The same for a visit that could meet nothing (lf_film_meet): it only counts. */
 void lf_film_count(lf_film *film, int stream, int row, int half, double passes);
+/* Where one half of a row has had other visits than coarse ones and one has not: gives this what
+ * lf_film_row_known says. A merge does. */
+void lf_film_lend_known(const lf_film *film, int row);
+/* Forgets a half's q and features. */
+void lf_film_clear_known(const lf_film *film, int row, int half);
 
 /* See lf_renderer_resolve_row. */
 lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int row, float *out,

@@ -26,6 +26,7 @@ static void add_feature(lf_packed_feature *to, double weight_to, lf_packed_featu
     *to = lf_feature_pack(&mixed, random);
 }
 
+/* n is the known visits' (lf_film_row_known). */
 static void add_half(lf_film_half *to, double n_to, const lf_film_half *from, double n_from,
                      size_t i, uint32_t random)
 {
@@ -43,25 +44,31 @@ static void add_half(lf_film_half *to, double n_to, const lf_film_half *from, do
 }
 
 /* The mean of one half, from that of both and their difference. */
-static double of_half(const lf_film_row *row, int half, double both, double difference)
+static double of_half(const double n[2], int half, double both, double difference)
 {
-    double n = row->n[0] + row->n[1];
-    return both + (half == 0 ? row->n[1] : -row->n[0]) / n * difference;
+    return both + (half == 0 ? n[1] : -n[0]) / (n[0] + n[1]) * difference;
 }
 
-static void add_known(lf_film_known *to, const lf_film_row *a, const lf_film_known *from,
-                      const lf_film_row *b, uint32_t random)
+/* a and b: n of the known visits; of one film there may be none. */
+static void add_known(lf_film_known *to, const double a[2], const lf_film_known *from,
+                      const double b[2], uint32_t random)
 {
     float d_to[3], d_from[3], difference[3] = {0};
-    double n_a = a->n[0] + a->n[1], n_b = b->n[0] + b->n[1];
+    double n_a = a[0] + a[1], n_b = b[0] + b[1];
+    if (!(n_b > 0.0))
+        return;
+    if (!(n_a > 0.0)) {
+        *to = *from;
+        return;
+    }
     lf_difference_unpack(to->difference, d_to);
     lf_difference_unpack(from->difference, d_from);
     for (int c = 0; c < 3; c++) {
         double x = (double)to->b[c], y = (double)from->b[c], half[2];
         for (int h = 0; h < 2; h++)
-            half[h] = pooled(of_half(a, h, x, (double)d_to[c]), a->n[h],
-                             of_half(b, h, y, (double)d_from[c]), b->n[h]);
-        if (a->n[0] + b->n[0] > 0.0 && a->n[1] + b->n[1] > 0.0)
+            half[h] = pooled(of_half(a, h, x, (double)d_to[c]), a[h],
+                             of_half(b, h, y, (double)d_from[c]), b[h]);
+        if (a[0] + b[0] > 0.0 && a[1] + b[1] > 0.0)
             difference[c] = (float)(half[0] - half[1]);
         to->b[c] = lf_film_round(pooled(x, n_a, y, n_b), random);
     }
@@ -82,20 +89,37 @@ static uint64_t key_of(const lf_film *film, int row)
     return key;
 }
 
+/* n of both films' visits that count beside each other for q, B and features: as
+ * lf_film_row_known. */
+static void known_of(const lf_film_row *a, const lf_film_row *b, double of_a[2], double of_b[2])
+{
+    double whole = 0.0;
+    for (int h = 0; h < 2; h++)
+        whole += a->n[h] - a->coarse[h] + b->n[h] - b->coarse[h];
+    for (int h = 0; h < 2; h++) {
+        of_a[h] = a->n[h] - (whole > 0.0 ? a->coarse[h] : 0.0);
+        of_b[h] = b->n[h] - (whole > 0.0 ? b->coarse[h] : 0.0);
+    }
+}
+
 static void add_row(lf_film *film, const lf_film *from, int row)
 {
-    const lf_film_row *a = &film->rows[row], *b = &from->rows[row];
+    double a[2], b[2];
+    known_of(&film->rows[row], &from->rows[row], a, b);
     uint64_t key = lf_hash64(key_of(film, row) + key_of(from, row), (uint64_t)row);
     size_t width = (size_t)film->width, pixels = (size_t)film->n_views * width;
     lf_film_half to[2] = {lf_film_at(film, row, 0), lf_film_at(film, row, 1)};
     const lf_film_half other[2] = {lf_film_at(from, row, 0), lf_film_at(from, row, 1)};
     lf_film_known *known = lf_film_known_at(film, row);
+    for (int h = 0; h < 2; h++)
+        if (film->rows[row].coarse[h] > 0.0 && a[h] == 0.0)
+            lf_film_clear_known(film, row, h);
     const lf_film_known *more = lf_film_known_at(from, row);
     /* As in a visit: what is the same, N and W or two views, stays the same. */
     for (size_t i = 0; i < pixels; i++) {
         uint32_t random = (uint32_t)(lf_hash64(key, i % width) >> 32);
         for (int h = 0; h < 2; h++)
-            add_half(&to[h], a->n[h], &other[h], b->n[h], i, random);
+            add_half(&to[h], a[h], &other[h], b[h], i, random);
         if (known)
             add_known(&known[i], a, &more[i], b, random);
     }
@@ -105,6 +129,7 @@ static void add_counts(lf_film_row *to, const lf_film_row *from)
 {
     for (int h = 0; h < 2; h++) {
         to->n[h] += from->n[h];
+        to->coarse[h] += from->coarse[h];
         to->visits[h] += from->visits[h];
     }
     to->passes += from->passes;
@@ -199,6 +224,7 @@ lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error *err)
             memcpy(film->data + (size_t)row * film->row_bytes,
                    from->data + (size_t)row * from->row_bytes, film->row_bytes);
         add_counts(state, &from->rows[row]);
+        lf_film_lend_known(film, row);
     }
     for (int i = 0; i < from->n_streams; i++)
         if (lf_film_stream_at(film, from->streams[i].seed, from->streams[i].number, &index) ==

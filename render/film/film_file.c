@@ -17,7 +17,7 @@ enum {
     LAYOUT_BYTES = 4 * 4 + 3 * 4,
     STREAM_BYTES = 12,
     COUNT_BYTES = 24,
-    ROW_BYTES = 40
+    ROW_BYTES = 56
 };
 static const char magic[8] = "quiltdST";
 
@@ -205,6 +205,8 @@ static lf_status write_row(const lf_film *film, int row, lf_outfile *file, lf_er
     put_f64(&c, state->passes);
     put_counts(&c,
                &(lf_film_counts){{state->n[0], state->n[1]}, {state->visits[0], state->visits[1]}});
+    for (int h = 0; h < 2; h++)
+        put_f64(&c, state->coarse[h]);
     const lf_film_part whole = {"ROW ", head, sizeof head,
                                 film->data + (size_t)row * film->row_bytes,
                                 lf_film_used_bytes(&film->layout)};
@@ -362,7 +364,11 @@ static lf_status read_row(int fd, unsigned char head[HEAD_BYTES], lf_film *film,
     uint32_t number = get_u32(&c), met = get_u32(&c);
     double passes = get_f64(&c);
     const lf_film_counts counts = get_counts(&c);
+    double coarse[2];
+    for (int h = 0; h < 2; h++)
+        coarse[h] = get_f64(&c);
     const lf_film_row state = {.n = {counts.n[0], counts.n[1]},
+                               .coarse = {coarse[0], coarse[1]},
                                .passes = passes,
                                .visits = {counts.visits[0], counts.visits[1]},
                                .met = met,

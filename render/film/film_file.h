@@ -7,8 +7,8 @@
  *             known, no delta without native
  *     "STRM"  a random stream: u64 seed, u32 number, then per row f64 n[2], u32 visits[2]
  *     "ROW "  a row that was visited: u32 row, u32 met, f64 passes, f64 n[2], u32 visits[2],
- *             then its numbers of 32 bits as film.h has them: half 0, half 1, known light
- *     "END "
+ *             f64 coarse[2], then its numbers of 32 bits as film.h has them: half 0, half 1, known
+ * light "END "
  *
  * All little-endian. Each part is its name, u32 CRC-32 (zlib's) of name, size and content, u64 size
  * of the content, the content; streams ascend by seed and number, rows by number, and a film has
@@ -19,7 +19,7 @@
 
 #include "render/film/film.h"
 
-#define LF_FILM_VERSION 5
+#define LF_FILM_VERSION 6
 
 /* cancel (may be NULL) is looked at once a row: LF_E_CANCELLED, the file is to be abandoned. */
 LF_NODISCARD lf_status lf_film_write(const lf_film *film, lf_outfile *file, const lf_cancel *cancel,

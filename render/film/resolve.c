@@ -33,6 +33,7 @@ typedef struct lf_tile {
     const lf_film_known *known; /* NULL where B is sky (1 - q) */
     float n[2];                 /* expected samples of each half; 0 = it has none */
     float share[2];             /* of all samples */
+    float share_known[2];       /* of those whose q and B count */
     int n_halves;
     int view0, view1, column0, column1;
     int count;
@@ -57,14 +58,14 @@ static void read_half(const lf_film_half *half, size_t pixel, float inverse, lf_
     s->q = half->q[pixel];
 }
 
-static void pool(lf_tile_pixel *p, const float share[2])
+static void pool(lf_tile_pixel *p, const float share[2], const float share_known[2])
 {
     const lf_sums *a = &p->half[0], *b = &p->half[1];
     for (int c = 0; c < 3; c++)
         p->pooled.scattered[c] = share[0] * a->scattered[c] + share[1] * b->scattered[c];
     p->pooled.w = share[0] * a->w + share[1] * b->w;
     p->pooled.w2 = share[0] * a->w2 + share[1] * b->w2;
-    p->pooled.q = share[0] * a->q + share[1] * b->q;
+    p->pooled.q = share_known[0] * a->q + share_known[1] * b->q;
 }
 
 /* B + M/n of the halves and of both. */
@@ -77,8 +78,8 @@ static void read_known(const lf_tile *t, size_t pixel, lf_tile_pixel *p)
     for (int c = 0; c < 3; c++) {
         if (t->known) {
             p->pooled.known[c] = t->known[pixel].b[c];
-            p->half[0].known[c] = p->pooled.known[c] + t->share[1] * difference[c];
-            p->half[1].known[c] = p->pooled.known[c] - t->share[0] * difference[c];
+            p->half[0].known[c] = p->pooled.known[c] + t->share_known[1] * difference[c];
+            p->half[1].known[c] = p->pooled.known[c] - t->share_known[0] * difference[c];
         } else {
             p->pooled.known[c] = sky[c] * (1.0f - p->pooled.q);
             for (int h = 0; h < 2; h++)
@@ -118,7 +119,7 @@ static void read_tile(lf_tile *t)
             if (t->n[h] > 0.0f)
                 read_half(&t->half[h], pixel_index(t, i), 1.0f / t->n[h], &p->half[h]);
         }
-        pool(p, t->share);
+        pool(p, t->share, t->share_known);
         read_known(t, pixel_index(t, i), p);
     }
     for (int which = 0; which <= POOLED && t->film->layout.has_signed; which++)
@@ -433,12 +434,14 @@ static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t
 static bool open_row(lf_tile *t, const lf_film *film, int row)
 {
     const lf_film_row *state = &film->rows[row];
-    double n = state->n[0] + state->n[1];
+    double n = state->n[0] + state->n[1], known[2];
     *t = (lf_tile){.film = film, .known = lf_film_known_at(film, row)};
     if (!(n > 0.0))
         return false;
+    lf_film_row_known(state, known);
     for (int h = 0; h < 2; h++) {
         t->half[h] = lf_film_at(film, row, h);
+        t->share_known[h] = (float)(known[h] / (known[0] + known[1]));
         t->n[h] = (float)state->n[h];
         t->share[h] = (float)(state->n[h] / n);
         t->n_halves += state->n[h] > 0.0;
@@ -499,7 +502,7 @@ void lf_film_row_second(const lf_film *film, int row, bool *out)
 {
     lf_tile t;
     memset(out, 0, (size_t)film->n_views * (size_t)film->width * sizeof *out);
-    if (!film->layout.has_w2 || !open_row(&t, film, row))
+    if (!film->layout.has_w2 || !open_row(&t, film, row) || t.n_halves < 2)
         return;
     for (int k = 0; at_tile(&t, k); k++) {
         read_tile(&t);

@@ -41,12 +41,13 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
                     bool halves)
 {
     const lf_film_row *state = &film->rows[row];
-    double n = state->n[0] + state->n[1];
+    double n[2];
     lf_view_row in = {.row = ((float)row + 0.5f) / LF_CELL_SIDE,
                       .deep = r->view.depth / r->cell_depth,
                       .still = r->view.still,
                       .n = film->width};
-    if (!(n > 0.0))
+    lf_film_row_known(state, n);
+    if (!(n[0] + n[1] > 0.0))
         return false;
     if (film->layout.has_w2)
         lf_film_row_second(film, row, pixels->second);
@@ -58,7 +59,7 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
             const lf_film_half half = lf_film_at(film, row, h);
             in.q[h] = half.q + in.first;
             in.feature[h] = half.feature + in.first;
-            in.share[h] = (float)(state->n[h] / n);
+            in.share[h] = (float)(n[h] / (n[0] + n[1]));
         }
         r->kernels->read(&in, halves && lf_view_is_fitted(r, row, k), pixels);
     }

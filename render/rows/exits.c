@@ -324,66 +324,205 @@ static void shine(const lf_visit *visit, int from, int to, float u)
         lf_shine_fan(&sources, u, &w->tracer, &w->shine, w->shine.light + from);
 }
 
+/* What the fans of a row share. */
+typedef struct lf_exits {
+    const lf_visit_plan *plan;
+    const lf_visit *visit;
+    uint64_t key;
+    uint32_t index;
+    lf_vec3 sky; /* where it is constant */
+    bool constant, corrected, veiled;
+} lf_exits;
+
+/* The rays [from, to) of a column's fan, up to what they meet and through all media before it. */
+static void follow(const lf_exits *e, int column, int from, int to)
+{
+    const lf_visit *visit = e->visit;
+    const lf_rig *rig = visit->rig;
+    lf_scratch *w = visit->worker;
+    float xw = rig->x0 + ((float)column + lf_exits_film_point(e->key, column, e->index)) * rig->dx,
+          lx = 0.0f;
+    if (visit->plane.lens_chord > 0.0f)
+        lx = (2.0f *
+                  lf_sampler_radical(lf_hash64(lf_hash64(e->key, 10), (uint64_t)column), e->index) -
+              1.0f) *
+             visit->plane.lens_chord;
+    aim(visit, xw, lx);
+    if (visit->triangles && from < to)
+        lf_section_nearest(&w->section, visit->triangles, rig, meeting(rig, xw, lx), to - from,
+                           w->x0 + from, w->z_end + from, w->met.segment + from);
+    if (w->media.n_here > 0 && from < to)
+        march(e->plan, w, from, to, visit->sums.feature);
+    for (int k = from; k < to && (e->corrected || e->veiled); k++)
+        w->factor[k] = 1.0f;
+    if (e->corrected && from < to)
+        correct(visit, from, to);
+    if (e->veiled && from < to)
+        veil(visit, xw, lx, from, to);
+    if (w->shine.flames.n_here > 0)
+        shine(visit, from, to,
+              lf_sampler_radical(lf_hash64(lf_hash64(e->key, 16), (uint64_t)column), e->index));
+}
+
+/* B and q of the views [first, end) in a column. */
+static void fan(const lf_exits *e, int column, int first, int end)
+{
+    const lf_visit *visit = e->visit;
+    const lf_rig *rig = visit->rig;
+    const lf_scene *scene = e->plan->scene;
+    lf_scratch *w = visit->worker;
+    int from, to;
+    lanes_of(&w->reach, rig->n_views, column, &from, &to);
+    from = from > first ? from : first;
+    to = to < end ? to : end;
+    follow(e, column, from, to);
+    for (int k = first; k < end && k < rig->n_views; k++) {
+        bool reached = k >= from && k < to, met = reached && w->met.segment[k] >= 0;
+        int material = met ? lf_section_material(&w->section, w->met.segment[k]) : -1;
+        const lf_material *m = met ? &scene->materials[material] : NULL;
+        size_t pixel = (size_t)k * (size_t)rig->width + (size_t)column;
+        float weight = (e->corrected || e->veiled) && reached ? w->factor[k] : 1.0f, through, lost;
+        lf_vec3 transmittance;
+        if (scene->looks.chromatic) {
+            lost = lost_of_channels(w, k, k - from, to - from, weight, &transmittance);
+        } else {
+            lost = lost_in(w->tau[k] * w->length[k], weight, &through);
+            transmittance = lf_v3(through, through, through);
+        }
+        w->met.material[k] = material;
+        write_known(visit, pixel, k, m, lost, transmittance, e->constant ? &e->sky : NULL);
+        if (e->veiled && w->mirrors && reached)
+            w->mirrors[pixel] |= w->veil.mirrored[k];
+        if (visit->sums.feature)
+            write_feature(e->plan, visit, pixel, k, m && m->has_lobe);
+    }
+}
+
+/* ------------------------------------------------------------------------------ coarse frames --
+ */
+
+/* What a fan has met, for the columns between it and the next. */
+typedef struct lf_fan_end {
+    int column;
+    int material[LF_MAX_LANES];
+    float nearness[LF_MAX_LANES];
+} lf_fan_end;
+
+static void take_end(const lf_exits *e, int column, lf_fan_end *out)
+{
+    const lf_visit *visit = e->visit;
+    const lf_scratch *w = visit->worker;
+    fan(e, column, 0, LF_MAX_LANES);
+    out->column = column;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        out->material[k] = w->met.material[k];
+        out->nearness[k] = lf_nearness(visit->rig->distance, w->z_end[k]);
+    }
+}
+
+/* Whether an edge runs between two columns of view k: what is seen there would be torn to a ramp.
+ */
+static bool has_edge(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b, int k)
+{
+    const float most_q = 0.1f, steepest = 3.0f;
+    const lf_visit *visit = e->visit;
+    const lf_rig *rig = visit->rig;
+    const float *q = visit->sums.half.q + (size_t)k * (size_t)rig->width;
+    float apart = steepest * (float)(b->column - a->column) * rig->dx / rig->distance;
+    return a->material[k] != b->material[k] || fabsf(q[a->column] - q[b->column]) > most_q ||
+           fabsf(a->nearness[k] - b->nearness[k]) > apart;
+}
+
+static float between(float a, float b, float t)
+{
+    return a + t * (b - a);
+}
+
+/* What a column between two others gets, t of the way from a to b; what has more of the pivots
+ * counts for more in what they are like. */
+static void interpolate(const lf_visit *visit, size_t pixel, size_t a, size_t b, float t)
+{
+    const lf_film_sums *sums = &visit->sums;
+    const float *q = sums->half.q;
+    float weight[2] = {(1.0f - t) * lf_max(q[a], 0.0f), t * lf_max(q[b], 0.0f)},
+          sum = weight[0] + weight[1];
+    lf_film_pivots(sums, pixel, between(q[a], q[b], t));
+    if (sums->known)
+        lf_film_known_light(sums, pixel, between(sums->known[a][0], sums->known[b][0], t),
+                            between(sums->known[a][1], sums->known[b][1], t),
+                            between(sums->known[a][2], sums->known[b][2], t));
+    if (visit->worker->mirrors)
+        visit->worker->mirrors[pixel] = visit->worker->mirrors[a] || visit->worker->mirrors[b];
+    if (!sums->feature)
+        return;
+    const lf_feature *x = &sums->feature[a], *y = &sums->feature[b];
+    float s = sum > 0.0f ? weight[1] / sum : t;
+    lf_film_note(sums, pixel,
+                 (lf_feature){between(x->nearness, y->nearness, s),
+                              between(x->spread, y->spread, s), between(x->surface, y->surface, s),
+                              between(x->light, y->light, s)});
+}
+
+/* The columns between two fans: followed, by groups of views, where one of these has an edge there.
+ */
+static void fill_between(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b)
+{
+    const lf_visit *visit = e->visit;
+    const int views = visit->rig->n_views;
+    const size_t width = (size_t)visit->rig->width;
+    float from = (float)a->column + lf_exits_film_point(e->key, a->column, e->index),
+          to = (float)b->column + lf_exits_film_point(e->key, b->column, e->index);
+    bool edge[LF_MAX_LANES / LF_LANES] = {false};
+    for (int k = 0; k < views && b->column > a->column + 1; k++)
+        edge[k / LF_LANES] = edge[k / LF_LANES] || has_edge(e, a, b, k);
+    for (int column = a->column + 1; column < b->column; column++) {
+        float t =
+            ((float)column + lf_exits_film_point(e->key, column, e->index) - from) / (to - from);
+        for (int first = 0, end; first < views; first = end) {
+            bool here = edge[first / LF_LANES];
+            for (end = first; end < views && edge[end / LF_LANES] == here;)
+                end += LF_LANES;
+            if (here)
+                fan(e, column, first, end);
+            for (int k = first; k < end && k < views && !here; k++) {
+                size_t row = (size_t)k * width;
+                interpolate(visit, row + (size_t)column, row + (size_t)a->column,
+                            row + (size_t)b->column, t);
+            }
+        }
+    }
+}
+
+static void coarse_row(const lf_exits *e)
+{
+    const int last = e->visit->rig->width - 1;
+    lf_fan_end ends[2];
+    take_end(e, 0, &ends[0]);
+    for (int i = 0, column = 0; column < last; i = 1 - i) {
+        column = column + LF_EXITS_COARSE < last ? column + LF_EXITS_COARSE : last;
+        take_end(e, column, &ends[1 - i]);
+        fill_between(e, &ends[i], &ends[1 - i]);
+    }
+}
+
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    lf_vec3 sky;
-    bool constant = sky_of_row(plan, visit, &sky);
-    bool corrected =
-        lf_correction_needed(&w->media) && !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
-    bool veiled = plan->scene->looks.veiled, weighed = corrected || veiled;
+    lf_exits e = {.plan = plan, .visit = visit, .key = key, .index = index};
+    e.constant = sky_of_row(plan, visit, &e.sky);
+    e.corrected = !plan->order.coarse && lf_correction_needed(&w->media) &&
+                  !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
+    e.veiled = plan->scene->looks.veiled;
     w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
     for (int k = 0; k < LF_MAX_LANES; k++)
         w->met.segment[k] = -1; /* and so it stays without meshes */
     for (int i = 0; i < LF_FAN_FACES && (plan->order.sunlight || plan->scene->looks.varied); i++)
         w->met.face[i].segment = -1;
-    for (int column = 0; column < rig->width; column++) {
-        float xw = rig->x0 + ((float)column + lf_exits_film_point(key, column, index)) * rig->dx,
-              lx = 0.0f;
-        int from, to;
-        if (visit->plane.lens_chord > 0.0f)
-            lx =
-                (2.0f * lf_sampler_radical(lf_hash64(lf_hash64(key, 10), (uint64_t)column), index) -
-                 1.0f) *
-                visit->plane.lens_chord;
-        aim(visit, xw, lx);
-        lanes_of(&w->reach, rig->n_views, column, &from, &to);
-        if (visit->triangles && from < to)
-            lf_section_nearest(&w->section, visit->triangles, rig, meeting(rig, xw, lx), to - from,
-                               w->x0 + from, w->z_end + from, w->met.segment + from);
-        if (w->media.n_here > 0 && from < to)
-            march(plan, w, from, to, visit->sums.feature);
-        for (int k = from; k < to && weighed; k++)
-            w->factor[k] = 1.0f;
-        if (corrected && from < to)
-            correct(visit, from, to);
-        if (veiled && from < to)
-            veil(visit, xw, lx, from, to);
-        if (w->shine.flames.n_here > 0)
-            shine(visit, from, to,
-                  lf_sampler_radical(lf_hash64(lf_hash64(key, 16), (uint64_t)column), index));
-        for (int k = 0; k < rig->n_views; k++) {
-            bool met = k >= from && k < to && w->met.segment[k] >= 0;
-            const lf_material *m =
-                met ? &plan->scene->materials[lf_section_material(&w->section, w->met.segment[k])]
-                    : NULL;
-            size_t pixel = (size_t)k * (size_t)rig->width + (size_t)column;
-            float weight = weighed && k >= from && k < to ? w->factor[k] : 1.0f, through, lost;
-            lf_vec3 transmittance;
-            if (plan->scene->looks.chromatic) {
-                lost = lost_of_channels(w, k, k - from, to - from, weight, &transmittance);
-            } else {
-                lost = lost_in(w->tau[k] * w->length[k], weight, &through);
-                transmittance = lf_v3(through, through, through);
-            }
-            write_known(visit, pixel, k, m, lost, transmittance, constant ? &sky : NULL);
-            if (veiled && w->mirrors && k >= from && k < to)
-                w->mirrors[pixel] |= w->veil.mirrored[k];
-            if (visit->sums.feature)
-                write_feature(plan, visit, pixel, k, m && m->has_lobe);
-        }
-    }
+    if (plan->order.coarse)
+        coarse_row(&e);
+    for (int column = 0; column < rig->width && !plan->order.coarse; column++)
+        fan(&e, column, 0, LF_MAX_LANES);
     if (w->mirrors)
         widen(w->mirrors, rig->n_views, rig->width);
 }

@@ -55,7 +55,8 @@ typedef struct lf_fan_face {
 
 /* What the fan's rays meet. */
 typedef struct lf_fan_met {
-    int segment[LF_MAX_LANES]; /* of the section, -1: no surface */
+    int segment[LF_MAX_LANES];  /* of the section, -1: no surface */
+    int material[LF_MAX_LANES]; /* its, -1: no surface */
     lf_fan_face face[LF_FAN_FACES];
     lf_media_moments moments; /* of its collisions, where features are wanted */
 } lf_fan_met;
@@ -274,8 +275,12 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
  */
 float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 
+/* Columns from one to the next that a coarse visit has B and q for; between them they are
+ * interpolated in views without an edge there, between the film points that they would have had. */
+#define LF_EXITS_COARSE 4
+
 /* B and q of one row for this visit (exits.c), into the visit's sums; index is its number in its
- * half. */
+ * half. What a coarse visit finds is that of slices, which nothing corrects. */
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index);
 
 /* True when the camera sees the same light wherever it meets nothing. */

@@ -81,6 +81,7 @@ static void assert_same_bytes(const fixture *f, const lf_renderer *a, const lf_r
 /* Passes of every sort, on a part. */
 static void render(lf_renderer *r, const lf_part *part)
 {
+    lf_assert_ok(lf_renderer_pass_coarse(r, part, 1, NULL, NULL, NULL), NULL);
     lf_assert_ok(lf_renderer_passes(r, part, 1, true, NULL, NULL, NULL), NULL);
     lf_assert_ok(lf_renderer_passes(r, part, 7, false, NULL, NULL, NULL), NULL);
     lf_assert_ok(lf_renderer_pass_filling(r, part, 2, 1, NULL, NULL, NULL), NULL);

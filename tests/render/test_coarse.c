@@ -1,0 +1,301 @@
+/* Visits for a coarse frame: B and q of every fourth column, and what becomes of them in the film.
+ */
+#include "tests/testing.h"
+
+#include "base/alloc.h"
+#include "render/transport/sampler.h"
+#include "tests/stat/fixture.h"
+#include "tests/stat/scenes.h"
+
+/* ---------------------------------------------------------------------------------- the film -- */
+
+enum { COLUMNS = 200 };
+
+static const lf_film_layout layout = {.n_views = 1,
+                                      .width = COLUMNS,
+                                      .height = 1,
+                                      .has_w2 = true,
+                                      .has_native = true,
+                                      .has_known = true,
+                                      .has_features = true};
+
+static lf_film empty(void)
+{
+    lf_film film = {0};
+    lf_assert_ok(lf_film_init(&film, &layout), NULL);
+    return film;
+}
+
+/* Visit `number` to a half by a stream, which finds numbers of its own. */
+static void visit(lf_film *film, uint32_t stream, int half, uint32_t number, bool coarse)
+{
+    lf_film_sums sums;
+    int index;
+    const uint64_t key = lf_hash64(lf_hash64(stream, (uint64_t)half), number);
+    lf_assert_ok(lf_film_sums_init(&sums, &layout), NULL);
+    lf_assert_ok(lf_film_stream_at(film, 5, stream, &index), NULL);
+    lf_film_sums_begin(&sums);
+    sums.coarse = coarse;
+    for (size_t i = 0; i < COLUMNS; i++) {
+        float x = (float)(lf_hash64(key, i) >> 40) * 0x1p-24f;
+        lf_film_scatter(&sums, i, x, 2 * x, 3 * x);
+        lf_film_weigh(&sums, i, x);
+        lf_film_weigh_direction(&sums, i, x);
+        lf_film_pivots(&sums, i, x);
+        lf_film_add_native(&sums, i, x, x, x);
+        lf_film_known_light(&sums, i, 1 - x, x, 2 * x);
+        lf_film_note(&sums, i, (lf_feature){4 * x, x, x * x, 3 * x});
+    }
+    lf_film_merge(film, index, 0, half, &sums, number % 2 ? 1.0 : 0.5, key);
+    lf_film_sums_finish(&sums);
+}
+
+/* q, features and B: to the bit. */
+static bool same_known(const lf_film *a, const lf_film *b)
+{
+    bool same = memcmp(lf_film_known_at(a, 0), lf_film_known_at(b, 0),
+                       COLUMNS * sizeof(lf_film_known)) == 0;
+    for (int h = 0; h < 2; h++) {
+        const lf_film_half x = lf_film_at(a, 0, h), y = lf_film_at(b, 0, h);
+        same = same && memcmp(x.q, y.q, COLUMNS * sizeof *x.q) == 0 &&
+               memcmp(x.feature, y.feature, COLUMNS * sizeof *x.feature) == 0;
+    }
+    return same;
+}
+
+/* A coarse visit to half 0, then others to both, as a live picture has them. *out_same: q, B and
+ * features are to the bit what they are without it. */
+static void go_on(bool coarse, bool *out_same)
+{
+    lf_film film = empty(), without = empty();
+    visit(&film, 0, 0, 0, coarse);
+    for (uint32_t number = 1; number < 5; number++) {
+        for (int half = 1; half >= 0; half--) {
+            visit(&film, 0, half, number, false);
+            visit(&without, 0, half, number, false);
+        }
+    }
+    *out_same = same_known(&film, &without);
+    assert_true(film.rows[0].passes > without.rows[0].passes);
+    for (size_t i = 0; i < COLUMNS; i++) /* what it found counts */
+        assert_true(lf_film_at(&film, 0, 0).scattered[i].w >
+                    lf_film_at(&without, 0, 0).scattered[i].w);
+    lf_film_finish(&film);
+    lf_film_finish(&without);
+}
+
+static void nothing_coarse_is_left_behind_other_visits(void **state)
+{
+    (void)state;
+    bool same;
+    go_on(true, &same);
+    assert_true(same);
+    go_on(false, &same); /* any other visit is left */
+    assert_false(same);
+}
+
+static void until_then_it_is_what_there_is(void **state)
+{
+    (void)state;
+    lf_film coarse = empty(), other = empty();
+    visit(&coarse, 0, 0, 0, true);
+    visit(&other, 0, 0, 0, false);
+    assert_true(same_known(&coarse, &other));
+    visit(&coarse, 0, 1, 1, true);
+    visit(&other, 0, 1, 1, false);
+    assert_true(same_known(&coarse, &other));
+    lf_film_finish(&coarse);
+    lf_film_finish(&other);
+}
+
+/* Half 0 has only had a coarse visit. */
+static void one_half_borrows_the_others(void **state)
+{
+    (void)state;
+    lf_film film = empty(), without = empty();
+    visit(&film, 0, 0, 0, true);
+    visit(&film, 0, 1, 1, false);
+    visit(&without, 0, 1, 1, false);
+    const lf_film_half lent = lf_film_at(&film, 0, 0), own = lf_film_at(&without, 0, 1);
+    assert_memory_equal(lent.q, own.q, COLUMNS * sizeof *own.q);
+    assert_memory_equal(lent.feature, own.feature, COLUMNS * sizeof *own.feature);
+    assert_memory_equal(lf_film_known_at(&film, 0), lf_film_known_at(&without, 0),
+                        COLUMNS * sizeof(lf_film_known));
+    /* later coarse visits change no more */
+    visit(&film, 0, 0, 2, true);
+    assert_memory_equal(lent.q, own.q, COLUMNS * sizeof *own.q);
+    lf_film_finish(&film);
+    lf_film_finish(&without);
+}
+
+static void films_are_added_without_what_is_coarse(void **state)
+{
+    (void)state;
+    for (int order = 0; order < 2; order++) {
+        lf_film coarse = empty(), other = empty(), without = empty();
+        visit(&coarse, 0, 0, 0, true);
+        for (int half = 0; half < 2; half++) {
+            visit(&other, 1, half, 1, false);
+            visit(&without, 1, half, 1, false);
+        }
+        lf_film *sum = order ? &coarse : &other;
+        lf_assert_ok(lf_film_add(sum, order ? &other : &coarse, NULL), NULL);
+        assert_true(same_known(sum, &without));
+        assert_true(sum->rows[0].coarse[0] > 0.0);
+        lf_film_finish(&coarse);
+        lf_film_finish(&other);
+        lf_film_finish(&without);
+    }
+}
+
+/* ------------------------------------------------------------------------------------ visits -- */
+
+enum { VIEWS = 19, WIDTH = 90, HEIGHT = 12 };
+
+/* One pass over all rows, into half 0. */
+static lf_renderer *pass(lf_scene *scene, bool coarse, lf_pool *pool)
+{
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", WIDTH, HEIGHT, pool);
+    lf_render_settings settings = *lf_renderer_settings(r);
+    settings.features = true;
+    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
+    r->faults = LF_FAULT_NO_CORRECTION;
+    if (coarse)
+        lf_assert_ok(lf_renderer_pass_coarse(r, NULL, -1, NULL, NULL, NULL), NULL);
+    else
+        lf_assert_ok(lf_renderer_pass(r, NULL, 1, NULL, NULL, NULL), NULL);
+    return r;
+}
+
+typedef struct seen {
+    float q, b[3];
+    lf_packed_feature feature;
+} seen;
+
+static seen seen_at(const lf_renderer *r, int row, int view, int column)
+{
+    size_t pixel = (size_t)view * WIDTH + (size_t)column;
+    const lf_film_half half = lf_film_at(&r->film, row, 0);
+    const lf_film_known *known = lf_film_known_at(&r->film, row);
+    seen s = {half.q[pixel], {0}, half.feature[pixel]};
+    if (known)
+        memcpy(s.b, known[pixel].b, sizeof s.b);
+    return s;
+}
+
+static bool is_between(float x, float a, float b)
+{
+    return x >= fminf(a, b) - 1e-6f && x <= fmaxf(a, b) + 1e-6f;
+}
+
+typedef struct tally {
+    int same, apart, changes; /* pixels between two fans; those where these are far apart */
+} tally;
+
+/* Every fourth column and the last are what a pass has that is not coarse; between two of these a
+ * pixel is as there or between them. */
+static tally compare(const char *text)
+{
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *coarse = pass(scene, true, NULL), *whole = pass(scene, false, NULL);
+    tally t = {0};
+    for (int i = 0; i < HEIGHT * VIEWS * WIDTH; i++) {
+        int column = i % WIDTH, view = i / WIDTH % VIEWS, row = i / WIDTH / VIEWS;
+        seen x = seen_at(coarse, row, view, column), y = seen_at(whole, row, view, column);
+        int a = column / 4 * 4, b = a + 4 < WIDTH - 1 ? a + 4 : WIDTH - 1;
+        if (column == a || column == b) {
+            assert_memory_equal(&x, &y, sizeof x);
+            continue;
+        }
+        seen from = seen_at(whole, row, view, a), to = seen_at(whole, row, view, b);
+        bool same = memcmp(&x, &y, sizeof x) == 0, far = fabsf(from.q - to.q) > 0.1f;
+        t.same += same;
+        t.apart += !same;
+        t.changes += far;
+        assert_true(same || !far);
+        assert_true(same || is_between(x.q, from.q, to.q));
+        for (int c = 0; c < 3; c++)
+            assert_true(same || is_between(x.b[c], from.b[c], to.b[c]));
+    }
+    assert_true(coarse->film.rows[5].coarse[0] > 0.0 && whole->film.rows[5].coarse[0] == 0.0);
+    lf_renderer_destroy(coarse);
+    lf_renderer_destroy(whole);
+    lf_scene_unref(scene);
+    return t;
+}
+
+static void fans_are_those_of_any_pass_and_edges_are_sharp(void **state)
+{
+    (void)state;
+    tally mixed = compare(LF_TEST_MIXED("19", "")), fogs = compare(LF_TEST_FOGS("19", "")),
+          flames = compare(LF_TEST_FLAMES("19", "")), lamp = compare(LF_TEST_LAMP("19", ""));
+    assert_true(mixed.apart > 1000 && fogs.apart > 1000 && flames.apart > 1000);
+    assert_true(mixed.changes > 100 && fogs.changes > 100 && lamp.changes > 100);
+    print_message("          as in any pass %d, %d, %d, %d; interpolated %d, %d, %d, %d\n",
+                  mixed.same, fogs.same, flames.same, lamp.same, mixed.apart, fogs.apart,
+                  flames.apart, lamp.apart);
+}
+
+/* A slab across the whole picture, d = 0.8 mean free paths thick: of the ray of slopes s and m, q =
+ * 1 - exp(-d l), l = sqrt(1 + s^2 + m^2). Its second derivative by s lies between -d^2 s^2 e^-d and
+ * d e^-d, so within 1, and film points of two fans are at most 5 columns ds apart: a straight line
+ * between them is nowhere farther from q than (5 ds)^2 / 8. */
+static void what_hardly_bends_is_interpolated_as_well(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene("{ " LF_TEST_CAMERA(
+        "19",
+        "") "'volumes': { 'slab': { 'shape': 'box', 'density': 0.8, "
+            "'albedo': 0.5, 'transform': { 'scale': [50, 50, 0.5] } } }, " LF_TEST_SHARP_LIGHTS
+            " }");
+    lf_renderer *coarse = pass(scene, true, NULL), *whole = pass(scene, false, NULL);
+    const lf_rig *rig = &lf_test_rows(coarse)->rig;
+    double ds = (double)(rig->dx / rig->distance), bound = 25.0 * ds * ds / 8.0 + 1e-6;
+    double worst = 0.0, nearest = 0.0;
+    int interpolated = 0;
+    for (int i = 0; i < HEIGHT * VIEWS * WIDTH; i++) {
+        int column = i % WIDTH, view = i / WIDTH % VIEWS, row = i / WIDTH / VIEWS;
+        seen x = seen_at(coarse, row, view, column), y = seen_at(whole, row, view, column),
+             before = seen_at(whole, row, view, column / 4 * 4);
+        worst = fmax(worst, fabs((double)(x.q - y.q)));
+        nearest = fmax(nearest, fabs((double)(before.q - y.q)));
+        interpolated += memcmp(&x, &y, sizeof x) != 0;
+    }
+    assert_true(interpolated > HEIGHT * VIEWS * WIDTH / 3);
+    assert_true(worst <= bound);
+    assert_true(nearest > 2.0 * bound); /* what the column before says is not good enough */
+    lf_renderer_destroy(coarse);
+    lf_renderer_destroy(whole);
+    lf_scene_unref(scene);
+}
+
+static void any_number_of_threads_gives_the_same_film(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("19", ""));
+    lf_pool *pool;
+    lf_assert_ok(lf_pool_create(3, &pool), NULL);
+    lf_renderer *a = pass(scene, true, NULL), *b = pass(scene, true, pool);
+    for (int row = 0; row < HEIGHT; row++)
+        assert_memory_equal(a->film.data + (size_t)row * a->film.row_bytes,
+                            b->film.data + (size_t)row * b->film.row_bytes,
+                            lf_film_used_bytes(&a->film.layout));
+    lf_renderer_destroy(a);
+    lf_renderer_destroy(b);
+    lf_pool_destroy(pool);
+    lf_scene_unref(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nothing_coarse_is_left_behind_other_visits),
+        cmocka_unit_test(until_then_it_is_what_there_is),
+        cmocka_unit_test(one_half_borrows_the_others),
+        cmocka_unit_test(films_are_added_without_what_is_coarse),
+        cmocka_unit_test(fans_are_those_of_any_pass_and_edges_are_sharp),
+        cmocka_unit_test(what_hardly_bends_is_interpolated_as_well),
+        cmocka_unit_test(any_number_of_threads_gives_the_same_film),
+    };
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+}
