@@ -2,11 +2,15 @@
  * whose lanes are each a path of its own. A lane steps from brick to brick, looks up the grid at a
  * tentative collision, or is shaded (scatters, ends, begins the next job); of the three what most
  * lanes wait for is done for all of them at once. A lane's random numbers and sums are its own, so
- * that nothing depends on who is beside it. */
+ * that nothing depends on who is beside it.
+ *
+ * `has` is the scene's, a constant of what is inlined: scenes run through code that knows nothing
+ * of what they do not have. */
 #ifndef LF_RENDER_SUFFIX_LANES_H
 #define LF_RENDER_SUFFIX_LANES_H
 
 #include "render/transport/lanes.h"
+#include "render/transport/sky_lanes.h"
 #include "render/transport/suffix.h"
 
 /* Lanes that are enough for a turn. */
@@ -203,9 +207,10 @@ LF_INLINE void ratio(shadow *s, const lf_lane_scene *scene)
     s->w.look = mask_of(0);
 }
 
-LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory *memory, int *next)
+LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory *memory, int *next,
+                          unsigned has)
 {
-    const lanes toward[3] = {all(scene->toward[0]), all(scene->toward[1]), all(scene->toward[2])};
+    lanes toward[3] = {all(scene->toward[0]), all(scene->toward[1]), all(scene->toward[2])};
     const int words = (int)(sizeof *memory->shot / sizeof(float));
     mask ended = without(s->w.shade, s->w.idle);
     for (unsigned b = bits_of(without(ended, s->fresh)); b; b &= b - 1) {
@@ -217,6 +222,8 @@ LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory 
     lanes_int at = s->job * words;
     for (int i = 0; i < 3; i++)
         s->k.q[i] = choose(m, gather(memory->shot->q + i, at), s->k.q[i]);
+    for (int i = 0; i < 3 && has; i++)
+        toward[i] = gather(memory->w[i], s->job);
     begin_random(&s->random, m, (lanes_bits)gather_int(&memory->shot->random[0], at),
                  (lanes_bits)gather_int(&memory->shot->random[1], at));
     s->left = choose(m, all(1.0f), s->left);
@@ -226,7 +233,7 @@ LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory 
 }
 
 /* memory->left of all shots. */
-LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory)
+LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory, unsigned has)
 {
     const mask every = mask_of((1u << LF_WIDTH) - 1);
     shadow s = {.w = {.shade = every}, .fresh = every};
@@ -242,7 +249,7 @@ LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory
             ratio(&s, scene);
             break;
         case SHADE:
-            next_shots(&s, scene, memory, &next);
+            next_shots(&s, scene, memory, &next, has);
             break;
         case END:
             return lookups;
@@ -272,6 +279,7 @@ typedef struct path {
     walk k;
     lanes w[3], beta[3], radiance[3];
     lanes vertex; /* number of the last one; the pivot's is 1 */
+    lanes pdf;    /* of the direction from there; of pictures */
     lanes_int job;
     lanes_random random;
     turns t;
@@ -291,14 +299,31 @@ LF_INLINE void look(path *p, const lf_lane_scene *scene)
     p->t.look = mask_of(0);
 }
 
+/* What paths that left find at infinity, in balance with next event. What they find from the pivot
+ * is the caller's. */
+LF_INLINE void find_picture(path *p, const lf_lane_scene *scene, mask left)
+{
+    lanes radiance[3];
+    left = both(left, is_less(all(1.0f), p->vertex));
+    if (!bits_of(left))
+        return;
+    lanes pdf = picture_along(&scene->picture, p->w, radiance),
+          seen = choose(left, p->pdf / (p->pdf + pdf), all(0.0f));
+    for (int i = 0; i < 3; i++)
+        p->radiance[i] = p->radiance[i] + p->beta[i] * ((radiance[i] + scene->sky[i]) * seen);
+}
+
 /* Moves collided lanes to their vertex, gives the sky to those that left; returns the lanes whose
  * path is over. */
-LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask shaded)
+LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask shaded, unsigned has)
 {
     mask vertex = both(shaded, p->collided), left = without(shaded, either(vertex, p->fresh));
     lanes seen = choose(left, all(1.0f), all(0.0f));
+    if (has & LF_LANE_PICTURE)
+        find_picture(p, scene, left);
     for (int i = 0; i < 3; i++) {
-        p->radiance[i] = p->radiance[i] + p->beta[i] * (scene->sky[i] * seen);
+        if (!(has & LF_LANE_PICTURE))
+            p->radiance[i] = p->radiance[i] + p->beta[i] * (scene->sky[i] * seen);
         p->k.q[i] = choose(vertex, p->k.q[i] + p->k.t * p->k.d[i], p->k.q[i]);
     }
     p->vertex = choose(vertex, p->vertex + 1.0f, p->vertex);
@@ -322,12 +347,14 @@ LF_INLINE mask roulette(path *p, mask m)
 }
 
 /* Stores what ended paths have found and begins others in their lanes, which are returned. */
-LF_INLINE mask next_paths(path *p, const lf_lane_paths *paths, mask ended, int *next)
+LF_INLINE mask next_paths(path *p, const lf_lane_paths *paths, mask ended, int *next, unsigned has)
 {
     for (unsigned b = bits_of(without(ended, p->fresh)); b; b &= b - 1) {
         int k = __builtin_ctz(b);
         for (int i = 0; i < 3; i++)
             paths->radiance[i][p->job[k]] = p->radiance[i][k];
+        if (has)
+            paths->escaped[p->job[k]] = p->vertex[k] > 1.0f ? 0.0f : 1.0f;
     }
     mask m = fetch(ended, paths->n, next, &p->job, &p->t);
     p->fresh = without(p->fresh, m);
@@ -343,23 +370,54 @@ LF_INLINE mask next_paths(path *p, const lf_lane_paths *paths, mask ended, int *
     return m;
 }
 
-/* lf_phase_between the directions of travel and another. */
-LF_INLINE lanes phase_towards(float g, const lanes w[3], const float towards[3])
+/* lf_phase_between directions, by the square of what is between their ends (g < 0: one turned
+ * round). */
+LF_INLINE lanes phase_at(float g, lanes square)
 {
-    const float a = fabsf(g), sign = copysignf(1.0f, g),
-                numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a);
+    const float a = fabsf(g), numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a);
+    lanes d = most((1.0f - a) * (1.0f - a) + a * square, all(1e-12f));
+    return numerator / (d * root(d));
+}
+
+/* lf_phase_between the directions of travel and another. */
+LF_INLINE lanes phase_between(float g, const lanes w[3], const lanes towards[3])
+{
+    const float sign = copysignf(1.0f, g);
     lanes square = all(0.0f);
     for (int i = 0; i < 3; i++) {
         lanes c = w[i] - sign * towards[i];
         square = square + c * c;
     }
-    lanes d = most((1.0f - a) * (1.0f - a) + a * square, all(1e-12f));
-    return numerator / (d * root(d));
+    return phase_at(g, square);
 }
 
-/* Next event at the vertices of m: the control at once, and by chance a shadow ray for what it is
- * off by. */
-LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_memory *memory)
+/* Shadow rays from the vertices of m towards w (NULL: the light), which count weight times what is
+ * left there beyond `expected` of each channel's light. */
+LF_INLINE void shoot(path *p, mask m, const lanes w[3], const lanes light[3], lanes weight,
+                     lanes expected, lf_lane_memory *memory)
+{
+    lanes_bits key[2] = {draw(&p->random, m), draw(&p->random, m)};
+    for (unsigned b = bits_of(m); b; b &= b - 1) {
+        int k = __builtin_ctz(b);
+        lf_lane_shot *shot = &memory->shot[memory->n];
+        for (int i = 0; i < 3; i++) {
+            shot->q[i] = p->k.q[i][k];
+            shot->weight[i] = weight[k] * p->beta[i][k] * light[i][k];
+        }
+        for (int i = 0; i < 3 && w; i++)
+            memory->w[i][memory->n] = w[i][k];
+        shot->expected = expected[k];
+        shot->random[0] = key[0][k];
+        shot->random[1] = key[1][k];
+        shot->job = p->job[k];
+        memory->n++;
+    }
+}
+
+/* Next event of the light at the vertices of m: the control at once, and by chance a shadow ray for
+ * what it is off by. */
+LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_memory *memory,
+                          unsigned has)
 {
     float light[3], mean = 0.0f;
     lanes carried = all(0.0f), expected;
@@ -370,30 +428,33 @@ LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_m
     }
     if (!(mean > 0.0f) || !bits_of(m))
         return;
-    lanes phase = phase_towards(scene->g, p->w, scene->toward);
+    const lanes toward[3] = {all(scene->toward[0]), all(scene->toward[1]), all(scene->toward[2])},
+                channel[3] = {all(light[0]), all(light[1]), all(light[2])};
+    lanes phase = phase_between(scene->g, p->w, toward);
     lanes share = carried * (1.0f / mean) * phase * (4.0f * LF_PI),
           probability = chance(scene, p->k.q, share, &expected);
     lanes known = choose(m, phase * expected, all(0.0f)), weight = phase / probability;
     for (int i = 0; i < 3; i++)
         p->radiance[i] = p->radiance[i] + p->beta[i] * light[i] * known;
     m = both(m, is_less(draw_unit(&p->random, m), probability));
-    lanes_bits key[2] = {draw(&p->random, m), draw(&p->random, m)};
-    for (unsigned b = bits_of(m); b; b &= b - 1) {
-        int k = __builtin_ctz(b);
-        lf_lane_shot *shot = &memory->shot[memory->n++];
-        for (int i = 0; i < 3; i++) {
-            shot->q[i] = p->k.q[i][k];
-            shot->weight[i] = weight[k] * p->beta[i][k] * light[i];
-        }
-        shot->expected = expected[k];
-        shot->random[0] = key[0][k];
-        shot->random[1] = key[1][k];
-        shot->job = p->job[k];
-    }
+    shoot(p, m, has ? toward : NULL, channel, weight, expected, memory);
+}
+
+/* Next event of the picture, in balance with scattering. */
+LF_INLINE void next_picture(path *p, const lf_lane_scene *scene, mask m, lf_lane_memory *memory)
+{
+    lanes u = draw_unit(&p->random, m), v = draw_unit(&p->random, m), w[3], radiance[3];
+    draw_from_picture(&scene->picture, u, v, w);
+    lanes pdf = picture_along(&scene->picture, w, radiance),
+          phase = phase_between(scene->g, p->w, w), weight = phase / (pdf + phase);
+    for (int i = 0; i < 3; i++)
+        radiance[i] = (radiance[i] + scene->sky[i]) * scene->albedo[i];
+    m = both(m, is_less(all(0.0f), pdf));
+    shoot(p, m, w, radiance, weight, all(0.0f), memory);
 }
 
 /* lf_phase_sample in the lanes of m, and what scattering leaves. */
-LF_INLINE void scatter(path *p, const lf_lane_scene *scene, mask m)
+LF_INLINE void scatter(path *p, const lf_lane_scene *scene, mask m, unsigned has)
 {
     const float a = fabsf(scene->g), b = 1.0f - a, side = copysignf(1.0f, scene->g);
     lanes u = draw_unit(&p->random, m), sine, cosine;
@@ -412,21 +473,25 @@ LF_INLINE void scatter(path *p, const lf_lane_scene *scene, mask m)
         p->w[i] = choose(m, turned[i], p->w[i]);
         p->beta[i] = choose(m, p->beta[i] * scene->albedo[i], p->beta[i]);
     }
+    if (has & LF_LANE_PICTURE)
+        p->pdf = choose(m, phase_at(scene->g, 2.0f * versine), p->pdf);
 }
 
 LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *paths,
-                     lf_lane_memory *memory, int *next)
+                     lf_lane_memory *memory, int *next, unsigned has)
 {
     mask shaded = without(p->t.shade, p->t.idle),
-         ended = arrive(p, scene, paths->max_depth, shaded), vertex = without(shaded, ended);
+         ended = arrive(p, scene, paths->max_depth, shaded, has), vertex = without(shaded, ended);
     mask died = roulette(p, vertex), begun = mask_of(0);
     vertex = without(vertex, died);
     ended = either(ended, died);
     if (bits_of(ended))
-        begun = next_paths(p, paths, ended, next);
+        begun = next_paths(p, paths, ended, next, has);
     if (bits_of(vertex)) {
-        next_event(p, scene, vertex, memory);
-        scatter(p, scene, vertex);
+        next_event(p, scene, vertex, memory, has);
+        if (has & LF_LANE_PICTURE)
+            next_picture(p, scene, vertex, memory);
+        scatter(p, scene, vertex, has);
     }
     mask on = either(vertex, begun);
     begin_walk(&p->k, scene, on, p->w, &p->random);
@@ -436,9 +501,9 @@ LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *p
 
 /* Traces the shots that wait and adds what they find. */
 LF_INLINE int64_t flush(const lf_lane_scene *scene, const lf_lane_paths *paths,
-                        lf_lane_memory *memory)
+                        lf_lane_memory *memory, unsigned has)
 {
-    int64_t lookups = memory->n > 0 ? trace_shots(scene, memory) : 0;
+    int64_t lookups = memory->n > 0 ? trace_shots(scene, memory, has) : 0;
     for (int k = 0; k < memory->n; k++) {
         const lf_lane_shot *shot = &memory->shot[k];
         for (int i = 0; i < 3; i++)
@@ -448,7 +513,8 @@ LF_INLINE int64_t flush(const lf_lane_scene *scene, const lf_lane_paths *paths,
     return lookups;
 }
 
-static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_lane_memory *memory)
+LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *paths,
+                             lf_lane_memory *memory, unsigned has)
 {
     const mask every = mask_of((1u << LF_WIDTH) - 1);
     path p = {.t = {.shade = every}, .fresh = every};
@@ -464,12 +530,12 @@ static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_
             lookups += count_of(p.t.look);
             look(&p, scene);
         } else {
-            shade(&p, scene, paths, memory, &next);
+            shade(&p, scene, paths, memory, &next, has);
             if (memory->n > LF_LANE_SHOTS - LF_WIDTH)
-                lookups += flush(scene, paths, memory);
+                lookups += flush(scene, paths, memory, has);
         }
     }
-    lookups += flush(scene, paths, memory);
+    lookups += flush(scene, paths, memory, has);
     /* in that order, whenever the shots were traced */
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < paths->n; k++)
@@ -477,16 +543,32 @@ static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_
     return lookups;
 }
 
+static int64_t trace_even(const lf_lane_scene *scene, const lf_lane_paths *paths,
+                          lf_lane_memory *memory)
+{
+    return trace_with(scene, paths, memory, 0);
+}
+static int64_t trace_picture(const lf_lane_scene *scene, const lf_lane_paths *paths,
+                             lf_lane_memory *memory)
+{
+    return trace_with(scene, paths, memory, LF_LANE_PICTURE);
+}
+
+static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_lane_memory *memory)
+{
+    return scene->has ? trace_picture(scene, paths, memory) : trace_even(scene, paths, memory);
+}
+
 /* -------------------------------------------------------------------------------------- points --
  */
 
-static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
-                     lf_lane_memory *memory)
+LF_INLINE int64_t light_with(const lf_lane_scene *scene, const lf_lane_points *points,
+                             lf_lane_memory *memory, unsigned has)
 {
     const float *toward = scene->toward;
     int64_t lookups = 0;
     memset(points->left, 0, sizeof *points->left * (size_t)points->n);
-    if (toward[0] == 0.0f && toward[1] == 0.0f && toward[2] == 0.0f)
+    if (!has && toward[0] == 0.0f && toward[1] == 0.0f && toward[2] == 0.0f)
         return 0; /* rays would stand still, and some for ever */
     for (int first = 0; first < points->n; first += LF_LANE_SHOTS) {
         const int rest = points->n - first;
@@ -498,10 +580,29 @@ static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
             for (int i = 0; i < 2; i++)
                 shot->random[i] = points->random[i][first + k];
         }
-        lookups += trace_shots(scene, memory);
+        for (int i = 0; i < 3 && has; i++)
+            memcpy(memory->w[i], points->w[i] + first, sizeof(float) * (size_t)memory->n);
+        lookups += trace_shots(scene, memory, has);
         memcpy(points->left + first, memory->left, sizeof *memory->left * (size_t)memory->n);
     }
     return lookups;
+}
+
+static int64_t light_even(const lf_lane_scene *scene, const lf_lane_points *points,
+                          lf_lane_memory *memory)
+{
+    return light_with(scene, points, memory, 0);
+}
+static int64_t light_picture(const lf_lane_scene *scene, const lf_lane_points *points,
+                             lf_lane_memory *memory)
+{
+    return light_with(scene, points, memory, LF_LANE_PICTURE);
+}
+
+static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
+                     lf_lane_memory *memory)
+{
+    return scene->has ? light_picture(scene, points, memory) : light_even(scene, points, memory);
 }
 
 #endif
