@@ -9,7 +9,7 @@
 #include "render/transport/lane_scene.h"
 
 /* Shadow rays that wait for their turn, and how many more a step may add. */
-enum { LF_LANE_SHOTS = 1024, LF_LANE_MOST = 32 };
+enum { LF_LANE_SHOTS = 1024, LF_LANE_MOST = 64 };
 
 /* A shadow ray; those of a job come in the order of its vertices. */
 typedef struct lf_lane_shot {

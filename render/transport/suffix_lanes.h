@@ -16,8 +16,8 @@
 /* Lanes that are enough for a turn. */
 enum { ENOUGH = LF_WIDTH / 2 };
 
-/* How often a vertex draws from the picture. */
-extern float PICTURE_SHARE;
+/* How often a vertex draws from the picture. Both ways to find its light count that. */
+#define PICTURE_SHARE 0.5f
 
 /* ----------------------------------------------------------------------------- through the grid --
  */
@@ -491,7 +491,8 @@ LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *p
                      lf_lane_memory *memory, int *next, unsigned has)
 {
     mask shaded = without(p->t.shade, p->t.idle),
-         ended = arrive(p, scene, paths->max_depth, shaded, memory, has), vertex = without(shaded, ended);
+         ended = arrive(p, scene, paths->max_depth, shaded, memory, has),
+         vertex = without(shaded, ended);
     mask died = roulette(p, vertex), begun = mask_of(0);
     vertex = without(vertex, died);
     ended = either(ended, died);
@@ -509,32 +510,43 @@ LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *p
     p->t.shade = p->t.idle;
 }
 
-/* Directions to the picture of the shots that draw one, and their weights in balance with
- * scattering. */
+/* Weights of a group of shots that draw from the picture towards w, in balance with scattering. */
+LF_INLINE void aim_group(const lf_lane_scene *scene, lf_lane_memory *memory, int first,
+                         const lanes w[3])
+{
+    const lanes_int draws = load_int(memory->draws + first);
+    const lanes came[3] = {load(memory->w[0] + first), load(memory->w[1] + first),
+                           load(memory->w[2] + first)};
+    lanes radiance[3], pdf = picture_along(&scene->picture, w, radiance),
+                       phase = phase_between(scene->g, came, w),
+                       weight = phase / (PICTURE_SHARE * pdf + phase);
+    weight = choose(is_less(all(0.0f), pdf), weight, all(0.0f));
+    for (int k = 0; k < LF_WIDTH; k++)
+        for (int i = 0; i < 3 && draws[k]; i++) {
+            memory->shot[first + k].weight[i] *= weight[k] * (radiance[i][k] + scene->sky[i]);
+            memory->w[i][first + k] = w[i][k];
+        }
+}
+
+/* Directions of the shots that draw one from the picture. */
 LF_INLINE void aim(const lf_lane_scene *scene, lf_lane_memory *memory)
 {
     const int words = (int)(sizeof *memory->shot / sizeof(float));
+    const uint32_t *key = memory->shot->random;
     const mask every = mask_of((1u << LF_WIDTH) - 1);
-    for (int first = 0; first < memory->n; first += LF_WIDTH) {
-        const lanes_int at = (count_up() + first) * words,
-                        draws = load_int(memory->draws + first);
-        lanes_random random = {0};
-        lanes w[3], came[3], radiance[3];
-        begin_random(&random, every, ~(lanes_bits)gather_int(&memory->shot->random[0], at),
-                     (lanes_bits)gather_int(&memory->shot->random[1], at));
-        lanes u = draw_unit(&random, every), v = draw_unit(&random, every);
+    for (int first = 0; first < memory->n; first += LF_GROUPS * LF_WIDTH) {
+        lanes u[LF_GROUPS], v[LF_GROUPS], w[LF_GROUPS][3];
+        for (int g = 0; g < LF_GROUPS; g++) {
+            const lanes_int at = (count_up() + (first + g * LF_WIDTH)) * words;
+            lanes_random random = {0};
+            begin_random(&random, every, ~(lanes_bits)gather_int(key, at),
+                         (lanes_bits)gather_int(key + 1, at));
+            u[g] = draw_unit(&random, every);
+            v[g] = draw_unit(&random, every);
+        }
         draw_from_picture(&scene->picture, u, v, w);
-        for (int i = 0; i < 3; i++)
-            came[i] = load(memory->w[i] + first);
-        lanes pdf = picture_along(&scene->picture, w, radiance),
-              phase = phase_between(scene->g, came, w),
-              weight = phase / (PICTURE_SHARE * pdf + phase);
-        weight = choose(is_less(all(0.0f), pdf), weight, all(0.0f));
-        for (int k = 0; k < LF_WIDTH; k++)
-            for (int i = 0; i < 3 && draws[k]; i++) {
-                memory->shot[first + k].weight[i] *= weight[k] * (radiance[i][k] + scene->sky[i]);
-                memory->w[i][first + k] = w[i][k];
-            }
+        for (int g = 0; g < LF_GROUPS; g++)
+            aim_group(scene, memory, first + g * LF_WIDTH, w[g]);
     }
 }
 
