@@ -19,6 +19,11 @@ static void prepare_light(lf_queue *queue, const lf_visit *visit, const lf_pivot
     u[0] = lf_sampler_1d(pivot->sampler);
     lf_sampler_2d(pivot->sampler, u + 1);
     item->has_light = lf_light_draw(visit->scene, p, u, &item->light);
+    /* anywhere, where there is none */
+    lf_vec3 toward = item->has_light ? item->light.wi : lf_v3(0.0f, 1.0f, 0.0f);
+    queue->toward[0][at] = toward.x;
+    queue->toward[1][at] = toward.y;
+    queue->toward[2][at] = toward.z;
     for (int i = 0; i < 3; i++) {
         const float *row = queue->lanes->to_volume[i];
         queue->q[i][at] = row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
@@ -73,33 +78,56 @@ void lf_queue_push(lf_queue *queue, lf_visit *visit, int view, int column, const
         lf_queue_flush(queue, visit);
 }
 
-static lf_vec3 arriving(const lf_queue *queue, int path)
+/* One of a pivot's directions and what it brings. */
+static void take_direction(const lf_queue *queue, const lf_scene *scene, int path, lf_suffix *out)
 {
-    return lf_v3(queue->radiance[0][path], queue->radiance[1][path], queue->radiance[2][path]);
+    out->has_direction = true;
+    out->wi = lf_v3(queue->wi[0][path], queue->wi[1][path], queue->wi[2][path]);
+    out->scattered =
+        lf_v3(queue->radiance[0][path], queue->radiance[1][path], queue->radiance[2][path]);
+    if (queue->lanes->has && queue->escaped[path] > 0.0f)
+        out->found = lf_light_escape(scene, out->wi, &out->found_pdf);
 }
 
-/* The suffix of a pivot: where every view is sent the same, one with the mean of what its
- * directions bring; else a chain of them. */
-static void take_suffixes(const lf_queue *queue, int at, bool same, lf_suffix out[LF_QUEUE_EACH])
+/* The suffix of a pivot whose every view is sent the same: the mean of what its directions bring,
+ * what they found in balance with the light sample. */
+static void take_mean(const lf_queue *queue, const lf_scene *scene, int at, lf_suffix *out)
 {
     const lf_queued *item = &queue->item[at];
-    const int first = at * queue->each;
-    out[0] = (lf_suffix){.has_light = item->has_light,
-                         .has_direction = true,
-                         .light = item->light,
-                         .light_visible = queue->left[at],
-                         .wi = item->wi};
-    for (int k = 0; k < queue->each && same; k++)
-        out[0].scattered =
-            lf_madd(out[0].scattered, 1.0f / (float)queue->each, arriving(queue, first + k));
-    for (int k = 0; k < queue->each && !same; k++) {
-        const int path = first + k;
+    const lf_volume *volume = &scene->volumes[item->volume];
+    const float n = (float)queue->each;
+    for (int k = 0; k < queue->each; k++) {
+        lf_suffix one = {0};
+        take_direction(queue, scene, at * queue->each + k, &one);
+        if (one.found_pdf > 0.0f) {
+            float density = n * lf_volume_phase(volume, item->w, one.wi);
+            one.found = lf_scale(one.found, density / (density + one.found_pdf));
+        }
+        out->scattered = lf_madd(out->scattered, 1.0f / n, lf_add(one.scattered, one.found));
+    }
+    out->has_direction = true;
+    out->wi = item->wi;
+    if (item->has_light && !item->light.delta) /* one of n is counted where it is spread */
+        out->light.pdf += (n - 1.0f) * lf_volume_phase(volume, item->w, item->light.wi);
+}
+
+/* The suffix of a pivot: where every view is sent the same, one; else a chain of them. */
+static void take_suffixes(const lf_queue *queue, const lf_scene *scene, int at, bool same,
+                          lf_suffix out[LF_QUEUE_EACH])
+{
+    const lf_queued *item = &queue->item[at];
+    out[0] = (lf_suffix){
+        .has_light = item->has_light, .light = item->light, .light_visible = queue->left[at]};
+    if (same) {
+        take_mean(queue, scene, at, &out[0]);
+        return;
+    }
+    for (int k = 0; k < queue->each; k++) {
         if (k > 0) {
-            out[k] = (lf_suffix){.has_direction = true};
+            out[k] = (lf_suffix){0};
             out[k - 1].next = &out[k];
         }
-        out[k].wi = lf_v3(queue->wi[0][path], queue->wi[1][path], queue->wi[2][path]);
-        out[k].scattered = arriving(queue, path);
+        take_direction(queue, scene, at * queue->each + k, &out[k]);
     }
 }
 
@@ -119,7 +147,7 @@ static void spread(const lf_queue *queue, lf_visit *visit, int at)
     pivot.x = item->x;
     pivot.z = item->z;
     pivot.boost = item->boost;
-    take_suffixes(queue, at, same, suffix);
+    take_suffixes(queue, visit->scene, at, same, suffix);
     visit->alone = item->alone;
     visit->worker->tracer.rng = item->rng;
     visit->acting->pivot(visit, item->view, item->column, &pivot, suffix);
@@ -145,10 +173,12 @@ void lf_queue_flush(lf_queue *queue, lf_visit *visit)
         .random = {queue->path_random[0], queue->path_random[1]},
         .radiance = {queue->radiance[0], queue->radiance[1], queue->radiance[2]},
         .lit = {queue->lit[0], queue->lit[1], queue->lit[2]},
+        .escaped = queue->escaped,
     };
     const lf_lane_points points = {
         .n = queue->n,
         .q = {queue->q[0], queue->q[1], queue->q[2]},
+        .w = {queue->toward[0], queue->toward[1], queue->toward[2]},
         .random = {queue->random[0], queue->random[1]},
         .left = queue->left,
     };

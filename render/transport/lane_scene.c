@@ -13,6 +13,9 @@ enum { LEAST_NODES = 16, MOST_NODES = 160 };
 /* 1 GiB beside the grid itself. */
 #define MOST_VALUES (UINT64_C(1) << 29)
 
+/* Of a picture of the sky: indices are 32 bits. */
+#define MOST_TEXELS (UINT64_C(1) << 29)
+
 /* ---------------------------------------------------------------------------------- the scene --
  */
 
@@ -39,25 +42,37 @@ static bool serves_volume(const lf_volume *v)
            framed < INT32_MAX && (uint64_t)v->grid->n_bricks * LF_BRICK_STRIDE < MOST_VALUES;
 }
 
-/* The light that is drawn; NULL: none is. */
-static const lf_light *drawn_light(const lf_scene *scene)
+static bool has_picture(const lf_light *light)
+{
+    return light->environment;
+}
+
+/* The picture, or the light beside it, that is drawn; NULL: none is. */
+static const lf_light *drawn_light(const lf_scene *scene, bool picture)
 {
     for (int i = 0; i < scene->n_lights; i++)
-        if (scene->lights[i].select > 0.0f)
+        if (scene->lights[i].select > 0.0f && has_picture(&scene->lights[i]) == picture)
             return &scene->lights[i];
     return NULL;
 }
 
+static bool serves_picture(const lf_environment *picture)
+{
+    return (uint64_t)picture->width * (uint64_t)picture->height < MOST_TEXELS;
+}
+
 static bool serves_lights(const lf_scene *scene)
 {
-    int drawn = 0;
+    int drawn[2] = {0, 0};
     for (int i = 0; i < scene->n_lights; i++) {
         const lf_light *l = &scene->lights[i];
-        if (i >= scene->n_lights_infinite || l->way || (l->kind->varies && l->kind->varies(l)))
+        if (i >= scene->n_lights_infinite || l->way)
             return false;
-        drawn += l->select > 0.0f;
+        if (l->environment && !serves_picture(l->environment))
+            return false;
+        drawn[has_picture(l)] += l->select > 0.0f;
     }
-    return drawn <= 1;
+    return drawn[0] <= 1 && drawn[1] <= 1;
 }
 
 bool lf_lane_scene_serves(const lf_scene *scene)
@@ -74,12 +89,51 @@ static void put(float out[3], lf_vec3 v)
     out[2] = v.z;
 }
 
+static lf_lane_picture picture_of(const lf_light *light)
+{
+    const lf_environment *e = light->environment;
+    lf_lane_picture picture = {.rgb = e->rgb,
+                               .pdf = e->pdf,
+                               .marginal = e->marginal,
+                               .conditional = e->conditional,
+                               .width = e->width,
+                               .height = e->height};
+    memcpy(picture.to_picture, light->to_environment, sizeof picture.to_picture);
+    put(picture.factor, light->radiance);
+    return picture;
+}
+
+static lf_lane_disk disk_of(const lf_light *light)
+{
+    const lf_vec3 axis = lf_scale(light->direction, -1.0f);
+    lf_lane_disk disk = {.versine = light->versine,
+                         .solid_angle = 2.0f * LF_PI * light->versine,
+                         .inverse_ramp = 0.5f / lf_disk_ramp(light)};
+    lf_vec3 t, b;
+    lf_tangents(axis, &t, &b);
+    put(disk.side[0], t);
+    put(disk.side[1], b);
+    put(disk.radiance, light->radiance);
+    return disk;
+}
+
+/* What the skies without a picture send from everywhere. */
+static lf_vec3 even_sky(const lf_scene *scene)
+{
+    lf_vec3 sum = lf_v3(0.0f, 0.0f, 0.0f);
+    float pdf;
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *light = &scene->lights[i];
+        if (!light->environment && !(light->versine > 0.0f))
+            sum = lf_add(sum, light->kind->escape(light, lf_v3(0.0f, 1.0f, 0.0f), &pdf));
+    }
+    return sum;
+}
+
 static void set_colours(lf_lane_scene *lanes, const lf_scene *scene)
 {
-    const lf_vec3 up = lf_v3(0.0f, 1.0f, 0.0f);
     const lf_volume *volume = &scene->volumes[0];
-    const lf_light *light = drawn_light(scene);
-    float pdf;
+    const lf_light *light = drawn_light(scene, false), *sky = drawn_light(scene, true);
     for (int i = 0; i < 3; i++) {
         lanes->size[i] = (float)volume->grid->size[i];
         for (int k = 0; k < 4; k++)
@@ -87,10 +141,18 @@ static void set_colours(lf_lane_scene *lanes, const lf_scene *scene)
     }
     lanes->g = volume->g;
     put(lanes->albedo, volume->albedo);
-    put(lanes->sky, lf_light_escape(scene, up, &pdf));
+    put(lanes->sky, even_sky(scene));
     if (light) {
         put(lanes->toward, lf_scale(light->direction, -1.0f));
         put(lanes->irradiance, light->irradiance);
+    }
+    if (light && light->versine > 0.0f) {
+        lanes->has |= LF_LANE_DISK;
+        lanes->disk = disk_of(light);
+    }
+    if (sky) {
+        lanes->has |= LF_LANE_PICTURE;
+        lanes->picture = picture_of(sky);
     }
 }
 
@@ -203,7 +265,7 @@ static void unref(lf_lane_field *field)
 
 static lf_status make_field(lf_scene *scene, lf_pool *pool, lf_lane_field **out)
 {
-    const lf_light *light = drawn_light(scene);
+    const lf_light *light = drawn_light(scene, false);
     lf_lane_field *field = lf_calloc(1, sizeof *field);
     if (!field)
         return LF_E_NOMEM;
@@ -219,7 +281,7 @@ static lf_status make_field(lf_scene *scene, lf_pool *pool, lf_lane_field **out)
 static bool is_field_of(const lf_lane_field *field, const lf_scene *scene)
 {
     const lf_volume *old = &field->scene->volumes[0], *new = &scene->volumes[0];
-    const lf_light *before = drawn_light(field->scene), *now = drawn_light(scene);
+    const lf_light *before = drawn_light(field->scene, false), *now = drawn_light(scene, false);
     if (before && now) {
         if (memcmp(&before->direction, &now->direction, sizeof now->direction) != 0)
             return false;

@@ -206,6 +206,26 @@ LF_INLINE lanes between(lanes a, lanes b, lanes f)
 
 /* ------------------------------------------------------------------------------------ memory -- */
 
+LF_INLINE lanes load(const float *from)
+{
+    lanes out;
+    memcpy(&out, from, sizeof out);
+    return out;
+}
+LF_INLINE lanes_int load_int(const int32_t *from)
+{
+    lanes_int out;
+    memcpy(&out, from, sizeof out);
+    return out;
+}
+/* 0, 1, 2 … */
+LF_INLINE lanes_int count_up(void)
+{
+    lanes_int out;
+    for (int k = 0; k < LF_WIDTH; k++)
+        out[k] = k;
+    return out;
+}
 /* Words at 4 i bytes behind p; i is in range in all lanes. */
 LF_INLINE lanes_int gather_int(const void *p, lanes_int i)
 {
@@ -280,6 +300,22 @@ LF_INLINE void sine_cosine(lanes u, lanes *sine, lanes *cosine)
     *cosine = -sine_of_part(0.25f - q);
     lanes half = sine_of_part(choose(is_less(all(0.25f), q), 0.5f - q, q));
     *sine = choose(is_less(v, all(0.0f)), half, -half);
+}
+
+/* The angle of (x, y), y >= 0, from the x axis on, in turns: 0 to 1/2; (0, 0) is 0. By the series
+ * of the arc tangent up to the 15th power, of slopes below tan(pi/8): 2e-8. */
+LF_INLINE lanes turn_of(lanes y, lanes x)
+{
+    lanes a = magnitude(x), high = most(most(a, y), all(1e-30f)), slope = least(a, y) / high;
+    mask steep = is_less(all(0.41421356f), slope);
+    lanes t = choose(steep, (slope - 1.0f) / (slope + 1.0f), slope), z = t * t;
+    lanes series =
+        -1.0f / 7.0f +
+        z * (1.0f / 9.0f + z * (-1.0f / 11.0f + z * (1.0f / 13.0f - z * (1.0f / 15.0f))));
+    lanes angle = t * (1.0f + z * (-1.0f / 3.0f + z * (1.0f / 5.0f + z * series)));
+    lanes turn = angle * (0.5f * LF_INV_PI) + choose(steep, all(0.125f), all(0.0f));
+    turn = choose(is_less(a, y), 0.25f - turn, turn);
+    return choose(is_less(x, all(0.0f)), 0.5f - turn, turn);
 }
 
 /* ---------------------------------------------------------------------------- random numbers -- */

@@ -9,7 +9,7 @@
 #include "render/transport/lane_scene.h"
 
 /* Shadow rays that wait for their turn, and how many more a step may add. */
-enum { LF_LANE_SHOTS = 1024, LF_LANE_MOST = 16 };
+enum { LF_LANE_SHOTS = 1024, LF_LANE_MOST = 64 };
 
 /* A shadow ray; those of a job come in the order of its vertices. */
 typedef struct lf_lane_shot {
@@ -20,11 +20,24 @@ typedef struct lf_lane_shot {
     int32_t job;
 } lf_lane_shot;
 
+/* A path that has left, and waits for what it finds at infinity. */
+typedef struct lf_lane_exit {
+    float w[3], beta[3];
+    float pdf; /* of w, by scattering */
+    int32_t job;
+} lf_lane_exit;
+
 /* Memory of a worker. */
 typedef struct lf_lane_memory {
     lf_lane_shot shot[LF_LANE_SHOTS + LF_LANE_MOST];
     float left[LF_LANE_SHOTS + LF_LANE_MOST];
     int n; /* shots */
+    /* Where the scene `has` anything: unit, scene. Of shots with `draws` the way that the path
+     * came; of others where to. */
+    float w[3][LF_LANE_SHOTS + LF_LANE_MOST];
+    int32_t draws[LF_LANE_SHOTS + LF_LANE_MOST]; /* -1, else 0 */
+    lf_lane_exit exit[LF_LANE_SHOTS + LF_LANE_MOST];
+    int n_exits;
 } lf_lane_memory;
 
 /* Paths that leave vertex 1, the pivot, each array of n. */
@@ -33,14 +46,18 @@ typedef struct lf_lane_paths {
     const float *q[3]; /* where from, volume space */
     const float *w[3]; /* unit directions, scene */
     const uint32_t *random[2];
-    float *radiance[3]; /* out: what arrives along w, light met at the first event included */
+    float *radiance[3]; /* out: what arrives along w, light met at the first event included … */
     float *lit[3];      /* what shadow rays add to it meanwhile */
+    /* … but where the scene `has` anything: there that is left to the caller, and this says whether
+     * the path met nothing (1, else 0). Elsewhere it is not looked at. */
+    float *escaped;
 } lf_lane_paths;
 
 /* Points that ask what is left of the light there: pivots, whose shadow rays are all traced. */
 typedef struct lf_lane_points {
     int n;
     const float *q[3];
+    const float *w[3]; /* unit, scene: where to; read where it `has` anything, else `toward` */
     const uint32_t *random[2];
     float *left; /* out: an unbiased estimate, 0..1; 0 without a light */
 } lf_lane_points;

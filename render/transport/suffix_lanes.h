@@ -2,12 +2,15 @@
  * whose lanes are each a path of its own. A lane steps from brick to brick, looks up the grid at a
  * tentative collision, or is shaded (scatters, ends, begins the next job); of the three what most
  * lanes wait for is done for all of them at once. A lane's random numbers and sums are its own, so
- * that nothing depends on who is beside it. */
+ * that nothing depends on who is beside it.
+ *
+ * `has` is the scene's, a constant of what is inlined: scenes run through code that knows nothing
+ * of what they do not have. */
 #ifndef LF_RENDER_SUFFIX_LANES_H
 #define LF_RENDER_SUFFIX_LANES_H
 
 #include "render/transport/lanes.h"
-#include "render/transport/suffix.h"
+#include "render/transport/suffix_sky_lanes.h"
 
 /* Lanes that are enough for a turn. */
 enum { ENOUGH = LF_WIDTH / 2 };
@@ -203,9 +206,10 @@ LF_INLINE void ratio(shadow *s, const lf_lane_scene *scene)
     s->w.look = mask_of(0);
 }
 
-LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory *memory, int *next)
+LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory *memory, int *next,
+                          unsigned has)
 {
-    const lanes toward[3] = {all(scene->toward[0]), all(scene->toward[1]), all(scene->toward[2])};
+    lanes toward[3] = {all(scene->toward[0]), all(scene->toward[1]), all(scene->toward[2])};
     const int words = (int)(sizeof *memory->shot / sizeof(float));
     mask ended = without(s->w.shade, s->w.idle);
     for (unsigned b = bits_of(without(ended, s->fresh)); b; b &= b - 1) {
@@ -217,6 +221,8 @@ LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory 
     lanes_int at = s->job * words;
     for (int i = 0; i < 3; i++)
         s->k.q[i] = choose(m, gather(memory->shot->q + i, at), s->k.q[i]);
+    for (int i = 0; i < 3 && has; i++)
+        toward[i] = gather(memory->w[i], s->job);
     begin_random(&s->random, m, (lanes_bits)gather_int(&memory->shot->random[0], at),
                  (lanes_bits)gather_int(&memory->shot->random[1], at));
     s->left = choose(m, all(1.0f), s->left);
@@ -226,7 +232,7 @@ LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory 
 }
 
 /* memory->left of all shots. */
-LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory)
+LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory, unsigned has)
 {
     const mask every = mask_of((1u << LF_WIDTH) - 1);
     shadow s = {.w = {.shade = every}, .fresh = every};
@@ -242,7 +248,7 @@ LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory
             ratio(&s, scene);
             break;
         case SHADE:
-            next_shots(&s, scene, memory, &next);
+            next_shots(&s, scene, memory, &next, has);
             break;
         case END:
             return lookups;
@@ -272,6 +278,7 @@ typedef struct path {
     walk k;
     lanes w[3], beta[3], radiance[3];
     lanes vertex; /* number of the last one; the pivot's is 1 */
+    lanes pdf;    /* of the direction from there; of pictures */
     lanes_int job;
     lanes_random random;
     turns t;
@@ -291,14 +298,34 @@ LF_INLINE void look(path *p, const lf_lane_scene *scene)
     p->t.look = mask_of(0);
 }
 
+/* Those of m have left: what they find at infinity is looked up later, for many at once. What they
+ * find from the pivot is the caller's. */
+LF_INLINE void leave(const path *p, mask m, lf_lane_memory *memory)
+{
+    for (unsigned b = bits_of(both(m, is_less(all(1.0f), p->vertex))); b; b &= b - 1) {
+        int k = __builtin_ctz(b);
+        lf_lane_exit *way = &memory->exit[memory->n_exits++];
+        for (int i = 0; i < 3; i++) {
+            way->w[i] = p->w[i][k];
+            way->beta[i] = p->beta[i][k];
+        }
+        way->pdf = p->pdf[k];
+        way->job = p->job[k];
+    }
+}
+
 /* Moves collided lanes to their vertex, gives the sky to those that left; returns the lanes whose
  * path is over. */
-LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask shaded)
+LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask shaded,
+                      lf_lane_memory *memory, unsigned has)
 {
     mask vertex = both(shaded, p->collided), left = without(shaded, either(vertex, p->fresh));
     lanes seen = choose(left, all(1.0f), all(0.0f));
+    if (has)
+        leave(p, left, memory);
     for (int i = 0; i < 3; i++) {
-        p->radiance[i] = p->radiance[i] + p->beta[i] * (scene->sky[i] * seen);
+        if (!has)
+            p->radiance[i] = p->radiance[i] + p->beta[i] * (scene->sky[i] * seen);
         p->k.q[i] = choose(vertex, p->k.q[i] + p->k.t * p->k.d[i], p->k.q[i]);
     }
     p->vertex = choose(vertex, p->vertex + 1.0f, p->vertex);
@@ -322,12 +349,14 @@ LF_INLINE mask roulette(path *p, mask m)
 }
 
 /* Stores what ended paths have found and begins others in their lanes, which are returned. */
-LF_INLINE mask next_paths(path *p, const lf_lane_paths *paths, mask ended, int *next)
+LF_INLINE mask next_paths(path *p, const lf_lane_paths *paths, mask ended, int *next, unsigned has)
 {
     for (unsigned b = bits_of(without(ended, p->fresh)); b; b &= b - 1) {
         int k = __builtin_ctz(b);
         for (int i = 0; i < 3; i++)
             paths->radiance[i][p->job[k]] = p->radiance[i][k];
+        if (has)
+            paths->escaped[p->job[k]] = p->vertex[k] > 1.0f ? 0.0f : 1.0f;
     }
     mask m = fetch(ended, paths->n, next, &p->job, &p->t);
     p->fresh = without(p->fresh, m);
@@ -343,40 +372,11 @@ LF_INLINE mask next_paths(path *p, const lf_lane_paths *paths, mask ended, int *
     return m;
 }
 
-/* lf_phase_between the directions of travel and another. */
-LF_INLINE lanes phase_towards(float g, const lanes w[3], const float towards[3])
+/* Shadow rays from the vertices of m, which count weight times what is left there beyond `expected`
+ * of each channel's light. */
+LF_INLINE void shoot(path *p, mask m, const float light[3], lanes weight, lanes expected,
+                     lf_lane_memory *memory)
 {
-    const float a = fabsf(g), sign = copysignf(1.0f, g),
-                numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a);
-    lanes square = all(0.0f);
-    for (int i = 0; i < 3; i++) {
-        lanes c = w[i] - sign * towards[i];
-        square = square + c * c;
-    }
-    lanes d = most((1.0f - a) * (1.0f - a) + a * square, all(1e-12f));
-    return numerator / (d * root(d));
-}
-
-/* Next event at the vertices of m: the control at once, and by chance a shadow ray for what it is
- * off by. */
-LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_memory *memory)
-{
-    float light[3], mean = 0.0f;
-    lanes carried = all(0.0f), expected;
-    for (int i = 0; i < 3; i++) {
-        light[i] = scene->albedo[i] * scene->irradiance[i];
-        mean += light[i];
-        carried = carried + p->beta[i] * light[i];
-    }
-    if (!(mean > 0.0f) || !bits_of(m))
-        return;
-    lanes phase = phase_towards(scene->g, p->w, scene->toward);
-    lanes share = carried * (1.0f / mean) * phase * (4.0f * LF_PI),
-          probability = chance(scene, p->k.q, share, &expected);
-    lanes known = choose(m, phase * expected, all(0.0f)), weight = phase / probability;
-    for (int i = 0; i < 3; i++)
-        p->radiance[i] = p->radiance[i] + p->beta[i] * light[i] * known;
-    m = both(m, is_less(draw_unit(&p->random, m), probability));
     lanes_bits key[2] = {draw(&p->random, m), draw(&p->random, m)};
     for (unsigned b = bits_of(m); b; b &= b - 1) {
         int k = __builtin_ctz(b);
@@ -392,8 +392,71 @@ LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_m
     }
 }
 
+/* Where the light is, seen from vertices of m, in `out`; its phase function, and what that weighs
+ * in balance with scattering. */
+LF_INLINE lanes towards_light(path *p, const lf_lane_scene *scene, mask m, lanes out[3],
+                              lanes *weight, unsigned has)
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = all(scene->toward[i]);
+    if (has & LF_LANE_DISK) {
+        lanes u = draw_unit(&p->random, m);
+        draw_from_disk(scene, u, draw_unit(&p->random, m), out);
+    }
+    lanes phase = *weight = phase_between(scene->g, p->w, out);
+    if (has & LF_LANE_DISK)
+        *weight = phase / (1.0f / scene->disk.solid_angle + phase);
+    return phase;
+}
+
+/* Next event of the light at the vertices of m: the control at once, and by chance a shadow ray for
+ * what it is off by. */
+LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_memory *memory,
+                          unsigned has)
+{
+    const float *sent = has & LF_LANE_DISK ? scene->disk.radiance : scene->irradiance;
+    float light[3], mean = 0.0f;
+    lanes carried = all(0.0f), expected, toward[3], weight;
+    for (int i = 0; i < 3; i++) {
+        light[i] = scene->albedo[i] * sent[i];
+        mean += light[i];
+        carried = carried + p->beta[i] * light[i];
+    }
+    if (!(mean > 0.0f) || !bits_of(m))
+        return;
+    lanes phase = towards_light(p, scene, m, toward, &weight, has);
+    lanes share = carried * (1.0f / mean) * phase * (4.0f * LF_PI),
+          probability = chance(scene, p->k.q, share, &expected);
+    lanes known = choose(m, weight * expected, all(0.0f));
+    for (int i = 0; i < 3; i++)
+        p->radiance[i] = p->radiance[i] + p->beta[i] * light[i] * known;
+    m = both(m, is_less(draw_unit(&p->random, m), probability));
+    int n = memory->n;
+    shoot(p, m, light, weight / probability, expected, memory);
+    for (unsigned b = has ? bits_of(m) : 0; b; b &= b - 1, n++) {
+        int k = __builtin_ctz(b);
+        memory->draws[n] = 0;
+        for (int i = 0; i < 3; i++)
+            memory->w[i][n] = toward[i][k];
+    }
+}
+
+/* Next event of the picture, by chance; where to is drawn later, for many at once. */
+LF_INLINE void next_picture(path *p, const lf_lane_scene *scene, mask m, lf_lane_memory *memory)
+{
+    int n = memory->n;
+    m = both(m, is_less(draw_unit(&p->random, m), all(PICTURE_SHARE)));
+    shoot(p, m, scene->albedo, all(1.0f), all(0.0f), memory);
+    for (unsigned b = bits_of(m); b; b &= b - 1, n++) {
+        int k = __builtin_ctz(b);
+        memory->draws[n] = -1;
+        for (int i = 0; i < 3; i++)
+            memory->w[i][n] = p->w[i][k];
+    }
+}
+
 /* lf_phase_sample in the lanes of m, and what scattering leaves. */
-LF_INLINE void scatter(path *p, const lf_lane_scene *scene, mask m)
+LF_INLINE void scatter(path *p, const lf_lane_scene *scene, mask m, unsigned has)
 {
     const float a = fabsf(scene->g), b = 1.0f - a, side = copysignf(1.0f, scene->g);
     lanes u = draw_unit(&p->random, m), sine, cosine;
@@ -412,21 +475,26 @@ LF_INLINE void scatter(path *p, const lf_lane_scene *scene, mask m)
         p->w[i] = choose(m, turned[i], p->w[i]);
         p->beta[i] = choose(m, p->beta[i] * scene->albedo[i], p->beta[i]);
     }
+    if (has)
+        p->pdf = choose(m, phase_at(scene->g, 2.0f * versine), p->pdf);
 }
 
 LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *paths,
-                     lf_lane_memory *memory, int *next)
+                     lf_lane_memory *memory, int *next, unsigned has)
 {
     mask shaded = without(p->t.shade, p->t.idle),
-         ended = arrive(p, scene, paths->max_depth, shaded), vertex = without(shaded, ended);
+         ended = arrive(p, scene, paths->max_depth, shaded, memory, has),
+         vertex = without(shaded, ended);
     mask died = roulette(p, vertex), begun = mask_of(0);
     vertex = without(vertex, died);
     ended = either(ended, died);
     if (bits_of(ended))
-        begun = next_paths(p, paths, ended, next);
+        begun = next_paths(p, paths, ended, next, has);
     if (bits_of(vertex)) {
-        next_event(p, scene, vertex, memory);
-        scatter(p, scene, vertex);
+        next_event(p, scene, vertex, memory, has);
+        if (has & LF_LANE_PICTURE)
+            next_picture(p, scene, vertex, memory);
+        scatter(p, scene, vertex, has);
     }
     mask on = either(vertex, begun);
     begin_walk(&p->k, scene, on, p->w, &p->random);
@@ -436,19 +504,24 @@ LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *p
 
 /* Traces the shots that wait and adds what they find. */
 LF_INLINE int64_t flush(const lf_lane_scene *scene, const lf_lane_paths *paths,
-                        lf_lane_memory *memory)
+                        lf_lane_memory *memory, unsigned has)
 {
-    int64_t lookups = memory->n > 0 ? trace_shots(scene, memory) : 0;
+    if (has & LF_LANE_PICTURE)
+        aim(scene, memory);
+    int64_t lookups = memory->n > 0 ? trace_shots(scene, memory, has) : 0;
     for (int k = 0; k < memory->n; k++) {
         const lf_lane_shot *shot = &memory->shot[k];
         for (int i = 0; i < 3; i++)
             paths->lit[i][shot->job] += shot->weight[i] * (memory->left[k] - shot->expected);
     }
     memory->n = 0;
+    if (has)
+        find(scene, paths, memory, has);
     return lookups;
 }
 
-static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_lane_memory *memory)
+LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *paths,
+                             lf_lane_memory *memory, unsigned has)
 {
     const mask every = mask_of((1u << LF_WIDTH) - 1);
     path p = {.t = {.shade = every}, .fresh = every};
@@ -456,7 +529,7 @@ static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_
     int next = 0;
     for (int i = 0; i < 3; i++)
         memset(paths->lit[i], 0, sizeof **paths->lit * (size_t)paths->n);
-    memory->n = 0;
+    memory->n = memory->n_exits = 0;
     for (turn now; (now = choose_turn(&p.t)) != END;) {
         if (now == STEP) {
             step(&p.k, scene, &p.t);
@@ -464,12 +537,13 @@ static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_
             lookups += count_of(p.t.look);
             look(&p, scene);
         } else {
-            shade(&p, scene, paths, memory, &next);
-            if (memory->n > LF_LANE_SHOTS - LF_WIDTH)
-                lookups += flush(scene, paths, memory);
+            shade(&p, scene, paths, memory, &next, has);
+            if (memory->n > LF_LANE_SHOTS - LF_WIDTH ||
+                (has && memory->n_exits > LF_LANE_SHOTS - LF_WIDTH))
+                lookups += flush(scene, paths, memory, has);
         }
     }
-    lookups += flush(scene, paths, memory);
+    lookups += flush(scene, paths, memory, has);
     /* in that order, whenever the shots were traced */
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < paths->n; k++)
@@ -477,16 +551,41 @@ static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_
     return lookups;
 }
 
+#define LF_TRACE(name, has)                                                                        \
+    static int64_t name(const lf_lane_scene *scene, const lf_lane_paths *paths,                    \
+                        lf_lane_memory *memory)                                                    \
+    {                                                                                              \
+        return trace_with(scene, paths, memory, has);                                              \
+    }
+LF_TRACE(trace_even, 0)
+LF_TRACE(trace_picture, LF_LANE_PICTURE)
+LF_TRACE(trace_disk, LF_LANE_DISK)
+LF_TRACE(trace_picture_and_disk, LF_LANE_PICTURE | LF_LANE_DISK)
+
+static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_lane_memory *memory)
+{
+    switch (scene->has) {
+    case LF_LANE_PICTURE:
+        return trace_picture(scene, paths, memory);
+    case LF_LANE_DISK:
+        return trace_disk(scene, paths, memory);
+    case LF_LANE_PICTURE | LF_LANE_DISK:
+        return trace_picture_and_disk(scene, paths, memory);
+    default:
+        return trace_even(scene, paths, memory);
+    }
+}
+
 /* -------------------------------------------------------------------------------------- points --
  */
 
-static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
-                     lf_lane_memory *memory)
+LF_INLINE int64_t light_with(const lf_lane_scene *scene, const lf_lane_points *points,
+                             lf_lane_memory *memory, unsigned has)
 {
     const float *toward = scene->toward;
     int64_t lookups = 0;
     memset(points->left, 0, sizeof *points->left * (size_t)points->n);
-    if (toward[0] == 0.0f && toward[1] == 0.0f && toward[2] == 0.0f)
+    if (!has && toward[0] == 0.0f && toward[1] == 0.0f && toward[2] == 0.0f)
         return 0; /* rays would stand still, and some for ever */
     for (int first = 0; first < points->n; first += LF_LANE_SHOTS) {
         const int rest = points->n - first;
@@ -498,10 +597,29 @@ static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
             for (int i = 0; i < 2; i++)
                 shot->random[i] = points->random[i][first + k];
         }
-        lookups += trace_shots(scene, memory);
+        for (int i = 0; i < 3 && has; i++)
+            memcpy(memory->w[i], points->w[i] + first, sizeof(float) * (size_t)memory->n);
+        lookups += trace_shots(scene, memory, has);
         memcpy(points->left + first, memory->left, sizeof *memory->left * (size_t)memory->n);
     }
     return lookups;
+}
+
+static int64_t light_even(const lf_lane_scene *scene, const lf_lane_points *points,
+                          lf_lane_memory *memory)
+{
+    return light_with(scene, points, memory, 0);
+}
+static int64_t light_anywhere(const lf_lane_scene *scene, const lf_lane_points *points,
+                              lf_lane_memory *memory)
+{
+    return light_with(scene, points, memory, LF_LANE_PICTURE | LF_LANE_DISK);
+}
+
+static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
+                     lf_lane_memory *memory)
+{
+    return scene->has ? light_anywhere(scene, points, memory) : light_even(scene, points, memory);
 }
 
 #endif
