@@ -26,8 +26,8 @@ void lf_trial_print_help(void)
            "  --reference-time SECONDS  CPU time of each of the two, instead of --reference-spp\n"
            "  --epsilon E               of relMSE (0.01)\n"
            "  --json FILE               everything as JSON (- for stdout)\n");
-    lf_param_print_help(lf_option_params,
-                        LF_OPTIONS_VIEWS " calibration sampler max-depth skip threads");
+    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS
+                        " calibration sampler max-depth skip threads shift selection");
     printf("  --seed S               of the first run (1)\n" LF_OPTIONS_HELP_LAST);
 }
 
@@ -69,7 +69,8 @@ lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
 {
     takers to = {options, command};
     const lf_options_part parts[] = {
-        {lf_option_params, LF_OPTIONS_VIEWS " calibration target-error " LF_OPTIONS_RENDER,
+        {lf_option_params,
+         LF_OPTIONS_VIEWS " calibration target-error shift selection " LF_OPTIONS_RENDER,
          &options->common},
         {0}};
     const lf_options_rules rules = {.program = LF_BENCH_PROGRAM,

@@ -193,6 +193,8 @@ typedef struct lf_integrator_entry {
 
 /* The first is the default; NULL behind the last. */
 const lf_integrator_entry *lf_integrator_at(int index);
+/* The one of this name, NULL = the default. NULL: there is none. */
+const lf_integrator_entry *lf_integrator_named(const char *name);
 
 /* What is left out where the scene or the view does not need it. One row of lf_skip_at each. */
 typedef enum lf_skip {
@@ -229,7 +231,8 @@ typedef struct lf_render_settings {
     int max_depth; /* longest path in vertices after the camera; 0 = the scene's own limit */
     unsigned skip; /* of lf_skip: what is left out where it is not needed */
     bool features; /* the film keeps what the reconstruction needs: 16 bytes a view pixel */
-    /* of lf_shift_name and lf_selection_name; 0, their first, where the integrator takes none */
+    /* of lf_shift_name and lf_selection_name; 0, their first, where the integrator takes none:
+     * others are then LF_E_ARG */
     int shift, selection;
 } lf_render_settings;
 

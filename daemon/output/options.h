@@ -41,6 +41,7 @@ typedef struct lf_options {
     bool has_estimator;          /* it was given */
     lf_estimator estimator;      /* zero is LF_ESTIMATOR_MWIS, the default */
     lf_sampler_kind sampler;     /* zero is LF_SAMPLER_OWEN, the default */
+    int shift, selection;        /* as in lf_render_settings; zero is the default */
     int threads;                 /* 0 = all CPUs */
     uint64_t seed;
     int max_depth;                           /* 0 = the scene's */

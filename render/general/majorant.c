@@ -34,16 +34,17 @@ void lf_majorant_make(lf_majorant *out, int n, const lf_span *spans, double end)
         double mu = cut[i] < cut[i + 1] ? majorant_between(spans, n, cut[i], cut[i + 1]) : 0.0;
         if (!(mu > 0.0))
             continue;
-        out->section[out->n++] = (lf_section){cut[i], cut[i + 1], mu, out->length, out->depth};
+        out->section[out->n++] =
+            (lf_majorant_section){cut[i], cut[i + 1], mu, out->length, out->depth};
         out->length += cut[i + 1] - cut[i];
         out->depth += mu * (cut[i + 1] - cut[i]);
     }
 }
 
 /* The last section that begins before t; NULL: none does. */
-static const lf_section *section_before(const lf_majorant *m, double t)
+static const lf_majorant_section *section_before(const lf_majorant *m, double t)
 {
-    const lf_section *last = NULL;
+    const lf_majorant_section *last = NULL;
     for (int i = 0; i < m->n && m->section[i].begin <= t; i++)
         last = &m->section[i];
     return last;
@@ -51,17 +52,17 @@ static const lf_section *section_before(const lf_majorant *m, double t)
 
 double lf_majorant_length(const lf_majorant *m, double t)
 {
-    const lf_section *s = section_before(m, t);
+    const lf_majorant_section *s = section_before(m, t);
     return s ? s->length + (fmin(t, s->end) - s->begin) : 0.0;
 }
 
 double lf_majorant_depth(const lf_majorant *m, double t)
 {
-    const lf_section *s = section_before(m, t);
+    const lf_majorant_section *s = section_before(m, t);
     return s ? s->depth + s->mu * (fmin(t, s->end) - s->begin) : 0.0;
 }
 
-static lf_majorant_point point_in(const lf_section *s, double from_begin)
+static lf_majorant_point point_in(const lf_majorant_section *s, double from_begin)
 {
     return (lf_majorant_point){fmin(s->begin + from_begin, s->end), s->mu};
 }

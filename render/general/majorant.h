@@ -16,15 +16,15 @@ typedef struct lf_span {
 
 #define LF_MAX_SECTIONS (2 * LF_MAX_VOLUMES)
 
-typedef struct lf_section {
+typedef struct lf_majorant_section {
     double begin, end, mu; /* mu > 0 */
     double length, depth;  /* l and tau where it begins */
-} lf_section;
+} lf_majorant_section;
 
 typedef struct lf_majorant {
     int n;
-    double length, depth;                /* l and tau where the ray ends */
-    lf_section section[LF_MAX_SECTIONS]; /* one behind the other */
+    double length, depth;                         /* l and tau where the ray ends */
+    lf_majorant_section section[LF_MAX_SECTIONS]; /* one behind the other */
 } lf_majorant;
 
 /* A point inside a section, and the majorant there. */

@@ -212,7 +212,7 @@ static double optical_depth(medium *m, double reached, bool null)
     enum { steps = 2000 };
     double sum = 0.0;
     for (int i = 0; i < m->majorant.n; i++) {
-        const lf_section *s = &m->majorant.section[i];
+        const lf_majorant_section *s = &m->majorant.section[i];
         double end = fmin(s->end, s->begin + fmax(reached - s->length, 0.0)),
                h = (end - s->begin) / steps;
         for (int k = 0; k < steps; k++) {
