@@ -69,8 +69,7 @@ lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
 {
     takers to = {options, command};
     const lf_options_part parts[] = {
-        {lf_option_params,
-         LF_OPTIONS_VIEWS " calibration target-error shift selection " LF_OPTIONS_RENDER,
+        {lf_option_params, LF_OPTIONS_VIEWS " calibration target-error " LF_OPTIONS_RENDER,
          &options->common},
         {0}};
     const lf_options_rules rules = {.program = LF_BENCH_PROGRAM,

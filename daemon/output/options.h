@@ -64,7 +64,8 @@ typedef struct lf_options {
 extern const lf_param lf_option_params[];
 /* What to look at, and how to render: most programs take all of these. */
 #define LF_OPTIONS_VIEWS "preset views quilt view-size"
-#define LF_OPTIONS_RENDER "integrator estimator sampler max-depth skip threads seed reconstruct"
+#define LF_OPTIONS_RENDER                                                                          \
+    "integrator estimator shift selection sampler max-depth skip threads seed reconstruct"
 #define LF_OPTIONS_IMPORT "import-memory import-time"
 
 /* Holds what reads files to what the options say (lf_import_limit). */

@@ -27,7 +27,7 @@ static const struct option table[] = {
 
 static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
                                               " exposure panel target-error target-shown-error aov"
-                                              " fit guides shift selection";
+                                              " fit guides";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
                               "target-shown-error aov fit guides reconstruct shift selection";
@@ -62,7 +62,7 @@ static void print_help(void)
     lf_param_print_help(lf_frames_params, NULL);
     lf_param_print_help(lf_video_params, NULL);
     printf("\nHow:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER " shift selection " LF_OPTIONS_IMPORT);
+    lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT);
     printf("  --stats FILE.json      writes what was done and what it took\n" LF_OPTIONS_HELP_LAST);
 }
 

@@ -22,7 +22,7 @@ static double majorant_between(const lf_span *spans, int n, double begin, double
 
 void lf_majorant_make(lf_majorant *out, int n, const lf_span *spans, double end)
 {
-    double cut[2 * LF_MAX_VOLUMES];
+    double cut[2 * LF_MAX_VOLUMES] = {0.0};
     for (int i = 0; i < n; i++) {
         cut[2 * i] = fmin(fmax(spans[i].begin, 0.0), end);
         cut[2 * i + 1] = fmin(fmax(spans[i].end, 0.0), end);

@@ -293,7 +293,7 @@ static void mean_ratios_are_those_of_transmittances(void **state)
         const lf_shift *shift = lf_shift_at(i);
         double tau[2] = {optical_depth(&m[0], 100, false), optical_depth(&m[1], 100, false)};
         bool copies = strstr(shift->name, "copy");
-        for (int way = 0; way < 2 - copies; way++) {
+        for (int way = 0; way < (copies ? 1 : 2); way++) {
             lf_moments seen = ratios(shift, &m[way], &m[1 - way], false);
             double truth = exp(tau[way] - tau[1 - way]), p = lf_p_mean(&seen, truth);
             print_message("%s: %.4f +- %.4f for %.4f\n", shift->name, seen.mean,
