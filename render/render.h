@@ -178,8 +178,8 @@ typedef enum lf_sampler_kind { LF_SAMPLER_OWEN, LF_SAMPLER_INDEPENDENT } lf_samp
 const char *lf_estimator_name(int estimator);
 const char *lf_sampler_name(int kind);
 
-/* The mappings of null collisions and the selections of views that mvpt2022 knows (docs/papers.md),
- * as on the command line; NULL behind the last. */
+/* The mappings of null collisions and the selections of views that the reference integrators know
+ * (docs/papers.md), as on the command line; NULL behind the last. */
 const char *lf_shift_name(int shift);
 const char *lf_selection_name(int selection);
 
@@ -188,7 +188,8 @@ typedef struct lf_integrator_entry {
     const char *name; /* as in --integrator */
     const char *what; /* in a few words */
     bool shares;      /* a path serves more view pixels than its own */
-    bool shifts;      /* it takes settings.shift and settings.selection */
+    bool shifts;      /* it takes settings.shift */
+    bool selects;     /* it takes settings.selection */
 } lf_integrator_entry;
 
 /* The first is the default; NULL behind the last. */

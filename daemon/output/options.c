@@ -70,7 +70,7 @@ const lf_param lf_option_params[] = {
      .type = LF_PARAM_WORD, .word_at = lf_estimator_name},
     {.option = "shift", .argument = "NAME", PLACE(shift),
      .type = LF_PARAM_WORD, .word_at = lf_shift_name,
-     .help = "mvpt2022: how null collisions go from view to view (optical-stretch)"},
+     .help = "mvpt2022, mismvpt: how null collisions go from view to view (optical-stretch)"},
     {.option = "selection", .argument = "NAME", PLACE(selection),
      .type = LF_PARAM_WORD, .word_at = lf_selection_name,
      .help = "mvpt2022: which views share a path (tv, as printed: biased)"},

@@ -9,11 +9,18 @@
 #include "render/transport/path.h"
 #include "render/transport/sampler.h"
 
-static const lf_integrator_entry the_entry = {.name = "mvpt2022",
-                                              .what =
-                                                  "null chains shifted to all views, as in 2022",
-                                              .shares = true,
-                                              .shifts = true};
+enum { MVPT2022, MISMVPT, N_ENTRIES };
+
+static const lf_integrator_entry entries[N_ENTRIES] = {
+    [MVPT2022] = {.name = "mvpt2022",
+                  .what = "null chains shifted to all views, as in 2022",
+                  .shares = true,
+                  .shifts = true,
+                  .selects = true},
+    [MISMVPT] = {.name = "mismvpt",
+                 .what = "the same with weights of multiple importance sampling",
+                 .shares = true,
+                 .shifts = true}};
 
 /* One worker's memory. */
 typedef struct worker {
@@ -34,6 +41,7 @@ typedef struct state {
     lf_film *film;
     const lf_shift *shift;
     const lf_selection *selection;
+    bool mis; /* W is n */
     lf_sampler_kind sampler;
     int max_depth, n_workers;
     worker **workers; /* [n_workers] each its own */
@@ -226,7 +234,8 @@ static void add(const state *s, worker *w, int view, int column, double weight, 
         y = lf_v3(0.0f, 0.0f, 0.0f);
     }
     lf_film_scatter(&w->sums, pixel, scale * y.x, scale * y.y, scale * y.z);
-    lf_film_weigh(&w->sums, pixel, scale);
+    if (!s->mis)
+        lf_film_weigh(&w->sums, pixel, scale);
     w->contributions++;
 }
 
@@ -316,16 +325,20 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
         first = (int)((lf_hash64(lf_hash64(key, 3), index) >> 32) % (uint64_t)step);
     lf_film_meet(s->film, row, true);
     lf_film_sums_begin(&w->sums);
-    for (size_t i = 0; i < (size_t)views * (size_t)s->rig.width; i++)
+    const double given = (double)order->subsets / order->column_step;
+    for (size_t i = 0; i < (size_t)views * (size_t)s->rig.width; i++) {
         lf_film_pivots(&w->sums, i, 1.0f);
+        if (s->mis)
+            lf_film_weigh(&w->sums, i, (float)(given / views));
+    }
     for (int column = first; column < s->rig.width; column += step)
         for (int j = 0; j < order->subsets; j++) {
             if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
                 return false;
             base_sample(s, w, row, (column + start + j) % views, column, key, index);
         }
-    lf_film_merge(s->film, order->stream, row, half, &w->sums,
-                  (double)order->subsets / order->column_step, lf_hash64(lf_hash64(key, 9), index));
+    lf_film_merge(s->film, order->stream, row, half, &w->sums, given,
+                  lf_hash64(lf_hash64(key, 9), index));
     return true;
 }
 
@@ -334,7 +347,7 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
 
 static const lf_integrator_entry *entry(int index)
 {
-    return index == 0 ? &the_entry : NULL;
+    return index >= 0 && index < N_ENTRIES ? &entries[index] : NULL;
 }
 
 /* What it does not know, in words behind "renders no"; NULL: it knows all. */
@@ -383,9 +396,8 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
                         lf_integrator_needs *out_needs, lf_error *err)
 {
     const char *refused = unknown(input->scene, input->settings);
-    (void)index;
     if (refused)
-        return lf_error_set(err, LF_E_ARG, "integrator", "%s renders no %s", the_entry.name,
+        return lf_error_set(err, LF_E_ARG, "integrator", "%s renders no %s", entries[index].name,
                             refused);
     state *s = lf_calloc(1, sizeof *s);
     if (!s)
@@ -393,7 +405,8 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     s->seen = *input->seen;
     s->film = input->film;
     s->shift = lf_shift_at(input->settings->shift);
-    s->selection = lf_selection_at(input->settings->selection);
+    s->mis = index == MISMVPT;
+    s->selection = s->mis ? &lf_selection_none : lf_selection_at(input->settings->selection);
     s->sampler = input->settings->sampler;
     s->max_depth = lf_max_depth(input->scene, input->settings->max_depth);
     s->n_workers = lf_pool_threads(input->pool);

@@ -204,6 +204,31 @@ static void chains_know_both_transmittances(void **state)
     assert_true(lf_p_mean(&through, t[0]) > level && lf_p_mean(&ratio, t[1] / t[0]) > level);
 }
 
+/* Every answer of mismvpt is mis of the same paths. */
+static void mismvpt_is_algorithm_1(void **state)
+{
+    (void)state;
+    lf_renderer *r = renderer_of(fog, width, height, "raw-stretch", "none");
+    lf_render_settings settings = *lf_renderer_settings(r);
+    lf_test_passes(r, 3);
+    double *picture = lf_test_picture(r, LF_ESTIMATOR_MIS);
+    settings.integrator = "mismvpt";
+    lf_error err = {0};
+    lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
+    assert_string_equal(err.what, "mismvpt knows no selections");
+    settings.selection = 0;
+    lf_assert_ok(lf_renderer_restart(r, fog, &settings, &err), &err);
+    lf_test_passes(r, 3);
+    for (int e = 0; lf_estimator_name(e); e++) {
+        double *same = lf_test_picture(r, (lf_estimator)e);
+        for (int i = 0; i < n_views * width * height; i++)
+            lf_assert_close(same[i], picture[i], 1e-5, 1e-7);
+        free(same);
+    }
+    free(picture);
+    lf_renderer_destroy(r);
+}
+
 static void what_it_does_not_know_is_refused(void **state)
 {
     (void)state;
@@ -212,7 +237,7 @@ static void what_it_does_not_know_is_refused(void **state)
     lf_error err = {0};
     settings.shift = 1;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
-    assert_string_equal(err.what, "vpt knows neither shifts nor selections");
+    assert_string_equal(err.what, "vpt knows no shifts");
     settings.shift = 0;
     settings.integrator = "mvpt2022";
     settings.features = true;
@@ -351,6 +376,7 @@ int main(void)
         cmocka_unit_test(shared_chains_agree_with_vpt),
         cmocka_unit_test(mwis_is_consistent),
         cmocka_unit_test(chains_know_both_transmittances),
+        cmocka_unit_test(mismvpt_is_algorithm_1),
         cmocka_unit_test(what_it_does_not_know_is_refused),
         cmocka_unit_test(total_variation_is_off_by_what_theory_says),
     };
