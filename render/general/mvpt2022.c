@@ -362,7 +362,7 @@ static const char *unknown(const lf_scene *scene, const lf_render_settings *sett
     if (scene->looks.moving || settings->camera.moves)
         return "motion; something moves while the shutter is open";
     if (settings->features)
-        return "reconstructed pictures or depth";
+        return "reconstructed pictures (--reconstruct off) or depth";
     if (lf_media_path_depth_bound(scene) > LF_MAX_NULL_DEPTH)
         return "media of more than 2900 mean free paths of their largest extinction";
     return NULL;

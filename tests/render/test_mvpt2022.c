@@ -242,7 +242,8 @@ static void what_it_does_not_know_is_refused(void **state)
     settings.integrator = "mvpt2022";
     settings.features = true;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
-    assert_string_equal(err.what, "mvpt2022 renders no reconstructed pictures or depth");
+    assert_string_equal(err.what,
+                        "mvpt2022 renders no reconstructed pictures (--reconstruct off) or depth");
     settings.features = false;
     lf_scene *ball = lf_test_scene(LF_TEST_BENT("3", ""));
     lf_assert_status(lf_renderer_restart(r, ball, &settings, &err), LF_E_ARG, &err);
