@@ -23,7 +23,7 @@ static lf_blocks native;
 static lf_scene *grid_in_fog(void)
 {
     return lf_test_grid_scene(
-        "{ " LF_TEST_CAMERA("5", ", 'lens_radius': 0.15, 'focus_distance': 4.5")
+        "{ " LF_TEST_CAMERA("5", ", 'lens_radius': 0.5, 'focus_distance': 4.8")
             LF_TEST_VOLUMES(", 'fog': { 'shape': 'sphere', 'density': 0.4, 'albedo': [0.9, 0.8, "
                             "0.7], 'g': 0.7, "
                             "'transform': { 'scale': [1.2, 0.7, 0.8], 'translate': [0.5, 0, 0.4] } "
