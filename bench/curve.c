@@ -169,14 +169,6 @@ static double share(double part, double whole)
     return part >= 0 && whole > 0 ? part / whole : (double)NAN;
 }
 
-static bool shares(const char *integrator)
-{
-    int i = 0;
-    while (strcmp(lf_integrator_at(i)->name, integrator) != 0)
-        i++;
-    return lf_integrator_at(i)->shares;
-}
-
 static void find_cost(const curve *c, int contender, cost *out)
 {
     double cpu = 0;
@@ -190,7 +182,7 @@ static void find_cost(const curve *c, int contender, cost *out)
         contributions += (double)m->stats.contributions;
         lookups += (double)m->stats.volume_lookups;
     }
-    bool alone = !shares(c->contenders[contender].integrator);
+    bool alone = !lf_integrator_named(c->contenders[contender].integrator)->shares;
     *out = (cost){
         .path_us = share(1e6 * cpu, paths),
         .lookup_ns = share(1e9 * cpu, lookups),

@@ -3,9 +3,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "render/general/general.h"
 #include "render/rows/rows.h"
 
-static const lf_integrator *const table[] = {&lf_integrator_rows};
+static const lf_integrator *const table[] = {&lf_integrator_rows, &lf_integrator_mvpt2022};
 #define N_INTEGRATORS (int)(sizeof table / sizeof table[0])
 
 /* Whose entry this is, and which of its own; NULL behind the last. */
@@ -29,6 +30,14 @@ const lf_integrator_entry *lf_integrator_at(int index)
     int own;
     const lf_integrator *integrator = index >= 0 ? whose(index, &own) : NULL;
     return integrator ? integrator->entry(own) : NULL;
+}
+
+const lf_integrator_entry *lf_integrator_named(const char *name)
+{
+    int i = 0;
+    while (name && lf_integrator_at(i) && strcmp(lf_integrator_at(i)->name, name) != 0)
+        i++;
+    return lf_integrator_at(i);
 }
 
 lf_status lf_integrator_find(const char *name, const lf_integrator **out_integrator, int *out_index,

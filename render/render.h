@@ -192,15 +192,24 @@ typedef enum lf_sampler_kind { LF_SAMPLER_OWEN, LF_SAMPLER_INDEPENDENT } lf_samp
 const char *lf_estimator_name(int estimator);
 const char *lf_sampler_name(int kind);
 
+/* The mappings of null collisions and the selections of views that the reference integrators know
+ * (docs/papers.md), as on the command line; NULL behind the last. */
+const char *lf_shift_name(int shift);
+const char *lf_selection_name(int selection);
+
 /* How paths are made and shared. */
 typedef struct lf_integrator_entry {
     const char *name; /* as in --integrator */
     const char *what; /* in a few words */
     bool shares;      /* a path serves more view pixels than its own */
+    bool shifts;      /* it takes settings.shift */
+    bool selects;     /* it takes settings.selection */
 } lf_integrator_entry;
 
 /* The first is the default; NULL behind the last. */
 const lf_integrator_entry *lf_integrator_at(int index);
+/* The one of this name, NULL = the default. NULL: there is none. */
+const lf_integrator_entry *lf_integrator_named(const char *name);
 
 /* What is left out where the scene or the view does not need it. One row of lf_skip_at each. */
 typedef enum lf_skip {
@@ -237,6 +246,9 @@ typedef struct lf_render_settings {
     int max_depth; /* longest path in vertices after the camera; 0 = the scene's own limit */
     unsigned skip; /* of lf_skip: what is left out where it is not needed */
     bool features; /* the film keeps what the reconstruction needs: 16 bytes a view pixel */
+    /* of lf_shift_name and lf_selection_name; 0, their first, where the integrator takes none:
+     * others are then LF_E_ARG */
+    int shift, selection;
 } lf_render_settings;
 
 /* --------------------------------------------------------------------------------- framing -- */

@@ -41,6 +41,7 @@ typedef struct lf_options {
     bool has_estimator;          /* it was given */
     lf_estimator estimator;      /* zero is LF_ESTIMATOR_MWIS, the default */
     lf_sampler_kind sampler;     /* zero is LF_SAMPLER_OWEN, the default */
+    int shift, selection;        /* as in lf_render_settings; zero is the default */
     int threads;                 /* 0 = all CPUs */
     uint64_t seed;
     int max_depth;                           /* 0 = the scene's */
@@ -63,7 +64,8 @@ typedef struct lf_options {
 extern const lf_param lf_option_params[];
 /* What to look at, and how to render: most programs take all of these. */
 #define LF_OPTIONS_VIEWS "preset views quilt view-size"
-#define LF_OPTIONS_RENDER "integrator estimator sampler max-depth skip threads seed reconstruct"
+#define LF_OPTIONS_RENDER                                                                          \
+    "integrator estimator shift selection sampler max-depth skip threads seed reconstruct"
 #define LF_OPTIONS_IMPORT "import-memory import-time"
 
 /* Holds what reads files to what the options say (lf_import_limit). */

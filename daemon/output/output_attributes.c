@@ -68,6 +68,10 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
         camera->position[2], "up", camera->up[0], camera->up[1], camera->up[2], "lens_radius",
         camera->lens_radius, "focus_distance", camera->focus_distance, "exposure",
         film ? film->exposure : 0.0, "tonemap", film ? film->tonemap : "srgb");
+    if (lf_integrator_named(settings->integrator)->shifts)
+        json_object_set_new(made, "shift", json_string(lf_shift_name(settings->shift)));
+    if (lf_integrator_named(settings->integrator)->selects)
+        json_object_set_new(made, "selection", json_string(lf_selection_name(settings->selection)));
     if (camera->view_blur > 0)
         json_object_set_new(made, "view_blur", json_real(camera->view_blur));
     if (camera->track > 0) { /* which has no cone */
