@@ -131,6 +131,13 @@ lf_film_settings lf_exposed_film(const lf_film_settings *film, double exposure)
     return exposed;
 }
 
+void lf_options_fit_integrator(lf_options *options)
+{
+    const lf_integrator_entry *entry = lf_integrator_named(options->integrator);
+    options->shift = entry && entry->shifts ? options->shift : 0;
+    options->selection = entry && entry->selects ? options->selection : 0;
+}
+
 const lf_preset *lf_options_preset(const lf_options *options)
 {
     const lf_preset *preset = NULL;

@@ -132,6 +132,9 @@ int lf_usage_error(const char *program, const lf_error *err);
 /* Prints "PROGRAM VERSION" to stdout. */
 void lf_print_version(const char *program);
 
+/* Leaves out what options->integrator does not take: a shift, a selection of another one before. */
+void lf_options_fit_integrator(lf_options *options);
+
 /* What to render and how it is laid out: the command line wins over the preset (views, layout, view
  * size, aspect), that over the panel's calibration (aspect, cone; NULL = none), that over the
  * scene's camera (lf_scene_camera). Views default to 45, the view's height to 560 pixels and its

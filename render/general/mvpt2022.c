@@ -225,6 +225,7 @@ static lf_vec3 radiance_of(const state *s, const worker *w, const prefix *p, con
     return sum;
 }
 
+/* N and W of a view pixel. */
 static void add(const state *s, worker *w, int view, int column, double weight, lf_vec3 y)
 {
     size_t pixel = (size_t)view * (size_t)s->rig.width + (size_t)column;
@@ -236,7 +237,6 @@ static void add(const state *s, worker *w, int view, int column, double weight, 
     lf_film_scatter(&w->sums, pixel, scale * y.x, scale * y.y, scale * y.z);
     if (!s->mis)
         lf_film_weigh(&w->sums, pixel, scale);
-    w->contributions++;
 }
 
 /* Algorithm 2, lines 4 to 18. */
@@ -244,13 +244,20 @@ static void spread(const state *s, worker *w, const prefix *p)
 {
     shared behind;
     double sum = shift_prefix(s, w, p);
+    if (!isfinite(sum)) {
+        w->tracer.nonfinite++;
+        return;
+    }
     draw_shared(s, w, p, &behind);
     float light_mixture = behind.visible > 0.0f ? mixture(s, w, p, behind.light.wi) : 0.0f,
           own_mixture = behind.has_direction ? mixture(s, w, p, behind.wi) : 0.0f;
-    for (int k = 0; k < s->rig.n_views; k++)
-        if (w->ratio[k] > 0.0)
-            add(s, w, k, w->column[k], w->ratio[k] / sum,
-                radiance_of(s, w, p, &behind, light_mixture, own_mixture, k));
+    for (int k = 0; k < s->rig.n_views; k++) {
+        if (!(w->ratio[k] > 0.0))
+            continue;
+        add(s, w, k, w->column[k], w->ratio[k] / sum,
+            radiance_of(s, w, p, &behind, light_mixture, own_mixture, k));
+        w->contributions++;
+    }
 }
 
 /* -------------------------------------------------------------------------------- base samples --

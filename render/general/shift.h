@@ -10,26 +10,31 @@
  *     copies         y'(t') = y(t),      stretches      y'(t') = C y(t),  C = y'_max / y_max
  *     its Jacobian   dt'/dt = C (dy/dt) / (dy'/dt')     (copies: C = 1)
  *
- *     raw-copy         t' = t                 1                     supplement, equation 1
- *     raw-stretch      l' = C l               C                     equations 7 and 9
- *     optical-copy     tau' = tau             mu / mu'              section 1.3
- *     optical-stretch  tau' = C tau           C mu / mu'            equations 13 and 15; the
- * paper's primary-copy     u' = u                 mu / mu'              equation 3 primary-stretch
- * u' = C u               C exp(tau' - tau) mu / mu'        equations 19 and 21
+ *     raw-copy         t' = t         1                              equation 1
+ *     raw-stretch      l' = C l       C                              equations 7 and 9
+ *     optical-copy     tau' = tau     mu / mu'                       section 1.3
+ *     optical-stretch  tau' = C tau   C mu / mu'                     equations 13 and 15
+ *     primary-copy     u' = u         mu / mu'                       equation 3
+ *     primary-stretch  u' = C u       C exp(tau' - tau) mu / mu'     equations 19 and 21
+ *
+ * optical-stretch is the paper's. The numbers are the supplement's.
  *
  * What differs from what is printed there:
  * - raw-copy: "t' = t" counts from where media begin, l' = l: the same with one section that begins
  *   at the lens, as in the supplement's figure, and it has a meaning with several.
  * - Since u = 1 - exp(-tau), primary-copy and optical-copy are one mapping.
- * - Equation 17: u = int mu(s) T(s) ds, without mu it is no probability. Equation 20: a_1 sums
- * mu'_i where l'_i is printed. Equation 21: C / (C - (C - 1) exp(tau)) overflows; it is C exp(tau'
- * - tau), and tau' = -log(1 - C u) is taken from a sum of positive terms where C u is near 1.
+ * - Equation 17: u = int mu(s) T(s) ds, without mu it is no probability.
+ * - Equation 20: a_1 sums mu'_i where l'_i is printed.
+ * - Equation 21: C / (C - (C - 1) exp(tau)) overflows; it is C exp(tau' - tau), and
+ *   tau' = -log(1 - C u) is taken from a sum of positive terms where C u is near 1.
  * - Equations 2, 4, 10, 16, 22: the density of a shifted chain, p(x') = p(t) |S'|^-1 P_n(x'), holds
  *   the null probability of the BASE point, P_n(x): it is the base that drew it. P_n(x') belongs to
  *   what the target would have drawn (lf_shift_ratio has both).
- * - Main paper, equation 4: the film's Jacobian is g(l,f)/g(l,p) g(l',p)/g(l',f'), the first factor
- *   upside down as printed (lf_shift_area). Equation 3: r'^2/r^2 is the Jacobian of the lens;
- * lenses of one size leave 1, and a uniform density on them always does. */
+ * - Main paper, equation 4: the film's Jacobian is g(l,f)/g(l,p) g(l',p)/g(l',f'), the first
+ *   factor upside down as printed (lf_shift_area).
+ * - Main paper, equation 3: r'^2/r^2 is the Jacobian of the lens; lenses of one size leave 1, and
+ *   a uniform density on them always does.
+ */
 #ifndef LF_RENDER_SHIFT_H
 #define LF_RENDER_SHIFT_H
 
@@ -64,8 +69,10 @@ typedef double (*lf_extinction_fn)(void *ray, double t);
  *     exp(tau_i - tau_j) prod_q |dt'_q/dt_q| mu_n(t'_q) / mu_n(t_q),     mu_n = mu - extinction
  *
  * with tau the majorant depths of the whole rays. Its mean over the base's chains with the same
- * pivot is T_j / T_i where the mapping reaches all chains of the target: stretches always do,
- * unless one of the rays alone has media (then m = 0 alone is reached), copies where the target's
+ * pivot is T_j / T_i where the mapping reaches all chains of the target that have a density there:
+ * not where mu_n of the base is 0 (in homogeneous media) and that of the target is not. Stretches
+ * reach all, unless one of the rays alone has media (then m = 0 alone is reached), copies where the
+ * target's
  * coordinate ends first. 0: some point lands on no medium. */
 double lf_shift_ratio(const lf_shift *shift, const lf_majorant *from, const lf_majorant *to, int n,
                       const lf_null *nulls, lf_extinction_fn extinction, void *target);

@@ -64,9 +64,9 @@ static void partitions_share_as_often_as_they_say(void **state)
     for (int k = 0; k < n_views; k++) {
         double truth = fmax(0, 1 - step * abs(k - base)), share = (double)together[k] / draws;
         double error = sqrt(truth * (1 - truth) / draws);
-        assert_true(error > 0
-                        ? lf_p_normal((share - truth) / error) > lf_sidak(LF_FALSE_ALARM, n_views)
-                        : share == truth);
+        assert_true(error > 0 ? lf_p_normal((share - truth) / error) >
+                                    lf_sidak(0.5 * LF_FALSE_ALARM, n_views)
+                              : share == truth);
     }
 }
 
@@ -146,7 +146,7 @@ static lf_moments drawn_weights(const lf_selection *selection, int j)
 static void selections_draw_what_the_table_says(void **state)
 {
     (void)state;
-    double level = lf_sidak(LF_FALSE_ALARM, 6);
+    double level = lf_sidak(0.5 * LF_FALSE_ALARM, 6);
     for (int j = 0; j <= 22; j += 11) {
         lf_moments tv = drawn_weights(&lf_selection_tv, j),
                    partition = drawn_weights(&lf_selection_partition, j);
