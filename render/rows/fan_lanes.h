@@ -9,13 +9,6 @@
 
 enum { WIDE = LF_SECTION_WIDE };
 
-LF_INLINE lanes load(const float *from)
-{
-    lanes out;
-    memcpy(&out, from, sizeof out);
-    return out;
-}
-
 LF_INLINE void store(float *to, lanes from)
 {
     memcpy(to, &from, sizeof from);

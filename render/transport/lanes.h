@@ -206,6 +206,26 @@ LF_INLINE lanes between(lanes a, lanes b, lanes f)
 
 /* ------------------------------------------------------------------------------------ memory -- */
 
+LF_INLINE lanes load(const float *from)
+{
+    lanes out;
+    memcpy(&out, from, sizeof out);
+    return out;
+}
+LF_INLINE lanes_int load_int(const int32_t *from)
+{
+    lanes_int out;
+    memcpy(&out, from, sizeof out);
+    return out;
+}
+/* 0, 1, 2 … */
+LF_INLINE lanes_int count_up(void)
+{
+    lanes_int out;
+    for (int k = 0; k < LF_WIDTH; k++)
+        out[k] = k;
+    return out;
+}
 /* Words at 4 i bytes behind p; i is in range in all lanes. */
 LF_INLINE lanes_int gather_int(const void *p, lanes_int i)
 {

@@ -46,17 +46,23 @@ LF_INLINE lanes picture_along(const lf_lane_picture *picture, const lanes w[3], 
     return gather(picture->pdf, texel);
 }
 
+/* Groups of lanes that are drawn side by side: a search waits for memory at each step. */
+enum { LF_GROUPS = 4 };
+
 /* lf_cdf_find among the n entries from cdf[first] on; u becomes the place in the entry. */
-LF_INLINE lanes_int entry_of(const float *cdf, lanes_int first, int n, lanes *u)
+LF_INLINE void entries_of(const float *cdf, int n, lanes_int first[LF_GROUPS], lanes u[LF_GROUPS])
 {
     for (int half; n > 1; n -= half) {
         half = n / 2;
-        mask above = is_at_most(gather(cdf, first + half), *u);
-        first = choose_int(above, first + half, first);
+        for (int g = 0; g < LF_GROUPS; g++) {
+            mask above = is_at_most(gather(cdf, first[g] + half), u[g]);
+            first[g] = choose_int(above, first[g] + half, first[g]);
+        }
     }
-    lanes from = gather(cdf, first), to = gather(cdf, first + 1);
-    *u = least((*u - from) / (to - from), all(0x1.fffffep-1f));
-    return first;
+    for (int g = 0; g < LF_GROUPS; g++) {
+        lanes from = gather(cdf, first[g]), to = gather(cdf, first[g] + 1);
+        u[g] = least((u[g] - from) / (to - from), all(0x1.fffffep-1f));
+    }
 }
 
 /* sin^2 of half the angle between the pole and the edge of a row that is so many away from it. */
@@ -66,23 +72,37 @@ LF_INLINE lanes edge_of(const lf_lane_picture *picture, lanes rows)
     return s * s;
 }
 
-/* lf_environment_draw: a direction by two numbers in [0, 1). */
-LF_INLINE void draw_from_picture(const lf_lane_picture *picture, lanes u, lanes v, lanes w[3])
+/* Places in texels as directions of the scene. */
+LF_INLINE void direction_of(const lf_lane_picture *picture, lanes_int row, lanes_int column,
+                            lanes down, lanes across, lanes w[3])
 {
-    lanes_int row = entry_of(picture->marginal, all_int(0), picture->height, &u),
-              line = row * (picture->width + 1),
-              column = entry_of(picture->conditional, line, picture->width, &v) - line;
-    lanes y = to_float(row), other = (float)(picture->height - 1) - y;
+    lanes y = to_float(row), other = (float)(picture->height - 1) - y, s, c;
     mask upper = is_less(2.0f * y, all((float)picture->height));
     lanes from_pole = choose(upper, y, other);
-    lanes h = between(edge_of(picture, from_pole), edge_of(picture, from_pole + 1.0f), u);
-    lanes sine = 2.0f * root(most(h * (1.0f - h), all(0.0f))), cosine = 1.0f - 2.0f * h, s, c;
-    sine_cosine(least((to_float(column) + v) * (1.0f / (float)picture->width), all(0x1.fffffep-1f)),
-                &s, &c);
+    lanes h = between(edge_of(picture, from_pole), edge_of(picture, from_pole + 1.0f), down);
+    lanes sine = 2.0f * root(most(h * (1.0f - h), all(0.0f))), cosine = 1.0f - 2.0f * h;
+    sine_cosine(
+        least((to_float(column) + across) * (1.0f / (float)picture->width), all(0x1.fffffep-1f)),
+        &s, &c);
     const lanes own[3] = {sine * c, choose(upper, cosine, -cosine), sine * s};
     const float(*m)[3] = picture->to_picture;
     for (int i = 0; i < 3; i++)
         w[i] = m[0][i] * own[0] + m[1][i] * own[1] + m[2][i] * own[2];
+}
+
+/* lf_environment_draw: directions by two numbers in [0, 1) each. */
+LF_INLINE void draw_from_picture(const lf_lane_picture *picture, lanes u[LF_GROUPS],
+                                 lanes v[LF_GROUPS], lanes w[LF_GROUPS][3])
+{
+    lanes_int row[LF_GROUPS], column[LF_GROUPS];
+    for (int g = 0; g < LF_GROUPS; g++)
+        row[g] = all_int(0);
+    entries_of(picture->marginal, picture->height, row, u);
+    for (int g = 0; g < LF_GROUPS; g++)
+        column[g] = row[g] * (picture->width + 1);
+    entries_of(picture->conditional, picture->width, column, v);
+    for (int g = 0; g < LF_GROUPS; g++)
+        direction_of(picture, row[g], column[g] - row[g] * (picture->width + 1), u[g], v[g], w[g]);
 }
 
 #endif

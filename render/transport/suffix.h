@@ -9,7 +9,7 @@
 #include "render/transport/lane_scene.h"
 
 /* Shadow rays that wait for their turn, and how many more a step may add. */
-enum { LF_LANE_SHOTS = 1024, LF_LANE_MOST = 32 };
+enum { LF_LANE_SHOTS = 1024, LF_LANE_MOST = 64 };
 
 /* A shadow ray; those of a job come in the order of its vertices. */
 typedef struct lf_lane_shot {
@@ -20,12 +20,24 @@ typedef struct lf_lane_shot {
     int32_t job;
 } lf_lane_shot;
 
+/* A path that has left, and waits for what it finds in the picture. */
+typedef struct lf_lane_exit {
+    float w[3], beta[3];
+    float pdf; /* of w, by scattering */
+    int32_t job;
+} lf_lane_exit;
+
 /* Memory of a worker. */
 typedef struct lf_lane_memory {
     lf_lane_shot shot[LF_LANE_SHOTS + LF_LANE_MOST];
-    float w[3][LF_LANE_SHOTS + LF_LANE_MOST]; /* unit, scene; where the scene has a picture */
     float left[LF_LANE_SHOTS + LF_LANE_MOST];
     int n; /* shots */
+    /* Where the scene has a picture: unit, scene. Of shots with `draws` the way that the path came;
+     * of others where to. */
+    float w[3][LF_LANE_SHOTS + LF_LANE_MOST];
+    int32_t draws[LF_LANE_SHOTS + LF_LANE_MOST]; /* -1, else 0 */
+    lf_lane_exit exit[LF_LANE_SHOTS + LF_LANE_MOST];
+    int n_exits;
 } lf_lane_memory;
 
 /* Paths that leave vertex 1, the pivot, each array of n. */

@@ -16,6 +16,9 @@
 /* Lanes that are enough for a turn. */
 enum { ENOUGH = LF_WIDTH / 2 };
 
+/* How often a vertex draws from the picture. Both ways to find its light count that. */
+#define PICTURE_SHARE 0.5f
+
 /* ----------------------------------------------------------------------------- through the grid --
  */
 
@@ -299,28 +302,31 @@ LF_INLINE void look(path *p, const lf_lane_scene *scene)
     p->t.look = mask_of(0);
 }
 
-/* What paths that left find at infinity, in balance with next event. What they find from the pivot
- * is the caller's. */
-LF_INLINE void find_picture(path *p, const lf_lane_scene *scene, mask left)
+/* Those of m have left: what they find at infinity is looked up later, for many at once. What they
+ * find from the pivot is the caller's. */
+LF_INLINE void leave(const path *p, mask m, lf_lane_memory *memory)
 {
-    lanes radiance[3];
-    left = both(left, is_less(all(1.0f), p->vertex));
-    if (!bits_of(left))
-        return;
-    lanes pdf = picture_along(&scene->picture, p->w, radiance),
-          seen = choose(left, p->pdf / (p->pdf + pdf), all(0.0f));
-    for (int i = 0; i < 3; i++)
-        p->radiance[i] = p->radiance[i] + p->beta[i] * ((radiance[i] + scene->sky[i]) * seen);
+    for (unsigned b = bits_of(both(m, is_less(all(1.0f), p->vertex))); b; b &= b - 1) {
+        int k = __builtin_ctz(b);
+        lf_lane_exit *way = &memory->exit[memory->n_exits++];
+        for (int i = 0; i < 3; i++) {
+            way->w[i] = p->w[i][k];
+            way->beta[i] = p->beta[i][k];
+        }
+        way->pdf = p->pdf[k];
+        way->job = p->job[k];
+    }
 }
 
 /* Moves collided lanes to their vertex, gives the sky to those that left; returns the lanes whose
  * path is over. */
-LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask shaded, unsigned has)
+LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask shaded,
+                      lf_lane_memory *memory, unsigned has)
 {
     mask vertex = both(shaded, p->collided), left = without(shaded, either(vertex, p->fresh));
     lanes seen = choose(left, all(1.0f), all(0.0f));
     if (has & LF_LANE_PICTURE)
-        find_picture(p, scene, left);
+        leave(p, left, memory);
     for (int i = 0; i < 3; i++) {
         if (!(has & LF_LANE_PICTURE))
             p->radiance[i] = p->radiance[i] + p->beta[i] * (scene->sky[i] * seen);
@@ -391,26 +397,23 @@ LF_INLINE lanes phase_between(float g, const lanes w[3], const lanes towards[3])
     return phase_at(g, square);
 }
 
-/* Shadow rays from the vertices of m towards w (NULL: the light), which count weight times what is
- * left there beyond `expected` of each channel's light. */
-LF_INLINE void shoot(path *p, mask m, const lanes w[3], const lanes light[3], lanes weight,
-                     lanes expected, lf_lane_memory *memory)
+/* Shadow rays from the vertices of m, which count weight times what is left there beyond `expected`
+ * of each channel's light. */
+LF_INLINE void shoot(path *p, mask m, const float light[3], lanes weight, lanes expected,
+                     lf_lane_memory *memory)
 {
     lanes_bits key[2] = {draw(&p->random, m), draw(&p->random, m)};
     for (unsigned b = bits_of(m); b; b &= b - 1) {
         int k = __builtin_ctz(b);
-        lf_lane_shot *shot = &memory->shot[memory->n];
+        lf_lane_shot *shot = &memory->shot[memory->n++];
         for (int i = 0; i < 3; i++) {
             shot->q[i] = p->k.q[i][k];
-            shot->weight[i] = weight[k] * p->beta[i][k] * light[i][k];
+            shot->weight[i] = weight[k] * p->beta[i][k] * light[i];
         }
-        for (int i = 0; i < 3 && w; i++)
-            memory->w[i][memory->n] = w[i][k];
         shot->expected = expected[k];
         shot->random[0] = key[0][k];
         shot->random[1] = key[1][k];
         shot->job = p->job[k];
-        memory->n++;
     }
 }
 
@@ -428,8 +431,7 @@ LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_m
     }
     if (!(mean > 0.0f) || !bits_of(m))
         return;
-    const lanes toward[3] = {all(scene->toward[0]), all(scene->toward[1]), all(scene->toward[2])},
-                channel[3] = {all(light[0]), all(light[1]), all(light[2])};
+    const lanes toward[3] = {all(scene->toward[0]), all(scene->toward[1]), all(scene->toward[2])};
     lanes phase = phase_between(scene->g, p->w, toward);
     lanes share = carried * (1.0f / mean) * phase * (4.0f * LF_PI),
           probability = chance(scene, p->k.q, share, &expected);
@@ -437,20 +439,28 @@ LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_m
     for (int i = 0; i < 3; i++)
         p->radiance[i] = p->radiance[i] + p->beta[i] * light[i] * known;
     m = both(m, is_less(draw_unit(&p->random, m), probability));
-    shoot(p, m, has ? toward : NULL, channel, weight, expected, memory);
+    const int before = memory->n;
+    shoot(p, m, light, weight, expected, memory);
+    for (int k = before; k < memory->n && has; k++) {
+        memory->draws[k] = 0;
+        for (int i = 0; i < 3; i++)
+            memory->w[i][k] = scene->toward[i];
+    }
 }
 
-/* Next event of the picture, in balance with scattering. */
+/* Next event of the picture, by chance; where to is drawn later, for many at once. */
 LF_INLINE void next_picture(path *p, const lf_lane_scene *scene, mask m, lf_lane_memory *memory)
 {
-    lanes u = draw_unit(&p->random, m), v = draw_unit(&p->random, m), w[3], radiance[3];
-    draw_from_picture(&scene->picture, u, v, w);
-    lanes pdf = picture_along(&scene->picture, w, radiance),
-          phase = phase_between(scene->g, p->w, w), weight = phase / (pdf + phase);
-    for (int i = 0; i < 3; i++)
-        radiance[i] = (radiance[i] + scene->sky[i]) * scene->albedo[i];
-    m = both(m, is_less(all(0.0f), pdf));
-    shoot(p, m, w, radiance, weight, all(0.0f), memory);
+    const int before = memory->n;
+    int n = before;
+    m = both(m, is_less(draw_unit(&p->random, m), all(PICTURE_SHARE)));
+    shoot(p, m, scene->albedo, all(1.0f), all(0.0f), memory);
+    for (unsigned b = bits_of(m); b; b &= b - 1, n++) {
+        int k = __builtin_ctz(b);
+        memory->draws[n] = -1;
+        for (int i = 0; i < 3; i++)
+            memory->w[i][n] = p->w[i][k];
+    }
 }
 
 /* lf_phase_sample in the lanes of m, and what scattering leaves. */
@@ -481,7 +491,8 @@ LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *p
                      lf_lane_memory *memory, int *next, unsigned has)
 {
     mask shaded = without(p->t.shade, p->t.idle),
-         ended = arrive(p, scene, paths->max_depth, shaded, has), vertex = without(shaded, ended);
+         ended = arrive(p, scene, paths->max_depth, shaded, memory, has),
+         vertex = without(shaded, ended);
     mask died = roulette(p, vertex), begun = mask_of(0);
     vertex = without(vertex, died);
     ended = either(ended, died);
@@ -499,10 +510,73 @@ LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *p
     p->t.shade = p->t.idle;
 }
 
+/* Weights of a group of shots that draw from the picture towards w, in balance with scattering. */
+LF_INLINE void aim_group(const lf_lane_scene *scene, lf_lane_memory *memory, int first,
+                         const lanes w[3])
+{
+    const lanes_int draws = load_int(memory->draws + first);
+    const lanes came[3] = {load(memory->w[0] + first), load(memory->w[1] + first),
+                           load(memory->w[2] + first)};
+    lanes radiance[3], pdf = picture_along(&scene->picture, w, radiance),
+                       phase = phase_between(scene->g, came, w),
+                       weight = phase / (PICTURE_SHARE * pdf + phase);
+    weight = choose(is_less(all(0.0f), pdf), weight, all(0.0f));
+    for (int k = 0; k < LF_WIDTH; k++)
+        for (int i = 0; i < 3 && draws[k]; i++) {
+            memory->shot[first + k].weight[i] *= weight[k] * (radiance[i][k] + scene->sky[i]);
+            memory->w[i][first + k] = w[i][k];
+        }
+}
+
+/* Directions of the shots that draw one from the picture. */
+LF_INLINE void aim(const lf_lane_scene *scene, lf_lane_memory *memory)
+{
+    const int words = (int)(sizeof *memory->shot / sizeof(float));
+    const uint32_t *key = memory->shot->random;
+    const mask every = mask_of((1u << LF_WIDTH) - 1);
+    for (int first = 0; first < memory->n; first += LF_GROUPS * LF_WIDTH) {
+        lanes u[LF_GROUPS], v[LF_GROUPS], w[LF_GROUPS][3];
+        for (int g = 0; g < LF_GROUPS; g++) {
+            const lanes_int at = (count_up() + (first + g * LF_WIDTH)) * words;
+            lanes_random random = {0};
+            begin_random(&random, every, ~(lanes_bits)gather_int(key, at),
+                         (lanes_bits)gather_int(key + 1, at));
+            u[g] = draw_unit(&random, every);
+            v[g] = draw_unit(&random, every);
+        }
+        draw_from_picture(&scene->picture, u, v, w);
+        for (int g = 0; g < LF_GROUPS; g++)
+            aim_group(scene, memory, first + g * LF_WIDTH, w[g]);
+    }
+}
+
+/* What those that left find at infinity, in balance with next event. */
+LF_INLINE void find(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_lane_memory *memory)
+{
+    const int words = (int)(sizeof *memory->exit / sizeof(float));
+    for (int first = 0; first < memory->n_exits; first += LF_WIDTH) {
+        const lf_lane_exit *way = memory->exit;
+        const lanes_int at = (count_up() + first) * words;
+        lanes w[3], radiance[3];
+        for (int i = 0; i < 3; i++)
+            w[i] = gather(way->w + i, at);
+        lanes pdf = picture_along(&scene->picture, w, radiance), own = gather(&way->pdf, at),
+              weight = own / (own + PICTURE_SHARE * pdf);
+        const int rest = memory->n_exits - first, n = rest < LF_WIDTH ? rest : LF_WIDTH;
+        for (int k = 0; k < n; k++)
+            for (int i = 0; i < 3; i++)
+                paths->lit[i][way[first + k].job] +=
+                    way[first + k].beta[i] * ((radiance[i][k] + scene->sky[i]) * weight[k]);
+    }
+    memory->n_exits = 0;
+}
+
 /* Traces the shots that wait and adds what they find. */
 LF_INLINE int64_t flush(const lf_lane_scene *scene, const lf_lane_paths *paths,
                         lf_lane_memory *memory, unsigned has)
 {
+    if (has & LF_LANE_PICTURE)
+        aim(scene, memory);
     int64_t lookups = memory->n > 0 ? trace_shots(scene, memory, has) : 0;
     for (int k = 0; k < memory->n; k++) {
         const lf_lane_shot *shot = &memory->shot[k];
@@ -510,6 +584,8 @@ LF_INLINE int64_t flush(const lf_lane_scene *scene, const lf_lane_paths *paths,
             paths->lit[i][shot->job] += shot->weight[i] * (memory->left[k] - shot->expected);
     }
     memory->n = 0;
+    if (has & LF_LANE_PICTURE)
+        find(scene, paths, memory);
     return lookups;
 }
 
@@ -522,7 +598,7 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
     int next = 0;
     for (int i = 0; i < 3; i++)
         memset(paths->lit[i], 0, sizeof **paths->lit * (size_t)paths->n);
-    memory->n = 0;
+    memory->n = memory->n_exits = 0;
     for (turn now; (now = choose_turn(&p.t)) != END;) {
         if (now == STEP) {
             step(&p.k, scene, &p.t);
@@ -531,7 +607,8 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
             look(&p, scene);
         } else {
             shade(&p, scene, paths, memory, &next, has);
-            if (memory->n > LF_LANE_SHOTS - LF_WIDTH)
+            if (memory->n > LF_LANE_SHOTS - LF_WIDTH ||
+                (has && memory->n_exits > LF_LANE_SHOTS - LF_WIDTH))
                 lookups += flush(scene, paths, memory, has);
         }
     }
