@@ -1,0 +1,164 @@
+/* Suffixes in lanes from places in a small grid, and the same by path.c. */
+#ifndef LF_TESTS_RENDER_SUFFIXES_H
+#define LF_TESTS_RENDER_SUFFIXES_H
+
+#include "tests/testing.h"
+
+#include "base/alloc.h"
+#include "render/renderer.h"
+#include "render/rows/kernel.h"
+#include "render/rows/queue.h"
+#include "render/rows/rows.h"
+#include "render/transport/lanes.h"
+#include "render/transport/path.h"
+#include "render/transport/suffix.h"
+#include "tests/render/grids.h"
+
+enum { n_jobs = 4096 };
+
+#define SKY "'sky': { 'type': 'environment', 'radiance': [0.4, 0.5, 0.7] }"
+#define SUN                                                                                        \
+    "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': [2, 1.7, 1.5] }"
+#define SCENE(volume, lights)                                                                      \
+    "{ 'quiltd': 1, 'volumes': { 'v': { 'shape': 'box', 'density': 1, " volume " } }, "            \
+    "'lights': { " lights " } }"
+
+/* Jobs of all kinds in the arrays that lanes want. */
+typedef struct jobs {
+    float q[3][n_jobs], w[3][n_jobs], radiance[3][n_jobs], lit[3][n_jobs], left[n_jobs],
+        escaped[n_jobs];
+    uint32_t random[2][n_jobs];
+    lf_vec3 p[n_jobs]; /* of q, scene-local */
+} jobs;
+
+typedef struct rig {
+    lf_scene *scene;
+    lf_pool *pool;
+    lf_lane_scene lanes;
+    lf_lane_memory *memory;
+} rig;
+
+/* Soft, with holes: 0 in a third of the bricks. */
+static inline float soft(int x, int y, int z)
+{
+    return x / 8 % 3 == 1 ? 0.0f
+                          : 0.5f + 0.5f * sinf(0.7f * (float)x) * sinf(0.9f * (float)(y + z));
+}
+
+static inline lf_scene *make_scene(const char *text, float sigma)
+{
+    return lf_test_grid_scene(text, lf_test_grid(soft, 30, 17, 12), 0.1, 0.4, sigma, false);
+}
+
+/* Takes the scene. */
+static inline rig rig_of(lf_scene *scene)
+{
+    rig r = {.scene = scene, .memory = calloc(1, sizeof *r.memory)};
+    assert_non_null(r.memory);
+    assert_int_equal(lf_pool_create(2, &r.pool), LF_OK);
+    assert_true(lf_lane_scene_serves(r.scene));
+    assert_int_equal(lf_lane_scene_init(&r.lanes, r.scene, NULL, r.pool), LF_OK);
+    assert_non_null(r.lanes.field);
+    return r;
+}
+
+static inline rig make_rig(const char *text, float sigma)
+{
+    return rig_of(make_scene(text, sigma));
+}
+
+static inline void drop_rig(rig *r)
+{
+    lf_lane_scene_finish(&r->lanes);
+    lf_pool_destroy(r->pool);
+    lf_scene_unref(r->scene);
+    free(r->memory);
+}
+
+static inline float uniform(uint64_t *state)
+{
+    *state = lf_hash64(*state, 1);
+    return (float)(*state >> 40) * 0x1p-24f;
+}
+
+static inline void put_key(jobs *j, int i, uint64_t key)
+{
+    j->random[0][i] = (uint32_t)key;
+    j->random[1][i] = (uint32_t)(key >> 32);
+}
+
+/* Places all over the grid and a little beyond its edge, directions all around. */
+static inline void draw_jobs(const rig *r, uint64_t seed, int n, jobs *out)
+{
+    const lf_volume *v = &r->scene->volumes[0];
+    uint64_t state = lf_hash64(lf_test_seed(), seed);
+    for (int i = 0; i < n; i++) {
+        for (int a = 0; a < 3; a++)
+            out->q[a][i] = (uniform(&state) * 1.02f - 0.01f) * (float)(v->grid->size[a] + 1) - 1.0f;
+        float p[3];
+        for (int a = 0; a < 3; a++)
+            p[a] = v->to_scene[a][0] * (out->q[0][i] - v->to_volume[0][3]) +
+                   v->to_scene[a][1] * (out->q[1][i] - v->to_volume[1][3]) +
+                   v->to_scene[a][2] * (out->q[2][i] - v->to_volume[2][3]);
+        out->p[i] = lf_v3(p[0], p[1], p[2]);
+        const float u[2] = {uniform(&state), uniform(&state)};
+        lf_vec3 w = lf_phase_sample(0.0f, lf_v3(0.0f, 0.0f, 1.0f), u);
+        out->w[0][i] = i % 50 == 0 ? 0.0f : w.x; /* some along two axes alone */
+        out->w[1][i] = w.y;
+        out->w[2][i] = w.z;
+        float length = sqrtf(out->w[0][i] * out->w[0][i] + w.y * w.y + w.z * w.z);
+        for (int a = 0; a < 3; a++)
+            out->w[a][i] /= length;
+        put_key(out, i, state);
+    }
+}
+
+static inline int64_t trace(const lf_suffixes *s, rig *r, jobs *j, int first, int n, int max_depth)
+{
+    const lf_lane_paths paths = {
+        .n = n,
+        .max_depth = max_depth,
+        .q = {j->q[0] + first, j->q[1] + first, j->q[2] + first},
+        .w = {j->w[0] + first, j->w[1] + first, j->w[2] + first},
+        .random = {j->random[0] + first, j->random[1] + first},
+        .radiance = {j->radiance[0] + first, j->radiance[1] + first, j->radiance[2] + first},
+        .lit = {j->lit[0], j->lit[1], j->lit[2]},
+        .escaped = j->escaped + first};
+    return s->trace(&r->lanes, &paths, r->memory);
+}
+
+static inline int64_t light(const lf_suffixes *s, rig *r, jobs *j, int first, int n)
+{
+    const lf_lane_points points = {.n = n,
+                                   .q = {j->q[0] + first, j->q[1] + first, j->q[2] + first},
+                                   .w = {j->w[0] + first, j->w[1] + first, j->w[2] + first},
+                                   .random = {j->random[0] + first, j->random[1] + first},
+                                   .left = j->left + first};
+    return s->light(&r->lanes, &points, r->memory);
+}
+
+/* The best that this machine has: the others are the same to the bit. */
+static inline const lf_suffixes *best(void)
+{
+    return lf_kernels_get()->suffixes;
+}
+
+/* Sum over channels of what arrives along each job's direction, one suffix each. */
+static inline void single(const rig *r, jobs *j, int max_depth, double *out)
+{
+    lf_tracer tracer = {.scene = r->scene};
+    for (int i = 0; i < n_jobs; i++) {
+        lf_event event = {.kind = LF_EVENT_MEDIUM, .p = j->p[i], .w = lf_v3(0.0f, 0.0f, 1.0f)},
+                 next;
+        float pdf;
+        tracer.rng = (uint64_t)j->random[0][i] | (uint64_t)j->random[1][i] << 32;
+        lf_path_next(&tracer, &event, lf_v3(j->w[0][i], j->w[1][i], j->w[2][i]), &next);
+        lf_vec3 found = lf_path_light_found(r->scene, &event, &next, &pdf);
+        if (r->lanes.has) /* as lanes leave it to their caller */
+            found = lf_v3(0.0f, 0.0f, 0.0f);
+        found = lf_add(found, lf_path_arriving(&tracer, &next, 2, max_depth));
+        out[i] = (double)found.x + (double)found.y + (double)found.z;
+    }
+}
+
+#endif

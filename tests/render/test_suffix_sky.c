@@ -1,0 +1,430 @@
+/* Suffixes in lanes under pictures of the sky. What lanes look up and draw is what
+ * light_environment.c does, direction by direction; bits are the same for every instruction set and
+ * whatever jobs are run together; a furnace under a white picture; the mean of suffixes is that of
+ * path.c under skies of every kind, in the whole and in each piece of the grid, and that of
+ * pictures by mvpt and vpt is what single paths make, tile by tile. Negative controls: what is
+ * added to each mean is rejected. */
+#include "tests/render/suffixes.h"
+
+#include "render/transport/light_types.h"
+#include "render/transport/sky_lanes.h"
+
+#define ALONE "'sky': { 'type': 'environment', 'radiance': 1 }"
+
+/* ------------------------------------------------------------------------------------ pictures --
+ */
+
+typedef float (*texel_fn)(int x, int y, int channel);
+
+enum { WIDE = 48, HIGH = 25 };
+
+static float white(int x, int y, int channel)
+{
+    (void)x, (void)y, (void)channel;
+    return 1.0f;
+}
+static float uneven(int x, int y, int channel)
+{
+    return 0.2f + (float)((x * 7919 + y * 104729 + channel * 31) % 101) / 101.0f;
+}
+/* One texel has most of the light. */
+static float sunny(int x, int y, int channel)
+{
+    return x == 31 && y == 7 ? 500.0f - 100.0f * (float)channel : 0.3f * uneven(x, y, channel);
+}
+static float half_black(int x, int y, int channel)
+{
+    return x < WIDE / 2 ? 0.0f : uneven(x, y, channel);
+}
+static float black(int x, int y, int channel)
+{
+    (void)x, (void)y, (void)channel;
+    return 0.0f;
+}
+
+/* The picture becomes that of the scene's first light. */
+static void hang(lf_scene *scene, texel_fn texel, int width, int height)
+{
+    lf_error err = {0};
+    lf_light *light = &scene->lights[0];
+    lf_environment *e = lf_calloc(1, sizeof *e);
+    assert_non_null(e);
+    atomic_init(&e->refs, 1);
+    e->width = width;
+    e->height = height;
+    e->rgb = lf_calloc(3 * (size_t)width * (size_t)height, sizeof *e->rgb);
+    assert_non_null(e->rgb);
+    for (int i = 0; i < 3 * width * height; i++)
+        e->rgb[i] = texel(i / 3 % width, i / 3 / width, i % 3);
+    assert_int_equal(lf_environment_commit(e), LF_OK);
+    assert_ptr_equal(light->kind, &lf_light_environment);
+    light->environment = e;
+    light->radiance = lf_v3(1.0f, 0.9f, 0.8f);
+    lf_environment_turn(light, 0.7);
+    lf_assert_ok(lf_lights_commit(scene, &err), &err);
+}
+
+static lf_scene *sky_scene(const char *text, float sigma, texel_fn texel)
+{
+    lf_scene *scene = make_scene(text, sigma);
+    hang(scene, texel, WIDE, HIGH);
+    return scene;
+}
+
+/* ---------------------------------------------------------------------------- one direction --- */
+
+static void turns_are_libm_s_within_rounding(void **state)
+{
+    (void)state;
+    uint64_t seed = 5;
+    for (int i = 0; i < 1 << 18; i++) {
+        lanes x, y;
+        for (int k = 0; k < 4; k++) {
+            float small = powf(10.0f, -8.0f * uniform(&seed) * (float)(k & 1));
+            x[k] = (uniform(&seed) - 0.5f) * small;
+            y[k] = uniform(&seed);
+        }
+        lanes turn = turn_of(y, x);
+        for (int k = 0; k < 4; k++)
+            lf_assert_close((double)turn[k],
+                            atan2((double)y[k], (double)x[k]) / (2.0 * 3.14159265358979323846), 0,
+                            4e-8);
+    }
+    const lanes x = {0.0f, 1.0f, -1.0f, 0.0f}, y = {0.0f, 0.0f, 0.0f, 1.0f}, turn = turn_of(y, x);
+    assert_true(turn[0] == 0.0f && turn[1] == 0.0f && turn[2] == 0.5f && turn[3] == 0.25f);
+}
+
+/* Directions all around, and along the axes. */
+static lf_vec3 some_way(int i, uint64_t *seed)
+{
+    const float u[2] = {uniform(seed), uniform(seed)};
+    lf_vec3 w = lf_phase_sample(0.0f, lf_v3(0.0f, 0.0f, 1.0f), u);
+    if (i < 6)
+        w = lf_v3(0.0f, 0.0f, 0.0f);
+    if (i < 6)
+        (&w.x)[i % 3] = i < 3 ? 1.0f : -1.0f;
+    return w;
+}
+
+/* Beside a texel's edge rounding decides whose pdf it is. */
+static void a_picture_is_looked_up_as_for_one_direction(void **state)
+{
+    (void)state;
+    static const int sizes[][2] = {{WIDE, HIGH}, {1, 1}, {2, 3}, {301, 64}};
+    for (size_t s = 0; s < 4; s++) {
+        lf_scene *scene = make_scene(SCENE("'albedo': 0.8", ALONE), 3.0f);
+        hang(scene, uneven, sizes[s][0], sizes[s][1]);
+        rig r = rig_of(scene);
+        uint64_t seed = 6;
+        int others = 0;
+        enum { n = 20000 };
+        for (int i = 0; i < n; i++) {
+            lf_vec3 way = some_way(i, &seed);
+            const lanes w[3] = {all(way.x), all(way.y), all(way.z)};
+            lanes radiance[3], pdf = picture_along(&r.lanes.picture, w, radiance);
+            float own;
+            lf_vec3 truth = lf_light_escape(scene, way, &own);
+            lf_assert_close((double)radiance[0][1], (double)truth.x, 0, 1e-4 * sizes[s][0]);
+            lf_assert_close((double)radiance[1][2], (double)truth.y, 0, 1e-4 * sizes[s][0]);
+            lf_assert_close((double)radiance[2][3], (double)truth.z, 0, 1e-4 * sizes[s][0]);
+            others += pdf[0] != own;
+        }
+        print_message("%d of %d directions have the pdf of another texel\n", others, n);
+        assert_true(others < n / 500);
+        drop_rig(&r);
+    }
+}
+
+static void directions_are_drawn_as_one_by_one(void **state)
+{
+    (void)state;
+    static const texel_fn skies[] = {uneven, sunny, half_black};
+    for (size_t s = 0; s < 3; s++) {
+        rig r = rig_of(sky_scene(SCENE("'albedo': 0.8", ALONE), 3.0f, skies[s]));
+        uint64_t seed = 7;
+        for (int i = 0; i < 5000; i++) {
+            lanes u[LF_GROUPS], v[LF_GROUPS], w[LF_GROUPS][3];
+            for (int g = 0; g < LF_GROUPS; g++)
+                for (int k = 0; k < LF_WIDTH; k++) {
+                    u[g][k] = i == 0 ? 0.0f : i == 1 ? 1.0f - 0x1p-24f : uniform(&seed);
+                    v[g][k] = i == 0 ? 0.0f : i == 1 ? 1.0f - 0x1p-24f : uniform(&seed);
+                }
+            const int g = i % LF_GROUPS, k = i / LF_GROUPS % LF_WIDTH;
+            const float of[2] = {u[g][k], v[g][k]};
+            lf_light_sample light;
+            draw_from_picture(&r.lanes.picture, u, v, w);
+            assert_true(lf_environment_draw(r.scene, &r.scene->lights[0], lf_v3(0.0f, 0.0f, 0.0f),
+                                            0.0, of, &light));
+            lf_assert_close((double)w[g][0][k], (double)light.wi.x, 0, 1e-6);
+            lf_assert_close((double)w[g][1][k], (double)light.wi.y, 0, 1e-6);
+            lf_assert_close((double)w[g][2][k], (double)light.wi.z, 0, 1e-6);
+        }
+        drop_rig(&r);
+    }
+}
+
+/* --------------------------------------------------------------------------------------- bits --
+ */
+
+static void bits_under_pictures_are_the_same_for_every_instruction_set_and_batch(void **state)
+{
+    (void)state;
+    static jobs first, other;
+    rig r = rig_of(
+        sky_scene(SCENE("'albedo': [0.95, 0.8, 0.6], 'g': 0.6", ALONE ", " SUN), 25.0f, sunny));
+    draw_jobs(&r, 1, n_jobs, &first);
+    memcpy(&other, &first, sizeof first);
+    int64_t lookups = trace(&lf_suffixes_c, &r, &first, 0, n_jobs, 40) +
+                      light(&lf_suffixes_c, &r, &first, 0, n_jobs);
+    assert_true(lookups > 10 * n_jobs);
+    static const int sizes[] = {n_jobs, 1024, 64, 17, 1};
+    for (int k = 0; lf_kernels_at(k); k++)
+        for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+            const lf_suffixes *suffixes = lf_kernels_at(k)->suffixes;
+            int64_t found = 0;
+            for (int at = 0; at < n_jobs; at += sizes[s]) {
+                int n = n_jobs - at < sizes[s] ? n_jobs - at : sizes[s];
+                found += trace(suffixes, &r, &other, at, n, 40);
+                found += light(suffixes, &r, &other, at, n);
+            }
+            assert_memory_equal(first.radiance, other.radiance, sizeof first.radiance);
+            assert_memory_equal(first.escaped, other.escaped, sizeof first.escaped);
+            assert_memory_equal(first.left, other.left, sizeof first.left);
+            assert_true(found == lookups);
+            memset(other.radiance, 0, sizeof other.radiance);
+            memset(other.escaped, 0, sizeof other.escaped);
+            memset(other.left, 0, sizeof other.left);
+        }
+    drop_rig(&r);
+}
+
+/* ------------------------------------------------------------------------------- closed forms --
+ */
+
+/* 1, whether it is found at once, behind scattering or by light samples. */
+static void nothing_is_lost_in_a_furnace_under_a_picture(void **state)
+{
+    (void)state;
+    static jobs j;
+    lf_moments seen = {0};
+    rig r = rig_of(sky_scene(SCENE("'albedo': 1, 'g': -0.5", ALONE), 30.0f, white));
+    int escaped = 0;
+    for (uint64_t round = 0; round < 20; round++) {
+        double sum = 0.0;
+        draw_jobs(&r, 20 + round, n_jobs, &j);
+        trace(best(), &r, &j, 0, n_jobs, 1 << 20);
+        for (int i = 0; i < n_jobs; i++) {
+            assert_true(j.escaped[i] == 0.0f || j.escaped[i] == 1.0f);
+            /* what left at once has found nothing */
+            assert_true(j.escaped[i] == 0.0f || j.radiance[0][i] == 0.0f);
+            sum += (double)(j.radiance[0][i] + j.escaped[i]) / n_jobs;
+            escaped += j.escaped[i] > 0.0f;
+        }
+        lf_moments_add(&seen, sum);
+    }
+    assert_true(escaped > n_jobs && escaped < 19 * n_jobs);
+    if (!(lf_p_mean(&seen, 1.0) > LF_FALSE_ALARM))
+        fail_msg("%.5g +- %.2g, not 1", seen.mean, lf_moments_error(&seen));
+    /* what the test sees */
+    assert_true(lf_p_mean(&seen, 1.003) < LF_FALSE_ALARM);
+    drop_rig(&r);
+}
+
+/* ---------------------------------------------------------------------------- the mean of path.c
+ * --
+ */
+
+enum { PIECES = 4 };
+
+/* Lanes less path.c over replicates, whose places they have in common: of each quarter of the grid,
+ * then of all. Over the mean of path.c in all. */
+typedef struct differences {
+    lf_moments of[PIECES + 1];
+    double mean; /* of path.c */
+} differences;
+
+static differences compare_under(rig *r, int max_depth, int rounds)
+{
+    static jobs j;
+    static double alone[n_jobs];
+    const float length = (float)(r->scene->volumes[0].grid->size[0] + 1);
+    differences d;
+    memset(&d, 0, sizeof d);
+    for (int round = 0; round < rounds; round++) {
+        double sum[PIECES + 1] = {0.0};
+        draw_jobs(r, 200 + (uint64_t)round, n_jobs, &j);
+        trace(best(), r, &j, 0, n_jobs, max_depth);
+        single(r, &j, max_depth, alone);
+        for (int i = 0; i < n_jobs; i++) {
+            double off = -alone[i];
+            int piece = (int)(PIECES * lf_min(lf_max((j.q[0][i] + 1.0f) / length, 0.0f), 0.99f));
+            for (int c = 0; c < 3; c++)
+                off += (double)j.radiance[c][i];
+            sum[piece] += PIECES * off / n_jobs;
+            sum[PIECES] += off / n_jobs;
+            d.mean += alone[i] / n_jobs / rounds;
+        }
+        for (int k = 0; k <= PIECES; k++)
+            lf_moments_add(&d.of[k], sum[k]);
+    }
+    return d;
+}
+
+static void the_mean_under_pictures_is_that_of_single_paths(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        texel_fn sky;
+        float sigma;
+        int max_depth, rounds;
+        double bias; /* relative, that would be seen in the whole */
+    } cases[] = {
+        {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0", ALONE), uneven, 8.0f, 1024, 480, 0.003},
+        {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0.5", ALONE), half_black, 8.0f, 1024, 60, 0.01},
+        {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0", ALONE), sunny, 4.0f, 1024, 100, 0.01},
+        {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0.8", ALONE), sunny, 8.0f, 3, 60, 0.05},
+        {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': -0.4",
+               ALONE ", " SUN ", 'even': { 'type': "
+                     "'environment', 'radiance': [0.2, 0.3, 0.4] }"),
+         half_black, 8.0f, 1024, 60, 0.01},
+    };
+    enum { n = sizeof cases / sizeof *cases };
+    const double level = lf_sidak(LF_FALSE_ALARM, n * (PIECES + 1));
+    for (int i = 0; i < n; i++) {
+        rig r = rig_of(sky_scene(cases[i].text, cases[i].sigma, cases[i].sky));
+        assert_true(r.lanes.has == LF_LANE_PICTURE);
+        differences d = compare_under(&r, cases[i].max_depth, cases[i].rounds);
+        for (int k = 0; k <= PIECES; k++)
+            if (!(lf_p_mean(&d.of[k], 0.0) > level))
+                fail_msg("case %d, piece %d: %.5g +- %.2g off, of %.5g", i, k, d.of[k].mean,
+                         lf_moments_error(&d.of[k]), d.mean);
+        print_message("case %d: %.2g +- %.2g off, of %.5g\n", i, d.of[PIECES].mean,
+                      lf_moments_error(&d.of[PIECES]), d.mean);
+        if (!(lf_p_mean(&d.of[PIECES], 2.0 * cases[i].bias * d.mean) < level))
+            fail_msg("case %d: %.2g of %.5g is too much noise", i, lf_moments_error(&d.of[PIECES]),
+                     d.mean);
+        drop_rig(&r);
+    }
+}
+
+/* ------------------------------------------------------------------------------------ pictures --
+ */
+
+enum { width = 24, height = 18, tile = 12, replicates = 24 };
+
+static void render(lf_scene *scene, const char *integrator, bool in_lanes, lf_pool *pool,
+                   lf_blocks *out)
+{
+    lf_renderer *renderer = lf_test_renderer(scene, integrator, width, height, pool);
+    lf_render_settings settings = *lf_renderer_settings(renderer);
+    settings.skip = in_lanes ? LF_SKIP_ALL : LF_SKIP_ALL & ~LF_SKIP_PATHS;
+    lf_assert_ok(lf_renderer_restart(renderer, scene, &settings, NULL), NULL);
+    assert_true((renderer->lanes != NULL) == in_lanes);
+    lf_blocks_init(out, settings.camera.n_views, width, height, tile);
+    for (uint64_t k = 0; k < replicates; k++) {
+        lf_test_reseed(renderer, lf_hash64(lf_test_seed() + (in_lanes ? 4000 : 5000), k));
+        lf_test_passes(renderer, 4 * settings.camera.n_views);
+        lf_blocks_add_picture(out, renderer, LF_ESTIMATOR_MIS);
+    }
+    lf_renderer_destroy(renderer);
+}
+
+static void pictures_are_those_of_single_paths(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *integrator, *text;
+        texel_fn sky;
+    } cases[] = {
+        {"mvpt",
+         "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 9], 'views': 4, 'fov_y': 12 }, "
+         "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 0.9 } }, 'lights': { " ALONE
+         " } }",
+         uneven},
+        {"mvpt",
+         "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 9], 'views': 4, 'fov_y': 12 }, "
+         "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 0.9, 'g': 0.6 } }, "
+         "'lights': { " ALONE ", " SUN " } }",
+         half_black},
+        {"vpt",
+         "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 9], 'views': 4, 'fov_y': 12 }, "
+         "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 0.9, 'g': 0.6 } }, "
+         "'lights': { " ALONE " } }",
+         uneven},
+    };
+    enum { n = sizeof cases / sizeof *cases };
+    const double level = lf_sidak(LF_FALSE_ALARM, n * (4 * 4 + 1));
+    lf_pool *pool = NULL;
+    lf_assert_ok(lf_pool_create(2, &pool), NULL);
+    for (int i = 0; i < n; i++) {
+        lf_blocks seen[2];
+        int where;
+        lf_scene *scene = sky_scene(cases[i].text, 3.0f, cases[i].sky);
+        render(scene, cases[i].integrator, true, pool, &seen[0]);
+        render(scene, cases[i].integrator, false, pool, &seen[1]);
+        double p = lf_blocks_welch(&seen[0], &seen[1], &where);
+        const lf_moments *a = &seen[0].moments[where], *b = &seen[1].moments[where];
+        const lf_moments *whole = &seen[0].moments[seen[0].n - 1];
+        print_message("case %d: worst of %d tiles p %.2g; %.5g +- %.2g in all\n", i, seen[0].n, p,
+                      whole->mean, lf_moments_error(whole));
+        if (!(p > level))
+            fail_msg("case %d: block %d: %.6g +- %.2g in lanes, %.6g +- %.2g alone", i, where,
+                     a->mean, lf_moments_error(a), b->mean, lf_moments_error(b));
+        assert_true(lf_blocks_welch_injected(&seen[0], &seen[1], seen[0].n - 1, 1.01) < level);
+        assert_true(lf_blocks_welch_injected(&seen[0], &seen[1], seen[0].n - 1, 0.99) < level);
+        lf_blocks_finish(&seen[0]);
+        lf_blocks_finish(&seen[1]);
+        lf_scene_unref(scene);
+    }
+    lf_pool_destroy(pool);
+}
+
+/* ------------------------------------------------------------------------------------- scenes --
+ */
+
+static void a_black_picture_is_no_picture(void **state)
+{
+    (void)state;
+    static jobs j;
+    rig r = rig_of(sky_scene(SCENE("'albedo': 0.8", ALONE ", " SUN), 3.0f, black));
+    assert_true(r.lanes.has == 0 && r.lanes.sky[0] == 0.0f);
+    draw_jobs(&r, 3, n_jobs, &j);
+    trace(best(), &r, &j, 0, n_jobs, 40);
+    double sum = 0.0;
+    for (int i = 0; i < n_jobs; i++)
+        sum += (double)j.radiance[0][i];
+    assert_true(sum > 0.0);
+    drop_rig(&r);
+}
+
+static void two_pictures_are_left_to_single_paths(void **state)
+{
+    (void)state;
+    lf_scene *scene = make_scene(
+        SCENE("'albedo': 0.8", ALONE ", 'more': { 'type': 'environment', 'radiance': 1 }"), 3.0f);
+    hang(scene, uneven, WIDE, HIGH);
+    assert_true(lf_lane_scene_serves(scene));
+    lf_light first = scene->lights[0];
+    scene->lights[0] = scene->lights[1];
+    scene->lights[1] = first;
+    hang(scene, uneven, WIDE, HIGH);
+    assert_false(lf_lane_scene_serves(scene));
+    lf_scene_unref(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(turns_are_libm_s_within_rounding),
+        cmocka_unit_test(a_picture_is_looked_up_as_for_one_direction),
+        cmocka_unit_test(directions_are_drawn_as_one_by_one),
+        cmocka_unit_test(bits_under_pictures_are_the_same_for_every_instruction_set_and_batch),
+        cmocka_unit_test(nothing_is_lost_in_a_furnace_under_a_picture),
+        cmocka_unit_test(the_mean_under_pictures_is_that_of_single_paths),
+        cmocka_unit_test(pictures_are_those_of_single_paths),
+        cmocka_unit_test(a_black_picture_is_no_picture),
+        cmocka_unit_test(two_pictures_are_left_to_single_paths),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
