@@ -31,7 +31,7 @@ typedef struct lf_queue {
     lf_queued item[LF_QUEUE_PIVOTS];
     /* [pivot]: where, volume space, and what of the light is left there */
     float q[3][LF_QUEUE_PIVOTS], left[LF_QUEUE_PIVOTS];
-    float toward[3][LF_QUEUE_PIVOTS]; /* its light, where the sky has a picture */
+    float toward[3][LF_QUEUE_PIVOTS]; /* its light, where the scene `has` more than directions */
     uint32_t random[2][LF_QUEUE_PIVOTS];
     /* [pivot][suffix] */
     float from[3][LF_QUEUE_PIVOTS * LF_QUEUE_EACH], wi[3][LF_QUEUE_PIVOTS * LF_QUEUE_EACH],

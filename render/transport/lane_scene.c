@@ -63,8 +63,7 @@ static bool serves_lights(const lf_scene *scene)
         const lf_light *l = &scene->lights[i];
         if (i >= scene->n_lights_infinite || l->way)
             return false;
-        if (l->environment ? !serves_picture(l->environment)
-                           : l->kind->varies && l->kind->varies(l))
+        if (l->environment && !serves_picture(l->environment))
             return false;
         drawn[l->environment != NULL] += l->select > 0.0f;
     }
@@ -99,6 +98,20 @@ static lf_lane_picture picture_of(const lf_light *light)
     return picture;
 }
 
+static lf_lane_disk disk_of(const lf_light *light)
+{
+    const lf_vec3 axis = lf_scale(light->direction, -1.0f);
+    lf_lane_disk disk = {.versine = light->versine,
+                         .solid_angle = 2.0f * LF_PI * light->versine,
+                         .inverse_ramp = 0.5f / lf_disk_ramp(light)};
+    lf_vec3 t, b;
+    lf_tangents(axis, &t, &b);
+    put(disk.side[0], t);
+    put(disk.side[1], b);
+    put(disk.radiance, light->radiance);
+    return disk;
+}
+
 /* What the skies without a picture send from everywhere. */
 static lf_vec3 even_sky(const lf_scene *scene)
 {
@@ -106,7 +119,7 @@ static lf_vec3 even_sky(const lf_scene *scene)
     float pdf;
     for (int i = 0; i < scene->n_lights; i++) {
         const lf_light *light = &scene->lights[i];
-        if (!light->environment)
+        if (!light->environment && !(light->versine > 0.0f))
             sum = lf_add(sum, light->kind->escape(light, lf_v3(0.0f, 1.0f, 0.0f), &pdf));
     }
     return sum;
@@ -127,6 +140,10 @@ static void set_colours(lf_lane_scene *lanes, const lf_scene *scene)
     if (light) {
         put(lanes->toward, lf_scale(light->direction, -1.0f));
         put(lanes->irradiance, light->irradiance);
+    }
+    if (light && light->versine > 0.0f) {
+        lanes->has |= LF_LANE_DISK;
+        lanes->disk = disk_of(light);
     }
     if (sky) {
         lanes->has |= LF_LANE_PICTURE;

@@ -38,16 +38,25 @@ typedef struct lf_lane_picture {
     float to_picture[3][3], factor[3];
 } lf_lane_picture;
 
+/* A light that is a disk about `toward`: light_distant.c. */
+typedef struct lf_lane_disk {
+    float versine, solid_angle;
+    float inverse_ramp; /* 1 over how much versine its rim is wide */
+    float side[2][3];   /* unit, across it */
+    float radiance[3];
+} lf_lane_disk;
+
 /* What scenes may have, and what is compiled for those that have not stays without it. */
-enum { LF_LANE_PICTURE = 1 };
+enum { LF_LANE_PICTURE = 1, LF_LANE_DISK = 2 };
 
 typedef struct lf_lane_scene {
     lf_lane_field *field; /* counted reference; NULL: lanes do not serve the scene */
     float to_volume[3][4], size[3], g;
     float albedo[3], sky[3];        /* sky: without the picture */
     float toward[3], irradiance[3]; /* of the light; all 0: there is none */
-    unsigned has;                   /* of LF_LANE_PICTURE */
+    unsigned has;                   /* of LF_LANE_PICTURE, LF_LANE_DISK */
     lf_lane_picture picture;        /* all 0: there is none */
+    lf_lane_disk disk;              /* all 0: the light is none */
 } lf_lane_scene;
 
 /* Whether lanes can do all of the scene's suffixes. */

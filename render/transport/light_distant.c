@@ -31,6 +31,11 @@ static void commit(lf_light *light)
         projected > 0.0f ? lf_scale(light->irradiance, 1.0f / projected) : lf_v3(0.0f, 0.0f, 0.0f);
 }
 
+float lf_disk_ramp(const lf_light *light)
+{
+    return BLUR * sqrtf(2.0f * light->versine);
+}
+
 /* Share of the disk's radiance that w sees. The difference from the middle is exact; of it only
  * what stands across the middle counts, for neither vector has length 1 to the last digit. */
 static float coverage(const lf_light *light, lf_vec3 w)
@@ -39,8 +44,7 @@ static float coverage(const lf_light *light, lf_vec3 w)
     float cosine = -lf_dot(w, light->direction);
     if (!(light->versine > 0.0f && cosine > 0.0f))
         return 0.0f;
-    float versine = lf_dot(across, across) / (1.0f + cosine),
-          ramp = BLUR * sqrtf(2.0f * light->versine);
+    float versine = lf_dot(across, across) / (1.0f + cosine), ramp = lf_disk_ramp(light);
     return lf_min(lf_max(0.5f + (light->versine - versine) / (2.0f * ramp), 0.0f), 1.0f);
 }
 

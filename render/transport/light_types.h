@@ -29,6 +29,9 @@ bool lf_environment_varies(const lf_light *light);
  * +y. */
 void lf_environment_turn(lf_light *light, double angle);
 
+/* Half of how much versine the rim of a disk is wide. */
+float lf_disk_ramp(const lf_light *light);
+
 /* Lights that are faces. */
 
 /* What they may say of a length and of how much they shine: their radiance or their power. */

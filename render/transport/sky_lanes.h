@@ -105,4 +105,30 @@ LF_INLINE void draw_from_picture(const lf_lane_picture *picture, lanes u[LF_GROU
         direction_of(picture, row[g], column[g] - row[g] * (picture->width + 1), u[g], v[g], w[g]);
 }
 
+/* Directions even over the disk by two numbers in [0, 1), unit, scene. */
+LF_INLINE void draw_from_disk(const lf_lane_scene *scene, lanes u, lanes v, lanes w[3])
+{
+    const lf_lane_disk *disk = &scene->disk;
+    lanes versine = u * disk->versine, s, c;
+    lanes sine = root(versine * (2.0f - versine)), cosine = 1.0f - versine;
+    sine_cosine(v, &s, &c);
+    for (int i = 0; i < 3; i++)
+        w[i] = disk->side[0][i] * (sine * c) + disk->side[1][i] * (sine * s) +
+               scene->toward[i] * cosine;
+}
+
+/* Share of the disk's radiance that unit directions see. */
+LF_INLINE lanes disk_along(const lf_lane_scene *scene, const lanes w[3])
+{
+    const float *n = scene->toward;
+    const lanes d[3] = {w[0] - n[0], w[1] - n[1], w[2] - n[2]};
+    const lanes x = d[1] * n[2] - d[2] * n[1], y = d[2] * n[0] - d[0] * n[2],
+                z = d[0] * n[1] - d[1] * n[0];
+    lanes cosine = w[0] * n[0] + w[1] * n[1] + w[2] * n[2],
+          versine = (x * x + y * y + z * z) / (1.0f + most(cosine, all(0.0f)));
+    lanes share = 0.5f + (scene->disk.versine - versine) * scene->disk.inverse_ramp;
+    share = least(most(share, all(0.0f)), all(1.0f));
+    return choose(is_less(all(0.0f), cosine), share, all(0.0f));
+}
+
 #endif

@@ -20,7 +20,7 @@ typedef struct lf_lane_shot {
     int32_t job;
 } lf_lane_shot;
 
-/* A path that has left, and waits for what it finds in the picture. */
+/* A path that has left, and waits for what it finds at infinity. */
 typedef struct lf_lane_exit {
     float w[3], beta[3];
     float pdf; /* of w, by scattering */
@@ -32,8 +32,8 @@ typedef struct lf_lane_memory {
     lf_lane_shot shot[LF_LANE_SHOTS + LF_LANE_MOST];
     float left[LF_LANE_SHOTS + LF_LANE_MOST];
     int n; /* shots */
-    /* Where the scene has a picture: unit, scene. Of shots with `draws` the way that the path came;
-     * of others where to. */
+    /* Where the scene `has` anything: unit, scene. Of shots with `draws` the way that the path
+     * came; of others where to. */
     float w[3][LF_LANE_SHOTS + LF_LANE_MOST];
     int32_t draws[LF_LANE_SHOTS + LF_LANE_MOST]; /* -1, else 0 */
     lf_lane_exit exit[LF_LANE_SHOTS + LF_LANE_MOST];
@@ -48,7 +48,7 @@ typedef struct lf_lane_paths {
     const uint32_t *random[2];
     float *radiance[3]; /* out: what arrives along w, light met at the first event included … */
     float *lit[3];      /* what shadow rays add to it meanwhile */
-    /* … but where the scene has a picture: there that is left to the caller, and this says whether
+    /* … but where the scene `has` anything: there that is left to the caller, and this says whether
      * the path met nothing (1, else 0). Elsewhere it is not looked at. */
     float *escaped;
 } lf_lane_paths;
@@ -57,8 +57,7 @@ typedef struct lf_lane_paths {
 typedef struct lf_lane_points {
     int n;
     const float *q[3];
-    const float
-        *w[3]; /* unit, scene: where to; read where the scene has a picture, else `toward` */
+    const float *w[3]; /* unit, scene: where to; read where it `has` anything, else `toward` */
     const uint32_t *random[2];
     float *left; /* out: an unbiased estimate, 0..1; 0 without a light */
 } lf_lane_points;

@@ -10,14 +10,10 @@
 #define LF_RENDER_SUFFIX_LANES_H
 
 #include "render/transport/lanes.h"
-#include "render/transport/sky_lanes.h"
-#include "render/transport/suffix.h"
+#include "render/transport/suffix_sky_lanes.h"
 
 /* Lanes that are enough for a turn. */
 enum { ENOUGH = LF_WIDTH / 2 };
-
-/* How often a vertex draws from the picture. Both ways to find its light count that. */
-#define PICTURE_SHARE 0.5f
 
 /* ----------------------------------------------------------------------------- through the grid --
  */
@@ -325,10 +321,10 @@ LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask s
 {
     mask vertex = both(shaded, p->collided), left = without(shaded, either(vertex, p->fresh));
     lanes seen = choose(left, all(1.0f), all(0.0f));
-    if (has & LF_LANE_PICTURE)
+    if (has)
         leave(p, left, memory);
     for (int i = 0; i < 3; i++) {
-        if (!(has & LF_LANE_PICTURE))
+        if (!has)
             p->radiance[i] = p->radiance[i] + p->beta[i] * (scene->sky[i] * seen);
         p->k.q[i] = choose(vertex, p->k.q[i] + p->k.t * p->k.d[i], p->k.q[i]);
     }
@@ -376,27 +372,6 @@ LF_INLINE mask next_paths(path *p, const lf_lane_paths *paths, mask ended, int *
     return m;
 }
 
-/* lf_phase_between directions, by the square of what is between their ends (g < 0: one turned
- * round). */
-LF_INLINE lanes phase_at(float g, lanes square)
-{
-    const float a = fabsf(g), numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a);
-    lanes d = most((1.0f - a) * (1.0f - a) + a * square, all(1e-12f));
-    return numerator / (d * root(d));
-}
-
-/* lf_phase_between the directions of travel and another. */
-LF_INLINE lanes phase_between(float g, const lanes w[3], const lanes towards[3])
-{
-    const float sign = copysignf(1.0f, g);
-    lanes square = all(0.0f);
-    for (int i = 0; i < 3; i++) {
-        lanes c = w[i] - sign * towards[i];
-        square = square + c * c;
-    }
-    return phase_at(g, square);
-}
-
 /* Shadow rays from the vertices of m, which count weight times what is left there beyond `expected`
  * of each channel's light. */
 LF_INLINE void shoot(path *p, mask m, const float light[3], lanes weight, lanes expected,
@@ -417,42 +392,59 @@ LF_INLINE void shoot(path *p, mask m, const float light[3], lanes weight, lanes 
     }
 }
 
+/* Where the light is, seen from vertices of m, in `out`; its phase function, and what that weighs
+ * in balance with scattering. */
+LF_INLINE lanes towards_light(path *p, const lf_lane_scene *scene, mask m, lanes out[3],
+                              lanes *weight, unsigned has)
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = all(scene->toward[i]);
+    if (has & LF_LANE_DISK) {
+        lanes u = draw_unit(&p->random, m);
+        draw_from_disk(scene, u, draw_unit(&p->random, m), out);
+    }
+    lanes phase = *weight = phase_between(scene->g, p->w, out);
+    if (has & LF_LANE_DISK)
+        *weight = phase / (1.0f / scene->disk.solid_angle + phase);
+    return phase;
+}
+
 /* Next event of the light at the vertices of m: the control at once, and by chance a shadow ray for
  * what it is off by. */
 LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_memory *memory,
                           unsigned has)
 {
+    const float *sent = has & LF_LANE_DISK ? scene->disk.radiance : scene->irradiance;
     float light[3], mean = 0.0f;
-    lanes carried = all(0.0f), expected;
+    lanes carried = all(0.0f), expected, toward[3], weight;
     for (int i = 0; i < 3; i++) {
-        light[i] = scene->albedo[i] * scene->irradiance[i];
+        light[i] = scene->albedo[i] * sent[i];
         mean += light[i];
         carried = carried + p->beta[i] * light[i];
     }
     if (!(mean > 0.0f) || !bits_of(m))
         return;
-    const lanes toward[3] = {all(scene->toward[0]), all(scene->toward[1]), all(scene->toward[2])};
-    lanes phase = phase_between(scene->g, p->w, toward);
+    lanes phase = towards_light(p, scene, m, toward, &weight, has);
     lanes share = carried * (1.0f / mean) * phase * (4.0f * LF_PI),
           probability = chance(scene, p->k.q, share, &expected);
-    lanes known = choose(m, phase * expected, all(0.0f)), weight = phase / probability;
+    lanes known = choose(m, weight * expected, all(0.0f));
     for (int i = 0; i < 3; i++)
         p->radiance[i] = p->radiance[i] + p->beta[i] * light[i] * known;
     m = both(m, is_less(draw_unit(&p->random, m), probability));
-    const int before = memory->n;
-    shoot(p, m, light, weight, expected, memory);
-    for (int k = before; k < memory->n && has; k++) {
-        memory->draws[k] = 0;
+    int n = memory->n;
+    shoot(p, m, light, weight / probability, expected, memory);
+    for (unsigned b = has ? bits_of(m) : 0; b; b &= b - 1, n++) {
+        int k = __builtin_ctz(b);
+        memory->draws[n] = 0;
         for (int i = 0; i < 3; i++)
-            memory->w[i][k] = scene->toward[i];
+            memory->w[i][n] = toward[i][k];
     }
 }
 
 /* Next event of the picture, by chance; where to is drawn later, for many at once. */
 LF_INLINE void next_picture(path *p, const lf_lane_scene *scene, mask m, lf_lane_memory *memory)
 {
-    const int before = memory->n;
-    int n = before;
+    int n = memory->n;
     m = both(m, is_less(draw_unit(&p->random, m), all(PICTURE_SHARE)));
     shoot(p, m, scene->albedo, all(1.0f), all(0.0f), memory);
     for (unsigned b = bits_of(m); b; b &= b - 1, n++) {
@@ -483,7 +475,7 @@ LF_INLINE void scatter(path *p, const lf_lane_scene *scene, mask m, unsigned has
         p->w[i] = choose(m, turned[i], p->w[i]);
         p->beta[i] = choose(m, p->beta[i] * scene->albedo[i], p->beta[i]);
     }
-    if (has & LF_LANE_PICTURE)
+    if (has)
         p->pdf = choose(m, phase_at(scene->g, 2.0f * versine), p->pdf);
 }
 
@@ -510,67 +502,6 @@ LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *p
     p->t.shade = p->t.idle;
 }
 
-/* Weights of a group of shots that draw from the picture towards w, in balance with scattering. */
-LF_INLINE void aim_group(const lf_lane_scene *scene, lf_lane_memory *memory, int first,
-                         const lanes w[3])
-{
-    const lanes_int draws = load_int(memory->draws + first);
-    const lanes came[3] = {load(memory->w[0] + first), load(memory->w[1] + first),
-                           load(memory->w[2] + first)};
-    lanes radiance[3], pdf = picture_along(&scene->picture, w, radiance),
-                       phase = phase_between(scene->g, came, w),
-                       weight = phase / (PICTURE_SHARE * pdf + phase);
-    weight = choose(is_less(all(0.0f), pdf), weight, all(0.0f));
-    for (int k = 0; k < LF_WIDTH; k++)
-        for (int i = 0; i < 3 && draws[k]; i++) {
-            memory->shot[first + k].weight[i] *= weight[k] * (radiance[i][k] + scene->sky[i]);
-            memory->w[i][first + k] = w[i][k];
-        }
-}
-
-/* Directions of the shots that draw one from the picture. */
-LF_INLINE void aim(const lf_lane_scene *scene, lf_lane_memory *memory)
-{
-    const int words = (int)(sizeof *memory->shot / sizeof(float));
-    const uint32_t *key = memory->shot->random;
-    const mask every = mask_of((1u << LF_WIDTH) - 1);
-    for (int first = 0; first < memory->n; first += LF_GROUPS * LF_WIDTH) {
-        lanes u[LF_GROUPS], v[LF_GROUPS], w[LF_GROUPS][3];
-        for (int g = 0; g < LF_GROUPS; g++) {
-            const lanes_int at = (count_up() + (first + g * LF_WIDTH)) * words;
-            lanes_random random = {0};
-            begin_random(&random, every, ~(lanes_bits)gather_int(key, at),
-                         (lanes_bits)gather_int(key + 1, at));
-            u[g] = draw_unit(&random, every);
-            v[g] = draw_unit(&random, every);
-        }
-        draw_from_picture(&scene->picture, u, v, w);
-        for (int g = 0; g < LF_GROUPS; g++)
-            aim_group(scene, memory, first + g * LF_WIDTH, w[g]);
-    }
-}
-
-/* What those that left find at infinity, in balance with next event. */
-LF_INLINE void find(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_lane_memory *memory)
-{
-    const int words = (int)(sizeof *memory->exit / sizeof(float));
-    for (int first = 0; first < memory->n_exits; first += LF_WIDTH) {
-        const lf_lane_exit *way = memory->exit;
-        const lanes_int at = (count_up() + first) * words;
-        lanes w[3], radiance[3];
-        for (int i = 0; i < 3; i++)
-            w[i] = gather(way->w + i, at);
-        lanes pdf = picture_along(&scene->picture, w, radiance), own = gather(&way->pdf, at),
-              weight = own / (own + PICTURE_SHARE * pdf);
-        const int rest = memory->n_exits - first, n = rest < LF_WIDTH ? rest : LF_WIDTH;
-        for (int k = 0; k < n; k++)
-            for (int i = 0; i < 3; i++)
-                paths->lit[i][way[first + k].job] +=
-                    way[first + k].beta[i] * ((radiance[i][k] + scene->sky[i]) * weight[k]);
-    }
-    memory->n_exits = 0;
-}
-
 /* Traces the shots that wait and adds what they find. */
 LF_INLINE int64_t flush(const lf_lane_scene *scene, const lf_lane_paths *paths,
                         lf_lane_memory *memory, unsigned has)
@@ -584,8 +515,8 @@ LF_INLINE int64_t flush(const lf_lane_scene *scene, const lf_lane_paths *paths,
             paths->lit[i][shot->job] += shot->weight[i] * (memory->left[k] - shot->expected);
     }
     memory->n = 0;
-    if (has & LF_LANE_PICTURE)
-        find(scene, paths, memory);
+    if (has)
+        find(scene, paths, memory, has);
     return lookups;
 }
 
@@ -620,20 +551,29 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
     return lookups;
 }
 
-static int64_t trace_even(const lf_lane_scene *scene, const lf_lane_paths *paths,
-                          lf_lane_memory *memory)
-{
-    return trace_with(scene, paths, memory, 0);
-}
-static int64_t trace_picture(const lf_lane_scene *scene, const lf_lane_paths *paths,
-                             lf_lane_memory *memory)
-{
-    return trace_with(scene, paths, memory, LF_LANE_PICTURE);
-}
+#define LF_TRACE(name, has)                                                                        \
+    static int64_t name(const lf_lane_scene *scene, const lf_lane_paths *paths,                    \
+                        lf_lane_memory *memory)                                                    \
+    {                                                                                              \
+        return trace_with(scene, paths, memory, has);                                              \
+    }
+LF_TRACE(trace_even, 0)
+LF_TRACE(trace_picture, LF_LANE_PICTURE)
+LF_TRACE(trace_disk, LF_LANE_DISK)
+LF_TRACE(trace_picture_and_disk, LF_LANE_PICTURE | LF_LANE_DISK)
 
 static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_lane_memory *memory)
 {
-    return scene->has ? trace_picture(scene, paths, memory) : trace_even(scene, paths, memory);
+    switch (scene->has) {
+    case LF_LANE_PICTURE:
+        return trace_picture(scene, paths, memory);
+    case LF_LANE_DISK:
+        return trace_disk(scene, paths, memory);
+    case LF_LANE_PICTURE | LF_LANE_DISK:
+        return trace_picture_and_disk(scene, paths, memory);
+    default:
+        return trace_even(scene, paths, memory);
+    }
 }
 
 /* -------------------------------------------------------------------------------------- points --
@@ -670,16 +610,16 @@ static int64_t light_even(const lf_lane_scene *scene, const lf_lane_points *poin
 {
     return light_with(scene, points, memory, 0);
 }
-static int64_t light_picture(const lf_lane_scene *scene, const lf_lane_points *points,
-                             lf_lane_memory *memory)
+static int64_t light_anywhere(const lf_lane_scene *scene, const lf_lane_points *points,
+                              lf_lane_memory *memory)
 {
-    return light_with(scene, points, memory, LF_LANE_PICTURE);
+    return light_with(scene, points, memory, LF_LANE_PICTURE | LF_LANE_DISK);
 }
 
 static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
                      lf_lane_memory *memory)
 {
-    return scene->has ? light_picture(scene, points, memory) : light_even(scene, points, memory);
+    return scene->has ? light_anywhere(scene, points, memory) : light_even(scene, points, memory);
 }
 
 #endif

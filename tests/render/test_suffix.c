@@ -385,7 +385,6 @@ static void what_lanes_cannot_do_is_left_to_single_paths(void **state)
     (void)state;
     static const char *const others[] = {
         SCENE("'albedo': 0.8", SKY ", 'lamp': { 'type': 'point', 'position': [0, 5, 0] }"),
-        SCENE("'albedo': 0.8", SKY ", 'sun': { 'type': 'distant', 'angle': 4 }"),
         SCENE("'albedo': 0.8", SUN ", 'moon': { 'type': 'distant', 'direction': [1, -1, 0] }"),
         SCENE("'albedo': 0.8, 'droplets': 20", SKY),
         "{ 'quiltd': 1, 'volumes': { 'v': { 'shape': 'box', 'density': 1 }, 'w': { 'shape': "
