@@ -10,6 +10,9 @@
 #include "render/transport/sky_lanes.h"
 
 #define ALONE "'sky': { 'type': 'environment', 'radiance': 1 }"
+#define DISK(angle)                                                                                \
+    "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': [2, 1.7, 1.5], "    \
+    "'angle': " angle " }"
 
 /* ------------------------------------------------------------------------------------ pictures --
  */
@@ -64,10 +67,12 @@ static void hang(lf_scene *scene, texel_fn texel, int width, int height)
     lf_assert_ok(lf_lights_commit(scene, &err), &err);
 }
 
+/* texel NULL: the sky stays even. */
 static lf_scene *sky_scene(const char *text, float sigma, texel_fn texel)
 {
     lf_scene *scene = make_scene(text, sigma);
-    hang(scene, texel, WIDE, HIGH);
+    if (texel)
+        hang(scene, texel, WIDE, HIGH);
     return scene;
 }
 
@@ -163,15 +168,56 @@ static void directions_are_drawn_as_one_by_one(void **state)
     }
 }
 
+/* Half of the ways are drawn, the others lie about the disk. */
+static void disks_are_drawn_and_seen_as_one_by_one(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        float reach;
+    } cases[] = {{SCENE("'albedo': 0.8", DISK("0.01")), 1e-3f},
+                 {SCENE("'albedo': 0.8", DISK("0.53")), 0.03f},
+                 {SCENE("'albedo': 0.8", DISK("60")), 2.0f}};
+    for (size_t s = 0; s < 3; s++) {
+        rig r = rig_of(sky_scene(cases[s].text, 3.0f, NULL));
+        const lf_light *light = &r.scene->lights[0];
+        uint64_t seed = 8;
+        int seen = 0;
+        enum { n = 20000 };
+        assert_true(r.lanes.has == LF_LANE_DISK);
+        for (int i = 0; i < n; i++) {
+            const float u[2] = {uniform(&seed), uniform(&seed)};
+            lanes w[3];
+            lf_light_sample one;
+            draw_from_disk(&r.lanes, all(u[0]), all(u[1]), w);
+            assert_true(light->kind->draw(r.scene, light, light->direction, 0.0, u, &one));
+            lf_assert_close((double)w[0][1], (double)one.wi.x, 0, 5e-7);
+            lf_assert_close((double)w[1][1], (double)one.wi.y, 0, 5e-7);
+            lf_assert_close((double)w[2][1], (double)one.wi.z, 0, 5e-7);
+            lf_vec3 way = one.wi;
+            if (i % 2)
+                way = lf_normalize(lf_v3(way.x + cases[s].reach * (uniform(&seed) - 0.5f),
+                                         way.y + cases[s].reach * (uniform(&seed) - 0.5f), way.z));
+            const lanes along[3] = {all(way.x), all(way.y), all(way.z)};
+            float pdf, own = disk_along(&r.lanes, along)[2];
+            lf_vec3 truth = lf_light_escape(r.scene, way, &pdf);
+            lf_assert_close((double)own, (double)(truth.y / light->radiance.y), 0, 1e-3);
+            lf_assert_close((double)own, (double)(pdf * r.lanes.disk.solid_angle), 0, 1e-3);
+            seen += own > 0.0f;
+        }
+        assert_true(seen > n / 2 && seen < n);
+        drop_rig(&r);
+    }
+}
+
 /* --------------------------------------------------------------------------------------- bits --
  */
 
-static void bits_under_pictures_are_the_same_for_every_instruction_set_and_batch(void **state)
+static void assert_same_bits(lf_scene *scene, unsigned has)
 {
-    (void)state;
     static jobs first, other;
-    rig r = rig_of(
-        sky_scene(SCENE("'albedo': [0.95, 0.8, 0.6], 'g': 0.6", ALONE ", " SUN), 25.0f, sunny));
+    rig r = rig_of(scene);
+    assert_true(r.lanes.has == has);
     draw_jobs(&r, 1, n_jobs, &first);
     memcpy(&other, &first, sizeof first);
     int64_t lookups = trace(&lf_suffixes_c, &r, &first, 0, n_jobs, 40) +
@@ -196,6 +242,23 @@ static void bits_under_pictures_are_the_same_for_every_instruction_set_and_batch
             memset(other.left, 0, sizeof other.left);
         }
     drop_rig(&r);
+}
+
+static void bits_are_the_same_for_every_instruction_set_and_batch(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *lights;
+        texel_fn sky;
+        unsigned has;
+    } cases[] = {
+        {SCENE("'albedo': [0.95, 0.8, 0.6], 'g': 0.6", ALONE ", " SUN), sunny, LF_LANE_PICTURE},
+        {SCENE("'albedo': [0.95, 0.8, 0.6], 'g': 0.6", ALONE ", " DISK("3")), NULL, LF_LANE_DISK},
+        {SCENE("'albedo': [0.95, 0.8, 0.6], 'g': 0.6", ALONE ", " DISK("3")), uneven,
+         LF_LANE_PICTURE | LF_LANE_DISK},
+    };
+    for (size_t i = 0; i < 3; i++)
+        assert_same_bits(sky_scene(cases[i].lights, 25.0f, cases[i].sky), cases[i].has);
 }
 
 /* ------------------------------------------------------------------------------- closed forms --
@@ -282,18 +345,24 @@ static void the_mean_under_pictures_is_that_of_single_paths(void **state)
     } cases[] = {
         {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0", ALONE), uneven, 8.0f, 1024, 480, 0.003},
         {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0.5", ALONE), half_black, 8.0f, 1024, 60, 0.01},
-        {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0", ALONE), sunny, 4.0f, 1024, 100, 0.01},
+        {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0", ALONE), sunny, 4.0f, 1024, 200, 0.01},
         {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0.8", ALONE), sunny, 8.0f, 3, 60, 0.05},
         {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': -0.4",
                ALONE ", " SUN ", 'even': { 'type': "
                      "'environment', 'radiance': [0.2, 0.3, 0.4] }"),
          half_black, 8.0f, 1024, 60, 0.01},
+        {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0.3", ALONE ", " DISK("0.53")), NULL, 8.0f, 1024,
+         100, 0.01},
+        {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0.7", ALONE ", " DISK("70")), NULL, 8.0f, 1024, 60,
+         0.01},
+        {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0", ALONE ", " DISK("20")), half_black, 8.0f, 1024,
+         60, 0.01},
     };
     enum { n = sizeof cases / sizeof *cases };
     const double level = lf_sidak(LF_FALSE_ALARM, n * (PIECES + 1));
     for (int i = 0; i < n; i++) {
         rig r = rig_of(sky_scene(cases[i].text, cases[i].sigma, cases[i].sky));
-        assert_true(r.lanes.has == LF_LANE_PICTURE);
+        assert_true(r.lanes.has != 0);
         differences d = compare_under(&r, cases[i].max_depth, cases[i].rounds);
         for (int k = 0; k <= PIECES; k++)
             if (!(lf_p_mean(&d.of[k], 0.0) > level))
@@ -352,6 +421,11 @@ static void pictures_are_those_of_single_paths(void **state)
          "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 0.9, 'g': 0.6 } }, "
          "'lights': { " ALONE " } }",
          uneven},
+        {"mvpt",
+         "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 9], 'views': 4, 'fov_y': 12 }, "
+         "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 0.9, 'g': 0.3 } }, "
+         "'lights': { " ALONE ", " DISK("8") " } }",
+         NULL},
     };
     enum { n = sizeof cases / sizeof *cases };
     const double level = lf_sidak(LF_FALSE_ALARM, n * (4 * 4 + 1));
@@ -419,7 +493,8 @@ int main(void)
         cmocka_unit_test(turns_are_libm_s_within_rounding),
         cmocka_unit_test(a_picture_is_looked_up_as_for_one_direction),
         cmocka_unit_test(directions_are_drawn_as_one_by_one),
-        cmocka_unit_test(bits_under_pictures_are_the_same_for_every_instruction_set_and_batch),
+        cmocka_unit_test(disks_are_drawn_and_seen_as_one_by_one),
+        cmocka_unit_test(bits_are_the_same_for_every_instruction_set_and_batch),
         cmocka_unit_test(nothing_is_lost_in_a_furnace_under_a_picture),
         cmocka_unit_test(the_mean_under_pictures_is_that_of_single_paths),
         cmocka_unit_test(pictures_are_those_of_single_paths),
