@@ -42,11 +42,16 @@ static bool serves_volume(const lf_volume *v)
            framed < INT32_MAX && (uint64_t)v->grid->n_bricks * LF_BRICK_STRIDE < MOST_VALUES;
 }
 
+static bool has_picture(const lf_light *light)
+{
+    return light->environment;
+}
+
 /* The picture, or the light beside it, that is drawn; NULL: none is. */
 static const lf_light *drawn_light(const lf_scene *scene, bool picture)
 {
     for (int i = 0; i < scene->n_lights; i++)
-        if (scene->lights[i].select > 0.0f && (scene->lights[i].environment != NULL) == picture)
+        if (scene->lights[i].select > 0.0f && has_picture(&scene->lights[i]) == picture)
             return &scene->lights[i];
     return NULL;
 }
@@ -65,7 +70,7 @@ static bool serves_lights(const lf_scene *scene)
             return false;
         if (l->environment && !serves_picture(l->environment))
             return false;
-        drawn[l->environment != NULL] += l->select > 0.0f;
+        drawn[has_picture(l)] += l->select > 0.0f;
     }
     return drawn[0] <= 1 && drawn[1] <= 1;
 }

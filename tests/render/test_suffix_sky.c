@@ -389,7 +389,7 @@ static void render(lf_scene *scene, const char *integrator, bool in_lanes, lf_po
     lf_render_settings settings = *lf_renderer_settings(renderer);
     settings.skip = in_lanes ? LF_SKIP_ALL : LF_SKIP_ALL & ~LF_SKIP_PATHS;
     lf_assert_ok(lf_renderer_restart(renderer, scene, &settings, NULL), NULL);
-    assert_true((renderer->lanes != NULL) == in_lanes);
+    assert_true(in_lanes ? renderer->lanes && renderer->lanes->has : !renderer->lanes);
     lf_blocks_init(out, settings.camera.n_views, width, height, tile);
     for (uint64_t k = 0; k < replicates; k++) {
         lf_test_reseed(renderer, lf_hash64(lf_test_seed() + (in_lanes ? 4000 : 5000), k));
