@@ -49,7 +49,7 @@ static void update_stats(lf_engine *engine, bool now)
     double start = lf_time_now();
     if (!engine->renderer || (!now && (start - engine->look.at) * STATS_SHARE < engine->look.cost))
         return;
-    if (engine->picture.reconstructs && lf_schedule_has_halves(&engine->schedule))
+    if (engine->picture.reconstructs)
         lf_picture_estimate(&engine->picture, engine->pool, &engine->cancel);
     lf_renderer_stats(engine->renderer, &engine->look.stats);
     if (engine->picture.reconstructs && atomic_load_explicit(&engine->cancel, memory_order_relaxed))
@@ -299,7 +299,8 @@ void engine_batch(lf_engine *engine)
     engine->spent.passes += (double)batch.n_rows * batch.subsets / engine->schedule.height;
     engine->owed = true;
     bool swept = lf_schedule_done(&engine->schedule, &batch, seconds);
-    update_stats(engine, swept && engine->schedule.sweep <= 4);
+    if (!batch.coarse || !fit_follows(engine)) /* of which nobody can know the error */
+        update_stats(engine, swept && engine->schedule.sweep <= 4);
     check_converged(engine);
     if (engine->converged || (lf_schedule_covers(&engine->schedule) && !frame_can_wait(engine)))
         post_frame(engine, engine->converged);
