@@ -213,37 +213,6 @@ static void disks_are_drawn_and_seen_as_one_by_one(void **state)
 /* --------------------------------------------------------------------------------------- bits --
  */
 
-static void assert_same_bits(lf_scene *scene, unsigned has)
-{
-    static jobs first, other;
-    rig r = rig_of(scene);
-    assert_true(r.lanes.has == has);
-    draw_jobs(&r, 1, n_jobs, &first);
-    memcpy(&other, &first, sizeof first);
-    int64_t lookups = trace(&lf_suffixes_c, &r, &first, 0, n_jobs, 40) +
-                      light(&lf_suffixes_c, &r, &first, 0, n_jobs);
-    assert_true(lookups > 10 * n_jobs);
-    static const int sizes[] = {n_jobs, 1024, 64, 17, 1};
-    for (int k = 0; lf_kernels_at(k); k++)
-        for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
-            const lf_suffixes *suffixes = lf_kernels_at(k)->suffixes;
-            int64_t found = 0;
-            for (int at = 0; at < n_jobs; at += sizes[s]) {
-                int n = n_jobs - at < sizes[s] ? n_jobs - at : sizes[s];
-                found += trace(suffixes, &r, &other, at, n, 40);
-                found += light(suffixes, &r, &other, at, n);
-            }
-            assert_memory_equal(first.radiance, other.radiance, sizeof first.radiance);
-            assert_memory_equal(first.escaped, other.escaped, sizeof first.escaped);
-            assert_memory_equal(first.left, other.left, sizeof first.left);
-            assert_true(found == lookups);
-            memset(other.radiance, 0, sizeof other.radiance);
-            memset(other.escaped, 0, sizeof other.escaped);
-            memset(other.left, 0, sizeof other.left);
-        }
-    drop_rig(&r);
-}
-
 static void bits_are_the_same_for_every_instruction_set_and_batch(void **state)
 {
     (void)state;
