@@ -161,6 +161,29 @@ static void weights_come_to_samples(void **state)
     }
 }
 
+/* Chains with null collisions, which a worker keeps from path to path. */
+static void pictures_do_not_depend_on_the_number_of_threads(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"mvpt2022", "mismvpt"};
+    static const int threads[] = {1, 3};
+    for (int i = 0; i < 2; i++) {
+        double *seen[2];
+        for (int k = 0; k < 2; k++) {
+            lf_pool *pool = NULL;
+            lf_assert_ok(lf_pool_create(threads[k], &pool), NULL);
+            lf_renderer *r = lf_test_renderer(fog, names[i], width, height, pool);
+            lf_test_cycles(r, 2);
+            seen[k] = lf_test_picture(r, LF_ESTIMATOR_MWIS);
+            lf_renderer_destroy(r);
+            lf_pool_destroy(pool);
+        }
+        assert_memory_equal(seen[0], seen[1], sizeof **seen * n_views * width * height);
+        free(seen[0]);
+        free(seen[1]);
+    }
+}
+
 /* N/W is off by a share of 1/n: nothing to be seen behind 32 samples. */
 static void mwis_is_consistent(void **state)
 {
@@ -410,6 +433,7 @@ int main(void)
         cmocka_unit_test(shared_chains_agree_with_vpt),
         cmocka_unit_test(mwis_is_consistent),
         cmocka_unit_test(weights_come_to_samples),
+        cmocka_unit_test(pictures_do_not_depend_on_the_number_of_threads),
         cmocka_unit_test(chains_know_both_transmittances),
         cmocka_unit_test(mismvpt_is_algorithm_1),
         cmocka_unit_test(what_it_does_not_know_is_refused),
