@@ -291,8 +291,8 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
 }
 
 /* What has more views than it can hold is told before hours of rendering. Files of one output are
- * open together, so that all of them appear. */
-static lf_status check_count(const lf_rendering *r, lf_error *err)
+ * open together, so that all of them appear: the process takes as many as it may have. */
+static lf_status provide_for_views(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     const int n = r->layout.n_views;
@@ -326,7 +326,7 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
     else if (status == LF_OK)
         status = lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
     if (status == LF_OK && !r->is_quilt && !a->kind->is_drawn)
-        status = check_count(r, err);
+        status = provide_for_views(r, err);
     if (status == LF_OK && a->stats && r->settings.camera.n_rows > 0)
         status = lf_error_set(err, LF_E_ARG, "--stats",
                               "is of one row of cameras, and the scene has a grid");
