@@ -47,11 +47,17 @@ static bool has_picture(const lf_light *light)
     return light->environment;
 }
 
-/* The picture, or the light beside it, that is drawn; NULL: none is. */
-static const lf_light *drawn_light(const lf_scene *scene, bool picture)
+/* The picture, drawn or as even as never to be, or the light beside it that is drawn; NULL: there
+ * is none. */
+static bool counts(const lf_light *light, bool picture)
+{
+    return has_picture(light) == picture && (picture || light->select > 0.0f);
+}
+
+static const lf_light *light_of_lanes(const lf_scene *scene, bool picture)
 {
     for (int i = 0; i < scene->n_lights; i++)
-        if (scene->lights[i].select > 0.0f && has_picture(&scene->lights[i]) == picture)
+        if (counts(&scene->lights[i], picture))
             return &scene->lights[i];
     return NULL;
 }
@@ -70,7 +76,7 @@ static bool serves_lights(const lf_scene *scene)
             return false;
         if (l->environment && !serves_picture(l->environment))
             return false;
-        drawn[has_picture(l)] += l->select > 0.0f;
+        drawn[has_picture(l)] += counts(l, has_picture(l));
     }
     return drawn[0] <= 1 && drawn[1] <= 1;
 }
@@ -133,7 +139,7 @@ static lf_vec3 even_sky(const lf_scene *scene)
 static void set_colours(lf_lane_scene *lanes, const lf_scene *scene)
 {
     const lf_volume *volume = &scene->volumes[0];
-    const lf_light *light = drawn_light(scene, false), *sky = drawn_light(scene, true);
+    const lf_light *light = light_of_lanes(scene, false), *sky = light_of_lanes(scene, true);
     for (int i = 0; i < 3; i++) {
         lanes->size[i] = (float)volume->grid->size[i];
         for (int k = 0; k < 4; k++)
@@ -265,7 +271,7 @@ static void unref(lf_lane_field *field)
 
 static lf_status make_field(lf_scene *scene, lf_pool *pool, lf_lane_field **out)
 {
-    const lf_light *light = drawn_light(scene, false);
+    const lf_light *light = light_of_lanes(scene, false);
     lf_lane_field *field = lf_calloc(1, sizeof *field);
     if (!field)
         return LF_E_NOMEM;
@@ -281,7 +287,8 @@ static lf_status make_field(lf_scene *scene, lf_pool *pool, lf_lane_field **out)
 static bool is_field_of(const lf_lane_field *field, const lf_scene *scene)
 {
     const lf_volume *old = &field->scene->volumes[0], *new = &scene->volumes[0];
-    const lf_light *before = drawn_light(field->scene, false), *now = drawn_light(scene, false);
+    const lf_light *before = light_of_lanes(field->scene, false),
+                   *now = light_of_lanes(scene, false);
     if (before && now) {
         if (memcmp(&before->direction, &now->direction, sizeof now->direction) != 0)
             return false;

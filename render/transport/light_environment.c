@@ -1,6 +1,10 @@
 /* A picture of the sky, looked up bilinearly, sampled by a table that is constant over each texel.
- * A texel's weight is the mean of the bilinear picture over it (weights 1 6 1 each way), so that it
- * is 0 only where the picture is 0 throughout. */
+ * A texel's weight is what the mean of the bilinear picture over it (weights 1 6 1 each way) has
+ * above the mean of the whole picture: directions that scattering draws find the rest, evenly, and
+ * the balance of both is right whatever is drawn (Karlik, Sik, Vevoda, Skrivan and Krivanek, "MIS
+ * Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", 2019). */
+#include <string.h>
+
 #include "base/alloc.h"
 #include "base/image_io.h"
 #include "render/scene/vec_double.h"
@@ -82,11 +86,27 @@ static void fill_pdf(lf_environment *e)
     }
 }
 
+/* Over all directions, of the weights of texels. */
+static double picture_mean(const lf_environment *e)
+{
+    double mean = 0.0;
+    for (int y = 0; y < e->height; y++) {
+        double sum = 0.0;
+        for (int x = 0; x < e->width; x++)
+            sum += texel_weight(e, x, y);
+        mean += sum / e->width * row_solid_angle(e, y) / (4.0 * (double)LF_PI);
+    }
+    return mean;
+}
+
+/* An even picture has nothing above its mean but what its sum was rounded by. */
+#define ROUNDING 1e-6
+
 lf_status lf_environment_commit(lf_environment *e)
 {
     size_t w = (size_t)e->width, h = (size_t)e->height, longer = w > h ? w : h;
     double *weight = lf_calloc(longer, sizeof *weight), *rows = lf_calloc(h, sizeof *rows),
-           mean = 0.0;
+           above = 0.0, mean = picture_mean(e) * (1.0 + ROUNDING);
     if (!e->marginal)
         e->marginal = lf_calloc(h + 1, sizeof *e->marginal);
     if (!e->conditional)
@@ -97,14 +117,16 @@ lf_status lf_environment_commit(lf_environment *e)
     for (int y = 0; ok && y < e->height; y++) {
         double sum = 0.0, solid_angle = row_solid_angle(e, y);
         for (int x = 0; x < e->width; x++)
-            sum += weight[x] = texel_weight(e, x, y);
+            sum += weight[x] = fmax(texel_weight(e, x, y) - mean, 0.0);
         make_cdf(weight, e->width, e->conditional + (size_t)y * (w + 1));
         rows[y] = sum * solid_angle;
-        mean += sum / e->width * solid_angle / (4.0 * (double)LF_PI);
+        above += sum / e->width * solid_angle / (4.0 * (double)LF_PI);
     }
     if (ok && make_cdf(rows, e->height, e->marginal))
         fill_pdf(e);
-    e->mean = (float)mean;
+    else if (ok)
+        memset(e->pdf, 0, h * w * sizeof *e->pdf);
+    e->above_mean = (float)above;
     lf_free(weight);
     lf_free(rows);
     return ok ? LF_OK : LF_E_NOMEM;
@@ -192,7 +214,7 @@ double lf_environment_power(const lf_light *light, double radius)
     if (!light->environment)
         return 0.0;
     double pi = (double)LF_PI;
-    return 4.0 * pi * pi * radius * radius * (double)light->environment->mean *
+    return 4.0 * pi * pi * radius * radius * (double)light->environment->above_mean *
            (double)lf_mean3(light->radiance);
 }
 

@@ -10,6 +10,7 @@
 #include "render/transport/sky_lanes.h"
 
 #define ALONE "'sky': { 'type': 'environment', 'radiance': 1 }"
+#define DARK "'sky': { 'type': 'environment', 'radiance': 0 }"
 #define DISK(angle)                                                                                \
     "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': [2, 1.7, 1.5], "    \
     "'angle': " angle " }"
@@ -426,19 +427,25 @@ static void pictures_are_those_of_single_paths(void **state)
 /* ------------------------------------------------------------------------------------- scenes --
  */
 
-static void a_black_picture_is_no_picture(void **state)
+/* Like an even one it is never drawn. */
+static void a_black_picture_adds_nothing_to_the_sun(void **state)
 {
     (void)state;
-    static jobs j;
-    rig r = rig_of(sky_scene(SCENE("'albedo': 0.8", ALONE ", " SUN), 3.0f, black));
-    assert_true(r.lanes.has == 0 && r.lanes.sky[0] == 0.0f);
-    draw_jobs(&r, 3, n_jobs, &j);
-    trace(best(), &r, &j, 0, n_jobs, 40);
-    double sum = 0.0;
-    for (int i = 0; i < n_jobs; i++)
-        sum += (double)j.radiance[0][i];
-    assert_true(sum > 0.0);
-    drop_rig(&r);
+    const texel_fn skies[] = {black, NULL};
+    lf_moments found[2] = {{0}};
+    for (int k = 0; k < 2; k++) {
+        static jobs j;
+        rig r = rig_of(sky_scene(SCENE("'albedo': 0.8", DARK ", " SUN), 3.0f, skies[k]));
+        assert_true(lf_scene_has_light_sampling(r.scene) && r.scene->lights[0].select == 0.0f);
+        for (int i = 0; i < 8; i++) {
+            draw_jobs(&r, (uint64_t)(3 + 8 * k + i), n_jobs, &j);
+            trace(best(), &r, &j, 0, n_jobs, 40);
+            for (int n = 0; n < n_jobs; n++)
+                lf_moments_add(&found[k], (double)j.radiance[0][n]);
+        }
+        drop_rig(&r);
+    }
+    assert_true(found[0].mean > 0.0 && lf_p_welch(&found[0], &found[1]) > LF_FALSE_ALARM);
 }
 
 static void two_pictures_are_left_to_single_paths(void **state)
@@ -467,7 +474,7 @@ int main(void)
         cmocka_unit_test(nothing_is_lost_in_a_furnace_under_a_picture),
         cmocka_unit_test(the_mean_under_pictures_is_that_of_single_paths),
         cmocka_unit_test(pictures_are_those_of_single_paths),
-        cmocka_unit_test(a_black_picture_is_no_picture),
+        cmocka_unit_test(a_black_picture_adds_nothing_to_the_sun),
         cmocka_unit_test(two_pictures_are_left_to_single_paths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
