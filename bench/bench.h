@@ -16,6 +16,7 @@ int lf_bench_error(int argc, char **argv);
 int lf_bench_compare(int argc, char **argv);
 int lf_bench_curve(int argc, char **argv);
 int lf_bench_table(int argc, char **argv);
+int lf_bench_papers(int argc, char **argv);
 int lf_bench_shown(int argc, char **argv);
 int lf_bench_views(int argc, char **argv);
 int lf_bench_micro(int argc, char **argv);

@@ -21,6 +21,7 @@ static const struct command {
     {"compare", lf_bench_compare, "error of two integrators after equal CPU time"},
     {"curve", lf_bench_curve, "error against CPU time, and what it is made of"},
     {"table", lf_bench_table, "equal-time ratios on all kinds of scenes"},
+    {"papers", lf_bench_papers, "the estimators of the papers beside ours"},
     {"shown", lf_bench_shown, "the reconstructed picture against the unfiltered one"},
     {"views", lf_bench_views, "error against the number of views"},
     {"micro", lf_bench_micro, "the inner loops one by one, every instruction set against plain C"},

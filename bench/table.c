@@ -109,29 +109,9 @@ static void print_help(void)
     lf_trial_print_help();
 }
 
-static lf_status check_scenes(const char *list, lf_error *err)
+static const char *scene_at(int i)
 {
-    for (const char *at = list; at;) {
-        size_t n = strcspn(at, ",");
-        int i = 0;
-        while (i < N_SCENES &&
-               !(strlen(scenes[i].name) == n && strncmp(scenes[i].name, at, n) == 0))
-            i++;
-        if (i == N_SCENES)
-            return lf_error_set(err, LF_E_ARG, "--scenes",
-                                "no scene is called \"%.*s\" (see --help)", (int)n, at);
-        at = at[n] ? at + n + 1 : NULL;
-    }
-    return LF_OK;
-}
-
-static bool is_chosen(const char *list, const char *name)
-{
-    size_t n = strlen(name);
-    for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL)
-        if (strncmp(at, name, n) == 0 && (at[n] == '\0' || at[n] == ','))
-            return true;
-    return !list;
+    return i < N_SCENES ? scenes[i].name : NULL;
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
@@ -144,7 +124,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return lf_contender_parse("--baseline", text, &a->contenders[BASELINE], err);
     case OPTION_SCENES:
         a->scenes = text;
-        return check_scenes(text, err);
+        return lf_trial_check_names("--scenes", text, scene_at, err);
     default:
         a->markdown = text;
         return LF_OK;
@@ -403,7 +383,7 @@ static lf_status run(const arguments *a, row *rows, lf_pool *pool, lf_error *err
     }
     for (int i = 0; i < N_SCENES * n_kinds && status == LF_OK; i++) {
         const struct scene *scene = &scenes[i / n_kinds];
-        if (!is_chosen(a->scenes, scene->name))
+        if (!lf_trial_names(a->scenes, scene->name))
             continue;
         rows[n_rows] = (row){.scene = scene, .views = kinds[i % n_kinds]};
         status = run_row(a, pool, &rows[n_rows], err);

@@ -87,6 +87,12 @@ typedef struct lf_trial_command {
 LF_NODISCARD lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
                                       lf_trial_options *options, bool *out_done, lf_error *err);
 
+/* A list "a,b" of what name_at knows (NULL behind the last): LF_E_ARG for another name in it. */
+LF_NODISCARD lf_status lf_trial_check_names(const char *option, const char *list,
+                                            const char *(*name_at)(int), lf_error *err);
+/* Whether the list has the name; NULL has all. */
+bool lf_trial_names(const char *list, const char *name);
+
 /* ------------------------------------------------------------------------------------ trials -- */
 
 typedef struct lf_trial {

@@ -1,5 +1,6 @@
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "bench/bench.h"
 #include "bench/trial.h"
@@ -95,4 +96,33 @@ lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
                             command->name);
     options->operand = argv[optind];
     return LF_OK;
+}
+
+static bool is_first(const char *at, size_t n, const char *name)
+{
+    return strlen(name) == n && strncmp(name, at, n) == 0;
+}
+
+lf_status lf_trial_check_names(const char *option, const char *list, const char *(*name_at)(int),
+                               lf_error *err)
+{
+    for (const char *at = list; at;) {
+        const size_t n = strcspn(at, ",");
+        int i = 0;
+        while (name_at(i) && !is_first(at, n, name_at(i)))
+            i++;
+        if (!name_at(i))
+            return lf_error_set(err, LF_E_ARG, option, "no scene is called \"%.*s\" (see --help)",
+                                (int)n, at);
+        at = at[n] ? at + n + 1 : NULL;
+    }
+    return LF_OK;
+}
+
+bool lf_trial_names(const char *list, const char *name)
+{
+    for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL)
+        if (is_first(at, strcspn(at, ","), name))
+            return true;
+    return !list;
 }

@@ -185,6 +185,8 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"curve s.json --budgets 0", "--budgets"},
         {"table", "expects one FOLDER"},
         {"table x --scenes cloud,moon", "no scene is called \"moon\""},
+        {"papers", "expects one FOLDER"},
+        {"papers x --scenes cloud,moon", "no scene is called \"moon\""},
         {"shown", "expects one SCENE"},
         {"shown s.json --budgets 1,,2", "--budgets"},
         {"shown s.json --budgets 2,1", "rising"},
@@ -360,6 +362,61 @@ static void a_table_says_what_is_met(void **state)
     assert_int_equal(access(lf_test_path(d, "t.md"), R_OK), 0);
     assert_int_equal(run(d, "table . --scenes cloud"), 1);
     assert_error_line(d, "cloud.json");
+}
+
+static const json_t *row_of(const json_t *object, const char *integrator, const char *estimator)
+{
+    size_t i;
+    const json_t *row;
+    json_array_foreach(json_object_get(object, "rows"), i, row)
+    {
+        if (strcmp(json_string_value(json_object_get(row, "integrator")), integrator) == 0 &&
+            strcmp(json_string_value(json_object_get(row, "estimator")), estimator) == 0)
+            return row;
+    }
+    fail_msg("no row of %s", integrator);
+    return NULL;
+}
+
+/* Sharing serves more view pixels a path and has less error for as many; what a member cannot
+ * render is said in its row, and the rest goes on. */
+static void the_papers_estimators_stand_beside_ours(void **state)
+{
+    const char *d = *state;
+    write_ball(d);
+    assert_int_equal(rename(lf_test_path(d, "fog.json"), lf_test_path(d, "cloud.json")), 0);
+    assert_int_equal(run(d, "papers . --scenes cloud-1 --views 9 --view-size 20x20 --time 0.1 "
+                            "--seeds 3 --json p.json --markdown p.md"),
+                     0);
+    json_t *p = load(d, "p.json");
+    const json_t *base = row_of(p, "vpt", "mwis");
+    lf_assert_close(number(base, "equal_time"), 1, 0, 0);
+    lf_assert_close(number(base, "equal_paths"), 1, 0, 0);
+    const char *const sharing[][2] = {{"mvpt", "mwis"}, {"mvpt2022", "mwis"}, {"mismvpt", "mis"}};
+    for (int i = 0; i < 3; i++) {
+        const json_t *row = row_of(p, sharing[i][0], sharing[i][1]);
+        assert_true(number(row, "path_contributions") > 3 * number(base, "path_contributions"));
+        assert_true(number(row, "rel_mse") > 0 && fabs(number(row, "mean_off")) < 0.1);
+    }
+    assert_true(number(row_of(p, "mvpt", "mwis"), "equal_paths") > 1.5);
+    json_decref(p);
+    assert_int_equal(access(lf_test_path(d, "p.md"), R_OK), 0);
+    lf_test_write(d, "cloud.json",
+                  "{\"quiltd\": 1, \"camera\": {\"target\": [0,0,0], \"position\": [0,0,5], "
+                  "\"fov_y\": 30, \"views\": 3},"
+                  " \"volumes\": {\"fog\": {\"shape\": \"sphere\", \"density\": 1,"
+                  " \"sigma_t\": [0.3, 0.6, 1]}},"
+                  " \"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 1}}}");
+    assert_int_equal(run(d, "papers . --scenes cloud-1 --view-size 6x6 --time 0.02 --seeds 1 "
+                            "--json p.json"),
+                     0);
+    p = load(d, "p.json");
+    assert_true(strlen(json_string_value(json_object_get(row_of(p, "mismvpt", "mis"), "refused"))) >
+                0);
+    assert_true(number(row_of(p, "mvpt", "mwis"), "path_contributions") > 0);
+    json_decref(p);
+    assert_int_equal(run(d, "papers . --scenes cloud-g085"), 1);
+    assert_error_line(d, "cloud-g085.json");
 }
 
 /* The line of a table in JSON whose `key` is `value`, the k-th such. */
@@ -550,6 +607,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(more_views_have_less_error_at_equal_paths, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(a_table_says_what_is_met, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_papers_estimators_stand_beside_ours, set_up, tear_down),
         cmocka_unit_test_setup_teardown(kernels_are_timed_and_must_agree, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_between_views_and_panel_is_timed, set_up,
                                         tear_down),

@@ -1,0 +1,462 @@
+/* quiltbench papers FOLDER: the estimators of the papers beside ours (docs/papers.md), on the kinds
+ * of scenes of their figures, all in turns in one run. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/file.h"
+#include "bench/bench.h"
+#include "bench/trial.h"
+
+/* Pixels beside a place where what is seen jumps by more than this from a view to the next, in
+ * pixels, are a silhouette. */
+#define SILHOUETTE_STEP 0.25f
+
+/* kind: which figures of the papers it stands for. */
+static const struct scene {
+    const char *name, *file, *kind;
+    int max_depth; /* 0: the scene's own */
+} scenes[] = {
+    {"cloud-1", "cloud.json", "2021, bunny cloud, 1 bounce", 1},
+    {"cloud-7", "cloud.json", "2021, bunny cloud, 7 bounces", 7},
+    {"cloud", "cloud.json", "2022, Figures 4, 8 to 11", 0},
+    {"cloud-g085", "bench/cloud-g085.json", "2022, Table 1, forward scattering", 0},
+    {"cloud-mesh", "bench/cloud-mesh.json", "2022, Figure 5 and the dragon", 0},
+    {"mixed-cubes", "bench/mixed-cubes.json", "2022, overlapping media", 0},
+    {"meshes-diffuse", "bench/meshes-diffuse.json", "2019, Figures 5 and 8", 0},
+    {"meshes-glossy", "bench/meshes-glossy.json", "2019, Figure 10", 0},
+};
+
+/* The first is what others are held against. */
+static const struct member {
+    lf_contender who;
+    const char *selection; /* NULL: it takes none */
+} members[] = {
+    {{"vpt", LF_ESTIMATOR_MWIS}, NULL},
+    {{"mvpt2022", LF_ESTIMATOR_MWIS}, "tv"},
+    {{"mvpt2022", LF_ESTIMATOR_MWIS}, "partition"},
+    {{"mvpt2022", LF_ESTIMATOR_MWIS}, "none"},
+    {{"mismvpt", LF_ESTIMATOR_MIS}, NULL},
+    {{"mvpt", LF_ESTIMATOR_MWIS}, NULL},
+    {{"mvpt", LF_ESTIMATOR_CV}, NULL},
+};
+
+enum {
+    N_SCENES = sizeof scenes / sizeof scenes[0],
+    N_MEMBERS = sizeof members / sizeof members[0]
+};
+
+/* What a member came to on a scene, seed by seed. */
+typedef struct result {
+    bool refused; /* error says why */
+    lf_error error;
+    double rel_mse[LF_MAX_SEEDS], passes[LF_MAX_SEEDS], cpu[LF_MAX_SEEDS];
+    double off[LF_MAX_SEEDS]; /* mean of e */
+    double silhouettes[LF_MAX_SEEDS], flicker[LF_MAX_SEEDS];
+    double path_us, path_contributions, effective; /* of the last seed */
+} result;
+
+typedef struct study {
+    lf_trial_options options;
+    const char *scenes, *markdown, *plot;
+    lf_pool *pool;
+    result results[N_SCENES][N_MEMBERS];
+    bool chosen[N_SCENES];
+    double reference_off[N_SCENES]; /* mean of the reference's own e */
+} study;
+
+/* --------------------------------------------------------------------------------- arguments -- */
+
+enum { OPTION_SCENES = LF_TRIAL_OPTION_OWN, OPTION_MARKDOWN, OPTION_PLOT };
+
+static const struct option table[] = {
+    LF_TRIAL_OPTIONS_LONG,
+    {"scenes", required_argument, NULL, OPTION_SCENES},
+    {"markdown", required_argument, NULL, OPTION_MARKDOWN},
+    {"plot", required_argument, NULL, OPTION_PLOT},
+    {NULL, 0, NULL, 0},
+};
+
+static void print_help(void)
+{
+    printf("Usage: quiltbench papers FOLDER [options]\n"
+           "The papers' estimators beside ours on the scenes in FOLDER (build/scenes), in turns in "
+           "one run.\n\n"
+           "  --scenes LIST             only these:");
+    for (int i = 0; i < N_SCENES; i++)
+        printf("%s%s", i % 5 == 0 ? "\n                            " : " ", scenes[i].name);
+    printf("\n  --time SECONDS            CPU time of a run (4)\n"
+           "  --seeds N                 runs of each (4)\n"
+           "  --markdown FILE           the table in a file too\n"
+           "  --plot PREFIX             PREFIX.svg, .png: error at equal time, by gnuplot\n"
+           "The reference takes 12 runs' time unless told otherwise.\n\n");
+    lf_trial_print_help();
+}
+
+static const char *scene_at(int i)
+{
+    return i < N_SCENES ? scenes[i].name : NULL;
+}
+
+static lf_status take(void *context, int code, const char *text, lf_error *err)
+{
+    study *s = context;
+    if (code == OPTION_SCENES) {
+        s->scenes = text;
+        return lf_trial_check_names("--scenes", text, scene_at, err);
+    }
+    *(code == OPTION_MARKDOWN ? &s->markdown : &s->plot) = text;
+    return LF_OK;
+}
+
+/* -------------------------------------------------------------------------------------- runs -- */
+
+static int selection_of(const struct member *member)
+{
+    int i = 0;
+    while (member->selection && strcmp(lf_selection_name(i), member->selection) != 0)
+        i++;
+    return i;
+}
+
+static double mean_of(const float *values, size_t n)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += (double)values[i];
+    return sum / (double)n;
+}
+
+static bool jumps(float a, float b)
+{
+    return isnan(a) != isnan(b) || fabsf(a - b) > SILHOUETTE_STEP;
+}
+
+/* relMSE, the reference's own subtracted, of the pixels at silhouettes; NaN: there are none. */
+static double error_at_silhouettes(const lf_trial *trial)
+{
+    const int width = trial->settings.width;
+    double sum = 0.0;
+    size_t n = 0;
+    for (size_t at = 0; at + 1 < trial->n / 3; at++) {
+        if ((int)(at % (size_t)width) == width - 1 ||
+            !jumps(trial->steps[at], trial->steps[at + 1]))
+            continue;
+        for (size_t k = 3 * at; k < 3 * at + 6; k++)
+            sum += (double)trial->picture[k] * (double)trial->picture[k] -
+                   (double)trial->noise[k] * (double)trial->noise[k];
+        n += 6;
+    }
+    return n > 0 ? sum / (double)n : (double)NAN;
+}
+
+static void note(const lf_trial *trial, const lf_measure *measure, int seed, result *out)
+{
+    const double paths = (double)measure->stats.base_paths;
+    out->rel_mse[seed] = measure->rel_mse;
+    out->passes[seed] = measure->passes;
+    out->cpu[seed] = measure->cpu_seconds;
+    out->off[seed] = mean_of(trial->picture, trial->n);
+    out->silhouettes[seed] = error_at_silhouettes(trial);
+    out->flicker[seed] = measure->flicker - measure->reference_flicker;
+    out->path_us = 1e6 * measure->cpu_seconds / paths;
+    out->path_contributions = (double)measure->stats.contributions / paths;
+    out->effective = measure->stats.effective_spp_mean / measure->stats.native_spp_mean;
+}
+
+/* A member that does not take the scene is told so in its row. */
+static lf_status run_member(study *s, lf_trial *trial, int scene, int member, int seed,
+                            lf_error *err)
+{
+    result *out = &s->results[scene][member];
+    const lf_budget budget = {.cpu_seconds = s->options.seconds};
+    lf_measure measure = {0};
+    if (out->refused)
+        return LF_OK;
+    trial->settings.selection = selection_of(&members[member]);
+    lf_status status =
+        lf_trial_run(trial, &members[member].who, s->options.common.seed + (uint64_t)seed, &budget,
+                     &measure, err);
+    if (status == LF_E_ARG) {
+        out->refused = true;
+        out->error = *err;
+        return LF_OK;
+    }
+    if (status == LF_OK)
+        note(trial, &measure, seed, out);
+    return status;
+}
+
+static lf_status run_all(study *s, lf_trial *trial, int scene, lf_error *err)
+{
+    lf_status status = lf_trial_reference(trial, &s->options, err);
+    s->reference_off[scene] = status == LF_OK ? mean_of(trial->noise, trial->n) : 0.0;
+    for (int i = 0; i < s->options.n_seeds * N_MEMBERS && status == LF_OK; i++) {
+        const int seed = i / N_MEMBERS;
+        status = run_member(s, trial, scene, (i + seed) % N_MEMBERS, seed, err);
+    }
+    return status;
+}
+
+static lf_status run_scene(study *s, int scene, lf_error *err)
+{
+    lf_trial trial = {0};
+    char *path = lf_path_join(s->options.operand, scenes[scene].file);
+    lf_status status = path ? lf_trial_open(&trial, path, &s->options, s->pool, err)
+                            : lf_error_set(err, LF_E_NOMEM, "papers", "out of memory");
+    if (status == LF_OK) {
+        trial.steps = lf_calloc(trial.n / 3, sizeof *trial.steps);
+        if (scenes[scene].max_depth > 0)
+            trial.settings.max_depth = scenes[scene].max_depth;
+        status = trial.steps ? run_all(s, &trial, scene, err)
+                             : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    }
+    lf_trial_close(&trial);
+    lf_free(path);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------ answer -- */
+
+/* What is read of the seeds of a member: medians of ratios to the first member. */
+typedef struct summary {
+    lf_spread equal_time, equal_paths, silhouettes, flicker;
+    double off, z; /* the whole picture's mean, in units of e, and in standard errors */
+    double cost;   /* of a path, in those of the first member */
+} summary;
+
+static lf_spread ratios(const double *base, const double *base_by, const double *ours,
+                        const double *ours_by, int n)
+{
+    double all[LF_MAX_SEEDS];
+    for (int i = 0; i < n; i++)
+        all[i] = base[i] * base_by[i] / (ours[i] * ours_by[i]);
+    return lf_spread_of(all, n);
+}
+
+static summary summary_of(const study *s, int scene, int member)
+{
+    const result *base = &s->results[scene][0], *own = &s->results[scene][member];
+    const int n = s->options.n_seeds;
+    double mean = 0.0, variance = s->reference_off[scene] * s->reference_off[scene];
+    for (int i = 0; i < n; i++)
+        mean += own->off[i] / n;
+    for (int i = 0; i < n && n > 1; i++)
+        variance += (own->off[i] - mean) * (own->off[i] - mean) / (n * (n - 1.0));
+    return (summary){
+        .equal_time = ratios(base->rel_mse, base->cpu, own->rel_mse, own->cpu, n),
+        .equal_paths = ratios(base->rel_mse, base->passes, own->rel_mse, own->passes, n),
+        .silhouettes = ratios(base->silhouettes, base->cpu, own->silhouettes, own->cpu, n),
+        .flicker = ratios(base->flicker, base->cpu, own->flicker, own->cpu, n),
+        .off = mean,
+        .z = mean / sqrt(variance),
+        .cost = own->path_us / base->path_us,
+    };
+}
+
+static void write_head(FILE *out)
+{
+    fputs(
+        "| scene | estimator | equal time: median (low .. high) | equal paths | silhouettes, equal "
+        "time | flicker, equal time | mean off by (z) | a path costs | contributions a path | "
+        "effective / native |\n|---|---|---|---|---|---|---|---|---|---|\n",
+        out);
+}
+
+static void write_name(FILE *out, const struct member *member)
+{
+    fprintf(out, "%s, %s", member->who.integrator, lf_estimator_name((int)member->who.estimator));
+    if (member->selection)
+        fprintf(out, ", %s", member->selection);
+}
+
+static void write_ratio(FILE *out, double value)
+{
+    if (isfinite(value))
+        fprintf(out, " %.2f |", value);
+    else
+        fputs(" |", out);
+}
+
+static void write_row(FILE *out, const study *s, int scene, int member)
+{
+    const result *r = &s->results[scene][member];
+    fprintf(out, "| %s | ", scenes[scene].name);
+    write_name(out, &members[member]);
+    if (r->refused) {
+        fprintf(out, " | refused: %s | | | | | | | |\n", r->error.what);
+        return;
+    }
+    const summary m = summary_of(s, scene, member);
+    fprintf(out, " | %.2f (%.2f .. %.2f) |", m.equal_time.median, m.equal_time.low,
+            m.equal_time.high);
+    write_ratio(out, m.equal_paths.median);
+    write_ratio(out, m.silhouettes.median);
+    write_ratio(out, m.flicker.median);
+    fprintf(out, " %+.2f %% (%.1f) | %.2f | %.2f | %.1f |\n", 100.0 * m.off, m.z, m.cost,
+            r->path_contributions, r->effective);
+}
+
+static json_t *row_json(const study *s, int scene, int member)
+{
+    const result *r = &s->results[scene][member];
+    json_t *object =
+        json_pack("{s:s, s:s, s:s, s:s, s:s}", "scene", scenes[scene].name, "kind",
+                  scenes[scene].kind, "integrator", members[member].who.integrator, "estimator",
+                  lf_estimator_name((int)members[member].who.estimator), "selection",
+                  members[member].selection ? members[member].selection : "");
+    if (r->refused) {
+        json_object_set_new(object, "refused", json_string(r->error.what));
+        return object;
+    }
+    const summary m = summary_of(s, scene, member);
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {
+        {"equal_time", m.equal_time.median},
+        {"equal_time_low", m.equal_time.low},
+        {"equal_time_high", m.equal_time.high},
+        {"equal_paths", m.equal_paths.median},
+        {"silhouettes", m.silhouettes.median},
+        {"flicker", m.flicker.median},
+        {"mean_off", m.off},
+        {"z", m.z},
+        {"rel_mse", lf_spread_of(r->rel_mse, s->options.n_seeds).median},
+        {"path_us", r->path_us},
+        {"path_contributions", r->path_contributions},
+        {"effective_over_native", r->effective},
+    };
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+        json_object_set_new(object, numbers[i].name, lf_bench_number(numbers[i].value));
+    return object;
+}
+
+/* One line a member, one point a scene: what gnuplot draws as groups of bars. */
+static char *plot_data(const study *s)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    for (int scene = 0; out && scene < N_SCENES; scene++) {
+        if (!s->chosen[scene])
+            continue;
+        fprintf(out, "%s", scenes[scene].name);
+        for (int i = 1; i < N_MEMBERS; i++)
+            fprintf(out, " %g",
+                    s->results[scene][i].refused ? (double)NAN
+                                                 : summary_of(s, scene, i).equal_time.median);
+        fputc('\n', out);
+    }
+    if (out)
+        fclose(out);
+    return text;
+}
+
+static lf_status plot(const study *s, lf_error *err)
+{
+    char *data = plot_data(s), *commands = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&commands, &size);
+    if (out) {
+        fputs("set style data histogram\nset style histogram clustered\nset style fill solid 0.8\n"
+              "set logscale y\nset key outside top center horizontal\nset xtics rotate by -20\n"
+              "set ylabel 'relMSE x time: vpt over the estimator'\nplot ",
+              out);
+        for (int i = 1; i < N_MEMBERS; i++) {
+            fprintf(out, "%sdata using %d%s title '", i > 1 ? ", " : "", i + 1,
+                    i == 1 ? ":xtic(1)" : "");
+            write_name(out, &members[i]);
+            fputc('\'', out);
+        }
+        fclose(out);
+    }
+    lf_status status = data && commands ? lf_bench_plot(s->plot, data, commands, err)
+                                        : lf_error_set(err, LF_E_NOMEM, s->plot, "out of memory");
+    free(data);
+    free(commands);
+    return status;
+}
+
+static lf_status write_files(const study *s, lf_error *err)
+{
+    char *text = NULL;
+    size_t size = 0;
+    json_t *list = json_array();
+    FILE *out = open_memstream(&text, &size);
+    if (out)
+        write_head(out);
+    for (int i = 0; i < N_SCENES * N_MEMBERS && out; i++)
+        if (s->chosen[i / N_MEMBERS]) {
+            write_row(out, s, i / N_MEMBERS, i % N_MEMBERS);
+            json_array_append_new(list, row_json(s, i / N_MEMBERS, i % N_MEMBERS));
+        }
+    if (out)
+        fclose(out);
+    json_t *object =
+        json_pack("{s:o, s:i, s:i, s:i, s:i, s:f, s:o}", "machine", lf_bench_machine(), "threads",
+                  lf_pool_threads(s->pool), "width", s->options.common.view_width, "height",
+                  s->options.common.view_height, "seeds", s->options.n_seeds, "cpu_seconds",
+                  s->options.seconds, "rows", list);
+    lf_status status = s->markdown ? lf_bench_write_text(s->markdown, text, err) : LF_OK;
+    if (status == LF_OK && s->options.json)
+        status = lf_bench_write_json(s->options.json, json_incref(object), err);
+    json_decref(object);
+    free(text);
+    return status == LF_OK && s->plot ? plot(s, err) : status;
+}
+
+static lf_status run(study *s, lf_error *err)
+{
+    const bool quiet = lf_bench_only_json(s->options.json);
+    lf_status status = LF_OK;
+    if (!quiet) {
+        printf("%dx%d a view, %d seeds, %g CPU seconds a run, %d threads; ratios are %s's over the "
+               "estimator's\n\n",
+               s->options.common.view_width, s->options.common.view_height, s->options.n_seeds,
+               s->options.seconds, lf_pool_threads(s->pool), members[0].who.integrator);
+        write_head(stdout);
+    }
+    for (int i = 0; i < N_SCENES && status == LF_OK; i++) {
+        s->chosen[i] = lf_trial_names(s->scenes, scenes[i].name);
+        if (!s->chosen[i])
+            continue;
+        status = run_scene(s, i, err);
+        for (int k = 0; k < N_MEMBERS && status == LF_OK && !quiet; k++)
+            write_row(stdout, s, i, k);
+        fflush(stdout);
+    }
+    return status == LF_OK ? write_files(s, err) : status;
+}
+
+int lf_bench_papers(int argc, char **argv)
+{
+    lf_error err = {0};
+    bool done = false;
+    study *s = lf_calloc(1, sizeof *s);
+    if (!s) {
+        lf_error_set(&err, LF_E_NOMEM, "papers", "out of memory");
+        return lf_bench_fail(&err);
+    }
+    s->options = (lf_trial_options){.common = {.view_width = 45, .view_height = 60},
+                                    .reference = {"mvpt", LF_ESTIMATOR_CV},
+                                    .seconds = 4,
+                                    .n_seeds = 4,
+                                    .epsilon = 1e-2};
+    const lf_trial_command command = {"papers", "FOLDER", table, print_help, take, s};
+    lf_status status = lf_trial_parse(&command, argc, argv, &s->options, &done, &err);
+    int code = status == LF_OK ? LF_EXIT_OK : lf_usage_error(LF_BENCH_PROGRAM, &err);
+    if (status == LF_OK && !done) {
+        if (s->options.reference_spp == 0 && !(s->options.reference_seconds > 0))
+            s->options.reference_seconds = 6 * s->options.seconds;
+        status = lf_bench_pool(s->options.common.threads, &s->pool, &err);
+        if (status == LF_OK)
+            status = run(s, &err);
+        code = status == LF_OK ? LF_EXIT_OK : lf_bench_fail(&err);
+    }
+    lf_pool_destroy(s->pool);
+    lf_free(s);
+    return code;
+}
