@@ -97,7 +97,7 @@ static lf_vec3 bring(const lf_path_space *space, const lf_camera_ray *ray,
         if (!(z > 0.0f))
             return nothing;
         mix(space, next, tracer, &m);
-        if (!(m.total > 0.0f))
+        if (m.n == 0)
             return nothing;
         depth += depth_along(space, exact, p, w, (double)z, tracer);
         p = next;
@@ -191,7 +191,7 @@ void lf_light_path_walk(const lf_path_space *space, const lf_camera_ray *ray, lf
         if (at.path.n == space->max_depth)
             return;
         mix(space, at.p, tracer, &m);
-        if (!(m.total > 0.0f))
+        if (m.n == 0)
             return;
         at.path.vertex[at.path.n].z = z - (at.path.n == 0 ? ray->from : 0.0f);
         at.path.n++;
