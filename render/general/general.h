@@ -23,7 +23,11 @@
  * pixel (settings.reuse; M capped) and with those of LF_RESTIR_NEIGHBOURS columns of its row drawn
  * within LF_RESTIR_REACH, and adds F W of what is kept, its transmittances exact. W of the film is
  * n: every answer is N/n. Halves never see each other's reservoirs. What is kept is no part of the
- * film: one that is read from a file goes on with new reservoirs. */
+ * film: one that is read from a file goes on with new reservoirs.
+ *
+ * mvrestir is restir whose neighbours are pixels of other views, LF_MVRESTIR_VIEWS to either side,
+ * near the same place in the window. The first vertex's distance counts from the window there, so
+ * that what lies in it stays where it is; the Jacobian is 1 as before. */
 #ifndef LF_RENDER_GENERAL_H
 #define LF_RENDER_GENERAL_H
 
@@ -33,7 +37,9 @@ extern const lf_integrator lf_integrator_mvpt2022, lf_integrator_restir;
 
 #define LF_RESTIR_WALKS 4
 #define LF_RESTIR_NEIGHBOURS 3
-#define LF_RESTIR_REACH 10   /* columns */
+#define LF_RESTIR_REACH 10 /* columns */
+#define LF_MVRESTIR_VIEWS 4
+#define LF_MVRESTIR_REACH 2  /* columns */
 #define LF_RESTIR_HISTORY 20 /* visits' worth of M that an earlier reservoir counts at most */
 
 #endif

@@ -7,9 +7,16 @@
 #include "render/rows/rig.h"
 #include "render/transport/sampler.h"
 
-static const lf_integrator_entry entries[] = {
-    {.name = "restir", .what = "reservoirs of paths, each view alone, as in 2021", .reuses = true}};
-#define N_ENTRIES (int)(sizeof entries / sizeof entries[0])
+enum { RESTIR, MVRESTIR, N_ENTRIES };
+
+static const lf_integrator_entry entries[N_ENTRIES] = {
+    [RESTIR] = {.name = "restir",
+                .what = "reservoirs of paths, each view alone, as in 2021",
+                .reuses = true},
+    [MVRESTIR] = {.name = "mvrestir",
+                  .what = "the same with neighbours in other views",
+                  .shares = true,
+                  .reuses = true}};
 
 /* What reservoirs are put together with. The first is the default, the paper's own. */
 static const struct {
@@ -52,6 +59,7 @@ typedef struct state {
     lf_film *film;
     lf_coarse_grid coarse;
     lf_path_space space;
+    bool across; /* neighbours are of other views, and distances count from the window */
     int reuse;
     lf_reuse_weights weights;
     lf_sampler_kind sampler;
@@ -86,7 +94,7 @@ static void aim(const state *s, int row, int view, int column, lf_sampler *sampl
     out->o = lf_rig_point(rig, rig->b[view] + chord, plane.ly, 0.0f);
     out->w = lf_normalize(lf_rig_direction(rig, slope, plane.my, 1.0f));
     out->sky = sky_of(s, out->w, plane.my);
-    out->from = 0.0f;
+    out->from = s->across ? rig->distance / lf_dot(out->w, rig->forward) : 0.0f;
 }
 
 /* A ray and the reservoir of its walks. */
@@ -125,12 +133,27 @@ static void look_back(const state *s, worker *w, const left_over *before, int at
     own->sample = out;
 }
 
-/* A column beside this one, either way alike, -1: there is none. */
+/* A number within reach of 0, either way alike; never 0. */
+static int draw_step(worker *w, int reach)
+{
+    int step = (int)(lf_rng(&w->tracer) * 2.0f * (float)reach);
+    return step - reach + (step >= reach);
+}
+
+/* A pixel beside this one, -1: there is none. In another view: near where that has the same place
+ * in the window. */
 static int draw_neighbour(const state *s, worker *w, int at)
 {
-    int column = at % s->rig.width, step = (int)(lf_rng(&w->tracer) * 2.0f * LF_RESTIR_REACH);
-    int beside = column + step - LF_RESTIR_REACH + (step >= LF_RESTIR_REACH);
-    return beside >= 0 && beside < s->rig.width ? at - column + beside : -1;
+    int view = at / s->rig.width, column = at % s->rig.width;
+    if (s->across) {
+        view += draw_step(w, LF_MVRESTIR_VIEWS);
+        column += (int)(lf_rng(&w->tracer) * (2 * LF_MVRESTIR_REACH + 1)) - LF_MVRESTIR_REACH;
+    } else {
+        column += draw_step(w, LF_RESTIR_REACH);
+    }
+    return view >= 0 && view < s->rig.n_views && column >= 0 && column < s->rig.width
+               ? view * s->rig.width + column
+               : -1;
 }
 
 /* With neighbours in the same visit. */
@@ -361,6 +384,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
         return LF_E_NOMEM;
     s->seen = *input->seen;
     s->film = input->film;
+    s->across = index == MVRESTIR;
     s->reuse = settings->reuse;
     s->weights = (lf_reuse_weights)settings->weights;
     s->sampler = settings->sampler;

@@ -1,7 +1,7 @@
-/* The reference estimator restir (render/general/general.h). Reservoirs in closed form: weights of
- * a toy, shares, the biased shortcut; its look-ups; its pictures by all kinds of reuse are those of
- * vpt tile by tile, and with the shortcut they are dark beside an edge by what the theory says.
- * Replicates are seeds. */
+/* The reference estimators restir and mvrestir (render/general/general.h). Reservoirs in closed
+ * form: weights of a toy, shares, the biased shortcut; its look-ups; its pictures by all kinds of
+ * reuse are those of vpt tile by tile, and with the shortcut they are dark beside an edge by what
+ * the theory says. Replicates are seeds. */
 #include "tests/testing.h"
 
 #include "render/general/coarse_grid.h"
@@ -222,7 +222,10 @@ static void there_are_candidates_wherever_there_is_extinction(void **state)
 
 /* ---------------------------------------------------------------------------------- pictures -- */
 
-static const char *const kinds[] = {"none", "spatial", "temporal", "both"};
+static const struct {
+    const char *integrator, *reuse;
+} kinds[] = {{"restir", "none"},      {"restir", "spatial"}, {"restir", "temporal"},
+             {"mvrestir", "spatial"}, {"restir", "both"},    {"mvrestir", "both"}};
 #define N_KINDS (int)(sizeof kinds / sizeof kinds[0])
 
 /* Of all comparisons with vpt; a quarter of the program's false alarms. */
@@ -263,21 +266,22 @@ static void reservoirs_agree_with_vpt(void **state)
     for (int i = 0; i < N_KINDS; i++) {
         lf_blocks seen;
         int where = 0, found = 0;
-        bool last = i == N_KINDS - 1;
-        lf_renderer *r =
-            renderer_of(fog, "restir", width, height, depth, kinds[i], "unbiased", NULL);
-        pictures(r, i < 2 ? 6 : 12, 200 + (uint64_t)i, &seen);
+        bool both = i >= 4;
+        lf_renderer *r = renderer_of(fog, kinds[i].integrator, width, height, depth, kinds[i].reuse,
+                                     "unbiased", NULL);
+        pictures(r, both || i == 2 ? 12 : 6, 200 + (uint64_t)i, &seen);
         lf_renderer_destroy(r);
         double p = lf_blocks_welch(&seen, &native, &where);
         for (int j = 0; j < tiles - 1; j++)
-            found += lf_blocks_welch_injected(&seen, &native, j, last ? 1.15 : 1.07) < LEVEL;
-        print_message("%s: p %.2g; %s seen in %d of %d tiles\n", kinds[i], p, last ? "15 %" : "7 %",
-                      found, tiles - 1);
+            found += lf_blocks_welch_injected(&seen, &native, j, both ? 1.15 : 1.07) < LEVEL;
+        print_message("%s, %s: p %.2g; %s seen in %d of %d tiles\n", kinds[i].integrator,
+                      kinds[i].reuse, p, both ? "15 %" : "7 %", found, tiles - 1);
         if (!(p > LEVEL))
-            fail_msg("%s: block %d: %g, natively %g, p %.2g", kinds[i], where,
-                     seen.moments[where].mean, native.moments[where].mean, p);
+            fail_msg("%s, %s: block %d: %g, natively %g, p %.2g", kinds[i].integrator,
+                     kinds[i].reuse, where, seen.moments[where].mean, native.moments[where].mean,
+                     p);
         assert_true(3 * found >= 2 * (tiles - 1));
-        assert_true(lf_blocks_welch_injected(&seen, &native, tiles - 1, last ? 1.05 : 1.025) <
+        assert_true(lf_blocks_welch_injected(&seen, &native, tiles - 1, both ? 1.05 : 1.025) <
                     LEVEL);
         lf_blocks_finish(&seen);
     }
