@@ -290,20 +290,24 @@ static void reservoirs_agree_with_vpt(void **state)
 static void pictures_do_not_depend_on_the_number_of_threads(void **state)
 {
     (void)state;
+    static const char *const names[] = {"restir", "mvrestir"};
     static const int threads[] = {1, 3};
-    double *seen[2];
-    for (int k = 0; k < 2; k++) {
-        lf_pool *pool = NULL;
-        lf_assert_ok(lf_pool_create(threads[k], &pool), NULL);
-        lf_renderer *r = renderer_of(fog, "restir", width, height, depth, "both", "unbiased", pool);
-        lf_test_cycles(r, 4);
-        seen[k] = lf_test_picture(r, LF_ESTIMATOR_MWIS);
-        lf_renderer_destroy(r);
-        lf_pool_destroy(pool);
+    for (int i = 0; i < 2; i++) {
+        double *seen[2];
+        for (int k = 0; k < 2; k++) {
+            lf_pool *pool = NULL;
+            lf_assert_ok(lf_pool_create(threads[k], &pool), NULL);
+            lf_renderer *r =
+                renderer_of(fog, names[i], width, height, depth, "both", "unbiased", pool);
+            lf_test_cycles(r, 4);
+            seen[k] = lf_test_picture(r, LF_ESTIMATOR_MWIS);
+            lf_renderer_destroy(r);
+            lf_pool_destroy(pool);
+        }
+        assert_memory_equal(seen[0], seen[1], sizeof **seen * n_views * width * height);
+        free(seen[0]);
+        free(seen[1]);
     }
-    assert_memory_equal(seen[0], seen[1], sizeof **seen * n_views * width * height);
-    free(seen[0]);
-    free(seen[1]);
 }
 
 /* ------------------------------------------------------------------------------- the shortcut --
