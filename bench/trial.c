@@ -209,6 +209,8 @@ static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
         settings.shift = 0; /* it is others' */
     if (!lf_integrator_named(who->integrator)->selects)
         settings.selection = 0;
+    if (!lf_integrator_named(who->integrator)->reuses)
+        settings.reuse = settings.weights = 0;
     settings.seed = seed;
     settings.features = budget->reconstructed || with_steps;
     lf_status status = lf_renderer_create(trial->scene, &settings, trial->pool, &renderer, err);

@@ -27,8 +27,9 @@ void lf_trial_print_help(void)
            "  --reference-time SECONDS  CPU time of each of the two, instead of --reference-spp\n"
            "  --epsilon E               of relMSE (0.01)\n"
            "  --json FILE               everything as JSON (- for stdout)\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS
-                        " calibration sampler max-depth skip threads shift selection");
+    lf_param_print_help(
+        lf_option_params, LF_OPTIONS_VIEWS
+        " calibration sampler max-depth skip threads shift selection reuse weights");
     printf("  --seed S               of the first run (1)\n" LF_OPTIONS_HELP_LAST);
 }
 

@@ -196,6 +196,9 @@ const char *lf_sampler_name(int kind);
  * (docs/papers.md), as on the command line; NULL behind the last. */
 const char *lf_shift_name(int shift);
 const char *lf_selection_name(int selection);
+/* What reservoirs are put together with, and with what weights (restir): the same. */
+const char *lf_reuse_name(int reuse);
+const char *lf_reuse_weights_name(int weights);
 
 /* How paths are made and shared. */
 typedef struct lf_integrator_entry {
@@ -204,6 +207,7 @@ typedef struct lf_integrator_entry {
     bool shares;      /* a path serves more view pixels than its own */
     bool shifts;      /* it takes settings.shift */
     bool selects;     /* it takes settings.selection */
+    bool reuses;      /* it takes settings.reuse and settings.weights */
 } lf_integrator_entry;
 
 /* The first is the default; NULL behind the last. */
@@ -246,9 +250,9 @@ typedef struct lf_render_settings {
     int max_depth; /* longest path in vertices after the camera; 0 = the scene's own limit */
     unsigned skip; /* of lf_skip: what is left out where it is not needed */
     bool features; /* the film keeps what the reconstruction needs: 16 bytes a view pixel */
-    /* of lf_shift_name and lf_selection_name; 0, their first, where the integrator takes none:
-     * others are then LF_E_ARG */
-    int shift, selection;
+    /* of lf_shift_name, lf_selection_name, lf_reuse_name and lf_reuse_weights_name; 0, their first,
+     * where the integrator takes none: others are then LF_E_ARG */
+    int shift, selection, reuse, weights;
 } lf_render_settings;
 
 /* --------------------------------------------------------------------------------- framing -- */

@@ -74,6 +74,9 @@ static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_set
     if ((settings->shift && !entry->shifts) || (settings->selection && !entry->selects))
         return lf_error_set(err, LF_E_ARG, "integrator", "%s knows no %s", fresh->name,
                             settings->shift && !entry->shifts ? "shifts" : "selections");
+    if ((settings->reuse || settings->weights) && !entry->reuses)
+        return lf_error_set(err, LF_E_ARG, "integrator", "%s knows no reuse of reservoirs",
+                            fresh->name);
     status = make_lanes(r, scene, settings->skip, &fresh->lanes);
     const lf_integrator_input input = {scene, &seen, settings, r->pool, fresh->lanes, &r->film};
     if (status == LF_OK)

@@ -37,6 +37,8 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
     }
     if (s->shift || s->selection)
         json_object_set_new(words, "shared_by", json_pack("[i, i]", s->shift, s->selection));
+    if (s->reuse || s->weights)
+        json_object_set_new(words, "reused_by", json_pack("[i, i]", s->reuse, s->weights));
     for (int i = 0; i < 2 && c->moves; i++) {
         const lf_camera_shift *t = &c->shift[i];
         const double shift[] = {t->position[0], t->position[1], t->position[2],   t->target[0],

@@ -74,6 +74,12 @@ const lf_param lf_option_params[] = {
     {.option = "selection", .argument = "NAME", PLACE(selection),
      .type = LF_PARAM_WORD, .word_at = lf_selection_name,
      .help = "mvpt2022: which views share a path (tv, as printed: biased)"},
+    {.option = "reuse", .argument = "NAME", PLACE(reuse),
+     .type = LF_PARAM_WORD, .word_at = lf_reuse_name,
+     .help = "restir, mvrestir: which reservoirs a pixel looks into (both)"},
+    {.option = "weights", .argument = "NAME", PLACE(weights),
+     .type = LF_PARAM_WORD, .word_at = lf_reuse_weights_name,
+     .help = "restir, mvrestir: what they count (unbiased)"},
     {.option = "sampler", .argument = "NAME", PLACE(sampler),
      .type = LF_PARAM_WORD, .word_at = lf_sampler_name},
     {.option = "max-depth", .argument = "N", PLACE(max_depth),
@@ -136,6 +142,8 @@ void lf_options_fit_integrator(lf_options *options)
     const lf_integrator_entry *entry = lf_integrator_named(options->integrator);
     options->shift = entry && entry->shifts ? options->shift : 0;
     options->selection = entry && entry->selects ? options->selection : 0;
+    options->reuse = entry && entry->reuses ? options->reuse : 0;
+    options->weights = entry && entry->reuses ? options->weights : 0;
 }
 
 const lf_preset *lf_options_preset(const lf_options *options)
@@ -233,6 +241,8 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
         .sampler = options->sampler,
         .shift = options->shift,
         .selection = options->selection,
+        .reuse = options->reuse,
+        .weights = options->weights,
         .seed = options->seed,
         .max_depth = options->max_depth,
         .skip = options->has_skip ? options->skip : LF_SKIP_ALL,

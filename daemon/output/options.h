@@ -33,16 +33,16 @@ const char *lf_reconstruct_name(int index);
 /* What the shared options say; zero and NULL mean "not given" unless stated. Zeroed is a valid
  * start. */
 typedef struct lf_options {
-    const char *preset;          /* a name that exists; lf_options_preset */
-    int views;                   /* 1..LF_MAX_VIEWS */
-    int columns, rows;           /* of the quilt */
-    int view_width, view_height; /* 1..LF_MAX_VIEW_SIDE */
-    const char *integrator;      /* a name that exists */
-    bool has_estimator;          /* it was given */
-    lf_estimator estimator;      /* zero is LF_ESTIMATOR_MWIS, the default */
-    lf_sampler_kind sampler;     /* zero is LF_SAMPLER_OWEN, the default */
-    int shift, selection;        /* as in lf_render_settings; zero is the default */
-    int threads;                 /* 0 = all CPUs */
+    const char *preset;                   /* a name that exists; lf_options_preset */
+    int views;                            /* 1..LF_MAX_VIEWS */
+    int columns, rows;                    /* of the quilt */
+    int view_width, view_height;          /* 1..LF_MAX_VIEW_SIDE */
+    const char *integrator;               /* a name that exists */
+    bool has_estimator;                   /* it was given */
+    lf_estimator estimator;               /* zero is LF_ESTIMATOR_MWIS, the default */
+    lf_sampler_kind sampler;              /* zero is LF_SAMPLER_OWEN, the default */
+    int shift, selection, reuse, weights; /* as in lf_render_settings; zero is the default */
+    int threads;                          /* 0 = all CPUs */
     uint64_t seed;
     int max_depth;                           /* 0 = the scene's */
     bool has_skip;                           /* it was given */
@@ -65,7 +65,8 @@ extern const lf_param lf_option_params[];
 /* What to look at, and how to render: most programs take all of these. */
 #define LF_OPTIONS_VIEWS "preset views quilt view-size"
 #define LF_OPTIONS_RENDER                                                                          \
-    "integrator estimator shift selection sampler max-depth skip threads seed reconstruct"
+    "integrator estimator shift selection reuse weights sampler max-depth skip threads seed "      \
+    "reconstruct"
 #define LF_OPTIONS_IMPORT "import-memory import-time"
 
 /* Holds what reads files to what the options say (lf_import_limit). */

@@ -72,6 +72,10 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
         json_object_set_new(made, "shift", json_string(lf_shift_name(settings->shift)));
     if (lf_integrator_named(settings->integrator)->selects)
         json_object_set_new(made, "selection", json_string(lf_selection_name(settings->selection)));
+    if (lf_integrator_named(settings->integrator)->reuses)
+        json_object_update_new(made,
+                               json_pack("{s:s, s:s}", "reuse", lf_reuse_name(settings->reuse),
+                                         "weights", lf_reuse_weights_name(settings->weights)));
     if (camera->view_blur > 0)
         json_object_set_new(made, "view_blur", json_real(camera->view_blur));
     if (camera->track > 0) { /* which has no cone */

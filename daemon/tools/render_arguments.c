@@ -30,7 +30,8 @@ static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIO
                                               " fit guides";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
-                              "target-shown-error aov fit guides reconstruct shift selection";
+                              "target-shown-error aov fit guides reconstruct shift selection "
+                              "reuse weights";
 
 static void print_help(void)
 {
