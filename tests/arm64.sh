@@ -28,7 +28,7 @@ trap 'rm -rf "$top"' EXIT
 # a make of its own: nothing that the one above was told is for another machine
 build() {
     env -u MAKEFLAGS -u MFLAGS -u CFLAGS -u CPPFLAGS make --no-print-directory -C "$src" -j "$(nproc)" O="$out/arm64" BUILD=release PORTABLE=1 \
-        CC="$cc" CXX="$cc" AR="$ar" LDFLAGS=-static "$@"
+        CC="$cc" CXX="$cc" AR="$ar" CFLAGS=-g1 LDFLAGS=-static "$@"
 }
 if ! build portable > "$top/log" 2>&1; then
     report "the portable parts compile for arm64" "$(tail -n 30 "$top/log")"

@@ -3,12 +3,13 @@
 # shellcheck shell=bash
 passed=0 failed=0
 fact() { # words, command…: holds when the command prints nothing; not in a subshell, so that it may start things
-    local words=$1
+    local words=$1 since=${EPOCHREALTIME/./} took
     shift
     "$@" > fact.out 2>&1
     if [ ! -s fact.out ]; then
         passed=$((passed + 1))
-        echo "[       OK ] $words"
+        took=$(((${EPOCHREALTIME/./} - since) / 100000))
+        echo "[       OK ] $words ($((took / 10)).$((took % 10)) s)"
     else
         failed=$((failed + 1))
         echo "[  ERROR   ] --- $words:"
@@ -62,7 +63,7 @@ sim_start() { # options of quiltsim
     "$QUILTD_BUILD/quiltsim" "$@" < sim.in > sim.log 2>&1 &
     sim_pid=$!
     exec 3> sim.in
-    within 20 grep -q . sim.log || echo "quiltsim says nothing"
+    within 60 grep -q . sim.log || echo "quiltsim says nothing"
 }
 sim_tell() { # line: waits for its answer
     local before

@@ -8,7 +8,8 @@
 rule=/usr/share/polkit-1/rules.d/60-quiltd.rules
 
 settings() {
-    printf '%s\n' 'QUILTD_OPTIONS="--views 4 --view-size 60x80"' > /etc/default/quiltd
+    printf '%s\n' QUILTD_SCENE=/usr/share/quiltd/scenes/spheres.json \
+        'QUILTD_OPTIONS="--views 4 --view-size 60x80 --target-error 0.1"' > /etc/default/quiltd # rendering ends: polkit needs the processor
     printf '%s' '{"configVersion":"3.0","serial":"LKG-PORT-","pitch":52,"slope":-7,"center":0.5,"DPI":324,"screenW":512,"screenH":512}' > visual.json
     drive_make panel.img LKG-P00671 visual.json
     drive_make stick.img STICK visual.json

@@ -6,7 +6,11 @@
 . "$QUILTD_SOURCE/tests/kernel/lib.sh"
 panel=$QUILTD_BUILD/tests/kernel/panel
 
-options() { printf '%s\n' 'QUILTD_OPTIONS="--views 4 --view-size 60x80"' "$@" > /etc/default/quiltd; }
+# Two threads, so that there is a worker on a single processor; an end to rendering, which would keep that busy all the while.
+options() {
+    printf '%s\n' 'QUILTD_OPTIONS="--views 4 --view-size 60x80 --threads 2 --target-error 0.1"' "$@" > /etc/default/quiltd
+}
+small=QUILTD_SCENE=/usr/share/quiltd/scenes/spheres.json
 becomes_active() {
     systemctl start quiltd 2>&1
     [ "$(systemctl is-active quiltd)" = active ] || { systemctl status --no-pager quiltd; journalctl --no-pager -n 20 -u quiltd; }
@@ -115,7 +119,7 @@ options QUILTD_SCENE=/nonexistent.json
 fact "active with the scene missing" becomes_active
 fact "it says so" answers
 fact "it stops again" stops
-options
+options $small
 cp "$panel" /usr/local/bin/panel
 printf '%s' '{"configVersion":"3.0","serial":"LKG-PORT-NOMINAL","pitch":52,"slope":-7,"center":0.5,"DPI":324,"screenW":512,"screenH":512}' > /var/lib/quiltd/nominal.json
 chown quiltd: /var/lib/quiltd/nominal.json
