@@ -62,6 +62,12 @@ typedef struct lf_camera_shift {
     double position[3], target[3], focus_distance;
 } lf_camera_shift;
 
+/* One of many cameras, each a pinhole that looks where it likes: world coordinates; radians, the
+ * vertical angle of its picture. */
+typedef struct lf_view_camera {
+    double position[3], target[3], up[3], fov_y;
+} lf_view_camera;
+
 /* The rig of a scene's camera block, resolved. */
 typedef struct lf_camera {
     double target[3], position[3], up[3];
@@ -96,6 +102,9 @@ typedef struct lf_camera {
      * panel may replace without being a contradiction). */
     bool has_aspect, has_views, has_cone;
     bool moves; /* in the shutter: shift is not all 0 */
+    /* In place of a rig, every view's camera: [n_views], the scene's own and valid as long as it.
+     * target, position, up and fov_y are then those of the one in the middle. NULL: a rig */
+    const lf_view_camera *list;
 } lf_camera;
 
 /* Views of a camera: of all rows of a grid. */

@@ -278,10 +278,10 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
                             "a video of views needs them on a track, and the scene has a grid of "
                             "rows: --frames or --turntable make videos of quilts");
-    if (is_walk && !(r->settings.camera.track > 0.0))
+    if (is_walk && !(r->settings.camera.track > 0.0) && !r->settings.camera.list)
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
                             "a video needs --frames, --turntable or a scene whose camera.views are "
-                            "on a track");
+                            "on a track, a path or a circle, or in a list");
     lf_status status = lf_video_check(options, &layout, r->path, &warning, err);
     if (status == LF_OK && is_walk)
         status = lf_video_create(r->path, &layout, options, r->cancel, &r->video, err);

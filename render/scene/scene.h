@@ -465,7 +465,8 @@ struct lf_scene {
     json_t *subject; /* the document as far as films are concerned (scene_subject.h) */
     lf_scene_file file;
     double origin[3]; /* world = local + origin */
-    lf_camera camera; /* world coordinates */
+    lf_camera camera;      /* world coordinates */
+    lf_view_camera *views; /* what camera.list is; NULL: it has none */
     lf_film_settings film;
     int max_depth; /* path vertices; 0 = LF_DEFAULT_MAX_DEPTH */
 
