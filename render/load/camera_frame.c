@@ -164,11 +164,11 @@ static bool take_views(const lf_scene_desc *desc, lf_scene *scene)
     const size_t bytes = (size_t)desc->camera.n_views * sizeof *desc->views;
     if (!desc->camera.list)
         return true;
-    scene->views = lf_calloc(1, bytes);
-    if (scene->views)
-        memcpy(scene->views, desc->views, bytes);
-    scene->camera.list = scene->views;
-    return scene->views;
+    scene->file.views = lf_calloc(1, bytes);
+    if (scene->file.views)
+        memcpy(scene->file.views, desc->views, bytes);
+    scene->camera.list = scene->file.views;
+    return scene->file.views;
 }
 
 void lf_camera_frame(lf_reader *reader, const lf_node *root, const lf_scene_desc *desc,

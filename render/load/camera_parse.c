@@ -116,8 +116,8 @@ static void parse_placed_views(lf_reader *reader, const lf_node *views, lf_scene
         parse[kind](reader, &placed, out);
     else
         lf_read_fail(reader, views,
-                     "expected one of {\"track\": {\"count\": N, \"length\": L}}, {\"grid\": {…}}, "
-                     "{\"list\": […]}, {\"path\": {…}} and {\"circle\": {…}}");
+                     "expected {\"track\": {\"count\": N, \"length\": L}}, {\"grid\": {…}}, "
+                     "{\"list\": […]}, {\"path\": {…}} or {\"circle\": {…}}");
 }
 
 /* The keys of the table; views that are an object are read by themselves, behind the others. */

@@ -439,8 +439,9 @@ typedef struct lf_scene_file {
     /* the scene's json as it is in its frame: without keys (keyframes.h) */
     json_t *still;
     int frame;
-    double rate;     /* frames a second */
-    bool has_frames; /* they differ */
+    double rate;           /* frames a second */
+    bool has_frames;       /* they differ */
+    lf_view_camera *views; /* what the camera's list is; NULL: it has none */
 } lf_scene_file;
 
 /* What some of its surfaces and volumes are, and most scenes lack. */
@@ -465,8 +466,7 @@ struct lf_scene {
     json_t *subject; /* the document as far as films are concerned (scene_subject.h) */
     lf_scene_file file;
     double origin[3]; /* world = local + origin */
-    lf_camera camera;      /* world coordinates */
-    lf_view_camera *views; /* what camera.list is; NULL: it has none */
+    lf_camera camera; /* world coordinates */
     lf_film_settings film;
     int max_depth; /* path vertices; 0 = LF_DEFAULT_MAX_DEPTH */
 
