@@ -18,6 +18,8 @@ static const lf_integrator_entry entries[N_ENTRIES] = {
 
 /* Paths that find how bright it gets. */
 #define PILOT_PATHS 1024
+/* Suffixes behind a shared pivot: what it weighs for all views costs as much as many of them. */
+#define SUFFIXES 4
 
 /* A view of a pivot. */
 typedef struct sight {
@@ -165,8 +167,10 @@ static void spread(state *s, worker *w, lf_vec3 arriving, double weight, bool pi
     }
 }
 
-/* A light sample: its balance is over all views' directions and its own. */
-static void spread_light(state *s, worker *w, const pivot *p, double densities, bool pilot)
+/* A share of what a pivot brings, by a light sample: its balance is over all views' directions and
+ * its own. */
+static void spread_light(state *s, worker *w, const pivot *p, double densities, double share,
+                         bool pilot)
 {
     float u[3];
     lf_light_sample light;
@@ -179,11 +183,12 @@ static void spread_light(state *s, worker *w, const pivot *p, double densities, 
         return;
     const double over = lobes(s, w, p, light.wi, densities),
                  density = (double)light.pdf * densities + (light.delta ? 0.0 : over);
-    spread(s, w, lf_scale(light.radiance, (float)((double)visible / density)), 0.0, pilot);
+    spread(s, w, lf_scale(light.radiance, (float)(share * (double)visible / density)), 0.0, pilot);
 }
 
-/* A direction of the base's own lobe, and all that comes along it. */
-static void spread_direction(state *s, worker *w, const pivot *p, double densities, bool pilot)
+/* The same by a direction of the base's own lobe, and all that comes along it. */
+static void spread_direction(state *s, worker *w, const pivot *p, double densities, double share,
+                             bool pilot)
 {
     float u[3], light_pdf;
     lf_vec3 wi, f;
@@ -204,8 +209,8 @@ static void spread_direction(state *s, worker *w, const pivot *p, double densiti
     const lf_vec3 found = lf_path_light_found(&s->seen, &p->event, &next, &light_pdf),
                   scattered = lf_path_arriving(&w->tracer, &next, 2, s->max_depth);
     spread(s, w,
-           lf_add(lf_scale(found, (float)(1.0 / (over + (double)light_pdf * densities))),
-                  lf_scale(scattered, (float)(1.0 / over))),
+           lf_add(lf_scale(found, (float)(share / (over + (double)light_pdf * densities))),
+                  lf_scale(scattered, (float)(share / over))),
            0.0, pilot);
 }
 
@@ -258,8 +263,11 @@ static void base_sample(state *s, worker *w, pivot *p, uint64_t pixel, uint32_t 
     }
     if (!pilot)
         spread_weights(s, w, densities);
-    spread_light(s, w, p, densities, pilot);
-    spread_direction(s, w, p, densities, pilot);
+    const int n = s->alone || pilot ? 1 : SUFFIXES;
+    for (int i = 0; i < n; i++) {
+        spread_light(s, w, p, densities, 1.0 / n, pilot);
+        spread_direction(s, w, p, densities, 1.0 / n, pilot);
+    }
 }
 
 /* How bright it gets, for the unit of the sums: the same whatever is rendered of the picture. */

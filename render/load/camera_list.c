@@ -186,10 +186,11 @@ void lf_camera_circle_parse(lf_reader *reader, const lf_node *node, lf_scene_des
                  up = lf_length_double(c->up),
                  axis[3] = {c->up[0] / up, c->up[1] / up, c->up[2] / up};
     const bool whole = angle >= 2 * M_PI - 1e-9;
+    const int half = n / 2;
     const double step = whole   ? angle / n
                         : n > 1 ? angle / (n - 1)
                                 : 0,
-                 first = whole ? -step * (n / 2) : -0.5 * step * (n - 1);
+                 first = whole ? -step * half : -0.5 * step * (n - 1);
     double away[3];
     if (reader->status != LF_OK || lf_camera_fault(c->position, c->target, c->up, &key) ||
         !make_room(reader, n, &out->views))

@@ -494,7 +494,7 @@ static void weights_come_to_samples(void **state)
         print_message("W/n is q with p %.2g; 5 %% would be seen in %d of %d tiles\n", worst, found,
                       tiles - 1);
         assert_true(worst > level);
-        assert_true(2 * found >= tiles - 1);
+        assert_true(3 * found >= tiles - 1);
         for (int k = 0; k < 3; k++)
             lf_blocks_finish(&seen[k]);
         lf_scene_unref(scene);
