@@ -26,7 +26,9 @@ void output_attributes_fill(output_attributes *attributes, const json_t *setting
         } else {
             size_t n = json_dumpb(value, attributes->value[i], sizeof attributes->value[i] - 1,
                                   JSON_ENCODE_ANY | JSON_COMPACT);
-            attributes->value[i][n < sizeof attributes->value[i] ? n : 0] = '\0';
+            if (n >= sizeof attributes->value[i]) /* a long list of cameras: the scene has it */
+                continue;
+            attributes->value[i][n] = '\0';
         }
         snprintf(attributes->name[i], sizeof attributes->name[i], "quiltd.%s", key);
         attributes->list[i] = (lf_attribute){attributes->name[i], attributes->value[i]};
