@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "render/general/any_cameras.h"
 #include "render/general/general.h"
 #include "render/rows/rows.h"
 
@@ -41,10 +42,34 @@ const lf_integrator_entry *lf_integrator_named(const char *name)
     return lf_integrator_at(i);
 }
 
-lf_status lf_integrator_find(const char *name, const lf_integrator **out_integrator, int *out_index,
-                             lf_error *err)
+/* Of cameras listed one by one. */
+static lf_status find_of_list(const char *name, int *out_index, lf_error *err)
 {
+    const lf_integrator *any = &lf_integrator_any_cameras;
     char known[128] = "";
+    for (int i = 0; any->entry(i); i++) {
+        const char *has = any->entry(i)->name;
+        if (!name || strcmp(name, has) == 0) {
+            *out_index = i;
+            return LF_OK;
+        }
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", has);
+    }
+    return lf_error_set(err, LF_E_ARG, "integrator",
+                        "cameras listed one by one are rendered by one of %s, not by \"%s\"", known,
+                        name);
+}
+
+lf_status lf_integrator_find(const lf_render_settings *settings,
+                             const lf_integrator **out_integrator, int *out_index, lf_error *err)
+{
+    const char *name = settings->integrator;
+    char known[128] = "";
+    if (settings->camera.list) {
+        *out_integrator = &lf_integrator_any_cameras;
+        return find_of_list(name, out_index, err);
+    }
     for (int i = 0; lf_integrator_at(i); i++) {
         const char *has = lf_integrator_at(i)->name;
         if (!name || strcmp(name, has) == 0) {

@@ -4,7 +4,8 @@
  * rows, how many passes and when, and owns the film, the pool and the answers. What a worker needs
  * besides the film (a plane, slices, reservoirs, lists of cameras) is the integrator's own. One
  * that comes in several kinds (rows/: how pivots are shared) lists them as entries. A new one is a
- * folder or file with one of these, and a line of the table in integrator.c. */
+ * folder or file with one of these, and a line of the table in integrator.c. Cameras listed one by
+ * one have an integrator of their own, with entries of the same names. */
 #ifndef LF_RENDER_INTEGRATOR_H
 #define LF_RENDER_INTEGRATOR_H
 
@@ -44,6 +45,12 @@ typedef struct lf_visit_order {
     unsigned faults; /* lf_fault (rows/visit.h), in builds that have them */
 } lf_visit_order;
 
+/* The rows of a pass: first_row, first_row + row_step, … */
+typedef struct lf_pass {
+    const lf_visit_order *order;
+    int first_row, row_step, n_rows;
+} lf_pass;
+
 typedef struct lf_integrator {
     /* By index within this integrator; NULL behind the last. */
     const lf_integrator_entry *(*entry)(int index);
@@ -52,11 +59,14 @@ typedef struct lf_integrator {
     lf_status (*create)(const lf_integrator_input *input, int index, void **out_state,
                         lf_integrator_needs *out_needs, lf_error *err);
     /* Before a pass, on its caller's thread: may use the pool. */
-    void (*begin)(void *state);
+    void (*begin)(void *state, const lf_pass *pass);
     /* Adds a visit of a row to one half of the film, on a worker of the pool. false = cancelled:
      * the film is as before, but that a row whose holes were being filled may have some of them. */
     bool (*visit)(void *state, const lf_visit_order *order, int row, int half, int worker,
                   const lf_cancel *cancel);
+    /* Behind a pass all of whose rows were visited, on its caller's thread: may use the pool. Of
+     * what is cancelled some rows may be as they were. NULL: nothing is left to be done. */
+    lf_status (*end)(void *state, const lf_pass *pass, const lf_cancel *cancel);
     /* Adds its workers' counters to *out; what does not apply becomes -1. */
     void (*count)(const void *state, lf_render_stats *out);
     /* Adds what it leaves out of its own accord, as in lf_renderer_skipped. */
@@ -65,8 +75,10 @@ typedef struct lf_integrator {
     void (*destroy)(void *state);
 } lf_integrator;
 
-/* LF_E_ARG for an unknown name, with err naming those that exist; NULL is the default. */
-LF_NODISCARD lf_status lf_integrator_find(const char *name, const lf_integrator **out_integrator,
-                                          int *out_index, lf_error *err);
+/* The one that renders such a camera by settings->integrator. LF_E_ARG for an unknown name, with
+ * err naming those that exist; NULL is the default. */
+LF_NODISCARD lf_status lf_integrator_find(const lf_render_settings *settings,
+                                          const lf_integrator **out_integrator, int *out_index,
+                                          lf_error *err);
 
 #endif

@@ -62,6 +62,12 @@ typedef struct lf_camera_shift {
     double position[3], target[3], focus_distance;
 } lf_camera_shift;
 
+/* One of many cameras, each a pinhole that looks where it likes: world coordinates; radians, the
+ * vertical angle of its picture. */
+typedef struct lf_view_camera {
+    double position[3], target[3], up[3], fov_y;
+} lf_view_camera;
+
 /* The rig of a scene's camera block, resolved. */
 typedef struct lf_camera {
     double target[3], position[3], up[3];
@@ -96,6 +102,9 @@ typedef struct lf_camera {
      * panel may replace without being a contradiction). */
     bool has_aspect, has_views, has_cone;
     bool moves; /* in the shutter: shift is not all 0 */
+    /* In place of a rig, every view's camera: [n_views], the scene's own and valid as long as it.
+     * target, position, up and fov_y are then those of the one in the middle. NULL: a rig */
+    const lf_view_camera *list;
 } lf_camera;
 
 /* Views of a camera: of all rows of a grid. */
@@ -295,8 +304,8 @@ typedef struct lf_renderer lf_renderer;
 
 /* A renderer with an empty film. Keeps a reference to scene; pool is borrowed and must outlive it.
  * LF_E_ARG for settings out of range (err says which), LF_E_NOMEM. Memory: 40 to 64 bytes a view
- * pixel (film.h), and 12 for every triangle and row that can meet it: with a wide lens those are
- * many rows (section.h). */
+ * pixel (film.h), 32 more where cameras are listed one by one, and 12 for every triangle and row
+ * that can meet it: with a wide lens those are many rows (section.h). */
 LF_NODISCARD lf_status lf_renderer_create(lf_scene *scene, const lf_render_settings *settings,
                                           lf_pool *pool, lf_renderer **out_renderer, lf_error *err);
 /* Accepts NULL. */
@@ -315,8 +324,10 @@ typedef void (*lf_row_fn)(void *context, int row, int worker);
  * of 2^32 streams of random numbers of the seed. All zero: the whole, by stream 0. Rows do not know
  * of each other: a film gathered from parts of other rows (lf_renderer_add) has the bytes that one
  * renderer makes of the same calls. Streams of one row add up to the same numbers but for rounding.
- * Holes are filled by what all of a row's streams have found, and integrators that send samples
- * where the error is (amvpt) look at all rows before they do. */
+ * Cameras listed one by one share across the rows of a pass, which makes its bytes: other parts
+ * make others, and the film has a pass when all of it is done, behind row_done. Holes are filled by
+ * what all of a row's streams have found, and integrators that send samples where the error is
+ * (amvpt) look at all rows before they do. */
 typedef struct lf_part {
     int first_row, end_row; /* end_row 0 = to the last row */
     int row_step;           /* 0 = 1 */
@@ -509,7 +520,9 @@ typedef struct lf_render_stats {
     int64_t rays_traced;
     /* density look-ups, slices and tracking included; -1 without volumes */
     int64_t volume_lookups;
-    int64_t nonfinite_dropped; /* contributions that were NaN or infinite: must be 0 */
+    /* contributions that were NaN or infinite, or, of cameras listed one by one, too great for
+     * their sums: must be 0 */
+    int64_t nonfinite_dropped;
     /* pivots that the row's section hides from their own base (V_i forced to 1); -1 without meshes
      */
     int64_t base_hidden;

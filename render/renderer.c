@@ -64,7 +64,7 @@ static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_set
 {
     lf_scene seen = {0};
     int index;
-    lf_status status = lf_integrator_find(settings->integrator, &fresh->integrator, &index, err);
+    lf_status status = lf_integrator_find(settings, &fresh->integrator, &index, err);
     if (status == LF_OK)
         status = lf_skip_scene(scene, settings->skip, &seen, &fresh->empty, err);
     if (status != LF_OK)
@@ -238,9 +238,13 @@ static lf_status run(lf_pass_job *job)
     job->order.sunlight = r->sunlight;
     job->order.random = lf_film_stream_random(&r->film.streams[job->order.stream]);
     job->order.faults = r->faults;
-    r->integrator->begin(r->state);
-    int items = (part.end_row - part.first_row - 1) / part.row_step + 1;
-    status = lf_pool_run(r->pool, items, run_row, job, job->cancel);
+    const lf_pass pass = {&job->order, part.first_row, part.row_step,
+                          (part.end_row - part.first_row - 1) / part.row_step + 1};
+    r->integrator->begin(r->state, &pass);
+    status = lf_pool_run(r->pool, pass.n_rows, run_row, job, job->cancel);
+    if (status == LF_OK && r->integrator->end &&
+        !(job->cancel && atomic_load_explicit(job->cancel, memory_order_relaxed)))
+        status = r->integrator->end(r->state, &pass, job->cancel);
     if (job->cancel && atomic_load_explicit(job->cancel, memory_order_relaxed))
         return LF_E_CANCELLED;
     return status;

@@ -35,6 +35,8 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
         const double track[] = {c->track, c->own_windows, c->rise};
         json_object_set_new(words, "track", numbers(track, c->rise != 0.0 ? 3 : 2));
     }
+    if (c->list)
+        json_object_set_new(words, "list", numbers((const double *)c->list, 10 * c->n_views));
     if (s->shift || s->selection)
         json_object_set_new(words, "shared_by", json_pack("[i, i]", s->shift, s->selection));
     if (s->reuse || s->weights)
@@ -89,10 +91,11 @@ lf_status lf_renderer_state_id(const lf_renderer *renderer, lf_state_id *out)
 {
     const lf_render_settings *s = &renderer->settings;
     json_t *words = describe(renderer->scene, s, s->integrator),
-           *camera = json_pack("{s:O, s:O, s:O, s:f, s:O*}", "rig", json_object_get(words, "rig"),
-                               "inclusive", json_object_get(words, "inclusive"), "window",
-                               json_object_get(words, "window"), "view_blur", s->camera.view_blur,
-                               "track", json_object_get(words, "track")),
+           *camera = json_pack(
+               "{s:O, s:O, s:O, s:f, s:O*, s:O*}", "rig", json_object_get(words, "rig"),
+               "inclusive", json_object_get(words, "inclusive"), "window",
+               json_object_get(words, "window"), "view_blur", s->camera.view_blur, "track",
+               json_object_get(words, "track"), "list", json_object_get(words, "list")),
            *film = describe_film(renderer);
     *out = (lf_state_id){
         .n_views = s->camera.n_views, .width = s->width, .height = s->height, .seed = s->seed};

@@ -229,7 +229,30 @@ lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,
 {
     lf_camera rig = *camera;
     rig.n_rows = 0;
+    if (camera->list)
+        return lf_error_set(err, LF_E_ARG, "camera.views",
+                            "cameras listed one by one are no rig, which panels, prints and "
+                            "quiltd need (an arc, a track or a grid is); quiltrender makes quilts, "
+                            "folders and videos of them");
     return lf_resolve_rows(options, &rig, calibration, out_settings, out_layout, err);
+}
+
+/* What cameras that are listed one by one do not go with. */
+static lf_status check_list(const lf_options *options, lf_error *err)
+{
+    const struct {
+        bool given;
+        const char *option;
+    } refused[] = {{options->preset, "--preset"},
+                   {options->views > 0, "--views"},
+                   {options->reconstruct == LF_RECONSTRUCT_ON, "--reconstruct on"},
+                   {options->layers, "--aov"},
+                   {options->guides, "--guides"}};
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
+        if (refused[i].given)
+            return lf_error_set(err, LF_E_ARG, refused[i].option,
+                                "does not go with cameras listed one by one, which are no rig");
+    return LF_OK;
 }
 
 lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
@@ -254,6 +277,8 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
     if (settings.camera.n_rows > 0 && options->views > 0)
         return lf_error_set(err, LF_E_ARG, "--views", "the scene has a grid of %d x %d cameras",
                             camera->n_views, camera->n_rows);
+    if (camera->list && check_list(options, err) != LF_OK)
+        return LF_E_ARG;
     layout.n_views = lf_camera_views(&settings.camera);
     layout.aspect = settings.camera.aspect;
     resolve_view_size(options, layout.aspect, &layout);

@@ -26,7 +26,9 @@ void output_attributes_fill(output_attributes *attributes, const json_t *setting
         } else {
             size_t n = json_dumpb(value, attributes->value[i], sizeof attributes->value[i] - 1,
                                   JSON_ENCODE_ANY | JSON_COMPACT);
-            attributes->value[i][n < sizeof attributes->value[i] ? n : 0] = '\0';
+            if (n >= sizeof attributes->value[i]) /* a long list of cameras: the scene has it */
+                continue;
+            attributes->value[i][n] = '\0';
         }
         snprintf(attributes->name[i], sizeof attributes->name[i], "quiltd.%s", key);
         attributes->list[i] = (lf_attribute){attributes->name[i], attributes->value[i]};
@@ -42,6 +44,29 @@ static json_t *real_or_null(double value)
 static double degrees(double radians)
 {
     return radians * (180.0 / M_PI);
+}
+
+/* Of cameras listed one by one: [position, target, up, fov_y], each. */
+static json_t *cameras_of(const lf_camera *camera)
+{
+    json_t *list = json_array();
+    for (int k = 0; k < camera->n_views; k++) {
+        const lf_view_camera *c = &camera->list[k];
+        json_array_append_new(list, json_pack("[[f,f,f],[f,f,f],[f,f,f],f]", c->position[0],
+                                              c->position[1], c->position[2], c->target[0],
+                                              c->target[1], c->target[2], c->up[0], c->up[1],
+                                              c->up[2], degrees(c->fov_y)));
+    }
+    return list;
+}
+
+/* What is said of a rig. */
+static void drop_rig(json_t *made)
+{
+    static const char *const keys[] = {"fov_y",    "cone", "placement",   "target",
+                                       "position", "up",   "lens_radius", "focus_distance"};
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
+        json_object_del(made, keys[i]);
 }
 
 json_t *lf_output_settings(const char *scene, const lf_render_settings *settings,
@@ -88,6 +113,10 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
         }
         json_object_del(made, "cone");
         json_object_del(made, "placement");
+    }
+    if (camera->list) {
+        drop_rig(made);
+        json_object_set_new(made, "cameras", cameras_of(camera));
     }
     return made;
 }

@@ -110,7 +110,8 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     const lf_render_arguments *a = r->arguments;
     const lf_calibration *calibration = a->kind->needs_panel ? &r->calibration : NULL;
     const bool one_rig =
-        a->kind->needs_panel || a->kind->check_print || (a->kind->layers && !a->rgbd.is_quilt);
+        a->kind->needs_panel || a->kind->check_print ||
+        (a->kind->layers && (!a->rgbd.is_quilt || lf_scene_camera(r->scene)->list));
     lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(
         &a->options, lf_scene_camera(r->scene), calibration, &r->settings, &r->layout, err);
     if (r->sequence.on)
@@ -165,6 +166,9 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
                             "%%04d in its name is, a glTF file that moves, a number with keys; "
                             "--turntable N turns the camera)",
                             a->scene);
+    if (status == LF_OK && a->frames.turntable > 0 && lf_scene_camera(r->scene)->list)
+        return lf_error_set(err, LF_E_ARG, "--turntable",
+                            "does not go with cameras listed one by one: which would it turn?");
     if (status == LF_OK)
         status = lf_rendering_resolve(r, err);
     return status == LF_OK && a->options.fit ? fit(r, err) : status;
@@ -278,10 +282,10 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
                             "a video of views needs them on a track, and the scene has a grid of "
                             "rows: --frames or --turntable make videos of quilts");
-    if (is_walk && !(r->settings.camera.track > 0.0))
+    if (is_walk && !(r->settings.camera.track > 0.0) && !r->settings.camera.list)
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
                             "a video needs --frames, --turntable or a scene whose camera.views are "
-                            "on a track");
+                            "on a track, a path or a circle, or in a list");
     lf_status status = lf_video_check(options, &layout, r->path, &warning, err);
     if (status == LF_OK && is_walk)
         status = lf_video_create(r->path, &layout, options, r->cancel, &r->video, err);

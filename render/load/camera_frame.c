@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/alloc.h"
 #include "base/nearest.h"
 #include "render/load/camera_parse.h"
 #include "render/scene/geometry.h"
@@ -157,12 +158,29 @@ static lf_file_camera moment_of(const lf_file_camera *open, const lf_file_camera
     return t > 0 && look > 1e-3 && across > 1e-3 ? now : *open;
 }
 
+/* What is listed becomes the scene's own. */
+static bool take_views(const lf_scene_desc *desc, lf_scene *scene)
+{
+    const size_t bytes = (size_t)desc->camera.n_views * sizeof *desc->views;
+    if (!desc->camera.list)
+        return true;
+    scene->file.views = lf_calloc(1, bytes);
+    if (scene->file.views)
+        memcpy(scene->file.views, desc->views, bytes);
+    scene->camera.list = scene->file.views;
+    return scene->file.views;
+}
+
 void lf_camera_frame(lf_reader *reader, const lf_node *root, const lf_scene_desc *desc,
                      const lf_shutter *shutter, lf_scene *scene)
 {
     const lf_node node = lf_node_child(root, "camera"), from = lf_node_child(&node, "from");
     lf_camera ends[2] = {shutter->desc[0]->camera, shutter->desc[1]->camera};
     scene->camera = desc->camera;
+    if (!take_views(desc, scene)) {
+        reader->status = lf_error_set(reader->err, LF_E_NOMEM, reader->where, "out of memory");
+        return;
+    }
     if (desc->framing.mesh) {
         int mesh = find_mesh(reader, &from, desc), which = -1;
         const lf_file_cameras *cameras = mesh < 0 ? NULL : &scene->geometry->cameras[mesh];

@@ -1,5 +1,6 @@
 #include "render/load/camera_parse.h"
 
+#include "render/load/camera_list.h"
 #include "render/load/frame_file.h"
 #include "render/load/member_read.h"
 #include "render/scene/vec_double.h"
@@ -7,24 +8,24 @@
 /* The rig needs a view axis and an up vector that is not along it. */
 void lf_camera_check(lf_reader *reader, const lf_node *root, lf_camera *camera)
 {
-    double view[3], cross[3];
-    const double *up = camera->up;
-    const lf_node node = lf_node_child(root, "camera");
-    lf_sub_double(camera->target, camera->position, view);
-    double distance = lf_length_double(view);
-    lf_node position = lf_node_child(&node, "position"), up_node = lf_node_child(&node, "up"),
-            blur = lf_node_child(&node, "view_blur");
-    if (!(distance > 0)) {
-        lf_read_fail(reader, &position, "the camera stands on its target");
+    double view[3];
+    const char *key = NULL,
+               *fault = lf_camera_fault(camera->position, camera->target, camera->up, &key);
+    const lf_node node = lf_node_child(root, "camera"), blur = lf_node_child(&node, "view_blur"),
+                  lens = lf_node_child(&node, "lens_radius"), at = lf_node_child(&node, key);
+    if (fault) {
+        lf_read_fail(reader, &at, "%s", fault);
         return;
     }
-    lf_cross_double(view, up, cross);
-    if (!(lf_length_double(cross) > 1e-6 * distance * lf_length_double(up)))
-        lf_read_fail(reader, &up_node, "up is zero or along the line of sight");
+    lf_sub_double(camera->target, camera->position, view);
+    if (camera->list && (camera->view_blur > 0 || camera->lens_radius > 0))
+        lf_read_fail(reader, camera->lens_radius > 0 ? &lens : &blur,
+                     "cameras that are listed are pinholes; those of an arc, a track or a grid "
+                     "have lenses");
     if (camera->view_blur > 0 && camera->lens_radius > 0)
         lf_read_fail(reader, &blur, "does not go with a lens_radius: one lens at a time");
     if (!lf_node_child(&node, "focus_distance").value)
-        camera->focus_distance = distance;
+        camera->focus_distance = lf_length_double(view);
 }
 
 /* A camera of a mesh's file. */
@@ -86,27 +87,45 @@ static void parse_grid(lf_reader *reader, const lf_node *grid, lf_camera *camera
     camera->own_windows = lf_read_choice(reader, grid, "window", windows, 0);
 }
 
-static void parse_placed_views(lf_reader *reader, const lf_node *views, lf_camera *camera)
+static void parse_track_views(lf_reader *reader, const lf_node *track, lf_scene_desc *out)
 {
-    static const char *const kinds[] = {"track", "grid", NULL};
-    const lf_node track = lf_node_child(views, "track"), grid = lf_node_child(views, "grid");
-    if (!lf_read_object(reader, views, kinds))
-        return;
-    if (!track.value == !grid.value)
-        lf_read_fail(reader, views,
-                     "expected {\"track\": {\"count\": N, \"length\": L}} or {\"grid\": {…}}");
-    else if (track.value)
-        parse_track(reader, &track, camera);
-    else
-        parse_grid(reader, &grid, camera);
+    parse_track(reader, track, &out->camera);
 }
 
-/* The keys of the table; views that are an object are read by themselves. */
-static void parse_params(lf_reader *reader, const lf_node *node, lf_camera *camera)
+static void parse_grid_views(lf_reader *reader, const lf_node *grid, lf_scene_desc *out)
 {
-    const lf_node views = lf_node_child(node, "views");
+    parse_grid(reader, grid, &out->camera);
+}
+
+static void parse_placed_views(lf_reader *reader, const lf_node *views, lf_scene_desc *out)
+{
+    static const char *const kinds[] = {"track", "grid", "list", "path", "circle", NULL};
+    static const lf_camera_list_fn parse[] = {parse_track_views, parse_grid_views,
+                                              lf_camera_list_parse, lf_camera_path_parse,
+                                              lf_camera_circle_parse};
+    int n = 0, kind = 0;
+    if (!lf_read_object(reader, views, kinds))
+        return;
+    for (int i = 0; kinds[i]; i++)
+        if (lf_node_child(views, kinds[i]).value) {
+            kind = i;
+            n++;
+        }
+    const lf_node placed = lf_node_child(views, kinds[kind]);
+    if (n == 1)
+        parse[kind](reader, &placed, out);
+    else
+        lf_read_fail(reader, views,
+                     "expected {\"track\": {\"count\": N, \"length\": L}}, {\"grid\": {…}}, "
+                     "{\"list\": […]}, {\"path\": {…}} or {\"circle\": {…}}");
+}
+
+/* The keys of the table; views that are an object are read by themselves, behind the others. */
+static void parse_params(lf_reader *reader, const lf_node *node, lf_scene_desc *out)
+{
+    const lf_node views = lf_node_child(node, "views"), from = lf_node_child(node, "from");
     if (!json_is_object(views.value)) {
-        lf_read_params(reader, node, "from", lf_camera_params, camera);
+        lf_read_params(reader, node, "from", lf_camera_params, &out->camera);
         return;
     }
     lf_node others = *node;
@@ -114,9 +133,11 @@ static void parse_params(lf_reader *reader, const lf_node *node, lf_camera *came
     if (!others.value || json_object_del(others.value, "views") != 0)
         reader->status = lf_error_set(reader->err, LF_E_NOMEM, reader->where, "out of memory");
     else
-        lf_read_params(reader, &others, "from", lf_camera_params, camera);
+        lf_read_params(reader, &others, "from", lf_camera_params, &out->camera);
     json_decref(others.value);
-    parse_placed_views(reader, &views, camera);
+    parse_placed_views(reader, &views, out);
+    if (out->camera.list && from.value)
+        lf_read_fail(reader, &from, "does not go with cameras that are listed one by one");
 }
 
 void lf_camera_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
@@ -124,7 +145,7 @@ void lf_camera_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
     lf_camera *camera = &out->camera;
     const lf_node node = lf_node_child(root, "camera");
     *camera = (lf_camera){0};
-    parse_params(reader, &node, camera);
+    parse_params(reader, &node, out);
     camera->has_aspect = lf_node_child(&node, "aspect").value;
     camera->has_views = lf_node_child(&node, "views").value;
     camera->has_cone = lf_node_child(&node, "cone").value;

@@ -678,6 +678,7 @@ void lf_scene_desc_finish(lf_scene_desc *desc)
         lf_free(desc->volumes[i].file);
     for (int i = 0; desc->meshes && i < desc->n_meshes; i++)
         lf_free(desc->meshes[i].places.map);
+    lf_free(desc->views);
     lf_free(desc->volumes);
     lf_free(desc->materials);
     lf_free(desc->meshes);

@@ -108,6 +108,7 @@ typedef struct lf_scene_desc {
     double seconds;   /* of animations: 0 in frame 1 */
     double unit_mm;   /* what a scene unit is */
     lf_camera camera; /* what lf_camera_frame makes of it where there is a framing */
+    lf_view_camera *views; /* what camera.list is; NULL: it has none */
     lf_framing framing;
     lf_film_settings film;
     lf_backdrop backdrop;

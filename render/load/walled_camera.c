@@ -102,7 +102,8 @@ void lf_warn_of_walled_camera(const lf_scene *scene, const lf_scene_desc *desc,
 {
     double p[3];
     lf_sub_double(scene->camera.position, scene->origin, p);
-    if (scene->n_meshes == 0 || scene->camera.moves || sees_out(scene, lf_to_vec3(p)))
+    if (scene->n_meshes == 0 || scene->camera.moves || scene->camera.list ||
+        sees_out(scene, lf_to_vec3(p)))
         return;
     for (int i = 0; i < scene->n_meshes; i++)
         if (walls_in(scene, &scene->meshes[i], p)) {

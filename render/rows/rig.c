@@ -7,6 +7,9 @@
 static lf_status check(const lf_render_settings *s, lf_error *err)
 {
     const lf_camera *c = &s->camera;
+    if (c->list)
+        return lf_error_set(err, LF_E_ARG, "camera.views",
+                            "cameras listed one by one are no rig: an arc, a track or a grid is");
     if (c->n_views < 1 || c->n_views > LF_MAX_VIEWS)
         return lf_error_set(err, LF_E_ARG, "views", "%d is not between 1 and %d", c->n_views,
                             LF_MAX_VIEWS);

@@ -257,9 +257,10 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
 
 /* Behind the pilot of an adaptive integrator: its map, once. Failing to make it costs nothing but
  * its gain. */
-static void begin(void *state)
+static void begin(void *state, const lf_pass *pass)
 {
     lf_rows *rows = state;
+    (void)pass;
     if (rows->mapped || !rows->plan.sharing->adaptive || !lf_adaptive_ready(rows->plan.film))
         return;
     rows->mapped = true;

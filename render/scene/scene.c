@@ -56,6 +56,7 @@ void lf_scene_unref(lf_scene *scene)
     for (int i = 0; i < scene->n_lights; i++)
         lf_light_finish(&scene->lights[i]);
     lf_geometry_unref(scene->geometry);
+    lf_free(scene->file.views);
     lf_free(scene->volumes);
     lf_free(scene->flames.field);
     lf_free(scene->flames.light);

@@ -439,8 +439,9 @@ typedef struct lf_scene_file {
     /* the scene's json as it is in its frame: without keys (keyframes.h) */
     json_t *still;
     int frame;
-    double rate;     /* frames a second */
-    bool has_frames; /* they differ */
+    double rate;           /* frames a second */
+    bool has_frames;       /* they differ */
+    lf_view_camera *views; /* what the camera's list is; NULL: it has none */
 } lf_scene_file;
 
 /* What some of its surfaces and volumes are, and most scenes lack. */

@@ -341,6 +341,31 @@ static void too_few_tiles_are_refused(void **state)
     assert_int_equal(layout.columns, -1);
 }
 
+/* What needs a rig says so; what needs none has one view for each camera. */
+static void cameras_listed_one_by_one_are_no_rig(void **state)
+{
+    static const char *const refused[] = {"--preset portrait", "--views 5", "--reconstruct on"};
+    static const lf_view_camera list[12] = {{.fov_y = 0.25}};
+    lf_camera camera = scene_camera();
+    lf_render_settings settings;
+    lf_layout layout;
+    lf_options o;
+    lf_error err;
+    (void)state;
+    camera.list = list;
+    lf_assert_ok(read_line("", &o, &err), &err);
+    assert_int_equal(lf_resolve_view(&o, &camera, NULL, &settings, &layout, &err), LF_E_ARG);
+    assert_non_null(strstr(err.what, "no rig"));
+    lf_assert_ok(lf_resolve_rows(&o, &camera, NULL, &settings, &layout, &err), &err);
+    assert_true(layout.n_views == 12 && settings.camera.list == list && !settings.features);
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        lf_assert_ok(read_line(refused[i], &o, &err), &err);
+        assert_int_equal(lf_resolve_rows(&o, &camera, NULL, &settings, &layout, &err), LF_E_ARG);
+        assert_non_null(strstr(err.where, "--"));
+        assert_non_null(strstr(refused[i], err.where));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -353,6 +378,7 @@ int main(void)
         cmocka_unit_test(a_panel_without_a_cone_leaves_the_scenes),
         cmocka_unit_test(render_options_reach_the_settings),
         cmocka_unit_test(too_few_tiles_are_refused),
+        cmocka_unit_test(cameras_listed_one_by_one_are_no_rig),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

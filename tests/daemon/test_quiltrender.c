@@ -462,6 +462,52 @@ static const char *placed(const char *folder, const char *name, double height, c
     return lf_test_write(folder, name, text);
 }
 
+/* Cameras listed one by one make quilts and folders, the same for any number of threads; what needs
+ * a rig says so. */
+static void cameras_in_a_list_are_views(void **state)
+{
+    static const char *const refused[][2] = {
+        {"x.png --views 3", "--views: does not go with cameras listed one by one"},
+        {"x.png --preset portrait", "--preset: does not go"},
+        {"x.exr --aov depth", "--aov: does not go"},
+        {"x.exr --reconstruct on", "--reconstruct on: does not go"},
+        {"x_%04d.png --turntable 3", "--turntable: does not go"},
+        {"x.png --fit", "no rig"},
+        {"x.png --rgbd right", "no rig"}};
+    const qr_files *f = *state;
+    char list[PATH_MAX];
+    lf_quilt_file quilts[2];
+    qr_outcome o;
+    snprintf(list, sizeof list, "%s",
+             placed(f->folder, "list.json", 0,
+                    "{\"list\": [{\"position\": [-2, 0, 6]}, {\"position\": [2, 1, 5]}, "
+                    "{\"position\": [0, 5, 1]}, {\"position\": [0, 1, -6]}]}"));
+    for (int i = 0; i < 2; i++) {
+        qr_succeed(
+            "%s -o %s/list%d.exr --spp 2 --view-size 12x16 --seed 5 --quilt 2x2 --threads %d", list,
+            f->folder, i, 1 + 2 * i);
+        lf_assert_ok(lf_quilt_read(lf_test_path(f->folder, i ? "list1_qs2x2a0.75.exr"
+                                                             : "list0_qs2x2a0.75.exr"),
+                                   NULL, 0, 0, &quilts[i], NULL),
+                     NULL);
+        assert_int_equal(quilts[i].views32.n_views, 4);
+    }
+    for (int i = 0; i < 4 * 16; i++)
+        assert_memory_equal(lf_views32_row(&quilts[0].views32, i / 16, i % 16),
+                            lf_views32_row(&quilts[1].views32, i / 16, i % 16),
+                            12 * 3 * sizeof(float));
+    qr_succeed("%s -o %s/views/ --spp 1 --view-size 12x16", list, f->folder);
+    assert_int_equal(access(lf_test_path(f->folder, "views/view_003.exr"), R_OK), 0);
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        qr_run(&o, "%s -o %s/%s", list, f->folder, refused[i][0]);
+        qr_assert_fails(&o, 2, refused[i][1]);
+    }
+    qr_run(&o, "%s -o %s/x.png --integrator amvpt", list, f->folder);
+    qr_assert_fails(&o, 1, "one of mvpt, vpt");
+    for (int i = 0; i < 2; i++)
+        lf_quilt_finish(&quilts[i]);
+}
+
 /* A row of a grid whose windows go along is a track from higher up, to the last bit; lower rows
  * come first. */
 static void rows_of_a_grid_are_tracks(void **state)
@@ -526,6 +572,7 @@ int main(void)
         cmocka_unit_test(a_scene_becomes_what_the_options_say),
         cmocka_unit_test(what_a_scene_lacks_is_a_line_on_stderr),
         cmocka_unit_test(a_camera_that_fits_is_where_another_one_would_be),
+        cmocka_unit_test(cameras_in_a_list_are_views),
         cmocka_unit_test(rows_of_a_grid_are_tracks),
     };
     return cmocka_run_group_tests(tests, qr_set_up, qr_tear_down);

@@ -132,7 +132,7 @@ static void a_track_that_is_none_is_refused(void **state)
     (void)state;
     static const char *const bad[][3] = {
         {"{}", "", "expected {\"track\": {\"count\""},
-        {"{'track': {'length': 1}, 'grid': {}}", "", "or {\"grid\""},
+        {"{'track': {'length': 1}, 'grid': {}}", "", "{\"grid\": {…}}, {\"list\""},
         {"{'grid': {'columns': 3, 'width': 1, 'height': 1}}", "/grid", "\"rows\" is missing"},
         {"{'grid': {'columns': 3, 'rows': 0, 'width': 1, 'height': 1}}", "/grid/rows",
          "out of range: 1 to 256"},

@@ -1,0 +1,612 @@
+/* Cameras listed one by one (render/general/any_cameras.h): points land where a pinhole's own words
+ * say; the densities that weights are made of are those of a rectified rig, to 1e-5, where the list
+ * is one; pictures by the general way and by rows agree, tile by tile, and W is n q everywhere;
+ * the sums do not depend on the order, nor pictures on the number of threads. */
+#include "tests/testing.h"
+
+#include "render/general/depth.h"
+#include "render/general/pinhole.h"
+#include "render/general/splat.h"
+#include "tests/render/grids.h"
+#include "tests/stat/scenes.h"
+
+enum { width = 48, height = 36, tile = 12, n_views = 3, tiles = n_views * 12 + 1 };
+
+static int replicates(void)
+{
+    return getenv("QUILTD_LONG") ? 96 : 12;
+}
+
+/* ------------------------------------------------------------------------------ where they look --
+ */
+
+/* Three balls that glow, each in a colour of its own, seen by cameras that look here and there. */
+#define BALLS                                                                                      \
+    "'meshes': { 'a': { 'shape': 'sphere', 'material': 'red', 'transform': { 'scale': 0.05, "      \
+    "'translate': [0.3, 0.1, 0] } }, "                                                             \
+    "'b': { 'shape': 'sphere', 'material': 'green', 'transform': { 'scale': 0.05, 'translate': "   \
+    "[-0.2, 0.3, 0.6] } }, "                                                                       \
+    "'c': { 'shape': 'sphere', 'material': 'blue', 'transform': { 'scale': 0.05, 'translate': "    \
+    "[0.1, -0.3, -0.7] } } }, "                                                                    \
+    "'materials': { 'red': { 'albedo': 0, 'emission': [1, 0, 0] }, 'green': { 'albedo': 0, "       \
+    "'emission': [0, 1, 0] }, 'blue': { 'albedo': 0, 'emission': [0, 0, 1] } }"
+
+static const char *const looks[] = {
+    "{ 'camera': { 'target': [0, 0, 0.1], 'fov_y': 20, 'aspect': 1.5, 'views': { 'list': [ "
+    "{ 'position': [-3, 0.5, 4] }, { 'position': [0, 0, 6] }, { 'position': [3, -1, 4], 'up': "
+    "[0.3, "
+    "1, 0] }, { 'position': [0, 5, 0.5], 'up': [0, 0, -1], 'fov_y': 24 }, "
+    "{ 'position': [-4, 0, -3], 'target': [0.1, 0.1, 0], 'fov_y': 26 } ] } }, " BALLS " }",
+    "{ 'camera': { 'position': [0.2, 1, 5], 'target': [0.1, 0, 0.1], 'fov_y': 20, 'aspect': 1.5, "
+    "'views': { 'circle': { 'count': 7 } } }, " BALLS " }",
+    "{ 'camera': { 'fov_y': 24, 'aspect': 1.5, 'views': { 'path': { 'count': 6, 'through': [ "
+    "{ 'position': [-4, 0, 3] }, { 'position': [-1, 1, 5], 'target': [0.1, 0, 0] }, "
+    "{ 'position': [2, 0.5, 5], 'fov_y': 20 }, { 'position': [4, 0, 2] } ] } } }, " BALLS " }"};
+
+/* Where a camera of 120 x 80 pixels has a point. */
+static void project(const lf_view_camera *c, double aspect, const double p[3], double out[2])
+{
+    double z[3], x[3], y[3], d[3], lz = 0, lx = 0, ly = 0, at[3] = {0};
+    for (int i = 0; i < 3; i++) {
+        z[i] = c->target[i] - c->position[i];
+        d[i] = p[i] - c->position[i];
+    }
+    for (int i = 0; i < 3; i++)
+        x[i] = z[(i + 1) % 3] * c->up[(i + 2) % 3] - z[(i + 2) % 3] * c->up[(i + 1) % 3];
+    for (int i = 0; i < 3; i++)
+        y[i] = x[(i + 1) % 3] * z[(i + 2) % 3] - x[(i + 2) % 3] * z[(i + 1) % 3];
+    for (int i = 0; i < 3; i++) {
+        lx += x[i] * x[i];
+        ly += y[i] * y[i];
+        lz += z[i] * z[i];
+        at[0] += x[i] * d[i];
+        at[1] += y[i] * d[i];
+        at[2] += z[i] * d[i];
+    }
+    const double half = tan(0.5 * c->fov_y), deep = at[2] / sqrt(lz);
+    out[0] = 120 * (0.5 + 0.5 * at[0] / sqrt(lx) / deep / (half * aspect));
+    out[1] = 80 * (0.5 - 0.5 * at[1] / sqrt(ly) / deep / half);
+}
+
+/* Mean column and row of a colour in a view of 120 x 80. */
+static void centre_of(const float *picture, int views, int view, int channel, double out[2])
+{
+    double sum = 0.0, along = 0.0, down = 0.0;
+    for (int row = 0; row < 80; row++)
+        for (int column = 0; column < 120; column++) {
+            const size_t pixel =
+                ((size_t)row * (size_t)views + (size_t)view) * 120 + (size_t)column;
+            const double v = (double)picture[3 * pixel + (size_t)channel];
+            sum += v;
+            along += v * (column + 0.5);
+            down += v * (row + 0.5);
+        }
+    assert_true(sum > 5.0);
+    out[0] = along / sum;
+    out[1] = down / sum;
+}
+
+static void points_land_where_each_camera_has_them(void **state)
+{
+    (void)state;
+    static const double balls[3][3] = {{0.3, 0.1, 0}, {-0.2, 0.3, 0.6}, {0.1, -0.3, -0.7}};
+    for (size_t i = 0; i < sizeof looks / sizeof looks[0]; i++) {
+        lf_scene *scene = lf_test_scene(looks[i]);
+        lf_renderer *r = lf_test_renderer(scene, i == 1 ? "vpt" : "mvpt", 120, 80, NULL);
+        const lf_camera *camera = lf_scene_camera(scene);
+        const int views = camera->n_views;
+        float *picture = calloc((size_t)views * 120 * 80 * 3, sizeof *picture);
+        lf_test_passes(r, 8 * views);
+        lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MIS, picture, NULL), NULL);
+        for (int view = 0; view < views; view++)
+            for (int ball = 0; ball < 3; ball++) {
+                double seen[2], said[2];
+                centre_of(picture, views, view, ball, seen);
+                project(&camera->list[view], camera->aspect, balls[ball], said);
+                lf_assert_close(seen[0], said[0], 0, 0.15);
+                lf_assert_close(seen[1], said[1], 0, 0.15);
+            }
+        free(picture);
+        lf_renderer_destroy(r);
+        lf_scene_unref(scene);
+    }
+}
+
+/* What it cannot do is said in a line. */
+static void what_is_not_rendered_is_refused_by_name(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scene, *integrator, *words;
+    } bad[] = {
+        {"'materials': {'m': {'type': 'conductor', 'roughness': 0}}, 'meshes': {'b': {'shape': "
+         "'sphere', 'material': 'm'}}",
+         NULL, "mirrors"},
+        {"'materials': {'m': {'type': 'principled', 'transmission': 1, 'roughness': 0.4}}, "
+         "'meshes': {'b': {'shape': "
+         "'sphere', 'material': 'm'}}",
+         NULL, "glass"},
+        {"'volumes': {'v': {'shape': 'box', 'density': 1, 'sigma_t': [0.2, 0.5, 1]}}", NULL,
+         "colour"},
+        {"'volumes': {'v': {'shape': 'box', 'density': 1, 'emission': 1}}", NULL, "emit"},
+        {"'volumes': {}", "amvpt", "one of mvpt, vpt"},
+        {"'volumes': {}", "mvpt2022", "one of mvpt, vpt"}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        char text[512];
+        lf_error err;
+        lf_renderer *r = NULL;
+        lf_pool *pool = NULL;
+        snprintf(text, sizeof text, "{'camera': {'views': {'circle': {'count': 3}}}, %s}",
+                 bad[i].scene);
+        lf_scene *scene = lf_test_scene(text);
+        lf_render_settings settings = {.camera = *lf_scene_camera(scene),
+                                       .width = 8,
+                                       .height = 8,
+                                       .integrator = bad[i].integrator};
+        lf_assert_ok(lf_pool_create(1, &pool), NULL);
+        lf_assert_status(lf_renderer_create(scene, &settings, pool, &r, &err), LF_E_ARG, &err);
+        if (!strstr(err.what, bad[i].words))
+            fail_msg("\"%s\" does not say \"%s\"", err.what, bad[i].words);
+        lf_pool_destroy(pool);
+        lf_scene_unref(scene);
+    }
+}
+
+/* ---------------------------------------------------------------------------------- densities --
+ */
+
+/* A list whose cameras are those of a track: three, 0.75 apart, each looking straight ahead. */
+#define TRACK "'target': [0, 0.1, 0], 'views': { 'track': { 'count': 3, 'length': 1.5 } }"
+#define LIST                                                                                       \
+    "'views': { 'list': [ { 'position': [-0.75, 0.6, 5], 'target': [-0.75, 0.1, 0] }, "            \
+    "{ 'position': [0, 0.6, 5], 'target': [0, 0.1, 0] }, "                                         \
+    "{ 'position': [0.75, 0.6, 5], 'target': [0.75, 0.1, 0] } ] }"
+#define SEEN                                                                                       \
+    "'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'fov_y': 24, 'aspect': 1.3333333333, "
+
+/* Where a view has a point, and the density of its samples over that of view 0, as the rig's
+ * formulas have them (docs/estimators.md, "Prefix weights"): r_k in media. What is sampled of a
+ * pixel's solid angle is the same. */
+static void densities_are_those_of_the_rig(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene("{ " SEEN LIST " } }"),
+             *track = lf_test_scene("{ " SEEN TRACK " } }");
+    lf_render_settings settings = {.camera = *lf_scene_camera(scene), .width = 40, .height = 30},
+                       rectified = settings;
+    lf_pinhole views[LF_MAX_VIEWS];
+    lf_rig rig;
+    rectified.camera = *lf_scene_camera(track);
+    lf_assert_ok(lf_pinholes_init(views, &settings, scene->origin, NULL), NULL);
+    lf_assert_ok(lf_rig_init(&rig, &rectified, scene->origin, NULL), NULL);
+    for (int i = 0; i < 500; i++) {
+        const uint64_t h = lf_hash64(91, (uint64_t)i);
+        const float x = (float)(h % 1000) * 0.002f - 1.0f, y = (float)(h / 1000 % 1000) * 0.001f,
+                    z = 2.0f + (float)(h / 1000000 % 1000) * 0.004f;
+        const lf_vec3 p = lf_rig_point(&rig, x, y - 0.5f, z);
+        double area[3], r[3];
+        for (int k = 0; k < 3; k++) {
+            lf_pinhole_sight sight;
+            assert_true(lf_pinhole_see(&views[k], p, &sight));
+            r[k] = (double)lf_length(lf_sub(p, lf_rig_point(&rig, rig.b[k], 0.0f, 0.0f)));
+            area[k] = sight.area;
+            lf_assert_close(
+                (double)sight.u,
+                (double)(((x - rig.b[k]) * rig.distance / z - rig.x0 + rig.skew[k]) / rig.dx), 0,
+                2e-4);
+            lf_assert_close((double)sight.v,
+                            (double)(((y - 0.5f) * rig.distance / z - rig.y0) / rig.dy), 0, 2e-4);
+            lf_assert_close((double)sight.distance, r[k], 1e-6, 0);
+        }
+        for (int k = 1; k < 3; k++)
+            lf_assert_close(area[0] / area[k], r[k] / r[0], 1e-5, 0);
+    }
+    lf_scene_unref(track);
+    lf_scene_unref(scene);
+}
+
+/* A ray back through every film point meets it again, and pixels' areas are what finite differences
+ * say. */
+static void areas_are_those_of_pixels(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(looks[0]);
+    lf_render_settings settings = {.camera = *lf_scene_camera(scene), .width = 60, .height = 40};
+    lf_pinhole views[LF_MAX_VIEWS];
+    lf_assert_ok(lf_pinholes_init(views, &settings, scene->origin, NULL), NULL);
+    for (int k = 0; k < 5; k++)
+        for (int i = 0; i < 50; i++) {
+            const float u = 1.3f * (float)i - 2.0f, v = 0.9f * (float)i, step = 0.05f, far = 3.0f;
+            const lf_vec3 w = lf_pinhole_ray(&views[k], u, v), p = lf_madd(views[k].eye, far, w),
+                          a = lf_sub(lf_pinhole_ray(&views[k], u + step, v),
+                                     lf_pinhole_ray(&views[k], u - step, v)),
+                          b = lf_sub(lf_pinhole_ray(&views[k], u, v + step),
+                                     lf_pinhole_ray(&views[k], u, v - step));
+            lf_pinhole_sight sight;
+            assert_true(lf_pinhole_see(&views[k], p, &sight));
+            lf_assert_close((double)sight.u, (double)u, 0, 1e-3);
+            lf_assert_close((double)sight.v, (double)v, 0, 1e-3);
+            lf_assert_close(sight.area,
+                            (double)(lf_length(lf_cross(a, b)) * far * far / (4 * step * step)),
+                            1e-3, 0);
+        }
+    lf_pinhole_sight sight;
+    assert_false(lf_pinhole_see(&views[0], lf_madd(views[0].eye, -1.0f, views[0].forward), &sight));
+    lf_scene_unref(scene);
+}
+
+/* The integral of a volume along a ray by very many points. */
+static double by_points(const lf_scene *scene, lf_vec3 o, lf_vec3 w, double end)
+{
+    enum { POINTS = 20000 };
+    double sum = 0.0;
+    for (int i = 0; i < POINTS; i++) {
+        const lf_vec3 p = lf_madd(o, (float)(end * (i + 0.5) / POINTS), w);
+        for (int k = 0; k < scene->n_volumes; k++)
+            sum += (double)lf_volume_sigma_t(&scene->volumes[k], p);
+    }
+    return sum * end / POINTS;
+}
+
+static lf_scene *rough_voxels(bool nearest)
+{
+    return lf_test_grid_scene(
+        "{ " SEEN LIST " }, " LF_TEST_VOLUMES(", 'fog': { 'shape': 'sphere', 'density': 0.4, "
+                                              "'transform': { 'scale': 1.3 } }") " }",
+        lf_test_grid(lf_test_rough, 23, 18, 11), 0.1, 0.4, 3.0f, nearest);
+}
+
+static void depths_are_integrals(void **state)
+{
+    (void)state;
+    for (int nearest = 0; nearest < 2; nearest++) {
+        lf_scene *scene = rough_voxels(nearest);
+        lf_tracer tracer = {.scene = scene};
+        double most = 0.0;
+        for (int i = 0; i < 16; i++) {
+            const uint64_t h = lf_hash64(17, (uint64_t)i);
+            const lf_vec3 o = lf_v3(3.0f * cosf((float)i), 2.0f * sinf(2.0f * (float)i), 3.0f),
+                          to = lf_v3((float)(h % 100) * 0.01f - 0.5f, 0.2f,
+                                     (float)(h / 100 % 100) * 0.01f - 0.5f),
+                          w = i == 0 ? lf_v3(0.0f, 0.0f, -1.0f) : lf_normalize(lf_sub(to, o));
+            const double end = i % 3 ? 3.5 : 20.0;
+            const double depth = lf_depth_along(&tracer, o, w, i % 3 ? end : (double)INFINITY);
+            lf_assert_close(depth, by_points(scene, o, w, end), 0, nearest ? 5e-3 : 3e-4);
+            most = fmax(most, depth);
+        }
+        assert_true(most > 1.0);
+        lf_scene_unref(scene);
+    }
+}
+
+/* ---------------------------------------------------------------------------------------- sums --
+ */
+
+static void sums_do_not_depend_on_the_order(void **state)
+{
+    (void)state;
+    const lf_film_layout layout = {.n_views = 2, .width = 3, .height = 2, .has_known = true};
+    lf_film_scattered seen[2][6];
+    for (int way = 0; way < 2; way++) {
+        lf_splats splats = {0};
+        lf_film_sums sums = {0};
+        lf_assert_ok(lf_splats_init(&splats, &layout), NULL);
+        lf_assert_ok(lf_film_sums_init(&sums, &layout), NULL);
+        lf_splats_scale(&splats, 2.0f);
+        for (int i = 0; i < 5000; i++) {
+            const int n = way ? 4999 - i : i;
+            lf_tracer tracer = {.rng = lf_hash64(5, (uint64_t)n)};
+            const float y = expf(6.0f * lf_rng(&tracer) - 5.0f);
+            lf_splats_add(&splats, &tracer, n % 2, (size_t)(n % 6), lf_v3(y, 0.1f * y, 3.0f * y),
+                          0.3 * (double)y);
+        }
+        for (int row = 0; row < 2; row++) {
+            lf_film_sums_begin(&sums);
+            lf_splats_take(&splats, row, &sums);
+            for (int k = 0; k < 6; k++)
+                if (row == k % 2)
+                    seen[way][k] = sums.half.scattered[k];
+        }
+        /* it is empty by then */
+        lf_film_sums_begin(&sums);
+        lf_splats_take(&splats, 0, &sums);
+        assert_true(sums.half.scattered[0].w == 0.0f);
+        assert_int_equal(atomic_load(&splats.dropped), 0);
+        lf_film_sums_finish(&sums);
+        lf_splats_finish(&splats);
+    }
+    assert_memory_equal(seen[0], seen[1], sizeof seen[0]);
+    assert_true(seen[0][3].w > 1.0f);
+    lf_assert_close((double)seen[0][3].n[2], 10.0 * (double)seen[0][3].w, 1e-6, 0);
+}
+
+/* What is far less than a step counts in the mean, what is too much is dropped and told. */
+static void small_sums_stay_and_great_ones_are_told(void **state)
+{
+    (void)state;
+    enum { N = 200000 };
+    const lf_film_layout layout = {.n_views = 1, .width = 1, .height = 1, .has_known = true};
+    lf_splats splats = {0};
+    lf_film_sums sums = {0};
+    lf_tracer tracer = {.rng = lf_test_seed()};
+    lf_assert_ok(lf_splats_init(&splats, &layout), NULL);
+    lf_assert_ok(lf_film_sums_init(&sums, &layout), NULL);
+    lf_splats_scale(&splats, 1.0f);
+    const double small = 0.01 * LF_SPLAT_WEIGHT;
+    for (int i = 0; i < N; i++)
+        lf_splats_add(&splats, &tracer, 0, 0, lf_v3(0.0f, 0.0f, 0.0f), small);
+    lf_film_sums_begin(&sums);
+    lf_splats_take(&splats, 0, &sums);
+    /* five standard deviations of 2000 successes */
+    lf_assert_close((double)sums.half.scattered[0].w, N * small, 0.12, 0);
+    static const float bad[] = {INFINITY, NAN, -1.0f, 4e6f};
+    for (int i = 0; i < 4; i++)
+        lf_splats_add(&splats, &tracer, 0, 0, lf_v3(bad[i], 0.0f, 0.0f), 1.0);
+    assert_int_equal(atomic_load(&splats.dropped), 4);
+    /* and a sum that is full, whatever fills it */
+    for (int i = 0; i < 40; i++)
+        lf_splats_add(&splats, &tracer, 0, 0, lf_v3(1e6f, 0.0f, 0.0f), 1.0);
+    assert_int_equal(atomic_load(&splats.dropped), 5);
+    lf_film_sums_finish(&sums);
+    lf_splats_finish(&splats);
+}
+
+/* ----------------------------------------------------------------------------------- pictures --
+ */
+
+/* Voxels and fog before a ball on the ground: by rows and by the list. */
+#define THINGS                                                                                     \
+    LF_TEST_VOLUMES(", 'fog': { 'shape': 'sphere', 'density': 1.2, 'albedo': [0.9, 0.8, 0.7], "    \
+                    "'g': 0.5, 'transform': { 'scale': [0.7, 0.6, 0.5], 'translate': [0.6, 0.2, "  \
+                    "0.8] } }")                                                                    \
+    ", 'meshes': { " LF_TEST_GROUND ", 'ball': { 'shape': 'sphere', 'material': 'glaze', "         \
+    "'transform': { 'scale': 0.5, 'translate': [-0.8, -0.3, 0.6] } } }, "                          \
+    "'materials': { 'clay': { 'albedo': [0.5, 0.45, 0.4] }, 'glaze': { 'type': 'conductor', "      \
+    "'albedo': [0.9, 0.6, 0.5], 'roughness': 0.6 } }, " LF_TEST_SHARP_LIGHTS " }"
+
+static lf_scene *things(const char *camera)
+{
+    return lf_test_grid_scene(camera, lf_test_grid(lf_test_rough, 9, 8, 7), 0.2, 0.4, 3.0f, false);
+}
+
+static void pictures(lf_scene *scene, const char *integrator, int passes, uint64_t salt,
+                     lf_blocks out[3])
+{
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
+    lf_render_stats stats;
+    for (int i = 0; i < 3; i++)
+        lf_blocks_init(&out[i], n_views, width, height, tile);
+    for (int k = 0; k < replicates(); k++) {
+        lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
+        lf_test_passes(r, passes);
+        lf_blocks_add_picture(&out[0], r, LF_ESTIMATOR_MIS);
+        lf_blocks_add_picture(&out[1], r, LF_ESTIMATOR_CV);
+        lf_blocks_add_picture(&out[2], r, LF_ESTIMATOR_MWIS);
+    }
+    lf_renderer_stats(r, &stats);
+    assert_int_equal(stats.nonfinite_dropped, 0);
+    lf_renderer_destroy(r);
+}
+
+/* The smallest p of all tiles and the whole. Where there is nothing but sky, means are rounded. */
+static double least_p(const lf_blocks *a, const lf_blocks *b, int *out_where)
+{
+    double least = 1.0;
+    *out_where = 0;
+    for (int j = 0; j < tiles; j++) {
+        const lf_moments *x = &a->moments[j], *y = &b->moments[j];
+        const double p = lf_close(x->mean, y->mean, 1e-6, 0) ? 1.0 : lf_p_welch(x, y);
+        *out_where = p < least ? j : *out_where;
+        least = fmin(least, p);
+    }
+    return least;
+}
+
+/* With what the test would see. */
+static void assert_agreement(const lf_blocks *a, const lf_blocks *b, const char *what, double level)
+{
+    int where = 0, found = 0;
+    const double p = least_p(a, b, &where);
+    const lf_moments *x = &a->moments[where], *y = &b->moments[where];
+    for (int j = 0; j < tiles - 1; j++)
+        found += lf_blocks_welch_injected(a, b, j, 1.05) < level;
+    const lf_moments *all = &a->moments[tiles - 1];
+    print_message("%s: p %.2g; the whole %.6f +- %.6f, by rows %.6f +- %.6f; 5 %% would be seen in "
+                  "%d of %d tiles\n",
+                  what, p, all->mean, lf_moments_error(all), b->moments[tiles - 1].mean,
+                  lf_moments_error(&b->moments[tiles - 1]), found, tiles - 1);
+    if (!(p > level))
+        fail_msg("%s: tile %d of view %d: %.6g +- %.2g, by rows %.6g +- %.2g, p %.2g", what,
+                 where % 12, where / 12, x->mean, lf_moments_error(x), y->mean, lf_moments_error(y),
+                 p);
+    assert_true(2 * found >= tiles - 1);
+    assert_true(lf_blocks_welch_injected(a, b, tiles - 1, 1.008) < level);
+    assert_true(lf_blocks_welch_injected(a, b, tiles - 1, 0.992) < level);
+}
+
+static void the_general_way_agrees_with_rows(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"mis", "cv"};
+    const double level = lf_sidak(0.4 * LF_FALSE_ALARM, 3 * tiles);
+    lf_blocks rows[3], seen[3];
+    lf_scene *track = things("{ " SEEN TRACK " }, " THINGS),
+             *list = things("{ " SEEN LIST " }, " THINGS);
+    pictures(track, "mvpt", 20 * n_views, 1, rows);
+    pictures(list, "mvpt", 6 * n_views, 2, seen);
+    for (int i = 0; i < 2; i++)
+        assert_agreement(&seen[i], &rows[0], names[i], level);
+    /* consistent: what thin fog has not scattered yet is missing */
+    lf_assert_close(seen[2].moments[tiles - 1].mean, rows[0].moments[tiles - 1].mean, 5e-3, 0);
+    for (int i = 0; i < 3; i++)
+        lf_blocks_finish(&seen[i]);
+    pictures(list, "vpt", 10 * n_views, 3, seen);
+    assert_agreement(&seen[0], &rows[0], "vpt", level);
+    for (int i = 0; i < 3; i++) {
+        lf_blocks_finish(&seen[i]);
+        lf_blocks_finish(&rows[i]);
+    }
+    lf_scene_unref(list);
+    lf_scene_unref(track);
+}
+
+/* Cameras that look from all around, from near and far and with angles of their own. */
+#define AROUND                                                                                     \
+    "{ 'quiltd': 1, 'camera': { 'target': [0, 0, 0.2], 'fov_y': 24, 'aspect': 1.3333333333, "      \
+    "'views': { 'list': [ { 'position': [-1.5, 0.6, 4] }, { 'position': [1, 1, 6], 'fov_y': 30, "  \
+    "'up': [0.2, 1, 0] }, { 'position': [4, 2, -2], 'fov_y': 26 } ] } }, "
+
+static void whole_passes(lf_renderer *r)
+{
+    lf_test_cycles(r, 4);
+}
+
+/* Visits of a view's worth, of parts of the picture: each shares among its own rows. */
+static void passes_of_parts(lf_renderer *r)
+{
+    for (int i = 0; i < 12; i++)
+        for (int part = 0; part < 3; part++) {
+            const lf_part rows = {.first_row = part, .row_step = 3};
+            lf_assert_ok(lf_renderer_pass(r, &rows, 1, NULL, NULL, NULL), NULL);
+        }
+}
+
+/* The balance over all cameras comes to the samples of each, in every tile. */
+static void weights_come_to_samples(void **state)
+{
+    (void)state;
+    static const lf_test_schedule schedules[] = {whole_passes, passes_of_parts};
+    const double level = lf_sidak(0.4 * LF_FALSE_ALARM, 2 * (tiles - 1));
+    for (int i = 0; i < 2; i++) {
+        lf_blocks seen[3];
+        double worst = 1.0;
+        int found = 0;
+        lf_scene *scene = things(AROUND THINGS);
+        lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+        lf_test_weight_blocks(r, schedules[i], replicates(), tile, seen);
+        lf_renderer_destroy(r);
+        for (int k = 0; k < tiles - 1; k++) {
+            const lf_moments *at = &seen[0].moments[k];
+            const double q = seen[2].moments[k].mean;
+            worst = fmin(worst, lf_p_mean(at, 0.0));
+            found += lf_p_mean(at, (at->mean < 0 ? 0.05 : -0.05) * q) < level;
+        }
+        print_message("W/n is q with p %.2g; 5 %% would be seen in %d of %d tiles\n", worst, found,
+                      tiles - 1);
+        assert_true(worst > level);
+        assert_true(3 * found >= tiles - 1);
+        for (int k = 0; k < 3; k++)
+            lf_blocks_finish(&seen[k]);
+        lf_scene_unref(scene);
+    }
+}
+
+/* In a world of radiance 1 that absorbs nothing all that is scattered is 1, whatever it weighs. */
+static void a_white_world_is_white(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(
+        "{ 'camera': { 'views': { 'circle': { 'count': 5 } } }, 'volumes': { 'v': { 'shape': "
+        "'sphere', 'density': 3, 'albedo': 1, 'transform': { 'scale': 0.6 } } }, "
+        "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", 24, 32, NULL);
+    lf_test_cycles(r, 2);
+    int found = 0;
+    for (int i = 0; i < 2 * 32 * 5 * 24; i++) {
+        const lf_film_half half = lf_film_at(&r->film, i / 2 / (5 * 24), i % 2);
+        const lf_film_scattered *at = &half.scattered[i / 2 % (5 * 24)];
+        for (int k = 0; k < 3; k++)
+            lf_assert_close((double)at->n[k], (double)at->w, 1e-5, 1e-6);
+        found += at->w > 0.1f;
+    }
+    print_message("%d pixels scatter\n", found);
+    assert_true(found > 500);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+static double *by_threads(lf_scene *scene, const char *integrator, int threads)
+{
+    lf_pool *pool = NULL;
+    lf_assert_ok(lf_pool_create(threads, &pool), NULL);
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, pool);
+    lf_test_cycles(r, 1);
+    passes_of_parts(r);
+    double *seen = lf_test_picture(r, LF_ESTIMATOR_MWIS);
+    lf_renderer_destroy(r);
+    lf_pool_destroy(pool);
+    return seen;
+}
+
+static void pictures_do_not_depend_on_the_number_of_threads(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"mvpt", "vpt"};
+    lf_scene *scene = things(AROUND THINGS);
+    for (int i = 0; i < 2; i++) {
+        double *one = by_threads(scene, names[i], 1);
+        for (int threads = 2; threads <= 7; threads += 5) {
+            double *many = by_threads(scene, names[i], threads);
+            assert_memory_equal(one, many, sizeof *one * n_views * width * height);
+            free(many);
+        }
+        free(one);
+    }
+    lf_scene_unref(scene);
+}
+
+typedef struct interruption {
+    lf_cancel cancel;
+    int after;
+} interruption;
+
+static void interrupt(void *context, int row, int worker)
+{
+    interruption *i = context;
+    (void)row, (void)worker;
+    if (--i->after == 0)
+        atomic_store(&i->cancel, 1);
+}
+
+/* What a pass that was interrupted had found is forgotten, and the next one is what it would have
+ * been. */
+static void a_cancelled_pass_leaves_nothing(void **state)
+{
+    (void)state;
+    lf_scene *scene = things(AROUND THINGS);
+    double *seen[2];
+    for (int way = 0; way < 2; way++) {
+        lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+        interruption early = {.after = 5};
+        lf_test_cycles(r, 1);
+        if (way == 1)
+            lf_assert_status(lf_renderer_pass(r, NULL, n_views, interrupt, &early, &early.cancel),
+                             LF_E_CANCELLED, NULL);
+        lf_test_cycles(r, 1);
+        seen[way] = lf_test_picture(r, LF_ESTIMATOR_MIS);
+        lf_renderer_destroy(r);
+    }
+    assert_memory_equal(seen[0], seen[1], sizeof *seen[0] * n_views * width * height);
+    free(seen[0]);
+    free(seen[1]);
+    lf_scene_unref(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_land_where_each_camera_has_them),
+        cmocka_unit_test(what_is_not_rendered_is_refused_by_name),
+        cmocka_unit_test(densities_are_those_of_the_rig),
+        cmocka_unit_test(areas_are_those_of_pixels),
+        cmocka_unit_test(depths_are_integrals),
+        cmocka_unit_test(sums_do_not_depend_on_the_order),
+        cmocka_unit_test(small_sums_stay_and_great_ones_are_told),
+        cmocka_unit_test(the_general_way_agrees_with_rows),
+        cmocka_unit_test(weights_come_to_samples),
+        cmocka_unit_test(a_white_world_is_white),
+        cmocka_unit_test(pictures_do_not_depend_on_the_number_of_threads),
+        cmocka_unit_test(a_cancelled_pass_leaves_nothing),
+    };
+    return cmocka_run_group_tests_name("any_cameras", tests, NULL, lf_test_finish);
+}
