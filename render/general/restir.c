@@ -410,9 +410,9 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     return LF_OK;
 }
 
-static void begin(void *the_state)
+static void begin(void *the_state, const lf_pass *pass)
 {
-    (void)the_state;
+    (void)the_state, (void)pass;
 }
 
 static void count(const void *the_state, lf_render_stats *out)
