@@ -6,7 +6,7 @@
 #include "render/general/general.h"
 #include "render/rows/rows.h"
 
-static const lf_integrator *const table[] = {&lf_integrator_rows, &lf_integrator_mvpt2022};
+static const lf_integrator *const table[] = {&lf_integrator_rows, &lf_integrator_general};
 #define N_INTEGRATORS (int)(sizeof table / sizeof table[0])
 
 /* Whose entry this is, and which of its own; NULL behind the last. */

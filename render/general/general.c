@@ -1,0 +1,213 @@
+/* Integrators that know no rows: their table, visits and memory. */
+#include "render/general/general.h"
+
+#include <stdlib.h>
+
+#include "base/alloc.h"
+#include "render/general/share.h"
+
+static const lf_general_kind *const table[] = {&lf_general_mvpt2022, &lf_general_mismvpt};
+#define N_KINDS (int)(sizeof table / sizeof table[0])
+
+/* -------------------------------------------------------------------------------- base samples --
+ */
+
+static lf_vec3 sky_of(const lf_general *g, const lf_prefix *p)
+{
+    if (g->seen.backdrop.given)
+        return lf_backdrop_at(&g->seen.backdrop, lf_rig_height_between(&g->rig, p->my));
+    return lf_light_seen(&g->seen, p->event.w);
+}
+
+static void base_sample(const lf_general *g, lf_general_worker *w, int row, int view, int column,
+                        uint64_t key, uint32_t index)
+{
+    lf_sampler sampler;
+    uint64_t pixel =
+        lf_hash64(key, (uint64_t)view * (uint64_t)g->rig.width + (uint64_t)column + 16);
+    lf_prefix p = {.view = view, .column = column, .sampler = &sampler};
+    w->base_paths++;
+    lf_sampler_init(&sampler, g->sampler, pixel, index);
+    w->tracer.rng = lf_hash64(pixel, ~(uint64_t)index);
+    lf_prefix_draw(g, w, row, &p);
+    if (p.event.kind == LF_EVENT_ESCAPE) {
+        lf_share_alone(g, w, &p, sky_of(g, &p));
+        return;
+    }
+    if (p.event.kind == LF_EVENT_SURFACE && w->sums.native)
+        lf_share_deltas(g, w, &p);
+    if (!lf_share_possible(g, &p))
+        lf_share_alone(g, w, &p, lf_v3(0.0f, 0.0f, 0.0f));
+    else if (g->kind->weigh(g, w, &p))
+        lf_share_spread(g, w, &p);
+    else
+        w->tracer.nonfinite++;
+}
+
+/* ------------------------------------------------------------------------------------- visits --
+ */
+
+/* Each pixel with probability subsets / n_views, each once in any n_views passes: column u takes
+ * the views u + start + j, j < subsets, start uniform in a half's first visit and running on. */
+static bool visit(void *the_state, const lf_visit_order *order, int row, int half, int worker_index,
+                  const lf_cancel *cancel)
+{
+    const lf_general *g = the_state;
+    lf_general_worker *w = g->workers[worker_index];
+    const lf_film_counts *before = &g->film->streams[order->stream].rows[row];
+    const uint32_t index = before->visits[half];
+    const uint64_t key = lf_hash64(lf_hash64(order->random, (uint64_t)row), (uint64_t)half);
+    const int views = g->rig.n_views, step = order->column_step;
+    if (order->subsets == 0)
+        return true; /* every pixel has a sample of its own after n_views passes */
+    int start = (int)((lf_hash64(key, 7) >> 32) % (uint64_t)views) +
+                (int)(llround(before->n[half] * views) % views),
+        first = (int)((lf_hash64(lf_hash64(key, 3), index) >> 32) % (uint64_t)step);
+    lf_film_meet(g->film, row, true);
+    lf_film_sums_begin(&w->sums);
+    const double given = (double)order->subsets / order->column_step;
+    for (size_t i = 0; i < (size_t)views * (size_t)g->rig.width; i++) {
+        lf_film_pivots(&w->sums, i, 1.0f);
+        if (w->sums.known)
+            lf_film_known_light(&w->sums, i, 0.0f, 0.0f, 0.0f);
+        if (g->kind->mis)
+            lf_film_weigh(&w->sums, i, (float)(given / views));
+    }
+    for (int column = first; column < g->rig.width; column += step)
+        for (int j = 0; j < order->subsets; j++) {
+            if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
+                return false;
+            base_sample(g, w, row, (column + start + j) % views, column, key, index);
+        }
+    lf_film_merge(g->film, order->stream, row, half, &w->sums, given,
+                  lf_hash64(lf_hash64(key, 9), index));
+    return true;
+}
+
+/* --------------------------------------------------------------------------------- make, free --
+ */
+
+static const lf_integrator_entry *entry(int index)
+{
+    return index >= 0 && index < N_KINDS ? &table[index]->entry : NULL;
+}
+
+/* What it does not know, in words behind "renders no"; NULL: it knows all. */
+static const char *unknown(const lf_scene *scene, const lf_render_settings *settings)
+{
+    if (scene->looks.veiled)
+        return "surfaces that are not there whole (alpha, panes); the scene has some";
+    if (scene->flames.n > 0)
+        return "volumes that emit; the scene has some";
+    if (scene->looks.chromatic)
+        return "extinction that has a colour; the scene's has";
+    if (scene->looks.moving || settings->camera.moves)
+        return "motion; something moves while the shutter is open";
+    if (settings->features)
+        return "reconstructed pictures (--reconstruct off) or depth";
+    if (lf_media_path_depth_bound(scene) > LF_MAX_NULL_DEPTH)
+        return "media of more than 2900 mean free paths of their largest extinction";
+    return NULL;
+}
+
+static void destroy(void *the_state)
+{
+    lf_general *g = the_state;
+    for (int i = 0; g && g->workers && i < g->n_workers; i++) {
+        if (g->workers[i])
+            lf_film_sums_finish(&g->workers[i]->sums);
+        lf_free(g->workers[i]);
+    }
+    lf_free(g ? g->workers : NULL);
+    lf_free(g);
+}
+
+static lf_status make_workers(lf_general *g, const lf_film_layout *layout)
+{
+    g->workers = lf_calloc((size_t)g->n_workers, sizeof *g->workers);
+    for (int i = 0; g->workers && i < g->n_workers; i++) {
+        g->workers[i] = lf_calloc(1, sizeof **g->workers);
+        if (!g->workers[i] || lf_film_sums_init(&g->workers[i]->sums, layout) != LF_OK)
+            return LF_E_NOMEM;
+        g->workers[i]->tracer.scene = &g->seen;
+    }
+    return g->workers ? LF_OK : LF_E_NOMEM;
+}
+
+static lf_status create(const lf_integrator_input *input, int index, void **out_state,
+                        lf_integrator_needs *out_needs, lf_error *err)
+{
+    const char *refused = unknown(input->scene, input->settings);
+    if (refused)
+        return lf_error_set(err, LF_E_ARG, "integrator", "%s renders no %s",
+                            table[index]->entry.name, refused);
+    lf_general *g = lf_calloc(1, sizeof *g);
+    if (!g)
+        return LF_E_NOMEM;
+    g->seen = *input->seen;
+    g->film = input->film;
+    g->shift = lf_shift_at(input->settings->shift);
+    g->kind = table[index];
+    g->selection =
+        g->kind->entry.selects ? lf_selection_at(input->settings->selection) : &lf_selection_none;
+    g->sampler = input->settings->sampler;
+    g->max_depth = lf_max_depth(input->scene, input->settings->max_depth);
+    g->n_workers = lf_pool_threads(input->pool);
+    lf_status status =
+        g->shift && g->selection
+            ? lf_rig_init(&g->rig, input->settings, input->scene->origin, err)
+            : lf_error_set(err, LF_E_ARG, "integrator", "no such shift or selection");
+    const bool delta = g->seen.has_delta;
+    const lf_integrator_needs needs = {.layout = {.n_views = g->rig.n_views,
+                                                  .width = g->rig.width,
+                                                  .height = g->rig.height,
+                                                  .has_native = delta,
+                                                  .has_known = delta,
+                                                  .has_delta = delta},
+                                       .visit_passes = g->rig.n_views};
+    if (status == LF_OK)
+        status = make_workers(g, &needs.layout);
+    if (status != LF_OK) {
+        destroy(g);
+        return status;
+    }
+    *out_state = g;
+    *out_needs = needs;
+    return LF_OK;
+}
+
+static void begin(void *the_state)
+{
+    (void)the_state;
+}
+
+static void count(const void *the_state, lf_render_stats *out)
+{
+    const lf_general *g = the_state;
+    for (int i = 0; i < g->n_workers; i++) {
+        const lf_general_worker *w = g->workers[i];
+        out->base_paths += w->base_paths;
+        out->contributions += w->contributions;
+        out->rays_traced += w->tracer.rays;
+        out->volume_lookups += w->tracer.lookups;
+        out->nonfinite_dropped += w->tracer.nonfinite;
+    }
+    out->base_hidden = -1;
+    if (!g->seen.embree)
+        out->rays_traced = -1;
+    if (g->seen.n_volumes == 0)
+        out->volume_lookups = -1;
+}
+
+static void skipped(const void *the_state, json_t *out)
+{
+    (void)the_state, (void)out;
+}
+
+const lf_integrator lf_integrator_general = {.entry = entry,
+                                              .create = create,
+                                              .begin = begin,
+                                              .visit = visit,
+                                              .count = count,
+                                              .skipped = skipped,
+                                              .destroy = destroy};
