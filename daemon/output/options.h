@@ -33,16 +33,17 @@ const char *lf_reconstruct_name(int index);
 /* What the shared options say; zero and NULL mean "not given" unless stated. Zeroed is a valid
  * start. */
 typedef struct lf_options {
-    const char *preset;          /* a name that exists; lf_options_preset */
-    int views;                   /* 1..LF_MAX_VIEWS */
-    int columns, rows;           /* of the quilt */
-    int view_width, view_height; /* 1..LF_MAX_VIEW_SIDE */
-    const char *integrator;      /* a name that exists */
-    bool has_estimator;          /* it was given */
-    lf_estimator estimator;      /* zero is LF_ESTIMATOR_MWIS, the default */
-    lf_sampler_kind sampler;     /* zero is LF_SAMPLER_OWEN, the default */
-    int shift, selection;        /* as in lf_render_settings; zero is the default */
-    int threads;                 /* 0 = all CPUs */
+    const char *preset;            /* a name that exists; lf_options_preset */
+    int views;                     /* 1..LF_MAX_VIEWS */
+    int columns, rows;             /* of the quilt */
+    int view_width, view_height;   /* 1..LF_MAX_VIEW_SIDE */
+    const char *integrator;        /* a name that exists */
+    bool has_estimator;            /* it was given */
+    lf_estimator estimator;        /* zero is LF_ESTIMATOR_MWIS, the default */
+    lf_sampler_kind sampler;       /* zero is LF_SAMPLER_OWEN, the default */
+    int shift, selection;          /* as in lf_render_settings; zero is the default */
+    bool has_shift, has_selection; /* they were given */
+    int threads;                   /* 0 = all CPUs */
     uint64_t seed;
     int max_depth;                           /* 0 = the scene's */
     bool has_skip;                           /* it was given */
@@ -134,6 +135,9 @@ void lf_print_version(const char *program);
 
 /* Leaves out what options->integrator does not take: a shift, a selection of another one before. */
 void lf_options_fit_integrator(lf_options *options);
+
+/* LF_E_ARG where a shift or a selection was given that options->integrator does not take. */
+LF_NODISCARD lf_status lf_options_check_integrator(const lf_options *options, lf_error *err);
 
 /* What to render and how it is laid out: the command line wins over the preset (views, layout, view
  * size, aspect), that over the panel's calibration (aspect, cone; NULL = none), that over the

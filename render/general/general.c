@@ -186,11 +186,7 @@ static void count(const void *the_state, lf_render_stats *out)
     const lf_general *g = the_state;
     for (int i = 0; i < g->n_workers; i++) {
         const lf_general_worker *w = g->workers[i];
-        out->base_paths += w->base_paths;
-        out->contributions += w->contributions;
-        out->rays_traced += w->tracer.rays;
-        out->volume_lookups += w->tracer.lookups;
-        out->nonfinite_dropped += w->tracer.nonfinite;
+        lf_integrator_count(out, &w->tracer, w->base_paths, w->contributions);
     }
     out->base_hidden = -1;
     if (!g->seen.embree)
@@ -204,10 +200,12 @@ static void skipped(const void *the_state, json_t *out)
     (void)the_state, (void)out;
 }
 
-const lf_integrator lf_integrator_general = {.entry = entry,
-                                              .create = create,
-                                              .begin = begin,
-                                              .visit = visit,
-                                              .count = count,
-                                              .skipped = skipped,
-                                              .destroy = destroy};
+const lf_integrator lf_integrator_general = {.skips = LF_SKIP_SURFACES | LF_SKIP_DELTA_LOBES |
+                                                      LF_SKIP_EMISSION,
+                                             .entry = entry,
+                                             .create = create,
+                                             .begin = begin,
+                                             .visit = visit,
+                                             .count = count,
+                                             .skipped = skipped,
+                                             .destroy = destroy};

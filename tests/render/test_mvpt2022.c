@@ -243,6 +243,28 @@ static void mismvpt_is_algorithm_1(void **state)
     lf_renderer_destroy(r);
 }
 
+/* Neither are lanes made for nobody, nor is what rows leave out told of what has none. */
+static void nothing_is_left_out_that_only_rows_have(void **state)
+{
+    (void)state;
+    static const char *const rows_own[] = {"single-paths", "known-light", "view-lobes",
+                                           "background"};
+    lf_scene *cloud = lf_test_grid_scene(
+        "{ " LF_TEST_CAMERA("5", "") LF_TEST_VOLUMES("") ", " LF_TEST_SHARP_LIGHTS " }",
+        lf_test_grid(lf_test_rough, 9, 8, 7), 0.25, 0.4, 2.0f, false);
+    for (int i = 0; i < 2; i++) {
+        lf_renderer *r = lf_test_renderer(cloud, i ? "mvpt" : "mvpt2022", width, height, NULL);
+        json_t *told = lf_renderer_skipped(r);
+        for (size_t k = 0; k < sizeof rows_own / sizeof rows_own[0]; k++)
+            assert_int_equal(!!json_object_get(told, rows_own[k]), i);
+        assert_int_equal(!!r->lanes, i);
+        assert_non_null(json_object_get(told, "surfaces"));
+        json_decref(told);
+        lf_renderer_destroy(r);
+    }
+    lf_scene_unref(cloud);
+}
+
 static void what_it_does_not_know_is_refused(void **state)
 {
     (void)state;
@@ -394,6 +416,7 @@ int main(void)
         cmocka_unit_test(pictures_do_not_depend_on_the_number_of_threads),
         cmocka_unit_test(chains_know_both_transmittances),
         cmocka_unit_test(mismvpt_is_algorithm_1),
+        cmocka_unit_test(nothing_is_left_out_that_only_rows_have),
         cmocka_unit_test(what_it_does_not_know_is_refused),
         cmocka_unit_test(total_variation_is_off_by_what_theory_says),
     };
