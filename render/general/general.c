@@ -4,9 +4,11 @@
 #include <stdlib.h>
 
 #include "base/alloc.h"
+#include "render/general/count.h"
 #include "render/general/share.h"
 
-static const lf_general_kind *const table[] = {&lf_general_mvpt2022, &lf_general_mismvpt};
+static const lf_general_kind *const table[] = {&lf_general_mvpt2022, &lf_general_mismvpt,
+                                               &lf_general_amvpt2022};
 #define N_KINDS (int)(sizeof table / sizeof table[0])
 
 /* -------------------------------------------------------------------------------- base samples --
@@ -19,17 +21,27 @@ static lf_vec3 sky_of(const lf_general *g, const lf_prefix *p)
     return lf_light_seen(&g->seen, p->event.w);
 }
 
-static void base_sample(const lf_general *g, lf_general_worker *w, int row, int view, int column,
+/* Which pixel, and what its sample is worth to it. */
+typedef struct lf_general_pixel {
+    int row, view, column;
+    float alone;
+} lf_general_pixel;
+
+static void base_sample(const lf_general *g, lf_general_worker *w, const lf_general_pixel *of,
                         uint64_t key, uint32_t index)
 {
     lf_sampler sampler;
     uint64_t pixel =
-        lf_hash64(key, (uint64_t)view * (uint64_t)g->rig.width + (uint64_t)column + 16);
-    lf_prefix p = {.view = view, .column = column, .sampler = &sampler};
+        lf_hash64(key, (uint64_t)of->view * (uint64_t)g->rig.width + (uint64_t)of->column + 16);
+    lf_prefix p = {.row = of->row,
+                   .view = of->view,
+                   .column = of->column,
+                   .alone = of->alone,
+                   .sampler = &sampler};
     w->base_paths++;
     lf_sampler_init(&sampler, g->sampler, pixel, index);
     w->tracer.rng = lf_hash64(pixel, ~(uint64_t)index);
-    lf_prefix_draw(g, w, row, &p);
+    lf_prefix_draw(g, w, &p);
     if (p.event.kind == LF_EVENT_ESCAPE) {
         lf_share_alone(g, w, &p, sky_of(g, &p));
         return;
@@ -47,41 +59,124 @@ static void base_sample(const lf_general *g, lf_general_worker *w, int row, int 
 /* ------------------------------------------------------------------------------------- visits --
  */
 
+/* A visit under way. */
+typedef struct lf_general_visit {
+    const lf_visit_order *order;
+    const lf_cancel *cancel;
+    int row;
+    uint64_t key;   /* of the half's stream */
+    uint32_t index; /* of the visit in it */
+    double n;       /* native samples a view pixel before it */
+} lf_general_visit;
+
+static bool cancelled(const lf_general_visit *v)
+{
+    return v->cancel && atomic_load_explicit(v->cancel, memory_order_relaxed);
+}
+
 /* Each pixel with probability subsets / n_views, each once in any n_views passes: column u takes
  * the views u + start + j, j < subsets, start uniform in a half's first visit and running on. */
+static bool sample_lattice(const lf_general *g, lf_general_worker *w, const lf_general_visit *v)
+{
+    const int views = g->rig.n_views, step = v->order->column_step;
+    int start = (int)((lf_hash64(v->key, 7) >> 32) % (uint64_t)views) +
+                (int)(llround(v->n * views) % views),
+        first = (int)((lf_hash64(lf_hash64(v->key, 3), v->index) >> 32) % (uint64_t)step);
+    for (int column = first; column < g->rig.width; column += step)
+        for (int j = 0; j < v->order->subsets; j++) {
+            const lf_general_pixel of = {v->row, (column + start + j) % views, column, 1.0f};
+            if (cancelled(v))
+                return false;
+            base_sample(g, w, &of, v->key, v->index);
+        }
+    return true;
+}
+
+/* As many as the map expects; each map has random numbers of its own. */
+static bool sample_counts(const lf_general *g, lf_general_worker *w, const lf_general_visit *v)
+{
+    const uint64_t key = lf_hash64(v->key, 64 + (uint64_t)g->n_maps);
+    const double given = (double)v->order->subsets / g->rig.n_views;
+    for (int view = 0; view < g->rig.n_views; view++)
+        for (int column = 0; column < g->rig.width; column++) {
+            uint64_t pixel = (uint64_t)view * (uint64_t)g->rig.width + (uint64_t)column;
+            double phase = (double)(lf_hash64(key, pixel) >> 11) * 0x1p-53;
+            lf_count_share share =
+                lf_count_share_of(lf_expected_count(g, w, view, column), phase, v->n, given);
+            const lf_general_pixel of = {v->row, view, column, share.alone};
+            for (uint32_t i = share.begin; i < share.end; i++) {
+                if (cancelled(v))
+                    return false;
+                base_sample(g, w, &of, key, i);
+            }
+        }
+    return true;
+}
+
+/* What has one value a visit: q is 1, B is 0, and W of what is divided by n. */
+static void begin_sums(const lf_general *g, lf_general_worker *w, double given)
+{
+    lf_film_sums_begin(&w->sums);
+    for (size_t i = 0; i < (size_t)g->rig.n_views * (size_t)g->rig.width; i++) {
+        lf_film_pivots(&w->sums, i, 1.0f);
+        if (w->sums.known)
+            lf_film_known_light(&w->sums, i, 0.0f, 0.0f, 0.0f);
+        if (g->kind->mis)
+            lf_film_weigh(&w->sums, i, (float)(given / g->rig.n_views));
+    }
+}
+
 static bool visit(void *the_state, const lf_visit_order *order, int row, int half, int worker_index,
                   const lf_cancel *cancel)
 {
     const lf_general *g = the_state;
     lf_general_worker *w = g->workers[worker_index];
     const lf_film_counts *before = &g->film->streams[order->stream].rows[row];
-    const uint32_t index = before->visits[half];
-    const uint64_t key = lf_hash64(lf_hash64(order->random, (uint64_t)row), (uint64_t)half);
-    const int views = g->rig.n_views, step = order->column_step;
+    const lf_general_visit v = {
+        .order = order,
+        .cancel = cancel,
+        .row = row,
+        .key = lf_hash64(lf_hash64(order->random, (uint64_t)row), (uint64_t)half),
+        .index = before->visits[half],
+        .n = before->n[half]};
     if (order->subsets == 0)
         return true; /* every pixel has a sample of its own after n_views passes */
-    int start = (int)((lf_hash64(key, 7) >> 32) % (uint64_t)views) +
-                (int)(llround(before->n[half] * views) % views),
-        first = (int)((lf_hash64(lf_hash64(key, 3), index) >> 32) % (uint64_t)step);
-    lf_film_meet(g->film, row, true);
-    lf_film_sums_begin(&w->sums);
     const double given = (double)order->subsets / order->column_step;
-    for (size_t i = 0; i < (size_t)views * (size_t)g->rig.width; i++) {
-        lf_film_pivots(&w->sums, i, 1.0f);
-        if (w->sums.known)
-            lf_film_known_light(&w->sums, i, 0.0f, 0.0f, 0.0f);
-        if (g->kind->mis)
-            lf_film_weigh(&w->sums, i, (float)(given / views));
-    }
-    for (int column = first; column < g->rig.width; column += step)
-        for (int j = 0; j < order->subsets; j++) {
-            if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
-                return false;
-            base_sample(g, w, row, (column + start + j) % views, column, key, index);
-        }
+    lf_film_meet(g->film, row, true);
+    begin_sums(g, w, given);
+    w->mapped = g->n_maps > 0 && order->column_step == 1;
+    if (w->mapped)
+        lf_counts_row(&g->counts, row, w->expected);
+    if (w->mapped ? !sample_counts(g, w, &v) : !sample_lattice(g, w, &v))
+        return false;
     lf_film_merge(g->film, order->stream, row, half, &w->sums, given,
-                  lf_hash64(lf_hash64(key, 9), index));
+                  lf_hash64(lf_hash64(v.key, 9), v.index));
     return true;
+}
+
+/* True when all rows have so many native samples a view pixel in both halves. */
+static bool has_samples(const lf_film *film, double n)
+{
+    for (int row = 0; row < film->height; row++)
+        if (film->rows[row].n[0] < n || film->rows[row].n[1] < n)
+            return false;
+    return true;
+}
+
+/* Behind the pilot: the map; those that are made again and again, whenever samples have doubled.
+ * Failing to make one costs nothing but its gain. */
+static void begin(void *the_state)
+{
+    lf_general *g = the_state;
+    if (!g->kind->adaptive || !lf_adaptive_ready(g->film) || !has_samples(g->film, g->next_map))
+        return;
+    lf_status status = g->kind->map ? g->kind->map(g->film, &g->counts)
+                                    : lf_adaptive_map(g->film, g->pool, &g->counts);
+    g->n_maps += status == LF_OK;
+    while (g->kind->map && has_samples(g->film, g->next_map))
+        g->next_map *= 2.0;
+    if (!g->kind->map)
+        g->next_map = (double)INFINITY;
 }
 
 /* --------------------------------------------------------------------------------- make, free --
@@ -114,12 +209,25 @@ static void destroy(void *the_state)
 {
     lf_general *g = the_state;
     for (int i = 0; g && g->workers && i < g->n_workers; i++) {
-        if (g->workers[i])
+        if (g->workers[i]) {
             lf_film_sums_finish(&g->workers[i]->sums);
+            lf_free(g->workers[i]->expected);
+        }
         lf_free(g->workers[i]);
     }
-    lf_free(g ? g->workers : NULL);
+    if (g) {
+        lf_counts_finish(&g->counts);
+        lf_free(g->workers);
+    }
     lf_free(g);
+}
+
+static lf_status make_counts(lf_general *g, lf_general_worker *w)
+{
+    if (!g->kind->adaptive)
+        return LF_OK;
+    w->expected = lf_calloc((size_t)g->rig.n_views * (size_t)g->rig.width, sizeof *w->expected);
+    return w->expected ? LF_OK : LF_E_NOMEM;
 }
 
 static lf_status make_workers(lf_general *g, const lf_film_layout *layout)
@@ -130,8 +238,14 @@ static lf_status make_workers(lf_general *g, const lf_film_layout *layout)
         if (!g->workers[i] || lf_film_sums_init(&g->workers[i]->sums, layout) != LF_OK)
             return LF_E_NOMEM;
         g->workers[i]->tracer.scene = &g->seen;
+        if (make_counts(g, g->workers[i]) != LF_OK)
+            return LF_E_NOMEM;
     }
-    return g->workers ? LF_OK : LF_E_NOMEM;
+    if (!g->workers)
+        return LF_E_NOMEM;
+    return g->kind->adaptive
+               ? lf_counts_init(&g->counts, layout->n_views, layout->width, layout->height)
+               : LF_OK;
 }
 
 static lf_status create(const lf_integrator_input *input, int index, void **out_state,
@@ -146,6 +260,8 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
         return LF_E_NOMEM;
     g->seen = *input->seen;
     g->film = input->film;
+    g->pool = input->pool;
+    g->next_map = LF_PILOT_SPP;
     g->shift = lf_shift_at(input->settings->shift);
     g->kind = table[index];
     g->selection =
@@ -174,11 +290,6 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     *out_state = g;
     *out_needs = needs;
     return LF_OK;
-}
-
-static void begin(void *the_state)
-{
-    (void)the_state;
 }
 
 static void count(const void *the_state, lf_render_stats *out)

@@ -1,4 +1,5 @@
 /* Volumetric Multi-View Rendering (Fraboni et al. 2022): which views share, and equation 23. */
+#include "render/general/count.h"
 #include "render/general/prefix.h"
 
 /* What equation 24 compares: the lobes of all views at one pivot. */
@@ -54,7 +55,9 @@ static void select_views(const lf_general *g, lf_general_worker *w, const lf_pre
     g->selection->select(&views, &w->tracer, w->selected);
 }
 
-/* Algorithm 2, lines 4 to 10 and 15: over what is selected. */
+/* Algorithm 2, lines 4 to 10 and 15: over what is selected. Counts c_k stand in the sum alone: in
+ * p_jj, where the paper has c_j as well, they would have the film's n mean other things in other
+ * passes. */
 static bool weigh(const lf_general *g, lf_general_worker *w, const lf_prefix *p)
 {
     double sum = 0.0;
@@ -65,7 +68,8 @@ static bool weigh(const lf_general *g, lf_general_worker *w, const lf_prefix *p)
         w->ratio[k] = own ? 1.0 : 0.0;
         if (!own && w->selected[k] && lf_prefix_visible(g, w, p, k))
             w->ratio[k] = lf_prefix_ratio(g, w, p, k);
-        sum += w->ratio[k];
+        if (w->ratio[k] > 0.0)
+            sum += lf_expected_count(g, w, k, w->column[k]) * w->ratio[k];
     }
     for (int k = 0; k < g->rig.n_views; k++)
         w->weight[k] = w->ratio[k] / sum;
@@ -85,4 +89,12 @@ const lf_general_kind lf_general_mismvpt = {
               .shares = true,
               .shifts = true},
     .mis = true,
+    .weigh = weigh};
+const lf_general_kind lf_general_amvpt2022 = {
+    .entry = {.name = "amvpt2022",
+              .what = "mvpt2022 with more paths where the error is",
+              .shares = true,
+              .shifts = true,
+              .selects = true},
+    .adaptive = true,
     .weigh = weigh};

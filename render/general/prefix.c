@@ -15,14 +15,14 @@ static void end_on_surface(const lf_general *g, lf_prefix *p)
     p->z = (double)lf_dot(d, g->rig.forward);
 }
 
-void lf_prefix_draw(const lf_general *g, lf_general_worker *w, int row, lf_prefix *p)
+void lf_prefix_draw(const lf_general *g, lf_general_worker *w, lf_prefix *p)
 {
     const lf_rig *rig = &g->rig;
     float film[2], lens[2], chord;
     lf_row_plane plane;
     lf_sampler_2d(p->sampler, film);
     lf_sampler_2d(p->sampler, lens);
-    lf_rig_row_plane(rig, (float)row + film[1], lens, &plane);
+    lf_rig_row_plane(rig, (float)p->row + film[1], lens, &plane);
     chord = (2.0f * lf_sampler_1d(p->sampler) - 1.0f) * plane.lens_chord;
     p->lx = (double)chord;
     p->ly = (double)plane.ly;

@@ -10,15 +10,17 @@
 typedef struct lf_prefix {
     lf_event event;     /* LF_EVENT_ESCAPE: none */
     lf_media_path path; /* from the base's lens to the pivot */
-    int view, column;
+    int row, view, column;
+    float alone;         /* what it weighs where only its own pixel receives it */
     double lx, ly;       /* on the lens */
     double x, y, z;      /* the pivot, camera space */
     float my;            /* of its row's plane */
     lf_sampler *sampler; /* goes on with the pivot's own dimensions */
 } lf_prefix;
 
-/* Draws one in a pixel; `out` has its view, column and sampler. The worker's chain is its own. */
-void lf_prefix_draw(const lf_general *g, lf_general_worker *w, int row, lf_prefix *out);
+/* Draws one in a pixel; `out` has its row, view, column and sampler. The worker's chain is its own.
+ */
+void lf_prefix_draw(const lf_general *g, lf_general_worker *w, lf_prefix *out);
 
 /* Fills column and to_pivot of all views. */
 void lf_prefix_look(const lf_general *g, lf_general_worker *w, const lf_prefix *p);

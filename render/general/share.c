@@ -143,7 +143,7 @@ void lf_share_spread(const lf_general *g, lf_general_worker *w, const lf_prefix 
 
 void lf_share_alone(const lf_general *g, lf_general_worker *w, const lf_prefix *p, lf_vec3 y)
 {
-    add(g, w, p->view, p->column, 1.0, y);
+    add(g, w, p->view, p->column, (double)p->alone, y);
 }
 
 void lf_share_deltas(const lf_general *g, lf_general_worker *w, const lf_prefix *p)
@@ -151,6 +151,8 @@ void lf_share_deltas(const lf_general *g, lf_general_worker *w, const lf_prefix 
     lf_shading shading;
     size_t pixel = (size_t)p->view * (size_t)g->rig.width + (size_t)p->column;
     lf_shade(&p->event.hit, lf_scale(p->event.w, -1.0f), &shading);
+    if (shading.n_deltas > 0 && g->kind->adaptive)
+        lf_counts_mark_delta(&g->counts, p->row, p->view, p->column);
     for (int i = 0; i < shading.n_deltas; i++) {
         const lf_delta *lobe = &shading.delta[i];
         float probability = lf_min(1.0f, 4.0f * lf_max3(lobe->f)), pdf;
@@ -158,7 +160,7 @@ void lf_share_deltas(const lf_general *g, lf_general_worker *w, const lf_prefix 
         if (lf_rng(&w->tracer) >= probability)
             continue;
         follow(g, w, p, lobe->wi, &found, &pdf, &scattered);
-        lf_vec3 y = lf_scale(lf_mul(lobe->f, lf_add(found, scattered)), 1.0f / probability);
+        lf_vec3 y = lf_scale(lf_mul(lobe->f, lf_add(found, scattered)), p->alone / probability);
         if (isfinite(y.x + y.y + y.z))
             lf_film_add_native(&w->sums, pixel, y.x, y.y, y.z);
         else

@@ -13,7 +13,7 @@ bool lf_share_possible(const lf_general *g, const lf_prefix *p);
 /* Draws the suffix, and adds to N and W of every view with a weight what it brings there. */
 void lf_share_spread(const lf_general *g, lf_general_worker *w, const lf_prefix *p);
 
-/* To N and W of the base's own pixel, with weight 1. */
+/* To N and W of the base's own pixel, with the weight of what is alone. */
 void lf_share_alone(const lf_general *g, lf_general_worker *w, const lf_prefix *p, lf_vec3 y);
 
 /* What the delta lobes at the pivot bring to the base's own pixel, into M of the film. */
