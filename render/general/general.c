@@ -4,11 +4,13 @@
 #include <stdlib.h>
 
 #include "base/alloc.h"
+#include "render/general/amv2019.h"
 #include "render/general/count.h"
 #include "render/general/share.h"
 
 static const lf_general_kind *const table[] = {&lf_general_mvpt2022, &lf_general_mismvpt,
-                                               &lf_general_amvpt2022};
+                                               &lf_general_amvpt2022, &lf_general_amv2019,
+                                               &lf_general_amv2019k};
 #define N_KINDS (int)(sizeof table / sizeof table[0])
 
 /* -------------------------------------------------------------------------------- base samples --
@@ -188,8 +190,11 @@ static const lf_integrator_entry *entry(int index)
 }
 
 /* What it does not know, in words behind "renders no"; NULL: it knows all. */
-static const char *unknown(const lf_scene *scene, const lf_render_settings *settings)
+static const char *unknown(const lf_general_kind *kind, const lf_scene *scene,
+                           const lf_render_settings *settings)
 {
+    if (kind->no_media && scene->n_volumes > 0)
+        return "media, of which 2019 knows none; the scene has some";
     if (scene->looks.veiled)
         return "surfaces that are not there whole (alpha, panes); the scene has some";
     if (scene->flames.n > 0)
@@ -217,6 +222,7 @@ static void destroy(void *the_state)
     }
     if (g) {
         lf_counts_finish(&g->counts);
+        lf_free(g->share_seen);
         lf_free(g->workers);
     }
     lf_free(g);
@@ -251,7 +257,7 @@ static lf_status make_workers(lf_general *g, const lf_film_layout *layout)
 static lf_status create(const lf_integrator_input *input, int index, void **out_state,
                         lf_integrator_needs *out_needs, lf_error *err)
 {
-    const char *refused = unknown(input->scene, input->settings);
+    const char *refused = unknown(table[index], input->scene, input->settings);
     if (refused)
         return lf_error_set(err, LF_E_ARG, "integrator", "%s renders no %s",
                             table[index]->entry.name, refused);
@@ -283,6 +289,8 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
                                        .visit_passes = g->rig.n_views};
     if (status == LF_OK)
         status = make_workers(g, &needs.layout);
+    if (status == LF_OK && g->kind->normalises)
+        status = lf_normalise(g);
     if (status != LF_OK) {
         destroy(g);
         return status;

@@ -34,6 +34,8 @@ typedef struct lf_general_kind {
     lf_integrator_entry entry;
     bool mis;      /* W is n: every answer is N/n */
     bool adaptive; /* behind a pilot base samples go where a map says */
+    bool no_media;
+    bool normalises; /* by K, lf_general.share_seen */
     /* Makes that map, again and again; NULL: rows/adaptive.h does, once. */
     lf_status (*map)(const lf_film *film, lf_counts *counts);
     /* Of a pivot that is shared: which views get the suffix, and with which weights (weight[]).
@@ -41,7 +43,8 @@ typedef struct lf_general_kind {
     bool (*weigh)(const struct lf_general *g, lf_general_worker *w, const struct lf_prefix *p);
 } lf_general_kind;
 
-extern const lf_general_kind lf_general_mvpt2022, lf_general_mismvpt, lf_general_amvpt2022;
+extern const lf_general_kind lf_general_mvpt2022, lf_general_mismvpt, lf_general_amvpt2022,
+    lf_general_amv2019, lf_general_amv2019k;
 
 typedef struct lf_general {
     const lf_general_kind *kind;
@@ -56,6 +59,7 @@ typedef struct lf_general {
     lf_counts counts;  /* of adaptive kinds: what the pilot has met, and the map */
     int n_maps;        /* made so far */
     double next_map;   /* native samples a view pixel of each half that the next one takes */
+    float *share_seen; /* [base][view] K of 2019's equation 9; NULL: nobody asks */
     lf_general_worker **workers; /* [n_workers] each its own */
 } lf_general;
 
