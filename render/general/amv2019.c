@@ -119,7 +119,8 @@ lf_status lf_normalise(lf_general *g)
         for (int i = 0; i < LINES * LINES; i++) {
             lf_sampler sampler;
             uint64_t own = lf_hash64(key, (uint64_t)view * LINES * LINES + (uint64_t)i);
-            double down = i / LINES + (double)(own >> 48) * 0x1p-16,
+            const int line = i / LINES;
+            double down = line + (double)(own >> 48) * 0x1p-16,
                    across = i % LINES + (double)(own & 0xffff) * 0x1p-16;
             lf_prefix p = {.row = (int)(down * height / LINES),
                            .view = view,

@@ -18,9 +18,9 @@ typedef struct lf_prefix {
     lf_sampler *sampler; /* goes on with the pivot's own dimensions */
 } lf_prefix;
 
-/* Draws one in a pixel; `out` has its row, view, column and sampler. The worker's chain is its own.
+/* Draws one in a pixel; *p has its row, view, column and sampler. The worker's chain is its own.
  */
-void lf_prefix_draw(const lf_general *g, lf_general_worker *w, lf_prefix *out);
+void lf_prefix_draw(const lf_general *g, lf_general_worker *w, lf_prefix *p);
 
 /* Fills column and to_pivot of all views. */
 void lf_prefix_look(const lf_general *g, lf_general_worker *w, const lf_prefix *p);

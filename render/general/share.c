@@ -141,8 +141,17 @@ void lf_share_spread(const lf_general *g, lf_general_worker *w, const lf_prefix 
     }
 }
 
+/* Where native samples are all there is, of delta lobes and here of what escapes, too, their number
+ * must not add noise: the map leaves one a pixel. */
+static void mark_alone(const lf_general *g, const lf_prefix *p)
+{
+    if (g->kind->adaptive)
+        lf_counts_mark_delta(&g->counts, p->row, p->view, p->column);
+}
+
 void lf_share_alone(const lf_general *g, lf_general_worker *w, const lf_prefix *p, lf_vec3 y)
 {
+    mark_alone(g, p);
     add(g, w, p->view, p->column, (double)p->alone, y);
 }
 
@@ -151,8 +160,8 @@ void lf_share_deltas(const lf_general *g, lf_general_worker *w, const lf_prefix 
     lf_shading shading;
     size_t pixel = (size_t)p->view * (size_t)g->rig.width + (size_t)p->column;
     lf_shade(&p->event.hit, lf_scale(p->event.w, -1.0f), &shading);
-    if (shading.n_deltas > 0 && g->kind->adaptive)
-        lf_counts_mark_delta(&g->counts, p->row, p->view, p->column);
+    if (shading.n_deltas > 0)
+        mark_alone(g, p);
     for (int i = 0; i < shading.n_deltas; i++) {
         const lf_delta *lobe = &shading.delta[i];
         float probability = lf_min(1.0f, 4.0f * lf_max3(lobe->f)), pdf;

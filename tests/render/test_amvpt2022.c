@@ -33,8 +33,8 @@ static const struct {
     const char *what, *scene, *selection;
     papers_power power;
 } scenes[] = {
-    {"coated, in fog", LF_TEST_MIXED("5", ""), "none", {1.07, 0.5, 1.02}},
-    {"a lamp and a mirror", LF_TEST_LAMP("5", ""), "partition", {1.1, 0.5, 1.03}},
+    {"coated, in fog", LF_TEST_MIXED("5", ""), "none", {1.07, 0.6, 1.01}},
+    {"a lamp and a mirror", LF_TEST_LAMP("5", ""), "partition", {1.07, 0.6, 1.02}},
 };
 #define N_SCENES (int)(sizeof scenes / sizeof scenes[0])
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 2 * N_SCENES * papers_tiles)
