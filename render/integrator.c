@@ -5,9 +5,10 @@
 
 #include "render/general/any_cameras.h"
 #include "render/general/general.h"
+#include "render/general/restir.h"
 #include "render/rows/rows.h"
 
-static const lf_integrator *const table[] = {&lf_integrator_rows, &lf_integrator_mvpt2022,
+static const lf_integrator *const table[] = {&lf_integrator_rows, &lf_integrator_general,
                                              &lf_integrator_restir};
 #define N_INTEGRATORS (int)(sizeof table / sizeof table[0])
 

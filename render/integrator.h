@@ -11,6 +11,7 @@
 
 #include "render/film/film.h"
 #include "render/scene/scene.h"
+#include "render/transport/track.h"
 
 /* What one is made for. Borrowed; but for settings all of it outlives what is made. */
 typedef struct lf_integrator_input {
@@ -52,6 +53,8 @@ typedef struct lf_pass {
 } lf_pass;
 
 typedef struct lf_integrator {
+    /* Of what a scene does not need (lf_skip), what it can leave out: the rest is not offered. */
+    unsigned skips;
     /* By index within this integrator; NULL behind the last. */
     const lf_integrator_entry *(*entry)(int index);
     /* Makes one for entry(index); *out_state is for the functions below. What fails for want of
@@ -74,6 +77,17 @@ typedef struct lf_integrator {
     /* Accepts NULL. */
     void (*destroy)(void *state);
 } lf_integrator;
+
+/* Adds one worker's counters to *out. */
+static inline void lf_integrator_count(lf_render_stats *out, const lf_tracer *tracer,
+                                       int64_t base_paths, int64_t contributions)
+{
+    out->base_paths += base_paths;
+    out->contributions += contributions;
+    out->rays_traced += tracer->rays;
+    out->volume_lookups += tracer->lookups;
+    out->nonfinite_dropped += tracer->nonfinite;
+}
 
 /* The one that renders such a camera by settings->integrator. LF_E_ARG for an unknown name, with
  * err naming those that exist; NULL is the default. */

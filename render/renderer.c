@@ -77,7 +77,7 @@ static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_set
     if ((settings->reuse || settings->weights) && !entry->reuses)
         return lf_error_set(err, LF_E_ARG, "integrator", "%s knows no reuse of reservoirs",
                             fresh->name);
-    status = make_lanes(r, scene, settings->skip, &fresh->lanes);
+    status = make_lanes(r, scene, settings->skip & fresh->integrator->skips, &fresh->lanes);
     const lf_integrator_input input = {scene, &seen, settings, r->pool, fresh->lanes, &r->film};
     if (status == LF_OK)
         status = fresh->integrator->create(&input, index, &fresh->state, &fresh->needs, err);
@@ -429,7 +429,8 @@ void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out)
 
 json_t *lf_renderer_skipped(const lf_renderer *renderer)
 {
-    unsigned skipped = lf_skip_found(renderer->scene) & renderer->settings.skip;
+    unsigned skipped =
+        lf_skip_found(renderer->scene) & renderer->settings.skip & renderer->integrator->skips;
     json_t *object = json_object();
     renderer->integrator->skipped(renderer->state, object);
     for (int i = 0; lf_skip_at(i); i++)

@@ -69,11 +69,13 @@ const lf_param lf_option_params[] = {
      .has = offsetof(lf_options, has_estimator),
      .type = LF_PARAM_WORD, .word_at = lf_estimator_name},
     {.option = "shift", .argument = "NAME", PLACE(shift),
+     .has = offsetof(lf_options, has_shift),
      .type = LF_PARAM_WORD, .word_at = lf_shift_name,
-     .help = "mvpt2022, mismvpt: how null collisions go from view to view (optical-stretch)"},
+     .help = "those of 2022: how null collisions go from view to view (optical-stretch)"},
     {.option = "selection", .argument = "NAME", PLACE(selection),
+     .has = offsetof(lf_options, has_selection),
      .type = LF_PARAM_WORD, .word_at = lf_selection_name,
-     .help = "mvpt2022: which views share a path (tv, as printed: biased)"},
+     .help = "mvpt2022, amvpt2022: which views share a path (tv, as printed: biased)"},
     {.option = "reuse", .argument = "NAME", PLACE(reuse),
      .type = LF_PARAM_WORD, .word_at = lf_reuse_name,
      .help = "restir, mvrestir: which reservoirs a pixel looks into (both)"},
@@ -144,6 +146,18 @@ void lf_options_fit_integrator(lf_options *options)
     options->selection = entry && entry->selects ? options->selection : 0;
     options->reuse = entry && entry->reuses ? options->reuse : 0;
     options->weights = entry && entry->reuses ? options->weights : 0;
+}
+
+lf_status lf_options_check_integrator(const lf_options *options, lf_error *err)
+{
+    const lf_integrator_entry *entry = lf_integrator_named(options->integrator);
+    if (!entry)
+        return LF_OK; /* others say so */
+    if (options->has_shift && !entry->shifts)
+        return lf_error_set(err, LF_E_ARG, "--shift", "%s knows no shifts", entry->name);
+    if (options->has_selection && !entry->selects)
+        return lf_error_set(err, LF_E_ARG, "--selection", "%s knows no selections", entry->name);
+    return LF_OK;
 }
 
 const lf_preset *lf_options_preset(const lf_options *options)

@@ -42,6 +42,7 @@ typedef struct lf_options {
     lf_estimator estimator;               /* zero is LF_ESTIMATOR_MWIS, the default */
     lf_sampler_kind sampler;              /* zero is LF_SAMPLER_OWEN, the default */
     int shift, selection, reuse, weights; /* as in lf_render_settings; zero is the default */
+    bool has_shift, has_selection;        /* they were given */
     int threads;                          /* 0 = all CPUs */
     uint64_t seed;
     int max_depth;                           /* 0 = the scene's */
@@ -135,6 +136,9 @@ void lf_print_version(const char *program);
 
 /* Leaves out what options->integrator does not take: a shift, a selection of another one before. */
 void lf_options_fit_integrator(lf_options *options);
+
+/* LF_E_ARG where a shift or a selection was given that options->integrator does not take. */
+LF_NODISCARD lf_status lf_options_check_integrator(const lf_options *options, lf_error *err);
 
 /* What to render and how it is laid out: the command line wins over the preset (views, layout, view
  * size, aspect), that over the panel's calibration (aspect, cone; NULL = none), that over the

@@ -296,7 +296,9 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "--reconstruct", "on only goes with --estimator mwis");
     if (a->n_budgets == 0)
         a->spp = DEFAULT_SPP;
-    lf_status status = lf_frames_check(&a->frames, err);
+    lf_status status = lf_options_check_integrator(&a->options, err);
+    if (status == LF_OK)
+        status = lf_frames_check(&a->frames, err);
     if (status == LF_OK)
         status = choose_kind(a, err);
     return status == LF_OK && lf_frames_wanted(&a->frames) ? check_frames(a, err) : status;

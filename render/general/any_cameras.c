@@ -524,11 +524,7 @@ static void count(const void *the_state, lf_render_stats *out)
     const state *s = the_state;
     for (int i = 0; i < s->n_workers; i++) {
         const worker *w = s->workers[i];
-        out->base_paths += w->base_paths;
-        out->contributions += w->contributions;
-        out->rays_traced += w->tracer.rays;
-        out->volume_lookups += w->tracer.lookups;
-        out->nonfinite_dropped += w->tracer.nonfinite;
+        lf_integrator_count(out, &w->tracer, w->base_paths, w->contributions);
     }
     out->nonfinite_dropped += atomic_load(&s->splats.dropped);
     out->rays_traced = s->has_meshes ? out->rays_traced : -1;
@@ -541,7 +537,8 @@ static void skipped(const void *the_state, json_t *out)
     (void)the_state, (void)out;
 }
 
-const lf_integrator lf_integrator_any_cameras = {.entry = entry,
+const lf_integrator lf_integrator_any_cameras = {.skips = LF_SKIP_SURFACES | LF_SKIP_EMISSION,
+                                                 .entry = entry,
                                                  .create = create,
                                                  .begin = begin,
                                                  .visit = visit,

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "render/general/general.h"
+#include "render/general/restir.h"
 #include "render/general/reuse.h"
 #include "render/rows/rig.h"
 #include "render/transport/sampler.h"
@@ -420,10 +420,7 @@ static void count(const void *the_state, lf_render_stats *out)
     const state *s = the_state;
     for (int i = 0; i < s->n_workers; i++) {
         const worker *w = s->workers[i];
-        out->base_paths += w->base_paths;
-        out->contributions += w->contributions;
-        out->volume_lookups += w->tracer.lookups;
-        out->nonfinite_dropped += w->tracer.nonfinite;
+        lf_integrator_count(out, &w->tracer, w->base_paths, w->contributions);
     }
     out->rays_traced = out->base_hidden = -1;
 }

@@ -48,4 +48,14 @@ static inline double lf_lobe_distance(double along, double across)
     return along + across > 0.0 ? fabs(along - across) / (along + across) : 0.0;
 }
 
+/* Equation 24 as it stands, of two lobes' pdfs in two directions (surfaces: the mirror directions
+ * of both views). Lobes that are 0 in both are as unlike as can be to one that is not. */
+static inline double lf_total_variation(const double p[2], const double q[2])
+{
+    double sum_p = p[0] + p[1], sum_q = q[0] + q[1];
+    if (!(sum_p > 0.0 && sum_q > 0.0))
+        return sum_p > 0.0 || sum_q > 0.0;
+    return 0.5 * (fabs(p[0] / sum_p - q[0] / sum_q) + fabs(p[1] / sum_p - q[1] / sum_q));
+}
+
 #endif

@@ -293,11 +293,7 @@ static void count(const void *state, lf_render_stats *out)
     const lf_rows *rows = state;
     for (int i = 0; i < rows->n_workers; i++) {
         const lf_scratch *w = rows->workers[i];
-        out->base_paths += w->base_paths;
-        out->contributions += w->contributions;
-        out->rays_traced += w->tracer.rays;
-        out->volume_lookups += w->tracer.lookups;
-        out->nonfinite_dropped += w->tracer.nonfinite;
+        lf_integrator_count(out, &w->tracer, w->base_paths, w->contributions);
         out->base_hidden += w->base_hidden;
     }
     if (!rows->seen.embree)
@@ -318,7 +314,8 @@ static void skipped(const void *state, json_t *out)
         json_object_set_new(out, "lens", json_string("pinhole cameras: no points on it are drawn"));
 }
 
-const lf_integrator lf_integrator_rows = {.entry = entry,
+const lf_integrator lf_integrator_rows = {.skips = LF_SKIP_ALL,
+                                          .entry = entry,
                                           .create = create,
                                           .begin = begin,
                                           .visit = visit,

@@ -6,14 +6,15 @@
 #include "render/general/null_chain.h"
 #include "render/general/selection.h"
 #include "tests/render/grids.h"
-#include "tests/stat/scenes.h"
+#include "tests/render/papers.h"
 
-enum { width = 24, height = 16, n_views = 5, tile = 8, tiles = n_views * 6 + 1 };
-
-static int replicates(void)
-{
-    return getenv("QUILTD_LONG") ? 64 : 16;
-}
+enum {
+    width = papers_width,
+    height = papers_height,
+    n_views = papers_views,
+    tile = papers_tile,
+    tiles = papers_tiles
+};
 
 /* The scene of most tests, and natively. */
 static lf_scene *fog;
@@ -31,24 +32,10 @@ static lf_scene *grid_in_fog(void)
         lf_test_grid(lf_test_rough, 9, 8, 7), 0.25, 0.4, 2.0f, false);
 }
 
-static int index_of(const char *(*name_at)(int), const char *name)
-{
-    int i = 0;
-    while (name_at(i) && strcmp(name_at(i), name) != 0)
-        i++;
-    assert_non_null(name_at(i));
-    return i;
-}
-
 static lf_renderer *renderer_of(lf_scene *scene, int w, int h, const char *shift,
                                 const char *selection)
 {
-    lf_renderer *r = lf_test_renderer(scene, "mvpt2022", w, h, NULL);
-    lf_render_settings settings = *lf_renderer_settings(r);
-    settings.shift = index_of(lf_shift_name, shift);
-    settings.selection = index_of(lf_selection_name, selection);
-    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
-    return r;
+    return papers_renderer(scene, "mvpt2022", w, h, shift, selection);
 }
 
 static const struct {
@@ -62,31 +49,11 @@ static const struct {
 /* Of all comparisons with vpt; a quarter of the program's false alarms. */
 #define LEVEL lf_sidak(0.25 * LF_FALSE_ALARM, (2 * N_UNBIASED + 1) * tiles)
 
-/* Pictures of so many passes each, by two answers. */
-static void pictures(lf_renderer *r, int passes, uint64_t salt, const lf_estimator by[2],
-                     lf_blocks out[2])
-{
-    for (int i = 0; i < 2; i++)
-        lf_blocks_init(&out[i], n_views, width, height, tile);
-    for (int k = 0; k < replicates(); k++) {
-        lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
-        lf_test_passes(r, passes);
-        for (int i = 0; i < 2; i++)
-            lf_blocks_add_picture(&out[i], r, by[i]);
-    }
-}
-
 static int make_reference(void **state)
 {
     (void)state;
-    static const lf_estimator mis[2] = {LF_ESTIMATOR_MIS, LF_ESTIMATOR_MIS};
-    lf_blocks both[2];
     fog = grid_in_fog();
-    lf_renderer *r = lf_test_renderer(fog, "vpt", width, height, NULL);
-    pictures(r, 16 * n_views, 100, mis, both);
-    lf_renderer_destroy(r);
-    lf_blocks_finish(&both[1]);
-    native = both[0];
+    native = papers_native(fog, 16 * n_views);
     return 0;
 }
 
@@ -97,19 +64,10 @@ static int finish(void **state)
     return lf_test_finish(state);
 }
 
-/* With what the test would see: 7 % of two tiles in three, 1 % of the whole picture. */
 static void assert_agreement(const lf_blocks *seen, const char *what)
 {
-    int where = 0, found = 0;
-    double p = lf_blocks_welch(seen, &native, &where);
-    if (!(p > LEVEL))
-        fail_msg("%s: block %d: %g, natively %g, p %.2g", what, where, seen->moments[where].mean,
-                 native.moments[where].mean, p);
-    for (int j = 0; j < tiles - 1; j++)
-        found += lf_blocks_welch_injected(seen, &native, j, 1.07) < LEVEL;
-    print_message("%s: p %.2g; 7 %% seen in %d of %d tiles\n", what, p, found, tiles - 1);
-    assert_true(3 * found >= 2 * (tiles - 1));
-    assert_true(lf_blocks_welch_injected(seen, &native, tiles - 1, 1.01) < LEVEL);
+    static const papers_power power = {1.07, 2.0 / 3, 1.01};
+    papers_assert_agreement(seen, &native, what, LEVEL, power);
 }
 
 static void shared_chains_agree_with_vpt(void **state)
@@ -119,7 +77,7 @@ static void shared_chains_agree_with_vpt(void **state)
     for (int i = 0; i < N_UNBIASED; i++) {
         lf_blocks seen[2];
         lf_renderer *r = renderer_of(fog, width, height, unbiased[i].shift, unbiased[i].selection);
-        pictures(r, 4 * n_views, 200 + (uint64_t)i, by, seen);
+        papers_pictures(r, 4 * n_views, 200 + (uint64_t)i, by, seen);
         lf_renderer_destroy(r);
         for (int k = 0; k < 2; k++) {
             assert_agreement(&seen[k], unbiased[i].shift);
@@ -145,7 +103,7 @@ static void weights_come_to_samples(void **state)
         double worst = 1.0;
         int found = 0;
         lf_renderer *r = renderer_of(fog, width, height, unbiased[i].shift, unbiased[i].selection);
-        lf_test_weight_blocks(r, four_cycles, replicates(), tile, seen);
+        lf_test_weight_blocks(r, four_cycles, papers_replicates(), tile, seen);
         lf_renderer_destroy(r);
         for (int k = 0; k < tiles - 1; k++) {
             const lf_moments *at = &seen[0].moments[k];
@@ -193,7 +151,7 @@ static void mwis_is_consistent(void **state)
     for (int n = 1; n <= 32; n *= getenv("QUILTD_LONG") ? 2 : 32) {
         lf_blocks seen[2];
         const lf_moments *mwis, *mis;
-        pictures(r, n * n_views, 300, by, seen);
+        papers_pictures(r, n * n_views, 300, by, seen);
         mwis = &seen[0].moments[tiles - 1];
         mis = &seen[1].moments[tiles - 1];
         print_message("%d samples: %.6f +- %.6f, by mis %.6f +- %.6f\n", n, mwis->mean,
@@ -285,6 +243,28 @@ static void mismvpt_is_algorithm_1(void **state)
     lf_renderer_destroy(r);
 }
 
+/* Neither are lanes made for nobody, nor is what rows leave out told of what has none. */
+static void nothing_is_left_out_that_only_rows_have(void **state)
+{
+    (void)state;
+    static const char *const rows_own[] = {"single-paths", "known-light", "view-lobes",
+                                           "background"};
+    lf_scene *cloud = lf_test_grid_scene(
+        "{ " LF_TEST_CAMERA("5", "") LF_TEST_VOLUMES("") ", " LF_TEST_SHARP_LIGHTS " }",
+        lf_test_grid(lf_test_rough, 9, 8, 7), 0.25, 0.4, 2.0f, false);
+    for (int i = 0; i < 2; i++) {
+        lf_renderer *r = lf_test_renderer(cloud, i ? "mvpt" : "mvpt2022", width, height, NULL);
+        json_t *told = lf_renderer_skipped(r);
+        for (size_t k = 0; k < sizeof rows_own / sizeof rows_own[0]; k++)
+            assert_int_equal(!!json_object_get(told, rows_own[k]), i);
+        assert_int_equal(!!r->lanes, i);
+        assert_non_null(json_object_get(told, "surfaces"));
+        json_decref(told);
+        lf_renderer_destroy(r);
+    }
+    lf_scene_unref(cloud);
+}
+
 static void what_it_does_not_know_is_refused(void **state)
 {
     (void)state;
@@ -301,10 +281,10 @@ static void what_it_does_not_know_is_refused(void **state)
     assert_string_equal(err.what,
                         "mvpt2022 renders no reconstructed pictures (--reconstruct off) or depth");
     settings.features = false;
-    lf_scene *ball = lf_test_scene(LF_TEST_BENT("3", ""));
-    lf_assert_status(lf_renderer_restart(r, ball, &settings, &err), LF_E_ARG, &err);
-    assert_string_equal(err.what, "mvpt2022 renders no surfaces yet; the scene has some");
-    lf_scene_unref(ball);
+    lf_scene *flames = lf_test_scene(LF_TEST_FLAMES("3", ""));
+    lf_assert_status(lf_renderer_restart(r, flames, &settings, &err), LF_E_ARG, &err);
+    assert_string_equal(err.what, "mvpt2022 renders no volumes that emit; the scene has some");
+    lf_scene_unref(flames);
     lf_renderer_destroy(r);
 }
 
@@ -409,8 +389,8 @@ static void total_variation_is_off_by_what_theory_says(void **state)
     static const int views[4] = {0, 4, 10, 22};
     lf_moments tv[many] = {{0}}, partition[many] = {{0}};
     double level = lf_sidak(0.25 * LF_FALSE_ALARM, 2 * 4);
-    slab_moments("tv", replicates(), tv);
-    slab_moments("partition", replicates(), partition);
+    slab_moments("tv", papers_replicates(), tv);
+    slab_moments("partition", papers_replicates(), partition);
     for (int i = 0; i < 4; i++) {
         int j = views[i];
         double t = slab_through(j), weights = slab_weights(j), seen = tv[j].mean;
@@ -436,6 +416,7 @@ int main(void)
         cmocka_unit_test(pictures_do_not_depend_on_the_number_of_threads),
         cmocka_unit_test(chains_know_both_transmittances),
         cmocka_unit_test(mismvpt_is_algorithm_1),
+        cmocka_unit_test(nothing_is_left_out_that_only_rows_have),
         cmocka_unit_test(what_it_does_not_know_is_refused),
         cmocka_unit_test(total_variation_is_off_by_what_theory_says),
     };

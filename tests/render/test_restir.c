@@ -1,4 +1,4 @@
-/* The reference estimators restir and mvrestir (render/general/general.h). Reservoirs in closed
+/* The reference estimators restir and mvrestir (render/general/restir.h). Reservoirs in closed
  * form: weights of a toy, shares, the biased shortcut; its look-ups; its pictures by all kinds of
  * reuse are those of vpt tile by tile, and with the shortcut they are dark beside an edge by what
  * the theory says. Replicates are seeds. */

@@ -61,6 +61,10 @@ static void invariant_5_pictures_do_not_depend_on_the_number_of_threads(void **s
     assert_threads(LF_TEST_LAMP("7", ""), "amvpt", LF_SAMPLER_OWEN);
     assert_threads(LF_TEST_MIXED("7", ""), "amvpt", LF_SAMPLER_OWEN);
     assert_threads(LF_TEST_FOGS("7", ", 'lens_radius': 0.1"), "mvpt2022", LF_SAMPLER_OWEN);
+    assert_threads(LF_TEST_MIXED("7", ""), "mvpt2022", LF_SAMPLER_OWEN);
+    assert_threads(LF_TEST_LAMP("7", ""), "mismvpt", LF_SAMPLER_OWEN);
+    assert_threads(LF_TEST_MIXED("7", ""), "amvpt2022", LF_SAMPLER_OWEN);
+    assert_threads(LF_TEST_GLOSSY("7", ""), "amv2019", LF_SAMPLER_OWEN);
 }
 
 int main(void)
