@@ -39,6 +39,10 @@ static const struct member {
     {{"mvpt2022", LF_ESTIMATOR_MWIS}, "partition"},
     {{"mvpt2022", LF_ESTIMATOR_MWIS}, "none"},
     {{"mismvpt", LF_ESTIMATOR_MIS}, NULL},
+    {{"amvpt2022", LF_ESTIMATOR_MWIS}, "none"},
+    {{"amv2019", LF_ESTIMATOR_MWIS}, NULL},
+    {{"restir", LF_ESTIMATOR_MIS}, NULL},
+    {{"mvrestir", LF_ESTIMATOR_MIS}, NULL},
     {{"mvpt", LF_ESTIMATOR_MWIS}, NULL},
     {{"mvpt", LF_ESTIMATOR_CV}, NULL},
 };
@@ -251,7 +255,7 @@ static summary summary_of(const study *s, int scene, int member)
         .silhouettes = ratios(base->silhouettes, base->cpu, own->silhouettes, own->cpu, n),
         .flicker = ratios(base->flicker, base->cpu, own->flicker, own->cpu, n),
         .off = mean,
-        .z = mean / sqrt(variance),
+        .z = n > 1 ? mean / sqrt(variance) : (double)NAN,
         .cost = own->path_us / base->path_us,
     };
 }
@@ -295,8 +299,10 @@ static void write_row(FILE *out, const study *s, int scene, int member)
     write_ratio(out, m.equal_paths.median);
     write_ratio(out, m.silhouettes.median);
     write_ratio(out, m.flicker.median);
-    fprintf(out, " %+.2f %% (%.1f) | %.2f | %.2f | %.1f |\n", 100.0 * m.off, m.z, m.cost,
-            r->path_contributions, r->effective);
+    fprintf(out, " %+.2f %%", 100.0 * m.off);
+    if (isfinite(m.z))
+        fprintf(out, " (%.1f)", m.z);
+    fprintf(out, " | %.2f | %.2f | %.1f |\n", m.cost, r->path_contributions, r->effective);
 }
 
 static json_t *row_json(const study *s, int scene, int member)

@@ -68,18 +68,18 @@ const lf_param lf_option_params[] = {
     {.name = "estimator", .option = "estimator", .argument = "NAME", PLACE(estimator),
      .has = offsetof(lf_options, has_estimator),
      .type = LF_PARAM_WORD, .word_at = lf_estimator_name},
-    {.option = "shift", .argument = "NAME", PLACE(shift),
-     .has = offsetof(lf_options, has_shift),
+    {.option = "shift", .argument = "NAME", PLACE(papers.shift),
+     .has = offsetof(lf_options, papers.has_shift),
      .type = LF_PARAM_WORD, .word_at = lf_shift_name,
      .help = "those of 2022: how null collisions go from view to view (optical-stretch)"},
-    {.option = "selection", .argument = "NAME", PLACE(selection),
-     .has = offsetof(lf_options, has_selection),
+    {.option = "selection", .argument = "NAME", PLACE(papers.selection),
+     .has = offsetof(lf_options, papers.has_selection),
      .type = LF_PARAM_WORD, .word_at = lf_selection_name,
      .help = "mvpt2022, amvpt2022: which views share a path (tv, as printed: biased)"},
-    {.option = "reuse", .argument = "NAME", PLACE(reuse),
+    {.option = "reuse", .argument = "NAME", PLACE(papers.reuse),
      .type = LF_PARAM_WORD, .word_at = lf_reuse_name,
      .help = "restir, mvrestir: which reservoirs a pixel looks into (both)"},
-    {.option = "weights", .argument = "NAME", PLACE(weights),
+    {.option = "weights", .argument = "NAME", PLACE(papers.weights),
      .type = LF_PARAM_WORD, .word_at = lf_reuse_weights_name,
      .help = "restir, mvrestir: what they count (unbiased)"},
     {.option = "sampler", .argument = "NAME", PLACE(sampler),
@@ -142,10 +142,10 @@ lf_film_settings lf_exposed_film(const lf_film_settings *film, double exposure)
 void lf_options_fit_integrator(lf_options *options)
 {
     const lf_integrator_entry *entry = lf_integrator_named(options->integrator);
-    options->shift = entry && entry->shifts ? options->shift : 0;
-    options->selection = entry && entry->selects ? options->selection : 0;
-    options->reuse = entry && entry->reuses ? options->reuse : 0;
-    options->weights = entry && entry->reuses ? options->weights : 0;
+    options->papers.shift = entry && entry->shifts ? options->papers.shift : 0;
+    options->papers.selection = entry && entry->selects ? options->papers.selection : 0;
+    options->papers.reuse = entry && entry->reuses ? options->papers.reuse : 0;
+    options->papers.weights = entry && entry->reuses ? options->papers.weights : 0;
 }
 
 lf_status lf_options_check_integrator(const lf_options *options, lf_error *err)
@@ -153,9 +153,9 @@ lf_status lf_options_check_integrator(const lf_options *options, lf_error *err)
     const lf_integrator_entry *entry = lf_integrator_named(options->integrator);
     if (!entry)
         return LF_OK; /* others say so */
-    if (options->has_shift && !entry->shifts)
+    if (options->papers.has_shift && !entry->shifts)
         return lf_error_set(err, LF_E_ARG, "--shift", "%s knows no shifts", entry->name);
-    if (options->has_selection && !entry->selects)
+    if (options->papers.has_selection && !entry->selects)
         return lf_error_set(err, LF_E_ARG, "--selection", "%s knows no selections", entry->name);
     return LF_OK;
 }
@@ -276,10 +276,10 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
     lf_render_settings settings = {
         .integrator = options->integrator,
         .sampler = options->sampler,
-        .shift = options->shift,
-        .selection = options->selection,
-        .reuse = options->reuse,
-        .weights = options->weights,
+        .shift = options->papers.shift,
+        .selection = options->papers.selection,
+        .reuse = options->papers.reuse,
+        .weights = options->papers.weights,
         .seed = options->seed,
         .max_depth = options->max_depth,
         .skip = options->has_skip ? options->skip : LF_SKIP_ALL,

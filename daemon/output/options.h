@@ -30,20 +30,25 @@ typedef enum lf_reconstruct {
 /* Its names, as on the command line; NULL behind the last. */
 const char *lf_reconstruct_name(int index);
 
+/* What the papers' reference estimators take: as in lf_render_settings; zero is the default. */
+typedef struct lf_papers_options {
+    int shift, selection, reuse, weights;
+    bool has_shift, has_selection; /* they were given */
+} lf_papers_options;
+
 /* What the shared options say; zero and NULL mean "not given" unless stated. Zeroed is a valid
  * start. */
 typedef struct lf_options {
-    const char *preset;                   /* a name that exists; lf_options_preset */
-    int views;                            /* 1..LF_MAX_VIEWS */
-    int columns, rows;                    /* of the quilt */
-    int view_width, view_height;          /* 1..LF_MAX_VIEW_SIDE */
-    const char *integrator;               /* a name that exists */
-    bool has_estimator;                   /* it was given */
-    lf_estimator estimator;               /* zero is LF_ESTIMATOR_MWIS, the default */
-    lf_sampler_kind sampler;              /* zero is LF_SAMPLER_OWEN, the default */
-    int shift, selection, reuse, weights; /* as in lf_render_settings; zero is the default */
-    bool has_shift, has_selection;        /* they were given */
-    int threads;                          /* 0 = all CPUs */
+    const char *preset;          /* a name that exists; lf_options_preset */
+    int views;                   /* 1..LF_MAX_VIEWS */
+    int columns, rows;           /* of the quilt */
+    int view_width, view_height; /* 1..LF_MAX_VIEW_SIDE */
+    const char *integrator;      /* a name that exists */
+    bool has_estimator;          /* it was given */
+    lf_estimator estimator;      /* zero is LF_ESTIMATOR_MWIS, the default */
+    lf_sampler_kind sampler;     /* zero is LF_SAMPLER_OWEN, the default */
+    lf_papers_options papers;
+    int threads; /* 0 = all CPUs */
     uint64_t seed;
     int max_depth;                           /* 0 = the scene's */
     bool has_skip;                           /* it was given */
