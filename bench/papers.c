@@ -56,7 +56,7 @@ enum {
 typedef struct result {
     bool refused; /* error says why */
     lf_error error;
-    double rel_mse[LF_MAX_SEEDS], passes[LF_MAX_SEEDS], cpu[LF_MAX_SEEDS];
+    double rel_mse[LF_MAX_SEEDS], paths[LF_MAX_SEEDS], cpu[LF_MAX_SEEDS];
     double off[LF_MAX_SEEDS]; /* mean of e */
     double silhouettes[LF_MAX_SEEDS], flicker[LF_MAX_SEEDS];
     double path_us, path_contributions, effective; /* of the last seed */
@@ -160,7 +160,7 @@ static void note(const lf_trial *trial, const lf_measure *measure, int seed, res
 {
     const double paths = (double)measure->stats.base_paths;
     out->rel_mse[seed] = measure->rel_mse;
-    out->passes[seed] = measure->passes;
+    out->paths[seed] = paths;
     out->cpu[seed] = measure->cpu_seconds;
     out->off[seed] = mean_of(trial->picture, trial->n);
     out->silhouettes[seed] = error_at_silhouettes(trial);
@@ -212,7 +212,7 @@ static lf_status run_scene(study *s, int scene, lf_error *err)
                             : lf_error_set(err, LF_E_NOMEM, "papers", "out of memory");
     if (status == LF_OK) {
         trial.steps = lf_calloc(trial.n / 3, sizeof *trial.steps);
-        if (scenes[scene].max_depth > 0)
+        if (scenes[scene].max_depth > 0 && s->options.common.max_depth == 0)
             trial.settings.max_depth = scenes[scene].max_depth;
         status = trial.steps ? run_all(s, &trial, scene, err)
                              : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
@@ -251,7 +251,7 @@ static summary summary_of(const study *s, int scene, int member)
         variance += (own->off[i] - mean) * (own->off[i] - mean) / (n * (n - 1.0));
     return (summary){
         .equal_time = ratios(base->rel_mse, base->cpu, own->rel_mse, own->cpu, n),
-        .equal_paths = ratios(base->rel_mse, base->passes, own->rel_mse, own->passes, n),
+        .equal_paths = ratios(base->rel_mse, base->paths, own->rel_mse, own->paths, n),
         .silhouettes = ratios(base->silhouettes, base->cpu, own->silhouettes, own->cpu, n),
         .flicker = ratios(base->flicker, base->cpu, own->flicker, own->cpu, n),
         .off = mean,
@@ -453,6 +453,8 @@ int lf_bench_papers(int argc, char **argv)
                                     .epsilon = 1e-2};
     const lf_trial_command command = {"papers", "FOLDER", table, print_help, take, s};
     lf_status status = lf_trial_parse(&command, argc, argv, &s->options, &done, &err);
+    if (status == LF_OK && s->options.common.papers.has_selection)
+        status = lf_error_set(&err, LF_E_ARG, "--selection", "each estimator here has its own");
     int code = status == LF_OK ? LF_EXIT_OK : lf_usage_error(LF_BENCH_PROGRAM, &err);
     if (status == LF_OK && !done) {
         if (s->options.reference_spp == 0 && !(s->options.reference_seconds > 0))

@@ -77,9 +77,11 @@ const lf_param lf_option_params[] = {
      .type = LF_PARAM_WORD, .word_at = lf_selection_name,
      .help = "mvpt2022, amvpt2022: which views share a path (tv, as printed: biased)"},
     {.option = "reuse", .argument = "NAME", PLACE(papers.reuse),
+     .has = offsetof(lf_options, papers.has_reuse),
      .type = LF_PARAM_WORD, .word_at = lf_reuse_name,
      .help = "restir, mvrestir: which reservoirs a pixel looks into (both)"},
     {.option = "weights", .argument = "NAME", PLACE(papers.weights),
+     .has = offsetof(lf_options, papers.has_weights),
      .type = LF_PARAM_WORD, .word_at = lf_reuse_weights_name,
      .help = "restir, mvrestir: what they count (unbiased)"},
     {.option = "sampler", .argument = "NAME", PLACE(sampler),
@@ -153,10 +155,20 @@ lf_status lf_options_check_integrator(const lf_options *options, lf_error *err)
     const lf_integrator_entry *entry = lf_integrator_named(options->integrator);
     if (!entry)
         return LF_OK; /* others say so */
-    if (options->papers.has_shift && !entry->shifts)
-        return lf_error_set(err, LF_E_ARG, "--shift", "%s knows no shifts", entry->name);
-    if (options->papers.has_selection && !entry->selects)
-        return lf_error_set(err, LF_E_ARG, "--selection", "%s knows no selections", entry->name);
+    const lf_papers_options *given = &options->papers;
+    const struct {
+        bool wrong;
+        const char *option, *what;
+    } all[] = {
+        {given->has_shift && !entry->shifts, "--shift", "shifts"},
+        {given->has_selection && !entry->selects, "--selection", "selections"},
+        {given->has_reuse && !entry->reuses, "--reuse", "reuse of reservoirs"},
+        {given->has_weights && !entry->reuses, "--weights", "weights of reservoirs"},
+    };
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
+        if (all[i].wrong)
+            return lf_error_set(err, LF_E_ARG, all[i].option, "%s knows no %s", entry->name,
+                                all[i].what);
     return LF_OK;
 }
 

@@ -33,7 +33,7 @@ const char *lf_reconstruct_name(int index);
 /* What the papers' reference estimators take: as in lf_render_settings; zero is the default. */
 typedef struct lf_papers_options {
     int shift, selection, reuse, weights;
-    bool has_shift, has_selection; /* they were given */
+    bool has_shift, has_selection, has_reuse, has_weights; /* they were given */
 } lf_papers_options;
 
 /* What the shared options say; zero and NULL mean "not given" unless stated. Zeroed is a valid

@@ -163,7 +163,7 @@ static void spread(state *s, worker *w, lf_vec3 arriving, double weight, bool pi
             continue;
         }
         lf_splats_add(&s->splats, &w->tracer, to->row, to->pixel, n, to->density * weight);
-        w->contributions++;
+        w->contributions += weight > 0.0;
     }
 }
 
@@ -225,14 +225,15 @@ static void spread_weights(state *s, worker *w, double densities)
 /* -------------------------------------------------------------------------------- base samples --
  */
 
-/* Where a ray of a view meets something to scatter at; false: nowhere. */
+/* Where a ray of a view meets something to scatter at; false: nowhere. What it is made of must not
+ * depend on who drew it: pictures on surfaces are read at their finest, cameras having footprints
+ * of their own. */
 static bool find_pivot(const state *s, worker *w, lf_vec3 d, pivot *out)
 {
     const lf_pinhole *view = &s->views[out->view];
     lf_event *e = &out->event;
     e->w = d;
-    w->tracer.width = 0.0f;
-    w->tracer.spread = 0.5f * lf_min(view->dx, fabsf(view->dy));
+    w->tracer.width = w->tracer.spread = 0.0f;
     const bool met = lf_trace_seen(&w->tracer, view->eye, d, INFINITY, &e->hit);
     const float t =
         lf_track_collision(&w->tracer, view->eye, d, met ? e->hit.t : INFINITY, &e->volume);

@@ -12,10 +12,11 @@
  * The lens point is copied: all views have one radius, so its Jacobian is 1. Film: N sums w y, W
  * sums w, of pivots and of what escapes (w = 1, its own pixel's alone), so that q is 1, B is 0,
  * mwis is the paper's N/W, and mis, N/n, is algorithm 1. mismvpt is that under a name of its own:
- * all views share, and W is n, so that every answer is N/n. Rigs are rectified (render.h has no
- * others yet), so a copied lens point and film height leave a path in its row, which is what makes
- * rows of the film the unit of work here, too; nothing else is taken from it: each sample has a
- * film point and a lens point of its own.
+ * all views share, and W is n, so that every answer is N/n. amvpt2022 is mvpt2022 with counts of
+ * its pilot's, amv2019 and amv2019k are in amv2019.h. Rigs are rectified, so a copied lens point
+ * and film height leave a path in its row, which is what makes rows of the film the unit of work
+ * here, too; nothing else is taken from it: each sample has a film point and a lens point of its
+ * own.
  *
  * A pivot may lie on a surface: it is copied, |S'_ik film| holds its normal, a ray says which views
  * it is hidden from (those that look at the other side do not share), null collisions of media

@@ -13,6 +13,7 @@
 #ifndef LF_RENDER_RESERVOIR_H
 #define LF_RENDER_RESERVOIR_H
 
+#include <math.h>
 #include <stdbool.h>
 
 typedef struct lf_reservoir {
@@ -22,7 +23,7 @@ typedef struct lf_reservoir {
 /* Offers a sample; u in [0, 1). true: it is the one that is kept now. M is not touched. */
 static inline bool lf_reservoir_offer(lf_reservoir *r, double weight, double target, double u)
 {
-    if (!(weight > 0.0))
+    if (!(weight > 0.0) || !isfinite(weight)) /* one that is not would stay for ever */
         return false;
     r->sum += weight;
     if (!(u * r->sum < weight))

@@ -168,7 +168,6 @@ static void look_beside(const state *s, worker *w, int at)
             inputs[n++] = input_of(&w->pixels[beside].sample, &w->pixels[beside].ray);
     }
     lf_path_sample_combine(&s->space, n, inputs, s->weights, &w->tracer, &w->spread[at]);
-    w->contributions += n;
 }
 
 /* What earlier visits of this half left, as far as they were this one's predecessors. */
@@ -211,10 +210,12 @@ static void shade(const state *s, worker *w, int at)
     lf_vec3 y =
         lf_scale(lf_light_path_radiance(&s->space, &w->pixels[at].ray, &sample->path, &w->tracer),
                  (float)sample->weight);
-    if (isfinite(y.x + y.y + y.z))
-        lf_film_scatter(&w->sums, (size_t)at, y.x, y.y, y.z);
-    else
+    if (!isfinite(y.x + y.y + y.z)) {
         w->tracer.nonfinite++;
+        return;
+    }
+    lf_film_scatter(&w->sums, (size_t)at, y.x, y.y, y.z);
+    w->contributions++;
 }
 
 /* Algorithm 1: false: cancelled. */

@@ -30,7 +30,7 @@ void lf_splats_finish(lf_splats *splats)
     splats->at = NULL;
 }
 
-/* false: the sum is full. Sums only grow, so that this happens as often in any order. */
+/* false: the sum went round. It does so as often in any order, being a sum of whole numbers. */
 static bool add(atomic_uint_least64_t *sum, double steps, float u)
 {
     const uint64_t whole = (uint64_t)(steps + (double)u);
@@ -47,11 +47,12 @@ void lf_splats_add(lf_splats *splats, lf_tracer *tracer, int row, size_t pixel, 
     bool good = true;
     for (int i = 0; i < 4; i++)
         good = good && steps[i] >= 0.0 && steps[i] < LF_SPLAT_MOST;
+    int round = good ? 0 : 1;
     for (int i = 0; i < 4 && good; i++)
         if (steps[i] > 0.0 && !add(&at->sum[i], steps[i], lf_rng(tracer)))
-            good = false;
-    if (!good)
-        atomic_fetch_add_explicit(&splats->dropped, 1, memory_order_relaxed);
+            round++;
+    if (round > 0)
+        atomic_fetch_add_explicit(&splats->dropped, round, memory_order_relaxed);
 }
 
 void lf_splats_take(lf_splats *splats, int row, const lf_film_sums *out)

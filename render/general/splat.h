@@ -23,9 +23,10 @@ typedef struct lf_splats {
 } lf_splats;
 
 #define LF_SPLAT_WEIGHT 0x1p-32
-/* Steps that the largest radiance of a pilot is, and those that are too many for one addition: 2^20
- * times as much. A pixel holds another eight times that. */
-#define LF_SPLAT_PILOT 0x1p40
+/* Steps that the largest radiance of a pilot is, few beside what rounding costs, so that there is
+ * room for what a pilot misses; and those that are too many for one addition: 2^34 times as much. A
+ * pixel holds another sixteen times that. */
+#define LF_SPLAT_PILOT 0x1p26
 #define LF_SPLAT_MOST 0x1p60
 
 /* For such a film; largest: what a pilot found, 0: nothing. LF_E_NOMEM. */

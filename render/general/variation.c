@@ -9,22 +9,33 @@
 /* Rows on both sides that a row's map is made of. */
 enum { NEIGHBOURS = 2 };
 
+/* How many differences a tile has: those at the end are smaller. */
+static int differences_of(const lf_counts *counts, int tile)
+{
+    int view = tile / counts->tiles_across * LF_COUNTS_VIEWS,
+        column = tile % counts->tiles_across * LF_COUNTS_COLUMNS,
+        down = counts->n_views - view < LF_COUNTS_VIEWS ? counts->n_views - view : LF_COUNTS_VIEWS,
+        across = counts->width - 1 - column < LF_COUNTS_COLUMNS ? counts->width - 1 - column
+                                                                : LF_COUNTS_COLUMNS;
+    return across > 0 ? down * across : down;
+}
+
 /* Of a row, [tile of views][tile of columns]: the mean of |difference| of the error estimate from
  * one column to the next. */
 static void row_variation(const lf_film *film, const lf_counts *counts, int row, float *error,
                           float *out)
 {
-    int width = counts->width, views = counts->n_views, across = counts->tiles_across,
-        per_view = (views + counts->tiles_down - 1) / counts->tiles_down,
-        per_column = (width + across - 1) / across;
+    int width = counts->width, views = counts->n_views, across = counts->tiles_across;
     lf_film_row_errors(film, row, error, error + (size_t)views * (size_t)width);
     for (int i = 0; i < counts->tiles_down * across; i++)
         out[i] = 0.0f;
     for (int view = 0; view < views; view++)
         for (int column = 0; column + 1 < width; column++) {
             const float *at = error + (size_t)view * (size_t)width + (size_t)column;
-            out[view / per_view * across + column / per_column] += fabsf(at[1] - at[0]);
+            out[lf_counts_tile(counts, view, column)] += fabsf(at[1] - at[0]);
         }
+    for (int i = 0; i < counts->tiles_down * across; i++)
+        out[i] /= (float)differences_of(counts, i);
 }
 
 /* Of tile i of a row, from the rows beside it and the tiles beside those; *out_delta: these have

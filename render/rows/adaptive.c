@@ -9,15 +9,15 @@
 
 /* A tile of one row. The pilot knows a pixel's error from one difference between halves; a tile and
  * its neighbours hold enough of them. */
-enum { TILE_VIEWS = 3, TILE_COLUMNS = 4, NEIGHBOURS = 2 };
+enum { NEIGHBOURS = 2 };
 
 /* ------------------------------------------------------------------------------------ counts -- */
 
 lf_status lf_counts_init(lf_counts *counts, int n_views, int width, int height)
 {
     *counts = (lf_counts){.n_views = n_views, .width = width, .height = height};
-    counts->tiles_down = (n_views + TILE_VIEWS - 1) / TILE_VIEWS;
-    counts->tiles_across = (width + TILE_COLUMNS - 1) / TILE_COLUMNS;
+    counts->tiles_down = (n_views + LF_COUNTS_VIEWS - 1) / LF_COUNTS_VIEWS;
+    counts->tiles_across = (width + LF_COUNTS_COLUMNS - 1) / LF_COUNTS_COLUMNS;
     size_t n = (size_t)height * (size_t)counts->tiles_down * (size_t)counts->tiles_across;
     counts->tile = lf_calloc(n, sizeof *counts->tile);
     counts->delta = lf_calloc(n, sizeof *counts->delta);
@@ -46,15 +46,15 @@ static size_t row_start(const lf_counts *counts, int row)
     return (size_t)row * (size_t)counts->tiles_down * (size_t)counts->tiles_across;
 }
 
-static size_t tile_of(const lf_counts *counts, int view, int column)
+size_t lf_counts_tile(const lf_counts *counts, int view, int column)
 {
-    return (size_t)(view / TILE_VIEWS) * (size_t)counts->tiles_across +
-           (size_t)(column / TILE_COLUMNS);
+    return (size_t)(view / LF_COUNTS_VIEWS) * (size_t)counts->tiles_across +
+           (size_t)(column / LF_COUNTS_COLUMNS);
 }
 
 void lf_counts_mark_delta(const lf_counts *counts, int row, int view, int column)
 {
-    counts->delta[row_start(counts, row) + tile_of(counts, view, column)] = 1;
+    counts->delta[row_start(counts, row) + lf_counts_tile(counts, view, column)] = 1;
 }
 
 void lf_counts_row(const lf_counts *counts, int row, float *out)
@@ -66,7 +66,7 @@ void lf_counts_row(const lf_counts *counts, int row, float *out)
     for (int view = 0; view < counts->n_views; view++) {
         for (int column = 0; column < counts->width; column++) {
             size_t pixel = (size_t)view * (size_t)counts->width + (size_t)column;
-            out[pixel] = tiles ? tiles[tile_of(counts, view, column)] : 1.0f;
+            out[pixel] = tiles ? tiles[lf_counts_tile(counts, view, column)] : 1.0f;
         }
     }
     for (size_t pixel = 0; wanted && pixel < pixels; pixel++)
@@ -121,7 +121,7 @@ static void read_row(void *context, int row, int worker)
     lf_film_row_errors(job->film, row, error, q);
     for (size_t i = 0; i < pixels; i++) {
         int view = (int)(i / (size_t)counts->width), column = (int)(i % (size_t)counts->width);
-        lf_pilot_tile *tile = &tiles[tile_of(counts, view, column)];
+        lf_pilot_tile *tile = &tiles[lf_counts_tile(counts, view, column)];
         tile->error += error[i];
         tile->q += q[i];
         tile->pixels += 1.0f;

@@ -12,6 +12,9 @@
 /* Native samples a view pixel of each half that make a pilot. */
 #define LF_PILOT_SPP 1.0
 
+/* Views and columns of a tile; those at the end are smaller. */
+enum { LF_COUNTS_VIEWS = 3, LF_COUNTS_COLUMNS = 4 };
+
 typedef struct lf_counts {
     int n_views, width, height;
     int tiles_down, tiles_across; /* tiles of views and columns of one row */
@@ -27,6 +30,8 @@ typedef struct lf_counts {
 /* LF_E_NOMEM; counts must be zeroed or finished. All tiles are 1. */
 LF_NODISCARD lf_status lf_counts_init(lf_counts *counts, int n_views, int width, int height);
 void lf_counts_finish(lf_counts *counts);
+/* The tile of its row that holds a view's column. */
+size_t lf_counts_tile(const lf_counts *counts, int view, int column);
 /* 64-bit words of a row of wanted. */
 size_t lf_counts_words(const lf_counts *counts);
 /* A delta lobe was met; counts->delta must be there. */

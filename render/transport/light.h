@@ -55,9 +55,9 @@ bool lf_scene_has_light_sampling(const lf_scene *scene);
  * comment below names. On failure the lights made so far stay in the scene and are released with
  * it.
  *
- * Sampling tables of an environment (pdf proportional to luminance-mean times solid angle, never 0
- * where radiance is not) and of a mesh light, and the lights' select probabilities (by power
- * estimate; constant skies 0); called at commit. */
+ * Sampling tables of an environment (pdf proportional to what a texel has above the picture's mean,
+ * times solid angle: 0 elsewhere, though it shines there) and of a mesh light, and the lights'
+ * select probabilities (by power estimate; constant skies 0); called at commit. */
 LF_NODISCARD lf_status lf_environment_commit(lf_environment *environment);
 LF_NODISCARD lf_status lf_lights_commit(lf_scene *scene, lf_error *err);
 /* The mesh of which a face shares its place with a part of a mesh light (by looking at up to 4096

@@ -187,6 +187,7 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"table x --scenes cloud,moon", "no scene is called \"moon\""},
         {"papers", "expects one FOLDER"},
         {"papers x --scenes cloud,moon", "no scene is called \"moon\""},
+        {"papers x --selection none", "--selection: each estimator here has its own"},
         {"shown", "expects one SCENE"},
         {"shown s.json --budgets 1,,2", "--budgets"},
         {"shown s.json --budgets 2,1", "rising"},

@@ -25,6 +25,7 @@ static const struct {
     {"%S -o %D/x.png --integrator mismvpt --selection tv",
      "--selection: mismvpt knows no selections"},
     {"%S -o %D/x.png --shift raw-copy", "--shift: mvpt knows no shifts"},
+    {"%S -o %D/x.png --reuse both", "--reuse: mvpt knows no reuse of reservoirs"},
     {"%S -o %D/x.png --time 0", "--time: expects"},
     {"%S -o %D/x.png --filter linear", "--filter: only goes with --panel"},
     {"%S -o %D/x.png --bleed 3", "--bleed: only goes with --print"},

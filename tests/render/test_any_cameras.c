@@ -339,14 +339,14 @@ static void small_sums_stay_and_great_ones_are_told(void **state)
     lf_splats_take(&splats, 0, &sums);
     /* five standard deviations of 2000 successes */
     lf_assert_close((double)sums.half.scattered[0].w, N * small, 0.12, 0);
-    static const float bad[] = {INFINITY, NAN, -1.0f, 4e6f};
+    static const float bad[] = {INFINITY, NAN, -1.0f, 4e10f};
     for (int i = 0; i < 4; i++)
         lf_splats_add(&splats, &tracer, 0, 0, lf_v3(bad[i], 0.0f, 0.0f), 1.0);
     assert_int_equal(atomic_load(&splats.dropped), 4);
-    /* and a sum that is full, whatever fills it */
+    /* and sums that go round, each once, whatever the others do */
     for (int i = 0; i < 40; i++)
-        lf_splats_add(&splats, &tracer, 0, 0, lf_v3(1e6f, 0.0f, 0.0f), 1.0);
-    assert_int_equal(atomic_load(&splats.dropped), 5);
+        lf_splats_add(&splats, &tracer, 0, 0, lf_v3(2e10f, i < 39 ? 2e10f : 1e10f, 0.0f), 1.0);
+    assert_int_equal(atomic_load(&splats.dropped), 6);
     lf_film_sums_finish(&sums);
     lf_splats_finish(&splats);
 }
@@ -455,6 +455,25 @@ static void the_general_way_agrees_with_rows(void **state)
     "{ 'quiltd': 1, 'camera': { 'target': [0, 0, 0.2], 'fov_y': 24, 'aspect': 1.3333333333, "      \
     "'views': { 'list': [ { 'position': [-1.5, 0.6, 4] }, { 'position': [1, 1, 6], 'fov_y': 30, "  \
     "'up': [0.2, 1, 0] }, { 'position': [4, 2, -2], 'fov_y': 26 } ] } }, "
+
+/* What each gets from the paths of all is what it finds alone. */
+static void cameras_all_around_agree_with_each_alone(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"all around, mis", "all around, cv"};
+    const double level = lf_sidak(0.4 * LF_FALSE_ALARM, 2 * tiles);
+    lf_blocks alone[3], seen[3];
+    lf_scene *scene = things(AROUND THINGS);
+    pictures(scene, "vpt", 24 * n_views, 4, alone);
+    pictures(scene, "mvpt", 6 * n_views, 5, seen);
+    for (int i = 0; i < 2; i++)
+        assert_agreement(&seen[i], &alone[1], names[i], level);
+    for (int i = 0; i < 3; i++) {
+        lf_blocks_finish(&seen[i]);
+        lf_blocks_finish(&alone[i]);
+    }
+    lf_scene_unref(scene);
+}
 
 static void whole_passes(lf_renderer *r)
 {
@@ -603,6 +622,7 @@ int main(void)
         cmocka_unit_test(sums_do_not_depend_on_the_order),
         cmocka_unit_test(small_sums_stay_and_great_ones_are_told),
         cmocka_unit_test(the_general_way_agrees_with_rows),
+        cmocka_unit_test(cameras_all_around_agree_with_each_alone),
         cmocka_unit_test(weights_come_to_samples),
         cmocka_unit_test(a_white_world_is_white),
         cmocka_unit_test(pictures_do_not_depend_on_the_number_of_threads),

@@ -7,6 +7,14 @@
 
 enum { width = 32, height = 24, n_views = 7, pixels = n_views * width * height };
 
+/* Cameras in a ring, whose paths leave their rows. */
+#define AROUND                                                                                     \
+    "{ 'camera': { 'target': [0, 0, 0], 'position': [0, 1, 5], 'fov_y': 30, 'aspect': 1.3333333, " \
+    "'views': { 'circle': { 'count': 7 } } }, "                                                    \
+    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5, 'albedo': [0.9, 0.8, 0.7], "         \
+    "'g': 0.4 } }, 'meshes': { " LF_TEST_GROUND                                                    \
+    " }, 'materials': { 'clay': { 'albedo': 0.5 } }, " LF_TEST_SHARP_LIGHTS " }"
+
 /* A mixture of what a live view and an offline job do; resolved by all answers, into out
  * [3][pixels][3]. */
 static void render(const char *text, const char *integrator, lf_sampler_kind sampler, uint64_t seed,
@@ -15,8 +23,10 @@ static void render(const char *text, const char *integrator, lf_sampler_kind sam
     lf_pool *pool = NULL;
     assert_int_equal(lf_pool_create(threads, &pool), LF_OK);
     lf_scene *scene = lf_test_scene(text);
-    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, pool);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
     lf_render_settings settings = *lf_renderer_settings(r);
+    settings.integrator = integrator;
+    settings.max_depth = strstr(integrator, "restir") ? 7 : 0;
     settings.sampler = sampler;
     settings.seed = seed;
     assert_int_equal(lf_renderer_restart(r, scene, &settings, NULL), LF_OK);
@@ -65,6 +75,9 @@ static void invariant_5_pictures_do_not_depend_on_the_number_of_threads(void **s
     assert_threads(LF_TEST_LAMP("7", ""), "mismvpt", LF_SAMPLER_OWEN);
     assert_threads(LF_TEST_MIXED("7", ""), "amvpt2022", LF_SAMPLER_OWEN);
     assert_threads(LF_TEST_GLOSSY("7", ""), "amv2019", LF_SAMPLER_OWEN);
+    assert_threads(LF_TEST_FOGS("7", ""), "restir", LF_SAMPLER_OWEN);
+    assert_threads(LF_TEST_FOGS("7", ""), "mvrestir", LF_SAMPLER_OWEN);
+    assert_threads(AROUND, "mvpt", LF_SAMPLER_OWEN);
 }
 
 int main(void)
