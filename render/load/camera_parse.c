@@ -120,20 +120,10 @@ static void parse_placed_views(lf_reader *reader, const lf_node *views, lf_scene
                      "{\"list\": […]}, {\"path\": {…}} or {\"circle\": {…}}");
 }
 
-static void refuse_keys_of_rigs(lf_reader *reader, const lf_node *node)
-{
-    static const char *const keys[] = {"from", "cone", "placement", "focus_distance"};
-    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
-        const lf_node given = lf_node_child(node, keys[i]);
-        if (given.value)
-            lf_read_fail(reader, &given, "does not go with cameras that are listed one by one");
-    }
-}
-
 /* The keys of the table; views that are an object are read by themselves, behind the others. */
 static void parse_params(lf_reader *reader, const lf_node *node, lf_scene_desc *out)
 {
-    const lf_node views = lf_node_child(node, "views");
+    const lf_node views = lf_node_child(node, "views"), from = lf_node_child(node, "from");
     if (!json_is_object(views.value)) {
         lf_read_params(reader, node, "from", lf_camera_params, &out->camera);
         return;
@@ -146,8 +136,8 @@ static void parse_params(lf_reader *reader, const lf_node *node, lf_scene_desc *
         lf_read_params(reader, &others, "from", lf_camera_params, &out->camera);
     json_decref(others.value);
     parse_placed_views(reader, &views, out);
-    if (out->camera.list)
-        refuse_keys_of_rigs(reader, node);
+    if (out->camera.list && from.value)
+        lf_read_fail(reader, &from, "does not go with cameras that are listed one by one");
 }
 
 void lf_camera_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)
