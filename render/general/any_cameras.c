@@ -246,13 +246,11 @@ static bool find_pivot(const state *s, worker *w, lf_vec3 d, pivot *out)
 
 static void base_sample(state *s, worker *w, pivot *p, uint64_t pixel, uint32_t index, bool pilot)
 {
-    lf_sampler sampler;
     float film[2];
     w->base_paths++;
-    lf_sampler_init(&sampler, s->sampler, pixel, index);
+    lf_sampler_init(p->sampler, s->sampler, pixel, index);
     w->tracer.rng = lf_hash64(pixel, ~(uint64_t)index);
-    lf_sampler_2d(&sampler, film);
-    p->sampler = &sampler;
+    lf_sampler_2d(p->sampler, film);
     const lf_vec3 d =
         lf_pinhole_ray(&s->views[p->view], (float)p->column + film[0], (float)p->row + film[1]);
     if (!find_pivot(s, w, d, p))
@@ -279,7 +277,9 @@ static void look_ahead(void *the_state, int item, int worker_index)
     (void)item;
     for (int i = 0; i < PILOT_PATHS; i++) {
         const uint64_t key = lf_hash64(0x70696c6f74, (uint64_t)i);
-        pivot p = {.view = (int)(lf_hash64(key, 1) % (uint64_t)s->n_views),
+        lf_sampler sampler;
+        pivot p = {.sampler = &sampler,
+                   .view = (int)(lf_hash64(key, 1) % (uint64_t)s->n_views),
                    .row = (int)(lf_hash64(key, 2) % (uint64_t)s->height),
                    .column = (int)(lf_hash64(key, 3) % (uint64_t)s->width)};
         base_sample(s, w, &p, key, 0, true);
@@ -315,7 +315,11 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
         for (int j = 0; j < order->subsets; j++) {
             if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
                 return false;
-            pivot p = {.view = (column + start + j) % s->n_views, .row = row, .column = column};
+            lf_sampler sampler;
+            pivot p = {.sampler = &sampler,
+                       .view = (column + start + j) % s->n_views,
+                       .row = row,
+                       .column = column};
             const uint64_t pixel =
                 lf_hash64(key, (uint64_t)p.view * (uint64_t)s->width + (uint64_t)column + 16);
             base_sample(s, s->workers[worker_index], &p, pixel, index, false);

@@ -17,7 +17,7 @@ static void keep(void *context, const lf_light_path *path, double target, double
     }
 }
 
-static void close(keeping *k)
+static void finish(keeping *k)
 {
     k->out->target = k->reservoir.target;
     k->out->m = k->reservoir.m;
@@ -31,7 +31,7 @@ void lf_path_sample_draw(const lf_path_space *space, const lf_camera_ray *ray, i
     out->kept = 0;
     for (int i = 0; i < n; i++)
         lf_light_path_walk(space, ray, tracer, keep, &k);
-    close(&k);
+    finish(&k);
 }
 
 /* The target function of stream i's path along the rays of all. */
@@ -68,5 +68,5 @@ void lf_path_sample_combine(const lf_path_space *space, int n, const lf_reuse_in
         }
         keep(&k, &sample->path, target[0], target[0] * m[i] * sample->weight * share);
     }
-    close(&k);
+    finish(&k);
 }

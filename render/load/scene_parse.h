@@ -104,10 +104,10 @@ typedef struct lf_framing {
 
 typedef struct lf_scene_desc {
     int frame;
-    double rate;      /* frames a second */
-    double seconds;   /* of animations: 0 in frame 1 */
-    double unit_mm;   /* what a scene unit is */
-    lf_camera camera; /* what lf_camera_frame makes of it where there is a framing */
+    double rate;           /* frames a second */
+    double seconds;        /* of animations: 0 in frame 1 */
+    double unit_mm;        /* what a scene unit is */
+    lf_camera camera;      /* what lf_camera_frame makes of it where there is a framing */
     lf_view_camera *views; /* what camera.list is; NULL: it has none */
     lf_framing framing;
     lf_film_settings film;
