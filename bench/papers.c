@@ -91,7 +91,7 @@ static void print_help(void)
            "  --scenes LIST             only these:");
     for (int i = 0; i < N_SCENES; i++)
         printf("%s%s", i % 5 == 0 ? "\n                            " : " ", scenes[i].name);
-    printf("\n  --time SECONDS            CPU time of a run (4)\n"
+    printf("\n  --time SECONDS            CPU time of a run (8)\n"
            "  --seeds N                 runs of each (4)\n"
            "  --markdown FILE           the table in a file too\n"
            "  --plot PREFIX             PREFIX.svg, .png: error at equal time, by gnuplot\n"
@@ -446,9 +446,9 @@ int lf_bench_papers(int argc, char **argv)
         lf_error_set(&err, LF_E_NOMEM, "papers", "out of memory");
         return lf_bench_fail(&err);
     }
-    s->options = (lf_trial_options){.common = {.view_width = 45, .view_height = 60},
+    s->options = (lf_trial_options){.common = {.view_width = 24, .view_height = 32},
                                     .reference = {"mvpt", LF_ESTIMATOR_CV},
-                                    .seconds = 4,
+                                    .seconds = 8,
                                     .n_seeds = 4,
                                     .epsilon = 1e-2};
     const lf_trial_command command = {"papers", "FOLDER", table, print_help, take, s};
