@@ -278,7 +278,7 @@ static void write_name(FILE *out, const struct member *member)
 
 static void write_ratio(FILE *out, double value)
 {
-    if (isfinite(value))
+    if (isfinite(value) && value > 0.0) /* else the reference is too rough to tell */
         fprintf(out, " %.2f |", value);
     else
         fputs(" |", out);
