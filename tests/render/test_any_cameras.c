@@ -355,14 +355,19 @@ static void small_sums_stay_and_great_ones_are_told(void **state)
  */
 
 /* Voxels and fog before a ball on the ground: by rows and by the list. */
-#define THINGS                                                                                     \
+#define THINGS_UNDER(lights)                                                                       \
     LF_TEST_VOLUMES(", 'fog': { 'shape': 'sphere', 'density': 1.2, 'albedo': [0.9, 0.8, 0.7], "    \
                     "'g': 0.5, 'transform': { 'scale': [0.7, 0.6, 0.5], 'translate': [0.6, 0.2, "  \
                     "0.8] } }")                                                                    \
     ", 'meshes': { " LF_TEST_GROUND ", 'ball': { 'shape': 'sphere', 'material': 'glaze', "         \
     "'transform': { 'scale': 0.5, 'translate': [-0.8, -0.3, 0.6] } } }, "                          \
     "'materials': { 'clay': { 'albedo': [0.5, 0.45, 0.4] }, 'glaze': { 'type': 'conductor', "      \
-    "'albedo': [0.9, 0.6, 0.5], 'roughness': 0.6 } }, " LF_TEST_SHARP_LIGHTS " }"
+    "'albedo': [0.9, 0.6, 0.5], 'roughness': 0.6 } }, " lights " }"
+#define THINGS THINGS_UNDER(LF_TEST_SHARP_LIGHTS)
+/* Suns with a disk are found by light samples and by directions. */
+#define WIDE_SUNS                                                                                  \
+    "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.2 }, 'sun': { 'type': 'distant', "  \
+    "'direction': [0.4, -0.8, -0.5], 'irradiance': 2, 'angle': 40 } }"
 
 static lf_scene *things(const char *camera)
 {
@@ -463,7 +468,7 @@ static void cameras_all_around_agree_with_each_alone(void **state)
     static const char *const names[] = {"all around, mis", "all around, cv"};
     const double level = lf_sidak(0.4 * LF_FALSE_ALARM, 2 * tiles);
     lf_blocks alone[3], seen[3];
-    lf_scene *scene = things(AROUND THINGS);
+    lf_scene *scene = things(AROUND THINGS_UNDER(WIDE_SUNS));
     pictures(scene, "vpt", 24 * n_views, 4, alone);
     pictures(scene, "mvpt", 6 * n_views, 5, seen);
     for (int i = 0; i < 2; i++)
