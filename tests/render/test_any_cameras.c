@@ -347,6 +347,9 @@ static void small_sums_stay_and_great_ones_are_told(void **state)
     for (int i = 0; i < 40; i++)
         lf_splats_add(&splats, &tracer, 0, 0, lf_v3(2e10f, i < 39 ? 2e10f : 1e10f, 0.0f), 1.0);
     assert_int_equal(atomic_load(&splats.dropped), 6);
+    lf_film_sums_begin(&sums);
+    lf_splats_take(&splats, 0, &sums);
+    lf_assert_close((double)sums.half.scattered[0].n[1], 79e10 - 0x1p39, 1e-6, 0);
     lf_film_sums_finish(&sums);
     lf_splats_finish(&splats);
 }
