@@ -4,6 +4,8 @@
 
 #include "base/alloc.h"
 #include "render/general/any_cameras.h"
+
+#include "render/general/alike.h"
 #include "render/general/depth.h"
 #include "render/general/pinhole.h"
 #include "render/general/splat.h"
@@ -297,8 +299,7 @@ static uint64_t key_of(const lf_visit_order *order, int row, int half)
     return lf_hash64(lf_hash64(order->random, (uint64_t)row), (uint64_t)half);
 }
 
-/* Each pixel with probability subsets / n_views, each once in any n_views passes, as
- * general/mvpt2022.c has it. The film takes it all behind the pass. */
+/* The film takes it all behind the pass. */
 static bool visit(void *the_state, const lf_visit_order *order, int row, int half, int worker_index,
                   const lf_cancel *cancel)
 {
@@ -306,18 +307,16 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
     const lf_film_counts *before = &s->film->streams[order->stream].rows[row];
     const uint32_t index = before->visits[half];
     const uint64_t key = key_of(order, row, half);
-    const int step = order->column_step;
-    const int start = (int)((lf_hash64(key, 7) >> 32) % (uint64_t)s->n_views) +
-                      (int)(llround(before->n[half] * s->n_views) % s->n_views),
-              first = (int)((lf_hash64(lf_hash64(key, 3), index) >> 32) % (uint64_t)step);
+    const lf_visit_lattice lattice =
+        lf_visit_lattice_of(order, key, before->n[half], index, s->n_views);
     s->halves[row] = (uint8_t)half;
-    for (int column = first; column < s->width; column += step)
+    for (int column = lattice.first; column < s->width; column += order->column_step)
         for (int j = 0; j < order->subsets; j++) {
             if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
                 return false;
             lf_sampler sampler;
             pivot p = {.sampler = &sampler,
-                       .view = (column + start + j) % s->n_views,
+                       .view = lf_visit_lattice_view(&lattice, column, j),
                        .row = row,
                        .column = column};
             const uint64_t pixel =

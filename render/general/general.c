@@ -1,6 +1,8 @@
 /* Integrators that know no rows: their table, visits and memory. */
 #include "render/general/general.h"
 
+#include "render/general/alike.h"
+
 #include <stdlib.h>
 
 #include "base/alloc.h"
@@ -15,13 +17,6 @@ static const lf_general_kind *const table[] = {&lf_general_mvpt2022, &lf_general
 
 /* -------------------------------------------------------------------------------- base samples --
  */
-
-static lf_vec3 sky_of(const lf_general *g, const lf_prefix *p)
-{
-    if (g->seen.backdrop.given)
-        return lf_backdrop_at(&g->seen.backdrop, lf_rig_height_between(&g->rig, p->my));
-    return lf_light_seen(&g->seen, p->event.w);
-}
 
 /* Which pixel, and what its sample is worth to it. */
 typedef struct lf_general_pixel {
@@ -45,7 +40,7 @@ static void base_sample(const lf_general *g, lf_general_worker *w, const lf_gene
     w->tracer.rng = lf_hash64(pixel, ~(uint64_t)index);
     lf_prefix_draw(g, w, &p);
     if (p.event.kind == LF_EVENT_ESCAPE) {
-        lf_share_alone(g, w, &p, sky_of(g, &p));
+        lf_share_alone(g, w, &p, lf_rig_sky(&g->rig, &g->seen, p.event.w, p.my));
         return;
     }
     if (p.event.kind == LF_EVENT_SURFACE && w->sums.native)
@@ -76,17 +71,14 @@ static bool cancelled(const lf_general_visit *v)
     return v->cancel && atomic_load_explicit(v->cancel, memory_order_relaxed);
 }
 
-/* Each pixel with probability subsets / n_views, each once in any n_views passes: column u takes
- * the views u + start + j, j < subsets, start uniform in a half's first visit and running on. */
 static bool sample_lattice(const lf_general *g, lf_general_worker *w, const lf_general_visit *v)
 {
-    const int views = g->rig.n_views, step = v->order->column_step;
-    int start = (int)((lf_hash64(v->key, 7) >> 32) % (uint64_t)views) +
-                (int)(llround(v->n * views) % views),
-        first = (int)((lf_hash64(lf_hash64(v->key, 3), v->index) >> 32) % (uint64_t)step);
-    for (int column = first; column < g->rig.width; column += step)
+    const lf_visit_lattice lattice =
+        lf_visit_lattice_of(v->order, v->key, v->n, v->index, g->rig.n_views);
+    for (int column = lattice.first; column < g->rig.width; column += v->order->column_step)
         for (int j = 0; j < v->order->subsets; j++) {
-            const lf_general_pixel of = {v->row, (column + start + j) % views, column, 1.0f};
+            const lf_general_pixel of = {v->row, lf_visit_lattice_view(&lattice, column, j), column,
+                                         1.0f};
             if (cancelled(v))
                 return false;
             base_sample(g, w, &of, v->key, v->index);
@@ -198,17 +190,10 @@ static const char *unknown(const lf_general_kind *kind, const lf_scene *scene,
         return "media, of which 2019 knows none; the scene has some";
     if (scene->looks.veiled)
         return "surfaces that are not there whole (alpha, panes); the scene has some";
-    if (scene->flames.n > 0)
-        return "volumes that emit; the scene has some";
-    if (scene->looks.chromatic)
-        return "extinction that has a colour; the scene's has";
-    if (scene->looks.moving || settings->camera.moves)
-        return "motion; something moves while the shutter is open";
-    if (settings->features)
-        return "reconstructed pictures (--reconstruct off) or depth";
-    if (lf_media_path_depth_bound(scene) > LF_MAX_NULL_DEPTH)
+    const char *all = lf_reference_unknown(scene, settings);
+    if (!all && lf_media_path_depth_bound(scene) > LF_MAX_NULL_DEPTH)
         return "media of more than 2900 mean free paths of their largest extinction";
-    return NULL;
+    return all;
 }
 
 static void destroy(void *the_state)

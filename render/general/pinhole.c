@@ -1,22 +1,7 @@
 #include "render/general/pinhole.h"
 
+#include "render/rows/rig.h"
 #include "render/scene/vec_double.h"
-
-static lf_status check(const lf_render_settings *s, lf_error *err)
-{
-    const lf_camera *c = &s->camera;
-    if (c->n_views < 1 || c->n_views > LF_MAX_VIEWS)
-        return lf_error_set(err, LF_E_ARG, "views", "%d is not between 1 and %d", c->n_views,
-                            LF_MAX_VIEWS);
-    if (s->width < 1 || s->width > LF_MAX_VIEW_SIDE || s->height < 1 ||
-        s->height > LF_MAX_VIEW_SIDE)
-        return lf_error_set(err, LF_E_ARG, "view size",
-                            "%dx%d: each side must be between 1 and %d pixels", s->width, s->height,
-                            LF_MAX_VIEW_SIDE);
-    if (!(c->aspect > 0.0 && c->aspect < 1e3))
-        return lf_error_set(err, LF_E_ARG, "camera.aspect", "must be above 0");
-    return LF_OK;
-}
 
 static lf_vec3 scaled(const double a[3], double s)
 {
@@ -53,7 +38,7 @@ lf_status lf_pinholes_init(lf_pinhole *out, const lf_render_settings *settings,
     const bool whole = w[0] == 0.0 && w[1] == 0.0 && w[2] == 0.0 && w[3] == 0.0;
     const double left = whole ? 0.0 : w[0], top = whole ? 0.0 : w[1], right = whole ? 1.0 : w[2],
                  bottom = whole ? 1.0 : w[3];
-    lf_status status = check(settings, err);
+    lf_status status = lf_rig_check_size(settings, err);
     if (status == LF_OK && !(right > left && bottom > top))
         status = lf_error_set(err, LF_E_ARG, "window", "must have a positive size");
     for (int k = 0; status == LF_OK && k < c->n_views; k++) {

@@ -3,6 +3,8 @@
 
 #include "base/alloc.h"
 #include "render/general/restir.h"
+
+#include "render/general/alike.h"
 #include "render/general/reuse.h"
 #include "render/rows/rig.h"
 #include "render/transport/sampler.h"
@@ -72,13 +74,6 @@ typedef struct state {
 /* ------------------------------------------------------------------------------------- pixels --
  */
 
-static lf_vec3 sky_of(const state *s, lf_vec3 w, float my)
-{
-    if (s->seen.backdrop.given)
-        return lf_backdrop_at(&s->seen.backdrop, lf_rig_height_between(&s->rig, my));
-    return lf_light_seen(&s->seen, w);
-}
-
 /* A ray of a view pixel, through a film point and a lens point of its own. */
 static void aim(const state *s, int row, int view, int column, lf_sampler *sampler,
                 lf_camera_ray *out)
@@ -93,7 +88,7 @@ static void aim(const state *s, int row, int view, int column, lf_sampler *sampl
     float slope = lf_rig_slope(rig, view, (float)column + film[0]) - chord / rig->focus;
     out->o = lf_rig_point(rig, rig->b[view] + chord, plane.ly, 0.0f);
     out->w = lf_normalize(lf_rig_direction(rig, slope, plane.my, 1.0f));
-    out->sky = sky_of(s, out->w, plane.my);
+    out->sky = lf_rig_sky(&s->rig, &s->seen, out->w, plane.my);
     out->from = s->across ? rig->distance / lf_dot(out->w, rig->forward) : 0.0f;
 }
 
@@ -190,16 +185,16 @@ static left_over *left_of(const state *s, int row, int half, uint64_t random, ui
 static void choose(const state *s, worker *w, const lf_visit_order *order, uint64_t key,
                    const lf_film_counts *before, int half)
 {
-    const int views = s->rig.n_views, step = order->column_step;
-    int start = (int)((lf_hash64(key, 7) >> 32) % (uint64_t)views) +
-                (int)(llround(before->n[half] * views) % views),
-        first = (int)((lf_hash64(lf_hash64(key, 3), before->visits[half]) >> 32) % (uint64_t)step);
+    const int views = s->rig.n_views;
+    const lf_visit_lattice lattice =
+        lf_visit_lattice_of(order, key, before->n[half], before->visits[half], views);
     w->n_visited = 0;
     for (int i = 0; i < views * s->rig.width; i++)
         w->pixels[i].sample.m = 0.0;
-    for (int column = first; column < s->rig.width; column += step)
+    for (int column = lattice.first; column < s->rig.width; column += order->column_step)
         for (int j = 0; j < order->subsets; j++)
-            w->visited[w->n_visited++] = (column + start + j) % views * s->rig.width + column;
+            w->visited[w->n_visited++] =
+                lf_visit_lattice_view(&lattice, column, j) * s->rig.width + column;
 }
 
 static void shade(const state *s, worker *w, int at)
@@ -300,17 +295,10 @@ static const char *unknown(const lf_scene *scene, const lf_render_settings *sett
 {
     if (scene->n_meshes > 0)
         return "surfaces yet; the scene has some";
-    if (scene->flames.n > 0)
-        return "volumes that emit; the scene has some";
-    if (scene->looks.chromatic)
-        return "extinction that has a colour; the scene's has";
-    if (scene->looks.moving || settings->camera.moves)
-        return "motion; something moves while the shutter is open";
-    if (settings->features)
-        return "reconstructed pictures (--reconstruct off) or depth";
-    if (lf_max_depth(scene, settings->max_depth) > LF_MAX_PATH_VERTICES)
+    const char *all = lf_reference_unknown(scene, settings);
+    if (!all && lf_max_depth(scene, settings->max_depth) > LF_MAX_PATH_VERTICES)
         return "paths of more than 16 vertices (--max-depth 16)";
-    return NULL;
+    return all;
 }
 
 static void destroy(void *the_state)

@@ -4,12 +4,9 @@
 
 #include "render/scene/vec_double.h"
 
-static lf_status check(const lf_render_settings *s, lf_error *err)
+lf_status lf_rig_check_size(const lf_render_settings *s, lf_error *err)
 {
     const lf_camera *c = &s->camera;
-    if (c->list)
-        return lf_error_set(err, LF_E_ARG, "camera.views",
-                            "cameras listed one by one are no rig: an arc, a track or a grid is");
     if (c->n_views < 1 || c->n_views > LF_MAX_VIEWS)
         return lf_error_set(err, LF_E_ARG, "views", "%d is not between 1 and %d", c->n_views,
                             LF_MAX_VIEWS);
@@ -18,6 +15,20 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
         return lf_error_set(err, LF_E_ARG, "view size",
                             "%dx%d: each side must be between 1 and %d pixels", s->width, s->height,
                             LF_MAX_VIEW_SIDE);
+    if (!(c->aspect > 0.0 && c->aspect < 1e3))
+        return lf_error_set(err, LF_E_ARG, "camera.aspect", "must be above 0");
+    return LF_OK;
+}
+
+static lf_status check(const lf_render_settings *s, lf_error *err)
+{
+    const lf_camera *c = &s->camera;
+    if (c->list)
+        return lf_error_set(err, LF_E_ARG, "camera.views",
+                            "cameras listed one by one are no rig: an arc, a track or a grid is");
+    lf_status status = lf_rig_check_size(s, err);
+    if (status != LF_OK)
+        return status;
     if (!(c->fov_y > 0.0 && c->fov_y < 3.1))
         return lf_error_set(err, LF_E_ARG, "camera.fov_y", "must be above 0 and below 178 degrees");
     if (!(c->cone >= 0.0 && c->cone < 3.1))
@@ -27,8 +38,6 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
         return lf_error_set(err, LF_E_ARG, "camera.views", "a track must not be shorter than 0");
     if (!isfinite(c->rise))
         return lf_error_set(err, LF_E_ARG, "camera.views", "a row must not be infinitely high");
-    if (!(c->aspect > 0.0 && c->aspect < 1e3))
-        return lf_error_set(err, LF_E_ARG, "camera.aspect", "must be above 0");
     if (!(c->lens_radius >= 0.0))
         return lf_error_set(err, LF_E_ARG, "camera.lens_radius", "must not be negative");
     if (!(c->view_blur >= 0.0 && c->view_blur <= LF_MAX_VIEW_BLUR))

@@ -55,6 +55,8 @@ typedef struct lf_row_plane {
     float lens_chord; /* lx is uniform in [-lens_chord, lens_chord] */
 } lf_row_plane;
 
+/* LF_E_ARG for numbers of views, sides of views or an aspect out of range, of any cameras. */
+LF_NODISCARD lf_status lf_rig_check_size(const lf_render_settings *settings, lf_error *err);
 /* LF_E_ARG for settings out of range. origin is the scene's (world = local + origin). */
 LF_NODISCARD lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settings,
                                    const double origin[3], lf_error *err);
