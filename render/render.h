@@ -597,5 +597,12 @@ LF_NODISCARD lf_status lf_state_look(int fd, lf_state_id *out, lf_error *err);
  * where both have visited the same half of a row by the same stream. Which is added to which makes
  * no difference to a bit. Where sums are no floats they are rounded at random, without bias. */
 LF_NODISCARD lf_status lf_renderer_add(lf_renderer *renderer, int fd, lf_error *err);
+/* Adds what another renderer has accumulated of the same views at another time: a picture of a
+ * shutter is that of its parts, each with its share of the samples. from stays as it is; neither
+ * may be at work. LF_E_STATE, and nothing is changed: what their films keep differs (other views,
+ * other kinds of materials, another even sky), or both have visited the same half of a row by the
+ * same stream of one seed. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_renderer_mix(lf_renderer *renderer, const lf_renderer *from,
+                                       lf_error *err);
 
 #endif

@@ -160,3 +160,8 @@ lf_status lf_renderer_add(lf_renderer *renderer, int fd, lf_error *err)
     lf_film_finish(&other);
     return status;
 }
+
+lf_status lf_renderer_mix(lf_renderer *renderer, const lf_renderer *from, lf_error *err)
+{
+    return lf_film_mix(&renderer->film, &from->film, err);
+}

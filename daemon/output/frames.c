@@ -1,5 +1,6 @@
 #include "daemon/output/frames.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -9,6 +10,8 @@
 #include "quilt/quilt.h"
 
 #define MOST_FRAME 999999
+/* In a frame, of what its shutter has in common with others. */
+#define MOST_PARTS 4
 
 #define PLACE(field) .place = offsetof(lf_frames, field)
 
@@ -83,6 +86,17 @@ char *lf_frames_path(const char *path, int frame)
 uint64_t lf_frames_seed(uint64_t seed, int frame)
 {
     return seed + (uint64_t)(int64_t)(frame - 1);
+}
+
+int lf_frames_parts(double shutter, int *out_a_frame)
+{
+    for (int n = 1; n <= MOST_PARTS && shutter > 1.0; n++) {
+        const double parts = shutter * n;
+        *out_a_frame = n;
+        if (fabs(parts - round(parts)) < 1e-6 && parts > n + 0.5)
+            return (int)round(parts);
+    }
+    return 0;
 }
 
 json_t *lf_frames_patch(int frame)

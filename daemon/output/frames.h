@@ -33,6 +33,11 @@ char *lf_frames_path(const char *path, int frame);
  * the seed itself. */
 uint64_t lf_frames_seed(uint64_t seed, int frame);
 
+/* The parts of a shutter that stays open for so many frames which the frames before and after have,
+ * too: of one length, *out_a_frame of them in a frame, 1 to 4. 0: there are none, since it stays
+ * open for a frame at most, or for no whole number of frames, halves, thirds or quarters. */
+int lf_frames_parts(double shutter, int *out_a_frame);
+
 /* What makes a scene's document (RFC 7396) that of a frame. A new reference; NULL = out of memory.
  */
 json_t *lf_frames_patch(int frame);

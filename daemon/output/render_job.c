@@ -133,9 +133,9 @@ static lf_status run_target(run *r, double target)
     return status;
 }
 
-lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
-                        float *film, lf_render_progress_fn progress, void *context,
-                        const lf_cancel *cancel, lf_render_times *out_times)
+lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
+                          float *film, lf_render_progress_fn progress, void *context,
+                          const lf_cancel *cancel, lf_render_times *out_times)
 {
     const lf_render_settings *settings = lf_renderer_settings(renderer);
     run r = {
@@ -163,16 +163,36 @@ lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estim
         assert(budget->target_error > 0 || budget->target_shown_error > 0);
         status = run_target(&r, fmax(budget->target_error, budget->target_shown_error));
     }
-    const double cpu_passes = lf_time_cpu();
-    if (status == LF_OK && estimator == LF_ESTIMATOR_MWIS && !budget->reconstructed)
+    *out_times = (lf_render_times){.passes = r.passes,
+                                   .seconds = lf_time_now() - r.start,
+                                   .cpu_seconds = lf_time_cpu() - r.cpu_start};
+    return status;
+}
+
+lf_status lf_render_answer(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
+                           float *film, const lf_cancel *cancel, lf_render_times *times)
+{
+    const double start = lf_time_now(), cpu_start = lf_time_cpu();
+    lf_status status = LF_OK;
+    if (estimator == LF_ESTIMATOR_MWIS && !budget->reconstructed)
         status = lf_renderer_fill_holes(renderer, NULL, cancel);
     if (status == LF_OK)
         status = budget->reconstructed ? lf_renderer_show(renderer, film, cancel)
                                        : lf_renderer_resolve(renderer, estimator, film, NULL);
-    const double cpu_end = lf_time_cpu();
-    *out_times = (lf_render_times){r.passes, lf_time_now() - r.start, cpu_end - r.cpu_start,
-                                   cpu_end - cpu_passes};
+    times->answer_cpu_seconds = lf_time_cpu() - cpu_start;
+    times->cpu_seconds += times->answer_cpu_seconds;
+    times->seconds += lf_time_now() - start;
     return status;
+}
+
+lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
+                        float *film, lf_render_progress_fn progress, void *context,
+                        const lf_cancel *cancel, lf_render_times *out_times)
+{
+    lf_status status =
+        lf_render_spend(renderer, budget, estimator, film, progress, context, cancel, out_times);
+    return status == LF_OK ? lf_render_answer(renderer, budget, estimator, film, cancel, out_times)
+                           : status;
 }
 
 /* ------------------------------------------------------------------------------------- stats -- */

@@ -36,11 +36,20 @@ typedef struct lf_render_times {
     double answer_cpu_seconds; /* of them, behind the last pass: holes, a fit, the answer */
 } lf_render_times;
 
-/* Adds passes to the renderer until the budget is spent, and resolves the film. With passes, the
- * same seed and settings give the same picture for any number of threads. A time budget runs at
- * least two passes and ends within about one pass of its time. film [row][view][column][3] gets the
- * answer of the estimator. progress may be NULL. LF_E_CANCELLED: film is not written, or not whole.
- */
+/* Adds passes to the renderer until the budget is spent. With passes, the same seed and settings
+ * give the same film for any number of threads. A time budget runs at least two passes and ends
+ * within about one pass of its time. film, room for the answer [row][view][column][3], is what
+ * error targets look at; NULL without one. progress may be NULL. LF_E_CANCELLED. */
+LF_NODISCARD lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget,
+                                       lf_estimator estimator, float *film,
+                                       lf_render_progress_fn progress, void *context,
+                                       const lf_cancel *cancel, lf_render_times *out_times);
+/* The answer of what the renderer holds, of which the budget says whether it is reconstructed, into
+ * film; its time is added to *times. LF_E_CANCELLED: film is not written, or not whole. */
+LF_NODISCARD lf_status lf_render_answer(lf_renderer *renderer, const lf_budget *budget,
+                                        lf_estimator estimator, float *film,
+                                        const lf_cancel *cancel, lf_render_times *times);
+/* Both, one after the other. */
 LF_NODISCARD lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget,
                                      lf_estimator estimator, float *film,
                                      lf_render_progress_fn progress, void *context,

@@ -26,7 +26,7 @@ static void seconds_left(double seconds, double fraction, char *out, size_t size
         snprintf(out, size, ", about %.0f s left", seconds * (1 / fraction - 1));
 }
 
-static void show_frame(lf_rendering *r, double fraction)
+void lf_rendering_show_frame(lf_rendering *r, double fraction)
 {
     const lf_sequence_state *s = &r->sequence;
     char text[160], left[64];
@@ -44,7 +44,7 @@ static void show_rendering(void *context, const lf_render_progress *progress)
     const double fraction = (r->camera_row + progress->fraction) / camera_rows(r),
                  seconds = r->times.seconds + progress->seconds;
     if (r->sequence.on) {
-        show_frame(r, fraction);
+        lf_rendering_show_frame(r, fraction);
         return;
     }
     seconds_left(seconds, fraction, left, sizeof left);
@@ -58,7 +58,7 @@ static void show_writing(void *context, double fraction)
     lf_rendering *r = context;
     char text[64];
     if (r->sequence.on) {
-        show_frame(r, 1);
+        lf_rendering_show_frame(r, 1);
         return;
     }
     snprintf(text, sizeof text, "writing %3.0f %%", 100 * fraction);
@@ -89,6 +89,8 @@ static void warn_of_depth(const lf_rendering *r)
 /* The renderer of r->scene; that of the frame or row before goes on with this one. */
 static lf_status begin(lf_rendering *r, const lf_render_settings *settings, lf_error *err)
 {
+    if (r->gathered)
+        return LF_OK;
     if (r->renderer)
         return lf_renderer_restart(r->renderer, r->scene, settings, err);
     lf_status status = lf_renderer_create(r->scene, settings, r->pool, &r->renderer, err);
@@ -131,9 +133,15 @@ static void place_row(const lf_rendering *r, int channels, const float *from, fl
 static lf_status render_row(lf_rendering *r, const lf_budget *budget, float *film, float *layers)
 {
     const lf_estimator estimator = r->arguments->options.estimator;
-    lf_render_times times;
-    lf_status status =
-        lf_render_run(r->renderer, budget, estimator, film, show_rendering, r, r->cancel, &times);
+    lf_render_times times = {0};
+    lf_status status = LF_OK;
+    if (r->gathered)
+        times = *r->gathered;
+    else
+        status = lf_render_spend(r->renderer, budget, estimator, film, show_rendering, r, r->cancel,
+                                 &times);
+    if (status == LF_OK)
+        status = lf_render_answer(r->renderer, budget, estimator, film, r->cancel, &times);
     if (status == LF_OK)
         status = budget->reconstructed ? lf_renderer_catch_smoothly(r->renderer, film, r->cancel)
                                        : lf_renderer_catch(r->renderer, film, r->cancel);
@@ -171,8 +179,7 @@ static lf_status run_rows(lf_rendering *r, const lf_budget *budget, float *row_f
     return status == LF_OK ? LF_OK : lf_error_set(err, status, out, "rendering failed");
 }
 
-/* How long one row of cameras takes; a budget is for each of them, but for times. */
-static lf_budget budget_of_row(const lf_rendering *r)
+lf_budget lf_rendering_budget(const lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
     lf_budget budget = a->budget;
@@ -186,7 +193,7 @@ static lf_budget budget_of_row(const lf_rendering *r)
 
 lf_status lf_rendering_run(lf_rendering *r, lf_error *err)
 {
-    const lf_budget budget = budget_of_row(r);
+    const lf_budget budget = lf_rendering_budget(r);
     const lf_camera *camera = &r->settings.camera;
     const bool is_grid = camera->n_rows > 0;
     const int channels = lf_layer_channels(layers_of(r), NULL);

@@ -14,6 +14,8 @@ typedef struct lf_sequence_state {
     double begun;         /* when the first of them was */
 } lf_sequence_state;
 
+typedef struct lf_shared_frames lf_shared_frames;
+
 /* Half-built at any time: release with lf_rendering_finish. Zeroed but for arguments, line and
  * cancel is a valid start. */
 typedef struct lf_rendering {
@@ -36,6 +38,9 @@ typedef struct lf_rendering {
     char *path;     /* final name; of a sequence, of the frame in hand */
     json_t *record; /* settings for attributes and the manifest */
     lf_render_times times;
+    /* what was spent on all that the renderer holds, and it is to be answered as it is; NULL:
+     * nothing yet */
+    const lf_render_times *gathered;
     lf_sequence_state sequence;
     lf_video *video; /* that frames, or the views, go into; NULL: each is a file */
 } lf_rendering;
@@ -45,6 +50,14 @@ typedef struct lf_rendering {
 LF_NODISCARD lf_status lf_rendering_open(lf_rendering *r, lf_error *err);
 /* What the options make of the camera of r->scene, for the frame in hand. LF_E_ARG. */
 LF_NODISCARD lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err);
+/* r->scene's document, patched, as a scene that shares what is the same with previous. */
+LF_NODISCARD lf_status lf_rendering_patched(lf_rendering *r, const json_t *patch,
+                                            const lf_scene *previous, lf_scene **out,
+                                            lf_error *err);
+/* Tells how much of the frame in hand is done. */
+void lf_rendering_show_frame(lf_rendering *r, double fraction);
+/* How long a row of cameras takes: budgets are for each of them, but for times. */
+lf_budget lf_rendering_budget(const lf_rendering *r);
 /* Sets r->path to the final name of a frame of a sequence. */
 LF_NODISCARD lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *err);
 /* LF_E_CANCELLED, with what there is all the same. */

@@ -5,7 +5,7 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/output/content.h"
-#include "daemon/tools/rendering.h"
+#include "daemon/tools/rendering_shared.h"
 
 /* Whether all files of the frame whose name is r->path are there. */
 static bool is_there(const lf_rendering *r)
@@ -30,8 +30,9 @@ static lf_status take_frame(lf_rendering *r, int frame, bool *out_kept, lf_error
     return status;
 }
 
-/* How many frames are wanted. Hours of rendering must not end at a file that is not there. */
-static lf_status count_frames(lf_rendering *r, lf_error *err)
+/* How many frames are wanted, and which: out_wanted[frame - first]. Hours of rendering must not end
+ * at a file that is not there. */
+static lf_status count_frames(lf_rendering *r, bool *out_wanted, lf_error *err)
 {
     const lf_frames *frames = &r->arguments->frames;
     int n_kept = 0;
@@ -43,6 +44,7 @@ static lf_status count_frames(lf_rendering *r, lf_error *err)
         if (status != LF_OK)
             return status;
         n_kept += kept;
+        out_wanted[frame - frames->first] = !kept;
     }
     r->sequence.n_wanted = lf_frames_count(frames) - n_kept;
     if (n_kept > 0)
@@ -53,35 +55,43 @@ static lf_status count_frames(lf_rendering *r, lf_error *err)
     return LF_OK;
 }
 
-/* The scene of the frame in hand in place of the one before. camera is that of frame 1. */
-static lf_status load_frame(lf_rendering *r, const lf_camera *camera, lf_error *err)
+lf_status lf_rendering_patched(lf_rendering *r, const json_t *patch, const lf_scene *previous,
+                               lf_scene **out, lf_error *err)
 {
-    const lf_render_arguments *a = r->arguments;
-    json_t *patch = lf_frames_patch_turned(&a->frames, camera, r->sequence.frame);
+    const char *name = r->arguments->scene;
     json_t *doc = patch ? lf_json_merge_patch(lf_scene_json(r->scene), patch) : NULL;
-    lf_scene *next = NULL;
     lf_status status = LF_OK;
     lf_import_watch(lf_progress_line_reading, &r->line);
     if (doc)
-        status = lf_scene_from_json(doc, lf_scene_folder(r->scene), a->scene, NULL, r->scene, &next,
-                                    err);
+        status = lf_scene_from_json(doc, lf_scene_folder(r->scene), name, NULL, previous, out, err);
     else
-        status = lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
+        status = lf_error_set(err, LF_E_NOMEM, name, "out of memory");
     lf_import_watch(NULL, NULL);
     json_decref(doc);
+    if (status == LF_OK)
+        lf_progress_line_clear(&r->line);
+    return status;
+}
+
+/* The scene of the frame in hand in place of the one before. camera is that of frame 1. */
+static lf_status load_frame(lf_rendering *r, const lf_camera *camera, lf_error *err)
+{
+    json_t *patch = lf_frames_patch_turned(&r->arguments->frames, camera, r->sequence.frame);
+    lf_scene *next = NULL;
+    lf_status status = lf_rendering_patched(r, patch, r->scene, &next, err);
     json_decref(patch);
     if (status != LF_OK)
         return status;
-    lf_progress_line_clear(&r->line);
     lf_log_warnings(next, r->scene);
     lf_scene_unref(r->scene);
     r->scene = next;
     return lf_rendering_resolve(r, err);
 }
 
-static lf_status make_frame(lf_rendering *r, const lf_camera *camera, lf_error *err)
+static lf_status make_frame(lf_rendering *r, lf_shared_frames *shared, const lf_camera *camera,
+                            lf_error *err)
 {
-    lf_status status = load_frame(r, camera, err);
+    lf_status status = shared ? lf_shared_frames_take(shared, r, err) : load_frame(r, camera, err);
     if (status == LF_OK)
         status = lf_rendering_check_outputs(r, err);
     if (status == LF_OK)
@@ -92,24 +102,38 @@ static lf_status make_frame(lf_rendering *r, const lf_camera *camera, lf_error *
     return status;
 }
 
-lf_status lf_rendering_frames(lf_rendering *r, lf_error *err)
+/* All that are wanted. */
+static lf_status make_frames(lf_rendering *r, const bool *wanted, lf_error *err)
 {
-    const lf_render_arguments *a = r->arguments;
-    const lf_frames *frames = &a->frames;
+    const lf_frames *frames = &r->arguments->frames;
     const lf_camera camera = *lf_scene_camera(r->scene);
-    lf_status status = LF_OK;
-    if (a->kind == &lf_output_video)
-        status = lf_video_create(r->path, &r->layout, &a->video, r->cancel, &r->video, err);
-    if (status == LF_OK)
-        status = count_frames(r, err);
+    lf_shared_frames *shared;
+    lf_status status = lf_shared_frames_create(r, wanted, &shared, err);
     r->sequence.begun = lf_time_now();
     for (int frame = frames->first; frame <= frames->last && status == LF_OK; frame++) {
         bool kept;
         status = take_frame(r, frame, &kept, err);
         if (status == LF_OK && !kept)
-            status = make_frame(r, &camera, err);
+            status = make_frame(r, shared, &camera, err);
     }
+    r->gathered = NULL;
+    lf_shared_frames_destroy(shared);
+    return status;
+}
+
+lf_status lf_rendering_frames(lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    bool *wanted = lf_calloc((size_t)lf_frames_count(&a->frames), sizeof *wanted);
+    lf_status status = wanted ? LF_OK : lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
+    if (status == LF_OK && a->kind == &lf_output_video)
+        status = lf_video_create(r->path, &r->layout, &a->video, r->cancel, &r->video, err);
+    if (status == LF_OK)
+        status = count_frames(r, wanted, err);
+    if (status == LF_OK)
+        status = make_frames(r, wanted, err);
     if (status == LF_OK && r->video)
         status = lf_video_finish(r->video, err);
+    lf_free(wanted);
     return status == LF_E_CANCELLED ? lf_rendering_interrupted(r, err) : status;
 }

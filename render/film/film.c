@@ -134,6 +134,11 @@ bool lf_film_has_layout(const lf_film *film, const lf_film_layout *b)
            a->has_signed == b->has_signed && a->has_features == b->has_features;
 }
 
+bool lf_film_alike(const lf_film *film, const lf_film *b)
+{
+    return lf_film_has_layout(film, &b->layout) && memcmp(film->sky, b->sky, sizeof film->sky) == 0;
+}
+
 const char *lf_film_refusal(const lf_film *film, const lf_film *b)
 {
     if (memcmp(film->picture, b->picture, sizeof film->picture) != 0 ||

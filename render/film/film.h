@@ -138,6 +138,9 @@ typedef struct lf_film {
 LF_NODISCARD lf_status lf_film_init(lf_film *film, const lf_film_layout *layout);
 void lf_film_finish(lf_film *film);
 bool lf_film_has_layout(const lf_film *film, const lf_film_layout *layout);
+/* Whether b's numbers can stand beside film's: their layouts are one, and their skies to the bit
+ * (what was gathered under it is in the sums). */
+bool lf_film_alike(const lf_film *film, const lf_film *b);
 /* Why b's numbers cannot be film's, in words behind "it is": another picture or layout, or another
  * sky to the bit (what was gathered under it is in the sums). NULL: they can. Of b only what these
  * are is looked at. */
@@ -158,6 +161,9 @@ const lf_film_stream *lf_film_find_stream(const lf_film *film, uint64_t seed, ui
  * have visits of the same random stream, more visits or samples of a row than is possible, more
  * than LF_FILM_MAX_STREAMS. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error *err);
+/* The same of films of whatever pictures, if they are alike: what comes out is the picture that
+ * lies between, each having its share of the samples. LF_E_STATE also where they are not. */
+LF_NODISCARD lf_status lf_film_mix(lf_film *film, const lf_film *from, lf_error *err);
 /* The memory of a row that holds something: half 0, half 1, known light, 32 bits a number. */
 size_t lf_film_used_bytes(const lf_film_layout *layout);
 lf_film_half lf_film_at(const lf_film *film, int row, int half);

@@ -184,9 +184,6 @@ static int overflow(const lf_film *film, const lf_film *from)
 
 static lf_status check(const lf_film *film, const lf_film *from, lf_error *err)
 {
-    const char *refusal = lf_film_refusal(film, from);
-    if (refusal)
-        return lf_error_set(err, LF_E_STATE, "film", "cannot be added: %s", refusal);
     int full = overflow(film, from);
     if (full < film->height)
         return lf_error_set(err, LF_E_STATE, "film",
@@ -204,9 +201,12 @@ static void add_stream(lf_film_stream *to, const lf_film_stream *from, int heigh
     }
 }
 
-lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error *err)
+lf_status lf_film_mix(lf_film *film, const lf_film *from, lf_error *err)
 {
     int index;
+    if (!lf_film_alike(film, from))
+        return lf_error_set(err, LF_E_STATE, "film",
+                            "cannot be mixed: of other views, or kept differently");
     lf_status status = check(film, from, err);
     for (int i = 0; i < from->n_streams && status == LF_OK; i++)
         if (lf_film_stream_at(film, from->streams[i].seed, from->streams[i].number, &index) !=
@@ -231,4 +231,11 @@ lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error *err)
             LF_OK)
             add_stream(&film->streams[index], &from->streams[i], film->height);
     return LF_OK;
+}
+
+lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error *err)
+{
+    const char *refusal = lf_film_refusal(film, from);
+    return refusal ? lf_error_set(err, LF_E_STATE, "film", "cannot be added: %s", refusal)
+                   : lf_film_mix(film, from, err);
 }

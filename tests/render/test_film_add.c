@@ -192,6 +192,27 @@ static void the_same_samples_and_other_pictures_are_refused(void **state)
     lf_film_finish(&b);
 }
 
+static void other_pictures_of_the_same_views_are_mixed(void **state)
+{
+    (void)state;
+    lf_film a = film_of(0, true), sum = film_of(0, true), b = film_of(1, true);
+    lf_error err;
+    lf_assert_ok(lf_film_add(&sum, &b, NULL), NULL);
+    b.picture[31] = 1;
+    lf_assert_ok(lf_film_mix(&a, &b, NULL), NULL);
+    assert_same_films(&a, &sum);
+    b.sky[1] = 0x1p-24f;
+    lf_assert_status(lf_film_mix(&a, &b, &err), LF_E_STATE, &err);
+    b.sky[1] = a.sky[1];
+    b.layout.has_w2 = !b.layout.has_w2;
+    lf_assert_status(lf_film_mix(&a, &b, &err), LF_E_STATE, &err);
+    assert_non_null(strstr(err.what, "of other views, or kept differently"));
+    assert_same_films(&a, &sum);
+    lf_film_finish(&a);
+    lf_film_finish(&sum);
+    lf_film_finish(&b);
+}
+
 /* As if row 1 had been visited so often by the film's only stream. */
 static void pretend(lf_film *film, uint32_t visits, double n, double passes)
 {
@@ -325,6 +346,7 @@ int main(void)
         cmocka_unit_test(means_and_differences_are_those_of_all_visits),
         cmocka_unit_test(rounding_has_no_bias),
         cmocka_unit_test(the_same_samples_and_other_pictures_are_refused),
+        cmocka_unit_test(other_pictures_of_the_same_views_are_mixed),
         cmocka_unit_test(counts_that_have_no_sum_are_refused),
         cmocka_unit_test(streams_ascend_in_whatever_order_they_come),
         cmocka_unit_test(more_streams_than_a_film_has_are_refused),

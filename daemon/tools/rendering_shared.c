@@ -1,0 +1,239 @@
+#include "daemon/tools/rendering_shared.h"
+
+#include <math.h>
+
+#include "base/alloc.h"
+#include "daemon/output/content.h"
+
+/* Parts draw random numbers of their own, as frames and rows of cameras do. */
+#define PART_SEED UINT64_C(0xd1b54a32d192ed03)
+
+/* A frame that some of whose parts have been rendered. */
+typedef struct open_frame {
+    int frame;
+    bool is_open, alone; /* alone: its parts do not go together */
+    lf_scene *scene;
+    lf_renderer *renderer; /* may be what an earlier frame has left */
+    lf_render_settings settings;
+    lf_render_times times;
+} open_frame;
+
+struct lf_shared_frames {
+    int n_parts, a_frame;
+    double shutter_open;
+    const bool *wanted;
+    int64_t next;          /* the part to be rendered: part p opens p / a_frame frames on */
+    lf_scene *scene;       /* of the last part */
+    lf_renderer *renderer; /* of all parts */
+    int n_open;            /* frames that a part lies in, at most */
+    open_frame *open;      /* [n_open], a frame at its number */
+};
+
+lf_status lf_shared_frames_create(const lf_rendering *r, const bool *wanted, lf_shared_frames **out,
+                                  lf_error *err)
+{
+    const lf_budget *budget = &r->arguments->budget;
+    const lf_camera *camera = &r->settings.camera;
+    int a_frame;
+    const int n_parts = lf_frames_parts(camera->shutter, &a_frame);
+    *out = NULL;
+    if (n_parts == 0 || r->arguments->frames.turntable > 0 || camera->n_rows > 0 ||
+        budget->target_error > 0 || budget->target_shown_error > 0)
+        return LF_OK;
+    lf_shared_frames *s = lf_calloc(1, sizeof *s);
+    if (s) {
+        *s = (lf_shared_frames){.n_parts = n_parts,
+                                .a_frame = a_frame,
+                                .shutter_open = camera->shutter_open,
+                                .wanted = wanted,
+                                .next = INT64_MIN,
+                                .n_open = (n_parts - 1) / a_frame + 1};
+        s->open = lf_calloc((size_t)s->n_open, sizeof *s->open);
+    }
+    if (!s || !s->open) {
+        lf_shared_frames_destroy(s);
+        return lf_error_set(err, LF_E_NOMEM, r->arguments->scene, "out of memory");
+    }
+    *out = s;
+    return LF_OK;
+}
+
+void lf_shared_frames_destroy(lf_shared_frames *shared)
+{
+    for (int i = 0; shared && shared->open && i < shared->n_open; i++) {
+        lf_renderer_destroy(shared->open[i].renderer);
+        lf_scene_unref(shared->open[i].scene);
+    }
+    if (shared) {
+        lf_renderer_destroy(shared->renderer);
+        lf_scene_unref(shared->scene);
+        lf_free(shared->open);
+    }
+    lf_free(shared);
+}
+
+/* ------------------------------------------------------------------------------------- parts -- */
+
+/* What the options make of another scene's camera. Films keep known light, which some parts might
+ * do without and others not. */
+static lf_status resolve(lf_rendering *r, lf_scene *scene, lf_render_settings *out, lf_error *err)
+{
+    lf_scene *const before = r->scene;
+    r->scene = scene;
+    const lf_status status = lf_rendering_resolve(r, err);
+    r->scene = before;
+    *out = r->settings;
+    out->skip &= ~(unsigned)LF_SKIP_KNOWN_LIGHT;
+    return status;
+}
+
+/* The frame whose things a part has that opens so many frames on: the nearest of its middle whose
+ * files are there. */
+static int frame_of(const lf_rendering *r, double middle)
+{
+    const int nearest = (int)floor(middle + 0.5);
+    for (int far = 0; far <= LF_MAX_SHUTTER; far++)
+        for (int sign = 1; sign >= -1; sign -= 2) {
+            const int frame = nearest + sign * far;
+            if (frame >= 0 && lf_scene_check_frame(r->scene, frame, NULL) == LF_OK)
+                return frame;
+        }
+    return nearest > 0 ? nearest : 0;
+}
+
+/* The scene of a part, and its renderer with nothing rendered. */
+static lf_status begin_part(lf_shared_frames *s, lf_rendering *r, int64_t part, lf_error *err)
+{
+    const double length = 1.0 / s->a_frame, opens = s->shutter_open + (double)part * length;
+    const int frame = frame_of(r, opens + 0.5 * length);
+    json_t *patch = json_pack("{s:i, s:{s:f, s:f}}", "frame", frame, "camera", "shutter", length,
+                              "shutter_open", opens - frame);
+    lf_scene *scene = NULL;
+    lf_render_settings settings;
+    lf_status status = lf_rendering_patched(r, patch, s->scene ? s->scene : r->scene, &scene, err);
+    json_decref(patch);
+    if (status != LF_OK)
+        return status;
+    lf_scene_unref(s->scene);
+    s->scene = scene;
+    status = resolve(r, scene, &settings, err);
+    settings.seed = r->arguments->options.seed + PART_SEED + (uint64_t)part;
+    if (status != LF_OK)
+        return status;
+    return s->renderer ? lf_renderer_restart(s->renderer, scene, &settings, err)
+                       : lf_renderer_create(scene, &settings, r->pool, &s->renderer, err);
+}
+
+/* A frame's budget, for one of its parts; passes in pairs, one for each half of the film. */
+static lf_budget budget_of_part(const lf_shared_frames *s, const lf_rendering *r)
+{
+    lf_budget budget = lf_rendering_budget(r);
+    budget.passes = (budget.passes + 2 * s->n_parts - 1) / (2 * s->n_parts) * 2;
+    budget.seconds /= s->n_parts;
+    budget.cpu_seconds /= s->n_parts;
+    return budget;
+}
+
+/* ------------------------------------------------------------------------------------ frames -- */
+
+/* The wanted frame's place, with its scene and a renderer that holds nothing yet. */
+static lf_status open_of(lf_shared_frames *s, lf_rendering *r, int frame, open_frame **out,
+                         lf_error *err)
+{
+    open_frame *f = &s->open[frame % s->n_open];
+    *out = f;
+    if (f->is_open && f->frame == frame)
+        return LF_OK;
+    json_t *patch = lf_frames_patch(frame);
+    lf_scene *scene = NULL;
+    lf_status status = lf_rendering_patched(r, patch, f->scene ? f->scene : r->scene, &scene, err);
+    json_decref(patch);
+    if (status != LF_OK)
+        return status;
+    lf_log_warnings(scene, r->scene);
+    lf_scene_unref(f->scene);
+    f->scene = scene;
+    status = resolve(r, scene, &f->settings, err);
+    f->settings.seed = lf_frames_seed(r->arguments->options.seed, frame);
+    if (status == LF_OK)
+        status = f->renderer ? lf_renderer_restart(f->renderer, scene, &f->settings, err)
+                             : lf_renderer_create(scene, &f->settings, r->pool, &f->renderer, err);
+    f->frame = frame;
+    f->times = (lf_render_times){0};
+    f->is_open = status == LF_OK;
+    f->alone = false;
+    return status;
+}
+
+/* What the part in the renderer of parts has found goes to all frames that it lies in. */
+static lf_status share(lf_shared_frames *s, lf_rendering *r, int64_t part,
+                       const lf_render_times *times, lf_error *err)
+{
+    const lf_frames *frames = &r->arguments->frames;
+    lf_status status = LF_OK;
+    for (int frame = r->sequence.frame; frame <= frames->last && status == LF_OK; frame++) {
+        open_frame *f;
+        const int64_t first = (int64_t)frame * s->a_frame;
+        if (first > part || part >= first + s->n_parts || !s->wanted[frame - frames->first])
+            continue;
+        status = open_of(s, r, frame, &f, err);
+        if (status == LF_OK && !f->alone)
+            status = lf_renderer_mix(f->renderer, s->renderer, err);
+        f->alone = f->alone || status == LF_E_STATE;
+        status = f->alone ? LF_OK : status;
+        f->times.passes += times->passes;
+        f->times.seconds += times->seconds;
+        f->times.cpu_seconds += times->cpu_seconds;
+    }
+    return status;
+}
+
+/* Of which part of the frame in hand. */
+typedef struct progress_of {
+    lf_rendering *rendering;
+    int64_t part;
+    int n_parts;
+} progress_of;
+
+static void show_part(void *context, const lf_render_progress *progress)
+{
+    const progress_of *of = context;
+    lf_rendering_show_frame(of->rendering, ((double)of->part + progress->fraction) / of->n_parts);
+}
+
+static lf_status render_part(lf_shared_frames *s, lf_rendering *r, int64_t part, lf_error *err)
+{
+    const lf_budget budget = budget_of_part(s, r);
+    progress_of of = {r, part - (int64_t)r->sequence.frame * s->a_frame, s->n_parts};
+    lf_render_times times;
+    lf_status status = begin_part(s, r, part, err);
+    if (status != LF_OK)
+        return status;
+    status = lf_render_spend(s->renderer, &budget, r->arguments->options.estimator, NULL, show_part,
+                             &of, r->cancel, &times);
+    if (status != LF_OK)
+        return lf_error_set(err, status, r->arguments->out, "rendering failed");
+    return share(s, r, part, &times, err);
+}
+
+lf_status lf_shared_frames_take(lf_shared_frames *shared, lf_rendering *r, lf_error *err)
+{
+    lf_shared_frames *s = shared;
+    const int64_t first = (int64_t)r->sequence.frame * s->a_frame, end = first + s->n_parts;
+    lf_status status = LF_OK;
+    for (s->next = s->next > first ? s->next : first; s->next < end && status == LF_OK; s->next++)
+        status = render_part(s, r, s->next, err);
+    if (status != LF_OK)
+        return status;
+    open_frame *f = &s->open[r->sequence.frame % s->n_open];
+    lf_scene *const scene = r->scene;
+    lf_renderer *const renderer = r->renderer;
+    r->scene = f->scene;
+    r->renderer = f->renderer;
+    r->settings = f->settings;
+    r->gathered = f->alone ? NULL : &f->times;
+    f->scene = scene;
+    f->renderer = renderer;
+    f->is_open = false;
+    return LF_OK;
+}

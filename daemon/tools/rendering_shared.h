@@ -1,0 +1,25 @@
+/* Frames of a sequence whose shutters overlap: what they have in common is rendered once.
+ *
+ * A shutter that stays open for longer than a frame is cut into parts that fit the shutters of all
+ * frames (lf_frames_parts). A part is a picture of its own, with a scene and random numbers that
+ * are the same whichever frame asks; a frame is its parts together, each with its share of the
+ * samples (docs/estimators.md, "Shutters that overlap"). Thread: the main thread, as the
+ * rendering's. */
+#ifndef LF_DAEMON_RENDERING_SHARED_H
+#define LF_DAEMON_RENDERING_SHARED_H
+
+#include "daemon/tools/rendering.h"
+
+/* For the frames of r, of which wanted[frame - first] tells whether they are to be rendered (it has
+ * to stay). *out NULL: they share nothing: by their shutters, since the camera is turned from frame
+ * to frame or stands in a grid, or since budgets are errors. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_shared_frames_create(const lf_rendering *r, const bool *wanted,
+                                               lf_shared_frames **out, lf_error *err);
+/* Puts scene, settings and renderer of the frame in hand into r, and what its parts came to into
+ * r->gathered. Frames come in their order. LF_E_CANCELLED; errors of scenes. */
+LF_NODISCARD lf_status lf_shared_frames_take(lf_shared_frames *shared, lf_rendering *r,
+                                             lf_error *err);
+/* Accepts NULL. */
+void lf_shared_frames_destroy(lf_shared_frames *shared);
+
+#endif
