@@ -529,6 +529,7 @@ typedef struct lf_render_stats {
     /* view pixels flagged LF_PIXEL_HOLE by the estimator last resolved; 0 before the first resolve
      */
     int64_t holes;
+    int64_t film_bytes;        /* memory of the sums once all rows were visited */
     double passes;             /* mean over rows, in passes */
     double native_spp_mean;    /* n, mean over view pixels */
     double effective_spp_mean; /* contributions a view pixel */

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-enum { MAX_OPTIONS = 80 };
+enum { MAX_OPTIONS = 96 };
 
 /* An option, out of either kind of table. */
 typedef struct described {

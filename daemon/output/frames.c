@@ -23,6 +23,11 @@ const lf_param lf_frames_params[] = {
      .has = offsetof(lf_frames, has_range), .high = MOST_FRAME,
      .help = "frames A to B of a scene that moves, or of the turntable"},
     {.option = "frames", .argument = "B", PLACE(last), .type = LF_PARAM_WHOLE, .high = MOST_FRAME},
+    {.option = "camera-rows", .joined = ":", .argument = "A", PLACE(first), .type = LF_PARAM_WHOLE,
+     .has = offsetof(lf_frames, of_rows), .high = LF_MAX_CAMERA_ROWS - 1,
+     .help = "rows A to B of a grid of cameras, each by itself"},
+    {.option = "camera-rows", .argument = "B", PLACE(last), .type = LF_PARAM_WHOLE,
+     .high = LF_MAX_CAMERA_ROWS - 1},
     {.option = "overwrite", PLACE(overwrite), .type = LF_PARAM_SWITCH,
      .help = "frames whose files are there are not kept but rendered anew"},
     {0},
@@ -31,7 +36,17 @@ const lf_param lf_frames_params[] = {
 
 bool lf_frames_wanted(const lf_frames *frames)
 {
-    return frames->turntable > 0 || frames->has_range;
+    return frames->turntable > 0 || frames->has_range || frames->of_rows;
+}
+
+const char *lf_frames_option(const lf_frames *frames)
+{
+    return frames->of_rows ? "--camera-rows" : frames->turntable > 0 ? "--turntable" : "--frames";
+}
+
+const char *lf_frames_noun(const lf_frames *frames)
+{
+    return frames->of_rows ? "rows" : "frames";
 }
 
 lf_status lf_frames_check(lf_frames *frames, lf_error *err)
@@ -39,16 +54,19 @@ lf_status lf_frames_check(lf_frames *frames, lf_error *err)
     if (!lf_frames_wanted(frames))
         return frames->overwrite
                    ? lf_error_set(err, LF_E_ARG, "--overwrite",
-                                  "only goes with --frames or --turntable (what is no sequence is "
-                                  "written over)")
+                                  "only goes with --frames, --turntable or --camera-rows (what is "
+                                  "no sequence is written over)")
                    : LF_OK;
-    if (!frames->has_range) {
+    if (frames->of_rows && (frames->has_range || frames->turntable > 0))
+        return lf_error_set(err, LF_E_ARG, "--camera-rows", "does not go with %s",
+                            frames->turntable > 0 ? "--turntable" : "--frames");
+    if (!frames->has_range && !frames->of_rows) {
         frames->first = 1;
         frames->last = frames->turntable;
     }
     if (frames->first > frames->last)
-        return lf_error_set(err, LF_E_ARG, "--frames", "%d:%d ends before it begins", frames->first,
-                            frames->last);
+        return lf_error_set(err, LF_E_ARG, lf_frames_option(frames), "%d:%d ends before it begins",
+                            frames->first, frames->last);
     if (frames->turntable > 0 && (frames->first < 1 || frames->last > frames->turntable))
         return lf_error_set(err, LF_E_ARG, "--frames", "%d:%d is no part of --turntable %d (1:%d)",
                             frames->first, frames->last, frames->turntable, frames->turntable);
@@ -86,6 +104,12 @@ char *lf_frames_path(const char *path, int frame)
 uint64_t lf_frames_seed(uint64_t seed, int frame)
 {
     return seed + (uint64_t)(int64_t)(frame - 1);
+}
+
+/* Nor do rows share it with frames. */
+uint64_t lf_rows_seed(uint64_t seed, int row)
+{
+    return seed + (uint64_t)row * UINT64_C(0x9e3779b97f4a7c15);
 }
 
 int lf_frames_parts(double shutter, int *out_a_frame)

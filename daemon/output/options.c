@@ -96,6 +96,8 @@ const lf_param lf_option_params[] = {
      .word_at = layer_at, .help = "layers beside the colours of EXR files (none)"},
     {.option = "fit", PLACE(fit), .type = LF_PARAM_SWITCH,
      .help = "the camera moves to where all that is there fills its views"},
+    {.name = "png", .option = "png", PLACE(png), .type = LF_PARAM_SWITCH,
+     .help = "the views of OUT/ as 8-bit PNG pictures in place of EXR"},
     {.name = "guides", .option = "guides", PLACE(guides), .type = LF_PARAM_SWITCH,
      .help = "a picture to frame by: red is nearer than a panel shows sharply, blue farther"},
     {.name = "threads", .option = "threads", .argument = "N", PLACE(threads),

@@ -56,6 +56,7 @@ typedef struct lf_options {
     double target_error, target_shown_error; /* > 0 */
     bool has_exposure;                       /* it was given */
     bool fit;                                /* the camera moves to where all fills its views */
+    bool png;                                /* of a folder: 8-bit views */
     bool guides;                             /* what lies outside of the sharp depth is marked */
     double exposure;                         /* as in lf_exposed_film */
     lf_reconstruct reconstruct;

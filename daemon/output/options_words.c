@@ -7,7 +7,7 @@
 #include "base/nearest.h"
 #include "daemon/output/completion.h"
 
-#define MAX_OPTIONS 64
+#define MAX_OPTIONS 96
 
 /* Codes behind those of a program's own: help, the version, then PART_SIZE rows a part. */
 enum { CODE_HELP = 2 * LF_OPTION_OWN, CODE_VERSION, CODE_PART, PART_SIZE = 256 };

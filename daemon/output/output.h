@@ -94,6 +94,7 @@ struct lf_output_kind {
     /* quiltrender's option that asks for it, without dashes; NULL: the ending of -o does. */
     const char *option;
     bool is_drawn;    /* of the request alone: source is not read, nothing is rendered */
+    bool is_linear;   /* holds light, not what a screen shows of it, whatever the ending */
     bool has_tiles;   /* reads layout */
     bool needs_panel; /* reads calibration and panel */
     unsigned layers;  /* bits of lf_layer that views32 must have; with them it reads rgbd */
@@ -121,6 +122,7 @@ struct lf_output_kind {
 #define LF_OUTPUT_KINDS(KIND)                                                                      \
     KIND(quilt)                                                                                    \
     KIND(views)                                                                                    \
+    KIND(pictures)                                                                                 \
     KIND(panel)                                                                                    \
     KIND(print)                                                                                    \
     KIND(chart)                                                                                    \

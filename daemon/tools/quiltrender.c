@@ -7,7 +7,7 @@
 
 #include "base/import/import.h"
 #include "base/log.h"
-#include "daemon/tools/rendering.h"
+#include "daemon/tools/rendering_plan.h"
 
 #define PROGRAM LF_RENDER_PROGRAM
 
@@ -39,8 +39,9 @@ static void tell_names(const lf_rendering *r)
         strcmp(r->path, r->arguments->out) != 0)
         lf_log(LF_LOG_INFO, "wrote %s", r->path);
     else if (s->on && s->n_done > 0)
-        lf_log(LF_LOG_INFO, "wrote %d of %d frames; frame %d is %s", s->n_done,
-               lf_frames_count(&r->arguments->frames), s->frame, r->path);
+        lf_log(LF_LOG_INFO, "wrote %d of %d %s; the last is %s", s->n_done,
+               lf_frames_count(&r->arguments->frames), lf_frames_noun(&r->arguments->frames),
+               r->path);
 }
 
 static int run(const lf_render_arguments *a)
@@ -58,13 +59,15 @@ static int run(const lf_render_arguments *a)
         lf_rendering_finish(&r);
         return code;
     }
-    if (status == LF_OK)
+    if (status == LF_OK && a->plan)
+        status = lf_rendering_plan(&r, &err);
+    else if (status == LF_OK)
         status = r.sequence.on ? lf_rendering_frames(&r, &err) : make_one(&r, &err);
     lf_progress_line_clear(&r.line);
     if (status != LF_OK) {
         lf_log_error(&err);
         code = LF_EXIT_FAILED;
-    } else {
+    } else if (!a->plan) {
         tell_names(&r);
     }
     lf_rendering_finish(&r);

@@ -14,6 +14,7 @@ enum {
     OPTION_SPP,
     OPTION_TIME,
     OPTION_STATS,
+    OPTION_PLAN,
 };
 
 static const struct option table[] = {
@@ -22,12 +23,14 @@ static const struct option table[] = {
     {"spp", required_argument, NULL, OPTION_SPP},
     {"time", required_argument, NULL, OPTION_TIME},
     {"stats", required_argument, NULL, OPTION_STATS},
+    {"plan", no_argument, NULL, OPTION_PLAN},
     {NULL, 0, NULL, 0},
 };
 
-static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
-                                              " exposure panel target-error target-shown-error aov"
-                                              " fit guides";
+static const char shared[] =
+    LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
+                     " exposure panel png target-error target-shown-error aov"
+                     " fit guides";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
                               "target-shown-error aov fit guides reconstruct shift selection "
@@ -47,7 +50,7 @@ static void print_help(void)
         "video, a path ending in / a folder of views.\n"
         "\n"
         "What:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " fit exposure panel aov guides");
+    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " fit exposure panel png aov guides");
     lf_param_print_help(lf_panel_params, NULL);
     lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
@@ -64,7 +67,9 @@ static void print_help(void)
     lf_param_print_help(lf_video_params, NULL);
     printf("\nHow:\n");
     lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT);
-    printf("  --stats FILE.json      writes what was done and what it took\n" LF_OPTIONS_HELP_LAST);
+    printf("  --stats FILE.json      writes what was done and what it took\n"
+           "  --plan                 renders nothing: prints what it would take, and a command for "
+           "each task\n" LF_OPTIONS_HELP_LAST);
 }
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
@@ -91,6 +96,10 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return LF_OK;
     case OPTION_STATS:
         a->stats = text;
+        return LF_OK;
+    case OPTION_PLAN:
+        a->plan = true;
+        a->render_option = a->render_option ? a->render_option : "plan";
         return LF_OK;
     default:
         return take_budget(a, code, text, err);
@@ -201,7 +210,7 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         snprintf(where, sizeof where, "--%s", a->video_option);
         return lf_error_set(err, LF_E_ARG, where, "only goes with OUT.mp4");
     }
-    if (a->options.layers && !(lf_path_has_ending(a->out, ".exr") || a->kind->surplus))
+    if (a->options.layers && !(lf_path_has_ending(a->out, ".exr") || a->kind->is_linear))
         return lf_error_set(err, LF_E_ARG, "--aov", "only goes with OUT.exr and folders of views");
     if (a->options.guides && (a->kind->layers || !lf_path_has_ending(a->out, ".png")))
         return lf_error_set(err, LF_E_ARG, "--guides", "only goes with OUT.png that is shown");
@@ -262,13 +271,15 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
 /* What goes with one picture alone. */
 static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
 {
-    const char *where = a->frames.turntable > 0 ? "--turntable" : "--frames";
+    const char *where = lf_frames_option(&a->frames);
     if (a->kind->is_drawn)
         return lf_error_set(err, LF_E_ARG, where, "does not go with --%s: nothing is rendered",
                             a->kind->option);
     if (a->stats)
         return lf_error_set(err, LF_E_ARG, "--stats", "does not go with %s: it is of one picture",
                             where);
+    if (a->frames.of_rows && a->kind == &lf_output_video)
+        return lf_error_set(err, LF_E_ARG, where, "does not go with a video: rows are no frames");
     return LF_OK;
 }
 
@@ -323,7 +334,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                     .take = take,
                                     .taken = taken,
                                     .context = a};
-    *a = (lf_render_arguments){0};
+    *a = (lf_render_arguments){.argv = argv};
     lf_param_defaults(lf_print_params, &a->print);
     lf_param_defaults(lf_video_params, &a->video);
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);

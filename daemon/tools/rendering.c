@@ -9,9 +9,6 @@
 #include "daemon/output/content.h"
 #include "daemon/output/guides.h"
 
-/* Rows of cameras share no noise, nor do those of the frames after (lf_frames_seed). */
-#define ROW_SEED UINT64_C(0x9e3779b97f4a7c15)
-
 static int camera_rows(const lf_rendering *r)
 {
     return r->settings.camera.n_rows > 0 ? r->settings.camera.n_rows : 1;
@@ -32,8 +29,9 @@ void lf_rendering_show_frame(lf_rendering *r, double fraction)
     char text[160], left[64];
     double whole = (s->n_done + fraction) / s->n_wanted;
     seconds_left(lf_time_now() - s->begun, whole, left, sizeof left);
-    snprintf(text, sizeof text, "frame %d (%d of %d), %3.0f %%%s", s->frame, s->n_done + 1,
-             s->n_wanted, 100 * whole, left);
+    snprintf(text, sizeof text, "%s %d (%d of %d), %3.0f %%%s",
+             r->arguments->frames.of_rows ? "row" : "frame", s->frame, s->n_done + 1, s->n_wanted,
+             100 * whole, left);
     lf_progress_line_draw(&r->line, text);
 }
 
@@ -69,8 +67,9 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
 {
     const char *out = r->arguments->out;
     if (r->sequence.on && !r->video)
-        return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: %d of %d frames were written",
-                            r->sequence.n_done, r->sequence.n_wanted);
+        return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: %d of %d %s were written",
+                            r->sequence.n_done, r->sequence.n_wanted,
+                            lf_frames_noun(&r->arguments->frames));
     return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: nothing was written");
 }
 
@@ -164,7 +163,7 @@ static lf_status run_rows(lf_rendering *r, const lf_budget *budget, float *row_f
     for (r->camera_row = 0; status == LF_OK && r->camera_row < camera_rows(r); r->camera_row++) {
         lf_render_settings settings = r->settings;
         settings.camera = lf_camera_row(&r->settings.camera, r->camera_row);
-        settings.seed += (uint64_t)r->camera_row * ROW_SEED;
+        settings.seed = lf_rows_seed(r->settings.seed, r->camera_row);
         status = begin(r, &settings, err);
         if (status != LF_OK)
             return status;

@@ -39,7 +39,7 @@ static lf_status count_frames(lf_rendering *r, bool *out_wanted, lf_error *err)
     for (int frame = frames->first; frame <= frames->last; frame++) {
         bool kept;
         lf_status status = take_frame(r, frame, &kept, err);
-        if (status == LF_OK && !kept)
+        if (status == LF_OK && !kept && !frames->of_rows)
             status = lf_scene_check_frame(r->scene, frame, err);
         if (status != LF_OK)
             return status;
@@ -49,9 +49,9 @@ static lf_status count_frames(lf_rendering *r, bool *out_wanted, lf_error *err)
     r->sequence.n_wanted = lf_frames_count(frames) - n_kept;
     if (n_kept > 0)
         lf_log(LF_LOG_INFO,
-               "%d of %d frames were there already and stay (--overwrite renders them"
+               "%d of %d %s were there already and stay (--overwrite renders them"
                " anew)",
-               n_kept, lf_frames_count(frames));
+               n_kept, lf_frames_count(frames), lf_frames_noun(frames));
     return LF_OK;
 }
 
@@ -91,7 +91,9 @@ static lf_status load_frame(lf_rendering *r, const lf_camera *camera, lf_error *
 static lf_status make_frame(lf_rendering *r, lf_shared_frames *shared, const lf_camera *camera,
                             lf_error *err)
 {
-    lf_status status = shared ? lf_shared_frames_take(shared, r, err) : load_frame(r, camera, err);
+    lf_status status = shared                         ? lf_shared_frames_take(shared, r, err)
+                       : r->arguments->frames.of_rows ? lf_rendering_resolve(r, err)
+                                                      : load_frame(r, camera, err);
     if (status == LF_OK)
         status = lf_rendering_check_outputs(r, err);
     if (status == LF_OK)

@@ -72,7 +72,7 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     const lf_render_arguments *a = r->arguments;
     const lf_options *o = &a->options;
     if (r->sequence.on)
-        return lf_error_set(err, LF_E_ARG, a->frames.turntable > 0 ? "--turntable" : "--frames",
+        return lf_error_set(err, LF_E_ARG, lf_frames_option(&a->frames),
                             "does not go with a finished quilt: nothing in it moves");
     if (o->preset || o->view_width > 0)
         return lf_error_set(
@@ -105,17 +105,44 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     return status;
 }
 
+/* Whether the row of cameras in hand is one of the scene's. */
+static lf_status check_row(const lf_rendering *r, lf_error *err)
+{
+    const lf_camera *camera = lf_scene_camera(r->scene);
+    const lf_options *o = &r->arguments->options;
+    if (camera->n_rows == 0)
+        return lf_error_set(err, LF_E_ARG, "--camera-rows",
+                            "the scene's cameras are no grid of rows (camera.views)");
+    if (r->arguments->frames.last >= camera->n_rows)
+        return lf_error_set(err, LF_E_ARG, "--camera-rows",
+                            "the scene has a grid of %d x %d cameras: rows 0:%d", camera->n_views,
+                            camera->n_rows, camera->n_rows - 1);
+    if (o->views > 0 || o->preset)
+        return lf_error_set(err, LF_E_ARG, o->preset ? "--preset" : "--views",
+                            "does not go with --camera-rows: the scene says what a row is");
+    return LF_OK;
+}
+
 lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     const lf_calibration *calibration = a->kind->needs_panel ? &r->calibration : NULL;
-    const bool one_rig =
-        a->kind->needs_panel || a->kind->check_print ||
-        (a->kind->layers && (!a->rgbd.is_quilt || lf_scene_camera(r->scene)->list));
+    const lf_camera *camera = lf_scene_camera(r->scene);
+    const bool of_rows = a->frames.of_rows;
+    lf_camera row;
+    const bool one_rig = a->kind->needs_panel || a->kind->check_print ||
+                         (a->kind->layers && (!a->rgbd.is_quilt || camera->list));
+    if (of_rows) {
+        if (check_row(r, err) != LF_OK)
+            return LF_E_ARG;
+        row = lf_camera_row(camera, r->sequence.frame);
+        camera = &row;
+    }
     lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(
-        &a->options, lf_scene_camera(r->scene), calibration, &r->settings, &r->layout, err);
+        &a->options, camera, calibration, &r->settings, &r->layout, err);
     if (r->sequence.on)
-        r->settings.seed = lf_frames_seed(a->options.seed, r->sequence.frame);
+        r->settings.seed =
+            (of_rows ? lf_rows_seed : lf_frames_seed)(a->options.seed, r->sequence.frame);
     if (status == LF_OK && a->kind->check_print) {
         status = prepare_print(r, LF_MAX_VIEWS, err);
         if (status == LF_OK)
@@ -153,14 +180,14 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
         (a->options.preset || a->options.columns > 0 || a->options.view_width > 0))
         return lf_error_set(err, LF_E_ARG, "--print",
                             "says what to render: no --preset, --quilt or --view-size");
-    json_t *patch = r->sequence.on ? lf_frames_patch(r->sequence.frame) : NULL;
+    const bool moves = r->sequence.on && !a->frames.of_rows;
+    json_t *patch = moves ? lf_frames_patch(r->sequence.frame) : NULL;
     lf_status status = lf_scene_load_patched(a->scene, patch, NULL, NULL, &r->scene, err);
     json_decref(patch);
     lf_progress_line_clear(&r->line);
     if (status == LF_OK)
         lf_log_warnings(r->scene, NULL);
-    if (status == LF_OK && r->sequence.on && a->frames.turntable == 0 &&
-        !lf_scene_has_frames(r->scene))
+    if (status == LF_OK && moves && a->frames.turntable == 0 && !lf_scene_has_frames(r->scene))
         return lf_error_set(err, LF_E_ARG, "--frames",
                             "nothing in %s is another from frame to frame (a volume's file with "
                             "%%04d in its name is, a glTF file that moves, a number with keys; "
@@ -263,7 +290,7 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
     lf_film_settings film = *lf_scene_film_settings(r->scene);
     if (a->options.has_exposure)
         film = lf_exposed_film(&film, a->options.exposure);
-    if (!film.auto_exposure || a->kind->surplus || lf_path_has_ending(a->out, ".exr"))
+    if (!film.auto_exposure || a->kind->is_linear || lf_path_has_ending(a->out, ".exr"))
         return LF_OK;
     return lf_error_set(err, LF_E_ARG, a->options.has_exposure ? "--exposure" : a->scene,
                         "%sauto would be another one in every frame: give stops (without --frames "

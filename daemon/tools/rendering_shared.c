@@ -37,8 +37,8 @@ lf_status lf_shared_frames_create(const lf_rendering *r, const bool *wanted, lf_
     int a_frame;
     const int n_parts = lf_frames_parts(camera->shutter, &a_frame);
     *out = NULL;
-    if (n_parts == 0 || r->arguments->frames.turntable > 0 || camera->n_rows > 0 ||
-        budget->target_error > 0 || budget->target_shown_error > 0)
+    if (n_parts == 0 || r->arguments->frames.turntable > 0 || r->arguments->frames.of_rows ||
+        camera->n_rows > 0 || budget->target_error > 0 || budget->target_shown_error > 0)
         return LF_OK;
     lf_shared_frames *s = lf_calloc(1, sizeof *s);
     if (s) {

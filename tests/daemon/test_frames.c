@@ -77,7 +77,7 @@ static const struct {
     {"-o %s/x.png --turntable 4 --frames 3:2", "3:2 ends before it begins"},
     {"-o %s/x.png --turntable 4 --frames 0:2", "no part of --turntable 4 (1:4)"},
     {"-o %s/x.png --turntable 4 --frames 2:5", "no part of --turntable 4 (1:4)"},
-    {"-o %s/x.png --overwrite", "--overwrite: only goes with --frames or --turntable"},
+    {"-o %s/x.png --overwrite", "only goes with --frames, --turntable or --camera-rows"},
     {"-o %s/x.png --turntable 4 --stats s.json", "--stats: does not go with --turntable"},
     {"-o %s/x.png --turntable 4 --exposure auto", "--exposure: auto"},
     {"-o %s/x.png --turntable 4 --fps 25", "--fps: only goes with OUT.mp4"},

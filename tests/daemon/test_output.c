@@ -168,6 +168,35 @@ static void a_folder_of_views_is_the_light_field_and_nothing_else(void **state)
     assert_int_equal(count_files(folder), 4 + 1);
 }
 
+/* And takes the place of one whose pictures were of the other kind. */
+static void a_folder_of_pictures_is_the_light_field_and_nothing_else(void **state)
+{
+    const fixture *f = *state;
+    lf_error err = {0};
+    char folder[PATH_MAX];
+    lf_output_request request = {.kind = &lf_output_pictures, .path = folder};
+    lf_quilt_file quilt = {0};
+    snprintf(folder, sizeof folder, "%s/pictures/", f->folder);
+    lf_assert_ok(lf_output_write(&request, &f->source8, &err), &err);
+    lf_assert_ok(lf_quilt_read(folder, NULL, 0, 0, &quilt, &err), &err);
+    assert_false(quilt.is_float);
+    assert_int_equal(quilt.layout.n_views, VIEWS);
+    for (int view = 0; view < VIEWS; view++)
+        for (int y = 0; y < f->source8.views8.height; y++)
+            assert_memory_equal(lf_views8_row(&quilt.views8, view, y),
+                                lf_views8_row(&f->source8.views8, view, y),
+                                3 * (size_t)f->source8.views8.width);
+    lf_quilt_finish(&quilt);
+    request.kind = &lf_output_views;
+    assert_int_equal(lf_output_write(&request, &f->source32, &err), LF_E_EXISTS);
+    request.overwrite = true;
+    lf_assert_ok(lf_output_write(&request, &f->source32, &err), &err);
+    assert_int_equal(count_files(folder), VIEWS);
+    lf_assert_ok(lf_quilt_read(folder, NULL, 0, 0, &quilt, &err), &err);
+    assert_views32(f, &quilt.views32);
+    lf_quilt_finish(&quilt);
+}
+
 static void a_panel_picture_is_the_interlaced_views(void **state)
 {
     const fixture *f = *state;
@@ -537,6 +566,7 @@ int main(void)
         cmocka_unit_test(png_quilts_of_both_sources_come_back_unchanged),
         cmocka_unit_test(exr_quilts_hold_the_floats_and_the_settings),
         cmocka_unit_test(a_folder_of_views_is_the_light_field_and_nothing_else),
+        cmocka_unit_test(a_folder_of_pictures_is_the_light_field_and_nothing_else),
         cmocka_unit_test(a_panel_picture_is_the_interlaced_views),
         cmocka_unit_test(a_print_lies_beside_its_manifest),
         cmocka_unit_test(a_print_renders_what_its_window_says),

@@ -1,0 +1,186 @@
+#include "daemon/tools/rendering_plan.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+/* What is rendered to tell the time by: so many paths, of at least two image rows. */
+#define PILOT_PATHS 2e6
+#define MOST_PILOT_ROWS 32
+/* Frames of a task that share parts of their shutters, in shutters. */
+#define SHUTTERS_A_TASK 4
+
+/* ------------------------------------------------------------------------------------- tasks -- */
+
+/* Frames or rows of cameras of a task. */
+static int size_of_task(const lf_rendering *r)
+{
+    int a_frame;
+    const int parts =
+        r->arguments->frames.of_rows ? 0 : lf_frames_parts(r->settings.camera.shutter, &a_frame);
+    return parts > 0 ? SHUTTERS_A_TASK * ((parts - 1) / a_frame + 1) : 1;
+}
+
+/* Whether a word is this option, whole or as short as getopt takes it; with "=" its value is in it.
+ */
+static bool is_option(const char *word, const char *option)
+{
+    const size_t n = strcspn(word, "=");
+    return n > 2 && strncmp(word, "--", 2) == 0 && strncmp(word, option, n) == 0;
+}
+
+/* As a shell takes it for one word. */
+static void print_word(const char *word)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                "-_./:=,+@%";
+    if (word[0] != '\0' && word[strspn(word, plain)] == '\0') {
+        printf("%s", word);
+        return;
+    }
+    putchar('\'');
+    for (; *word; word++)
+        printf(*word == '\'' ? "'\\''" : "%c", *word);
+    putchar('\'');
+}
+
+/* The command line, with other frames or rows in it (none: first > last). */
+static void print_task(const lf_render_arguments *a, int first, int last)
+{
+    const char *const option = lf_frames_option(&a->frames);
+    const bool turns = a->frames.turntable > 0;
+    for (int i = 0; a->argv[i]; i++) {
+        const char *word = a->argv[i];
+        const bool chosen = is_option(word, turns ? "--frames" : option);
+        if (chosen && !strchr(word, '=') && a->argv[i + 1])
+            i++;
+        if (chosen || is_option(word, "--plan"))
+            continue;
+        printf(i > 0 ? " " : "");
+        print_word(word);
+    }
+    if (first <= last)
+        printf(" %s %d:%d", turns ? "--frames" : option, first, last);
+    putchar('\n');
+}
+
+static void print_tasks(const lf_rendering *r)
+{
+    const lf_render_arguments *a = r->arguments;
+    const int size = size_of_task(r);
+    if (!r->sequence.on || a->kind == &lf_output_video) {
+        print_task(a, a->frames.first, r->sequence.on ? a->frames.last : a->frames.first - 1);
+        return;
+    }
+    for (int first = a->frames.first; first <= a->frames.last; first += size) {
+        const int last = first + size - 1;
+        print_task(a, first, last < a->frames.last ? last : a->frames.last);
+    }
+}
+
+/* -------------------------------------------------------------------------------------- time -- */
+
+/* CPU seconds of all rows of one light field: measured on some, evenly spread. The film's memory is
+ * taken by the rows that are visited. */
+static lf_status measure(lf_rendering *r, double *out_cpu, int *out_rows, lf_error *err)
+{
+    const lf_render_settings *s = &r->settings;
+    const int64_t passes = lf_rendering_budget(r).passes, cycles = 2 * (int64_t)s->camera.n_views,
+                  n = passes < cycles ? passes : cycles;
+    const double fit = PILOT_PATHS / ((double)n * s->width);
+    int rows = fit < 2 ? 2 : fit > MOST_PILOT_ROWS ? MOST_PILOT_ROWS : (int)fit;
+    lf_status status = lf_renderer_create(r->scene, s, r->pool, &r->renderer, err);
+    if (status != LF_OK)
+        return status;
+    rows = rows < s->height ? rows : s->height;
+    const int step = (s->height + rows - 1) / rows;
+    const lf_part part = {.first_row = step / 2, .row_step = step};
+    const double start = lf_time_cpu();
+    status = lf_renderer_passes(r->renderer, &part, n, false, NULL, NULL, r->cancel);
+    rows = (s->height - part.first_row - 1) / step + 1;
+    *out_cpu = (lf_time_cpu() - start) * ((double)passes / (double)n) * s->height / rows;
+    *out_rows = rows;
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, r->arguments->out, "cannot measure");
+}
+
+/* -------------------------------------------------------------------------------------- plan -- */
+
+static void print_amount(const char *what, double amount, const char *unit)
+{
+    static const char *const prefixes[] = {"", "k", "M", "G", "T", "P"};
+    int i = 0;
+    for (; amount >= 1000 && i < 5; i++)
+        amount /= 1000;
+    printf("# %-22s %.3g %s%s\n", what, amount, prefixes[i], unit);
+}
+
+static void print_time(const char *what, double seconds)
+{
+    const double hours = seconds / 3600;
+    printf("# %-22s %.*f CPU %s\n", what, hours >= 2 || seconds < 1 ? 1 : 0,
+           hours >= 2       ? hours
+           : seconds >= 200 ? seconds / 60
+                            : seconds,
+           hours >= 2       ? "hours"
+           : seconds >= 200 ? "minutes"
+                            : "seconds");
+}
+
+/* Bytes of a pixel in a file, before compression. */
+static double file_bytes(const lf_render_arguments *a)
+{
+    const bool floats = a->kind->is_linear || lf_path_has_ending(a->out, ".exr");
+    return floats ? 12 + 4.0 * lf_layer_channels(a->options.layers, NULL) : 3;
+}
+
+static void print_light_fields(const lf_rendering *r, int fields, int views)
+{
+    const lf_render_settings *s = &r->settings;
+    const double pixels = (double)views * s->width * s->height;
+    printf("# %d %s of %d views of %dx%d pixels\n", fields,
+           !r->sequence.on ? "light field" : lf_frames_noun(&r->arguments->frames), views, s->width,
+           s->height);
+    print_amount("view pixels", pixels * fields, "");
+    print_amount("files, uncompressed", pixels * fields * file_bytes(r->arguments), "B");
+}
+
+lf_status lf_rendering_plan(lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    const lf_budget budget = lf_rendering_budget(r);
+    const int fields = r->sequence.on ? lf_frames_count(&a->frames) : 1,
+              rows = r->settings.camera.n_rows > 0 ? r->settings.camera.n_rows : 1,
+              views = lf_camera_views(&r->settings.camera);
+    lf_render_stats stats;
+    double cpu = 0;
+    int measured = 0;
+    lf_status status = LF_OK;
+    if (a->frames.of_rows) {
+        r->sequence.frame = (a->frames.first + a->frames.last) / 2;
+        status = lf_rendering_resolve(r, err);
+    }
+    if (status != LF_OK)
+        return status;
+    print_light_fields(r, fields, views);
+    if (rows > 1)
+        r->settings.camera = lf_camera_row(&r->settings.camera, rows / 2);
+    if (budget.passes > 0)
+        status = measure(r, &cpu, &measured, err);
+    if (status != LF_OK)
+        return status;
+    if (measured > 0) {
+        lf_renderer_stats(r->renderer, &stats);
+        print_amount("memory of sums", (double)stats.film_bytes, "B");
+        print_amount("memory of a picture", 12.0 * views * r->settings.width * r->settings.height,
+                     "B");
+        print_time(r->sequence.on ? "one of them" : "all", cpu * rows);
+        if (r->sequence.on)
+            print_time("all", cpu * rows * fields);
+        printf("# measured on %d of %d image rows; loading and writing are not counted\n", measured,
+               r->settings.height);
+    } else {
+        printf("# as long as --time or the error says\n");
+    }
+    print_tasks(r);
+    return LF_OK;
+}
