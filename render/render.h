@@ -80,8 +80,9 @@ typedef struct lf_camera {
     double track;
     /* A grid is rows of a track's cameras, the lowest first, at equal distances up to rows_height.
      * Each row is a rig of its own, whose cameras stand rise above the track: own windows go along,
-     * a shared one stays. */
-    double rows_height, rise;
+     * a shared one stays; view_blur is then as wide up and down as across, rows_step being from row
+     * to row. */
+    double rows_height, rise, rows_step;
     int n_views; /* of a row: 1..LF_MAX_VIEWS */
     int n_rows;  /* of a grid; 0: it is none */
     /* placement: a_i = (i/(N-1) - 1/2) cone, else ((i+1/2)/N - 1/2) cone */

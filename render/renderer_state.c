@@ -31,6 +31,8 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
         numbers(s->window, 4), "n_views", c->n_views, "width", s->width, "height", s->height);
     if (c->view_blur > 0.0)
         json_object_set_new(words, "view_blur", json_real(c->view_blur));
+    if (c->view_blur > 0.0 && c->rows_step > 0.0)
+        json_object_set_new(words, "rows_step", json_real(c->rows_step));
     if (c->track > 0.0) {
         const double track[] = {c->track, c->own_windows, c->rise};
         json_object_set_new(words, "track", numbers(track, c->rise != 0.0 ? 3 : 2));

@@ -36,7 +36,7 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
                             "must be at least 0 and below 178 degrees");
     if (!(c->track >= 0.0))
         return lf_error_set(err, LF_E_ARG, "camera.views", "a track must not be shorter than 0");
-    if (!isfinite(c->rise))
+    if (!isfinite(c->rise) || !(c->rows_step >= 0.0))
         return lf_error_set(err, LF_E_ARG, "camera.views", "a row must not be infinitely high");
     if (!(c->lens_radius >= 0.0))
         return lf_error_set(err, LF_E_ARG, "camera.lens_radius", "must not be negative");
@@ -80,6 +80,7 @@ lf_camera lf_camera_row(const lf_camera *camera, int row)
     lf_camera one = *camera;
     const double place = camera->n_rows > 1 ? (double)row / (camera->n_rows - 1) - 0.5 : 0.0;
     one.rise += place * camera->rows_height;
+    one.rows_step = camera->n_rows > 1 ? camera->rows_height / (camera->n_rows - 1) : 0.0;
     one.n_rows = 0;
     one.rows_height = 0.0;
     return one;
@@ -106,6 +107,7 @@ static void place_views(lf_rig *rig, const lf_camera *c, double distance)
     if (n > 1)
         rig->blur =
             (float)(0.5 * c->view_blur * ((double)rig->b[n - 1] - (double)rig->b[0]) / (n - 1));
+    rig->blur_up = (float)(0.5 * c->view_blur * c->rows_step);
 }
 
 lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settings, const double origin[3],
@@ -170,7 +172,7 @@ lf_status lf_rig_init_at(lf_rig *rig, const lf_render_settings *settings, const 
 void lf_rig_row_plane(const lf_rig *rig, float v, const float u_lens[2], lf_row_plane *out)
 {
     float yw = rig->y0 + v * rig->dy;
-    out->ly = 0.0f;
+    out->ly = rig->blur_up > 0.0f ? rig->blur_up * (2.0f * u_lens[0] - 1.0f) : 0.0f;
     out->lens_chord = rig->blur;
     if (rig->lens_radius > 0.0f) {
         /* The height of a uniform point of the disk; lx given ly is then uniform on the chord. */

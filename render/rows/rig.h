@@ -16,9 +16,10 @@
  *     X(Z) = c_k + mx Z,   c_k = b_k + lx,   mx = (X_w - e_k)/D - lx/F,   my = Y_w/D - ly/F
  *     X_w  = e_k + D ((X - c_k)/Z + lx/F)
  *
- * view_blur is such a lens that has a width along X and no height, in focus in the window (ly = 0,
- * F = W, lx uniform within half of view_blur steps from camera to camera): a view is the mean of
- * pinhole views from along that line.
+ * view_blur is such a lens that has a width along X, in focus in the window (F = W, lx uniform
+ * within half of view_blur steps from camera to camera), and no height (ly = 0), but for a row of a
+ * grid, where ly is uniform within half of view_blur steps from row to row: a view is the mean of
+ * pinhole views from along that line, or all over that cell.
  *
  * A length along such a ray is sqrt(1 + mx^2 + my^2) times its length in Z. */
 #ifndef LF_RENDER_RIG_H
@@ -39,7 +40,8 @@ typedef struct lf_rig {
     lf_vec3 eye, right, up, forward; /* scene-local */
     float distance, window;          /* D, W */
     float focus, lens_radius;        /* F (= W for pinholes), 0 = pinhole */
-    float blur;                      /* half the width of a view's line of cameras; 0 = one */
+    float blur,
+        blur_up; /* half of the width of a view's line, or cell, of cameras, and its height */
     /* window coordinates of film point (0, 0) and of one pixel; dy < 0 */
     float x0, dx, y0, dy;
     float tangent; /* of the window's upper edge seen from the middle; of the lower one minus it */

@@ -25,7 +25,7 @@ static void grow_rows(const lf_rig *rig, const double p[3], double *lo, double *
 {
     double distance = (double)rig->distance,
            v = (distance * p[1] / p[2] - (double)rig->y0) / (double)rig->dy;
-    double blur = fabs((double)rig->lens_radius * distance *
+    double blur = fabs((double)(rig->lens_radius + rig->blur_up) * distance *
                        (1.0 / (double)rig->focus - 1.0 / p[2]) / (double)rig->dy);
     *lo = v - blur < *lo ? v - blur : *lo;
     *hi = v + blur > *hi ? v + blur : *hi;

@@ -96,6 +96,58 @@ static void the_window_stays_sharp(void **state)
     assert_true(worst_difference(DISTANCE, 8, 0) < 0.012);
 }
 
+/* ---------------------------------------------------------------------------------- up and down --
+ */
+
+/* The same edge lying on its side, and rows of a grid in the place of views: of one of three. */
+static double worst_of_rows(double z, double blur, double expected_blur, int row)
+{
+    const double edge = 0.1, step = DISTANCE * tan(CONE / 3 * M_PI / 180);
+    double worst = 0;
+    char text[512];
+    snprintf(
+        text, sizeof text,
+        "{'camera': {'position': [0, 0, 5], 'fov_y': %g, 'aspect': 1, 'view_blur': %g, 'views': "
+        "{'grid': {'columns': 2, 'rows': 3, 'width': 1, 'height': %.17g}}}, "
+        "'materials': {'black': {'albedo': 0}}, 'meshes': {'wall': {'shape': 'quad', 'material': "
+        "'black', 'transform': {'scale': 40, 'rotate': [90, 0, 0], 'translate': [0, %.17g, "
+        "%.17g]}}}, " SKY "}",
+        FOV, blur, 2 * step, edge - 40, DISTANCE - z);
+    lf_scene *scene = lf_test_scene(text);
+    lf_render_settings settings = {.camera = lf_camera_row(lf_scene_camera(scene), row),
+                                   .width = 4,
+                                   .height = width,
+                                   .skip = LF_SKIP_ALL,
+                                   .seed = lf_test_seed()};
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", 4, width, NULL);
+    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
+    lf_test_cycles(r, 1024);
+    double *picture = lf_test_picture(r, LF_ESTIMATOR_MIS);
+    for (int i = 0; i < width; i++)
+        worst = fmax(
+            worst, fabs(picture[(width - 1 - i) * 2 * 4] - beside(z, edge, row, i, expected_blur)));
+    free(picture);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+    return worst;
+}
+
+/* 1024 heights of a row, and as many of its film: strata of 0.001. */
+static void views_of_a_grid_are_means_over_cells(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        const double z = i % 2 ? 7 : 3.5;
+        const int row = i / 2;
+        const double right = worst_of_rows(z, 1, 1, row);
+        print_message("depth %g, row %d: %.4f off\n", z, row, right);
+        assert_true(right < 0.015);
+        assert_true(worst_of_rows(z, 1, 1.15, row) > 0.025);
+        assert_true(worst_of_rows(z, 1, 0, row) > 0.2);
+    }
+    assert_true(worst_of_rows(DISTANCE, 1, 0, 0) < 0.015);
+}
+
 /* ----------------------------------------------------------------------------- pinholes between --
  */
 
@@ -166,6 +218,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_edge_is_a_ramp_as_wide_as_the_step),
         cmocka_unit_test(the_window_stays_sharp),
+        cmocka_unit_test(views_of_a_grid_are_means_over_cells),
         cmocka_unit_test(pinholes_in_the_place_of_lines_show_the_same),
         cmocka_unit_test(one_lens_at_a_time),
     };
