@@ -38,7 +38,8 @@ typedef struct worker {
     int64_t base_paths, contributions;
     float brightest; /* radiance of the pilot's */
     sight sight[LF_MAX_VIEWS];
-    lf_vec3 f[LF_MAX_VIEWS]; /* of a direction, by views */
+    lf_vec3 f[LF_MAX_VIEWS];     /* of a direction, by views */
+    lf_vec3 found[LF_MAX_VIEWS]; /* of a pivot: what it brings */
 } worker;
 
 typedef struct state {
@@ -157,25 +158,22 @@ static double lobes(const state *s, worker *w, const pivot *p, lf_vec3 wi, doubl
     return sum;
 }
 
-/* Radiance that arrives from one direction to all views, over a density; and what their samples
- * weigh, over the sum of theirs (0: that has been counted). */
-static void spread(state *s, worker *w, lf_vec3 arriving, double weight, bool pilot)
+/* Radiance that arrives from one direction to all views, over a density. */
+static void spread(state *s, worker *w, lf_vec3 arriving, bool pilot)
 {
     if (!isfinite(arriving.x + arriving.y + arriving.z)) {
         w->tracer.nonfinite++;
-        arriving = lf_v3(0.0f, 0.0f, 0.0f);
+        return;
     }
     for (int k = 0; k < s->n_views; k++) {
         const sight *to = &w->sight[k];
         if (!(to->density > 0.0))
             continue;
         const lf_vec3 n = lf_mul(lf_scale(arriving, (float)to->density), w->f[k]);
-        if (pilot) {
+        if (pilot)
             w->brightest = lf_max(w->brightest, lf_max3(n));
-            continue;
-        }
-        lf_splats_add(&s->splats, &w->tracer, to->row, to->pixel, n, to->density * weight);
-        w->contributions += weight > 0.0;
+        else
+            w->found[k] = lf_add(w->found[k], n);
     }
 }
 
@@ -195,7 +193,7 @@ static void spread_light(state *s, worker *w, const pivot *p, double densities, 
         return;
     const double over = lobes(s, w, p, light.wi, densities),
                  density = (double)light.pdf * densities + (light.delta ? 0.0 : over);
-    spread(s, w, lf_scale(light.radiance, (float)(share * (double)visible / density)), 0.0, pilot);
+    spread(s, w, lf_scale(light.radiance, (float)(share * (double)visible / density)), pilot);
 }
 
 /* The same by a direction of the base's own lobe, and all that comes along it. */
@@ -223,15 +221,20 @@ static void spread_direction(state *s, worker *w, const pivot *p, double densiti
     spread(s, w,
            lf_add(lf_scale(found, (float)(share / (over + (double)light_pdf * densities))),
                   lf_scale(scattered, (float)(share / over))),
-           0.0, pilot);
+           pilot);
 }
 
-/* To the weights of all that see it. */
-static void spread_weights(state *s, worker *w, double densities)
+/* Adds what all that see a pivot have found, and what their samples weigh. */
+static void add_found(state *s, worker *w, double densities)
 {
-    for (int k = 0; k < s->n_views; k++)
-        w->f[k] = lf_v3(0.0f, 0.0f, 0.0f);
-    spread(s, w, lf_v3(0.0f, 0.0f, 0.0f), 1.0 / densities, false);
+    for (int k = 0; k < s->n_views; k++) {
+        const sight *to = &w->sight[k];
+        if (!(to->density > 0.0))
+            continue;
+        lf_splats_add(&s->splats, &w->tracer, to->row, to->pixel, w->found[k],
+                      to->density / densities);
+        w->contributions++;
+    }
 }
 
 /* -------------------------------------------------------------------------------- base samples --
@@ -272,13 +275,15 @@ static void base_sample(state *s, worker *w, pivot *p, uint64_t pixel, uint32_t 
         w->tracer.nonfinite++;
         return;
     }
-    if (!pilot)
-        spread_weights(s, w, densities);
+    for (int k = 0; k < s->n_views; k++)
+        w->found[k] = lf_v3(0.0f, 0.0f, 0.0f);
     const int n = s->alone || pilot ? 1 : SUFFIXES;
     for (int i = 0; i < n; i++) {
         spread_light(s, w, p, densities, 1.0 / n, pilot);
         spread_direction(s, w, p, densities, 1.0 / n, pilot);
     }
+    if (!pilot)
+        add_found(s, w, densities);
 }
 
 /* How bright it gets, for the unit of the sums: the same whatever is rendered of the picture. */
