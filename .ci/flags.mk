@@ -55,6 +55,7 @@ isa_kernel_avx2 := -mavx2 -mf16c
 isa_kernel_avx512 := -mavx512f
 isa_suffix_avx2 := -mavx2
 isa_fan_avx2 := -mavx2
+isa_depth_avx2 := -mavx2
 isa_suffix_avx512 := -mavx512f -mprefer-vector-width=512
 # The lanes of suffixes are one template that is compiled three times. With both sanitizers at -O2 each took 70 s and more: -O1 is
 # enough, and UndefinedBehaviorSanitizer looks at the C copy alone, to whose bits test_suffix and test_suffix_sky hold the others.

@@ -92,7 +92,7 @@ portable_tests := base/test_alloc base/test_status base/test_thread quilt/test_i
 ifdef PORTABLE
 base_srcs := $(patsubst %,base/%.c,alloc status thread image)
 quilt_srcs := $(filter-out quilt/files.c quilt/layout_name.c quilt/print/%,$(quilt_srcs))
-render_srcs := $(filter render/rows/kernel% render/rows/fan% render/transport/suffix%,$(render_srcs)) $(patsubst %,render/%.c,rows/slice rows/body scene/volume transport/sampler)
+render_srcs := $(filter render/rows/kernel% render/rows/fan% render/transport/suffix% render/general/depth_%,$(render_srcs)) $(patsubst %,render/%.c,rows/slice rows/body scene/volume transport/sampler)
 stat_srcs := tests/stat/stat.c tests/stat/chi2.c
 test_faults_render :=
 optics_srcs :=

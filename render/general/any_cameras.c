@@ -38,7 +38,8 @@ typedef struct worker {
     int64_t base_paths, contributions;
     float brightest; /* radiance of the pilot's */
     sight sight[LF_MAX_VIEWS];
-    lf_vec3 f[LF_MAX_VIEWS]; /* of a direction, by views */
+    lf_vec3 f[LF_MAX_VIEWS];     /* of a direction, by views */
+    lf_vec3 found[LF_MAX_VIEWS]; /* of a pivot: what it brings */
 } worker;
 
 typedef struct state {
@@ -68,9 +69,9 @@ typedef struct pivot {
 /* --------------------------------------------------------------------------------- densities --
  */
 
-/* Density of view k's samples at the pivot, up to what all of them have in common there; 0: it sees
- * nothing of it. The base sees its own. */
-static double density_of(const state *s, worker *w, const pivot *p, int k)
+/* Density of view k's samples at the pivot but for what is lost in media on the way, up to what all
+ * of them have in common there, and that way; 0: it sees nothing of it. The base sees its own. */
+static double density_of(const state *s, worker *w, const pivot *p, int k, lf_depth_ray *way)
 {
     const bool base = k == p->view;
     const lf_event *e = &p->event;
@@ -99,23 +100,33 @@ static double density_of(const state *s, worker *w, const pivot *p, int k)
     if (!base && s->has_meshes &&
         !(lf_trace_passed_seen(&w->tracer, from, lf_sub(s->views[k].eye, from), 1.0f) > 0.0f))
         return 0.0;
-    return scale * exp(-lf_depth_along(&w->tracer, s->views[k].eye, seen.w, (double)seen.distance));
+    *way = (lf_depth_ray){s->views[k].eye, seen.w, (double)seen.distance};
+    return scale;
 }
 
 /* Fills the sights of all views; returns the sum of their densities. */
 static double look(const state *s, worker *w, const pivot *p, bool alone)
 {
-    double sum = 0.0;
-    for (int k = 0; k < s->n_views; k++)
-        w->sight[k].density = 0.0;
+    double sum = 0.0, depth[LF_MAX_VIEWS];
+    lf_depth_ray ways[LF_MAX_VIEWS];
+    int n = 0;
     if (alone) {
+        for (int k = 0; k < s->n_views; k++)
+            w->sight[k].density = 0.0;
         sight *own = &w->sight[p->view];
         *own = (sight){1.0, p->row, (size_t)p->view * (size_t)s->width + (size_t)p->column,
                        lf_scale(p->event.w, -1.0f)};
         return 1.0;
     }
+    for (int k = 0; k < s->n_views; k++) {
+        w->sight[k].density = density_of(s, w, p, k, &ways[n]);
+        n += w->sight[k].density > 0.0;
+    }
+    lf_depths_along(&w->tracer, n, ways, depth);
+    n = 0;
     for (int k = 0; k < s->n_views; k++)
-        sum += w->sight[k].density = density_of(s, w, p, k);
+        if (w->sight[k].density > 0.0)
+            sum += w->sight[k].density *= exp(-depth[n++]);
     return sum;
 }
 
@@ -147,25 +158,22 @@ static double lobes(const state *s, worker *w, const pivot *p, lf_vec3 wi, doubl
     return sum;
 }
 
-/* Radiance that arrives from one direction to all views, over a density; and what their samples
- * weigh, over the sum of theirs (0: that has been counted). */
-static void spread(state *s, worker *w, lf_vec3 arriving, double weight, bool pilot)
+/* Radiance that arrives from one direction to all views, over a density. */
+static void spread(state *s, worker *w, lf_vec3 arriving, bool pilot)
 {
     if (!isfinite(arriving.x + arriving.y + arriving.z)) {
         w->tracer.nonfinite++;
-        arriving = lf_v3(0.0f, 0.0f, 0.0f);
+        return;
     }
     for (int k = 0; k < s->n_views; k++) {
         const sight *to = &w->sight[k];
         if (!(to->density > 0.0))
             continue;
         const lf_vec3 n = lf_mul(lf_scale(arriving, (float)to->density), w->f[k]);
-        if (pilot) {
+        if (pilot)
             w->brightest = lf_max(w->brightest, lf_max3(n));
-            continue;
-        }
-        lf_splats_add(&s->splats, &w->tracer, to->row, to->pixel, n, to->density * weight);
-        w->contributions += weight > 0.0;
+        else
+            w->found[k] = lf_add(w->found[k], n);
     }
 }
 
@@ -185,7 +193,7 @@ static void spread_light(state *s, worker *w, const pivot *p, double densities, 
         return;
     const double over = lobes(s, w, p, light.wi, densities),
                  density = (double)light.pdf * densities + (light.delta ? 0.0 : over);
-    spread(s, w, lf_scale(light.radiance, (float)(share * (double)visible / density)), 0.0, pilot);
+    spread(s, w, lf_scale(light.radiance, (float)(share * (double)visible / density)), pilot);
 }
 
 /* The same by a direction of the base's own lobe, and all that comes along it. */
@@ -213,15 +221,20 @@ static void spread_direction(state *s, worker *w, const pivot *p, double densiti
     spread(s, w,
            lf_add(lf_scale(found, (float)(share / (over + (double)light_pdf * densities))),
                   lf_scale(scattered, (float)(share / over))),
-           0.0, pilot);
+           pilot);
 }
 
-/* To the weights of all that see it. */
-static void spread_weights(state *s, worker *w, double densities)
+/* Adds what all that see a pivot have found, and what their samples weigh. */
+static void add_found(state *s, worker *w, double densities)
 {
-    for (int k = 0; k < s->n_views; k++)
-        w->f[k] = lf_v3(0.0f, 0.0f, 0.0f);
-    spread(s, w, lf_v3(0.0f, 0.0f, 0.0f), 1.0 / densities, false);
+    for (int k = 0; k < s->n_views; k++) {
+        const sight *to = &w->sight[k];
+        if (!(to->density > 0.0))
+            continue;
+        lf_splats_add(&s->splats, &w->tracer, to->row, to->pixel, w->found[k],
+                      to->density / densities);
+        w->contributions++;
+    }
 }
 
 /* -------------------------------------------------------------------------------- base samples --
@@ -262,13 +275,15 @@ static void base_sample(state *s, worker *w, pivot *p, uint64_t pixel, uint32_t 
         w->tracer.nonfinite++;
         return;
     }
-    if (!pilot)
-        spread_weights(s, w, densities);
+    for (int k = 0; k < s->n_views; k++)
+        w->found[k] = lf_v3(0.0f, 0.0f, 0.0f);
     const int n = s->alone || pilot ? 1 : SUFFIXES;
     for (int i = 0; i < n; i++) {
         spread_light(s, w, p, densities, 1.0 / n, pilot);
         spread_direction(s, w, p, densities, 1.0 / n, pilot);
     }
+    if (!pilot)
+        add_found(s, w, densities);
 }
 
 /* How bright it gets, for the unit of the sums: the same whatever is rendered of the picture. */
@@ -334,9 +349,18 @@ static lf_vec3 sky_of(const state *s, const lf_pinhole *view, lf_vec3 w, float v
     return lf_backdrop_at(&s->seen.backdrop, lf_min(lf_max(0.5f - 0.5f * y, 0.0f), 1.0f));
 }
 
-/* B and q of a view pixel, by one ray. */
-static void follow(const state *s, worker *w, int view, int row, int column, uint64_t key,
-                   uint32_t index)
+/* View pixels that are followed side by side. */
+enum { FOLLOWED = 64 };
+
+/* What a pixel's ray finds behind the media, and whether that is a surface. */
+typedef struct found {
+    lf_vec3 light;
+    bool met;
+} found;
+
+/* Of one ray, which is returned, through a view pixel. */
+static lf_depth_ray follow(const state *s, worker *w, int view, int row, int column, uint64_t key,
+                           uint32_t index, found *out)
 {
     const lf_pinhole *of = &s->views[view];
     const size_t pixel = (size_t)view * (size_t)s->width + (size_t)column;
@@ -349,16 +373,31 @@ static void follow(const state *s, worker *w, int view, int row, int column, uin
     const lf_vec3 d = lf_pinhole_ray(of, (float)column + film[0], v);
     w->tracer.width = 0.0f;
     w->tracer.spread = 0.5f * lf_min(of->dx, fabsf(of->dy));
-    const bool met = lf_trace_seen(&w->tracer, of->eye, d, INFINITY, &hit);
-    const double depth = lf_depth_along(&w->tracer, of->eye, d, (double)(met ? hit.t : INFINITY));
-    lf_vec3 light = lf_v3(0.0f, 0.0f, 0.0f);
-    if (!met)
-        light = sky_of(s, of, d, v);
+    out->met = lf_trace_seen(&w->tracer, of->eye, d, INFINITY, &hit);
+    out->light = lf_v3(0.0f, 0.0f, 0.0f);
+    if (!out->met)
+        out->light = sky_of(s, of, d, v);
     else if (s->seen.has_emission)
-        light = lf_light_hit(&s->seen, of->eye, &hit, &pdf);
-    light = lf_scale(light, (float)exp(-depth));
-    lf_film_known_light(&w->sums, pixel, light.x, light.y, light.z);
-    lf_film_pivots(&w->sums, pixel, met ? 1.0f : (float)-expm1(-depth));
+        out->light = lf_light_hit(&s->seen, of->eye, &hit, &pdf);
+    return (lf_depth_ray){of->eye, d, (double)(out->met ? hit.t : INFINITY)};
+}
+
+/* B and q of n of a row's pixels in a view. */
+static void follow_all(const state *s, worker *w, int view, int row, int first, int n, uint64_t key,
+                       uint32_t index)
+{
+    lf_depth_ray rays[FOLLOWED];
+    double depth[FOLLOWED];
+    found behind[FOLLOWED];
+    for (int i = 0; i < n; i++)
+        rays[i] = follow(s, w, view, row, first + i, key, index, &behind[i]);
+    lf_depths_along(&w->tracer, n, rays, depth);
+    for (int i = 0; i < n; i++) {
+        const size_t pixel = (size_t)view * (size_t)s->width + (size_t)(first + i);
+        const lf_vec3 light = lf_scale(behind[i].light, (float)exp(-depth[i]));
+        lf_film_known_light(&w->sums, pixel, light.x, light.y, light.z);
+        lf_film_pivots(&w->sums, pixel, behind[i].met ? 1.0f : (float)-expm1(-depth[i]));
+    }
 }
 
 typedef struct closing {
@@ -379,8 +418,9 @@ static void close_row(void *context, int item, int worker_index)
     lf_film_sums_begin(&w->sums);
     lf_splats_take(&s->splats, row, &w->sums);
     for (int view = 0; view < s->n_views; view++)
-        for (int column = 0; column < s->width; column++)
-            follow(s, w, view, row, column, key, index);
+        for (int first = 0; first < s->width; first += FOLLOWED)
+            follow_all(s, w, view, row, first,
+                       s->width - first < FOLLOWED ? s->width - first : FOLLOWED, key, index);
     lf_film_merge(s->film, order->stream, row, half, &w->sums,
                   (double)order->subsets / order->column_step, lf_hash64(lf_hash64(key, 9), index));
 }

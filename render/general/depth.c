@@ -73,12 +73,26 @@ static bool steps_next(steps *s)
     return true;
 }
 
+/* lf_grid_value and lf_grid_voxel of a place in double: far from a large grid's first voxel a float
+ * is coarse. */
 static double value_at(const lf_volume *volume, const local_ray *r, double t)
 {
-    const float x = (float)(r->o[0] + t * r->d[0]), y = (float)(r->o[1] + t * r->d[1]),
-                z = (float)(r->o[2] + t * r->d[2]);
-    return (double)(volume->nearest ? lf_grid_voxel(volume->grid, x, y, z)
-                                    : lf_grid_value(volume->grid, x, y, z));
+    const lf_grid *grid = volume->grid;
+    const double shift = volume->nearest ? 0.5 : 0.0;
+    float f[3];
+    int c[3];
+    for (int i = 0; i < 3; i++) {
+        const double p = r->o[i] + t * r->d[i] + shift;
+        if (!(p > -1.0 && p < (double)grid->size[i]))
+            return 0.0;
+        c[i] = (int)p - (p < 0.0); /* down, without a call */
+        f[i] = (float)(p - (double)c[i]);
+    }
+    const size_t cell = lf_grid_cell(grid, c);
+    if (volume->nearest)
+        return (double)lf_grid_stored(grid, cell);
+    return (double)(grid->values ? lf_cell_linear(grid->values + cell, f)
+                                 : lf_cell_linear_short(grid->shorts + cell, grid->short_scale, f));
 }
 
 /* Of the values between two distances, in one brick. */
@@ -149,4 +163,104 @@ double lf_depth_along(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, double end)
                                                   : through_shape(volume, &r));
     }
     return sum;
+}
+
+/* ---------------------------------------------------------------------------------- many rays --
+ */
+
+static double between(double x, double lo, double hi)
+{
+    return x > lo ? (x < hi ? x : hi) : lo;
+}
+
+/* clip, of voxels' edges where the volume has some; without calls. */
+static bool part_inside(const lf_volume *volume, local_ray *r)
+{
+    const double lo = volume->nearest ? -0.5 : -1.0, hi = volume->nearest ? 0.5 : 0.0;
+    for (int i = 0; i < 3; i++) {
+        const double first = lo - r->o[i], last = (double)volume->grid->size[i] - hi - r->o[i];
+        if (fabs(r->d[i]) < 1e-20) {
+            if (!(first < 0.0 && last > 0.0))
+                return false;
+            continue;
+        }
+        const double inverse = 1.0 / r->d[i], a = first * inverse, b = last * inverse,
+                     near = a < b ? a : b, far = a < b ? b : a;
+        r->from = near > r->from ? near : r->from;
+        r->to = far < r->to ? far : r->to;
+    }
+    return r->to > r->from;
+}
+
+/* From its far end back. */
+static void add_job(const lf_volume *volume, const local_ray *r, lf_depth_jobs *jobs)
+{
+    const double shift = volume->nearest ? 1.5 : 1.0;
+    const int n = jobs->n++;
+    for (int i = 0; i < 3; i++) {
+        const int bricks = volume->grid->bricks[i];
+        const double p =
+            between(r->o[i] + r->to * r->d[i] + shift, 0.0, (double)(LF_BRICK * bricks));
+        const int brick = (int)(p * (1.0 / LF_BRICK));
+        jobs->brick[i][n] = brick < bricks ? brick : bricks - 1;
+        jobs->p[i][n] = (float)(p - (double)(LF_BRICK * jobs->brick[i][n]));
+        jobs->d[i][n] = (float)-r->d[i];
+    }
+    jobs->end[n] = (float)(r->to - r->from);
+}
+
+/* Adds what a grid has. */
+static void through_lanes(const lf_depth_kernel *kernel, lf_tracer *tracer, const lf_volume *volume,
+                          int n, const lf_depth_ray *rays, double *sums)
+{
+    const double scale = (double)volume->sigma_scale;
+    lf_depth_jobs jobs;
+    jobs.n = 0;
+    for (int k = 0; k < n; k++) {
+        local_ray r;
+        to_local(volume, rays[k].o, rays[k].w, rays[k].end, &r);
+        if (!isfinite(r.d[0] + r.d[1] + r.d[2]) || !part_inside(volume, &r))
+            continue;
+        jobs.of[jobs.n] = k;
+        add_job(volume, &r, &jobs);
+    }
+    tracer->lookups += kernel->trace(volume->grid, volume->nearest,
+                                     (float)fmin(LF_DEPTH_ENOUGH / scale, 1e30), &jobs);
+    for (int k = 0; k < jobs.n; k++)
+        sums[jobs.of[k]] += scale * (double)jobs.sum[k];
+}
+
+static void depths_of_some(const lf_depth_kernel *kernel, lf_tracer *tracer, int n,
+                           const lf_depth_ray *rays, double *sums)
+{
+    const lf_scene *scene = tracer->scene;
+    for (int k = 0; k < n; k++)
+        sums[k] = 0.0;
+    for (int i = 0; i < scene->n_volumes; i++) {
+        const lf_volume *volume = &scene->volumes[i];
+        if (!(volume->sigma_max > 0.0f))
+            continue;
+        if (volume->kind == LF_VOLUME_GRID) {
+            through_lanes(kernel, tracer, volume, n, rays, sums);
+            continue;
+        }
+        for (int k = 0; k < n; k++) {
+            local_ray r;
+            to_local(volume, rays[k].o, rays[k].w, rays[k].end, &r);
+            sums[k] += (double)volume->sigma_scale * through_shape(volume, &r);
+        }
+    }
+}
+
+void lf_depths_by(const lf_depth_kernel *kernel, lf_tracer *tracer, int n, const lf_depth_ray *rays,
+                  double *out_depths)
+{
+    for (int first = 0; first < n; first += LF_DEPTH_MOST)
+        depths_of_some(kernel, tracer, n - first < LF_DEPTH_MOST ? n - first : LF_DEPTH_MOST,
+                       rays + first, out_depths + first);
+}
+
+void lf_depths_along(lf_tracer *tracer, int n, const lf_depth_ray *rays, double *out_depths)
+{
+    lf_depths_by(lf_depth_kernel_get(), tracer, n, rays, out_depths);
 }

@@ -1,6 +1,6 @@
 #include "render/general/light_path.h"
 
-#include "render/general/media_depth.h"
+#include "render/general/depth.h"
 #include "render/transport/phase.h"
 
 /* The media at a point. */
@@ -78,7 +78,7 @@ static lf_vec3 escaped(const lf_path_space *space, lf_vec3 w, float pdf)
 static double depth_along(const lf_path_space *space, bool exact, lf_vec3 o, lf_vec3 w, double end,
                           lf_tracer *tracer)
 {
-    return exact ? lf_media_depth(space->scene, o, w, end, &tracer->lookups)
+    return exact ? lf_depth_along(tracer, o, w, end)
                  : lf_coarse_grid_depth(space->coarse, o, w, end);
 }
 

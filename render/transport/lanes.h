@@ -1,9 +1,9 @@
 /* Lanes: LF_WIDTH floats, integers and truth values that go through the same operations, and what
- * GCC's vectors do not say by themselves; private to the suffix_*.c and fan_*.c. A file includes
- * lanes_avx2.h, or says LF_LANES_AVX512, before it includes this; else lanes are 4, in whatever the
- * compiler makes of them (SSE2, NEON). Every operation gives a lane the same bits whatever the
- * width: all are exact or rounded once, no reciprocals by estimate, and logarithm, sine and cosine
- * are our own. Nothing is summed across lanes. */
+ * GCC's vectors do not say by themselves; private to the suffix_*.c, fan_*.c and depth_*.c. A file
+ * includes lanes_avx2.h, or says LF_LANES_AVX512, before it includes this; else lanes are 4, in
+ * whatever the compiler makes of them (SSE2, NEON). Every operation gives a lane the same bits
+ * whatever the width: all are exact or rounded once, no reciprocals by estimate, and logarithm,
+ * sine and cosine are our own. Nothing is summed across lanes. */
 #ifndef LF_RENDER_LANES_H
 #define LF_RENDER_LANES_H
 

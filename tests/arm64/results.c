@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "quilt/quilt.h"
+#include "render/general/depth_kernel.h"
 #include "tests/render/fans.h"
 
 enum { VIEWS = 45, WIDTH = 60, HEIGHT = 80, PIXELS = 100 };
@@ -266,6 +267,44 @@ static void suffixes(void)
     say("suffixes", mix(mix(start, &lookups, sizeof lookups), out, sizeof out));
 }
 
+/* Rays through such a field as a grid has it, in 32 bits and in 16. */
+static void depths_of_rays(void)
+{
+    enum { N = BRICKS * BRICKS * BRICKS, SIDE = BRICKS * LF_BRICK - 1 };
+    static float floats[(N + 1) * LF_BRICK_STRIDE];
+    static uint16_t shorts[(N + 1) * LF_BRICK_STRIDE];
+    static uint32_t index[N];
+    static lf_depth_jobs jobs = {.n = LF_DEPTH_MOST};
+    lf_grid grid = {.size = {SIDE, SIDE, SIDE},
+                    .bricks = {BRICKS, BRICKS, BRICKS},
+                    .index = index,
+                    .shorts = shorts,
+                    .short_scale = 0x1p64f};
+    uint64_t seed = 31, hash = start;
+    int64_t lookups = 0;
+    for (uint32_t i = 0; i < N; i++)
+        index[i] = uniform(&seed) < 0.7f ? i + 1 : 0;
+    for (size_t i = LF_BRICK_STRIDE; i < sizeof floats / sizeof *floats; i++) {
+        floats[i] = uniform(&seed);
+        shorts[i] = (uint16_t)(65535.0f * uniform(&seed));
+    }
+    for (int i = 0; i < LF_DEPTH_MOST; i++) {
+        jobs.end[i] = 60.0f * uniform(&seed);
+        for (int a = 0; a < 3; a++) {
+            jobs.p[a][i] = (float)LF_BRICK * uniform(&seed);
+            jobs.brick[a][i] = (int32_t)((float)BRICKS * uniform(&seed));
+            jobs.d[a][i] = i % 5 == a ? 0.0f : uniform(&seed) - 0.5f;
+        }
+    }
+    for (int way = 0; way < 4; way++) {
+        grid.values = way < 2 ? NULL : floats;
+        lookups += lf_depth_kernel_get()->trace(&grid, way % 2, 20.0f, &jobs);
+        hash = mix(hash, jobs.sum, sizeof jobs.sum);
+    }
+    demand(lookups > 20 * LF_DEPTH_MOST, "rays meet nothing");
+    say("depths of rays", mix(hash, &lookups, sizeof lookups));
+}
+
 static void fills_and_rectangles(void)
 {
     size_t n = (size_t)VIEWS * WIDTH * HEIGHT;
@@ -301,6 +340,7 @@ int main(int argc, char **argv)
     densities();
     depths();
     suffixes();
+    depths_of_rays();
     if (argc > 1)
         return 0;
     samplers();

@@ -5,7 +5,7 @@
 #include "tests/testing.h"
 
 #include "render/general/coarse_grid.h"
-#include "render/general/media_depth.h"
+#include "render/general/depth.h"
 #include "render/general/reservoir.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"
@@ -163,9 +163,8 @@ static void depths_are_those_of_the_media(void **state)
     (void)state;
     lf_coarse_grid coarse = {.sigma = NULL};
     lf_pool *pool = NULL;
-    int64_t lookups = 0;
     int inside = 0;
-    lf_tracer rng = {.rng = lf_test_seed() + 6};
+    lf_tracer rng = {.rng = lf_test_seed() + 6}, tracer = {.scene = fog};
     lf_assert_ok(lf_pool_create(1, &pool), NULL);
     lf_assert_ok(lf_coarse_grid_init(&coarse, fog, pool), NULL);
     for (int i = 0; i < 40; i++) {
@@ -179,7 +178,7 @@ static void depths_are_those_of_the_media(void **state)
                 sum += (double)lf_volume_sigma_t(&fog->volumes[v],
                                                  lf_madd(o, (float)((k + 0.5) / steps * end), w)) *
                        end / steps;
-        lf_assert_close(lf_media_depth(fog, o, w, end, &lookups), sum, 2e-4, 2e-4);
+        lf_assert_close(lf_depth_along(&tracer, o, w, end), sum, 2e-4, 2e-4);
         double whole = lf_coarse_grid_depth(&coarse, o, w, INFINITY);
         lf_coarse_point at;
         if (!(whole > 0))
@@ -190,7 +189,7 @@ static void depths_are_those_of_the_media(void **state)
         assert_false(lf_coarse_grid_at_depth(&coarse, o, w, 1.01 * whole, &at, &left));
         lf_assert_close(left, whole, 1e-12, 0);
     }
-    assert_true(inside > 30 && lookups > 0);
+    assert_true(inside > 30 && tracer.lookups > 0);
     lf_coarse_grid_finish(&coarse);
     lf_pool_destroy(pool);
 }
