@@ -63,6 +63,7 @@ typedef struct state {
 typedef struct pivot {
     lf_event event;
     int view, row, column;
+    float lens[2]; /* the point that its ray has left */
     lf_sampler *sampler;
 } pivot;
 
@@ -77,7 +78,7 @@ static double density_of(const state *s, worker *w, const pivot *p, int k, lf_de
     const lf_event *e = &p->event;
     lf_pinhole_sight seen;
     sight *out = &w->sight[k];
-    if (!lf_pinhole_see(&s->views[k], e->p, &seen))
+    if (!lf_pinhole_see(&s->views[k], p->lens, e->p, &seen))
         return 0.0;
     if (!base && !(seen.u >= 0.0f && seen.u < (float)s->width && seen.v >= 0.0f &&
                    seen.v < (float)s->height))
@@ -98,9 +99,9 @@ static double density_of(const state *s, worker *w, const pivot *p, int k, lf_de
         from = lf_offset(&s->seen, e->p, e->hit.ng, out->wo, seen.distance);
     }
     if (!base && s->has_meshes &&
-        !(lf_trace_passed_seen(&w->tracer, from, lf_sub(s->views[k].eye, from), 1.0f) > 0.0f))
+        !(lf_trace_passed_seen(&w->tracer, from, lf_sub(seen.eye, from), 1.0f) > 0.0f))
         return 0.0;
-    *way = (lf_depth_ray){s->views[k].eye, seen.w, (double)seen.distance};
+    *way = (lf_depth_ray){seen.eye, seen.w, (double)seen.distance};
     return scale;
 }
 
@@ -240,22 +241,33 @@ static void add_found(state *s, worker *w, double densities)
 /* -------------------------------------------------------------------------------- base samples --
  */
 
+/* Pinholes draw none. */
+static void draw_lens(const lf_pinhole *view, lf_sampler *sampler, float out_lens[2])
+{
+    float u[2];
+    out_lens[0] = out_lens[1] = 0.0f;
+    if (!(view->lens_radius > 0.0f))
+        return;
+    lf_sampler_2d(sampler, u);
+    lf_pinhole_lens(view, u, out_lens);
+}
+
 /* Where a ray of a view meets something to scatter at; false: nowhere. What it is made of must not
  * depend on who drew it: pictures on surfaces are read at their finest, cameras having footprints
  * of their own. */
 static bool find_pivot(const state *s, worker *w, lf_vec3 d, pivot *out)
 {
-    const lf_pinhole *view = &s->views[out->view];
+    const lf_vec3 eye = lf_pinhole_eye(&s->views[out->view], out->lens);
     lf_event *e = &out->event;
     e->w = d;
     w->tracer.width = w->tracer.spread = 0.0f;
-    const bool met = lf_trace_seen(&w->tracer, view->eye, d, INFINITY, &e->hit);
+    const bool met = lf_trace_seen(&w->tracer, eye, d, INFINITY, &e->hit);
     const float t =
-        lf_track_collision(&w->tracer, view->eye, d, met ? e->hit.t : INFINITY, &e->volume);
+        lf_track_collision(&w->tracer, eye, d, met ? e->hit.t : INFINITY, &e->volume);
     if (!met && isinf(t))
         return false;
     e->kind = isinf(t) ? LF_EVENT_SURFACE : LF_EVENT_MEDIUM;
-    e->p = isinf(t) ? e->hit.p : lf_madd(view->eye, t, d);
+    e->p = isinf(t) ? e->hit.p : lf_madd(eye, t, d);
     return true;
 }
 
@@ -266,8 +278,9 @@ static void base_sample(state *s, worker *w, pivot *p, uint64_t pixel, uint32_t 
     lf_sampler_init(p->sampler, s->sampler, pixel, index);
     w->tracer.rng = lf_hash64(pixel, ~(uint64_t)index);
     lf_sampler_2d(p->sampler, film);
-    const lf_vec3 d =
-        lf_pinhole_ray(&s->views[p->view], (float)p->column + film[0], (float)p->row + film[1]);
+    draw_lens(&s->views[p->view], p->sampler, p->lens);
+    const lf_vec3 d = lf_pinhole_ray(&s->views[p->view], p->lens, (float)p->column + film[0],
+                                     (float)p->row + film[1]);
     if (!find_pivot(s, w, d, p))
         return;
     const double densities = look(s, w, p, s->alone || pilot);
@@ -365,21 +378,23 @@ static lf_depth_ray follow(const state *s, worker *w, int view, int row, int col
     const lf_pinhole *of = &s->views[view];
     const size_t pixel = (size_t)view * (size_t)s->width + (size_t)column;
     lf_sampler sampler;
-    float film[2], pdf;
+    float film[2], lens[2], pdf;
     lf_hit hit;
     lf_sampler_init(&sampler, s->sampler, lf_hash64(key, ((uint64_t)pixel << 8) + 5), index);
     lf_sampler_2d(&sampler, film);
     const float v = (float)row + film[1];
-    const lf_vec3 d = lf_pinhole_ray(of, (float)column + film[0], v);
+    draw_lens(of, &sampler, lens);
+    const lf_vec3 eye = lf_pinhole_eye(of, lens),
+                  d = lf_pinhole_ray(of, lens, (float)column + film[0], v);
     w->tracer.width = 0.0f;
     w->tracer.spread = 0.5f * lf_min(of->dx, fabsf(of->dy));
-    out->met = lf_trace_seen(&w->tracer, of->eye, d, INFINITY, &hit);
+    out->met = lf_trace_seen(&w->tracer, eye, d, INFINITY, &hit);
     out->light = lf_v3(0.0f, 0.0f, 0.0f);
     if (!out->met)
         out->light = sky_of(s, of, d, v);
     else if (s->seen.has_emission)
-        out->light = lf_light_hit(&s->seen, of->eye, &hit, &pdf);
-    return (lf_depth_ray){of->eye, d, (double)(out->met ? hit.t : INFINITY)};
+        out->light = lf_light_hit(&s->seen, eye, &hit, &pdf);
+    return (lf_depth_ray){eye, d, (double)(out->met ? hit.t : INFINITY)};
 }
 
 /* B and q of n of a row's pixels in a view. */
@@ -472,8 +487,8 @@ static const char *unknown(const lf_scene *scene, const lf_render_settings *sett
         return "extinction that has a colour yet; the scene's has";
     if (looks->moving || settings->camera.moves)
         return "motion yet; something moves while the shutter is open";
-    if (settings->camera.lens_radius > 0.0 || settings->camera.view_blur > 0.0)
-        return "lenses and view_blur yet";
+    if (settings->camera.view_blur > 0.0)
+        return "view_blur: they have no neighbours";
     if (settings->features)
         return "reconstructed pictures (--reconstruct off) or depth";
     return NULL;

@@ -27,6 +27,7 @@ static lf_status aim(lf_pinhole *out, const lf_view_camera *from, const double o
     out->forward = scaled(forward, 1.0 / ahead);
     out->right = scaled(right, 1.0 / across);
     out->up = scaled(up, 1.0 / lf_length_double(up));
+    out->focus = (float)ahead;
     return LF_OK;
 }
 
@@ -49,25 +50,44 @@ lf_status lf_pinholes_init(lf_pinhole *out, const lf_render_settings *settings,
         out[k].y0 = (float)((0.5 - top) * height);
         out[k].dy = (float)(-(bottom - top) * height / settings->height);
         out[k].tangent = (float)(0.5 * height);
+        out[k].lens_radius = (float)c->lens_radius;
+        if (c->focus_distance > 0.0)
+            out[k].focus = (float)c->focus_distance;
     }
     return status;
 }
 
-lf_vec3 lf_pinhole_ray(const lf_pinhole *pinhole, float u, float v)
+void lf_pinhole_lens(const lf_pinhole *pinhole, const float u[2], float out_lens[2])
 {
-    return lf_normalize(
-        lf_madd(lf_madd(pinhole->forward, pinhole->x0 + u * pinhole->dx, pinhole->right),
-                pinhole->y0 + v * pinhole->dy, pinhole->up));
+    const float r = pinhole->lens_radius * sqrtf(u[0]), angle = 2.0f * LF_PI * u[1];
+    out_lens[0] = r * cosf(angle);
+    out_lens[1] = r * sinf(angle);
 }
 
-bool lf_pinhole_see(const lf_pinhole *pinhole, lf_vec3 p, lf_pinhole_sight *out)
+lf_vec3 lf_pinhole_eye(const lf_pinhole *pinhole, const float lens[2])
 {
-    const lf_vec3 d = lf_sub(p, pinhole->eye);
+    return lf_madd(lf_madd(pinhole->eye, lens[0], pinhole->right), lens[1], pinhole->up);
+}
+
+lf_vec3 lf_pinhole_ray(const lf_pinhole *pinhole, const float lens[2], float u, float v)
+{
+    return lf_normalize(lf_madd(
+        lf_madd(pinhole->forward, pinhole->x0 + u * pinhole->dx - lens[0] / pinhole->focus,
+                pinhole->right),
+        pinhole->y0 + v * pinhole->dy - lens[1] / pinhole->focus, pinhole->up));
+}
+
+bool lf_pinhole_see(const lf_pinhole *pinhole, const float lens[2], lf_vec3 p,
+                    lf_pinhole_sight *out)
+{
+    out->eye = lf_pinhole_eye(pinhole, lens);
+    const lf_vec3 d = lf_sub(p, out->eye);
     const float z = lf_dot(d, pinhole->forward), r = lf_length(d);
     if (!(z > 1e-6f * r))
         return false;
-    out->u = (lf_dot(d, pinhole->right) / z - pinhole->x0) / pinhole->dx;
-    out->v = (lf_dot(d, pinhole->up) / z - pinhole->y0) / pinhole->dy;
+    out->u =
+        (lf_dot(d, pinhole->right) / z + lens[0] / pinhole->focus - pinhole->x0) / pinhole->dx;
+    out->v = (lf_dot(d, pinhole->up) / z + lens[1] / pinhole->focus - pinhole->y0) / pinhole->dy;
     out->distance = r;
     out->w = lf_scale(d, 1.0f / r);
     /* a pixel is |dx dy| cos^3 of solid angle, cos = z/r */

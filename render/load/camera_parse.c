@@ -12,20 +12,20 @@ void lf_camera_check(lf_reader *reader, const lf_node *root, lf_camera *camera)
     const char *key = NULL,
                *fault = lf_camera_fault(camera->position, camera->target, camera->up, &key);
     const lf_node node = lf_node_child(root, "camera"), blur = lf_node_child(&node, "view_blur"),
-                  lens = lf_node_child(&node, "lens_radius"), at = lf_node_child(&node, key);
+                  at = lf_node_child(&node, key);
     if (fault) {
         lf_read_fail(reader, &at, "%s", fault);
         return;
     }
     lf_sub_double(camera->target, camera->position, view);
-    if (camera->list && (camera->view_blur > 0 || camera->lens_radius > 0))
-        lf_read_fail(reader, camera->lens_radius > 0 ? &lens : &blur,
-                     "cameras that are listed are pinholes; those of an arc, a track or a grid "
-                     "have lenses");
+    if (camera->list && camera->view_blur > 0)
+        lf_read_fail(reader, &blur,
+                     "cameras that are listed have no neighbours; those of an arc, a track or a grid "
+                     "do");
     if (camera->view_blur > 0 && camera->lens_radius > 0)
         lf_read_fail(reader, &blur, "does not go with a lens_radius: one lens at a time");
     if (!lf_node_child(&node, "focus_distance").value)
-        camera->focus_distance = lf_length_double(view);
+        camera->focus_distance = camera->list ? 0.0 : lf_length_double(view);
 }
 
 /* A camera of a mesh's file. */
