@@ -262,8 +262,7 @@ static bool find_pivot(const state *s, worker *w, lf_vec3 d, pivot *out)
     e->w = d;
     w->tracer.width = w->tracer.spread = 0.0f;
     const bool met = lf_trace_seen(&w->tracer, eye, d, INFINITY, &e->hit);
-    const float t =
-        lf_track_collision(&w->tracer, eye, d, met ? e->hit.t : INFINITY, &e->volume);
+    const float t = lf_track_collision(&w->tracer, eye, d, met ? e->hit.t : INFINITY, &e->volume);
     if (!met && isinf(t))
         return false;
     e->kind = isinf(t) ? LF_EVENT_SURFACE : LF_EVENT_MEDIUM;

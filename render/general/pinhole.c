@@ -71,10 +71,10 @@ lf_vec3 lf_pinhole_eye(const lf_pinhole *pinhole, const float lens[2])
 
 lf_vec3 lf_pinhole_ray(const lf_pinhole *pinhole, const float lens[2], float u, float v)
 {
-    return lf_normalize(lf_madd(
-        lf_madd(pinhole->forward, pinhole->x0 + u * pinhole->dx - lens[0] / pinhole->focus,
-                pinhole->right),
-        pinhole->y0 + v * pinhole->dy - lens[1] / pinhole->focus, pinhole->up));
+    return lf_normalize(
+        lf_madd(lf_madd(pinhole->forward, pinhole->x0 + u * pinhole->dx - lens[0] / pinhole->focus,
+                        pinhole->right),
+                pinhole->y0 + v * pinhole->dy - lens[1] / pinhole->focus, pinhole->up));
 }
 
 bool lf_pinhole_see(const lf_pinhole *pinhole, const float lens[2], lf_vec3 p,
@@ -85,8 +85,7 @@ bool lf_pinhole_see(const lf_pinhole *pinhole, const float lens[2], lf_vec3 p,
     const float z = lf_dot(d, pinhole->forward), r = lf_length(d);
     if (!(z > 1e-6f * r))
         return false;
-    out->u =
-        (lf_dot(d, pinhole->right) / z + lens[0] / pinhole->focus - pinhole->x0) / pinhole->dx;
+    out->u = (lf_dot(d, pinhole->right) / z + lens[0] / pinhole->focus - pinhole->x0) / pinhole->dx;
     out->v = (lf_dot(d, pinhole->up) / z + lens[1] / pinhole->focus - pinhole->y0) / pinhole->dy;
     out->distance = r;
     out->w = lf_scale(d, 1.0f / r);

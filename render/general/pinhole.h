@@ -1,7 +1,7 @@
 /* Cameras listed one by one, as rays see them; private to render/. Each is a pinhole whose picture
  * is a plane across its axis, at distance 1; or a thin lens, a disk of one radius in all of them:
- * the ray of a film point leaves (lx, ly) of it, along right and up, towards the point at which that
- * of the pinhole meets the plane of focus, F away,
+ * the ray of a film point leaves (lx, ly) of it, along right and up, towards the point at which
+ * that of the pinhole meets the plane of focus, F away,
  *
  *     X = lx + (x - lx/F) Z,   Y = ly + (y - ly/F) Z        x, y on the picture's plane.
  *
@@ -16,7 +16,7 @@ typedef struct lf_pinhole {
     lf_vec3 eye, right, up, forward;
     /* on the plane: film point (0, 0) and one pixel; dy < 0 */
     float x0, dx, y0, dy;
-    float tangent; /* of half the angle of the whole picture */
+    float tangent;            /* of half the angle of the whole picture */
     float lens_radius, focus; /* F; a radius of 0: a pinhole */
 } lf_pinhole;
 

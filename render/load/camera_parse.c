@@ -19,9 +19,10 @@ void lf_camera_check(lf_reader *reader, const lf_node *root, lf_camera *camera)
     }
     lf_sub_double(camera->target, camera->position, view);
     if (camera->list && camera->view_blur > 0)
-        lf_read_fail(reader, &blur,
-                     "cameras that are listed have no neighbours; those of an arc, a track or a grid "
-                     "do");
+        lf_read_fail(
+            reader, &blur,
+            "cameras that are listed have no neighbours; those of an arc, a track or a grid "
+            "do");
     if (camera->view_blur > 0 && camera->lens_radius > 0)
         lf_read_fail(reader, &blur, "does not go with a lens_radius: one lens at a time");
     if (!lf_node_child(&node, "focus_distance").value)

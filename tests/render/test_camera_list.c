@@ -99,8 +99,7 @@ static void wrong_lists_are_refused_where_they_are_wrong(void **state)
          "/camera/views/path", "at view 1"},
         {"'views': {'circle': {'count': 300}}", "/camera/views/circle/count", "256"},
         {"'views': {'circle': {}, 'list': []}", "/camera/views", "or {\"circle\""},
-        {"'lens_radius': 0.1, 'views': {'circle': {}}", "/camera/lens_radius", "pinholes"},
-        {"'view_blur': 1, 'views': {'circle': {}}", "/camera/view_blur", "pinholes"},
+        {"'view_blur': 1, 'views': {'circle': {}}", "/camera/view_blur", "no neighbours"},
         {"'position': [0, 0, 0], 'views': {'circle': {}}", "/camera/position",
          "stands on its target"},
         {"'from': {'mesh': 'm'}, 'views': {'circle': {}}", "/camera/from", "one by one"}};
