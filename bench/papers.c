@@ -33,18 +33,19 @@ static const struct scene {
 static const struct member {
     lf_contender who;
     const char *selection; /* NULL: it takes none */
+    const char *colour;    /* of its bars: families are shades */
 } members[] = {
-    {{"vpt", LF_ESTIMATOR_MWIS}, NULL},
-    {{"mvpt2022", LF_ESTIMATOR_MWIS}, "tv"},
-    {{"mvpt2022", LF_ESTIMATOR_MWIS}, "partition"},
-    {{"mvpt2022", LF_ESTIMATOR_MWIS}, "none"},
-    {{"mismvpt", LF_ESTIMATOR_MIS}, NULL},
-    {{"amvpt2022", LF_ESTIMATOR_MWIS}, "none"},
-    {{"amv2019", LF_ESTIMATOR_MWIS}, NULL},
-    {{"restir", LF_ESTIMATOR_MIS}, NULL},
-    {{"mvrestir", LF_ESTIMATOR_MIS}, NULL},
-    {{"mvpt", LF_ESTIMATOR_MWIS}, NULL},
-    {{"mvpt", LF_ESTIMATOR_CV}, NULL},
+    {{"vpt", LF_ESTIMATOR_MWIS}, NULL, NULL},
+    {{"mvpt2022", LF_ESTIMATOR_MWIS}, "tv", "#08519c"},
+    {{"mvpt2022", LF_ESTIMATOR_MWIS}, "partition", "#3182bd"},
+    {{"mvpt2022", LF_ESTIMATOR_MWIS}, "none", "#6baed6"},
+    {{"mismvpt", LF_ESTIMATOR_MIS}, NULL, "#9ecae1"},
+    {{"amvpt2022", LF_ESTIMATOR_MWIS}, "none", "#756bb1"},
+    {{"amv2019", LF_ESTIMATOR_MWIS}, NULL, "#bcbddc"},
+    {{"restir", LF_ESTIMATOR_MIS}, NULL, "#31a354"},
+    {{"mvrestir", LF_ESTIMATOR_MIS}, NULL, "#a1d99b"},
+    {{"mvpt", LF_ESTIMATOR_MWIS}, NULL, "#e6550d"},
+    {{"mvpt", LF_ESTIMATOR_CV}, NULL, "#fdae6b"},
 };
 
 enum {
@@ -375,7 +376,7 @@ static lf_status plot(const study *s, lf_error *err)
             fprintf(out, "%sdata using %d%s title '", i > 1 ? ", " : "", i + 1,
                     i == 1 ? ":xtic(1)" : "");
             write_name(out, &members[i]);
-            fputc('\'', out);
+            fprintf(out, "' linecolor rgb '%s'", members[i].colour);
         }
         fclose(out);
     }
