@@ -104,7 +104,7 @@ static void compare(const char *text, int replicates, int native_passes, int pas
 static void case_21_mvpt_agrees_on_media_and_surfaces(void **state)
 {
     (void)state;
-    compare(LF_TEST_MIXED("3", ""), 24, 36, 24);
+    compare(LF_TEST_MIXED("3", ""), 24, 24, 16);
 }
 
 static void invariant_4_mvpt_agrees_on_overlapping_media(void **state)
@@ -116,7 +116,7 @@ static void invariant_4_mvpt_agrees_on_overlapping_media(void **state)
 static void invariant_4_mvpt_agrees_beside_a_lamp_and_a_mirror(void **state)
 {
     (void)state;
-    compare(LF_TEST_LAMP("3", ", 'lens_radius': 0.1, 'focus_distance': 4.2"), 24, 36, 24);
+    compare(LF_TEST_LAMP("3", ", 'lens_radius': 0.1, 'focus_distance': 4.2"), 24, 24, 16);
 }
 
 static void invariant_4_mvpt_agrees_behind_a_veil(void **state)
@@ -140,7 +140,7 @@ static void invariant_4_mvpt_agrees_on_volumes_that_emit(void **state)
 static void invariant_4_mvpt_agrees_where_views_are_blurred(void **state)
 {
     (void)state;
-    compare(LF_TEST_MIXED("3", ", 'view_blur': 1.5"), 24, 36, 24);
+    compare(LF_TEST_MIXED("3", ", 'view_blur': 1.5"), 24, 24, 16);
 }
 
 int main(void)
