@@ -85,6 +85,11 @@ typedef struct lf_camera {
     double rows_height, rise, rows_step;
     int n_views; /* of a row: 1..LF_MAX_VIEWS */
     int n_rows;  /* of a grid; 0: it is none */
+    /* A track of more cameras than a rig has is parts of as many, from the left on, which stand in
+     * for rows. all_views > 0: a part, whose cameras are first_view and the following ones of so
+     * many. */
+    bool has_parts;
+    int first_view, all_views;
     /* placement: a_i = (i/(N-1) - 1/2) cone, else ((i+1/2)/N - 1/2) cone */
     bool inclusive;
     bool own_windows; /* on a track each camera looks straight ahead, through its own window */
@@ -113,7 +118,7 @@ static inline int lf_camera_views(const lf_camera *camera)
 {
     return camera->n_views * (camera->n_rows > 0 ? camera->n_rows : 1);
 }
-/* The camera of a grid's row, 0 the lowest: one rig, of n_views. */
+/* The camera of a grid's row, 0 the lowest, or of a track's part: one rig, of n_views. */
 lf_camera lf_camera_row(const lf_camera *camera, int row);
 
 /* What a scene says of it: names, ranges, defaults (base/param.h). A focus_distance of 0 is not
@@ -122,6 +127,7 @@ extern const lf_param lf_camera_params[];
 
 #define LF_MAX_SHUTTER 10
 #define LF_MAX_VIEWS 256
+#define LF_MAX_TRACK_VIEWS 2048
 #define LF_MAX_CAMERA_ROWS 256
 #define LF_MAX_VIEW_SIDE 16384
 #define LF_MAX_VIEW_BLUR 8

@@ -34,7 +34,8 @@ static bool looks_the_same(const lf_camera *a, const lf_camera *b)
 {
     double wider = fabs(a->cone - b->cone);
     return a->n_views == b->n_views && a->inclusive == b->inclusive && a->track == b->track &&
-           a->own_windows == b->own_windows && a->rise == b->rise && wider <= 1e-9;
+           a->own_windows == b->own_windows && a->rise == b->rise &&
+           a->first_view == b->first_view && a->all_views == b->all_views && wider <= 1e-9;
 }
 
 static bool shows_the_same(const lf_renderer *r, const lf_scene *scene,

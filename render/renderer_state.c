@@ -37,6 +37,8 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
         const double track[] = {c->track, c->own_windows, c->rise};
         json_object_set_new(words, "track", numbers(track, c->rise != 0.0 ? 3 : 2));
     }
+    if (c->all_views > 0)
+        json_object_set_new(words, "part", json_pack("[i, i]", c->first_view, c->all_views));
     if (c->list)
         json_object_set_new(words, "list", numbers((const double *)c->list, 10 * c->n_views));
     if (s->shift || s->selection)

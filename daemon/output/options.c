@@ -240,7 +240,7 @@ static lf_status resolve_tiles(const lf_options *options, const lf_camera *camer
     } else if (preset && preset->layout.n_views == layout->n_views) {
         layout->columns = preset->layout.columns;
         layout->rows = preset->layout.rows;
-    } else if (camera->n_rows > 0 && camera->n_views <= LF_MAX_TILES &&
+    } else if (camera->n_rows > 0 && !camera->has_parts && camera->n_views <= LF_MAX_TILES &&
                camera->n_rows <= LF_MAX_TILES) {
         layout->columns = camera->n_views;
         layout->rows = camera->n_rows;
@@ -303,8 +303,8 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
     lf_layout layout = {0};
     resolve_camera(options, camera, calibration, &settings.camera);
     if (settings.camera.n_rows > 0 && options->views > 0)
-        return lf_error_set(err, LF_E_ARG, "--views", "the scene has a grid of %d x %d cameras",
-                            camera->n_views, camera->n_rows);
+        return lf_error_set(err, LF_E_ARG, "--views", "the scene has a %s of %d x %d cameras",
+                            camera->has_parts ? "track" : "grid", camera->n_views, camera->n_rows);
     if (camera->list && check_list(options, err) != LF_OK)
         return LF_E_ARG;
     layout.n_views = lf_camera_views(&settings.camera);

@@ -107,7 +107,7 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
         json_object_set_new(made, "track", json_real(camera->track));
         json_object_set_new(made, "track_window",
                             json_string(camera->own_windows ? "own" : "shared"));
-        if (camera->n_rows > 0) {
+        if (camera->n_rows > 0 && !camera->has_parts) {
             json_object_set_new(made, "camera_rows", json_integer(camera->n_rows));
             json_object_set_new(made, "rows_height", json_real(camera->rows_height));
         }

@@ -115,8 +115,9 @@ static lf_status check_row(const lf_rendering *r, lf_error *err)
                             "the scene's cameras are no grid of rows (camera.views)");
     if (r->arguments->frames.last >= camera->n_rows)
         return lf_error_set(err, LF_E_ARG, "--camera-rows",
-                            "the scene has a grid of %d x %d cameras: rows 0:%d", camera->n_views,
-                            camera->n_rows, camera->n_rows - 1);
+                            "the scene has a %s of %d x %d cameras: rows 0:%d",
+                            camera->has_parts ? "track" : "grid", camera->n_views, camera->n_rows,
+                            camera->n_rows - 1);
     if (o->views > 0 || o->preset)
         return lf_error_set(err, LF_E_ARG, o->preset ? "--preset" : "--views",
                             "does not go with --camera-rows: the scene says what a row is");
@@ -305,7 +306,7 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
     const lf_video_options *options = &r->arguments->video;
     const lf_layout layout = is_walk ? lf_video_view_layout(&r->layout) : r->layout;
     const char *warning = NULL;
-    if (is_walk && r->settings.camera.n_rows > 0)
+    if (is_walk && r->settings.camera.n_rows > 0 && !r->settings.camera.has_parts)
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
                             "a video of views needs them on a track, and the scene has a grid of "
                             "rows: --frames or --turntable make videos of quilts");

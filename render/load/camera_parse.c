@@ -53,7 +53,24 @@ static void parse_framing(lf_reader *reader, const lf_node *node, lf_framing *fr
     framing->own_fov = lf_node_child(node, "fov_y").value;
 }
 
+/* Cameras of a part of a track: fewer would share little. */
+#define LEAST_PART 64
+
 static const char *const windows[] = {"shared", "own", NULL};
+
+/* So many in parts of as many, each a rig: as few of them as can be. */
+static void part_track(lf_reader *reader, const lf_node *count, int n, lf_camera *camera)
+{
+    int parts = (n + LF_MAX_VIEWS - 1) / LF_MAX_VIEWS;
+    while (n % parts != 0)
+        parts++;
+    if (n / parts < LEAST_PART)
+        lf_read_fail(reader, count, "%d cameras are no parts of %d to %d: another number of them",
+                     n, LEAST_PART, LF_MAX_VIEWS);
+    camera->n_views = n / parts;
+    camera->n_rows = parts;
+    camera->has_parts = true;
+}
 
 /* Cameras on a track: {"track": {"count": 100, "length": 3, "window": "own"}}. */
 static void parse_track(lf_reader *reader, const lf_node *track, lf_camera *camera)
@@ -64,7 +81,11 @@ static void parse_track(lf_reader *reader, const lf_node *track, lf_camera *came
     if (!lf_node_child(track, "length").value)
         lf_read_fail(reader, track,
                      "\"length\" is missing: scene units from the first camera to the last");
-    camera->n_views = lf_read_int(reader, track, "count", camera->n_views, 1, LF_MAX_VIEWS);
+    const int n = lf_read_int(reader, track, "count", camera->n_views, 1, LF_MAX_TRACK_VIEWS);
+    const lf_node count = lf_node_child(track, "count");
+    camera->n_views = n;
+    if (n > LF_MAX_VIEWS && reader->status == LF_OK)
+        part_track(reader, &count, n, camera);
     camera->track = lf_read_number(reader, track, "length", 1, 1e-9, LF_MAX_COORDINATE);
     camera->own_windows = lf_read_choice(reader, track, "window", windows, 1);
 }

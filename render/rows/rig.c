@@ -34,6 +34,8 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
     if (!(c->cone >= 0.0 && c->cone < 3.1))
         return lf_error_set(err, LF_E_ARG, "camera.cone",
                             "must be at least 0 and below 178 degrees");
+    if (c->first_view < 0 || (c->all_views > 0 && c->all_views < c->first_view + c->n_views))
+        return lf_error_set(err, LF_E_ARG, "camera.views", "a part is not within its track");
     if (!(c->track >= 0.0))
         return lf_error_set(err, LF_E_ARG, "camera.views", "a track must not be shorter than 0");
     if (!isfinite(c->rise) || !(c->rows_step >= 0.0))
@@ -78,6 +80,13 @@ static lf_status axes(lf_rig *rig, const lf_camera *c, double *out_distance, lf_
 lf_camera lf_camera_row(const lf_camera *camera, int row)
 {
     lf_camera one = *camera;
+    if (camera->has_parts) {
+        one.first_view = row * camera->n_views;
+        one.all_views = camera->n_rows * camera->n_views;
+        one.n_rows = 0;
+        one.has_parts = false;
+        return one;
+    }
     const double place = camera->n_rows > 1 ? (double)row / (camera->n_rows - 1) - 0.5 : 0.0;
     one.rise += place * camera->rows_height;
     one.rows_step = camera->n_rows > 1 ? camera->rows_height / (camera->n_rows - 1) : 0.0;
@@ -90,6 +99,8 @@ lf_camera lf_camera_row(const lf_camera *camera, int row)
 static double place_in(const lf_camera *c, int k)
 {
     const int n = c->n_views;
+    if (c->track > 0.0 && c->all_views > 0)
+        return (double)(c->first_view + k) / (c->all_views - 1) - 0.5;
     if (c->inclusive || c->track > 0.0)
         return n > 1 ? (double)k / (n - 1) - 0.5 : 0.0;
     return (k + 0.5) / n - 0.5;

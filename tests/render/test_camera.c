@@ -5,6 +5,7 @@
 #include <jansson.h>
 
 #include "render/render.h"
+#include "render/rows/rig.h"
 #include "tests/stat/fixture.h"
 
 /* A schema without references: those of this file name parts under $defs. */
@@ -111,6 +112,31 @@ static void views_stand_on_a_track(void **state)
     }
 }
 
+/* The parts of a long track are its cameras, from the left on, each where the track has it: as many
+ * rigs of shorter tracks, moved. */
+static void a_long_track_is_parts_of_equal_length(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene("{'camera': {'position': [0, 0, 5], 'views': {'track': "
+                                    "{'length': 3, 'count': 1000}}}}");
+    const lf_camera *camera = lf_scene_camera(scene);
+    assert_true(camera->n_views == 250 && camera->n_rows == 4 && lf_camera_views(camera) == 1000);
+    lf_render_settings settings = {.width = 8, .height = 8};
+    for (int part = 0; part < 4; part++) {
+        lf_rig rig;
+        settings.camera = lf_camera_row(camera, part);
+        assert_int_equal(lf_camera_views(&settings.camera), 250);
+        lf_assert_ok(lf_rig_init(&rig, &settings, scene->origin, NULL), NULL);
+        for (int k = 0; k < 250; k++)
+            lf_assert_close((double)rig.b[k], 3 * ((250 * part + k) / 999.0 - 0.5), 1e-6, 1e-7);
+        assert_true(rig.skew[249] == 0.0f);
+    }
+    settings.camera.first_view = 751;
+    lf_rig rig;
+    lf_assert_status(lf_rig_init(&rig, &settings, scene->origin, NULL), LF_E_ARG, NULL);
+    lf_scene_unref(scene);
+}
+
 static void views_stand_in_a_grid(void **state)
 {
     (void)state;
@@ -139,7 +165,8 @@ static void a_track_that_is_none_is_refused(void **state)
         {"{'trak': {}}", "/trak", "did you mean \"track\"?"},
         {"{'track': {'count': 9}}", "/track", "\"length\" is missing"},
         {"{'track': {'length': 0}}", "/track/length", "out of range"},
-        {"{'track': {'length': 1, 'count': 300}}", "/track/count", "out of range: 1 to 256"},
+        {"{'track': {'length': 1, 'count': 3000}}", "/track/count", "out of range: 1 to 2048"},
+        {"{'track': {'length': 1, 'count': 1999}}", "/track/count", "no parts of 64 to 256"},
         {"{'track': {'length': 1, 'window': 'one'}}", "/track/window", "did you mean \"own\"?"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -159,6 +186,7 @@ int main(void)
         cmocka_unit_test(a_scene_that_says_nothing_has_the_camera_of_the_table),
         cmocka_unit_test(views_stand_on_a_track),
         cmocka_unit_test(views_stand_in_a_grid),
+        cmocka_unit_test(a_long_track_is_parts_of_equal_length),
         cmocka_unit_test(a_track_that_is_none_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
